@@ -1,0 +1,21 @@
+// Whole files, read and written so that nobody ever sees half of one.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+
+namespace mortise {
+
+// The bytes of a file. NOT_FOUND or PERMISSION_DENIED with the path; RESOURCE_EXHAUSTED past
+// `limit` bytes.
+absl::StatusOr<std::string> ReadFile(const std::filesystem::path& path,
+                                     std::size_t limit = std::size_t{1} << 30);
+
+// Writes beside the file, flushes to disk, then renames over it; creates missing folders.
+absl::Status WriteFile(const std::filesystem::path& path, std::string_view bytes);
+
+}  // namespace mortise
