@@ -15,8 +15,8 @@ struct Camera {
   Eigen::Vector3d target{0, 0, 0};  // m
   Eigen::Vector3d up{0, 0, 1};      // need not be orthogonal to the view
   bool orthographic = true;
-  double view_height = 1;     // orthographic: height of the visible rectangle through target, m
-  double view_angle = 0.6;    // perspective: full vertical angle, rad
+  double view_height = 1;   // orthographic: height of the visible rectangle through target, m
+  double view_angle = 0.6;  // perspective: full vertical angle, rad
 };
 
 // Usual views; a direction points from the target to the eye.

@@ -35,9 +35,9 @@ struct Shape {
   Eigen::Matrix3Xd vertices;   // 3 × V, m
   Eigen::Matrix3Xi triangles;  // 3 × T
   Color color{0.8, 0.8, 0.8};
-  Eigen::VectorXd scalars;     // V values coloured by Scene::color_bar; empty for `color`
-  bool smooth = false;         // shade by averaged normals instead of triangle by triangle
-  bool filled = true;          // false: lines only, for a ghost of the undeformed shape
+  Eigen::VectorXd scalars;  // V values coloured by Scene::color_bar; empty for `color`
+  bool smooth = false;      // shade by averaged normals instead of triangle by triangle
+  bool filled = true;       // false: lines only, for a ghost of the undeformed shape
   bool edges = true;
   double feature_angle = 0.5;  // rad
   double edge_width = 1.2;     // pixels
@@ -49,9 +49,9 @@ struct Shape {
 struct Line {
   Eigen::Matrix3Xd points;  // 3 × n, m
   Color color{0.8, 0.1, 0.1};
-  double width = 2;         // pixels
-  bool arrow = false;       // a head at the last point
-  bool on_top = false;      // never hidden by shapes
+  double width = 2;     // pixels
+  bool arrow = false;   // a head at the last point
+  bool on_top = false;  // never hidden by shapes
 };
 
 // A text beside a point of space, always readable.

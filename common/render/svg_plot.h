@@ -12,7 +12,7 @@ namespace mortise::render {
 
 // One curve or cloud. Non-finite points are left out (a line breaks there).
 struct Series {
-  std::string name;      // in the legend; an empty name is not listed
+  std::string name;         // in the legend; an empty name is not listed
   Eigen::Matrix2Xd points;  // 2 × n: x and y in the units of the axes
   bool markers = true;
   bool line = false;
