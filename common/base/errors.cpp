@@ -96,8 +96,8 @@ ErrorDetail DetailOf(const absl::Status& status) {
 absl::Status UnderField(std::string_view prefix, const absl::Status& status) {
   if (status.ok()) return status;
   ErrorDetail detail = DetailOf(status);
-  detail.field = detail.field.empty() ? std::string(prefix)
-                                      : absl::StrCat(View(prefix), ".", detail.field);
+  detail.field =
+      detail.field.empty() ? std::string(prefix) : absl::StrCat(View(prefix), ".", detail.field);
   return WithDetail(absl::Status(status.code(), absl::StrCat(View(prefix), ".", status.message())),
                     detail);
 }

@@ -1,8 +1,8 @@
 // The catalogue of expected failures: one named factory for each kind of thing that can go wrong.
 //
 // Every status made here carries, beside its canonical code and a message a person can act on, two
-// machine-readable details: a `reason` (an upper-case constant, stable across releases) and the path
-// of the field or resource at fault. common/rpc turns them into gRPC error details.
+// machine-readable details: a `reason` (an upper-case constant, stable across releases) and the
+// path of the field or resource at fault. common/rpc turns them into gRPC error details.
 #pragma once
 
 #include <string>
@@ -27,7 +27,8 @@ absl::Status ResourceNotFound(std::string_view name);
 // ALREADY_EXISTS, reason RESOURCE_EXISTS.
 absl::Status ResourceExists(std::string_view name);
 
-// ABORTED, reason STALE_REVISION: the caller based its change on `expected`, the store has `actual`.
+// ABORTED, reason STALE_REVISION: the caller based its change on `expected`, the store has
+// `actual`.
 absl::Status StaleRevision(std::string_view name, long expected, long actual);
 
 // ABORTED, reason STALE_ATTEMPT: a worker reports a task that has been leased again since.
@@ -65,19 +66,20 @@ ErrorDetail DetailOf(const absl::Status& status);
 absl::Status UnderField(std::string_view prefix, const absl::Status& status);
 
 // Returns the status from the enclosing function if it is not OK.
-#define MORTISE_RETURN_IF_ERROR(expression)                       \
-  do {                                                            \
-    if (absl::Status mortise_status_ = (expression); !mortise_status_.ok()) return mortise_status_; \
+#define MORTISE_RETURN_IF_ERROR(expression)                                 \
+  do {                                                                      \
+    if (absl::Status mortise_status_ = (expression); !mortise_status_.ok()) \
+      return mortise_status_;                                               \
   } while (false)
 
 #define MORTISE_CONCAT_INNER(a, b) a##b
 #define MORTISE_CONCAT(a, b) MORTISE_CONCAT_INNER(a, b)
 
 // MORTISE_ASSIGN_OR_RETURN(auto x, F()): takes the value out of a StatusOr or returns its status.
-#define MORTISE_ASSIGN_OR_RETURN(declaration, expression)                                    \
-  auto MORTISE_CONCAT(mortise_or_, __LINE__) = (expression);                                 \
-  if (!MORTISE_CONCAT(mortise_or_, __LINE__).ok())                                           \
-    return std::move(MORTISE_CONCAT(mortise_or_, __LINE__)).status();                        \
+#define MORTISE_ASSIGN_OR_RETURN(declaration, expression)             \
+  auto MORTISE_CONCAT(mortise_or_, __LINE__) = (expression);          \
+  if (!MORTISE_CONCAT(mortise_or_, __LINE__).ok())                    \
+    return std::move(MORTISE_CONCAT(mortise_or_, __LINE__)).status(); \
   declaration = *std::move(MORTISE_CONCAT(mortise_or_, __LINE__))
 
 }  // namespace mortise

@@ -43,8 +43,9 @@ absl::StatusOr<std::string> ParseResourceName(std::string_view name, std::string
                                               std::string_view field) {
   const std::string prefix = std::string(collection) + "/";
   if (name.substr(0, prefix.size()) != prefix || !IsResourceId(name.substr(prefix.size()))) {
-    return InvalidField(field, absl::StrCat("'", absl::string_view(name.data(), name.size()).substr(0, 100),
-                                            "' is not of the form ", prefix, "{id}"));
+    return InvalidField(
+        field, absl::StrCat("'", absl::string_view(name.data(), name.size()).substr(0, 100),
+                            "' is not of the form ", prefix, "{id}"));
   }
   return std::string(name.substr(prefix.size()));
 }

@@ -1,5 +1,5 @@
-// Structured logs: one JSON object a line on standard error, each with time, level, service, trace id
-// and named fields, so that one request can be followed across processes.
+// Structured logs: one JSON object a line on standard error, each with time, level, service, trace
+// id and named fields, so that one request can be followed across processes.
 #pragma once
 
 #include <initializer_list>

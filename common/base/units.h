@@ -4,9 +4,9 @@
 
 namespace mortise {
 
-inline constexpr double kMillimetre = 1e-3;      // m
-inline constexpr double kMegapascal = 1e6;       // Pa
-inline constexpr double kGigapascal = 1e9;       // Pa
-inline constexpr double kGravity = 9.80665;      // m/s², standard gravity
+inline constexpr double kMillimetre = 1e-3;  // m
+inline constexpr double kMegapascal = 1e6;   // Pa
+inline constexpr double kGigapascal = 1e9;   // Pa
+inline constexpr double kGravity = 9.80665;  // m/s², standard gravity
 
 }  // namespace mortise
