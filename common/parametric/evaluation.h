@@ -1,0 +1,72 @@
+// F(q): evaluates a template at parameter values (thesis §3.3, equation 3.1; §8.4.2).
+//
+//   MORTISE_ASSIGN_OR_RETURN(TemplateFunction table, TemplateFunction::Create(bundle));
+//   MORTISE_ASSIGN_OR_RETURN(Eigen::VectorXd q, table.Complete({{"length", 1.6}}));
+//   MORTISE_ASSIGN_OR_RETURN(EvaluatedDesign design, table.Evaluate(q));
+//
+// Pegs: where `face` of a connection's part meets the other part is the contact patch. A row stands
+// on it along the longer side of its bounding rectangle (in the axes of the face), centred across:
+// the first and last peg at `end_distance` from the ends, the others evenly between them, no two
+// further apart than `spacing`. Where the first and last would be nearer than two diameters, one peg
+// stands in the middle.
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "common/mesh/surface_mesh.h"
+#include "common/parametric/evaluated_design.h"
+#include "common/parametric/template_definition.h"
+
+namespace mortise::parametric {
+
+// Volume and mass of a design and how they change with the parameters.
+struct MassProperties {
+  double volume = 0;                // m³
+  double mass = 0;                  // kg
+  Eigen::VectorXd volume_gradient;  // m³ per unit of each parameter
+  Eigen::VectorXd mass_gradient;    // kg per unit of each parameter
+};
+
+// A template compiled for evaluation. Immutable, cheap to copy, safe to share between threads.
+class TemplateFunction {
+ public:
+  // Compiles the expressions and looks up items and materials. INVALID_ARGUMENT naming the first
+  // field at fault ("parts[2].box.x.to"); ValidateTemplate reports all of them.
+  static absl::StatusOr<TemplateFunction> Create(const TemplateBundle& bundle);
+
+  const TemplateBundle& bundle() const;
+  const std::vector<Parameter>& parameters() const;
+
+  // The default of every parameter.
+  Eigen::VectorXd Defaults() const;
+
+  // The parameter vector with `values` where given and defaults elsewhere. INVALID_ARGUMENT naming
+  // "parameters[i]" for an unknown or repeated name, a value that is not finite or out of range
+  // (by more than 1e-9 of the range).
+  absl::StatusOr<Eigen::VectorXd> Complete(const std::vector<NamedValue>& values) const;
+
+  // `q` rounded to each parameter's step, what a workshop can set, and kept within the range.
+  Eigen::VectorXd RoundToSteps(const Eigen::VectorXd& q) const;
+
+  // F(q). INVALID_ARGUMENT naming "parameters[i].value" for a wrong count, a value out of range or
+  // not finite, and the template's field where an expression fails, an extent is empty, an outline
+  // is not a counter-clockwise simple polygon, or a connection's parts do not touch.
+  absl::StatusOr<EvaluatedDesign> Evaluate(const Eigen::VectorXd& q) const;
+
+  // Volume and mass at `q` with exact gradients; fails as Evaluate does.
+  absl::StatusOr<MassProperties> EvaluateMass(const Eigen::VectorXd& q) const;
+
+ private:
+  struct Compiled;
+  explicit TemplateFunction(std::shared_ptr<const Compiled> compiled);
+  std::shared_ptr<const Compiled> compiled_;
+};
+
+// The surface of one part: closed, conforming, outward.
+mesh::SurfaceMesh PartSurface(const EvaluatedPart& part);
+
+}  // namespace mortise::parametric

@@ -1,0 +1,69 @@
+// Expressions of named parameters, such as "length / 2 - 0.03", with exact derivatives.
+//
+// Grammar, by rising precedence; all operators group to the left except ^:
+//   sum      = product  { ("+" | "-") product }
+//   product  = unary    { ("*" | "/") unary }
+//   unary    = [ "-" | "+" ] unary | power
+//   power    = primary  [ "^" unary ]                     -2^2 is -4, 2^3^2 is 2^9
+//   primary  = number | name | "pi" | function "(" sum { "," sum } ")" | "(" sum ")"
+// Functions: sqrt sin cos tan floor ceil abs (one argument), min max (two or more). Angles in rad.
+// Numbers as in C ("0.03", "1e-3"); names are a letter or underscore, then letters, digits,
+// underscores.
+//
+// An expression is parsed once into a flat program for a stack machine and can then be evaluated any
+// number of times, from any number of threads. Derivatives are by forward-mode automatic
+// differentiation and exact; at the kinks of abs, min, max, floor and ceil they are those of the
+// branch that was taken.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "absl/status/statusor.h"
+
+namespace mortise::parametric {
+
+// A number with its derivatives with respect to all parameters.
+struct Dual {
+  double value = 0;
+  Eigen::VectorXd gradient;  // one entry a parameter
+};
+
+class Expression {
+ public:
+  // Longest text, deepest nesting and most operations that are accepted.
+  static constexpr std::size_t kMaxLength = 2048;
+  static constexpr int kMaxDepth = 64;
+
+  // Parses `text`, whose names are among `parameters`. INVALID_ARGUMENT with the column (counted
+  // from 1) and what was expected there.
+  static absl::StatusOr<Expression> Parse(std::string_view text,
+                                          const std::vector<std::string>& parameters);
+
+  // The value at `q` (one entry a parameter, in the order given to Parse). INVALID_ARGUMENT naming
+  // the expression where it divides by zero, leaves the domain of a function or is not finite.
+  absl::StatusOr<double> Value(const Eigen::Ref<const Eigen::VectorXd>& q) const;
+
+  // As Value, with the gradient. Also fails where the gradient is not finite, as of sqrt at 0.
+  absl::StatusOr<Dual> ValueAndGradient(const Eigen::Ref<const Eigen::VectorXd>& q) const;
+
+  const std::string& text() const { return text_; }
+
+ private:
+  friend class ExpressionParser;
+  enum class Operation : std::uint8_t;
+  struct Instruction {
+    Operation operation;
+    int parameter = 0;  // of kParameter
+    double constant = 0;  // of kConstant
+  };
+
+  std::string text_;
+  std::size_t parameter_count_ = 0;
+  std::vector<Instruction> program_;
+};
+
+}  // namespace mortise::parametric

@@ -1,0 +1,34 @@
+// Converts templates, items, materials and designs between the structs of this folder and the
+// messages of mortise/v1/catalog.proto. Target mortise_template_codec; only adapters link it.
+//
+// From… functions check what structs cannot express (unknown enum values, missing bodies, an item's
+// axes given twice) and fail with INVALID_ARGUMENT naming the field; whether the content makes sense
+// is for template_validation.h. Nothing is lost in either direction except the times set by the
+// service, which structs do not carry.
+#pragma once
+
+#include "absl/status/statusor.h"
+#include "common/parametric/evaluated_design.h"
+#include "common/parametric/template_definition.h"
+#include "mortise/v1/catalog.pb.h"
+
+namespace mortise::parametric {
+
+absl::StatusOr<Material> FromProto(const v1::Material& message);
+absl::StatusOr<Item> FromProto(const v1::Item& message);
+absl::StatusOr<TemplateDefinition> FromProto(const v1::Template& message);
+absl::StatusOr<TemplateBundle> FromProto(const v1::TemplateBundle& message);
+absl::StatusOr<EvaluatedDesign> FromProto(const v1::EvaluatedDesign& message);
+std::vector<NamedValue> FromProto(
+    const google::protobuf::RepeatedPtrField<v1::ParameterValue>& messages);
+
+v1::Material ToProto(const Material& material);
+v1::Item ToProto(const Item& item);
+v1::Template ToProto(const TemplateDefinition& definition);
+v1::TemplateBundle ToProto(const TemplateBundle& bundle);
+v1::EvaluatedDesign ToProto(const EvaluatedDesign& design);
+
+// SHA-256 of a template's content: of everything but name, revision, digest and time.
+std::string TemplateDigest(const v1::Template& message);
+
+}  // namespace mortise::parametric

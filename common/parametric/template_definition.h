@@ -1,0 +1,156 @@
+// Templates, items and materials as plain structs: what an expert writes, before evaluation.
+// They mirror mortise/v1/catalog.proto, where every field is described; template_codec.h converts.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace mortise::parametric {
+
+// A coordinate axis. X is the design's width, Y its depth, Z points upwards; for items X is the
+// length, Y the width, Z the thickness.
+enum class Axis { kX = 0, kY = 1, kZ = 2 };
+
+// "x", "y" or "z".
+const char* AxisName(Axis axis);
+
+// How a dimension of an item is brought to size; kNone if it is fixed.
+enum class Process { kNone = 0, kChopSaw = 1, kJigsaw = 2, kMill = 3 };
+
+enum class ItemKind { kBoard = 1, kSheet = 2, kDowel = 3, kScrew = 4, kHardware = 5 };
+
+enum class PriceBasis { kPerPiece = 1, kPerVolume = 2 };
+
+struct Material {
+  std::string name;                 // materials/{id}
+  std::string title;
+  double density = 0;               // kg/m³
+  double youngs_modulus = 0;        // Pa
+  double poissons_ratio = 0;
+  double strength = 0;              // Pa
+  double thermal_conductivity = 0;  // W/(m·K); 0 where unknown
+  double thermal_expansion = 0;     // 1/K; 0 where unknown
+  int64_t revision = 0;
+};
+
+struct ItemDimension {
+  double size = 0;  // m, as sold; stock length for a dimension that is cut
+  Process process = Process::kNone;
+  double minimum = 0;  // m, of a resizable dimension
+  double maximum = 0;  // m
+};
+
+struct Money {
+  std::string currency;  // ISO 4217
+  double amount = 0;     // whole units
+};
+
+struct Item {
+  std::string name;  // items/{id}
+  std::string title;
+  ItemKind kind = ItemKind::kHardware;
+  std::string material;                     // materials/{id}
+  std::array<ItemDimension, 3> dimensions;  // by Axis: length, width, thickness
+  Money price;
+  PriceBasis price_basis = PriceBasis::kPerPiece;
+  std::string price_date;  // ISO 8601
+  std::string supplier;
+  std::string supplier_url;
+  std::string supplier_number;
+  int64_t revision = 0;
+};
+
+struct Parameter {
+  std::string name;  // identifier of expressions
+  std::string title;
+  std::string description;
+  std::string unit;  // "m"; "1" where dimensionless
+  double minimum = 0;
+  double maximum = 0;
+  double default_value = 0;
+  double step = 0;  // 0 for none
+};
+
+// An interval along an axis, m, as expressions.
+struct Extent {
+  std::string from;
+  std::string to;
+};
+
+// Faces: x_min, x_max, y_min, y_max, z_min, z_max.
+struct Box {
+  Extent x, y, z;
+};
+
+struct OutlinePoint {
+  std::string u;  // expression, m
+  std::string v;
+};
+
+// A polygon, counter-clockwise in (u, v), extruded along `axis`. (u, v) are (y, z), (z, x) or (x, y)
+// for X, Y, Z. Faces: base (at `from`), cap (at `to`), side0, side1 … (edge i: point i to i + 1).
+struct Prism {
+  Axis axis = Axis::kZ;
+  std::vector<OutlinePoint> outline;
+  Extent extent;
+};
+
+struct PartTemplate {
+  std::string name;
+  std::string title;
+  std::string item;                 // items/{id}
+  Axis length_axis = Axis::kX;      // design axis along which the item's X lies
+  Axis thickness_axis = Axis::kZ;   // design axis along which the item's Z lies
+  std::variant<Box, Prism> body;
+};
+
+// A row of pegs where `face` of `part` touches `other_part`.
+struct Connection {
+  std::string name;
+  std::string part;
+  std::string face;
+  std::string other_part;
+  std::string item;          // items/{id} of the peg
+  int priority = 0;          // assembly order: lower first
+  double end_distance = 0;   // m, from the ends of the patch to the first and last peg
+  double spacing = 0;        // m, largest distance between neighbours
+  double depth_in_part = 0;  // fraction of the peg's length in `part`
+};
+
+enum class BoundaryConditionKind { kFixed = 1, kForce = 2, kPressure = 3 };
+
+struct BoundaryCondition {
+  std::string name;
+  BoundaryConditionKind kind = BoundaryConditionKind::kFixed;
+  std::string part;
+  std::string face;
+  std::vector<std::string> components;  // kForce: three expressions, N; kPressure: one, Pa
+};
+
+struct TemplateDefinition {
+  std::string name;  // templates/{id}
+  int64_t revision = 0;
+  std::string title;
+  std::string description;
+  std::vector<Parameter> parameters;
+  std::vector<PartTemplate> parts;
+  std::vector<Connection> connections;
+  std::vector<BoundaryCondition> boundary_conditions;
+  std::string digest;  // SHA-256 of the content
+};
+
+// A template with every item and material it uses: all that F(q) needs.
+struct TemplateBundle {
+  TemplateDefinition definition;
+  std::vector<Item> items;
+  std::vector<Material> materials;
+};
+
+// The item or material of this resource name; null if it is not there.
+const Item* FindItem(const std::vector<Item>& items, const std::string& name);
+const Material* FindMaterial(const std::vector<Material>& materials, const std::string& name);
+
+}  // namespace mortise::parametric

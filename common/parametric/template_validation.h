@@ -1,0 +1,37 @@
+// Checks what people write: materials, items, and templates against the items they use. Everything
+// that is wrong is found in one pass and reported with its place.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "common/parametric/template_definition.h"
+
+namespace mortise::parametric {
+
+// Something wrong, and where.
+struct Finding {
+  std::string field;    // field path in the proto: "parts[2].box.x.to"
+  std::string message;  // a sentence a person can act on
+};
+
+// Ranges, units and names of a material.
+std::vector<Finding> ValidateMaterial(const Material& material);
+
+// An item by itself: names, prices, dates, dimensions and their ranges. `materials` are those known.
+std::vector<Finding> ValidateItem(const Item& item, const std::vector<Material>& materials);
+
+// A template with the items and materials it may use. Checks names and references, ranges,
+// expressions; then, at the defaults, at every corner of the parameter box (the ends of single
+// parameters where there are more than 8) and at random points (always the same), that parts have
+// positive extents and simple outlines, agree with the dimensions of their items, do not penetrate
+// each other, that connected parts touch, and that pegs lie inside their parts and clear of each
+// other. Empty if the template can be built at all of them. At most 100 findings, the first of each
+// kind and place.
+std::vector<Finding> ValidateTemplate(const TemplateBundle& bundle);
+
+// OK for no findings; else INVALID_ARGUMENT with the first finding's field and all messages joined.
+absl::Status ToStatus(const std::vector<Finding>& findings);
+
+}  // namespace mortise::parametric
