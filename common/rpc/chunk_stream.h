@@ -1,0 +1,60 @@
+// Big things in pieces: a blob or bytes as a stream of mortise.v1.Chunk, and back together.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "common/rpc/stream_writer.h"
+
+namespace mortise::v1 {
+class Chunk;
+}
+namespace mortise::store {
+class BlobFolder;
+class BlobWriter;
+}  // namespace mortise::store
+
+namespace mortise::rpc {
+
+inline constexpr int64_t kChunkBytes = 512 * 1024;
+
+// What the receiver is told about the whole.
+struct StreamedFile {
+  std::string file_name;   // "table.step"
+  std::string media_type;  // "model/step"
+};
+
+// Sends a blob and ends the stream; reads on only as the client does. NOT_FOUND ends it, too.
+void StreamBlob(store::BlobFolder* blobs, const std::string& digest, const StreamedFile& file,
+                const std::shared_ptr<StreamWriter<v1::Chunk>>& writer);
+
+// The same for bytes at hand.
+void StreamBytes(std::string bytes, const StreamedFile& file,
+                 const std::shared_ptr<StreamWriter<v1::Chunk>>& writer);
+
+// Puts received chunks into a blob, checking order, size and digest.
+class ChunkAssembler {
+ public:
+  // At most `limit` bytes (RESOURCE_EXHAUSTED past it).
+  ChunkAssembler(store::BlobFolder* blobs, int64_t limit);
+  ~ChunkAssembler();
+
+  // INVALID_ARGUMENT naming the field: a gap, a chunk over 1 MiB, or more than total_size.
+  absl::Status Append(const v1::Chunk& chunk);
+
+  // The digest of the whole. INVALID_ARGUMENT if bytes are missing or differ from `sha256`.
+  absl::StatusOr<std::string> Finish();
+
+ private:
+  store::BlobFolder* blobs_;
+  int64_t limit_;
+  int64_t received_ = 0;
+  int64_t total_size_ = 0;
+  std::string sha256_;
+  std::unique_ptr<store::BlobWriter> writer_;
+};
+
+}  // namespace mortise::rpc

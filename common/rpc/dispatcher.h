@@ -1,0 +1,65 @@
+// What all handlers of a process share: their threads, who may call, where changes are recorded.
+//
+// gRPC's own threads only hand calls over. Every handler runs on this pool, after the identity, the
+// role and the request have been checked, and is followed by a log line and metrics.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "absl/time/clock.h"
+#include "absl/time/time.h"
+#include "common/rpc/identity.h"
+
+namespace prometheus {
+class Registry;
+}
+namespace mortise::store {
+class Store;
+}
+
+namespace mortise::rpc {
+
+class CallState;
+
+struct DispatcherOptions {
+  std::string service;            // the process, named in audit records
+  int threads = 8;                // that run handlers
+  int max_calls = 10000;          // in flight; more are refused with RESOURCE_EXHAUSTED
+  store::Store* store = nullptr;  // of Mutation; may be null where there is none
+  IdentityVerifier* verifier =
+      nullptr;  // null: development, every caller is "users/developer", admin
+  std::shared_ptr<prometheus::Registry> registry;  // request metrics go here; may be null
+};
+
+class Dispatcher {
+ public:
+  static std::unique_ptr<Dispatcher> Create(const DispatcherOptions& options);
+
+  // All calls must have ended.
+  virtual ~Dispatcher() = default;
+
+  virtual const DispatcherOptions& options() const = 0;
+
+  // Runs `work` on the handlers' threads. Exceptions are logged.
+  virtual void Submit(std::function<void()> work) = 0;
+
+  // Runs `work` on the handlers' threads after `delay`; dropped at destruction.
+  virtual void SubmitAfter(absl::Duration delay, std::function<void()> work) = 0;
+
+  // Asks waiting calls to answer and endless streams to end (Call::OnStop, StreamOptions::endless),
+  // now and for every later call.
+  virtual void BeginDrain() = 0;
+
+  // How many calls are in flight.
+  virtual int calls() const = 0;
+
+  // For the wrappers of handler.h: a call begins and ends. Begin fails if there are too many.
+  virtual absl::Status Begin(const std::shared_ptr<CallState>& call) = 0;
+  virtual void End(const std::shared_ptr<CallState>& call, const absl::Status& status) = 0;
+};
+
+}  // namespace mortise::rpc

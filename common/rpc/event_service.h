@@ -1,0 +1,38 @@
+// EventService of one service process: its own event stream, over the store's numbered events.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+namespace grpc {
+class Service;
+}
+namespace mortise::store {
+class Store;
+}
+
+namespace mortise::rpc {
+
+class Dispatcher;
+
+// Tells followers that there are new numbered events. Thread safe.
+class EventSignal {
+ public:
+  static std::shared_ptr<EventSignal> Create();
+  virtual ~EventSignal() = default;
+
+  // Runs all callbacks.
+  virtual void Notify() = 0;
+
+  // Runs `callback` at each Notify until the returned token goes away. The callback must be quick.
+  virtual std::shared_ptr<void> Subscribe(std::function<void()> callback) = 0;
+};
+
+// `stream` is the service's name. Without a signal (a replica that does not relay) followers look
+// once a second. `dispatcher` and `store` must outlive it.
+std::shared_ptr<grpc::Service> MakeEventService(Dispatcher* dispatcher, store::Store* store,
+                                                const std::string& stream,
+                                                std::shared_ptr<EventSignal> signal);
+
+}  // namespace mortise::rpc

@@ -1,0 +1,66 @@
+// What a mutation leaves in the store beside its change: the answer, for repeated requests, and the
+// audit record.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "absl/time/time.h"
+#include "common/rpc/call_state.h"
+
+namespace google::protobuf {
+class Message;
+}
+namespace mortise::store {
+class ReadTransaction;
+class Store;
+class Transaction;
+}  // namespace mortise::store
+namespace mortise::v1 {
+class AuditRecord;
+}
+
+namespace mortise::rpc {
+
+// How long answers are kept for repeated requests.
+inline constexpr absl::Duration kAnswerRetention = absl::Hours(7 * 24);
+
+// What identifies a mutating request.
+struct MutationKey {
+  std::string request_id;      // as the client chose it
+  std::string record_key;      // of method, subject and request_id
+  std::string request_sha256;  // of the request
+};
+
+// INVALID_ARGUMENT naming request_id if it is missing, longer than 128 bytes, or has characters
+// other than printable ASCII.
+absl::StatusOr<MutationKey> MakeMutationKey(const CallState& call,
+                                            const google::protobuf::Message& request);
+
+// Fills `response` and returns true if this request was answered before. INVALID_ARGUMENT naming
+// request_id if the id was used for another request.
+absl::StatusOr<bool> FindAnswer(store::ReadTransaction& transaction, const MutationKey& key,
+                                google::protobuf::Message* response);
+
+// Keeps the answer and the audit record.
+absl::Status RecordMutation(store::Transaction& transaction, std::string_view service,
+                            const CallState& call, const MutationKey& key,
+                            const google::protobuf::Message& request,
+                            const google::protobuf::Message& response);
+
+// Forgets answers older than kAnswerRetention; returns how many.
+absl::StatusOr<int> ForgetOldAnswers(store::Store& store);
+
+// Audit records, newest first, after the page token (empty: from the newest).
+struct AuditPage {
+  std::vector<v1::AuditRecord> records;
+  std::string next_page_token;
+};
+absl::StatusOr<AuditPage> ListAudit(store::Store& store, int page_size,
+                                    const std::string& page_token);
+
+}  // namespace mortise::rpc

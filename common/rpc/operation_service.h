@@ -1,0 +1,21 @@
+// OperationService of one service process: its own operations, over common/jobs.
+#pragma once
+
+#include <memory>
+
+namespace grpc {
+class Service;
+}
+namespace mortise::jobs {
+class Operations;
+}
+
+namespace mortise::rpc {
+
+class Dispatcher;
+
+// `operations` and `dispatcher` must outlive it.
+std::shared_ptr<grpc::Service> MakeOperationService(Dispatcher* dispatcher,
+                                                    jobs::Operations* operations);
+
+}  // namespace mortise::rpc
