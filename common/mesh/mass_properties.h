@@ -1,0 +1,35 @@
+// Volume, centroid and inertia of solids given by their surface or by tetrahedra.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "common/mesh/surface_mesh.h"
+#include "common/mesh/tetrahedral_mesh.h"
+
+namespace mortise::mesh {
+
+// Of a solid of density 1 kg/m³; multiply `volume` and `inertia` by the density.
+struct MassProperties {
+  double volume = 0;                                   // m³; negative if inside out
+  Eigen::Vector3d centroid = Eigen::Vector3d::Zero();  // m
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();   // m⁵, tensor about the centroid
+};
+
+// Of a closed surface, by the divergence theorem: the signed tetrahedra between each triangle and a
+// reference point. Exact for polyhedra.
+MassProperties ComputeMassProperties(const SurfaceMesh& surface);
+
+// Of the elements of one part, or of all parts with `part` = -1. Straight-sided elements: the mid
+// nodes of quadratic ones are taken to lie on the middles of the edges.
+MassProperties ComputeMassProperties(const TetrahedralMesh& mesh, int part = -1);
+
+// Properties of several bodies of densities `densities` taken together; `volume` is then the mass
+// (kg) and `inertia` is in kg m².
+MassProperties Combine(const std::vector<MassProperties>& bodies,
+                       const std::vector<double>& densities);
+
+// Area of a surface, m².
+double SurfaceArea(const SurfaceMesh& surface);
+
+}  // namespace mortise::mesh

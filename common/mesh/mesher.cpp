@@ -1,0 +1,254 @@
+#include "common/mesh/mesher.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <mutex>
+#include <new>
+#include <numbers>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+// The library is compiled so; without it the header declares functions that exit.
+#define TETLIBRARY
+#include <tetgen.h>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "common/base/errors.h"
+#include "common/mesh/element_faces.h"
+#include "common/mesh/mass_properties.h"
+#include "common/mesh/surface_check.h"
+
+namespace mortise::mesh {
+namespace {
+
+constexpr double kDegreesPerRadian = 180 / std::numbers::pi;
+
+// Volume of the regular tetrahedron of this edge.
+double RegularVolume(double edge) { return edge * edge * edge / (6 * std::numbers::sqrt2); }
+
+double TotalVolume(const AssemblySurface& assembly) {
+  double volume = 0;
+  for (int p = 0; p < static_cast<int>(assembly.part_names.size()); ++p) {
+    volume += ComputeMassProperties(PartSurface(assembly, p)).volume;
+  }
+  return volume;
+}
+
+absl::Status CheckOptions(const MeshOptions& options) {
+  if (!std::isfinite(options.element_size) || options.element_size < 0) {
+    return InvalidField("element_size", "must be a positive length, or 0 for the default");
+  }
+  if (!(options.radius_edge_ratio >= 1.1 && options.radius_edge_ratio <= 100)) {
+    return InvalidField("radius_edge_ratio", "must be within 1.1 to 100");
+  }
+  if (!(options.minimum_dihedral >= 0 && options.minimum_dihedral <= 0.35)) {
+    return InvalidField("minimum_dihedral", "must be within 0 to 0.35 rad");
+  }
+  if (options.element_limit < 1) return InvalidField("element_limit", "must be positive");
+  return absl::OkStatus();
+}
+
+// Copies the surface into TetGen's input: one facet a triangle, marked with its face (TetGen merges
+// coplanar neighbours of equal mark), one region a part.
+void FillInput(const AssemblySurface& assembly, double maximum_volume, tetgenio& input) {
+  input.firstnumber = 0;
+  input.numberofpoints = static_cast<int>(assembly.vertices.cols());
+  input.pointlist = new REAL[3 * input.numberofpoints];
+  std::copy_n(assembly.vertices.data(), assembly.vertices.size(), input.pointlist);
+  input.numberoffacets = static_cast<int>(assembly.triangles.cols());
+  input.facetlist = new tetgenio::facet[input.numberoffacets];
+  input.facetmarkerlist = new int[input.numberoffacets];
+  for (int t = 0; t < input.numberoffacets; ++t) {
+    tetgenio::facet& facet = input.facetlist[t];
+    tetgenio::init(&facet);
+    facet.numberofpolygons = 1;
+    facet.polygonlist = new tetgenio::polygon[1];
+    tetgenio::init(&facet.polygonlist[0]);
+    facet.polygonlist[0].numberofvertices = 3;
+    facet.polygonlist[0].vertexlist = new int[3];
+    std::copy_n(assembly.triangles.col(t).data(), 3, facet.polygonlist[0].vertexlist);
+    input.facetmarkerlist[t] = assembly.triangle_face[t] + 1;
+  }
+  const int parts = static_cast<int>(assembly.part_names.size());
+  input.numberofregions = parts;
+  input.regionlist = new REAL[5 * parts];
+  for (int p = 0; p < parts; ++p) {
+    std::copy_n(assembly.part_interior.col(p).data(), 3, input.regionlist + 5 * p);
+    input.regionlist[5 * p + 3] = p + 1;
+    input.regionlist[5 * p + 4] = maximum_volume;
+  }
+}
+
+// INVALID_ARGUMENT naming the parts and the place where surfaces cross. Searched before meshing,
+// since TetGen ends the process on some of them.
+absl::Status CheckCrossings(const AssemblySurface& assembly) {
+  const auto crossings = FindIntersections(assembly.vertices, assembly.triangles, 1);
+  if (crossings.empty()) return absl::OkStatus();
+  const auto owner = [&](int triangle) {
+    const AssemblyFace& face = assembly.faces[assembly.triangle_face[triangle]];
+    const int part = face.back_part >= 0 ? face.back_part : face.front_part;
+    return part >= 0 ? assembly.part_names[part] : std::string("?");
+  };
+  const Intersection& crossing = crossings[0];
+  const Eigen::Vector3d place = 1e3 * crossing.place;
+  return InvalidField(
+      "triangles",
+      absl::StrFormat("the surfaces of parts '%s' and '%s' cross at (%.4g, %.4g, %.4g) mm",
+                      owner(crossing.first), owner(crossing.second), place.x(), place.y(),
+                      place.z()));
+}
+
+// Serialises TetGen, which fills file-scope tables and uses rand().
+std::mutex& TetGenMutex() {
+  static std::mutex mutex;
+  return mutex;
+}
+
+absl::Status RunTetGen(const AssemblySurface& assembly, const MeshOptions& options,
+                       double element_size, tetgenio& output) {
+  tetgenio input;
+  FillInput(assembly, RegularVolume(element_size), input);
+  // p: a surface; z: from 0; Q: quiet; A: region attributes; a: region volumes; q: quality;
+  // S: at most so many extra points, which ends runaway refinement.
+  std::string switches = absl::StrFormat("pzQAaq%.4f/%.4fS%d", options.radius_edge_ratio,
+                                         options.minimum_dihedral * kDegreesPerRadian,
+                                         std::max(1000, options.element_limit / 3));
+  try {
+    const std::lock_guard lock(TetGenMutex());
+    tetrahedralize(switches.data(), &input, &output);
+  } catch (int code) {
+    // 1: out of memory; 2: internal; 3: self-intersection; 4: tiny features; 5: tiny angles.
+    if (code == 1) return TooLarge("mesh", "the memory at hand");
+    return absl::InternalError(absl::StrCat("meshing failed: TetGen error ", code));
+  } catch (const std::bad_alloc&) {
+    return TooLarge("mesh", "the memory at hand");
+  } catch (const std::exception& error) {
+    return absl::InternalError(absl::StrCat("meshing failed: ", error.what()));
+  }
+  if (output.numberoftetrahedra == 0) {
+    return absl::InternalError("meshing failed: no elements came out");
+  }
+  return absl::OkStatus();
+}
+
+// Keeps the elements that lie in a part (TetGen also fills enclosed voids) and the nodes they use.
+TetrahedralMesh TakeElements(const tetgenio& output, int parts) {
+  TetrahedralMesh mesh;
+  std::vector<int> kept;
+  for (int e = 0; e < output.numberoftetrahedra; ++e) {
+    const long region = std::lround(output.tetrahedronattributelist[e]);
+    if (region >= 1 && region <= parts) kept.push_back(e);
+  }
+  std::vector<int> node(output.numberofpoints, -1);
+  std::vector<int> used;
+  mesh.tetrahedra.resize(4, kept.size());
+  mesh.part.resize(kept.size());
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    const int* corners = output.tetrahedronlist + output.numberofcorners * kept[i];
+    for (int k = 0; k < 4; ++k) {
+      int& mapped = node[corners[k]];
+      if (mapped < 0) {
+        mapped = static_cast<int>(used.size());
+        used.push_back(corners[k]);
+      }
+      mesh.tetrahedra(k, i) = mapped;
+    }
+    mesh.part[i] = static_cast<int>(std::lround(output.tetrahedronattributelist[kept[i]])) - 1;
+  }
+  mesh.nodes.resize(3, used.size());
+  for (std::size_t v = 0; v < used.size(); ++v) {
+    mesh.nodes.col(v) = Eigen::Map<const Eigen::Vector3d>(output.pointlist + 3 * used[v]);
+  }
+  // TetGen orders corners left-handed by this library's convention.
+  for (Eigen::Index e = 0; e < mesh.tetrahedra.cols(); ++e) {
+    const Eigen::Vector3d a = mesh.nodes.col(mesh.tetrahedra(0, e));
+    const Eigen::Vector3d b = mesh.nodes.col(mesh.tetrahedra(1, e)) - a;
+    const Eigen::Vector3d c = mesh.nodes.col(mesh.tetrahedra(2, e)) - a;
+    const Eigen::Vector3d d = mesh.nodes.col(mesh.tetrahedra(3, e)) - a;
+    if (b.dot(c.cross(d)) < 0) std::swap(mesh.tetrahedra(2, e), mesh.tetrahedra(3, e));
+  }
+  for (int f = 0; f < output.numberoftrifaces; ++f) {
+    for (int k = 0; k < 3; ++k) {
+      int& corner = output.trifacelist[3 * f + k];
+      corner = node[corner];
+    }
+  }
+  return mesh;
+}
+
+// Takes over the marked triangles, oriented as the header promises.
+void TakeFaces(const tetgenio& output, const AssemblySurface& assembly, TetrahedralMesh& mesh) {
+  mesh.faces = assembly.faces;
+  for (AssemblyFace& face : mesh.faces) {
+    if (face.back_part < 0) std::swap(face.front_part, face.back_part);
+  }
+  mesh.part_names = assembly.part_names;
+  const ElementFaces sides(mesh);
+  std::vector<Eigen::Vector3i> triangles;
+  std::vector<int> owners;
+  for (int f = 0; f < output.numberoftrifaces; ++f) {
+    const int face = output.trifacemarkerlist[f] - 1;
+    if (face < 0 || face >= static_cast<int>(mesh.faces.size())) continue;
+    const int back = mesh.faces[face].back_part;
+    const auto triangle =
+        sides.FaceSeenFrom(Eigen::Map<Eigen::Vector3i>(output.trifacelist + 3 * f), back);
+    if (!triangle) continue;
+    triangles.push_back(*triangle);
+    owners.push_back(face);
+  }
+  mesh.face_triangles.resize(3, triangles.size());
+  mesh.face_triangle_face.resize(owners.size());
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    mesh.face_triangles.col(i) = triangles[i];
+    mesh.face_triangle_face[i] = owners[i];
+  }
+}
+
+}  // namespace
+
+double DefaultElementSize(const AssemblySurface& assembly) {
+  Eigen::AlignedBox3d box;
+  for (Eigen::Index v = 0; v < assembly.vertices.cols(); ++v) box.extend(assembly.vertices.col(v));
+  const double by_extent = box.diagonal().norm() / 20;
+  const double by_volume = std::cbrt(TotalVolume(assembly) * 6 * std::numbers::sqrt2 / 20000);
+  return std::max(by_extent, by_volume);
+}
+
+double EstimateElements(const AssemblySurface& assembly, double element_size) {
+  return TotalVolume(assembly) / RegularVolume(element_size);
+}
+
+absl::StatusOr<TetrahedralMesh> MeshAssembly(const AssemblySurface& assembly,
+                                             const MeshOptions& options) {
+  MORTISE_RETURN_IF_ERROR(CheckOptions(options));
+  MORTISE_RETURN_IF_ERROR(CheckAssembly(assembly));
+  const double size =
+      options.element_size > 0 ? options.element_size : DefaultElementSize(assembly);
+  const double expected =
+      std::max<double>(EstimateElements(assembly, size), 0.5 * assembly.triangles.cols());
+  const std::string limit = absl::StrCat(options.element_limit, " elements");
+  if (!(expected <= options.element_limit)) {
+    return TooLarge(
+        absl::StrFormat("a mesh of about %.2g elements of %.4g mm", expected, 1e3 * size), limit);
+  }
+  MORTISE_RETURN_IF_ERROR(CheckCrossings(assembly));
+  tetgenio output;
+  MORTISE_RETURN_IF_ERROR(RunTetGen(assembly, options, size, output));
+  TetrahedralMesh mesh = TakeElements(output, static_cast<int>(assembly.part_names.size()));
+  if (mesh.tetrahedra.cols() > options.element_limit) {
+    return TooLarge(absl::StrCat("a mesh of ", mesh.tetrahedra.cols(), " elements"), limit);
+  }
+  TakeFaces(output, assembly, mesh);
+  for (int p = 0; p < static_cast<int>(assembly.part_names.size()); ++p) {
+    if ((mesh.part.array() == p).any()) continue;
+    return absl::InternalError(
+        absl::StrCat("meshing failed: part '", assembly.part_names[p], "' got no elements"));
+  }
+  return options.quadratic ? MakeQuadratic(std::move(mesh)) : mesh;
+}
+
+}  // namespace mortise::mesh

@@ -1,0 +1,59 @@
+// Divides the parts of an assembly into tetrahedra (through TetGen).
+#pragma once
+
+#include "absl/status/statusor.h"
+#include "common/mesh/surface_mesh.h"
+#include "common/mesh/tetrahedral_mesh.h"
+
+namespace mortise::mesh {
+
+struct MeshOptions {
+  // Wanted edge length, m: no element is larger than the regular tetrahedron of this edge. 0
+  // chooses DefaultElementSize(assembly).
+  double element_size = 0;
+
+  // Largest allowed ratio of an element's circumradius to its shortest edge. The regular
+  // tetrahedron has 0.61; smaller limits give rounder and more elements. Flat boards need a
+  // generous limit, or their thickness dictates the size of every element. At least 1.1.
+  double radius_edge_ratio = 2.0;
+
+  // Smallest wanted angle between two faces of an element, rad; not guaranteed near sharp edges.
+  double minimum_dihedral = 0.09;
+
+  // 10-node elements with straight edges, else 4-node ones.
+  bool quadratic = true;
+
+  // RESOURCE_EXHAUSTED beyond this many elements, mostly before any work is done.
+  int element_limit = 2'000'000;
+};
+
+// A size at which an assembly of boards gets a few thousand elements: a twentieth of the diagonal
+// of its bounding box, but not so small that volume alone would ask for more than 20,000.
+double DefaultElementSize(const AssemblySurface& assembly);
+
+// How many elements of `element_size` fill the assembly's volume; a lower bound on what meshing
+// gives, since thin parts and small faces need more.
+double EstimateElements(const AssemblySurface& assembly, double element_size);
+
+// Meshes every part; touching parts share nodes (they are bonded). Triangles on the faces of the
+// assembly are kept as face_triangles: outward on the outside, towards `front_part` where two parts
+// touch. The same input gives the same mesh.
+//
+// Errors: INVALID_ARGUMENT names the option, or the part and place where the surface is open,
+// inside out or crosses itself; RESOURCE_EXHAUSTED if it would take more than `element_limit`
+// elements; INTERNAL if TetGen fails on a sound surface.
+//
+// Calls wait for each other: TetGen keeps tables in global variables.
+absl::StatusOr<TetrahedralMesh> MeshAssembly(const AssemblySurface& assembly,
+                                             const MeshOptions& options = {});
+
+// The same mesh with 10-node elements: a node in the middle of every edge. Quadratic meshes are
+// returned as they are.
+TetrahedralMesh MakeQuadratic(TetrahedralMesh mesh);
+
+// The outside of a volume mesh as triangles between corners (3 × T node indices), outward; each
+// quadratic face triangle is split in four. Includes only faces of elements of `part`, or of all
+// parts together with -1.
+Eigen::Matrix3Xi OuterTriangles(const TetrahedralMesh& mesh, int part = -1);
+
+}  // namespace mortise::mesh

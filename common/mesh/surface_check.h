@@ -1,0 +1,61 @@
+// Finds what keeps a triangle surface from being the boundary of a solid.
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "common/mesh/surface_mesh.h"
+
+namespace mortise::mesh {
+
+// What is wrong with a surface at one place.
+struct SurfaceFault {
+  enum class Kind {
+    kBadIndex,     // a triangle names a vertex that does not exist
+    kNotFinite,    // a coordinate is NaN or infinite
+    kDegenerate,   // a triangle has no area
+    kOpenEdge,     // an edge belongs to one triangle only
+    kFlippedEdge,  // two triangles run along an edge in the same direction
+    kOvercrowded,  // more than two triangles meet at an edge
+    kInsideOut,    // closed, but the enclosed volume is not positive
+  };
+  Kind kind = Kind::kOpenEdge;
+  Eigen::Vector3d place = Eigen::Vector3d::Zero();  // m, the middle of the edge or triangle
+  std::string message;                              // for people, with the place in millimetres
+};
+
+// All faults of a surface, at most `limit`; empty for a closed, oriented 2-manifold of positive
+// volume. (Self-intersections are searched by FindIntersections.)
+std::vector<SurfaceFault> CheckSurface(const SurfaceMesh& surface, int limit = 20);
+
+// Whether CheckSurface finds nothing.
+bool IsWatertight(const SurfaceMesh& surface);
+
+// Two triangles that cross or overlap although they are not neighbours.
+struct Intersection {
+  int first = -1;
+  int second = -1;
+  Eigen::Vector3d place = Eigen::Vector3d::Zero();  // m, a point of both
+};
+
+// Pairs of triangles that meet anywhere but in a shared vertex or edge, at most `limit`. Works on
+// vertices and triangles of any surface, so also on a whole assembly. A sweep over bounding boxes:
+// about O(T log T) for ordinary surfaces.
+std::vector<Intersection> FindIntersections(const Eigen::Matrix3Xd& vertices,
+                                            const Eigen::Matrix3Xi& triangles, int limit = 1);
+
+// The closed surface of one part of an assembly, normals outward; vertices are those it uses.
+SurfaceMesh PartSurface(const AssemblySurface& assembly, int part);
+
+// OK if `assembly` can be meshed: sizes agree, every part is watertight and its interior point lies
+// inside it and in no other part. INVALID_ARGUMENT with the field ("parts[2]", "triangles") and,
+// in words, the part and the place of the first fault.
+absl::Status CheckAssembly(const AssemblySurface& assembly);
+
+// How often the surface winds round `point`: 1 inside, 0 outside of a closed oriented surface
+// (generalised winding number: the sum of signed solid angles over 4π).
+double WindingNumber(const SurfaceMesh& surface, const Eigen::Vector3d& point);
+
+}  // namespace mortise::mesh
