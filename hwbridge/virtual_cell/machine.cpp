@@ -240,8 +240,7 @@ double Machine::AdvanceJob(double available) {
   // Set exactly at a boundary: adding up differences may stay just short of it for ever.
   job_elapsed_ = spent < end - job_elapsed_ ? job_elapsed_ + spent : end;
   if (cutting && job_elapsed_ >= end) FinishCut();
-  // A step of no length (a jigsaw has nothing before its cut) still counts as movement.
-  return spent > 0.0 ? available - spent : std::nextafter(available, 0.0);
+  return available - spent;
 }
 
 void Machine::FinishCut() {

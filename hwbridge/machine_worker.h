@@ -1,0 +1,98 @@
+// Works one machine: keeps the heartbeat, notices when the machine or the line stops, and carries
+// out the machine's open cuts in the order they were given.
+//
+// It scans like a controller does: each Cycle exchanges the heartbeat, reads the status, and takes
+// at most one step. Cutting stops ("held") when the line is lost, when the machine restarts, stops
+// or holds, when the emergency stop is pressed, when a cut fails or is refused, and on Hold. What
+// is held goes on only by Resume: the return of the line alone never moves a machine.
+#pragma once
+
+#include <cstdint>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+
+#include "absl/status/status.h"
+#include "hwbridge/clock.h"
+#include "hwbridge/command_handshake.h"
+#include "hwbridge/journal.h"
+#include "hwbridge/machine_link.h"
+
+namespace mortise::hwbridge {
+
+// A machine as others see it.
+struct MachineView {
+  std::string name;
+  MachineKind kind = MachineKind::kChopSaw;
+  bool online = false;
+  std::string state = "UNDEFINED";  // PackML; "UNDEFINED" while the line is down
+  bool held = false;                // cuts wait for Resume
+  std::string held_because;         // for people
+  bool operator==(const MachineView&) const = default;
+};
+
+class MachineWorker {
+ public:
+  struct Options {
+    std::string name;
+    MachineKind kind = MachineKind::kChopSaw;
+    double line_lost_after = 1.5;  // s without an answer, or with a heartbeat that stands still
+    double stop_after_idle = 5.0;  // s without cuts after which the machine is commanded to stop
+    CommandHandshake::Options handshake;
+  };
+
+  // Cuts that the journal has open already are held. The references must outlive the worker.
+  MachineWorker(const Options& options, MachineLink& link, Journal& journal, const Clock& clock);
+
+  // One scan. Called by one thread.
+  void Cycle();
+
+  // Give no more cuts of `work_order` (of all orders if empty) to the machine. A cut under way
+  // ends. Thread safe, as all below.
+  void Hold(std::string_view work_order, std::string_view because);
+
+  // Go on. FAILED_PRECONDITION, reason LINE_LOST, if the machine cannot be reached or its emergency
+  // stop is pressed: then everything stays held.
+  absl::Status Resume(std::string_view work_order);
+
+  MachineView View() const;
+
+  // Takes number `accepted` of the machine as the start of ours; needs a line.
+  absl::Status AdoptNumbers();
+
+ private:
+  absl::StatusOr<MachineStatus> Exchange();
+  void NoteSilence(const absl::Status& status);
+  void NoteStatus(const MachineStatus& status);
+  void TakeStep(const MachineStatus& status);
+  void StopIdleMachine(const MachineStatus& status);
+  bool SettleHead(const MachineStatus& status, const CutOrder& order);
+  bool ReadyToCut(const MachineStatus& status);
+  void Command(PackMlCommand command);
+  void HoldOpenCuts(std::string_view because);
+  bool IsHeld(const std::string& work_order) const;
+
+  const Options options_;
+  MachineLink& link_;
+  Journal& journal_;
+  const Clock& clock_;
+  CommandHandshake handshake_;
+
+  // Of the scanning thread.
+  std::uint16_t heartbeat_ = 0;
+  double last_answer_;
+  double last_machine_beat_;
+  double last_work_;
+  std::uint16_t machine_heartbeat_ = 0;
+  std::uint32_t boot_epoch_ = 0;  // 0 before the first contact
+
+  mutable std::mutex mutex_;
+  bool running_ = false;                 // guarded by mutex_: brought to Execute, cuts are given
+  std::set<std::string> held_orders_;    // guarded by mutex_
+  std::string held_because_;             // guarded by mutex_
+  std::optional<MachineStatus> status_;  // guarded by mutex_; none while the line is down
+};
+
+}  // namespace mortise::hwbridge
