@@ -14,7 +14,7 @@ struct BrokerOptions {
   // Where publishers and subscribers connect. "tcp://127.0.0.1:*" takes a free port.
   std::string publisher_endpoint = "tcp://127.0.0.1:*";
   std::string subscriber_endpoint = "tcp://127.0.0.1:*";
-  BrokerSecurity security;
+  BrokerSecurity security = {};
 };
 
 // Forwards every message from publishers to the subscribers that asked for its topic, until it is

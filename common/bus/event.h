@@ -22,37 +22,37 @@ namespace mortise::bus {
 
 // A fact that happened, at its place in its stream.
 struct Event {
-  std::string stream;   // the service that tells it: "catalog"
-  int64_t epoch = 0;    // grows with every takeover of the stream's relay
-  int64_t number = 0;   // 1, 2, 3 … without gaps within the stream, across epochs
-  std::string type;     // "design.created"
-  std::string subject;  // resource name
-  std::string payload;  // opaque bytes
-  std::string trace_id;
-  absl::Time time;
+  std::string stream = {};   // the service that tells it: "catalog"
+  int64_t epoch = 0;         // grows with every takeover of the stream's relay
+  int64_t number = 0;        // 1, 2, 3 … without gaps within the stream, across epochs
+  std::string type = {};     // "design.created"
+  std::string subject = {};  // resource name
+  std::string payload = {};  // opaque bytes
+  std::string trace_id = {};
+  absl::Time time = {};
 };
 
 // "The last event of `stream` is `number`."
 struct Heartbeat {
-  std::string stream;
+  std::string stream = {};
   int64_t epoch = 0;
   int64_t number = 0;
-  absl::Time time;
+  absl::Time time = {};
 };
 
 // One message as its three frames.
 struct Frames {
-  std::string topic;
-  std::string header;
-  std::string payload;
+  std::string topic = {};
+  std::string header = {};
+  std::string payload = {};
 };
 
 // A decoded message is one of the two.
 struct Message {
   enum class Kind { kEvent, kHeartbeat };
   Kind kind = Kind::kEvent;
-  Event event;          // of kEvent
-  Heartbeat heartbeat;  // of kHeartbeat
+  Event event = {};          // of kEvent
+  Heartbeat heartbeat = {};  // of kHeartbeat
 };
 
 // Strings past 65535 bytes are cut to that length (store::AppendEvent refuses them far earlier).

@@ -18,7 +18,7 @@
 namespace mortise::bus {
 
 struct OutboxRelayOptions {
-  std::string stream;  // the service's name
+  std::string stream = {};  // the service's name
   absl::Duration heartbeat = absl::Seconds(1);
   // How long a commit of another process (which cannot wake this one) waits at most.
   absl::Duration poll = absl::Milliseconds(100);

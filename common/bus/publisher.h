@@ -12,8 +12,8 @@
 namespace mortise::bus {
 
 struct PublisherOptions {
-  std::string endpoint;  // the broker's publisher endpoint
-  ClientSecurity security;
+  std::string endpoint = {};  // the broker's publisher endpoint
+  ClientSecurity security = {};
   int queue_length = 100000;  // messages held while the broker is slow; more are dropped
 };
 

@@ -33,11 +33,12 @@ using FetchEvents = std::function<absl::StatusOr<std::vector<Event>>(
 using HandleEvents = std::function<absl::Status(std::span<const Event> events)>;
 
 struct ReplayOptions {
-  std::string endpoint;  // the broker's subscriber endpoint
-  ClientSecurity security;
-  std::map<std::string, int64_t> cursors;  // streams to follow, each with the last number handled
-  FetchEvents fetch;
-  HandleEvents handle;
+  std::string endpoint = {};  // the broker's subscriber endpoint
+  ClientSecurity security = {};
+  std::map<std::string, int64_t> cursors =
+      {};  // streams to follow, each with the last number handled
+  FetchEvents fetch = {};
+  HandleEvents handle = {};
   int fetch_limit = 1000;                          // events asked for in one fetch
   int batch = 1000;                                // events given to the handler at once, at most
   absl::Duration retry = absl::Milliseconds(200);  // after a failed fetch or handler

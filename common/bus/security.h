@@ -12,8 +12,8 @@ namespace mortise::bus {
 
 // A CURVE key pair, each key as 40 characters of Z85 text.
 struct CurveKeyPair {
-  std::string public_key;
-  std::string secret_key;
+  std::string public_key = {};
+  std::string secret_key = {};
 };
 
 // A new random pair.
@@ -21,15 +21,15 @@ absl::StatusOr<CurveKeyPair> NewCurveKeyPair();
 
 // What the broker needs. Without keys it is plain, and may bind loopback endpoints only.
 struct BrokerSecurity {
-  std::optional<CurveKeyPair> keys;
-  std::vector<std::string> allowed_clients;  // public keys; everyone else is refused
+  std::optional<CurveKeyPair> keys = {};
+  std::vector<std::string> allowed_clients = {};  // public keys; everyone else is refused
 };
 
 // What a publisher or subscriber needs. Without keys it is plain, and may connect to loopback
 // endpoints only.
 struct ClientSecurity {
-  std::optional<CurveKeyPair> keys;
-  std::string broker_key;  // the broker's public key
+  std::optional<CurveKeyPair> keys = {};
+  std::string broker_key = {};  // the broker's public key
 };
 
 // Whether an endpoint never leaves this machine: ipc://, inproc://, tcp on 127.0.0.0/8, [::1] or

@@ -15,10 +15,10 @@
 namespace mortise::bus {
 
 struct SubscriberOptions {
-  std::string endpoint;  // the broker's subscriber endpoint
-  ClientSecurity security;
-  std::vector<std::string> topics;  // prefixes: "catalog/" or "" for everything
-  int queue_length = 100000;        // messages held while the reader is slow; more are dropped
+  std::string endpoint = {};  // the broker's subscriber endpoint
+  ClientSecurity security = {};
+  std::vector<std::string> topics = {};  // prefixes: "catalog/" or "" for everything
+  int queue_length = 100000;             // messages held while the reader is slow; more are dropped
 };
 
 // Used by one thread at a time, apart from Interrupt. Connects and reconnects by itself.

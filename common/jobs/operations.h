@@ -39,36 +39,36 @@ bool IsFinal(OperationState state);
 // How far an operation is.
 struct Progress {
   int64_t done = 0;
-  int64_t total = 0;       // 0 if unknown
-  double best_so_far = 0;  // meaning and unit are the kind's own
-  bool has_best = false;   // whether best_so_far is set
-  std::string message;     // a short sentence for people
+  int64_t total = 0;         // 0 if unknown
+  double best_so_far = 0;    // meaning and unit are the kind's own
+  bool has_best = false;     // whether best_so_far is set
+  std::string message = {};  // a short sentence for people
 };
 
 struct Operation {
-  std::string name;        // "operations/<service>/<id>"
-  std::string kind;        // which handler runs it
-  std::string subject;     // resource name it works on
-  std::string request_id;  // of the request that started it; also its trace id
-  std::string creator;     // who asked for it
+  std::string name = {};        // "operations/<service>/<id>"
+  std::string kind = {};        // which handler runs it
+  std::string subject = {};     // resource name it works on
+  std::string request_id = {};  // of the request that started it; also its trace id
+  std::string creator = {};     // who asked for it
   OperationState state = OperationState::kPending;
   bool cancel_requested = false;
-  Progress progress;
-  std::string request;   // opaque bytes, as given to Start
-  std::string result;    // opaque bytes, of kSucceeded
-  absl::Status error;    // of kFailed and kCancelled, with its details
-  int64_t revision = 0;  // grows with every change
-  absl::Time created_at;
-  absl::Time updated_at;
+  Progress progress = {};
+  std::string request = {};  // opaque bytes, as given to Start
+  std::string result = {};   // opaque bytes, of kSucceeded
+  absl::Status error = {};   // of kFailed and kCancelled, with its details
+  int64_t revision = 0;      // grows with every change
+  absl::Time created_at = {};
+  absl::Time updated_at = {};
 };
 
 // What Start needs to know.
 struct NewOperation {
-  std::string kind;
-  std::string request;
-  std::string subject;
-  std::string request_id;
-  std::string creator;
+  std::string kind = {};
+  std::string request = {};
+  std::string subject = {};
+  std::string request_id = {};
+  std::string creator = {};
 };
 
 // The handler's side of a running operation. All calls are thread safe.
@@ -112,7 +112,7 @@ using OperationHandler = std::function<absl::StatusOr<std::string>(OperationCont
 using DescribeOperation = std::function<std::string(const Operation&)>;
 
 struct OperationsOptions {
-  std::string service;  // the middle part of the names
+  std::string service = {};  // the middle part of the names
   // Who holds the leases. Distinct for each replica, the same after a restart of that replica.
   std::string owner = "main";
   int threads = 2;  // operations that run at the same time
@@ -122,7 +122,7 @@ struct OperationsOptions {
   absl::Duration progress_interval = absl::Milliseconds(200);
   // How soon changes made by other replicas are noticed.
   absl::Duration poll = absl::Milliseconds(500);
-  DescribeOperation describe;  // unset: events have no payload
+  DescribeOperation describe = {};  // unset: events have no payload
 };
 
 // Stops a watch when it goes away; no callback runs once its destructor has returned.

@@ -36,9 +36,9 @@ namespace mortise::store {
 
 struct StoreOptions {
   // "sqlite:/path/catalog.db", or a libpq connection string "postgresql://user@host/database".
-  std::string url;
+  std::string url = {};
   // Where blobs live; empty if the caller stores none. Created if missing.
-  std::filesystem::path blob_folder;
+  std::filesystem::path blob_folder = {};
   // The service whose store this is. On PostgreSQL its tables live in a schema of this name, so
   // that services can share a database. A resource id: lower-case letters, digits, hyphens.
   std::string service = "mortise";

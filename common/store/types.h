@@ -19,47 +19,47 @@ using Clock = std::function<absl::Time()>;
 
 // A versioned value. `kind` is the collection ("templates"), `key` the name within it ("table").
 struct Record {
-  std::string kind;
-  std::string key;
-  int64_t revision = 0;  // 1 for the first Put, one more for each further Put
-  std::string payload;   // opaque bytes
-  absl::Time created_at;
-  absl::Time updated_at;
+  std::string kind = {};
+  std::string key = {};
+  int64_t revision = 0;      // 1 for the first Put, one more for each further Put
+  std::string payload = {};  // opaque bytes
+  absl::Time created_at = {};
+  absl::Time updated_at = {};
 };
 
 struct PutOptions {
   // The revision this change is based on; 0 means the record must not exist yet. Unset overwrites.
-  std::optional<int64_t> expected_revision;
+  std::optional<int64_t> expected_revision = {};
   // Keeps the replaced revision, so that GetRevision still finds it.
   bool keep_history = false;
 };
 
 // Which records of a kind to list; they come in the order of their keys' bytes.
 struct ListOptions {
-  std::string after_key;   // only keys greater than this; the page token of List methods
-  std::string key_prefix;  // only keys that start with this
-  int limit = 100;         // at most this many, 1 to 10000
+  std::string after_key = {};   // only keys greater than this; the page token of List methods
+  std::string key_prefix = {};  // only keys that start with this
+  int limit = 100;              // at most this many, 1 to 10000
 };
 
 // ---- Events ------------------------------------------------------------------------------------
 
 // A fact to be told, written in the same transaction as the change it tells of.
 struct NewEvent {
-  std::string type;      // "design.created", "operation.succeeded"
-  std::string subject;   // resource name: "designs/table-1"
-  std::string payload;   // opaque bytes
-  std::string trace_id;  // the request that caused it; empty if none
+  std::string type = {};      // "design.created", "operation.succeeded"
+  std::string subject = {};   // resource name: "designs/table-1"
+  std::string payload = {};   // opaque bytes
+  std::string trace_id = {};  // the request that caused it; empty if none
 };
 
 // An event with its place in the stream of its store: numbers are 1, 2, 3 … without gaps.
 struct NumberedEvent {
-  int64_t epoch = 0;   // grows with every takeover of the relay
-  int64_t number = 0;  // counts from 1
-  absl::Time time;     // when the transaction wrote it
-  std::string type;
-  std::string subject;
-  std::string payload;
-  std::string trace_id;
+  int64_t epoch = 0;     // grows with every takeover of the relay
+  int64_t number = 0;    // counts from 1
+  absl::Time time = {};  // when the transaction wrote it
+  std::string type = {};
+  std::string subject = {};
+  std::string payload = {};
+  std::string trace_id = {};
 };
 
 // ---- Tasks -------------------------------------------------------------------------------------
@@ -77,33 +77,34 @@ enum class TaskState {
 const char* TaskStateName(TaskState state);
 
 struct NewTask {
-  std::string queue;
-  std::string key;       // unique in its queue; the caller's, so that enqueuing can be repeated
-  std::string payload;   // the input; kept whatever becomes of the task
-  int max_attempts = 3;  // at least 1
-  int priority = 0;      // higher first; equal priorities in order of arrival
+  std::string queue = {};
+  std::string key = {};      // unique in its queue; the caller's, so that enqueuing can be repeated
+  std::string payload = {};  // the input; kept whatever becomes of the task
+  int max_attempts = 3;      // at least 1
+  int priority = 0;          // higher first; equal priorities in order of arrival
 };
 
 struct Task {
-  std::string queue;
-  std::string key;
-  std::string payload;
+  std::string queue = {};
+  std::string key = {};
+  std::string payload = {};
   TaskState state = TaskState::kQueued;
   int64_t attempt = 0;  // how often it was leased; the fencing token of the present lease
   int max_attempts = 3;
   int priority = 0;
-  std::string worker;           // who leased it last
-  absl::Time lease_expires_at;  // of the present or last lease
-  std::string result;           // of kSucceeded
-  std::string error;            // the last one reported, or why it is quarantined
-  absl::Time created_at;
-  absl::Time updated_at;
+  std::string worker = {};           // who leased it last
+  absl::Time lease_expires_at = {};  // of the present or last lease
+  std::string result = {};           // of kSucceeded
+  std::string error = {};            // the last one reported, or why it is quarantined
+  absl::Time created_at = {};
+  absl::Time updated_at = {};
 };
 
 // What LeaseTasks did.
 struct LeaseResult {
-  std::vector<Task> leased;
-  std::vector<Task> quarantined;  // found in this call to have lost their last attempt's worker
+  std::vector<Task> leased = {};
+  std::vector<Task> quarantined =
+      {};  // found in this call to have lost their last attempt's worker
 };
 
 // How many tasks of a queue are in each state.

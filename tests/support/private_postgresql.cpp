@@ -40,7 +40,8 @@ std::string FindPrograms() {
   ::dup2(output, STDOUT_FILENO);
   ::dup2(output, STDERR_FILENO);
   std::vector<char*> arguments;
-  for (const std::string& argument : command) arguments.push_back(const_cast<char*>(argument.c_str()));
+  for (const std::string& argument : command)
+    arguments.push_back(const_cast<char*>(argument.c_str()));
   arguments.push_back(nullptr);
   ::execv(arguments[0], arguments.data());
   ::_exit(127);
@@ -73,10 +74,10 @@ absl::StatusOr<std::unique_ptr<PrivatePostgresql>> PrivatePostgresql::Start() {
   }
   const std::filesystem::path& folder = cluster->folder_.path();
   MORTISE_RETURN_IF_ERROR(GiveToServerUser(folder));
-  const pid_t initdb = Launch({cluster->programs_ + "/initdb", "--pgdata=" + (folder / "data").string(),
-                               "--username=postgres", "--auth=trust", "--encoding=UTF8",
-                               "--no-locale", "--no-sync"},
-                              (folder / "log").string());
+  const pid_t initdb =
+      Launch({cluster->programs_ + "/initdb", "--pgdata=" + (folder / "data").string(),
+              "--username=postgres", "--auth=trust", "--encoding=UTF8", "--no-locale", "--no-sync"},
+             (folder / "log").string());
   int result = -1;
   if (::waitpid(initdb, &result, 0) != initdb || result != 0) {
     return absl::InternalError("initdb failed");
