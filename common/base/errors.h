@@ -65,21 +65,24 @@ ErrorDetail DetailOf(const absl::Status& status);
 // The same failure with `prefix` put before the field path: "q[1]" becomes "requests[3].q[1]".
 absl::Status UnderField(std::string_view prefix, const absl::Status& status);
 
-// Returns the status from the enclosing function if it is not OK.
-#define MORTISE_RETURN_IF_ERROR(expression)                                 \
-  do {                                                                      \
-    if (absl::Status mortise_status_ = (expression); !mortise_status_.ok()) \
-      return mortise_status_;                                               \
-  } while (false)
-
 #define MORTISE_CONCAT_INNER(a, b) a##b
 #define MORTISE_CONCAT(a, b) MORTISE_CONCAT_INNER(a, b)
 
+// MORTISE_RETURN_IF_ERROR(F()): returns the status from the enclosing function if it is not OK.
+// (The numbered names let one of these stand in a lambda inside another.)
+#define MORTISE_RETURN_IF_ERROR(expression) \
+  MORTISE_RETURN_IF_ERROR_AS(MORTISE_CONCAT(mortise_status_, __COUNTER__), expression)
+#define MORTISE_RETURN_IF_ERROR_AS(name, expression)               \
+  do {                                                             \
+    if (absl::Status name = (expression); !name.ok()) return name; \
+  } while (false)
+
 // MORTISE_ASSIGN_OR_RETURN(auto x, F()): takes the value out of a StatusOr or returns its status.
-#define MORTISE_ASSIGN_OR_RETURN(declaration, expression)             \
-  auto MORTISE_CONCAT(mortise_or_, __LINE__) = (expression);          \
-  if (!MORTISE_CONCAT(mortise_or_, __LINE__).ok())                    \
-    return std::move(MORTISE_CONCAT(mortise_or_, __LINE__)).status(); \
-  declaration = *std::move(MORTISE_CONCAT(mortise_or_, __LINE__))
+#define MORTISE_ASSIGN_OR_RETURN(declaration, expression) \
+  MORTISE_ASSIGN_OR_RETURN_AS(MORTISE_CONCAT(mortise_or_, __COUNTER__), declaration, expression)
+#define MORTISE_ASSIGN_OR_RETURN_AS(name, declaration, expression) \
+  auto name = (expression);                                        \
+  if (!name.ok()) return std::move(name).status();                 \
+  declaration = *std::move(name)
 
 }  // namespace mortise

@@ -1,5 +1,6 @@
 #include "common/store/record_table.h"
 
+#include <algorithm>
 #include <string>
 #include <utility>
 
@@ -68,13 +69,20 @@ absl::StatusOr<std::vector<Record>> RecordTable::List(std::string_view kind,
   MORTISE_RETURN_IF_ERROR(CheckName("after_key", options.after_key));
   MORTISE_RETURN_IF_ERROR(CheckName("key_prefix", options.key_prefix));
   MORTISE_RETURN_IF_ERROR(CheckLimit("limit", options.limit));
+  const std::string end = EndOfPrefix(options.key_prefix);
+  const std::string below =
+      options.descending && !options.after_key.empty() ? std::min(options.after_key, end) : end;
   MORTISE_ASSIGN_OR_RETURN(
       SqlResult result,
-      connection_->Run("SELECT kind, key, revision, payload, created_at, updated_at FROM records"
-                       " WHERE kind = $1 AND key > $2 AND key >= $3 AND key < $4"
-                       " ORDER BY key LIMIT $5",
-                       {kind, options.after_key, options.key_prefix,
-                        EndOfPrefix(options.key_prefix), int64_t{options.limit}}));
+      options.descending
+          ? connection_->Run(
+                "SELECT kind, key, revision, payload, created_at, updated_at FROM records"
+                " WHERE kind = $1 AND key >= $2 AND key < $3 ORDER BY key DESC LIMIT $4",
+                {kind, options.key_prefix, below, int64_t{options.limit}})
+          : connection_->Run(
+                "SELECT kind, key, revision, payload, created_at, updated_at FROM records"
+                " WHERE kind = $1 AND key > $2 AND key >= $3 AND key < $4 ORDER BY key LIMIT $5",
+                {kind, options.after_key, options.key_prefix, end, int64_t{options.limit}}));
   std::vector<Record> records;
   records.reserve(result.rows.size());
   for (SqlRow& row : result.rows) records.push_back(RecordOf(row));

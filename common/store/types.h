@@ -34,11 +34,12 @@ struct PutOptions {
   bool keep_history = false;
 };
 
-// Which records of a kind to list; they come in the order of their keys' bytes.
+// Which records of a kind, or tasks of a queue, to list; they come in the order of their keys' bytes.
 struct ListOptions {
-  std::string after_key = {};   // only keys greater than this; the page token of List methods
+  std::string after_key = {};   // only keys beyond this; the page token of List methods
   std::string key_prefix = {};  // only keys that start with this
   int limit = 100;              // at most this many, 1 to 10000
+  bool descending = false;      // from the greatest key down (records only)
 };
 
 // ---- Events ------------------------------------------------------------------------------------
