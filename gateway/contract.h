@@ -1,0 +1,86 @@
+// The public contract as data: every proto file of the house, with its comments, built into the
+// program. Routing, transcoding, reflection and the OpenAPI document are all made from it, so they
+// cannot disagree.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+namespace google::protobuf {
+class DescriptorPool;
+class FileDescriptor;
+class MethodDescriptor;
+class ServiceDescriptor;
+class FieldDescriptor;
+}  // namespace google::protobuf
+
+namespace mortise::gateway {
+
+// Where a call goes.
+enum class Destination {
+  kService,      // to the service `MethodRoute::service`
+  kByOperation,  // to the service named in an operation's name: "operations/pareto/0198c1"
+  kByStream,     // to the service whose stream `routing_field` names
+};
+
+// One method of the house.
+struct MethodRoute {
+  std::string path;       // "/mortise.v1.CatalogService/GetItem"
+  std::string full_name;  // "mortise.v1.CatalogService/GetItem"
+  const google::protobuf::MethodDescriptor* descriptor = nullptr;
+  Destination destination = Destination::kService;
+  std::string service;  // "catalog"; "gateway" for what it hosts itself; empty unless kService
+  const google::protobuf::FieldDescriptor* routing_field = nullptr;  // of the request
+  int role = 0;          // least mortise.v1.Role a caller needs; 0: nobody may call
+  bool mutates = false;  // changes something
+  bool client_streaming = false;
+  bool server_streaming = false;
+  std::size_t index = 0;  // its place in Contract::methods()
+};
+
+class Contract {
+ public:
+  // Reads the descriptors that were built in. They are part of the program, so this cannot fail.
+  static std::unique_ptr<const Contract> Load();
+
+  ~Contract();
+  Contract(const Contract&) = delete;
+  Contract& operator=(const Contract&) = delete;
+
+  const google::protobuf::DescriptorPool& pool() const { return *pool_; }
+
+  // Files of the house itself (mortise/…), without their imports.
+  const std::vector<const google::protobuf::FileDescriptor*>& files() const { return files_; }
+
+  // By path, in the order of the files.
+  const std::vector<MethodRoute>& methods() const { return methods_; }
+
+  // The method of an HTTP/2 path such as "/mortise.v1.CatalogService/GetItem"; null if unknown.
+  const MethodRoute* Find(std::string_view path) const;
+
+  // Names of the services behind the gateway that own methods: "catalog", "composer", …
+  const std::vector<std::string>& services() const { return services_; }
+
+ private:
+  Contract();
+
+  void AddService(const google::protobuf::ServiceDescriptor& service, const std::string& owner);
+
+  std::unique_ptr<google::protobuf::DescriptorPool> pool_;
+  std::vector<const google::protobuf::FileDescriptor*> files_;
+  std::vector<MethodRoute> methods_;
+  std::unordered_map<std::string_view, std::size_t> by_path_;
+  std::vector<std::string> services_;
+};
+
+// The serialised FileDescriptorSet that is built in: imports first, comments included.
+std::string_view ContractBytes();
+
+// The service an operation belongs to: "pareto" of "operations/pareto/0198c1"; empty if the name is
+// not of that form.
+std::string_view ServiceOfOperation(std::string_view name);
+
+}  // namespace mortise::gateway

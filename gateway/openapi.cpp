@@ -1,0 +1,163 @@
+#include "gateway/openapi.h"
+
+#include "gateway/openapi_schema.h"
+#include "mortise/v1/access.pb.h"
+
+namespace mortise::gateway {
+namespace {
+
+namespace pb = google::protobuf;
+
+constexpr char kErrorSchema[] = R"({
+  "type": "object",
+  "description": "Why a call failed.",
+  "properties": {
+    "code": {"type": "string", "description": "The gRPC code in lower case, such as not_found."},
+    "message": {"type": "string", "description": "What a person can do about it."},
+    "details": {"type": "array", "items": {"type": "object", "properties": {
+      "type": {"type": "string", "description": "Message type, such as google.rpc.ErrorInfo."},
+      "value": {"type": "string", "contentEncoding": "base64", "description": "The message."},
+      "debug": {"description": "The same as JSON."}}}}
+  },
+  "required": ["code"]
+})";
+
+constexpr char kEventsPath[] = R"({
+  "summary": "Follow events as server-sent events.",
+  "description": "Each event has the id \"stream:number\" (of all streams followed, separated by commas), its type as event name and a mortise.v1.Event as data. Reconnect with Last-Event-ID to miss nothing.",
+  "operationId": "followEvents",
+  "tags": ["HTTP"],
+  "parameters": [
+    {"name": "streams", "in": "query", "schema": {"type": "string"}, "description": "Services, separated by commas; all if absent."},
+    {"name": "types", "in": "query", "schema": {"type": "string"}, "description": "Prefixes of event types, separated by commas; all if absent."},
+    {"name": "after", "in": "query", "schema": {"type": "integer", "format": "int64"}, "description": "Begin after this number in each stream: 0 from the first, -1 only new ones, the default."},
+    {"name": "Last-Event-ID", "in": "header", "schema": {"type": "string"}, "description": "The id of the last event seen; counts more than `after`."}],
+  "responses": {"200": {"description": "Events, until the client leaves.", "content": {"text/event-stream": {"schema": {"type": "string"}}}}}
+})";
+
+constexpr char kWatchPath[] = R"({
+  "summary": "Watch an operation as server-sent events.",
+  "description": "Each event is named \"operation\" and has a mortise.v1.Operation as data; the stream ends when the operation is done.",
+  "operationId": "watchOperation",
+  "tags": ["HTTP"],
+  "parameters": [
+    {"name": "service", "in": "path", "required": true, "schema": {"type": "string"}},
+    {"name": "id", "in": "path", "required": true, "schema": {"type": "string"}}],
+  "responses": {"200": {"description": "States of the operation.", "content": {"text/event-stream": {"schema": {"type": "string"}}}}}
+})";
+
+OrderedJson Content(const MethodRoute& method, const OrderedJson& schema) {
+  if (!method.client_streaming && !method.server_streaming) {
+    return {{"application/json", {{"schema", schema}}}};
+  }
+  // Enveloped messages have no schema of their own; x-message tells what is inside.
+  return {{"application/connect+json",
+           {{"schema", {{"type", "string"}, {"contentMediaType", "application/connect+json"}}},
+            {"x-message", schema}}}};
+}
+
+std::string RoleName(int role) {
+  return role == 0 ? "NOBODY" : v1::Role_Name(static_cast<v1::Role>(role));
+}
+
+OrderedJson Operation(const MethodRoute& method, SchemaCollection& schemas) {
+  const pb::MethodDescriptor& descriptor = *method.descriptor;
+  const std::string comment = CommentOf(descriptor);
+  OrderedJson operation;
+  operation["operationId"] = descriptor.service()->full_name() + "." + descriptor.name();
+  operation["tags"] = {descriptor.service()->full_name()};
+  operation["summary"] = comment.substr(0, comment.find(". "));
+  operation["description"] = comment + (comment.empty() ? "" : " ") + "Needs the role " +
+                             RoleName(method.role) + (method.mutates ? "; leaves an audit record." : ".");
+  operation["parameters"] = {{{"$ref", "#/components/parameters/connectProtocolVersion"}},
+                             {{"$ref", "#/components/parameters/connectTimeout"}},
+                             {{"$ref", "#/components/parameters/requestId"}}};
+  operation["requestBody"] = {{"required", true},
+                              {"content", Content(method, schemas.Refer(*descriptor.input_type()))}};
+  operation["responses"] = {
+      {"200",
+       {{"description", method.server_streaming ? "Messages, each in an envelope." : "The answer."},
+        {"content", Content(method, schemas.Refer(*descriptor.output_type()))}}},
+      {"default", {{"$ref", "#/components/responses/error"}}}};
+  operation["x-mortise-role"] = RoleName(method.role);
+  operation["x-mortise-mutates"] = method.mutates;
+  if (method.client_streaming) operation["x-mortise-client-streaming"] = true;
+  if (method.server_streaming) operation["x-mortise-server-streaming"] = true;
+  return operation;
+}
+
+OrderedJson PlainPath(const char* id, const char* summary, const char* media_type) {
+  return {{"get",
+           {{"operationId", id},
+            {"summary", summary},
+            {"tags", {"HTTP"}},
+            {"security", OrderedJson::array()},
+            {"responses",
+             {{"200",
+               {{"description", summary},
+                {"content", {{media_type, {{"schema", {{"type", "string"}}}}}}}}}}}}}};
+}
+
+OrderedJson Header(const char* name, const char* description, OrderedJson schema) {
+  return {{"name", name}, {"in", "header"}, {"description", description}, {"schema", schema}};
+}
+
+OrderedJson Components(SchemaCollection& schemas) {
+  OrderedJson components;
+  components["schemas"] = schemas.Take();
+  components["schemas"]["connect.error"] = OrderedJson::parse(kErrorSchema);
+  components["responses"]["error"] = {
+      {"description", "The call failed; the status follows from the code."},
+      {"content",
+       {{"application/json", {{"schema", {{"$ref", "#/components/schemas/connect.error"}}}}}}}};
+  components["parameters"] = {
+      {"connectProtocolVersion",
+       Header("Connect-Protocol-Version", "The version of the protocol.",
+              {{"type", "string"}, {"const", "1"}})},
+      {"connectTimeout", Header("Connect-Timeout-Ms", "After how many milliseconds to give up.",
+                                {{"type", "integer"}, {"minimum", 0}})},
+      {"requestId", Header("X-Request-Id", "An id for this call in logs; made if absent.",
+                           {{"type", "string"}, {"maxLength", 128}})}};
+  components["securitySchemes"]["bearer"] = {
+      {"type", "http"}, {"scheme", "bearer"}, {"bearerFormat", "JWT"}};
+  return components;
+}
+
+}  // namespace
+
+std::string OpenApiDocument(const Contract& contract, std::string_view version) {
+  SchemaCollection schemas;
+  OrderedJson document;
+  document["openapi"] = "3.1.0";
+  document["info"] = {
+      {"title", "Mortise"},
+      {"version", version},
+      {"description",
+       "Computational design for manufacturing. Every method is a POST of JSON in the Connect "
+       "protocol; the same methods are served as gRPC on the other port."}};
+  document["servers"] = {{{"url", "/"}}};
+  document["security"] = {{{"bearer", OrderedJson::array()}}};
+  document["tags"] = OrderedJson::array();
+  const pb::ServiceDescriptor* tagged = nullptr;
+  OrderedJson& paths = document["paths"];
+  for (const MethodRoute& method : contract.methods()) {
+    const pb::ServiceDescriptor* service = method.descriptor->service();
+    if (service != tagged) {
+      document["tags"].push_back(
+          {{"name", service->full_name()}, {"description", CommentOf(*service)}});
+      tagged = service;
+    }
+    paths[method.path]["post"] = Operation(method, schemas);
+  }
+  document["tags"].push_back(
+      {{"name", "HTTP"}, {"description", "What exists only over HTTP."}});
+  paths["/events"]["get"] = OrderedJson::parse(kEventsPath);
+  paths["/operations/{service}/{id}/watch"]["get"] = OrderedJson::parse(kWatchPath);
+  paths["/healthz"] = PlainPath("health", "Whether the gateway serves.", "text/plain");
+  paths["/version"] = PlainPath("version", "The gateway's version.", "application/json");
+  paths["/metrics"] = PlainPath("metrics", "Metrics for Prometheus.", "text/plain");
+  document["components"] = Components(schemas);
+  return document.dump(1, ' ', false, OrderedJson::error_handler_t::replace);
+}
+
+}  // namespace mortise::gateway
