@@ -14,26 +14,27 @@ namespace mortise::parametric {
 struct EvaluatedPart {
   std::string name;
   std::string title;
-  std::string item;             // items/{id}
-  Axis axis = Axis::kZ;         // of the extrusion
-  Eigen::Matrix2Xd outline;     // 2 × N, m, counter-clockwise in (u, v) of Prism
-  double from = 0;              // m, along the axis
-  double to = 0;                // m
-  // N + 2 names: of the face on each outline edge (point i to i + 1), then those at `from` and `to`.
+  std::string item;          // items/{id}
+  Axis axis = Axis::kZ;      // of the extrusion
+  Eigen::Matrix2Xd outline;  // 2 × N, m, counter-clockwise in (u, v) of Prism
+  double from = 0;           // m, along the axis
+  double to = 0;             // m
+  // N + 2 names: of the face on each outline edge (point i to i + 1), then those at `from` and
+  // `to`.
   std::vector<std::string> face_names;
-  Eigen::Vector3d minimum;      // m, lower corner of the bounding box
-  Eigen::Vector3d maximum;      // m
-  Eigen::Vector3d size;         // m, in the item's axes: length, width, thickness
-  double volume = 0;            // m³
-  double mass = 0;              // kg
+  Eigen::Vector3d minimum;           // m, lower corner of the bounding box
+  Eigen::Vector3d maximum;           // m
+  Eigen::Vector3d size;              // m, in the item's axes: length, width, thickness
+  double volume = 0;                 // m³
+  double mass = 0;                   // kg
   Process process = Process::kNone;  // what cuts it from its stock
 };
 
 // A peg.
 struct EvaluatedConnector {
   std::string connection;
-  std::string item;           // items/{id}
-  std::string part;           // the part that carries the face
+  std::string item;  // items/{id}
+  std::string part;  // the part that carries the face
   std::string other_part;
   Eigen::Vector3d position;   // m, where the peg crosses the face
   Eigen::Vector3d direction;  // unit vector from `part` into `other_part`
@@ -58,14 +59,14 @@ struct NamedValue {
 };
 
 struct EvaluatedDesign {
-  std::string template_name;      // templates/{id}
+  std::string template_name;  // templates/{id}
   int64_t template_revision = 0;
   std::string template_digest;
   std::vector<NamedValue> parameters;  // all of them, in template order
   std::vector<EvaluatedPart> parts;    // in template order
   std::vector<EvaluatedConnector> connectors;
   std::vector<EvaluatedBoundaryCondition> boundary_conditions;
-  double mass = 0;                // kg, of the parts (pegs left out)
+  double mass = 0;  // kg, of the parts (pegs left out)
 };
 
 // Index of the part of this name; -1 if there is none.

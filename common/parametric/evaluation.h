@@ -7,8 +7,8 @@
 // Pegs: where `face` of a connection's part meets the other part is the contact patch. A row stands
 // on it along the longer side of its bounding rectangle (in the axes of the face), centred across:
 // the first and last peg at `end_distance` from the ends, the others evenly between them, no two
-// further apart than `spacing`. Where the first and last would be nearer than two diameters, one peg
-// stands in the middle.
+// further apart than `spacing`. Where the first and last would be nearer than two diameters, one
+// peg stands in the middle.
 #pragma once
 
 #include <Eigen/Core>
@@ -23,6 +23,8 @@
 
 namespace mortise::parametric {
 
+struct CompiledTemplate;  // parsed expressions and resolved names
+
 // Volume and mass of a design and how they change with the parameters.
 struct MassProperties {
   double volume = 0;                // m³
@@ -35,7 +37,8 @@ struct MassProperties {
 class TemplateFunction {
  public:
   // Compiles the expressions and looks up items and materials. INVALID_ARGUMENT naming the first
-  // field at fault ("parts[2].box.x.to"); ValidateTemplate reports all of them.
+  // field at fault ("parts[2].box.x.to"), with all of them in the message. Shapes are only known
+  // once evaluated; ValidateTemplate tries them.
   static absl::StatusOr<TemplateFunction> Create(const TemplateBundle& bundle);
 
   const TemplateBundle& bundle() const;
@@ -57,13 +60,13 @@ class TemplateFunction {
   // is not a counter-clockwise simple polygon, or a connection's parts do not touch.
   absl::StatusOr<EvaluatedDesign> Evaluate(const Eigen::VectorXd& q) const;
 
-  // Volume and mass at `q` with exact gradients; fails as Evaluate does.
+  // Volume and mass at `q` with exact gradients; fails as Evaluate does for wrong values and
+  // expressions. It does not look at shapes and contacts, and is several times faster.
   absl::StatusOr<MassProperties> EvaluateMass(const Eigen::VectorXd& q) const;
 
  private:
-  struct Compiled;
-  explicit TemplateFunction(std::shared_ptr<const Compiled> compiled);
-  std::shared_ptr<const Compiled> compiled_;
+  explicit TemplateFunction(std::shared_ptr<const CompiledTemplate> compiled);
+  std::shared_ptr<const CompiledTemplate> compiled_;
 };
 
 // The surface of one part: closed, conforming, outward.

@@ -10,8 +10,8 @@
 // Numbers as in C ("0.03", "1e-3"); names are a letter or underscore, then letters, digits,
 // underscores.
 //
-// An expression is parsed once into a flat program for a stack machine and can then be evaluated any
-// number of times, from any number of threads. Derivatives are by forward-mode automatic
+// An expression is parsed once into a flat program for a stack machine and can then be evaluated
+// any number of times, from any number of threads. Derivatives are by forward-mode automatic
 // differentiation and exact; at the kinks of abs, min, max, floor and ceil they are those of the
 // branch that was taken.
 #pragma once
@@ -57,12 +57,16 @@ class Expression {
   enum class Operation : std::uint8_t;
   struct Instruction {
     Operation operation;
-    int parameter = 0;  // of kParameter
+    int parameter = 0;    // of kParameter
     double constant = 0;  // of kConstant
   };
 
+  // Runs the program; the gradient has `rows` entries, all parameters or none.
+  absl::StatusOr<Dual> Run(const Eigen::Ref<const Eigen::VectorXd>& q, Eigen::Index rows) const;
+
   std::string text_;
   std::size_t parameter_count_ = 0;
+  int stack_size_ = 0;
   std::vector<Instruction> program_;
 };
 

@@ -2,9 +2,9 @@
 // messages of mortise/v1/catalog.proto. Target mortise_template_codec; only adapters link it.
 //
 // From… functions check what structs cannot express (unknown enum values, missing bodies, an item's
-// axes given twice) and fail with INVALID_ARGUMENT naming the field; whether the content makes sense
-// is for template_validation.h. Nothing is lost in either direction except the times set by the
-// service, which structs do not carry.
+// axes given twice) and fail with INVALID_ARGUMENT naming the field; whether the content makes
+// sense is for template_validation.h. Nothing is lost in either direction except the times set by
+// the service, which structs do not carry.
 #pragma once
 
 #include "absl/status/statusor.h"

@@ -25,10 +25,10 @@ enum class ItemKind { kBoard = 1, kSheet = 2, kDowel = 3, kScrew = 4, kHardware 
 enum class PriceBasis { kPerPiece = 1, kPerVolume = 2 };
 
 struct Material {
-  std::string name;                 // materials/{id}
+  std::string name;  // materials/{id}
   std::string title;
-  double density = 0;               // kg/m³
-  double youngs_modulus = 0;        // Pa
+  double density = 0;         // kg/m³
+  double youngs_modulus = 0;  // Pa
   double poissons_ratio = 0;
   double strength = 0;              // Pa
   double thermal_conductivity = 0;  // W/(m·K); 0 where unknown
@@ -90,8 +90,9 @@ struct OutlinePoint {
   std::string v;
 };
 
-// A polygon, counter-clockwise in (u, v), extruded along `axis`. (u, v) are (y, z), (z, x) or (x, y)
-// for X, Y, Z. Faces: base (at `from`), cap (at `to`), side0, side1 … (edge i: point i to i + 1).
+// A polygon, counter-clockwise in (u, v), extruded along `axis`. (u, v) are (y, z), (z, x) or (x,
+// y) for X, Y, Z. Faces: base (at `from`), cap (at `to`), side0, side1 … (edge i: point i to i +
+// 1).
 struct Prism {
   Axis axis = Axis::kZ;
   std::vector<OutlinePoint> outline;
@@ -101,9 +102,9 @@ struct Prism {
 struct PartTemplate {
   std::string name;
   std::string title;
-  std::string item;                 // items/{id}
-  Axis length_axis = Axis::kX;      // design axis along which the item's X lies
-  Axis thickness_axis = Axis::kZ;   // design axis along which the item's Z lies
+  std::string item;                // items/{id}
+  Axis length_axis = Axis::kX;     // design axis along which the item's X lies
+  Axis thickness_axis = Axis::kZ;  // design axis along which the item's Z lies
   std::variant<Box, Prism> body;
 };
 

@@ -19,12 +19,13 @@ struct Finding {
 // Ranges, units and names of a material.
 std::vector<Finding> ValidateMaterial(const Material& material);
 
-// An item by itself: names, prices, dates, dimensions and their ranges. `materials` are those known.
+// An item by itself: names, prices, dates, dimensions and their ranges. `materials` are those
+// known.
 std::vector<Finding> ValidateItem(const Item& item, const std::vector<Material>& materials);
 
 // A template with the items and materials it may use. Checks names and references, ranges,
 // expressions; then, at the defaults, at every corner of the parameter box (the ends of single
-// parameters where there are more than 8) and at random points (always the same), that parts have
+// parameters where there are more than 6) and at random points (always the same), that parts have
 // positive extents and simple outlines, agree with the dimensions of their items, do not penetrate
 // each other, that connected parts touch, and that pegs lie inside their parts and clear of each
 // other. Empty if the template can be built at all of them. At most 100 findings, the first of each

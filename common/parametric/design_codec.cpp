@@ -1,0 +1,169 @@
+// Field-by-field conversion of evaluated designs.
+#include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
+#include "common/parametric/axis_codec.h"
+#include "common/parametric/template_codec.h"
+
+namespace mortise::parametric {
+namespace {
+
+void SetVector(const Eigen::Vector3d& vector, v1::Vector3* message) {
+  message->set_x(vector.x());
+  message->set_y(vector.y());
+  message->set_z(vector.z());
+}
+
+Eigen::Vector3d VectorOf(const v1::Vector3& message) {
+  return {message.x(), message.y(), message.z()};
+}
+
+void SetPart(const EvaluatedPart& part, v1::EvaluatedPart* message) {
+  message->set_name(part.name);
+  message->set_title(part.title);
+  message->set_item(part.item);
+  message->set_axis(AxisToProto(part.axis));
+  for (const auto& corner : part.outline.colwise()) {
+    v1::Vector2* point = message->add_outline();
+    point->set_u(corner.x());
+    point->set_v(corner.y());
+  }
+  message->set_from(part.from);
+  message->set_to(part.to);
+  SetVector(part.minimum, message->mutable_minimum());
+  SetVector(part.maximum, message->mutable_maximum());
+  SetVector(part.size, message->mutable_size());
+  message->set_volume(part.volume);
+  message->set_mass(part.mass);
+  message->set_process(ProcessToProto(part.process));
+  for (const std::string& name : part.face_names) message->add_face_names(name);
+}
+
+absl::StatusOr<EvaluatedPart> PartOf(const v1::EvaluatedPart& message, const std::string& field) {
+  EvaluatedPart part;
+  part.name = message.name();
+  part.title = message.title();
+  part.item = message.item();
+  MORTISE_ASSIGN_OR_RETURN(part.axis, AxisFromProto(message.axis(), absl::StrCat(field, ".axis")));
+  part.outline.resize(2, message.outline_size());
+  for (int i = 0; i < message.outline_size(); ++i) {
+    part.outline.col(i) << message.outline(i).u(), message.outline(i).v();
+  }
+  part.from = message.from();
+  part.to = message.to();
+  part.minimum = VectorOf(message.minimum());
+  part.maximum = VectorOf(message.maximum());
+  part.size = VectorOf(message.size());
+  part.volume = message.volume();
+  part.mass = message.mass();
+  MORTISE_ASSIGN_OR_RETURN(part.process,
+                           ProcessFromProto(message.process(), absl::StrCat(field, ".process")));
+  part.face_names = {message.face_names().begin(), message.face_names().end()};
+  if (message.outline_size() < 3 || message.face_names_size() != message.outline_size() + 2) {
+    return InvalidField(absl::StrCat(field, ".outline"),
+                        "needs at least three corners, and face_names two more than those");
+  }
+  return part;
+}
+
+void SetConnector(const EvaluatedConnector& peg, v1::EvaluatedConnector* message) {
+  message->set_connection(peg.connection);
+  message->set_item(peg.item);
+  message->set_part(peg.part);
+  message->set_other_part(peg.other_part);
+  SetVector(peg.position, message->mutable_position());
+  SetVector(peg.direction, message->mutable_direction());
+  message->set_diameter(peg.diameter);
+  message->set_length(peg.length);
+  message->set_depth_in_part(peg.depth_in_part);
+  message->set_priority(peg.priority);
+}
+
+EvaluatedConnector ConnectorOf(const v1::EvaluatedConnector& message) {
+  EvaluatedConnector peg;
+  peg.connection = message.connection();
+  peg.item = message.item();
+  peg.part = message.part();
+  peg.other_part = message.other_part();
+  peg.position = VectorOf(message.position());
+  peg.direction = VectorOf(message.direction());
+  peg.diameter = message.diameter();
+  peg.length = message.length();
+  peg.depth_in_part = message.depth_in_part();
+  peg.priority = message.priority();
+  return peg;
+}
+
+void SetCondition(const EvaluatedBoundaryCondition& condition,
+                  v1::EvaluatedBoundaryCondition* message) {
+  message->set_name(condition.name);
+  message->set_kind(static_cast<v1::BoundaryCondition::Kind>(condition.kind));
+  message->set_part(condition.part);
+  message->set_face(condition.face);
+  SetVector(condition.force, message->mutable_force());
+  message->set_pressure(condition.pressure);
+}
+
+absl::StatusOr<EvaluatedBoundaryCondition> ConditionOf(
+    const v1::EvaluatedBoundaryCondition& message, const std::string& field) {
+  EvaluatedBoundaryCondition condition;
+  condition.name = message.name();
+  if (message.kind() < v1::BoundaryCondition::FIXED ||
+      message.kind() > v1::BoundaryCondition::PRESSURE) {
+    return InvalidField(absl::StrCat(field, ".kind"), "must be FIXED, FORCE or PRESSURE");
+  }
+  condition.kind = static_cast<BoundaryConditionKind>(message.kind());
+  condition.part = message.part();
+  condition.face = message.face();
+  condition.force = VectorOf(message.force());
+  condition.pressure = message.pressure();
+  return condition;
+}
+
+}  // namespace
+
+v1::EvaluatedDesign ToProto(const EvaluatedDesign& design) {
+  v1::EvaluatedDesign message;
+  message.set_template_(design.template_name);
+  message.set_template_revision(design.template_revision);
+  message.set_template_digest(design.template_digest);
+  for (const NamedValue& value : design.parameters) {
+    v1::ParameterValue* parameter = message.add_parameters();
+    parameter->set_name(value.name);
+    parameter->set_value(value.value);
+  }
+  for (const EvaluatedPart& part : design.parts) SetPart(part, message.add_parts());
+  for (const EvaluatedConnector& peg : design.connectors) {
+    SetConnector(peg, message.add_connectors());
+  }
+  for (const EvaluatedBoundaryCondition& condition : design.boundary_conditions) {
+    SetCondition(condition, message.add_boundary_conditions());
+  }
+  message.set_mass(design.mass);
+  return message;
+}
+
+absl::StatusOr<EvaluatedDesign> FromProto(const v1::EvaluatedDesign& message) {
+  EvaluatedDesign design;
+  design.template_name = message.template_();
+  design.template_revision = message.template_revision();
+  design.template_digest = message.template_digest();
+  design.parameters = FromProto(message.parameters());
+  for (int i = 0; i < message.parts_size(); ++i) {
+    MORTISE_ASSIGN_OR_RETURN(EvaluatedPart part,
+                             PartOf(message.parts(i), absl::StrCat("parts[", i, "]")));
+    design.parts.push_back(std::move(part));
+  }
+  for (const v1::EvaluatedConnector& peg : message.connectors()) {
+    design.connectors.push_back(ConnectorOf(peg));
+  }
+  for (int i = 0; i < message.boundary_conditions_size(); ++i) {
+    MORTISE_ASSIGN_OR_RETURN(
+        EvaluatedBoundaryCondition condition,
+        ConditionOf(message.boundary_conditions(i), absl::StrCat("boundary_conditions[", i, "]")));
+    design.boundary_conditions.push_back(std::move(condition));
+  }
+  design.mass = message.mass();
+  return design;
+}
+
+}  // namespace mortise::parametric

@@ -1,0 +1,39 @@
+// Evaluates the pieces of a compiled template one by one, so that a check can go on after a piece
+// that fails. Private to this folder; evaluation.h is the door.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "absl/status/statusor.h"
+#include "common/parametric/compiled_template.h"
+#include "common/parametric/evaluated_design.h"
+
+namespace mortise::parametric {
+
+// Whether `value` may be given to the parameter; otherwise INVALID_ARGUMENT naming `field`.
+absl::Status CheckParameterValue(const Parameter& parameter, double value,
+                                 const std::string& field);
+
+// As above, for all parameters; fields are "parameters[i].value".
+absl::Status CheckParameterValues(const std::vector<Parameter>& parameters,
+                                  const Eigen::VectorXd& q);
+
+// The part of this index. INVALID_ARGUMENT naming the expression that fails, or the extent or
+// outline that is no shape.
+absl::StatusOr<EvaluatedPart> EvaluatePart(const CompiledTemplate& compiled, std::size_t part,
+                                           const Eigen::VectorXd& q);
+
+// The pegs of the connection of this index, for parts already evaluated. INVALID_ARGUMENT naming
+// the connection if the parts do not touch.
+absl::StatusOr<std::vector<EvaluatedConnector>> EvaluateConnection(
+    const CompiledTemplate& compiled, std::size_t connection,
+    const std::vector<EvaluatedPart>& parts);
+
+// The boundary condition of this index.
+absl::StatusOr<EvaluatedBoundaryCondition> EvaluateBoundaryCondition(
+    const CompiledTemplate& compiled, std::size_t condition, const Eigen::VectorXd& q);
+
+// The volume of the part of this index, m³, with its gradient.
+absl::StatusOr<Dual> EvaluateVolume(const CompiledPart& part, const Eigen::VectorXd& q);
+
+}  // namespace mortise::parametric

@@ -1,0 +1,15 @@
+// What can be seen to be wrong with a template without evaluating it. Private to this folder;
+// template_validation.h is the door.
+#pragma once
+
+#include <vector>
+
+#include "common/parametric/template_validation.h"
+
+namespace mortise::parametric {
+
+// Names, references, ranges, expressions and limits of size. If it finds nothing, the template
+// compiles.
+std::vector<Finding> CheckTemplate(const TemplateBundle& bundle);
+
+}  // namespace mortise::parametric

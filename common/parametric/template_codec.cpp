@@ -1,0 +1,258 @@
+// Field-by-field conversion of templates and designs; items and materials are in item_codec.cpp.
+#include "common/parametric/template_codec.h"
+
+#include <google/protobuf/io/coded_stream.h>
+#include <google/protobuf/io/zero_copy_stream_impl_lite.h>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/digest.h"
+#include "common/base/errors.h"
+#include "common/parametric/axis_codec.h"
+
+namespace mortise::parametric {
+namespace {
+
+Parameter FromProto(const v1::Parameter& message) {
+  return {message.name(),    message.title(),   message.description(),   message.unit(),
+          message.minimum(), message.maximum(), message.default_value(), message.step()};
+}
+
+v1::Parameter ToProto(const Parameter& parameter) {
+  v1::Parameter message;
+  message.set_name(parameter.name);
+  message.set_title(parameter.title);
+  message.set_description(parameter.description);
+  message.set_unit(parameter.unit);
+  message.set_minimum(parameter.minimum);
+  message.set_maximum(parameter.maximum);
+  message.set_default_value(parameter.default_value);
+  message.set_step(parameter.step);
+  return message;
+}
+
+Extent FromProto(const v1::Extent& message) { return {message.from(), message.to()}; }
+
+void SetProto(const Extent& extent, v1::Extent* message) {
+  message->set_from(extent.from);
+  message->set_to(extent.to);
+}
+
+absl::StatusOr<Prism> FromProto(const v1::Prism& message, const std::string& field) {
+  Prism prism;
+  MORTISE_ASSIGN_OR_RETURN(prism.axis, AxisFromProto(message.axis(), absl::StrCat(field, ".axis")));
+  for (const v1::OutlinePoint& point : message.outline()) {
+    prism.outline.push_back({point.u(), point.v()});
+  }
+  prism.extent = FromProto(message.extent());
+  return prism;
+}
+
+absl::StatusOr<PartTemplate> FromProto(const v1::PartTemplate& message, const std::string& field) {
+  PartTemplate part;
+  part.name = message.name();
+  part.title = message.title();
+  part.item = message.item();
+  MORTISE_ASSIGN_OR_RETURN(
+      part.length_axis, AxisFromProto(message.length_axis(), absl::StrCat(field, ".length_axis")));
+  MORTISE_ASSIGN_OR_RETURN(
+      part.thickness_axis,
+      AxisFromProto(message.thickness_axis(), absl::StrCat(field, ".thickness_axis")));
+  switch (message.body_case()) {
+    case v1::PartTemplate::kBox:
+      part.body = Box{FromProto(message.box().x()), FromProto(message.box().y()),
+                      FromProto(message.box().z())};
+      return part;
+    case v1::PartTemplate::kPrism: {
+      MORTISE_ASSIGN_OR_RETURN(part.body,
+                               FromProto(message.prism(), absl::StrCat(field, ".prism")));
+      return part;
+    }
+    case v1::PartTemplate::BODY_NOT_SET:
+      break;
+  }
+  return InvalidField(absl::StrCat(field, ".body"), "is missing: say 'box' or 'prism'");
+}
+
+v1::PartTemplate ToProto(const PartTemplate& part) {
+  v1::PartTemplate message;
+  message.set_name(part.name);
+  message.set_title(part.title);
+  message.set_item(part.item);
+  message.set_length_axis(AxisToProto(part.length_axis));
+  message.set_thickness_axis(AxisToProto(part.thickness_axis));
+  if (const Box* box = std::get_if<Box>(&part.body)) {
+    SetProto(box->x, message.mutable_box()->mutable_x());
+    SetProto(box->y, message.mutable_box()->mutable_y());
+    SetProto(box->z, message.mutable_box()->mutable_z());
+    return message;
+  }
+  const Prism& prism = std::get<Prism>(part.body);
+  message.mutable_prism()->set_axis(AxisToProto(prism.axis));
+  for (const OutlinePoint& point : prism.outline) {
+    v1::OutlinePoint* added = message.mutable_prism()->add_outline();
+    added->set_u(point.u);
+    added->set_v(point.v);
+  }
+  SetProto(prism.extent, message.mutable_prism()->mutable_extent());
+  return message;
+}
+
+Connection FromProto(const v1::Connection& message) {
+  return {message.name(),         message.part(),    message.face(),
+          message.other_part(),   message.item(),    message.priority(),
+          message.end_distance(), message.spacing(), message.depth_in_part()};
+}
+
+v1::Connection ToProto(const Connection& connection) {
+  v1::Connection message;
+  message.set_name(connection.name);
+  message.set_part(connection.part);
+  message.set_face(connection.face);
+  message.set_other_part(connection.other_part);
+  message.set_item(connection.item);
+  message.set_priority(connection.priority);
+  message.set_end_distance(connection.end_distance);
+  message.set_spacing(connection.spacing);
+  message.set_depth_in_part(connection.depth_in_part);
+  return message;
+}
+
+absl::StatusOr<BoundaryConditionKind> FromProto(v1::BoundaryCondition::Kind kind,
+                                                const std::string& field) {
+  switch (kind) {
+    case v1::BoundaryCondition::FIXED:
+      return BoundaryConditionKind::kFixed;
+    case v1::BoundaryCondition::FORCE:
+      return BoundaryConditionKind::kForce;
+    case v1::BoundaryCondition::PRESSURE:
+      return BoundaryConditionKind::kPressure;
+    default:
+      return InvalidField(field, "must be FIXED, FORCE or PRESSURE");
+  }
+}
+
+v1::BoundaryCondition::Kind ToProto(BoundaryConditionKind kind) {
+  return static_cast<v1::BoundaryCondition::Kind>(kind);
+}
+
+absl::StatusOr<BoundaryCondition> FromProto(const v1::BoundaryCondition& message,
+                                            const std::string& field) {
+  BoundaryCondition condition;
+  condition.name = message.name();
+  MORTISE_ASSIGN_OR_RETURN(condition.kind, FromProto(message.kind(), absl::StrCat(field, ".kind")));
+  condition.part = message.part();
+  condition.face = message.face();
+  condition.components = {message.components().begin(), message.components().end()};
+  return condition;
+}
+
+v1::BoundaryCondition ToProto(const BoundaryCondition& condition) {
+  v1::BoundaryCondition message;
+  message.set_name(condition.name);
+  message.set_kind(ToProto(condition.kind));
+  message.set_part(condition.part);
+  message.set_face(condition.face);
+  for (const std::string& component : condition.components) message.add_components(component);
+  return message;
+}
+
+}  // namespace
+
+std::vector<NamedValue> FromProto(
+    const google::protobuf::RepeatedPtrField<v1::ParameterValue>& messages) {
+  std::vector<NamedValue> values;
+  for (const v1::ParameterValue& message : messages) {
+    values.push_back({message.name(), message.value()});
+  }
+  return values;
+}
+
+absl::StatusOr<TemplateDefinition> FromProto(const v1::Template& message) {
+  TemplateDefinition definition;
+  definition.name = message.name();
+  definition.revision = message.revision();
+  definition.title = message.title();
+  definition.description = message.description();
+  definition.digest = message.digest();
+  for (const v1::Parameter& parameter : message.parameters()) {
+    definition.parameters.push_back(FromProto(parameter));
+  }
+  for (int i = 0; i < message.parts_size(); ++i) {
+    MORTISE_ASSIGN_OR_RETURN(PartTemplate part,
+                             FromProto(message.parts(i), absl::StrCat("parts[", i, "]")));
+    definition.parts.push_back(std::move(part));
+  }
+  for (const v1::Connection& connection : message.connections()) {
+    definition.connections.push_back(FromProto(connection));
+  }
+  for (int i = 0; i < message.boundary_conditions_size(); ++i) {
+    MORTISE_ASSIGN_OR_RETURN(
+        BoundaryCondition condition,
+        FromProto(message.boundary_conditions(i), absl::StrCat("boundary_conditions[", i, "]")));
+    definition.boundary_conditions.push_back(std::move(condition));
+  }
+  return definition;
+}
+
+v1::Template ToProto(const TemplateDefinition& definition) {
+  v1::Template message;
+  message.set_name(definition.name);
+  message.set_revision(definition.revision);
+  message.set_title(definition.title);
+  message.set_description(definition.description);
+  message.set_digest(definition.digest);
+  for (const Parameter& parameter : definition.parameters) {
+    *message.add_parameters() = ToProto(parameter);
+  }
+  for (const PartTemplate& part : definition.parts) *message.add_parts() = ToProto(part);
+  for (const Connection& connection : definition.connections) {
+    *message.add_connections() = ToProto(connection);
+  }
+  for (const BoundaryCondition& condition : definition.boundary_conditions) {
+    *message.add_boundary_conditions() = ToProto(condition);
+  }
+  return message;
+}
+
+absl::StatusOr<TemplateBundle> FromProto(const v1::TemplateBundle& message) {
+  TemplateBundle bundle;
+  auto definition = FromProto(message.template_());
+  if (!definition.ok()) return UnderField("template.", definition.status());
+  bundle.definition = *std::move(definition);
+  for (int i = 0; i < message.items_size(); ++i) {
+    auto item = FromProto(message.items(i));
+    if (!item.ok()) return UnderField(absl::StrCat("items[", i, "]."), item.status());
+    bundle.items.push_back(*std::move(item));
+  }
+  for (const v1::Material& material : message.materials()) {
+    MORTISE_ASSIGN_OR_RETURN(Material converted, FromProto(material));
+    bundle.materials.push_back(std::move(converted));
+  }
+  return bundle;
+}
+
+v1::TemplateBundle ToProto(const TemplateBundle& bundle) {
+  v1::TemplateBundle message;
+  *message.mutable_template_() = ToProto(bundle.definition);
+  for (const Item& item : bundle.items) *message.add_items() = ToProto(item);
+  for (const Material& material : bundle.materials) *message.add_materials() = ToProto(material);
+  return message;
+}
+
+std::string TemplateDigest(const v1::Template& message) {
+  v1::Template content = message;
+  content.clear_name();
+  content.clear_revision();
+  content.clear_digest();
+  content.clear_create_time();
+  std::string bytes;
+  {
+    google::protobuf::io::StringOutputStream stream(&bytes);
+    google::protobuf::io::CodedOutputStream coded(&stream);
+    coded.SetSerializationDeterministic(true);
+    content.SerializeToCodedStream(&coded);
+  }
+  return Sha256Hex(bytes);
+}
+
+}  // namespace mortise::parametric
