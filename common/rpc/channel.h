@@ -65,11 +65,10 @@ absl::StatusOr<Response> CallUnary(
     Stub& stub, grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&, Response*),
     const Request& request, const Origin& origin, const RetryOptions& options = {}) {
   Response response;
-  absl::Status status =
-      CallWithRetry(origin, options, [&](grpc::ClientContext* context) -> grpc::Status {
-        response.Clear();
-        return (stub.*method)(context, request, &response);
-      });
+  absl::Status status = CallWithRetry(origin, options, [&](grpc::ClientContext* context) {
+    response.Clear();
+    return (stub.*method)(context, request, &response);
+  });
   if (!status.ok()) return status;
   return response;
 }

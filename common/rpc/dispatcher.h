@@ -50,6 +50,9 @@ class Dispatcher {
   // Runs `work` on the handlers' threads after `delay`; dropped at destruction.
   virtual void SubmitAfter(absl::Duration delay, std::function<void()> work) = 0;
 
+  // Waits until nothing submitted is queued or running.
+  virtual void WaitIdle() = 0;
+
   // Asks waiting calls to answer and endless streams to end (Call::OnStop, StreamOptions::endless),
   // now and for every later call.
   virtual void BeginDrain() = 0;

@@ -38,7 +38,7 @@ class ServerHost {
     std::shared_ptr<prometheus::Registry> registry;  // what /metrics shows
     std::vector<std::shared_ptr<grpc::Service>> services;
     // Further settings: a generic service, say. Runs before the server is built; may be unset.
-    std::function<void(grpc::ServerBuilder&)> configure;
+    std::function<void(grpc::ServerBuilder&)> configure = nullptr;
   };
 
   // Listens and serves; health says NOT_SERVING until SetReady. UNAVAILABLE, ADDRESS_IN_USE naming

@@ -124,10 +124,10 @@ class BidiReactor : public grpc::ServerBidiReactor<Request, Response>,
       return reactor.get();
     }
     state->dispatcher()->Submit([reactor, options, open = std::move(open)] {
-      CallState& state = *reactor->state_;
-      absl::Status status = state.Admit();
+      CallState& call = *reactor->state_;
+      absl::Status status = call.Admit();
       if (status.ok()) {
-        status = state.RunGuarded([&]() -> absl::Status {
+        status = call.RunGuarded([&]() -> absl::Status {
           MORTISE_ASSIGN_OR_RETURN(reactor->reader_, open(Call(reactor->state_), reactor->writer_));
           return absl::OkStatus();
         });
@@ -137,7 +137,7 @@ class BidiReactor : public grpc::ServerBidiReactor<Request, Response>,
         return;
       }
       if (options.endless) {
-        ServerStreamReactor<Response>::EndWhenDraining(state, reactor->writer_);
+        ServerStreamReactor<Response>::EndWhenDraining(call, reactor->writer_);
       }
       reactor->ReadNext();
     });
@@ -226,10 +226,10 @@ class UploadReactor : public grpc::ServerReadReactor<Request>,
       return reactor.get();
     }
     state->dispatcher()->Submit([reactor, open = std::move(open)] {
-      CallState& state = *reactor->state_;
-      absl::Status status = state.Admit();
+      CallState& call = *reactor->state_;
+      absl::Status status = call.Admit();
       if (status.ok()) {
-        status = state.RunGuarded([&]() -> absl::Status {
+        status = call.RunGuarded([&]() -> absl::Status {
           MORTISE_ASSIGN_OR_RETURN(reactor->reader_, open(Call(reactor->state_)));
           return absl::OkStatus();
         });

@@ -1,0 +1,186 @@
+#include "common/rpc/dispatcher.h"
+
+#include <condition_variable>
+#include <map>
+#include <mutex>
+#include <set>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "common/base/errors.h"
+#include "common/base/logging.h"
+#include "common/base/thread_pool.h"
+#include "common/rpc/call_state.h"
+#include "common/rpc/request_metrics.h"
+
+namespace mortise::rpc {
+namespace {
+
+// Routine reads would drown the rest of the log.
+LogLevel LevelOf(const MethodInfo& method, absl::StatusCode code) {
+  switch (code) {
+    case absl::StatusCode::kInternal:
+    case absl::StatusCode::kDataLoss:
+      return LogLevel::kError;
+    case absl::StatusCode::kOk:
+      return method.mutates ? LogLevel::kInfo : LogLevel::kDebug;
+    default:
+      return LogLevel::kInfo;
+  }
+}
+
+// Work that waits for its time, on one thread.
+class Timer {
+ public:
+  explicit Timer(std::function<void(std::function<void()>)> submit)
+      : submit_(std::move(submit)), thread_([this] { Run(); }) {}
+
+  ~Timer() {
+    {
+      std::lock_guard lock(mutex_);
+      stopping_ = true;
+    }
+    changed_.notify_all();
+    thread_.join();
+  }
+
+  void Add(absl::Duration delay, std::function<void()> work) {
+    {
+      std::lock_guard lock(mutex_);
+      waiting_.emplace(absl::Now() + delay, std::move(work));
+    }
+    changed_.notify_all();
+  }
+
+ private:
+  void Run() {
+    std::unique_lock lock(mutex_);
+    while (!stopping_) {
+      if (waiting_.empty()) {
+        changed_.wait(lock);
+        continue;
+      }
+      const absl::Time next = waiting_.begin()->first;
+      if (next > absl::Now()) {
+        changed_.wait_until(lock, absl::ToChronoTime(next));
+        continue;
+      }
+      std::function<void()> work = std::move(waiting_.begin()->second);
+      waiting_.erase(waiting_.begin());
+      lock.unlock();
+      submit_(std::move(work));
+      lock.lock();
+    }
+  }
+
+  const std::function<void(std::function<void()>)> submit_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::multimap<absl::Time, std::function<void()>> waiting_;  // guarded by mutex_
+  bool stopping_ = false;                                     // guarded by mutex_
+  std::thread thread_;
+};
+
+class PoolDispatcher : public Dispatcher {
+ public:
+  explicit PoolDispatcher(const DispatcherOptions& options)
+      : options_(options),
+        metrics_(RequestMetrics::Create(options.registry)),
+        pool_(options.threads),
+        timer_([this](std::function<void()> work) { Submit(std::move(work)); }) {}
+
+  const DispatcherOptions& options() const override { return options_; }
+
+  void Submit(std::function<void()> work) override {
+    {
+      std::lock_guard lock(mutex_);
+      ++submitted_;
+    }
+    pool_.Submit([this, work = std::move(work)]() mutable {
+      try {
+        work();
+      } catch (const std::exception& exception) {
+        Log(LogLevel::kError, "submitted work threw", {{"what", exception.what()}});
+      }
+      work = nullptr;  // lets go of what it holds before WaitIdle returns
+      std::lock_guard lock(mutex_);
+      if (--submitted_ == 0) idle_.notify_all();
+    });
+  }
+
+  void SubmitAfter(absl::Duration delay, std::function<void()> work) override {
+    timer_.Add(delay, std::move(work));
+  }
+
+  void WaitIdle() override {
+    std::unique_lock lock(mutex_);
+    idle_.wait(lock, [this] { return submitted_ == 0; });
+  }
+
+  void BeginDrain() override {
+    std::vector<std::shared_ptr<CallState>> calls;
+    {
+      std::lock_guard lock(mutex_);
+      draining_ = true;
+      calls.assign(calls_.begin(), calls_.end());
+    }
+    for (const auto& call : calls) call->Stop();
+  }
+
+  int calls() const override {
+    std::lock_guard lock(mutex_);
+    return static_cast<int>(calls_.size());
+  }
+
+  absl::Status Begin(const std::shared_ptr<CallState>& call) override {
+    bool draining = false;
+    bool full = false;
+    {
+      std::lock_guard lock(mutex_);
+      full = static_cast<int>(calls_.size()) >= options_.max_calls;
+      draining = draining_;
+      calls_.insert(call);
+    }
+    metrics_->Begin();
+    if (draining) call->Stop();
+    if (!full) return absl::OkStatus();
+    return WithDetail(absl::ResourceExhaustedError("too many calls in flight; try again later"),
+                      {"TOO_MANY_CALLS", ""});
+  }
+
+  void End(const std::shared_ptr<CallState>& call, const absl::Status& status) override {
+    {
+      std::lock_guard lock(mutex_);
+      calls_.erase(call);
+    }
+    const absl::Duration time = absl::Now() - call->begun_at();
+    const std::string code = absl::StatusCodeToString(status.code());
+    metrics_->End(call->method().name, status.code(), time);
+    Log(LevelOf(call->method(), status.code()), "call",
+        {{"method", call->method().name},
+         {"subject", call->identity().subject},
+         {"code", code},
+         {"error", status.message()},
+         {"milliseconds", absl::ToDoubleMilliseconds(time)}});
+  }
+
+ private:
+  const DispatcherOptions options_;
+  const std::unique_ptr<RequestMetrics> metrics_;
+  mutable std::mutex mutex_;
+  std::condition_variable idle_;
+  std::set<std::shared_ptr<CallState>> calls_;  // guarded by mutex_
+  bool draining_ = false;                       // guarded by mutex_
+  int64_t submitted_ = 0;                       // guarded by mutex_; queued or running
+  ThreadPool pool_;
+  Timer timer_;  // ends before the pool it submits to
+};
+
+}  // namespace
+
+std::unique_ptr<Dispatcher> Dispatcher::Create(const DispatcherOptions& options) {
+  return std::make_unique<PoolDispatcher>(options);
+}
+
+}  // namespace mortise::rpc

@@ -1,0 +1,238 @@
+#include "common/rpc/event_service.h"
+
+#include <google/protobuf/util/time_util.h>
+
+#include <deque>
+#include <map>
+#include <mutex>
+#include <vector>
+
+#include "absl/strings/match.h"
+#include "common/base/errors.h"
+#include "common/rpc/handler.h"
+#include "common/store/store.h"
+#include "mortise/v1/events.grpc.pb.h"
+
+namespace mortise::rpc {
+namespace {
+
+constexpr int kDefaultLimit = 1000;
+constexpr int kLargestLimit = 10000;
+constexpr int kFollowBatch = 500;
+// An answer stays below the message limit, whatever is in the events.
+constexpr std::size_t kLargestAnswer = 3 * 1024 * 1024;
+// How soon a follower sees events that another replica numbered.
+constexpr absl::Duration kPollInterval = absl::Seconds(1);
+
+class Signal : public EventSignal {
+ public:
+  void Notify() override {
+    std::lock_guard lock(state_->mutex);
+    for (const auto& [id, callback] : state_->callbacks) callback();
+  }
+
+  std::shared_ptr<void> Subscribe(std::function<void()> callback) override {
+    std::lock_guard lock(state_->mutex);
+    const int64_t id = ++state_->last;
+    state_->callbacks[id] = std::move(callback);
+    return std::shared_ptr<void>(nullptr, [state = state_, id](void*) {
+      std::function<void()> dropped;
+      std::lock_guard end_lock(state->mutex);
+      dropped = std::move(state->callbacks[id]);
+      state->callbacks.erase(id);
+    });
+  }
+
+ private:
+  struct State {
+    std::mutex mutex;
+    int64_t last = 0;                                    // guarded by mutex
+    std::map<int64_t, std::function<void()>> callbacks;  // guarded by mutex
+  };
+  const std::shared_ptr<State> state_ = std::make_shared<State>();
+};
+
+v1::Event EventProto(const store::NumberedEvent& event, const std::string& stream) {
+  v1::Event proto;
+  proto.set_stream(stream);
+  proto.set_epoch(event.epoch);
+  proto.set_number(event.number);
+  proto.set_type(event.type);
+  proto.set_subject(event.subject);
+  *proto.mutable_time() =
+      google::protobuf::util::TimeUtil::MicrosecondsToTimestamp(absl::ToUnixMicros(event.time));
+  proto.set_trace_id(event.trace_id);
+  proto.set_data(event.payload);
+  return proto;
+}
+
+// Where a follower is. Used by one thread at a time.
+struct Follower {
+  int64_t after_number = 0;
+  std::vector<std::string> type_prefixes;
+  std::deque<v1::Event> ahead;
+
+  bool Wants(const store::NumberedEvent& event) const {
+    if (type_prefixes.empty()) return true;
+    for (const std::string& prefix : type_prefixes) {
+      if (absl::StartsWith(event.type, prefix)) return true;
+    }
+    return false;
+  }
+};
+
+using EventWriter = std::shared_ptr<StreamWriter<v1::Event>>;
+
+// Wakes the writer again and again, until its stream has ended.
+void WakeRepeatedly(Dispatcher* dispatcher, const std::weak_ptr<StreamWriter<v1::Event>>& writer) {
+  dispatcher->SubmitAfter(kPollInterval, [dispatcher, writer] {
+    const EventWriter alive = writer.lock();
+    if (!alive) return;
+    alive->Wake();
+    WakeRepeatedly(dispatcher, writer);
+  });
+}
+
+class EventAdapter : public v1::EventService::CallbackService {
+ public:
+  EventAdapter(Dispatcher* dispatcher, store::Store* store, std::string stream,
+               std::shared_ptr<EventSignal> signal)
+      : dispatcher_(dispatcher),
+        store_(store),
+        stream_(std::move(stream)),
+        signal_(std::move(signal)),
+        endpoint_(dispatcher, "mortise.v1.EventService") {}
+
+  grpc::ServerUnaryReactor* ListStreams(grpc::CallbackServerContext* context,
+                                        const v1::ListStreamsRequest* request,
+                                        v1::ListStreamsResponse* response) override {
+    return endpoint_.Query("ListStreams", context, request, response,
+                           [this](const Call&, const v1::ListStreamsRequest&) { return List(); });
+  }
+
+  grpc::ServerUnaryReactor* ReadEvents(grpc::CallbackServerContext* context,
+                                       const v1::ReadEventsRequest* request,
+                                       v1::ReadEventsResponse* response) override {
+    return endpoint_.Query(
+        "ReadEvents", context, request, response,
+        [this](const Call&, const v1::ReadEventsRequest& asked) { return Read(asked); });
+  }
+
+  grpc::ServerWriteReactor<v1::Event>* FollowEvents(
+      grpc::CallbackServerContext* context, const v1::FollowEventsRequest* request) override {
+    return endpoint_.ServerStream<v1::Event>(
+        "FollowEvents", context, request,
+        [this](const Call&, const v1::FollowEventsRequest& asked, const EventWriter& writer) {
+          return Follow(asked, writer);
+        },
+        {.endless = true});
+  }
+
+ private:
+  absl::StatusOr<v1::ListStreamsResponse> List() {
+    v1::ListStreamsResponse response;
+    auto* stream = response.add_streams();
+    stream->set_name(stream_);
+    MORTISE_RETURN_IF_ERROR(store_->Read([&](store::ReadTransaction& read) -> absl::Status {
+      MORTISE_ASSIGN_OR_RETURN(const int64_t number, read.LatestEventNumber());
+      MORTISE_ASSIGN_OR_RETURN(const int64_t epoch, read.Epoch());
+      stream->set_latest_number(number);
+      stream->set_epoch(epoch);
+      return absl::OkStatus();
+    }));
+    return response;
+  }
+
+  absl::Status CheckStream(const std::string& stream, const char* field) const {
+    if (stream == stream_) return absl::OkStatus();
+    return InvalidField(field, "this service has only the stream '" + stream_ + "'");
+  }
+
+  absl::StatusOr<v1::ReadEventsResponse> Read(const v1::ReadEventsRequest& asked) {
+    MORTISE_RETURN_IF_ERROR(CheckStream(asked.stream(), "stream"));
+    if (asked.after_number() < 0) return InvalidField("after_number", "must be at least 0");
+    if (asked.limit() < 0 || asked.limit() > kLargestLimit) {
+      return InvalidField("limit", "must be 0 to 10000");
+    }
+    const int limit = asked.limit() == 0 ? kDefaultLimit : asked.limit();
+    v1::ReadEventsResponse response;
+    std::size_t bytes = 0;
+    MORTISE_RETURN_IF_ERROR(store_->Read([&](store::ReadTransaction& read) -> absl::Status {
+      MORTISE_ASSIGN_OR_RETURN(const int64_t latest, read.LatestEventNumber());
+      response.set_latest_number(latest);
+      MORTISE_ASSIGN_OR_RETURN(const std::vector<store::NumberedEvent> events,
+                               read.ReadEvents(asked.after_number(), limit));
+      for (const store::NumberedEvent& event : events) {
+        v1::Event proto = EventProto(event, stream_);
+        bytes += proto.ByteSizeLong();
+        if (bytes > kLargestAnswer && response.events_size() > 0) break;
+        *response.add_events() = std::move(proto);
+      }
+      return absl::OkStatus();
+    }));
+    return response;
+  }
+
+  absl::Status Follow(const v1::FollowEventsRequest& asked, const EventWriter& writer) {
+    for (int i = 0; i < asked.streams_size(); ++i) {
+      MORTISE_RETURN_IF_ERROR(
+          CheckStream(asked.streams(i), ("streams[" + std::to_string(i) + "]").c_str()));
+    }
+    if (asked.after_number() < -1) return InvalidField("after_number", "must be at least -1");
+    auto follower = std::make_shared<Follower>();
+    follower->after_number = asked.after_number();
+    follower->type_prefixes.assign(asked.type_prefixes().begin(), asked.type_prefixes().end());
+    if (asked.after_number() == -1) {
+      MORTISE_RETURN_IF_ERROR(store_->Read([&](store::ReadTransaction& read) -> absl::Status {
+        MORTISE_ASSIGN_OR_RETURN(follower->after_number, read.LatestEventNumber());
+        return absl::OkStatus();
+      }));
+    }
+    std::weak_ptr<StreamWriter<v1::Event>> weak = writer;
+    if (signal_) {
+      std::shared_ptr<void> subscription = signal_->Subscribe([weak] {
+        if (const EventWriter alive = weak.lock()) alive->Wake();
+      });
+      writer->OnEnd([subscription] {});  // keeps it until then
+    }
+    writer->Pull([this, follower] { return Next(*follower); });
+    WakeRepeatedly(dispatcher_, weak);
+    return absl::OkStatus();
+  }
+
+  absl::StatusOr<std::optional<v1::Event>> Next(Follower& follower) {
+    while (follower.ahead.empty()) {
+      std::vector<store::NumberedEvent> events;
+      MORTISE_RETURN_IF_ERROR(store_->Read([&](store::ReadTransaction& read) -> absl::Status {
+        MORTISE_ASSIGN_OR_RETURN(events, read.ReadEvents(follower.after_number, kFollowBatch));
+        return absl::OkStatus();
+      }));
+      if (events.empty()) return std::optional<v1::Event>();
+      follower.after_number = events.back().number;
+      for (const store::NumberedEvent& event : events) {
+        if (follower.Wants(event)) follower.ahead.push_back(EventProto(event, stream_));
+      }
+    }
+    std::optional<v1::Event> next = std::move(follower.ahead.front());
+    follower.ahead.pop_front();
+    return next;
+  }
+
+  Dispatcher* const dispatcher_;
+  store::Store* const store_;
+  const std::string stream_;
+  const std::shared_ptr<EventSignal> signal_;
+  Endpoint endpoint_;
+};
+
+}  // namespace
+
+std::shared_ptr<EventSignal> EventSignal::Create() { return std::make_shared<Signal>(); }
+
+std::shared_ptr<grpc::Service> MakeEventService(Dispatcher* dispatcher, store::Store* store,
+                                                const std::string& stream,
+                                                std::shared_ptr<EventSignal> signal) {
+  return std::make_shared<EventAdapter>(dispatcher, store, stream, std::move(signal));
+}
+
+}  // namespace mortise::rpc

@@ -1,0 +1,78 @@
+#include "common/rpc/operation_codec.h"
+
+#include <google/protobuf/any.pb.h>
+#include <google/protobuf/message.h>
+#include <google/protobuf/util/time_util.h>
+
+#include <nlohmann/json.hpp>
+
+#include "common/rpc/status_mapping.h"
+#include "google/rpc/status.pb.h"
+#include "mortise/v1/operations.pb.h"
+
+namespace mortise::rpc {
+namespace {
+
+v1::Operation::State StateOf(jobs::OperationState state) {
+  switch (state) {
+    case jobs::OperationState::kPending:
+      return v1::Operation::PENDING;
+    case jobs::OperationState::kRunning:
+      return v1::Operation::RUNNING;
+    case jobs::OperationState::kSucceeded:
+      return v1::Operation::SUCCEEDED;
+    case jobs::OperationState::kFailed:
+      return v1::Operation::FAILED;
+    case jobs::OperationState::kCancelled:
+      return v1::Operation::CANCELLED;
+  }
+  return v1::Operation::STATE_UNSPECIFIED;
+}
+
+google::protobuf::Timestamp Timestamp(absl::Time time) {
+  return google::protobuf::util::TimeUtil::MicrosecondsToTimestamp(absl::ToUnixMicros(time));
+}
+
+}  // namespace
+
+std::string PackResult(const google::protobuf::Message& result) {
+  google::protobuf::Any any;
+  any.PackFrom(result);
+  return any.SerializeAsString();
+}
+
+v1::Operation ToProto(const jobs::Operation& operation) {
+  v1::Operation proto;
+  proto.set_name(operation.name);
+  proto.set_kind(operation.kind);
+  proto.set_subject(operation.subject);
+  proto.set_creator(operation.creator);
+  proto.set_state(StateOf(operation.state));
+  v1::Progress* progress = proto.mutable_progress();
+  progress->set_done(operation.progress.done);
+  progress->set_total(operation.progress.total);
+  if (operation.progress.has_best) progress->set_best(operation.progress.best_so_far);
+  progress->set_message(operation.progress.message);
+  if (!operation.result.empty() && !proto.mutable_result()->ParseFromString(operation.result)) {
+    proto.clear_result();
+  }
+  if (!operation.error.ok()) *proto.mutable_error() = ToProto(operation.error);
+  *proto.mutable_create_time() = Timestamp(operation.created_at);
+  *proto.mutable_update_time() = Timestamp(operation.updated_at);
+  return proto;
+}
+
+std::string DescribeOperationAsJson(const jobs::Operation& operation) {
+  nlohmann::json json = {{"kind", operation.kind},
+                         {"state", v1::Operation::State_Name(StateOf(operation.state))},
+                         {"subject", operation.subject},
+                         {"done", operation.progress.done},
+                         {"total", operation.progress.total},
+                         {"message", operation.progress.message}};
+  if (operation.progress.has_best) json["best"] = operation.progress.best_so_far;
+  if (!operation.error.ok()) json["error"] = std::string(operation.error.message());
+  // Texts of libraries need not be valid UTF-8; a replacement character beats an exception.
+  return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+}  // namespace mortise::rpc

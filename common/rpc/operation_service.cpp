@@ -1,0 +1,190 @@
+#include "common/rpc/operation_service.h"
+
+#include <algorithm>
+#include <mutex>
+#include <vector>
+
+#include "common/base/errors.h"
+#include "common/jobs/operations.h"
+#include "common/rpc/handler.h"
+#include "common/rpc/operation_codec.h"
+#include "mortise/v1/operations.grpc.pb.h"
+
+namespace mortise::rpc {
+namespace {
+
+constexpr int kDefaultPage = 100;
+constexpr int kLargestPage = 1000;
+constexpr double kDefaultWait = 60;    // s
+constexpr double kLongestWait = 3600;  // s
+// How long before the caller's deadline a wait answers, so that the answer still arrives.
+constexpr absl::Duration kAnswerTime = absl::Milliseconds(100);
+
+// Holds a watch until the wait it serves is over.
+struct Waiting {
+  std::mutex mutex;
+  std::unique_ptr<jobs::OperationWatch> watch;
+};
+
+class OperationAdapter : public v1::OperationService::CallbackService {
+ public:
+  OperationAdapter(Dispatcher* dispatcher, jobs::Operations* operations)
+      : dispatcher_(dispatcher),
+        operations_(operations),
+        endpoint_(dispatcher, "mortise.v1.OperationService") {}
+
+  grpc::ServerUnaryReactor* GetOperation(grpc::CallbackServerContext* context,
+                                         const v1::GetOperationRequest* request,
+                                         v1::Operation* response) override {
+    return endpoint_.Query(
+        "GetOperation", context, request, response,
+        [this](const Call&, const v1::GetOperationRequest& asked) { return Find(asked.name()); });
+  }
+
+  grpc::ServerUnaryReactor* ListOperations(grpc::CallbackServerContext* context,
+                                           const v1::ListOperationsRequest* request,
+                                           v1::ListOperationsResponse* response) override {
+    return endpoint_.Query(
+        "ListOperations", context, request, response,
+        [this](const Call&, const v1::ListOperationsRequest& asked) { return List(asked); });
+  }
+
+  grpc::ServerUnaryReactor* CancelOperation(grpc::CallbackServerContext* context,
+                                            const v1::CancelOperationRequest* request,
+                                            v1::Operation* response) override {
+    // Cancelling has a transaction of its own; it may be repeated, so it goes first.
+    return endpoint_.PreparedMutation(
+        "CancelOperation", context, request, response,
+        [this](const Call&,
+               const v1::CancelOperationRequest& asked) -> absl::StatusOr<v1::Operation> {
+          MORTISE_ASSIGN_OR_RETURN(jobs::Operation operation, operations_->Cancel(asked.name()));
+          return ToProto(operation);
+        },
+        [](const Call&, const v1::CancelOperationRequest&, const v1::Operation& operation,
+           store::Transaction&) -> absl::StatusOr<v1::Operation> { return operation; });
+  }
+
+  grpc::ServerUnaryReactor* WaitOperation(grpc::CallbackServerContext* context,
+                                          const v1::WaitOperationRequest* request,
+                                          v1::Operation* response) override {
+    return endpoint_.AsyncQuery(
+        "WaitOperation", context, request, response,
+        [this](const Call& call, const v1::WaitOperationRequest& asked,
+               Responder<v1::Operation> respond) { return Wait(call, asked, respond); });
+  }
+
+  grpc::ServerWriteReactor<v1::Operation>* WatchOperation(
+      grpc::CallbackServerContext* context, const v1::WatchOperationRequest* request) override {
+    return endpoint_.ServerStream<v1::Operation>(
+        "WatchOperation", context, request,
+        [this](const Call&, const v1::WatchOperationRequest& asked,
+               const std::shared_ptr<StreamWriter<v1::Operation>>& writer) {
+          return Watch(asked, writer);
+        },
+        {.endless = true});
+  }
+
+ private:
+  absl::StatusOr<v1::Operation> Find(const std::string& name) {
+    MORTISE_ASSIGN_OR_RETURN(jobs::Operation operation, operations_->Get(name));
+    return ToProto(operation);
+  }
+
+  // The page token is the name of the last operation on the page before.
+  absl::StatusOr<v1::ListOperationsResponse> List(const v1::ListOperationsRequest& asked) {
+    if (asked.page_size() < 0 || asked.page_size() > kLargestPage) {
+      return InvalidField("page_size", "must be 0 to 1000");
+    }
+    const std::size_t size = asked.page_size() == 0 ? kDefaultPage : asked.page_size();
+    v1::ListOperationsResponse response;
+    if (!asked.service().empty() && asked.service() != dispatcher_->options().service) {
+      return response;
+    }
+    MORTISE_ASSIGN_OR_RETURN(std::vector<jobs::Operation> newest,
+                             ListBefore(asked.page_token(), size + 1));
+    for (std::size_t i = 0; i < std::min(size, newest.size()); ++i) {
+      *response.add_operations() = ToProto(newest[i]);
+    }
+    if (newest.size() > size) response.set_next_page_token(newest[size - 1].name);
+    return response;
+  }
+
+  // Up to `limit` operations started before `before` (empty: all), newest first. The library lists
+  // oldest first, so this passes over all and keeps the last.
+  absl::StatusOr<std::vector<jobs::Operation>> ListBefore(const std::string& before,
+                                                          std::size_t limit) {
+    std::vector<jobs::Operation> last;
+    std::string after;
+    while (true) {
+      MORTISE_ASSIGN_OR_RETURN(std::vector<jobs::Operation> page,
+                               operations_->List(after, kLargestPage));
+      if (page.empty()) break;
+      after = page.back().name;
+      const bool more = page.size() == kLargestPage;
+      if (!before.empty()) {
+        std::erase_if(page, [&](const auto& operation) { return operation.name >= before; });
+      }
+      last.insert(last.end(), std::make_move_iterator(page.begin()),
+                  std::make_move_iterator(page.end()));
+      if (last.size() > limit) last.erase(last.begin(), last.end() - limit);
+      if (!more) break;
+    }
+    std::reverse(last.begin(), last.end());
+    return last;
+  }
+
+  absl::Status Wait(const Call& call, const v1::WaitOperationRequest& asked,
+                    const Responder<v1::Operation>& respond) {
+    if (asked.timeout_seconds() < 0 || asked.timeout_seconds() > kLongestWait) {
+      return InvalidField("timeout_seconds", "must be 0 to 3600");
+    }
+    const double seconds = asked.timeout_seconds() == 0 ? kDefaultWait : asked.timeout_seconds();
+    auto answer_now = [this, respond, name = asked.name()] { respond(Find(name)); };
+    auto waiting = std::make_shared<Waiting>();
+    // The watch must not go away within its own callback, so the answer is given elsewhere.
+    MORTISE_ASSIGN_OR_RETURN(
+        auto watch,
+        operations_->Watch(asked.name(), [this, respond](const jobs::Operation& operation) {
+          if (!jobs::IsFinal(operation.state)) return;
+          dispatcher_->Submit([respond, proto = ToProto(operation)] { respond(proto); });
+        }));
+    {
+      std::lock_guard lock(waiting->mutex);
+      waiting->watch = std::move(watch);
+    }
+    // The call's stop callback holds the watch; it is dropped when the call is answered.
+    call.OnStop([waiting, answer_now] { answer_now(); });
+    const absl::Duration time =
+        std::min(absl::Seconds(seconds), call.deadline() - absl::Now() - kAnswerTime);
+    dispatcher_->SubmitAfter(std::max(time, absl::ZeroDuration()),
+                             [still_waiting = std::weak_ptr(waiting), answer_now] {
+                               if (still_waiting.lock()) answer_now();
+                             });
+    return absl::OkStatus();
+  }
+
+  absl::Status Watch(const v1::WatchOperationRequest& asked,
+                     const std::shared_ptr<StreamWriter<v1::Operation>>& writer) {
+    MORTISE_ASSIGN_OR_RETURN(
+        std::shared_ptr<jobs::OperationWatch> watch,
+        operations_->Watch(asked.name(), [writer](const jobs::Operation& operation) {
+          writer->WriteLatest(ToProto(operation));
+          if (jobs::IsFinal(operation.state)) writer->Finish(absl::OkStatus());
+        }));
+    writer->OnEnd([watch] {});  // keeps it until then
+    return absl::OkStatus();
+  }
+
+  Dispatcher* const dispatcher_;
+  jobs::Operations* const operations_;
+  Endpoint endpoint_;
+};
+
+}  // namespace
+
+std::shared_ptr<grpc::Service> MakeOperationService(Dispatcher* dispatcher,
+                                                    jobs::Operations* operations) {
+  return std::make_shared<OperationAdapter>(dispatcher, operations);
+}
+
+}  // namespace mortise::rpc

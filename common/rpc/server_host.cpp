@@ -1,0 +1,131 @@
+#include "common/rpc/server_host.h"
+
+#include <grpcpp/ext/proto_server_reflection_plugin.h>
+#include <grpcpp/health_check_service_interface.h>
+#include <grpcpp/server.h>
+#include <grpcpp/server_builder.h>
+#include <prometheus/exposer.h>
+#include <prometheus/registry.h>
+
+#include <mutex>
+
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
+#include "common/base/logging.h"
+#include "common/rpc/dispatcher.h"
+
+namespace mortise::rpc {
+namespace {
+
+absl::Status AddressInUse(const std::string& address) {
+  return WithDetail(absl::UnavailableError(absl::StrCat("cannot listen on ", address,
+                                                        ": in use, not permitted, or not ours")),
+                    {"ADDRESS_IN_USE", address});
+}
+
+// `address` with the port that was really bound.
+std::string WithPort(const std::string& address, int port) {
+  if (absl::StartsWith(address, "unix:")) return address;
+  return absl::StrCat(address.substr(0, address.rfind(':')), ":", port);
+}
+
+void EnablePluginsOnce() {
+  static std::once_flag once;
+  std::call_once(once, [] {
+    grpc::EnableDefaultHealthCheckService(true);
+    grpc::reflection::InitProtoReflectionServerBuilderPlugin();
+  });
+}
+
+void SetLimits(grpc::ServerBuilder& builder) {
+  builder.SetMaxReceiveMessageSize(kMaxMessageBytes);
+  // Otherwise two servers on one port would share its calls at random.
+  builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
+  builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, 1000);
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, 30000);
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 10000);
+  builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, 5000);
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
+}
+
+absl::StatusOr<std::unique_ptr<prometheus::Exposer>> Expose(
+    const std::string& address, const std::shared_ptr<prometheus::Registry>& registry) {
+  try {
+    auto exposer = std::make_unique<prometheus::Exposer>(address, 1);
+    if (registry) exposer->RegisterCollectable(registry);
+    return exposer;
+  } catch (const std::exception&) {
+    return AddressInUse(address);
+  }
+}
+
+class Host : public ServerHost {
+ public:
+  explicit Host(Options options) : options_(std::move(options)) {}
+
+  ~Host() override { Shutdown(); }
+
+  absl::Status Listen() {
+    EnablePluginsOnce();
+    MORTISE_ASSIGN_OR_RETURN(auto credentials,
+                             MakeServerCredentials(options_.listen, options_.security));
+    if (!options_.metrics.empty()) {
+      if (!IsLocalAddress(options_.metrics) && options_.security.certificate.empty()) {
+        return InvalidField("metrics", "plain text stays on this machine");
+      }
+      MORTISE_ASSIGN_OR_RETURN(exposer_, Expose(options_.metrics, options_.registry));
+      metrics_address_ = WithPort(options_.metrics, exposer_->GetListeningPorts().at(0));
+    }
+    grpc::ServerBuilder builder;
+    SetLimits(builder);
+    int port = 0;
+    builder.AddListeningPort(options_.listen, credentials, &port);
+    for (const auto& service : options_.services) builder.RegisterService(service.get());
+    if (options_.configure) options_.configure(builder);
+    server_ = builder.BuildAndStart();
+    if (!server_ || port == 0) return AddressInUse(options_.listen);
+    SetHealth(false);
+    address_ = WithPort(options_.listen, port);
+    return absl::OkStatus();
+  }
+
+  void SetReady() override { SetHealth(true); }
+
+  void Shutdown() override {
+    std::call_once(shut_down_, [this] {
+      if (!server_) return;
+      Log(LogLevel::kInfo, "draining", {{"address", address_}});
+      SetHealth(false);
+      if (options_.dispatcher) options_.dispatcher->BeginDrain();
+      server_->Shutdown(absl::ToChronoTime(absl::Now() + options_.drain_time));
+      server_->Wait();
+      Log(LogLevel::kInfo, "stopped", {{"address", address_}});
+    });
+  }
+
+  const std::string& address() const override { return address_; }
+  const std::string& metrics_address() const override { return metrics_address_; }
+
+ private:
+  void SetHealth(bool serving) {
+    if (auto* health = server_->GetHealthCheckService()) health->SetServingStatus(serving);
+  }
+
+  const Options options_;
+  std::unique_ptr<prometheus::Exposer> exposer_;
+  std::unique_ptr<grpc::Server> server_;
+  std::string address_;
+  std::string metrics_address_;
+  std::once_flag shut_down_;
+};
+
+}  // namespace
+
+absl::StatusOr<std::unique_ptr<ServerHost>> ServerHost::Start(Options options) {
+  auto host = std::make_unique<Host>(std::move(options));
+  MORTISE_RETURN_IF_ERROR(host->Listen());
+  return host;
+}
+
+}  // namespace mortise::rpc
