@@ -7,7 +7,6 @@
 #include <google/protobuf/util/time_util.h>
 
 #include <algorithm>
-#include <limits>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
@@ -49,10 +48,9 @@ std::string SerializeDeterministically(const Message& message) {
   return bytes;
 }
 
-// Keys sort upwards and the newest record is to come first, so time counts down.
+// Sorts by time.
 std::string AuditKey(absl::Time time) {
-  const int64_t left = std::numeric_limits<int64_t>::max() - absl::ToUnixMicros(time);
-  return absl::StrFormat("%016x-%s", left, NewIdentifier());
+  return absl::StrFormat("%016x-%s", absl::ToUnixMicros(time), NewIdentifier());
 }
 
 }  // namespace
@@ -145,7 +143,8 @@ absl::StatusOr<AuditPage> ListAudit(store::Store& store, int page_size,
   std::vector<store::Record> records;
   MORTISE_RETURN_IF_ERROR(store.Read([&](store::ReadTransaction& transaction) -> absl::Status {
     MORTISE_ASSIGN_OR_RETURN(
-        records, transaction.List(kAudit, {.after_key = page_token, .limit = page_size}));
+        records, transaction.List(
+                     kAudit, {.after_key = page_token, .limit = page_size, .descending = true}));
     return absl::OkStatus();
   }));
   for (const store::Record& record : records) {
