@@ -55,7 +55,7 @@ struct Operation {
   bool cancel_requested = false;
   Progress progress = {};
   std::string request = {};  // opaque bytes, as given to Start
-  std::string result = {};   // opaque bytes, of kSucceeded
+  std::string result = {};   // opaque bytes, of kSucceeded, perhaps of kCancelled
   absl::Status error = {};   // of kFailed and kCancelled, with its details
   int64_t revision = 0;      // grows with every change
   absl::Time created_at = {};
@@ -84,9 +84,12 @@ class OperationContext {
   // case is the operation then cancelled; otherwise it resumes from the checkpoint.
   virtual bool Cancelled() const = 0;
 
-  // Cheap: watchers see every call at once, the store and the bus the last one of each
-  // `progress_interval`, and always the last of all.
+  // Cheap: store, watchers and bus see the last call of each `progress_interval`, and always the
+  // last of all.
   virtual void ReportProgress(const Progress& progress) = 0;
+
+  // Keeps the best result so far: the operation's result should it be cancelled.
+  virtual void KeepResult(std::string_view result) = 0;
 
   // Durably keeps `bytes` as the place to resume from. ABORTED, STALE_ATTEMPT if another replica
   // has taken the operation over.
@@ -108,7 +111,7 @@ class OperationContext {
 // Runs an operation: returns the result, or why it failed. May run more than once (see above).
 using OperationHandler = std::function<absl::StatusOr<std::string>(OperationContext&)>;
 
-// What an event about an operation carries as payload (a serialised proto, say).
+// What an event about an operation carries as payload.
 using DescribeOperation = std::function<std::string(const Operation&)>;
 
 struct OperationsOptions {
@@ -122,7 +125,8 @@ struct OperationsOptions {
   absl::Duration progress_interval = absl::Milliseconds(200);
   // How soon changes made by other replicas are noticed.
   absl::Duration poll = absl::Milliseconds(500);
-  DescribeOperation describe = {};  // unset: events have no payload
+  // Unset: a JSON object with kind, state, done, total, best, message and error.
+  DescribeOperation describe = {};
 };
 
 // Stops a watch when it goes away; no callback runs once its destructor has returned.
@@ -155,8 +159,8 @@ class Operations {
   // NOT_FOUND; INVALID_ARGUMENT for a name that is not of this service.
   virtual absl::StatusOr<Operation> Get(std::string_view name) = 0;
 
-  // Operations in the order of their start, at most `limit`, after the operation named
-  // `after_name` (empty: from the first).
+  // Operations, newest first, at most `limit`, beyond the operation named `after_name` (empty: from
+  // the newest).
   virtual absl::StatusOr<std::vector<Operation>> List(std::string_view after_name, int limit) = 0;
 
   // Asks an operation to stop; a pending one is cancelled at once. Returns it as it then is. No
@@ -168,7 +172,8 @@ class Operations {
 
   // Calls `callback` with the operation as it is now, then on every change until it is final (that
   // one always included, progress at least to its last value), one call at a time. The callback
-  // must be quick and must not destroy its watch.
+  // must be quick, must not use the Operations, and must not destroy its watch. The Operations
+  // must outlive the watch.
   virtual absl::StatusOr<std::unique_ptr<OperationWatch>> Watch(
       std::string_view name, std::function<void(const Operation&)> callback) = 0;
 };

@@ -1,0 +1,77 @@
+// One run of one operation: what its handler sees, and what the dispatcher needs to know of it.
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "common/jobs/operation_records.h"
+#include "common/jobs/operations.h"
+#include "common/store/store.h"
+
+namespace mortise::jobs {
+
+// Where a run stands in the task queue; the attempt is its fencing token.
+struct RunLease {
+  std::string queue;
+  std::string id;  // of task and operation
+  int64_t attempt = 0;
+  absl::Duration duration;
+};
+
+class OperationRun final : public OperationContext {
+ public:
+  OperationRun(const RunLease& lease, const Operation& operation, std::string checkpoint,
+               store::Store* store, OperationRecords* records);
+
+  // For the handler.
+  const std::string& name() const override { return name_; }
+  const std::string& request() const override { return request_; }
+  bool Cancelled() const override { return cancelled_ || interrupted_; }
+  void ReportProgress(const Progress& progress) override;
+  void KeepResult(std::string_view result) override;
+  absl::Status SaveCheckpoint(std::string_view bytes) override;
+  const std::string& checkpoint() const override { return checkpoint_; }
+  absl::Status Transact(const std::function<absl::Status(store::Transaction&)>& change) override;
+  absl::Status TransactWithCheckpoint(
+      const std::function<absl::Status(store::Transaction&)>& change,
+      std::string_view checkpoint) override;
+
+  // For the dispatcher. Thread safe.
+  const std::string& trace_id() const { return trace_id_; }
+  const RunLease& lease() const { return lease_; }
+  void Cancel() { cancelled_ = true; }       // somebody cancelled the operation
+  void Interrupt() { interrupted_ = true; }  // the process shuts down, or the lease is lost
+  void LoseLease() { lost_ = interrupted_ = true; }
+  bool interrupted() const { return interrupted_; }
+  bool lost() const { return lost_; }
+
+  // The progress reported since the last call, if any.
+  std::optional<Progress> TakeProgress();
+
+  std::string kept_result();
+
+  // Runs `change` in a transaction that holds only if this run still owns the operation, and
+  // extends its lease.
+  absl::Status TransactAsOwner(const std::function<absl::Status(store::Transaction&)>& change);
+
+ private:
+  const RunLease lease_;
+  const std::string name_;
+  const std::string trace_id_;
+  const std::string request_;
+  const std::string checkpoint_;
+  store::Store* const store_;
+  OperationRecords* const records_;
+  std::atomic<bool> cancelled_ = false;
+  std::atomic<bool> interrupted_ = false;
+  std::atomic<bool> lost_ = false;
+  std::mutex mutex_;
+  std::optional<Progress> progress_;  // guarded by mutex_
+  std::string kept_result_;           // guarded by mutex_
+};
+
+}  // namespace mortise::jobs
