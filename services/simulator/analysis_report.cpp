@@ -1,0 +1,100 @@
+#include "services/simulator/analysis_report.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "absl/strings/str_format.h"
+#include "common/base/errors.h"
+#include "common/base/units.h"
+#include "common/mesh/mesher.h"
+#include "common/mesh/vtu_writer.h"
+#include "common/render/image.h"
+#include "common/render/scene.h"
+#include "common/render/svg_plot.h"
+
+namespace mortise::simulator {
+namespace {
+
+// A round exaggeration not above `factor`: 1, 2 or 5 times a power of ten.
+double RoundDown(double factor) {
+  if (!(factor > 1)) return 1;
+  const double power = std::pow(10.0, std::floor(std::log10(factor)));
+  const double lead = factor / power;
+  return power * (lead >= 5 ? 5 : lead >= 2 ? 2 : 1);
+}
+
+// The value below which `share` of the surface's nodes lie.
+double Percentile(const Eigen::VectorXd& values, const Eigen::Matrix3Xi& triangles, double share) {
+  std::vector<double> sorted(triangles.size());
+  for (Eigen::Index k = 0; k < triangles.size(); ++k) sorted[k] = values[triangles.data()[k]];
+  if (sorted.empty()) return 0;
+  const std::size_t rank =
+      std::min(sorted.size() - 1, static_cast<std::size_t>(share * sorted.size()));
+  std::nth_element(sorted.begin(), sorted.begin() + rank, sorted.end());
+  return sorted[rank];
+}
+
+absl::Status NeedSolution(const DesignAnalysis& analysis) {
+  if (analysis.mesh && analysis.solution && analysis.solution->stress.size() > 0) {
+    return absl::OkStatus();
+  }
+  return PreconditionFailed("NO_SOLUTION", "the analysis was made without fields", "fields");
+}
+
+}  // namespace
+
+absl::StatusOr<std::string> WriteFields(const DesignAnalysis& analysis) {
+  MORTISE_RETURN_IF_ERROR(NeedSolution(analysis));
+  const ElasticitySolution& solution = *analysis.solution;
+  return mesh::WriteVtu(*analysis.mesh, {{"displacement (m)", solution.displacement},
+                                         {"von Mises stress (Pa)", solution.von_mises.transpose()},
+                                         {"stress (Pa)", solution.stress},
+                                         {"reaction (N)", solution.reaction}});
+}
+
+absl::StatusOr<std::string> DrawStress(const DesignAnalysis& analysis, const std::string& title,
+                                       const StressPictureOptions& options) {
+  MORTISE_RETURN_IF_ERROR(NeedSolution(analysis));
+  const mesh::TetrahedralMesh& volume = *analysis.mesh;
+  const ElasticitySolution& solution = *analysis.solution;
+  const Eigen::Vector3d extent =
+      volume.nodes.rowwise().maxCoeff() - volume.nodes.rowwise().minCoeff();
+  const double largest = solution.summary.maximum_displacement;
+  const double factor =
+      largest > 0 ? RoundDown(options.visible_deflection * extent.norm() / largest) : 1;
+
+  render::Scene scene;
+  double stress_scale = 0;
+  for (int p = 0; p < static_cast<int>(volume.part_names.size()); ++p) {
+    render::Shape shape;
+    shape.triangles = mesh::OuterTriangles(volume, p);
+    stress_scale = std::max(stress_scale, Percentile(solution.von_mises, shape.triangles, 0.995));
+    shape.vertices = volume.nodes + factor * solution.displacement;
+    shape.scalars = solution.von_mises / kMegapascal;
+    shape.edge_width = 1.0;
+    scene.shapes.push_back(shape);
+
+    render::Shape ghost;
+    ghost.vertices = volume.nodes;
+    ghost.triangles = shape.triangles;
+    ghost.filled = false;
+    ghost.edge_width = 0.8;
+    ghost.edge_color = {0.62, 0.64, 0.68};
+    scene.shapes.push_back(ghost);
+  }
+  scene.color_bar = render::ColorBar{0, stress_scale / kMegapascal, "von Mises (MPa)"};
+  scene.title = title;
+  scene.footnote =
+      absl::StrFormat("deflection %s mm, drawn ×%.0f; largest stress %s MPa; %d elements",
+                      render::ShortNumber(largest / kMillimetre, 3), factor,
+                      render::ShortNumber(solution.von_mises.maxCoeff() / kMegapascal, 3),
+                      solution.summary.elements);
+  scene.camera = render::FitCamera(render::BoundingBox(scene), render::kViewIsometric,
+                                   static_cast<double>(options.width) / options.height, true, 0.03);
+  MORTISE_ASSIGN_OR_RETURN(
+      const render::Image image,
+      render::Render(scene, {.width = options.width, .height = options.height}));
+  return render::EncodePng(image);
+}
+
+}  // namespace mortise::simulator

@@ -1,0 +1,28 @@
+// An analysis as files people open: fields for ParaView, a picture of the stress.
+#pragma once
+
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "services/simulator/design_analysis.h"
+
+namespace mortise::simulator {
+
+// VTU with displacement, von Mises stress, stress tensor and reactions at the nodes. The analysis
+// must have a solution.
+absl::StatusOr<std::string> WriteFields(const DesignAnalysis& analysis);
+
+struct StressPictureOptions {
+  int width = 1200;                  // pixels
+  int height = 800;                  // pixels
+  double visible_deflection = 0.05;  // exaggeration: the largest displacement, drawn, as a share of
+                                     // the design's size
+};
+
+// A PNG: the deformed shape, exaggerated, coloured by von Mises stress, over the outline of the
+// undeformed one. The scale ends at the 99.5th percentile, since a few nodes at sharp corners would
+// otherwise darken all the rest; the footnote gives the true maximum.
+absl::StatusOr<std::string> DrawStress(const DesignAnalysis& analysis, const std::string& title,
+                                       const StressPictureOptions& options = {});
+
+}  // namespace mortise::simulator

@@ -1,0 +1,140 @@
+#include "services/simulator/shape_functions.h"
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <cmath>
+#include <vector>
+
+#include "common/mesh/element_faces.h"
+
+namespace mortise::simulator {
+namespace {
+
+using mesh::kTetrahedronEdges;
+
+constexpr std::array<std::array<int, 2>, 3> kTriangleEdges{{{0, 1}, {1, 2}, {2, 0}}};
+
+// dN/dL, 4 × nodes, treating the four coordinates as independent.
+Eigen::Matrix<double, 4, Eigen::Dynamic, 0, 4, kMaximumNodes> TetrahedronDerivatives(
+    const Eigen::Vector4d& l, int nodes) {
+  Eigen::Matrix<double, 4, Eigen::Dynamic, 0, 4, kMaximumNodes> derivatives(4, nodes);
+  derivatives.setZero();
+  if (nodes == 4) {
+    derivatives.setIdentity();
+    return derivatives;
+  }
+  for (int i = 0; i < 4; ++i) derivatives(i, i) = 4 * l[i] - 1;
+  for (int e = 0; e < 6; ++e) {
+    const auto [i, j] = kTetrahedronEdges[e];
+    derivatives(i, 4 + e) = 4 * l[j];
+    derivatives(j, 4 + e) = 4 * l[i];
+  }
+  return derivatives;
+}
+
+}  // namespace
+
+const std::vector<TetrahedronPoint>& TetrahedronRule(int degree) {
+  static const std::vector<TetrahedronPoint> one{{Eigen::Vector4d::Constant(0.25), 1.0}};
+  static const std::vector<TetrahedronPoint> four = [] {
+    const double a = (5 - std::sqrt(5.0)) / 20;
+    std::vector<TetrahedronPoint> points;
+    for (int i = 0; i < 4; ++i) {
+      Eigen::Vector4d l = Eigen::Vector4d::Constant(a);
+      l[i] = 1 - 3 * a;
+      points.push_back({l, 0.25});
+    }
+    return points;
+  }();
+  return degree <= 1 ? one : four;
+}
+
+const std::vector<TrianglePoint>& TriangleRule() {
+  static const std::vector<TrianglePoint> six = [] {
+    std::vector<TrianglePoint> points;
+    // Two orbits of three points; see Strang and Fix.
+    for (const auto& [a, weight] : {std::pair{0.445948490915965, 0.223381589678011},
+                                    std::pair{0.091576213509771, 0.109951743655322}}) {
+      for (int i = 0; i < 3; ++i) {
+        Eigen::Vector3d l = Eigen::Vector3d::Constant(a);
+        l[i] = 1 - 2 * a;
+        points.push_back({l, weight});
+      }
+    }
+    double sum = 0;
+    for (const TrianglePoint& point : points) sum += point.weight;
+    for (TrianglePoint& point : points) point.weight /= sum;
+    return points;
+  }();
+  return six;
+}
+
+ShapeVector TetrahedronShape(const Eigen::Vector4d& l, int nodes) {
+  ShapeVector shape(nodes);
+  if (nodes == 4) {
+    shape = l;
+    return shape;
+  }
+  for (int i = 0; i < 4; ++i) shape[i] = l[i] * (2 * l[i] - 1);
+  for (int e = 0; e < 6; ++e) {
+    shape[4 + e] = 4 * l[kTetrahedronEdges[e][0]] * l[kTetrahedronEdges[e][1]];
+  }
+  return shape;
+}
+
+ShapeVector TriangleShape(const Eigen::Vector3d& l, int nodes) {
+  ShapeVector shape(nodes);
+  if (nodes == 3) {
+    shape = l;
+    return shape;
+  }
+  for (int i = 0; i < 3; ++i) shape[i] = l[i] * (2 * l[i] - 1);
+  for (int e = 0; e < 3; ++e) shape[3 + e] = 4 * l[kTriangleEdges[e][0]] * l[kTriangleEdges[e][1]];
+  return shape;
+}
+
+ElementPoint EvaluateElement(const GradientMatrix& positions, const Eigen::Vector4d& barycentric) {
+  const int nodes = static_cast<int>(positions.cols());
+  const auto by_l = TetrahedronDerivatives(barycentric, nodes);
+  // Natural coordinates are L₁, L₂, L₃; L₀ = 1 − L₁ − L₂ − L₃.
+  GradientMatrix natural(3, nodes);
+  for (int k = 0; k < 3; ++k) natural.row(k) = by_l.row(k + 1) - by_l.row(0);
+  const Eigen::Matrix3d jacobian = natural * positions.transpose();
+  ElementPoint point;
+  point.determinant = jacobian.determinant();
+  point.gradients = jacobian.inverse() * natural;
+  return point;
+}
+
+Eigen::Vector3d TriangleAreaVector(const GradientMatrix& positions, const Eigen::Vector3d& l) {
+  if (positions.cols() == 3) {
+    return 0.5 * (positions.col(1) - positions.col(0)).cross(positions.col(2) - positions.col(0));
+  }
+  Eigen::Matrix<double, 3, 6> by_l = Eigen::Matrix<double, 3, 6>::Zero();
+  for (int i = 0; i < 3; ++i) by_l(i, i) = 4 * l[i] - 1;
+  for (int e = 0; e < 3; ++e) {
+    by_l(kTriangleEdges[e][0], 3 + e) = 4 * l[kTriangleEdges[e][1]];
+    by_l(kTriangleEdges[e][1], 3 + e) = 4 * l[kTriangleEdges[e][0]];
+  }
+  const Eigen::Vector3d u = positions * (by_l.row(1) - by_l.row(0)).transpose();
+  const Eigen::Vector3d v = positions * (by_l.row(2) - by_l.row(0)).transpose();
+  return 0.5 * u.cross(v);
+}
+
+GradientMatrix ElementPositions(const mesh::TetrahedralMesh& mesh, Eigen::Index e) {
+  GradientMatrix positions(3, mesh.tetrahedra.rows());
+  for (Eigen::Index k = 0; k < positions.cols(); ++k) {
+    positions.col(k) = mesh.nodes.col(mesh.tetrahedra(k, e));
+  }
+  return positions;
+}
+
+GradientMatrix TrianglePositions(const mesh::TetrahedralMesh& mesh, Eigen::Index t) {
+  GradientMatrix positions(3, mesh.face_triangles.rows());
+  for (Eigen::Index k = 0; k < positions.cols(); ++k) {
+    positions.col(k) = mesh.nodes.col(mesh.face_triangles(k, t));
+  }
+  return positions;
+}
+
+}  // namespace mortise::simulator

@@ -1,0 +1,55 @@
+// Direct solution of K u = f for free displacements (CHOLMOD, supernodal, with OpenBLAS).
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+
+#include "absl/status/statusor.h"
+#include "services/simulator/block_matrix.h"
+
+namespace mortise::simulator {
+
+struct CholeskyOptions {
+  double memory_limit = 8e9;  // bytes for the factor; RESOURCE_EXHAUSTED beyond, before it is made
+};
+
+// How a factorisation went.
+struct CholeskySummary {
+  int unknowns = 0;
+  double factor_entries = 0;
+  double factor_flops = 0;
+  double reciprocal_condition = 0;  // crude estimate from the pivots
+  double analysis_seconds = 0;
+  double factorization_seconds = 0;
+};
+
+// The factor L of K restricted to free displacements, K = L Lᵀ. The fill-reducing ordering is found
+// on the graph of nodes, a third as large as that of the unknowns. One thread, so that results do
+// not depend on the machine's cores; run one process a core.
+class SparseCholesky {
+ public:
+  // `fixed`: 3 × nodes, non-zero where a displacement is prescribed and thus not an unknown.
+  // FAILED_PRECONDITION, reason SINGULAR, if K is not positive definite: parts that hang together
+  // by a single edge or point form a hinge.
+  static absl::StatusOr<SparseCholesky> Create(const BlockMatrix& stiffness,
+                                               const Eigen::Array3Xi& fixed,
+                                               const CholeskyOptions& options = {});
+
+  ~SparseCholesky();
+  SparseCholesky(SparseCholesky&&) noexcept;
+  SparseCholesky& operator=(SparseCholesky&&) noexcept;
+
+  // Displacements (3 × nodes, zero where fixed) under the loads of free directions (3 × nodes).
+  absl::StatusOr<Eigen::Matrix3Xd> Solve(const Eigen::Matrix3Xd& loads);
+
+  const CholeskySummary& summary() const { return summary_; }
+
+ private:
+  struct Factor;
+  explicit SparseCholesky(std::unique_ptr<Factor> factor);
+
+  std::unique_ptr<Factor> factor_;
+  CholeskySummary summary_;
+};
+
+}  // namespace mortise::simulator

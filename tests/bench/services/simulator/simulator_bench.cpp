@@ -1,0 +1,56 @@
+// From surface to metrics for a table of nine parts, by element size and type.
+#include <benchmark/benchmark.h>
+
+#include "box_assembly.h"
+#include "services/simulator/design_analysis.h"
+
+namespace mortise::simulator {
+namespace {
+
+DesignModel LoadedTable() {
+  DesignModel model;
+  model.surface = mesh::TestTable();
+  model.analysis.materials.assign(9, {"spruce", 450, 11e9, 0.3, 30e6});
+  model.analysis.forces.push_back({{0, "z_max"}, {0, 0, -1000}});
+  for (int leg = 1; leg <= 4; ++leg) model.analysis.supports.push_back({{leg, "z_min"}});
+  return model;
+}
+
+// Arguments: element size in millimetres (0: the default), quadratic, radius-edge ratio × 10.
+void BM_Table(benchmark::State& state) {
+  const DesignModel model = LoadedTable();
+  DesignAnalysisOptions options;
+  options.mesh.element_size = 1e-3 * state.range(0);
+  options.mesh.quadratic = state.range(1) != 0;
+  options.mesh.radius_edge_ratio = 0.1 * state.range(2);
+  DesignAnalysis last;
+  for (auto unused : state) {
+    last =
+        *AnalyzeDesign(model, {"max_displacement", "compliance", "max_von_mises"}, false, options);
+  }
+  const ElasticitySummary& summary = last.solution->summary;
+  state.counters["elements"] = summary.elements;
+  state.counters["unknowns"] = summary.cholesky.unknowns;
+  state.counters["mesh_s"] = last.meshing_seconds;
+  state.counters["assembly_s"] = summary.assembly_seconds;
+  state.counters["analysis_s"] = summary.cholesky.analysis_seconds;
+  state.counters["factor_s"] = summary.cholesky.factorization_seconds;
+  state.counters["recovery_s"] = summary.recovery_seconds;
+  state.counters["deflection_mm"] = 1e3 * last.metrics[0].value;
+  state.counters["compliance"] = last.metrics[1].value;
+  state.counters["stress_MPa"] = 1e-6 * last.metrics[2].value;
+}
+BENCHMARK(BM_Table)
+    ->Unit(benchmark::kMillisecond)
+    ->Args({0, 1, 20})
+    ->Args({0, 1, 30})
+    ->Args({0, 1, 40})
+    ->Args({0, 1, 60})
+    ->Args({0, 0, 20})
+    ->Args({30, 1, 20})
+    ->Args({20, 1, 20});
+
+}  // namespace
+}  // namespace mortise::simulator
+
+BENCHMARK_MAIN();

@@ -1,0 +1,114 @@
+// Metrics, files and the cache of evaluations.
+#include "services/simulator/design_analysis.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+
+#include "common/base/files.h"
+#include "common/render/image.h"
+#include "services/simulator/analysis_report.h"
+#include "services/simulator/result_cache.h"
+#include "test_cases.h"
+
+namespace mortise::simulator {
+namespace {
+
+TEST(Metrics, GeometryNeedsNoMesh) {
+  const auto analysis = AnalyzeDesign(LoadedTable(), {"volume", "mass"}, false, {});
+  ASSERT_TRUE(analysis.ok()) << analysis.status();
+  EXPECT_FALSE(analysis->mesh.has_value());
+  EXPECT_EQ(analysis->metrics[0].unit, "m^3");
+  EXPECT_NEAR(analysis->metrics[1].value, 450 * analysis->metrics[0].value, 1e-9);
+  const double legs = 4 * 0.06 * 0.06 * 0.703, top = 1.4 * 0.8 * 0.027;
+  const double aprons = 2 * 0.022 * 0.09 * (1.18 + 0.58);
+  EXPECT_NEAR(analysis->metrics[0].value, legs + top + aprons, 1e-12);
+}
+
+TEST(Metrics, AreAllThereAndSensible) {
+  std::vector<std::string> names;
+  for (const MetricDescription& metric : OfferedMetrics()) names.push_back(metric.name);
+  const auto analysis = AnalyzeDesign(LoadedTable(), names, false, {});
+  ASSERT_TRUE(analysis.ok()) << analysis.status();
+  ASSERT_EQ(analysis->metrics.size(), names.size());
+  for (const Metric& metric : analysis->metrics) EXPECT_GT(metric.value, 0) << metric.name;
+}
+
+TEST(Metrics, AThickerTopDeflectsLess) {
+  double previous = 1;
+  for (const double top : {0.018, 0.027, 0.04}) {
+    DesignModel model = LoadedTable();
+    model.surface = mesh::TestTable(1.4, 0.8, 0.73, 0.06, 0.09, top);
+    const auto analysis = AnalyzeDesign(model, {"max_displacement"}, false, {});
+    ASSERT_TRUE(analysis.ok()) << analysis.status();
+    EXPECT_LT(analysis->metrics[0].value, previous);
+    previous = analysis->metrics[0].value;
+  }
+}
+
+// The default mesh is good enough: refining changes the deflection by little.
+TEST(Metrics, DefaultMeshIsConverged) {
+  DesignAnalysisOptions fine;
+  fine.mesh.element_size = 0.025;
+  const auto coarse = AnalyzeDesign(LoadedTable(), {"max_displacement", "compliance"}, false, {});
+  const auto refined =
+      AnalyzeDesign(LoadedTable(), {"max_displacement", "compliance"}, false, fine);
+  ASSERT_TRUE(coarse.ok() && refined.ok());
+  for (int k = 0; k < 2; ++k) {
+    EXPECT_NEAR(coarse->metrics[k].value, refined->metrics[k].value,
+                0.02 * refined->metrics[k].value);
+  }
+}
+
+TEST(Reports, ShowTheStress) {
+  const auto analysis = AnalyzeDesign(LoadedTable(), {"max_displacement"}, true, {});
+  ASSERT_TRUE(analysis.ok());
+  const auto picture = DrawStress(*analysis, "Table, 1000 N on the top");
+  ASSERT_TRUE(picture.ok()) << picture.status();
+  const auto image = render::DecodePng(*picture);
+  ASSERT_TRUE(image.ok());
+  EXPECT_EQ(image->width, 1200);
+  const auto fields = WriteFields(*analysis);
+  ASSERT_TRUE(fields.ok()) << fields.status();
+  EXPECT_NE(fields->find("von Mises"), std::string::npos);
+  if (const char* folder = std::getenv("MORTISE_PICTURES")) {
+    ASSERT_TRUE(WriteFile(std::filesystem::path(folder) / "stress.png", *picture).ok());
+    ASSERT_TRUE(WriteFile(std::filesystem::path(folder) / "analysis.vtu", *fields).ok());
+  }
+  const auto without = AnalyzeDesign(LoadedTable(), {"mass"}, false, {});
+  EXPECT_FALSE(DrawStress(*without, "").ok());
+  EXPECT_FALSE(WriteFields(*without).ok());
+}
+
+TEST(Keys, TellEverythingApart) {
+  const Eigen::VectorXd q = Eigen::Vector2d(1, 2);
+  const std::string key = EvaluationKey("digest", q, 0.1, false, "mass");
+  EXPECT_EQ(key, EvaluationKey("digest", q, 0.1, false, "mass"));
+  EXPECT_NE(key, EvaluationKey("other", q, 0.1, false, "mass"));
+  EXPECT_NE(key,
+            EvaluationKey("digest", Eigen::Vector2d(1, std::nextafter(2, 3)), 0.1, false, "mass"));
+  EXPECT_NE(key, EvaluationKey("digest", Eigen::Vector3d(1, 2, 0), 0.1, false, "mass"));
+  EXPECT_NE(key, EvaluationKey("digest", q, 0.2, false, "mass"));
+  EXPECT_NE(key, EvaluationKey("digest", q, 0.1, true, "mass"));
+  EXPECT_NE(key, EvaluationKey("digestm", q, 0.1, false, "ass"));
+  EXPECT_EQ(EvaluationKey("d", Eigen::VectorXd::Constant(1, 0.0), 0, false, ""),
+            EvaluationKey("d", Eigen::VectorXd::Constant(1, -0.0), 0, false, ""));
+}
+
+TEST(Caches, ForgetTheLeastRecentlyUsed) {
+  ResultCache cache(2);
+  cache.Store("a", "1");
+  cache.Store("b", "2");
+  EXPECT_EQ(cache.Find("a"), "1");
+  cache.Store("c", "3");
+  EXPECT_EQ(cache.Find("b"), std::nullopt);
+  EXPECT_EQ(cache.Find("a"), "1");
+  EXPECT_EQ(cache.Find("c"), "3");
+  cache.Store("a", "4");
+  EXPECT_EQ(cache.Find("a"), "4");
+  EXPECT_EQ(cache.size(), 2u);
+}
+
+}  // namespace
+}  // namespace mortise::simulator
