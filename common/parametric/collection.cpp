@@ -1,0 +1,151 @@
+// Parses protobuf text and walks the folders of a collection.
+#include "common/parametric/collection.h"
+
+#include <google/protobuf/io/tokenizer.h>
+#include <google/protobuf/text_format.h>
+
+#include <algorithm>
+#include <set>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
+#include "common/base/files.h"
+#include "common/parametric/template_codec.h"
+
+namespace mortise::parametric {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kMaxTextBytes = std::size_t{4} << 20;
+constexpr int kMaxNesting = 32;
+constexpr int kMaxErrors = 20;
+
+// Joins what the parser finds: "line 3, column 7: …".
+class ErrorJoiner : public google::protobuf::io::ErrorCollector {
+ public:
+  void AddError(int line, int column, const std::string& message) override {
+    if (++count_ > kMaxErrors) return;
+    absl::StrAppend(&joined_, joined_.empty() ? "" : "; ", "line ", line + 1, ", column ",
+                    column + 1, ": ", message);
+  }
+  void AddWarning(int, int, const std::string&) override {}
+
+  const std::string& joined() const { return joined_; }
+
+ private:
+  int count_ = 0;
+  std::string joined_;
+};
+
+template <typename Message>
+absl::StatusOr<Message> ParseText(std::string_view text, const std::string& origin) {
+  if (text.size() > kMaxTextBytes) return TooLarge(origin, "4 MiB");
+  Message message;
+  ErrorJoiner errors;
+  google::protobuf::TextFormat::Parser parser;
+  parser.RecordErrorsTo(&errors);
+  parser.SetRecursionLimit(kMaxNesting);
+  if (!parser.ParseFromString(std::string(text), &message)) {
+    return InvalidField(origin, errors.joined());
+  }
+  return message;
+}
+
+absl::StatusOr<std::vector<fs::path>> FilesUnder(const fs::path& folder) {
+  std::vector<fs::path> files;
+  std::error_code error;
+  if (!fs::exists(folder, error)) return files;
+  for (auto entry = fs::recursive_directory_iterator(folder, error);
+       !error && entry != fs::recursive_directory_iterator(); entry.increment(error)) {
+    if (entry->is_regular_file(error) && entry->path().extension() == ".textproto") {
+      files.push_back(entry->path());
+    }
+  }
+  if (error) return StorageFailed(folder.string(), error.message());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+absl::Status AppendBundle(const fs::path& file, Collection& collection) {
+  MORTISE_ASSIGN_OR_RETURN(const std::string text, ReadFile(file, kMaxTextBytes));
+  MORTISE_ASSIGN_OR_RETURN(v1::TemplateBundle bundle, ParseBundleText(text, file.string()));
+  for (v1::Material& material : *bundle.mutable_materials()) {
+    collection.materials.push_back(std::move(material));
+  }
+  for (v1::Item& item : *bundle.mutable_items()) collection.items.push_back(std::move(item));
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::StatusOr<v1::Template> ParseTemplateText(std::string_view text, const std::string& origin) {
+  return ParseText<v1::Template>(text, origin);
+}
+
+absl::StatusOr<v1::TemplateBundle> ParseBundleText(std::string_view text,
+                                                   const std::string& origin) {
+  return ParseText<v1::TemplateBundle>(text, origin);
+}
+
+absl::StatusOr<Collection> ReadCollection(const fs::path& folder) {
+  std::error_code error;
+  if (!fs::is_directory(folder, error)) return ResourceNotFound(folder.string());
+  Collection collection;
+  const fs::path materials = folder / "materials.textproto";
+  if (fs::exists(materials, error)) MORTISE_RETURN_IF_ERROR(AppendBundle(materials, collection));
+  MORTISE_ASSIGN_OR_RETURN(const std::vector<fs::path> item_files, FilesUnder(folder / "items"));
+  for (const fs::path& file : item_files) {
+    MORTISE_RETURN_IF_ERROR(AppendBundle(file, collection));
+  }
+  MORTISE_ASSIGN_OR_RETURN(const std::vector<fs::path> designs, FilesUnder(folder / "designs"));
+  for (const fs::path& file : designs) {
+    if (file.filename() != "template.textproto") continue;
+    MORTISE_ASSIGN_OR_RETURN(const std::string text, ReadFile(file, kMaxTextBytes));
+    MORTISE_ASSIGN_OR_RETURN(v1::Template message, ParseTemplateText(text, file.string()));
+    collection.templates.push_back(std::move(message));
+  }
+  return collection;
+}
+
+absl::StatusOr<TemplateBundle> BundleOf(const Collection& collection, const std::string& name) {
+  std::vector<Item> items;
+  for (const v1::Item& message : collection.items) {
+    MORTISE_ASSIGN_OR_RETURN(Item item, FromProto(message));
+    items.push_back(std::move(item));
+  }
+  std::vector<Material> materials;
+  for (const v1::Material& message : collection.materials) {
+    MORTISE_ASSIGN_OR_RETURN(Material material, FromProto(message));
+    materials.push_back(std::move(material));
+  }
+  for (const v1::Template& message : collection.templates) {
+    if (message.name() != name) continue;
+    MORTISE_ASSIGN_OR_RETURN(TemplateDefinition definition, FromProto(message));
+    if (definition.digest.empty()) definition.digest = TemplateDigest(message);
+    return MakeBundle(std::move(definition), items, materials);
+  }
+  return ResourceNotFound(name);
+}
+
+TemplateBundle MakeBundle(TemplateDefinition definition, const std::vector<Item>& items,
+                          const std::vector<Material>& materials) {
+  std::set<std::string> item_names, material_names;
+  for (const PartTemplate& part : definition.parts) item_names.insert(part.item);
+  for (const Connection& connection : definition.connections) item_names.insert(connection.item);
+  TemplateBundle bundle;
+  for (const std::string& name : item_names) {
+    const Item* item = FindItem(items, name);
+    if (item == nullptr) continue;
+    bundle.items.push_back(*item);
+    material_names.insert(item->material);
+  }
+  for (const std::string& name : material_names) {
+    const Material* material = FindMaterial(materials, name);
+    if (material != nullptr) bundle.materials.push_back(*material);
+  }
+  bundle.definition = std::move(definition);
+  return bundle;
+}
+
+}  // namespace mortise::parametric

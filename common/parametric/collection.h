@@ -1,0 +1,44 @@
+// Reads collections from disk: materials, items and templates as protobuf text files that people
+// write (collection/ in the repository). Target mortise_template_codec.
+//
+//   materials.textproto, items/*.textproto     each a mortise.v1.TemplateBundle
+//   designs/<name>/template.textproto          each a mortise.v1.Template
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "common/parametric/template_definition.h"
+#include "mortise/v1/catalog.pb.h"
+
+namespace mortise::parametric {
+
+// Everything in a collection, in the order of file names, not yet validated.
+struct Collection {
+  std::vector<v1::Material> materials;
+  std::vector<v1::Item> items;
+  std::vector<v1::Template> templates;
+};
+
+// Parses one file's text. INVALID_ARGUMENT naming `origin` with every line and column at fault;
+// RESOURCE_EXHAUSTED past 4 MiB.
+absl::StatusOr<v1::Template> ParseTemplateText(std::string_view text, const std::string& origin);
+absl::StatusOr<v1::TemplateBundle> ParseBundleText(std::string_view text,
+                                                   const std::string& origin);
+
+// Reads a folder. NOT_FOUND if it does not exist; fails as the parsers do.
+absl::StatusOr<Collection> ReadCollection(const std::filesystem::path& folder);
+
+// The template of `collection` with this name and what it uses, as structs. NOT_FOUND;
+// INVALID_ARGUMENT naming the field where a message cannot be converted.
+absl::StatusOr<TemplateBundle> BundleOf(const Collection& collection, const std::string& name);
+
+// The definition with those of `items` and `materials` that it names, each once, in order of name.
+// What is missing is left out; ValidateTemplate reports it.
+TemplateBundle MakeBundle(TemplateDefinition definition, const std::vector<Item>& items,
+                          const std::vector<Material>& materials);
+
+}  // namespace mortise::parametric
