@@ -212,15 +212,6 @@ std::vector<CutOrder> Journal::OpenCuts(std::string_view machine) const {
   return open;
 }
 
-std::optional<CutOrder> Journal::FirstOpenCut(std::string_view machine) const {
-  const std::lock_guard lock(mutex_);
-  const auto book = machines_.find(machine);
-  if (book == machines_.end() || book->second.first_open >= book->second.arrivals.size()) {
-    return std::nullopt;
-  }
-  return cuts_.at(book->second.arrivals[book->second.first_open]).order;
-}
-
 absl::Status Journal::AddIntent(const Intent& intent) {
   const std::lock_guard lock(mutex_);
   const auto book = machines_.find(intent.key.machine);

@@ -8,7 +8,6 @@
 #include <map>
 #include <memory>
 #include <mutex>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -68,7 +67,6 @@ class Journal {
 
   // The cuts of a machine that have no report, in the order they were given.
   std::vector<CutOrder> OpenCuts(std::string_view machine) const;
-  std::optional<CutOrder> FirstOpenCut(std::string_view machine) const;
 
   absl::Status AddIntent(const Intent& intent);
 

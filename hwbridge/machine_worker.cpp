@@ -111,17 +111,31 @@ void MachineWorker::NoteStatus(const MachineStatus& status) {
 }
 
 void MachineWorker::TakeStep(const MachineStatus& status) {
-  std::optional<CutOrder> order = journal_.FirstOpenCut(options_.name);
-  while (order && SettleHead(status, *order)) order = journal_.FirstOpenCut(options_.name);
-  if (!order) {
+  for (const CutOrder& order : journal_.OpenCuts(options_.name)) Settle(status, order);
+  if (journal_.OpenCuts(options_.name).empty()) {
     StopIdleMachine(status);
     return;
   }
   last_work_ = clock_.Now();
-  if (IsHeld(order->key.work_order) || !ReadyToCut(status)) return;
+  const std::optional<CutOrder> order = NextCut();
+  if (!order || IsHeld(order->key.work_order) || !ReadyToCut(status)) return;
   const absl::Status advanced = handshake_.Advance(*order, status);
   if (advanced.ok() || absl::IsUnavailable(advanced)) return;
   HoldOpenCuts(advanced.ToString());
+}
+
+// The cut that the machine was given a number for and that has not ended, held or not: nothing else
+// may be given to the machine before. Else the first one that is not held.
+std::optional<CutOrder> MachineWorker::NextCut() const {
+  const std::vector<CutOrder> open = journal_.OpenCuts(options_.name);
+  for (const CutOrder& order : open) {
+    const std::vector<Intent> intents = journal_.Intents(order.key);
+    if (!intents.empty() && intents.back().result == JobResult::kNone) return order;
+  }
+  for (const CutOrder& order : open) {
+    if (!IsHeld(order.key.work_order)) return order;
+  }
+  return std::nullopt;
 }
 
 // A machine without orders is stopped after a while, not left waiting in Execute.
@@ -135,19 +149,17 @@ void MachineWorker::StopIdleMachine(const MachineStatus& status) {
   Command(PackMlCommand::kStop);
 }
 
-// Whether the machine's first open cut has ended; if so it is reported.
-bool MachineWorker::SettleHead(const MachineStatus& status, const CutOrder& order) {
+// Reports the cut if it has ended.
+void MachineWorker::Settle(const MachineStatus& status, const CutOrder& order) {
   absl::StatusOr<std::optional<CutEnd>> settled = handshake_.Settle(order, status);
   absl::Status failure = settled.status();
-  if (settled.ok() && !settled->has_value()) return false;
   if (settled.ok()) {
+    if (!settled->has_value()) return;
     const CutEnd& end = **settled;
     failure = journal_.AddReport(order.key, end.outcome, end.message, end.seconds).status();
     if (end.outcome != CutOutcome::kDone) HoldOpenCuts(end.message);
   }
-  if (failure.ok()) return true;
-  HoldOpenCuts(failure.ToString());
-  return false;
+  if (!failure.ok()) HoldOpenCuts(failure.ToString());
 }
 
 // Whether the machine is in Execute; commands it there if not.
@@ -176,9 +188,9 @@ void MachineWorker::HoldOpenCuts(std::string_view because) { Hold("", because); 
 void MachineWorker::Hold(std::string_view work_order, std::string_view because) {
   const std::vector<CutOrder> open = journal_.OpenCuts(options_.name);
   const std::lock_guard lock(mutex_);
-  bool changed = false;
+  bool changed = !work_order.empty() && held_orders_.insert(std::string(work_order)).second;
   for (const CutOrder& order : open) {
-    if (!work_order.empty() && order.key.work_order != work_order) continue;
+    if (!work_order.empty()) break;
     changed |= held_orders_.insert(order.key.work_order).second;
   }
   if (work_order.empty()) running_ = false;
@@ -211,14 +223,16 @@ bool MachineWorker::IsHeld(const std::string& work_order) const {
 }
 
 MachineView MachineWorker::View() const {
-  const std::optional<CutOrder> head = journal_.FirstOpenCut(options_.name);
+  const std::optional<CutOrder> next = NextCut();
+  const bool open = !journal_.OpenCuts(options_.name).empty();
+  const bool held = open && (!next || IsHeld(next->key.work_order));
   const std::lock_guard lock(mutex_);
   MachineView view;
   view.name = options_.name;
   view.kind = options_.kind;
   view.online = status_.has_value();
   if (status_) view.state = PackMlStateName(status_->state);
-  view.held = head && held_orders_.contains(head->key.work_order);
+  view.held = held;
   if (view.held) view.held_because = held_because_;
   return view;
 }

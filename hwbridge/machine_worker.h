@@ -68,7 +68,8 @@ class MachineWorker {
   void NoteStatus(const MachineStatus& status);
   void TakeStep(const MachineStatus& status);
   void StopIdleMachine(const MachineStatus& status);
-  bool SettleHead(const MachineStatus& status, const CutOrder& order);
+  void Settle(const MachineStatus& status, const CutOrder& order);
+  std::optional<CutOrder> NextCut() const;
   bool ReadyToCut(const MachineStatus& status);
   void Command(PackMlCommand command);
   void HoldOpenCuts(std::string_view because);

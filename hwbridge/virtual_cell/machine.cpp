@@ -154,7 +154,8 @@ JobResult Machine::CheckJob(std::uint32_t number, Job& job) const {
   job = *std::move(decoded);
   if (state_ != PackMlState::kExecute) return JobResult::kWrongState;
   if (job.kind == MachineKind::kChopSaw) {
-    const bool feasible = job.length > 0.0 && job.length <= job.position + kRounding &&
+    // A trim cut may leave nothing but sawdust, so a length of zero is fine.
+    const bool feasible = job.position > 0.0 && job.length <= job.position + kRounding &&
                           job.position <= options_.longest_feed;
     return feasible ? JobResult::kNone : JobResult::kParametersRefused;
   }

@@ -1,0 +1,445 @@
+// The bridge as a process between a fabplanner (played by this test) and the virtual cell: cuts are
+// taken over, made once and reported, whoever dies.
+#include <grpcpp/server.h>
+#include <grpcpp/server_builder.h>
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <condition_variable>
+#include <cstdlib>
+#include <fstream>
+#include <functional>
+#include <limits>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "hwbridge/virtual_cell/machine_memory.h"
+#include "mortise/v1/fabplanner.grpc.pb.h"
+#include "tests/integration/hwbridge/child_process.h"
+#include "tests/unit/hwbridge/simulated_cell.h"
+
+namespace mortise::hwbridge {
+namespace {
+
+constexpr std::chrono::seconds kPatience(60);
+constexpr int kCrosscuts = 6;
+constexpr int kOutlines = 2;
+
+using Stream = grpc::ServerReaderWriter<v1::PlannerMessage, v1::BridgeMessage>;
+
+// As much of a fabplanner as a bridge sees. Its memory survives the stream, like a store.
+class Planner : public v1::FabPlannerService::Service {
+ public:
+  grpc::Status AttachBridge(grpc::ServerContext* context, Stream* stream) override {
+    v1::BridgeMessage message;
+    if (!stream->Read(&message) || !message.has_hello()) {
+      return {grpc::StatusCode::INVALID_ARGUMENT, "hello first"};
+    }
+    Attach(*context, message.hello(), stream);
+    while (stream->Read(&message)) Receive(message);
+    const std::lock_guard lock(mutex_);
+    if (stream_ == stream) stream_ = nullptr;
+    changed_.notify_all();
+    return grpc::Status::OK;
+  }
+
+  // Gives a cut; it is given again on each new stream until it is accepted.
+  void Give(v1::CutCommand command) {
+    const std::lock_guard lock(mutex_);
+    v1::PlannerMessage message;
+    *message.mutable_cut() = command;
+    const auto key = std::pair(command.machine(), command.sequence());
+    unaccepted_[key] = std::move(command);
+    Send(message);
+  }
+
+  void Resume() {
+    const std::lock_guard lock(mutex_);
+    v1::PlannerMessage message;
+    message.mutable_resume()->set_work_order("workOrders/a");
+    Send(message);
+  }
+
+  void Hold() {
+    const std::lock_guard lock(mutex_);
+    v1::PlannerMessage message;
+    message.mutable_hold()->set_work_order("workOrders/a");
+    Send(message);
+  }
+
+  // Waits until `done` holds of what is known. Resumes held machines meanwhile if told to.
+  bool Await(const std::function<bool(const Planner&)>& done, bool resume = false) {
+    const auto deadline = std::chrono::steady_clock::now() + kPatience;
+    std::unique_lock lock(mutex_);
+    while (!done(*this)) {
+      if (std::chrono::steady_clock::now() > deadline) return false;
+      if (resume && stream_ != nullptr && AnyHalted()) {
+        v1::PlannerMessage message;
+        message.mutable_resume();
+        Send(message);
+      }
+      changed_.wait_for(lock, std::chrono::milliseconds(100));
+    }
+    return true;
+  }
+
+  // Known to this planner; read within Await.
+  std::map<std::int64_t, v1::CutReport> reports;  // by number
+  std::map<std::string, std::string> states;      // of machines, by name
+  std::vector<v1::BridgeMessage::Hello> hellos;
+  std::set<std::pair<std::string, std::int64_t>> accepted;
+  std::string authorization;
+  int repeated_reports = 0;
+  bool acknowledge = true;
+
+ private:
+  void Attach(const grpc::ServerContext& context, const v1::BridgeMessage::Hello& hello,
+              Stream* stream) {
+    const std::lock_guard lock(mutex_);
+    stream_ = stream;
+    hellos.push_back(hello);
+    NoteStates(hello.machines());
+    const auto header = context.client_metadata().find("authorization");
+    if (header != context.client_metadata().end()) {
+      authorization = std::string(header->second.data(), header->second.size());
+    }
+    Acknowledge();
+    for (const auto& [key, command] : unaccepted_) {
+      v1::PlannerMessage message;
+      *message.mutable_cut() = command;
+      Send(message);
+    }
+    changed_.notify_all();
+  }
+
+  void Receive(const v1::BridgeMessage& message) {
+    const std::lock_guard lock(mutex_);
+    if (message.has_machine_states()) NoteStates(message.machine_states().machines());
+    if (message.has_command_accepted()) {
+      const auto key =
+          std::pair(message.command_accepted().machine(), message.command_accepted().sequence());
+      unaccepted_.erase(key);
+      accepted.insert(key);
+    }
+    if (message.has_cut_report()) {
+      const v1::CutReport& report = message.cut_report();
+      if (!reports.emplace(report.report_number(), report).second) ++repeated_reports;
+      if (acknowledge) Acknowledge();
+    }
+    changed_.notify_all();
+  }
+
+  template <class Machines>
+  void NoteStates(const Machines& machines) {
+    for (const v1::Machine& machine : machines) states[machine.name()] = machine.state();
+  }
+
+  bool AnyHalted() const {
+    for (const auto& [name, state] : states) {
+      if (state == "HELD" || state == "ABORTED" || state == "STOPPED") return true;
+    }
+    return false;
+  }
+
+  void Acknowledge() {
+    v1::PlannerMessage message;
+    message.mutable_reports_acknowledged()->set_report_number(
+        acknowledge ? static_cast<std::int64_t>(reports.size()) : 0);
+    Send(message);
+  }
+
+  void Send(const v1::PlannerMessage& message) {
+    if (stream_ != nullptr) stream_->Write(message);
+  }
+
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  Stream* stream_ = nullptr;
+  std::map<std::pair<std::string, std::int64_t>, v1::CutCommand> unaccepted_;
+};
+
+v1::CutCommand Crosscut(int sequence) {
+  v1::CutCommand command;
+  command.set_work_order("workOrders/a");
+  command.set_machine("saw");
+  command.set_sequence(sequence);
+  command.set_part(absl::StrCat("leg-", sequence));
+  command.mutable_crosscut()->set_stock("board-1");
+  command.mutable_crosscut()->set_position(0.3 * sequence);
+  command.mutable_crosscut()->set_length(0.297);
+  return command;
+}
+
+v1::CutCommand Outline(int sequence) {
+  v1::CutCommand command;
+  command.set_work_order("workOrders/a");
+  command.set_machine("robot");
+  command.set_sequence(sequence);
+  command.set_part(absl::StrCat("seat-", sequence));
+  command.mutable_outline()->set_stock("sheet-1");
+  for (const auto& [u, v] : {std::pair(0.0, 0.0), {0.3, 0.0}, {0.3, 0.2}, {0.0, 0.2}}) {
+    v1::Vector2* point = command.mutable_outline()->add_outline();
+    point->set_u(u);
+    point->set_v(v);
+  }
+  return command;
+}
+
+class BridgeProcess : public testing::Test {
+ protected:
+  void SetUp() override {
+    StartCell();
+    StartPlanner();
+  }
+
+  void TearDown() override {
+    bridge_.reset();
+    if (server_) server_->Shutdown(std::chrono::system_clock::now());
+  }
+
+  std::string Program(const std::string& name) const {
+    const char* folder = std::getenv("MORTISE_BIN_DIR");
+    return absl::StrCat(folder != nullptr ? folder : "bin", "/", name);
+  }
+
+  void StartCell() {
+    cell_ = std::make_unique<ChildProcess>(std::vector<std::string>{
+        Program("mortise-virtual-cell"), "--port", std::to_string(cell_port_), "--state",
+        (folder_.path() / "cell").string(), "--journal", cut_record_.string(),
+        "--heartbeat-timeout", "0.5", "--time-scale", "40"});
+    const std::string line = cell_->ReadLine();
+    ASSERT_FALSE(line.empty());
+    cell_port_ = std::stoi(line);
+  }
+
+  void StartPlanner() {
+    grpc::ServerBuilder builder;
+    int port = 0;
+    builder.AddListeningPort(absl::StrCat("127.0.0.1:", planner_port_),
+                             grpc::InsecureServerCredentials(), &port);
+    builder.RegisterService(&planner_);
+    server_ = builder.BuildAndStart();
+    ASSERT_TRUE(server_);
+    planner_port_ = port;
+  }
+
+  void StopPlanner() {
+    server_->Shutdown(std::chrono::system_clock::now());
+    server_.reset();
+  }
+
+  void StartBridge(const std::vector<std::string>& more = {}) {
+    std::vector<std::string> arguments = {Program("mortise-hwbridge"),
+                                          "--bridge",
+                                          "plant",
+                                          "--gateway",
+                                          absl::StrCat("127.0.0.1:", planner_port_),
+                                          "--machine",
+                                          absl::StrCat("saw=chop-saw@127.0.0.1:", cell_port_, "/1"),
+                                          "--machine",
+                                          absl::StrCat("robot=jigsaw@127.0.0.1:", cell_port_, "/2"),
+                                          "--journal",
+                                          (folder_.path() / "journal").string(),
+                                          "--scan-period",
+                                          "0.005",
+                                          "--answer-timeout",
+                                          "0.2",
+                                          "--machine-lost-after",
+                                          "0.4"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    bridge_ = std::make_unique<ChildProcess>(arguments);
+  }
+
+  void GiveAll() {
+    for (int i = 1; i <= kCrosscuts; ++i) planner_.Give(Crosscut(i));
+    for (int i = 1; i <= kOutlines; ++i) planner_.Give(Outline(i));
+  }
+
+  static bool AllReported(const Planner& planner) {
+    return planner.reports.size() == kCrosscuts + kOutlines;
+  }
+
+  void ExpectEachCutOnce() {
+    std::map<std::string, int> counts;
+    const auto cuts = ReadCutRecord(cut_record_);
+    ASSERT_TRUE(cuts.ok()) << cuts.status();
+    for (const Cut& cut : *cuts) ++counts[cut.part];
+    EXPECT_EQ(cuts->size(), static_cast<std::size_t>(kCrosscuts + kOutlines));
+    for (int i = 1; i <= kCrosscuts; ++i) EXPECT_EQ(counts[absl::StrCat("leg-", i)], 1) << i;
+    for (int i = 1; i <= kOutlines; ++i) EXPECT_EQ(counts[absl::StrCat("seat-", i)], 1) << i;
+    planner_.Await([](const Planner& planner) {
+      for (const auto& [number, report] : planner.reports) {
+        EXPECT_EQ(report.outcome(), v1::CUT_DONE) << report.message();
+        EXPECT_GT(report.seconds(), 0.0);
+      }
+      return true;
+    });
+  }
+
+  TemporaryFolder folder_;
+  std::filesystem::path cut_record_ = folder_.path() / "cuts";
+  int cell_port_ = 0;
+  int planner_port_ = 0;
+  Planner planner_;
+  std::unique_ptr<grpc::Server> server_;
+  std::unique_ptr<ChildProcess> cell_;
+  std::unique_ptr<ChildProcess> bridge_;
+};
+
+TEST_F(BridgeProcess, AnnouncesItsMachinesTakesCutsOverAndReportsThem) {
+  std::ofstream(folder_.path() / "token") << "secret\n";
+  StartBridge({"--token-file", (folder_.path() / "token").string(), "--ready-file",
+               (folder_.path() / "ready").string()});
+  ASSERT_TRUE(planner_.Await([](const Planner& planner) { return !planner.hellos.empty(); }));
+  ASSERT_TRUE(planner_.Await([](const Planner& planner) {
+    const auto& hello = planner.hellos.front();
+    EXPECT_EQ(hello.bridge(), "plant");
+    EXPECT_EQ(hello.next_report_number(), 1);
+    EXPECT_EQ(hello.machines_size(), 2);
+    EXPECT_EQ(hello.machines(0).name(), "saw");
+    EXPECT_EQ(hello.machines(0).kind(), v1::CHOP_SAW_WITH_FEEDER);
+    EXPECT_EQ(hello.machines(0).state(), "STOPPED");
+    EXPECT_EQ(hello.machines(1).kind(), v1::JIGSAW_ROBOT);
+    EXPECT_EQ(planner.authorization, "Bearer secret");
+    return true;
+  }));
+  GiveAll();
+  ASSERT_TRUE(planner_.Await([](const Planner& planner) {
+    return planner.states.at("saw") == "EXECUTE" && planner.states.at("robot") == "EXECUTE";
+  }));
+  ASSERT_TRUE(planner_.Await(AllReported));
+  ExpectEachCutOnce();
+  EXPECT_EQ(planner_.accepted.size(), static_cast<std::size_t>(kCrosscuts + kOutlines));
+  EXPECT_TRUE(std::filesystem::exists(folder_.path() / "ready"));
+  bridge_->Kill(SIGTERM);
+  EXPECT_EQ(bridge_->Wait(), 0);
+}
+
+TEST_F(BridgeProcess, CutsGivenTwiceAreMadeOnce) {
+  StartBridge();
+  GiveAll();
+  ASSERT_TRUE(planner_.Await([](const Planner& planner) { return planner.reports.size() >= 2; }));
+  GiveAll();
+  ASSERT_TRUE(planner_.Await(AllReported));
+  ExpectEachCutOnce();
+}
+
+TEST_F(BridgeProcess, ReportsAreRepeatedUntilTheyAreStored) {
+  planner_.acknowledge = false;
+  StartBridge();
+  GiveAll();
+  ASSERT_TRUE(planner_.Await(AllReported));
+  StopPlanner();
+  StartPlanner();
+  ASSERT_TRUE(planner_.Await(
+      [](const Planner& planner) { return planner.repeated_reports == kCrosscuts + kOutlines; }));
+  ExpectEachCutOnce();
+}
+
+TEST_F(BridgeProcess, AShortOutageOfThePlannerStopsNothing) {
+  StartBridge();
+  GiveAll();
+  ASSERT_TRUE(planner_.Await(
+      [](const Planner& planner) { return planner.accepted.size() == kCrosscuts + kOutlines; }));
+  StopPlanner();
+  StartPlanner();
+  ASSERT_TRUE(planner_.Await(AllReported));
+  ExpectEachCutOnce();
+}
+
+TEST_F(BridgeProcess, WithoutThePlannerForLongCutsAreHeldUntilResumed) {
+  StartBridge({"--line-lost-after", "0"});
+  GiveAll();
+  ASSERT_TRUE(planner_.Await([](const Planner& planner) { return planner.reports.size() >= 1; }));
+  StopPlanner();
+  planner_.states.clear();
+  StartPlanner();
+  ASSERT_TRUE(planner_.Await([](const Planner& planner) {
+    return planner.states.contains("saw") && planner.states.at("saw") == "HELD";
+  }));
+  planner_.Resume();
+  ASSERT_TRUE(planner_.Await(AllReported));
+  ExpectEachCutOnce();
+}
+
+TEST_F(BridgeProcess, HoldAndResume) {
+  StartBridge();
+  GiveAll();
+  ASSERT_TRUE(planner_.Await([](const Planner& planner) { return planner.reports.size() >= 1; }));
+  planner_.Hold();
+  ASSERT_TRUE(planner_.Await([](const Planner& planner) {
+    return planner.states.at("saw") == "HELD" && planner.states.at("robot") == "HELD";
+  }));
+  planner_.Resume();
+  ASSERT_TRUE(planner_.Await(AllReported));
+  ExpectEachCutOnce();
+}
+
+TEST_F(BridgeProcess, SurvivesItsOwnDeathAgainAndAgain) {
+  StartBridge();
+  GiveAll();
+  for (std::size_t reports = 1; reports <= 5; ++reports) {
+    ASSERT_TRUE(planner_.Await(
+        [&](const Planner& planner) { return planner.reports.size() >= reports; }, true));
+    bridge_->Kill(SIGKILL);
+    bridge_->Wait();
+    StartBridge();
+    ASSERT_TRUE(planner_.Await(
+        [&](const Planner& planner) { return planner.hellos.size() >= reports + 1; }));
+  }
+  ASSERT_TRUE(planner_.Await(AllReported, true));
+  ExpectEachCutOnce();
+}
+
+TEST_F(BridgeProcess, SurvivesTheDeathOfTheCell) {
+  StartBridge();
+  GiveAll();
+  for (std::size_t reports = 1; reports <= 3; ++reports) {
+    ASSERT_TRUE(planner_.Await(
+        [&](const Planner& planner) { return planner.reports.size() >= reports; }, true));
+    cell_->Kill(SIGKILL);
+    cell_->Wait();
+    StartCell();
+  }
+  ASSERT_TRUE(planner_.Await(AllReported, true));
+  ExpectEachCutOnce();
+}
+
+TEST_F(BridgeProcess, ImpossibleCutsAreRejectedByName) {
+  StartBridge();
+  v1::CutCommand elsewhere = Crosscut(1);
+  elsewhere.set_machine("nowhere");
+  v1::CutCommand wrong_kind = Outline(1);
+  wrong_kind.set_machine("saw");
+  v1::CutCommand not_a_number = Crosscut(2);
+  not_a_number.mutable_crosscut()->set_length(std::numeric_limits<double>::quiet_NaN());
+  v1::CutCommand empty = Crosscut(3);
+  empty.clear_cut();
+  for (const auto& command : {elsewhere, wrong_kind, not_a_number, empty}) planner_.Give(command);
+  ASSERT_TRUE(planner_.Await([](const Planner& planner) { return planner.reports.size() == 4; }));
+  ASSERT_TRUE(planner_.Await([](const Planner& planner) {
+    for (const auto& [number, report] : planner.reports) {
+      EXPECT_EQ(report.outcome(), v1::CUT_REJECTED);
+      EXPECT_NE(report.message(), "");
+    }
+    return true;
+  }));
+  EXPECT_TRUE(ReadCutRecord(cut_record_)->empty());
+}
+
+TEST_F(BridgeProcess, ASecondBridgeOnTheSameJournalRefuses) {
+  StartBridge();
+  ASSERT_TRUE(planner_.Await([](const Planner& planner) { return !planner.hellos.empty(); }));
+  const auto first = std::move(bridge_);
+  StartBridge();
+  EXPECT_EQ(WEXITSTATUS(bridge_->Wait()), 1);
+}
+
+}  // namespace
+}  // namespace mortise::hwbridge

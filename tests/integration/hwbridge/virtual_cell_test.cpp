@@ -1,0 +1,315 @@
+// The bridge's runner against the virtual cell as a process of its own, over Modbus TCP: work
+// orders on two machines at once, and the death of either process.
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <chrono>
+#include <condition_variable>
+#include <cstdlib>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "hwbridge/clock.h"
+#include "hwbridge/journal.h"
+#include "hwbridge/modbus_link.h"
+#include "hwbridge/work_order_runner.h"
+#include "tests/integration/hwbridge/child_process.h"
+#include "tests/unit/hwbridge/simulated_cell.h"
+
+namespace mortise::hwbridge {
+namespace {
+
+using std::chrono::steady_clock;
+
+constexpr std::chrono::seconds kPatience(60);
+constexpr int kCrosscuts = 8;
+constexpr int kOutlines = 3;
+
+std::vector<CutOrder> WorkOrder() {
+  std::vector<CutOrder> cuts;
+  for (int i = 1; i <= kCrosscuts; ++i) {
+    cuts.push_back(
+        {{"workOrders/a", "chop-saw", i}, CrosscutJob("leg-" + std::to_string(i), 0.3 * i, 0.297)});
+  }
+  for (int i = 1; i <= kOutlines; ++i) {
+    cuts.push_back(
+        {{"workOrders/a", "jigsaw", i}, OutlineJob("seat-" + std::to_string(i), 0.2, 40)});
+  }
+  return cuts;
+}
+
+// The bridge without its line to the fabplanner, with an operator who resumes what is held.
+class Bridge {
+ public:
+  Bridge(const std::filesystem::path& journal, int port) {
+    auto opened = Journal::Open(journal);
+    EXPECT_TRUE(opened.ok()) << opened.status();
+    journal_ = *std::move(opened);
+    std::vector<WorkOrderRunner::MachineSetup> machines;
+    const std::pair<const char*, MachineKind> kinds[] = {{"chop-saw", MachineKind::kChopSaw},
+                                                         {"jigsaw", MachineKind::kJigsaw}};
+    for (const auto& [name, kind] : kinds) {
+      WorkOrderRunner::MachineSetup setup;
+      setup.worker.name = name;
+      setup.worker.kind = kind;
+      setup.worker.line_lost_after = 0.3;
+      ModbusLink::Options link;
+      link.address = "127.0.0.1";
+      link.port = port;
+      link.unit = static_cast<int>(kind);
+      link.answer_timeout = 0.1;
+      setup.link = std::make_unique<ModbusLink>(link);
+      machines.push_back(std::move(setup));
+    }
+    runner_ = std::make_unique<WorkOrderRunner>(WorkOrderRunner::Options{.scan_period = 0.005},
+                                                std::move(machines), *journal_, clock_, [this] {
+                                                  const std::lock_guard lock(mutex_);
+                                                  changed_.notify_all();
+                                                });
+    for (const CutOrder& cut : WorkOrder()) EXPECT_TRUE(runner_->Accept(cut).ok());
+  }
+
+  bool Finished() const {
+    return journal_->OpenCuts("chop-saw").empty() && journal_->OpenCuts("jigsaw").empty();
+  }
+
+  std::size_t Reported() const { return journal_->UnacknowledgedReports().size(); }
+
+  // Works until `done`; false if that takes too long.
+  bool WorkUntil(const std::function<bool()>& done) {
+    const auto deadline = steady_clock::now() + kPatience;
+    std::unique_lock lock(mutex_);
+    while (!done()) {
+      if (steady_clock::now() > deadline) return false;
+      if (resume_held) {
+        lock.unlock();
+        for (const MachineView& machine : runner_->Machines()) {
+          if (machine.held && machine.online) (void)runner_->Resume("");
+        }
+        lock.lock();
+      }
+      changed_.wait_for(lock, std::chrono::milliseconds(50));
+    }
+    return true;
+  }
+
+  WorkOrderRunner& runner() { return *runner_; }
+  Journal& journal() { return *journal_; }
+  bool resume_held = true;
+
+ private:
+  MonotonicClock clock_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::unique_ptr<Journal> journal_;
+  std::unique_ptr<WorkOrderRunner> runner_;
+};
+
+class VirtualCell : public testing::Test {
+ protected:
+  void StartCell(const std::vector<std::string>& more = {}) {
+    const char* folder = std::getenv("MORTISE_BIN_DIR");
+    std::vector<std::string> arguments = {
+        absl::StrCat(folder != nullptr ? folder : "bin", "/mortise-virtual-cell"),
+        "--port",
+        std::to_string(port_),
+        "--state",
+        (folder_.path() / "cell").string(),
+        "--journal",
+        cut_record_.string(),
+        "--heartbeat-timeout",
+        "0.4",
+        "--time-scale",
+        "40"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    cell_ = std::make_unique<ChildProcess>(arguments);
+    const std::string line = cell_->ReadLine();
+    ASSERT_FALSE(line.empty()) << "the virtual cell did not start";
+    port_ = std::stoi(line);
+  }
+
+  std::unique_ptr<Bridge> StartBridge() {
+    return std::make_unique<Bridge>(folder_.path() / "journal", port_);
+  }
+
+  void ExpectEachCutOnce() {
+    const auto cuts = ReadCutRecord(cut_record_);
+    ASSERT_TRUE(cuts.ok()) << cuts.status();
+    std::map<std::string, int> counts;
+    for (const Cut& cut : *cuts) ++counts[cut.part];
+    for (const CutOrder& cut : WorkOrder()) {
+      EXPECT_EQ(counts[cut.job.part], 1) << cut.job.part;
+    }
+    EXPECT_EQ(cuts->size(), WorkOrder().size());
+  }
+
+  TemporaryFolder folder_;
+  std::filesystem::path cut_record_ = folder_.path() / "cuts";
+  int port_ = 0;
+  std::unique_ptr<ChildProcess> cell_;
+};
+
+TEST_F(VirtualCell, RunsAWorkOrderOnTwoMachinesAtOnce) {
+  StartCell();
+  auto bridge = StartBridge();
+  ASSERT_TRUE(bridge->runner().WaitUntilOnline(10.0));
+  ASSERT_TRUE(bridge->WorkUntil([&] { return bridge->Finished(); }));
+  ExpectEachCutOnce();
+  double longest = 0.0;
+  std::map<std::string, double> seconds;
+  for (const CutReport& report : bridge->journal().UnacknowledgedReports()) {
+    EXPECT_EQ(report.outcome, CutOutcome::kDone) << report.message;
+    seconds[report.key.machine] += report.seconds;
+    longest = std::max(longest, seconds[report.key.machine]);
+  }
+  // Each in order, both at once: the cut record has them interleaved.
+  const auto cuts = ReadCutRecord(cut_record_);
+  EXPECT_NE(cuts->front().machine, cuts->back().machine);
+  EXPECT_NEAR(seconds["chop-saw"], kCrosscuts * (1.0 + 0.5 + 4.0), 0.1);
+  EXPECT_NEAR(seconds["jigsaw"], kOutlines * 0.8 / 0.02, 0.1);
+  cell_->Kill(SIGTERM);
+  EXPECT_EQ(cell_->Wait(), 0);
+}
+
+TEST_F(VirtualCell, SurvivesALineThatLosesAndDelaysAnswers) {
+  StartCell({"--drop-response-every", "40", "--delay", "0.002"});
+  auto bridge = StartBridge();
+  ASSERT_TRUE(bridge->WorkUntil([&] { return bridge->Finished(); }));
+  ExpectEachCutOnce();
+}
+
+TEST_F(VirtualCell, SurvivesTheDeathOfTheCellAgainAndAgain) {
+  StartCell();
+  auto bridge = StartBridge();
+  for (std::size_t reports = 1; reports <= 5; ++reports) {
+    ASSERT_TRUE(bridge->WorkUntil([&] { return bridge->Reported() >= reports; }));
+    cell_->Kill(SIGKILL);
+    cell_->Wait();
+    StartCell();
+  }
+  ASSERT_TRUE(bridge->WorkUntil([&] { return bridge->Finished(); }));
+  ExpectEachCutOnce();
+}
+
+TEST_F(VirtualCell, SurvivesDeathAfterTakingANumberAndAfterTheCut) {
+  for (const char* fault : {"--crash-after-accept", "--crash-after-cut"}) {
+    SCOPED_TRACE(fault);
+    StartCell({fault});
+    auto bridge = StartBridge();
+    bridge->resume_held = true;
+    // Polled, because the observable is the end of another process.
+    const int status = [&] {
+      std::jthread working(
+          [&](std::stop_token stop) { bridge->WorkUntil([&] { return stop.stop_requested(); }); });
+      return cell_->Wait();
+    }();
+    EXPECT_TRUE(WIFSIGNALED(status));
+    StartCell();
+    ASSERT_TRUE(bridge->WorkUntil([&] { return bridge->Finished(); }));
+    ExpectEachCutOnce();
+    bridge.reset();
+    cell_.reset();
+    std::filesystem::remove_all(folder_.path());
+    std::filesystem::create_directories(folder_.path());
+    port_ = 0;
+  }
+}
+
+TEST_F(VirtualCell, TheReturnOfTheCellResumesNothing) {
+  StartCell();
+  auto bridge = StartBridge();
+  ASSERT_TRUE(bridge->WorkUntil([&] { return bridge->Reported() >= 2; }));
+  bridge->resume_held = false;
+  cell_->Kill(SIGKILL);
+  cell_->Wait();
+  const auto offline = [&] {
+    for (const MachineView& machine : bridge->runner().Machines()) {
+      if (machine.online) return false;
+    }
+    return true;
+  };
+  ASSERT_TRUE(bridge->WorkUntil(offline));
+  const std::size_t cuts = ReadCutRecord(cut_record_)->size();
+  StartCell();
+  ASSERT_TRUE(bridge->runner().WaitUntilOnline(10.0));
+  // The machine's clock runs 40 times as fast: in this time it would have made several cuts.
+  const auto start = steady_clock::now();
+  bridge->WorkUntil([&] { return steady_clock::now() - start > std::chrono::seconds(1); });
+  EXPECT_EQ(ReadCutRecord(cut_record_)->size(), cuts);
+  ASSERT_TRUE(bridge->runner().Resume("").ok());
+  ASSERT_TRUE(bridge->WorkUntil([&] { return bridge->Finished(); }));
+  ExpectEachCutOnce();
+}
+
+TEST_F(VirtualCell, TheEmergencyStopIsSeenAndHolds) {
+  StartCell();
+  auto bridge = StartBridge();
+  bridge->resume_held = false;
+  ASSERT_TRUE(bridge->WorkUntil([&] { return bridge->Reported() >= 1; }));
+  cell_->Kill(SIGUSR1);
+  const auto aborted = [&] {
+    for (const MachineView& machine : bridge->runner().Machines()) {
+      if (machine.state != "ABORTED" || !machine.held) return false;
+    }
+    return true;
+  };
+  ASSERT_TRUE(bridge->WorkUntil(aborted));
+  EXPECT_FALSE(bridge->runner().Resume("").ok());
+  cell_->Kill(SIGUSR2);
+  ASSERT_TRUE(bridge->WorkUntil([&] { return bridge->runner().Resume("").ok(); }));
+  bridge->resume_held = true;  // cuts that the stop ruined hold the rest once more
+  ASSERT_TRUE(bridge->WorkUntil([&] { return bridge->Finished(); }));
+  std::map<std::string, int> counts;
+  const auto cuts = ReadCutRecord(cut_record_);
+  for (const Cut& cut : *cuts) EXPECT_EQ(++counts[cut.part], 1) << cut.part;
+}
+
+// The bridge runs in a forked process, which is killed again and again.
+TEST_F(VirtualCell, SurvivesTheDeathOfTheBridgeAgainAndAgain) {
+  StartCell();
+  for (int life = 1; life <= 8; ++life) {
+    const bool last = life == 8;
+    const std::size_t before = ReadCutRecord(cut_record_)->size();
+    const pid_t pid = ::fork();
+    ASSERT_GE(pid, 0);
+    if (pid == 0) {
+      auto bridge = StartBridge();
+      const bool finished = bridge->WorkUntil([&] { return bridge->Finished(); });
+      ::_exit(finished ? 0 : 1);
+    }
+    // Dies in the middle of things: a different moment of the next cut in each life.
+    const auto deadline = steady_clock::now() + kPatience;
+    while (!last && ReadCutRecord(cut_record_)->size() == before &&
+           steady_clock::now() < deadline) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(9 * life));
+    if (!last) ::kill(pid, SIGKILL);
+    int status = 0;
+    ASSERT_EQ(::waitpid(pid, &status, 0), pid);
+    if (last) {
+      EXPECT_EQ(status, 0);
+    }
+  }
+  ExpectEachCutOnce();
+}
+
+TEST_F(VirtualCell, ATakenPortIsAClearError) {
+  StartCell();
+  const char* folder = std::getenv("MORTISE_BIN_DIR");
+  ChildProcess second({absl::StrCat(folder != nullptr ? folder : "bin", "/mortise-virtual-cell"),
+                       "--port", std::to_string(port_), "--state",
+                       (folder_.path() / "second").string()});
+  EXPECT_EQ(second.ReadLine(), "");
+  EXPECT_EQ(WEXITSTATUS(second.Wait()), 1);
+}
+
+}  // namespace
+}  // namespace mortise::hwbridge
