@@ -14,8 +14,8 @@
 
 namespace mortise::cad {
 
-// The surface of `parts` together. Every AssemblyFace names the faces of the parts it is a piece of.
-// Triangles of a face between two parts point from the part of lower index into the other one;
+// The surface of `parts` together. Every AssemblyFace names the faces of the parts it is a piece
+// of. Triangles of a face between two parts point from the part of lower index into the other one;
 // those on the outside point outwards (front_part -1).
 //
 // INVALID_ARGUMENT naming "parts[i]" where a shape is degenerate, or parts penetrate each other.

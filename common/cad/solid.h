@@ -22,7 +22,7 @@ class Solid {
   const std::string& name() const;
   const std::vector<std::string>& face_names() const;  // by index of the solid's faces
 
-  double Volume() const;                // m³, exact for planar faces
+  double Volume() const;                 // m³, exact for planar faces
   Eigen::Vector3d CentreOfMass() const;  // m
 
   // The kernel's shape, for the other files of this folder.

@@ -1,0 +1,23 @@
+// The kernel's side of a solid. Private to this folder: it brings Open CASCADE's headers.
+#pragma once
+
+#include <TopoDS_Face.hxx>
+#include <TopoDS_Shape.hxx>
+#include <string>
+#include <vector>
+
+#include "common/cad/solid.h"
+
+namespace mortise::cad {
+
+struct Solid::Kernel {
+  std::string name;
+  TopoDS_Shape shape;                   // one solid, m
+  std::vector<TopoDS_Face> faces;       // in the order of PartShape::face_names
+  std::vector<std::string> face_names;  // of each face
+};
+
+// The status of a failure inside Open CASCADE: INTERNAL, saying which operation failed and why.
+absl::Status KernelFailure(const std::string& operation, const std::string& message);
+
+}  // namespace mortise::cad

@@ -1,0 +1,35 @@
+// What writing and reading STEP have in common. Private to this folder: it brings Open CASCADE.
+#pragma once
+
+#include <TDF_Label.hxx>
+#include <TDocStd_Document.hxx>
+#include <mutex>
+#include <string>
+
+namespace mortise::cad {
+
+// The kernel's STEP translator keeps its settings in process-wide variables: one user at a time.
+std::mutex& StepTranslatorMutex();
+
+// An empty document for assemblies with names and colours.
+Handle(TDocStd_Document) NewStepDocument();
+
+// The name of a label; empty if it has none.
+std::string NameOf(const TDF_Label& label);
+void SetName(const TDF_Label& label, const std::string& name);
+
+// A file in the folder for temporary files that disappears with this object.
+class TemporaryFile {
+ public:
+  explicit TemporaryFile(const std::string& extension);
+  ~TemporaryFile();
+  TemporaryFile(const TemporaryFile&) = delete;
+  TemporaryFile& operator=(const TemporaryFile&) = delete;
+
+  const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+};
+
+}  // namespace mortise::cad
