@@ -232,12 +232,13 @@ void StoredOperations::Dispatch() {
   absl::Time next_renewal = absl::Now() + options_.lease / 3;
   absl::Time next_look = absl::Now();
   while (!stopping_) {
-    for (const auto& [kind, handler] : handlers_) LeaseWork(kind);
-    FlushProgress();
     if (absl::Now() >= next_renewal) {
       RenewLeases();
       next_renewal = absl::Now() + options_.lease / 3;
     }
+    // After the renewal: else a process that stood still would lease what it is running.
+    for (const auto& [kind, handler] : handlers_) LeaseWork(kind);
+    FlushProgress();
     if (absl::Now() >= next_look) {
       LookAtOthersChanges();
       next_look = absl::Now() + options_.poll;
@@ -275,7 +276,9 @@ void StoredOperations::LeaseWork(const std::string& kind) {
     }
     {
       std::lock_guard lock(mutex_);
-      runs_[task.key] = *run;
+      RunPointer& present = runs_[task.key];
+      if (present != nullptr) present->LoseLease();  // of an earlier attempt
+      present = *run;
       if (draining_) (*run)->Interrupt();
     }
     const OperationHandler& handler = handlers_.at(kind);
@@ -372,7 +375,8 @@ void StoredOperations::Run(const RunPointer& run, const OperationHandler& handle
   }
   {
     std::lock_guard lock(mutex_);
-    runs_.erase(run->lease().id);
+    const auto present = runs_.find(run->lease().id);
+    if (present != runs_.end() && present->second == run) runs_.erase(present);
   }
   bell_->Ring();
 }
