@@ -18,6 +18,7 @@ namespace {
 
 constexpr double kScan = 0.05;          // s
 constexpr double kOperatorDelay = 1.0;  // s after which held cuts are resumed
+constexpr double kLinger = 4.0;         // s for which the bridge stays after the last report
 constexpr double kPatience = 7200.0;    // s of simulated time
 
 // Where things go wrong in one run. Counts of steps begin at 1; 0 is never.
@@ -42,7 +43,7 @@ class Shop {
     };
     link.on_step = [this] {
       if (++bridge_steps == faults.bridge_dies_at) throw BridgeCrash{};
-      journal_size_ = JournalSize();
+      if (faults.journal_torn) journal_size_ = JournalSize();
     };
     link.next_fault = [this] {
       ++requests;
@@ -116,7 +117,11 @@ class Shop {
         EXPECT_EQ(link.numbers_written, numbers) << "a number was sent while cuts were held";
       }
       plant.Advance(kScan);
-      if ((*journal)->OpenCuts("machine").empty()) return true;
+      if ((*journal)->OpenCuts("machine").empty()) {
+        // Late messages must find the machine ready, or their harm would go unseen.
+        if (done_at_ < 0.0) done_at_ = plant.Now();
+        if (plant.Now() - done_at_ > kLinger) return true;
+      }
       if (!worker.View().held) {
         held_since = -1.0;
       } else if (held_since < 0.0) {
@@ -143,6 +148,7 @@ class Shop {
   TemporaryFolder folder_;
   std::filesystem::path path_ = folder_.path() / "journal";
   long journal_size_ = 0;
+  double done_at_ = -1.0;  // s, when the last cut was reported
 };
 
 std::vector<Job> Crosscuts(int count) {
@@ -174,7 +180,7 @@ TEST(ExactlyOnce, WithoutFaultsCutsTakeTheirTime) {
   Shop shop(MachineKind::kChopSaw, Crosscuts(3));
   ExpectEachCutOnce(shop, "no faults");
   // Per cut 1 s feed, 0.5 s clamp, 4 s cut, and a few scans.
-  EXPECT_NEAR(shop.plant.Now(), 3 * 5.5 + 0.5, 1.0);
+  EXPECT_NEAR(shop.plant.Now(), 3 * 5.5 + 0.5 + kLinger, 1.0);
   EXPECT_EQ(shop.link.numbers_written, 3);
 }
 
@@ -221,11 +227,25 @@ TEST(ExactlyOnce, TheLineLosesEveryMessage) {
   Shop plain(MachineKind::kChopSaw, Crosscuts(2));
   ASSERT_TRUE(plain.Run());
   for (long at = 1; at <= plain.requests; ++at) {
-    for (long Faults::*fault :
-         {&Faults::request_lost_at, &Faults::answer_lost_at, &Faults::request_late_at}) {
+    for (long Faults::*fault : {&Faults::request_lost_at, &Faults::answer_lost_at}) {
       Shop shop(MachineKind::kChopSaw, Crosscuts(2));
       shop.faults.*fault = at;
-      ExpectEachCutOnce(shop, "fault at request " + std::to_string(at));
+      ExpectEachCutOnce(shop, "loss of request " + std::to_string(at));
+      if (HasFatalFailure()) return;
+    }
+  }
+}
+
+// A request that was given up arrives after all: while its cut is made, just after, or later still.
+TEST(ExactlyOnce, TheLineDelaysEveryMessage) {
+  Shop plain(MachineKind::kChopSaw, Crosscuts(2));
+  ASSERT_TRUE(plain.Run());
+  for (long at = 1; at <= plain.requests; ++at) {
+    for (const double late_by : {1.0, 6.1, 6.5}) {
+      Shop shop(MachineKind::kChopSaw, Crosscuts(2));
+      shop.faults.request_late_at = at;
+      shop.link.late_by = late_by;
+      ExpectEachCutOnce(shop, "request " + std::to_string(at) + " late");
       if (HasFatalFailure()) return;
     }
   }
@@ -255,6 +275,7 @@ class Storm {
   Storm(Shop& shop, std::uint64_t seed) : shop_(shop), random_(seed) {
     shop.link.next_fault = [this] {
       const double draw = Draw();
+      shop_.link.late_by = 10.0 * Draw();
       if (draw < 0.02) return LineFault::kLoseRequest;
       if (draw < 0.04) return LineFault::kLoseAnswer;
       return draw < 0.06 ? LineFault::kDelay : LineFault::kNone;
@@ -287,7 +308,7 @@ class Storm {
 };
 
 TEST(ExactlyOnce, InStormsOfFaults) {
-  for (std::uint64_t seed = 1; seed <= 150; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 100; ++seed) {
     const bool saw = seed % 2 == 0;
     std::vector<Job> outlines;
     for (int i = 1; i <= 3; ++i)
@@ -302,7 +323,7 @@ TEST(ExactlyOnce, InStormsOfFaults) {
 // An emergency stop may ruin a cut; then it is reported as failed, and never made again.
 TEST(ExactlyOnce, WithEmergencyStopsWhatIsReportedIsTrue) {
   int failed = 0;
-  for (std::uint64_t seed = 1; seed <= 100; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
     Shop shop(MachineKind::kChopSaw, Crosscuts(5));
     Storm storm(shop, seed);
     storm.emergency_stops = true;

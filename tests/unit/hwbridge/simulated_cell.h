@@ -145,6 +145,7 @@ class SimulatedLink : public MachineLink {
   std::function<void()> on_step;
   // Which fault befalls the next request.
   std::function<LineFault()> next_fault;
+  double late_by = 4.0;     // s, of a request that is delayed
   int numbers_written = 0;  // requests that carried a sequence number
 
   absl::Status Write(int address, std::span<const std::uint16_t> values) override {
@@ -156,7 +157,7 @@ class SimulatedLink : public MachineLink {
           if (exception == ModbusException::kNone) return;
           refused = PreconditionFailed("MACHINE_REFUSED", "exception");
         },
-        [&] { plant_.Deliver(4.0, address, values); });
+        [&] { plant_.Deliver(late_by, address, values); });
     return line.ok() ? refused : line;
   }
 
