@@ -1,6 +1,8 @@
 // Documents, names and temporary files for STEP.
 #include "common/cad/step_document.h"
 
+#include <Message.hxx>
+#include <Message_Messenger.hxx>
 #include <TCollection_AsciiString.hxx>
 #include <TCollection_ExtendedString.hxx>
 #include <TDataStd_Name.hxx>
@@ -18,6 +20,8 @@ std::mutex& StepTranslatorMutex() {
 }
 
 Handle(TDocStd_Document) NewStepDocument() {
+  // What goes wrong is said by statuses; the kernel would also print it.
+  Message::DefaultMessenger()->ChangePrinters().Clear();
   // Without an application the document needs no resource files.
   Handle(TDocStd_Document) document = new TDocStd_Document("BinXCAF");
   XCAFDoc_DocumentTool::Set(document->Main(), Standard_False);

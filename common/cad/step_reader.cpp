@@ -76,13 +76,13 @@ absl::StatusOr<StepAssembly> Read(std::string_view bytes) {
   const std::lock_guard<std::mutex> lock(StepTranslatorMutex());
   const TemporaryFile file(".step");
   MORTISE_RETURN_IF_ERROR(WriteFile(file.path(), bytes));
+  Handle(TDocStd_Document) document = NewStepDocument();
   STEPCAFControl_Reader reader;
   // Lengths of the kernel's shapes; the setting exists only once a reader does.
   Interface_Static::SetCVal("xstep.cascade.unit", "M");
   if (reader.ReadFile(file.path().c_str()) != IFSelect_RetDone) {
     return InvalidField("step", "is not a STEP file that can be read");
   }
-  Handle(TDocStd_Document) document = NewStepDocument();
   const bool transferred = reader.Transfer(document);
   Interface_Static::SetCVal("xstep.cascade.unit", "MM");
   if (!transferred) return InvalidField("step", "holds no shapes that can be read");

@@ -6,6 +6,7 @@
 #include <IFSelect_ReturnStatus.hxx>
 #include <Interface_Static.hxx>
 #include <Quantity_Color.hxx>
+#include <STEPCAFControl_Controller.hxx>
 #include <STEPCAFControl_Writer.hxx>
 #include <Standard_Failure.hxx>
 #include <TopLoc_Location.hxx>
@@ -50,11 +51,12 @@ absl::StatusOr<std::string> Write(const std::string& assembly_name,
   const std::lock_guard<std::mutex> lock(StepTranslatorMutex());
   const Handle(TDocStd_Document) document = NewStepDocument();
   FillDocument(document, assembly_name, parts);
-  STEPCAFControl_Writer writer;
-  // The settings exist only once a writer does.
+  // The settings exist once the controller does, and a writer takes them when it is made.
+  STEPCAFControl_Controller::Init();
   Interface_Static::SetCVal("write.step.schema", "AP242DIS");
   Interface_Static::SetCVal("write.step.unit", "MM");
   Interface_Static::SetCVal("write.step.product.name", assembly_name.c_str());
+  STEPCAFControl_Writer writer;
   if (!writer.Transfer(document, STEPControl_AsIs)) {
     return KernelFailure("writing STEP", "the assembly cannot be translated");
   }

@@ -154,16 +154,21 @@ std::vector<Matrix2Xd> Intersect(const Matrix2Xd& a, const Matrix2Xd& b, double 
 }
 
 bool Contains(const Matrix2Xd& polygon, const Vector2d& point, double tolerance) {
+  const Eigen::Index count = polygon.cols();
   bool inside = false;
-  for (Eigen::Index i = 0; i < polygon.cols(); ++i) {
-    const Vector2d a = polygon.col(i), b = polygon.col((i + 1) % polygon.cols());
-    if (DistanceToSegment(point, a, b) <= tolerance) return true;
-    if ((a.y() > point.y()) != (b.y() > point.y())) {
-      const double crossing = a.x() + (point.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x());
-      if (point.x() < crossing) inside = !inside;
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const Vector2d a = polygon.col(i), b = polygon.col((i + 1) % count);
+    if ((a.y() > point.y()) == (b.y() > point.y())) continue;
+    const double crossing = a.x() + (point.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x());
+    if (point.x() < crossing) inside = !inside;
+  }
+  if (inside) return true;
+  for (Eigen::Index i = 0; i < count; ++i) {
+    if (DistanceToSegment(point, polygon.col(i), polygon.col((i + 1) % count)) <= tolerance) {
+      return true;
     }
   }
-  return inside;
+  return false;
 }
 
 }  // namespace mortise::parametric

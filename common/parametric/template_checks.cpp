@@ -43,11 +43,6 @@ class Checker {
         parameter_names_(ParameterNames(bundle.definition)) {}
 
   std::vector<Finding> Run() {
-    if (const auto id = ParseResourceName(definition_.name, "templates", "name"); !id.ok()) {
-      Report("name", "must be 'templates/' and 1 to 63 lower-case letters, digits and hyphens");
-    }
-    CheckText("title", definition_.title);
-    CheckText("description", definition_.description);
     CheckCount("parameters", definition_.parameters.size(), 1, kMaxParameters);
     CheckCount("parts", definition_.parts.size(), 1, kMaxParts);
     CheckCount("connections", definition_.connections.size(), 0, kMaxConnections);
@@ -55,6 +50,11 @@ class Checker {
                kMaxBoundaryConditions);
     // The lists may be far beyond what is worth looking at.
     if (!findings_.empty()) return findings_;
+    if (const auto id = ParseResourceName(definition_.name, "templates", "name"); !id.ok()) {
+      Report("name", "must be 'templates/' and 1 to 63 lower-case letters, digits and hyphens");
+    }
+    CheckText("title", definition_.title);
+    CheckText("description", definition_.description);
     CheckParameters();
     CheckParts();
     CheckConnections();

@@ -156,6 +156,17 @@ v1::BoundaryCondition ToProto(const BoundaryCondition& condition) {
   return message;
 }
 
+std::string DeterministicBytes(const google::protobuf::Message& message) {
+  std::string bytes;
+  // The streams flush when they go out of scope.
+  google::protobuf::io::StringOutputStream stream(&bytes);
+  google::protobuf::io::CodedOutputStream coded(&stream);
+  coded.SetSerializationDeterministic(true);
+  message.SerializeToCodedStream(&coded);
+  coded.Trim();
+  return bytes;
+}
+
 }  // namespace
 
 std::vector<NamedValue> FromProto(
@@ -217,11 +228,11 @@ v1::Template ToProto(const TemplateDefinition& definition) {
 absl::StatusOr<TemplateBundle> FromProto(const v1::TemplateBundle& message) {
   TemplateBundle bundle;
   auto definition = FromProto(message.template_());
-  if (!definition.ok()) return UnderField("template.", definition.status());
+  if (!definition.ok()) return UnderField("template", definition.status());
   bundle.definition = *std::move(definition);
   for (int i = 0; i < message.items_size(); ++i) {
     auto item = FromProto(message.items(i));
-    if (!item.ok()) return UnderField(absl::StrCat("items[", i, "]."), item.status());
+    if (!item.ok()) return UnderField(absl::StrCat("items[", i, "]"), item.status());
     bundle.items.push_back(*std::move(item));
   }
   for (const v1::Material& material : message.materials()) {
@@ -245,14 +256,19 @@ std::string TemplateDigest(const v1::Template& message) {
   content.clear_revision();
   content.clear_digest();
   content.clear_create_time();
-  std::string bytes;
-  {
-    google::protobuf::io::StringOutputStream stream(&bytes);
-    google::protobuf::io::CodedOutputStream coded(&stream);
-    coded.SetSerializationDeterministic(true);
-    content.SerializeToCodedStream(&coded);
+  return Sha256Hex(DeterministicBytes(content));
+}
+
+std::string BundleDigest(const v1::TemplateBundle& message) {
+  v1::TemplateBundle content = message;
+  content.mutable_template_()->Clear();
+  content.mutable_template_()->set_digest(TemplateDigest(message.template_()));
+  for (v1::Item& item : *content.mutable_items()) {
+    item.clear_revision();
+    item.clear_update_time();
   }
-  return Sha256Hex(bytes);
+  for (v1::Material& material : *content.mutable_materials()) material.clear_revision();
+  return Sha256Hex(DeterministicBytes(content));
 }
 
 }  // namespace mortise::parametric

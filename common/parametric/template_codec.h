@@ -31,4 +31,8 @@ v1::EvaluatedDesign ToProto(const EvaluatedDesign& design);
 // SHA-256 of a template's content: of everything but name, revision, digest and time.
 std::string TemplateDigest(const v1::Template& message);
 
+// SHA-256 of all that a bundle's F(q) depends on: the template's content and that of the items and
+// materials, each without revision and time.
+std::string BundleDigest(const v1::TemplateBundle& message);
+
 }  // namespace mortise::parametric

@@ -1,0 +1,35 @@
+// Any text given as a template file is refused or evaluated, never a crash.
+#include <cstdint>
+#include <string_view>
+
+#include "common/parametric/collection.h"
+#include "common/parametric/evaluation.h"
+#include "common/parametric/template_codec.h"
+#include "common/parametric/template_validation.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace mortise::parametric;
+  const auto message =
+      ParseTemplateText(std::string_view(reinterpret_cast<const char*>(data), size), "fuzz");
+  if (!message.ok()) return 0;
+  auto definition = FromProto(*message);
+  // Validation of large templates takes long by design; the rest is the same code.
+  if (!definition.ok() || definition->parts.size() > 12) return 0;
+  Material wood{.name = "materials/wood",
+                .density = 400,
+                .youngs_modulus = 1e10,
+                .poissons_ratio = 0.3,
+                .strength = 1e7};
+  Item board{.name = "items/board", .kind = ItemKind::kBoard, .material = wood.name};
+  board.dimensions.fill({10, Process::kChopSaw, 0.001, 10});
+  Item sheet = board;
+  sheet.name = "items/sheet";
+  sheet.kind = ItemKind::kSheet;
+  Item dowel{.name = "items/dowel", .kind = ItemKind::kDowel, .material = wood.name};
+  dowel.dimensions = {{{0.035}, {0.008}, {0.008}}};
+  const TemplateBundle bundle = MakeBundle(*std::move(definition), {board, sheet, dowel}, {wood});
+  (void)ValidateTemplate(bundle);
+  const auto function = TemplateFunction::Create(bundle);
+  if (function.ok()) (void)function->Evaluate(function->Defaults());
+  return 0;
+}

@@ -1,0 +1,100 @@
+// Conversion between structs and messages loses nothing and refuses what structs cannot hold.
+#include <gmock/gmock.h>
+#include <google/protobuf/util/message_differencer.h>
+#include <gtest/gtest.h>
+
+#include "common/base/errors.h"
+#include "common/parametric/template_codec.h"
+#include "tests/unit/common/parametric/table.h"
+
+namespace mortise::parametric {
+namespace {
+
+using google::protobuf::util::MessageDifferencer;
+
+TEST(Codec, KeepsTemplatesItemsAndMaterials) {
+  const Collection collection = ShippedCollection();
+  for (const auto& message : collection.templates) {
+    const auto definition = FromProto(message);
+    ASSERT_TRUE(definition.ok()) << definition.status();
+    EXPECT_TRUE(MessageDifferencer::Equals(ToProto(*definition), message));
+  }
+  for (const auto& message : collection.items) {
+    const auto item = FromProto(message);
+    ASSERT_TRUE(item.ok()) << item.status();
+    EXPECT_TRUE(MessageDifferencer::Equals(ToProto(*item), message)) << message.name();
+  }
+  for (const auto& message : collection.materials) {
+    EXPECT_TRUE(MessageDifferencer::Equals(ToProto(*FromProto(message)), message));
+  }
+}
+
+TEST(Codec, KeepsBundlesAndDesigns) {
+  const TemplateBundle bundle = TableBundle();
+  const v1::TemplateBundle message = ToProto(bundle);
+  const auto back = FromProto(message);
+  ASSERT_TRUE(back.ok()) << back.status();
+  EXPECT_TRUE(MessageDifferencer::Equals(ToProto(*back), message));
+
+  const auto table = TemplateFunction::Create(*back);
+  ASSERT_TRUE(table.ok()) << table.status();
+  const auto design = table->Evaluate(table->Defaults());
+  ASSERT_TRUE(design.ok()) << design.status();
+  const v1::EvaluatedDesign evaluated = ToProto(*design);
+  const auto design_back = FromProto(evaluated);
+  ASSERT_TRUE(design_back.ok()) << design_back.status();
+  EXPECT_TRUE(MessageDifferencer::Equals(ToProto(*design_back), evaluated));
+}
+
+TEST(Codec, DigestIsOfTheContentAlone) {
+  v1::Template message = ShippedCollection().templates[0];
+  const std::string digest = TemplateDigest(message);
+  EXPECT_EQ(digest.size(), 64u);
+  message.set_revision(7);
+  message.set_name("templates/other");
+  message.mutable_create_time()->set_seconds(12345);
+  message.set_digest("x");
+  EXPECT_EQ(TemplateDigest(message), digest);
+  message.mutable_parameters(0)->set_maximum(1.9);
+  EXPECT_NE(TemplateDigest(message), digest);
+}
+
+TEST(Codec, RefusesWhatStructsCannotHold) {
+  const Collection collection = ShippedCollection();
+  const auto field = [](const absl::Status& status) { return DetailOf(status).field; };
+
+  v1::Template without_body = collection.templates[0];
+  without_body.mutable_parts(2)->clear_body();
+  EXPECT_EQ(field(FromProto(without_body).status()), "parts[2].body");
+
+  v1::Template without_axis = collection.templates[0];
+  without_axis.mutable_parts(2)->set_length_axis(v1::AXIS_UNSPECIFIED);
+  EXPECT_EQ(field(FromProto(without_axis).status()), "parts[2].length_axis");
+
+  v1::Template unknown_kind = collection.templates[0];
+  unknown_kind.mutable_boundary_conditions(1)->set_kind(
+      static_cast<v1::BoundaryCondition::Kind>(42));
+  EXPECT_EQ(field(FromProto(unknown_kind).status()), "boundary_conditions[1].kind");
+
+  v1::Item twice = collection.items[0];
+  twice.mutable_dimensions(1)->set_axis(v1::X);
+  EXPECT_EQ(field(FromProto(twice).status()), "dimensions[1].axis");
+  v1::Item missing = collection.items[0];
+  missing.mutable_dimensions()->RemoveLast();
+  EXPECT_EQ(field(FromProto(missing).status()), "dimensions");
+  v1::Item kindless = collection.items[0];
+  kindless.set_kind(static_cast<v1::ItemKind>(77));
+  EXPECT_EQ(field(FromProto(kindless).status()), "kind");
+}
+
+TEST(CollectionText, ReportsLineAndColumn) {
+  const auto parsed =
+      ParseTemplateText("name: \"templates/x\"\nparts { nonsense: 1 }", "x.textproto");
+  ASSERT_FALSE(parsed.ok());
+  EXPECT_THAT(std::string(parsed.status().message()), testing::HasSubstr("line 2"));
+  EXPECT_EQ(DetailOf(parsed.status()).field, "x.textproto");
+  EXPECT_EQ(ReadCollection("/nonexistent").status().code(), absl::StatusCode::kNotFound);
+}
+
+}  // namespace
+}  // namespace mortise::parametric
