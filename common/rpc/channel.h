@@ -29,8 +29,9 @@ absl::StatusOr<std::shared_ptr<grpc::Channel>> MakeChannel(const std::string& ad
 
 // On whose behalf, and until when, a call is made.
 struct Origin {
-  std::function<std::string()> identity;  // the signed identity to send; unset in development
-  std::string trace_id;
+  std::function<std::string()> identity =
+      nullptr;  // the signed identity to send; unset in development
+  std::string trace_id = {};
   absl::Time deadline = absl::InfiniteFuture();
 };
 
@@ -51,7 +52,7 @@ struct RetryOptions {
   absl::Duration first_delay = absl::Milliseconds(50);
   absl::Duration longest_delay = absl::Seconds(2);
   absl::Duration patience = absl::Seconds(10);
-  std::function<bool()> stop;  // gives up early when true; may be unset
+  std::function<bool()> stop = nullptr;  // gives up early when true; may be unset
 };
 
 // Runs `attempt` as above.

@@ -18,9 +18,10 @@ namespace mortise::rpc {
 
 // Files in PEM. All empty: plain text, on loopback only.
 struct ChannelSecurity {
-  std::filesystem::path certificate;  // chain of this process; of a client: for mutual TLS
-  std::filesystem::path key;          // its private key
-  std::filesystem::path authority;    // whom to trust. Servers then ask clients for certificates.
+  std::filesystem::path certificate = {};  // chain of this process; of a client: for mutual TLS
+  std::filesystem::path key = {};          // its private key
+  std::filesystem::path authority =
+      {};  // whom to trust. Servers then ask clients for certificates.
 };
 
 // Whether `address` stays on this machine: 127.0.0.0/8, [::1], localhost, unix:PATH.

@@ -26,13 +26,13 @@ namespace mortise::rpc {
 class CallState;
 
 struct DispatcherOptions {
-  std::string service;            // the process, named in audit records
+  std::string service = {};       // the process, named in audit records
   int threads = 8;                // that run handlers
   int max_calls = 10000;          // in flight; more are refused with RESOURCE_EXHAUSTED
   store::Store* store = nullptr;  // of Mutation; may be null where there is none
   IdentityVerifier* verifier =
       nullptr;  // null: development, every caller is "users/developer", admin
-  std::shared_ptr<prometheus::Registry> registry;  // request metrics go here; may be null
+  std::shared_ptr<prometheus::Registry> registry = {};  // request metrics go here; may be null
 };
 
 class Dispatcher {

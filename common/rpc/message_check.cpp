@@ -2,6 +2,7 @@
 
 #include <google/protobuf/descriptor.h>
 #include <google/protobuf/message.h>
+#include <google/protobuf/text_format.h>
 
 #include <cmath>
 #include <string>
@@ -78,20 +79,37 @@ absl::Status CheckPlace(const Place& place) {
   }
 }
 
-std::string Segment(const Place& place) {
-  if (place.index < 0) return place.field->name();
-  return absl::StrCat(place.field->name(), "[", place.index, "]");
+std::string Segment(const FieldDescriptor* field, int index) {
+  return index < 0 ? field->name() : absl::StrCat(field->name(), "[", index, "]");
 }
 
-// Rebuilds the failure with this place's segment before its path, and the message after it.
-absl::Status Locate(const Place& place, const absl::Status& status) {
+// A map's entry is named by its key: limits["width"].
+std::string MapSegment(const FieldDescriptor* field, const Message& entry) {
+  std::string key;
+  google::protobuf::TextFormat::PrintFieldValueToString(entry, entry.GetDescriptor()->map_key(), -1,
+                                                        &key);
+  return absl::StrCat(field->name(), "[", key, "]");
+}
+
+// Rebuilds the failure with `segment` before its path, and its message after that.
+absl::Status Locate(const std::string& segment, const absl::Status& status) {
   const std::string below = DetailOf(status).field;
-  const std::string old_prefix = absl::StrCat(below, ": ");
   std::string message(status.message());
-  message.erase(0, old_prefix.size());
-  const std::string path =
-      below.empty() ? Segment(place) : absl::StrCat(Segment(place), ".", below);
-  return InvalidField(path, message);
+  message.erase(0, absl::StrCat(below, ": ").size());
+  return InvalidField(below.empty() ? segment : absl::StrCat(segment, ".", below), message);
+}
+
+// Element `index` of a field, or the whole of a singular one (-1).
+absl::Status CheckElement(const Message& message, const FieldDescriptor* field, int index) {
+  if (!field->is_map()) {
+    const absl::Status status = CheckPlace({message, field, index});
+    return status.ok() ? status : Locate(Segment(field, index), status);
+  }
+  const Message& entry = message.GetReflection()->GetRepeatedMessage(message, field, index);
+  const FieldDescriptor* value = entry.GetDescriptor()->map_value();
+  if (!NeedsCheck(value)) return absl::OkStatus();
+  const absl::Status status = CheckPlace({entry, value, -1});
+  return status.ok() ? status : Locate(MapSegment(field, entry), status);
 }
 
 }  // namespace
@@ -101,12 +119,12 @@ absl::Status CheckMessage(const Message& message) {
   message.GetReflection()->ListFields(message, &fields);
   for (const FieldDescriptor* field : fields) {
     if (!NeedsCheck(field)) continue;
-    const bool repeated = field->is_repeated();
-    const int count = repeated ? message.GetReflection()->FieldSize(message, field) : 1;
-    for (int i = 0; i < count; ++i) {
-      const Place place{message, field, repeated ? i : -1};
-      if (absl::Status status = CheckPlace(place); !status.ok()) return Locate(place, status);
+    if (!field->is_repeated()) {
+      MORTISE_RETURN_IF_ERROR(CheckElement(message, field, -1));
+      continue;
     }
+    const int count = message.GetReflection()->FieldSize(message, field);
+    for (int i = 0; i < count; ++i) MORTISE_RETURN_IF_ERROR(CheckElement(message, field, i));
   }
   return absl::OkStatus();
 }

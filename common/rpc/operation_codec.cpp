@@ -4,8 +4,6 @@
 #include <google/protobuf/message.h>
 #include <google/protobuf/util/time_util.h>
 
-#include <nlohmann/json.hpp>
-
 #include "common/rpc/status_mapping.h"
 #include "google/rpc/status.pb.h"
 #include "mortise/v1/operations.pb.h"
@@ -60,19 +58,6 @@ v1::Operation ToProto(const jobs::Operation& operation) {
   *proto.mutable_create_time() = Timestamp(operation.created_at);
   *proto.mutable_update_time() = Timestamp(operation.updated_at);
   return proto;
-}
-
-std::string DescribeOperationAsJson(const jobs::Operation& operation) {
-  nlohmann::json json = {{"kind", operation.kind},
-                         {"state", v1::Operation::State_Name(StateOf(operation.state))},
-                         {"subject", operation.subject},
-                         {"done", operation.progress.done},
-                         {"total", operation.progress.total},
-                         {"message", operation.progress.message}};
-  if (operation.progress.has_best) json["best"] = operation.progress.best_so_far;
-  if (!operation.error.ok()) json["error"] = std::string(operation.error.message());
-  // Texts of libraries need not be valid UTF-8; a replacement character beats an exception.
-  return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
 }  // namespace mortise::rpc

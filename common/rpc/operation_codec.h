@@ -20,8 +20,4 @@ std::string PackResult(const google::protobuf::Message& result);
 // The operation as clients see it. A result that was not made by PackResult is left out.
 v1::Operation ToProto(const jobs::Operation& operation);
 
-// For jobs::OperationsOptions::describe: the payload of operation events, JSON like
-// {"kind":"pareto.discovery","state":"RUNNING","subject":"templates/table","done":3,"total":10}.
-std::string DescribeOperationAsJson(const jobs::Operation& operation);
-
 }  // namespace mortise::rpc

@@ -100,37 +100,14 @@ class OperationAdapter : public v1::OperationService::CallbackService {
     if (!asked.service().empty() && asked.service() != dispatcher_->options().service) {
       return response;
     }
+    // One more than asked for tells whether there is another page.
     MORTISE_ASSIGN_OR_RETURN(std::vector<jobs::Operation> newest,
-                             ListBefore(asked.page_token(), size + 1));
+                             operations_->List(asked.page_token(), static_cast<int>(size) + 1));
     for (std::size_t i = 0; i < std::min(size, newest.size()); ++i) {
       *response.add_operations() = ToProto(newest[i]);
     }
     if (newest.size() > size) response.set_next_page_token(newest[size - 1].name);
     return response;
-  }
-
-  // Up to `limit` operations started before `before` (empty: all), newest first. The library lists
-  // oldest first, so this passes over all and keeps the last.
-  absl::StatusOr<std::vector<jobs::Operation>> ListBefore(const std::string& before,
-                                                          std::size_t limit) {
-    std::vector<jobs::Operation> last;
-    std::string after;
-    while (true) {
-      MORTISE_ASSIGN_OR_RETURN(std::vector<jobs::Operation> page,
-                               operations_->List(after, kLargestPage));
-      if (page.empty()) break;
-      after = page.back().name;
-      const bool more = page.size() == kLargestPage;
-      if (!before.empty()) {
-        std::erase_if(page, [&](const auto& operation) { return operation.name >= before; });
-      }
-      last.insert(last.end(), std::make_move_iterator(page.begin()),
-                  std::make_move_iterator(page.end()));
-      if (last.size() > limit) last.erase(last.begin(), last.end() - limit);
-      if (!more) break;
-    }
-    std::reverse(last.begin(), last.end());
-    return last;
   }
 
   absl::Status Wait(const Call& call, const v1::WaitOperationRequest& asked,

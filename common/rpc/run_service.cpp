@@ -21,7 +21,6 @@
 #include "common/rpc/event_service.h"
 #include "common/rpc/identity.h"
 #include "common/rpc/mutation_log.h"
-#include "common/rpc/operation_codec.h"
 #include "common/rpc/operation_service.h"
 #include "common/rpc/server_host.h"
 #include "common/store/store.h"
@@ -70,8 +69,7 @@ class Service : public RunningService {
     MORTISE_ASSIGN_OR_RETURN(operations_,
                              jobs::Operations::Create({.service = options_.name,
                                                        .owner = options_.replica,
-                                                       .threads = options_.operation_threads,
-                                                       .describe = DescribeOperationAsJson},
+                                                       .threads = options_.operation_threads},
                                                       store_.get()));
     environment_.reset(new ServiceEnvironment{options_, store_.get(), operations_.get(),
                                               dispatcher_.get(), peers_.get(), signer_.get(),

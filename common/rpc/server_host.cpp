@@ -1,5 +1,6 @@
 #include "common/rpc/server_host.h"
 
+#include <grpcpp/create_channel.h>
 #include <grpcpp/ext/proto_server_reflection_plugin.h>
 #include <grpcpp/health_check_service_interface.h>
 #include <grpcpp/server.h>
@@ -7,7 +8,9 @@
 #include <prometheus/exposer.h>
 #include <prometheus/registry.h>
 
+#include <atomic>
 #include <mutex>
+#include <thread>
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
@@ -60,11 +63,30 @@ absl::StatusOr<std::unique_ptr<prometheus::Exposer>> Expose(
   }
 }
 
+// CivetWeb, below the exposer, looks for its end every two seconds, or when somebody connects.
+void StopExposing(std::unique_ptr<prometheus::Exposer> exposer, const std::string& address) {
+  if (!exposer) return;
+  std::atomic<bool> stopped = false;
+  std::thread stopping([&] {
+    exposer.reset();
+    stopped = true;
+  });
+  const auto credentials = grpc::InsecureChannelCredentials();
+  while (!stopped) {
+    const auto channel = grpc::CreateChannel(address, credentials);
+    channel->WaitForConnected(absl::ToChronoTime(absl::Now() + absl::Milliseconds(20)));
+  }
+  stopping.join();
+}
+
 class Host : public ServerHost {
  public:
   explicit Host(Options options) : options_(std::move(options)) {}
 
-  ~Host() override { Shutdown(); }
+  ~Host() override {
+    Shutdown();
+    StopExposing(std::move(exposer_), metrics_address_);
+  }
 
   absl::Status Listen() {
     EnablePluginsOnce();

@@ -31,12 +31,12 @@ class ServerHost {
  public:
   struct Options {
     std::string listen = "127.0.0.1:0";  // HOST:PORT; port 0 takes a free one
-    std::string metrics;                 // HOST:PORT for /metrics; empty for none
-    ChannelSecurity security;
+    std::string metrics = {};            // HOST:PORT for /metrics; empty for none
+    ChannelSecurity security = {};
     absl::Duration drain_time = absl::Seconds(10);
-    Dispatcher* dispatcher = nullptr;                // told when draining begins; may be null
-    std::shared_ptr<prometheus::Registry> registry;  // what /metrics shows
-    std::vector<std::shared_ptr<grpc::Service>> services;
+    Dispatcher* dispatcher = nullptr;                     // told when draining begins; may be null
+    std::shared_ptr<prometheus::Registry> registry = {};  // what /metrics shows
+    std::vector<std::shared_ptr<grpc::Service>> services = {};
     // Further settings: a generic service, say. Runs before the server is built; may be unset.
     std::function<void(grpc::ServerBuilder&)> configure = nullptr;
   };

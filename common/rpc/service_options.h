@@ -18,22 +18,22 @@ class App;
 namespace mortise::rpc {
 
 struct ServiceOptions {
-  std::string name;                          // "catalog": store schema, event stream, issuer
-  std::string listen = "127.0.0.1:0";        // --listen HOST:PORT; port 0 is any free one
-  std::filesystem::path port_file;           // --port-file: {"grpc": "…", "metrics": "…"}
-  std::string metrics;                       // --metrics HOST:PORT; empty for none
-  std::string store;                         // --store; sqlite:state/<name>.db by default
-  std::filesystem::path blobs;               // --blobs; state/<name>-blobs by default
-  std::string bus_publish;                   // --bus-publish; empty: events stay in the store
-  std::filesystem::path keys;                // --keys; identity keys
-  bool insecure_development = false;         // --insecure-development
-  LogLevel log_level = LogLevel::kInfo;      // --log-level debug|info|warning|error
-  int threads = 8;                           // --threads that run handlers
-  int operation_threads = 2;                 // --operation-threads
-  std::string replica = "main";              // --replica; distinct where replicas share a store
-  std::map<std::string, std::string> peers;  // --peer NAME=ADDRESS, repeatable
-  std::string gateway;                       // --gateway ADDRESS
-  ChannelSecurity security;                  // --tls-certificate, --tls-key, --tls-authority
+  std::string name = {};                 // "catalog": store schema, event stream, issuer
+  std::string listen = "127.0.0.1:0";    // --listen HOST:PORT; port 0 is any free one
+  std::filesystem::path port_file = {};  // --port-file: {"grpc": "…", "metrics": "…"}
+  std::string metrics = {};              // --metrics HOST:PORT; empty for none
+  std::string store = {};                // --store; sqlite:state/<name>.db by default
+  std::filesystem::path blobs = {};      // --blobs; state/<name>-blobs by default
+  std::string bus_publish = {};          // --bus-publish; empty: events stay in the store
+  std::filesystem::path keys = {};       // --keys; identity keys
+  bool insecure_development = false;     // --insecure-development
+  LogLevel log_level = LogLevel::kInfo;  // --log-level debug|info|warning|error
+  int threads = 8;                       // --threads that run handlers
+  int operation_threads = 2;             // --operation-threads
+  std::string replica = "main";          // --replica; distinct where replicas share a store
+  std::map<std::string, std::string> peers = {};  // --peer NAME=ADDRESS, repeatable
+  std::string gateway = {};                       // --gateway ADDRESS
+  ChannelSecurity security = {};                  // --tls-certificate, --tls-key, --tls-authority
   absl::Duration drain_time = absl::Seconds(10);  // --drain-seconds: for calls in flight at the end
 };
 
@@ -42,7 +42,7 @@ struct ServiceDescription {
   std::string name;   // "catalog"
   std::string title;  // one line for --help
   // Adds flags of the service's own; may be empty.
-  std::function<void(CLI::App&)> add_flags;
+  std::function<void(CLI::App&)> add_flags = nullptr;
 };
 
 // Reads the flags, each of which can also be given as an environment variable MORTISE_<FLAG>

@@ -1,0 +1,69 @@
+#include "common/rpc/message_check.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "common/base/errors.h"
+#include "probe.pb.h"
+#include "tests/support/status_assertions.h"
+
+namespace mortise::rpc {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+void ExpectRefused(const testing::ReadRequest& request, const std::string& field,
+                   const std::string& message) {
+  const absl::Status status = CheckMessage(request);
+  EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_EQ(DetailOf(status).field, field);
+  EXPECT_EQ(status.message(), field + ": " + message);
+}
+
+TEST(MessageCheckTest, TakesGoodMessages) {
+  testing::ReadRequest request;
+  EXPECT_OK(CheckMessage(request));
+  request.set_number(-1e308);
+  request.add_parts()->add_numbers(3e38f);
+  request.add_shades(testing::DARK);
+  (*request.mutable_by_name())["a"].set_shade(testing::LIGHT);
+  EXPECT_OK(CheckMessage(request));
+}
+
+TEST(MessageCheckTest, NamesTheNumberThatIsNotFinite) {
+  testing::ReadRequest top;
+  top.set_number(kNaN);
+  ExpectRefused(top, "number", "must be a finite number");
+
+  testing::ReadRequest nested;
+  nested.add_parts();
+  testing::Inner* part = nested.add_parts();
+  part->add_numbers(1);
+  part->add_numbers(2);
+  part->add_numbers(-kInfinity);
+  ExpectRefused(nested, "parts[1].numbers[2]", "must be a finite number");
+
+  testing::ReadRequest chosen;
+  chosen.mutable_inner()->set_number(kInfinity);
+  ExpectRefused(chosen, "inner.number", "must be a finite number");
+
+  testing::ReadRequest mapped;
+  (*mapped.mutable_by_name())["left"].set_number(kNaN);
+  ExpectRefused(mapped, "by_name[\"left\"].number", "must be a finite number");
+}
+
+TEST(MessageCheckTest, NamesTheEnumThatIsUnknown) {
+  testing::ReadRequest repeated;
+  repeated.add_shades(testing::LIGHT);
+  repeated.add_shades(static_cast<testing::Shade>(7));
+  ExpectRefused(repeated, "shades[1]", "7 is not a value of Shade");
+
+  testing::ReadRequest nested;
+  nested.mutable_inner()->set_shade(static_cast<testing::Shade>(-1));
+  ExpectRefused(nested, "inner.shade", "-1 is not a value of Shade");
+}
+
+}  // namespace
+}  // namespace mortise::rpc

@@ -1,0 +1,375 @@
+// A whole service in the test's process: its operations, events and audit records over gRPC.
+#include <grpcpp/grpcpp.h>
+#include <gtest/gtest.h>
+
+#include <condition_variable>
+#include <mutex>
+#include <thread>
+
+#include "common/base/errors.h"
+#include "common/base/files.h"
+#include "common/jobs/operations.h"
+#include "common/rpc/channel.h"
+#include "common/rpc/operation_codec.h"
+#include "common/rpc/run_service.h"
+#include "mortise/v1/audit.grpc.pb.h"
+#include "mortise/v1/events.grpc.pb.h"
+#include "mortise/v1/operations.grpc.pb.h"
+#include "tests/support/status_assertions.h"
+#include "tests/support/temporary_folder.h"
+#include "tests/unit/common/rpc/probe_service.h"
+
+namespace mortise::testing {
+namespace {
+
+using rpc::CallUnary;
+
+class RunningServiceTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    ASSERT_OK(rpc::CreateIdentityKey(folder_.path() / "keys", "gateway"));
+    ASSERT_OK(rpc::CreateIdentityKey(folder_.path() / "keys", "probe"));
+    gateway_ = *rpc::IdentitySigner::Load(folder_.path() / "keys", "gateway");
+    handlers_.begin = [this](const rpc::Call& call, const KeepRequest& request,
+                             store::Transaction& transaction) -> absl::StatusOr<v1::Operation> {
+      MORTISE_ASSIGN_OR_RETURN(jobs::Operation operation,
+                               service_->environment().operations->Start(
+                                   transaction, {.kind = "probe.work",
+                                                 .request = request.value(),
+                                                 .subject = "things/" + request.name(),
+                                                 .request_id = call.identity().request_id,
+                                                 .creator = call.identity().subject}));
+      return rpc::ToProto(operation);
+    };
+    Start();
+  }
+
+  void TearDown() override {
+    Release();
+    service_.reset();
+  }
+
+  rpc::ServiceOptions Options() {
+    rpc::ServiceOptions options;
+    options.name = "probe";
+    options.store = "sqlite:" + (folder_.path() / "probe.db").string();
+    options.blobs = folder_.path() / "blobs";
+    options.keys = folder_.path() / "keys";
+    options.metrics = "127.0.0.1:0";
+    options.port_file = folder_.path() / "ports.json";
+    return options;
+  }
+
+  void Start() {
+    auto service = rpc::RunningService::Start(Options(), [this](rpc::ServiceEnvironment& given) {
+      given.operations->Register("probe.work",
+                                 [this](jobs::OperationContext& context) { return Work(context); });
+      return absl::StatusOr<std::vector<std::shared_ptr<grpc::Service>>>(
+          std::vector<std::shared_ptr<grpc::Service>>{
+              std::make_shared<ProbeAdapter>(given.dispatcher, &handlers_)});
+    });
+    ASSERT_OK(service);
+    service_ = *std::move(service);
+    const auto channel = *rpc::MakeChannel(service_->address(), {});
+    probe_ = ProbeService::NewStub(channel);
+    operations_ = v1::OperationService::NewStub(channel);
+    events_ = v1::EventService::NewStub(channel);
+    audit_ = v1::AuditService::NewStub(channel);
+  }
+
+  // Reports progress, then waits to be released or cancelled.
+  absl::StatusOr<std::string> Work(jobs::OperationContext& context) {
+    context.ReportProgress({.done = 1, .total = 2, .message = "half"});
+    if (context.request() == "fail") return InvalidField("value", "was told to fail");
+    std::unique_lock lock(mutex_);
+    while (!released_) {
+      if (context.Cancelled()) return absl::CancelledError("cancelled");
+      changed_.wait_for(lock, std::chrono::milliseconds(5));
+    }
+    Kept kept;
+    kept.set_value(context.request());
+    return rpc::PackResult(kept);
+  }
+
+  void Release() {
+    std::lock_guard lock(mutex_);
+    released_ = true;
+    changed_.notify_all();
+  }
+
+  rpc::Origin As(rpc::Role role) {
+    rpc::Origin origin;
+    origin.deadline = absl::Now() + absl::Seconds(30);
+    origin.identity = [this, role] { return gateway_->Sign("users/ada", role, "trace-9"); };
+    return origin;
+  }
+
+  v1::Operation Begin(const std::string& id, const std::string& value) {
+    KeepRequest request;
+    request.set_request_id(id);
+    request.set_name("a");
+    request.set_value(value);
+    const auto operation =
+        CallUnary(*probe_, &ProbeService::Stub::Begin, request, As(rpc::Role::kOperator));
+    EXPECT_OK(operation);
+    return operation.ok() ? *operation : v1::Operation();
+  }
+
+  absl::StatusOr<v1::Operation> Wait(const std::string& name, double seconds = 0) {
+    v1::WaitOperationRequest request;
+    request.set_name(name);
+    request.set_timeout_seconds(seconds);
+    return CallUnary(*operations_, &v1::OperationService::Stub::WaitOperation, request,
+                     As(rpc::Role::kViewer));
+  }
+
+  absl::StatusOr<v1::Operation> Cancel(const std::string& id, const std::string& name) {
+    v1::CancelOperationRequest request;
+    request.set_request_id(id);
+    request.set_name(name);
+    return CallUnary(*operations_, &v1::OperationService::Stub::CancelOperation, request,
+                     As(rpc::Role::kDesigner));
+  }
+
+  // Events from the first on, until one of `type`.
+  std::vector<v1::Event> FollowUntil(const std::string& type,
+                                     const v1::FollowEventsRequest& request = {}) {
+    auto context = rpc::MakeClientContext(As(rpc::Role::kViewer));
+    auto reader = events_->FollowEvents(context.get(), request);
+    std::vector<v1::Event> events;
+    v1::Event event;
+    while (reader->Read(&event)) {
+      events.push_back(event);
+      if (event.type() == type) break;
+    }
+    context->TryCancel();
+    reader->Finish();
+    return events;
+  }
+
+  TemporaryFolder folder_;
+  ProbeHandlers handlers_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  bool released_ = false;
+  std::unique_ptr<rpc::IdentitySigner> gateway_;
+  std::unique_ptr<rpc::RunningService> service_;
+  std::unique_ptr<ProbeService::Stub> probe_;
+  std::unique_ptr<v1::OperationService::Stub> operations_;
+  std::unique_ptr<v1::EventService::Stub> events_;
+  std::unique_ptr<v1::AuditService::Stub> audit_;
+};
+
+TEST_F(RunningServiceTest, AnOperationRunsToItsResult) {
+  const v1::Operation begun = Begin("r-1", "x");
+  EXPECT_EQ(begun.subject(), "things/a");
+  EXPECT_EQ(begun.creator(), "users/ada");
+  EXPECT_EQ(Begin("r-1", "x").name(), begun.name()) << "one request, one operation";
+  Release();
+  const auto done = Wait(begun.name());
+  ASSERT_OK(done);
+  EXPECT_EQ(done->state(), v1::Operation::SUCCEEDED);
+  EXPECT_EQ(done->progress().total(), 2);
+  Kept kept;
+  ASSERT_TRUE(done->result().UnpackTo(&kept));
+  EXPECT_EQ(kept.value(), "x");
+}
+
+TEST_F(RunningServiceTest, AFailureKeepsItsDetails) {
+  const auto failed = Wait(Begin("r-1", "fail").name());
+  ASSERT_OK(failed);
+  EXPECT_EQ(failed->state(), v1::Operation::FAILED);
+  EXPECT_EQ(failed->error().code(), 3);
+  EXPECT_EQ(failed->error().details_size(), 2);
+}
+
+TEST_F(RunningServiceTest, AWaitEndsInTime) {
+  const std::string name = Begin("r-1", "x").name();
+  const auto waited = Wait(name, 0.05);
+  ASSERT_OK(waited);
+  EXPECT_NE(waited->state(), v1::Operation::SUCCEEDED);
+  EXPECT_EQ(DetailOf(Wait(name, -1).status()).field, "timeout_seconds");
+  EXPECT_TRUE(absl::IsNotFound(Wait("operations/probe/none").status()));
+}
+
+TEST_F(RunningServiceTest, AnOperationIsCancelled) {
+  const std::string name = Begin("r-1", "x").name();
+  ASSERT_OK(Cancel("c-1", name));
+  ASSERT_OK(Cancel("c-1", name));
+  const auto done = Wait(name);
+  ASSERT_OK(done);
+  EXPECT_EQ(done->state(), v1::Operation::CANCELLED);
+}
+
+TEST_F(RunningServiceTest, AWatchSeesTheEnd) {
+  const std::string name = Begin("r-1", "x").name();
+  v1::WatchOperationRequest request;
+  request.set_name(name);
+  auto context = rpc::MakeClientContext(As(rpc::Role::kViewer));
+  auto reader = operations_->WatchOperation(context.get(), request);
+  v1::Operation seen;
+  ASSERT_TRUE(reader->Read(&seen));
+  EXPECT_EQ(seen.name(), name);
+  Release();
+  while (reader->Read(&seen)) {
+  }
+  EXPECT_TRUE(reader->Finish().ok());
+  EXPECT_EQ(seen.state(), v1::Operation::SUCCEEDED);
+}
+
+TEST_F(RunningServiceTest, ListsOperationsNewestFirst) {
+  Release();
+  std::vector<std::string> names;
+  for (int i = 0; i < 5; ++i) names.push_back(Begin("r-" + std::to_string(i), "x").name());
+  v1::ListOperationsRequest request;
+  request.set_page_size(3);
+  std::vector<std::string> listed;
+  do {
+    const auto page = CallUnary(*operations_, &v1::OperationService::Stub::ListOperations, request,
+                                As(rpc::Role::kViewer));
+    ASSERT_OK(page);
+    for (const v1::Operation& operation : page->operations()) listed.push_back(operation.name());
+    request.set_page_token(page->next_page_token());
+  } while (!request.page_token().empty());
+  EXPECT_EQ(listed, std::vector<std::string>(names.rbegin(), names.rend()));
+  request.set_page_size(1001);
+  EXPECT_EQ(DetailOf(CallUnary(*operations_, &v1::OperationService::Stub::ListOperations, request,
+                               As(rpc::Role::kViewer))
+                         .status())
+                .field,
+            "page_size");
+}
+
+TEST_F(RunningServiceTest, EventsAreFollowedInOrder) {
+  Release();
+  const std::string name = Begin("r-1", "x").name();
+  const std::vector<v1::Event> events = FollowUntil("operation.succeeded");
+  ASSERT_FALSE(events.empty());
+  for (std::size_t i = 0; i < events.size(); ++i) {
+    EXPECT_EQ(events[i].number(), static_cast<int64_t>(i) + 1);
+    EXPECT_EQ(events[i].stream(), "probe");
+  }
+  EXPECT_EQ(events.back().subject(), name);
+  EXPECT_EQ(events.back().trace_id(), "trace-9");
+  EXPECT_EQ(events.back().data().front(), '{');
+
+  v1::FollowEventsRequest only_ends;
+  only_ends.add_type_prefixes("operation.succ");
+  EXPECT_EQ(FollowUntil("operation.succeeded", only_ends).size(), 1u);
+  v1::ReadEventsRequest read;
+  read.set_stream("probe");
+  read.set_after_number(1);
+  const auto page =
+      CallUnary(*events_, &v1::EventService::Stub::ReadEvents, read, As(rpc::Role::kViewer));
+  ASSERT_OK(page);
+  EXPECT_EQ(page->events(0).number(), 2);
+  EXPECT_GE(page->latest_number(), static_cast<int64_t>(events.size()));
+  read.set_stream("other");
+  EXPECT_EQ(DetailOf(CallUnary(*events_, &v1::EventService::Stub::ReadEvents, read,
+                               As(rpc::Role::kViewer))
+                         .status())
+                .field,
+            "stream");
+}
+
+TEST_F(RunningServiceTest, AFollowerOfTheFutureSeesOnlyWhatComes) {
+  Release();
+  Begin("r-1", "x");
+  const int64_t past = FollowUntil("operation.succeeded").back().number();
+  v1::FollowEventsRequest request;
+  request.set_after_number(-1);
+  auto context = rpc::MakeClientContext(As(rpc::Role::kViewer));
+  auto reader = events_->FollowEvents(context.get(), request);
+  // When the follower has begun cannot be seen from here, so things go on happening until it has.
+  std::atomic<bool> seen = false;
+  std::thread later([&] {
+    for (int i = 2; !seen; ++i) Wait(Begin("r-" + std::to_string(i), "x").name()).IgnoreError();
+  });
+  v1::Event event;
+  EXPECT_TRUE(reader->Read(&event));
+  seen = true;
+  later.join();
+  EXPECT_GT(event.number(), past);
+  context->TryCancel();
+  reader->Finish();
+}
+
+TEST_F(RunningServiceTest, TheAuditLogIsForAdministrators) {
+  const std::string name = Begin("r-1", "x").name();
+  const auto list = [&](rpc::Role role) {
+    return CallUnary(*audit_, &v1::AuditService::Stub::ListAuditRecords, {}, As(role));
+  };
+  EXPECT_EQ(list(rpc::Role::kOperator).status().code(), absl::StatusCode::kPermissionDenied);
+  const auto records = list(rpc::Role::kAdmin);
+  ASSERT_OK(records);
+  ASSERT_EQ(records->records_size(), 1);
+  EXPECT_EQ(records->records(0).method(), "mortise.testing.ProbeService/Begin");
+  EXPECT_EQ(records->records(0).resource(), name);
+}
+
+TEST_F(RunningServiceTest, UnfinishedOperationsGoOnAfterARestart) {
+  const std::string name = Begin("r-1", "x").name();
+  service_.reset();
+  Start();
+  Release();
+  const auto done = Wait(name);
+  ASSERT_OK(done);
+  EXPECT_EQ(done->state(), v1::Operation::SUCCEEDED);
+}
+
+TEST_F(RunningServiceTest, ThePortFileTellsTheAddresses) {
+  const auto text = ReadFile(folder_.path() / "ports.json");
+  ASSERT_OK(text);
+  EXPECT_NE(text->find("\"grpc\":\"" + service_->address() + "\""), std::string::npos) << *text;
+  EXPECT_NE(text->find("\"metrics\":\"" + service_->metrics_address() + "\""), std::string::npos);
+}
+
+TEST_F(RunningServiceTest, StartFailsClearly) {
+  const auto start = [](rpc::ServiceOptions options) {
+    return rpc::RunningService::Start(options,
+                                      [](rpc::ServiceEnvironment&) {
+                                        return std::vector<std::shared_ptr<grpc::Service>>();
+                                      })
+        .status();
+  };
+  rpc::ServiceOptions no_keys = Options();
+  no_keys.keys = folder_.path() / "none";
+  EXPECT_FALSE(start(no_keys).ok());
+
+  rpc::ServiceOptions bad_store = Options();
+  bad_store.store = "sqlite:/proc/none/probe.db";
+  EXPECT_NE(start(bad_store).message().find("/proc/none"), absl::string_view::npos);
+
+  rpc::ServiceOptions open = Options();
+  open.keys.clear();
+  open.insecure_development = true;
+  open.listen = "0.0.0.0:0";
+  EXPECT_EQ(DetailOf(start(open)).field, "insecure-development");
+}
+
+TEST_F(RunningServiceTest, DevelopmentTakesEveryoneForAnAdministrator) {
+  rpc::ServiceOptions options = Options();
+  options.store = "sqlite:" + (folder_.path() / "other.db").string();
+  options.keys.clear();
+  options.insecure_development = true;
+  ProbeHandlers handlers;
+  handlers.read = [](const rpc::Call& call, const ReadRequest&) -> absl::StatusOr<ReadResponse> {
+    ReadResponse response;
+    response.set_text(call.identity().subject + " " + call.identity().request_id);
+    return response;
+  };
+  auto service = rpc::RunningService::Start(options, [&](rpc::ServiceEnvironment& environment) {
+    return std::vector<std::shared_ptr<grpc::Service>>{
+        std::make_shared<ProbeAdapter>(environment.dispatcher, &handlers)};
+  });
+  ASSERT_OK(service);
+  const auto stub = ProbeService::NewStub(*rpc::MakeChannel((*service)->address(), {}));
+  const auto response =
+      CallUnary(*stub, &ProbeService::Stub::Read, {},
+                rpc::OwnOrigin(nullptr, rpc::Role::kViewer, "trace-3", absl::Seconds(20)));
+  ASSERT_OK(response);
+  EXPECT_EQ(response->text(), "users/developer trace-3");
+}
+
+}  // namespace
+}  // namespace mortise::testing
