@@ -1,0 +1,260 @@
+#include "services/fabplanner/assembly_picture.h"
+
+#include <algorithm>
+#include <map>
+#include <queue>
+#include <set>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
+#include "common/render/scene.h"
+#include "services/fabplanner/part_mesh.h"
+
+namespace mortise::fabplanner {
+namespace {
+
+constexpr int kPictureWidth = 900;   // px
+constexpr int kPictureHeight = 675;  // px
+constexpr double kAspect = static_cast<double>(kPictureWidth) / kPictureHeight;
+constexpr int kMostPegsDrawn = 400;
+
+const render::Color kPresentColor{0.86, 0.86, 0.85};
+const render::Color kAddedColor{0.95, 0.66, 0.28};
+const render::Color kPegColor{0.60, 0.30, 0.10};
+const render::Color kArrowColor{0.05, 0.35, 0.75};
+
+// How two parts of a step are joined, seen from one of them.
+struct Joint {
+  std::string neighbour;
+  Eigen::Vector3d away;  // unit: from the neighbour towards the part
+};
+
+std::map<std::string, std::vector<Joint>> JointsOf(const AssemblyStep& step, const Design& design) {
+  std::map<std::string, std::vector<Joint>> joints;
+  std::map<std::string, const Peg*> first_peg;
+  for (const Peg& peg : design.pegs) first_peg.emplace(peg.connection, &peg);
+  for (const StepConnection& connection : step.connections) {
+    const Peg& peg = *first_peg.at(connection.name);
+    joints[peg.part].push_back({peg.other_part, -peg.direction});
+    joints[peg.other_part].push_back({peg.part, peg.direction});
+  }
+  return joints;
+}
+
+const Part* FindPart(const Design& design, const std::string& name) {
+  for (const Part& part : design.parts) {
+    if (part.name == name) return &part;
+  }
+  return nullptr;
+}
+
+// Which parts were built into one piece before the step: each part's piece is named by one of its
+// parts. Parts that come in are pieces of their own.
+std::map<std::string, std::string> PiecesBefore(const std::vector<AssemblyStep>& steps,
+                                                int number) {
+  std::map<std::string, std::string> piece;
+  for (const AssemblyStep& step : steps) {
+    if (step.number > number) break;
+    for (const std::string& part : step.added_parts) piece[part] = part;
+    if (step.number == number) break;
+    for (const StepConnection& connection : step.connections) {
+      const std::string kept = piece.at(connection.part);
+      const std::string merged = piece.at(connection.other_part);
+      for (auto& [part, name] : piece) {
+        if (name == merged) name = kept;
+      }
+    }
+  }
+  return piece;
+}
+
+// Offsets of all parts in a step. Pieces move as a whole: the largest stays, the others follow by
+// breadth-first search over the step's joints, each pulled away from the one it joins.
+class Explosion {
+ public:
+  Explosion(const std::vector<AssemblyStep>& steps, int number, const Design& design,
+            double distance)
+      : piece_(PiecesBefore(steps, number)), distance_(distance) {
+    const AssemblyStep& step = steps[number - 1];
+    for (const auto& [part, joints] : JointsOf(step, design)) {
+      for (const Joint& joint : joints) {
+        joints_[piece_.at(part)].push_back({piece_.at(joint.neighbour), joint.away});
+      }
+    }
+    std::map<std::string, double> volumes;
+    std::vector<std::string> order;  // of first appearance, so that ties do not depend on names
+    for (const Part& part : design.parts) {
+      const auto piece = piece_.find(part.name);
+      if (piece == piece_.end()) continue;
+      if (volumes.emplace(piece->second, 0).second) order.push_back(piece->second);
+      volumes[piece->second] += part.size.prod();
+    }
+    // What stood before goes first, however small: people build onto it.
+    const std::set<std::string> added(step.added_parts.begin(), step.added_parts.end());
+    std::stable_sort(order.begin(), order.end(), [&](const auto& a, const auto& b) {
+      return std::pair(added.contains(a), -volumes[a]) < std::pair(added.contains(b), -volumes[b]);
+    });
+    for (const std::string& root : order) {
+      if (offsets_.emplace(root, Eigen::Vector3d::Zero()).second) Spread(root);
+    }
+  }
+
+  Eigen::Vector3d Of(const std::string& part) const {
+    const auto piece = piece_.find(part);
+    return piece == piece_.end() ? Eigen::Vector3d::Zero().eval() : offsets_.at(piece->second);
+  }
+
+ private:
+  void Spread(const std::string& root) {
+    std::queue<std::string> reached({root});
+    while (!reached.empty()) {
+      const std::string from = reached.front();
+      reached.pop();
+      for (const Joint& joint : joints_[from]) {
+        const Eigen::Vector3d offset = offsets_[from] - distance_ * joint.away;
+        if (offsets_.emplace(joint.neighbour, offset).second) reached.push(joint.neighbour);
+      }
+    }
+  }
+
+  std::map<std::string, std::string> piece_;
+  std::map<std::string, std::vector<Joint>> joints_;  // between pieces
+  double distance_;
+  std::map<std::string, Eigen::Vector3d> offsets_;  // of pieces
+};
+
+std::vector<std::string> PresentBefore(const std::vector<AssemblyStep>& steps, int number) {
+  std::vector<std::string> present;
+  for (const AssemblyStep& step : steps) {
+    if (step.number >= number) break;
+    present.insert(present.end(), step.added_parts.begin(), step.added_parts.end());
+  }
+  return present;
+}
+
+void AddParts(const Design& design, const std::vector<std::string>& names,
+              const render::Color& color, const Explosion& explosion, render::Scene* scene) {
+  for (const std::string& name : names) {
+    const Part* part = FindPart(design, name);
+    if (part == nullptr) continue;
+    render::Shape shape = PartShape(*part, explosion.Of(name));
+    if (shape.triangles.cols() == 0) continue;
+    shape.color = color;
+    scene->shapes.push_back(std::move(shape));
+  }
+}
+
+// Pegs of the step in the gap that they bridge, and an arrow for each connection along its middle.
+void AddPegsAndArrows(const Design& design, const AssemblyStep& step, const Explosion& explosion,
+                      render::Scene* scene) {
+  std::map<std::string, std::pair<Eigen::Vector3d, int>> centres;  // sum and count
+  std::map<std::string, const Peg*> pegs;
+  std::set<std::string> made;
+  for (const StepConnection& connection : step.connections) made.insert(connection.name);
+  int drawn = 0;
+  for (const Peg& peg : design.pegs) {
+    if (!made.contains(peg.connection)) continue;
+    auto& [sum, count] =
+        centres.emplace(peg.connection, std::pair(Eigen::Vector3d::Zero().eval(), 0)).first->second;
+    sum += peg.position;
+    ++count;
+    pegs.emplace(peg.connection, &peg);
+    if (++drawn > kMostPegsDrawn) continue;
+    // The peg stands in the part that moves less.
+    const Eigen::Vector3d own = explosion.Of(peg.part), other = explosion.Of(peg.other_part);
+    const Eigen::Vector3d face = peg.position + (own.norm() > other.norm() ? other : own);
+    render::Shape shape =
+        PegShape(face - peg.depth_in_part * peg.direction,
+                 face + (peg.length - peg.depth_in_part) * peg.direction, peg.diameter);
+    shape.color = kPegColor;
+    scene->shapes.push_back(std::move(shape));
+  }
+  for (const auto& [name, centre] : centres) {
+    const Peg& peg = *pegs.at(name);
+    const Eigen::Vector3d middle = centre.first / centre.second;
+    const Eigen::Vector3d own = explosion.Of(peg.part), other = explosion.Of(peg.other_part);
+    if ((own - other).norm() < 1e-9) continue;
+    // From the part that moves further to the one that it goes to.
+    const bool own_moves = own.norm() > other.norm();
+    const Eigen::Vector3d from = middle + (own_moves ? own : other);
+    const Eigen::Vector3d to = middle + (own_moves ? other : own);
+    render::Line arrow;
+    arrow.points.resize(3, 2);
+    arrow.points.col(0) = from;
+    arrow.points.col(1) = to;
+    arrow.color = kArrowColor;
+    arrow.width = 2.5;
+    arrow.arrow = true;
+    arrow.on_top = true;
+    scene->lines.push_back(std::move(arrow));
+  }
+}
+
+// How many pixels of a small picture show the added parts: theirs is the one strong colour.
+absl::StatusOr<int> VisiblePixels(render::Scene scene, const Eigen::Vector3d& direction) {
+  scene.lines.clear();
+  for (render::Shape& shape : scene.shapes) shape.edges = false;
+  scene.camera = render::FitCamera(render::BoundingBox(scene), direction, kAspect);
+  MORTISE_ASSIGN_OR_RETURN(const render::Image image,
+                           render::Render(scene, {.width = 180, .height = 135, .supersample = 1}));
+  int visible = 0;
+  for (std::size_t i = 0; i + 2 < image.pixels.size(); i += 3) {
+    visible += image.pixels[i] > image.pixels[i + 2] + 30 ? 1 : 0;
+  }
+  return visible;
+}
+
+absl::StatusOr<Eigen::Vector3d> ChooseView(const render::Scene& scene) {
+  const Eigen::Vector3d usual = render::kViewIsometric;
+  Eigen::Vector3d best = usual;
+  double best_score = -1;
+  for (double z : {1.0, -1.0}) {
+    for (const auto& [x, y] : {std::pair(1, 1), {-1, 1}, {-1, -1}, {1, -1}}) {
+      const Eigen::Vector3d direction(x * usual.x(), y * usual.y(), z * usual.z());
+      MORTISE_ASSIGN_OR_RETURN(const int visible, VisiblePixels(scene, direction));
+      // People know a thing from the front and above; other views must be worth it.
+      const double habit = (z < 0 ? 0.6 : 1.0) * (x == 1 && y == 1 ? 1.25 : y == 1 ? 1.1 : 1.0);
+      if (visible * habit <= best_score) continue;
+      best_score = visible * habit;
+      best = direction;
+    }
+  }
+  return best;
+}
+
+}  // namespace
+
+Eigen::Vector3d ExplodedOffset(const std::string& part, const Design& design,
+                               const std::vector<AssemblyStep>& steps, int number,
+                               double distance) {
+  return Explosion(steps, number, design, distance).Of(part);
+}
+
+absl::StatusOr<std::string> StepPicture(const Design& design,
+                                        const std::vector<AssemblyStep>& steps, int number) {
+  if (number < 1 || number > static_cast<int>(steps.size())) {
+    return InvalidField("number", absl::StrCat("there are ", steps.size(), " steps"));
+  }
+  const AssemblyStep& step = steps[number - 1];
+  const std::vector<std::string> present = PresentBefore(steps, number);
+  Eigen::AlignedBox3d box;
+  for (const std::vector<std::string>* names : {&present, &step.added_parts}) {
+    for (const std::string& name : *names) {
+      if (const Part* part = FindPart(design, name)) box.extend(BoundsOf(*part));
+    }
+  }
+  const Explosion explosion(steps, number, design, 0.16 * box.diagonal().norm());
+  render::Scene scene;
+  AddParts(design, present, kPresentColor, explosion, &scene);
+  AddParts(design, step.added_parts, kAddedColor, explosion, &scene);
+  MORTISE_ASSIGN_OR_RETURN(const Eigen::Vector3d view, ChooseView(scene));
+  AddPegsAndArrows(design, step, explosion, &scene);
+  scene.camera = render::FitCamera(render::BoundingBox(scene), view, kAspect);
+  MORTISE_ASSIGN_OR_RETURN(
+      const render::Image image,
+      render::Render(scene, {.width = kPictureWidth, .height = kPictureHeight}));
+  return render::EncodePng(image);
+}
+
+}  // namespace mortise::fabplanner

@@ -1,0 +1,22 @@
+// In which order parts are joined: the steps of the assembly (thesis §8.4.2).
+//
+// The expert gives each connection a priority. Connections of one priority are made in one step,
+// lower priorities first; a part comes in with the first step that joins it. A step may build a
+// sub-assembly that does not touch what stands already; a later step joins the two.
+#pragma once
+
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "services/fabplanner/design.h"
+#include "services/fabplanner/plan.h"
+
+namespace mortise::fabplanner {
+
+// The steps, numbered 1, 2, 3 …; every part is added in exactly one of them. A design of one part
+// without connections has one step. INVALID_ARGUMENT if a connection names an unknown part, joins a
+// part to itself or has pegs of differing priorities; FAILED_PRECONDITION, reason
+// PARTS_UNCONNECTED, naming parts that the connections leave loose.
+absl::StatusOr<std::vector<AssemblyStep>> AssemblySteps(const Design& design, const Items& items);
+
+}  // namespace mortise::fabplanner

@@ -1,0 +1,27 @@
+// What to buy: items with quantities, sizes to order and prices.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "services/fabplanner/design.h"
+#include "services/fabplanner/plan.h"
+
+namespace mortise::fabplanner {
+
+// So many pieces of an item in one size.
+struct Purchase {
+  std::string item;                                // name
+  Eigen::Vector3d size = Eigen::Vector3d::Zero();  // m: length, width, thickness as ordered
+  int quantity = 0;                                // pieces, > 0
+};
+
+// One line for each item and size (to a micrometre), boards first, then sheets, pegs, screws and
+// other things, each by name. A line's price is the piece's times the quantity, to the cent; the
+// total is the sum of the lines. Items without a currency have no price and add nothing.
+// INVALID_ARGUMENT for unknown items or unusable numbers; FAILED_PRECONDITION, reason
+// CURRENCIES_DIFFER, naming two items, if prices are in more than one currency.
+absl::StatusOr<Bill> MakeBill(const std::vector<Purchase>& purchases, const Items& items);
+
+}  // namespace mortise::fabplanner

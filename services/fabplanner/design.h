@@ -1,0 +1,89 @@
+// What is to be made: a design at given parameters, and the items it is made of, as plain structs.
+//
+// Two coordinate systems: the design's (x to the right, y to the back, z upwards) and the item's,
+// whose axes are length, width and thickness of the stock.
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace mortise::fabplanner {
+
+// How a part comes out of its stock.
+enum class CutProcess {
+  kNone,     // used as it is bought
+  kChopSaw,  // crosscut from a board
+  kJigsaw,   // outline cut from a sheet
+};
+
+// An amount of money. An empty currency means that the price is not known.
+struct Money {
+  std::string currency;  // ISO 4217
+  double amount = 0;     // whole units, >= 0
+};
+
+enum class ItemKind { kBoard, kSheet, kDowel, kScrew, kHardware };
+
+// A thing that can be bought.
+struct Item {
+  std::string name;   // "items/pine-45x45"
+  std::string title;  // for people
+  ItemKind kind = ItemKind::kHardware;
+  Eigen::Vector3d size = Eigen::Vector3d::Zero();  // m: length, width, thickness as sold
+  Money price = {};
+  bool price_per_volume = false;  // the price buys a cubic metre instead of a piece
+  std::string supplier = {};
+  std::string supplier_number = {};
+  std::string supplier_url = {};
+};
+
+// A part: a polygon extruded along an axis of the design.
+struct Part {
+  std::string name;  // identifier, unique in the design
+  std::string title;
+  std::string item;  // name of the item
+  CutProcess process = CutProcess::kNone;
+  Eigen::Vector3d size = Eigen::Vector3d::Zero();  // m: length, width, thickness in the item's axes
+  int length_axis = 0;     // design axis (0, 1, 2) along which the item's length lies
+  int thickness_axis = 2;  // design axis along which the item's thickness lies
+
+  int extrusion_axis = 2;  // axis of the extrusion; (u, v) are the next two, cyclically
+  std::vector<Eigen::Vector2d> outline;  // m, counter-clockwise in (u, v), at least 3 points
+  double from = 0;                       // m, start along the axis
+  double to = 0;                         // m, end along the axis, > from
+};
+
+// A peg that joins two parts.
+struct Peg {
+  std::string connection;                                // the connection it belongs to
+  std::string item;                                      // name of the item
+  std::string part;                                      // the part that carries the face
+  std::string other_part;                                // the part that touches it
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();    // m, where it crosses the face
+  Eigen::Vector3d direction = Eigen::Vector3d::UnitX();  // unit, from `part` into `other_part`
+  double diameter = 0;                                   // m
+  double length = 0;                                     // m
+  double depth_in_part = 0;                              // m, 0 < depth < length
+  int priority = 0;  // assembly order: lower first; equal ones are one step
+};
+
+struct Design {
+  std::vector<Part> parts;
+  std::vector<Peg> pegs;
+};
+
+// Items by name.
+using Items = std::map<std::string, Item>;
+
+// The part's box in the design's coordinates.
+Eigen::AlignedBox3d BoundsOf(const Part& part);
+
+// The part's outline as it lies on a sheet, seen from its top side: u along the item's length, v
+// along its width, lower corner of the bounding rectangle at the origin, counter-clockwise, m. The
+// bounding rectangle where the part is extruded along another axis than its thickness.
+std::vector<Eigen::Vector2d> SheetOutlineOf(const Part& part);
+
+}  // namespace mortise::fabplanner

@@ -1,0 +1,252 @@
+#include "services/fabplanner/layout_svg.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <tuple>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "common/render/image.h"
+#include "services/fabplanner/dimension_text.h"
+#include "services/fabplanner/svg_drawing.h"
+
+namespace mortise::fabplanner {
+namespace {
+
+constexpr double kPageWidth = 1180;     // px
+constexpr double kMargin = 40;          // px
+constexpr double kDrawingWidth = 1040;  // px, of the longest stock
+constexpr double kBoardHeight = 40;     // px
+
+// Stock that is cut alike: the first of it, and the labels of all.
+struct Alike {
+  std::size_t first = 0;
+  std::vector<std::string> labels;
+};
+
+constexpr std::size_t kMostLabels = 12;
+
+// "board-1", or "board-1, 3, 5, 7 (4 alike)".
+std::string LabelsText(const Alike& alike) {
+  std::string text = alike.labels.front();
+  if (alike.labels.size() == 1) return text;
+  for (std::size_t i = 1; i < std::min(alike.labels.size(), kMostLabels); ++i) {
+    const std::string& label = alike.labels[i];
+    absl::StrAppend(&text, ", ", label.substr(label.rfind('-') + 1));
+  }
+  if (alike.labels.size() > kMostLabels) absl::StrAppend(&text, " …");
+  return absl::StrCat(text, " (", alike.labels.size(), " alike)");
+}
+
+std::string WithoutCopy(const std::string& label) { return label.substr(0, label.find('.')); }
+
+int64_t Micrometres(double metres) { return std::llround(metres * 1e6); }
+
+// Groups by what a cut looks like; `key` makes an ordered description of layout i.
+template <class Layout, class Key>
+std::vector<Alike> GroupAlike(const std::vector<Layout>& layouts, Key key) {
+  std::vector<Alike> groups;
+  std::map<decltype(key(layouts.front())), std::size_t> known;
+  for (std::size_t i = 0; i < layouts.size(); ++i) {
+    const auto [entry, is_new] = known.emplace(key(layouts[i]), groups.size());
+    if (is_new) groups.push_back({i, {}});
+    groups[entry->second].labels.push_back(layouts[i].label);
+  }
+  return groups;
+}
+
+// The same part has the same colour in all diagrams.
+class PartColors {
+ public:
+  std::string Of(const std::string& label) {
+    const auto [entry, is_new] =
+        colors_.emplace(WithoutCopy(label), static_cast<int>(colors_.size()));
+    return render::HexColor(
+        render::Mix(render::PartColor(entry->second), render::Color{1, 1, 1}, 0.35));
+  }
+
+ private:
+  std::map<std::string, int> colors_;
+};
+
+// A text in a box of `width`, shortened where it would stick out; nothing where even that fails.
+void TextInside(SvgDrawing& drawing, double x, double y, double width, double size,
+                const std::string& text, const std::string& style_class = "") {
+  std::string shown = text;
+  while (shown.size() > 3 && SvgDrawing::TextWidth(shown, size) > width) {
+    shown.pop_back();
+    while (!shown.empty() && (static_cast<unsigned char>(shown.back()) & 0xc0) == 0x80) {
+      shown.pop_back();
+    }
+  }
+  if (SvgDrawing::TextWidth(shown, size) > width) return;
+  if (shown != text) shown.back() = '.';
+  drawing.Text(x, y, size, TextAnchor::kMiddle, shown, style_class);
+}
+
+// `single`: nothing else is cut alike, so that labels say which copy a part is of.
+void DrawBoard(SvgDrawing& drawing, const BoardLayout& board, const WorkshopRules& rules,
+               bool single, double scale, double y, PartColors& colors) {
+  const double left = kMargin;
+  drawing.Rectangle(left, y, board.stock_length * scale, kBoardHeight, "stock");
+  if (!board.segments.empty() && board.segments.front().start > 0) {
+    drawing.Rectangle(left, y, board.segments.front().start * scale, kBoardHeight, "waste");
+  }
+  for (const BoardSegment& segment : board.segments) {
+    const double x0 = left + segment.start * scale;
+    const double x1 = x0 + segment.length * scale;
+    drawing.Polygon({{x0, y}, {x1, y}, {x1, y + kBoardHeight}, {x0, y + kBoardHeight}}, "part",
+                    colors.Of(segment.part));
+    TextInside(drawing, (x0 + x1) / 2, y + kBoardHeight / 2 + 4, x1 - x0 - 6, 12,
+               single ? segment.part : WithoutCopy(segment.part));
+    drawing.Dimension(x0, x1, y - 8, Millimetres(segment.length));
+    // Where to cut, counted from the front end, as a stop is set.
+    drawing.Text(x1, y + kBoardHeight + 14, 10, TextAnchor::kEnd,
+                 Millimetres(segment.start + segment.length), "quiet");
+  }
+  if (board.offcut > rules.kerf) {
+    const double x0 = left + (board.stock_length - board.offcut) * scale;
+    const double x1 = left + board.stock_length * scale;
+    drawing.Rectangle(x0, y, x1 - x0, kBoardHeight, "waste");
+    TextInside(drawing, (x0 + x1) / 2, y + kBoardHeight / 2 + 4, x1 - x0 - 6, 11,
+               absl::StrCat("offcut ", Millimetres(board.offcut)), "quiet");
+  }
+}
+
+auto BoardKey(const BoardLayout& board) {
+  std::vector<std::pair<std::string, int64_t>> parts;
+  for (const BoardSegment& segment : board.segments) {
+    parts.emplace_back(WithoutCopy(segment.part), Micrometres(segment.length));
+  }
+  return std::make_tuple(board.item, Micrometres(board.width), Micrometres(board.thickness),
+                         Micrometres(board.stock_length), parts);
+}
+
+auto SheetKey(const SheetLayout& sheet) {
+  std::vector<std::pair<std::string, std::vector<int64_t>>> parts;
+  for (const SheetPlacement& placement : sheet.placements) {
+    std::vector<int64_t> points;
+    for (const Eigen::Vector2d& point : placement.outline) {
+      points.push_back(Micrometres(point.x()));
+      points.push_back(Micrometres(point.y()));
+    }
+    parts.emplace_back(WithoutCopy(placement.part), points);
+  }
+  return std::make_tuple(sheet.item, Micrometres(sheet.length), Micrometres(sheet.width),
+                         Micrometres(sheet.thickness), parts);
+}
+
+// The centre of a polygon's area: inside most outlines, where their label goes.
+Eigen::Vector2d CentreOf(const std::vector<Eigen::Vector2d>& outline) {
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  double area = 0;
+  for (std::size_t i = 0; i < outline.size(); ++i) {
+    const Eigen::Vector2d& a = outline[i];
+    const Eigen::Vector2d& b = outline[(i + 1) % outline.size()];
+    const double cross = a.x() * b.y() - b.x() * a.y();
+    area += cross;
+    sum += cross * (a + b);
+  }
+  return area > 0 ? Eigen::Vector2d(sum / (3 * area)) : outline.front();
+}
+
+void DrawPlacement(SvgDrawing& drawing, const SheetPlacement& placement, const SheetLayout& sheet,
+                   bool single, double scale, double y, PartColors& colors) {
+  std::vector<Eigen::Vector2d> points;
+  Eigen::Vector2d lower = placement.outline.front(), upper = lower;
+  for (const Eigen::Vector2d& point : placement.outline) {
+    lower = lower.cwiseMin(point);
+    upper = upper.cwiseMax(point);
+    points.emplace_back(kMargin + point.x() * scale, y + (sheet.width - point.y()) * scale);
+  }
+  drawing.Polygon(points, "part", colors.Of(placement.part));
+  const Eigen::Vector2d size = upper - lower;
+  const double width = size.x() * scale, height = size.y() * scale;
+  const Eigen::Vector2d centre = CentreOf(placement.outline);
+  const double x = kMargin + centre.x() * scale;
+  const double middle = y + (sheet.width - centre.y()) * scale;
+  if (height > 16) {
+    TextInside(drawing, x, middle + 4, width - 8, 12,
+               single ? placement.part : WithoutCopy(placement.part));
+  }
+  if (height > 34) {
+    TextInside(drawing, x, middle + 19, width - 8, 11,
+               absl::StrCat(Millimetres(size.x()), " × ", Millimetres(size.y())));
+  }
+  if (height > 50) {
+    TextInside(drawing, x, middle + 33, width - 8, 10,
+               absl::StrCat("at ", Millimetres(lower.x()), ", ", Millimetres(lower.y())), "quiet");
+  }
+}
+
+}  // namespace
+
+std::string BoardsSvg(const FabricationPlan& plan) {
+  SvgDrawing drawing;
+  PartColors colors;
+  double longest = 0.001;
+  for (const BoardLayout& board : plan.boards) longest = std::max(longest, board.stock_length);
+  const double scale = kDrawingWidth / longest;
+  double y = kMargin;
+  drawing.Text(kMargin, y, 18, TextAnchor::kStart, "Cutting diagram: boards", "heading");
+  drawing.Text(kMargin, y += 20, 12, TextAnchor::kStart,
+               absl::StrCat("Millimetres. Saw cut ", Millimetres(plan.rules.kerf),
+                            "; each end trimmed by ", Millimetres(plan.rules.board_trim),
+                            ". Below a board: where to cut, measured from its front end (left)."),
+               "quiet");
+  const BoardLayout* last = nullptr;
+  for (const Alike& alike : GroupAlike(plan.boards, BoardKey)) {
+    const BoardLayout& board = plan.boards[alike.first];
+    if (last == nullptr || last->item != board.item || last->width != board.width ||
+        last->thickness != board.thickness) {
+      drawing.Text(kMargin, y += 40, 14, TextAnchor::kStart,
+                   absl::StrCat(board.item, ", ", Millimetres(board.width), " × ",
+                                Millimetres(board.thickness), " mm"),
+                   "heading");
+    }
+    last = &board;
+    drawing.Text(kMargin, y += 26, 12, TextAnchor::kStart,
+                 absl::StrCat(LabelsText(alike), ", stock ", Millimetres(board.stock_length)));
+    DrawBoard(drawing, board, plan.rules, alike.labels.size() == 1, scale, y += 30, colors);
+    y += kBoardHeight + 20;
+  }
+  return drawing.Finish(kPageWidth, y + kMargin, "Cutting diagram: boards");
+}
+
+std::string SheetsSvg(const FabricationPlan& plan) {
+  SvgDrawing drawing;
+  PartColors colors;
+  double longest = 0.001;
+  for (const SheetLayout& sheet : plan.sheets) longest = std::max(longest, sheet.length);
+  const double scale = kDrawingWidth / longest;
+  double y = kMargin;
+  drawing.Text(kMargin, y, 18, TextAnchor::kStart, "Cutting diagram: sheets", "heading");
+  drawing.Text(kMargin, y += 20, 12, TextAnchor::kStart,
+               absl::StrCat("Millimetres. Trim ", Millimetres(plan.rules.sheet_trim),
+                            " at each edge; at least ", Millimetres(plan.rules.sheet_spacing),
+                            " between outlines. Positions from the lower left corner; the grain "
+                            "runs from left to right."),
+               "quiet");
+  for (const Alike& alike : GroupAlike(plan.sheets, SheetKey)) {
+    const SheetLayout& sheet = plan.sheets[alike.first];
+    drawing.Text(kMargin, y += 40, 14, TextAnchor::kStart,
+                 absl::StrCat(LabelsText(alike), ": ", sheet.item, ", ",
+                              Millimetres(sheet.thickness), " mm"),
+                 "heading");
+    y += 32;
+    drawing.Dimension(kMargin, kMargin + sheet.length * scale, y - 8, Millimetres(sheet.length));
+    drawing.DimensionUpright(y, y + sheet.width * scale, kMargin - 10, Millimetres(sheet.width));
+    drawing.Rectangle(kMargin, y, sheet.length * scale, sheet.width * scale, "stock");
+    const double trim = plan.rules.sheet_trim;
+    drawing.Rectangle(kMargin + trim * scale, y + trim * scale, (sheet.length - 2 * trim) * scale,
+                      (sheet.width - 2 * trim) * scale, "edge");
+    for (const SheetPlacement& placement : sheet.placements) {
+      DrawPlacement(drawing, placement, sheet, alike.labels.size() == 1, scale, y, colors);
+    }
+    y += sheet.width * scale + 12;
+  }
+  return drawing.Finish(kPageWidth, y + kMargin, "Cutting diagram: sheets");
+}
+
+}  // namespace mortise::fabplanner

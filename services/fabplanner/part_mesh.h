@@ -1,0 +1,15 @@
+// Triangles for pictures: parts and pegs.
+#pragma once
+
+#include "common/render/scene.h"
+#include "services/fabplanner/design.h"
+
+namespace mortise::fabplanner {
+
+// The part as a shape, moved by `offset` (m). Empty if its outline is not a simple polygon.
+render::Shape PartShape(const Part& part, const Eigen::Vector3d& offset);
+
+// A round peg from `start` to `end`, m.
+render::Shape PegShape(const Eigen::Vector3d& start, const Eigen::Vector3d& end, double diameter);
+
+}  // namespace mortise::fabplanner

@@ -1,0 +1,333 @@
+#include "services/fabplanner/plan_codec.h"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
+#include "common/parametric/template_codec.h"
+#include "services/fabplanner/plan_files.h"
+
+namespace mortise::fabplanner {
+namespace {
+
+CutProcess ProcessFrom(parametric::Process process) {
+  switch (process) {
+    case parametric::Process::kChopSaw:
+      return CutProcess::kChopSaw;
+    case parametric::Process::kJigsaw:
+      return CutProcess::kJigsaw;
+    default:
+      return CutProcess::kNone;
+  }
+}
+
+ItemKind KindFrom(parametric::ItemKind kind) {
+  switch (kind) {
+    case parametric::ItemKind::kBoard:
+      return ItemKind::kBoard;
+    case parametric::ItemKind::kSheet:
+      return ItemKind::kSheet;
+    case parametric::ItemKind::kDowel:
+      return ItemKind::kDowel;
+    case parametric::ItemKind::kScrew:
+      return ItemKind::kScrew;
+    case parametric::ItemKind::kHardware:
+      return ItemKind::kHardware;
+  }
+  return ItemKind::kHardware;
+}
+
+void SetMoney(const Money& money, v1::Money* message) {
+  message->set_currency(money.currency);
+  message->set_amount(money.amount);
+}
+
+void SetVector(const Eigen::Vector3d& vector, v1::Vector3* message) {
+  message->set_x(vector.x());
+  message->set_y(vector.y());
+  message->set_z(vector.z());
+}
+
+template <class Points>
+void AddPoints(const std::vector<Eigen::Vector2d>& outline, Points* points) {
+  for (const Eigen::Vector2d& point : outline) {
+    v1::Vector2* message = points->Add();
+    message->set_u(point.x());
+    message->set_v(point.y());
+  }
+}
+
+template <class Points>
+std::vector<Eigen::Vector2d> PointsFrom(const Points& points) {
+  std::vector<Eigen::Vector2d> outline;
+  for (const v1::Vector2& point : points) outline.emplace_back(point.u(), point.v());
+  return outline;
+}
+
+void SetRules(const WorkshopRules& rules, v1::WorkshopRules* message) {
+  message->set_kerf(rules.kerf);
+  message->set_board_trim(rules.board_trim);
+  message->set_sheet_trim(rules.sheet_trim);
+  message->set_sheet_spacing(rules.sheet_spacing);
+}
+
+void AddBoard(const BoardLayout& board, v1::Plan* plan) {
+  v1::BoardLayout* message = plan->add_boards();
+  message->set_label(board.label);
+  message->set_item(board.item);
+  message->set_width(board.width);
+  message->set_thickness(board.thickness);
+  message->set_stock_length(board.stock_length);
+  message->set_offcut(board.offcut);
+  for (const BoardSegment& segment : board.segments) {
+    v1::BoardLayout::Segment* part = message->add_segments();
+    part->set_part(segment.part);
+    part->set_start(segment.start);
+    part->set_length(segment.length);
+  }
+}
+
+void AddSheet(const SheetLayout& sheet, v1::Plan* plan) {
+  v1::SheetLayout* message = plan->add_sheets();
+  message->set_label(sheet.label);
+  message->set_item(sheet.item);
+  message->set_length(sheet.length);
+  message->set_width(sheet.width);
+  message->set_thickness(sheet.thickness);
+  for (const SheetPlacement& placement : sheet.placements) {
+    v1::SheetLayout::Placement* part = message->add_placements();
+    part->set_part(placement.part);
+    AddPoints(placement.outline, part->mutable_outline());
+  }
+}
+
+void AddStep(const AssemblyStep& step, v1::Plan* plan) {
+  v1::AssemblyStep* message = plan->add_steps();
+  message->set_number(step.number);
+  message->set_priority(step.priority);
+  for (const std::string& part : step.added_parts) message->add_added_parts(part);
+  for (const StepConnection& connection : step.connections) {
+    message->add_connections(connection.name);
+  }
+  message->set_pegs(step.pegs);
+  message->set_instruction(step.instruction);
+  message->set_picture(StepPictureName(step.number));
+}
+
+void AddBillLine(const BillLine& line, v1::Plan* plan) {
+  v1::BillLine* message = plan->add_bill();
+  message->set_item(line.item);
+  message->set_title(line.title);
+  message->set_quantity(line.quantity);
+  message->set_dimensions(line.dimensions);
+  message->set_supplier(line.supplier);
+  message->set_supplier_number(line.supplier_number);
+  message->set_supplier_url(line.supplier_url);
+  if (line.price.currency.empty()) return;
+  SetMoney(line.unit_price, message->mutable_unit_price());
+  SetMoney(line.price, message->mutable_price());
+}
+
+Part PartFrom(const parametric::EvaluatedPart& evaluated, const parametric::PartTemplate& origin) {
+  Part part;
+  part.name = evaluated.name;
+  part.title = evaluated.title;
+  part.item = evaluated.item;
+  part.process = ProcessFrom(evaluated.process);
+  part.size = evaluated.size;
+  part.length_axis = static_cast<int>(origin.length_axis);
+  part.thickness_axis = static_cast<int>(origin.thickness_axis);
+  part.extrusion_axis = static_cast<int>(evaluated.axis);
+  for (Eigen::Index i = 0; i < evaluated.outline.cols(); ++i) {
+    part.outline.push_back(evaluated.outline.col(i));
+  }
+  part.from = evaluated.from;
+  part.to = evaluated.to;
+  return part;
+}
+
+}  // namespace
+
+absl::StatusOr<Design> DesignFrom(const v1::EvaluatedDesign& evaluated_message,
+                                  const v1::TemplateBundle& bundle) {
+  MORTISE_ASSIGN_OR_RETURN(const parametric::EvaluatedDesign evaluated,
+                           parametric::FromProto(evaluated_message));
+  MORTISE_ASSIGN_OR_RETURN(const parametric::TemplateDefinition definition,
+                           parametric::FromProto(bundle.template_()));
+  std::map<std::string, const parametric::PartTemplate*> origins;
+  for (const parametric::PartTemplate& part : definition.parts) origins[part.name] = &part;
+  Design design;
+  for (std::size_t i = 0; i < evaluated.parts.size(); ++i) {
+    const auto origin = origins.find(evaluated.parts[i].name);
+    if (origin == origins.end()) {
+      return InvalidField(
+          absl::StrCat("design.parts[", i, "].name"),
+          absl::StrCat(evaluated.parts[i].name, " is not a part of ", bundle.template_().name()));
+    }
+    design.parts.push_back(PartFrom(evaluated.parts[i], *origin->second));
+  }
+  for (const parametric::EvaluatedConnector& connector : evaluated.connectors) {
+    design.pegs.push_back({connector.connection, connector.item, connector.part,
+                           connector.other_part, connector.position, connector.direction,
+                           connector.diameter, connector.length, connector.depth_in_part,
+                           connector.priority});
+  }
+  return design;
+}
+
+absl::StatusOr<Items> ItemsFrom(const v1::TemplateBundle& bundle) {
+  Items items;
+  for (int i = 0; i < bundle.items_size(); ++i) {
+    const absl::StatusOr<parametric::Item> read = parametric::FromProto(bundle.items(i));
+    if (!read.ok()) return UnderField(absl::StrCat("items[", i, "]"), read.status());
+    Item item;
+    item.name = read->name;
+    item.title = read->title;
+    item.kind = KindFrom(read->kind);
+    item.size = {read->dimensions[0].size, read->dimensions[1].size, read->dimensions[2].size};
+    item.price = {read->price.currency, read->price.amount};
+    item.price_per_volume = read->price_basis == parametric::PriceBasis::kPerVolume;
+    item.supplier = read->supplier;
+    item.supplier_number = read->supplier_number;
+    item.supplier_url = read->supplier_url;
+    items.emplace(item.name, std::move(item));
+  }
+  return items;
+}
+
+WorkshopRules RulesFrom(const v1::WorkshopRules& message) {
+  WorkshopRules rules;
+  if (message.kerf() != 0) rules.kerf = message.kerf();
+  if (message.board_trim() != 0) rules.board_trim = message.board_trim();
+  if (message.sheet_trim() != 0) rules.sheet_trim = message.sheet_trim();
+  if (message.sheet_spacing() != 0) rules.sheet_spacing = message.sheet_spacing();
+  return rules;
+}
+
+v1::Plan ToProto(const FabricationPlan& plan) {
+  v1::Plan message;
+  message.set_quantity(plan.quantity);
+  SetRules(plan.rules, message.mutable_rules());
+  for (const BoardLayout& board : plan.boards) AddBoard(board, &message);
+  for (const SheetLayout& sheet : plan.sheets) AddSheet(sheet, &message);
+  for (const AssemblyStep& step : plan.steps) AddStep(step, &message);
+  for (const BillLine& line : plan.bill.lines) AddBillLine(line, &message);
+  if (!plan.bill.total.currency.empty()) SetMoney(plan.bill.total, message.mutable_total());
+  for (const Hole& hole : plan.holes) {
+    v1::Hole* drilled = message.add_holes();
+    drilled->set_part(hole.part);
+    SetVector(hole.position, drilled->mutable_position());
+    SetVector(hole.direction, drilled->mutable_direction());
+    drilled->set_diameter(hole.diameter);
+    drilled->set_depth(hole.depth);
+  }
+  message.set_chop_saw_parts(plan.chop_saw_parts);
+  message.set_jigsaw_parts(plan.jigsaw_parts);
+  message.set_pegs(plan.pegs);
+  return message;
+}
+
+FabricationPlan CuttingPlanFrom(const v1::Plan& message) {
+  FabricationPlan plan;
+  plan.quantity = message.quantity();
+  plan.rules = {message.rules().kerf(), message.rules().board_trim(), message.rules().sheet_trim(),
+                message.rules().sheet_spacing()};
+  for (const v1::BoardLayout& board : message.boards()) {
+    BoardLayout& layout = plan.boards.emplace_back();
+    layout.label = board.label();
+    layout.item = board.item();
+    layout.width = board.width();
+    layout.thickness = board.thickness();
+    layout.stock_length = board.stock_length();
+    layout.offcut = board.offcut();
+    for (const v1::BoardLayout::Segment& segment : board.segments()) {
+      layout.segments.push_back({segment.part(), segment.start(), segment.length()});
+    }
+  }
+  for (const v1::SheetLayout& sheet : message.sheets()) {
+    SheetLayout& layout = plan.sheets.emplace_back();
+    layout.label = sheet.label();
+    layout.item = sheet.item();
+    layout.length = sheet.length();
+    layout.width = sheet.width();
+    layout.thickness = sheet.thickness();
+    for (const v1::SheetLayout::Placement& placement : sheet.placements()) {
+      layout.placements.push_back({placement.part(), PointsFrom(placement.outline())});
+    }
+  }
+  return plan;
+}
+
+v1::WorkOrder::Cut ToProto(const Cut& cut, const std::string& work_order) {
+  v1::WorkOrder::Cut message;
+  v1::CutCommand* command = message.mutable_command();
+  command->set_work_order(work_order);
+  command->set_sequence(cut.sequence);
+  command->set_machine(cut.machine);
+  command->set_part(cut.part);
+  if (cut.kind == MachineKind::kChopSaw) {
+    command->mutable_crosscut()->set_stock(cut.stock);
+    command->mutable_crosscut()->set_position(cut.position);
+    command->mutable_crosscut()->set_length(cut.length);
+  } else {
+    command->mutable_outline()->set_stock(cut.stock);
+    AddPoints(cut.outline, command->mutable_outline()->mutable_outline());
+  }
+  // The two enums name the same states in the same order, after an unspecified one.
+  message.set_state(static_cast<v1::WorkOrder::Cut::State>(static_cast<int>(cut.state) + 1));
+  message.set_message(cut.message);
+  message.set_seconds(cut.seconds);
+  message.set_bridge(cut.bridge);
+  return message;
+}
+
+Cut CutFrom(const v1::WorkOrder::Cut& message) {
+  Cut cut;
+  const v1::CutCommand& command = message.command();
+  if (command.has_outline()) {
+    cut.kind = MachineKind::kJigsaw;
+    cut.stock = command.outline().stock();
+    cut.outline = PointsFrom(command.outline().outline());
+  } else {
+    cut.stock = command.crosscut().stock();
+    cut.position = command.crosscut().position();
+    cut.length = command.crosscut().length();
+  }
+  cut.part = command.part();
+  cut.state = static_cast<CutState>(std::max(0, static_cast<int>(message.state()) - 1));
+  cut.bridge = message.bridge();
+  cut.machine = command.machine();
+  cut.sequence = command.sequence();
+  cut.message = message.message();
+  cut.seconds = message.seconds();
+  return cut;
+}
+
+v1::WorkOrder::State ToProto(OrderState state) {
+  return static_cast<v1::WorkOrder::State>(static_cast<int>(state) + 1);
+}
+
+OrderState OrderStateFrom(v1::WorkOrder::State state) {
+  return static_cast<OrderState>(std::max(0, static_cast<int>(state) - 1));
+}
+
+absl::StatusOr<CutReport> CutReportFrom(const v1::CutReport& message) {
+  CutReport report{message.machine(), message.sequence(), CutOutcome::kDone, message.message(),
+                   message.seconds()};
+  switch (message.outcome()) {
+    case v1::CUT_DONE:
+      return report;
+    case v1::CUT_REJECTED:
+      report.outcome = CutOutcome::kRejected;
+      return report;
+    case v1::CUT_FAILED:
+      report.outcome = CutOutcome::kFailed;
+      return report;
+    default:
+      return InvalidField("cut_report.outcome", "says nothing about how the cut ended");
+  }
+}
+
+}  // namespace mortise::fabplanner

@@ -1,0 +1,34 @@
+// The files of a plan: what people take to the workshop.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "services/fabplanner/design.h"
+#include "services/fabplanner/plan.h"
+
+namespace mortise::fabplanner {
+
+struct PlanFile {
+  std::string file_name;   // "cut-list.csv"
+  std::string media_type;  // "text/csv"
+  std::string bytes;
+};
+
+// The file name of a step's picture: "step-3.png".
+std::string StepPictureName(int number);
+
+// Called before each file with how many are done and how many there are; false stops the work.
+using FileProgress = std::function<bool(int done, int total)>;
+
+// cut-list.csv, bill-of-materials.csv, boards.svg and sheets.svg (where there are any), a picture a
+// step, and assembly-guide.html, which holds them. `title` of the design is for people. CANCELLED
+// if `progress` says so.
+absl::StatusOr<std::vector<PlanFile>> MakePlanFiles(const FabricationPlan& plan,
+                                                    const Design& design, const Items& items,
+                                                    const std::string& title,
+                                                    const FileProgress& progress);
+
+}  // namespace mortise::fabplanner

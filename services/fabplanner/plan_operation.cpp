@@ -1,0 +1,145 @@
+#include "services/fabplanner/plan_operation.h"
+
+#include <google/protobuf/util/time_util.h>
+#include <grpcpp/channel.h>
+
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
+#include "common/base/identifiers.h"
+#include "common/base/logging.h"
+#include "common/rpc/channel.h"
+#include "common/rpc/operation_codec.h"
+#include "common/store/blob_folder.h"
+#include "mortise/v1/catalog.grpc.pb.h"
+#include "services/fabplanner/order_records.h"
+#include "services/fabplanner/plan_codec.h"
+#include "services/fabplanner/plan_files.h"
+#include "services/fabplanner/planning.h"
+
+namespace mortise::fabplanner {
+namespace {
+
+constexpr absl::Duration kCatalogTimeout = absl::Minutes(2);
+
+// "operations/fabplanner/abc" names "plans/abc".
+std::string PlanIdOf(const std::string& operation_name) {
+  return operation_name.substr(operation_name.rfind('/') + 1);
+}
+
+absl::Status StorePlan(store::Transaction& transaction, const std::string& id, v1::Plan* plan) {
+  *plan->mutable_create_time() = google::protobuf::util::TimeUtil::MicrosecondsToTimestamp(
+      absl::ToUnixMicros(transaction.Now()));
+  MORTISE_RETURN_IF_ERROR(
+      transaction.Put(kPlanKind, id, plan->SerializeAsString(), {.expected_revision = 0}).status());
+  const nlohmann::json json = {
+      {"template", plan->template_()},   {"quantity", plan->quantity()},
+      {"boards", plan->boards_size()},   {"sheets", plan->sheets_size()},
+      {"total", plan->total().amount()}, {"currency", plan->total().currency()}};
+  return transaction.AppendEvent({.type = "plan.created",
+                                  .subject = plan->name(),
+                                  .payload = json.dump(),
+                                  .trace_id = CurrentTraceId()});
+}
+
+}  // namespace
+
+absl::Status CheckRequest(const v1::CreatePlanRequest& request) {
+  MORTISE_RETURN_IF_ERROR(ParseResourceName(request.template_(), "templates", "template").status());
+  if (request.template_revision() < 0) {
+    return InvalidField("template_revision", "must be a revision, or 0 for the latest");
+  }
+  if (request.quantity() < 0 || request.quantity() > 1000) {
+    return InvalidField("quantity", "must be 1 to 1000");
+  }
+  return CheckRules(RulesFrom(request.rules()));
+}
+
+absl::StatusOr<PlanOperation::Inputs> PlanOperation::FetchInputs(
+    const v1::CreatePlanRequest& request, jobs::OperationContext& context) const {
+  MORTISE_ASSIGN_OR_RETURN(const auto channel, peers_->Channel("catalog"));
+  const std::unique_ptr<v1::CatalogService::Stub> catalog = v1::CatalogService::NewStub(channel);
+  const rpc::Origin origin =
+      rpc::OwnOrigin(signer_, rpc::Role::kViewer, CurrentTraceId(), kCatalogTimeout);
+  rpc::RetryOptions retry;
+  retry.patience = kCatalogTimeout;  // the catalog may be starting again
+  retry.stop = [&context] { return context.Cancelled(); };
+
+  v1::EvaluateTemplateRequest evaluate;
+  evaluate.set_name(request.template_());
+  evaluate.set_revision(request.template_revision());
+  *evaluate.mutable_parameters() = request.parameters();
+  Inputs inputs;
+  MORTISE_ASSIGN_OR_RETURN(
+      inputs.design, rpc::CallUnary(*catalog, &v1::CatalogService::Stub::EvaluateTemplate, evaluate,
+                                    origin, retry));
+  v1::GetTemplateBundleRequest get_bundle;
+  get_bundle.set_name(request.template_());
+  get_bundle.set_revision(inputs.design.template_revision());
+  MORTISE_ASSIGN_OR_RETURN(inputs.bundle,
+                           rpc::CallUnary(*catalog, &v1::CatalogService::Stub::GetTemplateBundle,
+                                          get_bundle, origin, retry));
+  return inputs;
+}
+
+absl::StatusOr<std::string> PlanOperation::Run(jobs::OperationContext& context) const {
+  v1::CreatePlanRequest request;
+  if (!request.ParseFromString(context.request())) {
+    return StorageFailed(context.name(), "the request is not readable");
+  }
+  const std::string id = PlanIdOf(context.name());
+  // A run that was killed after it had stored the plan has nothing more to do.
+  std::string existing;
+  MORTISE_RETURN_IF_ERROR(context.Transact([&](store::Transaction& transaction) -> absl::Status {
+    const absl::StatusOr<store::Record> record = transaction.Get(kPlanKind, id);
+    if (record.ok()) existing = record->payload;
+    return absl::IsNotFound(record.status()) ? absl::OkStatus() : record.status();
+  }));
+  v1::Plan plan;
+  if (!existing.empty() && plan.ParseFromString(existing)) return rpc::PackResult(plan);
+
+  context.ReportProgress({.total = 0, .message = "evaluating the design"});
+  MORTISE_ASSIGN_OR_RETURN(const Inputs inputs, FetchInputs(request, context));
+  if (context.Cancelled()) return absl::CancelledError("the plan was cancelled");
+  MORTISE_ASSIGN_OR_RETURN(const Design design, DesignFrom(inputs.design, inputs.bundle));
+  MORTISE_ASSIGN_OR_RETURN(const Items items, ItemsFrom(inputs.bundle));
+  context.ReportProgress({.total = 0, .message = "laying out boards and sheets"});
+  const int quantity = request.quantity() == 0 ? 1 : request.quantity();
+  MORTISE_ASSIGN_OR_RETURN(const FabricationPlan made,
+                           MakePlan(design, items, quantity, RulesFrom(request.rules())));
+  const v1::Template& origin = inputs.bundle.template_();
+  MORTISE_ASSIGN_OR_RETURN(
+      const std::vector<PlanFile> files,
+      MakePlanFiles(made, design, items, origin.title().empty() ? origin.name() : origin.title(),
+                    [&](int done, int total) {
+                      context.ReportProgress(
+                          {.done = done, .total = total, .message = "drawing the assembly"});
+                      return !context.Cancelled();
+                    }));
+
+  plan = ToProto(made);
+  plan.set_name(absl::StrCat("plans/", id));
+  plan.set_template_(inputs.design.template_());
+  plan.set_template_revision(inputs.design.template_revision());
+  *plan.mutable_parameters() = inputs.design.parameters();
+  for (const PlanFile& file : files) {
+    v1::Artifact* artifact = plan.add_artifacts();
+    artifact->set_file_name(file.file_name);
+    artifact->set_media_type(file.media_type);
+    artifact->set_size(static_cast<int64_t>(file.bytes.size()));
+    MORTISE_ASSIGN_OR_RETURN(*artifact->mutable_sha256(), blobs_->Put(file.bytes));
+  }
+  if (plan.ByteSizeLong() > kMostMessageBytes) {
+    return TooLarge(absl::StrCat("a plan of ", plan.ByteSizeLong(), " bytes"),
+                    absl::StrCat(kMostMessageBytes, " bytes; plan fewer copies at a time"));
+  }
+  MORTISE_RETURN_IF_ERROR(context.Transact(
+      [&](store::Transaction& transaction) { return StorePlan(transaction, id, &plan); }));
+  return rpc::PackResult(plan);
+}
+
+}  // namespace mortise::fabplanner

@@ -1,0 +1,53 @@
+// The operation behind CreatePlan: evaluates the design at the catalog, plans it, draws its files
+// and stores the plan.
+#pragma once
+
+#include <string>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "common/jobs/operations.h"
+#include "mortise/v1/catalog.pb.h"
+#include "mortise/v1/fabplanner.pb.h"
+
+namespace mortise::rpc {
+class IdentitySigner;
+class Peers;
+}  // namespace mortise::rpc
+namespace mortise::store {
+class BlobFolder;
+}
+
+namespace mortise::fabplanner {
+
+inline constexpr char kPlanOperation[] = "fabplanner.plan";
+
+// What can be said against a request before the catalog is asked. INVALID_ARGUMENT naming the
+// field.
+absl::Status CheckRequest(const v1::CreatePlanRequest& request);
+
+// Runs it. The plan's id is the operation's, so that a run repeated after a crash makes the same
+// plan. Fails as MakePlan and the catalog do.
+class PlanOperation {
+ public:
+  // All outlive it; `signer` may be null.
+  PlanOperation(rpc::Peers* peers, const rpc::IdentitySigner* signer, store::BlobFolder* blobs)
+      : peers_(peers), signer_(signer), blobs_(blobs) {}
+
+  // The packed v1::Plan.
+  absl::StatusOr<std::string> Run(jobs::OperationContext& context) const;
+
+ private:
+  struct Inputs {
+    v1::EvaluatedDesign design;
+    v1::TemplateBundle bundle;
+  };
+  absl::StatusOr<Inputs> FetchInputs(const v1::CreatePlanRequest& request,
+                                     jobs::OperationContext& context) const;
+
+  rpc::Peers* peers_;
+  const rpc::IdentitySigner* signer_;
+  store::BlobFolder* blobs_;
+};
+
+}  // namespace mortise::fabplanner

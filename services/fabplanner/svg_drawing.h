@@ -1,0 +1,40 @@
+// A few elements of SVG, enough for dimensioned drawings. Internal to layout_svg.
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+namespace mortise::fabplanner {
+
+enum class TextAnchor { kStart, kMiddle, kEnd };
+
+// Collects elements in pixels, y downwards, and closes them into a document.
+class SvgDrawing {
+ public:
+  // Text as SVG and HTML need it.
+  static std::string Escape(const std::string& text);
+
+  // The width that `text` takes, about; the fonts of viewers differ.
+  static double TextWidth(const std::string& text, double size);
+
+  void Rectangle(double x, double y, double width, double height, const std::string& style_class);
+  void Polygon(const std::vector<Eigen::Vector2d>& points, const std::string& style_class,
+               const std::string& fill);
+  void Line(double x0, double y0, double x1, double y1, const std::string& style_class);
+  // `turned` reads upwards. `style_class` may be empty.
+  void Text(double x, double y, double size, TextAnchor anchor, const std::string& text,
+            const std::string& style_class = "", bool turned = false);
+  // A dimension line with arrow heads between x0 and x1 at height y, and the text above it.
+  void Dimension(double x0, double x1, double y, const std::string& text);
+  // The same along y at x, text to the left, reading upwards.
+  void DimensionUpright(double y0, double y1, double x, const std::string& text);
+
+  // The document, `width` × `height` pixels.
+  std::string Finish(double width, double height, const std::string& title) const;
+
+ private:
+  std::string body_;
+};
+
+}  // namespace mortise::fabplanner

@@ -1,0 +1,39 @@
+// Releasing, pausing and finishing work orders: what FabPlannerService and its operations do with
+// them in the store.
+#pragma once
+
+#include <string>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "common/jobs/operations.h"
+#include "common/rpc/call.h"
+#include "common/store/store.h"
+#include "mortise/v1/fabplanner.pb.h"
+#include "services/fabplanner/shop_floor.h"
+
+namespace mortise::fabplanner {
+
+inline constexpr char kWorkOrderOperation[] = "fabplanner.workOrder";
+
+// Writes a new order of the plan with all its cuts waiting, and starts its operation, in the
+// caller's transaction. NOT_FOUND; FAILED_PRECONDITION, NOTHING_TO_CUT; RESOURCE_EXHAUSTED for
+// orders that outgrow a message.
+absl::StatusOr<jobs::Operation> ReleaseOrder(const rpc::Call& call,
+                                             const v1::ReleaseWorkOrderRequest& request,
+                                             jobs::Operations& operations,
+                                             store::Transaction& transaction);
+
+// Pauses or goes on; returns the order with its cuts. NOT_FOUND; FAILED_PRECONDITION,
+// WORK_ORDER_FINISHED. ShopFloor::Refresh must follow the commit.
+absl::StatusOr<v1::WorkOrder> HoldOrder(const std::string& name, store::Transaction& transaction);
+absl::StatusOr<v1::WorkOrder> ResumeOrder(const std::string& name, store::Transaction& transaction);
+
+// Runs the operation of an order: waits until it ends. The packed v1::WorkOrder, or why it failed
+// (FAILED_PRECONDITION, CUT_FAILED). Cancelling the operation cancels the order; a shutdown leaves
+// it to be waited for again.
+absl::StatusOr<std::string> RunWorkOrder(jobs::OperationContext& context,
+                                         jobs::Operations& operations, store::Store& store,
+                                         ShopFloor& floor);
+
+}  // namespace mortise::fabplanner

@@ -1,0 +1,72 @@
+// Any design that a catalog might answer, as text proto: planning refuses it or makes a plan in
+// which every part is cut once, and whose files can be drawn.
+#include <google/protobuf/io/tokenizer.h>
+#include <google/protobuf/text_format.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <map>
+#include <string>
+
+#include "services/fabplanner/layout_svg.h"
+#include "services/fabplanner/plan_codec.h"
+#include "services/fabplanner/plan_csv.h"
+#include "services/fabplanner/planning.h"
+#include "services/fabplanner/work_order.h"
+#include "tests/unit/services/fabplanner/example_table.h"
+
+namespace {
+
+namespace fabplanner = mortise::fabplanner;
+
+// A template with the parts of the design, lying as their boxes suggest.
+mortise::v1::TemplateBundle BundleFor(const mortise::v1::EvaluatedDesign& design) {
+  mortise::v1::TemplateBundle bundle;
+  for (const mortise::v1::EvaluatedPart& part : design.parts()) {
+    mortise::v1::PartTemplate* origin = bundle.mutable_template_()->add_parts();
+    origin->set_name(part.name());
+    origin->set_length_axis(mortise::v1::X);
+    origin->set_thickness_axis(mortise::v1::Z);
+    origin->mutable_box();
+  }
+  return bundle;
+}
+
+void CheckPlan(const fabplanner::Design& design, const fabplanner::FabricationPlan& plan) {
+  const std::vector<fabplanner::Cut> cuts = fabplanner::CutsFor(plan);
+  std::map<std::string, int> cut;
+  for (const fabplanner::Cut& one : cuts) ++cut[one.part];
+  for (const fabplanner::Part& part : design.parts) {
+    if (part.process != fabplanner::CutProcess::kNone && cut[part.name] != 1) std::abort();
+  }
+  fabplanner::CutListCsv(plan);
+  fabplanner::BillCsv(plan);
+  fabplanner::BoardsSvg(plan);
+  fabplanner::SheetsSvg(plan);
+  const mortise::v1::Plan message = fabplanner::ToProto(plan);
+  if (fabplanner::CutsFor(fabplanner::CuttingPlanFrom(message)).size() != cuts.size()) {
+    std::abort();
+  }
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  google::protobuf::TextFormat::Parser parser;
+  parser.SetRecursionLimit(20);
+  mortise::v1::EvaluatedDesign message;
+  class Silence : public google::protobuf::io::ErrorCollector {
+    void AddError(int, google::protobuf::io::ColumnNumber, const std::string&) override {}
+  } silence;
+  parser.RecordErrorsTo(&silence);
+  if (!parser.ParseFromString(std::string(reinterpret_cast<const char*>(data), size), &message) ||
+      message.parts_size() > 30) {
+    return 0;
+  }
+  const auto design = fabplanner::DesignFrom(message, BundleFor(message));
+  if (!design.ok()) return 0;
+  const auto plan = fabplanner::MakePlan(*design, fabplanner::ExampleItems(), 1);
+  if (plan.ok()) CheckPlan(*design, *plan);
+  return 0;
+}
