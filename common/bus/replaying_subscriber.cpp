@@ -150,7 +150,13 @@ class ThreadedReplayingSubscriber final : public ReplayingSubscriber {
     absl::Duration timeout = TimeToNextTask();
     for (int taken = 0; taken < options_.batch; ++taken) {
       absl::StatusOr<std::optional<Message>> message = subscriber_->Receive(timeout);
-      if (!message.ok() || !message->has_value()) return;
+      if (!message.ok()) {
+        Log(LogLevel::kWarning, "the bus cannot be heard",
+            {{"error", message.status().ToString()}});
+        absl::SleepFor(options_.retry);
+        return;
+      }
+      if (!message->has_value()) return;
       Take(**std::move(message));
       timeout = absl::ZeroDuration();
     }

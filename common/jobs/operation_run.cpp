@@ -20,11 +20,18 @@ OperationRun::OperationRun(const RunLease& lease, const Operation& operation,
 void OperationRun::ReportProgress(const Progress& progress) {
   std::lock_guard lock(mutex_);
   progress_ = progress;
+  progress_is_new_ = true;
 }
 
 std::optional<Progress> OperationRun::TakeProgress() {
   std::lock_guard lock(mutex_);
-  return std::exchange(progress_, std::nullopt);
+  if (!std::exchange(progress_is_new_, false)) return std::nullopt;
+  return progress_;
+}
+
+std::optional<Progress> OperationRun::last_progress() {
+  std::lock_guard lock(mutex_);
+  return progress_;
 }
 
 void OperationRun::KeepResult(std::string_view result) {

@@ -52,6 +52,9 @@ class OperationRun final : public OperationContext {
   // The progress reported since the last call, if any.
   std::optional<Progress> TakeProgress();
 
+  // The last progress reported, taken or not.
+  std::optional<Progress> last_progress();
+
   std::string kept_result();
 
   // Runs `change` in a transaction that holds only if this run still owns the operation, and
@@ -71,6 +74,7 @@ class OperationRun final : public OperationContext {
   std::atomic<bool> lost_ = false;
   std::mutex mutex_;
   std::optional<Progress> progress_;  // guarded by mutex_
+  bool progress_is_new_ = false;      // guarded by mutex_
   std::string kept_result_;           // guarded by mutex_
 };
 

@@ -396,7 +396,8 @@ absl::Status StoredOperations::Finish(OperationRun* run,
                                       const absl::StatusOr<std::string>& outcome) {
   if (run->lost()) return absl::OkStatus();  // another replica has it
   const RunLease& lease = run->lease();
-  const std::optional<Progress> progress = run->TakeProgress();
+  // Taken or not: the dispatcher may have taken it and come too late to save it.
+  const std::optional<Progress> progress = run->last_progress();
   Operation operation;
   bool released = false;
   const absl::Status status =

@@ -119,7 +119,9 @@ absl::StatusOr<std::unique_ptr<PostgresqlConnection>> PostgresqlConnection::Open
   return connection;
 }
 
-bool PostgresqlConnection::lost() const { return PQstatus(connection_) != CONNECTION_OK; }
+bool PostgresqlConnection::lost() const {
+  return broken_ || PQstatus(connection_) != CONNECTION_OK;
+}
 
 absl::Status PostgresqlConnection::UseSchema() {
   PQsetNoticeProcessor(
@@ -132,6 +134,7 @@ absl::Status PostgresqlConnection::UseSchema() {
 absl::Status PostgresqlConnection::Reconnect() {
   prepared_.clear();
   PQreset(connection_);
+  broken_ = false;
   if (lost()) return PeerUnavailable("PostgreSQL", Trimmed(PQerrorMessage(connection_)));
   return UseSchema();
 }
@@ -140,6 +143,7 @@ absl::Status PostgresqlConnection::Failure(const pg_result* result) {
   const char* field = result == nullptr ? nullptr : PQresultErrorField(result, PG_DIAG_SQLSTATE);
   const std::string_view state = field == nullptr ? "" : field;
   const std::string message = Trimmed(PQerrorMessage(connection_));
+  broken_ = broken_ || state.empty();  // only the server's own failures have a state
   absl::Status status = StorageFailed("PostgreSQL", message);
   // Serialization failure, deadlock, and rows inserted by two at once.
   if (state == "40001" || state == "40P01" || state == "23505") {

@@ -46,13 +46,14 @@ class PostgresqlConnection final : public SqlConnection {
   absl::Status UseSchema();
   absl::Status Reconnect();
   absl::Status Failure(const pg_result* result);
-  bool lost() const;
+  bool lost() const;  // whether the connection is gone
 
   std::string schema_;
   pg_conn* connection_;                                    // owned; closed by the destructor
   std::unordered_map<const char*, std::string> prepared_;  // names, by the literal's address
   absl::Status failure_;
   bool repeatable_ = false;
+  bool broken_ = false;  // libpq failed by itself, and does not always say CONNECTION_BAD
 };
 
 }  // namespace mortise::store

@@ -103,6 +103,11 @@ TEST_P(RecordConformance, ListsInByteOrderByPages) {
         Keys(*transaction.List("items", {.after_key = "a-1", .key_prefix = "a", .limit = 2})),
         ElementsAre("a-10", "a-2"));
     EXPECT_THAT(Keys(*transaction.List("items", {.after_key = "é"})), ElementsAre());
+    EXPECT_THAT(Keys(*transaction.List("items", {.limit = 3, .descending = true})),
+                ElementsAre("é", "b", "a_"));
+    EXPECT_THAT(Keys(*transaction.List(
+                    "items", {.after_key = "a-2", .key_prefix = "a-", .descending = true})),
+                ElementsAre("a-10", "a-1"));
     EXPECT_THAT(Keys(*transaction.List("nothing", {})), ElementsAre());
     return absl::OkStatus();
   }));
