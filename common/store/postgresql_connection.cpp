@@ -207,8 +207,9 @@ absl::Status PostgresqlConnection::Begin(const char* begin) {
 
 absl::Status PostgresqlConnection::Commit() {
   Result result(PQexec(connection_, "COMMIT"));
-  if (Succeeded(result.get()) && std::string_view(PQcmdStatus(result.get())) == "COMMIT") {
-    return absl::OkStatus();
+  if (Succeeded(result.get())) {
+    if (std::string_view(PQcmdStatus(result.get())) == "COMMIT") return absl::OkStatus();
+    return StorageFailed("PostgreSQL", "the transaction was rolled back in place of a commit");
   }
   absl::Status status = Failure(result.get());
   if (!lost()) return status;
