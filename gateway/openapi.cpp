@@ -68,12 +68,13 @@ OrderedJson Operation(const MethodRoute& method, SchemaCollection& schemas) {
   operation["tags"] = {descriptor.service()->full_name()};
   operation["summary"] = comment.substr(0, comment.find(". "));
   operation["description"] = comment + (comment.empty() ? "" : " ") + "Needs the role " +
-                             RoleName(method.role) + (method.mutates ? "; leaves an audit record." : ".");
+                             RoleName(method.role) +
+                             (method.mutates ? "; leaves an audit record." : ".");
   operation["parameters"] = {{{"$ref", "#/components/parameters/connectProtocolVersion"}},
                              {{"$ref", "#/components/parameters/connectTimeout"}},
                              {{"$ref", "#/components/parameters/requestId"}}};
-  operation["requestBody"] = {{"required", true},
-                              {"content", Content(method, schemas.Refer(*descriptor.input_type()))}};
+  operation["requestBody"] = {
+      {"required", true}, {"content", Content(method, schemas.Refer(*descriptor.input_type()))}};
   operation["responses"] = {
       {"200",
        {{"description", method.server_streaming ? "Messages, each in an envelope." : "The answer."},
@@ -111,9 +112,8 @@ OrderedJson Components(SchemaCollection& schemas) {
       {"content",
        {{"application/json", {{"schema", {{"$ref", "#/components/schemas/connect.error"}}}}}}}};
   components["parameters"] = {
-      {"connectProtocolVersion",
-       Header("Connect-Protocol-Version", "The version of the protocol.",
-              {{"type", "string"}, {"const", "1"}})},
+      {"connectProtocolVersion", Header("Connect-Protocol-Version", "The version of the protocol.",
+                                        {{"type", "string"}, {"const", "1"}})},
       {"connectTimeout", Header("Connect-Timeout-Ms", "After how many milliseconds to give up.",
                                 {{"type", "integer"}, {"minimum", 0}})},
       {"requestId", Header("X-Request-Id", "An id for this call in logs; made if absent.",
@@ -149,8 +149,7 @@ std::string OpenApiDocument(const Contract& contract, std::string_view version) 
     }
     paths[method.path]["post"] = Operation(method, schemas);
   }
-  document["tags"].push_back(
-      {{"name", "HTTP"}, {"description", "What exists only over HTTP."}});
+  document["tags"].push_back({{"name", "HTTP"}, {"description", "What exists only over HTTP."}});
   paths["/events"]["get"] = OrderedJson::parse(kEventsPath);
   paths["/operations/{service}/{id}/watch"]["get"] = OrderedJson::parse(kWatchPath);
   paths["/healthz"] = PlainPath("health", "Whether the gateway serves.", "text/plain");

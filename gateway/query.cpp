@@ -115,8 +115,8 @@ std::string FormatPosition(const EventPosition& position) {
 
 absl::StatusOr<int64_t> ParseNumber(std::string_view text, std::string_view field) {
   int64_t number = 0;
-  const bool plain = !text.empty() && (absl::ascii_isdigit(static_cast<unsigned char>(text[0])) ||
-                                       text[0] == '-');
+  const bool plain =
+      !text.empty() && (absl::ascii_isdigit(static_cast<unsigned char>(text[0])) || text[0] == '-');
   if (!plain || text.find(' ') != std::string_view::npos ||
       !absl::SimpleAtoi(absl::string_view(text.data(), text.size()), &number) || number < -1) {
     return InvalidField(field, "must be a whole number of at least -1");

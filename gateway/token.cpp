@@ -93,8 +93,7 @@ EvpKey EllipticKey(std::string_view x, std::string_view y) {
 }
 
 EvpKey EdwardsKey(std::string_view x) {
-  return EvpKey(
-      EVP_PKEY_new_raw_public_key(EVP_PKEY_ED25519, nullptr, Bytes(x), x.size()));
+  return EvpKey(EVP_PKEY_new_raw_public_key(EVP_PKEY_ED25519, nullptr, Bytes(x), x.size()));
 }
 
 // The one algorithm a key may verify; empty for keys that are not usable.
@@ -305,8 +304,7 @@ absl::StatusOr<TokenClaims> TokenKeys::Verify(std::string_view token, const Toke
     return IdentityInvalid("the token does not have three parts");
   }
   const auto header_text = FromBase64Url(token.substr(0, first_dot));
-  const auto claims_text =
-      FromBase64Url(token.substr(first_dot + 1, second_dot - first_dot - 1));
+  const auto claims_text = FromBase64Url(token.substr(first_dot + 1, second_dot - first_dot - 1));
   const auto signature = FromBase64Url(token.substr(second_dot + 1));
   if (!header_text || !claims_text || !signature) {
     return IdentityInvalid("the token is not base64url");

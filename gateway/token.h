@@ -22,8 +22,8 @@ struct TokenClaims {
 };
 
 struct TokenOptions {
-  std::string issuer;    // required value of `iss`; any if empty
-  std::string audience;  // required member of `aud`; any if empty
+  std::string issuer;                         // required value of `iss`; any if empty
+  std::string audience;                       // required member of `aud`; any if empty
   absl::Duration leeway = absl::Seconds(30);  // allowed difference between clocks
 };
 

@@ -128,8 +128,8 @@ absl::StatusOr<std::string> Transcoder::ToJson(const pb::Descriptor& type,
     const Status status = pb::util::BinaryToJsonStream(resolver_.get(), TypeUrl(type), &input,
                                                        &output, pb::util::JsonPrintOptions());
     if (status.ok()) return json;
-    return absl::InternalError(absl::StrCat("a ", type.full_name(), " cannot be written as JSON: ",
-                                            std::string(status.message())));
+    return absl::InternalError(absl::StrCat(
+        "a ", type.full_name(), " cannot be written as JSON: ", std::string(status.message())));
   } catch (const std::exception& error) {
     return absl::InternalError(error.what());
   }

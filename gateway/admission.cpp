@@ -1,0 +1,100 @@
+#include "gateway/admission.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "absl/strings/ascii.h"
+#include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
+
+namespace mortise::gateway {
+namespace {
+
+constexpr std::size_t kMaximalRememberedTokens = 4096;
+
+std::string SubjectName(const std::string& subject) {
+  return subject.find('/') == std::string::npos ? "users/" + subject : subject;
+}
+
+bool IsSubjectName(std::string_view name) {
+  return name.size() <= 256 && std::all_of(name.begin(), name.end(), [](char c) {
+           return absl::ascii_isalnum(static_cast<unsigned char>(c)) || c == '/' || c == '.' ||
+                  c == '_' || c == '-' || c == '@' || c == '|' || c == ':' || c == '+';
+         });
+}
+
+rpc::Role HighestRole(const std::vector<std::string>& names) {
+  rpc::Role highest = rpc::Role::kNone;
+  for (const std::string& name : names) {
+    const auto role = rpc::ParseRole(name, "roles");
+    // Tokens may carry roles of other systems; they mean nothing here.
+    if (role.ok()) highest = std::max(highest, *role);
+  }
+  return highest;
+}
+
+}  // namespace
+
+Admission::Admission(AdmissionOptions options) : options_(std::move(options)) {
+  if (options_.insecure_development) {
+    developer_ = std::make_shared<const Caller>(Caller{"users/developer", rpc::Role::kAdmin});
+  }
+}
+
+absl::StatusOr<std::shared_ptr<const Caller>> Admission::Authenticate(
+    std::string_view authorization) {
+  if (authorization.empty()) {
+    if (developer_) return developer_;
+    return IdentityInvalid("a bearer token is needed: authorization: Bearer <token>");
+  }
+  const auto token = BearerToken(authorization);
+  if (!token) return IdentityInvalid("the authorization header is not of the form Bearer <token>");
+  if (!options_.keys) {
+    if (developer_) return developer_;
+    return IdentityInvalid("this gateway has no keys to verify tokens with");
+  }
+  const absl::Time now = options_.clock();
+  std::string key(*token);
+  {
+    std::lock_guard lock(mutex_);
+    const auto found = verified_.find(key);
+    if (found != verified_.end()) {
+      if (now < found->second.expires_at + options_.token.leeway) return found->second.caller;
+      verified_.erase(found);
+    }
+  }
+  MORTISE_ASSIGN_OR_RETURN(const TokenClaims claims,
+                           options_.keys->Verify(*token, options_.token, now));
+  auto caller = std::make_shared<Caller>();
+  caller->subject = SubjectName(claims.subject);
+  caller->role = HighestRole(claims.roles);
+  if (!IsSubjectName(caller->subject)) {
+    return IdentityInvalid("the token's subject has characters that names may not have");
+  }
+  std::lock_guard lock(mutex_);
+  if (verified_.size() >= kMaximalRememberedTokens) verified_.clear();
+  verified_[std::move(key)] = {caller, claims.expires_at};
+  return caller;
+}
+
+absl::Status Admission::Authorize(const MethodRoute& method, const Caller& caller) const {
+  const auto needed = static_cast<rpc::Role>(method.role);
+  if (needed == rpc::Role::kNone || caller.role < needed) {
+    return RoleRequired(method.full_name,
+                        needed == rpc::Role::kNone ? "nobody's" : rpc::RoleName(needed));
+  }
+  return absl::OkStatus();
+}
+
+std::string Admission::Sign(const Caller& caller, std::string_view request_id) const {
+  if (options_.signer == nullptr) return {};
+  return options_.signer->Sign(caller.subject, caller.role, request_id);
+}
+
+bool IsRequestId(std::string_view text) {
+  return !text.empty() && text.size() <= 128 && std::all_of(text.begin(), text.end(), [](char c) {
+    return absl::ascii_isalnum(static_cast<unsigned char>(c)) || c == '.' || c == '_' || c == '-';
+  });
+}
+
+}  // namespace mortise::gateway

@@ -1,0 +1,68 @@
+// Who may come in: from a bearer token to the identity that services trust.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+
+#include "absl/status/statusor.h"
+#include "absl/time/clock.h"
+#include "absl/time/time.h"
+#include "common/rpc/identity.h"
+#include "gateway/contract.h"
+#include "gateway/token.h"
+
+namespace mortise::gateway {
+
+// Somebody whose token was verified.
+struct Caller {
+  std::string subject;  // "users/ada", "services/plm"
+  rpc::Role role = rpc::Role::kNone;
+};
+
+struct AdmissionOptions {
+  std::optional<TokenKeys> keys;  // none: only in development
+  TokenOptions token;
+  const rpc::IdentitySigner* signer = nullptr;  // must outlive; null: only in development
+  // Calls without a token come from "users/developer", an admin. The doors are on loopback then.
+  bool insecure_development = false;
+  std::function<absl::Time()> clock = absl::Now;
+};
+
+// Thread safe. Remembers verified tokens until they expire, so that a client's further calls cost
+// no signature check.
+class Admission {
+ public:
+  explicit Admission(AdmissionOptions options);
+
+  // The caller that an `authorization` header speaks for. UNAUTHENTICATED, IDENTITY_INVALID
+  // without a valid token. The subject is `sub`, put under "users/" unless it names its collection
+  // ("services/plm") itself; the role is the highest in `roles`.
+  absl::StatusOr<std::shared_ptr<const Caller>> Authenticate(std::string_view authorization);
+
+  // PERMISSION_DENIED, ROLE_REQUIRED if the method asks for more than the caller has.
+  absl::Status Authorize(const MethodRoute& method, const Caller& caller) const;
+
+  // The signed identity for one call; empty in development.
+  std::string Sign(const Caller& caller, std::string_view request_id) const;
+
+ private:
+  struct Remembered {
+    std::shared_ptr<const Caller> caller;
+    absl::Time expires_at;
+  };
+
+  AdmissionOptions options_;
+  std::shared_ptr<const Caller> developer_;
+  std::mutex mutex_;
+  std::unordered_map<std::string, Remembered> verified_;  // by token; guarded by mutex_
+};
+
+// Whether a client's `x-request-id` is used: 1 to 128 letters, digits, '.', '_' or '-'.
+bool IsRequestId(std::string_view text);
+
+}  // namespace mortise::gateway

@@ -1,0 +1,202 @@
+#include "gateway/connect_handler.h"
+
+#include <google/protobuf/descriptor.h>
+#include <grpcpp/support/status.h>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
+
+namespace mortise::gateway {
+namespace {
+
+namespace asio = boost::asio;
+
+// A call as its HTTP request describes it.
+struct ConnectCall {
+  ConnectCodec codec;
+  CallHead head;
+  std::vector<std::string> requests;  // serialised
+};
+
+bool IsStreaming(const MethodRoute& method) {
+  return method.client_streaming || method.server_streaming;
+}
+
+absl::Status CheckHeaders(const HttpRequest& request) {
+  const std::string_view version = HeaderOf(request, "connect-protocol-version");
+  if (!version.empty() && version != "1") {
+    return InvalidField("connect-protocol-version", "only version 1 is spoken here");
+  }
+  for (const char* name : {"content-encoding", "connect-content-encoding"}) {
+    const std::string_view encoding = HeaderOf(request, name);
+    if (!encoding.empty() && encoding != "identity") return NotBuilt("compression of requests");
+  }
+  return absl::OkStatus();
+}
+
+// The messages of the body, each as a serialised message of the method's request type.
+absl::StatusOr<std::vector<std::string>> ReadMessages(const HttpContext& context,
+                                                      const MethodRoute& method,
+                                                      const ConnectCodec& codec,
+                                                      std::string_view body) {
+  std::vector<std::string_view> payloads = {body};
+  if (codec.streaming) {
+    MORTISE_ASSIGN_OR_RETURN(payloads, SplitEnvelopes(body, kMaximalBodyBytes));
+    if (!method.client_streaming && payloads.size() != 1) {
+      return InvalidField("request", "the method takes exactly one message");
+    }
+  }
+  std::vector<std::string> messages;
+  for (const std::string_view payload : payloads) {
+    if (!codec.json) {
+      messages.emplace_back(payload);
+      continue;
+    }
+    MORTISE_ASSIGN_OR_RETURN(std::string message, context.transcoder->ToBinary(
+                                                      *method.descriptor->input_type(), payload));
+    messages.push_back(std::move(message));
+  }
+  return messages;
+}
+
+absl::Status ReadCall(const HttpContext& context, const MethodRoute& method,
+                      const HttpRequest& request, ConnectCall& call) {
+  MORTISE_RETURN_IF_ERROR(CheckHeaders(request));
+  // Before anything is parsed: strangers shall not keep this gateway busy with large bodies.
+  MORTISE_ASSIGN_OR_RETURN(const auto caller,
+                           context.admission->Authenticate(HeaderOf(request, "authorization")));
+  MORTISE_RETURN_IF_ERROR(context.admission->Authorize(method, *caller));
+  const std::string_view timeout = HeaderOf(request, "connect-timeout-ms");
+  if (!timeout.empty()) {
+    MORTISE_ASSIGN_OR_RETURN(const absl::Duration duration, ParseTimeout(timeout));
+    call.head.deadline = std::chrono::system_clock::now() + absl::ToChronoMilliseconds(duration);
+  }
+  MORTISE_ASSIGN_OR_RETURN(call.requests,
+                           ReadMessages(context, method, call.codec, request.body()));
+  call.head.path = method.path;
+  return absl::OkStatus();
+}
+
+absl::StatusOr<std::string> WriteMessage(const HttpContext& context, const MethodRoute& method,
+                                         const ConnectCodec& codec, std::string message) {
+  if (!codec.json) return message;
+  return context.transcoder->ToJson(*method.descriptor->output_type(), message);
+}
+
+asio::awaitable<bool> AnswerUnary(HttpConnection& connection, const HttpContext& context,
+                                  const MethodRoute& method, ConnectCall call, bool keep_alive) {
+  const auto running =
+      ClientCall::Start(*context.stub, std::move(call.head), std::move(call.requests));
+  connection.WatchForLeaving([running] { running->Cancel(); });
+  std::optional<std::string> message = co_await running->Read();
+  if (message) (void)co_await running->Read();
+  connection.EndWatch();
+
+  HeaderList headers;
+  AppendMetadata(headers, running->leading(), "");
+  AppendMetadata(headers, running->trailing(), "trailer-");
+  std::optional<ConnectError> error = ToConnectError(running->status());
+  std::string body;
+  if (!error) {
+    auto text = WriteMessage(context, method, call.codec, std::move(message).value_or(""));
+    if (text.ok()) {
+      body = *std::move(text);
+    } else {
+      error = ToConnectError(text.status());
+    }
+  }
+  if (error) co_return co_await WriteError(connection, *error, std::move(headers), keep_alive);
+  headers.emplace_back("content-type", ContentTypeOf(call.codec));
+  co_return co_await connection.Write(200, headers, std::move(body), keep_alive);
+}
+
+asio::awaitable<bool> EndStream(HttpConnection& connection,
+                                const std::optional<ConnectError>& error,
+                                const HeaderList& trailers) {
+  HeaderList encoded;
+  AppendMetadata(encoded, trailers, "");
+  if (!co_await connection.WriteChunk(Envelope(kEndStreamFlag, EndStreamJson(error, encoded)))) {
+    co_return false;
+  }
+  co_return co_await connection.EndChunks();
+}
+
+asio::awaitable<bool> AnswerStream(HttpConnection& connection, const HttpContext& context,
+                                   const MethodRoute& method, ConnectCall call, bool keep_alive) {
+  const auto running =
+      ClientCall::Start(*context.stub, std::move(call.head), std::move(call.requests));
+  connection.WatchForLeaving([running] { running->Cancel(); });
+  std::optional<std::string> message = co_await running->Read();
+
+  HeaderList headers = {{"content-type", std::string(ContentTypeOf(call.codec))}};
+  AppendMetadata(headers, running->leading(), "");
+  bool listening = co_await connection.BeginChunks(200, headers, keep_alive);
+  while (listening && message) {
+    auto text = WriteMessage(context, method, call.codec, *std::move(message));
+    if (!text.ok()) {
+      running->Cancel();
+      connection.EndWatch();
+      co_return co_await EndStream(connection, ToConnectError(text.status()), {});
+    }
+    listening = co_await connection.WriteChunk(Envelope(0, *text));
+    if (listening) message = co_await running->Read();
+  }
+  connection.EndWatch();
+  if (!listening) {
+    running->Cancel();
+    co_return false;
+  }
+  co_return co_await EndStream(connection, ToConnectError(running->status()), running->trailing());
+}
+
+// Failures before the call began, in the form that the client's protocol expects.
+asio::awaitable<bool> Refuse(HttpConnection& connection, const ConnectCodec& codec,
+                             const absl::Status& status, const HeaderList& metadata,
+                             bool keep_alive) {
+  HeaderList headers = {metadata.front()};  // the request id
+  if (!codec.streaming) {
+    co_return co_await WriteError(connection, ToConnectError(status), headers, keep_alive);
+  }
+  headers.emplace_back("content-type", ContentTypeOf(codec));
+  if (!co_await connection.BeginChunks(200, headers, keep_alive)) co_return false;
+  co_return co_await EndStream(connection, ToConnectError(status), {});
+}
+
+}  // namespace
+
+asio::awaitable<bool> HandleConnect(HttpConnection& connection, const HttpContext& context,
+                                    const MethodRoute& method, const HttpRequest& request) {
+  const bool keep_alive = request.keep_alive();
+  const auto codec = ParseContentType(HeaderOf(request, "content-type"));
+  if (!codec || codec->streaming != IsStreaming(method)) {
+    const char* accepted = IsStreaming(method)
+                               ? "application/connect+json, application/connect+proto"
+                               : "application/json, application/proto";
+    const HeaderList headers = {{"accept-post", accepted}, {"content-type", "text/plain"}};
+    co_return co_await connection.Write(
+        415, headers, absl::StrCat(method.full_name, " takes ", accepted, "\n"), keep_alive) &&
+        keep_alive;
+  }
+  if (method.client_streaming && method.server_streaming) {
+    // HTTP/1.1 cannot speak both ways at once; the protocol names this status.
+    const HeaderList headers = {{"content-type", "text/plain"}, {"connection", "close"}};
+    co_await connection.Write(505, headers,
+                              method.full_name + " streams both ways: call it over gRPC\n", false);
+    co_return false;
+  }
+  ConnectCall call;
+  call.codec = *codec;
+  call.head.metadata = MetadataOf(request);
+  const absl::Status status = ReadCall(context, method, request, call);
+  bool open = false;
+  if (!status.ok()) {
+    open = co_await Refuse(connection, *codec, status, call.head.metadata, keep_alive);
+  } else if (codec->streaming) {
+    open = co_await AnswerStream(connection, context, method, std::move(call), keep_alive);
+  } else {
+    open = co_await AnswerUnary(connection, context, method, std::move(call), keep_alive);
+  }
+  co_return open&& keep_alive;
+}
+
+}  // namespace mortise::gateway

@@ -1,0 +1,271 @@
+#include "gateway/gateway.h"
+
+#include <grpcpp/channel.h>
+#include <grpcpp/generic/generic_stub.h>
+#include <prometheus/registry.h>
+#include <prometheus/text_serializer.h>
+
+#include <algorithm>
+#include <atomic>
+#include <nlohmann/json.hpp>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
+#include "common/base/files.h"
+#include "common/base/logging.h"
+#include "common/bus/broker.h"
+#include "common/rpc/channel.h"
+#include "common/rpc/dispatcher.h"
+#include "common/rpc/identity.h"
+#include "common/rpc/server_host.h"
+#include "common/store/store.h"
+#include "gateway/call_log.h"
+#include "gateway/contract.h"
+#include "gateway/event_codec.h"
+#include "gateway/event_hub.h"
+#include "gateway/grpc_door.h"
+#include "gateway/hosted_services.h"
+#include "gateway/http_context.h"
+#include "gateway/http_door.h"
+#include "gateway/openapi.h"
+#include "gateway/transcoder.h"
+#include "gateway/upstreams.h"
+#include "mortise/v1/events.grpc.pb.h"
+
+namespace mortise::gateway {
+namespace {
+
+constexpr char kName[] = "gateway";
+constexpr absl::Duration kEventCallTime = absl::Seconds(10);
+
+absl::Status CheckOptions(const GatewayOptions& options, const Contract& contract) {
+  for (const auto& [name, address] : options.services) {
+    const auto& known = contract.services();
+    if (std::find(known.begin(), known.end(), name) == known.end()) {
+      return InvalidField("service", absl::StrCat("the protos know no service '", name, "'"));
+    }
+  }
+  const bool local = rpc::IsLocalAddress(options.grpc) && rpc::IsLocalAddress(options.http);
+  if (options.insecure_development && !local) {
+    return InvalidField("insecure-development", "is for doors on loopback only");
+  }
+  if (!options.insecure_development && (options.keys.empty() || options.jwt_keys.empty())) {
+    return InvalidField(options.keys.empty() ? "keys" : "jwt-keys",
+                        "is needed unless --insecure-development is given");
+  }
+  if (options.security.certificate.empty() != options.security.key.empty()) {
+    return InvalidField("tls-key", "a certificate and its key come together");
+  }
+  if (options.security.certificate.empty() && !local) {
+    return InvalidField("tls-certificate", "is needed: plain text stays on this machine");
+  }
+  return absl::OkStatus();
+}
+
+// Members are in the order of their making.
+class House final : public Gateway {
+ public:
+  explicit House(const GatewayOptions& options) : options_(options) {}
+
+  ~House() override { Stop(); }
+
+  absl::Status Begin() {
+    MORTISE_RETURN_IF_ERROR(CheckOptions(options_, *contract_));
+    MORTISE_RETURN_IF_ERROR(LoadKeys());
+    MORTISE_ASSIGN_OR_RETURN(store_, store::OpenStore({.url = options_.store, .service = kName}));
+    MORTISE_ASSIGN_OR_RETURN(broker_,
+                             bus::Broker::Start({.publisher_endpoint = options_.bus_publish,
+                                                 .subscriber_endpoint = options_.bus_subscribe}));
+    StartEvents();
+    delivery_ = WebhookDelivery::Start(options_.webhooks, store_.get(), hub_.get(), contract_.get(),
+                                       &transcoder_);
+    upstreams_ = std::make_unique<Upstreams>(UpstreamOptions{options_.channels});
+    MORTISE_RETURN_IF_ERROR(StartHostedServices());
+    for (const auto& [name, address] : options_.services) {
+      MORTISE_RETURN_IF_ERROR(upstreams_->Add(name, address, options_.services_security));
+    }
+    MORTISE_RETURN_IF_ERROR(upstreams_->Add(kName, host_->address(), {}));
+    MORTISE_RETURN_IF_ERROR(OpenDoors());
+    addresses_ = {grpc_door_->address(), http_door_->address(), broker_->publisher_endpoint(),
+                  broker_->subscriber_endpoint()};
+    host_->SetReady();
+    grpc_door_->SetReady();
+    serving_ = true;
+    return WritePortFile();
+  }
+
+  const GatewayAddresses& addresses() const override { return addresses_; }
+
+ private:
+  absl::Status LoadKeys() {
+    AdmissionOptions admission;
+    admission.insecure_development = options_.insecure_development;
+    admission.token = options_.token;
+    if (!options_.jwt_keys.empty()) {
+      MORTISE_ASSIGN_OR_RETURN(const std::string text, ReadFile(options_.jwt_keys, 1 << 20));
+      MORTISE_ASSIGN_OR_RETURN(admission.keys, TokenKeys::Parse(text));
+    }
+    if (!options_.keys.empty()) {
+      MORTISE_ASSIGN_OR_RETURN(signer_, rpc::IdentitySigner::Load(options_.keys, kName));
+      MORTISE_ASSIGN_OR_RETURN(verifier_, rpc::IdentityVerifier::Load({.folder = options_.keys}));
+    }
+    admission.signer = signer_.get();
+    admission_ = std::make_unique<Admission>(std::move(admission));
+    return absl::OkStatus();
+  }
+
+  rpc::Origin Own() const {
+    return rpc::OwnOrigin(signer_.get(), rpc::Role::kViewer, "", kEventCallTime);
+  }
+
+  // Events are asked for over channels of their own, apart from those of clients' calls.
+  void StartEvents() {
+    peers_ = std::make_unique<rpc::Peers>(options_.services, options_.services_security);
+    EventHubOptions hub;
+    hub.endpoint = broker_->subscriber_endpoint();
+    for (const auto& [name, address] : options_.services) hub.streams.push_back(name);
+    hub.fetch = [this](const std::string& stream, int64_t after, int limit) {
+      return FetchEvents(stream, after, limit);
+    };
+    hub.latest = [this](const std::string& stream) { return LatestEvent(stream); };
+    hub_ = EventHub::Start(std::move(hub));
+  }
+
+  absl::StatusOr<v1::ReadEventsResponse> ReadEvents(const std::string& stream, int64_t after,
+                                                    int limit) const {
+    MORTISE_ASSIGN_OR_RETURN(const auto channel, peers_->Channel(stream));
+    v1::EventService::Stub stub(channel);
+    v1::ReadEventsRequest request;
+    request.set_stream(stream);
+    request.set_after_number(after);
+    request.set_limit(limit);
+    rpc::RetryOptions once;
+    once.patience = absl::ZeroDuration();
+    return rpc::CallUnary<v1::EventService::Stub, v1::ReadEventsRequest, v1::ReadEventsResponse>(
+        stub, &v1::EventService::Stub::ReadEvents, request, Own(), once);
+  }
+
+  absl::StatusOr<std::vector<bus::Event>> FetchEvents(const std::string& stream, int64_t after,
+                                                      int limit) const {
+    MORTISE_ASSIGN_OR_RETURN(const v1::ReadEventsResponse response,
+                             ReadEvents(stream, after, limit));
+    std::vector<bus::Event> events;
+    for (const v1::Event& event : response.events()) events.push_back(FromProto(event));
+    return events;
+  }
+
+  absl::StatusOr<int64_t> LatestEvent(const std::string& stream) const {
+    MORTISE_ASSIGN_OR_RETURN(const v1::ReadEventsResponse response, ReadEvents(stream, 0, 1));
+    return response.latest_number();
+  }
+
+  absl::Status StartHostedServices() {
+    dispatcher_ = rpc::Dispatcher::Create({.service = kName,
+                                           .store = store_.get(),
+                                           .verifier = verifier_.get(),
+                                           .registry = registry_});
+    HostedEnvironment environment;
+    environment.dispatcher = dispatcher_.get();
+    environment.contract = contract_.get();
+    environment.upstreams = upstreams_.get();
+    environment.hub = hub_.get();
+    environment.store = store_.get();
+    environment.delivery = delivery_.get();
+    environment.version = GatewayVersion();
+    rpc::ServerHost::Options host;
+    host.dispatcher = dispatcher_.get();
+    host.services = {MakeHouseService(environment), MakeMergedOperationService(environment),
+                     MakeMergedEventService(environment), MakeMergedAuditService(environment),
+                     MakeWebhookService(environment)};
+    MORTISE_ASSIGN_OR_RETURN(host_, rpc::ServerHost::Start(std::move(host)));
+    return absl::OkStatus();
+  }
+
+  absl::Status OpenDoors() {
+    call_log_ = std::make_unique<CallLog>(*contract_, *registry_, options_.log_calls);
+    ProxyOptions proxy;
+    proxy.contract = contract_.get();
+    proxy.upstreams = upstreams_.get();
+    proxy.admission = admission_.get();
+    proxy.log = call_log_.get();
+    MORTISE_ASSIGN_OR_RETURN(
+        grpc_door_,
+        GrpcDoor::Start({options_.grpc, options_.security, options_.drain_time}, proxy));
+    local_stub_ = grpc_door_->LocalStub();
+    auto context = std::make_shared<HttpContext>();
+    context->contract = contract_.get();
+    context->transcoder = &transcoder_;
+    context->admission = admission_.get();
+    context->stub = local_stub_.get();
+    context->version = GatewayVersion();
+    context->openapi = OpenApiDocument(*contract_, context->version);
+    context->metrics = [registry = registry_] {
+      return prometheus::TextSerializer().Serialize(registry->Collect());
+    };
+    context->serving = [this] { return serving_.load(); };
+    HttpDoorOptions http;
+    http.listen = options_.http;
+    http.security = options_.security;
+    http.threads = options_.http_threads;
+    MORTISE_ASSIGN_OR_RETURN(http_door_, HttpDoor::Start(http, std::move(context)));
+    return absl::OkStatus();
+  }
+
+  absl::Status WritePortFile() const {
+    if (options_.port_file.empty()) return absl::OkStatus();
+    const nlohmann::json json = {{"grpc", addresses_.grpc},
+                                 {"http", addresses_.http},
+                                 {"bus_publish", addresses_.bus_publish},
+                                 {"bus_subscribe", addresses_.bus_subscribe}};
+    return WriteFile(options_.port_file, json.dump() + "\n");
+  }
+
+  // Nothing new comes in; endless streams end; calls in hand have their time; then all is closed.
+  void Stop() {
+    serving_ = false;
+    if (http_door_) http_door_->BeginDrain();
+    if (dispatcher_) dispatcher_->BeginDrain();
+    if (grpc_door_) grpc_door_->Shutdown();
+    http_door_.reset();
+    local_stub_.reset();
+    grpc_door_.reset();
+    if (host_) host_->Shutdown();
+    delivery_.reset();
+    hub_.reset();
+    host_.reset();
+  }
+
+  const GatewayOptions options_;
+  const std::shared_ptr<prometheus::Registry> registry_ = std::make_shared<prometheus::Registry>();
+  const std::unique_ptr<const Contract> contract_ = Contract::Load();
+  const Transcoder transcoder_{*contract_};
+  std::unique_ptr<rpc::IdentitySigner> signer_;
+  std::unique_ptr<rpc::IdentityVerifier> verifier_;
+  std::unique_ptr<Admission> admission_;
+  std::unique_ptr<store::Store> store_;
+  std::unique_ptr<bus::Broker> broker_;
+  std::unique_ptr<rpc::Peers> peers_;
+  std::unique_ptr<EventHub> hub_;
+  std::unique_ptr<WebhookDelivery> delivery_;
+  std::unique_ptr<Upstreams> upstreams_;
+  std::unique_ptr<rpc::Dispatcher> dispatcher_;
+  std::unique_ptr<rpc::ServerHost> host_;
+  std::unique_ptr<CallLog> call_log_;
+  std::unique_ptr<GrpcDoor> grpc_door_;
+  std::unique_ptr<GenericStub> local_stub_;
+  std::unique_ptr<HttpDoor> http_door_;
+  std::atomic<bool> serving_{false};
+  GatewayAddresses addresses_;
+};
+
+}  // namespace
+
+absl::StatusOr<std::unique_ptr<Gateway>> Gateway::Start(const GatewayOptions& options) {
+  auto house = std::make_unique<House>(options);
+  MORTISE_RETURN_IF_ERROR(house->Begin());
+  return std::unique_ptr<Gateway>(std::move(house));
+}
+
+const char* GatewayVersion() { return MORTISE_VERSION; }
+
+}  // namespace mortise::gateway

@@ -1,0 +1,61 @@
+// The whole gateway: both doors, what is behind them, and the event bus.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "absl/time/time.h"
+#include "common/rpc/channel_security.h"
+#include "gateway/token.h"
+#include "gateway/webhook_delivery.h"
+
+namespace mortise::gateway {
+
+struct GatewayOptions {
+  std::string grpc = "127.0.0.1:0";  // HOST:PORT of the gRPC door; port 0 is any free one
+  std::string http = "127.0.0.1:0";  // HOST:PORT of the HTTP door
+  std::filesystem::path port_file;   // where the addresses are written as JSON; none if empty
+  std::map<std::string, std::string> services;    // "catalog" → "127.0.0.1:4711"
+  std::string store = "sqlite:state/gateway.db";  // webhooks and audit records
+  std::filesystem::path keys;                     // folder of identity keys, with gateway.key
+  std::filesystem::path jwt_keys;  // public keys of bearer tokens: JSON Web Key Set or PEM
+  TokenOptions token;
+  rpc::ChannelSecurity security;           // certificate and key of both doors
+  rpc::ChannelSecurity services_security;  // of the channels to services
+  bool insecure_development = false;  // plain text and no tokens needed; both doors on loopback
+  std::string bus_publish = "tcp://127.0.0.1:*";
+  std::string bus_subscribe = "tcp://127.0.0.1:*";
+  absl::Duration drain_time = absl::Seconds(10);
+  bool log_calls = true;
+  int channels = 2;      // connections to each service
+  int http_threads = 2;  // that serve the HTTP door
+  WebhookDeliveryOptions webhooks;
+};
+
+// Where a running gateway is reached.
+struct GatewayAddresses {
+  std::string grpc;
+  std::string http;
+  std::string bus_publish;
+  std::string bus_subscribe;
+};
+
+class Gateway {
+ public:
+  // INVALID_ARGUMENT naming the option at fault; UNAVAILABLE for an address in use; INTERNAL,
+  // STORAGE_FAILED if the store cannot be opened. Services need not run yet.
+  static absl::StatusOr<std::unique_ptr<Gateway>> Start(const GatewayOptions& options);
+
+  // Drains and ends.
+  virtual ~Gateway() = default;
+
+  virtual const GatewayAddresses& addresses() const = 0;
+};
+
+// The version that /version and GetHouse tell.
+const char* GatewayVersion();
+
+}  // namespace mortise::gateway

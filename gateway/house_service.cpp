@@ -1,0 +1,60 @@
+// GatewayService: what runs in the house.
+#include <future>
+#include <vector>
+
+#include "common/rpc/handler.h"
+#include "gateway/contract.h"
+#include "gateway/hosted_services.h"
+#include "gateway/upstreams.h"
+#include "mortise/v1/gateway.grpc.pb.h"
+
+namespace mortise::gateway {
+namespace {
+
+constexpr absl::Duration kHealthPatience = absl::Seconds(1);
+
+class HouseService final : public v1::GatewayService::CallbackService {
+ public:
+  explicit HouseService(const HostedEnvironment& environment)
+      : environment_(environment), endpoint_(environment.dispatcher, "mortise.v1.GatewayService") {}
+
+  grpc::ServerUnaryReactor* GetHouse(grpc::CallbackServerContext* context,
+                                     const v1::GetHouseRequest* request,
+                                     v1::House* response) override {
+    return endpoint_.Query("GetHouse", context, request, response,
+                           [this](const rpc::Call&, const v1::GetHouseRequest&) { return Look(); });
+  }
+
+ private:
+  absl::StatusOr<v1::House> Look() const {
+    v1::House house;
+    house.set_version(environment_.version);
+    std::vector<std::future<bool>> answers;
+    for (const auto& [name, address] : environment_.upstreams->addresses()) {
+      v1::House::Service& service = *house.add_services();
+      service.set_name(name);
+      service.set_address(address);
+      for (const MethodRoute& method : environment_.contract->methods()) {
+        if (method.service == name) service.add_methods(method.full_name);
+      }
+      answers.push_back(std::async(std::launch::async, [this, name = name] {
+        return environment_.upstreams->Healthy(name, kHealthPatience);
+      }));
+    }
+    for (std::size_t i = 0; i < answers.size(); ++i) {
+      house.mutable_services(static_cast<int>(i))->set_healthy(answers[i].get());
+    }
+    return house;
+  }
+
+  const HostedEnvironment environment_;
+  rpc::Endpoint endpoint_;
+};
+
+}  // namespace
+
+std::shared_ptr<grpc::Service> MakeHouseService(const HostedEnvironment& environment) {
+  return std::make_shared<HouseService>(environment);
+}
+
+}  // namespace mortise::gateway

@@ -1,0 +1,46 @@
+// What the handlers of the HTTP door share, and small pieces of HTTP they have in common.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "gateway/admission.h"
+#include "gateway/client_call.h"
+#include "gateway/contract.h"
+#include "gateway/http_connection.h"
+#include "gateway/transcoder.h"
+
+namespace mortise::gateway {
+
+// Everything outlives the door.
+struct HttpContext {
+  const Contract* contract = nullptr;
+  const Transcoder* transcoder = nullptr;
+  Admission* admission = nullptr;
+  GenericStub* stub = nullptr;           // of the gRPC door, in this process
+  std::string openapi;                   // the document
+  std::string version;                   // of the gateway
+  std::function<std::string()> metrics;  // in Prometheus' text format
+  std::function<bool()> serving;         // false while the gateway drains
+};
+
+// The value of a header; empty if it is absent.
+std::string_view HeaderOf(const HttpRequest& request, std::string_view name);
+
+// The headers of a request that become metadata of the call: tokens, the request id (made here if
+// the client gave none) and what is neither reserved nor the protocol's own; `-bin` ones decoded.
+HeaderList MetadataOf(const HttpRequest& request);
+
+// Metadata as HTTP headers, each name after `prefix`; `-bin` ones encoded.
+void AppendMetadata(HeaderList& headers, const HeaderList& metadata, const char* prefix);
+
+// A unary error answer: {"code":…} with the HTTP status of its code.
+boost::asio::awaitable<bool> WriteError(HttpConnection& connection, const ConnectError& error,
+                                        HeaderList headers, bool keep_alive);
+
+// The same for a failure found in this door.
+ConnectError ToConnectError(const absl::Status& status);
+
+}  // namespace mortise::gateway

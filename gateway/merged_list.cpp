@@ -1,0 +1,48 @@
+#include "gateway/merged_list.h"
+
+#include <nlohmann/json.hpp>
+
+#include "absl/strings/escaping.h"
+
+namespace mortise::gateway {
+namespace {
+
+using Json = nlohmann::json;
+
+absl::Status BadToken() { return InvalidField("page_token", "is not a token of this list"); }
+
+}  // namespace
+
+absl::StatusOr<MergePosition> ParseMergeToken(std::string_view text,
+                                              const std::vector<std::string>& sources) {
+  MergePosition position;
+  if (text.empty()) {
+    for (const std::string& source : sources) position[source];
+    return position;
+  }
+  std::string decoded;
+  if (!absl::WebSafeBase64Unescape(absl::string_view(text.data(), text.size()), &decoded)) {
+    return BadToken();
+  }
+  const Json json = Json::parse(decoded, nullptr, false);
+  if (!json.is_object()) return BadToken();
+  for (const auto& [name, entry] : json.items()) {
+    const bool known = std::find(sources.begin(), sources.end(), name) != sources.end();
+    if (!known || !entry.is_array() || entry.size() != 2 || !entry[0].is_string() ||
+        !entry[1].is_number_integer()) {
+      return BadToken();
+    }
+    const auto skip = entry[1].get<int64_t>();
+    if (skip < 0 || skip > kMaximalMergedPage) return BadToken();
+    position[name] = {entry[0].get<std::string>(), static_cast<int>(skip)};
+  }
+  return position;
+}
+
+std::string FormatMergeToken(const MergePosition& position) {
+  Json json = Json::object();
+  for (const auto& [name, source] : position) json[name] = {source.token, source.skip};
+  return absl::WebSafeBase64Escape(json.dump());
+}
+
+}  // namespace mortise::gateway

@@ -1,0 +1,95 @@
+// One list out of the lists of several services, page by page, in one order.
+#pragma once
+
+#include <algorithm>
+#include <functional>
+#include <map>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "common/base/errors.h"
+
+namespace mortise::gateway {
+
+// How far one source has been read: its page token, and how many items of that page are used up.
+struct SourcePosition {
+  std::string token;
+  int skip = 0;
+};
+
+// By source; sources that are read to their end are absent.
+using MergePosition = std::map<std::string, SourcePosition>;
+
+// The page token of a merged list. Empty text stands for the beginning: every source of `sources`
+// at its first page. INVALID_ARGUMENT naming page_token for text that is not a token, or names
+// other sources.
+absl::StatusOr<MergePosition> ParseMergeToken(std::string_view text,
+                                              const std::vector<std::string>& sources);
+std::string FormatMergeToken(const MergePosition& position);
+
+inline constexpr int kMaximalMergedPage = 500;
+
+template <class Item>
+struct ListPage {
+  std::vector<Item> items;
+  std::string next_page_token;  // empty on the last page
+};
+
+// The next page of the merged list. `fetch(source, page_size, page_token)` gives a page of a
+// source, whose items are in the order of `before(a, b)`; failures end it. Items of one source keep
+// their order, and none is lost or repeated between pages.
+template <class Item, class Fetch, class Before>
+absl::StatusOr<ListPage<Item>> MergeLists(const std::vector<std::string>& sources, int page_size,
+                                          const std::string& page_token, const Fetch& fetch,
+                                          const Before& before) {
+  struct Read {
+    std::string name;
+    ListPage<Item> page;
+    SourcePosition position;
+    std::size_t used = 0;
+  };
+  if (page_size < 0 || page_size > kMaximalMergedPage) {
+    return InvalidField("page_size", "must be between 0 and " + std::to_string(kMaximalMergedPage));
+  }
+  const auto wanted = static_cast<std::size_t>(page_size == 0 ? 100 : page_size);
+  MORTISE_ASSIGN_OR_RETURN(const MergePosition start, ParseMergeToken(page_token, sources));
+  std::vector<Read> reads;
+  for (const auto& [name, position] : start) {
+    Read read{name, {}, position, static_cast<std::size_t>(position.skip)};
+    MORTISE_ASSIGN_OR_RETURN(read.page,
+                             fetch(name, static_cast<int>(wanted) + position.skip, position.token));
+    read.used = std::min(read.used, read.page.items.size());
+    reads.push_back(std::move(read));
+  }
+  ListPage<Item> merged;
+  while (merged.items.size() < wanted) {
+    Read* best = nullptr;
+    bool exhausted = false;
+    for (Read& read : reads) {
+      if (read.used == read.page.items.size()) {
+        exhausted = exhausted || !read.page.next_page_token.empty();
+      } else if (best == nullptr ||
+                 before(read.page.items[read.used], best->page.items[best->used])) {
+        best = &read;
+      }
+    }
+    // What the exhausted source has on its next page might come first.
+    if (best == nullptr || exhausted) break;
+    merged.items.push_back(std::move(best->page.items[best->used++]));
+  }
+  MergePosition next;
+  for (const Read& read : reads) {
+    if (read.used < read.page.items.size()) {
+      next[read.name] = {read.position.token, static_cast<int>(read.used)};
+    } else if (!read.page.next_page_token.empty()) {
+      next[read.name] = {read.page.next_page_token, 0};
+    }
+  }
+  if (!next.empty()) merged.next_page_token = FormatMergeToken(next);
+  return merged;
+}
+
+}  // namespace mortise::gateway

@@ -1,0 +1,165 @@
+// ListOperations and ListAuditRecords over all services, newest first.
+#include <google/protobuf/util/time_util.h>
+#include <grpcpp/channel.h>
+
+#include "common/rpc/channel.h"
+#include "common/rpc/handler.h"
+#include "common/rpc/mutation_log.h"
+#include "gateway/hosted_services.h"
+#include "gateway/merged_list.h"
+#include "gateway/upstreams.h"
+#include "mortise/v1/audit.grpc.pb.h"
+#include "mortise/v1/operations.grpc.pb.h"
+
+namespace mortise::gateway {
+namespace {
+
+constexpr char kGateway[] = "gateway";
+
+int64_t Micros(const google::protobuf::Timestamp& time) {
+  return google::protobuf::util::TimeUtil::TimestampToMicroseconds(time);
+}
+
+// A service that restarts is waited for; one that stays away makes the list fail, because a list
+// with a part missing would look complete.
+rpc::RetryOptions Patience() {
+  rpc::RetryOptions options;
+  options.patience = absl::Seconds(3);
+  return options;
+}
+
+// The services to ask: all, or the one a request names. NOT_FOUND for one there is not.
+absl::StatusOr<std::vector<std::string>> Sources(const Upstreams& upstreams,
+                                                 const std::string& wanted, bool with_gateway) {
+  std::vector<std::string> sources;
+  for (const auto& [name, address] : upstreams.addresses()) {
+    if (name == kGateway && !with_gateway) continue;
+    if (wanted.empty() || wanted == name) sources.push_back(name);
+  }
+  if (sources.empty() && !wanted.empty() && wanted != kGateway) {
+    return ResourceNotFound("the service " + wanted);
+  }
+  return sources;
+}
+
+class MergedOperations final : public v1::OperationService::CallbackService {
+ public:
+  explicit MergedOperations(const HostedEnvironment& environment)
+      : environment_(environment),
+        endpoint_(environment.dispatcher, "mortise.v1.OperationService") {}
+
+  grpc::ServerUnaryReactor* ListOperations(grpc::CallbackServerContext* context,
+                                           const v1::ListOperationsRequest* request,
+                                           v1::ListOperationsResponse* response) override {
+    return endpoint_.Query("ListOperations", context, request, response,
+                           [this](const rpc::Call& call, const v1::ListOperationsRequest& asked) {
+                             return List(call, asked);
+                           });
+  }
+
+ private:
+  absl::StatusOr<v1::ListOperationsResponse> List(const rpc::Call& call,
+                                                  const v1::ListOperationsRequest& asked) const {
+    MORTISE_ASSIGN_OR_RETURN(const std::vector<std::string> sources,
+                             Sources(*environment_.upstreams, asked.service(), false));
+    const auto fetch = [&](const std::string& service, int page_size,
+                           const std::string& token) -> absl::StatusOr<ListPage<v1::Operation>> {
+      v1::OperationService::Stub stub(environment_.upstreams->Channel(service));
+      v1::ListOperationsRequest request;
+      request.set_page_size(page_size);
+      request.set_page_token(token);
+      MORTISE_ASSIGN_OR_RETURN(
+          v1::ListOperationsResponse page,
+          (rpc::CallUnary<v1::OperationService::Stub, v1::ListOperationsRequest,
+                          v1::ListOperationsResponse>(
+              stub, &v1::OperationService::Stub::ListOperations, request, rpc::ForwardedFrom(call),
+              Patience())));
+      return ListPage<v1::Operation>{{page.operations().begin(), page.operations().end()},
+                                     page.next_page_token()};
+    };
+    const auto newer = [](const v1::Operation& a, const v1::Operation& b) {
+      return Micros(a.create_time()) > Micros(b.create_time());
+    };
+    MORTISE_ASSIGN_OR_RETURN(
+        ListPage<v1::Operation> merged,
+        MergeLists<v1::Operation>(sources, asked.page_size(), asked.page_token(), fetch, newer));
+    v1::ListOperationsResponse response;
+    for (v1::Operation& item : merged.items) *response.add_operations() = std::move(item);
+    response.set_next_page_token(merged.next_page_token);
+    return response;
+  }
+
+  const HostedEnvironment environment_;
+  rpc::Endpoint endpoint_;
+};
+
+class MergedAudit final : public v1::AuditService::CallbackService {
+ public:
+  explicit MergedAudit(const HostedEnvironment& environment)
+      : environment_(environment), endpoint_(environment.dispatcher, "mortise.v1.AuditService") {}
+
+  grpc::ServerUnaryReactor* ListAuditRecords(grpc::CallbackServerContext* context,
+                                             const v1::ListAuditRecordsRequest* request,
+                                             v1::ListAuditRecordsResponse* response) override {
+    return endpoint_.Query("ListAuditRecords", context, request, response,
+                           [this](const rpc::Call& call, const v1::ListAuditRecordsRequest& asked) {
+                             return List(call, asked);
+                           });
+  }
+
+ private:
+  using Page = ListPage<v1::AuditRecord>;
+
+  absl::StatusOr<Page> Fetch(const rpc::Call& call, const std::string& service, int page_size,
+                             const std::string& token) const {
+    if (service == kGateway) {
+      MORTISE_ASSIGN_OR_RETURN(rpc::AuditPage own,
+                               rpc::ListAudit(*environment_.store, page_size, token));
+      return Page{std::move(own.records), std::move(own.next_page_token)};
+    }
+    v1::AuditService::Stub stub(environment_.upstreams->Channel(service));
+    v1::ListAuditRecordsRequest request;
+    request.set_page_size(page_size);
+    request.set_page_token(token);
+    MORTISE_ASSIGN_OR_RETURN(v1::ListAuditRecordsResponse page,
+                             (rpc::CallUnary<v1::AuditService::Stub, v1::ListAuditRecordsRequest,
+                                             v1::ListAuditRecordsResponse>(
+                                 stub, &v1::AuditService::Stub::ListAuditRecords, request,
+                                 rpc::ForwardedFrom(call), Patience())));
+    return Page{{page.records().begin(), page.records().end()}, page.next_page_token()};
+  }
+
+  absl::StatusOr<v1::ListAuditRecordsResponse> List(
+      const rpc::Call& call, const v1::ListAuditRecordsRequest& asked) const {
+    MORTISE_ASSIGN_OR_RETURN(const std::vector<std::string> sources,
+                             Sources(*environment_.upstreams, asked.service(), true));
+    const auto fetch = [&](const std::string& service, int page_size, const std::string& token) {
+      return Fetch(call, service, page_size, token);
+    };
+    const auto newer = [](const v1::AuditRecord& a, const v1::AuditRecord& b) {
+      return Micros(a.time()) > Micros(b.time());
+    };
+    MORTISE_ASSIGN_OR_RETURN(
+        Page merged,
+        MergeLists<v1::AuditRecord>(sources, asked.page_size(), asked.page_token(), fetch, newer));
+    v1::ListAuditRecordsResponse response;
+    for (v1::AuditRecord& item : merged.items) *response.add_records() = std::move(item);
+    response.set_next_page_token(merged.next_page_token);
+    return response;
+  }
+
+  const HostedEnvironment environment_;
+  rpc::Endpoint endpoint_;
+};
+
+}  // namespace
+
+std::shared_ptr<grpc::Service> MakeMergedOperationService(const HostedEnvironment& environment) {
+  return std::make_shared<MergedOperations>(environment);
+}
+
+std::shared_ptr<grpc::Service> MakeMergedAuditService(const HostedEnvironment& environment) {
+  return std::make_shared<MergedAudit>(environment);
+}
+
+}  // namespace mortise::gateway

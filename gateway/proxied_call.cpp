@@ -1,0 +1,104 @@
+#include "gateway/proxied_call.h"
+
+#include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
+#include "common/base/identifiers.h"
+#include "common/rpc/status_mapping.h"
+#include "gateway/wire.h"
+
+namespace mortise::gateway {
+namespace {
+
+constexpr char kRequestIdHeader[] = "x-request-id";
+
+std::string_view View(const grpc::string_ref& text) { return {text.data(), text.size()}; }
+
+std::string_view Find(const std::multimap<grpc::string_ref, grpc::string_ref>& metadata,
+                      const char* key) {
+  const auto found = metadata.find(key);
+  return found == metadata.end() ? std::string_view() : View(found->second);
+}
+
+bool IsPassedOn(std::string_view key, std::string_view value) {
+  return !IsReservedMetadata(key) && IsLegalMetadata(key, value);
+}
+
+// A failure to connect is gRPC's own words about sockets, without the details our services attach.
+bool IsUnreachable(const grpc::Status& status) {
+  return status.error_code() == grpc::StatusCode::UNAVAILABLE && status.error_details().empty();
+}
+
+}  // namespace
+
+ProxiedCall::ProxiedCall(const ProxyOptions& proxy, const MethodRoute* method,
+                         grpc::GenericCallbackServerContext* context)
+    : proxy_(proxy), method_(method), context_(context) {
+  proxy_.log->Begin();
+  const std::string_view given = Find(context_->client_metadata(), kRequestIdHeader);
+  request_id_ = IsRequestId(given) ? std::string(given) : NewIdentifier();
+  context_->AddInitialMetadata(kRequestIdHeader, request_id_);
+}
+
+absl::Status ProxiedCall::Admit() {
+  if (method_ == nullptr) {
+    return NotBuilt(absl::StrCat("the method ", context_->method()));
+  }
+  MORTISE_ASSIGN_OR_RETURN(
+      caller_, proxy_.admission->Authenticate(Find(context_->client_metadata(), "authorization")));
+  return proxy_.admission->Authorize(*method_, *caller_);
+}
+
+GenericStub* ProxiedCall::Prepare(const grpc::ByteBuffer* first, absl::Status& error) {
+  std::string request;
+  if (first != nullptr && method_->destination != Destination::kService) request = ToString(*first);
+  absl::StatusOr<std::string> service = ServiceOf(*method_, request, *proxy_.upstreams);
+  if (!service.ok()) {
+    error = service.status();
+    return nullptr;
+  }
+  service_ = *std::move(service);
+  upstream_.set_deadline(context_->deadline());
+  for (const auto& [key, value] : context_->client_metadata()) {
+    if (!IsPassedOn(View(key), View(value))) continue;
+    upstream_.AddMetadata(std::string(View(key)), std::string(View(value)));
+  }
+  std::string identity = proxy_.admission->Sign(*caller_, request_id_);
+  if (identity.empty()) {
+    upstream_.AddMetadata(rpc::kTraceMetadata, request_id_);
+  } else {
+    upstream_.AddMetadata(rpc::kIdentityMetadata, identity);
+  }
+  return proxy_.upstreams->Stub(service_);
+}
+
+void ProxiedCall::CopyInitialMetadata() {
+  for (const auto& [key, value] : upstream_.GetServerInitialMetadata()) {
+    if (!IsPassedOn(View(key), View(value))) continue;
+    context_->AddInitialMetadata(std::string(View(key)), std::string(View(value)));
+  }
+}
+
+grpc::Status ProxiedCall::Conclude(const grpc::Status& upstream) {
+  for (const auto& [key, value] : upstream_.GetServerTrailingMetadata()) {
+    // The status details are among these as `grpc-status-details-bin`; they travel in the status.
+    if (!IsPassedOn(View(key), View(value))) continue;
+    context_->AddTrailingMetadata(std::string(View(key)), std::string(View(value)));
+  }
+  if (!IsUnreachable(upstream)) return upstream;
+  return rpc::ToGrpc(PeerUnavailable(
+      service_,
+      absl::StrCat("the ", service_, " service cannot be reached: ", upstream.error_message())));
+}
+
+void ProxiedCall::Record(const grpc::Status& status) {
+  CallRecord record;
+  record.method = method_;
+  record.path = context_->method();
+  if (caller_ != nullptr) record.subject = caller_->subject;
+  record.request_id = request_id_;
+  record.code = status.error_code();
+  record.duration = std::chrono::steady_clock::now() - begin_;
+  proxy_.log->End(record);
+}
+
+}  // namespace mortise::gateway

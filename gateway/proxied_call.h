@@ -1,0 +1,67 @@
+// What unary calls and streams through the proxy have in common. Private to the proxy.
+#pragma once
+
+#include <grpcpp/client_context.h>
+#include <grpcpp/generic/async_generic_service.h>
+#include <grpcpp/generic/generic_stub.h>
+
+#include <chrono>
+#include <memory>
+#include <string>
+
+#include "absl/status/status.h"
+#include "gateway/proxy.h"
+
+namespace mortise::gateway {
+
+// The client's side of a call: its context, and what was found out about it.
+class ProxiedCall {
+ public:
+  ProxiedCall(const ProxyOptions& proxy, const MethodRoute* method,
+              grpc::GenericCallbackServerContext* context);
+  ProxiedCall(const ProxiedCall&) = delete;
+  ProxiedCall& operator=(const ProxiedCall&) = delete;
+
+  // Checks token and role. The request id is known, and promised to the client, in any case.
+  absl::Status Admit();
+
+  // Finds the service and fills the context of the call to it: deadline, metadata, identity.
+  // `first` is read only where the route depends on the message. Null with `error` set if there is
+  // no such service.
+  GenericStub* Prepare(const grpc::ByteBuffer* first, absl::Status& error);
+
+  // Passes what the service sent before its first message on to the client.
+  void CopyInitialMetadata();
+
+  // The status for the client, after the service's trailing metadata was passed on. A service that
+  // could not be reached is named.
+  grpc::Status Conclude(const grpc::Status& upstream);
+
+  // Writes the log line. Once, when all is over.
+  void Record(const grpc::Status& status);
+
+  void Cancel() { upstream_.TryCancel(); }
+
+  const MethodRoute& method() const { return *method_; }
+  grpc::ClientContext& upstream() { return upstream_; }
+
+ private:
+  const ProxyOptions& proxy_;
+  const MethodRoute* method_;
+  grpc::GenericCallbackServerContext* context_;
+  grpc::ClientContext upstream_;
+  std::shared_ptr<const Caller> caller_;
+  std::string request_id_;
+  std::string service_;
+  const std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+};
+
+// The two kinds of reactor. Each deletes itself when its call is over.
+grpc::ServerGenericBidiReactor* MakeUnaryForward(std::unique_ptr<ProxiedCall> call);
+grpc::ServerGenericBidiReactor* MakeStreamForward(std::unique_ptr<ProxiedCall> call);
+
+// Answers with a status at once.
+grpc::ServerGenericBidiReactor* MakeRefusal(std::unique_ptr<ProxiedCall> call,
+                                            const absl::Status& status);
+
+}  // namespace mortise::gateway

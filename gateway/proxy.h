@@ -1,0 +1,48 @@
+// Passes every gRPC method on to the service that owns it, without decoding messages.
+//
+// One generic service receives all calls. Each is admitted (token, role), given a request id and a
+// signed identity, and joined to a call of the same method on one of the service's channels.
+// Messages travel as the byte buffers they came in. A message is read from one side only when the
+// message before it has been written to the other: with the fixed flow-control windows of the two
+// connections this bounds the memory of a stream, however fast one side and slow the other.
+// Deadlines, cancellation, metadata, status and status details pass through in both directions.
+//
+// Methods of OperationService and EventService that name an operation or a stream in their first
+// message go to the service named there.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "absl/status/statusor.h"
+#include "gateway/admission.h"
+#include "gateway/call_log.h"
+#include "gateway/contract.h"
+#include "gateway/upstreams.h"
+
+namespace grpc {
+class CallbackGenericService;
+}
+
+namespace mortise::gateway {
+
+// All must outlive the proxy.
+struct ProxyOptions {
+  const Contract* contract = nullptr;
+  const Upstreams* upstreams = nullptr;
+  Admission* admission = nullptr;
+  CallLog* log = nullptr;
+};
+
+// The generic service to register with a server. It also answers the reflection service
+// (grpc.reflection.v1alpha) for every method of the contract.
+std::unique_ptr<grpc::CallbackGenericService> MakeProxy(const ProxyOptions& options);
+
+// The service a call goes to: the method's own, or the one its request names. `request` is the
+// first message, serialised; read only where the route depends on it. INVALID_ARGUMENT naming the
+// field, or NOT_FOUND, if it names none of `upstreams`.
+absl::StatusOr<std::string> ServiceOf(const MethodRoute& method, std::string_view request,
+                                      const Upstreams& upstreams);
+
+}  // namespace mortise::gateway

@@ -1,0 +1,66 @@
+// The services behind the gateway: where they are, and the channels to them.
+#pragma once
+
+#include <atomic>
+#include <map>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "absl/time/time.h"
+#include "common/rpc/channel_security.h"
+
+namespace grpc {
+class ByteBuffer;
+class Channel;
+template <class Request, class Response>
+class TemplatedGenericStub;
+}  // namespace grpc
+
+namespace mortise::gateway {
+
+using GenericStub = grpc::TemplatedGenericStub<grpc::ByteBuffer, grpc::ByteBuffer>;
+
+struct UpstreamOptions {
+  // Connections to each service. One HTTP/2 connection is one lock and one socket, so several let
+  // calls on several cores pass side by side.
+  int channels = 2;
+};
+
+// Filled before the doors open, then only read: thread safe from then on.
+class Upstreams {
+ public:
+  explicit Upstreams(UpstreamOptions options);
+  ~Upstreams();
+  Upstreams(const Upstreams&) = delete;
+  Upstreams& operator=(const Upstreams&) = delete;
+
+  // Connects lazily, and again by itself. ALREADY_EXISTS for a name given twice; fails as
+  // rpc::MakeClientCredentials does.
+  absl::Status Add(const std::string& name, const std::string& address,
+                   const rpc::ChannelSecurity& security);
+
+  // The stub whose turn it is; null for a name that was not added.
+  GenericStub* Stub(std::string_view name) const;
+
+  // One channel of the service, for typed stubs; null for a name that was not added.
+  std::shared_ptr<grpc::Channel> Channel(std::string_view name) const;
+
+  // Every service added, with its address.
+  const std::map<std::string, std::string, std::less<>>& addresses() const { return addresses_; }
+
+  // Whether the service's standard health check says SERVING within `timeout`. Blocks.
+  bool Healthy(std::string_view name, absl::Duration timeout) const;
+
+ private:
+  struct Service;
+
+  UpstreamOptions options_;
+  std::map<std::string, std::string, std::less<>> addresses_;
+  std::map<std::string, std::unique_ptr<Service>, std::less<>> services_;
+};
+
+}  // namespace mortise::gateway

@@ -1,0 +1,49 @@
+// Delivers events to webhooks: one at a time and in order for each webhook and stream, tried again
+// with growing pauses, and given up (as a dead letter) after a number of tries.
+//
+// The cursor of a webhook moves in the store only after its event was delivered or given up, in the
+// same transaction as the dead letter. A gateway that dies in between delivers that event again:
+// at least once, and recognisable by its `Mortise-Delivery: stream:number`.
+#pragma once
+
+#include <functional>
+#include <memory>
+
+#include "absl/time/clock.h"
+#include "absl/time/time.h"
+#include "gateway/webhook_client.h"
+
+namespace mortise::store {
+class Store;
+}
+
+namespace mortise::gateway {
+
+class EventHub;
+class Transcoder;
+class Contract;
+
+struct WebhookDeliveryOptions {
+  int max_tries = 10;                               // then the event becomes a dead letter
+  absl::Duration first_pause = absl::Seconds(1);    // doubled after each failed try, up to
+  absl::Duration longest_pause = absl::Minutes(5);  // this; with up to a tenth more at random
+  WebhookClientOptions client;
+  std::function<absl::Time()> clock = absl::Now;  // for the signature's time
+};
+
+class WebhookDelivery {
+ public:
+  // Begins with the subscriptions in the store. All must outlive it.
+  static std::unique_ptr<WebhookDelivery> Start(const WebhookDeliveryOptions& options,
+                                                store::Store* store, EventHub* hub,
+                                                const Contract* contract,
+                                                const Transcoder* transcoder);
+
+  // Stops; deliveries in hand are abandoned and made again by the next process.
+  virtual ~WebhookDelivery() = default;
+
+  // Subscriptions were made, ended or set back.
+  virtual void Refresh() = 0;
+};
+
+}  // namespace mortise::gateway

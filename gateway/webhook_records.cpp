@@ -1,0 +1,153 @@
+#include "gateway/webhook_records.h"
+
+#include <nlohmann/json.hpp>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "common/base/errors.h"
+#include "common/base/identifiers.h"
+#include "common/store/store.h"
+#include "mortise/v1/gateway.pb.h"
+
+namespace mortise::gateway {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr char kWebhooks[] = "webhooks";
+constexpr char kDeadLetters[] = "webhook-dead-letters";
+constexpr int kPage = 1000;
+
+absl::StatusOr<v1::Webhook> Parse(const store::Record& record) {
+  v1::Webhook webhook;
+  if (!webhook.ParseFromString(record.payload)) {
+    return StorageFailed("webhooks/" + record.key, "the record is damaged");
+  }
+  return webhook;
+}
+
+// Keys sort by stream and number.
+std::string LetterKey(const std::string& webhook, const std::string& stream, int64_t number) {
+  return absl::StrFormat("%s/%s/%019d", webhook, stream, number);
+}
+
+DeadLetter ParseLetter(const store::Record& record) {
+  DeadLetter letter;
+  const Json json = Json::parse(record.payload, nullptr, false);
+  if (!json.is_object()) return letter;
+  letter.stream = json.value("stream", "");
+  letter.number = json.value("number", int64_t{0});
+  letter.tries = json.value("tries", 0);
+  letter.error = json.value("error", "");
+  letter.give_up_time = absl::FromUnixMicros(json.value("time", int64_t{0}));
+  return letter;
+}
+
+absl::Status DeleteLetters(store::Transaction& transaction, const std::string& prefix,
+                           const std::string& after) {
+  store::ListOptions options;
+  options.key_prefix = prefix;
+  options.after_key = after;
+  options.limit = kPage;
+  for (;;) {
+    MORTISE_ASSIGN_OR_RETURN(const auto records, transaction.List(kDeadLetters, options));
+    for (const store::Record& record : records) {
+      MORTISE_RETURN_IF_ERROR(transaction.Delete(kDeadLetters, record.key));
+    }
+    if (records.size() < static_cast<std::size_t>(kPage)) return absl::OkStatus();
+  }
+}
+
+}  // namespace
+
+absl::StatusOr<std::string> WebhookId(std::string_view name) {
+  return ParseResourceName(name, kWebhooks, "name");
+}
+
+absl::StatusOr<v1::Webhook> GetWebhook(store::ReadTransaction& transaction,
+                                       const std::string& name) {
+  MORTISE_ASSIGN_OR_RETURN(const std::string id, WebhookId(name));
+  const auto record = transaction.Get(kWebhooks, id);
+  if (absl::IsNotFound(record.status())) return ResourceNotFound(name);
+  if (!record.ok()) return record.status();
+  return Parse(*record);
+}
+
+absl::StatusOr<std::vector<v1::Webhook>> ListWebhooks(store::ReadTransaction& transaction,
+                                                      const std::string& after_id, int limit) {
+  store::ListOptions options;
+  options.after_key = after_id;
+  options.limit = limit;
+  MORTISE_ASSIGN_OR_RETURN(const auto records, transaction.List(kWebhooks, options));
+  std::vector<v1::Webhook> webhooks;
+  for (const store::Record& record : records) {
+    MORTISE_ASSIGN_OR_RETURN(v1::Webhook webhook, Parse(record));
+    webhooks.push_back(std::move(webhook));
+  }
+  return webhooks;
+}
+
+absl::Status PutWebhook(store::Transaction& transaction, const v1::Webhook& webhook) {
+  MORTISE_ASSIGN_OR_RETURN(const std::string id, WebhookId(webhook.name()));
+  return transaction.Put(kWebhooks, id, webhook.SerializeAsString()).status();
+}
+
+absl::Status DeleteWebhook(store::Transaction& transaction, const std::string& name) {
+  MORTISE_ASSIGN_OR_RETURN(const std::string id, WebhookId(name));
+  const absl::Status deleted = transaction.Delete(kWebhooks, id);
+  if (absl::IsNotFound(deleted)) return ResourceNotFound(name);
+  MORTISE_RETURN_IF_ERROR(deleted);
+  return DeleteLetters(transaction, name + "/", "");
+}
+
+absl::Status PutDeadLetter(store::Transaction& transaction, const std::string& webhook,
+                           const DeadLetter& letter) {
+  const Json json = {{"stream", letter.stream},
+                     {"number", letter.number},
+                     {"tries", letter.tries},
+                     {"error", letter.error},
+                     {"time", absl::ToUnixMicros(letter.give_up_time)}};
+  return transaction
+      .Put(kDeadLetters, LetterKey(webhook, letter.stream, letter.number),
+           json.dump(-1, ' ', false, Json::error_handler_t::replace))
+      .status();
+}
+
+absl::StatusOr<std::vector<DeadLetter>> ListDeadLetters(store::ReadTransaction& transaction,
+                                                        const std::string& webhook,
+                                                        const std::string& after, int limit,
+                                                        std::string& next) {
+  store::ListOptions options;
+  options.key_prefix = webhook + "/";
+  options.after_key = after;
+  options.limit = limit;
+  MORTISE_ASSIGN_OR_RETURN(const auto records, transaction.List(kDeadLetters, options));
+  std::vector<DeadLetter> letters;
+  for (const store::Record& record : records) letters.push_back(ParseLetter(record));
+  next = records.size() == static_cast<std::size_t>(limit) ? records.back().key : "";
+  return letters;
+}
+
+absl::Status ForgetDeadLetters(store::Transaction& transaction, const std::string& webhook,
+                               const std::string& stream, int64_t after_number) {
+  return DeleteLetters(transaction, absl::StrCat(webhook, "/", stream, "/"),
+                       LetterKey(webhook, stream, after_number));
+}
+
+int64_t CursorOf(const v1::Webhook& webhook, const std::string& stream) {
+  for (const auto& cursor : webhook.cursors()) {
+    if (cursor.stream() == stream) return cursor.number();
+  }
+  return 0;
+}
+
+void SetCursor(v1::Webhook& webhook, const std::string& stream, int64_t number) {
+  for (auto& cursor : *webhook.mutable_cursors()) {
+    if (cursor.stream() == stream) return cursor.set_number(number);
+  }
+  auto& cursor = *webhook.add_cursors();
+  cursor.set_stream(stream);
+  cursor.set_number(number);
+}
+
+}  // namespace mortise::gateway

@@ -1,0 +1,66 @@
+// Webhooks in the gateway's store: subscriptions with their cursors, and dead letters.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "absl/time/time.h"
+
+namespace mortise::store {
+class ReadTransaction;
+class Transaction;
+}  // namespace mortise::store
+namespace mortise::v1 {
+class Webhook;
+}
+
+namespace mortise::gateway {
+
+// An event that was given up.
+struct DeadLetter {
+  std::string stream;
+  int64_t number = 0;
+  int tries = 0;
+  std::string error;
+  absl::Time give_up_time;
+};
+
+// "hook-1" of "webhooks/hook-1"; INVALID_ARGUMENT naming `name` otherwise.
+absl::StatusOr<std::string> WebhookId(std::string_view name);
+
+// With its secret. NOT_FOUND naming the webhook.
+absl::StatusOr<v1::Webhook> GetWebhook(store::ReadTransaction& transaction,
+                                       const std::string& name);
+
+// By name, with their secrets, those after `after_id`.
+absl::StatusOr<std::vector<v1::Webhook>> ListWebhooks(store::ReadTransaction& transaction,
+                                                      const std::string& after_id, int limit);
+
+absl::Status PutWebhook(store::Transaction& transaction, const v1::Webhook& webhook);
+
+// With its dead letters.
+absl::Status DeleteWebhook(store::Transaction& transaction, const std::string& name);
+
+absl::Status PutDeadLetter(store::Transaction& transaction, const std::string& webhook,
+                           const DeadLetter& letter);
+
+// Dead letters of a webhook by stream and number, after the key `after` (empty: from the first);
+// `next` becomes the key to go on from, empty at the end.
+absl::StatusOr<std::vector<DeadLetter>> ListDeadLetters(store::ReadTransaction& transaction,
+                                                        const std::string& webhook,
+                                                        const std::string& after, int limit,
+                                                        std::string& next);
+
+// Forgets the dead letters of a stream numbered after `after_number`: they are delivered again.
+absl::Status ForgetDeadLetters(store::Transaction& transaction, const std::string& webhook,
+                               const std::string& stream, int64_t after_number);
+
+// The cursor of a stream; 0 if there is none.
+int64_t CursorOf(const v1::Webhook& webhook, const std::string& stream);
+void SetCursor(v1::Webhook& webhook, const std::string& stream, int64_t number);
+
+}  // namespace mortise::gateway

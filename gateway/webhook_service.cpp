@@ -1,0 +1,242 @@
+// WebhookService: subscriptions, and what could not be delivered.
+#include <google/protobuf/util/time_util.h>
+#include <openssl/rand.h>
+
+#include <algorithm>
+
+#include "absl/strings/escaping.h"
+#include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
+#include "common/base/identifiers.h"
+#include "common/rpc/handler.h"
+#include "common/store/store.h"
+#include "gateway/event_hub.h"
+#include "gateway/hosted_services.h"
+#include "gateway/webhook_client.h"
+#include "gateway/webhook_delivery.h"
+#include "gateway/webhook_records.h"
+#include "mortise/v1/gateway.grpc.pb.h"
+
+namespace mortise::gateway {
+namespace {
+
+using google::protobuf::util::TimeUtil;
+
+constexpr int kDefaultPage = 100;
+constexpr int kLargestPage = 1000;
+constexpr int kLargestList = 100;  // of streams or type prefixes in one subscription
+
+absl::StatusOr<int> PageSize(int asked) {
+  if (asked < 0 || asked > kLargestPage) return InvalidField("page_size", "must be 0 to 1000");
+  return asked == 0 ? kDefaultPage : asked;
+}
+
+// Unguessable: 32 random bytes.
+absl::StatusOr<std::string> NewSecret() {
+  unsigned char bytes[32];
+  if (RAND_bytes(bytes, sizeof(bytes)) != 1) {
+    return absl::InternalError("the system has no randomness");
+  }
+  return "whsec_" + absl::BytesToHexString({reinterpret_cast<const char*>(bytes), sizeof(bytes)});
+}
+
+v1::Webhook WithoutSecret(v1::Webhook webhook) {
+  webhook.clear_secret();
+  return webhook;
+}
+
+class WebhookAdapter final : public v1::WebhookService::CallbackService {
+ public:
+  explicit WebhookAdapter(const HostedEnvironment& environment)
+      : environment_(environment), endpoint_(environment.dispatcher, "mortise.v1.WebhookService") {}
+
+  grpc::ServerUnaryReactor* CreateWebhook(grpc::CallbackServerContext* context,
+                                          const v1::CreateWebhookRequest* request,
+                                          v1::Webhook* response) override {
+    return endpoint_.PreparedMutation(
+        "CreateWebhook", context, request, response,
+        [this](const rpc::Call&, const v1::CreateWebhookRequest& asked) { return Draw(asked); },
+        [this](const rpc::Call&, const v1::CreateWebhookRequest&, v1::Webhook& webhook,
+               store::Transaction& transaction) -> absl::StatusOr<v1::Webhook> {
+          *webhook.mutable_create_time() =
+              TimeUtil::MicrosecondsToTimestamp(absl::ToUnixMicros(transaction.Now()));
+          MORTISE_RETURN_IF_ERROR(PutWebhook(transaction, webhook));
+          RefreshAfter(transaction);
+          return webhook;
+        });
+  }
+
+  grpc::ServerUnaryReactor* GetWebhook(grpc::CallbackServerContext* context,
+                                       const v1::GetWebhookRequest* request,
+                                       v1::Webhook* response) override {
+    return endpoint_.Query(
+        "GetWebhook", context, request, response,
+        [this](const rpc::Call&,
+               const v1::GetWebhookRequest& asked) -> absl::StatusOr<v1::Webhook> {
+          v1::Webhook webhook;
+          MORTISE_RETURN_IF_ERROR(
+              environment_.store->Read([&](store::ReadTransaction& transaction) -> absl::Status {
+                MORTISE_ASSIGN_OR_RETURN(webhook, gateway::GetWebhook(transaction, asked.name()));
+                return absl::OkStatus();
+              }));
+          return WithoutSecret(std::move(webhook));
+        });
+  }
+
+  grpc::ServerUnaryReactor* ListWebhooks(grpc::CallbackServerContext* context,
+                                         const v1::ListWebhooksRequest* request,
+                                         v1::ListWebhooksResponse* response) override {
+    return endpoint_.Query(
+        "ListWebhooks", context, request, response,
+        [this](const rpc::Call&, const v1::ListWebhooksRequest& asked) { return List(asked); });
+  }
+
+  grpc::ServerUnaryReactor* DeleteWebhook(grpc::CallbackServerContext* context,
+                                          const v1::DeleteWebhookRequest* request,
+                                          v1::DeleteWebhookResponse* response) override {
+    return endpoint_.Mutation(
+        "DeleteWebhook", context, request, response,
+        [this](const rpc::Call&, const v1::DeleteWebhookRequest& asked,
+               store::Transaction& transaction) -> absl::StatusOr<v1::DeleteWebhookResponse> {
+          MORTISE_RETURN_IF_ERROR(gateway::DeleteWebhook(transaction, asked.name()));
+          RefreshAfter(transaction);
+          return v1::DeleteWebhookResponse();
+        });
+  }
+
+  grpc::ServerUnaryReactor* ReplayWebhook(grpc::CallbackServerContext* context,
+                                          const v1::ReplayWebhookRequest* request,
+                                          v1::Webhook* response) override {
+    return endpoint_.Mutation(
+        "ReplayWebhook", context, request, response,
+        [this](const rpc::Call&, const v1::ReplayWebhookRequest& asked,
+               store::Transaction& transaction) { return Replay(asked, transaction); });
+  }
+
+  grpc::ServerUnaryReactor* ListDeadLetters(grpc::CallbackServerContext* context,
+                                            const v1::ListDeadLettersRequest* request,
+                                            v1::ListDeadLettersResponse* response) override {
+    return endpoint_.Query("ListDeadLetters", context, request, response,
+                           [this](const rpc::Call&, const v1::ListDeadLettersRequest& asked) {
+                             return ListLetters(asked);
+                           });
+  }
+
+ private:
+  absl::Status CheckStreams(const google::protobuf::RepeatedPtrField<std::string>& streams) const {
+    const auto& known = environment_.hub->streams();
+    for (int i = 0; i < streams.size(); ++i) {
+      if (std::find(known.begin(), known.end(), streams[i]) == known.end()) {
+        return InvalidField(absl::StrCat("streams[", i, "]"), "there is no such stream");
+      }
+    }
+    return absl::OkStatus();
+  }
+
+  // The subscription as it will be stored: it begins with what comes from now on.
+  absl::StatusOr<v1::Webhook> Draw(const v1::CreateWebhookRequest& asked) const {
+    MORTISE_RETURN_IF_ERROR(ParseWebhookUrl(asked.url()).status());
+    MORTISE_RETURN_IF_ERROR(CheckStreams(asked.streams()));
+    if (asked.type_prefixes_size() > kLargestList) {
+      return InvalidField("type_prefixes", "has more than 100 entries");
+    }
+    v1::Webhook webhook;
+    webhook.set_name("webhooks/" + NewIdentifier());
+    webhook.set_url(asked.url());
+    *webhook.mutable_type_prefixes() = asked.type_prefixes();
+    *webhook.mutable_streams() = asked.streams();
+    MORTISE_ASSIGN_OR_RETURN(*webhook.mutable_secret(), NewSecret());
+    for (const std::string& stream : environment_.hub->streams()) {
+      const auto& wanted = asked.streams();
+      if (!wanted.empty() && std::find(wanted.begin(), wanted.end(), stream) == wanted.end()) {
+        continue;
+      }
+      SetCursor(webhook, stream, environment_.hub->Latest(stream).value_or(0));
+    }
+    return webhook;
+  }
+
+  absl::StatusOr<v1::ListWebhooksResponse> List(const v1::ListWebhooksRequest& asked) const {
+    MORTISE_ASSIGN_OR_RETURN(const int page_size, PageSize(asked.page_size()));
+    v1::ListWebhooksResponse response;
+    MORTISE_RETURN_IF_ERROR(
+        environment_.store->Read([&](store::ReadTransaction& transaction) -> absl::Status {
+          response.Clear();
+          MORTISE_ASSIGN_OR_RETURN(
+              auto webhooks, gateway::ListWebhooks(transaction, asked.page_token(), page_size));
+          for (v1::Webhook& webhook : webhooks) {
+            *response.add_webhooks() = WithoutSecret(std::move(webhook));
+          }
+          return absl::OkStatus();
+        }));
+    if (response.webhooks_size() == page_size) {
+      MORTISE_ASSIGN_OR_RETURN(const std::string last,
+                               WebhookId(response.webhooks(page_size - 1).name()));
+      response.set_next_page_token(last);
+    }
+    return response;
+  }
+
+  absl::StatusOr<v1::Webhook> Replay(const v1::ReplayWebhookRequest& asked,
+                                     store::Transaction& transaction) {
+    if (asked.after_number() < 0) return InvalidField("after_number", "must be at least 0");
+    MORTISE_ASSIGN_OR_RETURN(v1::Webhook webhook, gateway::GetWebhook(transaction, asked.name()));
+    const auto& known = environment_.hub->streams();
+    const auto& wanted = webhook.streams();
+    if (std::find(known.begin(), known.end(), asked.stream()) == known.end() ||
+        (!wanted.empty() &&
+         std::find(wanted.begin(), wanted.end(), asked.stream()) == wanted.end())) {
+      return InvalidField("stream", "the webhook does not follow a stream of this name");
+    }
+    if (asked.after_number() > CursorOf(webhook, asked.stream())) {
+      return InvalidField("after_number", "lies ahead of what was delivered");
+    }
+    SetCursor(webhook, asked.stream(), asked.after_number());
+    MORTISE_RETURN_IF_ERROR(
+        ForgetDeadLetters(transaction, asked.name(), asked.stream(), asked.after_number()));
+    MORTISE_RETURN_IF_ERROR(PutWebhook(transaction, webhook));
+    RefreshAfter(transaction);
+    return WithoutSecret(std::move(webhook));
+  }
+
+  absl::StatusOr<v1::ListDeadLettersResponse> ListLetters(
+      const v1::ListDeadLettersRequest& asked) const {
+    MORTISE_ASSIGN_OR_RETURN(const int page_size, PageSize(asked.page_size()));
+    v1::ListDeadLettersResponse response;
+    MORTISE_RETURN_IF_ERROR(
+        environment_.store->Read([&](store::ReadTransaction& transaction) -> absl::Status {
+          response.Clear();
+          MORTISE_RETURN_IF_ERROR(gateway::GetWebhook(transaction, asked.name()).status());
+          MORTISE_ASSIGN_OR_RETURN(
+              const auto letters,
+              gateway::ListDeadLetters(transaction, asked.name(), asked.page_token(), page_size,
+                                       *response.mutable_next_page_token()));
+          for (const DeadLetter& letter : letters) {
+            auto& proto = *response.add_dead_letters();
+            proto.set_stream(letter.stream);
+            proto.set_number(letter.number);
+            proto.set_tries(letter.tries);
+            proto.set_error(letter.error);
+            *proto.mutable_give_up_time() =
+                TimeUtil::MicrosecondsToTimestamp(absl::ToUnixMicros(letter.give_up_time));
+          }
+          return absl::OkStatus();
+        }));
+    return response;
+  }
+
+  void RefreshAfter(store::Transaction& transaction) {
+    transaction.AfterCommit([delivery = environment_.delivery] { delivery->Refresh(); });
+  }
+
+  const HostedEnvironment environment_;
+  rpc::Endpoint endpoint_;
+};
+
+}  // namespace
+
+std::shared_ptr<grpc::Service> MakeWebhookService(const HostedEnvironment& environment) {
+  return std::make_shared<WebhookAdapter>(environment);
+}
+
+}  // namespace mortise::gateway

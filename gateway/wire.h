@@ -1,0 +1,28 @@
+// Small pieces shared by both doors: byte buffers, reserved metadata, flow control.
+#pragma once
+
+#include <grpcpp/support/byte_buffer.h>
+
+#include <functional>
+#include <string>
+#include <string_view>
+
+namespace mortise::gateway {
+
+// One copy each way; an empty string is a buffer of one empty slice, which gRPC wants.
+grpc::ByteBuffer ToByteBuffer(std::string_view bytes);
+std::string ToString(const grpc::ByteBuffer& buffer);
+
+// Whether a client's metadata is meant for this gateway or for the transport, and therefore not
+// passed on: tokens, identities (only the gateway makes those), hop-by-hop headers.
+bool IsReservedMetadata(std::string_view key);
+
+// Whether gRPC takes this as metadata. It ends the process over anything else, so what comes from
+// outside is checked first.
+bool IsLegalMetadata(std::string_view key, std::string_view value);
+
+// Fixed flow-control windows for both sides. gRPC would otherwise let them grow with the measured
+// rate: a fast stream past a slow reader would then hold tens of megabytes here.
+void SetFlowControl(const std::function<void(const char* name, int value)>& set);
+
+}  // namespace mortise::gateway
