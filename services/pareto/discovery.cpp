@@ -1,0 +1,339 @@
+// The window of proposals and results, and the life of tracks.
+#include "services/pareto/discovery.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "absl/memory/memory.h"
+#include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
+#include "services/pareto/hypervolume.h"
+#include "services/pareto/stochastic_sampling.h"
+
+namespace mortise::pareto {
+namespace {
+
+constexpr double kReference = 1.1;     // of the running hypervolume, in scaled performance
+constexpr int kBarrenTracks = 20;      // tracks without a new point before a sample is forced
+constexpr int kExhaustedTracks = 200;  // and before the design space counts as exhausted
+constexpr double kSamePiece = 0.01;    // pieces whose centres are this near are the same
+constexpr std::int64_t kBudgetLimit = 10'000'000;
+
+PerformanceBuffer::Options BufferOptions(const Discovery::Options& options, Eigen::Index d) {
+  PerformanceBuffer::Options buffer;
+  buffer.tolerance = options.delta_b;
+  buffer.cells_per_angle = options.cells_per_angle;
+  if (buffer.cells_per_angle == 0) buffer.cells_per_angle = d <= 2 ? 1000 : d == 3 ? 100 : 16;
+  return buffer;
+}
+
+double Spacing(std::int64_t evaluations, Eigen::Index d) {
+  const double share = 6.0 / static_cast<double>(evaluations);
+  const auto dimensions = static_cast<double>(std::max<Eigen::Index>(d - 1, 1));
+  return std::clamp(std::pow(share, 1 / dimensions), 0.005, 0.15);
+}
+
+TrackScheduler::Options SchedulingOptions(TrackScheduler::Options options, double spacing) {
+  options.optimization.tolerance =
+      std::min(options.optimization.tolerance, std::max(spacing / 30, 1e-4));
+  return options;
+}
+
+absl::Status CheckOptions(const Discovery::Options& options, Eigen::Index metric_count) {
+  if (metric_count < 1 || metric_count > 6)
+    return InvalidField("objectives", absl::StrCat("1 to 6 are possible, not ", metric_count));
+  if (options.evaluations < 1 || options.evaluations > kBudgetLimit)
+    return InvalidField("evaluations", absl::StrCat("must lie between 1 and ", kBudgetLimit));
+  if (options.window < 1 || options.window > 4096)
+    return InvalidField("window", "must lie between 1 and 4096");
+  if (options.cells_per_angle < 0 || options.cells_per_angle > 10'000)
+    return InvalidField("cells", "must lie between 1 and 10000, or be 0 for the default");
+  if (options.initial_samples < 0) return InvalidField("initial_samples", "must not be negative");
+  return absl::OkStatus();
+}
+
+std::vector<double> Key(const Eigen::VectorXd& u) { return {u.begin(), u.end()}; }
+
+}  // namespace
+
+const char* StopReasonName(Discovery::StopReason reason) {
+  switch (reason) {
+    case Discovery::StopReason::kRunning:
+      return "RUNNING";
+    case Discovery::StopReason::kBudget:
+      return "BUDGET";
+    case Discovery::StopReason::kConverged:
+      return "CONVERGED";
+    case Discovery::StopReason::kCancelled:
+      return "CANCELLED";
+    case Discovery::StopReason::kEvaluatorLost:
+      return "EVALUATOR_LOST";
+  }
+  return "RUNNING";
+}
+
+absl::StatusOr<std::unique_ptr<Discovery>> Discovery::Create(const DesignSpace& space,
+                                                             Eigen::Index metric_count,
+                                                             const Options& options) {
+  MORTISE_RETURN_IF_ERROR(Validate(space));
+  MORTISE_RETURN_IF_ERROR(CheckOptions(options, metric_count));
+  return absl::WrapUnique(new Discovery(space, metric_count, options));
+}
+
+Discovery::Discovery(const DesignSpace& space, Eigen::Index metric_count, const Options& options)
+    : space_(space),
+      metric_count_(metric_count),
+      options_(options),
+      buffer_(BufferOptions(options, metric_count), metric_count),
+      scheduler_(SchedulingOptions(options.scheduling, Spacing(options.evaluations, metric_count)),
+                 options.seed),
+      random_(options.seed ^ 0x5eedULL),
+      spacing_(Spacing(options.evaluations, metric_count)) {
+  initial_samples_ = options.initial_samples > 0 ? options.initial_samples : space.size() + 3;
+  initial_samples_ = std::clamp<std::int64_t>(initial_samples_, 1,
+                                              std::max<std::int64_t>(1, options.evaluations / 4));
+  initial_designs_ = LatinHypercube(initial_samples_, space.size(), random_);
+}
+
+std::optional<Discovery::Proposal> Discovery::Ask() {
+  if (stop_ != StopReason::kRunning) return std::nullopt;
+  if (proposed_ >= options_.evaluations) {
+    if (CommitUpTo(proposed_) && stop_ == StopReason::kRunning)
+      Stop(StopReason::kBudget, absl::StrCat("all ", proposed_, " evaluations were made"));
+    return std::nullopt;
+  }
+  if (proposed_ == initial_samples_) barrier_ = std::max(barrier_, proposed_);
+  const std::int64_t needed =
+      std::max({std::int64_t{0}, proposed_ - options_.window + 1, barrier_});
+  if (!CommitUpTo(needed) || stop_ != StopReason::kRunning) return std::nullopt;
+
+  std::int64_t track = -1;
+  const std::optional<Eigen::VectorXd> u = NextPoint(track);
+  if (stop_ != StopReason::kRunning) return std::nullopt;
+  if (!u) {
+    // Nothing to ask now. What is under way may open new ways; if nothing is, there are none.
+    if (committed_ == proposed_) {
+      Stop(StopReason::kConverged, "every design that the method would try has been evaluated");
+      return std::nullopt;
+    }
+    barrier_ = proposed_;
+    return Ask();
+  }
+  Proposal proposal{proposed_++, space_.FromUnit(*u)};
+  pending_[proposal.number] = {space_.ToUnit(proposal.x), proposal.x, track, std::nullopt};
+  return proposal;
+}
+
+absl::Status Discovery::Tell(std::int64_t number, Evaluation evaluation) {
+  const auto at = pending_.find(number);
+  if (at == pending_.end() || at->second.result)
+    return InvalidField("number", absl::StrCat("no result is awaited for proposal ", number));
+  if (evaluation.x != at->second.x)
+    return InvalidField("x", absl::StrCat("not the design of proposal ", number));
+  if (evaluation.status == EvaluationStatus::kFeasible) {
+    if (evaluation.metrics.size() != metric_count_)
+      return InvalidField(
+          "metrics", absl::StrCat(metric_count_, " are needed, not ", evaluation.metrics.size()));
+    if (evaluation.jacobian.size() > 0 && (evaluation.jacobian.rows() != metric_count_ ||
+                                           evaluation.jacobian.cols() != space_.size()))
+      return InvalidField("jacobian", "must have a row a metric and a column a parameter");
+  }
+  at->second.result = std::move(evaluation);
+  return absl::OkStatus();
+}
+
+bool Discovery::CommitUpTo(std::int64_t count) {
+  while (committed_ < count && stop_ == StopReason::kRunning) {
+    const auto first = pending_.find(committed_);
+    if (first == pending_.end() || !first->second.result) return false;
+    CommitNext();
+  }
+  return true;
+}
+
+ArchiveEntry Discovery::EntryOf(const Pending& pending) {
+  const Evaluation& result = *pending.result;
+  ArchiveEntry entry;
+  entry.u = pending.u;
+  entry.feasible = result.status == EvaluationStatus::kFeasible && result.metrics.allFinite();
+  if (!entry.feasible) {
+    ++failed_;
+    if (message_.empty() && !result.message.empty()) message_ = result.message;
+    return entry;
+  }
+  entry.metrics = result.metrics;
+  if (result.jacobian.size() > 0)
+    entry.jacobian = result.jacobian * (space_.upper - space_.lower).asDiagonal();
+  return entry;
+}
+
+void Discovery::CommitNext() {
+  const auto first = pending_.find(committed_++);
+  const Pending pending = std::move(first->second);
+  pending_.erase(first);
+  const std::size_t entry = archive_.Add(EntryOf(pending));
+  evaluated_.emplace(Key(pending.u), entry);
+  const double gain = Absorb(entry);
+  const auto track = tracks_.find(pending.track);
+  if (track == tracks_.end()) return;
+  track->second.gain += gain;
+  ++track->second.evaluations;
+  track->second.source->Tell(archive_, entry);
+  RetireFinished();
+}
+
+double Discovery::DominatedVolume() const {
+  std::vector<Eigen::VectorXd> points;
+  for (const std::size_t index : archive_.non_dominated())
+    points.push_back(buffer_.scaling().Apply(archive_[index].metrics));
+  return Hypervolume(points, Eigen::VectorXd::Constant(metric_count_, kReference));
+}
+
+// Puts an entry into the buffer; returns the hypervolume gained.
+double Discovery::Absorb(std::size_t entry) {
+  if (!archive_[entry].feasible) return 0;
+  const Scaling scaling = archive_.CurrentScaling();
+  if (buffer_.NeedsRebuild(scaling)) {
+    buffer_.Rebuild(archive_, scaling);
+    const double before = hypervolume_;
+    hypervolume_ = DominatedVolume();
+    progress_mark_ = 0;  // another scale: progress is counted anew
+    tracks_since_progress_ = 0;
+    return std::max(0.0, hypervolume_ - before);
+  }
+  buffer_.Insert(entry, buffer_.scaling().Apply(archive_[entry].metrics));
+  if (archive_.non_dominated().back() != entry) return 0;
+  const double before = hypervolume_;
+  hypervolume_ = DominatedVolume();
+  return hypervolume_ - before;
+}
+
+// From the Latin hypercube; uniformly at random while nothing feasible has been found.
+Eigen::VectorXd Discovery::InitialDesign() {
+  if (proposed_ < initial_samples_) return initial_designs_[static_cast<std::size_t>(proposed_)];
+  Eigen::VectorXd u(space_.size());
+  for (double& value : u) value = random_.Uniform();
+  return u;
+}
+
+std::optional<Eigen::VectorXd> Discovery::NextPoint(std::int64_t& track) {
+  track = -1;
+  if (proposed_ < initial_samples_ || archive_.feasible_count() == 0) return InitialDesign();
+  for (int barren = 0; barren < kExhaustedTracks; ++barren) {
+    const std::int64_t newest = next_track_;
+    const std::optional<Eigen::VectorXd> u = AskTracks(track);
+    if (u || stop_ != StopReason::kRunning) return u;
+    if (next_track_ != newest) continue;  // an expansion has begun
+    // The opening tracks share what they learn; others would start from designs that are far off.
+    const bool opening = std::any_of(tracks_.begin(), tracks_.end(), [](const auto& entry) {
+      return entry.second.kind == TrackKind::kOpening;
+    });
+    if (opening && scheduler_.AwaitsOpening(metric_count_) && !pending_.empty())
+      return std::nullopt;
+    StartTrack(barren >= kBarrenTracks);
+  }
+  return std::nullopt;
+}
+
+// The next point of the oldest track that has one. Designs that have been evaluated before are
+// answered from the archive.
+std::optional<Eigen::VectorXd> Discovery::AskTracks(std::int64_t& track) {
+  for (auto at = tracks_.begin(); at != tracks_.end(); ++at) {
+    while (true) {
+      const std::optional<Eigen::VectorXd> u = at->second.source->Ask(archive_);
+      if (!u) break;
+      const Eigen::VectorXd possible = space_.ToUnit(space_.FromUnit(*u));
+      const auto known = evaluated_.find(Key(possible));
+      if (known == evaluated_.end()) {
+        track = at->first;
+        return possible;
+      }
+      at->second.source->Tell(archive_, known->second);
+    }
+  }
+  RetireFinished();
+  return std::nullopt;
+}
+
+void Discovery::RetireFinished() {
+  for (auto at = tracks_.begin(); at != tracks_.end();) {
+    if (!at->second.source->Finished()) {
+      ++at;
+      continue;
+    }
+    const Track track = std::move(at->second);
+    at = tracks_.erase(at);
+    Retire(track);
+  }
+}
+
+void Discovery::Retire(const Track& track) {
+  scheduler_.Report(track.kind, track.gain, track.evaluations);
+  if (track.patch != nullptr) {
+    if (track.patch->piece().directions.cols() > 0) pieces_.push_back(track.patch->piece());
+    return;
+  }
+  if (track.evaluations > 0) ++optimizations_;
+  if (hypervolume_ > progress_mark_ * (1 + options_.delta_i)) {
+    progress_mark_ = hypervolume_;
+    tracks_since_progress_ = 0;
+  } else if (track.evaluations > 0 && ++tracks_since_progress_ == options_.stall_tracks) {
+    Stop(StopReason::kConverged,
+         absl::StrCat("no progress in ", options_.stall_tracks, " optimisations"));
+    return;
+  }
+  const std::optional<std::size_t> best = track.optimization->best();
+  if (!best ||
+      archive_.ClearlyDominated(archive_[*best].metrics, buffer_.scaling(), options_.delta_b))
+    return;
+  const Eigen::VectorXd& u = archive_[*best].u;
+  if (std::any_of(pieces_.begin(), pieces_.end(), [&](const AffinePiece& piece) {
+        return (piece.centre - u).lpNorm<Eigen::Infinity>() < kSamePiece;
+      }))
+    return;
+  PatchSampling::Options options;
+  options.spacing = spacing_;
+  options.tolerance = options_.delta_b;
+  auto patch = std::make_unique<PatchSampling>(options, buffer_.scaling(), *best);
+  PatchSampling* const view = patch.get();
+  tracks_[next_track_++] = {std::move(patch), nullptr, view, track.kind, 0, 0};
+  ++expansions_;
+}
+
+void Discovery::StartTrack(bool force_sample) {
+  TrackScheduler::Track next = scheduler_.Next(archive_, buffer_, force_sample);
+  LocalOptimization* const view = next.optimization.get();
+  tracks_[next_track_++] = {std::move(next.optimization), view, nullptr, next.kind, 0, 0};
+}
+
+void Discovery::Stop(StopReason reason, std::string message) {
+  if (stop_ != StopReason::kRunning) return;
+  CommitUpTo(proposed_);
+  stop_ = reason;
+  message_ = std::move(message);
+  if (archive_.feasible_count() > 0) buffer_.Rebuild(archive_, archive_.CurrentScaling());
+}
+
+Discovery::Summary Discovery::summary() const {
+  Summary summary;
+  summary.stop_reason = stop_;
+  summary.message = message_;
+  summary.evaluations = committed_;
+  summary.failed = failed_;
+  summary.optimizations = optimizations_;
+  summary.expansions = expansions_;
+  summary.cells_covered = static_cast<std::int64_t>(buffer_.cells().size());
+  if (archive_.feasible_count() > 0) {
+    const Scaling scaling = archive_.CurrentScaling();
+    std::vector<Eigen::VectorXd> points;
+    for (const std::size_t index : archive_.non_dominated())
+      points.push_back(scaling.Apply(archive_[index].metrics));
+    summary.hypervolume = Hypervolume(points, Eigen::VectorXd::Ones(metric_count_));
+  }
+  return summary;
+}
+
+Front Discovery::front() const { return BuildFront(space_, archive_, buffer_, pieces_); }
+
+}  // namespace mortise::pareto

@@ -1,0 +1,158 @@
+// Discovery of the Pareto front (§7.5, Algorithm 2), as ask and tell.
+//
+// A seeded loop of local optimisations (local_optimization.h) and first-order expansions
+// (patch_sampling.h) fills the performance buffer (performance_buffer.h) until the budget is spent
+// or nothing improves any more. See track_scheduler.h for what is optimised next.
+//
+// **Asynchronous and yet deterministic.** Proposals and results are numbered. Results are committed
+// in the order of their numbers, whenever they arrive, and proposal k is made when exactly the
+// results 0 ... k - window have been committed: up to `window` evaluations are under way at once,
+// one slow evaluation stalls nothing until the window is full, and the proposals depend on nothing
+// but the seed and the answers. (After the space-filling samples at the start everything is
+// committed once.) Equal answers therefore give the same front bit for bit on any number of
+// workers, and a run is resumed by telling the answers of the first part again: they are the whole
+// of its state.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "services/pareto/archive.h"
+#include "services/pareto/evaluation.h"
+#include "services/pareto/front.h"
+#include "services/pareto/patch_sampling.h"
+#include "services/pareto/performance_buffer.h"
+#include "services/pareto/track_scheduler.h"
+
+namespace mortise::pareto {
+
+class Discovery {
+ public:
+  struct Options {
+    std::int64_t evaluations = 1000;  // budget, 1 to 10,000,000
+    std::uint64_t seed = 1;
+    int window = 8;           // evaluations under way at once, 1 to 4096; part of what is computed
+    int cells_per_angle = 0;  // of the buffer, up to 10,000; 0: 1000 for d = 2, 100 for 3, 16 above
+    int initial_samples = 0;  // space-filling designs at the start; 0: D + 3, at most a quarter of
+                              // the budget
+    double delta_b = 1e-2;    // tolerance of the buffer, scaled performance
+    double delta_i = 1e-4;    // improvement of hypervolume (relative) that counts as progress
+    int stall_tracks = 300;   // optimisations in a row without progress that end it; 0: never
+    TrackScheduler::Options scheduling;
+  };
+
+  enum class StopReason { kRunning, kBudget, kConverged, kCancelled, kEvaluatorLost };
+
+  struct Summary {
+    StopReason stop_reason = StopReason::kRunning;
+    std::string message;           // why, for people
+    std::int64_t evaluations = 0;  // committed
+    std::int64_t failed = 0;       // of those
+    std::int64_t optimizations = 0;
+    std::int64_t expansions = 0;
+    std::int64_t cells_covered = 0;  // of the buffer
+    double hypervolume = 0;          // dominated share of the box from ideal to nadir
+  };
+
+  struct Proposal {
+    std::int64_t number = 0;
+    Eigen::VectorXd x;  // D, within the bounds
+  };
+
+  // `metric_count` d of 1 to 6, all minimised. INVALID_ARGUMENT naming the field at fault
+  // ("parameters[i].upper", "evaluations", "window", ...).
+  static absl::StatusOr<std::unique_ptr<Discovery>> Create(const DesignSpace& space,
+                                                           Eigen::Index metric_count,
+                                                           const Options& options);
+
+  // The next design to evaluate; nullopt while results are needed first, or once finished.
+  std::optional<Proposal> Ask();
+
+  // The result of proposal `number`, in any order. INVALID_ARGUMENT for a number that is not
+  // awaited, another design than proposed, or metrics of the wrong count; a feasible evaluation
+  // with metrics that are not finite counts as failed.
+  absl::Status Tell(std::int64_t number, Evaluation evaluation);
+
+  // Stops with what has been found. Results that were told but not committed are kept.
+  void Stop(StopReason reason, std::string message);
+
+  // Whether Ask will give nothing more and every result has been committed.
+  bool Finished() const { return stop_ != StopReason::kRunning; }
+
+  Summary summary() const;
+  Front front() const;
+
+  const DesignSpace& space() const { return space_; }
+  const Archive& archive() const { return archive_; }
+  std::int64_t proposed() const { return proposed_; }
+
+ private:
+  struct Track {
+    std::unique_ptr<PointSource> source;
+    LocalOptimization* optimization = nullptr;  // the source, if it is one
+    PatchSampling* patch = nullptr;             // the source, if it is one
+    TrackKind kind = TrackKind::kOpening;
+    double gain = 0;
+    int evaluations = 0;
+  };
+
+  struct Pending {
+    Eigen::VectorXd u;
+    Eigen::VectorXd x;
+    std::int64_t track = -1;  // -1: an initial sample
+    std::optional<Evaluation> result;
+  };
+
+  Discovery(const DesignSpace& space, Eigen::Index metric_count, const Options& options);
+
+  bool CommitUpTo(std::int64_t count);
+  void CommitNext();
+  ArchiveEntry EntryOf(const Pending& pending);
+  double Absorb(std::size_t entry);
+  Eigen::VectorXd InitialDesign();
+  std::optional<Eigen::VectorXd> NextPoint(std::int64_t& track);
+  std::optional<Eigen::VectorXd> AskTracks(std::int64_t& track);
+  void RetireFinished();
+  void Retire(const Track& track);
+  void StartTrack(bool force_sample);
+  double DominatedVolume() const;
+
+  DesignSpace space_;
+  Eigen::Index metric_count_;
+  Options options_;
+  Archive archive_;
+  PerformanceBuffer buffer_;
+  TrackScheduler scheduler_;
+  Random random_;
+  std::int64_t initial_samples_;
+  std::vector<Eigen::VectorXd> initial_designs_;  // unit coordinates
+  double spacing_;  // wanted distance of trade-offs along patches, for the budget
+  std::map<std::int64_t, Track> tracks_;  // by age
+  std::int64_t next_track_ = 0;
+  std::map<std::int64_t, Pending> pending_;               // proposed, not committed
+  std::map<std::vector<double>, std::size_t> evaluated_;  // design to entry: never twice
+  std::vector<AffinePiece> pieces_;
+  std::int64_t proposed_ = 0;
+  std::int64_t committed_ = 0;
+  std::int64_t barrier_ = 0;  // results that must be committed before the next proposal
+  std::int64_t failed_ = 0;
+  std::int64_t optimizations_ = 0;
+  std::int64_t expansions_ = 0;
+  double hypervolume_ = 0;    // in the scaling of the buffer, reference 1.1
+  double progress_mark_ = 0;  // hypervolume when progress was last made
+  int tracks_since_progress_ = 0;
+  StopReason stop_ = StopReason::kRunning;
+  std::string message_;
+};
+
+// "BUDGET", "CONVERGED", "CANCELLED", "EVALUATOR_LOST" or "RUNNING".
+const char* StopReasonName(Discovery::StopReason reason);
+
+}  // namespace mortise::pareto

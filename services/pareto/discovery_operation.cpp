@@ -1,0 +1,191 @@
+// The handler of discovery operations.
+#include "services/pareto/discovery_operation.h"
+
+#include <algorithm>
+#include <map>
+#include <memory>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "common/base/errors.h"
+#include "common/base/logging.h"
+#include "common/rpc/channel.h"
+#include "common/rpc/operation_codec.h"
+#include "common/store/store.h"
+#include "mortise/v1/evaluator.pb.h"
+#include "mortise/v1/pareto.pb.h"
+#include "services/pareto/discovery_problem.h"
+#include "services/pareto/discovery_run.h"
+#include "services/pareto/remote_evaluator.h"
+
+namespace mortise::pareto {
+namespace {
+
+constexpr char kResultKind[] = "discoveryResults";
+constexpr int kPage = 1000;
+constexpr absl::Duration kDescribePatience = absl::Minutes(10);
+constexpr int kMostLanes = 16;
+
+class DiscoveryRun {
+ public:
+  DiscoveryRun(rpc::ServiceEnvironment& environment, jobs::OperationContext& context)
+      : environment_(environment),
+        context_(context),
+        id_(context.name().substr(context.name().rfind('/') + 1)) {}
+
+  absl::StatusOr<std::string> Run() {
+    MORTISE_ASSIGN_OR_RETURN(std::string finished, FinishedBefore());
+    if (!finished.empty()) return finished;
+    if (!specification_.ParseFromString(context_.request()))
+      return absl::InternalError("the stored specification cannot be read");
+    MORTISE_ASSIGN_OR_RETURN(auto channel, environment_.peers->Channel(kEvaluatorPeer));
+    rpc::RetryOptions retry;
+    retry.patience = kDescribePatience;
+    retry.stop = [this] { return context_.Cancelled(); };
+    MORTISE_ASSIGN_OR_RETURN(
+        auto described,
+        DescribeDesignSpace(channel, specification_, MakeOrigin(kDescribePatience), retry));
+    MORTISE_ASSIGN_OR_RETURN(const DiscoveryProblem problem,
+                             MakeProblem(specification_, *described));
+    MORTISE_ASSIGN_OR_RETURN(
+        auto discovery,
+        Discovery::Create(problem.space, static_cast<Eigen::Index>(problem.objectives.size()),
+                          problem.options));
+    MORTISE_ASSIGN_OR_RETURN(const auto known, LoadResults());
+    RemoteEvaluator evaluator(channel, specification_, problem,
+                              [this](absl::Duration timeout) { return MakeOrigin(timeout); }, {});
+    MORTISE_RETURN_IF_ERROR(pareto::Run(*discovery, evaluator, MakeRunOptions(problem), known));
+    return Finish(problem, *discovery);
+  }
+
+ private:
+  rpc::Origin MakeOrigin(absl::Duration timeout) const {
+    return rpc::OwnOrigin(environment_.signer, rpc::Role::kDesigner, CurrentTraceId(), timeout);
+  }
+
+  // The result, packed, if an earlier run wrote the front and died before it could say so.
+  absl::StatusOr<std::string> FinishedBefore() {
+    std::string packed;
+    MORTISE_RETURN_IF_ERROR(
+        environment_.store->Read([&](store::ReadTransaction& transaction) -> absl::Status {
+          const auto record = transaction.Get(kFrontKind, id_);
+          if (absl::IsNotFound(record.status())) return absl::OkStatus();
+          MORTISE_RETURN_IF_ERROR(record.status());
+          v1::Front front;
+          if (!front.ParseFromString(record->payload))
+            return absl::InternalError("the stored front cannot be read");
+          front.clear_points();
+          packed = rpc::PackResult(front);
+          return absl::OkStatus();
+        }));
+    return packed;
+  }
+
+  std::string ResultPrefix() const { return absl::StrCat(id_, "/"); }
+
+  absl::StatusOr<std::map<std::int64_t, Evaluation>> LoadResults() {
+    std::string bytes;
+    MORTISE_RETURN_IF_ERROR(
+        environment_.store->Read([&](store::ReadTransaction& transaction) -> absl::Status {
+          bytes.clear();
+          store::ListOptions list;
+          list.key_prefix = ResultPrefix();
+          list.limit = kPage;
+          while (true) {
+            MORTISE_ASSIGN_OR_RETURN(const auto page, transaction.List(kResultKind, list));
+            for (const store::Record& record : page) bytes += record.payload;
+            if (static_cast<int>(page.size()) < kPage) return absl::OkStatus();
+            list.after_key = page.back().key;
+          }
+        }));
+    MORTISE_ASSIGN_OR_RETURN(DiscoveryCheckpoint checkpoint, ParseCheckpoint(bytes));
+    return std::move(checkpoint.results);
+  }
+
+  RunOptions MakeRunOptions(const DiscoveryProblem& problem) {
+    RunOptions options;
+    options.lanes = std::clamp(problem.options.window, 1, kMostLanes);
+    options.batch_size = (problem.options.window + options.lanes - 1) / options.lanes;
+    options.cancelled = [this] { return context_.Cancelled(); };
+    options.progress = [this,
+                        total = problem.options.evaluations](const Discovery::Summary& summary) {
+      jobs::Progress progress;
+      progress.done = summary.evaluations;
+      progress.total = total;
+      progress.best_so_far = summary.hypervolume;
+      progress.has_best = summary.cells_covered > 0;
+      progress.message =
+          absl::StrFormat("hypervolume %.4f, %d cells covered, %d failed", summary.hypervolume,
+                          summary.cells_covered, summary.failed);
+      context_.ReportProgress(progress);
+    };
+    options.checkpoint = [this](const std::vector<std::pair<std::int64_t, Evaluation>>& batch) {
+      DiscoveryCheckpoint part;
+      part.results.insert(batch.begin(), batch.end());
+      const std::string key = absl::StrFormat("%s%012d", ResultPrefix(), batch.front().first);
+      return context_.Transact([&](store::Transaction& transaction) {
+        return transaction.Put(kResultKind, key, Serialize(part)).status();
+      });
+    };
+    return options;
+  }
+
+  absl::StatusOr<std::string> Finish(const DiscoveryProblem& problem, const Discovery& discovery) {
+    const bool stopped = discovery.summary().stop_reason == Discovery::StopReason::kCancelled;
+    if (stopped) {
+      // A shutdown, or a takeover, leaves the work to the next run.
+      MORTISE_ASSIGN_OR_RETURN(const jobs::Operation operation,
+                               environment_.operations->Get(context_.name()));
+      if (!operation.cancel_requested) return absl::CancelledError("interrupted");
+    }
+    v1::Front front = MakeFront(problem, discovery);
+    front.set_name(absl::StrCat("fronts/", id_));
+    *front.mutable_specification() = specification_;
+    MORTISE_RETURN_IF_ERROR(Store(front));
+    front.clear_points();
+    const std::string packed = rpc::PackResult(front);
+    if (!stopped) return packed;
+    context_.KeepResult(packed);
+    return absl::CancelledError("cancelled; the front holds the best so far");
+  }
+
+  absl::Status Store(v1::Front& front) {
+    return context_.Transact([&](store::Transaction& transaction) -> absl::Status {
+      front.mutable_create_time()->set_seconds(absl::ToUnixSeconds(transaction.Now()));
+      MORTISE_RETURN_IF_ERROR(transaction.Put(kFrontKind, id_, front.SerializeAsString()).status());
+      MORTISE_RETURN_IF_ERROR(DropResults(transaction));
+      store::NewEvent event;
+      event.type = "front.created";
+      event.subject = front.name();
+      event.trace_id = CurrentTraceId();
+      return transaction.AppendEvent(event);
+    });
+  }
+
+  absl::Status DropResults(store::Transaction& transaction) {
+    store::ListOptions list;
+    list.key_prefix = ResultPrefix();
+    list.limit = kPage;
+    while (true) {
+      MORTISE_ASSIGN_OR_RETURN(const auto page, transaction.List(kResultKind, list));
+      if (page.empty()) return absl::OkStatus();
+      for (const store::Record& record : page)
+        MORTISE_RETURN_IF_ERROR(transaction.Delete(kResultKind, record.key));
+    }
+  }
+
+  rpc::ServiceEnvironment& environment_;
+  jobs::OperationContext& context_;
+  std::string id_;
+  v1::DiscoverySpecification specification_;
+};
+
+}  // namespace
+
+absl::StatusOr<std::string> RunDiscoveryOperation(rpc::ServiceEnvironment& environment,
+                                                  jobs::OperationContext& context) {
+  return DiscoveryRun(environment, context).Run();
+}
+
+}  // namespace mortise::pareto

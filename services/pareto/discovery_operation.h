@@ -1,0 +1,25 @@
+// Discovery as a long-running operation: it survives restarts of this service and of the evaluator.
+//
+// The answers of the evaluator are stored as they come, each batch as a record of its own. They are
+// the whole state of a discovery (discovery.h), so a run that begins again tells them to a fresh
+// one and goes on where the last run ended, to the same front.
+#pragma once
+
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "common/jobs/operations.h"
+#include "common/rpc/run_service.h"
+
+namespace mortise::pareto {
+
+inline constexpr char kDiscoveryKind[] = "pareto.discovery";
+inline constexpr char kFrontKind[] = "fronts";  // records: mortise.v1.Front by front id
+inline constexpr char kEvaluatorPeer[] = "simulator";
+
+// Runs the operation whose request is a serialised mortise.v1.DiscoverySpecification with its
+// revision settled. Writes the front and the event `front.created`, and returns it without points.
+absl::StatusOr<std::string> RunDiscoveryOperation(rpc::ServiceEnvironment& environment,
+                                                  jobs::OperationContext& context);
+
+}  // namespace mortise::pareto

@@ -1,0 +1,167 @@
+// Checks of specifications, and fronts as messages.
+#include "services/pareto/discovery_problem.h"
+
+#include <algorithm>
+#include <set>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
+#include "mortise/v1/evaluator.pb.h"
+#include "mortise/v1/pareto.pb.h"
+#include "services/pareto/front.h"
+
+namespace mortise::pareto {
+namespace {
+
+constexpr int kLeastEvaluations = 10;
+constexpr int kMostEvaluations = 1'000'000;
+constexpr int kMostCells = 10'000;
+constexpr int kMostWindow = 256;
+
+absl::Status ApplyBounds(const v1::DiscoverySpecification& specification,
+                         DiscoveryProblem& problem) {
+  for (int k = 0; k < specification.bounds_size(); ++k) {
+    const auto& bound = specification.bounds(k);
+    const std::string field = absl::StrCat("specification.bounds[", k, "]");
+    const auto name = std::find(problem.parameter_names.begin(), problem.parameter_names.end(),
+                                bound.parameter());
+    if (name == problem.parameter_names.end())
+      return InvalidField(absl::StrCat(field, ".parameter"),
+                          absl::StrCat("no parameter '", bound.parameter(), "'"));
+    const Eigen::Index i = name - problem.parameter_names.begin();
+    if (bound.minimum() < problem.space.lower[i])
+      return InvalidField(absl::StrCat(field, ".minimum"),
+                          absl::StrCat("lies below ", problem.space.lower[i],
+                                       ", the least value of the design space"));
+    if (bound.maximum() > problem.space.upper[i])
+      return InvalidField(absl::StrCat(field, ".maximum"),
+                          absl::StrCat("lies above ", problem.space.upper[i],
+                                       ", the greatest value of the design space"));
+    problem.space.lower[i] = bound.minimum();
+    problem.space.upper[i] = bound.maximum();
+  }
+  return absl::OkStatus();
+}
+
+absl::Status AddObjectives(const v1::DiscoverySpecification& specification,
+                           const v1::DesignSpace& described, DiscoveryProblem& problem) {
+  for (int k = 0; k < specification.objectives_size(); ++k) {
+    const auto& asked = specification.objectives(k);
+    const auto metric =
+        std::find_if(described.metrics().begin(), described.metrics().end(),
+                     [&](const auto& offered) { return offered.name() == asked.metric(); });
+    if (metric == described.metrics().end())
+      return InvalidField(absl::StrCat("specification.objectives[", k, "].metric"),
+                          absl::StrCat("the subject has no metric '", asked.metric(), "'"));
+    problem.objectives.push_back(
+        {metric->name(), metric->unit(), asked.maximize(), metric->offers_gradient()});
+  }
+  return absl::OkStatus();
+}
+
+absl::Status CheckCount(std::int64_t value, std::int64_t least, std::int64_t most,
+                        const std::string& field) {
+  if (value >= least && value <= most) return absl::OkStatus();
+  return InvalidField(absl::StrCat("specification.", field),
+                      absl::StrCat("must lie between ", least, " and ", most));
+}
+
+}  // namespace
+
+Eigen::VectorXd DiscoveryProblem::Signs() const {
+  Eigen::VectorXd signs(static_cast<Eigen::Index>(objectives.size()));
+  for (Eigen::Index i = 0; i < signs.size(); ++i)
+    signs[i] = objectives[static_cast<std::size_t>(i)].maximize ? -1 : 1;
+  return signs;
+}
+
+bool DiscoveryProblem::AnyGradient() const {
+  return std::any_of(objectives.begin(), objectives.end(),
+                     [](const Objective& objective) { return objective.offers_gradient; });
+}
+
+absl::Status CheckSpecification(const v1::DiscoverySpecification& specification) {
+  if (specification.subject().empty())
+    return InvalidField("specification.subject", "must name what to vary");
+  if (specification.revision() < 0)
+    return InvalidField("specification.revision", "must be at least 0");
+  if (specification.objectives_size() < 2 || specification.objectives_size() > 3)
+    return InvalidField("specification.objectives",
+                        absl::StrCat("2 or 3 are needed, not ", specification.objectives_size()));
+  std::set<std::string> names;
+  for (int k = 0; k < specification.objectives_size(); ++k)
+    if (!names.insert(specification.objectives(k).metric()).second)
+      return InvalidField(absl::StrCat("specification.objectives[", k, "].metric"),
+                          "is given twice");
+  names.clear();
+  for (int k = 0; k < specification.bounds_size(); ++k) {
+    const auto& bound = specification.bounds(k);
+    const std::string field = absl::StrCat("specification.bounds[", k, "]");
+    if (!names.insert(bound.parameter()).second)
+      return InvalidField(absl::StrCat(field, ".parameter"), "is given twice");
+    if (bound.minimum() > bound.maximum())
+      return InvalidField(absl::StrCat(field, ".maximum"), "lies below the minimum");
+  }
+  MORTISE_RETURN_IF_ERROR(
+      CheckCount(specification.evaluations(), kLeastEvaluations, kMostEvaluations, "evaluations"));
+  MORTISE_RETURN_IF_ERROR(CheckCount(specification.cells(), 0, kMostCells, "cells"));
+  return CheckCount(specification.window(), 0, kMostWindow, "window");
+}
+
+absl::StatusOr<DiscoveryProblem> MakeProblem(const v1::DiscoverySpecification& specification,
+                                             const v1::DesignSpace& described) {
+  MORTISE_RETURN_IF_ERROR(CheckSpecification(specification));
+  DiscoveryProblem problem;
+  const Eigen::Index D = described.parameters_size();
+  problem.space = {Eigen::VectorXd(D), Eigen::VectorXd(D), Eigen::VectorXd(D)};
+  for (Eigen::Index i = 0; i < D; ++i) {
+    const auto& parameter = described.parameters(static_cast<int>(i));
+    problem.parameter_names.push_back(parameter.name());
+    problem.space.lower[i] = parameter.minimum();
+    problem.space.upper[i] = parameter.maximum();
+    problem.space.step[i] = parameter.step();
+  }
+  const absl::Status usable = Validate(problem.space);
+  if (!usable.ok())
+    return InvalidField("specification.subject",
+                        absl::StrCat("its design space cannot be searched: ", usable.message()));
+  MORTISE_RETURN_IF_ERROR(ApplyBounds(specification, problem));
+  MORTISE_RETURN_IF_ERROR(AddObjectives(specification, described, problem));
+  problem.options.evaluations = specification.evaluations();
+  problem.options.seed = static_cast<std::uint64_t>(specification.seed());
+  problem.options.cells_per_angle = specification.cells();
+  if (specification.window() > 0) problem.options.window = specification.window();
+  return problem;
+}
+
+v1::Front MakeFront(const DiscoveryProblem& problem, const Discovery& discovery) {
+  v1::Front message;
+  for (const std::string& name : problem.parameter_names) message.add_parameter_names(name);
+  for (const Objective& objective : problem.objectives) {
+    message.add_metric_names(objective.metric);
+    message.add_metric_units(objective.unit);
+  }
+  const Eigen::VectorXd signs = problem.Signs();
+  const Front front = discovery.front();
+  for (const FrontPoint& point : front.points) {
+    v1::FrontPoint& to = *message.add_points();
+    const Eigen::VectorXd metrics = point.metrics.cwiseProduct(signs);
+    to.mutable_parameters()->Add(point.x.begin(), point.x.end());
+    to.mutable_metrics()->Add(metrics.begin(), metrics.end());
+    to.set_cell(static_cast<int>(point.cell));
+    to.set_piece(point.piece);
+    to.mutable_embedding()->Add(point.embedding.begin(), point.embedding.end());
+  }
+  const Discovery::Summary summary = discovery.summary();
+  message.set_pieces(front.pieces);
+  message.set_evaluations(summary.evaluations);
+  message.set_failed_evaluations(summary.failed);
+  message.set_hypervolume(summary.hypervolume);
+  message.set_cells_covered(static_cast<int>(summary.cells_covered));
+  message.set_stop_reason(StopReasonName(summary.stop_reason));
+  message.set_point_count(static_cast<int>(front.points.size()));
+  return message;
+}
+
+}  // namespace mortise::pareto

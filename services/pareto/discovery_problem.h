@@ -1,0 +1,52 @@
+// From what a client asks for to what discovery works on.
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "services/pareto/discovery.h"
+#include "services/pareto/evaluation.h"
+
+namespace mortise::v1 {
+class DesignSpace;
+class DiscoverySpecification;
+class Front;
+}  // namespace mortise::v1
+
+namespace mortise::pareto {
+
+struct Objective {
+  std::string metric;
+  std::string unit;
+  bool maximize = false;
+  bool offers_gradient = false;
+};
+
+struct DiscoveryProblem {
+  DesignSpace space;  // in the order of parameter_names, bounds narrowed as asked
+  std::vector<std::string> parameter_names;
+  std::vector<Objective> objectives;  // 2 or 3
+  Discovery::Options options;
+
+  // +1 for a metric to minimise, -1 to maximise: discovery minimises sign * metric. d.
+  Eigen::VectorXd Signs() const;
+  bool AnyGradient() const;
+};
+
+// Checks what needs no evaluator: counts, ranges, names given twice. INVALID_ARGUMENT naming the
+// field ("specification.evaluations").
+absl::Status CheckSpecification(const v1::DiscoverySpecification& specification);
+
+// The problem for a subject as its evaluator describes it. INVALID_ARGUMENT naming the field at
+// fault
+// ("specification.objectives[1].metric" for an unknown metric, "specification.bounds[0].minimum"
+// for one outside the design space, "specification.subject" for a design space that is unusable).
+absl::StatusOr<DiscoveryProblem> MakeProblem(const v1::DiscoverySpecification& specification,
+                                             const v1::DesignSpace& described);
+
+// What was found, as a message without name, specification and time.
+v1::Front MakeFront(const DiscoveryProblem& problem, const Discovery& discovery);
+
+}  // namespace mortise::pareto

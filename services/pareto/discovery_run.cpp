@@ -1,0 +1,141 @@
+// The loop between a discovery and its evaluator.
+#include "services/pareto/discovery_run.h"
+
+#include <chrono>
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <optional>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
+#include "common/base/thread_pool.h"
+
+namespace mortise::pareto {
+namespace {
+
+constexpr std::chrono::milliseconds kCancelPoll{100};
+
+using Numbered = std::vector<std::pair<std::int64_t, Evaluation>>;
+
+// Finished batches, handed from the lanes to the thread that runs the discovery.
+class Mailbox {
+ public:
+  void Put(absl::StatusOr<Numbered> batch) {
+    const std::lock_guard lock(mutex_);
+    batches_.push_back(std::move(batch));
+    arrived_.notify_one();
+  }
+
+  // Nothing if no batch arrives within `patience`.
+  std::optional<absl::StatusOr<Numbered>> Take(std::chrono::milliseconds patience) {
+    std::unique_lock lock(mutex_);
+    if (!arrived_.wait_for(lock, patience, [&] { return !batches_.empty(); })) return std::nullopt;
+    absl::StatusOr<Numbered> batch = std::move(batches_.front());
+    batches_.pop_front();
+    return batch;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable arrived_;
+  std::deque<absl::StatusOr<Numbered>> batches_;  // guarded by mutex_
+};
+
+absl::StatusOr<Numbered> EvaluateBatch(Evaluator& evaluator,
+                                       const std::vector<Discovery::Proposal>& batch) {
+  std::vector<Eigen::VectorXd> designs;
+  for (const Discovery::Proposal& proposal : batch) designs.push_back(proposal.x);
+  MORTISE_ASSIGN_OR_RETURN(std::vector<Evaluation> results, evaluator.Evaluate(designs));
+  if (results.size() != batch.size())
+    return absl::InternalError(
+        absl::StrCat("the evaluator answered ", results.size(), " of ", batch.size(), " designs"));
+  Numbered numbered;
+  for (std::size_t i = 0; i < batch.size(); ++i)
+    numbered.emplace_back(batch[i].number, std::move(results[i]));
+  return numbered;
+}
+
+class Loop {
+ public:
+  Loop(Discovery& discovery, Evaluator& evaluator, const RunOptions& options,
+       const std::map<std::int64_t, Evaluation>& known)
+      : discovery_(discovery),
+        evaluator_(evaluator),
+        options_(options),
+        known_(known),
+        lanes_(std::max(1, options.lanes)) {}
+
+  absl::Status Run() {
+    while (true) {
+      if (!discovery_.Finished() && options_.cancelled && options_.cancelled()) {
+        discovery_.Stop(Discovery::StopReason::kCancelled, "cancelled");
+        evaluator_.Interrupt();
+      }
+      MORTISE_RETURN_IF_ERROR(Keep(FillLanes()));
+      if (under_way_ == 0) return absl::OkStatus();
+      std::optional<absl::StatusOr<Numbered>> batch = mailbox_.Take(kCancelPoll);
+      if (batch) MORTISE_RETURN_IF_ERROR(Keep(Receive(*std::move(batch))));
+    }
+  }
+
+ private:
+  // A failure ends the discovery, which keeps what it found.
+  absl::Status Keep(absl::Status status) {
+    if (!status.ok())
+      discovery_.Stop(Discovery::StopReason::kEvaluatorLost, std::string(status.message()));
+    return status;
+  }
+
+  absl::Status FillLanes() {
+    while (!discovery_.Finished() && under_way_ < std::max(1, options_.lanes)) {
+      std::vector<Discovery::Proposal> batch;
+      while (static_cast<int>(batch.size()) < std::max(1, options_.batch_size)) {
+        std::optional<Discovery::Proposal> proposal = discovery_.Ask();
+        if (!proposal) break;
+        const auto known = known_.find(proposal->number);
+        if (known != known_.end()) {
+          const absl::Status told = discovery_.Tell(proposal->number, known->second);
+          if (!told.ok())
+            return absl::DataLossError(
+                absl::StrCat("the saved results belong to another discovery: ", told.message()));
+        } else {
+          batch.push_back(*std::move(proposal));
+        }
+      }
+      if (batch.empty()) return absl::OkStatus();
+      ++under_way_;
+      lanes_.Submit([this, batch] { mailbox_.Put(EvaluateBatch(evaluator_, batch)); });
+    }
+    return absl::OkStatus();
+  }
+
+  absl::Status Receive(absl::StatusOr<Numbered> batch) {
+    --under_way_;
+    if (discovery_.Finished()) return absl::OkStatus();
+    MORTISE_RETURN_IF_ERROR(batch.status());
+    if (options_.checkpoint) MORTISE_RETURN_IF_ERROR(options_.checkpoint(*batch));
+    for (auto& [number, evaluation] : *batch)
+      MORTISE_RETURN_IF_ERROR(discovery_.Tell(number, std::move(evaluation)));
+    if (options_.progress) options_.progress(discovery_.summary());
+    return absl::OkStatus();
+  }
+
+  Discovery& discovery_;
+  Evaluator& evaluator_;
+  const RunOptions& options_;
+  const std::map<std::int64_t, Evaluation>& known_;
+  Mailbox mailbox_;
+  int under_way_ = 0;
+  ThreadPool lanes_;  // last: joined before the mailbox goes
+};
+
+}  // namespace
+
+absl::Status Run(Discovery& discovery, Evaluator& evaluator, const RunOptions& options,
+                 const std::map<std::int64_t, Evaluation>& known) {
+  return Loop(discovery, evaluator, options, known).Run();
+}
+
+}  // namespace mortise::pareto

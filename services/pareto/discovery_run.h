@@ -1,0 +1,46 @@
+// Drives a discovery with an evaluator: batches, workers, progress, cancelling, checkpoints.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "services/pareto/discovery.h"
+#include "services/pareto/evaluation.h"
+
+namespace mortise::pareto {
+
+struct RunOptions {
+  int batch_size = 1;  // designs in one call of the evaluator, at most
+  int lanes = 1;  // calls under way at once. Neither changes the front, only the time it takes.
+  std::function<bool()> cancelled;  // asked ten times a second; true: stop with what was found
+  std::function<void(const Discovery::Summary&)> progress;  // after each batch
+  // After each batch, its results with their proposal numbers, before anything else happens with
+  // them. A non-OK status stops the run as if the evaluator were lost.
+  std::function<absl::Status(const std::vector<std::pair<std::int64_t, Evaluation>>&)> checkpoint;
+};
+
+// Runs until the discovery has finished; calls the callbacks on the calling thread. Results that
+// are already known (from an interrupted run) are taken from `known` before the evaluator is asked.
+// Returns the evaluator's failure, if that is what stopped it (the discovery then keeps what it
+// found); DATA_LOSS if `known` belongs to another discovery.
+absl::Status Run(Discovery& discovery, Evaluator& evaluator, const RunOptions& options,
+                 const std::map<std::int64_t, Evaluation>& known = {});
+
+// The state of an interrupted discovery: since proposals depend only on the options and on earlier
+// answers, the answers are all of it.
+struct DiscoveryCheckpoint {
+  std::map<std::int64_t, Evaluation> results;  // by proposal number
+};
+
+// As bytes: little-endian, doubles bit for bit, checked on reading. Several serialised checkpoints
+// may be concatenated and are read as one, so that a run can append what each batch adds.
+std::string Serialize(const DiscoveryCheckpoint& checkpoint);
+
+// DATA_LOSS when the bytes are not what Serialize wrote.
+absl::StatusOr<DiscoveryCheckpoint> ParseCheckpoint(std::string_view bytes);
+
+}  // namespace mortise::pareto

@@ -1,0 +1,67 @@
+// What Pareto discovery knows about physics: a box of designs, and metrics that somebody evaluates.
+//
+// Notation of all files here: D parameters, d metrics (all to be minimised), x in R^D a design in
+// SI units, u in [0, 1]^D the same design in unit coordinates of its box, F(x) in R^d its
+// performance.
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+
+namespace mortise::pareto {
+
+// The box lower <= x <= upper, componentwise. A parameter with lower == upper is fixed.
+struct DesignSpace {
+  Eigen::VectorXd lower;
+  Eigen::VectorXd upper;
+  // What a workshop can set: values lower + k step (and the upper bound, if it is one of them). 0
+  // for any value. Empty: any value of every parameter.
+  Eigen::VectorXd step = {};
+
+  Eigen::Index size() const { return lower.size(); }
+
+  // Maps between x and u. FromUnit never leaves the box, gives the nearest
+  // value that can be set, and hits a bound that can be set exactly for u = 0 or 1.
+  Eigen::VectorXd FromUnit(const Eigen::VectorXd& u) const;
+  Eigen::VectorXd ToUnit(const Eigen::VectorXd& x) const;
+};
+
+// INVALID_ARGUMENT naming parameters[i].lower or .upper when a bound is not finite or they are
+// reversed; naming "parameters" when there are none or more than `limit`.
+absl::Status Validate(const DesignSpace& space, Eigen::Index limit = 512);
+
+enum class EvaluationStatus {
+  kFeasible,  // metrics are valid
+  kFailed,    // this design cannot be built or analysed; counted, never fatal
+};
+
+// The answer for one design.
+struct Evaluation {
+  Eigen::VectorXd x;  // D
+  EvaluationStatus status = EvaluationStatus::kFailed;
+  Eigen::VectorXd metrics;   // d; empty when failed
+  Eigen::MatrixXd jacobian;  // d x D, dF/dx; empty when no gradients are offered. A row of NaN:
+                             // none offered for that metric.
+  std::string message;       // why it failed
+};
+
+// Evaluates designs in batches.
+class Evaluator {
+ public:
+  virtual ~Evaluator() = default;
+
+  // One evaluation for each design, in the same order. A non-OK status means that the evaluator
+  // itself is out of reach: discovery stops and keeps what it has found. Called from several
+  // threads at once when RunOptions::lanes > 1.
+  virtual absl::StatusOr<std::vector<Evaluation>> Evaluate(
+      const std::vector<Eigen::VectorXd>& designs) = 0;
+
+  // Asks calls of Evaluate that are under way to return soon, with a failure. Any thread.
+  virtual void Interrupt() {}
+};
+
+}  // namespace mortise::pareto

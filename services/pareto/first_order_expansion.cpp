@@ -1,0 +1,148 @@
+// Dual variables and tangent directions of the front.
+#include "services/pareto/first_order_expansion.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace mortise::pareto {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+// The point of least norm sqrt(alpha.G alpha) of the simplex, G = J_F J_F^T, by trying its faces.
+// It is the null vector of J_F^T wherever that has no mixed signs.
+VectorXd LeastNormOnSimplex(const MatrixXd& G) {
+  const Index d = G.rows();
+  VectorXd best = VectorXd::Constant(d, 1.0 / static_cast<double>(d));
+  double least = std::numeric_limits<double>::infinity();
+  const double damping = 1e-14 * std::max(G.trace(), 1e-300);
+  for (unsigned face = 1; face < (1U << d); ++face) {
+    std::vector<Index> on;
+    for (Index i = 0; i < d; ++i)
+      if ((face >> i) & 1U) on.push_back(i);
+    MatrixXd part = G(on, on);
+    part.diagonal().array() += damping;
+    VectorXd weights = part.ldlt().solve(VectorXd::Ones(static_cast<Index>(on.size())));
+    if (!weights.allFinite() || !(std::abs(weights.sum()) > 0)) continue;
+    weights /= weights.sum();
+    if (weights.minCoeff() < 0) continue;
+    const double norm = weights.dot(G(on, on) * weights);
+    if (norm < least) {
+      least = norm;
+      best.setZero();
+      best(on) = weights;
+    }
+  }
+  return best;
+}
+
+// +1 where moving inwards means increasing the coordinate.
+double Inward(double u) { return u < 0.5 ? 1.0 : -1.0; }
+
+// How strongly the metrics disagree about moving inwards along a held coordinate; 0 if all lose.
+double Conflict(const MatrixXd& J, Index i, double u) {
+  const VectorXd slope = J.col(i) * Inward(u);
+  return slope.minCoeff() < 0 ? slope.norm() : 0.0;
+}
+
+void Solve(const MatrixXd& J, KktPoint& kkt) {
+  const MatrixXd free_part = J(Eigen::all, kkt.free);
+  kkt.alpha = LeastNormOnSimplex(free_part * free_part.transpose());
+  const double size = kkt.alpha.dot(free_part.rowwise().norm());
+  kkt.residual = size > 0 ? (free_part.transpose() * kkt.alpha).norm() / size : 0.0;
+}
+
+}  // namespace
+
+KktPoint RecoverDuals(const MatrixXd& jacobian, const VectorXd& u, double bound_tolerance) {
+  const Index D = u.size();
+  const Index d = jacobian.rows();
+  std::vector<bool> is_free(static_cast<std::size_t>(D));
+  for (Index i = 0; i < D; ++i)
+    is_free[static_cast<std::size_t>(i)] = u[i] > bound_tolerance && u[i] < 1 - bound_tolerance;
+  KktPoint kkt;
+  kkt.beta = VectorXd::Zero(D);
+  const auto collect = [&] {
+    kkt.free.clear();
+    for (Index i = 0; i < D; ++i)
+      if (is_free[static_cast<std::size_t>(i)]) kkt.free.push_back(i);
+  };
+  collect();
+  while (static_cast<Index>(kkt.free.size()) < d - 1) {
+    Index most = -1;
+    double conflict = 0;
+    for (Index i = 0; i < D; ++i) {
+      if (is_free[static_cast<std::size_t>(i)]) continue;
+      const double here = Conflict(jacobian, i, u[i]);
+      if (here > conflict) {
+        conflict = here;
+        most = i;
+      }
+    }
+    if (most < 0) break;
+    is_free[static_cast<std::size_t>(most)] = true;
+    collect();
+  }
+  if (kkt.free.empty()) {
+    kkt.alpha = VectorXd::Constant(d, 1.0 / static_cast<double>(d));
+    kkt.residual = 0;
+    return kkt;
+  }
+  for (Index round = 0; round <= D; ++round) {
+    Solve(jacobian, kkt);
+    const VectorXd slope = jacobian.transpose() * kkt.alpha;
+    const double small = 1e-3 * kkt.alpha.dot(jacobian.rowwise().norm());
+    Index worst = -1;
+    double least = -small;
+    kkt.beta.setZero();
+    for (Index i = 0; i < D; ++i) {
+      if (is_free[static_cast<std::size_t>(i)]) continue;
+      kkt.beta[i] = slope[i] * Inward(u[i]);
+      if (kkt.beta[i] < least) {
+        least = kkt.beta[i];
+        worst = i;
+      }
+    }
+    if (worst < 0) break;
+    is_free[static_cast<std::size_t>(worst)] = true;
+    collect();
+  }
+  kkt.beta = kkt.beta.cwiseMax(0.0);
+  return kkt;
+}
+
+MatrixXd ExpansionDirections(const KktPoint& kkt, const MatrixXd& jacobian,
+                             const MatrixXd& hessian) {
+  const Index D = jacobian.cols();
+  const auto free_count = static_cast<Index>(kkt.free.size());
+  const Index wanted = std::min(jacobian.rows() - 1, free_count);
+  if (wanted <= 0) return MatrixXd(D, 0);
+  const MatrixXd J = jacobian(Eigen::all, kkt.free);
+  const MatrixXd H = hessian(kkt.free, kkt.free);
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(0.5 * (H + H.transpose()));
+  const VectorXd magnitudes = eigen.eigenvalues().cwiseAbs();
+  const double floor = std::max(1e-3 * magnitudes.maxCoeff(), 1e-12 * J.norm());
+  MatrixXd image = J.transpose();
+  if (floor > 0) {
+    image = eigen.eigenvectors() * magnitudes.cwiseMax(floor).cwiseInverse().asDiagonal() *
+            eigen.eigenvectors().transpose() * image;
+  }
+  const Eigen::JacobiSVD<MatrixXd> svd(image, Eigen::ComputeThinU);
+  MatrixXd directions = MatrixXd::Zero(D, wanted);
+  Index found = 0;
+  for (Index k = 0; k < wanted; ++k) {
+    if (!(svd.singularValues()[k] > 1e-9 * svd.singularValues()[0])) break;
+    for (Index i = 0; i < free_count; ++i)
+      directions(kkt.free[static_cast<std::size_t>(i)], k) = svd.matrixU()(i, k);
+    ++found;
+  }
+  return directions.leftCols(found);
+}
+
+}  // namespace mortise::pareto

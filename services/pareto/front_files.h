@@ -1,0 +1,25 @@
+// Fronts as files: rows for spreadsheets, pictures for reports.
+#pragma once
+
+#include <string>
+
+#include "absl/status/statusor.h"
+
+namespace mortise::v1 {
+class Front;
+}
+
+namespace mortise::pareto {
+
+// One row a point in the order of the embedding: parameters, metrics (with units in the heading),
+// piece. RFC 4180, numbers with 17 significant digits.
+std::string FrontAsCsv(const v1::Front& front);
+
+// The Front message as JSON, as the API gives it.
+absl::StatusOr<std::string> FrontAsJson(const v1::Front& front);
+
+// The first metric to the right and the second upwards, a colour for each piece (at most twelve are
+// listed). FAILED_PRECONDITION for a front without points.
+absl::StatusOr<std::string> FrontAsSvg(const v1::Front& front);
+
+}  // namespace mortise::pareto

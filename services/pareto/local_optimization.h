@@ -1,0 +1,101 @@
+// Local optimisation toward a reference point (Eq. 7.5), as ask and tell.
+//
+//   x_o = argmin over the box of |y(x) - z|^2 / 2,   y the scaled performance, z a reference point.
+//
+// A bounded least-squares problem whose residual r = y - z does not vanish, because z is meant to
+// be out of reach. Gauss-Newton alone converges badly then: near the front the Jacobian loses rank
+// (some alpha >= 0 has J^T alpha = 0), and what decides is the curvature the residual weighs,
+//
+//   B = J^T J + sum_i r_i H_i.
+//
+// J and H_i come from least-change quadratic models of evaluations already made
+// (quadratic_model.h); J is the evaluator's own where it offers gradients. A step minimises g.p +
+// p.B p / 2 over the box intersected with a trust region |p|_inf <= radius (bounded_quadratic.h),
+// so bounds hold exactly and one evaluation is spent per step. The radius follows the ratio of
+// actual to predicted decrease. A step that fails where the known points do not span the space is
+// followed by one along the direction they miss. Finite differences are made only where nothing is
+// known.
+//
+// A z that turns out to be in reach was not utopian: it is moved on along its direction and the
+// search continues.
+#pragma once
+
+#include <Eigen/Core>
+#include <deque>
+#include <optional>
+
+#include "services/pareto/archive.h"
+#include "services/pareto/point_source.h"
+#include "services/pareto/quadratic_model.h"
+
+namespace mortise::pareto {
+
+class LocalOptimization : public PointSource {
+ public:
+  struct Options {
+    double initial_radius = 0.2;   // of the trust region, unit coordinates
+    double minimal_radius = 1e-4;  // below it the search ends
+    double tolerance = 1e-3;       // predicted decrease of |r| at which it ends, scaled performance
+    int evaluations = 60;          // at most
+    bool join = true;              // go on from whatever entry is nearest to the target, not only
+                                   // from the search's own (false: explore away from the others)
+    bool differences = false;      // initialise the Jacobian by D finite differences
+  };
+
+  enum class StopReason { kNone, kConverged, kStalled, kBudget, kStartFailed };
+
+  // Where to go: z, and the unit vector along which it is moved on when it is in reach, by `reach`.
+  struct Target {
+    Eigen::VectorXd z;  // d, scaled performance
+    Eigen::VectorXd direction;
+    double reach = 0.1;
+  };
+
+  // From a new design `start`, or from an evaluated one, which costs nothing.
+  LocalOptimization(const Options& options, const Scaling& scaling, const Target& target,
+                    const Eigen::VectorXd& start);
+  LocalOptimization(const Options& options, const Scaling& scaling, const Target& target,
+                    std::size_t start);
+
+  std::optional<Eigen::VectorXd> Ask(Archive& archive) override;
+  void Tell(Archive& archive, std::size_t entry) override;
+  bool Finished() const override { return stop_ != StopReason::kNone && outstanding_ == 0; }
+
+  StopReason stop_reason() const { return stop_; }
+
+  // The best entry so far; nullopt when the start failed.
+  std::optional<std::size_t> best() const { return best_; }
+
+  int evaluations() const { return evaluations_; }
+
+ private:
+  enum class Waiting { kNothing, kStart, kDifferences, kStep, kGeometry };
+
+  Eigen::VectorXd Residual(const Archive& archive, std::size_t entry) const;
+  std::optional<Eigen::VectorXd> NextPoint(Archive& archive);
+  std::optional<Eigen::VectorXd> GeometryPoint(const Archive& archive, const QuadraticModel& model,
+                                               const Eigen::VectorXd& gradient);
+  void JoinTheBest(const Archive& archive);
+  void QueueDifferences(const Archive& archive);
+  void Judge(const Archive& archive, std::size_t entry);
+  void TightenTarget(const Archive& archive);
+
+  Options options_;
+  Scaling scaling_;
+  Target target_;
+  Eigen::VectorXd start_;
+  std::optional<std::size_t> best_;
+  std::deque<Eigen::VectorXd> queue_;
+  Waiting waiting_ = Waiting::kNothing;
+  int outstanding_ = 0;
+  int evaluations_ = 0;
+  int failures_ = 0;         // steps in a row that brought nothing
+  int geometry_points_ = 0;  // spent on directions that were missing
+  int tightened_ = 0;
+  double radius_;
+  double predicted_decrease_ = 0;
+  double step_length_ = 0;
+  StopReason stop_ = StopReason::kNone;
+};
+
+}  // namespace mortise::pareto

@@ -1,0 +1,246 @@
+// Answers the methods of ParetoService.
+#include "services/pareto/pareto_service.h"
+
+#include <string>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
+#include "common/base/identifiers.h"
+#include "common/jobs/operations.h"
+#include "common/rpc/channel.h"
+#include "common/rpc/chunk_stream.h"
+#include "common/rpc/handler.h"
+#include "common/rpc/operation_codec.h"
+#include "common/store/store.h"
+#include "mortise/v1/evaluator.pb.h"
+#include "mortise/v1/pareto.grpc.pb.h"
+#include "services/pareto/discovery_operation.h"
+#include "services/pareto/discovery_problem.h"
+#include "services/pareto/front.h"
+#include "services/pareto/front_files.h"
+#include "services/pareto/remote_evaluator.h"
+
+namespace mortise::pareto {
+namespace {
+
+constexpr int kDefaultPage = 100;
+constexpr int kLargestPage = 1000;
+
+// What picking needs of a front.
+Front ToPickable(const v1::Front& message) {
+  Front front;
+  for (const v1::FrontPoint& from : message.points()) {
+    FrontPoint point;
+    point.x = Eigen::VectorXd::Map(from.parameters().data(), from.parameters_size());
+    point.metrics = Eigen::VectorXd::Map(from.metrics().data(), from.metrics_size());
+    point.embedding = Eigen::VectorXd::Map(from.embedding().data(), from.embedding_size());
+    point.cell = static_cast<std::int64_t>(front.points.size());  // its index in the message
+    front.points.push_back(std::move(point));
+  }
+  return front;
+}
+
+absl::StatusOr<FrontPoint> Pick(const v1::Front& message, const v1::PickPointRequest& asked) {
+  const Front front = ToPickable(message);
+  if (asked.has_metric() == (asked.embedding_size() > 0))
+    return InvalidField("embedding", "give either a position of the embedding or a metric");
+  if (asked.embedding_size() > 0)
+    return PickAtEmbedding(front,
+                           Eigen::VectorXd::Map(asked.embedding().data(), asked.embedding_size()));
+  for (int i = 0; i < message.metric_names_size(); ++i) {
+    if (message.metric_names(i) != asked.metric().name()) continue;
+    if (!asked.metric().unit().empty() && asked.metric().unit() != message.metric_units(i))
+      return InvalidField("metric.unit",
+                          absl::StrCat("the front's unit of '", message.metric_names(i), "' is '",
+                                       message.metric_units(i), "'"));
+    return PickAtMetric(front, i, asked.metric().value());
+  }
+  return InvalidField("metric.name",
+                      absl::StrCat("the front has no metric '", asked.metric().name(), "'"));
+}
+
+v1::PickPointResponse MakePick(const v1::Front& front, const v1::FrontPoint& point) {
+  v1::PickPointResponse response;
+  *response.mutable_point() = point;
+  for (int i = 0; i < front.parameter_names_size(); ++i) {
+    v1::ParameterValue& parameter = *response.add_parameters();
+    parameter.set_name(front.parameter_names(i));
+    parameter.set_value(point.parameters(i));
+  }
+  for (int i = 0; i < front.metric_names_size(); ++i) {
+    v1::Metric& metric = *response.add_metrics();
+    metric.set_name(front.metric_names(i));
+    metric.set_unit(front.metric_units(i));
+    metric.set_value(point.metrics(i));
+  }
+  return response;
+}
+
+class ParetoAdapter : public v1::ParetoService::CallbackService {
+ public:
+  explicit ParetoAdapter(rpc::ServiceEnvironment& environment)
+      : environment_(environment), endpoint_(environment.dispatcher, "mortise.v1.ParetoService") {}
+
+  // The evaluator is asked before the transaction: it settles the revision and knows the names.
+  grpc::ServerUnaryReactor* DiscoverFront(grpc::CallbackServerContext* context,
+                                          const v1::DiscoverFrontRequest* request,
+                                          v1::Operation* response) override {
+    return endpoint_.PreparedMutation(
+        "DiscoverFront", context, request, response,
+        [this](const rpc::Call& call, const v1::DiscoverFrontRequest& asked) {
+          return Settle(call, asked.specification());
+        },
+        [this](const rpc::Call& call, const v1::DiscoverFrontRequest&,
+               v1::DiscoverySpecification& specification,
+               store::Transaction& transaction) -> absl::StatusOr<v1::Operation> {
+          jobs::NewOperation operation;
+          operation.kind = kDiscoveryKind;
+          operation.request = specification.SerializeAsString();
+          operation.subject = specification.subject();
+          operation.request_id = call.identity().request_id;
+          operation.creator = call.identity().subject;
+          MORTISE_ASSIGN_OR_RETURN(const jobs::Operation started,
+                                   environment_.operations->Start(transaction, operation));
+          return rpc::ToProto(started);
+        });
+  }
+
+  grpc::ServerUnaryReactor* GetFront(grpc::CallbackServerContext* context,
+                                     const v1::GetFrontRequest* request,
+                                     v1::Front* response) override {
+    return endpoint_.Query("GetFront", context, request, response,
+                           [this](const rpc::Call&, const v1::GetFrontRequest& asked) {
+                             return FindFront(asked.name());
+                           });
+  }
+
+  grpc::ServerUnaryReactor* ListFronts(grpc::CallbackServerContext* context,
+                                       const v1::ListFrontsRequest* request,
+                                       v1::ListFrontsResponse* response) override {
+    return endpoint_.Query(
+        "ListFronts", context, request, response,
+        [this](const rpc::Call&, const v1::ListFrontsRequest& asked) { return List(asked); });
+  }
+
+  grpc::ServerUnaryReactor* PickPoint(grpc::CallbackServerContext* context,
+                                      const v1::PickPointRequest* request,
+                                      v1::PickPointResponse* response) override {
+    return endpoint_.Query(
+        "PickPoint", context, request, response,
+        [this](const rpc::Call&,
+               const v1::PickPointRequest& asked) -> absl::StatusOr<v1::PickPointResponse> {
+          MORTISE_ASSIGN_OR_RETURN(const v1::Front front, FindFront(asked.name()));
+          MORTISE_ASSIGN_OR_RETURN(const FrontPoint point, Pick(front, asked));
+          return MakePick(front, front.points(static_cast<int>(point.cell)));
+        });
+  }
+
+  grpc::ServerWriteReactor<v1::Chunk>* ExportFront(grpc::CallbackServerContext* context,
+                                                   const v1::ExportFrontRequest* request) override {
+    return endpoint_.ServerStream<v1::Chunk>(
+        "ExportFront", context, request,
+        [this](const rpc::Call&, const v1::ExportFrontRequest& asked,
+               const std::shared_ptr<rpc::StreamWriter<v1::Chunk>>& writer) -> absl::Status {
+          return Export(asked, writer);
+        });
+  }
+
+ private:
+  absl::StatusOr<v1::DiscoverySpecification> Settle(
+      const rpc::Call& call, const v1::DiscoverySpecification& specification) {
+    MORTISE_RETURN_IF_ERROR(CheckSpecification(specification));
+    MORTISE_ASSIGN_OR_RETURN(auto channel, environment_.peers->Channel(kEvaluatorPeer));
+    auto described = DescribeDesignSpace(channel, specification, rpc::ForwardedFrom(call), {});
+    if (!described.ok()) {
+      const bool named = absl::IsInvalidArgument(described.status());
+      return named ? UnderField("specification.", described.status()) : described.status();
+    }
+    MORTISE_RETURN_IF_ERROR(MakeProblem(specification, **described).status());
+    v1::DiscoverySpecification settled = specification;
+    settled.set_revision((*described)->revision());
+    return settled;
+  }
+
+  absl::StatusOr<v1::Front> FindFront(const std::string& name) {
+    MORTISE_ASSIGN_OR_RETURN(const std::string id, ParseResourceName(name, "fronts", "name"));
+    v1::Front front;
+    MORTISE_RETURN_IF_ERROR(
+        environment_.store->Read([&](store::ReadTransaction& transaction) -> absl::Status {
+          const auto record = transaction.Get(kFrontKind, id);
+          if (absl::IsNotFound(record.status())) return ResourceNotFound(name);
+          MORTISE_RETURN_IF_ERROR(record.status());
+          if (!front.ParseFromString(record->payload))
+            return absl::InternalError("the stored front cannot be read");
+          return absl::OkStatus();
+        }));
+    return front;
+  }
+
+  absl::StatusOr<v1::ListFrontsResponse> List(const v1::ListFrontsRequest& asked) {
+    if (asked.page_size() < 0 || asked.page_size() > kLargestPage)
+      return InvalidField("page_size", absl::StrCat("must lie between 1 and ", kLargestPage));
+    if (!asked.page_token().empty() && !IsResourceId(asked.page_token()))
+      return InvalidField("page_token", "is not one that ListFronts gave");
+    store::ListOptions options;
+    options.after_key = asked.page_token();
+    options.limit = asked.page_size() > 0 ? asked.page_size() : kDefaultPage;
+    options.descending = true;
+    v1::ListFrontsResponse response;
+    MORTISE_RETURN_IF_ERROR(
+        environment_.store->Read([&](store::ReadTransaction& transaction) -> absl::Status {
+          response.Clear();
+          MORTISE_ASSIGN_OR_RETURN(const auto records, transaction.List(kFrontKind, options));
+          for (const store::Record& record : records) {
+            v1::Front& front = *response.add_fronts();
+            if (!front.ParseFromString(record.payload))
+              return absl::InternalError("a stored front cannot be read");
+            front.clear_points();
+          }
+          if (static_cast<int>(records.size()) == options.limit)
+            response.set_next_page_token(records.back().key);
+          return absl::OkStatus();
+        }));
+    return response;
+  }
+
+  absl::Status Export(const v1::ExportFrontRequest& asked,
+                      const std::shared_ptr<rpc::StreamWriter<v1::Chunk>>& writer) {
+    MORTISE_ASSIGN_OR_RETURN(const v1::Front front, FindFront(asked.name()));
+    const std::string stem =
+        absl::StrCat("front-", asked.name().substr(asked.name().find('/') + 1));
+    switch (asked.format()) {
+      case v1::ExportFrontRequest::CSV:
+        rpc::StreamBytes(FrontAsCsv(front), {absl::StrCat(stem, ".csv"), "text/csv"}, writer);
+        return absl::OkStatus();
+      case v1::ExportFrontRequest::JSON: {
+        MORTISE_ASSIGN_OR_RETURN(std::string json, FrontAsJson(front));
+        rpc::StreamBytes(std::move(json), {absl::StrCat(stem, ".json"), "application/json"},
+                         writer);
+        return absl::OkStatus();
+      }
+      case v1::ExportFrontRequest::SVG: {
+        MORTISE_ASSIGN_OR_RETURN(std::string svg, FrontAsSvg(front));
+        rpc::StreamBytes(std::move(svg), {absl::StrCat(stem, ".svg"), "image/svg+xml"}, writer);
+        return absl::OkStatus();
+      }
+      default:
+        return InvalidField("format", "must be CSV, JSON or SVG");
+    }
+  }
+
+  rpc::ServiceEnvironment& environment_;
+  rpc::Endpoint endpoint_;
+};
+
+}  // namespace
+
+absl::StatusOr<std::vector<std::shared_ptr<grpc::Service>>> MakeServices(
+    rpc::ServiceEnvironment& environment) {
+  environment.operations->Register(kDiscoveryKind, [&environment](jobs::OperationContext& context) {
+    return RunDiscoveryOperation(environment, context);
+  });
+  return std::vector<std::shared_ptr<grpc::Service>>{std::make_shared<ParetoAdapter>(environment)};
+}
+
+}  // namespace mortise::pareto

@@ -1,0 +1,211 @@
+// The walk over an affine piece of the front.
+#include "services/pareto/patch_sampling.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace mortise::pareto {
+namespace {
+
+constexpr int kBisectionDepth = 6;
+constexpr double kModelRadius = 0.1;
+constexpr std::size_t kNodeLimit = 5000;  // a patch whose nodes are all covered ends somewhere
+
+// The largest s in [0, 1] for which centre + s offset stays within the unit box.
+double Reach(const Eigen::VectorXd& centre, const Eigen::VectorXd& offset) {
+  double reach = 1;
+  for (Eigen::Index i = 0; i < centre.size(); ++i) {
+    if (offset[i] > 1e-15) reach = std::min(reach, (1 - centre[i]) / offset[i]);
+    if (offset[i] < -1e-15) reach = std::min(reach, centre[i] / -offset[i]);
+  }
+  return std::max(reach, 0.0);
+}
+
+// Drops directions along which a metric gains at first order, none loses, and the curvature of the
+// weighted metrics does not object: they show that the design was only weakly optimal.
+Eigen::MatrixXd WithoutFreeGains(const Eigen::MatrixXd& directions, const Eigen::MatrixXd& J,
+                                 const Eigen::MatrixXd& H) {
+  Eigen::MatrixXd kept(directions.rows(), 0);
+  for (Eigen::Index k = 0; k < directions.cols(); ++k) {
+    const Eigen::VectorXd v = directions.col(k);
+    const Eigen::VectorXd change = J * v;
+    const double size = change.norm();
+    const bool trade = change.minCoeff() < -1e-3 * size && change.maxCoeff() > 1e-3 * size;
+    if (!trade && !(v.dot(H * v) > 1e-2 * size)) continue;
+    kept.conservativeResize(Eigen::NoChange, kept.cols() + 1);
+    kept.col(kept.cols() - 1) = v;
+  }
+  return kept;
+}
+
+}  // namespace
+
+PatchSampling::PatchSampling(const Options& options, const Scaling& scaling, std::size_t entry)
+    : options_(options), scaling_(scaling) {
+  piece_.entry = entry;
+}
+
+void PatchSampling::Start(Archive& archive) {
+  started_ = true;
+  const Eigen::VectorXd u = archive[piece_.entry].u;
+  piece_.centre = u;
+  piece_.directions = Eigen::MatrixXd(u.size(), 0);
+  model_ = FitQuadraticModel(archive, piece_.entry, kModelRadius, archive.PriorJacobian(u));
+  const Eigen::MatrixXd J = scaling_.range.cwiseInverse().asDiagonal() * model_->jacobian;
+  kkt_ = RecoverDuals(J, u);
+  const double limit =
+      model_->exact_gradients ? options_.exact_critical_residual : options_.critical_residual;
+  if (kkt_.free.empty() || kkt_.residual > limit) {
+    finished_ = true;
+    return;
+  }
+  const Eigen::Index d = model_->value.size();
+  if (model_->exact_gradients && static_cast<Eigen::Index>(kkt_.free.size()) > d - 1) {
+    hessian_coordinates_.assign(kkt_.free.begin(), kkt_.free.end());
+    hessian_pending_ = static_cast<int>(kkt_.free.size());
+  } else {
+    Open(archive);
+  }
+}
+
+void PatchSampling::FinishHessian(const Archive& archive) {
+  for (Eigen::MatrixXd& hessian : model_->hessians)
+    hessian = (0.5 * (hessian + hessian.transpose())).eval();
+  Open(archive);
+}
+
+void PatchSampling::Open(const Archive& archive) {
+  const Eigen::MatrixXd scale = scaling_.range.cwiseInverse().asDiagonal();
+  const Eigen::MatrixXd J = scale * model_->jacobian;
+  const Eigen::MatrixXd H = model_->WeightedHessian(kkt_.alpha.cwiseQuotient(scaling_.range));
+  piece_.directions = WithoutFreeGains(ExpansionDirections(kkt_, J, H), J, H);
+  const Eigen::Index k = piece_.directions.cols();
+  if (k == 0) {
+    finished_ = true;
+    return;
+  }
+  steps_.resize(k);
+  for (Eigen::Index i = 0; i < k; ++i) {
+    const double speed = (J * piece_.directions.col(i)).norm();
+    steps_[i] = std::clamp(options_.spacing / std::max(speed, 1e-9), 0.002, 0.25);
+  }
+  const Node origin(static_cast<std::size_t>(k), 0);
+  seen_.insert(origin);
+  Expand(origin);
+  if (k == 1) Keep(archive, 0, piece_.entry, 0);
+}
+
+void PatchSampling::Expand(const Node& node) {
+  if (seen_.size() > kNodeLimit) return;
+  for (std::size_t i = 0; i < node.size(); ++i) {
+    for (const int sign : {+1, -1}) {
+      Node next = node;
+      next[i] += sign;
+      if (seen_.insert(next).second) frontier_.push_back(next);
+    }
+  }
+}
+
+std::optional<Eigen::VectorXd> PatchSampling::NodePoint(const Node& node, double* parameter) const {
+  Eigen::VectorXd t(steps_.size());
+  double inner =
+      0;  // how far the lattice neighbour nearer to the centre is, as part of this offset
+  double size = 0;
+  for (Eigen::Index i = 0; i < t.size(); ++i) {
+    t[i] = node[static_cast<std::size_t>(i)] * steps_[i];
+    size = std::max(size, std::abs(static_cast<double>(node[static_cast<std::size_t>(i)])));
+  }
+  inner = (size - 1) / size;
+  const Eigen::VectorXd offset = piece_.directions * t;
+  const double reach = Reach(piece_.centre, offset);
+  if (reach <= inner + 1e-9) return std::nullopt;  // its inner neighbour is at the bound already
+  *parameter = reach * t[0];
+  return (piece_.centre + reach * offset).cwiseMax(0.0).cwiseMin(1.0);
+}
+
+bool PatchSampling::Covered(const Archive& archive, const Eigen::VectorXd& predicted) const {
+  const Eigen::VectorXd y = scaling_.Apply(predicted);
+  const double near = 0.5 * options_.spacing;
+  for (const std::size_t other : archive.non_dominated()) {
+    const Eigen::VectorXd gap = y - scaling_.Apply(archive[other].metrics);
+    if (gap.norm() < near && gap.minCoeff() > -options_.tolerance) return true;
+  }
+  return false;
+}
+
+std::optional<Eigen::VectorXd> PatchSampling::Ask(Archive& archive) {
+  if (!started_) Start(archive);
+  if (finished_) return std::nullopt;
+  if (!hessian_coordinates_.empty()) {
+    const Eigen::Index i = hessian_coordinates_.front();
+    hessian_coordinates_.pop_front();
+    Eigen::VectorXd point = piece_.centre;
+    point[i] += point[i] < 0.5 ? options_.difference : -options_.difference;
+    asked_.push_back({Request::Kind::kHessian, i, {}, 0, 0});
+    return point;
+  }
+  if (hessian_pending_ > 0) return std::nullopt;
+  while (!frontier_.empty() && evaluations_ < options_.evaluations) {
+    const Node node = frontier_.front();
+    frontier_.pop_front();
+    double parameter = 0;
+    const std::optional<Eigen::VectorXd> point = NodePoint(node, &parameter);
+    if (!point) continue;
+    if (Covered(archive, model_->Predict(*point))) {
+      Expand(node);
+      continue;
+    }
+    ++evaluations_;
+    asked_.push_back({Request::Kind::kNode, 0, node, parameter, 0});
+    return point;
+  }
+  if (!bisections_.empty() && evaluations_ < options_.evaluations) {
+    const Bisection next = bisections_.front();
+    bisections_.pop_front();
+    ++evaluations_;
+    asked_.push_back({Request::Kind::kBisection, 0, {}, next.parameter, next.depth});
+    return (piece_.centre + next.parameter * piece_.directions.col(0)).cwiseMax(0.0).cwiseMin(1.0);
+  }
+  if (asked_.empty()) finished_ = true;
+  return std::nullopt;
+}
+
+void PatchSampling::Tell(Archive& archive, std::size_t entry) {
+  const Request request = asked_.front();
+  asked_.pop_front();
+  const ArchiveEntry& told = archive[entry];
+  if (request.kind == Request::Kind::kHessian) {
+    if (told.feasible && told.jacobian.size() > 0 && told.jacobian.allFinite()) {
+      const double h = told.u[request.coordinate] - piece_.centre[request.coordinate];
+      for (Eigen::Index i = 0; std::abs(h) > 0 && i < told.metrics.size(); ++i)
+        model_->hessians[static_cast<std::size_t>(i)].col(request.coordinate) =
+            (told.jacobian.row(i) - model_->jacobian.row(i)).transpose() / h;
+    }
+    if (--hessian_pending_ == 0) FinishHessian(archive);
+    return;
+  }
+  if (!told.feasible || archive.ClearlyDominated(told.metrics, scaling_, options_.tolerance))
+    return;
+  if (request.kind == Request::Kind::kNode) Expand(request.node);
+  if (steps_.size() == 1) Keep(archive, request.parameter, entry, request.depth);
+}
+
+void PatchSampling::Keep(const Archive& archive, double parameter, std::size_t entry, int depth) {
+  const auto place = line_.emplace(parameter, entry).first;
+  if (depth >= kBisectionDepth) return;
+  const auto consider = [&](std::map<double, std::size_t>::iterator a,
+                            std::map<double, std::size_t>::iterator b) {
+    const double gap =
+        (scaling_.Apply(archive[a->second].metrics) - scaling_.Apply(archive[b->second].metrics))
+            .norm();
+    const double middle = 0.5 * (a->first + b->first);
+    // Wider than twice the lattice step: nodes passed as covered lie between.
+    const bool adjacent = b->first - a->first < 1.5 * steps_[0];
+    if (gap > 1.6 * options_.spacing && adjacent) bisections_.push_back({middle, depth + 1});
+  };
+  if (place != line_.begin()) consider(std::prev(place), place);
+  if (std::next(place) != line_.end()) consider(place, std::next(place));
+}
+
+}  // namespace mortise::pareto

@@ -1,0 +1,98 @@
+// Adaptive sampling of the affine piece that a first-order expansion spans (§7.5.3, Storage).
+//
+// The thesis evaluates a whole grid on every piece, 1,001 points for d = 2, which dominates its
+// cost. Here the piece is walked from its centre outwards on a lattice whose spacing is chosen so
+// that one step moves the scaled performance by about `spacing`:
+//   - a node is only reached from an evaluated neighbour that no known point clearly dominates, so
+//     the walk stops at the first dominated stretch and at the bounds of the design space (which
+//     are hit exactly);
+//   - a node whose predicted performance is already covered by a known point as good is passed
+//     without an evaluation;
+//   - for d = 2, two neighbours that turn out further apart than expected are bisected.
+#pragma once
+
+#include <Eigen/Core>
+#include <deque>
+#include <map>
+#include <optional>
+#include <set>
+#include <vector>
+
+#include "services/pareto/archive.h"
+#include "services/pareto/first_order_expansion.h"
+#include "services/pareto/point_source.h"
+#include "services/pareto/quadratic_model.h"
+
+namespace mortise::pareto {
+
+// The affine piece u = centre + directions t, within the unit box.
+struct AffinePiece {
+  std::size_t entry = 0;       // the critical design it expands from
+  Eigen::VectorXd centre;      // D
+  Eigen::MatrixXd directions;  // D x k, orthonormal, k <= d - 1
+};
+
+class PatchSampling : public PointSource {
+ public:
+  struct Options {
+    double spacing = 0.05;    // wanted distance of neighbours in scaled performance
+    double tolerance = 1e-2;  // delta_B: how much dominance ends a stretch, scaled performance
+    int evaluations = 200;    // at most
+    double critical_residual = 0.3;        // KKT residual up to which a design counts as critical
+    double exact_critical_residual = 0.1;  // the same with exact gradients
+    double difference = 1e-4;              // step of the Hessian's differences of offered gradients
+  };
+
+  PatchSampling(const Options& options, const Scaling& scaling, std::size_t entry);
+
+  std::optional<Eigen::VectorXd> Ask(Archive& archive) override;
+  void Tell(Archive& archive, std::size_t entry) override;
+  bool Finished() const override { return finished_ && asked_.empty(); }
+
+  // Known once the first point of the piece has been asked for; no directions where the design is
+  // not critical, or the metrics agree.
+  const AffinePiece& piece() const { return piece_; }
+
+ private:
+  using Node = std::vector<int>;
+
+  // What an outstanding point is for.
+  struct Request {
+    enum class Kind { kHessian, kNode, kBisection } kind;
+    Eigen::Index coordinate = 0;  // kHessian
+    Node node;                    // kNode
+    double parameter = 0;         // t, for d = 2
+    int depth = 0;                // kBisection
+  };
+
+  void Start(Archive& archive);
+  void FinishHessian(const Archive& archive);
+  void Open(const Archive& archive);
+  void Expand(const Node& node);
+  std::optional<Eigen::VectorXd> NodePoint(const Node& node, double* parameter) const;
+  bool Covered(const Archive& archive, const Eigen::VectorXd& predicted) const;
+  void Keep(const Archive& archive, double parameter, std::size_t entry, int depth);
+
+  Options options_;
+  Scaling scaling_;
+  AffinePiece piece_;
+  bool started_ = false;
+  bool finished_ = false;
+  int evaluations_ = 0;
+  std::optional<QuadraticModel> model_;
+  KktPoint kkt_;
+  Eigen::VectorXd steps_;  // lattice spacing along each direction
+  std::deque<Eigen::Index> hessian_coordinates_;
+  int hessian_pending_ = 0;
+  std::deque<Node> frontier_;
+  std::set<Node> seen_;
+  std::map<double, std::size_t> line_;  // d = 2: parameter to entry of the points kept
+  struct Bisection {
+    double parameter;
+    int depth;
+  };
+  std::deque<Bisection> bisections_;
+  std::deque<Request> asked_;
+};
+
+}  // namespace mortise::pareto

@@ -1,0 +1,150 @@
+// Fitting of local quadratic models.
+#include "services/pareto/quadratic_model.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+namespace mortise::pareto {
+namespace {
+
+using Eigen::Index;
+
+constexpr double kCurvatureWeight = 0.1;  // b for a = 1: curvature is believed in less than slope
+constexpr double kInterpolation = 1e-9;   // slack of near neighbours: all but interpolated
+constexpr double kCubicSlack = 0.03;      // growth of the slack: what third derivatives may do
+constexpr double kThinning = 0.3;         // least distance between neighbours over that to c
+
+bool OffersGradient(const ArchiveEntry& entry, Index metric) {
+  return entry.jacobian.rows() > metric && !entry.jacobian.row(metric).array().isNaN().all();
+}
+
+// Adds to the model of each metric in `metrics` the kernel expansion with slope weight `a`.
+void FitKernels(const Eigen::MatrixXd& t, const Eigen::MatrixXd& residuals,
+                const Eigen::VectorXd& slack, double a, double radius,
+                const std::vector<Index>& metrics, QuadraticModel& model) {
+  if (metrics.empty() || t.cols() == 0) return;
+  const Eigen::MatrixXd dots = t.transpose() * t;
+  Eigen::MatrixXd kernel = a * dots + kCurvatureWeight * dots.cwiseAbs2();
+  kernel.diagonal() += slack;
+  const Eigen::LDLT<Eigen::MatrixXd> factors(kernel);
+  for (const Index i : metrics) {
+    const Eigen::VectorXd weights = factors.solve(residuals.row(i).transpose());
+    if (!weights.allFinite()) continue;
+    model.jacobian.row(i) += (a / radius) * (t * weights).transpose();
+    model.hessians[static_cast<std::size_t>(i)] =
+        (2 * kCurvatureWeight / (radius * radius)) * t * weights.asDiagonal() * t.transpose();
+  }
+}
+
+// The distance within which the neighbours can tell slopes: half that of neighbour number D.
+double Sparsity(const Archive& archive, std::size_t centre,
+                const std::vector<std::size_t>& neighbours) {
+  if (neighbours.empty()) return 0;
+  const auto D = static_cast<std::size_t>(archive[centre].u.size());
+  const std::size_t last = neighbours[std::min(neighbours.size(), D) - 1];
+  return 0.5 * (archive[last].u - archive[centre].u).norm();
+}
+
+// Powell's symmetric update of a Hessian by offered gradients, from the farthest neighbour to the
+// nearest: H becomes the nearest matrix (Frobenius) with H s = grad f(c + s) - grad f(c).
+void UpdateBySecants(const Archive& archive, const ArchiveEntry& centre,
+                     const std::vector<std::size_t>& neighbours, double scale, Index metric,
+                     QuadraticModel& model) {
+  Eigen::MatrixXd& H = model.hessians[static_cast<std::size_t>(metric)];
+  for (auto at = neighbours.rbegin(); at != neighbours.rend(); ++at) {
+    const ArchiveEntry& other = archive[*at];
+    if (!OffersGradient(other, metric) || !other.jacobian.row(metric).allFinite() ||
+        !centre.jacobian.row(metric).allFinite())
+      continue;
+    const Eigen::VectorXd s = other.u - centre.u;
+    const double square = s.squaredNorm();
+    const double trust = 1 / (1 + 0.1 * square / (scale * scale));
+    const Eigen::VectorXd miss =
+        trust * ((other.jacobian.row(metric) - centre.jacobian.row(metric)).transpose() - H * s);
+    H += (miss * s.transpose() + s * miss.transpose()) / square -
+         (s.dot(miss) / (square * square)) * s * s.transpose();
+  }
+}
+
+}  // namespace
+
+Eigen::VectorXd QuadraticModel::Predict(const Eigen::VectorXd& u) const {
+  const Eigen::VectorXd s = u - centre;
+  Eigen::VectorXd metrics = value + jacobian * s;
+  for (Index i = 0; i < value.size(); ++i)
+    metrics[i] += 0.5 * s.dot(hessians[static_cast<std::size_t>(i)] * s);
+  return metrics;
+}
+
+Eigen::MatrixXd QuadraticModel::WeightedHessian(const Eigen::VectorXd& weights) const {
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(centre.size(), centre.size());
+  for (Index i = 0; i < value.size(); ++i)
+    sum += weights[i] * hessians[static_cast<std::size_t>(i)];
+  return sum;
+}
+
+std::vector<std::size_t> SpreadNeighbours(const Archive& archive, std::size_t centre,
+                                          std::size_t count) {
+  const Eigen::VectorXd& c = archive[centre].u;
+  std::vector<std::size_t> kept;
+  for (const std::size_t candidate : archive.Nearest(c, 4 * count)) {
+    if (candidate == centre) continue;
+    const Eigen::VectorXd& u = archive[candidate].u;
+    const double reach = (u - c).norm();
+    if (reach < 1e-12) continue;
+    const double least = kThinning * reach;
+    const bool crowded = std::any_of(kept.begin(), kept.end(), [&](std::size_t other) {
+      return (archive[other].u - u).squaredNorm() < least * least;
+    });
+    if (crowded) continue;
+    kept.push_back(candidate);
+    if (kept.size() == count) break;
+  }
+  return kept;
+}
+
+QuadraticModel FitQuadraticModel(const Archive& archive, std::size_t centre, double radius,
+                                 const Eigen::MatrixXd& prior) {
+  const ArchiveEntry& entry = archive[centre];
+  const Index D = entry.u.size();
+  const Index d = entry.metrics.size();
+  QuadraticModel model;
+  model.centre = entry.u;
+  model.value = entry.metrics;
+  model.jacobian = prior.size() > 0 ? prior : Eigen::MatrixXd::Zero(d, D);
+  model.hessians.assign(static_cast<std::size_t>(d), Eigen::MatrixXd::Zero(D, D));
+  std::vector<Index> offered, secant;
+  for (Index i = 0; i < d; ++i) {
+    if (OffersGradient(entry, i)) {
+      // A slope may be infinite at a bound (a square root at 0): the prior stands in for it.
+      for (Index j = 0; j < D; ++j)
+        if (std::isfinite(entry.jacobian(i, j))) model.jacobian(i, j) = entry.jacobian(i, j);
+      offered.push_back(i);
+    } else {
+      secant.push_back(i);
+    }
+  }
+  model.exact_gradients = secant.empty();
+
+  const auto limit = static_cast<std::size_t>(std::min<Index>(2 * D + 10, 60));
+  const std::vector<std::size_t> neighbours = SpreadNeighbours(archive, centre, limit);
+  const double scale = std::max(radius, Sparsity(archive, centre, neighbours));
+  const auto m = static_cast<Index>(neighbours.size());
+  Eigen::MatrixXd t(D, m);
+  Eigen::MatrixXd residuals(d, m);
+  for (Index k = 0; k < m; ++k) {
+    const ArchiveEntry& other = archive[neighbours[static_cast<std::size_t>(k)]];
+    t.col(k) = (other.u - entry.u) / scale;
+    residuals.col(k) = other.metrics - entry.metrics - model.jacobian * (other.u - entry.u);
+  }
+  const Eigen::VectorXd distances = t.colwise().norm();
+  const Eigen::VectorXd slack =
+      distances.unaryExpr([](double r) { return kInterpolation + kCubicSlack * std::pow(r, 6); });
+  FitKernels(t, residuals, slack, 1.0, scale, secant, model);
+  FitKernels(t, residuals, slack, 0.0, scale, offered, model);
+  for (const Index i : offered) UpdateBySecants(archive, entry, neighbours, scale, i, model);
+  return model;
+}
+
+}  // namespace mortise::pareto

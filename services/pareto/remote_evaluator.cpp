@@ -1,0 +1,183 @@
+// Batches over gRPC, with repetition of what got lost.
+#include "services/pareto/remote_evaluator.h"
+
+#include <grpcpp/channel.h>
+#include <grpcpp/client_context.h>
+
+#include <algorithm>
+#include <chrono>
+#include <limits>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
+#include "common/rpc/status_mapping.h"
+#include "mortise/v1/evaluator.grpc.pb.h"
+#include "mortise/v1/pareto.pb.h"
+
+namespace mortise::pareto {
+namespace {
+
+constexpr absl::Duration kFirstDelay = absl::Milliseconds(100);
+constexpr absl::Duration kLongestDelay = absl::Seconds(2);
+
+bool WorthRepeating(const absl::Status& status) {
+  return absl::IsUnavailable(status) || absl::IsAborted(status) ||
+         absl::IsResourceExhausted(status);
+}
+
+}  // namespace
+
+// The designs of one call of Evaluate, and what is known of them.
+struct RemoteEvaluator::Batch {
+  const std::vector<Eigen::VectorXd>& designs;
+  std::vector<Evaluation> results;
+  std::vector<bool> answered;
+
+  explicit Batch(const std::vector<Eigen::VectorXd>& asked)
+      : designs(asked), results(asked.size()), answered(asked.size(), false) {}
+
+  bool Complete() const {
+    return std::find(answered.begin(), answered.end(), false) == answered.end();
+  }
+};
+
+namespace {
+
+absl::Status ReadResult(const v1::EvaluationResult& result, const DiscoveryProblem& problem,
+                        Evaluation& evaluation) {
+  if (result.has_error()) {
+    evaluation.status = EvaluationStatus::kFailed;
+    evaluation.message = result.error().message();
+    return absl::OkStatus();
+  }
+  const Eigen::VectorXd signs = problem.Signs();
+  const Eigen::Index d = signs.size();
+  evaluation.status = EvaluationStatus::kFeasible;
+  evaluation.metrics = Eigen::VectorXd::Constant(d, std::numeric_limits<double>::quiet_NaN());
+  for (Eigen::Index i = 0; i < d; ++i) {
+    const std::string& name = problem.objectives[static_cast<std::size_t>(i)].metric;
+    for (const v1::Metric& metric : result.metrics())
+      if (metric.name() == name) evaluation.metrics[i] = signs[i] * metric.value();
+    for (const v1::Gradient& gradient : result.gradients()) {
+      if (gradient.metric() != name) continue;
+      if (gradient.values_size() != problem.space.size())
+        return absl::InternalError(absl::StrCat("the evaluator's gradient of '", name, "' has ",
+                                                gradient.values_size(), " values"));
+      if (evaluation.jacobian.size() == 0)
+        evaluation.jacobian = Eigen::MatrixXd::Constant(d, problem.space.size(),
+                                                        std::numeric_limits<double>::quiet_NaN());
+      evaluation.jacobian.row(i) =
+          signs[i] * Eigen::RowVectorXd::Map(gradient.values().data(), gradient.values_size());
+    }
+  }
+  if (!evaluation.metrics.allFinite())
+    evaluation.message = "the evaluator left out a metric, or gave one that is not finite";
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+RemoteEvaluator::RemoteEvaluator(std::shared_ptr<grpc::Channel> channel,
+                                 const v1::DiscoverySpecification& specification,
+                                 const DiscoveryProblem& problem,
+                                 std::function<rpc::Origin(absl::Duration)> make_origin,
+                                 const Options& options)
+    : channel_(std::move(channel)),
+      specification_(std::make_unique<v1::DiscoverySpecification>(specification)),
+      problem_(problem),
+      make_origin_(std::move(make_origin)),
+      options_(options) {}
+
+RemoteEvaluator::~RemoteEvaluator() = default;
+
+void RemoteEvaluator::Interrupt() {
+  const std::lock_guard lock(mutex_);
+  interrupted_ = true;
+  for (grpc::ClientContext* context : active_) context->TryCancel();
+  interruption_.notify_all();
+}
+
+// Waits; false if interrupted meanwhile.
+bool RemoteEvaluator::PauseBefore(absl::Duration delay) {
+  std::unique_lock lock(mutex_);
+  return !interruption_.wait_for(lock, absl::ToChronoMilliseconds(delay),
+                                 [&] { return interrupted_; });
+}
+
+absl::Status RemoteEvaluator::CallOnce(Batch& batch) {
+  v1::EvaluateBatchRequest request;
+  request.set_subject(specification_->subject());
+  request.set_revision(specification_->revision());
+  for (const Objective& objective : problem_.objectives) request.add_metrics(objective.metric);
+  request.set_gradients(problem_.AnyGradient());
+  if (specification_->has_mesh()) *request.mutable_mesh() = specification_->mesh();
+  std::vector<std::size_t> asked;
+  for (std::size_t i = 0; i < batch.designs.size(); ++i) {
+    if (batch.answered[i]) continue;
+    asked.push_back(i);
+    request.add_points()->mutable_parameters()->Add(batch.designs[i].begin(),
+                                                    batch.designs[i].end());
+  }
+  const std::unique_ptr<grpc::ClientContext> context =
+      rpc::MakeClientContext(make_origin_(options_.longest_call));
+  {
+    const std::lock_guard lock(mutex_);
+    if (interrupted_) return absl::CancelledError("interrupted");
+    active_.insert(context.get());
+  }
+  const std::unique_ptr<v1::EvaluatorService::Stub> stub = v1::EvaluatorService::NewStub(channel_);
+  const auto reader = stub->EvaluateBatch(context.get(), request);
+  absl::Status wrong;
+  v1::EvaluationResult result;
+  while (wrong.ok() && reader->Read(&result)) {
+    if (result.index() < 0 || result.index() >= static_cast<int>(asked.size())) {
+      wrong = absl::InternalError("the evaluator answered for a design that was not asked for");
+      context->TryCancel();
+      break;
+    }
+    const std::size_t i = asked[static_cast<std::size_t>(result.index())];
+    if (result.has_error() && WorthRepeating(rpc::FromProto(result.error()))) continue;
+    batch.results[i].x = batch.designs[i];
+    wrong = ReadResult(result, problem_, batch.results[i]);
+    batch.answered[i] = true;
+  }
+  const absl::Status finished = rpc::FromGrpc(reader->Finish());
+  const std::lock_guard lock(mutex_);
+  active_.erase(context.get());
+  if (!wrong.ok()) return wrong;
+  if (batch.Complete()) return absl::OkStatus();
+  if (!finished.ok()) return finished;
+  return PeerUnavailable("evaluator", "designs were left without an answer");
+}
+
+absl::StatusOr<std::vector<Evaluation>> RemoteEvaluator::Evaluate(
+    const std::vector<Eigen::VectorXd>& designs) {
+  Batch batch(designs);
+  const absl::Time end = absl::Now() + options_.patience;
+  absl::Duration delay = kFirstDelay;
+  while (true) {
+    const absl::Status status = CallOnce(batch);
+    if (status.ok()) return std::move(batch.results);
+    if (!WorthRepeating(status) || absl::Now() > end) return status;
+    if (!PauseBefore(delay)) return absl::CancelledError("interrupted");
+    delay = std::min(2 * delay, kLongestDelay);
+  }
+}
+
+absl::StatusOr<std::unique_ptr<v1::DesignSpace>> DescribeDesignSpace(
+    const std::shared_ptr<grpc::Channel>& channel, const v1::DiscoverySpecification& specification,
+    const rpc::Origin& origin, const rpc::RetryOptions& retry) {
+  v1::DescribeDesignSpaceRequest request;
+  request.set_subject(specification.subject());
+  request.set_revision(specification.revision());
+  const std::unique_ptr<v1::EvaluatorService::Stub> stub = v1::EvaluatorService::NewStub(channel);
+  auto described = std::make_unique<v1::DesignSpace>();
+  MORTISE_RETURN_IF_ERROR(rpc::CallWithRetry(origin, retry, [&](grpc::ClientContext* context) {
+    described->Clear();
+    return stub->DescribeDesignSpace(context, request, described.get());
+  }));
+  return described;
+}
+
+}  // namespace mortise::pareto

@@ -1,0 +1,21 @@
+// Where the next local optimisations start (§7.5.2, Stochastic Sampling), seeded.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "services/pareto/random.h"
+
+namespace mortise::pareto {
+
+// A Latin hypercube of `count` points in [0, 1)^D: each coordinate takes one value in each of
+// `count` equal strata, in an order of its own.
+std::vector<Eigen::VectorXd> LatinHypercube(std::int64_t count, Eigen::Index size, Random& random);
+
+// x_s = x_j + 2^(-delta) d, clamped to the box: d uniform on the sphere of R^D (both signs in every
+// coordinate), delta uniform in [0, delta_p]. Small steps exploit and are frequent, large ones
+// explore; delta_p = 10 in the thesis. Unit coordinates.
+Eigen::VectorXd PerturbedSample(const Eigen::VectorXd& u, double delta_p, Random& random);
+
+}  // namespace mortise::pareto

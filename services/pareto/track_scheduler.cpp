@@ -1,0 +1,231 @@
+// Gaps, refinements and stochastic samples.
+#include "services/pareto/track_scheduler.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "services/pareto/stochastic_sampling.h"
+
+namespace mortise::pareto {
+namespace {
+
+using Eigen::VectorXd;
+using Target = LocalOptimization::Target;
+
+constexpr double kMemory = 0.9;  // weight of the past in what a way of sampling has brought
+constexpr int kCoarseCells = 64;
+
+Target Toward(const VectorXd& from, const VectorXd& direction, double reach) {
+  return {from + reach * direction, direction, reach};
+}
+
+VectorXd Diagonal(Eigen::Index d) {
+  return VectorXd::Constant(d, -1 / std::sqrt(static_cast<double>(d)));
+}
+
+}  // namespace
+
+TrackScheduler::Track TrackScheduler::Next(const Archive& archive, const PerformanceBuffer& buffer,
+                                           bool force_sample) {
+  const Eigen::Index d = buffer.scaling().ideal.size();
+  if (opened_ <= d) return OpeningTrack(archive, buffer.scaling());
+  if (force_sample) return SampleTrack(archive, buffer);
+  switch (ChooseKind()) {
+    case TrackKind::kGap:
+      return d == 2 ? PlanarGapTrack(archive, buffer) : GapTrack(archive, buffer);
+    case TrackKind::kRefine:
+      return RefineTrack(archive, buffer);
+    default:
+      return SampleTrack(archive, buffer);
+  }
+}
+
+void TrackScheduler::Report(TrackKind kind, double gain, int evaluations) {
+  if (kind == TrackKind::kOpening || evaluations == 0) return;
+  const auto i = static_cast<std::size_t>(kind);
+  gain_[i] = kMemory * gain_[i] + gain;
+  spent_[i] = kMemory * spent_[i] + evaluations;
+  const std::array<double, 3> shares = Shares();
+  for (std::size_t k = 0; k < 3; ++k) balance_[k] += shares[k] * evaluations;
+  balance_[i] -= evaluations;
+}
+
+std::array<double, 3> TrackScheduler::Shares() const {
+  std::array<double, 3> rate{};
+  double total = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    rate[i] = (gain_[i] + 1e-6) / (spent_[i] + 1);
+    total += rate[i];
+  }
+  for (double& share : rate)
+    share = options_.least_share + (1 - 3 * options_.least_share) * share / total;
+  return rate;
+}
+
+// The way that is owed most. Choosing it costs something at once, so that tracks that start side by
+// side differ.
+TrackKind TrackScheduler::ChooseKind() {
+  const auto most = std::max_element(balance_.begin(), balance_.end());
+  const auto kind = static_cast<TrackKind>(most - balance_.begin());
+  const std::array<double, 3> shares = Shares();
+  for (std::size_t k = 0; k < 3; ++k) balance_[k] += shares[k];
+  *most -= 1;
+  return kind;
+}
+
+int& TrackScheduler::TriesAt(const PerformanceBuffer& buffer, const VectorXd& scaled) {
+  PerformanceBuffer::Options coarse;
+  coarse.cells_per_angle = kCoarseCells;
+  const Eigen::Index d = buffer.scaling().ideal.size();
+  return tries_[PerformanceBuffer(coarse, d).CellOf(scaled)];
+}
+
+// The middle first, then each metric by itself; each from the best entry known for it.
+TrackScheduler::Track TrackScheduler::OpeningTrack(const Archive& archive, const Scaling& scaling) {
+  const Eigen::Index d = scaling.ideal.size();
+  const Eigen::Index metric = opened_ - 1;
+  std::size_t start = 0;
+  double best = std::numeric_limits<double>::infinity();
+  for (const std::size_t entry : archive.non_dominated()) {
+    const VectorXd y = scaling.Apply(archive[entry].metrics);
+    const double value = metric < 0 ? y.norm() : y[metric];
+    if (value < best) {
+      best = value;
+      start = entry;
+    }
+  }
+  const VectorXd y = scaling.Apply(archive[start].metrics);
+  LocalOptimization::Options options = options_.optimization;
+  options.differences = opened_ == 0;
+  VectorXd direction = Diagonal(d);
+  double reach = options_.delta_s;
+  if (metric >= 0) {
+    direction = VectorXd::Constant(d, -0.05);  // the other metrics weigh little, but weigh
+    direction[metric] = -1;
+    direction.normalize();
+    reach = 5;
+  }
+  ++opened_;
+  return {TrackKind::kOpening, std::make_unique<LocalOptimization>(
+                                   options, scaling, Toward(y, direction, reach), start)};
+}
+
+TrackScheduler::Track TrackScheduler::PlanarGapTrack(const Archive& archive,
+                                                     const PerformanceBuffer& buffer) {
+  const Scaling& scaling = buffer.scaling();
+  std::vector<std::pair<VectorXd, std::size_t>> front;
+  for (const std::size_t entry : archive.non_dominated())
+    front.emplace_back(scaling.Apply(archive[entry].metrics), entry);
+  std::sort(front.begin(), front.end(),
+            [](const auto& a, const auto& b) { return a.first[0] < b.first[0]; });
+  if (front.size() < 2) return RefineTrack(archive, buffer);
+  std::size_t widest = 0;
+  double most = -1;
+  for (std::size_t i = 0; i + 1 < front.size(); ++i) {
+    const VectorXd middle = 0.5 * (front[i].first + front[i + 1].first);
+    const double need =
+        (front[i + 1].first - front[i].first).norm() * std::exp2(-TriesAt(buffer, middle));
+    if (need > most) {
+      most = need;
+      widest = i;
+    }
+  }
+  const VectorXd across = front[widest + 1].first - front[widest].first;
+  const VectorXd middle = 0.5 * (front[widest].first + front[widest + 1].first);
+  ++TriesAt(buffer, middle);
+  VectorXd normal(2);
+  normal << -std::abs(across[1]), -std::abs(across[0]);
+  normal /= std::max(across.norm(), 1e-300);
+  const double reach = options_.delta_s * across.norm() + 0.01;
+  const std::size_t start = front[widest + random_.Index(2)].second;
+  return {TrackKind::kGap,
+          std::make_unique<LocalOptimization>(options_.optimization, scaling,
+                                              Toward(middle, normal, reach), start)};
+}
+
+// For d > 2: of some random rays near known trade-offs, the one farthest from any of them.
+TrackScheduler::Track TrackScheduler::GapTrack(const Archive& archive,
+                                               const PerformanceBuffer& buffer) {
+  const Scaling& scaling = buffer.scaling();
+  const Eigen::Index d = scaling.ideal.size();
+  std::vector<VectorXd> front;
+  for (const std::size_t entry : archive.non_dominated())
+    front.push_back(scaling.Apply(archive[entry].metrics));
+  VectorXd chosen;
+  std::size_t start = 0;
+  double most = -1;
+  double hole = 0;
+  for (int trial = 0; trial < 32; ++trial) {
+    const VectorXd ray = random_.UnitVector(d).cwiseAbs();
+    double least = std::numeric_limits<double>::infinity();
+    std::size_t nearest = 0;
+    for (std::size_t i = 0; i < front.size(); ++i) {
+      const double distance = (front[i].normalized() - ray).norm();
+      if (distance < least) {
+        least = distance;
+        nearest = i;
+      }
+    }
+    const double need = least * std::exp2(-TriesAt(buffer, ray));
+    if (need > most) {
+      most = need;
+      hole = least;
+      chosen = ray;
+      start = nearest;
+    }
+  }
+  ++TriesAt(buffer, chosen);
+  const VectorXd aim = chosen * front[start].norm();
+  const double reach = options_.delta_s * std::max(hole, 0.05) * std::max(front[start].norm(), 0.1);
+  return {TrackKind::kGap, std::make_unique<LocalOptimization>(options_.optimization, scaling,
+                                                               Toward(aim, -chosen, reach),
+                                                               archive.non_dominated()[start])};
+}
+
+std::size_t TrackScheduler::DrawFrontEntry(const Archive& archive,
+                                           const PerformanceBuffer& buffer) {
+  // Uniformly over cells, as the thesis does; cells whose best point is dominated are passed over.
+  const std::size_t count = buffer.cells().size();
+  for (int trial = 0; trial < 32; ++trial) {
+    const auto cell =
+        std::next(buffer.cells().begin(), static_cast<std::ptrdiff_t>(random_.Index(count)));
+    const std::size_t entry = cell->second.front().entry;
+    if (!archive.ClearlyDominated(archive[entry].metrics, buffer.scaling(), 1e-6)) return entry;
+  }
+  return archive.non_dominated()[random_.Index(archive.non_dominated().size())];
+}
+
+TrackScheduler::Track TrackScheduler::RefineTrack(const Archive& archive,
+                                                  const PerformanceBuffer& buffer) {
+  const std::size_t start = DrawFrontEntry(archive, buffer);
+  const VectorXd y = buffer.scaling().Apply(archive[start].metrics);
+  VectorXd direction = Diagonal(y.size());
+  for (Eigen::Index i = 0; i < y.size(); ++i) direction[i] *= 0.2 + random_.Uniform();
+  direction.normalize();
+  const double reach = 0.5 * options_.delta_s * std::max(y.norm(), 0.1);
+  return {TrackKind::kRefine,
+          std::make_unique<LocalOptimization>(options_.optimization, buffer.scaling(),
+                                              Toward(y, direction, reach), start)};
+}
+
+TrackScheduler::Track TrackScheduler::SampleTrack(const Archive& archive,
+                                                  const PerformanceBuffer& buffer) {
+  const std::size_t near = DrawFrontEntry(archive, buffer);
+  const VectorXd y = buffer.scaling().Apply(archive[near].metrics).cwiseMax(0.0);
+  const VectorXd start = PerturbedSample(archive[near].u, options_.delta_p, random_);
+  // The ray of a cell within delta_N of the sample's own.
+  VectorXd ray = y.norm() > 0 ? VectorXd(y.normalized()) : VectorXd(-Diagonal(y.size()));
+  ray += options_.delta_n * random_.UnitVector(y.size());
+  ray = ray.cwiseMax(0.0);
+  ray = ray.norm() > 0 ? VectorXd(ray.normalized()) : VectorXd(-Diagonal(y.size()));
+  const double size = std::max(y.norm(), 0.1);
+  LocalOptimization::Options options = options_.optimization;
+  options.join = false;
+  options.evaluations = static_cast<int>(8 + archive[near].u.size());
+  return {TrackKind::kSample,
+          std::make_unique<LocalOptimization>(
+              options, buffer.scaling(), Toward(ray * size, -ray, options_.delta_s * size), start)};
+}
+
+}  // namespace mortise::pareto

@@ -1,0 +1,78 @@
+// Chooses where the next local optimisation starts and what it aims at (§7.5.2).
+//
+// First the middle of the front and each metric's own optimum, so that the scaling of performance
+// is soon about right. Then three ways of spending an evaluation take turns:
+//   - gap: aim into the widest hole between known trade-offs, starting from one beside it, which
+//     costs nothing (the neighbouring-cell direction of the thesis, with the cell chosen by need);
+//   - refine: push a known trade-off straight down, along the normal of the front there;
+//   - sample: the thesis's stochastic sample x_s = x_j + 2^(-delta) d with the direction of a cell
+//     within delta_N of its own, which is what leaves local minima.
+// Each gets a share of the evaluations in proportion to the hypervolume that it has lately brought
+// per evaluation, none less than `least_share`.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <map>
+#include <memory>
+
+#include "services/pareto/local_optimization.h"
+#include "services/pareto/performance_buffer.h"
+#include "services/pareto/random.h"
+
+namespace mortise::pareto {
+
+enum class TrackKind { kGap = 0, kRefine = 1, kSample = 2, kOpening = 3 };
+
+class TrackScheduler {
+ public:
+  struct Options {
+    double delta_s = 0.3;       // distance of the reference point, relative to |y|
+    double delta_p = 10;        // exponent range of the perturbation
+    double delta_n = 0.2;       // neighbourhood of a cell, in parts of each angle
+    double least_share = 0.15;  // of each way
+    LocalOptimization::Options optimization;
+  };
+
+  struct Track {
+    TrackKind kind = TrackKind::kOpening;
+    std::unique_ptr<LocalOptimization> optimization;
+  };
+
+  TrackScheduler(const Options& options, std::uint64_t seed) : options_(options), random_(seed) {}
+
+  // The next track. `buffer` has been built and holds a feasible entry of `archive`. With
+  // `force_sample` a stochastic sample, which always asks for a new point.
+  Track Next(const Archive& archive, const PerformanceBuffer& buffer, bool force_sample);
+
+  // What a track (with the expansion after it) brought: hypervolume gained for evaluations spent.
+  void Report(TrackKind kind, double gain, int evaluations);
+
+  // Whether an opening track that is under way should end before Next is called again: the middle
+  // of the front comes first, then each metric's optimum side by side, then the rest.
+  bool AwaitsOpening(Eigen::Index metric_count) const {
+    return opened_ == 1 || opened_ > metric_count;
+  }
+
+ private:
+  Track OpeningTrack(const Archive& archive, const Scaling& scaling);
+  Track GapTrack(const Archive& archive, const PerformanceBuffer& buffer);
+  Track PlanarGapTrack(const Archive& archive, const PerformanceBuffer& buffer);
+  Track RefineTrack(const Archive& archive, const PerformanceBuffer& buffer);
+  Track SampleTrack(const Archive& archive, const PerformanceBuffer& buffer);
+  std::array<double, 3> Shares() const;
+  TrackKind ChooseKind();
+  std::size_t DrawFrontEntry(const Archive& archive, const PerformanceBuffer& buffer);
+  int& TriesAt(const PerformanceBuffer& buffer, const Eigen::VectorXd& scaled);
+
+  Options options_;
+  Random random_;
+  int opened_ = 0;
+  std::map<std::int64_t, int> tries_;  // by coarse cell
+  std::array<double, 3> gain_{};
+  std::array<double, 3> spent_{};
+  std::array<double, 3> balance_{};  // evaluations each way is owed
+};
+
+}  // namespace mortise::pareto
