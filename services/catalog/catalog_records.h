@@ -1,0 +1,87 @@
+// The catalog's records: materials, items and templates in the store, as messages.
+//
+// A template revision is kept together with the items and materials it uses, as they were when it
+// was imported, so that F(q) of a revision never changes and its digest says all of it.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "common/parametric/template_validation.h"
+#include "common/store/store.h"
+#include "mortise/v1/catalog.pb.h"
+
+namespace mortise::catalog {
+
+// One page of a List method.
+template <typename Message>
+struct Page {
+  std::vector<Message> entries;
+  std::string next_page_token;  // empty on the last page
+};
+
+// ---- Materials and items -----------------------------------------------------------------------
+
+// `name` is a resource name; NOT_FOUND, or INVALID_ARGUMENT naming "name".
+absl::StatusOr<v1::Material> GetMaterial(store::ReadTransaction& transaction,
+                                         const std::string& name);
+absl::StatusOr<v1::Item> GetItem(store::ReadTransaction& transaction, const std::string& name);
+
+// In the order of names. INVALID_ARGUMENT naming page_size or page_token.
+absl::StatusOr<Page<v1::Material>> ListMaterials(store::ReadTransaction& transaction, int page_size,
+                                                 const std::string& page_token);
+// Only items of `kind`, all if unspecified.
+absl::StatusOr<Page<v1::Item>> ListItems(store::ReadTransaction& transaction, v1::ItemKind kind,
+                                         int page_size, const std::string& page_token);
+
+// What is wrong with an item, given the materials there are; fields are those of the item.
+absl::StatusOr<std::vector<parametric::Finding>> CheckItem(store::ReadTransaction& transaction,
+                                                           const v1::Item& item);
+
+// Writes a new record and tells of it ("material.created", "item.created"). ALREADY_EXISTS;
+// INVALID_ARGUMENT with what is wrong.
+absl::StatusOr<v1::Material> CreateMaterial(store::Transaction& transaction,
+                                            const v1::Material& material,
+                                            const std::string& trace_id);
+absl::StatusOr<v1::Item> CreateItem(store::Transaction& transaction, const v1::Item& item,
+                                    const std::string& trace_id);
+
+// Writes the fields of `item` that the mask names, all if it is empty ("item.updated"). ABORTED if
+// item.revision is not the present one.
+absl::StatusOr<v1::Item> UpdateItem(store::Transaction& transaction,
+                                    const v1::UpdateItemRequest& request,
+                                    const std::string& trace_id);
+
+// Removes an item ("item.deleted"). ABORTED for another revision; FAILED_PRECONDITION, ITEM_IN_USE,
+// naming the templates whose latest revision uses it.
+absl::Status DeleteItem(store::Transaction& transaction, const v1::DeleteItemRequest& request,
+                        const std::string& trace_id);
+
+// ---- Templates ---------------------------------------------------------------------------------
+
+// A template revision (0: the latest) and all it uses.
+absl::StatusOr<v1::TemplateBundle> GetBundle(store::ReadTransaction& transaction,
+                                             const std::string& name, int64_t revision);
+
+// Latest revisions without parts, connections and conditions, in the order of names.
+absl::StatusOr<Page<v1::Template>> ListTemplates(store::ReadTransaction& transaction, int page_size,
+                                                 const std::string& page_token);
+
+// The template with those items and materials it names that exist, and its digest.
+absl::StatusOr<v1::TemplateBundle> Freeze(store::ReadTransaction& transaction,
+                                          const v1::Template& message);
+
+// Everything that is wrong with a frozen template: OK, or INVALID_ARGUMENT whose message lists all
+// findings and whose field is the first one's. Takes up to seconds for large templates.
+absl::Status CheckBundle(const v1::TemplateBundle& bundle);
+
+// Writes a checked bundle as the revision after `expected_revision` ("template.imported") and
+// returns the template. If the present revision has the same content, that is returned and nothing
+// changes. ABORTED if the latest revision is not `expected_revision`.
+absl::StatusOr<v1::Template> ImportBundle(store::Transaction& transaction,
+                                          v1::TemplateBundle bundle, int64_t expected_revision,
+                                          const std::string& trace_id);
+
+}  // namespace mortise::catalog

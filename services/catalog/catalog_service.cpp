@@ -1,0 +1,297 @@
+// Answers the methods of CatalogService: each is a few lines between a message and
+// catalog_records.h.
+#include "services/catalog/catalog_service.h"
+
+#include <string>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
+#include "common/parametric/template_codec.h"
+#include "common/rpc/chunk_stream.h"
+#include "common/rpc/handler.h"
+#include "common/store/store.h"
+#include "mortise/v1/catalog.grpc.pb.h"
+#include "services/catalog/catalog_records.h"
+#include "services/catalog/collection_loader.h"
+#include "services/catalog/design_export.h"
+#include "services/catalog/template_cache.h"
+
+namespace mortise::catalog {
+namespace {
+
+constexpr std::size_t kCompiledTemplates = 64;
+
+// A design with the template it came from.
+struct NamedDesign {
+  parametric::TemplateFunction function;
+  parametric::EvaluatedDesign design;
+};
+
+template <typename Response, typename Message>
+Response ToResponse(Page<Message> page,
+                    google::protobuf::RepeatedPtrField<Message>* (Response::*entries)()) {
+  Response response;
+  for (Message& entry : page.entries) *(response.*entries)()->Add() = std::move(entry);
+  response.set_next_page_token(page.next_page_token);
+  return response;
+}
+
+class CatalogAdapter : public v1::CatalogService::CallbackService {
+ public:
+  explicit CatalogAdapter(const rpc::ServiceEnvironment& environment)
+      : store_(environment.store),
+        endpoint_(environment.dispatcher, "mortise.v1.CatalogService"),
+        cache_(kCompiledTemplates) {}
+
+  grpc::ServerUnaryReactor* GetMaterial(grpc::CallbackServerContext* context,
+                                        const v1::GetMaterialRequest* request,
+                                        v1::Material* response) override {
+    return endpoint_.Query("GetMaterial", context, request, response,
+                           [this](const rpc::Call&, const v1::GetMaterialRequest& asked) {
+                             return Read<v1::Material>([&](store::ReadTransaction& transaction) {
+                               return catalog::GetMaterial(transaction, asked.name());
+                             });
+                           });
+  }
+
+  grpc::ServerUnaryReactor* ListMaterials(grpc::CallbackServerContext* context,
+                                          const v1::ListMaterialsRequest* request,
+                                          v1::ListMaterialsResponse* response) override {
+    return endpoint_.Query(
+        "ListMaterials", context, request, response,
+        [this](const rpc::Call&,
+               const v1::ListMaterialsRequest& asked) -> absl::StatusOr<v1::ListMaterialsResponse> {
+          MORTISE_ASSIGN_OR_RETURN(
+              auto page, Read<Page<v1::Material>>([&](store::ReadTransaction& transaction) {
+                return catalog::ListMaterials(transaction, asked.page_size(), asked.page_token());
+              }));
+          return ToResponse(std::move(page), &v1::ListMaterialsResponse::mutable_materials);
+        });
+  }
+
+  grpc::ServerUnaryReactor* CreateMaterial(grpc::CallbackServerContext* context,
+                                           const v1::CreateMaterialRequest* request,
+                                           v1::Material* response) override {
+    return endpoint_.Mutation("CreateMaterial", context, request, response,
+                              [](const rpc::Call& call, const v1::CreateMaterialRequest& asked,
+                                 store::Transaction& transaction) {
+                                return catalog::CreateMaterial(transaction, asked.material(),
+                                                               call.identity().request_id);
+                              });
+  }
+
+  grpc::ServerUnaryReactor* GetItem(grpc::CallbackServerContext* context,
+                                    const v1::GetItemRequest* request,
+                                    v1::Item* response) override {
+    return endpoint_.Query("GetItem", context, request, response,
+                           [this](const rpc::Call&, const v1::GetItemRequest& asked) {
+                             return Read<v1::Item>([&](store::ReadTransaction& transaction) {
+                               return catalog::GetItem(transaction, asked.name());
+                             });
+                           });
+  }
+
+  grpc::ServerUnaryReactor* ListItems(grpc::CallbackServerContext* context,
+                                      const v1::ListItemsRequest* request,
+                                      v1::ListItemsResponse* response) override {
+    return endpoint_.Query(
+        "ListItems", context, request, response,
+        [this](const rpc::Call&,
+               const v1::ListItemsRequest& asked) -> absl::StatusOr<v1::ListItemsResponse> {
+          MORTISE_ASSIGN_OR_RETURN(
+              auto page, Read<Page<v1::Item>>([&](store::ReadTransaction& transaction) {
+                return catalog::ListItems(transaction, asked.kind(), asked.page_size(),
+                                          asked.page_token());
+              }));
+          return ToResponse(std::move(page), &v1::ListItemsResponse::mutable_items);
+        });
+  }
+
+  grpc::ServerUnaryReactor* CreateItem(grpc::CallbackServerContext* context,
+                                       const v1::CreateItemRequest* request,
+                                       v1::Item* response) override {
+    return endpoint_.Mutation("CreateItem", context, request, response,
+                              [](const rpc::Call& call, const v1::CreateItemRequest& asked,
+                                 store::Transaction& transaction) {
+                                return catalog::CreateItem(transaction, asked.item(),
+                                                           call.identity().request_id);
+                              });
+  }
+
+  grpc::ServerUnaryReactor* UpdateItem(grpc::CallbackServerContext* context,
+                                       const v1::UpdateItemRequest* request,
+                                       v1::Item* response) override {
+    return endpoint_.Mutation("UpdateItem", context, request, response,
+                              [](const rpc::Call& call, const v1::UpdateItemRequest& asked,
+                                 store::Transaction& transaction) {
+                                return catalog::UpdateItem(transaction, asked,
+                                                           call.identity().request_id);
+                              });
+  }
+
+  grpc::ServerUnaryReactor* DeleteItem(grpc::CallbackServerContext* context,
+                                       const v1::DeleteItemRequest* request,
+                                       v1::DeleteItemResponse* response) override {
+    return endpoint_.Mutation(
+        "DeleteItem", context, request, response,
+        [](const rpc::Call& call, const v1::DeleteItemRequest& asked,
+           store::Transaction& transaction) -> absl::StatusOr<v1::DeleteItemResponse> {
+          MORTISE_RETURN_IF_ERROR(
+              catalog::DeleteItem(transaction, asked, call.identity().request_id));
+          return v1::DeleteItemResponse();
+        });
+  }
+
+  grpc::ServerUnaryReactor* GetTemplate(grpc::CallbackServerContext* context,
+                                        const v1::GetTemplateRequest* request,
+                                        v1::Template* response) override {
+    return endpoint_.Query(
+        "GetTemplate", context, request, response,
+        [this](const rpc::Call&,
+               const v1::GetTemplateRequest& asked) -> absl::StatusOr<v1::Template> {
+          MORTISE_ASSIGN_OR_RETURN(v1::TemplateBundle bundle,
+                                   FindBundle(asked.name(), asked.revision()));
+          return std::move(*bundle.mutable_template_());
+        });
+  }
+
+  grpc::ServerUnaryReactor* ListTemplates(grpc::CallbackServerContext* context,
+                                          const v1::ListTemplatesRequest* request,
+                                          v1::ListTemplatesResponse* response) override {
+    return endpoint_.Query(
+        "ListTemplates", context, request, response,
+        [this](const rpc::Call&,
+               const v1::ListTemplatesRequest& asked) -> absl::StatusOr<v1::ListTemplatesResponse> {
+          MORTISE_ASSIGN_OR_RETURN(
+              auto page, Read<Page<v1::Template>>([&](store::ReadTransaction& transaction) {
+                return catalog::ListTemplates(transaction, asked.page_size(), asked.page_token());
+              }));
+          return ToResponse(std::move(page), &v1::ListTemplatesResponse::mutable_templates);
+        });
+  }
+
+  // Checking tries many designs, so it happens before the transaction.
+  grpc::ServerUnaryReactor* ImportTemplate(grpc::CallbackServerContext* context,
+                                           const v1::ImportTemplateRequest* request,
+                                           v1::Template* response) override {
+    return endpoint_.PreparedMutation(
+        "ImportTemplate", context, request, response,
+        [this](const rpc::Call&,
+               const v1::ImportTemplateRequest& asked) -> absl::StatusOr<v1::TemplateBundle> {
+          if (asked.expected_revision() < 0) {
+            return InvalidField("expected_revision", "must be at least 0");
+          }
+          MORTISE_ASSIGN_OR_RETURN(
+              v1::TemplateBundle bundle,
+              Read<v1::TemplateBundle>([&](store::ReadTransaction& transaction) {
+                return Freeze(transaction, asked.template_());
+              }));
+          MORTISE_RETURN_IF_ERROR(CheckBundle(bundle));
+          return bundle;
+        },
+        [](const rpc::Call& call, const v1::ImportTemplateRequest& asked,
+           v1::TemplateBundle& bundle, store::Transaction& transaction) {
+          return ImportBundle(transaction, bundle, asked.expected_revision(),
+                              call.identity().request_id);
+        });
+  }
+
+  grpc::ServerUnaryReactor* GetTemplateBundle(grpc::CallbackServerContext* context,
+                                              const v1::GetTemplateBundleRequest* request,
+                                              v1::TemplateBundle* response) override {
+    return endpoint_.Query("GetTemplateBundle", context, request, response,
+                           [this](const rpc::Call&, const v1::GetTemplateBundleRequest& asked) {
+                             return FindBundle(asked.name(), asked.revision());
+                           });
+  }
+
+  grpc::ServerUnaryReactor* EvaluateTemplate(grpc::CallbackServerContext* context,
+                                             const v1::EvaluateTemplateRequest* request,
+                                             v1::EvaluatedDesign* response) override {
+    return endpoint_.Query(
+        "EvaluateTemplate", context, request, response,
+        [this](const rpc::Call&,
+               const v1::EvaluateTemplateRequest& asked) -> absl::StatusOr<v1::EvaluatedDesign> {
+          MORTISE_ASSIGN_OR_RETURN(const NamedDesign evaluated,
+                                   Evaluate(asked.name(), asked.revision(), asked.parameters()));
+          return parametric::ToProto(evaluated.design);
+        });
+  }
+
+  grpc::ServerWriteReactor<v1::Chunk>* ExportDesign(
+      grpc::CallbackServerContext* context, const v1::ExportDesignRequest* request) override {
+    return endpoint_.ServerStream<v1::Chunk>(
+        "ExportDesign", context, request,
+        [this](const rpc::Call&, const v1::ExportDesignRequest& asked,
+               const std::shared_ptr<rpc::StreamWriter<v1::Chunk>>& writer) {
+          return Export(asked, writer);
+        });
+  }
+
+ private:
+  // Runs `read` on one state of the store.
+  template <typename Result, typename Function>
+  absl::StatusOr<Result> Read(const Function& read) {
+    absl::StatusOr<Result> result = absl::UnknownError("not read");
+    MORTISE_RETURN_IF_ERROR(store_->Read([&](store::ReadTransaction& transaction) {
+      result = read(transaction);
+      return result.status();
+    }));
+    return result;
+  }
+
+  absl::StatusOr<v1::TemplateBundle> FindBundle(const std::string& name, int64_t revision) {
+    return Read<v1::TemplateBundle>([&](store::ReadTransaction& transaction) {
+      return GetBundle(transaction, name, revision);
+    });
+  }
+
+  // F at the given parameters, rounded to what a workshop can set.
+  absl::StatusOr<NamedDesign> Evaluate(
+      const std::string& name, int64_t revision,
+      const google::protobuf::RepeatedPtrField<v1::ParameterValue>& values) {
+    MORTISE_ASSIGN_OR_RETURN(const v1::TemplateBundle bundle, FindBundle(name, revision));
+    MORTISE_ASSIGN_OR_RETURN(parametric::TemplateFunction function, cache_.Compile(bundle));
+    MORTISE_ASSIGN_OR_RETURN(const Eigen::VectorXd q,
+                             function.Complete(parametric::FromProto(values)));
+    MORTISE_ASSIGN_OR_RETURN(parametric::EvaluatedDesign design,
+                             function.Evaluate(function.RoundToSteps(q)));
+    return NamedDesign{std::move(function), std::move(design)};
+  }
+
+  absl::Status Export(const v1::ExportDesignRequest& asked,
+                      const std::shared_ptr<rpc::StreamWriter<v1::Chunk>>& writer) {
+    if (asked.format() == v1::ExportDesignRequest::FORMAT_UNSPECIFIED) {
+      return InvalidField("format", "must be STEP or GLB");
+    }
+    MORTISE_ASSIGN_OR_RETURN(const NamedDesign evaluated,
+                             Evaluate(asked.name(), asked.revision(), asked.parameters()));
+    const parametric::TemplateBundle& bundle = evaluated.function.bundle();
+    const std::string id = asked.name().substr(asked.name().find('/') + 1);
+    if (asked.format() == v1::ExportDesignRequest::STEP) {
+      MORTISE_ASSIGN_OR_RETURN(std::string bytes, ExportStep(evaluated.design, bundle, id));
+      rpc::StreamBytes(std::move(bytes), {absl::StrCat(id, ".step"), "model/step"}, writer);
+    } else {
+      MORTISE_ASSIGN_OR_RETURN(std::string bytes, ExportGlb(evaluated.design, bundle, id));
+      rpc::StreamBytes(std::move(bytes), {absl::StrCat(id, ".glb"), "model/gltf-binary"}, writer);
+    }
+    return absl::OkStatus();
+  }
+
+  store::Store* const store_;
+  rpc::Endpoint endpoint_;
+  TemplateCache cache_;
+};
+
+}  // namespace
+
+absl::StatusOr<std::vector<std::shared_ptr<grpc::Service>>> MakeServices(
+    rpc::ServiceEnvironment& environment, const std::filesystem::path& collection) {
+  if (!collection.empty()) {
+    MORTISE_RETURN_IF_ERROR(LoadCollectionIfEmpty(*environment.store, collection));
+  }
+  return std::vector<std::shared_ptr<grpc::Service>>{std::make_shared<CatalogAdapter>(environment)};
+}
+
+}  // namespace mortise::catalog

@@ -1,0 +1,68 @@
+// Reads, checks and stores the shipped collection.
+#include "services/catalog/collection_loader.h"
+
+#include "common/base/errors.h"
+#include "common/base/logging.h"
+#include "common/parametric/collection.h"
+#include "services/catalog/catalog_records.h"
+#include "services/catalog/record_access.h"
+
+namespace mortise::catalog {
+namespace {
+
+absl::StatusOr<bool> IsEmpty(store::ReadTransaction& transaction) {
+  store::ListOptions one;
+  one.limit = 1;
+  for (const char* kind : {kMaterials, kItems, kTemplates}) {
+    MORTISE_ASSIGN_OR_RETURN(const std::vector<store::Record> records, transaction.List(kind, one));
+    if (!records.empty()) return false;
+  }
+  return true;
+}
+
+absl::Status LoadAll(store::Transaction& transaction, const parametric::Collection& collection) {
+  for (const v1::Material& material : collection.materials) {
+    const auto created = CreateMaterial(transaction, material, "");
+    if (!created.ok()) return UnderField(material.name(), created.status());
+  }
+  for (const v1::Item& item : collection.items) {
+    const auto created = CreateItem(transaction, item, "");
+    if (!created.ok()) return UnderField(item.name(), created.status());
+  }
+  for (const v1::Template& message : collection.templates) {
+    MORTISE_ASSIGN_OR_RETURN(v1::TemplateBundle bundle, Freeze(transaction, message));
+    const absl::Status checked = CheckBundle(bundle);
+    if (!checked.ok()) return UnderField(message.name(), checked);
+    MORTISE_RETURN_IF_ERROR(ImportBundle(transaction, std::move(bundle), 0, "").status());
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::Status LoadCollectionIfEmpty(store::Store& store, const std::filesystem::path& folder) {
+  bool empty = false;
+  MORTISE_RETURN_IF_ERROR(store.Read([&](store::ReadTransaction& transaction) -> absl::Status {
+    MORTISE_ASSIGN_OR_RETURN(empty, IsEmpty(transaction));
+    return absl::OkStatus();
+  }));
+  if (!empty) return absl::OkStatus();
+  MORTISE_ASSIGN_OR_RETURN(const parametric::Collection collection,
+                           parametric::ReadCollection(folder));
+  bool loaded = false;
+  MORTISE_RETURN_IF_ERROR(store.Transact([&](store::Transaction& transaction) -> absl::Status {
+    // Another replica may have been first.
+    MORTISE_ASSIGN_OR_RETURN(loaded, IsEmpty(transaction));
+    return loaded ? LoadAll(transaction, collection) : absl::OkStatus();
+  }));
+  if (loaded) {
+    Log(LogLevel::kInfo, "loaded the collection",
+        {{"folder", folder.string()},
+         {"materials", collection.materials.size()},
+         {"items", collection.items.size()},
+         {"templates", collection.templates.size()}});
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace mortise::catalog

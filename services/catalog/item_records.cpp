@@ -1,0 +1,234 @@
+// Materials and items in the store.
+#include <google/protobuf/util/field_mask_util.h>
+#include <google/protobuf/util/time_util.h>
+
+#include <nlohmann/json.hpp>
+
+#include "absl/strings/str_join.h"
+#include "absl/time/time.h"
+#include "common/base/errors.h"
+#include "common/parametric/template_codec.h"
+#include "services/catalog/catalog_records.h"
+#include "services/catalog/record_access.h"
+
+namespace mortise::catalog {
+namespace {
+
+using google::protobuf::util::FieldMaskUtil;
+
+absl::StatusOr<v1::Material> MaterialOf(const store::Record& record) {
+  v1::Material material;
+  if (!material.ParseFromString(record.payload)) {
+    return StorageFailed("materials/" + record.key, "the record cannot be read");
+  }
+  material.set_revision(record.revision);
+  return material;
+}
+
+absl::StatusOr<v1::Item> ItemOf(const store::Record& record) {
+  v1::Item item;
+  if (!item.ParseFromString(record.payload)) {
+    return StorageFailed("items/" + record.key, "the record cannot be read");
+  }
+  item.set_revision(record.revision);
+  *item.mutable_update_time() = google::protobuf::util::TimeUtil::MicrosecondsToTimestamp(
+      absl::ToUnixMicros(record.updated_at));
+  return item;
+}
+
+// Fields that the service alone sets are not kept in payloads.
+std::string PayloadOf(v1::Item item) {
+  item.clear_revision();
+  item.clear_update_time();
+  return item.SerializeAsString();
+}
+
+absl::Status CheckMask(const google::protobuf::FieldMask& mask) {
+  for (const std::string& path : mask.paths()) {
+    if (!FieldMaskUtil::IsValidPath<v1::Item>(path)) {
+      return InvalidField("update_mask", "an item has no field '" + path + "'");
+    }
+    if (path == "name" || path == "revision" || path == "update_time") {
+      return InvalidField("update_mask", "'" + path + "' cannot be changed");
+    }
+  }
+  return absl::OkStatus();
+}
+
+// The present item with the fields of the mask taken from the request.
+v1::Item Merge(v1::Item present, const v1::UpdateItemRequest& request) {
+  if (request.update_mask().paths().empty()) {
+    v1::Item replaced = request.item();
+    replaced.set_name(present.name());
+    return replaced;
+  }
+  FieldMaskUtil::MergeOptions options;
+  options.set_replace_repeated_fields(true);
+  options.set_replace_message_fields(true);
+  FieldMaskUtil::MergeMessageTo(request.item(), request.update_mask(), options, &present);
+  return present;
+}
+
+// Names of templates whose latest revision uses the item, a few at most.
+absl::StatusOr<std::vector<std::string>> UsersOf(store::ReadTransaction& transaction,
+                                                 const std::string& item) {
+  constexpr std::size_t kEnough = 5;
+  std::vector<std::string> users;
+  store::ListOptions options;
+  options.limit = 100;
+  while (true) {
+    MORTISE_ASSIGN_OR_RETURN(const std::vector<store::Record> records,
+                             transaction.List(kTemplates, options));
+    for (const store::Record& record : records) {
+      v1::TemplateBundle bundle;
+      if (!bundle.ParseFromString(record.payload)) continue;
+      for (const v1::Item& used : bundle.items()) {
+        if (used.name() == item) users.push_back(bundle.template_().name());
+      }
+      if (users.size() >= kEnough) return users;
+    }
+    if (static_cast<int>(records.size()) < options.limit) return users;
+    options.after_key = records.back().key;
+  }
+}
+
+}  // namespace
+
+absl::StatusOr<v1::Material> GetMaterial(store::ReadTransaction& transaction,
+                                         const std::string& name) {
+  MORTISE_ASSIGN_OR_RETURN(const store::Record record, GetRecord(transaction, kMaterials, name));
+  return MaterialOf(record);
+}
+
+absl::StatusOr<v1::Item> GetItem(store::ReadTransaction& transaction, const std::string& name) {
+  MORTISE_ASSIGN_OR_RETURN(const store::Record record, GetRecord(transaction, kItems, name));
+  return ItemOf(record);
+}
+
+absl::StatusOr<Page<v1::Material>> ListMaterials(store::ReadTransaction& transaction, int page_size,
+                                                 const std::string& page_token) {
+  MORTISE_ASSIGN_OR_RETURN(const store::ListOptions options, PageOptions(page_size, page_token));
+  MORTISE_ASSIGN_OR_RETURN(const std::vector<store::Record> records,
+                           transaction.List(kMaterials, options));
+  Page<v1::Material> page;
+  for (const store::Record& record : records) {
+    if (static_cast<int>(page.entries.size()) + 1 == options.limit) {
+      page.next_page_token = records[page.entries.size() - 1].key;
+      break;
+    }
+    MORTISE_ASSIGN_OR_RETURN(v1::Material material, MaterialOf(record));
+    page.entries.push_back(std::move(material));
+  }
+  return page;
+}
+
+absl::StatusOr<Page<v1::Item>> ListItems(store::ReadTransaction& transaction, v1::ItemKind kind,
+                                         int page_size, const std::string& page_token) {
+  MORTISE_ASSIGN_OR_RETURN(store::ListOptions options, PageOptions(page_size, page_token));
+  Page<v1::Item> page;
+  std::string last_taken;
+  while (true) {
+    MORTISE_ASSIGN_OR_RETURN(const std::vector<store::Record> records,
+                             transaction.List(kItems, options));
+    for (const store::Record& record : records) {
+      MORTISE_ASSIGN_OR_RETURN(v1::Item item, ItemOf(record));
+      if (kind != v1::ITEM_KIND_UNSPECIFIED && item.kind() != kind) continue;
+      if (static_cast<int>(page.entries.size()) + 1 == options.limit) {
+        page.next_page_token = last_taken;
+        return page;
+      }
+      last_taken = record.key;
+      page.entries.push_back(std::move(item));
+    }
+    if (static_cast<int>(records.size()) < options.limit) return page;
+    options.after_key = records.back().key;
+  }
+}
+
+absl::StatusOr<std::vector<parametric::Finding>> CheckItem(store::ReadTransaction& transaction,
+                                                           const v1::Item& item) {
+  MORTISE_ASSIGN_OR_RETURN(const parametric::Item converted, parametric::FromProto(item));
+  std::vector<parametric::Material> materials;
+  absl::StatusOr<v1::Material> material = GetMaterial(transaction, item.material());
+  if (material.ok()) {
+    MORTISE_ASSIGN_OR_RETURN(parametric::Material known, parametric::FromProto(*material));
+    materials.push_back(std::move(known));
+  } else if (!absl::IsNotFound(material.status()) && !absl::IsInvalidArgument(material.status())) {
+    return material.status();
+  }
+  return parametric::ValidateItem(converted, materials);
+}
+
+absl::StatusOr<v1::Material> CreateMaterial(store::Transaction& transaction,
+                                            const v1::Material& material,
+                                            const std::string& trace_id) {
+  MORTISE_ASSIGN_OR_RETURN(const parametric::Material converted, parametric::FromProto(material));
+  MORTISE_RETURN_IF_ERROR(
+      UnderField("material", parametric::ToStatus(parametric::ValidateMaterial(converted))));
+  v1::Material stored = material;
+  stored.clear_revision();
+  MORTISE_ASSIGN_OR_RETURN(const int64_t revision, PutNew(transaction, kMaterials, stored.name(),
+                                                          stored.SerializeAsString()));
+  stored.set_revision(revision);
+  MORTISE_RETURN_IF_ERROR(AppendEvent(transaction, "material.created", stored.name(),
+                                      {{"title", stored.title()}, {"revision", revision}},
+                                      trace_id));
+  return stored;
+}
+
+absl::StatusOr<v1::Item> CreateItem(store::Transaction& transaction, const v1::Item& item,
+                                    const std::string& trace_id) {
+  const auto findings = CheckItem(transaction, item);
+  if (!findings.ok()) return UnderField("item", findings.status());
+  MORTISE_RETURN_IF_ERROR(UnderField("item", parametric::ToStatus(*findings)));
+  MORTISE_ASSIGN_OR_RETURN(const int64_t revision,
+                           PutNew(transaction, kItems, item.name(), PayloadOf(item)));
+  MORTISE_RETURN_IF_ERROR(AppendEvent(transaction, "item.created", item.name(),
+                                      {{"title", item.title()}, {"revision", revision}}, trace_id));
+  return GetItem(transaction, item.name());
+}
+
+absl::StatusOr<v1::Item> UpdateItem(store::Transaction& transaction,
+                                    const v1::UpdateItemRequest& request,
+                                    const std::string& trace_id) {
+  MORTISE_RETURN_IF_ERROR(CheckMask(request.update_mask()));
+  absl::StatusOr<v1::Item> present = GetItem(transaction, request.item().name());
+  if (absl::IsInvalidArgument(present.status())) return UnderField("item", present.status());
+  MORTISE_RETURN_IF_ERROR(present.status());
+  if (present->revision() != request.item().revision()) {
+    return StaleRevision(present->name(), request.item().revision(), present->revision());
+  }
+  const v1::Item changed = Merge(*present, request);
+  const auto findings = CheckItem(transaction, changed);
+  if (!findings.ok()) return UnderField("item", findings.status());
+  MORTISE_RETURN_IF_ERROR(UnderField("item", parametric::ToStatus(*findings)));
+  const std::string id = changed.name().substr(std::string(kItems).size() + 1);
+  MORTISE_ASSIGN_OR_RETURN(
+      const int64_t revision,
+      transaction.Put(kItems, id, PayloadOf(changed),
+                      {.expected_revision = present->revision(), .keep_history = true}));
+  MORTISE_RETURN_IF_ERROR(AppendEvent(transaction, "item.updated", changed.name(),
+                                      {{"title", changed.title()}, {"revision", revision}},
+                                      trace_id));
+  return GetItem(transaction, changed.name());
+}
+
+absl::Status DeleteItem(store::Transaction& transaction, const v1::DeleteItemRequest& request,
+                        const std::string& trace_id) {
+  MORTISE_ASSIGN_OR_RETURN(const v1::Item present, GetItem(transaction, request.name()));
+  if (present.revision() != request.revision()) {
+    return StaleRevision(present.name(), request.revision(), present.revision());
+  }
+  MORTISE_ASSIGN_OR_RETURN(const std::vector<std::string> users,
+                           UsersOf(transaction, present.name()));
+  if (!users.empty()) {
+    return PreconditionFailed(
+        "ITEM_IN_USE", "'" + present.name() + "' is used by " + absl::StrJoin(users, ", "), "name");
+  }
+  const std::string id = present.name().substr(std::string(kItems).size() + 1);
+  MORTISE_RETURN_IF_ERROR(transaction.Delete(kItems, id, present.revision()));
+  return AppendEvent(transaction, "item.deleted", present.name(),
+                     {{"revision", present.revision()}}, trace_id);
+}
+
+}  // namespace mortise::catalog

@@ -1,0 +1,59 @@
+// Reads and writes records of any kind.
+#include "services/catalog/record_access.h"
+
+#include <nlohmann/json.hpp>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
+#include "common/base/identifiers.h"
+
+namespace mortise::catalog {
+
+constexpr int kDefaultPageSize = 100;
+constexpr int kMaxPageSize = 1000;
+
+absl::StatusOr<store::Record> GetRecord(store::ReadTransaction& transaction, const char* kind,
+                                        const std::string& name, int64_t revision) {
+  MORTISE_ASSIGN_OR_RETURN(const std::string id, ParseResourceName(name, kind, "name"));
+  if (revision < 0) return InvalidField("revision", "must be at least 0");
+  absl::StatusOr<store::Record> record =
+      revision == 0 ? transaction.Get(kind, id) : transaction.GetRevision(kind, id, revision);
+  if (absl::IsNotFound(record.status())) {
+    return ResourceNotFound(revision == 0 ? name : absl::StrCat(name, "/revisions/", revision));
+  }
+  return record;
+}
+
+absl::StatusOr<store::ListOptions> PageOptions(int page_size, const std::string& page_token) {
+  if (page_size < 0 || page_size > kMaxPageSize) {
+    return InvalidField("page_size", absl::StrCat("must be 0 to ", kMaxPageSize));
+  }
+  if (!page_token.empty() && !IsResourceId(page_token)) {
+    return InvalidField("page_token", "is not one that this method gave");
+  }
+  store::ListOptions options;
+  options.after_key = page_token;
+  options.limit = (page_size == 0 ? kDefaultPageSize : page_size) + 1;
+  return options;
+}
+
+absl::StatusOr<int64_t> PutNew(store::Transaction& transaction, const char* kind,
+                               const std::string& name, const std::string& payload) {
+  MORTISE_ASSIGN_OR_RETURN(const std::string id, ParseResourceName(name, kind, "name"));
+  absl::StatusOr<int64_t> revision =
+      transaction.Put(kind, id, payload, {.expected_revision = 0, .keep_history = false});
+  if (absl::IsAborted(revision.status()) &&
+      DetailOf(revision.status()).reason == "STALE_REVISION") {
+    return ResourceExists(name);
+  }
+  return revision;
+}
+
+absl::Status AppendEvent(store::Transaction& transaction, const std::string& type,
+                         const std::string& subject, const nlohmann::json& data,
+                         const std::string& trace_id) {
+  return transaction.AppendEvent(
+      {.type = type, .subject = subject, .payload = data.dump(), .trace_id = trace_id});
+}
+
+}  // namespace mortise::catalog

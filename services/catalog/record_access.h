@@ -1,0 +1,36 @@
+// What all kinds of the catalog's records have in common: names, pages, revisions, events.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "common/store/store.h"
+
+namespace mortise::catalog {
+
+// Kinds of records; also the collections of resource names.
+inline constexpr const char* kMaterials = "materials";
+inline constexpr const char* kItems = "items";
+inline constexpr const char* kTemplates = "templates";
+
+// The record of the resource `kind/{id}` (revision 0: the present one). INVALID_ARGUMENT naming
+// "name" or "revision"; NOT_FOUND naming the resource.
+absl::StatusOr<store::Record> GetRecord(store::ReadTransaction& transaction, const char* kind,
+                                        const std::string& name, int64_t revision = 0);
+
+// Options of a List method, one record more than the page holds. INVALID_ARGUMENT naming page_size
+// or page_token.
+absl::StatusOr<store::ListOptions> PageOptions(int page_size, const std::string& page_token);
+
+// Writes a record that must not exist yet. ALREADY_EXISTS naming it.
+absl::StatusOr<int64_t> PutNew(store::Transaction& transaction, const char* kind,
+                               const std::string& name, const std::string& payload);
+
+// Tells what happened; `data` is a JSON object.
+absl::Status AppendEvent(store::Transaction& transaction, const std::string& type,
+                         const std::string& subject, const nlohmann::json& data,
+                         const std::string& trace_id);
+
+}  // namespace mortise::catalog

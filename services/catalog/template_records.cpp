@@ -1,0 +1,139 @@
+// Templates in the store, each revision with the items and materials it was imported with.
+#include <google/protobuf/util/time_util.h>
+
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "absl/time/time.h"
+#include "common/base/errors.h"
+#include "common/base/identifiers.h"
+#include "common/parametric/template_codec.h"
+#include "services/catalog/catalog_records.h"
+#include "services/catalog/record_access.h"
+
+namespace mortise::catalog {
+namespace {
+
+absl::StatusOr<v1::TemplateBundle> BundleOf(const store::Record& record) {
+  v1::TemplateBundle bundle;
+  if (!bundle.ParseFromString(record.payload)) {
+    return StorageFailed("templates/" + record.key, "the record cannot be read");
+  }
+  bundle.mutable_template_()->set_revision(record.revision);
+  return bundle;
+}
+
+// Names are what people write: one that is malformed counts as one that does not exist.
+bool IsMissing(const absl::Status& status) {
+  return absl::IsNotFound(status) || absl::IsInvalidArgument(status);
+}
+
+std::set<std::string> ItemNames(const v1::Template& message) {
+  std::set<std::string> names;
+  for (const v1::PartTemplate& part : message.parts()) names.insert(part.item());
+  for (const v1::Connection& connection : message.connections()) names.insert(connection.item());
+  return names;
+}
+
+// The revision of the latest template; 0 if there is none.
+absl::StatusOr<store::Record> LatestOrNone(store::ReadTransaction& transaction,
+                                           const std::string& name) {
+  absl::StatusOr<store::Record> record = GetRecord(transaction, kTemplates, name);
+  if (absl::IsNotFound(record.status())) return store::Record{};
+  if (absl::IsInvalidArgument(record.status())) return UnderField("template", record.status());
+  return record;
+}
+
+}  // namespace
+
+absl::StatusOr<v1::TemplateBundle> GetBundle(store::ReadTransaction& transaction,
+                                             const std::string& name, int64_t revision) {
+  MORTISE_ASSIGN_OR_RETURN(const store::Record record,
+                           GetRecord(transaction, kTemplates, name, revision));
+  return BundleOf(record);
+}
+
+absl::StatusOr<Page<v1::Template>> ListTemplates(store::ReadTransaction& transaction, int page_size,
+                                                 const std::string& page_token) {
+  MORTISE_ASSIGN_OR_RETURN(const store::ListOptions options, PageOptions(page_size, page_token));
+  MORTISE_ASSIGN_OR_RETURN(const std::vector<store::Record> records,
+                           transaction.List(kTemplates, options));
+  Page<v1::Template> page;
+  for (const store::Record& record : records) {
+    if (static_cast<int>(page.entries.size()) + 1 == options.limit) {
+      page.next_page_token = records[page.entries.size() - 1].key;
+      break;
+    }
+    MORTISE_ASSIGN_OR_RETURN(v1::TemplateBundle bundle, BundleOf(record));
+    v1::Template summary = std::move(*bundle.mutable_template_());
+    summary.clear_parts();
+    summary.clear_connections();
+    summary.clear_boundary_conditions();
+    page.entries.push_back(std::move(summary));
+  }
+  return page;
+}
+
+absl::StatusOr<v1::TemplateBundle> Freeze(store::ReadTransaction& transaction,
+                                          const v1::Template& message) {
+  v1::TemplateBundle bundle;
+  *bundle.mutable_template_() = message;
+  std::set<std::string> material_names;
+  for (const std::string& name : ItemNames(message)) {
+    absl::StatusOr<v1::Item> item = GetItem(transaction, name);
+    if (IsMissing(item.status())) continue;
+    MORTISE_RETURN_IF_ERROR(item.status());
+    material_names.insert(item->material());
+    *bundle.add_items() = *std::move(item);
+  }
+  for (const std::string& name : material_names) {
+    absl::StatusOr<v1::Material> material = GetMaterial(transaction, name);
+    if (IsMissing(material.status())) continue;
+    MORTISE_RETURN_IF_ERROR(material.status());
+    *bundle.add_materials() = *std::move(material);
+  }
+  bundle.mutable_template_()->clear_revision();
+  bundle.mutable_template_()->clear_create_time();
+  bundle.mutable_template_()->set_digest(parametric::BundleDigest(bundle));
+  return bundle;
+}
+
+absl::Status CheckBundle(const v1::TemplateBundle& bundle) {
+  const auto converted = parametric::FromProto(bundle);
+  if (!converted.ok()) return converted.status();
+  return UnderField("template", parametric::ToStatus(parametric::ValidateTemplate(*converted)));
+}
+
+absl::StatusOr<v1::Template> ImportBundle(store::Transaction& transaction,
+                                          v1::TemplateBundle bundle, int64_t expected_revision,
+                                          const std::string& trace_id) {
+  v1::Template& message = *bundle.mutable_template_();
+  MORTISE_ASSIGN_OR_RETURN(const store::Record latest, LatestOrNone(transaction, message.name()));
+  if (latest.revision != expected_revision) {
+    return StaleRevision(message.name(), expected_revision, latest.revision);
+  }
+  if (latest.revision > 0) {
+    MORTISE_ASSIGN_OR_RETURN(v1::TemplateBundle present, BundleOf(latest));
+    if (present.template_().digest() == message.digest()) {
+      return std::move(*present.mutable_template_());
+    }
+  }
+  *message.mutable_create_time() = google::protobuf::util::TimeUtil::MicrosecondsToTimestamp(
+      absl::ToUnixMicros(transaction.Now()));
+  MORTISE_ASSIGN_OR_RETURN(const std::string id,
+                           ParseResourceName(message.name(), kTemplates, "template.name"));
+  MORTISE_ASSIGN_OR_RETURN(
+      const int64_t revision,
+      transaction.Put(kTemplates, id, bundle.SerializeAsString(),
+                      {.expected_revision = expected_revision, .keep_history = true}));
+  message.set_revision(revision);
+  MORTISE_RETURN_IF_ERROR(AppendEvent(transaction, "template.imported", message.name(),
+                                      {{"title", message.title()},
+                                       {"revision", revision},
+                                       {"digest", message.digest()},
+                                       {"parts", message.parts_size()}},
+                                      trace_id));
+  return std::move(message);
+}
+
+}  // namespace mortise::catalog
