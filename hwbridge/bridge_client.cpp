@@ -107,6 +107,7 @@ class BridgeClient::Line {
     {
       const std::lock_guard lock(shared_.mutex);
       if (std::exchange(shared_.attached, true)) return;
+      shared_.changed.notify_all();
     }
     Log(LogLevel::kInfo, "attached to the fabplanner", {{"gateway", shared_.options.gateway}});
     if (shared_.options.on_attached) shared_.options.on_attached();
@@ -220,24 +221,26 @@ void BridgeClient::NotifyChange() {
   shared_->changed.notify_all();
 }
 
-void BridgeClient::Run(WorkOrderRunner& runner, std::stop_token stop) {
-  // Watches the line apart from dialling, which may block for long on a network that swallows
-  // packets.
-  std::jthread watching([&](std::stop_token ended) {
-    bool held = false;
-    std::unique_lock lock(shared_->mutex);
-    while (!ended.stop_requested()) {
-      const bool lost = !shared_->attached && steady_clock::now() - shared_->detached_since >
-                                                  Seconds(shared_->options.line_lost_after);
-      if (lost && !held) {
-        lock.unlock();
-        runner.Hold("", "the line to the fabplanner is lost");
-        lock.lock();
-      }
-      held = lost;
-      shared_->changed.wait_for(lock, ended, std::chrono::milliseconds(200), [] { return false; });
+// Holds all cuts once whenever the line has been down for too long.
+void BridgeClient::WatchLine(WorkOrderRunner& runner, std::stop_token stop) {
+  const auto attached = [this] { return shared_->attached; };
+  std::unique_lock lock(shared_->mutex);
+  while (!stop.stop_requested()) {
+    const auto deadline = shared_->detached_since + Seconds(shared_->options.line_lost_after);
+    if (!shared_->attached && !shared_->changed.wait_until(lock, stop, deadline, attached) &&
+        !stop.stop_requested()) {
+      lock.unlock();
+      runner.Hold("", "the line to the fabplanner is lost");
+      lock.lock();
+      shared_->changed.wait(lock, stop, attached);
     }
-  });
+    shared_->changed.wait(lock, stop, [this] { return !shared_->attached; });
+  }
+}
+
+void BridgeClient::Run(WorkOrderRunner& runner, std::stop_token stop) {
+  // Apart from dialling, which may block for long on a network that swallows packets.
+  std::jthread watching([&](std::stop_token ended) { WatchLine(runner, ended); });
   std::minstd_rand random(std::random_device{}());
   double delay = shared_->options.first_delay;
   while (!stop.stop_requested()) {

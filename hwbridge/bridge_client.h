@@ -47,6 +47,7 @@ class BridgeClient {
   class Line;
   struct Shared;
   explicit BridgeClient(std::unique_ptr<Shared> shared);
+  void WatchLine(WorkOrderRunner& runner, std::stop_token stop);
 
   std::unique_ptr<Shared> shared_;
 };

@@ -27,7 +27,7 @@ struct Settings {
   std::vector<std::string> machines;
   double scan_period = 0.05;        // s
   double answer_timeout = 0.5;      // s
-  double machine_lost_after = 1.5;  // s
+  double machine_lost_after = 3.0;  // s
   double online_patience = 5.0;     // s
   bool adopt_numbers = false;
 };

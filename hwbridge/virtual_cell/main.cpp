@@ -25,7 +25,7 @@ namespace {
 struct Settings {
   CellServer::Options server;
   FaultyMemory::Options faults;
-  double heartbeat_timeout = 2.0;  // s
+  double heartbeat_timeout = 5.0;  // s
   std::string state = "virtual-cell";
   std::string journal;
   std::string port_file;
