@@ -213,7 +213,7 @@ void TakeFaces(const tetgenio& output, const AssemblySurface& assembly, Tetrahed
 double DefaultElementSize(const AssemblySurface& assembly) {
   Eigen::AlignedBox3d box;
   for (Eigen::Index v = 0; v < assembly.vertices.cols(); ++v) box.extend(assembly.vertices.col(v));
-  const double by_extent = box.diagonal().norm() / 20;
+  const double by_extent = box.diagonal().norm() / 12;
   const double by_volume = std::cbrt(TotalVolume(assembly) * 6 * std::numbers::sqrt2 / 20000);
   return std::max(by_extent, by_volume);
 }

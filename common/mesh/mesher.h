@@ -15,7 +15,7 @@ struct MeshOptions {
   // Largest allowed ratio of an element's circumradius to its shortest edge. The regular
   // tetrahedron has 0.61; smaller limits give rounder and more elements. Flat boards need a
   // generous limit, or their thickness dictates the size of every element. At least 1.1.
-  double radius_edge_ratio = 2.0;
+  double radius_edge_ratio = 4.0;
 
   // Smallest wanted angle between two faces of an element, rad; not guaranteed near sharp edges.
   double minimum_dihedral = 0.09;
@@ -27,7 +27,7 @@ struct MeshOptions {
   int element_limit = 2'000'000;
 };
 
-// A size at which an assembly of boards gets a few thousand elements: a twentieth of the diagonal
+// A size at which an assembly of boards gets a few thousand elements: a twelfth of the diagonal
 // of its bounding box, but not so small that volume alone would ask for more than 20,000.
 double DefaultElementSize(const AssemblySurface& assembly);
 

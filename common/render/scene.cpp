@@ -198,13 +198,13 @@ void DrawColorBar(const ColorBar& bar, const Layout& layout, const RenderOptions
   const auto line = [&](int y) {
     for (int x = 0; x < static_cast<int>(kBarWidth) + 5; ++x) image.Set(left + x, y, kInk);
   };
-  constexpr int kSteps = 5;
-  for (int i = 0; i <= kSteps; ++i) {
-    const double share = static_cast<double>(i) / kSteps;
+  const double span = bar.maximum - bar.minimum;
+  for (const double tick : NiceTicks(bar.minimum, bar.maximum, 6)) {
+    const double share = span > 0 ? (tick - bar.minimum) / span : 0;
     const int y = top + static_cast<int>(std::lround((1 - share) * (rows - 1)));
     line(y);
     DrawText(image, left + kBarWidth + 9, y - 0.5 * kTextHeight, kTextHeight, kInk,
-             ShortNumber(bar.minimum + share * (bar.maximum - bar.minimum), 3));
+             ShortNumber(tick, 3));
   }
   DrawText(image, left, top - 2.2 * kTextHeight, kTextHeight, kInk, bar.title);
 }

@@ -73,15 +73,14 @@ absl::StatusOr<std::string> DrawStress(const DesignAnalysis& analysis, const std
     shape.scalars = solution.von_mises / kMegapascal;
     shape.edge_width = 1.0;
     scene.shapes.push_back(shape);
-
-    render::Shape ghost;
-    ghost.vertices = volume.nodes;
-    ghost.triangles = shape.triangles;
-    ghost.filled = false;
-    ghost.edge_width = 0.8;
-    ghost.edge_color = {0.62, 0.64, 0.68};
-    scene.shapes.push_back(ghost);
   }
+  render::Shape ghost;
+  ghost.vertices = volume.nodes;
+  ghost.triangles = mesh::OuterTriangles(volume);
+  ghost.filled = false;
+  ghost.edge_width = 0.8;
+  ghost.edge_color = {0.62, 0.64, 0.68};
+  scene.shapes.push_back(ghost);
   scene.color_bar = render::ColorBar{0, stress_scale / kMegapascal, "von Mises (MPa)"};
   scene.title = title;
   scene.footnote =

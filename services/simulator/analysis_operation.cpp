@@ -1,0 +1,161 @@
+#include "services/simulator/analysis_operation.h"
+
+#include <condition_variable>
+#include <mutex>
+#include <optional>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
+#include "common/jobs/bell.h"
+#include "common/jobs/operations.h"
+#include "common/parametric/template_codec.h"
+#include "common/rpc/operation_codec.h"
+#include "common/store/store.h"
+#include "services/simulator/design_analysis.h"
+#include "services/simulator/simulator_core.h"
+
+namespace mortise::simulator {
+namespace {
+
+constexpr char kOperationKind[] = "simulator.analysis";
+constexpr absl::Duration kLookForCancel = absl::Milliseconds(100);
+constexpr int kInteractivePriority = 10;  // a person waits for it; batches can wait
+
+// The id at the end of "operations/simulator/{id}": the analysis takes it over, so that a resumed
+// run makes the same one.
+std::string IdOf(const std::string& operation) {
+  return operation.substr(operation.rfind('/') + 1);
+}
+
+// Queues the task and waits until it has finished.
+absl::StatusOr<store::Task> RunTask(SimulatorCore& core, const std::string& key,
+                                    const std::string& payload, jobs::OperationContext& context) {
+  struct Finished {
+    jobs::Bell bell;
+    std::mutex mutex;
+    std::optional<store::Task> task;
+  };
+  auto finished = std::make_shared<Finished>();
+  const int64_t ticket = core.waiters().Add(key, [finished](const store::Task& task, bool) {
+    {
+      const std::lock_guard lock(finished->mutex);
+      finished->task = task;
+    }
+    finished->bell.Ring();
+  });
+  bool was_there = false;
+  const auto queued = core.Enqueue(key, payload, kInteractivePriority, was_there);
+  if (!queued.ok()) {
+    core.waiters().Remove(key, ticket);
+    return queued.status();
+  }
+  if (IsFinished(*queued)) core.waiters().Notify(*queued, was_there);
+  while (true) {
+    {
+      const std::lock_guard lock(finished->mutex);
+      if (finished->task) return *finished->task;
+    }
+    if (context.Cancelled()) {
+      if (core.waiters().Remove(key, ticket)) core.CancelIfQueued(key);
+      return absl::CancelledError("the analysis was cancelled");
+    }
+    finished->bell.Wait(kLookForCancel);
+  }
+}
+
+absl::StatusOr<std::string> Analyse(SimulatorCore& core, jobs::OperationContext& context) {
+  v1::Task task;
+  if (!task.ParseFromString(context.request())) {
+    return absl::InternalError("the stored request cannot be read");
+  }
+  const std::string id = IdOf(context.name());
+  context.ReportProgress({.done = 0, .total = 1, .message = "waiting for a worker"});
+  MORTISE_ASSIGN_OR_RETURN(const store::Task finished, RunTask(core, absl::StrCat("analysis-", id),
+                                                               task.SerializeAsString(), context));
+  MORTISE_RETURN_IF_ERROR(TaskError(finished));
+  v1::ReportTaskRequest report;
+  if (!report.ParseFromString(finished.result)) {
+    return absl::InternalError("the worker's result cannot be read");
+  }
+  v1::Analysis analysis = report.analysis();
+  analysis.set_name(absl::StrCat("analyses/", id));
+  analysis.set_template_(task.subject());
+  analysis.set_template_revision(task.revision());
+  *analysis.mutable_metrics() = report.result().metrics();
+  MORTISE_RETURN_IF_ERROR(context.Transact([&](store::Transaction& transaction) -> absl::Status {
+    const int64_t microseconds = absl::ToUnixMicros(transaction.Now());
+    analysis.mutable_create_time()->set_seconds(microseconds / 1000000);
+    analysis.mutable_create_time()->set_nanos(static_cast<int>(microseconds % 1000000) * 1000);
+    MORTISE_RETURN_IF_ERROR(
+        transaction.Put(kAnalysisKind, id, analysis.SerializeAsString()).status());
+    return transaction.AppendEvent({.type = "analysis.created",
+                                    .subject = analysis.name(),
+                                    .payload = "{}",
+                                    .trace_id = task.trace_id()});
+  }));
+  context.ReportProgress({.done = 1, .total = 1, .message = "analysed"});
+  return rpc::PackResult(analysis);
+}
+
+}  // namespace
+
+absl::StatusOr<v1::Task> PrepareAnalysis(SimulatorCore& core, const v1::AnalyzeDesignRequest& asked,
+                                         const rpc::Origin& origin) {
+  if (asked.mesh().element_size() < 0) {
+    return InvalidField("mesh.element_size", "must be positive, or 0 for the default");
+  }
+  absl::StatusOr<std::shared_ptr<const CompiledTemplate>> compiled =
+      core.templates().Get(asked.template_(), asked.template_revision(), origin);
+  if (!compiled.ok() && DetailOf(compiled.status()).field == "subject") {
+    return InvalidField("template", std::string(compiled.status().message()));
+  }
+  MORTISE_RETURN_IF_ERROR(compiled.status());
+  MORTISE_ASSIGN_OR_RETURN(
+      const Eigen::VectorXd parameters,
+      (*compiled)->function.Complete(parametric::FromProto(asked.parameters())));
+  // Fails at once, with the field, where the geometry is impossible.
+  MORTISE_RETURN_IF_ERROR((*compiled)->function.Evaluate(parameters).status());
+  v1::Task task;
+  task.set_evaluator(kSimulatorQueue);
+  task.set_subject((*compiled)->name);
+  task.set_revision((*compiled)->revision);
+  task.set_digest((*compiled)->digest);
+  for (const double value : parameters) task.mutable_point()->add_parameters(value);
+  for (const MetricDescription& metric : OfferedMetrics()) task.add_metrics(metric.name);
+  task.set_fields(true);
+  *task.mutable_mesh() = asked.mesh();
+  return task;
+}
+
+absl::StatusOr<v1::Operation> StartAnalysis(jobs::Operations& operations, const v1::Task& task,
+                                            const rpc::Identity& caller,
+                                            store::Transaction& transaction) {
+  MORTISE_ASSIGN_OR_RETURN(const jobs::Operation operation,
+                           operations.Start(transaction, {.kind = kOperationKind,
+                                                          .request = task.SerializeAsString(),
+                                                          .subject = task.subject(),
+                                                          .request_id = caller.request_id,
+                                                          .creator = caller.subject}));
+  return rpc::ToProto(operation);
+}
+
+void RegisterAnalysis(jobs::Operations& operations, const std::shared_ptr<SimulatorCore>& core) {
+  operations.Register(kOperationKind,
+                      [core](jobs::OperationContext& context) { return Analyse(*core, context); });
+}
+
+absl::StatusOr<v1::Analysis> ReadAnalysis(store::Store& store, const std::string& id) {
+  v1::Analysis analysis;
+  const absl::Status status = store.Read([&](store::ReadTransaction& read) -> absl::Status {
+    MORTISE_ASSIGN_OR_RETURN(const store::Record record, read.Get(kAnalysisKind, id));
+    if (!analysis.ParseFromString(record.payload)) {
+      return StorageFailed("analyses/" + id, "the record cannot be read");
+    }
+    return absl::OkStatus();
+  });
+  if (absl::IsNotFound(status)) return ResourceNotFound("analyses/" + id);
+  if (!status.ok()) return status;
+  return analysis;
+}
+
+}  // namespace mortise::simulator

@@ -1,0 +1,111 @@
+#include "services/simulator/evaluation_tasks.h"
+
+#include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
+#include "common/rpc/status_mapping.h"
+#include "google/rpc/status.pb.h"
+
+namespace mortise::simulator {
+
+bool IsFinished(const store::Task& task) {
+  return task.state != store::TaskState::kQueued && task.state != store::TaskState::kLeased;
+}
+
+bool IsTransient(const absl::Status& status) {
+  switch (status.code()) {
+    case absl::StatusCode::kUnavailable:
+    case absl::StatusCode::kAborted:
+    case absl::StatusCode::kCancelled:
+    case absl::StatusCode::kDeadlineExceeded:
+    case absl::StatusCode::kUnauthenticated:
+      return true;
+    default:
+      return false;
+  }
+}
+
+absl::StatusOr<store::Task> FindOrEnqueue(store::Transaction& transaction, const std::string& key,
+                                          const std::string& payload, int priority,
+                                          bool& was_there) {
+  absl::StatusOr<store::Task> task = transaction.GetTask(kSimulatorQueue, key);
+  if (!task.ok() && !absl::IsNotFound(task.status())) return task.status();
+  if (task.ok()) {
+    const bool again = task->state == store::TaskState::kCancelled ||
+                       (task->state == store::TaskState::kFailed && IsTransient(TaskError(*task)));
+    was_there = task->state == store::TaskState::kSucceeded;
+    if (!again) return task;
+    MORTISE_RETURN_IF_ERROR(transaction.DeleteTask(kSimulatorQueue, key));
+  }
+  was_there = false;
+  MORTISE_RETURN_IF_ERROR(transaction.EnqueueTask(
+      {.queue = kSimulatorQueue, .key = key, .payload = payload, .priority = priority}));
+  return transaction.GetTask(kSimulatorQueue, key);
+}
+
+int64_t TaskWaiters::Add(const std::string& key, Callback callback) {
+  const std::lock_guard lock(mutex_);
+  const int64_t ticket = next_ticket_++;
+  callbacks_[key][ticket] = std::move(callback);
+  return ticket;
+}
+
+bool TaskWaiters::Remove(const std::string& key, int64_t ticket) {
+  const std::lock_guard lock(mutex_);
+  const auto found = callbacks_.find(key);
+  if (found == callbacks_.end() || found->second.erase(ticket) == 0) return false;
+  if (!found->second.empty()) return false;
+  callbacks_.erase(found);
+  return true;
+}
+
+void TaskWaiters::Notify(const store::Task& task, bool known_before) {
+  std::map<int64_t, Callback> callbacks;
+  {
+    const std::lock_guard lock(mutex_);
+    const auto found = callbacks_.find(task.key);
+    if (found == callbacks_.end()) return;
+    callbacks = std::move(found->second);
+    callbacks_.erase(found);
+  }
+  for (const auto& [ticket, callback] : callbacks) callback(task, known_before);
+}
+
+std::vector<std::string> TaskWaiters::Keys() const {
+  const std::lock_guard lock(mutex_);
+  std::vector<std::string> keys;
+  for (const auto& [key, callbacks] : callbacks_) keys.push_back(key);
+  return keys;
+}
+
+std::string EncodeError(const absl::Status& status) {
+  return rpc::ToProto(status).SerializeAsString();
+}
+
+absl::Status DecodeError(const std::string& bytes) {
+  google::rpc::Status message;
+  if (!message.ParseFromString(bytes) || message.code() == 0) {
+    return absl::InternalError(absl::StrCat("the task failed: ", bytes));
+  }
+  return rpc::FromProto(message);
+}
+
+absl::Status TaskError(const store::Task& task) {
+  switch (task.state) {
+    case store::TaskState::kSucceeded:
+      return absl::OkStatus();
+    case store::TaskState::kFailed:
+      return DecodeError(task.error);
+    case store::TaskState::kQuarantined:
+      return PreconditionFailed(
+          "QUARANTINED",
+          absl::StrCat("the evaluation ended ", task.attempt,
+                       " workers without a report and was put aside as tasks/", task.key),
+          absl::StrCat("tasks/", task.key));
+    case store::TaskState::kCancelled:
+      return absl::CancelledError("nobody wanted the evaluation any more");
+    default:
+      return absl::InternalError("the task has not finished");
+  }
+}
+
+}  // namespace mortise::simulator

@@ -1,0 +1,64 @@
+// Evaluations as tasks in the store: queued once for each content, shared by all who ask, waited
+// for.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "common/store/store.h"
+
+namespace mortise::simulator {
+
+// The queue of our own evaluator, in the store and in LeaseTasks.
+inline constexpr char kSimulatorQueue[] = "simulator";
+
+// Whether the task will not change any more.
+bool IsFinished(const store::Task& task);
+
+// Whether a failure may pass by itself, so that the work is worth another try.
+bool IsTransient(const absl::Status& status);
+
+// The task under `key`, queued by this call if it was not there. One that failed for a passing
+// reason, or was cancelled, is queued afresh. `was_there` tells whether its result, if it has one,
+// was computed before.
+absl::StatusOr<store::Task> FindOrEnqueue(store::Transaction& transaction, const std::string& key,
+                                          const std::string& payload, int priority,
+                                          bool& was_there);
+
+// Who waits for which task. Thread safe.
+class TaskWaiters {
+ public:
+  // `known_before`: the result is older than the question.
+  using Callback = std::function<void(const store::Task& task, bool known_before)>;
+
+  // `callback` is called once with the finished task, on whichever thread learns of it.
+  int64_t Add(const std::string& key, Callback callback);
+
+  // Forgets a waiter; true if nobody else waits for its task.
+  bool Remove(const std::string& key, int64_t ticket);
+
+  // Hands a finished task to all who wait for it.
+  void Notify(const store::Task& task, bool known_before);
+
+  // The tasks waited for.
+  std::vector<std::string> Keys() const;
+
+ private:
+  mutable std::mutex mutex_;
+  int64_t next_ticket_ = 1;                                       // guarded by mutex_
+  std::map<std::string, std::map<int64_t, Callback>> callbacks_;  // guarded by mutex_
+};
+
+// A status as bytes for the store's error column, and back; unknown bytes become INTERNAL.
+std::string EncodeError(const absl::Status& status);
+absl::Status DecodeError(const std::string& bytes);
+
+// Why a finished task has no result; OK if it has.
+absl::Status TaskError(const store::Task& task);
+
+}  // namespace mortise::simulator

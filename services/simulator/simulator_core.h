@@ -1,0 +1,67 @@
+// What the adapters of one simulator process share: the queue, who waits for it, the catalog.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "absl/time/time.h"
+#include "common/rpc/run_service.h"
+#include "services/simulator/evaluation_tasks.h"
+#include "services/simulator/template_source.h"
+
+namespace mortise::simulator {
+
+// Thread safe. Lives as long as anything that holds it.
+class SimulatorCore : public std::enable_shared_from_this<SimulatorCore> {
+ public:
+  static absl::StatusOr<std::shared_ptr<SimulatorCore>> Create(
+      const rpc::ServiceEnvironment& environment);
+
+  store::Store* store() const { return store_; }
+  rpc::Dispatcher* dispatcher() const { return dispatcher_; }
+  TaskWaiters& waiters() { return waiters_; }
+  TemplateSource& templates() { return *templates_; }
+
+  // Calls made in the background, as this service.
+  rpc::Origin OwnOrigin(const std::string& trace_id, absl::Duration timeout) const;
+
+  // Queues a task or finds it; a queued one wakes waiting workers. See FindOrEnqueue.
+  absl::StatusOr<store::Task> Enqueue(const std::string& key, const std::string& payload,
+                                      int priority, bool& was_there);
+
+  // Cancels a task that still waits for a worker.
+  void CancelIfQueued(const std::string& key);
+
+  // Leases tasks, puts aside poisonous ones and tells those who wait for them.
+  absl::StatusOr<std::vector<store::Task>> Lease(const std::string& queue,
+                                                 const std::string& worker, int limit,
+                                                 absl::Duration lease);
+
+  // Calls `attempt` when there may be work, until it returns true; it must be quick.
+  void WhenWork(std::function<bool()> attempt);
+
+  // Tells of work, and asks those who wait for it.
+  void WakeWorkers();
+
+  // Begins the regular look at the store: for results that another replica took, for leases that
+  // ran out. It ends with the core.
+  void KeepWatching();
+
+ private:
+  explicit SimulatorCore(const rpc::ServiceEnvironment& environment);
+  void LookAtStore();
+
+  store::Store* const store_;
+  rpc::Dispatcher* const dispatcher_;
+  const rpc::IdentitySigner* const signer_;
+  std::unique_ptr<TemplateSource> templates_;
+  TaskWaiters waiters_;
+  std::mutex mutex_;
+  std::vector<std::function<bool()>> idle_workers_;  // guarded by mutex_
+};
+
+}  // namespace mortise::simulator

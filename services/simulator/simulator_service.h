@@ -1,0 +1,16 @@
+// The simulator over gRPC: SimulatorService and EvaluatorService of one process.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "common/rpc/run_service.h"
+
+namespace mortise::simulator {
+
+// Needs --peer catalog=ADDRESS.
+absl::StatusOr<std::vector<std::shared_ptr<grpc::Service>>> MakeServices(
+    rpc::ServiceEnvironment& environment);
+
+}  // namespace mortise::simulator

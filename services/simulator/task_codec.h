@@ -1,0 +1,12 @@
+// Tasks of the store as messages of mortise/v1/simulator.proto.
+#pragma once
+
+#include "common/store/types.h"
+#include "mortise/v1/simulator.pb.h"
+
+namespace mortise::simulator {
+
+// The task's payload (a serialised v1.Task without its name) with name, attempt, lease and state.
+v1::Task ToProto(const store::Task& task);
+
+}  // namespace mortise::simulator

@@ -1,0 +1,101 @@
+#include "services/simulator/task_evaluation.h"
+
+#include <exception>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
+#include "common/rpc/status_mapping.h"
+#include "services/simulator/analysis_report.h"
+#include "services/simulator/design_analysis.h"
+#include "services/simulator/template_model.h"
+
+namespace mortise::simulator {
+namespace {
+
+v1::Vector3 ToProto(const Eigen::Vector3d& vector) {
+  v1::Vector3 message;
+  message.set_x(vector.x());
+  message.set_y(vector.y());
+  message.set_z(vector.z());
+  return message;
+}
+
+void FillAnalysis(const DesignAnalysis& analysis, const parametric::EvaluatedDesign& design,
+                  v1::Analysis& message) {
+  const ElasticitySummary& summary = analysis.solution->summary;
+  for (const parametric::NamedValue& value : design.parameters) {
+    auto* parameter = message.add_parameters();
+    parameter->set_name(value.name);
+    parameter->set_value(value.value);
+  }
+  *message.mutable_total_load() = ToProto(summary.total_load);
+  *message.mutable_total_reaction() = ToProto(summary.total_reaction);
+  message.set_nodes(summary.nodes);
+  message.set_elements(summary.elements);
+  message.set_unknowns(summary.cholesky.unknowns);
+  message.set_seconds(analysis.seconds);
+}
+
+absl::Status Evaluate(TemplateSource& templates, const v1::Task& task, const rpc::Origin& origin,
+                      TaskOutcome& outcome) {
+  MORTISE_ASSIGN_OR_RETURN(
+      const auto compiled,
+      templates.GetByDigest(task.subject(), task.revision(), task.digest(), origin));
+  const Eigen::VectorXd parameters = Eigen::Map<const Eigen::VectorXd>(
+      task.point().parameters().data(), task.point().parameters_size());
+  MORTISE_ASSIGN_OR_RETURN(const parametric::EvaluatedDesign design,
+                           compiled->function.Evaluate(parameters));
+  MORTISE_ASSIGN_OR_RETURN(const DesignModel model,
+                           MakeDesignModel(compiled->function.bundle(), design));
+  const std::vector<std::string> metrics(task.metrics().begin(), task.metrics().end());
+  DesignAnalysisOptions options;
+  options.mesh.element_size = task.mesh().element_size();
+  options.mesh.quadratic = !task.mesh().linear();
+  MORTISE_ASSIGN_OR_RETURN(const DesignAnalysis analysis,
+                           AnalyzeDesign(model, metrics, task.fields(), options));
+  v1::EvaluationResult& result = *outcome.report.mutable_result();
+  for (const Metric& metric : analysis.metrics) {
+    v1::Metric* message = result.add_metrics();
+    message->set_name(metric.name);
+    message->set_unit(metric.unit);
+    message->set_value(metric.value);
+  }
+  if (task.gradients()) {
+    MORTISE_ASSIGN_OR_RETURN(const std::vector<MetricGradient> gradients,
+                             MetricGradients(compiled->function, parameters, metrics));
+    for (const MetricGradient& gradient : gradients) {
+      v1::Gradient* message = result.add_gradients();
+      message->set_metric(gradient.metric);
+      for (const double value : gradient.values) message->add_values(value);
+    }
+  }
+  if (!task.fields()) return absl::OkStatus();
+  FillAnalysis(analysis, design, *outcome.report.mutable_analysis());
+  MORTISE_ASSIGN_OR_RETURN(std::string fields, WriteFields(analysis));
+  outcome.files.push_back({"analysis.vtu", "model/vnd.vtu", std::move(fields)});
+  MORTISE_ASSIGN_OR_RETURN(std::string picture,
+                           DrawStress(analysis, compiled->function.bundle().definition.title));
+  outcome.files.push_back({"stress.png", "image/png", std::move(picture)});
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+TaskOutcome EvaluateTask(TemplateSource& templates, const v1::Task& task,
+                         const rpc::Origin& origin) {
+  TaskOutcome outcome;
+  absl::Status status = absl::OkStatus();
+  try {
+    status = Evaluate(templates, task, origin, outcome);
+  } catch (const std::bad_alloc&) {
+    status = TooLarge("the evaluation", "the memory at hand");
+  } catch (const std::exception& error) {
+    status = absl::InternalError(absl::StrCat("the evaluation failed: ", error.what()));
+  }
+  if (status.ok()) return outcome;
+  outcome = TaskOutcome();
+  *outcome.report.mutable_result()->mutable_error() = rpc::ToProto(status);
+  return outcome;
+}
+
+}  // namespace mortise::simulator

@@ -1,0 +1,54 @@
+// Template revisions from the catalog, compiled, and kept by their content.
+#pragma once
+
+#include <cstdint>
+#include <list>
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "common/parametric/evaluation.h"
+#include "common/rpc/channel.h"
+
+namespace mortise::simulator {
+
+// A template revision ready for evaluation.
+struct CompiledTemplate {
+  std::string name;  // templates/{id}
+  int64_t revision = 0;
+  std::string digest;  // of its content and of the items and materials it uses
+  parametric::TemplateFunction function;
+};
+
+// Thread safe.
+class TemplateSource {
+ public:
+  // `capacity`: how many revisions are kept, the least recently used forgotten first.
+  TemplateSource(std::shared_ptr<grpc::Channel> catalog, std::size_t capacity);
+
+  // The revision, or the latest for 0. Asks the catalog; compiles only what it has not seen.
+  // INVALID_ARGUMENT naming "subject" for a malformed name; NOT_FOUND; UNAVAILABLE.
+  absl::StatusOr<std::shared_ptr<const CompiledTemplate>> Get(const std::string& name,
+                                                              int64_t revision,
+                                                              const rpc::Origin& origin);
+
+  // The same revision as a task names it; without a question to the catalog if its content is
+  // known. FAILED_PRECONDITION, TEMPLATE_CHANGED if items or materials have changed since.
+  absl::StatusOr<std::shared_ptr<const CompiledTemplate>> GetByDigest(const std::string& name,
+                                                                      int64_t revision,
+                                                                      const std::string& digest,
+                                                                      const rpc::Origin& origin);
+
+ private:
+  std::shared_ptr<const CompiledTemplate> Find(const std::string& name, int64_t revision,
+                                               const std::string& digest);
+  void Keep(const std::shared_ptr<const CompiledTemplate>& compiled);
+
+  const std::shared_ptr<grpc::Channel> catalog_;
+  const std::size_t capacity_;
+  std::mutex mutex_;
+  std::list<std::shared_ptr<const CompiledTemplate>> kept_;  // guarded by mutex_; latest first
+};
+
+}  // namespace mortise::simulator

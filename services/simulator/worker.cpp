@@ -1,0 +1,162 @@
+#include "services/simulator/worker.h"
+
+#include <grpcpp/grpcpp.h>
+
+#include <algorithm>
+#include <condition_variable>
+#include <mutex>
+#include <thread>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
+#include "common/base/logging.h"
+#include "common/rpc/status_mapping.h"
+#include "mortise/v1/simulator.grpc.pb.h"
+#include "services/simulator/task_evaluation.h"
+#include "services/simulator/template_source.h"
+
+namespace mortise::simulator {
+namespace {
+
+using Stub = v1::SimulatorService::Stub;
+
+constexpr std::size_t kTemplatesKept = 32;
+constexpr absl::Duration kCallTimeout = absl::Seconds(30);
+constexpr absl::Duration kReportPatience = absl::Minutes(2);
+
+// Renews the lease of one task until it goes away.
+class LeaseKeeper {
+ public:
+  LeaseKeeper(const WorkerOptions& options, Stub& stub, const v1::Task& task)
+      : options_(options), stub_(stub), task_(task), thread_([this] { Run(); }) {}
+
+  ~LeaseKeeper() {
+    {
+      const std::lock_guard lock(mutex_);
+      done_ = true;
+    }
+    changed_.notify_all();
+    thread_.join();
+  }
+
+ private:
+  void Run() {
+    std::unique_lock lock(mutex_);
+    while (!changed_.wait_for(lock, absl::ToChronoNanoseconds(options_.lease / 3),
+                              [this] { return done_; })) {
+      lock.unlock();
+      v1::RenewLeasesRequest request;
+      request.set_worker(options_.name);
+      request.set_lease_seconds(absl::ToDoubleSeconds(options_.lease));
+      request.add_tasks()->set_name(task_.name());
+      request.mutable_tasks(0)->set_attempt(task_.attempt());
+      const auto renewed = rpc::CallUnary<Stub, v1::RenewLeasesRequest, v1::RenewLeasesResponse>(
+          stub_, &Stub::RenewLeases, request,
+          rpc::OwnOrigin(options_.signer, rpc::Role::kDesigner, task_.trace_id(),
+                         options_.lease / 3));
+      if (!renewed.ok()) {
+        Log(LogLevel::kWarning, "a lease was not renewed",
+            {{"task", task_.name()}, {"error", renewed.status().message()}});
+      }
+      lock.lock();
+    }
+  }
+
+  const WorkerOptions& options_;
+  Stub& stub_;
+  const v1::Task& task_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  bool done_ = false;  // guarded by mutex_
+  std::thread thread_;
+};
+
+absl::StatusOr<std::string> Upload(const WorkerOptions& options, Stub& stub,
+                                   const std::string& trace_id, const std::string& bytes) {
+  constexpr std::size_t kChunk = 512 * 1024;
+  const auto context = rpc::MakeClientContext(
+      rpc::OwnOrigin(options.signer, rpc::Role::kDesigner, trace_id, absl::Minutes(5)));
+  v1::UploadBlobResponse response;
+  const auto writer = stub.UploadBlob(context.get(), &response);
+  for (std::size_t offset = 0; offset == 0 || offset < bytes.size(); offset += kChunk) {
+    v1::Chunk chunk;
+    chunk.set_offset(static_cast<int64_t>(offset));
+    chunk.set_data(bytes.substr(offset, kChunk));
+    if (offset == 0) chunk.set_total_size(static_cast<int64_t>(bytes.size()));
+    if (!writer->Write(chunk)) break;
+  }
+  writer->WritesDone();
+  MORTISE_RETURN_IF_ERROR(rpc::FromGrpc(writer->Finish()));
+  return response.sha256();
+}
+
+// Uploads the files of an analysis; the report names them by digest.
+absl::Status UploadFiles(const WorkerOptions& options, Stub& stub, const v1::Task& task,
+                         TaskOutcome& outcome) {
+  for (const TaskFile& file : outcome.files) {
+    MORTISE_ASSIGN_OR_RETURN(const std::string sha256,
+                             Upload(options, stub, task.trace_id(), file.bytes));
+    v1::Artifact* artifact = outcome.report.mutable_analysis()->add_artifacts();
+    artifact->set_file_name(file.name);
+    artifact->set_media_type(file.media_type);
+    artifact->set_size(static_cast<int64_t>(file.bytes.size()));
+    artifact->set_sha256(sha256);
+  }
+  return absl::OkStatus();
+}
+
+void WorkOn(const WorkerOptions& options, Stub& stub, TemplateSource& templates,
+            const v1::Task& task) {
+  const TraceScope trace(task.trace_id());
+  const absl::Time start = absl::Now();
+  const LeaseKeeper keeper(options, stub, task);
+  TaskOutcome outcome = EvaluateTask(
+      templates, task,
+      rpc::OwnOrigin(options.signer, rpc::Role::kDesigner, task.trace_id(), kCallTimeout));
+  if (const absl::Status uploaded = UploadFiles(options, stub, task, outcome); !uploaded.ok()) {
+    outcome.report.Clear();
+    *outcome.report.mutable_result()->mutable_error() = rpc::ToProto(uploaded);
+  }
+  outcome.report.mutable_task()->set_name(task.name());
+  outcome.report.mutable_task()->set_attempt(task.attempt());
+  const auto reported = rpc::CallUnary<Stub, v1::ReportTaskRequest, v1::ReportTaskResponse>(
+      stub, &Stub::ReportTask, outcome.report,
+      rpc::OwnOrigin(options.signer, rpc::Role::kDesigner, task.trace_id(), kReportPatience),
+      {.patience = kReportPatience});
+  Log(reported.ok() ? LogLevel::kInfo : LogLevel::kWarning,
+      reported.ok() ? "task reported" : "a report was refused",
+      {{"task", task.name()},
+       {"attempt", task.attempt()},
+       {"seconds", absl::ToDoubleSeconds(absl::Now() - start)},
+       {"outcome",
+        outcome.report.result().has_error() ? outcome.report.result().error().message() : "done"},
+       {"error", reported.ok() ? absl::string_view() : reported.status().message()}});
+}
+
+}  // namespace
+
+void RunWorker(const WorkerOptions& options, const std::atomic<bool>& stop) {
+  const auto stub = v1::SimulatorService::NewStub(options.simulator);
+  TemplateSource templates(options.catalog, kTemplatesKept);
+  v1::LeaseTasksRequest request;
+  request.set_worker(options.name);
+  request.set_limit(1);
+  request.set_lease_seconds(absl::ToDoubleSeconds(options.lease));
+  request.set_wait_seconds(absl::ToDoubleSeconds(options.patience));
+  while (!stop) {
+    const auto leased = rpc::CallUnary<Stub, v1::LeaseTasksRequest, v1::LeaseTasksResponse>(
+        *stub, &Stub::LeaseTasks, request,
+        rpc::OwnOrigin(options.signer, rpc::Role::kDesigner, "", options.patience + kCallTimeout),
+        {.stop = [&stop] { return stop.load(); }});
+    if (!leased.ok()) {
+      if (stop) break;
+      Log(LogLevel::kWarning, "no tasks can be leased", {{"error", leased.status().message()}});
+      // Refusals come at once; a worker that cannot work must not flood the service.
+      if (!absl::IsUnavailable(leased.status())) absl::SleepFor(absl::Seconds(1));
+      continue;
+    }
+    for (const v1::Task& task : leased->tasks()) WorkOn(options, *stub, templates, task);
+  }
+}
+
+}  // namespace mortise::simulator

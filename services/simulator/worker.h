@@ -1,0 +1,30 @@
+// A worker: leases evaluation tasks from the simulator service, computes them in this process, and
+// reports each with the attempt number it was lent under.
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <string>
+
+#include "absl/time/time.h"
+#include "common/rpc/channel.h"
+
+namespace mortise::simulator {
+
+struct WorkerOptions {
+  std::string name;                             // unique among the workers
+  std::shared_ptr<grpc::Channel> simulator;     // where tasks come from
+  std::shared_ptr<grpc::Channel> catalog;       // where templates come from
+  const rpc::IdentitySigner* signer = nullptr;  // null in development; outlives the worker
+  absl::Duration lease = absl::Seconds(30);     // renewed while computing
+  absl::Duration patience = absl::Seconds(2);   // for a task, in one call
+};
+
+// Works until `stop` is set: the task at hand is still finished and reported. A worker holds no
+// state that matters; when it dies its leases run out and others take the tasks.
+void RunWorker(const WorkerOptions& options, const std::atomic<bool>& stop);
+
+// `mortise-simulator --worker`: flags, signals, RunWorker. Returns the exit code.
+int WorkerMain(int argc, char** argv);
+
+}  // namespace mortise::simulator

@@ -1,0 +1,92 @@
+// The main program of a worker process.
+#include <signal.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <thread>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
+#include "common/base/identifiers.h"
+#include "common/base/logging.h"
+#include "common/rpc/service_options.h"
+#include "services/simulator/worker.h"
+
+namespace mortise::simulator {
+namespace {
+
+struct WorkerFlags {
+  bool worker = true;
+  std::string name;
+  double lease_seconds = 30;
+};
+
+// A peer given by --peer, else the gateway, which knows the way to every service.
+absl::StatusOr<std::shared_ptr<grpc::Channel>> ChannelTo(const rpc::ServiceOptions& options,
+                                                         const std::string& peer) {
+  const auto found = options.peers.find(peer);
+  const std::string& address = found == options.peers.end() ? options.gateway : found->second;
+  if (!address.empty()) return rpc::MakeChannel(address, options.security);
+  return InvalidField("peer", absl::StrCat("give --peer ", peer, "=ADDRESS, or --gateway ADDRESS"));
+}
+
+absl::Status Run(const rpc::ServiceOptions& options, const WorkerFlags& flags) {
+  WorkerOptions worker;
+  worker.name = flags.name.empty() ? absl::StrCat("worker-", NewIdentifier()) : flags.name;
+  worker.lease = absl::Seconds(flags.lease_seconds);
+  MORTISE_ASSIGN_OR_RETURN(worker.simulator, ChannelTo(options, "simulator"));
+  MORTISE_ASSIGN_OR_RETURN(worker.catalog, ChannelTo(options, "catalog"));
+  std::unique_ptr<rpc::IdentitySigner> signer;
+  if (!options.insecure_development) {
+    MORTISE_ASSIGN_OR_RETURN(signer, rpc::IdentitySigner::Load(options.keys, options.name));
+    worker.signer = signer.get();
+  }
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGTERM);
+  sigaddset(&signals, SIGINT);
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  signal(SIGPIPE, SIG_IGN);
+  std::atomic<bool> stop = false;
+  Log(LogLevel::kInfo, "working", {{"worker", worker.name}});
+  std::thread work([&] { RunWorker(worker, stop); });
+  int caught = 0;
+  sigwait(&signals, &caught);
+  Log(LogLevel::kInfo, "asked to end; the task at hand is finished first", {{"signal", caught}});
+  stop = true;
+  work.join();
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+int WorkerMain(int argc, char** argv) {
+  WorkerFlags flags;
+  const auto options = rpc::ParseServiceOptions(
+      argc, argv,
+      {.name = "simulator",
+       .title = "A simulator worker: leases evaluation tasks and computes them.",
+       .add_flags = [&flags](CLI::App& app) {
+         app.add_flag("--worker", flags.worker, "work on tasks instead of serving");
+         app.add_option("--worker-name", flags.name, "unique name; made up if empty")
+             ->envname("MORTISE_WORKER_NAME");
+         app.add_option("--lease-seconds", flags.lease_seconds, "how long a task is lent at a time")
+             ->check(CLI::Range(1.0, 3600.0))
+             ->envname("MORTISE_LEASE_SECONDS");
+       }});
+  if (absl::IsCancelled(options.status())) {
+    std::fputs(std::string(options.status().message()).c_str(), stdout);
+    return 0;
+  }
+  const auto fail = [](const absl::Status& status, int code) {
+    std::fprintf(stderr, "mortise-simulator: %s\n", std::string(status.message()).c_str());
+    return code;
+  };
+  if (!options.ok()) return fail(options.status(), 2);
+  ConfigureLogging("simulator-worker", options->log_level);
+  if (const absl::Status status = Run(*options, flags); !status.ok()) return fail(status, 1);
+  return 0;
+}
+
+}  // namespace mortise::simulator
