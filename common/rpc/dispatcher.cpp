@@ -30,6 +30,11 @@ LogLevel LevelOf(const MethodInfo& method, absl::StatusCode code) {
   }
 }
 
+absl::Status ShuttingDown() {
+  return WithDetail(absl::UnavailableError("the server is shutting down; try again elsewhere"),
+                    {"SHUTTING_DOWN", ""});
+}
+
 // Work that waits for its time, on one thread.
 class Timer {
  public:
@@ -128,6 +133,12 @@ class PoolDispatcher : public Dispatcher {
     for (const auto& call : calls) call->Stop();
   }
 
+  bool WaitForCalls(absl::Time deadline) override {
+    std::unique_lock lock(mutex_);
+    return no_calls_.wait_until(lock, absl::ToChronoTime(deadline),
+                                [this] { return calls_.empty(); });
+  }
+
   int calls() const override {
     std::lock_guard lock(mutex_);
     return static_cast<int>(calls_.size());
@@ -143,7 +154,7 @@ class PoolDispatcher : public Dispatcher {
       calls_.insert(call);
     }
     metrics_->Begin();
-    if (draining) call->Stop();
+    if (draining) return ShuttingDown();
     if (!full) return absl::OkStatus();
     return WithDetail(absl::ResourceExhaustedError("too many calls in flight; try again later"),
                       {"TOO_MANY_CALLS", ""});
@@ -153,6 +164,7 @@ class PoolDispatcher : public Dispatcher {
     {
       std::lock_guard lock(mutex_);
       calls_.erase(call);
+      if (calls_.empty()) no_calls_.notify_all();
     }
     const absl::Duration time = absl::Now() - call->begun_at();
     const std::string code = absl::StatusCodeToString(status.code());
@@ -170,6 +182,7 @@ class PoolDispatcher : public Dispatcher {
   const std::unique_ptr<RequestMetrics> metrics_;
   mutable std::mutex mutex_;
   std::condition_variable idle_;
+  std::condition_variable no_calls_;
   std::set<std::shared_ptr<CallState>> calls_;  // guarded by mutex_
   bool draining_ = false;                       // guarded by mutex_
   int64_t submitted_ = 0;                       // guarded by mutex_; queued or running

@@ -54,13 +54,17 @@ class Dispatcher {
   virtual void WaitIdle() = 0;
 
   // Asks waiting calls to answer and endless streams to end (Call::OnStop, StreamOptions::endless),
-  // now and for every later call.
+  // and refuses new calls: UNAVAILABLE, SHUTTING_DOWN.
   virtual void BeginDrain() = 0;
+
+  // Waits until no call is in flight; false if that took until `deadline`.
+  virtual bool WaitForCalls(absl::Time deadline) = 0;
 
   // How many calls are in flight.
   virtual int calls() const = 0;
 
-  // For the wrappers of handler.h: a call begins and ends. Begin fails if there are too many.
+  // For the wrappers of handler.h: a call begins and ends. Begin fails if there are too
+  // many, or the end has begun.
   virtual absl::Status Begin(const std::shared_ptr<CallState>& call) = 0;
   virtual void End(const std::shared_ptr<CallState>& call, const absl::Status& status) = 0;
 };

@@ -21,6 +21,10 @@
 namespace mortise::rpc {
 namespace {
 
+// Once all calls are answered: for answers on their way. gRPC itself would wait for idle clients to
+// close their connections, which those without a thread of their own notice after five seconds.
+constexpr absl::Duration kLastBytes = absl::Milliseconds(200);
+
 absl::Status AddressInUse(const std::string& address) {
   return WithDetail(absl::UnavailableError(absl::StrCat("cannot listen on ", address,
                                                         ": in use, not permitted, or not ours")),
@@ -119,8 +123,13 @@ class Host : public ServerHost {
       if (!server_) return;
       Log(LogLevel::kInfo, "draining", {{"address", address_}});
       SetHealth(false);
-      if (options_.dispatcher) options_.dispatcher->BeginDrain();
-      server_->Shutdown(absl::ToChronoTime(absl::Now() + options_.drain_time));
+      absl::Time deadline = absl::Now() + options_.drain_time;
+      if (options_.dispatcher) {
+        options_.dispatcher->BeginDrain();
+        options_.dispatcher->WaitForCalls(deadline);
+        deadline = absl::Now() + kLastBytes;
+      }
+      server_->Shutdown(absl::ToChronoTime(deadline));
       server_->Wait();
       Log(LogLevel::kInfo, "stopped", {{"address", address_}});
     });

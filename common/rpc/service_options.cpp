@@ -33,12 +33,15 @@ struct Flags {
   double drain_seconds = 10;
 };
 
-// --bus-publish is also MORTISE_BUS_PUBLISH.
+// --bus-publish is also MORTISE_BUS_PUBLISH. Of several values the last counts.
 template <class Value>
 CLI::Option* Add(CLI::App& app, const std::string& flag, Value& value, const std::string& help) {
   const std::string variable =
       "MORTISE_" + absl::AsciiStrToUpper(absl::StrReplaceAll(flag, {{"-", "_"}}));
-  return app.add_option("--" + flag, value, help)->envname(variable)->capture_default_str();
+  return app.add_option("--" + flag, value, help)
+      ->envname(variable)
+      ->capture_default_str()
+      ->take_last();
 }
 
 void AddFlags(CLI::App& app, Flags& flags) {

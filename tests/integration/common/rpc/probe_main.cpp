@@ -1,0 +1,71 @@
+// A service of its own process, to be started, signalled and killed by process_test.
+//
+// Reads answer, and operations end, once the file they name exists.
+#include <grpcpp/grpcpp.h>
+
+#include <filesystem>
+
+#include "absl/time/clock.h"
+#include "common/base/errors.h"
+#include "common/jobs/operations.h"
+#include "common/rpc/operation_codec.h"
+#include "common/rpc/run_service.h"
+#include "tests/unit/common/rpc/probe_service.h"
+
+namespace mortise::testing {
+namespace {
+
+void AwaitFile(const std::string& path, const std::function<bool()>& stop) {
+  while (!std::filesystem::exists(path) && !stop()) absl::SleepFor(absl::Milliseconds(5));
+}
+
+class Probe {
+ public:
+  absl::StatusOr<std::vector<std::shared_ptr<grpc::Service>>> MakeServices(
+      rpc::ServiceEnvironment& environment) {
+    jobs::Operations* operations = environment.operations;
+    handlers_.read = [](const rpc::Call& call,
+                        const ReadRequest& request) -> absl::StatusOr<ReadResponse> {
+      AwaitFile(request.name(), [&] { return call.cancelled(); });
+      ReadResponse response;
+      response.set_text(call.identity().subject);
+      return response;
+    };
+    handlers_.begin = [operations](
+                          const rpc::Call& call, const KeepRequest& request,
+                          store::Transaction& transaction) -> absl::StatusOr<v1::Operation> {
+      MORTISE_ASSIGN_OR_RETURN(
+          const jobs::Operation operation,
+          operations->Start(transaction, {.kind = "probe.work",
+                                          .request = request.value(),
+                                          .subject = request.name(),
+                                          .request_id = call.identity().request_id,
+                                          .creator = call.identity().subject}));
+      return rpc::ToProto(operation);
+    };
+    operations->Register("probe.work",
+                         [](jobs::OperationContext& context) -> absl::StatusOr<std::string> {
+                           context.ReportProgress({.done = 1, .total = 2});
+                           AwaitFile(context.request(), [&] { return context.Cancelled(); });
+                           if (context.Cancelled()) return absl::CancelledError("asked to stop");
+                           Kept kept;
+                           kept.set_value("done");
+                           return rpc::PackResult(kept);
+                         });
+    return std::vector<std::shared_ptr<grpc::Service>>{
+        std::make_shared<ProbeAdapter>(environment.dispatcher, &handlers_)};
+  }
+
+ private:
+  ProbeHandlers handlers_;
+};
+
+}  // namespace
+}  // namespace mortise::testing
+
+int main(int argc, char** argv) {
+  mortise::testing::Probe probe;
+  return mortise::rpc::RunService(
+      argc, argv, {.name = "probe", .title = "A service for tests."},
+      [&](mortise::rpc::ServiceEnvironment& given) { return probe.MakeServices(given); });
+}
