@@ -1,0 +1,93 @@
+// mortise analyze: finite elements on a template at parameters.
+#include <grpcpp/grpcpp.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "absl/strings/str_cat.h"
+#include "cli/requests.h"
+#include "cli/session.h"
+#include "common/base/errors.h"
+#include "common/base/identifiers.h"
+#include "common/rpc/status_mapping.h"
+#include "mortise/v1/simulator.grpc.pb.h"
+
+namespace mortise::cli {
+namespace {
+
+struct AnalyzeOptions {
+  std::string subject;
+  std::vector<std::string> parameters;
+  std::string element_size;
+  std::filesystem::path out;
+};
+
+absl::Status DownloadArtifacts(const v1::Analysis& analysis, const std::filesystem::path& out,
+                               v1::SimulatorService::Stub& stub, const GatewayClient& client,
+                               const Output& output) {
+  for (const v1::Artifact& artifact : analysis.artifacts()) {
+    grpc::ClientContext context;
+    client.Prepare(context);
+    v1::DownloadArtifactRequest request;
+    request.set_name(analysis.name());
+    request.set_file_name(artifact.file_name());
+    const auto reader = stub.DownloadArtifact(&context, request);
+    const std::filesystem::path path = out / artifact.file_name();
+    MORTISE_RETURN_IF_ERROR(Receive(*reader, path).status());
+    output.Line(absl::StrCat("  ", path.string()));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status Analyze(const AnalyzeOptions& options, Session& session, Output& output) {
+  v1::AnalyzeDesignRequest request;
+  request.set_request_id(NewIdentifier());
+  request.set_template_(ResourceName("templates", options.subject));
+  MORTISE_ASSIGN_OR_RETURN(const auto parameters, ParseParameters(options.parameters));
+  request.mutable_parameters()->Assign(parameters.begin(), parameters.end());
+  if (!options.element_size.empty()) {
+    MORTISE_ASSIGN_OR_RETURN(const double size,
+                             ParseQuantity(options.element_size, "--element-size"));
+    request.mutable_mesh()->set_element_size(size);
+  }
+  MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
+  const auto stub = v1::SimulatorService::NewStub(client->channel());
+  grpc::ClientContext context;
+  client->Prepare(context);
+  v1::Operation operation;
+  MORTISE_RETURN_IF_ERROR(rpc::FromGrpc(stub->AnalyzeDesign(&context, request, &operation)));
+  MORTISE_ASSIGN_OR_RETURN(const v1::Analysis analysis,
+                           FollowTo<v1::Analysis>(*client, operation, output));
+  std::vector<std::vector<std::string>> rows;
+  for (const v1::Metric& metric : analysis.metrics()) {
+    rows.push_back({metric.name(), MetricText(metric)});
+  }
+  output.Line(absl::StrCat(analysis.name(), ": ", analysis.elements(), " elements, ",
+                           analysis.unknowns(), " unknowns"));
+  output.Table({"metric", "value"}, rows);
+  if (!options.out.empty()) {
+    MORTISE_RETURN_IF_ERROR(DownloadArtifacts(analysis, options.out, *stub, *client, output));
+  }
+  output.DocumentOf(analysis);
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+void AddAnalyzeCommand(CLI::App& app, Session& session) {
+  auto options = std::make_shared<AnalyzeOptions>();
+  CLI::App* analyze = app.add_subcommand("analyze", "Check a design by finite elements");
+  analyze->add_option("template", options->subject, "Template, such as table")->required();
+  analyze->add_option("--set", options->parameters,
+                      "NAME=VALUE, such as length=1500mm (metres without unit)");
+  analyze->add_option("--element-size", options->element_size, "Edge length of the tetrahedra");
+  analyze->add_option("--out", options->out, "Folder for the picture (PNG) and the fields (VTU)");
+  analyze->footer("Example: mortise analyze table --set length=1500mm --out out/table");
+  analyze->callback([&session, options] {
+    session.command = [options](Session& s, Output& output) {
+      return Analyze(*options, s, output);
+    };
+  });
+}
+
+}  // namespace mortise::cli

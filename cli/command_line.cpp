@@ -1,0 +1,50 @@
+#include "cli/command_line.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+
+#include "common/base/errors.h"
+
+namespace mortise::cli {
+
+void BuildCommandLine(CLI::App& app, Session& session) {
+  app.name("mortise");
+  app.set_version_flag("--version", "mortise 0.1.0");
+  app.require_subcommand(1);
+  app.fallthrough();
+  app.add_flag("--json", session.json, "Print exactly one JSON document on standard output");
+  app.add_option("--gateway", session.gateway.address,
+                 "Gateway, host:port [MORTISE_GATEWAY; else the house on --house]");
+  app.add_option("--token-file", session.gateway.token_file,
+                 "File with a bearer token [MORTISE_TOKEN]");
+  app.add_option("--authority", session.gateway.authority,
+                 "PEM file of the certificate authority to trust [MORTISE_CA]");
+  app.add_option("--house", session.gateway.state, "State folder of a house on this machine")
+      ->capture_default_str();
+  AddHouseCommands(app, session);
+  AddDemoCommand(app, session);
+  AddCatalogCommands(app, session);
+  AddAnalyzeCommand(app, session);
+  AddParetoCommands(app, session);
+  AddPlanCommand(app, session);
+  AddFabCommands(app, session);
+  AddEventsCommand(app, session);
+  AddCallCommand(app, session);
+  AddCompletionCommand(app, session);
+}
+
+absl::Status RunCommandLine(const std::vector<std::string>& arguments, const Session& session,
+                            Output& output) {
+  CLI::App app;
+  Session own = session;
+  BuildCommandLine(app, own);
+  std::vector<std::string> reversed(arguments.rbegin(), arguments.rend());
+  try {
+    app.parse(std::move(reversed));
+  } catch (const CLI::ParseError& error) {
+    return InvalidField("arguments", error.what());
+  }
+  return own.command(own, output);
+}
+
+}  // namespace mortise::cli

@@ -1,0 +1,103 @@
+// mortise fab release|watch: plans on their way through the machines.
+#include <grpcpp/grpcpp.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "cli/requests.h"
+#include "cli/session.h"
+#include "common/base/errors.h"
+#include "common/base/identifiers.h"
+#include "common/rpc/status_mapping.h"
+#include "mortise/v1/fabplanner.grpc.pb.h"
+
+namespace mortise::cli {
+namespace {
+
+void PrintWorkOrder(const v1::WorkOrder& order, const Output& output) {
+  output.Line(absl::StrFormat("%s: %s, %d of %d cuts done", order.name(),
+                              v1::WorkOrder::State_Name(order.state()), order.cuts_done(),
+                              order.cuts_total()));
+  std::vector<std::vector<std::string>> rows;
+  for (const v1::WorkOrder::Cut& cut : order.cuts()) {
+    const v1::CutCommand& command = cut.command();
+    rows.push_back({command.machine(), absl::StrCat(command.sequence()), command.part(),
+                    command.has_crosscut() ? Millimetres(command.crosscut().length()) : "outline",
+                    v1::WorkOrder::Cut::State_Name(cut.state()),
+                    absl::StrFormat("%.1f s", cut.seconds())});
+  }
+  output.Table({"machine", "number", "part", "cut", "state", "duration"}, rows);
+}
+
+absl::Status Watch(const v1::Operation& operation, Session& session, Output& output) {
+  MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
+  MORTISE_ASSIGN_OR_RETURN(const v1::WorkOrder order,
+                           FollowTo<v1::WorkOrder>(*client, operation, output));
+  PrintWorkOrder(order, output);
+  output.DocumentOf(order);
+  return absl::OkStatus();
+}
+
+absl::Status Release(const std::string& plan, bool wait, Session& session, Output& output) {
+  v1::ReleaseWorkOrderRequest request;
+  request.set_request_id(NewIdentifier());
+  request.set_plan(ResourceName("plans", plan));
+  MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
+  const auto stub = v1::FabPlannerService::NewStub(client->channel());
+  grpc::ClientContext context;
+  client->Prepare(context);
+  v1::Operation operation;
+  MORTISE_RETURN_IF_ERROR(rpc::FromGrpc(stub->ReleaseWorkOrder(&context, request, &operation)));
+  if (wait) return Watch(operation, session, output);
+  output.Line(absl::StrCat("released; follow it with: mortise fab watch ", operation.name()));
+  output.DocumentOf(operation);
+  return absl::OkStatus();
+}
+
+// Follows by the name of an operation, or of a work order.
+absl::Status WatchByName(const std::string& name, Session& session, Output& output) {
+  v1::Operation operation;
+  operation.set_name(name);
+  if (!absl::StartsWith(name, "operations/")) {
+    MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
+    const auto stub = v1::FabPlannerService::NewStub(client->channel());
+    grpc::ClientContext context;
+    client->Prepare(context);
+    v1::GetWorkOrderRequest request;
+    request.set_name(ResourceName("workOrders", name));
+    v1::WorkOrder order;
+    MORTISE_RETURN_IF_ERROR(rpc::FromGrpc(stub->GetWorkOrder(&context, request, &order)));
+    operation.set_name(order.operation());
+  }
+  return Watch(operation, session, output);
+}
+
+}  // namespace
+
+void AddFabCommands(CLI::App& app, Session& session) {
+  CLI::App* fab = app.add_subcommand("fab", "Work orders");
+  fab->require_subcommand(1);
+  auto plan = std::make_shared<std::string>();
+  auto detach = std::make_shared<bool>(false);
+  CLI::App* release = fab->add_subcommand("release", "Give a plan to the machines and follow it");
+  release->add_option("plan", *plan, "Plan, such as plans/0198c1")->required();
+  release->add_flag("--detach", *detach, "Do not follow it");
+  release->footer("Example: mortise fab release plans/0198c1");
+  release->callback([&session, plan, detach] {
+    session.command = [plan, detach](Session& s, Output& o) {
+      return Release(*plan, !*detach, s, o);
+    };
+  });
+
+  auto name = std::make_shared<std::string>();
+  CLI::App* watch = fab->add_subcommand("watch", "Follow a work order to its end");
+  watch->add_option("name", *name, "workOrders/… or operations/fabplanner/…")->required();
+  watch->callback([&session, name] {
+    session.command = [name](Session& s, Output& o) { return WatchByName(*name, s, o); };
+  });
+}
+
+}  // namespace mortise::cli

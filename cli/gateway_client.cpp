@@ -1,0 +1,120 @@
+#include "cli/gateway_client.h"
+
+#include <grpcpp/grpcpp.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <thread>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/strip.h"
+#include "cli/state_folder.h"
+#include "common/base/errors.h"
+#include "common/base/files.h"
+#include "common/rpc/channel_security.h"
+#include "common/rpc/status_mapping.h"
+#include "mortise/v1/operations.grpc.pb.h"
+
+namespace mortise::cli {
+namespace {
+
+constexpr std::chrono::milliseconds kPauseBetweenTries{100};
+constexpr std::chrono::seconds kPatienceForRestarts{60};
+
+std::string Environment(const char* name) {
+  const char* value = std::getenv(name);
+  return value == nullptr ? "" : value;
+}
+
+absl::StatusOr<std::string> Token(const GatewayOptions& options) {
+  if (options.token_file.empty()) return Environment("MORTISE_TOKEN");
+  MORTISE_ASSIGN_OR_RETURN(const std::string text, ReadFile(options.token_file, 64 << 10));
+  return std::string(absl::StripAsciiWhitespace(text));
+}
+
+bool IsDone(const v1::Operation& operation) {
+  return operation.state() == v1::Operation::SUCCEEDED ||
+         operation.state() == v1::Operation::FAILED ||
+         operation.state() == v1::Operation::CANCELLED;
+}
+
+absl::Status ErrorOf(const v1::Operation& operation) {
+  if (operation.state() == v1::Operation::CANCELLED) {
+    return absl::CancelledError(absl::StrCat(operation.name(), " was cancelled"));
+  }
+  if (operation.state() != v1::Operation::FAILED) return absl::OkStatus();
+  return rpc::FromProto(operation.error());
+}
+
+}  // namespace
+
+absl::StatusOr<GatewayClient> GatewayClient::Connect(const GatewayOptions& options) {
+  std::string address = options.address.empty() ? Environment("MORTISE_GATEWAY") : options.address;
+  if (address.empty()) {
+    const absl::StatusOr<RunningHouse> house = ReadRunningHouse(options.state);
+    if (!house.ok()) {
+      return WithDetail(absl::NotFoundError(absl::StrCat(
+                            "no house runs on ", options.state.string(),
+                            "; start one with `mortise up`, or name a gateway with --gateway")),
+                        {"GATEWAY_UNKNOWN", "--gateway"});
+    }
+    address = house->gateway_grpc;
+  }
+  rpc::ChannelSecurity security;
+  security.authority = options.authority.empty() ? Environment("MORTISE_CA") : options.authority;
+  MORTISE_ASSIGN_OR_RETURN(const auto credentials, rpc::MakeClientCredentials(address, security));
+  MORTISE_ASSIGN_OR_RETURN(std::string token, Token(options));
+  grpc::ChannelArguments arguments;
+  arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 100);
+  arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, 100);
+  arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 1000);
+  return GatewayClient(grpc::CreateCustomChannel(address, credentials, arguments), address,
+                       std::move(token));
+}
+
+GatewayClient::GatewayClient(std::shared_ptr<grpc::Channel> channel, std::string address,
+                             std::string token)
+    : channel_(std::move(channel)), address_(std::move(address)), token_(std::move(token)) {}
+
+void GatewayClient::Prepare(grpc::ClientContext& context, double seconds) const {
+  if (!token_.empty()) context.AddMetadata("authorization", "Bearer " + token_);
+  if (seconds > 0) {
+    context.set_deadline(std::chrono::system_clock::now() +
+                         std::chrono::milliseconds(static_cast<long>(seconds * 1000)));
+    context.set_wait_for_ready(true);
+  }
+}
+
+absl::StatusOr<v1::Operation> GatewayClient::Follow(
+    const std::string& operation, const std::function<void(const v1::Operation&)>& changed) const {
+  const auto stub = v1::OperationService::NewStub(channel_);
+  auto last_answer = std::chrono::steady_clock::now();
+  while (true) {
+    grpc::ClientContext context;
+    Prepare(context, 0);
+    v1::WatchOperationRequest request;
+    request.set_name(operation);
+    const auto reader = stub->WatchOperation(&context, request);
+    v1::Operation now;
+    while (reader->Read(&now)) {
+      last_answer = std::chrono::steady_clock::now();
+      changed(now);
+      if (!IsDone(now)) continue;
+      context.TryCancel();
+      const absl::Status error = ErrorOf(now);
+      if (error.ok()) return now;
+      return error;
+    }
+    const grpc::Status status = reader->Finish();
+    // A service that restarts cuts the stream; its operation goes on.
+    const bool may_come_back = status.ok() ||
+                               status.error_code() == grpc::StatusCode::UNAVAILABLE ||
+                               status.error_code() == grpc::StatusCode::CANCELLED;
+    if (!may_come_back || std::chrono::steady_clock::now() - last_answer > kPatienceForRestarts) {
+      return rpc::FromGrpc(status);
+    }
+    std::this_thread::sleep_for(kPauseBetweenTries);
+  }
+}
+
+}  // namespace mortise::cli

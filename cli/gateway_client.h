@@ -1,0 +1,57 @@
+// The client's side of the gateway: where it is, how to call it, how to follow what it started.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+
+namespace grpc {
+class Channel;
+class ClientContext;
+}  // namespace grpc
+
+namespace mortise::v1 {
+class Chunk;
+class Operation;
+}  // namespace mortise::v1
+
+namespace mortise::cli {
+
+// How to reach the gateway. What is empty is taken from the environment (MORTISE_GATEWAY,
+// MORTISE_TOKEN, MORTISE_CA) or from the house that runs on the state folder.
+struct GatewayOptions {
+  std::string address;                       // host:port of its gRPC door
+  std::string token_file;                    // file with a bearer token
+  std::string authority;                     // PEM file of the certificate authority to trust
+  std::filesystem::path state = ".mortise";  // state folder of a house on this machine
+};
+
+class GatewayClient {
+ public:
+  // NOT_FOUND with what to do if no gateway is named and no house runs here.
+  static absl::StatusOr<GatewayClient> Connect(const GatewayOptions& options);
+
+  const std::shared_ptr<grpc::Channel>& channel() const { return channel_; }
+  const std::string& address() const { return address_; }
+
+  // Metadata and deadline of one call; `seconds` 0 for no deadline.
+  void Prepare(grpc::ClientContext& context, double seconds = 60) const;
+
+  // Follows an operation to its end, telling of each change; reconnects to a gateway or service
+  // that restarts. FAILED operations give their error, CANCELLED ones are CANCELLED.
+  absl::StatusOr<v1::Operation> Follow(
+      const std::string& operation, const std::function<void(const v1::Operation&)>& changed) const;
+
+ private:
+  GatewayClient(std::shared_ptr<grpc::Channel> channel, std::string address, std::string token);
+
+  std::shared_ptr<grpc::Channel> channel_;
+  std::string address_;
+  std::string token_;
+};
+
+}  // namespace mortise::cli

@@ -1,0 +1,62 @@
+#include "cli/generic_call.h"
+
+#include <grpcpp/generic/generic_stub.h>
+#include <grpcpp/grpcpp.h>
+#include <grpcpp/support/byte_buffer.h>
+
+#include "common/rpc/status_mapping.h"
+
+namespace mortise::cli {
+namespace {
+
+std::string ToString(const grpc::ByteBuffer& buffer) {
+  std::vector<grpc::Slice> slices;
+  std::string bytes;
+  if (!buffer.Dump(&slices).ok()) return bytes;
+  for (const grpc::Slice& slice : slices) {
+    bytes.append(reinterpret_cast<const char*>(slice.begin()), slice.size());
+  }
+  return bytes;
+}
+
+}  // namespace
+
+absl::Status CallGeneric(const GatewayClient& client, const std::string& method,
+                         const std::string& request, double seconds,
+                         const std::function<bool(const std::string& response)>& take) {
+  grpc::GenericStub stub(client.channel());
+  grpc::ClientContext context;
+  client.Prepare(context, seconds);
+  grpc::CompletionQueue queue;
+  // One thing is under way at a time, so the next completion is always the one just asked for.
+  const auto completed = [&queue] {
+    void* tag = nullptr;
+    bool ok = false;
+    return queue.Next(&tag, &ok) && ok;
+  };
+  const auto call = stub.PrepareCall(&context, method, &queue);
+  call->StartCall(nullptr);
+  if (completed()) {
+    const grpc::Slice slice(request);
+    call->WriteLast(grpc::ByteBuffer(&slice, 1), grpc::WriteOptions(), nullptr);
+    completed();
+    while (true) {
+      grpc::ByteBuffer response;
+      call->Read(&response, nullptr);
+      if (!completed()) break;
+      if (!take(ToString(response))) {
+        context.TryCancel();
+        grpc::Status ignored;
+        call->Finish(&ignored, nullptr);
+        completed();
+        return absl::OkStatus();
+      }
+    }
+  }
+  grpc::Status status;
+  call->Finish(&status, nullptr);
+  completed();
+  return rpc::FromGrpc(status);
+}
+
+}  // namespace mortise::cli

@@ -1,0 +1,53 @@
+// The plan of a house: which processes `mortise up` starts, with which arguments, where they
+// listen. compose.yaml describes the same house as containers; a test holds the two against each
+// other.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+
+namespace mortise::cli {
+
+struct HouseOptions {
+  std::filesystem::path state = ".mortise";  // where stores, blobs, keys and logs live
+  std::filesystem::path binaries;            // folder of the mortise-* programs
+  std::filesystem::path collection;          // items and designs a new catalog begins with
+  bool any_ports = false;                    // any free ports instead of the usual ones
+  int workers = 0;                           // simulator workers; 0 for one a core
+  bool virtual_cell = false;                 // also a virtual cell and the bridge to it
+  double time_scale = 1;                     // of the virtual cell: simulated seconds a second
+  bool insecure_development = false;         // plain text, no tokens; loopback only
+  std::string tls_certificate;               // PEM file for the gateway's doors
+  std::string tls_key;                       // PEM file
+  std::string jwt_keys;                      // file of keys that sign bearer tokens
+};
+
+// One process to start.
+struct HouseProcess {
+  std::string name;                  // "catalog", "simulator-worker-1"
+  std::vector<std::string> command;  // program and arguments
+  std::string address;               // host:port of its gRPC service, empty if it has none
+  std::filesystem::path port_file;   // appears when it serves; empty if it has none
+};
+
+struct HousePlan {
+  std::vector<HouseProcess> processes;  // in the order of starting
+  std::string gateway_grpc;             // host:port
+  std::string gateway_http;             // host:port
+};
+
+// Chooses ports and writes the command lines. INVALID_ARGUMENT naming the option at fault, or the
+// process whose port is taken.
+absl::StatusOr<HousePlan> PlanHouse(const HouseOptions& options);
+
+// The services behind the gateway, in the order in which data flows.
+const std::vector<std::string>& HouseServices();
+
+// The usual ports: "gateway" (gRPC), "gateway-http", "bus-publish", "bus-subscribe", and one for
+// each service. The same in compose.yaml.
+int UsualPort(const std::string& listener);
+
+}  // namespace mortise::cli

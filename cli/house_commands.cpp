@@ -1,0 +1,231 @@
+// mortise up, down, status, keys: a house on this machine.
+#include <signal.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "cli/house.h"
+#include "cli/launcher.h"
+#include "cli/process.h"
+#include "cli/session.h"
+#include "cli/state_folder.h"
+#include "common/base/errors.h"
+#include "common/base/logging.h"
+#include "common/bus/key_folder.h"
+#include "common/rpc/identity.h"
+
+namespace mortise::cli {
+namespace {
+
+using std::chrono::milliseconds;
+using Clock = std::chrono::steady_clock;
+
+constexpr milliseconds kSuperviseEvery{20};
+constexpr milliseconds kStopPatience{10000};
+constexpr std::chrono::seconds kStartPatience{60};
+
+volatile sig_atomic_t stop_requested = 0;
+
+void RequestStop(int) { stop_requested = 1; }
+
+// Programs stand beside this one; the collection in the source tree or the installed share folder.
+void FillFolders(HouseOptions& options) {
+  std::error_code ignored;
+  const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", ignored);
+  if (options.binaries.empty()) options.binaries = self.parent_path();
+  if (options.collection.empty()) {
+    for (const char* candidate : {"../../../collection", "../share/mortise/collection"}) {
+      const std::filesystem::path folder = (self.parent_path() / candidate).lexically_normal();
+      if (std::filesystem::is_directory(folder, ignored)) {
+        options.collection = folder;
+        break;
+      }
+    }
+  }
+  options.state = std::filesystem::absolute(options.state);
+}
+
+// The keys of every process that signs identities or uses the bus, where they are missing.
+absl::Status EnsureKeys(const std::filesystem::path& folder) {
+  std::vector<std::string> names = HouseServices();
+  names.insert(names.end(), {"gateway", "simulator-worker"});
+  for (const std::string& name : names) {
+    for (const absl::Status& status :
+         {rpc::CreateIdentityKey(folder, name), bus::CreateCurveKey(folder, name)}) {
+      if (!status.ok() && !absl::IsAlreadyExists(status)) return status;
+    }
+  }
+  return absl::OkStatus();
+}
+
+nlohmann::ordered_json HouseDocument(const RunningHouse& house) {
+  nlohmann::ordered_json document = {{"launcher", house.launcher},
+                                     {"gateway_grpc", house.gateway_grpc},
+                                     {"gateway_http", house.gateway_http},
+                                     {"processes", nlohmann::ordered_json::array()}};
+  for (const RunningProcess& process : house.processes) {
+    document["processes"].push_back({{"name", process.name},
+                                     {"pid", process.pid},
+                                     {"address", process.address},
+                                     {"restarts", process.restarts},
+                                     {"serving", process.serving}});
+  }
+  return document;
+}
+
+void PrintHouse(const RunningHouse& house, Output& output) {
+  std::vector<std::vector<std::string>> rows;
+  for (const RunningProcess& process : house.processes) {
+    rows.push_back({process.name, process.serving ? "serving" : "starting",
+                    process.address.empty() ? "-" : process.address, absl::StrCat(process.pid),
+                    absl::StrCat(process.restarts)});
+  }
+  output.Table({"process", "state", "address", "pid", "restarts"}, rows);
+  output.Line(absl::StrCat("gateway: gRPC ", house.gateway_grpc, ", HTTP http",
+                           house.plain_text ? "" : "s", "://", house.gateway_http));
+  output.Document(HouseDocument(house));
+}
+
+void PrintPlan(const HousePlan& plan, Output& output) {
+  nlohmann::ordered_json document = {{"gateway_grpc", plan.gateway_grpc},
+                                     {"gateway_http", plan.gateway_http},
+                                     {"processes", nlohmann::ordered_json::array()}};
+  std::vector<std::vector<std::string>> rows;
+  for (const HouseProcess& process : plan.processes) {
+    document["processes"].push_back(
+        {{"name", process.name}, {"address", process.address}, {"command", process.command}});
+    rows.push_back(
+        {process.name, process.address.empty() ? "-" : process.address, process.command.front()});
+  }
+  output.Table({"process", "address", "program"}, rows);
+  output.Document(document);
+}
+
+absl::Status Up(HouseOptions options, bool dry_run, Output& output) {
+  FillFolders(options);
+  MORTISE_ASSIGN_OR_RETURN(const HousePlan plan, PlanHouse(options));
+  if (dry_run) {
+    PrintPlan(plan, output);
+    return absl::OkStatus();
+  }
+  ConfigureLogging("launcher", LogLevel::kInfo);
+  MORTISE_ASSIGN_OR_RETURN(const StateFolderLock lock, StateFolderLock::Take(options.state));
+  MORTISE_RETURN_IF_ERROR(EnsureKeys(options.state / "keys"));
+
+  stop_requested = 0;
+  ::signal(SIGTERM, RequestStop);
+  ::signal(SIGINT, RequestStop);
+  const Clock::time_point begin = Clock::now();
+  Launcher launcher(options, plan, [](const RunningHouse&) {});
+  MORTISE_RETURN_IF_ERROR(launcher.Start());
+  bool announced = false;
+  while (stop_requested == 0) {
+    MORTISE_RETURN_IF_ERROR(launcher.Supervise());
+    if (!announced && launcher.Serving()) {
+      announced = true;
+      PrintHouse(launcher.house(), output);
+      output.Line(absl::StrFormat("all serving after %.1f s; Ctrl-C or `mortise down` stops them",
+                                  std::chrono::duration<double>(Clock::now() - begin).count()));
+    }
+    if (!announced && Clock::now() - begin > kStartPatience) {
+      return absl::DeadlineExceededError(
+          absl::StrCat("not all processes serve after 60 s; their logs are in ",
+                       (options.state / "logs").string()));
+    }
+    std::this_thread::sleep_for(kSuperviseEvery);
+  }
+  launcher.Stop(kStopPatience);
+  output.Line("stopped");
+  return absl::OkStatus();
+}
+
+absl::StatusOr<RunningHouse> HouseThatRuns(const std::filesystem::path& state) {
+  absl::StatusOr<RunningHouse> house = ReadRunningHouse(state);
+  if (!house.ok() || !ProcessExists(house->launcher)) {
+    return WithDetail(absl::NotFoundError(absl::StrCat("no house runs on ", state.string())),
+                      {"HOUSE_NOT_RUNNING", "--state"});
+  }
+  return house;
+}
+
+absl::Status Down(const std::filesystem::path& state, Output& output) {
+  MORTISE_ASSIGN_OR_RETURN(const RunningHouse house, HouseThatRuns(state));
+  ::kill(house.launcher, SIGTERM);
+  const Clock::time_point deadline = Clock::now() + 2 * kStopPatience;
+  while (ProcessExists(house.launcher)) {
+    if (Clock::now() > deadline) {
+      return absl::DeadlineExceededError(
+          absl::StrCat("the launcher (pid ", house.launcher, ") does not end"));
+    }
+    std::this_thread::sleep_for(kSuperviseEvery);
+  }
+  output.Line("stopped");
+  output.Document({{"stopped", true}});
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+void AddHouseCommands(CLI::App& app, Session& session) {
+  auto options = std::make_shared<HouseOptions>();
+  auto dry_run = std::make_shared<bool>(false);
+  CLI::App* up = app.add_subcommand("up", "Start every service of a house on this machine");
+  up->add_option("--state", options->state, "Folder for stores, blobs, keys and logs")
+      ->capture_default_str();
+  up->add_option("--collection", options->collection,
+                 "Items and designs a new catalog begins with");
+  up->add_flag("--any-ports", options->any_ports, "Any free ports instead of the usual ones");
+  up->add_option("--workers", options->workers, "Simulator workers; 0 for one a core");
+  up->add_flag("--virtual-cell", options->virtual_cell, "Also a virtual cell and a bridge to it");
+  up->add_option("--time-scale", options->time_scale, "Speed of the virtual cell")
+      ->check(CLI::PositiveNumber);
+  up->add_flag("--insecure-development", options->insecure_development,
+               "Plain text and no tokens, on loopback only");
+  up->add_option("--tls-certificate", options->tls_certificate, "PEM certificate of the gateway");
+  up->add_option("--tls-key", options->tls_key, "PEM key of the gateway");
+  up->add_option("--jwt-keys", options->jwt_keys, "File of the keys that sign bearer tokens");
+  up->add_flag("--dry-run", *dry_run, "Only print what would be started");
+  up->footer("Example: mortise up --insecure-development");
+  up->callback([&session, options, dry_run] {
+    session.command = [options, dry_run](Session&, Output& output) {
+      return Up(*options, *dry_run, output);
+    };
+  });
+
+  CLI::App* down = app.add_subcommand("down", "Stop the house that runs on a state folder");
+  down->add_option("--state", session.gateway.state, "Its state folder")->capture_default_str();
+  down->callback([&session] {
+    session.command = [](Session& s, Output& output) { return Down(s.gateway.state, output); };
+  });
+
+  auto folder = std::make_shared<std::filesystem::path>();
+  CLI::App* keys = app.add_subcommand("keys", "Make the keys of a house's processes");
+  keys->add_option("folder", *folder, "Folder; what is there is kept")->required();
+  keys->footer("Example: mortise keys deploy/secrets/keys");
+  keys->callback([&session, folder] {
+    session.command = [folder](Session&, Output& output) -> absl::Status {
+      MORTISE_RETURN_IF_ERROR(EnsureKeys(*folder));
+      output.Line(absl::StrCat("keys are in ", folder->string()));
+      output.Document({{"folder", folder->string()}});
+      return absl::OkStatus();
+    };
+  });
+
+  CLI::App* status = app.add_subcommand("status", "What runs where");
+  status->add_option("--state", session.gateway.state, "State folder")->capture_default_str();
+  status->callback([&session] {
+    session.command = [](Session& s, Output& output) -> absl::Status {
+      MORTISE_ASSIGN_OR_RETURN(const RunningHouse house, HouseThatRuns(s.gateway.state));
+      PrintHouse(house, output);
+      return absl::OkStatus();
+    };
+  });
+}
+
+}  // namespace mortise::cli

@@ -1,0 +1,116 @@
+#include "cli/output.h"
+
+#include <google/protobuf/message.h>
+#include <google/protobuf/util/json_util.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "common/base/errors.h"
+
+namespace mortise::cli {
+namespace {
+
+// Columns that a terminal shows for UTF-8 text: bytes that do not continue a character.
+std::size_t Width(const std::string& text) {
+  return static_cast<std::size_t>(
+      std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xC0) != 0x80; }));
+}
+
+std::string TableRow(const std::vector<std::string>& cells,
+                     const std::vector<std::size_t>& widths) {
+  std::string line;
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    line += cells[i];
+    if (i + 1 < cells.size()) line += std::string(widths[i] - Width(cells[i]) + 2, ' ');
+  }
+  return line + "\n";
+}
+
+}  // namespace
+
+void Output::Line(const std::string& text) const {
+  if (form_ != Form::kText) return;
+  std::printf("%s\n", text.c_str());
+  std::fflush(stdout);
+}
+
+void Output::Table(const std::vector<std::string>& titles,
+                   const std::vector<std::vector<std::string>>& rows) const {
+  if (form_ != Form::kText) return;
+  std::vector<std::size_t> widths;
+  for (const std::string& title : titles) widths.push_back(Width(title));
+  for (const auto& row : rows) {
+    for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], Width(row[i]));
+  }
+  std::string text = TableRow(titles, widths);
+  for (const auto& row : rows) text += TableRow(row, widths);
+  std::fputs(text.c_str(), stdout);
+  std::fflush(stdout);
+}
+
+void Output::Document(const nlohmann::ordered_json& document) {
+  last_document_ = document.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  if (form_ != Form::kJson) return;
+  std::printf("%s\n", last_document_.c_str());
+  std::fflush(stdout);
+}
+
+void Output::DocumentOf(const google::protobuf::Message& message) { Document(ToJson(message)); }
+
+void Output::Progress(long done, long total, const std::string& text) {
+  constexpr int kBar = 30;
+  const bool terminal = ::isatty(STDERR_FILENO) != 0;
+  std::string line;
+  if (total > 0) {
+    const int filled = static_cast<int>(kBar * std::min(done, total) / total);
+    line = absl::StrFormat("[%s%s] %d/%d  %s", std::string(filled, '#'),
+                           std::string(kBar - filled, '.'), done, total, text);
+  } else {
+    line = text;
+  }
+  if (form_ == Form::kSilent || line == last_progress_) return;
+  last_progress_ = line;
+  if (terminal) {
+    std::fprintf(stderr, "\r\033[K%s", line.c_str());
+    progress_open_ = true;
+  } else if (form_ == Form::kText) {
+    std::fprintf(stderr, "%s\n", line.c_str());
+  }
+  std::fflush(stderr);
+}
+
+void Output::EndProgress() {
+  if (progress_open_) std::fputc('\n', stderr);
+  progress_open_ = false;
+  last_progress_.clear();
+}
+
+int Output::Failure(const absl::Status& status) {
+  const ErrorDetail detail = DetailOf(status);
+  if (progress_open_) std::fputc('\n', stderr);
+  std::fprintf(stderr, "mortise: %s (%s)\n", std::string(status.message()).c_str(),
+               absl::StatusCodeToString(status.code()).c_str());
+  Document({{"error",
+             {{"code", absl::StatusCodeToString(status.code())},
+              {"message", std::string(status.message())},
+              {"reason", detail.reason},
+              {"field", detail.field}}}});
+  return 1;
+}
+
+nlohmann::ordered_json ToJson(const google::protobuf::Message& message) {
+  google::protobuf::util::JsonPrintOptions options;
+  options.preserve_proto_field_names = true;
+  options.always_print_primitive_fields = true;
+  std::string text;
+  const auto status = google::protobuf::util::MessageToJsonString(message, &text, options);
+  if (!status.ok()) return {{"unprintable", status.ToString()}};
+  return nlohmann::ordered_json::parse(text, nullptr, /*allow_exceptions=*/false);
+}
+
+}  // namespace mortise::cli

@@ -1,0 +1,238 @@
+// mortise pareto run|show|pick: trade-offs.
+#include <google/protobuf/util/json_util.h>
+#include <grpcpp/grpcpp.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "absl/strings/match.h"
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "absl/strings/str_split.h"
+#include "cli/requests.h"
+#include "cli/session.h"
+#include "common/base/errors.h"
+#include "common/base/files.h"
+#include "common/base/identifiers.h"
+#include "common/rpc/status_mapping.h"
+#include "mortise/v1/pareto.grpc.pb.h"
+
+namespace mortise::cli {
+namespace {
+
+struct RunOptions {
+  std::string subject;  // a template, or a file with a DiscoverySpecification as JSON
+  std::vector<std::string> minimize;
+  std::vector<std::string> fix;
+  std::vector<std::string> range;
+  int evaluations = 0;
+  std::int64_t seed = 1;
+  std::filesystem::path out;
+};
+
+struct PickOptions {
+  std::string front;
+  std::string at;
+};
+
+absl::Status AddBounds(const RunOptions& options, v1::DiscoverySpecification& specification) {
+  const auto add = [&specification](const std::string& name, double low, double high) {
+    auto* bound = specification.add_bounds();
+    bound->set_parameter(name);
+    bound->set_minimum(low);
+    bound->set_maximum(high);
+  };
+  MORTISE_ASSIGN_OR_RETURN(const auto fixed, ParseParameters(options.fix));
+  for (const v1::ParameterValue& value : fixed) add(value.name(), value.value(), value.value());
+  for (const std::string& range : options.range) {
+    const std::vector<std::string> halves = absl::StrSplit(range, '=');
+    const std::vector<std::string> ends =
+        halves.size() == 2 ? absl::StrSplit(halves[1], ':') : std::vector<std::string>();
+    if (ends.size() != 2) {
+      return InvalidField("--range",
+                          absl::StrCat("'", range, "' is not of the form NAME=LOW:HIGH"));
+    }
+    MORTISE_ASSIGN_OR_RETURN(const double low, ParseQuantity(ends[0], "--range " + halves[0]));
+    MORTISE_ASSIGN_OR_RETURN(const double high, ParseQuantity(ends[1], "--range " + halves[0]));
+    add(halves[0], low, high);
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<v1::DiscoverySpecification> Specification(const RunOptions& options) {
+  v1::DiscoverySpecification specification;
+  if (absl::EndsWith(options.subject, ".json")) {
+    MORTISE_ASSIGN_OR_RETURN(const std::string text, ReadFile(options.subject, 4 << 20));
+    const auto parsed = google::protobuf::util::JsonStringToMessage(text, &specification);
+    if (!parsed.ok()) return InvalidField(options.subject, std::string(parsed.message()));
+  } else {
+    specification.set_subject(ResourceName("templates", options.subject));
+    specification.set_seed(options.seed);
+    specification.set_evaluations(200);
+  }
+  for (const std::string& metric : options.minimize) {
+    specification.add_objectives()->set_metric(metric);
+  }
+  if (options.evaluations > 0) specification.set_evaluations(options.evaluations);
+  MORTISE_RETURN_IF_ERROR(AddBounds(options, specification));
+  return specification;
+}
+
+absl::Status Export(v1::ParetoService::Stub& stub, const GatewayClient& client,
+                    const std::string& front, v1::ExportFrontRequest::Format format,
+                    const std::filesystem::path& path, const Output& output) {
+  grpc::ClientContext context;
+  client.Prepare(context);
+  v1::ExportFrontRequest request;
+  request.set_name(front);
+  request.set_format(format);
+  const auto reader = stub.ExportFront(&context, request);
+  MORTISE_RETURN_IF_ERROR(Receive(*reader, path).status());
+  output.Line(absl::StrCat("  ", path.string()));
+  return absl::OkStatus();
+}
+
+void PrintFront(const v1::Front& front, const Output& output) {
+  output.Line(absl::StrFormat("%s: %d points in %d pieces, %d evaluations (%d failed), %s",
+                              front.name(), front.point_count(), front.pieces(),
+                              front.evaluations(), front.failed_evaluations(),
+                              front.stop_reason()));
+  std::vector<std::string> titles(front.metric_names().begin(), front.metric_names().end());
+  titles.insert(titles.end(), front.parameter_names().begin(), front.parameter_names().end());
+  std::vector<std::vector<std::string>> rows;
+  for (const v1::FrontPoint& point : front.points()) {
+    std::vector<std::string>& row = rows.emplace_back();
+    for (int i = 0; i < point.metrics_size(); ++i) {
+      v1::Metric metric;
+      metric.set_unit(front.metric_units(i));
+      metric.set_value(point.metrics(i));
+      row.push_back(MetricText(metric));
+    }
+    for (const double parameter : point.parameters())
+      row.push_back(absl::StrFormat("%.4g", parameter));
+  }
+  output.Table(titles, rows);
+}
+
+absl::StatusOr<v1::Front> GetFront(v1::ParetoService::Stub& stub, const GatewayClient& client,
+                                   const std::string& name) {
+  grpc::ClientContext context;
+  client.Prepare(context);
+  v1::GetFrontRequest request;
+  request.set_name(name);
+  v1::Front front;
+  MORTISE_RETURN_IF_ERROR(rpc::FromGrpc(stub.GetFront(&context, request, &front)));
+  return front;
+}
+
+absl::Status Show(const std::string& name, const std::filesystem::path& out, Session& session,
+                  Output& output) {
+  MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
+  const auto stub = v1::ParetoService::NewStub(client->channel());
+  MORTISE_ASSIGN_OR_RETURN(const v1::Front front,
+                           GetFront(*stub, *client, ResourceName("fronts", name)));
+  PrintFront(front, output);
+  if (!out.empty()) {
+    using Request = v1::ExportFrontRequest;
+    MORTISE_RETURN_IF_ERROR(
+        Export(*stub, *client, front.name(), Request::CSV, out / "front.csv", output));
+    MORTISE_RETURN_IF_ERROR(
+        Export(*stub, *client, front.name(), Request::SVG, out / "front.svg", output));
+  }
+  output.DocumentOf(front);
+  return absl::OkStatus();
+}
+
+absl::Status Run(const RunOptions& options, Session& session, Output& output) {
+  v1::DiscoverFrontRequest request;
+  request.set_request_id(NewIdentifier());
+  MORTISE_ASSIGN_OR_RETURN(*request.mutable_specification(), Specification(options));
+  MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
+  const auto stub = v1::ParetoService::NewStub(client->channel());
+  grpc::ClientContext context;
+  client->Prepare(context);
+  v1::Operation operation;
+  MORTISE_RETURN_IF_ERROR(rpc::FromGrpc(stub->DiscoverFront(&context, request, &operation)));
+  MORTISE_ASSIGN_OR_RETURN(const v1::Front front, FollowTo<v1::Front>(*client, operation, output));
+  return Show(front.name(), options.out, session, output);
+}
+
+absl::Status Pick(const PickOptions& options, Session& session, Output& output) {
+  v1::PickPointRequest request;
+  request.set_name(ResourceName("fronts", options.front));
+  const std::size_t split = options.at.find('=');
+  if (split != std::string::npos) {
+    MORTISE_ASSIGN_OR_RETURN(const double value,
+                             ParseQuantity(options.at.substr(split + 1), "--at"));
+    request.mutable_metric()->set_name(options.at.substr(0, split));
+    request.mutable_metric()->set_value(value);
+  } else {
+    for (absl::string_view coordinate : absl::StrSplit(options.at, ',')) {
+      double value = 0;
+      if (!absl::SimpleAtod(coordinate, &value)) {
+        return InvalidField("--at",
+                            absl::StrCat("'", options.at, "' is neither METRIC=VALUE nor numbers"));
+      }
+      request.add_embedding(value);
+    }
+  }
+  MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
+  const auto stub = v1::ParetoService::NewStub(client->channel());
+  grpc::ClientContext context;
+  client->Prepare(context);
+  v1::PickPointResponse response;
+  MORTISE_RETURN_IF_ERROR(rpc::FromGrpc(stub->PickPoint(&context, request, &response)));
+  std::vector<std::vector<std::string>> rows;
+  for (const v1::Metric& metric : response.metrics())
+    rows.push_back({metric.name(), MetricText(metric)});
+  for (const v1::ParameterValue& value : response.parameters()) {
+    rows.push_back({value.name(), absl::StrFormat("%.6g", value.value())});
+  }
+  output.Table({"name", "value"}, rows);
+  output.DocumentOf(response);
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+void AddParetoCommands(CLI::App& app, Session& session) {
+  CLI::App* pareto = app.add_subcommand("pareto", "Trade-offs between metrics");
+  pareto->require_subcommand(1);
+  auto run_options = std::make_shared<RunOptions>();
+  CLI::App* run = pareto->add_subcommand("run", "Discover the front of a template");
+  run->add_option("subject", run_options->subject, "Template, or SPECIFICATION.json")->required();
+  run->add_option("--minimize", run_options->minimize, "Metric to make small; two or three");
+  run->add_option("--fix", run_options->fix, "NAME=VALUE: keep a parameter");
+  run->add_option("--range", run_options->range, "NAME=LOW:HIGH: narrow a parameter");
+  run->add_option("--evaluations", run_options->evaluations, "Budget of evaluations");
+  run->add_option("--seed", run_options->seed, "Same seed, same front")->capture_default_str();
+  run->add_option("--out", run_options->out, "Folder for front.csv and front.svg");
+  run->footer(
+      "Example: mortise pareto run table --minimize mass --minimize max_displacement "
+      "--fix length=1.4 --evaluations 150");
+  run->callback([&session, run_options] {
+    session.command = [run_options](Session& s, Output& o) { return Run(*run_options, s, o); };
+  });
+
+  auto name = std::make_shared<std::string>();
+  auto out = std::make_shared<std::filesystem::path>();
+  CLI::App* show = pareto->add_subcommand("show", "Print a front");
+  show->add_option("front", *name, "Front, such as fronts/0198c1")->required();
+  show->add_option("--out", *out, "Folder for front.csv and front.svg");
+  show->callback([&session, name, out] {
+    session.command = [name, out](Session& s, Output& o) { return Show(*name, *out, s, o); };
+  });
+
+  auto pick_options = std::make_shared<PickOptions>();
+  CLI::App* pick = pareto->add_subcommand("pick", "The point of a front at a place");
+  pick->add_option("front", pick_options->front, "Front")->required();
+  pick->add_option("--at", pick_options->at, "METRIC=VALUE, or coordinates 0 to 1 of the embedding")
+      ->required();
+  pick->footer("Example: mortise pareto pick fronts/0198c1 --at max_displacement=1.5mm");
+  pick->callback([&session, pick_options] {
+    session.command = [pick_options](Session& s, Output& o) { return Pick(*pick_options, s, o); };
+  });
+}
+
+}  // namespace mortise::cli

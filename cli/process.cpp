@@ -1,0 +1,78 @@
+#include "cli/process.h"
+
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
+
+namespace mortise::cli {
+namespace {
+
+std::vector<char*> Pointers(std::vector<std::string>& strings) {
+  std::vector<char*> pointers;
+  for (std::string& string : strings) pointers.push_back(string.data());
+  pointers.push_back(nullptr);
+  return pointers;
+}
+
+}  // namespace
+
+std::string ProcessEnd::ToString() const {
+  return signalled ? absl::StrCat("killed by signal ", code) : absl::StrCat("exit code ", code);
+}
+
+absl::StatusOr<pid_t> StartProcess(const std::vector<std::string>& command,
+                                   const std::filesystem::path& log,
+                                   const std::vector<std::string>& environment) {
+  std::error_code error;
+  std::filesystem::create_directories(log.parent_path(), error);
+  const int log_file = ::open(log.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
+  if (log_file < 0) return StorageFailed(log.string(), std::strerror(errno));
+
+  // Everything the child needs is made before the fork: after it only system calls are safe.
+  std::vector<std::string> arguments = command;
+  std::vector<std::string> variables;
+  for (char** entry = environ; *entry != nullptr; ++entry) variables.emplace_back(*entry);
+  variables.insert(variables.end(), environment.begin(), environment.end());
+  const std::vector<char*> argv = Pointers(arguments);
+  const std::vector<char*> envp = Pointers(variables);
+  const pid_t launcher = ::getpid();
+
+  const pid_t pid = ::fork();
+  if (pid == 0) {
+    ::prctl(PR_SET_PDEATHSIG, SIGTERM);
+    if (::getppid() != launcher) ::_exit(1);
+    // A terminal's Ctrl-C reaches the launcher only, which then ends its children in order.
+    ::setpgid(0, 0);
+    ::dup2(log_file, STDOUT_FILENO);
+    ::dup2(log_file, STDERR_FILENO);
+    const int null = ::open("/dev/null", O_RDONLY);
+    if (null >= 0) ::dup2(null, STDIN_FILENO);
+    ::execve(argv[0], argv.data(), envp.data());
+    ::_exit(127);
+  }
+  const int fork_error = errno;
+  ::close(log_file);
+  if (pid < 0) return absl::InternalError(absl::StrCat("fork: ", std::strerror(fork_error)));
+  return pid;
+}
+
+std::optional<ProcessEnd> CollectProcess(pid_t pid) {
+  int status = 0;
+  const pid_t ended = ::waitpid(pid, &status, WNOHANG);
+  if (ended == 0) return std::nullopt;
+  if (ended < 0) return ProcessEnd{};
+  if (WIFSIGNALED(status)) return ProcessEnd{true, WTERMSIG(status)};
+  return ProcessEnd{false, WEXITSTATUS(status)};
+}
+
+bool ProcessExists(pid_t pid) { return pid > 0 && (::kill(pid, 0) == 0 || errno == EPERM); }
+
+}  // namespace mortise::cli

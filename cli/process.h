@@ -1,0 +1,36 @@
+// A child process of the launcher: started, watched, ended by id.
+#pragma once
+
+#include <sys/types.h>
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+
+namespace mortise::cli {
+
+// How a process ended: its exit code, or the signal that killed it.
+struct ProcessEnd {
+  bool signalled = false;
+  int code = 0;  // exit code, or signal number
+
+  std::string ToString() const;
+};
+
+// Starts `command` (program and arguments) with standard output and error appended to `log`, the
+// environment entries `environment` ("NAME=value") added to this process's. The child gets SIGTERM
+// when the thread that started it dies, so that a killed launcher leaves no orphans.
+absl::StatusOr<pid_t> StartProcess(const std::vector<std::string>& command,
+                                   const std::filesystem::path& log,
+                                   const std::vector<std::string>& environment = {});
+
+// Collects the end of `pid` if it has ended; never waits.
+std::optional<ProcessEnd> CollectProcess(pid_t pid);
+
+// Whether a process with this id exists.
+bool ProcessExists(pid_t pid);
+
+}  // namespace mortise::cli

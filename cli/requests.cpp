@@ -1,0 +1,92 @@
+#include "cli/requests.h"
+
+#include <grpcpp/grpcpp.h>
+#include <grpcpp/impl/codegen/proto_utils.h>
+
+#include <cmath>
+#include <cstdlib>
+
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "common/base/digest.h"
+#include "common/base/errors.h"
+#include "common/base/files.h"
+#include "common/base/units.h"
+#include "common/rpc/status_mapping.h"
+
+namespace mortise::cli {
+
+absl::StatusOr<double> ParseQuantity(const std::string& text, const std::string& field) {
+  char* end = nullptr;
+  const double number = std::strtod(text.c_str(), &end);
+  const std::string unit = end;
+  if (end == text.c_str() || !std::isfinite(number)) {
+    return InvalidField(field, absl::StrCat("'", text, "' is not a number"));
+  }
+  if (unit.empty() || unit == "m") return number;
+  if (unit == "mm") return number * kMillimetre;
+  if (unit == "cm") return number * 10 * kMillimetre;
+  return InvalidField(field, absl::StrCat("'", unit, "' is not a unit known here: m, cm, mm"));
+}
+
+absl::StatusOr<std::vector<v1::ParameterValue>> ParseParameters(
+    const std::vector<std::string>& assignments) {
+  std::vector<v1::ParameterValue> values;
+  for (const std::string& assignment : assignments) {
+    const std::size_t split = assignment.find('=');
+    if (split == std::string::npos || split == 0) {
+      return InvalidField("--set",
+                          absl::StrCat("'", assignment, "' is not of the form NAME=VALUE"));
+    }
+    v1::ParameterValue& value = values.emplace_back();
+    value.set_name(assignment.substr(0, split));
+    MORTISE_ASSIGN_OR_RETURN(const double number,
+                             ParseQuantity(assignment.substr(split + 1), "--set " + value.name()));
+    value.set_value(number);
+  }
+  return values;
+}
+
+std::string ResourceName(const std::string& collection, const std::string& name) {
+  return absl::StrContains(name, '/') ? name : absl::StrCat(collection, "/", name);
+}
+
+std::string Millimetres(double metres) { return absl::StrFormat("%.6g mm", metres / kMillimetre); }
+
+std::string MetricText(const v1::Metric& metric) {
+  if (metric.unit() == "m") return absl::StrFormat("%.4g mm", metric.value() / kMillimetre);
+  if (metric.unit() == "Pa") return absl::StrFormat("%.4g MPa", metric.value() / kMegapascal);
+  return absl::StrFormat("%.5g %s", metric.value(), metric.unit());
+}
+
+absl::StatusOr<std::int64_t> Receive(grpc::ClientReader<v1::Chunk>& reader,
+                                     const std::filesystem::path& path) {
+  std::string bytes;
+  std::string digest;
+  v1::Chunk chunk;
+  bool in_order = true;
+  while (reader.Read(&chunk)) {
+    if (!chunk.sha256().empty()) digest = chunk.sha256();
+    in_order = in_order && chunk.offset() == static_cast<std::int64_t>(bytes.size());
+    bytes += chunk.data();
+  }
+  MORTISE_RETURN_IF_ERROR(rpc::FromGrpc(reader.Finish()));
+  if (!in_order || (!digest.empty() && digest != Sha256Hex(bytes))) {
+    return absl::DataLossError(absl::StrCat(path.string(), ": what arrived is not what was sent"));
+  }
+  MORTISE_RETURN_IF_ERROR(WriteFile(path, bytes));
+  return static_cast<std::int64_t>(bytes.size());
+}
+
+absl::StatusOr<v1::Operation> FollowWithProgress(const GatewayClient& client,
+                                                 const v1::Operation& operation, Output& output) {
+  absl::StatusOr<v1::Operation> done =
+      client.Follow(operation.name(), [&output](const v1::Operation& now) {
+        output.Progress(now.progress().done(), now.progress().total(), now.progress().message());
+      });
+  output.EndProgress();
+  return done;
+}
+
+}  // namespace mortise::cli

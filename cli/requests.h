@@ -1,0 +1,63 @@
+// Pieces that several commands share: parameters from the command line, files from streams, and
+// operations followed with a progress bar.
+#pragma once
+
+#include <grpcpp/support/sync_stream.h>
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "cli/gateway_client.h"
+#include "cli/output.h"
+#include "mortise/v1/operations.pb.h"
+#include "mortise/v1/types.pb.h"
+
+namespace mortise::cli {
+
+// A number with an optional length unit: "1.2", "1.2m", "1200mm", "120cm", in SI.
+// INVALID_ARGUMENT naming `field`.
+absl::StatusOr<double> ParseQuantity(const std::string& text, const std::string& field);
+
+// "name=value" with the value as above.
+absl::StatusOr<std::vector<v1::ParameterValue>> ParseParameters(
+    const std::vector<std::string>& assignments);
+
+// "table" or "templates/table" to "templates/table".
+std::string ResourceName(const std::string& collection, const std::string& name);
+
+// A length for people, in millimetres with its unit.
+std::string Millimetres(double metres);
+
+// A metric for people: lengths in mm, stresses in MPa, the rest in SI.
+std::string MetricText(const v1::Metric& metric);
+
+// Writes what a stream of chunks carries, after checking size and digest. Returns the size.
+absl::StatusOr<std::int64_t> Receive(grpc::ClientReader<v1::Chunk>& reader,
+                                     const std::filesystem::path& path);
+
+// Follows an operation with a progress bar and takes out its result.
+template <typename Result>
+absl::StatusOr<Result> FollowTo(const GatewayClient& client, const v1::Operation& operation,
+                                Output& output);
+
+// The part of FollowTo that does not depend on the result's type.
+absl::StatusOr<v1::Operation> FollowWithProgress(const GatewayClient& client,
+                                                 const v1::Operation& operation, Output& output);
+
+template <typename Result>
+absl::StatusOr<Result> FollowTo(const GatewayClient& client, const v1::Operation& operation,
+                                Output& output) {
+  absl::StatusOr<v1::Operation> done = FollowWithProgress(client, operation, output);
+  if (!done.ok()) return done.status();
+  Result result;
+  if (!done->result().UnpackTo(&result)) {
+    return absl::InternalError("unexpected result of " + done->name());
+  }
+  return result;
+}
+
+}  // namespace mortise::cli

@@ -1,0 +1,48 @@
+// What every command has at hand: the global options, the output, the connection to the gateway.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "cli/gateway_client.h"
+#include "cli/output.h"
+
+namespace CLI {
+class App;
+}
+namespace mortise::v1 {
+class ParameterValue;
+}
+
+namespace mortise::cli {
+
+// Filled by the command line; a command is a function of it that main runs after parsing.
+struct Session {
+  bool json = false;
+  GatewayOptions gateway;
+  std::function<absl::Status(Session&, Output&)> command;  // set by the subcommand chosen
+
+  // The connection, made on first use.
+  absl::StatusOr<GatewayClient*> Client();
+
+ private:
+  std::optional<GatewayClient> client_;
+};
+
+// Each adds its subcommands to `app`; `session` outlives the parsing.
+void AddHouseCommands(CLI::App& app, Session& session);      // up, down, status, keys
+void AddCallCommand(CLI::App& app, Session& session);        // call, health
+void AddCatalogCommands(CLI::App& app, Session& session);    // catalog import|list|show|evaluate
+void AddAnalyzeCommand(CLI::App& app, Session& session);     // analyze
+void AddParetoCommands(CLI::App& app, Session& session);     // pareto run|show|pick
+void AddPlanCommand(CLI::App& app, Session& session);        // plan
+void AddFabCommands(CLI::App& app, Session& session);        // fab release|watch
+void AddEventsCommand(CLI::App& app, Session& session);      // events
+void AddDemoCommand(CLI::App& app, Session& session);        // demo
+void AddCompletionCommand(CLI::App& app, Session& session);  // completion
+
+}  // namespace mortise::cli

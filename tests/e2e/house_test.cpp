@@ -1,0 +1,173 @@
+// A house as a person runs it: started, asked, stopped; and what goes wrong, said clearly.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "cli/state_folder.h"
+#include "common/base/files.h"
+#include "common/base/identifiers.h"
+#include "tests/e2e/command.h"
+
+namespace mortise::e2e {
+namespace {
+
+using Json = nlohmann::json;
+using testing::HasSubstr;
+
+class HouseTest : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = std::filesystem::temp_directory_path() / ("mortise-house-" + NewIdentifier());
+    std::filesystem::create_directories(folder_);
+    house_ = std::make_unique<BackgroundCommand>(
+        std::vector<std::string>{"up", "--insecure-development", "--any-ports", "--workers", "1",
+                                 "--state", State()},
+        (folder_ / "up.log").string());
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+    while (!Serving() && std::chrono::steady_clock::now() < deadline) std::this_thread::yield();
+  }
+  static void TearDownTestSuite() {
+    house_.reset();
+    std::filesystem::remove_all(folder_);
+  }
+
+  void SetUp() override { ASSERT_TRUE(Serving()) << ReadFile(folder_ / "up.log").value_or(""); }
+
+  static std::string State() { return (folder_ / "state").string(); }
+
+  static bool Serving() {
+    const auto house = cli::ReadRunningHouse(State());
+    if (!house.ok() || house->processes.empty()) return false;
+    for (const auto& process : house->processes) {
+      if (!process.serving) return false;
+    }
+    return true;
+  }
+
+  // Runs a command on this house with --json and checks that it printed one document and no more.
+  static Json Ask(std::vector<std::string> arguments, int expected_code = 0) {
+    arguments.insert(arguments.begin(), {"--json", "--house", State()});
+    const CommandResult result = Mortise(arguments);
+    EXPECT_EQ(result.exit_code, expected_code) << result.error;
+    const Json document = Json::parse(result.out, nullptr, false);
+    EXPECT_FALSE(document.is_discarded()) << result.out;
+    return document;
+  }
+
+  static std::filesystem::path folder_;
+  static std::unique_ptr<BackgroundCommand> house_;
+};
+
+std::filesystem::path HouseTest::folder_;
+std::unique_ptr<BackgroundCommand> HouseTest::house_;
+
+TEST_F(HouseTest, StatusNamesEveryProcess) {
+  const Json status = Ask({"status", "--state", State()});
+  EXPECT_EQ(status["processes"].size(), 6u);
+}
+
+TEST_F(HouseTest, CatalogIsFilledWithTheCollection) {
+  EXPECT_GE(Ask({"catalog", "list", "items"}).size(), 5u);
+  EXPECT_GE(Ask({"catalog", "list", "materials"}).size(), 2u);
+  EXPECT_GE(Ask({"catalog", "list"}).size(), 1u);
+  EXPECT_EQ(Ask({"catalog", "show", "templates/table"})["name"], "templates/table");
+}
+
+TEST_F(HouseTest, AnyMethodCanBeCalled) {
+  const Json answer = Ask({"call", "catalog.GetTemplate", R"({"name": "templates/table"})"});
+  EXPECT_EQ(answer["name"], "templates/table");
+  const Json house = Ask({"call", "mortise.v1.GatewayService/GetHouse"});
+  for (const Json& service : house["services"])
+    EXPECT_TRUE(service["healthy"].get<bool>()) << service;
+}
+
+TEST_F(HouseTest, TableIsEvaluatedAtParameters) {
+  const Json design = Ask({"catalog", "evaluate", "table", "--set", "length=1500mm"});
+  EXPECT_EQ(design["parts"].size(), 9u);
+}
+
+TEST_F(HouseTest, FaultsNameWhatIsWrong) {
+  Json error = Ask({"catalog", "show", "templates/nothing"}, 1)["error"];
+  EXPECT_EQ(error["code"], "NOT_FOUND");
+  EXPECT_EQ(error["field"], "templates/nothing");
+  error = Ask({"catalog", "evaluate", "table", "--set", "length=-3"}, 1)["error"];
+  EXPECT_EQ(error["code"], "INVALID_ARGUMENT");
+  EXPECT_THAT(error["message"].get<std::string>(), HasSubstr("length"));
+  error = Ask({"catalog", "evaluate", "table", "--set", "girth=1"}, 1)["error"];
+  EXPECT_THAT(error["message"].get<std::string>(), HasSubstr("girth"));
+  error = Ask({"call", "catalog.Nothing"}, 1)["error"];
+  EXPECT_EQ(error["code"], "NOT_FOUND");
+}
+
+TEST_F(HouseTest, SecondLauncherIsRefused) {
+  const CommandResult second =
+      Mortise({"up", "--insecure-development", "--any-ports", "--state", State()});
+  EXPECT_EQ(second.exit_code, 1);
+  EXPECT_THAT(second.error, HasSubstr("another launcher runs on"));
+}
+
+TEST(Up, RefusesAnUnwritableStateFolder) {
+  const auto folder = std::filesystem::temp_directory_path() / ("mortise-file-" + NewIdentifier());
+  ASSERT_TRUE(WriteFile(folder, "a file where a folder should be").ok());
+  const CommandResult result =
+      Mortise({"up", "--insecure-development", "--any-ports", "--state", folder.string()});
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.error, HasSubstr(folder.string()));
+  std::filesystem::remove(folder);
+}
+
+TEST(CommandLine, EveryCommandHasHelpAndMistakesAreExplained) {
+  for (const std::vector<std::string>& command :
+       std::vector<std::vector<std::string>>{{},
+                                             {"up"},
+                                             {"down"},
+                                             {"status"},
+                                             {"demo"},
+                                             {"catalog", "import"},
+                                             {"catalog", "list"},
+                                             {"catalog", "show"},
+                                             {"catalog", "evaluate"},
+                                             {"analyze"},
+                                             {"pareto", "run"},
+                                             {"pareto", "show"},
+                                             {"pareto", "pick"},
+                                             {"plan"},
+                                             {"fab", "release"},
+                                             {"fab", "watch"},
+                                             {"events"},
+                                             {"call"},
+                                             {"completion"},
+                                             {"keys"},
+                                             {"health"}}) {
+    std::vector<std::string> arguments = command;
+    arguments.push_back("--help");
+    const CommandResult result = Mortise(arguments);
+    EXPECT_EQ(result.exit_code, 0);
+    EXPECT_THAT(result.out, HasSubstr("Usage:"));
+  }
+  EXPECT_EQ(Mortise({"nonsense"}).exit_code, 2);
+  EXPECT_EQ(Mortise({"analyze"}).exit_code, 2);
+}
+
+TEST(CommandLine, WithoutAHouseSaysHowToStartOne) {
+  const CommandResult result = Mortise({"--house", "/nonexistent", "catalog", "list"});
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.error, HasSubstr("mortise up"));
+}
+
+TEST(Completion, IsAScriptThatBashAccepts) {
+  const CommandResult result = Mortise({"completion", "bash"});
+  ASSERT_EQ(result.exit_code, 0);
+  const auto script = std::filesystem::temp_directory_path() / ("mortise-" + NewIdentifier());
+  ASSERT_TRUE(WriteFile(script, result.out).ok());
+  EXPECT_EQ(std::system(("bash -n " + script.string()).c_str()), 0);
+  EXPECT_THAT(result.out, HasSubstr("evaluate"));
+  std::filesystem::remove(script);
+}
+
+}  // namespace
+}  // namespace mortise::e2e

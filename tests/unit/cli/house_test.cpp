@@ -1,0 +1,81 @@
+#include "cli/house.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <set>
+
+namespace mortise::cli {
+namespace {
+
+using testing::Contains;
+using testing::HasSubstr;
+
+HouseOptions Development() {
+  HouseOptions options;
+  options.binaries = "bin";
+  options.any_ports = true;
+  options.insecure_development = true;
+  options.workers = 3;
+  return options;
+}
+
+std::set<std::string> Names(const HousePlan& plan) {
+  std::set<std::string> names;
+  for (const HouseProcess& process : plan.processes) names.insert(process.name);
+  return names;
+}
+
+TEST(PlanHouse, HasTheGatewayEveryServiceAndTheWorkers) {
+  const HousePlan plan = PlanHouse(Development()).value();
+  EXPECT_THAT(Names(plan), testing::UnorderedElementsAre(
+                               "gateway", "catalog", "simulator", "pareto", "fabplanner",
+                               "simulator-worker-1", "simulator-worker-2", "simulator-worker-3"));
+}
+
+TEST(PlanHouse, AddsTheVirtualCellAndItsBridge) {
+  HouseOptions options = Development();
+  options.virtual_cell = true;
+  EXPECT_THAT(Names(PlanHouse(options).value()),
+              testing::AllOf(Contains("virtual-cell"), Contains("hwbridge")));
+}
+
+TEST(PlanHouse, ListensOnLoopbackOnlyEachAtItsOwnPort) {
+  const HousePlan plan = PlanHouse(Development()).value();
+  std::set<std::string> addresses;
+  for (const HouseProcess& process : plan.processes) {
+    if (process.address.empty()) continue;
+    EXPECT_EQ(process.address.rfind("127.0.0.1:", 0), 0u) << process.address;
+    EXPECT_TRUE(addresses.insert(process.address).second) << process.address;
+  }
+}
+
+TEST(PlanHouse, TellsTheGatewayWhereEveryServiceIs) {
+  const HousePlan plan = PlanHouse(Development()).value();
+  const std::vector<std::string>& gateway = plan.processes.front().command;
+  for (const HouseProcess& process : plan.processes) {
+    if (process.address.empty() || process.name == "gateway") continue;
+    EXPECT_THAT(gateway, Contains(process.name + "=" + process.address));
+  }
+}
+
+TEST(PlanHouse, RefusesPlainTextUnlessAskedFor) {
+  HouseOptions options = Development();
+  options.insecure_development = false;
+  const absl::Status status = PlanHouse(options).status();
+  EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_THAT(std::string(status.message()), HasSubstr("--insecure-development"));
+}
+
+TEST(UsualPort, IsDifferentForEveryListener) {
+  std::set<int> ports;
+  std::vector<std::string> listeners = HouseServices();
+  listeners.insert(listeners.end(), {"gateway", "gateway-http", "bus-publish", "bus-subscribe"});
+  for (const std::string& listener : listeners) {
+    EXPECT_GT(UsualPort(listener), 1024) << listener;
+    EXPECT_TRUE(ports.insert(UsualPort(listener)).second) << listener;
+  }
+}
+
+}  // namespace
+}  // namespace mortise::cli
