@@ -1,0 +1,150 @@
+// TLS between processes: who is let in, and who is not.
+#include <gtest/gtest.h>
+#include <openssl/evp.h>
+#include <openssl/pem.h>
+#include <openssl/x509v3.h>
+
+#include <memory>
+
+#include "common/base/errors.h"
+#include "common/base/files.h"
+#include "tests/unit/common/rpc/probe_server.h"
+
+namespace mortise::testing {
+namespace {
+
+std::string TextOf(BIO* bio) {
+  char* data = nullptr;
+  const long length = BIO_get_mem_data(bio, &data);
+  return std::string(data, static_cast<std::size_t>(length));
+}
+
+// A certificate for 127.0.0.1 that signs itself, so it is also the authority to trust.
+struct SelfSigned {
+  SelfSigned() {
+    const std::unique_ptr<EVP_PKEY, decltype(&EVP_PKEY_free)> pair(EVP_EC_gen("P-256"),
+                                                                   EVP_PKEY_free);
+    const std::unique_ptr<X509, decltype(&X509_free)> x509(X509_new(), X509_free);
+    X509_set_version(x509.get(), 2);
+    ASN1_INTEGER_set(X509_get_serialNumber(x509.get()), 1);
+    X509_gmtime_adj(X509_getm_notBefore(x509.get()), -3600);
+    X509_gmtime_adj(X509_getm_notAfter(x509.get()), 3600);
+    X509_NAME* name = X509_get_subject_name(x509.get());
+    X509_NAME_add_entry_by_txt(name, "CN", MBSTRING_ASC,
+                               reinterpret_cast<const unsigned char*>("test"), -1, -1, 0);
+    X509_set_issuer_name(x509.get(), name);
+    X509_set_pubkey(x509.get(), pair.get());
+    AddExtension(x509.get(), NID_subject_alt_name, "IP:127.0.0.1");
+    AddExtension(x509.get(), NID_basic_constraints, "critical,CA:TRUE");
+    X509_sign(x509.get(), pair.get(), EVP_sha256());
+
+    const std::unique_ptr<BIO, decltype(&BIO_free_all)> out(BIO_new(BIO_s_mem()), BIO_free_all);
+    PEM_write_bio_X509(out.get(), x509.get());
+    certificate = TextOf(out.get());
+    BIO_reset(out.get());
+    PEM_write_bio_PrivateKey(out.get(), pair.get(), nullptr, nullptr, 0, nullptr, nullptr);
+    key = TextOf(out.get());
+  }
+
+  static void AddExtension(X509* x509, int kind, const char* value) {
+    X509_EXTENSION* extension = X509V3_EXT_conf_nid(nullptr, nullptr, kind, value);
+    X509_add_ext(x509, extension, -1);
+    X509_EXTENSION_free(extension);
+  }
+
+  std::string certificate;
+  std::string key;
+};
+
+class TlsTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    ours_ = Write("ours");
+    theirs_ = Write("theirs");
+    handlers_.read = [](const rpc::Call&, const ReadRequest&) -> absl::StatusOr<ReadResponse> {
+      return ReadResponse();
+    };
+    dispatcher_ = rpc::Dispatcher::Create({.service = "probe", .threads = 2});
+  }
+
+  void TearDown() override {
+    if (host_) host_->Shutdown();
+    dispatcher_->WaitIdle();
+    host_.reset();
+  }
+
+  // Files of a new certificate, which is its own authority.
+  rpc::ChannelSecurity Write(const std::string& name) {
+    const SelfSigned made;
+    rpc::ChannelSecurity security;
+    security.certificate = folder_.path() / (name + ".crt");
+    security.key = folder_.path() / (name + ".key");
+    security.authority = security.certificate;
+    EXPECT_OK(WriteFile(security.certificate, made.certificate));
+    EXPECT_OK(WriteFile(security.key, made.key));
+    return security;
+  }
+
+  absl::Status Start(const rpc::ChannelSecurity& security, const std::string& listen) {
+    rpc::ServerHost::Options options;
+    options.listen = listen;
+    options.security = security;
+    options.dispatcher = dispatcher_.get();
+    options.services = {std::make_shared<ProbeAdapter>(dispatcher_.get(), &handlers_)};
+    MORTISE_ASSIGN_OR_RETURN(host_, rpc::ServerHost::Start(std::move(options)));
+    return absl::OkStatus();
+  }
+
+  absl::Status Read(const rpc::ChannelSecurity& security) {
+    const std::string& address = host_->address();
+    const auto channel =
+        rpc::MakeChannel("127.0.0.1" + address.substr(address.rfind(':')), security);
+    if (!channel.ok()) return channel.status();
+    const auto stub = ProbeService::NewStub(*channel);
+    grpc::ClientContext context;
+    context.set_deadline(absl::ToChronoTime(absl::Now() + absl::Seconds(20)));
+    ReadResponse response;
+    return rpc::FromGrpc(stub->Read(&context, {}, &response));
+  }
+
+  TemporaryFolder folder_;
+  ProbeHandlers handlers_;
+  rpc::ChannelSecurity ours_;
+  rpc::ChannelSecurity theirs_;
+  std::unique_ptr<rpc::Dispatcher> dispatcher_;
+  std::unique_ptr<rpc::ServerHost> host_;
+};
+
+TEST_F(TlsTest, BothSidesShowCertificates) {
+  ASSERT_OK(Start(ours_, "0.0.0.0:0")) << "with TLS it may leave the machine";
+  EXPECT_OK(Read(ours_));
+  rpc::ChannelSecurity nameless;
+  nameless.authority = ours_.authority;
+  EXPECT_FALSE(Read(nameless).ok()) << "the client shows no certificate";
+  rpc::ChannelSecurity stranger = theirs_;
+  stranger.authority = ours_.authority;
+  EXPECT_FALSE(Read(stranger).ok()) << "the client's certificate is of another house";
+  EXPECT_FALSE(Read(theirs_).ok()) << "the server's certificate is of another house";
+  EXPECT_FALSE(Read({}).ok()) << "plain text";
+}
+
+TEST_F(TlsTest, WithoutAuthorityClientsNeedNoCertificate) {
+  rpc::ChannelSecurity open = ours_;
+  open.authority.clear();
+  ASSERT_OK(Start(open, "127.0.0.1:0"));
+  rpc::ChannelSecurity client;
+  client.authority = ours_.certificate;
+  EXPECT_OK(Read(client));
+}
+
+TEST_F(TlsTest, IncompleteOrMissingFilesAreNamed) {
+  rpc::ChannelSecurity no_key = ours_;
+  no_key.key.clear();
+  EXPECT_EQ(DetailOf(Start(no_key, "127.0.0.1:0")).field, "tls-key");
+  rpc::ChannelSecurity missing = ours_;
+  missing.authority = folder_.path() / "none.crt";
+  EXPECT_EQ(Start(missing, "127.0.0.1:0").code(), absl::StatusCode::kNotFound);
+}
+
+}  // namespace
+}  // namespace mortise::testing
