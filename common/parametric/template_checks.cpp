@@ -133,11 +133,14 @@ class Checker {
     check("step", parameter.step);
     if (!finite) return;
     if (parameter.maximum <= parameter.minimum) {
+      // The default and the step mean nothing without a range.
       Report(absl::StrCat(field, ".maximum"),
              absl::StrCat("is ", parameter.maximum, ", not greater than the minimum ",
                           parameter.minimum));
-    } else if (parameter.default_value < parameter.minimum ||
-               parameter.default_value > parameter.maximum) {
+      return;
+    }
+    if (parameter.default_value < parameter.minimum ||
+        parameter.default_value > parameter.maximum) {
       Report(absl::StrCat(field, ".default_value"),
              absl::StrCat("is ", parameter.default_value, ", outside the range ", parameter.minimum,
                           " to ", parameter.maximum));

@@ -72,6 +72,8 @@ class CatalogProcess {
 
   void End(int signal) {
     if (process_ <= 0) return;
+    // An idle client does not notice that the server wants to go, and would keep it waiting.
+    channel_.reset();
     ::kill(process_, signal);
     ::waitpid(process_, nullptr, 0);
     process_ = -1;
