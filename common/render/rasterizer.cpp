@@ -134,6 +134,10 @@ void Rasterizer::DrawLine(const Projected& start, const Projected& end, const St
   }
 }
 
+void Rasterizer::ClearDepth() {
+  std::fill(depth_.begin(), depth_.end(), std::numeric_limits<float>::infinity());
+}
+
 Image Rasterizer::Reduce(int factor) const {
   Image image(width_ / factor, height_ / factor, {1, 1, 1});
   const int area = factor * factor;

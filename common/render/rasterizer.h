@@ -36,6 +36,9 @@ class Rasterizer {
   // Strokes a segment against the depths drawn so far.
   void DrawLine(const Projected& start, const Projected& end, const Stroke& stroke);
 
+  // From now on everything stands before what has been drawn so far.
+  void ClearDepth();
+
   // Averages squares of `factor` × `factor` samples into pixels.
   Image Reduce(int factor) const;
 

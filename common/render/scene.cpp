@@ -133,6 +133,9 @@ void FillShape(const Shape& shape, const Scene& scene, const Projection& project
     if (by_scalar) {
       for (Corner& corner : corners) corner.light = 0.35 + 0.65 * corner.light;
     }
+    if (shape.backdrop) {
+      for (Corner& corner : corners) corner.light = 1;
+    }
     raster.FillTriangle(corners, by_scalar ? nullptr : &shape.color);
   }
 }
@@ -240,11 +243,14 @@ absl::StatusOr<Image> Render(const Scene& scene, const RenderOptions& options) {
   };
   const Projection samples = projection_at(factor);
   Rasterizer raster(options.width * factor, options.height * factor, scene.background);
-  for (const Shape& shape : scene.shapes) {
-    if (shape.filled) FillShape(shape, scene, samples, raster);
-  }
-  for (const Shape& shape : scene.shapes) {
-    if (shape.edges) DrawEdges(shape, samples, factor, raster);
+  for (const bool backdrop : {true, false}) {
+    for (const Shape& shape : scene.shapes) {
+      if (shape.filled && shape.backdrop == backdrop) FillShape(shape, scene, samples, raster);
+    }
+    for (const Shape& shape : scene.shapes) {
+      if (shape.edges && shape.backdrop == backdrop) DrawEdges(shape, samples, factor, raster);
+    }
+    if (backdrop) raster.ClearDepth();
   }
   for (const Line& line : scene.lines) DrawSpaceLine(line, samples, factor, raster);
   Image image = raster.Reduce(factor);

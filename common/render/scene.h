@@ -38,6 +38,8 @@ struct Shape {
   Eigen::VectorXd scalars;  // V values coloured by Scene::color_bar; empty for `color`
   bool smooth = false;      // shade by averaged normals instead of triangle by triangle
   bool filled = true;       // false: lines only, for a ghost of the undeformed shape
+  bool backdrop = false;    // drawn first and unlit, covered by all that is not a backdrop: the
+                            // shape before a deformation
   bool edges = true;
   double feature_angle = 0.5;  // rad
   double edge_width = 1.2;     // pixels

@@ -77,7 +77,8 @@ absl::StatusOr<std::string> DrawStress(const DesignAnalysis& analysis, const std
   render::Shape ghost;
   ghost.vertices = volume.nodes;
   ghost.triangles = mesh::OuterTriangles(volume);
-  ghost.filled = false;
+  ghost.backdrop = true;
+  ghost.color = scene.background;
   ghost.edge_width = 0.8;
   ghost.edge_color = {0.62, 0.64, 0.68};
   scene.shapes.push_back(ghost);

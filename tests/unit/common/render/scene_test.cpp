@@ -134,6 +134,19 @@ TEST(Render, DrawsTheTable) {
   Keep("sheet.png", *sheet);
 }
 
+TEST(Render, BackdropsStandBehindEverything) {
+  Scene scene;
+  scene.shapes.push_back(Box({0, 0, 0}, {1, 1, 1}));  // nearer, but a backdrop
+  scene.shapes.push_back(Box({0, 2, 0}, {1, 3, 1}));
+  scene.shapes[0].color = {1, 0, 0};
+  scene.shapes[1].color = {0, 0, 1};
+  scene.camera = FitCamera(BoundingBox(scene), kViewFront, 1.0);
+  const RenderOptions small{.width = 64, .height = 64, .supersample = 1};
+  EXPECT_EQ(Render(scene, small)->Get(32, 32).blue, 0);
+  scene.shapes[0].backdrop = true;
+  EXPECT_GT(Render(scene, small)->Get(32, 32).blue, 0.4);
+}
+
 TEST(Render, TheSameSceneGivesTheSamePicture) {
   const auto first = Render(Table(), {.width = 200, .height = 150});
   const auto second = Render(Table(), {.width = 200, .height = 150});
