@@ -137,19 +137,12 @@ class FabPlannerAdapter final : public v1::FabPlannerService::CallbackService {
                const v1::ListPlansRequest& asked) -> absl::StatusOr<v1::ListPlansResponse> {
           MORTISE_ASSIGN_OR_RETURN(
               const Page page,
-              ListNewestFirst(*store_, kPlanKind, asked.page_size(), asked.page_token()));
+              ListNewestFirst(*store_, kPlanSummaryKind, asked.page_size(), asked.page_token()));
           v1::ListPlansResponse answer;
           for (const store::Record& record : page.records) {
-            v1::Plan* plan = answer.add_plans();
-            if (!plan->ParseFromString(record.payload)) {
+            if (!answer.add_plans()->ParseFromString(record.payload)) {
               return StorageFailed(record.key, "the plan is not readable");
             }
-            plan->clear_boards();
-            plan->clear_sheets();
-            plan->clear_steps();
-            plan->clear_bill();
-            plan->clear_holes();
-            plan->clear_artifacts();
           }
           answer.set_next_page_token(page.next);
           return answer;

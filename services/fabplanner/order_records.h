@@ -16,7 +16,9 @@
 
 namespace mortise::fabplanner {
 
+// Plans whole, and again without contents, so that a list does not read megabytes of cuts.
 inline constexpr char kPlanKind[] = "plans";
+inline constexpr char kPlanSummaryKind[] = "planSummaries";
 inline constexpr char kOrderKind[] = "workOrders";
 
 // Largest message that is stored and sent, below gRPC's 4 MiB, bytes.

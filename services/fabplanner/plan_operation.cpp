@@ -36,6 +36,15 @@ absl::Status StorePlan(store::Transaction& transaction, const std::string& id, v
       absl::ToUnixMicros(transaction.Now()));
   MORTISE_RETURN_IF_ERROR(
       transaction.Put(kPlanKind, id, plan->SerializeAsString(), {.expected_revision = 0}).status());
+  v1::Plan summary = *plan;
+  summary.clear_boards();
+  summary.clear_sheets();
+  summary.clear_steps();
+  summary.clear_bill();
+  summary.clear_holes();
+  summary.clear_artifacts();
+  MORTISE_RETURN_IF_ERROR(
+      transaction.Put(kPlanSummaryKind, id, summary.SerializeAsString()).status());
   const nlohmann::json json = {
       {"template", plan->template_()},   {"quantity", plan->quantity()},
       {"boards", plan->boards_size()},   {"sheets", plan->sheets_size()},

@@ -38,8 +38,13 @@ absl::Status CheckMachines(const google::protobuf::RepeatedPtrField<v1::Machine>
   return absl::OkStatus();
 }
 
-bool IsOut(const Cut& cut) {
-  return cut.state == CutState::kSent || cut.state == CutState::kAccepted;
+// The bridges that have cuts of the order in hand.
+std::set<std::string> UsersOf(const WorkOrder& work) {
+  std::set<std::string> users;
+  for (const Cut& cut : work.cuts()) {
+    if (cut.state == CutState::kSent || cut.state == CutState::kAccepted) users.insert(cut.bridge);
+  }
+  return users;
 }
 
 google::protobuf::Timestamp ToTimestamp(absl::Time time) {
@@ -168,8 +173,9 @@ absl::StatusOr<int64_t> ShopFloor::Attach(const v1::BridgeMessage::Hello& hello,
   Log(LogLevel::kInfo, "bridge attached",
       {{"bridge", hello.bridge()}, {"reports_stored", ledger.stored()}});
   Acknowledge(bridge);
-  for (const auto& [name, order] : orders_) {
+  for (auto& [name, order] : orders_) {
     SendPauses(order, hello.bridge());
+    if (order.to_resume.contains(hello.bridge())) SendResume(order, hello.bridge());
     SendCuts(order, order.work.CutsToSendAgain(hello.bridge()));
   }
   if (const absl::Status status = GiveOutAll(); !status.ok()) {
@@ -204,6 +210,7 @@ absl::Status ShopFloor::Receive(int64_t attachment, const v1::BridgeMessage& mes
     if (candidate.attachment == attachment) bridge = &candidate;
   }
   if (bridge == nullptr) return absl::OkStatus();
+  for (auto& [name, order] : orders_) order.to_resume.erase(bridge->stored.name());
   switch (message.message_case()) {
     case v1::BridgeMessage::kHello:
       return InvalidField("hello", "has been said already");
@@ -306,9 +313,7 @@ absl::Status ShopFloor::TakeOver(const std::string& order_name, bool resumed) {
     SendCuts(*order, given_out);
     return absl::OkStatus();
   }
-  v1::PlannerMessage resume;
-  resume.mutable_resume()->set_work_order(order_name);
-  SendToUsers(*order, resume, "");
+  for (const std::string& user : UsersOf(order->work)) SendResume(*order, user);
   for (const auto& [name, bridge] : bridges_) {
     if (bridge.attachment != 0) SendCuts(*order, order->work.CutsToSendAgain(name));
   }
@@ -367,29 +372,29 @@ void ShopFloor::SendCuts(const Order& order, const std::vector<int>& cuts) {
 }
 
 // An order that is held, or ended with cuts still in bridges' journals, must not go on there.
-void ShopFloor::SendPauses(const Order& order, const std::string& only_bridge) {
+void ShopFloor::SendPauses(Order& order, const std::string& only_bridge) {
   const OrderState state = order.work.state();
   if (state != OrderState::kHeld && state != OrderState::kFailed &&
       state != OrderState::kCancelled) {
     return;
   }
+  order.to_resume.clear();
   v1::PlannerMessage hold;
   hold.mutable_hold()->set_work_order(order.summary.name());
-  SendToUsers(order, hold, only_bridge);
-}
-
-// Sends to the attached bridges that have cuts of the order.
-void ShopFloor::SendToUsers(const Order& order, const v1::PlannerMessage& message,
-                            const std::string& only_bridge) {
-  std::set<std::string> users;
-  for (const Cut& cut : order.work.cuts()) {
-    if (IsOut(cut)) users.insert(cut.bridge);
-  }
-  for (const std::string& user : users) {
+  for (const std::string& user : UsersOf(order.work)) {
     const Bridge& bridge = bridges_.at(user);
     if (bridge.attachment == 0 || (!only_bridge.empty() && user != only_bridge)) continue;
-    bridge.writer->Write(message);
+    bridge.writer->Write(hold);
   }
+}
+
+void ShopFloor::SendResume(Order& order, const std::string& bridge_name) {
+  const Bridge& bridge = bridges_.at(bridge_name);
+  order.to_resume.insert(bridge_name);  // until something is heard from it (Receive)
+  if (bridge.attachment == 0) return;
+  v1::PlannerMessage resume;
+  resume.mutable_resume()->set_work_order(order.summary.name());
+  bridge.writer->Write(std::move(resume));
 }
 
 absl::StatusOr<ShopFloor::Standing> ShopFloor::WaitForChange(const std::string& order_name,

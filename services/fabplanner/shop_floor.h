@@ -15,6 +15,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -57,8 +58,8 @@ class ShopFloor {
   // the bridges of the pause, or gives out cuts. NOT_FOUND.
   absl::Status Refresh(const std::string& order_name);
 
-  // The same after a resumption: bridges that have cuts of the order are told to go on. Only a
-  // person's request leads here; a line that comes back does not.
+  // The same after a resumption: bridges that have cuts of the order are told to go on, those that
+  // are away when they attach. Only a person's request leads here; a line that comes back does not.
   absl::Status Resumed(const std::string& order_name);
 
   // Gives an order up: its waiting cuts are never given out. No effect on a finished one.
@@ -88,6 +89,9 @@ class ShopFloor {
   struct Order {
     v1::WorkOrder summary;  // as stored, without cuts
     WorkOrder work;
+    // Bridges to tell, when they attach, that a person has resumed the order: those that were away,
+    // or of which nothing was heard since they were told.
+    std::set<std::string> to_resume = {};
   };
   struct Bridge {
     v1::ListBridgesResponse::Bridge stored;
@@ -106,9 +110,8 @@ class ShopFloor {
   absl::Status GiveOutAll();
   std::vector<MachineAddress> AttachedMachines() const;
   void SendCuts(const Order& order, const std::vector<int>& cuts);
-  void SendPauses(const Order& order, const std::string& only_bridge = "");
-  void SendToUsers(const Order& order, const v1::PlannerMessage& message,
-                   const std::string& only_bridge);
+  void SendPauses(Order& order, const std::string& only_bridge = "");
+  void SendResume(Order& order, const std::string& bridge_name);
   absl::Status Accepted(Bridge& bridge, const v1::BridgeMessage::CommandAccepted& message);
   absl::Status Reported(Bridge& bridge, const v1::CutReport& message);
   void Acknowledge(Bridge& bridge);

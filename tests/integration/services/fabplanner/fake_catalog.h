@@ -1,0 +1,116 @@
+// A catalog that knows one table, served on loopback by the test itself.
+#pragma once
+
+#include <grpcpp/grpcpp.h>
+
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "common/parametric/template_codec.h"
+#include "mortise/v1/catalog.grpc.pb.h"
+#include "tests/unit/services/fabplanner/example_table.h"
+
+namespace mortise::fabplanner {
+
+class FakeCatalog final : public v1::CatalogService::Service {
+ public:
+  FakeCatalog() {
+    grpc::ServerBuilder builder;
+    int port = 0;
+    builder.AddListeningPort("127.0.0.1:0", grpc::InsecureServerCredentials(), &port);
+    builder.RegisterService(this);
+    server_ = builder.BuildAndStart();
+    address_ = "127.0.0.1:" + std::to_string(port);
+  }
+  ~FakeCatalog() override { server_->Shutdown(); }
+
+  const std::string& address() const { return address_; }
+
+  // Changes what later calls see.
+  void SetItems(const Items& items) {
+    std::lock_guard lock(mutex_);
+    items_ = items;
+  }
+
+  grpc::Status EvaluateTemplate(grpc::ServerContext*, const v1::EvaluateTemplateRequest* request,
+                                v1::EvaluatedDesign* response) override {
+    if (request->name() != "templates/table") {
+      return {grpc::StatusCode::NOT_FOUND, "no template " + request->name()};
+    }
+    const Design table = ExampleTable();
+    parametric::EvaluatedDesign design;
+    design.template_name = "templates/table";
+    design.template_revision = 3;
+    design.parameters = {{"length", 1.2}};
+    for (const Part& part : table.parts) design.parts.push_back(Evaluated(part));
+    for (const Peg& peg : table.pegs) {
+      design.connectors.push_back({peg.connection, peg.item, peg.part, peg.other_part, peg.position,
+                                   peg.direction, peg.diameter, peg.length, peg.depth_in_part,
+                                   peg.priority});
+    }
+    *response = parametric::ToProto(design);
+    return grpc::Status::OK;
+  }
+
+  grpc::Status GetTemplateBundle(grpc::ServerContext*, const v1::GetTemplateBundleRequest* request,
+                                 v1::TemplateBundle* response) override {
+    if (request->revision() != 3) return {grpc::StatusCode::NOT_FOUND, "only revision 3 is here"};
+    parametric::TemplateBundle bundle;
+    bundle.definition.name = "templates/table";
+    bundle.definition.title = "Table";
+    for (const Part& part : ExampleTable().parts) {
+      bundle.definition.parts.push_back(
+          {part.name, part.title, part.item, static_cast<parametric::Axis>(part.length_axis),
+           static_cast<parametric::Axis>(part.thickness_axis), parametric::Box{}});
+    }
+    std::lock_guard lock(mutex_);
+    for (const auto& [name, item] : items_) {
+      parametric::Item stored;
+      stored.name = name;
+      stored.title = item.title;
+      stored.kind = item.kind == ItemKind::kBoard   ? parametric::ItemKind::kBoard
+                    : item.kind == ItemKind::kSheet ? parametric::ItemKind::kSheet
+                                                    : parametric::ItemKind::kDowel;
+      for (int axis = 0; axis < 3; ++axis) stored.dimensions[axis].size = item.size[axis];
+      stored.price = {item.price.currency, item.price.amount};
+      stored.price_basis = item.price_per_volume ? parametric::PriceBasis::kPerVolume
+                                                 : parametric::PriceBasis::kPerPiece;
+      stored.supplier = item.supplier;
+      bundle.items.push_back(stored);
+    }
+    *response = parametric::ToProto(bundle);
+    return grpc::Status::OK;
+  }
+
+ private:
+  static parametric::EvaluatedPart Evaluated(const Part& part) {
+    parametric::EvaluatedPart evaluated;
+    evaluated.name = part.name;
+    evaluated.title = part.title;
+    evaluated.item = part.item;
+    evaluated.axis = static_cast<parametric::Axis>(part.extrusion_axis);
+    evaluated.outline.resize(2, static_cast<Eigen::Index>(part.outline.size()));
+    for (std::size_t i = 0; i < part.outline.size(); ++i) {
+      evaluated.outline.col(static_cast<Eigen::Index>(i)) = part.outline[i];
+    }
+    evaluated.from = part.from;
+    evaluated.to = part.to;
+    evaluated.face_names = {"y_min", "x_max", "y_max", "x_min", "z_min", "z_max"};
+    evaluated.minimum = BoundsOf(part).min();
+    evaluated.maximum = BoundsOf(part).max();
+    evaluated.size = part.size;
+    evaluated.volume = part.size.prod();
+    evaluated.mass = 500 * evaluated.volume;
+    evaluated.process = part.process == CutProcess::kJigsaw ? parametric::Process::kJigsaw
+                                                            : parametric::Process::kChopSaw;
+    return evaluated;
+  }
+
+  std::unique_ptr<grpc::Server> server_;
+  std::string address_;
+  std::mutex mutex_;
+  Items items_ = ExampleItems();  // guarded by mutex_
+};
+
+}  // namespace mortise::fabplanner
