@@ -143,6 +143,8 @@ class OutgoingStream : public StreamWriter<Response>,
 
   // Does what can be done now: one write, one pull, or the end.
   void Pump() {
+    // The end lets go of the reactor, which may be the last to hold this.
+    const auto self = this->shared_from_this();
     std::unique_lock lock(mutex_);
     if (finished_) return;
     if (next_ && wake_ && !pulling_ && !Closed() && queue_.size() < kReadAhead) {
