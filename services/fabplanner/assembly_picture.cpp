@@ -1,6 +1,8 @@
 #include "services/fabplanner/assembly_picture.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <map>
 #include <queue>
 #include <set>
@@ -82,13 +84,13 @@ class Explosion {
         joints_[piece_.at(part)].push_back({piece_.at(joint.neighbour), joint.away});
       }
     }
-    std::map<std::string, double> volumes;
+    std::map<std::string, int64_t> volumes;  // mm³: equal pieces must not differ by rounding
     std::vector<std::string> order;  // of first appearance, so that ties do not depend on names
     for (const Part& part : design.parts) {
       const auto piece = piece_.find(part.name);
       if (piece == piece_.end()) continue;
       if (volumes.emplace(piece->second, 0).second) order.push_back(piece->second);
-      volumes[piece->second] += part.size.prod();
+      volumes[piece->second] += std::llround(part.size.prod() * 1e9);
     }
     // What stood before goes first, however small: people build onto it.
     const std::set<std::string> added(step.added_parts.begin(), step.added_parts.end());
