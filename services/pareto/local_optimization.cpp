@@ -191,8 +191,11 @@ void LocalOptimization::Judge(const Archive& archive, std::size_t entry) {
 
 void LocalOptimization::TightenTarget(const Archive& archive) {
   if (tightened_ >= kTightenLimit) return;
-  if (Residual(archive, *best_).norm() > 0.2 * target_.reach) return;
-  target_.z += target_.reach * target_.direction;
+  const Eigen::VectorXd r = Residual(archive, *best_);
+  if (r.norm() > 0.2 * target_.reach && r.maxCoeff() > 0.2 * target_.reach) return;
+  // Each time twice as far: where the front really is may be many ranges of the first samples away.
+  target_.reach *= 2;
+  target_.z = scaling_.Apply(archive[*best_].metrics) + target_.reach * target_.direction;
   ++tightened_;
 }
 

@@ -98,6 +98,7 @@ TrackScheduler::Track TrackScheduler::OpeningTrack(const Archive& archive, const
   const VectorXd y = scaling.Apply(archive[start].metrics);
   LocalOptimization::Options options = options_.optimization;
   options.differences = opened_ == 0;
+  if (options.differences) options.evaluations += static_cast<int>(archive[start].u.size());
   VectorXd direction = Diagonal(d);
   double reach = options_.delta_s;
   if (metric >= 0) {

@@ -1,0 +1,395 @@
+// mortise-pareto as a real process, beside an evaluator in this test that serves ZDT1 over gRPC:
+// discovery from start to front, kill -9 in the middle, cancelling, and bad input.
+#include <grpcpp/grpcpp.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <cstdlib>
+#include <filesystem>
+#include <functional>
+#include <limits>
+#include <mutex>
+#include <thread>
+
+#include "common/base/files.h"
+#include "common/base/identifiers.h"
+#include "mortise/v1/evaluator.grpc.pb.h"
+#include "mortise/v1/operations.grpc.pb.h"
+#include "mortise/v1/pareto.grpc.pb.h"
+#include "services/pareto/benchmark_problems.h"
+
+namespace mortise::pareto {
+namespace {
+
+using std::chrono::steady_clock;
+
+constexpr int kDimensions = 5;
+
+// Serves ZDT1 with its second metric negated as "gain", to be made large. Can be held up after a
+// number of evaluations.
+class Zdt1Evaluator : public v1::EvaluatorService::Service {
+ public:
+  grpc::Status DescribeDesignSpace(grpc::ServerContext*,
+                                   const v1::DescribeDesignSpaceRequest* request,
+                                   v1::DesignSpace* response) override {
+    if (request->subject() != "templates/zdt1")
+      return {grpc::StatusCode::NOT_FOUND, "no such template"};
+    response->set_subject(request->subject());
+    response->set_revision(3);
+    for (int i = 0; i < kDimensions; ++i) {
+      auto& parameter = *response->add_parameters();
+      parameter.set_name("x" + std::to_string(i));
+      parameter.set_maximum(1);
+    }
+    for (const char* name : {"mass", "gain"}) {
+      auto& metric = *response->add_metrics();
+      metric.set_name(name);
+      metric.set_unit("kg");
+    }
+    return grpc::Status::OK;
+  }
+
+  grpc::Status EvaluateBatch(grpc::ServerContext* context, const v1::EvaluateBatchRequest* request,
+                             grpc::ServerWriter<v1::EvaluationResult>* writer) override {
+    for (int k = 0; k < request->points_size(); ++k) {
+      if (!Admit(*context)) return {grpc::StatusCode::CANCELLED, "cancelled"};
+      const auto& parameters = request->points(k).parameters();
+      const Eigen::VectorXd x = Eigen::VectorXd::Map(parameters.data(), parameters.size());
+      v1::EvaluationResult result;
+      result.set_index(k);
+      if (x[1] > 0.9) {
+        result.mutable_error()->set_code(3);
+        result.mutable_error()->set_message("cannot be built");
+      } else {
+        const Evaluation evaluation = problem_.evaluate(x, false);
+        for (const std::string& name : request->metrics()) {
+          auto& metric = *result.add_metrics();
+          metric.set_name(name);
+          metric.set_unit("kg");
+          metric.set_value(name == "mass" ? evaluation.metrics[0] : -evaluation.metrics[1]);
+        }
+      }
+      writer->Write(result);
+    }
+    return grpc::Status::OK;
+  }
+
+  // Lets `count` evaluations pass, then holds the next ones until Release.
+  void HoldAfter(int count) {
+    const std::lock_guard lock(mutex_);
+    limit_ = evaluations_ + count;
+  }
+  void Release() {
+    const std::lock_guard lock(mutex_);
+    limit_ = std::numeric_limits<int>::max();
+    changed_.notify_all();
+  }
+  void WaitUntilHeld() {
+    std::unique_lock lock(mutex_);
+    changed_.wait_for(lock, std::chrono::seconds(60), [&] { return evaluations_ >= limit_; });
+  }
+  int evaluations() {
+    const std::lock_guard lock(mutex_);
+    return evaluations_;
+  }
+
+ private:
+  bool Admit(grpc::ServerContext& context) {
+    std::unique_lock lock(mutex_);
+    while (evaluations_ >= limit_) {
+      if (context.IsCancelled()) return false;
+      changed_.wait_for(lock, std::chrono::milliseconds(50));
+    }
+    ++evaluations_;
+    changed_.notify_all();
+    return true;
+  }
+
+  const BenchmarkProblem problem_ = *MakeBenchmarkProblem("ZDT1", kDimensions);
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  int evaluations_ = 0;
+  int limit_ = std::numeric_limits<int>::max();
+};
+
+// One mortise-pareto process.
+class Pareto {
+ public:
+  Pareto(const std::filesystem::path& folder, const std::string& evaluator) {
+    const std::filesystem::path ports = folder / ("ports-" + NewIdentifier());
+    const char* programs = std::getenv("MORTISE_BIN_DIR");
+    const std::vector<std::string> arguments = {
+        std::string(programs != nullptr ? programs : ".") + "/mortise-pareto",
+        "--listen",
+        "127.0.0.1:0",
+        "--port-file",
+        ports.string(),
+        "--store",
+        "sqlite:" + (folder / "pareto.db").string(),
+        "--blobs",
+        (folder / "blobs").string(),
+        "--peer",
+        "simulator=" + evaluator,
+        "--insecure-development",
+        "--log-level",
+        "error"};
+    std::vector<char*> raw;
+    for (const std::string& argument : arguments)
+      raw.push_back(const_cast<char*>(argument.c_str()));
+    raw.push_back(nullptr);
+    pid_ = ::fork();
+    if (pid_ == 0) {
+      ::execv(raw[0], raw.data());
+      ::_exit(127);
+    }
+    const auto end = steady_clock::now() + std::chrono::seconds(60);
+    while (!std::filesystem::exists(ports) && steady_clock::now() < end)
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    const std::string text = ReadFile(ports).value_or("");
+    const std::size_t at = text.find("127.0.0.1:");
+    address_ = text.substr(at, text.find('"', at) - at);
+    channel_ = grpc::CreateChannel(address_, grpc::InsecureChannelCredentials());
+    fronts = v1::ParetoService::NewStub(channel_);
+    operations = v1::OperationService::NewStub(channel_);
+  }
+
+  ~Pareto() { End(SIGKILL); }
+
+  void End(int signal) {
+    if (pid_ <= 0) return;
+    ::kill(pid_, signal);
+    int status = 0;
+    ::waitpid(pid_, &status, 0);
+    pid_ = -1;
+  }
+
+  std::unique_ptr<v1::ParetoService::Stub> fronts;
+  std::unique_ptr<v1::OperationService::Stub> operations;
+
+ private:
+  pid_t pid_ = -1;
+  std::string address_;
+  std::shared_ptr<grpc::Channel> channel_;
+};
+
+class ParetoServiceTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = std::filesystem::temp_directory_path() / ("pareto-test-" + NewIdentifier());
+    std::filesystem::create_directories(folder_);
+    grpc::ServerBuilder builder;
+    int port = 0;
+    builder.AddListeningPort("127.0.0.1:0", grpc::InsecureServerCredentials(), &port);
+    builder.RegisterService(&evaluator_);
+    server_ = builder.BuildAndStart();
+    evaluator_address_ = "127.0.0.1:" + std::to_string(port);
+    pareto_ = Start();
+  }
+
+  void TearDown() override {
+    evaluator_.Release();
+    pareto_.reset();
+    server_->Shutdown(std::chrono::system_clock::now());
+    std::filesystem::remove_all(folder_);
+  }
+
+  std::unique_ptr<Pareto> Start() { return std::make_unique<Pareto>(folder_, evaluator_address_); }
+
+  static v1::DiscoverFrontRequest Request(int evaluations) {
+    v1::DiscoverFrontRequest request;
+    request.set_request_id(NewIdentifier());
+    auto& specification = *request.mutable_specification();
+    specification.set_subject("templates/zdt1");
+    specification.set_evaluations(evaluations);
+    specification.set_seed(11);
+    specification.add_objectives()->set_metric("mass");
+    auto& gain = *specification.add_objectives();
+    gain.set_metric("gain");
+    gain.set_maximize(true);
+    return request;
+  }
+
+  v1::Operation Discover(const v1::DiscoverFrontRequest& request) {
+    grpc::ClientContext context;
+    v1::Operation operation;
+    const grpc::Status status = pareto_->fronts->DiscoverFront(&context, request, &operation);
+    EXPECT_TRUE(status.ok()) << status.error_message();
+    return operation;
+  }
+
+  v1::Operation Wait(const std::string& name) {
+    v1::Operation operation;
+    const auto end = steady_clock::now() + std::chrono::seconds(100);
+    while (steady_clock::now() < end) {
+      grpc::ClientContext context;
+      v1::WaitOperationRequest request;
+      request.set_name(name);
+      request.set_timeout_seconds(20);
+      const grpc::Status status = pareto_->operations->WaitOperation(&context, request, &operation);
+      EXPECT_TRUE(status.ok()) << status.error_message();
+      if (!status.ok() || operation.state() >= v1::Operation::SUCCEEDED) break;
+    }
+    return operation;
+  }
+
+  v1::Front FrontOf(const v1::Operation& operation) {
+    v1::Front summary, front;
+    EXPECT_TRUE(operation.result().UnpackTo(&summary)) << operation.ShortDebugString();
+    EXPECT_EQ(summary.points_size(), 0);
+    grpc::ClientContext context;
+    v1::GetFrontRequest request;
+    request.set_name(summary.name());
+    const grpc::Status status = pareto_->fronts->GetFront(&context, request, &front);
+    EXPECT_TRUE(status.ok()) << status.error_message();
+    return front;
+  }
+
+  std::string Export(const std::string& name, v1::ExportFrontRequest::Format format) {
+    grpc::ClientContext context;
+    v1::ExportFrontRequest request;
+    request.set_name(name);
+    request.set_format(format);
+    const auto reader = pareto_->fronts->ExportFront(&context, request);
+    std::string bytes;
+    v1::Chunk chunk;
+    while (reader->Read(&chunk)) bytes += chunk.data();
+    EXPECT_TRUE(reader->Finish().ok());
+    return bytes;
+  }
+
+  grpc::StatusCode Refusal(const std::function<void(v1::DiscoverySpecification&)>& change) {
+    v1::DiscoverFrontRequest request = Request(50);
+    change(*request.mutable_specification());
+    grpc::ClientContext context;
+    v1::Operation operation;
+    return pareto_->fronts->DiscoverFront(&context, request, &operation).error_code();
+  }
+
+  std::filesystem::path folder_;
+  Zdt1Evaluator evaluator_;
+  std::unique_ptr<grpc::Server> server_;
+  std::string evaluator_address_;
+  std::unique_ptr<Pareto> pareto_;
+};
+
+TEST_F(ParetoServiceTest, DiscoversPicksListsAndExports) {
+  const v1::Operation operation = Wait(Discover(Request(200)).name());
+  ASSERT_EQ(operation.state(), v1::Operation::SUCCEEDED) << operation.ShortDebugString();
+  EXPECT_EQ(operation.progress().total(), 200);
+  const v1::Front front = FrontOf(operation);
+  EXPECT_EQ(front.evaluations(), 200);
+  EXPECT_EQ(evaluator_.evaluations(), 200);
+  EXPECT_EQ(front.specification().revision(), 3);
+  EXPECT_EQ(front.stop_reason(), "BUDGET");
+  EXPECT_GT(front.points_size(), 20);
+  EXPECT_GT(front.hypervolume(), 0.5);
+  EXPECT_EQ(front.metric_names(1), "gain");
+  for (const auto& point : front.points()) EXPECT_LE(point.metrics(1), 0);  // not negated
+
+  v1::PickPointRequest pick;
+  pick.set_name(front.name());
+  pick.mutable_metric()->set_name("mass");
+  pick.mutable_metric()->set_value(0.25);
+  v1::PickPointResponse picked;
+  grpc::ClientContext context;
+  ASSERT_TRUE(pareto_->fronts->PickPoint(&context, pick, &picked).ok());
+  EXPECT_NEAR(picked.metrics(0).value(), 0.25, 0.1);
+  EXPECT_EQ(picked.parameters_size(), kDimensions);
+
+  v1::ListFrontsResponse listed;
+  grpc::ClientContext list_context;
+  ASSERT_TRUE(pareto_->fronts->ListFronts(&list_context, {}, &listed).ok());
+  ASSERT_EQ(listed.fronts_size(), 1);
+  EXPECT_EQ(listed.fronts(0).name(), front.name());
+  EXPECT_EQ(listed.fronts(0).points_size(), 0);
+
+  const std::string csv = Export(front.name(), v1::ExportFrontRequest::CSV);
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), front.points_size() + 1);
+  EXPECT_EQ(csv.rfind("x0,x1,x2,x3,x4,mass (kg),gain (kg),piece", 0), 0u);
+  EXPECT_NE(Export(front.name(), v1::ExportFrontRequest::SVG).find("<svg"), std::string::npos);
+  EXPECT_EQ(Export(front.name(), v1::ExportFrontRequest::JSON).front(), '{');
+}
+
+TEST_F(ParetoServiceTest, SurvivesKillNineWithTheSameFront) {
+  const v1::Front reference = FrontOf(Wait(Discover(Request(120)).name()));
+  const int before = evaluator_.evaluations();
+  evaluator_.HoldAfter(60);
+  const v1::Operation started = Discover(Request(120));
+  evaluator_.WaitUntilHeld();
+  pareto_->End(SIGKILL);
+  evaluator_.Release();
+  pareto_ = Start();
+  const v1::Operation operation = Wait(started.name());
+  ASSERT_EQ(operation.state(), v1::Operation::SUCCEEDED) << operation.ShortDebugString();
+  const v1::Front front = FrontOf(operation);
+  ASSERT_EQ(front.points_size(), reference.points_size());
+  for (int i = 0; i < front.points_size(); ++i)
+    EXPECT_EQ(front.points(i).SerializeAsString(), reference.points(i).SerializeAsString());
+  // What had been answered was not asked again, but for what was under way.
+  EXPECT_LE(evaluator_.evaluations() - before, 120 + 16);
+}
+
+TEST_F(ParetoServiceTest, CancelKeepsTheBestSoFar) {
+  evaluator_.HoldAfter(60);
+  const v1::Operation started = Discover(Request(5000));
+  evaluator_.WaitUntilHeld();
+  grpc::ClientContext context;
+  v1::CancelOperationRequest cancel;
+  cancel.set_request_id(NewIdentifier());
+  cancel.set_name(started.name());
+  v1::Operation operation;
+  ASSERT_TRUE(pareto_->operations->CancelOperation(&context, cancel, &operation).ok());
+  operation = Wait(started.name());
+  EXPECT_EQ(operation.state(), v1::Operation::CANCELLED);
+  const v1::Front front = FrontOf(operation);
+  EXPECT_EQ(front.stop_reason(), "CANCELLED");
+  EXPECT_GT(front.points_size(), 0);
+  EXPECT_LT(front.evaluations(), 100);
+}
+
+TEST_F(ParetoServiceTest, RefusesBadInput) {
+  using Specification = v1::DiscoverySpecification;
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(Refusal([](Specification& s) { s.set_evaluations(0); }),
+            grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_EQ(Refusal([](Specification& s) { s.set_window(-1); }),
+            grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_EQ(Refusal([](Specification& s) { s.clear_subject(); }),
+            grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_EQ(Refusal([](Specification& s) { s.set_subject("templates/absent"); }),
+            grpc::StatusCode::NOT_FOUND);
+  EXPECT_EQ(Refusal([](Specification& s) { s.mutable_objectives(1)->set_metric("beauty"); }),
+            grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_EQ(Refusal([](Specification& s) { s.mutable_objectives(1)->set_metric("mass"); }),
+            grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_EQ(Refusal([](Specification& s) { s.mutable_objectives()->RemoveLast(); }),
+            grpc::StatusCode::INVALID_ARGUMENT);
+  const auto bounded = [](const std::string& name, double minimum, double maximum) {
+    return [=](Specification& s) {
+      auto& bound = *s.add_bounds();
+      bound.set_parameter(name);
+      bound.set_minimum(minimum);
+      bound.set_maximum(maximum);
+    };
+  };
+  EXPECT_EQ(Refusal(bounded("x0", nan, 1)), grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_EQ(Refusal(bounded("x0", 0.8, 0.2)), grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_EQ(Refusal(bounded("x0", -1, 1)), grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_EQ(Refusal(bounded("y", 0, 1)), grpc::StatusCode::INVALID_ARGUMENT);
+
+  grpc::ClientContext context;
+  v1::GetFrontRequest absent;
+  absent.set_name("fronts/absent");
+  v1::Front front;
+  EXPECT_EQ(pareto_->fronts->GetFront(&context, absent, &front).error_code(),
+            grpc::StatusCode::NOT_FOUND);
+  EXPECT_EQ(evaluator_.evaluations(), 0);
+}
+
+}  // namespace
+}  // namespace mortise::pareto
