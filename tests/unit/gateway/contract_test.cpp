@@ -31,8 +31,8 @@ TEST_F(ContractTest, RoutesOperationsAndStreamsByWhatTheyName) {
   EXPECT_EQ(contract_->Find("/mortise.v1.OperationService/ListOperations")->service, "gateway");
   EXPECT_EQ(contract_->Find("/mortise.v1.EventService/FollowEvents")->service, "gateway");
   EXPECT_EQ(ServiceOfOperation("operations/pareto/0198"), "pareto");
-  for (const char* bad : {"", "operations", "operations/", "operations/pareto", "operations/pareto/",
-                          "operations//x", "plans/pareto/x"}) {
+  for (const char* bad : {"", "operations", "operations/", "operations/pareto",
+                          "operations/pareto/", "operations//x", "plans/pareto/x"}) {
     EXPECT_EQ(ServiceOfOperation(bad), "") << bad;
   }
 }

@@ -14,16 +14,15 @@ TEST(Query, ParsesTargets) {
   const auto target = ParseTarget("/events?streams=a%2Cb&after=-1&types=x+y&flag&&a=1&a=2#part");
   ASSERT_TRUE(target.ok()) << target.status();
   EXPECT_EQ(target->path, "/events");
-  EXPECT_THAT(target->parameters,
-              ElementsAre(Pair("a", "2"), Pair("after", "-1"), Pair("flag", ""),
-                          Pair("streams", "a,b"), Pair("types", "x y")));
+  EXPECT_THAT(target->parameters, ElementsAre(Pair("a", "2"), Pair("after", "-1"), Pair("flag", ""),
+                                              Pair("streams", "a,b"), Pair("types", "x y")));
   EXPECT_EQ(ParseTarget("/a%20b")->path, "/a b");
 }
 
 TEST(Query, RefusesMalformedTargets) {
-  for (const std::string& bad : {std::string(), std::string("events"), std::string("/a%"),
-                                 std::string("/a%2"), std::string("/a%zz"), std::string("/?x=%1"),
-                                 "/" + std::string(9000, 'a')}) {
+  for (const std::string& bad :
+       {std::string(), std::string("events"), std::string("/a%"), std::string("/a%2"),
+        std::string("/a%zz"), std::string("/?x=%1"), "/" + std::string(9000, 'a')}) {
     EXPECT_FALSE(ParseTarget(bad).ok()) << bad.substr(0, 20);
   }
 }

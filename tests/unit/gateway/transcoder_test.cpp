@@ -1,8 +1,8 @@
 // JSON to messages and back, and what is said about JSON that does not fit.
 #include "gateway/transcoder.h"
 
-#include <google/protobuf/descriptor.h>
 #include <gmock/gmock.h>
+#include <google/protobuf/descriptor.h>
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
@@ -90,7 +90,9 @@ TEST_F(TranscoderTest, RefusesWhatIsNotJson) {
 }
 
 TEST_F(TranscoderTest, RefusesBytesThatAreNoMessage) {
-  const std::string cut_short("\x0a\x20" "abc");
+  const std::string cut_short(
+      "\x0a\x20"
+      "abc");
   EXPECT_EQ(transcoder_.ToJson(Type("Event"), cut_short).status().code(),
             absl::StatusCode::kInternal);
 }

@@ -1,0 +1,63 @@
+// A gateway in front of fake services, and a plain HTTP client, for tests.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <map>
+#include <memory>
+#include <string>
+
+#include "gateway/gateway.h"
+#include "tests/integration/gateway/fake_house.h"
+#include "tests/support/temporary_folder.h"
+
+namespace mortise::gateway {
+
+// A whole answer to one HTTP request.
+struct HttpAnswer {
+  int status = 0;
+  std::map<std::string, std::string> headers;  // names in lower case
+  std::string body;
+};
+
+// One request on a connection of its own; status 0 if that failed.
+HttpAnswer Http(const std::string& address, const std::string& method, const std::string& target,
+                const std::map<std::string, std::string>& headers = {},
+                const std::string& body = "");
+
+// A connection that an answer comes in by and by.
+class HttpStream {
+ public:
+  // A GET of `target`.
+  HttpStream(const std::string& address, const std::string& target,
+             const std::map<std::string, std::string>& headers = {});
+  // Any bytes.
+  static std::unique_ptr<HttpStream> Send(const std::string& address, const std::string& bytes);
+  ~HttpStream();
+
+  // Reads until `text` has come; everything read so far, or what there is after ten seconds.
+  std::string ReadUntil(const std::string& text);
+
+  void Close();
+
+ private:
+  struct Socket;
+  explicit HttpStream(const std::string& address);
+  void Write(const std::string& bytes);
+  std::unique_ptr<Socket> socket_;
+  std::string read_;
+};
+
+class GatewayTest : public ::testing::Test {
+ protected:
+  // Options of a gateway in development, in front of the fake house.
+  GatewayOptions Options() const;
+
+  void StartGateway(const GatewayOptions& options);
+
+  mortise::testing::TemporaryFolder folder_;
+  FakeHouse house_;
+  std::unique_ptr<Gateway> gateway_;
+};
+
+}  // namespace mortise::gateway

@@ -1,0 +1,174 @@
+// JSON over HTTP: calls, failures, documents, and what happens to malformed input.
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+
+#include "gateway/connect_protocol.h"
+#include "tests/integration/gateway/gateway_fixture.h"
+
+namespace mortise::gateway {
+namespace {
+
+using ::testing::HasSubstr;
+using Json = nlohmann::json;
+
+constexpr char kGetItem[] = "/mortise.v1.CatalogService/GetItem";
+constexpr char kExport[] = "/mortise.v1.CatalogService/ExportDesign";
+
+class HttpDoorTest : public GatewayTest {
+ protected:
+  void SetUp() override { StartGateway(Options()); }
+
+  HttpAnswer Post(const std::string& path, const std::string& body,
+                  std::map<std::string, std::string> headers = {}) {
+    headers.emplace("Content-Type", "application/json");
+    return Http(gateway_->addresses().http, "POST", path, headers, body);
+  }
+
+  HttpAnswer Get(const std::string& path) { return Http(gateway_->addresses().http, "GET", path); }
+
+  static void ExpectError(const HttpAnswer& answer, int status, const std::string& code,
+                          const std::string& word = "") {
+    EXPECT_EQ(answer.status, status) << answer.body;
+    const Json json = Json::parse(answer.body, nullptr, false);
+    ASSERT_TRUE(json.is_object()) << answer.body;
+    EXPECT_EQ(json["code"], code);
+    EXPECT_THAT(json.value("message", ""), HasSubstr(word));
+  }
+};
+
+TEST_F(HttpDoorTest, AnswersUnaryCalls) {
+  const HttpAnswer answer = Post(kGetItem, R"({"name":"items/echo"})",
+                                 {{"X-Custom", "blue"}, {"X-Request-Id", "request-9"}});
+  ASSERT_EQ(answer.status, 200) << answer.body;
+  const Json item = Json::parse(answer.body);
+  EXPECT_EQ(item["title"], "blue");
+  EXPECT_EQ(item["revision"], "1152921504606846976") << "64-bit numbers are strings";
+  EXPECT_EQ(item["supplier"], "request-9");
+  EXPECT_EQ(answer.headers.at("x-request-id"), "request-9");
+  EXPECT_EQ(answer.headers.at("x-lead"), "first");
+  EXPECT_EQ(answer.headers.at("trailer-x-trail"), "last");
+  EXPECT_EQ(answer.headers.at("content-type"), "application/json");
+}
+
+TEST_F(HttpDoorTest, AnswersStreams) {
+  const HttpAnswer answer = Post(kExport, Envelope(0, R"({"revision":"600000"})"),
+                                 {{"Content-Type", "application/connect+json"}});
+  ASSERT_EQ(answer.status, 200) << answer.body;
+  std::string_view body = answer.body;
+  std::vector<Json> messages;
+  std::string last_flags;
+  while (body.size() >= kEnvelopeHeaderBytes) {
+    last_flags = body[0];
+    std::size_t size = 0;
+    for (int i = 1; i < 5; ++i) size = size << 8 | static_cast<unsigned char>(body[i]);
+    messages.push_back(Json::parse(body.substr(5, size)));
+    body.remove_prefix(5 + size);
+  }
+  ASSERT_EQ(messages.size(), 4u);
+  EXPECT_EQ(messages[1]["offset"], "262144");
+  EXPECT_EQ(last_flags[0], static_cast<char>(kEndStreamFlag));
+  EXPECT_FALSE(messages.back().contains("error"));
+}
+
+TEST_F(HttpDoorTest, NamesTheFieldOfBadInput) {
+  ExpectError(Post(kGetItem, R"({"nmae":"x"})"), 400, "invalid_argument", "nmae");
+  ExpectError(Post(kGetItem, R"({"name":7})"), 400, "invalid_argument", "name");
+  ExpectError(Post(kGetItem, "{"), 400, "invalid_argument");
+  ExpectError(Post(kGetItem, "\xff\xfe"), 400, "invalid_argument");
+  ExpectError(Post("/mortise.v1.CatalogService/CreateItem", R"({"item":{"kind":"DANCING"}})"), 400,
+              "invalid_argument", "kind");
+  ExpectError(Post("/mortise.v1.CatalogService/EvaluateTemplate",
+                   R"({"parameters":[{"name":"a","value":"wide"}]})"),
+              400, "invalid_argument", "parameters[0].value");
+  const HttpAnswer details = Post(kGetItem, R"({"nmae":"x"})");
+  EXPECT_FALSE(Json::parse(details.body)["details"].empty());
+}
+
+TEST_F(HttpDoorTest, TellsFailuresOfServices) {
+  ExpectError(Post(kGetItem, R"({"name":"items/missing"})"), 404, "not_found", "items/missing");
+  ExpectError(Post("/mortise.v1.ParetoService/GetFront", "{}"), 503, "unavailable", "pareto");
+  ExpectError(Post("/mortise.v1.OperationService/GetOperation", R"({"name":"operations/x/1"})"),
+              404, "not_found");
+}
+
+TEST_F(HttpDoorTest, KeepsToLimits) {
+  const std::string large = R"({"name":")" + std::string(5 << 20, 'x') + R"("})";
+  ExpectError(Post(kGetItem, large), 429, "resource_exhausted");
+  ExpectError(Post(kGetItem, R"({"name":"items/slow"})", {{"Connect-Timeout-Ms", "50"}}), 504,
+              "deadline_exceeded");
+  EXPECT_TRUE(house_.WaitForCancelled(1));
+  ExpectError(Post(kGetItem, "{}", {{"Connect-Timeout-Ms", "soon"}}), 400, "invalid_argument");
+  ExpectError(Post(kGetItem, "{}", {{"Connect-Protocol-Version", "2"}}), 400, "invalid_argument");
+  ExpectError(Post(kGetItem, "{}", {{"Content-Encoding", "gzip"}}), 501, "unimplemented");
+}
+
+TEST_F(HttpDoorTest, RefusesWhatItCannotSpeak) {
+  EXPECT_EQ(Post(kGetItem, "x=1", {{"Content-Type", "application/x-www-form-urlencoded"}}).status,
+            415);
+  EXPECT_EQ(Post(kExport, "{}").status, 415) << "a stream wants envelopes";
+  EXPECT_EQ(
+      Post(kGetItem, Envelope(0, "{}"), {{"Content-Type", "application/connect+json"}}).status,
+      415);
+  EXPECT_EQ(Post("/mortise.v1.FabPlannerService/AttachBridge", Envelope(0, "{}"),
+                 {{"Content-Type", "application/connect+json"}})
+                .status,
+            505);
+  EXPECT_EQ(Post("/mortise.v1.CatalogService/Nothing", "{}").status, 404);
+  EXPECT_EQ(Get(kGetItem).status, 405);
+  EXPECT_EQ(Get("/nothing").status, 404);
+  EXPECT_EQ(Get("/%zz").status, 400);
+  EXPECT_EQ(Http(gateway_->addresses().http, "DELETE", kGetItem).status, 405);
+}
+
+TEST_F(HttpDoorTest, CancelsTheCallWhenTheClientLeaves) {
+  auto post = [](const std::string& path, const std::string& type, const std::string& body) {
+    return "POST " + path + " HTTP/1.1\r\nHost: gateway\r\nContent-Type: " + type +
+           "\r\nContent-Length: " + std::to_string(body.size()) + "\r\n\r\n" + body;
+  };
+  auto unary = HttpStream::Send(gateway_->addresses().http,
+                                post(kGetItem, "application/json", R"({"name":"items/slow"})"));
+  while (Get("/metrics").body.find("mortise_gateway_calls_in_flight 1") == std::string::npos) {
+  }
+  unary->Close();
+  EXPECT_TRUE(house_.WaitForCancelled(1));
+  auto stream = HttpStream::Send(
+      gateway_->addresses().http,
+      post(kExport, "application/connect+json", Envelope(0, R"({"name":"templates/endless"})")));
+  EXPECT_THAT(stream->ReadUntil("offset"), HasSubstr("application/connect+json"));
+  stream->Close();
+  EXPECT_TRUE(house_.WaitForCancelled(2));
+}
+
+TEST_F(HttpDoorTest, PassesTheDeadlineOfAStream) {
+  const HttpAnswer answer =
+      Post(kExport, Envelope(0, R"({"name":"templates/endless"})"),
+           {{"Content-Type", "application/connect+json"}, {"Connect-Timeout-Ms", "300"}});
+  EXPECT_THAT(answer.body, HasSubstr("deadline_exceeded"));
+  EXPECT_TRUE(house_.WaitForCancelled(1));
+}
+
+TEST_F(HttpDoorTest, ServesDocuments) {
+  EXPECT_EQ(Get("/healthz").body, "ok\n");
+  EXPECT_TRUE(Json::parse(Get("/version").body).contains("version"));
+  const Json document = Json::parse(Get("/openapi.json").body);
+  EXPECT_EQ(document["openapi"], "3.1.0");
+  Post(kGetItem, R"({"name":"items/echo"})");
+  const std::string metrics = Get("/metrics").body;
+  EXPECT_THAT(metrics, HasSubstr("mortise_gateway_calls_total"));
+  EXPECT_THAT(metrics, HasSubstr("mortise.v1.CatalogService/GetItem"));
+}
+
+TEST_F(HttpDoorTest, SurvivesBytesThatAreNoHttp) {
+  for (const std::string& garbage :
+       {std::string("\r\n\r\n"), std::string("GET\r\n\r\n"),
+        std::string("\x16\x03\x01\x02garbage\r\n\r\n"), std::string(100000, 'A'),
+        "GET /healthz HTTP/9.9\r\n\r\n" + std::string(10, '\0')}) {
+    const auto stream = HttpStream::Send(gateway_->addresses().http, garbage + "\r\n\r\n");
+    stream->ReadUntil("\r\n\r\n");
+  }
+  EXPECT_EQ(Get("/healthz").status, 200);
+}
+
+}  // namespace
+}  // namespace mortise::gateway

@@ -1,0 +1,98 @@
+// Lists of several services as one: nothing lost, nothing twice, whatever the page size.
+#include "gateway/merged_list.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace mortise::gateway {
+namespace {
+
+struct Item {
+  std::string source;
+  int time = 0;
+  bool operator==(const Item& other) const { return source == other.source && time == other.time; }
+};
+
+using Lists = std::map<std::string, std::vector<Item>>;
+
+// Pages of at most `largest` items, tokens are offsets.
+auto Fetcher(const Lists& lists, int largest) {
+  return [&lists, largest](const std::string& source, int page_size,
+                           const std::string& token) -> absl::StatusOr<ListPage<Item>> {
+    const auto& all = lists.at(source);
+    const std::size_t begin = token.empty() ? 0 : std::stoul(token);
+    const std::size_t end =
+        std::min(all.size(), begin + static_cast<std::size_t>(std::min(page_size, largest)));
+    ListPage<Item> page;
+    page.items.assign(all.begin() + static_cast<std::ptrdiff_t>(begin),
+                      all.begin() + static_cast<std::ptrdiff_t>(end));
+    if (end < all.size()) page.next_page_token = std::to_string(end);
+    return page;
+  };
+}
+
+bool Newer(const Item& a, const Item& b) { return a.time > b.time; }
+
+TEST(MergedList, GivesEveryItemOnceInOrder) {
+  std::mt19937 random(7);
+  for (int round = 0; round < 200; ++round) {
+    Lists lists;
+    std::vector<std::string> sources;
+    std::size_t total = 0;
+    for (int s = 0; s < 1 + round % 4; ++s) {
+      const std::string name = "s" + std::to_string(s);
+      sources.push_back(name);
+      auto& list = lists[name];
+      for (int i = 0; i < static_cast<int>(random() % 30); ++i) {
+        list.push_back({name, static_cast<int>(random() % 50)});
+      }
+      std::stable_sort(list.begin(), list.end(), Newer);
+      total += list.size();
+    }
+    const int page_size = 1 + static_cast<int>(random() % 7);
+    const int largest = 1 + static_cast<int>(random() % 12);
+    std::vector<Item> seen;
+    std::string token;
+    int pages = 0;
+    do {
+      const auto page = MergeLists<Item>(sources, page_size, token, Fetcher(lists, largest), Newer);
+      ASSERT_TRUE(page.ok()) << page.status();
+      ASSERT_LE(page->items.size(), static_cast<std::size_t>(page_size));
+      seen.insert(seen.end(), page->items.begin(), page->items.end());
+      token = page->next_page_token;
+      ASSERT_LT(++pages, 500) << "the list does not end";
+    } while (!token.empty());
+    ASSERT_EQ(seen.size(), total);
+    EXPECT_TRUE(std::is_sorted(seen.begin(), seen.end(), Newer));
+    for (const auto& [name, list] : lists) {
+      std::vector<Item> own;
+      std::copy_if(seen.begin(), seen.end(), std::back_inserter(own),
+                   [&](const Item& item) { return item.source == name; });
+      EXPECT_EQ(own, list);
+    }
+  }
+}
+
+TEST(MergedList, RefusesForeignTokensAndSizes) {
+  const Lists lists = {{"a", {}}};
+  const auto fetch = Fetcher(lists, 10);
+  for (const char* token : {"x", "!!", "e30x", "W10"}) {
+    EXPECT_FALSE(MergeLists<Item>({"a"}, 10, token, fetch, Newer).ok()) << token;
+  }
+  EXPECT_FALSE(MergeLists<Item>({"a"}, 10, FormatMergeToken({{"b", {"", 0}}}), fetch, Newer).ok());
+  EXPECT_FALSE(MergeLists<Item>({"a"}, 10, FormatMergeToken({{"a", {"", -1}}}), fetch, Newer).ok());
+  EXPECT_FALSE(MergeLists<Item>({"a"}, -1, "", fetch, Newer).ok());
+  EXPECT_FALSE(MergeLists<Item>({"a"}, 501, "", fetch, Newer).ok());
+}
+
+TEST(MergedList, FailsWhenASourceDoes) {
+  const auto fetch = [](const std::string&, int, const std::string&) {
+    return absl::StatusOr<ListPage<Item>>(absl::UnavailableError("away"));
+  };
+  EXPECT_EQ(MergeLists<Item>({"a"}, 10, "", fetch, Newer).status().code(),
+            absl::StatusCode::kUnavailable);
+}
+
+}  // namespace
+}  // namespace mortise::gateway
