@@ -1,4 +1,4 @@
-// mortise fab release|watch: plans on their way through the machines.
+// mortise fab release|watch|hold|resume: plans on their way through the machines.
 #include <grpcpp/grpcpp.h>
 
 #include <CLI/CLI.hpp>
@@ -75,6 +75,33 @@ absl::Status WatchByName(const std::string& name, Session& session, Output& outp
   return Watch(operation, session, output);
 }
 
+// Pauses a work order, or lets it go on.
+template <typename Request, typename Method>
+absl::Status Change(const std::string& name, Method method, Session& session, Output& output) {
+  MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
+  const auto stub = v1::FabPlannerService::NewStub(client->channel());
+  grpc::ClientContext context;
+  client->Prepare(context);
+  Request request;
+  request.set_request_id(NewIdentifier());
+  request.set_name(ResourceName("workOrders", name));
+  v1::WorkOrder order;
+  MORTISE_RETURN_IF_ERROR(rpc::FromGrpc(method(*stub, &context, request, &order)));
+  PrintWorkOrder(order, output);
+  output.DocumentOf(order);
+  return absl::OkStatus();
+}
+
+absl::Status Hold(const std::string& name, Session& session, Output& output) {
+  return Change<v1::HoldWorkOrderRequest>(
+      name, [](auto& stub, auto... a) { return stub.HoldWorkOrder(a...); }, session, output);
+}
+
+absl::Status Resume(const std::string& name, Session& session, Output& output) {
+  return Change<v1::ResumeWorkOrderRequest>(
+      name, [](auto& stub, auto... a) { return stub.ResumeWorkOrder(a...); }, session, output);
+}
+
 }  // namespace
 
 void AddFabCommands(CLI::App& app, Session& session) {
@@ -97,6 +124,20 @@ void AddFabCommands(CLI::App& app, Session& session) {
   watch->add_option("name", *name, "workOrders/… or operations/fabplanner/…")->required();
   watch->callback([&session, name] {
     session.command = [name](Session& s, Output& o) { return WatchByName(*name, s, o); };
+  });
+
+  CLI::App* hold = fab->add_subcommand("hold", "Pause a work order: no new cut begins");
+  hold->add_option("name", *name, "workOrders/…")->required();
+  hold->callback([&session, name] {
+    session.command = [name](Session& s, Output& o) { return Hold(*name, s, o); };
+  });
+
+  CLI::App* resume = fab->add_subcommand("resume", "Let a work order go on, once it is safe");
+  resume->add_option("name", *name, "workOrders/…")->required();
+  resume->footer(
+      "A bridge or machine that lost power or the line waits for this; see docs/machines.md");
+  resume->callback([&session, name] {
+    session.command = [name](Session& s, Output& o) { return Resume(*name, s, o); };
   });
 }
 

@@ -54,7 +54,7 @@ void FillFolders(HouseOptions& options) {
 // The keys of every process that signs identities or uses the bus, where they are missing.
 absl::Status EnsureKeys(const std::filesystem::path& folder) {
   std::vector<std::string> names = HouseServices();
-  names.insert(names.end(), {"gateway", "simulator-worker"});
+  names.push_back("gateway");
   for (const std::string& name : names) {
     for (const absl::Status& status :
          {rpc::CreateIdentityKey(folder, name), bus::CreateCurveKey(folder, name)}) {

@@ -40,6 +40,8 @@ function(mortise_test name)
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
   target_link_libraries(${name} PRIVATE mortise_flags ${ARG_DEPENDS} GTest::gmock GTest::gtest
                                         GTest::gtest_main)
+  # Half the time of compiling a test is optimising its assertions; what it tests stays optimised.
+  target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O0>)
   add_test(NAME ${name} COMMAND ${name})
   set_tests_properties(${name} PROPERTIES
     TIMEOUT ${ARG_TIMEOUT} LABELS "${ARG_LABELS}"
@@ -49,15 +51,19 @@ function(mortise_test name)
   endif()
 endfunction()
 
+add_custom_target(benches)
+
 # mortise_bench(<name> SOURCES x_bench.cpp ... [DEPENDS target ...])
-# A benchmark program under build/<preset>/bench; `./dev bench` runs them all. Not part of CTest.
+# A benchmark program under build/<preset>/bench. Not part of CTest nor of a plain build: `./dev bench`
+# builds the target `benches` and runs them all.
 function(mortise_bench name)
   if(NOT MORTISE_BUILD_BENCHES)
     return()
   endif()
   cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS" ${ARGN})
-  add_executable(${name} ${ARG_SOURCES})
+  add_executable(${name} EXCLUDE_FROM_ALL ${ARG_SOURCES})
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bench)
+  add_dependencies(benches ${name})
   target_link_libraries(${name} PRIVATE mortise_flags ${ARG_DEPENDS} benchmark::benchmark)
 endfunction()
 

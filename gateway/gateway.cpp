@@ -14,6 +14,7 @@
 #include "common/base/files.h"
 #include "common/base/logging.h"
 #include "common/bus/broker.h"
+#include "common/bus/key_folder.h"
 #include "common/rpc/channel.h"
 #include "common/rpc/dispatcher.h"
 #include "common/rpc/identity.h"
@@ -73,9 +74,14 @@ class House final : public Gateway {
     MORTISE_RETURN_IF_ERROR(CheckOptions(options_, *contract_));
     MORTISE_RETURN_IF_ERROR(LoadKeys());
     MORTISE_ASSIGN_OR_RETURN(store_, store::OpenStore({.url = options_.store, .service = kName}));
+    MORTISE_ASSIGN_OR_RETURN(bus::BrokerSecurity broker_security,
+                             bus::LoadBrokerSecurity(options_.keys, kName));
+    MORTISE_ASSIGN_OR_RETURN(bus_security_,
+                             bus::LoadClientSecurity(options_.keys, kName, kName));
     MORTISE_ASSIGN_OR_RETURN(broker_,
                              bus::Broker::Start({.publisher_endpoint = options_.bus_publish,
-                                                 .subscriber_endpoint = options_.bus_subscribe}));
+                                                 .subscriber_endpoint = options_.bus_subscribe,
+                                                 .security = std::move(broker_security)}));
     StartEvents();
     delivery_ = WebhookDelivery::Start(options_.webhooks, store_.get(), hub_.get(), contract_.get(),
                                        &transcoder_);
@@ -105,8 +111,9 @@ class House final : public Gateway {
       MORTISE_ASSIGN_OR_RETURN(const std::string text, ReadFile(options_.jwt_keys, 1 << 20));
       MORTISE_ASSIGN_OR_RETURN(admission.keys, TokenKeys::Parse(text));
     }
-    // In development nobody verifies identities, and services take the trace id as it comes.
-    if (!options_.insecure_development) {
+    // In development callers need no token, but services verify what the gateway says of them
+    // wherever keys are given.
+    if (!options_.keys.empty()) {
       MORTISE_ASSIGN_OR_RETURN(signer_, rpc::IdentitySigner::Load(options_.keys, kName));
       MORTISE_ASSIGN_OR_RETURN(verifier_, rpc::IdentityVerifier::Load({.folder = options_.keys}));
     }
@@ -124,6 +131,7 @@ class House final : public Gateway {
     peers_ = std::make_unique<rpc::Peers>(options_.services, options_.services_security);
     EventHubOptions hub;
     hub.endpoint = broker_->subscriber_endpoint();
+    hub.security = bus_security_;
     for (const auto& [name, address] : options_.services) hub.streams.push_back(name);
     hub.fetch = [this](const std::string& stream, int64_t after, int limit) {
       return FetchEvents(stream, after, limit);
@@ -244,6 +252,7 @@ class House final : public Gateway {
   std::unique_ptr<rpc::IdentityVerifier> verifier_;
   std::unique_ptr<Admission> admission_;
   std::unique_ptr<store::Store> store_;
+  bus::ClientSecurity bus_security_;
   std::unique_ptr<bus::Broker> broker_;
   std::unique_ptr<rpc::Peers> peers_;
   std::unique_ptr<EventHub> hub_;

@@ -14,11 +14,11 @@ namespace {
 constexpr std::size_t kLongestKeyFile = 1024;
 
 std::filesystem::path SecretFile(const std::filesystem::path& folder, std::string_view name) {
-  return folder / (std::string(name) + ".curve");
+  return folder / (std::string(name) + ".curve-secret");
 }
 
 std::filesystem::path PublicFile(const std::filesystem::path& folder, std::string_view name) {
-  return folder / (std::string(name) + ".curve.pub");
+  return folder / (std::string(name) + ".curve-public");
 }
 
 absl::StatusOr<std::string> ReadKey(const std::filesystem::path& path) {
@@ -62,7 +62,7 @@ absl::StatusOr<BrokerSecurity> LoadBrokerSecurity(const std::filesystem::path& f
   if (!security.keys) return security;
   std::error_code ignored;
   for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) {
-    if (!absl::EndsWith(entry.path().filename().string(), ".curve.pub")) continue;
+    if (!absl::EndsWith(entry.path().filename().string(), ".curve-public")) continue;
     MORTISE_ASSIGN_OR_RETURN(security.allowed_clients.emplace_back(), ReadKey(entry.path()));
   }
   return security;

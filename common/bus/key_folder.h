@@ -1,5 +1,5 @@
-// CURVE keys kept in a folder, beside the identity keys: `<name>.curve` (the secret key, mode 0600)
-// for each process that uses the bus, `<name>.curve.pub` for everyone who may.
+// CURVE keys kept in a folder, beside the identity keys: `<name>.curve-secret` (the secret key,
+// mode 0600) for each process that uses the bus, `<name>.curve-public` for everyone who may.
 //
 // A folder without curve keys gives plain security, which the bus accepts on loopback only.
 #pragma once
@@ -16,7 +16,7 @@ namespace mortise::bus {
 // Writes a new pair for `name`. ALREADY_EXISTS if there is one.
 absl::Status CreateCurveKey(const std::filesystem::path& folder, std::string_view name);
 
-// The security of the broker `name`: every `*.curve.pub` in the folder is allowed.
+// The security of the broker `name`: every `*.curve-public` in the folder is allowed.
 absl::StatusOr<BrokerSecurity> LoadBrokerSecurity(const std::filesystem::path& folder,
                                                   std::string_view name);
 

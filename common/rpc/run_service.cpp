@@ -12,6 +12,7 @@
 #include "common/base/errors.h"
 #include "common/base/files.h"
 #include "common/base/logging.h"
+#include "common/bus/key_folder.h"
 #include "common/bus/outbox_relay.h"
 #include "common/bus/publisher.h"
 #include "common/jobs/operations.h"
@@ -103,7 +104,11 @@ class Service : public RunningService {
                                                        .service = options_.name}));
     std::unique_ptr<bus::Publisher> bus;
     if (!options_.bus_publish.empty()) {
-      MORTISE_ASSIGN_OR_RETURN(bus, bus::Publisher::Connect({.endpoint = options_.bus_publish}));
+      MORTISE_ASSIGN_OR_RETURN(
+          bus::ClientSecurity security,
+          bus::LoadClientSecurity(options_.keys, options_.name, kGatewayIssuer));
+      MORTISE_ASSIGN_OR_RETURN(bus, bus::Publisher::Connect({.endpoint = options_.bus_publish,
+                                                             .security = std::move(security)}));
     }
     publisher_ = std::make_unique<SignallingPublisher>(std::move(bus), signal_);
     relay_ = bus::OutboxRelay::Start({.stream = options_.name}, store_.get(), publisher_.get());

@@ -5,18 +5,15 @@
 #include <grpcpp/health_check_service_interface.h>
 #include <grpcpp/server.h>
 #include <grpcpp/server_builder.h>
-#include <prometheus/exposer.h>
-#include <prometheus/registry.h>
 
-#include <atomic>
 #include <mutex>
-#include <thread>
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/base/logging.h"
 #include "common/rpc/dispatcher.h"
+#include "common/rpc/metrics_endpoint.h"
 
 namespace mortise::rpc {
 namespace {
@@ -56,41 +53,11 @@ void SetLimits(grpc::ServerBuilder& builder) {
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
 }
 
-absl::StatusOr<std::unique_ptr<prometheus::Exposer>> Expose(
-    const std::string& address, const std::shared_ptr<prometheus::Registry>& registry) {
-  try {
-    auto exposer = std::make_unique<prometheus::Exposer>(address, 1);
-    if (registry) exposer->RegisterCollectable(registry);
-    return exposer;
-  } catch (const std::exception&) {
-    return AddressInUse(address);
-  }
-}
-
-// CivetWeb, below the exposer, looks for its end every two seconds, or when somebody connects.
-void StopExposing(std::unique_ptr<prometheus::Exposer> exposer, const std::string& address) {
-  if (!exposer) return;
-  std::atomic<bool> stopped = false;
-  std::thread stopping([&] {
-    exposer.reset();
-    stopped = true;
-  });
-  const auto credentials = grpc::InsecureChannelCredentials();
-  while (!stopped) {
-    const auto channel = grpc::CreateChannel(address, credentials);
-    channel->WaitForConnected(absl::ToChronoTime(absl::Now() + absl::Milliseconds(20)));
-  }
-  stopping.join();
-}
-
 class Host : public ServerHost {
  public:
   explicit Host(Options options) : options_(std::move(options)) {}
 
-  ~Host() override {
-    Shutdown();
-    StopExposing(std::move(exposer_), metrics_address_);
-  }
+  ~Host() override { Shutdown(); }
 
   absl::Status Listen() {
     EnablePluginsOnce();
@@ -100,8 +67,10 @@ class Host : public ServerHost {
       if (!IsLocalAddress(options_.metrics) && options_.security.certificate.empty()) {
         return InvalidField("metrics", "plain text stays on this machine");
       }
-      MORTISE_ASSIGN_OR_RETURN(exposer_, Expose(options_.metrics, options_.registry));
-      metrics_address_ = WithPort(options_.metrics, exposer_->GetListeningPorts().at(0));
+      auto metrics = MetricsEndpoint::Start(options_.metrics, options_.registry);
+      if (!metrics.ok()) return AddressInUse(options_.metrics);
+      metrics_ = *std::move(metrics);
+      metrics_address_ = metrics_->address();
     }
     grpc::ServerBuilder builder;
     SetLimits(builder);
@@ -144,7 +113,7 @@ class Host : public ServerHost {
   }
 
   const Options options_;
-  std::unique_ptr<prometheus::Exposer> exposer_;
+  std::unique_ptr<MetricsEndpoint> metrics_;
   std::unique_ptr<grpc::Server> server_;
   std::string address_;
   std::string metrics_address_;

@@ -62,6 +62,15 @@ class FaultTest : public testing::Test {
     return 0;
   }
 
+  static void ResumeEveryWorkOrder(const std::filesystem::path& state) {
+    const CommandResult list =
+        Mortise({"--json", "--house", state.string(), "call", "fabplanner.ListWorkOrders"});
+    const Json document = Json::parse(list.out, nullptr, false);
+    for (const Json& order : document.value("work_orders", Json::array())) {
+      Mortise({"--house", state.string(), "fab", "resume", order["name"].get<std::string>()});
+    }
+  }
+
   const std::filesystem::path folder_;
 };
 
@@ -80,6 +89,8 @@ TEST_F(FaultTest, DemoEndsTheSameWhenEachServiceIsKilledInTurn) {
     ASSERT_EQ(::kill(pid, SIGKILL), 0) << name;
     ++killed;
     if (WaitForProcess(state, name, pid, demo.pid()) == 0) break;
+    // A bridge that lost power holds its cuts until a person has looked: here, this test.
+    if (std::string(name) == "hwbridge") ResumeEveryWorkOrder(state);
   }
   ASSERT_EQ(demo.Wait(), 0) << ReadFile(out).value_or("");
   EXPECT_GE(killed, 5) << "the demo ended before the services could be killed";

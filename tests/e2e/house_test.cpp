@@ -138,6 +138,8 @@ TEST(CommandLine, EveryCommandHasHelpAndMistakesAreExplained) {
                                              {"plan"},
                                              {"fab", "release"},
                                              {"fab", "watch"},
+                                             {"fab", "hold"},
+                                             {"fab", "resume"},
                                              {"events"},
                                              {"call"},
                                              {"completion"},

@@ -15,17 +15,24 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   auto definition = FromProto(*message);
   // Validation of large templates takes long by design; the rest is the same code.
   if (!definition.ok() || definition->parts.size() > 12) return 0;
-  Material wood{.name = "materials/wood",
-                .density = 400,
-                .youngs_modulus = 1e10,
-                .poissons_ratio = 0.3,
-                .strength = 1e7};
-  Item board{.name = "items/board", .kind = ItemKind::kBoard, .material = wood.name};
+  Material wood;
+  wood.name = "materials/wood";
+  wood.density = 400;
+  wood.youngs_modulus = 1e10;
+  wood.poissons_ratio = 0.3;
+  wood.strength = 1e7;
+  Item board;
+  board.name = "items/board";
+  board.kind = ItemKind::kBoard;
+  board.material = wood.name;
   board.dimensions.fill({10, Process::kChopSaw, 0.001, 10});
   Item sheet = board;
   sheet.name = "items/sheet";
   sheet.kind = ItemKind::kSheet;
-  Item dowel{.name = "items/dowel", .kind = ItemKind::kDowel, .material = wood.name};
+  Item dowel;
+  dowel.name = "items/dowel";
+  dowel.kind = ItemKind::kDowel;
+  dowel.material = wood.name;
   dowel.dimensions = {{{0.035}, {0.008}, {0.008}}};
   const TemplateBundle bundle = MakeBundle(*std::move(definition), {board, sheet, dowel}, {wood});
   (void)ValidateTemplate(bundle);
