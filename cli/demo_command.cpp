@@ -181,7 +181,8 @@ absl::Status Demo(const DemoOptions& options, Output& output) {
                            session.gateway.address, "."));
 
   // The designer's wish: a table for a given room; what carries it is open.
-  const std::vector<std::string> wish = {"--set", "length=1500mm", "--set", "width=800mm"};
+  const std::vector<std::string> wish = {"--set",       "length=1500mm", "--set",
+                                         "width=800mm", "--set",         "height=730mm"};
   MORTISE_RETURN_IF_ERROR(Step("Customise an expert's table",
                                With({"catalog", "evaluate", "table"}, wish), session, output)
                               .status());

@@ -3,6 +3,7 @@
 #include <google/protobuf/descriptor.h>
 #include <google/protobuf/io/zero_copy_stream_impl_lite.h>
 #include <google/protobuf/type.pb.h>
+#include <google/protobuf/unknown_field_set.h>
 #include <google/protobuf/util/json_util.h>
 #include <google/protobuf/util/type_resolver.h>
 #include <google/protobuf/util/type_resolver_util.h>
@@ -121,6 +122,11 @@ absl::StatusOr<std::string> Transcoder::ToBinary(const pb::Descriptor& type,
 
 absl::StatusOr<std::string> Transcoder::ToJson(const pb::Descriptor& type,
                                                std::string_view message) const {
+  // The stream below reads what it can of a torn message without complaint.
+  pb::UnknownFieldSet fields;
+  if (!fields.ParseFromArray(message.data(), static_cast<int>(message.size()))) {
+    return absl::InternalError(absl::StrCat("a torn ", type.full_name()));
+  }
   std::string json;
   pb::io::ArrayInputStream input(message.data(), static_cast<int>(message.size()));
   pb::io::StringOutputStream output(&json);

@@ -41,23 +41,24 @@ constexpr int kMaximalWebhooks = 10000;
 // Hub and store tell of what is new; this only covers a service that was away.
 constexpr std::chrono::seconds kLookAgain(5);
 
-// Runs blocking work on `pool` and comes back with its result.
+// Runs blocking work on `pool` and comes back with its result. What the pool needs stays in this
+// coroutine's frame, and lambdas are given names before they are awaited: GCC 12 destroys captures
+// of temporaries in an awaited expression twice.
 template <class Work>
 asio::awaitable<std::invoke_result_t<Work>> RunOn(asio::thread_pool& pool, Work work) {
-  using Result = std::invoke_result_t<Work>;
-  auto result = std::make_shared<std::optional<Result>>();
-  co_await asio::async_initiate<const asio::use_awaitable_t<>, void(bool)>(
-      [&pool, result, work = std::move(work)](auto handler) mutable {
-        auto executor = asio::get_associated_executor(handler);
-        auto shared = std::make_shared<decltype(handler)>(std::move(handler));
-        asio::post(pool, [executor, shared, result, work = std::move(work),
-                          guard = asio::make_work_guard(executor)]() mutable {
-          result->emplace(work());
-          asio::post(executor, [shared] { (*shared)(true); });
-        });
-      },
-      asio::use_awaitable);
-  co_return std::move(**result);
+  std::optional<std::invoke_result_t<Work>> result;
+  auto begin = [&pool, &work, &result](auto handler) {
+    auto executor = asio::get_associated_executor(handler);
+    auto shared = std::make_shared<decltype(handler)>(std::move(handler));
+    asio::post(pool, [executor, shared, &work, &result,
+                      guard = asio::make_work_guard(executor)]() mutable {
+      result.emplace(work());
+      asio::post(executor, [shared] { (*shared)(true); });
+    });
+  };
+  co_await asio::async_initiate<const asio::use_awaitable_t<>, void(bool)>(begin,
+                                                                           asio::use_awaitable);
+  co_return std::move(*result);
 }
 
 bool Wants(const v1::Webhook& webhook, const bus::Event& event) {
@@ -148,7 +149,8 @@ class Delivery final : public WebhookDelivery {
   asio::awaitable<void> Run(std::shared_ptr<Lane> lane) {
     for (;;) {
       lane->woken = false;
-      auto webhook = co_await RunOn(pool_, [this, lane] { return Load(lane->webhook); });
+      const auto load = [this, &lane] { return Load(lane->webhook); };
+      const absl::StatusOr<v1::Webhook> webhook = co_await RunOn(pool_, load);
       if (absl::IsNotFound(webhook.status())) break;
       std::optional<absl::Duration> pause;
       if (webhook.ok()) pause = co_await DeliverNext(*lane, *webhook);
@@ -164,18 +166,20 @@ class Delivery final : public WebhookDelivery {
 
   // Delivers the next wanted event, if there is one. Returns how long to pause: after a failure, or
   // not at all because there may be more; nothing if there are no more events.
-  asio::awaitable<std::optional<absl::Duration>> DeliverNext(Lane& lane, v1::Webhook webhook) {
+  asio::awaitable<std::optional<absl::Duration>> DeliverNext(Lane& lane,
+                                                             const v1::Webhook& webhook) {
     const int64_t cursor = CursorOf(webhook, lane.stream);
-    const auto events = co_await RunOn(
-        pool_, [this, &lane, cursor] { return hub_->Read(lane.stream, cursor, kBatch); });
+    const auto read = [this, &lane, cursor] { return hub_->Read(lane.stream, cursor, kBatch); };
+    const auto events = co_await RunOn(pool_, read);
     if (!events.ok() || events->empty()) co_return std::nullopt;
     const auto next = std::find_if(events->begin(), events->end(),
                                    [&](const bus::Event& event) { return Wants(webhook, event); });
     if (next == events->end()) {
       const int64_t last = events->back().number;
-      (void)co_await RunOn(pool_, [this, &lane, cursor, last] {
+      const auto skip = [this, &lane, cursor, last] {
         return Commit(lane, cursor, last, std::nullopt, std::nullopt);
-      });
+      };
+      (void)co_await RunOn(pool_, skip);
       co_return absl::ZeroDuration();
     }
     const absl::Status delivered = co_await Post(webhook, *next);
@@ -184,9 +188,10 @@ class Delivery final : public WebhookDelivery {
     const std::string error(delivered.message());
     if (!delivered.ok() && lane.tries < options_.max_tries) {
       // Up to the event before it, all that was skipped is done with.
-      (void)co_await RunOn(pool_, [this, &lane, cursor, reached = next->number - 1, error] {
+      const auto note_failure = [this, &lane, cursor, reached = next->number - 1, &error] {
         return Commit(lane, cursor, reached, error, std::nullopt);
-      });
+      };
+      (void)co_await RunOn(pool_, note_failure);
       co_return Pause(lane.tries);
     }
     std::optional<DeadLetter> letter;
@@ -199,9 +204,10 @@ class Delivery final : public WebhookDelivery {
            {"error", error}});
     }
     // If that fails, the webhook was set back or ended meanwhile: the store is asked again.
-    (void)co_await RunOn(pool_, [this, &lane, cursor, reached = next->number, error, letter] {
+    const auto commit = [this, &lane, cursor, reached = next->number, &error, &letter] {
       return Commit(lane, cursor, reached, error, letter);
-    });
+    };
+    (void)co_await RunOn(pool_, commit);
     lane.tries = 0;
     lane.tried = 0;
     co_return absl::ZeroDuration();

@@ -55,7 +55,11 @@ struct FakeHouse::Services {
         const int64_t left = endless ? kChunkBytes : request->revision() - offset;
         chunk.set_offset(offset);
         chunk.mutable_data()->assign(static_cast<std::size_t>(std::min(left, kChunkBytes)), 'x');
-        if (!writer->Write(chunk)) break;
+        // A write fails when the call is over, which IsCancelled() tells only a little later.
+        if (!writer->Write(chunk)) {
+          ++house_.cancelled_;
+          return grpc::Status::CANCELLED;
+        }
         ++house_.written_;
         if (request->name() == "templates/broken") {
           context->AddTrailingMetadata("x-trail", "torn");
