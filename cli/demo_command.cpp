@@ -190,12 +190,13 @@ absl::Status Demo(const DemoOptions& options, Output& output) {
       Step("Check it by finite elements", With({"analyze", "table"}, wish), session, output)
           .status());
   MORTISE_ASSIGN_OR_RETURN(
-      const Json front, Step("Trade mass against deflection",
-                             {"pareto", "run", "table", "--minimize", "mass", "--minimize",
-                              "max_displacement", "--fix", "length=1500mm", "--fix", "width=800mm",
-                              "--evaluations", absl::StrCat(options.evaluations), "--seed",
-                              absl::StrCat(options.seed), "--out", out.string()},
-                             session, output));
+      const Json front,
+      Step("Trade mass against deflection",
+           {"pareto", "run", "table", "--minimize", "mass", "--minimize", "max_displacement",
+            "--fix", "length=1500mm", "--fix", "width=800mm", "--fix", "height=730mm",
+            "--evaluations", absl::StrCat(options.evaluations), "--seed",
+            absl::StrCat(options.seed), "--out", out.string()},
+           session, output));
   MORTISE_ASSIGN_OR_RETURN(
       const Json picked,
       Step("Pick a trade-off in the middle",
