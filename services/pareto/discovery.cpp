@@ -15,9 +15,10 @@ namespace mortise::pareto {
 namespace {
 
 constexpr double kReference = 1.1;     // of the running hypervolume, in scaled performance
-constexpr int kBarrenTracks = 20;      // tracks without a new point before a sample is forced
+constexpr int kBarrenTracks = 4;       // tracks without a new point before a sample is forced
 constexpr int kExhaustedTracks = 200;  // and before the design space counts as exhausted
 constexpr double kSamePiece = 0.01;    // pieces whose centres are this near are the same
+constexpr std::int64_t kSecondLookBudget = 20;  // evaluations a parameter
 constexpr std::int64_t kBudgetLimit = 10'000'000;
 
 PerformanceBuffer::Options BufferOptions(const Discovery::Options& options, Eigen::Index d) {
@@ -34,10 +35,19 @@ double Spacing(std::int64_t evaluations, Eigen::Index d) {
   return std::clamp(std::pow(share, 1 / dimensions), 0.005, 0.15);
 }
 
-TrackScheduler::Options SchedulingOptions(TrackScheduler::Options options, double spacing) {
-  options.optimization.tolerance =
-      std::min(options.optimization.tolerance, std::max(spacing / 30, 1e-4));
-  return options;
+std::int64_t InitialSamples(const Discovery::Options& options, Eigen::Index size) {
+  const std::int64_t wanted = options.initial_samples > 0 ? options.initial_samples : size + 3;
+  return std::clamp<std::int64_t>(wanted, 1, std::max<std::int64_t>(1, options.evaluations / 4));
+}
+
+TrackScheduler::Options SchedulingOptions(const Discovery::Options& options, Eigen::Index size,
+                                          Eigen::Index d) {
+  TrackScheduler::Options scheduling = options.scheduling;
+  scheduling.optimization.tolerance = std::min(
+      scheduling.optimization.tolerance, std::max(Spacing(options.evaluations, d) / 30, 1e-4));
+  if (options.evaluations >= kSecondLookBudget * size)
+    scheduling.second_look = static_cast<std::size_t>(InitialSamples(options, size));
+  return scheduling;
 }
 
 absl::Status CheckOptions(const Discovery::Options& options, Eigen::Index metric_count) {
@@ -51,6 +61,22 @@ absl::Status CheckOptions(const Discovery::Options& options, Eigen::Index metric
     return InvalidField("cells", "must lie between 1 and 10000, or be 0 for the default");
   if (options.initial_samples < 0) return InvalidField("initial_samples", "must not be negative");
   return absl::OkStatus();
+}
+
+// The parameters with more than one value that can be set; at least one, so that there is a box.
+std::vector<Eigen::Index> VaryingParameters(const DesignSpace& space) {
+  const Eigen::VectorXd most = space.FromUnit(Eigen::VectorXd::Ones(space.size()));
+  std::vector<Eigen::Index> varying;
+  for (Eigen::Index i = 0; i < space.size(); ++i)
+    if (most[i] > space.lower[i]) varying.push_back(i);
+  if (varying.empty()) varying.push_back(0);
+  return varying;
+}
+
+DesignSpace Restrict(const DesignSpace& space, const std::vector<Eigen::Index>& parameters) {
+  DesignSpace part{space.lower(parameters), space.upper(parameters)};
+  if (space.step.size() > 0) part.step = space.step(parameters);
+  return part;
 }
 
 std::vector<double> Key(const Eigen::VectorXd& u) { return {u.begin(), u.end()}; }
@@ -83,17 +109,16 @@ absl::StatusOr<std::unique_ptr<Discovery>> Discovery::Create(const DesignSpace& 
 
 Discovery::Discovery(const DesignSpace& space, Eigen::Index metric_count, const Options& options)
     : space_(space),
+      free_(VaryingParameters(space)),
+      box_(Restrict(space, free_)),
       metric_count_(metric_count),
       options_(options),
       buffer_(BufferOptions(options, metric_count), metric_count),
-      scheduler_(SchedulingOptions(options.scheduling, Spacing(options.evaluations, metric_count)),
-                 options.seed),
+      scheduler_(SchedulingOptions(options, box_.size(), metric_count), options.seed),
       random_(options.seed ^ 0x5eedULL),
+      initial_samples_(InitialSamples(options, box_.size())),
       spacing_(Spacing(options.evaluations, metric_count)) {
-  initial_samples_ = options.initial_samples > 0 ? options.initial_samples : space.size() + 3;
-  initial_samples_ = std::clamp<std::int64_t>(initial_samples_, 1,
-                                              std::max<std::int64_t>(1, options.evaluations / 4));
-  initial_designs_ = LatinHypercube(initial_samples_, space.size(), random_);
+  initial_designs_ = LatinHypercube(initial_samples_, box_.size(), random_);
 }
 
 std::optional<Discovery::Proposal> Discovery::Ask() {
@@ -120,8 +145,8 @@ std::optional<Discovery::Proposal> Discovery::Ask() {
     barrier_ = proposed_;
     return Ask();
   }
-  Proposal proposal{proposed_++, space_.FromUnit(*u)};
-  pending_[proposal.number] = {space_.ToUnit(proposal.x), proposal.x, track, std::nullopt};
+  Proposal proposal{proposed_++, DesignAt(*u)};
+  pending_[proposal.number] = {UnitOf(proposal.x), proposal.x, track, std::nullopt};
   return proposal;
 }
 
@@ -164,7 +189,7 @@ ArchiveEntry Discovery::EntryOf(const Pending& pending) {
   }
   entry.metrics = result.metrics;
   if (result.jacobian.size() > 0)
-    entry.jacobian = result.jacobian * (space_.upper - space_.lower).asDiagonal();
+    entry.jacobian = result.jacobian(Eigen::all, free_) * (box_.upper - box_.lower).asDiagonal();
   return entry;
 }
 
@@ -209,10 +234,18 @@ double Discovery::Absorb(std::size_t entry) {
   return hypervolume_ - before;
 }
 
+Eigen::VectorXd Discovery::DesignAt(const Eigen::VectorXd& u) const {
+  Eigen::VectorXd x = space_.lower;
+  x(free_) = box_.FromUnit(u);
+  return x;
+}
+
+Eigen::VectorXd Discovery::UnitOf(const Eigen::VectorXd& x) const { return box_.ToUnit(x(free_)); }
+
 // From the Latin hypercube; uniformly at random while nothing feasible has been found.
 Eigen::VectorXd Discovery::InitialDesign() {
   if (proposed_ < initial_samples_) return initial_designs_[static_cast<std::size_t>(proposed_)];
-  Eigen::VectorXd u(space_.size());
+  Eigen::VectorXd u(box_.size());
   for (double& value : u) value = random_.Uniform();
   return u;
 }
@@ -243,7 +276,7 @@ std::optional<Eigen::VectorXd> Discovery::AskTracks(std::int64_t& track) {
     while (true) {
       const std::optional<Eigen::VectorXd> u = at->second.source->Ask(archive_);
       if (!u) break;
-      const Eigen::VectorXd possible = space_.ToUnit(space_.FromUnit(*u));
+      const Eigen::VectorXd possible = box_.ToUnit(box_.FromUnit(*u));
       const auto known = evaluated_.find(Key(possible));
       if (known == evaluated_.end()) {
         track = at->first;
@@ -293,7 +326,7 @@ void Discovery::Retire(const Track& track) {
       }))
     return;
   PatchSampling::Options options;
-  options.spacing = spacing_;
+  options.spacing = std::max(spacing_, Spacing(committed_, metric_count_));
   options.tolerance = options_.delta_b;
   auto patch = std::make_unique<PatchSampling>(options, buffer_.scaling(), *best);
   PatchSampling* const view = patch.get();
@@ -334,6 +367,14 @@ Discovery::Summary Discovery::summary() const {
   return summary;
 }
 
-Front Discovery::front() const { return BuildFront(space_, archive_, buffer_, pieces_); }
+Front Discovery::front() const {
+  Front front = BuildFront(box_, archive_, buffer_, pieces_);
+  for (FrontPoint& point : front.points) {
+    Eigen::VectorXd x = space_.lower;
+    x(free_) = point.x;
+    point.x = std::move(x);
+  }
+  return front;
+}
 
 }  // namespace mortise::pareto

@@ -117,6 +117,8 @@ class Discovery {
   ArchiveEntry EntryOf(const Pending& pending);
   double Absorb(std::size_t entry);
   Eigen::VectorXd InitialDesign();
+  Eigen::VectorXd DesignAt(const Eigen::VectorXd& u) const;
+  Eigen::VectorXd UnitOf(const Eigen::VectorXd& x) const;
   std::optional<Eigen::VectorXd> NextPoint(std::int64_t& track);
   std::optional<Eigen::VectorXd> AskTracks(std::int64_t& track);
   void RetireFinished();
@@ -125,6 +127,8 @@ class Discovery {
   double DominatedVolume() const;
 
   DesignSpace space_;
+  std::vector<Eigen::Index> free_;  // the parameters that can vary, which is all the search sees
+  DesignSpace box_;                 // of those
   Eigen::Index metric_count_;
   Options options_;
   Archive archive_;

@@ -12,6 +12,11 @@ namespace {
 constexpr int kFailureLimit = 5;
 constexpr int kTightenLimit = 8;
 
+bool OffersEveryGradient(const ArchiveEntry& entry) {
+  if (entry.jacobian.size() == 0) return false;
+  return !entry.jacobian.array().isNaN().rowwise().all().any();
+}
+
 }  // namespace
 
 LocalOptimization::LocalOptimization(const Options& options, const Scaling& scaling,
@@ -45,7 +50,7 @@ std::optional<Eigen::VectorXd> LocalOptimization::Ask(Archive& archive) {
     return std::nullopt;
   }
   if (queue_.empty()) {
-    if (options_.differences && archive[*best_].jacobian.size() == 0) {
+    if (options_.differences && !OffersEveryGradient(archive[*best_])) {
       options_.differences = false;
       QueueDifferences(archive);
     } else {

@@ -29,7 +29,7 @@ VectorXd Diagonal(Eigen::Index d) {
 TrackScheduler::Track TrackScheduler::Next(const Archive& archive, const PerformanceBuffer& buffer,
                                            bool force_sample) {
   const Eigen::Index d = buffer.scaling().ideal.size();
-  if (opened_ <= d) return OpeningTrack(archive, buffer.scaling());
+  if (opened_ <= LastOpening(d)) return OpeningTrack(archive, buffer.scaling());
   if (force_sample) return SampleTrack(archive, buffer);
   switch (ChooseKind()) {
     case TrackKind::kGap:
@@ -81,13 +81,13 @@ int& TrackScheduler::TriesAt(const PerformanceBuffer& buffer, const VectorXd& sc
   return tries_[PerformanceBuffer(coarse, d).CellOf(scaled)];
 }
 
-// The middle first, then each metric by itself; each from the best entry known for it.
-TrackScheduler::Track TrackScheduler::OpeningTrack(const Archive& archive, const Scaling& scaling) {
-  const Eigen::Index d = scaling.ideal.size();
-  const Eigen::Index metric = opened_ - 1;
-  std::size_t start = 0;
+// The candidate nearest to the ideal (metric -1), or best in a metric.
+std::size_t TrackScheduler::OpeningStart(const Archive& archive, const Scaling& scaling,
+                                         Eigen::Index metric,
+                                         const std::vector<std::size_t>& candidates) const {
+  std::size_t start = candidates.front();
   double best = std::numeric_limits<double>::infinity();
-  for (const std::size_t entry : archive.non_dominated()) {
+  for (const std::size_t entry : candidates) {
     const VectorXd y = scaling.Apply(archive[entry].metrics);
     const double value = metric < 0 ? y.norm() : y[metric];
     if (value < best) {
@@ -95,9 +95,25 @@ TrackScheduler::Track TrackScheduler::OpeningTrack(const Archive& archive, const
       start = entry;
     }
   }
+  return start;
+}
+
+// The middle first, then each metric by itself; each from the best entry known for it.
+TrackScheduler::Track TrackScheduler::OpeningTrack(const Archive& archive, const Scaling& scaling) {
+  const Eigen::Index d = scaling.ideal.size();
+  const Eigen::Index metric = opened_ == 0 ? -1 : (opened_ - 1) % d;
+  const bool second = opened_ > d;
+  std::vector<std::size_t> candidates;
+  for (std::size_t entry = 0; second && entry < std::min(options_.second_look, archive.size());
+       ++entry)
+    if (archive[entry].feasible) candidates.push_back(entry);
+  if (candidates.empty()) candidates = archive.non_dominated();
+  const std::size_t start = OpeningStart(archive, scaling, metric, candidates);
   const VectorXd y = scaling.Apply(archive[start].metrics);
   LocalOptimization::Options options = options_.optimization;
-  options.differences = opened_ == 0;
+  // A small budget has no evaluations to spare for slopes that its samples already tell roughly.
+  options.differences = opened_ == 0 && options_.second_look > 0;
+  options.join = !second;
   if (options.differences) options.evaluations += static_cast<int>(archive[start].u.size());
   VectorXd direction = Diagonal(d);
   double reach = options_.delta_s;

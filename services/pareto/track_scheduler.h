@@ -16,6 +16,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <vector>
 
 #include "services/pareto/local_optimization.h"
 #include "services/pareto/performance_buffer.h"
@@ -32,6 +33,10 @@ class TrackScheduler {
     double delta_p = 10;        // exponent range of the perturbation
     double delta_n = 0.2;       // neighbourhood of a cell, in parts of each angle
     double least_share = 0.15;  // of each way
+    // Entries (the first so many of the archive) from which each metric's optimum is looked for a
+    // second time, independently of what is known by then: the first time may end in a corner where
+    // all slopes vanish. 0: no second time.
+    std::size_t second_look = 0;
     LocalOptimization::Options optimization;
   };
 
@@ -52,10 +57,15 @@ class TrackScheduler {
   // Whether an opening track that is under way should end before Next is called again: the middle
   // of the front comes first, then each metric's optimum side by side, then the rest.
   bool AwaitsOpening(Eigen::Index metric_count) const {
-    return opened_ == 1 || opened_ > metric_count;
+    return opened_ == 1 || opened_ > LastOpening(metric_count);
   }
 
  private:
+  Eigen::Index LastOpening(Eigen::Index metric_count) const {
+    return options_.second_look > 0 ? 2 * metric_count : metric_count;
+  }
+  std::size_t OpeningStart(const Archive& archive, const Scaling& scaling, Eigen::Index metric,
+                           const std::vector<std::size_t>& candidates) const;
   Track OpeningTrack(const Archive& archive, const Scaling& scaling);
   Track GapTrack(const Archive& archive, const PerformanceBuffer& buffer);
   Track PlanarGapTrack(const Archive& archive, const PerformanceBuffer& buffer);

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -28,10 +29,12 @@ std::unique_ptr<Discovery> Complete(const DesignSpace& space, Eigen::Index d,
   return discovery;
 }
 
-double Share(const std::string& name, int dimensions, std::int64_t evaluations, bool gradients) {
+double Share(const std::string& name, int dimensions, std::int64_t evaluations, bool gradients,
+             std::uint64_t seed = 1) {
   const BenchmarkProblem problem = *MakeBenchmarkProblem(name, dimensions);
   Discovery::Options options;
   options.evaluations = evaluations;
+  options.seed = seed;
   const auto discovery =
       Complete(problem.space, problem.metric_count, options,
                [&](const VectorXd& x) { return problem.evaluate(x, gradients); });
@@ -40,14 +43,23 @@ double Share(const std::string& name, int dimensions, std::int64_t evaluations, 
   return Hypervolume(points, problem.reference) / problem.hypervolume;
 }
 
-TEST(DiscoveryTest, FindsZdt1WithoutGradients) { EXPECT_GT(Share("ZDT1", 15, 1000, false), 0.98); }
+TEST(DiscoveryTest, FindsZdt1AndZdt2WithoutGradients) {
+  for (const std::uint64_t seed : {1, 2}) {
+    EXPECT_GT(Share("ZDT1", 15, 1000, false, seed), 0.98) << seed;
+    EXPECT_GT(Share("ZDT2", 15, 1000, false, seed), 0.98) << seed;
+  }
+}
 
-TEST(DiscoveryTest, FindsZdt2WithoutGradients) { EXPECT_GT(Share("ZDT2", 15, 1000, false), 0.98); }
+TEST(DiscoveryTest, FindsZdt1AndZdt2WithGradients) {
+  for (const std::uint64_t seed : {1, 2}) {
+    EXPECT_GT(Share("ZDT1", 15, 300, true, seed), 0.98) << seed;
+    EXPECT_GT(Share("ZDT2", 15, 300, true, seed), 0.98) << seed;
+  }
+}
 
-TEST(DiscoveryTest, FindsZdt1WithGradients) { EXPECT_GT(Share("ZDT1", 15, 300, true), 0.98); }
-
-// A frame of beams: legs of section a, rails of height b and a plate of thickness t; deflection of
-// a plate on rails in closed form. Length, width and height are free, too.
+// A table as the demo has it: length, width, height, and the sizes of legs,
+// apron and top. Mass with its gradient, deflection of a plate on rails (closed
+// form) without.
 Evaluation Table(const VectorXd& x) {
   const double length = x[0], width = x[1], height = x[2], leg = x[3], apron = x[4], top = x[5];
   const double density = 700, modulus = 10e9, load = 1000, rail = 0.02;
@@ -62,39 +74,120 @@ Evaluation Table(const VectorXd& x) {
       load * height / (4 * modulus * leg * leg) +
       load * 0.05 * std::pow(height, 3) / (3 * modulus * 4 * std::pow(leg, 4) / 12);
   evaluation.metrics = Eigen::Vector2d(mass, deflection);
+  evaluation.jacobian.setConstant(2, 6, std::numeric_limits<double>::quiet_NaN());
+  evaluation.jacobian.row(0) << width * top + 2 * rail * apron, length * top + 2 * rail * apron,
+      4 * leg * leg, 8 * leg * height, 2 * rail * (length + width), length * width;
+  evaluation.jacobian.row(0) *= density;
   return evaluation;
 }
 
-TEST(DiscoveryTest, SpreadsOverTheTradeOffsOfATableIn150Evaluations) {
-  VectorXd lower(6), upper(6);
-  lower << 0.8, 0.5, 0.6, 0.03, 0.04, 0.012;
-  upper << 1.6, 0.9, 0.8, 0.09, 0.15, 0.04;
-  Discovery::Options options;
-  options.evaluations = 150;
-  options.window = 4;
-  const auto discovery = Complete({lower, upper}, 2, options, Table);
-  const Front front = discovery->front();
-  EXPECT_GE(front.points.size(), 20u);
-  options.evaluations = 5000;
-  const auto longer = Complete({lower, upper}, 2, options, Table);
-  const Scaling scaling = longer->archive().CurrentScaling();
-  const auto dominated = [&](const Front& of) {
-    std::vector<VectorXd> points;
-    for (const FrontPoint& point : of.points) points.push_back(scaling.Apply(point.metrics));
-    return Hypervolume(points, VectorXd::Constant(2, 1.1));
-  };
-  EXPECT_GT(dominated(front), 0.95 * dominated(longer->front()));
+// Length and width are what the user asked for; the other four are free.
+DesignSpace TableSpace() {
+  DesignSpace space{VectorXd(6), VectorXd(6)};
+  space.lower << 1.2, 0.7, 0.6, 0.03, 0.04, 0.012;
+  space.upper << 1.2, 0.7, 0.8, 0.09, 0.15, 0.04;
+  return space;
 }
 
-TEST(DiscoveryTest, FindsThePiecesOfKursawe) {
+// The non-dominated designs of a dense grid, by ascending mass. Both metrics
+// grow with the height, which is therefore least all along the front.
+std::vector<VectorXd> TableFrontOfAGrid() {
+  constexpr int kParts = 60;
+  const DesignSpace space = TableSpace();
+  std::vector<std::pair<double, double>> all;
+  VectorXd u = VectorXd::Zero(6);
+  for (int i = 0; i <= kParts; ++i)
+    for (int j = 0; j <= kParts; ++j)
+      for (int k = 0; k <= kParts; ++k) {
+        u.tail(3) << i, j, k;
+        const VectorXd metrics =
+            Table(space.lower + (u / kParts).cwiseProduct(space.upper - space.lower)).metrics;
+        all.emplace_back(metrics[0], metrics[1]);
+      }
+  std::sort(all.begin(), all.end());
+  std::vector<VectorXd> front;
+  for (const auto& [mass, deflection] : all)
+    if (front.empty() || deflection < front.back()[1])
+      front.push_back(Eigen::Vector2d(mass, deflection));
+  return front;
+}
+
+struct Coverage {
+  double share = 0;       // of the hypervolume that the grid's front dominates
+  double widest_gap = 0;  // between neighbours, scaled so that the grid's front spans 1 x 1
+  std::size_t points = 0;
+};
+
+class TableTest : public testing::Test {
+ protected:
+  Coverage Cover(std::int64_t evaluations, std::uint64_t seed, double roughness) const {
+    Discovery::Options options;
+    options.evaluations = evaluations;
+    options.window = 4;
+    options.seed = seed;
+    const auto discovery = Complete(TableSpace(), 2, options, [&](const VectorXd& x) {
+      Evaluation evaluation = Table(x);
+      evaluation.metrics[1] *= 1 + roughness * std::sin(1e5 * x.sum());
+      return evaluation;
+    });
+    std::vector<VectorXd> found;
+    for (const FrontPoint& point : discovery->front().points) found.push_back(point.metrics);
+    Coverage coverage{Dominated(found) / Dominated(truth_), 0, found.size()};
+    std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a[0] < b[0]; });
+    for (std::size_t i = 0; i + 1 < found.size(); ++i) {
+      const Eigen::Vector2d gap = (found[i + 1] - found[i]).cwiseQuotient(range_);
+      coverage.widest_gap = std::max(coverage.widest_gap, gap.norm());
+    }
+    return coverage;
+  }
+
+ private:
+  double Dominated(std::vector<VectorXd> points) const {
+    for (VectorXd& point : points) point = (point - ideal_).cwiseQuotient(range_).eval();
+    return Hypervolume(points, VectorXd::Constant(2, 1.1));
+  }
+
+  const std::vector<VectorXd> truth_ = TableFrontOfAGrid();
+  const Eigen::Vector2d ideal_{truth_.front()[0], truth_.back()[1]};
+  const Eigen::Vector2d range_{truth_.back()[0] - ideal_[0], truth_.front()[1] - ideal_[1]};
+};
+
+// What the demo asks for; a finite-element deflection is a little rough.
+TEST_F(TableTest, SpreadsOverTheTradeOffsIn150Evaluations) {
+  for (const double roughness : {0.0, 0.01})
+    for (const std::uint64_t seed : {1, 2, 3, 4}) {
+      const Coverage coverage = Cover(150, seed, roughness);
+      EXPECT_GT(coverage.share, 0.95) << "seed " << seed << " roughness " << roughness;
+      EXPECT_LT(coverage.widest_gap, 0.2) << "seed " << seed << " roughness " << roughness;
+      EXPECT_GE(coverage.points, 40u) << "seed " << seed << " roughness " << roughness;
+    }
+}
+
+TEST_F(TableTest, GivesASensibleFrontInAFewEvaluations) {
+  for (const std::int64_t evaluations : {24, 30})
+    for (const std::uint64_t seed : {1, 2, 3, 4}) {
+      const Coverage coverage = Cover(evaluations, seed, 0);
+      EXPECT_GT(coverage.share, 0.8) << evaluations << " evaluations, seed " << seed;
+      EXPECT_GE(coverage.points, 5u) << evaluations << " evaluations, seed " << seed;
+    }
+}
+
+// Kursawe's front has no closed form. 37.3476 is what the non-dominated designs of a grid of 81
+// designs a side dominate after 20 rounds of random perturbation at scales from 0.1 to 1e-4. Its
+// many local fronts make how much of that a run finds depend on its seed.
+TEST(DiscoveryTest, FindsMostOfKursawesFront) {
+  constexpr double kTruth = 37.3476;
   const BenchmarkProblem problem = *MakeBenchmarkProblem("Kursawe", 3);
-  Discovery::Options options;
-  const auto discovery = Complete(problem.space, 2, options,
-                                  [&](const VectorXd& x) { return problem.evaluate(x, false); });
-  std::vector<VectorXd> points;
-  for (const FrontPoint& point : discovery->front().points) points.push_back(point.metrics);
-  // 38.0 is what 20,000 evaluations with gradients dominate.
-  EXPECT_GT(Hypervolume(points, problem.reference), 0.85 * 38.0);
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    Discovery::Options options;
+    options.seed = seed;
+    const auto discovery = Complete(problem.space, 2, options,
+                                    [&](const VectorXd& x) { return problem.evaluate(x, false); });
+    std::vector<VectorXd> points;
+    for (const FrontPoint& point : discovery->front().points) points.push_back(point.metrics);
+    EXPECT_GT(Hypervolume(points, problem.reference), 0.5 * kTruth) << "seed " << seed;
+    EXPECT_LT(Hypervolume(points, problem.reference), 1.001 * kTruth) << "seed " << seed;
+  }
 }
 
 TEST(DiscoveryTest, FrontPointsAreEvaluatedNonDominatedAndWithinBounds) {
