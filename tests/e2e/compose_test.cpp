@@ -29,11 +29,12 @@ Json Compose() {
   const std::string command =
       "docker-compose -f " + Source() + "/compose.yaml config > " + out.string() + ".yaml 2> " +
       out.string() +
-      ".err && python3 -c 'import json, sys, yaml; "
+      ".err && /usr/bin/python3 -c 'import json, sys, yaml; "
       "json.dump(yaml.safe_load(open(sys.argv[1])), open(sys.argv[2], \"w\"))' " +
       out.string() + ".yaml " + out.string() + ".json";
   EXPECT_EQ(std::system(command.c_str()), 0) << ReadFile(out.string() + ".err").value_or("");
   Json document = Json::parse(ReadFile(out.string() + ".json").value_or(""), nullptr, false);
+  EXPECT_FALSE(document["services"].empty()) << "docker-compose shows no services";
   for (const char* ending : {".yaml", ".err", ".json"}) {
     std::filesystem::remove(out.string() + ending);
   }
@@ -55,7 +56,8 @@ std::set<std::string> Launched() {
 
 TEST(Compose, HasTheServicesThatUpStarts) {
   std::set<std::string> services;
-  for (const auto& [name, service] : Compose()["services"].items()) {
+  const Json compose = Compose();
+  for (const auto& [name, service] : compose["services"].items()) {
     if (name != "postgres") services.insert(name);
   }
   EXPECT_EQ(services, Launched());
@@ -77,7 +79,8 @@ TEST(Compose, UsesThePortsThatUpUses) {
 }
 
 TEST(Compose, EveryListenerHasAHealthCheckAndComesBack) {
-  for (const auto& [name, service] : Compose()["services"].items()) {
+  const Json compose = Compose();
+  for (const auto& [name, service] : compose["services"].items()) {
     EXPECT_EQ(service["restart"], "unless-stopped") << name;
     // A worker listens nowhere; the simulator takes its tasks back when it is silent.
     EXPECT_EQ(service.contains("healthcheck"), name != "simulator-worker") << name;
