@@ -141,7 +141,8 @@ TEST_F(UnaryCallTest, TheDeadlineReachesTheHandler) {
   rpc::Origin origin = As(rpc::Role::kViewer);
   origin.deadline = deadline;
   ASSERT_OK(ReadWith(rpc::MakeClientContext(origin).get()));
-  EXPECT_LT(absl::AbsDuration(seen - deadline), absl::Seconds(1));
+  // On the wire gRPC rounds a timeout up, a long one to whole seconds; then comes the way itself.
+  EXPECT_LT(absl::AbsDuration(seen - deadline), absl::Seconds(2));
 
   origin.deadline = absl::InfiniteFuture();
   ASSERT_OK(ReadWith(rpc::MakeClientContext(origin).get()));
