@@ -31,7 +31,7 @@ constexpr std::chrono::milliseconds kLookEvery{20};
 
 struct DemoOptions {
   std::filesystem::path out = "out/demo";
-  int evaluations = 100;
+  int evaluations = 70;
   std::int64_t seed = 1;
   double time_scale = 30;
 };
