@@ -99,14 +99,18 @@ class StoredOperations final : public Operations {
   std::shared_ptr<Bell> bell_ = std::make_shared<Bell>();
   std::mutex mutex_;
   std::map<std::string, RunPointer> runs_;  // by operation id; guarded by mutex_
-  std::atomic<bool> draining_ = false;      // no new runs
+  std::mutex leasing_mutex_;                // held from a look for work to its submission
+  bool draining_ = false;                   // no new runs; guarded by leasing_mutex_
   std::atomic<bool> stopping_ = false;      // the dispatcher ends
   std::unique_ptr<ThreadPool> pool_;
   std::thread dispatcher_;
 };
 
 StoredOperations::~StoredOperations() {
-  draining_ = true;
+  {
+    std::lock_guard lock(leasing_mutex_);
+    draining_ = true;
+  }
   for (const RunPointer& run : Runs()) run->Interrupt();
   pool_.reset();  // the dispatcher goes on renewing leases until the handlers have returned
   stopping_ = true;
@@ -248,6 +252,7 @@ void StoredOperations::Dispatch() {
 }
 
 void StoredOperations::LeaseWork(const std::string& kind) {
+  std::lock_guard leasing(leasing_mutex_);  // what is leased here reaches the pool
   const int free = draining_ ? 0 : options_.threads - static_cast<int>(Runs().size());
   if (free <= 0) return;
   store::LeaseResult work;
@@ -279,7 +284,6 @@ void StoredOperations::LeaseWork(const std::string& kind) {
       RunPointer& present = runs_[task.key];
       if (present != nullptr) present->LoseLease();  // of an earlier attempt
       present = *run;
-      if (draining_) (*run)->Interrupt();
     }
     const OperationHandler& handler = handlers_.at(kind);
     pool_->Submit([this, run = *run, &handler] { Run(run, handler); });
