@@ -123,8 +123,9 @@ absl::Status StoredOperations::Resume() {
     return PreconditionFailed("OPERATIONS_RESUMED", "operations are running already");
   }
   for (const auto& [kind, handler] : handlers_) {
+    const std::string queue = QueueOf(kind);
     MORTISE_RETURN_IF_ERROR(store_->Transact([&](store::Transaction& transaction) {
-      return transaction.ExpireLeases(QueueOf(kind), options_.owner).status();
+      return transaction.ExpireLeases(queue, options_.owner).status();
     }));
   }
   pool_ = std::make_unique<ThreadPool>(options_.threads);
