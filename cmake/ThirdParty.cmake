@@ -33,7 +33,7 @@ endfunction()
 mortise_find_library(mortise_cholmod cholmod.h cholmod openblas)
 mortise_find_library(mortise_tetgen tetgen.h tet)
 
-if(MORTISE_BUILD_TESTS)
+if(MORTISE_BUILD_TESTS OR MORTISE_BUILD_BENCHES)
   find_package(GTest CONFIG REQUIRED)
 endif()
 if(MORTISE_BUILD_BENCHES)

@@ -14,8 +14,19 @@ OperationRun::OperationRun(const RunLease& lease, const Operation& operation,
       request_(operation.request),
       checkpoint_(std::move(checkpoint)),
       store_(store),
-      records_(records),
-      cancelled_(operation.cancel_requested) {}
+      records_(records) {
+  if (operation.cancel_requested) Cancel();
+}
+
+void OperationRun::Interrupt() {
+  interrupted_ = true;  // before the handler can know, and return
+  stop_.request_stop();
+}
+
+void OperationRun::LoseLease() {
+  lost_ = true;
+  Interrupt();
+}
 
 void OperationRun::ReportProgress(const Progress& progress) {
   std::lock_guard lock(mutex_);

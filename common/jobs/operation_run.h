@@ -5,6 +5,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <string_view>
 
@@ -30,7 +31,8 @@ class OperationRun final : public OperationContext {
   // For the handler.
   const std::string& name() const override { return name_; }
   const std::string& request() const override { return request_; }
-  bool Cancelled() const override { return cancelled_ || interrupted_; }
+  bool Cancelled() const override { return stop_.stop_requested(); }
+  std::stop_token stop_token() const override { return stop_.get_token(); }
   void ReportProgress(const Progress& progress) override;
   void KeepResult(std::string_view result) override;
   absl::Status SaveCheckpoint(std::string_view bytes) override;
@@ -43,9 +45,9 @@ class OperationRun final : public OperationContext {
   // For the dispatcher. Thread safe.
   const std::string& trace_id() const { return trace_id_; }
   const RunLease& lease() const { return lease_; }
-  void Cancel() { cancelled_ = true; }       // somebody cancelled the operation
-  void Interrupt() { interrupted_ = true; }  // the process shuts down, or the lease is lost
-  void LoseLease() { lost_ = interrupted_ = true; }
+  void Cancel() { stop_.request_stop(); }  // somebody cancelled the operation
+  void Interrupt();                        // the process shuts down, or the lease is lost
+  void LoseLease();
   bool interrupted() const { return interrupted_; }
   bool lost() const { return lost_; }
 
@@ -69,7 +71,7 @@ class OperationRun final : public OperationContext {
   const std::string checkpoint_;
   store::Store* const store_;
   OperationRecords* const records_;
-  std::atomic<bool> cancelled_ = false;
+  std::stop_source stop_;
   std::atomic<bool> interrupted_ = false;
   std::atomic<bool> lost_ = false;
   std::mutex mutex_;

@@ -17,6 +17,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <stop_token>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -83,6 +84,9 @@ class OperationContext {
   // it over. Save a checkpoint if worthwhile and return absl::CancelledError(). Only in the first
   // case is the operation then cancelled; otherwise it resumes from the checkpoint.
   virtual bool Cancelled() const = 0;
+
+  // The same for code that waits: a stop is requested when Cancelled() becomes true.
+  virtual std::stop_token stop_token() const = 0;
 
   // Cheap: store, watchers and bus see the last call of each `progress_interval`, and always the
   // last of all.

@@ -154,13 +154,19 @@ class PostgresqlStore final : public Store {
   std::unique_ptr<BlobFolder> blobs_;
 };
 
-// Holds an advisory lock, which the server frees when the connection ends. Should the connection
+// Holds an advisory lock, which the server frees when the connection ends: after a death in its own
+// time, so the destructor gives it back for another to have it at once. Should the connection
 // be lost and the lock with it, the epoch tells: whoever takes over begins a new one, and numbers
 // are only given under the present epoch.
 class PostgresqlEventNumbering final : public EventNumbering {
  public:
   PostgresqlEventNumbering(std::unique_ptr<PostgresqlConnection> connection, int64_t epoch)
       : connection_(std::move(connection)), epoch_(epoch) {}
+
+  ~PostgresqlEventNumbering() override {
+    // Failing it changes nothing: the connection is lost, and the lock with it.
+    connection_->Execute("SELECT pg_advisory_unlock_all()").IgnoreError();
+  }
 
   int64_t epoch() const override { return epoch_; }
 

@@ -2,13 +2,12 @@
 // gone with the object. As root it runs as the user `postgres`, since the server refuses root.
 #pragma once
 
-#include <sys/types.h>
-
 #include <memory>
 #include <string>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "tests/support/child_process.h"
 #include "tests/support/temporary_folder.h"
 
 namespace mortise::testing {
@@ -32,11 +31,11 @@ class PrivatePostgresql {
   PrivatePostgresql() = default;
 
   absl::Status StartServer();
-  void StopServer(int signal);
+  bool Ready() const;
 
   TemporaryFolder folder_;
   std::string programs_;  // the folder of initdb and postgres
-  pid_t server_ = -1;
+  std::unique_ptr<ChildProcess> server_;
 };
 
 }  // namespace mortise::testing

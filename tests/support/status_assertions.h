@@ -1,4 +1,5 @@
-// EXPECT_OK(status) and ASSERT_OK(status), which show the status when it is a failure.
+// EXPECT_OK(status), ASSERT_OK(status) and ASSERT_OK_AND_ASSIGN(variable, status_or), which show the
+// status when it is a failure.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -22,3 +23,14 @@ template <typename T>
 
 #define EXPECT_OK(expression) EXPECT_TRUE(::mortise::testing::IsOk(expression))
 #define ASSERT_OK(expression) ASSERT_TRUE(::mortise::testing::IsOk(expression))
+
+#define MORTISE_TEST_JOIN_INNER(a, b) a##b
+#define MORTISE_TEST_JOIN(a, b) MORTISE_TEST_JOIN_INNER(a, b)
+#define MORTISE_TEST_ASSIGN(result, variable, expression) \
+  auto result = (expression);                             \
+  ASSERT_OK(result);                                      \
+  variable = *std::move(result)
+
+// Declares or sets `variable` to the value of a StatusOr; ends the test if there is none.
+#define ASSERT_OK_AND_ASSIGN(variable, expression) \
+  MORTISE_TEST_ASSIGN(MORTISE_TEST_JOIN(result_, __LINE__), variable, expression)

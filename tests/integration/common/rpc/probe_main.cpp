@@ -1,22 +1,34 @@
 // A service of its own process, to be started, signalled and killed by process_test.
 //
-// Reads answer, and operations end, once the file they name exists.
+// Reads answer, and operations end, once the file they name exists; both say on standard output
+// what they wait for.
 #include <grpcpp/grpcpp.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
 
+#include <cstdio>
 #include <filesystem>
+#include <stop_token>
 
-#include "absl/time/clock.h"
 #include "common/base/errors.h"
 #include "common/jobs/operations.h"
 #include "common/rpc/operation_codec.h"
 #include "common/rpc/run_service.h"
+#include "tests/support/file_watch.h"
 #include "tests/unit/common/rpc/probe_service.h"
 
 namespace mortise::testing {
 namespace {
 
-void AwaitFile(const std::string& path, const std::function<bool()>& stop) {
-  while (!std::filesystem::exists(path) && !stop()) absl::SleepFor(absl::Milliseconds(5));
+void AwaitFile(const std::filesystem::path& path, const std::stop_token& stop) {
+  const int stopped = ::eventfd(0, EFD_CLOEXEC);
+  const std::stop_callback tell(stop, [stopped] { ::eventfd_write(stopped, 1); });
+  std::printf("waiting for %s\n", path.c_str());
+  std::fflush(stdout);
+  WaitForFiles(
+      path.parent_path(), [&] { return std::filesystem::exists(path); }, absl::InfiniteDuration(),
+      stopped);
+  ::close(stopped);
 }
 
 class Probe {
@@ -26,7 +38,7 @@ class Probe {
     jobs::Operations* operations = environment.operations;
     handlers_.read = [](const rpc::Call& call,
                         const ReadRequest& request) -> absl::StatusOr<ReadResponse> {
-      AwaitFile(request.name(), [&] { return call.cancelled(); });
+      AwaitFile(request.name(), {});
       ReadResponse response;
       response.set_text(call.identity().subject);
       return response;
@@ -46,7 +58,7 @@ class Probe {
     operations->Register("probe.work",
                          [](jobs::OperationContext& context) -> absl::StatusOr<std::string> {
                            context.ReportProgress({.done = 1, .total = 2});
-                           AwaitFile(context.request(), [&] { return context.Cancelled(); });
+                           AwaitFile(context.request(), context.stop_token());
                            if (context.Cancelled()) return absl::CancelledError("asked to stop");
                            Kept kept;
                            kept.set_value("done");

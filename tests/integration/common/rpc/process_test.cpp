@@ -1,13 +1,10 @@
 // A service as a real process: start, addresses, signals, crash, and failures to start.
-#include <fcntl.h>
+#include <gmock/gmock.h>
 #include <grpcpp/grpcpp.h>
 #include <gtest/gtest.h>
 #include <signal.h>
-#include <spawn.h>
-#include <sys/wait.h>
 
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "common/base/files.h"
@@ -17,54 +14,17 @@
 #include "common/rpc/identity.h"
 #include "mortise/v1/operations.grpc.pb.h"
 #include "probe.grpc.pb.h"
+#include "tests/support/child_process.h"
 #include "tests/support/status_assertions.h"
 #include "tests/support/temporary_folder.h"
-
-extern char** environ;
 
 namespace mortise::testing {
 namespace {
 
 using rpc::CallUnary;
+using ::testing::HasSubstr;
 
 constexpr absl::Duration kPatience = absl::Seconds(60);
-
-// A child process whose standard error goes to a file.
-class Process {
- public:
-  Process(std::vector<std::string> arguments, const std::filesystem::path& errors) {
-    std::vector<char*> pointers;
-    for (std::string& argument : arguments) pointers.push_back(argument.data());
-    pointers.push_back(nullptr);
-    posix_spawn_file_actions_t actions;
-    posix_spawn_file_actions_init(&actions);
-    posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, errors.c_str(),
-                                     O_WRONLY | O_CREAT | O_TRUNC, 0600);
-    EXPECT_EQ(posix_spawn(&pid_, pointers[0], &actions, nullptr, pointers.data(), environ), 0);
-    posix_spawn_file_actions_destroy(&actions);
-  }
-
-  ~Process() {
-    Signal(SIGKILL);
-    Wait();
-  }
-
-  void Signal(int signal_number) {
-    if (pid_ > 0) kill(pid_, signal_number);
-  }
-
-  // The exit code, or minus the signal that ended it.
-  int Wait() {
-    if (pid_ <= 0) return 0;
-    int status = 0;
-    waitpid(pid_, &status, 0);
-    pid_ = -1;
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
-  }
-
- private:
-  pid_t pid_ = -1;
-};
 
 class ProcessTest : public ::testing::Test {
  protected:
@@ -76,44 +36,32 @@ class ProcessTest : public ::testing::Test {
 
   std::filesystem::path Path(const std::string& name) const { return folder_.path() / name; }
 
-  std::unique_ptr<Process> Run(const std::vector<std::string>& further = {}) {
-    // The probe is built beside this test.
-    std::vector<std::string> arguments = {
-        (std::filesystem::read_symlink("/proc/self/exe").parent_path() / "rpc_probe").string(),
-        "--store",
-        "sqlite:" + Path("probe.db").string(),
-        "--blobs",
-        Path("blobs").string(),
-        "--keys",
-        Path("keys").string(),
-        "--port-file",
-        Path("ports.json").string(),
-        "--metrics",
-        "127.0.0.1:0"};
-    arguments.insert(arguments.end(), further.begin(), further.end());
-    return std::make_unique<Process>(arguments, Path("errors"));
+  // The probe is built beside this test.
+  static std::string Program() {
+    return (std::filesystem::read_symlink("/proc/self/exe").parent_path() / "rpc_probe").string();
   }
 
-  std::unique_ptr<Process> RunUntilServing(const std::vector<std::string>& further = {}) {
-    std::filesystem::remove(Path("ports.json"));
-    auto process = Run(further);
-    const absl::Time end = absl::Now() + kPatience;
-    while (!std::filesystem::exists(Path("ports.json")) && absl::Now() < end) {
-      absl::SleepFor(absl::Milliseconds(5));
-    }
-    const auto text = ReadFile(Path("ports.json"));
-    EXPECT_OK(text) << Errors();
-    if (!text.ok()) return process;
-    address_ = nlohmann::json::parse(*text)["grpc"];
-    channel_ = *rpc::MakeChannel(address_, {});
+  std::vector<std::string> Flags(const std::vector<std::string>& further) const {
+    std::vector<std::string> flags = {"--store=sqlite:" + Path("probe.db").string(),
+                                      "--blobs=" + Path("blobs").string(),
+                                      "--keys=" + Path("keys").string(), "--metrics=127.0.0.1:0"};
+    flags.insert(flags.end(), further.begin(), further.end());
+    return flags;
+  }
+
+  // One that is not meant to serve.
+  std::unique_ptr<ChildProcess> Run(const std::vector<std::string>& further) const {
+    std::vector<std::string> arguments = Flags(further);
+    arguments.insert(arguments.begin(), Program());
+    return std::make_unique<ChildProcess>(arguments);
+  }
+
+  std::unique_ptr<ServiceProcess> Serve(const std::vector<std::string>& further = {}) {
+    auto process = std::make_unique<ServiceProcess>(Program(), Flags(further), Path("ports.json"));
+    channel_ = *rpc::MakeChannel(process->address(), {});
     probe_ = ProbeService::NewStub(channel_);
     operations_ = v1::OperationService::NewStub(channel_);
     return process;
-  }
-
-  std::string Errors() const {
-    const auto text = ReadFile(Path("errors"));
-    return text.ok() ? *text : "";
   }
 
   rpc::Origin As(rpc::Role role) const {
@@ -136,14 +84,13 @@ class ProcessTest : public ::testing::Test {
 
   TemporaryFolder folder_;
   std::unique_ptr<rpc::IdentitySigner> gateway_;
-  std::string address_;
   std::shared_ptr<grpc::Channel> channel_;
   std::unique_ptr<ProbeService::Stub> probe_;
   std::unique_ptr<v1::OperationService::Stub> operations_;
 };
 
 TEST_F(ProcessTest, TerminationLetsCallsInFlightFinish) {
-  auto process = RunUntilServing();
+  auto process = Serve();
   ReadRequest request;
   request.set_name(Path("release").string());
   absl::Status status = absl::InternalError("not called");
@@ -153,25 +100,20 @@ TEST_F(ProcessTest, TerminationLetsCallsInFlightFinish) {
       return probe_->Read(context, request, &response);
     });
   });
-  // A call has begun when the operation of the same connection that was sent after it has.
-  Begin(Path("never"));
+  EXPECT_TRUE(process->AwaitOutput("waiting for"));
   process->Signal(SIGTERM);
-  const absl::Time end = absl::Now() + kPatience;
-  while (Errors().find("draining") == std::string::npos && absl::Now() < end) {
-    absl::SleepFor(absl::Milliseconds(5));
-  }
-  ASSERT_OK(WriteFile(Path("release"), ""));
+  EXPECT_TRUE(process->AwaitOutput("draining"));
+  EXPECT_OK(WriteFile(Path("release"), ""));
   caller.join();
-  EXPECT_OK(status) << Errors();
+  EXPECT_OK(status);
   EXPECT_EQ(process->Wait(), 0);
 }
 
 TEST_F(ProcessTest, AnOperationSurvivesKill) {
-  auto process = RunUntilServing();
+  auto process = Serve();
   const std::string name = Begin(Path("release")).name();
-  process->Signal(SIGKILL);
-  EXPECT_EQ(process->Wait(), -SIGKILL);
-  process = RunUntilServing();
+  EXPECT_EQ(process->End(SIGKILL), -SIGKILL);
+  process = Serve();
   ASSERT_OK(WriteFile(Path("release"), ""));
   v1::WaitOperationRequest request;
   request.set_name(name);
@@ -179,8 +121,7 @@ TEST_F(ProcessTest, AnOperationSurvivesKill) {
                               As(rpc::Role::kViewer));
   ASSERT_OK(done);
   EXPECT_EQ(done->state(), v1::Operation::SUCCEEDED) << done->ShortDebugString();
-  process->Signal(SIGINT);
-  EXPECT_EQ(process->Wait(), 0);
+  EXPECT_EQ(process->End(SIGINT), 0);
 }
 
 TEST_F(ProcessTest, EventsReachTheBus) {
@@ -189,7 +130,7 @@ TEST_F(ProcessTest, EventsReachTheBus) {
   auto subscriber = bus::Subscriber::Connect(
       {.endpoint = (*broker)->subscriber_endpoint(), .topics = {"probe/"}});
   ASSERT_OK(subscriber);
-  auto process = RunUntilServing({"--bus-publish", (*broker)->publisher_endpoint()});
+  auto process = Serve({"--bus-publish", (*broker)->publisher_endpoint()});
   // The bus may lose what was said before all were connected; a heartbeat shows that they are.
   ASSERT_OK((*subscriber)->Receive(kPatience));
   Begin(Path("never"));
@@ -206,25 +147,27 @@ TEST_F(ProcessTest, EventsReachTheBus) {
 }
 
 TEST_F(ProcessTest, ATakenPortEndsTheStartClearly) {
-  auto first = RunUntilServing();
-  auto second = Run({"--listen", address_, "--store", "sqlite:" + Path("other.db").string()});
+  const auto first = Serve();
+  const auto second =
+      Run({"--listen=" + first->address(), "--store=sqlite:" + Path("other.db").string()});
   EXPECT_EQ(second->Wait(), 1);
-  EXPECT_NE(Errors().find("mortise-probe: cannot listen on " + address_), std::string::npos)
-      << Errors();
+  EXPECT_THAT(second->Output(), HasSubstr("mortise-probe: cannot listen on " + first->address()));
 }
 
 TEST_F(ProcessTest, AnUnwritableStateFolderEndsTheStartClearly) {
   ASSERT_OK(WriteFile(Path("file"), "in the way"));
-  auto process = Run({"--store", "sqlite:" + (Path("file") / "probe.db").string()});
+  const auto process = Run({"--store=sqlite:" + (Path("file") / "probe.db").string()});
   EXPECT_EQ(process->Wait(), 1);
-  EXPECT_NE(Errors().find(Path("file").string()), std::string::npos) << Errors();
+  EXPECT_THAT(process->Output(), HasSubstr(Path("file").string()));
 }
 
 TEST_F(ProcessTest, BadFlagsAndMissingKeysEndTheStartClearly) {
-  EXPECT_EQ(Run({"--no-such-flag"})->Wait(), 2);
-  EXPECT_NE(Errors().find("--no-such-flag"), std::string::npos) << Errors();
-  EXPECT_EQ(Run({"--keys", Path("none").string()})->Wait(), 1);
-  EXPECT_NE(Errors().find("none"), std::string::npos) << Errors();
+  const auto bad_flag = Run({"--no-such-flag"});
+  EXPECT_EQ(bad_flag->Wait(), 2);
+  EXPECT_THAT(bad_flag->Output(), HasSubstr("--no-such-flag"));
+  const auto no_keys = Run({"--keys=" + Path("none").string()});
+  EXPECT_EQ(no_keys->Wait(), 1);
+  EXPECT_THAT(no_keys->Output(), HasSubstr("none"));
 }
 
 }  // namespace

@@ -7,9 +7,11 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <condition_variable>
 #include <functional>
+#include <map>
 #include <mutex>
 #include <stdexcept>
 #include <string>
@@ -57,7 +59,11 @@ class Gate {
 
 // Runs until told to stop.
 absl::StatusOr<std::string> RunUntilStopped(OperationContext& context) {
-  while (!context.Cancelled()) absl::SleepFor(absl::Milliseconds(1));
+  std::mutex mutex;
+  std::condition_variable_any nothing;
+  std::unique_lock lock(mutex);
+  nothing.wait(lock, context.stop_token(), [] { return false; });
+  EXPECT_TRUE(context.Cancelled());
   return absl::CancelledError("stopped");
 }
 
@@ -216,11 +222,13 @@ TEST_P(OperationsTest, NothingRunsBeforeTheCommit) {
 TEST_P(OperationsTest, APendingOperationIsCancelledAtOnce) {
   OperationsOptions options = Options();
   options.threads = 1;
-  auto operations = Create(options, "long", RunUntilStopped);
+  Gate begun;
+  auto operations = Create(options, "long", [&](OperationContext& context) {
+    begun.Open();
+    return RunUntilStopped(context);
+  });
   const std::string first = Start(operations.get(), "long");
-  while (operations->Get(first)->state != OperationState::kRunning) {
-    absl::SleepFor(absl::Milliseconds(1));
-  }
+  begun.Pass();
   const std::string second = Start(operations.get(), "long");
   const auto cancelled = operations->Cancel(second);
   ASSERT_OK(cancelled);
@@ -452,17 +460,21 @@ TEST_P(OperationsTest, ListsNewestFirstByPages) {
   auto operations = Create(Options(), "quick", [](OperationContext& context) {
     return absl::StatusOr<std::string>(context.request());
   });
+  std::map<std::string, std::string> requests;
   std::vector<std::string> names;
   for (int i = 0; i < 5; ++i) {
     names.push_back(Start(operations.get(), "quick", std::to_string(i)));
-    absl::SleepFor(absl::Milliseconds(2));  // identifiers sort by their millisecond
+    requests[names.back()] = std::to_string(i);
   }
   for (const std::string& name : names) WaitFor(operations.get(), name);
+  // Names begin with their millisecond; within one the order is theirs, but it is an order.
+  std::sort(names.begin(), names.end());
   const auto page = operations->List("", 2);
   ASSERT_OK(page);
   ASSERT_EQ(page->size(), 2u);
   EXPECT_EQ(page->at(0).name, names[4]);
-  EXPECT_EQ(page->at(1).result, "3");
+  EXPECT_EQ(page->at(1).name, names[3]);
+  EXPECT_EQ(page->at(1).result, requests[names[3]]);
   const auto rest = operations->List(page->at(1).name, 10);
   ASSERT_EQ(rest->size(), 3u);
   EXPECT_EQ(rest->at(2).name, names[0]);
