@@ -1,5 +1,6 @@
 #include "services/fabplanner/shop_floor.h"
 
+#include <algorithm>
 #include <chrono>
 #include <optional>
 #include <set>
@@ -17,15 +18,33 @@ namespace mortise::fabplanner {
 namespace {
 
 constexpr std::size_t kLongestMachineName = 63;
+constexpr std::size_t kLongestMachineState = 63;
+constexpr int kMostMachines = 100;  // at one bridge
+
+// 1 to 63 letters, digits, '-', '_' and '.'.
+bool IsMachineName(const std::string& name) {
+  return !name.empty() && name.size() <= kLongestMachineName &&
+         std::all_of(name.begin(), name.end(), [](char c) {
+           return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+                  c == '-' || c == '_' || c == '.';
+         });
+}
 
 absl::Status CheckMachines(const google::protobuf::RepeatedPtrField<v1::Machine>& machines,
                            const std::string& path) {
+  if (machines.size() > kMostMachines) {
+    return InvalidField(path, absl::StrCat("has more than ", kMostMachines, " entries"));
+  }
   std::set<std::string> names;
   for (int i = 0; i < machines.size(); ++i) {
     const v1::Machine& machine = machines[i];
     const std::string field = absl::StrCat(path, "[", i, "]");
-    if (machine.name().empty() || machine.name().size() > kLongestMachineName) {
-      return InvalidField(absl::StrCat(field, ".name"), "must have 1 to 63 bytes");
+    if (!IsMachineName(machine.name())) {
+      return InvalidField(absl::StrCat(field, ".name"),
+                          "must be 1 to 63 letters, digits, '-', '_' and '.'");
+    }
+    if (machine.state().size() > kLongestMachineState) {
+      return InvalidField(absl::StrCat(field, ".state"), "is longer than 63 bytes");
     }
     if (!names.insert(machine.name()).second) {
       return InvalidField(absl::StrCat(field, ".name"),
@@ -193,9 +212,10 @@ void ShopFloor::Detach(int64_t attachment) {
     bridge.attachment = 0;
     bridge.writer = nullptr;
     Log(LogLevel::kInfo, "bridge detached", {{"bridge", name}});
+    const std::string subject = absl::StrCat("bridges/", name);
     const absl::Status told = store_->Transact([&](store::Transaction& transaction) {
       return transaction.AppendEvent({.type = "bridge.detached",
-                                      .subject = absl::StrCat("bridges/", name),
+                                      .subject = subject,
                                       .payload = "{}",
                                       .trace_id = CurrentTraceId()});
     });
