@@ -6,6 +6,7 @@
 #include <grpcpp/support/channel_arguments.h>
 
 #include <algorithm>
+#include <condition_variable>
 #include <mutex>
 #include <random>
 
@@ -16,27 +17,21 @@
 namespace mortise::rpc {
 namespace {
 
-// While waiting between tries, how soon `stop` is noticed.
-constexpr absl::Duration kStopInterval = absl::Milliseconds(50);
-
 // Half to all of `delay`, so that many callers do not come back at once.
 absl::Duration Jittered(absl::Duration delay) {
   thread_local std::minstd_rand random(std::random_device{}());
   return delay * std::uniform_real_distribution<double>(0.5, 1.0)(random);
 }
 
-// False if told to stop.
-bool Pause(absl::Duration delay, const RetryOptions& options) {
-  const absl::Time end = absl::Now() + delay;
-  while (true) {
-    if (options.stop && options.stop()) return false;
-    const absl::Duration left = end - absl::Now();
-    if (left <= absl::ZeroDuration()) return true;
-    absl::SleepFor(std::min(left, kStopInterval));
-  }
-}
-
 }  // namespace
+
+bool Pause(absl::Duration duration, const std::stop_token& stop) {
+  std::mutex mutex;
+  std::condition_variable_any stopped;
+  std::unique_lock lock(mutex);
+  return !stopped.wait_for(lock, stop, absl::ToChronoNanoseconds(duration),
+                           [&] { return stop.stop_requested(); });
+}
 
 absl::StatusOr<std::shared_ptr<grpc::Channel>> MakeChannel(const std::string& address,
                                                            const ChannelSecurity& security) {
@@ -91,7 +86,7 @@ absl::Status CallWithRetry(const Origin& origin, const RetryOptions& options,
     const std::unique_ptr<grpc::ClientContext> context = MakeClientContext(origin);
     absl::Status status = FromGrpc(attempt(context.get()));
     const absl::Duration pause = Jittered(delay);
-    if (!absl::IsUnavailable(status) || absl::Now() + pause >= end || !Pause(pause, options)) {
+    if (!absl::IsUnavailable(status) || absl::Now() + pause >= end || !Pause(pause, options.stop)) {
       return status;
     }
     delay = std::min(delay * 2, options.longest_delay);

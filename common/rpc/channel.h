@@ -4,6 +4,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <stop_token>
 #include <string>
 #include <string_view>
 
@@ -52,8 +53,11 @@ struct RetryOptions {
   absl::Duration first_delay = absl::Milliseconds(50);
   absl::Duration longest_delay = absl::Seconds(2);
   absl::Duration patience = absl::Seconds(10);
-  std::function<bool()> stop = nullptr;  // gives up early when true; may be unset
+  std::stop_token stop = {};  // gives up early when a stop is requested
 };
+
+// Waits for `duration`; false as soon as a stop is requested.
+bool Pause(absl::Duration duration, const std::stop_token& stop);
 
 // Runs `attempt` as above.
 absl::Status CallWithRetry(const Origin& origin, const RetryOptions& options,

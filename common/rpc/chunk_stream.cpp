@@ -66,6 +66,17 @@ void StreamBlob(store::BlobFolder* blobs, const std::string& digest, const Strea
       writer);
 }
 
+absl::Status StreamArtifact(store::BlobFolder* blobs, const std::string& owner,
+                            const google::protobuf::RepeatedPtrField<v1::Artifact>& artifacts,
+                            const std::string& file_name, const ChunkWriter& writer) {
+  for (const v1::Artifact& artifact : artifacts) {
+    if (artifact.file_name() != file_name) continue;
+    StreamBlob(blobs, artifact.sha256(), {artifact.file_name(), artifact.media_type()}, writer);
+    return absl::OkStatus();
+  }
+  return ResourceNotFound(absl::StrCat(owner, "/", file_name));
+}
+
 void StreamBytes(std::string bytes, const StreamedFile& file, const ChunkWriter& writer) {
   const auto size = static_cast<int64_t>(bytes.size());
   const std::string sha256 = Sha256Hex(bytes);

@@ -9,9 +9,14 @@
 #include "absl/status/statusor.h"
 #include "common/rpc/stream_writer.h"
 
-namespace mortise::v1 {
-class Chunk;
+namespace google::protobuf {
+template <typename Element>
+class RepeatedPtrField;
 }
+namespace mortise::v1 {
+class Artifact;
+class Chunk;
+}  // namespace mortise::v1
 namespace mortise::store {
 class BlobFolder;
 class BlobWriter;
@@ -31,7 +36,14 @@ struct StreamedFile {
 void StreamBlob(store::BlobFolder* blobs, const std::string& digest, const StreamedFile& file,
                 const std::shared_ptr<StreamWriter<v1::Chunk>>& writer);
 
-// The same for bytes at hand.
+// Sends the blob of that of `owner`'s artifacts which is called `file_name`, as StreamBlob does.
+// NOT_FOUND naming "owner/file_name" if it has none of this name.
+absl::Status StreamArtifact(store::BlobFolder* blobs, const std::string& owner,
+                            const google::protobuf::RepeatedPtrField<v1::Artifact>& artifacts,
+                            const std::string& file_name,
+                            const std::shared_ptr<StreamWriter<v1::Chunk>>& writer);
+
+// As StreamBlob, for bytes at hand.
 void StreamBytes(std::string bytes, const StreamedFile& file,
                  const std::shared_ptr<StreamWriter<v1::Chunk>>& writer);
 

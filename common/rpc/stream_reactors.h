@@ -42,6 +42,50 @@ class UploadReader {
   virtual absl::StatusOr<Response> Complete() = 0;
 };
 
+// ---- What the reactors share ----------------------------------------------------------------
+
+// Runs `body` for a call that is admitted; why it failed or was not.
+template <class Body>
+absl::Status RunAdmitted(CallState& call, Body body) {
+  MORTISE_RETURN_IF_ERROR(call.Admit());
+  return call.RunGuarded(std::move(body));
+}
+
+// Hands a message to the reader, if it may see it.
+template <class Request, class Reader>
+absl::Status Receive(CallState& call, const Request& message, Reader& reader) {
+  return call.RunGuarded([&]() -> absl::Status {
+    MORTISE_RETURN_IF_ERROR(call.CheckRequest(message));
+    return reader.OnMessage(message);
+  });
+}
+
+// The sending side of `reactor`.
+template <class Response, class Reactor>
+std::shared_ptr<OutgoingStream<Response>> SendThrough(Reactor* reactor,
+                                                      const std::shared_ptr<CallState>& state,
+                                                      const StreamOptions& options) {
+  return std::make_shared<OutgoingStream<Response>>(
+      state, options,
+      typename OutgoingStream<Response>::Wire{
+          [reactor](const Response* message) { reactor->StartWrite(message); },
+          [reactor, call = state.get()](const absl::Status& status) {
+            call->End(status);
+            reactor->Finish(ToGrpc(status));
+          }});
+}
+
+template <class Response>
+void EndWhenDraining(CallState& call, const std::shared_ptr<OutgoingStream<Response>>& writer) {
+  call.OnStop([writer] {
+    writer->Finish(
+        WithDetail(absl::UnavailableError("the server is shutting down; follow on elsewhere"),
+                   {"SHUTTING_DOWN", ""}));
+  });
+}
+
+// ---- The reactors ---------------------------------------------------------------------------
+
 // A stream from the server.
 template <class Response>
 class ServerStreamReactor : public grpc::ServerWriteReactor<Response> {
@@ -61,13 +105,10 @@ class ServerStreamReactor : public grpc::ServerWriteReactor<Response> {
     state->dispatcher()->Submit([state, writer, request, options, handler = std::move(handler)] {
       // Keeps the request alive: it goes with the call, which ends only after Release.
       if (!writer->Hold()) return;
-      absl::Status status = state->Admit();
-      if (status.ok()) {
-        status = state->RunGuarded([&]() -> absl::Status {
-          MORTISE_RETURN_IF_ERROR(state->CheckRequest(*request));
-          return handler(Call(state), writer);
-        });
-      }
+      const absl::Status status = RunAdmitted(*state, [&]() -> absl::Status {
+        MORTISE_RETURN_IF_ERROR(state->CheckRequest(*request));
+        return handler(Call(state), writer);
+      });
       if (status.ok() && options.endless) EndWhenDraining(*state, writer);
       if (!status.ok()) writer->Finish(status);
       writer->Release();
@@ -82,25 +123,9 @@ class ServerStreamReactor : public grpc::ServerWriteReactor<Response> {
   }
   void OnDone() override { delete this; }
 
-  static void EndWhenDraining(CallState& state, const Writer& writer) {
-    state.OnStop([writer] {
-      writer->Finish(
-          WithDetail(absl::UnavailableError("the server is shutting down; follow on elsewhere"),
-                     {"SHUTTING_DOWN", ""}));
-    });
-  }
-
  private:
   ServerStreamReactor(std::shared_ptr<CallState> state, const StreamOptions& options)
-      : state_(std::move(state)),
-        writer_(std::make_shared<OutgoingStream<Response>>(
-            state_, options,
-            typename OutgoingStream<Response>::Wire{
-                [this](const Response* message) { this->StartWrite(message); },
-                [this](const absl::Status& status) {
-                  state_->End(status);
-                  this->Finish(ToGrpc(status));
-                }})) {}
+      : state_(std::move(state)), writer_(SendThrough<Response>(this, state_, options)) {}
 
   const std::shared_ptr<CallState> state_;
   const std::shared_ptr<OutgoingStream<Response>> writer_;
@@ -125,20 +150,15 @@ class BidiReactor : public grpc::ServerBidiReactor<Request, Response>,
     }
     state->dispatcher()->Submit([reactor, options, open = std::move(open)] {
       CallState& call = *reactor->state_;
-      absl::Status status = call.Admit();
-      if (status.ok()) {
-        status = call.RunGuarded([&]() -> absl::Status {
-          MORTISE_ASSIGN_OR_RETURN(reactor->reader_, open(Call(reactor->state_), reactor->writer_));
-          return absl::OkStatus();
-        });
-      }
+      const absl::Status status = RunAdmitted(call, [&]() -> absl::Status {
+        MORTISE_ASSIGN_OR_RETURN(reactor->reader_, open(Call(reactor->state_), reactor->writer_));
+        return absl::OkStatus();
+      });
       if (!status.ok()) {
         reactor->writer_->Finish(status);
         return;
       }
-      if (options.endless) {
-        ServerStreamReactor<Response>::EndWhenDraining(call, reactor->writer_);
-      }
+      if (options.endless) EndWhenDraining(call, reactor->writer_);
       reactor->ReadNext();
     });
     return reactor.get();
@@ -162,15 +182,7 @@ class BidiReactor : public grpc::ServerBidiReactor<Request, Response>,
 
  private:
   BidiReactor(std::shared_ptr<CallState> state, const StreamOptions& options)
-      : state_(std::move(state)),
-        writer_(std::make_shared<OutgoingStream<Response>>(
-            state_, options,
-            typename OutgoingStream<Response>::Wire{
-                [this](const Response* message) { this->StartWrite(message); },
-                [this](const absl::Status& status) {
-                  state_->End(status);
-                  this->Finish(ToGrpc(status));
-                }})) {}
+      : state_(std::move(state)), writer_(SendThrough<Response>(this, state_, options)) {}
 
   void ReadNext() {
     if (!writer_->Hold()) {
@@ -182,10 +194,7 @@ class BidiReactor : public grpc::ServerBidiReactor<Request, Response>,
   }
 
   void HandleMessage() {
-    absl::Status status = state_->RunGuarded([&]() -> absl::Status {
-      MORTISE_RETURN_IF_ERROR(state_->CheckRequest(message_));
-      return reader_->OnMessage(message_);
-    });
+    const absl::Status status = Receive(*state_, message_, *reader_);
     if (status.ok()) {
       ReadNext();
       return;
@@ -226,15 +235,10 @@ class UploadReactor : public grpc::ServerReadReactor<Request>,
       return reactor.get();
     }
     state->dispatcher()->Submit([reactor, open = std::move(open)] {
-      CallState& call = *reactor->state_;
-      absl::Status status = call.Admit();
-      if (status.ok()) {
-        status = call.RunGuarded([&]() -> absl::Status {
-          MORTISE_ASSIGN_OR_RETURN(reactor->reader_, open(Call(reactor->state_)));
-          return absl::OkStatus();
-        });
-      }
-      reactor->ReadNextOrEnd(status);
+      reactor->ReadNextOrEnd(RunAdmitted(*reactor->state_, [&]() -> absl::Status {
+        MORTISE_ASSIGN_OR_RETURN(reactor->reader_, open(Call(reactor->state_)));
+        return absl::OkStatus();
+      }));
     });
     return reactor.get();
   }
@@ -242,7 +246,7 @@ class UploadReactor : public grpc::ServerReadReactor<Request>,
   void OnReadDone(bool ok) override {
     state_->dispatcher()->Submit([self = this->shared_from_this(), ok] {
       if (ok) {
-        self->HandleMessage();
+        self->ReadNextOrEnd(Receive(*self->state_, self->message_, *self->reader_));
       } else {
         self->Complete();
       }
@@ -254,13 +258,6 @@ class UploadReactor : public grpc::ServerReadReactor<Request>,
  private:
   UploadReactor(std::shared_ptr<CallState> state, Response* response)
       : state_(std::move(state)), response_(response) {}
-
-  void HandleMessage() {
-    ReadNextOrEnd(state_->RunGuarded([&]() -> absl::Status {
-      MORTISE_RETURN_IF_ERROR(state_->CheckRequest(message_));
-      return reader_->OnMessage(message_);
-    }));
-  }
 
   void ReadNextOrEnd(const absl::Status& status) {
     if (status.ok()) {

@@ -156,13 +156,8 @@ class FabPlannerAdapter final : public v1::FabPlannerService::CallbackService {
         [this](const rpc::Call&, const v1::DownloadArtifactRequest& asked,
                const std::shared_ptr<rpc::StreamWriter<v1::Chunk>>& writer) -> absl::Status {
           MORTISE_ASSIGN_OR_RETURN(const v1::Plan plan, FindPlan(asked.name()));
-          for (const v1::Artifact& artifact : plan.artifacts()) {
-            if (artifact.file_name() != asked.file_name()) continue;
-            rpc::StreamBlob(blobs_, artifact.sha256(),
-                            {artifact.file_name(), artifact.media_type()}, writer);
-            return absl::OkStatus();
-          }
-          return ResourceNotFound(absl::StrCat(asked.name(), "/", asked.file_name()));
+          return rpc::StreamArtifact(blobs_, asked.name(), plan.artifacts(), asked.file_name(),
+                                     writer);
         });
   }
 

@@ -76,7 +76,7 @@ absl::StatusOr<PlanOperation::Inputs> PlanOperation::FetchInputs(
       rpc::OwnOrigin(signer_, rpc::Role::kViewer, CurrentTraceId(), kCatalogTimeout);
   rpc::RetryOptions retry;
   retry.patience = kCatalogTimeout;  // the catalog may be starting again
-  retry.stop = [&context] { return context.Cancelled(); };
+  retry.stop = context.stop_token();
 
   v1::EvaluateTemplateRequest evaluate;
   evaluate.set_name(request.template_());

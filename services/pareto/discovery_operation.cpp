@@ -42,7 +42,7 @@ class DiscoveryRun {
     MORTISE_ASSIGN_OR_RETURN(auto channel, environment_.peers->Channel(kEvaluatorPeer));
     rpc::RetryOptions retry;
     retry.patience = kDescribePatience;
-    retry.stop = [this] { return context_.Cancelled(); };
+    retry.stop = context_.stop_token();
     MORTISE_ASSIGN_OR_RETURN(
         auto described,
         DescribeDesignSpace(channel, specification_, MakeOrigin(kDescribePatience), retry));

@@ -135,7 +135,7 @@ void WorkOn(const WorkerOptions& options, Stub& stub, TemplateSource& templates,
 
 }  // namespace
 
-void RunWorker(const WorkerOptions& options, const std::atomic<bool>& stop) {
+void RunWorker(const WorkerOptions& options, const std::stop_token& stop) {
   const auto stub = v1::SimulatorService::NewStub(options.simulator);
   TemplateSource templates(options.catalog, kTemplatesKept);
   v1::LeaseTasksRequest request;
@@ -143,16 +143,16 @@ void RunWorker(const WorkerOptions& options, const std::atomic<bool>& stop) {
   request.set_limit(1);
   request.set_lease_seconds(absl::ToDoubleSeconds(options.lease));
   request.set_wait_seconds(absl::ToDoubleSeconds(options.patience));
-  while (!stop) {
+  while (!stop.stop_requested()) {
     const auto leased = rpc::CallUnary<Stub, v1::LeaseTasksRequest, v1::LeaseTasksResponse>(
         *stub, &Stub::LeaseTasks, request,
         rpc::OwnOrigin(options.signer, rpc::Role::kDesigner, "", options.patience + kCallTimeout),
-        {.stop = [&stop] { return stop.load(); }});
+        {.stop = stop});
     if (!leased.ok()) {
-      if (stop) break;
+      if (stop.stop_requested()) break;
       Log(LogLevel::kWarning, "no tasks can be leased", {{"error", leased.status().message()}});
       // Refusals come at once; a worker that cannot work must not flood the service.
-      if (!absl::IsUnavailable(leased.status())) absl::SleepFor(absl::Seconds(1));
+      if (!absl::IsUnavailable(leased.status())) rpc::Pause(absl::Seconds(1), stop);
       continue;
     }
     for (const v1::Task& task : leased->tasks()) WorkOn(options, *stub, templates, task);

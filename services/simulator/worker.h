@@ -2,8 +2,8 @@
 // reports each with the attempt number it was lent under.
 #pragma once
 
-#include <atomic>
 #include <memory>
+#include <stop_token>
 #include <string>
 
 #include "absl/time/time.h"
@@ -20,9 +20,9 @@ struct WorkerOptions {
   absl::Duration patience = absl::Seconds(2);   // for a task, in one call
 };
 
-// Works until `stop` is set: the task at hand is still finished and reported. A worker holds no
-// state that matters; when it dies its leases run out and others take the tasks.
-void RunWorker(const WorkerOptions& options, const std::atomic<bool>& stop);
+// Works until a stop is requested: the task at hand is still finished and reported. A worker holds
+// no state that matters; when it dies its leases run out and others take the tasks.
+void RunWorker(const WorkerOptions& options, const std::stop_token& stop);
 
 // `mortise-simulator --worker`: flags, signals, RunWorker. Returns the exit code.
 int WorkerMain(int argc, char** argv);

@@ -48,13 +48,12 @@ absl::Status Run(const rpc::ServiceOptions& options, const WorkerFlags& flags) {
   sigaddset(&signals, SIGINT);
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   signal(SIGPIPE, SIG_IGN);
-  std::atomic<bool> stop = false;
   Log(LogLevel::kInfo, "working", {{"worker", worker.name}});
-  std::thread work([&] { RunWorker(worker, stop); });
+  std::jthread work([&](const std::stop_token& stop) { RunWorker(worker, stop); });
   int caught = 0;
   sigwait(&signals, &caught);
   Log(LogLevel::kInfo, "asked to end; the task at hand is finished first", {{"signal", caught}});
-  stop = true;
+  work.request_stop();
   work.join();
   return absl::OkStatus();
 }

@@ -14,6 +14,7 @@
 #include <thread>
 
 #include "common/jobs/operations.h"
+#include "common/rpc/channel.h"
 #include "common/rpc/run_service.h"
 #include "common/store/store.h"
 #include "gateway/webhook_client.h"
@@ -22,19 +23,13 @@
 #include "mortise/v1/gateway.grpc.pb.h"
 #include "mortise/v1/operations.grpc.pb.h"
 #include "tests/integration/gateway/gateway_fixture.h"
+#include "tests/support/reserved_port.h"
 
 namespace mortise::gateway {
 namespace {
 
 using ::testing::HasSubstr;
 using Json = nlohmann::json;
-
-// A free port, for a service that must be known before it runs.
-std::string FreeAddress() {
-  boost::asio::io_context io;
-  boost::asio::ip::tcp::acceptor acceptor(io, {boost::asio::ip::make_address("127.0.0.1"), 0});
-  return "127.0.0.1:" + std::to_string(acceptor.local_endpoint().port());
-}
 
 // Takes webhooks' posts and answers with what the test says.
 class Receiver {
@@ -116,9 +111,8 @@ class Receiver {
 class EventsTest : public GatewayTest {
  protected:
   void SetUp() override {
-    service_address_ = FreeAddress();
     gateway_options_ = Options();
-    gateway_options_.services = {{"catalog", service_address_}};
+    gateway_options_.services = {{"catalog", service_port_.address()}};
     gateway_options_.webhooks.first_pause = absl::Milliseconds(10);
     gateway_options_.webhooks.longest_pause = absl::Milliseconds(50);
     gateway_options_.webhooks.max_tries = 3;
@@ -132,7 +126,7 @@ class EventsTest : public GatewayTest {
   void StartService() {
     rpc::ServiceOptions options;
     options.name = "catalog";
-    options.listen = service_address_;
+    options.listen = service_port_.address();
     options.store = "sqlite:" + (folder_.path() / "catalog.db").string();
     options.blobs = folder_.path() / "blobs";
     options.insecure_development = true;
@@ -146,10 +140,9 @@ class EventsTest : public GatewayTest {
               [this](jobs::OperationContext& context) -> absl::StatusOr<std::string> {
                 context.ReportProgress({.done = 1, .total = 2, .message = "half"});
                 std::unique_lock lock(mutex_);
-                while (!finish_ && !context.Cancelled()) {
-                  changed_.wait_for(lock, std::chrono::milliseconds(5));
+                if (!changed_.wait(lock, context.stop_token(), [this] { return finish_; })) {
+                  return absl::CancelledError();
                 }
-                if (!finish_) return absl::CancelledError();
                 return std::string();
               });
           return std::vector<std::shared_ptr<grpc::Service>>();
@@ -158,19 +151,13 @@ class EventsTest : public GatewayTest {
     service_ = *std::move(service);
   }
 
-  // The gateway notices the service within moments.
+  // The gateway notices the service within moments; until then it says UNAVAILABLE.
   void WaitUntilKnown() {
-    for (int i = 0; i < 200; ++i) {
-      grpc::ClientContext context;
-      v1::ReadEventsRequest request;
-      request.set_stream("catalog");
-      v1::ReadEventsResponse response;
-      context.set_wait_for_ready(true);
-      if (v1::EventService::NewStub(channel_)->ReadEvents(&context, request, &response).ok())
-        return;
-      std::this_thread::sleep_for(std::chrono::milliseconds(20));
-    }
-    FAIL() << "the service was not found";
+    const auto stub = v1::EventService::NewStub(channel_);
+    v1::ReadEventsRequest request;
+    request.set_stream("catalog");
+    const auto events = rpc::CallUnary(*stub, &v1::EventService::Stub::ReadEvents, request, {});
+    ASSERT_TRUE(events.ok()) << events.status();
   }
 
   void Tell(const std::string& type, const std::string& subject) {
@@ -203,10 +190,10 @@ class EventsTest : public GatewayTest {
     changed_.notify_all();
   }
 
-  std::string service_address_;
+  const mortise::testing::ReservedPort service_port_;
   GatewayOptions gateway_options_;
   std::mutex mutex_;
-  std::condition_variable changed_;
+  std::condition_variable_any changed_;
   bool finish_ = false;  // guarded by mutex_
   std::unique_ptr<rpc::RunningService> service_;
   std::shared_ptr<grpc::Channel> channel_;
@@ -371,7 +358,8 @@ TEST_F(WebhookTest, GoesOnAfterARestartOfTheGateway) {
   receiver_.AnswerWith(500);
   gateway_options_.webhooks.max_tries = 1000;
   gateway_.reset();
-  gateway_options_.grpc = FreeAddress();
+  const mortise::testing::ReservedPort gateway_port;
+  gateway_options_.grpc = gateway_port.address();
   StartGateway(gateway_options_);
   channel_ = grpc::CreateChannel(gateway_->addresses().grpc, grpc::InsecureChannelCredentials());
   WaitUntilKnown();

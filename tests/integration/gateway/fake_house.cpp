@@ -2,8 +2,8 @@
 
 #include <grpcpp/server_builder.h>
 
+#include <algorithm>
 #include <chrono>
-#include <thread>
 
 #include "common/base/errors.h"
 #include "common/rpc/status_mapping.h"
@@ -16,7 +16,7 @@ namespace {
 
 constexpr int64_t kChunkBytes = 256 * 1024;
 
-std::string Metadata(const grpc::ServerContext& context, const char* key) {
+std::string Metadata(const grpc::CallbackServerContext& context, const char* key) {
   const auto found = context.client_metadata().find(key);
   if (found == context.client_metadata().end()) return {};
   return std::string(found->second.data(), found->second.size());
@@ -27,24 +27,22 @@ std::string Metadata(const grpc::ServerContext& context, const char* key) {
 struct FakeHouse::Services {
   explicit Services(FakeHouse& house) : catalog(house), simulator(), fabplanner() {}
 
-  class Catalog final : public v1::CatalogService::Service {
+  class Catalog final
+      : public v1::CatalogService::WithCallbackMethod_GetItem<v1::CatalogService::Service> {
    public:
     explicit Catalog(FakeHouse& house) : house_(house) {}
 
-    grpc::Status GetItem(grpc::ServerContext* context, const v1::GetItemRequest* request,
-                         v1::Item* item) override {
+    grpc::ServerUnaryReactor* GetItem(grpc::CallbackServerContext* context,
+                                      const v1::GetItemRequest* request, v1::Item* item) override {
+      if (request->name() == "items/slow") return new SlowAnswer(house_);
       item->set_name(request->name());
       item->set_revision(int64_t{1} << 60);
-      if (request->name() == "items/missing") {
-        return rpc::ToGrpc(ResourceNotFound(request->name()));
-      }
-      if (request->name() == "items/slow") {
-        while (!context->IsCancelled()) std::this_thread::sleep_for(std::chrono::milliseconds(2));
-        ++house_.cancelled_;
-        return grpc::Status::CANCELLED;
-      }
       if (request->name() == "items/echo") Describe(*context, *item);
-      return grpc::Status::OK;
+      grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
+      reactor->Finish(request->name() == "items/missing"
+                          ? rpc::ToGrpc(ResourceNotFound(request->name()))
+                          : grpc::Status::OK);
+      return reactor;
     }
 
     grpc::Status ExportDesign(grpc::ServerContext* context, const v1::ExportDesignRequest* request,
@@ -57,21 +55,35 @@ struct FakeHouse::Services {
         chunk.mutable_data()->assign(static_cast<std::size_t>(std::min(left, kChunkBytes)), 'x');
         // A write fails when the call is over, which IsCancelled() tells only a little later.
         if (!writer->Write(chunk)) {
-          ++house_.cancelled_;
+          house_.Count(&Counts::cancelled);
           return grpc::Status::CANCELLED;
         }
-        ++house_.written_;
+        house_.Count(&Counts::written);
         if (request->name() == "templates/broken") {
           context->AddTrailingMetadata("x-trail", "torn");
           return rpc::ToGrpc(PreconditionFailed("BROKEN", "the design is broken"));
         }
       }
-      if (context->IsCancelled()) ++house_.cancelled_;
+      if (context->IsCancelled()) house_.Count(&Counts::cancelled);
       return grpc::Status::OK;
     }
 
    private:
-    static void Describe(grpc::ServerContext& context, v1::Item& item) {
+    // Answers when the call is cancelled.
+    class SlowAnswer final : public grpc::ServerUnaryReactor {
+     public:
+      explicit SlowAnswer(FakeHouse& house) : house_(house) { house.Count(&Counts::slow); }
+      void OnCancel() override {
+        house_.Count(&Counts::cancelled);
+        Finish(grpc::Status::CANCELLED);
+      }
+      void OnDone() override { delete this; }
+
+     private:
+      FakeHouse& house_;
+    };
+
+    static void Describe(grpc::CallbackServerContext& context, v1::Item& item) {
       item.set_title(Metadata(context, "x-custom"));
       const std::string trace = Metadata(context, "mortise-trace-id");
       item.set_supplier(trace);
@@ -137,13 +149,20 @@ FakeHouse::FakeHouse() : services_(std::make_unique<Services>(*this)) {
 
 FakeHouse::~FakeHouse() { server_->Shutdown(std::chrono::system_clock::now()); }
 
-bool FakeHouse::WaitForCancelled(int count) const {
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(10);
-  while (cancelled_ < count) {
-    if (std::chrono::steady_clock::now() > deadline) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
-  }
-  return true;
+FakeHouse::Counts FakeHouse::counts() const {
+  std::lock_guard lock(mutex_);
+  return counts_;
+}
+
+void FakeHouse::Count(int Counts::*what) {
+  std::lock_guard lock(mutex_);
+  ++(counts_.*what);
+  changed_.notify_all();
+}
+
+bool FakeHouse::WaitFor(int Counts::*what, int count) {
+  std::unique_lock lock(mutex_);
+  return changed_.wait_for(lock, std::chrono::seconds(10), [&] { return counts_.*what >= count; });
 }
 
 }  // namespace mortise::gateway

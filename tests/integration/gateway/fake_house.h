@@ -3,8 +3,9 @@
 
 #include <grpcpp/server.h>
 
-#include <atomic>
+#include <condition_variable>
 #include <memory>
+#include <mutex>
 #include <string>
 
 namespace mortise::gateway {
@@ -26,17 +27,25 @@ class FakeHouse {
 
   const std::string& address() const { return address_; }
 
-  // How many calls saw their cancellation, and how many messages streams have written.
-  int cancelled() const { return cancelled_; }
-  int64_t written() const { return written_; }
+  struct Counts {
+    int slow = 0;       // calls of items/slow that have begun
+    int cancelled = 0;  // calls that saw their cancellation
+    int written = 0;    // messages that streams have written
+  };
+  Counts counts() const;
 
-  // Waits until `cancelled()` reaches `count`; false after ten seconds.
-  bool WaitForCancelled(int count) const;
+  // Waits until `count` calls of items/slow have begun, or been cancelled; false after ten seconds.
+  bool WaitForSlow(int count) { return WaitFor(&Counts::slow, count); }
+  bool WaitForCancelled(int count) { return WaitFor(&Counts::cancelled, count); }
 
  private:
   struct Services;
-  std::atomic<int> cancelled_{0};
-  std::atomic<int64_t> written_{0};
+  void Count(int Counts::*what);
+  bool WaitFor(int Counts::*what, int count);
+
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  Counts counts_;  // guarded by mutex_
   std::unique_ptr<Services> services_;
   std::unique_ptr<grpc::Server> server_;
   std::string address_;

@@ -21,7 +21,8 @@
 #include "absl/strings/str_cat.h"
 #include "hwbridge/virtual_cell/machine_memory.h"
 #include "mortise/v1/fabplanner.grpc.pb.h"
-#include "tests/integration/hwbridge/child_process.h"
+#include "tests/support/child_process.h"
+#include "tests/support/reserved_port.h"
 #include "tests/unit/hwbridge/simulated_cell.h"
 
 namespace mortise::hwbridge {
@@ -191,7 +192,7 @@ v1::CutCommand Outline(int sequence) {
   return command;
 }
 
-class BridgeProcess : public testing::Test {
+class BridgeProcess : public ::testing::Test {
  protected:
   void SetUp() override {
     StartCell();
@@ -203,30 +204,23 @@ class BridgeProcess : public testing::Test {
     if (server_) server_->Shutdown(std::chrono::system_clock::now());
   }
 
-  std::string Program(const std::string& name) const {
-    const char* folder = std::getenv("MORTISE_BIN_DIR");
-    return absl::StrCat(folder != nullptr ? folder : "bin", "/", name);
-  }
-
   void StartCell() {
-    cell_ = std::make_unique<ChildProcess>(std::vector<std::string>{
-        Program("mortise-virtual-cell"), "--port", std::to_string(cell_port_), "--state",
-        (folder_.path() / "cell").string(), "--journal", cut_record_.string(),
-        "--heartbeat-timeout", "0.5", "--time-scale", "40"});
-    const std::string line = cell_->ReadLine();
-    ASSERT_FALSE(line.empty());
-    cell_port_ = std::stoi(line);
+    cell_ = std::make_unique<testing::ServiceProcess>(
+        testing::BuiltProgram("mortise-virtual-cell"),
+        std::vector<std::string>{
+            "--port", cell_port_.port(), "--state", (folder_.path() / "cell").string(), "--journal",
+            cut_record_.string(), "--heartbeat-timeout", "0.5", "--time-scale", "40"},
+        folder_.path() / "port");
   }
 
   void StartPlanner() {
     grpc::ServerBuilder builder;
     int port = 0;
-    builder.AddListeningPort(absl::StrCat("127.0.0.1:", planner_port_),
-                             grpc::InsecureServerCredentials(), &port);
+    builder.AddListeningPort(planner_port_.address(), grpc::InsecureServerCredentials(), &port);
     builder.RegisterService(&planner_);
     server_ = builder.BuildAndStart();
     ASSERT_TRUE(server_);
-    planner_port_ = port;
+    ASSERT_NE(port, 0);
   }
 
   void StopPlanner() {
@@ -235,15 +229,15 @@ class BridgeProcess : public testing::Test {
   }
 
   void StartBridge(const std::vector<std::string>& more = {}) {
-    std::vector<std::string> arguments = {Program("mortise-hwbridge"),
+    std::vector<std::string> arguments = {testing::BuiltProgram("mortise-hwbridge"),
                                           "--bridge",
                                           "plant",
                                           "--gateway",
-                                          absl::StrCat("127.0.0.1:", planner_port_),
+                                          planner_port_.address(),
                                           "--machine",
-                                          absl::StrCat("saw=chop-saw@127.0.0.1:", cell_port_, "/1"),
+                                          absl::StrCat("saw=chop-saw@", cell_port_.address(), "/1"),
                                           "--machine",
-                                          absl::StrCat("robot=jigsaw@127.0.0.1:", cell_port_, "/2"),
+                                          absl::StrCat("robot=jigsaw@", cell_port_.address(), "/2"),
                                           "--journal",
                                           (folder_.path() / "journal").string(),
                                           "--scan-period",
@@ -253,7 +247,7 @@ class BridgeProcess : public testing::Test {
                                           "--machine-lost-after",
                                           "0.4"};
     arguments.insert(arguments.end(), more.begin(), more.end());
-    bridge_ = std::make_unique<ChildProcess>(arguments);
+    bridge_ = std::make_unique<testing::ChildProcess>(arguments);
   }
 
   void GiveAll() {
@@ -284,12 +278,12 @@ class BridgeProcess : public testing::Test {
 
   TemporaryFolder folder_;
   std::filesystem::path cut_record_ = folder_.path() / "cuts";
-  int cell_port_ = 0;
-  int planner_port_ = 0;
+  const testing::ReservedPort cell_port_;
+  const testing::ReservedPort planner_port_;
   Planner planner_;
   std::unique_ptr<grpc::Server> server_;
-  std::unique_ptr<ChildProcess> cell_;
-  std::unique_ptr<ChildProcess> bridge_;
+  std::unique_ptr<testing::ChildProcess> cell_;
+  std::unique_ptr<testing::ChildProcess> bridge_;
 };
 
 TEST_F(BridgeProcess, AnnouncesItsMachinesTakesCutsOverAndReportsThem) {
@@ -317,8 +311,7 @@ TEST_F(BridgeProcess, AnnouncesItsMachinesTakesCutsOverAndReportsThem) {
   ExpectEachCutOnce();
   EXPECT_EQ(planner_.accepted.size(), static_cast<std::size_t>(kCrosscuts + kOutlines));
   EXPECT_TRUE(std::filesystem::exists(folder_.path() / "ready"));
-  bridge_->Kill(SIGTERM);
-  EXPECT_EQ(bridge_->Wait(), 0);
+  EXPECT_EQ(bridge_->End(SIGTERM), 0);
 }
 
 TEST_F(BridgeProcess, CutsGivenTwiceAreMadeOnce) {
@@ -387,8 +380,7 @@ TEST_F(BridgeProcess, SurvivesItsOwnDeathAgainAndAgain) {
   for (std::size_t reports = 1; reports <= 5; ++reports) {
     ASSERT_TRUE(planner_.Await(
         [&](const Planner& planner) { return planner.reports.size() >= reports; }, true));
-    bridge_->Kill(SIGKILL);
-    bridge_->Wait();
+    bridge_->End(SIGKILL);
     StartBridge();
     ASSERT_TRUE(planner_.Await(
         [&](const Planner& planner) { return planner.hellos.size() >= reports + 1; }));
@@ -403,8 +395,7 @@ TEST_F(BridgeProcess, SurvivesTheDeathOfTheCell) {
   for (std::size_t reports = 1; reports <= 3; ++reports) {
     ASSERT_TRUE(planner_.Await(
         [&](const Planner& planner) { return planner.reports.size() >= reports; }, true));
-    cell_->Kill(SIGKILL);
-    cell_->Wait();
+    cell_->End(SIGKILL);
     StartCell();
   }
   ASSERT_TRUE(planner_.Await(AllReported, true));
@@ -438,7 +429,7 @@ TEST_F(BridgeProcess, ASecondBridgeOnTheSameJournalRefuses) {
   ASSERT_TRUE(planner_.Await([](const Planner& planner) { return !planner.hellos.empty(); }));
   const auto first = std::move(bridge_);
   StartBridge();
-  EXPECT_EQ(WEXITSTATUS(bridge_->Wait()), 1);
+  EXPECT_EQ(bridge_->Wait(), 1);
 }
 
 }  // namespace

@@ -2,6 +2,8 @@
 // orders on two machines at once, and the death of either process.
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <condition_variable>
@@ -16,11 +18,14 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "absl/time/time.h"
 #include "hwbridge/clock.h"
 #include "hwbridge/journal.h"
 #include "hwbridge/modbus_link.h"
 #include "hwbridge/work_order_runner.h"
-#include "tests/integration/hwbridge/child_process.h"
+#include "tests/support/child_process.h"
+#include "tests/support/file_watch.h"
+#include "tests/support/reserved_port.h"
 #include "tests/unit/hwbridge/simulated_cell.h"
 
 namespace mortise::hwbridge {
@@ -112,31 +117,26 @@ class Bridge {
   std::unique_ptr<WorkOrderRunner> runner_;
 };
 
-class VirtualCell : public testing::Test {
+class VirtualCell : public ::testing::Test {
  protected:
   void StartCell(const std::vector<std::string>& more = {}) {
-    const char* folder = std::getenv("MORTISE_BIN_DIR");
-    std::vector<std::string> arguments = {
-        absl::StrCat(folder != nullptr ? folder : "bin", "/mortise-virtual-cell"),
-        "--port",
-        std::to_string(port_),
-        "--state",
-        (folder_.path() / "cell").string(),
-        "--journal",
-        cut_record_.string(),
-        "--heartbeat-timeout",
-        "0.4",
-        "--time-scale",
-        "40"};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    cell_ = std::make_unique<ChildProcess>(arguments);
-    const std::string line = cell_->ReadLine();
-    ASSERT_FALSE(line.empty()) << "the virtual cell did not start";
-    port_ = std::stoi(line);
+    std::vector<std::string> flags = {"--port",
+                                      port_.port(),
+                                      "--state",
+                                      (folder_.path() / "cell").string(),
+                                      "--journal",
+                                      cut_record_.string(),
+                                      "--heartbeat-timeout",
+                                      "0.4",
+                                      "--time-scale",
+                                      "40"};
+    flags.insert(flags.end(), more.begin(), more.end());
+    cell_ = std::make_unique<testing::ServiceProcess>(testing::BuiltProgram("mortise-virtual-cell"),
+                                                      flags, folder_.path() / "port");
   }
 
   std::unique_ptr<Bridge> StartBridge() {
-    return std::make_unique<Bridge>(folder_.path() / "journal", port_);
+    return std::make_unique<Bridge>(folder_.path() / "journal", std::stoi(port_.port()));
   }
 
   void ExpectEachCutOnce() {
@@ -152,8 +152,8 @@ class VirtualCell : public testing::Test {
 
   TemporaryFolder folder_;
   std::filesystem::path cut_record_ = folder_.path() / "cuts";
-  int port_ = 0;
-  std::unique_ptr<ChildProcess> cell_;
+  const testing::ReservedPort port_;
+  std::unique_ptr<testing::ChildProcess> cell_;
 };
 
 TEST_F(VirtualCell, RunsAWorkOrderOnTwoMachinesAtOnce) {
@@ -174,8 +174,7 @@ TEST_F(VirtualCell, RunsAWorkOrderOnTwoMachinesAtOnce) {
   EXPECT_NE(cuts->front().machine, cuts->back().machine);
   EXPECT_NEAR(seconds["chop-saw"], kCrosscuts * (1.0 + 0.5 + 4.0), 0.1);
   EXPECT_NEAR(seconds["jigsaw"], kOutlines * 0.8 / 0.02, 0.1);
-  cell_->Kill(SIGTERM);
-  EXPECT_EQ(cell_->Wait(), 0);
+  EXPECT_EQ(cell_->End(SIGTERM), 0);
 }
 
 TEST_F(VirtualCell, SurvivesALineThatLosesAndDelaysAnswers) {
@@ -190,8 +189,7 @@ TEST_F(VirtualCell, SurvivesTheDeathOfTheCellAgainAndAgain) {
   auto bridge = StartBridge();
   for (std::size_t reports = 1; reports <= 5; ++reports) {
     ASSERT_TRUE(bridge->WorkUntil([&] { return bridge->Reported() >= reports; }));
-    cell_->Kill(SIGKILL);
-    cell_->Wait();
+    cell_->End(SIGKILL);
     StartCell();
   }
   ASSERT_TRUE(bridge->WorkUntil([&] { return bridge->Finished(); }));
@@ -210,7 +208,7 @@ TEST_F(VirtualCell, SurvivesDeathAfterTakingANumberAndAfterTheCut) {
           [&](std::stop_token stop) { bridge->WorkUntil([&] { return stop.stop_requested(); }); });
       return cell_->Wait();
     }();
-    EXPECT_TRUE(WIFSIGNALED(status));
+    EXPECT_EQ(status, -SIGKILL);
     StartCell();
     ASSERT_TRUE(bridge->WorkUntil([&] { return bridge->Finished(); }));
     ExpectEachCutOnce();
@@ -218,7 +216,6 @@ TEST_F(VirtualCell, SurvivesDeathAfterTakingANumberAndAfterTheCut) {
     cell_.reset();
     std::filesystem::remove_all(folder_.path());
     std::filesystem::create_directories(folder_.path());
-    port_ = 0;
   }
 }
 
@@ -227,8 +224,7 @@ TEST_F(VirtualCell, TheReturnOfTheCellResumesNothing) {
   auto bridge = StartBridge();
   ASSERT_TRUE(bridge->WorkUntil([&] { return bridge->Reported() >= 2; }));
   bridge->resume_held = false;
-  cell_->Kill(SIGKILL);
-  cell_->Wait();
+  cell_->End(SIGKILL);
   const auto offline = [&] {
     for (const MachineView& machine : bridge->runner().Machines()) {
       if (machine.online) return false;
@@ -253,7 +249,7 @@ TEST_F(VirtualCell, TheEmergencyStopIsSeenAndHolds) {
   auto bridge = StartBridge();
   bridge->resume_held = false;
   ASSERT_TRUE(bridge->WorkUntil([&] { return bridge->Reported() >= 1; }));
-  cell_->Kill(SIGUSR1);
+  cell_->Signal(SIGUSR1);
   const auto aborted = [&] {
     for (const MachineView& machine : bridge->runner().Machines()) {
       if (machine.state != "ABORTED" || !machine.held) return false;
@@ -262,7 +258,7 @@ TEST_F(VirtualCell, TheEmergencyStopIsSeenAndHolds) {
   };
   ASSERT_TRUE(bridge->WorkUntil(aborted));
   EXPECT_FALSE(bridge->runner().Resume("").ok());
-  cell_->Kill(SIGUSR2);
+  cell_->Signal(SIGUSR2);
   ASSERT_TRUE(bridge->WorkUntil([&] { return bridge->runner().Resume("").ok(); }));
   bridge->resume_held = true;  // cuts that the stop ruined hold the rest once more
   ASSERT_TRUE(bridge->WorkUntil([&] { return bridge->Finished(); }));
@@ -284,14 +280,17 @@ TEST_F(VirtualCell, SurvivesTheDeathOfTheBridgeAgainAndAgain) {
       const bool finished = bridge->WorkUntil([&] { return bridge->Finished(); });
       ::_exit(finished ? 0 : 1);
     }
-    // Dies in the middle of things: a different moment of the next cut in each life.
-    const auto deadline = steady_clock::now() + kPatience;
-    while (!last && ReadCutRecord(cut_record_)->size() == before &&
-           steady_clock::now() < deadline) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    // Dies in the middle of things: in each life a few more steps after the next cut, of those that
+    // the bridge and the machines write down.
+    if (!last) {
+      int steps = 0;
+      const testing::ProcessEnd end(pid);
+      testing::WaitForFiles(
+          folder_.path(),
+          [&] { return ReadCutRecord(cut_record_)->size() > before && ++steps > 2 * life; },
+          absl::FromChrono(kPatience), end.descriptor());
+      ::kill(pid, SIGKILL);
     }
-    std::this_thread::sleep_for(std::chrono::milliseconds(9 * life));
-    if (!last) ::kill(pid, SIGKILL);
     int status = 0;
     ASSERT_EQ(::waitpid(pid, &status, 0), pid);
     if (last) {
@@ -303,12 +302,10 @@ TEST_F(VirtualCell, SurvivesTheDeathOfTheBridgeAgainAndAgain) {
 
 TEST_F(VirtualCell, ATakenPortIsAClearError) {
   StartCell();
-  const char* folder = std::getenv("MORTISE_BIN_DIR");
-  ChildProcess second({absl::StrCat(folder != nullptr ? folder : "bin", "/mortise-virtual-cell"),
-                       "--port", std::to_string(port_), "--state",
-                       (folder_.path() / "second").string()});
-  EXPECT_EQ(second.ReadLine(), "");
-  EXPECT_EQ(WEXITSTATUS(second.Wait()), 1);
+  testing::ChildProcess second({testing::BuiltProgram("mortise-virtual-cell"), "--port",
+                                port_.port(), "--state", (folder_.path() / "second").string()});
+  EXPECT_EQ(second.Wait(), 1);
+  EXPECT_NE(second.Output().find(port_.port()), std::string::npos) << second.Output();
 }
 
 }  // namespace

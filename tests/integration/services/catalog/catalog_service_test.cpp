@@ -14,7 +14,7 @@
 #include "common/rpc/status_mapping.h"
 #include "mortise/v1/catalog.grpc.pb.h"
 #include "mortise/v1/events.grpc.pb.h"
-#include "tests/integration/services/catalog/catalog_process.h"
+#include "tests/integration/services/service_under_test.h"
 
 namespace mortise::catalog {
 namespace {
@@ -38,7 +38,7 @@ struct Failure {
 
 class CatalogServiceTest : public ::testing::Test {
  protected:
-  CatalogServiceTest() : process_(ShippedCollection()) { Connect(); }
+  CatalogServiceTest() { Connect(); }
 
   void Connect() { stub_ = v1::CatalogService::NewStub(process_.channel()); }
 
@@ -115,19 +115,8 @@ class CatalogServiceTest : public ::testing::Test {
     return bytes;
   }
 
-  std::vector<v1::Event> Events() {
-    auto events = v1::EventService::NewStub(process_.channel());
-    v1::ReadEventsRequest request;
-    request.set_stream("catalog");
-    request.set_limit(10000);
-    grpc::ClientContext context;
-    v1::ReadEventsResponse response;
-    const grpc::Status status = events->ReadEvents(&context, request, &response);
-    EXPECT_TRUE(status.ok()) << status.error_message();
-    return {response.events().begin(), response.events().end()};
-  }
-
-  CatalogProcess process_;
+  testing::ServiceUnderTest process_{"mortise-catalog",
+                                     {"--collection=" + ShippedCollection().string()}};
   std::unique_ptr<v1::CatalogService::Stub> stub_;
 };
 
@@ -293,13 +282,13 @@ TEST_F(CatalogServiceTest, TellsWhatHappened) {
   table.set_name("templates/desk");
   v1::Template desk;
   ASSERT_TRUE(Call(&v1::CatalogService::Stub::ImportTemplate, ImportRequest(table, 0), &desk).ok());
+  grpc::ClientContext context;
+  context.set_deadline(std::chrono::system_clock::now() + std::chrono::seconds(20));
+  const auto events = v1::EventService::NewStub(process_.channel());
+  const auto reader = events->FollowEvents(&context, v1::FollowEventsRequest());
   std::multiset<std::string> types;
-  // The relay numbers events soon after the commit; look until it has.
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-  while (types.count("template.imported") < 2 && std::chrono::steady_clock::now() < deadline) {
-    types.clear();
-    for (const v1::Event& event : Events()) types.insert(event.type());
-  }
+  v1::Event event;
+  while (types.count("template.imported") < 2 && reader->Read(&event)) types.insert(event.type());
   EXPECT_EQ(types.count("template.imported"), 2u);
   EXPECT_GE(types.count("item.created"), 20u);
   EXPECT_GE(types.count("material.created"), 5u);

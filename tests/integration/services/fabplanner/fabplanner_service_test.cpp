@@ -14,7 +14,7 @@
 #include "mortise/v1/operations.grpc.pb.h"
 #include "tests/integration/services/fabplanner/fake_bridge.h"
 #include "tests/integration/services/fabplanner/fake_catalog.h"
-#include "tests/integration/services/fabplanner/service_process.h"
+#include "tests/integration/services/service_under_test.h"
 
 namespace mortise::fabplanner {
 namespace {
@@ -27,8 +27,6 @@ constexpr int kTableCuts = 4 + 8 + 1;  // trims of four boards, crosscuts, the t
 
 class FabPlannerServiceTest : public ::testing::Test {
  protected:
-  FabPlannerServiceTest() : process_(catalog_.address()) {}
-
   std::unique_ptr<v1::FabPlannerService::Stub> Planner() {
     return v1::FabPlannerService::NewStub(process_.channel());
   }
@@ -140,7 +138,8 @@ class FabPlannerServiceTest : public ::testing::Test {
   }
 
   FakeCatalog catalog_;
-  ServiceProcess process_;
+  testing::ServiceUnderTest process_{"mortise-fabplanner",
+                                     {"--peer=catalog=" + catalog_.address()}};
 };
 
 TEST_F(FabPlannerServiceTest, PlansATableWithItsFiles) {

@@ -39,7 +39,11 @@ class FakeBridge {
       context_ = std::make_unique<grpc::ClientContext>();
       finished_ = false;
     }
-    auto channel = grpc::CreateChannel(address, grpc::InsecureChannelCredentials());
+    // A connection of its own, not one to a service that has died since.
+    grpc::ChannelArguments arguments;
+    arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
+    auto channel =
+        grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments);
     thread_ = std::thread([this, channel] { Run(channel); });
   }
 

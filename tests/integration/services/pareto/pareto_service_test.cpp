@@ -2,26 +2,20 @@
 // discovery from start to front, kill -9 in the middle, cancelling, and bad input.
 #include <grpcpp/grpcpp.h>
 #include <gtest/gtest.h>
-#include <signal.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
-#include <cstdlib>
-#include <filesystem>
 #include <functional>
 #include <limits>
 #include <mutex>
-#include <thread>
 
-#include "common/base/files.h"
 #include "common/base/identifiers.h"
 #include "mortise/v1/evaluator.grpc.pb.h"
 #include "mortise/v1/operations.grpc.pb.h"
 #include "mortise/v1/pareto.grpc.pb.h"
 #include "services/pareto/benchmark_problems.h"
+#include "tests/integration/services/service_under_test.h"
 
 namespace mortise::pareto {
 namespace {
@@ -117,88 +111,30 @@ class Zdt1Evaluator : public v1::EvaluatorService::Service {
   int limit_ = std::numeric_limits<int>::max();
 };
 
-// One mortise-pareto process.
-class Pareto {
- public:
-  Pareto(const std::filesystem::path& folder, const std::string& evaluator) {
-    const std::filesystem::path ports = folder / ("ports-" + NewIdentifier());
-    const char* programs = std::getenv("MORTISE_BIN_DIR");
-    const std::vector<std::string> arguments = {
-        std::string(programs != nullptr ? programs : ".") + "/mortise-pareto",
-        "--listen",
-        "127.0.0.1:0",
-        "--port-file",
-        ports.string(),
-        "--store",
-        "sqlite:" + (folder / "pareto.db").string(),
-        "--blobs",
-        (folder / "blobs").string(),
-        "--peer",
-        "simulator=" + evaluator,
-        "--insecure-development",
-        "--log-level",
-        "error"};
-    std::vector<char*> raw;
-    for (const std::string& argument : arguments)
-      raw.push_back(const_cast<char*>(argument.c_str()));
-    raw.push_back(nullptr);
-    pid_ = ::fork();
-    if (pid_ == 0) {
-      ::execv(raw[0], raw.data());
-      ::_exit(127);
-    }
-    const auto end = steady_clock::now() + std::chrono::seconds(60);
-    while (!std::filesystem::exists(ports) && steady_clock::now() < end)
-      std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    const std::string text = ReadFile(ports).value_or("");
-    const std::size_t at = text.find("127.0.0.1:");
-    address_ = text.substr(at, text.find('"', at) - at);
-    channel_ = grpc::CreateChannel(address_, grpc::InsecureChannelCredentials());
-    fronts = v1::ParetoService::NewStub(channel_);
-    operations = v1::OperationService::NewStub(channel_);
-  }
-
-  ~Pareto() { End(SIGKILL); }
-
-  void End(int signal) {
-    if (pid_ <= 0) return;
-    ::kill(pid_, signal);
-    int status = 0;
-    ::waitpid(pid_, &status, 0);
-    pid_ = -1;
-  }
-
-  std::unique_ptr<v1::ParetoService::Stub> fronts;
-  std::unique_ptr<v1::OperationService::Stub> operations;
-
- private:
-  pid_t pid_ = -1;
-  std::string address_;
-  std::shared_ptr<grpc::Channel> channel_;
-};
-
-class ParetoServiceTest : public testing::Test {
+class ParetoServiceTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    folder_ = std::filesystem::temp_directory_path() / ("pareto-test-" + NewIdentifier());
-    std::filesystem::create_directories(folder_);
     grpc::ServerBuilder builder;
     int port = 0;
     builder.AddListeningPort("127.0.0.1:0", grpc::InsecureServerCredentials(), &port);
     builder.RegisterService(&evaluator_);
     server_ = builder.BuildAndStart();
-    evaluator_address_ = "127.0.0.1:" + std::to_string(port);
-    pareto_ = Start();
+    pareto_ = std::make_unique<testing::ServiceUnderTest>(
+        "mortise-pareto",
+        std::vector<std::string>{"--peer=simulator=127.0.0.1:" + std::to_string(port)});
+    Connect();
   }
 
   void TearDown() override {
     evaluator_.Release();
     pareto_.reset();
     server_->Shutdown(std::chrono::system_clock::now());
-    std::filesystem::remove_all(folder_);
   }
 
-  std::unique_ptr<Pareto> Start() { return std::make_unique<Pareto>(folder_, evaluator_address_); }
+  void Connect() {
+    fronts_ = v1::ParetoService::NewStub(pareto_->channel());
+    operations_ = v1::OperationService::NewStub(pareto_->channel());
+  }
 
   static v1::DiscoverFrontRequest Request(int evaluations) {
     v1::DiscoverFrontRequest request;
@@ -217,7 +153,7 @@ class ParetoServiceTest : public testing::Test {
   v1::Operation Discover(const v1::DiscoverFrontRequest& request) {
     grpc::ClientContext context;
     v1::Operation operation;
-    const grpc::Status status = pareto_->fronts->DiscoverFront(&context, request, &operation);
+    const grpc::Status status = fronts_->DiscoverFront(&context, request, &operation);
     EXPECT_TRUE(status.ok()) << status.error_message();
     return operation;
   }
@@ -230,7 +166,7 @@ class ParetoServiceTest : public testing::Test {
       v1::WaitOperationRequest request;
       request.set_name(name);
       request.set_timeout_seconds(20);
-      const grpc::Status status = pareto_->operations->WaitOperation(&context, request, &operation);
+      const grpc::Status status = operations_->WaitOperation(&context, request, &operation);
       EXPECT_TRUE(status.ok()) << status.error_message();
       if (!status.ok() || operation.state() >= v1::Operation::SUCCEEDED) break;
     }
@@ -244,7 +180,7 @@ class ParetoServiceTest : public testing::Test {
     grpc::ClientContext context;
     v1::GetFrontRequest request;
     request.set_name(summary.name());
-    const grpc::Status status = pareto_->fronts->GetFront(&context, request, &front);
+    const grpc::Status status = fronts_->GetFront(&context, request, &front);
     EXPECT_TRUE(status.ok()) << status.error_message();
     return front;
   }
@@ -254,7 +190,7 @@ class ParetoServiceTest : public testing::Test {
     v1::ExportFrontRequest request;
     request.set_name(name);
     request.set_format(format);
-    const auto reader = pareto_->fronts->ExportFront(&context, request);
+    const auto reader = fronts_->ExportFront(&context, request);
     std::string bytes;
     v1::Chunk chunk;
     while (reader->Read(&chunk)) bytes += chunk.data();
@@ -267,14 +203,14 @@ class ParetoServiceTest : public testing::Test {
     change(*request.mutable_specification());
     grpc::ClientContext context;
     v1::Operation operation;
-    return pareto_->fronts->DiscoverFront(&context, request, &operation).error_code();
+    return fronts_->DiscoverFront(&context, request, &operation).error_code();
   }
 
-  std::filesystem::path folder_;
   Zdt1Evaluator evaluator_;
   std::unique_ptr<grpc::Server> server_;
-  std::string evaluator_address_;
-  std::unique_ptr<Pareto> pareto_;
+  std::unique_ptr<testing::ServiceUnderTest> pareto_;
+  std::unique_ptr<v1::ParetoService::Stub> fronts_;
+  std::unique_ptr<v1::OperationService::Stub> operations_;
 };
 
 TEST_F(ParetoServiceTest, DiscoversPicksListsAndExports) {
@@ -297,13 +233,13 @@ TEST_F(ParetoServiceTest, DiscoversPicksListsAndExports) {
   pick.mutable_metric()->set_value(0.25);
   v1::PickPointResponse picked;
   grpc::ClientContext context;
-  ASSERT_TRUE(pareto_->fronts->PickPoint(&context, pick, &picked).ok());
+  ASSERT_TRUE(fronts_->PickPoint(&context, pick, &picked).ok());
   EXPECT_NEAR(picked.metrics(0).value(), 0.25, 0.1);
   EXPECT_EQ(picked.parameters_size(), kDimensions);
 
   v1::ListFrontsResponse listed;
   grpc::ClientContext list_context;
-  ASSERT_TRUE(pareto_->fronts->ListFronts(&list_context, {}, &listed).ok());
+  ASSERT_TRUE(fronts_->ListFronts(&list_context, {}, &listed).ok());
   ASSERT_EQ(listed.fronts_size(), 1);
   EXPECT_EQ(listed.fronts(0).name(), front.name());
   EXPECT_EQ(listed.fronts(0).points_size(), 0);
@@ -321,9 +257,10 @@ TEST_F(ParetoServiceTest, SurvivesKillNineWithTheSameFront) {
   evaluator_.HoldAfter(60);
   const v1::Operation started = Discover(Request(120));
   evaluator_.WaitUntilHeld();
-  pareto_->End(SIGKILL);
+  pareto_->Kill();
   evaluator_.Release();
-  pareto_ = Start();
+  pareto_->Start();
+  Connect();
   const v1::Operation operation = Wait(started.name());
   ASSERT_EQ(operation.state(), v1::Operation::SUCCEEDED) << operation.ShortDebugString();
   const v1::Front front = FrontOf(operation);
@@ -343,7 +280,7 @@ TEST_F(ParetoServiceTest, CancelKeepsTheBestSoFar) {
   cancel.set_request_id(NewIdentifier());
   cancel.set_name(started.name());
   v1::Operation operation;
-  ASSERT_TRUE(pareto_->operations->CancelOperation(&context, cancel, &operation).ok());
+  ASSERT_TRUE(operations_->CancelOperation(&context, cancel, &operation).ok());
   operation = Wait(started.name());
   EXPECT_EQ(operation.state(), v1::Operation::CANCELLED);
   const v1::Front front = FrontOf(operation);
@@ -386,8 +323,7 @@ TEST_F(ParetoServiceTest, RefusesBadInput) {
   v1::GetFrontRequest absent;
   absent.set_name("fronts/absent");
   v1::Front front;
-  EXPECT_EQ(pareto_->fronts->GetFront(&context, absent, &front).error_code(),
-            grpc::StatusCode::NOT_FOUND);
+  EXPECT_EQ(fronts_->GetFront(&context, absent, &front).error_code(), grpc::StatusCode::NOT_FOUND);
   EXPECT_EQ(evaluator_.evaluations(), 0);
 }
 

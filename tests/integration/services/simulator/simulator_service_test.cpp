@@ -12,17 +12,14 @@
 #include "mortise/v1/evaluator.grpc.pb.h"
 #include "mortise/v1/operations.grpc.pb.h"
 #include "mortise/v1/simulator.grpc.pb.h"
-#include "simulator_process.h"
-#include "table_catalog.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/integration/services/service_under_test.h"
+#include "tests/integration/services/simulator/table_catalog.h"
 
 namespace mortise::simulator {
 namespace {
 
 class SimulatorServiceTest : public ::testing::Test {
  protected:
-  SimulatorServiceTest() : service_(folder_.path(), catalog_.address()) {}
-
   static std::unique_ptr<grpc::ClientContext> Context(int seconds = 100) {
     auto context = std::make_unique<grpc::ClientContext>();
     context->set_deadline(std::chrono::system_clock::now() + std::chrono::seconds(seconds));
@@ -60,6 +57,13 @@ class SimulatorServiceTest : public ::testing::Test {
 
   std::unique_ptr<v1::SimulatorService::Stub> Simulator() {
     return v1::SimulatorService::NewStub(service_.channel());
+  }
+
+  std::unique_ptr<testing::ChildProcess> StartWorker(const std::string& name) const {
+    return std::make_unique<testing::ChildProcess>(std::vector<std::string>{
+        testing::BuiltProgram("mortise-simulator"), "--worker", "--worker-name=" + name,
+        "--insecure-development", "--log-level=warning", "--lease-seconds=2",
+        "--peer=simulator=" + service_.address(), "--peer=catalog=" + catalog_.address()});
   }
 
   std::vector<v1::Task> Lease(const std::string& worker, double lease, double wait) {
@@ -104,8 +108,7 @@ class SimulatorServiceTest : public ::testing::Test {
   }
 
   TableCatalog catalog_;
-  testing::TemporaryFolder folder_;
-  ServiceUnderTest service_;
+  testing::ServiceUnderTest service_{"mortise-simulator", {"--peer=catalog=" + catalog_.address()}};
 };
 
 TEST_F(SimulatorServiceTest, DescribesTheDesignSpace) {
@@ -122,8 +125,8 @@ TEST_F(SimulatorServiceTest, DescribesTheDesignSpace) {
 }
 
 TEST_F(SimulatorServiceTest, WorkersEvaluateABatchOnceAndForAll) {
-  const auto first = service_.StartWorker("first");
-  const auto second = service_.StartWorker("second");
+  const auto first = StartWorker("first");
+  const auto second = StartWorker("second");
   const v1::EvaluateBatchRequest request = Batch(4, {"mass", "max_displacement", "compliance"});
   std::map<int, v1::EvaluationResult> results;
   grpc::Status status = Evaluate(request, results);
@@ -159,7 +162,7 @@ TEST_F(SimulatorServiceTest, WorkersEvaluateABatchOnceAndForAll) {
 }
 
 TEST_F(SimulatorServiceTest, GivesExactGradientsOfMass) {
-  const auto worker = service_.StartWorker("only");
+  const auto worker = StartWorker("only");
   v1::EvaluateBatchRequest request = Batch(1, {"mass", "volume"});
   request.set_gradients(true);
   constexpr double kStep = 1e-5;
@@ -174,7 +177,7 @@ TEST_F(SimulatorServiceTest, GivesExactGradientsOfMass) {
 }
 
 TEST_F(SimulatorServiceTest, AnalysesADesignWithFiles) {
-  const auto worker = service_.StartWorker("only");
+  const auto worker = StartWorker("only");
   v1::AnalyzeDesignRequest request;
   request.set_request_id("analysis-1");
   request.set_template_("templates/table");
@@ -216,7 +219,7 @@ TEST_F(SimulatorServiceTest, AnalysesADesignWithFiles) {
 }
 
 TEST_F(SimulatorServiceTest, NoResultIsLostWhenWorkersAndServiceAreKilled) {
-  auto worker = service_.StartWorker("doomed");
+  auto worker = StartWorker("doomed");
   std::map<int, v1::EvaluationResult> results;
   const v1::EvaluateBatchRequest request = Batch(6, {"compliance"}, 0.17);
   const auto stub = v1::EvaluatorService::NewStub(service_.channel());
@@ -230,7 +233,7 @@ TEST_F(SimulatorServiceTest, NoResultIsLostWhenWorkersAndServiceAreKilled) {
   }
   EXPECT_FALSE(reader->Finish().ok());
   service_.Start();
-  worker = service_.StartWorker("successor");
+  worker = StartWorker("successor");
   const grpc::Status status = Evaluate(request, results);
   ASSERT_TRUE(status.ok()) << status.error_message();
   EXPECT_EQ(results.size(), 6u);
@@ -339,6 +342,7 @@ TEST_F(SimulatorServiceTest, BadInputIsNamed) {
             grpc::StatusCode::INVALID_ARGUMENT);
   v1::ReportTaskRequest report;
   report.mutable_task()->set_name("tasks/unknown");
+  report.mutable_task()->set_attempt(1);
   v1::ReportTaskResponse reported;
   context = Context();
   EXPECT_EQ(Simulator()->ReportTask(context.get(), report, &reported).error_code(),
@@ -361,7 +365,7 @@ TEST_F(SimulatorServiceTest, BadInputIsNamed) {
 
 // Elements far too small are refused by the worker, which lives on.
 TEST_F(SimulatorServiceTest, AbsurdMeshesAreRefusedAndTheWorkerLives) {
-  const auto worker = service_.StartWorker("only");
+  const auto worker = StartWorker("only");
   v1::EvaluateBatchRequest request = Batch(1, {"compliance"});
   request.mutable_mesh()->set_element_size(1e-5);
   std::map<int, v1::EvaluationResult> results;

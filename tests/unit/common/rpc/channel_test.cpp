@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <stop_token>
+#include <thread>
+
 #include "common/base/errors.h"
 #include "tests/unit/common/rpc/probe_server.h"
 
@@ -71,10 +74,19 @@ TEST_F(ChannelTest, TriesEndWithPatienceTheDeadlineOrAStop) {
                          As(rpc::Role::kViewer, absl::Milliseconds(100)))
                    .ok());
   EXPECT_LT(absl::Now() - begin, absl::Seconds(5));
-  EXPECT_TRUE(absl::IsUnavailable(
-      CallUnary(*stub_, &ProbeService::Stub::Read, {}, As(rpc::Role::kViewer), {.stop = [] {
-        return true;
-      }}).status()));
+  // Stopped in the middle of a pause that nobody would wait for.
+  std::stop_source stop;
+  std::jthread stopper;
+  const absl::Status stopped =
+      rpc::CallWithRetry({},
+                         {.first_delay = absl::Hours(1),
+                          .patience = absl::InfiniteDuration(),
+                          .stop = stop.get_token()},
+                         [&](grpc::ClientContext*) {
+                           stopper = std::jthread([&] { stop.request_stop(); });
+                           return grpc::Status(grpc::StatusCode::UNAVAILABLE, "away");
+                         });
+  EXPECT_TRUE(absl::IsUnavailable(stopped));
 }
 
 TEST_F(ChannelTest, OtherFailuresAreNot) {

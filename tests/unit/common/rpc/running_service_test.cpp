@@ -82,9 +82,8 @@ class RunningServiceTest : public ::testing::Test {
     context.ReportProgress({.done = 1, .total = 2, .message = "half"});
     if (context.request() == "fail") return InvalidField("value", "was told to fail");
     std::unique_lock lock(mutex_);
-    while (!released_) {
-      if (context.Cancelled()) return absl::CancelledError("cancelled");
-      changed_.wait_for(lock, std::chrono::milliseconds(5));
+    if (!changed_.wait(lock, context.stop_token(), [this] { return released_; })) {
+      return absl::CancelledError("cancelled");
     }
     Kept kept;
     kept.set_value(context.request());
@@ -150,7 +149,7 @@ class RunningServiceTest : public ::testing::Test {
   TemporaryFolder folder_;
   ProbeHandlers handlers_;
   std::mutex mutex_;
-  std::condition_variable changed_;
+  std::condition_variable_any changed_;
   bool released_ = false;
   std::unique_ptr<rpc::IdentitySigner> gateway_;
   std::unique_ptr<rpc::RunningService> service_;

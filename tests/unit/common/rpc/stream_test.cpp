@@ -232,6 +232,8 @@ class FileStreamTest : public StreamTest {
                                 const ChunkWriter& writer) -> absl::Status {
       if (request.text() == "bytes") {
         rpc::StreamBytes(content_, {"a.txt", "text/plain"}, writer);
+      } else if (request.text() == "artifact") {
+        return rpc::StreamArtifact(*store_->Blobs(), "plans/a", artifacts_, request.name(), writer);
       } else {
         rpc::StreamBlob(*store_->Blobs(), request.name(), {"a.bin", "x/y"}, writer);
       }
@@ -303,6 +305,7 @@ class FileStreamTest : public StreamTest {
   }
 
   std::string content_ = "hello";
+  google::protobuf::RepeatedPtrField<v1::Artifact> artifacts_;
 };
 
 TEST_F(FileStreamTest, ABlobComesInChunksWithItsDigest) {
@@ -325,6 +328,32 @@ TEST_F(FileStreamTest, AMissingBlobIsNotFound) {
   ReadRequest request;
   request.set_name(std::string(64, 'a'));
   EXPECT_EQ(Download(request).status.code(), absl::StatusCode::kNotFound);
+}
+
+TEST_F(FileStreamTest, AnArtifactIsFoundByItsFileName) {
+  for (const char* name : {"a.dxf", "b.svg"}) {
+    v1::Artifact* artifact = artifacts_.Add();
+    artifact->set_file_name(name);
+    artifact->set_media_type(std::string("media/") + name);
+    artifact->set_sha256(*(*store_->Blobs())->Put(std::string("content of ") + name));
+  }
+  ReadRequest request;
+  request.set_text("artifact");
+  request.set_name("b.svg");
+  const Downloaded downloaded = Download(request);
+  EXPECT_OK(downloaded.status);
+  EXPECT_EQ(downloaded.bytes, "content of b.svg");
+  EXPECT_EQ(downloaded.chunks.at(0).file_name(), "b.svg");
+  EXPECT_EQ(downloaded.chunks.at(0).media_type(), "media/b.svg");
+
+  request.set_name("c.png");
+  const absl::Status missing = Download(request).status;
+  EXPECT_EQ(missing.code(), absl::StatusCode::kNotFound);
+  EXPECT_EQ(DetailOf(missing).field, "plans/a/c.png");
+
+  artifacts_.at(1).set_sha256(std::string(64, 'a'));
+  request.set_name("b.svg");
+  EXPECT_EQ(Download(request).status.code(), absl::StatusCode::kNotFound) << "its blob is gone";
 }
 
 TEST_F(FileStreamTest, BytesAtHandAndEvenNoneAreAFile) {

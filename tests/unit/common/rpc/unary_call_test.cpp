@@ -24,6 +24,7 @@ class UnaryCallTest : public ProbeServerTest {
       response.set_text(call.identity().subject + " asked for " + request.name());
       return response;
     };
+    begun_ = absl::Now();
     StartServer();
   }
 
@@ -32,6 +33,7 @@ class UnaryCallTest : public ProbeServerTest {
     return rpc::FromGrpc(stub_->Read(context, {}, &response));
   }
 
+  absl::Time begun_;  // before there was a server or a channel
   std::atomic<int> reads_ = 0;
 };
 
@@ -133,16 +135,26 @@ TEST_F(UnaryCallTest, ExceptionsBecomeInternalAndTellNothing) {
 
 TEST_F(UnaryCallTest, TheDeadlineReachesTheHandler) {
   absl::Time seen = absl::InfinitePast();
+  absl::Time arrived = absl::InfinitePast();
   handlers_.read = [&](const rpc::Call& call, const ReadRequest&) -> absl::StatusOr<ReadResponse> {
     seen = call.deadline();
+    arrived = absl::Now();
     return ReadResponse();
   };
-  const absl::Time deadline = absl::Now() + absl::Seconds(100);
+  // gRPC sends not the deadline but the time left, in milliseconds rounded up to three digits (to
+  // 100 ms from 10 s on, to 1 s from 100 s on, to 10 s from 1000 s on; so 100 s and any fraction of
+  // a millisecond are sent as 101 s), and the server adds it to its own time. Up to the resolution,
+  // the deadline comes at most a hundredth of the time left late, and whatever the way took. gRPC's
+  // two readings of the time fall between begun_ and `arrived`, which bounds their difference.
+  constexpr absl::Duration kResolution = absl::Milliseconds(3);  // two readings and the deadline
   rpc::Origin origin = As(rpc::Role::kViewer);
-  origin.deadline = deadline;
-  ASSERT_OK(ReadWith(rpc::MakeClientContext(origin).get()));
-  // On the wire gRPC rounds a timeout up, a long one to whole seconds; then comes the way itself.
-  EXPECT_LT(absl::AbsDuration(seen - deadline), absl::Seconds(2));
+  for (const double seconds : {55.05, 100.0, 100.5, 1001.0, 4000.0}) {
+    SCOPED_TRACE(seconds);
+    origin.deadline = absl::Now() + absl::Seconds(seconds);
+    ASSERT_OK(ReadWith(rpc::MakeClientContext(origin).get()));
+    EXPECT_GE(seen, begun_ + (origin.deadline - arrived) - kResolution);
+    EXPECT_LE(seen, arrived + 1.01 * (origin.deadline - begun_) + kResolution);
+  }
 
   origin.deadline = absl::InfiniteFuture();
   ASSERT_OK(ReadWith(rpc::MakeClientContext(origin).get()));
