@@ -1,0 +1,198 @@
+// The hierarchy of an assembly, and its checks.
+#include "common/parametric/assembly.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "absl/strings/str_cat.h"
+
+namespace mortise::parametric {
+namespace {
+
+constexpr double kUnitTolerance = 1e-9;
+constexpr double kLimitTolerance = 1e-9;  // m or rad; what rounding in a file may cost
+
+using Findings = std::vector<Finding>;
+
+bool IsGroup(const Assembly& assembly, int group) {
+  return group >= 0 && group < static_cast<int>(assembly.groups.size());
+}
+
+// Whether the chain of parents ends at the root.
+bool ReachesRoot(const Assembly& assembly, int group) {
+  for (std::size_t steps = 0; steps <= assembly.groups.size(); ++steps) {
+    if (group == 0) return true;
+    if (!IsGroup(assembly, group)) return false;
+    group = assembly.groups[static_cast<std::size_t>(group)].parent;
+  }
+  return false;
+}
+
+void CheckGroups(const Assembly& assembly, Findings& findings) {
+  if (assembly.groups.empty()) {
+    findings.push_back({"groups", "there must be a root group"});
+    return;
+  }
+  if (assembly.groups[0].parent != -1) {
+    findings.push_back({"groups[0].parent", "the first group is the root and has no parent"});
+  }
+  std::set<std::string> names;
+  for (std::size_t i = 0; i < assembly.groups.size(); ++i) {
+    const AssemblyGroup& group = assembly.groups[i];
+    const std::string place = absl::StrCat("groups[", i, "]");
+    if (group.name.empty()) findings.push_back({place + ".name", "must not be empty"});
+    if (!names.insert(group.name).second) {
+      findings.push_back({place + ".name", absl::StrCat("'", group.name, "' occurs twice")});
+    }
+    if (i > 0 && !ReachesRoot(assembly, static_cast<int>(i))) {
+      findings.push_back({place + ".parent", "the hierarchy does not lead to the root"});
+    }
+  }
+}
+
+void CheckBox(const std::string& place, const BoundingBox& box, Findings& findings) {
+  if (!box.minimum.allFinite() || !box.maximum.allFinite()) {
+    findings.push_back({place + ".box", "must be finite"});
+  } else if ((box.size().array() <= 0).any()) {
+    findings.push_back({place + ".box", "must have a positive size along each axis"});
+  }
+}
+
+void CheckLimits(const std::string& place, const AssemblyPart& part, Findings& findings) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const SizeLimits& limits = part.limits[static_cast<std::size_t>(axis)];
+    const std::string field = absl::StrCat(place, ".limits.", AxisName(static_cast<Axis>(axis)));
+    if (!(limits.minimum > 0) || !std::isfinite(limits.maximum)) {
+      findings.push_back({field, "must be finite and greater than 0"});
+    } else if (limits.minimum > limits.maximum) {
+      findings.push_back({field, "the minimum is above the maximum"});
+    } else if (const double size = part.box.size()[axis];
+               size < limits.minimum - kLimitTolerance || size > limits.maximum + kLimitTolerance) {
+      findings.push_back({field, absl::StrCat("the part measures ", size, " m, its item allows ",
+                                              limits.minimum, " to ", limits.maximum, " m")});
+    }
+  }
+}
+
+void CheckParts(const Assembly& assembly, Findings& findings) {
+  if (assembly.parts.empty()) findings.push_back({"parts", "there must be a part"});
+  std::set<std::string> names;
+  for (std::size_t i = 0; i < assembly.parts.size(); ++i) {
+    const AssemblyPart& part = assembly.parts[i];
+    const std::string place = absl::StrCat("parts[", i, "]");
+    if (part.name.empty()) findings.push_back({place + ".name", "must not be empty"});
+    if (!names.insert(part.name).second) {
+      findings.push_back({place + ".name", absl::StrCat("'", part.name, "' occurs twice")});
+    }
+    if (!IsGroup(assembly, part.group)) findings.push_back({place + ".group", "is no group"});
+    const std::size_t before = findings.size();
+    CheckBox(place, part.box, findings);
+    if (findings.size() == before) CheckLimits(place, part, findings);
+    for (const ProminentPlane& plane : part.prominent_planes) {
+      if (!std::isfinite(plane.position)) {
+        findings.push_back({place + ".prominent_planes", "must be finite"});
+      }
+    }
+  }
+}
+
+// The motion of a rest pose, measured the way the joint's limits are.
+double Amount(const Joint& joint, const RestPose& pose) {
+  return joint.kind == JointKind::kBall ? pose.motion.norm() : pose.motion.dot(joint.axis);
+}
+
+void CheckRestPose(const std::string& place, const Joint& joint, const RestPose& pose,
+                   Findings& findings) {
+  if (!pose.motion.allFinite()) {
+    findings.push_back({place, "must be finite"});
+    return;
+  }
+  const double amount = Amount(joint, pose);
+  if (joint.kind != JointKind::kBall &&
+      (pose.motion - amount * joint.axis).norm() > kLimitTolerance) {
+    findings.push_back({place, "moves out of the joint's axis"});
+  }
+  if (amount < joint.lower - kLimitTolerance || amount > joint.upper + kLimitTolerance) {
+    findings.push_back({place, absl::StrCat("'", pose.name, "' is beyond the joint's limits")});
+  }
+}
+
+void CheckJoints(const Assembly& assembly, Findings& findings) {
+  std::set<int> moved;
+  for (std::size_t i = 0; i < assembly.joints.size(); ++i) {
+    const Joint& joint = assembly.joints[i];
+    const std::string place = absl::StrCat("joints[", i, "]");
+    if (!IsGroup(assembly, joint.group) || joint.group == 0) {
+      findings.push_back({place + ".group", "must be a group below the root"});
+    } else if (!moved.insert(joint.group).second) {
+      findings.push_back({place + ".group", "another joint moves this group already"});
+    }
+    if (!joint.center.allFinite()) findings.push_back({place + ".center", "must be finite"});
+    if (!(std::abs(joint.axis.norm() - 1) <= kUnitTolerance)) {
+      findings.push_back({place + ".axis", "must be a unit vector"});
+      continue;
+    }
+    if (!std::isfinite(joint.lower) || !std::isfinite(joint.upper) || joint.lower > joint.upper) {
+      findings.push_back({place + ".lower", "the limits must be finite and in order"});
+      continue;
+    }
+    for (std::size_t j = 0; j < joint.rest_poses.size(); ++j) {
+      CheckRestPose(absl::StrCat(place, ".rest_poses[", j, "]"), joint, joint.rest_poses[j],
+                    findings);
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<Finding> ValidateAssembly(const Assembly& assembly) {
+  Findings findings;
+  CheckGroups(assembly, findings);
+  CheckParts(assembly, findings);
+  CheckJoints(assembly, findings);
+  return findings;
+}
+
+int GroupDepth(const Assembly& assembly, int group) {
+  int depth = 0;
+  for (; group != 0; group = assembly.groups[static_cast<std::size_t>(group)].parent) ++depth;
+  return depth;
+}
+
+int LowestCommonGroup(const Assembly& assembly, int a, int b) {
+  const auto parent = [&](int group) {
+    return assembly.groups[static_cast<std::size_t>(group)].parent;
+  };
+  int depth_a = GroupDepth(assembly, a);
+  int depth_b = GroupDepth(assembly, b);
+  while (a != b) {
+    if (depth_a >= depth_b) {
+      a = parent(a);
+      --depth_a;
+    } else {
+      b = parent(b);
+      --depth_b;
+    }
+  }
+  return a;
+}
+
+bool IsWithin(const Assembly& assembly, int group, int ancestor) {
+  while (group != ancestor && group != 0) {
+    group = assembly.groups[static_cast<std::size_t>(group)].parent;
+  }
+  return group == ancestor;
+}
+
+double AssemblyDiagonal(const Assembly& assembly) {
+  Eigen::Vector3d minimum = assembly.parts.front().box.minimum;
+  Eigen::Vector3d maximum = assembly.parts.front().box.maximum;
+  for (const AssemblyPart& part : assembly.parts) {
+    minimum = minimum.cwiseMin(part.box.minimum);
+    maximum = maximum.cwiseMax(part.box.maximum);
+  }
+  return (maximum - minimum).norm();
+}
+
+}  // namespace mortise::parametric

@@ -1,0 +1,100 @@
+// An expert's design as it comes from CAD: parts in a hierarchy of groups, with the annotations
+// that automatic parametrisation needs (thesis §3.2.2). The input of §3.4.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <string>
+#include <vector>
+
+#include "common/parametric/template_definition.h"
+#include "common/parametric/template_validation.h"
+
+namespace mortise::parametric {
+
+// The bounding box of a part, in metres, in the design's coordinates.
+struct BoundingBox {
+  Eigen::Vector3d minimum = Eigen::Vector3d::Zero();
+  Eigen::Vector3d maximum = Eigen::Vector3d::Zero();
+
+  Eigen::Vector3d center() const { return (minimum + maximum) / 2; }
+  Eigen::Vector3d size() const { return maximum - minimum; }
+};
+
+// What sizes a part may take along one axis of the design, m. Equal where the size is fixed.
+struct SizeLimits {
+  double minimum = 0;
+  double maximum = 0;
+};
+
+// A plane of a part, besides the six of its bounding box, that others may align with.
+struct ProminentPlane {
+  std::string name;
+  Axis axis = Axis::kX;  // its normal
+  double position = 0;   // m, along the axis
+};
+
+struct AssemblyPart {
+  std::string name;  // distinct within the assembly
+  std::string item;  // items/{id}
+  int group = 0;     // index into Assembly::groups
+  // Purely structural: screws, hinges, brackets. Placed by connections, not by the designer.
+  bool connecting = false;
+  BoundingBox box;
+  std::array<SizeLimits, 3> limits;  // by axis of the design
+  std::vector<ProminentPlane> prominent_planes;
+};
+
+// A subassembly. Group 0 is the root.
+struct AssemblyGroup {
+  std::string name;
+  int parent = -1;  // index into Assembly::groups; -1 for the root
+};
+
+enum class JointKind { kPrismatic, kHinge, kBall };
+
+// A rest configuration of a joint, as motion away from the pose in which the design is drawn: a
+// displacement in metres (prismatic), or a rotation vector in radians (hinge, ball).
+struct RestPose {
+  std::string name;
+  Eigen::Vector3d motion = Eigen::Vector3d::Zero();
+};
+
+// Moves a group, and all below it, against the rest of the design.
+struct Joint {
+  std::string name;
+  JointKind kind = JointKind::kHinge;
+  int group = 0;                                     // what moves; not the root
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();  // m, a point that stays (hinge, ball)
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();   // unit vector (prismatic, hinge)
+  double lower =
+      0;  // limits of the motion along or about the axis, m or rad; of a ball, of its angle
+  double upper = 0;
+  std::vector<RestPose>
+      rest_poses;  // within the limits; the drawn pose is always one and not listed
+};
+
+struct Assembly {
+  std::string name;
+  std::vector<AssemblyGroup> groups;
+  std::vector<AssemblyPart> parts;
+  std::vector<Joint> joints;
+};
+
+// Everything that is wrong with an assembly, each finding with its place: "parts[3].group". Empty
+// if parametrisation can begin. O(parts log parts).
+std::vector<Finding> ValidateAssembly(const Assembly& assembly);
+
+// How many groups lie above this one; 0 for the root. The assembly must be valid.
+int GroupDepth(const Assembly& assembly, int group);
+
+// The lowest group that contains both.
+int LowestCommonGroup(const Assembly& assembly, int a, int b);
+
+// Whether `group` is `ancestor` or lies below it.
+bool IsWithin(const Assembly& assembly, int group, int ancestor);
+
+// The diagonal of the box around all parts, m: what tolerances scale with.
+double AssemblyDiagonal(const Assembly& assembly);
+
+}  // namespace mortise::parametric

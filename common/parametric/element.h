@@ -1,0 +1,54 @@
+// Elements: the leaves of a parametric tree, each one part or one pattern of parts, and what of the
+// parameters q belongs to them (thesis §3.4, §3.5).
+//
+// Element e has the centre q[6e … 6e+2] and the size q[6e+3 … 6e+5] of its bounding box, in metres.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/parametric/assembly.h"
+#include "common/parametric/linear_form.h"
+#include "common/parametric/pattern.h"
+
+namespace mortise::parametric {
+
+// Index into q of an element's centre or size along an axis.
+inline int CenterVariable(int element, Axis axis) { return 6 * element + static_cast<int>(axis); }
+inline int SizeVariable(int element, Axis axis) { return 6 * element + 3 + static_cast<int>(axis); }
+
+// A plane of an element: at centre + fraction · size along its axis. The faces of the box lie at
+// -1/2 and +1/2.
+struct ElementPlane {
+  std::string name;
+  Axis axis = Axis::kX;
+  double fraction = 0;
+};
+
+struct Element {
+  std::string name;  // of its part, or of a pattern's first part
+  std::string item;  // items/{id}
+  int group = 0;     // of the assembly
+  bool connecting = false;
+  std::vector<int> parts;          // of the assembly
+  std::optional<Pattern> pattern;  // of an element of more than one part
+  BoundingBox box;                 // as the expert drew it
+  std::array<SizeLimits, 3> limits;
+  std::vector<ElementPlane> planes;  // the six of the box, then the annotated ones
+};
+
+// The elements of a valid assembly: its patterns, largest first, then the remaining parts in their
+// order. Along a pattern's directions the limits run from half to twice the drawn size, and leave
+// room for two parts.
+std::vector<Element> MakeElements(const Assembly& assembly, double tolerance);
+
+// q as the expert drew the design: 6 · elements numbers, m.
+Eigen::VectorXd DrawnParameters(const std::vector<Element>& elements);
+
+// Where a plane of element `element` lies along its axis, as a function of q.
+LinearForm PositionOf(int element, const ElementPlane& plane);
+
+}  // namespace mortise::parametric

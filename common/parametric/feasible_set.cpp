@@ -1,0 +1,310 @@
+#include "common/parametric/feasible_set.h"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numeric>
+#include <random>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
+#include "common/parametric/rest_pose.h"
+
+namespace mortise::parametric {
+namespace {
+
+constexpr double kDrawnTolerance = 1e-9;  // m
+constexpr double kRankThreshold = 1e-10;  // coefficients are of order one
+constexpr double kParallel = 1e-9;        // between unit normals
+
+double AmountBroken(const Relationship& relationship, const Eigen::VectorXd& q) {
+  const double value = relationship.form.At(q);
+  return relationship.equality ? std::abs(value) : std::max(value, 0.0);
+}
+
+// Sets of variables that equalities connect.
+class Connected {
+ public:
+  explicit Connected(Eigen::Index variables) : parent_(static_cast<std::size_t>(variables)) {
+    std::iota(parent_.begin(), parent_.end(), 0);
+  }
+  int Find(int variable) {
+    while (parent_[static_cast<std::size_t>(variable)] != variable) {
+      int& parent = parent_[static_cast<std::size_t>(variable)];
+      parent = parent_[static_cast<std::size_t>(parent)];
+      variable = parent;
+    }
+    return variable;
+  }
+  void Join(int a, int b) { parent_[static_cast<std::size_t>(Find(a))] = Find(b); }
+
+ private:
+  std::vector<int> parent_;
+};
+
+// The variables of one set, and the equalities among them.
+struct Block {
+  std::vector<int> variables;
+  std::vector<const Relationship*> equalities;
+};
+
+std::vector<Block> SplitIntoBlocks(const std::vector<Relationship>& relationships,
+                                   const std::vector<int>& variables, Eigen::Index all) {
+  Connected connected(all);
+  for (const Relationship& relationship : relationships) {
+    if (!relationship.equality) continue;
+    for (const LinearTerm& term : relationship.form.terms) {
+      connected.Join(relationship.form.terms.front().variable, term.variable);
+    }
+  }
+  std::map<int, Block> blocks;
+  for (const int variable : variables)
+    blocks[connected.Find(variable)].variables.push_back(variable);
+  for (const Relationship& relationship : relationships) {
+    if (!relationship.equality) continue;
+    const int root = connected.Find(relationship.form.terms.front().variable);
+    blocks[root].equalities.push_back(&relationship);
+  }
+  std::vector<Block> result;
+  for (auto& [root, block] : blocks) result.push_back(std::move(block));
+  return result;
+}
+
+// The equalities of a block as unit columns over its variables.
+Eigen::MatrixXd ColumnsOf(const Block& block) {
+  std::map<int, Eigen::Index> place;
+  for (const int variable : block.variables) {
+    place.emplace(variable, static_cast<Eigen::Index>(place.size()));
+  }
+  Eigen::MatrixXd columns =
+      Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(block.variables.size()),
+                            static_cast<Eigen::Index>(block.equalities.size()));
+  for (Eigen::Index row = 0; row < columns.cols(); ++row) {
+    for (const LinearTerm& term : block.equalities[static_cast<std::size_t>(row)]->form.terms) {
+      columns(place.at(term.variable), row) = term.coefficient;
+    }
+  }
+  columns.colwise().normalize();
+  return columns;
+}
+
+// Where a line through the set leaves it.
+struct Chord {
+  double from = -std::numeric_limits<double>::infinity();
+  double to = std::numeric_limits<double>::infinity();
+};
+
+// What is left of the inequalities at z, and how fast `direction` uses it up.
+Chord ChordOf(const Eigen::VectorXd& left, const Eigen::VectorXd& rate) {
+  Chord chord;
+  for (Eigen::Index i = 0; i < left.size(); ++i) {
+    if (rate[i] > 0) {
+      chord.to = std::min(chord.to, std::max(left[i], 0.0) / rate[i]);
+    } else if (rate[i] < 0) {
+      chord.from = std::max(chord.from, std::max(left[i], 0.0) / rate[i]);
+    }
+  }
+  return chord;
+}
+
+absl::Status Unbounded() {
+  return PreconditionFailed("FEASIBLE_SET_UNBOUNDED",
+                            "the design can move or grow without end: anchor an element");
+}
+
+}  // namespace
+
+absl::StatusOr<FeasibleSet> FeasibleSet::Create(std::vector<Relationship> relationships,
+                                                const Eigen::VectorXd& drawn,
+                                                const std::vector<int>& variables) {
+  FeasibleSet set;
+  set.all_ = std::move(relationships);
+  set.drawn_ = drawn;
+  const std::vector<Violation> violations = set.Violations(drawn, kDrawnTolerance);
+  if (!violations.empty()) {
+    return PreconditionFailed("DRAWN_DESIGN_INFEASIBLE",
+                              absl::StrCat("the design as drawn breaks ", violations.size(),
+                                           " relationships, first: ", violations[0].description));
+  }
+  set.SolveEqualities(variables);
+  set.ReduceInequalities();
+  return set;
+}
+
+void FeasibleSet::SolveEqualities(const std::vector<int>& variables) {
+  struct Free {
+    std::vector<int> variables;
+    Eigen::MatrixXd directions;
+  };
+  std::vector<Free> free;
+  Eigen::Index degrees = 0;
+  for (const Block& block : SplitIntoBlocks(all_, variables, drawn_.size())) {
+    const auto size = static_cast<Eigen::Index>(block.variables.size());
+    if (block.equalities.empty()) {
+      free.push_back({block.variables, Eigen::MatrixXd::Identity(size, size)});
+      degrees += size;
+      continue;
+    }
+    Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr;
+    qr.setThreshold(kRankThreshold);
+    qr.compute(ColumnsOf(block));
+    const Eigen::Index rank = qr.rank();
+    for (Eigen::Index i = 0; i < rank; ++i) {
+      const auto chosen = static_cast<std::size_t>(qr.colsPermutation().indices()[i]);
+      equalities_.push_back(*block.equalities[chosen]);
+    }
+    if (rank == size) continue;
+    Eigen::MatrixXd directions = Eigen::MatrixXd::Zero(size, size - rank);
+    directions.bottomRows(size - rank).setIdentity();
+    directions.applyOnTheLeft(qr.householderQ());
+    degrees += size - rank;
+    free.push_back({block.variables, std::move(directions)});
+  }
+  basis_ = Eigen::MatrixXd::Zero(drawn_.size(), degrees);
+  Eigen::Index column = 0;
+  for (const Free& part : free) {
+    for (std::size_t i = 0; i < part.variables.size(); ++i) {
+      basis_.row(part.variables[i]).segment(column, part.directions.cols()) =
+          part.directions.row(static_cast<Eigen::Index>(i));
+    }
+    column += part.directions.cols();
+  }
+}
+
+void FeasibleSet::ReduceInequalities() {
+  struct Reduced {
+    const Relationship* relationship;
+    Eigen::VectorXd normal;
+    double slack;
+  };
+  std::vector<Reduced> kept;
+  std::map<std::vector<std::int64_t>, std::size_t> by_direction;
+  for (const Relationship& relationship : all_) {
+    if (relationship.equality) continue;
+    Eigen::VectorXd normal = Eigen::VectorXd::Zero(basis_.cols());
+    for (const LinearTerm& term : relationship.form.terms) {
+      normal += term.coefficient * basis_.row(term.variable).transpose();
+    }
+    const double length = normal.norm();
+    if (length <= kParallel) continue;  // the equalities decide it, and as drawn it holds
+    normal /= length;
+    const double slack = -relationship.form.At(drawn_) / length;
+    std::vector<std::int64_t> direction;
+    for (const double entry : normal) direction.push_back(std::llround(entry / kParallel / 10));
+    const auto [place, is_new] = by_direction.emplace(std::move(direction), kept.size());
+    if (is_new) {
+      kept.push_back({&relationship, std::move(normal), slack});
+    } else if (slack < kept[place->second].slack) {
+      kept[place->second] = {&relationship, std::move(normal), slack};
+    }
+  }
+  normals_.resize(static_cast<Eigen::Index>(kept.size()), basis_.cols());
+  slacks_.resize(static_cast<Eigen::Index>(kept.size()));
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    inequalities_.push_back(*kept[i].relationship);
+    normals_.row(static_cast<Eigen::Index>(i)) = kept[i].normal.transpose();
+    slacks_[static_cast<Eigen::Index>(i)] = kept[i].slack;
+  }
+}
+
+std::vector<Violation> FeasibleSet::Violations(const Eigen::VectorXd& q, double tolerance) const {
+  std::vector<Violation> violations;
+  for (const Relationship& relationship : all_) {
+    const double amount = AmountBroken(relationship, q);
+    if (!(amount <= tolerance)) violations.push_back({relationship.description, amount});
+  }
+  return violations;
+}
+
+// A direction that no inequality sees leads out of every ball, both ways: a design that stands
+// wherever it likes.
+bool FeasibleSet::EveryDirectionIsBounded() const {
+  if (degrees_of_freedom() == 0) return true;
+  if (normals_.rows() < degrees_of_freedom()) return false;
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr;
+  qr.setThreshold(kRankThreshold);
+  qr.compute(normals_);
+  return qr.rank() == degrees_of_freedom();
+}
+
+absl::StatusOr<std::vector<Eigen::VectorXd>> FeasibleSet::Sample(int count,
+                                                                 std::uint64_t seed) const {
+  if (count < 0) return InvalidField("count", "must not be negative");
+  const int degrees = degrees_of_freedom();
+  if (!EveryDirectionIsBounded()) return Unbounded();
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> uniform;
+  Eigen::VectorXd z = Eigen::VectorXd::Zero(degrees);
+  Eigen::VectorXd left = slacks_;  // slacks_ - normals_ · z
+  const int steps = 4 * degrees + 8;
+  std::vector<Eigen::VectorXd> samples;
+  // The first rounds go to the middle of each chord: away from the drawn design, which may lie on
+  // the boundary.
+  constexpr int kWarmUp = 8;
+  for (int round = -kWarmUp; round < count; ++round) {
+    for (int step = 0; step < steps && degrees > 0; ++step) {
+      Eigen::VectorXd direction(degrees);
+      for (double& entry : direction) entry = normal(random);
+      direction.normalize();
+      const Eigen::VectorXd rate = normals_ * direction;
+      const Chord chord = ChordOf(left, rate);
+      if (!std::isfinite(chord.to - chord.from)) return Unbounded();
+      const double share = round < 0 ? 0.5 : uniform(random);
+      const double length = chord.from + share * (chord.to - chord.from);
+      z += length * direction;
+      left -= length * rate;
+    }
+    left = slacks_ - normals_ * z;
+    if (round >= 0) samples.push_back(drawn_ + basis_ * z);
+  }
+  return samples;
+}
+
+std::vector<Relationship> Anchor(const std::vector<Element>& elements, int element) {
+  std::vector<Relationship> anchor;
+  const Element& held = elements[static_cast<std::size_t>(element)];
+  for (const Axis axis : {Axis::kX, Axis::kY, Axis::kZ}) {
+    Relationship relationship;
+    relationship.kind = RelationshipKind::kConcentric;
+    relationship.form = LinearForm::Variable(CenterVariable(element, axis));
+    relationship.form.constant = -held.box.center()[static_cast<int>(axis)];
+    relationship.group = held.group;
+    relationship.description =
+        absl::StrCat("'", held.name, "' held in place along ", AxisName(axis));
+    anchor.push_back(std::move(relationship));
+  }
+  return anchor;
+}
+
+std::vector<Relationship> RelationshipsWithin(const Assembly& assembly,
+                                              const std::vector<Relationship>& relationships,
+                                              int group) {
+  std::vector<Relationship> within;
+  for (const Relationship& relationship : relationships) {
+    if (IsWithin(assembly, relationship.group, group)) within.push_back(relationship);
+  }
+  return within;
+}
+
+std::vector<int> VariablesWithin(const Assembly& assembly, const std::vector<Element>& elements,
+                                 int group) {
+  std::vector<int> variables;
+  for (std::size_t e = 0; e < elements.size(); ++e) {
+    if (!IsWithin(assembly, elements[e].group, group)) continue;
+    for (int i = 0; i < 6; ++i) variables.push_back(6 * static_cast<int>(e) + i);
+  }
+  for (std::size_t j = 0; j < assembly.joints.size(); ++j) {
+    const int home = assembly.groups[static_cast<std::size_t>(assembly.joints[j].group)].parent;
+    if (!IsWithin(assembly, home, group)) continue;
+    for (const Axis axis : {Axis::kX, Axis::kY, Axis::kZ}) {
+      variables.push_back(JointVariable(elements.size(), static_cast<int>(j), axis));
+    }
+  }
+  return variables;
+}
+
+}  // namespace mortise::parametric

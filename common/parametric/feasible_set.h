@@ -1,0 +1,85 @@
+// The feasible set of a linear template: all parameters q that keep every relationship, in a small
+// well-posed form (thesis §3.3, §3.5.1).
+//
+// q = drawn + basis · z, with z free but for inequalities: the equalities are solved once and for
+// all. Columns of the basis are orthonormal, so distances in z are distances in q.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "common/parametric/relationship.h"
+
+namespace mortise::parametric {
+
+// A relationship that parameters break, and by how much, m.
+struct Violation {
+  std::string description;
+  double amount = 0;
+};
+
+class FeasibleSet {
+ public:
+  // `drawn` must satisfy the relationships (FAILED_PRECONDITION names those it breaks by more than
+  // 1e-9 m). Of the parameters only `variables` may change; relationships mention no others.
+  // Equalities that others imply are left out, by rank-revealing QR within each set of variables
+  // that equalities connect: O(n² m) for the largest such set of n variables and m equalities.
+  static absl::StatusOr<FeasibleSet> Create(std::vector<Relationship> relationships,
+                                            const Eigen::VectorXd& drawn,
+                                            const std::vector<int>& variables);
+
+  // Numbers of z: what a designer may really choose.
+  int degrees_of_freedom() const { return static_cast<int>(basis_.cols()); }
+
+  const Eigen::VectorXd& drawn() const { return drawn_; }  // z = 0
+  const Eigen::MatrixXd& basis() const { return basis_; }  // |q| × degrees of freedom
+
+  // The equalities that are kept: linearly independent, and with the same solutions as all given.
+  const std::vector<Relationship>& equalities() const { return equalities_; }
+
+  // The inequalities that bear on z, none parallel to a tighter one.
+  const std::vector<Relationship>& inequalities() const { return inequalities_; }
+
+  // Which relationships, of all that were given, q breaks by more than `tolerance`, m.
+  std::vector<Violation> Violations(const Eigen::VectorXd& q, double tolerance) const;
+
+  // `count` points, each feasible, spread over the set by hit-and-run (Smith 1984): the chain mixes
+  // for several times `degrees_of_freedom` steps between points. A seed gives the same points
+  // always. FAILED_PRECONDITION, FEASIBLE_SET_UNBOUNDED if the design may move freely in some
+  // direction (anchor an element), or a step of the chain finds no end one way.
+  absl::StatusOr<std::vector<Eigen::VectorXd>> Sample(int count, std::uint64_t seed) const;
+
+ private:
+  FeasibleSet() = default;
+
+  void SolveEqualities(const std::vector<int>& variables);
+  void ReduceInequalities();
+  bool EveryDirectionIsBounded() const;
+
+  std::vector<Relationship> all_;
+  std::vector<Relationship> equalities_;
+  std::vector<Relationship> inequalities_;
+  Eigen::VectorXd drawn_;
+  Eigen::MatrixXd basis_;
+  // inequalities_ in z: normals_ · z <= slacks_.
+  Eigen::MatrixXd normals_;  // inequalities × degrees of freedom
+  Eigen::VectorXd slacks_;
+};
+
+// Holds the centre of an element where it is drawn: a template is the same wherever it stands.
+std::vector<Relationship> Anchor(const std::vector<Element>& elements, int element);
+
+// The relationships held by a group and those below it: what binds its subtree by itself.
+std::vector<Relationship> RelationshipsWithin(const Assembly& assembly,
+                                              const std::vector<Relationship>& relationships,
+                                              int group);
+
+// The parameters of the elements, and of the joints' centres, in a group's subtree.
+std::vector<int> VariablesWithin(const Assembly& assembly, const std::vector<Element>& elements,
+                                 int group);
+
+}  // namespace mortise::parametric

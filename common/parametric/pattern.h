@@ -1,0 +1,59 @@
+// Translational patterns of identical parts: found in a design, and laid out anew when the box they
+// fill is resized (thesis §3.5, after Bokeloh et al. 2012).
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <vector>
+
+#include "common/parametric/assembly.h"
+
+namespace mortise::parametric {
+
+// A generator translation and how often it occurs.
+struct PatternDirection {
+  int count = 1;                                      // number of parts along it; 1: none
+  Eigen::Vector3d spacing = Eigen::Vector3d::Zero();  // m, from one part to the next
+};
+
+// Identical parts at equal spacings along one or two perpendicular directions. A direction need not
+// follow an axis: the steps of a stair are a pattern.
+struct Pattern {
+  std::array<PatternDirection, 2> directions;  // the second has count 1 in one-dimensional patterns
+  Eigen::Vector3d part_size = Eigen::Vector3d::Zero();  // m
+  // Axes along which a part may be resized; along a direction of the pattern it then scales with
+  // the spacing, elsewhere it fills the box.
+  std::array<bool, 3> resizable = {false, false, false};
+  bool connecting = false;
+};
+
+// Where a pattern was found.
+struct FoundPattern {
+  Pattern pattern;
+  std::vector<int> parts;  // indices into the assembly, first direction running fastest
+};
+
+// All patterns of at least three parts along each direction, largest first, no part in two of them
+// (ties: the closer spacing, then the lower part). Parts are identical if item, role, group and
+// size agree. `tolerance` in metres. O(n² log n) for n identical parts of one group in one
+// dimension; two dimensions add the pairs of directions that meet in a part.
+std::vector<FoundPattern> FindPatterns(const Assembly& assembly, double tolerance);
+
+// The parts of a pattern that fills a box: count, spacing and size of each.
+struct PatternLayout {
+  std::array<PatternDirection, 2> directions;
+  Eigen::Vector3d part_size = Eigen::Vector3d::Zero();     // m
+  Eigen::Vector3d first_center = Eigen::Vector3d::Zero();  // m, in the design's coordinates
+
+  int part_count() const { return directions[0].count * directions[1].count; }
+  // The centre of part `index`, first direction running fastest, m.
+  Eigen::Vector3d CenterOf(int index) const;
+};
+
+// Fills `box` with the pattern. The first and the last part touch the ends of the box. A principal
+// pattern takes the count whose spacing is nearest the original; a connecting pattern the smallest
+// count whose spacing is not above the original. Neither lets parts intersect: then the count
+// shrinks, to two at least.
+PatternLayout LayOut(const Pattern& pattern, const BoundingBox& box);
+
+}  // namespace mortise::parametric

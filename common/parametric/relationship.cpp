@@ -1,0 +1,365 @@
+#include "common/parametric/relationship.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+
+#include "absl/strings/str_cat.h"
+#include "common/parametric/rest_pose.h"
+
+namespace mortise::parametric {
+namespace {
+
+constexpr std::array<Axis, 3> kAxes = {Axis::kX, Axis::kY, Axis::kZ};
+
+class RelationshipSearch {
+ public:
+  RelationshipSearch(const Assembly& assembly, const std::vector<Element>& elements,
+                     double tolerance)
+      : assembly_(assembly),
+        elements_(elements),
+        tolerance_(tolerance),
+        drawn_(DrawnParameters(assembly, elements)) {}
+
+  std::vector<Relationship> Find(const Contacts& contacts) {
+    FindSizes();
+    FindSymmetries();
+    for (const Pose& pose : PosesOf(assembly_)) {
+      const std::vector<PosedPosition> positions = PositionsIn(pose, assembly_, elements_);
+      if (pose.joint < 0) TieJoints(positions);
+      for (const Axis axis : kAxes) {
+        FindLevel(pose, positions, axis);
+        FindOrder(pose, positions, axis);
+        if (pose.joint < 0) KeepContacts(contacts, positions, axis);
+      }
+    }
+    return std::move(found_);
+  }
+
+ private:
+  using PositionPointer = const PosedPosition*;
+
+  const Element& At(int element) const { return elements_[static_cast<std::size_t>(element)]; }
+  int GroupOf(int element) const { return At(element).group; }
+  int CommonGroup(int a, int b) const {
+    return LowestCommonGroup(assembly_, GroupOf(a), GroupOf(b));
+  }
+  bool IsMoved(const Pose& pose, int element) const {
+    return pose.joint >= 0 && IsWithin(assembly_, GroupOf(element), pose.moved_group);
+  }
+  // Among themselves, what moves together and what stays are related in the drawn pose already.
+  bool IsOfInterest(const Pose& pose, int a, int b) const {
+    return pose.joint < 0 || IsMoved(pose, a) != IsMoved(pose, b);
+  }
+
+  // A pose's relationship also binds the joint's centre, which lives beside the moved group.
+  int GroupFor(const Pose& pose, int a, int b) const {
+    const int common = CommonGroup(a, b);
+    if (pose.joint < 0) return common;
+    const int home = assembly_.groups[static_cast<std::size_t>(pose.moved_group)].parent;
+    return LowestCommonGroup(assembly_, common, home);
+  }
+
+  void Add(RelationshipKind kind, bool equality, LinearForm form, int group,
+           std::string description) {
+    if (form.terms.empty()) return;  // true whatever q is
+    // The drawing may miss a relationship by less than the tolerance; what was drawn stays valid.
+    if (equality) form.constant -= form.At(drawn_);
+    found_.push_back({kind, equality, std::move(form), group, std::move(description)});
+  }
+
+  // ---- Sizes
+  // -------------------------------------------------------------------------------------
+
+  void FindSizes() {
+    for (std::size_t e = 0; e < elements_.size(); ++e) {
+      for (const Axis axis : kAxes) AddLimits(static_cast<int>(e), axis);
+    }
+  }
+
+  void AddLimits(int element, Axis axis) {
+    const SizeLimits& limits = At(element).limits[static_cast<std::size_t>(axis)];
+    const LinearForm size = LinearForm::Variable(SizeVariable(element, axis));
+    const std::string label = absl::StrCat("'", At(element).name, "' ", AxisName(axis), " size");
+    const auto bound = [&](double scale, double limit, bool equality, const char* what) {
+      LinearForm form = scale * size;
+      form.constant = -scale * limit;
+      Add(RelationshipKind::kSize, equality, std::move(form), GroupOf(element),
+          absl::StrCat(label, what, limit, " m"));
+    };
+    if (limits.minimum == limits.maximum) {
+      // As drawn, which may differ from the item by the tolerance of the drawing.
+      bound(1, At(element).box.size()[static_cast<int>(axis)], true, " fixed at ");
+      return;
+    }
+    bound(-1, limits.minimum, false, " at least ");
+    bound(1, limits.maximum, false, " at most ");
+  }
+
+  // ---- Symmetry
+  // ----------------------------------------------------------------------------------
+
+  bool AreAlike(const Element& a, const Element& b) const {
+    if (a.item != b.item || a.connecting != b.connecting || a.parts.size() != b.parts.size()) {
+      return false;
+    }
+    return (a.box.size() - b.box.size()).cwiseAbs().maxCoeff() <= tolerance_;
+  }
+
+  void FindSymmetries() {
+    const int count = static_cast<int>(elements_.size());
+    for (int a = 0; a < count; ++a) {
+      for (int b = a + 1; b < count; ++b) {
+        if (AreAlike(At(a), At(b))) FindMirror(a, b);
+      }
+    }
+  }
+
+  // Two elements that differ in place along one axis only, about a third.
+  void FindMirror(int a, int b) {
+    const Eigen::Vector3d apart = At(b).box.center() - At(a).box.center();
+    int differing = -1;
+    for (int axis = 0; axis < 3; ++axis) {
+      if (std::abs(apart[axis]) <= tolerance_) continue;
+      if (differing >= 0) return;
+      differing = axis;
+    }
+    if (differing < 0) return;
+    const Axis axis = static_cast<Axis>(differing);
+    const int middle = MiddleElement(a, b, differing);
+    if (middle < 0) return;
+    const std::string label = absl::StrCat("'", At(a).name, "' and '", At(b).name, "'");
+    const int group = LowestCommonGroup(assembly_, CommonGroup(a, b), GroupOf(middle));
+    Add(RelationshipKind::kSymmetric, true,
+        LinearForm::Variable(CenterVariable(a, axis)) +
+            LinearForm::Variable(CenterVariable(b, axis)) -
+            LinearForm::Variable(CenterVariable(middle, axis), 2),
+        group,
+        absl::StrCat(label, " mirrored along ", AxisName(axis), " about '", At(middle).name, "'"));
+    for (const Axis size : kAxes) {
+      Add(RelationshipKind::kSymmetric, true,
+          LinearForm::Variable(SizeVariable(a, size)) - LinearForm::Variable(SizeVariable(b, size)),
+          group, absl::StrCat(label, " equal in ", AxisName(size), " size"));
+    }
+  }
+
+  // The element centred between two, from the lowest group that has one; -1 if there is none.
+  int MiddleElement(int a, int b, int axis) const {
+    const double middle = (At(a).box.center()[axis] + At(b).box.center()[axis]) / 2;
+    const int common = CommonGroup(a, b);
+    int best = -1;
+    int best_depth = -1;
+    for (std::size_t e = 0; e < elements_.size(); ++e) {
+      if (static_cast<int>(e) == a || static_cast<int>(e) == b) continue;
+      if (std::abs(elements_[e].box.center()[axis] - middle) > tolerance_) continue;
+      const int depth =
+          GroupDepth(assembly_, LowestCommonGroup(assembly_, common, elements_[e].group));
+      if (depth <= best_depth) continue;
+      best = static_cast<int>(e);
+      best_depth = depth;
+    }
+    return best;
+  }
+
+  // ---- Planes and centres in one place
+  // -----------------------------------------------------------
+
+  // Splits positions along an axis into those within the tolerance of each other.
+  std::vector<std::vector<PositionPointer>> Clusters(const std::vector<PosedPosition>& positions,
+                                                     Axis axis, bool centers) const {
+    std::vector<PositionPointer> sorted;
+    for (const PosedPosition& position : positions) {
+      if (position.axis == axis && position.is_center == centers) sorted.push_back(&position);
+    }
+    std::stable_sort(sorted.begin(), sorted.end(),
+                     [](PositionPointer a, PositionPointer b) { return a->drawn < b->drawn; });
+    std::vector<std::vector<PositionPointer>> clusters;
+    for (const PositionPointer position : sorted) {
+      if (clusters.empty() || position->drawn - clusters.back().back()->drawn > tolerance_) {
+        clusters.emplace_back();
+      }
+      clusters.back().push_back(position);
+    }
+    return clusters;
+  }
+
+  void FindLevel(const Pose& pose, const std::vector<PosedPosition>& positions, Axis axis) {
+    for (const bool centers : {false, true}) {
+      for (std::vector<PositionPointer>& cluster : Clusters(positions, axis, centers)) {
+        Chain(pose, std::move(cluster));
+      }
+    }
+  }
+
+  // Ties the members of a cluster together, each pair of branches at the group where they meet:
+  // what a subtree holds then ties its own members without the rest of the tree.
+  void Chain(const Pose& pose, std::vector<PositionPointer> members) {
+    if (members.size() < 2) return;
+    // Moved elements first, so that they represent their branch.
+    std::stable_sort(members.begin(), members.end(), [&](PositionPointer a, PositionPointer b) {
+      return IsMoved(pose, a->element) > IsMoved(pose, b->element);
+    });
+    std::map<int, std::vector<PositionPointer>> at_group;
+    for (const PositionPointer member : members)
+      at_group[GroupOf(member->element)].push_back(member);
+    while (!at_group.empty()) {
+      const auto deepest =
+          std::max_element(at_group.begin(), at_group.end(), [&](const auto& a, const auto& b) {
+            return GroupDepth(assembly_, a.first) < GroupDepth(assembly_, b.first);
+          });
+      const int group = deepest->first;
+      const std::vector<PositionPointer> branches = deepest->second;
+      at_group.erase(deepest);
+      for (std::size_t i = 1; i < branches.size(); ++i) Tie(pose, *branches[0], *branches[i]);
+      if (group == 0) return;
+      std::vector<PositionPointer>& above =
+          at_group[assembly_.groups[static_cast<std::size_t>(group)].parent];
+      if (IsMoved(pose, branches[0]->element)) {
+        above.insert(above.begin(), branches[0]);
+      } else {
+        above.push_back(branches[0]);
+      }
+    }
+  }
+
+  void Tie(const Pose& pose, const PosedPosition& a, const PosedPosition& b) {
+    if (!IsOfInterest(pose, a.element, b.element)) return;
+    Add(a.is_center ? RelationshipKind::kConcentric : RelationshipKind::kCoplanar, true,
+        a.position - b.position, GroupFor(pose, a.element, b.element),
+        absl::StrCat(a.label, a.is_center ? " level with " : " in one plane with ", b.label));
+  }
+
+  // ---- Order
+  // -------------------------------------------------------------------------------------
+
+  struct Span {
+    PositionPointer minimum = nullptr;
+    PositionPointer maximum = nullptr;
+  };
+
+  std::vector<Span> SpansOf(const std::vector<PosedPosition>& positions, Axis axis) const {
+    std::vector<Span> spans(elements_.size());
+    for (const PosedPosition& position : positions) {
+      if (position.axis != axis) continue;
+      Span& span = spans[static_cast<std::size_t>(position.element)];
+      if (position.is_minimum) span.minimum = &position;
+      if (position.is_maximum) span.maximum = &position;
+    }
+    std::erase_if(
+        spans, [](const Span& span) { return span.minimum == nullptr || span.maximum == nullptr; });
+    return spans;
+  }
+
+  bool Precedes(const Span& a, const Span& b) const {
+    return a.maximum->drawn < b.minimum->drawn - tolerance_;
+  }
+
+  void FindOrder(const Pose& pose, const std::vector<PosedPosition>& positions, Axis axis) {
+    const std::vector<Span> spans = SpansOf(positions, axis);
+    for (const Span& a : spans) {
+      for (const Span& b : spans) {
+        if (!Precedes(a, b) || !IsOfInterest(pose, a.minimum->element, b.minimum->element))
+          continue;
+        if (!LiesBetween(spans, a, b)) Order(pose, *a.maximum, *b.minimum);
+      }
+    }
+  }
+
+  // Whether a third element of the same subtree lies between the two, so that its own order to both
+  // says theirs.
+  bool LiesBetween(const std::vector<Span>& spans, const Span& a, const Span& b) const {
+    const int group = CommonGroup(a.minimum->element, b.minimum->element);
+    return std::any_of(spans.begin(), spans.end(), [&](const Span& third) {
+      return Precedes(a, third) && Precedes(third, b) &&
+             IsWithin(assembly_, GroupOf(third.minimum->element), group);
+    });
+  }
+
+  void Order(const Pose& pose, const PosedPosition& before, const PosedPosition& after) {
+    Add(RelationshipKind::kOrder, false, before.position - after.position,
+        GroupFor(pose, before.element, after.element),
+        absl::StrCat(before.label, " before ", after.label));
+  }
+
+  // Elements that touch keep all their faces in order, so that they go on touching.
+  void KeepContacts(const Contacts& contacts, const std::vector<PosedPosition>& positions,
+                    Axis axis) {
+    std::map<int, std::vector<PositionPointer>> faces;
+    for (const PosedPosition& position : positions) {
+      const bool is_face = position.is_minimum || position.is_maximum;
+      if (position.axis == axis && is_face) faces[position.element].push_back(&position);
+    }
+    for (const auto& [a, b] : contacts) {
+      for (const PositionPointer face_a : faces[a]) {
+        for (const PositionPointer face_b : faces[b]) {
+          if (face_a->drawn < face_b->drawn - tolerance_) Order(Pose{}, *face_a, *face_b);
+          if (face_b->drawn < face_a->drawn - tolerance_) Order(Pose{}, *face_b, *face_a);
+        }
+      }
+    }
+  }
+
+  // ---- Joints
+  // ------------------------------------------------------------------------------------
+
+  // A joint's centre stays where it is against what it moves: in the nearest plane or level with
+  // the nearest centre, at the drawn distance.
+  void TieJoints(const std::vector<PosedPosition>& positions) {
+    for (std::size_t j = 0; j < assembly_.joints.size(); ++j) {
+      const Joint& joint = assembly_.joints[j];
+      for (const Axis axis : kAxes) {
+        const double center = joint.center[static_cast<int>(axis)];
+        const PosedPosition* nearest = nullptr;
+        for (const PosedPosition& position : positions) {
+          if (position.axis != axis ||
+              !IsWithin(assembly_, GroupOf(position.element), joint.group)) {
+            continue;
+          }
+          if (nearest == nullptr ||
+              std::abs(position.drawn - center) < std::abs(nearest->drawn - center)) {
+            nearest = &position;
+          }
+        }
+        if (nearest == nullptr) continue;
+        const int variable = JointVariable(elements_.size(), static_cast<int>(j), axis);
+        Add(RelationshipKind::kConcentric, true, LinearForm::Variable(variable) - nearest->position,
+            assembly_.groups[static_cast<std::size_t>(joint.group)].parent,
+            absl::StrCat("the centre of '", joint.name, "' level along ", AxisName(axis), " with ",
+                         nearest->label));
+      }
+    }
+  }
+
+  const Assembly& assembly_;
+  const std::vector<Element>& elements_;
+  const double tolerance_;
+  const Eigen::VectorXd drawn_;
+  std::vector<Relationship> found_;
+};
+
+}  // namespace
+
+const char* RelationshipKindName(RelationshipKind kind) {
+  switch (kind) {
+    case RelationshipKind::kCoplanar:
+      return "coplanar";
+    case RelationshipKind::kConcentric:
+      return "concentric";
+    case RelationshipKind::kSymmetric:
+      return "symmetric";
+    case RelationshipKind::kOrder:
+      return "order";
+    case RelationshipKind::kSize:
+      return "size";
+  }
+  return "";
+}
+
+std::vector<Relationship> FindRelationships(const Assembly& assembly,
+                                            const std::vector<Element>& elements,
+                                            const Contacts& contacts, double tolerance) {
+  return RelationshipSearch(assembly, elements, tolerance).Find(contacts);
+}
+
+}  // namespace mortise::parametric

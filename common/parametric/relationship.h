@@ -1,0 +1,58 @@
+// Geosemantic relationships: what must stay true of a design whatever its parameters, as linear
+// equalities and inequalities in q, each held by one node of the hierarchy (thesis §3.5.1).
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/parametric/assembly.h"
+#include "common/parametric/element.h"
+#include "common/parametric/linear_form.h"
+
+namespace mortise::parametric {
+
+enum class RelationshipKind {
+  kCoplanar,    // two planes stay in one
+  kConcentric,  // two centres stay level along an axis
+  kSymmetric,   // two elements stay mirror images about the centre of a third
+  kOrder,       // a plane stays before another
+  kSize,        // a size stays fixed, or within its limits
+};
+
+// "coplanar", "concentric", "symmetric", "order" or "size".
+const char* RelationshipKindName(RelationshipKind kind);
+
+struct Relationship {
+  RelationshipKind kind = RelationshipKind::kCoplanar;
+  bool equality = true;  // form(q) = 0, else form(q) <= 0; in metres
+  LinearForm form;
+  int group = 0;  // of the assembly: the lowest that contains all it relates
+  // For people: "'leg 1' z maximum in one plane with 'top' z minimum".
+  std::string description;
+};
+
+// Elements that touch, by index.
+using Contacts = std::vector<std::pair<int, int>>;
+
+// All relationships of a design, those of rest poses included: each joint's rest poses are taken
+// one joint at a time, the others as drawn. The drawn parameters satisfy every one.
+//
+// - coplanar: planes within `tolerance` of each other along an axis;
+// - concentric: centres within `tolerance` along an axis;
+// - symmetric: two alike elements level in two axes, about a third element centred between them
+//   along the other, looked for among siblings first, then up the tree; their sizes stay equal;
+// - order: what lies wholly before another along an axis stays so; of elements that touch, all
+//   planes keep their order, so that the contact is not lost;
+// - size: the limits of the items.
+//
+// Every node holds what it needs: cut out, a subtree is constrained among its own elements exactly
+// as within the whole, since members of one plane are chained at the lowest node above each two.
+// Rows that others imply through such chains are left out. `tolerance` in metres. O(p² log p) for p
+// planes along an axis.
+std::vector<Relationship> FindRelationships(const Assembly& assembly,
+                                            const std::vector<Element>& elements,
+                                            const Contacts& contacts, double tolerance);
+
+}  // namespace mortise::parametric

@@ -1,0 +1,156 @@
+#include "common/parametric/rest_pose.h"
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include "absl/strings/str_cat.h"
+
+namespace mortise::parametric {
+namespace {
+
+constexpr std::array<Axis, 3> kAxes = {Axis::kX, Axis::kY, Axis::kZ};
+constexpr double kAligned = 1e-6;  // of a rotation's entries: an axis is taken to an axis
+
+Eigen::Matrix3d RotationOf(const Joint& joint, const Eigen::Vector3d& motion) {
+  const double angle = motion.norm();
+  if (joint.kind == JointKind::kPrismatic || angle == 0) return Eigen::Matrix3d::Identity();
+  return Eigen::AngleAxisd(angle, motion / angle).toRotationMatrix();
+}
+
+// The centre of an element in a pose: R (p - c) + c + t.
+std::array<LinearForm, 3> PosedCenter(const Pose& pose, const Assembly& assembly,
+                                      std::size_t elements, int element) {
+  std::array<LinearForm, 3> center;
+  const Joint& joint = assembly.joints[static_cast<std::size_t>(pose.joint)];
+  const Eigen::Matrix3d rotation = RotationOf(joint, pose.motion);
+  for (const Axis row : kAxes) {
+    const int i = static_cast<int>(row);
+    LinearForm& form = center[static_cast<std::size_t>(i)];
+    if (joint.kind == JointKind::kPrismatic) {
+      form = LinearForm::Variable(CenterVariable(element, row));
+      form.constant = pose.motion[i];
+      continue;
+    }
+    form = LinearForm::Variable(JointVariable(elements, pose.joint, row));
+    for (const Axis column : kAxes) {
+      const double entry = rotation(i, static_cast<int>(column));
+      if (std::abs(entry) <= kAligned) continue;
+      const double exact = std::abs(std::abs(entry) - 1) <= kAligned ? std::round(entry) : entry;
+      form = form + exact * (LinearForm::Variable(CenterVariable(element, column)) -
+                             LinearForm::Variable(JointVariable(elements, pose.joint, column)));
+    }
+  }
+  return center;
+}
+
+class Positions {
+ public:
+  Positions(const Pose& pose, const Assembly& assembly, const std::vector<Element>& elements)
+      : pose_(pose),
+        assembly_(assembly),
+        elements_(elements),
+        drawn_(DrawnParameters(assembly, elements)) {}
+
+  std::vector<PosedPosition> All() {
+    for (std::size_t e = 0; e < elements_.size(); ++e) {
+      const bool moved =
+          pose_.joint >= 0 && IsWithin(assembly_, elements_[e].group, pose_.moved_group);
+      if (moved) {
+        AddMoved(static_cast<int>(e));
+      } else {
+        AddStill(static_cast<int>(e));
+      }
+    }
+    return std::move(positions_);
+  }
+
+ private:
+  const Element& At(int element) const { return elements_[static_cast<std::size_t>(element)]; }
+
+  void Add(int element, Axis axis, LinearForm position, const std::string& what, bool is_center,
+           double side) {
+    PosedPosition posed;
+    posed.element = element;
+    posed.axis = axis;
+    posed.is_center = is_center;
+    posed.is_minimum = !is_center && side == -0.5;
+    posed.is_maximum = !is_center && side == 0.5;
+    posed.drawn = position.At(drawn_);
+    posed.position = std::move(position);
+    posed.label = absl::StrCat("'", At(element).name, "' ", what,
+                               pose_.name.empty() ? "" : absl::StrCat(" in '", pose_.name, "'"));
+    positions_.push_back(std::move(posed));
+  }
+
+  void AddStill(int element) {
+    for (const Axis axis : kAxes) {
+      Add(element, axis, LinearForm::Variable(CenterVariable(element, axis)),
+          absl::StrCat(AxisName(axis), " centre"), true, 0);
+    }
+    for (const ElementPlane& plane : At(element).planes) {
+      Add(element, plane.axis, PositionOf(element, plane), plane.name, false, plane.fraction);
+    }
+  }
+
+  void AddMoved(int element) {
+    const Joint& joint = assembly_.joints[static_cast<std::size_t>(pose_.joint)];
+    const Eigen::Matrix3d rotation = RotationOf(joint, pose_.motion);
+    const std::array<LinearForm, 3> center =
+        PosedCenter(pose_, assembly_, elements_.size(), element);
+    for (const Axis axis : kAxes) {
+      Add(element, axis, center[static_cast<std::size_t>(axis)],
+          absl::StrCat(AxisName(axis), " centre"), true, 0);
+    }
+    for (const ElementPlane& plane : At(element).planes) {
+      for (const Axis axis : kAxes) {
+        const double entry = rotation(static_cast<int>(axis), static_cast<int>(plane.axis));
+        if (std::abs(std::abs(entry) - 1) > kAligned) continue;
+        const double side = std::round(entry) * plane.fraction;
+        Add(element, axis,
+            Combine(1, center[static_cast<std::size_t>(axis)], side,
+                    LinearForm::Variable(SizeVariable(element, plane.axis))),
+            plane.name, false, side);
+      }
+    }
+  }
+
+  const Pose& pose_;
+  const Assembly& assembly_;
+  const std::vector<Element>& elements_;
+  const Eigen::VectorXd drawn_;
+  std::vector<PosedPosition> positions_;
+};
+
+}  // namespace
+
+std::vector<Pose> PosesOf(const Assembly& assembly) {
+  std::vector<Pose> poses = {Pose{}};
+  for (std::size_t j = 0; j < assembly.joints.size(); ++j) {
+    const Joint& joint = assembly.joints[j];
+    for (const RestPose& rest : joint.rest_poses) {
+      poses.push_back({.name = absl::StrCat(joint.name, ": ", rest.name),
+                       .moved_group = joint.group,
+                       .joint = static_cast<int>(j),
+                       .motion = rest.motion});
+    }
+  }
+  return poses;
+}
+
+Eigen::VectorXd DrawnParameters(const Assembly& assembly, const std::vector<Element>& elements) {
+  const auto joints = static_cast<Eigen::Index>(assembly.joints.size());
+  const Eigen::VectorXd of_elements = DrawnParameters(elements);
+  Eigen::VectorXd q(of_elements.size() + 3 * joints);
+  q.head(of_elements.size()) = of_elements;
+  for (Eigen::Index j = 0; j < joints; ++j) {
+    q.segment<3>(of_elements.size() + 3 * j) = assembly.joints[static_cast<std::size_t>(j)].center;
+  }
+  return q;
+}
+
+std::vector<PosedPosition> PositionsIn(const Pose& pose, const Assembly& assembly,
+                                       const std::vector<Element>& elements) {
+  return Positions(pose, assembly, elements).All();
+}
+
+}  // namespace mortise::parametric

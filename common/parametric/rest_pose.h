@@ -1,0 +1,51 @@
+// Elements in the rest poses of articulated designs: their planes and centres as functions of q
+// (thesis §3.5.1, "several rest configurations").
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "common/parametric/assembly.h"
+#include "common/parametric/element.h"
+#include "common/parametric/linear_form.h"
+
+namespace mortise::parametric {
+
+// A plane or centre of an element, in one pose of the design.
+struct PosedPosition {
+  int element = 0;
+  bool is_center = false;
+  bool is_minimum = false;  // the lower face of the element's box in this pose
+  bool is_maximum = false;  // the upper face
+  Axis axis = Axis::kX;     // in the pose
+  LinearForm position;      // m along the axis, of q
+  double drawn = 0;         // its value as the expert drew the design
+  std::string label;        // "'leg 1' z maximum", with the pose unless it is the drawn one
+};
+
+// One configuration of the design: as drawn, or with one joint in one of its rest poses.
+struct Pose {
+  std::string name;  // empty as drawn; else "joint: pose"
+  int moved_group = -1;
+  int joint = -1;
+  Eigen::Vector3d motion = Eigen::Vector3d::Zero();
+};
+
+// The drawn pose, then every rest pose of every joint, the other joints as drawn.
+std::vector<Pose> PosesOf(const Assembly& assembly);
+
+// Index into q of a joint's centre along an axis: behind the elements.
+inline int JointVariable(std::size_t elements, int joint, Axis axis) {
+  return 6 * static_cast<int>(elements) + 3 * joint + static_cast<int>(axis);
+}
+
+// q as drawn, the joints' centres included: 6 · elements + 3 · joints numbers, m.
+Eigen::VectorXd DrawnParameters(const Assembly& assembly, const std::vector<Element>& elements);
+
+// Planes and centres of all elements in a pose. A rotation that does not take axes to axes leaves
+// no plane of the moved elements parallel to one; then only their centres are given.
+std::vector<PosedPosition> PositionsIn(const Pose& pose, const Assembly& assembly,
+                                       const std::vector<Element>& elements);
+
+}  // namespace mortise::parametric

@@ -1,0 +1,96 @@
+// Automatic parametrisation of shelves of growing size: patterns, relationships, feasible set, and
+// what a random point costs afterwards.
+#include <benchmark/benchmark.h>
+
+#include <string>
+
+#include "common/parametric/feasible_set.h"
+#include "common/parametric/rest_pose.h"
+
+namespace mortise::parametric {
+namespace {
+
+constexpr double kTolerance = 1e-6;
+
+AssemblyPart Board(const std::string& name, const Eigen::Vector3d& minimum,
+                   const Eigen::Vector3d& maximum, int group) {
+  AssemblyPart part;
+  part.name = name;
+  part.item = "items/board";
+  part.group = group;
+  part.box = {minimum, maximum};
+  for (int axis = 0; axis < 3; ++axis) {
+    const double size = maximum[axis] - minimum[axis];
+    part.limits[static_cast<std::size_t>(axis)] = {size / 2, 2 * size};
+  }
+  return part;
+}
+
+// Bays of two sides and unequally spaced boards, side by side: `parts` boards without a pattern.
+Assembly Shelves(int parts) {
+  Assembly shelves;
+  shelves.name = "shelves";
+  shelves.groups = {{"shelves", -1}};
+  for (int bay = 0; static_cast<int>(shelves.parts.size()) < parts; ++bay) {
+    const int group = bay + 1;
+    const double x = 1.0 * bay;
+    const std::string name = "bay " + std::to_string(bay);
+    shelves.groups.push_back({name, 0});
+    shelves.parts.push_back(Board(name + " left", {x, 0, 0}, {x + 0.02, 0.3, 2}, group));
+    shelves.parts.push_back(Board(name + " right", {x + 0.98, 0, 0}, {x + 1, 0.3, 2}, group));
+    for (int board = 0; board < 8; ++board) {
+      const double z = 0.02 * board * board + 0.11 * board;
+      shelves.parts.push_back(Board(name + " board " + std::to_string(board), {x + 0.02, 0, z},
+                                    {x + 0.98, 0.3, z + 0.02}, group));
+    }
+  }
+  shelves.parts.erase(shelves.parts.begin() + parts, shelves.parts.end());
+  return shelves;
+}
+
+Contacts BaysThatTouch(const std::vector<Element>& elements) {
+  Contacts contacts;
+  for (std::size_t a = 0; a < elements.size(); ++a) {
+    for (std::size_t b = a + 1; b < elements.size(); ++b) {
+      const Eigen::Vector3d overlap = elements[a].box.maximum.cwiseMin(elements[b].box.maximum) -
+                                      elements[a].box.minimum.cwiseMax(elements[b].box.minimum);
+      if (overlap.minCoeff() > -1e-9) {
+        contacts.push_back({static_cast<int>(a), static_cast<int>(b)});
+      }
+    }
+  }
+  return contacts;
+}
+
+FeasibleSet Parametrise(const Assembly& assembly) {
+  const std::vector<Element> elements = MakeElements(assembly, kTolerance);
+  std::vector<Relationship> relationships =
+      FindRelationships(assembly, elements, BaysThatTouch(elements), kTolerance);
+  for (Relationship& held : Anchor(elements, 0)) relationships.push_back(std::move(held));
+  return *FeasibleSet::Create(std::move(relationships), DrawnParameters(assembly, elements),
+                              VariablesWithin(assembly, elements, 0));
+}
+
+void BM_Parametrise(benchmark::State& state) {
+  const Assembly assembly = Shelves(static_cast<int>(state.range(0)));
+  int degrees = 0;
+  for (auto _ : state) degrees = Parametrise(assembly).degrees_of_freedom();
+  state.counters["degrees_of_freedom"] = degrees;
+}
+BENCHMARK(BM_Parametrise)->Arg(20)->Arg(50)->Arg(100)->Arg(200)->Unit(benchmark::kMillisecond);
+
+void BM_RandomPoint(benchmark::State& state) {
+  const FeasibleSet set = Parametrise(Shelves(static_cast<int>(state.range(0))));
+  std::uint64_t seed = 0;
+  for (auto _ : state) {
+    const auto samples = set.Sample(100, ++seed);
+    if (!samples.ok()) state.SkipWithError("not sampled");
+  }
+  state.SetItemsProcessed(100 * state.iterations());
+}
+BENCHMARK(BM_RandomPoint)->Arg(20)->Arg(100)->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace mortise::parametric
+
+BENCHMARK_MAIN();

@@ -1,0 +1,314 @@
+// Relationships and the feasible set: Figure 3-4, articulation, self-contained subtrees, and
+// designs that stay buildable wherever they are sampled.
+#include "common/parametric/feasible_set.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/QR>
+#include <algorithm>
+
+#include "common/base/errors.h"
+#include "common/parametric/rest_pose.h"
+#include "tests/support/status_assertions.h"
+#include "tests/unit/common/parametric/assemblies.h"
+
+namespace mortise::parametric {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr double kTolerance = 1e-6;
+
+// An assembly, parametrised.
+struct Parametrised {
+  explicit Parametrised(Assembly design)
+      : assembly(std::move(design)),
+        elements(MakeElements(assembly, kTolerance)),
+        drawn(DrawnParameters(assembly, elements)),
+        relationships(FindRelationships(assembly, elements, TouchingPairs(elements), kTolerance)) {}
+
+  absl::StatusOr<FeasibleSet> Set(int group, int anchored = -1) const {
+    std::vector<Relationship> within = RelationshipsWithin(assembly, relationships, group);
+    if (anchored >= 0) {
+      for (Relationship& held : Anchor(elements, anchored)) within.push_back(std::move(held));
+    }
+    return FeasibleSet::Create(within, drawn, VariablesWithin(assembly, elements, group));
+  }
+
+  int ElementNamed(const std::string& name) const {
+    for (std::size_t e = 0; e < elements.size(); ++e) {
+      if (elements[e].name == name) return static_cast<int>(e);
+    }
+    return -1;
+  }
+
+  Assembly assembly;
+  std::vector<Element> elements;
+  Eigen::VectorXd drawn;
+  std::vector<Relationship> relationships;
+};
+
+Eigen::MatrixXd EqualityRows(const std::vector<Relationship>& relationships,
+                             Eigen::Index variables) {
+  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(0, variables);
+  for (const Relationship& relationship : relationships) {
+    if (!relationship.equality) continue;
+    rows.conservativeResize(rows.rows() + 1, variables);
+    rows.bottomRows(1).setZero();
+    for (const LinearTerm& term : relationship.form.terms) {
+      rows(rows.rows() - 1, term.variable) = term.coefficient;
+    }
+  }
+  return rows;
+}
+
+Eigen::Index RankOf(const Eigen::MatrixXd& rows) {
+  if (rows.rows() == 0) return 0;
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(rows.transpose());
+  qr.setThreshold(1e-9);
+  return qr.rank();
+}
+
+Eigen::Index RankOfBoth(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
+  Eigen::MatrixXd both(a.rows() + b.rows(), a.cols());
+  both << a, b;
+  return RankOf(both);
+}
+
+BoundingBox BoxAt(const Eigen::VectorXd& q, int element) {
+  const Eigen::Vector3d center = q.segment<3>(6 * element);
+  const Eigen::Vector3d half = q.segment<3>(6 * element + 3) / 2;
+  return {center - half, center + half};
+}
+
+// How far two boxes reach into each other; not positive if they are apart, minus the gap.
+double Overlap(const BoundingBox& a, const BoundingBox& b) {
+  return (a.maximum.cwiseMin(b.maximum) - a.minimum.cwiseMax(b.minimum)).minCoeff();
+}
+
+TEST(FeasibleSetTest, TheTableOfFigure34HasTheFreedomsOneCounts) {
+  const Parametrised table(TwoLeggedTable());
+  ASSERT_OK_AND_ASSIGN(const FeasibleSet set, table.Set(0));
+  // Along x: place, top, leg, distance of the legs. y: place, depth. z: place, top, leg.
+  EXPECT_EQ(set.degrees_of_freedom(), 9);
+  EXPECT_EQ(set.equalities().size(), 18U - 9U);
+}
+
+TEST(FeasibleSetTest, TheTableOfFigure34KeepsItsLegsUnderTheTop) {
+  const Parametrised table(TwoLeggedTable());
+  const int top = table.ElementNamed("top");
+  const int leg_1 = table.ElementNamed("leg 1");
+  const int leg_2 = table.ElementNamed("leg 2");
+  ASSERT_OK_AND_ASSIGN(const FeasibleSet set, table.Set(0, top));
+  ASSERT_OK_AND_ASSIGN(const std::vector<Eigen::VectorXd> samples, set.Sample(200, 1));
+  double lowest = 1e9;
+  double highest = 0;
+  for (const Eigen::VectorXd& q : samples) {
+    EXPECT_NEAR(BoxAt(q, top).minimum.z(), BoxAt(q, leg_1).maximum.z(), 1e-9);
+    EXPECT_NEAR(BoxAt(q, top).minimum.z(), BoxAt(q, leg_2).maximum.z(), 1e-9);
+    // p_x(leg 1) - p_x(top) = p_x(top) - p_x(leg 2), the thesis's own example.
+    EXPECT_NEAR(q[6 * leg_1] - q[6 * top], q[6 * top] - q[6 * leg_2], 1e-9);
+    EXPECT_GE(BoxAt(q, leg_1).minimum.x(), BoxAt(q, top).minimum.x() - 1e-9);
+    EXPECT_LE(BoxAt(q, leg_1).maximum.x(), BoxAt(q, leg_2).minimum.x() + 1e-9);
+    lowest = std::min(lowest, q[SizeVariable(leg_1, Axis::kZ)]);
+    highest = std::max(highest, q[SizeVariable(leg_1, Axis::kZ)]);
+  }
+  // The samples spread over what is allowed: .35 to 1.4 m.
+  EXPECT_LT(lowest, 0.45);
+  EXPECT_GT(highest, 1.25);
+}
+
+TEST(FeasibleSetTest, ShelvesBecomeOneElement) {
+  const Parametrised chest(ChestWithLid());
+  const int shelves = chest.ElementNamed("shelf 1");
+  ASSERT_GE(shelves, 0);
+  EXPECT_EQ(chest.elements[static_cast<std::size_t>(shelves)].parts.size(), 3U);
+  EXPECT_EQ(chest.elements.size(), 5U);
+}
+
+// Opened, the lid stands behind the hinge; its relationships there hold as well as when closed.
+TEST(FeasibleSetTest, ArticulatedPartsKeepTheirRelationshipsInEveryRestPose) {
+  const Parametrised chest(ChestWithLid());
+  const int lid = chest.ElementNamed("lid board");
+  ASSERT_OK_AND_ASSIGN(const FeasibleSet set, chest.Set(0, chest.ElementNamed("bottom")));
+  ASSERT_OK_AND_ASSIGN(const std::vector<Eigen::VectorXd> samples, set.Sample(100, 2));
+  for (const Eigen::VectorXd& q : samples) {
+    for (const Pose& pose : PosesOf(chest.assembly)) {
+      std::vector<BoundingBox> boxes(chest.elements.size());
+      for (const PosedPosition& position : PositionsIn(pose, chest.assembly, chest.elements)) {
+        BoundingBox& box = boxes[static_cast<std::size_t>(position.element)];
+        if (position.is_minimum)
+          box.minimum[static_cast<int>(position.axis)] = position.position.At(q);
+        if (position.is_maximum)
+          box.maximum[static_cast<int>(position.axis)] = position.position.At(q);
+      }
+      for (std::size_t e = 0; e < boxes.size(); ++e) {
+        if (static_cast<int>(e) == lid) continue;
+        EXPECT_LE(Overlap(boxes[e], boxes[static_cast<std::size_t>(lid)]), 1e-9)
+            << pose.name << ", " << chest.elements[e].name;
+      }
+    }
+  }
+}
+
+// What a node holds relates its elements as a design of only these parts would.
+TEST(FeasibleSetTest, SubtreesAreSelfContained) {
+  for (unsigned seed = 0; seed < 12; ++seed) {
+    const Parametrised whole(RandomAssembly(seed));
+    for (int group = 1; group < static_cast<int>(whole.assembly.groups.size()); ++group) {
+      Assembly cut = whole.assembly;
+      std::erase_if(cut.parts, [&](const AssemblyPart& part) {
+        return !IsWithin(whole.assembly, part.group, group);
+      });
+      if (cut.parts.empty()) continue;
+      const Parametrised alone(cut);
+      // The same elements, numbered anew.
+      std::vector<int> number;
+      for (const Element& element : alone.elements) {
+        number.push_back(whole.ElementNamed(element.name));
+        ASSERT_GE(number.back(), 0);
+      }
+      std::vector<Relationship> renumbered = alone.relationships;
+      for (Relationship& relationship : renumbered) {
+        for (LinearTerm& term : relationship.form.terms) {
+          term.variable =
+              6 * number[static_cast<std::size_t>(term.variable / 6)] + term.variable % 6;
+        }
+      }
+      const Eigen::MatrixXd held = EqualityRows(
+          RelationshipsWithin(whole.assembly, whole.relationships, group), whole.drawn.size());
+      const Eigen::MatrixXd found = EqualityRows(renumbered, whole.drawn.size());
+      const Eigen::Index both = RankOfBoth(held, found);
+      EXPECT_EQ(RankOf(found), both) << "seed " << seed << ", group " << group;
+      EXPECT_EQ(RankOf(held), both) << "seed " << seed << ", group " << group;
+    }
+  }
+}
+
+TEST(FeasibleSetTest, TheKeptEqualitiesAreIndependentAndSpanAll) {
+  for (unsigned seed = 0; seed < 12; ++seed) {
+    const Parametrised design(RandomAssembly(seed));
+    ASSERT_OK_AND_ASSIGN(const FeasibleSet set, design.Set(0));
+    const Eigen::MatrixXd all = EqualityRows(design.relationships, design.drawn.size());
+    const Eigen::MatrixXd kept = EqualityRows(set.equalities(), design.drawn.size());
+    EXPECT_EQ(RankOf(kept), kept.rows());
+    EXPECT_EQ(RankOf(kept), RankOf(all));
+    EXPECT_EQ(RankOfBoth(kept, all), RankOf(all));
+    EXPECT_EQ(set.degrees_of_freedom(), design.drawn.size() - kept.rows());
+    EXPECT_LT((all * set.basis()).cwiseAbs().maxCoeff(), 1e-12);
+  }
+}
+
+// Random points of random designs: nothing penetrates, nothing that touched parts, sizes hold.
+TEST(FeasibleSetTest, SampledDesignsCanBeBuilt) {
+  for (unsigned seed = 0; seed < 12; ++seed) {
+    const Parametrised design(RandomAssembly(seed));
+    std::vector<Relationship> anchored = design.relationships;
+    // Parts that touch nothing are free to drift: hold one of each cluster of touching parts.
+    std::vector<int> cluster(design.elements.size());
+    for (std::size_t e = 0; e < cluster.size(); ++e) cluster[e] = static_cast<int>(e);
+    const auto touching = TouchingPairs(design.elements);
+    for (std::size_t pass = 0; pass < cluster.size(); ++pass) {
+      for (const auto& [a, b] : touching) {
+        int& of_a = cluster[static_cast<std::size_t>(a)];
+        int& of_b = cluster[static_cast<std::size_t>(b)];
+        of_a = of_b = std::min(of_a, of_b);
+      }
+    }
+    for (std::size_t e = 0; e < cluster.size(); ++e) {
+      if (cluster[e] != static_cast<int>(e)) continue;
+      for (Relationship& held : Anchor(design.elements, static_cast<int>(e))) {
+        anchored.push_back(std::move(held));
+      }
+    }
+    ASSERT_OK_AND_ASSIGN(const FeasibleSet set,
+                         FeasibleSet::Create(anchored, design.drawn,
+                                             VariablesWithin(design.assembly, design.elements, 0)));
+    ASSERT_OK_AND_ASSIGN(const std::vector<Eigen::VectorXd> samples, set.Sample(50, seed));
+    ASSERT_EQ(samples.size(), 50U);
+    for (const Eigen::VectorXd& q : samples) {
+      EXPECT_TRUE(set.Violations(q, 1e-9).empty()) << set.Violations(q, 1e-9)[0].description;
+      for (int a = 0; a < static_cast<int>(design.elements.size()); ++a) {
+        for (int b = a + 1; b < static_cast<int>(design.elements.size()); ++b) {
+          const double before = Overlap(BoxAt(design.drawn, a), BoxAt(design.drawn, b));
+          const double after = Overlap(BoxAt(q, a), BoxAt(q, b));
+          EXPECT_LE(after, std::max(before, 0.0) + 1e-9);
+          if (before > -1e-9) {
+            EXPECT_GT(after, -1e-9) << "lost contact";
+          }
+        }
+      }
+    }
+  }
+}
+
+TEST(FeasibleSetTest, ASeedGivesTheSamePoints) {
+  const Parametrised table(TwoLeggedTable());
+  ASSERT_OK_AND_ASSIGN(const FeasibleSet set, table.Set(0, 0));
+  ASSERT_OK_AND_ASSIGN(const auto first, set.Sample(10, 7));
+  ASSERT_OK_AND_ASSIGN(const auto again, set.Sample(10, 7));
+  ASSERT_OK_AND_ASSIGN(const auto other, set.Sample(10, 8));
+  EXPECT_EQ(first, again);
+  EXPECT_NE(first, other);
+}
+
+TEST(FeasibleSetTest, ViolationsNameTheRelationship) {
+  const Parametrised table(TwoLeggedTable());
+  ASSERT_OK_AND_ASSIGN(const FeasibleSet set, table.Set(0));
+  Eigen::VectorXd q = table.drawn;
+  q[SizeVariable(table.ElementNamed("leg 1"), Axis::kX)] += 1;
+  const std::vector<Violation> violations = set.Violations(q, 1e-9);
+  ASSERT_FALSE(violations.empty());
+  EXPECT_TRUE(std::any_of(violations.begin(), violations.end(), [](const Violation& violation) {
+    return violation.description == "'leg 1' x size at most 0.12 m" &&
+           std::abs(violation.amount - 0.94) < 1e-9;
+  }));
+}
+
+TEST(FeasibleSetTest, ADriftingDesignCannotBeSampled) {
+  const Parametrised table(TwoLeggedTable());
+  ASSERT_OK_AND_ASSIGN(const FeasibleSet set, table.Set(0));
+  const auto samples = set.Sample(1, 1);
+  EXPECT_EQ(samples.status().code(), absl::StatusCode::kFailedPrecondition);
+  EXPECT_EQ(DetailOf(samples.status()).reason, "FEASIBLE_SET_UNBOUNDED");
+  EXPECT_EQ(set.Sample(-1, 1).status().code(), absl::StatusCode::kInvalidArgument);
+}
+
+TEST(FeasibleSetTest, ADrawingThatBreaksARelationshipIsNamed) {
+  const Parametrised table(TwoLeggedTable());
+  std::vector<Relationship> wrong = table.relationships;
+  Relationship impossible = Anchor(table.elements, 0)[0];
+  impossible.form.constant += 1;
+  wrong.push_back(impossible);
+  const auto set =
+      FeasibleSet::Create(wrong, table.drawn, VariablesWithin(table.assembly, table.elements, 0));
+  EXPECT_EQ(set.status().code(), absl::StatusCode::kFailedPrecondition);
+  EXPECT_THAT(std::string(set.status().message()), HasSubstr("held in place along x"));
+}
+
+TEST(AssemblyTest, EveryFaultIsFoundWithItsPlace) {
+  Assembly bad = ChestWithLid();
+  bad.groups[1].parent = 2;  // and 2 lies in 1: a circle
+  bad.parts[0].group = 17;
+  bad.parts[1].name = "bottom";
+  bad.parts[3].box.maximum.x() = -1;
+  bad.parts[4].limits[0] = {2, 1};
+  bad.parts[5].limits[1] = {0.1, 0.2};
+  bad.parts[6].limits[2] = {std::nan(""), 1};
+  bad.joints[0].lower = 1;
+  bad.joints.push_back(bad.joints[0]);
+  bad.joints[1].axis = {1, 1, 0};
+  std::vector<std::string> places;
+  for (const Finding& finding : ValidateAssembly(bad)) places.push_back(finding.field);
+  EXPECT_THAT(places,
+              ::testing::IsSupersetOf({"groups[1].parent", "groups[2].parent", "parts[0].group",
+                                       "parts[2].name", "parts[3].box", "parts[4].limits.x",
+                                       "parts[5].limits.y", "parts[6].limits.z", "joints[0].lower",
+                                       "joints[1].group", "joints[1].axis"}));
+  EXPECT_TRUE(ValidateAssembly(ChestWithLid()).empty());
+  EXPECT_TRUE(ValidateAssembly(TwoLeggedTable()).empty());
+}
+
+}  // namespace
+}  // namespace mortise::parametric
