@@ -11,6 +11,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "common/base/errors.h"
+#include "common/base/field_violations.h"
 
 namespace mortise::cli {
 namespace {
@@ -93,13 +94,23 @@ void Output::EndProgress() {
 int Output::Failure(const absl::Status& status) {
   const ErrorDetail detail = DetailOf(status);
   if (progress_open_) std::fputc('\n', stderr);
-  std::fprintf(stderr, "mortise: %s (%s)\n", std::string(status.message()).c_str(),
-               absl::StatusCodeToString(status.code()).c_str());
-  Document({{"error",
-             {{"code", absl::StatusCodeToString(status.code())},
-              {"message", std::string(status.message())},
-              {"reason", detail.reason},
-              {"field", detail.field}}}});
+  const std::string code = absl::StatusCodeToString(status.code());
+  nlohmann::ordered_json error = {{"code", code},
+                                  {"message", std::string(status.message())},
+                                  {"reason", detail.reason},
+                                  {"field", detail.field}};
+  const std::vector<FieldViolation> violations = ViolationsOf(status);
+  if (violations.empty()) {
+    std::fprintf(stderr, "mortise: %s (%s)\n", std::string(status.message()).c_str(), code.c_str());
+  } else {
+    // The message has them all in one line, and may be cut short.
+    std::fprintf(stderr, "mortise: %zu findings (%s)\n", violations.size(), code.c_str());
+  }
+  for (const FieldViolation& violation : violations) {
+    std::fprintf(stderr, "  %s: %s\n", violation.field.c_str(), violation.message.c_str());
+    error["violations"].push_back({{"field", violation.field}, {"message", violation.message}});
+  }
+  Document({{"error", error}});
   return 1;
 }
 

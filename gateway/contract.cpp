@@ -2,6 +2,7 @@
 
 #include <google/protobuf/descriptor.h>
 #include <google/protobuf/descriptor.pb.h>
+#include <google/protobuf/dynamic_message.h>
 
 #include <algorithm>
 #include <cstdlib>
@@ -39,7 +40,9 @@ void RouteByContent(MethodRoute& route) {
 
 }  // namespace
 
-Contract::Contract() : pool_(std::make_unique<pb::DescriptorPool>()) {}
+Contract::Contract()
+    : pool_(std::make_unique<pb::DescriptorPool>()),
+      messages_(std::make_unique<pb::DynamicMessageFactory>(pool_.get())) {}
 Contract::~Contract() = default;
 
 std::unique_ptr<const Contract> Contract::Load() {
@@ -91,6 +94,12 @@ void Contract::AddService(const pb::ServiceDescriptor& service, const std::strin
 const MethodRoute* Contract::Find(std::string_view path) const {
   const auto found = by_path_.find(path);
   return found == by_path_.end() ? nullptr : &methods_[found->second];
+}
+
+bool Contract::IsRequest(const MethodRoute& method, const std::string& bytes) const {
+  const std::unique_ptr<pb::Message> message(
+      messages_->GetPrototype(method.descriptor->input_type())->New());
+  return message->ParseFromString(bytes);
 }
 
 std::string_view ServiceOfOperation(std::string_view name) {

@@ -11,6 +11,7 @@
 
 namespace google::protobuf {
 class DescriptorPool;
+class DynamicMessageFactory;
 class FileDescriptor;
 class MethodDescriptor;
 class ServiceDescriptor;
@@ -61,6 +62,9 @@ class Contract {
   // The method of an HTTP/2 path such as "/mortise.v1.CatalogService/GetItem"; null if unknown.
   const MethodRoute* Find(std::string_view path) const;
 
+  // Whether `bytes` are a message of the type that the method takes. Slow: they are decoded.
+  bool IsRequest(const MethodRoute& method, const std::string& bytes) const;
+
   // Names of the services behind the gateway that own methods: "catalog", "composer", …
   const std::vector<std::string>& services() const { return services_; }
 
@@ -70,6 +74,7 @@ class Contract {
   void AddService(const google::protobuf::ServiceDescriptor& service, const std::string& owner);
 
   std::unique_ptr<google::protobuf::DescriptorPool> pool_;
+  std::unique_ptr<google::protobuf::DynamicMessageFactory> messages_;  // of pool_; thread safe
   std::vector<const google::protobuf::FileDescriptor*> files_;
   std::vector<MethodRoute> methods_;
   std::unordered_map<std::string_view, std::size_t> by_path_;

@@ -15,6 +15,7 @@ namespace mortise::gateway {
 namespace {
 
 constexpr int kBatch = 256;
+constexpr int kMostTypes = 100;  // each is compared with every event
 // A follower of a service that cannot be reached looks again this often.
 constexpr absl::Duration kRetry = absl::Seconds(1);
 
@@ -119,6 +120,9 @@ class MergedEvents final : public v1::EventService::CallbackService {
   absl::Status Follow(const v1::FollowEventsRequest& asked,
                       std::shared_ptr<rpc::StreamWriter<v1::Event>> writer) {
     if (asked.after_number() < -1) return InvalidField("after_number", "must be at least -1");
+    if (asked.type_prefixes_size() > kMostTypes) {
+      return InvalidField("type_prefixes", "has more than 100 entries");
+    }
     for (const std::string& stream : asked.streams()) {
       const auto& known = hub_->streams();
       if (std::find(known.begin(), known.end(), stream) == known.end()) {

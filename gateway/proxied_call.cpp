@@ -28,6 +28,11 @@ bool IsUnreachable(const grpc::Status& status) {
   return status.error_code() == grpc::StatusCode::UNAVAILABLE && status.error_details().empty();
 }
 
+// gRPC's servers answer a message that they cannot decode as if there were no such method.
+bool MayBeUnreadable(const grpc::Status& status) {
+  return status.error_code() == grpc::StatusCode::UNIMPLEMENTED && status.error_details().empty();
+}
+
 }  // namespace
 
 ProxiedCall::ProxiedCall(const ProxyOptions& proxy, const MethodRoute* method,
@@ -78,11 +83,15 @@ void ProxiedCall::CopyInitialMetadata() {
   }
 }
 
-grpc::Status ProxiedCall::Conclude(const grpc::Status& upstream) {
+grpc::Status ProxiedCall::Conclude(const grpc::Status& upstream, const grpc::ByteBuffer* request) {
   for (const auto& [key, value] : upstream_.GetServerTrailingMetadata()) {
     // The status details are among these as `grpc-status-details-bin`; they travel in the status.
     if (!IsPassedOn(View(key), View(value))) continue;
     context_->AddTrailingMetadata(std::string(View(key)), std::string(View(value)));
+  }
+  if (request != nullptr && MayBeUnreadable(upstream) &&
+      !proxy_.contract->IsRequest(*method_, ToString(*request))) {
+    return rpc::ToGrpc(UnreadableRequest());
   }
   if (!IsUnreachable(upstream)) return upstream;
   return rpc::ToGrpc(PeerUnavailable(

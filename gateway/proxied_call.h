@@ -34,8 +34,9 @@ class ProxiedCall {
   void CopyInitialMetadata();
 
   // The status for the client, after the service's trailing metadata was passed on. A service that
-  // could not be reached is named.
-  grpc::Status Conclude(const grpc::Status& upstream);
+  // could not be reached is named, and a request that it could not read is said to be that:
+  // `request` is the only message of the client's, null if there may be many.
+  grpc::Status Conclude(const grpc::Status& upstream, const grpc::ByteBuffer* request);
 
   // Writes the log line. Once, when all is over.
   void Record(const grpc::Status& status);

@@ -62,6 +62,10 @@ std::unique_ptr<grpc::CallbackGenericService> MakeProxy(const ProxyOptions& opti
   return std::make_unique<Proxy>(options);
 }
 
+absl::Status UnreadableRequest() {
+  return InvalidField("request", "is not a message of the method's type");
+}
+
 absl::StatusOr<std::string> ServiceOf(const MethodRoute& method, std::string_view request,
                                       const Upstreams& upstreams) {
   if (method.destination == Destination::kService) {
@@ -70,7 +74,7 @@ absl::StatusOr<std::string> ServiceOf(const MethodRoute& method, std::string_vie
   }
   const std::string& field = method.routing_field->name();
   const std::optional<std::string> value = StringField(request, method.routing_field->number());
-  if (!value) return InvalidField("request", "is not a message of the method's type");
+  if (!value) return UnreadableRequest();
   const std::string_view service = method.destination == Destination::kByOperation
                                        ? ServiceOfOperation(*value)
                                        : std::string_view(*value);

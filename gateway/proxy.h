@@ -45,4 +45,7 @@ std::unique_ptr<grpc::CallbackGenericService> MakeProxy(const ProxyOptions& opti
 absl::StatusOr<std::string> ServiceOf(const MethodRoute& method, std::string_view request,
                                       const Upstreams& upstreams);
 
+// INVALID_ARGUMENT: a request that cannot be decoded.
+absl::Status UnreadableRequest();
+
 }  // namespace mortise::gateway

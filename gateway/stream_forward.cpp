@@ -102,7 +102,9 @@ class StreamForward final : public grpc::ServerGenericBidiReactor {
     service_side_.RemoveHold();
   }
 
-  void OnServiceDone(const grpc::Status& status) { End(call_->Conclude(status)); }
+  void OnServiceDone(const grpc::Status& status) {
+    End(call_->Conclude(status, client_streaming_ ? nullptr : &from_client_));
+  }
 
   // --- From the client to the service (client streaming only).
 

@@ -29,7 +29,7 @@ class UnaryForward final : public grpc::ServerGenericBidiReactor, public grpc::C
   // The service answered.
   void OnDone(const grpc::Status& upstream) override {
     call_->CopyInitialMetadata();
-    status_ = call_->Conclude(upstream);
+    status_ = call_->Conclude(upstream, &request_);
     if (!status_.ok()) return Finish(status_);
     StartWriteAndFinish(&response_, grpc::WriteOptions(), status_);
   }

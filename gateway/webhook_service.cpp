@@ -31,6 +31,15 @@ absl::StatusOr<int> PageSize(int asked) {
   return asked == 0 ? kDefaultPage : asked;
 }
 
+// A token is the key of a dead letter: names, digits and slashes.
+absl::Status CheckLetterToken(const std::string& token) {
+  constexpr std::size_t kLongest = 200;
+  const bool printable =
+      std::all_of(token.begin(), token.end(), [](char c) { return c > ' ' && c < 127; });
+  if (printable && token.size() <= kLongest) return absl::OkStatus();
+  return InvalidField("page_token", "is not one that this method gave");
+}
+
 // Unguessable: 32 random bytes.
 absl::StatusOr<std::string> NewSecret() {
   unsigned char bytes[32];
@@ -158,6 +167,9 @@ class WebhookAdapter final : public v1::WebhookService::CallbackService {
 
   absl::StatusOr<v1::ListWebhooksResponse> List(const v1::ListWebhooksRequest& asked) const {
     MORTISE_ASSIGN_OR_RETURN(const int page_size, PageSize(asked.page_size()));
+    if (!asked.page_token().empty() && !IsResourceId(asked.page_token())) {
+      return InvalidField("page_token", "is not one that this method gave");
+    }
     v1::ListWebhooksResponse response;
     MORTISE_RETURN_IF_ERROR(
         environment_.store->Read([&](store::ReadTransaction& transaction) -> absl::Status {
@@ -202,6 +214,7 @@ class WebhookAdapter final : public v1::WebhookService::CallbackService {
   absl::StatusOr<v1::ListDeadLettersResponse> ListLetters(
       const v1::ListDeadLettersRequest& asked) const {
     MORTISE_ASSIGN_OR_RETURN(const int page_size, PageSize(asked.page_size()));
+    MORTISE_RETURN_IF_ERROR(CheckLetterToken(asked.page_token()));
     v1::ListDeadLettersResponse response;
     MORTISE_RETURN_IF_ERROR(
         environment_.store->Read([&](store::ReadTransaction& transaction) -> absl::Status {

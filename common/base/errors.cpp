@@ -1,13 +1,18 @@
 #include "common/base/errors.h"
 
+#include <algorithm>
+
 #include "absl/strings/cord.h"
+#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
+#include "common/base/field_violations.h"
 
 namespace mortise {
 namespace {
 
 constexpr std::string_view kReasonPayload = "mortise/reason";
 constexpr std::string_view kFieldPayload = "mortise/field";
+constexpr std::string_view kViolationsPayload = "mortise/violations";  // texts with their lengths
 
 absl::Status Make(absl::StatusCode code, std::string_view reason, std::string_view field,
                   std::string_view message) {
@@ -17,11 +22,40 @@ absl::Status Make(absl::StatusCode code, std::string_view reason, std::string_vi
 
 absl::string_view View(std::string_view text) { return {text.data(), text.size()}; }
 
+// Takes a text written as "5:hello" off the front of `rest`.
+std::string TakeText(std::string_view& rest) {
+  const std::size_t colon = rest.find(':');
+  std::size_t length = 0;
+  if (colon == std::string_view::npos || !absl::SimpleAtoi(View(rest.substr(0, colon)), &length)) {
+    rest = {};
+    return "";
+  }
+  std::string text(rest.substr(colon + 1, length));
+  rest.remove_prefix(std::min(rest.size(), colon + 1 + length));
+  return text;
+}
+
 }  // namespace
 
 absl::Status InvalidField(std::string_view field, std::string_view message) {
   return Make(absl::StatusCode::kInvalidArgument, "FIELD_INVALID", field,
               absl::StrCat(View(field), ": ", View(message)));
+}
+
+absl::Status InvalidFields(const std::vector<FieldViolation>& violations) {
+  if (violations.size() == 1) return InvalidField(violations[0].field, violations[0].message);
+  std::string message = absl::StrCat(violations.size(), " findings");
+  std::string payload;
+  for (const FieldViolation& violation : violations) {
+    absl::StrAppend(&message, payload.empty() ? ": " : "; ", violation.field, ": ",
+                    violation.message);
+    absl::StrAppend(&payload, violation.field.size(), ":", violation.field,
+                    violation.message.size(), ":", violation.message);
+  }
+  absl::Status status = Make(absl::StatusCode::kInvalidArgument, "FIELD_INVALID",
+                             violations.empty() ? "" : violations[0].field, message);
+  status.SetPayload(View(kViolationsPayload), absl::Cord(payload));
+  return status;
 }
 
 absl::Status ResourceNotFound(std::string_view name) {
@@ -93,8 +127,25 @@ ErrorDetail DetailOf(const absl::Status& status) {
   return detail;
 }
 
+std::vector<FieldViolation> ViolationsOf(const absl::Status& status) {
+  std::vector<FieldViolation> violations;
+  const auto payload = status.GetPayload(View(kViolationsPayload));
+  if (!payload) return violations;
+  const std::string text(*payload);
+  for (std::string_view rest = text; !rest.empty();) {
+    std::string field = TakeText(rest);
+    violations.push_back({std::move(field), TakeText(rest)});
+  }
+  return violations;
+}
+
 absl::Status UnderField(std::string_view prefix, const absl::Status& status) {
   if (status.ok()) return status;
+  std::vector<FieldViolation> violations = ViolationsOf(status);
+  for (FieldViolation& violation : violations) {
+    violation.field = absl::StrCat(View(prefix), ".", violation.field);
+  }
+  if (!violations.empty()) return InvalidFields(violations);
   ErrorDetail detail = DetailOf(status);
   detail.field =
       detail.field.empty() ? std::string(prefix) : absl::StrCat(View(prefix), ".", detail.field);

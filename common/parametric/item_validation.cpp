@@ -27,6 +27,12 @@ void CheckText(const std::string& field, const std::string& text, std::vector<Fi
   }
 }
 
+// People click on links: only what leads to a page is one.
+void CheckLink(const std::string& field, const std::string& link, std::vector<Finding>& findings) {
+  if (link.empty() || link.starts_with("https://") || link.starts_with("http://")) return;
+  findings.push_back({field, "must begin with https:// or http://"});
+}
+
 void CheckPositive(const std::string& field, double value, std::vector<Finding>& findings) {
   if (!(value > 0) || !std::isfinite(value)) {
     findings.push_back({field, "must be a finite number greater than 0"});
@@ -112,6 +118,7 @@ std::vector<Finding> ValidateItem(const Item& item, const std::vector<Material>&
   CheckText("title", item.title, findings);
   CheckText("supplier", item.supplier, findings);
   CheckText("supplier_url", item.supplier_url, findings);
+  CheckLink("supplier_url", item.supplier_url, findings);
   CheckText("supplier_number", item.supplier_number, findings);
   if (FindMaterial(materials, item.material) == nullptr) {
     findings.push_back({"material", absl::StrCat("there is no material '", item.material, "'")});

@@ -8,6 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "common/base/errors.h"
+#include "common/base/field_violations.h"
 #include "common/parametric/compiled_template.h"
 #include "common/parametric/design_checks.h"
 #include "common/parametric/template_checks.h"
@@ -110,14 +111,9 @@ std::vector<Finding> ValidateTemplate(const TemplateBundle& bundle) {
 
 absl::Status ToStatus(const std::vector<Finding>& findings) {
   if (findings.empty()) return absl::OkStatus();
-  if (findings.size() == 1) return InvalidField(findings[0].field, findings[0].message);
-  const std::string joined =
-      absl::StrJoin(findings, "; ", [](std::string* out, const Finding& finding) {
-        absl::StrAppend(out, finding.field, ": ", finding.message);
-      });
-  return WithDetail(
-      absl::InvalidArgumentError(absl::StrCat(findings.size(), " findings: ", joined)),
-      {"FIELD_INVALID", findings[0].field});
+  std::vector<FieldViolation> violations;
+  for (const Finding& finding : findings) violations.push_back({finding.field, finding.message});
+  return InvalidFields(violations);
 }
 
 }  // namespace mortise::parametric

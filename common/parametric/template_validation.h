@@ -32,7 +32,7 @@ std::vector<Finding> ValidateItem(const Item& item, const std::vector<Material>&
 // kind and place.
 std::vector<Finding> ValidateTemplate(const TemplateBundle& bundle);
 
-// OK for no findings; else INVALID_ARGUMENT with the first finding's field and all messages joined.
+// OK for no findings; else INVALID_ARGUMENT naming the fields of all of them.
 absl::Status ToStatus(const std::vector<Finding>& findings);
 
 }  // namespace mortise::parametric

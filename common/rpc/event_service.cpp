@@ -16,6 +16,7 @@
 namespace mortise::rpc {
 namespace {
 
+constexpr int kMostTypes = 100;  // each is compared with every event
 constexpr int kDefaultLimit = 1000;
 constexpr int kLargestLimit = 10000;
 constexpr int kFollowBatch = 500;
@@ -179,6 +180,9 @@ class EventAdapter : public v1::EventService::CallbackService {
           CheckStream(asked.streams(i), ("streams[" + std::to_string(i) + "]").c_str()));
     }
     if (asked.after_number() < -1) return InvalidField("after_number", "must be at least -1");
+    if (asked.type_prefixes_size() > kMostTypes) {
+      return InvalidField("type_prefixes", "has more than 100 entries");
+    }
     auto follower = std::make_shared<Follower>();
     follower->after_number = asked.after_number();
     follower->type_prefixes.assign(asked.type_prefixes().begin(), asked.type_prefixes().end());

@@ -4,8 +4,11 @@
 
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "common/base/errors.h"
+#include "common/base/field_violations.h"
 #include "google/rpc/status.pb.h"
 
 namespace mortise::rpc {
@@ -14,8 +17,14 @@ namespace {
 constexpr char kDomain[] = "mortise.dev";
 constexpr char kResource[] = "resource";
 
-// Messages travel in HTTP/2 headers, twice; clients accept 8 KiB of those in all.
-constexpr std::size_t kLongestMessage = 2000;
+// A failure travels in HTTP/2 headers: its message percent-encoded, and once more in the details,
+// base64. Clients accept 8 KiB of headers in all; a connection on which more came is of no use to
+// other calls either. So long texts are cut off, and of many fields only the first are named.
+constexpr std::size_t kLongestMessage = 1500;
+constexpr std::size_t kLongestMessageOfSeveral = 700;  // leaves room for the violations
+constexpr std::size_t kLongestField = 300;
+constexpr std::size_t kLongestReason = 100;
+constexpr std::size_t kAllViolations = 3600;
 
 // The length of the valid UTF-8 sequence at the start of `text`; 0 if there is none.
 std::size_t Utf8SequenceLength(std::string_view text) {
@@ -35,16 +44,44 @@ std::size_t Utf8SequenceLength(std::string_view text) {
   return length;
 }
 
-// `text` as valid UTF-8 of bounded length.
-std::string Printable(std::string_view text) {
+// How many bytes `sequence` takes when percent-encoded.
+std::size_t EncodedLength(std::string_view sequence) {
+  const char first = sequence.front();
+  return first >= ' ' && first <= '~' && first != '%' ? 1 : 3 * sequence.size();
+}
+
+// `text` as valid UTF-8 that takes about `limit` bytes at most when percent-encoded.
+std::string Printable(std::string_view text, std::size_t limit) {
   std::string result;
+  std::size_t encoded = 0;
   while (!text.empty()) {
     const std::size_t length = Utf8SequenceLength(text);
-    if (result.size() + length > kLongestMessage) return result + "…";
-    result += length == 0 ? "?" : std::string(text.substr(0, length));
+    const std::string_view next = length == 0 ? std::string_view("?") : text.substr(0, length);
+    encoded += EncodedLength(next);
+    if (encoded > limit) return result + "…";
+    result += next;
     text.remove_prefix(length == 0 ? 1 : length);
   }
   return result;
+}
+
+std::string_view View(absl::string_view text) { return {text.data(), text.size()}; }
+
+// As many of the fields at fault as there is room for.
+google::rpc::BadRequest ToBadRequest(const absl::Status& status, const ErrorDetail& detail) {
+  google::rpc::BadRequest bad_request;
+  std::vector<FieldViolation> violations = ViolationsOf(status);
+  if (violations.empty()) violations.push_back({detail.field, std::string(status.message())});
+  std::size_t length = 0;
+  for (const FieldViolation& from : violations) {
+    google::rpc::BadRequest::FieldViolation violation;
+    violation.set_field(Printable(from.field, kLongestField));
+    violation.set_description(Printable(from.message, kLongestMessage));
+    length += violation.ByteSizeLong() + 4;
+    if (length > kAllViolations) break;
+    *bad_request.add_field_violations() = std::move(violation);
+  }
+  return bad_request;
 }
 
 absl::StatusCode WireCode(absl::StatusCode code) {
@@ -56,27 +93,43 @@ absl::StatusCode WireCode(absl::StatusCode code) {
 google::rpc::Status ToProto(const absl::Status& status) {
   google::rpc::Status proto;
   proto.set_code(static_cast<int>(WireCode(status.code())));
-  proto.set_message(Printable({status.message().data(), status.message().size()}));
+  const bool several = !ViolationsOf(status).empty();
+  proto.set_message(
+      Printable(View(status.message()), several ? kLongestMessageOfSeveral : kLongestMessage));
   const ErrorDetail detail = DetailOf(status);
   if (detail.reason.empty() && detail.field.empty()) return proto;
 
   const bool names_field = status.code() == absl::StatusCode::kInvalidArgument;
   google::rpc::ErrorInfo info;
-  info.set_reason(Printable(detail.reason));
+  info.set_reason(Printable(detail.reason, kLongestReason));
   info.set_domain(kDomain);
   if (!names_field && !detail.field.empty()) {
-    (*info.mutable_metadata())[kResource] = Printable(detail.field);
+    (*info.mutable_metadata())[kResource] = Printable(detail.field, kLongestField);
   }
   proto.add_details()->PackFrom(info);
   if (names_field && !detail.field.empty()) {
-    google::rpc::BadRequest bad_request;
-    auto* violation = bad_request.add_field_violations();
-    violation->set_field(Printable(detail.field));
-    violation->set_description(proto.message());
-    proto.add_details()->PackFrom(bad_request);
+    proto.add_details()->PackFrom(ToBadRequest(status, detail));
   }
   return proto;
 }
+
+namespace {
+
+// The failure of several fields, with its message as it came.
+absl::Status FromViolations(const google::rpc::Status& proto,
+                            const google::rpc::BadRequest& bad_request) {
+  std::vector<FieldViolation> violations;
+  for (const auto& violation : bad_request.field_violations()) {
+    violations.push_back({violation.field(), violation.description()});
+  }
+  absl::Status status(static_cast<absl::StatusCode>(proto.code()), proto.message());
+  InvalidFields(violations).ForEachPayload([&](absl::string_view type, const absl::Cord& payload) {
+    status.SetPayload(type, payload);
+  });
+  return status;
+}
+
+}  // namespace
 
 absl::Status FromProto(const google::rpc::Status& proto) {
   if (proto.code() == 0) return absl::OkStatus();
@@ -90,6 +143,7 @@ absl::Status FromProto(const google::rpc::Status& proto) {
       const auto resource = info.metadata().find(kResource);
       if (resource != info.metadata().end()) detail.field = resource->second;
     } else if (any.UnpackTo(&bad_request) && bad_request.field_violations_size() > 0) {
+      if (bad_request.field_violations_size() > 1) status = FromViolations(proto, bad_request);
       detail.field = bad_request.field_violations(0).field();
     }
   }

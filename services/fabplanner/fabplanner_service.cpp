@@ -9,6 +9,7 @@
 #include "common/base/identifiers.h"
 #include "common/base/logging.h"
 #include "common/jobs/operations.h"
+#include "common/rpc/channel.h"
 #include "common/rpc/chunk_stream.h"
 #include "common/rpc/handler.h"
 #include "common/rpc/operation_codec.h"
@@ -68,7 +69,12 @@ class BridgeStream : public rpc::StreamReader<v1::BridgeMessage> {
   }
 
   void OnEnd() override {
-    if (attachment_ != 0) floor_->Detach(attachment_);
+    if (attachment_ == 0) {
+      // It may also have sent a first message that is none.
+      writer_->Finish(InvalidField("message", "no hello was sent"));
+      return;
+    }
+    floor_->Detach(attachment_);
     writer_->Finish(absl::OkStatus());
   }
 
@@ -103,11 +109,17 @@ class FabPlannerAdapter final : public v1::FabPlannerService::CallbackService {
   grpc::ServerUnaryReactor* CreatePlan(grpc::CallbackServerContext* context,
                                        const v1::CreatePlanRequest* request,
                                        v1::Operation* response) override {
-    return endpoint_.Mutation(
+    struct Checked {};
+    return endpoint_.PreparedMutation(
         "CreatePlan", context, request, response,
-        [this](const rpc::Call& call, const v1::CreatePlanRequest& asked,
-               store::Transaction& transaction) -> absl::StatusOr<v1::Operation> {
+        [this](const rpc::Call& call,
+               const v1::CreatePlanRequest& asked) -> absl::StatusOr<Checked> {
           MORTISE_RETURN_IF_ERROR(CheckRequest(asked));
+          MORTISE_RETURN_IF_ERROR(planner_.CheckDesign(asked, rpc::ForwardedFrom(call)));
+          return Checked();
+        },
+        [this](const rpc::Call& call, const v1::CreatePlanRequest& asked, const Checked&,
+               store::Transaction& transaction) -> absl::StatusOr<v1::Operation> {
           MORTISE_ASSIGN_OR_RETURN(
               const jobs::Operation operation,
               operations_->Start(transaction, {.kind = kPlanOperation,

@@ -31,6 +31,14 @@ std::string PlanIdOf(const std::string& operation_name) {
   return operation_name.substr(operation_name.rfind('/') + 1);
 }
 
+v1::EvaluateTemplateRequest EvaluationOf(const v1::CreatePlanRequest& request) {
+  v1::EvaluateTemplateRequest evaluate;
+  evaluate.set_name(request.template_());
+  evaluate.set_revision(request.template_revision());
+  *evaluate.mutable_parameters() = request.parameters();
+  return evaluate;
+}
+
 absl::Status StorePlan(store::Transaction& transaction, const std::string& id, v1::Plan* plan) {
   *plan->mutable_create_time() = google::protobuf::util::TimeUtil::MicrosecondsToTimestamp(
       absl::ToUnixMicros(transaction.Now()));
@@ -68,6 +76,21 @@ absl::Status CheckRequest(const v1::CreatePlanRequest& request) {
   return CheckRules(RulesFrom(request.rules()));
 }
 
+absl::Status PlanOperation::CheckDesign(const v1::CreatePlanRequest& request,
+                                        const rpc::Origin& origin) const {
+  const auto channel = peers_->Channel("catalog");
+  if (!channel.ok()) return absl::OkStatus();
+  v1::CatalogService::Stub catalog(*channel);
+  rpc::RetryOptions once;
+  once.patience = absl::ZeroDuration();
+  const absl::Status status = rpc::CallUnary(catalog, &v1::CatalogService::Stub::EvaluateTemplate,
+                                             EvaluationOf(request), origin, once)
+                                  .status();
+  const bool callers_fault =
+      absl::IsNotFound(status) || absl::IsInvalidArgument(status) || absl::IsOutOfRange(status);
+  return callers_fault ? status : absl::OkStatus();
+}
+
 absl::StatusOr<PlanOperation::Inputs> PlanOperation::FetchInputs(
     const v1::CreatePlanRequest& request, jobs::OperationContext& context) const {
   MORTISE_ASSIGN_OR_RETURN(const auto channel, peers_->Channel("catalog"));
@@ -78,14 +101,10 @@ absl::StatusOr<PlanOperation::Inputs> PlanOperation::FetchInputs(
   retry.patience = kCatalogTimeout;  // the catalog may be starting again
   retry.stop = context.stop_token();
 
-  v1::EvaluateTemplateRequest evaluate;
-  evaluate.set_name(request.template_());
-  evaluate.set_revision(request.template_revision());
-  *evaluate.mutable_parameters() = request.parameters();
   Inputs inputs;
-  MORTISE_ASSIGN_OR_RETURN(
-      inputs.design, rpc::CallUnary(*catalog, &v1::CatalogService::Stub::EvaluateTemplate, evaluate,
-                                    origin, retry));
+  MORTISE_ASSIGN_OR_RETURN(inputs.design,
+                           rpc::CallUnary(*catalog, &v1::CatalogService::Stub::EvaluateTemplate,
+                                          EvaluationOf(request), origin, retry));
   v1::GetTemplateBundleRequest get_bundle;
   get_bundle.set_name(request.template_());
   get_bundle.set_revision(inputs.design.template_revision());

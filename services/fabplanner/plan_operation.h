@@ -13,6 +13,7 @@
 namespace mortise::rpc {
 class IdentitySigner;
 class Peers;
+struct Origin;
 }  // namespace mortise::rpc
 namespace mortise::store {
 class BlobFolder;
@@ -33,6 +34,10 @@ class PlanOperation {
   // All outlive it; `signer` may be null.
   PlanOperation(rpc::Peers* peers, const rpc::IdentitySigner* signer, store::BlobFolder* blobs)
       : peers_(peers), signer_(signer), blobs_(blobs) {}
+
+  // Asks the catalog for the design: NOT_FOUND, INVALID_ARGUMENT or OUT_OF_RANGE as it answers. OK
+  // if it cannot be asked now; Run will.
+  absl::Status CheckDesign(const v1::CreatePlanRequest& request, const rpc::Origin& origin) const;
 
   // The packed v1::Plan.
   absl::StatusOr<std::string> Run(jobs::OperationContext& context) const;

@@ -13,6 +13,7 @@ absl::StatusOr<ReportLedger> ReportLedger::ForNewBridge(int64_t next_report_numb
 }
 
 absl::Status ReportLedger::CheckHello(int64_t next_report_number) const {
+  MORTISE_RETURN_IF_ERROR(ForNewBridge(next_report_number).status());
   if (next_report_number > stored_) return absl::OkStatus();
   return PreconditionFailed(
       "JOURNAL_LOST",

@@ -110,12 +110,15 @@ absl::StatusOr<std::string> RunWorkOrder(jobs::OperationContext& context,
   if (const absl::Status status = floor.Refresh(name); absl::IsNotFound(status)) return status;
   ShopFloor::Standing standing;
   while (true) {
-    MORTISE_ASSIGN_OR_RETURN(standing,
-                             floor.WaitForChange(name, standing, absl::Milliseconds(200)));
-    context.ReportProgress(
-        {.done = standing.done,
-         .total = standing.total,
-         .message = absl::StrCat("the order is ", OrderStateName(standing.state))});
+    const ShopFloor::Standing before = standing;
+    MORTISE_ASSIGN_OR_RETURN(standing, floor.WaitForChange(name, before, absl::Milliseconds(200)));
+    // An order may wait for machines for days; that is no news to store and to tell.
+    if (standing.state != before.state || standing.done != before.done || before.total == 0) {
+      context.ReportProgress(
+          {.done = standing.done,
+           .total = standing.total,
+           .message = absl::StrCat("the order is ", OrderStateName(standing.state))});
+    }
     if (IsFinal(standing.state)) break;
     if (!context.Cancelled()) continue;
     MORTISE_ASSIGN_OR_RETURN(const jobs::Operation operation, operations.Get(context.name()));

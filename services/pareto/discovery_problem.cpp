@@ -94,6 +94,9 @@ absl::Status CheckSpecification(const v1::DiscoverySpecification& specification)
     if (!names.insert(specification.objectives(k).metric()).second)
       return InvalidField(absl::StrCat("specification.objectives[", k, "].metric"),
                           "is given twice");
+  if (specification.mesh().element_size() < 0)
+    return InvalidField("specification.mesh.element_size",
+                        "must be positive, or 0 for the default");
   names.clear();
   for (int k = 0; k < specification.bounds_size(); ++k) {
     const auto& bound = specification.bounds(k);

@@ -154,7 +154,7 @@ class ParetoAdapter : public v1::ParetoService::CallbackService {
     auto described = DescribeDesignSpace(channel, specification, rpc::ForwardedFrom(call), {});
     if (!described.ok()) {
       const bool named = absl::IsInvalidArgument(described.status());
-      return named ? UnderField("specification.", described.status()) : described.status();
+      return named ? UnderField("specification", described.status()) : described.status();
     }
     MORTISE_RETURN_IF_ERROR(MakeProblem(specification, **described).status());
     v1::DiscoverySpecification settled = specification;

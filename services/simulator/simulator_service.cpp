@@ -23,6 +23,8 @@ namespace mortise::simulator {
 namespace {
 
 constexpr int64_t kBlobLimit = int64_t{1} << 30;
+constexpr std::size_t kLongestTaskKey = 128;
+constexpr int kMostRenewals = 1000;  // leases in one call
 
 // `seconds`, or `otherwise` for 0; INVALID_ARGUMENT naming `field` outside the range.
 absl::StatusOr<absl::Duration> Seconds(double seconds, double otherwise, double minimum,
@@ -45,9 +47,22 @@ absl::StatusOr<std::string> QueueName(const std::string& evaluator) {
   return InvalidField("evaluator", "must be letters, digits and hyphens");
 }
 
+// Digests, and operations' identifiers with a prefix.
+bool IsTaskKey(const std::string& key) {
+  return !key.empty() && key.size() <= kLongestTaskKey &&
+         std::all_of(key.begin(), key.end(), [](char c) {
+           return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-';
+         });
+}
+
 absl::StatusOr<std::string> TaskKey(const std::string& name, const std::string& field) {
-  if (absl::StartsWith(name, "tasks/") && name.size() > 6) return name.substr(6);
+  if (absl::StartsWith(name, "tasks/") && IsTaskKey(name.substr(6))) return name.substr(6);
   return InvalidField(field, "must have the form tasks/{id}");
+}
+
+absl::Status CheckAttempt(int attempt, const std::string& field) {
+  if (attempt >= 1) return absl::OkStatus();
+  return InvalidField(field, "must be at least 1, as leased");
 }
 
 // Receives a blob.
@@ -181,6 +196,9 @@ class SimulatorAdapter final : public v1::SimulatorService::CallbackService {
 
   absl::StatusOr<v1::ListAnalysesResponse> List(const v1::ListAnalysesRequest& asked) {
     MORTISE_ASSIGN_OR_RETURN(const int size, PageSize(asked.page_size()));
+    if (!asked.page_token().empty() && !IsResourceId(asked.page_token())) {
+      return InvalidField("page_token", "is not one that this method gave");
+    }
     v1::ListAnalysesResponse response;
     MORTISE_RETURN_IF_ERROR(store_->Read([&](store::ReadTransaction& read) -> absl::Status {
       response.Clear();
@@ -247,11 +265,16 @@ class SimulatorAdapter final : public v1::SimulatorService::CallbackService {
   absl::StatusOr<v1::RenewLeasesResponse> Renew(const v1::RenewLeasesRequest& asked) {
     MORTISE_ASSIGN_OR_RETURN(const absl::Duration lease,
                              Seconds(asked.lease_seconds(), 30, 1, 3600, "lease_seconds"));
+    if (asked.tasks_size() > kMostRenewals) {
+      return InvalidField("tasks", absl::StrCat("has more than ", kMostRenewals, " entries"));
+    }
     v1::RenewLeasesResponse response;
     for (int i = 0; i < asked.tasks_size(); ++i) {
       const v1::TaskAttempt& attempt = asked.tasks(i);
       MORTISE_ASSIGN_OR_RETURN(const std::string key,
                                TaskKey(attempt.name(), absl::StrCat("tasks[", i, "].name")));
+      MORTISE_RETURN_IF_ERROR(
+          CheckAttempt(attempt.attempt(), absl::StrCat("tasks[", i, "].attempt")));
       const absl::Status status = store_->Transact(
           [&](store::Transaction& transaction) {
             return transaction.RenewLease(kSimulatorQueue, key, attempt.attempt(), lease);
@@ -270,6 +293,7 @@ class SimulatorAdapter final : public v1::SimulatorService::CallbackService {
   // What a worker says of its attempt becomes the task's end, or its next try.
   absl::StatusOr<v1::ReportTaskResponse> Report(const v1::ReportTaskRequest& asked) {
     MORTISE_ASSIGN_OR_RETURN(const std::string key, TaskKey(asked.task().name(), "task.name"));
+    MORTISE_RETURN_IF_ERROR(CheckAttempt(asked.task().attempt(), "task.attempt"));
     for (int i = 0; i < asked.analysis().artifacts_size(); ++i) {
       const absl::Status there = blobs_->Size(asked.analysis().artifacts(i).sha256()).status();
       if (!there.ok()) {
@@ -323,6 +347,9 @@ class SimulatorAdapter final : public v1::SimulatorService::CallbackService {
   absl::StatusOr<v1::ListTasksResponse> List(const v1::ListTasksRequest& asked) {
     MORTISE_ASSIGN_OR_RETURN(const std::string queue, QueueName(asked.evaluator()));
     MORTISE_ASSIGN_OR_RETURN(const std::size_t size, PageSize(asked.page_size()));
+    if (!asked.page_token().empty() && !IsTaskKey(asked.page_token())) {
+      return InvalidField("page_token", "is not one that this method gave");
+    }
     v1::ListTasksResponse response;
     MORTISE_RETURN_IF_ERROR(store_->Read([&](store::ReadTransaction& read) -> absl::Status {
       response.Clear();

@@ -366,9 +366,10 @@ TEST_F(FabPlannerServiceTest, BadPlansAreRefusedWithTheFieldAtFault) {
 
   request = TableRequest();
   request.set_template_("templates/none");
-  const v1::Operation unknown = CreatePlan(request);
-  EXPECT_EQ(unknown.state(), v1::Operation::FAILED);
-  EXPECT_EQ(unknown.error().code(), static_cast<int>(grpc::StatusCode::NOT_FOUND));
+  v1::Operation unknown;
+  auto asking = Context();
+  EXPECT_EQ(Planner()->CreatePlan(asking.get(), request, &unknown).error_code(),
+            grpc::StatusCode::NOT_FOUND);
 
   v1::ListPlansResponse list;
   auto context = Context();

@@ -3,7 +3,11 @@
 #include <grpcpp/support/status.h>
 #include <gtest/gtest.h>
 
+#include <string>
+#include <vector>
+
 #include "common/base/errors.h"
+#include "common/base/field_violations.h"
 #include "google/rpc/status.pb.h"
 
 namespace mortise::rpc {
@@ -61,6 +65,44 @@ TEST(StatusMappingTest, MessagesFitIntoHeadersAndAreUtf8) {
 
   const grpc::Status broken = ToGrpc(absl::InternalError("caf\xc3\xa9 \xff\xc3 \xed\xa0\x80."));
   EXPECT_EQ(broken.error_message(), "caf\xc3\xa9 ?? ???.");
+}
+
+// What an HTTP/2 client counts against its limit of 8 KiB, other headers left aside.
+std::size_t HeaderBytes(const grpc::Status& status) {
+  std::size_t bytes = status.error_details().size() * 4 / 3;
+  for (const char c : status.error_message()) bytes += c >= ' ' && c <= '~' && c != '%' ? 1 : 3;
+  return bytes;
+}
+
+TEST(StatusMappingTest, TheLongestFailuresFitIntoHeaders) {
+  constexpr std::size_t kRoom = 7400;
+  std::string umlauts;
+  while (umlauts.size() < 10000) umlauts += "ü";
+  for (const std::string& text : {std::string(10000, 'x'), umlauts, std::string(10000, '\0')}) {
+    EXPECT_LT(HeaderBytes(ToGrpc(InvalidField(text, text))), kRoom);
+    EXPECT_LT(HeaderBytes(ToGrpc(ResourceNotFound(text))), kRoom);
+    EXPECT_LT(HeaderBytes(ToGrpc(PreconditionFailed(text, text, text))), kRoom);
+    const std::vector<FieldViolation> many(100, {text, text});
+    EXPECT_LT(HeaderBytes(ToGrpc(InvalidFields(many))), kRoom);
+    EXPECT_LT(HeaderBytes(ToGrpc(InvalidFields({{"a", text}, {text, "b"}}))), kRoom);
+  }
+}
+
+TEST(StatusMappingTest, EveryFieldAtFaultArrives) {
+  std::vector<FieldViolation> sent;
+  for (int i = 0; i < 30; ++i) {
+    sent.push_back({"parts[" + std::to_string(i) + "].item", "there is no item 'items/x'"});
+  }
+  const absl::Status back = FromGrpc(ToGrpc(UnderField("template", InvalidFields(sent))));
+  const std::vector<FieldViolation> came = ViolationsOf(back);
+  ASSERT_EQ(came.size(), sent.size());
+  for (std::size_t i = 0; i < sent.size(); ++i) {
+    EXPECT_EQ(came[i].field, "template." + sent[i].field);
+    EXPECT_EQ(came[i].message, sent[i].message);
+  }
+  EXPECT_EQ(DetailOf(back).field, "template.parts[0].item");
+  EXPECT_EQ(back.message().rfind("30 findings: template.parts[0].item: there is no", 0), 0u);
+  EXPECT_TRUE(ViolationsOf(FromGrpc(ToGrpc(InvalidField("a", "b")))).empty());
 }
 
 TEST(StatusMappingTest, ForeignDetailsAreIgnored) {
