@@ -3,22 +3,24 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
+#include <chrono>
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <thread>
 
 #include "cli/process.h"
 #include "cli/state_folder.h"
 #include "common/base/files.h"
 #include "common/base/identifiers.h"
 #include "tests/e2e/command.h"
-#include "tests/support/file_watch.h"
 
 namespace mortise::e2e {
 namespace {
 
 using Json = nlohmann::json;
+using Clock = std::chrono::steady_clock;
 
 // What of a demo must not depend on what died meanwhile.
 Json Essence(const Json& document) {
@@ -32,7 +34,7 @@ Json Essence(const Json& document) {
           {"total", document["plan"]["total"]}};
 }
 
-class FaultTest : public ::testing::Test {
+class FaultTest : public testing::Test {
  protected:
   FaultTest()
       : folder_(std::filesystem::temp_directory_path() / ("mortise-fault-" + NewIdentifier())) {
@@ -46,25 +48,18 @@ class FaultTest : public ::testing::Test {
   }
 
   // Waits until the process serves (again) and returns its pid; 0 if the house ends first.
-  static pid_t WaitForProcess(const std::filesystem::path& state, const std::string& name,
-                              pid_t other, pid_t demo) {
-    pid_t found = 0;
-    const mortise::testing::ProcessEnd end(demo);
-    mortise::testing::WaitForFiles(
-        state,
-        [&] {
-          const auto house = cli::ReadRunningHouse(state);
-          if (!house.ok()) return false;
-          for (const auto& process : house->processes) {
-            const bool serves = process.serving && process.pid != other;
-            if (process.name == name && serves && cli::ProcessExists(process.pid)) {
-              found = process.pid;
-            }
-          }
-          return found != 0;
-        },
-        absl::InfiniteDuration(), end.descriptor());
-    return found;
+  pid_t WaitForProcess(const std::filesystem::path& state, const std::string& name, pid_t other,
+                       pid_t demo) const {
+    while (cli::ProcessExists(demo)) {
+      const auto house = cli::ReadRunningHouse(state);
+      if (house.ok()) {
+        for (const auto& process : house->processes) {
+          if (process.name == name && process.serving && process.pid != other) return process.pid;
+        }
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    return 0;
   }
 
   static void ResumeEveryWorkOrder(const std::filesystem::path& state) {
@@ -85,7 +80,6 @@ TEST_F(FaultTest, DemoEndsTheSameWhenEachServiceIsKilledInTurn) {
 
   const std::string out = (folder_ / "disturbed.json").string();
   const std::filesystem::path state = folder_ / "disturbed" / "house";
-  std::filesystem::create_directories(state);
   BackgroundCommand demo(Arguments("disturbed"), out);
   int killed = 0;
   for (const char* name : {"simulator-worker-1", "pareto", "simulator", "gateway", "catalog",

@@ -301,8 +301,14 @@ class WebhookTest : public EventsTest {
 TEST_F(WebhookTest, PostsSignedEventsInOrder) {
   Tell("item.created", "items/before");
   // Known to the gateway before the webhook is made, which begins with what comes after.
-  HttpStream stream(gateway_->addresses().http, "/events?after=0");
-  stream.ReadUntil("items/before");
+  const auto events = v1::EventService::NewStub(channel_);
+  const absl::Status known = rpc::CallWithRetry({}, {}, [&](grpc::ClientContext* context) {
+    v1::ListStreamsResponse streams;
+    const grpc::Status status = events->ListStreams(context, {}, &streams);
+    if (!status.ok() || streams.streams(0).latest_number() >= 1) return status;
+    return grpc::Status(grpc::StatusCode::UNAVAILABLE, "not yet");
+  });
+  ASSERT_TRUE(known.ok()) << known;
   const v1::Webhook webhook = Create(receiver_.url(), "item.");
   EXPECT_FALSE(webhook.secret().empty());
   for (int i = 0; i < 5; ++i) {

@@ -44,7 +44,8 @@ TEST_F(ChannelTest, IdentityTraceAndDeadlineTravelOn) {
   ASSERT_OK(response);
   EXPECT_EQ(response->text(), "users/ada trace-7");
   EXPECT_GT(response->number(), 90);
-  EXPECT_LE(response->number(), 100);
+  // gRPC rounds the time left up, by a hundredth at most.
+  EXPECT_LE(response->number(), 101);
 }
 
 TEST_F(ChannelTest, AServiceCallsInItsOwnName) {
