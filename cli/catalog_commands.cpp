@@ -1,5 +1,4 @@
 // mortise catalog import|list|show|evaluate: materials, items and templates.
-#include <google/protobuf/io/tokenizer.h>
 #include <google/protobuf/text_format.h>
 #include <grpcpp/grpcpp.h>
 
@@ -10,11 +9,10 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "cli/catalog_import.h"
 #include "cli/requests.h"
 #include "cli/session.h"
 #include "common/base/errors.h"
-#include "common/base/files.h"
-#include "common/base/identifiers.h"
 #include "common/rpc/status_mapping.h"
 #include "mortise/v1/catalog.grpc.pb.h"
 
@@ -29,115 +27,6 @@ struct EvaluateOptions {
   std::filesystem::path step;
   std::filesystem::path glb;
 };
-
-// Collects what the parser of design files has to say, with its place.
-class Findings : public google::protobuf::io::ErrorCollector {
- public:
-  void AddError(int line, google::protobuf::io::ColumnNumber column,
-                const std::string& message) override {
-    absl::StrAppend(&text_, "line ", line + 1, ", column ", column + 1, ": ", message, "\n");
-  }
-  const std::string& text() const { return text_; }
-
- private:
-  std::string text_;
-};
-
-// Reads a design file in protobuf's text format: a TemplateBundle, or a Template where the line
-// "# proto-message: mortise.v1.Template" says so.
-absl::StatusOr<v1::TemplateBundle> ReadDesignFile(const std::filesystem::path& path) {
-  MORTISE_ASSIGN_OR_RETURN(const std::string text, ReadFile(path, 4 << 20));
-  v1::TemplateBundle bundle;
-  const bool is_template = absl::StrContains(text, "# proto-message: mortise.v1.Template\n");
-  Findings findings;
-  google::protobuf::TextFormat::Parser parser;
-  parser.RecordErrorsTo(&findings);
-  google::protobuf::Message* const target =
-      is_template ? static_cast<google::protobuf::Message*>(bundle.mutable_template_()) : &bundle;
-  if (!parser.ParseFromString(text, target)) return InvalidField(path.string(), findings.text());
-  return bundle;
-}
-
-// What is there already keeps its place: importing a file twice is no error.
-absl::Status ImportFile(const std::filesystem::path& path, Stub& stub, const GatewayClient& client,
-                        const Output& output, nlohmann::ordered_json& imported) {
-  MORTISE_ASSIGN_OR_RETURN(const v1::TemplateBundle bundle, ReadDesignFile(path));
-  const auto note = [&](const std::string& name, bool created) {
-    output.Line(absl::StrCat(name, created ? " imported" : " was there already"));
-    imported.push_back({{"name", name}, {"created", created}});
-  };
-  for (const v1::Material& material : bundle.materials()) {
-    grpc::ClientContext context;
-    client.Prepare(context);
-    v1::CreateMaterialRequest request;
-    request.set_request_id(NewIdentifier());
-    *request.mutable_material() = material;
-    v1::Material made;
-    const absl::Status status = rpc::FromGrpc(stub.CreateMaterial(&context, request, &made));
-    if (!status.ok() && !absl::IsAlreadyExists(status)) return UnderField(path.string(), status);
-    note(material.name(), status.ok());
-  }
-  for (const v1::Item& item : bundle.items()) {
-    grpc::ClientContext context;
-    client.Prepare(context);
-    v1::CreateItemRequest request;
-    request.set_request_id(NewIdentifier());
-    *request.mutable_item() = item;
-    v1::Item made;
-    const absl::Status status = rpc::FromGrpc(stub.CreateItem(&context, request, &made));
-    if (!status.ok() && !absl::IsAlreadyExists(status)) return UnderField(path.string(), status);
-    note(item.name(), status.ok());
-  }
-  if (!bundle.has_template_()) return absl::OkStatus();
-  v1::ImportTemplateRequest request;
-  request.set_request_id(NewIdentifier());
-  *request.mutable_template_() = bundle.template_();
-  v1::Template present;
-  {
-    grpc::ClientContext context;
-    client.Prepare(context);
-    v1::GetTemplateRequest get;
-    get.set_name(bundle.template_().name());
-    if (stub.GetTemplate(&context, get, &present).ok()) {
-      request.set_expected_revision(present.revision());
-    }
-  }
-  grpc::ClientContext context;
-  client.Prepare(context);
-  v1::Template made;
-  const absl::Status status = rpc::FromGrpc(stub.ImportTemplate(&context, request, &made));
-  if (!status.ok()) return UnderField(path.string(), status);
-  note(absl::StrCat(made.name(), " revision ", made.revision()), true);
-  return absl::OkStatus();
-}
-
-absl::Status Import(const std::vector<std::filesystem::path>& files, Session& session,
-                    Output& output) {
-  MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
-  const auto stub = v1::CatalogService::NewStub(client->channel());
-  nlohmann::ordered_json imported = nlohmann::ordered_json::array();
-  for (const std::filesystem::path& file : files) {
-    MORTISE_RETURN_IF_ERROR(ImportFile(file, *stub, *client, output, imported));
-  }
-  output.Document(imported);
-  return absl::OkStatus();
-}
-
-// All pages of a list method.
-template <typename Request, typename Response, typename Method, typename Take>
-absl::Status ListAll(const GatewayClient& client, Method method, Take take) {
-  Request request;
-  request.set_page_size(1000);
-  do {
-    grpc::ClientContext context;
-    client.Prepare(context);
-    Response response;
-    MORTISE_RETURN_IF_ERROR(rpc::FromGrpc(method(&context, request, &response)));
-    take(response);
-    request.set_page_token(response.next_page_token());
-  } while (!request.page_token().empty());
-  return absl::OkStatus();
-}
 
 absl::Status List(const std::string& what, Session& session, Output& output) {
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
@@ -259,41 +148,39 @@ void AddCatalogCommands(CLI::App& app, Session& session) {
   catalog->require_subcommand(1);
 
   auto files = std::make_shared<std::vector<std::filesystem::path>>();
-  CLI::App* import = catalog->add_subcommand("import", "Add design files to the catalog");
-  import->add_option("files", *files, "Design files (.textproto)")->required();
-  import->footer("Example: mortise catalog import collection/designs/table/template.textproto");
-  import->callback([&session, files] {
-    session.command = [files](Session& s, Output& o) { return Import(*files, s, o);
-};
-}  // namespace mortise::cli
-);
+  CLI::App* add = catalog->add_subcommand("import", "Add design files to the catalog, or none");
+  add->add_option("files", *files, "Design files (.textproto)")->required();
+  add->footer("Example: mortise catalog import collection/designs/table/template.textproto");
+  add->callback([&session, files] {
+    session.command = [files](Session& s, Output& o) { return ImportFiles(*files, s, o); };
+  });
 
-auto what = std::make_shared<std::string>("templates");
-CLI::App* list = catalog->add_subcommand("list", "List templates, items or materials");
-list->add_option("what", *what, "templates, items or materials")
-    ->check(CLI::IsMember({"templates", "items", "materials"}))
-    ->capture_default_str();
-list->callback([&session, what] {
-  session.command = [what](Session& s, Output& o) { return List(*what, s, o); };
-});
+  auto what = std::make_shared<std::string>("templates");
+  CLI::App* list = catalog->add_subcommand("list", "List templates, items or materials");
+  list->add_option("what", *what, "templates, items or materials")
+      ->check(CLI::IsMember({"templates", "items", "materials"}))
+      ->capture_default_str();
+  list->callback([&session, what] {
+    session.command = [what](Session& s, Output& o) { return List(*what, s, o); };
+  });
 
-auto name = std::make_shared<std::string>();
-CLI::App* show = catalog->add_subcommand("show", "Print a template, item or material");
-show->add_option("name", *name, "Such as templates/table or items/dowel-8x35")->required();
-show->callback([&session, name] {
-  session.command = [name](Session& s, Output& o) { return Show(*name, s, o); };
-});
+  auto name = std::make_shared<std::string>();
+  CLI::App* show = catalog->add_subcommand("show", "Print a template, item or material");
+  show->add_option("name", *name, "Such as templates/table or items/dowel-8x35")->required();
+  show->callback([&session, name] {
+    session.command = [name](Session& s, Output& o) { return Show(*name, s, o); };
+  });
 
-auto options = std::make_shared<EvaluateOptions>();
-CLI::App* evaluate = catalog->add_subcommand("evaluate", "The parts of a template at parameters");
-evaluate->add_option("template", options->subject, "Template, such as table")->required();
-evaluate->add_option("--set", options->parameters, "NAME=VALUE, such as length=1500mm");
-evaluate->add_option("--step", options->step, "Also write a STEP file");
-evaluate->add_option("--glb", options->glb, "Also write a GLB file");
-evaluate->footer("Example: mortise catalog evaluate table --set length=1500mm --glb table.glb");
-evaluate->callback([&session, options] {
-  session.command = [options](Session& s, Output& o) { return Evaluate(*options, s, o); };
-});
+  auto options = std::make_shared<EvaluateOptions>();
+  CLI::App* evaluate = catalog->add_subcommand("evaluate", "The parts of a template at parameters");
+  evaluate->add_option("template", options->subject, "Template, such as table")->required();
+  evaluate->add_option("--set", options->parameters, "NAME=VALUE, such as length=1500mm");
+  evaluate->add_option("--step", options->step, "Also write a STEP file");
+  evaluate->add_option("--glb", options->glb, "Also write a GLB file");
+  evaluate->footer("Example: mortise catalog evaluate table --set length=1500mm --glb table.glb");
+  evaluate->callback([&session, options] {
+    session.command = [options](Session& s, Output& o) { return Evaluate(*options, s, o); };
+  });
 }
 
 }  // namespace mortise::cli

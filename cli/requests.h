@@ -2,6 +2,7 @@
 // operations followed with a progress bar.
 #pragma once
 
+#include <grpcpp/client_context.h>
 #include <grpcpp/support/sync_stream.h>
 
 #include <filesystem>
@@ -13,6 +14,8 @@
 #include "absl/status/statusor.h"
 #include "cli/gateway_client.h"
 #include "cli/output.h"
+#include "common/base/errors.h"
+#include "common/rpc/status_mapping.h"
 #include "mortise/v1/operations.pb.h"
 #include "mortise/v1/types.pb.h"
 
@@ -44,6 +47,10 @@ template <typename Result>
 absl::StatusOr<Result> FollowTo(const GatewayClient& client, const v1::Operation& operation,
                                 Output& output);
 
+// Takes all pages of a list method, one after the other.
+template <typename Request, typename Response, typename Method, typename Take>
+absl::Status ListAll(const GatewayClient& client, Method method, Take take);
+
 // The part of FollowTo that does not depend on the result's type.
 absl::StatusOr<v1::Operation> FollowWithProgress(const GatewayClient& client,
                                                  const v1::Operation& operation, Output& output);
@@ -58,6 +65,21 @@ absl::StatusOr<Result> FollowTo(const GatewayClient& client, const v1::Operation
     return absl::InternalError("unexpected result of " + done->name());
   }
   return result;
+}
+
+template <typename Request, typename Response, typename Method, typename Take>
+absl::Status ListAll(const GatewayClient& client, Method method, Take take) {
+  Request request;
+  request.set_page_size(1000);
+  do {
+    grpc::ClientContext context;
+    client.Prepare(context);
+    Response response;
+    MORTISE_RETURN_IF_ERROR(rpc::FromGrpc(method(&context, request, &response)));
+    take(response);
+    request.set_page_token(response.next_page_token());
+  } while (!request.page_token().empty());
+  return absl::OkStatus();
 }
 
 }  // namespace mortise::cli

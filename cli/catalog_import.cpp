@@ -1,0 +1,305 @@
+#include "cli/catalog_import.h"
+
+#include <google/protobuf/util/message_differencer.h>
+#include <grpcpp/grpcpp.h>
+
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "cli/requests.h"
+#include "common/base/errors.h"
+#include "common/base/files.h"
+#include "common/base/identifiers.h"
+#include "common/parametric/collection.h"
+#include "common/parametric/template_codec.h"
+#include "common/parametric/template_validation.h"
+#include "common/rpc/status_mapping.h"
+#include "mortise/v1/catalog.grpc.pb.h"
+
+namespace mortise::cli {
+namespace {
+
+using parametric::Finding;
+using Findings = std::vector<Finding>;
+
+// A message of a file, and where it comes from.
+template <typename Message>
+struct Read {
+  std::string file;
+  Message message;
+};
+
+struct Designs {
+  std::vector<Read<v1::Material>> materials;
+  std::vector<Read<v1::Item>> items;
+  std::vector<Read<v1::Template>> templates;
+};
+
+// What the catalog has, by name.
+struct Present {
+  std::map<std::string, v1::Material> materials;
+  std::map<std::string, v1::Item> items;
+};
+
+// A failure of one message or file as a finding, and findings under the name of what they are of.
+Finding ToFinding(const std::string& place, const absl::Status& status) {
+  return {place, std::string(status.message())};
+}
+
+void Add(const std::string& place, const Findings& more, Findings& findings) {
+  for (const Finding& finding : more) {
+    findings.push_back({absl::StrCat(place, ".", finding.field), finding.message});
+  }
+}
+
+absl::Status ReadDesigns(const std::filesystem::path& path, Designs& designs) {
+  MORTISE_ASSIGN_OR_RETURN(const std::string text, ReadFile(path, 4 << 20));
+  const std::string file = path.string();
+  if (absl::StrContains(text, "# proto-message: mortise.v1.Template\n")) {
+    MORTISE_ASSIGN_OR_RETURN(v1::Template message, parametric::ParseTemplateText(text, file));
+    designs.templates.push_back({file, std::move(message)});
+    return absl::OkStatus();
+  }
+  MORTISE_ASSIGN_OR_RETURN(v1::TemplateBundle bundle, parametric::ParseBundleText(text, file));
+  for (v1::Material& material : *bundle.mutable_materials()) {
+    designs.materials.push_back({file, std::move(material)});
+  }
+  for (v1::Item& item : *bundle.mutable_items()) designs.items.push_back({file, std::move(item)});
+  if (bundle.has_template_()) {
+    designs.templates.push_back({file, std::move(*bundle.mutable_template_())});
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<Present> ReadCatalog(v1::CatalogService::Stub& stub, const GatewayClient& client) {
+  Present present;
+  const absl::Status materials = ListAll<v1::ListMaterialsRequest, v1::ListMaterialsResponse>(
+      client, [&](auto... a) { return stub.ListMaterials(a...); },
+      [&](const v1::ListMaterialsResponse& page) {
+        for (const auto& material : page.materials()) present.materials[material.name()] = material;
+      });
+  MORTISE_RETURN_IF_ERROR(materials);
+  const absl::Status items = ListAll<v1::ListItemsRequest, v1::ListItemsResponse>(
+      client, [&](auto... a) { return stub.ListItems(a...); },
+      [&](const v1::ListItemsResponse& page) {
+        for (const auto& item : page.items()) present.items[item.name()] = item;
+      });
+  MORTISE_RETURN_IF_ERROR(items);
+  return present;
+}
+
+// Whether two materials or items say the same, but for what the service sets.
+template <typename Message>
+bool SameContent(Message a, Message b) {
+  for (Message* message : {&a, &b}) {
+    message->clear_revision();
+    if constexpr (std::is_same_v<Message, v1::Item>) message->clear_update_time();
+  }
+  return google::protobuf::util::MessageDifferencer::Equals(a, b);
+}
+
+// Checks designs against each other and what is present.
+class Check {
+ public:
+  Check(const Designs& designs, const Present& present) : designs_(designs), present_(present) {}
+
+  Findings Run() {
+    for (const auto& [name, material] : present_.materials) TakeKnown(material, materials_);
+    for (const auto& read : designs_.materials) CheckMaterial(read);
+    for (const auto& [name, item] : present_.items) {
+      if (!InFiles(name)) TakeKnown(item, items_);
+    }
+    for (const auto& read : designs_.items) CheckItem(read);
+    // A template is not judged by items that are at fault themselves.
+    if (findings_.empty()) {
+      for (const auto& read : designs_.templates) CheckTemplate(read);
+    }
+    return std::move(findings_);
+  }
+
+ private:
+  template <typename Message>
+  std::string Place(const Read<Message>& read) {
+    std::string place = absl::StrCat(read.file, ": ", read.message.name());
+    if (!names_.insert(read.message.name()).second) {
+      findings_.push_back({place, "is there twice"});
+    }
+    return place;
+  }
+
+  template <typename Message, typename Struct>
+  void TakeKnown(const Message& message, std::vector<Struct>& known) {
+    absl::StatusOr<Struct> converted = parametric::FromProto(message);
+    if (converted.ok()) known.push_back(*std::move(converted));
+  }
+
+  bool InFiles(const std::string& name) const {
+    for (const auto& read : designs_.items) {
+      if (read.message.name() == name) return true;
+    }
+    return false;
+  }
+
+  void CheckMaterial(const Read<v1::Material>& read) {
+    const std::string place = Place(read);
+    absl::StatusOr<parametric::Material> material = parametric::FromProto(read.message);
+    if (!material.ok()) return findings_.push_back(ToFinding(place, material.status()));
+    Add(place, parametric::ValidateMaterial(*material), findings_);
+    const auto found = present_.materials.find(read.message.name());
+    if (found == present_.materials.end()) return materials_.push_back(*std::move(material));
+    if (SameContent(found->second, read.message)) return;
+    findings_.push_back(
+        {place, "is in the catalog with other values; materials do not change: take a new name"});
+  }
+
+  void CheckItem(const Read<v1::Item>& read) {
+    const std::string place = Place(read);
+    absl::StatusOr<parametric::Item> item = parametric::FromProto(read.message);
+    if (!item.ok()) return findings_.push_back(ToFinding(place, item.status()));
+    Add(place, parametric::ValidateItem(*item, materials_), findings_);
+    items_.push_back(*std::move(item));
+  }
+
+  void CheckTemplate(const Read<v1::Template>& read) {
+    const std::string place = Place(read);
+    absl::StatusOr<parametric::TemplateDefinition> definition = parametric::FromProto(read.message);
+    if (!definition.ok()) return findings_.push_back(ToFinding(place, definition.status()));
+    Add(place,
+        parametric::ValidateTemplate(
+            parametric::MakeBundle(*std::move(definition), items_, materials_)),
+        findings_);
+  }
+
+  const Designs& designs_;
+  const Present& present_;
+  std::vector<parametric::Material> materials_;  // of the files and the catalog
+  std::vector<parametric::Item> items_;          // the same; the files' where both have one
+  std::set<std::string> names_;                  // of the files
+  Findings findings_;
+};
+
+// Stores designs that have been checked, and tells of each.
+class Storing {
+ public:
+  Storing(v1::CatalogService::Stub& stub, const GatewayClient& client, const Present& present,
+          const Output& output)
+      : stub_(stub), client_(client), present_(present), output_(output) {}
+
+  absl::Status Run(const Designs& designs) {
+    for (const auto& read : designs.materials) {
+      MORTISE_RETURN_IF_ERROR(UnderField(read.file, StoreMaterial(read.message)));
+    }
+    for (const auto& read : designs.items) {
+      MORTISE_RETURN_IF_ERROR(UnderField(read.file, StoreItem(read.message)));
+    }
+    for (const auto& read : designs.templates) {
+      MORTISE_RETURN_IF_ERROR(UnderField(read.file, StoreTemplate(read.message)));
+    }
+    return absl::OkStatus();
+  }
+
+  const nlohmann::ordered_json& document() const { return document_; }
+
+ private:
+  template <typename Message>
+  void Note(const Message& message, std::int64_t revision_before) {
+    const bool changed = message.revision() != revision_before;
+    output_.Line(absl::StrCat(message.name(), changed ? " imported as" : " is there already as",
+                              " revision ", message.revision()));
+    document_.push_back({{"name", message.name()},
+                         {"revision", message.revision()},
+                         {"change", !changed               ? "none"
+                                    : revision_before == 0 ? "created"
+                                                           : "updated"}});
+  }
+
+  absl::Status StoreMaterial(const v1::Material& material) {
+    const auto found = present_.materials.find(material.name());
+    if (found != present_.materials.end()) {
+      Note(found->second, found->second.revision());
+      return absl::OkStatus();
+    }
+    v1::CreateMaterialRequest request;
+    *request.mutable_material() = material;
+    return Send(
+        request, [this](auto... a) { return stub_.CreateMaterial(a...); }, v1::Material(), 0);
+  }
+
+  absl::Status StoreItem(const v1::Item& item) {
+    const auto found = present_.items.find(item.name());
+    if (found == present_.items.end()) {
+      v1::CreateItemRequest request;
+      *request.mutable_item() = item;
+      return Send(
+          request, [this](auto... a) { return stub_.CreateItem(a...); }, v1::Item(), 0);
+    }
+    const std::int64_t revision = found->second.revision();
+    if (SameContent(found->second, item)) {
+      Note(found->second, revision);
+      return absl::OkStatus();
+    }
+    v1::UpdateItemRequest request;
+    *request.mutable_item() = item;
+    request.mutable_item()->set_revision(revision);
+    return Send(
+        request, [this](auto... a) { return stub_.UpdateItem(a...); }, v1::Item(), revision);
+  }
+
+  absl::Status StoreTemplate(const v1::Template& design) {
+    grpc::ClientContext context;
+    client_.Prepare(context);
+    v1::GetTemplateRequest get;
+    get.set_name(design.name());
+    v1::Template present;
+    const absl::Status status = rpc::FromGrpc(stub_.GetTemplate(&context, get, &present));
+    if (!status.ok() && !absl::IsNotFound(status)) return status;
+    v1::ImportTemplateRequest request;
+    *request.mutable_template_() = design;
+    request.set_expected_revision(present.revision());
+    return Send(
+        request, [this](auto... a) { return stub_.ImportTemplate(a...); }, v1::Template(),
+        present.revision());
+  }
+
+  template <typename Request, typename Method, typename Message>
+  absl::Status Send(Request& request, Method method, Message stored, std::int64_t before) {
+    request.set_request_id(NewIdentifier());
+    grpc::ClientContext context;
+    client_.Prepare(context);
+    MORTISE_RETURN_IF_ERROR(rpc::FromGrpc(method(&context, request, &stored)));
+    Note(stored, before);
+    return absl::OkStatus();
+  }
+
+  v1::CatalogService::Stub& stub_;
+  const GatewayClient& client_;
+  const Present& present_;
+  const Output& output_;
+  nlohmann::ordered_json document_ = nlohmann::ordered_json::array();
+};
+
+}  // namespace
+
+absl::Status ImportFiles(const std::vector<std::filesystem::path>& files, Session& session,
+                         Output& output) {
+  Designs designs;
+  Findings findings;
+  for (const std::filesystem::path& file : files) {
+    const absl::Status read = ReadDesigns(file, designs);
+    if (!read.ok()) findings.push_back(ToFinding(file.string(), read));
+  }
+  MORTISE_RETURN_IF_ERROR(parametric::ToStatus(findings));
+  MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
+  const auto stub = v1::CatalogService::NewStub(client->channel());
+  MORTISE_ASSIGN_OR_RETURN(const Present present, ReadCatalog(*stub, *client));
+  MORTISE_RETURN_IF_ERROR(parametric::ToStatus(Check(designs, present).Run()));
+  Storing storing(*stub, *client, present, output);
+  MORTISE_RETURN_IF_ERROR(storing.Run(designs));
+  output.Document(storing.document());
+  return absl::OkStatus();
+}
+
+}  // namespace mortise::cli

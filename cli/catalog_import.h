@@ -1,0 +1,24 @@
+// mortise catalog import: files of materials, items and templates into the catalog.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "cli/output.h"
+#include "cli/session.h"
+
+namespace mortise::cli {
+
+// Reads design files (protobuf text: a TemplateBundle, or a Template where a line says
+// "# proto-message: mortise.v1.Template"), checks all of them against each other and the catalog,
+// and only then stores them, in the order materials, items, templates. What the catalog has already
+// with the same content stays as it is; items and templates that differ become new revisions.
+//
+// INVALID_ARGUMENT naming every fault of every file, with nothing stored: text that cannot be
+// parsed, content that cannot be built, a name that is there twice, a material that differs from
+// the catalog's (materials do not change).
+absl::Status ImportFiles(const std::vector<std::filesystem::path>& files, Session& session,
+                         Output& output);
+
+}  // namespace mortise::cli
