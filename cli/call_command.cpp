@@ -76,6 +76,7 @@ absl::Status Call(const CallOptions& options, Session& session, Output& output) 
 constexpr char kServing[] = {0x08, 0x01};
 
 absl::Status Health(double seconds, Session& session, Output& output) {
+  session.gateway.patience = seconds;
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   bool serving = false;
   MORTISE_RETURN_IF_ERROR(CallGeneric(*client, "/grpc.health.v1.Health/Check", "", seconds,

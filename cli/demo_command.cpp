@@ -88,19 +88,35 @@ class DemoHouse {
   RunningHouse running_;
 };
 
+// Runs a command, and again for a while where a service is just starting anew. Not what releases
+// work to machines: whether a lost answer stood for a release, only a person should say.
+absl::Status RunThroughRestarts(const std::vector<std::string>& arguments, const Session& session,
+                                Output& output) {
+  constexpr std::chrono::seconds kPatience{30};
+  constexpr std::chrono::milliseconds kPause{200};
+  const auto end = std::chrono::steady_clock::now() + kPatience;
+  while (true) {
+    const absl::Status status = RunCommandLine(arguments, session, output);
+    const bool again = absl::IsUnavailable(status) && arguments.front() != "fab" &&
+                       std::chrono::steady_clock::now() < end;
+    if (!again) return status;
+    std::this_thread::sleep_for(kPause);
+  }
+}
+
 // Shows a command, runs it, and returns the document it made.
 absl::StatusOr<Json> Step(const std::string& what, const std::vector<std::string>& arguments,
                           const Session& session, const Output& output) {
   output.Line(absl::StrCat("\n== ", what, "\n$ mortise ", absl::StrJoin(arguments, " ")));
   Output step(output.text() ? Output::Form::kText : Output::Form::kSilent);
-  MORTISE_RETURN_IF_ERROR(RunCommandLine(arguments, session, step));
+  MORTISE_RETURN_IF_ERROR(RunThroughRestarts(arguments, session, step));
   return Json::parse(step.last_document(), nullptr, /*allow_exceptions=*/false);
 }
 
 // The same without a word.
 absl::StatusOr<Json> Ask(const std::vector<std::string>& arguments, const Session& session) {
   Output silent(Output::Form::kSilent);
-  MORTISE_RETURN_IF_ERROR(RunCommandLine(arguments, session, silent));
+  MORTISE_RETURN_IF_ERROR(RunThroughRestarts(arguments, session, silent));
   return Json::parse(silent.last_document(), nullptr, /*allow_exceptions=*/false);
 }
 

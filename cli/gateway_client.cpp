@@ -2,10 +2,12 @@
 
 #include <grpcpp/grpcpp.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdlib>
 #include <thread>
 
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/strip.h"
 #include "cli/state_folder.h"
@@ -19,7 +21,10 @@ namespace mortise::cli {
 namespace {
 
 constexpr std::chrono::milliseconds kPauseBetweenTries{100};
+constexpr std::chrono::seconds kConnectPatience{2};
 constexpr std::chrono::seconds kPatienceForRestarts{60};
+// Of a server that takes connections and ends them; more than one, for it may be ending itself.
+constexpr int kRefusalsBeforeGivingUp = 6;
 
 std::string Environment(const char* name) {
   const char* value = std::getenv(name);
@@ -30,6 +35,17 @@ absl::StatusOr<std::string> Token(const GatewayOptions& options) {
   if (options.token_file.empty()) return Environment("MORTISE_TOKEN");
   MORTISE_ASSIGN_OR_RETURN(const std::string text, ReadFile(options.token_file, 64 << 10));
   return std::string(absl::StripAsciiWhitespace(text));
+}
+
+// What gRPC says of a channel that is not connected: UNAVAILABLE with the last failure. Anything
+// else: something has answered, or the reason is not known yet.
+absl::Status WhyNotConnected(const std::shared_ptr<grpc::Channel>& channel,
+                             std::chrono::milliseconds wait) {
+  grpc::ClientContext context;
+  context.set_deadline(std::chrono::system_clock::now() + wait);
+  v1::Operation ignored;
+  return rpc::FromGrpc(
+      v1::OperationService::NewStub(channel)->GetOperation(&context, {}, &ignored));
 }
 
 bool IsDone(const v1::Operation& operation) {
@@ -50,6 +66,7 @@ absl::Status ErrorOf(const v1::Operation& operation) {
 
 absl::StatusOr<GatewayClient> GatewayClient::Connect(const GatewayOptions& options) {
   std::string address = options.address.empty() ? Environment("MORTISE_GATEWAY") : options.address;
+  std::string authority_of_house;
   if (address.empty()) {
     const absl::StatusOr<RunningHouse> house = ReadRunningHouse(options.state);
     if (!house.ok()) {
@@ -59,22 +76,54 @@ absl::StatusOr<GatewayClient> GatewayClient::Connect(const GatewayOptions& optio
                         {"GATEWAY_UNKNOWN", "--gateway"});
     }
     address = house->gateway_grpc;
+    authority_of_house = house->authority;
   }
   rpc::ChannelSecurity security;
   security.authority = options.authority.empty() ? Environment("MORTISE_CA") : options.authority;
+  if (security.authority.empty()) security.authority = authority_of_house;
   MORTISE_ASSIGN_OR_RETURN(const auto credentials, rpc::MakeClientCredentials(address, security));
   MORTISE_ASSIGN_OR_RETURN(std::string token, Token(options));
   grpc::ChannelArguments arguments;
   arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 100);
   arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, 100);
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 1000);
-  return GatewayClient(grpc::CreateCustomChannel(address, credentials, arguments), address,
+  GatewayClient client(grpc::CreateCustomChannel(address, credentials, arguments), address,
                        std::move(token));
+  MORTISE_RETURN_IF_ERROR(client.AwaitConnection(std::chrono::duration<double>(options.patience),
+                                                 security.authority.empty()));
+  return client;
 }
 
 GatewayClient::GatewayClient(std::shared_ptr<grpc::Channel> channel, std::string address,
                              std::string token)
     : channel_(std::move(channel)), address_(std::move(address)), token_(std::move(token)) {}
+
+absl::Status GatewayClient::AwaitConnection(std::chrono::duration<double> patience,
+                                            bool plain_text) const {
+  const auto begin = std::chrono::steady_clock::now();
+  const std::chrono::milliseconds look(
+      std::clamp<long>(static_cast<long>(1000 * patience.count()), 1, 500));
+  int refusals_to_talk = 0;
+  while (!channel_->WaitForConnected(std::chrono::system_clock::now() + look)) {
+    const absl::Status reason = WhyNotConnected(channel_, look);
+    // Where nobody listens, or the answer is on its way, somebody may yet serve.
+    const bool refuses =
+        absl::IsUnavailable(reason) && !absl::StrContains(reason.message(), "Connection refused");
+    refusals_to_talk = refuses ? refusals_to_talk + 1 : 0;
+    if (refusals_to_talk >= kRefusalsBeforeGivingUp) {
+      return PeerUnavailable(
+          address_, absl::StrCat(plain_text ? "does not speak plain text; if it speaks TLS, name "
+                                              "whom to trust with --authority"
+                                            : "does not speak TLS, or its certificate is not from "
+                                              "the authority that is trusted",
+                                 " (", reason.message(), ")"));
+    }
+    if (std::chrono::steady_clock::now() - begin > patience) {
+      return PeerUnavailable(address_, absl::StrCat("does not answer (", reason.message(), ")"));
+    }
+  }
+  return absl::OkStatus();
+}
 
 void GatewayClient::Prepare(grpc::ClientContext& context, double seconds) const {
   if (!token_.empty()) context.AddMetadata("authorization", "Bearer " + token_);
@@ -114,6 +163,8 @@ absl::StatusOr<v1::Operation> GatewayClient::Follow(
       return rpc::FromGrpc(status);
     }
     std::this_thread::sleep_for(kPauseBetweenTries);
+    // Connecting goes on only while somebody waits for it.
+    channel_->WaitForConnected(std::chrono::system_clock::now() + kConnectPatience);
   }
 }
 

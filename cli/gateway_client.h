@@ -1,6 +1,7 @@
 // The client's side of the gateway: where it is, how to call it, how to follow what it started.
 #pragma once
 
+#include <chrono>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -27,12 +28,15 @@ struct GatewayOptions {
   std::string address;                       // host:port of its gRPC door
   std::string token_file;                    // file with a bearer token
   std::string authority;                     // PEM file of the certificate authority to trust
+  double patience = 60;                      // s, to wait for a gateway that is not there yet
   std::filesystem::path state = ".mortise";  // state folder of a house on this machine
 };
 
 class GatewayClient {
  public:
-  // NOT_FOUND with what to do if no gateway is named and no house runs here.
+  // NOT_FOUND with what to do if no gateway is named and no house runs here; UNAVAILABLE with the
+  // reason if none answers in time, or what answers does not speak as this client does (TLS against
+  // plain text, a certificate that is not trusted).
   static absl::StatusOr<GatewayClient> Connect(const GatewayOptions& options);
 
   const std::shared_ptr<grpc::Channel>& channel() const { return channel_; }
@@ -47,6 +51,8 @@ class GatewayClient {
       const std::string& operation, const std::function<void(const v1::Operation&)>& changed) const;
 
  private:
+  absl::Status AwaitConnection(std::chrono::duration<double> patience, bool plain_text) const;
+
   GatewayClient(std::shared_ptr<grpc::Channel> channel, std::string address, std::string token);
 
   std::shared_ptr<grpc::Channel> channel_;

@@ -1,12 +1,5 @@
 #include "cli/house.h"
 
-#include <arpa/inet.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
-#include <unistd.h>
-
-#include <cerrno>
-#include <cstring>
 #include <map>
 #include <thread>
 
@@ -16,28 +9,13 @@
 namespace mortise::cli {
 namespace {
 
-// The loopback address of a listener: at its usual port, or at any that is free now.
-absl::StatusOr<std::string> Address(const HouseOptions& options, const std::string& listener) {
+// The loopback address of a listener, kept for it: its usual port, or any that is free.
+absl::StatusOr<std::string> Reserve(const HouseOptions& options, const std::string& listener,
+                                    HousePlan& plan) {
   const int wanted = options.any_ports ? 0 : UsualPort(listener);
-  const int descriptor = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  if (descriptor < 0) return absl::InternalError(std::strerror(errno));
-  const int reuse = 1;
-  ::setsockopt(descriptor, SOL_SOCKET, SO_REUSEADDR, &reuse, sizeof reuse);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_port = htons(static_cast<std::uint16_t>(wanted));
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  socklen_t length = sizeof address;
-  const bool bound =
-      ::bind(descriptor, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0 &&
-      ::getsockname(descriptor, reinterpret_cast<sockaddr*>(&address), &length) == 0;
-  const int error = errno;
-  ::close(descriptor);
-  if (!bound) {
-    return InvalidField(listener,
-                        absl::StrCat("port ", wanted, " cannot be used: ", std::strerror(error)));
-  }
-  return absl::StrCat("127.0.0.1:", ntohs(address.sin_port));
+  MORTISE_ASSIGN_OR_RETURN(PortReservation reservation, PortReservation::Take(wanted, listener));
+  plan.reservations.push_back(std::move(reservation));
+  return plan.reservations.back().address();
 }
 
 // The arguments that every service takes.
@@ -70,9 +48,43 @@ void Add(HouseProcess& process, std::initializer_list<std::string> arguments) {
   process.command.insert(process.command.end(), arguments);
 }
 
+absl::Status CheckFile(const std::string& option, const std::string& path) {
+  std::error_code error;
+  if (path.empty() || std::filesystem::is_regular_file(path, error)) return absl::OkStatus();
+  return InvalidField(option, absl::StrCat("there is no file ", path));
+}
+
+// The doors are open to everybody on this machine, or closed to all without a token.
+absl::Status CheckSecurity(const HouseOptions& options) {
+  const bool any = !options.tls_certificate.empty() || !options.tls_key.empty() ||
+                   !options.tls_authority.empty() || !options.jwt_keys.empty() ||
+                   !options.bridge_token_file.empty();
+  if (options.insecure_development) {
+    if (!any) return absl::OkStatus();
+    return InvalidField("--insecure-development",
+                        "is plain text without tokens; leave it out, or the options of TLS and "
+                        "tokens");
+  }
+  if (options.tls_certificate.empty() || options.tls_key.empty() || options.jwt_keys.empty()) {
+    return InvalidField("--tls-certificate",
+                        "give --tls-certificate, --tls-key and --jwt-keys, or say "
+                        "--insecure-development for plain text without tokens on loopback");
+  }
+  if (options.virtual_cell && options.bridge_token_file.empty()) {
+    return InvalidField("--bridge-token-file",
+                        "the bridge of --virtual-cell needs a token with the role operator; only "
+                        "the holder of the signing key can make one");
+  }
+  MORTISE_RETURN_IF_ERROR(CheckFile("--tls-certificate", options.tls_certificate));
+  MORTISE_RETURN_IF_ERROR(CheckFile("--tls-key", options.tls_key));
+  MORTISE_RETURN_IF_ERROR(CheckFile("--tls-authority", options.tls_authority));
+  MORTISE_RETURN_IF_ERROR(CheckFile("--jwt-keys", options.jwt_keys));
+  return CheckFile("--bridge-token-file", options.bridge_token_file);
+}
+
 // A virtual cell with a chop saw and a jigsaw, and the bridge that drives it.
 absl::Status AddVirtualCell(const HouseOptions& options, HousePlan& plan) {
-  MORTISE_ASSIGN_OR_RETURN(const std::string cell_address, Address(options, "virtual-cell"));
+  MORTISE_ASSIGN_OR_RETURN(const std::string cell_address, Reserve(options, "virtual-cell", plan));
   HouseProcess cell;
   cell.name = "virtual-cell";
   cell.port_file = options.state / "ports" / "virtual-cell.json";
@@ -101,6 +113,10 @@ absl::Status AddVirtualCell(const HouseOptions& options, HousePlan& plan) {
                     (options.state / "hwbridge.journal").string(),
                     "--ready-file",
                     bridge.port_file.string()};
+  if (!options.insecure_development) {
+    Add(bridge,
+        {"--tls-authority", AuthorityOf(options), "--token-file", options.bridge_token_file});
+  }
   plan.processes.push_back(std::move(cell));
   plan.processes.push_back(std::move(bridge));
   return absl::OkStatus();
@@ -121,21 +137,21 @@ int UsualPort(const std::string& listener) {
   return found == ports.end() ? 0 : found->second;
 }
 
+std::string AuthorityOf(const HouseOptions& options) {
+  return options.tls_authority.empty() ? options.tls_certificate : options.tls_authority;
+}
+
 absl::StatusOr<HousePlan> PlanHouse(const HouseOptions& options) {
-  const bool has_tls = !options.tls_certificate.empty() && !options.tls_key.empty();
-  if (!options.insecure_development && (!has_tls || options.jwt_keys.empty())) {
-    return InvalidField("--tls-certificate",
-                        "give --tls-certificate, --tls-key and --jwt-keys, or say "
-                        "--insecure-development for plain text without tokens on loopback");
-  }
+  MORTISE_RETURN_IF_ERROR(CheckSecurity(options));
   HousePlan plan;
-  MORTISE_ASSIGN_OR_RETURN(plan.gateway_grpc, Address(options, "gateway"));
-  MORTISE_ASSIGN_OR_RETURN(plan.gateway_http, Address(options, "gateway-http"));
-  MORTISE_ASSIGN_OR_RETURN(const std::string bus_publish, Address(options, "bus-publish"));
-  MORTISE_ASSIGN_OR_RETURN(const std::string bus_subscribe, Address(options, "bus-subscribe"));
+  MORTISE_ASSIGN_OR_RETURN(plan.gateway_grpc, Reserve(options, "gateway", plan));
+  MORTISE_ASSIGN_OR_RETURN(plan.gateway_http, Reserve(options, "gateway-http", plan));
+  MORTISE_ASSIGN_OR_RETURN(const std::string bus_publish, Reserve(options, "bus-publish", plan));
+  MORTISE_ASSIGN_OR_RETURN(const std::string bus_subscribe,
+                           Reserve(options, "bus-subscribe", plan));
   std::vector<std::string> addresses;
   for (const std::string& name : HouseServices()) {
-    MORTISE_ASSIGN_OR_RETURN(addresses.emplace_back(), Address(options, name));
+    MORTISE_ASSIGN_OR_RETURN(addresses.emplace_back(), Reserve(options, name, plan));
   }
   const std::string catalog = "catalog=" + addresses[0];
   const std::string simulator = "simulator=" + addresses[1];

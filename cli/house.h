@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "cli/port_reservation.h"
 
 namespace mortise::cli {
 
@@ -22,7 +23,9 @@ struct HouseOptions {
   bool insecure_development = false;         // plain text, no tokens; loopback only
   std::string tls_certificate;               // PEM file for the gateway's doors
   std::string tls_key;                       // PEM file
+  std::string tls_authority;                 // PEM file of who signed it; itself if empty
   std::string jwt_keys;                      // file of keys that sign bearer tokens
+  std::string bridge_token_file;             // bearer token of the virtual cell's bridge
 };
 
 // One process to start.
@@ -37,7 +40,12 @@ struct HousePlan {
   std::vector<HouseProcess> processes;  // in the order of starting
   std::string gateway_grpc;             // host:port
   std::string gateway_http;             // host:port
+  // Keep the ports for the processes, also while one restarts: as long as the house stands.
+  std::vector<PortReservation> reservations = {};
 };
+
+// Whom a client of the house must trust: a PEM file, empty for a house in plain text.
+std::string AuthorityOf(const HouseOptions& options);
 
 // Chooses ports and writes the command lines. INVALID_ARGUMENT naming the option at fault, or the
 // process whose port is taken.

@@ -7,6 +7,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <thread>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
@@ -109,7 +110,7 @@ void PrintPlan(const HousePlan& plan, Output& output) {
 
 absl::Status Up(HouseOptions options, bool dry_run, Output& output) {
   FillFolders(options);
-  MORTISE_ASSIGN_OR_RETURN(const HousePlan plan, PlanHouse(options));
+  MORTISE_ASSIGN_OR_RETURN(HousePlan plan, PlanHouse(options));
   if (dry_run) {
     PrintPlan(plan, output);
     return absl::OkStatus();
@@ -122,7 +123,7 @@ absl::Status Up(HouseOptions options, bool dry_run, Output& output) {
   ::signal(SIGTERM, RequestStop);
   ::signal(SIGINT, RequestStop);
   const Clock::time_point begin = Clock::now();
-  Launcher launcher(options, plan, [](const RunningHouse&) {});
+  Launcher launcher(options, std::move(plan), [](const RunningHouse&) {});
   MORTISE_RETURN_IF_ERROR(launcher.Start());
   bool announced = false;
   while (stop_requested == 0) {
@@ -189,7 +190,12 @@ void AddHouseCommands(CLI::App& app, Session& session) {
                "Plain text and no tokens, on loopback only");
   up->add_option("--tls-certificate", options->tls_certificate, "PEM certificate of the gateway");
   up->add_option("--tls-key", options->tls_key, "PEM key of the gateway");
-  up->add_option("--jwt-keys", options->jwt_keys, "File of the keys that sign bearer tokens");
+  up->add_option("--tls-authority", options->tls_authority,
+                 "PEM certificate of who signed it; the certificate itself if absent");
+  up->add_option("--jwt-keys", options->jwt_keys,
+                 "Public keys of bearer tokens: JSON Web Key Set or PEM");
+  up->add_option("--bridge-token-file", options->bridge_token_file,
+                 "Bearer token of an operator, for the bridge of --virtual-cell");
   up->add_flag("--dry-run", *dry_run, "Only print what would be started");
   up->footer("Example: mortise up --insecure-development");
   up->callback([&session, options, dry_run] {

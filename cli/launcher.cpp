@@ -121,6 +121,8 @@ void Launcher::Publish() {
   house_.gateway_grpc = plan_.gateway_grpc;
   house_.gateway_http = plan_.gateway_http;
   house_.plain_text = options_.insecure_development;
+  const std::string authority = AuthorityOf(options_);
+  house_.authority = authority.empty() ? "" : std::filesystem::absolute(authority).string();
   house_.processes.clear();
   for (std::size_t i = 0; i < children_.size(); ++i) {
     house_.processes.push_back({plan_.processes[i].name, children_[i].pid,

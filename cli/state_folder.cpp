@@ -57,6 +57,7 @@ absl::StatusOr<RunningHouse> ReadRunningHouse(const std::filesystem::path& folde
   house.gateway_grpc = document.value("gateway_grpc", "");
   house.gateway_http = document.value("gateway_http", "");
   house.plain_text = document.value("plain_text", false);
+  house.authority = document.value("authority", "");
   for (const Json& entry : document.value("processes", Json::array())) {
     house.processes.push_back({entry.value("name", ""), entry.value("pid", 0),
                                entry.value("address", ""), entry.value("restarts", 0),
@@ -66,11 +67,9 @@ absl::StatusOr<RunningHouse> ReadRunningHouse(const std::filesystem::path& folde
 }
 
 absl::Status WriteRunningHouse(const std::filesystem::path& folder, const RunningHouse& house) {
-  Json document = {{"launcher", house.launcher},
-                   {"gateway_grpc", house.gateway_grpc},
-                   {"gateway_http", house.gateway_http},
-                   {"plain_text", house.plain_text},
-                   {"processes", Json::array()}};
+  Json document = {{"launcher", house.launcher},         {"gateway_grpc", house.gateway_grpc},
+                   {"gateway_http", house.gateway_http}, {"plain_text", house.plain_text},
+                   {"authority", house.authority},       {"processes", Json::array()}};
   for (const RunningProcess& process : house.processes) {
     document["processes"].push_back({{"name", process.name},
                                      {"pid", process.pid},

@@ -25,9 +25,10 @@ struct RunningProcess {
 // What `house.json` says.
 struct RunningHouse {
   pid_t launcher = 0;
-  std::string gateway_grpc;  // host:port
-  std::string gateway_http;  // host:port
-  bool plain_text = false;   // whether the gateway's doors are without TLS
+  std::string gateway_grpc;    // host:port
+  std::string gateway_http;    // host:port
+  bool plain_text = false;     // whether the gateway's doors are without TLS
+  std::string authority = {};  // PEM file whom its clients must trust, empty in plain text
   std::vector<RunningProcess> processes;
 };
 

@@ -27,6 +27,9 @@ namespace {
 
 using std::chrono::steady_clock;
 
+constexpr std::chrono::seconds kConnectPatience{2};
+constexpr std::chrono::milliseconds kStopLatency{50};
+
 steady_clock::duration Seconds(double seconds) {
   return std::chrono::duration_cast<steady_clock::duration>(std::chrono::duration<double>(seconds));
 }
@@ -56,6 +59,7 @@ class BridgeClient::Line {
   // Returns how the line ended.
   absl::Status Run(std::stop_token stop) {
     MORTISE_RETURN_IF_ERROR(Authorize());
+    AwaitConnection(stop);
     const auto stub = v1::FabPlannerService::NewStub(shared_.channel);
     stream_ = stub->AttachBridge(&context_);
     const std::stop_callback cancel(stop, [this] { context_.TryCancel(); });
@@ -69,6 +73,17 @@ class BridgeClient::Line {
   }
 
  private:
+  // A handshake of TLS goes on only while somebody waits for the channel; a call that is refused at
+  // once does not, and each attempt to connect would time out half done. What keeps the channel
+  // from its server is told by the call that follows.
+  void AwaitConnection(const std::stop_token& stop) {
+    const auto end = steady_clock::now() + kConnectPatience;
+    while (!stop.stop_requested() && steady_clock::now() < end) {
+      if (shared_.channel->WaitForConnected(std::chrono::system_clock::now() + kStopLatency))
+        return;
+    }
+  }
+
   absl::Status Authorize() {
     if (shared_.options.token_file.empty()) return absl::OkStatus();
     MORTISE_ASSIGN_OR_RETURN(const std::string token, ReadFile(shared_.options.token_file, 65536));

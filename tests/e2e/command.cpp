@@ -5,25 +5,25 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <chrono>
 #include <cstdlib>
-#include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <thread>
 
+#include "cli/state_folder.h"
 #include "common/base/identifiers.h"
 
 namespace mortise::e2e {
 namespace {
 
-std::string Program() {
+std::filesystem::path Programs() {
   const char* folder = std::getenv("MORTISE_BIN_DIR");
-  return std::string(folder == nullptr ? "bin" : folder) + "/mortise";
+  return std::filesystem::absolute(folder == nullptr ? "bin" : folder);
 }
 
-int Start(const std::vector<std::string>& arguments, const std::string& out,
-          const std::string& error) {
-  std::vector<std::string> command = {Program()};
-  command.insert(command.end(), arguments.begin(), arguments.end());
+int Start(std::vector<std::string> command, const std::string& out, const std::string& error) {
   std::vector<char*> argv;
   for (std::string& argument : command) argv.push_back(argument.data());
   argv.push_back(nullptr);
@@ -35,6 +35,19 @@ int Start(const std::vector<std::string>& arguments, const std::string& out,
   ::dup2(error_file, STDERR_FILENO);
   ::execv(argv[0], argv.data());
   ::_exit(127);
+}
+
+std::vector<std::string> MortiseCommand(const std::vector<std::string>& arguments) {
+  std::vector<std::string> command = {(Programs() / "mortise").string()};
+  command.insert(command.end(), arguments.begin(), arguments.end());
+  return command;
+}
+
+std::vector<std::string> ShellCommand(const std::string& script,
+                                      const std::filesystem::path& folder) {
+  return {"/bin/bash", "-euo", "pipefail", "-c",
+          "cd '" + folder.string() + "'\nexport PATH='" + Programs().string() + "':\"$PATH\"\n" +
+              script};
 }
 
 int Collect(int pid) {
@@ -50,21 +63,36 @@ std::string TakeFile(const std::string& path) {
   return text;
 }
 
-}  // namespace
-
-CommandResult Mortise(const std::vector<std::string>& arguments) {
+CommandResult Run(const std::vector<std::string>& command) {
   const std::string stem =
       (std::filesystem::temp_directory_path() / ("mortise-command-" + NewIdentifier())).string();
   CommandResult result;
-  result.exit_code = Collect(Start(arguments, stem + ".out", stem + ".err"));
+  result.exit_code = Collect(Start(command, stem + ".out", stem + ".err"));
   result.out = TakeFile(stem + ".out");
   result.error = TakeFile(stem + ".err");
   return result;
 }
 
+}  // namespace
+
+CommandResult Mortise(const std::vector<std::string>& arguments) {
+  return Run(MortiseCommand(arguments));
+}
+
+CommandResult Shell(const std::string& script, const std::filesystem::path& folder) {
+  return Run(ShellCommand(script, folder));
+}
+
 BackgroundCommand::BackgroundCommand(const std::vector<std::string>& arguments,
                                      const std::string& log)
-    : pid_(Start(arguments, log, log)) {}
+    : pid_(Start(MortiseCommand(arguments), log, log)) {}
+
+std::unique_ptr<BackgroundCommand> BackgroundCommand::InShell(const std::string& command,
+                                                              const std::filesystem::path& folder,
+                                                              const std::string& log) {
+  return std::unique_ptr<BackgroundCommand>(
+      new BackgroundCommand(Start(ShellCommand("exec " + command, folder), log, log)));
+}
 
 BackgroundCommand::~BackgroundCommand() {
   if (pid_ == 0) return;
@@ -76,6 +104,21 @@ int BackgroundCommand::Wait() {
   const int code = Collect(pid_);
   pid_ = 0;
   return code;
+}
+
+bool AwaitHouse(const std::filesystem::path& state) {
+  const auto serves = [&state] {
+    const auto house = cli::ReadRunningHouse(state);
+    return house.ok() && !house->processes.empty() &&
+           std::all_of(house->processes.begin(), house->processes.end(),
+                       [](const cli::RunningProcess& process) { return process.serving; });
+  };
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  while (!serves()) {
+    if (std::chrono::steady_clock::now() > deadline) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  return true;
 }
 
 }  // namespace mortise::e2e

@@ -2,6 +2,7 @@
 // ends with the same result.
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/wait.h>
 
 #include <chrono>
 #include <filesystem>
@@ -47,10 +48,17 @@ class FaultTest : public testing::Test {
             "--evaluations", "24",     "--time-scale", "100"};
   }
 
+  // A child that has ended still counts as a process until somebody waits for it.
+  static bool Runs(pid_t child) {
+    siginfo_t ended = {};
+    ::waitid(P_PID, static_cast<id_t>(child), &ended, WEXITED | WNOHANG | WNOWAIT);
+    return ended.si_pid == 0;
+  }
+
   // Waits until the process serves (again) and returns its pid; 0 if the house ends first.
   pid_t WaitForProcess(const std::filesystem::path& state, const std::string& name, pid_t other,
                        pid_t demo) const {
-    while (cli::ProcessExists(demo)) {
+    while (Runs(demo)) {
       const auto house = cli::ReadRunningHouse(state);
       if (house.ok()) {
         for (const auto& process : house->processes) {

@@ -52,7 +52,7 @@ TEST_F(LauncherTest, StartsEverythingAndStopsEverything) {
   plan.processes = {Serving("one"), Serving("two")};
   std::vector<pid_t> pids;
   {
-    Launcher launcher(options_, plan, [](const RunningHouse&) {});
+    Launcher launcher(options_, std::move(plan), [](const RunningHouse&) {});
     ASSERT_TRUE(launcher.Start().ok());
     ASSERT_TRUE(SuperviseUntil(launcher, [&] { return launcher.Serving(); })) << status_;
     for (const RunningProcess& process : launcher.house().processes) pids.push_back(process.pid);
@@ -64,7 +64,7 @@ TEST_F(LauncherTest, StartsEverythingAndStopsEverything) {
 TEST_F(LauncherTest, StartsAgainWhatIsKilled) {
   HousePlan plan;
   plan.processes = {Serving("one")};
-  Launcher launcher(options_, plan, [](const RunningHouse&) {});
+  Launcher launcher(options_, std::move(plan), [](const RunningHouse&) {});
   ASSERT_TRUE(launcher.Start().ok());
   ASSERT_TRUE(SuperviseUntil(launcher, [&] { return launcher.Serving(); })) << status_;
   const pid_t first = launcher.house().processes[0].pid;
@@ -81,7 +81,7 @@ TEST_F(LauncherTest, GivesUpOnWhatNeverServesAndShowsItsLog) {
                      {"/bin/sh", "-c", "echo the disk is full >&2; exit 3"},
                      "x",
                      options_.state / "ports" / "broken"}};
-  Launcher launcher(options_, plan, [](const RunningHouse&) {});
+  Launcher launcher(options_, std::move(plan), [](const RunningHouse&) {});
   ASSERT_TRUE(launcher.Start().ok());
   EXPECT_FALSE(SuperviseUntil(launcher, [] { return false; }));
   EXPECT_EQ(DetailOf(status_).reason, "PROCESS_KEEPS_DYING");
@@ -97,7 +97,7 @@ TEST_F(LauncherTest, KillsWhatDoesNotDrain) {
                       "trap '' TERM; echo up > " + file.string() + "; while :; do sleep 1; done"},
                      "x",
                      file}};
-  Launcher launcher(options_, plan, [](const RunningHouse&) {});
+  Launcher launcher(options_, std::move(plan), [](const RunningHouse&) {});
   ASSERT_TRUE(launcher.Start().ok());
   ASSERT_TRUE(SuperviseUntil(launcher, [&] { return launcher.Serving(); })) << status_;
   const pid_t pid = launcher.house().processes[0].pid;

@@ -42,6 +42,7 @@ TEST_F(StateFolderTest, HouseIsReadBackAsWritten) {
                            .gateway_grpc = "127.0.0.1:7700",
                            .gateway_http = "127.0.0.1:7780",
                            .plain_text = true,
+                           .authority = "/etc/mortise/authority.pem",
                            .processes = {{"catalog", 43, "127.0.0.1:7701", 2, true}}};
   ASSERT_TRUE(WriteRunningHouse(folder_, house).ok());
   const RunningHouse read = ReadRunningHouse(folder_).value();
@@ -49,6 +50,7 @@ TEST_F(StateFolderTest, HouseIsReadBackAsWritten) {
   EXPECT_EQ(read.gateway_grpc, house.gateway_grpc);
   EXPECT_EQ(read.gateway_http, house.gateway_http);
   EXPECT_TRUE(read.plain_text);
+  EXPECT_EQ(read.authority, house.authority);
   ASSERT_EQ(read.processes.size(), 1u);
   EXPECT_EQ(read.processes[0].name, "catalog");
   EXPECT_EQ(read.processes[0].restarts, 2);
