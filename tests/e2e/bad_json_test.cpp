@@ -1,0 +1,149 @@
+// Bad requests at the HTTP door: each is answered with the code and the field that gRPC would tell.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "absl/strings/escaping.h"
+#include "google/rpc/status.pb.h"
+#include "tests/e2e/http_post.h"
+#include "tests/e2e/running_house.h"
+
+namespace mortise::e2e {
+namespace {
+
+using Json = nlohmann::json;
+using testing::HasSubstr;
+
+constexpr char kGetItem[] = "/mortise.v1.CatalogService/GetItem";
+constexpr char kListItems[] = "/mortise.v1.CatalogService/ListItems";
+constexpr char kEvaluate[] = "/mortise.v1.CatalogService/EvaluateTemplate";
+constexpr char kImport[] = "/mortise.v1.CatalogService/ImportTemplate";
+
+class BadJsonTest : public testing::Test {
+ protected:
+  static void SetUpTestSuite() { house_ = std::make_unique<RunningHouse>(); }
+  static void TearDownTestSuite() { house_.reset(); }
+
+  void SetUp() override {
+    ASSERT_TRUE(house_->Serving()) << house_->Log();
+    processes_ = house_->Processes();
+  }
+  void TearDown() override {
+    EXPECT_EQ(house_->Processes(), processes_);
+    const HttpAnswer good = Post(house_->HttpAddress(), kGetItem, "application/json",
+                                 R"({"name":"items/board-38x89"})");
+    EXPECT_EQ(good.status, 200) << good.body;
+  }
+
+  static HttpAnswer Send(const char* path, const std::string& body,
+                         const std::string& content_type = "application/json") {
+    return Post(house_->HttpAddress(), path, content_type, body);
+  }
+
+  // The failure must be the caller's, with `code`, and say `words`.
+  static void ExpectRefused(const HttpAnswer& answer, const std::string& code,
+                            const std::string& words) {
+    EXPECT_GE(answer.status, 400) << answer.body;
+    EXPECT_LT(answer.status, 500) << answer.body;
+    const Json error = Json::parse(answer.body, nullptr, false);
+    ASSERT_TRUE(error.is_object()) << answer.body;
+    EXPECT_EQ(error.value("code", ""), code) << answer.body;
+    EXPECT_THAT(error.value("message", ""), HasSubstr(words));
+  }
+
+  static std::unique_ptr<RunningHouse> house_;
+  std::map<std::string, pid_t> processes_;
+};
+
+std::unique_ptr<RunningHouse> BadJsonTest::house_;
+
+TEST_F(BadJsonTest, WhatIsNoJsonIsRefused) {
+  for (const std::string& body :
+       {std::string("{"), std::string("no json"), std::string("[]"), std::string("\0\xFF", 2),
+        std::string("{\"name\":\"caf\xE9\"}"), std::string(5000, '['),
+        std::string("{\"name\":\"items/a\"} trailing")}) {
+    ExpectRefused(Send(kGetItem, body), "invalid_argument", "");
+  }
+}
+
+TEST_F(BadJsonTest, WrongTypesAreRefusedByName) {
+  ExpectRefused(Send(kGetItem, R"({"name":5})"), "invalid_argument", "name");
+  ExpectRefused(Send(kGetItem, R"({"name":["items/a"]})"), "invalid_argument", "name");
+  ExpectRefused(Send(kListItems, R"({"pageSize":"many"})"), "invalid_argument", "page_size");
+  ExpectRefused(Send(kListItems, R"({"pageSize":99999999999})"), "invalid_argument", "page_size");
+  ExpectRefused(Send(kListItems, R"({"pageSize":-1})"), "invalid_argument", "page_size");
+  ExpectRefused(Send(kListItems, R"({"pageToken":"no such token!"})"), "invalid_argument",
+                "page_token");
+  ExpectRefused(Send(kListItems, R"({"kind":"SPOON"})"), "invalid_argument", "kind");
+  ExpectRefused(Send(kListItems, R"({"kind":9999})"), "invalid_argument", "kind");
+}
+
+TEST_F(BadJsonTest, UnknownFieldsAreRefusedByName) {
+  ExpectRefused(Send(kGetItem, R"({"name":"items/a","colour":"red"})"), "invalid_argument",
+                "colour");
+}
+
+TEST_F(BadJsonTest, NumbersThatAreNoneAreRefusedByName) {
+  for (const char* number : {R"("NaN")", R"("Infinity")", R"("-Infinity")"}) {
+    ExpectRefused(Send(kEvaluate, std::string(R"({"name":"templates/table","parameters":[)") +
+                                      R"({"name":"length","value":)" + number + "}]}"),
+                  "invalid_argument", "parameters[0].value");
+  }
+  ExpectRefused(
+      Send(kEvaluate,
+           R"({"name":"templates/table","parameters":[{"name":"length","value":"1e999"}]})"),
+      "invalid_argument", "value");
+}
+
+TEST_F(BadJsonTest, BodiesAboveTheLimitAreRefusedUnread) {
+  const HttpAnswer answer =
+      Post(house_->HttpAddress(), kGetItem, "application/json", "", std::size_t{5} << 20);
+  ExpectRefused(answer, "resource_exhausted", "");
+}
+
+TEST_F(BadJsonTest, WrongContentTypesAreRefused) {
+  for (const char* type : {"text/plain", "application/xml", "multipart/form-data", ""}) {
+    const HttpAnswer answer = Send(kGetItem, R"({"name":"items/board-38x89"})", type);
+    EXPECT_EQ(answer.status, 415) << type << ": " << answer.body;
+  }
+}
+
+TEST_F(BadJsonTest, BytesThatAreNoMessageAreRefused) {
+  ExpectRefused(Send(kGetItem, "\xFF\xFF\xFF", "application/proto"), "invalid_argument",
+                "is not a message");
+  ExpectRefused(Send(kGetItem, "\x0A\x04\x63\x61\x66\xE9", "application/proto"), "invalid_argument",
+                "is not a message");
+}
+
+TEST_F(BadJsonTest, EveryFindingOfATemplateIsTold) {
+  const HttpAnswer answer = Send(kImport, R"({"requestId":"bad-1","template":{
+      "name":"templates/stool",
+      "parameters":[{"name":"1st","unit":"m","minimum":2,"maximum":1},
+                    {"name":"height","unit":"","minimum":0.4,"maximum":0.6,"defaultValue":0.5}],
+      "parts":[{"name":"seat","item":"items/none","lengthAxis":"X","thicknessAxis":"Z",
+                "box":{"x":{"from":"0","to":"depth"},"y":{"from":"0","to":"0.3"},
+                       "z":{"from":"0","to":"0.02"}}}]}})");
+  ExpectRefused(answer, "invalid_argument", "5 findings");
+  // The details are what gRPC clients get: every field is named.
+  const Json error = Json::parse(answer.body, nullptr, false);
+  std::vector<std::string> fields;
+  for (const Json& detail : error.value("details", Json::array())) {
+    std::string value;
+    google::rpc::BadRequest bad_request;
+    if (detail.value("type", "") != "google.rpc.BadRequest") continue;
+    ASSERT_TRUE(absl::Base64Unescape(detail.value("value", ""), &value));
+    ASSERT_TRUE(bad_request.ParseFromString(value));
+    for (const auto& violation : bad_request.field_violations())
+      fields.push_back(violation.field());
+  }
+  EXPECT_THAT(fields, testing::UnorderedElementsAre(
+                          "template.parameters[0].name", "template.parameters[0].maximum",
+                          "template.parameters[1].unit", "template.parts[0].item",
+                          "template.parts[0].box.x.to"));
+}
+
+}  // namespace
+}  // namespace mortise::e2e

@@ -1,0 +1,281 @@
+#include "tests/e2e/good_requests.h"
+
+#include <google/protobuf/text_format.h>
+#include <grpcpp/client_context.h>
+
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <map>
+#include <thread>
+
+#include "absl/strings/str_replace.h"
+#include "mortise/v1/audit.pb.h"
+#include "mortise/v1/catalog.grpc.pb.h"
+#include "mortise/v1/events.pb.h"
+#include "mortise/v1/fabplanner.grpc.pb.h"
+#include "mortise/v1/gateway.pb.h"
+#include "mortise/v1/operations.grpc.pb.h"
+#include "mortise/v1/pareto.grpc.pb.h"
+#include "mortise/v1/simulator.grpc.pb.h"
+
+namespace mortise::e2e {
+namespace {
+
+using google::protobuf::FileDescriptor;
+using google::protobuf::Message;
+
+struct Example {
+  const char* method;
+  const char* request;  // text format; {plan} and so on stand for names
+  Outcome outcome = Outcome::kOk;
+};
+
+constexpr Example kExamples[] = {
+    {"CatalogService/GetMaterial", "name: 'materials/spruce'"},
+    {"CatalogService/ListMaterials", "page_size: 10"},
+    {"CatalogService/CreateMaterial",
+     "request_id: 'bad-1' material { name: 'materials/ash' title: 'Ash' density: 700 "
+     "youngs_modulus: 1.2e10 poissons_ratio: 0.3 strength: 9e7 }",
+     Outcome::kChanges},
+    {"CatalogService/GetItem", "name: 'items/board-38x89'"},
+    {"CatalogService/ListItems", "page_size: 10 kind: BOARD"},
+    {"CatalogService/CreateItem", "request_id: 'bad-2' item { {item} name: 'items/new-board' }",
+     Outcome::kChanges},
+    {"CatalogService/UpdateItem",
+     "request_id: 'bad-3' item { {item} name: 'items/board-38x89' revision: 1 }",
+     Outcome::kChanges},
+    {"CatalogService/DeleteItem", "request_id: 'bad-4' name: 'items/board-38x89' revision: 1",
+     Outcome::kChanges},
+    {"CatalogService/GetTemplate", "name: 'templates/table' revision: 1"},
+    {"CatalogService/ListTemplates", "page_size: 10"},
+    {"CatalogService/ImportTemplate",
+     "request_id: 'bad-5' expected_revision: 1 template { {template} }", Outcome::kChanges},
+    {"CatalogService/GetTemplateBundle", "name: 'templates/table'"},
+    {"CatalogService/EvaluateTemplate",
+     "name: 'templates/table' parameters { name: 'length' value: 1.5 }"},
+    {"CatalogService/ExportDesign",
+     "name: 'templates/table' parameters { name: 'length' value: 1.5 } format: GLB"},
+    {"EvaluatorService/DescribeDesignSpace", "subject: 'templates/table'"},
+    {"EvaluatorService/EvaluateBatch",
+     "subject: 'templates/table' points { parameters: [{point}] } metrics: 'mass' "
+     "mesh { element_size: 0.3 linear: true }",
+     Outcome::kChanges},
+    {"SimulatorService/AnalyzeDesign",
+     "request_id: 'bad-6' template: 'templates/table' parameters { name: 'length' value: 1.5 } "
+     "mesh { element_size: 0.3 linear: true }",
+     Outcome::kChanges},
+    {"SimulatorService/GetAnalysis", "name: '{analysis}'"},
+    {"SimulatorService/ListAnalyses", "page_size: 10"},
+    {"SimulatorService/DownloadArtifact", "name: '{analysis}' file_name: 'stress.png'"},
+    {"SimulatorService/LeaseTasks", "evaluator: 'somebodys' worker: 'nobody' limit: 1"},
+    {"SimulatorService/RenewLeases",
+     "worker: 'nobody' tasks { name: 'tasks/none' attempt: 1 } lease_seconds: 10"},
+    {"SimulatorService/ReportTask",
+     "task { name: 'tasks/none' attempt: 1 } result { metrics { name: 'mass' unit: 'kg' value: 1 } "
+     "}",
+     Outcome::kRefused},
+    {"SimulatorService/UploadBlob", "data: 'abc' total_size: 4", Outcome::kRefused},
+    {"SimulatorService/GetQueueStatus", "evaluator: 'simulator'"},
+    {"SimulatorService/ListTasks", "page_size: 10 state: DONE"},
+    {"ParetoService/DiscoverFront", "request_id: 'bad-7' specification { {discovery} }",
+     Outcome::kChanges},
+    {"ParetoService/GetFront", "name: '{front}'"},
+    {"ParetoService/ListFronts", "page_size: 10"},
+    {"ParetoService/PickPoint", "name: '{front}' metric { name: 'mass' unit: 'kg' value: 20 }"},
+    {"ParetoService/ExportFront", "name: '{front}' format: CSV"},
+    {"FabPlannerService/CreatePlan",
+     "request_id: 'bad-8' template: 'templates/table' template_revision: 1 quantity: 1 "
+     "parameters { name: 'length' value: 1.5 } "
+     "rules { kerf: 0.003 board_trim: 0.01 sheet_trim: 0.01 sheet_spacing: 0.01 }",
+     Outcome::kChanges},
+    {"FabPlannerService/GetPlan", "name: '{plan}'"},
+    {"FabPlannerService/ListPlans", "page_size: 10"},
+    {"FabPlannerService/DownloadArtifact", "name: '{plan}' file_name: 'cut-list.csv'"},
+    {"FabPlannerService/ReleaseWorkOrder", "request_id: 'bad-9' plan: '{plan}'", Outcome::kChanges},
+    {"FabPlannerService/GetWorkOrder", "name: '{order}'"},
+    {"FabPlannerService/ListWorkOrders", "page_size: 10"},
+    {"FabPlannerService/HoldWorkOrder", "request_id: 'bad-10' name: '{order}'", Outcome::kChanges},
+    {"FabPlannerService/ResumeWorkOrder", "request_id: 'bad-11' name: '{order}'",
+     Outcome::kChanges},
+    {"FabPlannerService/AttachBridge",
+     "hello { bridge: 'bad-bridge' next_report_number: 1 "
+     "machines { name: 'saw' kind: CHOP_SAW_WITH_FEEDER state: 'IDLE' } }",
+     Outcome::kChanges},
+    {"FabPlannerService/ListBridges", ""},
+    {"OperationService/GetOperation", "name: '{operation}'"},
+    {"OperationService/ListOperations", "page_size: 10 service: 'fabplanner'"},
+    {"OperationService/CancelOperation", "request_id: 'bad-12' name: '{operation}'",
+     Outcome::kChanges},
+    {"OperationService/WaitOperation", "name: '{operation}' timeout_seconds: 1"},
+    {"OperationService/WatchOperation", "name: '{operation}'"},
+    {"EventService/ListStreams", ""},
+    {"EventService/ReadEvents", "stream: 'catalog' limit: 10"},
+    {"EventService/FollowEvents", "streams: 'catalog' after_number: 1", Outcome::kChanges},
+    {"AuditService/ListAuditRecords", "page_size: 10 service: 'catalog'"},
+    {"GatewayService/GetHouse", ""},
+    {"WebhookService/CreateWebhook",
+     "request_id: 'bad-13' url: 'https://192.0.2.1/hook' streams: 'catalog'", Outcome::kChanges},
+    {"WebhookService/GetWebhook", "name: 'webhooks/none'", Outcome::kRefused},
+    {"WebhookService/ListWebhooks", "page_size: 10"},
+    {"WebhookService/DeleteWebhook", "request_id: 'bad-14' name: 'webhooks/none'",
+     Outcome::kRefused},
+    {"WebhookService/ReplayWebhook",
+     "request_id: 'bad-15' name: 'webhooks/none' stream: 'catalog' after_number: 1",
+     Outcome::kRefused},
+    {"WebhookService/ListDeadLetters", "name: 'webhooks/none'", Outcome::kRefused},
+};
+
+constexpr char kDiscovery[] =
+    "subject: 'templates/table' objectives { metric: 'mass' } "
+    "objectives { metric: 'max_displacement' } "
+    "bounds { parameter: 'length' minimum: 1.2 maximum: 1.5 } evaluations: 10 seed: 1 "
+    "mesh { element_size: 0.3 linear: true }";
+
+[[noreturn]] void Fail(const std::string& what) {
+  std::fprintf(stderr, "the requests cannot be made: %s\n", what.c_str());
+  std::abort();
+}
+
+template <class Request>
+Request Parse(const std::string& text) {
+  Request request;
+  if (!google::protobuf::TextFormat::ParseFromString(text, &request)) Fail(text);
+  return request;
+}
+
+template <class Stub, class Request, class Response>
+Response Call(Stub& stub,
+              grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&, Response*),
+              const Request& request) {
+  grpc::ClientContext context;
+  Response response;
+  const grpc::Status status = (stub.*method)(&context, request, &response);
+  if (!status.ok()) Fail(status.error_message());
+  return response;
+}
+
+// The message inside an operation's result, once it has succeeded.
+template <class Result>
+Result ResultOf(v1::OperationService::Stub& operations, const v1::Operation& started) {
+  v1::WaitOperationRequest wait;
+  wait.set_name(started.name());
+  const auto done = Call(operations, &v1::OperationService::Stub::WaitOperation, wait);
+  Result result;
+  if (!done.result().UnpackTo(&result)) Fail(done.ShortDebugString());
+  return result;
+}
+
+// Until nothing more happens by itself: no evaluation is left over from the discovery, and the work
+// order has reported that it waits for machines.
+void AwaitQuiet(v1::SimulatorService::Stub& simulator, v1::OperationService::Stub& operations,
+                const std::string& work_order_operation) {
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+  v1::GetOperationRequest get;
+  get.set_name(work_order_operation);
+  while (std::chrono::steady_clock::now() < deadline) {
+    const auto queue =
+        Call(simulator, &v1::SimulatorService::Stub::GetQueueStatus, v1::GetQueueStatusRequest());
+    const auto order = Call(operations, &v1::OperationService::Stub::GetOperation, get);
+    if (queue.queued() + queue.leased() == 0 && order.progress().total() > 0) return;
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  Fail("the house does not come to rest");
+}
+
+// What stands for the names in the examples.
+std::map<std::string, std::string> MakeResources(const std::shared_ptr<grpc::Channel>& channel) {
+  v1::CatalogService::Stub catalog(channel);
+  v1::SimulatorService::Stub simulator(channel);
+  v1::ParetoService::Stub pareto(channel);
+  v1::FabPlannerService::Stub planner(channel);
+  v1::OperationService::Stub operations(channel);
+  std::map<std::string, std::string> names;
+
+  const auto discovering =
+      Call(pareto, &v1::ParetoService::Stub::DiscoverFront,
+           Parse<v1::DiscoverFrontRequest>(std::string("request_id: 'good-1' specification {") +
+                                           kDiscovery + "}"));
+  const auto analysing =
+      Call(simulator, &v1::SimulatorService::Stub::AnalyzeDesign,
+           Parse<v1::AnalyzeDesignRequest>("request_id: 'good-2' template: 'templates/table' "
+                                           "mesh { element_size: 0.3 linear: true }"));
+  const auto planning =
+      Call(planner, &v1::FabPlannerService::Stub::CreatePlan,
+           Parse<v1::CreatePlanRequest>("request_id: 'good-3' template: 'templates/table'"));
+  names["{operation}"] = planning.name();
+  names["{plan}"] = ResultOf<v1::Plan>(operations, planning).name();
+  const auto releasing = Call(
+      planner, &v1::FabPlannerService::Stub::ReleaseWorkOrder,
+      Parse<v1::ReleaseWorkOrderRequest>("request_id: 'good-4' plan: '" + names["{plan}"] + "'"));
+  names["{order}"] = releasing.subject();
+  const auto analysis = ResultOf<v1::Analysis>(operations, analysing);
+  names["{analysis}"] = analysis.name();
+  for (const v1::ParameterValue& value : analysis.parameters()) {
+    names["{point}"] += (names["{point}"].empty() ? "" : ", ") + std::to_string(value.value());
+  }
+  names["{front}"] = ResultOf<v1::Front>(operations, discovering).name();
+  AwaitQuiet(simulator, operations, releasing.name());
+
+  names["{template}"] = Call(catalog, &v1::CatalogService::Stub::GetTemplate,
+                             Parse<v1::GetTemplateRequest>("name: 'templates/table'"))
+                            .ShortDebugString();
+  auto item = Call(catalog, &v1::CatalogService::Stub::GetItem,
+                   Parse<v1::GetItemRequest>("name: 'items/board-38x89'"));
+  item.clear_name();
+  item.clear_revision();
+  names["{item}"] = item.ShortDebugString();
+  names["{discovery}"] = kDiscovery;
+  return names;
+}
+
+// The files of the protos, which this also makes sure are part of the program.
+std::vector<const FileDescriptor*> Files() {
+  return {v1::GetItemRequest::descriptor()->file(),
+          v1::EvaluateBatchRequest::descriptor()->file(),
+          v1::AnalyzeDesignRequest::descriptor()->file(),
+          v1::DiscoverFrontRequest::descriptor()->file(),
+          v1::CreatePlanRequest::descriptor()->file(),
+          v1::GetOperationRequest::descriptor()->file(),
+          v1::ReadEventsRequest::descriptor()->file(),
+          v1::ListAuditRecordsRequest::descriptor()->file(),
+          v1::CreateWebhookRequest::descriptor()->file()};
+}
+
+std::unique_ptr<Message> MakeMessage(const google::protobuf::Descriptor* type,
+                                     const std::string& text) {
+  std::unique_ptr<Message> message(
+      google::protobuf::MessageFactory::generated_factory()->GetPrototype(type)->New());
+  if (!google::protobuf::TextFormat::ParseFromString(text, message.get())) Fail(text);
+  return message;
+}
+
+}  // namespace
+
+std::vector<GoodRequest> MakeGoodRequests(const std::shared_ptr<grpc::Channel>& channel) {
+  const std::map<std::string, std::string> names = MakeResources(channel);
+  std::map<std::string, const Example*> examples;
+  for (const Example& example : kExamples) {
+    examples[std::string("mortise.v1.") + example.method] = &example;
+  }
+  std::vector<GoodRequest> requests;
+  for (const FileDescriptor* file : Files()) {
+    for (int i = 0; i < file->service_count(); ++i) {
+      const auto* service = file->service(i);
+      for (int j = 0; j < service->method_count(); ++j) {
+        GoodRequest request;
+        request.descriptor = service->method(j);
+        request.method = service->full_name() + "/" + service->method(j)->name();
+        const auto example = examples.find(request.method);
+        if (example == examples.end()) continue;
+        request.outcome = example->second->outcome;
+        request.message = MakeMessage(request.descriptor->input_type(),
+                                      absl::StrReplaceAll(example->second->request, names));
+        requests.push_back(std::move(request));
+      }
+    }
+  }
+  return requests;
+}
+
+}  // namespace mortise::e2e
