@@ -21,6 +21,7 @@
 #include "absl/strings/str_cat.h"
 #include "hwbridge/virtual_cell/machine_memory.h"
 #include "mortise/v1/fabplanner.grpc.pb.h"
+#include "tests/integration/hwbridge/line_times.h"
 #include "tests/support/child_process.h"
 #include "tests/support/reserved_port.h"
 #include "tests/unit/hwbridge/simulated_cell.h"
@@ -207,10 +208,18 @@ class BridgeProcess : public ::testing::Test {
   void StartCell() {
     cell_ = std::make_unique<testing::ServiceProcess>(
         testing::BuiltProgram("mortise-virtual-cell"),
-        std::vector<std::string>{
-            "--port", cell_port_.port(), "--state", (folder_.path() / "cell").string(), "--journal",
-            cut_record_.string(), "--heartbeat-timeout", "0.5", "--time-scale", "40"},
+        std::vector<std::string>{"--port", cell_port_.port(), "--state",
+                                 (folder_.path() / "cell").string(), "--journal",
+                                 cut_record_.string(), "--heartbeat-timeout",
+                                 absl::StrCat(line_.heartbeat_timeout), "--time-scale", "40"},
         folder_.path() / "port");
+  }
+
+  // Deaths are to be noticed at once. Whoever calls this resumes what a busy computer may hold too.
+  void NoticeDeathsSoon() {
+    line_ = kHastyLine;
+    cell_.reset();
+    StartCell();
   }
 
   void StartPlanner() {
@@ -243,9 +252,9 @@ class BridgeProcess : public ::testing::Test {
                                           "--scan-period",
                                           "0.005",
                                           "--answer-timeout",
-                                          "0.2",
+                                          absl::StrCat(line_.answer_timeout),
                                           "--machine-lost-after",
-                                          "0.4"};
+                                          absl::StrCat(line_.lost_after)};
     arguments.insert(arguments.end(), more.begin(), more.end());
     bridge_ = std::make_unique<testing::ChildProcess>(arguments);
   }
@@ -276,6 +285,7 @@ class BridgeProcess : public ::testing::Test {
     });
   }
 
+  LineTimes line_ = kPatientLine;
   TemporaryFolder folder_;
   std::filesystem::path cut_record_ = folder_.path() / "cuts";
   const testing::ReservedPort cell_port_;
@@ -375,6 +385,7 @@ TEST_F(BridgeProcess, HoldAndResume) {
 }
 
 TEST_F(BridgeProcess, SurvivesItsOwnDeathAgainAndAgain) {
+  NoticeDeathsSoon();
   StartBridge();
   GiveAll();
   for (std::size_t reports = 1; reports <= 5; ++reports) {
@@ -390,6 +401,7 @@ TEST_F(BridgeProcess, SurvivesItsOwnDeathAgainAndAgain) {
 }
 
 TEST_F(BridgeProcess, SurvivesTheDeathOfTheCell) {
+  NoticeDeathsSoon();
   StartBridge();
   GiveAll();
   for (std::size_t reports = 1; reports <= 3; ++reports) {

@@ -23,6 +23,7 @@
 #include "hwbridge/journal.h"
 #include "hwbridge/modbus_link.h"
 #include "hwbridge/work_order_runner.h"
+#include "tests/integration/hwbridge/line_times.h"
 #include "tests/support/child_process.h"
 #include "tests/support/file_watch.h"
 #include "tests/support/reserved_port.h"
@@ -53,7 +54,7 @@ std::vector<CutOrder> WorkOrder() {
 // The bridge without its line to the fabplanner, with an operator who resumes what is held.
 class Bridge {
  public:
-  Bridge(const std::filesystem::path& journal, int port) {
+  Bridge(const std::filesystem::path& journal, int port, const LineTimes& line) {
     auto opened = Journal::Open(journal);
     EXPECT_TRUE(opened.ok()) << opened.status();
     journal_ = *std::move(opened);
@@ -64,12 +65,12 @@ class Bridge {
       WorkOrderRunner::MachineSetup setup;
       setup.worker.name = name;
       setup.worker.kind = kind;
-      setup.worker.line_lost_after = 0.3;
+      setup.worker.line_lost_after = line.lost_after;
       ModbusLink::Options link;
       link.address = "127.0.0.1";
       link.port = port;
       link.unit = static_cast<int>(kind);
-      link.answer_timeout = 0.1;
+      link.answer_timeout = line.answer_timeout;
       setup.link = std::make_unique<ModbusLink>(link);
       machines.push_back(std::move(setup));
     }
@@ -127,7 +128,7 @@ class VirtualCell : public ::testing::Test {
                                       "--journal",
                                       cut_record_.string(),
                                       "--heartbeat-timeout",
-                                      "0.4",
+                                      absl::StrCat(line_.heartbeat_timeout),
                                       "--time-scale",
                                       "40"};
     flags.insert(flags.end(), more.begin(), more.end());
@@ -136,7 +137,7 @@ class VirtualCell : public ::testing::Test {
   }
 
   std::unique_ptr<Bridge> StartBridge() {
-    return std::make_unique<Bridge>(folder_.path() / "journal", std::stoi(port_.port()));
+    return std::make_unique<Bridge>(folder_.path() / "journal", std::stoi(port_.port()), line_);
   }
 
   void ExpectEachCutOnce() {
@@ -150,6 +151,7 @@ class VirtualCell : public ::testing::Test {
     EXPECT_EQ(cuts->size(), WorkOrder().size());
   }
 
+  LineTimes line_ = kPatientLine;
   TemporaryFolder folder_;
   std::filesystem::path cut_record_ = folder_.path() / "cuts";
   const testing::ReservedPort port_;
@@ -178,6 +180,7 @@ TEST_F(VirtualCell, RunsAWorkOrderOnTwoMachinesAtOnce) {
 }
 
 TEST_F(VirtualCell, SurvivesALineThatLosesAndDelaysAnswers) {
+  line_ = kHastyLine;
   StartCell({"--drop-response-every", "40", "--delay", "0.002"});
   auto bridge = StartBridge();
   ASSERT_TRUE(bridge->WorkUntil([&] { return bridge->Finished(); }));
@@ -185,6 +188,7 @@ TEST_F(VirtualCell, SurvivesALineThatLosesAndDelaysAnswers) {
 }
 
 TEST_F(VirtualCell, SurvivesTheDeathOfTheCellAgainAndAgain) {
+  line_ = kHastyLine;
   StartCell();
   auto bridge = StartBridge();
   for (std::size_t reports = 1; reports <= 5; ++reports) {
@@ -197,6 +201,7 @@ TEST_F(VirtualCell, SurvivesTheDeathOfTheCellAgainAndAgain) {
 }
 
 TEST_F(VirtualCell, SurvivesDeathAfterTakingANumberAndAfterTheCut) {
+  line_ = kHastyLine;
   for (const char* fault : {"--crash-after-accept", "--crash-after-cut"}) {
     SCOPED_TRACE(fault);
     StartCell({fault});
@@ -220,6 +225,7 @@ TEST_F(VirtualCell, SurvivesDeathAfterTakingANumberAndAfterTheCut) {
 }
 
 TEST_F(VirtualCell, TheReturnOfTheCellResumesNothing) {
+  line_ = kHastyLine;
   StartCell();
   auto bridge = StartBridge();
   ASSERT_TRUE(bridge->WorkUntil([&] { return bridge->Reported() >= 2; }));
@@ -271,6 +277,7 @@ TEST_F(VirtualCell, TheEmergencyStopIsSeenAndHolds) {
 
 // The bridge runs in a forked process, which is killed again and again.
 TEST_F(VirtualCell, SurvivesTheDeathOfTheBridgeAgainAndAgain) {
+  line_ = kHastyLine;
   StartCell();
   for (int life = 1; life <= 8; ++life) {
     const bool last = life == 8;
