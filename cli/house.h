@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "cli/port_reservation.h"
+#include "common/base/port_reservation.h"
 
-namespace mortise::cli {
+namespace mortise {
 
 struct HouseOptions {
   std::filesystem::path state = ".mortise";  // where stores, blobs, keys and logs live
@@ -58,4 +58,4 @@ const std::vector<std::string>& HouseServices();
 // each service. The same in compose.yaml.
 int UsualPort(const std::string& listener);
 
-}  // namespace mortise::cli
+}  // namespace mortise

@@ -1,4 +1,4 @@
-#include "cli/port_reservation.h"
+#include "common/base/port_reservation.h"
 
 #include <arpa/inet.h>
 #include <netinet/in.h>
@@ -13,7 +13,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 
-namespace mortise::cli {
+namespace mortise {
 
 absl::StatusOr<PortReservation> PortReservation::Take(int wanted, const std::string& field) {
   PortReservation reservation(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
@@ -48,4 +48,4 @@ PortReservation::~PortReservation() {
   if (socket_ >= 0) ::close(socket_);
 }
 
-}  // namespace mortise::cli
+}  // namespace mortise

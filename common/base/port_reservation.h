@@ -5,7 +5,7 @@
 
 #include "absl/status/statusor.h"
 
-namespace mortise::cli {
+namespace mortise {
 
 // Holds a port by a bound socket that does not listen: the system then gives the port to nobody who
 // asks for any, while a server that asks for this one, with SO_REUSEADDR as servers do, gets it.
@@ -28,4 +28,4 @@ class PortReservation {
   std::string address_;
 };
 
-}  // namespace mortise::cli
+}  // namespace mortise
