@@ -76,8 +76,7 @@ class House final : public Gateway {
     MORTISE_ASSIGN_OR_RETURN(store_, store::OpenStore({.url = options_.store, .service = kName}));
     MORTISE_ASSIGN_OR_RETURN(bus::BrokerSecurity broker_security,
                              bus::LoadBrokerSecurity(options_.keys, kName));
-    MORTISE_ASSIGN_OR_RETURN(bus_security_,
-                             bus::LoadClientSecurity(options_.keys, kName, kName));
+    MORTISE_ASSIGN_OR_RETURN(bus_security_, bus::LoadClientSecurity(options_.keys, kName, kName));
     MORTISE_ASSIGN_OR_RETURN(broker_,
                              bus::Broker::Start({.publisher_endpoint = options_.bus_publish,
                                                  .subscriber_endpoint = options_.bus_subscribe,
@@ -85,7 +84,7 @@ class House final : public Gateway {
     StartEvents();
     delivery_ = WebhookDelivery::Start(options_.webhooks, store_.get(), hub_.get(), contract_.get(),
                                        &transcoder_);
-    upstreams_ = std::make_unique<Upstreams>(UpstreamOptions{options_.channels});
+    upstreams_ = std::make_unique<Upstreams>(UpstreamOptions{options_.channels, options_.patience});
     MORTISE_RETURN_IF_ERROR(StartHostedServices());
     for (const auto& [name, address] : options_.services) {
       MORTISE_RETURN_IF_ERROR(upstreams_->Add(name, address, options_.services_security));

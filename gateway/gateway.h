@@ -30,8 +30,9 @@ struct GatewayOptions {
   std::string bus_subscribe = "tcp://127.0.0.1:*";
   absl::Duration drain_time = absl::Seconds(10);
   bool log_calls = true;
-  int channels = 2;      // connections to each service
-  int http_threads = 2;  // that serve the HTTP door
+  int channels = 2;                            // connections to each service
+  absl::Duration patience = absl::Seconds(5);  // with a service that is not there, of calls unsent
+  int http_threads = 2;                        // that serve the HTTP door
   WebhookDeliveryOptions webhooks;
 };
 

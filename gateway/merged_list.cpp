@@ -33,7 +33,7 @@ absl::StatusOr<MergePosition> ParseMergeToken(std::string_view text,
       return BadToken();
     }
     const auto skip = entry[1].get<int64_t>();
-    if (skip < 0 || skip > kMaximalMergedPage) return BadToken();
+    if (skip < 0 || skip >= kMaximalMergedPage) return BadToken();
     position[name] = {entry[0].get<std::string>(), static_cast<int>(skip)};
   }
   return position;

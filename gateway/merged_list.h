@@ -30,7 +30,7 @@ absl::StatusOr<MergePosition> ParseMergeToken(std::string_view text,
                                               const std::vector<std::string>& sources);
 std::string FormatMergeToken(const MergePosition& position);
 
-inline constexpr int kMaximalMergedPage = 500;
+inline constexpr int kMaximalMergedPage = 1000;
 
 template <class Item>
 struct ListPage {
@@ -40,7 +40,8 @@ struct ListPage {
 
 // The next page of the merged list. `fetch(source, page_size, page_token)` gives a page of a
 // source, whose items are in the order of `before(a, b)`; failures end it. Items of one source keep
-// their order, and none is lost or repeated between pages.
+// their order, and none is lost between pages. None is repeated either, unless a source gets new
+// items in front of those of a page that was used in part.
 template <class Item, class Fetch, class Before>
 absl::StatusOr<ListPage<Item>> MergeLists(const std::vector<std::string>& sources, int page_size,
                                           const std::string& page_token, const Fetch& fetch,
@@ -59,8 +60,9 @@ absl::StatusOr<ListPage<Item>> MergeLists(const std::vector<std::string>& source
   std::vector<Read> reads;
   for (const auto& [name, position] : start) {
     Read read{name, {}, position, static_cast<std::size_t>(position.skip)};
-    MORTISE_ASSIGN_OR_RETURN(read.page,
-                             fetch(name, static_cast<int>(wanted) + position.skip, position.token));
+    // Sources bound their pages as this list does; what they cannot give makes this page shorter.
+    const int asked = std::min(static_cast<int>(wanted) + position.skip, kMaximalMergedPage);
+    MORTISE_ASSIGN_OR_RETURN(read.page, fetch(name, asked, position.token));
     read.used = std::min(read.used, read.page.items.size());
     reads.push_back(std::move(read));
   }

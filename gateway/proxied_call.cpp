@@ -73,7 +73,10 @@ GenericStub* ProxiedCall::Prepare(const grpc::ByteBuffer* first, absl::Status& e
   } else {
     upstream_.AddMetadata(rpc::kIdentityMetadata, identity);
   }
-  return proxy_.upstreams->Stub(service_);
+  const Upstreams::Connection* connection = proxy_.upstreams->Next(service_);
+  patience_.emplace(connection->channel, upstream_,
+                    absl::ToChronoMilliseconds(proxy_.upstreams->options().patience));
+  return connection->stub.get();
 }
 
 void ProxiedCall::CopyInitialMetadata() {
@@ -92,6 +95,11 @@ grpc::Status ProxiedCall::Conclude(const grpc::Status& upstream, const grpc::Byt
   if (request != nullptr && MayBeUnreadable(upstream) &&
       !proxy_.contract->IsRequest(*method_, ToString(*request))) {
     return rpc::ToGrpc(UnreadableRequest());
+  }
+  if (patience_ && patience_->exhausted()) {
+    return rpc::ToGrpc(PeerUnavailable(
+        service_, absl::StrCat("the ", service_, " service cannot be reached; waited ",
+                               absl::FormatDuration(proxy_.upstreams->options().patience))));
   }
   if (!IsUnreachable(upstream)) return upstream;
   return rpc::ToGrpc(PeerUnavailable(

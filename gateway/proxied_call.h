@@ -7,9 +7,11 @@
 
 #include <chrono>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "absl/status/status.h"
+#include "gateway/connection_patience.h"
 #include "gateway/proxy.h"
 
 namespace mortise::gateway {
@@ -51,6 +53,7 @@ class ProxiedCall {
   const MethodRoute* method_;
   grpc::GenericCallbackServerContext* context_;
   grpc::ClientContext upstream_;
+  std::optional<ConnectionPatience> patience_;
   std::shared_ptr<const Caller> caller_;
   std::string request_id_;
   std::string service_;

@@ -31,8 +31,7 @@ grpc::ChannelArguments Arguments() {
 }  // namespace
 
 struct Upstreams::Service {
-  std::vector<std::shared_ptr<grpc::Channel>> channels;
-  std::vector<std::unique_ptr<GenericStub>> stubs;
+  std::vector<Connection> connections;
   mutable std::atomic<unsigned> next{0};
 };
 
@@ -45,40 +44,41 @@ absl::Status Upstreams::Add(const std::string& name, const std::string& address,
   MORTISE_ASSIGN_OR_RETURN(const auto credentials, rpc::MakeClientCredentials(address, security));
   auto service = std::make_unique<Service>();
   for (int i = 0; i < options_.channels; ++i) {
-    service->channels.push_back(grpc::CreateCustomChannel(address, credentials, Arguments()));
-    service->stubs.push_back(std::make_unique<GenericStub>(service->channels.back()));
+    Connection& connection = service->connections.emplace_back();
+    connection.channel = grpc::CreateCustomChannel(address, credentials, Arguments());
+    connection.stub = std::make_unique<GenericStub>(connection.channel);
   }
   services_.emplace(name, std::move(service));
   addresses_.emplace(name, address);
   return absl::OkStatus();
 }
 
-GenericStub* Upstreams::Stub(std::string_view name) const {
+const Upstreams::Connection* Upstreams::Next(std::string_view name) const {
   const auto found = services_.find(name);
   if (found == services_.end()) return nullptr;
   const Service& service = *found->second;
   const unsigned turn = service.next.fetch_add(1, std::memory_order_relaxed);
-  return service.stubs[turn % service.stubs.size()].get();
+  return &service.connections[turn % service.connections.size()];
 }
 
 std::shared_ptr<grpc::Channel> Upstreams::Channel(std::string_view name) const {
   const auto found = services_.find(name);
-  return found == services_.end() ? nullptr : found->second->channels.front();
+  return found == services_.end() ? nullptr : found->second->connections.front().channel;
 }
 
 bool Upstreams::Healthy(std::string_view name, absl::Duration timeout) const {
-  GenericStub* stub = Stub(name);
-  if (stub == nullptr) return false;
+  const Connection* connection = Next(name);
+  if (connection == nullptr) return false;
   grpc::ClientContext context;
   context.set_deadline(std::chrono::system_clock::now() + absl::ToChronoMilliseconds(timeout));
   const grpc::ByteBuffer request = ToByteBuffer({});  // HealthCheckRequest for the whole server
   grpc::ByteBuffer response;
   std::promise<bool> done;
-  stub->UnaryCall(&context, "/grpc.health.v1.Health/Check", {}, &request, &response,
-                  [&](grpc::Status status) {
-                    // HealthCheckResponse { status = 1: SERVING } is these two bytes.
-                    done.set_value(status.ok() && ToString(response) == std::string("\x08\x01"));
-                  });
+  connection->stub->UnaryCall(
+      &context, "/grpc.health.v1.Health/Check", {}, &request, &response, [&](grpc::Status status) {
+        // HealthCheckResponse { status = 1: SERVING } is these two bytes.
+        done.set_value(status.ok() && ToString(response) == std::string("\x08\x01"));
+      });
   return done.get_future().get();
 }
 

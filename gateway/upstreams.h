@@ -28,6 +28,8 @@ struct UpstreamOptions {
   // Connections to each service. One HTTP/2 connection is one lock and one socket, so several let
   // calls on several cores pass side by side.
   int channels = 2;
+  // How long a call waits for a service that is not there; see ConnectionPatience.
+  absl::Duration patience = absl::Seconds(5);
 };
 
 // Filled before the doors open, then only read: thread safe from then on.
@@ -43,11 +45,19 @@ class Upstreams {
   absl::Status Add(const std::string& name, const std::string& address,
                    const rpc::ChannelSecurity& security);
 
-  // The stub whose turn it is; null for a name that was not added.
-  GenericStub* Stub(std::string_view name) const;
+  // A connection to a service, and the stub that calls on it.
+  struct Connection {
+    std::shared_ptr<grpc::Channel> channel;
+    std::unique_ptr<GenericStub> stub;
+  };
+
+  // The connection whose turn it is; null for a name that was not added.
+  const Connection* Next(std::string_view name) const;
 
   // One channel of the service, for typed stubs; null for a name that was not added.
   std::shared_ptr<grpc::Channel> Channel(std::string_view name) const;
+
+  const UpstreamOptions& options() const { return options_; }
 
   // Every service added, with its address.
   const std::map<std::string, std::string, std::less<>>& addresses() const { return addresses_; }

@@ -129,6 +129,7 @@ GatewayOptions GatewayTest::Options() const {
   options.insecure_development = true;
   options.log_calls = false;
   options.drain_time = absl::Seconds(2);
+  options.patience = absl::Milliseconds(50);  // for those who call where nobody listens
   return options;
 }
 

@@ -3,6 +3,8 @@
 #include <grpcpp/generic/generic_stub.h>
 #include <grpcpp/grpcpp.h>
 
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
 #include <chrono>
 #include <future>
 #include <thread>
@@ -17,6 +19,7 @@
 #include "mortise/v1/pareto.grpc.pb.h"
 #include "mortise/v1/simulator.grpc.pb.h"
 #include "tests/integration/gateway/gateway_fixture.h"
+#include "tests/support/reserved_port.h"
 #include "tests/unit/gateway/token_fixture.h"
 
 namespace mortise::gateway {
@@ -224,6 +227,92 @@ TEST_F(ProxyTest, SaysWhichServiceCannotBeReached) {
   EXPECT_EQ(status.error_code(), grpc::StatusCode::UNAVAILABLE);
   EXPECT_THAT(status.error_message(), HasSubstr("pareto"));
   EXPECT_EQ(DetailOf(rpc::FromGrpc(status)).reason, "PEER_UNAVAILABLE");
+}
+
+class LateParetoService final : public v1::ParetoService::Service {
+  grpc::Status GetFront(grpc::ServerContext*, const v1::GetFrontRequest* request,
+                        v1::Front* front) override {
+    front->set_name(request->name());
+    return grpc::Status::OK;
+  }
+  grpc::Status ExportFront(grpc::ServerContext*, const v1::ExportFrontRequest* request,
+                           grpc::ServerWriter<v1::Chunk>* writer) override {
+    v1::Chunk chunk;
+    chunk.set_data(request->name());
+    writer->Write(chunk);
+    return grpc::Status::OK;
+  }
+};
+
+class ProxyToAServiceThatRestartsTest : public ProxyTest {
+ protected:
+  void SetUp() override {
+    GatewayOptions options = Options();
+    options.services["pareto"] = port_.address();
+    options.patience = absl::Minutes(1);
+    StartGateway(options);
+    channel_ = grpc::CreateChannel(gateway_->addresses().grpc, grpc::InsecureChannelCredentials());
+  }
+
+  // Once somebody has tried to connect in vain.
+  void StartServiceWhenMissed() {
+    {
+      boost::asio::io_context io;
+      boost::asio::ip::tcp::acceptor acceptor(
+          io, {boost::asio::ip::address_v4::loopback(),
+               static_cast<std::uint16_t>(std::stoi(port_.port()))});
+      acceptor.accept();
+    }
+    grpc::ServerBuilder builder;
+    builder.AddListeningPort(port_.address(), grpc::InsecureServerCredentials());
+    builder.RegisterService(&service_);
+    server_ = builder.BuildAndStart();
+    ASSERT_TRUE(server_);
+  }
+
+  const mortise::testing::ReservedPort port_;
+  LateParetoService service_;
+  std::unique_ptr<grpc::Server> server_;
+};
+
+TEST_F(ProxyToAServiceThatRestartsTest, UnsentCallsWait) {
+  v1::Front front;
+  auto call = std::async(std::launch::async, [&] {
+    v1::GetFrontRequest request;
+    request.set_name("fronts/late");
+    grpc::ClientContext context;
+    return v1::ParetoService::NewStub(channel_)->GetFront(&context, request, &front);
+  });
+  StartServiceWhenMissed();
+  const grpc::Status status = call.get();
+  EXPECT_TRUE(status.ok()) << status.error_message();
+  EXPECT_EQ(front.name(), "fronts/late");
+}
+
+TEST_F(ProxyToAServiceThatRestartsTest, UnsentStreamsWait) {
+  v1::Chunk chunk;
+  auto call = std::async(std::launch::async, [&] {
+    v1::ExportFrontRequest request;
+    request.set_name("fronts/late");
+    grpc::ClientContext context;
+    const auto stub = v1::ParetoService::NewStub(channel_);
+    const auto stream = stub->ExportFront(&context, request);
+    stream->Read(&chunk);
+    return stream->Finish();
+  });
+  StartServiceWhenMissed();
+  const grpc::Status status = call.get();
+  EXPECT_TRUE(status.ok()) << status.error_message();
+  EXPECT_EQ(chunk.data(), "fronts/late");
+}
+
+TEST_F(ProxyToAServiceThatRestartsTest, ACallsOwnDeadlineComesFirst) {
+  grpc::ClientContext context;
+  context.set_deadline(std::chrono::system_clock::now() + std::chrono::milliseconds(50));
+  v1::Front front;
+  const grpc::Status status =
+      v1::ParetoService::NewStub(channel_)->GetFront(&context, v1::GetFrontRequest(), &front);
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::DEADLINE_EXCEEDED);
 }
 
 TEST_F(ProxyTest, RoutesOperationsByTheirName) {

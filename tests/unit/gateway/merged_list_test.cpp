@@ -74,6 +74,30 @@ TEST(MergedList, GivesEveryItemOnceInOrder) {
   }
 }
 
+TEST(MergedList, GivesTheLargestPagesAndAsksSourcesForNoLarger) {
+  Lists lists;
+  for (int i = 0; i < 2500; ++i) {
+    lists["a"].push_back({"a", -2 * i});
+    lists["b"].push_back({"b", -2 * i - 1});
+  }
+  const auto whole = Fetcher(lists, 5000);
+  const auto fetch = [&](const std::string& source, int page_size, const std::string& token) {
+    EXPECT_LE(page_size, kMaximalMergedPage);
+    return whole(source, page_size, token);
+  };
+  std::vector<Item> seen;
+  std::string token;
+  do {
+    const auto page = MergeLists<Item>({"a", "b"}, kMaximalMergedPage, token, fetch, Newer);
+    ASSERT_TRUE(page.ok()) << page.status();
+    seen.insert(seen.end(), page->items.begin(), page->items.end());
+    token = page->next_page_token;
+    ASSERT_LE(seen.size(), 5000U);
+  } while (!token.empty());
+  EXPECT_EQ(seen.size(), 5000U);
+  EXPECT_TRUE(std::is_sorted(seen.begin(), seen.end(), Newer));
+}
+
 TEST(MergedList, RefusesForeignTokensAndSizes) {
   const Lists lists = {{"a", {}}};
   const auto fetch = Fetcher(lists, 10);
@@ -83,7 +107,7 @@ TEST(MergedList, RefusesForeignTokensAndSizes) {
   EXPECT_FALSE(MergeLists<Item>({"a"}, 10, FormatMergeToken({{"b", {"", 0}}}), fetch, Newer).ok());
   EXPECT_FALSE(MergeLists<Item>({"a"}, 10, FormatMergeToken({{"a", {"", -1}}}), fetch, Newer).ok());
   EXPECT_FALSE(MergeLists<Item>({"a"}, -1, "", fetch, Newer).ok());
-  EXPECT_FALSE(MergeLists<Item>({"a"}, 501, "", fetch, Newer).ok());
+  EXPECT_FALSE(MergeLists<Item>({"a"}, 1001, "", fetch, Newer).ok());
 }
 
 TEST(MergedList, FailsWhenASourceDoes) {
