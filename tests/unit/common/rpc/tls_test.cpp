@@ -8,6 +8,7 @@
 
 #include "common/base/errors.h"
 #include "common/base/files.h"
+#include "tests/support/reserved_port.h"
 #include "tests/unit/common/rpc/probe_server.h"
 
 namespace mortise::testing {
@@ -135,6 +136,27 @@ TEST_F(TlsTest, WithoutAuthorityClientsNeedNoCertificate) {
   rpc::ChannelSecurity client;
   client.authority = ours_.certificate;
   EXPECT_OK(Read(client));
+}
+
+// A handshake goes on only while somebody waits on the channel: retries must get through all the
+// same.
+TEST_F(TlsTest, RetriesReachAServerThatStartsLate) {
+  const ReservedPort port;
+  const auto channel = rpc::MakeChannel(port.address(), ours_);
+  ASSERT_OK(channel);
+  const auto stub = ProbeService::NewStub(*channel);
+  rpc::Origin origin;
+  origin.deadline = absl::Now() + absl::Minutes(1);
+  int tries = 0;
+  const auto attempt = [&](grpc::ClientContext* context) {
+    if (++tries == 3) {
+      EXPECT_OK(Start(ours_, port.address()));
+    }
+    ReadResponse response;
+    return stub->Read(context, {}, &response);
+  };
+  EXPECT_OK(rpc::CallWithRetry(origin, {.patience = absl::Minutes(1)}, attempt));
+  EXPECT_GT(tries, 2);
 }
 
 TEST_F(TlsTest, IncompleteOrMissingFilesAreNamed) {
