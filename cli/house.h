@@ -10,7 +10,7 @@
 #include "absl/status/statusor.h"
 #include "common/base/port_reservation.h"
 
-namespace mortise {
+namespace mortise::cli {
 
 struct HouseOptions {
   std::filesystem::path state = ".mortise";  // where stores, blobs, keys and logs live
@@ -58,4 +58,4 @@ const std::vector<std::string>& HouseServices();
 // each service. The same in compose.yaml.
 int UsualPort(const std::string& listener);
 
-}  // namespace mortise
+}  // namespace mortise::cli
