@@ -10,7 +10,9 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
+#include "common/parametric/design_file.h"
 #include "common/parametric/template_codec.h"
+#include "common/parametric/template_validation.h"
 
 namespace mortise::parametric {
 namespace {
@@ -52,13 +54,18 @@ absl::StatusOr<Message> ParseText(std::string_view text, const std::string& orig
   return message;
 }
 
+bool IsDesignFile(const fs::path& path) {
+  const fs::path extension = path.extension();
+  return extension == ".textproto" || extension == ".csv" || extension == ".json";
+}
+
 absl::StatusOr<std::vector<fs::path>> FilesUnder(const fs::path& folder) {
   std::vector<fs::path> files;
   std::error_code error;
   if (!fs::exists(folder, error)) return files;
   for (auto entry = fs::recursive_directory_iterator(folder, error);
        !error && entry != fs::recursive_directory_iterator(); entry.increment(error)) {
-    if (entry->is_regular_file(error) && entry->path().extension() == ".textproto") {
+    if (entry->is_regular_file(error) && IsDesignFile(entry->path())) {
       files.push_back(entry->path());
     }
   }
@@ -68,12 +75,13 @@ absl::StatusOr<std::vector<fs::path>> FilesUnder(const fs::path& folder) {
 }
 
 absl::Status AppendBundle(const fs::path& file, Collection& collection) {
-  MORTISE_ASSIGN_OR_RETURN(const std::string text, ReadFile(file, kMaxTextBytes));
-  MORTISE_ASSIGN_OR_RETURN(v1::TemplateBundle bundle, ParseBundleText(text, file.string()));
-  for (v1::Material& material : *bundle.mutable_materials()) {
-    collection.materials.push_back(std::move(material));
+  DesignFile read = ReadDesignFile(file);
+  for (Finding& finding : read.findings) {
+    finding.field = absl::StrCat(file.string(), finding.field.empty() ? "" : ": ", finding.field);
   }
-  for (v1::Item& item : *bundle.mutable_items()) collection.items.push_back(std::move(item));
+  MORTISE_RETURN_IF_ERROR(ToStatus(read.findings));
+  for (auto& material : read.materials) collection.materials.push_back(std::move(material.message));
+  for (auto& item : read.items) collection.items.push_back(std::move(item.message));
   return absl::OkStatus();
 }
 

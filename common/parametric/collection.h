@@ -1,7 +1,8 @@
-// Reads collections from disk: materials, items and templates as protobuf text files that people
-// write (collection/ in the repository). Target mortise_template_codec.
+// Reads collections from disk: materials, items and templates as files that people write
+// (collection/ in the repository). Target mortise_template_codec.
 //
 //   materials.textproto, items/*.textproto     each a mortise.v1.TemplateBundle
+//   items/*.csv, items/*.json                  items in the forms of design_file.h
 //   designs/<name>/template.textproto          each a mortise.v1.Template
 #pragma once
 
@@ -29,7 +30,8 @@ absl::StatusOr<v1::Template> ParseTemplateText(std::string_view text, const std:
 absl::StatusOr<v1::TemplateBundle> ParseBundleText(std::string_view text,
                                                    const std::string& origin);
 
-// Reads a folder. NOT_FOUND if it does not exist; fails as the parsers do.
+// Reads a folder. NOT_FOUND if it does not exist; INVALID_ARGUMENT naming each fault of the first
+// file that has any.
 absl::StatusOr<Collection> ReadCollection(const std::filesystem::path& folder);
 
 // The template of `collection` with this name and what it uses, as structs. NOT_FOUND;

@@ -1,5 +1,6 @@
 // Field-by-field conversion of materials and items.
 #include <array>
+#include <optional>
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
@@ -23,12 +24,86 @@ absl::StatusOr<std::array<ItemDimension, 3>> DimensionsFromProto(const v1::Item&
     MORTISE_ASSIGN_OR_RETURN(
         const Process process,
         ProcessFromProto(dimension.process(), absl::StrCat(field, ".process")));
-    dimensions[index] = {dimension.size(), process, dimension.minimum(), dimension.maximum()};
+    dimensions[index] = {dimension.size(),    process,          dimension.minimum(),
+                         dimension.maximum(), dimension.name(), dimension.nominal()};
   }
   if (!given[0] || !given[1] || !given[2]) {
     return InvalidField("dimensions", "must hold one entry for each of X, Y and Z");
   }
   return dimensions;
+}
+
+// The grain's axes may be left unsaid.
+absl::StatusOr<std::optional<Axis>> OptionalAxis(v1::Axis axis, const std::string& field) {
+  if (axis == v1::AXIS_UNSPECIFIED) return std::optional<Axis>();
+  MORTISE_ASSIGN_OR_RETURN(const Axis known, AxisFromProto(axis, field));
+  return std::optional<Axis>(known);
+}
+
+std::string KindNames() {
+  std::string names;
+  const google::protobuf::EnumDescriptor& kinds = *v1::ItemKind_descriptor();
+  for (int i = 1; i < kinds.value_count(); ++i) {
+    absl::StrAppend(&names,
+                    i == 1                         ? ""
+                    : i + 1 == kinds.value_count() ? " or "
+                                                   : ", ",
+                    kinds.value(i)->name());
+  }
+  return names;
+}
+
+OrthotropicElasticity ElasticityFromProto(const v1::OrthotropicElasticity& message) {
+  return {message.youngs_modulus_l(),  message.youngs_modulus_r(),  message.youngs_modulus_t(),
+          message.shear_modulus_lr(),  message.shear_modulus_lt(),  message.shear_modulus_rt(),
+          message.poissons_ratio_lr(), message.poissons_ratio_lt(), message.poissons_ratio_rt()};
+}
+
+void SetElasticity(const OrthotropicElasticity& elasticity, v1::OrthotropicElasticity& message) {
+  message.set_youngs_modulus_l(elasticity.youngs_modulus_l);
+  message.set_youngs_modulus_r(elasticity.youngs_modulus_r);
+  message.set_youngs_modulus_t(elasticity.youngs_modulus_t);
+  message.set_shear_modulus_lr(elasticity.shear_modulus_lr);
+  message.set_shear_modulus_lt(elasticity.shear_modulus_lt);
+  message.set_shear_modulus_rt(elasticity.shear_modulus_rt);
+  message.set_poissons_ratio_lr(elasticity.poissons_ratio_lr);
+  message.set_poissons_ratio_lt(elasticity.poissons_ratio_lt);
+  message.set_poissons_ratio_rt(elasticity.poissons_ratio_rt);
+}
+
+void SetDimensions(const Item& item, v1::Item& message) {
+  for (std::size_t i = 0; i < 3; ++i) {
+    v1::ItemDimension& dimension = *message.add_dimensions();
+    dimension.set_axis(static_cast<v1::Axis>(i + 1));
+    dimension.set_size(item.dimensions[i].size);
+    dimension.set_process(ProcessToProto(item.dimensions[i].process));
+    dimension.set_minimum(item.dimensions[i].minimum);
+    dimension.set_maximum(item.dimensions[i].maximum);
+    dimension.set_name(item.dimensions[i].name);
+    dimension.set_nominal(item.dimensions[i].nominal);
+  }
+}
+
+void SetLists(const Item& item, v1::Item& message) {
+  for (const ItemMeasure& measure : item.measures) {
+    v1::ItemMeasure& added = *message.add_measures();
+    added.set_name(measure.name);
+    added.set_size(measure.size);
+    added.set_minimum(measure.minimum);
+    added.set_maximum(measure.maximum);
+  }
+  for (const StockSize& stock : item.stock_sizes) {
+    v1::StockSize& added = *message.add_stock_sizes();
+    added.set_length(stock.length);
+    added.set_width(stock.width);
+    added.set_price(stock.price);
+  }
+  for (const SupplierLink& link : item.more_suppliers) {
+    v1::SupplierLink& added = *message.add_more_suppliers();
+    added.set_supplier(link.supplier);
+    added.set_url(link.url);
+    added.set_number(link.number);
+  }
 }
 
 }  // namespace
@@ -49,7 +124,7 @@ absl::StatusOr<Axis> AxisFromProto(v1::Axis axis, const std::string& field) {
 v1::Axis AxisToProto(Axis axis) { return static_cast<v1::Axis>(static_cast<int>(axis) + 1); }
 
 absl::StatusOr<Process> ProcessFromProto(v1::Process process, const std::string& field) {
-  if (process < v1::PROCESS_UNSPECIFIED || process > v1::MILL) {
+  if (!v1::Process_IsValid(process)) {
     return InvalidField(field, "is not a process that is known here");
   }
   return static_cast<Process>(process);
@@ -68,6 +143,7 @@ absl::StatusOr<Material> FromProto(const v1::Material& message) {
   material.thermal_conductivity = message.thermal_conductivity();
   material.thermal_expansion = message.thermal_expansion();
   material.revision = message.revision();
+  if (message.has_orthotropic()) material.orthotropic = ElasticityFromProto(message.orthotropic());
   return material;
 }
 
@@ -82,6 +158,7 @@ v1::Material ToProto(const Material& material) {
   message.set_thermal_conductivity(material.thermal_conductivity);
   message.set_thermal_expansion(material.thermal_expansion);
   message.set_revision(material.revision);
+  if (material.orthotropic) SetElasticity(*material.orthotropic, *message.mutable_orthotropic());
   return message;
 }
 
@@ -89,8 +166,8 @@ absl::StatusOr<Item> FromProto(const v1::Item& message) {
   Item item;
   item.name = message.name();
   item.title = message.title();
-  if (message.kind() < v1::BOARD || message.kind() > v1::HARDWARE) {
-    return InvalidField("kind", "must be BOARD, SHEET, DOWEL, SCREW or HARDWARE");
+  if (message.kind() == v1::ITEM_KIND_UNSPECIFIED || !v1::ItemKind_IsValid(message.kind())) {
+    return InvalidField("kind", "must be " + KindNames());
   }
   item.kind = static_cast<ItemKind>(message.kind());
   item.material = message.material();
@@ -105,6 +182,20 @@ absl::StatusOr<Item> FromProto(const v1::Item& message) {
   item.supplier_url = message.supplier_url();
   item.supplier_number = message.supplier_number();
   item.revision = message.revision();
+  item.price_is_example = message.price_is_example();
+  item.standard = message.standard();
+  item.designation = message.designation();
+  for (const v1::ItemMeasure& measure : message.measures()) {
+    item.measures.push_back({measure.name(), measure.size(), measure.minimum(), measure.maximum()});
+  }
+  for (const v1::StockSize& stock : message.stock_sizes()) {
+    item.stock_sizes.push_back({stock.length(), stock.width(), stock.price()});
+  }
+  for (const v1::SupplierLink& link : message.more_suppliers()) {
+    item.more_suppliers.push_back({link.supplier(), link.url(), link.number()});
+  }
+  MORTISE_ASSIGN_OR_RETURN(item.grain_axis, OptionalAxis(message.grain_axis(), "grain_axis"));
+  MORTISE_ASSIGN_OR_RETURN(item.radial_axis, OptionalAxis(message.radial_axis(), "radial_axis"));
   return item;
 }
 
@@ -114,14 +205,7 @@ v1::Item ToProto(const Item& item) {
   message.set_title(item.title);
   message.set_kind(static_cast<v1::ItemKind>(item.kind));
   message.set_material(item.material);
-  for (std::size_t i = 0; i < 3; ++i) {
-    v1::ItemDimension* dimension = message.add_dimensions();
-    dimension->set_axis(static_cast<v1::Axis>(i + 1));
-    dimension->set_size(item.dimensions[i].size);
-    dimension->set_process(ProcessToProto(item.dimensions[i].process));
-    dimension->set_minimum(item.dimensions[i].minimum);
-    dimension->set_maximum(item.dimensions[i].maximum);
-  }
+  SetDimensions(item, message);
   message.mutable_price()->set_currency(item.price.currency);
   message.mutable_price()->set_amount(item.price.amount);
   message.set_price_basis(static_cast<v1::PriceBasis>(item.price_basis));
@@ -130,6 +214,12 @@ v1::Item ToProto(const Item& item) {
   message.set_supplier_url(item.supplier_url);
   message.set_supplier_number(item.supplier_number);
   message.set_revision(item.revision);
+  message.set_price_is_example(item.price_is_example);
+  message.set_standard(item.standard);
+  message.set_designation(item.designation);
+  SetLists(item, message);
+  if (item.grain_axis) message.set_grain_axis(AxisToProto(*item.grain_axis));
+  if (item.radial_axis) message.set_radial_axis(AxisToProto(*item.radial_axis));
   return message;
 }
 

@@ -1,49 +1,21 @@
-// Checks of materials and items.
+// Checks of items.
 #include <cmath>
+#include <set>
 
 #include "absl/strings/str_cat.h"
-#include "common/base/identifiers.h"
+#include "common/parametric/field_checks.h"
 #include "common/parametric/template_validation.h"
 
 namespace mortise::parametric {
 namespace {
 
-constexpr std::size_t kMaxText = 1000;     // bytes
 constexpr double kLargestDimension = 100;  // m; nothing sold for joinery is larger
+constexpr double kSameSize = 1e-9;         // m
+constexpr std::size_t kMaxMeasures = 32;
+constexpr std::size_t kMaxStockSizes = 64;
+constexpr std::size_t kMaxMoreSuppliers = 16;
 constexpr const char* kAxisFields[] = {"X", "Y", "Z"};
-
-void CheckResourceName(const std::string& name, const std::string& collection,
-                       std::vector<Finding>& findings) {
-  if (!ParseResourceName(name, collection, "name").ok()) {
-    findings.push_back({"name", absl::StrCat("must be '", collection,
-                                             "/' and 1 to 63 lower-case letters, digits and "
-                                             "hyphens")});
-  }
-}
-
-void CheckText(const std::string& field, const std::string& text, std::vector<Finding>& findings) {
-  if (text.size() > kMaxText) {
-    findings.push_back({field, absl::StrCat("is longer than ", kMaxText, " bytes")});
-  }
-}
-
-// People click on links: only what leads to a page is one.
-void CheckLink(const std::string& field, const std::string& link, std::vector<Finding>& findings) {
-  if (link.empty() || link.starts_with("https://") || link.starts_with("http://")) return;
-  findings.push_back({field, "must begin with https:// or http://"});
-}
-
-void CheckPositive(const std::string& field, double value, std::vector<Finding>& findings) {
-  if (!(value > 0) || !std::isfinite(value)) {
-    findings.push_back({field, "must be a finite number greater than 0"});
-  }
-}
-
-void CheckNotNegative(const std::string& field, double value, std::vector<Finding>& findings) {
-  if (!(value >= 0) || !std::isfinite(value)) {
-    findings.push_back({field, "must be a finite number, at least 0"});
-  }
-}
+constexpr const char* kAxisNames[] = {"length", "width", "thickness"};
 
 // YYYY-MM-DD with a month and day that exist in some year.
 bool IsDate(const std::string& text) {
@@ -66,14 +38,26 @@ bool IsCurrency(const std::string& text) {
   return true;
 }
 
+bool Same(double a, double b) { return std::abs(a - b) <= kSameSize; }
+
+void CheckNotHuge(const std::string& field, double size, std::vector<Finding>& findings) {
+  if (size > kLargestDimension) {
+    findings.push_back(
+        {field, absl::StrCat("is more than ", kLargestDimension, " m; sizes are in metres")});
+  }
+}
+
 void CheckDimension(const std::string& field, const ItemDimension& dimension,
                     std::vector<Finding>& findings) {
   const std::size_t before = findings.size();
   CheckPositive(absl::StrCat(field, ".size"), dimension.size, findings);
-  if (dimension.size > kLargestDimension) {
-    findings.push_back(
-        {absl::StrCat(field, ".size"),
-         absl::StrCat("is more than ", kLargestDimension, " m; sizes are in metres")});
+  CheckNotHuge(absl::StrCat(field, ".size"), dimension.size, findings);
+  CheckNotNegative(absl::StrCat(field, ".nominal"), dimension.nominal, findings);
+  CheckNotHuge(absl::StrCat(field, ".nominal"), dimension.nominal, findings);
+  if (!dimension.name.empty() && !IsMeasureName(dimension.name)) {
+    findings.push_back({absl::StrCat(field, ".name"),
+                        "must be 1 to 63 lower-case letters, digits and underscores, beginning "
+                        "with a letter"});
   }
   if (dimension.process == Process::kNone) {
     if (dimension.minimum != 0 || dimension.maximum != 0) {
@@ -95,41 +79,128 @@ void CheckDimension(const std::string& field, const ItemDimension& dimension,
   }
 }
 
-}  // namespace
-
-std::vector<Finding> ValidateMaterial(const Material& material) {
-  std::vector<Finding> findings;
-  CheckResourceName(material.name, "materials", findings);
-  CheckText("title", material.title, findings);
-  CheckPositive("density", material.density, findings);
-  CheckPositive("youngs_modulus", material.youngs_modulus, findings);
-  CheckPositive("strength", material.strength, findings);
-  CheckNotNegative("thermal_conductivity", material.thermal_conductivity, findings);
-  CheckNotNegative("thermal_expansion", material.thermal_expansion, findings);
-  if (!(material.poissons_ratio > -1 && material.poissons_ratio < 0.5)) {
-    findings.push_back({"poissons_ratio", "must lie between -1 and 0.5, ends excluded"});
-  }
-  return findings;
+std::string NameOf(const Item& item, std::size_t axis) {
+  const std::string& name = item.dimensions[axis].name;
+  return name.empty() ? kAxisNames[axis] : name;
 }
 
-std::vector<Finding> ValidateItem(const Item& item, const std::vector<Material>& materials) {
-  std::vector<Finding> findings;
-  CheckResourceName(item.name, "items", findings);
-  CheckText("title", item.title, findings);
-  CheckText("supplier", item.supplier, findings);
-  CheckText("supplier_url", item.supplier_url, findings);
-  CheckLink("supplier_url", item.supplier_url, findings);
-  CheckText("supplier_number", item.supplier_number, findings);
-  if (FindMaterial(materials, item.material) == nullptr) {
-    findings.push_back({"material", absl::StrCat("there is no material '", item.material, "'")});
-  }
+// Dimensions of one name are one dimension; what is round has one diameter.
+void CheckDimensions(const Item& item, std::vector<Finding>& findings) {
   for (std::size_t i = 0; i < 3; ++i) {
     CheckDimension(absl::StrCat("dimensions[", kAxisFields[i], "]"), item.dimensions[i], findings);
   }
-  if (item.kind == ItemKind::kDowel &&
-      std::abs(item.dimensions[1].size - item.dimensions[2].size) > 1e-9) {
-    findings.push_back({"dimensions[Z].size", "a dowel is round: Y and Z must be its diameter"});
+  for (std::size_t i = 1; i < 3; ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      if (NameOf(item, i) != NameOf(item, j)) continue;
+      if (Same(item.dimensions[i].size, item.dimensions[j].size)) continue;
+      findings.push_back({absl::StrCat("dimensions[", kAxisFields[i], "].size"),
+                          absl::StrCat("differs from that of ", kAxisFields[j],
+                                       ", though both are '", NameOf(item, i), "'")});
+    }
   }
+  const bool round = item.kind == ItemKind::kDowel || item.kind == ItemKind::kThreadedRod;
+  if (round && !Same(item.dimensions[1].size, item.dimensions[2].size)) {
+    findings.push_back({"dimensions[Z].size", "it is round: Y and Z must be its diameter"});
+  }
+}
+
+// What is wrong in itself is named before what is only missing.
+void CheckMeasure(const std::string& field, const ItemMeasure& measure,
+                  std::vector<Finding>& findings) {
+  const std::size_t before = findings.size();
+  CheckNotNegative(absl::StrCat(field, ".minimum"), measure.minimum, findings);
+  CheckNotNegative(absl::StrCat(field, ".maximum"), measure.maximum, findings);
+  CheckPositive(absl::StrCat(field, ".size"), measure.size, findings);
+  CheckNotHuge(absl::StrCat(field, ".size"), measure.size, findings);
+  if (findings.size() == before) {
+    if (measure.minimum > measure.size) {
+      findings.push_back({absl::StrCat(field, ".minimum"), "is more than the size"});
+    }
+    if (measure.maximum != 0 && measure.maximum < measure.size) {
+      findings.push_back({absl::StrCat(field, ".maximum"), "is less than the size"});
+    }
+  }
+  if (!IsMeasureName(measure.name)) {
+    findings.push_back({absl::StrCat(field, ".name"),
+                        "must be 1 to 63 lower-case letters, digits and underscores, beginning "
+                        "with a letter"});
+  }
+}
+
+template <typename Entry, typename Check>
+void CheckList(const std::string& field, const std::vector<Entry>& entries, std::size_t most,
+               Check check, std::vector<Finding>& findings) {
+  if (entries.size() > most) {
+    findings.push_back(
+        {field, absl::StrCat("has ", entries.size(), " entries; at most ", most, " are accepted")});
+    return;
+  }
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    check(absl::StrCat(field, "[", i, "]"), entries[i], findings);
+  }
+}
+
+void CheckMeasures(const Item& item, std::vector<Finding>& findings) {
+  CheckList("measures", item.measures, kMaxMeasures, CheckMeasure, findings);
+  if (item.measures.size() > kMaxMeasures) return;
+  std::set<std::string> names;
+  for (std::size_t i = 0; i < 3; ++i) names.insert(NameOf(item, i));
+  for (std::size_t i = 0; i < item.measures.size(); ++i) {
+    const std::string& name = item.measures[i].name;
+    if (!IsMeasureName(name) || names.insert(name).second) continue;
+    findings.push_back({absl::StrCat("measures[", i, "].name"),
+                        absl::StrCat("'", name, "' is another dimension of the item already")});
+  }
+}
+
+void CheckStockSize(const std::string& field, const StockSize& stock,
+                    std::vector<Finding>& findings) {
+  CheckNotNegative(absl::StrCat(field, ".width"), stock.width, findings);
+  CheckNotNegative(absl::StrCat(field, ".price"), stock.price, findings);
+  CheckPositive(absl::StrCat(field, ".length"), stock.length, findings);
+  CheckNotHuge(absl::StrCat(field, ".length"), stock.length, findings);
+  CheckNotHuge(absl::StrCat(field, ".width"), stock.width, findings);
+}
+
+// Plans cut the stock that `dimensions` describe, so it must be one that is sold.
+void CheckStockSizes(const Item& item, std::vector<Finding>& findings) {
+  const std::size_t before = findings.size();
+  CheckList("stock_sizes", item.stock_sizes, kMaxStockSizes, CheckStockSize, findings);
+  if (findings.size() > before || item.stock_sizes.empty()) return;
+  const bool sheet = item.kind == ItemKind::kSheet;
+  for (std::size_t i = 0; i < item.stock_sizes.size(); ++i) {
+    if (sheet == (item.stock_sizes[i].width > 0)) continue;
+    findings.push_back({absl::StrCat("stock_sizes[", i, "].width"),
+                        sheet ? "is missing: a sheet has a width"
+                              : "must be 0: only sheets are sold by length and width"});
+  }
+  for (const StockSize& stock : item.stock_sizes) {
+    if (Same(stock.length, item.dimensions[0].size) &&
+        (!sheet || Same(stock.width, item.dimensions[1].size))) {
+      return;
+    }
+  }
+  findings.push_back({"stock_sizes", "do not contain the size of `dimensions`"});
+}
+
+void CheckSupplierLink(const std::string& field, const SupplierLink& link,
+                       std::vector<Finding>& findings) {
+  CheckText(absl::StrCat(field, ".supplier"), link.supplier, findings);
+  CheckLink(absl::StrCat(field, ".url"), link.url, findings);
+  CheckText(absl::StrCat(field, ".number"), link.number, findings);
+  if (link.supplier.empty()) {
+    findings.push_back({absl::StrCat(field, ".supplier"), "is missing: say who sells it"});
+  }
+}
+
+void CheckSuppliers(const Item& item, std::vector<Finding>& findings) {
+  CheckText("supplier", item.supplier, findings);
+  CheckLink("supplier_url", item.supplier_url, findings);
+  CheckText("supplier_number", item.supplier_number, findings);
+  CheckList("more_suppliers", item.more_suppliers, kMaxMoreSuppliers, CheckSupplierLink, findings);
+}
+
+void CheckPrice(const Item& item, std::vector<Finding>& findings) {
   CheckNotNegative("price.amount", item.price.amount, findings);
   if (!IsCurrency(item.price.currency)) {
     findings.push_back({"price.currency", "must be a three-letter ISO 4217 code, such as EUR"});
@@ -137,6 +208,30 @@ std::vector<Finding> ValidateItem(const Item& item, const std::vector<Material>&
   if (!IsDate(item.price_date)) {
     findings.push_back({"price_date", "must be a date, YYYY-MM-DD"});
   }
+}
+
+}  // namespace
+
+std::vector<Finding> ValidateItem(const Item& item, const std::vector<Material>& materials) {
+  std::vector<Finding> findings;
+  CheckResourceName(item.name, "items", findings);
+  CheckText("title", item.title, findings);
+  CheckText("standard", item.standard, findings);
+  CheckText("designation", item.designation, findings);
+  CheckSuppliers(item, findings);
+  if (FindMaterial(materials, item.material) == nullptr) {
+    findings.push_back({"material", absl::StrCat("there is no material '", item.material, "'")});
+  }
+  CheckDimensions(item, findings);
+  CheckMeasures(item, findings);
+  CheckStockSizes(item, findings);
+  const Axis grain = item.grain_axis.value_or(Axis::kX);
+  if (grain == item.radial_axis.value_or(Axis::kZ)) {
+    findings.push_back({item.radial_axis ? "radial_axis" : "grain_axis",
+                        "L and R cannot lie along the same axis; unspecified, they lie along X and "
+                        "Z"});
+  }
+  CheckPrice(item, findings);
   return findings;
 }
 

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -18,11 +19,41 @@ enum class Axis { kX = 0, kY = 1, kZ = 2 };
 const char* AxisName(Axis axis);
 
 // How a dimension of an item is brought to size; kNone if it is fixed.
-enum class Process { kNone = 0, kChopSaw = 1, kJigsaw = 2, kMill = 3 };
+enum class Process { kNone = 0, kChopSaw = 1, kJigsaw = 2, kMill = 3, kRipSaw = 4 };
 
-enum class ItemKind { kBoard = 1, kSheet = 2, kDowel = 3, kScrew = 4, kHardware = 5 };
+enum class ItemKind {
+  kBoard = 1,
+  kSheet = 2,
+  kDowel = 3,
+  kScrew = 4,
+  kHardware = 5,
+  kBolt = 6,
+  kNut = 7,
+  kWasher = 8,
+  kHinge = 9,
+  kBracket = 10,
+  kDrawerSlide = 11,
+  kBearing = 12,
+  kWheel = 13,
+  kThreadedRod = 14,
+  kProfile = 15,
+  kTube = 16,
+};
 
 enum class PriceBasis { kPerPiece = 1, kPerVolume = 2 };
+
+// Elasticity of a material with a grain: L along it, R across the growth rings, T along them.
+struct OrthotropicElasticity {
+  double youngs_modulus_l = 0;  // Pa
+  double youngs_modulus_r = 0;
+  double youngs_modulus_t = 0;
+  double shear_modulus_lr = 0;  // Pa
+  double shear_modulus_lt = 0;
+  double shear_modulus_rt = 0;
+  double poissons_ratio_lr = 0;  // contraction along R over stretch along L under stress along L
+  double poissons_ratio_lt = 0;
+  double poissons_ratio_rt = 0;
+};
 
 struct Material {
   std::string name;  // materials/{id}
@@ -34,13 +65,37 @@ struct Material {
   double thermal_conductivity = 0;  // W/(m·K); 0 where unknown
   double thermal_expansion = 0;     // 1/K; 0 where unknown
   int64_t revision = 0;
+  std::optional<OrthotropicElasticity> orthotropic = {};  // of what has a grain
 };
 
 struct ItemDimension {
   double size = 0;  // m, as sold; stock length for a dimension that is cut
   Process process = Process::kNone;
-  double minimum = 0;  // m, of a resizable dimension
-  double maximum = 0;  // m
+  double minimum = 0;     // m, of a resizable dimension
+  double maximum = 0;     // m
+  std::string name = {};  // "diameter"; "length", "width" or "thickness" by axis if empty
+  double nominal = 0;     // m, what it is called in the trade; 0 where that is its size
+};
+
+// A fixed dimension besides those of the bounding box, such as "bore_diameter".
+struct ItemMeasure {
+  std::string name;
+  double size = 0;     // m, nominal
+  double minimum = 0;  // m, smallest permitted; 0 if not stated
+  double maximum = 0;  // m, largest permitted; 0 if not stated
+};
+
+// A size that an item is sold in.
+struct StockSize {
+  double length = 0;  // m
+  double width = 0;   // m; 0 for what is sold by length
+  double price = 0;   // of a piece, in the currency of the item's price; 0 if not known
+};
+
+struct SupplierLink {
+  std::string supplier;
+  std::string url;
+  std::string number;
 };
 
 struct Money {
@@ -61,6 +116,14 @@ struct Item {
   std::string supplier_url;
   std::string supplier_number;
   int64_t revision = 0;
+  bool price_is_example = false;
+  std::string standard = {};     // "ISO 4014"
+  std::string designation = {};  // "ISO 4014 - M8 x 40 - 8.8"
+  std::vector<ItemMeasure> measures = {};
+  std::vector<StockSize> stock_sizes = {};
+  std::vector<SupplierLink> more_suppliers = {};
+  std::optional<Axis> grain_axis = {};   // along which the material's L lies; X if none
+  std::optional<Axis> radial_axis = {};  // along which its R lies; Z if none
 };
 
 struct Parameter {

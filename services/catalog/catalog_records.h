@@ -24,17 +24,20 @@ struct Page {
 
 // ---- Materials and items -----------------------------------------------------------------------
 
-// `name` is a resource name; NOT_FOUND, or INVALID_ARGUMENT naming "name".
+// `name` is a resource name; NOT_FOUND, or INVALID_ARGUMENT naming "name" or "revision" (0: the
+// latest).
 absl::StatusOr<v1::Material> GetMaterial(store::ReadTransaction& transaction,
                                          const std::string& name);
-absl::StatusOr<v1::Item> GetItem(store::ReadTransaction& transaction, const std::string& name);
+absl::StatusOr<v1::Item> GetItem(store::ReadTransaction& transaction, const std::string& name,
+                                 int64_t revision = 0);
 
 // In the order of names. INVALID_ARGUMENT naming page_size or page_token.
 absl::StatusOr<Page<v1::Material>> ListMaterials(store::ReadTransaction& transaction, int page_size,
                                                  const std::string& page_token);
-// Only items of `kind`, all if unspecified.
-absl::StatusOr<Page<v1::Item>> ListItems(store::ReadTransaction& transaction, v1::ItemKind kind,
-                                         int page_size, const std::string& page_token);
+// Only items that meet all of the request's filters. INVALID_ARGUMENT naming page_size, page_token,
+// material or text.
+absl::StatusOr<Page<v1::Item>> ListItems(store::ReadTransaction& transaction,
+                                         const v1::ListItemsRequest& request);
 
 // What is wrong with an item, given the materials there are; fields are those of the item.
 absl::StatusOr<std::vector<parametric::Finding>> CheckItem(store::ReadTransaction& transaction,

@@ -87,7 +87,7 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
     return endpoint_.Query("GetItem", context, request, response,
                            [this](const rpc::Call&, const v1::GetItemRequest& asked) {
                              return Read<v1::Item>([&](store::ReadTransaction& transaction) {
-                               return catalog::GetItem(transaction, asked.name());
+                               return catalog::GetItem(transaction, asked.name(), asked.revision());
                              });
                            });
   }
@@ -99,11 +99,10 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
         "ListItems", context, request, response,
         [this](const rpc::Call&,
                const v1::ListItemsRequest& asked) -> absl::StatusOr<v1::ListItemsResponse> {
-          MORTISE_ASSIGN_OR_RETURN(
-              auto page, Read<Page<v1::Item>>([&](store::ReadTransaction& transaction) {
-                return catalog::ListItems(transaction, asked.kind(), asked.page_size(),
-                                          asked.page_token());
-              }));
+          MORTISE_ASSIGN_OR_RETURN(auto page,
+                                   Read<Page<v1::Item>>([&](store::ReadTransaction& transaction) {
+                                     return catalog::ListItems(transaction, asked);
+                                   }));
           return ToResponse(std::move(page), &v1::ListItemsResponse::mutable_items);
         });
   }

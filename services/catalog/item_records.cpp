@@ -9,6 +9,7 @@
 #include "common/base/errors.h"
 #include "common/parametric/template_codec.h"
 #include "services/catalog/catalog_records.h"
+#include "services/catalog/item_filter.h"
 #include "services/catalog/record_access.h"
 
 namespace mortise::catalog {
@@ -100,8 +101,10 @@ absl::StatusOr<v1::Material> GetMaterial(store::ReadTransaction& transaction,
   return MaterialOf(record);
 }
 
-absl::StatusOr<v1::Item> GetItem(store::ReadTransaction& transaction, const std::string& name) {
-  MORTISE_ASSIGN_OR_RETURN(const store::Record record, GetRecord(transaction, kItems, name));
+absl::StatusOr<v1::Item> GetItem(store::ReadTransaction& transaction, const std::string& name,
+                                 int64_t revision) {
+  MORTISE_ASSIGN_OR_RETURN(const store::Record record,
+                           GetRecord(transaction, kItems, name, revision));
   return ItemOf(record);
 }
 
@@ -122,9 +125,11 @@ absl::StatusOr<Page<v1::Material>> ListMaterials(store::ReadTransaction& transac
   return page;
 }
 
-absl::StatusOr<Page<v1::Item>> ListItems(store::ReadTransaction& transaction, v1::ItemKind kind,
-                                         int page_size, const std::string& page_token) {
-  MORTISE_ASSIGN_OR_RETURN(store::ListOptions options, PageOptions(page_size, page_token));
+absl::StatusOr<Page<v1::Item>> ListItems(store::ReadTransaction& transaction,
+                                         const v1::ListItemsRequest& request) {
+  MORTISE_ASSIGN_OR_RETURN(store::ListOptions options,
+                           PageOptions(request.page_size(), request.page_token()));
+  MORTISE_ASSIGN_OR_RETURN(const ItemFilter filter, ItemFilter::Create(transaction, request));
   Page<v1::Item> page;
   std::string last_taken;
   while (true) {
@@ -132,7 +137,7 @@ absl::StatusOr<Page<v1::Item>> ListItems(store::ReadTransaction& transaction, v1
                              transaction.List(kItems, options));
     for (const store::Record& record : records) {
       MORTISE_ASSIGN_OR_RETURN(v1::Item item, ItemOf(record));
-      if (kind != v1::ITEM_KIND_UNSPECIFIED && item.kind() != kind) continue;
+      if (!filter.Takes(item)) continue;
       if (static_cast<int>(page.entries.size()) + 1 == options.limit) {
         page.next_page_token = last_taken;
         return page;

@@ -23,20 +23,24 @@ CutProcess ProcessFrom(parametric::Process process) {
   }
 }
 
+// What a bill of materials tells apart: stock by length, by area, round things, and the rest.
 ItemKind KindFrom(parametric::ItemKind kind) {
   switch (kind) {
     case parametric::ItemKind::kBoard:
+    case parametric::ItemKind::kProfile:
+    case parametric::ItemKind::kTube:
       return ItemKind::kBoard;
     case parametric::ItemKind::kSheet:
       return ItemKind::kSheet;
     case parametric::ItemKind::kDowel:
       return ItemKind::kDowel;
     case parametric::ItemKind::kScrew:
+    case parametric::ItemKind::kBolt:
+    case parametric::ItemKind::kThreadedRod:
       return ItemKind::kScrew;
-    case parametric::ItemKind::kHardware:
+    default:
       return ItemKind::kHardware;
   }
-  return ItemKind::kHardware;
 }
 
 void SetMoney(const Money& money, v1::Money* message) {

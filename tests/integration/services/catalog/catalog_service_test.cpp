@@ -63,9 +63,10 @@ class CatalogServiceTest : public ::testing::Test {
             std::string(status.message())};
   }
 
-  v1::Item GetItem(const std::string& name) {
+  v1::Item GetItem(const std::string& name, int64_t revision = 0) {
     v1::GetItemRequest request;
     request.set_name(name);
+    request.set_revision(revision);
     v1::Item item;
     const grpc::Status status = Call(&v1::CatalogService::Stub::GetItem, request, &item);
     EXPECT_TRUE(status.ok()) << status.error_message();
@@ -150,7 +151,7 @@ TEST_F(CatalogServiceTest, ShipsACollection) {
 TEST_F(CatalogServiceTest, PagesThroughItems) {
   std::set<std::string> names;
   v1::ListItemsRequest request;
-  request.set_page_size(4);
+  request.set_page_size(20);
   v1::ListItemsResponse response;
   int pages = 0;
   do {
@@ -159,19 +160,60 @@ TEST_F(CatalogServiceTest, PagesThroughItems) {
     request.set_page_token(response.next_page_token());
     ASSERT_LT(++pages, 100);
   } while (!response.next_page_token().empty());
-  EXPECT_GE(names.size(), 20u);
+  EXPECT_GE(names.size(), 150u);
+}
 
+// Each filter leaves out some items, all together leave what meets each, on every page.
+TEST_F(CatalogServiceTest, FiltersItems) {
+  const auto list = [this](v1::ListItemsRequest request) {
+    std::vector<v1::Item> items;
+    request.set_page_size(3);
+    v1::ListItemsResponse response;
+    do {
+      EXPECT_TRUE(Call(&v1::CatalogService::Stub::ListItems, request, &response).ok());
+      EXPECT_LE(response.items_size(), 3);
+      items.insert(items.end(), response.items().begin(), response.items().end());
+      request.set_page_token(response.next_page_token());
+    } while (!response.next_page_token().empty());
+    return items;
+  };
   v1::ListItemsRequest dowels;
   dowels.set_kind(v1::DOWEL);
-  dowels.set_page_size(2);
-  int count = 0;
-  do {
-    ASSERT_TRUE(Call(&v1::CatalogService::Stub::ListItems, dowels, &response).ok());
-    for (const v1::Item& item : response.items()) EXPECT_EQ(item.kind(), v1::DOWEL);
-    count += response.items_size();
-    dowels.set_page_token(response.next_page_token());
-  } while (!response.next_page_token().empty());
-  EXPECT_EQ(count, 5);
+  const auto all_dowels = list(dowels);
+  EXPECT_GE(all_dowels.size(), 10u);
+  for (const v1::Item& item : all_dowels) EXPECT_EQ(item.kind(), v1::DOWEL);
+
+  v1::ListItemsRequest oak;
+  oak.set_material("materials/oak");
+  const auto all_oak = list(oak);
+  EXPECT_GE(all_oak.size(), 2u);
+  for (const v1::Item& item : all_oak) EXPECT_EQ(item.material(), "materials/oak");
+
+  v1::ListItemsRequest nuts;
+  nuts.set_text("iso 4032 M8");
+  const auto found = list(nuts);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].name(), "items/hex-nut-m8");
+  nuts.set_kind(v1::NUT);
+  EXPECT_EQ(list(nuts).size(), 1u);
+  nuts.set_kind(v1::BOLT);
+  EXPECT_TRUE(list(nuts).empty());
+  nuts.set_text("items");  // of the collection of all names, not of any id
+  EXPECT_TRUE(list(nuts).empty());
+}
+
+TEST_F(CatalogServiceTest, KeepsRevisionsOfItems) {
+  v1::UpdateItemRequest update;
+  update.set_request_id(NewRequestId());
+  *update.mutable_item() = GetItem("items/hex-nut-m8");
+  update.mutable_item()->mutable_price()->set_amount(0.07);
+  v1::Item updated;
+  ASSERT_TRUE(Call(&v1::CatalogService::Stub::UpdateItem, update, &updated).ok());
+  EXPECT_EQ(GetItem("items/hex-nut-m8").price().amount(), 0.07);
+  EXPECT_EQ(GetItem("items/hex-nut-m8", 2).price().amount(), 0.07);
+  const v1::Item first = GetItem("items/hex-nut-m8", 1);
+  EXPECT_EQ(first.price().amount(), 0.05);
+  EXPECT_EQ(first.revision(), 1);
 }
 
 TEST_F(CatalogServiceTest, EvaluatesTheTable) {
@@ -339,6 +381,22 @@ TEST_F(CatalogServiceTest, RefusesBadReads) {
   items.Clear();
   items.set_kind(static_cast<v1::ItemKind>(99));
   EXPECT_EQ(Fail(&Stub::ListItems, items).field, "kind");
+  items.Clear();
+  for (const char* unknown :
+       {"materials/unobtainium", "oak", "items/screw-4x40", "materials/../x"}) {
+    items.set_material(unknown);
+    const Failure failure = Fail(&Stub::ListItems, items);
+    EXPECT_EQ(failure.code, absl::StatusCode::kInvalidArgument) << unknown;
+    EXPECT_EQ(failure.field, "material") << unknown;
+  }
+  items.Clear();
+  items.set_text(std::string(201, 'x'));
+  EXPECT_EQ(Fail(&Stub::ListItems, items).field, "text");
+  item.set_name("items/screw-4x40");
+  item.set_revision(-1);
+  EXPECT_EQ(Fail(&Stub::GetItem, item).field, "revision");
+  item.set_revision(2);
+  EXPECT_EQ(Fail(&Stub::GetItem, item).code, absl::StatusCode::kNotFound);
   v1::ListTemplatesRequest templates;
   templates.set_page_token("NOT A TOKEN");
   EXPECT_EQ(Fail(&Stub::ListTemplates, templates).field, "page_token");
@@ -405,6 +463,12 @@ TEST_F(CatalogServiceTest, RefusesBadItemsAndMaterials) {
             "item.kind");
   EXPECT_EQ(create([](v1::Item& item) { item.set_title(std::string(5000, 'x')); }).field,
             "item.title");
+  EXPECT_EQ(create([](v1::Item& item) { item.add_measures()->set_size(-1); }).field,
+            "item.measures[0].size");
+  EXPECT_EQ(create([](v1::Item& item) { item.add_stock_sizes()->set_length(1); }).field,
+            "item.stock_sizes");
+  EXPECT_EQ(create([](v1::Item& item) { item.add_more_suppliers()->set_url("file:x"); }).field,
+            "item.more_suppliers[0].url");
   v1::CreateItemRequest without_id;
   *without_id.mutable_item() = dowel;
   EXPECT_EQ(Fail(&Stub::CreateItem, without_id).field, "request_id");
@@ -436,6 +500,12 @@ TEST_F(CatalogServiceTest, RefusesBadItemsAndMaterials) {
   const Failure unfinished = Fail(&Stub::CreateMaterial, material);
   EXPECT_EQ(unfinished.field, "material.youngs_modulus");
   EXPECT_THAT(unfinished.message, HasSubstr("strength"));  // all findings at once
+  v1::GetMaterialRequest spruce;
+  spruce.set_name("materials/spruce");
+  ASSERT_TRUE(Call(&Stub::GetMaterial, spruce, material.mutable_material()).ok());
+  material.mutable_material()->set_name("materials/perpetual");
+  material.mutable_material()->mutable_orthotropic()->set_poissons_ratio_lr(4);
+  EXPECT_EQ(Fail(&Stub::CreateMaterial, material).field, "material.orthotropic.poissons_ratio_lr");
 }
 
 TEST_F(CatalogServiceTest, RefusesBadTemplatesAndSaysAllThatIsWrong) {

@@ -1,0 +1,166 @@
+#include "common/parametric/csv_table.h"
+
+#include "absl/strings/str_cat.h"
+
+namespace mortise::parametric {
+namespace {
+
+constexpr std::size_t kMaxFindings = 100;
+constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+
+// How many bytes of `text` are the UTF-8 form of its first character; 0 if none are. Overlong
+// forms, surrogates and what lies beyond Unicode are no characters.
+std::size_t CharacterLength(std::string_view text) {
+  const auto byte = [&text](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+  const unsigned first = byte(0);
+  if (first < 0x80) return 1;
+  const std::size_t length = first >= 0xF0 ? 4 : first >= 0xE0 ? 3 : 2;
+  if (first < 0xC2 || first > 0xF4 || text.size() < length) return 0;
+  for (std::size_t i = 1; i < length; ++i) {
+    if ((byte(i) & 0xC0) != 0x80) return 0;
+  }
+  const unsigned second = byte(1);
+  if ((first == 0xE0 && second < 0xA0) || (first == 0xED && second > 0x9F) ||
+      (first == 0xF0 && second < 0x90) || (first == 0xF4 && second > 0x8F)) {
+    return 0;
+  }
+  return length;
+}
+
+// Takes a text apart, one row after the other.
+class Parser {
+ public:
+  explicit Parser(std::string_view text) : text_(text) {
+    if (text_.substr(0, kByteOrderMark.size()) == kByteOrderMark) at_ = kByteOrderMark.size();
+  }
+
+  CsvTable Run() {
+    while (at_ < text_.size()) {
+      if (AtLineEnd()) {
+        SkipLineEnd();
+      } else {
+        TakeRow();
+      }
+    }
+    return std::move(table_);
+  }
+
+ private:
+  bool AtEnd() const { return at_ == text_.size(); }
+  char Here() const { return text_[at_]; }
+
+  bool AtLineEnd() const { return !AtEnd() && (Here() == '\n' || text_.substr(at_, 2) == "\r\n"); }
+
+  void SkipLineEnd() {
+    at_ += Here() == '\r' ? 2 : 1;
+    ++line_;
+  }
+
+  void Report(const CsvCell& cell, std::string message) {
+    if (table_.findings.size() < kMaxFindings) {
+      table_.findings.push_back({PlaceOf(cell), std::move(message)});
+    }
+  }
+
+  void TakeRow() {
+    CsvRow row;
+    bool sound = true;
+    while (true) {
+      CsvCell& cell = row.emplace_back();
+      cell.line = line_;
+      cell.column = static_cast<int>(row.size());
+      sound = !AtEnd() && Here() == '"' ? TakeQuoted(cell) : TakePlain(cell);
+      if (!sound || AtEnd() || Here() != ',') break;
+      ++at_;
+    }
+    if (!sound) return width_ == 0 ? SkipAll() : SkipLine();
+    if (AtLineEnd()) SkipLineEnd();
+    Keep(std::move(row));
+  }
+
+  // What follows a fault may be sound again on the next line.
+  void SkipLine() {
+    while (!AtEnd() && Here() != '\n') ++at_;
+    if (!AtEnd()) SkipLineEnd();
+  }
+
+  // Without the first row nobody knows what the others mean.
+  void SkipAll() { at_ = text_.size(); }
+
+  void Keep(CsvRow row) {
+    if (width_ == 0) width_ = row.size();
+    if (row.size() != width_) {
+      Report(row[0], absl::StrCat("the row has ", row.size(), " cells, the first one ", width_));
+      return;
+    }
+    table_.rows.push_back(std::move(row));
+  }
+
+  // The character here, to the cell; false with a finding if it is none.
+  bool TakeCharacter(CsvCell& cell) {
+    const std::size_t length = CharacterLength(text_.substr(at_, 4));
+    if (length == 0) {
+      Report(cell, "is not UTF-8");
+      return false;
+    }
+    if (Here() == '\0') {
+      Report(cell, "has a NUL in it");
+      return false;
+    }
+    if (Here() == '\n') ++line_;
+    cell.text.append(text_.substr(at_, length));
+    at_ += length;
+    return true;
+  }
+
+  bool TakePlain(CsvCell& cell) {
+    while (!AtEnd() && Here() != ',' && !AtLineEnd()) {
+      if (Here() == '"') {
+        Report(cell, "has a quote inside, so the whole must be quoted and the quote doubled");
+        return false;
+      }
+      if (Here() == '\r') {
+        Report(cell, "has a carriage return without a line feed after it");
+        return false;
+      }
+      if (!TakeCharacter(cell)) return false;
+    }
+    return true;
+  }
+
+  bool TakeQuoted(CsvCell& cell) {
+    ++at_;
+    while (!AtEnd()) {
+      if (Here() != '"') {
+        if (!TakeCharacter(cell)) return false;
+        continue;
+      }
+      ++at_;
+      if (AtEnd() || Here() == ',' || AtLineEnd()) return true;
+      if (Here() != '"') {
+        Report(cell, "goes on after its closing quote");
+        return false;
+      }
+      cell.text += '"';
+      ++at_;
+    }
+    Report(cell, "begins with a quote that is never closed");
+    return false;
+  }
+
+  const std::string_view text_;
+  std::size_t at_ = 0;
+  int line_ = 1;
+  std::size_t width_ = 0;  // cells of the first row
+  CsvTable table_;
+};
+
+}  // namespace
+
+CsvTable ParseCsv(std::string_view text) { return Parser(text).Run(); }
+
+std::string PlaceOf(const CsvCell& cell) {
+  return absl::StrCat("line ", cell.line, ", column ", cell.column);
+}
+
+}  // namespace mortise::parametric

@@ -1,0 +1,67 @@
+#include "common/parametric/design_file.h"
+
+#include "absl/status/status.h"
+#include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
+#include "common/base/files.h"
+#include "common/parametric/collection.h"
+
+namespace mortise::parametric {
+namespace {
+
+constexpr std::size_t kMaxBytes = std::size_t{4} << 20;
+constexpr std::string_view kTemplateMark = "# proto-message: mortise.v1.Template\n";
+
+DesignFile Failed(const absl::Status& status) {
+  DesignFile file;
+  // The caller says which file it is.
+  std::string message(status.message());
+  const std::string origin = absl::StrCat(DetailOf(status).field, ": ");
+  if (message.starts_with(origin)) message.erase(0, origin.size());
+  file.findings.push_back({"", std::move(message)});
+  return file;
+}
+
+DesignFile ParseDesignText(std::string_view text, const std::string& origin) {
+  DesignFile file;
+  if (text.find(kTemplateMark) != std::string_view::npos) {
+    absl::StatusOr<v1::Template> message = ParseTemplateText(text, origin);
+    if (!message.ok()) return Failed(message.status());
+    file.templates.push_back({*std::move(message), "", {}});
+    return file;
+  }
+  absl::StatusOr<v1::TemplateBundle> bundle = ParseBundleText(text, origin);
+  if (!bundle.ok()) return Failed(bundle.status());
+  for (v1::Material& material : *bundle->mutable_materials()) {
+    file.materials.push_back({std::move(material), "", {}});
+  }
+  for (v1::Item& item : *bundle->mutable_items()) file.items.push_back({std::move(item), "", {}});
+  if (bundle->has_template_()) {
+    file.templates.push_back({std::move(*bundle->mutable_template_()), "", {}});
+  }
+  return file;
+}
+
+}  // namespace
+
+std::string PlaceOf(const std::string& place, const std::map<std::string, std::string>& fields,
+                    const std::string& field) {
+  for (std::string path = field; !path.empty();) {
+    const auto found = fields.find(path);
+    if (found != fields.end()) return found->second;
+    const std::size_t end = path.find_last_of(".[");
+    path.resize(end == std::string::npos ? 0 : end);
+  }
+  return place;
+}
+
+DesignFile ReadDesignFile(const std::filesystem::path& path) {
+  const absl::StatusOr<std::string> text = ReadFile(path, kMaxBytes);
+  if (!text.ok()) return Failed(text.status());
+  const std::string extension = path.extension().string();
+  if (extension == ".csv") return ParseItemsCsv(*text);
+  if (extension == ".json") return ParseDesignJson(*text);
+  return ParseDesignText(*text, path.string());
+}
+
+}  // namespace mortise::parametric

@@ -1,0 +1,48 @@
+// Reads the files people write designs in: materials, items and templates as protobuf text, as
+// JSON, and items as CSV (docs/catalogue.md has the columns). Every fault of a file is found in one
+// pass and has its place. Target mortise_template_codec.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/parametric/template_validation.h"
+#include "mortise/v1/catalog.pb.h"
+
+namespace mortise::parametric {
+
+// A message of a file, and where it is there.
+template <typename Message>
+struct Placed {
+  Message message;
+  std::string place;                          // "line 12"; empty if not known
+  std::map<std::string, std::string> fields;  // field path: "line 12, column 3 (length_mm)"
+};
+
+struct DesignFile {
+  std::vector<Placed<v1::Material>> materials;
+  std::vector<Placed<v1::Item>> items;
+  std::vector<Placed<v1::Template>> templates;
+  // What cannot be read, with places as fields; what could be is above all the same.
+  std::vector<Finding> findings;
+};
+
+// Where `field` of a message is: its own place, that of what it is part of, or that of the message.
+std::string PlaceOf(const std::string& place, const std::map<std::string, std::string>& fields,
+                    const std::string& field);
+
+// Items as CSV: the first row names the columns, each further row is an item. Whether the items
+// make sense is not looked at, except that numbers are numbers and words are known.
+DesignFile ParseItemsCsv(std::string_view text);
+
+// A TemplateBundle as JSON (proto3 JSON, either form of field names), or a list of items.
+DesignFile ParseDesignJson(std::string_view text);
+
+// The file at `path`, by its extension: .csv, .json, or protobuf text. A file that cannot be read
+// at all, or has more than 4 MiB, is a finding.
+DesignFile ReadDesignFile(const std::filesystem::path& path);
+
+}  // namespace mortise::parametric

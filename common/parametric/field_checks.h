@@ -1,0 +1,27 @@
+// Checks of single fields, of which those of materials and items are made. Private to those files.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/parametric/template_validation.h"
+
+namespace mortise::parametric {
+
+// "materials/oak" for the collection "materials".
+void CheckResourceName(const std::string& name, const std::string& collection,
+                       std::vector<Finding>& findings);
+
+// At most 1000 bytes.
+void CheckText(const std::string& field, const std::string& text, std::vector<Finding>& findings);
+
+// Empty, or a link that leads to a page; at most 1000 bytes.
+void CheckLink(const std::string& field, const std::string& link, std::vector<Finding>& findings);
+
+void CheckPositive(const std::string& field, double value, std::vector<Finding>& findings);
+void CheckNotNegative(const std::string& field, double value, std::vector<Finding>& findings);
+
+// Whether `name` is 1 to 63 lower-case letters, digits and underscores, beginning with a letter.
+bool IsMeasureName(const std::string& name);
+
+}  // namespace mortise::parametric

@@ -1,0 +1,325 @@
+// Items as rows of comma-separated values.
+#include <google/protobuf/descriptor.h>
+#include <google/protobuf/message.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <set>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "absl/strings/ascii.h"
+#include "absl/strings/charconv.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
+#include "common/base/errors.h"
+#include "common/parametric/csv_table.h"
+#include "common/parametric/design_file.h"
+#include "common/parametric/field_checks.h"
+
+namespace mortise::parametric {
+namespace {
+
+using google::protobuf::EnumDescriptor;
+using google::protobuf::FieldDescriptor;
+
+constexpr std::string_view kMillimetreSuffix = "_mm";
+constexpr std::string_view kMeasurePrefix = "measure.";
+constexpr std::array<const char*, 3> kAxes = {"length", "width", "thickness"};
+constexpr const char* kAxisFields[] = {"X", "Y", "Z"};
+constexpr const char* kPlainColumns[] = {
+    "name",         "title",       "kind",        "material",       "price_basis",
+    "price_date",   "supplier",    "standard",    "grain_axis",     "price_is_example",
+    "supplier_url", "designation", "radial_axis", "supplier_number"};
+constexpr const char* kNeededColumns[] = {"name",      "kind",  "material", "length",    "width",
+                                          "thickness", "price", "currency", "price_date"};
+constexpr std::size_t kMaxFindings = 100;
+
+// What a column fills.
+struct Column {
+  enum class Part { kPlain, kPrice, kCurrency, kDimension, kMeasure, kStockSizes, kMoreSuppliers };
+  std::string title;    // as the header has it
+  std::string meaning;  // without the unit: "length.minimum"
+  Part part = Part::kPlain;
+  std::size_t axis = 0;      // of a dimension
+  std::string measure;       // name of a measure
+  std::string detail;        // "size", "minimum" and so on of a dimension or measure
+  bool millimetres = false;  // numbers are in mm, not m
+};
+
+bool IsOneOf(std::string_view word, std::initializer_list<std::string_view> words) {
+  return std::find(words.begin(), words.end(), word) != words.end();
+}
+
+// Splits "length.minimum" into the column's part and detail; false if there is no such column.
+bool FindMeaning(Column& column) {
+  const std::string& meaning = column.meaning;
+  if (!column.millimetres) {
+    for (const char* plain : kPlainColumns) {
+      if (meaning == plain) return true;
+    }
+    if (meaning == "price" || meaning == "currency" || meaning == "more_suppliers") {
+      column.part = meaning == "price"      ? Column::Part::kPrice
+                    : meaning == "currency" ? Column::Part::kCurrency
+                                            : Column::Part::kMoreSuppliers;
+      return true;
+    }
+  }
+  if (meaning == "stock_sizes") {
+    column.part = Column::Part::kStockSizes;
+    return true;
+  }
+  const bool measures = meaning.starts_with(kMeasurePrefix);
+  const std::string_view rest =
+      std::string_view(meaning).substr(measures ? kMeasurePrefix.size() : 0);
+  const std::size_t dot = rest.find('.');
+  const std::string name(rest.substr(0, dot));
+  column.detail = dot == std::string_view::npos ? "size" : std::string(rest.substr(dot + 1));
+  if (dot != std::string_view::npos && column.detail == "size") return false;
+  if (measures) {
+    column.part = Column::Part::kMeasure;
+    column.measure = name;
+    return IsMeasureName(name) && IsOneOf(column.detail, {"size", "minimum", "maximum"});
+  }
+  column.part = Column::Part::kDimension;
+  for (column.axis = 0; column.axis < kAxes.size(); ++column.axis) {
+    if (name != kAxes[column.axis]) continue;
+    if (IsOneOf(column.detail, {"size", "minimum", "maximum", "nominal"})) return true;
+    return !column.millimetres && IsOneOf(column.detail, {"process", "name"});
+  }
+  return false;
+}
+
+absl::StatusOr<double> ParseNumber(const std::string& text, bool millimetres) {
+  // The shift is made in decimals, so that 6.8 mm is the number nearest to 0.0068.
+  const bool shifted = millimetres && text.find_first_of("eE") == std::string::npos;
+  const std::string digits = absl::StrCat(text, shifted ? "e-3" : "");
+  double value = 0;
+  const absl::from_chars_result read =
+      absl::from_chars(digits.data(), digits.data() + digits.size(), value);
+  if (read.ec != std::errc() || read.ptr != digits.data() + digits.size() ||
+      !std::isfinite(value)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("'", text.substr(0, 80), "' is no number, such as 12.5"));
+  }
+  return millimetres && !shifted ? value / 1000 : value;
+}
+
+absl::Status SetEnum(v1::Item& item, const FieldDescriptor* field, const std::string& text) {
+  const EnumDescriptor& type = *field->enum_type();
+  const auto* value = type.FindValueByName(text);
+  if (value == nullptr || value->number() == 0) {
+    std::string known;
+    for (int i = 1; i < type.value_count(); ++i) {
+      absl::StrAppend(&known, i == 1 ? "" : ", ", type.value(i)->name());
+    }
+    return absl::InvalidArgumentError(
+        absl::StrCat("'", text.substr(0, 80), "' is none of ", known));
+  }
+  item.GetReflection()->SetEnum(&item, field, value);
+  return absl::OkStatus();
+}
+
+// A field of the item that has the column's name.
+absl::Status SetPlain(v1::Item& item, const std::string& name, const std::string& text) {
+  const FieldDescriptor* field = v1::Item::descriptor()->FindFieldByName(name);
+  if (field->cpp_type() == FieldDescriptor::CPPTYPE_ENUM) return SetEnum(item, field, text);
+  if (field->cpp_type() == FieldDescriptor::CPPTYPE_BOOL) {
+    if (text != "true" && text != "false") {
+      return absl::InvalidArgumentError("must be true or false");
+    }
+    item.GetReflection()->SetBool(&item, field, text == "true");
+    return absl::OkStatus();
+  }
+  item.GetReflection()->SetString(&item, field, text);
+  return absl::OkStatus();
+}
+
+// "2.44x1.22@38; 3.05x1.525": lengths, widths of sheets, prices where they are known.
+absl::Status SetStockSizes(v1::Item& item, const std::string& text, bool millimetres) {
+  for (const absl::string_view part : absl::StrSplit(text, ';')) {
+    std::string entry(absl::StripAsciiWhitespace(part));
+    v1::StockSize& stock = *item.add_stock_sizes();
+    if (const std::size_t at = entry.find('@'); at != std::string::npos) {
+      MORTISE_ASSIGN_OR_RETURN(const double price, ParseNumber(entry.substr(at + 1), false));
+      stock.set_price(price);
+      entry.resize(at);
+    }
+    if (const std::size_t times = entry.find('x'); times != std::string::npos) {
+      MORTISE_ASSIGN_OR_RETURN(const double width,
+                               ParseNumber(entry.substr(times + 1), millimetres));
+      stock.set_width(width);
+      entry.resize(times);
+    }
+    MORTISE_ASSIGN_OR_RETURN(const double length, ParseNumber(entry, millimetres));
+    stock.set_length(length);
+  }
+  return absl::OkStatus();
+}
+
+// "Other Merchant | https://other.example/7 | 7; …": the link and the number may be left out.
+absl::Status SetMoreSuppliers(v1::Item& item, const std::string& text) {
+  for (const absl::string_view entry : absl::StrSplit(text, ';')) {
+    std::vector<std::string> parts = absl::StrSplit(entry, '|');
+    if (parts.size() > 3) {
+      return absl::InvalidArgumentError("a supplier has a name, a link and a number, no more");
+    }
+    for (std::string& part : parts) part = std::string(absl::StripAsciiWhitespace(part));
+    parts.resize(3);
+    v1::SupplierLink& link = *item.add_more_suppliers();
+    link.set_supplier(parts[0]);
+    link.set_url(parts[1]);
+    link.set_number(parts[2]);
+  }
+  return absl::OkStatus();
+}
+
+// Makes items of rows.
+class Reader {
+ public:
+  DesignFile Run(std::string_view text) {
+    const CsvTable table = ParseCsv(text);
+    file_.findings = table.findings;
+    if (!file_.findings.empty()) return std::move(file_);
+    if (table.rows.empty()) {
+      file_.findings.push_back({"line 1", "is missing: the first row names the columns"});
+      return std::move(file_);
+    }
+    ReadHeader(table.rows[0]);
+    if (!file_.findings.empty()) return std::move(file_);
+    for (std::size_t i = 1; i < table.rows.size(); ++i) ReadRow(table.rows[i]);
+    return std::move(file_);
+  }
+
+ private:
+  void Report(std::string place, std::string message) {
+    if (file_.findings.size() < kMaxFindings) {
+      file_.findings.push_back({std::move(place), std::move(message)});
+    }
+  }
+
+  void ReadHeader(const CsvRow& row) {
+    std::set<std::string> seen;
+    for (const CsvCell& cell : row) {
+      Column column;
+      column.title = cell.text;
+      column.millimetres = cell.text.ends_with(kMillimetreSuffix);
+      column.meaning = cell.text;
+      if (column.millimetres) column.meaning.resize(cell.text.size() - kMillimetreSuffix.size());
+      if (!FindMeaning(column)) {
+        Report(PlaceOf(cell), absl::StrCat("there is no column '", cell.text.substr(0, 80), "'"));
+      } else if (!seen.insert(column.meaning).second) {
+        Report(PlaceOf(cell), absl::StrCat("'", column.meaning, "' is there twice"));
+      }
+      columns_.push_back(std::move(column));
+    }
+    for (const char* needed : kNeededColumns) {
+      if (seen.count(needed) == 0) {
+        Report(absl::StrCat("line ", row[0].line),
+               absl::StrCat("the column '", needed, "' is missing"));
+      }
+    }
+  }
+
+  void ReadRow(const CsvRow& row) {
+    Placed<v1::Item> placed;
+    placed.place = absl::StrCat("line ", row[0].line);
+    v1::Item& item = placed.message;
+    item.set_price_basis(v1::PER_PIECE);
+    for (int axis = v1::X; axis <= v1::Z; ++axis) {
+      item.add_dimensions()->set_axis(static_cast<v1::Axis>(axis));
+    }
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      const std::string place = absl::StrCat(PlaceOf(row[i]), " (", columns_[i].title, ")");
+      const absl::StatusOr<std::string> field = Fill(columns_[i], row[i].text, item);
+      if (!field.ok()) {
+        Report(place, std::string(field.status().message()));
+      } else if (!field->empty()) {
+        placed.fields[*field] = place;
+      }
+    }
+    file_.items.push_back(std::move(placed));
+  }
+
+  // Puts a cell into the item and returns the path of the field it fills; empty for a measure that
+  // the item does not have.
+  absl::StatusOr<std::string> Fill(const Column& column, const std::string& text, v1::Item& item) {
+    switch (column.part) {
+      case Column::Part::kPlain:
+        if (!text.empty()) MORTISE_RETURN_IF_ERROR(SetPlain(item, column.meaning, text));
+        return column.meaning;
+      case Column::Part::kCurrency:
+        item.mutable_price()->set_currency(text);
+        return std::string("price.currency");
+      case Column::Part::kPrice: {
+        MORTISE_ASSIGN_OR_RETURN(const double amount, ParseNumber(text, false));
+        item.mutable_price()->set_amount(amount);
+        return std::string("price.amount");
+      }
+      case Column::Part::kStockSizes:
+        if (!text.empty()) {
+          MORTISE_RETURN_IF_ERROR(SetStockSizes(item, text, column.millimetres));
+        }
+        return std::string("stock_sizes");
+      case Column::Part::kMoreSuppliers:
+        if (!text.empty()) MORTISE_RETURN_IF_ERROR(SetMoreSuppliers(item, text));
+        return std::string("more_suppliers");
+      case Column::Part::kDimension:
+        return FillDimension(column, text, item);
+      case Column::Part::kMeasure:
+        break;
+    }
+    return FillMeasure(column, text, item);
+  }
+
+  absl::StatusOr<std::string> FillDimension(const Column& column, const std::string& text,
+                                            v1::Item& item) {
+    v1::ItemDimension& dimension = *item.mutable_dimensions(static_cast<int>(column.axis));
+    const std::string field =
+        absl::StrCat("dimensions[", kAxisFields[column.axis], "].", column.detail);
+    if (text.empty()) return field;
+    if (column.detail == "name") {
+      dimension.set_name(text);
+      return field;
+    }
+    if (column.detail == "process") {
+      v1::Process process = v1::PROCESS_UNSPECIFIED;
+      if (!v1::Process_Parse(text, &process)) {
+        return absl::InvalidArgumentError(
+            absl::StrCat("'", text.substr(0, 80), "' is no process, such as CHOP_SAW"));
+      }
+      dimension.set_process(process);
+      return field;
+    }
+    MORTISE_ASSIGN_OR_RETURN(const double value, ParseNumber(text, column.millimetres));
+    if (column.detail == "size") dimension.set_size(value);
+    if (column.detail == "minimum") dimension.set_minimum(value);
+    if (column.detail == "maximum") dimension.set_maximum(value);
+    if (column.detail == "nominal") dimension.set_nominal(value);
+    return field;
+  }
+
+  absl::StatusOr<std::string> FillMeasure(const Column& column, const std::string& text,
+                                          v1::Item& item) {
+    if (text.empty()) return std::string();
+    MORTISE_ASSIGN_OR_RETURN(const double value, ParseNumber(text, column.millimetres));
+    int index = 0;
+    while (index < item.measures_size() && item.measures(index).name() != column.measure) ++index;
+    if (index == item.measures_size()) item.add_measures()->set_name(column.measure);
+    v1::ItemMeasure& measure = *item.mutable_measures(index);
+    if (column.detail == "size") measure.set_size(value);
+    if (column.detail == "minimum") measure.set_minimum(value);
+    if (column.detail == "maximum") measure.set_maximum(value);
+    return absl::StrCat("measures[", index, "].", column.detail);
+  }
+
+  std::vector<Column> columns_;
+  DesignFile file_;
+};
+
+}  // namespace
+
+DesignFile ParseItemsCsv(std::string_view text) { return Reader().Run(text); }
+
+}  // namespace mortise::parametric

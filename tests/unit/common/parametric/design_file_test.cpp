@@ -1,0 +1,212 @@
+// Items as CSV and designs as JSON: what is read, and where each fault is.
+#include "common/parametric/design_file.h"
+
+#include <gmock/gmock.h>
+#include <google/protobuf/util/json_util.h>
+#include <google/protobuf/util/message_differencer.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "common/base/files.h"
+#include "common/base/identifiers.h"
+#include "common/parametric/template_codec.h"
+#include "tests/unit/common/parametric/table.h"
+
+namespace mortise::parametric {
+namespace {
+
+using google::protobuf::util::MessageDifferencer;
+using ::testing::Contains;
+using ::testing::Field;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+constexpr char kHeader[] =
+    "name,title,kind,material,length_mm,width_mm,thickness_mm,price,currency,price_date\n";
+
+auto At(const std::string& field, const std::string& message) {
+  return testing::AllOf(Field(&Finding::field, field),
+                        Field(&Finding::message, HasSubstr(message)));
+}
+
+std::string Listed(const std::vector<Finding>& findings) {
+  std::string text;
+  for (const Finding& finding : findings) text += finding.field + ": " + finding.message + "\n";
+  return text;
+}
+
+TEST(ItemsCsv, FillsEveryField) {
+  const DesignFile file = ParseItemsCsv(
+      "name,title,kind,material,length_mm,length.process,length.minimum_mm,length.maximum_mm,"
+      "width,width.nominal,width.name,thickness_mm,stock_sizes_mm,measure.edge_radius_mm,"
+      "measure.edge_radius.minimum_mm,measure.edge_radius.maximum_mm,grain_axis,radial_axis,"
+      "standard,designation,price,currency,price_basis,price_date,price_is_example,supplier,"
+      "supplier_url,supplier_number,more_suppliers\n"
+      "items/a,\"Board, \"\"planed\"\"\",BOARD,materials/oak,2440,CHOP_SAW,40,2440,0.089,0.1016,"
+      "breadth,38.5,2440@6.4; 3050,3,2.5,3.5,X,Y,PS 20,2 x 4,6.4,EUR,PER_VOLUME,2026-01-15,true,"
+      "Somebody,https://somebody.example/7,7,Other|https://other.example|9; Third\n");
+  ASSERT_THAT(file.findings, IsEmpty()) << Listed(file.findings);
+  ASSERT_THAT(file.items, SizeIs(1));
+  v1::Item expected;
+  ASSERT_TRUE(google::protobuf::util::JsonStringToMessage(R"({
+    "name": "items/a", "title": "Board, \"planed\"", "kind": "BOARD", "material": "materials/oak",
+    "dimensions": [
+      {"axis": "X", "size": 2.44, "process": "CHOP_SAW", "minimum": 0.04, "maximum": 2.44},
+      {"axis": "Y", "size": 0.089, "nominal": 0.1016, "name": "breadth"},
+      {"axis": "Z", "size": 0.0385}],
+    "price": {"currency": "EUR", "amount": 6.4}, "price_basis": "PER_VOLUME",
+    "price_date": "2026-01-15", "price_is_example": true, "supplier": "Somebody",
+    "supplier_url": "https://somebody.example/7", "supplier_number": "7",
+    "more_suppliers": [{"supplier": "Other", "url": "https://other.example", "number": "9"},
+                       {"supplier": "Third"}],
+    "standard": "PS 20", "designation": "2 x 4", "grain_axis": "X", "radial_axis": "Y",
+    "measures": [{"name": "edge_radius", "size": 0.003, "minimum": 0.0025, "maximum": 0.0035}],
+    "stock_sizes": [{"length": 2.44, "price": 6.4}, {"length": 3.05}]})",
+                                                          &expected)
+                  .ok());
+  EXPECT_TRUE(MessageDifferencer::Equals(file.items[0].message, expected))
+      << file.items[0].message.DebugString();
+}
+
+TEST(ItemsCsv, NamesLineAndColumnOfEveryFault) {
+  const DesignFile file = ParseItemsCsv(
+      std::string(kHeader) +
+      "items/a,A,BOLD,materials/steel,40,8,8,0.1,EUR,2026-01-15\n"
+      "items/b,\"B\nof two lines\",BOLT,materials/steel,\"40,5\",8,8,nan,EUR,2026-01-15\n");
+  EXPECT_THAT(file.findings, SizeIs(3)) << Listed(file.findings);
+  EXPECT_THAT(file.findings, Contains(At("line 2, column 3 (kind)", "'BOLD' is none of BOARD")));
+  EXPECT_THAT(file.findings,
+              Contains(At("line 4, column 5 (length_mm)", "'40,5' is no number, such as 12.5")));
+  EXPECT_THAT(file.findings, Contains(At("line 4, column 8 (price)", "'nan' is no number")));
+}
+
+TEST(ItemsCsv, KnowsWhereEachFieldStands) {
+  const DesignFile file =
+      ParseItemsCsv(std::string(kHeader) + "items/a,A,BOLT,materials/steel,40,8,-8,0.1,EUR,soon\n");
+  ASSERT_THAT(file.findings, IsEmpty()) << Listed(file.findings);
+  const Placed<v1::Item>& placed = file.items.at(0);
+  const auto item = FromProto(placed.message);
+  ASSERT_TRUE(item.ok()) << item.status();
+  std::vector<std::string> places;
+  for (const Finding& finding : ValidateItem(*item, {})) {
+    places.push_back(PlaceOf(placed.place, placed.fields, finding.field));
+  }
+  EXPECT_THAT(places, testing::UnorderedElementsAre("line 2, column 4 (material)",
+                                                    "line 2, column 7 (thickness_mm)",
+                                                    "line 2, column 10 (price_date)"));
+  EXPECT_EQ(PlaceOf(placed.place, placed.fields, "supplier_url"), "line 2");
+}
+
+TEST(ItemsCsv, RefusesHeadersThatItDoesNotUnderstand) {
+  const auto findings = [](const std::string& header) { return ParseItemsCsv(header).findings; };
+  EXPECT_THAT(findings("name,colour,kind,material,length,width,thickness,price,currency,"
+                       "price_date,width_mm,title_mm,measure.Bore,length.size.minimum\n"),
+              testing::ElementsAre(At("line 1, column 2", "no column 'colour'"),
+                                   At("line 1, column 11", "'width' is there twice"),
+                                   At("line 1, column 12", "no column 'title_mm'"),
+                                   At("line 1, column 13", "no column 'measure.Bore'"),
+                                   At("line 1, column 14", "no column 'length.size.minimum'")));
+  EXPECT_THAT(findings("name,kind,length,width,thickness,currency,price_date\n"),
+              testing::ElementsAre(At("line 1", "'material' is missing"),
+                                   At("line 1", "'price' is missing")));
+  EXPECT_THAT(findings(""), testing::ElementsAre(At("line 1", "is missing")));
+}
+
+TEST(ItemsCsv, TakesMillimetresAsTheNearestNumber) {
+  for (const char* text : {"6.8", "0.1", "13.27", "68e-1", "1e1"}) {
+    const DesignFile file = ParseItemsCsv(std::string(kHeader) + "items/a,A,NUT,materials/steel," +
+                                          text + ",13,6.8,0.1,EUR,2026-01-15\n");
+    ASSERT_THAT(file.findings, IsEmpty()) << Listed(file.findings);
+    EXPECT_DOUBLE_EQ(file.items[0].message.dimensions(0).size(), std::stod(text) / 1000);
+    EXPECT_EQ(file.items[0].message.dimensions(1).size(), 0.013);
+    EXPECT_EQ(file.items[0].message.dimensions(2).size(), 0.0068);
+  }
+}
+
+TEST(DesignJson, ReadsWhatTheShippedCollectionSays) {
+  const Collection collection = ShippedCollection();
+  std::string items, materials;
+  const auto add = [](const google::protobuf::Message& message, std::string& list) {
+    std::string text;
+    ASSERT_TRUE(google::protobuf::util::MessageToJsonString(message, &text).ok());
+    list += (list.empty() ? "" : ",\n") + text;
+  };
+  for (const auto& item : collection.items) add(item, items);
+  for (const auto& material : collection.materials) add(material, materials);
+  const DesignFile file =
+      ParseDesignJson("{\"materials\": [" + materials + "], \"items\": [" + items + "]}");
+  ASSERT_THAT(file.findings, IsEmpty()) << Listed(file.findings);
+  ASSERT_EQ(file.items.size(), collection.items.size());
+  ASSERT_EQ(file.materials.size(), collection.materials.size());
+  for (std::size_t i = 0; i < file.items.size(); ++i) {
+    EXPECT_TRUE(MessageDifferencer::Equals(file.items[i].message, collection.items[i]));
+  }
+  // A list alone is one of items.
+  EXPECT_EQ(ParseDesignJson("[" + items + "]").items.size(), collection.items.size());
+}
+
+TEST(DesignJson, NamesThePlaceOfEveryFault) {
+  const DesignFile file = ParseDesignJson(R"({
+  "items": [
+    {"name": "items/a", "title": "with \"]}\" in it"},
+    {"name": "items/b",
+     "kind": "BOLD"},
+    7,
+    {"nmae": "items/c"}
+  ],
+  "materials": {},
+  "colours": [1, 2]
+})");
+  EXPECT_THAT(file.items, SizeIs(1));
+  EXPECT_THAT(file.findings, SizeIs(5)) << Listed(file.findings);
+  EXPECT_THAT(file.findings, Contains(At("line 4", "items[1]: ")));
+  EXPECT_THAT(file.findings, Contains(At("line 4", "BOLD")));
+  EXPECT_THAT(file.findings, Contains(At("line 6", "items[2] must be an object")));
+  EXPECT_THAT(file.findings, Contains(At("line 7", "nmae")));
+  EXPECT_THAT(file.findings, Contains(At("line 9", "materials must be a list")));
+  EXPECT_THAT(file.findings, Contains(At("line 10", "'colours' is none of")));
+}
+
+TEST(DesignJson, RefusesWhatIsNoJson) {
+  const auto fault = [](std::string_view text) {
+    const DesignFile file = ParseDesignJson(text);
+    EXPECT_THAT(file.findings, SizeIs(1)) << text;
+    return file.findings.empty() ? "" : file.findings[0].field + file.findings[0].message;
+  };
+  EXPECT_THAT(fault("{\n  \"items\": [,]\n}"), HasSubstr("line 2, column 13"));
+  EXPECT_THAT(fault(""), HasSubstr("line 1, column 1"));
+  EXPECT_THAT(fault("{\"items\": []} 3"), HasSubstr("line 1, column"));
+  EXPECT_THAT(fault("3"), HasSubstr("must be an object"));
+  EXPECT_THAT(fault("{\"items\": [], \"items\": []}"), HasSubstr("'items' is twice"));
+  EXPECT_THAT(fault(std::string(100'000, '[')), HasSubstr("nested deeper"));
+  EXPECT_THAT(fault("{\"items\": [\"caf\xE9\"]}"), HasSubstr("line 1, column"));
+}
+
+TEST(DesignFileOf, GoesByTheExtension) {
+  const std::filesystem::path folder =
+      std::filesystem::temp_directory_path() / ("mortise-design-file-" + NewIdentifier());
+  const auto read = [&folder](const std::string& name, const std::string& text) {
+    EXPECT_TRUE(WriteFile(folder / name, text).ok());
+    return ReadDesignFile(folder / name);
+  };
+  EXPECT_THAT(
+      read("a.csv", std::string(kHeader) + "items/a,A,NUT,materials/steel,1,1,1,1,EUR,2026-01-15\n")
+          .items,
+      SizeIs(1));
+  EXPECT_THAT(read("a.json", "[{\"name\": \"items/a\"}]").items, SizeIs(1));
+  EXPECT_THAT(read("a.textproto", "items { name: \"items/a\" }").items, SizeIs(1));
+  EXPECT_THAT(
+      read("b.textproto", "# proto-message: mortise.v1.Template\nname: \"templates/b\"").templates,
+      SizeIs(1));
+  EXPECT_THAT(read("c.textproto", "\nitems { nmae: 1 }").findings,
+              testing::ElementsAre(At("", "line 2")));
+  EXPECT_THAT(ReadDesignFile(folder / "absent.csv").findings, SizeIs(1));
+  EXPECT_THAT(read("big.csv", std::string((4 << 20) + 1, 'x')).findings,
+              testing::ElementsAre(At("", "4")));
+  std::filesystem::remove_all(folder);
+}
+
+}  // namespace
+}  // namespace mortise::parametric
