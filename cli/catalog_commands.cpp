@@ -6,9 +6,11 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "absl/strings/ascii.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "absl/strings/str_replace.h"
 #include "cli/catalog_import.h"
 #include "cli/requests.h"
 #include "cli/session.h"
@@ -21,6 +23,13 @@ namespace {
 
 using Stub = v1::CatalogService::Stub;
 
+struct ListOptions {
+  std::string what;
+  std::string kind;
+  std::string material;
+  std::string text;
+};
+
 struct EvaluateOptions {
   std::string subject;
   std::vector<std::string> parameters;
@@ -28,7 +37,52 @@ struct EvaluateOptions {
   std::filesystem::path glb;
 };
 
-absl::Status List(const std::string& what, Session& session, Output& output) {
+std::string KindNames() {
+  std::string names;
+  const google::protobuf::EnumDescriptor& kinds = *v1::ItemKind_descriptor();
+  for (int i = 1; i < kinds.value_count(); ++i) {
+    absl::StrAppend(&names, i == 1 ? "" : ", ", kinds.value(i)->name());
+  }
+  return names;
+}
+
+// "drawer-slide" or "DRAWER_SLIDE".
+absl::StatusOr<v1::ItemKind> ParseKind(const std::string& text) {
+  v1::ItemKind kind = v1::ITEM_KIND_UNSPECIFIED;
+  if (text.empty()) return kind;
+  const std::string name = absl::StrReplaceAll(absl::AsciiStrToUpper(text), {{"-", "_"}});
+  if (!v1::ItemKind_Parse(name, &kind) || kind == v1::ITEM_KIND_UNSPECIFIED) {
+    return InvalidField("kind", absl::StrCat("'", text, "' is none of ", KindNames()));
+  }
+  return kind;
+}
+
+absl::StatusOr<v1::ListItemsRequest> ItemsRequest(const ListOptions& options) {
+  v1::ListItemsRequest request;
+  MORTISE_ASSIGN_OR_RETURN(const v1::ItemKind kind, ParseKind(options.kind));
+  request.set_kind(kind);
+  if (!options.material.empty()) {
+    request.set_material(ResourceName("materials", options.material));
+  }
+  request.set_text(options.text);
+  return request;
+}
+
+// "BOLT, 0.31 EUR", or "0.31 EUR (example)" where the price is one.
+std::string DetailsOf(const v1::Item& item) {
+  return absl::StrFormat("%s, %.2f %s%s%s", v1::ItemKind_Name(item.kind()), item.price().amount(),
+                         item.price().currency(),
+                         item.price_basis() == v1::PER_VOLUME ? " per m³" : "",
+                         item.price_is_example() ? " (example)" : "");
+}
+
+absl::Status List(const ListOptions& options, Session& session, Output& output) {
+  const bool filtered = !options.kind.empty() || !options.material.empty() || !options.text.empty();
+  const std::string what = !options.what.empty() ? options.what : filtered ? "items" : "templates";
+  if (filtered && what != "items") {
+    return InvalidField("what", "only items are told apart by kind, material and text");
+  }
+  MORTISE_ASSIGN_OR_RETURN(const v1::ListItemsRequest items_request, ItemsRequest(options));
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   const auto stub = v1::CatalogService::NewStub(client->channel());
   nlohmann::ordered_json document = nlohmann::ordered_json::array();
@@ -45,12 +99,15 @@ absl::Status List(const std::string& what, Session& session, Output& output) {
           for (const auto& m : page.materials()) add(m, absl::StrFormat("%g kg/m³", m.density()));
         });
   } else if (what == "items") {
+    const auto list_items = [&](grpc::ClientContext* context, const v1::ListItemsRequest& page,
+                                v1::ListItemsResponse* response) {
+      v1::ListItemsRequest request = items_request;
+      request.MergeFrom(page);
+      return stub->ListItems(context, request, response);
+    };
     status = ListAll<v1::ListItemsRequest, v1::ListItemsResponse>(
-        *client, [&](auto... a) { return stub->ListItems(a...); },
-        [&](const v1::ListItemsResponse& page) {
-          for (const auto& item : page.items()) {
-            add(item, absl::StrFormat("%.2f %s", item.price().amount(), item.price().currency()));
-          }
+        *client, list_items, [&](const v1::ListItemsResponse& page) {
+          for (const auto& item : page.items()) add(item, DetailsOf(item));
         });
   } else {
     status = ListAll<v1::ListTemplatesRequest, v1::ListTemplatesResponse>(
@@ -66,12 +123,10 @@ absl::Status List(const std::string& what, Session& session, Output& output) {
 }
 
 template <typename Message, typename Request, typename Method>
-absl::Status ShowOne(const GatewayClient& client, const std::string& name, Method method,
+absl::Status ShowOne(const GatewayClient& client, const Request& request, Method method,
                      Output& output) {
   grpc::ClientContext context;
   client.Prepare(context);
-  Request request;
-  request.set_name(name);
   Message message;
   MORTISE_RETURN_IF_ERROR(rpc::FromGrpc(method(&context, request, &message)));
   std::string text;
@@ -81,20 +136,35 @@ absl::Status ShowOne(const GatewayClient& client, const std::string& name, Metho
   return absl::OkStatus();
 }
 
-absl::Status Show(const std::string& name, Session& session, Output& output) {
+// A request for the resource, and for a revision of it where it is not the latest (0).
+template <typename Request>
+Request GetRequest(const std::string& name, std::int64_t revision) {
+  Request request;
+  request.set_name(name);
+  if constexpr (!std::is_same_v<Request, v1::GetMaterialRequest>) request.set_revision(revision);
+  return request;
+}
+
+absl::Status Show(const std::string& name, std::int64_t revision, Session& session,
+                  Output& output) {
+  if (revision != 0 && absl::StartsWith(name, "materials/")) {
+    return InvalidField("revision", "materials do not change");
+  }
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   const auto stub = v1::CatalogService::NewStub(client->channel());
   if (absl::StartsWith(name, "items/")) {
-    return ShowOne<v1::Item, v1::GetItemRequest>(
-        *client, name, [&](auto... a) { return stub->GetItem(a...); }, output);
+    return ShowOne<v1::Item>(
+        *client, GetRequest<v1::GetItemRequest>(name, revision),
+        [&](auto... a) { return stub->GetItem(a...); }, output);
   }
   if (absl::StartsWith(name, "materials/")) {
-    return ShowOne<v1::Material, v1::GetMaterialRequest>(
-        *client, name, [&](auto... a) { return stub->GetMaterial(a...); }, output);
+    return ShowOne<v1::Material>(
+        *client, GetRequest<v1::GetMaterialRequest>(name, revision),
+        [&](auto... a) { return stub->GetMaterial(a...); }, output);
   }
-  return ShowOne<v1::Template, v1::GetTemplateRequest>(
-      *client, ResourceName("templates", name), [&](auto... a) { return stub->GetTemplate(a...); },
-      output);
+  return ShowOne<v1::Template>(
+      *client, GetRequest<v1::GetTemplateRequest>(ResourceName("templates", name), revision),
+      [&](auto... a) { return stub->GetTemplate(a...); }, output);
 }
 
 absl::Status ExportTo(const EvaluateOptions& options, v1::ExportDesignRequest::Format format,
@@ -149,26 +219,35 @@ void AddCatalogCommands(CLI::App& app, Session& session) {
 
   auto files = std::make_shared<std::vector<std::filesystem::path>>();
   CLI::App* add = catalog->add_subcommand("import", "Add design files to the catalog, or none");
-  add->add_option("files", *files, "Design files (.textproto)")->required();
-  add->footer("Example: mortise catalog import collection/designs/table/template.textproto");
+  add->add_option("files", *files, "Design files (.textproto, .json; items also .csv)")->required();
+  add->footer("Example: mortise catalog import collection/items/bolts.csv");
   add->callback([&session, files] {
     session.command = [files](Session& s, Output& o) { return ImportFiles(*files, s, o); };
   });
 
-  auto what = std::make_shared<std::string>("templates");
+  auto filter = std::make_shared<ListOptions>();
   CLI::App* list = catalog->add_subcommand("list", "List templates, items or materials");
-  list->add_option("what", *what, "templates, items or materials")
-      ->check(CLI::IsMember({"templates", "items", "materials"}))
-      ->capture_default_str();
-  list->callback([&session, what] {
-    session.command = [what](Session& s, Output& o) { return List(*what, s, o); };
+  list->add_option("what", filter->what,
+                   "templates (also if nothing is said), items (also with a filter) or materials")
+      ->check(CLI::IsMember({"templates", "items", "materials"}));
+  list->add_option("--kind", filter->kind, "Only items of this kind, such as bolt");
+  list->add_option("--material", filter->material, "Only items of this material, such as steel");
+  list->add_option("--text", filter->text,
+                   "Only items with these words in id, title, standard or designation");
+  list->footer("Example: mortise catalog list --kind nut --text \"ISO 4032\"");
+  list->callback([&session, filter] {
+    session.command = [filter](Session& s, Output& o) { return List(*filter, s, o); };
   });
 
   auto name = std::make_shared<std::string>();
+  auto revision = std::make_shared<std::int64_t>(0);
   CLI::App* show = catalog->add_subcommand("show", "Print a template, item or material");
   show->add_option("name", *name, "Such as templates/table or items/dowel-8x35")->required();
-  show->callback([&session, name] {
-    session.command = [name](Session& s, Output& o) { return Show(*name, s, o); };
+  show->add_option("--revision", *revision, "A revision of an item or template; else the latest");
+  show->callback([&session, name, revision] {
+    session.command = [name, revision](Session& s, Output& o) {
+      return Show(*name, *revision, s, o);
+    };
   });
 
   auto options = std::make_shared<EvaluateOptions>();

@@ -7,13 +7,12 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "cli/requests.h"
 #include "common/base/errors.h"
-#include "common/base/files.h"
 #include "common/base/identifiers.h"
 #include "common/parametric/collection.h"
+#include "common/parametric/design_file.h"
 #include "common/parametric/template_codec.h"
 #include "common/parametric/template_validation.h"
 #include "common/rpc/status_mapping.h"
@@ -25,11 +24,21 @@ namespace {
 using parametric::Finding;
 using Findings = std::vector<Finding>;
 
+constexpr std::size_t kMaxFindings = 100;
+
 // A message of a file, and where it comes from.
 template <typename Message>
 struct Read {
   std::string file;
-  Message message;
+  parametric::Placed<Message> placed;
+
+  const Message& message() const { return placed.message; }
+
+  // "bolts.csv: line 3, column 5 (price): items/bolt-m8x40", as far as it is known.
+  std::string Place(const std::string& field = "") const {
+    const std::string place = parametric::PlaceOf(placed.place, placed.fields, field);
+    return absl::StrCat(file, ": ", place, place.empty() ? "" : ": ", placed.message.name());
+  }
 };
 
 struct Designs {
@@ -44,34 +53,47 @@ struct Present {
   std::map<std::string, v1::Item> items;
 };
 
-// A failure of one message or file as a finding, and findings under the name of what they are of.
-Finding ToFinding(const std::string& place, const absl::Status& status) {
-  return {place, std::string(status.message())};
+// A failure to convert a message, as a finding.
+template <typename Message>
+Finding ToFinding(const Read<Message>& read, const absl::Status& status) {
+  return {read.Place(DetailOf(status).field), std::string(status.message())};
 }
 
-void Add(const std::string& place, const Findings& more, Findings& findings) {
+// Findings of a message, under its name.
+template <typename Message>
+void Add(const Read<Message>& read, const Findings& more, Findings& findings) {
   for (const Finding& finding : more) {
-    findings.push_back({absl::StrCat(place, ".", finding.field), finding.message});
+    findings.push_back(
+        {absl::StrCat(read.Place(finding.field), ".", finding.field), finding.message});
   }
 }
 
-absl::Status ReadDesigns(const std::filesystem::path& path, Designs& designs) {
-  MORTISE_ASSIGN_OR_RETURN(const std::string text, ReadFile(path, 4 << 20));
-  const std::string file = path.string();
-  if (absl::StrContains(text, "# proto-message: mortise.v1.Template\n")) {
-    MORTISE_ASSIGN_OR_RETURN(v1::Template message, parametric::ParseTemplateText(text, file));
-    designs.templates.push_back({file, std::move(message)});
-    return absl::OkStatus();
+template <typename Message>
+void Take(const std::string& file, std::vector<parametric::Placed<Message>>& messages,
+          std::vector<Read<Message>>& taken) {
+  for (auto& placed : messages) taken.push_back({file, std::move(placed)});
+}
+
+void ReadDesigns(const std::filesystem::path& path, Designs& designs, Findings& findings) {
+  const std::string name = path.string();
+  parametric::DesignFile file = parametric::ReadDesignFile(path);
+  for (const Finding& finding : file.findings) {
+    findings.push_back(
+        {absl::StrCat(name, finding.field.empty() ? "" : ": ", finding.field), finding.message});
   }
-  MORTISE_ASSIGN_OR_RETURN(v1::TemplateBundle bundle, parametric::ParseBundleText(text, file));
-  for (v1::Material& material : *bundle.mutable_materials()) {
-    designs.materials.push_back({file, std::move(material)});
+  Take(name, file.materials, designs.materials);
+  Take(name, file.items, designs.items);
+  Take(name, file.templates, designs.templates);
+}
+
+// All findings as one failure; of very many, the first and how many more there are.
+absl::Status Refusal(Findings findings) {
+  if (findings.size() > kMaxFindings) {
+    const std::size_t more = findings.size() - kMaxFindings;
+    findings.resize(kMaxFindings);
+    findings.push_back({"files", absl::StrCat("have ", more, " more faults")});
   }
-  for (v1::Item& item : *bundle.mutable_items()) designs.items.push_back({file, std::move(item)});
-  if (bundle.has_template_()) {
-    designs.templates.push_back({file, std::move(*bundle.mutable_template_())});
-  }
-  return absl::OkStatus();
+  return parametric::ToStatus(findings);
 }
 
 absl::StatusOr<Present> ReadCatalog(v1::CatalogService::Stub& stub, const GatewayClient& client) {
@@ -104,13 +126,15 @@ bool SameContent(Message a, Message b) {
 // Checks designs against each other and what is present.
 class Check {
  public:
-  Check(const Designs& designs, const Present& present) : designs_(designs), present_(present) {}
+  Check(const Designs& designs, const Present& present) : designs_(designs), present_(present) {
+    for (const auto& read : designs.items) items_in_files_.insert(read.message().name());
+  }
 
   Findings Run() {
     for (const auto& [name, material] : present_.materials) TakeKnown(material, materials_);
     for (const auto& read : designs_.materials) CheckMaterial(read);
     for (const auto& [name, item] : present_.items) {
-      if (!InFiles(name)) TakeKnown(item, items_);
+      if (items_in_files_.count(name) == 0) TakeKnown(item, items_);
     }
     for (const auto& read : designs_.items) CheckItem(read);
     // A template is not judged by items that are at fault themselves.
@@ -122,12 +146,10 @@ class Check {
 
  private:
   template <typename Message>
-  std::string Place(const Read<Message>& read) {
-    std::string place = absl::StrCat(read.file, ": ", read.message.name());
-    if (!names_.insert(read.message.name()).second) {
-      findings_.push_back({place, "is there twice"});
+  void CheckName(const Read<Message>& read) {
+    if (!names_.insert(read.message().name()).second) {
+      findings_.push_back({read.Place("name"), "is there twice"});
     }
-    return place;
   }
 
   template <typename Message, typename Struct>
@@ -136,38 +158,33 @@ class Check {
     if (converted.ok()) known.push_back(*std::move(converted));
   }
 
-  bool InFiles(const std::string& name) const {
-    for (const auto& read : designs_.items) {
-      if (read.message.name() == name) return true;
-    }
-    return false;
-  }
-
   void CheckMaterial(const Read<v1::Material>& read) {
-    const std::string place = Place(read);
-    absl::StatusOr<parametric::Material> material = parametric::FromProto(read.message);
-    if (!material.ok()) return findings_.push_back(ToFinding(place, material.status()));
-    Add(place, parametric::ValidateMaterial(*material), findings_);
-    const auto found = present_.materials.find(read.message.name());
+    CheckName(read);
+    absl::StatusOr<parametric::Material> material = parametric::FromProto(read.message());
+    if (!material.ok()) return findings_.push_back(ToFinding(read, material.status()));
+    Add(read, parametric::ValidateMaterial(*material), findings_);
+    const auto found = present_.materials.find(read.message().name());
     if (found == present_.materials.end()) return materials_.push_back(*std::move(material));
-    if (SameContent(found->second, read.message)) return;
+    if (SameContent(found->second, read.message())) return;
     findings_.push_back(
-        {place, "is in the catalog with other values; materials do not change: take a new name"});
+        {read.Place(),
+         "is in the catalog with other values; materials do not change: take a new name"});
   }
 
   void CheckItem(const Read<v1::Item>& read) {
-    const std::string place = Place(read);
-    absl::StatusOr<parametric::Item> item = parametric::FromProto(read.message);
-    if (!item.ok()) return findings_.push_back(ToFinding(place, item.status()));
-    Add(place, parametric::ValidateItem(*item, materials_), findings_);
+    CheckName(read);
+    absl::StatusOr<parametric::Item> item = parametric::FromProto(read.message());
+    if (!item.ok()) return findings_.push_back(ToFinding(read, item.status()));
+    Add(read, parametric::ValidateItem(*item, materials_), findings_);
     items_.push_back(*std::move(item));
   }
 
   void CheckTemplate(const Read<v1::Template>& read) {
-    const std::string place = Place(read);
-    absl::StatusOr<parametric::TemplateDefinition> definition = parametric::FromProto(read.message);
-    if (!definition.ok()) return findings_.push_back(ToFinding(place, definition.status()));
-    Add(place,
+    CheckName(read);
+    absl::StatusOr<parametric::TemplateDefinition> definition =
+        parametric::FromProto(read.message());
+    if (!definition.ok()) return findings_.push_back(ToFinding(read, definition.status()));
+    Add(read,
         parametric::ValidateTemplate(
             parametric::MakeBundle(*std::move(definition), items_, materials_)),
         findings_);
@@ -177,7 +194,8 @@ class Check {
   const Present& present_;
   std::vector<parametric::Material> materials_;  // of the files and the catalog
   std::vector<parametric::Item> items_;          // the same; the files' where both have one
-  std::set<std::string> names_;                  // of the files
+  std::set<std::string> items_in_files_;
+  std::set<std::string> names_;  // of the files, as far as they have been checked
   Findings findings_;
 };
 
@@ -190,13 +208,13 @@ class Storing {
 
   absl::Status Run(const Designs& designs) {
     for (const auto& read : designs.materials) {
-      MORTISE_RETURN_IF_ERROR(UnderField(read.file, StoreMaterial(read.message)));
+      MORTISE_RETURN_IF_ERROR(UnderField(read.file, StoreMaterial(read.message())));
     }
     for (const auto& read : designs.items) {
-      MORTISE_RETURN_IF_ERROR(UnderField(read.file, StoreItem(read.message)));
+      MORTISE_RETURN_IF_ERROR(UnderField(read.file, StoreItem(read.message())));
     }
     for (const auto& read : designs.templates) {
-      MORTISE_RETURN_IF_ERROR(UnderField(read.file, StoreTemplate(read.message)));
+      MORTISE_RETURN_IF_ERROR(UnderField(read.file, StoreTemplate(read.message())));
     }
     return absl::OkStatus();
   }
@@ -287,15 +305,12 @@ absl::Status ImportFiles(const std::vector<std::filesystem::path>& files, Sessio
                          Output& output) {
   Designs designs;
   Findings findings;
-  for (const std::filesystem::path& file : files) {
-    const absl::Status read = ReadDesigns(file, designs);
-    if (!read.ok()) findings.push_back(ToFinding(file.string(), read));
-  }
-  MORTISE_RETURN_IF_ERROR(parametric::ToStatus(findings));
+  for (const std::filesystem::path& file : files) ReadDesigns(file, designs, findings);
+  MORTISE_RETURN_IF_ERROR(Refusal(std::move(findings)));
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   const auto stub = v1::CatalogService::NewStub(client->channel());
   MORTISE_ASSIGN_OR_RETURN(const Present present, ReadCatalog(*stub, *client));
-  MORTISE_RETURN_IF_ERROR(parametric::ToStatus(Check(designs, present).Run()));
+  MORTISE_RETURN_IF_ERROR(Refusal(Check(designs, present).Run()));
   Storing storing(*stub, *client, present, output);
   MORTISE_RETURN_IF_ERROR(storing.Run(designs));
   output.Document(storing.document());

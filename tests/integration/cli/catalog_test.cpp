@@ -1,0 +1,179 @@
+// `mortise catalog` against a catalog process: items from CSV and JSON, all or none; filters.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "absl/strings/str_replace.h"
+#include "cli/command_line.h"
+#include "common/base/errors.h"
+#include "common/base/files.h"
+#include "tests/integration/services/service_under_test.h"
+
+namespace mortise::cli {
+namespace {
+
+using Json = nlohmann::json;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+constexpr char kMaterials[] = R"(materials {
+  name: "materials/steel" title: "Steel" density: 7850 youngs_modulus: 210e9 poissons_ratio: 0.3
+  strength: 235e6
+}
+materials {
+  name: "materials/beech" title: "Beech" density: 700 youngs_modulus: 13e9 poissons_ratio: 0.36
+  strength: 40e6
+  orthotropic {
+    youngs_modulus_l: 13e9 youngs_modulus_r: 2.13e9 youngs_modulus_t: 1.08e9
+    shear_modulus_lr: 1.53e9 shear_modulus_lt: 1.01e9 shear_modulus_rt: 0.436e9
+    poissons_ratio_lr: 0.45 poissons_ratio_lt: 0.51 poissons_ratio_rt: 0.75
+  }
+}
+)";
+
+constexpr char kItems[] =
+    "name,title,kind,material,designation,length_mm,width_mm,thickness_mm,measure.bore_mm,price,"
+    "currency,price_date,price_is_example\r\n"
+    "items/bolt,\"Bolt, M8\",BOLT,materials/steel,ISO 4014 - M8 x 40,40,8,8,,0.31,EUR,2026-01-15,"
+    "true\r\n"
+    "items/ring,\"Ring\r\nof two lines\",WASHER,materials/steel,,22,22,7,8,1.42,EUR,2026-01-15,"
+    "true\r\n"
+    "items/peg,Peg,DOWEL,materials/beech,,35,8,8,,0.05,EUR,2026-01-15,true\r\n";
+
+class CatalogCommand : public ::testing::Test {
+ protected:
+  CatalogCommand() {
+    session_.gateway.address = process_.address();
+    EXPECT_TRUE(Run({"import", File("materials.textproto", kMaterials)}).ok());
+  }
+
+  std::string File(const std::string& name, const std::string& text) {
+    const std::filesystem::path path = folder_.path() / name;
+    EXPECT_TRUE(WriteFile(path, text).ok());
+    return path.string();
+  }
+
+  // The document of `mortise catalog ARGUMENTS`.
+  absl::StatusOr<Json> Run(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), "catalog");
+    Output output(Output::Form::kSilent);
+    MORTISE_RETURN_IF_ERROR(RunCommandLine(arguments, session_, output));
+    return Json::parse(output.last_document());
+  }
+
+  std::string Refusal(const std::vector<std::string>& arguments) {
+    const auto result = Run(arguments);
+    EXPECT_EQ(result.status().code(), absl::StatusCode::kInvalidArgument);
+    return std::string(result.status().message());
+  }
+
+  std::vector<std::string> Names(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), "list");
+    const auto list = Run(arguments);
+    EXPECT_TRUE(list.ok()) << list.status();
+    std::vector<std::string> names;
+    for (const Json& entry : list.value_or(Json::array())) names.push_back(entry["name"]);
+    return names;
+  }
+
+  std::vector<std::string> Changes(const std::vector<std::string>& files) {
+    std::vector<std::string> arguments = {"import"};
+    arguments.insert(arguments.end(), files.begin(), files.end());
+    const auto imported = Run(arguments);
+    EXPECT_TRUE(imported.ok()) << imported.status();
+    std::vector<std::string> changes;
+    for (const Json& entry : imported.value_or(Json::array())) changes.push_back(entry["change"]);
+    return changes;
+  }
+
+  const mortise::testing::TemporaryFolder folder_;
+  const mortise::testing::ServiceUnderTest process_{"mortise-catalog", {}};
+  Session session_;
+};
+
+TEST_F(CatalogCommand, ImportsItemsFromCsvAndBackFromJson) {
+  const std::string csv = File("items.csv", kItems);
+  EXPECT_EQ(Changes({csv}), std::vector<std::string>(3, "created"));
+  EXPECT_EQ(Changes({csv}), std::vector<std::string>(3, "none"));
+  const auto ring = Run({"show", "items/ring"});
+  ASSERT_TRUE(ring.ok()) << ring.status();
+  EXPECT_EQ((*ring)["title"], "Ring\r\nof two lines");
+  EXPECT_EQ((*ring)["measures"][0]["size"], 0.008);
+  // What `list --json` prints can be imported, here with another price.
+  const auto list = Run({"list", "items"});
+  ASSERT_TRUE(list.ok()) << list.status();
+  Json dearer = *list;
+  dearer[0]["price"]["amount"] = 0.35;
+  EXPECT_EQ(Changes({File("items.json", dearer.dump(2))}),
+            (std::vector<std::string>{"updated", "none", "none"}));
+  // Both revisions are there.
+  EXPECT_EQ((*Run({"show", "items/bolt"}))["price"]["amount"], 0.35);
+  EXPECT_EQ((*Run({"show", "items/bolt", "--revision", "1"}))["price"]["amount"], 0.31);
+  EXPECT_EQ(Run({"show", "items/bolt", "--revision", "3"}).status().code(),
+            absl::StatusCode::kNotFound);
+  EXPECT_THAT(Refusal({"show", "items/bolt", "--revision", "-1"}), HasSubstr("revision"));
+  EXPECT_THAT(Refusal({"show", "materials/steel", "--revision", "1"}), HasSubstr("revision"));
+}
+
+TEST_F(CatalogCommand, NamesEveryFaultOfEveryFileAndStoresNothing) {
+  const std::string sound = File("sound.csv", kItems);
+  const std::string unreadable = File(
+      "unreadable.csv", absl::StrReplaceAll(kItems, {{"items/", "items/x-"}, {"BOLT", "BOLD"}}));
+  const std::string ragged = File("ragged.csv", std::string(kItems) + "items/short,Short\r\n");
+  const std::string json = File("faulty.json", "[\n{\"name\": \"items/y\", \"colour\": 1}\n]");
+  EXPECT_THAT(
+      Refusal({"import", sound, unreadable, ragged, json}),
+      AllOf(HasSubstr(unreadable + ": line 2, column 3 (kind): 'BOLD'"),
+            HasSubstr(ragged + ": line 6, column 1: the row has 2 cells"),
+            HasSubstr(json + ": line 2: items[0]"), HasSubstr("colour"), Not(HasSubstr(sound))));
+  // What can be read, but makes no sense.
+  const std::string senseless = File(
+      "senseless.csv", absl::StrReplaceAll(kItems, {{"items/", "items/z-"},
+                                                    {"materials/beech", "materials/cheese"},
+                                                    {"22,22,7,8,1.42", "22,-22,7,8,1.42"},
+                                                    {"0.31,EUR,2026-01-15", "0.31,EURO,today"}}));
+  EXPECT_THAT(
+      Refusal({"import", sound, senseless}),
+      AllOf(HasSubstr("4 findings"),
+            HasSubstr(senseless + ": line 2, column 11 (currency): items/z-bolt.price.currency"),
+            HasSubstr(senseless + ": line 2, column 12 (price_date): items/z-bolt.price_date"),
+            HasSubstr(senseless + ": line 4, column 7 (width_mm): items/z-ring.dimensions[Y].size"),
+            HasSubstr(senseless + ": line 5, column 4 (material): items/z-peg.material")));
+  EXPECT_THAT(Refusal({"import", sound, sound}),
+              HasSubstr(sound + ": line 2, column 1 (name): items/bolt: is there twice"));
+  EXPECT_TRUE(Names({"items"}).empty());
+}
+
+TEST_F(CatalogCommand, OfVeryManyFaultsNamesTheFirst) {
+  std::string text = "name,kind,material,length,width,thickness,price,currency,price_date\n";
+  for (int i = 0; i < 150; ++i) {
+    text += "items/i" + std::to_string(i) + ",NUT,materials/air,1,1,1,1,EUR,2026-01-15\n";
+  }
+  EXPECT_THAT(
+      Refusal({"import", File("many.csv", text)}),
+      AllOf(HasSubstr("items/i99."), Not(HasSubstr("items/i100.")), HasSubstr("50 more faults")));
+}
+
+TEST_F(CatalogCommand, ListsWhatTheFiltersSay) {
+  Changes({File("items.csv", kItems)});
+  using Expected = std::vector<std::string>;
+  EXPECT_EQ(Names({"items"}), (Expected{"items/bolt", "items/peg", "items/ring"}));
+  EXPECT_EQ(Names({"--kind", "bolt"}), Expected{"items/bolt"});
+  EXPECT_EQ(Names({"--kind", "DRAWER_SLIDE"}), Expected{});
+  EXPECT_EQ(Names({"--kind", "drawer-slide"}), Expected{});
+  EXPECT_EQ(Names({"items", "--material", "steel"}), (Expected{"items/bolt", "items/ring"}));
+  EXPECT_EQ(Names({"--material", "materials/beech"}), Expected{"items/peg"});
+  EXPECT_EQ(Names({"--text", "m8 iso"}), Expected{"items/bolt"});
+  EXPECT_EQ(Names({"--text", "m8", "--kind", "nut"}), Expected{});
+  EXPECT_THAT(Refusal({"list", "--kind", "bold"}), AllOf(HasSubstr("kind"), HasSubstr("WASHER")));
+  EXPECT_THAT(Refusal({"list", "--material", "cheese"}),
+              AllOf(HasSubstr("material"), HasSubstr("materials/cheese")));
+  EXPECT_THAT(Refusal({"list", "--text", std::string(201, 'x')}), HasSubstr("text"));
+  EXPECT_THAT(Refusal({"list", "templates", "--kind", "bolt"}), HasSubstr("only items"));
+}
+
+}  // namespace
+}  // namespace mortise::cli
