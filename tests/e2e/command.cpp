@@ -6,14 +6,14 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
-#include <thread>
 
+#include "absl/time/time.h"
 #include "cli/state_folder.h"
 #include "common/base/identifiers.h"
+#include "tests/support/file_watch.h"
 
 namespace mortise::e2e {
 namespace {
@@ -107,18 +107,14 @@ int BackgroundCommand::Wait() {
 }
 
 bool AwaitHouse(const std::filesystem::path& state) {
+  std::filesystem::create_directories(state);
   const auto serves = [&state] {
     const auto house = cli::ReadRunningHouse(state);
     return house.ok() && !house->processes.empty() &&
            std::all_of(house->processes.begin(), house->processes.end(),
                        [](const cli::RunningProcess& process) { return process.serving; });
   };
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
-  while (!serves()) {
-    if (std::chrono::steady_clock::now() > deadline) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  }
-  return true;
+  return testing::WaitForFiles(state, serves, absl::Minutes(1));
 }
 
 }  // namespace mortise::e2e

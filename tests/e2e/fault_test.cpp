@@ -2,26 +2,24 @@
 // ends with the same result.
 #include <gtest/gtest.h>
 #include <signal.h>
-#include <sys/wait.h>
 
-#include <chrono>
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
-#include <thread>
 
+#include "absl/time/time.h"
 #include "cli/process.h"
 #include "cli/state_folder.h"
 #include "common/base/files.h"
 #include "common/base/identifiers.h"
 #include "tests/e2e/command.h"
+#include "tests/support/file_watch.h"
 
 namespace mortise::e2e {
 namespace {
 
 using Json = nlohmann::json;
-using Clock = std::chrono::steady_clock;
 
 // What of a demo must not depend on what died meanwhile.
 Json Essence(const Json& document) {
@@ -35,7 +33,7 @@ Json Essence(const Json& document) {
           {"total", document["plan"]["total"]}};
 }
 
-class FaultTest : public testing::Test {
+class FaultTest : public ::testing::Test {
  protected:
   FaultTest()
       : folder_(std::filesystem::temp_directory_path() / ("mortise-fault-" + NewIdentifier())) {
@@ -48,26 +46,26 @@ class FaultTest : public testing::Test {
             "--evaluations", "24",     "--time-scale", "100"};
   }
 
-  // A child that has ended still counts as a process until somebody waits for it.
-  static bool Runs(pid_t child) {
-    siginfo_t ended = {};
-    ::waitid(P_PID, static_cast<id_t>(child), &ended, WEXITED | WNOHANG | WNOWAIT);
-    return ended.si_pid == 0;
-  }
-
   // Waits until the process serves (again) and returns its pid; 0 if the house ends first.
   pid_t WaitForProcess(const std::filesystem::path& state, const std::string& name, pid_t other,
                        pid_t demo) const {
-    while (Runs(demo)) {
+    pid_t found = 0;
+    const auto serves = [&] {
       const auto house = cli::ReadRunningHouse(state);
-      if (house.ok()) {
-        for (const auto& process : house->processes) {
-          if (process.name == name && process.serving && process.pid != other) return process.pid;
-        }
+      if (!house.ok()) return false;
+      for (const auto& process : house->processes) {
+        if (process.name == name && process.serving && process.pid != other) found = process.pid;
       }
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    }
-    return 0;
+      return found != 0;
+    };
+    const testing::ProcessEnd end(demo);
+    // The demo begins with a new folder; one that it removes cannot be watched.
+    std::filesystem::create_directories(state.parent_path());
+    const auto begun = [&] { return std::filesystem::exists(state); };
+    testing::WaitForFiles(state.parent_path(), begun, absl::Minutes(5), end.descriptor());
+    if (!begun()) return 0;
+    testing::WaitForFiles(state, serves, absl::Minutes(5), end.descriptor());
+    return found;
   }
 
   static void ResumeEveryWorkOrder(const std::filesystem::path& state) {

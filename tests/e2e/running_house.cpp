@@ -1,7 +1,5 @@
 #include "tests/e2e/running_house.h"
 
-#include <chrono>
-#include <thread>
 #include <vector>
 
 #include "cli/state_folder.h"
@@ -17,10 +15,7 @@ RunningHouse::RunningHouse()
       std::vector<std::string>{"up", "--insecure-development", "--any-ports", "--workers", "1",
                                "--state", State()},
       (folder_ / "up.log").string());
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
-  while (!Serving() && std::chrono::steady_clock::now() < deadline) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  }
+  AwaitHouse(State());
 }
 
 RunningHouse::~RunningHouse() {

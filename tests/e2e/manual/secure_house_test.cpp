@@ -4,7 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <set>
+#include <string>
 
 #include "cli/state_folder.h"
 #include "common/base/files.h"
@@ -182,9 +185,17 @@ TEST_F(SecureHouse, OperatorCutsToTheEndAndOnlyAdminsReadTheAudit) {
   EXPECT_EQ(order["cuts_done"], order["cuts_total"]);
 
   const std::vector<std::string> question = {"call", "mortise.v1.AuditService/ListAuditRecords",
-                                             R"({"service": "fabplanner", "page_size": 500})"};
+                                             R"({"service": "fabplanner", "page_size": 1000})"};
   EXPECT_EQ(Refusal("otto", question), "PERMISSION_DENIED");
-  Ask("alma", question);
+  std::map<std::string, std::set<std::string>> methods;  // by subject
+  const Json audit = Ask("alma", question);
+  for (const Json& record : audit["records"]) {
+    methods[record.value("subject", "")].insert(record.value("method", ""));
+  }
+  EXPECT_THAT(methods["users/ada"], testing::Contains("mortise.v1.FabPlannerService/CreatePlan"));
+  EXPECT_THAT(methods["users/otto"],
+              testing::Contains("mortise.v1.FabPlannerService/ReleaseWorkOrder"))
+      << audit;
 }
 
 TEST_F(SecureHouse, ClientsThatSpeakOtherwiseAreToldSo) {
