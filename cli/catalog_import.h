@@ -14,7 +14,7 @@ namespace mortise::cli {
 // them, in the order materials, items, templates. What the catalog has already with the same
 // content stays as it is; items and templates that differ become new revisions. By its extension, a
 // file is
-//   .csv         items, a row each (docs/catalogue.md has the columns),
+//   .csv         items or materials, a row each (docs/catalogue.md has the columns),
 //   .json        a TemplateBundle, or a list of items as `catalog list items --json` prints it,
 //   any other    protobuf text: a TemplateBundle, or a Template where a line says
 //                "# proto-message: mortise.v1.Template".

@@ -1,5 +1,8 @@
 #include "common/parametric/csv_table.h"
 
+#include <cmath>
+
+#include "absl/strings/charconv.h"
 #include "absl/strings/str_cat.h"
 
 namespace mortise::parametric {
@@ -158,6 +161,21 @@ class Parser {
 }  // namespace
 
 CsvTable ParseCsv(std::string_view text) { return Parser(text).Run(); }
+
+absl::StatusOr<double> ParseCsvNumber(const std::string& text, bool thousandths) {
+  // The shift is made in decimals: a quotient is not always the nearest number.
+  const bool shifted = thousandths && text.find_first_of("eE") == std::string::npos;
+  const std::string digits = absl::StrCat(text, shifted ? "e-3" : "");
+  double value = 0;
+  const absl::from_chars_result read =
+      absl::from_chars(digits.data(), digits.data() + digits.size(), value);
+  if (read.ec != std::errc() || read.ptr != digits.data() + digits.size() ||
+      !std::isfinite(value)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("'", text.substr(0, 80), "' is no number, such as 12.5"));
+  }
+  return thousandths && !shifted ? value / 1000 : value;
+}
 
 std::string PlaceOf(const CsvCell& cell) {
   return absl::StrCat("line ", cell.line, ", column ", cell.column);

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "absl/status/statusor.h"
 #include "common/parametric/template_validation.h"
 
 namespace mortise::parametric {
@@ -33,6 +34,11 @@ struct CsvTable {
 // the next comma, a quote that is never closed, a carriage return outside quotes without a line
 // feed, a NUL, bytes that are not UTF-8, and rows whose number of cells is not that of the first.
 CsvTable ParseCsv(std::string_view text);
+
+// A cell as a finite number with a decimal point, "12.5" or "1.25e1". With `thousandths`, the
+// number nearest to a thousandth of it: "6.8" is 0.0068. INVALID_ARGUMENT otherwise, without a
+// field.
+absl::StatusOr<double> ParseCsvNumber(const std::string& text, bool thousandths = false);
 
 // "line 7, column 3": the place of a cell.
 std::string PlaceOf(const CsvCell& cell);

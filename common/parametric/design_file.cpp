@@ -1,10 +1,14 @@
 #include "common/parametric/design_file.h"
 
+#include <algorithm>
+
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
 #include "common/parametric/collection.h"
+#include "common/parametric/csv_designs.h"
+#include "common/parametric/csv_table.h"
 
 namespace mortise::parametric {
 namespace {
@@ -44,6 +48,20 @@ DesignFile ParseDesignText(std::string_view text, const std::string& origin) {
 
 }  // namespace
 
+DesignFile ParseDesignCsv(std::string_view text) {
+  DesignFile file;
+  const CsvTable table = ParseCsv(text);
+  file.findings = table.findings;
+  if (file.findings.empty() && table.rows.empty()) {
+    file.findings.push_back({"line 1", "is missing: the first row names the columns"});
+  }
+  if (!file.findings.empty()) return file;
+  const CsvRow& header = table.rows[0];
+  const bool has_density = std::any_of(header.begin(), header.end(),
+                                       [](const CsvCell& cell) { return cell.text == "density"; });
+  return has_density ? MaterialsOfTable(table) : ItemsOfTable(table);
+}
+
 std::string PlaceOf(const std::string& place, const std::map<std::string, std::string>& fields,
                     const std::string& field) {
   for (std::string path = field; !path.empty();) {
@@ -59,7 +77,7 @@ DesignFile ReadDesignFile(const std::filesystem::path& path) {
   const absl::StatusOr<std::string> text = ReadFile(path, kMaxBytes);
   if (!text.ok()) return Failed(text.status());
   const std::string extension = path.extension().string();
-  if (extension == ".csv") return ParseItemsCsv(*text);
+  if (extension == ".csv") return ParseDesignCsv(*text);
   if (extension == ".json") return ParseDesignJson(*text);
   return ParseDesignText(*text, path.string());
 }

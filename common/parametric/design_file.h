@@ -1,6 +1,6 @@
 // Reads the files people write designs in: materials, items and templates as protobuf text, as
-// JSON, and items as CSV (docs/catalogue.md has the columns). Every fault of a file is found in one
-// pass and has its place. Target mortise_template_codec.
+// JSON, and items and materials as CSV (docs/catalogue.md has the columns). Every fault of a file
+// is found in one pass and has its place. Target mortise_template_codec.
 #pragma once
 
 #include <filesystem>
@@ -34,9 +34,10 @@ struct DesignFile {
 std::string PlaceOf(const std::string& place, const std::map<std::string, std::string>& fields,
                     const std::string& field);
 
-// Items as CSV: the first row names the columns, each further row is an item. Whether the items
-// make sense is not looked at, except that numbers are numbers and words are known.
-DesignFile ParseItemsCsv(std::string_view text);
+// Items as CSV, or materials if there is a column "density": the first row names the columns, each
+// further row is one of them. Whether they make sense is not looked at, except that numbers are
+// numbers and words are known.
+DesignFile ParseDesignCsv(std::string_view text);
 
 // A TemplateBundle as JSON (proto3 JSON, either form of field names), or a list of items.
 DesignFile ParseDesignJson(std::string_view text);

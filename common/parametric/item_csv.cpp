@@ -4,16 +4,15 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <set>
 #include <vector>
 
 #include "absl/status/statusor.h"
 #include "absl/strings/ascii.h"
-#include "absl/strings/charconv.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
 #include "common/base/errors.h"
+#include "common/parametric/csv_designs.h"
 #include "common/parametric/csv_table.h"
 #include "common/parametric/design_file.h"
 #include "common/parametric/field_checks.h"
@@ -91,21 +90,6 @@ bool FindMeaning(Column& column) {
   return false;
 }
 
-absl::StatusOr<double> ParseNumber(const std::string& text, bool millimetres) {
-  // The shift is made in decimals, so that 6.8 mm is the number nearest to 0.0068.
-  const bool shifted = millimetres && text.find_first_of("eE") == std::string::npos;
-  const std::string digits = absl::StrCat(text, shifted ? "e-3" : "");
-  double value = 0;
-  const absl::from_chars_result read =
-      absl::from_chars(digits.data(), digits.data() + digits.size(), value);
-  if (read.ec != std::errc() || read.ptr != digits.data() + digits.size() ||
-      !std::isfinite(value)) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("'", text.substr(0, 80), "' is no number, such as 12.5"));
-  }
-  return millimetres && !shifted ? value / 1000 : value;
-}
-
 absl::Status SetEnum(v1::Item& item, const FieldDescriptor* field, const std::string& text) {
   const EnumDescriptor& type = *field->enum_type();
   const auto* value = type.FindValueByName(text);
@@ -142,17 +126,17 @@ absl::Status SetStockSizes(v1::Item& item, const std::string& text, bool millime
     std::string entry(absl::StripAsciiWhitespace(part));
     v1::StockSize& stock = *item.add_stock_sizes();
     if (const std::size_t at = entry.find('@'); at != std::string::npos) {
-      MORTISE_ASSIGN_OR_RETURN(const double price, ParseNumber(entry.substr(at + 1), false));
+      MORTISE_ASSIGN_OR_RETURN(const double price, ParseCsvNumber(entry.substr(at + 1), false));
       stock.set_price(price);
       entry.resize(at);
     }
     if (const std::size_t times = entry.find('x'); times != std::string::npos) {
       MORTISE_ASSIGN_OR_RETURN(const double width,
-                               ParseNumber(entry.substr(times + 1), millimetres));
+                               ParseCsvNumber(entry.substr(times + 1), millimetres));
       stock.set_width(width);
       entry.resize(times);
     }
-    MORTISE_ASSIGN_OR_RETURN(const double length, ParseNumber(entry, millimetres));
+    MORTISE_ASSIGN_OR_RETURN(const double length, ParseCsvNumber(entry, millimetres));
     stock.set_length(length);
   }
   return absl::OkStatus();
@@ -178,14 +162,7 @@ absl::Status SetMoreSuppliers(v1::Item& item, const std::string& text) {
 // Makes items of rows.
 class Reader {
  public:
-  DesignFile Run(std::string_view text) {
-    const CsvTable table = ParseCsv(text);
-    file_.findings = table.findings;
-    if (!file_.findings.empty()) return std::move(file_);
-    if (table.rows.empty()) {
-      file_.findings.push_back({"line 1", "is missing: the first row names the columns"});
-      return std::move(file_);
-    }
+  DesignFile Run(const CsvTable& table) {
     ReadHeader(table.rows[0]);
     if (!file_.findings.empty()) return std::move(file_);
     for (std::size_t i = 1; i < table.rows.size(); ++i) ReadRow(table.rows[i]);
@@ -253,7 +230,7 @@ class Reader {
         item.mutable_price()->set_currency(text);
         return std::string("price.currency");
       case Column::Part::kPrice: {
-        MORTISE_ASSIGN_OR_RETURN(const double amount, ParseNumber(text, false));
+        MORTISE_ASSIGN_OR_RETURN(const double amount, ParseCsvNumber(text, false));
         item.mutable_price()->set_amount(amount);
         return std::string("price.amount");
       }
@@ -292,7 +269,7 @@ class Reader {
       dimension.set_process(process);
       return field;
     }
-    MORTISE_ASSIGN_OR_RETURN(const double value, ParseNumber(text, column.millimetres));
+    MORTISE_ASSIGN_OR_RETURN(const double value, ParseCsvNumber(text, column.millimetres));
     if (column.detail == "size") dimension.set_size(value);
     if (column.detail == "minimum") dimension.set_minimum(value);
     if (column.detail == "maximum") dimension.set_maximum(value);
@@ -303,7 +280,7 @@ class Reader {
   absl::StatusOr<std::string> FillMeasure(const Column& column, const std::string& text,
                                           v1::Item& item) {
     if (text.empty()) return std::string();
-    MORTISE_ASSIGN_OR_RETURN(const double value, ParseNumber(text, column.millimetres));
+    MORTISE_ASSIGN_OR_RETURN(const double value, ParseCsvNumber(text, column.millimetres));
     int index = 0;
     while (index < item.measures_size() && item.measures(index).name() != column.measure) ++index;
     if (index == item.measures_size()) item.add_measures()->set_name(column.measure);
@@ -320,6 +297,6 @@ class Reader {
 
 }  // namespace
 
-DesignFile ParseItemsCsv(std::string_view text) { return Reader().Run(text); }
+DesignFile ItemsOfTable(const CsvTable& table) { return Reader().Run(table); }
 
 }  // namespace mortise::parametric

@@ -1,5 +1,5 @@
 // Any text given as CSV is taken apart into rows of equal width that can be written and read again,
-// or is refused; and so it is with the items in it.
+// or is refused; and so it is with the items and materials in it.
 #include <cstdint>
 #include <cstdlib>
 #include <string>
@@ -45,7 +45,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   using namespace mortise::parametric;
   const std::string_view text(reinterpret_cast<const char*>(data), size);
   CheckTable(text);
-  const DesignFile file = ParseItemsCsv(text);
+  const DesignFile file = ParseDesignCsv(text);
+  for (const Placed<mortise::v1::Material>& placed : file.materials) {
+    const auto material = FromProto(placed.message);
+    if (material.ok()) (void)ValidateMaterial(*material);
+  }
   for (const Placed<mortise::v1::Item>& placed : file.items) {
     const auto item = FromProto(placed.message);
     if (!item.ok()) continue;

@@ -38,7 +38,7 @@ std::string Listed(const std::vector<Finding>& findings) {
 }
 
 TEST(ItemsCsv, FillsEveryField) {
-  const DesignFile file = ParseItemsCsv(
+  const DesignFile file = ParseDesignCsv(
       "name,title,kind,material,length_mm,length.process,length.minimum_mm,length.maximum_mm,"
       "width,width.nominal,width.name,thickness_mm,stock_sizes_mm,measure.edge_radius_mm,"
       "measure.edge_radius.minimum_mm,measure.edge_radius.maximum_mm,grain_axis,radial_axis,"
@@ -71,7 +71,7 @@ TEST(ItemsCsv, FillsEveryField) {
 }
 
 TEST(ItemsCsv, NamesLineAndColumnOfEveryFault) {
-  const DesignFile file = ParseItemsCsv(
+  const DesignFile file = ParseDesignCsv(
       std::string(kHeader) +
       "items/a,A,BOLD,materials/steel,40,8,8,0.1,EUR,2026-01-15\n"
       "items/b,\"B\nof two lines\",BOLT,materials/steel,\"40,5\",8,8,nan,EUR,2026-01-15\n");
@@ -83,8 +83,8 @@ TEST(ItemsCsv, NamesLineAndColumnOfEveryFault) {
 }
 
 TEST(ItemsCsv, KnowsWhereEachFieldStands) {
-  const DesignFile file =
-      ParseItemsCsv(std::string(kHeader) + "items/a,A,BOLT,materials/steel,40,8,-8,0.1,EUR,soon\n");
+  const DesignFile file = ParseDesignCsv(std::string(kHeader) +
+                                         "items/a,A,BOLT,materials/steel,40,8,-8,0.1,EUR,soon\n");
   ASSERT_THAT(file.findings, IsEmpty()) << Listed(file.findings);
   const Placed<v1::Item>& placed = file.items.at(0);
   const auto item = FromProto(placed.message);
@@ -100,7 +100,7 @@ TEST(ItemsCsv, KnowsWhereEachFieldStands) {
 }
 
 TEST(ItemsCsv, RefusesHeadersThatItDoesNotUnderstand) {
-  const auto findings = [](const std::string& header) { return ParseItemsCsv(header).findings; };
+  const auto findings = [](const std::string& header) { return ParseDesignCsv(header).findings; };
   EXPECT_THAT(findings("name,colour,kind,material,length,width,thickness,price,currency,"
                        "price_date,width_mm,title_mm,measure.Bore,length.size.minimum\n"),
               testing::ElementsAre(At("line 1, column 2", "no column 'colour'"),
@@ -116,13 +116,60 @@ TEST(ItemsCsv, RefusesHeadersThatItDoesNotUnderstand) {
 
 TEST(ItemsCsv, TakesMillimetresAsTheNearestNumber) {
   for (const char* text : {"6.8", "0.1", "13.27", "68e-1", "1e1"}) {
-    const DesignFile file = ParseItemsCsv(std::string(kHeader) + "items/a,A,NUT,materials/steel," +
-                                          text + ",13,6.8,0.1,EUR,2026-01-15\n");
+    const DesignFile file = ParseDesignCsv(std::string(kHeader) + "items/a,A,NUT,materials/steel," +
+                                           text + ",13,6.8,0.1,EUR,2026-01-15\n");
     ASSERT_THAT(file.findings, IsEmpty()) << Listed(file.findings);
     EXPECT_DOUBLE_EQ(file.items[0].message.dimensions(0).size(), std::stod(text) / 1000);
     EXPECT_EQ(file.items[0].message.dimensions(1).size(), 0.013);
     EXPECT_EQ(file.items[0].message.dimensions(2).size(), 0.0068);
   }
+}
+
+TEST(MaterialsCsv, FillsEveryField) {
+  const DesignFile file = ParseDesignCsv(
+      "name,title,density,youngs_modulus,poissons_ratio,strength,thermal_conductivity,"
+      "thermal_expansion,orthotropic.youngs_modulus_l,orthotropic.poissons_ratio_rt\n"
+      "materials/a,Ash,690,12.5e9,0.36,40e6,0.17,5e-6,12.5e9,0.68\n"
+      "materials/b,Iron,7870,211e9,0.29,50e6,80,,,\n");
+  ASSERT_THAT(file.findings, IsEmpty()) << Listed(file.findings);
+  EXPECT_THAT(file.items, IsEmpty());
+  ASSERT_THAT(file.materials, SizeIs(2));
+  v1::Material expected;
+  ASSERT_TRUE(google::protobuf::util::JsonStringToMessage(R"({
+    "name": "materials/a", "title": "Ash", "density": 690, "youngs_modulus": 12.5e9,
+    "poissons_ratio": 0.36, "strength": 40e6, "thermal_conductivity": 0.17,
+    "thermal_expansion": 5e-6,
+    "orthotropic": {"youngs_modulus_l": 12.5e9, "poissons_ratio_rt": 0.68}})",
+                                                          &expected)
+                  .ok());
+  EXPECT_TRUE(MessageDifferencer::Equals(file.materials[0].message, expected))
+      << file.materials[0].message.DebugString();
+  EXPECT_FALSE(file.materials[1].message.has_orthotropic());
+  // What is missing has its column all the same.
+  const auto ash = FromProto(file.materials[0].message);
+  ASSERT_TRUE(ash.ok());
+  const Placed<v1::Material>& placed = file.materials[0];
+  const std::vector<Finding> findings = ValidateMaterial(*ash);
+  ASSERT_FALSE(findings.empty());
+  EXPECT_EQ(PlaceOf(placed.place, placed.fields, findings[0].field), "line 2");
+  EXPECT_EQ(PlaceOf(placed.place, placed.fields, "orthotropic.youngs_modulus_l"),
+            "line 2, column 9 (orthotropic.youngs_modulus_l)");
+}
+
+TEST(MaterialsCsv, NamesThePlaceOfEveryFault) {
+  const auto findings = [](const std::string& text) { return ParseDesignCsv(text).findings; };
+  EXPECT_THAT(findings("name,density,revision,orthotropic,orthotropic.strength,density\n"),
+              testing::ElementsAre(At("line 1, column 3", "no column 'revision'"),
+                                   At("line 1, column 4", "no column 'orthotropic'"),
+                                   At("line 1, column 5", "no column 'orthotropic.strength'"),
+                                   At("line 1, column 6", "'density' is there twice"),
+                                   At("line 1", "'youngs_modulus' is missing"),
+                                   At("line 1", "'poissons_ratio' is missing"),
+                                   At("line 1", "'strength' is missing")));
+  EXPECT_THAT(findings("name,density,youngs_modulus,poissons_ratio,strength\n"
+                       "materials/a,heavy,1e9,0.3,inf\n"),
+              testing::ElementsAre(At("line 2, column 2 (density)", "'heavy' is no number"),
+                                   At("line 2, column 5 (strength)", "'inf' is no number")));
 }
 
 TEST(DesignJson, ReadsWhatTheShippedCollectionSays) {

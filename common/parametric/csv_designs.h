@@ -1,0 +1,13 @@
+// Items and materials of tables. Private to the files that read designs.
+#pragma once
+
+#include "common/parametric/csv_table.h"
+#include "common/parametric/design_file.h"
+
+namespace mortise::parametric {
+
+// `table` has at least one row and no findings.
+DesignFile ItemsOfTable(const CsvTable& table);
+DesignFile MaterialsOfTable(const CsvTable& table);
+
+}  // namespace mortise::parametric

@@ -1,0 +1,113 @@
+// Materials as rows of comma-separated values.
+#include <google/protobuf/descriptor.h>
+#include <google/protobuf/message.h>
+
+#include <set>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
+#include "common/parametric/csv_designs.h"
+
+namespace mortise::parametric {
+namespace {
+
+using google::protobuf::FieldDescriptor;
+using google::protobuf::Message;
+
+constexpr std::size_t kMaxFindings = 100;
+constexpr std::string_view kOrthotropicPrefix = "orthotropic.";
+constexpr const char* kNeededColumns[] = {"name", "density", "youngs_modulus", "poissons_ratio",
+                                          "strength"};
+
+// What a column fills: a field of the material or of its orthotropic elasticity.
+struct Column {
+  std::string title;
+  bool orthotropic = false;
+  const FieldDescriptor* field = nullptr;  // null if there is no such column
+};
+
+Column ColumnOf(const std::string& title) {
+  Column column;
+  column.title = title;
+  column.orthotropic = title.starts_with(kOrthotropicPrefix);
+  column.field = column.orthotropic ? v1::OrthotropicElasticity::descriptor()->FindFieldByName(
+                                          title.substr(kOrthotropicPrefix.size()))
+                                    : v1::Material::descriptor()->FindFieldByName(title);
+  if (column.field == nullptr) return column;
+  const auto type = column.field->cpp_type();
+  const bool is_cell =
+      type == FieldDescriptor::CPPTYPE_DOUBLE || type == FieldDescriptor::CPPTYPE_STRING;
+  if (!is_cell) column.field = nullptr;
+  return column;
+}
+
+class Reader {
+ public:
+  DesignFile Run(const CsvTable& table) {
+    ReadHeader(table.rows[0]);
+    if (!file_.findings.empty()) return std::move(file_);
+    for (std::size_t i = 1; i < table.rows.size(); ++i) ReadRow(table.rows[i]);
+    return std::move(file_);
+  }
+
+ private:
+  void Report(std::string place, std::string message) {
+    if (file_.findings.size() < kMaxFindings) {
+      file_.findings.push_back({std::move(place), std::move(message)});
+    }
+  }
+
+  void ReadHeader(const CsvRow& row) {
+    std::set<std::string> seen;
+    for (const CsvCell& cell : row) {
+      columns_.push_back(ColumnOf(cell.text));
+      if (columns_.back().field == nullptr) {
+        Report(PlaceOf(cell),
+               absl::StrCat("there is no column '", cell.text.substr(0, 80), "' of materials"));
+      } else if (!seen.insert(cell.text).second) {
+        Report(PlaceOf(cell), absl::StrCat("'", cell.text, "' is there twice"));
+      }
+    }
+    for (const char* needed : kNeededColumns) {
+      if (seen.count(needed) == 0) {
+        Report(absl::StrCat("line ", row[0].line),
+               absl::StrCat("the column '", needed, "' is missing"));
+      }
+    }
+  }
+
+  void ReadRow(const CsvRow& row) {
+    Placed<v1::Material> placed;
+    placed.place = absl::StrCat("line ", row[0].line);
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      const std::string place = absl::StrCat(PlaceOf(row[i]), " (", columns_[i].title, ")");
+      placed.fields[columns_[i].title] = place;
+      const absl::Status filled = Fill(columns_[i], row[i].text, placed.message);
+      if (!filled.ok()) Report(place, std::string(filled.message()));
+    }
+    file_.materials.push_back(std::move(placed));
+  }
+
+  // An empty cell says nothing: a material without any constant of an elasticity has none.
+  static absl::Status Fill(const Column& column, const std::string& text, v1::Material& material) {
+    if (text.empty()) return absl::OkStatus();
+    Message* message = &material;
+    if (column.orthotropic) message = material.mutable_orthotropic();
+    if (column.field->cpp_type() == FieldDescriptor::CPPTYPE_STRING) {
+      message->GetReflection()->SetString(message, column.field, text);
+      return absl::OkStatus();
+    }
+    MORTISE_ASSIGN_OR_RETURN(const double value, ParseCsvNumber(text));
+    message->GetReflection()->SetDouble(message, column.field, value);
+    return absl::OkStatus();
+  }
+
+  std::vector<Column> columns_;
+  DesignFile file_;
+};
+
+}  // namespace
+
+DesignFile MaterialsOfTable(const CsvTable& table) { return Reader().Run(table); }
+
+}  // namespace mortise::parametric
