@@ -1,8 +1,5 @@
-// Parses protobuf text and walks the folders of a collection.
+// Walks the folders of a collection.
 #include "common/parametric/collection.h"
-
-#include <google/protobuf/io/tokenizer.h>
-#include <google/protobuf/text_format.h>
 
 #include <algorithm>
 #include <set>
@@ -11,6 +8,7 @@
 #include "common/base/errors.h"
 #include "common/base/files.h"
 #include "common/parametric/design_file.h"
+#include "common/parametric/proto_text.h"
 #include "common/parametric/template_codec.h"
 #include "common/parametric/template_validation.h"
 
@@ -18,41 +16,6 @@ namespace mortise::parametric {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr std::size_t kMaxTextBytes = std::size_t{4} << 20;
-constexpr int kMaxNesting = 32;
-constexpr int kMaxErrors = 20;
-
-// Joins what the parser finds: "line 3, column 7: …".
-class ErrorJoiner : public google::protobuf::io::ErrorCollector {
- public:
-  void AddError(int line, int column, const std::string& message) override {
-    if (++count_ > kMaxErrors) return;
-    absl::StrAppend(&joined_, joined_.empty() ? "" : "; ", "line ", line + 1, ", column ",
-                    column + 1, ": ", message);
-  }
-  void AddWarning(int, int, const std::string&) override {}
-
-  const std::string& joined() const { return joined_; }
-
- private:
-  int count_ = 0;
-  std::string joined_;
-};
-
-template <typename Message>
-absl::StatusOr<Message> ParseText(std::string_view text, const std::string& origin) {
-  if (text.size() > kMaxTextBytes) return TooLarge(origin, "4 MiB");
-  Message message;
-  ErrorJoiner errors;
-  google::protobuf::TextFormat::Parser parser;
-  parser.RecordErrorsTo(&errors);
-  parser.SetRecursionLimit(kMaxNesting);
-  if (!parser.ParseFromString(std::string(text), &message)) {
-    return InvalidField(origin, errors.joined());
-  }
-  return message;
-}
 
 bool IsDesignFile(const fs::path& path) {
   const fs::path extension = path.extension();
@@ -88,12 +51,16 @@ absl::Status AppendBundle(const fs::path& file, Collection& collection) {
 }  // namespace
 
 absl::StatusOr<v1::Template> ParseTemplateText(std::string_view text, const std::string& origin) {
-  return ParseText<v1::Template>(text, origin);
+  v1::Template message;
+  MORTISE_RETURN_IF_ERROR(ParseProtoText(text, origin, message));
+  return message;
 }
 
 absl::StatusOr<v1::TemplateBundle> ParseBundleText(std::string_view text,
                                                    const std::string& origin) {
-  return ParseText<v1::TemplateBundle>(text, origin);
+  v1::TemplateBundle message;
+  MORTISE_RETURN_IF_ERROR(ParseProtoText(text, origin, message));
+  return message;
 }
 
 absl::StatusOr<Collection> ReadCollection(const fs::path& folder) {

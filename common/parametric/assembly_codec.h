@@ -1,0 +1,26 @@
+// Reads assemblies from mortise/v1/assembly.proto and its text form. Target mortise_assembly_codec.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "common/parametric/assembly.h"
+#include "common/parametric/template_definition.h"
+#include "mortise/v1/assembly.pb.h"
+
+namespace mortise::parametric {
+
+// The assembly with its names resolved: groups (the root first, named as the assembly is), repeated
+// parts one by one, size limits from the items. INVALID_ARGUMENT naming every field at fault, as
+// the message has it ("parts[3].item"): names that are wrong, missing or given twice, hierarchies
+// that are no trees, fixed sizes that differ from their item's, and whatever ValidateAssembly
+// finds.
+absl::StatusOr<Assembly> FromProto(const v1::Assembly& message, const std::vector<Item>& items);
+
+// One file's text. INVALID_ARGUMENT naming `origin` with every line and column at fault;
+// RESOURCE_EXHAUSTED past 4 MiB.
+absl::StatusOr<v1::Assembly> ParseAssemblyText(std::string_view text, const std::string& origin);
+
+}  // namespace mortise::parametric

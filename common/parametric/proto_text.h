@@ -1,0 +1,21 @@
+// Reads protobuf text that people wrote.
+#pragma once
+
+#include <google/protobuf/message.h>
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+#include "absl/status/status.h"
+
+namespace mortise::parametric {
+
+inline constexpr std::size_t kMaxTextBytes = std::size_t{4} << 20;
+
+// Parses `text` into `message`. INVALID_ARGUMENT naming `origin` with every line and column at
+// fault; RESOURCE_EXHAUSTED past 4 MiB.
+absl::Status ParseProtoText(std::string_view text, const std::string& origin,
+                            google::protobuf::Message& message);
+
+}  // namespace mortise::parametric
