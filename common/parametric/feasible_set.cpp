@@ -10,7 +10,9 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "common/base/errors.h"
+#include "common/parametric/polyhedron.h"
 #include "common/parametric/rest_pose.h"
 
 namespace mortise::parametric {
@@ -113,6 +115,11 @@ Chord ChordOf(const Eigen::VectorXd& left, const Eigen::VectorXd& rate) {
 absl::Status Unbounded() {
   return PreconditionFailed("FEASIBLE_SET_UNBOUNDED",
                             "the design can move or grow without end: anchor an element");
+}
+
+absl::Status Conflict(const std::vector<std::string>& reasons) {
+  return PreconditionFailed("DEMANDS_CONFLICT",
+                            absl::StrCat("cannot hold together: ", absl::StrJoin(reasons, "; ")));
 }
 
 }  // namespace
@@ -219,22 +226,59 @@ std::vector<Violation> FeasibleSet::Violations(const Eigen::VectorXd& q, double 
   return violations;
 }
 
-// A direction that no inequality sees leads out of every ball, both ways: a design that stands
-// wherever it likes.
-bool FeasibleSet::EveryDirectionIsBounded() const {
-  if (degrees_of_freedom() == 0) return true;
-  if (normals_.rows() < degrees_of_freedom()) return false;
-  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr;
-  qr.setThreshold(kRankThreshold);
-  qr.compute(normals_);
-  return qr.rank() == degrees_of_freedom();
+absl::StatusOr<Eigen::VectorXd> FeasibleSet::Nearest(const Eigen::VectorXd& wish,
+                                                     const std::vector<Demand>& demands) const {
+  if (wish.size() != drawn_.size() || !wish.allFinite()) {
+    return InvalidField("wish", absl::StrCat("must be ", drawn_.size(), " finite numbers"));
+  }
+  Polyhedron feasible{normals_, slacks_, Eigen::MatrixXd(0, basis_.cols()), Eigen::VectorXd(0)};
+  std::vector<const Demand*> held;  // of each row of equalities
+  for (std::size_t i = 0; i < demands.size(); ++i) {
+    MORTISE_ASSIGN_OR_RETURN(const auto row, RowOf(demands[i], i));
+    const double missing = demands[i].value - demands[i].form.At(drawn_);
+    if (row.norm() <= kParallel) {
+      if (std::abs(missing) <= kDrawnTolerance) continue;
+      return Conflict({demands[i].description, "the equalities of the design"});
+    }
+    const Eigen::Index rows = feasible.equalities.rows() + 1;
+    feasible.equalities.conservativeResize(rows, Eigen::NoChange);
+    feasible.equalities.bottomRows(1) = row.transpose();
+    feasible.values.conservativeResize(rows);
+    feasible.values[rows - 1] = missing;
+    held.push_back(&demands[i]);
+  }
+  MORTISE_ASSIGN_OR_RETURN(const Projection nearest,
+                           ProjectOnto(feasible, basis_.transpose() * (wish - drawn_)));
+  if (nearest.point) return Eigen::VectorXd(drawn_ + basis_ * *nearest.point);
+  std::vector<std::string> reasons;
+  for (const int row : nearest.equalities) {
+    reasons.push_back(held[static_cast<std::size_t>(row)]->description);
+  }
+  for (const int row : nearest.inequalities) {
+    reasons.push_back(inequalities_[static_cast<std::size_t>(row)].description);
+  }
+  return Conflict(reasons);
+}
+
+absl::StatusOr<Eigen::VectorXd> FeasibleSet::RowOf(const Demand& demand, std::size_t index) const {
+  Eigen::VectorXd row = Eigen::VectorXd::Zero(basis_.cols());
+  bool is_usable = std::isfinite(demand.value) && std::isfinite(demand.form.constant);
+  for (const LinearTerm& term : demand.form.terms) {
+    is_usable = is_usable && term.variable >= 0 && term.variable < drawn_.size() &&
+                std::isfinite(term.coefficient);
+    if (is_usable) row += term.coefficient * basis_.row(term.variable).transpose();
+  }
+  if (is_usable) return row;
+  return InvalidField(absl::StrCat("demands[", index, "]"),
+                      "must be finite and speak of parameters there are");
 }
 
 absl::StatusOr<std::vector<Eigen::VectorXd>> FeasibleSet::Sample(int count,
                                                                  std::uint64_t seed) const {
   if (count < 0) return InvalidField("count", "must not be negative");
   const int degrees = degrees_of_freedom();
-  if (!EveryDirectionIsBounded()) return Unbounded();
+  MORTISE_ASSIGN_OR_RETURN(const auto open, UnboundedDirection(normals_));
+  if (open) return Unbounded();
   std::mt19937_64 random(seed);
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> uniform;

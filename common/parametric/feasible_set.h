@@ -6,6 +6,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -20,6 +21,13 @@ namespace mortise::parametric {
 struct Violation {
   std::string description;
   double amount = 0;
+};
+
+// What a designer insists on: form(q) = value, m.
+struct Demand {
+  LinearForm form;
+  double value = 0;
+  std::string description;  // for people: "width of 'top' is 1.2 m"
 };
 
 class FeasibleSet {
@@ -47,10 +55,19 @@ class FeasibleSet {
   // Which relationships, of all that were given, q breaks by more than `tolerance`, m.
   std::vector<Violation> Violations(const Eigen::VectorXd& q, double tolerance) const;
 
+  // The feasible parameters nearest to `wish` in least squares over all that may change, among
+  // those that meet the demands exactly: what becomes of a design when somebody drags a part of it
+  // (thesis §3.5.1). What may not change is as drawn, whatever the wish. INVALID_ARGUMENT for a
+  // wish or demand of wrong size or not finite; FAILED_PRECONDITION, DEMANDS_CONFLICT, naming the
+  // demands and relationships that cannot hold together. See polyhedron.h for the method and its
+  // cost.
+  absl::StatusOr<Eigen::VectorXd> Nearest(const Eigen::VectorXd& wish,
+                                          const std::vector<Demand>& demands = {}) const;
+
   // `count` points, each feasible, spread over the set by hit-and-run (Smith 1984): the chain mixes
   // for several times `degrees_of_freedom` steps between points. A seed gives the same points
-  // always. FAILED_PRECONDITION, FEASIBLE_SET_UNBOUNDED if the design may move freely in some
-  // direction (anchor an element), or a step of the chain finds no end one way.
+  // always. FAILED_PRECONDITION, FEASIBLE_SET_UNBOUNDED if the design may move or grow
+  // without end in some direction, decided exactly: anchor an element.
   absl::StatusOr<std::vector<Eigen::VectorXd>> Sample(int count, std::uint64_t seed) const;
 
  private:
@@ -58,7 +75,7 @@ class FeasibleSet {
 
   void SolveEqualities(const std::vector<int>& variables);
   void ReduceInequalities();
-  bool EveryDirectionIsBounded() const;
+  absl::StatusOr<Eigen::VectorXd> RowOf(const Demand& demand, std::size_t index) const;
 
   std::vector<Relationship> all_;
   std::vector<Relationship> equalities_;

@@ -2,6 +2,7 @@
 // what a random point costs afterwards.
 #include <benchmark/benchmark.h>
 
+#include <random>
 #include <string>
 
 #include "common/parametric/feasible_set.h"
@@ -89,6 +90,20 @@ void BM_RandomPoint(benchmark::State& state) {
   state.SetItemsProcessed(100 * state.iterations());
 }
 BENCHMARK(BM_RandomPoint)->Arg(20)->Arg(100)->Unit(benchmark::kMillisecond);
+
+// What becomes of the design when every parameter is dragged a little.
+void BM_NearestDesign(benchmark::State& state) {
+  const FeasibleSet set = Parametrise(Shelves(static_cast<int>(state.range(0))));
+  std::mt19937 random(1);
+  std::normal_distribution<double> normal(0, 0.1);
+  Eigen::VectorXd wish = set.drawn();
+  for (auto _ : state) {
+    for (Eigen::Index i = 0; i < wish.size(); ++i) wish[i] = set.drawn()[i] + normal(random);
+    if (!set.Nearest(wish).ok()) state.SkipWithError("not found");
+  }
+  state.counters["degrees_of_freedom"] = set.degrees_of_freedom();
+}
+BENCHMARK(BM_NearestDesign)->Arg(20)->Arg(100)->Arg(200)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace mortise::parametric

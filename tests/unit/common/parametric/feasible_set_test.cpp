@@ -7,6 +7,8 @@
 
 #include <Eigen/QR>
 #include <algorithm>
+#include <cmath>
+#include <random>
 
 #include "common/base/errors.h"
 #include "common/parametric/rest_pose.h"
@@ -264,6 +266,104 @@ TEST(FeasibleSetTest, ViolationsNameTheRelationship) {
     return violation.description == "'leg 1' x size at most 0.12 m" &&
            std::abs(violation.amount - 0.94) < 1e-9;
   }));
+}
+
+TEST(FeasibleSetTest, TheNearestDesignIsFeasibleAndNoSampleIsNearer) {
+  for (const Assembly& assembly : {TwoLeggedTable(), ChestWithLid(), RandomAssembly(3)}) {
+    const Parametrised design(assembly);
+    ASSERT_OK_AND_ASSIGN(const FeasibleSet set, design.Set(0, 0));
+    ASSERT_OK_AND_ASSIGN(const auto samples, set.Sample(100, 5));
+    std::mt19937 random(9);
+    std::normal_distribution<double> normal(0, 0.3);
+    for (int round = 0; round < 30; ++round) {
+      Eigen::VectorXd wish = design.drawn;
+      for (double& entry : wish) entry += normal(random);
+      ASSERT_OK_AND_ASSIGN(const Eigen::VectorXd nearest, set.Nearest(wish));
+      EXPECT_TRUE(set.Violations(nearest, 1e-8).empty());
+      for (const Eigen::VectorXd& sample : samples) {
+        EXPECT_LE((nearest - wish).norm(), (sample - wish).norm() + 1e-9);
+      }
+    }
+    for (const Eigen::VectorXd& sample : samples) {
+      ASSERT_OK_AND_ASSIGN(const Eigen::VectorXd same, set.Nearest(sample));
+      EXPECT_LE((same - sample).norm(), 1e-8);
+    }
+  }
+}
+
+TEST(FeasibleSetTest, ADemandIsMetAndTheRestFollows) {
+  const Parametrised table(TwoLeggedTable());
+  const int top = table.ElementNamed("top");
+  const int leg = table.ElementNamed("leg 1");
+  ASSERT_OK_AND_ASSIGN(const FeasibleSet set, table.Set(0, top));
+  const int other_leg = table.ElementNamed("leg 2");
+  // The top stays where it is held, so its legs grow downwards.
+  const Demand floor{LinearForm::Variable(CenterVariable(leg, Axis::kZ)) -
+                         LinearForm::Variable(SizeVariable(leg, Axis::kZ), 0.5),
+                     -0.2, "leg 1 ends at -0.2 m"};
+  ASSERT_OK_AND_ASSIGN(const Eigen::VectorXd q, set.Nearest(table.drawn, {floor}));
+  EXPECT_TRUE(set.Violations(q, 1e-9).empty());
+  for (const int either : {leg, other_leg}) {
+    EXPECT_NEAR(BoxAt(q, either).minimum.z(), -0.2, 1e-9);
+    EXPECT_NEAR(BoxAt(q, either).maximum.z(), BoxAt(q, top).minimum.z(), 1e-9);
+  }
+}
+
+TEST(FeasibleSetTest, DemandsThatCannotBeMetAreNamedWithWhatStandsAgainstThem) {
+  const Parametrised table(TwoLeggedTable());
+  const int leg_1 = table.ElementNamed("leg 1");
+  const int leg_2 = table.ElementNamed("leg 2");
+  ASSERT_OK_AND_ASSIGN(const FeasibleSet set, table.Set(0, 0));
+  const LinearForm thickness = LinearForm::Variable(SizeVariable(leg_1, Axis::kX));
+  const auto thick = set.Nearest(table.drawn, {{thickness, 0.2, "leg 1 is 0.2 m thick"}});
+  EXPECT_EQ(DetailOf(thick.status()).reason, "DEMANDS_CONFLICT");
+  EXPECT_THAT(std::string(thick.status().message()), HasSubstr("leg 1 is 0.2 m thick"));
+  EXPECT_THAT(std::string(thick.status().message()), HasSubstr("x size at most 0.12 m"));
+  // The legs are mirror images: one thickness.
+  const LinearForm other = LinearForm::Variable(SizeVariable(leg_2, Axis::kX));
+  const auto uneven = set.Nearest(
+      table.drawn, {{thickness, 0.08, "leg 1 is 0.08 m thick"}, {other, 0.07, "leg 2 is 0.07 m"}});
+  EXPECT_EQ(DetailOf(uneven.status()).reason, "DEMANDS_CONFLICT");
+  EXPECT_THAT(std::string(uneven.status().message()), HasSubstr("leg 2 is 0.07 m"));
+  const auto fixed = set.Nearest(table.drawn, {{thickness - other, 0.01, "unlike legs"}});
+  EXPECT_EQ(DetailOf(fixed.status()).reason, "DEMANDS_CONFLICT");
+  EXPECT_TRUE(set.Nearest(table.drawn, {{thickness - other, 0, "like legs"}}).ok());
+}
+
+TEST(FeasibleSetTest, WishesAndDemandsThatAreNoneAreRefused) {
+  const Parametrised table(TwoLeggedTable());
+  ASSERT_OK_AND_ASSIGN(const FeasibleSet set, table.Set(0, 0));
+  EXPECT_TRUE(absl::IsInvalidArgument(set.Nearest(Eigen::VectorXd::Zero(1)).status()));
+  Eigen::VectorXd wish = table.drawn;
+  wish[0] = std::nan("");
+  EXPECT_TRUE(absl::IsInvalidArgument(set.Nearest(wish).status()));
+  const auto beyond = set.Nearest(table.drawn, {{LinearForm::Variable(9999), 1, "nothing"}});
+  EXPECT_EQ(DetailOf(beyond.status()).field, "demands[0]");
+}
+
+// Bounded along every axis of z, but open between them: chains may miss it for long.
+TEST(FeasibleSetTest, AnOpenCornerIsFoundExactly) {
+  std::vector<Relationship> cone;
+  for (const double slope : {1e-3, -1.0}) {
+    Relationship relationship;
+    relationship.equality = false;
+    relationship.form = LinearForm::Variable(0, slope) - LinearForm::Variable(1, slope * 0.999);
+    relationship.form.constant = -1;
+    cone.push_back(relationship);
+  }
+  Relationship end;
+  end.equality = false;
+  end.form = LinearForm::Variable(0, -1);
+  end.form.constant = -1;
+  cone.push_back(end);
+  ASSERT_OK_AND_ASSIGN(const FeasibleSet open,
+                       FeasibleSet::Create(cone, Eigen::VectorXd::Zero(2), {0, 1}));
+  EXPECT_EQ(DetailOf(open.Sample(1, 1).status()).reason, "FEASIBLE_SET_UNBOUNDED");
+  end.form.terms[0].coefficient = 1;
+  cone.push_back(end);
+  ASSERT_OK_AND_ASSIGN(const FeasibleSet closed,
+                       FeasibleSet::Create(cone, Eigen::VectorXd::Zero(2), {0, 1}));
+  EXPECT_TRUE(closed.Sample(1, 1).ok());
 }
 
 TEST(FeasibleSetTest, ADriftingDesignCannotBeSampled) {

@@ -1,0 +1,235 @@
+#include "common/parametric/polyhedron.h"
+
+#include <Eigen/LU>
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "common/base/errors.h"
+
+namespace mortise::parametric {
+namespace {
+
+constexpr double kTolerance = 1e-10;  // distance, for rows of unit length
+constexpr double kDependent = 1e-9;   // length of what is left of a unit normal among others
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// A constraint that holds with equality: normal · x = offset, pushed along `normal` by
+// `multiplier`.
+struct Active {
+  int row = 0;
+  bool is_equality = false;
+  double sign = 1;  // of the row in `normal`
+  double multiplier = 0;
+};
+
+// How far one may go until the multiplier of an inequality is used up.
+struct DualStep {
+  double length = kInfinity;
+  Eigen::Index blocking = -1;  // index into the active ones
+};
+
+class DualActiveSet {
+ public:
+  DualActiveSet(const Polyhedron& polyhedron, const Eigen::VectorXd& x) : x_(x) {
+    inequality_scale_ = polyhedron.inequalities.rowwise().norm();
+    equality_scale_ = polyhedron.equalities.rowwise().norm();
+    inequalities_ = inequality_scale_.cwiseInverse().asDiagonal() * polyhedron.inequalities;
+    bounds_ = polyhedron.bounds.cwiseQuotient(inequality_scale_);
+    equalities_ = equality_scale_.cwiseInverse().asDiagonal() * polyhedron.equalities;
+    values_ = polyhedron.values.cwiseQuotient(equality_scale_);
+  }
+
+  absl::StatusOr<Projection> Run() {
+    for (Eigen::Index row = 0; row < equalities_.rows(); ++row) {
+      const double excess = equalities_.row(row).dot(x_) - values_[row];
+      // Normals point to where the constraint holds.
+      Active equality{static_cast<int>(row), true, excess > 0 ? -1.0 : 1.0, 0};
+      MORTISE_ASSIGN_OR_RETURN(const bool taken_up, TakeUp(equality));
+      if (!taken_up) return Conflict();
+    }
+    while (true) {
+      Eigen::Index worst = 0;
+      if (inequalities_.rows() == 0 ||
+          (inequalities_ * x_ - bounds_).maxCoeff(&worst) <= kTolerance) {
+        return Found();
+      }
+      MORTISE_ASSIGN_OR_RETURN(const bool taken_up,
+                               TakeUp({static_cast<int>(worst), false, -1, 0}));
+      if (!taken_up) return Conflict();
+    }
+  }
+
+ private:
+  Eigen::VectorXd Normal(const Active& active) const {
+    const auto& rows = active.is_equality ? equalities_ : inequalities_;
+    return active.sign * rows.row(active.row).transpose();
+  }
+
+  // How far x is on the wrong side; 0 or negative.
+  double Excess(const Active& active) const {
+    const double bound = active.is_equality ? values_[active.row] : bounds_[active.row];
+    return Normal(active).dot(x_) - active.sign * bound;
+  }
+
+  // Moves x onto a constraint that it breaks, while all active ones go on holding; those that would
+  // pull instead of push are let go. False if that cannot be: `conflict_` then has the reason.
+  absl::StatusOr<bool> TakeUp(Active added) {
+    const Eigen::VectorXd normal = Normal(added);
+    while (true) {
+      if (++steps_ > 50 * (inequalities_.rows() + equalities_.rows() + x_.size() + 10)) {
+        return absl::InternalError("the nearest point was not found: too many steps");
+      }
+      const Eigen::VectorXd shares = SharesOfActive(normal);
+      const Eigen::VectorXd direction = normal - normals_ * shares;
+      const bool depends = direction.norm() <= kDependent;
+      const DualStep dual = LongestDualStep(shares);
+      const double excess = Excess(added);
+      if (depends && excess >= -kTolerance) return true;  // implied by those that hold
+      if (depends && dual.blocking < 0) {
+        NoteConflict(added, shares);
+        return false;
+      }
+      const double primal = depends ? kInfinity : -excess / direction.squaredNorm();
+      const double step = std::min(primal, dual.length);
+      if (!depends) x_ += step * direction;
+      for (std::size_t i = 0; i < active_.size(); ++i) {
+        active_[i].multiplier -= step * shares[static_cast<Eigen::Index>(i)];
+      }
+      added.multiplier += step;
+      if (primal <= dual.length) {
+        Add(added, normal);
+        return true;
+      }
+      Remove(dual.blocking);
+    }
+  }
+
+  // `normal` as a combination of the active normals, in least squares.
+  Eigen::VectorXd SharesOfActive(const Eigen::VectorXd& normal) const {
+    if (active_.empty()) return Eigen::VectorXd(0);
+    return normals_.householderQr().solve(normal);
+  }
+
+  DualStep LongestDualStep(const Eigen::VectorXd& shares) const {
+    DualStep step;
+    for (std::size_t i = 0; i < active_.size(); ++i) {
+      const double share = shares[static_cast<Eigen::Index>(i)];
+      if (active_[i].is_equality || share <= kTolerance) continue;
+      const double length = std::max(active_[i].multiplier, 0.0) / share;
+      if (length < step.length) step = {length, static_cast<Eigen::Index>(i)};
+    }
+    return step;
+  }
+
+  void Add(const Active& active, const Eigen::VectorXd& normal) {
+    active_.push_back(active);
+    normals_.conservativeResize(x_.size(), normals_.cols() + 1);
+    normals_.rightCols(1) = normal;
+  }
+
+  void Remove(Eigen::Index index) {
+    active_.erase(active_.begin() + index);
+    const Eigen::Index behind = normals_.cols() - index - 1;
+    normals_.middleCols(index, behind) = normals_.rightCols(behind).eval();
+    normals_.conservativeResize(x_.size(), normals_.cols() - 1);
+  }
+
+  void NoteConflict(const Active& added, const Eigen::VectorXd& shares) {
+    conflict_ = {added};
+    for (std::size_t i = 0; i < active_.size(); ++i) {
+      if (std::abs(shares[static_cast<Eigen::Index>(i)]) > kDependent) {
+        conflict_.push_back(active_[i]);
+      }
+    }
+  }
+
+  static void Report(const std::vector<Active>& constraints, Projection& projection) {
+    for (const Active& constraint : constraints) {
+      (constraint.is_equality ? projection.equalities : projection.inequalities)
+          .push_back(constraint.row);
+    }
+    std::sort(projection.inequalities.begin(), projection.inequalities.end());
+    std::sort(projection.equalities.begin(), projection.equalities.end());
+  }
+
+  Projection Found() const {
+    Projection projection;
+    projection.point = x_;
+    Report(active_, projection);
+    return projection;
+  }
+
+  Projection Conflict() const {
+    Projection projection;
+    Report(conflict_, projection);
+    return projection;
+  }
+
+  Eigen::VectorXd x_;
+  Eigen::VectorXd inequality_scale_, equality_scale_;
+  Eigen::MatrixXd inequalities_, equalities_;  // rows of unit length
+  Eigen::VectorXd bounds_, values_;
+  std::vector<Active> active_;
+  Eigen::MatrixXd normals_{x_.size(), 0};  // n × active: linearly independent
+  std::vector<Active> conflict_;
+  Eigen::Index steps_ = 0;
+};
+
+absl::Status Check(const Polyhedron& polyhedron, const Eigen::VectorXd& x) {
+  const auto fits = [&](const Eigen::MatrixXd& rows, const Eigen::VectorXd& ends) {
+    return rows.rows() == ends.size() && (rows.rows() == 0 || rows.cols() == x.size());
+  };
+  if (!fits(polyhedron.inequalities, polyhedron.bounds) ||
+      !fits(polyhedron.equalities, polyhedron.values)) {
+    return InvalidField("polyhedron", "its sizes do not agree");
+  }
+  const bool is_finite = polyhedron.inequalities.allFinite() && polyhedron.bounds.allFinite() &&
+                         polyhedron.equalities.allFinite() && polyhedron.values.allFinite();
+  if (!is_finite || !x.allFinite()) return InvalidField("polyhedron", "must be finite");
+  const auto has_zero_row = [](const Eigen::MatrixXd& rows) {
+    return rows.rows() > 0 && rows.rowwise().norm().minCoeff() == 0;
+  };
+  if (has_zero_row(polyhedron.inequalities) || has_zero_row(polyhedron.equalities)) {
+    return InvalidField("polyhedron", "has a row of zeros");
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::StatusOr<Projection> ProjectOnto(const Polyhedron& polyhedron, const Eigen::VectorXd& x) {
+  MORTISE_RETURN_IF_ERROR(Check(polyhedron, x));
+  return DualActiveSet(polyhedron, x).Run();
+}
+
+// In the cone of the directions, the sum of the negative normals has a positive product with every
+// one but those along which no inequality changes, which are looked for first. So its nearest point
+// in the cone is 0 only if there is no other.
+absl::StatusOr<std::optional<Eigen::VectorXd>> UnboundedDirection(
+    const Eigen::MatrixXd& inequalities) {
+  const Eigen::Index variables = inequalities.cols();
+  if (variables == 0) return std::optional<Eigen::VectorXd>();
+  if (inequalities.rows() == 0) {
+    return std::optional<Eigen::VectorXd>(Eigen::VectorXd::Unit(variables, 0));
+  }
+  const Eigen::MatrixXd unit = inequalities.rowwise().normalized();
+  Eigen::FullPivLU<Eigen::MatrixXd> decomposition(unit);
+  decomposition.setThreshold(kDependent);
+  if (decomposition.rank() < variables) {
+    return std::optional<Eigen::VectorXd>(decomposition.kernel().col(0).normalized());
+  }
+  const Eigen::VectorXd inward = -unit.colwise().sum().transpose();
+  // Without a sum the normals balance each other: none can be followed.
+  if (inward.norm() <= kDependent * static_cast<double>(unit.rows())) {
+    return std::optional<Eigen::VectorXd>();
+  }
+  const Polyhedron cone{unit, Eigen::VectorXd::Zero(unit.rows()), Eigen::MatrixXd(0, variables),
+                        Eigen::VectorXd(0)};
+  MORTISE_ASSIGN_OR_RETURN(const Projection nearest, ProjectOnto(cone, inward.normalized()));
+  if (!nearest.point || nearest.point->norm() <= 1e-7) return std::optional<Eigen::VectorXd>();
+  return std::optional<Eigen::VectorXd>(nearest.point->normalized());
+}
+
+}  // namespace mortise::parametric

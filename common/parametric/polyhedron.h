@@ -1,0 +1,45 @@
+// Nearest points of polyhedra: convex quadratic programs whose objective is a distance.
+//
+// A dual active-set method (Goldfarb and Idnani 1983) with the identity as Hessian. It starts at
+// the point itself and takes up one violated constraint after the other, so it needs no feasible
+// start, ends after finitely many steps at the exact active set, and knows which constraints
+// conflict when there is no point. An interior-point solver gives none of this, and is slower on
+// the few dozen variables that designs have.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "absl/status/statusor.h"
+
+namespace mortise::parametric {
+
+// The points x with inequalities · x <= bounds and equalities · x = values.
+struct Polyhedron {
+  Eigen::MatrixXd inequalities;  // m × n, no row zero
+  Eigen::VectorXd bounds;        // m
+  Eigen::MatrixXd equalities;    // k × n, no row zero
+  Eigen::VectorXd values;        // k
+};
+
+struct Projection {
+  // The point of the polyhedron nearest to the given one; nothing if the polyhedron is empty.
+  std::optional<Eigen::VectorXd> point;
+  // Rows that hold with equality and push there: point - x = -inequalitiesᵀ · y - equalitiesᵀ · w
+  // with y >= 0. In an empty polyhedron: rows that cannot hold together, none of them superfluous.
+  std::vector<int> inequalities;
+  std::vector<int> equalities;
+};
+
+// Constraints hold to 1e-10 of a unit row's distance. INVALID_ARGUMENT if sizes disagree or numbers
+// are not finite; INTERNAL if rounding keeps the method from ending. O(n³) for each constraint that
+// is taken up or let go, most often as many as are active in the end.
+absl::StatusOr<Projection> ProjectOnto(const Polyhedron& polyhedron, const Eigen::VectorXd& x);
+
+// A unit direction in which inequalities · x <= bounds can be followed without end, whatever the
+// bounds; nothing if there is none. One projection onto the cone of such directions.
+absl::StatusOr<std::optional<Eigen::VectorXd>> UnboundedDirection(
+    const Eigen::MatrixXd& inequalities);
+
+}  // namespace mortise::parametric
