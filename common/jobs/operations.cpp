@@ -56,8 +56,10 @@ class StoredOperations final : public Operations {
       : options_(options), store_(store), records_(options.service, options.describe) {}
   ~StoredOperations() override;
 
-  void Register(const std::string& kind, OperationHandler handler) override {
+  void Register(const std::string& kind, OperationHandler handler,
+                CancelWithOperation cancel_with) override {
     handlers_[kind] = std::move(handler);
+    cancel_with_[kind] = std::move(cancel_with);
   }
   absl::Status Resume() override;
   absl::StatusOr<Operation> Start(store::Transaction& transaction,
@@ -94,7 +96,8 @@ class StoredOperations final : public Operations {
   store::Store* const store_;
   OperationRecords records_;
   OperationWatches watches_;
-  std::map<std::string, OperationHandler> handlers_;  // constant after Resume
+  std::map<std::string, OperationHandler> handlers_;        // constant after Resume
+  std::map<std::string, CancelWithOperation> cancel_with_;  // constant after Resume
   // Shared with transactions, whose commit may come after the end of this object.
   std::shared_ptr<Bell> bell_ = std::make_shared<Bell>();
   std::mutex mutex_;
@@ -191,6 +194,10 @@ absl::StatusOr<Operation> StoredOperations::Cancel(std::string_view name) {
     MORTISE_RETURN_IF_ERROR(transaction.CancelTask(queue, id));
     operation.state = OperationState::kCancelled;
     operation.error = absl::CancelledError("cancelled before it ran");
+    const auto cancel_with = cancel_with_.find(operation.kind);
+    if (cancel_with != cancel_with_.end() && cancel_with->second) {
+      MORTISE_RETURN_IF_ERROR(cancel_with->second(transaction, operation));
+    }
     return records_.Save(transaction, "cancelled", &operation);
   }));
   if (!changed) return operation;

@@ -115,6 +115,10 @@ class OperationContext {
 // Runs an operation: returns the result, or why it failed. May run more than once (see above).
 using OperationHandler = std::function<absl::StatusOr<std::string>(OperationContext&)>;
 
+// What else becomes cancelled with an operation that nobody runs just now, in the transaction that
+// cancels it: a handler that does not run cannot see to it.
+using CancelWithOperation = std::function<absl::Status(store::Transaction&, const Operation&)>;
+
 // What an event about an operation carries as payload.
 using DescribeOperation = std::function<std::string(const Operation&)>;
 
@@ -149,7 +153,8 @@ class Operations {
   virtual ~Operations() = default;
 
   // Names the handler of a kind. Before Resume.
-  virtual void Register(const std::string& kind, OperationHandler handler) = 0;
+  virtual void Register(const std::string& kind, OperationHandler handler,
+                        CancelWithOperation cancel_with = {}) = 0;
 
   // Begins to run operations: those left unfinished by this owner's last process at once, then new
   // ones. Call once, after the Registers. Operations of kinds that are not registered stay pending.

@@ -100,9 +100,15 @@ class FabPlannerAdapter final : public v1::FabPlannerService::CallbackService {
     MORTISE_RETURN_IF_ERROR(floor_.Open());
     operations_->Register(
         kPlanOperation, [this](jobs::OperationContext& context) { return planner_.Run(context); });
-    operations_->Register(kWorkOrderOperation, [this](jobs::OperationContext& context) {
-      return RunWorkOrder(context, *operations_, *store_, floor_);
-    });
+    operations_->Register(
+        kWorkOrderOperation,
+        [this](jobs::OperationContext& context) {
+          return RunWorkOrder(context, *operations_, *store_, floor_);
+        },
+        [this](store::Transaction& transaction, const jobs::Operation& operation) {
+          TellFloorAfterCommit(&ShopFloor::Refresh, operation.subject, transaction);
+          return CancelOrder(operation.subject, transaction);
+        });
     return absl::OkStatus();
   }
 

@@ -102,6 +102,14 @@ absl::StatusOr<v1::WorkOrder> ResumeOrder(const std::string& name,
   return ChangeState(name, transaction, [&](WorkOrder& work) { return work.Resume(name); });
 }
 
+absl::Status CancelOrder(const std::string& name, store::Transaction& transaction) {
+  return ChangeState(name, transaction,
+                     [&](WorkOrder& work) {
+                       return IsFinal(work.state()) ? absl::OkStatus() : work.Cancel(name);
+                     })
+      .status();
+}
+
 absl::StatusOr<std::string> RunWorkOrder(jobs::OperationContext& context,
                                          jobs::Operations& operations, store::Store& store,
                                          ShopFloor& floor) {

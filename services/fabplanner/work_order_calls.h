@@ -29,6 +29,10 @@ absl::StatusOr<jobs::Operation> ReleaseOrder(const rpc::Call& call,
 absl::StatusOr<v1::WorkOrder> HoldOrder(const std::string& name, store::Transaction& transaction);
 absl::StatusOr<v1::WorkOrder> ResumeOrder(const std::string& name, store::Transaction& transaction);
 
+// Cancels an order, unless it has ended already. NOT_FOUND. ShopFloor::Refresh must follow the
+// commit.
+absl::Status CancelOrder(const std::string& name, store::Transaction& transaction);
+
 // Runs the operation of an order: waits until it ends. The packed v1::WorkOrder, or why it failed
 // (FAILED_PRECONDITION, CUT_FAILED). Cancelling the operation cancels the order; a shutdown leaves
 // it to be waited for again.

@@ -241,6 +241,49 @@ TEST_P(OperationsTest, APendingOperationIsCancelledAtOnce) {
               ElementsAre("operation.started", "operation.cancelled", "operation.cancelled"));
 }
 
+TEST_P(OperationsTest, WhatBelongsToAPendingOperationIsCancelledWithItOrNotAtAll) {
+  OperationsOptions options = Options();
+  options.threads = 1;
+  Gate begun;
+  auto created = Operations::Create(options, store_.get());
+  ASSERT_OK(created);
+  std::unique_ptr<Operations> operations = *std::move(created);
+  std::atomic<bool> refuse = true;
+  operations->Register(
+      "long",
+      [&](OperationContext& context) {
+        begun.Open();
+        return RunUntilStopped(context);
+      },
+      [&](store::Transaction& transaction, const Operation& operation) -> absl::Status {
+        MORTISE_RETURN_IF_ERROR(transaction.Put("subjects", "one", operation.name).status());
+        return refuse ? absl::InternalError("not now") : absl::OkStatus();
+      });
+  ASSERT_OK(operations->Resume());
+  const std::string first = Start(operations.get(), "long");
+  begun.Pass();
+  const std::string second = Start(operations.get(), "long");
+  const auto subject = [&] {
+    std::string payload;
+    EXPECT_OK(store_->Read([&](store::ReadTransaction& transaction) -> absl::Status {
+      const auto record = transaction.Get("subjects", "one");
+      if (record.ok()) payload = record->payload;
+      return absl::IsNotFound(record.status()) ? absl::OkStatus() : record.status();
+    }));
+    return payload;
+  };
+  EXPECT_FALSE(operations->Cancel(second).ok());
+  EXPECT_EQ(operations->Get(second)->state, OperationState::kPending);
+  EXPECT_EQ(subject(), "");
+  refuse = false;
+  EXPECT_EQ(operations->Cancel(second)->state, OperationState::kCancelled);
+  EXPECT_EQ(subject(), second);
+  // Of one that runs, its handler sees to it.
+  EXPECT_OK(operations->Cancel(first));
+  EXPECT_EQ(WaitFor(operations.get(), first).state, OperationState::kCancelled);
+  EXPECT_EQ(subject(), second);
+}
+
 TEST_P(OperationsTest, ACancelledOperationKeepsItsBestResult) {
   Gate kept;
   auto operations = Create(Options(), "improve", [&](OperationContext& context) {
