@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "common/base/digest.h"
+#include "common/base/files.h"
 #include "google/rpc/status.pb.h"
 #include "mortise/v1/evaluator.grpc.pb.h"
 #include "mortise/v1/operations.grpc.pb.h"

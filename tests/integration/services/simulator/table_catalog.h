@@ -1,7 +1,6 @@
 // A catalog that serves the collection's table on loopback, from the test's own process.
 #pragma once
 
-#include <google/protobuf/text_format.h>
 #include <grpcpp/grpcpp.h>
 
 #include <cstdlib>
@@ -9,7 +8,7 @@
 #include <memory>
 #include <string>
 
-#include "common/base/files.h"
+#include "common/parametric/collection.h"
 #include "common/parametric/template_codec.h"
 #include "mortise/v1/catalog.grpc.pb.h"
 
@@ -18,12 +17,9 @@ namespace mortise::simulator {
 class TableCatalog final : public v1::CatalogService::Service {
  public:
   TableCatalog() {
-    const std::filesystem::path collection = std::filesystem::path(SourceFolder()) / "collection";
-    Merge(collection / "materials.textproto", bundle_);
-    for (const auto& entry : std::filesystem::directory_iterator(collection / "items")) {
-      Merge(entry.path(), bundle_);
-    }
-    Merge(collection / "designs/table/template.textproto", *bundle_.mutable_template_());
+    const parametric::Collection collection =
+        parametric::ReadCollection(std::filesystem::path(SourceFolder()) / "collection").value();
+    bundle_ = parametric::ToProto(parametric::BundleOf(collection, "templates/table").value());
     bundle_.mutable_template_()->set_revision(1);
     bundle_.mutable_template_()->set_digest(parametric::TemplateDigest(bundle_.template_()));
     grpc::ServerBuilder builder;
@@ -51,13 +47,6 @@ class TableCatalog final : public v1::CatalogService::Service {
   static std::string SourceFolder() {
     const char* folder = std::getenv("MORTISE_SOURCE_DIR");
     return folder == nullptr ? "." : folder;
-  }
-
-  static void Merge(const std::filesystem::path& file, google::protobuf::Message& message) {
-    const std::string text = ReadFile(file).value();
-    if (!google::protobuf::TextFormat::MergeFromString(text, &message)) {
-      throw std::runtime_error("cannot parse " + file.string());
-    }
   }
 
   v1::TemplateBundle bundle_;
