@@ -148,6 +148,18 @@ Eigen::VectorXd DrawnParameters(const Assembly& assembly, const std::vector<Elem
   return q;
 }
 
+Eigen::Isometry3d MotionIn(const Pose& pose, const Assembly& assembly, std::size_t elements,
+                           const Eigen::VectorXd& q) {
+  if (pose.joint < 0) return Eigen::Isometry3d::Identity();
+  const Joint& joint = assembly.joints[static_cast<std::size_t>(pose.joint)];
+  if (joint.kind == JointKind::kPrismatic) {
+    return Eigen::Isometry3d(Eigen::Translation3d(pose.motion));
+  }
+  const Eigen::Vector3d center = q.segment<3>(JointVariable(elements, pose.joint, Axis::kX));
+  return Eigen::Translation3d(center) * Eigen::Isometry3d(RotationOf(joint, pose.motion)) *
+         Eigen::Translation3d(-center);
+}
+
 std::vector<PosedPosition> PositionsIn(const Pose& pose, const Assembly& assembly,
                                        const std::vector<Element>& elements) {
   return Positions(pose, assembly, elements).All();

@@ -2,6 +2,7 @@
 // (thesis §3.5.1, "several rest configurations").
 #pragma once
 
+#include <Eigen/Geometry>
 #include <array>
 #include <string>
 #include <vector>
@@ -42,6 +43,11 @@ inline int JointVariable(std::size_t elements, int joint, Axis axis) {
 
 // q as drawn, the joints' centres included: 6 · elements + 3 · joints numbers, m.
 Eigen::VectorXd DrawnParameters(const Assembly& assembly, const std::vector<Element>& elements);
+
+// How a pose moves the parts of its group at q: x becomes rotation · x + translation. The identity
+// as drawn. The exact counterpart of the planes below, for whatever moves with the group.
+Eigen::Isometry3d MotionIn(const Pose& pose, const Assembly& assembly, std::size_t elements,
+                           const Eigen::VectorXd& q);
 
 // Planes and centres of all elements in a pose. A rotation that does not take axes to axes leaves
 // no plane of the moved elements parallel to one; then only their centres are given.

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "common/parametric/feasible_set.h"
+#include "common/parametric/linear_design.h"
 #include "common/parametric/rest_pose.h"
 
 namespace mortise::parametric {
@@ -104,6 +105,22 @@ void BM_NearestDesign(benchmark::State& state) {
   state.counters["degrees_of_freedom"] = set.degrees_of_freedom();
 }
 BENCHMARK(BM_NearestDesign)->Arg(20)->Arg(100)->Arg(200)->Unit(benchmark::kMillisecond);
+
+// F(q): all parts, and the vertices of a mesh of 200 for each.
+void BM_Evaluate(benchmark::State& state) {
+  const Assembly assembly = Shelves(static_cast<int>(state.range(0)));
+  const std::vector<Element> elements = MakeElements(assembly, kTolerance);
+  const Eigen::VectorXd q = DrawnParameters(assembly, elements);
+  mesh::SurfaceMesh drawn;
+  drawn.vertices = Eigen::Matrix3Xd::Random(3, 200);
+  const LinearMesh mesh(drawn, {-Eigen::Vector3d::Ones(), Eigen::Vector3d::Ones()});
+  for (auto _ : state) {
+    for (const PlacedPart& part : PlaceParts(assembly, elements, q)) {
+      benchmark::DoNotOptimize(mesh.VerticesIn(part.box));
+    }
+  }
+}
+BENCHMARK(BM_Evaluate)->Arg(100)->Arg(200)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace mortise::parametric

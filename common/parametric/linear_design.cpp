@@ -1,0 +1,81 @@
+#include "common/parametric/linear_design.h"
+
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+
+namespace mortise::parametric {
+namespace {
+
+BoundingBox BoxAround(const Eigen::Vector3d& center, const Eigen::Vector3d& size) {
+  return {center - size / 2, center + size / 2};
+}
+
+std::string NameOf(const Assembly& assembly, const Element& element, int index) {
+  if (index < static_cast<int>(element.parts.size())) {
+    const int part = element.parts[static_cast<std::size_t>(index)];
+    return assembly.parts[static_cast<std::size_t>(part)].name;
+  }
+  return absl::StrCat(element.name, " (", index + 1, ")");
+}
+
+}  // namespace
+
+BoundingBox BoxOf(const Eigen::VectorXd& q, int element) {
+  return BoxAround(q.segment<3>(CenterVariable(element, Axis::kX)),
+                   q.segment<3>(SizeVariable(element, Axis::kX)));
+}
+
+std::vector<PlacedPart> PlaceParts(const Assembly& assembly, const std::vector<Element>& elements,
+                                   const Eigen::VectorXd& q) {
+  std::vector<PlacedPart> placed;
+  placed.reserve(assembly.parts.size());
+  for (std::size_t e = 0; e < elements.size(); ++e) {
+    const Element& element = elements[e];
+    const int index = static_cast<int>(e);
+    const BoundingBox box = BoxOf(q, index);
+    if (!element.pattern) {
+      placed.push_back({NameOf(assembly, element, 0), index, box});
+      continue;
+    }
+    const PatternLayout layout = LayOut(*element.pattern, box);
+    for (int i = 0; i < layout.part_count(); ++i) {
+      placed.push_back(
+          {NameOf(assembly, element, i), index, BoxAround(layout.CenterOf(i), layout.part_size)});
+    }
+  }
+  return placed;
+}
+
+LinearMesh::LinearMesh(mesh::SurfaceMesh drawn, const BoundingBox& box)
+    : fractions_(std::move(drawn.vertices)), triangles_(std::move(drawn.triangles)) {
+  fractions_.colwise() -= box.center();
+  fractions_.array().colwise() /= box.size().array();
+}
+
+Eigen::Matrix3Xd LinearMesh::VerticesIn(const BoundingBox& box) const {
+  return (box.size().asDiagonal() * fractions_).colwise() + box.center();
+}
+
+mesh::SurfaceMesh LinearMesh::In(const BoundingBox& box) const {
+  return {VerticesIn(box), triangles_};
+}
+
+mesh::SurfaceMesh SurfaceOf(const BoundingBox& box) {
+  mesh::SurfaceMesh surface;
+  surface.vertices.resize(3, 8);
+  for (int corner = 0; corner < 8; ++corner) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const bool upper = ((corner >> axis) & 1) != 0;
+      surface.vertices(axis, corner) = upper ? box.maximum[axis] : box.minimum[axis];
+    }
+  }
+  // Two triangles for each of the faces x-, x+, y-, y+, z-, z+.
+  surface.triangles.resize(3, 12);
+  surface.triangles << 0, 0, 1, 1, 0, 0, 2, 2, 0, 0, 4, 4,  //
+      4, 6, 3, 7, 1, 5, 6, 7, 2, 3, 5, 7,                   //
+      6, 2, 7, 5, 5, 4, 7, 3, 3, 1, 7, 6;
+  return surface;
+}
+
+}  // namespace mortise::parametric

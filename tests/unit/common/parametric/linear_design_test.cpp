@@ -1,0 +1,118 @@
+// Linear templates at parameters: parts where q says, meshes that are linear in it.
+#include "common/parametric/linear_design.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+#include <set>
+
+#include "common/mesh/mass_properties.h"
+#include "common/parametric/rest_pose.h"
+#include "tests/unit/common/parametric/assemblies.h"
+
+namespace mortise::parametric {
+namespace {
+
+constexpr double kTolerance = 1e-6;
+
+TEST(LinearDesign, TheDrawnParametersGiveTheDrawnDesign) {
+  for (const Assembly& assembly :
+       {TwoLeggedTable(), ChestWithLid(), RandomAssembly(1), RandomAssembly(2)}) {
+    const std::vector<Element> elements = MakeElements(assembly, kTolerance);
+    const auto parts = PlaceParts(assembly, elements, DrawnParameters(assembly, elements));
+    ASSERT_EQ(parts.size(), assembly.parts.size());
+    for (const PlacedPart& placed : parts) {
+      const auto drawn =
+          std::find_if(assembly.parts.begin(), assembly.parts.end(),
+                       [&](const AssemblyPart& part) { return part.name == placed.name; });
+      ASSERT_NE(drawn, assembly.parts.end()) << placed.name;
+      EXPECT_TRUE(placed.box.minimum.isApprox(drawn->box.minimum, 1e-9)) << placed.name;
+      EXPECT_TRUE(placed.box.maximum.isApprox(drawn->box.maximum, 1e-9)) << placed.name;
+    }
+  }
+}
+
+TEST(LinearDesign, APatternThatGrowsHasMoreParts) {
+  const Assembly chest = ChestWithLid();
+  const std::vector<Element> elements = MakeElements(chest, kTolerance);
+  ASSERT_EQ(elements[0].parts.size(), 3U) << "the shelves";
+  Eigen::VectorXd q = DrawnParameters(chest, elements);
+  q[SizeVariable(0, Axis::kZ)] *= 2;
+  const auto parts = PlaceParts(chest, elements, q);
+  EXPECT_GT(parts.size(), chest.parts.size());
+  std::set<std::string> names;
+  double highest = 0;
+  for (const PlacedPart& part : parts) {
+    EXPECT_TRUE(names.insert(part.name).second) << part.name;
+    if (part.element == 0) highest = std::max(highest, part.box.maximum.z());
+  }
+  EXPECT_NEAR(highest, BoxOf(q, 0).maximum.z(), 1e-12) << "the pattern fills its box";
+}
+
+// Vertices at a mixture of parameters are the mixture of the vertices.
+TEST(LinearDesign, MeshesAreLinear) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> uniform(0.1, 1);
+  const auto any_box = [&] {
+    const Eigen::Vector3d corner(uniform(random), uniform(random), uniform(random));
+    return BoundingBox{corner,
+                       corner + Eigen::Vector3d(uniform(random), uniform(random), uniform(random))};
+  };
+  const BoundingBox drawn = any_box();
+  mesh::SurfaceMesh surface = SurfaceOf(drawn);
+  surface.vertices.col(3) = drawn.center();  // something that is no box
+  const LinearMesh mesh(surface, drawn);
+  EXPECT_TRUE(mesh.VerticesIn(drawn).isApprox(surface.vertices, 1e-12));
+  for (int round = 0; round < 20; ++round) {
+    const BoundingBox a = any_box();
+    const BoundingBox b = any_box();
+    const double share = uniform(random);
+    const BoundingBox mixed{share * a.minimum + (1 - share) * b.minimum,
+                            share * a.maximum + (1 - share) * b.maximum};
+    EXPECT_TRUE(mesh.VerticesIn(mixed).isApprox(
+        share * mesh.VerticesIn(a) + (1 - share) * mesh.VerticesIn(b), 1e-12));
+    EXPECT_TRUE(mesh.VerticesIn(a).rowwise().minCoeff().isApprox(a.minimum, 1e-12));
+    EXPECT_TRUE(mesh.VerticesIn(a).rowwise().maxCoeff().isApprox(a.maximum, 1e-12));
+  }
+}
+
+TEST(LinearDesign, BoxesAreClosedOutwardAndOfTheirVolume) {
+  const BoundingBox box{{0.1, -0.2, 0.3}, {0.6, 0.2, 0.5}};
+  const mesh::SurfaceMesh surface = SurfaceOf(box);
+  EXPECT_NEAR(mesh::ComputeMassProperties(surface).volume, 0.5 * 0.4 * 0.2, 1e-12);
+  std::multiset<std::pair<int, int>> edges;
+  for (const auto& triangle : surface.triangles.colwise()) {
+    for (int i = 0; i < 3; ++i) edges.insert({triangle[i], triangle[(i + 1) % 3]});
+  }
+  for (const auto& [from, to] : edges) {
+    EXPECT_EQ(edges.count({from, to}), 1U);
+    EXPECT_EQ(edges.count({to, from}), 1U);
+  }
+}
+
+// The motion of a pose takes the centres where the relationships say that they are.
+TEST(LinearDesign, PosesMovePartsAsTheRelationshipsSay) {
+  const Assembly chest = ChestWithLid();
+  const std::vector<Element> elements = MakeElements(chest, kTolerance);
+  std::mt19937 random(4);
+  std::normal_distribution<double> normal(0, 0.1);
+  for (int round = 0; round < 10; ++round) {
+    Eigen::VectorXd q = DrawnParameters(chest, elements);
+    for (double& entry : q) entry += normal(random);
+    for (const Pose& pose : PosesOf(chest)) {
+      const Eigen::Isometry3d motion = MotionIn(pose, chest, elements.size(), q);
+      for (const PosedPosition& posed : PositionsIn(pose, chest, elements)) {
+        if (!posed.is_center) continue;
+        const int group = elements[static_cast<std::size_t>(posed.element)].group;
+        const bool moved = pose.joint >= 0 && IsWithin(chest, group, pose.moved_group);
+        const Eigen::Vector3d center = BoxOf(q, posed.element).center();
+        const Eigen::Vector3d expected = moved ? Eigen::Vector3d(motion * center) : center;
+        EXPECT_NEAR(posed.position.At(q), expected[static_cast<int>(posed.axis)], 1e-9);
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace mortise::parametric
