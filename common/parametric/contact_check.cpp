@@ -1,0 +1,211 @@
+#include "common/parametric/contact_check.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
+#include "common/parametric/linear_design.h"
+
+namespace mortise::parametric {
+namespace {
+
+constexpr double kParallel = 1e-9;  // length of the cross product of edges that give no direction
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// Half the extent of a box along a unit vector.
+double Reach(const OrientedBox& box, const Eigen::Vector3d& direction) {
+  return (box.axes.transpose() * direction).cwiseAbs().dot(box.half_size);
+}
+
+double SeparationAlong(const OrientedBox& a, const OrientedBox& b,
+                       const Eigen::Vector3d& direction) {
+  return std::abs(direction.dot(b.center - a.center)) - Reach(a, direction) - Reach(b, direction);
+}
+
+}  // namespace
+
+double Separation(const OrientedBox& a, const OrientedBox& b) {
+  double separation = -kInfinity;
+  for (int i = 0; i < 3; ++i) {
+    separation = std::max(separation, SeparationAlong(a, b, a.axes.col(i)));
+    separation = std::max(separation, SeparationAlong(a, b, b.axes.col(i)));
+  }
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      const Eigen::Vector3d direction = a.axes.col(i).cross(b.axes.col(j));
+      const double length = direction.norm();
+      if (length <= kParallel) continue;
+      separation = std::max(separation, SeparationAlong(a, b, direction / length));
+    }
+  }
+  return separation;
+}
+
+std::string Describe(const ContactFault& fault) {
+  const std::string pose = fault.pose.empty() ? "" : absl::StrCat(" in '", fault.pose, "'");
+  switch (fault.kind) {
+    case ContactFault::Kind::kLostContact:
+      return absl::StrCat("'", fault.first, "' has lost '", fault.second, "' by ", fault.amount,
+                          " m", pose);
+    case ContactFault::Kind::kPenetration:
+      return absl::StrCat("'", fault.first, "' reaches ", fault.amount, " m into '", fault.second,
+                          "'", pose);
+    case ContactFault::Kind::kChangedSize:
+      return absl::StrCat("a fixed size of '", fault.first, "' differs by ", fault.amount, " m");
+  }
+  return "";
+}
+
+ContactCheck::ContactCheck(Assembly assembly, std::vector<Element> elements, double tolerance)
+    : assembly_(std::move(assembly)),
+      elements_(std::move(elements)),
+      tolerance_(tolerance),
+      poses_(PosesOf(assembly_)) {
+  const Eigen::VectorXd drawn = DrawnParameters(assembly_, elements_);
+  for (const Pose& pose : poses_) {
+    const Parts parts = PartsIn(pose, drawn);
+    std::vector<Meeting> meetings(elements_.size() * elements_.size());
+    for (std::size_t a = 0; a < elements_.size(); ++a) {
+      for (std::size_t b = a + 1; b < elements_.size(); ++b) {
+        meetings[PairIndex(a, b)] = MeetingOf(parts[a], parts[b]);
+      }
+    }
+    meetings_.push_back(std::move(meetings));
+  }
+}
+
+absl::Status ContactCheck::CheckParameters(const Eigen::VectorXd& q) const {
+  const std::size_t expected = 6 * elements_.size() + 3 * assembly_.joints.size();
+  if (q.size() != static_cast<Eigen::Index>(expected) || !q.allFinite()) {
+    return InvalidField("q", absl::StrCat("must be ", expected, " finite numbers"));
+  }
+  for (std::size_t e = 0; e < elements_.size(); ++e) {
+    const Eigen::Vector3d size = q.segment<3>(SizeVariable(static_cast<int>(e), Axis::kX));
+    if (size.minCoeff() <= 0) {
+      return InvalidField("q", absl::StrCat("'", elements_[e].name, "' must have positive sizes"));
+    }
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<std::vector<ContactFault>> ContactCheck::FaultsAt(const Eigen::VectorXd& q,
+                                                                 double penetration) const {
+  MORTISE_RETURN_IF_ERROR(CheckParameters(q));
+  std::vector<ContactFault> faults;
+  for (std::size_t p = 0; p < poses_.size(); ++p) {
+    const Parts parts = PartsIn(poses_[p], q);
+    if (p == 0) CheckSizes(parts, faults);
+    ContactFault fault;
+    fault.pose = poses_[p].name;
+    for (std::size_t a = 0; a < elements_.size(); ++a) {
+      for (std::size_t b = a + 1; b < elements_.size(); ++b) {
+        CheckPair(meetings_[p][PairIndex(a, b)], parts[a], parts[b], fault, penetration, faults);
+      }
+    }
+  }
+  return faults;
+}
+
+ContactCheck::Parts ContactCheck::PartsIn(const Pose& pose, const Eigen::VectorXd& q) const {
+  const Eigen::Isometry3d motion = MotionIn(pose, assembly_, elements_.size(), q);
+  Parts parts(elements_.size());
+  for (PlacedPart& placed : PlaceParts(assembly_, elements_, q)) {
+    const auto element = static_cast<std::size_t>(placed.element);
+    OrientedBox box;
+    box.center = placed.box.center();
+    box.half_size = placed.box.size() / 2;
+    if (pose.joint >= 0 && IsWithin(assembly_, elements_[element].group, pose.moved_group)) {
+      box.center = motion * box.center;
+      box.axes = motion.linear();
+    }
+    parts[element].push_back({std::move(placed.name), box});
+  }
+  return parts;
+}
+
+ContactCheck::Meeting ContactCheck::MeetingOf(const std::vector<Part>& a,
+                                              const std::vector<Part>& b) const {
+  std::vector<bool> second_touches(b.size(), false);
+  Meeting meeting;
+  meeting.all_of_first = true;
+  for (const Part& part : a) {
+    bool touches = false;
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      if (Separation(part.box, b[j].box) > tolerance_) continue;
+      touches = true;
+      second_touches[j] = true;
+    }
+    meeting.any |= touches;
+    meeting.all_of_first &= touches;
+  }
+  meeting.all_of_second = std::all_of(second_touches.begin(), second_touches.end(),
+                                      [](bool touches) { return touches; });
+  return meeting;
+}
+
+void ContactCheck::CheckPair(const Meeting& meeting, const std::vector<Part>& a,
+                             const std::vector<Part>& b, ContactFault fault, double penetration,
+                             std::vector<ContactFault>& faults) const {
+  // Told once, of the parts of a pattern rather than of what they all touch.
+  const bool each_of_second = meeting.all_of_second && b.size() > 1;
+  const bool each_of_first = meeting.all_of_first && (a.size() > 1 || !each_of_second);
+  std::vector<double> second_gap(b.size(), kInfinity);
+  double gap = kInfinity;
+  const auto lose = [&](const Part& part, const Part& other, double by) {
+    fault.kind = ContactFault::Kind::kLostContact;
+    fault.first = part.name;
+    fault.second = other.name;
+    fault.amount = by;
+    faults.push_back(fault);
+  };
+  for (const Part& part : a) {
+    double first_gap = kInfinity;
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      const double separation = Separation(part.box, b[j].box);
+      first_gap = std::min(first_gap, separation);
+      second_gap[j] = std::min(second_gap[j], separation);
+      if (!meeting.any && -separation > penetration) {
+        fault.kind = ContactFault::Kind::kPenetration;
+        fault.first = part.name;
+        fault.second = b[j].name;
+        fault.amount = -separation;
+        faults.push_back(fault);
+      }
+    }
+    gap = std::min(gap, first_gap);
+    if (each_of_first && first_gap > tolerance_) lose(part, b.front(), first_gap);
+  }
+  for (std::size_t j = 0; j < b.size(); ++j) {
+    if (each_of_second && second_gap[j] > tolerance_) lose(b[j], a.front(), second_gap[j]);
+  }
+  const bool told = each_of_first || each_of_second;
+  if (meeting.any && !told && gap > tolerance_) lose(a.front(), b.front(), gap);
+}
+
+void ContactCheck::CheckSizes(const Parts& parts, std::vector<ContactFault>& faults) const {
+  for (std::size_t e = 0; e < elements_.size(); ++e) {
+    const auto first = static_cast<std::size_t>(elements_[e].parts.front());
+    const AssemblyPart& drawn = assembly_.parts[first];
+    for (const Part& part : parts[e]) {
+      double differs = 0;
+      for (int axis = 0; axis < 3; ++axis) {
+        const SizeLimits& limits = drawn.limits[static_cast<std::size_t>(axis)];
+        if (limits.minimum < limits.maximum) continue;
+        differs =
+            std::max(differs, std::abs(2 * part.box.half_size[axis] - drawn.box.size()[axis]));
+      }
+      if (differs <= tolerance_) continue;
+      ContactFault fault;
+      fault.kind = ContactFault::Kind::kChangedSize;
+      fault.first = part.name;
+      fault.amount = differs;
+      faults.push_back(fault);
+    }
+  }
+}
+
+}  // namespace mortise::parametric

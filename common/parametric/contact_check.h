@@ -1,0 +1,91 @@
+// Whether a design at other parameters still holds together as it was drawn: no contact lost, no
+// part in another, nothing resized that comes in one size. In every rest pose.
+//
+// Parts are looked at as their boxes, turned as the pose turns them. For boards that is exact; a
+// part that does not fill its box may be told to meet what only its box meets, but then its box is
+// compared with its own box as drawn.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "common/parametric/assembly.h"
+#include "common/parametric/element.h"
+#include "common/parametric/rest_pose.h"
+
+namespace mortise::parametric {
+
+// A box anywhere in space.
+struct OrientedBox {
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();     // m
+  Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();   // columns: unit vectors
+  Eigen::Vector3d half_size = Eigen::Vector3d::Zero();  // m
+};
+
+// How far two boxes are apart along the direction that separates them best, m; if they intersect,
+// minus how far one must be moved to be free. By separating axes (Gottschalk et al. 1996): exact
+// where negative, and never above the true distance.
+double Separation(const OrientedBox& a, const OrientedBox& b);
+
+struct ContactFault {
+  enum class Kind { kLostContact, kPenetration, kChangedSize };
+  Kind kind = Kind::kLostContact;
+  std::string pose;    // empty as drawn; else "joint: pose"
+  std::string first;   // part; of patterns the one at fault
+  std::string second;  // part or pattern; empty for changed sizes
+  double amount = 0;   // m: the gap, the depth, or by how much a size differs
+};
+
+// "'leg 1' has lost 'top' by 0.002 m in 'lid hinge: open'".
+std::string Describe(const ContactFault& fault);
+
+class ContactCheck {
+ public:
+  // Notes what touches as drawn: boxes apart by no more than `tolerance`, m. The assembly must be
+  // valid. O(poses · parts²).
+  ContactCheck(Assembly assembly, std::vector<Element> elements, double tolerance = 1e-6);
+
+  // All faults at q, which has 6 numbers an element and 3 a joint:
+  // - elements that touched are apart by more than the tolerance. If all parts of a pattern touched
+  //   the other element, all it now has must do so;
+  // - parts of elements that did not touch intersect by more than `penetration`, m;
+  // - a size that an item fixes differs from the drawn one by more than the tolerance.
+  // Empty if the design is sound. INVALID_ARGUMENT, "q", for another number of parameters, one that
+  // is not finite, or a size that is not positive. O(poses · parts²).
+  absl::StatusOr<std::vector<ContactFault>> FaultsAt(const Eigen::VectorXd& q,
+                                                     double penetration = 1e-4) const;
+
+ private:
+  struct Part {
+    std::string name;
+    OrientedBox box;
+  };
+  // Of each element, its parts at q in a pose.
+  using Parts = std::vector<std::vector<Part>>;
+  // How two elements met as drawn.
+  struct Meeting {
+    bool any = false;            // some part of the first touched some of the second
+    bool all_of_first = false;   // each part of the first touched some of the second
+    bool all_of_second = false;  // and the other way round
+  };
+
+  absl::Status CheckParameters(const Eigen::VectorXd& q) const;
+  Parts PartsIn(const Pose& pose, const Eigen::VectorXd& q) const;
+  Meeting MeetingOf(const std::vector<Part>& a, const std::vector<Part>& b) const;
+  std::size_t PairIndex(std::size_t a, std::size_t b) const { return a * elements_.size() + b; }
+  void CheckPair(const Meeting& meeting, const std::vector<Part>& a, const std::vector<Part>& b,
+                 ContactFault fault, double penetration, std::vector<ContactFault>& faults) const;
+  void CheckSizes(const Parts& parts, std::vector<ContactFault>& faults) const;
+
+  Assembly assembly_;
+  std::vector<Element> elements_;
+  double tolerance_;
+  std::vector<Pose> poses_;
+  std::vector<std::vector<Meeting>> meetings_;  // by pose, then PairIndex(a, b) of a <= b
+};
+
+}  // namespace mortise::parametric

@@ -1,0 +1,256 @@
+// Boxes that touch or not, and designs that hold together or not.
+#include "common/parametric/contact_check.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <random>
+#include <utility>
+
+#include "common/base/errors.h"
+#include "common/parametric/feasible_set.h"
+#include "tests/support/status_assertions.h"
+#include "tests/unit/common/parametric/assemblies.h"
+
+namespace mortise::parametric {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using Kind = ContactFault::Kind;
+
+constexpr double kTolerance = 1e-6;
+
+OrientedBox AnyBox(std::mt19937& random) {
+  std::uniform_real_distribution<double> uniform(0.1, 0.6);
+  std::normal_distribution<double> normal;
+  OrientedBox box;
+  box.center = {normal(random) / 2, normal(random) / 2, normal(random) / 2};
+  box.axes = Eigen::Quaterniond(normal(random), normal(random), normal(random), normal(random))
+                 .normalized()
+                 .toRotationMatrix();
+  box.half_size = {uniform(random), uniform(random), uniform(random)};
+  return box;
+}
+
+// A design with its check.
+struct Design {
+  explicit Design(Assembly drawing)
+      : assembly(std::move(drawing)),
+        elements(MakeElements(assembly, kTolerance)),
+        drawn(DrawnParameters(assembly, elements)),
+        check(assembly, elements) {}
+
+  absl::StatusOr<FeasibleSet> Set(int anchored) const {
+    auto relationships = FindRelationships(assembly, elements, TouchingPairs(elements), kTolerance);
+    if (anchored >= 0) {
+      for (Relationship& held : Anchor(elements, anchored)) {
+        relationships.push_back(std::move(held));
+      }
+    }
+    return FeasibleSet::Create(std::move(relationships), drawn,
+                               VariablesWithin(assembly, elements, 0));
+  }
+
+  std::vector<ContactFault> FaultsAt(const Eigen::VectorXd& q) const {
+    return check.FaultsAt(q).value();
+  }
+
+  int ElementNamed(const std::string& name) const {
+    for (std::size_t e = 0; e < elements.size(); ++e) {
+      if (elements[e].name == name) return static_cast<int>(e);
+    }
+    return -1;
+  }
+
+  Assembly assembly;
+  std::vector<Element> elements;
+  Eigen::VectorXd drawn;
+  ContactCheck check;
+};
+
+TEST(SeparationTest, OfBoxesSideBySideIsTheGapOrTheDepth) {
+  OrientedBox a;
+  a.half_size = {1, 2, 3};
+  OrientedBox b = a;
+  b.center = {2.5, 0.5, 1};
+  EXPECT_NEAR(Separation(a, b), 0.5, 1e-12);
+  b.center.x() = 2;
+  EXPECT_NEAR(Separation(a, b), 0, 1e-12);
+  b.center.x() = 1.75;
+  EXPECT_NEAR(Separation(a, b), -0.25, 1e-12);
+}
+
+// A cube that stands on its edge reaches half its diagonal.
+TEST(SeparationTest, OfATurnedCubeIsMeasuredToItsEdge) {
+  OrientedBox a;
+  a.half_size = {0.5, 0.5, 0.5};
+  OrientedBox b = a;
+  b.axes = Eigen::AngleAxisd(std::acos(-1.0) / 4, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  b.center = {2, 0, 0};
+  EXPECT_NEAR(Separation(a, b), 2 - 0.5 - std::sqrt(0.5), 1e-12);
+  // Edge over edge, crosswise: only a product of edges separates them.
+  a.axes = Eigen::AngleAxisd(std::acos(-1.0) / 4, Eigen::Vector3d::UnitY()).toRotationMatrix();
+  EXPECT_NEAR(Separation(a, b), 2 - 2 * std::sqrt(0.5), 1e-12);
+}
+
+TEST(SeparationTest, IsSymmetricAndTheSameWhereverOneStands) {
+  std::mt19937 random(1);
+  for (int round = 0; round < 500; ++round) {
+    OrientedBox a = AnyBox(random);
+    OrientedBox b = AnyBox(random);
+    const double separation = Separation(a, b);
+    EXPECT_NEAR(Separation(b, a), separation, 1e-12);
+    const OrientedBox motion = AnyBox(random);
+    for (OrientedBox* box : {&a, &b}) {
+      box->center = motion.axes * box->center + motion.center;
+      box->axes = motion.axes * box->axes;
+    }
+    EXPECT_NEAR(Separation(a, b), separation, 1e-9);
+  }
+}
+
+// A box that is free of another has none of its points, and no motion shorter than the separation
+// changes whether it is.
+TEST(SeparationTest, AgreesWithPointsAndMotions) {
+  std::mt19937 random(2);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  std::normal_distribution<double> normal;
+  int apart = 0;
+  for (int round = 0; round < 300; ++round) {
+    const OrientedBox a = AnyBox(random);
+    const OrientedBox b = AnyBox(random);
+    const double separation = Separation(a, b);
+    apart += separation > 0 ? 1 : 0;
+    for (int i = 0; i < 100; ++i) {
+      const Eigen::Vector3d within(uniform(random), uniform(random), uniform(random));
+      const Eigen::Vector3d point = a.center + a.axes * within.cwiseProduct(a.half_size);
+      const Eigen::Vector3d in_b = b.axes.transpose() * (point - b.center);
+      if (separation > 0) {
+        EXPECT_GT((in_b.cwiseAbs() - b.half_size).maxCoeff(), 0);
+      }
+      OrientedBox moved = b;
+      const Eigen::Vector3d way = Eigen::Vector3d(normal(random), normal(random), normal(random));
+      moved.center += 0.99 * std::abs(separation) * way.normalized();
+      EXPECT_EQ(Separation(a, moved) > 0, separation > 0);
+    }
+  }
+  EXPECT_GT(apart, 30);
+  EXPECT_LT(apart, 270);
+}
+
+TEST(ContactCheckTest, FeasibleDesignsHoldTogetherInEveryPose) {
+  for (const Assembly& assembly : {TwoLeggedTable(), ChestWithLid()}) {
+    const Design design(assembly);
+    EXPECT_THAT(design.FaultsAt(design.drawn), IsEmpty());
+    ASSERT_OK_AND_ASSIGN(const FeasibleSet set, design.Set(0));
+    ASSERT_OK_AND_ASSIGN(const auto samples, set.Sample(1000, 3));
+    for (const Eigen::VectorXd& q : samples) {
+      for (const ContactFault& fault : design.FaultsAt(q)) ADD_FAILURE() << Describe(fault);
+    }
+  }
+}
+
+// Boxes that fill a grid, in a random hierarchy: the hardest drawings to keep apart.
+TEST(ContactCheckTest, WhatRandomDesignsAreDraggedToHoldsTogether) {
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    const Design design(RandomAssembly(seed));
+    ASSERT_THAT(design.FaultsAt(design.drawn), IsEmpty());
+    ASSERT_OK_AND_ASSIGN(const FeasibleSet set, design.Set(-1));
+    std::mt19937 random(seed);
+    std::normal_distribution<double> normal(0, 0.1);
+    for (int round = 0; round < 20; ++round) {
+      Eigen::VectorXd wish = design.drawn;
+      for (double& entry : wish) entry += normal(random);
+      ASSERT_OK_AND_ASSIGN(const Eigen::VectorXd q, set.Nearest(wish));
+      for (const ContactFault& fault : design.FaultsAt(q)) ADD_FAILURE() << Describe(fault);
+    }
+  }
+}
+
+TEST(ContactCheckTest, ALostContactNamesBothParts) {
+  const Design table(TwoLeggedTable());
+  Eigen::VectorXd q = table.drawn;
+  q[CenterVariable(table.ElementNamed("leg 2"), Axis::kZ)] -= 0.01;
+  const auto faults = table.FaultsAt(q);
+  ASSERT_EQ(faults.size(), 1U);
+  EXPECT_EQ(faults[0].kind, Kind::kLostContact);
+  EXPECT_NEAR(faults[0].amount, 0.01, 1e-9);
+  EXPECT_THAT(Describe(faults[0]), HasSubstr("'leg 2'"));
+  EXPECT_THAT(Describe(faults[0]), HasSubstr("'top'"));
+}
+
+TEST(ContactCheckTest, PenetrationIsToldBeyondItsTolerance) {
+  const Design table(TwoLeggedTable());
+  const int leg_2 = table.ElementNamed("leg 2");
+  const double gap = 0.34 + 0.34;
+  Eigen::VectorXd q = table.drawn;
+  q[CenterVariable(leg_2, Axis::kX)] -= gap + 5e-5;
+  EXPECT_THAT(table.FaultsAt(q), IsEmpty());
+  q[CenterVariable(leg_2, Axis::kX)] -= 1e-3;
+  const auto faults = table.FaultsAt(q);
+  ASSERT_EQ(faults.size(), 1U);
+  EXPECT_EQ(faults[0].kind, Kind::kPenetration);
+  EXPECT_NEAR(faults[0].amount, 1.05e-3, 1e-9);
+}
+
+TEST(ContactCheckTest, EveryPartOfAPatternMustKeepWhatAllTouched) {
+  const Design chest(ChestWithLid());
+  const int shelves = chest.ElementNamed("shelf 1");
+  Eigen::VectorXd q = chest.drawn;
+  q[SizeVariable(shelves, Axis::kX)] -= 0.004;  // 2 mm too short at either end
+  const auto faults = chest.FaultsAt(q);
+  // Three shelves, two sides, two poses.
+  EXPECT_EQ(faults.size(), 12U);
+  for (const ContactFault& fault : faults) {
+    EXPECT_EQ(fault.kind, Kind::kLostContact);
+    EXPECT_NEAR(fault.amount, 0.002, 1e-9);
+  }
+}
+
+TEST(ContactCheckTest, ARestPoseIsCheckedToo) {
+  const Design chest(ChestWithLid());
+  Eigen::VectorXd q = chest.drawn;
+  // About this centre the open lid falls between the sides' front and back.
+  q[JointVariable(chest.elements.size(), 0, Axis::kY)] = 0.4;
+  q[JointVariable(chest.elements.size(), 0, Axis::kZ)] = 0.58;
+  const auto faults = chest.FaultsAt(q);
+  ASSERT_FALSE(faults.empty());
+  for (const ContactFault& fault : faults) {
+    EXPECT_EQ(fault.kind, Kind::kPenetration);
+    EXPECT_EQ(fault.pose, "lid hinge: open");
+    EXPECT_THAT(Describe(fault), HasSubstr("in 'lid hinge: open'"));
+  }
+}
+
+TEST(ContactCheckTest, AFixedSizeThatChangedIsTold) {
+  Assembly table = TwoLeggedTable();
+  table.parts[1] = FixedPart("leg 1", table.parts[1].box.minimum, table.parts[1].box.maximum);
+  const Design design(table);
+  Eigen::VectorXd q = design.drawn;
+  q[SizeVariable(design.ElementNamed("leg 1"), Axis::kY)] += 0.003;
+  const auto faults = design.FaultsAt(q);
+  ASSERT_EQ(faults.size(), 1U);
+  EXPECT_EQ(faults[0].kind, Kind::kChangedSize);
+  EXPECT_EQ(faults[0].first, "leg 1");
+  EXPECT_NEAR(faults[0].amount, 0.003, 1e-9);
+}
+
+TEST(ContactCheckTest, ParametersThatAreNoneAreRefused) {
+  const Design table(TwoLeggedTable());
+  const auto field = [&](const Eigen::VectorXd& q) {
+    return DetailOf(table.check.FaultsAt(q).status()).field;
+  };
+  EXPECT_EQ(field(Eigen::VectorXd::Ones(17)), "q");
+  Eigen::VectorXd q = table.drawn;
+  q[0] = std::nan("");
+  EXPECT_EQ(field(q), "q");
+  q = table.drawn;
+  q[SizeVariable(1, Axis::kY)] = 0;
+  EXPECT_EQ(field(q), "q");
+}
+
+}  // namespace
+}  // namespace mortise::parametric
