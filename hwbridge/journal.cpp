@@ -1,11 +1,13 @@
 #include "hwbridge/journal.h"
 
 #include <algorithm>
+#include <exception>
 #include <nlohmann/json.hpp>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "hwbridge/whole_number.h"
 
 namespace mortise::hwbridge {
 namespace {
@@ -21,7 +23,7 @@ Json KeyToJson(const char* type, const CutKey& key) {
 
 CutKey KeyFromJson(const Json& json) {
   return {json.at("work_order").get<std::string>(), json.at("machine").get<std::string>(),
-          json.at("sequence").get<std::int64_t>()};
+          WholeNumber<std::int64_t>(json.at("sequence"))};
 }
 
 Json CutToJson(const CutOrder& order) {
@@ -39,7 +41,7 @@ Json CutToJson(const CutOrder& order) {
 CutOrder CutFromJson(const Json& json) {
   CutOrder order;
   order.key = KeyFromJson(json);
-  order.job.kind = static_cast<MachineKind>(json.at("kind").get<int>());
+  order.job.kind = static_cast<MachineKind>(WholeNumber<int>(json.at("kind")));
   order.job.part = json.at("part").get<std::string>();
   order.job.stock = json.at("stock").get<std::string>();
   order.job.position = json.at("position").get<double>();
@@ -60,9 +62,9 @@ Json IntentToJson(const Intent& intent) {
 
 Intent IntentFromJson(const Json& json) {
   return {KeyFromJson(json),
-          json.at("number").get<std::uint32_t>(),
-          json.at("identity").get<std::uint32_t>(),
-          json.at("boot_epoch").get<std::uint32_t>(),
+          WholeNumber<std::uint32_t>(json.at("number")),
+          WholeNumber<std::uint32_t>(json.at("identity")),
+          WholeNumber<std::uint32_t>(json.at("boot_epoch")),
           JobResult::kNone,
           0.0};
 }
@@ -77,8 +79,8 @@ Json ReportToJson(const CutReport& report) {
 }
 
 CutReport ReportFromJson(const Json& json) {
-  return {json.at("number").get<std::int64_t>(), KeyFromJson(json),
-          static_cast<CutOutcome>(json.at("outcome").get<int>()),
+  return {WholeNumber<std::int64_t>(json.at("number")), KeyFromJson(json),
+          static_cast<CutOutcome>(WholeNumber<int>(json.at("outcome"))),
           json.at("message").get<std::string>(), json.at("seconds").get<double>()};
 }
 
@@ -116,18 +118,19 @@ absl::Status Journal::Replay(const std::string& line) {
     if (type == "cut") return Apply(CutFromJson(json));
     if (type == "intent") return Apply(IntentFromJson(json));
     if (type == "report") return Apply(ReportFromJson(json));
-    if (type == "acknowledged") return ApplyAcknowledgement(json.at("number").get<std::int64_t>());
+    if (type == "acknowledged")
+      return ApplyAcknowledgement(WholeNumber<std::int64_t>(json.at("number")));
     if (type == "adopted") {
       MachineBook& book = machines_[json.at("machine").get<std::string>()];
-      book.highest = std::max(book.highest, json.at("number").get<std::uint32_t>());
+      book.highest = std::max(book.highest, WholeNumber<std::uint32_t>(json.at("number")));
       return absl::OkStatus();
     }
     if (type != "result") return absl::DataLossError(absl::StrCat("unknown record '", type, "'"));
     return ApplyResult(json.at("machine").get<std::string>(),
-                       json.at("number").get<std::uint32_t>(),
-                       static_cast<JobResult>(json.at("result").get<std::uint16_t>()),
+                       WholeNumber<std::uint32_t>(json.at("number")),
+                       static_cast<JobResult>(WholeNumber<std::uint16_t>(json.at("result"))),
                        json.at("seconds").get<double>());
-  } catch (const Json::exception& error) {
+  } catch (const std::exception& error) {
     return absl::DataLossError(error.what());
   }
 }

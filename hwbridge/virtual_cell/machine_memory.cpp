@@ -5,6 +5,7 @@
 
 #include <cerrno>
 #include <cstring>
+#include <exception>
 #include <nlohmann/json.hpp>
 #include <random>
 #include <sstream>
@@ -13,6 +14,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
+#include "hwbridge/whole_number.h"
 
 namespace mortise::hwbridge {
 namespace {
@@ -28,7 +30,7 @@ Json JobToJson(const Job& job) {
 
 Job JobFromJson(const Json& json) {
   Job job;
-  job.kind = static_cast<MachineKind>(json.at("kind").get<int>());
+  job.kind = static_cast<MachineKind>(WholeNumber<int>(json.at("kind")));
   job.part = json.at("part").get<std::string>();
   job.stock = json.at("stock").get<std::string>();
   job.position = json.at("position").get<double>();
@@ -79,15 +81,15 @@ absl::StatusOr<MachineRecord> FileMachineMemory::Load() {
   MORTISE_RETURN_IF_ERROR(bytes.status());
   try {
     const Json json = Json::parse(*bytes);
-    record.identity = json.at("identity").get<std::uint32_t>();
-    record.boot_epoch = json.at("boot_epoch").get<std::uint32_t>();
-    record.accepted = json.at("accepted").get<std::uint32_t>();
-    record.done = json.at("done").get<std::uint32_t>();
-    record.result = static_cast<JobResult>(json.at("result").get<std::uint16_t>());
+    record.identity = WholeNumber<std::uint32_t>(json.at("identity"));
+    record.boot_epoch = WholeNumber<std::uint32_t>(json.at("boot_epoch"));
+    record.accepted = WholeNumber<std::uint32_t>(json.at("accepted"));
+    record.done = WholeNumber<std::uint32_t>(json.at("done"));
+    record.result = static_cast<JobResult>(WholeNumber<std::uint16_t>(json.at("result")));
     record.seconds = json.at("seconds").get<double>();
     record.tool_in_material = json.at("tool_in_material").get<bool>();
     if (json.contains("open_job")) record.open_job = JobFromJson(json.at("open_job"));
-  } catch (const Json::exception& error) {
+  } catch (const std::exception& error) {
     return absl::DataLossError(absl::StrCat(state_.string(), ": ", error.what()));
   }
   return record;
@@ -137,10 +139,10 @@ absl::StatusOr<std::vector<Cut>> ReadCutRecord(const std::filesystem::path& path
     try {
       const Json json = Json::parse(line);
       cuts.push_back({json.at("machine").get<std::string>(),
-                      json.at("sequence_number").get<std::uint32_t>(),
+                      WholeNumber<std::uint32_t>(json.at("sequence_number")),
                       json.at("part").get<std::string>(), json.at("stock").get<std::string>(),
                       json.at("length").get<double>()});
-    } catch (const Json::exception& error) {
+    } catch (const std::exception& error) {
       return absl::DataLossError(absl::StrCat(path.string(), ":", number, ": ", error.what()));
     }
   }

@@ -182,7 +182,10 @@ TEST_F(JournalTest, ARecordThatMakesNoSenseNamesItsLine) {
       const char* text :
       {"{}", "not json", R"({"type":"other"})", R"({"type":"report","number":5})",
        R"({"type":"intent","work_order":"w","machine":"m","sequence":1,"number":1,"identity":1,"boot_epoch":1})",
-       R"({"type":"result","machine":"m","number":1,"result":1,"seconds":1})"}) {
+       R"({"type":"result","machine":"m","number":1,"result":1,"seconds":1})",
+       R"({"type":"acknowledged","number":1e300})", R"({"type":"acknowledged","number":0.5})",
+       R"({"type":"adopted","machine":"m","number":4294967296})",
+       R"({"type":"adopted","machine":"m","number":-1})"}) {
     std::ofstream(path_, std::ios::binary | std::ios::trunc)
         << FormatLogLine(R"({"type":"acknowledged","number":0})") << FormatLogLine(text);
     const auto journal = Journal::Open(path_);
