@@ -237,8 +237,13 @@ Laid Lay(const Pattern& pattern, const PatternDirection& direction, int count,
   return laid;
 }
 
-// Whether neighbours stay clear of each other, where they were clear in the original.
+// Whether neighbours, of the pattern or of the principal one that it follows, do not stay clear of
+// each other where they were clear in the original.
 bool Intersects(const Pattern& pattern, const PatternDirection& direction, const Laid& laid) {
+  if (direction.principal_size > 0) {
+    const double clear_from = direction.principal_size - 1e-9 * (1 + direction.principal_size);
+    return direction.spacing.norm() >= clear_from && laid.spacing.norm() < clear_from;
+  }
   bool clear = false;
   bool was_clear = false;
   for (int axis = 0; axis < 3; ++axis) {
@@ -269,7 +274,7 @@ int CountFor(const Pattern& pattern, const PatternDirection& direction,
     }
   }
   int count = low;
-  if (!pattern.connecting && count > 2 &&
+  if ((!pattern.connecting || direction.principal_size > 0) && count > 2 &&
       spacing(count - 1) - original <= original - spacing(count)) {
     --count;
   }
@@ -302,6 +307,23 @@ std::vector<FoundPattern> FindPatterns(const Assembly& assembly, double toleranc
 Eigen::Vector3d PatternLayout::CenterOf(int index) const {
   return first_center + (index % directions[0].count) * directions[0].spacing +
          (index / directions[0].count) * directions[1].spacing;
+}
+
+std::optional<std::pair<int, int>> CommonDirection(const Pattern& a, const Pattern& b, int axis,
+                                                   double tolerance) {
+  const auto index = static_cast<std::size_t>(axis);
+  if (a.resizable[index] || b.resizable[index]) return std::nullopt;
+  for (int i = 0; i < 2; ++i) {
+    for (int j = 0; j < 2; ++j) {
+      const PatternDirection& of_a = a.directions[static_cast<std::size_t>(i)];
+      const PatternDirection& of_b = b.directions[static_cast<std::size_t>(j)];
+      const bool alike = of_a.count > 1 && of_a.count == of_b.count &&
+                         (of_a.spacing - of_b.spacing).norm() <= tolerance;
+      const bool along_axis = std::abs(of_a.spacing[axis]) >= of_a.spacing.norm() - tolerance;
+      if (alike && along_axis) return std::pair(i, j);
+    }
+  }
+  return std::nullopt;
 }
 
 PatternLayout LayOut(const Pattern& pattern, const BoundingBox& box) {

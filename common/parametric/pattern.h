@@ -4,6 +4,8 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "common/parametric/assembly.h"
@@ -14,6 +16,10 @@ namespace mortise::parametric {
 struct PatternDirection {
   int count = 1;                                      // number of parts along it; 1: none
   Eigen::Vector3d spacing = Eigen::Vector3d::Zero();  // m, from one part to the next
+  // Of a connecting pattern that fastens a principal one part by part: how long that one's parts
+  // are along the direction, m. The count is then chosen as for them, so that there are as many. 0:
+  // none.
+  double principal_size = 0;
 };
 
 // Identical parts at equal spacings along one or two perpendicular directions. A direction need not
@@ -38,6 +44,12 @@ struct FoundPattern {
 // size agree. `tolerance` in metres. O(n² log n) for n identical parts of one group in one
 // dimension; two dimensions add the pairs of directions that meet in a part.
 std::vector<FoundPattern> FindPatterns(const Assembly& assembly, double tolerance);
+
+// The direction of `a`, and that of `b`, along an axis in which the two repeat together: as often
+// and as far apart as each other, along that axis only, without changing the size of their parts.
+// Nothing if there is none. `tolerance` in metres.
+std::optional<std::pair<int, int>> CommonDirection(const Pattern& a, const Pattern& b, int axis,
+                                                   double tolerance);
 
 // The parts of a pattern that fills a box: count, spacing and size of each.
 struct PatternLayout {

@@ -27,7 +27,10 @@ class RelationshipSearch {
     FindSymmetries();
     for (const Pose& pose : PosesOf(assembly_)) {
       const std::vector<PosedPosition> positions = PositionsIn(pose, assembly_, elements_);
-      if (pose.joint < 0) TieJoints(positions);
+      if (pose.joint < 0) {
+        TieJoints(positions);
+        TiePatterns(contacts);
+      }
       for (const Axis axis : kAxes) {
         FindLevel(pose, positions, axis);
         FindOrder(pose, positions, axis);
@@ -300,6 +303,32 @@ class RelationshipSearch {
     }
   }
 
+  // ---- Patterns
+  // ------------------------------------------------------------------------------------
+
+  // Along a common direction both go from their first part to their last at the same distance from
+  // each other: centres and sizes of their boxes differ as drawn.
+  void TiePatterns(const Contacts& contacts) {
+    for (const auto& [a, b] : contacts) {
+      if (!At(a).pattern || !At(b).pattern) continue;
+      for (const Axis axis : kAxes) {
+        if (!CommonDirection(*At(a).pattern, *At(b).pattern, static_cast<int>(axis), tolerance_)) {
+          continue;
+        }
+        const std::string label = absl::StrCat("'", At(a).name, "' repeats along ", AxisName(axis),
+                                               " with '", At(b).name, "'");
+        Add(RelationshipKind::kRepeat, true,
+            LinearForm::Variable(CenterVariable(a, axis)) -
+                LinearForm::Variable(CenterVariable(b, axis)),
+            CommonGroup(a, b), label);
+        Add(RelationshipKind::kRepeat, true,
+            LinearForm::Variable(SizeVariable(a, axis)) -
+                LinearForm::Variable(SizeVariable(b, axis)),
+            CommonGroup(a, b), label);
+      }
+    }
+  }
+
   // ---- Joints
   // ------------------------------------------------------------------------------------
 
@@ -352,8 +381,30 @@ const char* RelationshipKindName(RelationshipKind kind) {
       return "order";
     case RelationshipKind::kSize:
       return "size";
+    case RelationshipKind::kRepeat:
+      return "repeat";
   }
   return "";
+}
+
+void FollowPrincipalPatterns(std::vector<Element>& elements, const Contacts& contacts,
+                             double tolerance) {
+  const auto follow = [&](Element& follower, const Element& principal) {
+    if (!follower.connecting || principal.connecting) return;
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto common = CommonDirection(*follower.pattern, *principal.pattern, axis, tolerance);
+      if (!common) continue;
+      follower.pattern->directions[static_cast<std::size_t>(common->first)].principal_size =
+          principal.pattern->part_size[axis];
+    }
+  };
+  for (const auto& [a, b] : contacts) {
+    Element& first = elements[static_cast<std::size_t>(a)];
+    Element& second = elements[static_cast<std::size_t>(b)];
+    if (!first.pattern || !second.pattern) continue;
+    follow(first, second);
+    follow(second, first);
+  }
 }
 
 std::vector<Relationship> FindRelationships(const Assembly& assembly,

@@ -19,9 +19,10 @@ enum class RelationshipKind {
   kSymmetric,   // two elements stay mirror images about the centre of a third
   kOrder,       // a plane stays before another
   kSize,        // a size stays fixed, or within its limits
+  kRepeat,      // two patterns that touch go on repeating together
 };
 
-// "coplanar", "concentric", "symmetric", "order" or "size".
+// "coplanar", "concentric", "symmetric", "order", "size" or "repeat".
 const char* RelationshipKindName(RelationshipKind kind);
 
 struct Relationship {
@@ -36,6 +37,11 @@ struct Relationship {
 // Elements that touch, by index.
 using Contacts = std::vector<std::pair<int, int>>;
 
+// Lets connecting patterns that touch a principal one, and repeat together with it, take its
+// counts. After MakeElements, before anything that depends on how many parts there are.
+void FollowPrincipalPatterns(std::vector<Element>& elements, const Contacts& contacts,
+                             double tolerance);
+
 // All relationships of a design, those of rest poses included: each joint's rest poses are taken
 // one joint at a time, the others as drawn. The drawn parameters satisfy every one.
 //
@@ -45,7 +51,9 @@ using Contacts = std::vector<std::pair<int, int>>;
 //   along the other, looked for among siblings first, then up the tree; their sizes stay equal;
 // - order: what lies wholly before another along an axis stays so; of elements that touch, all
 //   planes keep their order, so that the contact is not lost;
-// - size: the limits of the items.
+// - size: the limits of the items;
+// - repeat: patterns that touch and are as often and as far apart along an axis stay so: what
+//   fastens each part of a row goes on doing that.
 //
 // Every node holds what it needs: cut out, a subtree is constrained among its own elements exactly
 // as within the whole, since members of one plane are chained at the lowest node above each two.

@@ -8,6 +8,8 @@
 #include <set>
 
 #include "common/mesh/mass_properties.h"
+#include "common/parametric/feasible_set.h"
+#include "common/parametric/relationship.h"
 #include "common/parametric/rest_pose.h"
 #include "tests/unit/common/parametric/assemblies.h"
 
@@ -48,6 +50,52 @@ TEST(LinearDesign, APatternThatGrowsHasMoreParts) {
     if (part.element == 0) highest = std::max(highest, part.box.maximum.z());
   }
   EXPECT_NEAR(highest, BoxOf(q, 0).maximum.z(), 1e-12) << "the pattern fills its box";
+}
+
+// A deck of boards almost side by side, a screw through each: both rows keep as many parts, one on
+// the other, though only boards can run into each other.
+TEST(LinearDesign, WhatFastensARowPartByPartFollowsIt) {
+  Assembly deck;
+  deck.name = "deck";
+  deck.groups = {{"deck", -1}};
+  for (int i = 0; i < 6; ++i) {
+    const double y = 0.145 * i;
+    const std::string number = std::to_string(i + 1);
+    deck.parts.push_back(FixedPart("board " + number, {0, y, 0}, {1, y + 0.14, 0.02}));
+    deck.parts.push_back(
+        FixedPart("screw " + number, {0.05, y + 0.068, -0.02}, {0.054, y + 0.072, 0.02}));
+    deck.parts.back().item = "items/screw";
+    deck.parts.back().connecting = true;
+  }
+  std::vector<Element> elements = MakeElements(deck, kTolerance);
+  ASSERT_EQ(elements.size(), 2U);
+  const Contacts contacts = TouchingPairs(elements);
+  FollowPrincipalPatterns(elements, contacts, kTolerance);
+  const auto set =
+      FeasibleSet::Create(FindRelationships(deck, elements, contacts, kTolerance),
+                          DrawnParameters(deck, elements), VariablesWithin(deck, elements, 0));
+  ASSERT_TRUE(set.ok()) << set.status();
+  const int boards = elements[0].connecting ? 1 : 0;
+  std::set<std::size_t> counts;
+  for (double width = 0.51; width < 1.59; width += 0.0131) {
+    const auto q = set->Nearest(
+        set->drawn(),
+        {{LinearForm::Variable(SizeVariable(boards, Axis::kY)), width, "width of the deck"}});
+    ASSERT_TRUE(q.ok()) << q.status();
+    std::vector<BoundingBox> rows[2];
+    for (const PlacedPart& part : PlaceParts(deck, elements, *q)) {
+      rows[part.element == boards ? 0 : 1].push_back(part.box);
+    }
+    ASSERT_EQ(rows[0].size(), rows[1].size()) << width;
+    for (std::size_t i = 0; i < rows[0].size(); ++i) {
+      EXPECT_NEAR(rows[0][i].center().y(), rows[1][i].center().y(), 1e-9);
+      if (i > 0) {
+        EXPECT_GE(rows[0][i].minimum.y(), rows[0][i - 1].maximum.y() - 1e-8);
+      }
+    }
+    counts.insert(rows[0].size());
+  }
+  EXPECT_GT(counts.size(), 5U) << "the rows shrank and grew";
 }
 
 // Vertices at a mixture of parameters are the mixture of the vertices.
