@@ -244,6 +244,7 @@ void AddCatalogCommands(CLI::App& app, Session& session) {
   CLI::App* show = catalog->add_subcommand("show", "Print a template, item or material");
   show->add_option("name", *name, "Such as templates/table or items/dowel-8x35")->required();
   show->add_option("--revision", *revision, "A revision of an item or template; else the latest");
+  show->footer("Example: mortise catalog show items/hex-nut-m8 --revision 1");
   show->callback([&session, name, revision] {
     session.command = [name, revision](Session& s, Output& o) {
       return Show(*name, *revision, s, o);

@@ -31,6 +31,8 @@ void BuildCommandLine(CLI::App& app, Session& session) {
   AddEventsCommand(app, session);
   AddCallCommand(app, session);
   AddCompletionCommand(app, session);
+  // Last: commands would inherit it.
+  app.footer("Example: mortise up --insecure-development, then in another shell: mortise status");
 }
 
 absl::Status RunCommandLine(const std::vector<std::string>& arguments, const Session& session,

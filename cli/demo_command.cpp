@@ -14,6 +14,7 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "cli/command_line.h"
+#include "cli/flag_checks.h"
 #include "cli/process.h"
 #include "cli/session.h"
 #include "cli/state_folder.h"
@@ -252,11 +253,13 @@ void AddDemoCommand(CLI::App& app, Session& session) {
   CLI::App* demo = app.add_subcommand("demo", "The main job, from a parametric table to cut parts");
   demo->add_option("--out", options->out, "Folder for what it makes")->capture_default_str();
   demo->add_option("--evaluations", options->evaluations, "Budget of the trade-off")
+      ->check(CLI::PositiveNumber)
       ->capture_default_str();
   demo->add_option("--seed", options->seed, "Seed of the trade-off")->capture_default_str();
   demo->add_option("--time-scale", options->time_scale, "Speed of the virtual machines")
-      ->check(CLI::PositiveNumber)
+      ->check(PositiveFinite())
       ->capture_default_str();
+  demo->footer("Example: mortise demo --out out/demo");
   demo->callback([&session, options] {
     session.command = [options](Session&, Output& output) { return Demo(*options, output); };
   });

@@ -122,6 +122,7 @@ void AddFabCommands(CLI::App& app, Session& session) {
   auto name = std::make_shared<std::string>();
   CLI::App* watch = fab->add_subcommand("watch", "Follow a work order to its end");
   watch->add_option("name", *name, "workOrders/… or operations/fabplanner/…")->required();
+  watch->footer("Example: mortise fab watch workOrders/0198c1");
   watch->callback([&session, name] {
     session.command = [name](Session& s, Output& o) { return WatchByName(*name, s, o); };
   });

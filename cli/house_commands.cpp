@@ -11,6 +11,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "cli/flag_checks.h"
 #include "cli/house.h"
 #include "cli/launcher.h"
 #include "cli/process.h"
@@ -182,10 +183,11 @@ void AddHouseCommands(CLI::App& app, Session& session) {
   up->add_option("--collection", options->collection,
                  "Items and designs a new catalog begins with");
   up->add_flag("--any-ports", options->any_ports, "Any free ports instead of the usual ones");
-  up->add_option("--workers", options->workers, "Simulator workers; 0 for one a core");
+  up->add_option("--workers", options->workers, "Simulator workers; 0 for one a core")
+      ->check(CLI::NonNegativeNumber);
   up->add_flag("--virtual-cell", options->virtual_cell, "Also a virtual cell and a bridge to it");
   up->add_option("--time-scale", options->time_scale, "Speed of the virtual cell")
-      ->check(CLI::PositiveNumber);
+      ->check(PositiveFinite());
   up->add_flag("--insecure-development", options->insecure_development,
                "Plain text and no tokens, on loopback only");
   up->add_option("--tls-certificate", options->tls_certificate, "PEM certificate of the gateway");
@@ -206,6 +208,7 @@ void AddHouseCommands(CLI::App& app, Session& session) {
 
   CLI::App* down = app.add_subcommand("down", "Stop the house that runs on a state folder");
   down->add_option("--state", session.gateway.state, "Its state folder")->capture_default_str();
+  down->footer("Example: mortise down --state .mortise");
   down->callback([&session] {
     session.command = [](Session& s, Output& output) { return Down(s.gateway.state, output); };
   });
@@ -225,6 +228,7 @@ void AddHouseCommands(CLI::App& app, Session& session) {
 
   CLI::App* status = app.add_subcommand("status", "What runs where");
   status->add_option("--state", session.gateway.state, "State folder")->capture_default_str();
+  status->footer("Example: mortise status --json");
   status->callback([&session] {
     session.command = [](Session& s, Output& output) -> absl::Status {
       MORTISE_ASSIGN_OR_RETURN(const RunningHouse house, HouseThatRuns(s.gateway.state));

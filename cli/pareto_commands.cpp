@@ -205,7 +205,8 @@ void AddParetoCommands(CLI::App& app, Session& session) {
   run->add_option("--minimize", run_options->minimize, "Metric to make small; two or three");
   run->add_option("--fix", run_options->fix, "NAME=VALUE: keep a parameter");
   run->add_option("--range", run_options->range, "NAME=LOW:HIGH: narrow a parameter");
-  run->add_option("--evaluations", run_options->evaluations, "Budget of evaluations");
+  run->add_option("--evaluations", run_options->evaluations, "Budget of evaluations")
+      ->check(CLI::PositiveNumber);
   run->add_option("--seed", run_options->seed, "Same seed, same front")->capture_default_str();
   run->add_option("--out", run_options->out, "Folder for front.csv and front.svg");
   run->footer(
@@ -220,6 +221,7 @@ void AddParetoCommands(CLI::App& app, Session& session) {
   CLI::App* show = pareto->add_subcommand("show", "Print a front");
   show->add_option("front", *name, "Front, such as fronts/0198c1")->required();
   show->add_option("--out", *out, "Folder for front.csv and front.svg");
+  show->footer("Example: mortise pareto show fronts/0198c1");
   show->callback([&session, name, out] {
     session.command = [name, out](Session& s, Output& o) { return Show(*name, *out, s, o); };
   });

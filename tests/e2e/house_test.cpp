@@ -155,6 +155,28 @@ TEST(CommandLine, EveryCommandHasHelpAndMistakesAreExplained) {
   EXPECT_EQ(Mortise({"analyze"}).exit_code, 2);
 }
 
+TEST(CommandLine, WrongCommandLinesAreOneDocumentWithJson) {
+  for (const std::vector<std::string>& wrong : std::vector<std::vector<std::string>>{
+           {"--json"},
+           {"nonsense", "--json"},
+           {"--json", "catalog", "list", "--bogus"},
+           {"--json", "events", "--since", "abc"},
+           {"--json", "up", "--workers", "-4", "--dry-run"},
+           {"--json", "up", "--time-scale", "nan", "--dry-run"},
+           {"--json", "demo", "--evaluations", "-3"},
+           {"--json", "pareto", "run", "table", "--evaluations", "0"}}) {
+    const CommandResult result = Mortise(wrong);
+    EXPECT_EQ(result.exit_code, 2) << wrong.back();
+    const auto document = nlohmann::json::parse(result.out, nullptr, false);
+    ASSERT_TRUE(document.is_object()) << result.out;
+    EXPECT_EQ(document["error"]["code"], "INVALID_ARGUMENT");
+    EXPECT_EQ(document["error"]["field"], "arguments");
+  }
+  const CommandResult help = Mortise({"--json", "analyze", "--help"});
+  EXPECT_EQ(help.exit_code, 0);
+  EXPECT_THAT(nlohmann::json::parse(help.out)["text"].get<std::string>(), HasSubstr("Example"));
+}
+
 TEST(CommandLine, WithoutAHouseSaysHowToStartOne) {
   const CommandResult result = Mortise({"--house", "/nonexistent", "catalog", "list"});
   EXPECT_EQ(result.exit_code, 1);
