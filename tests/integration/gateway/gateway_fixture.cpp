@@ -48,7 +48,8 @@ HttpAnswer Http(const std::string& address, const std::string& method, const std
     http::write(stream, request, error);
     beast::flat_buffer buffer;
     http::response_parser<http::string_body> parser;
-    parser.body_limit(64 << 20);
+    // An endless stream sends what the machine can until its deadline.
+    parser.body_limit(boost::none);
     http::read(stream, buffer, parser);
     answer.status = parser.get().result_int();
     for (const auto& field : parser.get()) {
