@@ -2,7 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <set>
+#include <string>
+#include <thread>
+#include <vector>
 
 namespace mortise {
 namespace {
@@ -16,9 +20,31 @@ TEST(NewIdentifier, IsUniqueAndAValidResourceId) {
   }
 }
 
-TEST(NewIdentifier, SortsByAge) {
-  const std::string first = NewIdentifier();
-  EXPECT_LE(first.substr(0, 10), NewIdentifier().substr(0, 10));
+TEST(NewIdentifier, SortsByAgeEvenWithinAMillisecond) {
+  std::string last = NewIdentifier();
+  for (int i = 0; i < 100000; ++i) {
+    const std::string next = NewIdentifier();
+    ASSERT_LT(last, next);
+    last = next;
+  }
+}
+
+TEST(NewIdentifier, IsUniqueAndSortedOnEveryThread) {
+  std::vector<std::vector<std::string>> made(4);
+  {
+    std::vector<std::jthread> threads;
+    for (std::vector<std::string>& mine : made) {
+      threads.emplace_back([&mine] {
+        for (int i = 0; i < 10000; ++i) mine.push_back(NewIdentifier());
+      });
+    }
+  }
+  std::set<std::string> all;
+  for (const std::vector<std::string>& mine : made) {
+    EXPECT_TRUE(std::is_sorted(mine.begin(), mine.end()));
+    all.insert(mine.begin(), mine.end());
+  }
+  EXPECT_EQ(all.size(), 40000u);
 }
 
 TEST(IsResourceId, AcceptsOnlyLowerCaseDigitsAndInnerHyphens) {
