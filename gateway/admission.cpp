@@ -11,6 +11,10 @@ namespace mortise::gateway {
 namespace {
 
 constexpr std::size_t kMaximalRememberedTokens = 4096;
+constexpr std::size_t kMaximalRememberedIdentities = 4096;
+
+// Leaves four of the five minutes that an identity lives to the calls that carry it on.
+constexpr absl::Duration kSignedAgainAfter = absl::Minutes(1);
 
 std::string SubjectName(const std::string& subject) {
   return subject.find('/') == std::string::npos ? "users/" + subject : subject;
@@ -86,9 +90,24 @@ absl::Status Admission::Authorize(const MethodRoute& method, const Caller& calle
   return absl::OkStatus();
 }
 
-std::string Admission::Sign(const Caller& caller, std::string_view request_id) const {
+std::string Admission::SignedIdentity(const Caller& caller) {
   if (options_.signer == nullptr) return {};
-  return options_.signer->Sign(caller.subject, caller.role, request_id);
+  const absl::Time now = options_.clock();
+  std::pair<std::string, rpc::Role> key(caller.subject, caller.role);
+  {
+    std::lock_guard lock(mutex_);
+    const auto found = signed_.find(key);
+    // A clock that was set back would make an identity of the future.
+    if (found != signed_.end() && found->second.at <= now &&
+        now < found->second.at + kSignedAgainAfter) {
+      return found->second.identity;
+    }
+  }
+  std::string identity = options_.signer->Sign(caller.subject, caller.role, "");
+  std::lock_guard lock(mutex_);
+  if (signed_.size() >= kMaximalRememberedIdentities) signed_.clear();
+  signed_[std::move(key)] = {identity, now};
+  return identity;
 }
 
 bool IsRequestId(std::string_view text) {

@@ -67,12 +67,9 @@ GenericStub* ProxiedCall::Prepare(const grpc::ByteBuffer* first, absl::Status& e
     if (!IsPassedOn(View(key), View(value))) continue;
     upstream_.AddMetadata(std::string(View(key)), std::string(View(value)));
   }
-  std::string identity = proxy_.admission->Sign(*caller_, request_id_);
-  if (identity.empty()) {
-    upstream_.AddMetadata(rpc::kTraceMetadata, request_id_);
-  } else {
-    upstream_.AddMetadata(rpc::kIdentityMetadata, identity);
-  }
+  upstream_.AddMetadata(rpc::kTraceMetadata, request_id_);
+  const std::string identity = proxy_.admission->SignedIdentity(*caller_);
+  if (!identity.empty()) upstream_.AddMetadata(rpc::kIdentityMetadata, identity);
   const Upstreams::Connection* connection = proxy_.upstreams->Next(service_);
   patience_.emplace(connection->channel, upstream_,
                     absl::ToChronoMilliseconds(proxy_.upstreams->options().patience));

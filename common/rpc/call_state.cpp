@@ -88,6 +88,7 @@ absl::Status CallState::Authenticate() {
     return IdentityInvalid("the call carries no identity; call through the gateway");
   }
   MORTISE_ASSIGN_OR_RETURN(identity_, verifier->Verify(signed_identity_));
+  if (identity_.request_id.empty()) identity_.request_id = trace_id_;
   if (!IsTraceId(identity_.request_id)) identity_.request_id = NewIdentifier();
   return absl::OkStatus();
 }

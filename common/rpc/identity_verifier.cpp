@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <map>
 #include <mutex>
+#include <optional>
+#include <unordered_map>
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
@@ -16,6 +18,8 @@ using Keys = std::map<std::string, std::shared_ptr<const IdentityKey>>;
 
 // Unknown issuers may be forged; they do not get to read the disk more often than this.
 constexpr absl::Duration kReloadInterval = absl::Seconds(1);
+
+constexpr std::size_t kMaximalRemembered = 4096;
 
 absl::StatusOr<Keys> ReadKeys(const std::filesystem::path& folder) {
   Keys keys;
@@ -49,6 +53,26 @@ class KeyVerifier : public IdentityVerifier {
       : options_(std::move(options)), keys_(std::move(keys)), loaded_at_(options_.clock()) {}
 
   absl::StatusOr<Identity> Verify(std::string_view signed_identity) override {
+    std::string bytes(signed_identity);
+    if (const std::optional<Identity> known = Find(bytes)) {
+      MORTISE_RETURN_IF_ERROR(CheckTimes(*known));
+      return *known;
+    }
+    MORTISE_ASSIGN_OR_RETURN(Identity identity, VerifySignature(signed_identity));
+    std::lock_guard lock(mutex_);
+    if (verified_.size() >= kMaximalRemembered) verified_.clear();
+    verified_[std::move(bytes)] = identity;
+    return identity;
+  }
+
+ private:
+  std::optional<Identity> Find(const std::string& bytes) {
+    std::lock_guard lock(mutex_);
+    const auto found = verified_.find(bytes);
+    return found == verified_.end() ? std::nullopt : std::optional(found->second);
+  }
+
+  absl::StatusOr<Identity> VerifySignature(std::string_view signed_identity) {
     v1::SignedIdentity envelope;
     v1::Identity claim;
     if (!envelope.ParseFromArray(signed_identity.data(),
@@ -61,30 +85,30 @@ class KeyVerifier : public IdentityVerifier {
     if (!key->Verify(envelope.identity(), envelope.signature())) {
       return IdentityInvalid("the identity's signature is wrong");
     }
-    MORTISE_RETURN_IF_ERROR(CheckClaim(claim));
-    return Identity{.subject = claim.subject(),
-                    .role = HighestRole(claim),
-                    .request_id = claim.request_id(),
-                    .issuer = claim.issuer(),
-                    .issued_at = absl::FromUnixSeconds(claim.issued_at()),
-                    .expires_at = absl::FromUnixSeconds(claim.expires_at())};
+    Identity identity{.subject = claim.subject(),
+                      .role = HighestRole(claim),
+                      .request_id = claim.request_id(),
+                      .issuer = claim.issuer(),
+                      .issued_at = absl::FromUnixSeconds(claim.issued_at()),
+                      .expires_at = absl::FromUnixSeconds(claim.expires_at())};
+    MORTISE_RETURN_IF_ERROR(CheckTimes(identity));
+    if (identity.subject.empty()) return IdentityInvalid("the identity names no subject");
+    if (identity.issuer != kGatewayIssuer && identity.subject != "services/" + identity.issuer) {
+      return IdentityInvalid("the identity's issuer may not vouch for its subject");
+    }
+    return identity;
   }
 
- private:
-  absl::Status CheckClaim(const v1::Identity& claim) const {
+  absl::Status CheckTimes(const Identity& identity) const {
     const absl::Time now = options_.clock();
-    const absl::Time issued = absl::FromUnixSeconds(claim.issued_at());
-    const absl::Time expires = absl::FromUnixSeconds(claim.expires_at());
-    if (now > expires + options_.clock_skew) return IdentityInvalid("the identity has expired");
-    if (issued > now + options_.clock_skew) {
+    if (now > identity.expires_at + options_.clock_skew) {
+      return IdentityInvalid("the identity has expired");
+    }
+    if (identity.issued_at > now + options_.clock_skew) {
       return IdentityInvalid("the identity is from the future; compare the clocks of the hosts");
     }
-    if (expires - issued > kIdentityLifetime) {
+    if (identity.expires_at - identity.issued_at > kIdentityLifetime) {
       return IdentityInvalid("the identity lives longer than 300 s");
-    }
-    if (claim.subject().empty()) return IdentityInvalid("the identity names no subject");
-    if (claim.issuer() != kGatewayIssuer && claim.subject() != "services/" + claim.issuer()) {
-      return IdentityInvalid("the identity's issuer may not vouch for its subject");
     }
     return absl::OkStatus();
   }
@@ -104,6 +128,7 @@ class KeyVerifier : public IdentityVerifier {
     absl::StatusOr<Keys> keys = ReadKeys(options_.folder);
     if (keys.ok()) {
       keys_ = *std::move(keys);
+      verified_.clear();  // some may be of issuers that are not trusted any more
     } else {
       Log(LogLevel::kWarning, "identity keys cannot be read again",
           {{"error", keys.status().message()}});
@@ -112,8 +137,11 @@ class KeyVerifier : public IdentityVerifier {
 
   const VerifierOptions options_;
   std::mutex mutex_;
-  Keys keys_;             // guarded by mutex_
-  absl::Time loaded_at_;  // guarded by mutex_
+  Keys keys_;  // guarded by mutex_
+  // By the bytes that were verified: an identity travels with many calls, and a signature takes
+  // longer to verify than a small call to answer.
+  std::unordered_map<std::string, Identity> verified_;  // guarded by mutex_
+  absl::Time loaded_at_;                                // guarded by mutex_
 };
 
 }  // namespace

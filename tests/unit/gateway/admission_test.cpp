@@ -4,12 +4,13 @@
 #include <gtest/gtest.h>
 
 #include "common/base/errors.h"
+#include "tests/support/temporary_folder.h"
 #include "tests/unit/gateway/token_fixture.h"
 
 namespace mortise::gateway {
 namespace {
 
-class AdmissionTest : public testing::Test {
+class AdmissionTest : public ::testing::Test {
  protected:
   AdmissionTest() {
     AdmissionOptions options;
@@ -69,12 +70,42 @@ TEST_F(AdmissionTest, HoldsEveryMethodToItsRole) {
   EXPECT_FALSE(admission_->Authorize(undeclared, {"users/ada", rpc::Role::kAdmin}).ok());
 }
 
+TEST_F(AdmissionTest, SignsACallersIdentityEveryMinute) {
+  const mortise::testing::TemporaryFolder folder;
+  ASSERT_TRUE(rpc::CreateIdentityKey(folder.path(), "gateway").ok());
+  const auto clock = [this] { return now_; };
+  const auto signer = *rpc::IdentitySigner::Load(folder.path(), "gateway", clock);
+  const auto verifier = *rpc::IdentityVerifier::Load({.folder = folder.path(), .clock = clock});
+  AdmissionOptions options;
+  options.signer = signer.get();
+  options.clock = clock;
+  Admission admission(std::move(options));
+
+  const Caller ada{"users/ada", rpc::Role::kViewer};
+  const std::string first = admission.SignedIdentity(ada);
+  now_ += absl::Seconds(59);
+  EXPECT_EQ(admission.SignedIdentity(ada), first);
+  now_ += absl::Seconds(1);
+  const std::string second = admission.SignedIdentity(ada);
+  EXPECT_NE(second, first);
+  EXPECT_EQ(verifier->Verify(second)->issued_at, now_);
+
+  const auto identity =
+      verifier->Verify(admission.SignedIdentity({"users/ada", rpc::Role::kAdmin}));
+  EXPECT_EQ(identity->role, rpc::Role::kAdmin) << "a new role counts at once";
+  EXPECT_EQ(verifier->Verify(admission.SignedIdentity({"users/bob", rpc::Role::kAdmin}))->subject,
+            "users/bob");
+
+  now_ -= absl::Minutes(10);
+  EXPECT_TRUE(verifier->Verify(admission.SignedIdentity(ada)).ok()) << "after a clock was set back";
+}
+
 TEST_F(AdmissionTest, LetsDevelopersInWithoutATokenOnlyInDevelopment) {
   AdmissionOptions options;
   options.insecure_development = true;
   Admission open(std::move(options));
   EXPECT_EQ((*open.Authenticate(""))->role, rpc::Role::kAdmin);
-  EXPECT_EQ(open.Sign(**open.Authenticate(""), "r"), "");
+  EXPECT_EQ(open.SignedIdentity(**open.Authenticate("")), "");
 }
 
 TEST(RequestId, AcceptsOnlyPlainOnes) {

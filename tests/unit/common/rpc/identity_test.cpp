@@ -66,6 +66,31 @@ TEST_F(IdentityTest, RefusesTheFuture) {
   EXPECT_NE(Refusal(bytes).find("future"), std::string::npos);
 }
 
+TEST_F(IdentityTest, OneThatWasVerifiedBeforeStillHasItsTime) {
+  const std::string bytes = gateway_->Sign("users/ada", Role::kOperator, "");
+  for (int i = 0; i < 3; ++i) {
+    const auto identity = verifier_->Verify(bytes);
+    ASSERT_OK(identity);
+    EXPECT_EQ(identity->subject, "users/ada");
+    EXPECT_EQ(identity->role, Role::kOperator);
+  }
+  const absl::Time signed_at = now_;
+  now_ = signed_at - absl::Seconds(6);
+  EXPECT_NE(Refusal(bytes).find("future"), std::string::npos);
+  now_ = signed_at + kIdentityLifetime + absl::Seconds(6);
+  EXPECT_EQ(Refusal(bytes), "the identity has expired");
+}
+
+TEST_F(IdentityTest, WhenKeysAreReadAgainIssuersThatAreGoneAreForgotten) {
+  const std::string pareto = Signer("pareto")->SignService(Role::kViewer, "");
+  EXPECT_OK(verifier_->Verify(pareto));
+  std::filesystem::remove(folder_.path() / "pareto.pub");
+  ASSERT_OK(CreateIdentityKey(folder_.path(), "simulator"));
+  now_ += absl::Seconds(1);
+  EXPECT_OK(verifier_->Verify(Signer("simulator")->SignService(Role::kViewer, "")));
+  EXPECT_EQ(Refusal(pareto), "the identity's issuer is not trusted");
+}
+
 TEST_F(IdentityTest, RefusesForgery) {
   v1::SignedIdentity envelope;
   ASSERT_TRUE(envelope.ParseFromString(gateway_->Sign("users/ada", Role::kViewer, "r")));

@@ -109,6 +109,27 @@ TEST_F(UnaryCallTest, TheLogAndTheHandlerShareTheTraceId) {
   EXPECT_EQ(trace, "trace-7");
 }
 
+TEST_F(UnaryCallTest, AnIdentityForManyRequestsLeavesTheTraceIdToTheCall) {
+  std::string trace;
+  handlers_.read = [&](const rpc::Call& call, const ReadRequest&) -> absl::StatusOr<ReadResponse> {
+    trace = call.identity().request_id;
+    return ReadResponse();
+  };
+  const std::string identity = gateway_->Sign("users/ada", rpc::Role::kViewer, "");
+  for (const std::string given : {"request-1", "request-2", "not one"}) {
+    grpc::ClientContext context;
+    context.AddMetadata(rpc::kIdentityMetadata, identity);
+    context.AddMetadata(rpc::kTraceMetadata, given);
+    ASSERT_OK(ReadWith(&context));
+    if (given == "not one") {
+      EXPECT_NE(trace, given);
+      EXPECT_FALSE(trace.empty());
+    } else {
+      EXPECT_EQ(trace, given);
+    }
+  }
+}
+
 TEST_F(UnaryCallTest, FailuresKeepTheirDetails) {
   handlers_.read = [](const rpc::Call&, const ReadRequest&) -> absl::StatusOr<ReadResponse> {
     return StaleRevision("items/board", 2, 5);
