@@ -32,6 +32,7 @@ function(mortise_find_library target header)
 endfunction()
 mortise_find_library(mortise_cholmod cholmod.h cholmod openblas)
 mortise_find_library(mortise_tetgen tetgen.h tet)
+mortise_find_library(mortise_cgal CGAL/AABB_tree.h gmp mpfr)
 
 if(MORTISE_BUILD_TESTS OR MORTISE_BUILD_BENCHES)
   find_package(GTest CONFIG REQUIRED)

@@ -1,0 +1,152 @@
+#include "common/mesh/proximity.h"
+
+#include <CGAL/AABB_traits.h>
+#include <CGAL/AABB_tree.h>
+#include <CGAL/AABB_triangle_primitive.h>
+#include <CGAL/Simple_cartesian.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <memory>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
+
+namespace mortise::mesh {
+namespace {
+
+using Kernel = CGAL::Simple_cartesian<double>;
+using Point = Kernel::Point_3;
+using Segment = Kernel::Segment_3;
+using Triangle = Kernel::Triangle_3;
+using Triangles = std::vector<Triangle>;
+using Primitive = CGAL::AABB_triangle_primitive<Kernel, Triangles::const_iterator>;
+using Tree = CGAL::AABB_tree<CGAL::AABB_traits<Kernel, Primitive>>;
+
+// A surface ready to be asked. The tree refers to the triangles, so neither moves.
+struct Surface {
+  Triangles triangles;
+  CGAL::Bbox_3 box;
+  Tree tree;
+};
+
+Point ToPoint(const Eigen::Vector3d& vertex) { return {vertex.x(), vertex.y(), vertex.z()}; }
+
+absl::Status CheckSurface(const SurfaceMesh& surface, const std::string& field) {
+  if (surface.triangles.cols() == 0) return InvalidField(field, "has no triangles");
+  if (!surface.vertices.allFinite()) return InvalidField(field, "has vertices that are not finite");
+  const bool in_range =
+      surface.triangles.minCoeff() >= 0 && surface.triangles.maxCoeff() < surface.vertices.cols();
+  if (!in_range) return InvalidField(field, "has triangles with vertices that do not exist");
+  return absl::OkStatus();
+}
+
+std::unique_ptr<const Surface> Prepare(const SurfaceMesh& mesh) {
+  auto surface = std::make_unique<Surface>();
+  for (Eigen::Index t = 0; t < mesh.triangles.cols(); ++t) {
+    surface->triangles.emplace_back(ToPoint(mesh.vertices.col(mesh.triangles(0, t))),
+                                    ToPoint(mesh.vertices.col(mesh.triangles(1, t))),
+                                    ToPoint(mesh.vertices.col(mesh.triangles(2, t))));
+    surface->box += surface->triangles.back().bbox();
+  }
+  surface->tree.insert(surface->triangles.begin(), surface->triangles.end());
+  surface->tree.build();
+  return surface;
+}
+
+CGAL::Bbox_3 Grown(const CGAL::Bbox_3& box, double margin) {
+  return {box.xmin() - margin, box.ymin() - margin, box.zmin() - margin,
+          box.xmax() + margin, box.ymax() + margin, box.zmax() + margin};
+}
+
+Segment EdgeOf(const Triangle& triangle, int edge) {
+  return {triangle.vertex(edge), triangle.vertex(edge + 1)};
+}
+
+// Triangles that do not cross are nearest at two edges, or at a corner and a face.
+double SquaredDistance(const Triangle& a, const Triangle& b) {
+  if (!a.is_degenerate() && !b.is_degenerate() && CGAL::do_intersect(a, b)) return 0;
+  double least = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      least = std::min(least, CGAL::squared_distance(EdgeOf(a, i), EdgeOf(b, j)));
+    }
+    if (!b.is_degenerate()) least = std::min(least, CGAL::squared_distance(a.vertex(i), b));
+    if (!a.is_degenerate()) least = std::min(least, CGAL::squared_distance(b.vertex(i), a));
+  }
+  return least;
+}
+
+// The least distance between two surfaces, as far as it is within `tolerance`; infinity beyond.
+double DistanceWithin(const Surface& a, const Surface& b, double tolerance) {
+  double least = std::numeric_limits<double>::infinity();
+  std::vector<Triangles::const_iterator> near;
+  for (const Triangle& triangle : a.triangles) {
+    near.clear();
+    b.tree.all_intersected_primitives(Grown(triangle.bbox(), tolerance), std::back_inserter(near));
+    for (const auto& other : near) least = std::min(least, SquaredDistance(triangle, *other));
+    if (least == 0) return 0;
+  }
+  least = std::sqrt(least);
+  return least <= tolerance ? least : std::numeric_limits<double>::infinity();
+}
+
+double SolidAngle(const Point& from, const Triangle& triangle) {
+  const auto a = triangle.vertex(0) - from;
+  const auto b = triangle.vertex(1) - from;
+  const auto c = triangle.vertex(2) - from;
+  const double la = std::sqrt(a.squared_length());
+  const double lb = std::sqrt(b.squared_length());
+  const double lc = std::sqrt(c.squared_length());
+  return 2 * std::atan2(CGAL::scalar_product(a, CGAL::cross_product(b, c)),
+                        la * lb * lc + CGAL::scalar_product(a, b) * lc +
+                            CGAL::scalar_product(b, c) * la + CGAL::scalar_product(a, c) * lb);
+}
+
+// By the winding number (van Oosterom and Strackee 1983): whole for closed surfaces, and far from a
+// half for any point that is not on the surface.
+bool IsInside(const Point& point, const Surface& surface) {
+  double sum = 0;
+  for (const Triangle& triangle : surface.triangles) sum += SolidAngle(point, triangle);
+  return std::abs(sum) > 2 * std::acos(-1.0);
+}
+
+bool Encloses(const Surface& outer, const Surface& inner) {
+  const CGAL::Bbox_3& a = outer.box;
+  const CGAL::Bbox_3& b = inner.box;
+  const bool box_encloses = a.xmin() <= b.xmin() && a.ymin() <= b.ymin() && a.zmin() <= b.zmin() &&
+                            a.xmax() >= b.xmax() && a.ymax() >= b.ymax() && a.zmax() >= b.zmax();
+  return box_encloses && IsInside(inner.triangles.front().vertex(0), outer);
+}
+
+}  // namespace
+
+absl::StatusOr<std::vector<Proximity>> FindProximities(const std::vector<SurfaceMesh>& surfaces,
+                                                       double tolerance) {
+  if (!std::isfinite(tolerance) || tolerance < 0) {
+    return InvalidField("tolerance", "must be a finite length that is not negative");
+  }
+  std::vector<std::unique_ptr<const Surface>> prepared;
+  for (std::size_t i = 0; i < surfaces.size(); ++i) {
+    MORTISE_RETURN_IF_ERROR(CheckSurface(surfaces[i], absl::StrCat("surfaces[", i, "]")));
+    prepared.push_back(Prepare(surfaces[i]));
+  }
+  std::vector<Proximity> proximities;
+  for (std::size_t i = 0; i < prepared.size(); ++i) {
+    for (std::size_t j = i + 1; j < prepared.size(); ++j) {
+      const Surface& a = *prepared[i];
+      const Surface& b = *prepared[j];
+      if (!CGAL::do_overlap(Grown(a.box, tolerance), b.box)) continue;
+      const bool a_is_smaller = a.triangles.size() <= b.triangles.size();
+      double distance = DistanceWithin(a_is_smaller ? a : b, a_is_smaller ? b : a, tolerance);
+      if (!std::isfinite(distance) && (Encloses(a, b) || Encloses(b, a))) distance = 0;
+      if (!std::isfinite(distance)) continue;
+      proximities.push_back({static_cast<int>(i), static_cast<int>(j), distance});
+    }
+  }
+  return proximities;
+}
+
+}  // namespace mortise::mesh

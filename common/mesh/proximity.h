@@ -1,0 +1,28 @@
+// Which surfaces come near each other: the connectivity graph of a design (thesis §3.4.1).
+#pragma once
+
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "common/mesh/surface_mesh.h"
+
+namespace mortise::mesh {
+
+// Two surfaces that touch: an edge of the graph.
+struct Proximity {
+  int first = 0;        // index of a surface
+  int second = 0;       // a higher one
+  double distance = 0;  // m, between them; 0 if they meet, cross, or one lies inside the other
+};
+
+// All pairs of closed surfaces no further apart than `tolerance`, in metres, in the order of their
+// indices. The distance is that of the triangles, so nothing depends on how finely a surface is
+// triangulated. INVALID_ARGUMENT naming "surfaces[i]" for one without triangles, with indices out
+// of range or vertices that are not finite, or "tolerance" if that is negative or not finite.
+//
+// Axis-aligned bounding box trees (CGAL): about O(n log n) for n triangles, as long as most of them
+// are far apart.
+absl::StatusOr<std::vector<Proximity>> FindProximities(const std::vector<SurfaceMesh>& surfaces,
+                                                       double tolerance);
+
+}  // namespace mortise::mesh
