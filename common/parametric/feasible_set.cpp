@@ -226,13 +226,8 @@ std::vector<Violation> FeasibleSet::Violations(const Eigen::VectorXd& q, double 
   return violations;
 }
 
-absl::StatusOr<Eigen::VectorXd> FeasibleSet::Nearest(const Eigen::VectorXd& wish,
-                                                     const std::vector<Demand>& demands) const {
-  if (wish.size() != drawn_.size() || !wish.allFinite()) {
-    return InvalidField("wish", absl::StrCat("must be ", drawn_.size(), " finite numbers"));
-  }
-  Polyhedron feasible{normals_, slacks_, Eigen::MatrixXd(0, basis_.cols()), Eigen::VectorXd(0)};
-  std::vector<const Demand*> held;  // of each row of equalities
+absl::StatusOr<FeasibleSet::Held> FeasibleSet::Hold(const std::vector<Demand>& demands) const {
+  Held held{{normals_, slacks_, Eigen::MatrixXd(0, basis_.cols()), Eigen::VectorXd(0)}, {}};
   for (std::size_t i = 0; i < demands.size(); ++i) {
     MORTISE_ASSIGN_OR_RETURN(const auto row, RowOf(demands[i], i));
     const double missing = demands[i].value - demands[i].form.At(drawn_);
@@ -240,24 +235,63 @@ absl::StatusOr<Eigen::VectorXd> FeasibleSet::Nearest(const Eigen::VectorXd& wish
       if (std::abs(missing) <= kDrawnTolerance) continue;
       return Conflict({demands[i].description, "the equalities of the design"});
     }
-    const Eigen::Index rows = feasible.equalities.rows() + 1;
-    feasible.equalities.conservativeResize(rows, Eigen::NoChange);
-    feasible.equalities.bottomRows(1) = row.transpose();
-    feasible.values.conservativeResize(rows);
-    feasible.values[rows - 1] = missing;
-    held.push_back(&demands[i]);
+    const Eigen::Index rows = held.feasible.equalities.rows() + 1;
+    held.feasible.equalities.conservativeResize(rows, Eigen::NoChange);
+    held.feasible.equalities.bottomRows(1) = row.transpose();
+    held.feasible.values.conservativeResize(rows);
+    held.feasible.values[rows - 1] = missing;
+    held.demands.push_back(&demands[i]);
   }
-  MORTISE_ASSIGN_OR_RETURN(const Projection nearest,
-                           ProjectOnto(feasible, basis_.transpose() * (wish - drawn_)));
-  if (nearest.point) return Eigen::VectorXd(drawn_ + basis_ * *nearest.point);
+  return held;
+}
+
+absl::StatusOr<Eigen::VectorXd> FeasibleSet::Project(const Held& held,
+                                                     const Eigen::VectorXd& z) const {
+  MORTISE_ASSIGN_OR_RETURN(const Projection nearest, ProjectOnto(held.feasible, z));
+  if (nearest.point) return *nearest.point;
   std::vector<std::string> reasons;
   for (const int row : nearest.equalities) {
-    reasons.push_back(held[static_cast<std::size_t>(row)]->description);
+    reasons.push_back(held.demands[static_cast<std::size_t>(row)]->description);
   }
   for (const int row : nearest.inequalities) {
     reasons.push_back(inequalities_[static_cast<std::size_t>(row)].description);
   }
   return Conflict(reasons);
+}
+
+absl::StatusOr<Eigen::VectorXd> FeasibleSet::Nearest(const Eigen::VectorXd& wish,
+                                                     const std::vector<Demand>& demands) const {
+  if (wish.size() != drawn_.size() || !wish.allFinite()) {
+    return InvalidField("wish", absl::StrCat("must be ", drawn_.size(), " finite numbers"));
+  }
+  MORTISE_ASSIGN_OR_RETURN(const Held held, Hold(demands));
+  MORTISE_ASSIGN_OR_RETURN(const Eigen::VectorXd z,
+                           Project(held, basis_.transpose() * (wish - drawn_)));
+  return Eigen::VectorXd(drawn_ + basis_ * z);
+}
+
+absl::StatusOr<Eigen::VectorXd> FeasibleSet::Furthest(const LinearForm& form,
+                                                      const std::vector<Demand>& demands) const {
+  constexpr double kNoGain = 1e-11;  // m
+  constexpr double kFar = 1e9;       // m: no design is as large
+  MORTISE_ASSIGN_OR_RETURN(const Eigen::VectorXd row, RowOf({form, 0, ""}, 0));
+  MORTISE_ASSIGN_OR_RETURN(const Held held, Hold(demands));
+  MORTISE_ASSIGN_OR_RETURN(Eigen::VectorXd z, Project(held, Eigen::VectorXd::Zero(row.size())));
+  if (row.norm() <= kParallel) return Eigen::VectorXd(drawn_ + basis_ * z);
+  const Eigen::VectorXd direction = row.normalized();
+  for (double step = 1; step < kFar; step *= 4) {
+    MORTISE_ASSIGN_OR_RETURN(const Eigen::VectorXd next, Project(held, z + step * direction));
+    const double gain = direction.dot(next - z);
+    z = next;
+    if (gain <= kNoGain) return Eigen::VectorXd(drawn_ + basis_ * z);
+  }
+  return Unbounded();
+}
+
+absl::StatusOr<std::optional<Eigen::VectorXd>> FeasibleSet::UnboundedDirection() const {
+  MORTISE_ASSIGN_OR_RETURN(const auto open, parametric::UnboundedDirection(normals_));
+  if (!open) return std::optional<Eigen::VectorXd>();
+  return std::optional<Eigen::VectorXd>(basis_ * *open);
 }
 
 absl::StatusOr<Eigen::VectorXd> FeasibleSet::RowOf(const Demand& demand, std::size_t index) const {
@@ -277,7 +311,7 @@ absl::StatusOr<std::vector<Eigen::VectorXd>> FeasibleSet::Sample(int count,
                                                                  std::uint64_t seed) const {
   if (count < 0) return InvalidField("count", "must not be negative");
   const int degrees = degrees_of_freedom();
-  MORTISE_ASSIGN_OR_RETURN(const auto open, UnboundedDirection(normals_));
+  MORTISE_ASSIGN_OR_RETURN(const auto open, parametric::UnboundedDirection(normals_));
   if (open) return Unbounded();
   std::mt19937_64 random(seed);
   std::normal_distribution<double> normal;

@@ -8,11 +8,13 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "common/parametric/polyhedron.h"
 #include "common/parametric/relationship.h"
 
 namespace mortise::parametric {
@@ -64,6 +66,16 @@ class FeasibleSet {
   absl::StatusOr<Eigen::VectorXd> Nearest(const Eigen::VectorXd& wish,
                                           const std::vector<Demand>& demands = {}) const;
 
+  // The feasible parameters that meet the demands and at which `form` is as large as it can be.
+  // Fails as Nearest does; FAILED_PRECONDITION, FEASIBLE_SET_UNBOUNDED if it can be as large as one
+  // likes. A few projections (a proximal point method, which ends after finitely many on a linear
+  // programme).
+  absl::StatusOr<Eigen::VectorXd> Furthest(const LinearForm& form,
+                                           const std::vector<Demand>& demands = {}) const;
+
+  // A change of q that can be followed without end; nothing if there is none, decided exactly.
+  absl::StatusOr<std::optional<Eigen::VectorXd>> UnboundedDirection() const;
+
   // `count` points, each feasible, spread over the set by hit-and-run (Smith 1984): the chain mixes
   // for several times `degrees_of_freedom` steps between points. A seed gives the same points
   // always. FAILED_PRECONDITION, FEASIBLE_SET_UNBOUNDED if the design may move or grow
@@ -71,11 +83,19 @@ class FeasibleSet {
   absl::StatusOr<std::vector<Eigen::VectorXd>> Sample(int count, std::uint64_t seed) const;
 
  private:
+  // The set in z with demands that must be met, and which demand each row of it is.
+  struct Held {
+    Polyhedron feasible;
+    std::vector<const Demand*> demands;
+  };
+
   FeasibleSet() = default;
 
   void SolveEqualities(const std::vector<int>& variables);
   void ReduceInequalities();
   absl::StatusOr<Eigen::VectorXd> RowOf(const Demand& demand, std::size_t index) const;
+  absl::StatusOr<Held> Hold(const std::vector<Demand>& demands) const;
+  absl::StatusOr<Eigen::VectorXd> Project(const Held& held, const Eigen::VectorXd& z) const;
 
   std::vector<Relationship> all_;
   std::vector<Relationship> equalities_;

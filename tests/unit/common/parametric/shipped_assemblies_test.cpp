@@ -4,6 +4,7 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -11,19 +12,13 @@
 #include "common/base/files.h"
 #include "common/parametric/assembly_codec.h"
 #include "common/parametric/collection.h"
-#include "common/parametric/contact_check.h"
-#include "common/parametric/element.h"
-#include "common/parametric/feasible_set.h"
-#include "common/parametric/relationship.h"
-#include "common/parametric/rest_pose.h"
+#include "common/parametric/parametric_assembly.h"
 #include "common/parametric/template_codec.h"
-#include "tests/unit/common/parametric/assemblies.h"
 
 namespace mortise::parametric {
 namespace {
 
 constexpr int kSamples = 1000;
-constexpr double kAlignment = 1e-6;  // m, what counts as one plane
 
 std::filesystem::path CollectionFolder() {
   const char* source = std::getenv("MORTISE_SOURCE_DIR");
@@ -60,41 +55,29 @@ class ShippedAssembly : public ::testing::TestWithParam<std::string> {
     ASSERT_TRUE(message.ok()) << message.status();
     auto assembly = FromProto(*message, ShippedItems());
     ASSERT_TRUE(assembly.ok()) << assembly.status();
-    assembly_ = *std::move(assembly);
-    elements_ = MakeElements(assembly_, kAlignment);
-    FollowPrincipalPatterns(elements_, TouchingPairs(elements_), kAlignment);
-    drawn_ = DrawnParameters(assembly_, elements_);
+    auto parametric = ParametricAssembly::Create(*std::move(assembly));
+    ASSERT_TRUE(parametric.ok()) << parametric.status();
+    parametric_ = *std::move(parametric);
   }
 
-  FeasibleSet Parametrized() const {
-    auto relationships =
-        FindRelationships(assembly_, elements_, TouchingPairs(elements_), kAlignment);
-    for (Relationship& held : Anchor(elements_, 0)) relationships.push_back(std::move(held));
-    auto set = FeasibleSet::Create(std::move(relationships), drawn_,
-                                   VariablesWithin(assembly_, elements_, 0));
-    EXPECT_TRUE(set.ok()) << set.status();
-    return *std::move(set);
-  }
-
-  Assembly assembly_;
-  std::vector<Element> elements_;
-  Eigen::VectorXd drawn_;
+  std::optional<ParametricAssembly> parametric_;
 };
 
 TEST_P(ShippedAssembly, MayBeChangedInSeveralWays) {
-  EXPECT_GE(assembly_.parts.size(), 10U);
-  EXPECT_LE(assembly_.parts.size(), 200U);
-  EXPECT_GE(Parametrized().degrees_of_freedom(), 3);
+  EXPECT_GE(parametric_->assembly().parts.size(), 10U);
+  EXPECT_LE(parametric_->assembly().parts.size(), 200U);
+  EXPECT_GE(parametric_->feasible_set().degrees_of_freedom(), 3);
+  const auto sizes = parametric_->AdjustableSizes();
+  ASSERT_TRUE(sizes.ok()) << sizes.status();
+  EXPECT_GE(sizes->size(), 3U);
 }
 
 // Part by part, in every rest pose.
 TEST_P(ShippedAssembly, KeepsContactsSizesAndGaps) {
-  const FeasibleSet set = Parametrized();
-  const auto samples = set.Sample(kSamples, 1);
+  const auto samples = parametric_->Sample(kSamples, 1);
   ASSERT_TRUE(samples.ok()) << samples.status();
-  const ContactCheck check(assembly_, elements_, kAlignment);
   for (const Eigen::VectorXd& q : *samples) {
-    const auto faults = check.FaultsAt(q);
+    const auto faults = parametric_->FaultsAt(q);
     ASSERT_TRUE(faults.ok()) << faults.status();
     ASSERT_TRUE(faults->empty()) << Describe(faults->front());
   }

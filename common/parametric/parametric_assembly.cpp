@@ -1,0 +1,222 @@
+#include "common/parametric/parametric_assembly.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
+#include "common/mesh/proximity.h"
+
+namespace mortise::parametric {
+namespace {
+
+constexpr double kRelativeTolerance = 1e-6;  // of the design's diagonal
+constexpr double kFixed = 1e-9;              // m; a range no wider is none
+// m. What is reached stays this far inside of what can be: rounding must not turn the one into a
+// conflict with the next demand.
+constexpr double kInside = 1e-8;
+
+constexpr std::array<Axis, 3> kAxes = {Axis::kX, Axis::kY, Axis::kZ};
+
+std::string Describe(const MeasureDemand& demand) {
+  return absl::StrCat("the ", AxisName(demand.measure.axis), " ",
+                      MeasureKindName(demand.measure.kind), " of '", demand.measure.element,
+                      "' is ", demand.value, " m");
+}
+
+bool IsConflict(const absl::Status& status) {
+  return DetailOf(status).reason == "DEMANDS_CONFLICT";
+}
+
+}  // namespace
+
+const char* MeasureKindName(MeasureKind kind) {
+  switch (kind) {
+    case MeasureKind::kSize:
+      return "size";
+    case MeasureKind::kCenter:
+      return "centre";
+    case MeasureKind::kMinimum:
+      return "minimum";
+    case MeasureKind::kMaximum:
+      return "maximum";
+  }
+  return "";
+}
+
+absl::StatusOr<Contacts> FindContacts(const Assembly& assembly,
+                                      const std::vector<Element>& elements, double tolerance) {
+  std::vector<int> element_of(assembly.parts.size(), -1);
+  for (std::size_t e = 0; e < elements.size(); ++e) {
+    for (const int part : elements[e].parts) {
+      element_of[static_cast<std::size_t>(part)] = static_cast<int>(e);
+    }
+  }
+  std::vector<mesh::SurfaceMesh> surfaces;
+  surfaces.reserve(assembly.parts.size());
+  for (const AssemblyPart& part : assembly.parts) surfaces.push_back(SurfaceOf(part.box));
+  MORTISE_ASSIGN_OR_RETURN(const std::vector<mesh::Proximity> proximities,
+                           mesh::FindProximities(surfaces, tolerance));
+  std::set<std::pair<int, int>> touching;
+  for (const mesh::Proximity& proximity : proximities) {
+    const auto [low, high] = std::minmax(element_of[static_cast<std::size_t>(proximity.first)],
+                                         element_of[static_cast<std::size_t>(proximity.second)]);
+    if (low != high) touching.emplace(low, high);
+  }
+  return Contacts(touching.begin(), touching.end());
+}
+
+absl::StatusOr<ParametricAssembly> ParametricAssembly::Create(Assembly assembly) {
+  ParametricAssembly made;
+  made.assembly_ = std::move(assembly);
+  made.tolerance_ = kRelativeTolerance * AssemblyDiagonal(made.assembly_);
+  made.elements_ = MakeElements(made.assembly_, made.tolerance_);
+  MORTISE_ASSIGN_OR_RETURN(made.contacts_,
+                           FindContacts(made.assembly_, made.elements_, made.tolerance_));
+  FollowPrincipalPatterns(made.elements_, made.contacts_, made.tolerance_);
+  made.relationships_ =
+      FindRelationships(made.assembly_, made.elements_, made.contacts_, made.tolerance_);
+  std::vector<Relationship> anchored = made.relationships_;
+  for (Relationship& held : Anchor(made.elements_, 0)) anchored.push_back(std::move(held));
+  MORTISE_ASSIGN_OR_RETURN(
+      made.feasible_set_,
+      FeasibleSet::Create(std::move(anchored), DrawnParameters(made.assembly_, made.elements_),
+                          VariablesWithin(made.assembly_, made.elements_, 0)));
+  MORTISE_RETURN_IF_ERROR(made.CheckBounded());
+  made.contact_check_.emplace(made.assembly_, made.elements_, made.tolerance_);
+  return made;
+}
+
+absl::Status ParametricAssembly::CheckBounded() const {
+  MORTISE_ASSIGN_OR_RETURN(const auto free, feasible_set_->UnboundedDirection());
+  if (!free) return absl::OkStatus();
+  Eigen::Index variable = 0;
+  free->cwiseAbs().maxCoeff(&variable);
+  const auto of_elements = static_cast<Eigen::Index>(6 * elements_.size());
+  const std::string what =
+      variable < of_elements
+          ? absl::StrCat("'", elements_[static_cast<std::size_t>(variable / 6)].name, "' can ",
+                         variable % 6 < 3 ? "move" : "grow", " along ",
+                         AxisName(static_cast<Axis>(variable % 3)))
+          : absl::StrCat(
+                "the centre of '",
+                assembly_.joints[static_cast<std::size_t>((variable - of_elements) / 3)].name,
+                "' can move along ", AxisName(static_cast<Axis>((variable - of_elements) % 3)));
+  return PreconditionFailed("FEASIBLE_SET_UNBOUNDED",
+                            absl::StrCat(what,
+                                         " without end: nothing that it touches, and no item, "
+                                         "holds it"));
+}
+
+absl::StatusOr<int> ParametricAssembly::DegreesOfFreedom(int group) const {
+  MORTISE_ASSIGN_OR_RETURN(
+      const FeasibleSet within,
+      FeasibleSet::Create(RelationshipsWithin(assembly_, relationships_, group), drawn(),
+                          VariablesWithin(assembly_, elements_, group)));
+  return within.degrees_of_freedom();
+}
+
+absl::StatusOr<LinearForm> ParametricAssembly::FormOf(const Measure& measure,
+                                                      const std::string& field) const {
+  const auto found = std::find_if(elements_.begin(), elements_.end(), [&](const Element& element) {
+    return element.name == measure.element;
+  });
+  if (found == elements_.end()) {
+    return InvalidField(absl::StrCat(field, ".element"),
+                        absl::StrCat("there is no element '", measure.element, "'"));
+  }
+  const int element = static_cast<int>(found - elements_.begin());
+  const LinearForm center = LinearForm::Variable(CenterVariable(element, measure.axis));
+  const LinearForm size = LinearForm::Variable(SizeVariable(element, measure.axis));
+  switch (measure.kind) {
+    case MeasureKind::kSize:
+      return size;
+    case MeasureKind::kCenter:
+      return center;
+    case MeasureKind::kMinimum:
+      return Combine(1, center, -0.5, size);
+    case MeasureKind::kMaximum:
+      return Combine(1, center, 0.5, size);
+  }
+  return absl::InternalError("a kind of measure that is none");
+}
+
+absl::StatusOr<Adjustment> ParametricAssembly::Adjust(const Eigen::VectorXd& from,
+                                                      const std::vector<MeasureDemand>& demands,
+                                                      Insistence insistence) const {
+  if (from.size() != drawn().size() || !from.allFinite()) {
+    return InvalidField("from", absl::StrCat("must be ", drawn().size(), " finite numbers"));
+  }
+  std::vector<Demand> forms;
+  for (std::size_t i = 0; i < demands.size(); ++i) {
+    const std::string field = absl::StrCat("demands[", i, "]");
+    if (!std::isfinite(demands[i].value)) {
+      return InvalidField(absl::StrCat(field, ".value"), "must be a finite number");
+    }
+    MORTISE_ASSIGN_OR_RETURN(const LinearForm form,
+                             FormOf(demands[i].measure, absl::StrCat(field, ".measure")));
+    forms.push_back({form, demands[i].value, Describe(demands[i])});
+  }
+  absl::StatusOr<Eigen::VectorXd> exact = feasible_set_->Nearest(from, forms);
+  if (!exact.ok() && insistence == Insistence::kNearest && IsConflict(exact.status())) {
+    return ComeNear(from, forms);
+  }
+  MORTISE_RETURN_IF_ERROR(exact.status());
+  Adjustment adjustment{*std::move(exact), {}};
+  for (const Demand& demand : forms) adjustment.reached.push_back(demand.form.At(adjustment.q));
+  return adjustment;
+}
+
+absl::StatusOr<Adjustment> ParametricAssembly::ComeNear(const Eigen::VectorXd& from,
+                                                        const std::vector<Demand>& demands) const {
+  std::vector<Demand> held;
+  MORTISE_ASSIGN_OR_RETURN(Eigen::VectorXd q, feasible_set_->Nearest(from));
+  for (const Demand& demand : demands) {
+    held.push_back(demand);
+    absl::StatusOr<Eigen::VectorXd> met = feasible_set_->Nearest(from, held);
+    if (met.ok()) {
+      q = *std::move(met);
+      continue;
+    }
+    if (!IsConflict(met.status())) return met.status();
+    held.pop_back();
+    // The values a form can take are an interval, and the one asked for lies outside.
+    const double present = demand.form.At(q);
+    const double sign = demand.value > present ? 1 : -1;
+    MORTISE_ASSIGN_OR_RETURN(const Eigen::VectorXd furthest,
+                             feasible_set_->Furthest(sign * demand.form, held));
+    const double end = demand.form.At(furthest);
+    Demand near = demand;
+    near.value = sign * (end - present) > kInside ? end - sign * kInside : present;
+    held.push_back(near);
+    MORTISE_ASSIGN_OR_RETURN(q, feasible_set_->Nearest(from, held));
+  }
+  Adjustment adjustment{std::move(q), {}};
+  for (const Demand& demand : demands) adjustment.reached.push_back(demand.form.At(adjustment.q));
+  return adjustment;
+}
+
+absl::StatusOr<MeasureRange> ParametricAssembly::RangeOf(const Measure& measure) const {
+  MORTISE_ASSIGN_OR_RETURN(const LinearForm form, FormOf(measure, "measure"));
+  MORTISE_ASSIGN_OR_RETURN(const Eigen::VectorXd largest, feasible_set_->Furthest(form));
+  MORTISE_ASSIGN_OR_RETURN(const Eigen::VectorXd smallest, feasible_set_->Furthest(-1 * form));
+  return MeasureRange{measure, form.At(drawn()), form.At(smallest), form.At(largest)};
+}
+
+absl::StatusOr<std::vector<MeasureRange>> ParametricAssembly::AdjustableSizes() const {
+  std::vector<MeasureRange> sizes;
+  for (std::size_t e = 0; e < elements_.size(); ++e) {
+    if (elements_[e].connecting) continue;
+    for (const Axis axis : kAxes) {
+      const int variable = SizeVariable(static_cast<int>(e), axis);
+      if (feasible_set_->basis().row(variable).norm() <= kFixed) continue;
+      MORTISE_ASSIGN_OR_RETURN(const MeasureRange range, RangeOf({elements_[e].name, axis}));
+      if (range.maximum - range.minimum > kFixed) sizes.push_back(range);
+    }
+  }
+  return sizes;
+}
+
+}  // namespace mortise::parametric

@@ -1,0 +1,133 @@
+// An assembly and what automatic parametrisation makes of it (thesis §3.4, §3.5), behind one door:
+// its elements, contacts and relationships, and the designs that they allow.
+//
+//   MORTISE_ASSIGN_OR_RETURN(const auto shelf, ParametricAssembly::Create(assembly));
+//   MORTISE_ASSIGN_OR_RETURN(const Adjustment wider,
+//                            shelf.Adjust(shelf.drawn(), {{{"top", Axis::kX}, 1.2}},
+//                                         Insistence::kNearest));
+//   const std::vector<PlacedPart> parts = shelf.PartsAt(wider.q);
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "common/parametric/assembly.h"
+#include "common/parametric/contact_check.h"
+#include "common/parametric/element.h"
+#include "common/parametric/feasible_set.h"
+#include "common/parametric/linear_design.h"
+#include "common/parametric/relationship.h"
+
+namespace mortise::parametric {
+
+enum class MeasureKind { kSize, kCenter, kMinimum, kMaximum };
+
+// "size", "centre", "minimum" or "maximum".
+const char* MeasureKindName(MeasureKind kind);
+
+// A length of an element that a designer may ask for: how large it is, or where it lies.
+struct Measure {
+  std::string element;
+  Axis axis = Axis::kX;
+  MeasureKind kind = MeasureKind::kSize;
+};
+
+struct MeasureDemand {
+  Measure measure;
+  double value = 0;  // m
+};
+
+// What a measure may be, m, if nothing else is asked for.
+struct MeasureRange {
+  Measure measure;
+  double drawn = 0;
+  double minimum = 0;
+  double maximum = 0;
+};
+
+// What to do with demands that cannot all be met.
+enum class Insistence {
+  kNearest,  // come as near as the design allows, the first demands first
+  kStrict,   // refuse, and say what cannot hold together
+};
+
+struct Adjustment {
+  Eigen::VectorXd q;            // feasible
+  std::vector<double> reached;  // m, of each demand
+};
+
+// Immutable; safe to share between threads.
+class ParametricAssembly {
+ public:
+  // Parametrises a valid assembly. What touches is found on the surfaces of the parts' boxes;
+  // alignment, likeness and contact are judged with one tolerance(). The first element is held
+  // where it is drawn. FAILED_PRECONDITION as FeasibleSet::Create, or FEASIBLE_SET_UNBOUNDED naming
+  // an element that could move or grow without end.
+  static absl::StatusOr<ParametricAssembly> Create(Assembly assembly);
+
+  const Assembly& assembly() const { return assembly_; }
+  double tolerance() const { return tolerance_; }  // m: a millionth of the design's diagonal
+  const std::vector<Element>& elements() const { return elements_; }
+  const Contacts& contacts() const { return contacts_; }
+  const std::vector<Relationship>& relationships() const { return relationships_; }
+  const FeasibleSet& feasible_set() const { return *feasible_set_; }
+
+  // The parameters as the expert drew the design.
+  const Eigen::VectorXd& drawn() const { return feasible_set_->drawn(); }
+
+  // Of a group's subtree by itself, its place in space included.
+  absl::StatusOr<int> DegreesOfFreedom(int group) const;
+
+  // The feasible parameters nearest to `from` that meet the demands. INVALID_ARGUMENT, "from" or
+  // "demands[i].measure.element"; FAILED_PRECONDITION, DEMANDS_CONFLICT, if they must all be met
+  // and cannot be: it names the demands and relationships that cannot hold together.
+  absl::StatusOr<Adjustment> Adjust(const Eigen::VectorXd& from,
+                                    const std::vector<MeasureDemand>& demands,
+                                    Insistence insistence) const;
+
+  // INVALID_ARGUMENT, "measure.element", for an element there is not.
+  absl::StatusOr<MeasureRange> RangeOf(const Measure& measure) const;
+
+  // The sizes of principal elements that can be changed, with their ranges, element by element.
+  absl::StatusOr<std::vector<MeasureRange>> AdjustableSizes() const;
+
+  // As FeasibleSet::Sample.
+  absl::StatusOr<std::vector<Eigen::VectorXd>> Sample(int count, std::uint64_t seed) const {
+    return feasible_set_->Sample(count, seed);
+  }
+
+  // All parts at q, in the pose the design is drawn in.
+  std::vector<PlacedPart> PartsAt(const Eigen::VectorXd& q) const {
+    return PlaceParts(assembly_, elements_, q);
+  }
+
+  // What is wrong with the design at q, in every rest pose: see ContactCheck.
+  absl::StatusOr<std::vector<ContactFault>> FaultsAt(const Eigen::VectorXd& q) const {
+    return contact_check_->FaultsAt(q);
+  }
+
+ private:
+  ParametricAssembly() = default;
+  absl::Status CheckBounded() const;
+  absl::StatusOr<LinearForm> FormOf(const Measure& measure, const std::string& field) const;
+  absl::StatusOr<Adjustment> ComeNear(const Eigen::VectorXd& from,
+                                      const std::vector<Demand>& demands) const;
+
+  Assembly assembly_;
+  double tolerance_ = 0;
+  std::vector<Element> elements_;
+  Contacts contacts_;
+  std::vector<Relationship> relationships_;
+  std::optional<FeasibleSet> feasible_set_;
+  std::optional<ContactCheck> contact_check_;
+};
+
+// Elements of which some part comes within `tolerance`, m, of a part of the other, as drawn.
+absl::StatusOr<Contacts> FindContacts(const Assembly& assembly,
+                                      const std::vector<Element>& elements, double tolerance);
+
+}  // namespace mortise::parametric

@@ -1,0 +1,172 @@
+// Assemblies behind their one door: what can be asked of them, and what becomes of it.
+#include "common/parametric/parametric_assembly.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "common/base/errors.h"
+#include "tests/unit/common/parametric/assemblies.h"
+
+namespace mortise::parametric {
+namespace {
+
+// A board on two posts: the posts under its ends, all as deep as each other.
+Assembly Bench() {
+  Assembly bench;
+  bench.name = "bench";
+  bench.groups = {{"bench", -1}};
+  bench.parts = {ResizablePart("seat", {0, 0, 0.4}, {1.0, 0.3, 0.45}),
+                 ResizablePart("left", {0, 0, 0}, {0.05, 0.3, 0.4}),
+                 ResizablePart("right", {0.95, 0, 0}, {1.0, 0.3, 0.4})};
+  return bench;
+}
+
+ParametricAssembly Parametrized(Assembly assembly) {
+  auto made = ParametricAssembly::Create(std::move(assembly));
+  EXPECT_TRUE(made.ok()) << made.status();
+  return *std::move(made);
+}
+
+double LengthOf(const std::vector<PlacedPart>& parts, const std::string& name, Axis axis) {
+  for (const PlacedPart& part : parts) {
+    if (part.name == name) return part.box.size()[static_cast<int>(axis)];
+  }
+  ADD_FAILURE() << "no part " << name;
+  return 0;
+}
+
+TEST(ParametricAssembly, MeetsWhatCanBeMet) {
+  const ParametricAssembly bench = Parametrized(Bench());
+  for (const Insistence insistence : {Insistence::kNearest, Insistence::kStrict}) {
+    const auto wider = bench.Adjust(
+        bench.drawn(), {{{"seat", Axis::kX}, 1.4}, {{"left", Axis::kZ}, 0.5}}, insistence);
+    ASSERT_TRUE(wider.ok()) << wider.status();
+    EXPECT_NEAR(wider->reached[0], 1.4, 1e-9);
+    EXPECT_NEAR(wider->reached[1], 0.5, 1e-9);
+    EXPECT_TRUE(bench.feasible_set().Violations(wider->q, 1e-9).empty());
+    const std::vector<PlacedPart> parts = bench.PartsAt(wider->q);
+    EXPECT_NEAR(LengthOf(parts, "right", Axis::kZ), 0.5, 1e-9) << "both posts reach the seat";
+    EXPECT_NEAR(LengthOf(parts, "seat", Axis::kX), 1.4, 1e-9);
+  }
+}
+
+TEST(ParametricAssembly, NamesWhatCannotHoldTogether) {
+  const ParametricAssembly bench = Parametrized(Bench());
+  const auto refused = bench.Adjust(
+      bench.drawn(), {{{"left", Axis::kZ}, 0.5}, {{"right", Axis::kZ}, 0.3}}, Insistence::kStrict);
+  EXPECT_EQ(DetailOf(refused.status()).reason, "DEMANDS_CONFLICT");
+  for (const char* part : {"'left'", "'right'"}) {
+    EXPECT_NE(refused.status().message().find(part), absl::string_view::npos) << refused.status();
+  }
+}
+
+TEST(ParametricAssembly, ComesAsNearAsItCanTheFirstDemandsFirst) {
+  const ParametricAssembly bench = Parametrized(Bench());
+  const auto both = bench.Adjust(
+      bench.drawn(), {{{"left", Axis::kZ}, 0.5}, {{"right", Axis::kZ}, 0.3}}, Insistence::kNearest);
+  ASSERT_TRUE(both.ok()) << both.status();
+  EXPECT_NEAR(both->reached[0], 0.5, 1e-7);
+  EXPECT_NEAR(both->reached[1], 0.5, 1e-7) << "the posts stay alike";
+
+  const auto range = bench.RangeOf({"seat", Axis::kX});
+  ASSERT_TRUE(range.ok()) << range.status();
+  for (const double asked : {-1.0, 100.0}) {
+    const auto clamped =
+        bench.Adjust(bench.drawn(), {{{"seat", Axis::kX}, asked}}, Insistence::kNearest);
+    ASSERT_TRUE(clamped.ok()) << clamped.status();
+    EXPECT_NEAR(clamped->reached[0], asked < 0 ? range->minimum : range->maximum, 1e-7);
+    EXPECT_TRUE(bench.feasible_set().Violations(clamped->q, 1e-9).empty());
+  }
+}
+
+// Ends of ranges can be reached, what lies beyond cannot, and all that is between can.
+TEST(ParametricAssembly, RangesAreExact) {
+  for (unsigned seed = 1; seed <= 6; ++seed) {
+    SCOPED_TRACE(seed);
+    auto made = ParametricAssembly::Create(RandomAssembly(seed));
+    if (!made.ok()) {
+      EXPECT_EQ(DetailOf(made.status()).reason, "FEASIBLE_SET_UNBOUNDED") << made.status();
+      continue;
+    }
+    const auto sizes = made->AdjustableSizes();
+    ASSERT_TRUE(sizes.ok()) << sizes.status();
+    for (const MeasureRange& range : *sizes) {
+      EXPECT_LE(range.minimum, range.drawn + 1e-9);
+      EXPECT_GE(range.maximum, range.drawn - 1e-9);
+      const auto can_be = [&](double value) {
+        return made->Adjust(made->drawn(), {{range.measure, value}}, Insistence::kStrict).ok();
+      };
+      EXPECT_TRUE(can_be(range.minimum + 1e-7));
+      EXPECT_TRUE(can_be(range.maximum - 1e-7));
+      EXPECT_TRUE(can_be((range.minimum + range.maximum) / 2));
+      EXPECT_FALSE(can_be(range.minimum - 1e-6));
+      EXPECT_FALSE(can_be(range.maximum + 1e-6));
+    }
+  }
+}
+
+TEST(ParametricAssembly, StartsFromWhereTheDesignerIs) {
+  const ParametricAssembly bench = Parametrized(Bench());
+  const auto wide = bench.Adjust(bench.drawn(), {{{"seat", Axis::kX}, 1.4}}, Insistence::kStrict);
+  ASSERT_TRUE(wide.ok()) << wide.status();
+  const auto high = bench.Adjust(wide->q, {{{"left", Axis::kZ}, 0.5}}, Insistence::kStrict);
+  ASSERT_TRUE(high.ok()) << high.status();
+  EXPECT_NEAR(LengthOf(bench.PartsAt(high->q), "seat", Axis::kX), 1.4, 1e-9);
+  EXPECT_LT((bench.Adjust(wide->q, {}, Insistence::kStrict)->q - wide->q).norm(), 1e-12);
+}
+
+TEST(ParametricAssembly, CountsDegreesOfFreedomByGroup) {
+  const ParametricAssembly chest = Parametrized(ChestWithLid());
+  for (std::size_t group = 0; group < chest.assembly().groups.size(); ++group) {
+    const auto degrees = chest.DegreesOfFreedom(static_cast<int>(group));
+    ASSERT_TRUE(degrees.ok()) << degrees.status();
+    EXPECT_GE(*degrees, 3) << "it can stand anywhere";
+  }
+  EXPECT_EQ(*chest.DegreesOfFreedom(0), chest.feasible_set().degrees_of_freedom() + 3)
+      << "without being held in place";
+}
+
+TEST(ParametricAssembly, TellsWhichElementNothingHolds) {
+  Assembly loose = Bench();
+  loose.parts.push_back(ResizablePart("lamp", {0.4, 0.1, 2.0}, {0.5, 0.2, 2.1}));
+  const auto made = ParametricAssembly::Create(std::move(loose));
+  EXPECT_EQ(DetailOf(made.status()).reason, "FEASIBLE_SET_UNBOUNDED");
+  EXPECT_NE(made.status().message().find("'lamp' can move along z"), absl::string_view::npos)
+      << made.status();
+}
+
+TEST(ParametricAssembly, NamesBadInput) {
+  const ParametricAssembly bench = Parametrized(Bench());
+  const auto field = [&](const Eigen::VectorXd& from, const MeasureDemand& demand) {
+    return DetailOf(bench.Adjust(from, {demand}, Insistence::kNearest).status()).field;
+  };
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(field(bench.drawn(), {{"lid", Axis::kX}, 1}), "demands[0].measure.element");
+  EXPECT_EQ(field(bench.drawn(), {{"seat", Axis::kX}, kNaN}), "demands[0].value");
+  EXPECT_EQ(field(bench.drawn().head(3), {{"seat", Axis::kX}, 1}), "from");
+  EXPECT_EQ(field(bench.drawn() * kNaN, {{"seat", Axis::kX}, 1}), "from");
+  EXPECT_EQ(DetailOf(bench.RangeOf({"lid", Axis::kX}).status()).field, "measure.element");
+}
+
+// Contact is between parts: a post between two slats of a row touches neither.
+TEST(ParametricAssembly, ContactsAreOfPartsNotOfTheBoxAroundThem) {
+  Assembly fence;
+  fence.name = "fence";
+  fence.groups = {{"fence", -1}};
+  for (int i = 0; i < 4; ++i) {
+    fence.parts.push_back(
+        ResizablePart("slat " + std::to_string(i), {0.2 * i, 0, 0}, {0.2 * i + 0.05, 0.02, 1}));
+  }
+  fence.parts.push_back(ResizablePart("post", {0.1, 0, 0}, {0.15, 0.02, 1.5}));
+  fence.parts.push_back(ResizablePart("rail", {0, 0.02, 0.4}, {0.65, 0.04, 0.5}));
+  const auto elements = MakeElements(fence, 1e-6);
+  const auto contacts = FindContacts(fence, elements, 1e-6);
+  ASSERT_TRUE(contacts.ok()) << contacts.status();
+  std::vector<std::string> names;
+  for (const auto& [a, b] : *contacts) names.push_back(elements[a].name + "-" + elements[b].name);
+  EXPECT_EQ(names, (std::vector<std::string>{"slat 0-rail", "post-rail"}));
+}
+
+}  // namespace
+}  // namespace mortise::parametric
