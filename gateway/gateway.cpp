@@ -179,6 +179,7 @@ class House final : public Gateway {
     environment.hub = hub_.get();
     environment.store = store_.get();
     environment.delivery = delivery_.get();
+    environment.webhooks_may_call_loopback = options_.webhooks.client.allow_loopback;
     environment.version = GatewayVersion();
     rpc::ServerHost::Options host;
     host.dispatcher = dispatcher_.get();

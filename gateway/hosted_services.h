@@ -31,6 +31,7 @@ struct HostedEnvironment {
   EventHub* hub = nullptr;
   store::Store* store = nullptr;
   WebhookDelivery* delivery = nullptr;
+  bool webhooks_may_call_loopback = false;
   std::string version;
 };
 

@@ -4,6 +4,7 @@
 #include <openssl/ssl.h>
 
 #include <algorithm>
+#include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/ssl.hpp>
@@ -14,6 +15,7 @@
 #include <boost/beast/ssl.hpp>
 
 #include "absl/strings/escaping.h"
+#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 
@@ -29,15 +31,34 @@ using boost::system::error_code;
 constexpr std::size_t kMaximalUrlBytes = 2048;
 constexpr std::size_t kMaximalAnswerBytes = 64 * 1024;
 
+constexpr char kNotAllowed[] = " is at an address that webhooks may not call";
+
 absl::Status Failed(const std::string& what) { return absl::UnavailableError(what); }
+
+const char* UsualPort(bool secure) { return secure ? "443" : "80"; }
+
+bool IsPort(std::string_view text) {
+  constexpr int kLargest = 65535;
+  const bool digits =
+      std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
+  int port = 0;
+  return digits && absl::SimpleAtoi(absl::string_view(text.data(), text.size()), &port) &&
+         port >= 1 && port <= kLargest;
+}
+
+// The host, in brackets if it is an IPv6 address, with its port where that is not the usual one.
+std::string HostHeader(const WebhookUrl& url) {
+  const std::string host =
+      url.host.find(':') == std::string::npos ? url.host : absl::StrCat("[", url.host, "]");
+  return url.port == UsualPort(url.secure) ? host : absl::StrCat(host, ":", url.port);
+}
 
 // Sends the request and reads the answer's status.
 template <class Stream>
 asio::awaitable<absl::Status> Exchange(Stream& stream, const WebhookUrl& url,
                                        const HeaderList& headers, const std::string& body) {
   http::request<http::string_body> request(http::verb::post, url.target, 11);
-  request.set(http::field::host,
-              url.host.find(':') == std::string::npos ? url.host : "[" + url.host + "]");
+  request.set(http::field::host, HostHeader(url));
   request.set(http::field::user_agent, "mortise-gateway");
   request.set(http::field::connection, "close");
   for (const auto& [name, value] : headers) request.set(name, value);
@@ -71,7 +92,7 @@ asio::awaitable<absl::Status> Connect(beast::tcp_stream& stream, const WebhookUr
     }
   }
   if (allowed.empty()) {
-    co_return Failed(absl::StrCat(url.host, " is at an address that webhooks may not call"));
+    co_return Failed(absl::StrCat(url.host, kNotAllowed));
   }
   co_await stream.async_connect(allowed, asio::redirect_error(asio::use_awaitable, error));
   if (error) co_return Failed(absl::StrCat("cannot connect to ", url.host, ": ", error.message()));
@@ -131,11 +152,8 @@ absl::StatusOr<WebhookUrl> ParseWebhookUrl(std::string_view url) {
     if (colon != std::string_view::npos) port = authority.substr(colon + 1);
   }
   if (result.host.empty()) return InvalidField("url", "names no host");
-  if (port.size() > 5 ||
-      !std::all_of(port.begin(), port.end(), [](char c) { return c >= '0' && c <= '9'; })) {
-    return InvalidField("url", "has a malformed port");
-  }
-  result.port = port.empty() ? (result.secure ? "443" : "80") : std::string(port);
+  if (!port.empty() && !IsPort(port)) return InvalidField("url", "has a port beyond 1 to 65535");
+  result.port = port.empty() ? UsualPort(result.secure) : std::string(port);
   return result;
 }
 
@@ -152,6 +170,18 @@ bool IsAllowedAddress(const asio::ip::address& given, bool allow_loopback) {
   const bool this_network = number >> 24 == 0;
   const bool reserved = number >> 28 == 0xf;
   return !link_local && !this_network && !reserved;
+}
+
+absl::Status CheckWebhookHost(const WebhookUrl& url, bool allow_loopback) {
+  asio::io_context io;
+  error_code error;
+  const auto found = tcp::resolver(io).resolve(url.host, url.port, error);
+  if (error || found.empty()) return absl::OkStatus();
+  const bool reachable = std::any_of(found.begin(), found.end(), [&](const auto& entry) {
+    return IsAllowedAddress(entry.endpoint().address(), allow_loopback);
+  });
+  if (reachable) return absl::OkStatus();
+  return InvalidField("url", absl::StrCat(url.host, kNotAllowed));
 }
 
 std::string SignWebhook(std::string_view secret, int64_t seconds, std::string_view body) {

@@ -23,14 +23,19 @@ struct WebhookUrl {
   std::string target;  // path and query, at least "/"
 };
 
-// INVALID_ARGUMENT naming `url`: another scheme, a user name, no host, control characters, more
-// than 2048 bytes.
+// INVALID_ARGUMENT naming `url`: another scheme, a user name, no host, a port beyond 1 to 65535,
+// control characters, more than 2048 bytes.
 absl::StatusOr<WebhookUrl> ParseWebhookUrl(std::string_view url);
 
 // Whether events may be posted to this address: not to link-local ones (where cloud machines find
 // their own credentials), multicast or unspecified ones, and to this machine only with
 // `allow_loopback`. Private networks are fine: that is where PLM systems are.
 bool IsAllowedAddress(const boost::asio::ip::address& address, bool allow_loopback);
+
+// What can be said before the first delivery. INVALID_ARGUMENT naming `url` if every address that
+// the host has now is one that events may not be posted to. A host that is not known (yet) is fine.
+// Asks the system's resolver, which may take seconds.
+absl::Status CheckWebhookHost(const WebhookUrl& url, bool allow_loopback);
 
 // The value of `Mortise-Signature`: "t=<seconds>,v1=<hex>", where hex is the HMAC-SHA256 with the
 // secret over "<seconds>.<body>".

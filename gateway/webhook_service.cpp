@@ -144,7 +144,8 @@ class WebhookAdapter final : public v1::WebhookService::CallbackService {
 
   // The subscription as it will be stored: it begins with what comes from now on.
   absl::StatusOr<v1::Webhook> Draw(const v1::CreateWebhookRequest& asked) const {
-    MORTISE_RETURN_IF_ERROR(ParseWebhookUrl(asked.url()).status());
+    MORTISE_ASSIGN_OR_RETURN(const WebhookUrl url, ParseWebhookUrl(asked.url()));
+    MORTISE_RETURN_IF_ERROR(CheckWebhookHost(url, environment_.webhooks_may_call_loopback));
     MORTISE_RETURN_IF_ERROR(CheckStreams(asked.streams()));
     if (asked.type_prefixes_size() > kLargestList) {
       return InvalidField("type_prefixes", "has more than 100 entries");

@@ -13,9 +13,11 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "common/base/errors.h"
 #include "common/jobs/operations.h"
 #include "common/rpc/channel.h"
 #include "common/rpc/run_service.h"
+#include "common/rpc/status_mapping.h"
 #include "common/store/store.h"
 #include "gateway/webhook_client.h"
 #include "mortise/v1/audit.grpc.pb.h"
@@ -322,6 +324,7 @@ TEST_F(WebhookTest, PostsSignedEventsInOrder) {
     const int64_t seconds = std::stoll(signature.substr(2));
     EXPECT_EQ(signature, SignWebhook(webhook.secret(), seconds, post.body));
     EXPECT_EQ(post.headers.at("mortise-event"), "item.created");
+    EXPECT_EQ("http://" + post.headers.at("Host") + "/hook?x=1", receiver_.url());
   }
   grpc::ClientContext context;
   v1::GetWebhookRequest request;
@@ -329,6 +332,25 @@ TEST_F(WebhookTest, PostsSignedEventsInOrder) {
   v1::Webhook seen;
   ASSERT_TRUE(Stub()->GetWebhook(&context, request, &seen).ok());
   EXPECT_EQ(seen.secret(), "") << "told once only";
+}
+
+TEST_F(WebhookTest, IsNotMadeForAnAddressThatItMayNotCall) {
+  gateway_.reset();
+  gateway_options_.webhooks.client.allow_loopback = false;
+  StartGateway(gateway_options_);
+  channel_ = grpc::CreateChannel(gateway_->addresses().grpc, grpc::InsecureChannelCredentials());
+  v1::CreateWebhookRequest request;
+  request.set_request_id("create-refused");
+  request.set_url(receiver_.url());
+  grpc::ClientContext context;
+  v1::Webhook webhook;
+  const absl::Status status = rpc::FromGrpc(Stub()->CreateWebhook(&context, request, &webhook));
+  EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << status;
+  EXPECT_EQ(DetailOf(status).field, "url") << status;
+  grpc::ClientContext listing;
+  v1::ListWebhooksResponse response;
+  ASSERT_TRUE(Stub()->ListWebhooks(&listing, {}, &response).ok());
+  EXPECT_EQ(response.webhooks_size(), 0);
 }
 
 TEST_F(WebhookTest, TriesAgainGivesUpAndReplays) {

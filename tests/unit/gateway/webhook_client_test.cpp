@@ -5,6 +5,8 @@
 
 #include <utility>
 
+#include "common/base/errors.h"
+
 namespace mortise::gateway {
 namespace {
 
@@ -29,6 +31,7 @@ TEST(WebhookUrl, RefusesOtherThings) {
        {std::string(), std::string("host"), std::string("ftp://host/"), std::string("file:///etc"),
         std::string("http://"), std::string("http:///path"), std::string("http://user:word@host/"),
         std::string("http://host:port/"), std::string("http://host:123456/"),
+        std::string("http://host:65536/"), std::string("http://host:0/"),
         std::string("http://[::1"), std::string("http://[::1]x/"), std::string("http://ho st/"),
         std::string("http://host/\r\nX: y"), "http://host/" + std::string(3000, 'a')}) {
     EXPECT_FALSE(ParseWebhookUrl(bad).ok()) << bad.substr(0, 40);
@@ -50,6 +53,25 @@ TEST(WebhookAddress, RefusesWhatIsNobodysBusiness) {
   EXPECT_TRUE(allowed("127.0.0.1", true));
   EXPECT_TRUE(allowed("::ffff:127.0.0.1", true));
   EXPECT_FALSE(allowed("169.254.169.254", true));
+}
+
+TEST(WebhookHost, IsRefusedWhereDeliveriesWouldBe) {
+  const auto check = [](const std::string& url, bool loopback = false) {
+    return CheckWebhookHost(*ParseWebhookUrl(url), loopback);
+  };
+  // Also in the older spellings of 127.0.0.1 and 169.254.169.254.
+  for (const char* bad : {"http://127.0.0.1:9/hook", "https://[::1]/", "http://127.1/",
+                          "http://2130706433/", "http://0x7f000001/",
+                          "http://169.254.169.254/latest/", "http://2852039166/", "http://0.0.0.0/",
+                          "http://[fe80::1]/", "http://[::ffff:127.0.0.1]/", "http://224.0.0.1/"}) {
+    const absl::Status status = check(bad);
+    EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << bad;
+    EXPECT_EQ(DetailOf(status).field, "url") << bad;
+  }
+  EXPECT_TRUE(check("http://127.0.0.1:9/hook", true).ok());
+  EXPECT_FALSE(check("http://169.254.169.254/latest/", true).ok());
+  EXPECT_TRUE(check("https://192.0.2.1/hook").ok());
+  EXPECT_TRUE(check("http://10.1.2.3:8080/").ok()) << "private networks are where PLM systems are";
 }
 
 TEST(WebhookSignature, IsAnHmacOverTimeAndBody) {
