@@ -28,20 +28,21 @@ absl::StatusOr<MergePosition> ParseMergeToken(std::string_view text,
   if (!json.is_object()) return BadToken();
   for (const auto& [name, entry] : json.items()) {
     const bool known = std::find(sources.begin(), sources.end(), name) != sources.end();
-    if (!known || !entry.is_array() || entry.size() != 2 || !entry[0].is_string() ||
-        !entry[1].is_number_integer()) {
+    if (!known || !entry.is_array() || entry.size() != 3 || !entry[0].is_string() ||
+        !entry[1].is_number_integer() || !entry[2].is_string()) {
       return BadToken();
     }
     const auto skip = entry[1].get<int64_t>();
     if (skip < 0 || skip >= kMaximalMergedPage) return BadToken();
-    position[name] = {entry[0].get<std::string>(), static_cast<int>(skip)};
+    position[name] = {entry[0].get<std::string>(), static_cast<int>(skip),
+                      entry[2].get<std::string>()};
   }
   return position;
 }
 
 std::string FormatMergeToken(const MergePosition& position) {
   Json json = Json::object();
-  for (const auto& [name, source] : position) json[name] = {source.token, source.skip};
+  for (const auto& [name, source] : position) json[name] = {source.token, source.skip, source.last};
   return absl::WebSafeBase64Escape(json.dump());
 }
 

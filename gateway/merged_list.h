@@ -14,10 +14,13 @@
 
 namespace mortise::gateway {
 
-// How far one source has been read: its page token, and how many items of that page are used up.
+// How far one source has been read: its page token, how many items of that page are used up, and
+// the identity of the last of these. Items that a source gets afterwards stand before it, so that
+// the count is only where to look for it.
 struct SourcePosition {
   std::string token;
   int skip = 0;
+  std::string last;  // empty if none of the page is used up
 };
 
 // By source; sources that are read to their end are absent.
@@ -39,18 +42,21 @@ struct ListPage {
 };
 
 // The next page of the merged list. `fetch(source, page_size, page_token)` gives a page of a
-// source, whose items are in the order of `before(a, b)`; failures end it. Items of one source keep
-// their order, and none is lost between pages. None is repeated either, unless a source gets new
-// items in front of those of a page that was used in part.
-template <class Item, class Fetch, class Before>
+// source, whose items are in the order of `before(a, b)`; failures end it. `identify(item)` gives a
+// text that no other item of its source has, not empty, and that stays the same. Items of one
+// source keep their order, and none is lost or repeated between pages, also where a source gets new
+// items at its front meanwhile: those that would stand before what was given are left out. No item
+// may go away while the list is read.
+template <class Item, class Fetch, class Before, class Identify>
 absl::StatusOr<ListPage<Item>> MergeLists(const std::vector<std::string>& sources, int page_size,
                                           const std::string& page_token, const Fetch& fetch,
-                                          const Before& before) {
+                                          const Before& before, const Identify& identify) {
   struct Read {
     std::string name;
     ListPage<Item> page;
     SourcePosition position;
     std::size_t used = 0;
+    bool found_last = true;  // else all of the page came in front of what was used up
   };
   if (page_size < 0 || page_size > kMaximalMergedPage) {
     return InvalidField("page_size", "must be between 0 and " + std::to_string(kMaximalMergedPage));
@@ -59,14 +65,22 @@ absl::StatusOr<ListPage<Item>> MergeLists(const std::vector<std::string>& source
   MORTISE_ASSIGN_OR_RETURN(const MergePosition start, ParseMergeToken(page_token, sources));
   std::vector<Read> reads;
   for (const auto& [name, position] : start) {
-    Read read{name, {}, position, static_cast<std::size_t>(position.skip)};
+    Read read{name, {}, position};
     // Sources bound their pages as this list does; what they cannot give makes this page shorter.
     const int asked = std::min(static_cast<int>(wanted) + position.skip, kMaximalMergedPage);
     MORTISE_ASSIGN_OR_RETURN(read.page, fetch(name, asked, position.token));
-    read.used = std::min(read.used, read.page.items.size());
+    if (!position.last.empty()) {
+      const auto& items = read.page.items;
+      const auto last = std::find_if(items.begin(), items.end(), [&](const Item& item) {
+        return identify(item) == position.last;
+      });
+      read.found_last = last != items.end();
+      read.used = static_cast<std::size_t>(last - items.begin()) + (read.found_last ? 1 : 0);
+    }
     reads.push_back(std::move(read));
   }
   ListPage<Item> merged;
+  std::map<std::string, std::string> last;  // identity of the last item given, by source
   while (merged.items.size() < wanted) {
     Read* best = nullptr;
     bool exhausted = false;
@@ -80,14 +94,17 @@ absl::StatusOr<ListPage<Item>> MergeLists(const std::vector<std::string>& source
     }
     // What the exhausted source has on its next page might come first.
     if (best == nullptr || exhausted) break;
+    last[best->name] = identify(best->page.items[best->used]);
     merged.items.push_back(std::move(best->page.items[best->used++]));
   }
   MergePosition next;
   for (const Read& read : reads) {
+    const auto given = last.find(read.name);
+    const std::string& reached = given == last.end() ? read.position.last : given->second;
     if (read.used < read.page.items.size()) {
-      next[read.name] = {read.position.token, static_cast<int>(read.used)};
+      next[read.name] = {read.position.token, static_cast<int>(read.used), reached};
     } else if (!read.page.next_page_token.empty()) {
-      next[read.name] = {read.page.next_page_token, 0};
+      next[read.name] = {read.page.next_page_token, 0, read.found_last ? "" : reached};
     }
   }
   if (!next.empty()) merged.next_page_token = FormatMergeToken(next);

@@ -2,6 +2,9 @@
 #include <google/protobuf/util/time_util.h>
 #include <grpcpp/channel.h>
 
+#include "absl/strings/str_cat.h"
+#include "common/base/digest.h"
+#include "common/base/errors.h"
 #include "common/rpc/channel.h"
 #include "common/rpc/handler.h"
 #include "common/rpc/mutation_log.h"
@@ -37,7 +40,8 @@ absl::StatusOr<std::vector<std::string>> Sources(const Upstreams& upstreams,
     if (wanted.empty() || wanted == name) sources.push_back(name);
   }
   if (sources.empty() && !wanted.empty() && wanted != kGateway) {
-    return ResourceNotFound("the service " + wanted);
+    return WithDetail(absl::NotFoundError(absl::StrCat("there is no service '", wanted, "'")),
+                      {"RESOURCE_NOT_FOUND", wanted});
   }
   return sources;
 }
@@ -82,7 +86,8 @@ class MergedOperations final : public v1::OperationService::CallbackService {
     };
     MORTISE_ASSIGN_OR_RETURN(
         ListPage<v1::Operation> merged,
-        MergeLists<v1::Operation>(sources, asked.page_size(), asked.page_token(), fetch, newer));
+        MergeLists<v1::Operation>(sources, asked.page_size(), asked.page_token(), fetch, newer,
+                                  [](const v1::Operation& operation) { return operation.name(); }));
     v1::ListOperationsResponse response;
     for (v1::Operation& item : merged.items) *response.add_operations() = std::move(item);
     response.set_next_page_token(merged.next_page_token);
@@ -140,8 +145,10 @@ class MergedAudit final : public v1::AuditService::CallbackService {
       return Micros(a.time()) > Micros(b.time());
     };
     MORTISE_ASSIGN_OR_RETURN(
-        Page merged,
-        MergeLists<v1::AuditRecord>(sources, asked.page_size(), asked.page_token(), fetch, newer));
+        Page merged, MergeLists<v1::AuditRecord>(sources, asked.page_size(), asked.page_token(),
+                                                 fetch, newer, [](const v1::AuditRecord& record) {
+                                                   return Sha256Hex(record.SerializeAsString());
+                                                 }));
     v1::ListAuditRecordsResponse response;
     for (v1::AuditRecord& item : merged.items) *response.add_records() = std::move(item);
     response.set_next_page_token(merged.next_page_token);

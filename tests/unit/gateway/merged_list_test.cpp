@@ -11,7 +11,10 @@ namespace {
 struct Item {
   std::string source;
   int time = 0;
-  bool operator==(const Item& other) const { return source == other.source && time == other.time; }
+  int number = 0;  // in its source, for items of the same time
+  bool operator==(const Item& other) const {
+    return source == other.source && number == other.number;
+  }
 };
 
 using Lists = std::map<std::string, std::vector<Item>>;
@@ -34,6 +37,26 @@ auto Fetcher(const Lists& lists, int largest) {
 
 bool Newer(const Item& a, const Item& b) { return a.time > b.time; }
 
+std::string Identify(const Item& item) { return std::to_string(item.number); }
+
+// Pages as services make them: a token names the item before the page, and new items stand in
+// front.
+auto NewestFirst(const Lists& lists) {
+  return [&lists](const std::string& source, int page_size,
+                  const std::string& token) -> absl::StatusOr<ListPage<Item>> {
+    ListPage<Item> page;
+    for (const Item& item : lists.at(source)) {
+      if (!token.empty() && item.number >= std::stoi(token)) continue;
+      if (page.items.size() == static_cast<std::size_t>(page_size)) {
+        page.next_page_token = Identify(page.items.back());
+        break;
+      }
+      page.items.push_back(item);
+    }
+    return page;
+  };
+}
+
 TEST(MergedList, GivesEveryItemOnceInOrder) {
   std::mt19937 random(7);
   for (int round = 0; round < 200; ++round) {
@@ -45,7 +68,7 @@ TEST(MergedList, GivesEveryItemOnceInOrder) {
       sources.push_back(name);
       auto& list = lists[name];
       for (int i = 0; i < static_cast<int>(random() % 30); ++i) {
-        list.push_back({name, static_cast<int>(random() % 50)});
+        list.push_back({name, static_cast<int>(random() % 50), i});
       }
       std::stable_sort(list.begin(), list.end(), Newer);
       total += list.size();
@@ -56,7 +79,8 @@ TEST(MergedList, GivesEveryItemOnceInOrder) {
     std::string token;
     int pages = 0;
     do {
-      const auto page = MergeLists<Item>(sources, page_size, token, Fetcher(lists, largest), Newer);
+      const auto page =
+          MergeLists<Item>(sources, page_size, token, Fetcher(lists, largest), Newer, Identify);
       ASSERT_TRUE(page.ok()) << page.status();
       ASSERT_LE(page->items.size(), static_cast<std::size_t>(page_size));
       seen.insert(seen.end(), page->items.begin(), page->items.end());
@@ -77,8 +101,8 @@ TEST(MergedList, GivesEveryItemOnceInOrder) {
 TEST(MergedList, GivesTheLargestPagesAndAsksSourcesForNoLarger) {
   Lists lists;
   for (int i = 0; i < 2500; ++i) {
-    lists["a"].push_back({"a", -2 * i});
-    lists["b"].push_back({"b", -2 * i - 1});
+    lists["a"].push_back({"a", -2 * i, i});
+    lists["b"].push_back({"b", -2 * i - 1, i});
   }
   const auto whole = Fetcher(lists, 5000);
   const auto fetch = [&](const std::string& source, int page_size, const std::string& token) {
@@ -88,7 +112,8 @@ TEST(MergedList, GivesTheLargestPagesAndAsksSourcesForNoLarger) {
   std::vector<Item> seen;
   std::string token;
   do {
-    const auto page = MergeLists<Item>({"a", "b"}, kMaximalMergedPage, token, fetch, Newer);
+    const auto page =
+        MergeLists<Item>({"a", "b"}, kMaximalMergedPage, token, fetch, Newer, Identify);
     ASSERT_TRUE(page.ok()) << page.status();
     seen.insert(seen.end(), page->items.begin(), page->items.end());
     token = page->next_page_token;
@@ -98,23 +123,63 @@ TEST(MergedList, GivesTheLargestPagesAndAsksSourcesForNoLarger) {
   EXPECT_TRUE(std::is_sorted(seen.begin(), seen.end(), Newer));
 }
 
+TEST(MergedList, RepeatsNothingWhenItemsArriveMeanwhile) {
+  std::mt19937 random(11);
+  for (int round = 0; round < 200; ++round) {
+    Lists lists = {{"a", {}}, {"b", {}}};
+    int time = 0;
+    const auto arrive = [&] {
+      const std::string source = random() % 2 == 0 ? "a" : "b";
+      auto& list = lists[source];
+      list.insert(list.begin(), Item{source, ++time, static_cast<int>(list.size()) + 1});
+    };
+    const int before = 1 + static_cast<int>(random() % 30);
+    for (int i = 0; i < before; ++i) arrive();
+    const Lists at_first = lists;
+    const int page_size = 1 + static_cast<int>(random() % 7);
+    std::vector<Item> seen;
+    std::string token;
+    int pages = 0;
+    do {
+      const auto page =
+          MergeLists<Item>({"a", "b"}, page_size, token, NewestFirst(lists), Newer, Identify);
+      ASSERT_TRUE(page.ok()) << page.status();
+      seen.insert(seen.end(), page->items.begin(), page->items.end());
+      token = page->next_page_token;
+      // Fewer, as many and more than a page holds; in the end the list must come to its end.
+      for (unsigned i = random() % 10; i > 0 && pages < 20; --i) arrive();
+      ASSERT_LT(++pages, 500) << "the list does not end";
+    } while (!token.empty());
+    for (const auto& [name, list] : at_first) {
+      for (const Item& item : list) {
+        EXPECT_EQ(std::count(seen.begin(), seen.end(), item), 1) << name << " " << item.number;
+      }
+    }
+    for (const Item& item : seen) EXPECT_EQ(std::count(seen.begin(), seen.end(), item), 1);
+  }
+}
+
 TEST(MergedList, RefusesForeignTokensAndSizes) {
   const Lists lists = {{"a", {}}};
   const auto fetch = Fetcher(lists, 10);
   for (const char* token : {"x", "!!", "e30x", "W10"}) {
-    EXPECT_FALSE(MergeLists<Item>({"a"}, 10, token, fetch, Newer).ok()) << token;
+    EXPECT_FALSE(MergeLists<Item>({"a"}, 10, token, fetch, Newer, Identify).ok()) << token;
   }
-  EXPECT_FALSE(MergeLists<Item>({"a"}, 10, FormatMergeToken({{"b", {"", 0}}}), fetch, Newer).ok());
-  EXPECT_FALSE(MergeLists<Item>({"a"}, 10, FormatMergeToken({{"a", {"", -1}}}), fetch, Newer).ok());
-  EXPECT_FALSE(MergeLists<Item>({"a"}, -1, "", fetch, Newer).ok());
-  EXPECT_FALSE(MergeLists<Item>({"a"}, 1001, "", fetch, Newer).ok());
+  EXPECT_FALSE(
+      MergeLists<Item>({"a"}, 10, FormatMergeToken({{"b", {"", 0, ""}}}), fetch, Newer, Identify)
+          .ok());
+  EXPECT_FALSE(
+      MergeLists<Item>({"a"}, 10, FormatMergeToken({{"a", {"", -1, ""}}}), fetch, Newer, Identify)
+          .ok());
+  EXPECT_FALSE(MergeLists<Item>({"a"}, -1, "", fetch, Newer, Identify).ok());
+  EXPECT_FALSE(MergeLists<Item>({"a"}, 1001, "", fetch, Newer, Identify).ok());
 }
 
 TEST(MergedList, FailsWhenASourceDoes) {
   const auto fetch = [](const std::string&, int, const std::string&) {
     return absl::StatusOr<ListPage<Item>>(absl::UnavailableError("away"));
   };
-  EXPECT_EQ(MergeLists<Item>({"a"}, 10, "", fetch, Newer).status().code(),
+  EXPECT_EQ(MergeLists<Item>({"a"}, 10, "", fetch, Newer, Identify).status().code(),
             absl::StatusCode::kUnavailable);
 }
 
