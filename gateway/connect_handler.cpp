@@ -11,6 +11,9 @@ namespace {
 
 namespace asio = boost::asio;
 
+constexpr int kUnsupportedMediaType = 415;
+constexpr int kVersionNotSupported = 505;
+
 // A call as its HTTP request describes it.
 struct ConnectCall {
   ConnectCodec codec;
@@ -151,9 +154,10 @@ asio::awaitable<bool> AnswerStream(HttpConnection& connection, const HttpContext
 
 // Failures before the call began, in the form that the client's protocol expects.
 asio::awaitable<bool> Refuse(HttpConnection& connection, const ConnectCodec& codec,
-                             const absl::Status& status, const HeaderList& metadata,
+                             const absl::Status& status,
+                             const std::pair<std::string, std::string>& request_id,
                              bool keep_alive) {
-  HeaderList headers = {metadata.front()};  // the request id
+  HeaderList headers = {request_id};
   if (!codec.streaming) {
     co_return co_await WriteError(connection, ToConnectError(status), headers, keep_alive);
   }
@@ -172,16 +176,20 @@ asio::awaitable<bool> HandleConnect(HttpConnection& connection, const HttpContex
     const char* accepted = IsStreaming(method)
                                ? "application/connect+json, application/connect+proto"
                                : "application/json, application/proto";
-    const HeaderList headers = {{"accept-post", accepted}, {"content-type", "text/plain"}};
-    co_return co_await connection.Write(
-        415, headers, absl::StrCat(method.full_name, " takes ", accepted, "\n"), keep_alive) &&
+    const HeaderList headers = {RequestIdOf(request), {"accept-post", accepted}};
+    const ConnectError error = ToConnectError(
+        InvalidField("content-type", absl::StrCat(method.full_name, " takes ", accepted)));
+    co_return co_await WriteErrorAs(kUnsupportedMediaType, connection, error, headers,
+                                    keep_alive) &&
         keep_alive;
   }
   if (method.client_streaming && method.server_streaming) {
     // HTTP/1.1 cannot speak both ways at once; the protocol names this status.
-    const HeaderList headers = {{"content-type", "text/plain"}, {"connection", "close"}};
-    co_await connection.Write(505, headers,
-                              method.full_name + " streams both ways: call it over gRPC\n", false);
+    const HeaderList headers = {RequestIdOf(request), {"connection", "close"}};
+    const ConnectError error = {absl::StatusCode::kUnimplemented,
+                                method.full_name + " streams both ways: call it over gRPC",
+                                {}};
+    co_await WriteErrorAs(kVersionNotSupported, connection, error, headers, false);
     co_return false;
   }
   ConnectCall call;
@@ -190,13 +198,22 @@ asio::awaitable<bool> HandleConnect(HttpConnection& connection, const HttpContex
   const absl::Status status = ReadCall(context, method, request, call);
   bool open = false;
   if (!status.ok()) {
-    open = co_await Refuse(connection, *codec, status, call.head.metadata, keep_alive);
+    open = co_await Refuse(connection, *codec, status, call.head.metadata.front(), keep_alive);
   } else if (codec->streaming) {
     open = co_await AnswerStream(connection, context, method, std::move(call), keep_alive);
   } else {
     open = co_await AnswerUnary(connection, context, method, std::move(call), keep_alive);
   }
   co_return open&& keep_alive;
+}
+
+asio::awaitable<void> RefuseTooLarge(HttpConnection& connection, const HttpRequest& request) {
+  const ConnectCodec codec =
+      ParseContentType(HeaderOf(request, "content-type")).value_or(ConnectCodec{});
+  const absl::Status status =
+      TooLarge("the request's body", absl::StrCat(kMaximalBodyBytes, " bytes"));
+  const auto request_id = RequestIdOf(request);
+  co_await Refuse(connection, codec, status, request_id, false);
 }
 
 }  // namespace mortise::gateway

@@ -39,7 +39,7 @@ class Hub final : public EventHub {
     {
       std::lock_guard lock(mutex_);
       const auto found = streams_.find(stream);
-      if (found == streams_.end()) return ResourceNotFound("the stream " + stream);
+      if (found == streams_.end()) return NoSuchStream(stream);
       const Stream& kept = found->second;
       if (kept.latest && after >= *kept.latest) return std::vector<bus::Event>();
       if (!kept.events.empty() && after + 1 >= kept.events.front().number) {
@@ -165,6 +165,12 @@ class Hub final : public EventHub {
 };
 
 }  // namespace
+
+absl::Status NoSuchStream(std::string_view stream) {
+  const std::string name(stream);
+  return WithDetail(absl::NotFoundError("there is no stream '" + name + "'"),
+                    {"RESOURCE_NOT_FOUND", name});
+}
 
 std::unique_ptr<EventHub> EventHub::Start(EventHubOptions options) {
   return std::make_unique<Hub>(std::move(options));

@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -27,6 +28,9 @@ struct EventHubOptions {
   std::size_t kept = 4096;                         // recent events kept of each stream
   absl::Duration retry = absl::Milliseconds(250);  // while a service cannot be reached
 };
+
+// NOT_FOUND for a stream that there is not.
+absl::Status NoSuchStream(std::string_view stream);
 
 class EventHub {
  public:

@@ -31,10 +31,13 @@ std::string_view HeaderOf(const HttpRequest& request, std::string_view name) {
   return {found->value().data(), found->value().size()};
 }
 
-HeaderList MetadataOf(const HttpRequest& request) {
-  HeaderList metadata;
+std::pair<std::string, std::string> RequestIdOf(const HttpRequest& request) {
   const std::string_view id = HeaderOf(request, kRequestIdHeader);
-  metadata.emplace_back(kRequestIdHeader, IsRequestId(id) ? std::string(id) : NewIdentifier());
+  return {kRequestIdHeader, IsRequestId(id) ? std::string(id) : NewIdentifier()};
+}
+
+HeaderList MetadataOf(const HttpRequest& request) {
+  HeaderList metadata = {RequestIdOf(request)};
   for (const auto& field : request) {
     const auto raw_name = field.name_string();
     const std::string name = absl::AsciiStrToLower({raw_name.data(), raw_name.size()});
@@ -59,12 +62,18 @@ void AppendMetadata(HeaderList& headers, const HeaderList& metadata, const char*
 
 boost::asio::awaitable<bool> WriteError(HttpConnection& connection, const ConnectError& error,
                                         HeaderList headers, bool keep_alive) {
+  const int status = HttpStatusOf(error.code);
+  co_return co_await WriteErrorAs(status, connection, error, std::move(headers), keep_alive);
+}
+
+boost::asio::awaitable<bool> WriteErrorAs(int status, HttpConnection& connection,
+                                          const ConnectError& error, HeaderList headers,
+                                          bool keep_alive) {
   headers.emplace_back("content-type", "application/json");
   if (error.code == absl::StatusCode::kUnauthenticated) {
     headers.emplace_back("www-authenticate", "Bearer");
   }
-  co_return co_await connection.Write(HttpStatusOf(error.code), headers, ErrorJson(error),
-                                      keep_alive);
+  co_return co_await connection.Write(status, headers, ErrorJson(error), keep_alive);
 }
 
 ConnectError ToConnectError(const absl::Status& status) {

@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "gateway/admission.h"
 #include "gateway/client_call.h"
@@ -29,6 +30,9 @@ struct HttpContext {
 // The value of a header; empty if it is absent.
 std::string_view HeaderOf(const HttpRequest& request, std::string_view name);
 
+// The header "x-request-id" of the answer: the client's own, or one made here.
+std::pair<std::string, std::string> RequestIdOf(const HttpRequest& request);
+
 // The headers of a request that become metadata of the call: tokens, the request id (made here if
 // the client gave none) and what is neither reserved nor the protocol's own; `-bin` ones decoded.
 HeaderList MetadataOf(const HttpRequest& request);
@@ -39,6 +43,11 @@ void AppendMetadata(HeaderList& headers, const HeaderList& metadata, const char*
 // A unary error answer: {"code":…} with the HTTP status of its code.
 boost::asio::awaitable<bool> WriteError(HttpConnection& connection, const ConnectError& error,
                                         HeaderList headers, bool keep_alive);
+
+// The same with a status that says more than the code's.
+boost::asio::awaitable<bool> WriteErrorAs(int status, HttpConnection& connection,
+                                          const ConnectError& error, HeaderList headers,
+                                          bool keep_alive);
 
 // The same for a failure found in this door.
 ConnectError ToConnectError(const absl::Status& status);

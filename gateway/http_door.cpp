@@ -76,15 +76,16 @@ asio::awaitable<bool> HandleGet(HttpConnection& connection, const HttpContext& c
       absl::StatusCode::kUnimplemented,
       status == 405 ? "calls are made by POST" : "there is nothing at " + target.path,
       {}};
-  const HeaderList headers = {{"content-type", "application/json"}, {"allow", "POST"}};
-  co_return co_await connection.Write(status, headers, ErrorJson(error), keep_alive) && keep_alive;
+  const HeaderList headers = {RequestIdOf(request), {"allow", "POST"}};
+  co_return co_await WriteErrorAs(status, connection, error, headers, keep_alive) && keep_alive;
 }
 
 asio::awaitable<bool> HandleRequest(HttpConnection& connection, const HttpContext& context,
                                     const HttpRequest& request) {
   const auto target = ParseTarget({request.target().data(), request.target().size()});
   if (!target.ok()) {
-    co_return co_await WriteError(connection, ToConnectError(target.status()), {},
+    const HeaderList headers = {RequestIdOf(request)};
+    co_return co_await WriteError(connection, ToConnectError(target.status()), headers,
                                   request.keep_alive()) &&
         request.keep_alive();
   }
@@ -98,8 +99,8 @@ asio::awaitable<bool> HandleRequest(HttpConnection& connection, const HttpContex
   const int status = request.method() == boost::beast::http::verb::post ? 404 : 405;
   const ConnectError error = {
       absl::StatusCode::kUnimplemented, absl::StrCat("there is no method ", target->path), {}};
-  const HeaderList headers = {{"content-type", "application/json"}, {"allow", "GET, POST"}};
-  co_return co_await connection.Write(status, headers, ErrorJson(error), request.keep_alive()) &&
+  const HeaderList headers = {RequestIdOf(request), {"allow", "GET, POST"}};
+  co_return co_await WriteErrorAs(status, connection, error, headers, request.keep_alive()) &&
       request.keep_alive();
 }
 
@@ -219,10 +220,7 @@ class Door final : public HttpDoor {
           open = co_await HandleRequest(*connection, *context_, request);
           break;
         case HttpReadResult::kTooLarge:
-          co_await WriteError(*connection,
-                              ToConnectError(TooLarge("the request's body",
-                                                      absl::StrCat(kMaximalBodyBytes, " bytes"))),
-                              {}, false);
+          co_await RefuseTooLarge(*connection, request);
           co_await connection->Discard();
           open = false;
           break;

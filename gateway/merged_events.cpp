@@ -126,7 +126,7 @@ class MergedEvents final : public v1::EventService::CallbackService {
     for (const std::string& stream : asked.streams()) {
       const auto& known = hub_->streams();
       if (std::find(known.begin(), known.end(), stream) == known.end()) {
-        return ResourceNotFound("the stream " + stream);
+        return NoSuchStream(stream);
       }
     }
     const auto follower = std::make_shared<Follower>(hub_, asked);

@@ -14,6 +14,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "gateway/event_hub.h"
 #include "mortise/v1/events.pb.h"
 #include "mortise/v1/operations.pb.h"
 
@@ -173,7 +174,7 @@ absl::StatusOr<EventPosition> FirstPosition(const EventsQuery& query,
     return query.after < 0 ? latest[stream] : query.after;
   };
   for (const auto& stream : query.streams) {
-    if (latest.count(stream) == 0) return ResourceNotFound("the stream " + stream);
+    if (latest.count(stream) == 0) return NoSuchStream(stream);
     first[stream] = begin(stream);
   }
   if (query.streams.empty()) {

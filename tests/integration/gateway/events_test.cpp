@@ -241,7 +241,9 @@ TEST_F(EventsTest, RefusesMalformedEventRequests) {
   const std::string& http = gateway_->addresses().http;
   EXPECT_EQ(Http(http, "GET", "/events?after=x").status, 400);
   EXPECT_EQ(Http(http, "GET", "/events?colour=red").status, 400);
-  EXPECT_EQ(Http(http, "GET", "/events?streams=nobody").status, 404);
+  const HttpAnswer nobody = Http(http, "GET", "/events?streams=nobody");
+  EXPECT_EQ(nobody.status, 404);
+  EXPECT_EQ(Json::parse(nobody.body)["message"], "there is no stream 'nobody'");
   EXPECT_EQ(Http(http, "GET", "/events", {{"Last-Event-ID", "catalog"}}).status, 400);
 }
 

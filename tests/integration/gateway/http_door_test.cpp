@@ -95,6 +95,12 @@ TEST_F(HttpDoorTest, TellsFailuresOfServices) {
 TEST_F(HttpDoorTest, KeepsToLimits) {
   const std::string large = R"({"name":")" + std::string(5 << 20, 'x') + R"("})";
   ExpectError(Post(kGetItem, large), 429, "resource_exhausted");
+  // A streaming client looks for failures in the last envelope only.
+  const HttpAnswer stream =
+      Post(kExport, Envelope(0, large), {{"Content-Type", "application/connect+json"}});
+  EXPECT_EQ(stream.status, 200);
+  EXPECT_EQ(stream.headers.at("content-type"), "application/connect+json");
+  EXPECT_THAT(stream.body, HasSubstr(R"({"error":{"code":"resource_exhausted")"));
   ExpectError(Post(kGetItem, R"({"name":"items/slow"})", {{"Connect-Timeout-Ms", "50"}}), 504,
               "deadline_exceeded");
   EXPECT_TRUE(house_.WaitForCancelled(1));
@@ -104,17 +110,23 @@ TEST_F(HttpDoorTest, KeepsToLimits) {
 }
 
 TEST_F(HttpDoorTest, RefusesWhatItCannotSpeak) {
-  EXPECT_EQ(Post(kGetItem, "x=1", {{"Content-Type", "application/x-www-form-urlencoded"}}).status,
-            415);
-  EXPECT_EQ(Post(kExport, "{}").status, 415) << "a stream wants envelopes";
-  EXPECT_EQ(
-      Post(kGetItem, Envelope(0, "{}"), {{"Content-Type", "application/connect+json"}}).status,
-      415);
-  EXPECT_EQ(Post("/mortise.v1.FabPlannerService/AttachBridge", Envelope(0, "{}"),
-                 {{"Content-Type", "application/connect+json"}})
-                .status,
-            505);
-  EXPECT_EQ(Post("/mortise.v1.CatalogService/Nothing", "{}").status, 404);
+  const HttpAnswer form =
+      Post(kGetItem, "x=1", {{"Content-Type", "application/x-www-form-urlencoded"}});
+  ExpectError(form, 415, "invalid_argument", "GetItem takes application/json");
+  EXPECT_EQ(form.headers.at("content-type"), "application/json");
+  EXPECT_EQ(form.headers.at("accept-post"), "application/json, application/proto");
+  EXPECT_NE(form.headers.at("x-request-id"), "");
+  // A stream wants envelopes, other calls do not.
+  ExpectError(Post(kExport, "{}"), 415, "invalid_argument", "application/connect+json");
+  ExpectError(Post(kGetItem, Envelope(0, "{}"), {{"Content-Type", "application/connect+json"}}),
+              415, "invalid_argument", "content-type");
+  ExpectError(Post("/mortise.v1.FabPlannerService/AttachBridge", Envelope(0, "{}"),
+                   {{"Content-Type", "application/connect+json"}}),
+              505, "unimplemented", "gRPC");
+  const HttpAnswer nothing =
+      Post("/mortise.v1.CatalogService/Nothing", "{}", {{"X-Request-Id", "request-8"}});
+  ExpectError(nothing, 404, "unimplemented", "Nothing");
+  EXPECT_EQ(nothing.headers.at("x-request-id"), "request-8");
   EXPECT_EQ(Get(kGetItem).status, 405);
   EXPECT_EQ(Get("/nothing").status, 404);
   EXPECT_EQ(Get("/%zz").status, 400);
