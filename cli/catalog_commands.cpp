@@ -264,3 +264,5 @@ void AddCatalogCommands(CLI::App& app, Session& session) {
 }
 
 }  // namespace mortise::cli
+  // Last: commands would inherit it.
+  catalog->footer("Example: mortise catalog list items");

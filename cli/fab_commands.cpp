@@ -129,6 +129,7 @@ void AddFabCommands(CLI::App& app, Session& session) {
 
   CLI::App* hold = fab->add_subcommand("hold", "Pause a work order: no new cut begins");
   hold->add_option("name", *name, "workOrders/…")->required();
+  hold->footer("Example: mortise fab hold workOrders/0198c1");
   hold->callback([&session, name] {
     session.command = [name](Session& s, Output& o) { return Hold(*name, s, o); };
   });
@@ -136,10 +137,13 @@ void AddFabCommands(CLI::App& app, Session& session) {
   CLI::App* resume = fab->add_subcommand("resume", "Let a work order go on, once it is safe");
   resume->add_option("name", *name, "workOrders/…")->required();
   resume->footer(
+      "Example: mortise fab resume workOrders/0198c1\n"
       "A bridge or machine that lost power or the line waits for this; see docs/machines.md");
   resume->callback([&session, name] {
     session.command = [name](Session& s, Output& o) { return Resume(*name, s, o); };
   });
+  // Last: commands would inherit it.
+  fab->footer("Example: mortise fab release plans/0198c1");
 }
 
 }  // namespace mortise::cli

@@ -238,3 +238,5 @@ void AddParetoCommands(CLI::App& app, Session& session) {
 }
 
 }  // namespace mortise::cli
+  // Last: commands would inherit it.
+  pareto->footer("Example: mortise pareto run table --minimize mass --minimize max_displacement");

@@ -127,15 +127,18 @@ TEST(CommandLine, EveryCommandHasHelpAndMistakesAreExplained) {
                                              {"down"},
                                              {"status"},
                                              {"demo"},
+                                             {"catalog"},
                                              {"catalog", "import"},
                                              {"catalog", "list"},
                                              {"catalog", "show"},
                                              {"catalog", "evaluate"},
                                              {"analyze"},
+                                             {"pareto"},
                                              {"pareto", "run"},
                                              {"pareto", "show"},
                                              {"pareto", "pick"},
                                              {"plan"},
+                                             {"fab"},
                                              {"fab", "release"},
                                              {"fab", "watch"},
                                              {"fab", "hold"},
@@ -150,6 +153,7 @@ TEST(CommandLine, EveryCommandHasHelpAndMistakesAreExplained) {
     const CommandResult result = Mortise(arguments);
     EXPECT_EQ(result.exit_code, 0);
     EXPECT_THAT(result.out, HasSubstr("Usage:"));
+    EXPECT_THAT(result.out, HasSubstr("Example: "));
   }
   EXPECT_EQ(Mortise({"nonsense"}).exit_code, 2);
   EXPECT_EQ(Mortise({"analyze"}).exit_code, 2);
