@@ -193,8 +193,28 @@ TEST(Completion, IsAScriptThatBashAccepts) {
   const auto script = std::filesystem::temp_directory_path() / ("mortise-" + NewIdentifier());
   ASSERT_TRUE(WriteFile(script, result.out).ok());
   EXPECT_EQ(std::system(("bash -n " + script.string()).c_str()), 0);
-  EXPECT_THAT(result.out, HasSubstr("evaluate"));
+  // What bash offers after these words.
+  const auto offered = [&](const std::string& words) {
+    return Shell("source '" + script.string() + "'; COMP_WORDS=(mortise " + words +
+                     "); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _mortise; echo \"${COMPREPLY[*]}\"",
+                 script.parent_path())
+        .out;
+  };
+  EXPECT_EQ(offered("cat"), "catalog\n");
+  EXPECT_EQ(offered("--house x catalog ev"), "evaluate\n");
+  EXPECT_EQ(offered("catalog list --ki"), "--kind\n");
+  EXPECT_EQ(offered("fab hold --js"), "--json\n");
   std::filesystem::remove(script);
+}
+
+TEST(Completion, KnowsOtherShells) {
+  for (const char* shell : {"zsh", "fish"}) {
+    const CommandResult result = Mortise({"completion", shell});
+    ASSERT_EQ(result.exit_code, 0) << shell;
+    EXPECT_THAT(result.out, HasSubstr("'catalog list'")) << shell;
+    EXPECT_THAT(result.out, HasSubstr("Only items of this kind, such as bolt")) << shell;
+  }
+  EXPECT_EQ(Mortise({"completion", "csh"}).exit_code, 2);
 }
 
 }  // namespace
