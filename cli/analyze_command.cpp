@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "absl/strings/str_cat.h"
+#include "cli/field_sources.h"
 #include "cli/requests.h"
 #include "cli/session.h"
 #include "common/base/errors.h"
@@ -21,6 +22,13 @@ struct AnalyzeOptions {
   std::string element_size;
   std::filesystem::path out;
 };
+
+FieldSources SourcesOf(const AnalyzeOptions& options) {
+  FieldSources sources;
+  sources.AddEach("parameters", "--set", options.parameters);
+  sources.Add("mesh.element_size", "--element-size");
+  return sources;
+}
 
 absl::Status DownloadArtifacts(const v1::Analysis& analysis, const std::filesystem::path& out,
                                v1::SimulatorService::Stub& stub, const GatewayClient& client,
@@ -85,7 +93,7 @@ void AddAnalyzeCommand(CLI::App& app, Session& session) {
   analyze->footer("Example: mortise analyze table --set length=1500mm --out out/table");
   analyze->callback([&session, options] {
     session.command = [options](Session& s, Output& output) {
-      return Analyze(*options, s, output);
+      return SourcesOf(*options).Name(Analyze(*options, s, output));
     };
   });
 }

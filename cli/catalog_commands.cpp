@@ -12,6 +12,7 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_replace.h"
 #include "cli/catalog_import.h"
+#include "cli/field_sources.h"
 #include "cli/requests.h"
 #include "cli/session.h"
 #include "common/base/errors.h"
@@ -55,6 +56,21 @@ absl::StatusOr<v1::ItemKind> ParseKind(const std::string& text) {
     return InvalidField("kind", absl::StrCat("'", text, "' is none of ", KindNames()));
   }
   return kind;
+}
+
+FieldSources SourcesOf(const ListOptions&) {
+  FieldSources sources;
+  sources.Add("kind", "--kind");
+  sources.Add("material", "--material");
+  sources.Add("text", "--text");
+  return sources;
+}
+
+FieldSources SourcesOf(const EvaluateOptions& options) {
+  FieldSources sources;
+  sources.Add("name", "template");
+  sources.AddEach("parameters", "--set", options.parameters);
+  return sources;
 }
 
 absl::StatusOr<v1::ListItemsRequest> ItemsRequest(const ListOptions& options) {
@@ -236,7 +252,9 @@ void AddCatalogCommands(CLI::App& app, Session& session) {
                    "Only items with these words in id, title, standard or designation");
   list->footer("Example: mortise catalog list --kind nut --text \"ISO 4032\"");
   list->callback([&session, filter] {
-    session.command = [filter](Session& s, Output& o) { return List(*filter, s, o); };
+    session.command = [filter](Session& s, Output& o) {
+      return SourcesOf(*filter).Name(List(*filter, s, o));
+    };
   });
 
   auto name = std::make_shared<std::string>();
@@ -247,7 +265,9 @@ void AddCatalogCommands(CLI::App& app, Session& session) {
   show->footer("Example: mortise catalog show items/hex-nut-m8 --revision 1");
   show->callback([&session, name, revision] {
     session.command = [name, revision](Session& s, Output& o) {
-      return Show(*name, *revision, s, o);
+      FieldSources sources;
+      sources.Add("revision", "--revision");
+      return sources.Name(Show(*name, *revision, s, o));
     };
   });
 
@@ -259,10 +279,12 @@ void AddCatalogCommands(CLI::App& app, Session& session) {
   evaluate->add_option("--glb", options->glb, "Also write a GLB file");
   evaluate->footer("Example: mortise catalog evaluate table --set length=1500mm --glb table.glb");
   evaluate->callback([&session, options] {
-    session.command = [options](Session& s, Output& o) { return Evaluate(*options, s, o); };
+    session.command = [options](Session& s, Output& o) {
+      return SourcesOf(*options).Name(Evaluate(*options, s, o));
+    };
   });
+  // Last: commands would inherit it.
+  catalog->footer("Example: mortise catalog list items");
 }
 
 }  // namespace mortise::cli
-  // Last: commands would inherit it.
-  catalog->footer("Example: mortise catalog list items");

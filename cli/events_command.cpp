@@ -9,6 +9,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "cli/field_sources.h"
 #include "cli/session.h"
 #include "common/base/errors.h"
 #include "common/rpc/status_mapping.h"
@@ -118,7 +119,13 @@ void AddEventsCommand(CLI::App& app, Session& session) {
   events->add_option("--type", options->types, "Only types that begin with one of these");
   events->footer("Example: mortise events --follow --since 0 --type cut.");
   events->callback([&session, options] {
-    session.command = [options](Session& s, Output& output) { return Events(*options, s, output); };
+    session.command = [options](Session& s, Output& output) {
+      FieldSources sources;
+      sources.Add("after_number", "--since");
+      sources.AddEach("type_prefixes", "--type", options->types);
+      sources.Add("stream", "--stream");
+      return sources.Name(Events(*options, s, output));
+    };
   });
 }
 

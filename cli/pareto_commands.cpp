@@ -10,6 +10,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_split.h"
+#include "cli/field_sources.h"
 #include "cli/requests.h"
 #include "cli/session.h"
 #include "common/base/errors.h"
@@ -36,7 +37,16 @@ struct PickOptions {
   std::string at;
 };
 
-absl::Status AddBounds(const RunOptions& options, v1::DiscoverySpecification& specification) {
+bool IsFile(const RunOptions& options) { return absl::EndsWith(options.subject, ".json"); }
+
+absl::Status AddBounds(const RunOptions& options, v1::DiscoverySpecification& specification,
+                       FieldSources& sources) {
+  const int first = specification.bounds_size();
+  if (!options.fix.empty()) sources.AddEach("specification.bounds", "--fix", options.fix, first);
+  if (!options.range.empty()) {
+    sources.AddEach("specification.bounds", "--range", options.range,
+                    first + static_cast<int>(options.fix.size()));
+  }
   const auto add = [&specification](const std::string& name, double low, double high) {
     auto* bound = specification.add_bounds();
     bound->set_parameter(name);
@@ -60,22 +70,35 @@ absl::Status AddBounds(const RunOptions& options, v1::DiscoverySpecification& sp
   return absl::OkStatus();
 }
 
-absl::StatusOr<v1::DiscoverySpecification> Specification(const RunOptions& options) {
+// `sources` learns what gave which field.
+absl::StatusOr<v1::DiscoverySpecification> Specification(const RunOptions& options,
+                                                         FieldSources& sources) {
   v1::DiscoverySpecification specification;
-  if (absl::EndsWith(options.subject, ".json")) {
+  if (IsFile(options)) {
     MORTISE_ASSIGN_OR_RETURN(const std::string text, ReadFile(options.subject, 4 << 20));
     const auto parsed = google::protobuf::util::JsonStringToMessage(text, &specification);
     if (!parsed.ok()) return InvalidField(options.subject, std::string(parsed.message()));
+    sources.AddFile("specification", options.subject);
   } else {
+    sources.Add("specification.subject", "subject");
+    sources.Add("specification.seed", "--seed");
+    sources.Add("specification.evaluations", "--evaluations");
     specification.set_subject(ResourceName("templates", options.subject));
     specification.set_seed(options.seed);
     specification.set_evaluations(200);
   }
+  if (!options.minimize.empty() || !IsFile(options)) {
+    sources.AddEach("specification.objectives", "--minimize", options.minimize,
+                    specification.objectives_size());
+  }
   for (const std::string& metric : options.minimize) {
     specification.add_objectives()->set_metric(metric);
   }
-  if (options.evaluations > 0) specification.set_evaluations(options.evaluations);
-  MORTISE_RETURN_IF_ERROR(AddBounds(options, specification));
+  if (options.evaluations > 0) {
+    specification.set_evaluations(options.evaluations);
+    sources.Add("specification.evaluations", "--evaluations");
+  }
+  MORTISE_RETURN_IF_ERROR(AddBounds(options, specification, sources));
   return specification;
 }
 
@@ -144,10 +167,11 @@ absl::Status Show(const std::string& name, const std::filesystem::path& out, Ses
   return absl::OkStatus();
 }
 
-absl::Status Run(const RunOptions& options, Session& session, Output& output) {
+absl::Status Run(const RunOptions& options, FieldSources& sources, Session& session,
+                 Output& output) {
   v1::DiscoverFrontRequest request;
   request.set_request_id(NewIdentifier());
-  MORTISE_ASSIGN_OR_RETURN(*request.mutable_specification(), Specification(options));
+  MORTISE_ASSIGN_OR_RETURN(*request.mutable_specification(), Specification(options, sources));
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   const auto stub = v1::ParetoService::NewStub(client->channel());
   grpc::ClientContext context;
@@ -213,7 +237,11 @@ void AddParetoCommands(CLI::App& app, Session& session) {
       "Example: mortise pareto run table --minimize mass --minimize max_displacement "
       "--fix length=1.4 --evaluations 150");
   run->callback([&session, run_options] {
-    session.command = [run_options](Session& s, Output& o) { return Run(*run_options, s, o); };
+    session.command = [run_options](Session& s, Output& o) {
+      FieldSources sources;
+      const absl::Status status = Run(*run_options, sources, s, o);
+      return sources.Name(status);
+    };
   });
 
   auto name = std::make_shared<std::string>();
@@ -233,10 +261,15 @@ void AddParetoCommands(CLI::App& app, Session& session) {
       ->required();
   pick->footer("Example: mortise pareto pick fronts/0198c1 --at max_displacement=1.5mm");
   pick->callback([&session, pick_options] {
-    session.command = [pick_options](Session& s, Output& o) { return Pick(*pick_options, s, o); };
+    session.command = [pick_options](Session& s, Output& o) {
+      FieldSources sources;
+      sources.Add("embedding", "--at");
+      sources.Add("metric", "--at");
+      return sources.Name(Pick(*pick_options, s, o));
+    };
   });
+  // Last: commands would inherit it.
+  pareto->footer("Example: mortise pareto run table --minimize mass --minimize max_displacement");
 }
 
 }  // namespace mortise::cli
-  // Last: commands would inherit it.
-  pareto->footer("Example: mortise pareto run table --minimize mass --minimize max_displacement");

@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "cli/field_sources.h"
 #include "cli/requests.h"
 #include "cli/session.h"
 #include "common/base/errors.h"
@@ -23,6 +24,14 @@ struct PlanOptions {
   std::string kerf;
   std::filesystem::path out;
 };
+
+FieldSources SourcesOf(const PlanOptions& options) {
+  FieldSources sources;
+  sources.AddEach("parameters", "--set", options.parameters);
+  sources.Add("quantity", "--quantity");
+  sources.Add("rules.kerf", "--kerf");
+  return sources;
+}
 
 void PrintPlan(const v1::Plan& plan, const Output& output) {
   output.Line(absl::StrFormat(
@@ -86,7 +95,9 @@ void AddPlanCommand(CLI::App& app, Session& session) {
   plan->add_option("--out", options->out, "Folder for cut list, bill, layouts and assembly guide");
   plan->footer("Example: mortise plan table --set length=1500mm --out out/plan");
   plan->callback([&session, options] {
-    session.command = [options](Session& s, Output& output) { return Plan(*options, s, output); };
+    session.command = [options](Session& s, Output& output) {
+      return SourcesOf(*options).Name(Plan(*options, s, output));
+    };
   });
 }
 

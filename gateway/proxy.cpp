@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "gateway/event_hub.h"
 #include "gateway/proxied_call.h"
 #include "gateway/reflection.h"
 
@@ -83,7 +84,10 @@ absl::StatusOr<std::string> ServiceOf(const MethodRoute& method, std::string_vie
                                    ? "must have the form operations/{service}/{id}"
                                    : "must name a stream");
   }
-  if (upstreams.addresses().count(service) == 0) return ResourceNotFound(*value);
+  if (upstreams.addresses().count(service) == 0) {
+    return method.destination == Destination::kByOperation ? ResourceNotFound(*value)
+                                                           : NoSuchStream(*value);
+  }
   return std::string(service);
 }
 

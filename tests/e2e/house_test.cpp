@@ -99,8 +99,35 @@ TEST_F(HouseTest, FaultsNameWhatIsWrong) {
   EXPECT_THAT(error["message"].get<std::string>(), HasSubstr("length"));
   error = Ask({"catalog", "evaluate", "table", "--set", "girth=1"}, 1)["error"];
   EXPECT_THAT(error["message"].get<std::string>(), HasSubstr("girth"));
+  EXPECT_EQ(error["field"], "--set girth");
   error = Ask({"call", "catalog.Nothing"}, 1)["error"];
   EXPECT_EQ(error["code"], "NOT_FOUND");
+}
+
+// What a service says of its fields is told of the flags that gave them.
+TEST_F(HouseTest, FaultsNameTheFlag) {
+  const std::vector<std::string> minimize = {"--minimize", "mass", "--minimize",
+                                             "max_displacement"};
+  const auto fault = [&](std::vector<std::string> arguments, bool with_objectives = false) {
+    if (with_objectives) arguments.insert(arguments.end(), minimize.begin(), minimize.end());
+    return Ask(arguments, 1)["error"]["field"].get<std::string>();
+  };
+  EXPECT_EQ(fault({"catalog", "evaluate", "table", "--set", "width=0.8", "--set", "length=9"}),
+            "--set length");
+  EXPECT_EQ(fault({"catalog", "list", "--material", "nosuch"}), "--material");
+  EXPECT_EQ(fault({"catalog", "list", "--kind", "nosuch"}), "--kind");
+  EXPECT_EQ(fault({"analyze", "table", "--element-size", "-3mm"}), "--element-size");
+  EXPECT_EQ(fault({"plan", "table", "--quantity", "-1"}), "--quantity");
+  EXPECT_EQ(fault({"plan", "table", "--kerf", "-3mm"}), "--kerf");
+  EXPECT_EQ(fault({"pareto", "run", "table", "--minimize", "mass"}), "--minimize");
+  EXPECT_EQ(fault({"pareto", "run", "table", "--fix", "width=0.8", "--range", "length=1:9"}, true),
+            "--range length");
+  EXPECT_EQ(fault({"pareto", "run", "table", "--evaluations", "3"}, true), "--evaluations");
+  const std::string file = (folder_ / "specification.json").string();
+  ASSERT_TRUE(WriteFile(file, R"({"subject": "templates/table", "seed": 1, "evaluations": 20,
+                                  "bounds": [{"parameter": "girth"}]})")
+                  .ok());
+  EXPECT_EQ(fault({"pareto", "run", file}, true), file + ": bounds[0].parameter");
 }
 
 TEST_F(HouseTest, SecondLauncherIsRefused) {

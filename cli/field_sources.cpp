@@ -1,0 +1,67 @@
+#include "cli/field_sources.h"
+
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/strip.h"
+#include "common/base/errors.h"
+#include "common/base/field_violations.h"
+
+namespace mortise::cli {
+namespace {
+
+// Whether `path` is `field` or lies in it: "parameters[0].value" in "parameters".
+bool LiesIn(std::string_view path, std::string_view field) {
+  if (!path.starts_with(field)) return false;
+  const std::string_view rest = path.substr(field.size());
+  return rest.empty() || rest.front() == '.' || rest.front() == '[';
+}
+
+}  // namespace
+
+void FieldSources::Add(std::string field, std::string source) {
+  sources_.push_back({std::move(field), std::move(source)});
+}
+
+void FieldSources::AddEach(const std::string& field, const std::string& flag,
+                           const std::vector<std::string>& values, int first) {
+  if (first == 0) Add(field, flag);
+  for (const std::string& value : values) {
+    Add(absl::StrCat(field, "[", first++, "]"),
+        absl::StrCat(flag, " ", value.substr(0, value.find('='))));
+  }
+}
+
+void FieldSources::AddFile(std::string field, std::string file) {
+  sources_.push_back({std::move(field), std::move(file), true});
+}
+
+std::string FieldSources::SourceOf(std::string_view field) const {
+  const Source* best = nullptr;
+  for (const Source& source : sources_) {
+    if (!LiesIn(field, source.field)) continue;
+    if (best == nullptr || source.field.size() > best->field.size()) best = &source;
+  }
+  if (best == nullptr) return std::string(field);
+  if (!best->is_file || field.size() == best->field.size()) return best->text;
+  const std::string_view rest = field.substr(best->field.size());
+  return absl::StrCat(best->text, ": ", absl::StripPrefix(std::string(rest), "."));
+}
+
+absl::Status FieldSources::Name(const absl::Status& status) const {
+  if (status.ok()) return status;
+  std::vector<FieldViolation> violations = ViolationsOf(status);
+  for (FieldViolation& violation : violations) violation.field = SourceOf(violation.field);
+  if (!violations.empty()) return InvalidFields(violations);
+  ErrorDetail detail = DetailOf(status);
+  const std::string field = detail.field;
+  detail.field = SourceOf(field);
+  if (detail.field == field) return status;
+  absl::string_view message = status.message();
+  const bool names_field = absl::ConsumePrefix(&message, field + ": ");
+  return WithDetail(
+      absl::Status(status.code(),
+                   names_field ? absl::StrCat(detail.field, ": ", message) : std::string(message)),
+      detail);
+}
+
+}  // namespace mortise::cli
