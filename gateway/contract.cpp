@@ -19,6 +19,7 @@ namespace pb = google::protobuf;
 std::string OwnerOfFile(const std::string& file) {
   const auto slash = file.rfind('/') + 1;
   std::string stem = file.substr(slash, file.rfind('.') - slash);
+  if (stem == "assembly") return "catalog";
   if (stem == "evaluator") return "simulator";
   if (stem == "operations" || stem == "events" || stem == "audit") return "gateway";
   return stem;

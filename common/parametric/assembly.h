@@ -42,6 +42,8 @@ struct AssemblyPart {
   bool connecting = false;
   BoundingBox box;
   std::array<SizeLimits, 3> limits;  // by axis of the design
+  // The axis of the design along which each of the item's three lies: length, width, thickness.
+  std::array<Axis, 3> item_axes = {Axis::kX, Axis::kY, Axis::kZ};
   std::vector<ProminentPlane> prominent_planes;
 };
 

@@ -13,7 +13,7 @@
 #include "common/base/errors.h"
 #include "common/base/identifiers.h"
 #include "common/parametric/axis_codec.h"
-#include "common/parametric/proto_text.h"
+#include "common/parametric/message_digest.h"
 
 namespace mortise::parametric {
 namespace {
@@ -141,6 +141,7 @@ std::optional<std::array<Axis, 3>> ItemAxes(const v1::AssemblyPart& part, const 
 // Limits along the design's axes, and the size where it is left to the item.
 void ApplyItem(const Item& item, const std::array<Axis, 3>& axes, AssemblyPart& part,
                Eigen::Vector3d& size) {
+  part.item_axes = axes;
   for (std::size_t i = 0; i < 3; ++i) {
     const ItemDimension& dimension = item.dimensions[i];
     const auto axis = static_cast<std::size_t>(axes[i]);
@@ -368,10 +369,15 @@ absl::StatusOr<Assembly> FromProto(const v1::Assembly& message, const std::vecto
   return std::move(drawing.assembly);
 }
 
-absl::StatusOr<v1::Assembly> ParseAssemblyText(std::string_view text, const std::string& origin) {
-  v1::Assembly message;
-  MORTISE_RETURN_IF_ERROR(ParseProtoText(text, origin, message));
-  return message;
+std::string BundleDigest(const v1::AssemblyBundle& message) {
+  v1::AssemblyBundle content = message;
+  v1::Assembly& assembly = *content.mutable_assembly();
+  assembly.clear_name();
+  assembly.clear_revision();
+  assembly.clear_digest();
+  assembly.clear_create_time();
+  ClearRevisions(*content.mutable_items(), *content.mutable_materials());
+  return MessageDigest(content);
 }
 
 }  // namespace mortise::parametric

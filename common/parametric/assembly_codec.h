@@ -1,4 +1,5 @@
-// Reads assemblies from mortise/v1/assembly.proto and its text form. Target mortise_assembly_codec.
+// Reads assemblies from the messages of mortise/v1/assembly.proto; collection.h reads their files.
+// Target mortise_assembly_codec.
 #pragma once
 
 #include <string>
@@ -19,8 +20,8 @@ namespace mortise::parametric {
 // finds.
 absl::StatusOr<Assembly> FromProto(const v1::Assembly& message, const std::vector<Item>& items);
 
-// One file's text. INVALID_ARGUMENT naming `origin` with every line and column at fault;
-// RESOURCE_EXHAUSTED past 4 MiB.
-absl::StatusOr<v1::Assembly> ParseAssemblyText(std::string_view text, const std::string& origin);
+// SHA-256 of all that an assembly's parametrisation depends on: its content without name, revision,
+// digest and time, and that of its items and materials, each without revision and time.
+std::string BundleDigest(const v1::AssemblyBundle& message);
 
 }  // namespace mortise::parametric

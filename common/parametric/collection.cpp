@@ -63,6 +63,12 @@ absl::StatusOr<v1::TemplateBundle> ParseBundleText(std::string_view text,
   return message;
 }
 
+absl::StatusOr<v1::Assembly> ParseAssemblyText(std::string_view text, const std::string& origin) {
+  v1::Assembly message;
+  MORTISE_RETURN_IF_ERROR(ParseProtoText(text, origin, message));
+  return message;
+}
+
 absl::StatusOr<Collection> ReadCollection(const fs::path& folder) {
   std::error_code error;
   if (!fs::is_directory(folder, error)) return ResourceNotFound(folder.string());
@@ -79,6 +85,14 @@ absl::StatusOr<Collection> ReadCollection(const fs::path& folder) {
     MORTISE_ASSIGN_OR_RETURN(const std::string text, ReadFile(file, kMaxTextBytes));
     MORTISE_ASSIGN_OR_RETURN(v1::Template message, ParseTemplateText(text, file.string()));
     collection.templates.push_back(std::move(message));
+  }
+  MORTISE_ASSIGN_OR_RETURN(const std::vector<fs::path> assemblies,
+                           FilesUnder(folder / "assemblies"));
+  for (const fs::path& file : assemblies) {
+    if (file.extension() != ".textproto") continue;
+    MORTISE_ASSIGN_OR_RETURN(const std::string text, ReadFile(file, kMaxTextBytes));
+    MORTISE_ASSIGN_OR_RETURN(v1::Assembly message, ParseAssemblyText(text, file.string()));
+    collection.assemblies.push_back(std::move(message));
   }
   return collection;
 }

@@ -1,9 +1,10 @@
-// Reads collections from disk: materials, items and templates as files that people write
+// Reads collections from disk: materials, items, templates and assemblies as files people write
 // (collection/ in the repository). Target mortise_template_codec.
 //
 //   materials.textproto, items/*.textproto     each a mortise.v1.TemplateBundle
 //   items/*.csv, items/*.json                  items in the forms of design_file.h
 //   designs/<name>/template.textproto          each a mortise.v1.Template
+//   assemblies/*.textproto                     each a mortise.v1.Assembly (assembly_codec.h)
 #pragma once
 
 #include <filesystem>
@@ -13,6 +14,7 @@
 
 #include "absl/status/statusor.h"
 #include "common/parametric/template_definition.h"
+#include "mortise/v1/assembly.pb.h"
 #include "mortise/v1/catalog.pb.h"
 
 namespace mortise::parametric {
@@ -22,6 +24,7 @@ struct Collection {
   std::vector<v1::Material> materials;
   std::vector<v1::Item> items;
   std::vector<v1::Template> templates;
+  std::vector<v1::Assembly> assemblies;
 };
 
 // Parses one file's text. INVALID_ARGUMENT naming `origin` with every line and column at fault;
@@ -29,6 +32,7 @@ struct Collection {
 absl::StatusOr<v1::Template> ParseTemplateText(std::string_view text, const std::string& origin);
 absl::StatusOr<v1::TemplateBundle> ParseBundleText(std::string_view text,
                                                    const std::string& origin);
+absl::StatusOr<v1::Assembly> ParseAssemblyText(std::string_view text, const std::string& origin);
 
 // Reads a folder. NOT_FOUND if it does not exist; INVALID_ARGUMENT naming each fault of the first
 // file that has any.

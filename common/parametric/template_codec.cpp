@@ -1,13 +1,10 @@
 // Field-by-field conversion of templates and designs; items and materials are in item_codec.cpp.
 #include "common/parametric/template_codec.h"
 
-#include <google/protobuf/io/coded_stream.h>
-#include <google/protobuf/io/zero_copy_stream_impl_lite.h>
-
 #include "absl/strings/str_cat.h"
-#include "common/base/digest.h"
 #include "common/base/errors.h"
 #include "common/parametric/axis_codec.h"
+#include "common/parametric/message_digest.h"
 
 namespace mortise::parametric {
 namespace {
@@ -156,17 +153,6 @@ v1::BoundaryCondition ToProto(const BoundaryCondition& condition) {
   return message;
 }
 
-std::string DeterministicBytes(const google::protobuf::Message& message) {
-  std::string bytes;
-  // The streams flush when they go out of scope.
-  google::protobuf::io::StringOutputStream stream(&bytes);
-  google::protobuf::io::CodedOutputStream coded(&stream);
-  coded.SetSerializationDeterministic(true);
-  message.SerializeToCodedStream(&coded);
-  coded.Trim();
-  return bytes;
-}
-
 }  // namespace
 
 std::vector<NamedValue> FromProto(
@@ -256,19 +242,15 @@ std::string TemplateDigest(const v1::Template& message) {
   content.clear_revision();
   content.clear_digest();
   content.clear_create_time();
-  return Sha256Hex(DeterministicBytes(content));
+  return MessageDigest(content);
 }
 
 std::string BundleDigest(const v1::TemplateBundle& message) {
   v1::TemplateBundle content = message;
   content.mutable_template_()->Clear();
   content.mutable_template_()->set_digest(TemplateDigest(message.template_()));
-  for (v1::Item& item : *content.mutable_items()) {
-    item.clear_revision();
-    item.clear_update_time();
-  }
-  for (v1::Material& material : *content.mutable_materials()) material.clear_revision();
-  return Sha256Hex(DeterministicBytes(content));
+  ClearRevisions(*content.mutable_items(), *content.mutable_materials());
+  return MessageDigest(content);
 }
 
 }  // namespace mortise::parametric

@@ -4,6 +4,7 @@
 // was imported, so that F(q) of a revision never changes and its digest says all of it.
 #pragma once
 
+#include <set>
 #include <string>
 #include <vector>
 
@@ -58,9 +59,14 @@ absl::StatusOr<v1::Item> UpdateItem(store::Transaction& transaction,
                                     const std::string& trace_id);
 
 // Removes an item ("item.deleted"). ABORTED for another revision; FAILED_PRECONDITION, ITEM_IN_USE,
-// naming the templates whose latest revision uses it.
+// naming the templates and assemblies whose latest revision uses it.
 absl::Status DeleteItem(store::Transaction& transaction, const v1::DeleteItemRequest& request,
                         const std::string& trace_id);
+
+// Adds those of the items named that exist, and their materials, in the order of names.
+absl::Status AddItems(store::ReadTransaction& transaction, const std::set<std::string>& names,
+                      google::protobuf::RepeatedPtrField<v1::Item>& items,
+                      google::protobuf::RepeatedPtrField<v1::Material>& materials);
 
 // ---- Templates ---------------------------------------------------------------------------------
 

@@ -12,6 +12,7 @@
 #include "common/rpc/handler.h"
 #include "common/store/store.h"
 #include "mortise/v1/catalog.grpc.pb.h"
+#include "services/catalog/assembly_service.h"
 #include "services/catalog/catalog_records.h"
 #include "services/catalog/collection_loader.h"
 #include "services/catalog/design_export.h"
@@ -290,7 +291,8 @@ absl::StatusOr<std::vector<std::shared_ptr<grpc::Service>>> MakeServices(
   if (!collection.empty()) {
     MORTISE_RETURN_IF_ERROR(LoadCollectionIfEmpty(*environment.store, collection));
   }
-  return std::vector<std::shared_ptr<grpc::Service>>{std::make_shared<CatalogAdapter>(environment)};
+  return std::vector<std::shared_ptr<grpc::Service>>{std::make_shared<CatalogAdapter>(environment),
+                                                     MakeAssemblyService(environment)};
 }
 
 }  // namespace mortise::catalog

@@ -1,4 +1,4 @@
-// The catalog's gRPC service (mortise.v1.CatalogService).
+// The catalog's gRPC services (mortise.v1.CatalogService and AssemblyService).
 #pragma once
 
 #include <filesystem>
@@ -10,7 +10,7 @@
 
 namespace mortise::catalog {
 
-// Makes the service on the environment's store. With a `collection` folder, an empty store is
+// Makes the services on the environment's store. With a `collection` folder, an empty store is
 // filled from it first.
 absl::StatusOr<std::vector<std::shared_ptr<grpc::Service>>> MakeServices(
     rpc::ServiceEnvironment& environment, const std::filesystem::path& collection);

@@ -4,6 +4,7 @@
 #include "common/base/errors.h"
 #include "common/base/logging.h"
 #include "common/parametric/collection.h"
+#include "services/catalog/assembly_records.h"
 #include "services/catalog/catalog_records.h"
 #include "services/catalog/record_access.h"
 
@@ -13,7 +14,7 @@ namespace {
 absl::StatusOr<bool> IsEmpty(store::ReadTransaction& transaction) {
   store::ListOptions one;
   one.limit = 1;
-  for (const char* kind : {kMaterials, kItems, kTemplates}) {
+  for (const char* kind : {kMaterials, kItems, kTemplates, kAssemblies}) {
     MORTISE_ASSIGN_OR_RETURN(const std::vector<store::Record> records, transaction.List(kind, one));
     if (!records.empty()) return false;
   }
@@ -32,6 +33,12 @@ absl::Status LoadAll(store::Transaction& transaction, const parametric::Collecti
   for (const v1::Template& message : collection.templates) {
     MORTISE_ASSIGN_OR_RETURN(v1::TemplateBundle bundle, Freeze(transaction, message));
     const absl::Status checked = CheckBundle(bundle);
+    if (!checked.ok()) return UnderField(message.name(), checked);
+    MORTISE_RETURN_IF_ERROR(ImportBundle(transaction, std::move(bundle), 0, "").status());
+  }
+  for (const v1::Assembly& message : collection.assemblies) {
+    MORTISE_ASSIGN_OR_RETURN(v1::AssemblyBundle bundle, Freeze(transaction, message));
+    const absl::Status checked = Parametrize(bundle).status();
     if (!checked.ok()) return UnderField(message.name(), checked);
     MORTISE_RETURN_IF_ERROR(ImportBundle(transaction, std::move(bundle), 0, "").status());
   }
@@ -60,7 +67,8 @@ absl::Status LoadCollectionIfEmpty(store::Store& store, const std::filesystem::p
         {{"folder", folder.string()},
          {"materials", collection.materials.size()},
          {"items", collection.items.size()},
-         {"templates", collection.templates.size()}});
+         {"templates", collection.templates.size()},
+         {"assemblies", collection.assemblies.size()}});
   }
   return absl::OkStatus();
 }

@@ -2,12 +2,15 @@
 #include <google/protobuf/util/field_mask_util.h>
 #include <google/protobuf/util/time_util.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "absl/time/time.h"
 #include "common/base/errors.h"
 #include "common/parametric/template_codec.h"
+#include "mortise/v1/assembly.pb.h"
 #include "services/catalog/catalog_records.h"
 #include "services/catalog/item_filter.h"
 #include "services/catalog/record_access.h"
@@ -70,27 +73,41 @@ v1::Item Merge(v1::Item present, const v1::UpdateItemRequest& request) {
   return present;
 }
 
-// Names of templates whose latest revision uses the item, a few at most.
+// Whether the latest revision in a record uses the item.
+template <typename Bundle>
+bool Uses(const store::Record& record, const std::string& item) {
+  Bundle bundle;
+  if (!bundle.ParseFromString(record.payload)) return false;
+  return std::any_of(bundle.items().begin(), bundle.items().end(),
+                     [&](const v1::Item& used) { return used.name() == item; });
+}
+
+// Names of templates and assemblies whose latest revision uses the item, a few at most.
 absl::StatusOr<std::vector<std::string>> UsersOf(store::ReadTransaction& transaction,
                                                  const std::string& item) {
   constexpr std::size_t kEnough = 5;
   std::vector<std::string> users;
-  store::ListOptions options;
-  options.limit = 100;
-  while (true) {
-    MORTISE_ASSIGN_OR_RETURN(const std::vector<store::Record> records,
-                             transaction.List(kTemplates, options));
-    for (const store::Record& record : records) {
-      v1::TemplateBundle bundle;
-      if (!bundle.ParseFromString(record.payload)) continue;
-      for (const v1::Item& used : bundle.items()) {
-        if (used.name() == item) users.push_back(bundle.template_().name());
+  for (const char* kind : {kTemplates, kAssemblies}) {
+    store::ListOptions options;
+    options.limit = 100;
+    std::vector<store::Record> records;
+    do {
+      MORTISE_ASSIGN_OR_RETURN(records, transaction.List(kind, options));
+      for (const store::Record& record : records) {
+        const bool uses = kind == kTemplates ? Uses<v1::TemplateBundle>(record, item)
+                                             : Uses<v1::AssemblyBundle>(record, item);
+        if (uses) users.push_back(absl::StrCat(kind, "/", record.key));
+        if (users.size() >= kEnough) return users;
       }
-      if (users.size() >= kEnough) return users;
-    }
-    if (static_cast<int>(records.size()) < options.limit) return users;
-    options.after_key = records.back().key;
+      if (!records.empty()) options.after_key = records.back().key;
+    } while (static_cast<int>(records.size()) == options.limit);
   }
+  return users;
+}
+
+// Names are what people write: one that is malformed counts as one that does not exist.
+bool IsMissing(const absl::Status& status) {
+  return absl::IsNotFound(status) || absl::IsInvalidArgument(status);
 }
 
 }  // namespace
@@ -162,6 +179,26 @@ absl::StatusOr<std::vector<parametric::Finding>> CheckItem(store::ReadTransactio
     return material.status();
   }
   return parametric::ValidateItem(converted, materials);
+}
+
+absl::Status AddItems(store::ReadTransaction& transaction, const std::set<std::string>& names,
+                      google::protobuf::RepeatedPtrField<v1::Item>& items,
+                      google::protobuf::RepeatedPtrField<v1::Material>& materials) {
+  std::set<std::string> material_names;
+  for (const std::string& name : names) {
+    absl::StatusOr<v1::Item> item = GetItem(transaction, name);
+    if (IsMissing(item.status())) continue;
+    MORTISE_RETURN_IF_ERROR(item.status());
+    material_names.insert(item->material());
+    *items.Add() = *std::move(item);
+  }
+  for (const std::string& name : material_names) {
+    absl::StatusOr<v1::Material> material = GetMaterial(transaction, name);
+    if (IsMissing(material.status())) continue;
+    MORTISE_RETURN_IF_ERROR(material.status());
+    *materials.Add() = *std::move(material);
+  }
+  return absl::OkStatus();
 }
 
 absl::StatusOr<v1::Material> CreateMaterial(store::Transaction& transaction,

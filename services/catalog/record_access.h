@@ -14,6 +14,7 @@ namespace mortise::catalog {
 inline constexpr const char* kMaterials = "materials";
 inline constexpr const char* kItems = "items";
 inline constexpr const char* kTemplates = "templates";
+inline constexpr const char* kAssemblies = "assemblies";
 
 // The record of the resource `kind/{id}` (revision 0: the present one). INVALID_ARGUMENT naming
 // "name" or "revision"; NOT_FOUND naming the resource.

@@ -23,11 +23,6 @@ absl::StatusOr<v1::TemplateBundle> BundleOf(const store::Record& record) {
   return bundle;
 }
 
-// Names are what people write: one that is malformed counts as one that does not exist.
-bool IsMissing(const absl::Status& status) {
-  return absl::IsNotFound(status) || absl::IsInvalidArgument(status);
-}
-
 std::set<std::string> ItemNames(const v1::Template& message) {
   std::set<std::string> names;
   for (const v1::PartTemplate& part : message.parts()) names.insert(part.item());
@@ -78,20 +73,8 @@ absl::StatusOr<v1::TemplateBundle> Freeze(store::ReadTransaction& transaction,
                                           const v1::Template& message) {
   v1::TemplateBundle bundle;
   *bundle.mutable_template_() = message;
-  std::set<std::string> material_names;
-  for (const std::string& name : ItemNames(message)) {
-    absl::StatusOr<v1::Item> item = GetItem(transaction, name);
-    if (IsMissing(item.status())) continue;
-    MORTISE_RETURN_IF_ERROR(item.status());
-    material_names.insert(item->material());
-    *bundle.add_items() = *std::move(item);
-  }
-  for (const std::string& name : material_names) {
-    absl::StatusOr<v1::Material> material = GetMaterial(transaction, name);
-    if (IsMissing(material.status())) continue;
-    MORTISE_RETURN_IF_ERROR(material.status());
-    *bundle.add_materials() = *std::move(material);
-  }
+  MORTISE_RETURN_IF_ERROR(AddItems(transaction, ItemNames(message), *bundle.mutable_items(),
+                                   *bundle.mutable_materials()));
   bundle.mutable_template_()->clear_revision();
   bundle.mutable_template_()->clear_create_time();
   bundle.mutable_template_()->set_digest(parametric::BundleDigest(bundle));

@@ -20,6 +20,7 @@ TEST_F(ContractTest, RoutesMethodsToTheServiceOfTheirFile) {
   EXPECT_EQ(method->role, 1);
   EXPECT_FALSE(method->mutates);
   EXPECT_EQ(contract_->Find("/mortise.v1.EvaluatorService/EvaluateBatch")->service, "simulator");
+  EXPECT_EQ(contract_->Find("/mortise.v1.AssemblyService/AdjustAssembly")->service, "catalog");
   EXPECT_EQ(contract_->Find("/mortise.v1.WebhookService/CreateWebhook")->service, "gateway");
 }
 

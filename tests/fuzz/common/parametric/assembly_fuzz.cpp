@@ -3,6 +3,7 @@
 #include <string_view>
 
 #include "common/parametric/assembly_codec.h"
+#include "common/parametric/collection.h"
 #include "common/parametric/element.h"
 #include "common/parametric/relationship.h"
 

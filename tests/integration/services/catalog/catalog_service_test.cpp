@@ -346,8 +346,14 @@ TEST_F(CatalogServiceTest, DeletesOnlyWhatNobodyUses) {
   EXPECT_EQ(used.reason, "ITEM_IN_USE");
   EXPECT_THAT(used.message, HasSubstr("templates/table"));
 
+  v1::CreateItemRequest create;
+  create.set_request_id(NewRequestId());
+  *create.mutable_item() = GetItem("items/hex-nut-m8");
+  create.mutable_item()->set_name("items/nobodys-nut");
+  v1::Item created;
+  ASSERT_TRUE(Call(&v1::CatalogService::Stub::CreateItem, create, &created).ok());
   request.set_request_id(NewRequestId());
-  request.set_name("items/screw-4x40");
+  request.set_name(created.name());
   request.set_revision(7);
   EXPECT_EQ(Fail(&v1::CatalogService::Stub::DeleteItem, request).code, absl::StatusCode::kAborted);
   request.set_request_id(NewRequestId());
@@ -355,7 +361,7 @@ TEST_F(CatalogServiceTest, DeletesOnlyWhatNobodyUses) {
   v1::DeleteItemResponse response;
   ASSERT_TRUE(Call(&v1::CatalogService::Stub::DeleteItem, request, &response).ok());
   v1::GetItemRequest gone;
-  gone.set_name("items/screw-4x40");
+  gone.set_name(created.name());
   EXPECT_EQ(Fail(&v1::CatalogService::Stub::GetItem, gone).code, absl::StatusCode::kNotFound);
 }
 

@@ -11,6 +11,7 @@
 
 #include "common/base/errors.h"
 #include "common/base/field_violations.h"
+#include "common/parametric/collection.h"
 #include "common/parametric/element.h"
 
 namespace mortise::parametric {

@@ -1,0 +1,104 @@
+#include "common/parametric/assembly_design.h"
+
+#include <cmath>
+#include <optional>
+
+#include "absl/strings/str_cat.h"
+#include "common/parametric/compiled_template.h"
+#include "common/parametric/polygon.h"
+
+namespace mortise::parametric {
+namespace {
+
+constexpr int kSides = 24;  // of what is round
+
+// The axis of the item about which it is round; nothing if it is not.
+std::optional<Axis> RoundAbout(ItemKind kind) {
+  switch (kind) {
+    case ItemKind::kDowel:
+    case ItemKind::kScrew:
+    case ItemKind::kBolt:
+    case ItemKind::kThreadedRod:
+    case ItemKind::kTube:
+      return Axis::kX;
+    case ItemKind::kNut:
+    case ItemKind::kWasher:
+    case ItemKind::kBearing:
+    case ItemKind::kWheel:
+      return Axis::kZ;
+    default:
+      return std::nullopt;
+  }
+}
+
+// The axes of a prism's plane: (y, z), (z, x) or (x, y).
+int PlaneAxis(Axis axis, int index) { return (static_cast<int>(axis) + 1 + index) % 3; }
+
+void FillBox(const BoundingBox& box, EvaluatedPart& part) {
+  part.axis = Axis::kZ;
+  part.outline.resize(2, 4);
+  part.outline << box.minimum.x(), box.maximum.x(), box.maximum.x(), box.minimum.x(),
+      box.minimum.y(), box.minimum.y(), box.maximum.y(), box.maximum.y();
+  part.face_names = {"y_min", "x_max", "y_max", "x_min", "z_min", "z_max"};
+}
+
+void FillRound(const BoundingBox& box, Axis about, EvaluatedPart& part) {
+  const double turn = 2 * std::acos(-1.0) / kSides;
+  // An outline of n corners on the circle is a little smaller than the circle.
+  const double swell = std::sqrt(turn / std::sin(turn));
+  part.axis = about;
+  part.outline.resize(2, kSides);
+  for (int i = 0; i < kSides; ++i) {
+    const double angle = (i + 0.5) * turn;
+    const double corner[2] = {std::cos(angle), std::sin(angle)};
+    for (int k = 0; k < 2; ++k) {
+      const int axis = PlaneAxis(about, k);
+      part.outline(k, i) = box.center()[axis] + 0.5 * swell * box.size()[axis] * corner[k];
+    }
+    part.face_names.push_back(absl::StrCat("side", i));
+  }
+  part.face_names.push_back("base");
+  part.face_names.push_back("cap");
+}
+
+}  // namespace
+
+EvaluatedDesign DesignAt(const ParametricAssembly& assembly, const Eigen::VectorXd& q,
+                         const std::vector<Item>& items, const std::vector<Material>& materials) {
+  EvaluatedDesign design;
+  design.template_name = assembly.assembly().name;
+  for (const PlacedPart& placed : assembly.PartsAt(q)) {
+    const Element& element = assembly.elements()[static_cast<std::size_t>(placed.element)];
+    const AssemblyPart& drawn =
+        assembly.assembly().parts[static_cast<std::size_t>(element.parts.front())];
+    const Item* const item = FindItem(items, element.item);
+    EvaluatedPart part;
+    part.name = placed.name;
+    part.item = element.item;
+    const std::optional<Axis> round = item == nullptr ? std::nullopt : RoundAbout(item->kind);
+    if (round) {
+      FillRound(placed.box, drawn.item_axes[static_cast<std::size_t>(*round)], part);
+    } else {
+      FillBox(placed.box, part);
+    }
+    part.from = placed.box.minimum[static_cast<int>(part.axis)];
+    part.to = placed.box.maximum[static_cast<int>(part.axis)];
+    part.minimum = placed.box.minimum;
+    part.maximum = placed.box.maximum;
+    for (int i = 0; i < 3; ++i) {
+      part.size[i] =
+          placed.box.size()[static_cast<int>(drawn.item_axes[static_cast<std::size_t>(i)])];
+    }
+    part.volume = SignedArea(part.outline) * (part.to - part.from);
+    if (item != nullptr) {
+      const Material* const material = FindMaterial(materials, item->material);
+      part.mass = material == nullptr ? 0 : material->density * part.volume;
+      part.process = CuttingProcess(*item);
+    }
+    design.mass += part.mass;
+    design.parts.push_back(std::move(part));
+  }
+  return design;
+}
+
+}  // namespace mortise::parametric

@@ -1,0 +1,21 @@
+// An assembly at parameters as a design like any other: parts with shapes, sizes and masses, which
+// files, plans and pictures are made from.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "common/parametric/evaluated_design.h"
+#include "common/parametric/parametric_assembly.h"
+#include "common/parametric/template_definition.h"
+
+namespace mortise::parametric {
+
+// Every part at q, in the pose the design is drawn in. What its item says to be round, a rod or a
+// wheel, is a prism of 24 sides that has the volume of the cylinder in its box; all else is its
+// box. Parts whose item or material is not given have no mass. The connecting parts are parts too,
+// so there are no connectors, and there are no parameters.
+EvaluatedDesign DesignAt(const ParametricAssembly& assembly, const Eigen::VectorXd& q,
+                         const std::vector<Item>& items, const std::vector<Material>& materials);
+
+}  // namespace mortise::parametric

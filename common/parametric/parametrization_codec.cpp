@@ -1,0 +1,190 @@
+#include "common/parametric/parametrization_codec.h"
+
+#include <string>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
+#include "common/parametric/axis_codec.h"
+#include "common/parametric/rest_pose.h"
+
+namespace mortise::parametric {
+namespace {
+
+void SetProto(const Eigen::Vector3d& vector, v1::Vector3* message) {
+  message->set_x(vector.x());
+  message->set_y(vector.y());
+  message->set_z(vector.z());
+}
+
+// Groups are named in messages, the root by nothing.
+std::string GroupName(const Assembly& assembly, int group) {
+  return group <= 0 ? "" : assembly.groups[static_cast<std::size_t>(group)].name;
+}
+
+absl::StatusOr<MeasureKind> KindFromProto(v1::Measure::Kind kind, const std::string& field) {
+  switch (kind) {
+    case v1::Measure::KIND_UNSPECIFIED:
+    case v1::Measure::SIZE:
+      return MeasureKind::kSize;
+    case v1::Measure::CENTER:
+      return MeasureKind::kCenter;
+    case v1::Measure::MINIMUM:
+      return MeasureKind::kMinimum;
+    case v1::Measure::MAXIMUM:
+      return MeasureKind::kMaximum;
+    default:
+      return InvalidField(field, "must be SIZE, CENTER, MINIMUM or MAXIMUM");
+  }
+}
+
+v1::Measure::Kind KindToProto(MeasureKind kind) {
+  switch (kind) {
+    case MeasureKind::kSize:
+      return v1::Measure::SIZE;
+    case MeasureKind::kCenter:
+      return v1::Measure::CENTER;
+    case MeasureKind::kMinimum:
+      return v1::Measure::MINIMUM;
+    case MeasureKind::kMaximum:
+      return v1::Measure::MAXIMUM;
+  }
+  return v1::Measure::KIND_UNSPECIFIED;
+}
+
+v1::GeometricRelationship::Kind KindToProto(RelationshipKind kind) {
+  switch (kind) {
+    case RelationshipKind::kCoplanar:
+      return v1::GeometricRelationship::COPLANAR;
+    case RelationshipKind::kConcentric:
+      return v1::GeometricRelationship::CONCENTRIC;
+    case RelationshipKind::kSymmetric:
+      return v1::GeometricRelationship::SYMMETRIC;
+    case RelationshipKind::kOrder:
+      return v1::GeometricRelationship::ORDER;
+    case RelationshipKind::kSize:
+      return v1::GeometricRelationship::SIZE;
+    case RelationshipKind::kRepeat:
+      return v1::GeometricRelationship::REPEAT;
+  }
+  return v1::GeometricRelationship::KIND_UNSPECIFIED;
+}
+
+void SetProto(const MeasureRange& range, v1::MeasureRange* message) {
+  message->mutable_measure()->set_element(range.measure.element);
+  message->mutable_measure()->set_axis(AxisToProto(range.measure.axis));
+  message->mutable_measure()->set_kind(KindToProto(range.measure.kind));
+  message->set_drawn(range.drawn);
+  message->set_minimum(range.minimum);
+  message->set_maximum(range.maximum);
+}
+
+void SetProto(const Assembly& assembly, const Element& element, v1::ParametricElement* message) {
+  message->set_name(element.name);
+  message->set_item(element.item);
+  message->set_group(GroupName(assembly, element.group));
+  message->set_connecting(element.connecting);
+  for (const int part : element.parts) {
+    message->add_parts(assembly.parts[static_cast<std::size_t>(part)].name);
+  }
+  if (element.pattern) {
+    for (const PatternDirection& direction : element.pattern->directions) {
+      if (direction.count < 2) continue;
+      v1::PatternRow* row = message->add_rows();
+      row->set_count(direction.count);
+      SetProto(direction.spacing, row->mutable_spacing());
+    }
+  }
+  SetProto(element.box.minimum, message->mutable_minimum());
+  SetProto(element.box.maximum, message->mutable_maximum());
+}
+
+absl::Status AddNodes(const ParametricAssembly& parametric, v1::Parametrization& message) {
+  const Assembly& assembly = parametric.assembly();
+  for (int group = 0; group < static_cast<int>(assembly.groups.size()); ++group) {
+    v1::ParametricNode* node = message.add_nodes();
+    node->set_group(GroupName(assembly, group));
+    node->set_parent(GroupName(assembly, assembly.groups[static_cast<std::size_t>(group)].parent));
+    int elements = 0;
+    for (const Element& element : parametric.elements()) {
+      elements += IsWithin(assembly, element.group, group) ? 1 : 0;
+    }
+    node->set_elements(elements);
+    node->set_relationships(
+        static_cast<int>(RelationshipsWithin(assembly, parametric.relationships(), group).size()));
+    MORTISE_ASSIGN_OR_RETURN(const int degrees, parametric.DegreesOfFreedom(group));
+    node->set_degrees_of_freedom(degrees);
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::StatusOr<std::vector<MeasureDemand>> FromProto(
+    const google::protobuf::RepeatedPtrField<v1::MeasureDemand>& messages) {
+  std::vector<MeasureDemand> demands;
+  for (int i = 0; i < messages.size(); ++i) {
+    const v1::Measure& measure = messages[i].measure();
+    const std::string field = absl::StrCat("demands[", i, "].measure");
+    MeasureDemand demand;
+    demand.measure.element = measure.element();
+    if (measure.axis() != v1::AXIS_UNSPECIFIED) {
+      MORTISE_ASSIGN_OR_RETURN(demand.measure.axis,
+                               AxisFromProto(measure.axis(), absl::StrCat(field, ".axis")));
+    }
+    MORTISE_ASSIGN_OR_RETURN(demand.measure.kind,
+                             KindFromProto(measure.kind(), absl::StrCat(field, ".kind")));
+    demand.value = messages[i].value();
+    demands.push_back(std::move(demand));
+  }
+  return demands;
+}
+
+absl::StatusOr<v1::Parametrization> ToProto(const ParametricAssembly& parametric) {
+  const Assembly& assembly = parametric.assembly();
+  v1::Parametrization message;
+  message.set_tolerance(parametric.tolerance());
+  MORTISE_RETURN_IF_ERROR(AddNodes(parametric, message));
+  for (const Element& element : parametric.elements()) {
+    SetProto(assembly, element, message.add_elements());
+  }
+  for (const auto& [first, second] : parametric.contacts()) {
+    v1::ElementContact* contact = message.add_contacts();
+    contact->set_first(parametric.elements()[static_cast<std::size_t>(first)].name);
+    contact->set_second(parametric.elements()[static_cast<std::size_t>(second)].name);
+  }
+  for (const Relationship& relationship : parametric.relationships()) {
+    v1::GeometricRelationship* described = message.add_relationships();
+    described->set_kind(KindToProto(relationship.kind));
+    described->set_equality(relationship.equality);
+    described->set_group(GroupName(assembly, relationship.group));
+    described->set_description(relationship.description);
+  }
+  MORTISE_ASSIGN_OR_RETURN(const std::vector<MeasureRange> sizes, parametric.AdjustableSizes());
+  for (const MeasureRange& range : sizes) SetProto(range, message.add_sizes());
+  message.mutable_q()->Add(parametric.drawn().begin(), parametric.drawn().end());
+  message.set_degrees_of_freedom(parametric.feasible_set().degrees_of_freedom());
+  for (const Pose& pose : PosesOf(assembly)) {
+    if (!pose.name.empty()) message.add_rest_poses(pose.name);
+  }
+  return message;
+}
+
+absl::StatusOr<v1::AdjustedAssembly> EvaluatedToProto(const ParametricAssembly& assembly,
+                                                      const Eigen::VectorXd& q) {
+  MORTISE_ASSIGN_OR_RETURN(const std::vector<ContactFault> faults, assembly.FaultsAt(q));
+  v1::AdjustedAssembly message;
+  message.mutable_q()->Add(q.begin(), q.end());
+  for (const PlacedPart& part : assembly.PartsAt(q)) {
+    const Element& element = assembly.elements()[static_cast<std::size_t>(part.element)];
+    v1::PlacedPart* placed = message.add_parts();
+    placed->set_name(part.name);
+    placed->set_element(element.name);
+    placed->set_item(element.item);
+    SetProto(part.box.minimum, placed->mutable_minimum());
+    SetProto(part.box.maximum, placed->mutable_maximum());
+  }
+  for (const ContactFault& fault : faults) message.add_faults(Describe(fault));
+  return message;
+}
+
+}  // namespace mortise::parametric

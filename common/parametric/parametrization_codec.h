@@ -1,0 +1,27 @@
+// What automatic parametrisation finds and makes, as messages of mortise/v1/assembly.proto. Target
+// mortise_assembly_codec; only adapters link it.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "common/parametric/parametric_assembly.h"
+#include "mortise/v1/assembly.pb.h"
+
+namespace mortise::parametric {
+
+// Demands as structs. INVALID_ARGUMENT naming "demands[i].measure.axis" or ".kind" for numbers that
+// the contract does not have.
+absl::StatusOr<std::vector<MeasureDemand>> FromProto(
+    const google::protobuf::RepeatedPtrField<v1::MeasureDemand>& messages);
+
+// Everything but the name and revision. Fails as ParametricAssembly::DegreesOfFreedom does.
+absl::StatusOr<v1::Parametrization> ToProto(const ParametricAssembly& assembly);
+
+// The design at q, checked, without name, revision and demands. INVALID_ARGUMENT, "q", for another
+// number of parameters, one that is not finite, or a size that is not positive.
+absl::StatusOr<v1::AdjustedAssembly> EvaluatedToProto(const ParametricAssembly& assembly,
+                                                      const Eigen::VectorXd& q);
+
+}  // namespace mortise::parametric

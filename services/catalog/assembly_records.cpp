@@ -1,0 +1,127 @@
+#include "services/catalog/assembly_records.h"
+
+#include <google/protobuf/util/time_util.h>
+
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "absl/strings/str_cat.h"
+#include "absl/time/time.h"
+#include "common/base/errors.h"
+#include "common/base/identifiers.h"
+#include "common/parametric/assembly_codec.h"
+#include "common/parametric/template_codec.h"
+#include "services/catalog/record_access.h"
+
+namespace mortise::catalog {
+namespace {
+
+absl::StatusOr<v1::AssemblyBundle> BundleOf(const store::Record& record) {
+  v1::AssemblyBundle bundle;
+  if (!bundle.ParseFromString(record.payload)) {
+    return StorageFailed("assemblies/" + record.key, "the record cannot be read");
+  }
+  bundle.mutable_assembly()->set_revision(record.revision);
+  return bundle;
+}
+
+// The latest record; revision 0 if there is none.
+absl::StatusOr<store::Record> LatestOrNone(store::ReadTransaction& transaction,
+                                           const std::string& name) {
+  absl::StatusOr<store::Record> record = GetRecord(transaction, kAssemblies, name);
+  if (absl::IsNotFound(record.status())) return store::Record{};
+  if (absl::IsInvalidArgument(record.status())) return UnderField("assembly", record.status());
+  return record;
+}
+
+}  // namespace
+
+absl::StatusOr<v1::AssemblyBundle> GetAssemblyBundle(store::ReadTransaction& transaction,
+                                                     const std::string& name, int64_t revision) {
+  MORTISE_ASSIGN_OR_RETURN(const store::Record record,
+                           GetRecord(transaction, kAssemblies, name, revision));
+  return BundleOf(record);
+}
+
+absl::StatusOr<Page<v1::Assembly>> ListAssemblies(store::ReadTransaction& transaction,
+                                                  int page_size, const std::string& page_token) {
+  MORTISE_ASSIGN_OR_RETURN(const store::ListOptions options, PageOptions(page_size, page_token));
+  MORTISE_ASSIGN_OR_RETURN(const std::vector<store::Record> records,
+                           transaction.List(kAssemblies, options));
+  Page<v1::Assembly> page;
+  for (const store::Record& record : records) {
+    if (static_cast<int>(page.entries.size()) + 1 == options.limit) {
+      page.next_page_token = records[page.entries.size() - 1].key;
+      break;
+    }
+    MORTISE_ASSIGN_OR_RETURN(v1::AssemblyBundle bundle, BundleOf(record));
+    v1::Assembly summary = std::move(*bundle.mutable_assembly());
+    summary.clear_parts();
+    summary.clear_groups();
+    summary.clear_joints();
+    page.entries.push_back(std::move(summary));
+  }
+  return page;
+}
+
+absl::StatusOr<v1::AssemblyBundle> Freeze(store::ReadTransaction& transaction,
+                                          const v1::Assembly& message) {
+  v1::AssemblyBundle bundle;
+  *bundle.mutable_assembly() = message;
+  std::set<std::string> items;
+  for (const v1::AssemblyPart& part : message.parts()) items.insert(part.item());
+  MORTISE_RETURN_IF_ERROR(
+      AddItems(transaction, items, *bundle.mutable_items(), *bundle.mutable_materials()));
+  bundle.mutable_assembly()->clear_revision();
+  bundle.mutable_assembly()->clear_create_time();
+  bundle.mutable_assembly()->set_digest(parametric::BundleDigest(bundle));
+  return bundle;
+}
+
+absl::StatusOr<std::shared_ptr<const parametric::ParametricAssembly>> Parametrize(
+    const v1::AssemblyBundle& bundle) {
+  std::vector<parametric::Item> items;
+  for (const v1::Item& message : bundle.items()) {
+    MORTISE_ASSIGN_OR_RETURN(parametric::Item item, parametric::FromProto(message));
+    items.push_back(std::move(item));
+  }
+  MORTISE_ASSIGN_OR_RETURN(parametric::Assembly assembly,
+                           parametric::FromProto(bundle.assembly(), items));
+  MORTISE_ASSIGN_OR_RETURN(parametric::ParametricAssembly parametrized,
+                           parametric::ParametricAssembly::Create(std::move(assembly)));
+  return std::make_shared<const parametric::ParametricAssembly>(std::move(parametrized));
+}
+
+absl::StatusOr<v1::Assembly> ImportBundle(store::Transaction& transaction,
+                                          v1::AssemblyBundle bundle, int64_t expected_revision,
+                                          const std::string& trace_id) {
+  v1::Assembly& message = *bundle.mutable_assembly();
+  MORTISE_ASSIGN_OR_RETURN(const store::Record latest, LatestOrNone(transaction, message.name()));
+  if (latest.revision != expected_revision) {
+    return StaleRevision(message.name(), expected_revision, latest.revision);
+  }
+  if (latest.revision > 0) {
+    MORTISE_ASSIGN_OR_RETURN(v1::AssemblyBundle present, BundleOf(latest));
+    if (present.assembly().digest() == message.digest()) {
+      return std::move(*present.mutable_assembly());
+    }
+  }
+  *message.mutable_create_time() = google::protobuf::util::TimeUtil::MicrosecondsToTimestamp(
+      absl::ToUnixMicros(transaction.Now()));
+  MORTISE_ASSIGN_OR_RETURN(const std::string id,
+                           ParseResourceName(message.name(), kAssemblies, "assembly.name"));
+  MORTISE_ASSIGN_OR_RETURN(
+      const int64_t revision,
+      transaction.Put(kAssemblies, id, bundle.SerializeAsString(),
+                      {.expected_revision = expected_revision, .keep_history = true}));
+  message.set_revision(revision);
+  MORTISE_RETURN_IF_ERROR(AppendEvent(transaction, "assembly.imported", message.name(),
+                                      {{"title", message.title()},
+                                       {"revision", revision},
+                                       {"digest", message.digest()},
+                                       {"parts", message.parts_size()}},
+                                      trace_id));
+  return std::move(message);
+}
+
+}  // namespace mortise::catalog

@@ -1,0 +1,44 @@
+// Assemblies in the store, each revision with the items and materials it was imported with, so that
+// what a revision can be changed to never changes.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "common/parametric/parametric_assembly.h"
+#include "common/store/store.h"
+#include "mortise/v1/assembly.pb.h"
+#include "services/catalog/catalog_records.h"
+
+namespace mortise::catalog {
+
+// An assembly revision (0: the latest) and all it uses. NOT_FOUND, or INVALID_ARGUMENT naming
+// "name" or "revision".
+absl::StatusOr<v1::AssemblyBundle> GetAssemblyBundle(store::ReadTransaction& transaction,
+                                                     const std::string& name, int64_t revision);
+
+// Latest revisions without parts, groups and joints, in the order of names. INVALID_ARGUMENT naming
+// page_size or page_token.
+absl::StatusOr<Page<v1::Assembly>> ListAssemblies(store::ReadTransaction& transaction,
+                                                  int page_size, const std::string& page_token);
+
+// The assembly with those items and materials it names that exist, and its digest.
+absl::StatusOr<v1::AssemblyBundle> Freeze(store::ReadTransaction& transaction,
+                                          const v1::Assembly& message);
+
+// Parametrises a frozen assembly. INVALID_ARGUMENT with everything that is wrong with it, fields as
+// the message has them; FAILED_PRECONDITION as ParametricAssembly::Create. Takes up to seconds for
+// hundreds of parts.
+absl::StatusOr<std::shared_ptr<const parametric::ParametricAssembly>> Parametrize(
+    const v1::AssemblyBundle& bundle);
+
+// Writes a bundle that can be parametrised as the revision after `expected_revision`
+// ("assembly.imported") and returns the assembly. If the present revision has the same content,
+// that is returned and nothing changes. ABORTED if the latest revision is not `expected_revision`.
+absl::StatusOr<v1::Assembly> ImportBundle(store::Transaction& transaction,
+                                          v1::AssemblyBundle bundle, int64_t expected_revision,
+                                          const std::string& trace_id);
+
+}  // namespace mortise::catalog

@@ -1,0 +1,319 @@
+// Answers the methods of AssemblyService: each is a few lines between a message and
+// assembly_records.h or parametric_assembly.h.
+#include "services/catalog/assembly_service.h"
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
+#include "common/parametric/assembly_design.h"
+#include "common/parametric/parametrization_codec.h"
+#include "common/parametric/template_codec.h"
+#include "common/rpc/chunk_stream.h"
+#include "common/rpc/handler.h"
+#include "common/store/store.h"
+#include "mortise/v1/assembly.grpc.pb.h"
+#include "services/catalog/assembly_records.h"
+#include "services/catalog/design_export.h"
+#include "services/catalog/recently_used.h"
+
+namespace mortise::catalog {
+namespace {
+
+constexpr std::size_t kParametrizedAssemblies = 64;
+constexpr int kMaxDesigns = 1000;  // in one answer
+constexpr int kMaxDemands = 100;
+
+using Parametrized = std::shared_ptr<const parametric::ParametricAssembly>;
+using AdjustedWriter = std::shared_ptr<rpc::StreamWriter<v1::AdjustedAssembly>>;
+
+// An assembly revision, parametrised.
+struct Found {
+  v1::AssemblyBundle bundle;
+  Parametrized parametrized;
+};
+
+// The parameters of a request: those drawn if it has none.
+absl::StatusOr<Eigen::VectorXd> ParametersOf(const google::protobuf::RepeatedField<double>& q,
+                                             const parametric::ParametricAssembly& assembly,
+                                             const std::string& field) {
+  if (q.empty()) return assembly.drawn();
+  if (q.size() != assembly.drawn().size()) {
+    return InvalidField(field,
+                        absl::StrCat("has ", q.size(), " numbers, not ", assembly.drawn().size(),
+                                     " as q of ParametrizeAssembly"));
+  }
+  return Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(q.data(), q.size()));
+}
+
+absl::StatusOr<v1::AdjustedAssembly> Evaluate(const Found& found, const Eigen::VectorXd& q,
+                                              const std::string& field) {
+  auto evaluated = parametric::EvaluatedToProto(*found.parametrized, q);
+  if (absl::IsInvalidArgument(evaluated.status())) {
+    return InvalidField(field, std::string(evaluated.status().message()));
+  }
+  MORTISE_RETURN_IF_ERROR(evaluated.status());
+  evaluated->set_assembly(found.bundle.assembly().name());
+  evaluated->set_revision(found.bundle.assembly().revision());
+  return evaluated;
+}
+
+// Sends one design for each of the parameters, as the reader takes them.
+void StreamDesigns(Found found, std::vector<Eigen::VectorXd> parameters,
+                   const std::string& list_field, const AdjustedWriter& writer) {
+  struct Source {
+    Found found;
+    std::vector<Eigen::VectorXd> parameters;
+    std::size_t next = 0;
+  };
+  const auto source = std::make_shared<Source>(Source{std::move(found), std::move(parameters)});
+  // The writer keeps the function, so the function must not keep the writer.
+  const std::weak_ptr<rpc::StreamWriter<v1::AdjustedAssembly>> weak = writer;
+  writer->Pull([source, weak, list_field]() -> absl::StatusOr<std::optional<v1::AdjustedAssembly>> {
+    if (source->next == source->parameters.size()) {
+      if (const auto present = weak.lock()) present->Finish(absl::OkStatus());
+      return std::optional<v1::AdjustedAssembly>();
+    }
+    const std::size_t index = source->next++;
+    MORTISE_ASSIGN_OR_RETURN(v1::AdjustedAssembly design,
+                             Evaluate(source->found, source->parameters[index],
+                                      absl::StrCat(list_field, "[", index, "].q")));
+    return std::optional<v1::AdjustedAssembly>(std::move(design));
+  });
+}
+
+class AssemblyAdapter : public v1::AssemblyService::CallbackService {
+ public:
+  explicit AssemblyAdapter(const rpc::ServiceEnvironment& environment)
+      : store_(environment.store),
+        endpoint_(environment.dispatcher, "mortise.v1.AssemblyService"),
+        parametrized_(kParametrizedAssemblies) {}
+
+  grpc::ServerUnaryReactor* GetAssembly(grpc::CallbackServerContext* context,
+                                        const v1::GetAssemblyRequest* request,
+                                        v1::Assembly* response) override {
+    return endpoint_.Query(
+        "GetAssembly", context, request, response,
+        [this](const rpc::Call&,
+               const v1::GetAssemblyRequest& asked) -> absl::StatusOr<v1::Assembly> {
+          MORTISE_ASSIGN_OR_RETURN(v1::AssemblyBundle bundle, Get(asked.name(), asked.revision()));
+          return std::move(*bundle.mutable_assembly());
+        });
+  }
+
+  grpc::ServerUnaryReactor* ListAssemblies(grpc::CallbackServerContext* context,
+                                           const v1::ListAssembliesRequest* request,
+                                           v1::ListAssembliesResponse* response) override {
+    return endpoint_.Query("ListAssemblies", context, request, response,
+                           [this](const rpc::Call&, const v1::ListAssembliesRequest& asked)
+                               -> absl::StatusOr<v1::ListAssembliesResponse> {
+                             Page<v1::Assembly> page;
+                             MORTISE_RETURN_IF_ERROR(store_->Read(
+                                 [&](store::ReadTransaction& transaction) -> absl::Status {
+                                   MORTISE_ASSIGN_OR_RETURN(
+                                       page, catalog::ListAssemblies(transaction, asked.page_size(),
+                                                                     asked.page_token()));
+                                   return absl::OkStatus();
+                                 }));
+                             v1::ListAssembliesResponse listed;
+                             for (v1::Assembly& entry : page.entries)
+                               *listed.add_assemblies() = std::move(entry);
+                             listed.set_next_page_token(page.next_page_token);
+                             return listed;
+                           });
+  }
+
+  // Parametrising takes a while, so it happens before the transaction.
+  grpc::ServerUnaryReactor* ImportAssembly(grpc::CallbackServerContext* context,
+                                           const v1::ImportAssemblyRequest* request,
+                                           v1::Assembly* response) override {
+    return endpoint_.PreparedMutation(
+        "ImportAssembly", context, request, response,
+        [this](const rpc::Call&,
+               const v1::ImportAssemblyRequest& asked) -> absl::StatusOr<v1::AssemblyBundle> {
+          if (asked.expected_revision() < 0) {
+            return InvalidField("expected_revision", "must be at least 0");
+          }
+          v1::AssemblyBundle bundle;
+          MORTISE_RETURN_IF_ERROR(
+              store_->Read([&](store::ReadTransaction& transaction) -> absl::Status {
+                MORTISE_ASSIGN_OR_RETURN(bundle, Freeze(transaction, asked.assembly()));
+                return absl::OkStatus();
+              }));
+          const absl::Status checked = Parametrize(bundle).status();
+          if (!checked.ok()) return UnderField("assembly", checked);
+          return bundle;
+        },
+        [](const rpc::Call& call, const v1::ImportAssemblyRequest& asked,
+           v1::AssemblyBundle& bundle, store::Transaction& transaction) {
+          return ImportBundle(transaction, bundle, asked.expected_revision(),
+                              call.identity().request_id);
+        });
+  }
+
+  grpc::ServerUnaryReactor* ParametrizeAssembly(grpc::CallbackServerContext* context,
+                                                const v1::ParametrizeAssemblyRequest* request,
+                                                v1::Parametrization* response) override {
+    return endpoint_.Query(
+        "ParametrizeAssembly", context, request, response,
+        [this](const rpc::Call&,
+               const v1::ParametrizeAssemblyRequest& asked) -> absl::StatusOr<v1::Parametrization> {
+          MORTISE_ASSIGN_OR_RETURN(const Found found, Find(asked.name(), asked.revision()));
+          MORTISE_ASSIGN_OR_RETURN(v1::Parametrization described,
+                                   parametric::ToProto(*found.parametrized));
+          described.set_assembly(found.bundle.assembly().name());
+          described.set_revision(found.bundle.assembly().revision());
+          return described;
+        });
+  }
+
+  grpc::ServerUnaryReactor* AdjustAssembly(grpc::CallbackServerContext* context,
+                                           const v1::AdjustAssemblyRequest* request,
+                                           v1::AdjustedAssembly* response) override {
+    return endpoint_.Query(
+        "AdjustAssembly", context, request, response,
+        [this](const rpc::Call&, const v1::AdjustAssemblyRequest& asked) { return Adjust(asked); });
+  }
+
+  grpc::ServerWriteReactor<v1::AdjustedAssembly>* EvaluateAssembly(
+      grpc::CallbackServerContext* context, const v1::EvaluateAssemblyRequest* request) override {
+    return endpoint_.ServerStream<v1::AdjustedAssembly>(
+        "EvaluateAssembly", context, request,
+        [this](const rpc::Call&, const v1::EvaluateAssemblyRequest& asked,
+               const AdjustedWriter& writer) -> absl::Status {
+          if (asked.points_size() < 1 || asked.points_size() > kMaxDesigns) {
+            return InvalidField("points", absl::StrCat("must be 1 to ", kMaxDesigns));
+          }
+          MORTISE_ASSIGN_OR_RETURN(Found found, Find(asked.name(), asked.revision()));
+          std::vector<Eigen::VectorXd> points;
+          for (int i = 0; i < asked.points_size(); ++i) {
+            MORTISE_ASSIGN_OR_RETURN(Eigen::VectorXd q,
+                                     ParametersOf(asked.points(i).q(), *found.parametrized,
+                                                  absl::StrCat("points[", i, "].q")));
+            points.push_back(std::move(q));
+          }
+          StreamDesigns(std::move(found), std::move(points), "points", writer);
+          return absl::OkStatus();
+        });
+  }
+
+  grpc::ServerWriteReactor<v1::AdjustedAssembly>* SampleAssembly(
+      grpc::CallbackServerContext* context, const v1::SampleAssemblyRequest* request) override {
+    return endpoint_.ServerStream<v1::AdjustedAssembly>(
+        "SampleAssembly", context, request,
+        [this](const rpc::Call&, const v1::SampleAssemblyRequest& asked,
+               const AdjustedWriter& writer) -> absl::Status {
+          if (asked.count() < 1 || asked.count() > kMaxDesigns) {
+            return InvalidField("count", absl::StrCat("must be 1 to ", kMaxDesigns));
+          }
+          MORTISE_ASSIGN_OR_RETURN(Found found, Find(asked.name(), asked.revision()));
+          MORTISE_ASSIGN_OR_RETURN(std::vector<Eigen::VectorXd> samples,
+                                   found.parametrized->Sample(asked.count(), asked.seed()));
+          StreamDesigns(std::move(found), std::move(samples), "samples", writer);
+          return absl::OkStatus();
+        });
+  }
+
+  grpc::ServerWriteReactor<v1::Chunk>* ExportAssembly(
+      grpc::CallbackServerContext* context, const v1::ExportAssemblyRequest* request) override {
+    return endpoint_.ServerStream<v1::Chunk>(
+        "ExportAssembly", context, request,
+        [this](const rpc::Call&, const v1::ExportAssemblyRequest& asked,
+               const std::shared_ptr<rpc::StreamWriter<v1::Chunk>>& writer) {
+          return Export(asked, writer);
+        });
+  }
+
+ private:
+  absl::StatusOr<v1::AssemblyBundle> Get(const std::string& name, int64_t revision) {
+    v1::AssemblyBundle bundle;
+    MORTISE_RETURN_IF_ERROR(store_->Read([&](store::ReadTransaction& transaction) -> absl::Status {
+      MORTISE_ASSIGN_OR_RETURN(bundle, GetAssemblyBundle(transaction, name, revision));
+      return absl::OkStatus();
+    }));
+    return bundle;
+  }
+
+  // Parametrised now, or before.
+  absl::StatusOr<Found> Find(const std::string& name, int64_t revision) {
+    MORTISE_ASSIGN_OR_RETURN(v1::AssemblyBundle bundle, Get(name, revision));
+    const std::string& key = bundle.assembly().digest();
+    std::optional<Parametrized> parametrized = parametrized_.Find(key);
+    if (!parametrized) {
+      MORTISE_ASSIGN_OR_RETURN(parametrized, Parametrize(bundle));
+      parametrized_.Add(key, *parametrized);
+    }
+    return Found{std::move(bundle), *std::move(parametrized)};
+  }
+
+  absl::StatusOr<v1::AdjustedAssembly> Adjust(const v1::AdjustAssemblyRequest& asked) {
+    if (asked.demands_size() > kMaxDemands) {
+      return InvalidField("demands", absl::StrCat("must be at most ", kMaxDemands));
+    }
+    MORTISE_ASSIGN_OR_RETURN(const Found found, Find(asked.name(), asked.revision()));
+    MORTISE_ASSIGN_OR_RETURN(const Eigen::VectorXd from,
+                             ParametersOf(asked.q(), *found.parametrized, "q"));
+    MORTISE_ASSIGN_OR_RETURN(const std::vector<parametric::MeasureDemand> demands,
+                             parametric::FromProto(asked.demands()));
+    const auto insistence =
+        asked.strict() ? parametric::Insistence::kStrict : parametric::Insistence::kNearest;
+    MORTISE_ASSIGN_OR_RETURN(const parametric::Adjustment adjusted,
+                             found.parametrized->Adjust(from, demands, insistence));
+    MORTISE_ASSIGN_OR_RETURN(v1::AdjustedAssembly answer, Evaluate(found, adjusted.q, "q"));
+    answer.mutable_reached()->Add(adjusted.reached.begin(), adjusted.reached.end());
+    return answer;
+  }
+
+  absl::Status Export(const v1::ExportAssemblyRequest& asked,
+                      const std::shared_ptr<rpc::StreamWriter<v1::Chunk>>& writer) {
+    if (asked.format() == v1::ExportDesignRequest::FORMAT_UNSPECIFIED) {
+      return InvalidField("format", "must be STEP or GLB");
+    }
+    MORTISE_ASSIGN_OR_RETURN(const Found found, Find(asked.name(), asked.revision()));
+    MORTISE_ASSIGN_OR_RETURN(const Eigen::VectorXd q,
+                             ParametersOf(asked.q(), *found.parametrized, "q"));
+    MORTISE_RETURN_IF_ERROR(Evaluate(found, q, "q").status());
+    MORTISE_ASSIGN_OR_RETURN(const parametric::TemplateBundle bundle, UsedBy(found.bundle));
+    const parametric::EvaluatedDesign design =
+        parametric::DesignAt(*found.parametrized, q, bundle.items, bundle.materials);
+    const std::string id = asked.name().substr(asked.name().find('/') + 1);
+    if (asked.format() == v1::ExportDesignRequest::STEP) {
+      MORTISE_ASSIGN_OR_RETURN(std::string bytes, ExportStep(design, bundle, id));
+      rpc::StreamBytes(std::move(bytes), {absl::StrCat(id, ".step"), "model/step"}, writer);
+    } else {
+      MORTISE_ASSIGN_OR_RETURN(std::string bytes, ExportGlb(design, bundle, id));
+      rpc::StreamBytes(std::move(bytes), {absl::StrCat(id, ".glb"), "model/gltf-binary"}, writer);
+    }
+    return absl::OkStatus();
+  }
+
+  static absl::StatusOr<parametric::TemplateBundle> UsedBy(const v1::AssemblyBundle& bundle) {
+    parametric::TemplateBundle used;
+    for (const v1::Item& message : bundle.items()) {
+      MORTISE_ASSIGN_OR_RETURN(parametric::Item item, parametric::FromProto(message));
+      used.items.push_back(std::move(item));
+    }
+    for (const v1::Material& message : bundle.materials()) {
+      MORTISE_ASSIGN_OR_RETURN(parametric::Material material, parametric::FromProto(message));
+      used.materials.push_back(std::move(material));
+    }
+    return used;
+  }
+
+  store::Store* const store_;
+  rpc::Endpoint endpoint_;
+  RecentlyUsed<Parametrized> parametrized_;  // by digest
+};
+
+}  // namespace
+
+std::shared_ptr<grpc::Service> MakeAssemblyService(const rpc::ServiceEnvironment& environment) {
+  return std::make_shared<AssemblyAdapter>(environment);
+}
+
+}  // namespace mortise::catalog
