@@ -1,0 +1,187 @@
+// Validates lists of features and evaluates them.
+#include "common/cad/feature_model.h"
+
+#include <cmath>
+#include <random>
+#include <set>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
+#include "common/cad/feature_checks.h"
+#include "common/cad/feature_regeneration.h"
+#include "common/cad/sketch_curves.h"
+
+namespace mortise::cad {
+namespace {
+
+using parametric::Finding;
+
+constexpr int kMaxCornerParameters = 6;
+constexpr int kRandomPoints = 32;
+constexpr std::size_t kMaxFindings = 100;
+
+Eigen::VectorXd DefaultsOf(const CadTemplate& definition) {
+  Eigen::VectorXd q(static_cast<Eigen::Index>(definition.parameters.size()));
+  for (Eigen::Index i = 0; i < q.size(); ++i) {
+    q(i) = definition.parameters[static_cast<std::size_t>(i)].default_value;
+  }
+  return q;
+}
+
+// Defaults, corners or ends, and random points.
+std::vector<Eigen::VectorXd> SamplePoints(const CadTemplate& definition) {
+  const auto& parameters = definition.parameters;
+  const int count = static_cast<int>(parameters.size());
+  const Eigen::VectorXd defaults = DefaultsOf(definition);
+  std::vector<Eigen::VectorXd> points = {defaults};
+  const auto end_of = [&](int i, bool upper) {
+    const auto& parameter = parameters[static_cast<std::size_t>(i)];
+    return upper ? parameter.maximum : parameter.minimum;
+  };
+  if (count <= kMaxCornerParameters) {
+    for (int corner = 0; corner < 1 << count; ++corner) {
+      Eigen::VectorXd q(count);
+      for (int i = 0; i < count; ++i) q(i) = end_of(i, (corner >> i & 1) != 0);
+      points.push_back(std::move(q));
+    }
+  } else {
+    for (int i = 0; i < count; ++i) {
+      for (const bool upper : {false, true}) {
+        points.push_back(defaults);
+        points.back()(i) = end_of(i, upper);
+      }
+    }
+  }
+  std::mt19937_64 random(1);
+  for (int k = 0; k < kRandomPoints; ++k) {
+    Eigen::VectorXd q(count);
+    for (int i = 0; i < count; ++i) {
+      const double t = static_cast<double>(random() >> 11) * 0x1p-53;
+      q(i) = (1 - t) * end_of(i, false) + t * end_of(i, true);
+    }
+    points.push_back(std::move(q));
+  }
+  return points;
+}
+
+// " (at length = 0.2, width = 0.1)".
+std::string At(const CadTemplate& definition, const Eigen::VectorXd& q) {
+  std::string text = " (at ";
+  for (Eigen::Index i = 0; i < q.size(); ++i) {
+    absl::StrAppend(&text, i == 0 ? "" : ", ",
+                    definition.parameters[static_cast<std::size_t>(i)].name, " = ", q(i));
+  }
+  return text + ")";
+}
+
+// What is wrong with sketches and extents whose numbers are each usable.
+void CheckShapes(const CadTemplate& definition, const Numbers& numbers,
+                 std::vector<Finding>& findings) {
+  for (std::size_t i = 0; i < definition.features.size(); ++i) {
+    const std::string place = absl::StrCat("features[", i, "].");
+    const auto& kind = definition.features[i].kind;
+    if (const auto* sketch = std::get_if<Sketch>(&kind)) {
+      std::vector<Finding> inside;
+      ResolveSketch(*sketch, numbers, inside);
+      for (Finding& finding : inside) {
+        findings.push_back({place + "sketch." + finding.field, std::move(finding.message)});
+      }
+    } else if (const auto* extrude = std::get_if<Extrude>(&kind)) {
+      const double from = numbers(extrude->from), to = numbers(extrude->to);
+      if (to <= from) {
+        findings.push_back({place + "extrude.to",
+                            absl::StrCat("is ", to, " m, not greater than `from`, ", from, " m")});
+      }
+    }
+  }
+}
+
+std::vector<Finding> CheckNumbers(const CadTemplate& definition, const FeatureNumbers& numbers) {
+  std::vector<Finding> findings;
+  std::set<std::string> seen;
+  for (const Eigen::VectorXd& q : SamplePoints(definition)) {
+    std::vector<Finding> here;
+    const Numbers values = numbers.Evaluate(q, here);
+    if (here.empty()) CheckShapes(definition, values, here);
+    for (Finding& finding : here) {
+      if (findings.size() == kMaxFindings) return findings;
+      if (!seen.insert(finding.field).second) continue;
+      findings.push_back({finding.field, finding.message + At(definition, q)});
+    }
+  }
+  return findings;
+}
+
+std::vector<Finding> Validate(const CadTemplate& definition, const FeatureNumbers& numbers,
+                              std::vector<Finding> of_expressions) {
+  std::vector<Finding> findings = CheckFeatures(definition);
+  findings.insert(findings.end(), of_expressions.begin(), of_expressions.end());
+  if (findings.empty()) findings = CheckNumbers(definition, numbers);
+  if (findings.size() > kMaxFindings) findings.resize(kMaxFindings);
+  return findings;
+}
+
+std::vector<Finding> CheckRanges(const CadTemplate& definition,
+                                 const Eigen::Ref<const Eigen::VectorXd>& q) {
+  const auto& parameters = definition.parameters;
+  if (q.size() != static_cast<Eigen::Index>(parameters.size())) {
+    return {{"parameters", absl::StrCat("are ", q.size(), ", not ", parameters.size())}};
+  }
+  std::vector<Finding> findings;
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    const double value = q(static_cast<Eigen::Index>(i));
+    if (value >= parameters[i].minimum && value <= parameters[i].maximum) continue;
+    findings.push_back({absl::StrCat("parameters[", i, "]"),
+                        absl::StrCat("'", parameters[i].name, "' is ", value, ", outside of ",
+                                     parameters[i].minimum, " to ", parameters[i].maximum)});
+  }
+  return findings;
+}
+
+}  // namespace
+
+absl::StatusOr<std::vector<int>> FacesOf(const RegeneratedModel& model,
+                                         std::string_view reference) {
+  MORTISE_ASSIGN_OR_RETURN(const FaceName wanted, ParseFaceReference(reference));
+  std::vector<int> faces;
+  for (std::size_t i = 0; i < model.origins.size(); ++i) {
+    for (const FaceName& origin : model.origins[i]) {
+      if (!Matches(wanted, origin)) continue;
+      faces.push_back(static_cast<int>(i));
+      break;
+    }
+  }
+  return faces;
+}
+
+std::vector<Finding> ValidateCadTemplate(const CadTemplate& definition) {
+  std::vector<Finding> of_expressions;
+  const FeatureNumbers numbers(definition, of_expressions);
+  return Validate(definition, numbers, std::move(of_expressions));
+}
+
+absl::StatusOr<FeatureModel> FeatureModel::Create(CadTemplate definition) {
+  std::vector<Finding> of_expressions;
+  FeatureNumbers numbers(definition, of_expressions);
+  MORTISE_RETURN_IF_ERROR(
+      parametric::ToStatus(Validate(definition, numbers, std::move(of_expressions))));
+  return FeatureModel(
+      std::make_shared<const State>(State{std::move(definition), std::move(numbers)}));
+}
+
+Eigen::VectorXd FeatureModel::Defaults() const { return DefaultsOf(state_->definition); }
+
+absl::StatusOr<RegeneratedModel> FeatureModel::Regenerate(
+    const Eigen::Ref<const Eigen::VectorXd>& q) const {
+  std::vector<Finding> findings = CheckRanges(state_->definition, q);
+  MORTISE_RETURN_IF_ERROR(parametric::ToStatus(findings));
+  const Numbers numbers = state_->numbers.Evaluate(q, findings);
+  MORTISE_RETURN_IF_ERROR(parametric::ToStatus(findings));
+  auto model = RegenerateFeatures(state_->definition, numbers, false);
+  if (model.ok() || DetailOf(model.status()).reason != kInvalidSolid) return model;
+  // Checking after each feature takes longer, but tells which one is at fault.
+  return RegenerateFeatures(state_->definition, numbers, true);
+}
+
+}  // namespace mortise::cad

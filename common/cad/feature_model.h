@@ -1,0 +1,83 @@
+// CAD templates that can be evaluated: F(q) of a list of features is a solid with named faces, and
+// the supports and loads on them (thesis §6.1).
+//
+//   std::vector<parametric::Finding> findings = ValidateCadTemplate(definition);
+//   MORTISE_ASSIGN_OR_RETURN(FeatureModel model, FeatureModel::Create(definition));
+//   MORTISE_ASSIGN_OR_RETURN(RegeneratedModel wrench, model.Regenerate(model.Defaults()));
+//   wrench.solid.Volume();
+//   FacesOf(wrench, "jaw.opening");     // indices into wrench.solid.face_names()
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "common/cad/cad_template.h"
+#include "common/cad/feature_numbers.h"
+#include "common/cad/feature_reference.h"
+#include "common/cad/solid.h"
+#include "common/parametric/template_validation.h"
+
+namespace mortise::cad {
+
+enum class ConditionKind { kFixed, kForce, kPressure, kHeatFlux, kTemperature };
+
+// A support or load at given parameters.
+struct ModelCondition {
+  std::string name;
+  ConditionKind kind = ConditionKind::kFixed;
+  std::vector<int> faces;                           // indices of the solid's faces, at least one
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();  // N in all, spread over the faces; kForce
+  double pressure = 0;                              // Pa, against the faces; kPressure
+  double heat_flux = 0;                             // W/m² into the solid; kHeatFlux
+  double temperature = 0;                           // K; kTemperature
+};
+
+struct RegeneratedModel {
+  Solid solid;  // valid by the kernel's check; face_names are the first of `origins`
+  std::vector<std::vector<FaceName>> origins;  // of each face: all names that lead to it
+  std::vector<ModelCondition> conditions;      // in the order of the features
+};
+
+// Indices of the faces that a reference as in feature_reference.h means. INVALID_ARGUMENT if it
+// cannot be read; none if no face is of that name. "[0]" and "[*]" of a pattern do not include the
+// feature that it repeats: ask for that by its own name.
+absl::StatusOr<std::vector<int>> FacesOf(const RegeneratedModel& model, std::string_view reference);
+
+// Everything that can be seen to be wrong without making a solid, at once: names, ranges,
+// references to features that do not exist, come later or cannot be meant, roles that a feature
+// does not have, and numbers that are not what they must be at the defaults, at every corner of the
+// parameter box (the ends of single parameters where there are more than 6) and at random points,
+// always the same.
+std::vector<parametric::Finding> ValidateCadTemplate(const CadTemplate& definition);
+
+// A list of features, checked. Immutable; may be used from any number of threads.
+class FeatureModel {
+ public:
+  // INVALID_ARGUMENT naming all that ValidateCadTemplate finds.
+  static absl::StatusOr<FeatureModel> Create(CadTemplate definition);
+
+  const CadTemplate& definition() const { return state_->definition; }
+  Eigen::VectorXd Defaults() const;
+
+  // The solid at `q`, one entry a parameter in the template's order. INVALID_ARGUMENT naming each
+  // parameter out of its range ("parameters[1]"); each number that is not what it must be
+  // ("features[3].fillet.radius"); or the first feature that cannot be made, with its reference
+  // ("features[3].fillet.edges[0]") and why. The last is also the answer if the kernel fails or its
+  // check finds the solid invalid.
+  absl::StatusOr<RegeneratedModel> Regenerate(const Eigen::Ref<const Eigen::VectorXd>& q) const;
+
+ private:
+  struct State {
+    CadTemplate definition;
+    FeatureNumbers numbers;
+  };
+  explicit FeatureModel(std::shared_ptr<const State> state) : state_(std::move(state)) {}
+
+  std::shared_ptr<const State> state_;
+};
+
+}  // namespace mortise::cad

@@ -1,0 +1,258 @@
+// Lists, parses and evaluates the numbers of features.
+#include "common/cad/feature_numbers.h"
+
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+
+namespace mortise::cad {
+namespace {
+
+using parametric::Expression;
+using parametric::Finding;
+
+constexpr double kSmallest = 1e-6;  // m
+constexpr double kLargest = 1e3;    // m
+
+// Collects the numbers of one feature.
+class Lister {
+ public:
+  explicit Lister(std::vector<NumberUse>& uses) : uses_(uses) {}
+
+  void operator()(const Sketch& sketch) {
+    Optional("sketch.plane.origin", sketch.plane.origin, Need::kPosition);
+    if (sketch.plane.normal) Optional("sketch.plane.normal", *sketch.plane.normal, Need::kAny);
+    if (sketch.plane.x_axis) Optional("sketch.plane.x_axis", *sketch.plane.x_axis, Need::kAny);
+    for (std::size_t i = 0; i < sketch.profiles.size(); ++i) {
+      prefix_ = absl::StrCat("sketch.profiles[", i, "].");
+      std::visit(*this, sketch.profiles[i].shape);
+    }
+    prefix_.clear();
+  }
+  void operator()(const SketchPath& path) {
+    Optional("path.start", path.start, Need::kPosition);
+    for (std::size_t i = 0; i < path.segments.size(); ++i) {
+      const SketchSegment& segment = path.segments[i];
+      const std::string place = absl::StrCat("path.segments[", i, "].");
+      Optional(place + "to", segment.to, Need::kPosition);
+      if (segment.through) Optional(place + "through", *segment.through, Need::kPosition);
+      Optional(place + "round", segment.round, Need::kLength);
+    }
+  }
+  void operator()(const SketchCircle& circle) {
+    Optional("circle.center", circle.center, Need::kPosition);
+    Required("circle.radius", circle.radius, Need::kLength);
+  }
+  void operator()(const SketchRectangle& rectangle) {
+    Optional("rectangle.center", rectangle.center, Need::kPosition);
+    Required("rectangle.width", rectangle.width, Need::kLength);
+    Required("rectangle.height", rectangle.height, Need::kLength);
+    Optional("rectangle.round", rectangle.round, Need::kLength);
+  }
+  void operator()(const SketchPolygon& polygon) {
+    Optional("polygon.center", polygon.center, Need::kPosition);
+    Required("polygon.radius", polygon.radius, Need::kLength);
+    Required("polygon.sides", polygon.sides, Need::kSides);
+    Optional("polygon.angle", polygon.angle, Need::kAny);
+  }
+  void operator()(const Extrude& extrude) {
+    Optional("extrude.from", extrude.from, Need::kPosition);
+    Required("extrude.to", extrude.to, Need::kPosition);
+  }
+  void operator()(const Revolve& revolve) {
+    Optional("revolve.axis_point", revolve.axis_point, Need::kPosition);
+    Optional("revolve.axis_direction", revolve.axis_direction, Need::kAny);
+    Optional("revolve.angle", revolve.angle, Need::kTurn);
+  }
+  void operator()(const Sweep&) {}
+  void operator()(const Boolean&) {}
+  void operator()(const Fillet& fillet) { Required("fillet.radius", fillet.radius, Need::kLength); }
+  void operator()(const Chamfer& chamfer) {
+    Required("chamfer.distance", chamfer.distance, Need::kLength);
+  }
+  void operator()(const Draft& draft) { Required("draft.angle", draft.angle, Need::kDraftAngle); }
+  void operator()(const Shell& shell) {
+    Required("shell.thickness", shell.thickness, Need::kLength);
+  }
+  void operator()(const Hole& hole) {
+    Optional("hole.position", hole.position, Need::kPosition);
+    Required("hole.diameter", hole.diameter, Need::kLength);
+    Optional("hole.depth", hole.depth, Need::kLength);
+    Optional("hole.counterbore_diameter", hole.counterbore_diameter, Need::kLength);
+    Optional("hole.counterbore_depth", hole.counterbore_depth, Need::kLength);
+    Optional("hole.countersink_diameter", hole.countersink_diameter, Need::kLength);
+    Optional("hole.countersink_angle", hole.countersink_angle, Need::kConeAngle);
+  }
+  void operator()(const LinearPattern& pattern) {
+    Optional("linear_pattern.step", pattern.step, Need::kPosition);
+    Required("linear_pattern.count", pattern.count, Need::kCount);
+    Optional("linear_pattern.second_step", pattern.second_step, Need::kPosition);
+    Optional("linear_pattern.second_count", pattern.second_count, Need::kCount);
+  }
+  void operator()(const CircularPattern& pattern) {
+    Optional("circular_pattern.axis_point", pattern.axis_point, Need::kPosition);
+    if (pattern.axis_direction) {
+      Optional("circular_pattern.axis_direction", *pattern.axis_direction, Need::kAny);
+    }
+    Required("circular_pattern.count", pattern.count, Need::kCount);
+    Optional("circular_pattern.angle", pattern.angle, Need::kAny);
+  }
+  void operator()(const Fixed&) {}
+  void operator()(const Force& force) { Optional("force.force", force.force, Need::kAny); }
+  void operator()(const Pressure& pressure) {
+    Required("pressure.pressure", pressure.pressure, Need::kAny);
+  }
+  void operator()(const Heat& heat) {
+    Optional("heat.flux", heat.flux, Need::kAny);
+    Optional("heat.temperature", heat.temperature, Need::kTemperature);
+  }
+
+ private:
+  void Required(const std::string& field, const Formula& formula, Need need) {
+    uses_.push_back({prefix_ + field, &formula, need, false});
+  }
+  void Optional(const std::string& field, const Formula& formula, Need need) {
+    uses_.push_back({prefix_ + field, &formula, need, true});
+  }
+  void Optional(const std::string& field, const Formula2& formula, Need need) {
+    Optional(field + ".x", formula.x, need);
+    Optional(field + ".y", formula.y, need);
+  }
+  void Optional(const std::string& field, const Formula3& formula, Need need) {
+    Optional(field + ".x", formula.x, need);
+    Optional(field + ".y", formula.y, need);
+    Optional(field + ".z", formula.z, need);
+  }
+
+  std::vector<NumberUse>& uses_;
+  std::string prefix_;
+};
+
+bool IsWhole(double value, double least, double most) {
+  return value == std::floor(value) && value >= least && value <= most;
+}
+
+// What is wrong with a finite value; null if nothing.
+const char* Fault(double value, Need need) {
+  switch (need) {
+    case Need::kAny:
+      return nullptr;
+    case Need::kPosition:
+      return std::abs(value) <= kLargest ? nullptr : "is farther than 1 km from the origin";
+    case Need::kLength:
+      if (value < kSmallest) return "must be greater than 0, at least 1 µm";
+      return value <= kLargest ? nullptr : "is greater than 1 km";
+    case Need::kCount:
+      return IsWhole(value, 1, 1000) ? nullptr : "must be a whole number from 1 to 1000";
+    case Need::kSides:
+      return IsWhole(value, 3, 64) ? nullptr : "must be a whole number from 3 to 64";
+    case Need::kTurn:
+      // A full turn written as 2 * pi may come out a little more.
+      return value > 1e-6 && value <= 2 * std::numbers::pi + 1e-9
+                 ? nullptr
+                 : "must be greater than 0, at most a full turn";
+    case Need::kDraftAngle:
+      return value > 1e-6 && value < 1.2 ? nullptr : "must be greater than 0, less than 1.2 rad";
+    case Need::kConeAngle:
+      return value >= 0.1 && value <= 3 ? nullptr : "must be 0.1 to 3 rad";
+    case Need::kTemperature:
+      return value > 0 ? nullptr : "must be greater than 0 K";
+  }
+  return nullptr;
+}
+
+}  // namespace
+
+std::vector<NumberUse> NumbersOf(const Feature& feature) {
+  std::vector<NumberUse> uses;
+  std::visit(Lister(uses), feature.kind);
+  return uses;
+}
+
+double Numbers::operator()(const Formula& formula) const {
+  return formula.empty() ? 0 : values_.at(formula);
+}
+
+Eigen::Vector2d Numbers::operator()(const Formula2& formula) const {
+  return {(*this)(formula.x), (*this)(formula.y)};
+}
+
+Eigen::Vector3d Numbers::operator()(const Formula3& formula) const {
+  return {(*this)(formula.x), (*this)(formula.y), (*this)(formula.z)};
+}
+
+FeatureNumbers::FeatureNumbers(const CadTemplate& definition, std::vector<Finding>& findings)
+    : parameter_count_(static_cast<Eigen::Index>(definition.parameters.size())) {
+  std::vector<std::string> names;
+  for (const auto& parameter : definition.parameters) names.push_back(parameter.name);
+  for (std::size_t i = 0; i < definition.definitions.size(); ++i) {
+    auto expression = Expression::Parse(definition.definitions[i].value, names);
+    if (!expression.ok()) {
+      findings.push_back(
+          {absl::StrCat("definitions[", i, "].value"), std::string(expression.status().message())});
+      // The names still count, or every use of this one would be a finding too.
+      expression = Expression::Parse("0", names);
+    }
+    definitions_.push_back(*std::move(expression));
+    names.push_back(definition.definitions[i].name);
+  }
+  for (std::size_t i = 0; i < definition.features.size(); ++i) {
+    for (const NumberUse& use : NumbersOf(definition.features[i])) {
+      std::string field = absl::StrCat("features[", i, "].", use.field);
+      if (use.formula->empty()) {
+        if (!use.optional) findings.push_back({field, "is missing"});
+        continue;
+      }
+      if (!expressions_.contains(*use.formula)) {
+        auto expression = Expression::Parse(*use.formula, names);
+        if (!expression.ok()) {
+          findings.push_back({field, std::string(expression.status().message())});
+          continue;
+        }
+        expressions_.emplace(*use.formula, *std::move(expression));
+      }
+      uses_.push_back({std::move(field), *use.formula, use.need});
+    }
+  }
+}
+
+Numbers FeatureNumbers::Evaluate(const Eigen::Ref<const Eigen::VectorXd>& q,
+                                 std::vector<Finding>& findings) const {
+  Numbers numbers;
+  Eigen::VectorXd values(q.size() + static_cast<Eigen::Index>(definitions_.size()));
+  values.head(q.size()) = q;
+  for (std::size_t i = 0; i < definitions_.size(); ++i) {
+    const Eigen::Index known = q.size() + static_cast<Eigen::Index>(i);
+    const auto value = definitions_[i].Value(values.head(known));
+    if (!value.ok()) {
+      findings.push_back(
+          {absl::StrCat("definitions[", i, "].value"), std::string(value.status().message())});
+      return numbers;  // all else may hang on it
+    }
+    values(known) = *value;
+  }
+  for (const Use& use : uses_) {
+    const auto known = numbers.values_.find(use.text);
+    double value = 0;
+    if (known != numbers.values_.end()) {
+      value = known->second;
+    } else {
+      const auto result = expressions_.at(use.text).Value(values);
+      if (!result.ok()) {
+        findings.push_back({use.field, std::string(result.status().message())});
+        continue;
+      }
+      value = *result;
+      numbers.values_.emplace(use.text, value);
+    }
+    if (const char* fault = Fault(value, use.need)) {
+      findings.push_back({use.field, absl::StrCat("'", use.text, "' is ", value, ": ", fault)});
+    }
+  }
+  return numbers;
+}
+
+}  // namespace mortise::cad

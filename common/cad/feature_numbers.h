@@ -1,0 +1,76 @@
+// The numbers of a list of features: which there are, what each must be, and their values at given
+// parameters.
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "common/cad/cad_template.h"
+#include "common/parametric/expression.h"
+#include "common/parametric/template_validation.h"
+
+namespace mortise::cad {
+
+// What a number must be to be used.
+enum class Need {
+  kAny,          // finite
+  kPosition,     // m, at most 1 km from the origin
+  kLength,       // m, 1 µm to 1 km
+  kCount,        // a whole number from 1 to 1000
+  kSides,        // a whole number from 3 to 64
+  kTurn,         // rad, more than 0 to a full turn
+  kDraftAngle,   // rad, more than 0, less than 1.2
+  kConeAngle,    // rad, 0.1 to 3
+  kTemperature,  // K, more than 0
+};
+
+// A number of a feature.
+struct NumberUse {
+  std::string field;  // "extrude.to", within the feature
+  const Formula* formula;
+  Need need = Need::kAny;
+  bool optional = false;  // may be empty
+};
+
+// All numbers of a feature. They point into it.
+std::vector<NumberUse> NumbersOf(const Feature& feature);
+
+// Values by the text of the expression, at given parameters.
+class Numbers {
+ public:
+  double operator()(const Formula& formula) const;  // 0 if empty
+  Eigen::Vector2d operator()(const Formula2& formula) const;
+  Eigen::Vector3d operator()(const Formula3& formula) const;
+
+ private:
+  friend class FeatureNumbers;
+  std::unordered_map<std::string, double> values_;
+};
+
+// Every expression of a template, parsed once. Can be evaluated from any number of threads.
+class FeatureNumbers {
+ public:
+  // Parses; what is wrong, with its place, is added to `findings`.
+  FeatureNumbers(const CadTemplate& definition, std::vector<parametric::Finding>& findings);
+
+  // The numbers at `q`, one entry a parameter in the template's order, which need not be within
+  // their ranges. Whatever cannot be evaluated or is not what it must be is added to `findings`.
+  Numbers Evaluate(const Eigen::Ref<const Eigen::VectorXd>& q,
+                   std::vector<parametric::Finding>& findings) const;
+
+ private:
+  struct Use {
+    std::string field;  // "features[2].extrude.to"
+    std::string text;
+    Need need;
+  };
+  std::vector<parametric::Expression> definitions_;
+  std::vector<Use> uses_;
+  std::unordered_map<std::string, parametric::Expression> expressions_;  // by text
+  Eigen::Index parameter_count_ = 0;
+};
+
+}  // namespace mortise::cad

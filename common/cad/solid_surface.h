@@ -1,0 +1,27 @@
+// Triangles of a solid, face by face.
+#pragma once
+
+#include "absl/status/statusor.h"
+#include "common/cad/solid.h"
+#include "common/mesh/surface_mesh.h"
+
+namespace mortise::cad {
+
+struct SurfaceOptions {
+  double deflection = 5e-4;  // m, > 0; largest distance of a triangle from a curved face
+  double angle = 0.35;       // rad, > 0; largest turn of the normal along a triangle's edge
+};
+
+// The closed surface of `solid` as an assembly of one part: triangle_face is the index of the
+// solid's face, whose name is the one origin of faces[i]. Points on edges are shared by the faces
+// beside them. The point inside the part is not sought: part_interior is empty.
+//
+// INVALID_ARGUMENT naming the option out of range; INTERNAL if the kernel fails or its triangles
+// leave a gap.
+absl::StatusOr<mesh::AssemblySurface> SurfaceOf(const Solid& solid,
+                                                const SurfaceOptions& options = {});
+
+// m².
+double SurfaceArea(const Solid& solid);
+
+}  // namespace mortise::cad
