@@ -64,9 +64,9 @@ class BridgeClient::Line {
     stream_ = stub->AttachBridge(&context_);
     const std::stop_callback cancel(stop, [this] { context_.TryCancel(); });
     if (stream_->Write(Hello())) {
+      // Ends with the stream. Cancelling it here would hide why the fabplanner ended it.
       std::jthread reading([this] { ReadAll(); });
       WriteAll(stop);
-      context_.TryCancel();
     }
     const absl::Status status = rpc::FromGrpc(stream_->Finish());
     return failure_.ok() ? status : failure_;

@@ -43,6 +43,7 @@ class Planner : public v1::FabPlannerService::Service {
     if (!stream->Read(&message) || !message.has_hello()) {
       return {grpc::StatusCode::INVALID_ARGUMENT, "hello first"};
     }
+    if (!refusal.ok()) return refusal;
     Attach(*context, message.hello(), stream);
     while (stream->Read(&message)) Receive(message);
     const std::lock_guard lock(mutex_);
@@ -99,6 +100,7 @@ class Planner : public v1::FabPlannerService::Service {
   std::string authorization;
   int repeated_reports = 0;
   bool acknowledge = true;
+  grpc::Status refusal;  // of every stream; set before the bridge starts
 
  private:
   void Attach(const grpc::ServerContext& context, const v1::BridgeMessage::Hello& hello,
@@ -434,6 +436,12 @@ TEST_F(BridgeProcess, ImpossibleCutsAreRejectedByName) {
     return true;
   }));
   EXPECT_TRUE(ReadCutRecord(cut_record_)->empty());
+}
+
+TEST_F(BridgeProcess, SaysWhyThePlannerRefusedTheLine) {
+  planner_.refusal = {grpc::StatusCode::PERMISSION_DENIED, "a token of an operator is needed"};
+  StartBridge();
+  EXPECT_TRUE(bridge_->AwaitOutput("a token of an operator is needed"));
 }
 
 TEST_F(BridgeProcess, ASecondBridgeOnTheSameJournalRefuses) {
