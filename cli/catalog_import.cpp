@@ -10,6 +10,7 @@
 #include "absl/strings/str_cat.h"
 #include "cli/requests.h"
 #include "common/base/errors.h"
+#include "common/base/field_violations.h"
 #include "common/base/identifiers.h"
 #include "common/parametric/collection.h"
 #include "common/parametric/design_file.h"
@@ -199,6 +200,20 @@ class Check {
   Findings findings_;
 };
 
+// A failure to store what a file has, with the file in front.
+absl::Status InFile(const std::string& file, const absl::Status& status) {
+  if (status.ok()) return status;
+  std::vector<FieldViolation> violations = ViolationsOf(status);
+  for (FieldViolation& violation : violations) {
+    violation.field = absl::StrCat(file, ": ", violation.field);
+  }
+  if (!violations.empty()) return InvalidFields(violations);
+  ErrorDetail detail = DetailOf(status);
+  detail.field = absl::StrCat(file, detail.field.empty() ? "" : ": ", detail.field);
+  return WithDetail(absl::Status(status.code(), absl::StrCat(file, ": ", status.message())),
+                    detail);
+}
+
 // Stores designs that have been checked, and tells of each.
 class Storing {
  public:
@@ -208,13 +223,13 @@ class Storing {
 
   absl::Status Run(const Designs& designs) {
     for (const auto& read : designs.materials) {
-      MORTISE_RETURN_IF_ERROR(UnderField(read.file, StoreMaterial(read.message())));
+      MORTISE_RETURN_IF_ERROR(InFile(read.file, StoreMaterial(read.message())));
     }
     for (const auto& read : designs.items) {
-      MORTISE_RETURN_IF_ERROR(UnderField(read.file, StoreItem(read.message())));
+      MORTISE_RETURN_IF_ERROR(InFile(read.file, StoreItem(read.message())));
     }
     for (const auto& read : designs.templates) {
-      MORTISE_RETURN_IF_ERROR(UnderField(read.file, StoreTemplate(read.message())));
+      MORTISE_RETURN_IF_ERROR(InFile(read.file, StoreTemplate(read.message())));
     }
     return absl::OkStatus();
   }

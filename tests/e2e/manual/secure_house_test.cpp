@@ -164,7 +164,11 @@ items {
 }
 )")
                   .ok());
-  EXPECT_EQ(Refusal("vera", {"catalog", "import", File("peg.textproto")}), "PERMISSION_DENIED");
+  const std::string file = File("peg.textproto");
+  const Json refused = Ask("vera", {"catalog", "import", file}, 1)["error"];
+  EXPECT_EQ(refused["code"], "PERMISSION_DENIED");
+  EXPECT_THAT(refused["message"].get<std::string>(),
+              testing::StartsWith(file + ": mortise.v1.CatalogService/CreateItem needs the role"));
   EXPECT_EQ(Refusal("vera", {"plan", "table"}), "PERMISSION_DENIED");
   EXPECT_EQ(Refusal("vera", {"fab", "release", NewPlan()}), "PERMISSION_DENIED");
   EXPECT_EQ(Ask("vera", {"catalog", "list", "items"}).size(), items);
