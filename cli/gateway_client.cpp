@@ -26,6 +26,15 @@ constexpr std::chrono::seconds kPatienceForRestarts{60};
 // Of a server that takes connections and ends them; more than one, for it may be ending itself.
 constexpr int kRefusalsBeforeGivingUp = 6;
 
+// A call whose answer is lost with a gateway or service that dies is made again, before anything of
+// it was received: what changes something carries a request id and has its effect once. The call
+// that only asks why there is no connection wants its first answer.
+constexpr char kRetries[] = R"({"methodConfig": [
+  {"name": [{}],
+   "retryPolicy": {"maxAttempts": 3, "initialBackoff": "0.2s", "maxBackoff": "2s",
+                   "backoffMultiplier": 3, "retryableStatusCodes": ["UNAVAILABLE"]}},
+  {"name": [{"service": "mortise.v1.OperationService", "method": "GetOperation"}]}]})";
+
 std::string Environment(const char* name) {
   const char* value = std::getenv(name);
   return value == nullptr ? "" : value;
@@ -87,6 +96,7 @@ absl::StatusOr<GatewayClient> GatewayClient::Connect(const GatewayOptions& optio
   arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 100);
   arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, 100);
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 1000);
+  arguments.SetServiceConfigJSON(kRetries);
   GatewayClient client(grpc::CreateCustomChannel(address, credentials, arguments), address,
                        std::move(token));
   MORTISE_RETURN_IF_ERROR(client.AwaitConnection(std::chrono::duration<double>(options.patience),

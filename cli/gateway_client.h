@@ -39,6 +39,7 @@ class GatewayClient {
   // plain text, a certificate that is not trusted).
   static absl::StatusOr<GatewayClient> Connect(const GatewayOptions& options);
 
+  // Calls that end UNAVAILABLE before anything was received are made again, three times in all.
   const std::shared_ptr<grpc::Channel>& channel() const { return channel_; }
   const std::string& address() const { return address_; }
 
