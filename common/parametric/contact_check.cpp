@@ -32,6 +32,9 @@ double Separation(const OrientedBox& a, const OrientedBox& b) {
   double separation = -kInfinity;
   for (int i = 0; i < 3; ++i) {
     separation = std::max(separation, SeparationAlong(a, b, a.axes.col(i)));
+  }
+  if (a.axes == b.axes) return separation;  // all other directions are the same
+  for (int i = 0; i < 3; ++i) {
     separation = std::max(separation, SeparationAlong(a, b, b.axes.col(i)));
   }
   for (int i = 0; i < 3; ++i) {
@@ -69,10 +72,8 @@ ContactCheck::ContactCheck(Assembly assembly, std::vector<Element> elements, dou
   for (const Pose& pose : poses_) {
     const Parts parts = PartsIn(pose, drawn);
     std::vector<Meeting> meetings(elements_.size() * elements_.size());
-    for (std::size_t a = 0; a < elements_.size(); ++a) {
-      for (std::size_t b = a + 1; b < elements_.size(); ++b) {
-        meetings[PairIndex(a, b)] = MeetingOf(parts[a], parts[b]);
-      }
+    for (const auto& [a, b] : PairsIn(pose)) {
+      meetings[PairIndex(a, b)] = MeetingOf(parts[a], parts[b]);
     }
     meetings_.push_back(std::move(meetings));
   }
@@ -101,13 +102,38 @@ absl::StatusOr<std::vector<ContactFault>> ContactCheck::FaultsAt(const Eigen::Ve
     if (p == 0) CheckSizes(parts, faults);
     ContactFault fault;
     fault.pose = poses_[p].name;
-    for (std::size_t a = 0; a < elements_.size(); ++a) {
-      for (std::size_t b = a + 1; b < elements_.size(); ++b) {
-        CheckPair(meetings_[p][PairIndex(a, b)], parts[a], parts[b], fault, penetration, faults);
-      }
+    std::vector<Eigen::AlignedBox3d> around;
+    for (const std::vector<Part>& of_element : parts) around.push_back(BoxAround(of_element));
+    for (const auto& [a, b] : PairsIn(poses_[p])) {
+      const Meeting& meeting = meetings_[p][PairIndex(a, b)];
+      if (!meeting.any && !around[a].intersects(around[b])) continue;
+      CheckPair(meeting, parts[a], parts[b], fault, penetration, faults);
     }
   }
   return faults;
+}
+
+Eigen::AlignedBox3d ContactCheck::BoxAround(const std::vector<Part>& parts) {
+  Eigen::AlignedBox3d around;
+  for (const Part& part : parts) {
+    const Eigen::Vector3d reach = part.box.axes.cwiseAbs() * part.box.half_size;
+    around.extend(part.box.center - reach);
+    around.extend(part.box.center + reach);
+  }
+  return around;
+}
+
+std::vector<std::pair<std::size_t, std::size_t>> ContactCheck::PairsIn(const Pose& pose) const {
+  const auto moves = [&](std::size_t element) {
+    return pose.joint >= 0 && IsWithin(assembly_, elements_[element].group, pose.moved_group);
+  };
+  std::vector<std::pair<std::size_t, std::size_t>> pairs;
+  for (std::size_t a = 0; a < elements_.size(); ++a) {
+    for (std::size_t b = a + 1; b < elements_.size(); ++b) {
+      if (pose.joint < 0 || moves(a) != moves(b)) pairs.emplace_back(a, b);
+    }
+  }
+  return pairs;
 }
 
 ContactCheck::Parts ContactCheck::PartsIn(const Pose& pose, const Eigen::VectorXd& q) const {

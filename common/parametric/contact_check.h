@@ -7,8 +7,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <cstddef>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "absl/status/status.h"
@@ -54,8 +56,9 @@ class ContactCheck {
   //   the other element, all it now has must do so;
   // - parts of elements that did not touch intersect by more than `penetration`, m;
   // - a size that an item fixes differs from the drawn one by more than the tolerance.
-  // Empty if the design is sound. INVALID_ARGUMENT, "q", for another number of parameters, one that
-  // is not finite, or a size that is not positive. O(poses · parts²).
+  // What a rest pose moves together, or not at all, is told of once, as drawn. Empty if the design
+  // is sound. INVALID_ARGUMENT, "q", for another number of parameters, one that is not finite, or a
+  // size that is not positive. O(poses · parts²).
   absl::StatusOr<std::vector<ContactFault>> FaultsAt(const Eigen::VectorXd& q,
                                                      double penetration = 1e-4) const;
 
@@ -74,6 +77,10 @@ class ContactCheck {
   };
 
   absl::Status CheckParameters(const Eigen::VectorXd& q) const;
+  static Eigen::AlignedBox3d BoxAround(const std::vector<Part>& parts);
+  // Pairs of elements that are not in every pose as they are in the drawn one: all in that, else
+  // those of which one moves.
+  std::vector<std::pair<std::size_t, std::size_t>> PairsIn(const Pose& pose) const;
   Parts PartsIn(const Pose& pose, const Eigen::VectorXd& q) const;
   Meeting MeetingOf(const std::vector<Part>& a, const std::vector<Part>& b) const;
   std::size_t PairIndex(std::size_t a, std::size_t b) const { return a * elements_.size() + b; }

@@ -3,15 +3,14 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <numeric>
-#include <random>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "common/base/errors.h"
+#include "common/parametric/hit_and_run.h"
 #include "common/parametric/polyhedron.h"
 #include "common/parametric/rest_pose.h"
 
@@ -91,25 +90,6 @@ Eigen::MatrixXd ColumnsOf(const Block& block) {
   }
   columns.colwise().normalize();
   return columns;
-}
-
-// Where a line through the set leaves it.
-struct Chord {
-  double from = -std::numeric_limits<double>::infinity();
-  double to = std::numeric_limits<double>::infinity();
-};
-
-// What is left of the inequalities at z, and how fast `direction` uses it up.
-Chord ChordOf(const Eigen::VectorXd& left, const Eigen::VectorXd& rate) {
-  Chord chord;
-  for (Eigen::Index i = 0; i < left.size(); ++i) {
-    if (rate[i] > 0) {
-      chord.to = std::min(chord.to, std::max(left[i], 0.0) / rate[i]);
-    } else if (rate[i] < 0) {
-      chord.from = std::max(chord.from, std::max(left[i], 0.0) / rate[i]);
-    }
-  }
-  return chord;
 }
 
 absl::Status Unbounded() {
@@ -245,15 +225,13 @@ absl::StatusOr<FeasibleSet::Held> FeasibleSet::Hold(const std::vector<Demand>& d
   return held;
 }
 
-absl::StatusOr<Eigen::VectorXd> FeasibleSet::Project(const Held& held,
-                                                     const Eigen::VectorXd& z) const {
-  MORTISE_ASSIGN_OR_RETURN(const Projection nearest, ProjectOnto(held.feasible, z));
-  if (nearest.point) return *nearest.point;
+absl::Status FeasibleSet::ConflictOf(const Held& held, const std::vector<int>& equalities,
+                                     const std::vector<int>& inequalities) const {
   std::vector<std::string> reasons;
-  for (const int row : nearest.equalities) {
+  for (const int row : equalities) {
     reasons.push_back(held.demands[static_cast<std::size_t>(row)]->description);
   }
-  for (const int row : nearest.inequalities) {
+  for (const int row : inequalities) {
     reasons.push_back(inequalities_[static_cast<std::size_t>(row)].description);
   }
   return Conflict(reasons);
@@ -265,27 +243,22 @@ absl::StatusOr<Eigen::VectorXd> FeasibleSet::Nearest(const Eigen::VectorXd& wish
     return InvalidField("wish", absl::StrCat("must be ", drawn_.size(), " finite numbers"));
   }
   MORTISE_ASSIGN_OR_RETURN(const Held held, Hold(demands));
-  MORTISE_ASSIGN_OR_RETURN(const Eigen::VectorXd z,
-                           Project(held, basis_.transpose() * (wish - drawn_)));
-  return Eigen::VectorXd(drawn_ + basis_ * z);
+  MORTISE_ASSIGN_OR_RETURN(const Projection nearest,
+                           ProjectOnto(held.feasible, basis_.transpose() * (wish - drawn_)));
+  if (nearest.point) return Eigen::VectorXd(drawn_ + basis_ * *nearest.point);
+  return ConflictOf(held, nearest.equalities, nearest.inequalities);
 }
 
 absl::StatusOr<Eigen::VectorXd> FeasibleSet::Furthest(const LinearForm& form,
                                                       const std::vector<Demand>& demands) const {
-  constexpr double kNoGain = 1e-11;  // m
-  constexpr double kFar = 1e9;       // m: no design is as large
-  MORTISE_ASSIGN_OR_RETURN(const Eigen::VectorXd row, RowOf({form, 0, ""}, 0));
+  MORTISE_ASSIGN_OR_RETURN(Eigen::VectorXd row, RowOf({form, 0, ""}, 0));
+  if (row.norm() <= kParallel) row.setZero();
   MORTISE_ASSIGN_OR_RETURN(const Held held, Hold(demands));
-  MORTISE_ASSIGN_OR_RETURN(Eigen::VectorXd z, Project(held, Eigen::VectorXd::Zero(row.size())));
-  if (row.norm() <= kParallel) return Eigen::VectorXd(drawn_ + basis_ * z);
-  const Eigen::VectorXd direction = row.normalized();
-  for (double step = 1; step < kFar; step *= 4) {
-    MORTISE_ASSIGN_OR_RETURN(const Eigen::VectorXd next, Project(held, z + step * direction));
-    const double gain = direction.dot(next - z);
-    z = next;
-    if (gain <= kNoGain) return Eigen::VectorXd(drawn_ + basis_ * z);
-  }
-  return Unbounded();
+  MORTISE_ASSIGN_OR_RETURN(const parametric::Furthest end,
+                           FurthestAlong(held.feasible, row, Eigen::VectorXd::Zero(row.size())));
+  if (end.point) return Eigen::VectorXd(drawn_ + basis_ * *end.point);
+  if (end.equalities.empty() && end.inequalities.empty()) return Unbounded();
+  return ConflictOf(held, end.equalities, end.inequalities);
 }
 
 absl::StatusOr<std::optional<Eigen::VectorXd>> FeasibleSet::UnboundedDirection() const {
@@ -310,35 +283,12 @@ absl::StatusOr<Eigen::VectorXd> FeasibleSet::RowOf(const Demand& demand, std::si
 absl::StatusOr<std::vector<Eigen::VectorXd>> FeasibleSet::Sample(int count,
                                                                  std::uint64_t seed) const {
   if (count < 0) return InvalidField("count", "must not be negative");
-  const int degrees = degrees_of_freedom();
   MORTISE_ASSIGN_OR_RETURN(const auto open, parametric::UnboundedDirection(normals_));
   if (open) return Unbounded();
-  std::mt19937_64 random(seed);
-  std::normal_distribution<double> normal;
-  std::uniform_real_distribution<double> uniform;
-  Eigen::VectorXd z = Eigen::VectorXd::Zero(degrees);
-  Eigen::VectorXd left = slacks_;  // slacks_ - normals_ · z
-  const int steps = 4 * degrees + 8;
-  std::vector<Eigen::VectorXd> samples;
-  // The first rounds go to the middle of each chord: away from the drawn design, which may lie on
-  // the boundary.
-  constexpr int kWarmUp = 8;
-  for (int round = -kWarmUp; round < count; ++round) {
-    for (int step = 0; step < steps && degrees > 0; ++step) {
-      Eigen::VectorXd direction(degrees);
-      for (double& entry : direction) entry = normal(random);
-      direction.normalize();
-      const Eigen::VectorXd rate = normals_ * direction;
-      const Chord chord = ChordOf(left, rate);
-      if (!std::isfinite(chord.to - chord.from)) return Unbounded();
-      const double share = round < 0 ? 0.5 : uniform(random);
-      const double length = chord.from + share * (chord.to - chord.from);
-      z += length * direction;
-      left -= length * rate;
-    }
-    left = slacks_ - normals_ * z;
-    if (round >= 0) samples.push_back(drawn_ + basis_ * z);
-  }
+  MORTISE_ASSIGN_OR_RETURN(
+      std::vector<Eigen::VectorXd> samples,
+      SamplePolyhedron(normals_, slacks_, Eigen::VectorXd::Zero(basis_.cols()), count, seed));
+  for (Eigen::VectorXd& sample : samples) sample = drawn_ + basis_ * sample;
   return samples;
 }
 

@@ -68,17 +68,15 @@ class FeasibleSet {
 
   // The feasible parameters that meet the demands and at which `form` is as large as it can be.
   // Fails as Nearest does; FAILED_PRECONDITION, FEASIBLE_SET_UNBOUNDED if it can be as large as one
-  // likes. A few projections (a proximal point method, which ends after finitely many on a linear
-  // programme).
+  // likes. A few projections: FurthestAlong of polyhedron.h.
   absl::StatusOr<Eigen::VectorXd> Furthest(const LinearForm& form,
                                            const std::vector<Demand>& demands = {}) const;
 
   // A change of q that can be followed without end; nothing if there is none, decided exactly.
   absl::StatusOr<std::optional<Eigen::VectorXd>> UnboundedDirection() const;
 
-  // `count` points, each feasible, spread over the set by hit-and-run (Smith 1984): the chain mixes
-  // for several times `degrees_of_freedom` steps between points. A seed gives the same points
-  // always. FAILED_PRECONDITION, FEASIBLE_SET_UNBOUNDED if the design may move or grow
+  // `count` points, each feasible, spread evenly over the set (hit_and_run.h). A seed gives the
+  // same points always. FAILED_PRECONDITION, FEASIBLE_SET_UNBOUNDED if the design may move or grow
   // without end in some direction, decided exactly: anchor an element.
   absl::StatusOr<std::vector<Eigen::VectorXd>> Sample(int count, std::uint64_t seed) const;
 
@@ -95,7 +93,8 @@ class FeasibleSet {
   void ReduceInequalities();
   absl::StatusOr<Eigen::VectorXd> RowOf(const Demand& demand, std::size_t index) const;
   absl::StatusOr<Held> Hold(const std::vector<Demand>& demands) const;
-  absl::StatusOr<Eigen::VectorXd> Project(const Held& held, const Eigen::VectorXd& z) const;
+  absl::Status ConflictOf(const Held& held, const std::vector<int>& equalities,
+                          const std::vector<int>& inequalities) const;
 
   std::vector<Relationship> all_;
   std::vector<Relationship> equalities_;

@@ -204,6 +204,25 @@ absl::StatusOr<Projection> ProjectOnto(const Polyhedron& polyhedron, const Eigen
   return DualActiveSet(polyhedron, x).Run();
 }
 
+absl::StatusOr<Furthest> FurthestAlong(const Polyhedron& polyhedron,
+                                       const Eigen::VectorXd& direction,
+                                       const Eigen::VectorXd& from) {
+  constexpr double kNoGain = 1e-11;
+  constexpr double kFar = 1e9;  // steps that long meet no end
+  MORTISE_ASSIGN_OR_RETURN(Projection at, ProjectOnto(polyhedron, from));
+  const double length = direction.norm();
+  if (!at.point || length == 0) return Furthest{at.point, at.inequalities, at.equalities};
+  const Eigen::VectorXd unit = direction / length;
+  for (double step = 1; step < kFar; step *= 4) {
+    MORTISE_ASSIGN_OR_RETURN(Projection next, ProjectOnto(polyhedron, *at.point + step * unit));
+    if (!next.point) return absl::InternalError("a polyhedron lost its points");
+    const double gain = unit.dot(*next.point - *at.point);
+    at = std::move(next);
+    if (gain <= kNoGain) return Furthest{at.point, {}, {}};
+  }
+  return Furthest{};
+}
+
 // In the cone of the directions, the sum of the negative normals has a positive product with every
 // one but those along which no inequality changes, which are looked for first. So its nearest point
 // in the cone is 0 only if there is no other.

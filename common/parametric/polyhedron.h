@@ -37,6 +37,23 @@ struct Projection {
 // is taken up or let go, most often as many as are active in the end.
 absl::StatusOr<Projection> ProjectOnto(const Polyhedron& polyhedron, const Eigen::VectorXd& x);
 
+// How far a polyhedron goes along a direction.
+struct Furthest {
+  // The furthest point; nothing if there is none, because the polyhedron is empty or goes on
+  // without end.
+  std::optional<Eigen::VectorXd> point;
+  // Of an empty polyhedron: rows that cannot hold together, as Projection has them.
+  std::vector<int> inequalities;
+  std::vector<int> equalities;
+};
+
+// The point with the largest direction · x: the linear programme, by the proximal point method,
+// whose steps are projections and which ends after finitely many (Ferris 1991). `from` is where it
+// begins; of several furthest points it finds one near. Fails as ProjectOnto does.
+absl::StatusOr<Furthest> FurthestAlong(const Polyhedron& polyhedron,
+                                       const Eigen::VectorXd& direction,
+                                       const Eigen::VectorXd& from);
+
 // A unit direction in which inequalities · x <= bounds can be followed without end, whatever the
 // bounds; nothing if there is none. One projection onto the cone of such directions.
 absl::StatusOr<std::optional<Eigen::VectorXd>> UnboundedDirection(
