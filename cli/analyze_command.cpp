@@ -34,14 +34,13 @@ absl::Status DownloadArtifacts(const v1::Analysis& analysis, const std::filesyst
                                v1::SimulatorService::Stub& stub, const GatewayClient& client,
                                const Output& output) {
   for (const v1::Artifact& artifact : analysis.artifacts()) {
-    grpc::ClientContext context;
-    client.Prepare(context);
     v1::DownloadArtifactRequest request;
     request.set_name(analysis.name());
     request.set_file_name(artifact.file_name());
-    const auto reader = stub.DownloadArtifact(&context, request);
     const std::filesystem::path path = out / artifact.file_name();
-    MORTISE_RETURN_IF_ERROR(Receive(*reader, path).status());
+    MORTISE_RETURN_IF_ERROR(client.Call([&](grpc::ClientContext& context) {
+      return Receive(*stub.DownloadArtifact(&context, request), path).status();
+    }));
     output.Line(absl::StrCat("  ", path.string()));
   }
   return absl::OkStatus();
@@ -60,10 +59,10 @@ absl::Status Analyze(const AnalyzeOptions& options, Session& session, Output& ou
   }
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   const auto stub = v1::SimulatorService::NewStub(client->channel());
-  grpc::ClientContext context;
-  client->Prepare(context);
   v1::Operation operation;
-  MORTISE_RETURN_IF_ERROR(rpc::FromGrpc(stub->AnalyzeDesign(&context, request, &operation)));
+  MORTISE_RETURN_IF_ERROR(client->Call([&](grpc::ClientContext& context) {
+    return rpc::FromGrpc(stub->AnalyzeDesign(&context, request, &operation));
+  }));
   MORTISE_ASSIGN_OR_RETURN(const v1::Analysis analysis,
                            FollowTo<v1::Analysis>(*client, operation, output));
   std::vector<std::vector<std::string>> rows;

@@ -141,10 +141,10 @@ absl::Status List(const ListOptions& options, Session& session, Output& output) 
 template <typename Message, typename Request, typename Method>
 absl::Status ShowOne(const GatewayClient& client, const Request& request, Method method,
                      Output& output) {
-  grpc::ClientContext context;
-  client.Prepare(context);
   Message message;
-  MORTISE_RETURN_IF_ERROR(rpc::FromGrpc(method(&context, request, &message)));
+  MORTISE_RETURN_IF_ERROR(client.Call([&](grpc::ClientContext& context) {
+    return rpc::FromGrpc(method(&context, request, &message));
+  }));
   std::string text;
   google::protobuf::TextFormat::PrintToString(message, &text);
   output.Line(text);
@@ -192,10 +192,9 @@ absl::Status ExportTo(const EvaluateOptions& options, v1::ExportDesignRequest::F
   request.set_format(format);
   MORTISE_ASSIGN_OR_RETURN(const auto parameters, ParseParameters(options.parameters));
   request.mutable_parameters()->Assign(parameters.begin(), parameters.end());
-  grpc::ClientContext context;
-  client.Prepare(context);
-  const auto reader = stub.ExportDesign(&context, request);
-  MORTISE_RETURN_IF_ERROR(Receive(*reader, path).status());
+  MORTISE_RETURN_IF_ERROR(client.Call([&](grpc::ClientContext& context) {
+    return Receive(*stub.ExportDesign(&context, request), path).status();
+  }));
   output.Line(absl::StrCat("  ", path.string()));
   return absl::OkStatus();
 }
@@ -207,10 +206,10 @@ absl::Status Evaluate(const EvaluateOptions& options, Session& session, Output& 
   request.mutable_parameters()->Assign(parameters.begin(), parameters.end());
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   const auto stub = v1::CatalogService::NewStub(client->channel());
-  grpc::ClientContext context;
-  client->Prepare(context);
   v1::EvaluatedDesign design;
-  MORTISE_RETURN_IF_ERROR(rpc::FromGrpc(stub->EvaluateTemplate(&context, request, &design)));
+  MORTISE_RETURN_IF_ERROR(client->Call([&](grpc::ClientContext& context) {
+    return rpc::FromGrpc(stub->EvaluateTemplate(&context, request, &design));
+  }));
   std::vector<std::vector<std::string>> rows;
   for (const v1::EvaluatedPart& part : design.parts()) {
     rows.push_back({part.name(), part.item(), Millimetres(part.size().x()),

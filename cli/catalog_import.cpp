@@ -282,12 +282,12 @@ class Storing {
   }
 
   absl::Status StoreTemplate(const v1::Template& design) {
-    grpc::ClientContext context;
-    client_.Prepare(context);
     v1::GetTemplateRequest get;
     get.set_name(design.name());
     v1::Template present;
-    const absl::Status status = rpc::FromGrpc(stub_.GetTemplate(&context, get, &present));
+    const absl::Status status = client_.Call([&](grpc::ClientContext& context) {
+      return rpc::FromGrpc(stub_.GetTemplate(&context, get, &present));
+    });
     if (!status.ok() && !absl::IsNotFound(status)) return status;
     v1::ImportTemplateRequest request;
     *request.mutable_template_() = design;
@@ -300,9 +300,9 @@ class Storing {
   template <typename Request, typename Method, typename Message>
   absl::Status Send(Request& request, Method method, Message stored, std::int64_t before) {
     request.set_request_id(NewIdentifier());
-    grpc::ClientContext context;
-    client_.Prepare(context);
-    MORTISE_RETURN_IF_ERROR(rpc::FromGrpc(method(&context, request, &stored)));
+    MORTISE_RETURN_IF_ERROR(client_.Call([&](grpc::ClientContext& context) {
+      return rpc::FromGrpc(method(&context, request, &stored));
+    }));
     Note(stored, before);
     return absl::OkStatus();
   }

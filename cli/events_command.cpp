@@ -37,13 +37,13 @@ absl::Status ReadStream(const EventsOptions& options, v1::EventService::Stub& st
                         nlohmann::ordered_json& document, const Output& output) {
   std::int64_t after = options.since;
   while (true) {
-    grpc::ClientContext context;
-    client.Prepare(context);
     v1::ReadEventsRequest request;
     request.set_stream(stream);
     request.set_after_number(after);
     v1::ReadEventsResponse response;
-    MORTISE_RETURN_IF_ERROR(rpc::FromGrpc(stub.ReadEvents(&context, request, &response)));
+    MORTISE_RETURN_IF_ERROR(client.Call([&](grpc::ClientContext& context) {
+      return rpc::FromGrpc(stub.ReadEvents(&context, request, &response));
+    }));
     for (const v1::Event& event : response.events()) {
       after = event.number();
       const bool wanted =
@@ -92,10 +92,10 @@ absl::Status Events(const EventsOptions& options, Session& session, Output& outp
   if (options.follow) return Follow(options, *stub, *client, output);
   std::vector<std::string> streams = options.streams;
   if (streams.empty()) {
-    grpc::ClientContext context;
-    client->Prepare(context);
     v1::ListStreamsResponse response;
-    MORTISE_RETURN_IF_ERROR(rpc::FromGrpc(stub->ListStreams(&context, {}, &response)));
+    MORTISE_RETURN_IF_ERROR(client->Call([&](grpc::ClientContext& context) {
+      return rpc::FromGrpc(stub->ListStreams(&context, {}, &response));
+    }));
     for (const auto& stream : response.streams()) streams.push_back(stream.name());
   }
   nlohmann::ordered_json document = nlohmann::ordered_json::array();

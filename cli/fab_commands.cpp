@@ -47,10 +47,10 @@ absl::Status Release(const std::string& plan, bool wait, Session& session, Outpu
   request.set_plan(ResourceName("plans", plan));
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   const auto stub = v1::FabPlannerService::NewStub(client->channel());
-  grpc::ClientContext context;
-  client->Prepare(context);
   v1::Operation operation;
-  MORTISE_RETURN_IF_ERROR(rpc::FromGrpc(stub->ReleaseWorkOrder(&context, request, &operation)));
+  MORTISE_RETURN_IF_ERROR(client->Call([&](grpc::ClientContext& context) {
+    return rpc::FromGrpc(stub->ReleaseWorkOrder(&context, request, &operation));
+  }));
   if (wait) return Watch(operation, session, output);
   output.Line(absl::StrCat("released; follow it with: mortise fab watch ", operation.name()));
   output.DocumentOf(operation);
@@ -64,12 +64,12 @@ absl::Status WatchByName(const std::string& name, Session& session, Output& outp
   if (!absl::StartsWith(name, "operations/")) {
     MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
     const auto stub = v1::FabPlannerService::NewStub(client->channel());
-    grpc::ClientContext context;
-    client->Prepare(context);
     v1::GetWorkOrderRequest request;
     request.set_name(ResourceName("workOrders", name));
     v1::WorkOrder order;
-    MORTISE_RETURN_IF_ERROR(rpc::FromGrpc(stub->GetWorkOrder(&context, request, &order)));
+    MORTISE_RETURN_IF_ERROR(client->Call([&](grpc::ClientContext& context) {
+      return rpc::FromGrpc(stub->GetWorkOrder(&context, request, &order));
+    }));
     operation.set_name(order.operation());
   }
   return Watch(operation, session, output);
@@ -80,13 +80,13 @@ template <typename Request, typename Method>
 absl::Status Change(const std::string& name, Method method, Session& session, Output& output) {
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   const auto stub = v1::FabPlannerService::NewStub(client->channel());
-  grpc::ClientContext context;
-  client->Prepare(context);
   Request request;
   request.set_request_id(NewIdentifier());
   request.set_name(ResourceName("workOrders", name));
   v1::WorkOrder order;
-  MORTISE_RETURN_IF_ERROR(rpc::FromGrpc(method(*stub, &context, request, &order)));
+  MORTISE_RETURN_IF_ERROR(client->Call([&](grpc::ClientContext& context) {
+    return rpc::FromGrpc(method(*stub, &context, request, &order));
+  }));
   PrintWorkOrder(order, output);
   output.DocumentOf(order);
   return absl::OkStatus();

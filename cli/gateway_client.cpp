@@ -22,18 +22,11 @@ namespace {
 
 constexpr std::chrono::milliseconds kPauseBetweenTries{100};
 constexpr std::chrono::seconds kConnectPatience{2};
+constexpr int kTriesOfCalls = 3;
+constexpr std::chrono::milliseconds kPauseBetweenCalls{200};  // times the tries made
 constexpr std::chrono::seconds kPatienceForRestarts{60};
 // Of a server that takes connections and ends them; more than one, for it may be ending itself.
 constexpr int kRefusalsBeforeGivingUp = 6;
-
-// A call whose answer is lost with a gateway or service that dies is made again, before anything of
-// it was received: what changes something carries a request id and has its effect once. The call
-// that only asks why there is no connection wants its first answer.
-constexpr char kRetries[] = R"({"methodConfig": [
-  {"name": [{}],
-   "retryPolicy": {"maxAttempts": 3, "initialBackoff": "0.2s", "maxBackoff": "2s",
-                   "backoffMultiplier": 3, "retryableStatusCodes": ["UNAVAILABLE"]}},
-  {"name": [{"service": "mortise.v1.OperationService", "method": "GetOperation"}]}]})";
 
 std::string Environment(const char* name) {
   const char* value = std::getenv(name);
@@ -96,7 +89,6 @@ absl::StatusOr<GatewayClient> GatewayClient::Connect(const GatewayOptions& optio
   arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 100);
   arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, 100);
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 1000);
-  arguments.SetServiceConfigJSON(kRetries);
   GatewayClient client(grpc::CreateCustomChannel(address, credentials, arguments), address,
                        std::move(token));
   MORTISE_RETURN_IF_ERROR(client.AwaitConnection(std::chrono::duration<double>(options.patience),
@@ -141,6 +133,17 @@ void GatewayClient::Prepare(grpc::ClientContext& context, double seconds) const 
     context.set_deadline(std::chrono::system_clock::now() +
                          std::chrono::milliseconds(static_cast<long>(seconds * 1000)));
     context.set_wait_for_ready(true);
+  }
+}
+
+absl::Status GatewayClient::Call(const std::function<absl::Status(grpc::ClientContext&)>& call,
+                                 double seconds) const {
+  for (int tries = 1;; ++tries) {
+    grpc::ClientContext context;
+    Prepare(context, seconds);
+    const absl::Status status = call(context);
+    if (!absl::IsUnavailable(status) || tries == kTriesOfCalls) return status;
+    std::this_thread::sleep_for(tries * kPauseBetweenCalls);
   }
 }
 

@@ -39,12 +39,17 @@ class GatewayClient {
   // plain text, a certificate that is not trusted).
   static absl::StatusOr<GatewayClient> Connect(const GatewayOptions& options);
 
-  // Calls that end UNAVAILABLE before anything was received are made again, three times in all.
   const std::shared_ptr<grpc::Channel>& channel() const { return channel_; }
   const std::string& address() const { return address_; }
 
   // Metadata and deadline of one call; `seconds` 0 for no deadline.
   void Prepare(grpc::ClientContext& context, double seconds = 60) const;
+
+  // Makes a call with a context that is prepared; again, three times in all, while it ends
+  // UNAVAILABLE: its answer was lost with a gateway or service that died. What changes something
+  // must carry a request id, and has its effect once.
+  absl::Status Call(const std::function<absl::Status(grpc::ClientContext&)>& call,
+                    double seconds = 60) const;
 
   // Follows an operation to its end, telling of each change; reconnects to a gateway or service
   // that restarts. FAILED operations give their error, CANCELLED ones are CANCELLED.

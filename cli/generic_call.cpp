@@ -19,14 +19,10 @@ std::string ToString(const grpc::ByteBuffer& buffer) {
   return bytes;
 }
 
-}  // namespace
-
-absl::Status CallGeneric(const GatewayClient& client, const std::string& method,
-                         const std::string& request, double seconds,
-                         const std::function<bool(const std::string& response)>& take) {
+absl::Status CallOnce(const GatewayClient& client, grpc::ClientContext& context,
+                      const std::string& method, const std::string& request,
+                      const std::function<bool(const std::string& response)>& take) {
   grpc::GenericStub stub(client.channel());
-  grpc::ClientContext context;
-  client.Prepare(context, seconds);
   grpc::CompletionQueue queue;
   // One thing is under way at a time, so the next completion is always the one just asked for.
   const auto completed = [&queue] {
@@ -57,6 +53,26 @@ absl::Status CallGeneric(const GatewayClient& client, const std::string& method,
   call->Finish(&status, nullptr);
   completed();
   return rpc::FromGrpc(status);
+}
+
+}  // namespace
+
+absl::Status CallGeneric(const GatewayClient& client, const std::string& method,
+                         const std::string& request, double seconds,
+                         const std::function<bool(const std::string& response)>& take) {
+  bool answered = false;
+  absl::Status status;
+  const absl::Status last = client.Call(
+      [&](grpc::ClientContext& context) {
+        status = CallOnce(client, context, method, request, [&](const std::string& response) {
+          answered = true;
+          return take(response);
+        });
+        // A stream that has begun is not begun again.
+        return answered ? absl::OkStatus() : status;
+      },
+      seconds);
+  return answered ? status : last;
 }
 
 }  // namespace mortise::cli

@@ -105,13 +105,12 @@ absl::StatusOr<v1::DiscoverySpecification> Specification(const RunOptions& optio
 absl::Status Export(v1::ParetoService::Stub& stub, const GatewayClient& client,
                     const std::string& front, v1::ExportFrontRequest::Format format,
                     const std::filesystem::path& path, const Output& output) {
-  grpc::ClientContext context;
-  client.Prepare(context);
   v1::ExportFrontRequest request;
   request.set_name(front);
   request.set_format(format);
-  const auto reader = stub.ExportFront(&context, request);
-  MORTISE_RETURN_IF_ERROR(Receive(*reader, path).status());
+  MORTISE_RETURN_IF_ERROR(client.Call([&](grpc::ClientContext& context) {
+    return Receive(*stub.ExportFront(&context, request), path).status();
+  }));
   output.Line(absl::StrCat("  ", path.string()));
   return absl::OkStatus();
 }
@@ -140,12 +139,12 @@ void PrintFront(const v1::Front& front, const Output& output) {
 
 absl::StatusOr<v1::Front> GetFront(v1::ParetoService::Stub& stub, const GatewayClient& client,
                                    const std::string& name) {
-  grpc::ClientContext context;
-  client.Prepare(context);
   v1::GetFrontRequest request;
   request.set_name(name);
   v1::Front front;
-  MORTISE_RETURN_IF_ERROR(rpc::FromGrpc(stub.GetFront(&context, request, &front)));
+  MORTISE_RETURN_IF_ERROR(client.Call([&](grpc::ClientContext& context) {
+    return rpc::FromGrpc(stub.GetFront(&context, request, &front));
+  }));
   return front;
 }
 
@@ -174,10 +173,10 @@ absl::Status Run(const RunOptions& options, FieldSources& sources, Session& sess
   MORTISE_ASSIGN_OR_RETURN(*request.mutable_specification(), Specification(options, sources));
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   const auto stub = v1::ParetoService::NewStub(client->channel());
-  grpc::ClientContext context;
-  client->Prepare(context);
   v1::Operation operation;
-  MORTISE_RETURN_IF_ERROR(rpc::FromGrpc(stub->DiscoverFront(&context, request, &operation)));
+  MORTISE_RETURN_IF_ERROR(client->Call([&](grpc::ClientContext& context) {
+    return rpc::FromGrpc(stub->DiscoverFront(&context, request, &operation));
+  }));
   MORTISE_ASSIGN_OR_RETURN(const v1::Front front, FollowTo<v1::Front>(*client, operation, output));
   return Show(front.name(), options.out, session, output);
 }
@@ -203,10 +202,10 @@ absl::Status Pick(const PickOptions& options, Session& session, Output& output) 
   }
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   const auto stub = v1::ParetoService::NewStub(client->channel());
-  grpc::ClientContext context;
-  client->Prepare(context);
   v1::PickPointResponse response;
-  MORTISE_RETURN_IF_ERROR(rpc::FromGrpc(stub->PickPoint(&context, request, &response)));
+  MORTISE_RETURN_IF_ERROR(client->Call([&](grpc::ClientContext& context) {
+    return rpc::FromGrpc(stub->PickPoint(&context, request, &response));
+  }));
   std::vector<std::vector<std::string>> rows;
   for (const v1::Metric& metric : response.metrics())
     rows.push_back({metric.name(), MetricText(metric)});

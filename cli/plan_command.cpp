@@ -61,22 +61,22 @@ absl::Status Plan(const PlanOptions& options, Session& session, Output& output) 
   }
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   const auto stub = v1::FabPlannerService::NewStub(client->channel());
-  grpc::ClientContext context;
-  client->Prepare(context);
   v1::Operation operation;
-  MORTISE_RETURN_IF_ERROR(rpc::FromGrpc(stub->CreatePlan(&context, request, &operation)));
+  MORTISE_RETURN_IF_ERROR(client->Call([&](grpc::ClientContext& context) {
+    return rpc::FromGrpc(stub->CreatePlan(&context, request, &operation));
+  }));
   MORTISE_ASSIGN_OR_RETURN(const v1::Plan plan, FollowTo<v1::Plan>(*client, operation, output));
   PrintPlan(plan, output);
   for (const v1::Artifact& artifact : plan.artifacts()) {
     if (options.out.empty()) break;
-    grpc::ClientContext download;
-    client->Prepare(download);
     v1::DownloadArtifactRequest wanted;
     wanted.set_name(plan.name());
     wanted.set_file_name(artifact.file_name());
-    const auto reader = stub->DownloadArtifact(&download, wanted);
-    MORTISE_RETURN_IF_ERROR(Receive(*reader, options.out / artifact.file_name()).status());
-    output.Line(absl::StrCat("  ", (options.out / artifact.file_name()).string()));
+    const std::filesystem::path path = options.out / artifact.file_name();
+    MORTISE_RETURN_IF_ERROR(client->Call([&](grpc::ClientContext& context) {
+      return Receive(*stub->DownloadArtifact(&context, wanted), path).status();
+    }));
+    output.Line(absl::StrCat("  ", path.string()));
   }
   output.DocumentOf(plan);
   return absl::OkStatus();

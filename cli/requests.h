@@ -72,10 +72,10 @@ absl::Status ListAll(const GatewayClient& client, Method method, Take take) {
   Request request;
   request.set_page_size(1000);
   do {
-    grpc::ClientContext context;
-    client.Prepare(context);
     Response response;
-    MORTISE_RETURN_IF_ERROR(rpc::FromGrpc(method(&context, request, &response)));
+    MORTISE_RETURN_IF_ERROR(client.Call([&](grpc::ClientContext& context) {
+      return rpc::FromGrpc(method(&context, request, &response));
+    }));
     take(response);
     request.set_page_token(response.next_page_token());
   } while (!request.page_token().empty());

@@ -8,6 +8,8 @@
 #include <memory>
 #include <string>
 
+#include "cli/generic_call.h"
+#include "common/rpc/status_mapping.h"
 #include "mortise/v1/catalog.grpc.pb.h"
 
 namespace mortise::cli {
@@ -16,21 +18,13 @@ namespace {
 // Answers the first calls with a failure.
 class Flaky final : public v1::CatalogService::Service {
  public:
-  grpc::Status GetMaterial(grpc::ServerContext*, const v1::GetMaterialRequest* request,
+  grpc::Status GetMaterial(grpc::ServerContext* context, const v1::GetMaterialRequest* request,
                            v1::Material* response) override {
     ++calls;
+    context->AddInitialMetadata("x-request-id", "1");
     if (failures-- > 0) return {code, "away"};
     response->set_name(request->name());
     return grpc::Status::OK;
-  }
-
-  grpc::Status ExportDesign(grpc::ServerContext*, const v1::ExportDesignRequest*,
-                            grpc::ServerWriter<v1::Chunk>* writer) override {
-    ++calls;
-    v1::Chunk chunk;
-    chunk.set_data("half");
-    writer->Write(chunk);
-    return {code, "away"};
   }
 
   grpc::StatusCode code = grpc::StatusCode::UNAVAILABLE;
@@ -52,13 +46,19 @@ class GatewayClientTest : public ::testing::Test {
     stub_ = v1::CatalogService::NewStub(client_->channel());
   }
 
-  grpc::Status Get() {
-    grpc::ClientContext context;
-    client_->Prepare(context);
+  absl::Status Get() {
     v1::GetMaterialRequest request;
     request.set_name("materials/beech");
     v1::Material material;
-    return stub_->GetMaterial(&context, request, &material);
+    return client_->Call([&](grpc::ClientContext& context) {
+      return rpc::FromGrpc(stub_->GetMaterial(&context, request, &material));
+    });
+  }
+
+  // The same without the contract's classes.
+  absl::Status GetGenerically() {
+    return CallGeneric(*client_, "/mortise.v1.CatalogService/GetMaterial", "", 10,
+                       [](const std::string&) { return true; });
   }
 
   Flaky service_;
@@ -71,32 +71,26 @@ TEST_F(GatewayClientTest, CallsAgainWhenAnAnswerWasLost) {
   service_.failures = 2;
   EXPECT_TRUE(Get().ok());
   EXPECT_EQ(service_.calls, 3);
+  service_.failures = 1;
+  EXPECT_TRUE(GetGenerically().ok());
+  EXPECT_EQ(service_.calls, 5);
 }
 
 TEST_F(GatewayClientTest, GivesUpOnWhatStaysAway) {
   service_.failures = 100;
-  const grpc::Status status = Get();
-  EXPECT_EQ(status.error_code(), grpc::StatusCode::UNAVAILABLE);
-  EXPECT_EQ(status.error_message(), "away");
+  const absl::Status status = Get();
+  EXPECT_EQ(status, absl::UnavailableError("away"));
   EXPECT_EQ(service_.calls, 3);
+  EXPECT_EQ(GetGenerically(), absl::UnavailableError("away"));
+  EXPECT_EQ(service_.calls, 6);
 }
 
 TEST_F(GatewayClientTest, RepeatsNothingThatWasAnswered) {
-  service_.failures = 1;
+  service_.failures = 2;
   service_.code = grpc::StatusCode::NOT_FOUND;
-  EXPECT_EQ(Get().error_code(), grpc::StatusCode::NOT_FOUND);
-  EXPECT_EQ(service_.calls, 1);
-}
-
-TEST_F(GatewayClientTest, RepeatsNoStreamThatHasBegun) {
-  grpc::ClientContext context;
-  client_->Prepare(context);
-  const auto reader = stub_->ExportDesign(&context, {});
-  v1::Chunk chunk;
-  EXPECT_TRUE(reader->Read(&chunk));
-  EXPECT_FALSE(reader->Read(&chunk));
-  EXPECT_EQ(reader->Finish().error_code(), grpc::StatusCode::UNAVAILABLE);
-  EXPECT_EQ(service_.calls, 1);
+  EXPECT_EQ(Get().code(), absl::StatusCode::kNotFound);
+  EXPECT_EQ(GetGenerically().code(), absl::StatusCode::kNotFound);
+  EXPECT_EQ(service_.calls, 2);
 }
 
 }  // namespace
