@@ -4,13 +4,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
 #include <set>
 #include <string_view>
 
 #include "absl/strings/str_cat.h"
 #include "common/base/identifiers.h"
 #include "common/cad/feature_reference.h"
+#include "common/cad/feature_roles.h"
 
 namespace mortise::cad {
 namespace {
@@ -30,9 +30,6 @@ bool IsReserved(const std::string& name) {
                                                        "floor", "ceil", "abs", "min", "max"};
   return std::find(kWords.begin(), kWords.end(), name) != kWords.end();
 }
-
-const char* const kHoleRoles[] = {"wall", "floor", "counterbore_wall", "counterbore_floor",
-                                  "countersink"};
 
 class FeatureChecker {
  public:
@@ -305,8 +302,11 @@ class FeatureChecker {
 
   void Source(const std::string& field, const std::string& name) {
     const Feature* feature = Earlier(field, name);
-    if (feature != nullptr && !MakesSolid(*feature)) {
+    if (feature == nullptr) return;
+    if (!MakesSolid(*feature)) {
       Here(field, "must be an extrude, revolve, sweep or hole");
+    } else if (Intersects(*feature)) {
+      Here(field, "is an INTERSECT, which cannot be repeated");
     }
   }
 
@@ -356,61 +356,9 @@ class FeatureChecker {
       if (repeated == earlier_.end()) return;  // a finding at the pattern
       feature = repeated->second;
     }
-    if (!HasRole(*feature, reference.role)) {
+    if (!MakesFace(*feature, reference.role, earlier_)) {
       Here(field, absl::StrCat("'", feature->name, "' makes no face '", reference.role, "'"));
     }
-  }
-
-  bool HasRole(const Feature& feature, const std::string& role) const {
-    if (const auto* extrude = std::get_if<Extrude>(&feature.kind)) {
-      return role.empty() || role == "start" || role == "end" || IsSegment(extrude->sketch, role);
-    }
-    if (const auto* revolve = std::get_if<Revolve>(&feature.kind)) {
-      return role.empty() || (!revolve->angle.empty() && (role == "start" || role == "end")) ||
-             IsSegment(revolve->sketch, role);
-    }
-    if (const auto* sweep = std::get_if<Sweep>(&feature.kind)) {
-      return role.empty() || role == "start" || role == "end" || IsSegment(sweep->sketch, role);
-    }
-    if (std::holds_alternative<Hole>(feature.kind)) {
-      return role.empty() ||
-             std::find(std::begin(kHoleRoles), std::end(kHoleRoles), role) != std::end(kHoleRoles);
-    }
-    const bool makes_faces = std::holds_alternative<Fillet>(feature.kind) ||
-                             std::holds_alternative<Chamfer>(feature.kind) ||
-                             std::holds_alternative<Shell>(feature.kind);
-    return makes_faces && role.empty();
-  }
-
-  // Whether `role` is a profile of the sketch, or one of its segments.
-  bool IsSegment(const std::string& sketch_name, const std::string& role) const {
-    const auto feature = earlier_.find(sketch_name);
-    if (feature == earlier_.end()) return true;  // a finding at the solid
-    const auto* sketch = std::get_if<Sketch>(&feature->second->kind);
-    if (sketch == nullptr) return true;
-    const std::size_t stop = role.find('.');
-    const std::string profile_name = role.substr(0, stop);
-    for (const SketchProfile& profile : sketch->profiles) {
-      if (profile.name != profile_name) continue;
-      return stop == std::string::npos || IsPart(profile, role.substr(stop + 1));
-    }
-    return false;
-  }
-
-  static bool IsPart(const SketchProfile& profile, const std::string& part) {
-    if (const auto* path = std::get_if<SketchPath>(&profile.shape)) {
-      return std::any_of(path->segments.begin(), path->segments.end(), [&](const auto& segment) {
-        return part == segment.name || (!segment.round.empty() && part == segment.name + "_round");
-      });
-    }
-    if (const auto* rectangle = std::get_if<SketchRectangle>(&profile.shape)) {
-      for (const std::string side : {"bottom", "right", "top", "left"}) {
-        if (part == side || (!rectangle->round.empty() && part == side + "_round")) return true;
-      }
-      return false;
-    }
-    return std::holds_alternative<SketchPolygon>(profile.shape) &&
-           std::all_of(part.begin(), part.end(), [](char c) { return c >= '0' && c <= '9'; });
   }
 
   const CadTemplate& definition_;
@@ -418,17 +366,11 @@ class FeatureChecker {
   std::string place_;                 // "features[3]."
   const Feature* feature_ = nullptr;  // the one at hand
   std::set<std::string> number_names_, feature_names_;
-  std::map<std::string, const Feature*> earlier_;
+  FeaturesByName earlier_;
   std::set<std::string> bodies_;  // that exist at the feature at hand
 };
 
 }  // namespace
-
-bool MakesSolid(const Feature& feature) {
-  return std::holds_alternative<Extrude>(feature.kind) ||
-         std::holds_alternative<Revolve>(feature.kind) ||
-         std::holds_alternative<Sweep>(feature.kind) || std::holds_alternative<Hole>(feature.kind);
-}
 
 std::vector<Finding> CheckFeatures(const CadTemplate& definition) {
   return FeatureChecker(definition).Check();

@@ -12,7 +12,4 @@ namespace mortise::cad {
 // All findings at once; expressions are left to FeatureNumbers.
 std::vector<parametric::Finding> CheckFeatures(const CadTemplate& definition);
 
-// Whether the feature makes a solid that a pattern can repeat.
-bool MakesSolid(const Feature& feature);
-
 }  // namespace mortise::cad

@@ -179,8 +179,8 @@ absl::StatusOr<RegeneratedModel> FeatureModel::Regenerate(
   const Numbers numbers = state_->numbers.Evaluate(q, findings);
   MORTISE_RETURN_IF_ERROR(parametric::ToStatus(findings));
   auto model = RegenerateFeatures(state_->definition, numbers, false);
-  if (model.ok() || DetailOf(model.status()).reason != kInvalidSolid) return model;
-  // Checking after each feature takes longer, but tells which one is at fault.
+  if (model.ok()) return model;
+  // Again, feature by feature: slower, but tells exactly which one is at fault.
   return RegenerateFeatures(state_->definition, numbers, true);
 }
 

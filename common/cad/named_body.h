@@ -25,7 +25,7 @@ inline constexpr double kModelScale = 1000;  // mm in the kernel for one metre o
 struct NamedFaces {
   FaceName name;
   std::vector<TopoDS_Face> faces;  // of the body's shape; empty once all are gone
-  std::string removed_by;          // the feature that removed the last one
+  std::string removed_by;          // the feature that removed the last one, or "a' or 'b"
 };
 
 struct NamedBody {
@@ -40,7 +40,8 @@ void Follow(BRepBuilderAPI_MakeShape& operation, const TopoDS_Shape& result, con
             NamedBody& body);
 
 // Unites, cuts or intersects `body` with `tools`, whose names it takes over. `feature` is what does
-// it. INVALID_ARGUMENT without a field if the kernel cannot, or nothing is left.
+// it (or "a' or 'b" if several do). INVALID_ARGUMENT without a field if the kernel cannot, or
+// nothing is left.
 absl::Status Combine(Operation operation, const std::vector<NamedBody>& tools,
                      const std::string& feature, NamedBody& body);
 
