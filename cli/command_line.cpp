@@ -24,6 +24,7 @@ void BuildCommandLine(CLI::App& app, Session& session) {
   AddHouseCommands(app, session);
   AddDemoCommand(app, session);
   AddCatalogCommands(app, session);
+  AddAssemblyCommands(app, session);
   AddAnalyzeCommand(app, session);
   AddParetoCommands(app, session);
   AddPlanCommand(app, session);

@@ -26,6 +26,23 @@ std::string Describe(const MeasureDemand& demand) {
                       "' is ", demand.value, " m");
 }
 
+// Holds the design where it stands: what is lowest stays on the floor, so that a shelf grows
+// upwards.
+std::vector<Relationship> StandingInPlace(const std::vector<Element>& elements) {
+  const auto lowest = std::min_element(
+      elements.begin(), elements.end(),
+      [](const Element& a, const Element& b) { return a.box.minimum.z() < b.box.minimum.z(); });
+  const int element = static_cast<int>(lowest - elements.begin());
+  std::vector<Relationship> held = Anchor(elements, 0);
+  Relationship& floor = held.back();  // along z
+  floor.form = Combine(1, LinearForm::Variable(CenterVariable(element, Axis::kZ)), -0.5,
+                       LinearForm::Variable(SizeVariable(element, Axis::kZ)));
+  floor.form.constant = -lowest->box.minimum.z();
+  floor.group = lowest->group;
+  floor.description = absl::StrCat("'", lowest->name, "' held where it stands");
+  return held;
+}
+
 bool IsConflict(const absl::Status& status) {
   return DetailOf(status).reason == "DEMANDS_CONFLICT";
 }
@@ -79,7 +96,7 @@ absl::StatusOr<ParametricAssembly> ParametricAssembly::Create(Assembly assembly)
   made.relationships_ =
       FindRelationships(made.assembly_, made.elements_, made.contacts_, made.tolerance_);
   std::vector<Relationship> anchored = made.relationships_;
-  for (Relationship& held : Anchor(made.elements_, 0)) anchored.push_back(std::move(held));
+  for (Relationship& held : StandingInPlace(made.elements_)) anchored.push_back(std::move(held));
   MORTISE_ASSIGN_OR_RETURN(
       made.feasible_set_,
       FeasibleSet::Create(std::move(anchored), DrawnParameters(made.assembly_, made.elements_),

@@ -64,9 +64,10 @@ struct Adjustment {
 class ParametricAssembly {
  public:
   // Parametrises a valid assembly. What touches is found on the surfaces of the parts' boxes;
-  // alignment, likeness and contact are judged with one tolerance(). The first element is held
-  // where it is drawn. FAILED_PRECONDITION as FeasibleSet::Create, or FEASIBLE_SET_UNBOUNDED naming
-  // an element that could move or grow without end.
+  // alignment, likeness and contact are judged with one tolerance(). The lowest element
+  // is held on the floor, the first where it is drawn along x and y. FAILED_PRECONDITION as
+  // FeasibleSet::Create, or FEASIBLE_SET_UNBOUNDED naming an element that could move or grow
+  // without end.
   static absl::StatusOr<ParametricAssembly> Create(Assembly assembly);
 
   const Assembly& assembly() const { return assembly_; }

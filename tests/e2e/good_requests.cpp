@@ -9,7 +9,10 @@
 #include <map>
 #include <thread>
 
+#include "absl/strings/str_format.h"
+#include "absl/strings/str_join.h"
 #include "absl/strings/str_replace.h"
+#include "mortise/v1/assembly.grpc.pb.h"
 #include "mortise/v1/audit.pb.h"
 #include "mortise/v1/catalog.grpc.pb.h"
 #include "mortise/v1/events.pb.h"
@@ -56,6 +59,31 @@ constexpr Example kExamples[] = {
      "name: 'templates/table' parameters { name: 'length' value: 1.5 }"},
     {"CatalogService/ExportDesign",
      "name: 'templates/table' parameters { name: 'length' value: 1.5 } format: GLB"},
+    {"AssemblyService/GetAssembly", "name: 'assemblies/planter' revision: 1"},
+    {"AssemblyService/ListAssemblies", "page_size: 10"},
+    {"AssemblyService/ImportAssembly",
+     "request_id: 'bad-16' expected_revision: 1 assembly { {assembly} }", Outcome::kChanges},
+    {"AssemblyService/ParametrizeAssembly", "name: 'assemblies/planter' revision: 1"},
+    {"AssemblyService/AdjustAssembly",
+     "name: 'assemblies/planter' q: [{q}] "
+     "demands { measure { {measure} } value: {size} }"},
+    {"AssemblyService/EvaluateAssembly", "name: 'assemblies/planter' points { q: [{q}] }"},
+    {"AssemblyService/SampleAssembly", "name: 'assemblies/planter' count: 2 seed: 7"},
+    {"AssemblyService/ExportAssembly", "name: 'assemblies/planter' q: [{q}] format: GLB"},
+    {"AssemblyService/GetAssembly", "name: 'assemblies/bookshelf' revision: 1"},
+    {"AssemblyService/ListAssemblies", "page_size: 10"},
+    {"AssemblyService/ImportAssembly",
+     "request_id: 'bad-13' assembly { name: 'assemblies/boards' title: 'Two boards' "
+     "parts { name: 'board' item: 'items/board-38x89' size { x: 1 } } "
+     "parts { name: 'other' item: 'items/board-38x89' size { x: 1 } position { y: 0.089 } } }",
+     Outcome::kChanges},
+    {"AssemblyService/ParametrizeAssembly", "name: 'assemblies/bookshelf' revision: 1"},
+    {"AssemblyService/AdjustAssembly",
+     "name: 'assemblies/bookshelf' demands { measure { element: 'side 1' axis: Z kind: SIZE } "
+     "value: 2 }"},
+    {"AssemblyService/EvaluateAssembly", "name: 'assemblies/bookshelf' points { }"},
+    {"AssemblyService/SampleAssembly", "name: 'assemblies/bookshelf' count: 2 seed: 1"},
+    {"AssemblyService/ExportAssembly", "name: 'assemblies/bookshelf' format: GLB"},
     {"EvaluatorService/DescribeDesignSpace", "subject: 'templates/table'"},
     {"EvaluatorService/EvaluateBatch",
      "subject: 'templates/table' points { parameters: [{point}] } metrics: 'mass' "
@@ -183,6 +211,23 @@ void AwaitQuiet(v1::SimulatorService::Stub& simulator, v1::OperationService::Stu
   Fail("the house does not come to rest");
 }
 
+// What stands for an assembly, its parameters as drawn, and a size that can be asked for.
+void NameAssembly(const std::shared_ptr<grpc::Channel>& channel,
+                  std::map<std::string, std::string>& names) {
+  v1::AssemblyService::Stub assemblies(channel);
+  names["{assembly}"] = Call(assemblies, &v1::AssemblyService::Stub::GetAssembly,
+                             Parse<v1::GetAssemblyRequest>("name: 'assemblies/planter'"))
+                            .ShortDebugString();
+  const auto described = Call(assemblies, &v1::AssemblyService::Stub::ParametrizeAssembly,
+                              Parse<v1::ParametrizeAssemblyRequest>("name: 'assemblies/planter'"));
+  names["{q}"] = absl::StrJoin(described.q(), ", ", [](std::string* out, double number) {
+    absl::StrAppendFormat(out, "%.17g", number);
+  });
+  if (described.sizes().empty()) Fail("the assembly has no size that can be changed");
+  names["{measure}"] = described.sizes(0).measure().ShortDebugString();
+  names["{size}"] = absl::StrFormat("%.17g", described.sizes(0).drawn());
+}
+
 // What stands for the names in the examples.
 std::map<std::string, std::string> MakeResources(const std::shared_ptr<grpc::Channel>& channel) {
   v1::CatalogService::Stub catalog(channel);
@@ -226,12 +271,14 @@ std::map<std::string, std::string> MakeResources(const std::shared_ptr<grpc::Cha
   item.clear_revision();
   names["{item}"] = item.ShortDebugString();
   names["{discovery}"] = kDiscovery;
+  NameAssembly(channel, names);
   return names;
 }
 
 // The files of the protos, which this also makes sure are part of the program.
 std::vector<const FileDescriptor*> Files() {
   return {v1::GetItemRequest::descriptor()->file(),
+          v1::GetAssemblyRequest::descriptor()->file(),
           v1::EvaluateBatchRequest::descriptor()->file(),
           v1::AnalyzeDesignRequest::descriptor()->file(),
           v1::DiscoverFrontRequest::descriptor()->file(),

@@ -48,6 +48,10 @@ TEST(ParametricAssembly, MeetsWhatCanBeMet) {
     const std::vector<PlacedPart> parts = bench.PartsAt(wider->q);
     EXPECT_NEAR(LengthOf(parts, "right", Axis::kZ), 0.5, 1e-9) << "both posts reach the seat";
     EXPECT_NEAR(LengthOf(parts, "seat", Axis::kX), 1.4, 1e-9);
+    for (const PlacedPart& part : parts) {
+      if (part.name == "seat") continue;
+      EXPECT_NEAR(part.box.minimum.z(), 0, 1e-9) << "it stays on the floor";
+    }
   }
 }
 

@@ -1,0 +1,396 @@
+// mortise assembly import|list|show|adjust|sample: designs as experts draw them, and what they can
+// be changed to.
+#include <google/protobuf/util/json_util.h>
+#include <grpcpp/grpcpp.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "cli/field_sources.h"
+#include "cli/requests.h"
+#include "cli/session.h"
+#include "common/base/errors.h"
+#include "common/base/files.h"
+#include "common/base/identifiers.h"
+#include "common/parametric/collection.h"
+#include "common/rpc/status_mapping.h"
+#include "mortise/v1/assembly.grpc.pb.h"
+
+namespace mortise::cli {
+namespace {
+
+using Stub = v1::AssemblyService::Stub;
+
+constexpr std::size_t kMaxFile = 4 << 20;  // bytes
+
+struct AdjustOptions {
+  std::string subject;
+  std::vector<std::string> demands;
+  std::filesystem::path from;
+  bool strict = false;
+  std::filesystem::path step;
+  std::filesystem::path glb;
+};
+
+struct SampleOptions {
+  std::string subject;
+  int count = 10;
+  std::uint64_t seed = 1;
+};
+
+// ---- What is asked for: "shelf 1.x=1200mm", "leg.z.maximum=0.7" ---------------------------------
+
+// What `text` ends with behind its last dot; nothing if it has none.
+std::string LastWord(const std::string& text) {
+  const std::size_t dot = text.rfind('.');
+  return dot == std::string::npos ? "" : text.substr(dot + 1);
+}
+
+void CutLastWord(std::string& text) { text.resize(text.rfind('.')); }
+
+v1::Measure::Kind KindOf(const std::string& word) {
+  if (word == "size") return v1::Measure::SIZE;
+  if (word == "center") return v1::Measure::CENTER;
+  if (word == "minimum") return v1::Measure::MINIMUM;
+  if (word == "maximum") return v1::Measure::MAXIMUM;
+  return v1::Measure::KIND_UNSPECIFIED;
+}
+
+v1::Axis AxisOf(const std::string& word) {
+  if (word == "x") return v1::X;
+  if (word == "y") return v1::Y;
+  if (word == "z") return v1::Z;
+  return v1::AXIS_UNSPECIFIED;
+}
+
+absl::StatusOr<v1::MeasureDemand> ParseDemand(const std::string& text) {
+  const std::size_t split = text.rfind('=');
+  const std::string source = absl::StrCat("--set ", text);
+  std::string name = text.substr(0, split);
+  v1::MeasureDemand demand;
+  v1::Measure& measure = *demand.mutable_measure();
+  measure.set_kind(KindOf(LastWord(name)));
+  if (measure.kind() != v1::Measure::KIND_UNSPECIFIED) CutLastWord(name);
+  measure.set_axis(AxisOf(LastWord(name)));
+  if (split == std::string::npos || measure.axis() == v1::AXIS_UNSPECIFIED) {
+    return InvalidField(source,
+                        "is not of the form ELEMENT.x=VALUE, with y or z, or such as "
+                        "ELEMENT.z.maximum=VALUE");
+  }
+  CutLastWord(name);
+  measure.set_element(name);
+  MORTISE_ASSIGN_OR_RETURN(const double value, ParseQuantity(text.substr(split + 1), source));
+  demand.set_value(value);
+  return demand;
+}
+
+std::string MeasureText(const v1::Measure& measure) {
+  const std::string axis = measure.axis() == v1::Y ? "y" : measure.axis() == v1::Z ? "z" : "x";
+  const std::string name = absl::StrCat(measure.element(), ".", axis);
+  switch (measure.kind()) {
+    case v1::Measure::CENTER:
+      return name + ".center";
+    case v1::Measure::MINIMUM:
+      return name + ".minimum";
+    case v1::Measure::MAXIMUM:
+      return name + ".maximum";
+    default:
+      return name;
+  }
+}
+
+// The parameters that `assembly adjust --json` printed, or a sample of `assembly sample --json`.
+absl::StatusOr<std::vector<double>> ReadParameters(const std::filesystem::path& path) {
+  MORTISE_ASSIGN_OR_RETURN(const std::string text, ReadFile(path, kMaxFile));
+  const nlohmann::json document = nlohmann::json::parse(text, nullptr, false);
+  if (!document.is_object() || !document.contains("q") || !document["q"].is_array()) {
+    return InvalidField(path.string(), "is not what 'assembly adjust --json' prints");
+  }
+  std::vector<double> q;
+  for (const nlohmann::json& entry : document["q"]) {
+    if (!entry.is_number()) return InvalidField(path.string(), "has a q that is no number");
+    q.push_back(entry.get<double>());
+  }
+  return q;
+}
+
+// ---- The commands -------------------------------------------------------------------------------
+
+absl::Status Import(const std::vector<std::filesystem::path>& files, Session& session,
+                    Output& output) {
+  std::vector<v1::Assembly> assemblies;
+  for (const std::filesystem::path& file : files) {
+    MORTISE_ASSIGN_OR_RETURN(const std::string text, ReadFile(file, kMaxFile));
+    MORTISE_ASSIGN_OR_RETURN(v1::Assembly assembly,
+                             parametric::ParseAssemblyText(text, file.string()));
+    assemblies.push_back(std::move(assembly));
+  }
+  MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
+  const auto stub = v1::AssemblyService::NewStub(client->channel());
+  nlohmann::ordered_json document = nlohmann::ordered_json::array();
+  for (std::size_t i = 0; i < assemblies.size(); ++i) {
+    v1::GetAssemblyRequest get;
+    get.set_name(assemblies[i].name());
+    v1::Assembly present;
+    grpc::ClientContext get_context;
+    client->Prepare(get_context);
+    const absl::Status found = rpc::FromGrpc(stub->GetAssembly(&get_context, get, &present));
+    // A name that is malformed is one of the findings of the import.
+    if (!found.ok() && !absl::IsNotFound(found) && !absl::IsInvalidArgument(found)) return found;
+    v1::ImportAssemblyRequest request;
+    request.set_request_id(NewIdentifier());
+    *request.mutable_assembly() = assemblies[i];
+    request.set_expected_revision(present.revision());
+    v1::Assembly stored;
+    grpc::ClientContext context;
+    client->Prepare(context);
+    FieldSources sources;
+    sources.AddFile("assembly", files[i].string());
+    MORTISE_RETURN_IF_ERROR(
+        sources.Name(rpc::FromGrpc(stub->ImportAssembly(&context, request, &stored))));
+    const bool changed = stored.revision() != present.revision();
+    output.Line(absl::StrCat(stored.name(), changed ? " imported as" : " is there already as",
+                             " revision ", stored.revision()));
+    document.push_back({{"name", stored.name()},
+                        {"revision", stored.revision()},
+                        {"change", !changed                  ? "none"
+                                   : present.revision() == 0 ? "created"
+                                                             : "updated"}});
+  }
+  output.Document(document);
+  return absl::OkStatus();
+}
+
+absl::Status List(Session& session, Output& output) {
+  MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
+  const auto stub = v1::AssemblyService::NewStub(client->channel());
+  nlohmann::ordered_json document = nlohmann::ordered_json::array();
+  std::vector<std::vector<std::string>> rows;
+  const absl::Status listed = ListAll<v1::ListAssembliesRequest, v1::ListAssembliesResponse>(
+      *client, [&](auto... a) { return stub->ListAssemblies(a...); },
+      [&](const v1::ListAssembliesResponse& page) {
+        for (const v1::Assembly& assembly : page.assemblies()) {
+          rows.push_back(
+              {assembly.name(), assembly.title(), absl::StrCat("revision ", assembly.revision())});
+          if (!output.text()) document.push_back(ToJson(assembly));
+        }
+      });
+  MORTISE_RETURN_IF_ERROR(listed);
+  output.Table({"name", "title", "details"}, rows);
+  output.Document(document);
+  return absl::OkStatus();
+}
+
+void PrintParametrization(const v1::Parametrization& found, const Output& output) {
+  std::vector<std::vector<std::string>> nodes;
+  for (const v1::ParametricNode& node : found.nodes()) {
+    nodes.push_back({node.group().empty() ? "(all)" : node.group(), absl::StrCat(node.elements()),
+                     absl::StrCat(node.relationships()), absl::StrCat(node.degrees_of_freedom())});
+  }
+  output.Table({"group", "elements", "relationships", "degrees of freedom"}, nodes);
+  std::vector<std::vector<std::string>> sizes;
+  for (const v1::MeasureRange& range : found.sizes()) {
+    sizes.push_back({MeasureText(range.measure()), Millimetres(range.drawn()),
+                     Millimetres(range.minimum()), Millimetres(range.maximum())});
+  }
+  output.Table({"size", "drawn", "least", "most"}, sizes);
+  output.Line(absl::StrFormat("%s revision %d: %d contacts, %d relationships, %d ways to change it",
+                              found.assembly(), found.revision(), found.contacts_size(),
+                              found.relationships_size(), found.degrees_of_freedom()));
+}
+
+absl::Status Show(const std::string& name, Session& session, Output& output) {
+  MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
+  const auto stub = v1::AssemblyService::NewStub(client->channel());
+  v1::ParametrizeAssemblyRequest request;
+  request.set_name(ResourceName("assemblies", name));
+  grpc::ClientContext context;
+  client->Prepare(context);
+  v1::Parametrization found;
+  MORTISE_RETURN_IF_ERROR(rpc::FromGrpc(stub->ParametrizeAssembly(&context, request, &found)));
+  PrintParametrization(found, output);
+  output.DocumentOf(found);
+  return absl::OkStatus();
+}
+
+absl::Status ExportTo(const v1::AdjustedAssembly& design, v1::ExportDesignRequest::Format format,
+                      const std::filesystem::path& path, Stub& stub, const GatewayClient& client,
+                      const Output& output) {
+  if (path.empty()) return absl::OkStatus();
+  v1::ExportAssemblyRequest request;
+  request.set_name(design.assembly());
+  request.set_revision(design.revision());
+  *request.mutable_q() = design.q();
+  request.set_format(format);
+  grpc::ClientContext context;
+  client.Prepare(context);
+  const auto reader = stub.ExportAssembly(&context, request);
+  MORTISE_RETURN_IF_ERROR(Receive(*reader, path).status());
+  output.Line(absl::StrCat("  ", path.string()));
+  return absl::OkStatus();
+}
+
+void PrintDesign(const v1::AdjustedAssembly& design, const v1::AdjustAssemblyRequest& request,
+                 const Output& output) {
+  std::vector<std::vector<std::string>> demands;
+  for (int i = 0; i < design.reached_size(); ++i) {
+    demands.push_back({MeasureText(request.demands(i).measure()),
+                       Millimetres(request.demands(i).value()), Millimetres(design.reached(i))});
+  }
+  if (!demands.empty()) output.Table({"measure", "asked", "reached"}, demands);
+  std::vector<std::vector<std::string>> parts;
+  for (const v1::PlacedPart& part : design.parts()) {
+    parts.push_back({part.name(), part.item(), Millimetres(part.maximum().x() - part.minimum().x()),
+                     Millimetres(part.maximum().y() - part.minimum().y()),
+                     Millimetres(part.maximum().z() - part.minimum().z())});
+  }
+  output.Table({"part", "item", "x", "y", "z"}, parts);
+  for (const std::string& fault : design.faults()) output.Line(absl::StrCat("fault: ", fault));
+  output.Line(absl::StrFormat("%d parts, %d faults", design.parts_size(), design.faults_size()));
+}
+
+absl::Status Adjust(const AdjustOptions& options, Session& session, Output& output) {
+  v1::AdjustAssemblyRequest request;
+  request.set_name(ResourceName("assemblies", options.subject));
+  request.set_strict(options.strict);
+  for (const std::string& text : options.demands) {
+    MORTISE_ASSIGN_OR_RETURN(*request.add_demands(), ParseDemand(text));
+  }
+  if (!options.from.empty()) {
+    MORTISE_ASSIGN_OR_RETURN(const std::vector<double> q, ReadParameters(options.from));
+    request.mutable_q()->Add(q.begin(), q.end());
+  }
+  MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
+  const auto stub = v1::AssemblyService::NewStub(client->channel());
+  grpc::ClientContext context;
+  client->Prepare(context);
+  v1::AdjustedAssembly design;
+  MORTISE_RETURN_IF_ERROR(rpc::FromGrpc(stub->AdjustAssembly(&context, request, &design)));
+  PrintDesign(design, request, output);
+  using Format = v1::ExportDesignRequest;
+  MORTISE_RETURN_IF_ERROR(ExportTo(design, Format::STEP, options.step, *stub, *client, output));
+  MORTISE_RETURN_IF_ERROR(ExportTo(design, Format::GLB, options.glb, *stub, *client, output));
+  output.DocumentOf(design);
+  return absl::OkStatus();
+}
+
+FieldSources SourcesOf(const AdjustOptions& options) {
+  FieldSources sources;
+  sources.Add("name", "assembly");
+  sources.Add("q", options.from.empty() ? "assembly" : "--from");
+  sources.AddEach("demands", "--set", options.demands);
+  return sources;
+}
+
+absl::Status Sample(const SampleOptions& options, Session& session, Output& output) {
+  v1::SampleAssemblyRequest request;
+  request.set_name(ResourceName("assemblies", options.subject));
+  request.set_count(options.count);
+  request.set_seed(options.seed);
+  MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
+  const auto stub = v1::AssemblyService::NewStub(client->channel());
+  grpc::ClientContext context;
+  client->Prepare(context);
+  const auto reader = stub->SampleAssembly(&context, request);
+  nlohmann::ordered_json document = nlohmann::ordered_json::array();
+  std::vector<std::vector<std::string>> rows;
+  v1::AdjustedAssembly design;
+  while (reader->Read(&design)) {
+    double low[3] = {1e9, 1e9, 1e9}, high[3] = {-1e9, -1e9, -1e9};
+    for (const v1::PlacedPart& part : design.parts()) {
+      const double least[3] = {part.minimum().x(), part.minimum().y(), part.minimum().z()};
+      const double most[3] = {part.maximum().x(), part.maximum().y(), part.maximum().z()};
+      for (int k = 0; k < 3; ++k) {
+        low[k] = std::min(low[k], least[k]);
+        high[k] = std::max(high[k], most[k]);
+      }
+    }
+    rows.push_back({absl::StrCat(rows.size() + 1), absl::StrCat(design.parts_size()),
+                    Millimetres(high[0] - low[0]), Millimetres(high[1] - low[1]),
+                    Millimetres(high[2] - low[2]), absl::StrCat(design.faults_size())});
+    if (!output.text()) document.push_back(ToJson(design));
+  }
+  MORTISE_RETURN_IF_ERROR(rpc::FromGrpc(reader->Finish()));
+  output.Table({"sample", "parts", "x", "y", "z", "faults"}, rows);
+  output.Document(document);
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+void AddAssemblyCommands(CLI::App& app, Session& session) {
+  CLI::App* assembly =
+      app.add_subcommand("assembly", "Designs as drawn, and what they can be changed to");
+  assembly->require_subcommand(1);
+
+  auto files = std::make_shared<std::vector<std::filesystem::path>>();
+  CLI::App* add = assembly->add_subcommand("import", "Add assembly files to the catalog");
+  add->add_option("files", *files, "Files of one mortise.v1.Assembly each (.textproto)")
+      ->required();
+  add->footer("Example: mortise assembly import collection/assemblies/bookshelf.textproto");
+  add->callback([&session, files] {
+    session.command = [files](Session& s, Output& o) { return Import(*files, s, o); };
+  });
+
+  CLI::App* list = assembly->add_subcommand("list", "List the assemblies");
+  list->footer("Example: mortise assembly list");
+  list->callback(
+      [&session] { session.command = [](Session& s, Output& o) { return List(s, o); }; });
+
+  auto name = std::make_shared<std::string>();
+  CLI::App* show = assembly->add_subcommand("show", "What of an assembly can be changed, how far");
+  show->add_option("assembly", *name, "Such as bookshelf")->required();
+  show->footer("Example: mortise assembly show bookshelf");
+  show->callback([&session, name] {
+    session.command = [name](Session& s, Output& o) {
+      FieldSources sources;
+      sources.Add("name", "assembly");
+      return sources.Name(Show(*name, s, o));
+    };
+  });
+
+  auto adjust_options = std::make_shared<AdjustOptions>();
+  CLI::App* adjust =
+      assembly->add_subcommand("adjust", "The design nearest to one that meets what is asked for");
+  adjust->add_option("assembly", adjust_options->subject, "Such as bookshelf")->required();
+  adjust->add_option("--set", adjust_options->demands,
+                     "ELEMENT.x=VALUE, or y, or z: a size; ELEMENT.z.maximum=VALUE, or minimum, or "
+                     "center: a place");
+  adjust->add_option("--from", adjust_options->from,
+                     "Start at a design that 'assembly adjust --json' printed");
+  adjust->add_flag("--strict", adjust_options->strict,
+                   "Refuse what cannot be met instead of coming near");
+  adjust->add_option("--step", adjust_options->step, "Also write a STEP file");
+  adjust->add_option("--glb", adjust_options->glb, "Also write a GLB file");
+  adjust->footer("Example: mortise assembly adjust bookshelf --set side.z=1.5 --glb shelf.glb");
+  adjust->callback([&session, adjust_options] {
+    session.command = [adjust_options](Session& s, Output& o) {
+      return SourcesOf(*adjust_options).Name(Adjust(*adjust_options, s, o));
+    };
+  });
+
+  auto sample_options = std::make_shared<SampleOptions>();
+  CLI::App* sample = assembly->add_subcommand("sample", "Designs spread over all it can be");
+  sample->add_option("assembly", sample_options->subject, "Such as bookshelf")->required();
+  sample->add_option("--count", sample_options->count, "How many, 1 to 1000")
+      ->capture_default_str();
+  sample->add_option("--seed", sample_options->seed, "The same seed gives the same designs")
+      ->capture_default_str();
+  sample->footer("Example: mortise assembly sample bookshelf --count 5 --seed 7");
+  sample->callback([&session, sample_options] {
+    session.command = [sample_options](Session& s, Output& o) {
+      FieldSources sources;
+      sources.Add("name", "assembly");
+      sources.Add("count", "--count");
+      return sources.Name(Sample(*sample_options, s, o));
+    };
+  });
+  // Last: commands would inherit it.
+  assembly->footer("Example: mortise assembly list");
+}
+
+}  // namespace mortise::cli

@@ -1,0 +1,132 @@
+// `mortise assembly` against a catalog process with the collection that ships.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+
+#include "cli/command_line.h"
+#include "common/base/errors.h"
+#include "common/base/files.h"
+#include "tests/integration/services/service_under_test.h"
+
+namespace mortise::cli {
+namespace {
+
+using Json = nlohmann::json;
+using ::testing::HasSubstr;
+
+std::string Collection() {
+  const char* source = std::getenv("MORTISE_SOURCE_DIR");
+  return std::string(source == nullptr ? "." : source) + "/collection";
+}
+
+class AssemblyCommand : public ::testing::Test {
+ protected:
+  AssemblyCommand() { session_.gateway.address = process_.address(); }
+
+  // The document of `mortise assembly ARGUMENTS`.
+  absl::StatusOr<Json> Run(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), "assembly");
+    Output output(Output::Form::kSilent);
+    MORTISE_RETURN_IF_ERROR(RunCommandLine(arguments, session_, output));
+    return Json::parse(output.last_document());
+  }
+
+  std::string File(const std::string& name, const std::string& text) {
+    const std::filesystem::path path = folder_.path() / name;
+    EXPECT_TRUE(WriteFile(path, text).ok());
+    return path.string();
+  }
+
+  // The message of a refusal, which begins with what is at fault.
+  std::string Refusal(const std::vector<std::string>& arguments) {
+    const auto result = Run(arguments);
+    EXPECT_FALSE(result.ok());
+    return std::string(result.status().message());
+  }
+
+  const mortise::testing::TemporaryFolder folder_;
+  const mortise::testing::ServiceUnderTest process_{"mortise-catalog",
+                                                    {"--collection=" + Collection()}};
+  Session session_;
+};
+
+TEST_F(AssemblyCommand, ListsAndShows) {
+  const auto list = Run({"list"});
+  ASSERT_TRUE(list.ok()) << list.status();
+  EXPECT_GE(list->size(), 3u);
+  const auto shown = Run({"show", "bookshelf"});
+  ASSERT_TRUE(shown.ok()) << shown.status();
+  EXPECT_EQ((*shown)["assembly"], "assemblies/bookshelf");
+  EXPECT_FALSE((*shown)["sizes"].empty());
+}
+
+TEST_F(AssemblyCommand, AdjustsGoesOnFromThereAndWritesFiles) {
+  const auto higher = Run({"adjust", "bookshelf", "--set", "side 1.z=2.2"});
+  ASSERT_TRUE(higher.ok()) << higher.status();
+  EXPECT_NEAR((*higher)["reached"][0].get<double>(), 2.2, 1e-9);
+  const std::string from = File("higher.json", higher->dump());
+  const std::string glb = (folder_.path() / "shelf.glb").string();
+  const auto wider = Run({"adjust", "bookshelf", "--from", from, "--set", "shelf 1.x.size=1000mm",
+                          "--set", "side 1.z.minimum=0", "--strict", "--glb", glb});
+  ASSERT_TRUE(wider.ok()) << wider.status();
+  EXPECT_NEAR((*wider)["reached"][0].get<double>(), 1, 1e-9);
+  double top = 0;
+  for (const Json& part : (*wider)["parts"]) {
+    top = std::max(top, part["maximum"]["z"].get<double>());
+  }
+  EXPECT_NEAR(top, 2.2, 1e-6) << "as it was made before";
+  EXPECT_EQ(ReadFile(glb).value_or("").substr(0, 4), "glTF");
+}
+
+TEST_F(AssemblyCommand, NamesTheFlagAtFault) {
+  EXPECT_THAT(Refusal({"adjust", "bookshelf", "--set", "lid.z=2"}),
+              HasSubstr("--set lid.z: there is no element 'lid'"));
+  for (const char* set : {"side 1", "side 1=2", "side 1.w=2", "side 1.z", ".z"}) {
+    EXPECT_THAT(Refusal({"adjust", "bookshelf", "--set", set}), HasSubstr("--set")) << set;
+  }
+  EXPECT_THAT(Refusal({"adjust", "bookshelf", "--set", "side 1.z=high"}), HasSubstr("'high'"));
+  EXPECT_THAT(Refusal({"adjust", "bookshelf", "--from", File("odd.json", "[1]")}),
+              HasSubstr("odd.json"));
+  EXPECT_THAT(Refusal({"adjust", "bookshelf", "--from", File("short.json", "{\"q\": [1]}")}),
+              HasSubstr("--from"));
+  EXPECT_THAT(Refusal({"sample", "bookshelf", "--count", "0"}), HasSubstr("--count"));
+  EXPECT_THAT(Refusal({"show", "nothing"}), HasSubstr("assemblies/nothing"));
+  EXPECT_THAT(
+      Refusal({"adjust", "bookshelf", "--strict", "--set", "side 1.z=2.2", "--set", "side 2.z=2"}),
+      HasSubstr("cannot hold together"));
+}
+
+TEST_F(AssemblyCommand, SamplesAlikeForASeed) {
+  const auto first = Run({"sample", "bookshelf", "--count", "3", "--seed", "5"});
+  ASSERT_TRUE(first.ok()) << first.status();
+  EXPECT_EQ(first->size(), 3u);
+  EXPECT_EQ(*first, *Run({"sample", "bookshelf", "--count", "3", "--seed", "5"}));
+  EXPECT_NE(*first, *Run({"sample", "bookshelf", "--count", "3", "--seed", "6"}));
+}
+
+TEST_F(AssemblyCommand, ImportsOrNamesThePlace) {
+  const std::string shelf = Collection() + "/assemblies/bookshelf.textproto";
+  const auto same = Run({"import", shelf});
+  ASSERT_TRUE(same.ok()) << same.status();
+  EXPECT_EQ((*same)[0]["change"], "none");
+  std::string text = ReadFile(shelf).value_or("");
+  const std::size_t at = text.find("title:");
+  ASSERT_NE(at, std::string::npos);
+  const std::string renamed = File(
+      "renamed.textproto", text.substr(0, at) + "title: 'Mine'" + text.substr(text.find('\n', at)));
+  const auto changed = Run({"import", renamed});
+  ASSERT_TRUE(changed.ok()) << changed.status();
+  EXPECT_EQ((*changed)[0]["change"], "updated");
+  EXPECT_EQ((*changed)[0]["revision"], 2);
+
+  EXPECT_THAT(Refusal({"import", File("wrong.textproto", "name: 'assemblies/a'\nparts { x: 1 }")}),
+              HasSubstr("wrong.textproto"));
+  EXPECT_THAT(Refusal({"import", File("empty.textproto", "name: 'assemblies/a'")}),
+              HasSubstr("empty.textproto"));
+  EXPECT_THAT(Refusal({"import", (folder_.path() / "none").string()}), HasSubstr("none"));
+}
+
+}  // namespace
+}  // namespace mortise::cli
