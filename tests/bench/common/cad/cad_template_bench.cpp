@@ -1,7 +1,9 @@
-// How long the CAD templates that ship take from parameters to a checked solid, and to triangles.
+// How long the CAD templates that ship take from parameters to a checked solid, and to triangles;
+// and how many of 200 random designs of each are no valid solids.
 #include <benchmark/benchmark.h>
 
 #include <cstdlib>
+#include <random>
 #include <string>
 
 #include "common/cad/cad_template_codec.h"
@@ -31,6 +33,27 @@ void Regenerate(benchmark::State& state, const FeatureModel& model) {
   }
 }
 
+// 200 designs all over the parameter box, and how many of them are no valid solids.
+void RandomDesigns(benchmark::State& state, const FeatureModel& model) {
+  constexpr int kDesigns = 200;
+  const auto& parameters = model.definition().parameters;
+  for (auto _ : state) {
+    std::mt19937_64 random(2026);
+    int invalid = 0;
+    for (int k = 0; k < kDesigns; ++k) {
+      Eigen::VectorXd q = model.Defaults();
+      for (Eigen::Index i = 0; i < q.size(); ++i) {
+        const auto& parameter = parameters[static_cast<std::size_t>(i)];
+        const double t = static_cast<double>(random() >> 11) * 0x1p-53;
+        q(i) = (1 - t) * parameter.minimum + t * parameter.maximum;
+      }
+      if (!model.Regenerate(q).ok()) ++invalid;
+    }
+    state.counters["designs"] = kDesigns;
+    state.counters["invalid"] = invalid;
+  }
+}
+
 void Triangulate(benchmark::State& state, const FeatureModel& model) {
   const auto solid = model.Regenerate(model.Defaults());
   if (!solid.ok()) return state.SkipWithError(std::string(solid.status().message()).c_str());
@@ -51,6 +74,9 @@ void RegisterAll() {
     add("Regenerate ", &Regenerate);
     add("Triangulate ", &Triangulate);
     add("Validate ", &Validate);
+    benchmark::RegisterBenchmark(("RandomDesigns " + name).c_str(), &RandomDesigns, model)
+        ->Unit(benchmark::kSecond)
+        ->Iterations(1);
   }
 }
 
