@@ -70,20 +70,6 @@ constexpr Example kExamples[] = {
     {"AssemblyService/EvaluateAssembly", "name: 'assemblies/planter' points { q: [{q}] }"},
     {"AssemblyService/SampleAssembly", "name: 'assemblies/planter' count: 2 seed: 7"},
     {"AssemblyService/ExportAssembly", "name: 'assemblies/planter' q: [{q}] format: GLB"},
-    {"AssemblyService/GetAssembly", "name: 'assemblies/bookshelf' revision: 1"},
-    {"AssemblyService/ListAssemblies", "page_size: 10"},
-    {"AssemblyService/ImportAssembly",
-     "request_id: 'bad-13' assembly { name: 'assemblies/boards' title: 'Two boards' "
-     "parts { name: 'board' item: 'items/board-38x89' size { x: 1 } } "
-     "parts { name: 'other' item: 'items/board-38x89' size { x: 1 } position { y: 0.089 } } }",
-     Outcome::kChanges},
-    {"AssemblyService/ParametrizeAssembly", "name: 'assemblies/bookshelf' revision: 1"},
-    {"AssemblyService/AdjustAssembly",
-     "name: 'assemblies/bookshelf' demands { measure { element: 'side 1' axis: Z kind: SIZE } "
-     "value: 2 }"},
-    {"AssemblyService/EvaluateAssembly", "name: 'assemblies/bookshelf' points { }"},
-    {"AssemblyService/SampleAssembly", "name: 'assemblies/bookshelf' count: 2 seed: 1"},
-    {"AssemblyService/ExportAssembly", "name: 'assemblies/bookshelf' format: GLB"},
     {"EvaluatorService/DescribeDesignSpace", "subject: 'templates/table'"},
     {"EvaluatorService/EvaluateBatch",
      "subject: 'templates/table' points { parameters: [{point}] } metrics: 'mass' "

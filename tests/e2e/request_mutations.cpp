@@ -35,11 +35,20 @@ const std::set<std::string>& AnyNumber() {
       "mortise.v1.Material.revision",
       "mortise.v1.Material.poissons_ratio",
       "mortise.v1.Template.revision",
+      "mortise.v1.Assembly.revision",
       "mortise.v1.Parameter.minimum",
       "mortise.v1.EvaluationResult.index",
       "mortise.v1.Metric.value",
       "mortise.v1.DesignPoint.parameters",
       "mortise.v1.DiscoverySpecification.Bound.minimum",
+      "mortise.v1.ProminentPlane.position",
+      "mortise.v1.RestPose.amount",
+      "mortise.v1.Joint.lower",
+      "mortise.v1.Joint.upper",
+      "mortise.v1.MeasureDemand.value",
+      "mortise.v1.AdjustAssemblyRequest.q",
+      "mortise.v1.EvaluateAssemblyRequest.Point.q",
+      "mortise.v1.ExportAssemblyRequest.q",
   };
   return names;
 }
@@ -59,6 +68,7 @@ bool GivesName(const FieldDescriptor* field) {
   static const std::set<std::string> names = {"mortise.v1.Material.name",
                                               "mortise.v1.Item.name",
                                               "mortise.v1.Template.name",
+                                              "mortise.v1.Assembly.name",
                                               "mortise.v1.Connection.name",
                                               "mortise.v1.BoundaryCondition.name",
                                               "mortise.v1.BridgeMessage.Hello.bridge",
@@ -67,6 +77,14 @@ bool GivesName(const FieldDescriptor* field) {
                                               "mortise.v1.TaskAttempt.name",
                                               "mortise.v1.ListTasksRequest.evaluator",
                                               "mortise.v1.GetQueueStatusRequest.evaluator"};
+  return names.count(field->full_name()) != 0;
+}
+
+// Names of what is drawn, within one assembly: any short text.
+bool IsLabel(const FieldDescriptor* field) {
+  static const std::set<std::string> names = {
+      "mortise.v1.AssemblyPart.name", "mortise.v1.AssemblyGroup.name", "mortise.v1.Joint.name",
+      "mortise.v1.RestPose.name", "mortise.v1.ProminentPlane.name"};
   return names.count(field->full_name()) != 0;
 }
 
@@ -232,11 +250,13 @@ class Spoiler {
   void SpoilName(const FieldDescriptor* field) {
     const std::string good = FirstText(field);
     const std::string collection = good.substr(0, good.find('/') + 1);
-    if (!GivesName(field)) {
+    if (!GivesName(field) && !IsLabel(field)) {
       AddText("an unknown name", Verdict::kRefused, collection + "not-there");
     }
-    AddText("a malformed name", Verdict::kRefused, collection + "No such/Thing!");
-    AddText("a path upwards", Verdict::kRefused, collection + "../../etc/passwd");
+    if (!IsLabel(field)) {
+      AddText("a malformed name", Verdict::kRefused, collection + "No such/Thing!");
+      AddText("a path upwards", Verdict::kRefused, collection + "../../etc/passwd");
+    }
     AddText("a long name", Verdict::kRefused, collection + std::string(kLongText, 'a'));
     std::string umlauts;
     while (umlauts.size() < kLongText) umlauts += "ü";
