@@ -6,6 +6,8 @@
 #include <numbers>
 
 #include "common/cad/solid_surface.h"
+#include "common/cad/step_reader.h"
+#include "common/cad/step_writer.h"
 #include "tests/unit/common/cad/feature_texts.h"
 
 namespace mortise::cad {
@@ -208,6 +210,22 @@ TEST(SolidSurface, IsClosedAndNearTheSolid) {
   EXPECT_EQ(surface->faces.size(), model->origins.size());
   EXPECT_FALSE(SurfaceOf(model->solid, {.deflection = 0}).ok());
   EXPECT_FALSE(SurfaceOf(model->solid, {.deflection = 1e-3, .angle = 0}).ok());
+}
+
+TEST(FeatureModelExchange, GoesThroughStepUnchanged) {
+  const auto model = SolidOf(
+      "",
+      BlockText() +
+          "features { name: 'h' hole { face: 'block.end' diameter: '0.02' } } "
+          "features { name: 'f' fillet { edges: 'block.outline & block.end' radius: '0.003' } }");
+  ASSERT_TRUE(model.ok()) << model.status();
+  const auto bytes = WriteStep("assembly", {{model->solid}});
+  ASSERT_TRUE(bytes.ok()) << bytes.status();
+  const auto read = ReadStep(*bytes);
+  ASSERT_TRUE(read.ok()) << read.status();
+  ASSERT_EQ(read->parts.size(), 1U);
+  EXPECT_EQ(read->parts[0].name, "Test");
+  EXPECT_NEAR(read->parts[0].volume, model->solid.Volume(), 1e-6 * model->solid.Volume());
 }
 
 }  // namespace
