@@ -13,7 +13,6 @@
 #include <TopoDS.hxx>
 #include <algorithm>
 #include <map>
-#include <numbers>
 #include <optional>
 
 #include "absl/strings/str_cat.h"
@@ -21,6 +20,7 @@
 #include "common/cad/feature_changes.h"
 #include "common/cad/feature_solids.h"
 #include "common/cad/named_body.h"
+#include "common/cad/pattern_placements.h"
 #include "common/cad/sketch_faces.h"
 #include "common/cad/solid_kernel.h"
 
@@ -131,8 +131,14 @@ class Regeneration {
     return ApplyShell(shell, name(), numbers_, state_);
   }
   absl::Status operator()(const Hole& hole);
-  absl::Status operator()(const LinearPattern& pattern);
-  absl::Status operator()(const CircularPattern& pattern);
+  absl::Status operator()(const LinearPattern& pattern) {
+    MORTISE_ASSIGN_OR_RETURN(const auto placements, PlacementsOf(pattern, numbers_));
+    return Repeat(pattern.feature, placements);
+  }
+  absl::Status operator()(const CircularPattern& pattern) {
+    MORTISE_ASSIGN_OR_RETURN(const auto placements, PlacementsOf(pattern, numbers_));
+    return Repeat(pattern.feature, placements);
+  }
   absl::Status operator()(const Fixed& fixed) {
     return AddCondition({name(), ConditionKind::kFixed, {}}, fixed.faces, "fixed.faces");
   }
@@ -290,51 +296,6 @@ absl::Status Regeneration::operator()(const Hole& hole) {
                            MakeDrill(hole, name(), gp_Ax3(position, face.frame.Direction()),
                                      Reach(body.shape), numbers_));
   return Use(Operation::kCut, body.name, "hole.face", {std::move(drill)});
-}
-
-absl::Status Regeneration::operator()(const LinearPattern& pattern) {
-  const int count = static_cast<int>(numbers_(pattern.count));
-  const int rows =
-      pattern.second_count.empty() ? 1 : static_cast<int>(numbers_(pattern.second_count));
-  const gp_Vec step(gp_Pnt(), KernelPoint(numbers_(pattern.step)));
-  const gp_Vec second(gp_Pnt(), KernelPoint(numbers_(pattern.second_step)));
-  if (count > 1 && step.Magnitude() < 1e-3) {
-    return InvalidField("linear_pattern.step", "has no length");
-  }
-  if (rows > 1 && second.Magnitude() < 1e-3) {
-    return InvalidField("linear_pattern.second_step", "has no length");
-  }
-  if (count * rows > 1000) return InvalidField("linear_pattern.count", "makes more than 1000");
-  std::vector<gp_Trsf> placements;
-  for (int k = 1; k < count * rows; ++k) {
-    gp_Trsf placement;
-    placement.SetTranslation(step * (k % count) + second * (k / count));
-    placements.push_back(placement);
-  }
-  return Repeat(pattern.feature, placements);
-}
-
-absl::Status Regeneration::operator()(const CircularPattern& pattern) {
-  const int count = static_cast<int>(numbers_(pattern.count));
-  Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();
-  if (pattern.axis_direction) axis = numbers_(*pattern.axis_direction);
-  if (axis.norm() < 1e-9) {
-    return InvalidField("circular_pattern.axis_direction", "has no length");
-  }
-  const double angle =
-      pattern.angle.empty() ? 2 * std::numbers::pi / count : numbers_(pattern.angle);
-  if (count > 1 && std::abs(angle) < 1e-6) {
-    return InvalidField("circular_pattern.angle", "is 0");
-  }
-  const gp_Ax1 around(KernelPoint(numbers_(pattern.axis_point)),
-                      gp_Dir(axis.x(), axis.y(), axis.z()));
-  std::vector<gp_Trsf> placements;
-  for (int k = 1; k < count; ++k) {
-    gp_Trsf placement;
-    placement.SetRotation(around, k * angle);
-    placements.push_back(placement);
-  }
-  return Repeat(pattern.feature, placements);
 }
 
 absl::StatusOr<RegeneratedModel> Regeneration::Finish() const {
