@@ -126,12 +126,7 @@ class Connection final : public HttpConnection,
   void WatchForLeaving(std::function<void()> gone) override {
     Lowest().expires_never();
     watching_ = true;
-    auto self = this->shared_from_this();
-    Socket().async_wait(asio::ip::tcp::socket::wait_read,
-                        [self, gone = std::move(gone)](const error_code& error) {
-                          if (!self->watching_ || error == asio::error::operation_aborted) return;
-                          if (error || self->HasLeft()) gone();
-                        });
+    Watch(std::move(gone));
   }
 
   void EndWatch() override {
@@ -156,14 +151,32 @@ class Connection final : public HttpConnection,
   auto& Lowest() { return beast::get_lowest_layer(stream_); }
   auto& Socket() { return Lowest().socket(); }
 
-  // Readable while nothing is asked for: the end of the stream, or a request sent ahead. Under TLS
-  // the end announces itself by a record, which is all that a client sends here.
-  bool HasLeft() {
-    if constexpr (kSecure) return true;
+  // What a socket that is said to be readable means while nothing is asked for.
+  enum class Sign {
+    kNone,   // nothing is there: what was, has been read before this was told
+    kAhead,  // a request sent ahead
+    kLeft,  // the end of the stream; under TLS it announces itself by a record, which is all that a
+            // client sends here
+  };
+
+  Sign SignOfPeer() {
     char byte = 0;
     const ssize_t size =
         ::recv(Socket().native_handle(), &byte, 1, MSG_PEEK | MSG_DONTWAIT | MSG_NOSIGNAL);
-    return size == 0 || (size < 0 && errno != EAGAIN && errno != EWOULDBLOCK);
+    if (size > 0) return kSecure ? Sign::kLeft : Sign::kAhead;
+    if (size < 0 && (errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR)) return Sign::kNone;
+    return Sign::kLeft;
+  }
+
+  void Watch(std::function<void()> gone) {
+    auto self = this->shared_from_this();
+    Socket().async_wait(asio::ip::tcp::socket::wait_read,
+                        [self, gone = std::move(gone)](const error_code& error) mutable {
+                          if (!self->watching_ || error == asio::error::operation_aborted) return;
+                          const Sign sign = error ? Sign::kLeft : self->SignOfPeer();
+                          if (sign == Sign::kLeft) return gone();
+                          if (sign == Sign::kNone) self->Watch(std::move(gone));
+                        });
   }
 
   template <class Response>
