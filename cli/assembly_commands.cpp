@@ -5,6 +5,8 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
+#include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -136,9 +138,9 @@ absl::Status Import(const std::vector<std::filesystem::path>& files, Session& se
     v1::GetAssemblyRequest get;
     get.set_name(assemblies[i].name());
     v1::Assembly present;
-    grpc::ClientContext get_context;
-    client->Prepare(get_context);
-    const absl::Status found = rpc::FromGrpc(stub->GetAssembly(&get_context, get, &present));
+    const absl::Status found = client->Call([&](grpc::ClientContext& context) {
+      return rpc::FromGrpc(stub->GetAssembly(&context, get, &present));
+    });
     // A name that is malformed is one of the findings of the import.
     if (!found.ok() && !absl::IsNotFound(found) && !absl::IsInvalidArgument(found)) return found;
     v1::ImportAssemblyRequest request;
@@ -146,12 +148,11 @@ absl::Status Import(const std::vector<std::filesystem::path>& files, Session& se
     *request.mutable_assembly() = assemblies[i];
     request.set_expected_revision(present.revision());
     v1::Assembly stored;
-    grpc::ClientContext context;
-    client->Prepare(context);
     FieldSources sources;
     sources.AddFile("assembly", files[i].string());
-    MORTISE_RETURN_IF_ERROR(
-        sources.Name(rpc::FromGrpc(stub->ImportAssembly(&context, request, &stored))));
+    MORTISE_RETURN_IF_ERROR(sources.Name(client->Call([&](grpc::ClientContext& context) {
+      return rpc::FromGrpc(stub->ImportAssembly(&context, request, &stored));
+    })));
     const bool changed = stored.revision() != present.revision();
     output.Line(absl::StrCat(stored.name(), changed ? " imported as" : " is there already as",
                              " revision ", stored.revision()));
@@ -208,10 +209,10 @@ absl::Status Show(const std::string& name, Session& session, Output& output) {
   const auto stub = v1::AssemblyService::NewStub(client->channel());
   v1::ParametrizeAssemblyRequest request;
   request.set_name(ResourceName("assemblies", name));
-  grpc::ClientContext context;
-  client->Prepare(context);
   v1::Parametrization found;
-  MORTISE_RETURN_IF_ERROR(rpc::FromGrpc(stub->ParametrizeAssembly(&context, request, &found)));
+  MORTISE_RETURN_IF_ERROR(client->Call([&](grpc::ClientContext& context) {
+    return rpc::FromGrpc(stub->ParametrizeAssembly(&context, request, &found));
+  }));
   PrintParametrization(found, output);
   output.DocumentOf(found);
   return absl::OkStatus();
@@ -226,10 +227,9 @@ absl::Status ExportTo(const v1::AdjustedAssembly& design, v1::ExportDesignReques
   request.set_revision(design.revision());
   *request.mutable_q() = design.q();
   request.set_format(format);
-  grpc::ClientContext context;
-  client.Prepare(context);
-  const auto reader = stub.ExportAssembly(&context, request);
-  MORTISE_RETURN_IF_ERROR(Receive(*reader, path).status());
+  MORTISE_RETURN_IF_ERROR(client.Call([&](grpc::ClientContext& context) {
+    return Receive(*stub.ExportAssembly(&context, request), path).status();
+  }));
   output.Line(absl::StrCat("  ", path.string()));
   return absl::OkStatus();
 }
@@ -266,10 +266,10 @@ absl::Status Adjust(const AdjustOptions& options, Session& session, Output& outp
   }
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   const auto stub = v1::AssemblyService::NewStub(client->channel());
-  grpc::ClientContext context;
-  client->Prepare(context);
   v1::AdjustedAssembly design;
-  MORTISE_RETURN_IF_ERROR(rpc::FromGrpc(stub->AdjustAssembly(&context, request, &design)));
+  MORTISE_RETURN_IF_ERROR(client->Call([&](grpc::ClientContext& context) {
+    return rpc::FromGrpc(stub->AdjustAssembly(&context, request, &design));
+  }));
   PrintDesign(design, request, output);
   using Format = v1::ExportDesignRequest;
   MORTISE_RETURN_IF_ERROR(ExportTo(design, Format::STEP, options.step, *stub, *client, output));
@@ -286,6 +286,23 @@ FieldSources SourcesOf(const AdjustOptions& options) {
   return sources;
 }
 
+// Of the box around all parts, m.
+std::array<double, 3> OverallSize(const v1::AdjustedAssembly& design) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  std::array<double, 3> low = {kInfinity, kInfinity, kInfinity};
+  std::array<double, 3> high = {-kInfinity, -kInfinity, -kInfinity};
+  for (const v1::PlacedPart& part : design.parts()) {
+    const std::array<double, 3> least = {part.minimum().x(), part.minimum().y(),
+                                         part.minimum().z()};
+    const std::array<double, 3> most = {part.maximum().x(), part.maximum().y(), part.maximum().z()};
+    for (std::size_t k = 0; k < 3; ++k) {
+      low[k] = std::min(low[k], least[k]);
+      high[k] = std::max(high[k], most[k]);
+    }
+  }
+  return {high[0] - low[0], high[1] - low[1], high[2] - low[2]};
+}
+
 absl::Status Sample(const SampleOptions& options, Session& session, Output& output) {
   v1::SampleAssemblyRequest request;
   request.set_name(ResourceName("assemblies", options.subject));
@@ -293,28 +310,23 @@ absl::Status Sample(const SampleOptions& options, Session& session, Output& outp
   request.set_seed(options.seed);
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   const auto stub = v1::AssemblyService::NewStub(client->channel());
-  grpc::ClientContext context;
-  client->Prepare(context);
-  const auto reader = stub->SampleAssembly(&context, request);
+  std::vector<v1::AdjustedAssembly> designs;
+  MORTISE_RETURN_IF_ERROR(client->Call([&](grpc::ClientContext& context) {
+    designs.clear();
+    const auto reader = stub->SampleAssembly(&context, request);
+    v1::AdjustedAssembly design;
+    while (reader->Read(&design)) designs.push_back(design);
+    return rpc::FromGrpc(reader->Finish());
+  }));
   nlohmann::ordered_json document = nlohmann::ordered_json::array();
   std::vector<std::vector<std::string>> rows;
-  v1::AdjustedAssembly design;
-  while (reader->Read(&design)) {
-    double low[3] = {1e9, 1e9, 1e9}, high[3] = {-1e9, -1e9, -1e9};
-    for (const v1::PlacedPart& part : design.parts()) {
-      const double least[3] = {part.minimum().x(), part.minimum().y(), part.minimum().z()};
-      const double most[3] = {part.maximum().x(), part.maximum().y(), part.maximum().z()};
-      for (int k = 0; k < 3; ++k) {
-        low[k] = std::min(low[k], least[k]);
-        high[k] = std::max(high[k], most[k]);
-      }
-    }
+  for (const v1::AdjustedAssembly& design : designs) {
+    const std::array<double, 3> size = OverallSize(design);
     rows.push_back({absl::StrCat(rows.size() + 1), absl::StrCat(design.parts_size()),
-                    Millimetres(high[0] - low[0]), Millimetres(high[1] - low[1]),
-                    Millimetres(high[2] - low[2]), absl::StrCat(design.faults_size())});
+                    Millimetres(size[0]), Millimetres(size[1]), Millimetres(size[2]),
+                    absl::StrCat(design.faults_size())});
     if (!output.text()) document.push_back(ToJson(design));
   }
-  MORTISE_RETURN_IF_ERROR(rpc::FromGrpc(reader->Finish()));
   output.Table({"sample", "parts", "x", "y", "z", "faults"}, rows);
   output.Document(document);
   return absl::OkStatus();
