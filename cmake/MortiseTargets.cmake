@@ -17,22 +17,46 @@ function(mortise_library name)
   target_link_libraries(${name} PUBLIC mortise_flags ${ARG_DEPENDS})
 endfunction()
 
+# mortise_compile_briefly(<target>)
+# For what talks to others rather than computes: -O1 takes a fifth off the compiler's time, and what
+# waits for a socket or a disk runs no slower for it.
+function(mortise_compile_briefly target)
+  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
+endfunction()
+
 # mortise_executable(<name> SOURCES main.cpp ... [DEPENDS target ...])
+# A program. Its own sources only read the command line and join libraries.
 function(mortise_executable name)
   cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE mortise_flags ${ARG_DEPENDS})
+  mortise_compile_briefly(${name})
 endfunction()
 
+# The headers that every test includes, precompiled once for all of them: a third of the time of
+# compiling an average test. Everything that may use them is compiled with the same flags.
+if(MORTISE_BUILD_TESTS)
+  file(CONFIGURE OUTPUT ${CMAKE_BINARY_DIR}/test_headers.cpp CONTENT "")
+  add_library(mortise_test_headers OBJECT ${CMAKE_BINARY_DIR}/test_headers.cpp)
+  target_link_libraries(mortise_test_headers PRIVATE mortise_flags GTest::gmock GTest::gtest)
+  target_compile_options(mortise_test_headers PRIVATE -pthread $<$<CONFIG:Release>:-O0>)
+  target_precompile_headers(mortise_test_headers PRIVATE
+    <gmock/gmock.h> <gtest/gtest.h> <absl/status/status.h> <absl/status/statusor.h>
+    <chrono> <filesystem> <fstream> <functional> <map> <memory> <optional> <random> <sstream>
+    <string> <thread> <vector>)
+endif()
+
 # mortise_test(<name> SOURCES x_test.cpp ... [DEPENDS target ...] [TIMEOUT seconds] [LABELS l ...]
-#              [RUN_SERIAL])
+#              [RUN_SERIAL] [OPTIMIZED])
 # A GoogleTest binary, registered as one CTest test. It may read ${MORTISE_SOURCE_DIR} and find
-# built programs in ${MORTISE_BIN_DIR} (environment variables).
+# built programs in ${MORTISE_BIN_DIR} (environment variables). OPTIMIZED is for tests that compute
+# much themselves: half the time of compiling a test is optimising its assertions, so the others are
+# not; what they test always is.
 function(mortise_test name)
   if(NOT MORTISE_BUILD_TESTS)
     return()
   endif()
-  cmake_parse_arguments(ARG "RUN_SERIAL" "TIMEOUT" "SOURCES;DEPENDS;LABELS" ${ARGN})
+  cmake_parse_arguments(ARG "RUN_SERIAL;OPTIMIZED" "TIMEOUT" "SOURCES;DEPENDS;LABELS" ${ARGN})
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 120)
   endif()
@@ -40,8 +64,10 @@ function(mortise_test name)
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
   target_link_libraries(${name} PRIVATE mortise_flags ${ARG_DEPENDS} GTest::gmock GTest::gtest
                                         GTest::gtest_main)
-  # Half the time of compiling a test is optimising its assertions; what it tests stays optimised.
-  target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O0>)
+  if(NOT ARG_OPTIMIZED)
+    target_compile_options(${name} PRIVATE -pthread $<$<CONFIG:Release>:-O0>)
+    target_precompile_headers(${name} REUSE_FROM mortise_test_headers)
+  endif()
   add_test(NAME ${name} COMMAND ${name})
   set_tests_properties(${name} PROPERTIES
     TIMEOUT ${ARG_TIMEOUT} LABELS "${ARG_LABELS}"
