@@ -1,8 +1,10 @@
 // What writing and reading STEP have in common. Private to this folder: it brings Open CASCADE.
 #pragma once
 
+#include <Eigen/Geometry>
 #include <TDF_Label.hxx>
 #include <TDocStd_Document.hxx>
+#include <TopLoc_Location.hxx>
 #include <mutex>
 #include <string>
 
@@ -17,6 +19,10 @@ Handle(TDocStd_Document) NewStepDocument();
 // The name of a label; empty if it has none.
 std::string NameOf(const TDF_Label& label);
 void SetName(const TDF_Label& label, const std::string& name);
+
+// Rigid motions, theirs and ours, in the same unit of length.
+TopLoc_Location ToLocation(const Eigen::Isometry3d& placement);
+Eigen::Isometry3d FromLocation(const TopLoc_Location& location);
 
 // A file in the folder for temporary files that disappears with this object.
 class TemporaryFile {

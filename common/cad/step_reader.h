@@ -1,29 +1,30 @@
-// Reads the parts of a STEP assembly: names, places and mass properties.
+// Reads STEP assemblies (AP203, AP214, AP242): the tree, and every solid in it, measured.
 #pragma once
 
-#include <Eigen/Core>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "common/cad/step_assembly.h"
 
 namespace mortise::cad {
 
-struct StepPart {
-  std::string name;
-  double volume = 0;        // m³
-  Eigen::Vector3d minimum;  // m, bounding box in the assembly's frame
-  Eigen::Vector3d maximum;  // m
-};
+inline constexpr std::size_t kMaxStepBytes = std::size_t{64} << 20;
 
-struct StepAssembly {
-  std::string name;
-  std::string schema;           // as in FILE_SCHEMA
-  std::vector<StepPart> parts;  // leaves, in file order
-};
+// Called with what is wrong with entities of the file, "#12: …", before their shapes are made.
+using StepFaultsSeen = std::function<void(const std::vector<std::string>&)>;
 
-// INVALID_ARGUMENT if `bytes` are no STEP file that can be read, or hold no solid.
-absl::StatusOr<StepAssembly> ReadStep(std::string_view bytes);
+// The assembly in `bytes`, in metres whatever the file's unit. Every solid is a part, also where a
+// product has several; several roots stand in one. Names that the file has more than once are
+// counted (DistinctNames); a part is called as its occurrence is, or else as its product.
+//
+// INVALID_ARGUMENT, "step": not STEP, cut off, nothing solid in it, products that contain
+// themselves, with the entities at fault where the file has such. RESOURCE_EXHAUSTED: more than
+// kMaxStepBytes, or more than 2,000 parts.
+//
+// The kernel may crash over a damaged file, and the process with it; step_isolation.h does not.
+absl::StatusOr<StepAssembly> ReadStep(std::string_view bytes, const StepFaultsSeen& seen = {});
 
 }  // namespace mortise::cad

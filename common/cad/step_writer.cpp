@@ -2,19 +2,28 @@
 #include "common/cad/step_writer.h"
 
 #include <BRepBuilderAPI_Transform.hxx>
-#include <BRep_Builder.hxx>
 #include <IFSelect_ReturnStatus.hxx>
 #include <Interface_Static.hxx>
 #include <Quantity_Color.hxx>
 #include <STEPCAFControl_Controller.hxx>
 #include <STEPCAFControl_Writer.hxx>
 #include <Standard_Failure.hxx>
-#include <TopLoc_Location.hxx>
+#include <StepBasic_Product.hxx>
+#include <StepBasic_ProductDefinition.hxx>
+#include <StepBasic_ProductDefinitionFormation.hxx>
+#include <StepData_StepModel.hxx>
+#include <StepRepr_NextAssemblyUsageOccurrence.hxx>
+#include <TCollection_HAsciiString.hxx>
 #include <XCAFDoc_ColorTool.hxx>
 #include <XCAFDoc_DocumentTool.hxx>
 #include <XCAFDoc_ShapeTool.hxx>
+#include <algorithm>
 #include <gp_Trsf.hxx>
+#include <map>
 
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
 #include "common/base/files.h"
 #include "common/cad/solid_kernel.h"
 #include "common/cad/step_document.h"
@@ -22,44 +31,165 @@
 namespace mortise::cad {
 namespace {
 
+constexpr double kMillimetres = 1000;  // in a metre; the kernel's own unit
+
+const char* NameOf(StepUnit unit) {
+  switch (unit) {
+    case StepUnit::kMetre:
+      return "M";
+    case StepUnit::kInch:
+      return "INCH";
+    default:
+      return "MM";
+  }
+}
+
 TopoDS_Shape InMillimetres(const TopoDS_Shape& shape) {
   gp_Trsf scale;
-  scale.SetScale(gp_Pnt(0, 0, 0), 1000);
+  scale.SetScale(gp_Pnt(0, 0, 0), kMillimetres);
   return BRepBuilderAPI_Transform(shape, scale, Standard_True).Shape();
 }
 
-void FillDocument(const Handle(TDocStd_Document) & document, const std::string& assembly_name,
-                  const std::vector<AssemblyPart>& parts) {
+TopLoc_Location InMillimetres(Eigen::Isometry3d placement) {
+  placement.translation() *= kMillimetres;
+  return ToLocation(placement);
+}
+
+void SetColor(const Handle(XCAFDoc_ColorTool) & colors, const TDF_Label& label,
+              const std::optional<Eigen::Vector3d>& color) {
+  if (!color) return;
+  colors->SetColor(label, Quantity_Color(color->x(), color->y(), color->z(), Quantity_TOC_RGB),
+                   XCAFDoc_ColorSurf);
+}
+
+const std::string& NameOfGroup(const StepAssembly& assembly, int group) {
+  return group == 0 ? assembly.name : assembly.groups[static_cast<std::size_t>(group)].name;
+}
+
+// Groups without any part below them would be shapes of nothing.
+std::vector<bool> GroupsInUse(const StepAssembly& assembly) {
+  std::vector<bool> used(assembly.groups.size(), false);
+  for (const StepPart& part : assembly.parts) {
+    for (int group = part.group; group >= 0;) {
+      used[static_cast<std::size_t>(group)] = true;
+      group = assembly.groups[static_cast<std::size_t>(group)].parent;
+    }
+  }
+  return used;
+}
+
+void FillDocument(const Handle(TDocStd_Document) & document, const StepAssembly& assembly) {
   const Handle(XCAFDoc_ShapeTool) shapes = XCAFDoc_DocumentTool::ShapeTool(document->Main());
   const Handle(XCAFDoc_ColorTool) colors = XCAFDoc_DocumentTool::ColorTool(document->Main());
-  const TDF_Label assembly = shapes->NewShape();
-  SetName(assembly, assembly_name);
-  for (const AssemblyPart& part : parts) {
-    const TDF_Label label =
-        shapes->AddShape(InMillimetres(part.solid.kernel().shape), Standard_False);
-    SetName(label, part.solid.name());
-    colors->SetColor(
-        label, Quantity_Color(part.color.x(), part.color.y(), part.color.z(), Quantity_TOC_RGB),
-        XCAFDoc_ColorSurf);
-    SetName(shapes->AddComponent(assembly, label, TopLoc_Location()), part.solid.name());
+  const std::vector<bool> used = GroupsInUse(assembly);
+  std::vector<TDF_Label> groups;
+  for (std::size_t i = 0; i < assembly.groups.size(); ++i) {
+    const StepGroup& group = assembly.groups[i];
+    groups.emplace_back();
+    if (!used[i]) continue;
+    groups[i] = shapes->NewShape();
+    SetName(groups[i], absl::StrCat(i));
+    if (group.parent < 0) continue;
+    shapes->AddComponent(groups[static_cast<std::size_t>(group.parent)], groups[i],
+                         InMillimetres(group.placement));
+  }
+  std::vector<TDF_Label> products;
+  for (const StepProduct& product : assembly.products) {
+    products.push_back(
+        shapes->AddShape(InMillimetres(product.solid->kernel().shape), Standard_False));
+    SetName(products.back(), product.name);
+    SetColor(colors, products.back(), product.color);
+  }
+  for (const StepPart& part : assembly.parts) {
+    const TDF_Label label = shapes->AddComponent(groups[static_cast<std::size_t>(part.group)],
+                                                 products[static_cast<std::size_t>(part.product)],
+                                                 InMillimetres(part.placement));
+    SetColor(colors, label, part.color);
   }
   shapes->UpdateAssemblies();
 }
 
-absl::StatusOr<std::string> Write(const std::string& assembly_name,
-                                  const std::vector<AssemblyPart>& parts) {
+// Names of what stands in each group, in the order in which FillDocument adds it.
+std::vector<std::vector<std::string>> ComponentNames(const StepAssembly& assembly) {
+  const std::vector<bool> used = GroupsInUse(assembly);
+  std::vector<std::vector<std::string>> names(assembly.groups.size());
+  for (std::size_t i = 1; i < assembly.groups.size(); ++i) {
+    const StepGroup& group = assembly.groups[i];
+    if (used[i]) names[static_cast<std::size_t>(group.parent)].push_back(group.name);
+  }
+  for (const StepPart& part : assembly.parts) {
+    names[static_cast<std::size_t>(part.group)].push_back(part.name);
+  }
+  return names;
+}
+
+// The kernel finds the name of an occurrence by its shape and place in its sub-assembly, and takes
+// two that agree in both for one, though they stand in different sub-assemblies. So they are named
+// here, in their order, and the sub-assemblies, which were numbered till now, with them.
+void NameOccurrences(const StepAssembly& assembly, const Handle(StepData_StepModel) & model) {
+  const std::vector<std::vector<std::string>> names = ComponentNames(assembly);
+  std::map<Handle(StepBasic_Product), std::vector<Handle(StepRepr_NextAssemblyUsageOccurrence)>>
+      usages;
+  for (int i = 1; i <= model->NbEntities(); ++i) {
+    const auto usage = Handle(StepRepr_NextAssemblyUsageOccurrence)::DownCast(model->Value(i));
+    if (usage.IsNull()) continue;
+    usages[usage->RelatingProductDefinition()->Formation()->OfProduct()].push_back(usage);
+  }
+  for (const auto& [product, components] : usages) {
+    int group = -1;
+    if (!absl::SimpleAtoi(product->Name()->ToCString(), &group)) continue;
+    const std::vector<std::string>& component_names = names[static_cast<std::size_t>(group)];
+    for (std::size_t k = 0; k < std::min(components.size(), component_names.size()); ++k) {
+      components[k]->SetName(new TCollection_HAsciiString(component_names[k].c_str()));
+    }
+    const Handle(TCollection_HAsciiString) name =
+        new TCollection_HAsciiString(NameOfGroup(assembly, group).c_str());
+    product->SetName(name);
+    product->SetId(name);
+  }
+}
+
+absl::Status Check(const StepAssembly& assembly) {
+  for (std::size_t i = 0; i < assembly.parts.size(); ++i) {
+    const auto product = static_cast<std::size_t>(assembly.parts[i].product);
+    if (product >= assembly.products.size() || !assembly.products[product].solid) {
+      return InvalidField(absl::StrCat("parts[", i, "].product"), "has no solid");
+    }
+  }
+  return absl::OkStatus();
+}
+
+// The assembly without products that nothing is made of: they would be roots of the file.
+StepAssembly WithoutUnused(const StepAssembly& assembly) {
+  StepAssembly used = assembly;
+  used.products.clear();
+  std::vector<int> places(assembly.products.size(), -1);
+  for (StepPart& part : used.parts) {
+    int& place = places[static_cast<std::size_t>(part.product)];
+    if (place < 0) {
+      place = static_cast<int>(used.products.size());
+      used.products.push_back(assembly.products[static_cast<std::size_t>(part.product)]);
+    }
+    part.product = place;
+  }
+  return used;
+}
+
+absl::StatusOr<std::string> Write(const StepAssembly& assembly, StepUnit unit) {
+  MORTISE_RETURN_IF_ERROR(Check(assembly));
   const std::lock_guard<std::mutex> lock(StepTranslatorMutex());
   const Handle(TDocStd_Document) document = NewStepDocument();
-  FillDocument(document, assembly_name, parts);
+  FillDocument(document, WithoutUnused(assembly));
   // The settings exist once the controller does, and a writer takes them when it is made.
   STEPCAFControl_Controller::Init();
   Interface_Static::SetCVal("write.step.schema", "AP242DIS");
-  Interface_Static::SetCVal("write.step.unit", "MM");
-  Interface_Static::SetCVal("write.step.product.name", assembly_name.c_str());
+  Interface_Static::SetCVal("write.step.unit", NameOf(unit));
+  Interface_Static::SetCVal("write.step.product.name", assembly.name.c_str());
   STEPCAFControl_Writer writer;
   if (!writer.Transfer(document, STEPControl_AsIs)) {
     return KernelFailure("writing STEP", "the assembly cannot be translated");
   }
+  NameOccurrences(assembly, writer.ChangeWriter().Model());
   const TemporaryFile file(".step");
   if (writer.Write(file.path().c_str()) != IFSelect_RetDone) {
     return KernelFailure("writing STEP", "the file cannot be written");
@@ -69,13 +199,27 @@ absl::StatusOr<std::string> Write(const std::string& assembly_name,
 
 }  // namespace
 
-absl::StatusOr<std::string> WriteStep(const std::string& assembly_name,
-                                      const std::vector<AssemblyPart>& parts) {
+absl::StatusOr<std::string> WriteStep(const StepAssembly& assembly, StepUnit unit) {
   try {
-    return Write(assembly_name, parts);
+    return Write(assembly, unit);
   } catch (const Standard_Failure& failure) {
     return KernelFailure("writing STEP", failure.GetMessageString());
   }
+}
+
+absl::StatusOr<std::string> WriteStep(const std::string& assembly_name,
+                                      const std::vector<AssemblyPart>& parts) {
+  StepAssembly assembly;
+  assembly.name = assembly_name;
+  assembly.groups.push_back({assembly_name, -1});
+  for (const AssemblyPart& part : parts) {
+    StepPart placed;
+    placed.name = part.solid.name();
+    placed.product = static_cast<int>(assembly.products.size());
+    assembly.parts.push_back(std::move(placed));
+    assembly.products.push_back({part.solid.name(), part.solid, part.color});
+  }
+  return WriteStep(assembly);
 }
 
 }  // namespace mortise::cad

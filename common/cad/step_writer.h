@@ -1,4 +1,4 @@
-// Assemblies as STEP files (ISO 10303-242), one named product a part under one named assembly.
+// Assemblies as STEP files (ISO 10303-242): named products under named sub-assemblies.
 #pragma once
 
 #include <string>
@@ -6,8 +6,19 @@
 
 #include "absl/status/statusor.h"
 #include "common/cad/solid.h"
+#include "common/cad/step_assembly.h"
 
 namespace mortise::cad {
+
+enum class StepUnit { kMillimetre, kMetre, kInch };
+
+// The bytes of a STEP file (AP242 DIS): each group a sub-assembly, each product a shape that is
+// written once, each part an occurrence of it with its name, place and colour. Of the parts, only
+// name, group, product, placement and colour count. Lengths are in millimetres, as workshops
+// expect, unless another unit is asked for; the file says which. INVALID_ARGUMENT naming
+// "parts[i].product" where a product has no solid; INTERNAL if the kernel fails.
+absl::StatusOr<std::string> WriteStep(const StepAssembly& assembly,
+                                      StepUnit unit = StepUnit::kMillimetre);
 
 // A part of an assembly as people see it.
 struct AssemblyPart {
@@ -15,8 +26,7 @@ struct AssemblyPart {
   Eigen::Vector3d color = Eigen::Vector3d(0.8, 0.8, 0.8);  // linear red, green, blue in 0 … 1
 };
 
-// The bytes of a STEP file (AP242 DIS), lengths in millimetres as workshops expect, with the unit
-// written in it. INTERNAL if the kernel fails.
+// An assembly without sub-assemblies, one product a part.
 absl::StatusOr<std::string> WriteStep(const std::string& assembly_name,
                                       const std::vector<AssemblyPart>& parts);
 

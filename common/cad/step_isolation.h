@@ -1,0 +1,34 @@
+// Reads STEP in a process of its own.
+//
+// Open CASCADE follows references that are not there when a file is damaged: every third file with
+// one character changed ends the process that reads it. So a service reads what strangers send in
+// a child, started from its own program, with limits of time and memory, and outlives it.
+#pragma once
+
+#include <chrono>
+#include <string>
+#include <string_view>
+
+#include "absl/status/statusor.h"
+#include "common/cad/step_assembly.h"
+
+namespace mortise::cad {
+
+// The argument that makes a program a child: its main() returns RunStepChild() if it is the first.
+inline constexpr char kStepChildArgument[] = "--read-step-for-parent";
+
+// Reads a STEP file from standard input and writes what ReadStep makes of it to standard output.
+int RunStepChild();
+
+struct StepChildOptions {
+  std::string program = "/proc/self/exe";  // whose main() knows kStepChildArgument
+  std::chrono::seconds time_limit{60};
+};
+
+// As ReadStep, without the solids. INVALID_ARGUMENT, "step", too for a file over which the kernel
+// crashes or that takes it longer than the limit, with the entities at fault if any are known;
+// INTERNAL if the child cannot be started. Any number may run at once.
+absl::StatusOr<StepAssembly> ReadStepInChild(std::string_view bytes,
+                                             const StepChildOptions& options = {});
+
+}  // namespace mortise::cad

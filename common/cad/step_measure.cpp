@@ -1,0 +1,91 @@
+#include "common/cad/step_measure.h"
+
+#include <BRepAdaptor_Curve.hxx>
+#include <BRepAdaptor_Surface.hxx>
+#include <BRepBndLib.hxx>
+#include <BRepGProp.hxx>
+#include <BRep_Tool.hxx>
+#include <Bnd_Box.hxx>
+#include <GProp_GProps.hxx>
+#include <TopExp.hxx>
+#include <TopExp_Explorer.hxx>
+#include <TopTools_IndexedMapOfShape.hxx>
+#include <TopoDS.hxx>
+#include <cmath>
+
+#include "common/cad/step_document.h"
+
+namespace mortise::cad {
+namespace {
+
+// Share of the box's volume that a box may miss by.
+constexpr double kBoxTolerance = 1e-6;
+
+bool IsPolyhedron(const TopoDS_Shape& solid) {
+  for (TopExp_Explorer face(solid, TopAbs_FACE); face.More(); face.Next()) {
+    if (BRepAdaptor_Surface(TopoDS::Face(face.Current()), Standard_False).GetType() !=
+        GeomAbs_Plane) {
+      return false;
+    }
+  }
+  for (TopExp_Explorer edge(solid, TopAbs_EDGE); edge.More(); edge.Next()) {
+    if (BRepAdaptor_Curve(TopoDS::Edge(edge.Current())).GetType() != GeomAbs_Line) return false;
+  }
+  return true;
+}
+
+Eigen::Matrix3Xd VerticesOf(const TopoDS_Shape& solid) {
+  TopTools_IndexedMapOfShape found;
+  TopExp::MapShapes(solid, TopAbs_VERTEX, found);
+  Eigen::Matrix3Xd vertices(3, found.Extent());
+  for (int i = 0; i < found.Extent(); ++i) {
+    const gp_Pnt point = BRep_Tool::Pnt(TopoDS::Vertex(found(i + 1)));
+    vertices.col(i) = Eigen::Vector3d(point.X(), point.Y(), point.Z());
+  }
+  return vertices;
+}
+
+}  // namespace
+
+SolidMeasurer::SolidMeasurer(const TopoDS_Shape& solid)
+    : solid_(solid), is_polyhedron_(IsPolyhedron(solid)) {
+  GProp_GProps properties;
+  BRepGProp::VolumeProperties(solid, properties);
+  volume_ = std::abs(properties.Mass());
+  if (is_polyhedron_) vertices_ = VerticesOf(solid);
+  if (vertices_.cols() == 0) is_polyhedron_ = false;
+}
+
+const SolidMeasurer::Turned& SolidMeasurer::BoxOf(const Eigen::Matrix3d& rotation) {
+  for (const Turned& turned : turned_) {
+    if (turned.rotation == rotation) return turned;
+  }
+  Turned turned{rotation, {}, {}};
+  if (is_polyhedron_) {
+    const Eigen::Matrix3Xd placed = rotation * vertices_;
+    turned.minimum = placed.rowwise().minCoeff();
+    turned.maximum = placed.rowwise().maxCoeff();
+  } else {
+    Eigen::Isometry3d turn = Eigen::Isometry3d::Identity();
+    turn.linear() = rotation;
+    Bnd_Box box;
+    BRepBndLib::AddOptimal(solid_.Moved(ToLocation(turn)), box, Standard_False, Standard_False);
+    box.SetGap(0);
+    const gp_Pnt low = box.CornerMin(), high = box.CornerMax();
+    turned.minimum = {low.X(), low.Y(), low.Z()};
+    turned.maximum = {high.X(), high.Y(), high.Z()};
+  }
+  turned_.push_back(turned);
+  return turned_.back();
+}
+
+void SolidMeasurer::Measure(const Eigen::Isometry3d& placement, StepPart& part) {
+  const Turned& turned = BoxOf(placement.linear());
+  part.volume = volume_;
+  part.minimum = turned.minimum + placement.translation();
+  part.maximum = turned.maximum + placement.translation();
+  const double filled = (turned.maximum - turned.minimum).prod();
+  part.is_box = std::abs(volume_ - filled) <= kBoxTolerance * filled;
+}
+
+}  // namespace mortise::cad

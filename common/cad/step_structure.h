@@ -1,0 +1,22 @@
+// Checks of a STEP file before its shapes are made. Private to this folder: it brings Open CASCADE.
+#pragma once
+
+#include <STEPCAFControl_Reader.hxx>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+
+namespace mortise::cad {
+
+inline constexpr int kMaxStepParts = 2000;  // as many as an assembly may have
+
+// What the file says that entities of it are wrong, "#12: …", at most 20 of them. The kernel may
+// read the rest, or fall over them.
+std::vector<std::string> EntityFaults(STEPCAFControl_Reader& reader);
+
+// INVALID_ARGUMENT, "step": products or representations that contain themselves, naming them.
+// RESOURCE_EXHAUSTED: sub-assemblies of sub-assemblies that make more than kMaxStepParts parts.
+absl::Status CheckStructure(STEPCAFControl_Reader& reader);
+
+}  // namespace mortise::cad
