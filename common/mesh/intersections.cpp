@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 #include <optional>
 
 #include "common/mesh/surface_check.h"
@@ -13,19 +12,37 @@ namespace {
 
 using Triangle = std::array<Eigen::Vector3d, 3>;
 
+// A triangle with what is asked of it again and again.
+struct SweptTriangle {
+  Triangle corners;
+  Eigen::Vector3d normal;  // m², twice the area long
+  double tolerance;        // m³, of heights over its plane times the length of the normal
+};
+
+SweptTriangle Prepare(const Eigen::Matrix3Xd& vertices, const Eigen::Matrix3Xi& triangles,
+                      int index) {
+  SweptTriangle swept{{}, {}, 0};
+  for (int k = 0; k < 3; ++k) swept.corners[k] = vertices.col(triangles(k, index));
+  const auto& [a, b, c] = swept.corners;
+  swept.normal = (b - a).cross(c - a);
+  const double length = swept.normal.norm();
+  swept.tolerance = 1e-9 * length * std::sqrt(length);
+  return swept;
+}
+
 // Where the open segment a–b passes through the triangle, away from the segment's ends and, by
 // `slack` (a fraction), from the triangle's border.
 std::optional<Eigen::Vector3d> Pierce(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
-                                      const Triangle& triangle, double slack) {
-  const Eigen::Vector3d u = triangle[1] - triangle[0], v = triangle[2] - triangle[0];
-  const Eigen::Vector3d normal = u.cross(v);
+                                      const SweptTriangle& triangle, double slack) {
+  const auto& [corners, normal, tolerance] = triangle;
   const Eigen::Vector3d along = b - a;
   const double slope = normal.dot(along);
   if (std::abs(slope) <= 1e-12 * normal.norm() * along.norm()) return std::nullopt;
-  const double t = normal.dot(triangle[0] - a) / slope;
+  const double t = normal.dot(corners[0] - a) / slope;
   if (t <= slack || t >= 1 - slack) return std::nullopt;
+  const Eigen::Vector3d u = corners[1] - corners[0], v = corners[2] - corners[0];
   const Eigen::Vector3d point = a + t * along;
-  const Eigen::Vector3d offset = point - triangle[0];
+  const Eigen::Vector3d offset = point - corners[0];
   const double area2 = normal.squaredNorm();
   const double wv = normal.dot(u.cross(offset)) / area2;
   const double wu = normal.dot(offset.cross(v)) / area2;
@@ -33,15 +50,33 @@ std::optional<Eigen::Vector3d> Pierce(const Eigen::Vector3d& a, const Eigen::Vec
   return point;
 }
 
-// A point common to two triangles in one plane, if they overlap by an area.
-std::optional<Eigen::Vector3d> Overlap(const Triangle& first, const Triangle& second) {
-  const Eigen::Vector3d normal = (first[1] - first[0]).cross(first[2] - first[0]);
-  const double size = std::sqrt(normal.norm());
-  for (const Eigen::Vector3d& corner : second) {
-    if (std::abs(normal.normalized().dot(corner - first[0])) > 1e-9 * size) return std::nullopt;
+// The smallest overlap of triangles in one plane that counts, in terms of the normal of the first,
+// whose length is twice the area.
+constexpr double kOverlap = 1e-9;
+
+// Of triangles in one plane: whether an edge of `first` leaves all of `second` outside, but for
+// less than a tenth of the overlap that counts.
+bool HasDividingEdge(const SweptTriangle& first, const SweptTriangle& second) {
+  const double smaller = std::min(first.normal.norm(), second.normal.norm());
+  const double tolerance = 0.1 * kOverlap * first.normal.norm() * smaller;
+  for (int k = 0; k < 3; ++k) {
+    const Eigen::Vector3d inward =
+        first.normal.cross(first.corners[(k + 1) % 3] - first.corners[k]);
+    bool outside = true;
+    for (const Eigen::Vector3d& corner : second.corners) {
+      outside = outside && inward.dot(corner - first.corners[k]) <= tolerance;
+    }
+    if (outside) return true;
   }
+  return false;
+}
+
+// A point common to two triangles in one plane, if they overlap by an area.
+std::optional<Eigen::Vector3d> Overlap(const SweptTriangle& swept, const SweptTriangle& other) {
+  if (HasDividingEdge(swept, other) || HasDividingEdge(other, swept)) return std::nullopt;
+  const auto& [first, normal, tolerance] = swept;
   // Clip the second triangle by the edges of the first; what remains must have an area.
-  std::vector<Eigen::Vector3d> polygon(second.begin(), second.end());
+  std::vector<Eigen::Vector3d> polygon(other.corners.begin(), other.corners.end());
   for (int k = 0; k < 3 && !polygon.empty(); ++k) {
     const Eigen::Vector3d inward = normal.cross(first[(k + 1) % 3] - first[k]);
     std::vector<Eigen::Vector3d> clipped;
@@ -61,20 +96,76 @@ std::optional<Eigen::Vector3d> Overlap(const Triangle& first, const Triangle& se
       area += (polygon[i] - polygon[0]).cross(polygon[i + 1] - polygon[0]);
     }
   }
-  if (area.norm() <= 1e-9 * normal.norm()) return std::nullopt;
+  if (area.norm() <= kOverlap * normal.norm()) return std::nullopt;
   return centre;
 }
 
-std::optional<Eigen::Vector3d> Meet(const Triangle& first, const Triangle& second, int shared) {
-  if (const auto overlap = Overlap(first, second)) return overlap;
-  if (shared >= 2) return std::nullopt;
+// The bounding box of a triangle: along the sweep, then along the other axes.
+struct Span {
+  std::array<double, 3> low, high;
+  int triangle;
+};
+
+// Boxes by where they begin along the longest axis of all, where fewest are beside each other.
+std::vector<Span> SortedSpans(const Eigen::Matrix3Xd& vertices, const Eigen::Matrix3Xi& triangles) {
+  std::vector<Eigen::AlignedBox3d> boxes(static_cast<std::size_t>(triangles.cols()));
+  Eigen::AlignedBox3d all;
+  for (std::size_t t = 0; t < boxes.size(); ++t) {
+    for (int k = 0; k < 3; ++k) boxes[t].extend(vertices.col(triangles(k, t)));
+    all.extend(boxes[t]);
+  }
+  Eigen::Index first = 0;
+  if (!boxes.empty()) all.sizes().maxCoeff(&first);
+  std::vector<Span> spans(boxes.size());
+  for (std::size_t t = 0; t < boxes.size(); ++t) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Eigen::Index axis = (first + static_cast<Eigen::Index>(k)) % 3;
+      spans[t].low[k] = boxes[t].min()(axis);
+      spans[t].high[k] = boxes[t].max()(axis);
+    }
+    spans[t].triangle = static_cast<int>(t);
+  }
+  std::sort(spans.begin(), spans.end(),
+            [](const Span& a, const Span& b) { return a.low[0] < b.low[0]; });
+  return spans;
+}
+
+// Where the corners of a triangle lie, seen from the plane of another.
+enum class Position {
+  kAside,   // all that are not shared on one side: the triangles meet in what they share at most
+  kInside,  // all in the plane
+  kAcross,  // anywhere else
+};
+
+Position PositionOf(const Triangle& triangle, const SweptTriangle& other, int shared) {
+  int above = 0, below = 0;
+  for (const Eigen::Vector3d& corner : triangle) {
+    const double height = other.normal.dot(corner - other.corners[0]);
+    above += height > other.tolerance;
+    below += height < -other.tolerance;
+  }
+  const bool aside = std::max(above, below) == 3 - shared && std::min(above, below) == 0;
+  if (aside && shared < 3) return Position::kAside;
+  return above + below == 0 ? Position::kInside : Position::kAcross;
+}
+
+std::optional<Eigen::Vector3d> Meet(const SweptTriangle& first, const SweptTriangle& second,
+                                    int shared) {
+  const Position position = PositionOf(second.corners, first, shared);
+  if (position == Position::kAside) return std::nullopt;
+  // A triangle without an area has no plane to lie in.
+  if (position == Position::kInside && first.tolerance > 0) return Overlap(first, second);
+  if (shared >= 2 || PositionOf(first.corners, second, shared) == Position::kAside) {
+    return std::nullopt;
+  }
   // Neighbours at a vertex touch at the border; strangers may not even touch from within.
-  const double slack = shared == 1 ? 1e-9 : -1e-12;
+  const double slack = shared == 1 ? 1e-9 : 1e-12;
   for (int k = 0; k < 3; ++k) {
-    if (const auto point = Pierce(first[k], first[(k + 1) % 3], second, std::abs(slack))) {
+    const int next = (k + 1) % 3;
+    if (const auto point = Pierce(first.corners[k], first.corners[next], second, slack)) {
       return point;
     }
-    if (const auto point = Pierce(second[k], second[(k + 1) % 3], first, std::abs(slack))) {
+    if (const auto point = Pierce(second.corners[k], second.corners[next], first, slack)) {
       return point;
     }
   }
@@ -85,19 +176,10 @@ std::optional<Eigen::Vector3d> Meet(const Triangle& first, const Triangle& secon
 
 std::vector<Intersection> FindIntersections(const Eigen::Matrix3Xd& vertices,
                                             const Eigen::Matrix3Xi& triangles, int limit) {
-  const int count = static_cast<int>(triangles.cols());
-  std::vector<Eigen::AlignedBox3d> boxes(count);
-  for (int t = 0; t < count; ++t) {
-    for (int k = 0; k < 3; ++k) boxes[t].extend(vertices.col(triangles(k, t)));
-  }
-  std::vector<int> order(count);
-  std::iota(order.begin(), order.end(), 0);
-  std::sort(order.begin(), order.end(),
-            [&](int a, int b) { return boxes[a].min().x() < boxes[b].min().x(); });
-  const auto corners = [&](int t) {
-    return Triangle{vertices.col(triangles(0, t)), vertices.col(triangles(1, t)),
-                    vertices.col(triangles(2, t))};
-  };
+  const std::vector<Span> spans = SortedSpans(vertices, triangles);
+  std::vector<SweptTriangle> swept;
+  swept.reserve(spans.size());
+  for (const Span& span : spans) swept.push_back(Prepare(vertices, triangles, span.triangle));
   const auto shared = [&](int a, int b) {
     int common = 0;
     for (int k = 0; k < 3; ++k) {
@@ -106,17 +188,19 @@ std::vector<Intersection> FindIntersections(const Eigen::Matrix3Xd& vertices,
     return common;
   };
   std::vector<Intersection> found;
-  std::vector<int> open;
-  for (const int t : order) {
-    std::erase_if(open, [&](int other) { return boxes[other].max().x() < boxes[t].min().x(); });
-    for (const int other : open) {
-      if (!boxes[t].intersects(boxes[other])) continue;
-      const auto place = Meet(corners(t), corners(other), shared(t, other));
+  for (std::size_t i = 0; i < spans.size(); ++i) {
+    const Span a = spans[i];
+    for (std::size_t j = i + 1; j < spans.size() && spans[j].low[0] <= a.high[0]; ++j) {
+      const Span& b = spans[j];
+      // Without a branch for each comparison, most of which could go either way.
+      const bool apart = (b.low[1] > a.high[1]) | (b.high[1] < a.low[1]) | (b.low[2] > a.high[2]) |
+                         (b.high[2] < a.low[2]);
+      if (apart) continue;
+      const auto place = Meet(swept[i], swept[j], shared(a.triangle, b.triangle));
       if (!place) continue;
-      found.push_back({std::min(t, other), std::max(t, other), *place});
+      found.push_back({std::min(a.triangle, b.triangle), std::max(a.triangle, b.triangle), *place});
       if (static_cast<int>(found.size()) >= limit) return found;
     }
-    open.push_back(t);
   }
   return found;
 }
