@@ -92,6 +92,19 @@ std::string DetailsOf(const v1::Item& item) {
                          item.price_is_example() ? " (example)" : "");
 }
 
+// What a template is made of.
+std::string KindOf(const v1::Template& message) {
+  switch (message.kind_case()) {
+    case v1::Template::kAssembly:
+      return "assembly";
+    case v1::Template::kCad:
+      return "features";
+    case v1::Template::KIND_NOT_SET:
+      break;
+  }
+  return "parts";
+}
+
 absl::Status List(const ListOptions& options, Session& session, Output& output) {
   const bool filtered = !options.kind.empty() || !options.material.empty() || !options.text.empty();
   const std::string what = !options.what.empty() ? options.what : filtered ? "items" : "templates";
@@ -129,7 +142,9 @@ absl::Status List(const ListOptions& options, Session& session, Output& output) 
     status = ListAll<v1::ListTemplatesRequest, v1::ListTemplatesResponse>(
         *client, [&](auto... a) { return stub->ListTemplates(a...); },
         [&](const v1::ListTemplatesResponse& page) {
-          for (const auto& t : page.templates()) add(t, absl::StrCat("revision ", t.revision()));
+          for (const auto& t : page.templates()) {
+            add(t, absl::StrCat(KindOf(t), ", revision ", t.revision()));
+          }
         });
   }
   MORTISE_RETURN_IF_ERROR(status);
@@ -212,7 +227,8 @@ absl::Status Evaluate(const EvaluateOptions& options, Session& session, Output& 
   }));
   std::vector<std::vector<std::string>> rows;
   for (const v1::EvaluatedPart& part : design.parts()) {
-    rows.push_back({part.name(), part.item(), Millimetres(part.size().x()),
+    const std::string& made_of = part.item().empty() ? part.material() : part.item();
+    rows.push_back({part.name(), made_of, Millimetres(part.size().x()),
                     Millimetres(part.size().y()), Millimetres(part.size().z()),
                     absl::StrFormat("%.3f kg", part.mass())});
   }

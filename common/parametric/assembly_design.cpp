@@ -75,6 +75,9 @@ EvaluatedDesign DesignAt(const ParametricAssembly& assembly, const Eigen::Vector
     EvaluatedPart part;
     part.name = placed.name;
     part.item = element.item;
+    part.connecting = element.connecting;
+    part.length_axis = drawn.item_axes[0];
+    part.thickness_axis = drawn.item_axes[2];
     const std::optional<Axis> round = item == nullptr ? std::nullopt : RoundAbout(item->kind);
     if (round) {
       FillRound(placed.box, drawn.item_axes[static_cast<std::size_t>(*round)], part);
@@ -92,6 +95,7 @@ EvaluatedDesign DesignAt(const ParametricAssembly& assembly, const Eigen::Vector
     part.volume = SignedArea(part.outline) * (part.to - part.from);
     if (item != nullptr) {
       const Material* const material = FindMaterial(materials, item->material);
+      part.material = item->material;
       part.mass = material == nullptr ? 0 : material->density * part.volume;
       part.process = CuttingProcess(*item);
     }

@@ -56,6 +56,14 @@ absl::StatusOr<v1::Template> ParseTemplateText(std::string_view text, const std:
   return message;
 }
 
+absl::StatusOr<v1::Template> ParseCadTemplateText(std::string_view text,
+                                                  const std::string& origin) {
+  v1::Template message;
+  MORTISE_RETURN_IF_ERROR(ParseProtoText(text, origin, *message.mutable_cad()));
+  message.set_name(message.cad().name());
+  return message;
+}
+
 absl::StatusOr<v1::TemplateBundle> ParseBundleText(std::string_view text,
                                                    const std::string& origin) {
   v1::TemplateBundle message;
@@ -84,6 +92,14 @@ absl::StatusOr<Collection> ReadCollection(const fs::path& folder) {
     if (file.filename() != "template.textproto") continue;
     MORTISE_ASSIGN_OR_RETURN(const std::string text, ReadFile(file, kMaxTextBytes));
     MORTISE_ASSIGN_OR_RETURN(v1::Template message, ParseTemplateText(text, file.string()));
+    collection.templates.push_back(std::move(message));
+  }
+  MORTISE_ASSIGN_OR_RETURN(const std::vector<fs::path> cad_templates,
+                           FilesUnder(folder / "cad_templates"));
+  for (const fs::path& file : cad_templates) {
+    if (file.extension() != ".textproto") continue;
+    MORTISE_ASSIGN_OR_RETURN(const std::string text, ReadFile(file, kMaxTextBytes));
+    MORTISE_ASSIGN_OR_RETURN(v1::Template message, ParseCadTemplateText(text, file.string()));
     collection.templates.push_back(std::move(message));
   }
   MORTISE_ASSIGN_OR_RETURN(const std::vector<fs::path> assemblies,

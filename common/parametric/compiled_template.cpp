@@ -68,6 +68,7 @@ absl::StatusOr<CompiledPart> CompilePart(const TemplateBundle& bundle,
   part.field = std::move(field);
   part.face_names = FaceNames(definition);
   const Item& item = *FindItem(bundle.items, definition.item);
+  part.material = item.material;
   part.density = FindMaterial(bundle.materials, item.material)->density;
   part.process = CuttingProcess(item);
   const Names parameters = ParameterNames(bundle.definition);

@@ -28,8 +28,9 @@ struct CompiledPart {
   PlacedExpression from;
   PlacedExpression to;
   std::vector<std::string> face_names;
-  std::string field;   // "parts[2]"
-  double density = 0;  // kg/m³
+  std::string field;     // "parts[2]"
+  std::string material;  // materials/{id}
+  double density = 0;    // kg/m³
   Process process = Process::kNone;
 };
 

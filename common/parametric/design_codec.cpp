@@ -17,11 +17,25 @@ Eigen::Vector3d VectorOf(const v1::Vector3& message) {
   return {message.x(), message.y(), message.z()};
 }
 
+void SetShape(const FacetedShape& shape, v1::FacetedShape* message) {
+  const mesh::SurfaceMesh& surface = shape.surface;
+  message->mutable_vertices()->Add(surface.vertices.data(),
+                                   surface.vertices.data() + surface.vertices.size());
+  message->mutable_triangles()->Add(surface.triangles.data(),
+                                    surface.triangles.data() + surface.triangles.size());
+  message->mutable_triangle_faces()->Add(shape.triangle_face.data(),
+                                         shape.triangle_face.data() + shape.triangle_face.size());
+  for (const std::vector<std::string>& names : shape.face_names) {
+    v1::FaceNames* face = message->add_faces();
+    for (const std::string& name : names) face->add_names(name);
+  }
+}
+
 void SetPart(const EvaluatedPart& part, v1::EvaluatedPart* message) {
   message->set_name(part.name);
   message->set_title(part.title);
   message->set_item(part.item);
-  message->set_axis(AxisToProto(part.axis));
+  if (!part.faceted) message->set_axis(AxisToProto(part.axis));
   for (const auto& corner : part.outline.colwise()) {
     v1::Vector2* point = message->add_outline();
     point->set_u(corner.x());
@@ -36,6 +50,38 @@ void SetPart(const EvaluatedPart& part, v1::EvaluatedPart* message) {
   message->set_mass(part.mass);
   message->set_process(ProcessToProto(part.process));
   for (const std::string& name : part.face_names) message->add_face_names(name);
+  message->set_material(part.material);
+  message->set_connecting(part.connecting);
+  message->set_length_axis(AxisToProto(part.length_axis));
+  message->set_thickness_axis(AxisToProto(part.thickness_axis));
+  if (part.faceted) SetShape(*part.faceted, message->mutable_faceted());
+}
+
+absl::StatusOr<FacetedShape> ShapeOf(const v1::FacetedShape& message, const std::string& field) {
+  const Eigen::Index vertices = message.vertices_size() / 3;
+  const Eigen::Index triangles = message.triangles_size() / 3;
+  if (message.vertices_size() % 3 != 0 || message.triangles_size() % 3 != 0 ||
+      message.triangle_faces_size() != triangles) {
+    return InvalidField(field, "needs three numbers a vertex and a triangle, and a face for each");
+  }
+  FacetedShape shape;
+  shape.surface.vertices =
+      Eigen::Map<const Eigen::Matrix3Xd>(message.vertices().data(), 3, vertices);
+  shape.surface.triangles =
+      Eigen::Map<const Eigen::Matrix3Xi>(message.triangles().data(), 3, triangles);
+  shape.triangle_face =
+      Eigen::Map<const Eigen::VectorXi>(message.triangle_faces().data(), triangles);
+  for (const v1::FaceNames& face : message.faces()) {
+    shape.face_names.emplace_back(face.names().begin(), face.names().end());
+  }
+  const auto within = [](const auto& indices, Eigen::Index count) {
+    return indices.size() == 0 || (indices.minCoeff() >= 0 && indices.maxCoeff() < count);
+  };
+  if (!within(shape.surface.triangles, vertices) ||
+      !within(shape.triangle_face, message.faces_size())) {
+    return InvalidField(field, "refers to a vertex or face that is not there");
+  }
+  return shape;
 }
 
 absl::StatusOr<EvaluatedPart> PartOf(const v1::EvaluatedPart& message, const std::string& field) {
@@ -43,7 +89,10 @@ absl::StatusOr<EvaluatedPart> PartOf(const v1::EvaluatedPart& message, const std
   part.name = message.name();
   part.title = message.title();
   part.item = message.item();
-  MORTISE_ASSIGN_OR_RETURN(part.axis, AxisFromProto(message.axis(), absl::StrCat(field, ".axis")));
+  if (!message.has_faceted()) {
+    MORTISE_ASSIGN_OR_RETURN(part.axis,
+                             AxisFromProto(message.axis(), absl::StrCat(field, ".axis")));
+  }
   part.outline.resize(2, message.outline_size());
   for (int i = 0; i < message.outline_size(); ++i) {
     part.outline.col(i) << message.outline(i).u(), message.outline(i).v();
@@ -58,6 +107,22 @@ absl::StatusOr<EvaluatedPart> PartOf(const v1::EvaluatedPart& message, const std
   MORTISE_ASSIGN_OR_RETURN(part.process,
                            ProcessFromProto(message.process(), absl::StrCat(field, ".process")));
   part.face_names = {message.face_names().begin(), message.face_names().end()};
+  part.material = message.material();
+  part.connecting = message.connecting();
+  if (message.length_axis() != v1::AXIS_UNSPECIFIED) {
+    MORTISE_ASSIGN_OR_RETURN(part.length_axis, AxisFromProto(message.length_axis(),
+                                                             absl::StrCat(field, ".length_axis")));
+  }
+  if (message.thickness_axis() != v1::AXIS_UNSPECIFIED) {
+    MORTISE_ASSIGN_OR_RETURN(
+        part.thickness_axis,
+        AxisFromProto(message.thickness_axis(), absl::StrCat(field, ".thickness_axis")));
+  }
+  if (message.has_faceted()) {
+    MORTISE_ASSIGN_OR_RETURN(part.faceted,
+                             ShapeOf(message.faceted(), absl::StrCat(field, ".faceted")));
+    return part;
+  }
   if (message.outline_size() < 3 || message.face_names_size() != message.outline_size() + 2) {
     return InvalidField(absl::StrCat(field, ".outline"),
                         "needs at least three corners, and face_names two more than those");
@@ -101,6 +166,8 @@ void SetCondition(const EvaluatedBoundaryCondition& condition,
   message->set_face(condition.face);
   SetVector(condition.force, message->mutable_force());
   message->set_pressure(condition.pressure);
+  message->set_heat_flux(condition.heat_flux);
+  message->set_temperature(condition.temperature);
 }
 
 absl::StatusOr<EvaluatedBoundaryCondition> ConditionOf(
@@ -108,14 +175,16 @@ absl::StatusOr<EvaluatedBoundaryCondition> ConditionOf(
   EvaluatedBoundaryCondition condition;
   condition.name = message.name();
   if (message.kind() < v1::BoundaryCondition::FIXED ||
-      message.kind() > v1::BoundaryCondition::PRESSURE) {
-    return InvalidField(absl::StrCat(field, ".kind"), "must be FIXED, FORCE or PRESSURE");
+      message.kind() > v1::BoundaryCondition::TEMPERATURE) {
+    return InvalidField(absl::StrCat(field, ".kind"), "is not a kind of condition");
   }
   condition.kind = static_cast<BoundaryConditionKind>(message.kind());
   condition.part = message.part();
   condition.face = message.face();
   condition.force = VectorOf(message.force());
   condition.pressure = message.pressure();
+  condition.heat_flux = message.heat_flux();
+  condition.temperature = message.temperature();
   return condition;
 }
 

@@ -15,8 +15,7 @@ namespace {
 
 using Eigen::VectorXd;
 
-constexpr double kShortestEdge = 1e-6;    // m; outlines with shorter edges are refused
-constexpr double kRangeTolerance = 1e-9;  // of a parameter's range
+constexpr double kShortestEdge = 1e-6;  // m; outlines with shorter edges are refused
 
 absl::StatusOr<double> ValueOf(const PlacedExpression& placed, const VectorXd& q) {
   absl::StatusOr<double> value = placed.expression.Value(q);
@@ -124,30 +123,6 @@ void Accumulate(Dual& sum, const Dual& term, double factor) {
 
 }  // namespace
 
-absl::Status CheckParameterValue(const Parameter& parameter, double value,
-                                 const std::string& field) {
-  if (!std::isfinite(value)) return InvalidField(field, "is not a finite number");
-  const double slack = kRangeTolerance * (parameter.maximum - parameter.minimum);
-  if (value < parameter.minimum - slack || value > parameter.maximum + slack) {
-    return InvalidField(
-        field, absl::StrCat("'", parameter.name, "' is ", value, ", outside its range ",
-                            parameter.minimum, " to ", parameter.maximum, " ", parameter.unit));
-  }
-  return absl::OkStatus();
-}
-
-absl::Status CheckParameterValues(const std::vector<Parameter>& parameters, const VectorXd& q) {
-  if (q.size() != static_cast<Eigen::Index>(parameters.size())) {
-    return InvalidField("parameters",
-                        absl::StrCat("has ", q.size(), " values, not ", parameters.size()));
-  }
-  for (std::size_t i = 0; i < parameters.size(); ++i) {
-    MORTISE_RETURN_IF_ERROR(CheckParameterValue(parameters[i], q(static_cast<Eigen::Index>(i)),
-                                                absl::StrCat("parameters[", i, "].value")));
-  }
-  return absl::OkStatus();
-}
-
 absl::StatusOr<EvaluatedPart> EvaluatePart(const CompiledTemplate& compiled_template,
                                            std::size_t index, const VectorXd& q) {
   const PartTemplate& definition = compiled_template.bundle.definition.parts[index];
@@ -156,6 +131,9 @@ absl::StatusOr<EvaluatedPart> EvaluatePart(const CompiledTemplate& compiled_temp
   part.name = definition.name;
   part.title = definition.title;
   part.item = definition.item;
+  part.material = compiled.material;
+  part.length_axis = definition.length_axis;
+  part.thickness_axis = definition.thickness_axis;
   part.axis = compiled.axis;
   part.face_names = compiled.face_names;
   part.process = compiled.process;

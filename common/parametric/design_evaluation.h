@@ -10,14 +10,6 @@
 
 namespace mortise::parametric {
 
-// Whether `value` may be given to the parameter; otherwise INVALID_ARGUMENT naming `field`.
-absl::Status CheckParameterValue(const Parameter& parameter, double value,
-                                 const std::string& field);
-
-// As above, for all parameters; fields are "parameters[i].value".
-absl::Status CheckParameterValues(const std::vector<Parameter>& parameters,
-                                  const Eigen::VectorXd& q);
-
 // The part of this index. INVALID_ARGUMENT naming the expression that fails, or the extent or
 // outline that is no shape.
 absl::StatusOr<EvaluatedPart> EvaluatePart(const CompiledTemplate& compiled, std::size_t part,

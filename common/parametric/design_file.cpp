@@ -15,6 +15,7 @@ namespace {
 
 constexpr std::size_t kMaxBytes = std::size_t{4} << 20;
 constexpr std::string_view kTemplateMark = "# proto-message: mortise.v1.Template\n";
+constexpr std::string_view kCadTemplateMark = "# proto-message: mortise.v1.CadTemplate\n";
 
 DesignFile Failed(const absl::Status& status) {
   DesignFile file;
@@ -28,8 +29,10 @@ DesignFile Failed(const absl::Status& status) {
 
 DesignFile ParseDesignText(std::string_view text, const std::string& origin) {
   DesignFile file;
-  if (text.find(kTemplateMark) != std::string_view::npos) {
-    absl::StatusOr<v1::Template> message = ParseTemplateText(text, origin);
+  const bool features = text.find(kCadTemplateMark) != std::string_view::npos;
+  if (features || text.find(kTemplateMark) != std::string_view::npos) {
+    absl::StatusOr<v1::Template> message =
+        features ? ParseCadTemplateText(text, origin) : ParseTemplateText(text, origin);
     if (!message.ok()) return Failed(message.status());
     file.templates.push_back({*std::move(message), "", {}});
     return file;

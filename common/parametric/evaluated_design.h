@@ -1,24 +1,39 @@
 // A template at given parameters, F(q) of thesis (3.1), in numbers.
-// Mirrors EvaluatedDesign of mortise/v1/catalog.proto.
+// Mirrors EvaluatedDesign of mortise/v1/design.proto.
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "common/mesh/surface_mesh.h"
 #include "common/parametric/template_definition.h"
 
 namespace mortise::parametric {
 
-// A part. Every part is a prism: a polygon extruded along a coordinate axis; a box is one along Z.
+// What a part that is no prism looks like.
+struct FacetedShape {
+  mesh::SurfaceMesh surface;
+  Eigen::VectorXi triangle_face;                     // T, index into face_names
+  std::vector<std::vector<std::string>> face_names;  // of each face, all that it is called
+};
+
+// A part: a prism, which is a polygon extruded along a coordinate axis (a box is one along Z), or
+// else faceted; it has no item, outline and extrusion then.
 struct EvaluatedPart {
   std::string name;
   std::string title;
-  std::string item;          // items/{id}
-  Axis axis = Axis::kZ;      // of the extrusion
-  Eigen::Matrix2Xd outline;  // 2 × N, m, counter-clockwise in (u, v) of Prism
-  double from = 0;           // m, along the axis
-  double to = 0;             // m
+  std::string item;           // items/{id}; empty for what no item is
+  std::string material = {};  // materials/{id}
+  std::optional<FacetedShape> faceted = {};
+  bool connecting = false;         // of an assembly: holds other parts together
+  Axis length_axis = Axis::kX;     // of the design, along which the item's X lies
+  Axis thickness_axis = Axis::kZ;  // of the design, along which the item's Z lies
+  Axis axis = Axis::kZ;            // of the extrusion
+  Eigen::Matrix2Xd outline;        // 2 × N, m, counter-clockwise in (u, v) of Prism
+  double from = 0;                 // m, along the axis
+  double to = 0;                   // m
   // N + 2 names: of the face on each outline edge (point i to i + 1), then those at `from` and
   // `to`.
   std::vector<std::string> face_names;
@@ -51,6 +66,8 @@ struct EvaluatedBoundaryCondition {
   std::string face;
   Eigen::Vector3d force = Eigen::Vector3d::Zero();  // N, kForce: the total over the face
   double pressure = 0;                              // Pa, kPressure: positive pushes on the face
+  double heat_flux = 0;                             // W/m² into the part, kHeatFlux
+  double temperature = 0;                           // K, kTemperature
 };
 
 struct NamedValue {

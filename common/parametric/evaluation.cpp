@@ -1,16 +1,13 @@
 // The door to evaluation: parameter vectors in, designs and mass out.
 #include "common/parametric/evaluation.h"
 
-#include <algorithm>
-#include <cmath>
 #include <iterator>
-#include <set>
 #include <utility>
 
-#include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/parametric/compiled_template.h"
 #include "common/parametric/design_evaluation.h"
+#include "common/parametric/parameter_values.h"
 
 namespace mortise::parametric {
 
@@ -30,45 +27,14 @@ const std::vector<Parameter>& TemplateFunction::parameters() const {
   return compiled_->bundle.definition.parameters;
 }
 
-VectorXd TemplateFunction::Defaults() const {
-  VectorXd q(static_cast<Eigen::Index>(parameters().size()));
-  for (Eigen::Index i = 0; i < q.size(); ++i) {
-    q(i) = parameters()[static_cast<std::size_t>(i)].default_value;
-  }
-  return q;
-}
+VectorXd TemplateFunction::Defaults() const { return parametric::Defaults(parameters()); }
 
 absl::StatusOr<VectorXd> TemplateFunction::Complete(const std::vector<NamedValue>& values) const {
-  VectorXd q = Defaults();
-  std::set<std::string> seen;
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    const std::string field = absl::StrCat("parameters[", i, "]");
-    const auto found =
-        std::find_if(parameters().begin(), parameters().end(),
-                     [&](const Parameter& entry) { return entry.name == values[i].name; });
-    if (found == parameters().end()) {
-      return InvalidField(absl::StrCat(field, ".name"),
-                          absl::StrCat("there is no parameter '", values[i].name, "'"));
-    }
-    if (!seen.insert(values[i].name).second) {
-      return InvalidField(absl::StrCat(field, ".name"),
-                          absl::StrCat("'", values[i].name, "' is given twice"));
-    }
-    MORTISE_RETURN_IF_ERROR(
-        CheckParameterValue(*found, values[i].value, absl::StrCat(field, ".value")));
-    q(found - parameters().begin()) = values[i].value;
-  }
-  return q;
+  return parametric::Complete(parameters(), values);
 }
 
 VectorXd TemplateFunction::RoundToSteps(const VectorXd& q) const {
-  VectorXd rounded = q;
-  for (Eigen::Index i = 0; i < std::min<Eigen::Index>(q.size(), Defaults().size()); ++i) {
-    const Parameter& parameter = parameters()[static_cast<std::size_t>(i)];
-    if (parameter.step > 0) rounded(i) = std::round(q(i) / parameter.step) * parameter.step;
-    rounded(i) = std::clamp(rounded(i), parameter.minimum, parameter.maximum);
-  }
-  return rounded;
+  return parametric::RoundToSteps(parameters(), q);
 }
 
 absl::StatusOr<EvaluatedDesign> TemplateFunction::Evaluate(const VectorXd& q) const {
@@ -78,9 +44,7 @@ absl::StatusOr<EvaluatedDesign> TemplateFunction::Evaluate(const VectorXd& q) co
   design.template_name = definition.name;
   design.template_revision = definition.revision;
   design.template_digest = definition.digest;
-  for (std::size_t i = 0; i < definition.parameters.size(); ++i) {
-    design.parameters.push_back({definition.parameters[i].name, q(static_cast<Eigen::Index>(i))});
-  }
+  design.parameters = NamedValues(definition.parameters, q);
   for (std::size_t i = 0; i < definition.parts.size(); ++i) {
     MORTISE_ASSIGN_OR_RETURN(EvaluatedPart part, EvaluatePart(*compiled_, i, q));
     design.mass += part.mass;

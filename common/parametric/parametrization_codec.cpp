@@ -70,9 +70,7 @@ v1::GeometricRelationship::Kind KindToProto(RelationshipKind kind) {
 }
 
 void SetProto(const MeasureRange& range, v1::MeasureRange* message) {
-  message->mutable_measure()->set_element(range.measure.element);
-  message->mutable_measure()->set_axis(AxisToProto(range.measure.axis));
-  message->mutable_measure()->set_kind(KindToProto(range.measure.kind));
+  *message->mutable_measure() = ToProto(range.measure);
   message->set_drawn(range.drawn);
   message->set_minimum(range.minimum);
   message->set_maximum(range.maximum);
@@ -119,20 +117,33 @@ absl::Status AddNodes(const ParametricAssembly& parametric, v1::Parametrization&
 
 }  // namespace
 
+absl::StatusOr<Measure> FromProto(const v1::Measure& message, const std::string& field) {
+  Measure measure;
+  measure.element = message.element();
+  if (message.axis() != v1::AXIS_UNSPECIFIED) {
+    MORTISE_ASSIGN_OR_RETURN(measure.axis,
+                             AxisFromProto(message.axis(), absl::StrCat(field, ".axis")));
+  }
+  MORTISE_ASSIGN_OR_RETURN(measure.kind,
+                           KindFromProto(message.kind(), absl::StrCat(field, ".kind")));
+  return measure;
+}
+
+v1::Measure ToProto(const Measure& measure) {
+  v1::Measure message;
+  message.set_element(measure.element);
+  message.set_axis(AxisToProto(measure.axis));
+  message.set_kind(KindToProto(measure.kind));
+  return message;
+}
+
 absl::StatusOr<std::vector<MeasureDemand>> FromProto(
     const google::protobuf::RepeatedPtrField<v1::MeasureDemand>& messages) {
   std::vector<MeasureDemand> demands;
   for (int i = 0; i < messages.size(); ++i) {
-    const v1::Measure& measure = messages[i].measure();
-    const std::string field = absl::StrCat("demands[", i, "].measure");
     MeasureDemand demand;
-    demand.measure.element = measure.element();
-    if (measure.axis() != v1::AXIS_UNSPECIFIED) {
-      MORTISE_ASSIGN_OR_RETURN(demand.measure.axis,
-                               AxisFromProto(measure.axis(), absl::StrCat(field, ".axis")));
-    }
-    MORTISE_ASSIGN_OR_RETURN(demand.measure.kind,
-                             KindFromProto(measure.kind(), absl::StrCat(field, ".kind")));
+    MORTISE_ASSIGN_OR_RETURN(
+        demand.measure, FromProto(messages[i].measure(), absl::StrCat("demands[", i, "].measure")));
     demand.value = messages[i].value();
     demands.push_back(std::move(demand));
   }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <string>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -10,6 +11,12 @@
 #include "mortise/v1/assembly.pb.h"
 
 namespace mortise::parametric {
+
+// A measure as a struct: an axis or kind that is not said is x, or the size. INVALID_ARGUMENT
+// naming
+// "<field>.axis" or "<field>.kind" for numbers that the contract does not have.
+absl::StatusOr<Measure> FromProto(const v1::Measure& message, const std::string& field);
+v1::Measure ToProto(const Measure& measure);
 
 // Demands as structs. INVALID_ARGUMENT naming "demands[i].measure.axis" or ".kind" for numbers that
 // the contract does not have.

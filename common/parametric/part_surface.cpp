@@ -1,10 +1,12 @@
-// The triangles of a part: its outline triangulated twice, and two triangles a side.
+// The triangles of a part: those it has, or its outline triangulated twice, and two triangles a
+// side.
 #include "common/parametric/evaluation.h"
 #include "common/parametric/polygon.h"
 
 namespace mortise::parametric {
 
 mesh::SurfaceMesh PartSurface(const EvaluatedPart& part) {
+  if (part.faceted) return part.faceted->surface;
   const int corners = static_cast<int>(part.outline.cols());
   mesh::SurfaceMesh surface;
   surface.vertices.resize(3, 2 * corners);

@@ -7,7 +7,6 @@
 #include "common/parametric/message_digest.h"
 
 namespace mortise::parametric {
-namespace {
 
 Parameter FromProto(const v1::Parameter& message) {
   return {message.name(),    message.title(),   message.description(),   message.unit(),
@@ -26,6 +25,8 @@ v1::Parameter ToProto(const Parameter& parameter) {
   message.set_step(parameter.step);
   return message;
 }
+
+namespace {
 
 Extent FromProto(const v1::Extent& message) { return {message.from(), message.to()}; }
 
@@ -132,6 +133,8 @@ v1::BoundaryCondition::Kind ToProto(BoundaryConditionKind kind) {
   return static_cast<v1::BoundaryCondition::Kind>(kind);
 }
 
+}  // namespace
+
 absl::StatusOr<BoundaryCondition> FromProto(const v1::BoundaryCondition& message,
                                             const std::string& field) {
   BoundaryCondition condition;
@@ -142,6 +145,8 @@ absl::StatusOr<BoundaryCondition> FromProto(const v1::BoundaryCondition& message
   condition.components = {message.components().begin(), message.components().end()};
   return condition;
 }
+
+namespace {
 
 v1::BoundaryCondition ToProto(const BoundaryCondition& condition) {
   v1::BoundaryCondition message;
@@ -165,6 +170,9 @@ std::vector<NamedValue> FromProto(
 }
 
 absl::StatusOr<TemplateDefinition> FromProto(const v1::Template& message) {
+  if (message.kind_case() != v1::Template::KIND_NOT_SET) {
+    return InvalidField("kind", "is not a template of parts");
+  }
   TemplateDefinition definition;
   definition.name = message.name();
   definition.revision = message.revision();
@@ -250,6 +258,10 @@ std::string BundleDigest(const v1::TemplateBundle& message) {
   content.mutable_template_()->Clear();
   content.mutable_template_()->set_digest(TemplateDigest(message.template_()));
   ClearRevisions(*content.mutable_items(), *content.mutable_materials());
+  // Its own digest says what it is.
+  content.mutable_assembly()->clear_revision();
+  content.mutable_assembly()->clear_create_time();
+  if (!message.has_assembly()) content.clear_assembly();
   return MessageDigest(content);
 }
 

@@ -1,5 +1,6 @@
 // Converts templates, items, materials and designs between the structs of this folder and the
-// messages of mortise/v1/catalog.proto. Target mortise_template_codec; only adapters link it.
+// messages of mortise/v1/item.proto, template.proto and design.proto. Target
+// mortise_template_codec; only adapters link it.
 //
 // From… functions check what structs cannot express (unknown enum values, missing bodies, an item's
 // axes given twice) and fail with INVALID_ARGUMENT naming the field; whether the content makes
@@ -16,12 +17,18 @@ namespace mortise::parametric {
 
 absl::StatusOr<Material> FromProto(const v1::Material& message);
 absl::StatusOr<Item> FromProto(const v1::Item& message);
+Parameter FromProto(const v1::Parameter& message);
+// FIXED, FORCE or PRESSURE; `field` is the path of the message.
+absl::StatusOr<BoundaryCondition> FromProto(const v1::BoundaryCondition& message,
+                                            const std::string& field);
+// Only templates of parts; for any kind see common/templates/template_codec.h.
 absl::StatusOr<TemplateDefinition> FromProto(const v1::Template& message);
 absl::StatusOr<TemplateBundle> FromProto(const v1::TemplateBundle& message);
 absl::StatusOr<EvaluatedDesign> FromProto(const v1::EvaluatedDesign& message);
 std::vector<NamedValue> FromProto(
     const google::protobuf::RepeatedPtrField<v1::ParameterValue>& messages);
 
+v1::Parameter ToProto(const Parameter& parameter);
 v1::Material ToProto(const Material& material);
 v1::Item ToProto(const Item& item);
 v1::Template ToProto(const TemplateDefinition& definition);

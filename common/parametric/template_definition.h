@@ -1,5 +1,6 @@
 // Templates, items and materials as plain structs: what an expert writes, before evaluation.
-// They mirror mortise/v1/catalog.proto, where every field is described; template_codec.h converts.
+// They mirror mortise/v1/item.proto and template.proto, where every field is described;
+// template_codec.h converts.
 #pragma once
 
 #include <array>
@@ -184,7 +185,14 @@ struct Connection {
   double depth_in_part = 0;  // fraction of the peg's length in `part`
 };
 
-enum class BoundaryConditionKind { kFixed = 1, kForce = 2, kPressure = 3 };
+// Heat is prescribed only by CAD templates.
+enum class BoundaryConditionKind {
+  kFixed = 1,
+  kForce = 2,
+  kPressure = 3,
+  kHeatFlux = 4,
+  kTemperature = 5,
+};
 
 struct BoundaryCondition {
   std::string name;

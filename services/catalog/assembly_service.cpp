@@ -17,6 +17,7 @@
 #include "common/rpc/chunk_stream.h"
 #include "common/rpc/handler.h"
 #include "common/store/store.h"
+#include "common/templates/template.h"
 #include "mortise/v1/assembly.grpc.pb.h"
 #include "services/catalog/assembly_records.h"
 #include "services/catalog/design_export.h"
@@ -283,10 +284,11 @@ class AssemblyAdapter : public v1::AssemblyService::CallbackService {
         parametric::DesignAt(*found.parametrized, q, bundle.items, bundle.materials);
     const std::string id = asked.name().substr(asked.name().find('/') + 1);
     if (asked.format() == v1::ExportDesignRequest::STEP) {
-      MORTISE_ASSIGN_OR_RETURN(std::string bytes, ExportStep(design, bundle, id));
+      MORTISE_ASSIGN_OR_RETURN(const std::vector<cad::Solid> solids, templates::SolidsOf(design));
+      MORTISE_ASSIGN_OR_RETURN(std::string bytes, ExportStep(design, solids, id));
       rpc::StreamBytes(std::move(bytes), {absl::StrCat(id, ".step"), "model/step"}, writer);
     } else {
-      MORTISE_ASSIGN_OR_RETURN(std::string bytes, ExportGlb(design, bundle, id));
+      MORTISE_ASSIGN_OR_RETURN(std::string bytes, ExportGlb(design, id));
       rpc::StreamBytes(std::move(bytes), {absl::StrCat(id, ".glb"), "model/gltf-binary"}, writer);
     }
     return absl::OkStatus();

@@ -12,6 +12,7 @@
 #include "absl/status/statusor.h"
 #include "common/parametric/template_validation.h"
 #include "common/store/store.h"
+#include "common/templates/template_codec.h"
 #include "mortise/v1/catalog.pb.h"
 
 namespace mortise::catalog {
@@ -74,19 +75,20 @@ absl::Status AddItems(store::ReadTransaction& transaction, const std::set<std::s
 absl::StatusOr<v1::TemplateBundle> GetBundle(store::ReadTransaction& transaction,
                                              const std::string& name, int64_t revision);
 
-// Latest revisions without parts, connections and conditions, in the order of names.
+// Latest revisions without what they are made of, in the order of names.
 absl::StatusOr<Page<v1::Template>> ListTemplates(store::ReadTransaction& transaction, int page_size,
                                                  const std::string& page_token);
 
-// The template with those items and materials it names that exist, and its digest.
+// The template with those items and materials it names that exist, or with the assembly that it is
+// of and what that uses. INVALID_ARGUMENT, "template.assembly.assembly", for one there is not.
 absl::StatusOr<v1::TemplateBundle> Freeze(store::ReadTransaction& transaction,
                                           const v1::Template& message);
 
-// Everything that is wrong with a frozen template: OK, or INVALID_ARGUMENT whose message lists all
-// findings and whose field is the first one's. Takes up to seconds for large templates.
-absl::Status CheckBundle(const v1::TemplateBundle& bundle);
+// As templates::Complete; fields are the request's ("template.parts[2]"). Takes up to seconds for
+// large templates.
+absl::Status CompleteBundle(v1::TemplateBundle& bundle, templates::Trial trial);
 
-// Writes a checked bundle as the revision after `expected_revision` ("template.imported") and
+// Writes a completed bundle as the revision after `expected_revision` ("template.imported") and
 // returns the template. If the present revision has the same content, that is returned and nothing
 // changes. ABORTED if the latest revision is not `expected_revision`.
 absl::StatusOr<v1::Template> ImportBundle(store::Transaction& transaction,

@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "common/parametric/parameter_values.h"
 #include "common/parametric/template_codec.h"
 #include "common/rpc/chunk_stream.h"
 #include "common/rpc/handler.h"
@@ -25,7 +26,8 @@ constexpr std::size_t kCompiledTemplates = 64;
 
 // A design with the template it came from.
 struct NamedDesign {
-  parametric::TemplateFunction function;
+  std::shared_ptr<const templates::Template> function;
+  Eigen::VectorXd q;
   parametric::EvaluatedDesign design;
 };
 
@@ -187,7 +189,7 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
               Read<v1::TemplateBundle>([&](store::ReadTransaction& transaction) {
                 return Freeze(transaction, asked.template_());
               }));
-          MORTISE_RETURN_IF_ERROR(CheckBundle(bundle));
+          MORTISE_RETURN_IF_ERROR(CompleteBundle(bundle, templates::Trial::kThorough));
           return bundle;
         },
         [](const rpc::Call& call, const v1::ImportTemplateRequest& asked,
@@ -252,12 +254,13 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
       const std::string& name, int64_t revision,
       const google::protobuf::RepeatedPtrField<v1::ParameterValue>& values) {
     MORTISE_ASSIGN_OR_RETURN(const v1::TemplateBundle bundle, FindBundle(name, revision));
-    MORTISE_ASSIGN_OR_RETURN(parametric::TemplateFunction function, cache_.Compile(bundle));
-    MORTISE_ASSIGN_OR_RETURN(const Eigen::VectorXd q,
-                             function.Complete(parametric::FromProto(values)));
-    MORTISE_ASSIGN_OR_RETURN(parametric::EvaluatedDesign design,
-                             function.Evaluate(function.RoundToSteps(q)));
-    return NamedDesign{std::move(function), std::move(design)};
+    MORTISE_ASSIGN_OR_RETURN(auto function, cache_.Compile(bundle));
+    const std::vector<parametric::Parameter>& parameters = function->parameters();
+    MORTISE_ASSIGN_OR_RETURN(Eigen::VectorXd q,
+                             parametric::Complete(parameters, parametric::FromProto(values)));
+    q = parametric::RoundToSteps(parameters, q);
+    MORTISE_ASSIGN_OR_RETURN(parametric::EvaluatedDesign design, function->Evaluate(q));
+    return NamedDesign{std::move(function), std::move(q), std::move(design)};
   }
 
   absl::Status Export(const v1::ExportDesignRequest& asked,
@@ -267,13 +270,14 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
     }
     MORTISE_ASSIGN_OR_RETURN(const NamedDesign evaluated,
                              Evaluate(asked.name(), asked.revision(), asked.parameters()));
-    const parametric::TemplateBundle& bundle = evaluated.function.bundle();
+    const templates::Template& function = *evaluated.function;
     const std::string id = asked.name().substr(asked.name().find('/') + 1);
     if (asked.format() == v1::ExportDesignRequest::STEP) {
-      MORTISE_ASSIGN_OR_RETURN(std::string bytes, ExportStep(evaluated.design, bundle, id));
+      MORTISE_ASSIGN_OR_RETURN(const std::vector<cad::Solid> solids, function.Solids(evaluated.q));
+      MORTISE_ASSIGN_OR_RETURN(std::string bytes, ExportStep(evaluated.design, solids, id));
       rpc::StreamBytes(std::move(bytes), {absl::StrCat(id, ".step"), "model/step"}, writer);
     } else {
-      MORTISE_ASSIGN_OR_RETURN(std::string bytes, ExportGlb(evaluated.design, bundle, id));
+      MORTISE_ASSIGN_OR_RETURN(std::string bytes, ExportGlb(evaluated.design, id));
       rpc::StreamBytes(std::move(bytes), {absl::StrCat(id, ".glb"), "model/gltf-binary"}, writer);
     }
     return absl::OkStatus();

@@ -21,6 +21,22 @@ absl::StatusOr<bool> IsEmpty(store::ReadTransaction& transaction) {
   return true;
 }
 
+// Stores a template. What ships has been tried all over its design space (shipped_things_test).
+absl::Status LoadTemplate(store::Transaction& transaction, const v1::Template& message) {
+  MORTISE_ASSIGN_OR_RETURN(v1::TemplateBundle bundle, Freeze(transaction, message));
+  const absl::Status checked = CompleteBundle(bundle, templates::Trial::kDefaults);
+  if (!checked.ok()) return UnderField(message.name(), checked);
+  return ImportBundle(transaction, std::move(bundle), 0, "").status();
+}
+
+// The template that exposes what can be changed of an assembly.
+v1::Template TemplateOf(const v1::Assembly& assembly) {
+  v1::Template message;
+  message.set_name("templates" + assembly.name().substr(assembly.name().find('/')));
+  message.mutable_assembly()->set_assembly(assembly.name());
+  return message;
+}
+
 absl::Status LoadAll(store::Transaction& transaction, const parametric::Collection& collection) {
   for (const v1::Material& material : collection.materials) {
     const auto created = CreateMaterial(transaction, material, "");
@@ -30,17 +46,14 @@ absl::Status LoadAll(store::Transaction& transaction, const parametric::Collecti
     const auto created = CreateItem(transaction, item, "");
     if (!created.ok()) return UnderField(item.name(), created.status());
   }
-  for (const v1::Template& message : collection.templates) {
-    MORTISE_ASSIGN_OR_RETURN(v1::TemplateBundle bundle, Freeze(transaction, message));
-    const absl::Status checked = CheckBundle(bundle);
-    if (!checked.ok()) return UnderField(message.name(), checked);
-    MORTISE_RETURN_IF_ERROR(ImportBundle(transaction, std::move(bundle), 0, "").status());
-  }
   for (const v1::Assembly& message : collection.assemblies) {
     MORTISE_ASSIGN_OR_RETURN(v1::AssemblyBundle bundle, Freeze(transaction, message));
-    const absl::Status checked = Parametrize(bundle).status();
-    if (!checked.ok()) return UnderField(message.name(), checked);
     MORTISE_RETURN_IF_ERROR(ImportBundle(transaction, std::move(bundle), 0, "").status());
+    // Parametrises it, and so checks it.
+    MORTISE_RETURN_IF_ERROR(LoadTemplate(transaction, TemplateOf(message)));
+  }
+  for (const v1::Template& message : collection.templates) {
+    MORTISE_RETURN_IF_ERROR(LoadTemplate(transaction, message));
   }
   return absl::OkStatus();
 }

@@ -1,13 +1,9 @@
 // Colours parts by their material and hands them to the writers of common/cad.
 #include "services/catalog/design_export.h"
 
-#include <vector>
-
-#include "common/base/errors.h"
 #include "common/cad/glb_writer.h"
 #include "common/cad/step_writer.h"
 #include "common/parametric/evaluation.h"
-#include "common/parametric/part_shapes.h"
 
 namespace mortise::catalog {
 namespace {
@@ -30,33 +26,34 @@ Eigen::Vector3d MaterialColor(const std::string& material) {
 }
 
 // Parts sawn from bars are a little darker, so that neighbours of one material can be told apart.
-Eigen::Vector3d PartColor(const parametric::TemplateBundle& bundle,
-                          const parametric::EvaluatedPart& part) {
-  const parametric::Item* item = parametric::FindItem(bundle.items, part.item);
-  const Eigen::Vector3d color = MaterialColor(item == nullptr ? "" : item->material);
+Eigen::Vector3d PartColor(const parametric::EvaluatedPart& part) {
+  const Eigen::Vector3d color = MaterialColor(part.material);
   return part.process == parametric::Process::kChopSaw ? Eigen::Vector3d(0.8 * color) : color;
 }
 
 }  // namespace
 
 absl::StatusOr<std::string> ExportStep(const parametric::EvaluatedDesign& design,
-                                       const parametric::TemplateBundle& bundle,
+                                       const std::vector<cad::Solid>& solids,
                                        const std::string& assembly_name) {
   std::vector<cad::AssemblyPart> parts;
-  const std::vector<cad::PartShape> shapes = parametric::PartShapes(design);
-  for (std::size_t i = 0; i < shapes.size(); ++i) {
-    MORTISE_ASSIGN_OR_RETURN(cad::Solid solid, cad::Solid::FromPart(shapes[i]));
-    parts.push_back({std::move(solid), PartColor(bundle, design.parts[i])});
+  for (std::size_t i = 0; i < solids.size(); ++i) {
+    parts.push_back({solids[i], PartColor(design.parts[i])});
   }
   return cad::WriteStep(assembly_name, parts);
 }
 
+std::vector<Eigen::Vector3d> PartColors(const parametric::EvaluatedDesign& design) {
+  std::vector<Eigen::Vector3d> colors;
+  for (const parametric::EvaluatedPart& part : design.parts) colors.push_back(PartColor(part));
+  return colors;
+}
+
 absl::StatusOr<std::string> ExportGlb(const parametric::EvaluatedDesign& design,
-                                      const parametric::TemplateBundle& bundle,
                                       const std::string& assembly_name) {
   std::vector<cad::GlbPart> parts;
   for (const parametric::EvaluatedPart& part : design.parts) {
-    parts.push_back({part.name, parametric::PartSurface(part), PartColor(bundle, part)});
+    parts.push_back({part.name, parametric::PartSurface(part), PartColor(part)});
   }
   return cad::WriteGlb(assembly_name, parts);
 }

@@ -1,8 +1,10 @@
 // Compiled templates, kept so that dragging a slider does not compile one a move. Thread safe.
 #pragma once
 
+#include <memory>
+
 #include "absl/status/statusor.h"
-#include "common/parametric/evaluation.h"
+#include "common/templates/template.h"
 #include "mortise/v1/catalog.pb.h"
 #include "services/catalog/recently_used.h"
 
@@ -13,10 +15,11 @@ class TemplateCache {
   explicit TemplateCache(std::size_t capacity) : compiled_(capacity) {}
 
   // F of the bundle, compiled now or found by name, revision and digest.
-  absl::StatusOr<parametric::TemplateFunction> Compile(const v1::TemplateBundle& bundle);
+  absl::StatusOr<std::shared_ptr<const templates::Template>> Compile(
+      const v1::TemplateBundle& bundle);
 
  private:
-  RecentlyUsed<parametric::TemplateFunction> compiled_;
+  RecentlyUsed<std::shared_ptr<const templates::Template>> compiled_;
 };
 
 }  // namespace mortise::catalog

@@ -2,12 +2,11 @@
 #include <google/protobuf/util/time_util.h>
 
 #include <nlohmann/json.hpp>
-#include <set>
 
 #include "absl/time/time.h"
 #include "common/base/errors.h"
 #include "common/base/identifiers.h"
-#include "common/parametric/template_codec.h"
+#include "services/catalog/assembly_records.h"
 #include "services/catalog/catalog_records.h"
 #include "services/catalog/record_access.h"
 
@@ -23,11 +22,22 @@ absl::StatusOr<v1::TemplateBundle> BundleOf(const store::Record& record) {
   return bundle;
 }
 
-std::set<std::string> ItemNames(const v1::Template& message) {
-  std::set<std::string> names;
-  for (const v1::PartTemplate& part : message.parts()) names.insert(part.item());
-  for (const v1::Connection& connection : message.connections()) names.insert(connection.item());
-  return names;
+// The assembly of an assembly template, and what it uses.
+absl::Status FreezeAssembly(store::ReadTransaction& transaction, v1::TemplateBundle& bundle) {
+  v1::AssemblyTemplate& message = *bundle.mutable_template_()->mutable_assembly();
+  absl::StatusOr<v1::AssemblyBundle> used =
+      GetAssemblyBundle(transaction, message.assembly(), message.revision());
+  if (absl::IsNotFound(used.status()) || absl::IsInvalidArgument(used.status())) {
+    const bool revision = DetailOf(used.status()).field == "revision";
+    return InvalidField(revision ? "template.assembly.revision" : "template.assembly.assembly",
+                        std::string(used.status().message()));
+  }
+  MORTISE_RETURN_IF_ERROR(used.status());
+  message.set_revision(used->assembly().revision());
+  *bundle.mutable_items() = std::move(*used->mutable_items());
+  *bundle.mutable_materials() = std::move(*used->mutable_materials());
+  *bundle.mutable_assembly() = std::move(*used->mutable_assembly());
+  return absl::OkStatus();
 }
 
 // The revision of the latest template; 0 if there is none.
@@ -60,11 +70,7 @@ absl::StatusOr<Page<v1::Template>> ListTemplates(store::ReadTransaction& transac
       break;
     }
     MORTISE_ASSIGN_OR_RETURN(v1::TemplateBundle bundle, BundleOf(record));
-    v1::Template summary = std::move(*bundle.mutable_template_());
-    summary.clear_parts();
-    summary.clear_connections();
-    summary.clear_boundary_conditions();
-    page.entries.push_back(std::move(summary));
+    page.entries.push_back(templates::SummaryOf(std::move(*bundle.mutable_template_())));
   }
   return page;
 }
@@ -73,18 +79,25 @@ absl::StatusOr<v1::TemplateBundle> Freeze(store::ReadTransaction& transaction,
                                           const v1::Template& message) {
   v1::TemplateBundle bundle;
   *bundle.mutable_template_() = message;
-  MORTISE_RETURN_IF_ERROR(AddItems(transaction, ItemNames(message), *bundle.mutable_items(),
-                                   *bundle.mutable_materials()));
   bundle.mutable_template_()->clear_revision();
   bundle.mutable_template_()->clear_create_time();
-  bundle.mutable_template_()->set_digest(parametric::BundleDigest(bundle));
+  bundle.mutable_template_()->clear_digest();
+  if (message.has_assembly()) {
+    MORTISE_RETURN_IF_ERROR(FreezeAssembly(transaction, bundle));
+    return bundle;
+  }
+  MORTISE_RETURN_IF_ERROR(AddItems(transaction, templates::ItemsOf(message),
+                                   *bundle.mutable_items(), *bundle.mutable_materials()));
+  for (const std::string& name : templates::MaterialsOf(message)) {
+    absl::StatusOr<v1::Material> material = GetMaterial(transaction, name);
+    // What is not there is told with everything else that is wrong.
+    if (material.ok()) *bundle.add_materials() = *std::move(material);
+  }
   return bundle;
 }
 
-absl::Status CheckBundle(const v1::TemplateBundle& bundle) {
-  const auto converted = parametric::FromProto(bundle);
-  if (!converted.ok()) return converted.status();
-  return UnderField("template", parametric::ToStatus(parametric::ValidateTemplate(*converted)));
+absl::Status CompleteBundle(v1::TemplateBundle& bundle, templates::Trial trial) {
+  return UnderField("template", templates::Complete(bundle, trial));
 }
 
 absl::StatusOr<v1::Template> ImportBundle(store::Transaction& transaction,

@@ -134,15 +134,15 @@ void AddBillLine(const BillLine& line, v1::Plan* plan) {
   SetMoney(line.price, message->mutable_price());
 }
 
-Part PartFrom(const parametric::EvaluatedPart& evaluated, const parametric::PartTemplate& origin) {
+Part PartFrom(const parametric::EvaluatedPart& evaluated) {
   Part part;
   part.name = evaluated.name;
   part.title = evaluated.title;
   part.item = evaluated.item;
   part.process = ProcessFrom(evaluated.process);
   part.size = evaluated.size;
-  part.length_axis = static_cast<int>(origin.length_axis);
-  part.thickness_axis = static_cast<int>(origin.thickness_axis);
+  part.length_axis = static_cast<int>(evaluated.length_axis);
+  part.thickness_axis = static_cast<int>(evaluated.thickness_axis);
   part.extrusion_axis = static_cast<int>(evaluated.axis);
   for (Eigen::Index i = 0; i < evaluated.outline.cols(); ++i) {
     part.outline.push_back(evaluated.outline.col(i));
@@ -154,23 +154,19 @@ Part PartFrom(const parametric::EvaluatedPart& evaluated, const parametric::Part
 
 }  // namespace
 
-absl::StatusOr<Design> DesignFrom(const v1::EvaluatedDesign& evaluated_message,
-                                  const v1::TemplateBundle& bundle) {
+absl::StatusOr<Design> DesignFrom(const v1::EvaluatedDesign& evaluated_message) {
   MORTISE_ASSIGN_OR_RETURN(const parametric::EvaluatedDesign evaluated,
                            parametric::FromProto(evaluated_message));
-  MORTISE_ASSIGN_OR_RETURN(const parametric::TemplateDefinition definition,
-                           parametric::FromProto(bundle.template_()));
-  std::map<std::string, const parametric::PartTemplate*> origins;
-  for (const parametric::PartTemplate& part : definition.parts) origins[part.name] = &part;
   Design design;
-  for (std::size_t i = 0; i < evaluated.parts.size(); ++i) {
-    const auto origin = origins.find(evaluated.parts[i].name);
-    if (origin == origins.end()) {
-      return InvalidField(
-          absl::StrCat("design.parts[", i, "].name"),
-          absl::StrCat(evaluated.parts[i].name, " is not a part of ", bundle.template_().name()));
+  for (const parametric::EvaluatedPart& part : evaluated.parts) {
+    if (part.faceted) {
+      return PreconditionFailed("PART_WITHOUT_ITEM",
+                                absl::StrCat("part '", part.name,
+                                             "' is made of no item: only designs of boards, sheets "
+                                             "and hardware can be planned"),
+                                "template");
     }
-    design.parts.push_back(PartFrom(evaluated.parts[i], *origin->second));
+    design.parts.push_back(PartFrom(part));
   }
   for (const parametric::EvaluatedConnector& connector : evaluated.connectors) {
     design.pegs.push_back({connector.connection, connector.item, connector.part,

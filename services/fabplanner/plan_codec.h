@@ -11,10 +11,9 @@
 
 namespace mortise::fabplanner {
 
-// The design to make. The bundle tells how each part lies in its stock. INVALID_ARGUMENT naming the
-// field if the two do not belong together.
-absl::StatusOr<Design> DesignFrom(const v1::EvaluatedDesign& evaluated,
-                                  const v1::TemplateBundle& bundle);
+// The design to make. INVALID_ARGUMENT naming the field at fault; FAILED_PRECONDITION,
+// PART_WITHOUT_ITEM, for parts that are no prisms cut from items.
+absl::StatusOr<Design> DesignFrom(const v1::EvaluatedDesign& evaluated);
 
 // The items of the bundle.
 absl::StatusOr<Items> ItemsFrom(const v1::TemplateBundle& bundle);

@@ -83,11 +83,11 @@ absl::Status PlanOperation::CheckDesign(const v1::CreatePlanRequest& request,
   v1::CatalogService::Stub catalog(*channel);
   rpc::RetryOptions once;
   once.patience = absl::ZeroDuration();
-  const absl::Status status = rpc::CallUnary(catalog, &v1::CatalogService::Stub::EvaluateTemplate,
-                                             EvaluationOf(request), origin, once)
-                                  .status();
-  const bool callers_fault =
-      absl::IsNotFound(status) || absl::IsInvalidArgument(status) || absl::IsOutOfRange(status);
+  const absl::StatusOr<v1::EvaluatedDesign> design = rpc::CallUnary(
+      catalog, &v1::CatalogService::Stub::EvaluateTemplate, EvaluationOf(request), origin, once);
+  const absl::Status status = design.ok() ? DesignFrom(*design).status() : design.status();
+  const bool callers_fault = absl::IsNotFound(status) || absl::IsInvalidArgument(status) ||
+                             absl::IsOutOfRange(status) || absl::IsFailedPrecondition(status);
   return callers_fault ? status : absl::OkStatus();
 }
 
@@ -133,7 +133,7 @@ absl::StatusOr<std::string> PlanOperation::Run(jobs::OperationContext& context) 
   context.ReportProgress({.total = 0, .message = "evaluating the design"});
   MORTISE_ASSIGN_OR_RETURN(const Inputs inputs, FetchInputs(request, context));
   if (context.Cancelled()) return absl::CancelledError("the plan was cancelled");
-  MORTISE_ASSIGN_OR_RETURN(const Design design, DesignFrom(inputs.design, inputs.bundle));
+  MORTISE_ASSIGN_OR_RETURN(const Design design, DesignFrom(inputs.design));
   MORTISE_ASSIGN_OR_RETURN(const Items items, ItemsFrom(inputs.bundle));
   context.ReportProgress({.total = 0, .message = "laying out boards and sheets"});
   const int quantity = request.quantity() == 0 ? 1 : request.quantity();

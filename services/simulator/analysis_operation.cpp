@@ -8,6 +8,7 @@
 #include "common/base/errors.h"
 #include "common/jobs/bell.h"
 #include "common/jobs/operations.h"
+#include "common/parametric/parameter_values.h"
 #include "common/parametric/template_codec.h"
 #include "common/rpc/operation_codec.h"
 #include "common/store/store.h"
@@ -110,11 +111,11 @@ absl::StatusOr<v1::Task> PrepareAnalysis(SimulatorCore& core, const v1::AnalyzeD
     return InvalidField("template", std::string(compiled.status().message()));
   }
   MORTISE_RETURN_IF_ERROR(compiled.status());
-  MORTISE_ASSIGN_OR_RETURN(
-      const Eigen::VectorXd parameters,
-      (*compiled)->function.Complete(parametric::FromProto(asked.parameters())));
+  MORTISE_ASSIGN_OR_RETURN(const Eigen::VectorXd parameters,
+                           parametric::Complete((*compiled)->function->parameters(),
+                                                parametric::FromProto(asked.parameters())));
   // Fails at once, with the field, where the geometry is impossible.
-  MORTISE_RETURN_IF_ERROR((*compiled)->function.Evaluate(parameters).status());
+  MORTISE_RETURN_IF_ERROR((*compiled)->function->Evaluate(parameters).status());
   v1::Task task;
   task.set_evaluator(kSimulatorQueue);
   task.set_subject((*compiled)->name);

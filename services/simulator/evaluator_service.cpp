@@ -153,7 +153,7 @@ class EvaluatorAdapter final : public v1::EvaluatorService::CallbackService {
     v1::DesignSpace space;
     space.set_subject(compiled->name);
     space.set_revision(compiled->revision);
-    for (const parametric::Parameter& parameter : compiled->function.parameters()) {
+    for (const parametric::Parameter& parameter : compiled->function->parameters()) {
       auto* described = space.add_parameters();
       described->set_name(parameter.name);
       described->set_unit(parameter.unit);
@@ -167,7 +167,7 @@ class EvaluatorAdapter final : public v1::EvaluatorService::CallbackService {
       described->set_name(metric.name);
       described->set_unit(metric.unit);
       described->set_description(metric.description);
-      described->set_offers_gradient(OffersGradient(metric.name));
+      described->set_offers_gradient(OffersGradient(*compiled->function, metric.name));
     }
     return space;
   }
@@ -200,7 +200,7 @@ class EvaluatorAdapter final : public v1::EvaluatorService::CallbackService {
     const std::string what =
         absl::StrCat(asked.gradients() ? "gradients of " : "", absl::StrJoin(metrics, ","));
     for (int i = 0; i < asked.points_size(); ++i) {
-      const absl::Status usable = CheckPoint(asked.points(i), compiled->function.parameters(),
+      const absl::Status usable = CheckPoint(asked.points(i), compiled->function->parameters(),
                                              absl::StrCat("points[", i, "]"));
       if (!usable.ok()) {
         batch->Send(FailedResult(i, usable));

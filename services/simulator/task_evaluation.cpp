@@ -44,9 +44,9 @@ absl::Status Evaluate(TemplateSource& templates, const v1::Task& task, const rpc
   const Eigen::VectorXd parameters = Eigen::Map<const Eigen::VectorXd>(
       task.point().parameters().data(), task.point().parameters_size());
   MORTISE_ASSIGN_OR_RETURN(const parametric::EvaluatedDesign design,
-                           compiled->function.Evaluate(parameters));
+                           compiled->function->Evaluate(parameters));
   MORTISE_ASSIGN_OR_RETURN(const DesignModel model,
-                           MakeDesignModel(compiled->function.bundle(), design));
+                           MakeDesignModel(compiled->function->head().materials, design));
   const std::vector<std::string> metrics(task.metrics().begin(), task.metrics().end());
   DesignAnalysisOptions options;
   options.mesh.element_size = task.mesh().element_size();
@@ -62,7 +62,7 @@ absl::Status Evaluate(TemplateSource& templates, const v1::Task& task, const rpc
   }
   if (task.gradients()) {
     MORTISE_ASSIGN_OR_RETURN(const std::vector<MetricGradient> gradients,
-                             MetricGradients(compiled->function, parameters, metrics));
+                             MetricGradients(*compiled->function, parameters, metrics));
     for (const MetricGradient& gradient : gradients) {
       v1::Gradient* message = result.add_gradients();
       message->set_metric(gradient.metric);
@@ -74,7 +74,7 @@ absl::Status Evaluate(TemplateSource& templates, const v1::Task& task, const rpc
   MORTISE_ASSIGN_OR_RETURN(std::string fields, WriteFields(analysis));
   outcome.files.push_back({"analysis.vtu", "model/vnd.vtu", std::move(fields)});
   MORTISE_ASSIGN_OR_RETURN(std::string picture,
-                           DrawStress(analysis, compiled->function.bundle().definition.title));
+                           DrawStress(analysis, compiled->function->head().title));
   outcome.files.push_back({"stress.png", "image/png", std::move(picture)});
   return absl::OkStatus();
 }

@@ -6,7 +6,7 @@
 #include "common/base/digest.h"
 #include "common/base/errors.h"
 #include "common/base/identifiers.h"
-#include "common/parametric/template_codec.h"
+#include "common/templates/template_codec.h"
 #include "mortise/v1/catalog.grpc.pb.h"
 
 namespace mortise::simulator {
@@ -62,9 +62,7 @@ absl::StatusOr<std::shared_ptr<const CompiledTemplate>> TemplateSource::Get(
           *stub, &v1::CatalogService::Stub::GetTemplateBundle, request, origin)));
   const std::string digest = BundleDigest(bundle);
   if (auto known = Find(name, bundle.template_().revision(), digest)) return known;
-  MORTISE_ASSIGN_OR_RETURN(const parametric::TemplateBundle plain, parametric::FromProto(bundle));
-  MORTISE_ASSIGN_OR_RETURN(parametric::TemplateFunction function,
-                           parametric::TemplateFunction::Create(plain));
+  MORTISE_ASSIGN_OR_RETURN(auto function, templates::Compile(bundle));
   auto compiled = std::make_shared<const CompiledTemplate>(
       CompiledTemplate{name, bundle.template_().revision(), digest, std::move(function)});
   Keep(compiled);

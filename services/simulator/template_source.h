@@ -8,8 +8,8 @@
 #include <string>
 
 #include "absl/status/statusor.h"
-#include "common/parametric/evaluation.h"
 #include "common/rpc/channel.h"
+#include "common/templates/template.h"
 
 namespace mortise::simulator {
 
@@ -18,7 +18,7 @@ struct CompiledTemplate {
   std::string name;  // templates/{id}
   int64_t revision = 0;
   std::string digest;  // of its content and of the items and materials it uses
-  parametric::TemplateFunction function;
+  std::shared_ptr<const templates::Template> function;
 };
 
 // Thread safe.

@@ -20,19 +20,6 @@ namespace {
 
 namespace fabplanner = mortise::fabplanner;
 
-// A template with the parts of the design, lying as their boxes suggest.
-mortise::v1::TemplateBundle BundleFor(const mortise::v1::EvaluatedDesign& design) {
-  mortise::v1::TemplateBundle bundle;
-  for (const mortise::v1::EvaluatedPart& part : design.parts()) {
-    mortise::v1::PartTemplate* origin = bundle.mutable_template_()->add_parts();
-    origin->set_name(part.name());
-    origin->set_length_axis(mortise::v1::X);
-    origin->set_thickness_axis(mortise::v1::Z);
-    origin->mutable_box();
-  }
-  return bundle;
-}
-
 void CheckPlan(const fabplanner::Design& design, const fabplanner::FabricationPlan& plan) {
   const std::vector<fabplanner::Cut> cuts = fabplanner::CutsFor(plan);
   std::map<std::string, int> cut;
@@ -64,7 +51,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       message.parts_size() > 30) {
     return 0;
   }
-  const auto design = fabplanner::DesignFrom(message, BundleFor(message));
+  const auto design = fabplanner::DesignFrom(message);
   if (!design.ok()) return 0;
   const auto plan = fabplanner::MakePlan(*design, fabplanner::ExampleItems(), 1);
   if (plan.ok()) CheckPlan(*design, *plan);

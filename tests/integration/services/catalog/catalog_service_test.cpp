@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <map>
 #include <set>
 
 #include "common/base/digest.h"
@@ -252,6 +253,99 @@ TEST_F(CatalogServiceTest, ExportsStepAndGlb) {
   ASSERT_TRUE(glb.ok()) << glb.status();
   EXPECT_EQ(glb->substr(0, 4), "glTF");
   EXPECT_EQ(first.media_type(), "model/gltf-binary");
+}
+
+TEST_F(CatalogServiceTest, TemplatesOfEveryKindAreListedAndEvaluated) {
+  v1::ListTemplatesRequest list;
+  list.set_page_size(100);
+  v1::ListTemplatesResponse listed;
+  ASSERT_TRUE(Call(&v1::CatalogService::Stub::ListTemplates, list, &listed).ok());
+  std::map<v1::Template::KindCase, int> kinds;
+  for (const v1::Template& message : listed.templates()) {
+    ++kinds[message.kind_case()];
+    EXPECT_FALSE(message.title().empty()) << message.name();
+    EXPECT_GE(message.parameters_size(), 1) << message.name();
+  }
+  EXPECT_GE(kinds[v1::Template::KIND_NOT_SET], 1);
+  EXPECT_GE(kinds[v1::Template::kAssembly], 14);
+  EXPECT_GE(kinds[v1::Template::kCad], 9);
+
+  v1::EvaluateTemplateRequest evaluate;
+  evaluate.set_name("templates/wrench");
+  auto* length = evaluate.add_parameters();
+  length->set_name("handle_length");
+  length->set_value(0.2);
+  v1::EvaluatedDesign wrench;
+  grpc::Status status = Call(&v1::CatalogService::Stub::EvaluateTemplate, evaluate, &wrench);
+  ASSERT_TRUE(status.ok()) << status.error_message();
+  ASSERT_EQ(wrench.parts_size(), 1);
+  EXPECT_EQ(wrench.parts(0).material(), "materials/steel");
+  EXPECT_GT(wrench.parts(0).faceted().triangles_size(), 300);
+  EXPECT_GT(wrench.mass(), 0.05);
+
+  v1::EvaluatedDesign shelf;
+  evaluate.Clear();
+  evaluate.set_name("templates/bookshelf");
+  status = Call(&v1::CatalogService::Stub::EvaluateTemplate, evaluate, &shelf);
+  ASSERT_TRUE(status.ok()) << status.error_message();
+  EXPECT_GT(shelf.parts_size(), 10);
+  EXPECT_GT(shelf.mass(), 1);
+}
+
+TEST_F(CatalogServiceTest, ExportsASolidOfFeaturesExactly) {
+  v1::EvaluateTemplateRequest evaluate;
+  evaluate.set_name("templates/wrench");
+  v1::EvaluatedDesign wrench;
+  ASSERT_TRUE(Call(&v1::CatalogService::Stub::EvaluateTemplate, evaluate, &wrench).ok());
+  v1::ExportDesignRequest request;
+  request.set_name("templates/wrench");
+  request.set_format(v1::ExportDesignRequest::STEP);
+  v1::Chunk first;
+  const auto step = Export(request, &first);
+  ASSERT_TRUE(step.ok()) << step.status();
+  const auto read = cad::ReadStep(*step);
+  ASSERT_TRUE(read.ok()) << read.status();
+  ASSERT_EQ(read->parts.size(), 1u);
+  EXPECT_NEAR(read->parts[0].volume / wrench.parts(0).volume(), 1, 1e-6);
+  request.set_format(v1::ExportDesignRequest::GLB);
+  EXPECT_TRUE(Export(request, &first).ok());
+}
+
+TEST_F(CatalogServiceTest, ImportsTemplatesOfEveryKindOrSaysWhyNot) {
+  using Stub = v1::CatalogService::Stub;
+  v1::Template wrench = GetTemplate("templates/wrench");
+  wrench.set_name("templates/spanner");
+  wrench.mutable_cad()->clear_name();
+  wrench.mutable_cad()->mutable_definitions(0)->set_value("0.017");
+  v1::Template spanner;
+  ASSERT_TRUE(Call(&Stub::ImportTemplate, ImportRequest(wrench, 0), &spanner).ok());
+  EXPECT_EQ(spanner.cad().name(), "templates/spanner");
+  EXPECT_NE(spanner.digest(), GetTemplate("templates/wrench").digest());
+  wrench.set_name("templates/broken");
+  wrench.mutable_cad()->mutable_features(0)->set_name("");
+  wrench.mutable_cad()->mutable_definitions(0)->set_value("1 / 0");
+  const Failure broken = Fail(&Stub::ImportTemplate, ImportRequest(wrench, 0));
+  EXPECT_EQ(broken.code, absl::StatusCode::kInvalidArgument);
+  EXPECT_THAT(broken.message, HasSubstr("template.cad.features[0].name"));
+
+  v1::Template shelf;
+  shelf.set_name("templates/narrow-shelf");
+  shelf.mutable_assembly()->set_assembly("assemblies/bookshelf");
+  v1::Template stored;
+  ASSERT_TRUE(Call(&Stub::ImportTemplate, ImportRequest(shelf, 0), &stored).ok());
+  EXPECT_EQ(stored.assembly().revision(), 1);
+  EXPECT_EQ(stored.assembly().handles_size(), stored.parameters_size());
+  // What the service filled in may be sent back; it is the same content then.
+  v1::Template again;
+  ASSERT_TRUE(Call(&Stub::ImportTemplate, ImportRequest(stored, 1), &again).ok());
+  EXPECT_EQ(again.revision(), 1);
+  shelf.mutable_assembly()->set_assembly("assemblies/none");
+  EXPECT_EQ(Fail(&Stub::ImportTemplate, ImportRequest(shelf, 1)).field,
+            "template.assembly.assembly");
+  shelf.mutable_assembly()->set_assembly("assemblies/bookshelf");
+  shelf.mutable_assembly()->set_revision(7);
+  EXPECT_EQ(Fail(&Stub::ImportTemplate, ImportRequest(shelf, 1)).field,
+            "template.assembly.revision");
 }
 
 TEST_F(CatalogServiceTest, KeepsRevisionsAsTheyWere) {

@@ -1,0 +1,94 @@
+#include "common/parametric/parameter_values.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
+
+namespace mortise::parametric {
+namespace {
+
+using Eigen::VectorXd;
+
+constexpr double kRangeTolerance = 1e-9;  // of a parameter's range
+
+}  // namespace
+
+VectorXd Defaults(const std::vector<Parameter>& parameters) {
+  VectorXd q(static_cast<Eigen::Index>(parameters.size()));
+  for (Eigen::Index i = 0; i < q.size(); ++i) {
+    q(i) = parameters[static_cast<std::size_t>(i)].default_value;
+  }
+  return q;
+}
+
+absl::StatusOr<VectorXd> Complete(const std::vector<Parameter>& parameters,
+                                  const std::vector<NamedValue>& values) {
+  VectorXd q = Defaults(parameters);
+  std::set<std::string> seen;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const std::string field = absl::StrCat("parameters[", i, "]");
+    const auto found =
+        std::find_if(parameters.begin(), parameters.end(),
+                     [&](const Parameter& entry) { return entry.name == values[i].name; });
+    if (found == parameters.end()) {
+      return InvalidField(absl::StrCat(field, ".name"),
+                          absl::StrCat("there is no parameter '", values[i].name, "'"));
+    }
+    if (!seen.insert(values[i].name).second) {
+      return InvalidField(absl::StrCat(field, ".name"),
+                          absl::StrCat("'", values[i].name, "' is given twice"));
+    }
+    MORTISE_RETURN_IF_ERROR(
+        CheckParameterValue(*found, values[i].value, absl::StrCat(field, ".value")));
+    q(found - parameters.begin()) = values[i].value;
+  }
+  return q;
+}
+
+VectorXd RoundToSteps(const std::vector<Parameter>& parameters, const VectorXd& q) {
+  VectorXd rounded = q;
+  const auto count = std::min<Eigen::Index>(q.size(), static_cast<Eigen::Index>(parameters.size()));
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const Parameter& parameter = parameters[static_cast<std::size_t>(i)];
+    if (parameter.step > 0) rounded(i) = std::round(q(i) / parameter.step) * parameter.step;
+    rounded(i) = std::clamp(rounded(i), parameter.minimum, parameter.maximum);
+  }
+  return rounded;
+}
+
+absl::Status CheckParameterValue(const Parameter& parameter, double value,
+                                 const std::string& field) {
+  if (!std::isfinite(value)) return InvalidField(field, "is not a finite number");
+  const double slack = kRangeTolerance * (parameter.maximum - parameter.minimum);
+  if (value < parameter.minimum - slack || value > parameter.maximum + slack) {
+    return InvalidField(
+        field, absl::StrCat("'", parameter.name, "' is ", value, ", outside its range ",
+                            parameter.minimum, " to ", parameter.maximum, " ", parameter.unit));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status CheckParameterValues(const std::vector<Parameter>& parameters, const VectorXd& q) {
+  if (q.size() != static_cast<Eigen::Index>(parameters.size())) {
+    return InvalidField("parameters",
+                        absl::StrCat("has ", q.size(), " values, not ", parameters.size()));
+  }
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    MORTISE_RETURN_IF_ERROR(CheckParameterValue(parameters[i], q(static_cast<Eigen::Index>(i)),
+                                                absl::StrCat("parameters[", i, "].value")));
+  }
+  return absl::OkStatus();
+}
+
+std::vector<NamedValue> NamedValues(const std::vector<Parameter>& parameters, const VectorXd& q) {
+  std::vector<NamedValue> values;
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    values.push_back({parameters[i].name, q(static_cast<Eigen::Index>(i))});
+  }
+  return values;
+}
+
+}  // namespace mortise::parametric

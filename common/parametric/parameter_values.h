@@ -1,0 +1,38 @@
+// Values of a template's parameters: vectors in the template's order, and values by name.
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "common/parametric/evaluated_design.h"
+#include "common/parametric/template_definition.h"
+
+namespace mortise::parametric {
+
+// The default of every parameter.
+Eigen::VectorXd Defaults(const std::vector<Parameter>& parameters);
+
+// The parameter vector with `values` where given and defaults elsewhere. INVALID_ARGUMENT naming
+// "parameters[i]" for an unknown or repeated name, a value that is not finite or out of range
+// (by more than 1e-9 of the range).
+absl::StatusOr<Eigen::VectorXd> Complete(const std::vector<Parameter>& parameters,
+                                         const std::vector<NamedValue>& values);
+
+// `q` rounded to each parameter's step, what a workshop can set, and kept within the range.
+Eigen::VectorXd RoundToSteps(const std::vector<Parameter>& parameters, const Eigen::VectorXd& q);
+
+// Whether `value` may be given to the parameter; otherwise INVALID_ARGUMENT naming `field`.
+absl::Status CheckParameterValue(const Parameter& parameter, double value,
+                                 const std::string& field);
+
+// As above, for all parameters; fields are "parameters[i].value".
+absl::Status CheckParameterValues(const std::vector<Parameter>& parameters,
+                                  const Eigen::VectorXd& q);
+
+// The names with their values, in order. `q` has one entry a parameter.
+std::vector<NamedValue> NamedValues(const std::vector<Parameter>& parameters,
+                                    const Eigen::VectorXd& q);
+
+}  // namespace mortise::parametric

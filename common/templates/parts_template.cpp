@@ -1,0 +1,43 @@
+#include "common/templates/parts_template.h"
+
+#include <utility>
+
+#include "common/base/errors.h"
+#include "common/parametric/evaluation.h"
+
+namespace mortise::templates {
+namespace {
+
+class PartsTemplate final : public Template {
+ public:
+  PartsTemplate(TemplateHead head, parametric::TemplateFunction function)
+      : Template(std::move(head)), function_(std::move(function)) {}
+
+  bool OffersMassGradient() const override { return true; }
+
+  absl::StatusOr<parametric::MassProperties> Mass(const Eigen::VectorXd& q) const override {
+    return function_.EvaluateMass(q);
+  }
+
+ protected:
+  absl::StatusOr<parametric::EvaluatedDesign> DesignAt(const Eigen::VectorXd& q) const override {
+    return function_.Evaluate(q);
+  }
+
+ private:
+  const parametric::TemplateFunction function_;
+};
+
+}  // namespace
+
+absl::StatusOr<std::shared_ptr<const Template>> MakePartsTemplate(
+    const parametric::TemplateBundle& bundle) {
+  MORTISE_ASSIGN_OR_RETURN(parametric::TemplateFunction function,
+                           parametric::TemplateFunction::Create(bundle));
+  const parametric::TemplateDefinition& definition = bundle.definition;
+  TemplateHead head{definition.name,       definition.revision, definition.digest, definition.title,
+                    definition.parameters, bundle.items,        bundle.materials};
+  return std::make_shared<const PartsTemplate>(std::move(head), std::move(function));
+}
+
+}  // namespace mortise::templates

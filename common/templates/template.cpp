@@ -1,0 +1,45 @@
+#include "common/templates/template.h"
+
+#include <utility>
+
+#include "common/base/errors.h"
+#include "common/parametric/parameter_values.h"
+#include "common/parametric/part_shapes.h"
+
+namespace mortise::templates {
+
+absl::StatusOr<parametric::EvaluatedDesign> Template::Evaluate(const Eigen::VectorXd& q) const {
+  MORTISE_RETURN_IF_ERROR(parametric::CheckParameterValues(head_.parameters, q));
+  MORTISE_ASSIGN_OR_RETURN(parametric::EvaluatedDesign design, DesignAt(q));
+  design.template_name = head_.name;
+  design.template_revision = head_.revision;
+  design.template_digest = head_.digest;
+  design.parameters = parametric::NamedValues(head_.parameters, q);
+  return design;
+}
+
+absl::StatusOr<std::vector<cad::Solid>> Template::Solids(const Eigen::VectorXd& q) const {
+  MORTISE_RETURN_IF_ERROR(parametric::CheckParameterValues(head_.parameters, q));
+  return SolidsAt(q);
+}
+
+absl::StatusOr<parametric::MassProperties> Template::Mass(const Eigen::VectorXd&) const {
+  return PreconditionFailed("NO_GRADIENT", "the mass of this kind of template has no gradient",
+                            head_.name);
+}
+
+absl::StatusOr<std::vector<cad::Solid>> Template::SolidsAt(const Eigen::VectorXd& q) const {
+  MORTISE_ASSIGN_OR_RETURN(const parametric::EvaluatedDesign design, DesignAt(q));
+  return SolidsOf(design);
+}
+
+absl::StatusOr<std::vector<cad::Solid>> SolidsOf(const parametric::EvaluatedDesign& design) {
+  std::vector<cad::Solid> solids;
+  for (const cad::PartShape& shape : parametric::PartShapes(design)) {
+    MORTISE_ASSIGN_OR_RETURN(cad::Solid solid, cad::Solid::FromPart(shape));
+    solids.push_back(std::move(solid));
+  }
+  return solids;
+}
+
+}  // namespace mortise::templates

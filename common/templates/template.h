@@ -1,0 +1,74 @@
+// One Template to every other service, whatever it is made of: parts with expressions, an assembly
+// that parametrises itself (thesis §3), a list of features (§6.1) or a mesh in a cage (§7.6.2).
+//
+//   MORTISE_ASSIGN_OR_RETURN(std::shared_ptr<const Template> wrench, Compile(bundle));
+//   MORTISE_ASSIGN_OR_RETURN(Eigen::VectorXd q, Complete(wrench->parameters(), {{"length", 0.2}}));
+//   MORTISE_ASSIGN_OR_RETURN(parametric::EvaluatedDesign design, wrench->Evaluate(q));
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "common/cad/solid.h"
+#include "common/parametric/evaluated_design.h"
+#include "common/parametric/evaluation.h"
+#include "common/parametric/template_definition.h"
+
+namespace mortise::templates {
+
+// What all kinds have in common.
+struct TemplateHead {
+  std::string name;  // templates/{id}
+  int64_t revision = 0;
+  std::string digest;  // of the content and all it uses
+  std::string title;
+  std::vector<parametric::Parameter> parameters;  // the order of q
+  std::vector<parametric::Item> items;            // that its parts are made of
+  std::vector<parametric::Material> materials;    // that its parts and items are made of
+};
+
+// A template revision ready for evaluation. Immutable; safe to share between threads.
+class Template {
+ public:
+  virtual ~Template() = default;
+  Template(const Template&) = delete;
+  Template& operator=(const Template&) = delete;
+
+  const TemplateHead& head() const { return head_; }
+  const std::vector<parametric::Parameter>& parameters() const { return head_.parameters; }
+
+  // F(q): one entry of q a parameter, in their order. INVALID_ARGUMENT naming
+  // "parameters[i].value" for a wrong count, a value out of range or not finite, or the template's
+  // field where the design cannot be made at q; FAILED_PRECONDITION, DEMANDS_CONFLICT, where an
+  // assembly cannot have all these sizes at once.
+  absl::StatusOr<parametric::EvaluatedDesign> Evaluate(const Eigen::VectorXd& q) const;
+
+  // The boundary representation of each part of the design at q, in the order of Evaluate's parts.
+  // Fails as Evaluate; FAILED_PRECONDITION, NO_SOLID, for what is only a mesh.
+  absl::StatusOr<std::vector<cad::Solid>> Solids(const Eigen::VectorXd& q) const;
+
+  // Whether Mass can be asked for.
+  virtual bool OffersMassGradient() const { return false; }
+
+  // Volume and mass at q with exact gradients. Fails as Evaluate; FAILED_PRECONDITION where there
+  // are no gradients.
+  virtual absl::StatusOr<parametric::MassProperties> Mass(const Eigen::VectorXd& q) const;
+
+ protected:
+  explicit Template(TemplateHead head) : head_(std::move(head)) {}
+
+  // As Evaluate and Solids, for parameters that have been checked; name, revision, digest and
+  // parameters of the design are filled in afterwards.
+  virtual absl::StatusOr<parametric::EvaluatedDesign> DesignAt(const Eigen::VectorXd& q) const = 0;
+  virtual absl::StatusOr<std::vector<cad::Solid>> SolidsAt(const Eigen::VectorXd& q) const;
+
+ private:
+  const TemplateHead head_;
+};
+
+// The prisms of a design as solids, in order. INVALID_ARGUMENT as cad::Solid::FromPart.
+absl::StatusOr<std::vector<cad::Solid>> SolidsOf(const parametric::EvaluatedDesign& design);
+
+}  // namespace mortise::templates

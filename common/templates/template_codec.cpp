@@ -1,0 +1,271 @@
+#include "common/templates/template_codec.h"
+
+#include <google/protobuf/util/message_differencer.h>
+
+#include <utility>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
+#include "common/cad/cad_template_codec.h"
+#include "common/parametric/assembly_codec.h"
+#include "common/parametric/parameter_values.h"
+#include "common/parametric/parametrization_codec.h"
+#include "common/parametric/template_codec.h"
+#include "common/parametric/template_validation.h"
+#include "common/templates/assembly_template.h"
+#include "common/templates/feature_template.h"
+#include "common/templates/parts_template.h"
+
+namespace mortise::templates {
+namespace {
+
+using parametric::Finding;
+using Compiled = absl::StatusOr<std::shared_ptr<const Template>>;
+
+constexpr std::size_t kFilledHandles = 12;
+
+absl::StatusOr<TemplateHead> HeadOf(const v1::TemplateBundle& bundle) {
+  const v1::Template& message = bundle.template_();
+  TemplateHead head{.name = message.name(),
+                    .revision = message.revision(),
+                    .digest = message.digest(),
+                    .title = message.title(),
+                    .parameters = {},
+                    .items = {},
+                    .materials = {}};
+  for (const v1::Item& item : bundle.items()) {
+    MORTISE_ASSIGN_OR_RETURN(parametric::Item converted, parametric::FromProto(item));
+    head.items.push_back(std::move(converted));
+  }
+  for (const v1::Material& material : bundle.materials()) {
+    MORTISE_ASSIGN_OR_RETURN(parametric::Material converted, parametric::FromProto(material));
+    head.materials.push_back(std::move(converted));
+  }
+  return head;
+}
+
+absl::StatusOr<std::shared_ptr<const parametric::ParametricAssembly>> AssemblyOf(
+    const v1::TemplateBundle& bundle, const std::vector<parametric::Item>& items) {
+  MORTISE_ASSIGN_OR_RETURN(parametric::Assembly assembly,
+                           parametric::FromProto(bundle.assembly(), items));
+  MORTISE_ASSIGN_OR_RETURN(parametric::ParametricAssembly parametrized,
+                           parametric::ParametricAssembly::Create(std::move(assembly)));
+  return std::make_shared<const parametric::ParametricAssembly>(std::move(parametrized));
+}
+
+absl::StatusOr<AssemblyHandle> HandleOf(const v1::AssemblyHandle& message,
+                                        const std::string& field) {
+  MORTISE_ASSIGN_OR_RETURN(parametric::Measure measure,
+                           parametric::FromProto(message.measure(), field + ".measure"));
+  return AssemblyHandle{message.parameter(), std::move(measure), message.title(),
+                        message.minimum(),   message.maximum(),  message.step()};
+}
+
+absl::StatusOr<AssemblyTemplate> DefinitionOf(const v1::Template& message) {
+  AssemblyTemplate definition;
+  for (int i = 0; i < message.assembly().handles_size(); ++i) {
+    MORTISE_ASSIGN_OR_RETURN(
+        AssemblyHandle handle,
+        HandleOf(message.assembly().handles(i), absl::StrCat("assembly.handles[", i, "]")));
+    definition.handles.push_back(std::move(handle));
+  }
+  for (int i = 0; i < message.boundary_conditions_size(); ++i) {
+    MORTISE_ASSIGN_OR_RETURN(parametric::BoundaryCondition condition,
+                             parametric::FromProto(message.boundary_conditions(i),
+                                                   absl::StrCat("boundary_conditions[", i, "]")));
+    definition.boundary_conditions.push_back(std::move(condition));
+  }
+  return definition;
+}
+
+Compiled CompileCad(const v1::TemplateBundle& bundle, TemplateHead head) {
+  const v1::Template& message = bundle.template_();
+  absl::StatusOr<cad::CadTemplate> definition = cad::FromProto(message.cad());
+  if (!definition.ok()) return UnderField("cad", definition.status());
+  definition->name = message.name();
+  Compiled made = MakeFeatureTemplate(std::move(head), *std::move(definition));
+  if (!made.ok()) return UnderField("cad", made.status());
+  return made;
+}
+
+// Fills in the handles if there are none.
+absl::Status FillHandles(const parametric::ParametricAssembly& assembly,
+                         v1::AssemblyTemplate& message) {
+  if (message.handles_size() > 0) return absl::OkStatus();
+  MORTISE_ASSIGN_OR_RETURN(const std::vector<AssemblyHandle> handles,
+                           IndependentSizes(assembly, kFilledHandles));
+  for (const AssemblyHandle& handle : handles) {
+    v1::AssemblyHandle& added = *message.add_handles();
+    added.set_parameter(handle.parameter);
+    added.set_title(handle.title);
+    *added.mutable_measure() = parametric::ToProto(handle.measure);
+  }
+  return absl::OkStatus();
+}
+
+Compiled CompileAssembly(const v1::TemplateBundle& bundle, TemplateHead head,
+                         v1::AssemblyTemplate* fill) {
+  absl::StatusOr<std::shared_ptr<const parametric::ParametricAssembly>> assembly =
+      AssemblyOf(bundle, head.items);
+  if (!assembly.ok()) return UnderField("assembly.assembly", assembly.status());
+  v1::Template message = bundle.template_();
+  if (fill != nullptr) {
+    MORTISE_RETURN_IF_ERROR(FillHandles(**assembly, *fill));
+    *message.mutable_assembly() = *fill;
+  }
+  MORTISE_ASSIGN_OR_RETURN(AssemblyTemplate definition, DefinitionOf(message));
+  return MakeAssemblyTemplate(std::move(head), *std::move(assembly), std::move(definition));
+}
+
+Compiled CompileParts(const v1::TemplateBundle& bundle) {
+  absl::StatusOr<parametric::TemplateBundle> converted = parametric::FromProto(bundle);
+  MORTISE_RETURN_IF_ERROR(converted.status());
+  return MakePartsTemplate(*converted);
+}
+
+// `fill` takes the handles of an assembly template that has none.
+Compiled CompileWith(const v1::TemplateBundle& bundle, v1::AssemblyTemplate* fill) {
+  switch (bundle.template_().kind_case()) {
+    case v1::Template::KIND_NOT_SET:
+      return CompileParts(bundle);
+    case v1::Template::kAssembly: {
+      MORTISE_ASSIGN_OR_RETURN(TemplateHead head, HeadOf(bundle));
+      return CompileAssembly(bundle, std::move(head), fill);
+    }
+    case v1::Template::kCad: {
+      MORTISE_ASSIGN_OR_RETURN(TemplateHead head, HeadOf(bundle));
+      return CompileCad(bundle, std::move(head));
+    }
+  }
+  return InvalidField("kind", "is not known");
+}
+
+// What a message of a kind says besides.
+void CheckHead(const v1::Template& message, std::vector<Finding>& findings) {
+  if (message.parts_size() > 0) findings.push_back({"parts", "must be left out beside a kind"});
+  if (message.connections_size() > 0) {
+    findings.push_back({"connections", "must be left out beside a kind"});
+  }
+  if (message.has_cad() && message.boundary_conditions_size() > 0) {
+    findings.push_back({"boundary_conditions", "must be features of a CAD template"});
+  }
+  if (message.has_cad() && !message.cad().name().empty() &&
+      message.cad().name() != message.name()) {
+    findings.push_back({"cad.name", absl::StrCat("must be ", message.name(), ", or left out")});
+  }
+}
+
+// Sets a text of the head to that of the kind; they may not differ.
+void FillText(const std::string& field, const std::string& text, std::string& head,
+              std::vector<Finding>& findings) {
+  if (!head.empty() && head != text) {
+    findings.push_back({field, "differs from that of its kind: leave it out"});
+  }
+  head = text;
+}
+
+void FillHead(const v1::TemplateBundle& bundle, const Template& compiled, v1::Template& message,
+              std::vector<Finding>& findings) {
+  if (message.has_cad()) {
+    FillText("title", message.cad().title(), *message.mutable_title(), findings);
+    FillText("description", message.cad().description(), *message.mutable_description(), findings);
+    message.mutable_cad()->set_name(message.name());
+  } else {
+    if (message.title().empty()) message.set_title(bundle.assembly().title());
+    if (message.description().empty()) {
+      message.set_description(bundle.assembly().description());
+    }
+  }
+  v1::Template filled;
+  for (const parametric::Parameter& parameter : compiled.parameters()) {
+    *filled.add_parameters() = parametric::ToProto(parameter);
+  }
+  v1::Template given;
+  *given.mutable_parameters() = message.parameters();
+  if (message.parameters_size() > 0 &&
+      !google::protobuf::util::MessageDifferencer::Equals(given, filled)) {
+    findings.push_back({"parameters", "differ from those of its kind: leave them out"});
+  }
+  *message.mutable_parameters() = filled.parameters();
+}
+
+// What the design at q cannot be, said with the parameter that leads there.
+void Try(const Template& compiled, const Eigen::VectorXd& q, const std::string& where,
+         std::vector<Finding>& findings) {
+  const absl::Status status = compiled.Evaluate(q).status();
+  if (status.ok()) return;
+  const std::string field = DetailOf(status).field;
+  findings.push_back({field.empty() ? "kind" : field, absl::StrCat(where, ": ", status.message())});
+}
+
+void TryAll(const Template& compiled, std::vector<Finding>& findings) {
+  const Eigen::VectorXd defaults = parametric::Defaults(compiled.parameters());
+  Try(compiled, defaults, "at the defaults", findings);
+  for (Eigen::Index i = 0; i < defaults.size(); ++i) {
+    const parametric::Parameter& parameter = compiled.parameters()[static_cast<std::size_t>(i)];
+    for (const double end : {parameter.minimum, parameter.maximum}) {
+      Eigen::VectorXd q = defaults;
+      q(i) = end;
+      Try(compiled, q, absl::StrCat("at ", parameter.name, " = ", end), findings);
+    }
+  }
+}
+
+absl::Status CompleteParts(const v1::TemplateBundle& bundle) {
+  const auto converted = parametric::FromProto(bundle);
+  MORTISE_RETURN_IF_ERROR(converted.status());
+  return parametric::ToStatus(parametric::ValidateTemplate(*converted));
+}
+
+absl::Status CompleteKind(v1::TemplateBundle& bundle, Trial trial) {
+  v1::Template& message = *bundle.mutable_template_();
+  std::vector<Finding> findings;
+  CheckHead(message, findings);
+  MORTISE_RETURN_IF_ERROR(parametric::ToStatus(findings));
+  v1::AssemblyTemplate handles = message.assembly();
+  MORTISE_ASSIGN_OR_RETURN(const std::shared_ptr<const Template> compiled,
+                           CompileWith(bundle, &handles));
+  if (message.has_assembly()) *message.mutable_assembly() = std::move(handles);
+  FillHead(bundle, *compiled, message, findings);
+  // The ends of an assembly's handles are exact already.
+  if (trial == Trial::kThorough && !message.has_assembly()) TryAll(*compiled, findings);
+  return parametric::ToStatus(findings);
+}
+
+}  // namespace
+
+absl::StatusOr<std::shared_ptr<const Template>> Compile(const v1::TemplateBundle& bundle) {
+  return CompileWith(bundle, nullptr);
+}
+
+absl::Status Complete(v1::TemplateBundle& bundle, Trial trial) {
+  MORTISE_RETURN_IF_ERROR(bundle.template_().kind_case() == v1::Template::KIND_NOT_SET
+                              ? CompleteParts(bundle)
+                              : CompleteKind(bundle, trial));
+  bundle.mutable_template_()->set_digest(parametric::BundleDigest(bundle));
+  return absl::OkStatus();
+}
+
+std::set<std::string> ItemsOf(const v1::Template& message) {
+  std::set<std::string> names;
+  for (const v1::PartTemplate& part : message.parts()) names.insert(part.item());
+  for (const v1::Connection& connection : message.connections()) names.insert(connection.item());
+  return names;
+}
+
+std::set<std::string> MaterialsOf(const v1::Template& message) {
+  if (!message.has_cad()) return {};
+  return {message.cad().material()};
+}
+
+v1::Template SummaryOf(v1::Template message) {
+  message.clear_parts();
+  message.clear_connections();
+  message.clear_boundary_conditions();
+  if (message.has_cad()) message.mutable_cad()->Clear();
+  if (message.has_assembly()) message.mutable_assembly()->clear_handles();
+  return message;
+}
+
+}  // namespace mortise::templates

@@ -1,0 +1,41 @@
+// Templates of any kind from the messages of mortise/v1/template.proto. Target mortise_templates;
+// only adapters use it.
+#pragma once
+
+#include <memory>
+#include <set>
+#include <string>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "common/templates/template.h"
+#include "mortise/v1/template.pb.h"
+
+namespace mortise::templates {
+
+// A completed bundle, ready for evaluation. INVALID_ARGUMENT naming all fields at fault, as the
+// template's message has them ("parts[2].item", "cad.features[3].fillet.radius",
+// "assembly.handles[0].measure"); FAILED_PRECONDITION as ParametricAssembly::Create. Takes up to
+// seconds for assemblies of hundreds of parts.
+absl::StatusOr<std::shared_ptr<const Template>> Compile(const v1::TemplateBundle& bundle);
+
+// How much of its design space a template is tried at before it is accepted.
+enum class Trial {
+  kDefaults,  // of CAD templates, no more than can be seen without making a solid
+  kThorough,  // the defaults and the ends of every parameter; of parts as ValidateTemplate
+};
+
+// Fills in what the service says of a template (title, description and parameters of a kind, the
+// handles of an assembly where there are none, the digest), and checks all of it. The bundle has
+// the items, materials and assembly that it uses. INVALID_ARGUMENT with every finding; fields as
+// Compile.
+absl::Status Complete(v1::TemplateBundle& bundle, Trial trial);
+
+// What a template of parts, or of features, names: items/{id}, materials/{id}.
+std::set<std::string> ItemsOf(const v1::Template& message);
+std::set<std::string> MaterialsOf(const v1::Template& message);
+
+// Without what it is made of; its kind can still be told.
+v1::Template SummaryOf(v1::Template message);
+
+}  // namespace mortise::templates

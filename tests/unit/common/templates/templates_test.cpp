@@ -1,0 +1,182 @@
+// One interface to all kinds of templates: parts and features here, assemblies in their own file.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/base/errors.h"
+#include "common/mesh/mass_properties.h"
+#include "common/parametric/parameter_values.h"
+#include "common/parametric/template_codec.h"
+#include "common/templates/template_codec.h"
+#include "tests/unit/common/templates/shipped_collection.h"
+
+namespace mortise::templates {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+
+v1::TemplateBundle Completed(const std::string& name) {
+  v1::TemplateBundle bundle = ShippedTemplate(name);
+  EXPECT_EQ(Complete(bundle, Trial::kDefaults), absl::OkStatus());
+  return bundle;
+}
+
+TEST(TemplatesTest, FeaturesFillInWhatTheServiceSays) {
+  const v1::TemplateBundle bundle = Completed("templates/wrench");
+  const v1::Template& message = bundle.template_();
+  EXPECT_EQ(message.title(), message.cad().title());
+  EXPECT_EQ(message.parameters_size(), 3);
+  EXPECT_EQ(message.parameters(0).name(), "handle_length");
+  EXPECT_EQ(message.digest().size(), 64U);
+  // Completing again what was completed changes nothing.
+  v1::TemplateBundle again = bundle;
+  ASSERT_EQ(Complete(again, Trial::kThorough), absl::OkStatus());
+  EXPECT_EQ(again.SerializeAsString(), bundle.SerializeAsString());
+}
+
+TEST(TemplatesTest, ASolidOfFeaturesIsOnePartWithItsSurface) {
+  const v1::TemplateBundle bundle = Completed("templates/wrench");
+  const auto wrench = Compile(bundle);
+  ASSERT_TRUE(wrench.ok()) << wrench.status();
+  const Eigen::VectorXd q = parametric::Defaults((*wrench)->parameters());
+  const auto design = (*wrench)->Evaluate(q);
+  ASSERT_TRUE(design.ok()) << design.status();
+  EXPECT_EQ(design->template_name, "templates/wrench");
+  EXPECT_EQ(design->parameters.size(), 3U);
+  ASSERT_EQ(design->parts.size(), 1U);
+  const parametric::EvaluatedPart& part = design->parts[0];
+  ASSERT_TRUE(part.faceted.has_value());
+  EXPECT_EQ(part.material, "materials/steel");
+  // Steel weighs 7.8 to 7.9 t/m³; the facets enclose what the solid does but for its curves.
+  EXPECT_NEAR(part.mass / part.volume, 7850, 60);
+  const double enclosed = mesh::ComputeMassProperties(part.faceted->surface).volume;
+  EXPECT_NEAR(enclosed, part.volume, 0.005 * part.volume);
+  // Every triangle is on a face, and every condition has one.
+  EXPECT_EQ(part.faceted->triangle_face.size(), part.faceted->surface.triangles.cols());
+  ASSERT_FALSE(design->boundary_conditions.empty());
+  for (const auto& condition : design->boundary_conditions) {
+    EXPECT_THAT(part.faceted->face_names, Contains(Contains(condition.face)));
+  }
+  const auto solids = (*wrench)->Solids(q);
+  ASSERT_TRUE(solids.ok()) << solids.status();
+  ASSERT_EQ(solids->size(), 1U);
+  EXPECT_DOUBLE_EQ(solids->front().Volume(), part.volume);
+}
+
+TEST(TemplatesTest, ADesignOfFeaturesSurvivesItsMessage) {
+  const auto wrench = Compile(Completed("templates/wrench"));
+  ASSERT_TRUE(wrench.ok()) << wrench.status();
+  const auto design = (*wrench)->Evaluate(parametric::Defaults((*wrench)->parameters()));
+  ASSERT_TRUE(design.ok()) << design.status();
+  const v1::EvaluatedDesign message = parametric::ToProto(*design);
+  const auto back = parametric::FromProto(message);
+  ASSERT_TRUE(back.ok()) << back.status();
+  EXPECT_EQ(parametric::ToProto(*back).SerializeAsString(), message.SerializeAsString());
+}
+
+TEST(TemplatesTest, MessagesWithTrianglesOfNoVertexAreRefused) {
+  const auto wrench = Compile(Completed("templates/wrench"));
+  ASSERT_TRUE(wrench.ok()) << wrench.status();
+  const auto design = (*wrench)->Evaluate(parametric::Defaults((*wrench)->parameters()));
+  ASSERT_TRUE(design.ok()) << design.status();
+  v1::EvaluatedDesign message = parametric::ToProto(*design);
+  message.mutable_parts(0)->mutable_faceted()->set_triangles(4, 1 << 20);
+  EXPECT_EQ(DetailOf(parametric::FromProto(message).status()).field, "parts[0].faceted");
+  message = parametric::ToProto(*design);
+  message.mutable_parts(0)->mutable_faceted()->set_triangle_faces(0, -1);
+  EXPECT_EQ(DetailOf(parametric::FromProto(message).status()).field, "parts[0].faceted");
+}
+
+TEST(TemplatesTest, PartsOfferGradientsAndFeaturesDoNot) {
+  const auto table = Compile(Completed("templates/table"));
+  ASSERT_TRUE(table.ok()) << table.status();
+  const Eigen::VectorXd q = parametric::Defaults((*table)->parameters());
+  ASSERT_TRUE((*table)->OffersMassGradient());
+  const auto mass = (*table)->Mass(q);
+  ASSERT_TRUE(mass.ok()) << mass.status();
+  const auto design = (*table)->Evaluate(q);
+  ASSERT_TRUE(design.ok()) << design.status();
+  EXPECT_NEAR(mass->mass, design->mass, 1e-9 * design->mass);
+  const auto solids = (*table)->Solids(q);
+  ASSERT_TRUE(solids.ok()) << solids.status();
+  ASSERT_EQ(solids->size(), design->parts.size());
+  for (std::size_t i = 0; i < solids->size(); ++i) {
+    EXPECT_NEAR((*solids)[i].Volume(), design->parts[i].volume, 1e-9);
+  }
+  const auto wrench = Compile(Completed("templates/wrench"));
+  ASSERT_TRUE(wrench.ok()) << wrench.status();
+  EXPECT_FALSE((*wrench)->OffersMassGradient());
+  EXPECT_EQ((*wrench)->Mass(parametric::Defaults((*wrench)->parameters())).status().code(),
+            absl::StatusCode::kFailedPrecondition);
+}
+
+TEST(TemplatesTest, ParametersOutOfRangeAreNamedWhateverTheKind) {
+  for (const char* name : {"templates/table", "templates/wrench"}) {
+    const auto compiled = Compile(Completed(name));
+    ASSERT_TRUE(compiled.ok()) << compiled.status();
+    Eigen::VectorXd q = parametric::Defaults((*compiled)->parameters());
+    q(1) = 1e6;
+    EXPECT_EQ(DetailOf((*compiled)->Evaluate(q).status()).field, "parameters[1].value") << name;
+    q(1) = std::nan("");
+    EXPECT_EQ(DetailOf((*compiled)->Solids(q).status()).field, "parameters[1].value") << name;
+    EXPECT_EQ(DetailOf((*compiled)->Evaluate(q.head(1)).status()).field, "parameters") << name;
+  }
+}
+
+TEST(TemplatesTest, WhatIsWrongIsToldAtOnceWithItsPlace) {
+  v1::TemplateBundle bundle = ShippedTemplate("templates/wrench");
+  v1::Template& message = *bundle.mutable_template_();
+  message.mutable_cad()->mutable_parameters(0)->set_minimum(1);
+  message.mutable_cad()->mutable_definitions(0)->set_value("1 / (");
+  const absl::Status status = Complete(bundle, Trial::kDefaults);
+  EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_THAT(status.message(), HasSubstr("cad.parameters[0]"));
+  EXPECT_THAT(status.message(), HasSubstr("cad.definitions[0]"));
+}
+
+TEST(TemplatesTest, MaterialsThatAreNotThereAreNamed) {
+  v1::TemplateBundle bundle = ShippedTemplate("templates/wrench");
+  bundle.mutable_template_()->mutable_cad()->set_material("materials/unobtainium");
+  const absl::Status status = Complete(bundle, Trial::kDefaults);
+  EXPECT_EQ(DetailOf(status).field, "cad.material");
+  EXPECT_THAT(status.message(), HasSubstr("materials/unobtainium"));
+}
+
+TEST(TemplatesTest, AKindSaysWhatItIsByItself) {
+  v1::TemplateBundle bundle = ShippedTemplate("templates/wrench");
+  bundle.mutable_template_()->add_parts()->set_name("stray");
+  EXPECT_EQ(DetailOf(Complete(bundle, Trial::kDefaults)).field, "parts");
+  bundle = ShippedTemplate("templates/wrench");
+  bundle.mutable_template_()->set_title("Spanner");
+  EXPECT_EQ(DetailOf(Complete(bundle, Trial::kDefaults)).field, "title");
+  bundle = ShippedTemplate("templates/wrench");
+  bundle.mutable_template_()->add_parameters()->set_name("other");
+  EXPECT_EQ(DetailOf(Complete(bundle, Trial::kDefaults)).field, "parameters");
+  bundle = ShippedTemplate("templates/wrench");
+  bundle.mutable_template_()->mutable_cad()->set_name("templates/spanner");
+  EXPECT_EQ(DetailOf(Complete(bundle, Trial::kDefaults)).field, "cad.name");
+}
+
+TEST(TemplatesTest, DesignsThatCannotBeMadeAtTheEndsAreRefused) {
+  v1::TemplateBundle bundle = ShippedTemplate("templates/wrench");
+  v1::CadTemplate& cad = *bundle.mutable_template_()->mutable_cad();
+  // A chamfer wider than the head: the kernel cannot make it, which only trying shows.
+  for (v1::Feature& feature : *cad.mutable_features()) {
+    if (!feature.has_chamfer()) continue;
+    feature.mutable_chamfer()->set_distance("max(0.0008, handle_length - 0.18)");
+  }
+  const absl::Status status = Complete(bundle, Trial::kThorough);
+  EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_THAT(status.message(), HasSubstr("at handle_length = 0.24"));
+}
+
+TEST(TemplatesTest, SummariesTellTheKindAndNoMore) {
+  const v1::Template wrench = SummaryOf(Completed("templates/wrench").template_());
+  EXPECT_TRUE(wrench.has_cad());
+  EXPECT_EQ(wrench.cad().features_size(), 0);
+  EXPECT_EQ(wrench.parameters_size(), 3);
+  EXPECT_EQ(SummaryOf(Completed("templates/table").template_()).parts_size(), 0);
+}
+
+}  // namespace
+}  // namespace mortise::templates
