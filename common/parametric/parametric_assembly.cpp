@@ -102,6 +102,9 @@ absl::StatusOr<ParametricAssembly> ParametricAssembly::Create(Assembly assembly)
       FeasibleSet::Create(std::move(anchored), DrawnParameters(made.assembly_, made.elements_),
                           VariablesWithin(made.assembly_, made.elements_, 0)));
   MORTISE_RETURN_IF_ERROR(made.CheckBounded());
+  made.placement_.emplace(*made.feasible_set_, made.elements_,
+                          FindConnections(made.assembly_, made.elements_, made.contacts_,
+                                          made.relationships_, made.tolerance_));
   made.contact_check_.emplace(made.assembly_, made.elements_, made.tolerance_);
   return made;
 }
@@ -181,9 +184,7 @@ absl::StatusOr<Adjustment> ParametricAssembly::Adjust(const Eigen::VectorXd& fro
     return ComeNear(from, forms);
   }
   MORTISE_RETURN_IF_ERROR(exact.status());
-  Adjustment adjustment{*std::move(exact), {}};
-  for (const Demand& demand : forms) adjustment.reached.push_back(demand.form.At(adjustment.q));
-  return adjustment;
+  return PlaceConnecting(*exact, forms);
 }
 
 absl::StatusOr<Adjustment> ParametricAssembly::ComeNear(const Eigen::VectorXd& from,
@@ -210,7 +211,15 @@ absl::StatusOr<Adjustment> ParametricAssembly::ComeNear(const Eigen::VectorXd& f
     held.push_back(near);
     MORTISE_ASSIGN_OR_RETURN(q, feasible_set_->Nearest(from, held));
   }
-  Adjustment adjustment{std::move(q), {}};
+  return PlaceConnecting(q, demands);
+}
+
+absl::StatusOr<Adjustment> ParametricAssembly::PlaceConnecting(
+    const Eigen::VectorXd& q, const std::vector<Demand>& demands) const {
+  std::vector<LinearForm> held;
+  for (const Demand& demand : demands) held.push_back(demand.form);
+  MORTISE_ASSIGN_OR_RETURN(Eigen::VectorXd placed, placement_->Place(q, held));
+  Adjustment adjustment{std::move(placed), {}};
   for (const Demand& demand : demands) adjustment.reached.push_back(demand.form.At(adjustment.q));
   return adjustment;
 }

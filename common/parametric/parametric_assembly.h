@@ -16,6 +16,8 @@
 
 #include "absl/status/statusor.h"
 #include "common/parametric/assembly.h"
+#include "common/parametric/connection.h"
+#include "common/parametric/connection_placement.h"
 #include "common/parametric/contact_check.h"
 #include "common/parametric/element.h"
 #include "common/parametric/feasible_set.h"
@@ -77,15 +79,19 @@ class ParametricAssembly {
   const std::vector<Relationship>& relationships() const { return relationships_; }
   const FeasibleSet& feasible_set() const { return *feasible_set_; }
 
+  // What holds the principal elements together: see FindConnections.
+  const std::vector<ElementConnection>& connections() const { return placement_->connections(); }
+
   // The parameters as the expert drew the design.
   const Eigen::VectorXd& drawn() const { return feasible_set_->drawn(); }
 
   // Of a group's subtree by itself, its place in space included.
   absl::StatusOr<int> DegreesOfFreedom(int group) const;
 
-  // The feasible parameters nearest to `from` that meet the demands. INVALID_ARGUMENT, "from" or
-  // "demands[i].measure.element"; FAILED_PRECONDITION, DEMANDS_CONFLICT, if they must all be met
-  // and cannot be: it names the demands and relationships that cannot hold together.
+  // The feasible parameters nearest to `from` that meet the demands, the connecting elements where
+  // their connections want them for these principals (ConnectionPlacement). INVALID_ARGUMENT,
+  // "from" or "demands[i].measure.element"; FAILED_PRECONDITION, DEMANDS_CONFLICT, if they must all
+  // be met and cannot be: it names the demands and relationships that cannot hold together.
   absl::StatusOr<Adjustment> Adjust(const Eigen::VectorXd& from,
                                     const std::vector<MeasureDemand>& demands,
                                     Insistence insistence) const;
@@ -117,6 +123,8 @@ class ParametricAssembly {
   absl::StatusOr<LinearForm> FormOf(const Measure& measure, const std::string& field) const;
   absl::StatusOr<Adjustment> ComeNear(const Eigen::VectorXd& from,
                                       const std::vector<Demand>& demands) const;
+  absl::StatusOr<Adjustment> PlaceConnecting(const Eigen::VectorXd& q,
+                                             const std::vector<Demand>& demands) const;
 
   Assembly assembly_;
   double tolerance_ = 0;
@@ -124,6 +132,7 @@ class ParametricAssembly {
   Contacts contacts_;
   std::vector<Relationship> relationships_;
   std::optional<FeasibleSet> feasible_set_;
+  std::optional<ConnectionPlacement> placement_;
   std::optional<ContactCheck> contact_check_;
 };
 
