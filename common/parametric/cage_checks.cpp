@@ -1,0 +1,247 @@
+#include "common/parametric/cage_checks.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <set>
+#include <string>
+#include <string_view>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/identifiers.h"
+#include "common/mesh/mass_properties.h"
+#include "common/mesh/surface_check.h"
+
+namespace mortise::parametric {
+namespace {
+
+constexpr std::size_t kMaxParameters = 64;
+constexpr std::size_t kMaxDefinitions = 500;
+constexpr std::size_t kMaxFaces = 500;
+constexpr std::size_t kMaxConditions = 500;
+constexpr std::size_t kMaxVertices = 5000;
+constexpr std::size_t kMaxTriangles = 10'000;
+constexpr std::size_t kMaxCageVertices = 250;
+constexpr std::size_t kMaxCageTriangles = 500;
+constexpr std::size_t kMaxText = 1000;     // bytes
+constexpr double kFarthest = 1e3;          // m, from the origin
+constexpr double kSmallestVolume = 1e-12;  // m³
+constexpr int kMaxFaults = 20;             // that are reported of one mesh
+
+bool IsIdentifier(std::string_view name) {
+  if (name.empty() || name.size() > 63 || (name[0] >= '0' && name[0] <= '9')) return false;
+  return std::all_of(name.begin(), name.end(), [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
+  });
+}
+
+bool IsReserved(std::string_view name) {
+  constexpr std::array<std::string_view, 10> kWords = {"pi",    "sqrt", "sin", "cos", "tan",
+                                                       "floor", "ceil", "abs", "min", "max"};
+  return std::find(kWords.begin(), kWords.end(), name) != kWords.end();
+}
+
+// Reports a list that is too short or too long.
+void Count(const std::string& field, std::size_t count, std::size_t least, std::size_t most,
+           std::vector<Finding>& findings) {
+  if (count < least) findings.push_back({field, absl::StrCat("must be at least ", least)});
+  if (count > most) findings.push_back({field, absl::StrCat("are more than ", most)});
+}
+
+class CageChecker {
+ public:
+  explicit CageChecker(const CageTemplate& definition) : definition_(definition) {}
+
+  std::vector<Finding> Check() {
+    CheckTexts();
+    CheckParameters();
+    CheckDefinitions();
+    CheckSurface();
+    CheckConditions();
+    return std::move(findings_);
+  }
+
+ private:
+  void Report(const std::string& field, const std::string& message) {
+    findings_.push_back({field, message});
+  }
+
+  void CheckName(const std::string& field, const std::string& name, std::set<std::string>& seen) {
+    if (!IsIdentifier(name)) {
+      Report(field,
+             "must be a letter or underscore, then letters, digits, underscores; 63 at most");
+    } else if (!seen.insert(name).second) {
+      Report(field, absl::StrCat("'", name, "' occurs twice"));
+    }
+  }
+
+  void CheckNumberName(const std::string& field, const std::string& name) {
+    CheckName(field, name, number_names_);
+    if (IsReserved(name)) {
+      Report(field, absl::StrCat("'", name, "' is a word of the expression language"));
+    }
+  }
+
+  void CheckTexts() {
+    if (!ParseResourceName(definition_.name, "templates", "name").ok()) {
+      Report("name", "must be 'templates/' and 1 to 63 lower-case letters, digits and hyphens");
+    }
+    if (!ParseResourceName(definition_.material, "materials", "material").ok()) {
+      Report("material", "must be 'materials/' and 1 to 63 lower-case letters, digits and hyphens");
+    }
+    if (definition_.title.size() > kMaxText) Report("title", "is longer than 1000 bytes");
+    if (definition_.description.size() > kMaxText) {
+      Report("description", "is longer than 1000 bytes");
+    }
+  }
+
+  void CheckParameters() {
+    for (std::size_t i = 0; i < definition_.parameters.size(); ++i) {
+      const Parameter& parameter = definition_.parameters[i];
+      const std::string field = absl::StrCat("parameters[", i, "]");
+      CheckNumberName(field + ".name", parameter.name);
+      if (parameter.unit.empty()) {
+        Report(field + ".unit", "is missing; say '1' where there is none");
+      }
+      CheckRange(field, parameter);
+    }
+  }
+
+  void CheckRange(const std::string& field, const Parameter& parameter) {
+    if (!std::isfinite(parameter.minimum) || !std::isfinite(parameter.maximum) ||
+        !std::isfinite(parameter.default_value) || !std::isfinite(parameter.step)) {
+      Report(field, "has a number that is not finite");
+    } else if (parameter.maximum <= parameter.minimum) {
+      Report(field + ".maximum",
+             absl::StrCat("is ", parameter.maximum, ", not greater than the minimum ",
+                          parameter.minimum));
+    } else if (parameter.default_value < parameter.minimum ||
+               parameter.default_value > parameter.maximum) {
+      Report(field + ".default_value", absl::StrCat("is ", parameter.default_value, ", outside of ",
+                                                    parameter.minimum, " to ", parameter.maximum));
+    } else if (parameter.step < 0) {
+      Report(field + ".step", "is less than 0");
+    }
+  }
+
+  void CheckDefinitions() {
+    for (std::size_t i = 0; i < definition_.definitions.size(); ++i) {
+      CheckNumberName(absl::StrCat("definitions[", i, "].name"), definition_.definitions[i].name);
+    }
+  }
+
+  // Whether all indices are of vertices that exist.
+  bool CheckIndices(const std::string& field, const Eigen::Matrix3Xi& triangles,
+                    Eigen::Index vertices) {
+    for (Eigen::Index t = 0; t < triangles.cols(); ++t) {
+      if (triangles.col(t).minCoeff() >= 0 && triangles.col(t).maxCoeff() < vertices) continue;
+      Report(field, absl::StrCat("triangle ", t, " names a vertex that does not exist"));
+      return false;
+    }
+    return true;
+  }
+
+  void CheckSurface() {
+    const CageSurface& surface = definition_.surface;
+    bool usable = true;
+    if (!surface.vertices.allFinite()) {
+      Report("surface.vertices", "have a number that is not finite");
+      usable = false;
+    } else if (surface.vertices.cwiseAbs().maxCoeff() > kFarthest) {
+      Report("surface.vertices", "reach farther than 1 km from the origin");
+      usable = false;
+    }
+    for (std::size_t i = 0; i < surface.faces.size(); ++i) {
+      const std::string field = absl::StrCat("surface.faces[", i, "]");
+      CheckName(field + ".name", surface.faces[i].name, face_names_);
+      if (surface.faces[i].triangles.cols() == 0) Report(field + ".triangles", "are missing");
+      usable =
+          CheckIndices(field + ".triangles", surface.faces[i].triangles, surface.vertices.cols()) &&
+          usable;
+    }
+    if (usable) CheckShape({surface.vertices, TrianglesOf(surface)});
+  }
+
+  void CheckShape(const mesh::SurfaceMesh& surface) {
+    const auto faults = mesh::CheckSurface(surface, kMaxFaults);
+    for (const mesh::SurfaceFault& fault : faults) Report("surface", fault.message);
+    std::vector<bool> used(static_cast<std::size_t>(surface.vertices.cols()), false);
+    for (const int vertex : surface.triangles.reshaped()) {
+      used[static_cast<std::size_t>(vertex)] = true;
+    }
+    const auto unused = std::find(used.begin(), used.end(), false);
+    if (unused != used.end()) {
+      Report("surface.vertices",
+             absl::StrCat("vertex ", unused - used.begin(), " belongs to no triangle"));
+    }
+    if (!faults.empty()) return;
+    if (mesh::ComputeMassProperties(surface).volume < kSmallestVolume) {
+      Report("surface", "encloses less than 1e-12 m³");
+    }
+    const auto crossings = mesh::FindIntersections(surface.vertices, surface.triangles);
+    if (!crossings.empty()) {
+      Report("surface", absl::StrCat("triangles ", crossings[0].first, " and ", crossings[0].second,
+                                     ", counted over all faces, cross"));
+    }
+  }
+
+  void CheckConditions() {
+    std::set<std::string> names;
+    for (std::size_t i = 0; i < definition_.conditions.size(); ++i) {
+      const CageCondition& condition = definition_.conditions[i];
+      const std::string field = absl::StrCat("conditions[", i, "]");
+      CheckName(field + ".name", condition.name, names);
+      for (std::size_t k = 0; k < condition.faces.size(); ++k) {
+        if (face_names_.contains(condition.faces[k])) continue;
+        Report(absl::StrCat(field, ".faces[", k, "]"),
+               absl::StrCat("there is no face '", condition.faces[k].substr(0, 80), "'"));
+      }
+    }
+  }
+
+  const CageTemplate& definition_;
+  std::vector<Finding> findings_;
+  std::set<std::string> number_names_, face_names_;
+};
+
+}  // namespace
+
+std::vector<Finding> CheckCageSizes(const CageTemplate& definition) {
+  std::vector<Finding> findings;
+  const auto count = [&findings](const std::string& field, auto size, std::size_t least,
+                                 std::size_t most) {
+    Count(field, static_cast<std::size_t>(size), least, most, findings);
+  };
+  count("parameters", definition.parameters.size(), 1, kMaxParameters);
+  count("definitions", definition.definitions.size(), 0, kMaxDefinitions);
+  count("surface.vertices", definition.surface.vertices.cols(), 4, kMaxVertices);
+  count("surface.faces", definition.surface.faces.size(), 1, kMaxFaces);
+  count("cage.vertices", definition.cage.vertices.size(), 4, kMaxCageVertices);
+  count("cage.triangles", definition.cage.triangles.cols(), 4, kMaxCageTriangles);
+  count("conditions", definition.conditions.size(), 0, kMaxConditions);
+  if (!findings.empty()) return findings;
+  count("surface.faces[*].triangles", TrianglesOf(definition.surface).cols(), 4, kMaxTriangles);
+  for (std::size_t i = 0; i < definition.conditions.size(); ++i) {
+    count(absl::StrCat("conditions[", i, "].faces"), definition.conditions[i].faces.size(), 1,
+          kMaxFaces);
+  }
+  return findings;
+}
+
+std::vector<Finding> CheckCageTemplate(const CageTemplate& definition) {
+  return CageChecker(definition).Check();
+}
+
+Eigen::Matrix3Xi TrianglesOf(const CageSurface& surface) {
+  Eigen::Index count = 0;
+  for (const CageFace& face : surface.faces) count += face.triangles.cols();
+  Eigen::Matrix3Xi triangles(3, count);
+  Eigen::Index first = 0;
+  for (const CageFace& face : surface.faces) {
+    triangles.middleCols(first, face.triangles.cols()) = face.triangles;
+    first += face.triangles.cols();
+  }
+  return triangles;
+}
+
+}  // namespace mortise::parametric

@@ -1,0 +1,180 @@
+#include "common/parametric/cage_expressions.h"
+
+#include <cmath>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
+
+namespace mortise::parametric {
+namespace {
+
+constexpr double kFarthest = 1e3;  // m, from the origin
+
+// Parses the expressions of a template.
+class Parser {
+ public:
+  Parser(std::vector<std::string>& names, std::vector<Finding>& findings)
+      : names_(names), findings_(findings) {}
+
+  std::optional<Expression> Parse(const std::string& field, const std::string& text,
+                                  bool may_be_empty) {
+    if (text.empty() && may_be_empty) return std::nullopt;
+    auto expression = Expression::Parse(text, names_);
+    if (expression.ok()) return *std::move(expression);
+    findings_.push_back(
+        {field, absl::StrCat("'", text.substr(0, 80), "': ", expression.status().message())});
+    return std::nullopt;
+  }
+
+ private:
+  std::vector<std::string>& names_;
+  std::vector<Finding>& findings_;
+};
+
+Finding Fault(const std::string& field, const absl::Status& status) {
+  return {field, std::string(status.message())};
+}
+
+}  // namespace
+
+CageExpressions::CageExpressions(const CageTemplate& definition, std::vector<Finding>& findings) {
+  std::vector<std::string> names;
+  for (const Parameter& parameter : definition.parameters) names.push_back(parameter.name);
+  Parser parser(names, findings);
+  for (std::size_t i = 0; i < definition.definitions.size(); ++i) {
+    const std::string field = absl::StrCat("definitions[", i, "].value");
+    definitions_.push_back({field, parser.Parse(field, definition.definitions[i].value, false)});
+    // Also where it cannot be read, lest everything that uses it be reported too.
+    names.push_back(definition.definitions[i].name);
+  }
+  const auto point = [&parser](const std::string& field, const CagePoint& texts) {
+    std::array<Placed, 3> placed = {Placed{field + ".x", {}}, Placed{field + ".y", {}},
+                                    Placed{field + ".z", {}}};
+    placed[0].expression = parser.Parse(placed[0].field, texts.x, true);
+    placed[1].expression = parser.Parse(placed[1].field, texts.y, true);
+    placed[2].expression = parser.Parse(placed[2].field, texts.z, true);
+    return placed;
+  };
+  for (std::size_t i = 0; i < definition.cage.vertices.size(); ++i) {
+    cage_.push_back(point(absl::StrCat("cage.vertices[", i, "]"), definition.cage.vertices[i]));
+  }
+  for (std::size_t i = 0; i < definition.conditions.size(); ++i) {
+    const CageCondition& condition = definition.conditions[i];
+    const std::string field = absl::StrCat("conditions[", i, "]");
+    Condition parsed{condition.kind, {}, {}};
+    switch (condition.kind) {
+      case CageConditionKind::kFixed:
+        break;
+      case CageConditionKind::kForce:
+        parsed.force = point(field + ".force.force", condition.force);
+        break;
+      case CageConditionKind::kPressure:
+        parsed.amount.field = field + ".pressure.pressure";
+        break;
+      case CageConditionKind::kHeatFlux:
+        parsed.amount.field = field + ".heat.flux";
+        break;
+      case CageConditionKind::kTemperature:
+        parsed.amount.field = field + ".heat.temperature";
+        break;
+    }
+    if (!parsed.amount.field.empty()) {
+      parsed.amount.expression = parser.Parse(parsed.amount.field, condition.amount, false);
+    }
+    conditions_.push_back(std::move(parsed));
+  }
+}
+
+absl::StatusOr<CageExpressions::Names> CageExpressions::NamesAt(const Eigen::VectorXd& q,
+                                                                bool with_gradient) const {
+  const Eigen::Index count = q.size() + static_cast<Eigen::Index>(definitions_.size());
+  Names names{Eigen::VectorXd::Zero(count), {}};
+  names.values.head(q.size()) = q;
+  if (with_gradient) {
+    names.gradients = Eigen::MatrixXd::Zero(count, q.size());
+    names.gradients.topRows(q.size()).setIdentity();
+  }
+  for (Eigen::Index i = q.size(); i < count; ++i) {
+    const Placed& placed = definitions_[static_cast<std::size_t>(i - q.size())];
+    if (with_gradient) {
+      const auto dual = placed.expression->ValueAndGradient(names.values.head(i));
+      if (!dual.ok()) return ToStatus({Fault(placed.field, dual.status())});
+      names.values(i) = dual->value;
+      names.gradients.row(i) = dual->gradient.transpose() * names.gradients.topRows(i);
+    } else {
+      const auto value = placed.expression->Value(names.values.head(i));
+      if (!value.ok()) return ToStatus({Fault(placed.field, value.status())});
+      names.values(i) = *value;
+    }
+  }
+  return names;
+}
+
+absl::StatusOr<CageNumbers> CageExpressions::Cage(const Eigen::VectorXd& q,
+                                                  bool with_gradient) const {
+  MORTISE_ASSIGN_OR_RETURN(const Names names, NamesAt(q, with_gradient));
+  std::vector<Finding> findings;
+  const auto count = static_cast<Eigen::Index>(cage_.size());
+  CageNumbers numbers{Eigen::Matrix3Xd::Zero(3, count), {}};
+  if (with_gradient) numbers.by_cage = Eigen::MatrixXd::Zero(3 * count, q.size());
+  for (Eigen::Index c = 0; c < count; ++c) {
+    for (Eigen::Index axis = 0; axis < 3; ++axis) {
+      const Placed& placed = cage_[static_cast<std::size_t>(c)][static_cast<std::size_t>(axis)];
+      if (!placed.expression) continue;
+      absl::StatusOr<double> value = 0.0;
+      if (with_gradient) {
+        const auto dual = placed.expression->ValueAndGradient(names.values);
+        if (dual.ok()) {
+          value = dual->value;
+          numbers.by_cage.row(3 * c + axis) = dual->gradient.transpose() * names.gradients;
+        } else {
+          value = dual.status();
+        }
+      } else {
+        value = placed.expression->Value(names.values);
+      }
+      if (!value.ok()) {
+        findings.push_back(Fault(placed.field, value.status()));
+      } else if (std::abs(*value) > kFarthest) {
+        findings.push_back({placed.field, absl::StrCat("'", placed.expression->text(), "' is ",
+                                                       *value, " m, farther than 1 km")});
+      } else {
+        numbers.cage(axis, c) = *value;
+      }
+    }
+  }
+  MORTISE_RETURN_IF_ERROR(ToStatus(findings));
+  return numbers;
+}
+
+absl::StatusOr<std::vector<CageConditionNumbers>> CageExpressions::Conditions(
+    const Eigen::VectorXd& q) const {
+  MORTISE_ASSIGN_OR_RETURN(const Names names, NamesAt(q, false));
+  std::vector<Finding> findings;
+  const auto value_of = [&](const Placed& placed) {
+    if (!placed.expression) return 0.0;
+    const auto value = placed.expression->Value(names.values);
+    if (value.ok()) return *value;
+    findings.push_back(Fault(placed.field, value.status()));
+    return 0.0;
+  };
+  std::vector<CageConditionNumbers> numbers;
+  for (const Condition& condition : conditions_) {
+    const std::size_t before = findings.size();
+    CageConditionNumbers& at = numbers.emplace_back();
+    for (int axis = 0; axis < 3; ++axis) {
+      at.force(axis) = value_of(condition.force[static_cast<std::size_t>(axis)]);
+    }
+    at.amount = value_of(condition.amount);
+    if (condition.kind == CageConditionKind::kTemperature && findings.size() == before &&
+        at.amount <= 0) {
+      findings.push_back(
+          {condition.amount.field, absl::StrCat("is ", at.amount, " K: must be above 0")});
+    }
+  }
+  MORTISE_RETURN_IF_ERROR(ToStatus(findings));
+  return numbers;
+}
+
+}  // namespace mortise::parametric

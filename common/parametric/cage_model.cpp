@@ -1,0 +1,317 @@
+#include "common/parametric/cage_model.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <set>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "absl/strings/strip.h"
+#include "common/base/errors.h"
+#include "common/base/field_violations.h"
+#include "common/mesh/mass_properties.h"
+#include "common/mesh/mean_value_coordinates.h"
+#include "common/mesh/surface_check.h"
+#include "common/parametric/cage_checks.h"
+#include "common/parametric/cage_expressions.h"
+
+namespace mortise::parametric {
+namespace {
+
+constexpr int kMaxCornerParameters = 6;
+constexpr int kRandomPoints = 32;
+constexpr std::size_t kMaxFindings = 100;
+constexpr double kCollapsed = 1e-6;  // of the volume at the defaults
+constexpr double kDegenerate =
+    1e-12;  // of the square of a triangle's longest side, as CheckSurface
+
+Eigen::VectorXd DefaultsOf(const CageTemplate& definition) {
+  Eigen::VectorXd q(static_cast<Eigen::Index>(definition.parameters.size()));
+  for (Eigen::Index i = 0; i < q.size(); ++i) {
+    q(i) = definition.parameters[static_cast<std::size_t>(i)].default_value;
+  }
+  return q;
+}
+
+// Defaults, corners or ends, and random points.
+std::vector<Eigen::VectorXd> TrialPoints(const CageTemplate& definition) {
+  const auto count = static_cast<int>(definition.parameters.size());
+  const Eigen::VectorXd defaults = DefaultsOf(definition);
+  std::vector<Eigen::VectorXd> points = {defaults};
+  const auto end_of = [&](int i, bool upper) {
+    const Parameter& parameter = definition.parameters[static_cast<std::size_t>(i)];
+    return upper ? parameter.maximum : parameter.minimum;
+  };
+  if (count <= kMaxCornerParameters) {
+    for (int corner = 0; corner < 1 << count; ++corner) {
+      Eigen::VectorXd q(count);
+      for (int i = 0; i < count; ++i) q(i) = end_of(i, (corner >> i & 1) != 0);
+      points.push_back(std::move(q));
+    }
+  } else {
+    for (int i = 0; i < count; ++i) {
+      for (const bool upper : {false, true}) {
+        points.push_back(defaults);
+        points.back()(i) = end_of(i, upper);
+      }
+    }
+  }
+  std::mt19937_64 random(1);
+  for (int k = 0; k < kRandomPoints; ++k) {
+    Eigen::VectorXd q(count);
+    for (int i = 0; i < count; ++i) {
+      const double t = static_cast<double>(random() >> 11) * 0x1p-53;
+      q(i) = (1 - t) * end_of(i, false) + t * end_of(i, true);
+    }
+    points.push_back(std::move(q));
+  }
+  return points;
+}
+
+// " (at length = 0.2, width = 0.1)".
+std::string At(const CageTemplate& definition, const Eigen::VectorXd& q) {
+  std::string text = " (at ";
+  for (Eigen::Index i = 0; i < q.size(); ++i) {
+    absl::StrAppend(&text, i == 0 ? "" : ", ",
+                    definition.parameters[static_cast<std::size_t>(i)].name, " = ", q(i));
+  }
+  return text + ")";
+}
+
+absl::Status CheckRanges(const CageTemplate& definition, const Eigen::VectorXd& q) {
+  const std::vector<Parameter>& parameters = definition.parameters;
+  if (q.size() != static_cast<Eigen::Index>(parameters.size())) {
+    return InvalidField("parameters", absl::StrCat("are ", q.size(), ", not ", parameters.size()));
+  }
+  std::vector<Finding> findings;
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    const double value = q(static_cast<Eigen::Index>(i));
+    if (value >= parameters[i].minimum && value <= parameters[i].maximum) continue;
+    findings.push_back({absl::StrCat("parameters[", i, "]"),
+                        absl::StrCat("'", parameters[i].name, "' is ", value, ", outside of ",
+                                     parameters[i].minimum, " to ", parameters[i].maximum)});
+  }
+  return ToStatus(findings);
+}
+
+std::string Place(const Eigen::Vector3d& place) {
+  return absl::StrFormat(" at (%.4g, %.4g, %.4g) mm", 1e3 * place.x(), 1e3 * place.y(),
+                         1e3 * place.z());
+}
+
+// What is wrong with a deformed surface; empty if nothing. That it is closed does not change.
+std::string FaultOf(const mesh::SurfaceMesh& surface, double volume_at_defaults) {
+  if (mesh::ComputeMassProperties(surface).volume <= kCollapsed * volume_at_defaults) {
+    return "collapses or turns inside out";
+  }
+  for (const auto& triangle : surface.triangles.colwise()) {
+    const Eigen::Vector3d a = surface.vertices.col(triangle(0));
+    const Eigen::Vector3d u = surface.vertices.col(triangle(1)) - a;
+    const Eigen::Vector3d v = surface.vertices.col(triangle(2)) - a;
+    const double longest2 = std::max({u.squaredNorm(), v.squaredNorm(), (v - u).squaredNorm()});
+    if (u.cross(v).norm() <= kDegenerate * longest2) {
+      return absl::StrCat("has a triangle without an area", Place(a));
+    }
+  }
+  const auto crossings = mesh::FindIntersections(surface.vertices, surface.triangles);
+  return crossings.empty() ? "" : absl::StrCat("crosses itself", Place(crossings[0].place));
+}
+
+// Adds the findings of a status, the first at each place.
+class FindingList {
+ public:
+  explicit FindingList(std::vector<Finding>& findings) : findings_(findings) {}
+
+  void Add(const absl::Status& status, const std::string& where) {
+    std::vector<FieldViolation> violations = ViolationsOf(status);
+    if (violations.empty()) {
+      const std::string field = DetailOf(status).field;
+      absl::string_view message = status.message();
+      absl::ConsumePrefix(&message, field + ": ");
+      violations.push_back({field, std::string(message)});
+    }
+    for (const FieldViolation& violation : violations) {
+      if (full() || !seen_.insert(violation.field).second) continue;
+      findings_.push_back({violation.field, violation.message + where});
+    }
+  }
+  bool full() const { return findings_.size() >= kMaxFindings; }
+
+ private:
+  std::vector<Finding>& findings_;
+  std::set<std::string> seen_;
+};
+
+}  // namespace
+
+struct CageModel::State {
+  State(CageTemplate definition_in, std::vector<Finding>& findings)
+      : definition(std::move(definition_in)), expressions(definition, findings) {}
+
+  // If there are findings already, only the cage is looked at.
+  void ComputeCoordinates(std::vector<Finding>& findings) {
+    FindingList list(findings);
+    const auto numbers = expressions.Cage(DefaultsOf(definition), /*with_gradient=*/false);
+    if (!numbers.ok()) return list.Add(numbers.status(), " (at the defaults)");
+    const Eigen::Matrix3Xd none(3, 0);
+    auto computed =
+        mesh::MeanValueCoordinates({numbers->cage, definition.cage.triangles},
+                                   findings.empty() ? definition.surface.vertices : none);
+    if (!computed.ok()) return list.Add(computed.status(), " (at the defaults)");
+    coordinates = *std::move(computed);
+  }
+
+  void CollectTriangles() {
+    const CageSurface& surface = definition.surface;
+    triangles = TrianglesOf(surface);
+    triangle_face.resize(triangles.cols());
+    Eigen::Index first = 0;
+    for (std::size_t face = 0; face < surface.faces.size(); ++face) {
+      const Eigen::Index count = surface.faces[face].triangles.cols();
+      triangle_face.segment(first, count).setConstant(static_cast<int>(face));
+      first += count;
+    }
+    volume = mesh::ComputeMassProperties(mesh::SurfaceMesh{surface.vertices, triangles}).volume;
+  }
+
+  mesh::SurfaceMesh SurfaceAt(const Eigen::Matrix3Xd& cage) const {
+    return {cage * coordinates, triangles};
+  }
+
+  CageTemplate definition;
+  CageExpressions expressions;
+  Eigen::Matrix3Xi triangles;     // of all faces
+  Eigen::VectorXi triangle_face;  // T
+  Eigen::MatrixXd coordinates;    // C × V
+  double volume = 0;              // m³, at the defaults
+};
+
+CageModel::CageModel(std::shared_ptr<const State> state) : state_(std::move(state)) {}
+
+std::shared_ptr<const CageModel::State> CageModel::Compile(CageTemplate definition,
+                                                           std::vector<Finding>& findings) {
+  findings = CheckCageSizes(definition);
+  if (!findings.empty()) return nullptr;
+  findings = CheckCageTemplate(definition);
+  const std::size_t before = findings.size();
+  auto state = std::make_shared<State>(std::move(definition), findings);
+  if (findings.size() == before) state->ComputeCoordinates(findings);
+  if (findings.size() > kMaxFindings) findings.resize(kMaxFindings);
+  if (!findings.empty()) return nullptr;
+  state->CollectTriangles();
+  return state;
+}
+
+std::vector<Finding> CageModel::TryPoints() const {
+  std::vector<Finding> findings;
+  FindingList list(findings);
+  for (const Eigen::VectorXd& q : TrialPoints(definition())) {
+    if (list.full()) break;
+    const auto design = Evaluate(q);
+    if (design.ok()) continue;
+    // A surface at fault tells of its parameters itself.
+    const bool told = DetailOf(design.status()).field == "surface";
+    list.Add(design.status(), told ? "" : At(definition(), q));
+  }
+  return findings;
+}
+
+std::vector<Finding> ValidateCageTemplate(const CageTemplate& definition) {
+  std::vector<Finding> findings;
+  const auto state = CageModel::Compile(definition, findings);
+  return state == nullptr ? findings : CageModel(state).TryPoints();
+}
+
+absl::StatusOr<CageModel> CageModel::Create(CageTemplate definition) {
+  std::vector<Finding> findings;
+  auto state = Compile(std::move(definition), findings);
+  MORTISE_RETURN_IF_ERROR(ToStatus(findings));
+  CageModel model(std::move(state));
+  MORTISE_RETURN_IF_ERROR(ToStatus(model.TryPoints()));
+  return model;
+}
+
+const CageTemplate& CageModel::definition() const { return state_->definition; }
+
+Eigen::VectorXd CageModel::Defaults() const { return DefaultsOf(state_->definition); }
+
+const Eigen::MatrixXd& CageModel::coordinates() const { return state_->coordinates; }
+
+absl::StatusOr<CageDesign> CageModel::Evaluate(const Eigen::VectorXd& q) const {
+  MORTISE_RETURN_IF_ERROR(CheckRanges(state_->definition, q));
+  MORTISE_ASSIGN_OR_RETURN(const CageNumbers numbers, state_->expressions.Cage(q, false));
+  MORTISE_ASSIGN_OR_RETURN(const std::vector<CageConditionNumbers> loads,
+                           state_->expressions.Conditions(q));
+  CageDesign design{state_->SurfaceAt(numbers.cage), state_->triangle_face, {}, {}};
+  const std::string fault = FaultOf(design.surface, state_->volume);
+  if (!fault.empty()) {
+    return InvalidField("surface", absl::StrCat(fault, At(state_->definition, q)));
+  }
+  for (const CageFace& face : state_->definition.surface.faces) {
+    design.face_names.push_back(face.name);
+  }
+  for (std::size_t i = 0; i < loads.size(); ++i) {
+    const CageCondition& condition = state_->definition.conditions[i];
+    CageDesignCondition at{
+        .name = condition.name, .kind = condition.kind, .faces = {}, .force = loads[i].force};
+    for (std::size_t face = 0; face < design.face_names.size(); ++face) {
+      const auto& wanted = condition.faces;
+      if (std::find(wanted.begin(), wanted.end(), design.face_names[face]) != wanted.end()) {
+        at.faces.push_back(static_cast<int>(face));
+      }
+    }
+    if (condition.kind == CageConditionKind::kPressure) at.pressure = loads[i].amount;
+    if (condition.kind == CageConditionKind::kHeatFlux) at.heat_flux = loads[i].amount;
+    if (condition.kind == CageConditionKind::kTemperature) at.temperature = loads[i].amount;
+    design.conditions.push_back(std::move(at));
+  }
+  return design;
+}
+
+absl::StatusOr<Eigen::MatrixXd> CageModel::Jacobian(const Eigen::VectorXd& q) const {
+  MORTISE_RETURN_IF_ERROR(CheckRanges(state_->definition, q));
+  MORTISE_ASSIGN_OR_RETURN(const CageNumbers numbers, state_->expressions.Cage(q, true));
+  const Eigen::Index vertices = state_->coordinates.cols();
+  Eigen::MatrixXd jacobian(3 * vertices, q.size());
+  for (Eigen::Index i = 0; i < q.size(); ++i) {
+    // Column i of the derivatives, seen as one vector a vertex.
+    const Eigen::Map<const Eigen::Matrix3Xd> cage(numbers.by_cage.col(i).data(), 3,
+                                                  numbers.cage.cols());
+    Eigen::Map<Eigen::Matrix3Xd>(jacobian.col(i).data(), 3, vertices) = cage * state_->coordinates;
+  }
+  return jacobian;
+}
+
+absl::StatusOr<Dual> CageModel::Volume(const Eigen::VectorXd& q) const {
+  MORTISE_RETURN_IF_ERROR(CheckRanges(state_->definition, q));
+  MORTISE_ASSIGN_OR_RETURN(const CageNumbers numbers, state_->expressions.Cage(q, true));
+  const mesh::SurfaceMesh surface = state_->SurfaceAt(numbers.cage);
+  Eigen::Matrix3Xd by_vertex = Eigen::Matrix3Xd::Zero(3, surface.vertices.cols());
+  for (const auto& triangle : surface.triangles.colwise()) {
+    for (int k = 0; k < 3; ++k) {
+      by_vertex.col(triangle(k)) += surface.vertices.col(triangle((k + 1) % 3))
+                                        .cross(surface.vertices.col(triangle((k + 2) % 3))) /
+                                    6;
+    }
+  }
+  const Eigen::Matrix3Xd by_cage = by_vertex * state_->coordinates.transpose();
+  return Dual{mesh::ComputeMassProperties(surface).volume,
+              numbers.by_cage.transpose() * by_cage.reshaped()};
+}
+
+mesh::AssemblySurface ToAssembly(const CageDesign& design, const std::string& part) {
+  mesh::AssemblySurface assembly;
+  assembly.vertices = design.surface.vertices;
+  assembly.triangles = design.surface.triangles;
+  assembly.triangle_face = design.triangle_face;
+  for (const std::string& name : design.face_names) {
+    assembly.faces.push_back({.front_part = -1, .back_part = 0, .origins = {{0, name}}});
+  }
+  assembly.part_names = {part};
+  return assembly;
+}
+
+}  // namespace mortise::parametric

@@ -1,0 +1,212 @@
+#include "common/parametric/cage_template_codec.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
+#include "common/base/files.h"
+#include "common/parametric/proto_text.h"
+#include "common/parametric/template_validation.h"
+
+namespace mortise::parametric {
+namespace {
+
+using google::protobuf::RepeatedField;
+
+CagePoint Read(const v1::SpacePoint& point) { return {point.x(), point.y(), point.z()}; }
+
+void Write(const CagePoint& from, v1::SpacePoint& to) {
+  to.set_x(from.x);
+  to.set_y(from.y);
+  to.set_z(from.z);
+}
+
+// Columns of three.
+template <typename Number>
+Eigen::Matrix<Number, 3, Eigen::Dynamic> ReadColumns(const RepeatedField<Number>& numbers,
+                                                     const std::string& field,
+                                                     std::vector<Finding>& findings) {
+  if (numbers.size() % 3 != 0) {
+    findings.push_back({field, absl::StrCat("has ", numbers.size(), " numbers, not threes")});
+  }
+  Eigen::Matrix<Number, 3, Eigen::Dynamic> columns(3, numbers.size() / 3);
+  for (Eigen::Index i = 0; i < columns.size(); ++i) {
+    columns.data()[i] = numbers.Get(static_cast<int>(i));
+  }
+  return columns;
+}
+
+template <typename Number>
+void WriteColumns(const Eigen::Matrix<Number, 3, Eigen::Dynamic>& columns,
+                  RepeatedField<Number>& numbers) {
+  numbers.Add(columns.data(), columns.data() + columns.size());
+}
+
+CageCondition ReadCondition(const v1::CageCondition& message, const std::string& field,
+                            std::vector<Finding>& findings) {
+  CageCondition condition;
+  condition.name = message.name();
+  const auto read = [&condition](CageConditionKind kind, const auto& faces) {
+    condition.kind = kind;
+    condition.faces = {faces.begin(), faces.end()};
+  };
+  switch (message.kind_case()) {
+    case v1::CageCondition::kFixed:
+      read(CageConditionKind::kFixed, message.fixed().faces());
+      break;
+    case v1::CageCondition::kForce:
+      read(CageConditionKind::kForce, message.force().faces());
+      condition.force = Read(message.force().force());
+      break;
+    case v1::CageCondition::kPressure:
+      read(CageConditionKind::kPressure, message.pressure().faces());
+      condition.amount = message.pressure().pressure();
+      break;
+    case v1::CageCondition::kHeat: {
+      const v1::HeatOnFaces& heat = message.heat();
+      const bool is_flux = !heat.flux().empty();
+      if (is_flux != heat.temperature().empty()) {
+        findings.push_back(
+            {field + ".heat", "must have either a flux or a temperature, not both nor none"});
+      }
+      read(is_flux ? CageConditionKind::kHeatFlux : CageConditionKind::kTemperature, heat.faces());
+      condition.amount = is_flux ? heat.flux() : heat.temperature();
+      break;
+    }
+    case v1::CageCondition::KIND_NOT_SET:
+      findings.push_back({field, "does not say what kind of condition it is"});
+      break;
+  }
+  return condition;
+}
+
+void WriteCondition(const CageCondition& condition, v1::CageCondition& message) {
+  message.set_name(condition.name);
+  const auto write = [&condition](auto& kind) {
+    *kind.mutable_faces() = {condition.faces.begin(), condition.faces.end()};
+  };
+  switch (condition.kind) {
+    case CageConditionKind::kFixed:
+      write(*message.mutable_fixed());
+      break;
+    case CageConditionKind::kForce:
+      write(*message.mutable_force());
+      Write(condition.force, *message.mutable_force()->mutable_force());
+      break;
+    case CageConditionKind::kPressure:
+      write(*message.mutable_pressure());
+      message.mutable_pressure()->set_pressure(condition.amount);
+      break;
+    case CageConditionKind::kHeatFlux:
+      write(*message.mutable_heat());
+      message.mutable_heat()->set_flux(condition.amount);
+      break;
+    case CageConditionKind::kTemperature:
+      write(*message.mutable_heat());
+      message.mutable_heat()->set_temperature(condition.amount);
+      break;
+  }
+}
+
+}  // namespace
+
+absl::StatusOr<CageTemplate> FromProto(const v1::CageTemplate& message) {
+  std::vector<Finding> findings;
+  CageTemplate definition;
+  definition.name = message.name();
+  definition.title = message.title();
+  definition.description = message.description();
+  definition.material = message.material();
+  for (const v1::Parameter& parameter : message.parameters()) {
+    definition.parameters.push_back({parameter.name(), parameter.title(), parameter.description(),
+                                     parameter.unit(), parameter.minimum(), parameter.maximum(),
+                                     parameter.default_value(), parameter.step()});
+  }
+  for (const v1::CadDefinition& entry : message.definitions()) {
+    definition.definitions.push_back({entry.name(), entry.value()});
+  }
+  definition.surface.vertices =
+      ReadColumns(message.surface().vertices(), "surface.vertices", findings);
+  for (int i = 0; i < message.surface().faces_size(); ++i) {
+    const v1::CageFace& face = message.surface().faces(i);
+    definition.surface.faces.push_back(
+        {face.name(), ReadColumns(face.triangles(),
+                                  absl::StrCat("surface.faces[", i, "].triangles"), findings)});
+  }
+  for (const v1::SpacePoint& vertex : message.cage().vertices()) {
+    definition.cage.vertices.push_back(Read(vertex));
+  }
+  definition.cage.triangles = ReadColumns(message.cage().triangles(), "cage.triangles", findings);
+  for (int i = 0; i < message.conditions_size(); ++i) {
+    definition.conditions.push_back(
+        ReadCondition(message.conditions(i), absl::StrCat("conditions[", i, "]"), findings));
+  }
+  MORTISE_RETURN_IF_ERROR(ToStatus(findings));
+  return definition;
+}
+
+v1::CageTemplate ToProto(const CageTemplate& definition) {
+  v1::CageTemplate message;
+  message.set_name(definition.name);
+  message.set_title(definition.title);
+  message.set_description(definition.description);
+  message.set_material(definition.material);
+  for (const Parameter& parameter : definition.parameters) {
+    v1::Parameter& entry = *message.add_parameters();
+    entry.set_name(parameter.name);
+    entry.set_title(parameter.title);
+    entry.set_description(parameter.description);
+    entry.set_unit(parameter.unit);
+    entry.set_minimum(parameter.minimum);
+    entry.set_maximum(parameter.maximum);
+    entry.set_default_value(parameter.default_value);
+    entry.set_step(parameter.step);
+  }
+  for (const CageDefinition& named : definition.definitions) {
+    v1::CadDefinition& entry = *message.add_definitions();
+    entry.set_name(named.name);
+    entry.set_value(named.value);
+  }
+  WriteColumns(definition.surface.vertices, *message.mutable_surface()->mutable_vertices());
+  for (const CageFace& face : definition.surface.faces) {
+    v1::CageFace& entry = *message.mutable_surface()->add_faces();
+    entry.set_name(face.name);
+    WriteColumns(face.triangles, *entry.mutable_triangles());
+  }
+  for (const CagePoint& vertex : definition.cage.vertices) {
+    Write(vertex, *message.mutable_cage()->add_vertices());
+  }
+  WriteColumns(definition.cage.triangles, *message.mutable_cage()->mutable_triangles());
+  for (const CageCondition& condition : definition.conditions) {
+    WriteCondition(condition, *message.add_conditions());
+  }
+  return message;
+}
+
+absl::StatusOr<CageTemplate> ParseCageTemplateText(std::string_view text,
+                                                   const std::string& origin) {
+  v1::CageTemplate message;
+  MORTISE_RETURN_IF_ERROR(ParseProtoText(text, origin, message));
+  return FromProto(message);
+}
+
+absl::StatusOr<std::vector<CageTemplate>> ReadCageTemplates(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::vector<std::filesystem::path> files;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+    if (entry.path().extension() == ".textproto") files.push_back(entry.path());
+  }
+  if (error) return ResourceNotFound(folder.string());
+  std::sort(files.begin(), files.end());
+  std::vector<CageTemplate> templates;
+  for (const std::filesystem::path& file : files) {
+    MORTISE_ASSIGN_OR_RETURN(const std::string text, ReadFile(file));
+    MORTISE_ASSIGN_OR_RETURN(CageTemplate definition,
+                             ParseCageTemplateText(text, file.filename().string()));
+    templates.push_back(std::move(definition));
+  }
+  return templates;
+}
+
+}  // namespace mortise::parametric
