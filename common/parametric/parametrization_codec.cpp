@@ -5,6 +5,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/parametric/axis_codec.h"
+#include "common/parametric/connection_codec.h"
 #include "common/parametric/rest_pose.h"
 
 namespace mortise::parametric {
@@ -176,6 +177,9 @@ absl::StatusOr<v1::Parametrization> ToProto(const ParametricAssembly& parametric
   message.set_degrees_of_freedom(parametric.feasible_set().degrees_of_freedom());
   for (const Pose& pose : PosesOf(assembly)) {
     if (!pose.name.empty()) message.add_rest_poses(pose.name);
+  }
+  for (const ElementConnection& connection : parametric.connections()) {
+    *message.add_connections() = ToProto(connection);
   }
   return message;
 }
