@@ -1,5 +1,5 @@
-// mortise assembly import|list|show|adjust|sample: designs as experts draw them, and what they can
-// be changed to.
+// mortise assembly list|show|adjust|sample: designs as experts draw them, and what they can be
+// changed to.
 #include <google/protobuf/util/json_util.h>
 #include <grpcpp/grpcpp.h>
 
@@ -12,22 +12,16 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "cli/assembly_files.h"
 #include "cli/field_sources.h"
 #include "cli/requests.h"
 #include "cli/session.h"
 #include "common/base/errors.h"
-#include "common/base/files.h"
-#include "common/base/identifiers.h"
-#include "common/parametric/collection.h"
 #include "common/rpc/status_mapping.h"
 #include "mortise/v1/assembly.grpc.pb.h"
 
 namespace mortise::cli {
 namespace {
-
-using Stub = v1::AssemblyService::Stub;
-
-constexpr std::size_t kMaxFile = 4 << 20;  // bytes
 
 struct AdjustOptions {
   std::string subject;
@@ -105,66 +99,7 @@ std::string MeasureText(const v1::Measure& measure) {
   }
 }
 
-// The parameters that `assembly adjust --json` printed, or a sample of `assembly sample --json`.
-absl::StatusOr<std::vector<double>> ReadParameters(const std::filesystem::path& path) {
-  MORTISE_ASSIGN_OR_RETURN(const std::string text, ReadFile(path, kMaxFile));
-  const nlohmann::json document = nlohmann::json::parse(text, nullptr, false);
-  if (!document.is_object() || !document.contains("q") || !document["q"].is_array()) {
-    return InvalidField(path.string(), "is not what 'assembly adjust --json' prints");
-  }
-  std::vector<double> q;
-  for (const nlohmann::json& entry : document["q"]) {
-    if (!entry.is_number()) return InvalidField(path.string(), "has a q that is no number");
-    q.push_back(entry.get<double>());
-  }
-  return q;
-}
-
 // ---- The commands -------------------------------------------------------------------------------
-
-absl::Status Import(const std::vector<std::filesystem::path>& files, Session& session,
-                    Output& output) {
-  std::vector<v1::Assembly> assemblies;
-  for (const std::filesystem::path& file : files) {
-    MORTISE_ASSIGN_OR_RETURN(const std::string text, ReadFile(file, kMaxFile));
-    MORTISE_ASSIGN_OR_RETURN(v1::Assembly assembly,
-                             parametric::ParseAssemblyText(text, file.string()));
-    assemblies.push_back(std::move(assembly));
-  }
-  MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
-  const auto stub = v1::AssemblyService::NewStub(client->channel());
-  nlohmann::ordered_json document = nlohmann::ordered_json::array();
-  for (std::size_t i = 0; i < assemblies.size(); ++i) {
-    v1::GetAssemblyRequest get;
-    get.set_name(assemblies[i].name());
-    v1::Assembly present;
-    const absl::Status found = client->Call([&](grpc::ClientContext& context) {
-      return rpc::FromGrpc(stub->GetAssembly(&context, get, &present));
-    });
-    // A name that is malformed is one of the findings of the import.
-    if (!found.ok() && !absl::IsNotFound(found) && !absl::IsInvalidArgument(found)) return found;
-    v1::ImportAssemblyRequest request;
-    request.set_request_id(NewIdentifier());
-    *request.mutable_assembly() = assemblies[i];
-    request.set_expected_revision(present.revision());
-    v1::Assembly stored;
-    FieldSources sources;
-    sources.AddFile("assembly", files[i].string());
-    MORTISE_RETURN_IF_ERROR(sources.Name(client->Call([&](grpc::ClientContext& context) {
-      return rpc::FromGrpc(stub->ImportAssembly(&context, request, &stored));
-    })));
-    const bool changed = stored.revision() != present.revision();
-    output.Line(absl::StrCat(stored.name(), changed ? " imported as" : " is there already as",
-                             " revision ", stored.revision()));
-    document.push_back({{"name", stored.name()},
-                        {"revision", stored.revision()},
-                        {"change", !changed                  ? "none"
-                                   : present.revision() == 0 ? "created"
-                                                             : "updated"}});
-  }
-  output.Document(document);
-  return absl::OkStatus();
-}
 
 absl::Status List(Session& session, Output& output) {
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
@@ -218,22 +153,6 @@ absl::Status Show(const std::string& name, Session& session, Output& output) {
   return absl::OkStatus();
 }
 
-absl::Status ExportTo(const v1::AdjustedAssembly& design, v1::ExportDesignRequest::Format format,
-                      const std::filesystem::path& path, Stub& stub, const GatewayClient& client,
-                      const Output& output) {
-  if (path.empty()) return absl::OkStatus();
-  v1::ExportAssemblyRequest request;
-  request.set_name(design.assembly());
-  request.set_revision(design.revision());
-  *request.mutable_q() = design.q();
-  request.set_format(format);
-  MORTISE_RETURN_IF_ERROR(client.Call([&](grpc::ClientContext& context) {
-    return Receive(*stub.ExportAssembly(&context, request), path).status();
-  }));
-  output.Line(absl::StrCat("  ", path.string()));
-  return absl::OkStatus();
-}
-
 void PrintDesign(const v1::AdjustedAssembly& design, const v1::AdjustAssemblyRequest& request,
                  const Output& output) {
   std::vector<std::vector<std::string>> demands;
@@ -271,9 +190,14 @@ absl::Status Adjust(const AdjustOptions& options, Session& session, Output& outp
     return rpc::FromGrpc(stub->AdjustAssembly(&context, request, &design));
   }));
   PrintDesign(design, request, output);
-  using Format = v1::ExportDesignRequest;
-  MORTISE_RETURN_IF_ERROR(ExportTo(design, Format::STEP, options.step, *stub, *client, output));
-  MORTISE_RETURN_IF_ERROR(ExportTo(design, Format::GLB, options.glb, *stub, *client, output));
+  v1::ExportAssemblyRequest file;
+  file.set_name(design.assembly());
+  file.set_revision(design.revision());
+  *file.mutable_q() = design.q();
+  file.set_format(v1::ExportDesignRequest::STEP);
+  MORTISE_RETURN_IF_ERROR(ExportTo(file, options.step, *client, output));
+  file.set_format(v1::ExportDesignRequest::GLB);
+  MORTISE_RETURN_IF_ERROR(ExportTo(file, options.glb, *client, output));
   output.DocumentOf(design);
   return absl::OkStatus();
 }
@@ -339,14 +263,7 @@ void AddAssemblyCommands(CLI::App& app, Session& session) {
       app.add_subcommand("assembly", "Designs as drawn, and what they can be changed to");
   assembly->require_subcommand(1);
 
-  auto files = std::make_shared<std::vector<std::filesystem::path>>();
-  CLI::App* add = assembly->add_subcommand("import", "Add assembly files to the catalog");
-  add->add_option("files", *files, "Files of one mortise.v1.Assembly each (.textproto)")
-      ->required();
-  add->footer("Example: mortise assembly import collection/assemblies/bookshelf.textproto");
-  add->callback([&session, files] {
-    session.command = [files](Session& s, Output& o) { return Import(*files, s, o); };
-  });
+  AddAssemblyFileCommands(*assembly, session);
 
   CLI::App* list = assembly->add_subcommand("list", "List the assemblies");
   list->footer("Example: mortise assembly list");

@@ -25,6 +25,9 @@ constexpr std::size_t kMaxName = 63;  // bytes
 constexpr std::size_t kMaxParts = 2000;
 constexpr int kMaxRepeat = 1000;
 constexpr int kMaxGroups = 1000;
+// Of the drawn size, what a part without an item may measure.
+constexpr double kLeastGrowth = 0.5;
+constexpr double kMostGrowth = 2;
 
 Eigen::Vector3d ToEigen(const v1::Vector3& vector) { return {vector.x(), vector.y(), vector.z()}; }
 
@@ -153,6 +156,15 @@ void ApplyItem(const Item& item, const std::array<Axis, 3>& axes, AssemblyPart& 
   }
 }
 
+// What a part may measure of which nobody says what it is made of.
+void ApplyDrawnSize(const Eigen::Vector3d& size, AssemblyPart& part) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double drawn = size[static_cast<Eigen::Index>(axis)];
+    part.limits[axis] = part.connecting ? SizeLimits{drawn, drawn}
+                                        : SizeLimits{kLeastGrowth * drawn, kMostGrowth * drawn};
+  }
+}
+
 // How many parts, and where each stands against the first.
 std::vector<std::pair<std::string, Eigen::Vector3d>> Repetitions(const v1::AssemblyPart& part,
                                                                  const std::string& field,
@@ -203,14 +215,17 @@ class PartReader {
     ReadPlanes(message, field, part);
     Eigen::Vector3d size = ToEigen(message.size());
     const Item* const item = FindItem(items_, message.item());
-    if (item == nullptr) {
+    const bool has_item = !message.item().empty();
+    if (has_item && item == nullptr) {
       findings_.push_back(
           {field + ".item", absl::StrCat("there is no item '", message.item(), "'")});
     }
     const auto axes = ItemAxes(message, field, findings_);
     if (item != nullptr && axes) ApplyItem(*item, *axes, part, size);
+    if (!has_item) ApplyDrawnSize(size, part);
+    if (!has_item && axes) part.item_axes = *axes;
     // Without its item, size and limits of a part would be found wrong again and again.
-    const bool complete = item != nullptr && axes && part.group >= 0;
+    const bool complete = (item != nullptr || !has_item) && axes && part.group >= 0;
     if (complete) AddAll(message, field, part, size, drawing);
   }
 

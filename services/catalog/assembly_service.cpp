@@ -10,15 +10,18 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "common/base/digest.h"
 #include "common/base/errors.h"
+#include "common/cad/step_isolation.h"
 #include "common/parametric/assembly_design.h"
 #include "common/parametric/parametrization_codec.h"
 #include "common/parametric/template_codec.h"
 #include "common/rpc/chunk_stream.h"
 #include "common/rpc/handler.h"
 #include "common/store/store.h"
-#include "common/templates/template.h"
 #include "mortise/v1/assembly.grpc.pb.h"
+#include "services/catalog/assembly_export.h"
+#include "services/catalog/assembly_import.h"
 #include "services/catalog/assembly_records.h"
 #include "services/catalog/design_export.h"
 #include "services/catalog/recently_used.h"
@@ -27,16 +30,24 @@ namespace mortise::catalog {
 namespace {
 
 constexpr std::size_t kParametrizedAssemblies = 64;
+constexpr std::size_t kDrawings = 8;
 constexpr int kMaxDesigns = 1000;  // in one answer
 constexpr int kMaxDemands = 100;
 
 using Parametrized = std::shared_ptr<const parametric::ParametricAssembly>;
+using Drawing = std::shared_ptr<const cad::StepAssembly>;
 using AdjustedWriter = std::shared_ptr<rpc::StreamWriter<v1::AdjustedAssembly>>;
 
 // An assembly revision, parametrised.
 struct Found {
   v1::AssemblyBundle bundle;
   Parametrized parametrized;
+};
+
+// An assembly that is drawn in CAD and can be stored.
+struct Imported {
+  v1::AssemblyBundle bundle;
+  std::vector<std::string> notes;
 };
 
 // The parameters of a request: those drawn if it has none.
@@ -93,7 +104,8 @@ class AssemblyAdapter : public v1::AssemblyService::CallbackService {
   explicit AssemblyAdapter(const rpc::ServiceEnvironment& environment)
       : store_(environment.store),
         endpoint_(environment.dispatcher, "mortise.v1.AssemblyService"),
-        parametrized_(kParametrizedAssemblies) {}
+        parametrized_(kParametrizedAssemblies),
+        drawings_(kDrawings) {}
 
   grpc::ServerUnaryReactor* GetAssembly(grpc::CallbackServerContext* context,
                                         const v1::GetAssemblyRequest* request,
@@ -140,12 +152,7 @@ class AssemblyAdapter : public v1::AssemblyService::CallbackService {
           if (asked.expected_revision() < 0) {
             return InvalidField("expected_revision", "must be at least 0");
           }
-          v1::AssemblyBundle bundle;
-          MORTISE_RETURN_IF_ERROR(
-              store_->Read([&](store::ReadTransaction& transaction) -> absl::Status {
-                MORTISE_ASSIGN_OR_RETURN(bundle, Freeze(transaction, asked.assembly()));
-                return absl::OkStatus();
-              }));
+          MORTISE_ASSIGN_OR_RETURN(v1::AssemblyBundle bundle, FreezeNow(asked.assembly()));
           const absl::Status checked = Parametrize(bundle).status();
           if (!checked.ok()) return UnderField("assembly", checked);
           return bundle;
@@ -154,6 +161,26 @@ class AssemblyAdapter : public v1::AssemblyService::CallbackService {
            v1::AssemblyBundle& bundle, store::Transaction& transaction) {
           return ImportBundle(transaction, bundle, asked.expected_revision(),
                               call.identity().request_id);
+        });
+  }
+
+  grpc::ServerUnaryReactor* ImportAssemblyStep(grpc::CallbackServerContext* context,
+                                               const v1::ImportAssemblyStepRequest* request,
+                                               v1::ImportAssemblyStepResponse* response) override {
+    return endpoint_.PreparedMutation(
+        "ImportAssemblyStep", context, request, response,
+        [this](const rpc::Call&, const v1::ImportAssemblyStepRequest& asked) {
+          return PrepareStep(asked);
+        },
+        [](const rpc::Call& call, const v1::ImportAssemblyStepRequest& asked, Imported& imported,
+           store::Transaction& transaction) -> absl::StatusOr<v1::ImportAssemblyStepResponse> {
+          v1::ImportAssemblyStepResponse answer;
+          MORTISE_ASSIGN_OR_RETURN(
+              *answer.mutable_assembly(),
+              ImportBundle(transaction, imported.bundle, asked.expected_revision(),
+                           call.identity().request_id));
+          answer.mutable_notes()->Assign(imported.notes.begin(), imported.notes.end());
+          return answer;
         });
   }
 
@@ -240,6 +267,44 @@ class AssemblyAdapter : public v1::AssemblyService::CallbackService {
     return bundle;
   }
 
+  absl::StatusOr<v1::AssemblyBundle> FreezeNow(const v1::Assembly& assembly) {
+    v1::AssemblyBundle bundle;
+    MORTISE_RETURN_IF_ERROR(store_->Read([&](store::ReadTransaction& transaction) -> absl::Status {
+      MORTISE_ASSIGN_OR_RETURN(bundle, Freeze(transaction, assembly));
+      return absl::OkStatus();
+    }));
+    return bundle;
+  }
+
+  // Read now, or before: those who write annotations send the same file again and again.
+  absl::StatusOr<Drawing> ReadDrawing(const std::string& step) {
+    const std::string key = Sha256Hex(step);
+    if (const std::optional<Drawing> known = drawings_.Find(key)) return *known;
+    MORTISE_ASSIGN_OR_RETURN(const std::string bytes, UnpackStep(step));
+    MORTISE_ASSIGN_OR_RETURN(cad::StepAssembly read, cad::ReadStepInChild(bytes));
+    const auto drawing = std::make_shared<const cad::StepAssembly>(std::move(read));
+    drawings_.Add(key, drawing);
+    return drawing;
+  }
+
+  absl::StatusOr<Imported> PrepareStep(const v1::ImportAssemblyStepRequest& asked) {
+    if (asked.expected_revision() < 0) {
+      return InvalidField("expected_revision", "must be at least 0");
+    }
+    MORTISE_ASSIGN_OR_RETURN(const Drawing drawing, ReadDrawing(asked.step()));
+    // Only for the items.
+    v1::Assembly named;
+    for (const v1::PartAnnotation& part : asked.annotations().parts()) {
+      named.add_parts()->set_item(part.item());
+    }
+    MORTISE_ASSIGN_OR_RETURN(const v1::AssemblyBundle used, FreezeNow(named));
+    MORTISE_ASSIGN_OR_RETURN(const parametric::TemplateBundle items, UsedBy(used));
+    DrawnAssembly drawn = MakeAssembly(*drawing, asked.annotations(), items.items);
+    MORTISE_ASSIGN_OR_RETURN(v1::AssemblyBundle bundle, FreezeNow(drawn.assembly));
+    MORTISE_RETURN_IF_ERROR(AtRequest(drawn, asked.annotations(), Parametrize(bundle).status()));
+    return Imported{std::move(bundle), std::move(drawn.notes)};
+  }
+
   // Parametrised now, or before.
   absl::StatusOr<Found> Find(const std::string& name, int64_t revision) {
     MORTISE_ASSIGN_OR_RETURN(v1::AssemblyBundle bundle, Get(name, revision));
@@ -284,8 +349,8 @@ class AssemblyAdapter : public v1::AssemblyService::CallbackService {
         parametric::DesignAt(*found.parametrized, q, bundle.items, bundle.materials);
     const std::string id = asked.name().substr(asked.name().find('/') + 1);
     if (asked.format() == v1::ExportDesignRequest::STEP) {
-      MORTISE_ASSIGN_OR_RETURN(const std::vector<cad::Solid> solids, templates::SolidsOf(design));
-      MORTISE_ASSIGN_OR_RETURN(std::string bytes, ExportStep(design, solids, id));
+      MORTISE_ASSIGN_OR_RETURN(std::string bytes, ExportAssemblyStep(*found.parametrized, q, design,
+                                                                     PartColors(design), id));
       rpc::StreamBytes(std::move(bytes), {absl::StrCat(id, ".step"), "model/step"}, writer);
     } else {
       MORTISE_ASSIGN_OR_RETURN(std::string bytes, ExportGlb(design, id));
@@ -310,6 +375,7 @@ class AssemblyAdapter : public v1::AssemblyService::CallbackService {
   store::Store* const store_;
   rpc::Endpoint endpoint_;
   RecentlyUsed<Parametrized> parametrized_;  // by digest
+  RecentlyUsed<Drawing> drawings_;           // by digest of the file
 };
 
 }  // namespace

@@ -1,11 +1,16 @@
 // mortise-catalog: the catalog as a process.
 #include <CLI/CLI.hpp>
 #include <filesystem>
+#include <string_view>
 
+#include "common/cad/step_isolation.h"
 #include "common/rpc/run_service.h"
 #include "services/catalog/catalog_service.h"
 
 int main(int argc, char** argv) {
+  if (argc == 2 && std::string_view(argv[1]) == mortise::cad::kStepChildArgument) {
+    return mortise::cad::RunStepChild();
+  }
   std::filesystem::path collection;
   mortise::rpc::ServiceDescription description;
   description.name = "catalog";

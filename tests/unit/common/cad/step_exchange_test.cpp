@@ -17,6 +17,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
 #include "common/base/errors.h"
+#include "common/cad/cylinder.h"
 #include "common/cad/step_isolation.h"
 #include "common/cad/step_reader.h"
 #include "common/cad/step_writer.h"
@@ -203,6 +204,42 @@ TEST(StepExchange, AProductOfSeveralSolidsIsSeveralParts) {
   ASSERT_EQ(one.parts.size(), 1u);
   EXPECT_TRUE(one.notes.empty());
   EXPECT_TRUE(one.parts[0].is_box);
+}
+
+TEST(Cylinder, IsRoundOrElliptic) {
+  CylinderShape shape;
+  shape.name = "pin";
+  shape.center = {0.1, 0.2, 0.3};
+  shape.u = Eigen::Vector3d::UnitY();
+  shape.v = Eigen::Vector3d::UnitZ();
+  shape.radius_u = 0.01;
+  shape.height = 0.2;
+  for (const double radius : {0.01, 0.005, 0.02}) {
+    shape.radius_v = radius;
+    const auto solid = MakeCylinder(shape);
+    ASSERT_TRUE(solid.ok()) << solid.status();
+    const double volume = std::numbers::pi * shape.radius_u * radius * shape.height;
+    EXPECT_NEAR(solid->Volume(), volume, 1e-9 * volume);
+    EXPECT_LT((solid->CentreOfMass() - Eigen::Vector3d(0.2, 0.2, 0.3)).norm(), 1e-9);
+    EXPECT_THAT(solid->face_names(), ElementsAre("side", "base", "cap"));
+    StepAssembly one;
+    one.name = "one";
+    one.groups = {{"one", -1}};
+    one.products = {{"pin", *solid, std::nullopt}};
+    AddPart(one, "pin", 0, 0, At(0, 0, 0));
+    const StepAssembly read = ReadBack(Written(one));
+    ASSERT_EQ(read.parts.size(), 1u);
+    EXPECT_NEAR(read.parts[0].volume, volume, 1e-6 * volume);
+    EXPECT_LT((read.parts[0].minimum - Eigen::Vector3d(0.1, 0.19, 0.3 - radius)).norm(), 1e-7);
+    EXPECT_LT((read.parts[0].maximum - Eigen::Vector3d(0.3, 0.21, 0.3 + radius)).norm(), 1e-7);
+  }
+  shape.radius_v = 0;
+  EXPECT_EQ(DetailOf(MakeCylinder(shape).status()).field, "radius_v");
+  shape.radius_v = 0.01;
+  shape.height = NAN;
+  EXPECT_EQ(DetailOf(MakeCylinder(shape).status()).field, "height");
+  shape.u = shape.v;
+  EXPECT_EQ(DetailOf(MakeCylinder(shape).status()).field, "u");
 }
 
 // ---- Files that are refused ---------------------------------------------------------------------

@@ -1,0 +1,297 @@
+#include "cli/assembly_files.h"
+
+#include <google/protobuf/io/gzip_stream.h>
+#include <google/protobuf/io/zero_copy_stream_impl_lite.h>
+#include <google/protobuf/util/json_util.h>
+#include <grpcpp/grpcpp.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cctype>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "absl/strings/str_cat.h"
+#include "cli/field_sources.h"
+#include "cli/requests.h"
+#include "common/base/errors.h"
+#include "common/base/files.h"
+#include "common/base/identifiers.h"
+#include "common/parametric/collection.h"
+#include "common/parametric/proto_text.h"
+#include "common/rpc/status_mapping.h"
+#include "mortise/v1/assembly.grpc.pb.h"
+
+namespace mortise::cli {
+namespace {
+
+using Stub = v1::AssemblyService::Stub;
+
+constexpr std::size_t kMaxFile = 4 << 20;      // bytes
+constexpr std::size_t kMaxStep = 64 << 20;     // bytes
+constexpr std::size_t kMaxPacked = 4'000'000;  // bytes; a message is a little more
+
+struct ImportOptions {
+  std::vector<std::filesystem::path> files;
+  std::filesystem::path annotations;
+  std::string id;
+};
+
+struct ExportOptions {
+  std::string subject;
+  std::filesystem::path at;
+  std::string format = "step";
+  std::filesystem::path path;
+};
+
+bool IsStep(const std::filesystem::path& file) {
+  std::string extension = file.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension == ".step" || extension == ".stp" || extension == ".stpz";
+}
+
+// "Side Table.step" to "side-table".
+std::string IdOf(const std::filesystem::path& file) {
+  std::string id;
+  for (const char c : file.stem().string()) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (std::isalnum(byte) != 0) {
+      id += static_cast<char>(std::tolower(byte));
+    } else if (!id.empty() && id.back() != '-') {
+      id += '-';
+    }
+  }
+  while (id.ends_with('-')) id.pop_back();
+  return id;
+}
+
+absl::StatusOr<v1::AssemblyAnnotations> ReadAnnotations(const std::filesystem::path& path) {
+  v1::AssemblyAnnotations annotations;
+  if (path.empty()) return annotations;
+  MORTISE_ASSIGN_OR_RETURN(const std::string text, ReadFile(path, kMaxFile));
+  if (path.extension() == ".json") {
+    const auto parsed = google::protobuf::util::JsonStringToMessage(text, &annotations);
+    if (!parsed.ok()) return InvalidField(path.string(), std::string(parsed.message()));
+    return annotations;
+  }
+  MORTISE_RETURN_IF_ERROR(parametric::ParseProtoText(text, path.string(), annotations));
+  return annotations;
+}
+
+// STEP is text, of which gzip leaves a tenth.
+absl::StatusOr<std::string> PackedStep(const std::filesystem::path& file) {
+  MORTISE_ASSIGN_OR_RETURN(const std::string bytes, ReadFile(file, kMaxStep));
+  std::string packed;
+  if (bytes.starts_with("\x1f\x8b")) {
+    packed = bytes;
+  } else {
+    google::protobuf::io::StringOutputStream sink(&packed);
+    google::protobuf::io::GzipOutputStream gzip(&sink);
+    google::protobuf::io::ArrayInputStream source(bytes.data(), static_cast<int>(bytes.size()));
+    const void* piece = nullptr;
+    int size = 0;
+    while (source.Next(&piece, &size)) {
+      for (const char* from = static_cast<const char*>(piece); size > 0;) {
+        void* room = nullptr;
+        int free = 0;
+        if (!gzip.Next(&room, &free)) return InvalidField(file.string(), "cannot be packed");
+        const int count = std::min(size, free);
+        std::copy_n(from, count, static_cast<char*>(room));
+        gzip.BackUp(free - count);
+        from += count;
+        size -= count;
+      }
+    }
+    gzip.Close();
+  }
+  if (packed.size() > kMaxPacked) return TooLarge(file.string(), "4 MB packed by gzip");
+  return packed;
+}
+
+// The latest revision of an assembly; 0 if there is none.
+absl::StatusOr<int64_t> PresentRevision(const std::string& name, Stub& stub,
+                                        const GatewayClient& client) {
+  v1::GetAssemblyRequest get;
+  get.set_name(name);
+  v1::Assembly present;
+  const absl::Status found = client.Call([&](grpc::ClientContext& context) {
+    return rpc::FromGrpc(stub.GetAssembly(&context, get, &present));
+  });
+  // A name that is malformed is one of the findings of the import.
+  if (!found.ok() && !absl::IsNotFound(found) && !absl::IsInvalidArgument(found)) return found;
+  return present.revision();
+}
+
+void Tell(const v1::Assembly& stored, int64_t before, const std::vector<std::string>& notes,
+          Output& output, nlohmann::ordered_json& document) {
+  const bool changed = stored.revision() != before;
+  output.Line(absl::StrCat(stored.name(), changed ? " imported as" : " is there already as",
+                           " revision ", stored.revision()));
+  for (const std::string& note : notes) output.Line(absl::StrCat("  note: ", note));
+  nlohmann::ordered_json entry = {{"name", stored.name()},
+                                  {"revision", stored.revision()},
+                                  {"change", !changed      ? "none"
+                                             : before == 0 ? "created"
+                                                           : "updated"}};
+  if (!notes.empty()) entry["notes"] = notes;
+  document.push_back(std::move(entry));
+}
+
+absl::Status ImportDrawing(const std::filesystem::path& file, const ImportOptions& options,
+                           Stub& stub, const GatewayClient& client, Output& output,
+                           nlohmann::ordered_json& document) {
+  v1::ImportAssemblyStepRequest request;
+  MORTISE_ASSIGN_OR_RETURN(*request.mutable_annotations(), ReadAnnotations(options.annotations));
+  MORTISE_ASSIGN_OR_RETURN(*request.mutable_step(), PackedStep(file));
+  v1::AssemblyAnnotations& annotations = *request.mutable_annotations();
+  FieldSources sources;
+  sources.AddFile("step", file.string());
+  sources.AddFile("annotations",
+                  (options.annotations.empty() ? file : options.annotations).string());
+  if (!options.id.empty()) {
+    annotations.set_name(ResourceName("assemblies", options.id));
+    sources.Add("annotations.name", "--id");
+  } else if (annotations.name().empty()) {
+    annotations.set_name(ResourceName("assemblies", IdOf(file)));
+  }
+  request.set_request_id(NewIdentifier());
+  MORTISE_ASSIGN_OR_RETURN(const int64_t before, PresentRevision(annotations.name(), stub, client));
+  request.set_expected_revision(before);
+  v1::ImportAssemblyStepResponse imported;
+  MORTISE_RETURN_IF_ERROR(sources.Name(client.Call([&](grpc::ClientContext& context) {
+    return rpc::FromGrpc(stub.ImportAssemblyStep(&context, request, &imported));
+  })));
+  Tell(imported.assembly(), before, {imported.notes().begin(), imported.notes().end()}, output,
+       document);
+  return absl::OkStatus();
+}
+
+absl::Status ImportText(const std::filesystem::path& file, const v1::Assembly& assembly, Stub& stub,
+                        const GatewayClient& client, Output& output,
+                        nlohmann::ordered_json& document) {
+  MORTISE_ASSIGN_OR_RETURN(const int64_t before, PresentRevision(assembly.name(), stub, client));
+  v1::ImportAssemblyRequest request;
+  request.set_request_id(NewIdentifier());
+  *request.mutable_assembly() = assembly;
+  request.set_expected_revision(before);
+  v1::Assembly stored;
+  FieldSources sources;
+  sources.AddFile("assembly", file.string());
+  MORTISE_RETURN_IF_ERROR(sources.Name(client.Call([&](grpc::ClientContext& context) {
+    return rpc::FromGrpc(stub.ImportAssembly(&context, request, &stored));
+  })));
+  Tell(stored, before, {}, output, document);
+  return absl::OkStatus();
+}
+
+absl::Status Import(const ImportOptions& options, Session& session, Output& output) {
+  const bool has_step = std::any_of(options.files.begin(), options.files.end(), IsStep);
+  const bool has_options = !options.annotations.empty() || !options.id.empty();
+  if (has_options && (!has_step || options.files.size() > 1)) {
+    return InvalidField(options.id.empty() ? "--annotations" : "--id", "belongs to one STEP file");
+  }
+  std::vector<v1::Assembly> texts(options.files.size());
+  for (std::size_t i = 0; i < texts.size(); ++i) {
+    const std::filesystem::path& file = options.files[i];
+    if (IsStep(file)) continue;
+    MORTISE_ASSIGN_OR_RETURN(const std::string text, ReadFile(file, kMaxFile));
+    MORTISE_ASSIGN_OR_RETURN(texts[i], parametric::ParseAssemblyText(text, file.string()));
+  }
+  MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
+  const auto stub = v1::AssemblyService::NewStub(client->channel());
+  nlohmann::ordered_json document = nlohmann::ordered_json::array();
+  for (std::size_t i = 0; i < texts.size(); ++i) {
+    const std::filesystem::path& file = options.files[i];
+    MORTISE_RETURN_IF_ERROR(IsStep(file)
+                                ? ImportDrawing(file, options, *stub, *client, output, document)
+                                : ImportText(file, texts[i], *stub, *client, output, document));
+  }
+  output.Document(document);
+  return absl::OkStatus();
+}
+
+absl::Status Export(const ExportOptions& options, Session& session, Output& output) {
+  v1::ExportAssemblyRequest request;
+  request.set_name(ResourceName("assemblies", options.subject));
+  request.set_format(options.format == "glb" ? v1::ExportDesignRequest::GLB
+                                             : v1::ExportDesignRequest::STEP);
+  if (!options.at.empty()) {
+    MORTISE_ASSIGN_OR_RETURN(const std::vector<double> q, ReadParameters(options.at));
+    request.mutable_q()->Add(q.begin(), q.end());
+  }
+  MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
+  FieldSources sources;
+  sources.Add("name", "assembly");
+  sources.Add("q", "--at");
+  MORTISE_RETURN_IF_ERROR(sources.Name(ExportTo(request, options.path, *client, output)));
+  output.Document({{"assembly", request.name()}, {"file", options.path.string()}});
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::StatusOr<std::vector<double>> ReadParameters(const std::filesystem::path& path) {
+  MORTISE_ASSIGN_OR_RETURN(const std::string text, ReadFile(path, kMaxFile));
+  const nlohmann::json document = nlohmann::json::parse(text, nullptr, false);
+  if (!document.is_object() || !document.contains("q") || !document["q"].is_array()) {
+    return InvalidField(path.string(), "is not what 'assembly adjust --json' prints");
+  }
+  std::vector<double> q;
+  for (const nlohmann::json& entry : document["q"]) {
+    if (!entry.is_number()) return InvalidField(path.string(), "has a q that is no number");
+    q.push_back(entry.get<double>());
+  }
+  return q;
+}
+
+absl::Status ExportTo(const v1::ExportAssemblyRequest& request, const std::filesystem::path& path,
+                      const GatewayClient& client, const Output& output) {
+  if (path.empty()) return absl::OkStatus();
+  const auto stub = v1::AssemblyService::NewStub(client.channel());
+  MORTISE_RETURN_IF_ERROR(client.Call([&](grpc::ClientContext& context) {
+    return Receive(*stub->ExportAssembly(&context, request), path).status();
+  }));
+  output.Line(absl::StrCat("  ", path.string()));
+  return absl::OkStatus();
+}
+
+void AddAssemblyFileCommands(CLI::App& assembly, Session& session) {
+  auto import_options = std::make_shared<ImportOptions>();
+  CLI::App* add = assembly.add_subcommand("import", "Add assembly files to the catalog");
+  add->add_option(
+         "files", import_options->files,
+         "Files of one mortise.v1.Assembly each (.textproto), or STEP (.step, .stp, .stpz)")
+      ->required();
+  add->add_option("--annotations", import_options->annotations,
+                  "What the STEP file does not say: mortise.v1.AssemblyAnnotations (.textproto or "
+                  ".json)");
+  add->add_option("--id", import_options->id,
+                  "Name of the assembly in a STEP file, instead of the annotations' or the file's");
+  add->footer(
+      "Example: mortise assembly import collection/assemblies/bookshelf.textproto\n"
+      "         mortise assembly import table.step --annotations table.textproto");
+  add->callback([&session, import_options] {
+    session.command = [import_options](Session& s, Output& o) {
+      return Import(*import_options, s, o);
+    };
+  });
+
+  auto export_options = std::make_shared<ExportOptions>();
+  CLI::App* out = assembly.add_subcommand("export", "Write an assembly as a STEP or GLB file");
+  out->add_option("assembly", export_options->subject, "Such as bookshelf")->required();
+  out->add_option("--at", export_options->at,
+                  "The design that 'assembly adjust --json' printed; as drawn if left out");
+  out->add_option("--format", export_options->format, "step or glb")
+      ->check(CLI::IsMember({"step", "glb"}))
+      ->capture_default_str();
+  out->add_option("-o,--out", export_options->path, "The file")->required();
+  out->footer("Example: mortise assembly export bookshelf --format glb -o bookshelf.glb");
+  out->callback([&session, export_options] {
+    session.command = [export_options](Session& s, Output& o) {
+      return Export(*export_options, s, o);
+    };
+  });
+}
+
+}  // namespace mortise::cli

@@ -1,0 +1,42 @@
+// Makes an assembly of a STEP file and the annotations beside it.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "common/cad/step_assembly.h"
+#include "common/parametric/template_definition.h"
+#include "common/parametric/template_validation.h"
+#include "mortise/v1/assembly.pb.h"
+
+namespace mortise::catalog {
+
+// An assembly as it was drawn. Fields are those of ImportAssemblyStepRequest.
+struct DrawnAssembly {
+  v1::Assembly assembly;
+  // Where the file and the annotations do not agree; parts at fault have no item in `assembly`.
+  std::vector<parametric::Finding> findings;
+  std::vector<std::string> notes;  // for people
+  std::vector<int> annotations;    // of each part, index into AssemblyAnnotations::parts, or -1
+};
+
+// The bytes of a STEP file that may be packed by gzip. RESOURCE_EXHAUSTED, "step", past 64 MiB;
+// INVALID_ARGUMENT if they cannot be unpacked.
+absl::StatusOr<std::string> UnpackStep(const std::string& bytes);
+
+// Every solid is a part, its box in the design's axes; the sub-assemblies are the groups, as far
+// as there are parts in them. A part without annotation is principal and has no item. An item lies
+// in the part in the way that its fixed sizes fit, its length along the longest. `items` are those
+// that the annotations name and that exist.
+DrawnAssembly MakeAssembly(const cad::StepAssembly& drawing,
+                           const v1::AssemblyAnnotations& annotations,
+                           const std::vector<parametric::Item>& items);
+
+// What is wrong with `drawn`: its findings and those of `checked`, which names fields of the
+// assembly, all at their places in the request. OK if there are none.
+absl::Status AtRequest(const DrawnAssembly& drawn, const v1::AssemblyAnnotations& annotations,
+                       const absl::Status& checked);
+
+}  // namespace mortise::catalog

@@ -1,0 +1,16 @@
+// Takes the noise out of coordinates that were measured in a drawing.
+#pragma once
+
+#include <vector>
+
+namespace mortise::catalog {
+
+// The coordinates, m, with those that lie within `tolerance` > 0 of each other made equal, each
+// moved by less than that. What is left of rounding in a drawing goes too: of the numbers within
+// 0.1 µm the one of fewest decimals is taken, 0.3 for 0.29999997.
+std::vector<double> SnapCoordinates(const std::vector<double>& coordinates, double tolerance);
+
+// The number of fewest decimals within `slack` of `value`.
+double RoundestNear(double value, double slack);
+
+}  // namespace mortise::catalog
