@@ -99,6 +99,8 @@ std::string KindOf(const v1::Template& message) {
       return "assembly";
     case v1::Template::kCad:
       return "features";
+    case v1::Template::kCage:
+      return "cage";
     case v1::Template::KIND_NOT_SET:
       break;
   }

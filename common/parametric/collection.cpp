@@ -48,6 +48,20 @@ absl::Status AppendBundle(const fs::path& file, Collection& collection) {
   return absl::OkStatus();
 }
 
+using ParseTemplate = absl::StatusOr<v1::Template> (*)(std::string_view, const std::string&);
+
+// Templates of one kind, from the texts of a folder.
+absl::Status AppendTemplates(const fs::path& folder, ParseTemplate parse, Collection& collection) {
+  MORTISE_ASSIGN_OR_RETURN(const std::vector<fs::path> files, FilesUnder(folder));
+  for (const fs::path& file : files) {
+    if (file.extension() != ".textproto") continue;
+    MORTISE_ASSIGN_OR_RETURN(const std::string text, ReadFile(file, kMaxTextBytes));
+    MORTISE_ASSIGN_OR_RETURN(v1::Template message, parse(text, file.string()));
+    collection.templates.push_back(std::move(message));
+  }
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 absl::StatusOr<v1::Template> ParseTemplateText(std::string_view text, const std::string& origin) {
@@ -61,6 +75,14 @@ absl::StatusOr<v1::Template> ParseCadTemplateText(std::string_view text,
   v1::Template message;
   MORTISE_RETURN_IF_ERROR(ParseProtoText(text, origin, *message.mutable_cad()));
   message.set_name(message.cad().name());
+  return message;
+}
+
+absl::StatusOr<v1::Template> ParseCageTemplateMessage(std::string_view text,
+                                                      const std::string& origin) {
+  v1::Template message;
+  MORTISE_RETURN_IF_ERROR(ParseProtoText(text, origin, *message.mutable_cage()));
+  message.set_name(message.cage().name());
   return message;
 }
 
@@ -87,21 +109,11 @@ absl::StatusOr<Collection> ReadCollection(const fs::path& folder) {
   for (const fs::path& file : item_files) {
     MORTISE_RETURN_IF_ERROR(AppendBundle(file, collection));
   }
-  MORTISE_ASSIGN_OR_RETURN(const std::vector<fs::path> designs, FilesUnder(folder / "designs"));
-  for (const fs::path& file : designs) {
-    if (file.filename() != "template.textproto") continue;
-    MORTISE_ASSIGN_OR_RETURN(const std::string text, ReadFile(file, kMaxTextBytes));
-    MORTISE_ASSIGN_OR_RETURN(v1::Template message, ParseTemplateText(text, file.string()));
-    collection.templates.push_back(std::move(message));
-  }
-  MORTISE_ASSIGN_OR_RETURN(const std::vector<fs::path> cad_templates,
-                           FilesUnder(folder / "cad_templates"));
-  for (const fs::path& file : cad_templates) {
-    if (file.extension() != ".textproto") continue;
-    MORTISE_ASSIGN_OR_RETURN(const std::string text, ReadFile(file, kMaxTextBytes));
-    MORTISE_ASSIGN_OR_RETURN(v1::Template message, ParseCadTemplateText(text, file.string()));
-    collection.templates.push_back(std::move(message));
-  }
+  MORTISE_RETURN_IF_ERROR(AppendTemplates(folder / "designs", ParseTemplateText, collection));
+  MORTISE_RETURN_IF_ERROR(
+      AppendTemplates(folder / "cad_templates", ParseCadTemplateText, collection));
+  MORTISE_RETURN_IF_ERROR(
+      AppendTemplates(folder / "cage_templates", ParseCageTemplateMessage, collection));
   MORTISE_ASSIGN_OR_RETURN(const std::vector<fs::path> assemblies,
                            FilesUnder(folder / "assemblies"));
   for (const fs::path& file : assemblies) {

@@ -6,7 +6,7 @@
 //   designs/<name>/template.textproto          each a mortise.v1.Template
 //   assemblies/*.textproto                     each a mortise.v1.Assembly (assembly_codec.h)
 //   cad_templates/*.textproto                  each a mortise.v1.CadTemplate
-//   (docs/cad_templates.md)
+//   cage_templates/*.textproto                 each a mortise.v1.CageTemplate
 #pragma once
 
 #include <filesystem>
@@ -25,15 +25,17 @@ namespace mortise::parametric {
 struct Collection {
   std::vector<v1::Material> materials;
   std::vector<v1::Item> items;
-  std::vector<v1::Template> templates;  // those of designs/, then those of cad_templates/
+  std::vector<v1::Template> templates;  // of designs/, cad_templates/ and cage_templates/, in turn
   std::vector<v1::Assembly> assemblies;
 };
 
 // Parses one file's text. INVALID_ARGUMENT naming `origin` with every line and column at fault;
 // RESOURCE_EXHAUSTED past 4 MiB.
 absl::StatusOr<v1::Template> ParseTemplateText(std::string_view text, const std::string& origin);
-// The text of a CadTemplate, as a template of that kind.
+// The text of a CadTemplate or CageTemplate, as a template of that kind.
 absl::StatusOr<v1::Template> ParseCadTemplateText(std::string_view text, const std::string& origin);
+absl::StatusOr<v1::Template> ParseCageTemplateMessage(std::string_view text,
+                                                      const std::string& origin);
 absl::StatusOr<v1::TemplateBundle> ParseBundleText(std::string_view text,
                                                    const std::string& origin);
 absl::StatusOr<v1::Assembly> ParseAssemblyText(std::string_view text, const std::string& origin);

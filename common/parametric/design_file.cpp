@@ -16,6 +16,7 @@ namespace {
 constexpr std::size_t kMaxBytes = std::size_t{4} << 20;
 constexpr std::string_view kTemplateMark = "# proto-message: mortise.v1.Template\n";
 constexpr std::string_view kCadTemplateMark = "# proto-message: mortise.v1.CadTemplate\n";
+constexpr std::string_view kCageTemplateMark = "# proto-message: mortise.v1.CageTemplate\n";
 
 DesignFile Failed(const absl::Status& status) {
   DesignFile file;
@@ -29,10 +30,16 @@ DesignFile Failed(const absl::Status& status) {
 
 DesignFile ParseDesignText(std::string_view text, const std::string& origin) {
   DesignFile file;
-  const bool features = text.find(kCadTemplateMark) != std::string_view::npos;
-  if (features || text.find(kTemplateMark) != std::string_view::npos) {
-    absl::StatusOr<v1::Template> message =
-        features ? ParseCadTemplateText(text, origin) : ParseTemplateText(text, origin);
+  struct Kind {
+    std::string_view mark;
+    absl::StatusOr<v1::Template> (*parse)(std::string_view, const std::string&);
+  };
+  static constexpr Kind kKinds[] = {{kTemplateMark, ParseTemplateText},
+                                    {kCadTemplateMark, ParseCadTemplateText},
+                                    {kCageTemplateMark, ParseCageTemplateMessage}};
+  for (const auto& [mark, parse] : kKinds) {
+    if (text.find(mark) == std::string_view::npos) continue;
+    absl::StatusOr<v1::Template> message = parse(text, origin);
     if (!message.ok()) return Failed(message.status());
     file.templates.push_back({*std::move(message), "", {}});
     return file;

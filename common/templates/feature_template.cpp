@@ -6,6 +6,7 @@
 #include "common/base/errors.h"
 #include "common/cad/feature_model.h"
 #include "common/cad/solid_surface.h"
+#include "common/templates/faceted_part.h"
 
 namespace mortise::templates {
 namespace {
@@ -26,10 +27,6 @@ parametric::BoundaryConditionKind KindOf(cad::ConditionKind kind) {
   return parametric::BoundaryConditionKind::kFixed;
 }
 
-std::string FaceOf(const cad::ModelCondition& condition) {
-  return absl::StrCat("condition:", condition.name);
-}
-
 class FeatureTemplate final : public Template {
  public:
   FeatureTemplate(TemplateHead head, cad::FeatureModel model, double density)
@@ -40,16 +37,8 @@ class FeatureTemplate final : public Template {
     MORTISE_ASSIGN_OR_RETURN(const cad::RegeneratedModel made, model_.Regenerate(q));
     MORTISE_ASSIGN_OR_RETURN(mesh::AssemblySurface surface, cad::SurfaceOf(made.solid));
     const cad::CadTemplate& definition = model_.definition();
-    parametric::EvaluatedPart part;
-    part.name = definition.name.substr(definition.name.find('/') + 1);
-    part.title = definition.title;
-    part.material = definition.material;
-    part.minimum = surface.vertices.rowwise().minCoeff();
-    part.maximum = surface.vertices.rowwise().maxCoeff();
-    part.size = part.maximum - part.minimum;
-    part.volume = made.solid.Volume();
-    part.mass = density_ * part.volume;
-    parametric::FacetedShape& shape = part.faceted.emplace();
+    const std::string part = definition.name.substr(definition.name.find('/') + 1);
+    parametric::FacetedShape shape;
     shape.surface = {std::move(surface.vertices), std::move(surface.triangles)};
     shape.triangle_face = std::move(surface.triangle_face);
     for (const std::vector<cad::FaceName>& origins : made.origins) {
@@ -59,19 +48,21 @@ class FeatureTemplate final : public Template {
     parametric::EvaluatedDesign design;
     for (const cad::ModelCondition& condition : made.conditions) {
       for (const int face : condition.faces) {
-        shape.face_names[static_cast<std::size_t>(face)].push_back(FaceOf(condition));
+        shape.face_names[static_cast<std::size_t>(face)].push_back(ConditionFace(condition.name));
       }
       design.boundary_conditions.push_back({.name = condition.name,
                                             .kind = KindOf(condition.kind),
-                                            .part = part.name,
-                                            .face = FaceOf(condition),
+                                            .part = part,
+                                            .face = ConditionFace(condition.name),
                                             .force = condition.force,
                                             .pressure = condition.pressure,
                                             .heat_flux = condition.heat_flux,
                                             .temperature = condition.temperature});
     }
-    design.mass = part.mass;
-    design.parts.push_back(std::move(part));
+    design.parts.push_back(
+        FacetedPart({definition.name, definition.title, definition.material, density_},
+                    std::move(shape), made.solid.Volume()));
+    design.mass = design.parts[0].mass;
     return design;
   }
 

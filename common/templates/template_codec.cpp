@@ -9,11 +9,13 @@
 #include "common/base/errors.h"
 #include "common/cad/cad_template_codec.h"
 #include "common/parametric/assembly_codec.h"
+#include "common/parametric/cage_template_codec.h"
 #include "common/parametric/parameter_values.h"
 #include "common/parametric/parametrization_codec.h"
 #include "common/parametric/template_codec.h"
 #include "common/parametric/template_validation.h"
 #include "common/templates/assembly_template.h"
+#include "common/templates/cage_template.h"
 #include "common/templates/feature_template.h"
 #include "common/templates/parts_template.h"
 
@@ -89,6 +91,16 @@ Compiled CompileCad(const v1::TemplateBundle& bundle, TemplateHead head) {
   return made;
 }
 
+Compiled CompileCage(const v1::TemplateBundle& bundle, TemplateHead head) {
+  const v1::Template& message = bundle.template_();
+  absl::StatusOr<parametric::CageTemplate> definition = parametric::FromProto(message.cage());
+  if (!definition.ok()) return UnderField("cage", definition.status());
+  definition->name = message.name();
+  Compiled made = MakeCageTemplate(std::move(head), *std::move(definition));
+  if (!made.ok()) return UnderField("cage", made.status());
+  return made;
+}
+
 // Fills in the handles if there are none.
 absl::Status FillHandles(const parametric::ParametricAssembly& assembly,
                          v1::AssemblyTemplate& message) {
@@ -137,6 +149,10 @@ Compiled CompileWith(const v1::TemplateBundle& bundle, v1::AssemblyTemplate* fil
       MORTISE_ASSIGN_OR_RETURN(TemplateHead head, HeadOf(bundle));
       return CompileCad(bundle, std::move(head));
     }
+    case v1::Template::kCage: {
+      MORTISE_ASSIGN_OR_RETURN(TemplateHead head, HeadOf(bundle));
+      return CompileCage(bundle, std::move(head));
+    }
   }
   return InvalidField("kind", "is not known");
 }
@@ -147,12 +163,13 @@ void CheckHead(const v1::Template& message, std::vector<Finding>& findings) {
   if (message.connections_size() > 0) {
     findings.push_back({"connections", "must be left out beside a kind"});
   }
-  if (message.has_cad() && message.boundary_conditions_size() > 0) {
-    findings.push_back({"boundary_conditions", "must be features of a CAD template"});
+  if (!message.has_assembly() && message.boundary_conditions_size() > 0) {
+    findings.push_back({"boundary_conditions", "must be those of the kind"});
   }
-  if (message.has_cad() && !message.cad().name().empty() &&
-      message.cad().name() != message.name()) {
-    findings.push_back({"cad.name", absl::StrCat("must be ", message.name(), ", or left out")});
+  const std::string& name = message.has_cad() ? message.cad().name() : message.cage().name();
+  if (!name.empty() && name != message.name()) {
+    findings.push_back({message.has_cad() ? "cad.name" : "cage.name",
+                        absl::StrCat("must be ", message.name(), ", or left out")});
   }
 }
 
@@ -171,6 +188,10 @@ void FillHead(const v1::TemplateBundle& bundle, const Template& compiled, v1::Te
     FillText("title", message.cad().title(), *message.mutable_title(), findings);
     FillText("description", message.cad().description(), *message.mutable_description(), findings);
     message.mutable_cad()->set_name(message.name());
+  } else if (message.has_cage()) {
+    FillText("title", message.cage().title(), *message.mutable_title(), findings);
+    FillText("description", message.cage().description(), *message.mutable_description(), findings);
+    message.mutable_cage()->set_name(message.name());
   } else {
     if (message.title().empty()) message.set_title(bundle.assembly().title());
     if (message.description().empty()) {
@@ -228,8 +249,8 @@ absl::Status CompleteKind(v1::TemplateBundle& bundle, Trial trial) {
                            CompileWith(bundle, &handles));
   if (message.has_assembly()) *message.mutable_assembly() = std::move(handles);
   FillHead(bundle, *compiled, message, findings);
-  // The ends of an assembly's handles are exact already.
-  if (trial == Trial::kThorough && !message.has_assembly()) TryAll(*compiled, findings);
+  // The ends of an assembly's handles are exact, and a cage has been tried all over already.
+  if (trial == Trial::kThorough && message.has_cad()) TryAll(*compiled, findings);
   return parametric::ToStatus(findings);
 }
 
@@ -255,8 +276,9 @@ std::set<std::string> ItemsOf(const v1::Template& message) {
 }
 
 std::set<std::string> MaterialsOf(const v1::Template& message) {
-  if (!message.has_cad()) return {};
-  return {message.cad().material()};
+  if (message.has_cad()) return {message.cad().material()};
+  if (message.has_cage()) return {message.cage().material()};
+  return {};
 }
 
 v1::Template SummaryOf(v1::Template message) {
@@ -264,6 +286,7 @@ v1::Template SummaryOf(v1::Template message) {
   message.clear_connections();
   message.clear_boundary_conditions();
   if (message.has_cad()) message.mutable_cad()->Clear();
+  if (message.has_cage()) message.mutable_cage()->Clear();
   if (message.has_assembly()) message.mutable_assembly()->clear_handles();
   return message;
 }

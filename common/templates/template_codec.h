@@ -31,7 +31,7 @@ enum class Trial {
 // Compile.
 absl::Status Complete(v1::TemplateBundle& bundle, Trial trial);
 
-// What a template of parts, or of features, names: items/{id}, materials/{id}.
+// What a template names itself, not what its assembly does: items/{id}, materials/{id}.
 std::set<std::string> ItemsOf(const v1::Template& message);
 std::set<std::string> MaterialsOf(const v1::Template& message);
 

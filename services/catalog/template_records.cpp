@@ -28,8 +28,8 @@ absl::Status FreezeAssembly(store::ReadTransaction& transaction, v1::TemplateBun
   absl::StatusOr<v1::AssemblyBundle> used =
       GetAssemblyBundle(transaction, message.assembly(), message.revision());
   if (absl::IsNotFound(used.status()) || absl::IsInvalidArgument(used.status())) {
-    const bool revision = DetailOf(used.status()).field == "revision";
-    return InvalidField(revision ? "template.assembly.revision" : "template.assembly.assembly",
+    const bool there = GetAssemblyBundle(transaction, message.assembly(), 0).ok();
+    return InvalidField(there ? "template.assembly.revision" : "template.assembly.assembly",
                         std::string(used.status().message()));
   }
   MORTISE_RETURN_IF_ERROR(used.status());

@@ -269,6 +269,7 @@ TEST_F(CatalogServiceTest, TemplatesOfEveryKindAreListedAndEvaluated) {
   EXPECT_GE(kinds[v1::Template::KIND_NOT_SET], 1);
   EXPECT_GE(kinds[v1::Template::kAssembly], 14);
   EXPECT_GE(kinds[v1::Template::kCad], 9);
+  EXPECT_GE(kinds[v1::Template::kCage], 1);
 
   v1::EvaluateTemplateRequest evaluate;
   evaluate.set_name("templates/wrench");

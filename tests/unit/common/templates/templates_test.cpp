@@ -110,8 +110,36 @@ TEST(TemplatesTest, PartsOfferGradientsAndFeaturesDoNot) {
             absl::StatusCode::kFailedPrecondition);
 }
 
+TEST(TemplatesTest, AMeshInACageHasExactGradients) {
+  const auto boat = Compile(Completed("templates/boat"));
+  ASSERT_TRUE(boat.ok()) << boat.status();
+  ASSERT_EQ((*boat)->parameters().size(), 12U);
+  const Eigen::VectorXd q = parametric::Defaults((*boat)->parameters());
+  const auto design = (*boat)->Evaluate(q);
+  ASSERT_TRUE(design.ok()) << design.status();
+  ASSERT_EQ(design->parts.size(), 1U);
+  ASSERT_TRUE(design->parts[0].faceted.has_value());
+  // The facets are the shape.
+  EXPECT_NEAR(mesh::ComputeMassProperties(design->parts[0].faceted->surface).volume,
+              design->parts[0].volume, 1e-9 * design->parts[0].volume);
+  ASSERT_TRUE((*boat)->OffersMassGradient());
+  const auto mass = (*boat)->Mass(q);
+  ASSERT_TRUE(mass.ok()) << mass.status();
+  EXPECT_NEAR(mass->mass, design->mass, 1e-12);
+  for (Eigen::Index i = 0; i < q.size(); ++i) {
+    const parametric::Parameter& parameter = (*boat)->parameters()[static_cast<std::size_t>(i)];
+    const double step = 1e-5 * (parameter.maximum - parameter.minimum);
+    Eigen::VectorXd more = q, less = q;
+    more(i) += step;
+    less(i) -= step;
+    const double slope = ((*boat)->Mass(more)->mass - (*boat)->Mass(less)->mass) / (2 * step);
+    EXPECT_NEAR(mass->mass_gradient(i), slope, 1e-6 * mass->mass_gradient.norm());
+  }
+  EXPECT_EQ(DetailOf((*boat)->Solids(q).status()).reason, "NO_SOLID");
+}
+
 TEST(TemplatesTest, ParametersOutOfRangeAreNamedWhateverTheKind) {
-  for (const char* name : {"templates/table", "templates/wrench"}) {
+  for (const char* name : {"templates/table", "templates/wrench", "templates/boat"}) {
     const auto compiled = Compile(Completed(name));
     ASSERT_TRUE(compiled.ok()) << compiled.status();
     Eigen::VectorXd q = parametric::Defaults((*compiled)->parameters());
