@@ -259,7 +259,9 @@ absl::Status ConnectionOptimizer::Conflict(const Eigen::VectorXd& combination,
   }
   std::vector<std::string> names;
   for (const int relationship : relationships) {
-    names.push_back(connection_.hard[static_cast<std::size_t>(relationship)].description);
+    // What repeats together does so in place and in size, under one name.
+    const std::string& name = connection_.hard[static_cast<std::size_t>(relationship)].description;
+    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
   }
   return PreconditionFailed(
       "CONNECTION_CONFLICT",

@@ -83,7 +83,6 @@ class ConnectionRelationships {
   }
 
   // ---- What an element is placed against
-  // -----------------------------------------------------------
 
   // A patch that it passes through, else whose principals it touches, else the nearest.
   int ReferenceOf(int element) const {
@@ -107,7 +106,6 @@ class ConnectionRelationships {
   }
 
   // ---- Relationships that a design has
-  // -----------------------------------------------------------
 
   void TakeFromDesign() {
     for (Relationship& found : FindRelationships(connection_.assembly, connection_.elements,
@@ -166,7 +164,6 @@ class ConnectionRelationships {
   }
 
   // ---- Planes and centres in one place
-  // -----------------------------------------------------------
 
   struct Level {
     LinearForm form;
@@ -271,7 +268,6 @@ class ConnectionRelationships {
   }
 
   // ---- Inside the patch
-  // -----------------------------------------------------------
 
   void KeepInside() {
     for (int element = connection_.principal_count(); element < element_count(); ++element) {
@@ -301,7 +297,6 @@ class ConnectionRelationships {
   }
 
   // ---- What is kept
-  // -----------------------------------------------------------
 
   void KeepIndependent() {
     // Sizes and repetition first: they say least about places.
@@ -330,7 +325,6 @@ class ConnectionRelationships {
   }
 
   // ---- Soft relationships
-  // -----------------------------------------------------------
 
   void AddSoft(int element, Axis axis) {
     AddMargins(Reference(element), axis, PositionOf(element, {"", axis, -0.5}),

@@ -230,6 +230,31 @@ TEST(ConnectionOptimizer, NamesBadInput) {
   EXPECT_EQ(field({bottom, {{0, 0.06, 0.02}, {0.6, 0.04, 0.22}}}), "principals[1]");
 }
 
+// A lid hinged to the back of a box: the joint is placed with the hinge.
+TEST(ConnectionOptimizer, TakesTheJointAlong) {
+  Assembly chest;
+  chest.name = "chest";
+  chest.groups = {{"chest", -1}, {"lid", 0}};
+  chest.parts = {ResizablePart("case", {0, 0, 0}, {0.6, 0.3, 0.2}),
+                 ResizablePart("cover", {0, 0, 0.2}, {0.6, 0.3, 0.22}, 1),
+                 Fastener("hinge", {0.25, 0.3, 0.18}, {0.35, 0.302, 0.22})};
+  Joint joint;
+  joint.name = "lid hinge";
+  joint.group = 1;
+  joint.center = {0.3, 0.301, 0.2};
+  joint.axis = Eigen::Vector3d::UnitX();
+  joint.lower = -1.6;
+  joint.rest_poses = {{"open", {-std::acos(0.0), 0, 0}}};
+  chest.joints = {joint};
+  const ConnectionOptimizer lid(Only(ParametrizedDesign(std::move(chest))));
+  ASSERT_EQ(lid.connection().joints.size(), 1U);
+  const auto deeper = lid.Optimize({{{0, 0, 0}, {0.8, 0.4, 0.3}}, {{0, 0, 0.3}, {0.8, 0.4, 0.32}}});
+  ASSERT_TRUE(deeper.ok()) << deeper.status();
+  ExpectBox(deeper->connecting[0], {0.35, 0.4, 0.28}, {0.45, 0.402, 0.32});
+  const Eigen::Vector3d center = deeper->q.segment<3>(6 * 3);
+  EXPECT_LT((center - Eigen::Vector3d(0.4, 0.401, 0.3)).norm(), 1e-9) << center.transpose();
+}
+
 // What is taken out of a design needs nothing of it.
 TEST(ConnectionOptimizer, OutlivesTheDesign) {
   std::optional<ConnectionOptimizer> kept;
