@@ -31,8 +31,8 @@ std::vector<double> SnapCoordinates(const std::vector<double>& coordinates, doub
     const double first = coordinates[order[begin]];
     std::size_t end = begin;
     while (end < order.size() && coordinates[order[end]] - first <= tolerance) ++end;
-    const double middle = first + (coordinates[order[end - 1]] - first) / 2;
-    const double value = RoundestNear(middle, std::min(kNoise, tolerance / 2));
+    const double half = (coordinates[order[end - 1]] - first) / 2;
+    const double value = RoundestNear(first + half, half + std::min(kNoise, tolerance / 2));
     for (; begin < end; ++begin) snapped[order[begin]] = value;
   }
   return snapped;

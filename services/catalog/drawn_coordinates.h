@@ -5,9 +5,9 @@
 
 namespace mortise::catalog {
 
-// The coordinates, m, with those that lie within `tolerance` > 0 of each other made equal, each
-// moved by less than that. What is left of rounding in a drawing goes too: of the numbers within
-// 0.1 µm the one of fewest decimals is taken, 0.3 for 0.29999997.
+// The coordinates, m, with those that lie within `tolerance` > 0 of each other made equal. What is
+// left of rounding in a drawing goes too: of the numbers between those that are made equal, or
+// within 0.1 µm of them, the one of fewest decimals is taken, 0.3 for 0.29999997.
 std::vector<double> SnapCoordinates(const std::vector<double>& coordinates, double tolerance);
 
 // The number of fewest decimals within `slack` of `value`.

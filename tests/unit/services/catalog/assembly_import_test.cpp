@@ -244,9 +244,13 @@ TEST(DrawnCoordinates, AreEqualWithinTheTolerance) {
   const std::vector<double> snapped =
       SnapCoordinates({0.30000004, 1.2, 0.29999996, 0.30000195, -3e-8, 0.00079375}, 1e-6);
   EXPECT_THAT(snapped, ElementsAre(0.3, 1.2, 0.3, 0.300002, 0.0, 0.0007938));
-  EXPECT_THAT(SnapCoordinates({0, 0.9e-6, 1.8e-6}, 1e-6), ElementsAre(5e-7, 5e-7, 1.8e-6))
+  EXPECT_THAT(SnapCoordinates({0, 0.9e-6, 1.8e-6}, 1e-6), ElementsAre(0.0, 0.0, 1.8e-6))
       << "a chain does not pull all together";
   EXPECT_THAT(SnapCoordinates({}, 1e-6), IsEmpty());
+}
+
+TEST(DrawnCoordinates, AreTheRoundestOfThoseThatAreEqual) {
+  EXPECT_THAT(SnapCoordinates({0.0569993, 0.057, 0.3}, 1e-6), ElementsAre(0.057, 0.057, 0.3));
 }
 
 TEST(ItemFit, LaysTheLengthAlongTheLongest) {
