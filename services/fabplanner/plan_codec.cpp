@@ -166,6 +166,12 @@ absl::StatusOr<Design> DesignFrom(const v1::EvaluatedDesign& evaluated_message) 
                                              "and hardware can be planned"),
                                 "template");
     }
+    if (part.connecting) {
+      return NotBuilt(
+          absl::StrCat("the plan of an assembly that screws, hinges and the like hold "
+                       "together, such as '",
+                       part.name, "'"));
+    }
     design.parts.push_back(PartFrom(part));
   }
   for (const parametric::EvaluatedConnector& connector : evaluated.connectors) {

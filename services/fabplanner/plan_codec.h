@@ -12,7 +12,8 @@
 namespace mortise::fabplanner {
 
 // The design to make. INVALID_ARGUMENT naming the field at fault; FAILED_PRECONDITION,
-// PART_WITHOUT_ITEM, for parts that are no prisms cut from items.
+// PART_WITHOUT_ITEM, for parts that are no prisms cut from items; UNIMPLEMENTED for parts that hold
+// others together: steps are made of pegs.
 absl::StatusOr<Design> DesignFrom(const v1::EvaluatedDesign& evaluated);
 
 // The items of the bundle.

@@ -87,7 +87,8 @@ absl::Status PlanOperation::CheckDesign(const v1::CreatePlanRequest& request,
       catalog, &v1::CatalogService::Stub::EvaluateTemplate, EvaluationOf(request), origin, once);
   const absl::Status status = design.ok() ? DesignFrom(*design).status() : design.status();
   const bool callers_fault = absl::IsNotFound(status) || absl::IsInvalidArgument(status) ||
-                             absl::IsOutOfRange(status) || absl::IsFailedPrecondition(status);
+                             absl::IsOutOfRange(status) || absl::IsFailedPrecondition(status) ||
+                             absl::IsUnimplemented(status);
   return callers_fault ? status : absl::OkStatus();
 }
 

@@ -371,6 +371,18 @@ TEST_F(FabPlannerServiceTest, BadPlansAreRefusedWithTheFieldAtFault) {
   EXPECT_EQ(Planner()->CreatePlan(asking.get(), request, &unknown).error_code(),
             grpc::StatusCode::NOT_FOUND);
 
+  // What is no assembly of prisms and pegs.
+  request = TableRequest();
+  request.set_template_("templates/solid");
+  asking = Context();
+  EXPECT_EQ(Planner()->CreatePlan(asking.get(), request, &unknown).error_code(),
+            grpc::StatusCode::FAILED_PRECONDITION);
+  request = TableRequest();
+  request.set_template_("templates/screwed");
+  asking = Context();
+  EXPECT_EQ(Planner()->CreatePlan(asking.get(), request, &unknown).error_code(),
+            grpc::StatusCode::UNIMPLEMENTED);
+
   v1::ListPlansResponse list;
   auto context = Context();
   ASSERT_TRUE(Planner()->ListPlans(context.get(), {}, &list).ok());

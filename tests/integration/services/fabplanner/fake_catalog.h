@@ -35,7 +35,9 @@ class FakeCatalog final : public v1::CatalogService::Service {
 
   grpc::Status EvaluateTemplate(grpc::ServerContext*, const v1::EvaluateTemplateRequest* request,
                                 v1::EvaluatedDesign* response) override {
-    if (request->name() != "templates/table") {
+    const bool solid = request->name() == "templates/solid";
+    const bool screwed = request->name() == "templates/screwed";
+    if (request->name() != "templates/table" && !solid && !screwed) {
       return {grpc::StatusCode::NOT_FOUND, "no template " + request->name()};
     }
     const Design table = ExampleTable();
@@ -44,6 +46,8 @@ class FakeCatalog final : public v1::CatalogService::Service {
     design.template_revision = 3;
     design.parameters = {{"length", 1.2}};
     for (const Part& part : table.parts) design.parts.push_back(Evaluated(part));
+    if (solid) design.parts[0].faceted.emplace();
+    if (screwed) design.parts[0].connecting = true;
     for (const Peg& peg : table.pegs) {
       design.connectors.push_back({peg.connection, peg.item, peg.part, peg.other_part, peg.position,
                                    peg.direction, peg.diameter, peg.length, peg.depth_in_part,
@@ -89,6 +93,8 @@ class FakeCatalog final : public v1::CatalogService::Service {
     evaluated.name = part.name;
     evaluated.title = part.title;
     evaluated.item = part.item;
+    evaluated.length_axis = static_cast<parametric::Axis>(part.length_axis);
+    evaluated.thickness_axis = static_cast<parametric::Axis>(part.thickness_axis);
     evaluated.axis = static_cast<parametric::Axis>(part.extrusion_axis);
     evaluated.outline.resize(2, static_cast<Eigen::Index>(part.outline.size()));
     for (std::size_t i = 0; i < part.outline.size(); ++i) {
