@@ -9,6 +9,7 @@
 #include <map>
 #include <thread>
 
+#include "absl/strings/escaping.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_replace.h"
@@ -63,6 +64,10 @@ constexpr Example kExamples[] = {
     {"AssemblyService/ListAssemblies", "page_size: 10"},
     {"AssemblyService/ImportAssembly",
      "request_id: 'bad-16' expected_revision: 1 assembly { {assembly} }", Outcome::kChanges},
+    {"AssemblyService/ImportAssemblyStep",
+     "request_id: 'bad-17' step: '{step}' annotations { name: 'assemblies/drawn' "
+     "parts { parts: 'screw left 1.1' item: 'items/screw-4x40' role: CONNECTING } }",
+     Outcome::kChanges},
     {"AssemblyService/ParametrizeAssembly", "name: 'assemblies/planter' revision: 1"},
     {"AssemblyService/AdjustAssembly",
      "name: 'assemblies/planter' q: [{q}] "
@@ -197,6 +202,21 @@ void AwaitQuiet(v1::SimulatorService::Stub& simulator, v1::OperationService::Stu
   Fail("the house does not come to rest");
 }
 
+// An assembly as a STEP file, escaped.
+std::string StepOf(v1::AssemblyService::Stub& assemblies, const std::string& name) {
+  v1::ExportAssemblyRequest request;
+  request.set_name(name);
+  request.set_format(v1::ExportDesignRequest::STEP);
+  grpc::ClientContext context;
+  const auto reader = assemblies.ExportAssembly(&context, request);
+  std::string bytes;
+  v1::Chunk chunk;
+  while (reader->Read(&chunk)) bytes += chunk.data();
+  const grpc::Status status = reader->Finish();
+  if (!status.ok()) Fail(status.error_message());
+  return absl::CEscape(bytes);
+}
+
 // What stands for an assembly, its parameters as drawn, and a size that can be asked for.
 void NameAssembly(const std::shared_ptr<grpc::Channel>& channel,
                   std::map<std::string, std::string>& names) {
@@ -212,6 +232,7 @@ void NameAssembly(const std::shared_ptr<grpc::Channel>& channel,
   if (described.sizes().empty()) Fail("the assembly has no size that can be changed");
   names["{measure}"] = described.sizes(0).measure().ShortDebugString();
   names["{size}"] = absl::StrFormat("%.17g", described.sizes(0).drawn());
+  names["{step}"] = StepOf(assemblies, "assemblies/bookshelf");
 }
 
 // What stands for the names in the examples.

@@ -69,6 +69,7 @@ bool GivesName(const FieldDescriptor* field) {
                                               "mortise.v1.Item.name",
                                               "mortise.v1.Template.name",
                                               "mortise.v1.Assembly.name",
+                                              "mortise.v1.AssemblyAnnotations.name",
                                               "mortise.v1.Connection.name",
                                               "mortise.v1.BoundaryCondition.name",
                                               "mortise.v1.BridgeMessage.Hello.bridge",
@@ -200,8 +201,18 @@ class Spoiler {
       return [field, value](Message* at) {
         const Reflection& reflection = *at->GetReflection();
         const bool is_long = field->cpp_type() == FieldDescriptor::CPPTYPE_INT64;
-        if (is_long) return reflection.SetInt64(at, field, value);
-        reflection.SetInt32(at, field, static_cast<int32_t>(value));
+        const auto narrow = static_cast<int32_t>(value);
+        if (!field->is_repeated()) {
+          return is_long ? reflection.SetInt64(at, field, value)
+                         : reflection.SetInt32(at, field, narrow);
+        }
+        const bool is_empty = reflection.FieldSize(*at, field) == 0;
+        if (is_long) {
+          return is_empty ? reflection.AddInt64(at, field, value)
+                          : reflection.SetRepeatedInt64(at, field, 0, value);
+        }
+        return is_empty ? reflection.AddInt32(at, field, narrow)
+                        : reflection.SetRepeatedInt32(at, field, 0, narrow);
       };
     };
     if (AnyNumber().count(field->full_name()) != 0) return;
@@ -280,6 +291,9 @@ class Spoiler {
             break;
           case FieldDescriptor::CPPTYPE_DOUBLE:
             reflection.AddDouble(at, field, 0.5);
+            break;
+          case FieldDescriptor::CPPTYPE_INT32:
+            reflection.AddInt32(at, field, 7);
             break;
           default:
             return;
