@@ -15,13 +15,14 @@ using Triangle = std::array<Eigen::Vector3d, 3>;
 // A triangle with what is asked of it again and again.
 struct SweptTriangle {
   Triangle corners;
+  Eigen::Array3i vertices;
   Eigen::Vector3d normal;  // m², twice the area long
   double tolerance;        // m³, of heights over its plane times the length of the normal
 };
 
 SweptTriangle Prepare(const Eigen::Matrix3Xd& vertices, const Eigen::Matrix3Xi& triangles,
                       int index) {
-  SweptTriangle swept{{}, {}, 0};
+  SweptTriangle swept{{}, triangles.col(index), {}, 0};
   for (int k = 0; k < 3; ++k) swept.corners[k] = vertices.col(triangles(k, index));
   const auto& [a, b, c] = swept.corners;
   swept.normal = (b - a).cross(c - a);
@@ -30,11 +31,20 @@ SweptTriangle Prepare(const Eigen::Matrix3Xd& vertices, const Eigen::Matrix3Xi& 
   return swept;
 }
 
+int SharedVertices(const SweptTriangle& a, const SweptTriangle& b) {
+  const auto in_b = [&b](int vertex) {
+    return int{vertex == b.vertices(0)} + int{vertex == b.vertices(1)} +
+           int{vertex == b.vertices(2)};
+  };
+  return in_b(a.vertices(0)) + in_b(a.vertices(1)) + in_b(a.vertices(2));
+}
+
 // Where the open segment a–b passes through the triangle, away from the segment's ends and, by
 // `slack` (a fraction), from the triangle's border.
 std::optional<Eigen::Vector3d> Pierce(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
                                       const SweptTriangle& triangle, double slack) {
-  const auto& [corners, normal, tolerance] = triangle;
+  const Triangle& corners = triangle.corners;
+  const Eigen::Vector3d& normal = triangle.normal;
   const Eigen::Vector3d along = b - a;
   const double slope = normal.dot(along);
   if (std::abs(slope) <= 1e-12 * normal.norm() * along.norm()) return std::nullopt;
@@ -74,7 +84,8 @@ bool HasDividingEdge(const SweptTriangle& first, const SweptTriangle& second) {
 // A point common to two triangles in one plane, if they overlap by an area.
 std::optional<Eigen::Vector3d> Overlap(const SweptTriangle& swept, const SweptTriangle& other) {
   if (HasDividingEdge(swept, other) || HasDividingEdge(other, swept)) return std::nullopt;
-  const auto& [first, normal, tolerance] = swept;
+  const Triangle& first = swept.corners;
+  const Eigen::Vector3d& normal = swept.normal;
   // Clip the second triangle by the edges of the first; what remains must have an area.
   std::vector<Eigen::Vector3d> polygon(other.corners.begin(), other.corners.end());
   for (int k = 0; k < 3 && !polygon.empty(); ++k) {
@@ -100,11 +111,20 @@ std::optional<Eigen::Vector3d> Overlap(const SweptTriangle& swept, const SweptTr
   return centre;
 }
 
-// The bounding box of a triangle: along the sweep, then along the other axes.
+// The bounding box of a triangle: along the sweep from `begin` to `end`, and across it as bounds:
+// the low and the negative high ends along both other axes.
 struct Span {
-  std::array<double, 3> low, high;
+  double begin, end;
+  Eigen::Array4d bounds;
   int triangle;
 };
+
+// Whether the boxes lie apart across the sweep: the low end of one is over the high end of the
+// other. Subtraction and maximum take no branches, most of which would be mispredicted.
+bool AreApart(const Span& a, const Span& b) {
+  const Eigen::Array4d high(-a.bounds(2), -a.bounds(3), -a.bounds(0), -a.bounds(1));
+  return (b.bounds - high).maxCoeff() > 0;
+}
 
 // Boxes by where they begin along the longest axis of all, where fewest are beside each other.
 std::vector<Span> SortedSpans(const Eigen::Matrix3Xd& vertices, const Eigen::Matrix3Xi& triangles) {
@@ -116,17 +136,18 @@ std::vector<Span> SortedSpans(const Eigen::Matrix3Xd& vertices, const Eigen::Mat
   }
   Eigen::Index first = 0;
   if (!boxes.empty()) all.sizes().maxCoeff(&first);
-  std::vector<Span> spans(boxes.size());
+  const Eigen::Index second = (first + 1) % 3, third = (first + 2) % 3;
+  std::vector<Span> spans;
+  spans.reserve(boxes.size());
   for (std::size_t t = 0; t < boxes.size(); ++t) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      const Eigen::Index axis = (first + static_cast<Eigen::Index>(k)) % 3;
-      spans[t].low[k] = boxes[t].min()(axis);
-      spans[t].high[k] = boxes[t].max()(axis);
-    }
-    spans[t].triangle = static_cast<int>(t);
+    const Eigen::Vector3d low = boxes[t].min(), high = boxes[t].max();
+    spans.push_back({low(first),
+                     high(first),
+                     {low(second), low(third), -high(second), -high(third)},
+                     static_cast<int>(t)});
   }
   std::sort(spans.begin(), spans.end(),
-            [](const Span& a, const Span& b) { return a.low[0] < b.low[0]; });
+            [](const Span& a, const Span& b) { return a.begin < b.begin; });
   return spans;
 }
 
@@ -180,23 +201,13 @@ std::vector<Intersection> FindIntersections(const Eigen::Matrix3Xd& vertices,
   std::vector<SweptTriangle> swept;
   swept.reserve(spans.size());
   for (const Span& span : spans) swept.push_back(Prepare(vertices, triangles, span.triangle));
-  const auto shared = [&](int a, int b) {
-    int common = 0;
-    for (int k = 0; k < 3; ++k) {
-      for (int m = 0; m < 3; ++m) common += triangles(k, a) == triangles(m, b);
-    }
-    return common;
-  };
   std::vector<Intersection> found;
   for (std::size_t i = 0; i < spans.size(); ++i) {
     const Span a = spans[i];
-    for (std::size_t j = i + 1; j < spans.size() && spans[j].low[0] <= a.high[0]; ++j) {
+    for (std::size_t j = i + 1; j < spans.size() && spans[j].begin <= a.end; ++j) {
       const Span& b = spans[j];
-      // Without a branch for each comparison, most of which could go either way.
-      const bool apart = (b.low[1] > a.high[1]) | (b.high[1] < a.low[1]) | (b.low[2] > a.high[2]) |
-                         (b.high[2] < a.low[2]);
-      if (apart) continue;
-      const auto place = Meet(swept[i], swept[j], shared(a.triangle, b.triangle));
+      if (AreApart(a, b)) continue;
+      const auto place = Meet(swept[i], swept[j], SharedVertices(swept[i], swept[j]));
       if (!place) continue;
       found.push_back({std::min(a.triangle, b.triangle), std::max(a.triangle, b.triangle), *place});
       if (static_cast<int>(found.size()) >= limit) return found;
