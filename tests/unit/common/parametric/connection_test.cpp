@@ -495,5 +495,49 @@ TEST(ConnectionOptimizer, GivesEveryDrawnConnectionAsDrawn) {
   EXPECT_GE(connections, 50);
 }
 
+// Whatever principals become: what is answered holds, and what is refused says why.
+TEST(ConnectionOptimizer, AnswersRightlyOrRefuses) {
+  int placed = 0;
+  int refused = 0;
+  for (unsigned seed = 1; seed <= 30; ++seed) {
+    SCOPED_TRACE(seed);
+    Assembly assembly = RandomAssembly(seed);
+    std::mt19937 random(seed + 100);
+    std::uniform_real_distribution<double> change(-0.04, 0.04);
+    for (AssemblyPart& part : assembly.parts) part.connecting = random() % 2 == 0;
+    const std::vector<Element> elements = MakeElements(assembly, 1e-6);
+    const auto contacts = FindContacts(assembly, elements, 1e-6);
+    ASSERT_TRUE(contacts.ok()) << contacts.status();
+    const auto relationships = FindRelationships(assembly, elements, *contacts, 1e-6);
+    for (const ElementConnection& connection :
+         FindConnections(assembly, elements, *contacts, relationships, 1e-6)) {
+      const ConnectionOptimizer optimizer(connection);
+      for (int i = 0; i < 10; ++i) {
+        std::vector<BoundingBox> principals =
+            PrincipalsAt(connection, DrawnParameters(assembly, elements));
+        // One face moves; all of them would part whatever touches.
+        BoundingBox& box = principals[random() % principals.size()];
+        const int axis = static_cast<int>(random() % 3);
+        (random() % 2 == 0 ? box.minimum : box.maximum)[axis] += change(random);
+        const auto made = optimizer.Optimize(principals);
+        if (!made.ok()) {
+          ++refused;
+          EXPECT_EQ(made.status().code(), absl::StatusCode::kFailedPrecondition) << made.status();
+          EXPECT_TRUE(DetailOf(made.status()).reason.starts_with("CONNECTION_"));
+          continue;
+        }
+        ++placed;
+        ASSERT_LT(made->hard_residual, 1e-9);
+        ASSERT_TRUE(made->q.allFinite());
+        for (const BoundingBox& connecting : made->connecting) {
+          ASSERT_GT(connecting.size().minCoeff(), 0);
+        }
+      }
+    }
+  }
+  EXPECT_GE(placed, 200);
+  EXPECT_GE(refused, 200);
+}
+
 }  // namespace
 }  // namespace mortise::parametric
