@@ -2,9 +2,13 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <numbers>
+#include <random>
+#include <set>
+#include <utility>
 
 #include "box_assembly.h"
 #include "common/mesh/mass_properties.h"
@@ -15,6 +19,8 @@
 
 namespace mortise::mesh {
 namespace {
+
+double UnitNumber(std::mt19937_64& random) { return static_cast<double>(random() >> 11) * 0x1p-53; }
 
 // A sphere of radius r by dividing an octahedron.
 SurfaceMesh Sphere(double radius, int divisions) {
@@ -148,6 +154,45 @@ TEST(Intersections, OverlappingTrianglesInOnePlaneCount) {
   EXPECT_EQ(FindIntersections(flat.vertices, flat.triangles, 9).size(), 1u);
   flat.vertices.rightCols(3).row(0).array() += 2;
   EXPECT_TRUE(FindIntersections(flat.vertices, flat.triangles, 9).empty());
+}
+
+TEST(Intersections, AreTheSameAlongAnyAxis) {
+  std::mt19937_64 random(8);
+  SurfaceMesh soup;
+  soup.vertices.resize(3, 180);
+  soup.triangles.resize(3, 60);
+  for (int t = 0; t < 60; ++t) {
+    const Eigen::Vector3d place(5 * UnitNumber(random), 2 * UnitNumber(random), UnitNumber(random));
+    for (int k = 0; k < 3; ++k) {
+      const Eigen::Vector3d corner(UnitNumber(random), UnitNumber(random), UnitNumber(random));
+      soup.vertices.col(3 * t + k) = place + corner;
+      soup.triangles(k, t) = 3 * t + k;
+    }
+  }
+  const auto pairs = [&soup] {
+    std::set<std::pair<int, int>> found;
+    for (const Intersection& crossing : FindIntersections(soup.vertices, soup.triangles, 10'000)) {
+      found.emplace(crossing.first, crossing.second);
+    }
+    return found;
+  };
+  const auto along_x = pairs();
+  EXPECT_GT(along_x.size(), 20u);
+  for (int turn = 0; turn < 2; ++turn) {
+    soup.vertices = Eigen::Matrix3Xd(soup.vertices(std::array{1, 2, 0}, Eigen::all));
+    EXPECT_EQ(pairs(), along_x);
+  }
+}
+
+TEST(Intersections, CountTrianglesDrawnTwiceButNoneWithoutAnArea) {
+  SurfaceMesh mesh;
+  mesh.vertices.resize(3, 5);
+  mesh.vertices << 0, 1, 0, 0.2, 0.4, 0, 0, 1, 0.2, 0.4, 0, 0, 0, 0, 0;
+  mesh.triangles.resize(3, 2);
+  mesh.triangles << 0, 2, 1, 1, 2, 0;
+  EXPECT_EQ(FindIntersections(mesh.vertices, mesh.triangles, 9).size(), 1u);
+  mesh.triangles.col(1) = Eigen::Vector3i(3, 4, 4);  // a line within the first
+  EXPECT_TRUE(FindIntersections(mesh.vertices, mesh.triangles, 9).empty());
 }
 
 TEST(Files, StlHasEveryTriangle) {
