@@ -3,12 +3,16 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <BRepBuilderAPI_MakeFace.hxx>
 #include <BRepGProp.hxx>
+#include <BRep_Builder.hxx>
 #include <GProp_GProps.hxx>
 #include <STEPControl_Reader.hxx>
 #include <TopExp_Explorer.hxx>
+#include <TopoDS_Compound.hxx>
 #include <algorithm>
 #include <cmath>
+#include <gp_Pln.hxx>
 #include <map>
 #include <random>
 #include <set>
@@ -18,6 +22,7 @@
 #include "absl/strings/str_replace.h"
 #include "common/base/errors.h"
 #include "common/cad/cylinder.h"
+#include "common/cad/step_document.h"
 #include "common/cad/step_isolation.h"
 #include "common/cad/step_reader.h"
 #include "common/cad/step_writer.h"
@@ -194,16 +199,52 @@ TEST(StepExchange, NamesAreDistinctShortAndInOneLine) {
   EXPECT_EQ(read.name, "Ständer");
 }
 
-TEST(StepExchange, AProductOfSeveralSolidsIsSeveralParts) {
+// A flat assembly of one board and of a product that the kernel's shape is.
+StepAssembly BoardAnd(const std::string& name, const TopoDS_Shape& shape) {
+  auto kernel = std::make_shared<Solid::Kernel>();
+  kernel->name = name;
+  kernel->shape = shape;
   StepAssembly flat;
-  flat.name = "pair";
-  flat.groups = {{"pair", -1}};
-  flat.products = {{"board", Box("board", 0.1, 0.2, 0.3), std::nullopt}};
+  flat.name = "flat";
+  flat.groups = {{"flat", -1}};
+  flat.products = {{"board", Box("board", 0.1, 0.2, 0.3), std::nullopt},
+                   {name, Solid(std::move(kernel)), std::nullopt}};
   AddPart(flat, "board", 0, 0, At(0, 0, 0));
-  const StepAssembly one = ReadBack(Written(flat));
-  ASSERT_EQ(one.parts.size(), 1u);
-  EXPECT_TRUE(one.notes.empty());
-  EXPECT_TRUE(one.parts[0].is_box);
+  AddPart(flat, name, 0, 1, At(1, 0, 0));
+  return flat;
+}
+
+TEST(StepExchange, AProductOfSeveralSolidsIsSeveralParts) {
+  TopoDS_Compound pair;
+  BRep_Builder builder;
+  builder.MakeCompound(pair);
+  builder.Add(pair, Box("a", 0.1, 0.1, 0.1).kernel().shape);
+  builder.Add(pair, Box("b", 0.1, 0.1, 0.2).kernel().shape.Moved(ToLocation(At(0, 0, 0.5))));
+  const StepAssembly read = ReadBack(Written(BoardAnd("pair", pair)));
+  EXPECT_THAT(Paths(read), ::testing::UnorderedElementsAre("board", "pair 1", "pair 2"));
+  EXPECT_LT((PartOf(read, "pair 1").minimum - Eigen::Vector3d(1, 0, 0)).norm(), 1e-9);
+  EXPECT_LT((PartOf(read, "pair 2").maximum - Eigen::Vector3d(1.1, 0.1, 0.7)).norm(), 1e-9);
+  EXPECT_THAT(read.notes, ::testing::Contains("product 'pair' has 2 solids; each is a part"));
+  ExpectSame(ReadBack(Written(read)), read);
+}
+
+TEST(StepExchange, WhatIsNoSolidIsNoPart) {
+  const StepAssembly read = ReadBack(
+      Written(BoardAnd("skin", BRepBuilderAPI_MakeFace(gp_Pln(), 0, 0.1, 0, 0.1).Shape())));
+  EXPECT_THAT(Paths(read), ElementsAre("board"));
+  ASSERT_EQ(read.leaves.size(), 1u);
+  EXPECT_EQ(read.leaves[0].name, "skin");
+  EXPECT_TRUE(read.leaves[0].is_surface);
+  StepAssembly alone = BoardAnd("skin", BRepBuilderAPI_MakeFace(gp_Pln(), 0, 1, 0, 1).Shape());
+  alone.parts.erase(alone.parts.begin());
+  const absl::Status refused = ReadStep(Written(alone)).status();
+  EXPECT_THAT(std::string(refused.message()), HasSubstr("holds no solid"));
+}
+
+TEST(StepExchange, WritesOnlyWhatHasAShape) {
+  StepAssembly stand = Stand();
+  stand.products[1].solid.reset();
+  EXPECT_EQ(DetailOf(WriteStep(stand).status()).field, "parts[4].product");
 }
 
 TEST(Cylinder, IsRoundOrElliptic) {
