@@ -22,7 +22,7 @@ int RunStepChild();
 
 struct StepChildOptions {
   std::string program = "/proc/self/exe";  // whose main() knows kStepChildArgument
-  std::chrono::seconds time_limit{60};
+  std::chrono::seconds time_limit{120};
 };
 
 // As ReadStep, without the solids. INVALID_ARGUMENT, "step", too for a file over which the kernel
