@@ -128,5 +128,58 @@ TEST_F(AssemblyCommand, ImportsOrNamesThePlace) {
   EXPECT_THAT(Refusal({"import", (folder_.path() / "none").string()}), HasSubstr("none"));
 }
 
+TEST_F(AssemblyCommand, ExportsAndImportsStep) {
+  const std::string step = (folder_.path() / "My Shelf.step").string();
+  const auto written = Run({"export", "bookshelf", "--out", step});
+  ASSERT_TRUE(written.ok()) << written.status();
+  const auto bare = Run({"import", step});
+  ASSERT_TRUE(bare.ok()) << bare.status();
+  EXPECT_EQ((*bare)[0]["name"], "assemblies/my-shelf");
+  EXPECT_EQ((*bare)[0]["change"], "created");
+  EXPECT_FALSE((*bare)[0]["notes"].empty());
+
+  const std::string text = File("shelf.textproto",
+                                "parts { product: 'screw left' role: CONNECTING "
+                                "item: 'items/screw-4x40' }");
+  const auto annotated = Run({"import", step, "--annotations", text});
+  ASSERT_TRUE(annotated.ok()) << annotated.status();
+  EXPECT_EQ((*annotated)[0]["change"], "updated");
+  const std::string json = File("shelf.json", "{\"name\": \"assemblies/json-shelf\"}");
+  const auto named = Run({"import", step, "--annotations", json});
+  ASSERT_TRUE(named.ok()) << named.status();
+  EXPECT_EQ((*named)[0]["name"], "assemblies/json-shelf");
+  const auto other = Run({"import", step, "--annotations", json, "--id", "other"});
+  ASSERT_TRUE(other.ok()) << other.status();
+  EXPECT_EQ((*other)[0]["name"], "assemblies/other");
+}
+
+TEST_F(AssemblyCommand, ExportsWhatWasAdjusted) {
+  const auto higher = Run({"adjust", "bookshelf", "--set", "side 1.z=2.2"});
+  ASSERT_TRUE(higher.ok()) << higher.status();
+  const std::string at = File("higher.json", higher->dump());
+  const std::string glb = (folder_.path() / "shelf.glb").string();
+  const auto written = Run({"export", "bookshelf", "--at", at, "--format", "glb", "-o", glb});
+  ASSERT_TRUE(written.ok()) << written.status();
+  EXPECT_EQ(ReadFile(glb).value_or("").substr(0, 4), "glTF");
+  EXPECT_THAT(
+      Refusal({"export", "bookshelf", "--at", File("short.json", "{\"q\": [1]}"), "-o", glb}),
+      HasSubstr("--at"));
+  EXPECT_THAT(Refusal({"export", "nothing", "-o", glb}), HasSubstr("assemblies/nothing"));
+}
+
+TEST_F(AssemblyCommand, NamesTheFileAtFaultOfStepImports) {
+  const std::string cut = File("cut.step", "ISO-10303-21;\nHEADER;");
+  EXPECT_THAT(Refusal({"import", cut}), HasSubstr("cut.step"));
+  const std::string step = (folder_.path() / "shelf.step").string();
+  ASSERT_TRUE(Run({"export", "bookshelf", "-o", step}).ok());
+  const std::string wrong = File("wrong.textproto", "parts { parts: 'nobody' }");
+  EXPECT_THAT(Refusal({"import", step, "--annotations", wrong}), HasSubstr("wrong.textproto"));
+  EXPECT_THAT(Refusal({"import", step, "--annotations", File("odd.json", "[]")}),
+              HasSubstr("odd.json"));
+  EXPECT_THAT(Refusal({"import", step, "--id", "No such/Id"}), HasSubstr("--id"));
+  const std::string shelf = Collection() + "/assemblies/bookshelf.textproto";
+  EXPECT_THAT(Refusal({"import", shelf, "--id", "x"}), HasSubstr("--id"));
+}
+
 }  // namespace
 }  // namespace mortise::cli
