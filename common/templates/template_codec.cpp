@@ -2,6 +2,7 @@
 
 #include <google/protobuf/util/message_differencer.h>
 
+#include <random>
 #include <utility>
 #include <vector>
 
@@ -26,6 +27,8 @@ using parametric::Finding;
 using Compiled = absl::StatusOr<std::shared_ptr<const Template>>;
 
 constexpr std::size_t kFilledHandles = 12;
+constexpr std::size_t kMostTriedEnds = 6;  // parameters; twice as many designs
+constexpr int kTriedCorners = 12;
 
 absl::StatusOr<TemplateHead> HeadOf(const v1::TemplateBundle& bundle) {
   const v1::Template& message = bundle.template_();
@@ -220,9 +223,9 @@ void Try(const Template& compiled, const Eigen::VectorXd& q, const std::string& 
   findings.push_back({field.empty() ? "kind" : field, absl::StrCat(where, ": ", status.message())});
 }
 
-void TryAll(const Template& compiled, std::vector<Finding>& findings) {
+// The ends of every parameter, one at a time.
+void TryEnds(const Template& compiled, std::vector<Finding>& findings) {
   const Eigen::VectorXd defaults = parametric::Defaults(compiled.parameters());
-  Try(compiled, defaults, "at the defaults", findings);
   for (Eigen::Index i = 0; i < defaults.size(); ++i) {
     const parametric::Parameter& parameter = compiled.parameters()[static_cast<std::size_t>(i)];
     for (const double end : {parameter.minimum, parameter.maximum}) {
@@ -230,6 +233,31 @@ void TryAll(const Template& compiled, std::vector<Finding>& findings) {
       q(i) = end;
       Try(compiled, q, absl::StrCat("at ", parameter.name, " = ", end), findings);
     }
+  }
+}
+
+// Corners of the parameter box, always the same.
+void TryCorners(const Template& compiled, std::vector<Finding>& findings) {
+  std::mt19937 bits(1);
+  for (int corner = 0; corner < kTriedCorners; ++corner) {
+    Eigen::VectorXd q(static_cast<Eigen::Index>(compiled.parameters().size()));
+    std::string where = "at";
+    for (Eigen::Index i = 0; i < q.size(); ++i) {
+      const parametric::Parameter& parameter = compiled.parameters()[static_cast<std::size_t>(i)];
+      q(i) = (bits() & 1U) != 0 ? parameter.maximum : parameter.minimum;
+      absl::StrAppend(&where, i == 0 ? " " : ", ", parameter.name, " = ", q(i));
+    }
+    Try(compiled, q, where, findings);
+  }
+}
+
+// A solid takes up to a second, and somebody waits: a dozen or so are tried.
+void TryAll(const Template& compiled, std::vector<Finding>& findings) {
+  Try(compiled, parametric::Defaults(compiled.parameters()), "at the defaults", findings);
+  if (compiled.parameters().size() <= kMostTriedEnds) {
+    TryEnds(compiled, findings);
+  } else {
+    TryCorners(compiled, findings);
   }
 }
 

@@ -22,7 +22,8 @@ absl::StatusOr<std::shared_ptr<const Template>> Compile(const v1::TemplateBundle
 // How much of its design space a template is tried at before it is accepted.
 enum class Trial {
   kDefaults,  // of CAD templates, no more than can be seen without making a solid
-  kThorough,  // the defaults and the ends of every parameter; of parts as ValidateTemplate
+  kThorough,  // and the ends of every parameter, or twelve corners where there are more than six;
+              // of parts as ValidateTemplate, of cages as ValidateCageTemplate in any case
 };
 
 // Fills in what the service says of a template (title, description and parameters of a kind, the
