@@ -79,7 +79,7 @@ absl::StatusOr<v1::AssemblyAnnotations> ReadAnnotations(const std::filesystem::p
   return annotations;
 }
 
-// STEP is text, of which gzip leaves a tenth.
+// STEP is text, of which gzip leaves a sixth.
 absl::StatusOr<std::string> PackedStep(const std::filesystem::path& file) {
   MORTISE_ASSIGN_OR_RETURN(const std::string bytes, ReadFile(file, kMaxStep));
   std::string packed;
