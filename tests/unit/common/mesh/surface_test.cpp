@@ -162,10 +162,12 @@ TEST(Intersections, AreTheSameAlongAnyAxis) {
   soup.vertices.resize(3, 180);
   soup.triangles.resize(3, 60);
   for (int t = 0; t < 60; ++t) {
-    const Eigen::Vector3d place(5 * UnitNumber(random), 2 * UnitNumber(random), UnitNumber(random));
+    Eigen::Vector3d place;
+    for (int axis = 0; axis < 3; ++axis) place(axis) = (3 - axis) * UnitNumber(random);
     for (int k = 0; k < 3; ++k) {
-      const Eigen::Vector3d corner(UnitNumber(random), UnitNumber(random), UnitNumber(random));
-      soup.vertices.col(3 * t + k) = place + corner;
+      for (int axis = 0; axis < 3; ++axis) {
+        soup.vertices(axis, 3 * t + k) = place(axis) + 1.5 * UnitNumber(random);
+      }
       soup.triangles(k, t) = 3 * t + k;
     }
   }
