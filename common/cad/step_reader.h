@@ -20,9 +20,9 @@ using StepFaultsSeen = std::function<void(const std::vector<std::string>&)>;
 // product has several; several roots stand in one. Names that the file has more than once are
 // counted (DistinctNames); a part is called as its occurrence is, or else as its product.
 //
-// INVALID_ARGUMENT, "step": not STEP, cut off, nothing solid in it, products that contain
-// themselves, with the entities at fault where the file has such. RESOURCE_EXHAUSTED: more than
-// kMaxStepBytes, or more than 2,000 parts.
+// INVALID_ARGUMENT, "step": not STEP, cut off, nothing solid in it, parts in other files,
+// products that contain themselves, with the entities at fault where the file has such.
+// RESOURCE_EXHAUSTED: more than kMaxStepBytes, or more than 2,000 parts.
 //
 // The kernel may crash over a damaged file, and the process with it; step_isolation.h does not.
 absl::StatusOr<StepAssembly> ReadStep(std::string_view bytes, const StepFaultsSeen& seen = {});

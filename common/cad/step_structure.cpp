@@ -1,6 +1,7 @@
 #include "common/cad/step_structure.h"
 
 #include <Interface_Check.hxx>
+#include <STEPConstruct_ExternRefs.hxx>
 #include <StepBasic_Product.hxx>
 #include <StepBasic_ProductDefinition.hxx>
 #include <StepBasic_ProductDefinitionFormation.hxx>
@@ -167,6 +168,19 @@ Composition Representations(const Handle(StepData_StepModel) & model) {
   return representations;
 }
 
+// The kernel would open the files that this one names, wherever they are.
+absl::Status CheckReferences(STEPCAFControl_Reader& reader) {
+  STEPConstruct_ExternRefs references(reader.ChangeReader().WS());
+  references.LoadExternRefs();
+  for (int i = 1; i <= references.NbExternRefs(); ++i) {
+    const Handle(TCollection_HAsciiString) format = references.Format(i);
+    // Drawings and other papers are left alone.
+    if (!format.IsNull() && format->Search("STEP") < 1) continue;
+    return InvalidField("step", "has parts in other files; export it as one file");
+  }
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 std::vector<std::string> EntityFaults(STEPCAFControl_Reader& reader) {
@@ -185,6 +199,7 @@ std::vector<std::string> EntityFaults(STEPCAFControl_Reader& reader) {
 
 absl::Status CheckStructure(STEPCAFControl_Reader& reader) {
   const Handle(StepData_StepModel) model = ModelOf(reader);
+  MORTISE_RETURN_IF_ERROR(CheckReferences(reader));
   for (const Composition& composition : {Products(model), Representations(model)}) {
     Counter counter(composition);
     const int largest = counter.Largest();

@@ -15,7 +15,8 @@ inline constexpr int kMaxStepParts = 2000;  // as many as an assembly may have
 // read the rest, or fall over them.
 std::vector<std::string> EntityFaults(STEPCAFControl_Reader& reader);
 
-// INVALID_ARGUMENT, "step": products or representations that contain themselves, naming them.
+// INVALID_ARGUMENT, "step": products or representations that contain themselves, naming them; parts
+// that are in other files.
 // RESOURCE_EXHAUSTED: sub-assemblies of sub-assemblies that make more than kMaxStepParts parts.
 absl::Status CheckStructure(STEPCAFControl_Reader& reader);
 

@@ -336,6 +336,21 @@ TEST(StepReader, RefusesProductsThatContainThemselves) {
   EXPECT_THAT(Refusal(Products(20'000, chain), kInvalid), HasSubstr("goes in a circle"));
 }
 
+TEST(StepReader, OpensNoOtherFiles) {
+  const std::string reference =
+      "#900=DOCUMENT_TYPE('geometry');\n"
+      "#901=DOCUMENT_FILE('other.stp','','',#900,'',$);\n"
+      "#902=IDENTIFICATION_ROLE('external document id and location',$);\n"
+      "#903=EXTERNAL_SOURCE(IDENTIFIER('/etc/passwd'));\n"
+      "#904=APPLIED_EXTERNAL_IDENTIFICATION_ASSIGNMENT('other.stp',#902,#903,(#901));\n"
+      "#905=PRODUCT('elsewhere','elsewhere','',(#2));\n"
+      "#906=PRODUCT_DEFINITION_FORMATION('','',#905);\n"
+      "#907=PRODUCT_DEFINITION_WITH_ASSOCIATED_DOCUMENTS('','',#906,#3,(#901));\n";
+  const std::string file =
+      absl::StrReplaceAll(Products(2, {{1, 2}}), {{"#10=", reference + "#10="}});
+  EXPECT_THAT(Refusal(file, kInvalid), HasSubstr("parts in other files"));
+}
+
 TEST(StepReader, RefusesMorePartsThanAnAssemblyMayHave) {
   // Ten of ten of ten …: a short file of ten thousand million parts.
   std::vector<std::pair<int, int>> usages;
