@@ -1,10 +1,12 @@
 // Triangulates a solid with the kernel's mesher and joins the faces at their edges.
 #include "common/cad/solid_surface.h"
 
+#include <BRepBndLib.hxx>
 #include <BRepBuilderAPI_Copy.hxx>
 #include <BRepGProp.hxx>
 #include <BRepMesh_IncrementalMesh.hxx>
 #include <BRep_Tool.hxx>
+#include <Bnd_Box.hxx>
 #include <GProp_GProps.hxx>
 #include <NCollection_DataMap.hxx>
 #include <Poly_PolygonOnTriangulation.hxx>
@@ -17,6 +19,7 @@
 #include <TopoDS.hxx>
 #include <TopoDS_Vertex.hxx>
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <utility>
 
@@ -123,12 +126,19 @@ bool IsClosed(const std::vector<Eigen::Vector3i>& triangles) {
   return true;
 }
 
+double DeflectionFor(const Solid& solid, const SurfaceOptions& options) {
+  Bnd_Box box;
+  BRepBndLib::Add(solid.kernel().shape, box);
+  const double diagonal = box.IsVoid() ? 0 : std::sqrt(box.SquareExtent());
+  return std::max(options.deflection, options.relative_deflection * diagonal);
+}
+
 absl::StatusOr<mesh::AssemblySurface> Triangulate(const Solid& solid,
                                                   const SurfaceOptions& options) {
   // The kernel keeps triangles in the shape, which others may be using: work on a copy.
   BRepBuilderAPI_Copy copy(solid.kernel().shape, Standard_False, Standard_False);
-  BRepMesh_IncrementalMesh mesher(copy.Shape(), options.deflection, Standard_False, options.angle,
-                                  Standard_False);
+  BRepMesh_IncrementalMesh mesher(copy.Shape(), DeflectionFor(solid, options), Standard_False,
+                                  options.angle, Standard_False);
   TopTools_IndexedMapOfShape faces;
   TopExp::MapShapes(copy.Shape(), TopAbs_FACE, faces);
   Joiner joiner;
@@ -163,6 +173,9 @@ absl::StatusOr<mesh::AssemblySurface> Triangulate(const Solid& solid,
 absl::StatusOr<mesh::AssemblySurface> SurfaceOf(const Solid& solid, const SurfaceOptions& options) {
   if (!(options.deflection >= 1e-7 && options.deflection <= 1e3)) {
     return InvalidField("deflection", "is not a length");
+  }
+  if (!(options.relative_deflection >= 0 && options.relative_deflection < 1)) {
+    return InvalidField("relative_deflection", "must be at least 0 and less than 1");
   }
   if (!(options.angle >= 1e-3 && options.angle <= 3)) return InvalidField("angle", "is no angle");
   try {

@@ -9,6 +9,9 @@ namespace mortise::cad {
 
 struct SurfaceOptions {
   double deflection = 5e-4;  // m, > 0; largest distance of a triangle from a curved face
+  // >= 0, of the diagonal of the solid's box: the larger of the two distances holds, so that large
+  // solids do not take millions of triangles.
+  double relative_deflection = 2e-4;
   double angle = 0.35;       // rad, > 0; largest turn of the normal along a triangle's edge
 };
 

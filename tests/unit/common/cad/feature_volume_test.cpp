@@ -209,7 +209,21 @@ TEST(SolidSurface, IsClosedAndNearTheSolid) {
   EXPECT_NEAR(area, SurfaceArea(model->solid), 2e-3 * area);
   EXPECT_EQ(surface->faces.size(), model->origins.size());
   EXPECT_FALSE(SurfaceOf(model->solid, {.deflection = 0}).ok());
+  EXPECT_FALSE(SurfaceOf(model->solid, {.relative_deflection = -1}).ok());
   EXPECT_FALSE(SurfaceOf(model->solid, {.deflection = 1e-3, .angle = 0}).ok());
+}
+
+TEST(FeatureModelSurface, ALargeSolidTakesNoMoreTrianglesThanASmallOne) {
+  const auto triangles = [](const std::string& radius) -> Eigen::Index {
+    const auto model = SolidOf(
+        "", "features { name: 's' sketch { profiles { name: 'c' circle { radius: '" + radius +
+                "' } } } } features { name: 'drum' extrude { sketch: 's' to: '" + radius + "' } }");
+    if (!model.ok()) return 0;
+    const auto surface = SurfaceOf(model->solid);
+    return surface.ok() ? surface->triangles.cols() : 0;
+  };
+  EXPECT_GT(triangles("100"), 100);
+  EXPECT_LT(triangles("100"), 1000);
 }
 
 TEST(FeatureModelExchange, GoesThroughStepUnchanged) {
