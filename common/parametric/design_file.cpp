@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "absl/status/status.h"
+#include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
@@ -14,9 +15,9 @@ namespace mortise::parametric {
 namespace {
 
 constexpr std::size_t kMaxBytes = std::size_t{4} << 20;
-constexpr std::string_view kTemplateMark = "# proto-message: mortise.v1.Template\n";
-constexpr std::string_view kCadTemplateMark = "# proto-message: mortise.v1.CadTemplate\n";
-constexpr std::string_view kCageTemplateMark = "# proto-message: mortise.v1.CageTemplate\n";
+constexpr std::string_view kTemplateMark = "# proto-message: mortise.v1.Template";
+constexpr std::string_view kCadTemplateMark = "# proto-message: mortise.v1.CadTemplate";
+constexpr std::string_view kCageTemplateMark = "# proto-message: mortise.v1.CageTemplate";
 
 DesignFile Failed(const absl::Status& status) {
   DesignFile file;
@@ -26,6 +27,17 @@ DesignFile Failed(const absl::Status& status) {
   if (message.starts_with(origin)) message.erase(0, origin.size());
   file.findings.push_back({"", std::move(message)});
   return file;
+}
+
+// Whether a line is `wanted`, but for white space behind it.
+bool HasLine(std::string_view text, std::string_view wanted) {
+  for (std::size_t at = text.find(wanted); at != std::string_view::npos;
+       at = text.find(wanted, at + 1)) {
+    const std::size_t end = at + wanted.size();
+    if (end == text.size() || absl::ascii_isspace(static_cast<unsigned char>(text[end])))
+      return true;
+  }
+  return false;
 }
 
 DesignFile ParseDesignText(std::string_view text, const std::string& origin) {
@@ -38,7 +50,7 @@ DesignFile ParseDesignText(std::string_view text, const std::string& origin) {
                                     {kCadTemplateMark, ParseCadTemplateText},
                                     {kCageTemplateMark, ParseCageTemplateMessage}};
   for (const auto& [mark, parse] : kKinds) {
-    if (text.find(mark) == std::string_view::npos) continue;
+    if (!HasLine(text, mark)) continue;
     absl::StatusOr<v1::Template> message = parse(text, origin);
     if (!message.ok()) return Failed(message.status());
     file.templates.push_back({*std::move(message), "", {}});

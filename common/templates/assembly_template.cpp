@@ -4,6 +4,7 @@
 #include <cctype>
 #include <cmath>
 #include <set>
+#include <tuple>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -61,6 +62,7 @@ std::vector<Parameter> ParametersOf(const ParametricAssembly& assembly,
                                     std::vector<Finding>& findings) {
   std::vector<Parameter> parameters;
   std::set<std::string> names;
+  std::set<std::tuple<std::string, parametric::Axis, parametric::MeasureKind>> measures;
   if (handles.empty() || handles.size() > kMaxHandles) {
     findings.push_back({"assembly.handles", absl::StrCat("must be 1 to ", kMaxHandles)});
   }
@@ -71,6 +73,11 @@ std::vector<Parameter> ParametersOf(const ParametricAssembly& assembly,
       findings.push_back({absl::StrCat(field, ".parameter"), "must be an identifier"});
     } else if (!names.insert(handle.parameter).second) {
       findings.push_back({absl::StrCat(field, ".parameter"), "is given twice"});
+    }
+    if (!measures.insert({handle.measure.element, handle.measure.axis, handle.measure.kind})
+             .second) {
+      findings.push_back({absl::StrCat(field, ".measure"), "is given twice"});
+      continue;
     }
     const absl::StatusOr<MeasureRange> range = assembly.RangeOf(handle.measure);
     if (!range.ok()) {
@@ -129,6 +136,9 @@ std::vector<CompiledCondition> ConditionsOf(const parametric::EvaluatedDesign& d
     if (part < 0) {
       findings.push_back(
           {absl::StrCat(field, ".part"), absl::StrCat("there is no part '", condition.part, "'")});
+    } else if (drawn.parts[static_cast<std::size_t>(part)].connecting) {
+      findings.push_back(
+          {absl::StrCat(field, ".part"), "only connects others, which analyses leave out"});
     } else {
       const auto& faces = drawn.parts[static_cast<std::size_t>(part)].face_names;
       if (std::find(faces.begin(), faces.end(), condition.face) == faces.end()) {
@@ -239,8 +249,12 @@ absl::StatusOr<std::vector<AssemblyHandle>> IndependentSizes(const ParametricAss
       for (const Eigen::VectorXd& other : chosen) open -= other.dot(open) * other;
     }
     if (open.norm() <= kIndependent * change.norm()) continue;
-    const std::string name = ParameterName(range.measure);
-    if (!cad::IsIdentifier(name) || !names.insert(name).second) continue;
+    std::string name = ParameterName(range.measure);
+    if (!cad::IsIdentifier(name)) continue;
+    // "side-1" and "side 1" are one in the letters of identifiers.
+    for (int number = 2; !names.insert(name).second; ++number) {
+      name = absl::StrCat(ParameterName(range.measure), "_", number);
+    }
     chosen.push_back(open.normalized());
     handles.push_back({.parameter = name,
                        .measure = range.measure,

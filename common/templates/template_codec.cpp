@@ -8,6 +8,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "common/base/field_violations.h"
 #include "common/cad/cad_template_codec.h"
 #include "common/parametric/assembly_codec.h"
 #include "common/parametric/cage_template_codec.h"
@@ -214,30 +215,45 @@ void FillHead(const v1::TemplateBundle& bundle, const Template& compiled, v1::Te
   *message.mutable_parameters() = filled.parameters();
 }
 
-// What the design at q cannot be, said with the parameter that leads there.
-void Try(const Template& compiled, const Eigen::VectorXd& q, const std::string& where,
-         std::vector<Finding>& findings) {
+// What the design at q cannot be, said with where that is. False if it cannot.
+bool Try(const Template& compiled, const Eigen::VectorXd& q, const std::string& kind,
+         const std::string& where, std::vector<Finding>& findings) {
   const absl::Status status = compiled.Evaluate(q).status();
-  if (status.ok()) return;
-  const std::string field = DetailOf(status).field;
-  findings.push_back({field.empty() ? "kind" : field, absl::StrCat(where, ": ", status.message())});
+  if (status.ok()) return true;
+  std::vector<FieldViolation> violations = ViolationsOf(status);
+  // A field is named only by what is at fault in the template; the kernel's failures name none.
+  if (violations.empty() && absl::IsInvalidArgument(status)) {
+    const std::string field = DetailOf(status).field;
+    std::string message(status.message());
+    if (message.starts_with(field + ": ")) message.erase(0, field.size() + 2);
+    violations.push_back({field, message});
+  }
+  for (const FieldViolation& violation : violations) {
+    const bool within = violation.field.starts_with("boundary_conditions");
+    findings.push_back({absl::StrCat(within ? "" : kind + ".", violation.field),
+                        absl::StrCat(where, ": ", violation.message)});
+  }
+  if (violations.empty()) {
+    findings.push_back({kind, absl::StrCat(where, ": ", status.message())});
+  }
+  return false;
 }
 
 // The ends of every parameter, one at a time.
-void TryEnds(const Template& compiled, std::vector<Finding>& findings) {
+void TryEnds(const Template& compiled, const std::string& kind, std::vector<Finding>& findings) {
   const Eigen::VectorXd defaults = parametric::Defaults(compiled.parameters());
   for (Eigen::Index i = 0; i < defaults.size(); ++i) {
     const parametric::Parameter& parameter = compiled.parameters()[static_cast<std::size_t>(i)];
     for (const double end : {parameter.minimum, parameter.maximum}) {
       Eigen::VectorXd q = defaults;
       q(i) = end;
-      Try(compiled, q, absl::StrCat("at ", parameter.name, " = ", end), findings);
+      Try(compiled, q, kind, absl::StrCat("at ", parameter.name, " = ", end), findings);
     }
   }
 }
 
 // Corners of the parameter box, always the same.
-void TryCorners(const Template& compiled, std::vector<Finding>& findings) {
+void TryCorners(const Template& compiled, const std::string& kind, std::vector<Finding>& findings) {
   std::mt19937 bits(1);
   for (int corner = 0; corner < kTriedCorners; ++corner) {
     Eigen::VectorXd q(static_cast<Eigen::Index>(compiled.parameters().size()));
@@ -247,17 +263,21 @@ void TryCorners(const Template& compiled, std::vector<Finding>& findings) {
       q(i) = (bits() & 1U) != 0 ? parameter.maximum : parameter.minimum;
       absl::StrAppend(&where, i == 0 ? " " : ", ", parameter.name, " = ", q(i));
     }
-    Try(compiled, q, where, findings);
+    Try(compiled, q, kind, where, findings);
   }
 }
 
-// A solid takes up to a second, and somebody waits: a dozen or so are tried.
-void TryAll(const Template& compiled, std::vector<Finding>& findings) {
-  Try(compiled, parametric::Defaults(compiled.parameters()), "at the defaults", findings);
-  if (compiled.parameters().size() <= kMostTriedEnds) {
-    TryEnds(compiled, findings);
+// A solid takes up to a second, and somebody waits: a dozen or so are tried. The ends of an
+// assembly's handles are exact, and a cage has been tried all over already.
+void TryAll(const Template& compiled, const std::string& kind, std::vector<Finding>& findings) {
+  const std::vector<parametric::Parameter>& parameters = compiled.parameters();
+  const Eigen::VectorXd defaults =
+      parametric::RoundToSteps(parameters, parametric::Defaults(parameters));
+  if (!Try(compiled, defaults, kind, "at the defaults", findings) || kind != "cad") return;
+  if (parameters.size() <= kMostTriedEnds) {
+    TryEnds(compiled, kind, findings);
   } else {
-    TryCorners(compiled, findings);
+    TryCorners(compiled, kind, findings);
   }
 }
 
@@ -277,8 +297,8 @@ absl::Status CompleteKind(v1::TemplateBundle& bundle, Trial trial) {
                            CompileWith(bundle, &handles));
   if (message.has_assembly()) *message.mutable_assembly() = std::move(handles);
   FillHead(bundle, *compiled, message, findings);
-  // The ends of an assembly's handles are exact, and a cage has been tried all over already.
-  if (trial == Trial::kThorough && message.has_cad()) TryAll(*compiled, findings);
+  const std::string kind = message.has_cad() ? "cad" : message.has_assembly() ? "assembly" : "cage";
+  if (trial == Trial::kThorough || message.has_assembly()) TryAll(*compiled, kind, findings);
   return parametric::ToStatus(findings);
 }
 

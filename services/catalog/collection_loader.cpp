@@ -1,6 +1,10 @@
 // Reads, checks and stores the shipped collection.
 #include "services/catalog/collection_loader.h"
 
+#include <set>
+#include <string>
+#include <utility>
+
 #include "common/base/errors.h"
 #include "common/base/logging.h"
 #include "common/parametric/collection.h"
@@ -23,10 +27,11 @@ absl::StatusOr<bool> IsEmpty(store::ReadTransaction& transaction) {
 
 // Stores a template. What ships has been tried all over its design space (shipped_things_test).
 absl::Status LoadTemplate(store::Transaction& transaction, const v1::Template& message) {
-  MORTISE_ASSIGN_OR_RETURN(v1::TemplateBundle bundle, Freeze(transaction, message));
-  const absl::Status checked = CompleteBundle(bundle, templates::Trial::kDefaults);
+  absl::StatusOr<v1::TemplateBundle> bundle = Freeze(transaction, message);
+  if (!bundle.ok()) return UnderField(message.name(), bundle.status());
+  const absl::Status checked = CompleteBundle(*bundle, templates::Trial::kDefaults);
   if (!checked.ok()) return UnderField(message.name(), checked);
-  return ImportBundle(transaction, std::move(bundle), 0, "").status();
+  return UnderField(message.name(), ImportBundle(transaction, *std::move(bundle), 0, "").status());
 }
 
 // The template that exposes what can be changed of an assembly.
@@ -46,11 +51,18 @@ absl::Status LoadAll(store::Transaction& transaction, const parametric::Collecti
     const auto created = CreateItem(transaction, item, "");
     if (!created.ok()) return UnderField(item.name(), created.status());
   }
+  std::set<std::string> own_templates;
+  for (const v1::Template& message : collection.templates) own_templates.insert(message.name());
   for (const v1::Assembly& message : collection.assemblies) {
     MORTISE_ASSIGN_OR_RETURN(v1::AssemblyBundle bundle, Freeze(transaction, message));
+    const absl::Status checked = Parametrize(bundle).status();
+    if (!checked.ok()) return UnderField(message.name(), checked);
     MORTISE_RETURN_IF_ERROR(ImportBundle(transaction, std::move(bundle), 0, "").status());
-    // Parametrises it, and so checks it.
-    MORTISE_RETURN_IF_ERROR(LoadTemplate(transaction, TemplateOf(message)));
+    // Somebody's own template of that name is kept instead.
+    const v1::Template exposed = TemplateOf(message);
+    if (own_templates.count(exposed.name()) == 0) {
+      MORTISE_RETURN_IF_ERROR(LoadTemplate(transaction, exposed));
+    }
   }
   for (const v1::Template& message : collection.templates) {
     MORTISE_RETURN_IF_ERROR(LoadTemplate(transaction, message));

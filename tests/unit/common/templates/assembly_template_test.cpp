@@ -145,8 +145,9 @@ TEST(AssemblyTemplateChecks, EveryFaultOfHandlesAndConditionsIsTold) {
 TEST(AssemblyTemplateChecks, SizesThatCannotBeHadTogetherAreNamed) {
   v1::TemplateBundle bundle = Bookshelf();
   v1::AssemblyTemplate& handled = *bundle.mutable_template_()->mutable_assembly();
-  // The same size twice, under two names.
+  // What stands on the floor ends as high as it is tall.
   v1::AssemblyHandle twin = handled.handles(0);
+  twin.mutable_measure()->set_kind(v1::Measure::MAXIMUM);
   twin.set_parameter("twin");
   *handled.add_handles() = twin;
   bundle.mutable_template_()->clear_parameters();
@@ -159,6 +160,28 @@ TEST(AssemblyTemplateChecks, SizesThatCannotBeHadTogetherAreNamed) {
   EXPECT_EQ(status.code(), absl::StatusCode::kFailedPrecondition);
   EXPECT_EQ(DetailOf(status).reason, "DEMANDS_CONFLICT");
   EXPECT_THAT(status.message(), HasSubstr(twin.measure().element()));
+}
+
+TEST(AssemblyTemplateChecks, WhatFailsAtTheDefaultsIsRefused) {
+  v1::TemplateBundle bundle = Bookshelf();
+  v1::Template& message = *bundle.mutable_template_();
+  const v1::Parameter first = message.parameters(0);
+  v1::BoundaryCondition& condition = *message.add_boundary_conditions();
+  condition.set_name("wind");
+  condition.set_kind(v1::BoundaryCondition::PRESSURE);
+  condition.set_part(bundle.assembly().parts(0).name() + " 1");
+  condition.set_face("x_min");
+  condition.add_components("1 / (" + first.name() + " - " + std::to_string(first.default_value()) +
+                           ")");
+  const absl::Status status = Complete(bundle, Trial::kThorough);
+  EXPECT_EQ(DetailOf(status).field, "boundary_conditions[0].components[0]") << status;
+  EXPECT_THAT(status.message(), HasSubstr("at the defaults"));
+
+  bundle = Bookshelf();
+  *bundle.mutable_template_()->mutable_assembly()->add_handles() =
+      bundle.template_().assembly().handles(0);
+  bundle.mutable_template_()->clear_parameters();
+  EXPECT_THAT(Complete(bundle, Trial::kThorough).message(), HasSubstr("is given twice"));
 }
 
 TEST(AssemblyTemplateChecks, ConditionsFollowTheParameters) {

@@ -196,6 +196,7 @@ TEST(TemplatesTest, DesignsThatCannotBeMadeAtTheEndsAreRefused) {
   const absl::Status status = Complete(bundle, Trial::kThorough);
   EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
   EXPECT_THAT(status.message(), HasSubstr("at handle_length = 0.24"));
+  EXPECT_THAT(DetailOf(status).field, HasSubstr("cad.features["));
 }
 
 TEST(TemplatesTest, SummariesTellTheKindAndNoMore) {
