@@ -2,7 +2,6 @@
 #include "common/cad/feature_checks.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <set>
 #include <string_view>
@@ -11,6 +10,7 @@
 #include "common/base/identifiers.h"
 #include "common/cad/feature_reference.h"
 #include "common/cad/feature_roles.h"
+#include "common/parametric/identifier.h"
 
 namespace mortise::cad {
 namespace {
@@ -24,12 +24,6 @@ constexpr std::size_t kMaxProfiles = 200;
 constexpr std::size_t kMaxSegments = 500;
 constexpr std::size_t kMaxReferences = 200;
 constexpr std::size_t kMaxText = 1000;  // bytes
-
-bool IsReserved(const std::string& name) {
-  constexpr std::array<std::string_view, 10> kWords = {"pi",    "sqrt", "sin", "cos", "tan",
-                                                       "floor", "ceil", "abs", "min", "max"};
-  return std::find(kWords.begin(), kWords.end(), name) != kWords.end();
-}
 
 class FeatureChecker {
  public:
@@ -177,7 +171,7 @@ class FeatureChecker {
   }
 
   void CheckName(const std::string& field, const std::string& name, std::set<std::string>& seen) {
-    if (!IsIdentifier(name)) {
+    if (!parametric::IsIdentifier(name)) {
       Report(field,
              "must be a letter or underscore, then letters, digits, underscores; 63 at most");
     } else if (!seen.insert(name).second) {
@@ -234,7 +228,7 @@ class FeatureChecker {
 
   void CheckNumberName(const std::string& field, const std::string& name) {
     CheckName(field, name, number_names_);
-    if (IsReserved(name)) {
+    if (parametric::IsReserved(name)) {
       Report(field, absl::StrCat("'", name, "' is a word of the expression language"));
     }
   }

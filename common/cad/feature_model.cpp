@@ -2,7 +2,6 @@
 #include "common/cad/feature_model.h"
 
 #include <cmath>
-#include <random>
 #include <set>
 #include <utility>
 
@@ -11,68 +10,19 @@
 #include "common/cad/feature_checks.h"
 #include "common/cad/feature_regeneration.h"
 #include "common/cad/sketch_curves.h"
+#include "common/parametric/parameter_values.h"
 
 namespace mortise::cad {
 namespace {
 
 using parametric::Finding;
 
-constexpr int kMaxCornerParameters = 6;
 constexpr int kRandomPoints = 32;
 constexpr std::size_t kMaxFindings = 100;
 
-Eigen::VectorXd DefaultsOf(const CadTemplate& definition) {
-  Eigen::VectorXd q(static_cast<Eigen::Index>(definition.parameters.size()));
-  for (Eigen::Index i = 0; i < q.size(); ++i) {
-    q(i) = definition.parameters[static_cast<std::size_t>(i)].default_value;
-  }
-  return q;
-}
-
-// Defaults, corners or ends, and random points.
-std::vector<Eigen::VectorXd> SamplePoints(const CadTemplate& definition) {
-  const auto& parameters = definition.parameters;
-  const int count = static_cast<int>(parameters.size());
-  const Eigen::VectorXd defaults = DefaultsOf(definition);
-  std::vector<Eigen::VectorXd> points = {defaults};
-  const auto end_of = [&](int i, bool upper) {
-    const auto& parameter = parameters[static_cast<std::size_t>(i)];
-    return upper ? parameter.maximum : parameter.minimum;
-  };
-  if (count <= kMaxCornerParameters) {
-    for (int corner = 0; corner < 1 << count; ++corner) {
-      Eigen::VectorXd q(count);
-      for (int i = 0; i < count; ++i) q(i) = end_of(i, (corner >> i & 1) != 0);
-      points.push_back(std::move(q));
-    }
-  } else {
-    for (int i = 0; i < count; ++i) {
-      for (const bool upper : {false, true}) {
-        points.push_back(defaults);
-        points.back()(i) = end_of(i, upper);
-      }
-    }
-  }
-  std::mt19937_64 random(1);
-  for (int k = 0; k < kRandomPoints; ++k) {
-    Eigen::VectorXd q(count);
-    for (int i = 0; i < count; ++i) {
-      const double t = static_cast<double>(random() >> 11) * 0x1p-53;
-      q(i) = (1 - t) * end_of(i, false) + t * end_of(i, true);
-    }
-    points.push_back(std::move(q));
-  }
-  return points;
-}
-
 // " (at length = 0.2, width = 0.1)".
 std::string At(const CadTemplate& definition, const Eigen::VectorXd& q) {
-  std::string text = " (at ";
-  for (Eigen::Index i = 0; i < q.size(); ++i) {
-    absl::StrAppend(&text, i == 0 ? "" : ", ",
-                    definition.parameters[static_cast<std::size_t>(i)].name, " = ", q(i));
-  }
-  return text + ")";
+  return absl::StrCat(" (at ", parametric::ToText(definition.parameters, q), ")");
 }
 
 // What is wrong with sketches and extents whose numbers are each usable.
@@ -100,7 +50,7 @@ void CheckShapes(const CadTemplate& definition, const Numbers& numbers,
 std::vector<Finding> CheckNumbers(const CadTemplate& definition, const FeatureNumbers& numbers) {
   std::vector<Finding> findings;
   std::set<std::string> seen;
-  for (const Eigen::VectorXd& q : SamplePoints(definition)) {
+  for (const Eigen::VectorXd& q : parametric::TrialPoints(definition.parameters, kRandomPoints)) {
     std::vector<Finding> here;
     const Numbers values = numbers.Evaluate(q, here);
     if (here.empty()) CheckShapes(definition, values, here);
@@ -119,23 +69,6 @@ std::vector<Finding> Validate(const CadTemplate& definition, const FeatureNumber
   findings.insert(findings.end(), of_expressions.begin(), of_expressions.end());
   if (findings.empty()) findings = CheckNumbers(definition, numbers);
   if (findings.size() > kMaxFindings) findings.resize(kMaxFindings);
-  return findings;
-}
-
-std::vector<Finding> CheckRanges(const CadTemplate& definition,
-                                 const Eigen::Ref<const Eigen::VectorXd>& q) {
-  const auto& parameters = definition.parameters;
-  if (q.size() != static_cast<Eigen::Index>(parameters.size())) {
-    return {{"parameters", absl::StrCat("are ", q.size(), ", not ", parameters.size())}};
-  }
-  std::vector<Finding> findings;
-  for (std::size_t i = 0; i < parameters.size(); ++i) {
-    const double value = q(static_cast<Eigen::Index>(i));
-    if (value >= parameters[i].minimum && value <= parameters[i].maximum) continue;
-    findings.push_back({absl::StrCat("parameters[", i, "]"),
-                        absl::StrCat("'", parameters[i].name, "' is ", value, ", outside of ",
-                                     parameters[i].minimum, " to ", parameters[i].maximum)});
-  }
   return findings;
 }
 
@@ -170,11 +103,13 @@ absl::StatusOr<FeatureModel> FeatureModel::Create(CadTemplate definition) {
       std::make_shared<const State>(State{std::move(definition), std::move(numbers)}));
 }
 
-Eigen::VectorXd FeatureModel::Defaults() const { return DefaultsOf(state_->definition); }
+Eigen::VectorXd FeatureModel::Defaults() const {
+  return parametric::Defaults(state_->definition.parameters);
+}
 
 absl::StatusOr<RegeneratedModel> FeatureModel::Regenerate(
     const Eigen::Ref<const Eigen::VectorXd>& q) const {
-  std::vector<Finding> findings = CheckRanges(state_->definition, q);
+  std::vector<Finding> findings = parametric::CheckRanges(state_->definition.parameters, q);
   MORTISE_RETURN_IF_ERROR(parametric::ToStatus(findings));
   const Numbers numbers = state_->numbers.Evaluate(q, findings);
   MORTISE_RETURN_IF_ERROR(parametric::ToStatus(findings));

@@ -8,12 +8,12 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
+#include "common/parametric/identifier.h"
 
 namespace mortise::cad {
 namespace {
 
 constexpr std::size_t kMaxReference = 300;  // bytes
-constexpr std::size_t kMaxIdentifier = 63;
 
 absl::Status Malformed(std::string_view text, std::string_view expected) {
   return absl::InvalidArgumentError(
@@ -40,18 +40,13 @@ std::string_view Strip(std::string_view text) {
 
 }  // namespace
 
-bool IsIdentifier(std::string_view name) {
-  return !name.empty() && name.size() <= kMaxIdentifier &&
-         !absl::ascii_isdigit(static_cast<unsigned char>(name.front())) &&
-         std::all_of(name.begin(), name.end(), IsWordCharacter);
-}
-
 absl::StatusOr<FaceName> ParseFaceReference(std::string_view text) {
   const std::string_view face = Strip(text);
   if (face.size() > kMaxReference) return Malformed(face, "is longer than a reference can be");
   const std::size_t end = std::min(face.find_first_of("[."), face.size());
   FaceName name{std::string(face.substr(0, end)), kNoInstance, {}};
-  if (!IsIdentifier(name.feature)) return Malformed(face, "must begin with the name of a feature");
+  if (!parametric::IsIdentifier(name.feature))
+    return Malformed(face, "must begin with the name of a feature");
   std::string_view rest = face.substr(end);
   if (rest.starts_with('[')) {
     const std::size_t close = rest.find(']');

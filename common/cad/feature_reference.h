@@ -51,7 +51,4 @@ std::string ToString(const FaceName& name);
 // apart before: instance 0 of a pattern is its source.
 bool Matches(const FaceName& reference, const FaceName& name);
 
-// Whether `name` is a letter or underscore, then letters, digits and underscores, 63 at most.
-bool IsIdentifier(std::string_view name);
-
 }  // namespace mortise::cad

@@ -1,16 +1,15 @@
 #include "common/parametric/cage_checks.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <set>
 #include <string>
-#include <string_view>
 
 #include "absl/strings/str_cat.h"
 #include "common/base/identifiers.h"
 #include "common/mesh/mass_properties.h"
 #include "common/mesh/surface_check.h"
+#include "common/parametric/identifier.h"
 
 namespace mortise::parametric {
 namespace {
@@ -27,19 +26,6 @@ constexpr std::size_t kMaxText = 1000;     // bytes
 constexpr double kFarthest = 1e3;          // m, from the origin
 constexpr double kSmallestVolume = 1e-12;  // m³
 constexpr int kMaxFaults = 20;             // that are reported of one mesh
-
-bool IsIdentifier(std::string_view name) {
-  if (name.empty() || name.size() > 63 || (name[0] >= '0' && name[0] <= '9')) return false;
-  return std::all_of(name.begin(), name.end(), [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
-  });
-}
-
-bool IsReserved(std::string_view name) {
-  constexpr std::array<std::string_view, 10> kWords = {"pi",    "sqrt", "sin", "cos", "tan",
-                                                       "floor", "ceil", "abs", "min", "max"};
-  return std::find(kWords.begin(), kWords.end(), name) != kWords.end();
-}
 
 // Reports a list that is too short or too long.
 void Count(const std::string& field, std::size_t count, std::size_t least, std::size_t most,

@@ -3,7 +3,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <random>
 #include <set>
 #include <utility>
 
@@ -17,84 +16,20 @@
 #include "common/mesh/surface_check.h"
 #include "common/parametric/cage_checks.h"
 #include "common/parametric/cage_expressions.h"
+#include "common/parametric/parameter_values.h"
 
 namespace mortise::parametric {
 namespace {
 
-constexpr int kMaxCornerParameters = 6;
 constexpr int kRandomPoints = 32;
 constexpr std::size_t kMaxFindings = 100;
 constexpr double kCollapsed = 1e-6;  // of the volume at the defaults
 constexpr double kDegenerate =
     1e-12;  // of the square of a triangle's longest side, as CheckSurface
 
-Eigen::VectorXd DefaultsOf(const CageTemplate& definition) {
-  Eigen::VectorXd q(static_cast<Eigen::Index>(definition.parameters.size()));
-  for (Eigen::Index i = 0; i < q.size(); ++i) {
-    q(i) = definition.parameters[static_cast<std::size_t>(i)].default_value;
-  }
-  return q;
-}
-
-// Defaults, corners or ends, and random points.
-std::vector<Eigen::VectorXd> TrialPoints(const CageTemplate& definition) {
-  const auto count = static_cast<int>(definition.parameters.size());
-  const Eigen::VectorXd defaults = DefaultsOf(definition);
-  std::vector<Eigen::VectorXd> points = {defaults};
-  const auto end_of = [&](int i, bool upper) {
-    const Parameter& parameter = definition.parameters[static_cast<std::size_t>(i)];
-    return upper ? parameter.maximum : parameter.minimum;
-  };
-  if (count <= kMaxCornerParameters) {
-    for (int corner = 0; corner < 1 << count; ++corner) {
-      Eigen::VectorXd q(count);
-      for (int i = 0; i < count; ++i) q(i) = end_of(i, (corner >> i & 1) != 0);
-      points.push_back(std::move(q));
-    }
-  } else {
-    for (int i = 0; i < count; ++i) {
-      for (const bool upper : {false, true}) {
-        points.push_back(defaults);
-        points.back()(i) = end_of(i, upper);
-      }
-    }
-  }
-  std::mt19937_64 random(1);
-  for (int k = 0; k < kRandomPoints; ++k) {
-    Eigen::VectorXd q(count);
-    for (int i = 0; i < count; ++i) {
-      const double t = static_cast<double>(random() >> 11) * 0x1p-53;
-      q(i) = (1 - t) * end_of(i, false) + t * end_of(i, true);
-    }
-    points.push_back(std::move(q));
-  }
-  return points;
-}
-
 // " (at length = 0.2, width = 0.1)".
 std::string At(const CageTemplate& definition, const Eigen::VectorXd& q) {
-  std::string text = " (at ";
-  for (Eigen::Index i = 0; i < q.size(); ++i) {
-    absl::StrAppend(&text, i == 0 ? "" : ", ",
-                    definition.parameters[static_cast<std::size_t>(i)].name, " = ", q(i));
-  }
-  return text + ")";
-}
-
-absl::Status CheckRanges(const CageTemplate& definition, const Eigen::VectorXd& q) {
-  const std::vector<Parameter>& parameters = definition.parameters;
-  if (q.size() != static_cast<Eigen::Index>(parameters.size())) {
-    return InvalidField("parameters", absl::StrCat("are ", q.size(), ", not ", parameters.size()));
-  }
-  std::vector<Finding> findings;
-  for (std::size_t i = 0; i < parameters.size(); ++i) {
-    const double value = q(static_cast<Eigen::Index>(i));
-    if (value >= parameters[i].minimum && value <= parameters[i].maximum) continue;
-    findings.push_back({absl::StrCat("parameters[", i, "]"),
-                        absl::StrCat("'", parameters[i].name, "' is ", value, ", outside of ",
-                                     parameters[i].minimum, " to ", parameters[i].maximum)});
-  }
-  return ToStatus(findings);
+  return absl::StrCat(" (at ", ToText(definition.parameters, q), ")");
 }
 
 std::string Place(const Eigen::Vector3d& place) {
@@ -154,7 +89,8 @@ struct CageModel::State {
   // If there are findings already, only the cage is looked at.
   void ComputeCoordinates(std::vector<Finding>& findings) {
     FindingList list(findings);
-    const auto numbers = expressions.Cage(DefaultsOf(definition), /*with_gradient=*/false);
+    const auto numbers =
+        expressions.Cage(parametric::Defaults(definition.parameters), /*with_gradient=*/false);
     if (!numbers.ok()) return list.Add(numbers.status(), " (at the defaults)");
     const Eigen::Matrix3Xd none(3, 0);
     auto computed =
@@ -208,7 +144,7 @@ std::shared_ptr<const CageModel::State> CageModel::Compile(CageTemplate definiti
 std::vector<Finding> CageModel::TryPoints() const {
   std::vector<Finding> findings;
   FindingList list(findings);
-  for (const Eigen::VectorXd& q : TrialPoints(definition())) {
+  for (const Eigen::VectorXd& q : TrialPoints(definition().parameters, kRandomPoints)) {
     if (list.full()) break;
     const auto design = Evaluate(q);
     if (design.ok()) continue;
@@ -236,12 +172,14 @@ absl::StatusOr<CageModel> CageModel::Create(CageTemplate definition) {
 
 const CageTemplate& CageModel::definition() const { return state_->definition; }
 
-Eigen::VectorXd CageModel::Defaults() const { return DefaultsOf(state_->definition); }
+Eigen::VectorXd CageModel::Defaults() const {
+  return parametric::Defaults(state_->definition.parameters);
+}
 
 const Eigen::MatrixXd& CageModel::coordinates() const { return state_->coordinates; }
 
 absl::StatusOr<CageDesign> CageModel::Evaluate(const Eigen::VectorXd& q) const {
-  MORTISE_RETURN_IF_ERROR(CheckRanges(state_->definition, q));
+  MORTISE_RETURN_IF_ERROR(ToStatus(CheckRanges(state_->definition.parameters, q)));
   MORTISE_ASSIGN_OR_RETURN(const CageNumbers numbers, state_->expressions.Cage(q, false));
   MORTISE_ASSIGN_OR_RETURN(const std::vector<CageConditionNumbers> loads,
                            state_->expressions.Conditions(q));
@@ -272,7 +210,7 @@ absl::StatusOr<CageDesign> CageModel::Evaluate(const Eigen::VectorXd& q) const {
 }
 
 absl::StatusOr<Eigen::MatrixXd> CageModel::Jacobian(const Eigen::VectorXd& q) const {
-  MORTISE_RETURN_IF_ERROR(CheckRanges(state_->definition, q));
+  MORTISE_RETURN_IF_ERROR(ToStatus(CheckRanges(state_->definition.parameters, q)));
   MORTISE_ASSIGN_OR_RETURN(const CageNumbers numbers, state_->expressions.Cage(q, true));
   const Eigen::Index vertices = state_->coordinates.cols();
   Eigen::MatrixXd jacobian(3 * vertices, q.size());
@@ -286,7 +224,7 @@ absl::StatusOr<Eigen::MatrixXd> CageModel::Jacobian(const Eigen::VectorXd& q) co
 }
 
 absl::StatusOr<Dual> CageModel::Volume(const Eigen::VectorXd& q) const {
-  MORTISE_RETURN_IF_ERROR(CheckRanges(state_->definition, q));
+  MORTISE_RETURN_IF_ERROR(ToStatus(CheckRanges(state_->definition.parameters, q)));
   MORTISE_ASSIGN_OR_RETURN(const CageNumbers numbers, state_->expressions.Cage(q, true));
   const mesh::SurfaceMesh surface = state_->SurfaceAt(numbers.cage);
   Eigen::Matrix3Xd by_vertex = Eigen::Matrix3Xd::Zero(3, surface.vertices.cols());
@@ -300,18 +238,6 @@ absl::StatusOr<Dual> CageModel::Volume(const Eigen::VectorXd& q) const {
   const Eigen::Matrix3Xd by_cage = by_vertex * state_->coordinates.transpose();
   return Dual{mesh::ComputeMassProperties(surface).volume,
               numbers.by_cage.transpose() * by_cage.reshaped()};
-}
-
-mesh::AssemblySurface ToAssembly(const CageDesign& design, const std::string& part) {
-  mesh::AssemblySurface assembly;
-  assembly.vertices = design.surface.vertices;
-  assembly.triangles = design.surface.triangles;
-  assembly.triangle_face = design.triangle_face;
-  for (const std::string& name : design.face_names) {
-    assembly.faces.push_back({.front_part = -1, .back_part = 0, .origins = {{0, name}}});
-  }
-  assembly.part_names = {part};
-  return assembly;
 }
 
 }  // namespace mortise::parametric

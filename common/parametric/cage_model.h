@@ -90,8 +90,4 @@ class CageModel {
   std::shared_ptr<const State> state_;
 };
 
-// A design as an assembly of one part named `part`, for meshing. The point inside the part is not
-// sought: part_interior is empty.
-mesh::AssemblySurface ToAssembly(const CageDesign& design, const std::string& part);
-
 }  // namespace mortise::parametric

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 #include <set>
 
 #include "absl/strings/str_cat.h"
@@ -12,7 +13,8 @@ namespace {
 
 using Eigen::VectorXd;
 
-constexpr double kRangeTolerance = 1e-9;  // of a parameter's range
+constexpr double kRangeTolerance = 1e-9;          // of a parameter's range
+constexpr Eigen::Index kMaxCornerParameters = 6;  // 2⁶ corners
 
 }  // namespace
 
@@ -81,6 +83,68 @@ absl::Status CheckParameterValues(const std::vector<Parameter>& parameters, cons
                                                 absl::StrCat("parameters[", i, "].value")));
   }
   return absl::OkStatus();
+}
+
+std::vector<Finding> CheckRanges(const std::vector<Parameter>& parameters,
+                                 const Eigen::Ref<const VectorXd>& q) {
+  if (q.size() != static_cast<Eigen::Index>(parameters.size())) {
+    return {{"parameters", absl::StrCat("are ", q.size(), ", not ", parameters.size())}};
+  }
+  std::vector<Finding> findings;
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    const double value = q(static_cast<Eigen::Index>(i));
+    if (value >= parameters[i].minimum && value <= parameters[i].maximum) continue;
+    findings.push_back({absl::StrCat("parameters[", i, "]"),
+                        absl::StrCat("'", parameters[i].name, "' is ", value, ", outside of ",
+                                     parameters[i].minimum, " to ", parameters[i].maximum)});
+  }
+  return findings;
+}
+
+std::vector<VectorXd> TrialPoints(const std::vector<Parameter>& parameters, int random) {
+  const auto count = static_cast<Eigen::Index>(parameters.size());
+  VectorXd low(count), high(count), middle(count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const Parameter& parameter = parameters[static_cast<std::size_t>(i)];
+    low(i) = parameter.minimum;
+    high(i) = parameter.maximum;
+    middle(i) = parameter.default_value;
+  }
+  std::vector<VectorXd> points = {middle};
+  if (count <= kMaxCornerParameters) {
+    for (int corner = 0; corner < (1 << count); ++corner) {
+      VectorXd q(count);
+      for (Eigen::Index i = 0; i < count; ++i) q(i) = (corner >> i) & 1 ? high(i) : low(i);
+      points.push_back(q);
+    }
+  } else {
+    for (Eigen::Index i = 0; i < count; ++i) {
+      for (const double end : {low(i), high(i)}) {
+        points.push_back(middle);
+        points.back()(i) = end;
+      }
+    }
+  }
+  // The engine is exactly specified by the standard; its distributions are not.
+  std::mt19937_64 bits(1);
+  for (int k = 0; k < random; ++k) {
+    VectorXd q(count);
+    for (Eigen::Index i = 0; i < count; ++i) {
+      const double unit = static_cast<double>(bits() >> 11) * 0x1p-53;
+      q(i) = low(i) + unit * (high(i) - low(i));
+    }
+    points.push_back(q);
+  }
+  return points;
+}
+
+std::string ToText(const std::vector<Parameter>& parameters, const Eigen::Ref<const VectorXd>& q) {
+  std::string text;
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    absl::StrAppend(&text, i == 0 ? "" : ", ", parameters[i].name, " = ",
+                    q(static_cast<Eigen::Index>(i)));
+  }
+  return text;
 }
 
 std::vector<NamedValue> NamedValues(const std::vector<Parameter>& parameters, const VectorXd& q) {

@@ -8,6 +8,7 @@
 #include "absl/status/statusor.h"
 #include "common/parametric/evaluated_design.h"
 #include "common/parametric/template_definition.h"
+#include "common/parametric/template_validation.h"
 
 namespace mortise::parametric {
 
@@ -30,6 +31,19 @@ absl::Status CheckParameterValue(const Parameter& parameter, double value,
 // As above, for all parameters; fields are "parameters[i].value".
 absl::Status CheckParameterValues(const std::vector<Parameter>& parameters,
                                   const Eigen::VectorXd& q);
+
+// Every parameter out of its range, "parameters[i]"; or that there are too many or few of them.
+std::vector<Finding> CheckRanges(const std::vector<Parameter>& parameters,
+                                 const Eigen::Ref<const Eigen::VectorXd>& q);
+
+// Where a design is tried before it is accepted: the defaults first, so that what is wrong there is
+// said of them; every corner of the parameter box, or the ends of single parameters where there are
+// more than 6; and `random` points, always the same.
+std::vector<Eigen::VectorXd> TrialPoints(const std::vector<Parameter>& parameters, int random);
+
+// "length = 0.2, width = 0.1", for people. `q` has one entry a parameter.
+std::string ToText(const std::vector<Parameter>& parameters,
+                   const Eigen::Ref<const Eigen::VectorXd>& q);
 
 // The names with their values, in order. `q` has one entry a parameter.
 std::vector<NamedValue> NamedValues(const std::vector<Parameter>& parameters,

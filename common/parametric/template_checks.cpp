@@ -9,6 +9,7 @@
 #include "common/base/identifiers.h"
 #include "common/parametric/compiled_template.h"
 #include "common/parametric/expression.h"
+#include "common/parametric/identifier.h"
 
 namespace mortise::parametric {
 namespace {
@@ -19,20 +20,6 @@ constexpr std::size_t kMaxOutlinePoints = 200;
 constexpr std::size_t kMaxConnections = 2000;
 constexpr std::size_t kMaxBoundaryConditions = 500;
 constexpr std::size_t kMaxText = 10'000;  // bytes of a title or description
-
-// Whether `name` is a letter or underscore followed by letters, digits and underscores, at most 63.
-bool IsIdentifier(const std::string& name) {
-  if (name.empty() || name.size() > 63 || (name[0] >= '0' && name[0] <= '9')) return false;
-  return std::all_of(name.begin(), name.end(), [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
-  });
-}
-
-bool IsReserved(const std::string& name) {
-  static const std::set<std::string> kReserved = {"pi",  "sqrt",  "sin",  "cos", "tan",
-                                                  "abs", "floor", "ceil", "min", "max"};
-  return kReserved.count(name) > 0;
-}
 
 // Collects findings about one template.
 class Checker {

@@ -9,9 +9,9 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
-#include "common/cad/feature_reference.h"
 #include "common/parametric/assembly_design.h"
 #include "common/parametric/expression.h"
+#include "common/parametric/identifier.h"
 #include "common/parametric/template_validation.h"
 
 namespace mortise::templates {
@@ -69,8 +69,9 @@ std::vector<Parameter> ParametersOf(const ParametricAssembly& assembly,
   for (std::size_t i = 0; i < std::min(handles.size(), kMaxHandles); ++i) {
     const AssemblyHandle& handle = handles[i];
     const std::string field = absl::StrCat("assembly.handles[", i, "]");
-    if (!cad::IsIdentifier(handle.parameter)) {
-      findings.push_back({absl::StrCat(field, ".parameter"), "must be an identifier"});
+    if (!parametric::IsIdentifier(handle.parameter) || parametric::IsReserved(handle.parameter)) {
+      findings.push_back({absl::StrCat(field, ".parameter"),
+                          "must be an identifier, and no word of the expression language"});
     } else if (!names.insert(handle.parameter).second) {
       findings.push_back({absl::StrCat(field, ".parameter"), "is given twice"});
     }
@@ -250,7 +251,7 @@ absl::StatusOr<std::vector<AssemblyHandle>> IndependentSizes(const ParametricAss
     }
     if (open.norm() <= kIndependent * change.norm()) continue;
     std::string name = ParameterName(range.measure);
-    if (!cad::IsIdentifier(name)) continue;
+    if (!parametric::IsIdentifier(name) || parametric::IsReserved(name)) continue;
     // "side-1" and "side 1" are one in the letters of identifiers.
     for (int number = 2; !names.insert(name).second; ++number) {
       name = absl::StrCat(ParameterName(range.measure), "_", number);

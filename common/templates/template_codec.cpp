@@ -257,13 +257,11 @@ void TryCorners(const Template& compiled, const std::string& kind, std::vector<F
   std::mt19937 bits(1);
   for (int corner = 0; corner < kTriedCorners; ++corner) {
     Eigen::VectorXd q(static_cast<Eigen::Index>(compiled.parameters().size()));
-    std::string where = "at";
     for (Eigen::Index i = 0; i < q.size(); ++i) {
       const parametric::Parameter& parameter = compiled.parameters()[static_cast<std::size_t>(i)];
       q(i) = (bits() & 1U) != 0 ? parameter.maximum : parameter.minimum;
-      absl::StrAppend(&where, i == 0 ? " " : ", ", parameter.name, " = ", q(i));
     }
-    Try(compiled, q, kind, where, findings);
+    Try(compiled, q, kind, "at " + parametric::ToText(compiled.parameters(), q), findings);
   }
 }
 

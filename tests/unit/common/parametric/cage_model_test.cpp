@@ -108,19 +108,6 @@ TEST(CageModel, MayReachOutOfItsCage) {
   EXPECT_NEAR(design->surface.vertices(0, 6), 0.15 * 1.5 + 0.01, 1e-13);
 }
 
-TEST(CageModel, BecomesAnAssemblyOfOnePart) {
-  const CageModel model = BlockModel();
-  const auto design = model.Evaluate(model.Defaults());
-  ASSERT_TRUE(design.ok()) << design.status();
-  const mesh::AssemblySurface assembly = ToAssembly(*design, "block");
-  EXPECT_THAT(assembly.part_names, testing::ElementsAre("block"));
-  ASSERT_EQ(assembly.faces.size(), 3u);
-  EXPECT_EQ(assembly.faces[1].origins[0].name, "top");
-  EXPECT_EQ(assembly.faces[1].back_part, 0);
-  EXPECT_EQ(assembly.faces[1].front_part, -1);
-  EXPECT_EQ(assembly.triangle_face, design->triangle_face);
-}
-
 TEST(CageModel, NamesEveryParameterOutOfItsRange) {
   const CageModel model = BlockModel();
   const double nan = std::numeric_limits<double>::quiet_NaN();

@@ -142,6 +142,15 @@ TEST(AssemblyTemplateChecks, EveryFaultOfHandlesAndConditionsIsTold) {
   }
 }
 
+TEST(AssemblyTemplateChecks, WordsOfTheExpressionLanguageAreNoParameters) {
+  v1::TemplateBundle bundle = Bookshelf();
+  bundle.mutable_template_()->clear_parameters();
+  bundle.mutable_template_()->mutable_assembly()->mutable_handles(0)->set_parameter("pi");
+  const absl::Status status = Complete(bundle, Trial::kDefaults);
+  EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_THAT(status.message(), HasSubstr("assembly.handles[0].parameter"));
+}
+
 TEST(AssemblyTemplateChecks, SizesThatCannotBeHadTogetherAreNamed) {
   v1::TemplateBundle bundle = Bookshelf();
   v1::AssemblyTemplate& handled = *bundle.mutable_template_()->mutable_assembly();

@@ -1,0 +1,21 @@
+#include "common/parametric/identifier.h"
+
+#include <algorithm>
+#include <array>
+
+namespace mortise::parametric {
+
+bool IsIdentifier(std::string_view name) {
+  if (name.empty() || name.size() > 63 || (name[0] >= '0' && name[0] <= '9')) return false;
+  return std::all_of(name.begin(), name.end(), [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
+  });
+}
+
+bool IsReserved(std::string_view name) {
+  constexpr std::array<std::string_view, 10> kWords = {"pi",    "sqrt", "sin", "cos", "tan",
+                                                       "floor", "ceil", "abs", "min", "max"};
+  return std::find(kWords.begin(), kWords.end(), name) != kWords.end();
+}
+
+}  // namespace mortise::parametric
