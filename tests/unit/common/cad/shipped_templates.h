@@ -50,7 +50,7 @@ inline double VolumeWithin(const mesh::AssemblySurface& surface) {
 
 class ShippedTemplateTest : public testing::TestWithParam<ShippedTemplate> {
  protected:
-  static constexpr int kPoints = 40;   // the bench makes 200
+  static constexpr int kPoints = 12;   // the bench makes 200
   static constexpr int kSurfaces = 5;  // of the first points
 
   void SetUp() override {
