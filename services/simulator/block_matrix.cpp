@@ -2,53 +2,78 @@
 
 #include <algorithm>
 
-namespace mortise::simulator {
+#include "services/simulator/block_rows.h"
 
-BlockMatrix::BlockMatrix(const mesh::TetrahedralMesh& mesh) {
-  const int node_count = static_cast<int>(mesh.nodes.cols());
-  const int corners = static_cast<int>(mesh.tetrahedra.rows());
-  const int elements = static_cast<int>(mesh.tetrahedra.cols());
-  // Elements round each node, as a compressed list.
-  std::vector<int> first(node_count + 1, 0), around(std::size_t(corners) * elements);
-  for (Eigen::Index k = 0; k < mesh.tetrahedra.size(); ++k) ++first[mesh.tetrahedra.data()[k] + 1];
-  for (int v = 0; v < node_count; ++v) first[v + 1] += first[v];
-  std::vector<int> next(first.begin(), first.end() - 1);
-  for (int e = 0; e < elements; ++e) {
-    for (int k = 0; k < corners; ++k) around[next[mesh.tetrahedra(k, e)]++] = e;
-  }
-  starts_.reserve(node_count + 1);
-  starts_.push_back(0);
-  std::vector<int> seen(node_count, -1);
-  for (int j = 0; j < node_count; ++j) {
-    const std::size_t begin = rows_.size();
-    for (int a = first[j]; a < first[j + 1]; ++a) {
-      for (int k = 0; k < corners; ++k) {
-        const int i = mesh.tetrahedra(k, around[a]);
-        if (i > j || seen[i] == j) continue;
-        seen[i] = j;
-        rows_.push_back(i);
-      }
-    }
-    std::sort(rows_.begin() + begin, rows_.end());
-    starts_.push_back(static_cast<int>(rows_.size()));
-  }
-  blocks_.assign(rows_.size(), Eigen::Matrix3d::Zero());
-}
+namespace mortise::simulator {
+namespace {
+
+// Element matrices kept at a time while assembling: few enough to stay in a cache.
+constexpr int kBatch = 1024;
+
+}  // namespace
+
+BlockMatrix::BlockMatrix(std::shared_ptr<const BlockPattern> pattern)
+    : pattern_(std::move(pattern)), blocks_(pattern_->rows().size(), Eigen::Matrix3d::Zero()) {}
+
+BlockMatrix::BlockMatrix(const mesh::TetrahedralMesh& mesh)
+    : BlockMatrix(
+          std::make_shared<BlockPattern>(static_cast<int>(mesh.nodes.cols()), mesh.tetrahedra)) {}
 
 void BlockMatrix::Add(int i, int j, const Eigen::Matrix3d& block) {
-  const auto begin = rows_.begin() + starts_[j], end = rows_.begin() + starts_[j + 1];
-  blocks_[std::lower_bound(begin, end, i) - rows_.begin()] += block;
+  blocks_[pattern_->Find(i, j)] += block;
+}
+
+void BlockMatrix::AddElements(const std::function<void(int, Eigen::Matrix3d*)>& integrate,
+                              ThreadTeam& team) {
+  const int pairs = pattern_->pairs(), elements = pattern_->elements();
+  const int slots = static_cast<int>(blocks_.size());
+  std::vector<Eigen::Matrix3d> batch(std::size_t(pairs) * std::min(kBatch, elements));
+  for (int first = 0; first < elements; first += kBatch) {
+    const int count = std::min(kBatch, elements - first);
+    constexpr int kPortion = 32;
+    team.Run((count + kPortion - 1) / kPortion, [&](int portion) {
+      for (int k = portion * kPortion; k < std::min(count, (portion + 1) * kPortion); ++k) {
+        Eigen::Matrix3d* blocks = &batch[std::size_t(pairs) * k];
+        std::fill(blocks, blocks + pairs, Eigen::Matrix3d::Zero());
+        integrate(first + k, blocks);
+      }
+    });
+    // Each member of the team adds up its own share of the slots.
+    team.Run(team.size(), [&](int member) {
+      const int begin = static_cast<int>(std::int64_t(slots) * member / team.size());
+      const int end = static_cast<int>(std::int64_t(slots) * (member + 1) / team.size());
+      for (int k = 0; k < count; ++k) {
+        const int* places = pattern_->ElementSlots(first + k);
+        const Eigen::Matrix3d* blocks = &batch[std::size_t(pairs) * k];
+        for (int p = 0; p < pairs; ++p) {
+          const int slot = places[p] >> 1;
+          if (slot < begin || slot >= end) continue;
+          if (places[p] & 1) {
+            blocks_[slot] += blocks[p].transpose();
+          } else {
+            blocks_[slot] += blocks[p];
+          }
+        }
+      }
+    });
+  }
+}
+
+void BlockMatrix::Multiply(const double* x, double* y, ThreadTeam& team) const {
+  team.ForRanges(nodes(), [&](int begin, int end) {
+    MultiplySymmetric(*pattern_, blocks_.front().data(), x, y, begin, end);
+  });
+}
+
+void BlockMatrix::Multiply(const Eigen::Matrix3Xd& x, Eigen::Matrix3Xd& y, ThreadTeam& team) const {
+  y.resize(3, nodes());
+  Multiply(x.data(), y.data(), team);
 }
 
 Eigen::Matrix3Xd BlockMatrix::Multiply(const Eigen::Matrix3Xd& x) const {
-  Eigen::Matrix3Xd y = Eigen::Matrix3Xd::Zero(3, nodes());
-  for (int j = 0; j < nodes(); ++j) {
-    for (int k = starts_[j]; k < starts_[j + 1]; ++k) {
-      const int i = rows_[k];
-      y.col(i) += blocks_[k] * x.col(j);
-      if (i != j) y.col(j) += blocks_[k].transpose() * x.col(i);
-    }
-  }
+  ThreadTeam alone(1);
+  Eigen::Matrix3Xd y;
+  Multiply(x, y, alone);
   return y;
 }
 

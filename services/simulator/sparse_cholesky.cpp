@@ -68,7 +68,7 @@ Eigen::Array3Xi NumberUnknowns(const Eigen::Array3Xi& fixed, int& count) {
 }
 
 // The graph of nodes, upper triangle, without values.
-SparsePointer NodeGraph(const BlockMatrix& matrix, cholmod_common* common) {
+SparsePointer NodeGraph(const BlockPattern& matrix, cholmod_common* common) {
   const int nodes = matrix.nodes();
   cholmod_sparse* graph = cholmod_allocate_sparse(nodes, nodes, matrix.rows().size(), true, true, 1,
                                                   CHOLMOD_PATTERN, common);
@@ -79,28 +79,30 @@ SparsePointer NodeGraph(const BlockMatrix& matrix, cholmod_common* common) {
   return SparsePointer(graph, {common});
 }
 
-// The matrix of the unknowns, upper triangle by columns.
-SparsePointer FreeMatrix(const BlockMatrix& matrix, const Eigen::Array3Xi& number, int unknowns,
-                         cholmod_common* common) {
-  const std::size_t bound = 9 * matrix.rows().size();
-  SparsePointer sparse(
-      cholmod_allocate_sparse(unknowns, unknowns, bound, true, true, 1, CHOLMOD_REAL, common),
-      {common});
+// The matrix of the unknowns, upper triangle by columns. Its pattern depends on `pattern` only;
+// without `values` they are zero.
+SparsePointer FreeMatrix(const BlockPattern& pattern, const std::vector<Eigen::Matrix3d>* values,
+                         const Eigen::Array3Xi& number, int unknowns, cholmod_common* common) {
+  const std::size_t bound = 9 * pattern.rows().size();
+  SparsePointer sparse(cholmod_allocate_sparse(unknowns, unknowns, bound, true, true, 1,
+                                               values ? CHOLMOD_REAL : CHOLMOD_PATTERN, common),
+                       {common});
   if (sparse == nullptr) return sparse;
   int* starts = static_cast<int*>(sparse->p);
   int* rows = static_cast<int*>(sparse->i);
-  double* values = static_cast<double*>(sparse->x);
+  double* entries = static_cast<double*>(sparse->x);
   int entry = 0, column = 0;
-  for (int j = 0; j < matrix.nodes(); ++j) {
+  for (int j = 0; j < pattern.nodes(); ++j) {
     for (int b = 0; b < 3; ++b) {
       if (number(b, j) < 0) continue;
       starts[column++] = entry;
-      for (int k = matrix.starts()[j]; k < matrix.starts()[j + 1]; ++k) {
-        const int i = matrix.rows()[k];
+      for (int k = pattern.starts()[j]; k < pattern.starts()[j + 1]; ++k) {
+        const int i = pattern.rows()[k];
         for (int a = 0; a < (i == j ? b + 1 : 3); ++a) {
           if (number(a, i) < 0) continue;
           rows[entry] = number(a, i);
-          values[entry++] = matrix.blocks()[k](a, b);
+          if (values) entries[entry] = (*values)[k](a, b);
+          ++entry;
         }
       }
     }
@@ -136,83 +138,110 @@ SparseCholesky::~SparseCholesky() = default;
 SparseCholesky::SparseCholesky(SparseCholesky&&) noexcept = default;
 SparseCholesky& SparseCholesky::operator=(SparseCholesky&&) noexcept = default;
 
-absl::StatusOr<SparseCholesky> SparseCholesky::Create(const BlockMatrix& stiffness,
-                                                      const Eigen::Array3Xi& fixed,
-                                                      const CholeskyOptions& options) {
-  auto state = std::make_unique<Factor>();
-  cholmod_common* common = &state->workspace.common;
-  state->number = NumberUnknowns(fixed, state->unknowns);
-  CholeskySummary summary;
-  summary.unknowns = state->unknowns;
-  if (state->unknowns == 0) {
-    SparseCholesky nothing(std::move(state));
-    nothing.summary_ = summary;
-    return nothing;
-  }
-  if (9 * stiffness.rows().size() > static_cast<std::size_t>(INT_MAX)) return OutOfMemory();
+absl::StatusOr<SparseCholesky> SparseCholesky::Analyze(const BlockPattern& pattern,
+                                                       const Eigen::Array3Xi& fixed,
+                                                       const CholeskyOptions& options) {
+  SparseCholesky result(std::make_unique<Factor>());
+  Factor& state = *result.factor_;
+  cholmod_common* common = &state.workspace.common;
+  state.number = NumberUnknowns(fixed, state.unknowns);
+  CholeskySummary& summary = result.summary_;
+  summary.unknowns = state.unknowns;
+  if (state.unknowns == 0) return result;
+  if (9 * pattern.rows().size() > static_cast<std::size_t>(INT_MAX)) return OutOfMemory();
 
-  auto start = std::chrono::steady_clock::now();
-  const SparsePointer graph = NodeGraph(stiffness, common);
+  const auto start = std::chrono::steady_clock::now();
+  const SparsePointer graph = NodeGraph(pattern, common);
   if (graph == nullptr) return OutOfMemory();
   // Minimum degree is quicker to find; nested dissection fills large factors less.
   common->nmethods = 1;
   common->method[0].ordering =
-      stiffness.nodes() > kNestedDissectionNodes ? CHOLMOD_METIS : CHOLMOD_AMD;
+      pattern.nodes() > kNestedDissectionNodes ? CHOLMOD_METIS : CHOLMOD_AMD;
   const FactorPointer node_factor(cholmod_analyze(graph.get(), common), {common});
   if (node_factor == nullptr) return OutOfMemory();
-  std::vector<int> order = ExpandOrder(static_cast<const int*>(node_factor->Perm), state->number);
-  const SparsePointer matrix = FreeMatrix(stiffness, state->number, state->unknowns, common);
+  std::vector<int> order = ExpandOrder(static_cast<const int*>(node_factor->Perm), state.number);
+  const SparsePointer matrix = FreeMatrix(pattern, nullptr, state.number, state.unknowns, common);
   if (matrix == nullptr) return OutOfMemory();
   common->method[0].ordering = CHOLMOD_GIVEN;
-  state->factor =
+  state.factor =
       FactorPointer(cholmod_analyze_p(matrix.get(), order.data(), nullptr, 0, common), {common});
-  if (state->factor == nullptr) return OutOfMemory();
+  if (state.factor == nullptr) return OutOfMemory();
   summary.analysis_seconds = SecondsSince(start);
   summary.factor_entries = common->lnz;
   summary.factor_flops = common->fl;
-  if (8 * static_cast<double>(state->factor->xsize) > options.memory_limit) {
-    return TooLarge(absl::StrFormat("a factor of %.1f GB", 8e-9 * state->factor->xsize),
-                    absl::StrFormat("%.1f GB", 1e-9 * options.memory_limit));
+  summary.factor_bytes = 8 * static_cast<double>(state.factor->xsize);
+  if (summary.factor_bytes > options.memory_limit) {
+    return TooLarge(absl::StrFormat("a factor of %.3g GB", 1e-9 * summary.factor_bytes),
+                    absl::StrFormat("%.3g GB", 1e-9 * options.memory_limit));
   }
+  return result;
+}
 
-  start = std::chrono::steady_clock::now();
-  cholmod_factorize(matrix.get(), state->factor.get(), common);
-  summary.factorization_seconds = SecondsSince(start);
+absl::Status SparseCholesky::Factorize(const BlockMatrix& stiffness) {
+  if (factor_->unknowns == 0) return absl::OkStatus();
+  const auto start = std::chrono::steady_clock::now();
+  cholmod_common* common = &factor_->workspace.common;
+  const SparsePointer matrix = FreeMatrix(*stiffness.pattern(), &stiffness.blocks(),
+                                          factor_->number, factor_->unknowns, common);
+  if (matrix == nullptr) return OutOfMemory();
+  cholmod_factorize(matrix.get(), factor_->factor.get(), common);
+  summary_.factorization_seconds = SecondsSince(start);
   if (common->status == CHOLMOD_OUT_OF_MEMORY || common->status == CHOLMOD_TOO_LARGE) {
     return OutOfMemory();
   }
-  summary.reciprocal_condition = cholmod_rcond(state->factor.get(), common);
-  if (common->status != CHOLMOD_OK || !(summary.reciprocal_condition > kSingular)) {
+  summary_.reciprocal_condition = cholmod_rcond(factor_->factor.get(), common);
+  if (common->status != CHOLMOD_OK || !(summary_.reciprocal_condition > kSingular)) {
     return PreconditionFailed(
         "SINGULAR",
         "the structure is a mechanism: some parts hang together by an edge or "
         "a point only, or stiffnesses differ beyond what numbers can hold",
         "supports");
   }
-  SparseCholesky result(std::move(state));
-  result.summary_ = summary;
+  return absl::OkStatus();
+}
+
+absl::StatusOr<SparseCholesky> SparseCholesky::Create(const BlockMatrix& stiffness,
+                                                      const Eigen::Array3Xi& fixed,
+                                                      const CholeskyOptions& options) {
+  MORTISE_ASSIGN_OR_RETURN(SparseCholesky result, Analyze(*stiffness.pattern(), fixed, options));
+  MORTISE_RETURN_IF_ERROR(result.Factorize(stiffness));
   return result;
 }
 
-absl::StatusOr<Eigen::Matrix3Xd> SparseCholesky::Solve(const Eigen::Matrix3Xd& loads) {
-  Eigen::Matrix3Xd displacement = Eigen::Matrix3Xd::Zero(3, loads.cols());
-  if (factor_->unknowns == 0) return displacement;
+absl::StatusOr<std::vector<Eigen::Matrix3Xd>> SparseCholesky::SolveAll(
+    const std::vector<Eigen::Matrix3Xd>& loads) {
+  std::vector<Eigen::Matrix3Xd> solutions;
+  for (const Eigen::Matrix3Xd& load : loads) {
+    solutions.push_back(Eigen::Matrix3Xd::Zero(3, load.cols()));
+  }
+  if (factor_->unknowns == 0 || loads.empty()) return solutions;
   cholmod_common* common = &factor_->workspace.common;
-  const DensePointer right(
-      cholmod_allocate_dense(factor_->unknowns, 1, factor_->unknowns, CHOLMOD_REAL, common),
-      {common});
+  const DensePointer right(cholmod_allocate_dense(factor_->unknowns, loads.size(),
+                                                  factor_->unknowns, CHOLMOD_REAL, common),
+                           {common});
   if (right == nullptr) return OutOfMemory();
   const auto number = factor_->number.data();
-  for (Eigen::Index k = 0; k < loads.size(); ++k) {
-    if (number[k] >= 0) static_cast<double*>(right->x)[number[k]] = loads.data()[k];
+  for (std::size_t i = 0; i < loads.size(); ++i) {
+    double* column = static_cast<double*>(right->x) + i * factor_->unknowns;
+    for (Eigen::Index k = 0; k < loads[i].size(); ++k) {
+      if (number[k] >= 0) column[number[k]] = loads[i].data()[k];
+    }
   }
   const DensePointer solution(cholmod_solve(CHOLMOD_A, factor_->factor.get(), right.get(), common),
                               {common});
   if (solution == nullptr) return OutOfMemory();
-  for (Eigen::Index k = 0; k < loads.size(); ++k) {
-    if (number[k] >= 0) displacement.data()[k] = static_cast<const double*>(solution->x)[number[k]];
+  for (std::size_t i = 0; i < loads.size(); ++i) {
+    const double* column = static_cast<const double*>(solution->x) + i * factor_->unknowns;
+    for (Eigen::Index k = 0; k < loads[i].size(); ++k) {
+      if (number[k] >= 0) solutions[i].data()[k] = column[number[k]];
+    }
   }
-  return displacement;
+  return solutions;
+}
+
+absl::StatusOr<Eigen::Matrix3Xd> SparseCholesky::Solve(const Eigen::Matrix3Xd& loads) {
+  MORTISE_ASSIGN_OR_RETURN(std::vector<Eigen::Matrix3Xd> solutions, SolveAll({loads}));
+  return std::move(solutions.front());
 }
 
 }  // namespace mortise::simulator

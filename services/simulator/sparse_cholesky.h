@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <vector>
 
 #include "absl/status/statusor.h"
 #include "services/simulator/block_matrix.h"
@@ -17,6 +18,7 @@ struct CholeskyOptions {
 struct CholeskySummary {
   int unknowns = 0;
   double factor_entries = 0;
+  double factor_bytes = 0;
   double factor_flops = 0;
   double reciprocal_condition = 0;  // crude estimate from the pivots
   double analysis_seconds = 0;
@@ -28,9 +30,19 @@ struct CholeskySummary {
 // not depend on the machine's cores; run one process a core.
 class SparseCholesky {
  public:
-  // `fixed`: 3 × nodes, non-zero where a displacement is prescribed and thus not an unknown.
-  // FAILED_PRECONDITION, reason SINGULAR, if K is not positive definite: parts that hang together
-  // by a single edge or point form a hinge.
+  // Orders the unknowns and finds the pattern of the factor, without values. `fixed`: 3 × nodes,
+  // non-zero where a displacement is prescribed and thus not an unknown. RESOURCE_EXHAUSTED if the
+  // factor would exceed the limit.
+  static absl::StatusOr<SparseCholesky> Analyze(const BlockPattern& pattern,
+                                                const Eigen::Array3Xi& fixed,
+                                                const CholeskyOptions& options = {});
+
+  // Computes the factor of a matrix on the pattern analysed; again for other values as often as
+  // wanted. FAILED_PRECONDITION, reason SINGULAR, if K is not positive definite: parts that hang
+  // together by a single edge or point form a hinge.
+  absl::Status Factorize(const BlockMatrix& stiffness);
+
+  // Both.
   static absl::StatusOr<SparseCholesky> Create(const BlockMatrix& stiffness,
                                                const Eigen::Array3Xi& fixed,
                                                const CholeskyOptions& options = {});
@@ -41,6 +53,10 @@ class SparseCholesky {
 
   // Displacements (3 × nodes, zero where fixed) under the loads of free directions (3 × nodes).
   absl::StatusOr<Eigen::Matrix3Xd> Solve(const Eigen::Matrix3Xd& loads);
+
+  // The same for several loads at once, for which the factor is read from memory only once.
+  absl::StatusOr<std::vector<Eigen::Matrix3Xd>> SolveAll(
+      const std::vector<Eigen::Matrix3Xd>& loads);
 
   const CholeskySummary& summary() const { return summary_; }
 

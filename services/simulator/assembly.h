@@ -1,0 +1,43 @@
+// Sparse matrices from the matrices of elements.
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "common/mesh/tetrahedral_mesh.h"
+#include "services/simulator/block_matrix.h"
+#include "services/simulator/thread_team.h"
+
+namespace mortise::simulator {
+
+// Directions in which the displacement of some nodes is counted instead of x, y, z: what a support
+// along an inclined normal needs. Displacement in space = axes · displacement in the frame.
+struct NodeFrames {
+  std::vector<int> index;             // nodes: which of `axes`, or -1; empty where no node has one
+  std::vector<Eigen::Matrix3d> axes;  // rotations; columns are the directions
+
+  bool empty() const { return index.empty(); }
+
+  // 3 × nodes vectors in space as components along the frames, and back.
+  Eigen::Matrix3Xd ToFrames(Eigen::Matrix3Xd vectors) const;
+  Eigen::Matrix3Xd ToSpace(Eigen::Matrix3Xd vectors) const;
+};
+
+// Writes the blocks of the symmetric matrix of element `e` on and above the diagonal, row by row
+// ((0,0), (0,1) … (1,1) …, zero before); false if the element is inverted or has no volume. It is
+// called from several threads.
+using ElementKernel = std::function<bool(int e, Eigen::Matrix3d* blocks)>;
+
+// INVALID_ARGUMENT naming "tetrahedra", "nodes" or "part" unless the arrays of the mesh fit
+// together and are finite.
+absl::Status CheckMesh(const mesh::TetrahedralMesh& mesh);
+
+// Adds the matrices of all elements to `sum`, which has the mesh's pattern; the same to the bit for
+// any number of threads. INVALID_ARGUMENT naming "tetrahedra[e]", its part and place if the kernel
+// refuses an element. The mesh has been checked.
+absl::Status AssembleBlocks(const mesh::TetrahedralMesh& mesh, const NodeFrames& frames,
+                            const ElementKernel& kernel, ThreadTeam& team, BlockMatrix& sum);
+
+}  // namespace mortise::simulator

@@ -1,0 +1,125 @@
+#include "services/simulator/direct_solver.h"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include "common/base/errors.h"
+#include "services/simulator/sparse_cholesky.h"
+
+namespace mortise::simulator {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// Rounds of refinement that a residual above the tolerance is given, unless it is but the rounding of
+// K u: then refinement changes nothing.
+constexpr int kRefinements = 1;
+constexpr double kRounding = 4e-15;
+
+double SecondsSince(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+class DirectSolver : public LinearSolver {
+ public:
+  DirectSolver(std::shared_ptr<const BlockPattern> pattern, const Eigen::Array3Xi& fixed,
+               const SolverOptions& options, SparseCholesky factor)
+      : pattern_(std::move(pattern)),
+        fixed_(fixed),
+        options_(options),
+        team_(options.threads),
+        factor_(std::move(factor)) {
+    summary_.kind = SolverKind::kDirect;
+    summary_.unknowns = factor_.summary().unknowns;
+    summary_.bytes = factor_.summary().factor_bytes;
+    summary_.factor_entries = factor_.summary().factor_entries;
+    summary_.factor_flops = factor_.summary().factor_flops;
+    summary_.analysis_seconds = factor_.summary().analysis_seconds;
+  }
+
+  absl::Status Prepare(std::shared_ptr<const BlockMatrix> matrix,
+                       const Eigen::Matrix3Xd&) override {
+    const auto start = Clock::now();
+    matrix_ = nullptr;
+    if (options_.progress) MORTISE_RETURN_IF_ERROR(options_.progress(0, -1));
+    MORTISE_RETURN_IF_ERROR(factor_.Factorize(*matrix));
+    matrix_ = std::move(matrix);
+    stiffest_ = 0;
+    for (int v = 0; v < pattern_->nodes(); ++v) {
+      stiffest_ = std::max(stiffest_, matrix_->blocks()[pattern_->starts()[v + 1] - 1].trace());
+    }
+    const double reciprocal = factor_.summary().reciprocal_condition;
+    summary_.condition = reciprocal > 0 ? 1 / reciprocal : 0;
+    summary_.preparation_seconds = SecondsSince(start);
+    return absl::OkStatus();
+  }
+
+  absl::StatusOr<std::vector<Eigen::Matrix3Xd>> SolveAll(
+      const std::vector<Eigen::Matrix3Xd>& loads) override {
+    if (matrix_ == nullptr) {
+      return PreconditionFailed("NOT_PREPARED", "there is no matrix to solve with");
+    }
+    MORTISE_RETURN_IF_ERROR(CheckLoads(loads, pattern_->nodes()));
+    const auto start = Clock::now();
+    MORTISE_ASSIGN_OR_RETURN(std::vector<Eigen::Matrix3Xd> solutions, factor_.SolveAll(loads));
+    for (int round = 0;; ++round) {
+      std::vector<Eigen::Matrix3Xd> rest;
+      const bool close = FindResiduals(loads, solutions, rest);
+      if (close || round == kRefinements) break;
+      MORTISE_ASSIGN_OR_RETURN(const std::vector<Eigen::Matrix3Xd> corrections,
+                               factor_.SolveAll(rest));
+      for (std::size_t i = 0; i < loads.size(); ++i) solutions[i] += corrections[i];
+    }
+    for (const Eigen::Matrix3Xd& solution : solutions) {
+      if (!solution.allFinite()) {
+        return PreconditionFailed("SINGULAR", "the solution is not finite", "supports");
+      }
+    }
+    summary_.solution_seconds = SecondsSince(start);
+    return solutions;
+  }
+
+  const SolverSummary& summary() const override { return summary_; }
+
+ private:
+  // What the solutions leave of the loads; true if little enough.
+  bool FindResiduals(const std::vector<Eigen::Matrix3Xd>& loads,
+                     const std::vector<Eigen::Matrix3Xd>& solutions,
+                     std::vector<Eigen::Matrix3Xd>& rest) {
+    bool close = true;
+    for (std::size_t i = 0; i < loads.size(); ++i) {
+      Eigen::Matrix3Xd internal;
+      matrix_->Multiply(solutions[i], internal, team_);
+      rest.push_back((fixed_ == 0).select(loads[i] - internal, 0.0));
+      const double load = (fixed_ == 0).select(loads[i], 0.0).norm();
+      summary_.residual = load > 0 ? rest.back().norm() / load : 0;
+      close = close && (summary_.residual <= options_.tolerance ||
+                        rest.back().norm() <= kRounding * stiffest_ * solutions[i].norm());
+    }
+    return close;
+  }
+
+  std::shared_ptr<const BlockPattern> pattern_;
+  Eigen::Array3Xi fixed_;
+  SolverOptions options_;
+  ThreadTeam team_;
+  SparseCholesky factor_;
+  std::shared_ptr<const BlockMatrix> matrix_;
+  double stiffest_ = 0;  // the largest trace of a diagonal block
+  SolverSummary summary_;
+};
+
+}  // namespace
+
+absl::StatusOr<std::unique_ptr<LinearSolver>> CreateDirectSolver(
+    std::shared_ptr<const BlockPattern> pattern, const Eigen::Array3Xi& fixed,
+    const SolverOptions& options) {
+  CholeskyOptions cholesky;
+  cholesky.memory_limit = options.memory_limit;
+  MORTISE_ASSIGN_OR_RETURN(SparseCholesky factor,
+                           SparseCholesky::Analyze(*pattern, fixed, cholesky));
+  return std::make_unique<DirectSolver>(std::move(pattern), fixed, options, std::move(factor));
+}
+
+}  // namespace mortise::simulator

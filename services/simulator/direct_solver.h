@@ -1,0 +1,15 @@
+// A LinearSolver by Cholesky's factor.
+#pragma once
+
+#include <memory>
+
+#include "services/simulator/linear_solver.h"
+
+namespace mortise::simulator {
+
+// Analyses the pattern. RESOURCE_EXHAUSTED if the factor would exceed the limit.
+absl::StatusOr<std::unique_ptr<LinearSolver>> CreateDirectSolver(
+    std::shared_ptr<const BlockPattern> pattern, const Eigen::Array3Xi& fixed,
+    const SolverOptions& options);
+
+}  // namespace mortise::simulator

@@ -1,0 +1,206 @@
+#include "services/simulator/iterative_solver.h"
+
+#include <chrono>
+#include <cmath>
+
+#include "absl/strings/str_format.h"
+#include "common/base/errors.h"
+#include "services/simulator/tridiagonal.h"
+
+namespace mortise::simulator {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// A preconditioned matrix of worse condition than this is singular but for rounding.
+constexpr double kSingularCondition = 1e13;
+
+// Where rounding ends the iteration early, the error must have come down to this at least.
+constexpr double kRoundingError = 1e-6;
+
+// Coefficients kept for the estimate of the condition.
+constexpr std::size_t kLanczosSteps = 300;
+
+double SecondsSince(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+absl::Status Singular() {
+  return PreconditionFailed("SINGULAR",
+                            "the stiffness is not positive definite: some parts hang together by "
+                            "an edge or a point only, or stiffnesses differ beyond what numbers "
+                            "can hold",
+                            "supports");
+}
+
+// Lanczos' tridiagonal matrix from the coefficients of conjugate gradients.
+class ConditionEstimate {
+ public:
+  // `beta`: with which the direction of this step continued the last one.
+  void Add(double alpha, double beta) {
+    if (alphas_.size() < kLanczosSteps) {
+      alphas_.push_back(alpha);
+      betas_.push_back(beta);
+    }
+  }
+
+  double Condition() const {
+    std::vector<double> diagonal, side;
+    for (std::size_t k = 0; k < alphas_.size(); ++k) {
+      diagonal.push_back(1 / alphas_[k] + (k > 0 ? betas_[k] / alphas_[k - 1] : 0));
+      if (k > 0) side.push_back(std::sqrt(betas_[k]) / alphas_[k - 1]);
+    }
+    if (diagonal.empty()) return 1;
+    const Spectrum spectrum = FindSpectrum(diagonal, side);
+    return spectrum.least > 0 ? spectrum.most / spectrum.least : kSingularCondition;
+  }
+
+ private:
+  std::vector<double> alphas_, betas_;
+};
+
+}  // namespace
+
+IterativeSolver::IterativeSolver(const mesh::TetrahedralMesh& mesh,
+                                 std::shared_ptr<const BlockPattern> pattern,
+                                 const Eigen::Array3Xi& fixed, const NodeFrames& frames,
+                                 const SolverOptions& options)
+    : pattern_(std::move(pattern)),
+      free_((fixed == 0).cast<double>().reshaped()),
+      options_(options),
+      team_(options.threads),
+      multigrid_(mesh, fixed, frames, options.multigrid, team_) {
+  summary_.kind = SolverKind::kIterative;
+  summary_.unknowns = static_cast<int>((fixed == 0).count());
+}
+
+absl::StatusOr<std::unique_ptr<LinearSolver>> IterativeSolver::Create(
+    const mesh::TetrahedralMesh& mesh, std::shared_ptr<const BlockPattern> pattern,
+    const Eigen::Array3Xi& fixed, const NodeFrames& frames, const SolverOptions& options) {
+  const auto start = Clock::now();
+  const double bytes = Multigrid::EstimateBytes(mesh, *pattern) + 8.0 * 3 * 6 * pattern->nodes();
+  if (bytes > options.memory_limit) {
+    return TooLarge(absl::StrFormat("a preconditioner of %.2f GB", 1e-9 * bytes),
+                    absl::StrFormat("%.2f GB", 1e-9 * options.memory_limit));
+  }
+  std::unique_ptr<IterativeSolver> solver(
+      new IterativeSolver(mesh, std::move(pattern), fixed, frames, options));
+  solver->summary_.analysis_seconds = SecondsSince(start);
+  return solver;
+}
+
+absl::Status IterativeSolver::Prepare(std::shared_ptr<const BlockMatrix> matrix,
+                                      const Eigen::Matrix3Xd& positions) {
+  const auto start = Clock::now();
+  matrix_ = nullptr;
+  if (options_.progress) MORTISE_RETURN_IF_ERROR(options_.progress(0, -1));
+  if (summary_.unknowns > 0) MORTISE_RETURN_IF_ERROR(multigrid_.Prepare(*matrix, positions));
+  matrix_ = std::move(matrix);
+  if (summary_.unknowns > 0) {
+    summary_.bytes = multigrid_.Bytes();
+    summary_.levels = multigrid_.Levels();
+  }
+  summary_.preparation_seconds = SecondsSince(start);
+  return absl::OkStatus();
+}
+
+absl::StatusOr<std::vector<Eigen::Matrix3Xd>> IterativeSolver::SolveAll(
+    const std::vector<Eigen::Matrix3Xd>& loads) {
+  if (matrix_ == nullptr) {
+    return PreconditionFailed("NOT_PREPARED", "there is no matrix to solve with");
+  }
+  MORTISE_RETURN_IF_ERROR(CheckLoads(loads, pattern_->nodes()));
+  const auto start = Clock::now();
+  std::vector<Eigen::Matrix3Xd> solutions;
+  for (const Eigen::Matrix3Xd& load : loads) {
+    MORTISE_ASSIGN_OR_RETURN(Eigen::Matrix3Xd solution, SolveOne(load));
+    solutions.push_back(std::move(solution));
+  }
+  summary_.solution_seconds = SecondsSince(start);
+  return solutions;
+}
+
+void IterativeSolver::MultiplyFree(const Eigen::VectorXd& x, Eigen::VectorXd& y) {
+  matrix_->Multiply(x.data(), y.data(), team_);
+  y.array() *= free_;
+}
+
+double IterativeSolver::Dot(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+  return team_.Sum(static_cast<int>(a.size()), [&](int begin, int end) {
+    return a.segment(begin, end - begin).dot(b.segment(begin, end - begin));
+  });
+}
+
+// What one load's iteration carries along.
+struct IterativeSolver::Iteration {
+  Eigen::VectorXd load, solution, residual, corrected, direction, image;
+  double rho = 0;  // residual · corrected
+};
+
+absl::StatusOr<Eigen::Matrix3Xd> IterativeSolver::SolveOne(const Eigen::Matrix3Xd& load) {
+  const int size = static_cast<int>(load.size());
+  Iteration now;
+  now.load = load.reshaped().array() * free_;
+  now.solution = now.direction = now.image = Eigen::VectorXd::Zero(size);
+  const double scale = std::sqrt(Dot(now.load, now.load));
+  summary_.iterations = 0;
+  summary_.residual = summary_.error = 0;
+  if (scale == 0) return Eigen::Matrix3Xd::Zero(3, load.cols());
+  now.residual = now.load;
+  ConditionEstimate estimate;
+  double first = 0, last_true = 1;  // residual · corrected at the start; error at the last restart
+  bool fresh = true, restarted = false, exact = true;
+  summary_.error = 1;
+  while (true) {
+    if (options_.progress) {
+      MORTISE_RETURN_IF_ERROR(options_.progress(summary_.iterations, summary_.error));
+    }
+    multigrid_.Correct(now.residual, now.corrected);
+    const double rho = Dot(now.residual, now.corrected);
+    if (first == 0) first = rho;
+    if (!(rho >= 0 && first > 0)) return Singular();
+    summary_.error = std::sqrt(rho / first);
+    if (exact && restarted) {
+      const bool rounding = summary_.error < kRoundingError && summary_.error > 0.5 * last_true;
+      if (summary_.error <= options_.tolerance || rounding) break;
+      last_true = summary_.error;
+    }
+    if (summary_.error <= options_.tolerance) {
+      // The residual carried along may have drifted from the true one, which has the last word.
+      MultiplyFree(now.solution, now.image);
+      now.residual = now.load - now.image;
+      fresh = restarted = exact = true;
+      continue;
+    }
+    if (summary_.iterations >= options_.maximum_iterations) {
+      return PreconditionFailed(
+          "NOT_CONVERGED",
+          absl::StrFormat("after %d iterations the relative error is %.2g, not %.2g",
+                          summary_.iterations, summary_.error, options_.tolerance));
+    }
+    const double beta = fresh ? 0 : rho / now.rho;
+    now.rho = rho;
+    fresh = exact = false;
+    team_.ForRanges(size, [&](int begin, int end) {
+      now.direction.segment(begin, end - begin) = now.corrected.segment(begin, end - begin) +
+                                                  beta * now.direction.segment(begin, end - begin);
+    });
+    MultiplyFree(now.direction, now.image);
+    const double curvature = Dot(now.direction, now.image);
+    if (!(curvature > 0)) return Singular();
+    const double alpha = now.rho / curvature;
+    if (!restarted) estimate.Add(alpha, beta);
+    team_.ForRanges(size, [&](int begin, int end) {
+      const int count = end - begin;
+      now.solution.segment(begin, count) += alpha * now.direction.segment(begin, count);
+      now.residual.segment(begin, count) -= alpha * now.image.segment(begin, count);
+    });
+    ++summary_.iterations;
+  }
+  summary_.residual = std::sqrt(Dot(now.residual, now.residual)) / scale;
+  summary_.condition = estimate.Condition();
+  if (!(summary_.condition < kSingularCondition) || !now.solution.allFinite()) return Singular();
+  return Eigen::Matrix3Xd(Eigen::Map<const Eigen::Matrix3Xd>(now.solution.data(), 3, load.cols()));
+}
+
+}  // namespace mortise::simulator

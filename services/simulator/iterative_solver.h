@@ -1,0 +1,44 @@
+// Conjugate gradients with a multigrid preconditioner.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "services/simulator/linear_solver.h"
+#include "services/simulator/multigrid.h"
+#include "services/simulator/thread_team.h"
+
+namespace mortise::simulator {
+
+class IterativeSolver : public LinearSolver {
+ public:
+  static absl::StatusOr<std::unique_ptr<LinearSolver>> Create(
+      const mesh::TetrahedralMesh& mesh, std::shared_ptr<const BlockPattern> pattern,
+      const Eigen::Array3Xi& fixed, const NodeFrames& frames, const SolverOptions& options);
+
+  absl::Status Prepare(std::shared_ptr<const BlockMatrix> matrix,
+                       const Eigen::Matrix3Xd& positions) override;
+  absl::StatusOr<std::vector<Eigen::Matrix3Xd>> SolveAll(
+      const std::vector<Eigen::Matrix3Xd>& loads) override;
+  const SolverSummary& summary() const override { return summary_; }
+
+ private:
+  struct Iteration;
+  IterativeSolver(const mesh::TetrahedralMesh& mesh, std::shared_ptr<const BlockPattern> pattern,
+                  const Eigen::Array3Xi& fixed, const NodeFrames& frames,
+                  const SolverOptions& options);
+
+  absl::StatusOr<Eigen::Matrix3Xd> SolveOne(const Eigen::Matrix3Xd& load);
+  void MultiplyFree(const Eigen::VectorXd& x, Eigen::VectorXd& y);
+  double Dot(const Eigen::VectorXd& a, const Eigen::VectorXd& b);
+
+  std::shared_ptr<const BlockPattern> pattern_;
+  Eigen::ArrayXd free_;  // 3 · nodes: 1 for unknowns, 0 where prescribed
+  SolverOptions options_;
+  ThreadTeam team_;
+  Multigrid multigrid_;
+  std::shared_ptr<const BlockMatrix> matrix_;
+  SolverSummary summary_;
+};
+
+}  // namespace mortise::simulator

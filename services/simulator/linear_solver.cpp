@@ -1,0 +1,101 @@
+#include "services/simulator/linear_solver.h"
+
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
+#include "services/simulator/direct_solver.h"
+#include "services/simulator/iterative_solver.h"
+
+namespace mortise::simulator {
+namespace {
+
+constexpr int kDirectLinearNodes = 4000;
+constexpr int kDirectQuadraticNodes = 4000;
+
+// Iterates, and factorises where that does not converge.
+class FallbackSolver : public LinearSolver {
+ public:
+  FallbackSolver(std::unique_ptr<LinearSolver> first,
+                 std::function<absl::StatusOr<std::unique_ptr<LinearSolver>>()> make_second)
+      : first_(std::move(first)), make_second_(std::move(make_second)), used_(first_.get()) {}
+
+  absl::Status Prepare(std::shared_ptr<const BlockMatrix> matrix,
+                       const Eigen::Matrix3Xd& positions) override {
+    matrix_ = std::move(matrix);
+    positions_ = positions;
+    used_ = first_.get();
+    return first_->Prepare(matrix_, positions_);
+  }
+
+  absl::StatusOr<std::vector<Eigen::Matrix3Xd>> SolveAll(
+      const std::vector<Eigen::Matrix3Xd>& loads) override {
+    if (used_ != first_.get()) return used_->SolveAll(loads);
+    auto solutions = first_->SolveAll(loads);
+    if (solutions.ok() || DetailOf(solutions.status()).reason != "NOT_CONVERGED") return solutions;
+    if (second_ == nullptr) {
+      MORTISE_ASSIGN_OR_RETURN(second_, make_second_());
+    }
+    MORTISE_RETURN_IF_ERROR(second_->Prepare(matrix_, positions_));
+    used_ = second_.get();
+    return second_->SolveAll(loads);
+  }
+
+  const SolverSummary& summary() const override { return used_->summary(); }
+
+ private:
+  std::unique_ptr<LinearSolver> first_, second_;
+  std::function<absl::StatusOr<std::unique_ptr<LinearSolver>>()> make_second_;
+  LinearSolver* used_;  // one of the two
+  std::shared_ptr<const BlockMatrix> matrix_;
+  Eigen::Matrix3Xd positions_;
+};
+
+}  // namespace
+
+SolverKind ChooseSolver(const mesh::TetrahedralMesh& mesh) {
+  const int most = mesh.IsQuadratic() ? kDirectQuadraticNodes : kDirectLinearNodes;
+  return mesh.nodes.cols() <= most ? SolverKind::kDirect : SolverKind::kIterative;
+}
+
+absl::StatusOr<std::unique_ptr<LinearSolver>> LinearSolver::Create(
+    const mesh::TetrahedralMesh& mesh, std::shared_ptr<const BlockPattern> pattern,
+    const Eigen::Array3Xi& fixed, const NodeFrames& frames, const SolverOptions& options) {
+  if (pattern->nodes() != mesh.nodes.cols() || fixed.cols() != mesh.nodes.cols()) {
+    return InvalidField("fixed", "there must be a column for each node of the mesh");
+  }
+  if (!(options.tolerance > 0 && options.tolerance < 1)) {
+    return InvalidField("tolerance", "must lie within 0 and 1");
+  }
+  if (options.kind == SolverKind::kIterative) {
+    return IterativeSolver::Create(mesh, std::move(pattern), fixed, frames, options);
+  }
+  const auto direct = [pattern, fixed, options] {
+    return CreateDirectSolver(pattern, fixed, options);
+  };
+  if (options.kind == SolverKind::kDirect || ChooseSolver(mesh) == SolverKind::kDirect) {
+    return direct();
+  }
+  MORTISE_ASSIGN_OR_RETURN(
+      auto iterative, IterativeSolver::Create(mesh, std::move(pattern), fixed, frames, options));
+  return std::make_unique<FallbackSolver>(std::move(iterative), direct);
+}
+
+absl::StatusOr<Eigen::Matrix3Xd> LinearSolver::Solve(const Eigen::Matrix3Xd& load) {
+  MORTISE_ASSIGN_OR_RETURN(std::vector<Eigen::Matrix3Xd> solutions, SolveAll({load}));
+  return std::move(solutions.front());
+}
+
+absl::Status CheckLoads(const std::vector<Eigen::Matrix3Xd>& loads, int nodes) {
+  for (std::size_t i = 0; i < loads.size(); ++i) {
+    if (loads[i].cols() != nodes) {
+      return InvalidField(absl::StrCat("loads[", i, "]"), "must have a column for each node");
+    }
+    if (!loads[i].allFinite()) {
+      return InvalidField(absl::StrCat("loads[", i, "]"), "a force is not finite");
+    }
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace mortise::simulator

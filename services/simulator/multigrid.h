@@ -1,0 +1,51 @@
+// A multigrid preconditioner for the stiffness of solids meshed with tetrahedra.
+//
+// Quadratic elements first step down to linear ones on the same corners, whose displacements are
+// among the quadratic ones: a node in the middle of an edge moves by the mean of the edge's ends.
+// From there smoothed aggregation with the six rigid motions (aggregation.h) goes on.
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+
+#include "absl/status/status.h"
+#include "common/mesh/tetrahedral_mesh.h"
+#include "services/simulator/assembly.h"
+#include "services/simulator/block_matrix.h"
+#include "services/simulator/multigrid_options.h"
+#include "services/simulator/thread_team.h"
+
+namespace mortise::simulator {
+
+class Multigrid {
+ public:
+  // `fixed`: 3 × nodes, non-zero where a displacement is prescribed; counted, like the stiffness'
+  // rows, along `frames`. `team` must outlive it.
+  Multigrid(const mesh::TetrahedralMesh& mesh, const Eigen::Array3Xi& fixed,
+            const NodeFrames& frames, const MultigridOptions& options, ThreadTeam& team);
+  ~Multigrid();
+
+  // Builds the levels for these values; `positions`: 3 × nodes, m. FAILED_PRECONDITION, reason
+  // SINGULAR, if a structure so stiff is a mechanism.
+  absl::Status Prepare(const BlockMatrix& stiffness, const Eigen::Matrix3Xd& positions);
+
+  // x ≈ K⁻¹ b (3 · nodes), zero where displacements are prescribed; b must be zero there. A fixed,
+  // linear, symmetric and positive operation, the same to the bit on any number of threads.
+  void Correct(const Eigen::VectorXd& b, Eigen::VectorXd& x);
+
+  double Bytes() const;  // of all levels
+  int Levels() const;
+
+  // About what Prepare will take, bytes.
+  static double EstimateBytes(const mesh::TetrahedralMesh& mesh, const BlockPattern& pattern);
+
+ private:
+  struct Topology;
+  struct Hierarchy;
+  std::unique_ptr<Topology> topology_;
+  std::unique_ptr<Hierarchy> hierarchy_;
+  MultigridOptions options_;
+  ThreadTeam& team_;
+};
+
+}  // namespace mortise::simulator
