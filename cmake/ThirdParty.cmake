@@ -31,6 +31,7 @@ function(mortise_find_library target header)
   endforeach()
 endfunction()
 mortise_find_library(mortise_cholmod cholmod.h cholmod openblas)
+mortise_find_library(mortise_spectra Spectra/SymGEigsShiftSolver.h)
 mortise_find_library(mortise_tetgen tetgen.h tet)
 mortise_find_library(mortise_cgal CGAL/AABB_tree.h gmp mpfr)
 

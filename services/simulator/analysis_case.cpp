@@ -9,20 +9,24 @@
 namespace mortise::simulator {
 namespace {
 
+constexpr char kNotFinite[] = "must be finite";
+
 std::string FaceText(const mesh::TetrahedralMesh& mesh, const mesh::NamedFace& face) {
   const bool known = face.part >= 0 && face.part < static_cast<int>(mesh.part_names.size());
   return absl::StrCat("face '", face.name, "' of part '",
                       known ? mesh.part_names[face.part] : absl::StrCat(face.part), "'");
 }
 
-absl::Status CheckFace(const mesh::TetrahedralMesh& mesh, const mesh::NamedFace& face,
-                       bool free_only, const std::string& field) {
-  if (!TrianglesOn(mesh, face, free_only).empty()) return absl::OkStatus();
-  if (free_only && !TrianglesOn(mesh, face, false).empty()) {
-    return InvalidField(field, absl::StrCat(FaceText(mesh, face),
-                                            " is covered by other parts and cannot be loaded"));
+absl::Status CheckPlace(const mesh::TetrahedralMesh& mesh, const Support& support,
+                        const std::string& field) {
+  if (!support.face.name.empty()) return CheckFace(mesh, support.face, false, field + ".face");
+  if (support.nodes.empty()) return InvalidField(field + ".face", "name a face, or nodes");
+  if (support.symmetric) return InvalidField(field + ".symmetric", "needs a face, not nodes");
+  for (const int node : support.nodes) {
+    if (node >= 0 && node < mesh.nodes.cols()) continue;
+    return InvalidField(field + ".nodes", absl::StrCat("there is no node ", node));
   }
-  return InvalidField(field, absl::StrCat("there is no ", FaceText(mesh, face)));
+  return absl::OkStatus();
 }
 
 }  // namespace
@@ -44,39 +48,71 @@ std::vector<int> TrianglesOn(const mesh::TetrahedralMesh& mesh, const mesh::Name
   return triangles;
 }
 
-absl::Status CheckCase(const AnalysisCase& analysis, const mesh::TetrahedralMesh& mesh) {
-  if (analysis.materials.size() != mesh.part_names.size()) {
-    return InvalidField("materials",
-                        absl::StrCat("there are ", analysis.materials.size(), " materials for ",
-                                     mesh.part_names.size(), " parts"));
+absl::Status CheckFace(const mesh::TetrahedralMesh& mesh, const mesh::NamedFace& face,
+                       bool free_only, const std::string& field) {
+  if (!TrianglesOn(mesh, face, free_only).empty()) return absl::OkStatus();
+  if (free_only && !TrianglesOn(mesh, face, false).empty()) {
+    return InvalidField(field, absl::StrCat(FaceText(mesh, face),
+                                            " is covered by other parts and cannot be loaded"));
   }
-  for (std::size_t p = 0; p < analysis.materials.size(); ++p) {
-    MORTISE_RETURN_IF_ERROR(
-        CheckMaterial(analysis.materials[p], absl::StrCat("materials[", p, "]")));
+  return InvalidField(field, absl::StrCat("there is no ", FaceText(mesh, face)));
+}
+
+absl::Status CheckModel(const mesh::TetrahedralMesh& mesh, const std::vector<Material>& materials,
+                        const std::vector<Support>& supports) {
+  if (materials.size() != mesh.part_names.size()) {
+    return InvalidField("materials", absl::StrCat("there are ", materials.size(), " materials for ",
+                                                  mesh.part_names.size(), " parts"));
   }
-  for (std::size_t i = 0; i < analysis.supports.size(); ++i) {
-    const Support& support = analysis.supports[i];
+  for (std::size_t p = 0; p < materials.size(); ++p) {
+    MORTISE_RETURN_IF_ERROR(CheckMaterial(materials[p], absl::StrCat("materials[", p, "]")));
+  }
+  for (std::size_t i = 0; i < supports.size(); ++i) {
     const std::string field = absl::StrCat("supports[", i, "]");
-    MORTISE_RETURN_IF_ERROR(CheckFace(mesh, support.face, false, field + ".face"));
-    if (!support.displacement.allFinite()) {
+    MORTISE_RETURN_IF_ERROR(CheckPlace(mesh, supports[i], field));
+    if (!supports[i].displacement.allFinite()) {
       return InvalidField(field + ".displacement", "must be finite");
     }
   }
-  for (std::size_t i = 0; i < analysis.forces.size(); ++i) {
+  return absl::OkStatus();
+}
+
+absl::Status CheckLoads(const mesh::TetrahedralMesh& mesh, const LoadCase& loads) {
+  for (std::size_t i = 0; i < loads.forces.size(); ++i) {
     const std::string field = absl::StrCat("forces[", i, "]");
-    MORTISE_RETURN_IF_ERROR(CheckFace(mesh, analysis.forces[i].face, true, field + ".face"));
-    if (!analysis.forces[i].force.allFinite()) {
-      return InvalidField(field + ".force", "must be finite");
-    }
+    MORTISE_RETURN_IF_ERROR(CheckFace(mesh, loads.forces[i].face, true, field + ".face"));
+    if (!loads.forces[i].force.allFinite()) return InvalidField(field + ".force", kNotFinite);
   }
-  for (std::size_t i = 0; i < analysis.pressures.size(); ++i) {
+  for (std::size_t i = 0; i < loads.pressures.size(); ++i) {
     const std::string field = absl::StrCat("pressures[", i, "]");
-    MORTISE_RETURN_IF_ERROR(CheckFace(mesh, analysis.pressures[i].face, true, field + ".face"));
-    if (!std::isfinite(analysis.pressures[i].pressure)) {
-      return InvalidField(field + ".pressure", "must be finite");
+    MORTISE_RETURN_IF_ERROR(CheckFace(mesh, loads.pressures[i].face, true, field + ".face"));
+    if (!std::isfinite(loads.pressures[i].pressure)) {
+      return InvalidField(field + ".pressure", kNotFinite);
     }
   }
-  if (!analysis.gravity.allFinite()) return InvalidField("gravity", "must be finite");
+  for (std::size_t i = 0; i < loads.tractions.size(); ++i) {
+    const std::string field = absl::StrCat("tractions[", i, "]");
+    MORTISE_RETURN_IF_ERROR(CheckFace(mesh, loads.tractions[i].face, true, field + ".face"));
+    if (!loads.tractions[i].traction) return InvalidField(field + ".traction", "is missing");
+  }
+  for (std::size_t i = 0; i < loads.point_forces.size(); ++i) {
+    const std::string field = absl::StrCat("point_forces[", i, "]");
+    if (!loads.point_forces[i].position.allFinite()) {
+      return InvalidField(field + ".position", kNotFinite);
+    }
+    if (!loads.point_forces[i].force.allFinite()) return InvalidField(field + ".force", kNotFinite);
+  }
+  if (!loads.gravity.allFinite()) return InvalidField("gravity", kNotFinite);
+  if (loads.rotation &&
+      !(loads.rotation->point.allFinite() && loads.rotation->angular_velocity.allFinite())) {
+    return InvalidField("rotation", kNotFinite);
+  }
+  if (loads.temperature.size() != 0 && loads.temperature.size() != mesh.nodes.cols()) {
+    return InvalidField("temperature",
+                        absl::StrCat("there are ", loads.temperature.size(), " temperatures for ",
+                                     mesh.nodes.cols(), " nodes"));
+  }
+  if (!loads.temperature.allFinite()) return InvalidField("temperature", kNotFinite);
   return absl::OkStatus();
 }
 

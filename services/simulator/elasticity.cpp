@@ -2,12 +2,15 @@
 
 #include <chrono>
 #include <cmath>
+#include <limits>
 
+#include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "services/simulator/loads.h"
 #include "services/simulator/stiffness.h"
 #include "services/simulator/stress_recovery.h"
 #include "services/simulator/supports.h"
+#include "services/simulator/thread_team.h"
 
 namespace mortise::simulator {
 namespace {
@@ -18,76 +21,191 @@ double SecondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-Eigen::Matrix3Xd FreePart(const Eigen::Matrix3Xd& vectors, const Eigen::Array3Xi& fixed) {
-  return (fixed == 0).select(vectors.array(), 0.0).matrix();
+// A direct solution whose residual is above this is refined once: that removes most of the rounding
+// of slender, badly conditioned frames.
+constexpr double kRounding = 1e-13;
+
+Eigen::VectorXd SafetyFactors(const std::vector<Material>& materials,
+                              const Eigen::VectorXd& stress) {
+  Eigen::VectorXd factors(stress.size());
+  for (Eigen::Index p = 0; p < stress.size(); ++p) {
+    factors[p] = materials[p].strength > 0 && stress[p] > 0
+                     ? materials[p].strength / stress[p]
+                     : std::numeric_limits<double>::infinity();
+  }
+  return factors;
+}
+
+}  // namespace
+
+struct ElasticSystem::State {
+  const mesh::TetrahedralMesh& mesh;
+  std::vector<Material> materials;
+  ElasticityOptions options;
+  ThreadTeam team;
+  Constraints constraints;
+  std::shared_ptr<const BlockMatrix> stiffness;  // in the constraints' frames
+  std::unique_ptr<LinearSolver> solver;
+  double assembly_seconds = 0;
+  double preparation_seconds = 0;
+  Clock::time_point started;  // of the work on the next solution
+
+  Eigen::Matrix3Xd FreePart(const Eigen::Matrix3Xd& vectors) const {
+    return (constraints.fixed == 0).select(vectors.array(), 0.0).matrix();
+  }
+
+  Eigen::Matrix3Xd Multiply(const Eigen::Matrix3Xd& vectors) {
+    Eigen::Matrix3Xd product;
+    stiffness->Multiply(vectors, product, team);
+    return product;
+  }
+
+  absl::StatusOr<Eigen::Matrix3Xd> SolveInFrames(const Eigen::Matrix3Xd& loads);
+  void Summarise(ElasticitySolution& solution);
+};
+
+absl::StatusOr<Eigen::Matrix3Xd> ElasticSystem::State::SolveInFrames(
+    const Eigen::Matrix3Xd& loads) {
+  Eigen::Matrix3Xd rest = loads;
+  if (!constraints.displacement.isZero()) rest -= Multiply(constraints.displacement);
+  MORTISE_ASSIGN_OR_RETURN(Eigen::Matrix3Xd displacement, solver->Solve(rest));
+  if (solver->summary().kind == SolverKind::kDirect && solver->summary().residual > kRounding) {
+    MORTISE_ASSIGN_OR_RETURN(const Eigen::Matrix3Xd correction,
+                             solver->Solve(FreePart(rest - Multiply(displacement))));
+    displacement += correction;
+  }
+  return displacement + constraints.displacement;
 }
 
 // Reactions, energies and balances of a displacement.
-void Summarise(const BlockMatrix& stiffness, const Eigen::Matrix3Xd& loads,
-               const Constraints& constraints, ElasticitySolution& solution) {
-  const Eigen::Matrix3Xd internal = stiffness.Multiply(solution.displacement);
-  const Eigen::Matrix3Xd unbalanced = internal - loads;
-  const Eigen::Matrix3Xd free = FreePart(unbalanced, constraints.fixed);
-  solution.reaction = unbalanced - free;
+void ElasticSystem::State::Summarise(ElasticitySolution& solution) {
+  const NodeFrames& frames = constraints.frames;
+  const Eigen::Matrix3Xd internal = Multiply(frames.ToFrames(solution.displacement));
+  const Eigen::Matrix3Xd unbalanced = internal - frames.ToFrames(solution.load);
+  const Eigen::Matrix3Xd free = FreePart(unbalanced);
+  solution.reaction = frames.ToSpace(unbalanced - free);
   ElasticitySummary& summary = solution.summary;
-  summary.total_load = loads.rowwise().sum();
+  summary.nodes = static_cast<int>(mesh.nodes.cols());
+  summary.elements = static_cast<int>(mesh.tetrahedra.cols());
+  summary.solver = solver->summary();
+  summary.total_load = solution.load.rowwise().sum();
   summary.total_reaction = solution.reaction.rowwise().sum();
-  const double scale = loads.colwise().norm().sum() + solution.reaction.colwise().norm().sum();
+  const double scale =
+      solution.load.colwise().norm().sum() + solution.reaction.colwise().norm().sum();
   summary.imbalance = scale > 0 ? (summary.total_load + summary.total_reaction).norm() / scale : 0;
   const double internal_size = internal.norm();
   summary.residual = internal_size > 0 ? free.norm() / internal_size : 0;
-  summary.strain_energy = 0.5 * (internal.array() * solution.displacement.array()).sum();
-  summary.compliance = (loads.array() * solution.displacement.array()).sum();
+  summary.compliance = (solution.load.array() * solution.displacement.array()).sum();
+  summary.strain_energy =
+      0.5 * (summary.compliance +
+             (unbalanced.array() * frames.ToFrames(solution.displacement).array()).sum());
   Eigen::Index node = 0;
   summary.maximum_displacement = solution.displacement.colwise().norm().maxCoeff(&node);
   summary.maximum_displacement_node = static_cast<int>(node);
 }
 
-}  // namespace
+ElasticSystem::ElasticSystem(std::unique_ptr<State> state) : state_(std::move(state)) {}
+ElasticSystem::~ElasticSystem() = default;
+ElasticSystem::ElasticSystem(ElasticSystem&&) noexcept = default;
+ElasticSystem& ElasticSystem::operator=(ElasticSystem&&) noexcept = default;
+
+absl::StatusOr<ElasticSystem> ElasticSystem::Create(const mesh::TetrahedralMesh& mesh,
+                                                    std::vector<Material> materials,
+                                                    const std::vector<Support>& supports,
+                                                    const ElasticityOptions& options) {
+  const auto start = Clock::now();
+  MORTISE_RETURN_IF_ERROR(CheckMesh(mesh));
+  MORTISE_RETURN_IF_ERROR(CheckModel(mesh, materials, supports));
+  MORTISE_ASSIGN_OR_RETURN(Constraints constraints, CollectConstraints(mesh, supports));
+  MORTISE_RETURN_IF_ERROR(CheckRigidMotion(mesh, constraints));
+  ThreadTeam team(options.threads);
+  MORTISE_ASSIGN_OR_RETURN(BlockMatrix assembled,
+                           AssembleStiffness(mesh, materials, constraints.frames, team));
+  const auto stiffness = std::make_shared<const BlockMatrix>(std::move(assembled));
+  const double assembly_seconds = SecondsSince(start);
+  const auto preparation_start = Clock::now();
+  SolverOptions solver_options = options.solver;
+  solver_options.threads = options.threads;
+  MORTISE_ASSIGN_OR_RETURN(auto solver,
+                           LinearSolver::Create(mesh, stiffness->pattern(), constraints.fixed,
+                                                constraints.frames, solver_options));
+  MORTISE_RETURN_IF_ERROR(solver->Prepare(stiffness, mesh.nodes));
+  return ElasticSystem(std::unique_ptr<State>(new State{
+      mesh, std::move(materials), options, ThreadTeam(options.threads), std::move(constraints),
+      stiffness, std::move(solver), assembly_seconds, SecondsSince(preparation_start), start}));
+}
+
+absl::StatusOr<ElasticitySolution> ElasticSystem::Solve(const LoadCase& loads) {
+  State& state = *state_;
+  const bool first = state.assembly_seconds > 0;
+  if (!first) state.started = Clock::now();
+  auto start = Clock::now();
+  MORTISE_RETURN_IF_ERROR(CheckLoads(state.mesh, loads));
+  ElasticitySolution solution;
+  MORTISE_ASSIGN_OR_RETURN(solution.load, AssembleLoads(state.mesh, state.materials, loads));
+  solution.temperature = loads.temperature;
+  solution.summary.assembly_seconds = state.assembly_seconds + SecondsSince(start);
+  start = Clock::now();
+  const NodeFrames& frames = state.constraints.frames;
+  MORTISE_ASSIGN_OR_RETURN(solution.displacement,
+                           state.SolveInFrames(frames.ToFrames(solution.load)));
+  solution.displacement = frames.ToSpace(std::move(solution.displacement));
+  solution.summary.solution_seconds = state.preparation_seconds + SecondsSince(start);
+  state.assembly_seconds = state.preparation_seconds = 0;
+  Finish(solution);
+  return solution;
+}
+
+absl::StatusOr<ElasticitySolution> ElasticSystem::Combine(std::span<const CombinationTerm> terms) {
+  State& state = *state_;
+  state.started = Clock::now();
+  const Eigen::Index nodes = state.mesh.nodes.cols();
+  ElasticitySolution sum;
+  sum.displacement = sum.load = Eigen::Matrix3Xd::Zero(3, nodes);
+  for (std::size_t i = 0; i < terms.size(); ++i) {
+    const ElasticitySolution* solution = terms[i].solution;
+    if (!std::isfinite(terms[i].factor) || solution == nullptr ||
+        solution->displacement.cols() != nodes) {
+      return InvalidField(absl::StrCat("terms[", i, "]"),
+                          "must be a finite factor and a solution of this system");
+    }
+    sum.displacement += terms[i].factor * solution->displacement;
+    sum.load += terms[i].factor * solution->load;
+    if (solution->temperature.size() == 0) continue;
+    if (sum.temperature.size() == 0) sum.temperature = Eigen::VectorXd::Zero(nodes);
+    sum.temperature += terms[i].factor * solution->temperature;
+  }
+  Finish(sum);
+  return sum;
+}
+
+Stresses ElasticSystem::PointStress(const ElasticitySolution& solution) {
+  return StressAtPoints(state_->mesh, state_->materials, solution.displacement,
+                        solution.temperature, state_->team);
+}
+
+void ElasticSystem::Finish(ElasticitySolution& solution) {
+  State& state = *state_;
+  state.Summarise(solution);
+  const auto start = Clock::now();
+  if (state.options.recover_stress) {
+    NodalStress nodal = RecoverStress(state.mesh, PointStress(solution), state.team);
+    solution.stress = std::move(nodal.stress);
+    solution.von_mises = std::move(nodal.von_mises);
+    solution.maximum_principal = std::move(nodal.maximum_principal);
+    solution.part_maximum_von_mises = std::move(nodal.part_maximum);
+    solution.part_safety_factor = SafetyFactors(state.materials, solution.part_maximum_von_mises);
+  }
+  solution.summary.recovery_seconds = SecondsSince(start);
+  solution.summary.seconds = SecondsSince(state.started);
+}
 
 absl::StatusOr<ElasticitySolution> SolveElasticity(const mesh::TetrahedralMesh& mesh,
                                                    const AnalysisCase& analysis,
                                                    const ElasticityOptions& options) {
-  const auto start = Clock::now();
-  MORTISE_RETURN_IF_ERROR(CheckCase(analysis, mesh));
-  MORTISE_ASSIGN_OR_RETURN(const Constraints constraints, CollectConstraints(mesh, analysis));
-  MORTISE_RETURN_IF_ERROR(CheckRigidMotion(mesh, constraints));
-  MORTISE_ASSIGN_OR_RETURN(const BlockMatrix stiffness,
-                           AssembleStiffness(mesh, analysis.materials));
-  const Eigen::Matrix3Xd loads = AssembleLoads(mesh, analysis);
-  ElasticitySolution solution;
-  ElasticitySummary& summary = solution.summary;
-  summary.nodes = static_cast<int>(mesh.nodes.cols());
-  summary.elements = static_cast<int>(mesh.tetrahedra.cols());
-  summary.assembly_seconds = SecondsSince(start);
-
-  const auto solution_start = Clock::now();
-  MORTISE_ASSIGN_OR_RETURN(SparseCholesky factor,
-                           SparseCholesky::Create(stiffness, constraints.fixed, options.cholesky));
-  summary.cholesky = factor.summary();
-  solution.displacement = constraints.displacement;
-  // The second round refines: it removes most of the rounding of slender, badly conditioned frames.
-  for (int round = 0; round < 2; ++round) {
-    const Eigen::Matrix3Xd rest = loads - stiffness.Multiply(solution.displacement);
-    MORTISE_ASSIGN_OR_RETURN(const Eigen::Matrix3Xd correction, factor.Solve(rest));
-    solution.displacement += correction;
-  }
-  if (!solution.displacement.allFinite()) {
-    return PreconditionFailed("SINGULAR", "the solution is not finite", "supports");
-  }
-  Summarise(stiffness, loads, constraints, solution);
-  summary.solution_seconds = SecondsSince(solution_start);
-
-  const auto recovery_start = Clock::now();
-  if (options.recover_stress) {
-    NodalStress nodal = RecoverStress(mesh, analysis.materials, solution.displacement);
-    solution.stress = std::move(nodal.stress);
-    solution.von_mises = std::move(nodal.von_mises);
-    solution.part_maximum_von_mises = std::move(nodal.part_maximum);
-  }
-  summary.recovery_seconds = SecondsSince(recovery_start);
-  summary.seconds = SecondsSince(start);
-  return solution;
+  MORTISE_ASSIGN_OR_RETURN(ElasticSystem system, ElasticSystem::Create(mesh, analysis.materials,
+                                                                       analysis.supports, options));
+  return system.Solve(analysis);
 }
 
 }  // namespace mortise::simulator

@@ -46,7 +46,26 @@ const std::vector<TetrahedronPoint>& TetrahedronRule(int degree) {
     }
     return points;
   }();
-  return degree <= 1 ? one : four;
+  // Walkington's rule: two orbits of four points and one of six.
+  static const std::vector<TetrahedronPoint> fourteen = [] {
+    std::vector<TetrahedronPoint> points;
+    for (const auto& [a, weight] : {std::pair{0.31088591926330060980, 0.11268792571801585080},
+                                    std::pair{0.092735250310891226402, 0.073493043116361949544}}) {
+      for (int i = 0; i < 4; ++i) {
+        Eigen::Vector4d l = Eigen::Vector4d::Constant(a);
+        l[i] = 1 - 3 * a;
+        points.push_back({l, weight});
+      }
+    }
+    const double a = 0.045503704125649649492;
+    for (const auto& [i, j] : kTetrahedronEdges) {
+      Eigen::Vector4d l = Eigen::Vector4d::Constant(a);
+      l[i] = l[j] = 0.5 - a;
+      points.push_back({l, 0.042546020777081466438});
+    }
+    return points;
+  }();
+  return degree <= 1 ? one : degree <= 2 ? four : fourteen;
 }
 
 const std::vector<TrianglePoint>& TriangleRule() {

@@ -27,7 +27,8 @@ struct TrianglePoint {
   double weight;
 };
 
-// Exact for polynomials of degree 1 (one point) and 2 (four points).
+// Exact for polynomials of degree 1 (one point), 2 (four points) and 5 (fourteen points); the
+// smallest rule that is exact for `degree`.
 const std::vector<TetrahedronPoint>& TetrahedronRule(int degree);
 
 // Exact for polynomials of degree 4 (six points).

@@ -1,82 +1,102 @@
 #include "services/simulator/stiffness.h"
 
-#include <Eigen/Geometry>
+#include <array>
+#include <utility>
 
-#include "absl/strings/str_format.h"
 #include "common/base/errors.h"
 #include "services/simulator/shape_functions.h"
 
 namespace mortise::simulator {
 namespace {
 
-absl::Status BadElement(const mesh::TetrahedralMesh& mesh, Eigen::Index e) {
-  const Eigen::Vector3d place = 1e3 * ElementPositions(mesh, e).leftCols(4).rowwise().mean();
-  return InvalidField(
-      absl::StrFormat("tetrahedra[%d]", e),
-      absl::StrFormat("the element of part '%s' at (%.4g, %.4g, %.4g) mm is inverted or flat",
-                      mesh.part_names[mesh.part[e]], place.x(), place.y(), place.z()));
+using Columns = Eigen::Matrix<double, 6, 3>;
+
+// D B of a node with gradient g: the stress (rows) that unit displacements along x, y, z cause.
+Columns StressOfNode(const Matrix6d& d, const Eigen::Vector3d& g) {
+  Columns stress;
+  stress.col(0) = g.x() * d.col(0) + g.y() * d.col(3) + g.z() * d.col(5);
+  stress.col(1) = g.y() * d.col(1) + g.x() * d.col(3) + g.z() * d.col(4);
+  stress.col(2) = g.z() * d.col(2) + g.y() * d.col(4) + g.x() * d.col(5);
+  return stress;
 }
 
-absl::Status CheckMesh(const mesh::TetrahedralMesh& mesh) {
-  const Eigen::Index rows = mesh.tetrahedra.rows();
-  if (mesh.tetrahedra.cols() == 0 || (rows != 4 && rows != 10)) {
-    return InvalidField("tetrahedra", "there must be elements, of 4 or 10 nodes");
+// Adds Bᵀ S of a node with gradient g.
+void AddForces(const Eigen::Vector3d& g, const Columns& s, Eigen::Matrix3d& block) {
+  for (int c = 0; c < 3; ++c) {
+    block(0, c) += g.x() * s(0, c) + g.y() * s(3, c) + g.z() * s(5, c);
+    block(1, c) += g.y() * s(1, c) + g.x() * s(3, c) + g.z() * s(4, c);
+    block(2, c) += g.z() * s(2, c) + g.y() * s(4, c) + g.x() * s(5, c);
   }
-  if (mesh.tetrahedra.minCoeff() < 0 || mesh.tetrahedra.maxCoeff() >= mesh.nodes.cols()) {
-    return InvalidField("tetrahedra", "an element names a node that does not exist");
-  }
-  if (!mesh.nodes.allFinite()) return InvalidField("nodes", "a coordinate is not finite");
-  if (mesh.part.size() != mesh.tetrahedra.cols() || mesh.part.minCoeff() < 0 ||
-      mesh.part.maxCoeff() >= static_cast<int>(mesh.part_names.size())) {
-    return InvalidField("part", "every element must belong to a part");
-  }
-  return absl::OkStatus();
 }
 
 }  // namespace
 
 absl::StatusOr<BlockMatrix> AssembleStiffness(const mesh::TetrahedralMesh& mesh,
-                                              const std::vector<Material>& materials) {
+                                              const std::vector<Material>& materials,
+                                              const NodeFrames& frames, ThreadTeam& team) {
   MORTISE_RETURN_IF_ERROR(CheckMesh(mesh));
-  BlockMatrix stiffness(mesh);
-  const int corners = static_cast<int>(mesh.tetrahedra.rows());
+  std::vector<Matrix6d> stiffness;
+  for (const Material& material : materials) stiffness.push_back(StiffnessMatrix(material));
+  const int nodes = static_cast<int>(mesh.tetrahedra.rows());
   const auto& rule = TetrahedronRule(mesh.IsQuadratic() ? 2 : 1);
-  std::array<std::array<Eigen::Matrix3d, kMaximumNodes>, kMaximumNodes> block;
-  for (Eigen::Index e = 0; e < mesh.tetrahedra.cols(); ++e) {
+  const auto kernel = [&](int e, Eigen::Matrix3d* blocks) {
     const GradientMatrix positions = ElementPositions(mesh, e);
-    const double lambda = materials[mesh.part[e]].Lambda(), mu = materials[mesh.part[e]].Mu();
-    for (int a = 0; a < corners; ++a) {
-      for (int b = a; b < corners; ++b) block[a][b].setZero();
-    }
+    const Matrix6d& d = stiffness[mesh.part[e]];
     const double longest = (positions.colwise() - Eigen::Vector3d(positions.col(0))).norm();
     for (const TetrahedronPoint& point : rule) {
       const ElementPoint geometry = EvaluateElement(positions, point.barycentric);
-      if (!(geometry.determinant > 1e-14 * longest * longest * longest)) {
-        return BadElement(mesh, e);
-      }
+      if (!(geometry.determinant > 1e-14 * longest * longest * longest)) return false;
       const double volume = point.weight * geometry.determinant / 6;
-      const GradientMatrix& g = geometry.gradients;
-      for (int a = 0; a < corners; ++a) {
-        for (int b = a; b < corners; ++b) {
-          // Bₐᵀ D B_b of an isotropic material: λ gₐ g_bᵀ + μ g_b gₐᵀ + μ (gₐ·g_b) I.
-          const Eigen::Matrix3d outer = g.col(a) * g.col(b).transpose();
-          block[a][b] += volume * (lambda * outer + mu * outer.transpose());
-          block[a][b].diagonal().array() += volume * mu * outer.trace();
+      std::array<Columns, kMaximumNodes> stress;
+      for (int b = 0; b < nodes; ++b) {
+        stress[b] = volume * StressOfNode(d, geometry.gradients.col(b));
+      }
+      int k = 0;
+      for (int a = 0; a < nodes; ++a) {
+        const Eigen::Vector3d g = geometry.gradients.col(a);
+        for (int b = a; b < nodes; ++b) AddForces(g, stress[b], blocks[k++]);
+      }
+    }
+    return true;
+  };
+  BlockMatrix sum(mesh);
+  MORTISE_RETURN_IF_ERROR(AssembleBlocks(mesh, frames, kernel, team, sum));
+  return sum;
+}
+
+absl::StatusOr<BlockMatrix> AssembleStiffness(const mesh::TetrahedralMesh& mesh,
+                                              const std::vector<Material>& materials) {
+  ThreadTeam alone(1);
+  return AssembleStiffness(mesh, materials, {}, alone);
+}
+
+absl::StatusOr<BlockMatrix> AssembleMass(const mesh::TetrahedralMesh& mesh,
+                                         const std::vector<Material>& materials,
+                                         const NodeFrames& frames,
+                                         std::shared_ptr<const BlockPattern> pattern,
+                                         ThreadTeam& team) {
+  MORTISE_RETURN_IF_ERROR(CheckMesh(mesh));
+  const int nodes = static_cast<int>(mesh.tetrahedra.rows());
+  const auto& rule = TetrahedronRule(mesh.IsQuadratic() ? 5 : 2);
+  const auto kernel = [&](int e, Eigen::Matrix3d* blocks) {
+    const GradientMatrix positions = ElementPositions(mesh, e);
+    for (const TetrahedronPoint& point : rule) {
+      const double determinant = EvaluateElement(positions, point.barycentric).determinant;
+      if (!(determinant > 0)) return false;
+      const double mass = materials[mesh.part[e]].density * point.weight * determinant / 6;
+      const ShapeVector shape = TetrahedronShape(point.barycentric, nodes);
+      int k = 0;
+      for (int a = 0; a < nodes; ++a) {
+        for (int b = a; b < nodes; ++b) {
+          blocks[k++].diagonal().array() += mass * shape[a] * shape[b];
         }
       }
     }
-    for (int a = 0; a < corners; ++a) {
-      for (int b = a; b < corners; ++b) {
-        const int i = mesh.tetrahedra(a, e), j = mesh.tetrahedra(b, e);
-        if (i <= j) {
-          stiffness.Add(i, j, block[a][b]);
-        } else {
-          stiffness.Add(j, i, block[a][b].transpose());
-        }
-      }
-    }
-  }
-  return stiffness;
+    return true;
+  };
+  BlockMatrix sum(std::move(pattern));
+  MORTISE_RETURN_IF_ERROR(AssembleBlocks(mesh, frames, kernel, team, sum));
+  return sum;
 }
 
 }  // namespace mortise::simulator

@@ -3,108 +3,79 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/mesh/element_faces.h"
 #include "services/simulator/shape_functions.h"
 
 namespace mortise::simulator {
 namespace {
 
-// A node as one part sees it.
-struct NodeOfPart {
-  int node;
-  int part;
-  friend auto operator<=>(const NodeOfPart&, const NodeOfPart&) = default;
-};
-
-std::vector<NodeOfPart> NodesOfParts(const mesh::TetrahedralMesh& mesh) {
-  std::vector<NodeOfPart> all;
-  all.reserve(mesh.tetrahedra.size());
-  for (Eigen::Index e = 0; e < mesh.tetrahedra.cols(); ++e) {
-    for (Eigen::Index k = 0; k < mesh.tetrahedra.rows(); ++k) {
-      all.push_back({mesh.tetrahedra(k, e), mesh.part[e]});
-    }
-  }
-  std::sort(all.begin(), all.end());
-  all.erase(std::unique(all.begin(), all.end()), all.end());
-  return all;
-}
-
-Vector6d StressAt(const ElementPoint& point, const Eigen::Matrix<double, 3, Eigen::Dynamic>& u,
-                  const Material& material) {
-  const Eigen::Matrix3d gradient = u * point.gradients.transpose();
-  const Eigen::Matrix3d strain = 0.5 * (gradient + gradient.transpose());
-  const double pressure = material.Lambda() * strain.trace();
-  const double twice_mu = 2 * material.Mu();
-  Vector6d stress;
-  stress << twice_mu * strain(0, 0) + pressure, twice_mu * strain(1, 1) + pressure,
-      twice_mu * strain(2, 2) + pressure, twice_mu * strain(0, 1), twice_mu * strain(1, 2),
-      twice_mu * strain(0, 2);
-  return stress;
-}
-
-// Weights that carry values at the integration points linearly to each node: nodes × points.
-Eigen::MatrixXd Extrapolation(int nodes) {
-  const auto& rule = TetrahedronRule(nodes == 10 ? 2 : 1);
-  const int points = static_cast<int>(rule.size());
-  if (points == 1) return Eigen::MatrixXd::Ones(nodes, 1);
-  // Point i has barycentric 1 − 3a at corner i and a elsewhere, so wᵢ(L) = (Lᵢ − a) / (1 − 4a).
-  const double a = rule[0].barycentric[1];
-  Eigen::MatrixXd weights(nodes, points);
-  for (int n = 0; n < nodes; ++n) {
-    Eigen::Vector4d l = Eigen::Vector4d::Zero();
-    if (n < 4) {
-      l[n] = 1;
-    } else {
-      l[mesh::kTetrahedronEdges[n - 4][0]] = l[mesh::kTetrahedronEdges[n - 4][1]] = 0.5;
-    }
-    weights.row(n) = ((l.array() - a) / (1 - 4 * a)).transpose();
-  }
-  return weights;
+Vector6d StrainOf(const Eigen::Matrix3d& gradient) {
+  Vector6d strain;
+  strain << gradient(0, 0), gradient(1, 1), gradient(2, 2), gradient(0, 1) + gradient(1, 0),
+      gradient(1, 2) + gradient(2, 1), gradient(0, 2) + gradient(2, 0);
+  return strain;
 }
 
 }  // namespace
 
-NodalStress RecoverStress(const mesh::TetrahedralMesh& mesh, const std::vector<Material>& materials,
-                          const Eigen::Matrix3Xd& displacement) {
+Stresses StressAtPoints(const mesh::TetrahedralMesh& mesh, const std::vector<Material>& materials,
+                        const Eigen::Matrix3Xd& displacement, const Eigen::VectorXd& temperature,
+                        ThreadTeam& team) {
+  std::vector<Matrix6d> stiffness;
+  std::vector<Vector6d> expansion;
+  for (const Material& material : materials) {
+    stiffness.push_back(StiffnessMatrix(material));
+    expansion.push_back(ThermalStrain(material));
+  }
   const int nodes = static_cast<int>(mesh.tetrahedra.rows());
-  const auto& rule = TetrahedronRule(nodes == 10 ? 2 : 1);
-  const Eigen::MatrixXd extrapolation = Extrapolation(nodes);
-  const std::vector<NodeOfPart> keys = NodesOfParts(mesh);
-  Eigen::Matrix<double, 6, Eigen::Dynamic> sum(6, keys.size());
-  sum.setZero();
-  Eigen::VectorXd weight = Eigen::VectorXd::Zero(keys.size());
-  Eigen::Matrix<double, 6, Eigen::Dynamic> at_points(6, rule.size());
-  Eigen::Matrix<double, 3, Eigen::Dynamic> u(3, nodes);
-  for (Eigen::Index e = 0; e < mesh.tetrahedra.cols(); ++e) {
-    const GradientMatrix positions = ElementPositions(mesh, e);
-    for (int k = 0; k < nodes; ++k) u.col(k) = displacement.col(mesh.tetrahedra(k, e));
-    double volume = 0;
-    for (std::size_t p = 0; p < rule.size(); ++p) {
-      const ElementPoint point = EvaluateElement(positions, rule[p].barycentric);
-      volume += rule[p].weight * point.determinant / 6;
-      at_points.col(p) = StressAt(point, u, materials[mesh.part[e]]);
+  const auto& rule = TetrahedronRule(mesh.IsQuadratic() ? 2 : 1);
+  const Eigen::Index points = static_cast<Eigen::Index>(rule.size());
+  Stresses stress(6, points * mesh.tetrahedra.cols());
+  team.ForRanges(static_cast<int>(mesh.tetrahedra.cols()), [&](int begin, int end) {
+    GradientMatrix u(3, nodes);
+    ShapeVector warmth = ShapeVector::Zero(nodes);
+    for (Eigen::Index e = begin; e < end; ++e) {
+      const GradientMatrix positions = ElementPositions(mesh, e);
+      for (int k = 0; k < nodes; ++k) {
+        u.col(k) = displacement.col(mesh.tetrahedra(k, e));
+        if (temperature.size() > 0) warmth[k] = temperature[mesh.tetrahedra(k, e)];
+      }
+      for (Eigen::Index p = 0; p < points; ++p) {
+        const ElementPoint point = EvaluateElement(positions, rule[p].barycentric);
+        Vector6d strain = StrainOf(u * point.gradients.transpose());
+        if (temperature.size() > 0) {
+          strain -=
+              TetrahedronShape(rule[p].barycentric, nodes).dot(warmth) * expansion[mesh.part[e]];
+        }
+        stress.col(points * e + p) = stiffness[mesh.part[e]] * strain;
+      }
     }
-    for (int k = 0; k < nodes; ++k) {
-      const auto found = std::lower_bound(keys.begin(), keys.end(),
-                                          NodeOfPart{mesh.tetrahedra(k, e), mesh.part[e]});
-      const Eigen::Index slot = found - keys.begin();
-      sum.col(slot) += volume * (at_points * extrapolation.row(k).transpose());
-      weight[slot] += volume;
-    }
-  }
+  });
+  return stress;
+}
+
+NodalStress RecoverStress(const mesh::TetrahedralMesh& mesh, const Stresses& at_points,
+                          ThreadTeam& team) {
+  const PartNodes nodes(mesh);
+  const Stresses recovered = RecoverByPatches(mesh, nodes, at_points, team);
   NodalStress result;
-  result.stress = Eigen::Matrix<double, 6, Eigen::Dynamic>::Zero(6, mesh.nodes.cols());
-  result.von_mises = Eigen::VectorXd::Constant(mesh.nodes.cols(), 0);
+  result.stress = Stresses::Zero(6, mesh.nodes.cols());
+  result.von_mises = Eigen::VectorXd::Zero(mesh.nodes.cols());
   result.part_maximum = Eigen::VectorXd::Zero(mesh.part_names.size());
-  for (std::size_t slot = 0; slot < keys.size(); ++slot) {
-    const Vector6d stress = sum.col(slot) / weight[slot];
+  for (int slot = 0; slot < nodes.size(); ++slot) {
+    const Vector6d stress = recovered.col(slot);
     const double equivalent = VonMises(stress);
-    double& maximum = result.part_maximum[keys[slot].part];
+    double& maximum = result.part_maximum[nodes.part(slot)];
     maximum = std::max(maximum, equivalent);
-    if (equivalent < result.von_mises[keys[slot].node]) continue;
-    result.von_mises[keys[slot].node] = equivalent;
-    result.stress.col(keys[slot].node) = stress;
+    if (equivalent < result.von_mises[nodes.node(slot)]) continue;
+    result.von_mises[nodes.node(slot)] = equivalent;
+    result.stress.col(nodes.node(slot)) = stress;
   }
+  result.maximum_principal.resize(mesh.nodes.cols());
+  team.ForRanges(static_cast<int>(mesh.nodes.cols()), [&](int begin, int end) {
+    for (int v = begin; v < end; ++v) {
+      result.maximum_principal[v] = MaximumPrincipal(result.stress.col(v));
+    }
+  });
   return result;
 }
 

@@ -1,24 +1,33 @@
-// Stresses at nodes from displacements.
+// Stresses from displacements: at integration points, and smoothed to the nodes.
 #pragma once
 
 #include <Eigen/Core>
 #include <vector>
 
 #include "services/simulator/analysis_case.h"
+#include "services/simulator/patch_recovery.h"
+#include "services/simulator/thread_team.h"
 
 namespace mortise::simulator {
 
+// Stresses σ = D (ε − ε_T) where they are most accurate: 6 × (points · elements), Pa, xx yy zz xy
+// yz xz, those of an element in a row. Linear elements have one point (the centroid), quadratic
+// ones four, those of TetrahedronRule. `temperature`: nodes, K, or empty.
+Stresses StressAtPoints(const mesh::TetrahedralMesh& mesh, const std::vector<Material>& materials,
+                        const Eigen::Matrix3Xd& displacement, const Eigen::VectorXd& temperature,
+                        ThreadTeam& team);
+
 struct NodalStress {
-  Eigen::Matrix<double, 6, Eigen::Dynamic> stress;  // 6 × nodes, Pa: xx yy zz xy yz xz
-  Eigen::VectorXd von_mises;                        // nodes, Pa
-  Eigen::VectorXd part_maximum;                     // parts, Pa: largest von Mises stress of each
+  Stresses stress;                    // 6 × nodes, Pa: xx yy zz xy yz xz
+  Eigen::VectorXd von_mises;          // nodes, Pa
+  Eigen::VectorXd maximum_principal;  // nodes, Pa
+  Eigen::VectorXd part_maximum;       // parts, Pa: largest von Mises stress of each
 };
 
-// Stress is computed where it is most accurate (the integration points), carried linearly to the
-// nodes and averaged there, weighted by volume, over the elements of each part by itself: across a
-// joint stress may jump. Where parts meet, `stress` is that of the part under the larger von Mises
-// stress.
-NodalStress RecoverStress(const mesh::TetrahedralMesh& mesh, const std::vector<Material>& materials,
-                          const Eigen::Matrix3Xd& displacement);
+// Smooths stresses at the points to the nodes, of each part by itself. Where parts meet, `stress`,
+// `von_mises` and `maximum_principal` are those of the part under the larger von Mises stress.
+// `at_points`: from StressAtPoints.
+NodalStress RecoverStress(const mesh::TetrahedralMesh& mesh, const Stresses& at_points,
+                          ThreadTeam& team);
 
 }  // namespace mortise::simulator

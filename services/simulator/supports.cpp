@@ -4,45 +4,21 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <map>
 #include <set>
+#include <string>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "absl/strings/str_join.h"
 #include "common/base/errors.h"
+#include "services/simulator/components.h"
+#include "services/simulator/shape_functions.h"
 
 namespace mortise::simulator {
 namespace {
 
-// Sets of nodes that elements connect.
-class ConnectedNodes {
- public:
-  explicit ConnectedNodes(const mesh::TetrahedralMesh& mesh) : parent_(mesh.nodes.cols()) {
-    std::iota(parent_.begin(), parent_.end(), 0);
-    for (Eigen::Index e = 0; e < mesh.tetrahedra.cols(); ++e) {
-      for (Eigen::Index k = 1; k < mesh.tetrahedra.rows(); ++k) {
-        parent_[Root(mesh.tetrahedra(k, e))] = Root(mesh.tetrahedra(0, e));
-      }
-    }
-  }
-
-  int Root(int node) {
-    while (parent_[node] != node) node = parent_[node] = parent_[parent_[node]];
-    return node;
-  }
-
- private:
-  std::vector<int> parent_;
-};
-
 using RigidMode = Eigen::Matrix<double, 6, 1>;  // translation, rotation about the centre
-
-// One set of connected nodes.
-struct Component {
-  std::set<int> parts;
-  std::vector<int> nodes;
-};
 
 std::string AxisText(const Eigen::Vector3d& direction) {
   static constexpr const char* kNames[] = {"x", "y", "z"};
@@ -58,98 +34,220 @@ std::string MotionText(const RigidMode& mode) {
   return "move along " + AxisText(shift.normalized());
 }
 
-// The rigid motion that the supports leave to the component, if there is one.
-bool FindFreeMode(const Component& component, const mesh::TetrahedralMesh& mesh,
-                  const Constraints& constraints, RigidMode& mode) {
-  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+// The motions of a component that the supports leave, in units of its size.
+struct FreeModes {
+  Eigen::Vector3d centre;
+  double size = 1;  // m: a rotation of 1 moves the component's ends by this
+  Eigen::Matrix<double, 6, Eigen::Dynamic> modes;  // orthonormal columns, the freest first
+};
+
+FreeModes FindFreeModes(const Component& component, const mesh::TetrahedralMesh& mesh,
+                        const Constraints& constraints) {
+  FreeModes free;
+  free.centre.setZero();
   Eigen::AlignedBox3d box;
   for (const int v : component.nodes) {
-    centre += mesh.nodes.col(v) / component.nodes.size();
+    free.centre += mesh.nodes.col(v) / component.nodes.size();
     box.extend(mesh.nodes.col(v));
   }
   // Rotations are scaled so that they move the component's ends as far as translations do.
-  const double size = std::max(0.5 * box.diagonal().norm(), 1e-300);
+  free.size = std::max(0.5 * box.diagonal().norm(), 1e-300);
   Eigen::Matrix<double, 6, 6> gram = Eigen::Matrix<double, 6, 6>::Zero();
   for (const int v : component.nodes) {
-    const Eigen::Vector3d arm = (mesh.nodes.col(v) - centre) / size;
+    if ((constraints.fixed.col(v) == 0).all()) continue;
+    const Eigen::Vector3d arm = (mesh.nodes.col(v) - free.centre) / free.size;
+    const int frame = constraints.frames.empty() ? -1 : constraints.frames.index[v];
     for (int k = 0; k < 3; ++k) {
       if (!constraints.fixed(k, v)) continue;
+      Eigen::Vector3d direction = Eigen::Vector3d::Unit(k);
+      if (frame >= 0) direction = constraints.frames.axes[frame].col(k);
       RigidMode row;
-      row << Eigen::Vector3d::Unit(k), arm.cross(Eigen::Vector3d::Unit(k));
+      row << direction, arm.cross(direction);
       gram += row * row.transpose();
     }
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> eigen(gram);
-  mode = eigen.eigenvectors().col(0);
   const double largest = eigen.eigenvalues()[5];
-  return largest == 0 || eigen.eigenvalues()[0] < 1e-10 * largest;
+  int count = 0;
+  while (count < 6 && (largest == 0 || eigen.eigenvalues()[count] < 1e-10 * largest)) ++count;
+  free.modes = eigen.eigenvectors().leftCols(count);
+  return free;
+}
+
+// A displacement prescribed along a direction.
+struct Hold {
+  Eigen::Vector3d direction;
+  double displacement;
+  std::size_t support;
+};
+
+// The area-weighted normal of each node of the triangles, as pairs (node, normal) by node.
+std::map<int, Eigen::Vector3d> NodeNormals(const mesh::TetrahedralMesh& mesh,
+                                           const std::vector<int>& triangles) {
+  std::map<int, Eigen::Vector3d> normals;
+  const int nodes = static_cast<int>(mesh.face_triangles.rows());
+  for (const int t : triangles) {
+    const GradientMatrix positions = TrianglePositions(mesh, t);
+    for (int k = 0; k < nodes; ++k) {
+      Eigen::Vector3d l = Eigen::Vector3d::Zero();
+      if (k < 3) {
+        l[k] = 1;
+      } else {
+        l[k - 3] = l[(k - 2) % 3] = 0.5;
+      }
+      normals.try_emplace(mesh.face_triangles(k, t), Eigen::Vector3d::Zero()).first->second +=
+          TriangleAreaVector(positions, l);
+    }
+  }
+  for (auto& [node, normal] : normals) {
+    normal.normalize();
+    // Faces that are square to an axis up to rounding are held along the axis.
+    Eigen::Index axis;
+    if (normal.cwiseAbs().maxCoeff(&axis) > 1 - 1e-12) {
+      normal = Eigen::Vector3d::Unit(axis);
+    }
+  }
+  return normals;
+}
+
+std::map<int, std::vector<Hold>> CollectHolds(const mesh::TetrahedralMesh& mesh,
+                                              const std::vector<Support>& supports) {
+  std::map<int, std::vector<Hold>> holds;
+  for (std::size_t i = 0; i < supports.size(); ++i) {
+    const Support& support = supports[i];
+    const std::vector<int> triangles = TrianglesOn(mesh, support.face, false);
+    if (support.symmetric) {
+      for (const auto& [node, normal] : NodeNormals(mesh, triangles)) {
+        holds[node].push_back({normal, 0, i});
+      }
+      continue;
+    }
+    std::set<int> nodes;
+    if (support.face.name.empty()) nodes.insert(support.nodes.begin(), support.nodes.end());
+    for (const int t : triangles) {
+      for (Eigen::Index k = 0; k < mesh.face_triangles.rows(); ++k) {
+        nodes.insert(mesh.face_triangles(k, t));
+      }
+    }
+    for (const int node : nodes) {
+      for (int axis = 0; axis < 3; ++axis) {
+        if (!support.fixed[axis]) continue;
+        holds[node].push_back({Eigen::Vector3d::Unit(axis), support.displacement[axis], i});
+      }
+    }
+  }
+  return holds;
+}
+
+absl::Status Contradiction(std::size_t support) {
+  return InvalidField(absl::StrCat("supports[", support, "].displacement"),
+                      "contradicts another support on a shared edge");
+}
+
+bool AlongAnAxis(const Hold& hold) { return hold.direction.cwiseAbs().maxCoeff() == 1; }
+
+// Holds along x, y and z only.
+absl::Status HoldAlongAxes(int node, const std::vector<Hold>& holds, Constraints& constraints) {
+  for (const Hold& hold : holds) {
+    Eigen::Index axis;
+    hold.direction.cwiseAbs().maxCoeff(&axis);
+    double& value = constraints.displacement(axis, node);
+    if (constraints.fixed(axis, node) && value != hold.displacement) {
+      return Contradiction(hold.support);
+    }
+    constraints.fixed(axis, node) = 1;
+    value = hold.displacement;
+  }
+  return absl::OkStatus();
+}
+
+// Gives the node a frame whose first axes span the directions that are held.
+absl::Status HoldInFrame(const mesh::TetrahedralMesh& mesh, int node,
+                         const std::vector<Hold>& holds, Constraints& constraints) {
+  // Directions nearer to each other than this (a degree) are the same one, known roughly.
+  constexpr double kSame = 0.02;
+  Eigen::Matrix3d axes;
+  Eigen::Vector3d values = Eigen::Vector3d::Zero();
+  int rank = 0;
+  for (const Hold& hold : holds) {
+    Eigen::Vector3d rest = hold.direction;
+    double value = hold.displacement;
+    for (int k = 0; k < rank; ++k) {
+      const double share = axes.col(k).dot(hold.direction);
+      rest -= share * axes.col(k);
+      value -= share * values[k];
+    }
+    if (rest.norm() < kSame) {
+      const double size = std::max(std::abs(hold.displacement), values.cwiseAbs().maxCoeff());
+      if (std::abs(value) > 2 * kSame * size) return Contradiction(hold.support);
+      continue;
+    }
+    axes.col(rank) = rest.normalized();
+    values[rank++] = value / rest.norm();
+  }
+  if (rank == 1) axes.col(1) = axes.col(0).unitOrthogonal();
+  if (rank <= 2) axes.col(2) = axes.col(0).cross(axes.col(1));
+  NodeFrames& frames = constraints.frames;
+  if (frames.empty()) frames.index.assign(mesh.nodes.cols(), -1);
+  frames.index[node] = static_cast<int>(frames.axes.size());
+  frames.axes.push_back(axes);
+  for (int k = 0; k < rank; ++k) {
+    constraints.fixed(k, node) = 1;
+    constraints.displacement(k, node) = values[k];
+  }
+  return absl::OkStatus();
 }
 
 }  // namespace
 
 absl::StatusOr<Constraints> CollectConstraints(const mesh::TetrahedralMesh& mesh,
-                                               const AnalysisCase& analysis) {
+                                               const std::vector<Support>& supports) {
   Constraints constraints;
   constraints.fixed = Eigen::Array3Xi::Zero(3, mesh.nodes.cols());
   constraints.displacement = Eigen::Matrix3Xd::Zero(3, mesh.nodes.cols());
-  for (std::size_t i = 0; i < analysis.supports.size(); ++i) {
-    const Support& support = analysis.supports[i];
-    for (const int t : TrianglesOn(mesh, support.face, false)) {
-      for (Eigen::Index k = 0; k < mesh.face_triangles.rows(); ++k) {
-        const int node = mesh.face_triangles(k, t);
-        for (int axis = 0; axis < 3; ++axis) {
-          if (!support.fixed[axis]) continue;
-          double& value = constraints.displacement(axis, node);
-          if (constraints.fixed(axis, node) && value != support.displacement[axis]) {
-            return InvalidField(absl::StrCat("supports[", i, "].displacement"),
-                                "contradicts another support on a shared edge");
-          }
-          constraints.fixed(axis, node) = 1;
-          value = support.displacement[axis];
-        }
-      }
+  for (const auto& [node, holds] : CollectHolds(mesh, supports)) {
+    if (std::all_of(holds.begin(), holds.end(), AlongAnAxis)) {
+      MORTISE_RETURN_IF_ERROR(HoldAlongAxes(node, holds, constraints));
+    } else {
+      MORTISE_RETURN_IF_ERROR(HoldInFrame(mesh, node, holds, constraints));
     }
   }
   return constraints;
 }
 
 absl::Status CheckRigidMotion(const mesh::TetrahedralMesh& mesh, const Constraints& constraints) {
-  ConnectedNodes connected(mesh);
-  std::vector<int> index(mesh.nodes.cols(), -1);
-  std::vector<Component> components;
-  for (int v = 0; v < mesh.nodes.cols(); ++v) {
-    int& component = index[connected.Root(v)];
-    if (component < 0) {
-      component = static_cast<int>(components.size());
-      components.emplace_back();
-    }
-    components[component].nodes.push_back(v);
-  }
-  for (Eigen::Index e = 0; e < mesh.tetrahedra.cols(); ++e) {
-    components[index[connected.Root(mesh.tetrahedra(0, e))]].parts.insert(mesh.part[e]);
-  }
-  for (const Component& component : components) {
-    RigidMode mode;
-    if (!FindFreeMode(component, mesh, constraints, mode)) continue;
+  for (const Component& component : FindComponents(mesh)) {
+    const FreeModes free = FindFreeModes(component, mesh, constraints);
+    if (free.modes.cols() == 0) continue;
     if (component.parts.empty()) {
       return InvalidField("nodes",
                           absl::StrCat("node ", component.nodes[0], " belongs to no element"));
     }
-    std::vector<std::string> names;
-    for (const int part : component.parts) {
-      if (names.size() < 4) names.push_back(absl::StrCat("'", mesh.part_names[part], "'"));
-    }
-    const std::size_t more = component.parts.size() - names.size();
-    const std::string subject =
-        absl::StrCat(component.parts.size() > 1 ? "parts " : "part ", absl::StrJoin(names, ", "),
-                     more > 0 ? absl::StrCat(" and ", more, " more") : "",
-                     component.parts.size() > 1 ? " are" : " is");
-    return PreconditionFailed("RIGID_MOTION",
-                              absl::StrCat(subject, " free to ", MotionText(mode),
-                                           ": not held by supports or bonded parts"),
-                              "supports");
+    return PreconditionFailed(
+        "RIGID_MOTION",
+        absl::StrCat(PartsText(component, mesh), " free to ", MotionText(free.modes.col(0)),
+                     ": not held by supports or bonded parts"),
+        "supports");
   }
   return absl::OkStatus();
+}
+
+std::vector<Eigen::Matrix3Xd> RigidMotions(const mesh::TetrahedralMesh& mesh,
+                                           const Constraints& constraints) {
+  std::vector<Eigen::Matrix3Xd> motions;
+  for (const Component& component : FindComponents(mesh)) {
+    const FreeModes free = FindFreeModes(component, mesh, constraints);
+    for (Eigen::Index m = 0; m < free.modes.cols(); ++m) {
+      const Eigen::Vector3d shift = free.modes.col(m).head<3>(), turn = free.modes.col(m).tail<3>();
+      Eigen::Matrix3Xd motion = Eigen::Matrix3Xd::Zero(3, mesh.nodes.cols());
+      for (const int v : component.nodes) {
+        motion.col(v) =
+            shift + turn.cross(Eigen::Vector3d(mesh.nodes.col(v) - free.centre)) / free.size;
+      }
+      motions.push_back(std::move(motion));
+    }
+  }
+  return motions;
 }
 
 }  // namespace mortise::simulator

@@ -32,7 +32,7 @@ void FillAnalysis(const DesignAnalysis& analysis, const parametric::EvaluatedDes
   *message.mutable_total_reaction() = ToProto(summary.total_reaction);
   message.set_nodes(summary.nodes);
   message.set_elements(summary.elements);
-  message.set_unknowns(summary.cholesky.unknowns);
+  message.set_unknowns(summary.solver.unknowns);
   message.set_seconds(analysis.seconds);
 }
 

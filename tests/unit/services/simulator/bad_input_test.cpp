@@ -138,7 +138,7 @@ TEST(BadInput, ContradictingSupportsAreRefused) {
 
 TEST(BadInput, MemoryLimitIsHonoured) {
   DesignAnalysisOptions options;
-  options.elasticity.cholesky.memory_limit = 1e5;
+  options.elasticity.solver.memory_limit = 1e5;
   const auto status = AnalyzeDesign(LoadedTable(), {"compliance"}, false, options).status();
   EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted) << status;
 }

@@ -1,0 +1,105 @@
+#include "services/simulator/error_estimate.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "services/simulator/patch_recovery.h"
+#include "services/simulator/shape_functions.h"
+#include "services/simulator/stress_recovery.h"
+
+namespace mortise::simulator {
+namespace {
+
+// Stress of one element at a point, from the values of its nodes.
+struct ElementStress {
+  const Matrix6d& stiffness;
+  const Vector6d& expansion;
+  const GradientMatrix& displacement;
+  const ShapeVector& temperature;  // empty if nothing is warm
+
+  Vector6d At(const ElementPoint& point, const ShapeVector& shape) const {
+    const Eigen::Matrix3d g = displacement * point.gradients.transpose();
+    Vector6d strain;
+    strain << g(0, 0), g(1, 1), g(2, 2), g(0, 1) + g(1, 0), g(1, 2) + g(2, 1), g(0, 2) + g(2, 0);
+    if (temperature.size() > 0) strain -= shape.dot(temperature) * expansion;
+    return stiffness * strain;
+  }
+};
+
+}  // namespace
+
+ErrorEstimate EstimateError(const mesh::TetrahedralMesh& mesh,
+                            const std::vector<Material>& materials,
+                            const Eigen::Matrix3Xd& displacement,
+                            const Eigen::VectorXd& temperature, ThreadTeam& team) {
+  const PartNodes part_nodes(mesh);
+  const Stresses smooth = RecoverByPatches(
+      mesh, part_nodes, StressAtPoints(mesh, materials, displacement, temperature, team), team);
+  std::vector<Matrix6d> stiffness, compliance;
+  std::vector<Vector6d> expansion;
+  for (const Material& material : materials) {
+    stiffness.push_back(StiffnessMatrix(material));
+    compliance.push_back(stiffness.back().inverse());
+    expansion.push_back(ThermalStrain(material));
+  }
+  const int nodes = static_cast<int>(mesh.tetrahedra.rows());
+  const int elements = static_cast<int>(mesh.tetrahedra.cols());
+  const auto& rule = TetrahedronRule(mesh.IsQuadratic() ? 5 : 2);
+  Eigen::VectorXd error(elements), energy(elements);  // both squared
+  team.ForRanges(elements, [&](int begin, int end) {
+    GradientMatrix u(3, nodes);
+    ShapeVector warmth(temperature.size() > 0 ? nodes : 0);
+    Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, kMaximumNodes> recovered(6, nodes);
+    for (int e = begin; e < end; ++e) {
+      const GradientMatrix positions = ElementPositions(mesh, e);
+      for (int k = 0; k < nodes; ++k) {
+        const int node = mesh.tetrahedra(k, e);
+        u.col(k) = displacement.col(node);
+        if (warmth.size() > 0) warmth[k] = temperature[node];
+        recovered.col(k) = smooth.col(part_nodes.element_slots()(k, e));
+      }
+      const int part = mesh.part[e];
+      const ElementStress stress{stiffness[part], expansion[part], u, warmth};
+      error[e] = energy[e] = 0;
+      for (const TetrahedronPoint& at : rule) {
+        const ElementPoint point = EvaluateElement(positions, at.barycentric);
+        const ShapeVector shape = TetrahedronShape(at.barycentric, nodes);
+        const double volume = at.weight * point.determinant / 6;
+        const Vector6d own = stress.At(point, shape);
+        const Vector6d difference = recovered * shape - own;
+        error[e] += volume * difference.dot(compliance[part] * difference);
+        energy[e] += volume * own.dot(compliance[part] * own);
+      }
+    }
+  });
+  ErrorEstimate estimate;
+  estimate.error = std::sqrt(error.sum());
+  estimate.energy_norm = std::sqrt(energy.sum());
+  const double whole = std::hypot(estimate.error, estimate.energy_norm);
+  estimate.relative = whole > 0 ? estimate.error / whole : 0;
+  estimate.element_error = error.cwiseSqrt();
+  return estimate;
+}
+
+Eigen::VectorXd ElementSizes(const mesh::TetrahedralMesh& mesh, const ErrorEstimate& estimate,
+                             double wanted) {
+  const double degree = mesh.IsQuadratic() ? 2 : 1;
+  const Eigen::Index elements = mesh.tetrahedra.cols();
+  const double allowed =
+      wanted * std::hypot(estimate.error, estimate.energy_norm) / std::sqrt(double(elements));
+  Eigen::VectorXd sizes(elements);
+  for (Eigen::Index e = 0; e < elements; ++e) {
+    const GradientMatrix positions = ElementPositions(mesh, e);
+    // The edge of a regular tetrahedron of the same volume.
+    const double volume =
+        EvaluateElement(positions, Eigen::Vector4d::Constant(0.25)).determinant / 6;
+    const double size = std::cbrt(6 * std::sqrt(2.0) * std::max(volume, 0.0));
+    const double error = estimate.element_error[e];
+    const double factor = error > 0 ? std::pow(allowed / error, 1 / degree) : 2;
+    sizes[e] = size * std::clamp(factor, 0.2, 2.0);
+  }
+  return sizes;
+}
+
+}  // namespace mortise::simulator

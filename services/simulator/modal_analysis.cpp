@@ -1,0 +1,275 @@
+#include "services/simulator/modal_analysis.h"
+
+#include <Spectra/SymGEigsShiftSolver.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <exception>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
+#include "services/simulator/stiffness.h"
+#include "services/simulator/supports.h"
+
+namespace mortise::simulator {
+namespace {
+
+// The shift s of K + s M where something is free to move, as a share of the highest frequency
+// squared: large enough to be well above rounding, small enough to leave flexible modes apart.
+constexpr double kShift = 1e-8;
+
+// A frequency found beside others counts as lower than the highest of them by more than this share.
+constexpr double kLower = 1e-6;
+
+constexpr int kRestarts = 200;
+
+// K, M and what is known of their null space, on the free displacements in one vector.
+class Vibration {
+ public:
+  Vibration(const Eigen::Array3Xi& fixed, const BlockMatrix& mass, SparseCholesky& factor,
+            ThreadTeam& team)
+      : nodes_(fixed.cols()), mass_(mass), factor_(factor), team_(team) {
+    for (Eigen::Index k = 0; k < fixed.size(); ++k) {
+      if (!fixed.data()[k]) free_.push_back(k);
+    }
+  }
+
+  Eigen::Index size() const { return static_cast<Eigen::Index>(free_.size()); }
+  int solves() const { return solves_; }
+  const absl::Status& status() const { return status_; }
+
+  Eigen::Matrix3Xd Expand(const Eigen::VectorXd& vector) const {
+    Eigen::Matrix3Xd all = Eigen::Matrix3Xd::Zero(3, nodes_);
+    for (Eigen::Index k = 0; k < size(); ++k) all.data()[free_[k]] = vector[k];
+    return all;
+  }
+
+  Eigen::VectorXd Compress(const Eigen::Matrix3Xd& all) const {
+    Eigen::VectorXd vector(size());
+    for (Eigen::Index k = 0; k < size(); ++k) vector[k] = all.data()[free_[k]];
+    return vector;
+  }
+
+  Eigen::VectorXd MultiplyMass(const Eigen::VectorXd& vector) const {
+    Eigen::Matrix3Xd product;
+    mass_.Multiply(Expand(vector), product, team_);
+    return Compress(product);
+  }
+
+  // Takes the known vectors' share out of `vector`, twice for the sake of rounding.
+  void Deflate(Eigen::VectorXd& vector) const {
+    for (int round = 0; round < 2; ++round) {
+      for (std::size_t k = 0; k < known_.size(); ++k) {
+        vector -= known_[k] * mass_known_[k].dot(vector);
+      }
+    }
+  }
+
+  // Adds to the known vectors what of `vector` is not among them; false if that is nothing.
+  bool Know(Eigen::VectorXd vector) {
+    const double before = std::sqrt(vector.dot(MultiplyMass(vector)));
+    Deflate(vector);
+    Eigen::VectorXd product = MultiplyMass(vector);
+    const double size = std::sqrt(vector.dot(product));
+    if (!(size > 1e-6 * before)) return false;
+    known_.push_back(vector / size);
+    mass_known_.push_back(product / size);
+    return true;
+  }
+
+  Eigen::VectorXd Solve(const Eigen::VectorXd& load) {
+    ++solves_;
+    auto solution = factor_.Solve(Expand(load));
+    if (!solution.ok()) {
+      status_ = solution.status();
+      return Eigen::VectorXd::Zero(size());
+    }
+    Eigen::VectorXd vector = Compress(*solution);
+    Deflate(vector);
+    return vector;
+  }
+
+  const std::vector<Eigen::VectorXd>& known() const { return known_; }
+
+ private:
+  Eigen::Index nodes_;
+  const BlockMatrix& mass_;
+  SparseCholesky& factor_;
+  ThreadTeam& team_;
+  std::vector<Eigen::Index> free_;
+  std::vector<Eigen::VectorXd> known_, mass_known_;  // M-orthonormal, and M times each
+  int solves_ = 0;
+  absl::Status status_;
+};
+
+// The two operators as Spectra calls them.
+struct SolveOperator {
+  using Scalar = double;
+  Vibration& vibration;
+  Eigen::Index rows() const { return vibration.size(); }
+  Eigen::Index cols() const { return vibration.size(); }
+  void set_shift(double) {}
+  void perform_op(const double* in, double* out) const {
+    Eigen::Map<Eigen::VectorXd>(out, rows()) =
+        vibration.Solve(Eigen::Map<const Eigen::VectorXd>(in, rows()));
+  }
+};
+struct MassOperator {
+  using Scalar = double;
+  Vibration& vibration;
+  Eigen::Index rows() const { return vibration.size(); }
+  Eigen::Index cols() const { return vibration.size(); }
+  void perform_op(const double* in, double* out) const {
+    Eigen::Map<Eigen::VectorXd>(out, rows()) =
+        vibration.MultiplyMass(Eigen::Map<const Eigen::VectorXd>(in, rows()));
+  }
+};
+
+struct Pair {
+  double eigenvalue;  // ω², 1/s²
+  Eigen::VectorXd vector;
+};
+
+// A start that no symmetry of the body makes orthogonal to a mode.
+Eigen::VectorXd StartVector(Eigen::Index size) {
+  Eigen::VectorXd start(size);
+  double seed = 0.5;
+  for (double& value : start) {
+    seed = std::fmod(seed * 997 + 0.618033988749895, 1.0);
+    value = seed - 0.5;
+  }
+  return start;
+}
+
+// The `count` lowest pairs beside the known vectors.
+absl::StatusOr<std::vector<Pair>> Iterate(Vibration& vibration, int count, double shift,
+                                          double tolerance) {
+  const Eigen::Index space = vibration.size() - vibration.known().size();
+  const Eigen::Index basis = std::min<Eigen::Index>(space, std::max(2 * count + 1, count + 20));
+  SolveOperator solve{vibration};
+  MassOperator mass{vibration};
+  std::vector<Pair> pairs;
+  try {
+    Spectra::SymGEigsShiftSolver<SolveOperator, MassOperator, Spectra::GEigsMode::ShiftInvert>
+        solver(solve, mass, count, basis, -shift);
+    Eigen::VectorXd start = StartVector(vibration.size());
+    vibration.Deflate(start);
+    solver.init(start.data());
+    solver.compute(Spectra::SortRule::LargestMagn, kRestarts, tolerance,
+                   Spectra::SortRule::SmallestAlge);
+    MORTISE_RETURN_IF_ERROR(vibration.status());
+    if (solver.info() == Spectra::CompInfo::Successful) {
+      const Eigen::VectorXd values = solver.eigenvalues();
+      const Eigen::MatrixXd vectors = solver.eigenvectors();
+      for (Eigen::Index k = 0; k < values.size(); ++k) pairs.push_back({values[k], vectors.col(k)});
+    }
+  } catch (const std::exception& error) {
+    return PreconditionFailed("NOT_CONVERGED", error.what(), "count");
+  }
+  if (static_cast<int>(pairs.size()) < count) {
+    return PreconditionFailed("NOT_CONVERGED",
+                              absl::StrCat("not all of ", count, " modes were found"), "count");
+  }
+  return pairs;
+}
+
+bool Lower(const Pair& a, const Pair& b) { return a.eigenvalue < b.eigenvalue; }
+
+// Lanczos' method sees one vector of a multiple eigenvalue's space, but for rounding: look again
+// beside what was found.
+absl::StatusOr<std::vector<Pair>> LowestPairs(Vibration& vibration, int count, double shift,
+                                              double tolerance) {
+  MORTISE_ASSIGN_OR_RETURN(std::vector<Pair> pairs, Iterate(vibration, count, shift, tolerance));
+  for (const Pair& pair : pairs) vibration.Know(pair.vector);
+  while (vibration.size() - static_cast<Eigen::Index>(vibration.known().size()) > 2) {
+    MORTISE_ASSIGN_OR_RETURN(const std::vector<Pair> more, Iterate(vibration, 1, shift, tolerance));
+    const double highest = std::max_element(pairs.begin(), pairs.end(), Lower)->eigenvalue;
+    if (!(more[0].eigenvalue < (1 - kLower) * highest)) break;
+    pairs.push_back(more[0]);
+    vibration.Know(more[0].vector);
+  }
+  std::sort(pairs.begin(), pairs.end(), Lower);
+  pairs.resize(count);
+  return pairs;
+}
+
+// Σ of the diagonal of K over that of M, the greatest of any node: about the highest ω².
+double HighestFrequencySquared(const BlockMatrix& stiffness, const BlockMatrix& mass) {
+  double highest = 0;
+  for (int v = 0; v < stiffness.nodes(); ++v) {
+    const int diagonal = stiffness.starts()[v + 1] - 1;
+    const double weight = mass.blocks()[diagonal].trace();
+    if (weight > 0) highest = std::max(highest, stiffness.blocks()[diagonal].trace() / weight);
+  }
+  return highest;
+}
+
+double TotalMass(const BlockMatrix& mass, const NodeFrames& frames, ThreadTeam& team) {
+  Eigen::Matrix3Xd shift = Eigen::Matrix3Xd::Zero(3, mass.nodes()), product;
+  shift.row(0).setOnes();
+  shift = frames.ToFrames(std::move(shift));
+  mass.Multiply(shift, product, team);
+  return (shift.array() * product.array()).sum();
+}
+
+}  // namespace
+
+absl::StatusOr<ModalSolution> FindModes(const mesh::TetrahedralMesh& mesh,
+                                        const std::vector<Material>& materials,
+                                        const std::vector<Support>& supports,
+                                        const ModalOptions& options) {
+  const auto start = std::chrono::steady_clock::now();
+  MORTISE_RETURN_IF_ERROR(CheckMesh(mesh));
+  MORTISE_RETURN_IF_ERROR(CheckModel(mesh, materials, supports));
+  MORTISE_ASSIGN_OR_RETURN(const Constraints constraints, CollectConstraints(mesh, supports));
+  const NodeFrames& frames = constraints.frames;
+  ThreadTeam team(options.threads);
+  MORTISE_ASSIGN_OR_RETURN(const BlockMatrix stiffness,
+                           AssembleStiffness(mesh, materials, frames, team));
+  MORTISE_ASSIGN_OR_RETURN(const BlockMatrix mass,
+                           AssembleMass(mesh, materials, frames, stiffness.pattern(), team));
+  const std::vector<Eigen::Matrix3Xd> motions = RigidMotions(mesh, constraints);
+  const double shift = motions.empty() ? 0 : kShift * HighestFrequencySquared(stiffness, mass);
+  BlockMatrix shifted = stiffness;
+  for (std::size_t k = 0; shift > 0 && k < shifted.blocks().size(); ++k) {
+    shifted.blocks()[k] += shift * mass.blocks()[k];
+  }
+  MORTISE_ASSIGN_OR_RETURN(SparseCholesky factor,
+                           SparseCholesky::Create(shifted, constraints.fixed, options.cholesky));
+
+  Vibration vibration(constraints.fixed, mass, factor, team);
+  for (const Eigen::Matrix3Xd& motion : motions) {
+    vibration.Know(vibration.Compress(frames.ToFrames(motion)));
+  }
+  const Eigen::Index space = vibration.size() - vibration.known().size();
+  if (options.count < 1 || options.count >= space - 1) {
+    return InvalidField("count", absl::StrCat("must be positive and below ", space - 1,
+                                              ", what this mesh can deform by"));
+  }
+  ModalSolution solution;
+  solution.rigid_motions = static_cast<int>(vibration.known().size());
+  solution.mass = TotalMass(mass, frames, team);
+  for (const Eigen::VectorXd& motion : vibration.known()) {
+    solution.modes.push_back({0, true, frames.ToSpace(vibration.Expand(motion)), 0});
+  }
+  MORTISE_ASSIGN_OR_RETURN(const std::vector<Pair> pairs,
+                           LowestPairs(vibration, options.count, shift, options.tolerance));
+  for (const Pair& pair : pairs) {
+    const Eigen::Matrix3Xd shape = vibration.Expand(pair.vector);
+    const Eigen::VectorXd elastic = vibration.Compress(stiffness.Multiply(shape));
+    const Eigen::VectorXd inertia = vibration.MultiplyMass(pair.vector);
+    const double scale = std::sqrt(pair.vector.dot(inertia));
+    Mode mode;
+    mode.frequency = std::sqrt(std::max(pair.eigenvalue, 0.0)) / (2 * M_PI);
+    mode.shape = frames.ToSpace(shape / scale);
+    mode.residual = (elastic - pair.eigenvalue * inertia).norm() / elastic.norm();
+    solution.modes.push_back(std::move(mode));
+  }
+  solution.solves = vibration.solves();
+  solution.seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return solution;
+}
+
+}  // namespace mortise::simulator

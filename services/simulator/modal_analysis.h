@@ -1,0 +1,51 @@
+// Natural frequencies and shapes of vibration.
+//
+// The lowest solutions of K φ = ω² M φ with the stiffness of elasticity and the consistent mass, by
+// Lanczos' method on (K + s M)⁻¹ M, restarted (Spectra; Lehoucq and Sorensen, SIAM J. Matrix Anal.
+// Appl. 17, 1996, 789-821). What the supports leave free to move as a rigid body is found from the
+// geometry and kept out of the iteration.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "common/mesh/tetrahedral_mesh.h"
+#include "services/simulator/analysis_case.h"
+#include "services/simulator/sparse_cholesky.h"
+
+namespace mortise::simulator {
+
+struct ModalOptions {
+  int count = 6;            // of modes that deform; rigid motions come in addition
+  double tolerance = 1e-9;  // relative, of ω²
+  CholeskyOptions cholesky{};
+  int threads = 1;  // that assemble; the result is the same for any number
+};
+
+struct Mode {
+  double frequency = 0;    // Hz; 0 of rigid motions
+  bool rigid = false;      // moves without deforming
+  Eigen::Matrix3Xd shape;  // 3 × nodes; φᵀ M φ = 1 kg
+  double residual = 0;     // |K φ − ω² M φ| / |K φ| of free directions; 0 of rigid motions
+};
+
+struct ModalSolution {
+  std::vector<Mode> modes;  // rigid motions, then by frequency
+  int rigid_motions = 0;
+  double mass = 0;  // kg, of the assembly
+  int solves = 0;   // of linear systems
+  double seconds = 0;
+};
+
+// The lowest modes of an assembly at rest on its supports, or free in space; prescribed
+// displacements count as fixed. Multiple frequencies are all found: the iteration is repeated
+// beside what it found until nothing lower turns up. Errors: INVALID_ARGUMENT naming the field of
+// the model, the element at fault, or "count" if that is not positive or more than the mesh has;
+// FAILED_PRECONDITION, reason SINGULAR or NOT_CONVERGED; RESOURCE_EXHAUSTED.
+absl::StatusOr<ModalSolution> FindModes(const mesh::TetrahedralMesh& mesh,
+                                        const std::vector<Material>& materials,
+                                        const std::vector<Support>& supports,
+                                        const ModalOptions& options = {});
+
+}  // namespace mortise::simulator
