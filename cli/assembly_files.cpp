@@ -1,19 +1,19 @@
 #include "cli/assembly_files.h"
 
-#include <google/protobuf/io/gzip_stream.h>
-#include <google/protobuf/io/zero_copy_stream_impl_lite.h>
 #include <google/protobuf/util/json_util.h>
 #include <grpcpp/grpcpp.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cctype>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "absl/strings/str_cat.h"
 #include "cli/field_sources.h"
 #include "cli/requests.h"
+#include "cli/shape_files.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
 #include "common/base/identifiers.h"
@@ -27,9 +27,7 @@ namespace {
 
 using Stub = v1::AssemblyService::Stub;
 
-constexpr std::size_t kMaxFile = 4 << 20;      // bytes
-constexpr std::size_t kMaxStep = 64 << 20;     // bytes
-constexpr std::size_t kMaxPacked = 4'000'000;  // bytes; a message is a little more
+constexpr std::size_t kMaxFile = 4 << 20;  // bytes
 
 struct ImportOptions {
   std::vector<std::filesystem::path> files;
@@ -41,15 +39,9 @@ struct ExportOptions {
   std::string subject;
   std::filesystem::path at;
   std::string format = "step";
+  std::string pose;
   std::filesystem::path path;
 };
-
-bool IsStep(const std::filesystem::path& file) {
-  std::string extension = file.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension == ".step" || extension == ".stp" || extension == ".stpz";
-}
 
 // "Side Table.step" to "side-table".
 std::string IdOf(const std::filesystem::path& file) {
@@ -77,36 +69,6 @@ absl::StatusOr<v1::AssemblyAnnotations> ReadAnnotations(const std::filesystem::p
   }
   MORTISE_RETURN_IF_ERROR(parametric::ParseProtoText(text, path.string(), annotations));
   return annotations;
-}
-
-// STEP is text, of which gzip leaves a sixth.
-absl::StatusOr<std::string> PackedStep(const std::filesystem::path& file) {
-  MORTISE_ASSIGN_OR_RETURN(const std::string bytes, ReadFile(file, kMaxStep));
-  std::string packed;
-  if (bytes.starts_with("\x1f\x8b")) {
-    packed = bytes;
-  } else {
-    google::protobuf::io::StringOutputStream sink(&packed);
-    google::protobuf::io::GzipOutputStream gzip(&sink);
-    google::protobuf::io::ArrayInputStream source(bytes.data(), static_cast<int>(bytes.size()));
-    const void* piece = nullptr;
-    int size = 0;
-    while (source.Next(&piece, &size)) {
-      for (const char* from = static_cast<const char*>(piece); size > 0;) {
-        void* room = nullptr;
-        int free = 0;
-        if (!gzip.Next(&room, &free)) return InvalidField(file.string(), "cannot be packed");
-        const int count = std::min(size, free);
-        std::copy_n(from, count, static_cast<char*>(room));
-        gzip.BackUp(free - count);
-        from += count;
-        size -= count;
-      }
-    }
-    gzip.Close();
-  }
-  if (packed.size() > kMaxPacked) return TooLarge(file.string(), "4 MB packed by gzip");
-  return packed;
 }
 
 // The latest revision of an assembly; 0 if there is none.
@@ -143,7 +105,7 @@ absl::Status ImportDrawing(const std::filesystem::path& file, const ImportOption
                            nlohmann::ordered_json& document) {
   v1::ImportAssemblyStepRequest request;
   MORTISE_ASSIGN_OR_RETURN(*request.mutable_annotations(), ReadAnnotations(options.annotations));
-  MORTISE_ASSIGN_OR_RETURN(*request.mutable_step(), PackedStep(file));
+  MORTISE_ASSIGN_OR_RETURN(*request.mutable_step(), PackedFile(file));
   v1::AssemblyAnnotations& annotations = *request.mutable_annotations();
   FieldSources sources;
   sources.AddFile("step", file.string());
@@ -174,6 +136,10 @@ absl::Status ImportText(const std::filesystem::path& file, const v1::Assembly& a
   v1::ImportAssemblyRequest request;
   request.set_request_id(NewIdentifier());
   *request.mutable_assembly() = assembly;
+  const auto catalog = v1::CatalogService::NewStub(client.channel());
+  for (v1::AssemblyPart& part : *request.mutable_assembly()->mutable_parts()) {
+    MORTISE_RETURN_IF_ERROR(ResolveShape(file, *part.mutable_shape(), *catalog, client));
+  }
   request.set_expected_revision(before);
   v1::Assembly stored;
   FieldSources sources;
@@ -186,7 +152,7 @@ absl::Status ImportText(const std::filesystem::path& file, const v1::Assembly& a
 }
 
 absl::Status Import(const ImportOptions& options, Session& session, Output& output) {
-  const bool has_step = std::any_of(options.files.begin(), options.files.end(), IsStep);
+  const bool has_step = std::any_of(options.files.begin(), options.files.end(), IsStepFile);
   const bool has_options = !options.annotations.empty() || !options.id.empty();
   if (has_options && (!has_step || options.files.size() > 1)) {
     return InvalidField(options.id.empty() ? "--annotations" : "--id", "belongs to one STEP file");
@@ -194,7 +160,7 @@ absl::Status Import(const ImportOptions& options, Session& session, Output& outp
   std::vector<v1::Assembly> texts(options.files.size());
   for (std::size_t i = 0; i < texts.size(); ++i) {
     const std::filesystem::path& file = options.files[i];
-    if (IsStep(file)) continue;
+    if (IsStepFile(file)) continue;
     MORTISE_ASSIGN_OR_RETURN(const std::string text, ReadFile(file, kMaxFile));
     MORTISE_ASSIGN_OR_RETURN(texts[i], parametric::ParseAssemblyText(text, file.string()));
   }
@@ -203,7 +169,7 @@ absl::Status Import(const ImportOptions& options, Session& session, Output& outp
   nlohmann::ordered_json document = nlohmann::ordered_json::array();
   for (std::size_t i = 0; i < texts.size(); ++i) {
     const std::filesystem::path& file = options.files[i];
-    MORTISE_RETURN_IF_ERROR(IsStep(file)
+    MORTISE_RETURN_IF_ERROR(IsStepFile(file)
                                 ? ImportDrawing(file, options, *stub, *client, output, document)
                                 : ImportText(file, texts[i], *stub, *client, output, document));
   }
@@ -214,8 +180,13 @@ absl::Status Import(const ImportOptions& options, Session& session, Output& outp
 absl::Status Export(const ExportOptions& options, Session& session, Output& output) {
   v1::ExportAssemblyRequest request;
   request.set_name(ResourceName("assemblies", options.subject));
-  request.set_format(options.format == "glb" ? v1::ExportDesignRequest::GLB
-                                             : v1::ExportDesignRequest::STEP);
+  static const std::map<std::string, v1::ExportDesignRequest::Format> kFormats = {
+      {"step", v1::ExportDesignRequest::STEP},
+      {"glb", v1::ExportDesignRequest::GLB},
+      {"obj", v1::ExportDesignRequest::OBJ},
+      {"stl", v1::ExportDesignRequest::STL}};
+  request.set_format(kFormats.at(options.format));
+  request.set_rest_pose(options.pose);
   if (!options.at.empty()) {
     MORTISE_ASSIGN_OR_RETURN(const std::vector<double> q, ReadParameters(options.at));
     request.mutable_q()->Add(q.begin(), q.end());
@@ -224,6 +195,7 @@ absl::Status Export(const ExportOptions& options, Session& session, Output& outp
   FieldSources sources;
   sources.Add("name", "assembly");
   sources.Add("q", "--at");
+  sources.Add("rest_pose", "--pose");
   MORTISE_RETURN_IF_ERROR(sources.Name(ExportTo(request, options.path, *client, output)));
   output.Document({{"assembly", request.name()}, {"file", options.path.string()}});
   return absl::OkStatus();
@@ -278,13 +250,17 @@ void AddAssemblyFileCommands(CLI::App& assembly, Session& session) {
   });
 
   auto export_options = std::make_shared<ExportOptions>();
-  CLI::App* out = assembly.add_subcommand("export", "Write an assembly as a STEP or GLB file");
+  CLI::App* out =
+      assembly.add_subcommand("export", "Write an assembly as a STEP, GLB, OBJ or STL file");
   out->add_option("assembly", export_options->subject, "Such as bookshelf")->required();
   out->add_option("--at", export_options->at,
                   "The design that 'assembly adjust --json' printed; as drawn if left out");
-  out->add_option("--format", export_options->format, "step or glb")
-      ->check(CLI::IsMember({"step", "glb"}))
+  out->add_option("--format", export_options->format,
+                  "step, glb, obj (metres), or stl (millimetres)")
+      ->check(CLI::IsMember({"step", "glb", "obj", "stl"}))
       ->capture_default_str();
+  out->add_option("--pose", export_options->pose,
+                  "A rest pose, such as \"lid hinge: open\"; else as it is drawn");
   out->add_option("-o,--out", export_options->path, "The file")->required();
   out->footer("Example: mortise assembly export bookshelf --format glb -o bookshelf.glb");
   out->callback([&session, export_options] {

@@ -15,6 +15,7 @@
 #include "cli/field_sources.h"
 #include "cli/requests.h"
 #include "cli/session.h"
+#include "cli/shape_files.h"
 #include "common/base/errors.h"
 #include "common/rpc/status_mapping.h"
 #include "mortise/v1/catalog.grpc.pb.h"
@@ -244,6 +245,19 @@ absl::Status Evaluate(const EvaluateOptions& options, Session& session, Output& 
   return absl::OkStatus();
 }
 
+absl::Status AddShape(const std::filesystem::path& file, Session& session, Output& output) {
+  MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
+  const auto stub = v1::CatalogService::NewStub(client->channel());
+  MORTISE_ASSIGN_OR_RETURN(const v1::Shape shape, ImportShapeFile(file, *stub, *client));
+  output.Line(shape.name());
+  output.Line(absl::StrCat(
+      "  ", Millimetres(shape.size().x()), " x ", Millimetres(shape.size().y()), " x ",
+      Millimetres(shape.size().z()), ", ", absl::StrFormat("%.4g", 1e6 * shape.volume()), " cm3, ",
+      shape.triangle_count(), " triangles", shape.exact() ? ", exact surfaces" : ""));
+  output.DocumentOf(shape);
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 void AddCatalogCommands(CLI::App& app, Session& session) {
@@ -300,6 +314,14 @@ void AddCatalogCommands(CLI::App& app, Session& session) {
       return SourcesOf(*options).Name(Evaluate(*options, s, o));
     };
   });
+  auto shape = std::make_shared<std::filesystem::path>();
+  CLI::App* add_shape = catalog->add_subcommand("shape", "Add the shape in a file to the catalog");
+  add_shape->add_option("file", *shape, "STEP with one solid, or STL in millimetres")->required();
+  add_shape->footer("Example: mortise catalog shape bracket.step");
+  add_shape->callback([&session, shape] {
+    session.command = [shape](Session& s, Output& o) { return AddShape(*shape, s, o); };
+  });
+
   // Last: commands would inherit it.
   catalog->footer("Example: mortise catalog list items");
 }

@@ -9,6 +9,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "cli/requests.h"
+#include "cli/shape_files.h"
 #include "common/base/errors.h"
 #include "common/base/field_violations.h"
 #include "common/base/identifiers.h"
@@ -328,6 +329,10 @@ absl::Status ImportFiles(const std::vector<std::filesystem::path>& files, Sessio
   const auto stub = v1::CatalogService::NewStub(client->channel());
   MORTISE_ASSIGN_OR_RETURN(const Present present, ReadCatalog(*stub, *client));
   MORTISE_RETURN_IF_ERROR(Refusal(Check(designs, present).Run()));
+  for (Read<v1::Item>& read : designs.items) {
+    MORTISE_RETURN_IF_ERROR(
+        ResolveShape(read.file, *read.placed.message.mutable_shape(), *stub, *client));
+  }
   Storing storing(*stub, *client, present, output);
   MORTISE_RETURN_IF_ERROR(storing.Run(designs));
   output.Document(storing.document());

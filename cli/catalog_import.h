@@ -19,6 +19,9 @@ namespace mortise::cli {
 //   any other    protobuf text: a TemplateBundle, or a Template where a line says
 //                "# proto-message: mortise.v1.Template".
 //
+// Where the shape of an item is a path, beside its file, that file (STEP, or STL in millimetres) is
+// added to the catalog first.
+//
 // INVALID_ARGUMENT naming every fault of every file with its line, and column in CSV, with nothing
 // stored: text that cannot be parsed, content that cannot be built, a name that is there twice, a
 // material that differs from the catalog's (materials do not change).

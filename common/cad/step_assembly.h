@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "common/cad/drawn_shape.h"
 #include "common/cad/solid.h"
 
 namespace mortise::cad {
@@ -40,6 +41,9 @@ struct StepPart {
   Eigen::Vector3d minimum = Eigen::Vector3d::Zero();
   Eigen::Vector3d maximum = Eigen::Vector3d::Zero();
   bool is_box = false;  // whether it fills that box
+  // Its shape in that box, index into StepAssembly::shapes; -1 for boxes, and if there is a fault.
+  int shape = -1;
+  std::vector<std::string> faults;  // why it has no shape
 };
 
 // What stands where a part could, but is no solid.
@@ -58,6 +62,7 @@ struct StepAssembly {
   std::vector<StepGroup> groups;  // the root first, parents before their children
   std::vector<StepProduct> products;
   std::vector<StepPart> parts;     // in the order of the file
+  std::vector<DrawnShape> shapes;  // of the parts: one for each product and way it is turned
   std::vector<StepLeaf> leaves;    // those that are no parts
   std::vector<std::string> notes;  // what was changed or left out, for people
 };

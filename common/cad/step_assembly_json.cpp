@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "absl/strings/escaping.h"
 #include "common/cad/solid_kernel.h"
 
 namespace mortise::cad {
@@ -42,6 +43,48 @@ std::optional<Eigen::Vector3d> ColorFrom(const Json& numbers) {
   return VectorFrom(numbers);
 }
 
+// Column by column.
+template <class Matrix>
+Json ToNumbers(const Matrix& matrix, Eigen::Index size) {
+  return std::vector<typename Matrix::Scalar>(matrix.data(), matrix.data() + size);
+}
+
+template <class Matrix>
+void MatrixFrom(const Json& json, Eigen::Index rows, Matrix& matrix) {
+  const auto numbers = json.get<std::vector<typename Matrix::Scalar>>();
+  matrix.resize(rows, static_cast<Eigen::Index>(numbers.size()) / rows);
+  std::copy_n(numbers.begin(), matrix.size(), matrix.data());
+}
+
+Json ToJson(const DrawnShape& shape) {
+  Json names = Json::array();
+  for (const std::vector<std::string>& face : shape.face_names) names.push_back(face.front());
+  return {{"size", ToNumbers(shape.size)},
+          {"volume", shape.volume},
+          {"deflection", shape.deflection},
+          {"fractions", ToNumbers(shape.fractions, shape.fractions.size())},
+          {"triangles", ToNumbers(shape.triangles, shape.triangles.size())},
+          {"triangle_face", ToNumbers(shape.triangle_face, shape.triangle_face.size())},
+          {"face_names", names},
+          {"brep", absl::Base64Escape(shape.brep)}};
+}
+
+DrawnShape ShapeFrom(const Json& json) {
+  DrawnShape shape;
+  shape.size = VectorFrom(json.at("size"));
+  shape.volume = json.at("volume");
+  shape.deflection = json.at("deflection");
+  MatrixFrom(json.at("fractions"), 3, shape.fractions);
+  MatrixFrom(json.at("triangles"), 3, shape.triangles);
+  const auto faces = json.at("triangle_face").get<std::vector<int>>();
+  shape.triangle_face =
+      Eigen::Map<const Eigen::VectorXi>(faces.data(), static_cast<Eigen::Index>(faces.size()));
+  for (const Json& name : json.at("face_names")) shape.face_names.push_back({name});
+  absl::Base64Unescape(json.at("brep").get<std::string>(), &shape.brep);
+  DeriveFaces(shape);
+  return shape;
+}
+
 StepAssembly Parse(const Json& json) {
   StepAssembly assembly;
   assembly.name = json.at("name");
@@ -66,8 +109,11 @@ StepAssembly Parse(const Json& json) {
     part.minimum = VectorFrom(entry.at("minimum"));
     part.maximum = VectorFrom(entry.at("maximum"));
     part.is_box = entry.at("is_box");
+    part.shape = entry.at("shape");
+    part.faults = entry.at("faults").get<std::vector<std::string>>();
     assembly.parts.push_back(std::move(part));
   }
+  for (const Json& shape : json.at("shapes")) assembly.shapes.push_back(ShapeFrom(shape));
   for (const Json& leaf : json.at("leaves")) {
     assembly.leaves.push_back({leaf.at("name"), leaf.at("drawn_name"), leaf.at("product"),
                                leaf.at("group"), leaf.at("is_surface")});
@@ -82,7 +128,7 @@ std::string ToJson(const StepAssembly& assembly) {
   Json json = {
       {"name", assembly.name},   {"schema", assembly.schema}, {"length_unit", assembly.length_unit},
       {"groups", Json::array()}, {"products", Json::array()}, {"parts", Json::array()},
-      {"leaves", Json::array()}, {"notes", assembly.notes}};
+      {"leaves", Json::array()}, {"shapes", Json::array()},   {"notes", assembly.notes}};
   for (const StepGroup& group : assembly.groups) {
     json["groups"].push_back({{"name", group.name},
                               {"parent", group.parent},
@@ -101,8 +147,11 @@ std::string ToJson(const StepAssembly& assembly) {
                              {"volume", part.volume},
                              {"minimum", ToNumbers(part.minimum)},
                              {"maximum", ToNumbers(part.maximum)},
-                             {"is_box", part.is_box}});
+                             {"is_box", part.is_box},
+                             {"shape", part.shape},
+                             {"faults", part.faults}});
   }
+  for (const DrawnShape& shape : assembly.shapes) json["shapes"].push_back(ToJson(shape));
   for (const StepLeaf& leaf : assembly.leaves) {
     json["leaves"].push_back({{"name", leaf.name},
                               {"drawn_name", leaf.drawn_name},

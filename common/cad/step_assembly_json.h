@@ -1,5 +1,5 @@
 // What was read of a STEP file as JSON text, for the way from one process to another: all but the
-// shapes.
+// products' solids.
 #pragma once
 
 #include <string>

@@ -3,16 +3,15 @@
 #include <BRepAdaptor_Curve.hxx>
 #include <BRepAdaptor_Surface.hxx>
 #include <BRepBndLib.hxx>
-#include <BRepGProp.hxx>
 #include <BRep_Tool.hxx>
 #include <Bnd_Box.hxx>
-#include <GProp_GProps.hxx>
 #include <TopExp.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
 #include <TopoDS.hxx>
 #include <cmath>
 
+#include "common/cad/solid_kernel.h"
 #include "common/cad/step_document.h"
 
 namespace mortise::cad {
@@ -49,9 +48,7 @@ Eigen::Matrix3Xd VerticesOf(const TopoDS_Shape& solid) {
 
 SolidMeasurer::SolidMeasurer(const TopoDS_Shape& solid)
     : solid_(solid), is_polyhedron_(IsPolyhedron(solid)) {
-  GProp_GProps properties;
-  BRepGProp::VolumeProperties(solid, properties);
-  volume_ = std::abs(properties.Mass());
+  volume_ = std::abs(AccurateVolume(solid));
   if (is_polyhedron_) vertices_ = VerticesOf(solid);
   if (vertices_.cols() == 0) is_polyhedron_ = false;
 }

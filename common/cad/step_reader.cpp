@@ -22,7 +22,9 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "common/base/field_violations.h"
 #include "common/cad/solid_kernel.h"
+#include "common/cad/solid_shape.h"
 #include "common/cad/step_document.h"
 #include "common/cad/step_measure.h"
 #include "common/cad/step_structure.h"
@@ -33,6 +35,7 @@ namespace {
 constexpr std::string_view kBegin = "ISO-10303-21;";
 constexpr std::string_view kEnd = "END-ISO-10303-21;";
 constexpr int kMaxDepth = 64;  // levels of sub-assemblies
+constexpr double kSameTurn = 1e-12;
 
 // Whether a name is one that a program made up for an occurrence: "NAUO12", "3", "=>[0:1:1:2]".
 bool IsMadeUp(const std::string& name) {
@@ -112,8 +115,9 @@ class Collector {
       part.product = solid;
       part.placement = placement;
       part.color = ColorOf(occurrence);
-      measurers_[static_cast<std::size_t>(solid)]->Measure(
-          PlacementOf(assembly_, group) * placement, part);
+      const Eigen::Isometry3d where = PlacementOf(assembly_, group) * placement;
+      measurers_[static_cast<std::size_t>(solid)]->Measure(where, part);
+      if (!part.is_box && part.volume > 0) SetShape(where, part);
       assembly_.parts.push_back(std::move(part));
     }
     if (solids.empty()) {
@@ -122,6 +126,43 @@ class Collector {
       assembly_.leaves.push_back({"", name, NameOf(product), group, has_faces});
     }
     return absl::OkStatus();
+  }
+
+  // What the part looks like: drawn once for all parts of its product that are turned alike.
+  void SetShape(const Eigen::Isometry3d& placement, StepPart& part) {
+    for (const TurnedShape& known : shapes_drawn_) {
+      if (known.product != part.product ||
+          !known.rotation.isApprox(placement.linear(), kSameTurn)) {
+        continue;
+      }
+      part.shape = known.shape;
+      part.faults = known.faults;
+      return;
+    }
+    TurnedShape turned{part.product, placement.linear(), -1, {}};
+    absl::StatusOr<DrawnShape> shape = ShapeOfSolid(
+        *assembly_.products[static_cast<std::size_t>(part.product)].solid, placement.linear(),
+        part.minimum - placement.translation(), part.maximum - placement.translation());
+    if (shape.ok()) {
+      turned.shape = static_cast<int>(assembly_.shapes.size());
+      assembly_.shapes.push_back(*std::move(shape));
+    } else {
+      turned.faults = FaultsOf(shape.status());
+    }
+    part.shape = turned.shape;
+    part.faults = turned.faults;
+    shapes_drawn_.push_back(std::move(turned));
+  }
+
+  static std::vector<std::string> FaultsOf(const absl::Status& status) {
+    std::vector<std::string> faults;
+    for (const FieldViolation& violation : ViolationsOf(status)) {
+      faults.push_back(violation.message);
+    }
+    if (!faults.empty()) return faults;
+    std::string message(status.message());
+    if (message.starts_with("shape: ")) message.erase(0, 7);
+    return {message};
   }
 
   // Indices of the solids of a product, each a product of its own.
@@ -174,6 +215,14 @@ class Collector {
   StepAssembly& assembly_;
   std::map<std::string, std::vector<int>> products_;       // by the label's path in the document
   std::vector<std::unique_ptr<SolidMeasurer>> measurers_;  // of each product
+  // A product's shape as parts have it that are turned so.
+  struct TurnedShape {
+    int product = 0;
+    Eigen::Matrix3d rotation;
+    int shape = -1;  // index into StepAssembly::shapes; -1 if there are faults
+    std::vector<std::string> faults;
+  };
+  std::vector<TurnedShape> shapes_drawn_;
 };
 
 // Gives parts, leaves and groups distinct names, and says where they differ from the file's.

@@ -149,4 +149,97 @@ absl::StatusOr<std::vector<Proximity>> FindProximities(const std::vector<Surface
   return proximities;
 }
 
+// ---- Depth --------------------------------------------------------------------------------------
+
+struct ProbedSurface::Prepared {
+  std::unique_ptr<const Surface> surface;
+  std::vector<Segment> edges;  // each once
+};
+
+namespace {
+
+constexpr std::size_t kMostProbes = 4000;  // points whose depth is measured
+
+std::vector<Segment> EdgesOf(const SurfaceMesh& mesh) {
+  std::vector<Segment> edges;
+  for (Eigen::Index t = 0; t < mesh.triangles.cols(); ++t) {
+    for (int k = 0; k < 3; ++k) {
+      const int from = mesh.triangles(k, t), to = mesh.triangles((k + 1) % 3, t);
+      if (from < to)
+        edges.emplace_back(ToPoint(mesh.vertices.col(from)), ToPoint(mesh.vertices.col(to)));
+    }
+  }
+  return edges;
+}
+
+// By how many triangles a ray meets, in directions that no edge of a drawing has; two of three.
+bool IsWithin(const Point& point, const Surface& surface) {
+  const Kernel::Vector_3 directions[] = {{0.577215, 0.301030, 0.759136},
+                                         {-0.415926, 0.718281, 0.557759},
+                                         {0.161803, -0.882317, 0.441927}};
+  int inside = 0;
+  for (const Kernel::Vector_3& direction : directions) {
+    const std::size_t met =
+        surface.tree.number_of_intersected_primitives(Kernel::Ray_3(point, direction));
+    inside += met % 2 == 1 ? 1 : 0;
+  }
+  return inside >= 2;
+}
+
+// Where along the segment, 0 to 1, it meets the surface, its ends among them, in order.
+std::vector<double> Crossings(const Segment& edge, const Surface& surface,
+                              std::vector<Triangles::const_iterator>& met) {
+  met.clear();
+  surface.tree.all_intersected_primitives(edge, std::back_inserter(met));
+  std::vector<double> along = {0, 1};
+  const auto direction = edge.to_vector();
+  for (const auto& triangle : met) {
+    const auto normal = CGAL::cross_product(triangle->vertex(1) - triangle->vertex(0),
+                                            triangle->vertex(2) - triangle->vertex(0));
+    const double slope = CGAL::scalar_product(normal, direction);
+    if (slope == 0) continue;
+    const double at = CGAL::scalar_product(normal, triangle->vertex(0) - edge.source()) / slope;
+    if (at > 0 && at < 1) along.push_back(at);
+  }
+  std::sort(along.begin(), along.end());
+  return along;
+}
+
+// How deep edges of `a` reach into `b`.
+double DepthOf(const std::vector<Segment>& edges, const Surface& b) {
+  double deepest = 0;
+  std::size_t probes = 0;
+  std::vector<Triangles::const_iterator> met;
+  const auto probe = [&](const Point& point) {
+    if (!CGAL::do_overlap(point.bbox(), b.box) || ++probes > kMostProbes) return;
+    const double squared = b.tree.squared_distance(point);
+    if (squared > deepest * deepest && IsWithin(point, b)) deepest = std::sqrt(squared);
+  };
+  for (const Segment& edge : edges) {
+    if (!CGAL::do_overlap(edge.bbox(), b.box)) continue;
+    const std::vector<double> along = Crossings(edge, b, met);
+    probe(edge.source());
+    for (std::size_t i = 1; i < along.size(); ++i) {
+      probe(edge.source() + 0.5 * (along[i - 1] + along[i]) * edge.to_vector());
+    }
+  }
+  return deepest;
+}
+
+}  // namespace
+
+ProbedSurface::ProbedSurface(const SurfaceMesh& surface)
+    : prepared_(std::make_shared<const Prepared>(Prepare(surface), EdgesOf(surface))) {}
+
+double ProbedSurface::Separation(const ProbedSurface& a, const ProbedSurface& b, double limit) {
+  const Surface& first = *a.prepared_->surface;
+  const Surface& second = *b.prepared_->surface;
+  if (!CGAL::do_overlap(Grown(first.box, limit), second.box)) {
+    return std::numeric_limits<double>::infinity();
+  }
+  const double distance = DistanceWithin(first, second, limit);
+  if (distance > 0 && !Encloses(first, second) && !Encloses(second, first)) return distance;
+  return -std::max(DepthOf(a.prepared_->edges, second), DepthOf(b.prepared_->edges, first));
+}
+
 }  // namespace mortise::mesh

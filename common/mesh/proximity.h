@@ -1,6 +1,7 @@
 // Which surfaces come near each other: the connectivity graph of a design (thesis §3.4.1).
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -24,5 +25,23 @@ struct Proximity {
 // are far apart.
 absl::StatusOr<std::vector<Proximity>> FindProximities(const std::vector<SurfaceMesh>& surfaces,
                                                        double tolerance);
+
+// A closed surface that is asked again and again how it stands to others. Immutable; copies share
+// what was prepared.
+class ProbedSurface {
+ public:
+  // The surface must have triangles, indices in range and finite vertices.
+  explicit ProbedSurface(const SurfaceMesh& surface);
+
+  // How far the solids within two surfaces are apart, m, infinity beyond `limit`; where they reach
+  // into each other, minus how deep: the largest distance from the one's surface of a point within
+  // it of the other's edges. 0 if they only touch.
+  static double Separation(const ProbedSurface& a, const ProbedSurface& b, double limit);
+
+  struct Prepared;
+
+ private:
+  std::shared_ptr<const Prepared> prepared_;
+};
 
 }  // namespace mortise::mesh

@@ -4,9 +4,12 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "common/cad/drawn_shape.h"
 #include "common/parametric/template_definition.h"
 #include "common/parametric/template_validation.h"
 
@@ -45,6 +48,10 @@ struct AssemblyPart {
   // The axis of the design along which each of the item's three lies: length, width, thickness.
   std::array<Axis, 3> item_axes = {Axis::kX, Axis::kY, Axis::kZ};
   std::vector<ProminentPlane> prominent_planes;
+  // What it looks like, stretched into its box along the design's axes; none for what its item's
+  // kind says, round or a box.
+  std::shared_ptr<const cad::DrawnShape> shape;
+  std::optional<Eigen::Vector3d> color;  // linear red, green and blue, 0 to 1
 };
 
 // A subassembly. Group 0 is the root.

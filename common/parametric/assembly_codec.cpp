@@ -14,6 +14,7 @@
 #include "common/base/identifiers.h"
 #include "common/parametric/axis_codec.h"
 #include "common/parametric/message_digest.h"
+#include "common/parametric/shape_reader.h"
 
 namespace mortise::parametric {
 namespace {
@@ -200,8 +201,9 @@ std::vector<std::pair<std::string, Eigen::Vector3d>> Repetitions(const v1::Assem
 
 class PartReader {
  public:
-  PartReader(const std::vector<Item>& items, const GroupReader& groups, Findings& findings)
-      : items_(items), groups_(groups), findings_(findings) {}
+  PartReader(const std::vector<Item>& items, const ShapesByName& shapes, const GroupReader& groups,
+             Findings& findings)
+      : items_(items), shapes_(shapes, findings), groups_(groups), findings_(findings) {}
 
   void Read(const v1::AssemblyPart& message, const std::string& field, Drawing& drawing) {
     CheckName(field + ".name", message.name(), findings_);
@@ -224,6 +226,8 @@ class PartReader {
     if (item != nullptr && axes) ApplyItem(*item, *axes, part, size);
     if (!has_item) ApplyDrawnSize(size, part);
     if (!has_item && axes) part.item_axes = *axes;
+    if (message.has_color()) ReadColor(message.color(), field + ".color", part);
+    if (axes) shapes_.Read(message, field, item, size, part);
     // Without its item, size and limits of a part would be found wrong again and again.
     const bool complete = (item != nullptr || !has_item) && axes && part.group >= 0;
     if (complete) AddAll(message, field, part, size, drawing);
@@ -248,6 +252,13 @@ class PartReader {
     }
   }
 
+  void ReadColor(const v1::Vector3& color, const std::string& field, AssemblyPart& part) {
+    part.color = ToEigen(color);
+    if (!(part.color->minCoeff() >= 0 && part.color->maxCoeff() <= 1)) {
+      findings_.push_back({field, "must be three numbers between 0 and 1"});
+    }
+  }
+
   void AddAll(const v1::AssemblyPart& message, const std::string& field, const AssemblyPart& first,
               const Eigen::Vector3d& size, Drawing& drawing) {
     const Eigen::Vector3d position = ToEigen(message.position());
@@ -264,12 +275,14 @@ class PartReader {
       for (ProminentPlane& plane : part.prominent_planes) {
         plane.position += offset[static_cast<Eigen::Index>(plane.axis)];
       }
+      AddPlanesOfShape(part);
       drawing.assembly.parts.push_back(std::move(part));
       drawing.part_fields.push_back(field);
     }
   }
 
   const std::vector<Item>& items_;
+  ShapeReader shapes_;
   const GroupReader& groups_;
   Findings& findings_;
   bool full_ = false;  // and that has been said
@@ -351,7 +364,8 @@ bool IsConsequence(const Finding& finding, const v1::Assembly& message, const Dr
 
 }  // namespace
 
-absl::StatusOr<Assembly> FromProto(const v1::Assembly& message, const std::vector<Item>& items) {
+absl::StatusOr<Assembly> FromProto(const v1::Assembly& message, const std::vector<Item>& items,
+                                   const ShapesByName& shapes) {
   Findings findings;
   Drawing drawing;
   if (const absl::Status name = ParseResourceName(message.name(), "assemblies", "name").status();
@@ -363,7 +377,7 @@ absl::StatusOr<Assembly> FromProto(const v1::Assembly& message, const std::vecto
   drawing.assembly.name = message.name();
   GroupReader groups(message, findings);
   groups.Read(drawing);
-  PartReader parts(items, groups, findings);
+  PartReader parts(items, shapes, groups, findings);
   for (int i = 0; i < message.parts_size(); ++i) {
     parts.Read(message.parts(i), absl::StrCat("parts[", i, "]"), drawing);
   }
@@ -386,6 +400,7 @@ absl::StatusOr<Assembly> FromProto(const v1::Assembly& message, const std::vecto
 
 std::string BundleDigest(const v1::AssemblyBundle& message) {
   v1::AssemblyBundle content = message;
+  content.clear_shapes();  // their names say what they are
   v1::Assembly& assembly = *content.mutable_assembly();
   assembly.clear_name();
   assembly.clear_revision();

@@ -1,5 +1,6 @@
 #include "common/parametric/assembly_design.h"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
@@ -61,6 +62,24 @@ void FillRound(const BoundingBox& box, Axis about, EvaluatedPart& part) {
   part.face_names.push_back("cap");
 }
 
+// Every vertex a linear function of the box, and so of q.
+void FillShape(const cad::DrawnShape& shape, const BoundingBox& box, EvaluatedPart& part) {
+  FacetedShape& faceted = part.faceted.emplace();
+  faceted.surface = SurfaceIn(shape, box);
+  faceted.triangle_face = shape.triangle_face;
+  faceted.face_names = shape.face_names;
+  std::vector<std::string> of_box;
+  for (const std::vector<std::string>& names : shape.face_names) {
+    part.face_names.push_back(names.front());
+    for (std::size_t i = 1; i < names.size(); ++i) {
+      if (std::find(of_box.begin(), of_box.end(), names[i]) == of_box.end()) {
+        of_box.push_back(names[i]);
+      }
+    }
+  }
+  part.face_names.insert(part.face_names.end(), of_box.begin(), of_box.end());
+}
+
 }  // namespace
 
 EvaluatedDesign DesignAt(const ParametricAssembly& assembly, const Eigen::VectorXd& q,
@@ -76,23 +95,29 @@ EvaluatedDesign DesignAt(const ParametricAssembly& assembly, const Eigen::Vector
     part.name = placed.name;
     part.item = element.item;
     part.connecting = element.connecting;
+    part.color = drawn.color;
     part.length_axis = drawn.item_axes[0];
     part.thickness_axis = drawn.item_axes[2];
     const std::optional<Axis> round = item == nullptr ? std::nullopt : RoundAbout(item->kind);
-    if (round) {
+    if (drawn.shape != nullptr) {
+      FillShape(*drawn.shape, placed.box, part);
+    } else if (round) {
       FillRound(placed.box, drawn.item_axes[static_cast<std::size_t>(*round)], part);
     } else {
       FillBox(placed.box, part);
     }
-    part.from = placed.box.minimum[static_cast<int>(part.axis)];
-    part.to = placed.box.maximum[static_cast<int>(part.axis)];
+    if (!part.faceted) {
+      part.from = placed.box.minimum[static_cast<int>(part.axis)];
+      part.to = placed.box.maximum[static_cast<int>(part.axis)];
+    }
     part.minimum = placed.box.minimum;
     part.maximum = placed.box.maximum;
     for (int i = 0; i < 3; ++i) {
       part.size[i] =
           placed.box.size()[static_cast<int>(drawn.item_axes[static_cast<std::size_t>(i)])];
     }
-    part.volume = SignedArea(part.outline) * (part.to - part.from);
+    part.volume = part.faceted ? cad::VolumeIn(*drawn.shape, placed.box.size())
+                               : SignedArea(part.outline) * (part.to - part.from);
     if (item != nullptr) {
       const Material* const material = FindMaterial(materials, item->material);
       part.material = item->material;

@@ -11,8 +11,9 @@
 
 namespace mortise::parametric {
 
-// Every part at q, in the pose the design is drawn in. What its item says to be round, a rod or a
-// wheel, is a prism of 24 sides that has the volume of the cylinder in its box; all else is its
+// Every part at q, in the pose the design is drawn in. What has a shape is that, stretched into its
+// box: faceted, its volume exact where the facets are not. What its item says to be round, a rod or
+// a wheel, is a prism of 24 sides that has the volume of the cylinder in its box; all else is its
 // box. Parts whose item or material is not given have no mass. The connecting parts are parts too,
 // so there are no connectors, and there are no parameters.
 EvaluatedDesign DesignAt(const ParametricAssembly& assembly, const Eigen::VectorXd& q,

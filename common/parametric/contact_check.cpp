@@ -14,6 +14,8 @@ namespace mortise::parametric {
 namespace {
 
 constexpr double kParallel = 1e-9;  // length of the cross product of edges that give no direction
+constexpr double kFurthest =
+    0.01;  // m; gaps between solids in each other's boxes are not measured beyond
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Half the extent of a box along a unit vector.
@@ -148,9 +150,34 @@ ContactCheck::Parts ContactCheck::PartsIn(const Pose& pose, const Eigen::VectorX
       box.center = motion * box.center;
       box.axes = motion.linear();
     }
-    parts[element].push_back({std::move(placed.name), box});
+    const AssemblyPart& drawn =
+        assembly_.parts[static_cast<std::size_t>(elements_[element].parts.front())];
+    parts[element].push_back({std::move(placed.name), box, drawn.shape.get(), std::nullopt});
   }
   return parts;
+}
+
+const mesh::ProbedSurface& ContactCheck::Probed(const Part& part) {
+  if (!part.probed) {
+    const Eigen::Vector3d half = part.box.half_size;
+    mesh::SurfaceMesh surface = part.shape == nullptr ? SurfaceOf(BoundingBox{-half, half})
+                                                      : cad::SurfaceIn(*part.shape, 2 * half);
+    surface.vertices = (part.box.axes * surface.vertices).colwise() + part.box.center;
+    part.probed.emplace(surface);
+  }
+  return *part.probed;
+}
+
+double ContactCheck::SeparationOf(const Part& a, const Part& b) const {
+  const double boxes = Separation(a.box, b.box);
+  if (boxes > tolerance_ || (a.shape == nullptr && b.shape == nullptr)) return boxes;
+  double missed = 0;  // by the triangles of curved faces
+  for (const Part* part : {&a, &b}) {
+    if (part->shape != nullptr) missed += cad::DeflectionIn(*part->shape, 2 * part->box.half_size);
+  }
+  const double apart = mesh::ProbedSurface::Separation(Probed(a), Probed(b), missed + kFurthest);
+  if (apart > 0) return std::min(std::max(apart - missed, 0.0), kFurthest);
+  return std::min(apart + missed, 0.0);
 }
 
 ContactCheck::Meeting ContactCheck::MeetingOf(const std::vector<Part>& a,
@@ -161,7 +188,7 @@ ContactCheck::Meeting ContactCheck::MeetingOf(const std::vector<Part>& a,
   for (const Part& part : a) {
     bool touches = false;
     for (std::size_t j = 0; j < b.size(); ++j) {
-      if (Separation(part.box, b[j].box) > tolerance_) continue;
+      if (SeparationOf(part, b[j]) > tolerance_) continue;
       touches = true;
       second_touches[j] = true;
     }
@@ -191,7 +218,7 @@ void ContactCheck::CheckPair(const Meeting& meeting, const std::vector<Part>& a,
   for (const Part& part : a) {
     double first_gap = kInfinity;
     for (std::size_t j = 0; j < b.size(); ++j) {
-      const double separation = Separation(part.box, b[j].box);
+      const double separation = SeparationOf(part, b[j]);
       first_gap = std::min(first_gap, separation);
       second_gap[j] = std::min(second_gap[j], separation);
       if (!meeting.any && -separation > penetration) {

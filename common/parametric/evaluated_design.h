@@ -20,7 +20,7 @@ struct FacetedShape {
 };
 
 // A part: a prism, which is a polygon extruded along a coordinate axis (a box is one along Z), or
-// else faceted; it has no item, outline and extrusion then.
+// else faceted; it has no outline and extrusion then.
 struct EvaluatedPart {
   std::string name;
   std::string title;
@@ -37,12 +37,13 @@ struct EvaluatedPart {
   // N + 2 names: of the face on each outline edge (point i to i + 1), then those at `from` and
   // `to`.
   std::vector<std::string> face_names;
-  Eigen::Vector3d minimum;           // m, lower corner of the bounding box
-  Eigen::Vector3d maximum;           // m
-  Eigen::Vector3d size;              // m, in the item's axes: length, width, thickness
-  double volume = 0;                 // m³
-  double mass = 0;                   // kg
-  Process process = Process::kNone;  // what cuts it from its stock
+  Eigen::Vector3d minimum;                    // m, lower corner of the bounding box
+  Eigen::Vector3d maximum;                    // m
+  Eigen::Vector3d size;                       // m, in the item's axes: length, width, thickness
+  double volume = 0;                          // m³
+  double mass = 0;                            // kg
+  Process process = Process::kNone;           // what cuts it from its stock
+  std::optional<Eigen::Vector3d> color = {};  // linear red, green and blue; else as its material
 };
 
 // A peg.

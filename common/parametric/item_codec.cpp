@@ -185,6 +185,7 @@ absl::StatusOr<Item> FromProto(const v1::Item& message) {
   item.price_is_example = message.price_is_example();
   item.standard = message.standard();
   item.designation = message.designation();
+  item.shape = message.shape();
   for (const v1::ItemMeasure& measure : message.measures()) {
     item.measures.push_back({measure.name(), measure.size(), measure.minimum(), measure.maximum()});
   }
@@ -217,6 +218,7 @@ v1::Item ToProto(const Item& item) {
   message.set_price_is_example(item.price_is_example);
   message.set_standard(item.standard);
   message.set_designation(item.designation);
+  message.set_shape(item.shape);
   SetLists(item, message);
   if (item.grain_axis) message.set_grain_axis(AxisToProto(*item.grain_axis));
   if (item.radial_axis) message.set_radial_axis(AxisToProto(*item.radial_axis));

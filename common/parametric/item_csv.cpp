@@ -28,9 +28,9 @@ constexpr std::string_view kMeasurePrefix = "measure.";
 constexpr std::array<const char*, 3> kAxes = {"length", "width", "thickness"};
 constexpr const char* kAxisFields[] = {"X", "Y", "Z"};
 constexpr const char* kPlainColumns[] = {
-    "name",         "title",       "kind",        "material",       "price_basis",
-    "price_date",   "supplier",    "standard",    "grain_axis",     "price_is_example",
-    "supplier_url", "designation", "radial_axis", "supplier_number"};
+    "name",         "title",       "kind",        "material",        "price_basis",
+    "price_date",   "supplier",    "standard",    "grain_axis",      "price_is_example",
+    "supplier_url", "designation", "radial_axis", "supplier_number", "shape"};
 constexpr const char* kNeededColumns[] = {"name",      "kind",  "material", "length",    "width",
                                           "thickness", "price", "currency", "price_date"};
 constexpr std::size_t kMaxFindings = 100;

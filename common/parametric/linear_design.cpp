@@ -47,18 +47,14 @@ std::vector<PlacedPart> PlaceParts(const Assembly& assembly, const std::vector<E
   return placed;
 }
 
-LinearMesh::LinearMesh(mesh::SurfaceMesh drawn, const BoundingBox& box)
-    : fractions_(std::move(drawn.vertices)), triangles_(std::move(drawn.triangles)) {
-  fractions_.colwise() -= box.center();
-  fractions_.array().colwise() /= box.size().array();
+mesh::SurfaceMesh SurfaceOf(const AssemblyPart& part) {
+  return part.shape == nullptr ? SurfaceOf(part.box) : SurfaceIn(*part.shape, part.box);
 }
 
-Eigen::Matrix3Xd LinearMesh::VerticesIn(const BoundingBox& box) const {
-  return (box.size().asDiagonal() * fractions_).colwise() + box.center();
-}
-
-mesh::SurfaceMesh LinearMesh::In(const BoundingBox& box) const {
-  return {VerticesIn(box), triangles_};
+mesh::SurfaceMesh SurfaceIn(const cad::DrawnShape& shape, const BoundingBox& box) {
+  mesh::SurfaceMesh surface = cad::SurfaceIn(shape, box.size());
+  surface.vertices.colwise() += box.center();
+  return surface;
 }
 
 mesh::SurfaceMesh SurfaceOf(const BoundingBox& box) {

@@ -28,31 +28,16 @@ std::vector<PlacedPart> PlaceParts(const Assembly& assembly, const std::vector<E
 // The box of an element at q.
 BoundingBox BoxOf(const Eigen::VectorXd& q, int element);
 
-// A surface whose vertices are linear functions of a box's centre and size: of q, for a part that
-// is an element by itself.
-//
-//   vertex k along axis a = centre[a] + fractions()(a, k) · size[a]
-class LinearMesh {
- public:
-  // What `drawn` becomes when `box`, around it as drawn, is moved and resized. Each axis of the box
-  // must have a size.
-  LinearMesh(mesh::SurfaceMesh drawn, const BoundingBox& box);
-
-  // 3 × V; between -1/2 and 1/2 within the box.
-  const Eigen::Matrix3Xd& fractions() const { return fractions_; }
-  const Eigen::Matrix3Xi& triangles() const { return triangles_; }
-
-  // The vertices in another box, 3 × V, m.
-  Eigen::Matrix3Xd VerticesIn(const BoundingBox& box) const;
-
-  mesh::SurfaceMesh In(const BoundingBox& box) const;
-
- private:
-  Eigen::Matrix3Xd fractions_;
-  Eigen::Matrix3Xi triangles_;
-};
-
 // The surface of a box, closed and outward.
 mesh::SurfaceMesh SurfaceOf(const BoundingBox& box);
+
+// The surface of a part as drawn: its shape's, or that of its box.
+mesh::SurfaceMesh SurfaceOf(const AssemblyPart& part);
+
+// The surface of a shape in a box. Its vertices are linear functions of the box's centre and size:
+// of q, for a part that is an element by itself.
+//
+//   vertex k along axis a = centre[a] + fractions(a, k) · size[a]
+mesh::SurfaceMesh SurfaceIn(const cad::DrawnShape& shape, const BoundingBox& box);
 
 }  // namespace mortise::parametric

@@ -73,11 +73,21 @@ absl::StatusOr<Contacts> FindContacts(const Assembly& assembly,
   }
   std::vector<mesh::SurfaceMesh> surfaces;
   surfaces.reserve(assembly.parts.size());
-  for (const AssemblyPart& part : assembly.parts) surfaces.push_back(SurfaceOf(part.box));
+  std::vector<double> deflections;  // by which triangles may miss curved faces
+  for (const AssemblyPart& part : assembly.parts) {
+    surfaces.push_back(SurfaceOf(part));
+    deflections.push_back(part.shape == nullptr ? 0
+                                                : cad::DeflectionIn(*part.shape, part.box.size()));
+  }
+  const double most =
+      deflections.empty() ? 0 : *std::max_element(deflections.begin(), deflections.end());
   MORTISE_ASSIGN_OR_RETURN(const std::vector<mesh::Proximity> proximities,
-                           mesh::FindProximities(surfaces, tolerance));
+                           mesh::FindProximities(surfaces, tolerance + 2 * most));
   std::set<std::pair<int, int>> touching;
   for (const mesh::Proximity& proximity : proximities) {
+    const double missed = deflections[static_cast<std::size_t>(proximity.first)] +
+                          deflections[static_cast<std::size_t>(proximity.second)];
+    if (proximity.distance > tolerance + missed) continue;
     const auto [low, high] = std::minmax(element_of[static_cast<std::size_t>(proximity.first)],
                                          element_of[static_cast<std::size_t>(proximity.second)]);
     if (low != high) touching.emplace(low, high);

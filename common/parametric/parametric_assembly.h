@@ -10,6 +10,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -65,8 +66,9 @@ struct Adjustment {
 // Immutable; safe to share between threads.
 class ParametricAssembly {
  public:
-  // Parametrises a valid assembly. What touches is found on the surfaces of the parts' boxes;
-  // alignment, likeness and contact are judged with one tolerance(). The lowest element
+  // Parametrises a valid assembly. What touches is found on the surfaces of the parts' shapes, or
+  // of their boxes where they have none; alignment, likeness and contact are judged with one
+  // tolerance(), and curved faces besides with what their triangles may miss. The lowest element
   // is held on the floor, the first where it is drawn along x and y. FAILED_PRECONDITION as
   // FeasibleSet::Create, or FEASIBLE_SET_UNBOUNDED naming an element that could move or grow
   // without end.
@@ -112,6 +114,17 @@ class ParametricAssembly {
     return PlaceParts(assembly_, elements_, q);
   }
 
+  // The part as it was drawn: that of its element, of patterns the first.
+  const AssemblyPart& DrawnPart(const PlacedPart& part) const {
+    const Element& element = elements_[static_cast<std::size_t>(part.element)];
+    return assembly_.parts[static_cast<std::size_t>(element.parts.front())];
+  }
+
+  // What the part looks like in its box; null for what its item's kind says.
+  const std::shared_ptr<const cad::DrawnShape>& ShapeOf(const PlacedPart& part) const {
+    return DrawnPart(part).shape;
+  }
+
   // What is wrong with the design at q, in every rest pose: see ContactCheck.
   absl::StatusOr<std::vector<ContactFault>> FaultsAt(const Eigen::VectorXd& q) const {
     return contact_check_->FaultsAt(q);
@@ -136,7 +149,8 @@ class ParametricAssembly {
   std::optional<ContactCheck> contact_check_;
 };
 
-// Elements of which some part comes within `tolerance`, m, of a part of the other, as drawn.
+// Elements of which some part comes within `tolerance`, m, of a part of the other, as drawn; where
+// faces are curved, within that and what the triangles may miss.
 absl::StatusOr<Contacts> FindContacts(const Assembly& assembly,
                                       const std::vector<Element>& elements, double tolerance);
 

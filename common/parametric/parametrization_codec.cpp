@@ -195,6 +195,9 @@ absl::StatusOr<v1::AdjustedAssembly> EvaluatedToProto(const ParametricAssembly& 
     placed->set_name(part.name);
     placed->set_element(element.name);
     placed->set_item(element.item);
+    if (const auto& shape = assembly.ShapeOf(part); shape != nullptr) {
+      placed->set_shape(shape->name);
+    }
     SetProto(part.box.minimum, placed->mutable_minimum());
     SetProto(part.box.maximum, placed->mutable_maximum());
   }

@@ -3,19 +3,21 @@
 
 namespace mortise::parametric {
 
+cad::PartShape PartShapeOf(const EvaluatedPart& part) {
+  cad::PartShape shape;
+  shape.name = part.name;
+  shape.origin = FromPrismAxes(part.axis, 0, 0, part.from);
+  shape.u = FromPrismAxes(part.axis, 1, 0, 0);
+  shape.v = FromPrismAxes(part.axis, 0, 1, 0);
+  shape.outline = part.outline;
+  shape.height = part.to - part.from;
+  shape.face_names = part.face_names;
+  return shape;
+}
+
 std::vector<cad::PartShape> PartShapes(const EvaluatedDesign& design) {
   std::vector<cad::PartShape> shapes;
-  for (const EvaluatedPart& part : design.parts) {
-    cad::PartShape shape;
-    shape.name = part.name;
-    shape.origin = FromPrismAxes(part.axis, 0, 0, part.from);
-    shape.u = FromPrismAxes(part.axis, 1, 0, 0);
-    shape.v = FromPrismAxes(part.axis, 0, 1, 0);
-    shape.outline = part.outline;
-    shape.height = part.to - part.from;
-    shape.face_names = part.face_names;
-    shapes.push_back(std::move(shape));
-  }
+  for (const EvaluatedPart& part : design.parts) shapes.push_back(PartShapeOf(part));
   return shapes;
 }
 

@@ -8,7 +8,10 @@
 
 namespace mortise::parametric {
 
-// One shape a part, in order, named as the parts. Faces keep their names.
+// The shape of a part that is a prism, named as the part. Faces keep their names.
+cad::PartShape PartShapeOf(const EvaluatedPart& part);
+
+// Those of all parts, in order.
 std::vector<cad::PartShape> PartShapes(const EvaluatedDesign& design);
 
 }  // namespace mortise::parametric

@@ -170,7 +170,7 @@ class PatternSearch {
   Candidate best_;
 };
 
-// Parts of one item, role and group, split by size.
+// Parts of one item, role, shape and group, split by size.
 std::vector<std::vector<int>> IdenticalParts(const Assembly& assembly, double tolerance) {
   std::vector<std::vector<int>> kinds;
   for (std::size_t i = 0; i < assembly.parts.size(); ++i) {
@@ -178,7 +178,7 @@ std::vector<std::vector<int>> IdenticalParts(const Assembly& assembly, double to
     const auto is_alike = [&](const std::vector<int>& kind) {
       const AssemblyPart& other = assembly.parts[static_cast<std::size_t>(kind.front())];
       return other.item == part.item && other.group == part.group &&
-             other.connecting == part.connecting &&
+             other.connecting == part.connecting && other.shape == part.shape &&
              (other.box.size() - part.box.size()).cwiseAbs().maxCoeff() <= tolerance;
     };
     const auto kind = std::find_if(kinds.begin(), kinds.end(), is_alike);

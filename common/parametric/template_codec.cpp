@@ -258,7 +258,8 @@ std::string BundleDigest(const v1::TemplateBundle& message) {
   content.mutable_template_()->Clear();
   content.mutable_template_()->set_digest(TemplateDigest(message.template_()));
   ClearRevisions(*content.mutable_items(), *content.mutable_materials());
-  // Its own digest says what it is.
+  // Their own digests say what they are.
+  content.clear_shapes();
   content.mutable_assembly()->clear_revision();
   content.mutable_assembly()->clear_create_time();
   if (!message.has_assembly()) content.clear_assembly();

@@ -125,6 +125,7 @@ struct Item {
   std::vector<SupplierLink> more_suppliers = {};
   std::optional<Axis> grain_axis = {};   // along which the material's L lies; X if none
   std::optional<Axis> radial_axis = {};  // along which its R lies; Z if none
+  std::string shape = {};                // shapes/{digest}, in the item's axes; empty for none
 };
 
 struct Parameter {

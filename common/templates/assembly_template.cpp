@@ -9,9 +9,11 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "common/cad/solid_shape.h"
 #include "common/parametric/assembly_design.h"
 #include "common/parametric/expression.h"
 #include "common/parametric/identifier.h"
+#include "common/parametric/part_shapes.h"
 #include "common/parametric/template_validation.h"
 
 namespace mortise::templates {
@@ -177,13 +179,7 @@ class HandledAssembly final : public Template {
 
  protected:
   absl::StatusOr<parametric::EvaluatedDesign> DesignAt(const Eigen::VectorXd& q) const override {
-    std::vector<parametric::MeasureDemand> demands;
-    for (std::size_t i = 0; i < handles_.size(); ++i) {
-      demands.push_back({handles_[i].measure, q(static_cast<Eigen::Index>(i))});
-    }
-    MORTISE_ASSIGN_OR_RETURN(
-        const parametric::Adjustment adjusted,
-        assembly_->Adjust(assembly_->drawn(), demands, parametric::Insistence::kStrict));
+    MORTISE_ASSIGN_OR_RETURN(const parametric::Adjustment adjusted, AdjustedTo(q));
     parametric::EvaluatedDesign design =
         parametric::DesignAt(*assembly_, adjusted.q, head().items, head().materials);
     for (std::size_t i = 0; i < conditions_.size(); ++i) {
@@ -193,7 +189,43 @@ class HandledAssembly final : public Template {
     return design;
   }
 
+  absl::StatusOr<std::vector<cad::Solid>> SolidsAt(const Eigen::VectorXd& q) const override {
+    MORTISE_ASSIGN_OR_RETURN(const parametric::Adjustment adjusted, AdjustedTo(q));
+    const parametric::EvaluatedDesign design =
+        parametric::DesignAt(*assembly_, adjusted.q, head().items, head().materials);
+    const std::vector<parametric::PlacedPart> placed = assembly_->PartsAt(adjusted.q);
+    std::vector<cad::Solid> solids;
+    for (std::size_t i = 0; i < placed.size(); ++i) {
+      MORTISE_ASSIGN_OR_RETURN(cad::Solid solid, SolidOf(placed[i], design.parts[i]));
+      solids.push_back(std::move(solid));
+    }
+    return solids;
+  }
+
+  absl::StatusOr<std::optional<AssemblyDesign>> AssemblyDesignAt(
+      const Eigen::VectorXd& q) const override {
+    MORTISE_ASSIGN_OR_RETURN(parametric::Adjustment adjusted, AdjustedTo(q));
+    return AssemblyDesign{assembly_, std::move(adjusted.q)};
+  }
+
  private:
+  absl::StatusOr<parametric::Adjustment> AdjustedTo(const Eigen::VectorXd& q) const {
+    std::vector<parametric::MeasureDemand> demands;
+    for (std::size_t i = 0; i < handles_.size(); ++i) {
+      demands.push_back({handles_[i].measure, q(static_cast<Eigen::Index>(i))});
+    }
+    return assembly_->Adjust(assembly_->drawn(), demands, parametric::Insistence::kStrict);
+  }
+
+  absl::StatusOr<cad::Solid> SolidOf(const parametric::PlacedPart& placed,
+                                     const parametric::EvaluatedPart& part) const {
+    const auto& shape = assembly_->ShapeOf(placed);
+    if (shape == nullptr) return cad::Solid::FromPart(parametric::PartShapeOf(part));
+    MORTISE_ASSIGN_OR_RETURN(const cad::Solid solid,
+                             cad::SolidOfShape(*shape, placed.box.size(), part.name));
+    return cad::MovedSolid(solid, placed.box.minimum);
+  }
+
   absl::StatusOr<parametric::EvaluatedBoundaryCondition> ConditionAt(
       std::size_t index, const Eigen::VectorXd& q) const {
     const CompiledCondition& compiled = conditions_[index];

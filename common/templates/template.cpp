@@ -23,6 +23,17 @@ absl::StatusOr<std::vector<cad::Solid>> Template::Solids(const Eigen::VectorXd& 
   return SolidsAt(q);
 }
 
+absl::StatusOr<std::optional<Template::AssemblyDesign>> Template::AssemblyAt(
+    const Eigen::VectorXd& q) const {
+  MORTISE_RETURN_IF_ERROR(parametric::CheckParameterValues(head_.parameters, q));
+  return AssemblyDesignAt(q);
+}
+
+absl::StatusOr<std::optional<Template::AssemblyDesign>> Template::AssemblyDesignAt(
+    const Eigen::VectorXd&) const {
+  return std::optional<AssemblyDesign>();
+}
+
 absl::StatusOr<parametric::MassProperties> Template::Mass(const Eigen::VectorXd&) const {
   return PreconditionFailed("NO_GRADIENT", "the mass of this kind of template has no gradient",
                             head_.name);

@@ -7,6 +7,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,6 +17,10 @@
 #include "common/parametric/evaluated_design.h"
 #include "common/parametric/evaluation.h"
 #include "common/parametric/template_definition.h"
+
+namespace mortise::parametric {
+class ParametricAssembly;
+}
 
 namespace mortise::templates {
 
@@ -49,6 +55,14 @@ class Template {
   // Fails as Evaluate; FAILED_PRECONDITION, NO_SOLID, for what is only a mesh.
   absl::StatusOr<std::vector<cad::Solid>> Solids(const Eigen::VectorXd& q) const;
 
+  // What an assembly template is made of at q: the assembly, and its parameters there. Nothing for
+  // other kinds. Fails as Evaluate.
+  struct AssemblyDesign {
+    std::shared_ptr<const parametric::ParametricAssembly> assembly;
+    Eigen::VectorXd q;
+  };
+  absl::StatusOr<std::optional<AssemblyDesign>> AssemblyAt(const Eigen::VectorXd& q) const;
+
   // Whether Mass can be asked for.
   virtual bool OffersMassGradient() const { return false; }
 
@@ -59,10 +73,12 @@ class Template {
  protected:
   explicit Template(TemplateHead head) : head_(std::move(head)) {}
 
-  // As Evaluate and Solids, for parameters that have been checked; name, revision, digest and
+  // As Evaluate, Solids and AssemblyAt, for parameters that have been checked; name, revision, digest and
   // parameters of the design are filled in afterwards.
   virtual absl::StatusOr<parametric::EvaluatedDesign> DesignAt(const Eigen::VectorXd& q) const = 0;
   virtual absl::StatusOr<std::vector<cad::Solid>> SolidsAt(const Eigen::VectorXd& q) const;
+  virtual absl::StatusOr<std::optional<AssemblyDesign>> AssemblyDesignAt(
+      const Eigen::VectorXd& q) const;
 
  private:
   const TemplateHead head_;

@@ -53,8 +53,10 @@ absl::StatusOr<TemplateHead> HeadOf(const v1::TemplateBundle& bundle) {
 
 absl::StatusOr<std::shared_ptr<const parametric::ParametricAssembly>> AssemblyOf(
     const v1::TemplateBundle& bundle, const std::vector<parametric::Item>& items) {
+  MORTISE_ASSIGN_OR_RETURN(const parametric::ShapesByName shapes,
+                           parametric::FromProto(bundle.shapes()));
   MORTISE_ASSIGN_OR_RETURN(parametric::Assembly assembly,
-                           parametric::FromProto(bundle.assembly(), items));
+                           parametric::FromProto(bundle.assembly(), items, shapes));
   MORTISE_ASSIGN_OR_RETURN(parametric::ParametricAssembly parametrized,
                            parametric::ParametricAssembly::Create(std::move(assembly)));
   return std::make_shared<const parametric::ParametricAssembly>(std::move(parametrized));

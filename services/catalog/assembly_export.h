@@ -1,24 +1,33 @@
-// Assemblies at parameters as STEP files.
+// Assemblies at parameters, in any rest pose, as files.
 #pragma once
 
 #include <Eigen/Core>
 #include <string>
-#include <vector>
 
 #include "absl/status/statusor.h"
 #include "common/parametric/evaluated_design.h"
 #include "common/parametric/parametric_assembly.h"
+#include "services/catalog/design_export.h"
 
 namespace mortise::catalog {
 
-// STEP AP242 of `design`, which is `assembly` at q: its groups as sub-assemblies, its parts as
-// occurrences under their names, where they are; what is round is a cylinder. Parts of one item,
-// size and colour are of one product, as they would be drawn. `colors`: one a part, linear red,
-// green, blue.
-absl::StatusOr<std::string> ExportAssemblyStep(const parametric::ParametricAssembly& assembly,
-                                               const Eigen::VectorXd& q,
-                                               const parametric::EvaluatedDesign& design,
-                                               const std::vector<Eigen::Vector3d>& colors,
+// An assembly at q as a design, and the pose in which it is written.
+struct PosedAssembly {
+  const parametric::ParametricAssembly& assembly;
+  const Eigen::VectorXd& q;
+  const parametric::EvaluatedDesign& design;  // parametric::DesignAt of the two
+  std::string rest_pose;                      // "joint: pose"; empty for the drawn one
+};
+
+// STEP AP242: the groups as sub-assemblies, the parts as occurrences under their names, where they
+// are, in their colours. Parts with a shape are that, stretched exactly; what else is round is a
+// cylinder, and the rest are boxes. Parts of one item, shape, size and colour are of one product,
+// as they would be drawn. INVALID_ARGUMENT, "rest_pose", for one that there is not, and naming the
+// part that cannot be made.
+absl::StatusOr<std::string> ExportAssemblyStep(const PosedAssembly& posed, const std::string& name);
+
+// The triangles of the parts. INVALID_ARGUMENT, "rest_pose".
+absl::StatusOr<std::string> ExportAssemblyMesh(const PosedAssembly& posed, MeshFormat format,
                                                const std::string& name);
 
 }  // namespace mortise::catalog

@@ -27,6 +27,8 @@ constexpr double kMaxTolerance = 1e-3;    // m
 constexpr double kLeastTolerance = 2e-7;  // m; below it, noise of the drawing counts
 constexpr double kToleranceShare = 1e-6;  // of the diagonal
 constexpr std::size_t kNamesInNote = 5;
+constexpr double kColorSteps = 1e5;
+constexpr double kRightAngle = 1e-9;  // by which entries of a rotation may miss 0 or 1
 
 // "a, b and 3 more".
 std::string Some(const std::vector<std::string>& names) {
@@ -150,11 +152,36 @@ class Maker {
       message.clear_item();
       size = size.cwiseMax(tolerance_);
     }
-    if (!part.is_box) bent_.push_back(part.name);
+    for (const std::string& fault : part.faults) {
+      drawn_.findings.push_back(
+          {"step", absl::StrCat("'", cad::PathOf(drawing_, part.group, part.name), "': ", fault)});
+    }
+    if (part.shape >= 0) {
+      message.set_shape(drawing_.shapes[static_cast<std::size_t>(part.shape)].name);
+      if (!StandsStraight(part)) leaning_.push_back(part.name);
+    }
+    SetColor(part, message);
     if (message.item().empty()) bare_.push_back(part.name);
     FitItem(part, annotation, low, size, message);
     Set(low, *message.mutable_position());
     Set(size, *message.mutable_size());
+  }
+
+  // Whether only right angles turn it against the design's axes.
+  bool StandsStraight(const cad::StepPart& part) const {
+    const Eigen::Matrix3d turn = (cad::PlacementOf(drawing_, part.group) * part.placement).linear();
+    return (turn.array().abs() * (1 - turn.array().abs())).maxCoeff() < kRightAngle;
+  }
+
+  void SetColor(const cad::StepPart& part, v1::AssemblyPart& message) const {
+    const auto& drawn =
+        part.color ? part.color : drawing_.products[static_cast<std::size_t>(part.product)].color;
+    if (!drawn) return;
+    // As exact as the kernel keeps it.
+    const auto rounded = [](double share) {
+      return std::round(std::clamp(share, 0.0, 1.0) * kColorSteps) / kColorSteps;
+    };
+    Set(drawn->unaryExpr(rounded), *message.mutable_color());
   }
 
   static void Annotate(const v1::PartAnnotation& annotation, v1::AssemblyPart& message) {
@@ -206,9 +233,10 @@ class Maker {
   }
 
   void AddNotes() {
-    if (!bent_.empty()) {
+    if (!leaning_.empty()) {
       drawn_.notes.push_back(
-          absl::StrCat("parts that do not fill their boxes, which stand for them: ", Some(bent_)));
+          absl::StrCat("parts at an angle to the design's axes, along which they are stretched: ",
+                       Some(leaning_)));
     }
     if (!bare_.empty()) {
       drawn_.notes.push_back(absl::StrCat(
@@ -232,7 +260,7 @@ class Maker {
   double tolerance_ = 0;             // m
   std::vector<double> planes_[3];    // m, lower and upper face of each part that is kept, by axis
   std::map<double, int> shared_[3];  // how many faces lie in a plane
-  std::vector<std::string> bent_, bare_;  // names
+  std::vector<std::string> leaning_, bare_;  // names
 };
 
 // ---- Places of findings -------------------------------------------------------------------------
@@ -257,8 +285,8 @@ FieldViolation AtRequest(const FieldViolation& finding, const DrawnAssembly& dra
     const std::string message =
         is_named ? finding.message : absl::StrCat(quoted, ": ", finding.message);
     const int annotation = drawn.annotations[index];
-    const bool is_drawn =
-        rest.starts_with(".name") || rest.starts_with(".position") || rest.starts_with(".size");
+    const bool is_drawn = rest.starts_with(".name") || rest.starts_with(".position") ||
+                          rest.starts_with(".size") || rest.starts_with(".shape");
     if (annotation < 0) return {"step", message};
     const std::string place = absl::StrCat("annotations.parts[", annotation, "]");
     if (!is_drawn) return {place + rest, message};

@@ -26,8 +26,9 @@ struct DrawnAssembly {
 // INVALID_ARGUMENT if they cannot be unpacked.
 absl::StatusOr<std::string> UnpackStep(const std::string& bytes);
 
-// Every solid is a part, its box in the design's axes; the sub-assemblies are the groups, as far
-// as there are parts in them. A part without annotation is principal and has no item. An item lies
+// Every solid is a part, its box in the design's axes and its shape, by name, if it does not fill
+// that; the sub-assemblies are the groups, as far as there are parts in them. The drawing's shapes
+// must have names. A part without annotation is principal and has no item. An item lies
 // in the part in the way that its fixed sizes fit, its length along the longest. `items` are those
 // that the annotations name and that exist.
 DrawnAssembly MakeAssembly(const cad::StepAssembly& drawing,

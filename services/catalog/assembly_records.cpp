@@ -12,6 +12,7 @@
 #include "common/parametric/assembly_codec.h"
 #include "common/parametric/template_codec.h"
 #include "services/catalog/record_access.h"
+#include "services/catalog/shape_records.h"
 
 namespace mortise::catalog {
 namespace {
@@ -72,6 +73,8 @@ absl::StatusOr<v1::AssemblyBundle> Freeze(store::ReadTransaction& transaction,
   for (const v1::AssemblyPart& part : message.parts()) items.insert(part.item());
   MORTISE_RETURN_IF_ERROR(
       AddItems(transaction, items, *bundle.mutable_items(), *bundle.mutable_materials()));
+  MORTISE_RETURN_IF_ERROR(
+      AddShapes(transaction, message, bundle.items(), *bundle.mutable_shapes()));
   bundle.mutable_assembly()->clear_revision();
   bundle.mutable_assembly()->clear_create_time();
   bundle.mutable_assembly()->set_digest(parametric::BundleDigest(bundle));
@@ -85,8 +88,11 @@ absl::StatusOr<std::shared_ptr<const parametric::ParametricAssembly>> Parametriz
     MORTISE_ASSIGN_OR_RETURN(parametric::Item item, parametric::FromProto(message));
     items.push_back(std::move(item));
   }
+  MORTISE_RETURN_IF_ERROR(CheckTogether(bundle.shapes()));
+  MORTISE_ASSIGN_OR_RETURN(const parametric::ShapesByName shapes,
+                           parametric::FromProto(bundle.shapes()));
   MORTISE_ASSIGN_OR_RETURN(parametric::Assembly assembly,
-                           parametric::FromProto(bundle.assembly(), items));
+                           parametric::FromProto(bundle.assembly(), items, shapes));
   MORTISE_ASSIGN_OR_RETURN(parametric::ParametricAssembly parametrized,
                            parametric::ParametricAssembly::Create(std::move(assembly)));
   return std::make_shared<const parametric::ParametricAssembly>(std::move(parametrized));
@@ -106,6 +112,10 @@ absl::StatusOr<v1::Assembly> ImportBundle(store::Transaction& transaction,
       return std::move(*present.mutable_assembly());
     }
   }
+  for (const v1::Shape& shape : bundle.shapes()) {
+    MORTISE_RETURN_IF_ERROR(PutShape(transaction, shape).status());
+  }
+  bundle.clear_shapes();
   *message.mutable_create_time() = google::protobuf::util::TimeUtil::MicrosecondsToTimestamp(
       absl::ToUnixMicros(transaction.Now()));
   MORTISE_ASSIGN_OR_RETURN(const std::string id,

@@ -14,8 +14,8 @@
 
 namespace mortise::catalog {
 
-// An assembly revision (0: the latest) and all it uses. NOT_FOUND, or INVALID_ARGUMENT naming
-// "name" or "revision".
+// An assembly revision (0: the latest) and all it uses but shapes, which AddShapes adds. NOT_FOUND,
+// or INVALID_ARGUMENT naming "name" or "revision".
 absl::StatusOr<v1::AssemblyBundle> GetAssemblyBundle(store::ReadTransaction& transaction,
                                                      const std::string& name, int64_t revision);
 
@@ -24,7 +24,7 @@ absl::StatusOr<v1::AssemblyBundle> GetAssemblyBundle(store::ReadTransaction& tra
 absl::StatusOr<Page<v1::Assembly>> ListAssemblies(store::ReadTransaction& transaction,
                                                   int page_size, const std::string& page_token);
 
-// The assembly with those items and materials it names that exist, and its digest.
+// The assembly with those items, materials and shapes it names that exist, and its digest.
 absl::StatusOr<v1::AssemblyBundle> Freeze(store::ReadTransaction& transaction,
                                           const v1::Assembly& message);
 
@@ -34,9 +34,10 @@ absl::StatusOr<v1::AssemblyBundle> Freeze(store::ReadTransaction& transaction,
 absl::StatusOr<std::shared_ptr<const parametric::ParametricAssembly>> Parametrize(
     const v1::AssemblyBundle& bundle);
 
-// Writes a bundle that can be parametrised as the revision after `expected_revision`
-// ("assembly.imported") and returns the assembly. If the present revision has the same content,
-// that is returned and nothing changes. ABORTED if the latest revision is not `expected_revision`.
+// Writes a bundle that can be parametrised, and its shapes, as the revision after
+// `expected_revision` ("assembly.imported") and returns the assembly. If the present revision has
+// the same content, that is returned and nothing changes. ABORTED if the latest revision is not
+// `expected_revision`.
 absl::StatusOr<v1::Assembly> ImportBundle(store::Transaction& transaction,
                                           v1::AssemblyBundle bundle, int64_t expected_revision,
                                           const std::string& trace_id);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -16,15 +17,14 @@
 #include "common/parametric/assembly_design.h"
 #include "common/parametric/parametrization_codec.h"
 #include "common/parametric/template_codec.h"
-#include "common/rpc/chunk_stream.h"
 #include "common/rpc/handler.h"
 #include "common/store/store.h"
 #include "mortise/v1/assembly.grpc.pb.h"
-#include "services/catalog/assembly_export.h"
 #include "services/catalog/assembly_import.h"
 #include "services/catalog/assembly_records.h"
-#include "services/catalog/design_export.h"
+#include "services/catalog/design_stream.h"
 #include "services/catalog/recently_used.h"
+#include "services/catalog/shape_records.h"
 
 namespace mortise::catalog {
 namespace {
@@ -282,6 +282,7 @@ class AssemblyAdapter : public v1::AssemblyService::CallbackService {
     if (const std::optional<Drawing> known = drawings_.Find(key)) return *known;
     MORTISE_ASSIGN_OR_RETURN(const std::string bytes, UnpackStep(step));
     MORTISE_ASSIGN_OR_RETURN(cad::StepAssembly read, cad::ReadStepInChild(bytes));
+    for (cad::DrawnShape& shape : read.shapes) shape.name = NamedShape(shape).name();
     const auto drawing = std::make_shared<const cad::StepAssembly>(std::move(read));
     drawings_.Add(key, drawing);
     return drawing;
@@ -301,8 +302,19 @@ class AssemblyAdapter : public v1::AssemblyService::CallbackService {
     MORTISE_ASSIGN_OR_RETURN(const parametric::TemplateBundle items, UsedBy(used));
     DrawnAssembly drawn = MakeAssembly(*drawing, asked.annotations(), items.items);
     MORTISE_ASSIGN_OR_RETURN(v1::AssemblyBundle bundle, FreezeNow(drawn.assembly));
+    AddNewShapes(*drawing, bundle);
     MORTISE_RETURN_IF_ERROR(AtRequest(drawn, asked.annotations(), Parametrize(bundle).status()));
     return Imported{std::move(bundle), std::move(drawn.notes)};
+  }
+
+  // Adds those of the drawing's shapes that parts have and that are not stored yet.
+  static void AddNewShapes(const cad::StepAssembly& drawing, v1::AssemblyBundle& bundle) {
+    std::set<std::string> missing;
+    for (const v1::AssemblyPart& part : bundle.assembly().parts()) missing.insert(part.shape());
+    for (const v1::Shape& shape : bundle.shapes()) missing.erase(shape.name());
+    for (const cad::DrawnShape& shape : drawing.shapes) {
+      if (missing.erase(shape.name) != 0) *bundle.add_shapes() = NamedShape(shape);
+    }
   }
 
   // Parametrised now, or before.
@@ -311,6 +323,9 @@ class AssemblyAdapter : public v1::AssemblyService::CallbackService {
     const std::string& key = bundle.assembly().digest();
     std::optional<Parametrized> parametrized = parametrized_.Find(key);
     if (!parametrized) {
+      MORTISE_RETURN_IF_ERROR(store_->Read([&](store::ReadTransaction& transaction) {
+        return AddShapes(transaction, bundle.assembly(), bundle.items(), *bundle.mutable_shapes());
+      }));
       MORTISE_ASSIGN_OR_RETURN(parametrized, Parametrize(bundle));
       parametrized_.Add(key, *parametrized);
     }
@@ -337,9 +352,7 @@ class AssemblyAdapter : public v1::AssemblyService::CallbackService {
 
   absl::Status Export(const v1::ExportAssemblyRequest& asked,
                       const std::shared_ptr<rpc::StreamWriter<v1::Chunk>>& writer) {
-    if (asked.format() == v1::ExportDesignRequest::FORMAT_UNSPECIFIED) {
-      return InvalidField("format", "must be STEP or GLB");
-    }
+    MORTISE_RETURN_IF_ERROR(KindOf(asked.format()).status());
     MORTISE_ASSIGN_OR_RETURN(const Found found, Find(asked.name(), asked.revision()));
     MORTISE_ASSIGN_OR_RETURN(const Eigen::VectorXd q,
                              ParametersOf(asked.q(), *found.parametrized, "q"));
@@ -347,16 +360,8 @@ class AssemblyAdapter : public v1::AssemblyService::CallbackService {
     MORTISE_ASSIGN_OR_RETURN(const parametric::TemplateBundle bundle, UsedBy(found.bundle));
     const parametric::EvaluatedDesign design =
         parametric::DesignAt(*found.parametrized, q, bundle.items, bundle.materials);
-    const std::string id = asked.name().substr(asked.name().find('/') + 1);
-    if (asked.format() == v1::ExportDesignRequest::STEP) {
-      MORTISE_ASSIGN_OR_RETURN(std::string bytes, ExportAssemblyStep(*found.parametrized, q, design,
-                                                                     PartColors(design), id));
-      rpc::StreamBytes(std::move(bytes), {absl::StrCat(id, ".step"), "model/step"}, writer);
-    } else {
-      MORTISE_ASSIGN_OR_RETURN(std::string bytes, ExportGlb(design, id));
-      rpc::StreamBytes(std::move(bytes), {absl::StrCat(id, ".glb"), "model/gltf-binary"}, writer);
-    }
-    return absl::OkStatus();
+    return StreamAssembly({*found.parametrized, q, design, asked.rest_pose()}, asked.format(),
+                          asked.name().substr(asked.name().find('/') + 1), writer);
   }
 
   static absl::StatusOr<parametric::TemplateBundle> UsedBy(const v1::AssemblyBundle& bundle) {

@@ -41,7 +41,8 @@ absl::StatusOr<Page<v1::Material>> ListMaterials(store::ReadTransaction& transac
 absl::StatusOr<Page<v1::Item>> ListItems(store::ReadTransaction& transaction,
                                          const v1::ListItemsRequest& request);
 
-// What is wrong with an item, given the materials there are; fields are those of the item.
+// What is wrong with an item, given the materials and shapes there are; fields are those of the
+// item.
 absl::StatusOr<std::vector<parametric::Finding>> CheckItem(store::ReadTransaction& transaction,
                                                            const v1::Item& item);
 
@@ -71,7 +72,7 @@ absl::Status AddItems(store::ReadTransaction& transaction, const std::set<std::s
 
 // ---- Templates ---------------------------------------------------------------------------------
 
-// A template revision (0: the latest) and all it uses.
+// A template revision (0: the latest) and all it uses but shapes, which AddShapes adds.
 absl::StatusOr<v1::TemplateBundle> GetBundle(store::ReadTransaction& transaction,
                                              const std::string& name, int64_t revision);
 

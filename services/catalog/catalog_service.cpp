@@ -7,16 +7,22 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "common/base/field_violations.h"
+#include "common/cad/step_isolation.h"
 #include "common/parametric/parameter_values.h"
 #include "common/parametric/template_codec.h"
 #include "common/rpc/chunk_stream.h"
 #include "common/rpc/handler.h"
 #include "common/store/store.h"
 #include "mortise/v1/catalog.grpc.pb.h"
+#include "services/catalog/assembly_import.h"
 #include "services/catalog/assembly_service.h"
 #include "services/catalog/catalog_records.h"
 #include "services/catalog/collection_loader.h"
 #include "services/catalog/design_export.h"
+#include "services/catalog/design_stream.h"
+#include "services/catalog/shape_import.h"
+#include "services/catalog/shape_records.h"
 #include "services/catalog/template_cache.h"
 
 namespace mortise::catalog {
@@ -30,6 +36,37 @@ struct NamedDesign {
   Eigen::VectorXd q;
   parametric::EvaluatedDesign design;
 };
+
+// What is wrong with the shape, said of the file.
+absl::Status OfFile(const absl::Status& status) {
+  if (absl::IsResourceExhausted(status))
+    return TooLarge("file", "64 MiB unpacked, or 50,000 triangles");
+  std::vector<FieldViolation> violations = ViolationsOf(status);
+  if (violations.empty()) {
+    std::string message(status.message());
+    const std::string field = DetailOf(status).field;
+    if (message.starts_with(field + ": ")) message.erase(0, field.size() + 2);
+    violations.push_back({"file", message});
+  }
+  for (FieldViolation& violation : violations) violation.field = "file";
+  return InvalidFields(violations);
+}
+
+absl::StatusOr<cad::DrawnShape> ReadShape(const v1::ImportShapeRequest& asked) {
+  const absl::StatusOr<std::string> bytes = UnpackStep(asked.file());
+  if (!bytes.ok()) return OfFile(bytes.status());
+  absl::StatusOr<cad::DrawnShape> shape = InvalidField("format", "must be STEP or STL");
+  if (asked.format() == v1::ImportShapeRequest::STEP) {
+    const absl::StatusOr<cad::StepAssembly> drawing = cad::ReadStepInChild(*bytes);
+    if (!drawing.ok()) return OfFile(drawing.status());
+    shape = ShapeOfStep(*drawing);
+  } else if (asked.format() == v1::ImportShapeRequest::STL) {
+    MORTISE_ASSIGN_OR_RETURN(const mesh::SurfaceMesh surface, ReadStl(*bytes));
+    shape = cad::ShapeOfMesh(surface);
+    if (!shape.ok()) return OfFile(shape.status());
+  }
+  return shape;
+}
 
 template <typename Response, typename Message>
 Response ToResponse(Page<Message> page,
@@ -145,6 +182,36 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
         });
   }
 
+  // Reading takes a while, so it happens before the transaction.
+  grpc::ServerUnaryReactor* ImportShape(grpc::CallbackServerContext* context,
+                                        const v1::ImportShapeRequest* request,
+                                        v1::Shape* response) override {
+    return endpoint_.PreparedMutation(
+        "ImportShape", context, request, response,
+        [](const rpc::Call&, const v1::ImportShapeRequest& asked) -> absl::StatusOr<v1::Shape> {
+          MORTISE_ASSIGN_OR_RETURN(const cad::DrawnShape shape, ReadShape(asked));
+          return NamedShape(shape);
+        },
+        [](const rpc::Call& call, const v1::ImportShapeRequest&, v1::Shape& shape,
+           store::Transaction& transaction) {
+          return catalog::ImportShape(transaction, shape, call.identity().request_id);
+        });
+  }
+
+  grpc::ServerUnaryReactor* GetShape(grpc::CallbackServerContext* context,
+                                     const v1::GetShapeRequest* request,
+                                     v1::Shape* response) override {
+    return endpoint_.Query(
+        "GetShape", context, request, response,
+        [this](const rpc::Call&, const v1::GetShapeRequest& asked) -> absl::StatusOr<v1::Shape> {
+          MORTISE_ASSIGN_OR_RETURN(v1::Shape shape,
+                                   Read<v1::Shape>([&](store::ReadTransaction& transaction) {
+                                     return catalog::GetShape(transaction, asked.name());
+                                   }));
+          return ShownShape(std::move(shape));
+        });
+  }
+
   grpc::ServerUnaryReactor* GetTemplate(grpc::CallbackServerContext* context,
                                         const v1::GetTemplateRequest* request,
                                         v1::Template* response) override {
@@ -204,7 +271,7 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
                                               v1::TemplateBundle* response) override {
     return endpoint_.Query("GetTemplateBundle", context, request, response,
                            [this](const rpc::Call&, const v1::GetTemplateBundleRequest& asked) {
-                             return FindBundle(asked.name(), asked.revision());
+                             return WholeBundle(asked.name(), asked.revision());
                            });
   }
 
@@ -249,12 +316,30 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
     });
   }
 
+  // With the triangles of all shapes: what F(q) takes.
+  absl::StatusOr<v1::TemplateBundle> WholeBundle(const std::string& name, int64_t revision) {
+    MORTISE_ASSIGN_OR_RETURN(v1::TemplateBundle bundle, FindBundle(name, revision));
+    MORTISE_RETURN_IF_ERROR(AddShapesTo(bundle));
+    DropExact(*bundle.mutable_shapes());
+    return bundle;
+  }
+
+  absl::Status AddShapesTo(v1::TemplateBundle& bundle) {
+    return store_->Read([&](store::ReadTransaction& transaction) {
+      return AddShapes(transaction, bundle.assembly(), bundle.items(), *bundle.mutable_shapes());
+    });
+  }
+
   // F at the given parameters, rounded to what a workshop can set.
   absl::StatusOr<NamedDesign> Evaluate(
       const std::string& name, int64_t revision,
       const google::protobuf::RepeatedPtrField<v1::ParameterValue>& values) {
-    MORTISE_ASSIGN_OR_RETURN(const v1::TemplateBundle bundle, FindBundle(name, revision));
-    MORTISE_ASSIGN_OR_RETURN(auto function, cache_.Compile(bundle));
+    MORTISE_ASSIGN_OR_RETURN(v1::TemplateBundle bundle, FindBundle(name, revision));
+    std::shared_ptr<const templates::Template> function = cache_.Find(bundle);
+    if (function == nullptr) {
+      MORTISE_RETURN_IF_ERROR(AddShapesTo(bundle));
+      MORTISE_ASSIGN_OR_RETURN(function, cache_.Compile(bundle));
+    }
     const std::vector<parametric::Parameter>& parameters = function->parameters();
     MORTISE_ASSIGN_OR_RETURN(Eigen::VectorXd q,
                              parametric::Complete(parameters, parametric::FromProto(values)));
@@ -265,21 +350,28 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
 
   absl::Status Export(const v1::ExportDesignRequest& asked,
                       const std::shared_ptr<rpc::StreamWriter<v1::Chunk>>& writer) {
-    if (asked.format() == v1::ExportDesignRequest::FORMAT_UNSPECIFIED) {
-      return InvalidField("format", "must be STEP or GLB");
-    }
+    MORTISE_ASSIGN_OR_RETURN(const FileKind kind, KindOf(asked.format()));
     MORTISE_ASSIGN_OR_RETURN(const NamedDesign evaluated,
                              Evaluate(asked.name(), asked.revision(), asked.parameters()));
-    const templates::Template& function = *evaluated.function;
     const std::string id = asked.name().substr(asked.name().find('/') + 1);
-    if (asked.format() == v1::ExportDesignRequest::STEP) {
-      MORTISE_ASSIGN_OR_RETURN(const std::vector<cad::Solid> solids, function.Solids(evaluated.q));
-      MORTISE_ASSIGN_OR_RETURN(std::string bytes, ExportStep(evaluated.design, solids, id));
-      rpc::StreamBytes(std::move(bytes), {absl::StrCat(id, ".step"), "model/step"}, writer);
-    } else {
-      MORTISE_ASSIGN_OR_RETURN(std::string bytes, ExportGlb(evaluated.design, id));
-      rpc::StreamBytes(std::move(bytes), {absl::StrCat(id, ".glb"), "model/gltf-binary"}, writer);
+    MORTISE_ASSIGN_OR_RETURN(const auto assembly, evaluated.function->AssemblyAt(evaluated.q));
+    if (assembly) {
+      return StreamAssembly({*assembly->assembly, assembly->q, evaluated.design, asked.rest_pose()},
+                            asked.format(), id, writer);
     }
+    if (!asked.rest_pose().empty()) {
+      return InvalidField("rest_pose", "only assembly templates have rest poses");
+    }
+    std::string bytes;
+    if (asked.format() == v1::ExportDesignRequest::STEP) {
+      MORTISE_ASSIGN_OR_RETURN(const std::vector<cad::Solid> solids,
+                               evaluated.function->Solids(evaluated.q));
+      MORTISE_ASSIGN_OR_RETURN(bytes, ExportStep(evaluated.design, solids, id));
+    } else {
+      MORTISE_ASSIGN_OR_RETURN(bytes,
+                               ExportMesh(evaluated.design, {}, MeshFormatOf(asked.format()), id));
+    }
+    rpc::StreamBytes(std::move(bytes), {id + kind.extension, kind.media_type}, writer);
     return absl::OkStatus();
   }
 

@@ -1,8 +1,11 @@
 // Colours parts by their material and hands them to the writers of common/cad.
 #include "services/catalog/design_export.h"
 
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "common/cad/glb_writer.h"
 #include "common/cad/step_writer.h"
+#include "common/mesh/stl.h"
 #include "common/parametric/evaluation.h"
 
 namespace mortise::catalog {
@@ -27,8 +30,47 @@ Eigen::Vector3d MaterialColor(const std::string& material) {
 
 // Parts sawn from bars are a little darker, so that neighbours of one material can be told apart.
 Eigen::Vector3d PartColor(const parametric::EvaluatedPart& part) {
+  if (part.color) return *part.color;
   const Eigen::Vector3d color = MaterialColor(part.material);
   return part.process == parametric::Process::kChopSaw ? Eigen::Vector3d(0.8 * color) : color;
+}
+
+std::string WriteObj(const std::vector<cad::GlbPart>& parts, const std::string& name) {
+  std::string text = absl::StrCat("# ", name, ", metres, z upwards\n");
+  Eigen::Index first = 1;
+  for (const cad::GlbPart& part : parts) {
+    absl::StrAppend(&text, "o ", part.name, "\n");
+    for (const auto& vertex : part.surface.vertices.colwise()) {
+      absl::StrAppendFormat(&text, "v %.9g %.9g %.9g\n", vertex.x(), vertex.y(), vertex.z());
+    }
+    for (const auto& corners : part.surface.triangles.colwise()) {
+      absl::StrAppend(&text, "f ", first + corners[0], " ", first + corners[1], " ",
+                      first + corners[2], "\n");
+    }
+    first += part.surface.vertices.cols();
+  }
+  return text;
+}
+
+mesh::SurfaceMesh Together(const std::vector<cad::GlbPart>& parts) {
+  Eigen::Index vertices = 0, triangles = 0;
+  for (const cad::GlbPart& part : parts) {
+    vertices += part.surface.vertices.cols();
+    triangles += part.surface.triangles.cols();
+  }
+  mesh::SurfaceMesh whole;
+  whole.vertices.resize(3, vertices);
+  whole.triangles.resize(3, triangles);
+  vertices = triangles = 0;
+  for (const cad::GlbPart& part : parts) {
+    const Eigen::Index more = part.surface.triangles.cols();
+    whole.vertices.middleCols(vertices, part.surface.vertices.cols()) = part.surface.vertices;
+    whole.triangles.middleCols(triangles, more) =
+        part.surface.triangles.array() + static_cast<int>(vertices);
+    vertices += part.surface.vertices.cols();
+    triangles += more;
+  }
+  return whole;
 }
 
 }  // namespace
@@ -49,13 +91,25 @@ std::vector<Eigen::Vector3d> PartColors(const parametric::EvaluatedDesign& desig
   return colors;
 }
 
-absl::StatusOr<std::string> ExportGlb(const parametric::EvaluatedDesign& design,
-                                      const std::string& assembly_name) {
+absl::StatusOr<std::string> ExportMesh(const parametric::EvaluatedDesign& design,
+                                       const std::vector<Eigen::Isometry3d>& motions,
+                                       MeshFormat format, const std::string& assembly_name) {
   std::vector<cad::GlbPart> parts;
-  for (const parametric::EvaluatedPart& part : design.parts) {
+  for (std::size_t i = 0; i < design.parts.size(); ++i) {
+    const parametric::EvaluatedPart& part = design.parts[i];
     parts.push_back({part.name, parametric::PartSurface(part), PartColor(part)});
+    if (motions.empty()) continue;
+    Eigen::Matrix3Xd& vertices = parts.back().surface.vertices;
+    vertices = (motions[i].linear() * vertices).colwise() + motions[i].translation();
   }
-  return cad::WriteGlb(assembly_name, parts);
+  switch (format) {
+    case MeshFormat::kObj:
+      return WriteObj(parts, assembly_name);
+    case MeshFormat::kStl:
+      return mesh::WriteStl(Together(parts), assembly_name);
+    default:
+      return cad::WriteGlb(assembly_name, parts);
+  }
 }
 
 }  // namespace mortise::catalog

@@ -1,6 +1,7 @@
 // Designs as files that other programs open.
 #pragma once
 
+#include <Eigen/Geometry>
 #include <string>
 #include <vector>
 
@@ -10,17 +11,23 @@
 
 namespace mortise::catalog {
 
+// Files of triangles.
+enum class MeshFormat { kGlb, kObj, kStl };
+
 // STEP AP242: the B-rep of every part under its name, in an assembly named `assembly_name`.
 // `solids`: one a part of the design, in its order.
 absl::StatusOr<std::string> ExportStep(const parametric::EvaluatedDesign& design,
                                        const std::vector<cad::Solid>& solids,
                                        const std::string& assembly_name);
 
-// What each part looks like by its material: linear red, green, blue.
+// What each part looks like: its own colour, or that of its material; linear red, green, blue.
 std::vector<Eigen::Vector3d> PartColors(const parametric::EvaluatedDesign& design);
 
-// Binary glTF: the triangles of every part.
-absl::StatusOr<std::string> ExportGlb(const parametric::EvaluatedDesign& design,
-                                      const std::string& assembly_name);
+// The triangles of every part: binary glTF in metres, a named and coloured node a part; Wavefront
+// OBJ in metres, a named object a part; or binary STL in millimetres, all parts in one. `motions`:
+// how each part is moved first, one a part, or none at all.
+absl::StatusOr<std::string> ExportMesh(const parametric::EvaluatedDesign& design,
+                                       const std::vector<Eigen::Isometry3d>& motions,
+                                       MeshFormat format, const std::string& assembly_name);
 
 }  // namespace mortise::catalog

@@ -14,6 +14,7 @@
 #include "services/catalog/catalog_records.h"
 #include "services/catalog/item_filter.h"
 #include "services/catalog/record_access.h"
+#include "services/catalog/shape_records.h"
 
 namespace mortise::catalog {
 namespace {
@@ -178,7 +179,11 @@ absl::StatusOr<std::vector<parametric::Finding>> CheckItem(store::ReadTransactio
   } else if (!absl::IsNotFound(material.status()) && !absl::IsInvalidArgument(material.status())) {
     return material.status();
   }
-  return parametric::ValidateItem(converted, materials);
+  std::vector<parametric::Finding> findings = parametric::ValidateItem(converted, materials);
+  MORTISE_ASSIGN_OR_RETURN(const std::vector<parametric::Finding> of_shape,
+                           CheckItemShape(transaction, item));
+  findings.insert(findings.end(), of_shape.begin(), of_shape.end());
+  return findings;
 }
 
 absl::Status AddItems(store::ReadTransaction& transaction, const std::set<std::string>& names,

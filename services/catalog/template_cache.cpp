@@ -6,14 +6,23 @@
 
 namespace mortise::catalog {
 
+namespace {
+
+std::string KeyOf(const v1::Template& message) {
+  return absl::StrCat(message.name(), "/", message.revision(), "/", message.digest());
+}
+
+}  // namespace
+
+std::shared_ptr<const templates::Template> TemplateCache::Find(const v1::TemplateBundle& bundle) {
+  return compiled_.Find(KeyOf(bundle.template_())).value_or(nullptr);
+}
+
 absl::StatusOr<std::shared_ptr<const templates::Template>> TemplateCache::Compile(
     const v1::TemplateBundle& bundle) {
-  const v1::Template& message = bundle.template_();
-  const std::string key =
-      absl::StrCat(message.name(), "/", message.revision(), "/", message.digest());
-  if (auto found = compiled_.Find(key)) return *std::move(found);
+  if (auto found = Find(bundle)) return found;
   MORTISE_ASSIGN_OR_RETURN(auto compiled, templates::Compile(bundle));
-  compiled_.Add(key, compiled);
+  compiled_.Add(KeyOf(bundle.template_()), compiled);
   return compiled;
 }
 

@@ -14,7 +14,11 @@ class TemplateCache {
  public:
   explicit TemplateCache(std::size_t capacity) : compiled_(capacity) {}
 
-  // F of the bundle, compiled now or found by name, revision and digest.
+  // F of the bundle if it was compiled lately, by name, revision and digest; else null. The bundle
+  // needs no shapes.
+  std::shared_ptr<const templates::Template> Find(const v1::TemplateBundle& bundle);
+
+  // F of the bundle, compiled now or found.
   absl::StatusOr<std::shared_ptr<const templates::Template>> Compile(
       const v1::TemplateBundle& bundle);
 

@@ -9,6 +9,7 @@
 #include "services/catalog/assembly_records.h"
 #include "services/catalog/catalog_records.h"
 #include "services/catalog/record_access.h"
+#include "services/catalog/shape_records.h"
 
 namespace mortise::catalog {
 namespace {
@@ -37,7 +38,7 @@ absl::Status FreezeAssembly(store::ReadTransaction& transaction, v1::TemplateBun
   *bundle.mutable_items() = std::move(*used->mutable_items());
   *bundle.mutable_materials() = std::move(*used->mutable_materials());
   *bundle.mutable_assembly() = std::move(*used->mutable_assembly());
-  return absl::OkStatus();
+  return AddShapes(transaction, bundle.assembly(), bundle.items(), *bundle.mutable_shapes());
 }
 
 // The revision of the latest template; 0 if there is none.
@@ -114,6 +115,7 @@ absl::StatusOr<v1::Template> ImportBundle(store::Transaction& transaction,
       return std::move(*present.mutable_template_());
     }
   }
+  bundle.clear_shapes();  // those of the assembly are stored
   *message.mutable_create_time() = google::protobuf::util::TimeUtil::MicrosecondsToTimestamp(
       absl::ToUnixMicros(transaction.Now()));
   MORTISE_ASSIGN_OR_RETURN(const std::string id,

@@ -29,6 +29,11 @@ namespace {
 using google::protobuf::FileDescriptor;
 using google::protobuf::Message;
 
+// A tetrahedron, in millimetres.
+constexpr char kTetrahedron[] =
+    "solid t vertex 0 0 0 vertex 0 9 0 vertex 9 0 0 vertex 0 0 0 vertex 9 0 0 vertex 0 0 9 "
+    "vertex 0 0 0 vertex 0 0 9 vertex 0 9 0 vertex 9 0 0 vertex 0 9 0 vertex 0 0 9 endsolid";
+
 struct Example {
   const char* method;
   const char* request;  // text format; {plan} and so on stand for names
@@ -51,6 +56,9 @@ constexpr Example kExamples[] = {
      Outcome::kChanges},
     {"CatalogService/DeleteItem", "request_id: 'bad-4' name: 'items/board-38x89' revision: 1",
      Outcome::kChanges},
+    {"CatalogService/ImportShape", "request_id: 'bad-18' file: '{tetrahedron}' format: STL",
+     Outcome::kChanges},
+    {"CatalogService/GetShape", "name: '{shape}'"},
     {"CatalogService/GetTemplate", "name: 'templates/table' revision: 1"},
     {"CatalogService/ListTemplates", "page_size: 10"},
     {"CatalogService/ImportTemplate",
@@ -278,6 +286,12 @@ std::map<std::string, std::string> MakeResources(const std::shared_ptr<grpc::Cha
   item.clear_revision();
   names["{item}"] = item.ShortDebugString();
   names["{discovery}"] = kDiscovery;
+  names["{tetrahedron}"] = kTetrahedron;
+  names["{shape}"] =
+      Call(catalog, &v1::CatalogService::Stub::ImportShape,
+           Parse<v1::ImportShapeRequest>(std::string("request_id: 'good-5' format: STL file: '") +
+                                         kTetrahedron + "'"))
+          .name();
   NameAssembly(channel, names);
   return names;
 }

@@ -59,7 +59,7 @@ bool NamesSomething(const FieldDescriptor* field) {
       "name",       "parent",  "template",  "plan",      "subject", "item",
       "material",   "part",    "face",      "stream",    "streams", "other_part",
       "metric",     "metrics", "service",   "file_name", "bridge",  "machine",
-      "work_order", "sha256",  "parameter", "evaluator"};
+      "work_order", "sha256",  "parameter", "evaluator", "shape",   "rest_pose"};
   return names.count(field->name()) != 0 || field->name().ends_with("_name");
 }
 

@@ -2,11 +2,14 @@
 // what a random point costs afterwards.
 #include <benchmark/benchmark.h>
 
+#include <memory>
 #include <random>
 #include <string>
 
+#include "common/parametric/assembly_design.h"
 #include "common/parametric/feasible_set.h"
 #include "common/parametric/linear_design.h"
+#include "common/parametric/parametric_assembly.h"
 #include "common/parametric/rest_pose.h"
 
 namespace mortise::parametric {
@@ -111,16 +114,44 @@ void BM_Evaluate(benchmark::State& state) {
   const Assembly assembly = Shelves(static_cast<int>(state.range(0)));
   const std::vector<Element> elements = MakeElements(assembly, kTolerance);
   const Eigen::VectorXd q = DrawnParameters(assembly, elements);
-  mesh::SurfaceMesh drawn;
-  drawn.vertices = Eigen::Matrix3Xd::Random(3, 200);
-  const LinearMesh mesh(drawn, {-Eigen::Vector3d::Ones(), Eigen::Vector3d::Ones()});
+  cad::DrawnShape shape;
+  shape.fractions = Eigen::Matrix3Xd::Random(3, 200) / 2;
+  shape.triangles = Eigen::Matrix3Xi::Zero(3, 396);
   for (auto _ : state) {
     for (const PlacedPart& part : PlaceParts(assembly, elements, q)) {
-      benchmark::DoNotOptimize(mesh.VerticesIn(part.box));
+      benchmark::DoNotOptimize(SurfaceIn(shape, part.box));
     }
   }
 }
 BENCHMARK(BM_Evaluate)->Arg(100)->Arg(200)->Unit(benchmark::kMillisecond);
+
+// 200 vertices, 396 triangles and 20 faces, which look like a box: its triangles again and again.
+std::shared_ptr<const cad::DrawnShape> FinelyTriangulatedBox() {
+  const mesh::SurfaceMesh box =
+      SurfaceOf(BoundingBox{Eigen::Vector3d::Constant(-0.5), Eigen::Vector3d::Constant(0.5)});
+  cad::DrawnShape shape;
+  shape.fractions = box.vertices.replicate(1, 25);
+  shape.triangles = box.triangles.replicate(1, 33);
+  shape.triangle_face = Eigen::VectorXi::Zero(shape.triangles.cols());
+  for (int face = 0; face < 20; ++face) shape.face_names.push_back({"face" + std::to_string(face)});
+  return std::make_shared<const cad::DrawnShape>(std::move(shape));
+}
+
+// F(q) as everything else takes it: a design whose parts have shapes.
+void BM_EvaluateShapes(benchmark::State& state) {
+  Assembly assembly = Shelves(static_cast<int>(state.range(0)));
+  const auto shape = FinelyTriangulatedBox();
+  for (AssemblyPart& part : assembly.parts) part.shape = shape;
+  const auto parametrized = ParametricAssembly::Create(std::move(assembly));
+  if (!parametrized.ok()) {
+    state.SkipWithError("not parametrised");
+    return;
+  }
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(DesignAt(*parametrized, parametrized->drawn(), {}, {}));
+  }
+}
+BENCHMARK(BM_EvaluateShapes)->Arg(100)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace mortise::parametric

@@ -144,5 +144,22 @@ TEST(Proximity, NamesWhatIsWrong) {
   EXPECT_TRUE(FindProximities({}, 0)->empty());
 }
 
+TEST(ProbedSurface, TellsGapsContactsAndDepths) {
+  const auto separation = [](const SurfaceMesh& a, const SurfaceMesh& b) {
+    const double there = ProbedSurface::Separation(ProbedSurface(a), ProbedSurface(b), 0.1);
+    EXPECT_EQ(there, ProbedSurface::Separation(ProbedSurface(b), ProbedSurface(a), 0.1));
+    return there;
+  };
+  const SurfaceMesh cube = Box({0, 0, 0}, {1, 1, 1});
+  EXPECT_NEAR(separation(cube, Box({1.05, 0.2, 0.2}, {2, 0.8, 0.8})), 0.05, 1e-12);
+  EXPECT_EQ(separation(cube, Box({1.2, 0.2, 0.2}, {2, 0.8, 0.8})),
+            std::numeric_limits<double>::infinity());
+  EXPECT_NEAR(separation(cube, Box({1, 0.2, 0.2}, {2, 0.8, 0.8})), 0, 1e-12);
+  EXPECT_NEAR(separation(cube, Box({0.9, 0.3, 0.35}, {2, 0.7, 0.72})), -0.1, 1e-12) << "a corner";
+  EXPECT_LT(separation(cube, Box({-1, 0.4, 0.45}, {2, 0.6, 0.7})), -0.3)
+      << "right through, without any corner inside";
+  EXPECT_NEAR(separation(cube, Box({0.3, 0.3, 0.3}, {0.7, 0.7, 0.7})), -0.3, 1e-12) << "enclosed";
+}
+
 }  // namespace
 }  // namespace mortise::mesh

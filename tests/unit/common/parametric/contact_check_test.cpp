@@ -6,11 +6,13 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <memory>
 #include <random>
 #include <utility>
 
 #include "common/base/errors.h"
 #include "common/parametric/feasible_set.h"
+#include "common/parametric/parametric_assembly.h"
 #include "tests/support/status_assertions.h"
 #include "tests/unit/common/parametric/assemblies.h"
 
@@ -250,6 +252,86 @@ TEST(ContactCheckTest, ParametersThatAreNoneAreRefused) {
   q = table.drawn;
   q[SizeVariable(1, Axis::kY)] = 0;
   EXPECT_EQ(field(q), "q");
+}
+
+// An L of 40 mm × 40 mm, 4 mm thick and 100 mm long along z, in its box.
+std::shared_ptr<const cad::DrawnShape> Angle() {
+  const double outline[][2] = {{0, 0},         {0.04, 0},     {0.04, 0.004},
+                               {0.004, 0.004}, {0.004, 0.04}, {0, 0.04}};
+  mesh::SurfaceMesh surface;
+  surface.vertices.resize(3, 12);
+  for (int i = 0; i < 6; ++i) {
+    surface.vertices.col(i) << outline[i][0], outline[i][1], 0;
+    surface.vertices.col(6 + i) << outline[i][0], outline[i][1], 0.1;
+  }
+  surface.triangles.resize(3, 20);
+  const int ends[][3] = {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 5}};
+  int next = 0;
+  for (const auto& [a, b, c] : ends) {
+    surface.triangles.col(next++) << c, b, a;
+    surface.triangles.col(next++) << 6 + a, 6 + b, 6 + c;
+  }
+  for (int i = 0; i < 6; ++i) {
+    const int j = (i + 1) % 6;
+    surface.triangles.col(next++) << i, j, 6 + j;
+    surface.triangles.col(next++) << i, 6 + j, 6 + i;
+  }
+  auto shape = cad::ShapeOfMesh(surface);
+  EXPECT_TRUE(shape.ok()) << shape.status();
+  return std::make_shared<const cad::DrawnShape>(*std::move(shape));
+}
+
+// An angle and a block in its corner, as far from both legs as `gap`, m.
+Assembly BlockInAngle(double gap) {
+  Assembly corner;
+  corner.name = "corner";
+  corner.groups = {{"corner", -1}};
+  corner.parts = {ResizablePart("angle", {0, 0, 0}, {0.04, 0.04, 0.1}),
+                  ResizablePart("block", {0.004 + gap, 0.004 + gap, 0}, {0.03, 0.03, 0.1})};
+  corner.parts[0].shape = Angle();
+  return corner;
+}
+
+TEST(ContactCheckTest, LooksAtTrueSurfacesWhereBoxesOverlap) {
+  const Design touching(BlockInAngle(0));
+  EXPECT_THAT(touching.FaultsAt(touching.drawn), IsEmpty()) << "solids that touch do not penetrate";
+  Eigen::VectorXd moved = touching.drawn;
+  moved(CenterVariable(1, Axis::kX)) += 0.002;
+  moved(CenterVariable(1, Axis::kY)) += 0.002;
+  std::vector<ContactFault> faults = touching.FaultsAt(moved);
+  ASSERT_EQ(faults.size(), 1u) << "though it is in the angle's box";
+  EXPECT_EQ(faults[0].kind, Kind::kLostContact);
+  EXPECT_NEAR(faults[0].amount, 0.002, 1e-9);
+
+  const Design apart(BlockInAngle(0.003));
+  EXPECT_THAT(apart.FaultsAt(apart.drawn), IsEmpty());
+  moved = apart.drawn;
+  moved(CenterVariable(1, Axis::kX)) -= 0.005;
+  faults = apart.FaultsAt(moved);
+  ASSERT_EQ(faults.size(), 1u);
+  EXPECT_EQ(faults[0].kind, Kind::kPenetration);
+  EXPECT_NEAR(faults[0].amount, 0.002, 1e-9);
+  moved = apart.drawn;
+  moved(CenterVariable(1, Axis::kX)) -= 0.00305;
+  EXPECT_THAT(apart.FaultsAt(moved), IsEmpty()) << "less than counts";
+}
+
+TEST(ContactCheckTest, ContactsAreThoseOfTrueSurfaces) {
+  const auto contacts_of = [](const Assembly& assembly) {
+    const std::vector<Element> elements = MakeElements(assembly, kTolerance);
+    return FindContacts(assembly, elements, kTolerance).value().size();
+  };
+  EXPECT_EQ(contacts_of(BlockInAngle(0)), 1u);
+  EXPECT_EQ(contacts_of(BlockInAngle(0.003)), 0u);
+  Assembly boxes = BlockInAngle(0.003);
+  boxes.parts[0].shape = nullptr;
+  EXPECT_EQ(contacts_of(boxes), 1u) << "without a shape it is in the box";
+  // What the triangles may miss of a curved face is no gap.
+  Assembly curved = BlockInAngle(0.0001);
+  auto rough = *curved.parts[0].shape;
+  rough.deflection = 0.0002;
+  curved.parts[0].shape = std::make_shared<const cad::DrawnShape>(std::move(rough));
+  EXPECT_EQ(contacts_of(curved), 1u);
 }
 
 }  // namespace

@@ -109,19 +109,22 @@ TEST(LinearDesign, MeshesAreLinear) {
   };
   const BoundingBox drawn = any_box();
   mesh::SurfaceMesh surface = SurfaceOf(drawn);
-  surface.vertices.col(3) = drawn.center();  // something that is no box
-  const LinearMesh mesh(surface, drawn);
-  EXPECT_TRUE(mesh.VerticesIn(drawn).isApprox(surface.vertices, 1e-12));
+  // Something that is no box: one corner pushed in.
+  surface.vertices.col(3) = 0.9 * surface.vertices.col(3) + 0.1 * drawn.center();
+  const auto shape = cad::ShapeOfMesh(surface);
+  ASSERT_TRUE(shape.ok()) << shape.status();
+  const auto vertices_in = [&](const BoundingBox& box) { return SurfaceIn(*shape, box).vertices; };
+  EXPECT_TRUE(vertices_in(drawn).isApprox(surface.vertices, 1e-12));
   for (int round = 0; round < 20; ++round) {
     const BoundingBox a = any_box();
     const BoundingBox b = any_box();
     const double share = uniform(random);
     const BoundingBox mixed{share * a.minimum + (1 - share) * b.minimum,
                             share * a.maximum + (1 - share) * b.maximum};
-    EXPECT_TRUE(mesh.VerticesIn(mixed).isApprox(
-        share * mesh.VerticesIn(a) + (1 - share) * mesh.VerticesIn(b), 1e-12));
-    EXPECT_TRUE(mesh.VerticesIn(a).rowwise().minCoeff().isApprox(a.minimum, 1e-12));
-    EXPECT_TRUE(mesh.VerticesIn(a).rowwise().maxCoeff().isApprox(a.maximum, 1e-12));
+    EXPECT_TRUE(
+        vertices_in(mixed).isApprox(share * vertices_in(a) + (1 - share) * vertices_in(b), 1e-12));
+    EXPECT_TRUE(vertices_in(a).rowwise().minCoeff().isApprox(a.minimum, 1e-12));
+    EXPECT_TRUE(vertices_in(a).rowwise().maxCoeff().isApprox(a.maximum, 1e-12));
   }
 }
 

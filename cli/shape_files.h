@@ -1,0 +1,31 @@
+// Shapes in files beside those of items and assemblies.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "cli/gateway_client.h"
+#include "mortise/v1/catalog.grpc.pb.h"
+
+namespace mortise::cli {
+
+// The bytes of a file packed by gzip, which fit into a message. NOT_FOUND; RESOURCE_EXHAUSTED.
+absl::StatusOr<std::string> PackedFile(const std::filesystem::path& file);
+
+// Whether a file is STEP by its extension: .step, .stp, .stpz.
+bool IsStepFile(const std::filesystem::path& file);
+
+// Adds the shape in a file (STEP, or STL in millimetres) to the catalog. What is wrong with it is
+// said with the file's name.
+absl::StatusOr<v1::Shape> ImportShapeFile(const std::filesystem::path& file,
+                                          v1::CatalogService::Stub& stub,
+                                          const GatewayClient& client);
+
+// Where `shape`, as `file` has it, is no shapes/{digest} but a path beside the file, adds that
+// shape to the catalog and puts its name there.
+absl::Status ResolveShape(const std::filesystem::path& file, std::string& shape,
+                          v1::CatalogService::Stub& stub, const GatewayClient& client);
+
+}  // namespace mortise::cli

@@ -1,0 +1,206 @@
+#include "common/cad/drawn_shape.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "common/base/errors.h"
+#include "common/base/field_violations.h"
+#include "common/mesh/mass_properties.h"
+#include "common/mesh/surface_check.h"
+
+namespace mortise::cad {
+namespace {
+
+constexpr double kOnBox = 2e-7;         // m, within which a vertex lies in a face of the box
+constexpr double kLeastSize = 1e-6;     // m
+constexpr double kSamePlane = 1e-9;     // of the size: fractions in one plane
+constexpr double kProminent = 0.1;      // of the box's section: the least area of a large face
+constexpr std::size_t kMostPlanes = 4;  // along an axis
+constexpr int kMostFaults = 5;          // told of one surface
+constexpr int kMostIntersections = 3;
+
+const char* const kBoxFaces[3][2] = {{"x_min", "x_max"}, {"y_min", "y_max"}, {"z_min", "z_max"}};
+
+std::string PlaceText(const Eigen::Vector3d& place) {
+  return absl::StrFormat("(%.3f, %.3f, %.3f) mm", 1000 * place.x(), 1000 * place.y(),
+                         1000 * place.z());
+}
+
+absl::Status CheckSolid(const mesh::SurfaceMesh& surface) {
+  if (surface.triangles.cols() == 0) return InvalidField("shape", "has no triangles");
+  if (surface.vertices.cols() > kMaxShapeVertices ||
+      surface.triangles.cols() > kMaxShapeTriangles) {
+    return TooLarge("shape", absl::StrCat(kMaxShapeVertices, " vertices and ", kMaxShapeTriangles,
+                                          " triangles"));
+  }
+  std::vector<FieldViolation> faults;
+  for (const mesh::SurfaceFault& fault : mesh::CheckSurface(surface, kMostFaults)) {
+    faults.push_back({"shape", fault.message});
+  }
+  if (faults.empty()) {
+    for (const mesh::Intersection& crossing :
+         mesh::FindIntersections(surface.vertices, surface.triangles, kMostIntersections)) {
+      faults.push_back(
+          {"shape", absl::StrCat("the surface crosses itself at ", PlaceText(crossing.place))});
+    }
+  }
+  return faults.empty() ? absl::OkStatus() : InvalidFields(faults);
+}
+
+// The face of the box along `axis` in which a triangle lies: 0, 1, or -1 for neither.
+int SideOf(const DrawnShape& shape, Eigen::Index triangle, int axis) {
+  const auto at = [&](int corner) {
+    return shape.fractions(axis, shape.triangles(corner, triangle));
+  };
+  if (at(0) == at(1) && at(1) == at(2)) {
+    if (at(0) == -0.5) return 0;
+    if (at(0) == 0.5) return 1;
+  }
+  return -1;
+}
+
+// As a share of the box's section across `axis`.
+double SectionOf(const DrawnShape& shape, Eigen::Index triangle, int axis) {
+  const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+  const auto corner = [&](int k) { return shape.fractions.col(shape.triangles(k, triangle)); };
+  const double au = corner(1)[u] - corner(0)[u], av = corner(1)[v] - corner(0)[v];
+  const double bu = corner(2)[u] - corner(0)[u], bv = corner(2)[v] - corner(0)[v];
+  return std::abs(au * bv - av * bu) / 2;
+}
+
+void NameBoxFaces(DrawnShape& shape) {
+  for (std::vector<std::string>& names : shape.face_names) names.resize(1);
+  for (int axis = 0; axis < 3; ++axis) {
+    // Of each face: -2 not seen, -1 not in a face of the box.
+    std::vector<int> sides(shape.face_names.size(), -2);
+    for (Eigen::Index t = 0; t < shape.triangles.cols(); ++t) {
+      int& side = sides[static_cast<std::size_t>(shape.triangle_face(t))];
+      const int here = SideOf(shape, t, axis);
+      side = side == -2 || side == here ? here : -1;
+    }
+    for (std::size_t face = 0; face < sides.size(); ++face) {
+      if (sides[face] >= 0) shape.face_names[face].push_back(kBoxFaces[axis][sides[face]]);
+    }
+  }
+}
+
+void FindPlanes(DrawnShape& shape) {
+  shape.planes.clear();
+  const char* const letters = "xyz";
+  for (int axis = 0; axis < 3; ++axis) {
+    std::map<long long, std::pair<double, double>> areas;  // by rounded fraction: area, fraction
+    for (Eigen::Index t = 0; t < shape.triangles.cols(); ++t) {
+      const Eigen::Vector3d along(shape.fractions(axis, shape.triangles(0, t)),
+                                  shape.fractions(axis, shape.triangles(1, t)),
+                                  shape.fractions(axis, shape.triangles(2, t)));
+      if (along.maxCoeff() - along.minCoeff() > kSamePlane || std::abs(along[0]) >= 0.5) continue;
+      auto& [area, fraction] = areas[std::llround(along[0] / (4 * kSamePlane))];
+      area += SectionOf(shape, t, axis);
+      fraction = along[0];
+    }
+    std::vector<std::pair<double, double>> large;
+    for (const auto& [key, found] : areas) {
+      if (found.first >= kProminent) large.push_back(found);
+    }
+    std::stable_sort(large.begin(), large.end(),
+                     [](const auto& a, const auto& b) { return a.first > b.first; });
+    if (large.size() > kMostPlanes) large.resize(kMostPlanes);
+    std::sort(large.begin(), large.end(),
+              [](const auto& a, const auto& b) { return a.second < b.second; });
+    for (std::size_t i = 0; i < large.size(); ++i) {
+      shape.planes.push_back(
+          {absl::StrCat(std::string(1, letters[axis]), " face ", i + 1), axis, large[i].second});
+    }
+  }
+}
+
+}  // namespace
+
+void DeriveFaces(DrawnShape& shape) {
+  NameBoxFaces(shape);
+  FindPlanes(shape);
+}
+
+absl::StatusOr<DrawnShape> MakeDrawnShape(const mesh::SurfaceMesh& surface,
+                                          const Eigen::VectorXi& triangle_face,
+                                          const std::vector<std::string>& own_names,
+                                          const Eigen::Vector3d& minimum,
+                                          const Eigen::Vector3d& maximum) {
+  MORTISE_RETURN_IF_ERROR(CheckSolid(surface));
+  DrawnShape shape;
+  shape.size = maximum - minimum;
+  if (!shape.size.allFinite() || shape.size.minCoeff() < kLeastSize) {
+    return InvalidField("shape", "has a side shorter than a micrometre");
+  }
+  shape.volume = mesh::ComputeMassProperties(surface).volume;
+  const Eigen::Vector3d center = (minimum + maximum) / 2;
+  shape.fractions = (surface.vertices.colwise() - center).array().colwise() / shape.size.array();
+  for (Eigen::Index k = 0; k < shape.fractions.cols(); ++k) {
+    for (int axis = 0; axis < 3; ++axis) {
+      double& fraction = shape.fractions(axis, k);
+      if ((0.5 - std::abs(fraction)) * shape.size[axis] <= kOnBox) {
+        fraction = std::copysign(0.5, fraction);
+      }
+    }
+  }
+  shape.triangles = surface.triangles;
+  shape.triangle_face = triangle_face;
+  for (const std::string& name : own_names) shape.face_names.push_back({name});
+  DeriveFaces(shape);
+  return shape;
+}
+
+absl::StatusOr<DrawnShape> ShapeOfMesh(const mesh::SurfaceMesh& surface) {
+  if (surface.vertices.cols() == 0) return InvalidField("shape", "has no triangles");
+  MORTISE_ASSIGN_OR_RETURN(
+      DrawnShape shape,
+      MakeDrawnShape(surface, Eigen::VectorXi::Zero(surface.triangles.cols()), {"surface"},
+                     surface.vertices.rowwise().minCoeff(), surface.vertices.rowwise().maxCoeff()));
+  for (int axis = 0; axis < 3; ++axis) {
+    for (int side = 0; side < 2; ++side) {
+      const int face = static_cast<int>(shape.face_names.size());
+      bool any = false;
+      for (Eigen::Index t = 0; t < shape.triangles.cols(); ++t) {
+        if (SideOf(shape, t, axis) != side) continue;
+        shape.triangle_face(t) = face;
+        any = true;
+      }
+      if (any) shape.face_names.push_back({absl::StrCat("face", face)});
+    }
+  }
+  DeriveFaces(shape);
+  return shape;
+}
+
+mesh::SurfaceMesh SurfaceIn(const DrawnShape& shape, const Eigen::Vector3d& size) {
+  return {size.asDiagonal() * shape.fractions, shape.triangles};
+}
+
+double VolumeIn(const DrawnShape& shape, const Eigen::Vector3d& size) {
+  return shape.volume * (size.array() / shape.size.array()).prod();
+}
+
+double DeflectionIn(const DrawnShape& shape, const Eigen::Vector3d& size) {
+  return shape.deflection * (size.array() / shape.size.array()).maxCoeff();
+}
+
+DrawnShape Turned(const DrawnShape& shape, int x_becomes, int z_becomes) {
+  Eigen::Matrix3d turn = Eigen::Matrix3d::Zero();
+  turn.col(0) = Eigen::Vector3d::Unit(x_becomes);
+  turn.col(2) = Eigen::Vector3d::Unit(z_becomes);
+  turn.col(1) = turn.col(2).cross(turn.col(0));
+  if (turn.isIdentity(0)) return shape;
+  DrawnShape turned = shape;
+  turned.size = turn.cwiseAbs() * shape.size;
+  turned.fractions = turn * shape.fractions;
+  turned.turn = turn * shape.turn;
+  DeriveFaces(turned);
+  return turned;
+}
+
+}  // namespace mortise::cad

@@ -1,0 +1,78 @@
+// What a part looks like in its box: a solid that is drawn once and stretched along the axes of its
+// box with the box's size, so that every vertex is a linear function of a design's parameters
+// (thesis §3.1). Plain data: the CAD kernel reads and writes it in solid_shape.h.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "common/mesh/surface_mesh.h"
+
+namespace mortise::cad {
+
+inline constexpr Eigen::Index kMaxShapeVertices = 50'000;
+inline constexpr Eigen::Index kMaxShapeTriangles = 50'000;
+
+// A large planar face at a right angle to an axis, besides those in the faces of the box.
+struct ShapePlane {
+  std::string name;
+  int axis = 0;         // 0, 1, 2: its normal is x, y, z
+  double fraction = 0;  // of the box's size along the axis, from its middle; between -1/2 and 1/2
+};
+
+// Vertex k lies at center + size ∘ fractions.col(k) of whatever box the shape is in.
+struct DrawnShape {
+  std::string name;  // shapes/{digest}; empty as long as it is not stored
+  Eigen::Vector3d size = Eigen::Vector3d::Ones();  // m, of the box as drawn
+  double volume = 0;              // m³ as drawn; exact where the triangles are not
+  double deflection = 0;          // m as drawn, by which triangles may miss curved faces
+  Eigen::Matrix3Xd fractions;     // 3 × V
+  Eigen::Matrix3Xi triangles;     // 3 × T, counter-clockwise seen from outside
+  Eigen::VectorXi triangle_face;  // T, index into face_names
+  // What each face is called: first its own name, then "x_min" … "z_max" if it lies in that face of
+  // the box.
+  std::vector<std::vector<std::string>> face_names;
+  std::vector<ShapePlane> planes;
+  // The kernel's exact solid with the lower corner of its box at the origin, before `turn`; empty
+  // for what is only triangles.
+  std::string brep;
+  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
+};
+
+// The shape with this closed surface. `minimum` and `maximum`, m: the corners of its box, which is
+// larger than that of the triangles where curved faces bulge. `own_names`: of each face, distinct.
+// The volume is that of the triangles, and there is no deflection and no B-rep yet.
+//
+// INVALID_ARGUMENT, "shape": open, not manifold, inside out or self-intersecting surfaces, with the
+// places; a box without size; RESOURCE_EXHAUSTED past kMaxShapeVertices or kMaxShapeTriangles.
+absl::StatusOr<DrawnShape> MakeDrawnShape(const mesh::SurfaceMesh& surface,
+                                          const Eigen::VectorXi& triangle_face,
+                                          const std::vector<std::string>& own_names,
+                                          const Eigen::Vector3d& minimum,
+                                          const Eigen::Vector3d& maximum);
+
+// The shape of a mesh of which nothing else is known: its faces are those in the faces of its box,
+// "face1" …, and all the rest, "surface". Errors as MakeDrawnShape.
+absl::StatusOr<DrawnShape> ShapeOfMesh(const mesh::SurfaceMesh& surface);
+
+// Everything about `shape` that follows from its fractions, triangles, triangle_face and own names:
+// names of faces in the faces of the box, and planes.
+void DeriveFaces(DrawnShape& shape);
+
+// The surface in a box of this size whose middle is the origin, m.
+mesh::SurfaceMesh SurfaceIn(const DrawnShape& shape, const Eigen::Vector3d& size);
+
+// m³ in a box of this size: stretching multiplies volumes.
+double VolumeIn(const DrawnShape& shape, const Eigen::Vector3d& size);
+
+// m, by which the triangles may miss the exact surface in a box of this size.
+double DeflectionIn(const DrawnShape& shape, const Eigen::Vector3d& size);
+
+// The shape turned by whole right angles: its axis i becomes the axis |axes[i]|, forwards or
+// backwards so that nothing is mirrored; axes are those of x and z, y follows.
+DrawnShape Turned(const DrawnShape& shape, int x_becomes, int z_becomes);
+
+}  // namespace mortise::cad

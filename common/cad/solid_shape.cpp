@@ -1,0 +1,201 @@
+#include "common/cad/solid_shape.h"
+
+#include <BRepAdaptor_Surface.hxx>
+#include <BRepBuilderAPI_MakeEdge.hxx>
+#include <BRepBuilderAPI_MakeFace.hxx>
+#include <BRepBuilderAPI_MakeVertex.hxx>
+#include <BRepBuilderAPI_MakeWire.hxx>
+#include <BRepBuilderAPI_Transform.hxx>
+#include <BRepCheck_Analyzer.hxx>
+#include <BRep_Builder.hxx>
+#include <BinTools.hxx>
+#include <Eigen/Geometry>
+#include <Standard_Failure.hxx>
+#include <TopExp.hxx>
+#include <TopExp_Explorer.hxx>
+#include <TopTools_IndexedMapOfShape.hxx>
+#include <TopoDS.hxx>
+#include <TopoDS_Shell.hxx>
+#include <TopoDS_Solid.hxx>
+#include <algorithm>
+#include <cmath>
+#include <gp_Pln.hxx>
+#include <map>
+#include <memory>
+#include <sstream>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
+#include "common/cad/solid_kernel.h"
+#include "common/cad/solid_stretch.h"
+#include "common/cad/solid_surface.h"
+
+namespace mortise::cad {
+namespace {
+
+constexpr double kDeflection = 5e-4;       // of the diagonal
+constexpr double kAngle = 0.5;             // rad, between neighbouring triangles
+constexpr double kLeastDeflection = 2e-5;  // m
+constexpr double kSameSize = 1e-9;         // relative
+const Eigen::Vector3d kTrial(1.25, 1, 1.5);
+
+TopoDS_Shape MovedBy(const TopoDS_Shape& shape, const Eigen::Matrix3d& turn,
+                     const Eigen::Vector3d& translation) {
+  gp_Trsf motion;
+  motion.SetValues(turn(0, 0), turn(0, 1), turn(0, 2), translation[0], turn(1, 0), turn(1, 1),
+                   turn(1, 2), translation[1], turn(2, 0), turn(2, 1), turn(2, 2), translation[2]);
+  return BRepBuilderAPI_Transform(shape, motion, Standard_True).Shape();
+}
+
+bool IsFlat(const TopoDS_Shape& solid) {
+  for (TopExp_Explorer face(solid, TopAbs_FACE); face.More(); face.Next()) {
+    if (BRepAdaptor_Surface(TopoDS::Face(face.Current()), Standard_False).GetType() !=
+        GeomAbs_Plane) {
+      return false;
+    }
+  }
+  return true;
+}
+
+Solid Named(const TopoDS_Shape& shape, const std::string& name) {
+  auto kernel = std::make_shared<Solid::Kernel>();
+  kernel->name = name;
+  kernel->shape = shape;
+  TopTools_IndexedMapOfShape faces;
+  TopExp::MapShapes(shape, TopAbs_FACE, faces);
+  for (int i = 1; i <= faces.Extent(); ++i) {
+    kernel->faces.push_back(TopoDS::Face(faces(i)));
+    kernel->face_names.push_back(absl::StrCat("face", i));
+  }
+  return Solid(std::move(kernel));
+}
+
+std::string BytesOf(const TopoDS_Shape& shape) {
+  std::ostringstream stream;
+  BinTools::Write(shape, stream, Standard_False, Standard_False, BinTools_FormatVersion_CURRENT);
+  return stream.str();
+}
+
+TopoDS_Shape ShapeFrom(const std::string& bytes) {
+  std::istringstream stream(bytes);
+  TopoDS_Shape shape;
+  BinTools::Read(shape, stream);
+  return shape;
+}
+
+absl::StatusOr<DrawnShape> Draw(const Solid& solid, const Eigen::Matrix3d& rotation,
+                                const Eigen::Vector3d& minimum, const Eigen::Vector3d& maximum) {
+  TopoDS_Shape shape = MovedBy(solid.kernel().shape, rotation, -minimum);
+  if (AccurateVolume(shape) < 0) shape.Reverse();
+  if (!BRepCheck_Analyzer(shape).IsValid()) {
+    return InvalidField("shape", "is no valid solid: faces that do not meet, or cross each other");
+  }
+  const Solid turned = Named(shape, solid.name());
+  SurfaceOptions options;
+  options.relative_deflection = 0;
+  options.angle = kAngle;
+  options.deflection = std::max(kLeastDeflection, kDeflection * (maximum - minimum).norm());
+  absl::StatusOr<mesh::AssemblySurface> surface = SurfaceOf(turned, options);
+  if (!surface.ok()) return InvalidField("shape", std::string(surface.status().message()));
+  MORTISE_ASSIGN_OR_RETURN(
+      DrawnShape drawn,
+      MakeDrawnShape({surface->vertices, surface->triangles}, surface->triangle_face,
+                     turned.face_names(), Eigen::Vector3d::Zero(), maximum - minimum));
+  drawn.volume = AccurateVolume(shape);
+  drawn.deflection = IsFlat(shape) ? 0 : options.deflection;
+  drawn.brep = BytesOf(shape);
+  // A solid that the kernel keeps but cannot stretch would be a surprise later.
+  MORTISE_RETURN_IF_ERROR(
+      SolidOfShape(drawn, kTrial.cwiseProduct(drawn.size), solid.name()).status());
+  return drawn;
+}
+
+// ---- Triangles as a solid -----------------------------------------------------------------------
+
+TopoDS_Shape Faceted(const mesh::SurfaceMesh& surface) {
+  std::vector<TopoDS_Vertex> vertices;
+  std::vector<gp_Pnt> points;
+  for (const auto& vertex : surface.vertices.colwise()) {
+    points.emplace_back(vertex.x(), vertex.y(), vertex.z());
+    vertices.push_back(BRepBuilderAPI_MakeVertex(points.back()).Vertex());
+  }
+  std::map<std::pair<int, int>, TopoDS_Edge> edges;
+  const auto edge_of = [&](int from, int to) {
+    const auto [low, high] = std::minmax(from, to);
+    TopoDS_Edge& edge = edges[{low, high}];
+    if (edge.IsNull()) {
+      edge = BRepBuilderAPI_MakeEdge(vertices[static_cast<std::size_t>(low)],
+                                     vertices[static_cast<std::size_t>(high)])
+                 .Edge();
+    }
+    return from < to ? edge : TopoDS::Edge(edge.Reversed());
+  };
+  BRep_Builder builder;
+  TopoDS_Shell shell;
+  builder.MakeShell(shell);
+  for (const auto& corners : surface.triangles.colwise()) {
+    const gp_Pnt& a = points[static_cast<std::size_t>(corners[0])];
+    const gp_Vec ab(a, points[static_cast<std::size_t>(corners[1])]);
+    const gp_Vec ac(a, points[static_cast<std::size_t>(corners[2])]);
+    BRepBuilderAPI_MakeWire wire(edge_of(corners[0], corners[1]), edge_of(corners[1], corners[2]),
+                                 edge_of(corners[2], corners[0]));
+    builder.Add(shell, BRepBuilderAPI_MakeFace(gp_Pln(a, gp_Dir(ab.Crossed(ac))), wire.Wire(),
+                                               Standard_True)
+                           .Face());
+  }
+  shell.Closed(Standard_True);
+  TopoDS_Solid solid;
+  builder.MakeSolid(solid);
+  builder.Add(solid, shell);
+  return solid;
+}
+
+TopoDS_Shape InSize(const DrawnShape& shape, const Eigen::Vector3d& size) {
+  if (shape.brep.empty()) {
+    mesh::SurfaceMesh surface = SurfaceIn(shape, size);
+    surface.vertices.colwise() += size / 2;
+    return Faceted(surface);
+  }
+  TopoDS_Shape solid = ShapeFrom(shape.brep);
+  if (!shape.turn.isIdentity(0)) {
+    // The box as it was before it was turned reached from the origin to this corner.
+    const Eigen::Vector3d corner = shape.turn * (shape.turn.transpose() * shape.size).cwiseAbs();
+    solid = MovedBy(solid, shape.turn, -corner.cwiseMin(0));
+  }
+  const Eigen::Vector3d factors = size.cwiseQuotient(shape.size);
+  if ((factors.array() - 1).abs().maxCoeff() <= kSameSize) return solid;
+  return StretchSolid(solid, factors);
+}
+
+}  // namespace
+
+absl::StatusOr<DrawnShape> ShapeOfSolid(const Solid& solid, const Eigen::Matrix3d& rotation,
+                                        const Eigen::Vector3d& minimum,
+                                        const Eigen::Vector3d& maximum) {
+  try {
+    return Draw(solid, rotation, minimum, maximum);
+  } catch (const Standard_Failure& failure) {
+    return InvalidField("shape",
+                        absl::StrCat("the kernel cannot take it: ", failure.GetMessageString()));
+  }
+}
+
+absl::StatusOr<Solid> SolidOfShape(const DrawnShape& shape, const Eigen::Vector3d& size,
+                                   const std::string& name) {
+  try {
+    const TopoDS_Shape made = InSize(shape, size);
+    if (made.IsNull()) return InvalidField("shape", "cannot be stretched to this size");
+    return Named(made, name);
+  } catch (const Standard_Failure& failure) {
+    return InvalidField("shape", absl::StrCat("cannot be made: ", failure.GetMessageString()));
+  }
+}
+
+Solid MovedSolid(const Solid& solid, const Eigen::Vector3d& translation) {
+  gp_Trsf motion;
+  motion.SetTranslation(gp_Vec(translation.x(), translation.y(), translation.z()));
+  return Named(solid.kernel().shape.Moved(TopLoc_Location(motion)), solid.name());
+}
+
+}  // namespace mortise::cad

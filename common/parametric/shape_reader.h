@@ -1,0 +1,50 @@
+// What parts look like: their own shapes or their items', and what follows from them for
+// parametrisation. Private to assembly_codec.cpp.
+#pragma once
+
+#include <Eigen/Core>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/parametric/assembly.h"
+#include "common/parametric/shape_codec.h"
+#include "common/parametric/template_definition.h"
+#include "common/parametric/template_validation.h"
+
+namespace mortise::v1 {
+class AssemblyPart;
+}
+
+namespace mortise::parametric {
+
+// Finds the shapes of parts. The shapes and findings must outlive it.
+class ShapeReader {
+ public:
+  ShapeReader(const ShapesByName& shapes, std::vector<Finding>& findings)
+      : shapes_(shapes), findings_(findings) {}
+
+  // Sets the part's own shape, or else its item's, turned as the item lies. `size`, m, of its box;
+  // `field`: where the part is in the message. A finding for shapes that there are not, and those
+  // that would be stretched along what the item fixes.
+  void Read(const v1::AssemblyPart& message, const std::string& field, const Item* item,
+            const Eigen::Vector3d& size, AssemblyPart& part);
+
+ private:
+  std::shared_ptr<const cad::DrawnShape> TurnedAs(const cad::DrawnShape& shape,
+                                                  const std::array<Axis, 3>& axes);
+  void CheckFixed(const Item& item, const Eigen::Vector3d& size, const std::string& field,
+                  const AssemblyPart& part);
+
+  const ShapesByName& shapes_;
+  std::vector<Finding>& findings_;
+  std::map<std::pair<std::string, int>, std::shared_ptr<const cad::DrawnShape>> turned_;
+};
+
+// Adds the large planar faces of the part's shape to its prominent planes, but for those that are
+// annotated already. The part's box must be known.
+void AddPlanesOfShape(AssemblyPart& part);
+
+}  // namespace mortise::parametric

@@ -1,0 +1,23 @@
+// Makes shapes of files.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "absl/status/statusor.h"
+#include "common/cad/drawn_shape.h"
+#include "common/cad/step_assembly.h"
+#include "common/mesh/surface_mesh.h"
+
+namespace mortise::catalog {
+
+// The surface in an STL file, binary or text, in millimetres there and metres here; corners at the
+// same place are one vertex. INVALID_ARGUMENT, "file": no STL, cut off, numbers that are none;
+// RESOURCE_EXHAUSTED past 50,000 triangles.
+absl::StatusOr<mesh::SurfaceMesh> ReadStl(std::string_view bytes);
+
+// The one solid of a STEP file as a shape in the axes of the file. INVALID_ARGUMENT, "file", for
+// several, and with all that is wrong with it.
+absl::StatusOr<cad::DrawnShape> ShapeOfStep(const cad::StepAssembly& drawing);
+
+}  // namespace mortise::catalog

@@ -1,0 +1,143 @@
+#include "services/catalog/shape_records.h"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/digest.h"
+#include "common/base/errors.h"
+#include "common/parametric/shape_codec.h"
+#include "services/catalog/record_access.h"
+
+namespace mortise::catalog {
+namespace {
+
+constexpr const char* kShapes = "shapes";
+constexpr std::size_t kDigest = 64;               // characters
+constexpr std::size_t kMostTogether = 3'000'000;  // bytes of arrays
+constexpr double kSameSize = 1e-6;                // m
+
+absl::StatusOr<std::string> KeyOf(const std::string& name) {
+  const std::string prefix = absl::StrCat(kShapes, "/");
+  const std::string key = name.starts_with(prefix) ? name.substr(prefix.size()) : "";
+  const bool is_digest = std::all_of(key.begin(), key.end(), [](char c) {
+    return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f');
+  });
+  if (key.size() == kDigest && is_digest) return key;
+  return InvalidField("name", "must be 'shapes/' and 64 lower-case hexadecimal digits");
+}
+
+}  // namespace
+
+v1::Shape NamedShape(const cad::DrawnShape& shape) {
+  v1::Shape message = parametric::ToProto(shape);
+  message.clear_name();
+  message.set_name(absl::StrCat(kShapes, "/", Sha256Hex(message.SerializeAsString())));
+  return message;
+}
+
+v1::Shape ShownShape(v1::Shape shape) {
+  shape.clear_brep();
+  return shape;
+}
+
+absl::StatusOr<v1::Shape> GetShape(store::ReadTransaction& transaction, const std::string& name) {
+  MORTISE_ASSIGN_OR_RETURN(const std::string key, KeyOf(name));
+  const absl::StatusOr<store::Record> record = transaction.Get(kShapes, key);
+  if (absl::IsNotFound(record.status())) return ResourceNotFound(name);
+  MORTISE_RETURN_IF_ERROR(record.status());
+  v1::Shape shape;
+  if (!shape.ParseFromString(record->payload)) {
+    return StorageFailed(name, "the record cannot be read");
+  }
+  return shape;
+}
+
+absl::StatusOr<bool> PutShape(store::Transaction& transaction, const v1::Shape& shape) {
+  MORTISE_ASSIGN_OR_RETURN(const std::string key, KeyOf(shape.name()));
+  const absl::Status present = transaction.Get(kShapes, key).status();
+  if (present.ok()) return false;
+  if (!absl::IsNotFound(present)) return present;
+  MORTISE_RETURN_IF_ERROR(transaction
+                              .Put(kShapes, key, shape.SerializeAsString(),
+                                   {.expected_revision = 0, .keep_history = false})
+                              .status());
+  return true;
+}
+
+absl::StatusOr<v1::Shape> ImportShape(store::Transaction& transaction, const v1::Shape& shape,
+                                      const std::string& trace_id) {
+  MORTISE_ASSIGN_OR_RETURN(const bool is_new, PutShape(transaction, shape));
+  if (is_new) {
+    MORTISE_RETURN_IF_ERROR(AppendEvent(transaction, "shape.imported", shape.name(),
+                                        {{"volume", shape.volume()},
+                                         {"triangles", shape.triangle_count()},
+                                         {"exact", shape.exact()}},
+                                        trace_id));
+  }
+  v1::Shape summary = ShownShape(shape);
+  summary.clear_vertices();
+  summary.clear_triangles();
+  summary.clear_triangle_faces();
+  return summary;
+}
+
+absl::Status AddShapes(store::ReadTransaction& transaction, const v1::Assembly& assembly,
+                       const google::protobuf::RepeatedPtrField<v1::Item>& items,
+                       google::protobuf::RepeatedPtrField<v1::Shape>& shapes) {
+  std::set<std::string> names;
+  for (const v1::AssemblyPart& part : assembly.parts()) names.insert(part.shape());
+  for (const v1::Item& item : items) names.insert(item.shape());
+  names.erase("");
+  for (const v1::Shape& shape : shapes) names.erase(shape.name());
+  for (const std::string& name : names) {
+    absl::StatusOr<v1::Shape> shape = GetShape(transaction, name);
+    // What is not there is told with everything else that is wrong.
+    if (absl::IsNotFound(shape.status()) || absl::IsInvalidArgument(shape.status())) continue;
+    MORTISE_RETURN_IF_ERROR(shape.status());
+    *shapes.Add() = *std::move(shape);
+  }
+  return absl::OkStatus();
+}
+
+void DropExact(google::protobuf::RepeatedPtrField<v1::Shape>& shapes) {
+  for (v1::Shape& shape : shapes) shape.clear_brep();
+}
+
+absl::Status CheckTogether(const google::protobuf::RepeatedPtrField<v1::Shape>& shapes) {
+  std::size_t bytes = 0;
+  for (const v1::Shape& shape : shapes) bytes += shape.ByteSizeLong() - shape.brep().size();
+  if (bytes <= kMostTogether) return absl::OkStatus();
+  return InvalidField(
+      "parts", absl::StrCat("the triangles of all ", shapes.size(), " shapes together take ", bytes,
+                            " bytes, more than ", kMostTogether));
+}
+
+absl::StatusOr<std::vector<parametric::Finding>> CheckItemShape(store::ReadTransaction& transaction,
+                                                                const v1::Item& item) {
+  std::vector<parametric::Finding> findings;
+  if (item.shape().empty()) return findings;
+  const absl::StatusOr<v1::Shape> shape = GetShape(transaction, item.shape());
+  if (absl::IsNotFound(shape.status()) || absl::IsInvalidArgument(shape.status())) {
+    findings.push_back({"shape", absl::StrCat("there is no shape '", item.shape(), "'")});
+    return findings;
+  }
+  MORTISE_RETURN_IF_ERROR(shape.status());
+  const double sizes[] = {shape->size().x(), shape->size().y(), shape->size().z()};
+  for (const v1::ItemDimension& dimension : item.dimensions()) {
+    if (dimension.axis() < v1::X || dimension.axis() > v1::Z) continue;
+    const double drawn = sizes[dimension.axis() - v1::X];
+    if (dimension.process() != v1::PROCESS_UNSPECIFIED ||
+        std::abs(drawn - dimension.size()) <= kSameSize) {
+      continue;
+    }
+    findings.push_back(
+        {"shape",
+         absl::StrCat("measures ", 1000 * drawn, " mm along ", v1::Axis_Name(dimension.axis()),
+                      ", where the item's size is fixed to ", 1000 * dimension.size(), " mm")});
+  }
+  return findings;
+}
+
+}  // namespace mortise::catalog

@@ -1,0 +1,54 @@
+// Shapes of parts and items in the store: each kept once, under the digest of its content, for as
+// long as the store lives, since any revision may refer to it.
+#pragma once
+
+#include <google/protobuf/repeated_ptr_field.h>
+
+#include <set>
+#include <string>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "common/cad/drawn_shape.h"
+#include "common/parametric/template_validation.h"
+#include "common/store/store.h"
+#include "mortise/v1/assembly.pb.h"
+#include "mortise/v1/catalog.pb.h"
+
+namespace mortise::catalog {
+
+// The message of a shape, named by its content.
+v1::Shape NamedShape(const cad::DrawnShape& shape);
+
+// What a stranger is shown: without exact surfaces.
+v1::Shape ShownShape(v1::Shape shape);
+
+// With exact surfaces. INVALID_ARGUMENT, "name"; NOT_FOUND.
+absl::StatusOr<v1::Shape> GetShape(store::ReadTransaction& transaction, const std::string& name);
+
+// Writes a named shape unless it is there; true if it was not.
+absl::StatusOr<bool> PutShape(store::Transaction& transaction, const v1::Shape& shape);
+
+// Writes a shape that was read from a file ("shape.imported"), and gives it without its arrays.
+absl::StatusOr<v1::Shape> ImportShape(store::Transaction& transaction, const v1::Shape& shape,
+                                      const std::string& trace_id);
+
+// Adds those shapes of the assembly's parts and of the items that exist and that `shapes` does not
+// have, by name.
+absl::Status AddShapes(store::ReadTransaction& transaction, const v1::Assembly& assembly,
+                       const google::protobuf::RepeatedPtrField<v1::Item>& items,
+                       google::protobuf::RepeatedPtrField<v1::Shape>& shapes);
+
+// Leaves out exact surfaces, which only files need.
+void DropExact(google::protobuf::RepeatedPtrField<v1::Shape>& shapes);
+
+// INVALID_ARGUMENT, "parts": shapes that together do not fit into the one message that whoever
+// evaluates the design gets.
+absl::Status CheckTogether(const google::protobuf::RepeatedPtrField<v1::Shape>& shapes);
+
+// What is wrong with an item's shape, given the shapes there are: none of this name, or another
+// size than the item fixes.
+absl::StatusOr<std::vector<parametric::Finding>> CheckItemShape(store::ReadTransaction& transaction,
+                                                                const v1::Item& item);
+
+}  // namespace mortise::catalog

@@ -1,0 +1,17 @@
+// Any bytes as an STL file, and as a shape if they are one: refused or taken, and nothing else.
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <string_view>
+
+#include "common/cad/drawn_shape.h"
+#include "services/catalog/shape_import.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, std::size_t size) {
+  const auto surface =
+      mortise::catalog::ReadStl(std::string_view(reinterpret_cast<const char*>(data), size));
+  if (!surface.ok()) return 0;
+  const auto shape = mortise::cad::ShapeOfMesh(*surface);
+  if (shape.ok() && !(shape->volume > 0)) std::abort();
+  return 0;
+}

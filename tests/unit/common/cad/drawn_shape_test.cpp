@@ -1,0 +1,299 @@
+// Shapes that stretch with their boxes: triangles and exact surfaces agree at any size, planes stay
+// planes and cylinders cylinders where they can, and surfaces that bound no solid are refused.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <BRepAdaptor_Surface.hxx>
+#include <BRepAlgoAPI_Cut.hxx>
+#include <BRepBuilderAPI_MakeFace.hxx>
+#include <BRepBuilderAPI_MakePolygon.hxx>
+#include <BRepCheck_Analyzer.hxx>
+#include <BRepPrimAPI_MakeBox.hxx>
+#include <BRepPrimAPI_MakeCone.hxx>
+#include <BRepPrimAPI_MakeCylinder.hxx>
+#include <BRepPrimAPI_MakeRevol.hxx>
+#include <BRepPrimAPI_MakeSphere.hxx>
+#include <BRepPrimAPI_MakeTorus.hxx>
+#include <TopExp_Explorer.hxx>
+#include <TopoDS.hxx>
+#include <cmath>
+#include <gp_Ax1.hxx>
+#include <map>
+#include <numbers>
+#include <random>
+
+#include "common/base/errors.h"
+#include "common/cad/solid_shape.h"
+#include "common/cad/step_assembly_json.h"
+#include "common/cad/step_measure.h"
+#include "common/cad/step_reader.h"
+#include "common/cad/step_writer.h"
+#include "common/mesh/mass_properties.h"
+#include "common/mesh/surface_check.h"
+#include "tests/unit/common/cad/step_samples.h"
+
+namespace mortise::cad {
+namespace {
+
+using ::testing::HasSubstr;
+constexpr double kPi = std::numbers::pi;
+
+Solid SolidFrom(const TopoDS_Shape& shape, const std::string& name) {
+  auto kernel = std::make_shared<Solid::Kernel>();
+  kernel->name = name;
+  kernel->shape = TopExp_Explorer(shape, TopAbs_SOLID).Current();
+  return Solid(std::move(kernel));
+}
+
+// A board of 400 × 120 × 24 mm with two bores of 30 mm through its thickness.
+Solid BoredBoard() {
+  TopoDS_Shape board = BRepPrimAPI_MakeBox(0.4, 0.12, 0.024).Solid();
+  for (const double x : {0.1, 0.3}) {
+    const gp_Ax2 axis(gp_Pnt(x, 0.06, -0.01), gp_Dir(0, 0, 1));
+    board = BRepAlgoAPI_Cut(board, BRepPrimAPI_MakeCylinder(axis, 0.015, 0.05).Solid()).Shape();
+  }
+  return SolidFrom(board, "bored board");
+}
+
+// A leg about z with cylinders and cones.
+Solid TurnedLeg() {
+  BRepBuilderAPI_MakePolygon profile;
+  for (const auto& [r, z] : {std::pair(0.0, 0.0),
+                             {0.012, 0.0},
+                             {0.02, 0.2},
+                             {0.03, 0.25},
+                             {0.02, 0.3},
+                             {0.02, 0.4},
+                             {0.0, 0.4}}) {
+    profile.Add(gp_Pnt(r, 0, z));
+  }
+  profile.Close();
+  const TopoDS_Face face = BRepBuilderAPI_MakeFace(profile.Wire()).Face();
+  return SolidFrom(BRepPrimAPI_MakeRevol(face, gp_Ax1(gp_Pnt(0, 0, 0), gp_Dir(0, 0, 1))).Shape(),
+                   "turned leg");
+}
+
+DrawnShape Drawn(const Solid& solid,
+                 const Eigen::Matrix3d& rotation = Eigen::Matrix3d::Identity()) {
+  StepPart part;
+  Eigen::Isometry3d placement = Eigen::Isometry3d::Identity();
+  placement.linear() = rotation;
+  SolidMeasurer(solid.kernel().shape).Measure(placement, part);
+  auto shape = ShapeOfSolid(solid, rotation, part.minimum, part.maximum);
+  EXPECT_TRUE(shape.ok()) << shape.status();
+  return shape.ok() ? *std::move(shape) : DrawnShape();
+}
+
+std::map<GeomAbs_SurfaceType, int> FaceTypes(const Solid& solid) {
+  std::map<GeomAbs_SurfaceType, int> types;
+  for (TopExp_Explorer face(solid.kernel().shape, TopAbs_FACE); face.More(); face.Next()) {
+    ++types[BRepAdaptor_Surface(TopoDS::Face(face.Current())).GetType()];
+  }
+  return types;
+}
+
+Solid Stretched(const DrawnShape& shape, const Eigen::Vector3d& factors) {
+  auto solid = SolidOfShape(shape, shape.size.cwiseProduct(factors), "stretched");
+  EXPECT_TRUE(solid.ok()) << solid.status();
+  return solid.ok() ? *std::move(solid) : Box("none", 1, 1, 1);
+}
+
+TEST(DrawnShape, AgreesWithTheSolidAtAnySize) {
+  const std::vector<Solid> solids = {
+      Angle("angle"),
+      BoredBoard(),
+      TurnedLeg(),
+      SolidFrom(BRepPrimAPI_MakeSphere(0.05).Solid(), "ball"),
+      SolidFrom(BRepPrimAPI_MakeTorus(0.1, 0.02).Solid(), "ring"),
+      SolidFrom(BRepPrimAPI_MakeCone(0.05, 0.02, 0.1).Solid(), "cone")};
+  std::mt19937 bits(11);
+  std::uniform_real_distribution<double> factor(0.5, 2);
+  for (const Solid& solid : solids) {
+    const DrawnShape shape = Drawn(solid);
+    EXPECT_NEAR(shape.volume, solid.Volume(), 1e-9 * shape.volume) << solid.name();
+    for (int i = 0; i < 4; ++i) {
+      Eigen::Vector3d factors(factor(bits), factor(bits), factor(bits));
+      if (i >= 2) factors.y() = factors.x();  // round about z
+      const Eigen::Vector3d size = shape.size.cwiseProduct(factors);
+      const double volume = VolumeIn(shape, size);
+      const Solid stretched = Stretched(shape, factors);
+      EXPECT_NEAR(stretched.Volume(), volume, 1e-6 * volume) << solid.name();
+      EXPECT_TRUE(BRepCheck_Analyzer(stretched.kernel().shape).IsValid()) << solid.name();
+      const mesh::SurfaceMesh surface = SurfaceIn(shape, size);
+      EXPECT_TRUE(mesh::IsWatertight(surface)) << solid.name();
+      EXPECT_NEAR(mesh::ComputeMassProperties(surface).volume, volume, 0.04 * volume);
+      StepPart part;
+      SolidMeasurer(stretched.kernel().shape).Measure(Eigen::Isometry3d::Identity(), part);
+      EXPECT_LT(part.minimum.norm(), 1e-6) << solid.name();
+      EXPECT_LT((part.maximum - size).norm(), 1e-6) << solid.name();
+    }
+  }
+}
+
+TEST(DrawnShape, KeepsPlanesAndCylindersWhereTheyCanBeKept) {
+  const DrawnShape board = Drawn(BoredBoard());
+  const std::map<GeomAbs_SurfaceType, int> drawn = {{GeomAbs_Plane, 6}, {GeomAbs_Cylinder, 2}};
+  EXPECT_EQ(FaceTypes(Stretched(board, {1, 1, 1})), drawn);
+  EXPECT_EQ(FaceTypes(Stretched(board, {1.5, 1.5, 0.7})), drawn) << "across the bores alike";
+  EXPECT_EQ(FaceTypes(Stretched(board, {1.3, 1.3, 1.3})), drawn);
+  const DrawnShape leg = Drawn(TurnedLeg());
+  EXPECT_EQ(FaceTypes(Stretched(leg, {1.2, 1.2, 0.6})), FaceTypes(TurnedLeg()));
+  const DrawnShape angle = Drawn(Angle("angle"));
+  EXPECT_EQ(FaceTypes(Stretched(angle, {1.2, 0.7, 1.9})), FaceTypes(Angle("angle")));
+  // Bores that are stretched differently become elliptic, and nothing else changes.
+  EXPECT_EQ(
+      FaceTypes(Stretched(board, {1.5, 0.8, 0.7})),
+      (std::map<GeomAbs_SurfaceType, int>{{GeomAbs_Plane, 6}, {GeomAbs_SurfaceOfExtrusion, 2}}));
+  const DrawnShape ring = Drawn(SolidFrom(BRepPrimAPI_MakeTorus(0.1, 0.02).Solid(), "ring"));
+  EXPECT_EQ(FaceTypes(Stretched(ring, {1.2, 1.2, 0.6})),
+            (std::map<GeomAbs_SurfaceType, int>{{GeomAbs_SurfaceOfRevolution, 1}}));
+  // An oblique face stays a plane, too.
+  Eigen::Matrix2Xd wedge(2, 3);
+  wedge << 0, 0.1, 0, 0, 0, 0.05;
+  const DrawnShape oblique = Drawn(Prism("wedge", wedge, 0.02));
+  EXPECT_EQ(FaceTypes(Stretched(oblique, {1.2, 0.7, 1.9})),
+            (std::map<GeomAbs_SurfaceType, int>{{GeomAbs_Plane, 5}}));
+}
+
+TEST(DrawnShape, KnowsItsLargePlanesAndFacesOfItsBox) {
+  const DrawnShape angle = Drawn(Angle("angle"));
+  ASSERT_EQ(angle.planes.size(), 2u);
+  EXPECT_EQ(angle.planes[0].axis, 0);
+  EXPECT_NEAR(angle.planes[0].fraction, 0.1 - 0.5, 1e-9);
+  EXPECT_EQ(angle.planes[1].axis, 1);
+  std::map<std::string, int> names;
+  for (const auto& face : angle.face_names) {
+    for (std::size_t i = 1; i < face.size(); ++i) ++names[face[i]];
+  }
+  EXPECT_EQ(names.size(), 6u);
+  EXPECT_EQ(angle.deflection, 0);
+  EXPECT_GT(Drawn(TurnedLeg()).deflection, 0);
+}
+
+TEST(DrawnShape, IsTurnedWithoutBeingMirrored) {
+  const DrawnShape angle = Drawn(Angle("angle"));
+  for (int x = 0; x < 3; ++x) {
+    for (int z = 0; z < 3; ++z) {
+      if (x == z) continue;
+      const DrawnShape turned = Turned(angle, x, z);
+      EXPECT_DOUBLE_EQ(turned.size[x], angle.size.x());
+      EXPECT_DOUBLE_EQ(turned.size[z], angle.size.z());
+      const mesh::SurfaceMesh surface = SurfaceIn(turned, turned.size);
+      EXPECT_NEAR(mesh::ComputeMassProperties(surface).volume, angle.volume, 1e-12);
+      const Solid solid = Stretched(turned, {1, 1, 1});
+      EXPECT_NEAR(solid.Volume(), angle.volume, 1e-12);
+      // The triangles and the solid are turned alike.
+      const Eigen::Vector3d centroid =
+          mesh::ComputeMassProperties(surface).centroid + turned.size / 2;
+      EXPECT_LT((solid.CentreOfMass() - centroid).norm(), 1e-9);
+    }
+  }
+}
+
+TEST(DrawnShape, StandsAtAnAngleInItsBox) {
+  const Eigen::Matrix3d lean = Eigen::AngleAxisd(0.2, Eigen::Vector3d::UnitX()).toRotationMatrix();
+  const DrawnShape leaning = Drawn(Box("post", 0.04, 0.04, 0.7), lean);
+  EXPECT_NEAR(leaning.size.z(), 0.7 * std::cos(0.2) + 0.04 * std::sin(0.2), 1e-9);
+  EXPECT_NEAR(leaning.volume, 0.04 * 0.04 * 0.7, 1e-12);
+  EXPECT_NEAR(Stretched(leaning, {1, 1, 1.5}).Volume(), 1.5 * leaning.volume, 1e-9);
+}
+
+TEST(DrawnShape, OfTrianglesOnlyIsASolidToo) {
+  const DrawnShape angle = Drawn(Angle("angle"));
+  const auto mesh = ShapeOfMesh(SurfaceIn(angle, angle.size));
+  ASSERT_TRUE(mesh.ok()) << mesh.status();
+  EXPECT_TRUE(mesh->brep.empty());
+  EXPECT_EQ(mesh->planes.size(), 2u);
+  const Eigen::Vector3d size = 1.7 * angle.size;
+  const auto solid = SolidOfShape(*mesh, size, "mesh");
+  ASSERT_TRUE(solid.ok()) << solid.status();
+  EXPECT_NEAR(solid->Volume(), VolumeIn(angle, size), 1e-9 * solid->Volume());
+  EXPECT_TRUE(BRepCheck_Analyzer(solid->kernel().shape).IsValid());
+}
+
+TEST(DrawnShape, IsRefusedWithThePlaceWhereItBoundsNoSolid) {
+  const DrawnShape box = [] {
+    Eigen::Matrix2Xd outline(2, 3);
+    outline << 0, 1, 0, 0, 0, 1;
+    return Drawn(Prism("wedge", outline, 1));
+  }();
+  const mesh::SurfaceMesh good = SurfaceIn(box, box.size);
+  ASSERT_TRUE(ShapeOfMesh(good).ok());
+  mesh::SurfaceMesh open = good;
+  open.triangles.conservativeResize(3, open.triangles.cols() - 1);
+  const absl::Status not_closed = ShapeOfMesh(open).status();
+  EXPECT_EQ(not_closed.code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_THAT(std::string(not_closed.message()), HasSubstr(" mm"));
+  mesh::SurfaceMesh reversed = good;
+  reversed.triangles.row(0).swap(reversed.triangles.row(1));
+  EXPECT_FALSE(ShapeOfMesh(reversed).ok());
+  mesh::SurfaceMesh twice = good;
+  twice.triangles.conservativeResize(3, good.triangles.cols() + 1);
+  twice.triangles.rightCols(1) = good.triangles.leftCols(1);
+  EXPECT_FALSE(ShapeOfMesh(twice).ok());
+  // Two solids, one through the other.
+  mesh::SurfaceMesh crossing;
+  const Eigen::Index v = good.vertices.cols(), t = good.triangles.cols();
+  crossing.vertices.resize(3, 2 * v);
+  crossing.vertices << good.vertices, good.vertices.colwise() + Eigen::Vector3d(0.13, 0.17, 0.21);
+  crossing.triangles.resize(3, 2 * t);
+  crossing.triangles << good.triangles, good.triangles.array() + static_cast<int>(v);
+  EXPECT_THAT(std::string(ShapeOfMesh(crossing).status().message()), HasSubstr("crosses itself"));
+  EXPECT_FALSE(ShapeOfMesh({}).ok());
+  mesh::SurfaceMesh huge;
+  huge.vertices = Eigen::Matrix3Xd::Zero(3, 3);
+  huge.triangles = Eigen::Matrix3Xi::Zero(3, kMaxShapeTriangles + 1);
+  EXPECT_EQ(ShapeOfMesh(huge).status().code(), absl::StatusCode::kResourceExhausted);
+}
+
+// What STEP has is what is written after it was read, stretched, written and read again.
+TEST(DrawnShape, GoesThroughFilesAtAnySize) {
+  StepAssembly stand;
+  stand.name = "stand";
+  stand.groups = {{"stand", -1, At(0, 0, 0)}, {"legs", 0, At(0.1, 0, 0)}};
+  stand.products = {{"board", BoredBoard(), Eigen::Vector3d(0.5, 0.25, 0.125)},
+                    {"leg", TurnedLeg(), std::nullopt}};
+  AddPart(stand, "board", 0, 0, At(0, 0, 0.4));
+  AddPart(stand, "leg a", 1, 1, At(0, 0, 0));
+  AddPart(stand, "leg b", 1, 1, At(0.2, 0, 0));
+  AddPart(stand, "leg c", 1, 1, At(0.2, 0.4, 0, kPi / 2, {0, 1, 0}));
+  const auto bytes = WriteStep(stand);
+  ASSERT_TRUE(bytes.ok()) << bytes.status();
+  auto read = ReadStep(*bytes);
+  ASSERT_TRUE(read.ok()) << read.status();
+  ASSERT_EQ(read->shapes.size(), 3u) << "of each product and way it is turned";
+  const auto shape_of = [&](const std::string& name) {
+    for (const StepPart& part : read->parts) {
+      if (part.name == name) return part.shape;
+    }
+    return -1;
+  };
+  EXPECT_EQ(shape_of("leg a"), shape_of("leg b"));
+  const auto sent = StepAssemblyFromJson(ToJson(*read));
+  ASSERT_TRUE(sent.ok()) << sent.status();
+  ASSERT_EQ(sent->shapes.size(), 3u);
+  for (const Eigen::Vector3d& factors :
+       {Eigen::Vector3d(1, 1, 1), Eigen::Vector3d(1.5, 1.5, 0.8), Eigen::Vector3d(0.7, 1.9, 1.2)}) {
+    StepAssembly again;
+    again.name = "again";
+    again.groups = {{"again", -1, At(0, 0, 0)}};
+    for (std::size_t i = 0; i < sent->shapes.size(); ++i) {
+      again.products.push_back({"shape", Stretched(sent->shapes[i], factors), std::nullopt});
+      AddPart(again, absl::StrCat("part ", i), 0, static_cast<int>(i), At(0, 0, 0));
+    }
+    const auto written = WriteStep(again);
+    ASSERT_TRUE(written.ok()) << written.status();
+    const auto back = ReadStep(*written);
+    ASSERT_TRUE(back.ok()) << back.status();
+    ASSERT_EQ(back->parts.size(), 3u);
+    for (std::size_t i = 0; i < 3; ++i) {
+      const DrawnShape& shape = sent->shapes[i];
+      const double volume = VolumeIn(shape, shape.size.cwiseProduct(factors));
+      EXPECT_NEAR(back->parts[i].volume, volume, 1e-6 * volume) << i;
+      EXPECT_TRUE(back->parts[i].faults.empty());
+    }
+  }
+}
+
+}  // namespace
+}  // namespace mortise::cad
