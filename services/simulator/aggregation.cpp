@@ -8,6 +8,9 @@ namespace {
 
 using Block6 = Eigen::Matrix<double, 6, 6>;
 
+// Couplings grow weaker from level to level by about this much.
+constexpr double kWeakening = 0.25;
+
 // Coarsest levels of at most as many unknowns get a dense factor.
 constexpr int kDenseUnknowns = 900;
 
@@ -190,6 +193,8 @@ std::unique_ptr<Corrector> BuildLevels(BlockRows<double, B, B> matrix, const Rig
     return level;
   }
   const Aggregates aggregates = FindAggregates(matrix, options.strength);
+  MultigridOptions below = options;
+  below.strength *= kWeakening;
   Basis<B> basis = MakeBasis(aggregates, modes);
   BlockRows<double, B, 6> prolongation =
       SmoothBasis(matrix, basis.prolongation, aggregates.count, team);
@@ -198,7 +203,7 @@ std::unique_ptr<Corrector> BuildLevels(BlockRows<double, B, B> matrix, const Rig
       Product<6, B, 6>(restriction, Product<B, B, 6>(matrix, prolongation, aggregates.count, team),
                        aggregates.count, team);
   std::unique_ptr<Corrector> coarse =
-      BuildLevels<6>(std::move(coarse_matrix), basis.modes, options, team);
+      BuildLevels<6>(std::move(coarse_matrix), basis.modes, below, team);
   if (coarse == nullptr) return nullptr;
   return std::make_unique<SmoothedLevel<double, B>>(
       std::move(matrix),

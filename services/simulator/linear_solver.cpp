@@ -6,12 +6,17 @@
 #include "common/base/errors.h"
 #include "services/simulator/direct_solver.h"
 #include "services/simulator/iterative_solver.h"
+#include "services/simulator/sparse_cholesky.h"
 
 namespace mortise::simulator {
 namespace {
 
-constexpr int kDirectLinearNodes = 4000;
-constexpr int kDirectQuadraticNodes = 4000;
+// Up to as many nodes a factor takes a fraction of a second; from so many on, seconds to estimate.
+constexpr int kSmall = 1500;
+constexpr int kLarge = 200000;
+
+// Flops of a factor for each block of the matrix above which iterating is faster.
+constexpr double kFlopsPerBlock = 8e4;
 
 // Iterates, and factorises where that does not converge.
 class FallbackSolver : public LinearSolver {
@@ -53,9 +58,12 @@ class FallbackSolver : public LinearSolver {
 
 }  // namespace
 
-SolverKind ChooseSolver(const mesh::TetrahedralMesh& mesh) {
-  const int most = mesh.IsQuadratic() ? kDirectQuadraticNodes : kDirectLinearNodes;
-  return mesh.nodes.cols() <= most ? SolverKind::kDirect : SolverKind::kIterative;
+SolverKind ChooseSolver(const BlockPattern& pattern) {
+  if (pattern.nodes() <= kSmall) return SolverKind::kDirect;
+  if (pattern.nodes() > kLarge) return SolverKind::kIterative;
+  const double blocks = static_cast<double>(pattern.rows().size() + pattern.row_slots().size());
+  return EstimateFactorFlops(pattern) <= kFlopsPerBlock * blocks ? SolverKind::kDirect
+                                                                 : SolverKind::kIterative;
 }
 
 absl::StatusOr<std::unique_ptr<LinearSolver>> LinearSolver::Create(
@@ -73,8 +81,10 @@ absl::StatusOr<std::unique_ptr<LinearSolver>> LinearSolver::Create(
   const auto direct = [pattern, fixed, options] {
     return CreateDirectSolver(pattern, fixed, options);
   };
-  if (options.kind == SolverKind::kDirect || ChooseSolver(mesh) == SolverKind::kDirect) {
-    return direct();
+  if (options.kind == SolverKind::kDirect) return direct();
+  if (ChooseSolver(*pattern) == SolverKind::kDirect) {
+    auto solver = direct();
+    if (!absl::IsResourceExhausted(solver.status())) return solver;
   }
   MORTISE_ASSIGN_OR_RETURN(
       auto iterative, IterativeSolver::Create(mesh, std::move(pattern), fixed, frames, options));

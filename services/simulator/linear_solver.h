@@ -25,7 +25,7 @@
 namespace mortise::simulator {
 
 enum class SolverKind {
-  kAutomatic,  // by size, see ChooseSolver
+  kAutomatic,  // by size and shape, see ChooseSolver
   kDirect,     // supernodal Cholesky (CHOLMOD): heavy to prepare, then each load is cheap
   kIterative,  // conjugate gradients with multigrid: light to prepare, each load takes its time
 };
@@ -97,8 +97,11 @@ class LinearSolver {
   virtual const SolverSummary& summary() const = 0;
 };
 
-// The kind that kAutomatic stands for: direct up to as many nodes as measurement found it faster.
-SolverKind ChooseSolver(const mesh::TetrahedralMesh& mesh);
+// The kind that kAutomatic stands for. A factor costs flops(n), an iteration reads every block a
+// few times: small and thin bodies, whose factors stay small and which take many iterations, go to
+// the factor, compact ones to the iteration. Where the iteration does not converge, the factor
+// follows.
+SolverKind ChooseSolver(const BlockPattern& pattern);
 
 // INVALID_ARGUMENT naming "loads[i]" unless all have `nodes` columns and are finite.
 absl::Status CheckLoads(const std::vector<Eigen::Matrix3Xd>& loads, int nodes);

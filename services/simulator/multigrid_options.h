@@ -8,7 +8,8 @@ struct MultigridOptions {
   int quadratic_steps = 3;          // of the smoother on quadratic elements, on each side
   int linear_steps = 2;             // on the levels below
   double smoothed_part = 1.0 / 12;  // the smoother takes eigenvalues from this part of the largest
-  double strength = 0.02;           // blocks weaker than this beside the diagonal do not join nodes
+  double strength = 0.02;           // blocks weaker than this, next to the diagonal ones,
+                                    // do not join nodes; a quarter of it level by level
 };
 
 }  // namespace mortise::simulator

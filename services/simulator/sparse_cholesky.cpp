@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <climits>
+#include <limits>
 #include <mutex>
 #include <vector>
 
@@ -125,6 +126,19 @@ std::vector<int> ExpandOrder(const int* node_order, const Eigen::Array3Xi& numbe
 absl::Status OutOfMemory() { return TooLarge("the factor of the stiffness", "the memory at hand"); }
 
 }  // namespace
+
+double EstimateFactorFlops(const BlockPattern& pattern) {
+  Workspace workspace;
+  const SparsePointer graph = NodeGraph(pattern, &workspace.common);
+  workspace.common.nmethods = 1;
+  workspace.common.method[0].ordering = CHOLMOD_AMD;
+  workspace.common.supernodal = CHOLMOD_SIMPLICIAL;
+  const FactorPointer factor(
+      graph == nullptr ? nullptr : cholmod_analyze(graph.get(), &workspace.common),
+      {&workspace.common});
+  // Each node is three unknowns.
+  return factor == nullptr ? std::numeric_limits<double>::infinity() : 27 * workspace.common.fl;
+}
 
 struct SparseCholesky::Factor {
   Workspace workspace;  // outlives the factor

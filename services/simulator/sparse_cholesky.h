@@ -25,6 +25,10 @@ struct CholeskySummary {
   double factorization_seconds = 0;
 };
 
+// About the flops of a factorisation if nothing were fixed, in a tenth of the time that Analyze
+// takes: by minimum degree on the graph of nodes. Infinite if memory is short.
+double EstimateFactorFlops(const BlockPattern& pattern);
+
 // The factor L of K restricted to free displacements, K = L Lᵀ. The fill-reducing ordering is found
 // on the graph of nodes, a third as large as that of the unknowns. One thread, so that results do
 // not depend on the machine's cores; run one process a core.

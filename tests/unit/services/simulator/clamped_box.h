@@ -1,4 +1,5 @@
-// Boxes meshed in a regular way, clamped at one end and loaded at the other, for the linear solvers.
+// Boxes meshed in a regular way, clamped at one end and loaded at the other, for the linear
+// solvers.
 #pragma once
 
 #include "services/simulator/material.h"
@@ -6,8 +7,8 @@
 
 namespace mortise::simulator {
 
-// A box from the origin to `size`, m, each side divided into `cells`, each cell into six tetrahedra.
-// Inner nodes are moved a little, so that no two elements are alike.
+// A box from the origin to `size`, m, each side divided into `cells`, each cell into six
+// tetrahedra. Inner nodes are moved a little, so that no two elements are alike.
 inline mesh::TetrahedralMesh BoxMesh(const Eigen::Vector3d& size, const Eigen::Vector3i& cells,
                                      bool quadratic) {
   mesh::MappedBox box;
@@ -29,8 +30,7 @@ inline Eigen::Array3Xi ClampedEnd(const mesh::TetrahedralMesh& mesh) {
 // 1000 N downwards, shared by the nodes where x is largest; 3 × nodes.
 inline Eigen::Matrix3Xd EndLoad(const mesh::TetrahedralMesh& mesh) {
   const double length = mesh.nodes.row(0).maxCoeff();
-  const Eigen::Array<bool, 1, Eigen::Dynamic> end =
-      mesh.nodes.row(0).array() > (1 - 1e-9) * length;
+  const Eigen::Array<bool, 1, Eigen::Dynamic> end = mesh.nodes.row(0).array() > (1 - 1e-9) * length;
   Eigen::Matrix3Xd load = Eigen::Matrix3Xd::Zero(3, mesh.nodes.cols());
   load.row(2) = -1000 * end.cast<double>().matrix() / static_cast<double>(end.count());
   return load;

@@ -1,4 +1,5 @@
-// The linear solvers against each other, and what they promise of threads, sizes, limits and misuse.
+// The linear solvers against each other, and what they promise of threads, sizes, limits and
+// misuse.
 #include "services/simulator/linear_solver.h"
 
 #include <gtest/gtest.h>
@@ -290,13 +291,19 @@ TEST_P(Kinds, StopWhenToldTo) {
   EXPECT_EQ(status.code(), absl::StatusCode::kCancelled) << status;
 }
 
+TEST(Choice, FactorisesWhatIsSmallOrThin) {
+  EXPECT_EQ(ChooseSolver(*Bar(false).stiffness->pattern()), SolverKind::kDirect);
+  const Problem plate({1, 1, 0.02}, {40, 40, 1}, false);
+  EXPECT_EQ(ChooseSolver(*plate.stiffness->pattern()), SolverKind::kDirect);
+}
+
 TEST(Choice, FallsBackToAFactorWhereIterationFails) {
-  const Problem problem({0.5, 0.1, 0.1}, {45, 9, 9}, false);
+  const Problem problem({0.1, 0.1, 0.1}, {20, 20, 20}, false);
   SolverOptions options;
   options.maximum_iterations = 3;
   auto solver = problem.Solver(options);
   ASSERT_TRUE(solver.ok()) << solver.status();
-  ASSERT_EQ(ChooseSolver(problem.mesh), SolverKind::kIterative);
+  ASSERT_EQ(ChooseSolver(*problem.stiffness->pattern()), SolverKind::kIterative);
   const auto solution = (*solver)->Solve(problem.load);
   ASSERT_TRUE(solution.ok()) << solution.status();
   EXPECT_EQ((*solver)->summary().kind, SolverKind::kDirect);
