@@ -73,8 +73,8 @@ class Template {
  protected:
   explicit Template(TemplateHead head) : head_(std::move(head)) {}
 
-  // As Evaluate, Solids and AssemblyAt, for parameters that have been checked; name, revision, digest and
-  // parameters of the design are filled in afterwards.
+  // As Evaluate, Solids and AssemblyAt, for parameters that have been checked; name, revision,
+  // digest and parameters of the design are filled in afterwards.
   virtual absl::StatusOr<parametric::EvaluatedDesign> DesignAt(const Eigen::VectorXd& q) const = 0;
   virtual absl::StatusOr<std::vector<cad::Solid>> SolidsAt(const Eigen::VectorXd& q) const;
   virtual absl::StatusOr<std::optional<AssemblyDesign>> AssemblyDesignAt(
