@@ -13,8 +13,11 @@ constexpr int kLinearTerms = 4;
 constexpr int kQuadraticTerms = 10;
 constexpr int kRings = 3;  // of neighbours that may join a patch
 
-// Samples wanted for each term: enough to average out what is not smooth.
-constexpr int kSamplesPerTerm = 3;
+// Samples wanted: enough to average out what is not smooth. A node inside a mesh of linear elements
+// has about 24 elements; with the half of them that a node on a side has, the extrapolation to the
+// surface amplifies the differences between neighbours.
+constexpr int kLinearSamples = 24;
+constexpr int kQuadraticSamples = 30;
 
 using Terms = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kQuadraticTerms, 1>;
 using Coefficients = Eigen::Matrix<double, Eigen::Dynamic, 6, 0, kQuadraticTerms, 6>;
@@ -93,7 +96,8 @@ Patch FitPatch(const mesh::TetrahedralMesh& mesh, const PartNodes& nodes, int sl
                const Eigen::Matrix3Xd& places, const Stresses& at_points) {
   const bool quadratic = mesh.IsQuadratic();
   const int points = quadratic ? 4 : 1, terms = quadratic ? kQuadraticTerms : kLinearTerms;
-  const std::vector<int> elements = PatchElements(nodes, slot, points, kSamplesPerTerm * terms);
+  const std::vector<int> elements =
+      PatchElements(nodes, slot, points, quadratic ? kQuadraticSamples : kLinearSamples);
   Patch patch;
   patch.centre = mesh.nodes.col(nodes.node(slot));
   double size = 0;

@@ -61,10 +61,11 @@ class Worst {
 
 Solved SolveThickCylinder(int n, bool quadratic) {
   MappedBox box;
-  box.ticks = {Ticks(8 * n, 4), Ticks(12 * n), Ticks(n)};
+  // Everything varies with the radius only.
+  box.ticks = {Ticks(16 * n, 4), Ticks(6 * n), Ticks(n)};
   box.place = [](const Eigen::Vector3d& p) {
     const Eigen::Vector2d at = (1 + p.x()) * Quarter(p.y());
-    return Eigen::Vector3d(at.x(), at.y(), 0.3 * p.z());
+    return Eigen::Vector3d(at.x(), at.y(), 0.1 * p.z());
   };
   AnalysisCase analysis;
   analysis.materials = {{"steel", 7800, 200e9, 0.3, 0}};
@@ -111,7 +112,7 @@ TargetAnswer PlateWithHole(int n, bool quadratic) {
     const Eigen::Vector2d outer(kSide * std::min(1.0, 2 - 2 * p.y()),
                                 kSide * std::min(1.0, 2 * p.y()));
     const Eigen::Vector2d at = (1 - p.x()) * inner + p.x() * outer;
-    return Eigen::Vector3d(at.x(), at.y(), 0.4 * p.z());
+    return Eigen::Vector3d(at.x(), at.y(), 0.1 * p.z());
   };
   AnalysisCase analysis;
   analysis.materials = {{"steel", 7800, 200e9, 0.3, 0}};
@@ -219,12 +220,9 @@ TargetAnswer TaperedSphere(int n, bool quadratic) {
   auto solution = SolveElasticity(solved.mesh, analysis);
   if (!solution.ok()) std::abort();
   solved.solution = *std::move(solution);
-  Worst worst(-105 * kMegapascal);
-  for (const int v : mesh::NodesWhere(
-           box, quadratic, [](const Eigen::Vector3d& p) { return p.x() == 0 && p.y() == 0; })) {
-    worst.See(solved.solution.stress(2, v));
-  }
-  return Answer("LE11: szz at A", -105 * kMegapascal, worst.value(), solved);
+  const int node = mesh::NodesWhere(
+      box, quadratic, [](const Eigen::Vector3d& p) { return p == Eigen::Vector3d::Zero(); })[0];
+  return Answer("LE11: szz at A", -105 * kMegapascal, solved.solution.stress(2, node), solved);
 }
 
 }  // namespace mortise::simulator

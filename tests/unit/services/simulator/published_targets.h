@@ -27,14 +27,14 @@ struct TargetAnswer {
 TargetAnswer ThickPlate(int n, bool quadratic);
 
 // A plate with a circular hole of radius 1 m in plane strain, pulled along x by 1 MPa at infinity:
-// a quarter of the square |x|, |y| <= 4 m, 0.4 m thick, with the exact tractions of Kirsch's
+// a quarter of the square |x|, |y| <= 4 m, 0.1 m thick, with the exact tractions of Kirsch's
 // solution (1898; Timoshenko and Goodier, Theory of Elasticity, §35) on its outer sides, symmetry
 // on x = 0, y = 0 and both plane faces. Target: σxx = 3 MPa on the edge of the hole at x = 0, the
 // node where it is worst. 864 n³ elements.
 TargetAnswer PlateWithHole(int n, bool quadratic);
 
 // Lamé's thick cylinder (Timoshenko and Goodier, §28) in plane strain: a quarter of the ring
-// 1 <= r <= 2 m, 0.3 m high, E = 200 GPa, ν = 0.3, 1 MPa inside, symmetry on the plane faces.
+// 1 <= r <= 2 m, 0.1 m high, E = 200 GPa, ν = 0.3, 1 MPa inside, symmetry on the plane faces.
 // Target: the hoop stress 5/3 MPa at the inside, at the node where it is worst. 576 n³ elements.
 TargetAnswer ThickCylinder(int n, bool quadratic);
 
@@ -52,7 +52,7 @@ TargetAnswer Cantilever3d(int n, bool quadratic);
 // NAFEMS LE11 (same book): a quarter of a hollow body of revolution about z, cylinder, taper and
 // sphere, E = 210 GPa, ν = 0.3, α = 2.3e-4 / K, under the temperature √(x² + y²) + z, no loads.
 // Symmetry on x = 0, y = 0 and z = 0, and w = 0 on z = 1.79 m. Target: σzz = −105 MPa at A (1, 0,
-// 0), the node of that circle where it is worst. 630 n³ elements.
+// 0). 630 n³ elements.
 TargetAnswer TaperedSphere(int n, bool quadratic);
 
 // NAFEMS T4 (same book): the rectangle 0 <= x <= 0.6 m, 0 <= y <= 1 m, here 0.05 m thick, k = 52
