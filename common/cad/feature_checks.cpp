@@ -2,36 +2,33 @@
 #include "common/cad/feature_checks.h"
 
 #include <algorithm>
-#include <cmath>
 #include <set>
 #include <string_view>
 
 #include "absl/strings/str_cat.h"
-#include "common/base/identifiers.h"
 #include "common/cad/feature_reference.h"
 #include "common/cad/feature_roles.h"
-#include "common/parametric/identifier.h"
+#include "common/parametric/solid_head_checks.h"
 
 namespace mortise::cad {
 namespace {
 
 using parametric::Finding;
 
-constexpr std::size_t kMaxParameters = 64;
 constexpr std::size_t kMaxDefinitions = 500;
 constexpr std::size_t kMaxFeatures = 500;
 constexpr std::size_t kMaxProfiles = 200;
 constexpr std::size_t kMaxSegments = 500;
 constexpr std::size_t kMaxReferences = 200;
-constexpr std::size_t kMaxText = 1000;  // bytes
 
 class FeatureChecker {
  public:
   explicit FeatureChecker(const CadTemplate& definition) : definition_(definition) {}
 
   std::vector<Finding> Check() {
-    CheckTexts();
-    CheckParameters();
+    parametric::CheckSolidTexts(definition_.name, definition_.title, definition_.description,
+                                definition_.material, findings_);
+    parametric::CheckSolidParameters(definition_.parameters, number_names_, findings_);
     CheckDefinitions();
     Count("features", definition_.features.size(), 1, kMaxFeatures);
     bool makes_body = false;
@@ -166,70 +163,18 @@ class FeatureChecker {
   }
 
   void Count(const std::string& field, std::size_t count, std::size_t least, std::size_t most) {
-    if (count < least) Report(field, absl::StrCat("must be at least ", least));
-    if (count > most) Report(field, absl::StrCat("are more than ", most));
+    parametric::CheckCount(field, count, least, most, findings_);
   }
 
   void CheckName(const std::string& field, const std::string& name, std::set<std::string>& seen) {
-    if (!parametric::IsIdentifier(name)) {
-      Report(field,
-             "must be a letter or underscore, then letters, digits, underscores; 63 at most");
-    } else if (!seen.insert(name).second) {
-      Report(field, absl::StrCat("'", name, "' occurs twice"));
-    }
-  }
-
-  void CheckTexts() {
-    if (!ParseResourceName(definition_.name, "templates", "name").ok()) {
-      Report("name", "must be 'templates/' and 1 to 63 lower-case letters, digits and hyphens");
-    }
-    if (!ParseResourceName(definition_.material, "materials", "material").ok()) {
-      Report("material", "must be 'materials/' and 1 to 63 lower-case letters, digits and hyphens");
-    }
-    if (definition_.title.size() > kMaxText) Report("title", "is longer than 1000 bytes");
-    if (definition_.description.size() > kMaxText) {
-      Report("description", "is longer than 1000 bytes");
-    }
-  }
-
-  void CheckParameters() {
-    Count("parameters", definition_.parameters.size(), 1, kMaxParameters);
-    for (std::size_t i = 0; i < definition_.parameters.size(); ++i) {
-      const parametric::Parameter& parameter = definition_.parameters[i];
-      const std::string field = absl::StrCat("parameters[", i, "]");
-      CheckNumberName(field + ".name", parameter.name);
-      if (parameter.unit.empty()) {
-        Report(field + ".unit", "is missing; say '1' where there is none");
-      }
-      if (!std::isfinite(parameter.minimum) || !std::isfinite(parameter.maximum) ||
-          !std::isfinite(parameter.default_value) || !std::isfinite(parameter.step)) {
-        Report(field, "has a number that is not finite");
-      } else if (parameter.maximum <= parameter.minimum) {
-        Report(field + ".maximum",
-               absl::StrCat("is ", parameter.maximum, ", not greater than the minimum ",
-                            parameter.minimum));
-      } else if (parameter.default_value < parameter.minimum ||
-                 parameter.default_value > parameter.maximum) {
-        Report(field + ".default_value",
-               absl::StrCat("is ", parameter.default_value, ", outside of ", parameter.minimum,
-                            " to ", parameter.maximum));
-      } else if (parameter.step < 0) {
-        Report(field + ".step", "is less than 0");
-      }
-    }
+    parametric::CheckUniqueName(field, name, seen, findings_);
   }
 
   void CheckDefinitions() {
     Count("definitions", definition_.definitions.size(), 0, kMaxDefinitions);
     for (std::size_t i = 0; i < definition_.definitions.size(); ++i) {
-      CheckNumberName(absl::StrCat("definitions[", i, "].name"), definition_.definitions[i].name);
-    }
-  }
-
-  void CheckNumberName(const std::string& field, const std::string& name) {
-    CheckName(field, name, number_names_);
-    if (parametric::IsReserved(name)) {
-      Report(field, absl::StrCat("'", name, "' is a word of the expression language"));
+      parametric::CheckNumberName(absl::StrCat("definitions[", i, "].name"),
+                                  definition_.definitions[i].name, number_names_, findings_);
     }
   }
 

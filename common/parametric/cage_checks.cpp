@@ -1,15 +1,13 @@
 #include "common/parametric/cage_checks.h"
 
 #include <algorithm>
-#include <cmath>
 #include <set>
 #include <string>
 
 #include "absl/strings/str_cat.h"
-#include "common/base/identifiers.h"
 #include "common/mesh/mass_properties.h"
 #include "common/mesh/surface_check.h"
-#include "common/parametric/identifier.h"
+#include "common/parametric/solid_head_checks.h"
 
 namespace mortise::parametric {
 namespace {
@@ -22,25 +20,18 @@ constexpr std::size_t kMaxVertices = 5000;
 constexpr std::size_t kMaxTriangles = 10'000;
 constexpr std::size_t kMaxCageVertices = 250;
 constexpr std::size_t kMaxCageTriangles = 500;
-constexpr std::size_t kMaxText = 1000;     // bytes
 constexpr double kFarthest = 1e3;          // m, from the origin
 constexpr double kSmallestVolume = 1e-12;  // m³
 constexpr int kMaxFaults = 20;             // that are reported of one mesh
-
-// Reports a list that is too short or too long.
-void Count(const std::string& field, std::size_t count, std::size_t least, std::size_t most,
-           std::vector<Finding>& findings) {
-  if (count < least) findings.push_back({field, absl::StrCat("must be at least ", least)});
-  if (count > most) findings.push_back({field, absl::StrCat("are more than ", most)});
-}
 
 class CageChecker {
  public:
   explicit CageChecker(const CageTemplate& definition) : definition_(definition) {}
 
   std::vector<Finding> Check() {
-    CheckTexts();
-    CheckParameters();
+    CheckSolidTexts(definition_.name, definition_.title, definition_.description,
+                    definition_.material, findings_);
+    CheckSolidParameters(definition_.parameters, number_names_, findings_);
     CheckDefinitions();
     CheckSurface();
     CheckConditions();
@@ -52,67 +43,10 @@ class CageChecker {
     findings_.push_back({field, message});
   }
 
-  void CheckName(const std::string& field, const std::string& name, std::set<std::string>& seen) {
-    if (!IsIdentifier(name)) {
-      Report(field,
-             "must be a letter or underscore, then letters, digits, underscores; 63 at most");
-    } else if (!seen.insert(name).second) {
-      Report(field, absl::StrCat("'", name, "' occurs twice"));
-    }
-  }
-
-  void CheckNumberName(const std::string& field, const std::string& name) {
-    CheckName(field, name, number_names_);
-    if (IsReserved(name)) {
-      Report(field, absl::StrCat("'", name, "' is a word of the expression language"));
-    }
-  }
-
-  void CheckTexts() {
-    if (!ParseResourceName(definition_.name, "templates", "name").ok()) {
-      Report("name", "must be 'templates/' and 1 to 63 lower-case letters, digits and hyphens");
-    }
-    if (!ParseResourceName(definition_.material, "materials", "material").ok()) {
-      Report("material", "must be 'materials/' and 1 to 63 lower-case letters, digits and hyphens");
-    }
-    if (definition_.title.size() > kMaxText) Report("title", "is longer than 1000 bytes");
-    if (definition_.description.size() > kMaxText) {
-      Report("description", "is longer than 1000 bytes");
-    }
-  }
-
-  void CheckParameters() {
-    for (std::size_t i = 0; i < definition_.parameters.size(); ++i) {
-      const Parameter& parameter = definition_.parameters[i];
-      const std::string field = absl::StrCat("parameters[", i, "]");
-      CheckNumberName(field + ".name", parameter.name);
-      if (parameter.unit.empty()) {
-        Report(field + ".unit", "is missing; say '1' where there is none");
-      }
-      CheckRange(field, parameter);
-    }
-  }
-
-  void CheckRange(const std::string& field, const Parameter& parameter) {
-    if (!std::isfinite(parameter.minimum) || !std::isfinite(parameter.maximum) ||
-        !std::isfinite(parameter.default_value) || !std::isfinite(parameter.step)) {
-      Report(field, "has a number that is not finite");
-    } else if (parameter.maximum <= parameter.minimum) {
-      Report(field + ".maximum",
-             absl::StrCat("is ", parameter.maximum, ", not greater than the minimum ",
-                          parameter.minimum));
-    } else if (parameter.default_value < parameter.minimum ||
-               parameter.default_value > parameter.maximum) {
-      Report(field + ".default_value", absl::StrCat("is ", parameter.default_value, ", outside of ",
-                                                    parameter.minimum, " to ", parameter.maximum));
-    } else if (parameter.step < 0) {
-      Report(field + ".step", "is less than 0");
-    }
-  }
-
   void CheckDefinitions() {
     for (std::size_t i = 0; i < definition_.definitions.size(); ++i) {
-      CheckNumberName(absl::StrCat("definitions[", i, "].name"), definition_.definitions[i].name);
+      CheckNumberName(absl::StrCat("definitions[", i, "].name"), definition_.definitions[i].name,
+                      number_names_, findings_);
     }
   }
 
@@ -139,7 +73,7 @@ class CageChecker {
     }
     for (std::size_t i = 0; i < surface.faces.size(); ++i) {
       const std::string field = absl::StrCat("surface.faces[", i, "]");
-      CheckName(field + ".name", surface.faces[i].name, face_names_);
+      CheckUniqueName(field + ".name", surface.faces[i].name, face_names_, findings_);
       if (surface.faces[i].triangles.cols() == 0) Report(field + ".triangles", "are missing");
       usable =
           CheckIndices(field + ".triangles", surface.faces[i].triangles, surface.vertices.cols()) &&
@@ -176,7 +110,7 @@ class CageChecker {
     for (std::size_t i = 0; i < definition_.conditions.size(); ++i) {
       const CageCondition& condition = definition_.conditions[i];
       const std::string field = absl::StrCat("conditions[", i, "]");
-      CheckName(field + ".name", condition.name, names);
+      CheckUniqueName(field + ".name", condition.name, names, findings_);
       for (std::size_t k = 0; k < condition.faces.size(); ++k) {
         if (face_names_.contains(condition.faces[k])) continue;
         Report(absl::StrCat(field, ".faces[", k, "]"),
@@ -196,7 +130,7 @@ std::vector<Finding> CheckCageSizes(const CageTemplate& definition) {
   std::vector<Finding> findings;
   const auto count = [&findings](const std::string& field, auto size, std::size_t least,
                                  std::size_t most) {
-    Count(field, static_cast<std::size_t>(size), least, most, findings);
+    CheckCount(field, static_cast<std::size_t>(size), least, most, findings);
   };
   count("parameters", definition.parameters.size(), 1, kMaxParameters);
   count("definitions", definition.definitions.size(), 0, kMaxDefinitions);

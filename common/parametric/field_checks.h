@@ -1,4 +1,4 @@
-// Checks of single fields, of which those of materials and items are made. Private to those files.
+// Checks of single fields, of which those of materials, items and templates are made.
 #pragma once
 
 #include <string>

@@ -1,0 +1,85 @@
+#include "common/parametric/solid_head_checks.h"
+
+#include <cmath>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/identifiers.h"
+#include "common/parametric/field_checks.h"
+#include "common/parametric/identifier.h"
+
+namespace mortise::parametric {
+namespace {
+
+constexpr std::size_t kMaxParameters = 64;
+
+void CheckRange(const std::string& field, const Parameter& parameter,
+                std::vector<Finding>& findings) {
+  if (!std::isfinite(parameter.minimum) || !std::isfinite(parameter.maximum) ||
+      !std::isfinite(parameter.default_value) || !std::isfinite(parameter.step)) {
+    findings.push_back({field, "has a number that is not finite"});
+  } else if (parameter.maximum <= parameter.minimum) {
+    findings.push_back(
+        {field + ".maximum", absl::StrCat("is ", parameter.maximum,
+                                          ", not greater than the minimum ", parameter.minimum)});
+  } else if (parameter.default_value < parameter.minimum ||
+             parameter.default_value > parameter.maximum) {
+    findings.push_back(
+        {field + ".default_value", absl::StrCat("is ", parameter.default_value, ", outside of ",
+                                                parameter.minimum, " to ", parameter.maximum)});
+  } else if (parameter.step < 0) {
+    findings.push_back({field + ".step", "is less than 0"});
+  }
+}
+
+}  // namespace
+
+void CheckSolidTexts(const std::string& name, const std::string& title,
+                     const std::string& description, const std::string& material,
+                     std::vector<Finding>& findings) {
+  CheckResourceName(name, "templates", findings);
+  if (!ParseResourceName(material, "materials", "material").ok()) {
+    findings.push_back(
+        {"material", "must be 'materials/' and 1 to 63 lower-case letters, digits and hyphens"});
+  }
+  CheckText("title", title, findings);
+  CheckText("description", description, findings);
+}
+
+void CheckUniqueName(const std::string& field, const std::string& name, std::set<std::string>& seen,
+                     std::vector<Finding>& findings) {
+  if (!IsIdentifier(name)) {
+    findings.push_back(
+        {field, "must be a letter or underscore, then letters, digits, underscores; 63 at most"});
+  } else if (!seen.insert(name).second) {
+    findings.push_back({field, absl::StrCat("'", name, "' occurs twice")});
+  }
+}
+
+void CheckNumberName(const std::string& field, const std::string& name, std::set<std::string>& seen,
+                     std::vector<Finding>& findings) {
+  CheckUniqueName(field, name, seen, findings);
+  if (IsReserved(name)) {
+    findings.push_back({field, absl::StrCat("'", name, "' is a word of the expression language")});
+  }
+}
+
+void CheckSolidParameters(const std::vector<Parameter>& parameters, std::set<std::string>& seen,
+                          std::vector<Finding>& findings) {
+  CheckCount("parameters", parameters.size(), 1, kMaxParameters, findings);
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    const std::string field = absl::StrCat("parameters[", i, "]");
+    CheckNumberName(field + ".name", parameters[i].name, seen, findings);
+    if (parameters[i].unit.empty()) {
+      findings.push_back({field + ".unit", "is missing; say '1' where there is none"});
+    }
+    CheckRange(field, parameters[i], findings);
+  }
+}
+
+void CheckCount(const std::string& field, std::size_t count, std::size_t least, std::size_t most,
+                std::vector<Finding>& findings) {
+  if (count < least) findings.push_back({field, absl::StrCat("must be at least ", least)});
+  if (count > most) findings.push_back({field, absl::StrCat("are more than ", most)});
+}
+
+}  // namespace mortise::parametric
