@@ -19,27 +19,15 @@
 #include "common/cad/feature_numbers.h"
 #include "common/cad/feature_reference.h"
 #include "common/cad/solid.h"
+#include "common/parametric/face_condition.h"
 #include "common/parametric/template_validation.h"
 
 namespace mortise::cad {
 
-enum class ConditionKind { kFixed, kForce, kPressure, kHeatFlux, kTemperature };
-
-// A support or load at given parameters.
-struct ModelCondition {
-  std::string name;
-  ConditionKind kind = ConditionKind::kFixed;
-  std::vector<int> faces;                           // indices of the solid's faces, at least one
-  Eigen::Vector3d force = Eigen::Vector3d::Zero();  // N in all, spread over the faces; kForce
-  double pressure = 0;                              // Pa, against the faces; kPressure
-  double heat_flux = 0;                             // W/m² into the solid; kHeatFlux
-  double temperature = 0;                           // K; kTemperature
-};
-
 struct RegeneratedModel {
   Solid solid;  // valid by the kernel's check; face_names are the first of `origins`
-  std::vector<std::vector<FaceName>> origins;  // of each face: all names that lead to it
-  std::vector<ModelCondition> conditions;      // in the order of the features
+  std::vector<std::vector<FaceName>> origins;         // of each face: all names that lead to it
+  std::vector<parametric::FaceCondition> conditions;  // in the order of the features
 };
 
 // Indices of the faces that a reference as in feature_reference.h means. INVALID_ARGUMENT if it

@@ -27,6 +27,9 @@
 namespace mortise::cad {
 namespace {
 
+using parametric::BoundaryConditionKind;
+using parametric::FaceCondition;
+
 // What a pattern repeats.
 struct Repeatable {
   Operation operation = Operation::kCut;
@@ -140,22 +143,24 @@ class Regeneration {
     return Repeat(pattern.feature, placements);
   }
   absl::Status operator()(const Fixed& fixed) {
-    return AddCondition({name(), ConditionKind::kFixed, {}}, fixed.faces, "fixed.faces");
+    return AddCondition({name(), BoundaryConditionKind::kFixed, {}}, fixed.faces, "fixed.faces");
   }
   absl::Status operator()(const Force& force) {
-    ModelCondition condition{name(), ConditionKind::kForce, {}};
+    FaceCondition condition{name(), BoundaryConditionKind::kForce, {}};
     condition.force = numbers_(force.force);
     return AddCondition(std::move(condition), force.faces, "force.faces");
   }
   absl::Status operator()(const Pressure& pressure) {
-    ModelCondition condition{name(), ConditionKind::kPressure, {}};
+    FaceCondition condition{name(), BoundaryConditionKind::kPressure, {}};
     condition.pressure = numbers_(pressure.pressure);
     return AddCondition(std::move(condition), pressure.faces, "pressure.faces");
   }
   absl::Status operator()(const Heat& heat) {
     const bool is_flux = !heat.flux.empty();
-    ModelCondition condition{
-        name(), is_flux ? ConditionKind::kHeatFlux : ConditionKind::kTemperature, {}};
+    FaceCondition condition{
+        name(),
+        is_flux ? BoundaryConditionKind::kHeatFlux : BoundaryConditionKind::kTemperature,
+        {}};
     condition.heat_flux = numbers_(heat.flux);
     condition.temperature = numbers_(heat.temperature);
     return AddCondition(std::move(condition), heat.faces, "heat.faces");
@@ -219,7 +224,7 @@ class Regeneration {
     return UseOn(operation, repeatable.body, "", copies);
   }
 
-  absl::Status AddCondition(ModelCondition condition, const std::vector<std::string>& faces,
+  absl::Status AddCondition(FaceCondition condition, const std::vector<std::string>& faces,
                             const std::string& field) {
     MORTISE_ASSIGN_OR_RETURN(const FoundFaces found, FindFaces(state_, faces, field));
     // Faces of a condition follow later features as all names do.
@@ -229,9 +234,9 @@ class Regeneration {
   }
 
   bool IsCondition(const FaceName& name) const {
-    return std::any_of(
-        conditions_.begin(), conditions_.end(),
-        [&](const ModelCondition& condition) { return condition.name == name.feature; });
+    return std::any_of(conditions_.begin(), conditions_.end(), [&](const FaceCondition& condition) {
+      return condition.name == name.feature;
+    });
   }
 
   absl::Status PlaceOf(const std::string& feature, const std::string& message) const {
@@ -250,7 +255,7 @@ class Regeneration {
   std::map<std::string, Repeatable> repeatable_;
   ModelState state_;
   std::optional<Pending> pending_;
-  std::vector<ModelCondition> conditions_;
+  std::vector<FaceCondition> conditions_;
 };
 
 absl::Status Regeneration::operator()(const Sketch& sketch) {
@@ -323,7 +328,7 @@ absl::StatusOr<RegeneratedModel> Regeneration::Finish() const {
   TopTools_IndexedMapOfShape faces;
   TopExp::MapShapes(body.shape, TopAbs_FACE, faces);
   std::vector<std::vector<FaceName>> origins(static_cast<std::size_t>(faces.Extent()));
-  std::vector<ModelCondition> conditions = conditions_;
+  std::vector<FaceCondition> conditions = conditions_;
   for (const NamedFaces& named : body.names) {
     for (const TopoDS_Face& face : named.faces) {
       const int index = faces.FindIndex(face) - 1;
@@ -331,12 +336,12 @@ absl::StatusOr<RegeneratedModel> Regeneration::Finish() const {
         origins[static_cast<std::size_t>(index)].push_back(named.name);
         continue;
       }
-      for (ModelCondition& condition : conditions) {
+      for (FaceCondition& condition : conditions) {
         if (condition.name == named.name.feature) condition.faces.push_back(index);
       }
     }
   }
-  for (const ModelCondition& condition : conditions) {
+  for (const FaceCondition& condition : conditions) {
     if (condition.faces.empty()) {
       return PlaceOf(condition.name,
                      absl::StrCat("later features removed all faces of '", condition.name, "'"));

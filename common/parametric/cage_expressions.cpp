@@ -64,18 +64,18 @@ CageExpressions::CageExpressions(const CageTemplate& definition, std::vector<Fin
     const std::string field = absl::StrCat("conditions[", i, "]");
     Condition parsed{condition.kind, {}, {}};
     switch (condition.kind) {
-      case CageConditionKind::kFixed:
+      case BoundaryConditionKind::kFixed:
         break;
-      case CageConditionKind::kForce:
+      case BoundaryConditionKind::kForce:
         parsed.force = point(field + ".force.force", condition.force);
         break;
-      case CageConditionKind::kPressure:
+      case BoundaryConditionKind::kPressure:
         parsed.amount.field = field + ".pressure.pressure";
         break;
-      case CageConditionKind::kHeatFlux:
+      case BoundaryConditionKind::kHeatFlux:
         parsed.amount.field = field + ".heat.flux";
         break;
-      case CageConditionKind::kTemperature:
+      case BoundaryConditionKind::kTemperature:
         parsed.amount.field = field + ".heat.temperature";
         break;
     }
@@ -167,7 +167,7 @@ absl::StatusOr<std::vector<CageConditionNumbers>> CageExpressions::Conditions(
       at.force(axis) = value_of(condition.force[static_cast<std::size_t>(axis)]);
     }
     at.amount = value_of(condition.amount);
-    if (condition.kind == CageConditionKind::kTemperature && findings.size() == before &&
+    if (condition.kind == BoundaryConditionKind::kTemperature && findings.size() == before &&
         at.amount <= 0) {
       findings.push_back(
           {condition.amount.field, absl::StrCat("is ", at.amount, " K: must be above 0")});

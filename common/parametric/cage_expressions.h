@@ -49,7 +49,7 @@ class CageExpressions {
     std::optional<Expression> expression;  // none where the text is empty: 0
   };
   struct Condition {
-    CageConditionKind kind;
+    BoundaryConditionKind kind;
     std::array<Placed, 3> force;
     Placed amount;
   };

@@ -193,7 +193,7 @@ absl::StatusOr<CageDesign> CageModel::Evaluate(const Eigen::VectorXd& q) const {
   }
   for (std::size_t i = 0; i < loads.size(); ++i) {
     const CageCondition& condition = state_->definition.conditions[i];
-    CageDesignCondition at{
+    FaceCondition at{
         .name = condition.name, .kind = condition.kind, .faces = {}, .force = loads[i].force};
     for (std::size_t face = 0; face < design.face_names.size(); ++face) {
       const auto& wanted = condition.faces;
@@ -201,9 +201,9 @@ absl::StatusOr<CageDesign> CageModel::Evaluate(const Eigen::VectorXd& q) const {
         at.faces.push_back(static_cast<int>(face));
       }
     }
-    if (condition.kind == CageConditionKind::kPressure) at.pressure = loads[i].amount;
-    if (condition.kind == CageConditionKind::kHeatFlux) at.heat_flux = loads[i].amount;
-    if (condition.kind == CageConditionKind::kTemperature) at.temperature = loads[i].amount;
+    if (condition.kind == BoundaryConditionKind::kPressure) at.pressure = loads[i].amount;
+    if (condition.kind == BoundaryConditionKind::kHeatFlux) at.heat_flux = loads[i].amount;
+    if (condition.kind == BoundaryConditionKind::kTemperature) at.temperature = loads[i].amount;
     design.conditions.push_back(std::move(at));
   }
   return design;

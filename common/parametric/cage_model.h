@@ -16,27 +16,17 @@
 #include "common/mesh/surface_mesh.h"
 #include "common/parametric/cage_template.h"
 #include "common/parametric/expression.h"
+#include "common/parametric/face_condition.h"
 #include "common/parametric/template_validation.h"
 
 namespace mortise::parametric {
 
-// A support or load at given parameters.
-struct CageDesignCondition {
-  std::string name;
-  CageConditionKind kind = CageConditionKind::kFixed;
-  std::vector<int> faces;                           // indices of face_names, at least one
-  Eigen::Vector3d force = Eigen::Vector3d::Zero();  // N in all, spread over the faces; kForce
-  double pressure = 0;                              // Pa, against the faces; kPressure
-  double heat_flux = 0;                             // W/m² into the solid; kHeatFlux
-  double temperature = 0;                           // K; kTemperature
-};
-
 // The shape at given parameters.
 struct CageDesign {
-  mesh::SurfaceMesh surface;                    // closed, outward, does not cross itself
-  Eigen::VectorXi triangle_face;                // T, index into face_names
-  std::vector<std::string> face_names;          // in the template's order
-  std::vector<CageDesignCondition> conditions;  // in the template's order
+  mesh::SurfaceMesh surface;              // closed, outward, does not cross itself
+  Eigen::VectorXi triangle_face;          // T, index into face_names
+  std::vector<std::string> face_names;    // in the template's order
+  std::vector<FaceCondition> conditions;  // in the template's order
 };
 
 // Everything that is wrong with a template, at once: names, ranges, sizes, references, expressions;

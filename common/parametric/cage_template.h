@@ -38,12 +38,10 @@ struct Cage {
   Eigen::Matrix3Xi triangles;
 };
 
-enum class CageConditionKind { kFixed, kForce, kPressure, kHeatFlux, kTemperature };
-
 // A support or load.
 struct CageCondition {
   std::string name;
-  CageConditionKind kind = CageConditionKind::kFixed;
+  BoundaryConditionKind kind = BoundaryConditionKind::kFixed;
   std::vector<std::string> faces;  // names
   CagePoint force;                 // N in all, of kForce
   std::string amount;              // Pa, W/m² or K of the last three kinds

@@ -47,20 +47,20 @@ CageCondition ReadCondition(const v1::CageCondition& message, const std::string&
                             std::vector<Finding>& findings) {
   CageCondition condition;
   condition.name = message.name();
-  const auto read = [&condition](CageConditionKind kind, const auto& faces) {
+  const auto read = [&condition](BoundaryConditionKind kind, const auto& faces) {
     condition.kind = kind;
     condition.faces = {faces.begin(), faces.end()};
   };
   switch (message.kind_case()) {
     case v1::CageCondition::kFixed:
-      read(CageConditionKind::kFixed, message.fixed().faces());
+      read(BoundaryConditionKind::kFixed, message.fixed().faces());
       break;
     case v1::CageCondition::kForce:
-      read(CageConditionKind::kForce, message.force().faces());
+      read(BoundaryConditionKind::kForce, message.force().faces());
       condition.force = Read(message.force().force());
       break;
     case v1::CageCondition::kPressure:
-      read(CageConditionKind::kPressure, message.pressure().faces());
+      read(BoundaryConditionKind::kPressure, message.pressure().faces());
       condition.amount = message.pressure().pressure();
       break;
     case v1::CageCondition::kHeat: {
@@ -70,7 +70,8 @@ CageCondition ReadCondition(const v1::CageCondition& message, const std::string&
         findings.push_back(
             {field + ".heat", "must have either a flux or a temperature, not both nor none"});
       }
-      read(is_flux ? CageConditionKind::kHeatFlux : CageConditionKind::kTemperature, heat.faces());
+      read(is_flux ? BoundaryConditionKind::kHeatFlux : BoundaryConditionKind::kTemperature,
+           heat.faces());
       condition.amount = is_flux ? heat.flux() : heat.temperature();
       break;
     }
@@ -87,22 +88,22 @@ void WriteCondition(const CageCondition& condition, v1::CageCondition& message) 
     *kind.mutable_faces() = {condition.faces.begin(), condition.faces.end()};
   };
   switch (condition.kind) {
-    case CageConditionKind::kFixed:
+    case BoundaryConditionKind::kFixed:
       write(*message.mutable_fixed());
       break;
-    case CageConditionKind::kForce:
+    case BoundaryConditionKind::kForce:
       write(*message.mutable_force());
       Write(condition.force, *message.mutable_force()->mutable_force());
       break;
-    case CageConditionKind::kPressure:
+    case BoundaryConditionKind::kPressure:
       write(*message.mutable_pressure());
       message.mutable_pressure()->set_pressure(condition.amount);
       break;
-    case CageConditionKind::kHeatFlux:
+    case BoundaryConditionKind::kHeatFlux:
       write(*message.mutable_heat());
       message.mutable_heat()->set_flux(condition.amount);
       break;
-    case CageConditionKind::kTemperature:
+    case BoundaryConditionKind::kTemperature:
       write(*message.mutable_heat());
       message.mutable_heat()->set_temperature(condition.amount);
       break;

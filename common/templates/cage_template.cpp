@@ -10,65 +10,27 @@
 namespace mortise::templates {
 namespace {
 
-using parametric::BoundaryConditionKind;
-using parametric::CageConditionKind;
-
-BoundaryConditionKind KindOf(CageConditionKind kind) {
-  switch (kind) {
-    case CageConditionKind::kFixed:
-      return BoundaryConditionKind::kFixed;
-    case CageConditionKind::kForce:
-      return BoundaryConditionKind::kForce;
-    case CageConditionKind::kPressure:
-      return BoundaryConditionKind::kPressure;
-    case CageConditionKind::kHeatFlux:
-      return BoundaryConditionKind::kHeatFlux;
-    case CageConditionKind::kTemperature:
-      return BoundaryConditionKind::kTemperature;
-  }
-  return BoundaryConditionKind::kFixed;
-}
-
 class CagedMesh final : public Template {
  public:
-  CagedMesh(TemplateHead head, parametric::CageModel model, double density)
-      : Template(std::move(head)), model_(std::move(model)), density_(density) {}
+  CagedMesh(TemplateHead head, parametric::CageModel model, SolidIdentity identity)
+      : Template(std::move(head)), model_(std::move(model)), identity_(std::move(identity)) {}
 
   bool OffersMassGradient() const override { return true; }
 
   absl::StatusOr<parametric::MassProperties> Mass(const Eigen::VectorXd& q) const override {
     MORTISE_ASSIGN_OR_RETURN(const parametric::Dual volume, model_.Volume(q));
-    return parametric::MassProperties{volume.value, density_ * volume.value, volume.gradient,
-                                      density_ * volume.gradient};
+    const double density = identity_.density;
+    return parametric::MassProperties{volume.value, density * volume.value, volume.gradient,
+                                      density * volume.gradient};
   }
 
  protected:
   absl::StatusOr<parametric::EvaluatedDesign> DesignAt(const Eigen::VectorXd& q) const override {
     MORTISE_ASSIGN_OR_RETURN(parametric::CageDesign made, model_.Evaluate(q));
     MORTISE_ASSIGN_OR_RETURN(const parametric::Dual volume, model_.Volume(q));
-    const parametric::CageTemplate& definition = model_.definition();
     parametric::FacetedShape shape{std::move(made.surface), std::move(made.triangle_face), {}};
     for (std::string& name : made.face_names) shape.face_names.push_back({std::move(name)});
-    parametric::EvaluatedDesign design;
-    const std::string part = definition.name.substr(definition.name.find('/') + 1);
-    for (const parametric::CageDesignCondition& condition : made.conditions) {
-      for (const int face : condition.faces) {
-        shape.face_names[static_cast<std::size_t>(face)].push_back(ConditionFace(condition.name));
-      }
-      design.boundary_conditions.push_back({.name = condition.name,
-                                            .kind = KindOf(condition.kind),
-                                            .part = part,
-                                            .face = ConditionFace(condition.name),
-                                            .force = condition.force,
-                                            .pressure = condition.pressure,
-                                            .heat_flux = condition.heat_flux,
-                                            .temperature = condition.temperature});
-    }
-    design.parts.push_back(
-        FacetedPart({definition.name, definition.title, definition.material, density_},
-                    std::move(shape), volume.value));
-    design.mass = design.parts[0].mass;
-    return design;
+    return DesignOf(identity_, std::move(shape), made.conditions, volume.value);
   }
 
   absl::StatusOr<std::vector<cad::Solid>> SolidsAt(const Eigen::VectorXd&) const override {
@@ -80,7 +42,7 @@ class CagedMesh final : public Template {
 
  private:
   const parametric::CageModel model_;
-  const double density_;  // kg/m³
+  const SolidIdentity identity_;
 };
 
 }  // namespace
@@ -89,15 +51,12 @@ absl::StatusOr<std::shared_ptr<const Template>> MakeCageTemplate(
     TemplateHead head, parametric::CageTemplate definition) {
   head.title = definition.title;
   head.parameters = definition.parameters;
-  const parametric::Material* const material =
-      parametric::FindMaterial(head.materials, definition.material);
-  if (material == nullptr) {
-    return InvalidField("material", absl::StrCat("there is no ", definition.material));
-  }
-  const double density = material->density;
+  MORTISE_ASSIGN_OR_RETURN(
+      SolidIdentity identity,
+      IdentityOf(head, definition.name, definition.title, definition.material));
   MORTISE_ASSIGN_OR_RETURN(parametric::CageModel model,
                            parametric::CageModel::Create(std::move(definition)));
-  return std::make_shared<const CagedMesh>(std::move(head), std::move(model), density);
+  return std::make_shared<const CagedMesh>(std::move(head), std::move(model), std::move(identity));
 }
 
 }  // namespace mortise::templates

@@ -3,11 +3,13 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
 
 namespace mortise::templates {
+namespace {
 
-parametric::EvaluatedPart FacetedPart(const SolidIdentity& identity, parametric::FacetedShape shape,
-                                      double volume) {
+parametric::EvaluatedPart PartOf(const SolidIdentity& identity, parametric::FacetedShape shape,
+                                 double volume) {
   parametric::EvaluatedPart part;
   part.name = identity.name.substr(identity.name.find('/') + 1);
   part.title = identity.title;
@@ -21,8 +23,38 @@ parametric::EvaluatedPart FacetedPart(const SolidIdentity& identity, parametric:
   return part;
 }
 
-std::string ConditionFace(const std::string& condition) {
-  return absl::StrCat("condition:", condition);
+}  // namespace
+
+absl::StatusOr<SolidIdentity> IdentityOf(const TemplateHead& head, std::string name,
+                                         std::string title, std::string material) {
+  const parametric::Material* const found = parametric::FindMaterial(head.materials, material);
+  if (found == nullptr) return InvalidField("material", absl::StrCat("there is no ", material));
+  return SolidIdentity{std::move(name), std::move(title), std::move(material), found->density};
+}
+
+parametric::EvaluatedDesign DesignOf(const SolidIdentity& identity, parametric::FacetedShape shape,
+                                     const std::vector<parametric::FaceCondition>& conditions,
+                                     double volume) {
+  for (const parametric::FaceCondition& condition : conditions) {
+    for (const int face : condition.faces) {
+      shape.face_names[static_cast<std::size_t>(face)].push_back(
+          absl::StrCat("condition:", condition.name));
+    }
+  }
+  parametric::EvaluatedDesign design;
+  design.parts.push_back(PartOf(identity, std::move(shape), volume));
+  design.mass = design.parts[0].mass;
+  for (const parametric::FaceCondition& condition : conditions) {
+    design.boundary_conditions.push_back({.name = condition.name,
+                                          .kind = condition.kind,
+                                          .part = design.parts[0].name,
+                                          .face = absl::StrCat("condition:", condition.name),
+                                          .force = condition.force,
+                                          .pressure = condition.pressure,
+                                          .heat_flux = condition.heat_flux,
+                                          .temperature = condition.temperature});
+  }
+  return design;
 }
 
 }  // namespace mortise::templates

@@ -1,9 +1,13 @@
-// The one part of designs that are no assemblies of prisms.
+// Designs that are one solid rather than an assembly of parts.
 #pragma once
 
 #include <string>
+#include <vector>
 
+#include "absl/status/statusor.h"
 #include "common/parametric/evaluated_design.h"
+#include "common/parametric/face_condition.h"
+#include "common/templates/template.h"
 
 namespace mortise::templates {
 
@@ -15,11 +19,16 @@ struct SolidIdentity {
   double density = 0;    // kg/m³
 };
 
-// The part of this shape, named as its template is. `volume`: m³, exact where the facets are not.
-parametric::EvaluatedPart FacetedPart(const SolidIdentity& identity, parametric::FacetedShape shape,
-                                      double volume);
+// The identity of a template's solid, its density that of the material among the head's.
+// INVALID_ARGUMENT, field "material", if there is none of that name.
+absl::StatusOr<SolidIdentity> IdentityOf(const TemplateHead& head, std::string name,
+                                         std::string title, std::string material);
 
-// The name of the face on which a condition acts: all its faces together.
-std::string ConditionFace(const std::string& condition);
+// The design of this shape alone, its part named as its template is. `volume`: m³, exact where the
+// facets are not. Each condition acts on a face of its own that is called after it and is made of
+// the faces of the shape that the condition lists.
+parametric::EvaluatedDesign DesignOf(const SolidIdentity& identity, parametric::FacetedShape shape,
+                                     const std::vector<parametric::FaceCondition>& conditions,
+                                     double volume);
 
 }  // namespace mortise::templates

@@ -165,14 +165,14 @@ TEST(Conditions, AreExpressionsToo) {
   const auto solid = model->Regenerate(Eigen::VectorXd::Constant(1, 0.5));
   ASSERT_TRUE(solid.ok()) << solid.status();
   ASSERT_EQ(solid->conditions.size(), 5U);
-  EXPECT_EQ(solid->conditions[0].kind, ConditionKind::kFixed);
+  EXPECT_EQ(solid->conditions[0].kind, parametric::BoundaryConditionKind::kFixed);
   EXPECT_EQ(solid->conditions[0].faces, *FacesOf(*solid, "block.start"));
   EXPECT_TRUE(solid->conditions[1].force.isApprox(
       Eigen::Vector3d(500 * std::sin(0.5), 0, -500 * std::cos(0.5)), 1e-12));
   EXPECT_EQ(solid->conditions[2].pressure, 120);
-  EXPECT_EQ(solid->conditions[3].kind, ConditionKind::kHeatFlux);
+  EXPECT_EQ(solid->conditions[3].kind, parametric::BoundaryConditionKind::kHeatFlux);
   EXPECT_EQ(solid->conditions[3].heat_flux, 2000);
-  EXPECT_EQ(solid->conditions[4].kind, ConditionKind::kTemperature);
+  EXPECT_EQ(solid->conditions[4].kind, parametric::BoundaryConditionKind::kTemperature);
   EXPECT_EQ(solid->conditions[4].temperature, 293.15);
 }
 

@@ -80,7 +80,7 @@ TEST_P(ShippedTemplateTest, HasTheParametersOfTheThesisAndConditions) {
   const auto solid = model->Regenerate(model->Defaults());
   ASSERT_TRUE(solid.ok()) << solid.status();
   ASSERT_FALSE(solid->conditions.empty());
-  EXPECT_EQ(solid->conditions.front().kind, ConditionKind::kFixed);
+  EXPECT_EQ(solid->conditions.front().kind, parametric::BoundaryConditionKind::kFixed);
 }
 
 TEST_P(ShippedTemplateTest, IsAValidSolidEverywhere) {
@@ -93,7 +93,7 @@ TEST_P(ShippedTemplateTest, IsAValidSolidEverywhere) {
     const auto solid = model->Regenerate(q);
     ASSERT_TRUE(solid.ok()) << "point " << i << ", q = " << q.transpose() << ": " << solid.status();
     EXPECT_GT(solid->solid.Volume(), 0) << q.transpose();
-    for (const ModelCondition& condition : solid->conditions) {
+    for (const parametric::FaceCondition& condition : solid->conditions) {
       EXPECT_FALSE(condition.faces.empty()) << condition.name << " at " << q.transpose();
     }
     if (i >= kSurfaces) continue;

@@ -82,18 +82,18 @@ TEST(CageModel, EvaluatesConditions) {
   const auto design = model.Evaluate(Eigen::Vector3d(0.2, 0.25, 0.05));
   ASSERT_TRUE(design.ok()) << design.status();
   ASSERT_EQ(design->conditions.size(), 5u);
-  const CageDesignCondition &held = design->conditions[0], &pull = design->conditions[1],
-                            &wind = design->conditions[2], &sun = design->conditions[3],
-                            &cold = design->conditions[4];
-  EXPECT_EQ(held.kind, CageConditionKind::kFixed);
+  const FaceCondition &held = design->conditions[0], &pull = design->conditions[1],
+                      &wind = design->conditions[2], &sun = design->conditions[3],
+                      &cold = design->conditions[4];
+  EXPECT_EQ(held.kind, BoundaryConditionKind::kFixed);
   EXPECT_THAT(held.faces, testing::ElementsAre(0));
-  EXPECT_EQ(pull.kind, CageConditionKind::kForce);
+  EXPECT_EQ(pull.kind, BoundaryConditionKind::kForce);
   EXPECT_LT((pull.force - Eigen::Vector3d(5, 0, 5)).norm(), 1e-12);
   EXPECT_THAT(wind.faces, testing::ElementsAre(1, 2));
   EXPECT_DOUBLE_EQ(wind.pressure, 250);
-  EXPECT_EQ(sun.kind, CageConditionKind::kHeatFlux);
+  EXPECT_EQ(sun.kind, BoundaryConditionKind::kHeatFlux);
   EXPECT_DOUBLE_EQ(sun.heat_flux, 800);
-  EXPECT_EQ(cold.kind, CageConditionKind::kTemperature);
+  EXPECT_EQ(cold.kind, BoundaryConditionKind::kTemperature);
   EXPECT_DOUBLE_EQ(cold.temperature, 281);
 }
 

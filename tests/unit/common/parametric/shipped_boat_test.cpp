@@ -67,7 +67,7 @@ TEST_F(ShippedBoat, HasTwelveParametersAndConditions) {
     EXPECT_FALSE(parameter.title.empty() || parameter.description.empty()) << parameter.name;
   }
   ASSERT_FALSE(boat.conditions.empty());
-  EXPECT_EQ(boat.conditions.front().kind, CageConditionKind::kFixed);
+  EXPECT_EQ(boat.conditions.front().kind, BoundaryConditionKind::kFixed);
 }
 
 TEST_F(ShippedBoat, IsTheSurfaceThatIsDescribed) {
