@@ -15,8 +15,12 @@ namespace {
 constexpr int kSmall = 1500;
 constexpr int kLarge = 200000;
 
-// Flops of a factor for each block of the matrix above which iterating is faster.
-constexpr double kFlopsPerBlock = 8e4;
+// Flops of a factor for each block of the matrix below which it is quick in any case; and, for each
+// block and node, below which the body is so thin that iterating is slower: bars and cubes have 9
+// to 13, plates 3 to 5. Beyond the last number a factor takes minutes.
+constexpr double kQuick = 4e4;
+constexpr double kThin = 5.5;
+constexpr double kSlow = 3e12;
 
 // Iterates, and factorises where that does not converge.
 class FallbackSolver : public LinearSolver {
@@ -62,8 +66,9 @@ SolverKind ChooseSolver(const BlockPattern& pattern) {
   if (pattern.nodes() <= kSmall) return SolverKind::kDirect;
   if (pattern.nodes() > kLarge) return SolverKind::kIterative;
   const double blocks = static_cast<double>(pattern.rows().size() + pattern.row_slots().size());
-  return EstimateFactorFlops(pattern) <= kFlopsPerBlock * blocks ? SolverKind::kDirect
-                                                                 : SolverKind::kIterative;
+  const double flops = EstimateFactorFlops(pattern);
+  const bool thin = flops <= kThin * blocks * pattern.nodes() && flops <= kSlow;
+  return thin || flops <= kQuick * blocks ? SolverKind::kDirect : SolverKind::kIterative;
 }
 
 absl::StatusOr<std::unique_ptr<LinearSolver>> LinearSolver::Create(

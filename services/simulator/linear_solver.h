@@ -97,10 +97,10 @@ class LinearSolver {
   virtual const SolverSummary& summary() const = 0;
 };
 
-// The kind that kAutomatic stands for. A factor costs flops(n), an iteration reads every block a
-// few times: small and thin bodies, whose factors stay small and which take many iterations, go to
-// the factor, compact ones to the iteration. Where the iteration does not converge, the factor
-// follows.
+// The kind that kAutomatic stands for, by the flops of a factor, which take milliseconds to
+// estimate: small and thin bodies, whose factors stay small and which take many iterations, go to
+// the factor, compact ones to the iteration. A factor beyond the limit of memory gives way to the
+// iteration, and follows it where that does not converge.
 SolverKind ChooseSolver(const BlockPattern& pattern);
 
 // INVALID_ARGUMENT naming "loads[i]" unless all have `nodes` columns and are finite.
