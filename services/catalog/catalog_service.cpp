@@ -13,6 +13,7 @@
 #include "common/parametric/template_codec.h"
 #include "common/rpc/chunk_stream.h"
 #include "common/rpc/handler.h"
+#include "common/rpc/server_host.h"
 #include "common/store/store.h"
 #include "mortise/v1/catalog.grpc.pb.h"
 #include "services/catalog/assembly_import.h"
@@ -284,7 +285,11 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
                const v1::EvaluateTemplateRequest& asked) -> absl::StatusOr<v1::EvaluatedDesign> {
           MORTISE_ASSIGN_OR_RETURN(const NamedDesign evaluated,
                                    Evaluate(asked.name(), asked.revision(), asked.parameters()));
-          return parametric::ToProto(evaluated.design);
+          v1::EvaluatedDesign answer = parametric::ToProto(evaluated.design);
+          if (answer.ByteSizeLong() > static_cast<std::size_t>(rpc::kMaxMessageBytes)) {
+            return TooLarge("the design", "4 MiB, with all its triangles: export it as a file");
+          }
+          return answer;
         });
   }
 

@@ -111,7 +111,7 @@ TEST(DrawnShape, AgreesWithTheSolidAtAnySize) {
   for (const Solid& solid : solids) {
     const DrawnShape shape = Drawn(solid);
     EXPECT_NEAR(shape.volume, solid.Volume(), 1e-9 * shape.volume) << solid.name();
-    for (int i = 0; i < 4; ++i) {
+    for (int i = 0; i < 3; ++i) {
       Eigen::Vector3d factors(factor(bits), factor(bits), factor(bits));
       if (i >= 2) factors.y() = factors.x();  // round about z
       const Eigen::Vector3d size = shape.size.cwiseProduct(factors);
