@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <limits>
 #include <utility>
 
 #include "common/base/errors.h"
@@ -12,13 +14,23 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// Rounds of refinement that a residual above the tolerance is given, unless it is but the rounding of
-// K u: then refinement changes nothing.
+// Rounds of refinement that a residual above the tolerance is given, unless it is but the rounding
+// of K u: then refinement changes nothing.
 constexpr int kRefinements = 1;
 constexpr double kRounding = 4e-15;
 
+// A residual that stays above this is that of a mechanism whose last pivot was rounding.
+constexpr double kUseless = 1e-3;
+
 double SecondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+absl::Status Singular() {
+  return PreconditionFailed("SINGULAR",
+                            "the structure is a mechanism: some parts hang together by an edge or "
+                            "a point only, or stiffnesses differ beyond what numbers can hold",
+                            "supports");
 }
 
 class DirectSolver : public LinearSolver {
@@ -65,16 +77,15 @@ class DirectSolver : public LinearSolver {
     MORTISE_ASSIGN_OR_RETURN(std::vector<Eigen::Matrix3Xd> solutions, factor_.SolveAll(loads));
     for (int round = 0;; ++round) {
       std::vector<Eigen::Matrix3Xd> rest;
-      const bool close = FindResiduals(loads, solutions, rest);
-      if (close || round == kRefinements) break;
+      double worst = 0;
+      const bool close = FindResiduals(loads, solutions, rest, worst);
+      if (close || round == kRefinements) {
+        if (!(worst < kUseless)) return Singular();
+        break;
+      }
       MORTISE_ASSIGN_OR_RETURN(const std::vector<Eigen::Matrix3Xd> corrections,
                                factor_.SolveAll(rest));
       for (std::size_t i = 0; i < loads.size(); ++i) solutions[i] += corrections[i];
-    }
-    for (const Eigen::Matrix3Xd& solution : solutions) {
-      if (!solution.allFinite()) {
-        return PreconditionFailed("SINGULAR", "the solution is not finite", "supports");
-      }
     }
     summary_.solution_seconds = SecondsSince(start);
     return solutions;
@@ -83,10 +94,11 @@ class DirectSolver : public LinearSolver {
   const SolverSummary& summary() const override { return summary_; }
 
  private:
-  // What the solutions leave of the loads; true if little enough.
+  // What the solutions leave of the loads, and the worst relative to its load; true if little
+  // enough for all.
   bool FindResiduals(const std::vector<Eigen::Matrix3Xd>& loads,
                      const std::vector<Eigen::Matrix3Xd>& solutions,
-                     std::vector<Eigen::Matrix3Xd>& rest) {
+                     std::vector<Eigen::Matrix3Xd>& rest, double& worst) {
     bool close = true;
     for (std::size_t i = 0; i < loads.size(); ++i) {
       Eigen::Matrix3Xd internal;
@@ -94,6 +106,8 @@ class DirectSolver : public LinearSolver {
       rest.push_back((fixed_ == 0).select(loads[i] - internal, 0.0));
       const double load = (fixed_ == 0).select(loads[i], 0.0).norm();
       summary_.residual = load > 0 ? rest.back().norm() / load : 0;
+      worst = std::isfinite(summary_.residual) ? std::max(worst, summary_.residual)
+                                               : std::numeric_limits<double>::infinity();
       close = close && (summary_.residual <= options_.tolerance ||
                         rest.back().norm() <= kRounding * stiffest_ * solutions[i].norm());
     }

@@ -277,6 +277,40 @@ TEST_P(Kinds, RefuseBodiesThatFlyAway) {
   EXPECT_EQ(DetailOf(status).reason, "SINGULAR") << status;
 }
 
+// Two blocks that share an edge only, the outer one pushed round it.
+TEST_P(Kinds, RefuseHinges) {
+  mesh::TetrahedralMesh mesh = BoxMesh({0.2, 0.2, 0.1}, {8, 8, 4}, true);
+  // The edge is straight again.
+  for (Eigen::Index v = 0; v < mesh.nodes.cols(); ++v) {
+    const Eigen::Vector2d edge(0.1, 0.1);
+    if ((mesh.nodes.col(v).head<2>() - edge).norm() < 0.005) mesh.nodes.col(v).head<2>() = edge;
+  }
+  Eigen::MatrixXi kept(mesh.tetrahedra.rows(), 0);
+  Eigen::Array3Xi fixed = Eigen::Array3Xi::Ones(3, mesh.nodes.cols());
+  for (Eigen::Index e = 0; e < mesh.tetrahedra.cols(); ++e) {
+    Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+    for (int a = 0; a < 4; ++a) centre += mesh.nodes.col(mesh.tetrahedra(a, e)) / 4;
+    if ((centre.x() < 0.1) != (centre.y() < 0.1)) continue;
+    kept.conservativeResize(Eigen::NoChange, kept.cols() + 1);
+    kept.rightCols(1) = mesh.tetrahedra.col(e);
+    for (Eigen::Index a = 0; a < mesh.tetrahedra.rows(); ++a) {
+      fixed.col(mesh.tetrahedra(a, e)).setZero();
+    }
+  }
+  mesh.tetrahedra = kept;
+  mesh.part = Eigen::VectorXi::Zero(kept.cols());
+  Problem problem = Bar(false);
+  problem.fixed = (ClampedEnd(mesh) != 0).select(1, fixed);
+  problem.load = EndLoad(mesh);
+  problem.load.row(1) = problem.load.row(2);
+  problem.mesh = mesh;
+  problem.Assemble(Steel());
+  auto solver = problem.Solver(Of(GetParam()));
+  const absl::Status status =
+      solver.ok() ? (*solver)->Solve(problem.load).status() : solver.status();
+  EXPECT_EQ(DetailOf(status).reason, "SINGULAR") << status;
+}
+
 TEST_P(Kinds, StopWhenToldTo) {
   const Problem problem = Bar(true);
   SolverOptions options = Of(GetParam());
