@@ -159,6 +159,10 @@ absl::StatusOr<Design> DesignFrom(const v1::EvaluatedDesign& evaluated_message) 
                            parametric::FromProto(evaluated_message));
   Design design;
   for (const parametric::EvaluatedPart& part : evaluated.parts) {
+    if (part.faceted && !part.item.empty()) {
+      return NotBuilt(
+          absl::StrCat("the plan of parts with shapes of their own, such as '", part.name, "',"));
+    }
     if (part.faceted) {
       return PreconditionFailed("PART_WITHOUT_ITEM",
                                 absl::StrCat("part '", part.name,

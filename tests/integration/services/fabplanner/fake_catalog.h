@@ -35,9 +35,10 @@ class FakeCatalog final : public v1::CatalogService::Service {
 
   grpc::Status EvaluateTemplate(grpc::ServerContext*, const v1::EvaluateTemplateRequest* request,
                                 v1::EvaluatedDesign* response) override {
-    const bool solid = request->name() == "templates/solid";
+    const bool solid = request->name() == "templates/solid";    // of no item
+    const bool shaped = request->name() == "templates/shaped";  // of an item, but no board
     const bool screwed = request->name() == "templates/screwed";
-    if (request->name() != "templates/table" && !solid && !screwed) {
+    if (request->name() != "templates/table" && !solid && !shaped && !screwed) {
       return {grpc::StatusCode::NOT_FOUND, "no template " + request->name()};
     }
     const Design table = ExampleTable();
@@ -46,7 +47,8 @@ class FakeCatalog final : public v1::CatalogService::Service {
     design.template_revision = 3;
     design.parameters = {{"length", 1.2}};
     for (const Part& part : table.parts) design.parts.push_back(Evaluated(part));
-    if (solid) design.parts[0].faceted.emplace();
+    if (solid || shaped) design.parts[0].faceted.emplace();
+    if (solid) design.parts[0].item.clear();
     if (screwed) design.parts[0].connecting = true;
     for (const Peg& peg : table.pegs) {
       design.connectors.push_back({peg.connection, peg.item, peg.part, peg.other_part, peg.position,
