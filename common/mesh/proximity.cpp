@@ -229,7 +229,7 @@ double DepthOf(const std::vector<Segment>& edges, const Surface& b) {
 }  // namespace
 
 ProbedSurface::ProbedSurface(const SurfaceMesh& surface)
-    : prepared_(std::make_shared<const Prepared>(Prepare(surface), EdgesOf(surface))) {}
+    : prepared_(std::make_shared<const Prepared>(Prepared{Prepare(surface), EdgesOf(surface)})) {}
 
 double ProbedSurface::Separation(const ProbedSurface& a, const ProbedSurface& b, double limit) {
   const Surface& first = *a.prepared_->surface;
