@@ -168,7 +168,7 @@ absl::StatusOr<mesh::AssemblySurface> Fuse(const std::vector<Solid>& solids) {
 
 }  // namespace
 
-absl::StatusOr<mesh::AssemblySurface> FuseAssembly(const std::vector<PartShape>& parts) {
+absl::StatusOr<mesh::AssemblySurface> FuseAssembly(const std::vector<mesh::PartShape>& parts) {
   if (parts.empty()) return InvalidField("parts", "is empty");
   std::vector<Solid> solids;
   for (std::size_t i = 0; i < parts.size(); ++i) {

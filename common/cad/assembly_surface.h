@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "common/cad/part_shape.h"
+#include "common/mesh/part_shape.h"
 #include "common/mesh/surface_mesh.h"
 
 namespace mortise::cad {
@@ -19,6 +19,6 @@ namespace mortise::cad {
 // those on the outside point outwards (front_part -1).
 //
 // INVALID_ARGUMENT naming "parts[i]" where a shape is degenerate, or parts penetrate each other.
-absl::StatusOr<mesh::AssemblySurface> FuseAssembly(const std::vector<PartShape>& parts);
+absl::StatusOr<mesh::AssemblySurface> FuseAssembly(const std::vector<mesh::PartShape>& parts);
 
 }  // namespace mortise::cad

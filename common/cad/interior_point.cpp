@@ -23,7 +23,7 @@ double ScanHeight(const Eigen::Matrix2Xd& outline) {
 
 }  // namespace
 
-Eigen::Vector3d InteriorPoint(const PartShape& part) {
+Eigen::Vector3d InteriorPoint(const mesh::PartShape& part) {
   const double height = ScanHeight(part.outline);
   std::vector<double> crossings;
   const Eigen::Index count = part.outline.cols();

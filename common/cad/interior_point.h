@@ -3,12 +3,12 @@
 
 #include <Eigen/Core>
 
-#include "common/cad/part_shape.h"
+#include "common/mesh/part_shape.h"
 
 namespace mortise::cad {
 
 // A point strictly inside the prism: at half its height, in the middle of the widest stretch of the
 // outline along a line that misses all corners.
-Eigen::Vector3d InteriorPoint(const PartShape& part);
+Eigen::Vector3d InteriorPoint(const mesh::PartShape& part);
 
 }  // namespace mortise::cad

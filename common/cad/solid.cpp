@@ -28,7 +28,7 @@ gp_Pnt ToPoint(const Eigen::Vector3d& point) { return {point.x(), point.y(), poi
 
 gp_Vec ToVector(const Eigen::Vector3d& vector) { return {vector.x(), vector.y(), vector.z()}; }
 
-absl::Status CheckPart(const PartShape& part) {
+absl::Status CheckPart(const mesh::PartShape& part) {
   const Eigen::Index corners = part.outline.cols();
   if (part.name.empty()) return InvalidField("name", "is empty");
   if (corners < 3) return InvalidField("outline", "has fewer than three corners");
@@ -52,7 +52,7 @@ absl::Status CheckPart(const PartShape& part) {
   return absl::OkStatus();
 }
 
-absl::StatusOr<Solid> BuildPrism(const PartShape& part) {
+absl::StatusOr<Solid> BuildPrism(const mesh::PartShape& part) {
   auto kernel = std::make_shared<Solid::Kernel>();
   kernel->name = part.name;
   kernel->face_names = part.face_names;
@@ -94,7 +94,7 @@ absl::Status KernelFailure(const std::string& operation, const std::string& mess
 
 Solid::Solid(std::shared_ptr<const Kernel> kernel) : kernel_(std::move(kernel)) {}
 
-absl::StatusOr<Solid> Solid::FromPart(const PartShape& part) {
+absl::StatusOr<Solid> Solid::FromPart(const mesh::PartShape& part) {
   MORTISE_RETURN_IF_ERROR(CheckPart(part));
   try {
     return BuildPrism(part);

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "common/cad/part_shape.h"
+#include "common/mesh/part_shape.h"
 
 namespace mortise::cad {
 
@@ -17,7 +17,7 @@ class Solid {
  public:
   // Builds the prism. INVALID_ARGUMENT naming the field for a degenerate or non-finite shape, or if
   // the kernel's check finds the solid invalid.
-  static absl::StatusOr<Solid> FromPart(const PartShape& part);
+  static absl::StatusOr<Solid> FromPart(const mesh::PartShape& part);
 
   const std::string& name() const;
   const std::vector<std::string>& face_names() const;  // by index of the solid's faces

@@ -13,7 +13,7 @@ namespace mortise::cad {
 struct Solid::Kernel {
   std::string name;
   TopoDS_Shape shape;                   // one solid, m
-  std::vector<TopoDS_Face> faces;       // in the order of PartShape::face_names
+  std::vector<TopoDS_Face> faces;       // in the order of mesh::PartShape::face_names
   std::vector<std::string> face_names;  // of each face
 };
 

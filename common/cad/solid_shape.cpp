@@ -84,8 +84,9 @@ TopoDS_Shape ShapeFrom(const std::string& bytes) {
   return shape;
 }
 
-absl::StatusOr<DrawnShape> Draw(const Solid& solid, const Eigen::Matrix3d& rotation,
-                                const Eigen::Vector3d& minimum, const Eigen::Vector3d& maximum) {
+absl::StatusOr<mesh::DrawnShape> Draw(const Solid& solid, const Eigen::Matrix3d& rotation,
+                                      const Eigen::Vector3d& minimum,
+                                      const Eigen::Vector3d& maximum) {
   TopoDS_Shape shape = MovedBy(solid.kernel().shape, rotation, -minimum);
   if (AccurateVolume(shape) < 0) shape.Reverse();
   if (!BRepCheck_Analyzer(shape).IsValid()) {
@@ -99,9 +100,9 @@ absl::StatusOr<DrawnShape> Draw(const Solid& solid, const Eigen::Matrix3d& rotat
   absl::StatusOr<mesh::AssemblySurface> surface = SurfaceOf(turned, options);
   if (!surface.ok()) return InvalidField("shape", std::string(surface.status().message()));
   MORTISE_ASSIGN_OR_RETURN(
-      DrawnShape drawn,
-      MakeDrawnShape({surface->vertices, surface->triangles}, surface->triangle_face,
-                     turned.face_names(), Eigen::Vector3d::Zero(), maximum - minimum));
+      mesh::DrawnShape drawn,
+      mesh::MakeDrawnShape({surface->vertices, surface->triangles}, surface->triangle_face,
+                           turned.face_names(), Eigen::Vector3d::Zero(), maximum - minimum));
   drawn.volume = AccurateVolume(shape);
   drawn.deflection = IsFlat(shape) ? 0 : options.deflection;
   drawn.brep = BytesOf(shape);
@@ -151,9 +152,9 @@ TopoDS_Shape Faceted(const mesh::SurfaceMesh& surface) {
   return solid;
 }
 
-TopoDS_Shape InSize(const DrawnShape& shape, const Eigen::Vector3d& size) {
+TopoDS_Shape InSize(const mesh::DrawnShape& shape, const Eigen::Vector3d& size) {
   if (shape.brep.empty()) {
-    mesh::SurfaceMesh surface = SurfaceIn(shape, size);
+    mesh::SurfaceMesh surface = mesh::SurfaceIn(shape, size);
     surface.vertices.colwise() += size / 2;
     return Faceted(surface);
   }
@@ -170,9 +171,9 @@ TopoDS_Shape InSize(const DrawnShape& shape, const Eigen::Vector3d& size) {
 
 }  // namespace
 
-absl::StatusOr<DrawnShape> ShapeOfSolid(const Solid& solid, const Eigen::Matrix3d& rotation,
-                                        const Eigen::Vector3d& minimum,
-                                        const Eigen::Vector3d& maximum) {
+absl::StatusOr<mesh::DrawnShape> ShapeOfSolid(const Solid& solid, const Eigen::Matrix3d& rotation,
+                                              const Eigen::Vector3d& minimum,
+                                              const Eigen::Vector3d& maximum) {
   try {
     return Draw(solid, rotation, minimum, maximum);
   } catch (const Standard_Failure& failure) {
@@ -181,7 +182,7 @@ absl::StatusOr<DrawnShape> ShapeOfSolid(const Solid& solid, const Eigen::Matrix3
   }
 }
 
-absl::StatusOr<Solid> SolidOfShape(const DrawnShape& shape, const Eigen::Vector3d& size,
+absl::StatusOr<Solid> SolidOfShape(const mesh::DrawnShape& shape, const Eigen::Vector3d& size,
                                    const std::string& name) {
   try {
     const TopoDS_Shape made = InSize(shape, size);

@@ -5,25 +5,26 @@
 #include <string>
 
 #include "absl/status/statusor.h"
-#include "common/cad/drawn_shape.h"
 #include "common/cad/solid.h"
+#include "common/mesh/drawn_shape.h"
 
 namespace mortise::cad {
 
 // The shape of `solid` turned by `rotation`: triangles and exact surfaces. `minimum` and `maximum`:
 // the corners, m, of the box of the solid so turned.
 //
-// INVALID_ARGUMENT, "shape": the kernel cannot triangulate or stretch it, or as MakeDrawnShape.
-absl::StatusOr<DrawnShape> ShapeOfSolid(const Solid& solid, const Eigen::Matrix3d& rotation,
-                                        const Eigen::Vector3d& minimum,
-                                        const Eigen::Vector3d& maximum);
+// INVALID_ARGUMENT, "shape": the kernel cannot triangulate or stretch it, or as
+// mesh::MakeDrawnShape.
+absl::StatusOr<mesh::DrawnShape> ShapeOfSolid(const Solid& solid, const Eigen::Matrix3d& rotation,
+                                              const Eigen::Vector3d& minimum,
+                                              const Eigen::Vector3d& maximum);
 
 // The shape in a box of this size, m, with the lower corner at the origin. Exact surfaces are
 // stretched exactly: flat faces stay planes, and cylinders and cones stay such where their section
 // is not stretched differently (StretchSolid). A shape of triangles only has a plane for each.
 //
 // INVALID_ARGUMENT, "shape", if it cannot be made in this size.
-absl::StatusOr<Solid> SolidOfShape(const DrawnShape& shape, const Eigen::Vector3d& size,
+absl::StatusOr<Solid> SolidOfShape(const mesh::DrawnShape& shape, const Eigen::Vector3d& size,
                                    const std::string& name);
 
 // The solid elsewhere, by `translation`, m.

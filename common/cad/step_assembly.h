@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "common/cad/drawn_shape.h"
 #include "common/cad/solid.h"
+#include "common/mesh/drawn_shape.h"
 
 namespace mortise::cad {
 
@@ -61,10 +61,10 @@ struct StepAssembly {
   std::string length_unit;        // of the file, as it calls it: "millimetre", "INCH"
   std::vector<StepGroup> groups;  // the root first, parents before their children
   std::vector<StepProduct> products;
-  std::vector<StepPart> parts;     // in the order of the file
-  std::vector<DrawnShape> shapes;  // of the parts: one for each product and way it is turned
-  std::vector<StepLeaf> leaves;    // those that are no parts
-  std::vector<std::string> notes;  // what was changed or left out, for people
+  std::vector<StepPart> parts;           // in the order of the file
+  std::vector<mesh::DrawnShape> shapes;  // of the parts: one for each product and way it is turned
+  std::vector<StepLeaf> leaves;          // those that are no parts
+  std::vector<std::string> notes;        // what was changed or left out, for people
 };
 
 // The names of the groups above a part or leaf, and its own: "frame/left/post 1".

@@ -56,7 +56,7 @@ void MatrixFrom(const Json& json, Eigen::Index rows, Matrix& matrix) {
   std::copy_n(numbers.begin(), matrix.size(), matrix.data());
 }
 
-Json ToJson(const DrawnShape& shape) {
+Json ToJson(const mesh::DrawnShape& shape) {
   Json names = Json::array();
   for (const std::vector<std::string>& face : shape.face_names) names.push_back(face.front());
   return {{"size", ToNumbers(shape.size)},
@@ -69,8 +69,8 @@ Json ToJson(const DrawnShape& shape) {
           {"brep", absl::Base64Escape(shape.brep)}};
 }
 
-DrawnShape ShapeFrom(const Json& json) {
-  DrawnShape shape;
+mesh::DrawnShape ShapeFrom(const Json& json) {
+  mesh::DrawnShape shape;
   shape.size = VectorFrom(json.at("size"));
   shape.volume = json.at("volume");
   shape.deflection = json.at("deflection");
@@ -81,7 +81,7 @@ DrawnShape ShapeFrom(const Json& json) {
       Eigen::Map<const Eigen::VectorXi>(faces.data(), static_cast<Eigen::Index>(faces.size()));
   for (const Json& name : json.at("face_names")) shape.face_names.push_back({name});
   absl::Base64Unescape(json.at("brep").get<std::string>(), &shape.brep);
-  DeriveFaces(shape);
+  mesh::DeriveFaces(shape);
   return shape;
 }
 
@@ -151,7 +151,7 @@ std::string ToJson(const StepAssembly& assembly) {
                              {"shape", part.shape},
                              {"faults", part.faults}});
   }
-  for (const DrawnShape& shape : assembly.shapes) json["shapes"].push_back(ToJson(shape));
+  for (const mesh::DrawnShape& shape : assembly.shapes) json["shapes"].push_back(ToJson(shape));
   for (const StepLeaf& leaf : assembly.leaves) {
     json["leaves"].push_back({{"name", leaf.name},
                               {"drawn_name", leaf.drawn_name},

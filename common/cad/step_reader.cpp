@@ -140,7 +140,7 @@ class Collector {
       return;
     }
     TurnedShape turned{part.product, placement.linear(), -1, {}};
-    absl::StatusOr<DrawnShape> shape = ShapeOfSolid(
+    absl::StatusOr<mesh::DrawnShape> shape = ShapeOfSolid(
         *assembly_.products[static_cast<std::size_t>(part.product)].solid, placement.linear(),
         part.minimum - placement.translation(), part.maximum - placement.translation());
     if (shape.ok()) {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "common/cad/drawn_shape.h"
+#include "common/mesh/drawn_shape.h"
 #include "common/parametric/template_definition.h"
 #include "common/parametric/template_validation.h"
 
@@ -50,7 +50,7 @@ struct AssemblyPart {
   std::vector<ProminentPlane> prominent_planes;
   // What it looks like, stretched into its box along the design's axes; none for what its item's
   // kind says, round or a box.
-  std::shared_ptr<const cad::DrawnShape> shape;
+  std::shared_ptr<const mesh::DrawnShape> shape;
   std::optional<Eigen::Vector3d> color;  // linear red, green and blue, 0 to 1
 };
 

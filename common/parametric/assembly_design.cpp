@@ -63,7 +63,7 @@ void FillRound(const BoundingBox& box, Axis about, EvaluatedPart& part) {
 }
 
 // Every vertex a linear function of the box, and so of q.
-void FillShape(const cad::DrawnShape& shape, const BoundingBox& box, EvaluatedPart& part) {
+void FillShape(const mesh::DrawnShape& shape, const BoundingBox& box, EvaluatedPart& part) {
   FacetedShape& faceted = part.faceted.emplace();
   faceted.surface = SurfaceIn(shape, box);
   faceted.triangle_face = shape.triangle_face;
@@ -116,7 +116,7 @@ EvaluatedDesign DesignAt(const ParametricAssembly& assembly, const Eigen::Vector
       part.size[i] =
           placed.box.size()[static_cast<int>(drawn.item_axes[static_cast<std::size_t>(i)])];
     }
-    part.volume = part.faceted ? cad::VolumeIn(*drawn.shape, placed.box.size())
+    part.volume = part.faceted ? mesh::VolumeIn(*drawn.shape, placed.box.size())
                                : SignedArea(part.outline) * (part.to - part.from);
     if (item != nullptr) {
       const Material* const material = FindMaterial(materials, item->material);

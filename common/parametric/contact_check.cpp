@@ -161,7 +161,7 @@ const mesh::ProbedSurface& ContactCheck::Probed(const Part& part) {
   if (!part.probed) {
     const Eigen::Vector3d half = part.box.half_size;
     mesh::SurfaceMesh surface = part.shape == nullptr ? SurfaceOf(BoundingBox{-half, half})
-                                                      : cad::SurfaceIn(*part.shape, 2 * half);
+                                                      : mesh::SurfaceIn(*part.shape, 2 * half);
     surface.vertices = (part.box.axes * surface.vertices).colwise() + part.box.center;
     part.probed.emplace(surface);
   }
@@ -173,7 +173,7 @@ double ContactCheck::SeparationOf(const Part& a, const Part& b) const {
   if (boxes > tolerance_ || (a.shape == nullptr && b.shape == nullptr)) return boxes;
   double missed = 0;  // by the triangles of curved faces
   for (const Part* part : {&a, &b}) {
-    if (part->shape != nullptr) missed += cad::DeflectionIn(*part->shape, 2 * part->box.half_size);
+    if (part->shape != nullptr) missed += mesh::DeflectionIn(*part->shape, 2 * part->box.half_size);
   }
   const double apart = mesh::ProbedSurface::Separation(Probed(a), Probed(b), missed + kFurthest);
   if (apart > 0) return std::min(std::max(apart - missed, 0.0), kFurthest);

@@ -69,7 +69,7 @@ class ContactCheck {
   struct Part {
     std::string name;
     OrientedBox box;
-    const cad::DrawnShape* shape = nullptr;             // none for boxes and prisms
+    const mesh::DrawnShape* shape = nullptr;            // none for boxes and prisms
     mutable std::optional<mesh::ProbedSurface> probed;  // made when it is first asked for
   };
   // Of each element, its parts at q in a pose.

@@ -51,8 +51,8 @@ mesh::SurfaceMesh SurfaceOf(const AssemblyPart& part) {
   return part.shape == nullptr ? SurfaceOf(part.box) : SurfaceIn(*part.shape, part.box);
 }
 
-mesh::SurfaceMesh SurfaceIn(const cad::DrawnShape& shape, const BoundingBox& box) {
-  mesh::SurfaceMesh surface = cad::SurfaceIn(shape, box.size());
+mesh::SurfaceMesh SurfaceIn(const mesh::DrawnShape& shape, const BoundingBox& box) {
+  mesh::SurfaceMesh surface = mesh::SurfaceIn(shape, box.size());
   surface.vertices.colwise() += box.center();
   return surface;
 }

@@ -38,6 +38,6 @@ mesh::SurfaceMesh SurfaceOf(const AssemblyPart& part);
 // of q, for a part that is an element by itself.
 //
 //   vertex k along axis a = centre[a] + fractions(a, k) · size[a]
-mesh::SurfaceMesh SurfaceIn(const cad::DrawnShape& shape, const BoundingBox& box);
+mesh::SurfaceMesh SurfaceIn(const mesh::DrawnShape& shape, const BoundingBox& box);
 
 }  // namespace mortise::parametric

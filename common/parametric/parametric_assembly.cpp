@@ -77,7 +77,7 @@ absl::StatusOr<Contacts> FindContacts(const Assembly& assembly,
   for (const AssemblyPart& part : assembly.parts) {
     surfaces.push_back(SurfaceOf(part));
     deflections.push_back(part.shape == nullptr ? 0
-                                                : cad::DeflectionIn(*part.shape, part.box.size()));
+                                                : mesh::DeflectionIn(*part.shape, part.box.size()));
   }
   const double most =
       deflections.empty() ? 0 : *std::max_element(deflections.begin(), deflections.end());

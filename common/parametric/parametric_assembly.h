@@ -121,7 +121,7 @@ class ParametricAssembly {
   }
 
   // What the part looks like in its box; null for what its item's kind says.
-  const std::shared_ptr<const cad::DrawnShape>& ShapeOf(const PlacedPart& part) const {
+  const std::shared_ptr<const mesh::DrawnShape>& ShapeOf(const PlacedPart& part) const {
     return DrawnPart(part).shape;
   }
 

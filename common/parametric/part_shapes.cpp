@@ -3,8 +3,8 @@
 
 namespace mortise::parametric {
 
-cad::PartShape PartShapeOf(const EvaluatedPart& part) {
-  cad::PartShape shape;
+mesh::PartShape PartShapeOf(const EvaluatedPart& part) {
+  mesh::PartShape shape;
   shape.name = part.name;
   shape.origin = FromPrismAxes(part.axis, 0, 0, part.from);
   shape.u = FromPrismAxes(part.axis, 1, 0, 0);
@@ -15,8 +15,8 @@ cad::PartShape PartShapeOf(const EvaluatedPart& part) {
   return shape;
 }
 
-std::vector<cad::PartShape> PartShapes(const EvaluatedDesign& design) {
-  std::vector<cad::PartShape> shapes;
+std::vector<mesh::PartShape> PartShapes(const EvaluatedDesign& design) {
+  std::vector<mesh::PartShape> shapes;
   for (const EvaluatedPart& part : design.parts) shapes.push_back(PartShapeOf(part));
   return shapes;
 }

@@ -3,15 +3,15 @@
 
 #include <vector>
 
-#include "common/cad/part_shape.h"
+#include "common/mesh/part_shape.h"
 #include "common/parametric/evaluated_design.h"
 
 namespace mortise::parametric {
 
 // The shape of a part that is a prism, named as the part. Faces keep their names.
-cad::PartShape PartShapeOf(const EvaluatedPart& part);
+mesh::PartShape PartShapeOf(const EvaluatedPart& part);
 
 // Those of all parts, in order.
-std::vector<cad::PartShape> PartShapes(const EvaluatedDesign& design);
+std::vector<mesh::PartShape> PartShapes(const EvaluatedDesign& design);
 
 }  // namespace mortise::parametric

@@ -36,11 +36,11 @@ bool IsWithin(const Eigen::Ref<const Eigen::MatrixXi>& indices, Eigen::Index cou
 
 absl::Status CheckArrays(const v1::Shape& message) {
   const auto is_count = [](int count, Eigen::Index most) { return count >= 4 && count <= most; };
-  if (!is_count(message.vertex_count(), cad::kMaxShapeVertices)) {
-    return InvalidField("vertex_count", absl::StrCat("must be 4 to ", cad::kMaxShapeVertices));
+  if (!is_count(message.vertex_count(), mesh::kMaxShapeVertices)) {
+    return InvalidField("vertex_count", absl::StrCat("must be 4 to ", mesh::kMaxShapeVertices));
   }
-  if (!is_count(message.triangle_count(), cad::kMaxShapeTriangles)) {
-    return InvalidField("triangle_count", absl::StrCat("must be 4 to ", cad::kMaxShapeTriangles));
+  if (!is_count(message.triangle_count(), mesh::kMaxShapeTriangles)) {
+    return InvalidField("triangle_count", absl::StrCat("must be 4 to ", mesh::kMaxShapeTriangles));
   }
   const auto vertices = static_cast<std::size_t>(message.vertex_count());
   const auto triangles = static_cast<std::size_t>(message.triangle_count());
@@ -58,9 +58,9 @@ absl::Status CheckArrays(const v1::Shape& message) {
 
 }  // namespace
 
-absl::StatusOr<cad::DrawnShape> FromProto(const v1::Shape& message) {
+absl::StatusOr<mesh::DrawnShape> FromProto(const v1::Shape& message) {
   MORTISE_RETURN_IF_ERROR(CheckArrays(message));
-  cad::DrawnShape shape;
+  mesh::DrawnShape shape;
   shape.name = message.name();
   shape.size = {message.size().x(), message.size().y(), message.size().z()};
   for (const double length : shape.size) {
@@ -81,11 +81,11 @@ absl::StatusOr<cad::DrawnShape> FromProto(const v1::Shape& message) {
   }
   for (const std::string& name : message.face_names()) shape.face_names.push_back({name});
   shape.brep = message.brep();
-  cad::DeriveFaces(shape);
+  mesh::DeriveFaces(shape);
   return shape;
 }
 
-v1::Shape ToProto(const cad::DrawnShape& shape) {
+v1::Shape ToProto(const mesh::DrawnShape& shape) {
   v1::Shape message;
   message.set_name(shape.name);
   message.mutable_size()->set_x(shape.size.x());
@@ -102,7 +102,7 @@ v1::Shape ToProto(const cad::DrawnShape& shape) {
   for (const std::vector<std::string>& names : shape.face_names) {
     message.add_face_names(names.front());
   }
-  for (const cad::ShapePlane& plane : shape.planes) {
+  for (const mesh::ShapePlane& plane : shape.planes) {
     v1::ShapePlane& added = *message.add_planes();
     added.set_name(plane.name);
     added.set_axis(AxisToProto(static_cast<Axis>(plane.axis)));
@@ -116,10 +116,10 @@ absl::StatusOr<ShapesByName> FromProto(
     const google::protobuf::RepeatedPtrField<v1::Shape>& shapes) {
   ShapesByName named;
   for (int i = 0; i < shapes.size(); ++i) {
-    absl::StatusOr<cad::DrawnShape> shape = FromProto(shapes[i]);
+    absl::StatusOr<mesh::DrawnShape> shape = FromProto(shapes[i]);
     if (!shape.ok()) return UnderField(absl::StrCat("shapes[", i, "]"), shape.status());
     const std::string name = shape->name;
-    named[name] = std::make_shared<const cad::DrawnShape>(*std::move(shape));
+    named[name] = std::make_shared<const mesh::DrawnShape>(*std::move(shape));
   }
   return named;
 }

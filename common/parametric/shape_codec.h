@@ -7,7 +7,7 @@
 #include <string>
 
 #include "absl/status/statusor.h"
-#include "common/cad/drawn_shape.h"
+#include "common/mesh/drawn_shape.h"
 
 namespace google::protobuf {
 template <typename Element>
@@ -19,13 +19,13 @@ class Shape;
 
 namespace mortise::parametric {
 
-using ShapesByName = std::map<std::string, std::shared_ptr<const cad::DrawnShape>>;
+using ShapesByName = std::map<std::string, std::shared_ptr<const mesh::DrawnShape>>;
 
 // INVALID_ARGUMENT naming the field of the message that does not fit the others.
-absl::StatusOr<cad::DrawnShape> FromProto(const v1::Shape& message);
+absl::StatusOr<mesh::DrawnShape> FromProto(const v1::Shape& message);
 
 // With triangles, and exact surfaces if it has some.
-v1::Shape ToProto(const cad::DrawnShape& shape);
+v1::Shape ToProto(const mesh::DrawnShape& shape);
 
 // INVALID_ARGUMENT naming "shapes[i]" as above.
 absl::StatusOr<ShapesByName> FromProto(const google::protobuf::RepeatedPtrField<v1::Shape>& shapes);

@@ -29,12 +29,12 @@ void ShapeReader::Read(const v1::AssemblyPart& message, const std::string& field
   if (item != nullptr) CheckFixed(*item, size, place, part);
 }
 
-std::shared_ptr<const cad::DrawnShape> ShapeReader::TurnedAs(const cad::DrawnShape& shape,
-                                                             const std::array<Axis, 3>& axes) {
+std::shared_ptr<const mesh::DrawnShape> ShapeReader::TurnedAs(const mesh::DrawnShape& shape,
+                                                              const std::array<Axis, 3>& axes) {
   const int x = static_cast<int>(axes[0]), z = static_cast<int>(axes[2]);
   auto& turned = turned_[{shape.name, 3 * x + z}];
   if (turned == nullptr) {
-    turned = std::make_shared<const cad::DrawnShape>(cad::Turned(shape, x, z));
+    turned = std::make_shared<const mesh::DrawnShape>(mesh::Turned(shape, x, z));
   }
   return turned;
 }
@@ -57,7 +57,7 @@ void ShapeReader::CheckFixed(const Item& item, const Eigen::Vector3d& size,
 void AddPlanesOfShape(AssemblyPart& part) {
   if (part.shape == nullptr) return;
   const std::size_t annotated = part.prominent_planes.size();
-  for (const cad::ShapePlane& plane : part.shape->planes) {
+  for (const mesh::ShapePlane& plane : part.shape->planes) {
     const double position =
         part.box.center()[plane.axis] + plane.fraction * part.box.size()[plane.axis];
     const auto is_same = [&](const ProminentPlane& other) {

@@ -33,14 +33,14 @@ class ShapeReader {
             const Eigen::Vector3d& size, AssemblyPart& part);
 
  private:
-  std::shared_ptr<const cad::DrawnShape> TurnedAs(const cad::DrawnShape& shape,
-                                                  const std::array<Axis, 3>& axes);
+  std::shared_ptr<const mesh::DrawnShape> TurnedAs(const mesh::DrawnShape& shape,
+                                                   const std::array<Axis, 3>& axes);
   void CheckFixed(const Item& item, const Eigen::Vector3d& size, const std::string& field,
                   const AssemblyPart& part);
 
   const ShapesByName& shapes_;
   std::vector<Finding>& findings_;
-  std::map<std::pair<std::string, int>, std::shared_ptr<const cad::DrawnShape>> turned_;
+  std::map<std::pair<std::string, int>, std::shared_ptr<const mesh::DrawnShape>> turned_;
 };
 
 // Adds the large planar faces of the part's shape to its prominent planes, but for those that are

@@ -46,7 +46,7 @@ absl::StatusOr<std::vector<cad::Solid>> Template::SolidsAt(const Eigen::VectorXd
 
 absl::StatusOr<std::vector<cad::Solid>> SolidsOf(const parametric::EvaluatedDesign& design) {
   std::vector<cad::Solid> solids;
-  for (const cad::PartShape& shape : parametric::PartShapes(design)) {
+  for (const mesh::PartShape& shape : parametric::PartShapes(design)) {
     MORTISE_ASSIGN_OR_RETURN(cad::Solid solid, cad::Solid::FromPart(shape));
     solids.push_back(std::move(solid));
   }

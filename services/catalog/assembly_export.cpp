@@ -35,7 +35,7 @@ bool IsRound(const parametric::EvaluatedPart& part) { return part.outline.cols()
 
 // With the lower corner of its box at the origin.
 absl::StatusOr<cad::Solid> SolidOf(const parametric::EvaluatedPart& part,
-                                   const cad::DrawnShape* drawn, const Eigen::Vector3d& size,
+                                   const mesh::DrawnShape* drawn, const Eigen::Vector3d& size,
                                    const std::string& name) {
   if (drawn != nullptr) {
     auto solid = cad::SolidOfShape(*drawn, size, name);
@@ -56,7 +56,7 @@ absl::StatusOr<cad::Solid> SolidOf(const parametric::EvaluatedPart& part,
     shape.height = size[w];
     return cad::MakeCylinder(shape);
   }
-  cad::PartShape shape;
+  mesh::PartShape shape;
   shape.name = name;
   shape.outline.resize(2, 4);
   shape.outline << 0, size.x(), size.x(), 0, 0, 0, size.y(), size.y();
@@ -68,7 +68,7 @@ absl::StatusOr<cad::Solid> SolidOf(const parametric::EvaluatedPart& part,
 // What products are told apart by.
 struct Likeness {
   std::string item;
-  const cad::DrawnShape* shape = nullptr;
+  const mesh::DrawnShape* shape = nullptr;
   int round_about = 0;     // axis, or kBox
   std::vector<long> size;  // nm
   std::vector<double> color;
@@ -81,7 +81,7 @@ class ProductMaker {
   explicit ProductMaker(cad::StepAssembly& step) : step_(step) {}
 
   // Adds a part, and its product if that is a new one.
-  absl::Status Add(const parametric::EvaluatedPart& part, const cad::DrawnShape* shape, int group,
+  absl::Status Add(const parametric::EvaluatedPart& part, const mesh::DrawnShape* shape, int group,
                    const Eigen::Vector3d& color) {
     const Eigen::Vector3d size = part.maximum - part.minimum;
     Likeness likeness{part.item, shape, kBox, {}, {}};

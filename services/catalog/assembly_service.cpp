@@ -282,7 +282,7 @@ class AssemblyAdapter : public v1::AssemblyService::CallbackService {
     if (const std::optional<Drawing> known = drawings_.Find(key)) return *known;
     MORTISE_ASSIGN_OR_RETURN(const std::string bytes, UnpackStep(step));
     MORTISE_ASSIGN_OR_RETURN(cad::StepAssembly read, cad::ReadStepInChild(bytes));
-    for (cad::DrawnShape& shape : read.shapes) shape.name = NamedShape(shape).name();
+    for (mesh::DrawnShape& shape : read.shapes) shape.name = NamedShape(shape).name();
     const auto drawing = std::make_shared<const cad::StepAssembly>(std::move(read));
     drawings_.Add(key, drawing);
     return drawing;
@@ -312,7 +312,7 @@ class AssemblyAdapter : public v1::AssemblyService::CallbackService {
     std::set<std::string> missing;
     for (const v1::AssemblyPart& part : bundle.assembly().parts()) missing.insert(part.shape());
     for (const v1::Shape& shape : bundle.shapes()) missing.erase(shape.name());
-    for (const cad::DrawnShape& shape : drawing.shapes) {
+    for (const mesh::DrawnShape& shape : drawing.shapes) {
       if (missing.erase(shape.name) != 0) *bundle.add_shapes() = NamedShape(shape);
     }
   }

@@ -53,17 +53,17 @@ absl::Status OfFile(const absl::Status& status) {
   return InvalidFields(violations);
 }
 
-absl::StatusOr<cad::DrawnShape> ReadShape(const v1::ImportShapeRequest& asked) {
+absl::StatusOr<mesh::DrawnShape> ReadShape(const v1::ImportShapeRequest& asked) {
   const absl::StatusOr<std::string> bytes = UnpackStep(asked.file());
   if (!bytes.ok()) return OfFile(bytes.status());
-  absl::StatusOr<cad::DrawnShape> shape = InvalidField("format", "must be STEP or STL");
+  absl::StatusOr<mesh::DrawnShape> shape = InvalidField("format", "must be STEP or STL");
   if (asked.format() == v1::ImportShapeRequest::STEP) {
     const absl::StatusOr<cad::StepAssembly> drawing = cad::ReadStepInChild(*bytes);
     if (!drawing.ok()) return OfFile(drawing.status());
     shape = ShapeOfStep(*drawing);
   } else if (asked.format() == v1::ImportShapeRequest::STL) {
     MORTISE_ASSIGN_OR_RETURN(const mesh::SurfaceMesh surface, ReadStl(*bytes));
-    shape = cad::ShapeOfMesh(surface);
+    shape = mesh::ShapeOfMesh(surface);
     if (!shape.ok()) return OfFile(shape.status());
   }
   return shape;
@@ -190,7 +190,7 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
     return endpoint_.PreparedMutation(
         "ImportShape", context, request, response,
         [](const rpc::Call&, const v1::ImportShapeRequest& asked) -> absl::StatusOr<v1::Shape> {
-          MORTISE_ASSIGN_OR_RETURN(const cad::DrawnShape shape, ReadShape(asked));
+          MORTISE_ASSIGN_OR_RETURN(const mesh::DrawnShape shape, ReadShape(asked));
           return NamedShape(shape);
         },
         [](const rpc::Call& call, const v1::ImportShapeRequest&, v1::Shape& shape,

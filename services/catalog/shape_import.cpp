@@ -20,7 +20,7 @@ namespace {
 constexpr std::size_t kHeader = 80;    // bytes
 constexpr std::size_t kTriangle = 50;  // bytes
 constexpr double kMillimetre = 1e-3;   // m
-constexpr auto kMostTriangles = static_cast<std::size_t>(cad::kMaxShapeTriangles);
+constexpr auto kMostTriangles = static_cast<std::size_t>(mesh::kMaxShapeTriangles);
 
 // Collects triangles whose corners come one by one.
 class Collector {
@@ -128,7 +128,7 @@ absl::StatusOr<mesh::SurfaceMesh> ReadStl(std::string_view bytes) {
   return InvalidField("file", "is not STL: neither text nor as long as its triangles take");
 }
 
-absl::StatusOr<cad::DrawnShape> ShapeOfStep(const cad::StepAssembly& drawing) {
+absl::StatusOr<mesh::DrawnShape> ShapeOfStep(const cad::StepAssembly& drawing) {
   if (drawing.parts.size() != 1) {
     return InvalidField("file", absl::StrCat("has ", drawing.parts.size(), " solids, not one"));
   }

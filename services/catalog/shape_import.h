@@ -5,8 +5,8 @@
 #include <string_view>
 
 #include "absl/status/statusor.h"
-#include "common/cad/drawn_shape.h"
 #include "common/cad/step_assembly.h"
+#include "common/mesh/drawn_shape.h"
 #include "common/mesh/surface_mesh.h"
 
 namespace mortise::catalog {
@@ -18,6 +18,6 @@ absl::StatusOr<mesh::SurfaceMesh> ReadStl(std::string_view bytes);
 
 // The one solid of a STEP file as a shape in the axes of the file. INVALID_ARGUMENT, "file", for
 // several, and with all that is wrong with it.
-absl::StatusOr<cad::DrawnShape> ShapeOfStep(const cad::StepAssembly& drawing);
+absl::StatusOr<mesh::DrawnShape> ShapeOfStep(const cad::StepAssembly& drawing);
 
 }  // namespace mortise::catalog

@@ -30,7 +30,7 @@ absl::StatusOr<std::string> KeyOf(const std::string& name) {
 
 }  // namespace
 
-v1::Shape NamedShape(const cad::DrawnShape& shape) {
+v1::Shape NamedShape(const mesh::DrawnShape& shape) {
   v1::Shape message = parametric::ToProto(shape);
   message.clear_name();
   message.set_name(absl::StrCat(kShapes, "/", Sha256Hex(message.SerializeAsString())));

@@ -9,7 +9,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "common/cad/drawn_shape.h"
+#include "common/mesh/drawn_shape.h"
 #include "common/parametric/template_validation.h"
 #include "common/store/store.h"
 #include "mortise/v1/assembly.pb.h"
@@ -18,7 +18,7 @@
 namespace mortise::catalog {
 
 // The message of a shape, named by its content.
-v1::Shape NamedShape(const cad::DrawnShape& shape);
+v1::Shape NamedShape(const mesh::DrawnShape& shape);
 
 // What a stranger is shown: without exact surfaces.
 v1::Shape ShownShape(v1::Shape shape);

@@ -25,7 +25,7 @@ cad::StepAssembly Boxes(int count) {
       assembly.groups.back().placement.translation() = Eigen::Vector3d(i, 0, 0);
     }
     if (i % 2 == 0 || i < 2 * kGroup) {
-      cad::PartShape shape;
+      mesh::PartShape shape;
       shape.name = absl::StrCat("product ", assembly.products.size());
       shape.outline.resize(2, 4);
       shape.outline << 0, 0.04, 0.04, 0, 0, 0, 0.09, 0.09;

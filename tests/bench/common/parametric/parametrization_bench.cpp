@@ -114,7 +114,7 @@ void BM_Evaluate(benchmark::State& state) {
   const Assembly assembly = Shelves(static_cast<int>(state.range(0)));
   const std::vector<Element> elements = MakeElements(assembly, kTolerance);
   const Eigen::VectorXd q = DrawnParameters(assembly, elements);
-  cad::DrawnShape shape;
+  mesh::DrawnShape shape;
   shape.fractions = Eigen::Matrix3Xd::Random(3, 200) / 2;
   shape.triangles = Eigen::Matrix3Xi::Zero(3, 396);
   for (auto _ : state) {
@@ -126,15 +126,15 @@ void BM_Evaluate(benchmark::State& state) {
 BENCHMARK(BM_Evaluate)->Arg(100)->Arg(200)->Unit(benchmark::kMillisecond);
 
 // 200 vertices, 396 triangles and 20 faces, which look like a box: its triangles again and again.
-std::shared_ptr<const cad::DrawnShape> FinelyTriangulatedBox() {
+std::shared_ptr<const mesh::DrawnShape> FinelyTriangulatedBox() {
   const mesh::SurfaceMesh box =
       SurfaceOf(BoundingBox{Eigen::Vector3d::Constant(-0.5), Eigen::Vector3d::Constant(0.5)});
-  cad::DrawnShape shape;
+  mesh::DrawnShape shape;
   shape.fractions = box.vertices.replicate(1, 25);
   shape.triangles = box.triangles.replicate(1, 33);
   shape.triangle_face = Eigen::VectorXi::Zero(shape.triangles.cols());
   for (int face = 0; face < 20; ++face) shape.face_names.push_back({"face" + std::to_string(face)});
-  return std::make_shared<const cad::DrawnShape>(std::move(shape));
+  return std::make_shared<const mesh::DrawnShape>(std::move(shape));
 }
 
 // F(q) as everything else takes it: a design whose parts have shapes.

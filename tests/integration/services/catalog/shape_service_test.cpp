@@ -38,7 +38,7 @@ Message Parse(const std::string& text) {
 }
 
 cad::Solid Prism(const std::string& name, const Eigen::Matrix2Xd& outline, double height) {
-  cad::PartShape shape;
+  mesh::PartShape shape;
   shape.name = name;
   shape.outline = outline;
   shape.height = height;

@@ -16,8 +16,9 @@
 namespace mortise::cad {
 namespace {
 
-PartShape Block(const std::string& name, const Eigen::Vector3d& low, const Eigen::Vector3d& size) {
-  PartShape shape;
+mesh::PartShape Block(const std::string& name, const Eigen::Vector3d& low,
+                      const Eigen::Vector3d& size) {
+  mesh::PartShape shape;
   shape.name = name;
   shape.origin = low;
   shape.outline.resize(2, 4);
@@ -126,13 +127,13 @@ TEST(AssemblySurface, RefusesPartsThatPenetrate) {
 
 TEST(AssemblySurface, RefusesShapesThatAreNone) {
   EXPECT_FALSE(FuseAssembly({}).ok());
-  PartShape flat = Block("a", {0, 0, 0}, {1, 1, 1});
+  mesh::PartShape flat = Block("a", {0, 0, 0}, {1, 1, 1});
   flat.height = 0;
   EXPECT_EQ(DetailOf(FuseAssembly({flat}).status()).field, "parts[0].height");
-  PartShape crossed = Block("a", {0, 0, 0}, {1, 1, 1});
+  mesh::PartShape crossed = Block("a", {0, 0, 0}, {1, 1, 1});
   crossed.outline.col(1).swap(crossed.outline.col(2));
   EXPECT_FALSE(FuseAssembly({crossed}).ok());
-  PartShape unnamed = Block("a", {0, 0, 0}, {1, 1, 1});
+  mesh::PartShape unnamed = Block("a", {0, 0, 0}, {1, 1, 1});
   unnamed.face_names.pop_back();
   EXPECT_EQ(DetailOf(FuseAssembly({unnamed}).status()).field, "parts[0].face_names");
 }

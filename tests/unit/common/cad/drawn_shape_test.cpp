@@ -73,15 +73,15 @@ Solid TurnedLeg() {
                    "turned leg");
 }
 
-DrawnShape Drawn(const Solid& solid,
-                 const Eigen::Matrix3d& rotation = Eigen::Matrix3d::Identity()) {
+mesh::DrawnShape Drawn(const Solid& solid,
+                       const Eigen::Matrix3d& rotation = Eigen::Matrix3d::Identity()) {
   StepPart part;
   Eigen::Isometry3d placement = Eigen::Isometry3d::Identity();
   placement.linear() = rotation;
   SolidMeasurer(solid.kernel().shape).Measure(placement, part);
   auto shape = ShapeOfSolid(solid, rotation, part.minimum, part.maximum);
   EXPECT_TRUE(shape.ok()) << shape.status();
-  return shape.ok() ? *std::move(shape) : DrawnShape();
+  return shape.ok() ? *std::move(shape) : mesh::DrawnShape();
 }
 
 std::map<GeomAbs_SurfaceType, int> FaceTypes(const Solid& solid) {
@@ -92,7 +92,7 @@ std::map<GeomAbs_SurfaceType, int> FaceTypes(const Solid& solid) {
   return types;
 }
 
-Solid Stretched(const DrawnShape& shape, const Eigen::Vector3d& factors) {
+Solid Stretched(const mesh::DrawnShape& shape, const Eigen::Vector3d& factors) {
   auto solid = SolidOfShape(shape, shape.size.cwiseProduct(factors), "stretched");
   EXPECT_TRUE(solid.ok()) << solid.status();
   return solid.ok() ? *std::move(solid) : Box("none", 1, 1, 1);
@@ -109,17 +109,17 @@ TEST(DrawnShape, AgreesWithTheSolidAtAnySize) {
   std::mt19937 bits(11);
   std::uniform_real_distribution<double> factor(0.5, 2);
   for (const Solid& solid : solids) {
-    const DrawnShape shape = Drawn(solid);
+    const mesh::DrawnShape shape = Drawn(solid);
     EXPECT_NEAR(shape.volume, solid.Volume(), 1e-9 * shape.volume) << solid.name();
     for (int i = 0; i < 3; ++i) {
       Eigen::Vector3d factors(factor(bits), factor(bits), factor(bits));
       if (i >= 2) factors.y() = factors.x();  // round about z
       const Eigen::Vector3d size = shape.size.cwiseProduct(factors);
-      const double volume = VolumeIn(shape, size);
+      const double volume = mesh::VolumeIn(shape, size);
       const Solid stretched = Stretched(shape, factors);
       EXPECT_NEAR(stretched.Volume(), volume, 1e-6 * volume) << solid.name();
       EXPECT_TRUE(BRepCheck_Analyzer(stretched.kernel().shape).IsValid()) << solid.name();
-      const mesh::SurfaceMesh surface = SurfaceIn(shape, size);
+      const mesh::SurfaceMesh surface = mesh::SurfaceIn(shape, size);
       EXPECT_TRUE(mesh::IsWatertight(surface)) << solid.name();
       EXPECT_NEAR(mesh::ComputeMassProperties(surface).volume, volume, 0.04 * volume);
       StepPart part;
@@ -131,32 +131,32 @@ TEST(DrawnShape, AgreesWithTheSolidAtAnySize) {
 }
 
 TEST(DrawnShape, KeepsPlanesAndCylindersWhereTheyCanBeKept) {
-  const DrawnShape board = Drawn(BoredBoard());
+  const mesh::DrawnShape board = Drawn(BoredBoard());
   const std::map<GeomAbs_SurfaceType, int> drawn = {{GeomAbs_Plane, 6}, {GeomAbs_Cylinder, 2}};
   EXPECT_EQ(FaceTypes(Stretched(board, {1, 1, 1})), drawn);
   EXPECT_EQ(FaceTypes(Stretched(board, {1.5, 1.5, 0.7})), drawn) << "across the bores alike";
   EXPECT_EQ(FaceTypes(Stretched(board, {1.3, 1.3, 1.3})), drawn);
-  const DrawnShape leg = Drawn(TurnedLeg());
+  const mesh::DrawnShape leg = Drawn(TurnedLeg());
   EXPECT_EQ(FaceTypes(Stretched(leg, {1.2, 1.2, 0.6})), FaceTypes(TurnedLeg()));
-  const DrawnShape angle = Drawn(Angle("angle"));
+  const mesh::DrawnShape angle = Drawn(Angle("angle"));
   EXPECT_EQ(FaceTypes(Stretched(angle, {1.2, 0.7, 1.9})), FaceTypes(Angle("angle")));
   // Bores that are stretched differently become elliptic, and nothing else changes.
   EXPECT_EQ(
       FaceTypes(Stretched(board, {1.5, 0.8, 0.7})),
       (std::map<GeomAbs_SurfaceType, int>{{GeomAbs_Plane, 6}, {GeomAbs_SurfaceOfExtrusion, 2}}));
-  const DrawnShape ring = Drawn(SolidFrom(BRepPrimAPI_MakeTorus(0.1, 0.02).Solid(), "ring"));
+  const mesh::DrawnShape ring = Drawn(SolidFrom(BRepPrimAPI_MakeTorus(0.1, 0.02).Solid(), "ring"));
   EXPECT_EQ(FaceTypes(Stretched(ring, {1.2, 1.2, 0.6})),
             (std::map<GeomAbs_SurfaceType, int>{{GeomAbs_SurfaceOfRevolution, 1}}));
   // An oblique face stays a plane, too.
   Eigen::Matrix2Xd wedge(2, 3);
   wedge << 0, 0.1, 0, 0, 0, 0.05;
-  const DrawnShape oblique = Drawn(Prism("wedge", wedge, 0.02));
+  const mesh::DrawnShape oblique = Drawn(Prism("wedge", wedge, 0.02));
   EXPECT_EQ(FaceTypes(Stretched(oblique, {1.2, 0.7, 1.9})),
             (std::map<GeomAbs_SurfaceType, int>{{GeomAbs_Plane, 5}}));
 }
 
 TEST(DrawnShape, KnowsItsLargePlanesAndFacesOfItsBox) {
-  const DrawnShape angle = Drawn(Angle("angle"));
+  const mesh::DrawnShape angle = Drawn(Angle("angle"));
   ASSERT_EQ(angle.planes.size(), 2u);
   EXPECT_EQ(angle.planes[0].axis, 0);
   EXPECT_NEAR(angle.planes[0].fraction, 0.1 - 0.5, 1e-9);
@@ -171,14 +171,14 @@ TEST(DrawnShape, KnowsItsLargePlanesAndFacesOfItsBox) {
 }
 
 TEST(DrawnShape, IsTurnedWithoutBeingMirrored) {
-  const DrawnShape angle = Drawn(Angle("angle"));
+  const mesh::DrawnShape angle = Drawn(Angle("angle"));
   for (int x = 0; x < 3; ++x) {
     for (int z = 0; z < 3; ++z) {
       if (x == z) continue;
-      const DrawnShape turned = Turned(angle, x, z);
+      const mesh::DrawnShape turned = mesh::Turned(angle, x, z);
       EXPECT_DOUBLE_EQ(turned.size[x], angle.size.x());
       EXPECT_DOUBLE_EQ(turned.size[z], angle.size.z());
-      const mesh::SurfaceMesh surface = SurfaceIn(turned, turned.size);
+      const mesh::SurfaceMesh surface = mesh::SurfaceIn(turned, turned.size);
       EXPECT_NEAR(mesh::ComputeMassProperties(surface).volume, angle.volume, 1e-12);
       const Solid solid = Stretched(turned, {1, 1, 1});
       EXPECT_NEAR(solid.Volume(), angle.volume, 1e-12);
@@ -192,45 +192,45 @@ TEST(DrawnShape, IsTurnedWithoutBeingMirrored) {
 
 TEST(DrawnShape, StandsAtAnAngleInItsBox) {
   const Eigen::Matrix3d lean = Eigen::AngleAxisd(0.2, Eigen::Vector3d::UnitX()).toRotationMatrix();
-  const DrawnShape leaning = Drawn(Box("post", 0.04, 0.04, 0.7), lean);
+  const mesh::DrawnShape leaning = Drawn(Box("post", 0.04, 0.04, 0.7), lean);
   EXPECT_NEAR(leaning.size.z(), 0.7 * std::cos(0.2) + 0.04 * std::sin(0.2), 1e-9);
   EXPECT_NEAR(leaning.volume, 0.04 * 0.04 * 0.7, 1e-12);
   EXPECT_NEAR(Stretched(leaning, {1, 1, 1.5}).Volume(), 1.5 * leaning.volume, 1e-9);
 }
 
 TEST(DrawnShape, OfTrianglesOnlyIsASolidToo) {
-  const DrawnShape angle = Drawn(Angle("angle"));
-  const auto mesh = ShapeOfMesh(SurfaceIn(angle, angle.size));
+  const mesh::DrawnShape angle = Drawn(Angle("angle"));
+  const auto mesh = mesh::ShapeOfMesh(mesh::SurfaceIn(angle, angle.size));
   ASSERT_TRUE(mesh.ok()) << mesh.status();
   EXPECT_TRUE(mesh->brep.empty());
   EXPECT_EQ(mesh->planes.size(), 2u);
   const Eigen::Vector3d size = 1.7 * angle.size;
   const auto solid = SolidOfShape(*mesh, size, "mesh");
   ASSERT_TRUE(solid.ok()) << solid.status();
-  EXPECT_NEAR(solid->Volume(), VolumeIn(angle, size), 1e-9 * solid->Volume());
+  EXPECT_NEAR(solid->Volume(), mesh::VolumeIn(angle, size), 1e-9 * solid->Volume());
   EXPECT_TRUE(BRepCheck_Analyzer(solid->kernel().shape).IsValid());
 }
 
 TEST(DrawnShape, IsRefusedWithThePlaceWhereItBoundsNoSolid) {
-  const DrawnShape box = [] {
+  const mesh::DrawnShape box = [] {
     Eigen::Matrix2Xd outline(2, 3);
     outline << 0, 1, 0, 0, 0, 1;
     return Drawn(Prism("wedge", outline, 1));
   }();
-  const mesh::SurfaceMesh good = SurfaceIn(box, box.size);
-  ASSERT_TRUE(ShapeOfMesh(good).ok());
+  const mesh::SurfaceMesh good = mesh::SurfaceIn(box, box.size);
+  ASSERT_TRUE(mesh::ShapeOfMesh(good).ok());
   mesh::SurfaceMesh open = good;
   open.triangles.conservativeResize(3, open.triangles.cols() - 1);
-  const absl::Status not_closed = ShapeOfMesh(open).status();
+  const absl::Status not_closed = mesh::ShapeOfMesh(open).status();
   EXPECT_EQ(not_closed.code(), absl::StatusCode::kInvalidArgument);
   EXPECT_THAT(std::string(not_closed.message()), HasSubstr(" mm"));
   mesh::SurfaceMesh reversed = good;
   reversed.triangles.row(0).swap(reversed.triangles.row(1));
-  EXPECT_FALSE(ShapeOfMesh(reversed).ok());
+  EXPECT_FALSE(mesh::ShapeOfMesh(reversed).ok());
   mesh::SurfaceMesh twice = good;
   twice.triangles.conservativeResize(3, good.triangles.cols() + 1);
   twice.triangles.rightCols(1) = good.triangles.leftCols(1);
-  EXPECT_FALSE(ShapeOfMesh(twice).ok());
+  EXPECT_FALSE(mesh::ShapeOfMesh(twice).ok());
   // Two solids, one through the other.
   mesh::SurfaceMesh crossing;
   const Eigen::Index v = good.vertices.cols(), t = good.triangles.cols();
@@ -238,12 +238,13 @@ TEST(DrawnShape, IsRefusedWithThePlaceWhereItBoundsNoSolid) {
   crossing.vertices << good.vertices, good.vertices.colwise() + Eigen::Vector3d(0.13, 0.17, 0.21);
   crossing.triangles.resize(3, 2 * t);
   crossing.triangles << good.triangles, good.triangles.array() + static_cast<int>(v);
-  EXPECT_THAT(std::string(ShapeOfMesh(crossing).status().message()), HasSubstr("crosses itself"));
-  EXPECT_FALSE(ShapeOfMesh({}).ok());
+  EXPECT_THAT(std::string(mesh::ShapeOfMesh(crossing).status().message()),
+              HasSubstr("crosses itself"));
+  EXPECT_FALSE(mesh::ShapeOfMesh({}).ok());
   mesh::SurfaceMesh huge;
   huge.vertices = Eigen::Matrix3Xd::Zero(3, 3);
-  huge.triangles = Eigen::Matrix3Xi::Zero(3, kMaxShapeTriangles + 1);
-  EXPECT_EQ(ShapeOfMesh(huge).status().code(), absl::StatusCode::kResourceExhausted);
+  huge.triangles = Eigen::Matrix3Xi::Zero(3, mesh::kMaxShapeTriangles + 1);
+  EXPECT_EQ(mesh::ShapeOfMesh(huge).status().code(), absl::StatusCode::kResourceExhausted);
 }
 
 // What STEP has is what is written after it was read, stretched, written and read again.
@@ -287,8 +288,8 @@ TEST(DrawnShape, GoesThroughFilesAtAnySize) {
     ASSERT_TRUE(back.ok()) << back.status();
     ASSERT_EQ(back->parts.size(), 3u);
     for (std::size_t i = 0; i < 3; ++i) {
-      const DrawnShape& shape = sent->shapes[i];
-      const double volume = VolumeIn(shape, shape.size.cwiseProduct(factors));
+      const mesh::DrawnShape& shape = sent->shapes[i];
+      const double volume = mesh::VolumeIn(shape, shape.size.cwiseProduct(factors));
       EXPECT_NEAR(back->parts[i].volume, volume, 1e-6 * volume) << i;
       EXPECT_TRUE(back->parts[i].faults.empty());
     }

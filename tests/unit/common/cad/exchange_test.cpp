@@ -31,7 +31,7 @@ class ExchangeTest : public testing::Test {
 };
 
 TEST_F(ExchangeTest, SolidsHaveTheVolumesOfTheParts) {
-  const std::vector<PartShape> shapes = parametric::PartShapes(design_);
+  const std::vector<mesh::PartShape> shapes = parametric::PartShapes(design_);
   for (std::size_t i = 0; i < shapes.size(); ++i) {
     const auto solid = Solid::FromPart(shapes[i]);
     ASSERT_TRUE(solid.ok()) << solid.status();
@@ -43,7 +43,7 @@ TEST_F(ExchangeTest, SolidsHaveTheVolumesOfTheParts) {
 
 TEST_F(ExchangeTest, StepKeepsNamesPlacesAndVolumes) {
   std::vector<AssemblyPart> parts;
-  for (const PartShape& shape : parametric::PartShapes(design_)) {
+  for (const mesh::PartShape& shape : parametric::PartShapes(design_)) {
     parts.push_back({*Solid::FromPart(shape), {0.8, 0.6, 0.4}});
   }
   const auto step = WriteStep("table", parts);

@@ -16,7 +16,7 @@ namespace mortise::cad {
 
 // A prism on the outline (x, y, m), with its first corner at the origin.
 inline Solid Prism(const std::string& name, const Eigen::Matrix2Xd& outline, double height) {
-  PartShape shape;
+  mesh::PartShape shape;
   shape.name = name;
   shape.outline = outline;
   shape.height = height;

@@ -255,7 +255,7 @@ TEST(ContactCheckTest, ParametersThatAreNoneAreRefused) {
 }
 
 // An L of 40 mm × 40 mm, 4 mm thick and 100 mm long along z, in its box.
-std::shared_ptr<const cad::DrawnShape> Angle() {
+std::shared_ptr<const mesh::DrawnShape> Angle() {
   const double outline[][2] = {{0, 0},         {0.04, 0},     {0.04, 0.004},
                                {0.004, 0.004}, {0.004, 0.04}, {0, 0.04}};
   mesh::SurfaceMesh surface;
@@ -276,9 +276,9 @@ std::shared_ptr<const cad::DrawnShape> Angle() {
     surface.triangles.col(next++) << i, j, 6 + j;
     surface.triangles.col(next++) << i, 6 + j, 6 + i;
   }
-  auto shape = cad::ShapeOfMesh(surface);
+  auto shape = mesh::ShapeOfMesh(surface);
   EXPECT_TRUE(shape.ok()) << shape.status();
-  return std::make_shared<const cad::DrawnShape>(*std::move(shape));
+  return std::make_shared<const mesh::DrawnShape>(*std::move(shape));
 }
 
 // An angle and a block in its corner, as far from both legs as `gap`, m.
@@ -330,7 +330,7 @@ TEST(ContactCheckTest, ContactsAreThoseOfTrueSurfaces) {
   Assembly curved = BlockInAngle(0.0001);
   auto rough = *curved.parts[0].shape;
   rough.deflection = 0.0002;
-  curved.parts[0].shape = std::make_shared<const cad::DrawnShape>(std::move(rough));
+  curved.parts[0].shape = std::make_shared<const mesh::DrawnShape>(std::move(rough));
   EXPECT_EQ(contacts_of(curved), 1u);
 }
 

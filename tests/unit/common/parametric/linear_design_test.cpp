@@ -111,7 +111,7 @@ TEST(LinearDesign, MeshesAreLinear) {
   mesh::SurfaceMesh surface = SurfaceOf(drawn);
   // Something that is no box: one corner pushed in.
   surface.vertices.col(3) = 0.9 * surface.vertices.col(3) + 0.1 * drawn.center();
-  const auto shape = cad::ShapeOfMesh(surface);
+  const auto shape = mesh::ShapeOfMesh(surface);
   ASSERT_TRUE(shape.ok()) << shape.status();
   const auto vertices_in = [&](const BoundingBox& box) { return SurfaceIn(*shape, box).vertices; };
   EXPECT_TRUE(vertices_in(drawn).isApprox(surface.vertices, 1e-12));

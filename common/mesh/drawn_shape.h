@@ -11,7 +11,7 @@
 #include "absl/status/statusor.h"
 #include "common/mesh/surface_mesh.h"
 
-namespace mortise::cad {
+namespace mortise::mesh {
 
 inline constexpr Eigen::Index kMaxShapeVertices = 50'000;
 inline constexpr Eigen::Index kMaxShapeTriangles = 50'000;
@@ -75,4 +75,4 @@ double DeflectionIn(const DrawnShape& shape, const Eigen::Vector3d& size);
 // backwards so that nothing is mirrored; axes are those of x and z, y follows.
 DrawnShape Turned(const DrawnShape& shape, int x_becomes, int z_becomes);
 
-}  // namespace mortise::cad
+}  // namespace mortise::mesh

@@ -1,11 +1,11 @@
-// The shape of one part for the CAD kernel: a placed prism with named faces.
+// The shape of one part that is a placed prism with named faces.
 #pragma once
 
 #include <Eigen/Core>
 #include <string>
 #include <vector>
 
-namespace mortise::cad {
+namespace mortise::mesh {
 
 // A polygon extruded along w = u × v. A corner (a, b) of the outline lies at origin + a u + b v,
 // and at that + height w on the far side.
@@ -20,4 +20,4 @@ struct PartShape {
   std::vector<std::string> face_names;
 };
 
-}  // namespace mortise::cad
+}  // namespace mortise::mesh

@@ -1,4 +1,4 @@
-#include "common/cad/drawn_shape.h"
+#include "common/mesh/drawn_shape.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -13,7 +13,7 @@
 #include "common/mesh/mass_properties.h"
 #include "common/mesh/surface_check.h"
 
-namespace mortise::cad {
+namespace mortise::mesh {
 namespace {
 
 constexpr double kOnBox = 2e-7;         // m, within which a vertex lies in a face of the box
@@ -203,4 +203,4 @@ DrawnShape Turned(const DrawnShape& shape, int x_becomes, int z_becomes) {
   return turned;
 }
 
-}  // namespace mortise::cad
+}  // namespace mortise::mesh
