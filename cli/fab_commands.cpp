@@ -1,4 +1,4 @@
-// mortise fab release|watch|hold|resume: plans on their way through the machines.
+// mortise fab release|watch|show|hold|resume: plans on their way through the machines.
 #include <grpcpp/grpcpp.h>
 
 #include <CLI/CLI.hpp>
@@ -21,6 +21,11 @@ void PrintWorkOrder(const v1::WorkOrder& order, const Output& output) {
   output.Line(absl::StrFormat("%s: %s, %d of %d cuts done", order.name(),
                               v1::WorkOrder::State_Name(order.state()), order.cuts_done(),
                               order.cuts_total()));
+  for (const v1::HeldMachine& held : order.held_machines()) {
+    const v1::Machine& machine = held.machine();
+    output.Line(absl::StrCat("  ", machine.name(), " of ", held.bridge(), " is ", machine.state(),
+                             machine.held_because().empty() ? "" : ": ", machine.held_because()));
+  }
   std::vector<std::vector<std::string>> rows;
   for (const v1::WorkOrder::Cut& cut : order.cuts()) {
     const v1::CutCommand& command = cut.command();
@@ -57,22 +62,34 @@ absl::Status Release(const std::string& plan, bool wait, Session& session, Outpu
   return absl::OkStatus();
 }
 
+absl::StatusOr<v1::WorkOrder> GetOrder(const std::string& name, Session& session) {
+  MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
+  const auto stub = v1::FabPlannerService::NewStub(client->channel());
+  v1::GetWorkOrderRequest request;
+  request.set_name(ResourceName("workOrders", name));
+  v1::WorkOrder order;
+  MORTISE_RETURN_IF_ERROR(client->Call([&](grpc::ClientContext& context) {
+    return rpc::FromGrpc(stub->GetWorkOrder(&context, request, &order));
+  }));
+  return order;
+}
+
 // Follows by the name of an operation, or of a work order.
 absl::Status WatchByName(const std::string& name, Session& session, Output& output) {
   v1::Operation operation;
   operation.set_name(name);
   if (!absl::StartsWith(name, "operations/")) {
-    MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
-    const auto stub = v1::FabPlannerService::NewStub(client->channel());
-    v1::GetWorkOrderRequest request;
-    request.set_name(ResourceName("workOrders", name));
-    v1::WorkOrder order;
-    MORTISE_RETURN_IF_ERROR(client->Call([&](grpc::ClientContext& context) {
-      return rpc::FromGrpc(stub->GetWorkOrder(&context, request, &order));
-    }));
+    MORTISE_ASSIGN_OR_RETURN(const v1::WorkOrder order, GetOrder(name, session));
     operation.set_name(order.operation());
   }
   return Watch(operation, session, output);
+}
+
+absl::Status Show(const std::string& name, Session& session, Output& output) {
+  MORTISE_ASSIGN_OR_RETURN(const v1::WorkOrder order, GetOrder(name, session));
+  PrintWorkOrder(order, output);
+  output.DocumentOf(order);
+  return absl::OkStatus();
 }
 
 // Pauses a work order, or lets it go on.
@@ -125,6 +142,13 @@ void AddFabCommands(CLI::App& app, Session& session) {
   watch->footer("Example: mortise fab watch workOrders/0198c1");
   watch->callback([&session, name] {
     session.command = [name](Session& s, Output& o) { return WatchByName(*name, s, o); };
+  });
+
+  CLI::App* show = fab->add_subcommand("show", "A work order as it is now, with machines held");
+  show->add_option("name", *name, "workOrders/…")->required();
+  show->footer("Example: mortise fab show workOrders/0198c1 --json");
+  show->callback([&session, name] {
+    session.command = [name](Session& s, Output& o) { return Show(*name, s, o); };
   });
 
   CLI::App* hold = fab->add_subcommand("hold", "Pause a work order: no new cut begins");

@@ -41,7 +41,7 @@ void AddCatalogCommands(CLI::App& app, Session& session);    // catalog import|l
 void AddAnalyzeCommand(CLI::App& app, Session& session);     // analyze
 void AddParetoCommands(CLI::App& app, Session& session);     // pareto run|show|pick
 void AddPlanCommand(CLI::App& app, Session& session);        // plan
-void AddFabCommands(CLI::App& app, Session& session);        // fab release|watch|hold|resume
+void AddFabCommands(CLI::App& app, Session& session);        // fab release|watch|show|hold|resume
 void AddEventsCommand(CLI::App& app, Session& session);      // events
 void AddDemoCommand(CLI::App& app, Session& session);        // demo
 void AddCompletionCommand(CLI::App& app, Session& session);  // completion

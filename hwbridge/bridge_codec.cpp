@@ -51,6 +51,7 @@ v1::Machine MachineToProto(const MachineView& view) {
   const bool could_go_on = view.state == "EXECUTE" || view.state == "IDLE" ||
                            view.state == "STOPPED" || view.state == "COMPLETE";
   machine.set_state(view.held && could_go_on ? "HELD" : view.state);
+  if (view.held) machine.set_held_because(view.held_because);
   return machine;
 }
 

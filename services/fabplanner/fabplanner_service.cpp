@@ -211,6 +211,9 @@ class FabPlannerAdapter final : public v1::FabPlannerService::CallbackService {
                 MORTISE_ASSIGN_OR_RETURN(order, GetWholeOrder(transaction, asked.name()));
                 return absl::OkStatus();
               }));
+          for (v1::HeldMachine& held : floor_.HeldMachines(asked.name())) {
+            *order.add_held_machines() = std::move(held);
+          }
           return order;
         });
   }

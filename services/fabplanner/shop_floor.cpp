@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "common/base/errors.h"
 #include "common/base/identifiers.h"
 #include "common/base/logging.h"
@@ -19,6 +20,7 @@ namespace {
 
 constexpr std::size_t kLongestMachineName = 63;
 constexpr std::size_t kLongestMachineState = 63;
+constexpr std::size_t kLongestReason = 1000;
 constexpr int kMostMachines = 100;  // at one bridge
 
 // 1 to 63 letters, digits, '-', '_' and '.'.
@@ -46,6 +48,9 @@ absl::Status CheckMachines(const google::protobuf::RepeatedPtrField<v1::Machine>
     if (machine.state().size() > kLongestMachineState) {
       return InvalidField(absl::StrCat(field, ".state"), "is longer than 63 bytes");
     }
+    if (machine.held_because().size() > kLongestReason) {
+      return InvalidField(absl::StrCat(field, ".held_because"), "is longer than 1000 bytes");
+    }
     if (!names.insert(machine.name()).second) {
       return InvalidField(absl::StrCat(field, ".name"),
                           absl::StrCat(machine.name(), " is used twice"));
@@ -64,6 +69,18 @@ std::set<std::string> UsersOf(const WorkOrder& work) {
     if (cut.state == CutState::kSent || cut.state == CutState::kAccepted) users.insert(cut.bridge);
   }
   return users;
+}
+
+// "saw of plant-2 is HELD: the line was down", one after the other.
+std::string HeldText(const std::vector<v1::HeldMachine>& held) {
+  std::vector<std::string> texts;
+  for (const v1::HeldMachine& one : held) {
+    const v1::Machine& machine = one.machine();
+    texts.push_back(absl::StrCat(machine.name(), " of ", one.bridge(), " is ", machine.state(),
+                                 machine.held_because().empty() ? "" : ": ",
+                                 machine.held_because()));
+  }
+  return absl::StrJoin(texts, "; ");
 }
 
 google::protobuf::Timestamp ToTimestamp(absl::Time time) {
@@ -238,6 +255,7 @@ absl::Status ShopFloor::Receive(int64_t attachment, const v1::BridgeMessage& mes
       MORTISE_RETURN_IF_ERROR(
           CheckMachines(message.machine_states().machines(), "machine_states.machines"));
       *bridge->stored.mutable_machines() = message.machine_states().machines();
+      changed_.notify_all();
       return absl::OkStatus();
     case v1::BridgeMessage::kCommandAccepted:
       return Accepted(*bridge, message.command_accepted());
@@ -425,13 +443,41 @@ absl::StatusOr<ShopFloor::Standing> ShopFloor::WaitForChange(const std::string& 
   while (true) {
     MORTISE_ASSIGN_OR_RETURN(const Order* order, FindOrder(order_name));
     const WorkOrder& work = order->work;
+    std::string held = HeldText(HeldMachinesOf(*order));
     if (work.state() != known.state || work.done() != known.done || known.total == 0 ||
-        std::chrono::steady_clock::now() >= deadline) {
+        held != known.held || std::chrono::steady_clock::now() >= deadline) {
       return Standing{work.state(), work.done(), static_cast<int>(work.cuts().size()),
-                      work.Trouble()};
+                      work.Trouble(), std::move(held)};
     }
     changed_.wait_until(lock, deadline);
   }
+}
+
+std::vector<v1::HeldMachine> ShopFloor::HeldMachinesOf(const Order& order) const {
+  std::vector<v1::HeldMachine> held;
+  if (IsFinal(order.work.state())) return held;
+  std::set<std::pair<std::string, std::string>> in_use;
+  for (const Cut& cut : order.work.cuts()) {
+    if (cut.state == CutState::kSent || cut.state == CutState::kAccepted) {
+      in_use.emplace(cut.bridge, cut.machine);
+    }
+  }
+  for (const auto& [bridge_name, machine_name] : in_use) {
+    for (const v1::Machine& machine : bridges_.at(bridge_name).stored.machines()) {
+      if (machine.name() != machine_name) continue;
+      if (machine.held_because().empty() && machine.state() != "HELD") continue;
+      v1::HeldMachine& found = held.emplace_back();
+      found.set_bridge(bridge_name);
+      *found.mutable_machine() = machine;
+    }
+  }
+  return held;
+}
+
+std::vector<v1::HeldMachine> ShopFloor::HeldMachines(const std::string& order_name) const {
+  std::lock_guard lock(mutex_);
+  const auto order = orders_.find(order_name);
+  return order == orders_.end() ? std::vector<v1::HeldMachine>{} : HeldMachinesOf(order->second);
 }
 
 void ShopFloor::Forget(const std::string& order_name) {

@@ -71,10 +71,15 @@ class ShopFloor {
     int done = 0;
     int total = 0;
     std::string trouble;  // why it failed
+    std::string held;     // which machines wait to be resumed, and why, for people
   };
   // Waits until the order differs from `known` or `timeout` has passed. Takes it up if needed.
   absl::StatusOr<Standing> WaitForChange(const std::string& order_name, const Standing& known,
                                          absl::Duration timeout);
+
+  // The machines that have cuts of the order in hand and are held. None for unknown orders and
+  // those that have ended.
+  std::vector<v1::HeldMachine> HeldMachines(const std::string& order_name) const;
 
   // Lets go of an order that has ended; what its bridges still report finds it in the store.
   void Forget(const std::string& order_name);
@@ -109,6 +114,7 @@ class ShopFloor {
   absl::Status TakeOver(const std::string& order_name, bool resumed);
   absl::Status GiveOutAll();
   std::vector<MachineAddress> AttachedMachines() const;
+  std::vector<v1::HeldMachine> HeldMachinesOf(const Order& order) const;
   void SendCuts(const Order& order, const std::vector<int>& cuts);
   void SendPauses(Order& order, const std::string& only_bridge = "");
   void SendResume(Order& order, const std::string& bridge_name);

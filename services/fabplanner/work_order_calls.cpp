@@ -121,11 +121,13 @@ absl::StatusOr<std::string> RunWorkOrder(jobs::OperationContext& context,
     const ShopFloor::Standing before = standing;
     MORTISE_ASSIGN_OR_RETURN(standing, floor.WaitForChange(name, before, absl::Milliseconds(200)));
     // An order may wait for machines for days; that is no news to store and to tell.
-    if (standing.state != before.state || standing.done != before.done || before.total == 0) {
+    if (standing.state != before.state || standing.done != before.done || before.total == 0 ||
+        standing.held != before.held) {
       context.ReportProgress(
           {.done = standing.done,
            .total = standing.total,
-           .message = absl::StrCat("the order is ", OrderStateName(standing.state))});
+           .message = absl::StrCat("the order is ", OrderStateName(standing.state),
+                                   standing.held.empty() ? "" : "; ", standing.held)});
     }
     if (IsFinal(standing.state)) break;
     if (!context.Cancelled()) continue;

@@ -168,6 +168,7 @@ TEST(CommandLine, EveryCommandHasHelpAndMistakesAreExplained) {
                                              {"fab"},
                                              {"fab", "release"},
                                              {"fab", "watch"},
+                                             {"fab", "show"},
                                              {"fab", "hold"},
                                              {"fab", "resume"},
                                              {"events"},

@@ -284,6 +284,38 @@ TEST_F(FabPlannerServiceTest, HoldPausesAndResumeGoesOn) {
   ExpectEachCutOnce(bridge);
 }
 
+TEST_F(FabPlannerServiceTest, AHeldMachineIsToldWithItsReason) {
+  const v1::Operation operation = Release(PlanTable());
+  auto stub = v1::OperationService::NewStub(process_.channel());
+  v1::WatchOperationRequest watch;
+  watch.set_name(operation.name());
+  auto context = Context();
+  const auto told = stub->WatchOperation(context.get(), watch);
+  const auto wait_for = [&told](auto is_it) {
+    for (v1::Operation now; told->Read(&now);) {
+      if (is_it(now.progress().message())) return true;
+    }
+    return false;
+  };
+
+  FakeBridge bridge("north");
+  bridge.Connect(process_.address(), {.cuts_before_silence = 1});
+  ASSERT_TRUE(bridge.WaitUntil([](FakeBridge& b) { return b.effects() >= 1; }));
+  bridge.TellSaw("HELD", "the line was down");
+  const std::string held = "saw-1 of north is HELD: the line was down";
+  EXPECT_TRUE(wait_for([&](const std::string& text) { return text.find(held) != text.npos; }));
+  const v1::WorkOrder order = GetOrder(operation.subject());
+  ASSERT_EQ(order.held_machines_size(), 1);
+  EXPECT_EQ(order.held_machines(0).bridge(), "north");
+  EXPECT_EQ(order.held_machines(0).machine().name(), "saw-1");
+  EXPECT_EQ(order.held_machines(0).machine().held_because(), "the line was down");
+
+  bridge.TellSaw("EXECUTE", "");
+  EXPECT_TRUE(wait_for([&](const std::string& text) { return text.find("HELD") == text.npos; }));
+  EXPECT_EQ(GetOrder(operation.subject()).held_machines_size(), 0);
+  context->TryCancel();
+}
+
 TEST_F(FabPlannerServiceTest, AFailedCutFailsTheOrderAndHoldsTheBridge) {
   const v1::Operation operation = Release(PlanTable());
   FakeBridge bridge("north");

@@ -63,6 +63,18 @@ class FakeBridge {
     return changed_.wait_for(lock, std::chrono::seconds(30), [&] { return done(*this); });
   }
 
+  // Tells the state of the saw, and why it is held.
+  void TellSaw(const std::string& state, const std::string& held_because) {
+    v1::BridgeMessage message;
+    v1::Machine* saw = message.mutable_machine_states()->add_machines();
+    saw->set_name("saw-1");
+    saw->set_kind(v1::CHOP_SAW_WITH_FEEDER);
+    saw->set_state(state);
+    saw->set_held_because(held_because);
+    std::lock_guard lock(mutex_);
+    if (stream_ != nullptr) stream_->Write(message);
+  }
+
   // For predicates, under the lock.
   int commands_received() const { return commands_received_; }
   int holds() const { return holds_; }
@@ -98,6 +110,7 @@ class FakeBridge {
     for (std::size_t i = acknowledged_; i < reports_.size(); ++i) SendReport(*stream, reports_[i]);
     {
       std::lock_guard lock(mutex_);
+      stream_ = stream.get();
       CutWaiting(*stream);
       changed_.notify_all();
     }
@@ -106,6 +119,10 @@ class FakeBridge {
       std::lock_guard lock(mutex_);
       Handle(*stream, message);
       changed_.notify_all();
+    }
+    {
+      std::lock_guard lock(mutex_);
+      stream_ = nullptr;
     }
     const grpc::Status status = stream->Finish();
     std::lock_guard lock(mutex_);
@@ -179,6 +196,7 @@ class FakeBridge {
   std::mutex mutex_;
   std::condition_variable changed_;
   std::unique_ptr<grpc::ClientContext> context_;
+  Stream* stream_ = nullptr;  // while it is open
   grpc::Status status_;
   bool finished_ = false;
   int commands_received_ = 0;
