@@ -1,192 +1,195 @@
 // Fuses the parts' solids with Open CASCADE's general fuse and triangulates each piece once.
 #include "common/cad/assembly_surface.h"
 
-#include <BOPAlgo_Builder.hxx>
+#include <BRepBndLib.hxx>
+#include <BRepExtrema_DistShapeShape.hxx>
 #include <BRepMesh_IncrementalMesh.hxx>
 #include <BRep_Builder.hxx>
-#include <BRep_Tool.hxx>
-#include <Poly_Triangulation.hxx>
+#include <Bnd_Box.hxx>
 #include <Standard_Failure.hxx>
-#include <TopExp_Explorer.hxx>
-#include <TopTools_DataMapOfShapeInteger.hxx>
-#include <TopTools_ListOfShape.hxx>
-#include <TopoDS.hxx>
 #include <TopoDS_Compound.hxx>
 #include <algorithm>
+#include <numeric>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "common/base/errors.h"
-#include "common/cad/interior_point.h"
-#include "common/cad/point_merger.h"
+#include "common/cad/solid_fusion.h"
 #include "common/cad/solid_kernel.h"
+#include "common/cad/triangle_joiner.h"
+#include "common/mesh/inside_point.h"
+#include "common/mesh/surface_check.h"
 
 namespace mortise::cad {
 namespace {
 
-constexpr double kFuseTolerance = 1e-6;   // m; faces nearer than this are one
-constexpr double kMergeTolerance = 1e-6;  // m; points nearer than this are one
-constexpr double kDeflection = 1e-3;      // m; chord height where faces are curved
+constexpr double kFuseTolerance = 1e-6;  // m; faces nearer than this are one
+constexpr double kAngle = 0.5;           // rad, between neighbouring triangles of a curved face
+constexpr double kLeastChord = 2e-5;     // m
+constexpr double kClear = 0.3;           // of the way between two parts: what triangles may miss
 
-// The pieces a shape was split into; itself if it was left whole.
-TopTools_ListOfShape PiecesOf(BOPAlgo_Builder& fuse, const TopoDS_Shape& shape) {
-  TopTools_ListOfShape pieces = fuse.Modified(shape);
-  if (pieces.IsEmpty() && !fuse.IsDeleted(shape)) pieces.Append(shape);
-  return pieces;
-}
-
-// A face of the fused assembly as the part of lowest index sees it.
-struct FusedFace {
-  TopoDS_Face face;  // oriented outwards from back_part
-  mesh::AssemblyFace description;
+// Two parts that do not touch.
+struct Gap {
+  int first = 0;
+  int second = 0;
+  double width = 0;  // m
 };
 
-class Fusion {
- public:
-  explicit Fusion(const std::vector<Solid>& solids) : solids_(solids) {}
+std::string BothNames(const std::vector<FusedPart>& parts, int first, int second) {
+  return absl::StrCat("'", parts[static_cast<std::size_t>(first)].name, "' and '",
+                      parts[static_cast<std::size_t>(second)].name, "'");
+}
 
-  absl::Status Perform() {
-    for (const Solid& solid : solids_) fuse_.AddArgument(solid.kernel().shape);
-    fuse_.SetFuzzyValue(kFuseTolerance);
-    fuse_.SetNonDestructive(Standard_True);
-    fuse_.SetRunParallel(Standard_False);
-    fuse_.Perform();
-    if (fuse_.HasErrors()) return KernelFailure("fusing the parts", "the kernel reports an error");
-    for (std::size_t part = 0; part < solids_.size(); ++part) {
-      MORTISE_RETURN_IF_ERROR(CollectFaces(static_cast<int>(part)));
-    }
-    for (std::size_t part = 0; part < solids_.size(); ++part) NameFaces(static_cast<int>(part));
-    return absl::OkStatus();
+absl::Status Penetration(const std::vector<FusedPart>& parts, const Overlap& overlap) {
+  return InvalidField("parts", absl::StrFormat("%s penetrate each other, by about %.2g mm",
+                                               BothNames(parts, overlap.first, overlap.second),
+                                               1e3 * overlap.depth));
+}
+
+absl::Status NotBonded(const std::vector<FusedPart>& parts, const Gap& gap) {
+  return PreconditionFailed(
+      "NOT_BONDED",
+      absl::StrFormat(
+          "%s are %.2g mm apart and cannot be joined: let them touch, or leave more than "
+          "%.2g mm between them",
+          BothNames(parts, gap.first, gap.second), 1e3 * gap.width, 1e3 * kDrawingTolerance),
+      "parts");
+}
+
+double ChordOf(const FusedPart& part) {
+  return std::max(kLeastChord, kChordTolerance * part.diagonal);
+}
+
+// What the triangles may miss.
+double MissOf(const FusedPart& part) { return part.is_flat ? 0 : ChordOf(part); }
+
+// Parts that pass each other without touching, nearer than triangles may miss them.
+std::vector<Gap> FindGaps(const std::vector<FusedPart>& parts, const SolidFusion& fusion) {
+  std::vector<Bnd_Box> boxes(parts.size());
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    BRepBndLib::Add(parts[i].solid, boxes[i], Standard_False);
   }
-
-  const std::vector<FusedFace>& faces() const { return faces_; }
-
- private:
-  // Takes the faces of a part's solids; a face seen before is between two parts.
-  absl::Status CollectFaces(int part) {
-    const TopTools_ListOfShape pieces =
-        PiecesOf(fuse_, solids_[static_cast<std::size_t>(part)].kernel().shape);
-    // Where parts overlap, the overlap is a solid of its own that both are split by.
-    if (pieces.Extent() != 1) return Penetrates(part);
-    for (TopExp_Explorer face(pieces.First(), TopAbs_FACE); face.More(); face.Next()) {
-      const int* known = index_.Seek(face.Current());
-      if (known == nullptr) {
-        index_.Bind(face.Current(), static_cast<int>(faces_.size()));
-        faces_.push_back({TopoDS::Face(face.Current()), mesh::AssemblyFace{-1, part, {}}});
-        continue;
-      }
-      mesh::AssemblyFace& description = faces_[static_cast<std::size_t>(*known)].description;
-      if (description.front_part >= 0 || description.back_part == part) return Penetrates(part);
-      description.front_part = part;
-    }
-    return absl::OkStatus();
-  }
-
-  // Notes from which named faces of the part the fused faces come.
-  void NameFaces(int part) {
-    const Solid::Kernel& kernel = solids_[static_cast<std::size_t>(part)].kernel();
-    for (std::size_t i = 0; i < kernel.faces.size(); ++i) {
-      for (const TopoDS_Shape& piece : PiecesOf(fuse_, kernel.faces[i])) {
-        const int* known = index_.Seek(piece);
-        if (known == nullptr) continue;
-        faces_[static_cast<std::size_t>(*known)].description.origins.push_back(
-            {part, kernel.face_names[i]});
+  std::vector<Gap> gaps;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    for (std::size_t j = i + 1; j < parts.size(); ++j) {
+      const int first = static_cast<int>(i), second = static_cast<int>(j);
+      const double near = kDrawingTolerance + MissOf(parts[i]) + MissOf(parts[j]);
+      if (boxes[i].Distance(boxes[j]) > near || fusion.Meet(first, second)) continue;
+      const BRepExtrema_DistShapeShape distance(parts[i].solid, parts[j].solid);
+      if (distance.IsDone() && distance.Value() <= near) {
+        gaps.push_back({first, second, distance.Value()});
       }
     }
   }
+  return gaps;
+}
 
-  absl::Status Penetrates(int part) const {
-    return InvalidField(absl::StrCat("parts[", part, "]"),
-                        absl::StrCat("'", solids_[static_cast<std::size_t>(part)].name(),
-                                     "' penetrates another part"));
-  }
+const Gap* NarrowestOf(const std::vector<Gap>& gaps) {
+  const auto found = std::min_element(gaps.begin(), gaps.end(),
+                                      [](const Gap& a, const Gap& b) { return a.width < b.width; });
+  return found == gaps.end() ? nullptr : &*found;
+}
 
-  const std::vector<Solid>& solids_;
-  BOPAlgo_Builder fuse_;
-  TopTools_DataMapOfShapeInteger index_;  // of a face, whatever its orientation
-  std::vector<FusedFace> faces_;
+// The parts fused, and how far triangles may miss each.
+struct Fused {
+  SolidFusion fusion;
+  std::vector<double> chords;  // m
 };
 
-// Triangulates all faces together, so that those that share an edge share its points.
-void Triangulate(const std::vector<FusedFace>& faces) {
-  TopoDS_Compound compound;
-  BRep_Builder builder;
-  builder.MakeCompound(compound);
-  for (const FusedFace& face : faces) builder.Add(compound, face.face);
-  BRepMesh_IncrementalMesh mesher(compound, kDeflection);
-}
-
-absl::Status AppendTriangles(const FusedFace& fused, int face_index, PointMerger& points,
-                             std::vector<Eigen::Vector3i>& triangles,
-                             std::vector<int>& triangle_face) {
-  TopLoc_Location location;
-  const Handle(Poly_Triangulation) mesh = BRep_Tool::Triangulation(fused.face, location);
-  if (mesh.IsNull()) return KernelFailure("triangulating the parts", "a face has no triangles");
-  std::vector<int> indices;
-  for (int i = 1; i <= mesh->NbNodes(); ++i) {
-    const gp_Pnt point = mesh->Node(i).Transformed(location.Transformation());
-    indices.push_back(points.IndexOf({point.X(), point.Y(), point.Z()}));
+absl::StatusOr<Fused> FuseWithin(const std::vector<FusedPart>& parts) {
+  MORTISE_ASSIGN_OR_RETURN(SolidFusion fusion, SolidFusion::Create(parts, kFuseTolerance));
+  for (const Overlap& overlap : fusion.overlaps()) {
+    if (overlap.depth > kDrawingTolerance) return Penetration(parts, overlap);
   }
-  const bool reversed = fused.face.Orientation() == TopAbs_REVERSED;
-  for (int i = 1; i <= mesh->NbTriangles(); ++i) {
-    int a = 0, b = 0, c = 0;
-    mesh->Triangle(i).Get(a, b, c);
-    if (reversed) std::swap(b, c);
-    const Eigen::Vector3i triangle(indices[static_cast<std::size_t>(a - 1)],
-                                   indices[static_cast<std::size_t>(b - 1)],
-                                   indices[static_cast<std::size_t>(c - 1)]);
-    if (triangle(0) == triangle(1) || triangle(1) == triangle(2) || triangle(2) == triangle(0)) {
-      continue;
+  std::vector<Gap> gaps;
+  if (fusion.overlaps().empty()) gaps = FindGaps(parts, fusion);
+  const Gap* narrowest = NarrowestOf(gaps);
+  if (!fusion.overlaps().empty() ||
+      (narrowest != nullptr && narrowest->width <= kDrawingTolerance)) {
+    MORTISE_ASSIGN_OR_RETURN(fusion, SolidFusion::Create(parts, kDrawingTolerance));
+    if (!fusion.overlaps().empty()) return Penetration(parts, fusion.overlaps().front());
+    gaps = FindGaps(parts, fusion);
+    narrowest = NarrowestOf(gaps);
+    if (narrowest != nullptr && narrowest->width <= kDrawingTolerance) {
+      return NotBonded(parts, *narrowest);
     }
-    triangles.push_back(triangle);
-    triangle_face.push_back(face_index);
   }
-  return absl::OkStatus();
+  Fused fused{std::move(fusion), {}};
+  for (const FusedPart& part : parts) fused.chords.push_back(ChordOf(part));
+  for (const Gap& gap : gaps) {
+    for (const int part : {gap.first, gap.second}) {
+      double& chord = fused.chords[static_cast<std::size_t>(part)];
+      chord = std::min(chord, std::max(kLeastChord, kClear * gap.width));
+    }
+  }
+  return fused;
 }
 
-absl::StatusOr<mesh::AssemblySurface> Fuse(const std::vector<Solid>& solids) {
-  Fusion fusion(solids);
-  MORTISE_RETURN_IF_ERROR(fusion.Perform());
-  Triangulate(fusion.faces());
+// Triangulates part by part, the finest first: what has triangles that are fine enough keeps them,
+// and its edges give their points to the faces beside.
+void Triangulate(const Fused& fused) {
+  std::vector<int> order(fused.chords.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
+    return fused.chords[static_cast<std::size_t>(a)] < fused.chords[static_cast<std::size_t>(b)];
+  });
+  for (const int part : order) {
+    TopoDS_Compound compound;
+    BRep_Builder builder;
+    builder.MakeCompound(compound);
+    for (const int face : fused.fusion.FacesOf(part)) {
+      builder.Add(compound, fused.fusion.faces()[static_cast<std::size_t>(face)].face);
+    }
+    BRepMesh_IncrementalMesh mesher(compound, fused.chords[static_cast<std::size_t>(part)],
+                                    Standard_False, kAngle, Standard_False);
+  }
+}
+
+absl::StatusOr<mesh::AssemblySurface> SurfaceOf(const std::vector<FusedPart>& parts) {
+  MORTISE_ASSIGN_OR_RETURN(const Fused fused, FuseWithin(parts));
+  Triangulate(fused);
   mesh::AssemblySurface surface;
-  PointMerger points(kMergeTolerance);
-  std::vector<Eigen::Vector3i> triangles;
-  std::vector<int> triangle_face;
-  for (const FusedFace& face : fusion.faces()) {
-    MORTISE_RETURN_IF_ERROR(AppendTriangles(face, static_cast<int>(surface.faces.size()), points,
-                                            triangles, triangle_face));
+  TriangleJoiner joiner;
+  for (const FusedFace& face : fused.fusion.faces()) {
+    MORTISE_RETURN_IF_ERROR(joiner.Append(face.face, static_cast<int>(surface.faces.size())));
     surface.faces.push_back(face.description);
   }
-  surface.vertices = points.Points();
-  surface.triangles.resize(3, static_cast<Eigen::Index>(triangles.size()));
-  surface.triangle_face.resize(static_cast<Eigen::Index>(triangles.size()));
-  for (std::size_t i = 0; i < triangles.size(); ++i) {
-    surface.triangles.col(static_cast<Eigen::Index>(i)) = triangles[i];
-    surface.triangle_face(static_cast<Eigen::Index>(i)) = triangle_face[i];
+  joiner.MoveTo(surface);
+  surface.part_interior.resize(3, static_cast<Eigen::Index>(parts.size()));
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const mesh::SurfaceMesh own = mesh::PartSurface(surface, static_cast<int>(i));
+    if (!mesh::IsWatertight(own)) {
+      return KernelFailure("fusing the parts",
+                           absl::StrCat("the triangles of '", parts[i].name, "' leave a gap"));
+    }
+    MORTISE_ASSIGN_OR_RETURN(surface.part_interior.col(static_cast<Eigen::Index>(i)),
+                             mesh::InsidePoint(own));
+    surface.part_names.push_back(parts[i].name);
   }
   return surface;
 }
 
 }  // namespace
 
-absl::StatusOr<mesh::AssemblySurface> FuseAssembly(const std::vector<mesh::PartShape>& parts) {
+absl::StatusOr<mesh::AssemblySurface> FuseAssembly(const std::vector<Solid>& parts) {
   if (parts.empty()) return InvalidField("parts", "is empty");
+  try {
+    std::vector<FusedPart> copies;
+    for (const Solid& solid : parts) copies.push_back(CopyOf(solid));
+    return SurfaceOf(copies);
+  } catch (const Standard_Failure& failure) {
+    return KernelFailure("fusing the parts", failure.GetMessageString());
+  }
+}
+
+absl::StatusOr<mesh::AssemblySurface> FuseAssembly(const std::vector<mesh::PartShape>& parts) {
   std::vector<Solid> solids;
   for (std::size_t i = 0; i < parts.size(); ++i) {
     absl::StatusOr<Solid> solid = Solid::FromPart(parts[i]);
     if (!solid.ok()) return UnderField(absl::StrCat("parts[", i, "]"), solid.status());
     solids.push_back(*std::move(solid));
   }
-  try {
-    MORTISE_ASSIGN_OR_RETURN(mesh::AssemblySurface surface, Fuse(solids));
-    surface.part_interior.resize(3, static_cast<Eigen::Index>(parts.size()));
-    for (std::size_t i = 0; i < parts.size(); ++i) {
-      surface.part_interior.col(static_cast<Eigen::Index>(i)) = InteriorPoint(parts[i]);
-      surface.part_names.push_back(parts[i].name);
-    }
-    return surface;
-  } catch (const Standard_Failure& failure) {
-    return KernelFailure("fusing the parts", failure.GetMessageString());
-  }
+  return FuseAssembly(solids);
 }
 
 }  // namespace mortise::cad

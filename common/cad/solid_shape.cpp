@@ -1,13 +1,8 @@
 #include "common/cad/solid_shape.h"
 
 #include <BRepAdaptor_Surface.hxx>
-#include <BRepBuilderAPI_MakeEdge.hxx>
-#include <BRepBuilderAPI_MakeFace.hxx>
-#include <BRepBuilderAPI_MakeVertex.hxx>
-#include <BRepBuilderAPI_MakeWire.hxx>
 #include <BRepBuilderAPI_Transform.hxx>
 #include <BRepCheck_Analyzer.hxx>
-#include <BRep_Builder.hxx>
 #include <BinTools.hxx>
 #include <Eigen/Geometry>
 #include <Standard_Failure.hxx>
@@ -15,18 +10,15 @@
 #include <TopExp_Explorer.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
 #include <TopoDS.hxx>
-#include <TopoDS_Shell.hxx>
-#include <TopoDS_Solid.hxx>
 #include <algorithm>
 #include <cmath>
-#include <gp_Pln.hxx>
-#include <map>
 #include <memory>
 #include <sstream>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "common/cad/faceted_solid.h"
 #include "common/cad/solid_kernel.h"
 #include "common/cad/solid_stretch.h"
 #include "common/cad/solid_surface.h"
@@ -112,52 +104,16 @@ absl::StatusOr<mesh::DrawnShape> Draw(const Solid& solid, const Eigen::Matrix3d&
   return drawn;
 }
 
-// ---- Triangles as a solid -----------------------------------------------------------------------
-
-TopoDS_Shape Faceted(const mesh::SurfaceMesh& surface) {
-  std::vector<TopoDS_Vertex> vertices;
-  std::vector<gp_Pnt> points;
-  for (const auto& vertex : surface.vertices.colwise()) {
-    points.emplace_back(vertex.x(), vertex.y(), vertex.z());
-    vertices.push_back(BRepBuilderAPI_MakeVertex(points.back()).Vertex());
-  }
-  std::map<std::pair<int, int>, TopoDS_Edge> edges;
-  const auto edge_of = [&](int from, int to) {
-    const auto [low, high] = std::minmax(from, to);
-    TopoDS_Edge& edge = edges[{low, high}];
-    if (edge.IsNull()) {
-      edge = BRepBuilderAPI_MakeEdge(vertices[static_cast<std::size_t>(low)],
-                                     vertices[static_cast<std::size_t>(high)])
-                 .Edge();
-    }
-    return from < to ? edge : TopoDS::Edge(edge.Reversed());
-  };
-  BRep_Builder builder;
-  TopoDS_Shell shell;
-  builder.MakeShell(shell);
-  for (const auto& corners : surface.triangles.colwise()) {
-    const gp_Pnt& a = points[static_cast<std::size_t>(corners[0])];
-    const gp_Vec ab(a, points[static_cast<std::size_t>(corners[1])]);
-    const gp_Vec ac(a, points[static_cast<std::size_t>(corners[2])]);
-    BRepBuilderAPI_MakeWire wire(edge_of(corners[0], corners[1]), edge_of(corners[1], corners[2]),
-                                 edge_of(corners[2], corners[0]));
-    builder.Add(shell, BRepBuilderAPI_MakeFace(gp_Pln(a, gp_Dir(ab.Crossed(ac))), wire.Wire(),
-                                               Standard_True)
-                           .Face());
-  }
-  shell.Closed(Standard_True);
-  TopoDS_Solid solid;
-  builder.MakeSolid(solid);
-  builder.Add(solid, shell);
-  return solid;
+absl::StatusOr<Solid> Faceted(const mesh::DrawnShape& shape, const Eigen::Vector3d& size,
+                              const std::string& name) {
+  mesh::SurfaceMesh surface = mesh::SurfaceIn(shape, size);
+  surface.vertices.colwise() += size / 2;
+  std::vector<std::string> names;
+  for (const std::vector<std::string>& all : shape.face_names) names.push_back(all.front());
+  return FacetedSolid(surface, shape.triangle_face, names, name);
 }
 
 TopoDS_Shape InSize(const mesh::DrawnShape& shape, const Eigen::Vector3d& size) {
-  if (shape.brep.empty()) {
-    mesh::SurfaceMesh surface = mesh::SurfaceIn(shape, size);
-    surface.vertices.colwise() += size / 2;
-    return Faceted(surface);
-  }
   TopoDS_Shape solid = ShapeFrom(shape.brep);
   if (!shape.turn.isIdentity(0)) {
     // The box as it was before it was turned reached from the origin to this corner.
@@ -184,6 +140,7 @@ absl::StatusOr<mesh::DrawnShape> ShapeOfSolid(const Solid& solid, const Eigen::M
 
 absl::StatusOr<Solid> SolidOfShape(const mesh::DrawnShape& shape, const Eigen::Vector3d& size,
                                    const std::string& name) {
+  if (shape.brep.empty()) return Faceted(shape, size, name);
   try {
     const TopoDS_Shape made = InSize(shape, size);
     if (made.IsNull()) return InvalidField("shape", "cannot be stretched to this size");
@@ -196,7 +153,11 @@ absl::StatusOr<Solid> SolidOfShape(const mesh::DrawnShape& shape, const Eigen::V
 Solid MovedSolid(const Solid& solid, const Eigen::Vector3d& translation) {
   gp_Trsf motion;
   motion.SetTranslation(gp_Vec(translation.x(), translation.y(), translation.z()));
-  return Named(solid.kernel().shape.Moved(TopLoc_Location(motion)), solid.name());
+  const TopLoc_Location there(motion);
+  auto moved = std::make_shared<Solid::Kernel>(solid.kernel());
+  moved->shape = moved->shape.Moved(there);
+  for (TopoDS_Face& face : moved->faces) face = TopoDS::Face(face.Moved(there));
+  return Solid(std::move(moved));
 }
 
 }  // namespace mortise::cad

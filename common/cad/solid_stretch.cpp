@@ -176,10 +176,17 @@ class Stretcher {
     };
     int longer = (normal + 1) % 3, shorter = (normal + 2) % 3;
     if (radius(shorter) > radius(longer)) std::swap(longer, shorter);
-    const gp_Ax2 axes(center, position.Direction(), unit(longer));
+    // Of both ways along the longer axis that which shifts least, and forwards: the kernel mistakes
+    // the direction of closed ellipses that begin before their own parameter 0.
+    gp_Dir along = unit(longer);
     const gp_Dir& x = position.XDirection();
+    if (x.Dot(along) < -kParallel || x.Dot(position.Direction().Crossed(along)) < -kParallel) {
+      along.Reverse();
+    }
+    const gp_Ax2 axes(center, position.Direction(), along);
     const double shift = std::atan2(x.Dot(axes.YDirection()), x.Dot(axes.XDirection()));
-    return StretchedCurve{new Geom_Ellipse(axes, radius(longer), radius(shorter)), 1, shift};
+    return StretchedCurve{new Geom_Ellipse(axes, radius(longer), radius(shorter)), 1,
+                          std::max(0.0, shift)};
   }
 
   StretchedSurface Plane(const gp_Ax3& position) const {

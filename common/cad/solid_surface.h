@@ -12,7 +12,7 @@ struct SurfaceOptions {
   // >= 0, of the diagonal of the solid's box: the larger of the two distances holds, so that large
   // solids do not take millions of triangles.
   double relative_deflection = 2e-4;
-  double angle = 0.35;       // rad, > 0; largest turn of the normal along a triangle's edge
+  double angle = 0.35;  // rad, > 0; largest turn of the normal along a triangle's edge
 };
 
 // The closed surface of `solid` as an assembly of one part: triangle_face is the index of the

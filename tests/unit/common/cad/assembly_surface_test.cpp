@@ -126,7 +126,8 @@ TEST(AssemblySurface, RefusesPartsThatPenetrate) {
 }
 
 TEST(AssemblySurface, RefusesShapesThatAreNone) {
-  EXPECT_FALSE(FuseAssembly({}).ok());
+  EXPECT_FALSE(FuseAssembly(std::vector<mesh::PartShape>()).ok());
+  EXPECT_FALSE(FuseAssembly(std::vector<Solid>()).ok());
   mesh::PartShape flat = Block("a", {0, 0, 0}, {1, 1, 1});
   flat.height = 0;
   EXPECT_EQ(DetailOf(FuseAssembly({flat}).status()).field, "parts[0].height");

@@ -1,0 +1,24 @@
+// A solid of planar faces from a closed surface of triangles.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "common/cad/solid.h"
+#include "common/mesh/surface_mesh.h"
+
+namespace mortise::cad {
+
+// The solid within a closed, outward surface without self-intersections. Neighbouring triangles of
+// one face that lie in one plane, up to a tenth of a micrometre, become one face of the solid,
+// which is called as their face is: several of the solid's faces may have one name. triangle_face:
+// index into `face_names`, of each triangle.
+//
+// INVALID_ARGUMENT, "shape", if the kernel finds that it bounds no solid.
+absl::StatusOr<Solid> FacetedSolid(const mesh::SurfaceMesh& surface,
+                                   const Eigen::VectorXi& triangle_face,
+                                   const std::vector<std::string>& face_names,
+                                   const std::string& name);
+
+}  // namespace mortise::cad

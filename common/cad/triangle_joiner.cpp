@@ -1,0 +1,148 @@
+#include "common/cad/triangle_joiner.h"
+
+#include <BRep_Tool.hxx>
+#include <Eigen/Geometry>
+#include <TopExp.hxx>
+#include <TopExp_Explorer.hxx>
+#include <TopoDS.hxx>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "common/base/errors.h"
+#include "common/cad/solid_kernel.h"
+
+namespace mortise::cad {
+
+absl::Status TriangleJoiner::Append(const TopoDS_Face& face, int index) {
+  TopLoc_Location location;
+  const Handle(Poly_Triangulation) mesh = BRep_Tool::Triangulation(face, location);
+  if (mesh.IsNull()) return KernelFailure("triangulating the solid", "a face has no triangles");
+  std::vector<int> nodes(static_cast<std::size_t>(mesh->NbNodes()) + 1, -1);
+  for (TopExp_Explorer edge(face, TopAbs_EDGE); edge.More(); edge.Next()) {
+    const Handle(Poly_PolygonOnTriangulation) polygon =
+        BRep_Tool::PolygonOnTriangulation(TopoDS::Edge(edge.Current()), mesh, location);
+    if (polygon.IsNull()) {
+      return KernelFailure("triangulating the solid", "an edge has no points");
+    }
+    JoinEdge(TopoDS::Edge(edge.Current()), *mesh, location, *polygon, nodes);
+  }
+  for (int i = 1; i <= mesh->NbNodes(); ++i) {
+    int& point = nodes[static_cast<std::size_t>(i)];
+    if (point < 0) point = Add(mesh->Node(i).Transformed(location.Transformation()));
+  }
+  const std::size_t first = triangles_.size();
+  for (int i = 1; i <= mesh->NbTriangles(); ++i) {
+    int a = 0, b = 0, c = 0;
+    mesh->Triangle(i).Get(a, b, c);
+    if (face.Orientation() == TopAbs_REVERSED) std::swap(b, c);
+    const Eigen::Vector3i triangle(nodes[static_cast<std::size_t>(a)],
+                                   nodes[static_cast<std::size_t>(b)],
+                                   nodes[static_cast<std::size_t>(c)]);
+    // At the apex of a cone, whose edge there is a single point.
+    if (triangle(0) == triangle(1) || triangle(1) == triangle(2) || triangle(2) == triangle(0)) {
+      continue;
+    }
+    triangles_.push_back(triangle);
+    faces_.push_back(index);
+  }
+  SplitAtLoneVertices(face, first);
+  return absl::OkStatus();
+}
+
+bool TriangleJoiner::IsClosed() const {
+  std::map<std::pair<int, int>, int> balance;
+  for (const Eigen::Vector3i& corners : triangles_) {
+    for (int i = 0; i < 3; ++i) {
+      const int from = corners(i), to = corners((i + 1) % 3);
+      balance[std::minmax(from, to)] += from < to ? 1 : -1;
+    }
+  }
+  return std::all_of(balance.begin(), balance.end(),
+                     [](const auto& entry) { return entry.second == 0; });
+}
+
+void TriangleJoiner::MoveTo(mesh::AssemblySurface& surface) const {
+  surface.vertices.resize(3, static_cast<Eigen::Index>(points_.size()));
+  for (std::size_t i = 0; i < points_.size(); ++i) {
+    surface.vertices.col(static_cast<Eigen::Index>(i)) = points_[i];
+  }
+  const auto count = static_cast<Eigen::Index>(triangles_.size());
+  surface.triangles.resize(3, count);
+  surface.triangle_face.resize(count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    surface.triangles.col(i) = triangles_[static_cast<std::size_t>(i)];
+    surface.triangle_face(i) = faces_[static_cast<std::size_t>(i)];
+  }
+}
+
+int TriangleJoiner::Add(const gp_Pnt& point) {
+  points_.push_back({point.X(), point.Y(), point.Z()});
+  return static_cast<int>(points_.size()) - 1;
+}
+
+int TriangleJoiner::PointOf(const TopoDS_Vertex& vertex) {
+  const int* known = vertices_.Seek(vertex);
+  if (known != nullptr) return *known;
+  const int index = Add(BRep_Tool::Pnt(vertex));
+  vertices_.Bind(vertex, index);
+  return index;
+}
+
+// Gives the nodes of a face's triangulation that lie on the edge the points of the edge.
+void TriangleJoiner::JoinEdge(const TopoDS_Edge& edge, const Poly_Triangulation& mesh,
+                              const TopLoc_Location& location,
+                              const Poly_PolygonOnTriangulation& polygon, std::vector<int>& nodes) {
+  const int count = polygon.NbNodes();
+  std::vector<int>& along = edges_[edges_by_shape_.Add(edge)];
+  if (along.empty()) {
+    const TopoDS_Edge forward = TopoDS::Edge(edge.Oriented(TopAbs_FORWARD));
+    along.push_back(PointOf(TopExp::FirstVertex(forward)));
+    for (int i = 2; i < count; ++i) {
+      along.push_back(BRep_Tool::Degenerated(edge)
+                          ? along.front()
+                          : Add(mesh.Node(polygon.Node(i)).Transformed(location.Transformation())));
+    }
+    along.push_back(PointOf(TopExp::LastVertex(forward)));
+  }
+  for (int i = 1; i <= std::min(count, static_cast<int>(along.size())); ++i) {
+    nodes[static_cast<std::size_t>(polygon.Node(i))] = along[static_cast<std::size_t>(i) - 1];
+  }
+}
+
+// Vertices within a face, where another part touches it in a point. The kernel leaves them out.
+void TriangleJoiner::SplitAtLoneVertices(const TopoDS_Face& face, std::size_t first) {
+  for (TopExp_Explorer lone(face, TopAbs_VERTEX, TopAbs_EDGE); lone.More(); lone.Next()) {
+    SplitAt(PointOf(TopoDS::Vertex(lone.Current())), first);
+  }
+}
+
+// Divides the nearest of the triangles from `first` on in three that meet in the point.
+void TriangleJoiner::SplitAt(int point, std::size_t first) {
+  const Eigen::Vector3d place = points_[static_cast<std::size_t>(point)];
+  std::size_t nearest = triangles_.size();
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t t = first; t < triangles_.size(); ++t) {
+    const Eigen::Vector3d a = points_[static_cast<std::size_t>(triangles_[t](0))];
+    const Eigen::Vector3d u = points_[static_cast<std::size_t>(triangles_[t](1))] - a;
+    const Eigen::Vector3d v = points_[static_cast<std::size_t>(triangles_[t](2))] - a;
+    const Eigen::Vector3d normal = u.cross(v);
+    const Eigen::Vector3d offset = place - a;
+    const double share_u = offset.cross(v).dot(normal) / normal.squaredNorm();
+    const double share_v = u.cross(offset).dot(normal) / normal.squaredNorm();
+    if (!(share_u >= 0 && share_v >= 0 && share_u + share_v <= 1)) continue;
+    const double height = std::abs(offset.dot(normal)) / normal.norm();
+    if (height >= least) continue;
+    least = height;
+    nearest = t;
+  }
+  if (nearest == triangles_.size()) return;
+  const Eigen::Vector3i corners = triangles_[nearest];
+  if ((corners.array() == point).any()) return;
+  triangles_[nearest](2) = point;
+  triangles_.push_back({point, corners(1), corners(2)});
+  triangles_.push_back({corners(0), point, corners(2)});
+  faces_.insert(faces_.end(), 2, faces_[nearest]);
+}
+
+}  // namespace mortise::cad
