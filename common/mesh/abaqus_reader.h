@@ -1,0 +1,23 @@
+// Meshes in input files of Abaqus and CalculiX (.inp).
+#pragma once
+
+#include <string_view>
+
+#include "absl/status/statusor.h"
+#include "common/mesh/grouped_mesh.h"
+
+namespace mortise::mesh {
+
+// Reads *NODE, *ELEMENT of type C3D4, C3D10 or C3D10M, *NSET and *ELSET (with GENERATE, and naming
+// earlier sets), *SURFACE of element faces S1 to S4 or of nodes; ELSET= and NSET= of elements and
+// nodes. Plane and surface triangles (CPS3, CPS6, SFM3D3, SFM3D6), as meshers write them, only mark
+// faces: sets of them become groups of faces. Keywords, parameters and names of sets may be in
+// upper or lower case; a group is called as its name is written first.
+//
+// What belongs to an analysis (*MATERIAL, *STEP …) is not used; GroupedMesh::notes lists it.
+// INVALID_ARGUMENT naming "mesh_file", with the line: *INCLUDE, elements of other kinds (named),
+// whatever makes or moves nodes or elements (*NGEN, *SYSTEM, a second *PART, moved *INSTANCE), and
+// whatever is broken.
+absl::StatusOr<GroupedMesh> ReadAbaqus(std::string_view text);
+
+}  // namespace mortise::mesh

@@ -1,0 +1,467 @@
+#include "common/mesh/gmsh_reader.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <map>
+#include <set>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
+#include "common/mesh/grouped_mesh_builder.h"
+
+namespace mortise::mesh {
+namespace {
+
+struct GmshElementKind {
+  int type;
+  const char* name;
+  int dimension;  // -1: cannot be used
+  int nodes;
+};
+
+constexpr GmshElementKind kKinds[] = {
+    {15, "points", 0, 1},
+    {1, "lines of 2 nodes", 1, 2},
+    {8, "lines of 3 nodes", 1, 3},
+    {2, "triangles of 3 nodes", 2, 3},
+    {9, "triangles of 6 nodes", 2, 6},
+    {4, "tetrahedra of 4 nodes", 3, 4},
+    {11, "tetrahedra of 10 nodes", 3, 10},
+    {3, "quadrangles of 4 nodes", -1, 0},
+    {5, "hexahedra of 8 nodes", -1, 0},
+    {6, "prisms of 6 nodes", -1, 0},
+    {7, "pyramids of 5 nodes", -1, 0},
+    {10, "quadrangles of 9 nodes", -1, 0},
+    {12, "hexahedra of 27 nodes", -1, 0},
+    {13, "prisms of 18 nodes", -1, 0},
+    {14, "pyramids of 14 nodes", -1, 0},
+    {16, "quadrangles of 8 nodes", -1, 0},
+    {17, "hexahedra of 20 nodes", -1, 0},
+    {18, "prisms of 15 nodes", -1, 0},
+    {19, "pyramids of 13 nodes", -1, 0},
+    {21, "triangles of 10 nodes", -1, 0},
+    {29, "tetrahedra of 20 nodes", -1, 0},
+};
+
+// Reads numbers, which are text or binary alike.
+class Cursor {
+ public:
+  Cursor(std::string_view bytes, bool is_text, const FilePlaces& places)
+      : bytes_(bytes), is_text_(is_text), places_(places) {}
+
+  std::size_t at() const { return at_; }
+  std::size_t left() const { return bytes_.size() - at_; }
+  bool is_text() const { return is_text_; }
+
+  absl::Status Fault(std::string_view message) const { return places_.Fault(at_, message); }
+
+  void SkipSpace() {
+    while (at_ < bytes_.size() && IsSpace(bytes_[at_])) ++at_;
+  }
+
+  // What is left of the line, without its end.
+  std::string_view Line() {
+    const std::size_t end = bytes_.find('\n', at_);
+    std::string_view line = bytes_.substr(at_, end == std::string_view::npos ? end : end - at_);
+    at_ = end == std::string_view::npos ? bytes_.size() : end + 1;
+    while (!line.empty() && IsSpace(line.back())) line.remove_suffix(1);
+    return line;
+  }
+
+  // "$Name" at the start of a section; empty at the end of the file.
+  absl::StatusOr<std::string_view> Section() {
+    SkipSpace();
+    if (at_ == bytes_.size()) return std::string_view();
+    if (bytes_[at_] != '$') return Fault("a section, such as $Nodes, must begin here");
+    return Line();
+  }
+
+  absl::Status SkipTo(std::string_view end) {
+    const std::size_t found = bytes_.find(end, at_);
+    if (found == std::string_view::npos) {
+      return Fault(absl::StrCat("a section has no ", absl::string_view(end.data(), end.size())));
+    }
+    at_ = found + end.size();
+    return absl::OkStatus();
+  }
+
+  absl::Status Expect(std::string_view text) {
+    SkipSpace();
+    if (bytes_.substr(at_, text.size()) != text) {
+      return Fault(absl::StrCat(absl::string_view(text.data(), text.size()), " is missing here"));
+    }
+    at_ += text.size();
+    return absl::OkStatus();
+  }
+
+  // 4 bytes where binary.
+  absl::StatusOr<std::int64_t> Int() {
+    if (is_text_) return Parse<std::int64_t>();
+    MORTISE_ASSIGN_OR_RETURN(const std::int32_t value, Take<std::int32_t>());
+    return value;
+  }
+
+  // 8 bytes where binary.
+  absl::StatusOr<std::int64_t> Size() {
+    if (is_text_) return Parse<std::int64_t>();
+    return Take<std::int64_t>();
+  }
+
+  // A number of things that follow, each at least `least` bytes long.
+  absl::StatusOr<std::int64_t> Count(std::size_t least) {
+    MORTISE_ASSIGN_OR_RETURN(const std::int64_t count, Size());
+    return CheckCount(count, least);
+  }
+
+  absl::StatusOr<std::int64_t> CheckCount(std::int64_t count, std::size_t least) const {
+    if (count >= 0 && static_cast<std::uint64_t>(count) <= left() / least) return count;
+    return Fault(absl::StrCat("the file is too short for ", count, " of what follows"));
+  }
+
+  absl::StatusOr<double> Double() { return is_text_ ? Parse<double>() : Take<double>(); }
+
+  template <typename T>
+  absl::StatusOr<T> Parse() {
+    SkipSpace();
+    T value{};
+    const char* const begin = bytes_.data() + at_;
+    const char* const end = bytes_.data() + bytes_.size();
+    const auto [stop, error] = std::from_chars(begin + (begin < end && *begin == '+'), end, value);
+    if (error != std::errc() || (stop < end && !IsSpace(*stop))) {
+      if (at_ == bytes_.size()) return Fault("the file ends too early");
+      return Fault("a number is missing here, or too large");
+    }
+    at_ = stop - bytes_.data();
+    return value;
+  }
+
+  template <typename T>
+  absl::StatusOr<T> Take() {
+    if (left() < sizeof(T)) return Fault("the file ends too early");
+    T value;
+    std::memcpy(&value, bytes_.data() + at_, sizeof value);
+    at_ += sizeof value;
+    return value;
+  }
+
+ private:
+  static bool IsSpace(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
+
+  const std::string_view bytes_;
+  const bool is_text_;
+  const FilePlaces& places_;
+  std::size_t at_ = 0;
+};
+
+// A physical group, or an elementary entity.
+struct Key {
+  int dimension;
+  std::int64_t tag;
+  friend auto operator<=>(const Key&, const Key&) = default;
+};
+
+class Reader {
+ public:
+  Reader(std::string_view bytes, bool is_text, bool is_old)
+      : places_(bytes, is_text),
+        cursor_(bytes, is_text, places_),
+        builder_(places_, is_old ? GroupedMeshBuilder::Repeats::kMerged
+                                 : GroupedMeshBuilder::Repeats::kRefused),
+        is_old_(is_old) {}
+
+  absl::StatusOr<GroupedMesh> Read() {
+    while (true) {
+      MORTISE_ASSIGN_OR_RETURN(const std::string_view section, cursor_.Section());
+      if (section.empty()) break;
+      MORTISE_RETURN_IF_ERROR(ReadSection(std::string(section.substr(1))));
+    }
+    return builder_.Build();
+  }
+
+ private:
+  absl::Status ReadSection(const std::string& name) {
+    const std::string end = "$End" + name;
+    if (name == "PartitionedEntities") {
+      return cursor_.Fault("partitioned meshes are not read; save it without partitions");
+    }
+    const bool is_known = name == "MeshFormat" || name == "PhysicalNames" || name == "Nodes" ||
+                          name == "Elements" || (name == "Entities" && !is_old_);
+    if (!is_known) {
+      const bool is_word = !name.empty() && name.size() <= 40 &&
+                           std::all_of(name.begin(), name.end(),
+                                       [](unsigned char c) { return std::isalnum(c) != 0; });
+      if (!is_word) return cursor_.Fault("a section has no name");
+      if (name != "Comments") builder_.AddNote(absl::StrCat("$", name, " was not used"));
+      return cursor_.SkipTo(end);
+    }
+    if (name == "MeshFormat") return cursor_.SkipTo(end);  // read by ReadGmsh
+    if (!seen_.insert(name).second) return cursor_.Fault("there is a second $" + name);
+    if (name == "PhysicalNames") MORTISE_RETURN_IF_ERROR(ReadNames());
+    if (name == "Entities") MORTISE_RETURN_IF_ERROR(ReadEntities());
+    if (name == "Nodes") MORTISE_RETURN_IF_ERROR(is_old_ ? ReadOldNodes() : ReadNodes());
+    if (name == "Elements") MORTISE_RETURN_IF_ERROR(is_old_ ? ReadOldElements() : ReadElements());
+    return cursor_.Expect(end);
+  }
+
+  // Text in all files.
+  absl::Status ReadNames() {
+    MORTISE_ASSIGN_OR_RETURN(std::int64_t count, cursor_.Parse<std::int64_t>());
+    MORTISE_ASSIGN_OR_RETURN(count, cursor_.CheckCount(count, 6));
+    for (std::int64_t i = 0; i < count; ++i) {
+      MORTISE_ASSIGN_OR_RETURN(const std::int64_t dimension, cursor_.Parse<std::int64_t>());
+      MORTISE_ASSIGN_OR_RETURN(const std::int64_t tag, cursor_.Parse<std::int64_t>());
+      cursor_.SkipSpace();
+      const std::size_t place = cursor_.at();
+      const std::string_view line = cursor_.Line();
+      if (line.size() < 2 || line.front() != '"' || line.back() != '"') {
+        return places_.Fault(place, "a name in quotes is missing here");
+      }
+      if (dimension < 0 || dimension > 3)
+        return places_.Fault(place, "the dimension is not 0 to 3");
+      const std::string name(line.substr(1, line.size() - 2));
+      names_[{static_cast<int>(dimension), tag}] = name;
+      MORTISE_RETURN_IF_ERROR(AddGroup(static_cast<int>(dimension), name, place));
+    }
+    return absl::OkStatus();
+  }
+
+  absl::Status AddGroup(int dimension, const std::string& name, std::size_t place) {
+    if (dimension == 3) return builder_.AddElementGroup(name, place);
+    return dimension == 2 ? builder_.AddFaceGroup(name, place) : builder_.AddNodeGroup(name, place);
+  }
+
+  absl::Status ReadEntities() {
+    std::array<std::int64_t, 4> counts{};
+    for (std::int64_t& count : counts) {
+      MORTISE_ASSIGN_OR_RETURN(count, cursor_.Count(cursor_.is_text() ? 10 : 36));
+    }
+    for (int dimension = 0; dimension < 4; ++dimension) {
+      for (std::int64_t i = 0; i < counts[dimension]; ++i) {
+        MORTISE_RETURN_IF_ERROR(ReadEntity(dimension));
+      }
+    }
+    return absl::OkStatus();
+  }
+
+  absl::Status ReadEntity(int dimension) {
+    MORTISE_ASSIGN_OR_RETURN(const std::int64_t tag, cursor_.Int());
+    for (int k = 0; k < (dimension == 0 ? 3 : 6); ++k) {  // its place, or box
+      MORTISE_RETURN_IF_ERROR(cursor_.Double().status());
+    }
+    MORTISE_ASSIGN_OR_RETURN(const std::int64_t groups, cursor_.Count(cursor_.is_text() ? 2 : 4));
+    for (std::int64_t i = 0; i < groups; ++i) {
+      MORTISE_ASSIGN_OR_RETURN(const std::int64_t group, cursor_.Int());
+      entity_groups_[{dimension, tag}].push_back(std::abs(group));  // negative: turned round
+    }
+    if (dimension == 0) return absl::OkStatus();
+    MORTISE_ASSIGN_OR_RETURN(const std::int64_t bounds, cursor_.Count(cursor_.is_text() ? 2 : 4));
+    for (std::int64_t i = 0; i < bounds; ++i) MORTISE_RETURN_IF_ERROR(cursor_.Int().status());
+    return absl::OkStatus();
+  }
+
+  absl::Status ReadNode(std::int64_t number, std::size_t place) {
+    Eigen::Vector3d position;
+    for (double& x : position) {
+      MORTISE_ASSIGN_OR_RETURN(x, cursor_.Double());
+    }
+    return builder_.AddNode(number, position, place);
+  }
+
+  absl::Status ReadOldNodes() {
+    MORTISE_ASSIGN_OR_RETURN(const std::int64_t count, OldCount(cursor_.is_text() ? 8 : 28));
+    for (std::int64_t i = 0; i < count; ++i) {
+      if (cursor_.is_text()) cursor_.SkipSpace();
+      const std::size_t place = cursor_.at();
+      MORTISE_ASSIGN_OR_RETURN(const std::int64_t number, cursor_.Int());
+      MORTISE_RETURN_IF_ERROR(ReadNode(number, place));
+    }
+    return absl::OkStatus();
+  }
+
+  // A count on a line of its own, text in all files of version 2.
+  absl::StatusOr<std::int64_t> OldCount(std::size_t least) {
+    MORTISE_ASSIGN_OR_RETURN(const std::int64_t count, cursor_.Parse<std::int64_t>());
+    cursor_.Line();
+    return cursor_.CheckCount(count, least);
+  }
+
+  absl::Status ReadNodes() {
+    const std::size_t least = cursor_.is_text() ? 2 : 8;
+    MORTISE_ASSIGN_OR_RETURN(const std::int64_t blocks, cursor_.Count(least));
+    for (int k = 0; k < 3; ++k) MORTISE_RETURN_IF_ERROR(cursor_.Size().status());  // totals
+    for (std::int64_t b = 0; b < blocks; ++b) {
+      MORTISE_ASSIGN_OR_RETURN(const std::int64_t dimension, cursor_.Int());
+      MORTISE_RETURN_IF_ERROR(cursor_.Int().status());  // the entity
+      MORTISE_ASSIGN_OR_RETURN(const std::int64_t is_parametric, cursor_.Int());
+      if (dimension < 0 || dimension > 3) return cursor_.Fault("the dimension is not 0 to 3");
+      MORTISE_ASSIGN_OR_RETURN(const std::int64_t count, cursor_.Count(cursor_.is_text() ? 8 : 32));
+      std::vector<std::int64_t> numbers(count);
+      std::vector<std::size_t> places(count);
+      for (std::int64_t i = 0; i < count; ++i) {
+        if (cursor_.is_text()) cursor_.SkipSpace();
+        places[i] = cursor_.at();
+        MORTISE_ASSIGN_OR_RETURN(numbers[i], cursor_.Size());
+      }
+      for (std::int64_t i = 0; i < count; ++i) {
+        MORTISE_RETURN_IF_ERROR(ReadNode(numbers[i], places[i]));
+        for (std::int64_t k = 0; is_parametric != 0 && k < dimension; ++k) {
+          MORTISE_RETURN_IF_ERROR(cursor_.Double().status());
+        }
+      }
+    }
+    return absl::OkStatus();
+  }
+
+  absl::Status ReadElements() {
+    const std::size_t least = cursor_.is_text() ? 2 : 8;
+    MORTISE_ASSIGN_OR_RETURN(const std::int64_t blocks, cursor_.Count(least));
+    for (int k = 0; k < 3; ++k) MORTISE_RETURN_IF_ERROR(cursor_.Size().status());  // totals
+    for (std::int64_t b = 0; b < blocks; ++b) {
+      MORTISE_ASSIGN_OR_RETURN(const std::int64_t dimension, cursor_.Int());
+      MORTISE_ASSIGN_OR_RETURN(const std::int64_t entity, cursor_.Int());
+      MORTISE_ASSIGN_OR_RETURN(const std::int64_t type, cursor_.Int());
+      MORTISE_ASSIGN_OR_RETURN(const GmshElementKind* kind, KindOf(type));
+      if (kind->dimension != dimension) return cursor_.Fault("the dimension is not its elements'");
+      MORTISE_ASSIGN_OR_RETURN(const std::int64_t count,
+                               cursor_.Count((1 + kind->nodes) * (cursor_.is_text() ? 2 : 8)));
+      const auto groups = entity_groups_.find({kind->dimension, entity});
+      static const std::vector<std::int64_t> kNone;
+      for (std::int64_t i = 0; i < count; ++i) {
+        if (cursor_.is_text()) cursor_.SkipSpace();
+        const std::size_t place = cursor_.at();
+        MORTISE_ASSIGN_OR_RETURN(const std::int64_t number, cursor_.Size());
+        std::array<std::int64_t, 10> nodes{};
+        for (int k = 0; k < kind->nodes; ++k) {
+          MORTISE_ASSIGN_OR_RETURN(nodes[k], cursor_.Size());
+        }
+        MORTISE_RETURN_IF_ERROR(AddElement(
+            *kind, number, nodes, groups == entity_groups_.end() ? kNone : groups->second, place));
+      }
+    }
+    return absl::OkStatus();
+  }
+
+  absl::Status ReadOldElements() {
+    MORTISE_ASSIGN_OR_RETURN(const std::int64_t count, OldCount(cursor_.is_text() ? 6 : 4));
+    std::int64_t done = 0;
+    while (done < count) {
+      if (cursor_.is_text()) {
+        cursor_.SkipSpace();
+        const std::size_t place = cursor_.at();
+        MORTISE_ASSIGN_OR_RETURN(const std::int64_t number, cursor_.Int());
+        MORTISE_ASSIGN_OR_RETURN(const std::int64_t type, cursor_.Int());
+        MORTISE_ASSIGN_OR_RETURN(const std::int64_t tags, cursor_.Int());
+        MORTISE_ASSIGN_OR_RETURN(const GmshElementKind* kind, KindOf(type));
+        MORTISE_RETURN_IF_ERROR(ReadOldElement(*kind, number, tags, place));
+        ++done;
+        continue;
+      }
+      MORTISE_ASSIGN_OR_RETURN(const std::int64_t type, cursor_.Int());
+      MORTISE_ASSIGN_OR_RETURN(std::int64_t block, cursor_.Int());
+      MORTISE_ASSIGN_OR_RETURN(const std::int64_t tags, cursor_.Int());
+      MORTISE_ASSIGN_OR_RETURN(const GmshElementKind* kind, KindOf(type));
+      if (block < 1 || block > count - done) return cursor_.Fault("a block has a wrong length");
+      MORTISE_ASSIGN_OR_RETURN(block, cursor_.CheckCount(block, 4 * (1 + kind->nodes)));
+      for (std::int64_t i = 0; i < block; ++i) {
+        const std::size_t place = cursor_.at();
+        MORTISE_ASSIGN_OR_RETURN(const std::int64_t number, cursor_.Int());
+        MORTISE_RETURN_IF_ERROR(ReadOldElement(*kind, number, tags, place));
+      }
+      done += block;
+    }
+    return absl::OkStatus();
+  }
+
+  // From the tags on. The first is the physical group, 0 for none; those after the second tell of
+  // partitions.
+  absl::Status ReadOldElement(const GmshElementKind& kind, std::int64_t number, std::int64_t tags,
+                              std::size_t place) {
+    if (tags < 0 || tags > 100) return places_.Fault(place, "the number of tags is not 0 to 100");
+    std::vector<std::int64_t> groups;
+    for (std::int64_t t = 0; t < tags; ++t) {
+      MORTISE_ASSIGN_OR_RETURN(const std::int64_t tag, cursor_.Int());
+      if (t == 0 && tag != 0) groups.push_back(std::abs(tag));
+    }
+    std::array<std::int64_t, 10> nodes{};
+    for (int k = 0; k < kind.nodes; ++k) {
+      MORTISE_ASSIGN_OR_RETURN(nodes[k], cursor_.Int());
+    }
+    return AddElement(kind, number, nodes, groups, place);
+  }
+
+  absl::StatusOr<const GmshElementKind*> KindOf(std::int64_t type) const {
+    for (const GmshElementKind& kind : kKinds) {
+      if (kind.type != type) continue;
+      if (kind.dimension >= 0) return &kind;
+      return cursor_.Fault(absl::StrCat("there are ", kind.name,
+                                        ": only tetrahedra of 4 or 10 nodes can be analysed"));
+    }
+    return cursor_.Fault(absl::StrCat("there are elements of type ", type,
+                                      ": only tetrahedra of 4 or 10 nodes can be analysed"));
+  }
+
+  absl::Status AddElement(const GmshElementKind& kind, std::int64_t number,
+                          std::array<std::int64_t, 10>& nodes,
+                          const std::vector<std::int64_t>& groups, std::size_t place) {
+    if (kind.dimension == 3) {
+      if (kind.nodes == 10) std::swap(nodes[8], nodes[9]);  // the middles of 23 and 13
+      MORTISE_RETURN_IF_ERROR(
+          builder_.AddElement(number, std::span(nodes.data(), kind.nodes), place));
+    }
+    for (const std::int64_t tag : groups) {
+      const auto known = names_.find({kind.dimension, tag});
+      const std::string name = known == names_.end() ? absl::StrCat(tag) : known->second;
+      if (kind.dimension == 3) {
+        MORTISE_RETURN_IF_ERROR(builder_.AddElementMember(name, number, place));
+      } else if (kind.dimension == 2) {
+        MORTISE_RETURN_IF_ERROR(builder_.AddTriangle(name, {nodes[0], nodes[1], nodes[2]}, place));
+      } else {
+        for (int k = 0; k < kind.nodes; ++k) {
+          MORTISE_RETURN_IF_ERROR(builder_.AddNodeMember(name, nodes[k], place));
+        }
+      }
+    }
+    return absl::OkStatus();
+  }
+
+  const FilePlaces places_;
+  Cursor cursor_;
+  GroupedMeshBuilder builder_;
+  const bool is_old_;
+  std::set<std::string> seen_;  // sections
+  std::map<Key, std::string> names_;
+  std::map<Key, std::vector<std::int64_t>> entity_groups_;  // by entity
+};
+
+}  // namespace
+
+absl::StatusOr<GroupedMesh> ReadGmsh(std::string_view bytes) {
+  const FilePlaces places(bytes, true);
+  constexpr std::string_view kFormat = "$MeshFormat";
+  const std::size_t found = bytes.find(kFormat);
+  if (found == std::string_view::npos) return InvalidField("mesh_file", "has no $MeshFormat");
+  Cursor header(bytes.substr(found + kFormat.size()), true, places);
+  const auto fault = [&](std::string_view message) { return places.Fault(found, message); };
+  const auto version = header.Parse<double>();
+  const auto is_binary = header.Parse<std::int64_t>();
+  const auto size = header.Parse<std::int64_t>();
+  if (!version.ok() || !is_binary.ok() || !size.ok()) return fault("$MeshFormat is broken");
+  if (*version != 2.2 && *version != 4.1) {
+    return fault(absl::StrCat("MSH version ", *version, " is not read; save it as 4.1 or 2.2"));
+  }
+  if (*size != 8 || (*is_binary != 0 && *is_binary != 1)) return fault("$MeshFormat is broken");
+  if (*is_binary == 1) {
+    header.Line();
+    const auto one = header.Take<std::int32_t>();
+    if (!one.ok() || *one != 1)
+      return fault("its numbers have another byte order than this host's");
+  }
+  return Reader(bytes, *is_binary == 0, *version == 2.2).Read();
+}
+
+}  // namespace mortise::mesh

@@ -1,0 +1,111 @@
+// Collects what a mesh file numbers, and puts it together once all of it is known.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <map>
+#include <span>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "common/mesh/grouped_mesh.h"
+
+namespace mortise::mesh {
+
+// Where in a file something is, for people.
+class FilePlaces {
+ public:
+  FilePlaces(std::string_view bytes, bool is_text) : bytes_(bytes), is_text_(is_text) {}
+
+  // INVALID_ARGUMENT naming "mesh_file": "line 12: …" or "byte 345: …" for the byte `place`.
+  absl::Status Fault(std::size_t place, std::string_view message) const;
+
+ private:
+  const std::string_view bytes_;
+  const bool is_text_;
+};
+
+// Nodes and elements are known by the file's numbers, which may come in any order. Each `place` is
+// the byte of the file that failures tell of.
+class GroupedMeshBuilder {
+ public:
+  enum class Repeats { kRefused, kMerged };
+
+  // `repeats`: what becomes of elements on the same nodes; MSH 2.2 repeats those in two groups.
+  GroupedMeshBuilder(const FilePlaces& places, Repeats repeats)
+      : places_(places), repeats_(repeats) {}
+
+  absl::Status AddNode(std::int64_t number, const Eigen::Vector3d& position, std::size_t place);
+
+  // `nodes`: 4 or 10 numbers in the order of TetrahedralMesh.
+  absl::Status AddElement(std::int64_t number, std::span<const std::int64_t> nodes,
+                          std::size_t place);
+
+  // Members of the groups of this name, which is made if it is new. Nodes and elements must exist
+  // in the end; a triangle must be a side of an element.
+  absl::Status AddNodeMember(const std::string& group, std::int64_t number, std::size_t place);
+  absl::Status AddElementMember(const std::string& group, std::int64_t number, std::size_t place);
+  absl::Status AddSideMember(const std::string& group, std::int64_t element, int side,
+                             std::size_t place);
+  absl::Status AddTriangle(const std::string& group, const std::array<std::int64_t, 3>& corners,
+                           std::size_t place);
+
+  // Makes groups that may stay empty.
+  absl::Status AddNodeGroup(const std::string& group, std::size_t place);
+  absl::Status AddElementGroup(const std::string& group, std::size_t place);
+  absl::Status AddFaceGroup(const std::string& group, std::size_t place);
+
+  // Notes beyond the fiftieth are dropped.
+  void AddNote(std::string note) {
+    if (notes_.size() < 50) notes_.push_back(std::move(note));
+  }
+
+  bool HasNode(std::int64_t number) const { return node_index_.contains(number); }
+  bool HasElement(std::int64_t number) const { return element_index_.contains(number); }
+
+  // The mesh; the builder is empty afterwards.
+  absl::StatusOr<GroupedMesh> Build();
+
+ private:
+  struct Member {
+    std::int64_t number;
+    std::size_t place;
+    int side;  // of an element, or -1
+  };
+  struct Triangle {
+    std::array<std::int64_t, 3> corners;
+    std::size_t place;
+  };
+  struct FaceMembers {
+    std::vector<Member> sides;
+    std::vector<Triangle> triangles;
+  };
+
+  absl::Status CheckName(const std::string& group, std::size_t place) const;
+  absl::Status ResolveElements(GroupedMesh& mesh);
+  absl::Status MergeRepeats(GroupedMesh& mesh);
+  absl::Status ResolveElementGroups(GroupedMesh& mesh) const;
+  absl::Status ResolveFaceGroups(GroupedMesh& mesh) const;
+  absl::Status ResolveNodeGroups(const std::vector<int>& kept, GroupedMesh& mesh) const;
+
+  const FilePlaces& places_;
+  const Repeats repeats_;
+  std::vector<Eigen::Vector3d> nodes_;
+  std::vector<std::int64_t> node_numbers_;
+  std::unordered_map<std::int64_t, int> node_index_;
+  int nodes_of_element_ = 0;
+  std::vector<std::int64_t> element_nodes_;  // numbers, those of an element in a row
+  std::vector<std::int64_t> element_numbers_;
+  std::vector<std::size_t> element_places_;
+  std::unordered_map<std::int64_t, int> element_index_;  // by number; after Build's merging, final
+  std::map<std::string, std::vector<Member>> node_groups_, element_groups_;
+  std::map<std::string, FaceMembers> face_groups_;
+  std::vector<std::string> notes_;
+};
+
+}  // namespace mortise::mesh

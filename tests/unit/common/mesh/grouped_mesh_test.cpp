@@ -1,0 +1,301 @@
+// Meshes of Gmsh, Abaqus and CalculiX: what is read of them, and how bad files are refused.
+#include "common/mesh/grouped_mesh.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <random>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_replace.h"
+#include "common/base/errors.h"
+#include "common/mesh/abaqus_reader.h"
+#include "common/mesh/element_faces.h"
+#include "common/mesh/gmsh_reader.h"
+#include "tests/support/mesh_files.h"
+
+namespace mortise::mesh {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+template <typename Group>
+const Group* Find(const std::vector<Group>& groups, const std::string& name) {
+  const auto found = std::find_if(groups.begin(), groups.end(),
+                                  [&](const Group& group) { return group.name == name; });
+  return found == groups.end() ? nullptr : &*found;
+}
+
+template <typename Group>
+auto Members(const std::vector<Group>& groups, const std::string& name) {
+  const Group* const group = Find(groups, name);
+  EXPECT_NE(group, nullptr) << name;
+  return group == nullptr ? decltype(Group::members)() : group->members;
+}
+
+template <typename Group>
+void ExpectSameGroups(const std::vector<Group>& read, const std::vector<Group>& written) {
+  for (const Group& group : written) {
+    const Group* const found = Find(read, group.name);
+    ASSERT_NE(found, nullptr) << group.name;
+    EXPECT_EQ(found->members, group.members) << group.name;
+  }
+}
+
+void ExpectSame(const absl::StatusOr<GroupedMesh>& read, const GroupedMesh& written) {
+  ASSERT_TRUE(read.ok()) << read.status();
+  EXPECT_EQ(read->nodes, written.nodes);
+  EXPECT_EQ(read->node_numbers, written.node_numbers);
+  // Files may list elements group by group.
+  ASSERT_EQ(read->tetrahedra.cols(), written.tetrahedra.cols());
+  std::map<std::int64_t, int> index;
+  for (int e = 0; e < read->tetrahedra.cols(); ++e) index[read->element_numbers[e]] = e;
+  GroupedMesh ordered = *read;
+  std::vector<int> old_to_new(read->tetrahedra.cols(), -1);
+  for (int e = 0; e < written.tetrahedra.cols(); ++e) {
+    ASSERT_TRUE(index.contains(written.element_numbers[e]));
+    const int from = index[written.element_numbers[e]];
+    EXPECT_EQ(read->tetrahedra.col(from), written.tetrahedra.col(e)) << e;
+    old_to_new[from] = e;
+  }
+  for (ElementGroup& group : ordered.element_groups) {
+    for (int& e : group.members) e = old_to_new[e];
+    std::sort(group.members.begin(), group.members.end());
+  }
+  for (FaceGroup& group : ordered.face_groups) {
+    for (ElementSide& side : group.members) side.element = old_to_new[side.element];
+    std::sort(group.members.begin(), group.members.end());
+  }
+  ExpectSameGroups(ordered.element_groups, written.element_groups);
+  ExpectSameGroups(ordered.face_groups, written.face_groups);
+  ExpectSameGroups(ordered.node_groups, written.node_groups);
+}
+
+GroupedMesh Box(bool quadratic) { return testing::GroupedBox({2, 1, 1}, {4, 2, 3}, quadratic); }
+
+// Everything a file of one tetrahedron has that tests replace.
+constexpr char kOldGmsh[] =
+    "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n3 1 \"body\"\n$EndPhysicalNames\n"
+    "$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n$EndNodes\n"
+    "$Elements\n1\n1 4 2 1 1 1 2 3 4\n$EndElements\n";
+constexpr char kAbaqus[] =
+    "*NODE\n1, 0, 0, 0\n2, 1.D0, 0, 0\n3, 0, 1\n4, , , 1e0\n"
+    "*ELEMENT, TYPE=C3D4, ELSET=body\n7, 1, 2, 3, 4\n";
+
+std::string Message(const std::string& file) {
+  const auto mesh = ReadGroupedMesh(file);
+  EXPECT_FALSE(mesh.ok());
+  EXPECT_EQ(DetailOf(mesh.status()).field, "mesh_file");
+  return std::string(mesh.status().message());
+}
+
+std::string GmshMessage(const std::string& from, const std::string& to) {
+  const std::string changed = absl::StrReplaceAll(kOldGmsh, {{from, to}});
+  EXPECT_NE(changed, kOldGmsh);
+  return Message(changed);
+}
+
+std::string AbaqusMessage(const std::string& from, const std::string& to) {
+  const std::string changed = absl::StrReplaceAll(kAbaqus, {{from, to}});
+  EXPECT_NE(changed, kAbaqus);
+  return Message(changed);
+}
+
+TEST(GroupedMesh, EveryFormatGivesWhatWasWritten) {
+  for (const bool quadratic : {false, true}) {
+    const GroupedMesh box = Box(quadratic);
+    for (const bool is_binary : {false, true}) {
+      SCOPED_TRACE(absl::StrCat(quadratic, " ", is_binary));
+      ExpectSame(ReadGroupedMesh(testing::WriteGmsh22(box, is_binary)), box);
+      ExpectSame(ReadGroupedMesh(testing::WriteGmsh41(box, is_binary)), box);
+    }
+    ExpectSame(ReadGroupedMesh(testing::WriteAbaqus(box)), box);
+  }
+}
+
+// The formats' own numbering, from their manuals: 10-node tetrahedra whose middle nodes lie in the
+// middles of their edges, as the places tell.
+TEST(GroupedMesh, MiddleNodesComeInOurOrder) {
+  // The middles of 01, 12, 02, 03, 13, 23 of the unit tetrahedron are nodes 5 to 10.
+  const std::string places =
+      "1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 .5 0 0\n6 .5 .5 0\n7 0 .5 0\n8 0 0 .5\n"
+      "9 .5 0 .5\n10 0 .5 .5\n";
+  const std::string gmsh =
+      absl::StrCat("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n10\n", places,
+                   "$EndNodes\n$Elements\n1\n1 11 2 0 1 1 2 3 4 5 6 7 8 10 9\n$EndElements\n");
+  const std::string abaqus =
+      absl::StrCat("*NODE\n", absl::StrReplaceAll(places, {{" ", ", "}}),
+                   "*ELEMENT, TYPE=C3D10M\n1, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10\n");
+  for (const std::string& file : {gmsh, abaqus}) {
+    const auto mesh = ReadGroupedMesh(file);
+    ASSERT_TRUE(mesh.ok()) << mesh.status();
+    for (int edge = 0; edge < 6; ++edge) {
+      const auto [a, b] = kTetrahedronEdges[edge];
+      const Eigen::Vector3d middle =
+          0.5 * (mesh->nodes.col(mesh->tetrahedra(a, 0)) + mesh->nodes.col(mesh->tetrahedra(b, 0)));
+      EXPECT_EQ(Eigen::Vector3d(mesh->nodes.col(mesh->tetrahedra(4 + edge, 0))), middle) << edge;
+    }
+  }
+}
+
+// S1 to S4 of the unit tetrahedron, by the places of their corners.
+TEST(GroupedMesh, SurfacesOfElementFacesAreTheRightOnes) {
+  std::string file = kAbaqus;
+  for (int s = 1; s <= 4; ++s) absl::StrAppend(&file, "*SURFACE, NAME=S", s, "\nbody, S", s, "\n");
+  const auto mesh = ReadAbaqus(file);
+  ASSERT_TRUE(mesh.ok()) << mesh.status();
+  // Which corner does not lie on S1: z = 0, S2: y = 0, S3: x + y + z = 1, S4: x = 0.
+  const std::array<int, 4> opposite{3, 2, 0, 1};
+  for (int s = 0; s < 4; ++s) {
+    const FaceGroup* group = Find(mesh->face_groups, absl::StrCat("S", s + 1));
+    ASSERT_NE(group, nullptr);
+    EXPECT_THAT(group->members, ElementsAre(ElementSide{0, opposite[s]}));
+    const Eigen::VectorXi nodes = SideNodes(mesh->tetrahedra, group->members[0]);
+    EXPECT_EQ((nodes.array() == mesh->tetrahedra(opposite[s], 0)).count(), 0);
+  }
+}
+
+TEST(GroupedMesh, SetsHaveRangesAndNameOthers) {
+  const std::string file =
+      absl::StrCat(kAbaqus,
+                   "*NSET, NSET=Odd, GENERATE\n1, 3, 2\n*NSET, NSET=both\nODD, 4\n"
+                   "*SURFACE, TYPE=NODE, NAME=free\nboth, 1.\n*NSET, NSET=nobody\n"
+                   "*ELEMENT, TYPE=CPS3, ELSET=bottom\n90, 1, 2, 3\n*ELSET, ELSET=Lid\n90,\n"
+                   "*MATERIAL, NAME=x\n*ELASTIC\n1, 2\n*SOLID SECTION, ELSET=body, "
+                   "MATERIAL=x\n*TIE\nthis, that\n");
+  const auto mesh = ReadAbaqus(file);
+  ASSERT_TRUE(mesh.ok()) << mesh.status();
+  EXPECT_THAT(Members(mesh->node_groups, "Odd"), ElementsAre(0, 2));
+  EXPECT_THAT(Members(mesh->node_groups, "both"), ElementsAre(0, 2, 3));
+  EXPECT_THAT(Members(mesh->node_groups, "free"), ElementsAre(0, 2, 3));
+  EXPECT_TRUE(Members(mesh->node_groups, "nobody").empty());
+  EXPECT_THAT(Members(mesh->face_groups, "bottom"), ElementsAre(ElementSide{0, 3}));
+  EXPECT_THAT(Members(mesh->face_groups, "Lid"), ElementsAre(ElementSide{0, 3}));
+  EXPECT_THAT(mesh->notes, ElementsAre("not used: *ELASTIC, *MATERIAL, *SOLID SECTION, *TIE"));
+}
+
+// As Abaqus/CAE writes one part in an assembly.
+TEST(GroupedMesh, OnePartInAnAssemblyIsRead) {
+  const std::string assembly = absl::StrCat(
+      "*Heading\n** Job name: x\n*Part, name=P\n", kAbaqus, "*End Part\n*Assembly, name=A\n",
+      "*Instance, name=P-1, part=P\n*End Instance\n*Nset, nset=Set-1, instance=P-1\n 1, 2\n",
+      "*End Assembly\n");
+  const auto mesh = ReadAbaqus(assembly);
+  ASSERT_TRUE(mesh.ok()) << mesh.status();
+  EXPECT_THAT(Members(mesh->node_groups, "Set-1"), ElementsAre(0, 1));
+  EXPECT_THAT(
+      Message(absl::StrReplaceAll(assembly, {{"*End Instance", "1., 0., 0.\n*End Instance"}})),
+      HasSubstr("a moved *INSTANCE"));
+  EXPECT_THAT(Message(absl::StrCat(assembly, "*PART, NAME=Q\n")), HasSubstr("second *PART"));
+}
+
+// MSH 2.2 repeats elements that are in two groups.
+TEST(GroupedMesh, ElementsInTwoGroupsAreOne) {
+  GroupedMesh box = Box(true);
+  box.element_groups.push_back({"some", {2, 3, 40}});
+  const auto mesh = ReadGmsh(testing::WriteGmsh22(box, true));
+  ASSERT_TRUE(mesh.ok()) << mesh.status();
+  EXPECT_EQ(mesh->tetrahedra.cols(), box.tetrahedra.cols());
+  EXPECT_EQ(Members(mesh->element_groups, "some").size(), 3u);
+  EXPECT_THAT(Message(testing::WriteGmsh41(box, true)), HasSubstr("has the corners of element"));
+}
+
+TEST(GroupedMesh, NodesOfNoElementAreLeftOut) {
+  const auto mesh = ReadGmsh(
+      absl::StrReplaceAll(kOldGmsh, {{"$Nodes\n4\n", "$Nodes\n6\n77 9 9 9\n78 9 9 8\n"},
+                                     {"$Elements\n1\n", "$Elements\n2\n5 15 2 8 1 77\n"}}));
+  ASSERT_TRUE(mesh.ok()) << mesh.status();
+  EXPECT_EQ(mesh->nodes.cols(), 4);
+  EXPECT_TRUE(Members(mesh->node_groups, "8").empty());
+  EXPECT_THAT(mesh->notes, ElementsAre(HasSubstr("2 nodes belong to no element")));
+}
+
+TEST(GroupedMesh, BadGmshFilesAreRefusedWithTheLine) {
+  EXPECT_THAT(GmshMessage("2.2 0 8", "4 0 8"), HasSubstr("version 4"));
+  EXPECT_THAT(GmshMessage("2.2 0 8", "2.2 1 8"), HasSubstr("byte order"));
+  EXPECT_THAT(GmshMessage("3 0 1 0", "3 0 nan 0"), HasSubstr("line 12: a coordinate of node 3"));
+  EXPECT_THAT(GmshMessage("3 0 1 0", "3 0 x 0"), HasSubstr("line 12"));
+  EXPECT_THAT(GmshMessage("3 0 1 0", "3 0 1e999 0"), HasSubstr("line 12"));
+  EXPECT_THAT(GmshMessage("3 0 1 0", "2 0 1 0"), HasSubstr("a node 2 already"));
+  EXPECT_THAT(GmshMessage("1 2 3 4\n", "1 2 3 5\n"), HasSubstr("line 17: element 1 names node 5"));
+  EXPECT_THAT(GmshMessage("1 2 3 4\n", "1 2 3 3\n"), HasSubstr("node 3 twice"));
+  EXPECT_THAT(GmshMessage("1 4 2 1 1", "1 5 2 1 1"), HasSubstr("hexahedra of 8 nodes"));
+  EXPECT_THAT(GmshMessage("1 4 2 1 1", "1 99 2 1 1"), HasSubstr("type 99"));
+  EXPECT_THAT(GmshMessage("1 4 2 1 1", "1 4 1000000000 1 1"), HasSubstr("number of tags"));
+  EXPECT_THAT(GmshMessage("$Nodes\n4\n", "$Nodes\n4000000000000000000\n"), HasSubstr("too short"));
+  EXPECT_THAT(GmshMessage("$Nodes\n4\n", "$Nodes\n-4\n"), HasSubstr("too short"));
+  EXPECT_THAT(GmshMessage("$Nodes\n4\n", "$Nodes\n3\n"), HasSubstr("$EndNodes is missing"));
+  EXPECT_THAT(GmshMessage("$Nodes\n4\n", "$Nodes\n5\n"), HasSubstr("line 14"));
+  EXPECT_THAT(GmshMessage("$Elements\n1\n1 4 2 1 1 1 2 3 4\n", "$Elements\n0\n"),
+              HasSubstr("no tetrahedra"));
+  EXPECT_THAT(GmshMessage("$Nodes", "$PartitionedEntities\n$EndPartitionedEntities\n$Nodes"),
+              HasSubstr("partitioned"));
+  EXPECT_THAT(GmshMessage("\"body\"", "\"bo\xffy\""), HasSubstr("name of a group"));
+  EXPECT_THAT(GmshMessage("$Elements\n1\n", "$Elements\n2\n8 2 2 5 1 1 2 9\n"),
+              HasSubstr("there is no node 9"));
+}
+
+TEST(GroupedMesh, TrianglesMustBeSides) {
+  const std::string file =
+      absl::StrReplaceAll(kOldGmsh, {{"$Nodes\n4\n", "$Nodes\n5\n5 2 2 2\n"},
+                                     {"$Elements\n1\n", "$Elements\n2\n8 2 2 5 1 1 2 5\n"}});
+  EXPECT_THAT(Message(file), HasSubstr("line 18: a triangle of group '5' is no face"));
+}
+
+TEST(GroupedMesh, BadAbaqusFilesAreRefusedWithTheLine) {
+  EXPECT_THAT(AbaqusMessage("*NODE\n", "*NODE, SYSTEM=C\n"),
+              HasSubstr("line 1: *NODE with SYSTEM"));
+  EXPECT_THAT(AbaqusMessage("*NODE\n", "*INCLUDE, INPUT=other.inp\n*NODE\n"),
+              HasSubstr("line 1: *INCLUDE"));
+  EXPECT_THAT(AbaqusMessage("*NODE\n", "*NGEN\n1,2\n*NODE\n"), HasSubstr("*NGEN"));
+  EXPECT_THAT(AbaqusMessage("TYPE=C3D4", "TYPE=C3D8R"),
+              HasSubstr("line 6: elements of type 'C3D8R'"));
+  EXPECT_THAT(AbaqusMessage("7, 1, 2, 3, 4", "7, 1, 2, 3, 5"), HasSubstr("names node 5"));
+  EXPECT_THAT(AbaqusMessage("7, 1, 2, 3, 4", "7, 1, 2, 3"), HasSubstr("fewer than 4"));
+  EXPECT_THAT(AbaqusMessage("7, 1, 2, 3, 4", "7, 1, 2, 3, 4, 4"), HasSubstr("more than 4"));
+  EXPECT_THAT(AbaqusMessage("7, 1, 2, 3, 4", "7, 1, 2, x, 4"), HasSubstr("line 7"));
+  EXPECT_THAT(AbaqusMessage("7, 1, 2, 3, 4", "7, 1, 2, 3, 4\n7, 1, 2, 3, 4"),
+              HasSubstr("line 8: there is an element 7 already"));
+  EXPECT_THAT(AbaqusMessage("3, 0, 1", "3, 0, inf"), HasSubstr("node 3 is not finite"));
+  EXPECT_THAT(AbaqusMessage("3, 0, 1", "3, 0, 1x"), HasSubstr("line 4"));
+  const auto more = [](const std::string& text) { return Message(absl::StrCat(kAbaqus, text)); };
+  EXPECT_THAT(more("*NSET, NSET=a\n99\n"), HasSubstr("line 9: group 'a' names node 99"));
+  EXPECT_THAT(more("*NSET, NSET=a\nnone\n"), HasSubstr("line 9"));
+  EXPECT_THAT(more("*NSET, NSET=a\na\n"), HasSubstr("line 9"));
+  EXPECT_THAT(more("*NSET, NSET=a, GENERATE\n1, 1000000000000, 1\n"), HasSubstr("more than"));
+  EXPECT_THAT(more("*NSET, NSET=a, GENERATE\n-9223372036854775807, 9223372036854775807\n"),
+              HasSubstr("a range"));
+  EXPECT_THAT(more("*NSET, NSET=a, GENERATE\n1, 8, 0\n"), HasSubstr("a range"));
+  EXPECT_THAT(more("*SURFACE, NAME=a\n7, S5\n"), HasSubstr("S1 to S4"));
+  EXPECT_THAT(more("*SURFACE, NAME=a\n9, S1\n"), HasSubstr("element 9"));
+  EXPECT_THAT(more("*SURFACE, NAME=a, TYPE=CUTTING\n"), HasSubstr("TYPE"));
+  EXPECT_THAT(more("*ELSET, ELSET=a\n8\n"), HasSubstr("element 8"));
+  EXPECT_THAT(more("*\n"), HasSubstr("keyword"));
+  EXPECT_THAT(Message("hello"), HasSubstr("neither"));
+  EXPECT_THAT(Message(" \n"), HasSubstr("empty"));
+}
+
+// Wherever a file is cut off or changed, the answer is a mesh or a refusal.
+TEST(GroupedMesh, DamagedFilesAreReadOrRefused) {
+  const GroupedMesh box = testing::GroupedBox({1, 1, 1}, {2, 1, 1}, true);
+  std::mt19937 random(7);
+  for (const std::string& whole :
+       {testing::WriteGmsh22(box, false), testing::WriteGmsh22(box, true),
+        testing::WriteGmsh41(box, false), testing::WriteGmsh41(box, true),
+        testing::WriteAbaqus(box)}) {
+    for (int i = 0; i < 150; ++i) {
+      const auto cut = ReadGroupedMesh(whole.substr(0, random() % whole.size()));
+      EXPECT_TRUE(cut.ok() || DetailOf(cut.status()).field == "mesh_file") << cut.status();
+      std::string damaged = whole;
+      for (int k = 0; k < 3; ++k) damaged[random() % damaged.size()] = static_cast<char>(random());
+      const auto mesh = ReadGroupedMesh(damaged);
+      EXPECT_TRUE(mesh.ok() || DetailOf(mesh.status()).field == "mesh_file") << mesh.status();
+    }
+  }
+}
+
+}  // namespace
+}  // namespace mortise::mesh
