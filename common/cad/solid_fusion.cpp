@@ -21,8 +21,9 @@
 namespace mortise::cad {
 namespace {
 
-// The pieces a shape was split into; itself if it was left whole.
+// The pieces a shape was split into; itself if it was left whole, as all is if nothing was fused.
 std::vector<TopoDS_Shape> PiecesOf(BOPAlgo_Builder& fuse, const TopoDS_Shape& shape) {
+  if (fuse.Arguments().Extent() < 2) return {shape};
   const TopTools_ListOfShape& modified = fuse.Modified(shape);
   std::vector<TopoDS_Shape> pieces(modified.begin(), modified.end());
   if (pieces.empty() && !fuse.IsDeleted(shape)) pieces.push_back(shape);
@@ -66,7 +67,8 @@ absl::StatusOr<SolidFusion> SolidFusion::Create(const std::vector<FusedPart>& pa
   fuse.SetFuzzyValue(tolerance);
   fuse.SetNonDestructive(Standard_True);
   fuse.SetRunParallel(Standard_False);
-  fuse.Perform();
+  // The kernel takes two or more.
+  if (parts.size() > 1) fuse.Perform();
   if (fuse.HasErrors()) return KernelFailure("fusing the parts", "the kernel reports an error");
   std::vector<std::vector<TopoDS_Shape>> pieces;
   for (std::size_t i = 0; i < parts.size(); ++i) {

@@ -27,6 +27,9 @@ absl::StatusOr<mesh::DrawnShape> FromProto(const v1::Shape& message);
 // With triangles, and exact surfaces if it has some.
 v1::Shape ToProto(const mesh::DrawnShape& shape);
 
+// What a shape is called by its content: shapes/{digest}. Its own name does not count.
+std::string NameOf(v1::Shape message);
+
 // INVALID_ARGUMENT naming "shapes[i]" as above.
 absl::StatusOr<ShapesByName> FromProto(const google::protobuf::RepeatedPtrField<v1::Shape>& shapes);
 

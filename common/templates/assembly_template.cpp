@@ -221,9 +221,10 @@ class HandledAssembly final : public Template {
                                      const parametric::EvaluatedPart& part) const {
     const auto& shape = assembly_->ShapeOf(placed);
     if (shape == nullptr) return cad::Solid::FromPart(parametric::PartShapeOf(part));
-    MORTISE_ASSIGN_OR_RETURN(const cad::Solid solid,
-                             cad::SolidOfShape(*shape, placed.box.size(), part.name));
-    return cad::MovedSolid(solid, placed.box.minimum);
+    const absl::StatusOr<cad::Solid> solid =
+        cad::SolidOfShape(*shape, placed.box.size(), part.name);
+    if (!solid.ok()) return UnderField(absl::StrCat("part '", part.name, "'"), solid.status());
+    return cad::MovedSolid(*solid, placed.box.minimum);
   }
 
   absl::StatusOr<parametric::EvaluatedBoundaryCondition> ConditionAt(

@@ -69,6 +69,15 @@ absl::StatusOr<mesh::DrawnShape> ReadShape(const v1::ImportShapeRequest& asked) 
   return shape;
 }
 
+void DropTriangles(v1::EvaluatedDesign& design) {
+  for (v1::EvaluatedPart& part : *design.mutable_parts()) {
+    if (!part.has_faceted()) continue;
+    part.mutable_faceted()->clear_vertices();
+    part.mutable_faceted()->clear_triangles();
+    part.mutable_faceted()->clear_triangle_faces();
+  }
+}
+
 template <typename Response, typename Message>
 Response ToResponse(Page<Message> page,
                     google::protobuf::RepeatedPtrField<Message>* (Response::*entries)()) {
@@ -213,6 +222,22 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
         });
   }
 
+  grpc::ServerWriteReactor<v1::Chunk>* DownloadShape(
+      grpc::CallbackServerContext* context, const v1::DownloadShapeRequest* request) override {
+    return endpoint_.ServerStream<v1::Chunk>(
+        "DownloadShape", context, request,
+        [this](const rpc::Call&, const v1::DownloadShapeRequest& asked,
+               const std::shared_ptr<rpc::StreamWriter<v1::Chunk>>& writer) -> absl::Status {
+          MORTISE_ASSIGN_OR_RETURN(const v1::Shape shape,
+                                   Read<v1::Shape>([&](store::ReadTransaction& transaction) {
+                                     return catalog::GetShape(transaction, asked.name());
+                                   }));
+          rpc::StreamBytes(shape.SerializeAsString(), {"shape.binpb", "application/x-protobuf"},
+                           writer);
+          return absl::OkStatus();
+        });
+  }
+
   grpc::ServerUnaryReactor* GetTemplate(grpc::CallbackServerContext* context,
                                         const v1::GetTemplateRequest* request,
                                         v1::Template* response) override {
@@ -286,8 +311,10 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
           MORTISE_ASSIGN_OR_RETURN(const NamedDesign evaluated,
                                    Evaluate(asked.name(), asked.revision(), asked.parameters()));
           v1::EvaluatedDesign answer = parametric::ToProto(evaluated.design);
+          if (asked.without_triangles()) DropTriangles(answer);
           if (answer.ByteSizeLong() > static_cast<std::size_t>(rpc::kMaxMessageBytes)) {
-            return TooLarge("the design", "4 MiB, with all its triangles: export it as a file");
+            return TooLarge("the design",
+                            "4 MiB: ask for it without_triangles, or export it as a file");
           }
           return answer;
         });

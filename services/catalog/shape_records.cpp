@@ -5,7 +5,6 @@
 #include <nlohmann/json.hpp>
 
 #include "absl/strings/str_cat.h"
-#include "common/base/digest.h"
 #include "common/base/errors.h"
 #include "common/parametric/shape_codec.h"
 #include "services/catalog/record_access.h"
@@ -32,8 +31,7 @@ absl::StatusOr<std::string> KeyOf(const std::string& name) {
 
 v1::Shape NamedShape(const mesh::DrawnShape& shape) {
   v1::Shape message = parametric::ToProto(shape);
-  message.clear_name();
-  message.set_name(absl::StrCat(kShapes, "/", Sha256Hex(message.SerializeAsString())));
+  message.set_name(parametric::NameOf(message));
   return message;
 }
 
@@ -51,6 +49,8 @@ absl::StatusOr<v1::Shape> GetShape(store::ReadTransaction& transaction, const st
   if (!shape.ParseFromString(record->payload)) {
     return StorageFailed(name, "the record cannot be read");
   }
+  // The kernel may crash over damaged surfaces.
+  if (parametric::NameOf(shape) != name) return StorageFailed(name, "the record is damaged");
   return shape;
 }
 

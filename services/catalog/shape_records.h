@@ -23,7 +23,8 @@ v1::Shape NamedShape(const mesh::DrawnShape& shape);
 // What a stranger is shown: without exact surfaces.
 v1::Shape ShownShape(v1::Shape shape);
 
-// With exact surfaces. INVALID_ARGUMENT, "name"; NOT_FOUND.
+// With exact surfaces. INVALID_ARGUMENT, "name"; NOT_FOUND; INTERNAL for a record that is not what
+// its name says.
 absl::StatusOr<v1::Shape> GetShape(store::ReadTransaction& transaction, const std::string& name);
 
 // Writes a named shape unless it is there; true if it was not.

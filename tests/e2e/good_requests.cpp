@@ -59,6 +59,7 @@ constexpr Example kExamples[] = {
     {"CatalogService/ImportShape", "request_id: 'bad-18' file: '{tetrahedron}' format: STL",
      Outcome::kChanges},
     {"CatalogService/GetShape", "name: '{shape}'"},
+    {"CatalogService/DownloadShape", "name: '{shape}'"},
     {"CatalogService/GetTemplate", "name: 'templates/table' revision: 1"},
     {"CatalogService/ListTemplates", "page_size: 10"},
     {"CatalogService/ImportTemplate",

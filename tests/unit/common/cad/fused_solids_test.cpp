@@ -111,6 +111,15 @@ TEST(FusedSolids, ATurnedLegFillsItsBore) {
   EXPECT_NEAR(wall.area, 2 * pi * kBore * 0.03, 0.02 * wall.area);
 }
 
+TEST(FusedSolids, OnePartIsItself) {
+  const std::vector<Solid> parts = {Named(BoredSeat(), "seat")};
+  const auto surface = FuseAssembly(parts);
+  ASSERT_TRUE(surface.ok()) << surface.status();
+  ExpectSound(*surface, parts, 0.01);
+  EXPECT_EQ(surface->faces.size(), 7u);
+  EXPECT_EQ(surface->faces[0].origins.size(), 1u);
+}
+
 TEST(FusedSolids, FacesThatOverlapInPartAreOneThere) {
   const std::vector<Solid> parts = {Named(BoxAt(0, 0, 0, 0.1, 0.1, 0.1), "a"),
                                     Named(BoxAt(0.05, 0.03, 0.1, 0.1, 0.1, 0.02), "b"),
