@@ -20,6 +20,9 @@ namespace {
 // Faces S1 to S4 as sides: 1-2-3, 1-4-2, 2-4-3, 3-4-1 are opposite nodes 4, 3, 1, 2.
 constexpr std::array<int, 4> kSides{3, 2, 0, 1};
 
+// Of all sets together, which take a hundred bytes each.
+constexpr std::size_t kMostMembers = 10'000'000;
+
 std::string_view Trim(std::string_view text) {
   constexpr std::string_view kSpace = " \t\r\n";
   const std::size_t first = text.find_first_not_of(kSpace);
@@ -338,6 +341,7 @@ class Reader {
   absl::Status ReadMembers(std::string_view line) {
     const std::vector<std::string_view> fields = Fields(line);
     const auto field = [&](std::size_t k) { return k < fields.size() ? fields[k] : ""; };
+    MORTISE_RETURN_IF_ERROR(Spend(fields.size()));
     if (is_range_ || reading_ == Reading::kElementSurface) {
       entries_.push_back({reading_, group_, field(0), field(1), field(2), is_range_, place_});
       return absl::OkStatus();
@@ -379,9 +383,9 @@ class Reader {
 
   // Sets that name each other may multiply; what they hold in all is limited.
   absl::Status Spend(std::size_t members) {
-    resolved_ += members;
-    if (resolved_ <= 1'000'000 + 4 * text_.size()) return absl::OkStatus();
-    return Fault("the sets have too many members");
+    members_ += members;
+    if (members_ <= kMostMembers) return absl::OkStatus();
+    return Fault(absl::StrCat("the sets have more than ", kMostMembers, " members"));
   }
 
   absl::Status AddMember(int set, std::int64_t number, bool of_nodes) {
@@ -448,7 +452,7 @@ class Reader {
   int nodes_of_element_ = 0;
   std::vector<std::int64_t> numbers_;  // of an element that goes on
   std::size_t element_place_ = 0;
-  std::size_t resolved_ = 0;
+  std::size_t members_ = 0;         // of all sets, as far as they are known
   std::vector<std::string> names_;  // of sets and surfaces
   std::map<std::string, int> node_sets_, element_sets_, face_sets_, surfaces_;  // by upper case
   std::map<int, Set> node_members_, element_members_;

@@ -46,8 +46,9 @@ struct GroupedMesh {
 };
 
 // Reads a mesh file: Gmsh MSH (gmsh_reader.h) if its first character is '$', else Abaqus or
-// CalculiX input (abaqus_reader.h). Files may be hostile: no more memory is taken than some forty
-// times their size. INVALID_ARGUMENT naming "mesh_file", with the line (or byte, of binary files).
+// CalculiX input (abaqus_reader.h). Files may be hostile: no more memory is taken than a dozen
+// times their size and a gigabyte. INVALID_ARGUMENT naming "mesh_file", with the line (or byte, of
+// binary files).
 absl::StatusOr<GroupedMesh> ReadGroupedMesh(std::string_view bytes);
 
 // The nodes of a side, 3 or 6: its corners, outward, then the middles of 01, 12, 20.

@@ -102,6 +102,13 @@ absl::Status CheckLoads(const mesh::TetrahedralMesh& mesh, const LoadCase& loads
     }
     if (!loads.point_forces[i].force.allFinite()) return InvalidField(field + ".force", kNotFinite);
   }
+  for (std::size_t i = 0; i < loads.nodal_forces.size(); ++i) {
+    const std::string field = absl::StrCat("nodal_forces[", i, "]");
+    if (loads.nodal_forces[i].node < 0 || loads.nodal_forces[i].node >= mesh.nodes.cols()) {
+      return InvalidField(field + ".node", "there is no such node");
+    }
+    if (!loads.nodal_forces[i].force.allFinite()) return InvalidField(field + ".force", kNotFinite);
+  }
   if (!loads.gravity.allFinite()) return InvalidField("gravity", kNotFinite);
   if (loads.rotation &&
       !(loads.rotation->point.allFinite() && loads.rotation->angular_velocity.allFinite())) {

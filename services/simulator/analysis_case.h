@@ -52,6 +52,12 @@ struct PointForce {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();     // N
 };
 
+// A force at a node.
+struct NodalForce {
+  int node = 0;
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();  // N
+};
+
 // Turning at a constant speed about an axis, seen from the turning body: the centrifugal load
 // −ρ ω × (ω × r).
 struct Rotation {
@@ -67,6 +73,7 @@ struct LoadCase {
       Eigen::Vector3d::Zero();  // m/s², e.g. (0, 0, -9.80665); acts on all parts
   std::vector<FaceTraction> tractions;
   std::vector<PointForce> point_forces;
+  std::vector<NodalForce> nodal_forces;
   std::optional<Rotation> rotation;
   // Force per volume, N/m³, at a position; none if empty.
   std::function<Eigen::Vector3d(const Eigen::Vector3d& position)> body_force;

@@ -13,7 +13,9 @@
 #include "common/rpc/operation_codec.h"
 #include "common/store/store.h"
 #include "services/simulator/design_analysis.h"
+#include "services/simulator/mesh_case.h"
 #include "services/simulator/simulator_core.h"
+#include "services/simulator/template_model.h"
 
 namespace mortise::simulator {
 namespace {
@@ -82,6 +84,7 @@ absl::StatusOr<std::string> Analyse(SimulatorCore& core, jobs::OperationContext&
   analysis.set_name(absl::StrCat("analyses/", id));
   analysis.set_template_(task.subject());
   analysis.set_template_revision(task.revision());
+  analysis.set_mesh_file(task.mesh_file());
   *analysis.mutable_metrics() = report.result().metrics();
   MORTISE_RETURN_IF_ERROR(context.Transact([&](store::Transaction& transaction) -> absl::Status {
     const int64_t microseconds = absl::ToUnixMicros(transaction.Now());
@@ -114,8 +117,10 @@ absl::StatusOr<v1::Task> PrepareAnalysis(SimulatorCore& core, const v1::AnalyzeD
   MORTISE_ASSIGN_OR_RETURN(const Eigen::VectorXd parameters,
                            parametric::Complete((*compiled)->function->parameters(),
                                                 parametric::FromProto(asked.parameters())));
-  // Fails at once, with the field, where the geometry is impossible.
-  MORTISE_RETURN_IF_ERROR((*compiled)->function->Evaluate(parameters).status());
+  // Fails at once, with the field, where the geometry is impossible or nothing holds it.
+  MORTISE_ASSIGN_OR_RETURN(const parametric::EvaluatedDesign design,
+                           (*compiled)->function->Evaluate(parameters));
+  MORTISE_RETURN_IF_ERROR(CheckSupported(design));
   v1::Task task;
   task.set_evaluator(kSimulatorQueue);
   task.set_subject((*compiled)->name);
@@ -125,6 +130,25 @@ absl::StatusOr<v1::Task> PrepareAnalysis(SimulatorCore& core, const v1::AnalyzeD
   for (const MetricDescription& metric : OfferedMetrics()) task.add_metrics(metric.name);
   task.set_fields(true);
   *task.mutable_mesh() = asked.mesh();
+  return task;
+}
+
+absl::StatusOr<v1::Task> PrepareMeshAnalysis(SimulatorCore& core,
+                                             const v1::AnalyzeMeshRequest& asked,
+                                             const rpc::Origin& origin) {
+  v1::Task task;
+  task.set_evaluator(kSimulatorQueue);
+  task.set_fields(true);
+  task.set_mesh_file(asked.mesh_file());
+  v1::MeshCase& mesh_case = *task.mutable_case_();
+  mesh_case = asked.case_();
+  for (int i = 0; i < mesh_case.materials_size(); ++i) {
+    v1::MeshMaterial& use = *mesh_case.mutable_materials(i);
+    if (!use.has_material()) continue;
+    MORTISE_ASSIGN_OR_RETURN(const v1::Material material, core.GetMaterial(use.material(), origin));
+    UseCatalogMaterial(material, use);
+  }
+  MORTISE_RETURN_IF_ERROR(CheckMeshCase(mesh_case, "case"));
   return task;
 }
 

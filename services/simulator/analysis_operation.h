@@ -1,4 +1,4 @@
-// AnalyzeDesign: one evaluation with fields and picture, as a long-running operation.
+// AnalyzeDesign and AnalyzeMesh: one task with fields and pictures, as a long-running operation.
 #pragma once
 
 #include <memory>
@@ -28,6 +28,12 @@ inline constexpr char kAnalysisKind[] = "analyses";
 // Looks the template up and checks the parameters: the task a worker will be given.
 absl::StatusOr<v1::Task> PrepareAnalysis(SimulatorCore& core, const v1::AnalyzeDesignRequest& asked,
                                          const rpc::Origin& origin);
+
+// The task of a case that has passed CheckMeshCase: the catalog's numbers take the place of its
+// materials' names. Fails as CheckMeshCase does, NOT_FOUND for unknown materials, UNAVAILABLE.
+absl::StatusOr<v1::Task> PrepareMeshAnalysis(SimulatorCore& core,
+                                             const v1::AnalyzeMeshRequest& asked,
+                                             const rpc::Origin& origin);
 
 // Starts the operation in the caller's transaction.
 absl::StatusOr<v1::Operation> StartAnalysis(jobs::Operations& operations, const v1::Task& task,

@@ -41,6 +41,23 @@ absl::Status NeedSolution(const DesignAnalysis& analysis) {
   return PreconditionFailed("NO_SOLUTION", "the analysis was made without fields", "fields");
 }
 
+render::Shape PartShape(const mesh::TetrahedralMesh& volume, int part) {
+  render::Shape shape;
+  shape.triangles = mesh::OuterTriangles(volume, part);
+  shape.vertices = volume.nodes;
+  shape.edge_width = 1.0;
+  return shape;
+}
+
+absl::StatusOr<std::string> Draw(render::Scene scene, const StressPictureOptions& options) {
+  scene.camera = render::FitCamera(render::BoundingBox(scene), render::kViewIsometric,
+                                   static_cast<double>(options.width) / options.height, true, 0.03);
+  MORTISE_ASSIGN_OR_RETURN(
+      const render::Image image,
+      render::Render(scene, {.width = options.width, .height = options.height}));
+  return render::EncodePng(image);
+}
+
 }  // namespace
 
 absl::StatusOr<std::string> WriteFields(const DesignAnalysis& analysis) {
@@ -55,23 +72,24 @@ absl::StatusOr<std::string> WriteFields(const DesignAnalysis& analysis) {
 absl::StatusOr<std::string> DrawStress(const DesignAnalysis& analysis, const std::string& title,
                                        const StressPictureOptions& options) {
   MORTISE_RETURN_IF_ERROR(NeedSolution(analysis));
-  const mesh::TetrahedralMesh& volume = *analysis.mesh;
-  const ElasticitySolution& solution = *analysis.solution;
+  return DrawStress(*analysis.mesh, *analysis.solution, title, options);
+}
+
+absl::StatusOr<std::string> DrawStress(const mesh::TetrahedralMesh& volume,
+                                       const ElasticitySolution& solution, const std::string& title,
+                                       const StressPictureOptions& options) {
   const Eigen::Vector3d extent =
       volume.nodes.rowwise().maxCoeff() - volume.nodes.rowwise().minCoeff();
   const double largest = solution.summary.maximum_displacement;
   const double factor =
       largest > 0 ? RoundDown(options.visible_deflection * extent.norm() / largest) : 1;
-
   render::Scene scene;
   double stress_scale = 0;
   for (int p = 0; p < static_cast<int>(volume.part_names.size()); ++p) {
-    render::Shape shape;
-    shape.triangles = mesh::OuterTriangles(volume, p);
+    render::Shape shape = PartShape(volume, p);
     stress_scale = std::max(stress_scale, Percentile(solution.von_mises, shape.triangles, 0.995));
-    shape.vertices = volume.nodes + factor * solution.displacement;
+    shape.vertices += factor * solution.displacement;
     shape.scalars = solution.von_mises / kMegapascal;
-    shape.edge_width = 1.0;
     scene.shapes.push_back(shape);
   }
   render::Shape ghost;
@@ -89,12 +107,27 @@ absl::StatusOr<std::string> DrawStress(const DesignAnalysis& analysis, const std
                       render::ShortNumber(largest / kMillimetre, 3), factor,
                       render::ShortNumber(solution.von_mises.maxCoeff() / kMegapascal, 3),
                       solution.summary.elements);
-  scene.camera = render::FitCamera(render::BoundingBox(scene), render::kViewIsometric,
-                                   static_cast<double>(options.width) / options.height, true, 0.03);
-  MORTISE_ASSIGN_OR_RETURN(
-      const render::Image image,
-      render::Render(scene, {.width = options.width, .height = options.height}));
-  return render::EncodePng(image);
+  return Draw(std::move(scene), options);
+}
+
+absl::StatusOr<std::string> DrawTemperature(const mesh::TetrahedralMesh& volume,
+                                            const Eigen::VectorXd& temperature,
+                                            const std::string& title,
+                                            const StressPictureOptions& options) {
+  render::Scene scene;
+  for (int p = 0; p < static_cast<int>(volume.part_names.size()); ++p) {
+    render::Shape shape = PartShape(volume, p);
+    shape.scalars = temperature;
+    scene.shapes.push_back(shape);
+  }
+  const double minimum = temperature.minCoeff(), maximum = temperature.maxCoeff();
+  // A bar needs a length, which a uniform temperature does not give.
+  scene.color_bar = render::ColorBar{
+      minimum, std::max(maximum, minimum + 1e-9 * std::max(1.0, std::abs(minimum))), "temperature"};
+  scene.title = title;
+  scene.footnote = absl::StrFormat("from %s to %s; %d elements", render::ShortNumber(minimum, 4),
+                                   render::ShortNumber(maximum, 4), volume.tetrahedra.cols());
+  return Draw(std::move(scene), options);
 }
 
 }  // namespace mortise::simulator

@@ -1,12 +1,20 @@
 // An analysis as files people open: fields for ParaView, a picture of the stress.
 #pragma once
 
+#include <Eigen/Core>
 #include <string>
 
 #include "absl/status/statusor.h"
 #include "services/simulator/design_analysis.h"
 
 namespace mortise::simulator {
+
+// A file that belongs to an analysis.
+struct AnalysisFile {
+  std::string name;        // "stress.png"
+  std::string media_type;  // "image/png"
+  std::string bytes;
+};
 
 // VTU with displacement, von Mises stress, stress tensor and reactions at the nodes. The analysis
 // must have a solution.
@@ -24,5 +32,14 @@ struct StressPictureOptions {
 // otherwise darken all the rest; the footnote gives the true maximum.
 absl::StatusOr<std::string> DrawStress(const DesignAnalysis& analysis, const std::string& title,
                                        const StressPictureOptions& options = {});
+absl::StatusOr<std::string> DrawStress(const mesh::TetrahedralMesh& volume,
+                                       const ElasticitySolution& solution, const std::string& title,
+                                       const StressPictureOptions& options = {});
+
+// A PNG of the shape coloured by temperature (nodes, °C or K).
+absl::StatusOr<std::string> DrawTemperature(const mesh::TetrahedralMesh& volume,
+                                            const Eigen::VectorXd& temperature,
+                                            const std::string& title,
+                                            const StressPictureOptions& options = {});
 
 }  // namespace mortise::simulator

@@ -3,7 +3,9 @@
 #include <numeric>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
+#include "common/base/units.h"
 
 namespace mortise::simulator {
 namespace {
@@ -47,6 +49,13 @@ std::vector<Component> FindComponents(const mesh::TetrahedralMesh& mesh) {
     components[index[connected.Root(mesh.tetrahedra(0, e))]].parts.insert(mesh.part[e]);
   }
   return components;
+}
+
+std::string PlaceText(const Component& component, const mesh::TetrahedralMesh& mesh) {
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  for (const int v : component.nodes) middle += mesh.nodes.col(v) / component.nodes.size();
+  middle /= kMillimetre;
+  return absl::StrFormat("near (%.4g, %.4g, %.4g) mm", middle.x(), middle.y(), middle.z());
 }
 
 std::string PartsText(const Component& component, const mesh::TetrahedralMesh& mesh) {

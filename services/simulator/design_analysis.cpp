@@ -8,6 +8,7 @@
 #include "common/base/errors.h"
 #include "common/mesh/mass_properties.h"
 #include "common/mesh/surface_check.h"
+#include "services/simulator/error_estimate.h"
 
 namespace mortise::simulator {
 namespace {
@@ -35,7 +36,8 @@ double StressRatio(const DesignModel& model, const ElasticitySolution& solution)
   return ratio;
 }
 
-double Value(const std::string& name, const DesignModel& model, const DesignAnalysis& analysis) {
+double Value(const std::string& name, const DesignModel& model, const DesignAnalysis& analysis,
+             int threads) {
   if (name == "mass" || name == "volume") {
     double sum = 0;
     for (std::size_t p = 0; p < model.analysis.materials.size(); ++p) {
@@ -48,6 +50,13 @@ double Value(const std::string& name, const DesignModel& model, const DesignAnal
   const ElasticitySolution& solution = *analysis.solution;
   if (name == "max_displacement") return solution.summary.maximum_displacement;
   if (name == "max_von_mises") return solution.part_maximum_von_mises.maxCoeff();
+  if (name == "max_principal") return solution.maximum_principal.maxCoeff();
+  if (name == "relative_error") {
+    ThreadTeam team(threads);
+    return EstimateError(*analysis.mesh, model.analysis.materials, solution.displacement,
+                         solution.temperature, team)
+        .relative;
+  }
   if (name == "compliance") return solution.summary.compliance;
   if (name == "strain_energy") return solution.summary.strain_energy;
   return StressRatio(model, solution);
@@ -76,10 +85,18 @@ const std::vector<MetricDescription>& OfferedMetrics() {
       {"max_von_mises", "Pa",
        "Largest von Mises stress at any node. At sharp inner corners it grows with refinement.",
        true},
+      {"max_principal", "Pa",
+       "Largest principal stress at any node: what pulls most. At sharp inner corners it grows "
+       "with "
+       "refinement.",
+       true},
       {"compliance", "J", "Work of the loads on the displacements, f·u: the smaller, the stiffer.",
        true},
       {"strain_energy", "J", "Elastic energy stored under the loads.", true},
       {"stress_ratio", "1", "Largest von Mises stress of a part over its material's strength.",
+       true},
+      {"relative_error", "1",
+       "Estimated error of the stresses, as a share of all, in the energy norm: 0.05 is good.",
        true}};
   return metrics;
 }
@@ -114,7 +131,8 @@ absl::StatusOr<DesignAnalysis> AnalyzeDesign(const DesignModel& model,
                              SolveElasticity(*analysis.mesh, model.analysis, options.elasticity));
   }
   for (const std::string& name : metrics) {
-    analysis.metrics.push_back({name, FindMetric(name)->unit, Value(name, model, analysis)});
+    analysis.metrics.push_back(
+        {name, FindMetric(name)->unit, Value(name, model, analysis, options.elasticity.threads)});
   }
   analysis.seconds = SecondsSince(start);
   return analysis;

@@ -36,7 +36,8 @@ struct MetricDescription {
   bool needs_solution = false;  // computed from displacements, not from geometry alone
 };
 
-// mass, volume, max_displacement, max_von_mises, compliance, strain_energy, stress_ratio.
+// mass, volume, max_displacement, max_von_mises, max_principal, compliance, strain_energy,
+// stress_ratio, relative_error.
 const std::vector<MetricDescription>& OfferedMetrics();
 
 struct DesignAnalysisOptions {

@@ -35,6 +35,30 @@ absl::Status CheckConvections(const mesh::TetrahedralMesh& mesh,
   return absl::OkStatus();
 }
 
+// Whether all are indices of things of which there are `count`, and there is one.
+bool AreIndices(const std::vector<int>& indices, Eigen::Index count) {
+  return !indices.empty() && std::all_of(indices.begin(), indices.end(),
+                                         [&](int index) { return index >= 0 && index < count; });
+}
+
+absl::Status CheckPlace(const mesh::TetrahedralMesh& mesh, const FixedTemperature& held,
+                        const std::string& field) {
+  if (!held.face.name.empty()) return CheckFace(mesh, held.face, false, field + ".face");
+  if (AreIndices(held.nodes, mesh.nodes.cols())) return absl::OkStatus();
+  return InvalidField(field + ".nodes", "name a face, or nodes that exist");
+}
+
+absl::Status CheckPlace(const mesh::TetrahedralMesh& mesh, const HeatSource& source,
+                        const std::string& field) {
+  if (source.part == -1 && AreIndices(source.elements, mesh.tetrahedra.cols())) {
+    return absl::OkStatus();
+  }
+  if (source.part >= 0 && source.part < static_cast<int>(mesh.part_names.size())) {
+    return absl::OkStatus();
+  }
+  return InvalidField(field + ".part", "there is no such part");
+}
+
 absl::Status CheckCase(const mesh::TetrahedralMesh& mesh, const HeatCase& heat) {
   if (heat.materials.size() != mesh.part_names.size()) {
     return InvalidField("materials", "there must be one for each part");
@@ -45,7 +69,7 @@ absl::Status CheckCase(const mesh::TetrahedralMesh& mesh, const HeatCase& heat) 
   }
   for (std::size_t i = 0; i < heat.temperatures.size(); ++i) {
     const std::string field = absl::StrCat("temperatures[", i, "]");
-    MORTISE_RETURN_IF_ERROR(CheckFace(mesh, heat.temperatures[i].face, false, field + ".face"));
+    MORTISE_RETURN_IF_ERROR(CheckPlace(mesh, heat.temperatures[i], field));
     if (!std::isfinite(heat.temperatures[i].temperature)) {
       return InvalidField(field + ".temperature", kNotFinite);
     }
@@ -57,10 +81,7 @@ absl::Status CheckCase(const mesh::TetrahedralMesh& mesh, const HeatCase& heat) 
   }
   for (std::size_t i = 0; i < heat.sources.size(); ++i) {
     const std::string field = absl::StrCat("sources[", i, "]");
-    if (heat.sources[i].part < 0 ||
-        heat.sources[i].part >= static_cast<int>(mesh.part_names.size())) {
-      return InvalidField(field + ".part", "there is no such part");
-    }
+    MORTISE_RETURN_IF_ERROR(CheckPlace(mesh, heat.sources[i], field));
     if (!std::isfinite(heat.sources[i].power)) return InvalidField(field + ".power", kNotFinite);
   }
   return CheckConvections(mesh, heat.convections);
@@ -126,6 +147,19 @@ void AddConvection(const mesh::TetrahedralMesh& mesh, const Convection& convecti
   });
 }
 
+// W/m³ of each element.
+Eigen::VectorXd SourcePower(const mesh::TetrahedralMesh& mesh,
+                            const std::vector<HeatSource>& sources) {
+  Eigen::VectorXd of_part = Eigen::VectorXd::Zero(mesh.part_names.size());
+  Eigen::VectorXd power = Eigen::VectorXd::Zero(mesh.tetrahedra.cols());
+  for (const HeatSource& source : sources) {
+    if (source.part >= 0) of_part[source.part] += source.power;
+    for (const int e : source.elements) power[e] += source.power;
+  }
+  for (Eigen::Index e = 0; e < power.size(); ++e) power[e] += of_part[mesh.part[e]];
+  return power;
+}
+
 // W of fluxes and sources, at the nodes.
 Eigen::Matrix3Xd Supply(const mesh::TetrahedralMesh& mesh, const HeatCase& heat) {
   Eigen::Matrix3Xd supply = Eigen::Matrix3Xd::Zero(3, mesh.nodes.cols());
@@ -136,11 +170,10 @@ Eigen::Matrix3Xd Supply(const mesh::TetrahedralMesh& mesh, const HeatCase& heat)
       }
     });
   }
-  Eigen::VectorXd power = Eigen::VectorXd::Zero(mesh.part_names.size());
-  for (const HeatSource& source : heat.sources) power[source.part] += source.power;
+  const Eigen::VectorXd power = SourcePower(mesh, heat.sources);
   if (power.isZero()) return supply;
   for (Eigen::Index e = 0; e < mesh.tetrahedra.cols(); ++e) {
-    if (power[mesh.part[e]] == 0) continue;
+    if (power[e] == 0) continue;
     const GradientMatrix positions = ElementPositions(mesh, e);
     for (const TetrahedronPoint& point : TetrahedronRule(2)) {
       const double volume =
@@ -148,7 +181,7 @@ Eigen::Matrix3Xd Supply(const mesh::TetrahedralMesh& mesh, const HeatCase& heat)
       const ShapeVector shape =
           TetrahedronShape(point.barycentric, static_cast<int>(mesh.tetrahedra.rows()));
       for (Eigen::Index k = 0; k < shape.size(); ++k) {
-        supply(kTemperature, mesh.tetrahedra(k, e)) += power[mesh.part[e]] * volume * shape[k];
+        supply(kTemperature, mesh.tetrahedra(k, e)) += power[e] * volume * shape[k];
       }
     }
   }
@@ -160,23 +193,31 @@ struct Held {
   Eigen::Matrix3Xd temperature;  // in the first row, where fixed
 };
 
+std::vector<int> NodesOf(const mesh::TetrahedralMesh& mesh, const FixedTemperature& held) {
+  if (held.face.name.empty()) return held.nodes;
+  std::vector<int> nodes;
+  for (const int t : TrianglesOn(mesh, held.face, false)) {
+    for (Eigen::Index k = 0; k < mesh.face_triangles.rows(); ++k) {
+      nodes.push_back(mesh.face_triangles(k, t));
+    }
+  }
+  return nodes;
+}
+
 absl::StatusOr<Held> HoldTemperatures(const mesh::TetrahedralMesh& mesh,
                                       const std::vector<FixedTemperature>& temperatures) {
   Held held{Eigen::Array3Xi::Ones(3, mesh.nodes.cols()),
             Eigen::Matrix3Xd::Zero(3, mesh.nodes.cols())};
   held.fixed.row(kTemperature).setZero();
   for (std::size_t i = 0; i < temperatures.size(); ++i) {
-    for (const int t : TrianglesOn(mesh, temperatures[i].face, false)) {
-      for (Eigen::Index k = 0; k < mesh.face_triangles.rows(); ++k) {
-        const int node = mesh.face_triangles(k, t);
-        double& value = held.temperature(kTemperature, node);
-        if (held.fixed(kTemperature, node) && value != temperatures[i].temperature) {
-          return InvalidField(absl::StrCat("temperatures[", i, "].temperature"),
-                              "contradicts another one on a shared edge");
-        }
-        held.fixed(kTemperature, node) = 1;
-        value = temperatures[i].temperature;
+    for (const int node : NodesOf(mesh, temperatures[i])) {
+      double& value = held.temperature(kTemperature, node);
+      if (held.fixed(kTemperature, node) && value != temperatures[i].temperature) {
+        return InvalidField(absl::StrCat("temperatures[", i, "].temperature"),
+                            "contradicts another one on a shared edge");
       }
+      held.fixed(kTemperature, node) = 1;
+      value = temperatures[i].temperature;
     }
   }
   return held;

@@ -19,8 +19,9 @@ namespace mortise::simulator {
 
 // Temperatures are in any unit whose degree is a kelvin, the same throughout: °C or K.
 struct FixedTemperature {
-  mesh::NamedFace face;
+  mesh::NamedFace face;  // without a name: `nodes` are held instead
   double temperature = 0;
+  std::vector<int> nodes{};  // of the mesh, where there is no face
 };
 
 struct HeatFlux {
@@ -35,8 +36,9 @@ struct Convection {
 };
 
 struct HeatSource {
-  int part = 0;
-  double power = 0;  // W/m³
+  int part = 0;                 // -1: `elements` are heated instead
+  double power = 0;             // W/m³
+  std::vector<int> elements{};  // of the mesh, where there is no part
 };
 
 struct HeatCase {

@@ -168,6 +168,7 @@ absl::StatusOr<Eigen::Matrix3Xd> AssembleLoads(const mesh::TetrahedralMesh& mesh
   AddBodyLoads(mesh, materials, loads, sum);
   if (!sum.allFinite()) return InvalidField("body_force", "is not finite somewhere in the body");
   AddThermalLoad(mesh, materials, loads.temperature, sum);
+  for (const NodalForce& load : loads.nodal_forces) sum.col(load.node) += load.force;
   for (std::size_t i = 0; i < loads.point_forces.size(); ++i) {
     if (!AddPointForce(mesh, loads.point_forces[i], sum)) {
       return InvalidField(absl::StrCat("point_forces[", i, "].position"), "lies outside the body");

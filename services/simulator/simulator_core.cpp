@@ -1,10 +1,13 @@
 #include "services/simulator/simulator_core.h"
 
+#include <grpcpp/grpcpp.h>
+
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/base/logging.h"
 #include "common/rpc/channel.h"
 #include "common/rpc/dispatcher.h"
+#include "mortise/v1/catalog.grpc.pb.h"
 
 namespace mortise::simulator {
 namespace {
@@ -21,10 +24,19 @@ SimulatorCore::SimulatorCore(const rpc::ServiceEnvironment& environment)
 absl::StatusOr<std::shared_ptr<SimulatorCore>> SimulatorCore::Create(
     const rpc::ServiceEnvironment& environment) {
   std::shared_ptr<SimulatorCore> core(new SimulatorCore(environment));
-  MORTISE_ASSIGN_OR_RETURN(auto channel, environment.peers->Channel("catalog"));
-  core->templates_ = std::make_unique<TemplateSource>(std::move(channel), kTemplatesKept);
+  MORTISE_ASSIGN_OR_RETURN(core->catalog_, environment.peers->Channel("catalog"));
+  core->templates_ = std::make_unique<TemplateSource>(core->catalog_, kTemplatesKept);
   core->KeepWatching();
   return core;
+}
+
+absl::StatusOr<v1::Material> SimulatorCore::GetMaterial(const std::string& name,
+                                                        const rpc::Origin& origin) {
+  const auto stub = v1::CatalogService::NewStub(catalog_);
+  v1::GetMaterialRequest request;
+  request.set_name(name);
+  return rpc::CallUnary<v1::CatalogService::Stub, v1::GetMaterialRequest, v1::Material>(
+      *stub, &v1::CatalogService::Stub::GetMaterial, request, origin);
 }
 
 rpc::Origin SimulatorCore::OwnOrigin(const std::string& trace_id, absl::Duration timeout) const {

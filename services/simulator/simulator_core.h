@@ -13,6 +13,10 @@
 #include "services/simulator/evaluation_tasks.h"
 #include "services/simulator/template_source.h"
 
+namespace mortise::v1 {
+class Material;
+}
+
 namespace mortise::simulator {
 
 // Thread safe. Lives as long as anything that holds it.
@@ -25,6 +29,9 @@ class SimulatorCore : public std::enable_shared_from_this<SimulatorCore> {
   rpc::Dispatcher* dispatcher() const { return dispatcher_; }
   TaskWaiters& waiters() { return waiters_; }
   TemplateSource& templates() { return *templates_; }
+
+  // A material of the catalog. NOT_FOUND, UNAVAILABLE.
+  absl::StatusOr<v1::Material> GetMaterial(const std::string& name, const rpc::Origin& origin);
 
   // Calls made in the background, as this service.
   rpc::Origin OwnOrigin(const std::string& trace_id, absl::Duration timeout) const;
@@ -58,6 +65,7 @@ class SimulatorCore : public std::enable_shared_from_this<SimulatorCore> {
   store::Store* const store_;
   rpc::Dispatcher* const dispatcher_;
   const rpc::IdentitySigner* const signer_;
+  std::shared_ptr<grpc::Channel> catalog_;
   std::unique_ptr<TemplateSource> templates_;
   TaskWaiters waiters_;
   std::mutex mutex_;

@@ -16,6 +16,7 @@
 #include "mortise/v1/simulator.grpc.pb.h"
 #include "services/simulator/analysis_operation.h"
 #include "services/simulator/evaluator_service.h"
+#include "services/simulator/mesh_case.h"
 #include "services/simulator/simulator_core.h"
 #include "services/simulator/task_codec.h"
 
@@ -107,6 +108,29 @@ class SimulatorAdapter final : public v1::SimulatorService::CallbackService {
         });
   }
 
+  grpc::ServerUnaryReactor* AnalyzeMesh(grpc::CallbackServerContext* context,
+                                        const v1::AnalyzeMeshRequest* request,
+                                        v1::Operation* response) override {
+    return endpoint_.PreparedMutation(
+        "AnalyzeMesh", context, request, response,
+        [this](const rpc::Call& call,
+               const v1::AnalyzeMeshRequest& asked) -> absl::StatusOr<v1::Task> {
+          MORTISE_RETURN_IF_ERROR(CheckMeshCase(asked.case_(), "case"));
+          const absl::Status there = blobs_->Size(asked.mesh_file()).status();
+          if (!there.ok()) {
+            return InvalidField("mesh_file", absl::IsNotFound(there)
+                                                 ? "has not been uploaded"
+                                                 : "must be 64 lower-case hexadecimal digits");
+          }
+          return PrepareMeshAnalysis(*core_, asked, rpc::ForwardedFrom(call));
+        },
+        [this](const rpc::Call& call, const v1::AnalyzeMeshRequest&, v1::Task& task,
+               store::Transaction& transaction) {
+          task.set_trace_id(call.identity().request_id);
+          return StartAnalysis(*operations_, task, call.identity(), transaction);
+        });
+  }
+
   grpc::ServerUnaryReactor* GetAnalysis(grpc::CallbackServerContext* context,
                                         const v1::GetAnalysisRequest* request,
                                         v1::Analysis* response) override {
@@ -169,6 +193,23 @@ class SimulatorAdapter final : public v1::SimulatorService::CallbackService {
         "UploadBlob", context, response,
         [this](const rpc::Call&) -> absl::StatusOr<std::unique_ptr<Reader>> {
           return std::make_unique<BlobReader>(blobs_);
+        });
+  }
+
+  grpc::ServerWriteReactor<v1::Chunk>* DownloadBlob(
+      grpc::CallbackServerContext* context, const v1::DownloadBlobRequest* request) override {
+    return endpoint_.ServerStream<v1::Chunk>(
+        "DownloadBlob", context, request,
+        [this](const rpc::Call&, const v1::DownloadBlobRequest& asked,
+               const std::shared_ptr<rpc::StreamWriter<v1::Chunk>>& writer) -> absl::Status {
+          const absl::Status there = blobs_->Size(asked.sha256()).status();
+          if (absl::IsInvalidArgument(there)) {
+            return InvalidField("sha256", "must be 64 lower-case hexadecimal digits");
+          }
+          MORTISE_RETURN_IF_ERROR(there);
+          rpc::StreamBlob(blobs_, asked.sha256(), {asked.sha256(), "application/octet-stream"},
+                          writer);
+          return absl::OkStatus();
         });
   }
 

@@ -74,6 +74,15 @@ FreeModes FindFreeModes(const Component& component, const mesh::TetrahedralMesh&
   return free;
 }
 
+// Whether one of its parts has other pieces, to which nothing connects it.
+bool IsPiece(const Component& component, const std::vector<Component>& components) {
+  return std::any_of(components.begin(), components.end(), [&](const Component& other) {
+    return &other != &component &&
+           std::any_of(component.parts.begin(), component.parts.end(),
+                       [&](int part) { return other.parts.count(part) != 0; });
+  });
+}
+
 // A displacement prescribed along a direction.
 struct Hold {
   Eigen::Vector3d direction;
@@ -216,7 +225,8 @@ absl::StatusOr<Constraints> CollectConstraints(const mesh::TetrahedralMesh& mesh
 }
 
 absl::Status CheckRigidMotion(const mesh::TetrahedralMesh& mesh, const Constraints& constraints) {
-  for (const Component& component : FindComponents(mesh)) {
+  const std::vector<Component> components = FindComponents(mesh);
+  for (const Component& component : components) {
     const FreeModes free = FindFreeModes(component, mesh, constraints);
     if (free.modes.cols() == 0) continue;
     if (component.parts.empty()) {
@@ -225,7 +235,10 @@ absl::Status CheckRigidMotion(const mesh::TetrahedralMesh& mesh, const Constrain
     }
     return PreconditionFailed(
         "RIGID_MOTION",
-        absl::StrCat(PartsText(component, mesh), " free to ", MotionText(free.modes.col(0)),
+        absl::StrCat(IsPiece(component, components)
+                         ? absl::StrCat("the piece ", PlaceText(component, mesh), " of ")
+                         : "",
+                     PartsText(component, mesh), " free to ", MotionText(free.modes.col(0)),
                      ": not held by supports or bonded parts"),
         "supports");
   }

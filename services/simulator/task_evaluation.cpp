@@ -7,18 +7,11 @@
 #include "common/rpc/status_mapping.h"
 #include "services/simulator/analysis_report.h"
 #include "services/simulator/design_analysis.h"
+#include "services/simulator/mesh_task.h"
 #include "services/simulator/template_model.h"
 
 namespace mortise::simulator {
 namespace {
-
-v1::Vector3 ToProto(const Eigen::Vector3d& vector) {
-  v1::Vector3 message;
-  message.set_x(vector.x());
-  message.set_y(vector.y());
-  message.set_z(vector.z());
-  return message;
-}
 
 void FillAnalysis(const DesignAnalysis& analysis, const parametric::EvaluatedDesign& design,
                   v1::Analysis& message) {
@@ -36,11 +29,11 @@ void FillAnalysis(const DesignAnalysis& analysis, const parametric::EvaluatedDes
   message.set_seconds(analysis.seconds);
 }
 
-absl::Status Evaluate(TemplateSource& templates, const v1::Task& task, const rpc::Origin& origin,
-                      TaskOutcome& outcome) {
-  MORTISE_ASSIGN_OR_RETURN(
-      const auto compiled,
-      templates.GetByDigest(task.subject(), task.revision(), task.digest(), origin));
+absl::Status Evaluate(const v1::Task& task, const TaskSurroundings& surroundings,
+                      v1::ReportTaskRequest& report) {
+  MORTISE_ASSIGN_OR_RETURN(const auto compiled,
+                           surroundings.templates.GetByDigest(task.subject(), task.revision(),
+                                                              task.digest(), surroundings.origin));
   const Eigen::VectorXd parameters = Eigen::Map<const Eigen::VectorXd>(
       task.point().parameters().data(), task.point().parameters_size());
   MORTISE_ASSIGN_OR_RETURN(const parametric::EvaluatedDesign design,
@@ -51,9 +44,11 @@ absl::Status Evaluate(TemplateSource& templates, const v1::Task& task, const rpc
   DesignAnalysisOptions options;
   options.mesh.element_size = task.mesh().element_size();
   options.mesh.quadratic = !task.mesh().linear();
+  options.elasticity.threads = surroundings.threads;
+  options.elasticity.solver.memory_limit = surroundings.memory_limit;
   MORTISE_ASSIGN_OR_RETURN(const DesignAnalysis analysis,
                            AnalyzeDesign(model, metrics, task.fields(), options));
-  v1::EvaluationResult& result = *outcome.report.mutable_result();
+  v1::EvaluationResult& result = *report.mutable_result();
   for (const Metric& metric : analysis.metrics) {
     v1::Metric* message = result.add_metrics();
     message->set_name(metric.name);
@@ -70,32 +65,31 @@ absl::Status Evaluate(TemplateSource& templates, const v1::Task& task, const rpc
     }
   }
   if (!task.fields()) return absl::OkStatus();
-  FillAnalysis(analysis, design, *outcome.report.mutable_analysis());
+  FillAnalysis(analysis, design, *report.mutable_analysis());
   MORTISE_ASSIGN_OR_RETURN(std::string fields, WriteFields(analysis));
-  outcome.files.push_back({"analysis.vtu", "model/vnd.vtu", std::move(fields)});
+  MORTISE_RETURN_IF_ERROR(surroundings.keep({"analysis.vtu", "model/vnd.vtu", std::move(fields)}));
   MORTISE_ASSIGN_OR_RETURN(std::string picture,
                            DrawStress(analysis, compiled->function->head().title));
-  outcome.files.push_back({"stress.png", "image/png", std::move(picture)});
-  return absl::OkStatus();
+  return surroundings.keep({"stress.png", "image/png", std::move(picture)});
 }
 
 }  // namespace
 
-TaskOutcome EvaluateTask(TemplateSource& templates, const v1::Task& task,
-                         const rpc::Origin& origin) {
-  TaskOutcome outcome;
+v1::ReportTaskRequest EvaluateTask(const v1::Task& task, const TaskSurroundings& surroundings) {
+  v1::ReportTaskRequest report;
   absl::Status status = absl::OkStatus();
   try {
-    status = Evaluate(templates, task, origin, outcome);
+    status = task.has_case_() ? EvaluateMeshTask(task, surroundings, report)
+                              : Evaluate(task, surroundings, report);
   } catch (const std::bad_alloc&) {
     status = TooLarge("the evaluation", "the memory at hand");
   } catch (const std::exception& error) {
     status = absl::InternalError(absl::StrCat("the evaluation failed: ", error.what()));
   }
-  if (status.ok()) return outcome;
-  outcome = TaskOutcome();
-  *outcome.report.mutable_result()->mutable_error() = rpc::ToProto(status);
-  return outcome;
+  if (status.ok()) return report;
+  report.Clear();
+  *report.mutable_result()->mutable_error() = rpc::ToProto(status);
+  return report;
 }
 
 }  // namespace mortise::simulator

@@ -1,29 +1,34 @@
-// One task computed: F(q), mesh, solution, metrics, and the files where they are wanted.
+// One task computed: F(q) or an uploaded mesh, solution, metrics, and the files where they are
+// wanted.
 #pragma once
 
+#include <functional>
 #include <string>
-#include <vector>
 
 #include "common/rpc/channel.h"
 #include "mortise/v1/simulator.pb.h"
+#include "services/simulator/analysis_report.h"
 #include "services/simulator/template_source.h"
 
 namespace mortise::simulator {
 
-// A file that belongs to a result.
-struct TaskFile {
-  std::string name;        // "stress.png"
-  std::string media_type;  // "image/png"
-  std::string bytes;
+// What a task needs from outside.
+struct TaskSurroundings {
+  TemplateSource& templates;
+  rpc::Origin origin;  // for the catalog
+
+  // Stores a file of the analysis at once; it becomes one of the analysis's artifacts.
+  std::function<absl::Status(const AnalysisFile& file)> keep;
+
+  // The bytes of an uploaded file; RESOURCE_EXHAUSTED past `limit`.
+  std::function<absl::StatusOr<std::string>(const std::string& sha256, double limit)> fetch;
+
+  double memory_limit = 8e9;  // bytes
+  int threads = 1;
 };
 
-struct TaskOutcome {
-  v1::ReportTaskRequest report;  // metrics, gradients and analysis, or the error; without the task
-  std::vector<TaskFile> files;   // not yet among the analysis's artifacts
-};
-
-// Never fails: what goes wrong becomes the error of the report. `origin` is for the catalog.
-TaskOutcome EvaluateTask(TemplateSource& templates, const v1::Task& task,
-                         const rpc::Origin& origin);
+// Metrics, gradients and analysis, or the error; without the task and the artifacts. Never fails:
+// what goes wrong becomes the error of the report.
+v1::ReportTaskRequest EvaluateTask(const v1::Task& task, const TaskSurroundings& surroundings);
 
 }  // namespace mortise::simulator

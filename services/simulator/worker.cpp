@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "absl/strings/str_cat.h"
+#include "common/base/digest.h"
 #include "common/base/errors.h"
 #include "common/base/logging.h"
 #include "common/rpc/status_mapping.h"
@@ -90,19 +91,32 @@ absl::StatusOr<std::string> Upload(const WorkerOptions& options, Stub& stub,
   return response.sha256();
 }
 
-// Uploads the files of an analysis; the report names them by digest.
-absl::Status UploadFiles(const WorkerOptions& options, Stub& stub, const v1::Task& task,
-                         TaskOutcome& outcome) {
-  for (const TaskFile& file : outcome.files) {
-    MORTISE_ASSIGN_OR_RETURN(const std::string sha256,
-                             Upload(options, stub, task.trace_id(), file.bytes));
-    v1::Artifact* artifact = outcome.report.mutable_analysis()->add_artifacts();
-    artifact->set_file_name(file.name);
-    artifact->set_media_type(file.media_type);
-    artifact->set_size(static_cast<int64_t>(file.bytes.size()));
-    artifact->set_sha256(sha256);
+// Receives a file that somebody uploaded.
+absl::StatusOr<std::string> Download(const WorkerOptions& options, Stub& stub,
+                                     const std::string& trace_id, const std::string& sha256,
+                                     double limit) {
+  const auto context = rpc::MakeClientContext(
+      rpc::OwnOrigin(options.signer, rpc::Role::kDesigner, trace_id, absl::Minutes(5)));
+  v1::DownloadBlobRequest request;
+  request.set_sha256(sha256);
+  const auto reader = stub.DownloadBlob(context.get(), request);
+  std::string bytes;
+  v1::Chunk chunk;
+  while (reader->Read(&chunk)) {
+    if (static_cast<double>(chunk.total_size()) > limit ||
+        static_cast<double>(bytes.size() + chunk.data().size()) > limit) {
+      context->TryCancel();
+      while (reader->Read(&chunk)) {
+      }
+      reader->Finish();
+      return TooLarge("the mesh's file",
+                      absl::StrCat("the ", limit / 1e6, " MB that the worker has room for"));
+    }
+    bytes += chunk.data();
   }
-  return absl::OkStatus();
+  MORTISE_RETURN_IF_ERROR(rpc::FromGrpc(reader->Finish()));
+  if (Sha256Hex(bytes) == sha256) return bytes;
+  return absl::UnavailableError("the mesh's file did not arrive as it was uploaded");
 }
 
 void WorkOn(const WorkerOptions& options, Stub& stub, TemplateSource& templates,
@@ -110,17 +124,34 @@ void WorkOn(const WorkerOptions& options, Stub& stub, TemplateSource& templates,
   const TraceScope trace(task.trace_id());
   const absl::Time start = absl::Now();
   const LeaseKeeper keeper(options, stub, task);
-  TaskOutcome outcome = EvaluateTask(
-      templates, task,
-      rpc::OwnOrigin(options.signer, rpc::Role::kDesigner, task.trace_id(), kCallTimeout));
-  if (const absl::Status uploaded = UploadFiles(options, stub, task, outcome); !uploaded.ok()) {
-    outcome.report.Clear();
-    *outcome.report.mutable_result()->mutable_error() = rpc::ToProto(uploaded);
+  v1::Analysis artifacts;
+  const TaskSurroundings surroundings{
+      .templates = templates,
+      .origin = rpc::OwnOrigin(options.signer, rpc::Role::kDesigner, task.trace_id(), kCallTimeout),
+      .keep = [&](const AnalysisFile& file) -> absl::Status {
+        MORTISE_ASSIGN_OR_RETURN(const std::string sha256,
+                                 Upload(options, stub, task.trace_id(), file.bytes));
+        v1::Artifact* artifact = artifacts.add_artifacts();
+        artifact->set_file_name(file.name);
+        artifact->set_media_type(file.media_type);
+        artifact->set_size(static_cast<int64_t>(file.bytes.size()));
+        artifact->set_sha256(sha256);
+        return absl::OkStatus();
+      },
+      .fetch =
+          [&](const std::string& sha256, double limit) {
+            return Download(options, stub, task.trace_id(), sha256, limit);
+          },
+      .memory_limit = options.memory_limit,
+      .threads = options.threads};
+  v1::ReportTaskRequest report = EvaluateTask(task, surroundings);
+  if (report.has_analysis()) {
+    report.mutable_analysis()->mutable_artifacts()->Swap(artifacts.mutable_artifacts());
   }
-  outcome.report.mutable_task()->set_name(task.name());
-  outcome.report.mutable_task()->set_attempt(task.attempt());
+  report.mutable_task()->set_name(task.name());
+  report.mutable_task()->set_attempt(task.attempt());
   const auto reported = rpc::CallUnary<Stub, v1::ReportTaskRequest, v1::ReportTaskResponse>(
-      stub, &Stub::ReportTask, outcome.report,
+      stub, &Stub::ReportTask, report,
       rpc::OwnOrigin(options.signer, rpc::Role::kDesigner, task.trace_id(), kReportPatience),
       {.patience = kReportPatience});
   Log(reported.ok() ? LogLevel::kInfo : LogLevel::kWarning,
@@ -128,8 +159,7 @@ void WorkOn(const WorkerOptions& options, Stub& stub, TemplateSource& templates,
       {{"task", task.name()},
        {"attempt", task.attempt()},
        {"seconds", absl::ToDoubleSeconds(absl::Now() - start)},
-       {"outcome",
-        outcome.report.result().has_error() ? outcome.report.result().error().message() : "done"},
+       {"outcome", report.result().has_error() ? report.result().error().message() : "done"},
        {"error", reported.ok() ? absl::string_view() : reported.status().message()}});
 }
 

@@ -18,6 +18,8 @@ struct WorkerOptions {
   const rpc::IdentitySigner* signer = nullptr;  // null in development; outlives the worker
   absl::Duration lease = absl::Seconds(30);     // renewed while computing
   absl::Duration patience = absl::Seconds(2);   // for a task, in one call
+  int threads = 1;                              // that solve one task
+  double memory_limit = 8e9;                    // bytes of one task
 };
 
 // Works until a stop is requested: the task at hand is still finished and reported. A worker holds

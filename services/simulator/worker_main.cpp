@@ -20,6 +20,8 @@ struct WorkerFlags {
   bool worker = true;
   std::string name;
   double lease_seconds = 30;
+  int threads = 1;
+  double memory_limit = 8;  // GB
 };
 
 // A peer given by --peer, else the gateway, which knows the way to every service.
@@ -35,6 +37,8 @@ absl::Status Run(const rpc::ServiceOptions& options, const WorkerFlags& flags) {
   WorkerOptions worker;
   worker.name = flags.name.empty() ? absl::StrCat("worker-", NewIdentifier()) : flags.name;
   worker.lease = absl::Seconds(flags.lease_seconds);
+  worker.threads = flags.threads;
+  worker.memory_limit = 1e9 * flags.memory_limit;
   MORTISE_ASSIGN_OR_RETURN(worker.simulator, ChannelTo(options, "simulator"));
   MORTISE_ASSIGN_OR_RETURN(worker.catalog, ChannelTo(options, "catalog"));
   std::unique_ptr<rpc::IdentitySigner> signer;
@@ -73,6 +77,13 @@ int WorkerMain(int argc, char** argv) {
          app.add_option("--lease-seconds", flags.lease_seconds, "how long a task is lent at a time")
              ->check(CLI::Range(1.0, 3600.0))
              ->envname("MORTISE_LEASE_SECONDS");
+         app.add_option("--solver-threads", flags.threads, "threads that solve one task")
+             ->check(CLI::Range(1, 256))
+             ->envname("MORTISE_SOLVER_THREADS");
+         app.add_option("--memory-limit", flags.memory_limit,
+                        "GB that one task may take; larger ones are refused")
+             ->check(CLI::Range(0.01, 1e6))
+             ->envname("MORTISE_MEMORY_LIMIT");
        }});
   if (absl::IsCancelled(options.status())) {
     std::fputs(std::string(options.status().message()).c_str(), stdout);

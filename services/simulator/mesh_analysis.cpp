@@ -1,0 +1,270 @@
+#include "services/simulator/mesh_analysis.h"
+
+#include <algorithm>
+#include <cctype>
+#include <chrono>
+
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "common/base/errors.h"
+#include "common/mesh/vtu_writer.h"
+#include "services/simulator/error_estimate.h"
+#include "services/simulator/modal_analysis.h"
+#include "services/simulator/probe_table.h"
+#include "services/simulator/shape_functions.h"
+
+namespace mortise::simulator {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr char kVtu[] = "model/vnd.vtu";
+constexpr char kPng[] = "image/png";
+
+// The failure of an algorithm, whose fields are below `prefix` in the case.
+absl::Status InCase(const std::string& prefix, const absl::Status& status) {
+  const ErrorDetail detail = DetailOf(status);
+  if (status.ok() || detail.field.empty()) return status;
+  if (absl::StartsWith(status.message(), detail.field)) return UnderField(prefix, status);
+  return WithDetail(status, {detail.reason, absl::StrCat(prefix, ".", detail.field)});
+}
+
+// "Own weight, 1.5×" as "own-weight-1-5": letters and digits that every file system takes.
+std::string FileName(std::size_t number, const std::string& name) {
+  std::string plain = absl::StrCat(number);
+  bool gap = true;
+  for (const char c : name.substr(0, 60)) {
+    const bool keep = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
+    if (keep && gap) plain += '-';
+    if (keep) plain += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    gap = !keep;
+  }
+  return plain;
+}
+
+class Analyst {
+ public:
+  Analyst(const MeshModel& model, const MeshAnalysisOptions& options, const KeepFile& keep)
+      : model_(model), options_(options), keep_(keep), team_(options.threads) {}
+
+  absl::StatusOr<MeshAnalysis> Run() {
+    const auto start = Clock::now();
+    MORTISE_RETURN_IF_ERROR(CheckMemory(model_.mesh.nodes.cols(), model_.mesh.tetrahedra.cols(),
+                                        model_.load_cases.size(), options_.memory_limit));
+    auto table = ProbeTable::Create(model_.mesh, model_.probes);
+    MORTISE_RETURN_IF_ERROR(InCase("case", table.status()));
+    probes_ = *std::move(table);
+    MORTISE_RETURN_IF_ERROR(CheckProbes());
+    Weigh();
+    if (model_.heat) MORTISE_RETURN_IF_ERROR(Heat());
+    if (!model_.load_cases.empty()) MORTISE_RETURN_IF_ERROR(Loads());
+    if (model_.modes > 0) MORTISE_RETURN_IF_ERROR(Vibration());
+    if (probes_.size() > 0) {
+      MORTISE_RETURN_IF_ERROR(keep_({"probes.csv", "text/csv", probes_.csv()}));
+    }
+    analysis_.seconds = std::chrono::duration<double>(Clock::now() - start).count();
+    return std::move(analysis_);
+  }
+
+ private:
+  absl::Status CheckProbes() const {
+    constexpr double kMostRows = 1e6;
+    const double cases = static_cast<double>(model_.load_cases.size()) +
+                         static_cast<double>(model_.combinations.size()) + model_.modes + 1;
+    const double rows = cases * static_cast<double>(probes_.size());
+    if (rows <= kMostRows) return absl::OkStatus();
+    return TooLarge(absl::StrFormat("a table of about %.0f rows for the probes", rows),
+                    absl::StrFormat("%.0f rows", kMostRows));
+  }
+
+  void Weigh() {
+    const mesh::TetrahedralMesh& mesh = model_.mesh;
+    analysis_.nodes = static_cast<int>(mesh.nodes.cols());
+    analysis_.elements = static_cast<int>(mesh.tetrahedra.cols());
+    for (Eigen::Index e = 0; e < mesh.tetrahedra.cols(); ++e) {
+      const GradientMatrix positions = ElementPositions(mesh, e);
+      double volume = 0;
+      for (const TetrahedronPoint& point : TetrahedronRule(mesh.IsQuadratic() ? 5 : 1)) {
+        volume += point.weight * EvaluateElement(positions, point.barycentric).determinant / 6;
+      }
+      analysis_.volume += volume;
+      analysis_.mass += volume * model_.materials[mesh.part[e]].density;
+    }
+  }
+
+  absl::Status Write(const std::string& name, const std::vector<mesh::VtuField>& point_fields,
+                     const std::vector<mesh::VtuField>& cell_fields) {
+    MORTISE_ASSIGN_OR_RETURN(std::string bytes,
+                             mesh::WriteVtu(model_.mesh, point_fields, cell_fields));
+    return keep_({name, kVtu, std::move(bytes)});
+  }
+
+  std::string Heading(const std::string& what) const {
+    return model_.title.empty() ? what : absl::StrCat(model_.title, ": ", what);
+  }
+
+  absl::Status Heat() {
+    HeatOptions heat_options;
+    heat_options.cholesky.memory_limit = options_.memory_limit;
+    heat_options.threads = options_.threads;
+    auto solution = SolveHeat(model_.mesh, *model_.heat, heat_options);
+    MORTISE_RETURN_IF_ERROR(InCase("case.heat", solution.status()));
+    temperature_ = solution->temperature;
+    analysis_.unknowns = analysis_.nodes;
+    HeatOutcome& heat = analysis_.heat.emplace();
+    heat.minimum = solution->minimum;
+    heat.maximum = solution->maximum;
+    heat.supplied = solution->supplied;
+    heat.through_temperatures = solution->reaction.sum();
+    heat.convected.assign(solution->convected.begin(), solution->convected.end());
+    ProbedFields fields;
+    fields.temperature = temperature_;
+    probes_.Add("heat", fields);
+
+    const Eigen::Matrix3Xd at_points =
+        HeatFluxAtPoints(model_.mesh, model_.heat->materials, temperature_);
+    const Eigen::Index points = at_points.cols() / model_.mesh.tetrahedra.cols();
+    Eigen::Matrix3Xd flux(3, model_.mesh.tetrahedra.cols());
+    for (Eigen::Index e = 0; e < flux.cols(); ++e) {
+      flux.col(e) = at_points.middleCols(e * points, points).rowwise().mean();
+    }
+    MORTISE_RETURN_IF_ERROR(Write("heat.vtu", {{"temperature", temperature_.transpose()}},
+                                  {{"heat flux (W/m^2)", flux}}));
+    if (!options_.pictures) return absl::OkStatus();
+    MORTISE_ASSIGN_OR_RETURN(std::string picture,
+                             DrawTemperature(model_.mesh, temperature_, Heading("temperature")));
+    return keep_({"heat.png", kPng, std::move(picture)});
+  }
+
+  absl::Status Loads() {
+    ElasticityOptions elasticity;
+    elasticity.threads = options_.threads;
+    elasticity.solver.memory_limit = options_.memory_limit;
+    auto system = ElasticSystem::Create(model_.mesh, model_.materials, model_.supports, elasticity);
+    MORTISE_RETURN_IF_ERROR(InCase("case", system.status()));
+    std::vector<ElasticitySolution> solutions;
+    for (std::size_t i = 0; i < model_.load_cases.size(); ++i) {
+      const NamedLoadCase& load_case = model_.load_cases[i];
+      LoadCase loads = load_case.loads;
+      if (load_case.thermal_stress) {
+        loads.temperature = temperature_.array() - model_.reference_temperature;
+      }
+      auto solution = system->Solve(loads);
+      MORTISE_RETURN_IF_ERROR(InCase(absl::StrCat("case.load_cases[", i, "]"), solution.status()));
+      MORTISE_RETURN_IF_ERROR(Report(load_case.name, *solution));
+      // Combinations need no more than this.
+      ElasticitySolution& kept = solutions.emplace_back();
+      if (model_.combinations.empty()) continue;
+      kept.displacement = std::move(solution->displacement);
+      kept.load = std::move(solution->load);
+      kept.temperature = std::move(solution->temperature);
+    }
+    for (const NamedCombination& combination : model_.combinations) {
+      std::vector<CombinationTerm> terms;
+      for (const NamedCombination::Term& term : combination.terms) {
+        terms.push_back({term.factor, &solutions[term.load_case]});
+      }
+      MORTISE_ASSIGN_OR_RETURN(const ElasticitySolution sum, system->Combine(terms));
+      MORTISE_RETURN_IF_ERROR(Report(combination.name, sum));
+    }
+    return absl::OkStatus();
+  }
+
+  absl::Status Report(const std::string& name, const ElasticitySolution& solution) {
+    CaseOutcome& outcome = analysis_.cases.emplace_back();
+    outcome.name = name;
+    outcome.summary = solution.summary;
+    analysis_.unknowns = solution.summary.solver.unknowns;
+    Eigen::Index worst = 0;
+    outcome.maximum_von_mises = solution.von_mises.maxCoeff(&worst);
+    outcome.maximum_von_mises_at = model_.mesh.nodes.col(worst);
+    outcome.maximum_displacement_at =
+        model_.mesh.nodes.col(solution.summary.maximum_displacement_node);
+    outcome.maximum_principal = solution.maximum_principal.maxCoeff();
+    outcome.part_maximum_von_mises = solution.part_maximum_von_mises;
+    outcome.part_safety_factor = solution.part_safety_factor;
+    for (const std::vector<int>& nodes : model_.support_nodes) {
+      Eigen::Vector3d& sum = outcome.reactions.emplace_back(Eigen::Vector3d::Zero());
+      for (const int v : nodes) sum += solution.reaction.col(v);
+    }
+    const ErrorEstimate estimate = EstimateError(
+        model_.mesh, model_.materials, solution.displacement, solution.temperature, team_);
+    outcome.relative_error = estimate.relative;
+
+    ProbedFields fields;
+    fields.displacement = solution.displacement;
+    fields.stress = solution.stress;
+    fields.von_mises = solution.von_mises;
+    fields.maximum_principal = solution.maximum_principal;
+    std::vector<mesh::VtuField> at_nodes{
+        {"displacement (m)", solution.displacement},
+        {"von Mises stress (Pa)", solution.von_mises.transpose()},
+        {"stress (Pa)", solution.stress},
+        {"maximum principal stress (Pa)", solution.maximum_principal.transpose()},
+        {"reaction (N)", solution.reaction}};
+    if (solution.temperature.size() > 0) {
+      fields.temperature = solution.temperature.array() + model_.reference_temperature;
+      at_nodes.push_back({"temperature", fields.temperature.transpose()});
+    }
+    probes_.Add(name, fields);
+    const std::string file = FileName(analysis_.cases.size(), name);
+    MORTISE_RETURN_IF_ERROR(
+        Write(file + ".vtu", at_nodes,
+              {{"error of the stress (J^1/2)", estimate.element_error.transpose()}}));
+    if (!options_.pictures) return absl::OkStatus();
+    MORTISE_ASSIGN_OR_RETURN(std::string picture, DrawStress(model_.mesh, solution, Heading(name)));
+    return keep_({file + ".png", kPng, std::move(picture)});
+  }
+
+  absl::Status Vibration() {
+    ModalOptions modal;
+    modal.count = model_.modes;
+    modal.threads = options_.threads;
+    modal.cholesky.memory_limit = options_.memory_limit;
+    const auto solution = FindModes(model_.mesh, model_.materials, model_.supports, modal);
+    if (DetailOf(solution.status()).field == "count") {
+      return WithDetail(solution.status(), {"FIELD_INVALID", "case.modes"});
+    }
+    MORTISE_RETURN_IF_ERROR(InCase("case", solution.status()));
+    std::vector<mesh::VtuField> shapes;
+    for (std::size_t m = 0; m < solution->modes.size(); ++m) {
+      const Mode& mode = solution->modes[m];
+      analysis_.modes.push_back({mode.frequency, mode.rigid});
+      shapes.push_back({absl::StrFormat("mode %d (%.5g Hz)", m + 1, mode.frequency), mode.shape});
+      ProbedFields fields;
+      fields.displacement = mode.shape;
+      probes_.Add(absl::StrCat("mode ", m + 1), fields);
+    }
+    if (analysis_.unknowns == 0) analysis_.unknowns = 3 * analysis_.nodes;
+    return Write("modes.vtu", shapes, {});
+  }
+
+  const MeshModel& model_;
+  const MeshAnalysisOptions& options_;
+  const KeepFile& keep_;
+  ThreadTeam team_;
+  ProbeTable probes_;
+  Eigen::VectorXd temperature_;  // nodes, if heat was asked for
+  MeshAnalysis analysis_;
+};
+
+}  // namespace
+
+absl::Status CheckMemory(Eigen::Index nodes, Eigen::Index elements, std::size_t load_cases,
+                         double memory_limit) {
+  // Measured: 460 MB for 95,000 nodes of quadratic elements, matrix, multigrid, fields and files.
+  const double bytes = static_cast<double>(nodes) * (5000 + 56 * static_cast<double>(load_cases)) +
+                       static_cast<double>(elements) * 300;
+  if (bytes <= memory_limit) return absl::OkStatus();
+  return TooLarge(absl::StrFormat("an analysis of %d elements on %d nodes, about %.2g GB, ",
+                                  elements, nodes, bytes / 1e9),
+                  absl::StrFormat("the worker's %.2g GB", memory_limit / 1e9));
+}
+
+absl::StatusOr<MeshAnalysis> AnalyzeMesh(const MeshModel& model, const MeshAnalysisOptions& options,
+                                         const KeepFile& keep) {
+  return Analyst(model, options, keep).Run();
+}
+
+}  // namespace mortise::simulator

@@ -1,0 +1,118 @@
+// Everything that is asked of an uploaded mesh, computed in turn: heat, load cases and their
+// combinations, vibration, and the files that show them.
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "common/mesh/tetrahedral_mesh.h"
+#include "services/simulator/analysis_case.h"
+#include "services/simulator/analysis_report.h"
+#include "services/simulator/elasticity.h"
+#include "services/simulator/heat_conduction.h"
+
+namespace mortise::simulator {
+
+// A load case by name.
+struct NamedLoadCase {
+  std::string name;
+  LoadCase loads;
+  bool thermal_stress = false;  // whether the temperatures of MeshModel::heat act
+};
+
+// Factors times load cases.
+struct NamedCombination {
+  struct Term {
+    int load_case = 0;  // index
+    double factor = 1;
+  };
+  std::string name;
+  std::vector<Term> terms;
+};
+
+// Where values are wanted.
+struct Probe {
+  std::string name;
+  std::vector<Eigen::Vector3d> points;  // m
+  std::vector<int> nodes;
+};
+
+// A mesh with all that is asked of it. Faces in conditions are of part 0, whatever they are on.
+struct MeshModel {
+  std::string title;
+  mesh::TetrahedralMesh mesh;       // a part for each material
+  std::vector<Material> materials;  // one for each part
+  std::vector<Support> supports;
+  std::vector<std::vector<int>> support_nodes;  // of each support, ascending
+  std::vector<NamedLoadCase> load_cases;
+  std::vector<NamedCombination> combinations;
+  std::optional<HeatCase> heat;
+  double reference_temperature = 0;  // at which nothing is under thermal stress
+  int modes = 0;                     // how many that deform are wanted
+  std::vector<Probe> probes;
+};
+
+struct MeshAnalysisOptions {
+  double memory_limit = 8e9;  // bytes
+  int threads = 1;            // the result is the same for any number
+  bool pictures = true;       // each takes about a second
+};
+
+// What a load case or a combination does.
+struct CaseOutcome {
+  std::string name;
+  ElasticitySummary summary;
+  double maximum_von_mises = 0;                                       // Pa
+  Eigen::Vector3d maximum_von_mises_at = Eigen::Vector3d::Zero();     // m
+  Eigen::Vector3d maximum_displacement_at = Eigen::Vector3d::Zero();  // m
+  double maximum_principal = 0;                                       // Pa
+  double relative_error = 0;               // estimated, of the energy norm
+  Eigen::VectorXd part_maximum_von_mises;  // parts, Pa
+  Eigen::VectorXd part_safety_factor;      // parts; infinite where strength is unknown
+  std::vector<Eigen::Vector3d> reactions;  // N, of each support
+};
+
+struct ModeOutcome {
+  double frequency = 0;  // Hz
+  bool rigid = false;
+};
+
+struct HeatOutcome {
+  double minimum = 0, maximum = 0;
+  double supplied = 0;              // W
+  double through_temperatures = 0;  // W
+  std::vector<double> convected;    // W, of each convection
+};
+
+struct MeshAnalysis {
+  double mass = 0;    // kg
+  double volume = 0;  // m³
+  int nodes = 0, elements = 0;
+  int unknowns = 0;  // of the displacements; of the temperatures where only those are asked for
+  std::vector<CaseOutcome> cases;
+  std::vector<ModeOutcome> modes;
+  std::optional<HeatOutcome> heat;
+  double seconds = 0;
+};
+
+// Takes a file as soon as it is made; its failure ends the analysis.
+using KeepFile = std::function<absl::Status(AnalysisFile file)>;
+
+// Files: heat.vtu and heat.png; for each load case and combination its number, from 1, and its name
+// in plain letters, as in 1-weight.vtu and 1-weight.png; modes.vtu; probes.csv.
+//
+// Errors: INVALID_ARGUMENT with fields as in mortise.v1.MeshCase, below "case", or "mesh_file";
+// FAILED_PRECONDITION, reasons RIGID_MOTION, SINGULAR, FREE_TEMPERATURE, NOT_CONVERGED;
+// RESOURCE_EXHAUSTED, found before memory is taken, if the limit would be exceeded.
+absl::StatusOr<MeshAnalysis> AnalyzeMesh(const MeshModel& model, const MeshAnalysisOptions& options,
+                                         const KeepFile& keep);
+
+// RESOURCE_EXHAUSTED if a mesh of this size, under so many load cases, needs more than the limit.
+absl::Status CheckMemory(Eigen::Index nodes, Eigen::Index elements, std::size_t load_cases,
+                         double memory_limit);
+
+}  // namespace mortise::simulator

@@ -1,0 +1,28 @@
+// What a case of an uploaded mesh says by itself, checked before anybody looks at the mesh.
+#pragma once
+
+#include <string>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+
+namespace mortise::v1 {
+class Material;
+class MeshCase;
+class MeshMaterial;
+}  // namespace mortise::v1
+
+namespace mortise::simulator {
+
+// INVALID_ARGUMENT naming the first field that is wrong, below `field`, whatever the mesh: missing
+// or unknown length unit, lists that are too long, numbers out of range, names that are missing,
+// taken twice or refer to nothing, nothing asked for. That numbers are finite has been checked.
+absl::Status CheckMeshCase(const v1::MeshCase& mesh_case, const std::string& field);
+
+// How many metres a unit of length has: "mm" is 0.001. INVALID_ARGUMENT naming `field`.
+absl::StatusOr<double> MetresOf(const std::string& length_unit, const std::string& field);
+
+// Puts the catalog's numbers in the place of the material's name.
+void UseCatalogMaterial(const v1::Material& material, v1::MeshMaterial& use);
+
+}  // namespace mortise::simulator
