@@ -1,4 +1,4 @@
-// mortise analyze: finite elements on a template at parameters.
+// mortise analyze: finite elements on a template at parameters, or on an uploaded mesh.
 #include <grpcpp/grpcpp.h>
 
 #include <CLI/CLI.hpp>
@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "cli/field_sources.h"
+#include "cli/mesh_analysis.h"
 #include "cli/requests.h"
 #include "cli/session.h"
 #include "common/base/errors.h"
@@ -20,6 +21,8 @@ struct AnalyzeOptions {
   std::string subject;
   std::vector<std::string> parameters;
   std::string element_size;
+  bool linear = false;
+  std::filesystem::path mesh;  // with it, `subject` is the file of a case
   std::filesystem::path out;
 };
 
@@ -46,7 +49,29 @@ absl::Status DownloadArtifacts(const v1::Analysis& analysis, const std::filesyst
   return absl::OkStatus();
 }
 
+absl::Status AnalyzeMesh(const AnalyzeOptions& options, Session& session, Output& output) {
+  if (!options.parameters.empty() || !options.element_size.empty() || options.linear) {
+    return InvalidField("--mesh",
+                        "is a mesh already: --set, --element-size and --linear are for "
+                        "templates");
+  }
+  MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
+  const auto stub = v1::SimulatorService::NewStub(client->channel());
+  MORTISE_ASSIGN_OR_RETURN(const v1::Analysis analysis,
+                           AnalyzeMeshFiles(options.subject, options.mesh, *stub, *client, output));
+  PrintMeshAnalysis(analysis, output);
+  if (!options.out.empty()) {
+    MORTISE_RETURN_IF_ERROR(DownloadArtifacts(analysis, options.out, *stub, *client, output));
+  }
+  output.DocumentOf(analysis);
+  return absl::OkStatus();
+}
+
 absl::Status Analyze(const AnalyzeOptions& options, Session& session, Output& output) {
+  if (!options.mesh.empty()) return AnalyzeMesh(options, session, output);
+  if (std::filesystem::path(options.subject).extension() == ".json") {
+    return InvalidField("--mesh", "is missing: a case needs the file of its mesh");
+  }
   v1::AnalyzeDesignRequest request;
   request.set_request_id(NewIdentifier());
   request.set_template_(ResourceName("templates", options.subject));
@@ -57,6 +82,7 @@ absl::Status Analyze(const AnalyzeOptions& options, Session& session, Output& ou
                              ParseQuantity(options.element_size, "--element-size"));
     request.mutable_mesh()->set_element_size(size);
   }
+  if (options.linear) request.mutable_mesh()->set_linear(true);
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   const auto stub = v1::SimulatorService::NewStub(client->channel());
   v1::Operation operation;
@@ -83,13 +109,23 @@ absl::Status Analyze(const AnalyzeOptions& options, Session& session, Output& ou
 
 void AddAnalyzeCommand(CLI::App& app, Session& session) {
   auto options = std::make_shared<AnalyzeOptions>();
-  CLI::App* analyze = app.add_subcommand("analyze", "Check a design by finite elements");
-  analyze->add_option("template", options->subject, "Template, such as table")->required();
+  CLI::App* analyze = app.add_subcommand("analyze", "Check a design or a mesh by finite elements");
+  analyze
+      ->add_option("template", options->subject,
+                   "Template, such as table; with --mesh the file of a case, such as bar.json")
+      ->required();
   analyze->add_option("--set", options->parameters,
                       "NAME=VALUE, such as length=1500mm (metres without unit)");
   analyze->add_option("--element-size", options->element_size, "Edge length of the tetrahedra");
-  analyze->add_option("--out", options->out, "Folder for the picture (PNG) and the fields (VTU)");
-  analyze->footer("Example: mortise analyze table --set length=1500mm --out out/table");
+  analyze->add_flag("--linear", options->linear, "Tetrahedra of 4 nodes instead of 10");
+  analyze->add_option("--mesh", options->mesh,
+                      "Mesh of the case: Gmsh (MSH 2.2, 4.1), Abaqus or CalculiX (.inp)");
+  analyze->add_option("--out", options->out,
+                      "Folder for pictures (PNG), fields (VTU) and probes (CSV)");
+  analyze->footer(
+      "Example: mortise analyze table --set length=1500mm --out out/table\n"
+      "Example: mortise analyze collection/meshes/bracket.json --mesh "
+      "collection/meshes/bracket.msh --out out/bracket");
   analyze->callback([&session, options] {
     session.command = [options](Session& s, Output& output) {
       return SourcesOf(*options).Name(Analyze(*options, s, output));

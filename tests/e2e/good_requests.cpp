@@ -34,6 +34,10 @@ constexpr char kTetrahedron[] =
     "solid t vertex 0 0 0 vertex 0 9 0 vertex 9 0 0 vertex 0 0 0 vertex 9 0 0 vertex 0 0 9 "
     "vertex 0 0 0 vertex 0 0 9 vertex 0 9 0 vertex 9 0 0 vertex 0 9 0 vertex 0 0 9 endsolid";
 
+constexpr char kMesh[] =
+    "*NODE\n1, 0, 0, 0\n2, 9, 0, 0\n3, 0, 9, 0\n4, 0, 0, 9\n*ELEMENT, TYPE=C3D4, ELSET=body\n"
+    "1, 1, 2, 3, 4\n*SURFACE, NAME=base\n1, S1\n*NSET, NSET=tip\n4\n";
+
 struct Example {
   const char* method;
   const char* request;  // text format; {plan} and so on stand for names
@@ -93,6 +97,22 @@ constexpr Example kExamples[] = {
      "request_id: 'bad-6' template: 'templates/table' parameters { name: 'length' value: 1.5 } "
      "mesh { element_size: 0.3 linear: true }",
      Outcome::kChanges},
+    {"SimulatorService/AnalyzeMesh",
+     "request_id: 'bad-19' mesh_file: '{mesh}' case { title: 'Block' length_unit: 'mm' modes: 1 "
+     "materials { groups: 'body' values { density: 450 youngs_modulus: 1e10 poissons_ratio: 0.3 "
+     "strength: 3e7 thermal_expansion: 5e-6 thermal_conductivity: 0.13 } } "
+     "supports { groups: 'base' fixed: true } "
+     "load_cases { name: 'all' forces { groups: 'base' force { z: 1 } } "
+     "pressures { groups: 'base' pressure: 10 } tractions { groups: 'base' traction { z: 1 } } "
+     "point_forces { position { x: 1 } force { z: 1 } } "
+     "nodal_forces { groups: 'tip' force { z: 1 } } gravity { z: -9.8 } body_force { z: 1 } "
+     "rotation { angular_velocity { z: 1 } } thermal_stress: true } "
+     "combinations { name: 'twice' terms { load_case: 'all' factor: 2 } } "
+     "heat { temperatures { groups: 'base' temperature: 20 } fluxes { groups: 'base' flux: 1 } "
+     "convections { groups: 'base' coefficient: 5 ambient: 20 } "
+     "sources { groups: 'body' power: 1 } reference_temperature: 20 } "
+     "probes { name: 'there' points { x: 1 } groups: 'tip' } }",
+     Outcome::kChanges},
     {"SimulatorService/GetAnalysis", "name: '{analysis}'"},
     {"SimulatorService/ListAnalyses", "page_size: 10"},
     {"SimulatorService/DownloadArtifact", "name: '{analysis}' file_name: 'stress.png'"},
@@ -104,6 +124,7 @@ constexpr Example kExamples[] = {
      "}",
      Outcome::kRefused},
     {"SimulatorService/UploadBlob", "data: 'abc' total_size: 4", Outcome::kRefused},
+    {"SimulatorService/DownloadBlob", "sha256: '{mesh}'"},
     {"SimulatorService/GetQueueStatus", "evaluator: 'simulator'"},
     {"SimulatorService/ListTasks", "page_size: 10 state: DONE"},
     {"ParetoService/DiscoverFront", "request_id: 'bad-7' specification { {discovery} }",
@@ -244,6 +265,20 @@ void NameAssembly(const std::shared_ptr<grpc::Channel>& channel,
   names["{step}"] = StepOf(assemblies, "assemblies/bookshelf");
 }
 
+// Uploads a mesh of one tetrahedron.
+std::string UploadMesh(v1::SimulatorService::Stub& simulator) {
+  grpc::ClientContext context;
+  v1::UploadBlobResponse response;
+  const auto writer = simulator.UploadBlob(&context, &response);
+  v1::Chunk chunk;
+  chunk.set_data(kMesh);
+  chunk.set_total_size(static_cast<int64_t>(chunk.data().size()));
+  writer->Write(chunk);
+  writer->WritesDone();
+  if (!writer->Finish().ok()) Fail("the mesh was not taken");
+  return response.sha256();
+}
+
 // What stands for the names in the examples.
 std::map<std::string, std::string> MakeResources(const std::shared_ptr<grpc::Channel>& channel) {
   v1::CatalogService::Stub catalog(channel);
@@ -293,6 +328,7 @@ std::map<std::string, std::string> MakeResources(const std::shared_ptr<grpc::Cha
            Parse<v1::ImportShapeRequest>(std::string("request_id: 'good-5' format: STL file: '") +
                                          kTetrahedron + "'"))
           .name();
+  names["{mesh}"] = UploadMesh(simulator);
   NameAssembly(channel, names);
   return names;
 }

@@ -130,6 +130,38 @@ TEST_F(HouseTest, FaultsNameTheFlag) {
   EXPECT_EQ(fault({"pareto", "run", file}, true), file + ": bounds[0].parameter");
 }
 
+// Cases and meshes in files: what is wrong is told of the file and its place.
+TEST_F(HouseTest, FaultsOfACaseNameItsFile) {
+  const std::string file = (folder_ / "case.json").string();
+  const std::string mesh = (folder_ / "block.inp").string();
+  ASSERT_TRUE(WriteFile(mesh,
+                        "*NODE\n1, 0, 0, 0\n2, 9, 0, 0\n3, 0, 9, 0\n4, 0, 0, 9\n"
+                        "*ELEMENT, TYPE=C3D4, ELSET=body\n1, 1, 2, 3, 4\n"
+                        "*NSET, NSET=base\n1, 2, 3\n*NSET, NSET=tip\n4\n")
+                  .ok());
+  const auto ask = [&](const std::string& end, int code) {
+    EXPECT_TRUE(WriteFile(file, R"({"length_unit": "mm", "materials": [{"material":
+        "materials/steel"}], "supports": [{"groups": ["base"], "fixed": true}], "load_cases":
+        [{"name": "push", "nodal_forces": [{"groups": ["tip"], "force": {"z": -1}}]}])" +
+                                    end + "}")
+                    .ok());
+    return Ask({"analyze", file, "--mesh", mesh}, code);
+  };
+  const Json analysis = ask("", 0);
+  EXPECT_NEAR(analysis["cases"][0]["total_reaction"]["z"].get<double>(), 1, 1e-9);
+  EXPECT_EQ(ask(R"(, "colour": "red")", 1)["error"]["field"], file + ": colour");
+  EXPECT_EQ(ask(R"(, "probes": [{"name": "a", "size": 1}])", 1)["error"]["field"],
+            file + ": probes[0].size");
+  EXPECT_EQ(ask(R"(, "modes": -1)", 1)["error"]["field"], file + ": modes");
+  EXPECT_EQ(ask(R"(, "probes": [{"name": "a", "groups": ["Base"]}])", 1)["error"]["field"],
+            file + ": probes[0].groups[0]");
+  EXPECT_EQ(Ask({"analyze", file}, 1)["error"]["field"], "--mesh");
+  ASSERT_TRUE(WriteFile(mesh, "*NODE\n1, 0, 0\n*INCLUDE, INPUT=x\n").ok());
+  const Json error = ask("", 1)["error"];
+  EXPECT_EQ(error["field"], mesh);
+  EXPECT_THAT(error["message"].get<std::string>(), HasSubstr("line 3: *INCLUDE"));
+}
+
 TEST_F(HouseTest, SecondLauncherIsRefused) {
   const CommandResult second =
       Mortise({"up", "--insecure-development", "--any-ports", "--state", State()});

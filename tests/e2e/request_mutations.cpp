@@ -49,6 +49,16 @@ const std::set<std::string>& AnyNumber() {
       "mortise.v1.AdjustAssemblyRequest.q",
       "mortise.v1.EvaluateAssemblyRequest.Point.q",
       "mortise.v1.ExportAssemblyRequest.q",
+      "mortise.v1.PrescribedDisplacement.x",
+      "mortise.v1.PrescribedDisplacement.y",
+      "mortise.v1.PrescribedDisplacement.z",
+      "mortise.v1.GroupPressure.pressure",
+      "mortise.v1.LoadCombination.Term.factor",
+      "mortise.v1.MeshHeat.reference_temperature",
+      "mortise.v1.GroupTemperature.temperature",
+      "mortise.v1.GroupFlux.flux",
+      "mortise.v1.GroupConvection.ambient",
+      "mortise.v1.GroupSource.power",
   };
   return names;
 }
@@ -84,8 +94,10 @@ bool GivesName(const FieldDescriptor* field) {
 // Names of what is drawn, within one assembly: any short text.
 bool IsLabel(const FieldDescriptor* field) {
   static const std::set<std::string> names = {
-      "mortise.v1.AssemblyPart.name", "mortise.v1.AssemblyGroup.name", "mortise.v1.Joint.name",
-      "mortise.v1.RestPose.name", "mortise.v1.ProminentPlane.name"};
+      "mortise.v1.AssemblyPart.name",    "mortise.v1.AssemblyGroup.name",
+      "mortise.v1.Joint.name",           "mortise.v1.RestPose.name",
+      "mortise.v1.ProminentPlane.name",  "mortise.v1.MeshLoadCase.name",
+      "mortise.v1.LoadCombination.name", "mortise.v1.MeshProbe.name"};
   return names.count(field->full_name()) != 0;
 }
 

@@ -1,0 +1,167 @@
+#include "cli/mesh_analysis.h"
+
+#include <google/protobuf/util/json_util.h>
+#include <grpcpp/grpcpp.h>
+
+#include <cmath>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "absl/strings/strip.h"
+#include "cli/field_sources.h"
+#include "cli/requests.h"
+#include "common/base/digest.h"
+#include "common/base/errors.h"
+#include "common/base/files.h"
+#include "common/base/identifiers.h"
+#include "common/base/units.h"
+#include "common/rpc/status_mapping.h"
+
+namespace mortise::cli {
+namespace {
+
+constexpr std::size_t kLargestCase = std::size_t{3} << 20;  // bytes
+
+// What protobuf says of JSON has the form "(load_cases[0]) foo: Cannot find field." or
+// "(modes): invalid value …".
+absl::Status BadCase(const std::string& file, absl::string_view message) {
+  std::string path;
+  const std::size_t end = message.find(')');
+  if (absl::ConsumePrefix(&message, "(") && end != absl::string_view::npos) {
+    path = std::string(message.substr(0, end - 1));
+    message.remove_prefix(end);
+    while (absl::ConsumePrefix(&message, ":") || absl::ConsumePrefix(&message, " ")) {
+    }
+  }
+  if (absl::ConsumeSuffix(&message, ": Cannot find field.")) {
+    absl::StrAppend(&path, path.empty() ? "" : ".", message);
+    message = "there is no field of this name";
+  }
+  const std::string text(message.substr(0, 400));
+  return InvalidField(path.empty() ? file : absl::StrCat(file, ": ", path), text);
+}
+
+absl::StatusOr<v1::MeshCase> ReadCase(const std::filesystem::path& file) {
+  MORTISE_ASSIGN_OR_RETURN(const std::string text, ReadFile(file, kLargestCase));
+  v1::MeshCase mesh_case;
+  const auto parsed = google::protobuf::util::JsonStringToMessage(text, &mesh_case);
+  if (parsed.ok()) return mesh_case;
+  const auto message = parsed.message();
+  return BadCase(file.string(), absl::string_view(message.data(), message.size()));
+}
+
+absl::StatusOr<std::string> Upload(const std::filesystem::path& file,
+                                   v1::SimulatorService::Stub& stub, const GatewayClient& client) {
+  constexpr std::size_t kChunk = 512 * 1024;
+  constexpr double kSeconds = 600;
+  MORTISE_ASSIGN_OR_RETURN(const std::string bytes, ReadFile(file));
+  if (bytes.empty()) return InvalidField(file.string(), "is empty");
+  const std::string digest = Sha256Hex(bytes);
+  v1::UploadBlobResponse response;
+  MORTISE_RETURN_IF_ERROR(client.Call(
+      [&](grpc::ClientContext& context) {
+        const auto writer = stub.UploadBlob(&context, &response);
+        for (std::size_t offset = 0; offset < bytes.size(); offset += kChunk) {
+          v1::Chunk chunk;
+          chunk.set_offset(static_cast<std::int64_t>(offset));
+          chunk.set_data(bytes.substr(offset, kChunk));
+          if (offset == 0) {
+            chunk.set_total_size(static_cast<std::int64_t>(bytes.size()));
+            chunk.set_sha256(digest);
+          }
+          if (!writer->Write(chunk)) break;
+        }
+        writer->WritesDone();
+        return rpc::FromGrpc(writer->Finish());
+      },
+      kSeconds));
+  return response.sha256();
+}
+
+double MetricOf(const v1::CaseResult& result, const std::string& name) {
+  for (const v1::Metric& metric : result.metrics()) {
+    if (metric.name() == name) return metric.value();
+  }
+  return 0;
+}
+
+// Without what is only rounding.
+std::string Newtons(const v1::Vector3& force) {
+  const double size = std::hypot(force.x(), force.y(), force.z());
+  const auto text = [&](double x) {
+    return absl::StrFormat("%.5g", std::abs(x) < 1e-9 * size ? 0 : x);
+  };
+  return absl::StrCat(text(force.x()), ", ", text(force.y()), ", ", text(force.z()));
+}
+
+void PrintCases(const v1::Analysis& analysis, const Output& output) {
+  if (analysis.cases().empty()) return;
+  std::vector<std::vector<std::string>> rows;
+  for (const v1::CaseResult& result : analysis.cases()) {
+    const double safety = MetricOf(result, "safety_factor");
+    rows.push_back({result.name(),
+                    absl::StrFormat("%.4g mm", MetricOf(result, "max_displacement") / kMillimetre),
+                    absl::StrFormat("%.4g MPa", MetricOf(result, "max_von_mises") / kMegapascal),
+                    absl::StrFormat("%.4g MPa", MetricOf(result, "max_principal") / kMegapascal),
+                    safety > 0 ? absl::StrFormat("%.3g", safety) : "",
+                    absl::StrFormat("%.4g J", MetricOf(result, "strain_energy")),
+                    absl::StrFormat("%.2g %%", 100 * MetricOf(result, "relative_error")),
+                    Newtons(result.total_reaction())});
+  }
+  output.Table({"load case", "displacement", "von Mises", "principal", "safety", "energy", "error",
+                "reaction (N)"},
+               rows);
+}
+
+void PrintModes(const v1::Analysis& analysis, const Output& output) {
+  if (analysis.modes().empty()) return;
+  std::vector<std::vector<std::string>> rows;
+  for (const v1::Mode& mode : analysis.modes()) {
+    rows.push_back({absl::StrCat(rows.size() + 1), absl::StrFormat("%.5g Hz", mode.frequency()),
+                    mode.rigid() ? "rigid" : ""});
+  }
+  output.Table({"mode", "frequency", ""}, rows);
+}
+
+}  // namespace
+
+absl::StatusOr<v1::Analysis> AnalyzeMeshFiles(const std::filesystem::path& case_file,
+                                              const std::filesystem::path& mesh_file,
+                                              v1::SimulatorService::Stub& stub,
+                                              const GatewayClient& client, Output& output) {
+  FieldSources sources;
+  sources.AddFile("case", case_file.string());
+  sources.Add("mesh_file", mesh_file.string());
+  v1::AnalyzeMeshRequest request;
+  request.set_request_id(NewIdentifier());
+  MORTISE_ASSIGN_OR_RETURN(*request.mutable_case_(), ReadCase(case_file));
+  MORTISE_ASSIGN_OR_RETURN(*request.mutable_mesh_file(), Upload(mesh_file, stub, client));
+  v1::Operation operation;
+  MORTISE_RETURN_IF_ERROR(sources.Name(client.Call([&](grpc::ClientContext& context) {
+    return rpc::FromGrpc(stub.AnalyzeMesh(&context, request, &operation));
+  })));
+  absl::StatusOr<v1::Analysis> analysis = FollowTo<v1::Analysis>(client, operation, output);
+  if (!analysis.ok()) return sources.Name(analysis.status());
+  return analysis;
+}
+
+void PrintMeshAnalysis(const v1::Analysis& analysis, const Output& output) {
+  if (!analysis.title().empty()) output.Line(analysis.title());
+  output.Line(absl::StrCat(analysis.name(), ": ", analysis.nodes(), " nodes, ", analysis.elements(),
+                           " elements, ", analysis.unknowns(), " unknowns"));
+  for (const v1::Metric& metric : analysis.metrics()) {
+    output.Line(absl::StrCat("  ", metric.name(), " ", MetricText(metric)));
+  }
+  PrintCases(analysis, output);
+  if (analysis.has_heat()) {
+    output.Line(absl::StrFormat(
+        "temperatures from %.5g to %.5g, %.5g W of fluxes and sources, %.5g W from where "
+        "temperatures are held",
+        analysis.heat().minimum(), analysis.heat().maximum(), analysis.heat().supplied(),
+        analysis.heat().through_temperatures()));
+  }
+  PrintModes(analysis, output);
+  for (const std::string& note : analysis.notes()) output.Line("note: " + note);
+}
+
+}  // namespace mortise::cli

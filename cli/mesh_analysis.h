@@ -1,0 +1,26 @@
+// Cases and meshes from files, for `mortise analyze CASE.json --mesh FILE`, and what came of them
+// as tables.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "cli/gateway_client.h"
+#include "cli/output.h"
+#include "mortise/v1/simulator.grpc.pb.h"
+
+namespace mortise::cli {
+
+// Uploads the mesh, analyses the case and waits for the result. What is wrong with either is said
+// with the file's name: INVALID_ARGUMENT, also for fields that a case does not have.
+absl::StatusOr<v1::Analysis> AnalyzeMeshFiles(const std::filesystem::path& case_file,
+                                              const std::filesystem::path& mesh_file,
+                                              v1::SimulatorService::Stub& stub,
+                                              const GatewayClient& client, Output& output);
+
+// Tables of load cases, temperatures and frequencies, and what of the mesh file was not used.
+void PrintMeshAnalysis(const v1::Analysis& analysis, const Output& output);
+
+}  // namespace mortise::cli
