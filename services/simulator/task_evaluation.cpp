@@ -39,15 +39,17 @@ absl::Status Evaluate(const v1::Task& task, const TaskSurroundings& surroundings
   MORTISE_ASSIGN_OR_RETURN(const parametric::EvaluatedDesign design,
                            compiled->function->Evaluate(parameters));
   MORTISE_ASSIGN_OR_RETURN(const DesignModel model,
-                           MakeDesignModel(compiled->function->head().materials, design));
+                           MakeDesignModel(*compiled->function, parameters, design));
   const std::vector<std::string> metrics(task.metrics().begin(), task.metrics().end());
   DesignAnalysisOptions options;
   options.mesh.element_size = task.mesh().element_size();
   options.mesh.quadratic = !task.mesh().linear();
   options.elasticity.threads = surroundings.threads;
   options.elasticity.solver.memory_limit = surroundings.memory_limit;
-  MORTISE_ASSIGN_OR_RETURN(const DesignAnalysis analysis,
-                           AnalyzeDesign(model, metrics, task.fields(), options));
+  const absl::StatusOr<DesignAnalysis> analyzed =
+      AnalyzeDesign(model, metrics, task.fields(), options);
+  if (!analyzed.ok()) return WithLeftOutParts(analyzed.status(), design);
+  const DesignAnalysis& analysis = *analyzed;
   v1::EvaluationResult& result = *report.mutable_result();
   for (const Metric& metric : analysis.metrics) {
     v1::Metric* message = result.add_metrics();

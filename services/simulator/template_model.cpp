@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "common/base/errors.h"
 #include "common/cad/assembly_surface.h"
 #include "common/mesh/inside_point.h"
@@ -16,6 +17,9 @@ using parametric::BoundaryConditionKind;
 using parametric::EvaluatedDesign;
 using parametric::EvaluatedPart;
 
+constexpr std::size_t kMostFaces = 100'000;  // the kernel fuses 76,000 in half a minute
+constexpr std::size_t kNamesTold = 4;
+
 absl::StatusOr<Material> MaterialOf(const std::vector<parametric::Material>& materials,
                                     const EvaluatedPart& part) {
   const parametric::Material* material = parametric::FindMaterial(materials, part.material);
@@ -26,6 +30,12 @@ absl::StatusOr<Material> MaterialOf(const std::vector<parametric::Material>& mat
   }
   return Material{material->name, material->density, material->youngs_modulus,
                   material->poissons_ratio, material->strength};
+}
+
+// Whether the boxes of two parts meet.
+bool Touch(const EvaluatedPart& a, const EvaluatedPart& b) {
+  return (a.minimum - b.maximum).maxCoeff() <= cad::kDrawingTolerance &&
+         (b.minimum - a.maximum).maxCoeff() <= cad::kDrawingTolerance;
 }
 
 // The design without what only connects its parts.
@@ -53,13 +63,55 @@ absl::StatusOr<mesh::AssemblySurface> SurfaceOf(const EvaluatedPart& part) {
   return surface;
 }
 
-absl::StatusOr<mesh::AssemblySurface> SurfaceOf(const EvaluatedDesign& design) {
-  const bool faceted =
-      std::any_of(design.parts.begin(), design.parts.end(),
+// Gives the faces of shapes all their names; the kernel's solids know the first of each only.
+void NameFaces(const EvaluatedDesign& bearing, mesh::AssemblySurface& surface) {
+  for (mesh::AssemblyFace& face : surface.faces) {
+    const std::vector<mesh::NamedFace> known = face.origins;
+    for (const mesh::NamedFace& origin : known) {
+      const EvaluatedPart& part = bearing.parts[static_cast<std::size_t>(origin.part)];
+      if (!part.faceted) continue;
+      for (const std::vector<std::string>& names : part.faceted->face_names) {
+        if (names.front() != origin.name) continue;
+        for (std::size_t i = 1; i < names.size(); ++i) {
+          face.origins.push_back({origin.part, names[i]});
+        }
+      }
+    }
+  }
+}
+
+// Several parts, some of which have shapes.
+absl::StatusOr<mesh::AssemblySurface> FuseShapes(const templates::Template& function,
+                                                 const Eigen::VectorXd& parameters,
+                                                 const EvaluatedDesign& design,
+                                                 const EvaluatedDesign& bearing) {
+  MORTISE_ASSIGN_OR_RETURN(const std::vector<cad::Solid> all, function.Solids(parameters));
+  std::vector<cad::Solid> solids;
+  std::size_t faces = 0;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (design.parts[i].connecting) continue;
+    faces += all[i].face_names().size();
+    solids.push_back(all[i]);
+  }
+  if (faces > kMostFaces) {
+    return TooLarge(absl::StrCat("the analysis of parts with ", faces, " faces together"),
+                    absl::StrCat(kMostFaces, " faces: take exact surfaces instead of triangles"));
+  }
+  MORTISE_ASSIGN_OR_RETURN(mesh::AssemblySurface surface, cad::FuseAssembly(solids));
+  NameFaces(bearing, surface);
+  return surface;
+}
+
+absl::StatusOr<mesh::AssemblySurface> SurfaceOf(const templates::Template& function,
+                                                const Eigen::VectorXd& parameters,
+                                                const EvaluatedDesign& design,
+                                                const EvaluatedDesign& bearing) {
+  const bool has_shapes =
+      std::any_of(bearing.parts.begin(), bearing.parts.end(),
                   [](const EvaluatedPart& part) { return part.faceted.has_value(); });
-  if (!faceted) return cad::FuseAssembly(parametric::PartShapes(design));
-  if (design.parts.size() != 1) return NotBuilt("analysing several parts that are no prisms");
-  return SurfaceOf(design.parts[0]);
+  if (!has_shapes) return cad::FuseAssembly(parametric::PartShapes(bearing));
+  if (bearing.parts.size() == 1) return SurfaceOf(bearing.parts[0]);
+  return FuseShapes(function, parameters, design, bearing);
 }
 
 absl::Status AddCondition(const EvaluatedDesign& design, std::size_t index,
@@ -89,19 +141,63 @@ absl::Status AddCondition(const EvaluatedDesign& design, std::size_t index,
 
 }  // namespace
 
-absl::StatusOr<DesignModel> MakeDesignModel(const std::vector<parametric::Material>& materials,
+absl::StatusOr<DesignModel> MakeDesignModel(const templates::Template& function,
+                                            const Eigen::VectorXd& parameters,
                                             const EvaluatedDesign& design) {
   const EvaluatedDesign bearing = LoadBearing(design);
   DesignModel model;
-  MORTISE_ASSIGN_OR_RETURN(model.surface, SurfaceOf(bearing));
   for (const EvaluatedPart& part : bearing.parts) {
-    MORTISE_ASSIGN_OR_RETURN(Material material, MaterialOf(materials, part));
+    MORTISE_ASSIGN_OR_RETURN(Material material, MaterialOf(function.head().materials, part));
     model.analysis.materials.push_back(std::move(material));
   }
+  MORTISE_ASSIGN_OR_RETURN(model.surface, SurfaceOf(function, parameters, design, bearing));
   for (std::size_t i = 0; i < bearing.boundary_conditions.size(); ++i) {
     MORTISE_RETURN_IF_ERROR(AddCondition(bearing, i, model.analysis));
   }
   return model;
+}
+
+absl::Status CheckSupported(const EvaluatedDesign& design) {
+  const auto& conditions = design.boundary_conditions;
+  if (std::any_of(conditions.begin(), conditions.end(), [](const auto& condition) {
+        return condition.kind == BoundaryConditionKind::kFixed;
+      })) {
+    return absl::OkStatus();
+  }
+  return PreconditionFailed(
+      "NO_SUPPORTS",
+      absl::StrCat(
+          "nothing holds ", design.template_name,
+          ": give it boundary_conditions, at least one of kind FIXED that names a part and "
+          "a face of it, and loads of kind FORCE or PRESSURE"),
+      "boundary_conditions");
+}
+
+absl::Status WithLeftOutParts(const absl::Status& failure, const EvaluatedDesign& design) {
+  if (DetailOf(failure).reason != "RIGID_MOTION") return failure;
+  const std::string message(failure.message());
+  std::vector<std::string> left_out;
+  for (const EvaluatedPart& connecting : design.parts) {
+    if (!connecting.connecting) continue;
+    for (const EvaluatedPart& part : design.parts) {
+      if (part.connecting || message.find(absl::StrCat("'", part.name, "'")) == message.npos ||
+          !Touch(part, connecting)) {
+        continue;
+      }
+      left_out.push_back(absl::StrCat("'", connecting.name, "'"));
+      break;
+    }
+  }
+  if (left_out.empty()) return failure;
+  const std::size_t more = left_out.size() - std::min(left_out.size(), kNamesTold);
+  left_out.resize(left_out.size() - more);
+  return PreconditionFailed(
+      "RIGID_MOTION",
+      absl::StrCat(
+          message, "; ", absl::StrJoin(left_out, ", "),
+          more == 0 ? "" : absl::StrCat(" and ", more, " more"),
+          " only connect, and what only connects is left out: let what bears be principal"),
+      "supports");
 }
 
 bool OffersGradient(const templates::Template& function, const std::string& metric) {

@@ -7,13 +7,25 @@
 
 namespace mortise::simulator {
 
-// Fuses the parts of `design`, looks up what they are made of, and turns its boundary conditions
-// into supports and loads. What only connects parts is left out: they are bonded where they touch.
-// Heat has no part in elasticity. Fails as cad::FuseAssembly does; INVALID_ARGUMENT naming the
-// design's field where a material or part is missing; UNIMPLEMENTED for several parts of which one
-// is no prism.
-absl::StatusOr<DesignModel> MakeDesignModel(const std::vector<parametric::Material>& materials,
+// Fuses the parts of `design`, which is `function` at `parameters`, looks up what they are made of,
+// and turns its boundary conditions into supports and loads. Parts with shapes are their exact
+// solids where the template has them, else their triangles. What only connects parts is left out:
+// they are bonded where they touch. Heat has no part in elasticity.
+//
+// Fails as cad::FuseAssembly and Template::Solids do; INVALID_ARGUMENT naming the design's field
+// where a material or part is missing; RESOURCE_EXHAUSTED for solids with more faces together than
+// the kernel fuses in reasonable time.
+absl::StatusOr<DesignModel> MakeDesignModel(const templates::Template& function,
+                                            const Eigen::VectorXd& parameters,
                                             const parametric::EvaluatedDesign& design);
+
+// FAILED_PRECONDITION, NO_SUPPORTS, saying what to add, for a design that nothing holds.
+absl::Status CheckSupported(const parametric::EvaluatedDesign& design);
+
+// The failure of an analysis of `design`. Where a part is free to move (RIGID_MOTION), and what
+// connects it to others was left out, it says so.
+absl::Status WithLeftOutParts(const absl::Status& failure,
+                              const parametric::EvaluatedDesign& design);
 
 // The gradient of a metric with respect to all parameters.
 struct MetricGradient {

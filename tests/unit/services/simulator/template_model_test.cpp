@@ -1,10 +1,19 @@
 // Templates of every kind as finite element models.
 #include "services/simulator/template_model.h"
 
+#include <gmock/gmock.h>
+#include <google/protobuf/text_format.h>
 #include <gtest/gtest.h>
 
+#include "absl/strings/str_cat.h"
+#include "absl/strings/substitute.h"
 #include "common/base/errors.h"
+#include "common/cad/cylinder.h"
+#include "common/cad/solid_shape.h"
+#include "common/mesh/mass_properties.h"
+#include "common/mesh/surface_check.h"
 #include "common/parametric/parameter_values.h"
+#include "common/parametric/shape_codec.h"
 #include "common/templates/template_codec.h"
 #include "tests/unit/common/templates/shipped_collection.h"
 
@@ -15,16 +24,25 @@ using parametric::EvaluatedDesign;
 
 struct Subject {
   std::shared_ptr<const templates::Template> function;
+  Eigen::VectorXd parameters;
   EvaluatedDesign design;
+
+  absl::StatusOr<DesignModel> Model() const {
+    return MakeDesignModel(*function, parameters, design);
+  }
 };
+
+Subject At(const Subject& other, const Eigen::VectorXd& parameters) {
+  auto design = other.function->Evaluate(parameters);
+  EXPECT_TRUE(design.ok()) << design.status();
+  return {other.function, parameters, *std::move(design)};
+}
 
 Subject AtDefaults(v1::TemplateBundle bundle) {
   EXPECT_EQ(templates::Complete(bundle, templates::Trial::kDefaults), absl::OkStatus());
   auto function = templates::Compile(bundle);
   EXPECT_TRUE(function.ok()) << function.status();
-  auto design = (*function)->Evaluate(parametric::Defaults((*function)->parameters()));
-  EXPECT_TRUE(design.ok()) << design.status();
-  return {*std::move(function), *std::move(design)};
+  return At({*function, {}, {}}, parametric::Defaults((*function)->parameters()));
 }
 
 double ValueOf(const DesignAnalysis& analysis, const std::string& name) {
@@ -37,7 +55,7 @@ double ValueOf(const DesignAnalysis& analysis, const std::string& name) {
 
 TEST(TemplateModelTest, ASolidOfFeaturesBendsUnderItsLoad) {
   const Subject wrench = AtDefaults(templates::ShippedTemplate("templates/wrench"));
-  const auto model = MakeDesignModel(wrench.function->head().materials, wrench.design);
+  const auto model = wrench.Model();
   ASSERT_TRUE(model.ok()) << model.status();
   DesignAnalysisOptions options;
   options.mesh.element_size = 0.004;
@@ -58,7 +76,7 @@ TEST(TemplateModelTest, WhatOnlyConnectsPartsIsLeftOut) {
   std::size_t principal = 0;
   for (const parametric::EvaluatedPart& part : shelf.design.parts) principal += !part.connecting;
   ASSERT_LT(principal, shelf.design.parts.size());
-  const auto model = MakeDesignModel(shelf.function->head().materials, shelf.design);
+  const auto model = shelf.Model();
   ASSERT_TRUE(model.ok()) << model.status();
   EXPECT_EQ(model->surface.part_names.size(), principal);
   EXPECT_EQ(model->analysis.materials.size(), principal);
@@ -66,9 +84,196 @@ TEST(TemplateModelTest, WhatOnlyConnectsPartsIsLeftOut) {
 
 TEST(TemplateModelTest, PartsWithoutMaterialAreNamed) {
   Subject wrench = AtDefaults(templates::ShippedTemplate("templates/wrench"));
-  const absl::Status status = MakeDesignModel({}, wrench.design).status();
+  wrench.design.parts[0].material = "materials/none";
+  const absl::Status status = wrench.Model().status();
   EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
   EXPECT_EQ(DetailOf(status).field, "part 'wrench'");
+}
+
+// A solid as the catalog gives it to workers.
+v1::Shape ShapeOf(const cad::Solid& solid, const Eigen::Vector3d& size) {
+  const auto drawn = cad::ShapeOfSolid(solid, Eigen::Matrix3d::Identity(), {0, 0, 0}, size);
+  EXPECT_TRUE(drawn.ok()) << drawn.status();
+  v1::Shape message = parametric::ToProto(*drawn);
+  message.set_name(parametric::NameOf(message));
+  return message;
+}
+
+v1::TemplateBundle BundleOf(const std::string& assembly, const std::string& conditions,
+                            const std::vector<v1::Shape>& shapes) {
+  v1::TemplateBundle bundle = templates::ShippedAssembly("assemblies/bookshelf");
+  bundle.clear_assembly();
+  EXPECT_TRUE(google::protobuf::TextFormat::ParseFromString(assembly, bundle.mutable_assembly()));
+  v1::Template& message = *bundle.mutable_template_();
+  message.Clear();
+  EXPECT_TRUE(google::protobuf::TextFormat::ParseFromString(conditions, &message));
+  message.set_name("templates/drawn");
+  message.mutable_assembly()->set_assembly(bundle.assembly().name());
+  for (const v1::Shape& shape : shapes) *bundle.add_shapes() = shape;
+  return bundle;
+}
+
+constexpr double kRadius = 0.02;  // m
+constexpr double kHeight = 0.4;   // m
+
+v1::Shape TurnedLeg() {
+  cad::CylinderShape leg;
+  leg.name = "leg";
+  leg.center = {kRadius, kRadius, 0};
+  leg.radius_u = leg.radius_v = kRadius;
+  leg.height = kHeight;
+  return ShapeOf(cad::MakeCylinder(leg).value(), {2 * kRadius, 2 * kRadius, kHeight});
+}
+
+// A seat on four turned legs, or `gap` above them, on pads that only connect.
+v1::TemplateBundle Stool(const v1::Shape& leg, double gap = 0) {
+  const std::string beech = "item: 'items/beech-planed-2400' length_axis: Z thickness_axis: Y";
+  std::string assembly = absl::Substitute(
+      "name: 'assemblies/stool' parts { name: 'seat' item: 'items/panel-beech' position { z: $0 } "
+      "size { x: 0.5 y: 0.4 z: 0.03 } } ",
+      kHeight + gap);
+  std::string conditions;
+  for (int i = 0; i < 4; ++i) {
+    const double x = i % 2 == 0 ? 0.05 : 0.41, y = i < 2 ? 0.05 : 0.31;
+    absl::StrAppend(&assembly,
+                    absl::Substitute("parts { name: 'leg $0' $1 shape: '$2' position { x: $3 y: $4 "
+                                     "} size { x: 0.04 y: 0.04 z: 0.4 } } ",
+                                     i, beech, leg.name(), x, y));
+    absl::StrAppend(
+        &conditions,
+        absl::Substitute(
+            "boundary_conditions { name: 'foot $0' kind: FIXED part: 'leg $0' face: 'z_min' } ",
+            i));
+    if (gap == 0) continue;
+    absl::StrAppend(&assembly,
+                    absl::Substitute("parts { name: 'pad $0' role: CONNECTING position { x: $1 y: "
+                                     "$2 z: 0.4 } size { x: 0.04 y: 0.04 z: $3 } } ",
+                                     i, x, y, gap));
+  }
+  absl::StrAppend(&conditions,
+                  "boundary_conditions { name: 'load' kind: FORCE part: 'seat' face: 'z_max' "
+                  "components: '0' components: '0' components: '-1000' }");
+  return BundleOf(assembly, conditions, {leg});
+}
+
+double VolumeOf(const mesh::AssemblySurface& surface, std::size_t part) {
+  return mesh::ComputeMassProperties(mesh::PartSurface(surface, static_cast<int>(part))).volume;
+}
+
+// At any parameters: legs become oval, but stay glued, and conditions find their faces.
+TEST(TemplateModelTest, PartsWithShapesAreGluedWhereTheyTouch) {
+  const Subject drawn = AtDefaults(Stool(TurnedLeg()));
+  const auto& parameters = drawn.function->parameters();
+  for (const double share : {-1.0, 0.3, 0.7}) {
+    SCOPED_TRACE(share);
+    Eigen::VectorXd q = drawn.parameters;
+    if (share >= 0) {
+      const auto last = parameters.size() - 1;
+      for (const std::size_t i : {std::size_t{0}, last}) {
+        q(static_cast<Eigen::Index>(i)) =
+            (1 - share) * parameters[i].minimum + share * parameters[i].maximum;
+      }
+    }
+    const Subject stool = At(drawn, q);
+    const auto model = stool.Model();
+    ASSERT_TRUE(model.ok()) << model.status();
+    int glued = 0;
+    for (const mesh::AssemblyFace& face : model->surface.faces) glued += face.front_part >= 0;
+    EXPECT_EQ(glued, 4);
+    for (std::size_t i = 0; i < stool.design.parts.size(); ++i) {
+      const double exact = stool.design.parts[i].volume;
+      EXPECT_NEAR(VolumeOf(model->surface, i), exact, 0.05 * exact) << stool.design.parts[i].name;
+    }
+    DesignAnalysisOptions options;
+    options.mesh.quadratic = false;
+    const auto analysis = AnalyzeDesign(*model, {"mass", "max_displacement"}, true, options);
+    ASSERT_TRUE(analysis.ok()) << analysis.status();
+    EXPECT_NEAR(ValueOf(*analysis, "mass"), stool.design.mass, 0.01 * stool.design.mass);
+    const ElasticitySummary& summary = analysis->solution->summary;
+    EXPECT_NEAR(summary.total_load.z(), -1000, 1e-6);
+    EXPECT_LT((summary.total_load + summary.total_reaction).norm(), 1e-3);
+  }
+}
+
+// A bar of one piece, and the same bar of a shaped piece and a box let into it.
+TEST(TemplateModelTest, ABarOfTwoPiecesBendsAsOneOfOnePiece) {
+  mesh::PartShape step;
+  step.name = "step";
+  step.u = Eigen::Vector3d::UnitX();
+  step.v = -Eigen::Vector3d::UnitZ();
+  step.origin = {0, 0, 0.04};
+  step.outline.resize(2, 6);
+  step.outline << 0, 0, 0.4, 0.4, 0.2, 0.2,  //
+      0, 0.04, 0.04, 0.02, 0.02, 0;
+  // Seen along the outline's own normal it must run counter-clockwise.
+  step.outline = step.outline.rowwise().reverse().eval();
+  step.origin.y() = 0;
+  step.height = 0.03;
+  for (int i = 0; i < 8; ++i) step.face_names.push_back(absl::StrCat("face", i));
+  const auto solid = cad::Solid::FromPart(step);
+  ASSERT_TRUE(solid.ok()) << solid.status();
+  const std::string conditions =
+      "boundary_conditions { name: 'wall' kind: FIXED part: '$0' face: 'x_min' } "
+      "boundary_conditions { name: 'pull' kind: FORCE part: '$0' face: '$1' components: '0' "
+      "components: '0' components: '-10' }";
+  const std::string item = "item: 'items/beech-planed-2400'";
+  const v1::Shape shape = ShapeOf(*solid, {0.4, 0.03, 0.04});
+  const Subject two = AtDefaults(BundleOf(
+      absl::Substitute("name: 'assemblies/bar' parts { name: 'step' $0 shape: '$1' size { x: 0.4 "
+                       "y: 0.03 z: 0.04 } } parts { name: 'inlay' $0 position { x: 0.2 z: 0.02 } "
+                       "size { x: 0.2 y: 0.03 z: 0.02 } }",
+                       item, shape.name()),
+      absl::Substitute(conditions, "step", "z_min"), {shape}));
+  const Subject one = AtDefaults(BundleOf(
+      absl::Substitute(
+          "name: 'assemblies/bar' parts { name: 'bar' $0 size { x: 0.4 y: 0.03 z: 0.04 } }", item),
+      absl::Substitute(conditions, "bar", "z_min"), {}));
+  double sinks[2];
+  const Subject* const subjects[] = {&two, &one};
+  for (int i = 0; i < 2; ++i) {
+    const auto model = subjects[i]->Model();
+    ASSERT_TRUE(model.ok()) << model.status();
+    DesignAnalysisOptions options;
+    options.mesh.element_size = 0.02;
+    const auto analysis = AnalyzeDesign(*model, {"mass", "max_displacement"}, true, options);
+    ASSERT_TRUE(analysis.ok()) << analysis.status();
+    sinks[i] = ValueOf(*analysis, "max_displacement");
+    EXPECT_NEAR(ValueOf(*analysis, "mass"), one.design.mass, 1e-9);
+  }
+  EXPECT_NEAR(sinks[0], sinks[1], 0.005 * sinks[1]);
+}
+
+TEST(TemplateModelTest, SaysWhatWasLeftOutWhereAPartIsFree) {
+  const Subject stool = AtDefaults(Stool(TurnedLeg(), 0.01));
+  const auto model = stool.Model();
+  ASSERT_TRUE(model.ok()) << model.status();
+  DesignAnalysisOptions options;
+  options.mesh.quadratic = false;
+  const auto analysis = AnalyzeDesign(*model, {"max_displacement"}, false, options);
+  EXPECT_EQ(DetailOf(analysis.status()).reason, "RIGID_MOTION");
+  const absl::Status told = WithLeftOutParts(analysis.status(), stool.design);
+  EXPECT_EQ(told.code(), absl::StatusCode::kFailedPrecondition);
+  EXPECT_THAT(std::string(told.message()),
+              ::testing::AllOf(::testing::HasSubstr("'seat'"), ::testing::HasSubstr("'pad 0'"),
+                               ::testing::HasSubstr("left out")));
+  const absl::Status other = absl::InternalError("else");
+  EXPECT_EQ(WithLeftOutParts(other, stool.design), other);
+}
+
+TEST(TemplateModelTest, SaysWhatToAddWhereNothingHolds) {
+  const Subject bench = AtDefaults(templates::ShippedAssembly("assemblies/garden-bench"));
+  const absl::Status status = CheckSupported(bench.design);
+  EXPECT_EQ(DetailOf(status).reason, "NO_SUPPORTS");
+  EXPECT_THAT(std::string(status.message()), ::testing::HasSubstr("FIXED"));
+  EXPECT_EQ(CheckSupported(AtDefaults(Stool(TurnedLeg())).design), absl::OkStatus());
+}
+
+TEST(TemplateModelTest, DamagedSurfacesAreNamed) {
+  v1::Shape leg = TurnedLeg();
+  leg.set_brep("no surface");
+  const absl::Status status = AtDefaults(Stool(leg)).Model().status();
+  EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << status;
+  EXPECT_THAT(DetailOf(status).field, ::testing::HasSubstr("part 'leg"));
 }
 
 TEST(TemplateModelTest, OnlyPartsOfferTheGradientOfMass) {

@@ -1,0 +1,80 @@
+#include "services/simulator/shape_source.h"
+
+#include <grpcpp/grpcpp.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
+#include "common/parametric/shape_codec.h"
+#include "mortise/v1/catalog.grpc.pb.h"
+
+namespace mortise::simulator {
+namespace {
+
+constexpr std::size_t kLargest = 256u << 20;  // bytes of one shape
+
+}  // namespace
+
+ShapeSource::ShapeSource(std::shared_ptr<grpc::Channel> catalog, std::size_t capacity)
+    : catalog_(std::move(catalog)), capacity_(capacity) {}
+
+absl::Status ShapeSource::AddExact(google::protobuf::RepeatedPtrField<v1::Shape>& shapes,
+                                   const rpc::Origin& origin) {
+  for (v1::Shape& shape : shapes) {
+    if (!shape.exact() || !shape.brep().empty()) continue;
+    std::shared_ptr<const std::string> brep = Find(shape.name());
+    if (brep == nullptr) {
+      MORTISE_ASSIGN_OR_RETURN(brep, Download(shape.name(), origin));
+      Keep({shape.name(), brep});
+    }
+    shape.set_brep(*brep);
+  }
+  return absl::OkStatus();
+}
+
+std::shared_ptr<const std::string> ShapeSource::Find(const std::string& name) {
+  const std::lock_guard lock(mutex_);
+  const auto found =
+      std::find_if(kept_.begin(), kept_.end(), [&](const Kept& kept) { return kept.name == name; });
+  if (found == kept_.end()) return nullptr;
+  kept_.splice(kept_.begin(), kept_, found);
+  return kept_.front().brep;
+}
+
+void ShapeSource::Keep(Kept kept) {
+  const std::lock_guard lock(mutex_);
+  kept_bytes_ += kept.brep->size();
+  kept_.push_front(std::move(kept));
+  while (kept_bytes_ > capacity_) {
+    kept_bytes_ -= kept_.back().brep->size();
+    kept_.pop_back();
+  }
+}
+
+absl::StatusOr<std::shared_ptr<const std::string>> ShapeSource::Download(
+    const std::string& name, const rpc::Origin& origin) {
+  const auto stub = v1::CatalogService::NewStub(catalog_);
+  v1::DownloadShapeRequest request;
+  request.set_name(name);
+  std::string bytes;
+  MORTISE_RETURN_IF_ERROR(rpc::CallWithRetry(origin, {}, [&](grpc::ClientContext* context) {
+    bytes.clear();
+    const auto reader = stub->DownloadShape(context, request);
+    v1::Chunk chunk;
+    while (reader->Read(&chunk)) {
+      if (bytes.size() + chunk.data().size() > kLargest) context->TryCancel();
+      bytes += chunk.data();
+    }
+    return reader->Finish();
+  }));
+  v1::Shape shape;
+  // The kernel may crash over damaged surfaces.
+  if (!shape.ParseFromString(bytes) || parametric::NameOf(shape) != name) {
+    return absl::DataLossError(absl::StrCat(name, " did not arrive as the catalog keeps it"));
+  }
+  return std::make_shared<const std::string>(std::move(*shape.mutable_brep()));
+}
+
+}  // namespace mortise::simulator

@@ -1,0 +1,54 @@
+// Exact surfaces of shapes from the catalog, kept by their content.
+#pragma once
+
+#include <cstddef>
+#include <list>
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "common/rpc/channel.h"
+
+namespace google::protobuf {
+template <typename Element>
+class RepeatedPtrField;
+}
+namespace mortise::v1 {
+class Shape;
+}
+
+namespace mortise::simulator {
+
+// Thread safe.
+class ShapeSource {
+ public:
+  // Keeps up to `capacity` bytes, the least recently used forgotten first.
+  ShapeSource(std::shared_ptr<grpc::Channel> catalog, std::size_t capacity);
+
+  // Gives those of `shapes` that have exact surfaces, but not here, theirs. What arrives is checked
+  // against the shape's name, the digest of its content. NOT_FOUND naming a shape that the catalog
+  // does not have; DATA_LOSS for one that is damaged; UNAVAILABLE.
+  absl::Status AddExact(google::protobuf::RepeatedPtrField<v1::Shape>& shapes,
+                        const rpc::Origin& origin);
+
+ private:
+  struct Kept {
+    std::string name;  // shapes/{digest}
+    std::shared_ptr<const std::string> brep;
+  };
+
+  std::shared_ptr<const std::string> Find(const std::string& name);
+  void Keep(Kept kept);
+  absl::StatusOr<std::shared_ptr<const std::string>> Download(const std::string& name,
+                                                              const rpc::Origin& origin);
+
+  const std::shared_ptr<grpc::Channel> catalog_;
+  const std::size_t capacity_;
+  std::mutex mutex_;
+  std::list<Kept> kept_;        // guarded by mutex_; latest first
+  std::size_t kept_bytes_ = 0;  // guarded by mutex_
+};
+
+}  // namespace mortise::simulator
