@@ -175,15 +175,12 @@ template <typename Request>
 Request GetRequest(const std::string& name, std::int64_t revision) {
   Request request;
   request.set_name(name);
-  if constexpr (!std::is_same_v<Request, v1::GetMaterialRequest>) request.set_revision(revision);
+  request.set_revision(revision);
   return request;
 }
 
 absl::Status Show(const std::string& name, std::int64_t revision, Session& session,
                   Output& output) {
-  if (revision != 0 && absl::StartsWith(name, "materials/")) {
-    return InvalidField("revision", "materials do not change");
-  }
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   const auto stub = v1::CatalogService::NewStub(client->channel());
   if (absl::StartsWith(name, "items/")) {

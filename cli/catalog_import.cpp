@@ -129,11 +129,14 @@ bool SameContent(Message a, Message b) {
 class Check {
  public:
   Check(const Designs& designs, const Present& present) : designs_(designs), present_(present) {
+    for (const auto& read : designs.materials) materials_in_files_.insert(read.message().name());
     for (const auto& read : designs.items) items_in_files_.insert(read.message().name());
   }
 
   Findings Run() {
-    for (const auto& [name, material] : present_.materials) TakeKnown(material, materials_);
+    for (const auto& [name, material] : present_.materials) {
+      if (materials_in_files_.count(name) == 0) TakeKnown(material, materials_);
+    }
     for (const auto& read : designs_.materials) CheckMaterial(read);
     for (const auto& [name, item] : present_.items) {
       if (items_in_files_.count(name) == 0) TakeKnown(item, items_);
@@ -165,12 +168,7 @@ class Check {
     absl::StatusOr<parametric::Material> material = parametric::FromProto(read.message());
     if (!material.ok()) return findings_.push_back(ToFinding(read, material.status()));
     Add(read, parametric::ValidateMaterial(*material), findings_);
-    const auto found = present_.materials.find(read.message().name());
-    if (found == present_.materials.end()) return materials_.push_back(*std::move(material));
-    if (SameContent(found->second, read.message())) return;
-    findings_.push_back(
-        {read.Place(),
-         "is in the catalog with other values; materials do not change: take a new name"});
+    materials_.push_back(*std::move(material));
   }
 
   void CheckItem(const Read<v1::Item>& read) {
@@ -198,6 +196,7 @@ class Check {
   const Present& present_;
   std::vector<parametric::Material> materials_;  // of the files and the catalog
   std::vector<parametric::Item> items_;          // the same; the files' where both have one
+  std::set<std::string> materials_in_files_;
   std::set<std::string> items_in_files_;
   std::set<std::string> names_;  // of the files, as far as they have been checked
   Findings findings_;
@@ -254,14 +253,23 @@ class Storing {
 
   absl::Status StoreMaterial(const v1::Material& material) {
     const auto found = present_.materials.find(material.name());
-    if (found != present_.materials.end()) {
-      Note(found->second, found->second.revision());
+    if (found == present_.materials.end()) {
+      v1::CreateMaterialRequest request;
+      *request.mutable_material() = material;
+      return Send(
+          request, [this](auto... a) { return stub_.CreateMaterial(a...); }, v1::Material(), 0);
+    }
+    const std::int64_t revision = found->second.revision();
+    if (SameContent(found->second, material)) {
+      Note(found->second, revision);
       return absl::OkStatus();
     }
-    v1::CreateMaterialRequest request;
+    v1::UpdateMaterialRequest request;
     *request.mutable_material() = material;
+    request.mutable_material()->set_revision(revision);
     return Send(
-        request, [this](auto... a) { return stub_.CreateMaterial(a...); }, v1::Material(), 0);
+        request, [this](auto... a) { return stub_.UpdateMaterial(a...); }, v1::Material(),
+        revision);
   }
 
   absl::Status StoreItem(const v1::Item& item) {

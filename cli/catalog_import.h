@@ -12,7 +12,7 @@ namespace mortise::cli {
 
 // Reads design files, checks all of them against each other and the catalog, and only then stores
 // them, in the order materials, items, templates. What the catalog has already with the same
-// content stays as it is; items and templates that differ become new revisions. By its extension, a
+// content stays as it is; what differs becomes a new revision. By its extension, a
 // file is
 //   .csv         items or materials, a row each (docs/catalogue.md has the columns),
 //   .json        a TemplateBundle, or a list of items as `catalog list items --json` prints it,
@@ -23,8 +23,7 @@ namespace mortise::cli {
 // added to the catalog first.
 //
 // INVALID_ARGUMENT naming every fault of every file with its line, and column in CSV, with nothing
-// stored: text that cannot be parsed, content that cannot be built, a name that is there twice, a
-// material that differs from the catalog's (materials do not change).
+// stored: text that cannot be parsed, content that cannot be built, a name that is there twice.
 absl::Status ImportFiles(const std::vector<std::filesystem::path>& files, Session& session,
                          Output& output);
 

@@ -29,7 +29,7 @@ struct Page {
 // `name` is a resource name; NOT_FOUND, or INVALID_ARGUMENT naming "name" or "revision" (0: the
 // latest).
 absl::StatusOr<v1::Material> GetMaterial(store::ReadTransaction& transaction,
-                                         const std::string& name);
+                                         const std::string& name, int64_t revision = 0);
 absl::StatusOr<v1::Item> GetItem(store::ReadTransaction& transaction, const std::string& name,
                                  int64_t revision = 0);
 
@@ -54,11 +54,19 @@ absl::StatusOr<v1::Material> CreateMaterial(store::Transaction& transaction,
 absl::StatusOr<v1::Item> CreateItem(store::Transaction& transaction, const v1::Item& item,
                                     const std::string& trace_id);
 
-// Writes the fields of `item` that the mask names, all if it is empty ("item.updated"). ABORTED if
-// item.revision is not the present one.
+// Writes the fields that the mask names, all if it is empty ("material.updated", "item.updated").
+// ABORTED if the revision in the request is not the present one.
+absl::StatusOr<v1::Material> UpdateMaterial(store::Transaction& transaction,
+                                            const v1::UpdateMaterialRequest& request,
+                                            const std::string& trace_id);
 absl::StatusOr<v1::Item> UpdateItem(store::Transaction& transaction,
                                     const v1::UpdateItemRequest& request,
                                     const std::string& trace_id);
+
+// Removes a material ("material.deleted"). ABORTED for another revision; FAILED_PRECONDITION,
+// MATERIAL_IN_USE, naming items that are made of it.
+absl::Status DeleteMaterial(store::Transaction& transaction,
+                            const v1::DeleteMaterialRequest& request, const std::string& trace_id);
 
 // Removes an item ("item.deleted"). ABORTED for another revision; FAILED_PRECONDITION, ITEM_IN_USE,
 // naming the templates and assemblies whose latest revision uses it.

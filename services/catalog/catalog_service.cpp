@@ -100,7 +100,8 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
     return endpoint_.Query("GetMaterial", context, request, response,
                            [this](const rpc::Call&, const v1::GetMaterialRequest& asked) {
                              return Read<v1::Material>([&](store::ReadTransaction& transaction) {
-                               return catalog::GetMaterial(transaction, asked.name());
+                               return catalog::GetMaterial(transaction, asked.name(),
+                                                           asked.revision());
                              });
                            });
   }
@@ -129,6 +130,30 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
                                 return catalog::CreateMaterial(transaction, asked.material(),
                                                                call.identity().request_id);
                               });
+  }
+
+  grpc::ServerUnaryReactor* UpdateMaterial(grpc::CallbackServerContext* context,
+                                           const v1::UpdateMaterialRequest* request,
+                                           v1::Material* response) override {
+    return endpoint_.Mutation("UpdateMaterial", context, request, response,
+                              [](const rpc::Call& call, const v1::UpdateMaterialRequest& asked,
+                                 store::Transaction& transaction) {
+                                return catalog::UpdateMaterial(transaction, asked,
+                                                               call.identity().request_id);
+                              });
+  }
+
+  grpc::ServerUnaryReactor* DeleteMaterial(grpc::CallbackServerContext* context,
+                                           const v1::DeleteMaterialRequest* request,
+                                           v1::DeleteMaterialResponse* response) override {
+    return endpoint_.Mutation(
+        "DeleteMaterial", context, request, response,
+        [](const rpc::Call& call, const v1::DeleteMaterialRequest& asked,
+           store::Transaction& transaction) -> absl::StatusOr<v1::DeleteMaterialResponse> {
+          MORTISE_RETURN_IF_ERROR(
+              catalog::DeleteMaterial(transaction, asked, call.identity().request_id));
+          return v1::DeleteMaterialResponse();
+        });
   }
 
   grpc::ServerUnaryReactor* GetItem(grpc::CallbackServerContext* context,

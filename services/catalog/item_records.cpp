@@ -1,5 +1,4 @@
-// Materials and items in the store.
-#include <google/protobuf/util/field_mask_util.h>
+// Items in the store.
 #include <google/protobuf/util/time_util.h>
 
 #include <algorithm>
@@ -14,21 +13,11 @@
 #include "services/catalog/catalog_records.h"
 #include "services/catalog/item_filter.h"
 #include "services/catalog/record_access.h"
+#include "services/catalog/record_update.h"
 #include "services/catalog/shape_records.h"
 
 namespace mortise::catalog {
 namespace {
-
-using google::protobuf::util::FieldMaskUtil;
-
-absl::StatusOr<v1::Material> MaterialOf(const store::Record& record) {
-  v1::Material material;
-  if (!material.ParseFromString(record.payload)) {
-    return StorageFailed("materials/" + record.key, "the record cannot be read");
-  }
-  material.set_revision(record.revision);
-  return material;
-}
 
 absl::StatusOr<v1::Item> ItemOf(const store::Record& record) {
   v1::Item item;
@@ -46,32 +35,6 @@ std::string PayloadOf(v1::Item item) {
   item.clear_revision();
   item.clear_update_time();
   return item.SerializeAsString();
-}
-
-absl::Status CheckMask(const google::protobuf::FieldMask& mask) {
-  for (const std::string& path : mask.paths()) {
-    if (!FieldMaskUtil::IsValidPath<v1::Item>(path)) {
-      return InvalidField("update_mask", "an item has no field '" + path + "'");
-    }
-    if (path == "name" || path == "revision" || path == "update_time") {
-      return InvalidField("update_mask", "'" + path + "' cannot be changed");
-    }
-  }
-  return absl::OkStatus();
-}
-
-// The present item with the fields of the mask taken from the request.
-v1::Item Merge(v1::Item present, const v1::UpdateItemRequest& request) {
-  if (request.update_mask().paths().empty()) {
-    v1::Item replaced = request.item();
-    replaced.set_name(present.name());
-    return replaced;
-  }
-  FieldMaskUtil::MergeOptions options;
-  options.set_replace_repeated_fields(true);
-  options.set_replace_message_fields(true);
-  FieldMaskUtil::MergeMessageTo(request.item(), request.update_mask(), options, &present);
-  return present;
 }
 
 // Whether the latest revision in a record uses the item.
@@ -113,34 +76,11 @@ bool IsMissing(const absl::Status& status) {
 
 }  // namespace
 
-absl::StatusOr<v1::Material> GetMaterial(store::ReadTransaction& transaction,
-                                         const std::string& name) {
-  MORTISE_ASSIGN_OR_RETURN(const store::Record record, GetRecord(transaction, kMaterials, name));
-  return MaterialOf(record);
-}
-
 absl::StatusOr<v1::Item> GetItem(store::ReadTransaction& transaction, const std::string& name,
                                  int64_t revision) {
   MORTISE_ASSIGN_OR_RETURN(const store::Record record,
                            GetRecord(transaction, kItems, name, revision));
   return ItemOf(record);
-}
-
-absl::StatusOr<Page<v1::Material>> ListMaterials(store::ReadTransaction& transaction, int page_size,
-                                                 const std::string& page_token) {
-  MORTISE_ASSIGN_OR_RETURN(const store::ListOptions options, PageOptions(page_size, page_token));
-  MORTISE_ASSIGN_OR_RETURN(const std::vector<store::Record> records,
-                           transaction.List(kMaterials, options));
-  Page<v1::Material> page;
-  for (const store::Record& record : records) {
-    if (static_cast<int>(page.entries.size()) + 1 == options.limit) {
-      page.next_page_token = records[page.entries.size() - 1].key;
-      break;
-    }
-    MORTISE_ASSIGN_OR_RETURN(v1::Material material, MaterialOf(record));
-    page.entries.push_back(std::move(material));
-  }
-  return page;
 }
 
 absl::StatusOr<Page<v1::Item>> ListItems(store::ReadTransaction& transaction,
@@ -206,23 +146,6 @@ absl::Status AddItems(store::ReadTransaction& transaction, const std::set<std::s
   return absl::OkStatus();
 }
 
-absl::StatusOr<v1::Material> CreateMaterial(store::Transaction& transaction,
-                                            const v1::Material& material,
-                                            const std::string& trace_id) {
-  MORTISE_ASSIGN_OR_RETURN(const parametric::Material converted, parametric::FromProto(material));
-  MORTISE_RETURN_IF_ERROR(
-      UnderField("material", parametric::ToStatus(parametric::ValidateMaterial(converted))));
-  v1::Material stored = material;
-  stored.clear_revision();
-  MORTISE_ASSIGN_OR_RETURN(const int64_t revision, PutNew(transaction, kMaterials, stored.name(),
-                                                          stored.SerializeAsString()));
-  stored.set_revision(revision);
-  MORTISE_RETURN_IF_ERROR(AppendEvent(transaction, "material.created", stored.name(),
-                                      {{"title", stored.title()}, {"revision", revision}},
-                                      trace_id));
-  return stored;
-}
-
 absl::StatusOr<v1::Item> CreateItem(store::Transaction& transaction, const v1::Item& item,
                                     const std::string& trace_id) {
   const auto findings = CheckItem(transaction, item);
@@ -238,14 +161,14 @@ absl::StatusOr<v1::Item> CreateItem(store::Transaction& transaction, const v1::I
 absl::StatusOr<v1::Item> UpdateItem(store::Transaction& transaction,
                                     const v1::UpdateItemRequest& request,
                                     const std::string& trace_id) {
-  MORTISE_RETURN_IF_ERROR(CheckMask(request.update_mask()));
+  MORTISE_RETURN_IF_ERROR(CheckUpdateMask<v1::Item>(request.update_mask()));
   absl::StatusOr<v1::Item> present = GetItem(transaction, request.item().name());
   if (absl::IsInvalidArgument(present.status())) return UnderField("item", present.status());
   MORTISE_RETURN_IF_ERROR(present.status());
   if (present->revision() != request.item().revision()) {
     return StaleRevision(present->name(), request.item().revision(), present->revision());
   }
-  const v1::Item changed = Merge(*present, request);
+  const v1::Item changed = Updated(*present, request.item(), request.update_mask());
   const auto findings = CheckItem(transaction, changed);
   if (!findings.ok()) return UnderField("item", findings.status());
   MORTISE_RETURN_IF_ERROR(UnderField("item", parametric::ToStatus(*findings)));

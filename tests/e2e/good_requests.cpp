@@ -51,6 +51,12 @@ constexpr Example kExamples[] = {
      "request_id: 'bad-1' material { name: 'materials/ash' title: 'Ash' density: 700 "
      "youngs_modulus: 1.2e10 poissons_ratio: 0.3 strength: 9e7 }",
      Outcome::kChanges},
+    {"CatalogService/UpdateMaterial",
+     "request_id: 'bad-21' material { name: 'materials/spruce' title: 'Spruce' density: 450 "
+     "youngs_modulus: 1.2e10 poissons_ratio: 0.3 strength: 3e7 revision: 1 }",
+     Outcome::kChanges},
+    {"CatalogService/DeleteMaterial", "request_id: 'bad-22' name: 'materials/spruce' revision: 1",
+     Outcome::kChanges},
     {"CatalogService/GetItem", "name: 'items/board-38x89'"},
     {"CatalogService/ListItems", "page_size: 10 kind: BOARD"},
     {"CatalogService/CreateItem", "request_id: 'bad-2' item { {item} name: 'items/new-board' }",

@@ -182,13 +182,21 @@ TEST_F(Import, TemplateThatCannotBeBuiltStoresNeitherItselfNorItsItems) {
   EXPECT_EQ(Ask({"catalog", "show", "bench"}, 1)["error"]["code"], "NOT_FOUND");
 }
 
-TEST_F(Import, MaterialsDoNotChangeAndNamesAreThereOnce) {
-  const std::string lead = File("lead.textproto", kPegs,
-                                {{"materials/ash", "materials/beech"},
-                                 {"items/ash-peg-8x35", "items/lead-peg"},
-                                 {"density: 690", "density: 11340"}});
-  EXPECT_THAT(Ask({"catalog", "import", lead}, 1)["error"]["message"].get<std::string>(),
-              HasSubstr("materials do not change"));
+TEST_F(Import, ChangedMaterialsAreNewRevisions) {
+  const std::string oak = File(
+      "oak.textproto", kPegs,
+      {{"materials/ash", "materials/light-oak"}, {"items/ash-peg-8x35", "items/light-oak-peg"}});
+  ASSERT_EQ(Ask({"catalog", "import", oak})[0]["change"], "created");
+  const std::string denser = File("denser.textproto", kPegs,
+                                  {{"materials/ash", "materials/light-oak"},
+                                   {"items/ash-peg-8x35", "items/light-oak-peg"},
+                                   {"density: 690", "density: 720"}});
+  EXPECT_EQ(Ask({"catalog", "import", denser})[0]["change"], "updated");
+  EXPECT_EQ(Ask({"catalog", "show", "materials/light-oak"})["density"], 720);
+  EXPECT_EQ(Ask({"catalog", "show", "materials/light-oak", "--revision", "1"})["density"], 690);
+}
+
+TEST_F(Import, NamesAreThereOnce) {
   const std::string twice =
       File("twice.textproto", kPegs,
            {{"materials/ash", "materials/twice"}, {"items/ash-peg-8x35", "items/twice"}});

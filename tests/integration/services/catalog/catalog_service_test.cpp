@@ -460,6 +460,66 @@ TEST_F(CatalogServiceTest, DeletesOnlyWhatNobodyUses) {
   EXPECT_EQ(Fail(&v1::CatalogService::Stub::GetItem, gone).code, absl::StatusCode::kNotFound);
 }
 
+TEST_F(CatalogServiceTest, MaterialsHaveRevisionsAndGoWhenNothingIsMadeOfThem) {
+  using Stub = v1::CatalogService::Stub;
+  v1::GetMaterialRequest get;
+  get.set_name("materials/spruce");
+  v1::Material spruce;
+  ASSERT_TRUE(Call(&Stub::GetMaterial, get, &spruce).ok());
+  v1::GetTemplateBundleRequest bundle_request;
+  bundle_request.set_name("templates/table");
+  v1::TemplateBundle before;
+  ASSERT_TRUE(Call(&Stub::GetTemplateBundle, bundle_request, &before).ok());
+
+  v1::UpdateMaterialRequest update;
+  update.set_request_id(NewRequestId());
+  *update.mutable_material() = spruce;
+  update.mutable_material()->set_density(450);
+  update.mutable_material()->set_title("not in the mask");
+  update.mutable_update_mask()->add_paths("density");
+  v1::Material changed;
+  ASSERT_TRUE(Call(&Stub::UpdateMaterial, update, &changed).ok());
+  EXPECT_EQ(changed.revision(), 2);
+  EXPECT_EQ(changed.density(), 450);
+  EXPECT_EQ(changed.title(), spruce.title());
+  get.set_revision(1);
+  ASSERT_TRUE(Call(&Stub::GetMaterial, get, &changed).ok());
+  EXPECT_EQ(changed.density(), 420);
+  v1::TemplateBundle after;
+  ASSERT_TRUE(Call(&Stub::GetTemplateBundle, bundle_request, &after).ok());
+  EXPECT_EQ(after.SerializeAsString(), before.SerializeAsString()) << "designs do not change";
+
+  update.set_request_id(NewRequestId());
+  EXPECT_EQ(Fail(&Stub::UpdateMaterial, update).code, absl::StatusCode::kAborted);
+  update.mutable_material()->set_revision(2);
+  update.mutable_material()->set_density(-1);
+  EXPECT_EQ(Fail(&Stub::UpdateMaterial, update).field, "material.density");
+  update.mutable_update_mask()->set_paths(0, "name");
+  EXPECT_EQ(Fail(&Stub::UpdateMaterial, update).field, "update_mask");
+
+  v1::DeleteMaterialRequest remove;
+  remove.set_request_id(NewRequestId());
+  remove.set_name("materials/spruce");
+  remove.set_revision(2);
+  const Failure used = Fail(&Stub::DeleteMaterial, remove);
+  EXPECT_EQ(used.reason, "MATERIAL_IN_USE");
+  EXPECT_THAT(used.message, HasSubstr("items/"));
+  v1::CreateMaterialRequest create;
+  create.set_request_id(NewRequestId());
+  *create.mutable_material() = spruce;
+  create.mutable_material()->set_name("materials/nothings");
+  ASSERT_TRUE(Call(&Stub::CreateMaterial, create, &changed).ok());
+  EXPECT_EQ(changed.revision(), 1);
+  remove.set_name("materials/nothings");
+  EXPECT_EQ(Fail(&Stub::DeleteMaterial, remove).code, absl::StatusCode::kAborted);
+  remove.set_revision(1);
+  v1::DeleteMaterialResponse removed;
+  ASSERT_TRUE(Call(&Stub::DeleteMaterial, remove, &removed).ok());
+  get.set_name("materials/nothings");
+  get.set_revision(0);
+  EXPECT_EQ(Fail(&Stub::GetMaterial, get).code, absl::StatusCode::kNotFound);
+}
+
 TEST_F(CatalogServiceTest, RefusesBadReads) {
   using Stub = v1::CatalogService::Stub;
   v1::GetMaterialRequest material;

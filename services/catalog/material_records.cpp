@@ -1,0 +1,128 @@
+// Materials in the store.
+#include <nlohmann/json.hpp>
+
+#include "absl/strings/str_join.h"
+#include "common/base/errors.h"
+#include "common/parametric/template_codec.h"
+#include "services/catalog/catalog_records.h"
+#include "services/catalog/record_access.h"
+#include "services/catalog/record_update.h"
+
+namespace mortise::catalog {
+namespace {
+
+absl::StatusOr<v1::Material> MaterialOf(const store::Record& record) {
+  v1::Material material;
+  if (!material.ParseFromString(record.payload)) {
+    return StorageFailed("materials/" + record.key, "the record cannot be read");
+  }
+  material.set_revision(record.revision);
+  return material;
+}
+
+// The revision is the record's, not the payload's.
+std::string PayloadOf(v1::Material material) {
+  material.clear_revision();
+  return material.SerializeAsString();
+}
+
+absl::Status CheckMaterial(const v1::Material& material) {
+  const absl::StatusOr<parametric::Material> converted = parametric::FromProto(material);
+  if (!converted.ok()) return UnderField("material", converted.status());
+  return UnderField("material", parametric::ToStatus(parametric::ValidateMaterial(*converted)));
+}
+
+// Names of items made of the material, a few at most.
+absl::StatusOr<std::vector<std::string>> ItemsOf(store::ReadTransaction& transaction,
+                                                 const std::string& material) {
+  v1::ListItemsRequest request;
+  request.set_material(material);
+  request.set_page_size(5);
+  MORTISE_ASSIGN_OR_RETURN(const Page<v1::Item> page, ListItems(transaction, request));
+  std::vector<std::string> names;
+  for (const v1::Item& item : page.entries) names.push_back(item.name());
+  return names;
+}
+
+}  // namespace
+
+absl::StatusOr<v1::Material> GetMaterial(store::ReadTransaction& transaction,
+                                         const std::string& name, int64_t revision) {
+  MORTISE_ASSIGN_OR_RETURN(const store::Record record,
+                           GetRecord(transaction, kMaterials, name, revision));
+  return MaterialOf(record);
+}
+
+absl::StatusOr<Page<v1::Material>> ListMaterials(store::ReadTransaction& transaction, int page_size,
+                                                 const std::string& page_token) {
+  MORTISE_ASSIGN_OR_RETURN(const store::ListOptions options, PageOptions(page_size, page_token));
+  MORTISE_ASSIGN_OR_RETURN(const std::vector<store::Record> records,
+                           transaction.List(kMaterials, options));
+  Page<v1::Material> page;
+  for (const store::Record& record : records) {
+    if (static_cast<int>(page.entries.size()) + 1 == options.limit) {
+      page.next_page_token = records[page.entries.size() - 1].key;
+      break;
+    }
+    MORTISE_ASSIGN_OR_RETURN(v1::Material material, MaterialOf(record));
+    page.entries.push_back(std::move(material));
+  }
+  return page;
+}
+
+absl::StatusOr<v1::Material> CreateMaterial(store::Transaction& transaction,
+                                            const v1::Material& material,
+                                            const std::string& trace_id) {
+  MORTISE_RETURN_IF_ERROR(CheckMaterial(material));
+  MORTISE_ASSIGN_OR_RETURN(const int64_t revision,
+                           PutNew(transaction, kMaterials, material.name(), PayloadOf(material)));
+  MORTISE_RETURN_IF_ERROR(AppendEvent(transaction, "material.created", material.name(),
+                                      {{"title", material.title()}, {"revision", revision}},
+                                      trace_id));
+  return GetMaterial(transaction, material.name());
+}
+
+absl::StatusOr<v1::Material> UpdateMaterial(store::Transaction& transaction,
+                                            const v1::UpdateMaterialRequest& request,
+                                            const std::string& trace_id) {
+  MORTISE_RETURN_IF_ERROR(CheckUpdateMask<v1::Material>(request.update_mask()));
+  absl::StatusOr<v1::Material> present = GetMaterial(transaction, request.material().name());
+  if (absl::IsInvalidArgument(present.status())) return UnderField("material", present.status());
+  MORTISE_RETURN_IF_ERROR(present.status());
+  if (present->revision() != request.material().revision()) {
+    return StaleRevision(present->name(), request.material().revision(), present->revision());
+  }
+  const v1::Material changed = Updated(*present, request.material(), request.update_mask());
+  MORTISE_RETURN_IF_ERROR(CheckMaterial(changed));
+  const std::string id = changed.name().substr(std::string(kMaterials).size() + 1);
+  MORTISE_ASSIGN_OR_RETURN(
+      const int64_t revision,
+      transaction.Put(kMaterials, id, PayloadOf(changed),
+                      {.expected_revision = present->revision(), .keep_history = true}));
+  MORTISE_RETURN_IF_ERROR(AppendEvent(transaction, "material.updated", changed.name(),
+                                      {{"title", changed.title()}, {"revision", revision}},
+                                      trace_id));
+  return GetMaterial(transaction, changed.name());
+}
+
+absl::Status DeleteMaterial(store::Transaction& transaction,
+                            const v1::DeleteMaterialRequest& request, const std::string& trace_id) {
+  MORTISE_ASSIGN_OR_RETURN(const v1::Material present, GetMaterial(transaction, request.name()));
+  if (present.revision() != request.revision()) {
+    return StaleRevision(present.name(), request.revision(), present.revision());
+  }
+  MORTISE_ASSIGN_OR_RETURN(const std::vector<std::string> items,
+                           ItemsOf(transaction, present.name()));
+  if (!items.empty()) {
+    return PreconditionFailed(
+        "MATERIAL_IN_USE",
+        "'" + present.name() + "' is what items are made of: " + absl::StrJoin(items, ", "),
+        "name");
+  }
+  const std::string id = present.name().substr(std::string(kMaterials).size() + 1);
+  MORTISE_RETURN_IF_ERROR(transaction.Delete(kMaterials, id, present.revision()));
+  return AppendEvent(transaction, "material.deleted", present.name(),
+                     {{"revision", present.revision()}}, trace_id);
+}
+
+}  // namespace mortise::catalog

@@ -1,0 +1,47 @@
+// What Update methods do with a field mask, whatever kind of record they change.
+#pragma once
+
+#include <google/protobuf/util/field_mask_util.h>
+
+#include <string>
+
+#include "absl/status/status.h"
+#include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
+
+namespace mortise::catalog {
+
+// INVALID_ARGUMENT, "update_mask", for a field that a Message does not have, and for those that the
+// service alone sets.
+template <typename Message>
+absl::Status CheckUpdateMask(const google::protobuf::FieldMask& mask) {
+  using google::protobuf::util::FieldMaskUtil;
+  for (const std::string& path : mask.paths()) {
+    if (!FieldMaskUtil::IsValidPath<Message>(path)) {
+      return InvalidField("update_mask", absl::StrCat("there is no field '", path, "'"));
+    }
+    if (path == "name" || path == "revision" || path == "update_time") {
+      return InvalidField("update_mask", absl::StrCat("'", path, "' cannot be changed"));
+    }
+  }
+  return absl::OkStatus();
+}
+
+// The present message with the fields of the mask taken from `changes`; all but the name where the
+// mask is empty.
+template <typename Message>
+Message Updated(Message present, const Message& changes, const google::protobuf::FieldMask& mask) {
+  using google::protobuf::util::FieldMaskUtil;
+  if (mask.paths().empty()) {
+    Message replaced = changes;
+    replaced.set_name(present.name());
+    return replaced;
+  }
+  FieldMaskUtil::MergeOptions options;
+  options.set_replace_repeated_fields(true);
+  options.set_replace_message_fields(true);
+  FieldMaskUtil::MergeMessageTo(changes, mask, options, &present);
+  return present;
+}
+
+}  // namespace mortise::catalog
