@@ -3,15 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <charconv>
 #include <cmath>
-#include <cstring>
-#include <limits>
 #include <map>
 #include <set>
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "common/mesh/gmsh_cursor.h"
 #include "common/mesh/grouped_mesh_builder.h"
 
 namespace mortise::mesh {
@@ -46,116 +44,6 @@ constexpr GmshElementKind kKinds[] = {
     {19, "pyramids of 13 nodes", -1, 0},
     {21, "triangles of 10 nodes", -1, 0},
     {29, "tetrahedra of 20 nodes", -1, 0},
-};
-
-// Reads numbers, which are text or binary alike.
-class Cursor {
- public:
-  Cursor(std::string_view bytes, bool is_text, const FilePlaces& places)
-      : bytes_(bytes), is_text_(is_text), places_(places) {}
-
-  std::size_t at() const { return at_; }
-  std::size_t left() const { return bytes_.size() - at_; }
-  bool is_text() const { return is_text_; }
-
-  absl::Status Fault(std::string_view message) const { return places_.Fault(at_, message); }
-
-  void SkipSpace() {
-    while (at_ < bytes_.size() && IsSpace(bytes_[at_])) ++at_;
-  }
-
-  // What is left of the line, without its end.
-  std::string_view Line() {
-    const std::size_t end = bytes_.find('\n', at_);
-    std::string_view line = bytes_.substr(at_, end == std::string_view::npos ? end : end - at_);
-    at_ = end == std::string_view::npos ? bytes_.size() : end + 1;
-    while (!line.empty() && IsSpace(line.back())) line.remove_suffix(1);
-    return line;
-  }
-
-  // "$Name" at the start of a section; empty at the end of the file.
-  absl::StatusOr<std::string_view> Section() {
-    SkipSpace();
-    if (at_ == bytes_.size()) return std::string_view();
-    if (bytes_[at_] != '$') return Fault("a section, such as $Nodes, must begin here");
-    return Line();
-  }
-
-  absl::Status SkipTo(std::string_view end) {
-    const std::size_t found = bytes_.find(end, at_);
-    if (found == std::string_view::npos) {
-      return Fault(absl::StrCat("a section has no ", absl::string_view(end.data(), end.size())));
-    }
-    at_ = found + end.size();
-    return absl::OkStatus();
-  }
-
-  absl::Status Expect(std::string_view text) {
-    SkipSpace();
-    if (bytes_.substr(at_, text.size()) != text) {
-      return Fault(absl::StrCat(absl::string_view(text.data(), text.size()), " is missing here"));
-    }
-    at_ += text.size();
-    return absl::OkStatus();
-  }
-
-  // 4 bytes where binary.
-  absl::StatusOr<std::int64_t> Int() {
-    if (is_text_) return Parse<std::int64_t>();
-    MORTISE_ASSIGN_OR_RETURN(const std::int32_t value, Take<std::int32_t>());
-    return value;
-  }
-
-  // 8 bytes where binary.
-  absl::StatusOr<std::int64_t> Size() {
-    if (is_text_) return Parse<std::int64_t>();
-    return Take<std::int64_t>();
-  }
-
-  // A number of things that follow, each at least `least` bytes long.
-  absl::StatusOr<std::int64_t> Count(std::size_t least) {
-    MORTISE_ASSIGN_OR_RETURN(const std::int64_t count, Size());
-    return CheckCount(count, least);
-  }
-
-  absl::StatusOr<std::int64_t> CheckCount(std::int64_t count, std::size_t least) const {
-    if (count >= 0 && static_cast<std::uint64_t>(count) <= left() / least) return count;
-    return Fault(absl::StrCat("the file is too short for ", count, " of what follows"));
-  }
-
-  absl::StatusOr<double> Double() { return is_text_ ? Parse<double>() : Take<double>(); }
-
-  template <typename T>
-  absl::StatusOr<T> Parse() {
-    SkipSpace();
-    T value{};
-    const char* const begin = bytes_.data() + at_;
-    const char* const end = bytes_.data() + bytes_.size();
-    const auto [stop, error] = std::from_chars(begin + (begin < end && *begin == '+'), end, value);
-    if (error != std::errc() || (stop < end && !IsSpace(*stop))) {
-      if (at_ == bytes_.size()) return Fault("the file ends too early");
-      return Fault("a number is missing here, or too large");
-    }
-    at_ = stop - bytes_.data();
-    return value;
-  }
-
-  template <typename T>
-  absl::StatusOr<T> Take() {
-    if (left() < sizeof(T)) return Fault("the file ends too early");
-    T value;
-    std::memcpy(&value, bytes_.data() + at_, sizeof value);
-    at_ += sizeof value;
-    return value;
-  }
-
- private:
-  static bool IsSpace(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
-
-  const std::string_view bytes_;
-  const bool is_text_;
-  const FilePlaces& places_;
-  std::size_t at_ = 0;
 };
 
 // A physical group, or an elementary entity.
@@ -430,7 +318,7 @@ class Reader {
   }
 
   const FilePlaces places_;
-  Cursor cursor_;
+  GmshCursor cursor_;
   GroupedMeshBuilder builder_;
   const bool is_old_;
   std::set<std::string> seen_;  // sections
@@ -445,7 +333,7 @@ absl::StatusOr<GroupedMesh> ReadGmsh(std::string_view bytes) {
   constexpr std::string_view kFormat = "$MeshFormat";
   const std::size_t found = bytes.find(kFormat);
   if (found == std::string_view::npos) return InvalidField("mesh_file", "has no $MeshFormat");
-  Cursor header(bytes.substr(found + kFormat.size()), true, places);
+  GmshCursor header(bytes.substr(found + kFormat.size()), true, places);
   const auto fault = [&](std::string_view message) { return places.Fault(found, message); };
   const auto version = header.Parse<double>();
   const auto is_binary = header.Parse<std::int64_t>();

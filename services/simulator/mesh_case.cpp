@@ -21,7 +21,8 @@ constexpr int kMostCases = 50;
 constexpr int kMostProbes = 100;
 constexpr int kMostPoints = 1000;
 constexpr int kMostModes = 100;
-constexpr std::size_t kLongestLabel = 200;  // bytes
+constexpr std::size_t kLongestLabel = 200;     // bytes
+constexpr std::size_t kLargestCase = 200'000;  // bytes; workers may lease 16 in one message
 
 using Texts = google::protobuf::RepeatedPtrField<std::string>;
 
@@ -288,6 +289,9 @@ absl::StatusOr<double> MetresOf(const std::string& length_unit, const std::strin
 }
 
 absl::Status CheckMeshCase(const v1::MeshCase& mesh_case, const std::string& field) {
+  if (mesh_case.ByteSizeLong() > kLargestCase) {
+    return TooLarge(field, absl::StrCat(kLargestCase, " bytes"));
+  }
   MORTISE_RETURN_IF_ERROR(MetresOf(mesh_case.length_unit(), field + ".length_unit").status());
   MORTISE_RETURN_IF_ERROR(CheckCounts(mesh_case, field));
   for (int i = 0; i < mesh_case.materials_size(); ++i) {

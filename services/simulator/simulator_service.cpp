@@ -26,6 +26,8 @@ namespace {
 constexpr int64_t kBlobLimit = int64_t{1} << 30;
 constexpr std::size_t kLongestTaskKey = 128;
 constexpr int kMostRenewals = 1000;  // leases in one call
+// Pages of lists end here, full or not: messages hold 4 MiB, and one result less than 3 MB.
+constexpr std::size_t kPageBytes = 1'000'000;
 
 // `seconds`, or `otherwise` for 0; INVALID_ARGUMENT naming `field` outside the range.
 absl::StatusOr<absl::Duration> Seconds(double seconds, double otherwise, double minimum,
@@ -247,8 +249,13 @@ class SimulatorAdapter final : public v1::SimulatorService::CallbackService {
           const auto records,
           read.List(kAnalysisKind,
                     {.after_key = asked.page_token(), .limit = size, .descending = true}));
+      std::size_t bytes = 0;
       for (const store::Record& record : records) {
         response.add_analyses()->ParseFromString(record.payload);
+        bytes += record.payload.size();
+        if (bytes < kPageBytes) continue;
+        response.set_next_page_token(record.key);
+        return absl::OkStatus();
       }
       if (static_cast<int>(records.size()) == size) {
         response.set_next_page_token(records.back().key);
@@ -395,6 +402,7 @@ class SimulatorAdapter final : public v1::SimulatorService::CallbackService {
     MORTISE_RETURN_IF_ERROR(store_->Read([&](store::ReadTransaction& read) -> absl::Status {
       response.Clear();
       std::string after = asked.page_token();
+      std::size_t bytes = 0;
       // The store lists by key; states are picked out here, page by page.
       while (static_cast<std::size_t>(response.tasks_size()) < size) {
         MORTISE_ASSIGN_OR_RETURN(const auto tasks,
@@ -410,7 +418,8 @@ class SimulatorAdapter final : public v1::SimulatorService::CallbackService {
           if (const absl::Status error = TaskError(task); IsFinished(task) && !error.ok()) {
             *entry->mutable_error() = rpc::ToProto(error);
           }
-          if (static_cast<std::size_t>(response.tasks_size()) == size) {
+          bytes += entry->ByteSizeLong();
+          if (static_cast<std::size_t>(response.tasks_size()) == size || bytes >= kPageBytes) {
             response.set_next_page_token(after);
             return absl::OkStatus();
           }

@@ -34,6 +34,20 @@ class TableCatalog final : public v1::CatalogService::Service {
   const std::string& address() const { return address_; }
   const v1::Template& table() const { return bundle_.template_(); }
 
+  v1::Material Material(const std::string& name) const {
+    for (const v1::Material& material : bundle_.materials()) {
+      if (material.name() == name) return material;
+    }
+    return {};
+  }
+
+  grpc::Status GetMaterial(grpc::ServerContext*, const v1::GetMaterialRequest* request,
+                           v1::Material* response) override {
+    *response = Material(request->name());
+    if (!response->name().empty()) return grpc::Status::OK;
+    return {grpc::StatusCode::NOT_FOUND, "no such material: " + request->name()};
+  }
+
   grpc::Status GetTemplateBundle(grpc::ServerContext*, const v1::GetTemplateBundleRequest* request,
                                  v1::TemplateBundle* response) override {
     if (request->name() != "templates/table" || request->revision() > 1) {

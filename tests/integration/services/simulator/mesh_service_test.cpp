@@ -1,0 +1,267 @@
+// Uploaded meshes through the simulator as processes: every format, files, restarts, bad input.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "common/base/digest.h"
+#include "common/base/errors.h"
+#include "common/rpc/status_mapping.h"
+#include "google/rpc/status.pb.h"
+#include "mortise/v1/operations.grpc.pb.h"
+#include "mortise/v1/simulator.grpc.pb.h"
+#include "tests/integration/services/service_under_test.h"
+#include "tests/integration/services/simulator/table_catalog.h"
+#include "tests/support/mesh_files.h"
+
+namespace mortise::simulator {
+namespace {
+
+using ::testing::HasSubstr;
+
+class MeshServiceTest : public ::testing::Test {
+ protected:
+  static std::unique_ptr<grpc::ClientContext> Context(int seconds = 100) {
+    auto context = std::make_unique<grpc::ClientContext>();
+    context->set_deadline(std::chrono::system_clock::now() + std::chrono::seconds(seconds));
+    context->set_wait_for_ready(true);
+    return context;
+  }
+
+  std::unique_ptr<v1::SimulatorService::Stub> Simulator() {
+    return v1::SimulatorService::NewStub(service_.channel());
+  }
+
+  std::unique_ptr<testing::ChildProcess> StartWorker(
+      const std::string& name, const std::string& memory_limit = "--memory-limit=2") const {
+    return std::make_unique<testing::ChildProcess>(std::vector<std::string>{
+        testing::BuiltProgram("mortise-simulator"), "--worker", "--worker-name=" + name,
+        "--insecure-development", "--log-level=warning", "--lease-seconds=2", "--solver-threads=2",
+        memory_limit, "--peer=simulator=" + service_.address(),
+        "--peer=catalog=" + catalog_.address()});
+  }
+
+  std::string Upload(const std::string& bytes) {
+    const auto context = Context();
+    v1::UploadBlobResponse response;
+    const auto stub = Simulator();
+    const auto writer = stub->UploadBlob(context.get(), &response);
+    v1::Chunk chunk;
+    chunk.set_data(bytes);
+    chunk.set_total_size(static_cast<int64_t>(bytes.size()));
+    writer->Write(chunk);
+    writer->WritesDone();
+    const grpc::Status status = writer->Finish();
+    EXPECT_TRUE(status.ok()) << status.error_message();
+    EXPECT_EQ(response.sha256(), Sha256Hex(bytes));
+    return response.sha256();
+  }
+
+  // A bar of spruce, held at one end so that it may contract, and pulled.
+  static v1::AnalyzeMeshRequest Bar(const std::string& mesh_file, const std::string& request_id) {
+    v1::AnalyzeMeshRequest request;
+    request.set_request_id(request_id);
+    request.set_mesh_file(mesh_file);
+    v1::MeshCase& bar = *request.mutable_case_();
+    bar.set_title("Bar");
+    bar.set_length_unit("cm");
+    bar.add_materials()->set_material("materials/spruce");
+    for (const char* face : {"x_min", "y_min", "z_min"}) {
+      v1::MeshSupport& support = *bar.add_supports();
+      support.add_groups(face);
+      support.set_symmetric(true);
+    }
+    v1::MeshLoadCase& pull = *bar.add_load_cases();
+    pull.set_name("pull");
+    v1::GroupForce& force = *pull.add_forces();
+    force.add_groups("x_max");
+    force.mutable_force()->set_x(1000);
+    return request;
+  }
+
+  grpc::Status Start(const v1::AnalyzeMeshRequest& request, v1::Operation& operation) {
+    const auto context = Context();
+    return Simulator()->AnalyzeMesh(context.get(), request, &operation);
+  }
+
+  v1::Operation Wait(const std::string& name) {
+    const auto stub = v1::OperationService::NewStub(service_.channel());
+    v1::WaitOperationRequest request;
+    request.set_name(name);
+    request.set_timeout_seconds(90);
+    v1::Operation operation;
+    const auto context = Context();
+    const grpc::Status status = stub->WaitOperation(context.get(), request, &operation);
+    EXPECT_TRUE(status.ok()) << status.error_message();
+    return operation;
+  }
+
+  // Starts, waits, and gives how it ended.
+  v1::Operation Run(const v1::AnalyzeMeshRequest& request) {
+    v1::Operation operation;
+    const grpc::Status status = Start(request, operation);
+    EXPECT_TRUE(status.ok()) << status.error_message();
+    return status.ok() ? Wait(operation.name()) : operation;
+  }
+
+  static v1::Analysis ResultOf(const v1::Operation& operation) {
+    v1::Analysis analysis;
+    EXPECT_EQ(operation.state(), v1::Operation::SUCCEEDED) << operation.error().message();
+    operation.result().UnpackTo(&analysis);
+    return analysis;
+  }
+
+  int Analyses() {
+    v1::ListAnalysesResponse list;
+    const auto context = Context();
+    EXPECT_TRUE(Simulator()->ListAnalyses(context.get(), {}, &list).ok());
+    return list.analyses_size();
+  }
+
+  std::string Download(const std::string& analysis, const std::string& file) {
+    v1::DownloadArtifactRequest request;
+    request.set_name(analysis);
+    request.set_file_name(file);
+    const auto context = Context();
+    const auto stub = Simulator();
+    const auto reader = stub->DownloadArtifact(context.get(), request);
+    std::string bytes;
+    v1::Chunk chunk;
+    while (reader->Read(&chunk)) bytes += chunk.data();
+    EXPECT_TRUE(reader->Finish().ok());
+    return bytes;
+  }
+
+  static std::map<std::string, double> MetricsOf(const v1::CaseResult& result) {
+    std::map<std::string, double> metrics;
+    for (const v1::Metric& metric : result.metrics()) metrics[metric.name()] = metric.value();
+    return metrics;
+  }
+
+  const mesh::GroupedMesh box_ = testing::GroupedBox({100, 10, 10}, {10, 1, 1}, true);
+  TableCatalog catalog_;
+  testing::ServiceUnderTest service_{"mortise-simulator", {"--peer=catalog=" + catalog_.address()}};
+};
+
+TEST_F(MeshServiceTest, EveryFormatGivesTheBarItsStretch) {
+  const auto worker = StartWorker("only");
+  const v1::Material spruce = catalog_.Material("materials/spruce");
+  const double weight = spruce.density() * 9.81 / (2 * spruce.youngs_modulus());
+  const double pull = 1000 / (0.01 * spruce.youngs_modulus());
+  std::vector<v1::Analysis> analyses;
+  for (const std::string& file : {testing::WriteGmsh22(box_, true),
+                                  testing::WriteGmsh41(box_, true), testing::WriteAbaqus(box_)}) {
+    const std::string digest = Upload(file);
+    v1::AnalyzeMeshRequest request = Bar(digest, digest.substr(0, 20));
+    v1::MeshLoadCase& hanging = *request.mutable_case_()->add_load_cases();
+    hanging.set_name("weight");
+    hanging.mutable_gravity()->set_x(9.81);
+    const v1::Analysis analysis = ResultOf(Run(request));
+    ASSERT_EQ(analysis.cases_size(), 2);
+    EXPECT_EQ(analysis.mesh_file(), digest);
+    EXPECT_EQ(analysis.title(), "Bar");
+    EXPECT_EQ(analysis.elements(), 60);
+    ASSERT_EQ(analysis.metrics_size(), 2);
+    EXPECT_NEAR(analysis.metrics(0).value(), 0.01 * spruce.density(), 1e-9);
+    // Displacement is largest at the end, whose corner also contracts.
+    EXPECT_NEAR(MetricsOf(analysis.cases(0)).at("max_displacement"), pull, 0.01 * pull);
+    EXPECT_NEAR(MetricsOf(analysis.cases(0)).at("max_von_mises"), 1e5, 1);
+    EXPECT_NEAR(analysis.cases(0).reactions(0).x(), -1000, 1e-6);
+    EXPECT_NEAR(analysis.cases(0).parts(0).safety_factor(), spruce.strength() / 1e5,
+                1e-3 * spruce.strength() / 1e5);
+    EXPECT_NEAR(MetricsOf(analysis.cases(1)).at("max_displacement"), weight, 0.01 * weight);
+    analyses.push_back(analysis);
+  }
+  for (const v1::Analysis& analysis : analyses) {
+    for (int c = 0; c < 2; ++c) {
+      for (const auto& [name, value] : MetricsOf(analyses[0].cases(c))) {
+        // The error of the pull, which the elements hold exactly, is rounding.
+        const double tolerance = name == "relative_error" ? 1e-6 : 1e-7 * std::abs(value);
+        EXPECT_NEAR(MetricsOf(analysis.cases(c)).at(name), value, tolerance) << name;
+      }
+    }
+  }
+  EXPECT_EQ(analyses[2].notes_size(), 1);  // what of the .inp was not used
+  ASSERT_EQ(analyses[0].artifacts_size(), 4);
+  for (const v1::Artifact& artifact : analyses[0].artifacts()) {
+    EXPECT_EQ(Sha256Hex(Download(analyses[0].name(), artifact.file_name())), artifact.sha256());
+  }
+}
+
+TEST_F(MeshServiceTest, AnAnalysisOutlivesTheService) {
+  const std::string digest = Upload(testing::WriteGmsh41(box_, true));
+  v1::Operation operation, cancelled;
+  ASSERT_TRUE(Start(Bar(digest, "outlives"), operation).ok());
+  ASSERT_TRUE(Start(Bar(digest, "is-cancelled"), cancelled).ok());
+  v1::CancelOperationRequest cancel;
+  cancel.set_name(cancelled.name());
+  cancel.set_request_id("cancel");
+  v1::Operation answer;
+  const auto context = Context();
+  const auto operations = v1::OperationService::NewStub(service_.channel());
+  ASSERT_TRUE(operations->CancelOperation(context.get(), cancel, &answer).ok());
+  EXPECT_EQ(Wait(cancelled.name()).state(), v1::Operation::CANCELLED);
+  service_.Kill();
+  service_.Start();
+  const auto worker = StartWorker("late");
+  EXPECT_EQ(ResultOf(Wait(operation.name())).cases_size(), 1);
+  EXPECT_EQ(Analyses(), 1);
+  // The same request again is the same operation.
+  v1::Operation repeated;
+  ASSERT_TRUE(Start(Bar(digest, "outlives"), repeated).ok());
+  EXPECT_EQ(repeated.name(), operation.name());
+}
+
+TEST_F(MeshServiceTest, BadInputIsRefusedAndTheWorkerLives) {
+  const std::string digest = Upload(testing::WriteGmsh41(box_, true));
+  // Before anything is queued:
+  const auto refusal = [&](const v1::AnalyzeMeshRequest& request) {
+    v1::Operation operation;
+    const absl::Status status = rpc::FromGrpc(Start(request, operation));
+    EXPECT_FALSE(status.ok());
+    return DetailOf(status).field;
+  };
+  EXPECT_EQ(refusal(Bar(Sha256Hex("nothing"), "bad-1")), "mesh_file");
+  EXPECT_EQ(refusal(Bar("no digest", "bad-2")), "mesh_file");
+  v1::AnalyzeMeshRequest request = Bar(digest, "bad-3");
+  request.mutable_case_()->mutable_load_cases(0)->mutable_forces(0)->mutable_force()->set_x(
+      std::numeric_limits<double>::quiet_NaN());
+  EXPECT_EQ(refusal(request), "case.load_cases[0].forces[0].force.x");
+  request = Bar(digest, "bad-4");
+  request.mutable_case_()->clear_length_unit();
+  EXPECT_EQ(refusal(request), "case.length_unit");
+  request = Bar(digest, "bad-5");
+  request.mutable_case_()->mutable_materials(0)->set_material("materials/cheese");
+  v1::Operation none;
+  EXPECT_EQ(Start(request, none).error_code(), grpc::StatusCode::NOT_FOUND);
+
+  // By the worker, which has room for no more than this mesh:
+  const auto worker = StartWorker("only", "--memory-limit=0.01");
+  const auto failure = [&](const v1::AnalyzeMeshRequest& asked) {
+    const v1::Operation operation = Run(asked);
+    EXPECT_EQ(operation.state(), v1::Operation::FAILED);
+    return rpc::FromProto(operation.error());
+  };
+  request = Bar(digest, "bad-6");
+  request.mutable_case_()->mutable_supports(0)->set_groups(0, "X_Min");
+  absl::Status status = failure(request);
+  EXPECT_EQ(DetailOf(status).field, "case.supports[0].groups[0]");
+  EXPECT_THAT(std::string(status.message()), HasSubstr("did you mean 'x_min'?"));
+  status = failure(Bar(Upload("$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n99"), "bad-7"));
+  EXPECT_EQ(DetailOf(status).field, "mesh_file");
+  EXPECT_THAT(std::string(status.message()), HasSubstr("line 5"));
+  request = Bar(digest, "bad-8");
+  request.mutable_case_()->clear_supports();
+  EXPECT_EQ(DetailOf(failure(request)).reason, "RIGID_MOTION");
+  const std::string large =
+      testing::WriteGmsh41(testing::GroupedBox({100, 10, 10}, {80, 6, 6}, false), true);
+  EXPECT_EQ(failure(Bar(Upload(large), "bad-9")).code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_EQ(Analyses(), 0);
+  EXPECT_EQ(ResultOf(Run(Bar(digest, "good"))).cases_size(), 1);
+  EXPECT_EQ(Analyses(), 1);
+}
+
+}  // namespace
+}  // namespace mortise::simulator
