@@ -1,0 +1,269 @@
+// Drawings of parts with shapes, from STEP to stresses, through catalog, simulator and worker as
+// processes; and what a worker does about shapes that are missing or damaged.
+#include <gmock/gmock.h>
+#include <google/protobuf/text_format.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
+#include "common/base/files.h"
+#include "common/cad/cylinder.h"
+#include "common/cad/solid_shape.h"
+#include "common/parametric/shape_codec.h"
+#include "common/rpc/status_mapping.h"
+#include "mortise/v1/assembly.grpc.pb.h"
+#include "mortise/v1/catalog.grpc.pb.h"
+#include "mortise/v1/operations.grpc.pb.h"
+#include "mortise/v1/simulator.grpc.pb.h"
+#include "services/simulator/shape_source.h"
+#include "tests/integration/services/service_under_test.h"
+
+namespace mortise::simulator {
+namespace {
+
+using ::testing::HasSubstr;
+
+std::filesystem::path Sources() {
+  const char* folder = std::getenv("MORTISE_SOURCE_DIR");
+  return folder == nullptr ? "." : folder;
+}
+
+std::string TextOf(const std::string& file) {
+  return ReadFile(Sources() / "collection/drawings" / file).value();
+}
+
+template <class Message>
+Message ParsedFrom(const std::string& file) {
+  Message message;
+  EXPECT_TRUE(google::protobuf::TextFormat::ParseFromString(TextOf(file), &message)) << file;
+  return message;
+}
+
+class ShapedAssemblyTest : public ::testing::Test {
+ protected:
+  template <class Stub, class Request, class Response>
+  static absl::StatusOr<Response> Call(Stub& stub,
+                                       grpc::Status (Stub::*method)(grpc::ClientContext*,
+                                                                    const Request&, Response*),
+                                       const Request& request) {
+    grpc::ClientContext context;
+    context.set_deadline(std::chrono::system_clock::now() + std::chrono::seconds(200));
+    context.set_wait_for_ready(true);
+    Response response;
+    const grpc::Status status = (stub.*method)(&context, request, &response);
+    if (!status.ok()) return rpc::FromGrpc(status);
+    return response;
+  }
+
+  // Imports a drawing and the template that loads it.
+  absl::Status Import(const std::string& drawing) {
+    v1::ImportAssemblyStepRequest step;
+    step.set_request_id(absl::StrCat("step-", drawing));
+    step.set_step(TextOf(drawing + ".step"));
+    *step.mutable_annotations() = ParsedFrom<v1::AssemblyAnnotations>(drawing + ".textproto");
+    MORTISE_RETURN_IF_ERROR(
+        Call(*assemblies_, &v1::AssemblyService::Stub::ImportAssemblyStep, step).status());
+    v1::ImportTemplateRequest request;
+    request.set_request_id(absl::StrCat("template-", drawing));
+    *request.mutable_template_() = ParsedFrom<v1::Template>(drawing + "_template.textproto");
+    return Call(*catalog_, &v1::CatalogService::Stub::ImportTemplate, request).status();
+  }
+
+  absl::StatusOr<v1::EvaluatedDesign> Evaluate(const v1::AnalyzeDesignRequest& asked) {
+    v1::EvaluateTemplateRequest request;
+    request.set_name(asked.template_());
+    *request.mutable_parameters() = asked.parameters();
+    request.set_without_triangles(true);
+    return Call(*catalog_, &v1::CatalogService::Stub::EvaluateTemplate, request);
+  }
+
+  absl::StatusOr<v1::Analysis> Analyze(const v1::AnalyzeDesignRequest& request) {
+    const auto simulator = v1::SimulatorService::NewStub(service_.channel());
+    MORTISE_ASSIGN_OR_RETURN(const v1::Operation started,
+                             Call(*simulator, &v1::SimulatorService::Stub::AnalyzeDesign, request));
+    const auto operations = v1::OperationService::NewStub(service_.channel());
+    v1::WaitOperationRequest wait;
+    wait.set_name(started.name());
+    wait.set_timeout_seconds(90);
+    v1::Operation done = started;
+    for (int round = 0; round < 2 && done.state() != v1::Operation::SUCCEEDED; ++round) {
+      MORTISE_ASSIGN_OR_RETURN(done,
+                               Call(*operations, &v1::OperationService::Stub::WaitOperation, wait));
+      if (done.has_error()) return absl::InternalError(done.error().message());
+    }
+    v1::Analysis analysis;
+    if (!done.result().UnpackTo(&analysis)) return absl::InternalError(done.ShortDebugString());
+    return analysis;
+  }
+
+  static double ValueOf(const v1::Analysis& analysis, const std::string& name) {
+    for (const v1::Metric& metric : analysis.metrics()) {
+      if (metric.name() == name) return metric.value();
+    }
+    ADD_FAILURE() << "there is no " << name;
+    return 0;
+  }
+
+  testing::ServiceUnderTest catalog_process_{
+      "mortise-catalog", {"--collection=" + (Sources() / "collection").string()}};
+  testing::ServiceUnderTest service_{"mortise-simulator",
+                                     {"--peer=catalog=" + catalog_process_.address()}};
+  testing::ChildProcess worker_{{testing::BuiltProgram("mortise-simulator"), "--worker",
+                                 "--worker-name=only", "--insecure-development",
+                                 "--log-level=warning", "--peer=simulator=" + service_.address(),
+                                 "--peer=catalog=" + catalog_process_.address()}};
+  std::unique_ptr<v1::CatalogService::Stub> catalog_ =
+      v1::CatalogService::NewStub(catalog_process_.channel());
+  std::unique_ptr<v1::AssemblyService::Stub> assemblies_ =
+      v1::AssemblyService::NewStub(catalog_process_.channel());
+};
+
+TEST_F(ShapedAssemblyTest, ADrawnShelfBearsItsBooksAtAnyLength) {
+  const absl::Status imported = Import("wall_shelf");
+  ASSERT_TRUE(imported.ok()) << imported;
+  for (const double length : {0.8, 0.95}) {
+    SCOPED_TRACE(length);
+    v1::AnalyzeDesignRequest request;
+    request.set_request_id(absl::StrCat("shelf-", length));
+    request.set_template_("templates/wall-shelf");
+    request.add_parameters()->set_name("length");
+    request.mutable_parameters(0)->set_value(length);
+    request.mutable_mesh()->set_linear(true);
+    const auto design = Evaluate(request);
+    ASSERT_TRUE(design.ok()) << design.status();
+    double mass = 0;
+    for (const v1::EvaluatedPart& part : design->parts()) {
+      EXPECT_EQ(part.faceted().triangles_size(), 0);
+      if (!part.connecting()) mass += part.mass();
+    }
+    const auto analysis = Analyze(request);
+    ASSERT_TRUE(analysis.ok()) << analysis.status();
+    EXPECT_NEAR(ValueOf(*analysis, "mass"), mass, 0.005 * mass);
+    EXPECT_GT(ValueOf(*analysis, "max_displacement"), 1e-5);
+    const double load = 35 * 9.81 * length;
+    EXPECT_NEAR(analysis->total_load().z(), -load, 1e-6 * load);
+    EXPECT_NEAR(analysis->total_reaction().z(), load, 1e-6 * load);
+    EXPECT_NEAR(analysis->total_reaction().x(), 0, 1e-6 * load);
+    EXPECT_EQ(analysis->artifacts_size(), 2);
+  }
+  // Without supports nothing is queued.
+  v1::AnalyzeDesignRequest bench;
+  bench.set_request_id("bench");
+  bench.set_template_("templates/garden-bench");
+  const absl::Status status = Analyze(bench).status();
+  EXPECT_EQ(status.code(), absl::StatusCode::kFailedPrecondition) << status;
+  EXPECT_THAT(std::string(status.message()), HasSubstr("FIXED"));
+}
+
+// A catalog with one shape, which may be damaged or missing.
+class ShapeCatalog final : public v1::CatalogService::Service {
+ public:
+  ShapeCatalog() {
+    cad::CylinderShape leg;
+    leg.name = "leg";
+    leg.center = {0.02, 0.02, 0};
+    leg.radius_u = leg.radius_v = 0.02;
+    leg.height = 0.4;
+    shape_ = parametric::ToProto(cad::ShapeOfSolid(cad::MakeCylinder(leg).value(),
+                                                   Eigen::Matrix3d::Identity(), {0, 0, 0},
+                                                   {0.04, 0.04, 0.4})
+                                     .value());
+    shape_.set_name(parametric::NameOf(shape_));
+    grpc::ServerBuilder builder;
+    int port = 0;
+    builder.AddListeningPort("127.0.0.1:0", grpc::InsecureServerCredentials(), &port);
+    builder.RegisterService(this);
+    server_ = builder.BuildAndStart();
+    channel_ =
+        grpc::CreateChannel(absl::StrCat("127.0.0.1:", port), grpc::InsecureChannelCredentials());
+  }
+  ~ShapeCatalog() override { server_->Shutdown(); }
+
+  grpc::Status DownloadShape(grpc::ServerContext*, const v1::DownloadShapeRequest* request,
+                             grpc::ServerWriter<v1::Chunk>* writer) override {
+    ++asked;
+    if (missing || request->name() != shape_.name()) {
+      return {grpc::StatusCode::NOT_FOUND, request->name()};
+    }
+    std::string bytes = shape_.SerializeAsString();
+    if (damaged) bytes[bytes.size() / 2] ^= 1;
+    for (std::size_t at = 0; at < bytes.size(); at += 1000) {
+      v1::Chunk chunk;
+      chunk.set_offset(static_cast<int64_t>(at));
+      chunk.set_data(bytes.substr(at, 1000));
+      writer->Write(chunk);
+    }
+    return grpc::Status::OK;
+  }
+
+  // As in a bundle.
+  google::protobuf::RepeatedPtrField<v1::Shape> Shown() const {
+    google::protobuf::RepeatedPtrField<v1::Shape> shapes;
+    *shapes.Add() = shape_;
+    shapes[0].clear_brep();
+    return shapes;
+  }
+
+  const v1::Shape& shape() const { return shape_; }
+  const std::shared_ptr<grpc::Channel>& channel() const { return channel_; }
+
+  std::atomic<int> asked = 0;
+  std::atomic<bool> missing = false;
+  std::atomic<bool> damaged = false;
+
+ private:
+  v1::Shape shape_;
+  std::unique_ptr<grpc::Server> server_;
+  std::shared_ptr<grpc::Channel> channel_;
+};
+
+TEST(ShapeSourceTest, AsksOnceForWhatItKeeps) {
+  ShapeCatalog catalog;
+  ShapeSource source(catalog.channel(), 1 << 20);
+  for (int round = 0; round < 3; ++round) {
+    auto shapes = catalog.Shown();
+    const absl::Status status = source.AddExact(shapes, {});
+    ASSERT_TRUE(status.ok()) << status;
+    EXPECT_EQ(shapes[0].brep(), catalog.shape().brep());
+  }
+  EXPECT_EQ(catalog.asked, 1);
+  // What has its surfaces, or none, is not asked for.
+  auto shapes = catalog.Shown();
+  shapes[0].set_exact(false);
+  *shapes.Add() = catalog.shape();
+  EXPECT_TRUE(source.AddExact(shapes, {}).ok());
+  EXPECT_EQ(catalog.asked, 1);
+  // Too large to be kept.
+  ShapeSource forgetful(catalog.channel(), 10);
+  for (int round = 0; round < 2; ++round) {
+    auto again = catalog.Shown();
+    EXPECT_TRUE(forgetful.AddExact(again, {}).ok());
+  }
+  EXPECT_EQ(catalog.asked, 3);
+}
+
+TEST(ShapeSourceTest, RefusesWhatIsMissingOrDamaged) {
+  ShapeCatalog catalog;
+  ShapeSource source(catalog.channel(), 1 << 20);
+  auto shapes = catalog.Shown();
+  catalog.missing = true;
+  EXPECT_EQ(source.AddExact(shapes, {}).code(), absl::StatusCode::kNotFound);
+  catalog.missing = false;
+  catalog.damaged = true;
+  const absl::Status status = source.AddExact(shapes, {});
+  EXPECT_EQ(status.code(), absl::StatusCode::kDataLoss);
+  EXPECT_THAT(std::string(status.message()), HasSubstr(catalog.shape().name()));
+  EXPECT_TRUE(shapes[0].brep().empty());
+  catalog.damaged = false;
+  EXPECT_TRUE(source.AddExact(shapes, {}).ok());
+}
+
+}  // namespace
+}  // namespace mortise::simulator
