@@ -26,6 +26,9 @@ void PrintWorkOrder(const v1::WorkOrder& order, const Output& output) {
     output.Line(absl::StrCat("  ", machine.name(), " of ", held.bridge(), " is ", machine.state(),
                              machine.held_because().empty() ? "" : ": ", machine.held_because()));
   }
+  for (const std::string& handwork : order.handwork()) {
+    output.Line(absl::StrCat("  by hand: ", handwork));
+  }
   std::vector<std::vector<std::string>> rows;
   for (const v1::WorkOrder::Cut& cut : order.cuts()) {
     const v1::CutCommand& command = cut.command();

@@ -33,19 +33,34 @@ FieldSources SourcesOf(const PlanOptions& options) {
   return sources;
 }
 
+std::string PriceText(const v1::Money& money) {
+  return money.currency().empty() ? ""
+                                  : absl::StrFormat("%.2f %s", money.amount(), money.currency());
+}
+
 void PrintPlan(const v1::Plan& plan, const Output& output) {
+  int bought = 0, drawn = 0;
+  for (const v1::PlannedPart& part : plan.parts()) {
+    bought += part.making() == v1::PlannedPart::BOUGHT ? plan.quantity() : 0;
+    drawn += part.making() == v1::PlannedPart::TO_DRAWING ? plan.quantity() : 0;
+  }
   output.Line(absl::StrFormat(
-      "%s: %d parts from the chop saw, %d from the jigsaw, %d pegs, %d steps", plan.name(),
-      plan.chop_saw_parts(), plan.jigsaw_parts(), plan.pegs(), plan.steps_size()));
+      "%s: %d parts from the chop saw, %d from the jigsaw, %d bought, %d made to drawing, %d pegs, "
+      "%d steps",
+      plan.name(), plan.chop_saw_parts(), plan.jigsaw_parts(), bought, drawn, plan.pegs(),
+      plan.steps_size()));
   std::vector<std::vector<std::string>> rows;
   for (const v1::BillLine& line : plan.bill()) {
     rows.push_back({line.title(), absl::StrFormat("%g", line.quantity()), line.dimensions(),
-                    line.supplier(),
-                    absl::StrFormat("%.2f %s", line.price().amount(), line.price().currency())});
+                    line.supplier(), PriceText(line.price())});
   }
-  rows.push_back({"total", "", "", "",
-                  absl::StrFormat("%.2f %s", plan.total().amount(), plan.total().currency())});
+  for (const v1::Money& total : plan.totals()) {
+    rows.push_back({"total", "", "", "", PriceText(total)});
+  }
   output.Table({"item", "pieces", "size", "supplier", "price"}, rows);
+  for (const std::string& handwork : plan.handwork()) {
+    output.Line(absl::StrCat("by hand: ", handwork));
+  }
 }
 
 absl::Status Plan(const PlanOptions& options, Session& session, Output& output) {

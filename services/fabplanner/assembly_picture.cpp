@@ -12,19 +12,13 @@
 #include "common/base/errors.h"
 #include "common/render/scene.h"
 #include "services/fabplanner/part_mesh.h"
+#include "services/fabplanner/step_picture.h"
+#include "services/fabplanner/step_view.h"
 
 namespace mortise::fabplanner {
 namespace {
 
-constexpr int kPictureWidth = 900;   // px
-constexpr int kPictureHeight = 675;  // px
-constexpr double kAspect = static_cast<double>(kPictureWidth) / kPictureHeight;
 constexpr int kMostPegsDrawn = 400;
-
-const render::Color kPresentColor{0.86, 0.86, 0.85};
-const render::Color kAddedColor{0.95, 0.66, 0.28};
-const render::Color kPegColor{0.60, 0.30, 0.10};
-const render::Color kArrowColor{0.05, 0.35, 0.75};
 
 // How two parts of a step are joined, seen from one of them.
 struct Joint {
@@ -193,38 +187,6 @@ void AddPegsAndArrows(const Design& design, const AssemblyStep& step, const Expl
   }
 }
 
-// How many pixels of a small picture show the added parts: theirs is the one strong colour.
-absl::StatusOr<int> VisiblePixels(render::Scene scene, const Eigen::Vector3d& direction) {
-  scene.lines.clear();
-  for (render::Shape& shape : scene.shapes) shape.edges = false;
-  scene.camera = render::FitCamera(render::BoundingBox(scene), direction, kAspect);
-  MORTISE_ASSIGN_OR_RETURN(const render::Image image,
-                           render::Render(scene, {.width = 180, .height = 135, .supersample = 1}));
-  int visible = 0;
-  for (std::size_t i = 0; i + 2 < image.pixels.size(); i += 3) {
-    visible += image.pixels[i] > image.pixels[i + 2] + 30 ? 1 : 0;
-  }
-  return visible;
-}
-
-absl::StatusOr<Eigen::Vector3d> ChooseView(const render::Scene& scene) {
-  const Eigen::Vector3d usual = render::kViewIsometric;
-  Eigen::Vector3d best = usual;
-  double best_score = -1;
-  for (double z : {1.0, -1.0}) {
-    for (const auto& [x, y] : {std::pair(1, 1), {-1, 1}, {-1, -1}, {1, -1}}) {
-      const Eigen::Vector3d direction(x * usual.x(), y * usual.y(), z * usual.z());
-      MORTISE_ASSIGN_OR_RETURN(const int visible, VisiblePixels(scene, direction));
-      // People know a thing from the front and above; other views must be worth it.
-      const double habit = (z < 0 ? 0.6 : 1.0) * (x == 1 && y == 1 ? 1.25 : y == 1 ? 1.1 : 1.0);
-      if (visible * habit <= best_score) continue;
-      best_score = visible * habit;
-      best = direction;
-    }
-  }
-  return best;
-}
-
 }  // namespace
 
 Eigen::Vector3d ExplodedOffset(const std::string& part, const Design& design,
@@ -233,12 +195,14 @@ Eigen::Vector3d ExplodedOffset(const std::string& part, const Design& design,
   return Explosion(steps, number, design, distance).Of(part);
 }
 
-absl::StatusOr<std::string> StepPicture(const Design& design,
+absl::StatusOr<std::string> StepPicture(const Design& design, const Items& items,
+                                        const std::vector<Hole>& holes,
                                         const std::vector<AssemblyStep>& steps, int number) {
   if (number < 1 || number > static_cast<int>(steps.size())) {
     return InvalidField("number", absl::StrCat("there are ", steps.size(), " steps"));
   }
   const AssemblyStep& step = steps[number - 1];
+  if (!step.moves.empty()) return OrderedStepPicture(design, items, holes, step);
   const std::vector<std::string> present = PresentBefore(steps, number);
   Eigen::AlignedBox3d box;
   for (const std::vector<std::string>* names : {&present, &step.added_parts}) {
@@ -252,11 +216,7 @@ absl::StatusOr<std::string> StepPicture(const Design& design,
   AddParts(design, step.added_parts, kAddedColor, explosion, &scene);
   MORTISE_ASSIGN_OR_RETURN(const Eigen::Vector3d view, ChooseView(scene));
   AddPegsAndArrows(design, step, explosion, &scene);
-  scene.camera = render::FitCamera(render::BoundingBox(scene), view, kAspect);
-  MORTISE_ASSIGN_OR_RETURN(
-      const render::Image image,
-      render::Render(scene, {.width = kPictureWidth, .height = kPictureHeight}));
-  return render::EncodePng(image);
+  return RenderStep(std::move(scene), view);
 }
 
 }  // namespace mortise::fabplanner

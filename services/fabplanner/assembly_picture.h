@@ -19,8 +19,10 @@ Eigen::Vector3d ExplodedOffset(const std::string& part, const Design& design,
                                const std::vector<AssemblyStep>& steps, int number, double distance);
 
 // The PNG of step `number` (from 1), 900 × 675 pixels. The view is the usual one from above unless
-// the added parts are seen much better from another corner or from below.
-absl::StatusOr<std::string> StepPicture(const Design& design,
+// the added parts are seen much better from another corner or from below. Steps that know their
+// ways in are drawn by step_picture.h; `holes` say from where their screws come.
+absl::StatusOr<std::string> StepPicture(const Design& design, const Items& items,
+                                        const std::vector<Hole>& holes,
                                         const std::vector<AssemblyStep>& steps, int number);
 
 }  // namespace mortise::fabplanner

@@ -8,6 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "common/base/errors.h"
+#include "services/fabplanner/assembly_order.h"
 #include "services/fabplanner/dimension_text.h"
 
 namespace mortise::fabplanner {
@@ -141,7 +142,8 @@ absl::Status CheckConnected(const Design& design, Groups& groups) {
 
 }  // namespace
 
-absl::StatusOr<std::vector<AssemblyStep>> AssemblySteps(const Design& design, const Items& items) {
+absl::StatusOr<std::vector<AssemblyStep>> AssemblySteps(const Design& design, const Items& items,
+                                                        const std::vector<Mark>& marks) {
   std::map<std::string, int> part_index;
   for (std::size_t i = 0; i < design.parts.size(); ++i) {
     if (!part_index.emplace(design.parts[i].name, static_cast<int>(i)).second) {
@@ -149,6 +151,7 @@ absl::StatusOr<std::vector<AssemblyStep>> AssemblySteps(const Design& design, co
                           absl::StrCat("is used twice: ", design.parts[i].name));
     }
   }
+  if (HasOrderOfItsOwn(design)) return OrderedSteps(design, items, marks);
   MORTISE_ASSIGN_OR_RETURN(const std::vector<PeggedConnection> connections,
                            CollectConnections(design, part_index));
   std::map<int, AssemblyStep> by_priority;

@@ -13,10 +13,13 @@
 
 namespace mortise::fabplanner {
 
-// The steps, numbered 1, 2, 3 …; every part is added in exactly one of them. A design of one part
-// without connections has one step. INVALID_ARGUMENT if a connection names an unknown part, joins a
-// part to itself or has pegs of differing priorities; FAILED_PRECONDITION, reason
-// PARTS_UNCONNECTED, naming parts that the connections leave loose.
-absl::StatusOr<std::vector<AssemblyStep>> AssemblySteps(const Design& design, const Items& items);
+// Of a design whose connectors are parts, or that has parts of no item or sub-assemblies, those of
+// assembly_order.h. Otherwise by priority: the steps, numbered 1, 2, 3 …; every part is added in
+// exactly one of them. A design of one part without connections has one step. INVALID_ARGUMENT if a
+// connection names an unknown part, joins a part to itself or has pegs of differing priorities;
+// FAILED_PRECONDITION, reason PARTS_UNCONNECTED, naming parts that the connections leave loose.
+// `marks`: of the design's holes.
+absl::StatusOr<std::vector<AssemblyStep>> AssemblySteps(const Design& design, const Items& items,
+                                                        const std::vector<Mark>& marks = {});
 
 }  // namespace mortise::fabplanner

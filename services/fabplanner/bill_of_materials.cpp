@@ -24,45 +24,34 @@ std::string DimensionsOf(const Item& item, const Eigen::Vector3d& size) {
   switch (item.kind) {
     case ItemKind::kDowel:
     case ItemKind::kScrew:
+    case ItemKind::kBolt:
       return absl::StrCat("diameter ", Millimetres(size.y()), " × ", Millimetres(size.x()), " mm");
     default:
       return SizeText(size);
   }
 }
 
-BillLine MakeLine(const Item& item, const Eigen::Vector3d& size, int quantity) {
+BillLine MakeLine(const Item& item, const Purchase& purchase) {
   BillLine line;
   line.item = item.name;
   line.title = item.title;
-  line.quantity = quantity;
-  line.dimensions = DimensionsOf(item, size);
+  line.quantity = purchase.quantity;
+  line.dimensions = DimensionsOf(item, purchase.size);
   line.supplier = item.supplier;
   line.supplier_number = item.supplier_number;
   line.supplier_url = item.supplier_url;
   if (!item.price.currency.empty()) {
-    const double pieces = item.price_per_volume ? size.prod() : 1;
-    line.unit_price = {item.price.currency, RoundUnitPrice(item.price.amount * pieces)};
-    line.price = {item.price.currency, RoundToCent(item.price.amount * pieces * quantity)};
+    const double volumes = item.price_per_volume ? purchase.size.prod() : 1;
+    const double piece =
+        purchase.piece_price > 0 ? purchase.piece_price : item.price.amount * volumes;
+    line.unit_price = {item.price.currency, RoundUnitPrice(piece)};
+    line.price = {item.price.currency, RoundToCent(piece * purchase.quantity)};
   }
   return line;
 }
 
-// Adds the line's price to the bill's total. `priced_by` is the first item with a price.
-absl::Status AddToTotal(const BillLine& line, Bill* bill, std::string* priced_by) {
-  if (line.price.currency.empty()) return absl::OkStatus();
-  if (bill->total.currency.empty()) {
-    bill->total.currency = line.price.currency;
-    *priced_by = line.item;
-  }
-  if (bill->total.currency != line.price.currency) {
-    return PreconditionFailed(
-        "CURRENCIES_DIFFER",
-        absl::StrCat(line.item, " is priced in ", line.price.currency, " but ", *priced_by, " in ",
-                     bill->total.currency, ": a bill needs one currency"),
-        line.item);
-  }
-  bill->total.amount = RoundToCent(bill->total.amount + line.price.amount);
-  return absl::OkStatus();
+bool IsAmount(double amount) {
+  return std::isfinite(amount) && amount >= 0 && amount <= kLargestAmount;
 }
 
 }  // namespace
@@ -80,8 +69,7 @@ absl::StatusOr<Bill> MakeBill(const std::vector<Purchase>& purchases, const Item
         purchase.size.maxCoeff() > 1e3) {
       return InvalidField(field, absl::StrCat("has an unusable size of ", purchase.item));
     }
-    if (!std::isfinite(item->second.price.amount) || item->second.price.amount < 0 ||
-        item->second.price.amount > kLargestAmount) {
+    if (!IsAmount(item->second.price.amount) || !IsAmount(purchase.piece_price)) {
       return InvalidField(field, absl::StrCat("the price of ", purchase.item, " is unusable"));
     }
     const auto micrometres = [&](int axis) -> int64_t {
@@ -94,11 +82,14 @@ absl::StatusOr<Bill> MakeBill(const std::vector<Purchase>& purchases, const Item
   }
 
   Bill bill;
-  std::string priced_by;
+  std::map<std::string, double> totals;
   for (const auto& [key, purchase] : merged) {
-    bill.lines.push_back(MakeLine(items.at(purchase.item), purchase.size, purchase.quantity));
-    MORTISE_RETURN_IF_ERROR(AddToTotal(bill.lines.back(), &bill, &priced_by));
+    const BillLine& line = bill.lines.emplace_back(MakeLine(items.at(purchase.item), purchase));
+    if (line.price.currency.empty()) continue;
+    double& total = totals[line.price.currency];
+    total = RoundToCent(total + line.price.amount);
   }
+  for (const auto& [currency, amount] : totals) bill.totals.push_back({currency, amount});
   return bill;
 }
 

@@ -15,13 +15,14 @@ struct Purchase {
   std::string item;                                // name
   Eigen::Vector3d size = Eigen::Vector3d::Zero();  // m: length, width, thickness as ordered
   int quantity = 0;                                // pieces, > 0
+  // Of one piece, in the currency of the item's price; the item's price says it if 0.
+  double piece_price = 0;
 };
 
-// One line for each item and size (to a micrometre), boards first, then sheets, pegs, screws and
-// other things, each by name. A line's price is the piece's times the quantity, to the cent; the
-// total is the sum of the lines. Items without a currency have no price and add nothing.
-// INVALID_ARGUMENT for unknown items or unusable numbers; FAILED_PRECONDITION, reason
-// CURRENCIES_DIFFER, naming two items, if prices are in more than one currency.
+// One line for each item and size (to a micrometre), boards first, then sheets, pegs, screws,
+// bolts, nuts and other things, each by name. A line's price is the piece's times the quantity, to
+// the cent; a total is the sum of the lines of its currency. Items without a currency have no price
+// and add nothing. INVALID_ARGUMENT for unknown items or unusable numbers.
 absl::StatusOr<Bill> MakeBill(const std::vector<Purchase>& purchases, const Items& items);
 
 }  // namespace mortise::fabplanner

@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <array>
 #include <map>
 #include <string>
 #include <vector>
@@ -25,7 +26,22 @@ struct Money {
   double amount = 0;     // whole units, >= 0
 };
 
-enum class ItemKind { kBoard, kSheet, kDowel, kScrew, kHardware };
+// Boards and all other stock sold by length; sheets; pegs and rods of wood; wood screws; bolts and
+// whatever else has a metric thread; nuts and washers; hinges, slides, wheels and the rest.
+enum class ItemKind { kBoard, kSheet, kDowel, kScrew, kBolt, kNut, kHardware };
+
+// A size that an item is sold in.
+struct StockSize {
+  double length = 0;  // m
+  double width = 0;   // m, of sheets
+  double price = 0;   // of one piece, in the currency of the item's price; 0 if it is not known
+};
+
+// What size parts of an item may have along one of its axes, m; 0 and 0 where that is not known.
+struct SizeLimits {
+  double minimum = 0;
+  double maximum = 0;
+};
 
 // A thing that can be bought.
 struct Item {
@@ -38,9 +54,15 @@ struct Item {
   std::string supplier = {};
   std::string supplier_number = {};
   std::string supplier_url = {};
+  std::array<SizeLimits, 3> limits = {};        // of length, width and thickness
+  bool ripped = false;                          // to width, by a rip saw
+  bool round = false;                           // about its length, or its thickness
+  bool shaped = false;                          // what it looks like is known: no plain box
+  std::vector<StockSize> stock = {};            // besides `size`, or with its price
+  std::map<std::string, double> measures = {};  // m: "head_diameter" …
 };
 
-// A part: a polygon extruded along an axis of the design.
+// A part: a polygon extruded along an axis of the design, or else triangles.
 struct Part {
   std::string name;  // identifier, unique in the design
   std::string title;
@@ -54,6 +76,21 @@ struct Part {
   std::vector<Eigen::Vector2d> outline;  // m, counter-clockwise in (u, v), at least 3 points
   double from = 0;                       // m, start along the axis
   double to = 0;                         // m, end along the axis, > from
+
+  // Of a part that is no prism: its closed surface. It has no outline then.
+  Eigen::Matrix3Xd vertices = {};   // 3 × V, m
+  Eigen::Matrix3Xi triangles = {};  // 3 × T, counter-clockwise seen from outside
+  std::string material = {};
+  double mass = 0;          // kg
+  bool connecting = false;  // holds other parts together
+  int group = 0;            // index into Design::groups
+  std::string family = {};  // what it shares with parts that repeat it; empty for its name
+};
+
+// A sub-assembly. Group 0 is the whole.
+struct Group {
+  std::string name;
+  int parent = -1;  // before it in the list
 };
 
 // A peg that joins two parts.
@@ -73,17 +110,31 @@ struct Peg {
 struct Design {
   std::vector<Part> parts;
   std::vector<Peg> pegs;
+  std::vector<Group> groups = {Group{}};
 };
 
 // Items by name.
 using Items = std::map<std::string, Item>;
+
+// Whether the part is given by triangles.
+inline bool IsShaped(const Part& part) { return part.triangles.cols() > 0; }
+
+// Whether the part fills its box.
+bool IsBox(const Part& part);
+
+// Whether a cut at right angles to its thickness gives all of it: SheetOutlineOf is its outline.
+bool IsUpright(const Part& part);
+
+// What people call it: its title, or its name.
+const std::string& TitleOf(const Part& part);
 
 // The part's box in the design's coordinates.
 Eigen::AlignedBox3d BoundsOf(const Part& part);
 
 // The part's outline as it lies on a sheet, seen from its top side: u along the item's length, v
 // along its width, lower corner of the bounding rectangle at the origin, counter-clockwise, m. The
-// bounding rectangle where the part is extruded along another axis than its thickness.
+// bounding rectangle where the part is extruded along another axis than its thickness, or is of
+// triangles that do not all stand upright on it or leave holes.
 std::vector<Eigen::Vector2d> SheetOutlineOf(const Part& part);
 
 }  // namespace mortise::fabplanner

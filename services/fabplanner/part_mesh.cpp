@@ -31,6 +31,11 @@ Eigen::Matrix3Xi ToMatrix(const std::vector<Eigen::Vector3i>& triangles) {
 
 render::Shape PartShape(const Part& part, const Eigen::Vector3d& offset) {
   render::Shape shape;
+  if (IsShaped(part)) {
+    shape.vertices = part.vertices.colwise() + offset;
+    shape.triangles = part.triangles;
+    return shape;
+  }
   const int count = static_cast<int>(part.outline.size());
   Eigen::Matrix2Xd polygon(2, count);
   shape.vertices.resize(3, 2 * count);

@@ -17,6 +17,25 @@ struct WorkshopRules {
   double sheet_spacing = 0.010;  // least distance between outlines on a sheet, >= the kerf
 };
 
+// How a part is come by.
+enum class Making {
+  kCrosscut,   // cut to length by the chop saw
+  kOutline,    // cut to outline by the jigsaw
+  kBought,     // used as it is bought
+  kToDrawing,  // made to a drawing, of no item
+};
+
+// How one part is come by; the same for every copy.
+struct PlannedPart {
+  std::string part;  // name
+  Making making = Making::kBought;
+  // Length, width and thickness in its item's axes; along x, y and z where there is no item.
+  Eigen::Vector3d size = Eigen::Vector3d::Zero();
+  std::string handwork;               // what people do to it besides; empty for nothing
+  bool to_shape = false;              // what it looks like takes a drawing to tell
+  std::vector<std::string> drawings;  // file names
+};
+
 // A part on a board.
 struct BoardSegment {
   std::string part;  // label
@@ -68,6 +87,17 @@ struct AssemblyStep {
   std::vector<StepConnection> connections;
   int pegs = 0;
   std::string instruction;  // for people
+
+  // Of designs whose connectors are parts.
+  std::vector<std::string> connectors;  // names of the connecting parts that come in
+  std::string subassembly;              // what is built; empty for the whole
+  std::vector<std::string> standing;    // parts and connectors of it that stand before the step
+  // What comes in at once, in one piece.
+  struct Move {
+    std::vector<std::string> parts;                    // with their connectors
+    Eigen::Vector3d way_in = Eigen::Vector3d::Zero();  // unit; zero for what the rest comes onto
+  };
+  std::vector<Move> moves;
 };
 
 // A line of the bill of materials.
@@ -81,24 +111,42 @@ struct BillLine {
   std::string supplier_url;
   Money unit_price;  // of one piece
   Money price;       // of the line
+
+  // Of a line without an item: what is made to drawing.
+  std::vector<std::string> parts = {};  // names
+  std::string material = {};
+  double mass = 0;  // kg, of one
+  std::vector<std::string> drawings = {};
 };
 
 struct Bill {
   std::vector<BillLine> lines;
-  Money total;
+  std::vector<Money> totals;  // by currency
 };
 
-// A hole for a peg; the same in every copy of the part.
+enum class HoleKind { kPeg, kPilot, kClearance, kTapped };
+
+// A hole for a peg, a screw or a bolt; the same in every copy of the part.
 struct Hole {
   std::string part;                                      // name
   Eigen::Vector3d position = Eigen::Vector3d::Zero();    // in the design's coordinates
   Eigen::Vector3d direction = Eigen::Vector3d::UnitX();  // unit vector into the part
   double diameter = 0;
   double depth = 0;
+  HoleKind kind = HoleKind::kPeg;
+  bool through = false;        // comes out at the far side
+  std::string connector = {};  // the connection of a peg, or the connecting part
 };
 
-// How `quantity` copies of a design are made. Counts are over all copies; steps and holes are those
-// of one copy.
+// Where a connecting part that no screw locates lies on a part: a rectangle, the design's axes.
+struct Mark {
+  std::string part;
+  std::string connector;
+  Eigen::AlignedBox3d region;
+};
+
+// How `quantity` copies of a design are made. Counts are over all copies; steps, holes, marks and
+// parts are those of one copy.
 struct FabricationPlan {
   int quantity = 1;
   WorkshopRules rules;
@@ -107,6 +155,9 @@ struct FabricationPlan {
   std::vector<AssemblyStep> steps;
   Bill bill;
   std::vector<Hole> holes;
+  std::vector<Mark> marks;
+  std::vector<PlannedPart> parts;     // in the design's order
+  std::vector<std::string> handwork;  // what no machine does, for people
   int chop_saw_parts = 0;
   int jigsaw_parts = 0;
   int pegs = 0;

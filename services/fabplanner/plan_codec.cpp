@@ -6,42 +6,10 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
-#include "common/parametric/template_codec.h"
 #include "services/fabplanner/plan_files.h"
 
 namespace mortise::fabplanner {
 namespace {
-
-CutProcess ProcessFrom(parametric::Process process) {
-  switch (process) {
-    case parametric::Process::kChopSaw:
-      return CutProcess::kChopSaw;
-    case parametric::Process::kJigsaw:
-      return CutProcess::kJigsaw;
-    default:
-      return CutProcess::kNone;
-  }
-}
-
-// What a bill of materials tells apart: stock by length, by area, round things, and the rest.
-ItemKind KindFrom(parametric::ItemKind kind) {
-  switch (kind) {
-    case parametric::ItemKind::kBoard:
-    case parametric::ItemKind::kProfile:
-    case parametric::ItemKind::kTube:
-      return ItemKind::kBoard;
-    case parametric::ItemKind::kSheet:
-      return ItemKind::kSheet;
-    case parametric::ItemKind::kDowel:
-      return ItemKind::kDowel;
-    case parametric::ItemKind::kScrew:
-    case parametric::ItemKind::kBolt:
-    case parametric::ItemKind::kThreadedRod:
-      return ItemKind::kScrew;
-    default:
-      return ItemKind::kHardware;
-  }
-}
 
 void SetMoney(const Money& money, v1::Money* message) {
   message->set_currency(money.currency);
@@ -118,6 +86,42 @@ void AddStep(const AssemblyStep& step, v1::Plan* plan) {
   message->set_pegs(step.pegs);
   message->set_instruction(step.instruction);
   message->set_picture(StepPictureName(step.number));
+  for (const std::string& connector : step.connectors) message->add_connectors(connector);
+  message->set_subassembly(step.subassembly);
+  Eigen::Vector3d way_in = Eigen::Vector3d::Zero();
+  for (const AssemblyStep::Move& move : step.moves) {
+    if (move.way_in.isZero()) continue;
+    if (!way_in.isZero() && !way_in.isApprox(move.way_in)) return;
+    way_in = move.way_in;
+  }
+  if (!way_in.isZero()) SetVector(way_in, message->mutable_way_in());
+}
+
+void AddPart(const PlannedPart& planned, const Part& part, v1::Plan* plan) {
+  v1::PlannedPart* message = plan->add_parts();
+  message->set_name(planned.part);
+  message->set_title(part.title);
+  message->set_item(part.item);
+  // The two enums name the same ways in the same order, after an unspecified one.
+  message->set_making(static_cast<v1::PlannedPart::Making>(static_cast<int>(planned.making) + 1));
+  SetVector(planned.size, message->mutable_size());
+  message->set_material(part.material);
+  message->set_mass(part.mass);
+  message->set_connecting(part.connecting);
+  message->set_handwork(planned.handwork);
+  for (const std::string& drawing : planned.drawings) message->add_drawings(drawing);
+}
+
+void AddHole(const Hole& hole, v1::Plan* plan) {
+  v1::Hole* message = plan->add_holes();
+  message->set_part(hole.part);
+  SetVector(hole.position, message->mutable_position());
+  SetVector(hole.direction, message->mutable_direction());
+  message->set_diameter(hole.diameter);
+  message->set_depth(hole.depth);
+  message->set_kind(static_cast<v1::Hole::Kind>(static_cast<int>(hole.kind) + 1));
+  message->set_through(hole.through);
+  message->set_connector(hole.connector);
 }
 
 void AddBillLine(const BillLine& line, v1::Plan* plan) {
@@ -129,83 +133,16 @@ void AddBillLine(const BillLine& line, v1::Plan* plan) {
   message->set_supplier(line.supplier);
   message->set_supplier_number(line.supplier_number);
   message->set_supplier_url(line.supplier_url);
+  for (const std::string& part : line.parts) message->add_parts(part);
+  message->set_material(line.material);
+  message->set_mass(line.mass);
+  for (const std::string& drawing : line.drawings) message->add_drawings(drawing);
   if (line.price.currency.empty()) return;
   SetMoney(line.unit_price, message->mutable_unit_price());
   SetMoney(line.price, message->mutable_price());
 }
 
-Part PartFrom(const parametric::EvaluatedPart& evaluated) {
-  Part part;
-  part.name = evaluated.name;
-  part.title = evaluated.title;
-  part.item = evaluated.item;
-  part.process = ProcessFrom(evaluated.process);
-  part.size = evaluated.size;
-  part.length_axis = static_cast<int>(evaluated.length_axis);
-  part.thickness_axis = static_cast<int>(evaluated.thickness_axis);
-  part.extrusion_axis = static_cast<int>(evaluated.axis);
-  for (Eigen::Index i = 0; i < evaluated.outline.cols(); ++i) {
-    part.outline.push_back(evaluated.outline.col(i));
-  }
-  part.from = evaluated.from;
-  part.to = evaluated.to;
-  return part;
-}
-
 }  // namespace
-
-absl::StatusOr<Design> DesignFrom(const v1::EvaluatedDesign& evaluated_message) {
-  MORTISE_ASSIGN_OR_RETURN(const parametric::EvaluatedDesign evaluated,
-                           parametric::FromProto(evaluated_message));
-  Design design;
-  for (const parametric::EvaluatedPart& part : evaluated.parts) {
-    if (part.faceted && !part.item.empty()) {
-      return NotBuilt(
-          absl::StrCat("the plan of parts with shapes of their own, such as '", part.name, "',"));
-    }
-    if (part.faceted) {
-      return PreconditionFailed("PART_WITHOUT_ITEM",
-                                absl::StrCat("part '", part.name,
-                                             "' is made of no item: only designs of boards, sheets "
-                                             "and hardware can be planned"),
-                                "template");
-    }
-    if (part.connecting) {
-      return NotBuilt(
-          absl::StrCat("the plan of an assembly that screws, hinges and the like hold "
-                       "together, such as '",
-                       part.name, "'"));
-    }
-    design.parts.push_back(PartFrom(part));
-  }
-  for (const parametric::EvaluatedConnector& connector : evaluated.connectors) {
-    design.pegs.push_back({connector.connection, connector.item, connector.part,
-                           connector.other_part, connector.position, connector.direction,
-                           connector.diameter, connector.length, connector.depth_in_part,
-                           connector.priority});
-  }
-  return design;
-}
-
-absl::StatusOr<Items> ItemsFrom(const v1::TemplateBundle& bundle) {
-  Items items;
-  for (int i = 0; i < bundle.items_size(); ++i) {
-    const absl::StatusOr<parametric::Item> read = parametric::FromProto(bundle.items(i));
-    if (!read.ok()) return UnderField(absl::StrCat("items[", i, "]"), read.status());
-    Item item;
-    item.name = read->name;
-    item.title = read->title;
-    item.kind = KindFrom(read->kind);
-    item.size = {read->dimensions[0].size, read->dimensions[1].size, read->dimensions[2].size};
-    item.price = {read->price.currency, read->price.amount};
-    item.price_per_volume = read->price_basis == parametric::PriceBasis::kPerVolume;
-    item.supplier = read->supplier;
-    item.supplier_number = read->supplier_number;
-    item.supplier_url = read->supplier_url;
-    items.emplace(item.name, std::move(item));
-  }
-  return items;
-}
 
 WorkshopRules RulesFrom(const v1::WorkshopRules& message) {
   WorkshopRules rules;
@@ -216,7 +153,7 @@ WorkshopRules RulesFrom(const v1::WorkshopRules& message) {
   return rules;
 }
 
-v1::Plan ToProto(const FabricationPlan& plan) {
+v1::Plan ToProto(const FabricationPlan& plan, const Design& design) {
   v1::Plan message;
   message.set_quantity(plan.quantity);
   SetRules(plan.rules, message.mutable_rules());
@@ -224,15 +161,20 @@ v1::Plan ToProto(const FabricationPlan& plan) {
   for (const SheetLayout& sheet : plan.sheets) AddSheet(sheet, &message);
   for (const AssemblyStep& step : plan.steps) AddStep(step, &message);
   for (const BillLine& line : plan.bill.lines) AddBillLine(line, &message);
-  if (!plan.bill.total.currency.empty()) SetMoney(plan.bill.total, message.mutable_total());
-  for (const Hole& hole : plan.holes) {
-    v1::Hole* drilled = message.add_holes();
-    drilled->set_part(hole.part);
-    SetVector(hole.position, drilled->mutable_position());
-    SetVector(hole.direction, drilled->mutable_direction());
-    drilled->set_diameter(hole.diameter);
-    drilled->set_depth(hole.depth);
+  for (const Money& total : plan.bill.totals) SetMoney(total, message.add_totals());
+  if (message.totals_size() == 1) *message.mutable_total() = message.totals(0);
+  for (const Hole& hole : plan.holes) AddHole(hole, &message);
+  for (const Mark& mark : plan.marks) {
+    v1::Mark* drawn = message.add_marks();
+    drawn->set_part(mark.part);
+    drawn->set_connector(mark.connector);
+    SetVector(mark.region.min(), drawn->mutable_minimum());
+    SetVector(mark.region.max(), drawn->mutable_maximum());
   }
+  for (std::size_t i = 0; i < plan.parts.size(); ++i) {
+    AddPart(plan.parts[i], design.parts[i], &message);
+  }
+  for (const std::string& handwork : plan.handwork) message.add_handwork(handwork);
   message.set_chop_saw_parts(plan.chop_saw_parts);
   message.set_jigsaw_parts(plan.jigsaw_parts);
   message.set_pegs(plan.pegs);

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "absl/status/statusor.h"
-#include "mortise/v1/catalog.pb.h"
 #include "mortise/v1/fabplanner.pb.h"
 #include "mortise/v1/hwbridge.pb.h"
 #include "services/fabplanner/design.h"
@@ -11,19 +10,12 @@
 
 namespace mortise::fabplanner {
 
-// The design to make. INVALID_ARGUMENT naming the field at fault; FAILED_PRECONDITION,
-// PART_WITHOUT_ITEM, for parts that are no prisms cut from items; UNIMPLEMENTED for parts that hold
-// others together: steps are made of pegs.
-absl::StatusOr<Design> DesignFrom(const v1::EvaluatedDesign& evaluated);
-
-// The items of the bundle.
-absl::StatusOr<Items> ItemsFrom(const v1::TemplateBundle& bundle);
-
 // The rules with defaults where the message says zero; unchecked.
 WorkshopRules RulesFrom(const v1::WorkshopRules& message);
 
-// What the plan knows of itself; name, template, parameters, artifacts and time are the caller's.
-v1::Plan ToProto(const FabricationPlan& plan);
+// What the plan of the design knows of itself; name, template, parameters, artifacts and time are
+// the caller's.
+v1::Plan ToProto(const FabricationPlan& plan, const Design& design);
 
 // Boards, sheets and rules of a stored plan: all that cutting needs.
 FabricationPlan CuttingPlanFrom(const v1::Plan& message);

@@ -1,9 +1,12 @@
 #include "services/fabplanner/plan_csv.h"
 
+#include <cmath>
+#include <map>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "absl/strings/str_join.h"
 #include "absl/strings/str_replace.h"
 #include "services/fabplanner/dimension_text.h"
 
@@ -24,6 +27,45 @@ void AppendRow(const std::vector<std::string>& fields, std::string* csv) {
 
 std::string Amount(const Money& money, int digits) {
   return money.currency.empty() ? "" : absl::StrFormat("%.*f", digits, money.amount);
+}
+
+const char* MakingText(Making making) {
+  switch (making) {
+    case Making::kCrosscut:
+      return "crosscut";
+    case Making::kOutline:
+      return "outline";
+    case Making::kBought:
+      return "bought";
+    case Making::kToDrawing:
+      return "to drawing";
+  }
+  return "";
+}
+
+const char* HoleKindText(HoleKind kind) {
+  switch (kind) {
+    case HoleKind::kPeg:
+      return "peg";
+    case HoleKind::kPilot:
+      return "pilot";
+    case HoleKind::kClearance:
+      return "clearance";
+    case HoleKind::kTapped:
+      return "tapped";
+  }
+  return "";
+}
+
+// "towards +x", or the components where it is along no axis; a bare "-x" is a formula to
+// spreadsheets.
+std::string DirectionText(const Eigen::Vector3d& direction) {
+  for (int axis = 0; axis < 3; ++axis) {
+    if (std::abs(direction[axis]) > 1 - 1e-9) {
+      return absl::StrCat("towards ", direction[axis] > 0 ? "+" : "-", std::string(1, "xyz"[axis]));
+    }
+  }
+  return absl::StrFormat("%.4f %.4f %.4f", direction.x(), direction.y(), direction.z());
 }
 
 }  // namespace
@@ -60,17 +102,57 @@ std::string CutListCsv(const FabricationPlan& plan) {
 std::string BillCsv(const FabricationPlan& plan) {
   std::string csv;
   AppendRow({"item", "title", "quantity", "size_to_order", "supplier", "supplier_number",
-             "supplier_url", "unit_price", "price", "currency"},
+             "supplier_url", "unit_price", "price", "currency", "material", "mass_kg", "drawings"},
             &csv);
   for (const BillLine& line : plan.bill.lines) {
     AppendRow({line.item, line.title, absl::StrCat(line.quantity), line.dimensions, line.supplier,
                line.supplier_number, line.supplier_url, Amount(line.unit_price, 4),
-               Amount(line.price, 2), line.price.currency},
+               Amount(line.price, 2), line.price.currency, line.material,
+               line.mass > 0 ? absl::StrFormat("%.3f", line.mass) : "",
+               absl::StrJoin(line.drawings, " ")},
               &csv);
   }
-  AppendRow(
-      {"total", "", "", "", "", "", "", "", Amount(plan.bill.total, 2), plan.bill.total.currency},
-      &csv);
+  for (const Money& total : plan.bill.totals) {
+    AppendRow({"total", "", "", "", "", "", "", "", Amount(total, 2), total.currency, "", "", ""},
+              &csv);
+  }
+  return csv;
+}
+
+std::string PartsCsv(const FabricationPlan& plan, const Design& design) {
+  std::string csv;
+  AppendRow({"part", "title", "made_by", "item", "length_mm", "width_mm", "thickness_mm", "mass_kg",
+             "handwork", "drawings"},
+            &csv);
+  for (std::size_t i = 0; i < plan.parts.size(); ++i) {
+    const PlannedPart& planned = plan.parts[i];
+    const Part& part = design.parts[i];
+    AppendRow({planned.part, part.title, MakingText(planned.making), part.item,
+               Millimetres(planned.size.x()), Millimetres(planned.size.y()),
+               Millimetres(planned.size.z()), absl::StrFormat("%.3f", part.mass), planned.handwork,
+               absl::StrJoin(planned.drawings, " ")},
+              &csv);
+  }
+  return csv;
+}
+
+std::string HolesCsv(const FabricationPlan& plan, const Design& design) {
+  std::map<std::string, Eigen::Vector3d> corners;
+  for (const Part& part : design.parts) corners[part.name] = BoundsOf(part).min();
+  std::string csv;
+  AppendRow({"part", "kind", "diameter_mm", "depth_mm", "through", "x_mm", "y_mm", "z_mm",
+             "direction", "connector"},
+            &csv);
+  for (const Hole& hole : plan.holes) {
+    const auto corner = corners.find(hole.part);
+    const Eigen::Vector3d place =
+        corner == corners.end() ? hole.position : hole.position - corner->second;
+    AppendRow(
+        {hole.part, HoleKindText(hole.kind), Millimetres(hole.diameter), Millimetres(hole.depth),
+         hole.through ? "yes" : "no", Millimetres(place.x()), Millimetres(place.y()),
+         Millimetres(place.z()), DirectionText(hole.direction), hole.connector},
+        &csv);
+  }
   return csv;
 }
 

@@ -1,9 +1,10 @@
-// Cut list and bill of materials as comma-separated values (RFC 4180: CRLF, quotes where needed,
-// UTF-8, decimal points). Lengths in millimetres, as the column names say.
+// Cut list, bill of materials, parts and holes as comma-separated values (RFC 4180: CRLF, quotes
+// where needed, UTF-8, decimal points). Lengths in millimetres, as the column names say.
 #pragma once
 
 #include <string>
 
+#include "services/fabplanner/design.h"
 #include "services/fabplanner/plan.h"
 
 namespace mortise::fabplanner {
@@ -11,7 +12,15 @@ namespace mortise::fabplanner {
 // A line for each part: its stock, process, part, position and size.
 std::string CutListCsv(const FabricationPlan& plan);
 
-// A line for each item and size to buy, and a last line with the total.
+// A line for each item and size to buy, then for what is made to drawing, with material, mass of
+// one piece and drawings; last a line with the total of each currency.
 std::string BillCsv(const FabricationPlan& plan);
+
+// A line for each part of the design: how it is come by, of what, its size, what people do to it.
+std::string PartsCsv(const FabricationPlan& plan, const Design& design);
+
+// A line for each hole: part, kind, diameter, depth, where its middle is, from the lower corner of
+// the part's box as the part stands in the design, and where it goes.
+std::string HolesCsv(const FabricationPlan& plan, const Design& design);
 
 }  // namespace mortise::fabplanner

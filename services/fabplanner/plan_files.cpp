@@ -1,15 +1,41 @@
 #include "services/fabplanner/plan_files.h"
 
+#include <set>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "common/mesh/stl.h"
 #include "services/fabplanner/assembly_guide_html.h"
 #include "services/fabplanner/assembly_picture.h"
 #include "services/fabplanner/layout_svg.h"
+#include "services/fabplanner/part_drawing.h"
+#include "services/fabplanner/part_mesh.h"
 #include "services/fabplanner/plan_csv.h"
 
 namespace mortise::fabplanner {
+namespace {
+
+// An SVG and an STL of each part that has drawings; alike parts share theirs.
+absl::Status AddDrawings(const FabricationPlan& plan, const Design& design,
+                         std::vector<PlanFile>* files) {
+  std::set<std::string> drawn;
+  for (std::size_t i = 0; i < plan.parts.size(); ++i) {
+    const PlannedPart& planned = plan.parts[i];
+    if (planned.drawings.size() < 2 || !drawn.insert(planned.drawings.front()).second) continue;
+    const Part& part = design.parts[i];
+    const render::Shape shape = PartShape(part, Eigen::Vector3d::Zero());
+    if (shape.triangles.cols() == 0) continue;
+    files->push_back(
+        {planned.drawings[0], "image/svg+xml", PartDrawingSvg(part, planned.handwork)});
+    MORTISE_ASSIGN_OR_RETURN(std::string stl,
+                             mesh::WriteStl({shape.vertices, shape.triangles}, planned.part));
+    files->push_back({planned.drawings[1], "model/stl", std::move(stl)});
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
 
 std::string StepPictureName(int number) { return absl::StrCat("step-", number, ".png"); }
 
@@ -20,13 +46,17 @@ absl::StatusOr<std::vector<PlanFile>> MakePlanFiles(const FabricationPlan& plan,
   std::vector<PlanFile> files;
   files.push_back({"cut-list.csv", "text/csv", CutListCsv(plan)});
   files.push_back({"bill-of-materials.csv", "text/csv", BillCsv(plan)});
+  files.push_back({"parts.csv", "text/csv", PartsCsv(plan, design)});
+  if (!plan.holes.empty()) files.push_back({"holes.csv", "text/csv", HolesCsv(plan, design)});
   if (!plan.boards.empty()) files.push_back({"boards.svg", "image/svg+xml", BoardsSvg(plan)});
   if (!plan.sheets.empty()) files.push_back({"sheets.svg", "image/svg+xml", SheetsSvg(plan)});
+  MORTISE_RETURN_IF_ERROR(AddDrawings(plan, design, &files));
   const int total = static_cast<int>(files.size() + plan.steps.size()) + 1;
   std::vector<std::string> pictures;
   for (const AssemblyStep& step : plan.steps) {
     if (!progress(static_cast<int>(files.size()), total)) return absl::CancelledError();
-    MORTISE_ASSIGN_OR_RETURN(pictures.emplace_back(), StepPicture(design, plan.steps, step.number));
+    MORTISE_ASSIGN_OR_RETURN(pictures.emplace_back(),
+                             StepPicture(design, items, plan.holes, plan.steps, step.number));
     files.push_back({StepPictureName(step.number), "image/png", pictures.back()});
   }
   files.push_back({"assembly-guide.html", "text/html",

@@ -16,7 +16,9 @@
 #include "common/rpc/operation_codec.h"
 #include "common/store/blob_folder.h"
 #include "mortise/v1/catalog.grpc.pb.h"
+#include "services/fabplanner/design_codec.h"
 #include "services/fabplanner/order_records.h"
+#include "services/fabplanner/part_drawing.h"
 #include "services/fabplanner/plan_codec.h"
 #include "services/fabplanner/plan_files.h"
 #include "services/fabplanner/planning.h"
@@ -25,6 +27,7 @@ namespace mortise::fabplanner {
 namespace {
 
 constexpr absl::Duration kCatalogTimeout = absl::Minutes(2);
+constexpr char kStepFile[] = "design.step";
 
 // "operations/fabplanner/abc" names "plans/abc".
 std::string PlanIdOf(const std::string& operation_name) {
@@ -50,6 +53,9 @@ absl::Status StorePlan(store::Transaction& transaction, const std::string& id, v
   summary.clear_steps();
   summary.clear_bill();
   summary.clear_holes();
+  summary.clear_parts();
+  summary.clear_marks();
+  summary.clear_handwork();
   summary.clear_artifacts();
   MORTISE_RETURN_IF_ERROR(
       transaction.Put(kPlanSummaryKind, id, summary.SerializeAsString()).status());
@@ -115,6 +121,32 @@ absl::StatusOr<PlanOperation::Inputs> PlanOperation::FetchInputs(
   return inputs;
 }
 
+absl::StatusOr<std::string> PlanOperation::FetchStep(const v1::EvaluatedDesign& design,
+                                                     jobs::OperationContext& context) const {
+  MORTISE_ASSIGN_OR_RETURN(const auto channel, peers_->Channel("catalog"));
+  const std::unique_ptr<v1::CatalogService::Stub> catalog = v1::CatalogService::NewStub(channel);
+  v1::ExportDesignRequest request;
+  request.set_name(design.template_());
+  request.set_revision(design.template_revision());
+  *request.mutable_parameters() = design.parameters();
+  request.set_format(v1::ExportDesignRequest::STEP);
+  rpc::RetryOptions retry;
+  retry.patience = kCatalogTimeout;
+  retry.stop = context.stop_token();
+  std::string step;
+  const absl::Status status = rpc::CallWithRetry(
+      rpc::OwnOrigin(signer_, rpc::Role::kViewer, CurrentTraceId(), kCatalogTimeout), retry,
+      [&](grpc::ClientContext* call) {
+        step.clear();
+        const auto chunks = catalog->ExportDesign(call, request);
+        for (v1::Chunk chunk; chunks->Read(&chunk);) step += chunk.data();
+        return chunks->Finish();
+      });
+  if (absl::IsFailedPrecondition(status)) return std::string();
+  MORTISE_RETURN_IF_ERROR(status);
+  return step;
+}
+
 absl::StatusOr<std::string> PlanOperation::Run(jobs::OperationContext& context) const {
   v1::CreatePlanRequest request;
   if (!request.ParseFromString(context.request())) {
@@ -134,23 +166,30 @@ absl::StatusOr<std::string> PlanOperation::Run(jobs::OperationContext& context) 
   context.ReportProgress({.total = 0, .message = "evaluating the design"});
   MORTISE_ASSIGN_OR_RETURN(const Inputs inputs, FetchInputs(request, context));
   if (context.Cancelled()) return absl::CancelledError("the plan was cancelled");
-  MORTISE_ASSIGN_OR_RETURN(const Design design, DesignFrom(inputs.design));
+  MORTISE_ASSIGN_OR_RETURN(Design design, DesignFrom(inputs.design));
+  AddDrawing(inputs.bundle.assembly(), &design);
   MORTISE_ASSIGN_OR_RETURN(const Items items, ItemsFrom(inputs.bundle));
   context.ReportProgress({.total = 0, .message = "laying out boards and sheets"});
   const int quantity = request.quantity() == 0 ? 1 : request.quantity();
-  MORTISE_ASSIGN_OR_RETURN(const FabricationPlan made,
+  MORTISE_ASSIGN_OR_RETURN(FabricationPlan made,
                            MakePlan(design, items, quantity, RulesFrom(request.rules())));
+  std::string step;
+  if (HasDrawings(made)) {
+    MORTISE_ASSIGN_OR_RETURN(step, FetchStep(inputs.design, context));
+    if (!step.empty()) AddToDrawings(kStepFile, &made);
+  }
   const v1::Template& origin = inputs.bundle.template_();
   MORTISE_ASSIGN_OR_RETURN(
-      const std::vector<PlanFile> files,
+      std::vector<PlanFile> files,
       MakePlanFiles(made, design, items, origin.title().empty() ? origin.name() : origin.title(),
                     [&](int done, int total) {
                       context.ReportProgress(
                           {.done = done, .total = total, .message = "drawing the assembly"});
                       return !context.Cancelled();
                     }));
+  if (!step.empty()) files.push_back({kStepFile, "model/step", std::move(step)});
 
-  plan = ToProto(made);
+  plan = ToProto(made, design);
   plan.set_name(absl::StrCat("plans/", id));
   plan.set_template_(inputs.design.template_());
   plan.set_template_revision(inputs.design.template_revision());

@@ -49,6 +49,9 @@ class PlanOperation {
   };
   absl::StatusOr<Inputs> FetchInputs(const v1::CreatePlanRequest& request,
                                      jobs::OperationContext& context) const;
+  // The design as a STEP file; empty for what has no exact surfaces, such as a mesh in a cage.
+  absl::StatusOr<std::string> FetchStep(const v1::EvaluatedDesign& design,
+                                        jobs::OperationContext& context) const;
 
   rpc::Peers* peers_;
   const rpc::IdentitySigner* signer_;

@@ -1,5 +1,7 @@
 #include "services/fabplanner/planning.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <map>
@@ -10,109 +12,71 @@
 #include "common/base/errors.h"
 #include "services/fabplanner/assembly_sequence.h"
 #include "services/fabplanner/bill_of_materials.h"
-#include "services/fabplanner/cutting_stock.h"
+#include "services/fabplanner/dimension_text.h"
+#include "services/fabplanner/fastener_holes.h"
 #include "services/fabplanner/joinery.h"
-#include "services/fabplanner/sheet_layout.h"
+#include "services/fabplanner/part_drawing.h"
+#include "services/fabplanner/part_making.h"
+#include "services/fabplanner/stock_cutting.h"
 
 namespace mortise::fabplanner {
 namespace {
 
 constexpr double kLargestRule = 1.0;  // m
 
-// Parts that come from the same stock: one item, one width and thickness in micrometres (the width
-// of a sheet is not fixed by its parts and stays 0).
-using StockKey = std::tuple<std::string, int64_t, int64_t>;
-using PartsByStock = std::map<StockKey, std::vector<const Part*>>;
-
-int64_t Micrometres(double metres) { return std::llround(metres * 1e6); }
-
-absl::Status CheckParts(const Design& design, const Items& items) {
-  if (design.parts.empty()) return InvalidField("parts", "the design has no parts");
-  for (const Part& part : design.parts) {
-    if (!items.contains(part.item)) {
-      return InvalidField(absl::StrCat("part ", part.name), absl::StrCat("no item ", part.item));
+// The lines of what is made to drawing: alike parts are one.
+void AddLinesToDrawing(const Design& design, FabricationPlan* plan) {
+  using Key = std::tuple<std::string, std::string, std::array<int64_t, 3>>;
+  std::map<Key, std::size_t> lines;
+  for (std::size_t i = 0; i < design.parts.size(); ++i) {
+    if (plan->parts[i].making != Making::kToDrawing) continue;
+    const Part& part = design.parts[i];
+    const Eigen::Vector3d& size = plan->parts[i].size;
+    const auto micrometres = [&](int axis) -> int64_t { return std::llround(size[axis] * 1e6); };
+    const std::string family = part.family.empty() ? part.name : part.family;
+    const auto [entry, is_new] =
+        lines.emplace(Key{family, part.material, {micrometres(0), micrometres(1), micrometres(2)}},
+                      plan->bill.lines.size());
+    if (is_new) {
+      BillLine& line = plan->bill.lines.emplace_back();
+      line.title = absl::StrCat(TitleOf(part), ", made to drawing");
+      line.dimensions = SizeText(size);
+      line.material = part.material;
+      line.mass = part.mass;
     }
-    bool finite = part.size.allFinite() && std::isfinite(part.from) && std::isfinite(part.to);
-    for (const Eigen::Vector2d& point : part.outline) finite = finite && point.allFinite();
-    if (!finite || part.size.minCoeff() <= 0 || part.outline.size() < 3 || part.to <= part.from) {
-      return InvalidField(absl::StrCat("part ", part.name), "has no usable size and outline");
+    BillLine& line = plan->bill.lines[entry->second];
+    line.quantity += plan->quantity;
+    line.parts.push_back(part.name);
+    for (const std::string& drawing : plan->parts[i].drawings) {
+      if (std::find(line.drawings.begin(), line.drawings.end(), drawing) == line.drawings.end()) {
+        line.drawings.push_back(drawing);
+      }
     }
   }
-  return absl::OkStatus();
 }
 
-absl::Status PlanBoards(const PartsByStock& stock, const Items& items, FabricationPlan* plan,
-                        std::vector<Purchase>* purchases) {
-  for (const auto& [key, parts] : stock) {
-    const Item& item = items.at(std::get<0>(key));
-    const Eigen::Vector3d size(item.size.x(), parts.front()->size.y(), parts.front()->size.z());
-    std::vector<CrosscutPart> crosscuts;
-    for (int copy = 1; copy <= plan->quantity; ++copy) {
-      for (const Part* part : parts) {
-        crosscuts.push_back({PartLabel(part->name, copy, plan->quantity), part->size.x()});
-      }
+// What the plan asks of people besides putting it together.
+void AddHandwork(FabricationPlan* plan) {
+  for (const PlannedPart& part : plan->parts) {
+    if (!part.handwork.empty()) {
+      plan->handwork.push_back(absl::StrCat(part.part, ": ", part.handwork));
     }
-    MORTISE_ASSIGN_OR_RETURN(const CuttingStock cut,
-                             CutStock(crosscuts, {{item.size.x()}},
-                                      {.kerf = plan->rules.kerf, .trim = plan->rules.board_trim}));
-    plan->boards_proven_optimal = plan->boards_proven_optimal && cut.optimal;
-    for (const CutBoard& board : cut.boards) {
-      BoardLayout& layout = plan->boards.emplace_back();
-      layout.label = absl::StrCat("board-", plan->boards.size());
-      layout.item = item.name;
-      layout.width = size.y();
-      layout.thickness = size.z();
-      layout.stock_length = size.x();
-      layout.offcut = board.offcut;
-      for (std::size_t i = 0; i < board.parts.size(); ++i) {
-        const CrosscutPart& part = crosscuts[board.parts[i]];
-        layout.segments.push_back({part.label, board.starts[i], part.length});
-      }
-    }
-    plan->chop_saw_parts += static_cast<int>(crosscuts.size());
-    purchases->push_back({item.name, size, static_cast<int>(cut.boards.size())});
   }
-  return absl::OkStatus();
-}
-
-absl::Status PlanSheets(const PartsByStock& stock, const Items& items, FabricationPlan* plan,
-                        std::vector<Purchase>* purchases) {
-  for (const auto& [key, parts] : stock) {
-    const Item& item = items.at(std::get<0>(key));
-    const Eigen::Vector3d size(item.size.x(), item.size.y(), parts.front()->size.z());
-    std::vector<SheetOutline> outlines;
-    for (int copy = 1; copy <= plan->quantity; ++copy) {
-      for (const Part* part : parts) {
-        outlines.push_back(
-            {PartLabel(part->name, copy, plan->quantity), SheetOutlineOf(*part), false});
-      }
+  std::map<HoleKind, int> holes;
+  for (const Hole& hole : plan->holes) ++holes[hole.kind];
+  const auto drill = [&](HoleKind kind, const char* what) {
+    if (holes[kind] > 0) {
+      plan->handwork.push_back(absl::StrCat("drill ", holes[kind] * plan->quantity, " holes ", what,
+                                            ": holes.csv says where"));
     }
-    MORTISE_ASSIGN_OR_RETURN(
-        const std::vector<FilledSheet> sheets,
-        LayOutSheets(outlines, {size.x(), size.y()},
-                     {.trim = plan->rules.sheet_trim, .spacing = plan->rules.sheet_spacing}));
-    for (const FilledSheet& sheet : sheets) {
-      SheetLayout& layout = plan->sheets.emplace_back();
-      layout.label = absl::StrCat("sheet-", plan->sheets.size());
-      layout.item = item.name;
-      layout.length = size.x();
-      layout.width = size.y();
-      layout.thickness = size.z();
-      for (const PlacedOutline& placed : sheet.placements) {
-        layout.placements.push_back({outlines[placed.part].label, placed.outline});
-      }
-    }
-    plan->jigsaw_parts += static_cast<int>(outlines.size());
-    purchases->push_back({item.name, size, static_cast<int>(sheets.size())});
-  }
-  return absl::OkStatus();
+  };
+  drill(HoleKind::kPeg, "for pegs and pins");
+  drill(HoleKind::kPilot, "for screws to cut their thread in");
+  drill(HoleKind::kClearance, "that screws and bolts pass through");
+  drill(HoleKind::kTapped, "and cut threads in them");
 }
 
 }  // namespace
-
-std::string PartLabel(const std::string& name, int copy, int quantity) {
-  return quantity == 1 ? name : absl::StrCat(name, ".", copy);
-}
 
 absl::Status CheckRules(const WorkshopRules& rules) {
   const auto check = [](const char* field, double value) {
@@ -141,37 +105,31 @@ absl::StatusOr<FabricationPlan> MakePlan(const Design& design, const Items& item
     return TooLarge(absl::StrCat(design.parts.size(), " parts times ", quantity),
                     absl::StrCat(kMostParts, " parts in a plan"));
   }
-  MORTISE_RETURN_IF_ERROR(CheckParts(design, items));
-
   FabricationPlan plan;
   plan.quantity = quantity;
   plan.rules = rules;
+  MORTISE_ASSIGN_OR_RETURN(plan.parts, PlanParts(design, items));
+  NameDrawings(design, &plan);
   std::vector<Purchase> purchases;
-  PartsByStock boards, sheets;
-  for (const Part& part : design.parts) {
-    switch (part.process) {
-      case CutProcess::kChopSaw:
-        boards[{part.item, Micrometres(part.size.y()), Micrometres(part.size.z())}].push_back(
-            &part);
-        break;
-      case CutProcess::kJigsaw:
-        sheets[{part.item, 0, Micrometres(part.size.z())}].push_back(&part);
-        break;
-      case CutProcess::kNone:
-        purchases.push_back({part.item, part.size, quantity});
-        break;
-    }
+  for (std::size_t i = 0; i < design.parts.size(); ++i) {
+    if (plan.parts[i].making != Making::kBought) continue;
+    purchases.push_back({design.parts[i].item, design.parts[i].size, quantity});
   }
-  MORTISE_RETURN_IF_ERROR(PlanBoards(boards, items, &plan, &purchases));
-  MORTISE_RETURN_IF_ERROR(PlanSheets(sheets, items, &plan, &purchases));
+  MORTISE_RETURN_IF_ERROR(CutParts(design, items, &plan, &purchases));
   MORTISE_ASSIGN_OR_RETURN(plan.holes, HolesFor(design));
-  MORTISE_ASSIGN_OR_RETURN(plan.steps, AssemblySteps(design, items));
+  AddFastenerHoles(design, items, &plan);
+  MORTISE_ASSIGN_OR_RETURN(plan.steps, AssemblySteps(design, items, plan.marks));
   for (const auto& [item, count] : CountPegs(design)) {
     if (!items.contains(item)) return InvalidField("connectors", absl::StrCat("no item ", item));
     purchases.push_back({item, items.at(item).size, count * quantity});
     plan.pegs += count * quantity;
   }
+  for (const AssemblyStep& step : plan.steps) {
+    if (design.pegs.empty()) plan.pegs += step.pegs * quantity;
+  }
   MORTISE_ASSIGN_OR_RETURN(plan.bill, MakeBill(purchases, items));
+  AddLinesToDrawing(design, &plan);
+  AddHandwork(&plan);
   return plan;
 }
 

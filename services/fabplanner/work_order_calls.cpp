@@ -70,6 +70,7 @@ absl::StatusOr<jobs::Operation> ReleaseOrder(const rpc::Call& call,
   order.set_plan(request.plan());
   order.set_state(v1::WorkOrder::RELEASED);
   order.set_cuts_total(static_cast<int>(cuts.size()));
+  *order.mutable_handwork() = plan.handwork();
   *order.mutable_create_time() = ToTimestamp(transaction.Now());
   *order.mutable_update_time() = order.create_time();
   std::size_t bytes = order.ByteSizeLong();

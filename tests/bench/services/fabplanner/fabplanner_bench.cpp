@@ -57,7 +57,7 @@ BENCHMARK(PlanTables)->Arg(1)->Arg(1000)->Unit(benchmark::kMillisecond);
 void DrawStep(benchmark::State& state) {
   const Design design = ExampleTable();
   const auto steps = MakePlan(design, ExampleItems(), 1)->steps;
-  for (auto _ : state) benchmark::DoNotOptimize(StepPicture(design, steps, 3));
+  for (auto _ : state) benchmark::DoNotOptimize(StepPicture(design, ExampleItems(), {}, steps, 3));
 }
 BENCHMARK(DrawStep)->Unit(benchmark::kMillisecond);
 

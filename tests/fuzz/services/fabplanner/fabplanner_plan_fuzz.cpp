@@ -1,5 +1,6 @@
 // Any design that a catalog might answer, as text proto: planning refuses it or makes a plan in
-// which every part is cut once, and whose files can be drawn.
+// which every part that is cut is cut once and every part comes in once, and whose files can be
+// drawn.
 #include <google/protobuf/io/tokenizer.h>
 #include <google/protobuf/text_format.h>
 
@@ -9,6 +10,7 @@
 #include <map>
 #include <string>
 
+#include "services/fabplanner/design_codec.h"
 #include "services/fabplanner/layout_svg.h"
 #include "services/fabplanner/plan_codec.h"
 #include "services/fabplanner/plan_csv.h"
@@ -24,14 +26,23 @@ void CheckPlan(const fabplanner::Design& design, const fabplanner::FabricationPl
   const std::vector<fabplanner::Cut> cuts = fabplanner::CutsFor(plan);
   std::map<std::string, int> cut;
   for (const fabplanner::Cut& one : cuts) ++cut[one.part];
-  for (const fabplanner::Part& part : design.parts) {
-    if (part.process != fabplanner::CutProcess::kNone && cut[part.name] != 1) std::abort();
+  std::map<std::string, int> added;
+  for (const fabplanner::AssemblyStep& step : plan.steps) {
+    for (const std::string& part : step.added_parts) ++added[part];
+    for (const std::string& part : step.connectors) ++added[part];
+  }
+  for (const fabplanner::PlannedPart& part : plan.parts) {
+    const bool is_cut =
+        part.making == fabplanner::Making::kCrosscut || part.making == fabplanner::Making::kOutline;
+    if (cut[part.part] != (is_cut ? 1 : 0) || added[part.part] != 1) std::abort();
   }
   fabplanner::CutListCsv(plan);
   fabplanner::BillCsv(plan);
+  fabplanner::PartsCsv(plan, design);
+  fabplanner::HolesCsv(plan, design);
   fabplanner::BoardsSvg(plan);
   fabplanner::SheetsSvg(plan);
-  const mortise::v1::Plan message = fabplanner::ToProto(plan);
+  const mortise::v1::Plan message = fabplanner::ToProto(plan, design);
   if (fabplanner::CutsFor(fabplanner::CuttingPlanFrom(message)).size() != cuts.size()) {
     std::abort();
   }

@@ -30,18 +30,28 @@ TEST(BillOfMaterialsTest, MergesEqualSizesAndAddsUp) {
   EXPECT_EQ(bill->lines[2].dimensions, "2400 × 50 × 50 mm");
   EXPECT_EQ(bill->lines[3].dimensions, "diameter 8 × 35 mm");
   EXPECT_DOUBLE_EQ(bill->lines[3].price.amount, 0.92);  // 22 · 0.042 = 0.924
-  EXPECT_DOUBLE_EQ(bill->total.amount, 12.96 + 28.5 + 9.5 + 0.92);
-  EXPECT_EQ(bill->total.currency, "EUR");
+  EXPECT_DOUBLE_EQ(bill->totals.at(0).amount, 12.96 + 28.5 + 9.5 + 0.92);
+  EXPECT_EQ(bill->totals.at(0).currency, "EUR");
 }
 
-TEST(BillOfMaterialsTest, RefusesMixedCurrencies) {
+TEST(BillOfMaterialsTest, HasATotalOfEachCurrency) {
   Items items = ExampleItems();
   items["items/leg-45"].price.currency = "USD";
   const auto bill = MakeBill(
-      {{"items/apron-20", {2.4, 0.09, 0.02}, 1}, {"items/leg-45", {2.4, 0.045, 0.045}, 1}}, items);
-  EXPECT_EQ(DetailOf(bill.status()).reason, "CURRENCIES_DIFFER");
-  EXPECT_THAT(bill.status().message(), testing::HasSubstr("USD"));
-  EXPECT_THAT(bill.status().message(), testing::HasSubstr("items/apron-20"));
+      {{"items/apron-20", {2.4, 0.09, 0.02}, 1}, {"items/leg-45", {2.4, 0.045, 0.045}, 2}}, items);
+  ASSERT_TRUE(bill.ok()) << bill.status();
+  ASSERT_EQ(bill->totals.size(), 2);
+  EXPECT_EQ(bill->totals[0].currency, "EUR");
+  EXPECT_DOUBLE_EQ(bill->totals[0].amount, 6.48);
+  EXPECT_EQ(bill->totals[1].currency, "USD");
+  EXPECT_DOUBLE_EQ(bill->totals[1].amount, 19);
+}
+
+TEST(BillOfMaterialsTest, APriceOfThePieceGoesBeforeThatOfTheItem) {
+  const auto bill = MakeBill({{"items/leg-45", {3.0, 0.045, 0.045}, 2, 11.5}}, ExampleItems());
+  ASSERT_TRUE(bill.ok()) << bill.status();
+  EXPECT_DOUBLE_EQ(bill->lines[0].unit_price.amount, 11.5);
+  EXPECT_DOUBLE_EQ(bill->lines[0].price.amount, 23);
 }
 
 TEST(BillOfMaterialsTest, ItemsWithoutAPriceAddNothing) {
@@ -52,7 +62,7 @@ TEST(BillOfMaterialsTest, ItemsWithoutAPriceAddNothing) {
       items);
   ASSERT_TRUE(bill.ok()) << bill.status();
   EXPECT_EQ(bill->lines[0].price.currency, "");
-  EXPECT_DOUBLE_EQ(bill->total.amount, 89);
+  EXPECT_DOUBLE_EQ(bill->totals.at(0).amount, 89);
 }
 
 TEST(BillOfMaterialsTest, RefusesUnusableInput) {

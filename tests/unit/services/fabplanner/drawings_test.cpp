@@ -125,7 +125,7 @@ TEST(AssemblyPictureTest, EachStepHasADifferentPictureAndTheGuideHoldsThem) {
   const FabricationPlan plan = PlanOf(2);
   std::vector<std::string> pictures;
   for (const AssemblyStep& step : plan.steps) {
-    const auto picture = StepPicture(design, plan.steps, step.number);
+    const auto picture = StepPicture(design, ExampleItems(), plan.holes, plan.steps, step.number);
     ASSERT_TRUE(picture.ok()) << picture.status();
     Keep("step-" + std::to_string(step.number) + ".png", *picture);
     const auto image = render::DecodePng(*picture);
@@ -135,7 +135,8 @@ TEST(AssemblyPictureTest, EachStepHasADifferentPictureAndTheGuideHoldsThem) {
     pictures.push_back(*picture);
   }
   EXPECT_NE(pictures[0], pictures[1]);
-  EXPECT_EQ(StepPicture(design, plan.steps, 4).status().code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_EQ(StepPicture(design, ExampleItems(), plan.holes, plan.steps, 4).status().code(),
+            absl::StatusCode::kInvalidArgument);
 
   const std::string html =
       AssemblyGuideHtml(plan, design, ExampleItems(), "Table <for two>", pictures);
@@ -144,7 +145,7 @@ TEST(AssemblyPictureTest, EachStepHasADifferentPictureAndTheGuideHoldsThem) {
   EXPECT_EQ(Count(html, "src=\"data:image/png;base64,"), 3);
   EXPECT_THAT(html, HasSubstr("Table &lt;for two&gt;"));
   EXPECT_THAT(html, HasSubstr("make 2 of them"));
-  EXPECT_THAT(html, HasSubstr("3 × Beech dowel"));
+  EXPECT_THAT(html, HasSubstr("3 ×</td><td>Beech dowel"));
   EXPECT_THAT(html, Not(HasSubstr("http://")));  // needs nothing from elsewhere
 }
 

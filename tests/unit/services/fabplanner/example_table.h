@@ -53,6 +53,12 @@ inline Items ExampleItems() {
                                .kind = ItemKind::kDowel,
                                .size = {0.035, 0.008, 0.008},
                                .price = {"EUR", 0.042}};
+  items["items/screw-4x40"] = {.name = "items/screw-4x40",
+                               .title = "Wood screw 4 × 40",
+                               .kind = ItemKind::kScrew,
+                               .size = {0.04, 0.004, 0.004},
+                               .price = {"EUR", 0.05},
+                               .round = true};
   return items;
 }
 
@@ -126,6 +132,43 @@ inline Design ExampleTable() {
       design.pegs.push_back(MakePeg("top_" + apron_name, "top", apron_name, {x, y, height},
                                     -Eigen::Vector3d::UnitZ(), 0.011, 3));
     }
+  }
+  return design;
+}
+
+// A screw from `head` along an axis, upwards or downwards, by its length.
+inline Part ScrewPart(const std::string& name, const Eigen::Vector3d& head, int axis, int sign,
+                      double length = 0.04, double diameter = 0.004,
+                      const std::string& item = "items/screw-4x40") {
+  Eigen::Vector3d tip = head;
+  tip[axis] += sign * length;
+  Eigen::Vector3d half = Eigen::Vector3d::Constant(diameter / 2);
+  half[axis] = 0;
+  Part part = BoxPart(name, item, CutProcess::kNone, head.cwiseMin(tip) - half,
+                      head.cwiseMax(tip) + half, axis, (axis + 2) % 3);
+  part.connecting = true;
+  return part;
+}
+
+// Two sides with two shelves between them, all of plywood, each shelf held by a screw at either
+// end.
+inline Design ExampleRack() {
+  const double width = 0.6, depth = 0.3, height = 0.8, thick = 0.018;
+  Design design;
+  const auto add_board = [&](const std::string& name, const Eigen::Vector3d& lower,
+                             const Eigen::Vector3d& upper, int length_axis, int thickness_axis) {
+    design.parts.push_back(BoxPart(name, "items/plywood-18", CutProcess::kJigsaw, lower, upper,
+                                   length_axis, thickness_axis));
+  };
+  add_board("side 1", {0, 0, 0}, {thick, depth, height}, 2, 0);
+  add_board("side 2", {width - thick, 0, 0}, {width, depth, height}, 2, 0);
+  for (int i = 1; i <= 2; ++i) {
+    const double z = 0.3 * i;
+    const std::string shelf = "shelf " + std::to_string(i);
+    add_board(shelf, {thick, 0, z}, {width - thick, depth, z + thick}, 0, 2);
+    design.parts.push_back(ScrewPart(shelf + " screw left", {0, depth / 2, z + thick / 2}, 0, 1));
+    design.parts.push_back(
+        ScrewPart(shelf + " screw right", {width, depth / 2, z + thick / 2}, 0, -1));
   }
   return design;
 }

@@ -70,5 +70,21 @@ TEST(PlanCsvTest, BillQuotesWhatNeedsQuotes) {
   EXPECT_EQ(rows[5][9], "EUR");
 }
 
+TEST(PlanCsvTest, PartsAndHolesAreAllThere) {
+  const Design design = ExampleRack();
+  const auto plan = MakePlan(design, ExampleItems(), 1);
+  ASSERT_TRUE(plan.ok()) << plan.status();
+  const auto parts = Parse(PartsCsv(*plan, design));
+  ASSERT_EQ(parts.size(), 1 + design.parts.size());
+  EXPECT_EQ(parts[1][2], "outline");
+  EXPECT_EQ(parts[4][2], "bought");
+  const auto holes = Parse(HolesCsv(*plan, design));
+  ASSERT_EQ(holes.size(), 1 + plan->holes.size());
+  EXPECT_THAT(holes[1], testing::ElementsAre("side 1", "clearance", "4.5", "18", "yes", "0", "150",
+                                             "309", "towards +x", "shelf 1 screw left"));
+  EXPECT_THAT(holes[2], testing::ElementsAre("shelf 1", "pilot", "3", "22", "no", "0", "150", "9",
+                                             "towards +x", "shelf 1 screw left"));
+}
+
 }  // namespace
 }  // namespace mortise::fabplanner

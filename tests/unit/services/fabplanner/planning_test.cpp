@@ -32,7 +32,7 @@ TEST(PlanningTest, PlansOneTable) {
   EXPECT_EQ(plan->sheets.size(), 1);
   EXPECT_EQ(plan->sheets[0].placements[0].part, "top");
   // 2 · 6.48 + 2 · 9.50 + 22 · 0.042 + 89
-  EXPECT_DOUBLE_EQ(plan->bill.total.amount, 12.96 + 19 + 89 + 0.92);
+  EXPECT_DOUBLE_EQ(plan->bill.totals.at(0).amount, 12.96 + 19 + 89 + 0.92);
 }
 
 TEST(PlanningTest, EveryLabelOfEveryCopyIsCutOnce) {

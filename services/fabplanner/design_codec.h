@@ -1,0 +1,21 @@
+// From the messages of the catalog to what the planner makes. Only adapters use it.
+#pragma once
+
+#include "absl/status/statusor.h"
+#include "mortise/v1/catalog.pb.h"
+#include "services/fabplanner/design.h"
+
+namespace mortise::fabplanner {
+
+// The design to make: parts, whatever their shape and whether they are of items, and pegs.
+// INVALID_ARGUMENT naming the field at fault.
+absl::StatusOr<Design> DesignFrom(const v1::EvaluatedDesign& evaluated);
+
+// What the drawing says of the design's parts: their sub-assemblies, titles and repetitions. Parts
+// that it does not have stay as they are.
+void AddDrawing(const v1::Assembly& assembly, Design* design);
+
+// The items of the bundle.
+absl::StatusOr<Items> ItemsFrom(const v1::TemplateBundle& bundle);
+
+}  // namespace mortise::fabplanner

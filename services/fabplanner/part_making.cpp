@@ -1,0 +1,104 @@
+#include "services/fabplanner/part_making.h"
+
+#include <array>
+#include <cmath>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
+#include "services/fabplanner/dimension_text.h"
+
+namespace mortise::fabplanner {
+namespace {
+
+constexpr double kFarthest = 1e4;  // m; what lies further away is a slip of the keyboard
+constexpr std::array<const char*, 3> kDimensions = {"long", "wide", "thick"};
+
+absl::Status CheckNumbers(const Part& part) {
+  bool usable = part.size.allFinite() && part.size.minCoeff() > 0;
+  if (IsShaped(part)) {
+    usable = usable && part.vertices.allFinite() && part.triangles.minCoeff() >= 0 &&
+             part.triangles.maxCoeff() < part.vertices.cols();
+  } else {
+    usable = usable && std::isfinite(part.from) && std::isfinite(part.to) && part.to > part.from &&
+             part.outline.size() >= 3;
+    for (const Eigen::Vector2d& point : part.outline) usable = usable && point.allFinite();
+  }
+  if (usable) {
+    const Eigen::AlignedBox3d box = BoundsOf(part);
+    usable = box.min().minCoeff() > -kFarthest && box.max().maxCoeff() < kFarthest;
+  }
+  if (usable) return absl::OkStatus();
+  return InvalidField(absl::StrCat("part ", part.name), "has no usable size and outline");
+}
+
+absl::Status CheckSize(const Part& part, const Item& item, Making making) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const SizeLimits& limits = item.limits[axis];
+    if (limits.maximum == 0) continue;
+    // What is too long or too wide is for those to say who know all stock sizes.
+    const bool cut =
+        axis == 0 ? making != Making::kBought : axis == 1 && making == Making::kOutline;
+    const double size = part.size[axis];
+    if (size >= limits.minimum - kSizeTolerance &&
+        (cut || size <= limits.maximum + kSizeTolerance)) {
+      continue;
+    }
+    const bool fixed = limits.minimum == limits.maximum;
+    return PreconditionFailed(
+        "PART_NOT_IN_STOCK",
+        absl::StrCat("part ", part.name, " is ", Millimetres(size), " mm ", kDimensions[axis],
+                     ", but ", item.name, fixed ? " is " : " can be ", Millimetres(limits.minimum),
+                     fixed ? "" : absl::StrCat(" to ", Millimetres(limits.maximum)), " mm ",
+                     kDimensions[axis]),
+        part.name);
+  }
+  return absl::OkStatus();
+}
+
+// Whether a crosscut of the stock is all that the part takes.
+bool IsStockCut(const Part& part, const Item& item) {
+  if (IsShaped(part) && item.shaped) return true;
+  return IsBox(part) || (item.round && part.extrusion_axis == part.length_axis);
+}
+
+PlannedPart PlanPart(const Part& part, const Item& item) {
+  PlannedPart planned{part.name, Making::kBought, part.size, "", false, {}};
+  if (part.process == CutProcess::kNone) return planned;
+  const bool crosscut = part.process == CutProcess::kChopSaw;
+  planned.making = crosscut ? Making::kCrosscut : Making::kOutline;
+  planned.to_shape = crosscut ? !IsStockCut(part, item) : !IsUpright(part);
+  if (planned.to_shape) {
+    planned.handwork =
+        absl::StrCat("shape it from the blank of ", SizeText(part.size), " after the drawing");
+  }
+  return planned;
+}
+
+}  // namespace
+
+absl::StatusOr<std::vector<PlannedPart>> PlanParts(const Design& design, const Items& items) {
+  if (design.parts.empty()) return InvalidField("parts", "the design has no parts");
+  std::vector<PlannedPart> planned;
+  for (const Part& part : design.parts) {
+    if (part.item.empty()) {
+      MORTISE_RETURN_IF_ERROR(CheckNumbers(part));
+      planned.push_back({part.name,
+                         Making::kToDrawing,
+                         BoundsOf(part).sizes(),
+                         "make it to the drawing",
+                         true,
+                         {}});
+      continue;
+    }
+    const auto item = items.find(part.item);
+    if (item == items.end()) {
+      return InvalidField(absl::StrCat("part ", part.name), absl::StrCat("no item ", part.item));
+    }
+    MORTISE_RETURN_IF_ERROR(CheckNumbers(part));
+    planned.push_back(PlanPart(part, item->second));
+    MORTISE_RETURN_IF_ERROR(CheckSize(part, item->second, planned.back().making));
+  }
+  return planned;
+}
+
+}  // namespace mortise::fabplanner

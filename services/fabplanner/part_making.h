@@ -1,0 +1,26 @@
+// How each part of a design is come by: cut by a machine, bought, or made to a drawing.
+#pragma once
+
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "services/fabplanner/design.h"
+#include "services/fabplanner/plan.h"
+
+namespace mortise::fabplanner {
+
+// By how much a part may differ from a size that its item fixes, m: what a rule cannot tell.
+inline constexpr double kSizeTolerance = 5e-5;
+
+// One entry a part, in order:
+// - what its item's process cuts is crosscut or cut to outline. If it is not what such a cut gives
+//   (a turned leg, a slotted panel) the cut gives its blank, and what is left is handwork after a
+//   drawing;
+// - what is of an item that nothing resizes is bought;
+// - what is of no item is made to a drawing.
+// INVALID_ARGUMENT naming parts without usable numbers, or of unknown items; FAILED_PRECONDITION,
+// reason PART_NOT_IN_STOCK, naming part, item and sizes, where the item is not sold in the part's
+// section or thickness, or cannot be cut that short.
+absl::StatusOr<std::vector<PlannedPart>> PlanParts(const Design& design, const Items& items);
+
+}  // namespace mortise::fabplanner

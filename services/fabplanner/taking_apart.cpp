@@ -1,0 +1,172 @@
+#include "services/fabplanner/taking_apart.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <tuple>
+
+namespace mortise::fabplanner {
+namespace {
+
+std::vector<int> Without(const std::vector<int>& units, const std::vector<int>& removed) {
+  std::vector<int> rest;
+  std::set_difference(units.begin(), units.end(), removed.begin(), removed.end(),
+                      std::back_inserter(rest));
+  return rest;
+}
+
+// How many links each unit is away from the first; those that are not linked to it are missing.
+std::map<int, int> HopsFrom(int first, const std::vector<int>& units, const Links& linked) {
+  std::map<int, int> hops = {{first, 0}};
+  std::vector<int> reached = {first};
+  for (std::size_t next = 0; next < reached.size(); ++next) {
+    for (int unit : units) {
+      if (linked[reached[next]][unit] && hops.emplace(unit, hops[reached[next]] + 1).second) {
+        reached.push_back(unit);
+      }
+    }
+  }
+  return hops;
+}
+
+int64_t Millimetre(double metres) { return std::llround(metres * 1000); }
+
+int PickBase(const std::vector<int>& units, const std::vector<UnitFacts>& facts) {
+  const bool all_roll =
+      std::all_of(units.begin(), units.end(), [&](int unit) { return facts[unit].rolls; });
+  double lowest = std::numeric_limits<double>::max(), highest = -lowest;
+  for (int unit : units) {
+    if (facts[unit].rolls && !all_roll) continue;
+    lowest = std::min(lowest, facts[unit].lowest);
+    highest = std::max(highest, facts[unit].highest);
+  }
+  const double floor = lowest + 0.1 * (highest - lowest);
+  int base = units.front();
+  int64_t largest = -1;
+  for (int unit : units) {
+    if (facts[unit].rolls && !all_roll) continue;
+    const int64_t volume = std::llround(facts[unit].volume * 1e9);
+    if (facts[unit].lowest > floor + 1e-9 || volume <= largest) continue;
+    largest = volume;
+    base = unit;
+  }
+  return base;
+}
+
+class Disassembly {
+ public:
+  Disassembly(const std::vector<int>& units, const std::vector<UnitFacts>& facts, const Links& held,
+              const Links& linked, const Blocking& blocking)
+      : facts_(facts), links_({&held, &linked}), blocking_(blocking), left_(units) {
+    std::sort(left_.begin(), left_.end());
+    result_.base = PickBase(left_, facts);
+    hops_ = HopsFrom(result_.base, left_, InOnePiece(left_, held) ? held : linked);
+  }
+
+  TakenApart Run() {
+    while (left_.size() > 1) {
+      if (TakeOne() || TakeSeveral()) continue;
+      result_.stuck = left_;
+      return std::move(result_);
+    }
+    return std::move(result_);
+  }
+
+ private:
+  // What is taken off first comes first.
+  auto RankOf(int unit) const {
+    const auto hops = hops_.find(unit);
+    const UnitFacts& facts = facts_[unit];
+    return std::make_tuple(!facts.built,
+                           hops == hops_.end() ? std::numeric_limits<int>::min() : -hops->second,
+                           -Millimetre(facts.highest), std::llround(facts.volume * 1e9), -unit);
+  }
+
+  bool StaysInOnePiece(int unit, const Links& links) const {
+    return InOnePiece(Without(left_, {unit}), links);
+  }
+
+  void Remove(Removal removal) {
+    left_ = Without(left_, removal.units);
+    result_.steps.back().push_back(std::move(removal));
+  }
+
+  // Takes off the unit that ranks first, and with it the others of its family.
+  bool TakeOne() {
+    std::vector<int> free;
+    for (int unit : left_) {
+      if (unit != result_.base && blocking_.WayOff(unit, left_)) free.push_back(unit);
+    }
+    if (free.empty()) return false;
+    std::sort(free.begin(), free.end(), [&](int a, int b) { return RankOf(a) < RankOf(b); });
+    auto chosen = free.begin();
+    const Links* kept = nullptr;  // the links that join what stays
+    for (const Links* links : links_) {
+      if (kept != nullptr) break;
+      const auto found = std::find_if(free.begin(), free.end(),
+                                      [&](int unit) { return StaysInOnePiece(unit, *links); });
+      if (found == free.end()) continue;
+      chosen = found;
+      kept = links;
+    }
+    const int first = *chosen;
+    result_.steps.emplace_back();
+    Remove({{first}, *blocking_.WayOff(first, left_)});
+    if (facts_[first].family.empty()) return true;
+    for (int unit : std::vector<int>(left_)) {
+      if (unit == result_.base || facts_[unit].family != facts_[first].family) continue;
+      const std::optional<int> way = blocking_.WayOff(unit, left_);
+      if (way && (kept == nullptr || StaysInOnePiece(unit, *kept))) Remove({{unit}, *way});
+    }
+    return true;
+  }
+
+  // Takes off the fewest units that come off together.
+  bool TakeSeveral() {
+    using Rank = std::tuple<bool, std::size_t, int, std::vector<int>>;
+    std::optional<Rank> best;
+    for (int direction = 0; direction < kDirections; ++direction) {
+      for (int unit : left_) {
+        std::vector<int> moving = blocking_.MovesWith(direction, unit, left_);
+        if (moving.size() == left_.size()) continue;
+        std::vector<int> staying = Without(left_, moving);
+        int way = direction;
+        if (std::binary_search(moving.begin(), moving.end(), result_.base)) {
+          std::swap(moving, staying);
+          way = Opposite(direction);
+        }
+        const bool loose = !InOnePiece(moving, *links_[1]) || !InOnePiece(staying, *links_[1]);
+        const std::size_t count = moving.size();
+        Rank rank(loose, count, way, std::move(moving));
+        if (!best || rank < *best) best = std::move(rank);
+      }
+    }
+    if (!best) return false;
+    result_.steps.emplace_back();
+    Remove({std::get<3>(*best), std::get<2>(*best)});
+    return true;
+  }
+
+  const std::vector<UnitFacts>& facts_;
+  const std::array<const Links*, 2> links_;  // the better first
+  const Blocking& blocking_;
+  std::vector<int> left_;
+  std::map<int, int> hops_;
+  TakenApart result_;
+};
+
+}  // namespace
+
+bool InOnePiece(const std::vector<int>& units, const Links& links) {
+  return units.empty() || HopsFrom(units.front(), units, links).size() == units.size();
+}
+
+TakenApart TakeApart(const std::vector<int>& units, const std::vector<UnitFacts>& facts,
+                     const Links& held, const Links& linked, const Blocking& blocking) {
+  return Disassembly(units, facts, held, linked, blocking).Run();
+}
+
+}  // namespace mortise::fabplanner

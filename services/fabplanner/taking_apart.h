@@ -1,0 +1,51 @@
+// How a thing is taken apart, one straight movement after the other. Put together it is in the
+// opposite order.
+//
+// What can be taken off a set can be taken off each of its subsets, so taking apart never has to go
+// back; where nothing comes off alone, several are taken off as one and taken apart by themselves.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "services/fabplanner/blocking.h"
+
+namespace mortise::fabplanner {
+
+// What is known of each unit besides what stands in its way.
+struct UnitFacts {
+  std::string family;  // those of one are taken off in one step; empty for none
+  bool built = false;  // a sub-assembly: taken off first
+  bool rolls = false;  // nothing is built upon a wheel
+  double lowest = 0;   // m, of its box
+  double highest = 0;  // m
+  double volume = 0;   // m³, of its box
+};
+
+// Units that come off in one piece.
+struct Removal {
+  std::vector<int> units;  // ascending
+  int direction = 0;       // in which they leave
+};
+
+struct TakenApart {
+  int base = 0;  // what stays: the largest of what stands lowest
+  // In order of taking off; what one entry has comes off in one step.
+  std::vector<std::vector<Removal>> steps;
+  // What could not be taken off each other, with the base; empty if all came apart.
+  std::vector<int> stuck;
+};
+
+// Which units are linked to each other.
+using Links = std::vector<std::vector<bool>>;
+
+// Whether links join all of the units.
+bool InOnePiece(const std::vector<int>& units, const Links& links);
+
+// `units`: at least one. `held`: which are fastened to each other; `linked`: which are, or touch.
+// What stays is kept fastened together where that can be, else touching. Does not depend on
+// anything but its arguments.
+TakenApart TakeApart(const std::vector<int>& units, const std::vector<UnitFacts>& facts,
+                     const Links& held, const Links& linked, const Blocking& blocking);
+
+}  // namespace mortise::fabplanner

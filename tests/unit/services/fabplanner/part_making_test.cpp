@@ -1,0 +1,155 @@
+#include "services/fabplanner/part_making.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/base/errors.h"
+#include "services/fabplanner/part_drawing.h"
+#include "services/fabplanner/part_mesh.h"
+#include "tests/unit/services/fabplanner/example_table.h"
+
+namespace mortise::fabplanner {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+// The prism as triangles.
+Part Faceted(Part part) {
+  const render::Shape shape = PartShape(part, Eigen::Vector3d::Zero());
+  part.vertices = shape.vertices;
+  part.triangles = shape.triangles;
+  part.outline.clear();
+  return part;
+}
+
+Part Leg() {
+  return BoxPart("leg", "items/leg-45", CutProcess::kChopSaw, {0, 0, 0}, {0.045, 0.045, 0.7}, 2, 0);
+}
+
+// A leg that tapers: its outline in (z, x) is extruded along y.
+Part TaperedLeg() {
+  Part leg = Leg();
+  leg.extrusion_axis = 1;
+  leg.outline = {{0, 0}, {0.7, 0}, {0.7, 0.045}, {0, 0.02}};
+  leg.from = 0;
+  leg.to = 0.045;
+  return leg;
+}
+
+PlannedPart PlanOf(const Part& part, const Items& items = ExampleItems()) {
+  Design design;
+  design.parts = {part};
+  const auto planned = PlanParts(design, items);
+  EXPECT_TRUE(planned.ok()) << planned.status();
+  return planned.ok() ? planned->front() : PlannedPart{};
+}
+
+TEST(PartMakingTest, WhatACrosscutGivesTakesNoDrawing) {
+  EXPECT_EQ(PlanOf(Leg()).making, Making::kCrosscut);
+  EXPECT_FALSE(PlanOf(Leg()).to_shape);
+  EXPECT_FALSE(PlanOf(Faceted(Leg())).to_shape);  // a box, however it is given
+}
+
+TEST(PartMakingTest, WhatACrosscutDoesNotGiveIsShapedFromItsBlank) {
+  for (const Part& part : {TaperedLeg(), Faceted(TaperedLeg())}) {
+    const PlannedPart planned = PlanOf(part);
+    EXPECT_EQ(planned.making, Making::kCrosscut);
+    EXPECT_TRUE(planned.to_shape);
+    EXPECT_THAT(planned.handwork, HasSubstr("700 × 45 × 45 mm"));
+  }
+  Items items = ExampleItems();
+  items["items/leg-45"].shaped = true;  // a profile looks like that anyway
+  EXPECT_FALSE(PlanOf(Faceted(TaperedLeg()), items).to_shape);
+}
+
+TEST(PartMakingTest, UprightOutlinesAreCutWhatHasHolesTakesADrawing) {
+  Part panel = BoxPart("panel", "items/plywood-18", CutProcess::kJigsaw, {0, 0, 0.1},
+                       {0.5, 0.4, 0.118}, 0, 2);
+  panel.outline = {{0, 0}, {0.5, 0}, {0.4, 0.4}, {0.1, 0.4}, {0, 0.2}};
+  EXPECT_FALSE(PlanOf(panel).to_shape);
+  EXPECT_FALSE(PlanOf(Faceted(panel)).to_shape);
+  const std::vector<Eigen::Vector2d> outline = SheetOutlineOf(Faceted(panel));
+  ASSERT_EQ(outline.size(), 5);
+  double area = 0;
+  for (std::size_t i = 0; i < 5; ++i) {
+    area +=
+        (outline[i].x() * outline[(i + 1) % 5].y() - outline[(i + 1) % 5].x() * outline[i].y()) / 2;
+  }
+  EXPECT_NEAR(area, 0.5 * 0.4 - 0.1 * 0.4 / 2 - 0.1 * 0.2 / 2, 1e-9);
+
+  panel.extrusion_axis = 0;  // a chamfer along the panel
+  panel.outline = {{0, 0.1}, {0.4, 0.1}, {0.4, 0.118}, {0.01, 0.118}};
+  panel.from = 0;
+  panel.to = 0.5;
+  EXPECT_TRUE(PlanOf(panel).to_shape);
+  EXPECT_TRUE(PlanOf(Faceted(panel)).to_shape);
+  EXPECT_EQ(SheetOutlineOf(panel).size(), 4);
+}
+
+TEST(PartMakingTest, WhatIsOfNoItemIsMadeToDrawing) {
+  Part part = Faceted(TaperedLeg());
+  part.item.clear();
+  const PlannedPart planned = PlanOf(part);
+  EXPECT_EQ(planned.making, Making::kToDrawing);
+  EXPECT_TRUE(planned.size.isApprox(Eigen::Vector3d(0.045, 0.045, 0.7)));
+}
+
+TEST(PartMakingTest, NamesThePartItemAndSizesThatDoNotMatch) {
+  Items items = ExampleItems();
+  items["items/leg-45"].limits = {{{0.04, 2.4}, {0.06, 0.06}, {0.02, 0.08}}};
+  Design design;
+  design.parts = {Leg()};
+  const absl::Status status = PlanParts(design, items).status();
+  EXPECT_EQ(DetailOf(status).reason, "PART_NOT_IN_STOCK");
+  EXPECT_THAT(std::string(status.message()),
+              AllOf(HasSubstr("part leg is 45 mm wide"), HasSubstr("items/leg-45 is 60 mm")));
+  items["items/leg-45"].limits[1] = {0.02, 0.08};
+  EXPECT_TRUE(PlanParts(design, items).ok());
+  items["items/leg-45"].limits[0] = {0.8, 2.4};  // the saw's feeder holds nothing shorter
+  EXPECT_THAT(std::string(PlanParts(design, items).status().message()),
+              HasSubstr("700 mm long, but items/leg-45 can be 800 to 2400 mm long"));
+}
+
+TEST(PartMakingTest, RefusesPartsWithoutUsableNumbers) {
+  Design design;
+  EXPECT_EQ(PlanParts(design, ExampleItems()).status().code(), absl::StatusCode::kInvalidArgument);
+  Part part = Faceted(Leg());
+  part.triangles(0, 0) = 99;
+  design.parts = {part};
+  EXPECT_EQ(PlanParts(design, ExampleItems()).status().code(), absl::StatusCode::kInvalidArgument);
+  part = Leg();
+  part.size.x() = 0;
+  design.parts = {part};
+  EXPECT_EQ(PlanParts(design, ExampleItems()).status().code(), absl::StatusCode::kInvalidArgument);
+  part = Leg();
+  part.item = "items/none";
+  design.parts = {part};
+  EXPECT_THAT(std::string(PlanParts(design, ExampleItems()).status().message()),
+              HasSubstr("items/none"));
+}
+
+TEST(PartDrawingTest, AlikePartsShareADrawing) {
+  Design design;
+  for (int i = 0; i < 3; ++i) {
+    Part leg = Faceted(TaperedLeg());
+    leg.name = i < 2 ? "Leg " + std::to_string(i) : "leg 0!";
+    if (i < 2) leg.family = "Leg";
+    leg.vertices.row(0).array() += 0.5 * i;
+    design.parts.push_back(leg);
+  }
+  FabricationPlan plan;
+  plan.parts = *PlanParts(design, ExampleItems());
+  NameDrawings(design, &plan);
+  EXPECT_THAT(plan.parts[0].drawings, ElementsAre("part-leg-0.svg", "part-leg-0.stl"));
+  EXPECT_EQ(plan.parts[1].drawings, plan.parts[0].drawings);
+  EXPECT_THAT(plan.parts[2].drawings, ElementsAre("part-leg-0-2.svg", "part-leg-0-2.stl"));
+
+  const std::string svg = PartDrawingSvg(design.parts[0], "note <1>");
+  EXPECT_THAT(svg, AllOf(HasSubstr("note &lt;1&gt;"), HasSubstr("from above"), HasSubstr(">700<"),
+                         HasSubstr(">45<")));
+}
+
+}  // namespace
+}  // namespace mortise::fabplanner

@@ -1,0 +1,255 @@
+// Every template that ships has a plan a workshop can follow, at its defaults and elsewhere.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <memory>
+#include <set>
+
+#include "common/parametric/parameter_values.h"
+#include "common/parametric/template_codec.h"
+#include "common/templates/assembly_template.h"
+#include "common/templates/template_codec.h"
+#include "services/fabplanner/design_codec.h"
+#include "services/fabplanner/plan_codec.h"
+#include "services/fabplanner/plan_files.h"
+#include "services/fabplanner/planning.h"
+#include "tests/unit/common/templates/shipped_collection.h"
+
+namespace mortise::fabplanner {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr int kFurtherPoints = 3;
+
+// A template that ships, ready for evaluation.
+struct Shipped {
+  v1::TemplateBundle bundle;
+  std::shared_ptr<const templates::Template> compiled;
+};
+
+std::vector<std::string> NamesOfAll() {
+  std::vector<std::string> names;
+  for (const v1::Template& message : templates::ShippedCollection().templates) {
+    names.push_back(message.name());
+  }
+  for (const v1::Assembly& message : templates::ShippedCollection().assemblies) {
+    names.push_back(message.name());
+  }
+  return names;
+}
+
+Shipped Load(const std::string& name) {
+  Shipped shipped;
+  if (name.starts_with("assemblies/")) {
+    shipped.bundle = templates::ShippedAssembly(name);
+    EXPECT_EQ(templates::Complete(shipped.bundle, templates::Trial::kDefaults), absl::OkStatus());
+  } else {
+    shipped.bundle = templates::ShippedTemplate(name);
+    const std::string& assembly = shipped.bundle.template_().assembly().assembly();
+    if (!assembly.empty()) {
+      *shipped.bundle.mutable_assembly() = templates::ShippedAssembly(assembly).assembly();
+      EXPECT_EQ(templates::Complete(shipped.bundle, templates::Trial::kDefaults), absl::OkStatus());
+    }
+  }
+  auto compiled = templates::Compile(shipped.bundle);
+  EXPECT_TRUE(compiled.ok()) << compiled.status();
+  if (compiled.ok()) shipped.compiled = *std::move(compiled);
+  return shipped;
+}
+
+// The defaults, and points at which one parameter after the other is elsewhere.
+std::vector<parametric::EvaluatedDesign> DesignsOf(const Shipped& shipped) {
+  std::vector<parametric::EvaluatedDesign> designs;
+  const std::vector<parametric::Parameter>& parameters = shipped.compiled->parameters();
+  const Eigen::VectorXd defaults = parametric::Defaults(parameters);
+  const auto first = shipped.compiled->Evaluate(defaults);
+  EXPECT_TRUE(first.ok()) << first.status();
+  if (!first.ok()) return designs;
+  designs.push_back(*first);
+  for (double fraction : {0.3, 0.75, 0.5, 0.1, 0.9}) {
+    for (std::size_t i = 0; i < parameters.size() && designs.size() <= kFurtherPoints; ++i) {
+      Eigen::VectorXd q = defaults;
+      const double range = parameters[i].maximum - parameters[i].minimum;
+      double& value = q[static_cast<Eigen::Index>(i)];
+      value = parameters[i].minimum + fraction * range;
+      if (std::abs(value - parameters[i].default_value) < 0.01 * range) continue;
+      // Not all parameters are free of each other.
+      auto design = shipped.compiled->Evaluate(q);
+      if (design.ok()) designs.push_back(*std::move(design));
+    }
+  }
+  EXPECT_EQ(designs.size(), 1 + kFurtherPoints);
+  return designs;
+}
+
+void ExpectEachPartOnce(const Design& design, const FabricationPlan& plan) {
+  std::map<std::string, int> crosscut, outlined, added;
+  for (const BoardLayout& board : plan.boards) {
+    for (const BoardSegment& segment : board.segments) ++crosscut[segment.part];
+  }
+  for (const SheetLayout& sheet : plan.sheets) {
+    for (const SheetPlacement& placement : sheet.placements) ++outlined[placement.part];
+  }
+  for (const AssemblyStep& step : plan.steps) {
+    for (const std::string& part : step.added_parts) ++added[part];
+    for (const std::string& part : step.connectors) ++added[part];
+  }
+  ASSERT_EQ(plan.parts.size(), design.parts.size());
+  for (std::size_t i = 0; i < design.parts.size(); ++i) {
+    const PlannedPart& planned = plan.parts[i];
+    EXPECT_EQ(planned.part, design.parts[i].name);
+    EXPECT_EQ(crosscut[planned.part], planned.making == Making::kCrosscut ? 1 : 0) << planned.part;
+    EXPECT_EQ(outlined[planned.part], planned.making == Making::kOutline ? 1 : 0) << planned.part;
+    EXPECT_EQ(added[planned.part], 1) << planned.part;
+    EXPECT_EQ(planned.drawings.empty(), !planned.to_shape) << planned.part;
+  }
+  EXPECT_EQ(added.size(), design.parts.size());
+}
+
+void ExpectBoardsHold(const FabricationPlan& plan) {
+  for (const BoardLayout& board : plan.boards) {
+    double end = plan.rules.board_trim - plan.rules.kerf;
+    for (const BoardSegment& segment : board.segments) {
+      EXPECT_GE(segment.start, end + plan.rules.kerf - 1e-9) << segment.part;
+      end = segment.start + segment.length;
+    }
+    EXPECT_LE(end, board.stock_length - plan.rules.board_trim + 1e-9) << board.label;
+    EXPECT_GE(board.offcut, 0) << board.label;
+  }
+}
+
+void ExpectHolesOnTheirParts(const Design& design, const FabricationPlan& plan) {
+  std::map<std::string, Eigen::AlignedBox3d> boxes;
+  for (const Part& part : design.parts) boxes[part.name] = BoundsOf(part);
+  for (const Hole& hole : plan.holes) {
+    ASSERT_TRUE(boxes.contains(hole.part)) << hole.part;
+    const Eigen::AlignedBox3d& box = boxes[hole.part];
+    const Eigen::Vector3d end = hole.position + hole.depth * hole.direction;
+    EXPECT_LT(box.exteriorDistance(hole.position), 1e-6) << hole.part << " " << hole.connector;
+    EXPECT_LT(box.exteriorDistance(end), 1e-6) << hole.part << " " << hole.connector;
+    EXPECT_GT(hole.depth, 0);
+    EXPECT_GT(hole.diameter, 0);
+    // What is not meant to come out leaves something at the far side.
+    int axis = 0;
+    hole.direction.cwiseAbs().maxCoeff(&axis);
+    const double left = std::min(end[axis] - box.min()[axis], box.max()[axis] - end[axis]);
+    EXPECT_TRUE(hole.through || left > 1e-5) << hole.part << " " << hole.connector;
+  }
+}
+
+// What is bought by the piece is counted as often as it is there; stock as often as it is laid out.
+void ExpectBillCounts(const Design& design, const Items& items, const FabricationPlan& plan) {
+  std::map<std::string, double> wanted, billed;
+  double drawn = 0, billed_drawn = 0;
+  for (std::size_t i = 0; i < design.parts.size(); ++i) {
+    if (plan.parts[i].making == Making::kBought) ++wanted[design.parts[i].item];
+    if (plan.parts[i].making == Making::kToDrawing) ++drawn;
+  }
+  for (const Peg& peg : design.pegs) ++wanted[peg.item];
+  for (const BoardLayout& board : plan.boards) {
+    if (!items.at(board.item).ripped) ++wanted[board.item];
+  }
+  for (const SheetLayout& sheet : plan.sheets) ++wanted[sheet.item];
+  for (const BillLine& line : plan.bill.lines) {
+    if (line.item.empty()) {
+      billed_drawn += line.quantity;
+      EXPECT_GT(line.mass, 0) << line.title;
+      EXPECT_FALSE(line.drawings.empty()) << line.title;
+      continue;
+    }
+    EXPECT_GT(line.price.amount, 0) << line.item;
+    if (!items.at(line.item).ripped) billed[line.item] += line.quantity;
+  }
+  EXPECT_EQ(wanted, billed);
+  EXPECT_EQ(drawn, billed_drawn);
+}
+
+// Boxes that come in pass through no box that stands, judged without the planner's own code.
+void ExpectFreeWays(const Design& design, const FabricationPlan& plan) {
+  std::map<std::string, const Part*> parts;
+  for (const Part& part : design.parts) parts[part.name] = &part;
+  for (const AssemblyStep& step : plan.steps) {
+    std::vector<std::string> standing = step.standing;
+    for (const AssemblyStep::Move& move : step.moves) {
+      for (const std::string& name : move.parts) {
+        const Part& mover = *parts.at(name);
+        if (mover.connecting || !IsBox(mover) || move.way_in.isZero()) continue;
+        for (const std::string& other_name : standing) {
+          const Part& other = *parts.at(other_name);
+          if (other.connecting || !IsBox(other)) continue;
+          Eigen::AlignedBox3d swept = BoundsOf(mover);
+          const Eigen::AlignedBox3d there = swept.intersection(BoundsOf(other));
+          if (!there.isEmpty() && there.sizes().minCoeff() > 6e-4)
+            continue;  // joined in each other
+          swept.extend((swept.min() - 100 * move.way_in).eval());
+          const Eigen::AlignedBox3d hit = swept.intersection(BoundsOf(other));
+          EXPECT_TRUE(hit.isEmpty() || hit.sizes().minCoeff() < 6e-4)
+              << name << " passes through " << other_name << " in step " << step.number;
+        }
+      }
+      standing.insert(standing.end(), move.parts.begin(), move.parts.end());
+    }
+  }
+}
+
+// Keeps the files where a person wants to look at them.
+void KeepFiles(const std::string& name, const FabricationPlan& plan, const Design& design,
+               const Items& items) {
+  const char* folder = std::getenv("MORTISE_KEEP_PLANS");
+  if (folder == nullptr) return;
+  const auto files = MakePlanFiles(plan, design, items, name, [](int, int) { return true; });
+  ASSERT_TRUE(files.ok()) << files.status();
+  const std::filesystem::path path = std::filesystem::path(folder) / name;
+  std::filesystem::create_directories(path);
+  for (const PlanFile& file : *files) std::ofstream(path / file.file_name) << file.bytes;
+}
+
+class ShippedPlansTest : public ::testing::TestWithParam<std::string> {};
+
+TEST_P(ShippedPlansTest, HasAPlanThatCanBeFollowed) {
+  const Shipped shipped = Load(GetParam());
+  ASSERT_NE(shipped.compiled, nullptr);
+  const auto items = ItemsFrom(shipped.bundle);
+  ASSERT_TRUE(items.ok()) << items.status();
+  bool first = true;
+  for (const parametric::EvaluatedDesign& evaluated : DesignsOf(shipped)) {
+    auto design = DesignFrom(parametric::ToProto(evaluated));
+    ASSERT_TRUE(design.ok()) << design.status();
+    AddDrawing(shipped.bundle.assembly(), &*design);
+    const auto plan = MakePlan(*design, *items, 1);
+    ASSERT_TRUE(plan.ok()) << plan.status();
+    ExpectEachPartOnce(*design, *plan);
+    ExpectBoardsHold(*plan);
+    ExpectHolesOnTheirParts(*design, *plan);
+    ExpectBillCounts(*design, *items, *plan);
+    ExpectFreeWays(*design, *plan);
+    for (const AssemblyStep& step : plan->steps) {
+      EXPECT_THAT(step.instruction, Not(HasSubstr("No straight movement"))) << step.number;
+      EXPECT_FALSE(step.instruction.empty()) << step.number;
+    }
+    const v1::Plan message = ToProto(*plan, *design);
+    EXPECT_EQ(message.parts_size(), static_cast<int>(design->parts.size()));
+    EXPECT_EQ(CutsFor(CuttingPlanFrom(message)).size(), CutsFor(*plan).size());
+    if (first) KeepFiles(GetParam().substr(GetParam().find('/') + 1), *plan, *design, *items);
+    first = false;
+  }
+}
+
+std::string TestName(const ::testing::TestParamInfo<std::string>& info) {
+  std::string name = info.param;
+  std::replace_if(
+      name.begin(), name.end(), [](char c) { return c == '/' || c == '-'; }, '_');
+  return name;
+}
+
+INSTANTIATE_TEST_SUITE_P(All, ShippedPlansTest, ::testing::ValuesIn(NamesOfAll()), TestName);
+
+}  // namespace
+}  // namespace mortise::fabplanner

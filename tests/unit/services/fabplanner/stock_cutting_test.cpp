@@ -1,0 +1,122 @@
+#include "services/fabplanner/stock_cutting.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "common/base/errors.h"
+#include "services/fabplanner/part_making.h"
+#include "tests/unit/services/fabplanner/example_table.h"
+
+namespace mortise::fabplanner {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+struct Outcome {
+  absl::Status status;
+  FabricationPlan plan;
+  std::vector<Purchase> purchases;
+};
+
+Outcome Cut(const std::vector<Part>& parts, const Items& items) {
+  Design design;
+  design.parts = parts;
+  Outcome outcome;
+  const auto planned = PlanParts(design, items);
+  EXPECT_TRUE(planned.ok()) << planned.status();
+  outcome.plan.parts = *planned;
+  outcome.status = CutParts(design, items, &outcome.plan, &outcome.purchases);
+  return outcome;
+}
+
+Part Strip(const std::string& name, double length, double width = 0.09) {
+  return BoxPart(name, "items/apron-20", CutProcess::kChopSaw, {0, 0, 0}, {length, width, 0.02}, 0,
+                 2);
+}
+
+Part Panel(const std::string& name, double length, double width) {
+  return BoxPart(name, "items/plywood-18", CutProcess::kJigsaw, {0, 0, 0}, {length, width, 0.018},
+                 0, 2);
+}
+
+TEST(StockCuttingTest, TakesTheLengthsThatCostLeast) {
+  Items items = ExampleItems();
+  items["items/apron-20"].price_per_volume = false;
+  items["items/apron-20"].stock = {{1.2, 0, 3}, {2.4, 0, 5.5}, {3, 0, 8}};
+  const Outcome outcome = Cut({Strip("a", 1.1), Strip("b", 1.1), Strip("c", 1.1)}, items);
+  ASSERT_TRUE(outcome.status.ok()) << outcome.status;
+  ASSERT_EQ(outcome.purchases.size(), 2);  // one of 1.2 m and one of 2.4 m
+  EXPECT_DOUBLE_EQ(outcome.purchases[0].size.x(), 1.2);
+  EXPECT_DOUBLE_EQ(outcome.purchases[0].piece_price, 3);
+  EXPECT_DOUBLE_EQ(outcome.purchases[1].size.x(), 2.4);
+  EXPECT_DOUBLE_EQ(outcome.purchases[1].piece_price, 5.5);
+  EXPECT_EQ(outcome.plan.boards.size(), 2);
+  EXPECT_EQ(outcome.plan.chop_saw_parts, 3);
+}
+
+TEST(StockCuttingTest, BoardsThatAreRippedAreBoughtWhole) {
+  Items items = ExampleItems();
+  Item& plank = items["items/apron-20"];
+  plank.size.y() = 0.2;
+  plank.ripped = true;
+  plank.price_per_volume = false;
+  // Two strips of 98 mm and a kerf of 3 mm fit 200 mm; three boards' worth of strips take two.
+  const Outcome outcome =
+      Cut({Strip("a", 2, 0.098), Strip("b", 2, 0.098), Strip("c", 2, 0.098)}, items);
+  ASSERT_TRUE(outcome.status.ok()) << outcome.status;
+  EXPECT_EQ(outcome.plan.boards.size(), 3);
+  EXPECT_DOUBLE_EQ(outcome.plan.boards[0].width, 0.098);
+  ASSERT_EQ(outcome.purchases.size(), 1);
+  EXPECT_EQ(outcome.purchases[0].quantity, 2);
+  EXPECT_DOUBLE_EQ(outcome.purchases[0].size.y(), 0.2);
+  EXPECT_THAT(outcome.plan.handwork,
+              ElementsAre(AllOf(HasSubstr("rip 2 boards"), HasSubstr("3 strips 98 mm wide"))));
+}
+
+TEST(StockCuttingTest, TakesTheSmallestSheetThatHoldsWhatIsOnIt) {
+  Items items = ExampleItems();
+  items["items/plywood-18"].stock = {{2.44, 1.22, 60}, {1.22, 1.22, 32}, {1.22, 0.61, 17}};
+  Outcome outcome = Cut({Panel("a", 1, 0.5)}, items);
+  ASSERT_TRUE(outcome.status.ok()) << outcome.status;
+  ASSERT_EQ(outcome.plan.sheets.size(), 1);
+  EXPECT_DOUBLE_EQ(outcome.plan.sheets[0].width, 0.61);
+  EXPECT_DOUBLE_EQ(outcome.purchases[0].piece_price, 17);
+
+  // Two large panels fill a large sheet each; what is left over takes a small one.
+  outcome = Cut({Panel("a", 2.2, 1.1), Panel("b", 2.2, 1.1), Panel("c", 1, 0.5)}, items);
+  ASSERT_TRUE(outcome.status.ok()) << outcome.status;
+  std::map<double, int> by_price;
+  std::map<std::string, int> placed;
+  for (const Purchase& purchase : outcome.purchases) ++by_price[purchase.piece_price];
+  for (const SheetLayout& sheet : outcome.plan.sheets) {
+    for (const SheetPlacement& placement : sheet.placements) {
+      ++placed[placement.part];
+      for (const Eigen::Vector2d& point : placement.outline) {
+        EXPECT_GE(point.minCoeff(), 0);
+        EXPECT_LE(point.x(), sheet.length);
+        EXPECT_LE(point.y(), sheet.width);
+      }
+    }
+  }
+  EXPECT_EQ(by_price, (std::map<double, int>{{60, 2}, {17, 1}}));
+  EXPECT_EQ(placed, (std::map<std::string, int>{{"a", 1}, {"b", 1}, {"c", 1}}));
+}
+
+TEST(StockCuttingTest, NamesPartItemAndSizesWhereNoStockYieldsThem) {
+  const Outcome boards = Cut({Strip("rail", 2.5)}, ExampleItems());
+  EXPECT_EQ(DetailOf(boards.status).reason, "PART_TOO_LONG");
+  EXPECT_THAT(std::string(boards.status.message()),
+              AllOf(HasSubstr("rail"), HasSubstr("2500 mm"), HasSubstr("2400 mm"),
+                    HasSubstr("items/apron-20")));
+  const Outcome sheets = Cut({Panel("top", 2.6, 1)}, ExampleItems());
+  EXPECT_EQ(DetailOf(sheets.status).reason, "PART_TOO_LARGE");
+  EXPECT_THAT(std::string(sheets.status.message()),
+              AllOf(HasSubstr("top"), HasSubstr("2600"), HasSubstr("items/plywood-18")));
+}
+
+}  // namespace
+}  // namespace mortise::fabplanner
