@@ -219,6 +219,7 @@ absl::Status Evaluate(const EvaluateOptions& options, Session& session, Output& 
   request.set_name(ResourceName("templates", options.subject));
   MORTISE_ASSIGN_OR_RETURN(const auto parameters, ParseParameters(options.parameters));
   request.mutable_parameters()->Assign(parameters.begin(), parameters.end());
+  request.set_without_triangles(!output.json());  // which the table does not show
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   const auto stub = v1::CatalogService::NewStub(client->channel());
   v1::EvaluatedDesign design;
