@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <chrono>
+#include <cmath>
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
@@ -28,6 +29,10 @@ absl::Status InCase(const std::string& prefix, const absl::Status& status) {
   if (status.ok() || detail.field.empty()) return status;
   if (absl::StartsWith(status.message(), detail.field)) return UnderField(prefix, status);
   return WithDetail(status, {detail.reason, absl::StrCat(prefix, ".", detail.field)});
+}
+
+absl::Status NotFinite(const std::string& field) {
+  return InvalidField(field, "leads to results that are not finite: some number is far too large");
 }
 
 // "Own weight, 1.5×" as "own-weight-1-5": letters and digits that every file system takes.
@@ -57,6 +62,7 @@ class Analyst {
     probes_ = *std::move(table);
     MORTISE_RETURN_IF_ERROR(CheckProbes());
     Weigh();
+    if (!std::isfinite(analysis_.mass)) return NotFinite("case.materials");
     if (model_.heat) MORTISE_RETURN_IF_ERROR(Heat());
     if (!model_.load_cases.empty()) MORTISE_RETURN_IF_ERROR(Loads());
     if (model_.modes > 0) MORTISE_RETURN_IF_ERROR(Vibration());
@@ -111,6 +117,10 @@ class Analyst {
     auto solution = SolveHeat(model_.mesh, *model_.heat, heat_options);
     MORTISE_RETURN_IF_ERROR(InCase("case.heat", solution.status()));
     temperature_ = solution->temperature;
+    if (!std::isfinite(solution->supplied + solution->reaction.sum() + solution->convected.sum() +
+                       (solution->maximum - solution->minimum))) {
+      return NotFinite("case.heat");
+    }
     analysis_.unknowns = analysis_.nodes;
     HeatOutcome& heat = analysis_.heat.emplace();
     heat.minimum = solution->minimum;
@@ -152,7 +162,8 @@ class Analyst {
       }
       auto solution = system->Solve(loads);
       MORTISE_RETURN_IF_ERROR(InCase(absl::StrCat("case.load_cases[", i, "]"), solution.status()));
-      MORTISE_RETURN_IF_ERROR(Report(load_case.name, *solution));
+      MORTISE_RETURN_IF_ERROR(
+          Report(load_case.name, absl::StrCat("case.load_cases[", i, "]"), *solution));
       // Combinations need no more than this.
       ElasticitySolution& kept = solutions.emplace_back();
       if (model_.combinations.empty()) continue;
@@ -166,12 +177,21 @@ class Analyst {
         terms.push_back({term.factor, &solutions[term.load_case]});
       }
       MORTISE_ASSIGN_OR_RETURN(const ElasticitySolution sum, system->Combine(terms));
-      MORTISE_RETURN_IF_ERROR(Report(combination.name, sum));
+      const auto index = &combination - model_.combinations.data();
+      MORTISE_RETURN_IF_ERROR(
+          Report(combination.name, absl::StrCat("case.combinations[", index, "]"), sum));
     }
     return absl::OkStatus();
   }
 
-  absl::Status Report(const std::string& name, const ElasticitySolution& solution) {
+  absl::Status Report(const std::string& name, const std::string& field,
+                      const ElasticitySolution& solution) {
+    const double energy = solution.summary.strain_energy + solution.summary.compliance;
+    if (!std::isfinite(energy) || !std::isfinite(solution.summary.maximum_displacement) ||
+        !solution.stress.allFinite() || !solution.von_mises.allFinite() ||
+        !solution.reaction.allFinite() || !solution.summary.total_load.allFinite()) {
+      return NotFinite(field);
+    }
     CaseOutcome& outcome = analysis_.cases.emplace_back();
     outcome.name = name;
     outcome.summary = solution.summary;
@@ -190,6 +210,7 @@ class Analyst {
     }
     const ErrorEstimate estimate = EstimateError(
         model_.mesh, model_.materials, solution.displacement, solution.temperature, team_);
+    if (!std::isfinite(estimate.relative)) return NotFinite(field);
     outcome.relative_error = estimate.relative;
 
     ProbedFields fields;
@@ -230,6 +251,9 @@ class Analyst {
     std::vector<mesh::VtuField> shapes;
     for (std::size_t m = 0; m < solution->modes.size(); ++m) {
       const Mode& mode = solution->modes[m];
+      if (!std::isfinite(mode.frequency) || !mode.shape.allFinite()) {
+        return NotFinite("case.materials");
+      }
       analysis_.modes.push_back({mode.frequency, mode.rigid});
       shapes.push_back({absl::StrFormat("mode %d (%.5g Hz)", m + 1, mode.frequency), mode.shape});
       ProbedFields fields;

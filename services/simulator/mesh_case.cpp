@@ -1,6 +1,10 @@
 #include "services/simulator/mesh_case.h"
 
+#include <google/protobuf/descriptor.h>
+#include <google/protobuf/message.h>
+
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "absl/strings/str_cat.h"
@@ -255,6 +259,37 @@ absl::Status CheckProbe(const v1::MeshProbe& probe, const std::string& field) {
   return InvalidField(field + ".points", "is missing, and so is `groups`");
 }
 
+// Far beyond all that can be measured, and squares of it are still numbers.
+constexpr double kLargestNumber = 1e30;
+
+// INVALID_ARGUMENT naming the first number below `field` that is larger.
+absl::Status CheckMagnitudes(const google::protobuf::Message& message, const std::string& field) {
+  using google::protobuf::FieldDescriptor;
+  const google::protobuf::Reflection& reflection = *message.GetReflection();
+  std::vector<const FieldDescriptor*> present;
+  reflection.ListFields(message, &present);
+  for (const FieldDescriptor* at : present) {
+    const int count = at->is_repeated() ? reflection.FieldSize(message, at) : 1;
+    for (int i = 0; i < count; ++i) {
+      const std::string path =
+          absl::StrCat(field, ".", at->name(), at->is_repeated() ? absl::StrCat("[", i, "]") : "");
+      if (at->cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE) {
+        MORTISE_RETURN_IF_ERROR(CheckMagnitudes(at->is_repeated()
+                                                    ? reflection.GetRepeatedMessage(message, at, i)
+                                                    : reflection.GetMessage(message, at),
+                                                path));
+      } else if (at->cpp_type() == FieldDescriptor::CPPTYPE_DOUBLE) {
+        const double value = at->is_repeated() ? reflection.GetRepeatedDouble(message, at, i)
+                                               : reflection.GetDouble(message, at);
+        if (std::abs(value) > kLargestNumber) {
+          return InvalidField(path, absl::StrCat("is beyond ", kLargestNumber));
+        }
+      }
+    }
+  }
+  return absl::OkStatus();
+}
+
 absl::Status CheckCounts(const v1::MeshCase& of, const std::string& field) {
   MORTISE_RETURN_IF_ERROR(CheckCount(of.materials_size(), kMostMaterials, field + ".materials"));
   MORTISE_RETURN_IF_ERROR(CheckCount(of.supports_size(), kMostSupports, field + ".supports"));
@@ -293,6 +328,7 @@ absl::Status CheckMeshCase(const v1::MeshCase& mesh_case, const std::string& fie
     return TooLarge(field, absl::StrCat(kLargestCase, " bytes"));
   }
   MORTISE_RETURN_IF_ERROR(MetresOf(mesh_case.length_unit(), field + ".length_unit").status());
+  MORTISE_RETURN_IF_ERROR(CheckMagnitudes(mesh_case, field));
   MORTISE_RETURN_IF_ERROR(CheckCounts(mesh_case, field));
   for (int i = 0; i < mesh_case.materials_size(); ++i) {
     MORTISE_RETURN_IF_ERROR(

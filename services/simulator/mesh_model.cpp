@@ -89,7 +89,8 @@ class Modeller {
     MORTISE_ASSIGN_OR_RETURN(metres_, MetresOf(case_.length_unit(), "case.length_unit"));
     model_.mesh.nodes = metres_ * grouped_.nodes;
     model_.mesh.tetrahedra = grouped_.tetrahedra;
-    if (!model_.mesh.nodes.allFinite()) {
+    constexpr double kFarthest = 1e30;  // m; products of coordinates must be numbers
+    if (!(model_.mesh.nodes.cwiseAbs().maxCoeff() < kFarthest)) {
       return InvalidField("mesh_file", "a coordinate is too large");
     }
     MORTISE_RETURN_IF_ERROR(CheckElements(model_.mesh, grouped_.element_numbers));

@@ -2,16 +2,18 @@
 
 #include <cmath>
 
+#include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/mesh/grouped_mesh.h"
+#include "common/rpc/message_check.h"
 #include "services/simulator/mesh_analysis.h"
 #include "services/simulator/mesh_model.h"
 
 namespace mortise::simulator {
 namespace {
 
-// The memory a mesh file may take while it is read, as a multiple of its size. Ordinary ones take 3,
-// the worst a dozen.
+// The memory a mesh file may take while it is read, as a multiple of its size. Ordinary ones take
+// 3, the worst a dozen.
 constexpr double kMemoryOfFile = 12;
 
 template <typename Message>
@@ -107,7 +109,11 @@ absl::Status EvaluateMeshTask(const v1::Task& task, const TaskSurroundings& surr
   AddMetric("mass", "kg", analysis.mass, *report.mutable_result());
   AddMetric("volume", "m^3", analysis.volume, *report.mutable_result());
   Fill(analysis, model, *report.mutable_analysis());
-  return absl::OkStatus();
+  // A report that is not finite would be refused, and the task tried again and again.
+  const absl::Status finite = rpc::CheckMessage(report);
+  if (finite.ok()) return absl::OkStatus();
+  return InvalidField("case",
+                      absl::StrCat("leads to results that are not finite: ", finite.message()));
 }
 
 }  // namespace mortise::simulator

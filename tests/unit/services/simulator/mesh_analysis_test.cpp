@@ -381,6 +381,41 @@ TEST(MeshAnalysis, CasesAreRefusedByField) {
               HasSubstr("case.supports[1].displacement: contradicts"));
 }
 
+// Numbers that no result can hold.
+TEST(MeshAnalysis, WhatIsNotFiniteIsRefused) {
+  EXPECT_THAT(Refusal("\"x\": 1}", "\"x\": 1e308}"),
+              HasSubstr("case.load_cases[0].forces[0].force.x: is beyond 1e+30"));
+  EXPECT_THAT(Refusal("\"density\": 7800", "\"density\": 1e31"),
+              HasSubstr("case.materials[0].values.density: is beyond"));
+  mesh::GroupedMesh mesh = Box(false);
+  mesh.nodes *= 1e40;
+  EXPECT_THAT(Refusal("\"x\": 1", "\"x\": 2", mesh), HasSubstr("a coordinate is too large"));
+  // Whatever else is beyond measure: refused, or every number is finite.
+  for (const auto& [from, to] : std::map<std::string, std::string>{
+           {"2e11", "1e30"},
+           {"2e11,", "1e-300,"},
+           {"\"fixed\": true", "\"displacement\": {\"x\": 1e30, \"y\": 0, \"z\": 0}"},
+           {"\"load_cases\"", R"("combinations": [{"name": "sum", "terms": [{"load_case": "pull",
+            "factor": 1e30}, {"load_case": "pull", "factor": -1e30}]}], "load_cases")"},
+           {"\"poissons_ratio\": 0.3}", R"("poissons_ratio": 0.3, "thermal_conductivity": 1e-300}}],
+            "heat": {"temperatures": [{"groups": ["tip"], "temperature": 1e30}], "sources":
+            [{"power": 1e30}]}, "probes": [{"name": "a", "groups": ["tip"])"}}) {
+    const std::string json = absl::StrReplaceAll(kGood, {{from, to}});
+    ASSERT_NE(json, kGood);
+    const Analysed analysed = Analyse(Box(false), Case(json));
+    if (!analysed.analysis.ok()) {
+      EXPECT_FALSE(DetailOf(analysed.analysis.status()).reason.empty()) << json;
+      continue;
+    }
+    for (const CaseOutcome& outcome : analysed.analysis->cases) {
+      EXPECT_TRUE(std::isfinite(outcome.summary.maximum_displacement)) << json;
+      EXPECT_TRUE(std::isfinite(outcome.maximum_von_mises)) << json;
+      EXPECT_TRUE(std::isfinite(outcome.summary.compliance)) << json;
+      EXPECT_TRUE(std::isfinite(outcome.relative_error)) << json;
+    }
+  }
+}
+
 TEST(MeshAnalysis, LoadsNeedTheOutside) {
   mesh::GroupedMesh mesh = Box(false);
   // The first side that another element has too.
