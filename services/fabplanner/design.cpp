@@ -29,6 +29,14 @@ double SignedArea(const std::vector<Eigen::Vector2d>& outline) {
   return area / 2;
 }
 
+// Whether the triangle stands at a right angle to the part's thickness.
+bool IsUprightTriangle(const Part& part, const Eigen::Vector3i& corners) {
+  const Eigen::Vector3d a = part.vertices.col(corners[0]);
+  const Eigen::Vector3d normal =
+      (part.vertices.col(corners[1]) - a).cross(part.vertices.col(corners[2]) - a);
+  return std::abs(normal[part.thickness_axis]) <= 1e-4 * normal.norm();
+}
+
 // The border of the upper face of triangles that stand upright on their lower face, as vertices in
 // order; nothing if they do not, or if the border is not a single loop.
 std::optional<std::vector<int>> UprightBorder(const Part& part, const Eigen::AlignedBox3d& box) {
@@ -43,6 +51,8 @@ std::optional<std::vector<int>> UprightBorder(const Part& part, const Eigen::Ali
   for (Eigen::Index t = 0; t < part.triangles.cols(); ++t) {
     const Eigen::Vector3i corners = part.triangles.col(t);
     const auto is_upper = [&](int k) { return upper[static_cast<std::size_t>(corners[k % 3])]; };
+    const bool side = is_upper(0) != is_upper(1) || is_upper(1) != is_upper(2);
+    if (side && !IsUprightTriangle(part, corners)) return std::nullopt;
     for (int k = 0; k < 3; ++k) {
       // A side's upper edge runs against that of the face above it.
       if (!is_upper(k) || !is_upper(k + 1) || is_upper(k + 2)) continue;

@@ -84,24 +84,23 @@ Eigen::AlignedBox3d Grown(const Eigen::AlignedBox3d& box, double by) {
 class PartSolid::Heights {
  public:
   Heights(const PartSolid& part, const Eigen::AlignedBox3d& region, int axis)
-      : low_(kRays * kRays, kInfinity), high_(kRays * kRays, -kInfinity) {
+      : region_(region),
+        axis_(axis),
+        low_(kRays * kRays, kInfinity),
+        high_(kRays * kRays, -kInfinity) {
     if (part.is_box()) {
       std::fill(low_.begin(), low_.end(), part.box_.min()[axis]);
       std::fill(high_.begin(), high_.end(), part.box_.max()[axis]);
       return;
     }
     const int u_axis = PlaneAxis(axis, 0), v_axis = PlaneAxis(axis, 1);
-    const auto place = [&](int plane_axis, int i) {
-      return region.min()[plane_axis] +
-             (region.max()[plane_axis] - region.min()[plane_axis]) * (i + 0.5) / kRays + kAside;
-    };
     for (Eigen::Index t = 0; t < part.triangles_.cols(); ++t) {
       const Crossing triangle(part.vertices_, part.triangles_.col(t), axis);
       for (int i = 0; i < kRays; ++i) {
-        const double u = place(u_axis, i);
+        const double u = Place(u_axis, i) + kAside;
         if (u < triangle.LowestU() || u > triangle.HighestU()) continue;
         for (int j = 0; j < kRays; ++j) {
-          const double height = triangle.At(u, place(v_axis, j));
+          const double height = triangle.At(u, Place(v_axis, j) + kAside);
           if (std::isnan(height)) continue;
           const std::size_t ray = static_cast<std::size_t>(i * kRays + j);
           low_[ray] = std::min(low_[ray], height);
@@ -114,8 +113,21 @@ class PartSolid::Heights {
   double low(std::size_t ray) const { return low_[ray]; }
   double high(std::size_t ray) const { return high_[ray]; }
   std::size_t count() const { return low_.size(); }
+  // A point of the line, beside which it runs.
+  Eigen::Vector3d PointOf(std::size_t ray) const {
+    Eigen::Vector3d point = region_.center();
+    point[PlaneAxis(axis_, 0)] = Place(PlaneAxis(axis_, 0), static_cast<int>(ray) / kRays);
+    point[PlaneAxis(axis_, 1)] = Place(PlaneAxis(axis_, 1), static_cast<int>(ray) % kRays);
+    return point;
+  }
 
  private:
+  double Place(int plane_axis, int i) const {
+    return region_.min()[plane_axis] + region_.sizes()[plane_axis] * (i + 0.5) / kRays;
+  }
+
+  const Eigen::AlignedBox3d region_;
+  const int axis_;
   std::vector<double> low_, high_;
 };
 
@@ -197,12 +209,22 @@ bool PartSolid::Overlaps(const PartSolid& other) const {
   if (is_box() && other.is_box()) return true;
   const Heights own(*this, common, 2), others(other, common, 2);
   for (std::size_t ray = 0; ray < own.count(); ++ray) {
-    if (std::min(own.high(ray), others.high(ray)) - std::max(own.low(ray), others.low(ray)) >
-        kFit) {
-      return true;
-    }
+    const double shared =
+        std::min(own.high(ray), others.high(ray)) - std::max(own.low(ray), others.low(ray));
+    // From its lowest to its highest point a part may have gaps.
+    if (shared > kFit && SharedAlong(other, own.PointOf(ray)) > kFit) return true;
   }
   return false;
+}
+
+double PartSolid::SharedAlong(const PartSolid& other, const Eigen::Vector3d& point) const {
+  double longest = 0;
+  for (const Stretch& own : Along(2, point)) {
+    for (const Stretch& others : other.Along(2, point)) {
+      longest = std::max(longest, std::min(own.to, others.to) - std::max(own.from, others.from));
+    }
+  }
+  return longest;
 }
 
 bool PartSolid::IsBlockedBy(const PartSolid& other, int axis, int sign) const {

@@ -49,6 +49,8 @@ class PartSolid {
  private:
   class Heights;
   bool ReachesInto(const Eigen::AlignedBox3d& box) const;
+  // The longest stretch of the upright line through `point` that lies in both.
+  double SharedAlong(const PartSolid& other, const Eigen::Vector3d& point) const;
 
   Eigen::AlignedBox3d box_;
   Eigen::Matrix3Xd vertices_;  // none of a box

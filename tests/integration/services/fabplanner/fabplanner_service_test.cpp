@@ -153,7 +153,7 @@ TEST_F(FabPlannerServiceTest, PlansATableWithItsFiles) {
   EXPECT_DOUBLE_EQ(plan.rules().kerf(), 0.003);
   EXPECT_DOUBLE_EQ(plan.total().amount(), 121.88);
   EXPECT_EQ(plan.parameters(0).name(), "length");
-  ASSERT_EQ(plan.artifacts_size(), 4 + 3 + 1);
+  ASSERT_EQ(plan.artifacts_size(), 6 + 3 + 1);
   for (const v1::Artifact& artifact : plan.artifacts()) {
     std::string sha256;
     const std::string bytes = Download(plan, artifact.file_name(), &sha256);
@@ -403,25 +403,60 @@ TEST_F(FabPlannerServiceTest, BadPlansAreRefusedWithTheFieldAtFault) {
   EXPECT_EQ(Planner()->CreatePlan(asking.get(), request, &unknown).error_code(),
             grpc::StatusCode::NOT_FOUND);
 
-  // What is no assembly of prisms and pegs.
-  request = TableRequest();
-  request.set_template_("templates/solid");
-  asking = Context();
-  EXPECT_EQ(Planner()->CreatePlan(asking.get(), request, &unknown).error_code(),
-            grpc::StatusCode::FAILED_PRECONDITION);
-  for (const char* name : {"templates/shaped", "templates/screwed"}) {
-    request = TableRequest();
-    request.set_template_(name);
-    asking = Context();
-    EXPECT_EQ(Planner()->CreatePlan(asking.get(), request, &unknown).error_code(),
-              grpc::StatusCode::UNIMPLEMENTED)
-        << name;
-  }
-
   v1::ListPlansResponse list;
   auto context = Context();
   ASSERT_TRUE(Planner()->ListPlans(context.get(), {}, &list).ok());
   EXPECT_EQ(list.plans_size(), 0);
+}
+
+TEST_F(FabPlannerServiceTest, PlansWhatScrewsHoldTogether) {
+  v1::CreatePlanRequest request = TableRequest();
+  request.set_template_("templates/screwed");
+  const v1::Operation operation = CreatePlan(request);
+  ASSERT_EQ(operation.state(), v1::Operation::SUCCEEDED) << operation.error().message();
+  v1::Plan plan;
+  ASSERT_TRUE(operation.result().UnpackTo(&plan));
+  ASSERT_EQ(plan.parts_size(), 8);
+  EXPECT_EQ(plan.parts(0).making(), v1::PlannedPart::OUTLINE);
+  EXPECT_EQ(plan.parts(3).making(), v1::PlannedPart::BOUGHT);
+  EXPECT_TRUE(plan.parts(3).connecting());
+  EXPECT_EQ(plan.holes_size(), 2 * 4);
+  int screws = 0;
+  for (const v1::AssemblyStep& step : plan.steps()) screws += step.connectors_size();
+  EXPECT_EQ(screws, 4);
+  ASSERT_EQ(plan.totals_size(), 1);
+  EXPECT_EQ(plan.total().amount(), plan.totals(0).amount());
+  std::string sha256;
+  EXPECT_THAT(Download(plan, "holes.csv", &sha256), HasSubstr("shelf 2 screw right"));
+
+  // What no machine does goes with the order.
+  const v1::WorkOrder order = GetOrder(Release(plan).subject());
+  EXPECT_EQ(order.cuts_total(), 4);
+  EXPECT_EQ(order.handwork_size(), plan.handwork_size());
+  EXPECT_GT(order.handwork_size(), 0);
+}
+
+TEST_F(FabPlannerServiceTest, PlansWhatIsMadeToDrawing) {
+  v1::CreatePlanRequest request = TableRequest();
+  request.set_template_("templates/drawn");
+  request.set_quantity(2);
+  const v1::Operation operation = CreatePlan(request);
+  ASSERT_EQ(operation.state(), v1::Operation::SUCCEEDED) << operation.error().message();
+  v1::Plan plan;
+  ASSERT_TRUE(operation.result().UnpackTo(&plan));
+  EXPECT_EQ(plan.parts(0).making(), v1::PlannedPart::TO_DRAWING);
+  const v1::BillLine& line = plan.bill(plan.bill_size() - 1);
+  EXPECT_EQ(line.item(), "");
+  EXPECT_EQ(line.quantity(), 2);
+  EXPECT_EQ(line.material(), "materials/beech");
+  EXPECT_GT(line.mass(), 0);
+  ASSERT_EQ(plan.parts(0).drawings_size(), 3);
+  EXPECT_EQ(line.drawings_size(), 3);
+  std::string sha256;
+  EXPECT_THAT(Download(plan, plan.parts(0).drawings(0), &sha256), HasSubstr("<svg"));
+  // 80 bytes of header, a count, and 50 bytes for each of the box's triangles.
+  EXPECT_EQ(Download(plan, plan.parts(0).drawings(1), &sha256).size(), 84 + 12 * 50);
+  EXPECT_EQ(Download(plan, "design.step", &sha256), "ISO-10303-21;END-ISO-10303-21;");
 }
 
 TEST_F(FabPlannerServiceTest, APartLongerThanItsStockIsNamedWithTheLengths) {

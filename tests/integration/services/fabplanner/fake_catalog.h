@@ -1,4 +1,5 @@
-// A catalog that knows one table, served on loopback by the test itself.
+// A catalog that knows a table, with a drawn leg too, and a rack, served on loopback by the test
+// itself.
 #pragma once
 
 #include <grpcpp/grpcpp.h>
@@ -9,6 +10,7 @@
 
 #include "common/parametric/template_codec.h"
 #include "mortise/v1/catalog.grpc.pb.h"
+#include "services/fabplanner/part_mesh.h"
 #include "tests/unit/services/fabplanner/example_table.h"
 
 namespace mortise::fabplanner {
@@ -35,21 +37,18 @@ class FakeCatalog final : public v1::CatalogService::Service {
 
   grpc::Status EvaluateTemplate(grpc::ServerContext*, const v1::EvaluateTemplateRequest* request,
                                 v1::EvaluatedDesign* response) override {
-    const bool solid = request->name() == "templates/solid";    // of no item
-    const bool shaped = request->name() == "templates/shaped";  // of an item, but no board
-    const bool screwed = request->name() == "templates/screwed";
-    if (request->name() != "templates/table" && !solid && !shaped && !screwed) {
+    const bool drawn = request->name() == "templates/drawn";      // a leg of no item
+    const bool screwed = request->name() == "templates/screwed";  // held by screws that are parts
+    if (request->name() != "templates/table" && !drawn && !screwed) {
       return {grpc::StatusCode::NOT_FOUND, "no template " + request->name()};
     }
-    const Design table = ExampleTable();
+    const Design table = screwed ? ExampleRack() : ExampleTable();
     parametric::EvaluatedDesign design;
     design.template_name = "templates/table";
     design.template_revision = 3;
     design.parameters = {{"length", 1.2}};
     for (const Part& part : table.parts) design.parts.push_back(Evaluated(part));
-    if (solid || shaped) design.parts[0].faceted.emplace();
-    if (solid) design.parts[0].item.clear();
-    if (screwed) design.parts[0].connecting = true;
+    if (drawn) MakeFaceted(table.parts[0], &design.parts[0]);
     for (const Peg& peg : table.pegs) {
       design.connectors.push_back({peg.connection, peg.item, peg.part, peg.other_part, peg.position,
                                    peg.direction, peg.diameter, peg.length, peg.depth_in_part,
@@ -75,10 +74,16 @@ class FakeCatalog final : public v1::CatalogService::Service {
       parametric::Item stored;
       stored.name = name;
       stored.title = item.title;
-      stored.kind = item.kind == ItemKind::kBoard   ? parametric::ItemKind::kBoard
-                    : item.kind == ItemKind::kSheet ? parametric::ItemKind::kSheet
-                                                    : parametric::ItemKind::kDowel;
+      stored.kind = KindOf(item.kind);
       for (int axis = 0; axis < 3; ++axis) stored.dimensions[axis].size = item.size[axis];
+      // What is cut is longer than its parts, and sheets are wider.
+      const int resized = item.kind == ItemKind::kBoard ? 1 : item.kind == ItemKind::kSheet ? 2 : 0;
+      for (int axis = 0; axis < resized; ++axis) {
+        stored.dimensions[axis].process =
+            resized == 1 ? parametric::Process::kChopSaw : parametric::Process::kJigsaw;
+        stored.dimensions[axis].minimum = 0.04;
+        stored.dimensions[axis].maximum = item.size[axis];
+      }
       stored.price = {item.price.currency, item.price.amount};
       stored.price_basis = item.price_per_volume ? parametric::PriceBasis::kPerVolume
                                                  : parametric::PriceBasis::kPerPiece;
@@ -89,7 +94,47 @@ class FakeCatalog final : public v1::CatalogService::Service {
     return grpc::Status::OK;
   }
 
+  grpc::Status ExportDesign(grpc::ServerContext*, const v1::ExportDesignRequest* request,
+                            grpc::ServerWriter<v1::Chunk>* writer) override {
+    if (request->format() != v1::ExportDesignRequest::STEP) {
+      return {grpc::StatusCode::INVALID_ARGUMENT, "only STEP is here"};
+    }
+    for (const char* piece : {"ISO-10303-21;", "END-ISO-10303-21;"}) {
+      v1::Chunk chunk;
+      chunk.set_data(piece);
+      writer->Write(chunk);
+    }
+    return grpc::Status::OK;
+  }
+
  private:
+  static parametric::ItemKind KindOf(ItemKind kind) {
+    switch (kind) {
+      case ItemKind::kBoard:
+        return parametric::ItemKind::kBoard;
+      case ItemKind::kSheet:
+        return parametric::ItemKind::kSheet;
+      case ItemKind::kScrew:
+        return parametric::ItemKind::kScrew;
+      default:
+        return parametric::ItemKind::kDowel;
+    }
+  }
+
+  // The part as triangles, and of no item.
+  static void MakeFaceted(const Part& part, parametric::EvaluatedPart* evaluated) {
+    const render::Shape shape = PartShape(part, Eigen::Vector3d::Zero());
+    evaluated->item.clear();
+    evaluated->material = "materials/beech";
+    evaluated->process = parametric::Process::kNone;
+    evaluated->outline.resize(2, 0);
+    evaluated->face_names.clear();
+    parametric::FacetedShape& faceted = evaluated->faceted.emplace();
+    faceted.surface = {shape.vertices, shape.triangles};
+    faceted.triangle_face = Eigen::VectorXi::Zero(shape.triangles.cols());
+    faceted.face_names = {{"surface"}};
+  }
+
   static parametric::EvaluatedPart Evaluated(const Part& part) {
     parametric::EvaluatedPart evaluated;
     evaluated.name = part.name;
@@ -110,8 +155,10 @@ class FakeCatalog final : public v1::CatalogService::Service {
     evaluated.size = part.size;
     evaluated.volume = part.size.prod();
     evaluated.mass = 500 * evaluated.volume;
-    evaluated.process = part.process == CutProcess::kJigsaw ? parametric::Process::kJigsaw
-                                                            : parametric::Process::kChopSaw;
+    evaluated.connecting = part.connecting;
+    evaluated.process = part.process == CutProcess::kJigsaw    ? parametric::Process::kJigsaw
+                        : part.process == CutProcess::kChopSaw ? parametric::Process::kChopSaw
+                                                               : parametric::Process::kNone;
     return evaluated;
   }
 

@@ -1,0 +1,134 @@
+// Plans of what ships, through the real catalog: an assembly with a drawer, and one drawn in CAD.
+#include <gmock/gmock.h>
+#include <google/protobuf/text_format.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <map>
+#include <set>
+
+#include "common/base/files.h"
+#include "mortise/v1/assembly.grpc.pb.h"
+#include "mortise/v1/catalog.grpc.pb.h"
+#include "mortise/v1/fabplanner.grpc.pb.h"
+#include "mortise/v1/operations.grpc.pb.h"
+#include "tests/integration/services/service_under_test.h"
+
+namespace mortise::fabplanner {
+namespace {
+
+using ::testing::Contains;
+
+std::filesystem::path Source() {
+  const char* folder = std::getenv("MORTISE_SOURCE_DIR");
+  return folder == nullptr ? "." : folder;
+}
+
+class RealCatalogTest : public ::testing::Test {
+ protected:
+  static std::unique_ptr<grpc::ClientContext> Context() {
+    auto context = std::make_unique<grpc::ClientContext>();
+    context->set_deadline(std::chrono::system_clock::now() + std::chrono::minutes(3));
+    return context;
+  }
+
+  v1::Plan PlanOf(const std::string& name) {
+    v1::CreatePlanRequest request;
+    request.set_request_id("plan-" + name.substr(name.find('/') + 1));
+    request.set_template_(name);
+    v1::Operation operation;
+    auto context = Context();
+    grpc::Status status = v1::FabPlannerService::NewStub(planner_.channel())
+                              ->CreatePlan(context.get(), request, &operation);
+    EXPECT_TRUE(status.ok()) << status.error_message();
+    v1::WatchOperationRequest watch;
+    watch.set_name(operation.name());
+    context = Context();
+    auto told =
+        v1::OperationService::NewStub(planner_.channel())->WatchOperation(context.get(), watch);
+    while (operation.state() != v1::Operation::SUCCEEDED &&
+           operation.state() != v1::Operation::FAILED && told->Read(&operation)) {
+    }
+    context->TryCancel();
+    EXPECT_EQ(operation.state(), v1::Operation::SUCCEEDED) << operation.error().message();
+    v1::Plan plan;
+    EXPECT_TRUE(operation.result().UnpackTo(&plan));
+    return plan;
+  }
+
+  // Every part comes in with one step; what is cut is laid out once.
+  static void ExpectWhole(const v1::Plan& plan) {
+    std::map<std::string, int> added, cut;
+    for (const v1::AssemblyStep& step : plan.steps()) {
+      for (const std::string& part : step.added_parts()) ++added[part];
+      for (const std::string& part : step.connectors()) ++added[part];
+    }
+    for (const v1::BoardLayout& board : plan.boards()) {
+      for (const auto& segment : board.segments()) ++cut[segment.part()];
+    }
+    for (const v1::SheetLayout& sheet : plan.sheets()) {
+      for (const auto& placement : sheet.placements()) ++cut[placement.part()];
+    }
+    for (const v1::PlannedPart& part : plan.parts()) {
+      EXPECT_EQ(added[part.name()], 1) << part.name();
+      const bool is_cut =
+          part.making() == v1::PlannedPart::CROSSCUT || part.making() == v1::PlannedPart::OUTLINE;
+      EXPECT_EQ(cut[part.name()], is_cut ? 1 : 0) << part.name();
+    }
+    EXPECT_EQ(static_cast<int>(added.size()), plan.parts_size());
+  }
+
+  testing::ServiceUnderTest catalog_{"mortise-catalog",
+                                     {"--collection=" + (Source() / "collection").string()}};
+  testing::ServiceUnderTest planner_{"mortise-fabplanner",
+                                     {"--peer=catalog=" + catalog_.address()}};
+};
+
+TEST_F(RealCatalogTest, AnAssemblyWithADrawer) {
+  const v1::Plan plan = PlanOf("templates/tool-cart");
+  ExpectWhole(plan);
+  std::set<std::string> built;
+  for (const v1::AssemblyStep& step : plan.steps()) built.insert(step.subassembly());
+  EXPECT_THAT(built, Contains("drawer"));
+  EXPECT_GT(plan.holes_size(), 20);
+  EXPECT_GT(plan.total().amount(), 0);
+}
+
+TEST_F(RealCatalogTest, AnAssemblyDrawnInCad) {
+  const std::filesystem::path drawings = Source() / "collection" / "drawings";
+  v1::ImportAssemblyStepRequest import;
+  import.set_request_id("import-shelf");
+  import.set_step(*ReadFile(drawings / "wall_shelf.step"));
+  ASSERT_TRUE(google::protobuf::TextFormat::ParseFromString(
+      *ReadFile(drawings / "wall_shelf.textproto"), import.mutable_annotations()));
+  v1::ImportAssemblyStepResponse imported;
+  auto context = Context();
+  grpc::Status status = v1::AssemblyService::NewStub(catalog_.channel())
+                            ->ImportAssemblyStep(context.get(), import, &imported);
+  ASSERT_TRUE(status.ok()) << status.error_message();
+  v1::ImportTemplateRequest request;
+  request.set_request_id("template-shelf");
+  request.mutable_template_()->set_name("templates/wall-shelf");
+  request.mutable_template_()->mutable_assembly()->set_assembly(imported.assembly().name());
+  v1::Template made;
+  context = Context();
+  status = v1::CatalogService::NewStub(catalog_.channel())
+               ->ImportTemplate(context.get(), request, &made);
+  ASSERT_TRUE(status.ok()) << status.error_message();
+
+  const v1::Plan plan = PlanOf("templates/wall-shelf");
+  ExpectWhole(plan);
+  std::map<v1::PlannedPart::Making, int> parts;
+  for (const v1::PlannedPart& part : plan.parts()) ++parts[part.making()];
+  EXPECT_EQ(parts[v1::PlannedPart::OUTLINE], 1);  // the board, and a bore that no jigsaw makes
+  EXPECT_EQ(parts[v1::PlannedPart::BOUGHT], 2);   // the brackets
+  for (const v1::PlannedPart& part : plan.parts()) {
+    if (part.making() != v1::PlannedPart::OUTLINE) continue;
+    EXPECT_NE(part.handwork(), "");
+    EXPECT_THAT(part.drawings(), Contains("design.step"));
+  }
+}
+
+}  // namespace
+}  // namespace mortise::fabplanner
