@@ -15,9 +15,9 @@ class MeshMaterial;
 namespace mortise::simulator {
 
 // INVALID_ARGUMENT naming the first field that is wrong, below `field`, whatever the mesh: missing
-// or unknown length unit, lists that are too long, numbers out of range or beyond 1e30, names that are missing,
-// taken twice or refer to nothing, nothing asked for. RESOURCE_EXHAUSTED past 200 kB. That numbers
-// are finite has been checked.
+// or unknown length unit, lists that are too long, numbers out of range or beyond 1e30, names that
+// are missing, taken twice or refer to nothing, nothing asked for. RESOURCE_EXHAUSTED past 200 kB.
+// That numbers are finite has been checked.
 absl::Status CheckMeshCase(const v1::MeshCase& mesh_case, const std::string& field);
 
 // How many metres a unit of length has: "mm" is 0.001. INVALID_ARGUMENT naming `field`.
