@@ -57,7 +57,7 @@ class Analyst {
     const auto start = Clock::now();
     MORTISE_RETURN_IF_ERROR(CheckMemory(model_.mesh.nodes.cols(), model_.mesh.tetrahedra.cols(),
                                         model_.load_cases.size(), options_.memory_limit));
-    auto table = ProbeTable::Create(model_.mesh, model_.probes);
+    auto table = ProbeTable::Create(model_.mesh, model_.probes, model_.node_numbers);
     MORTISE_RETURN_IF_ERROR(InCase("case", table.status()));
     probes_ = *std::move(table);
     MORTISE_RETURN_IF_ERROR(CheckProbes());

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
@@ -44,8 +45,9 @@ struct Probe {
 // A mesh with all that is asked of it. Faces in conditions are of part 0, whatever they are on.
 struct MeshModel {
   std::string title;
-  mesh::TetrahedralMesh mesh;       // a part for each material
-  std::vector<Material> materials;  // one for each part
+  mesh::TetrahedralMesh mesh;              // a part for each material
+  std::vector<std::int64_t> node_numbers;  // what its nodes are called in the file
+  std::vector<Material> materials;         // one for each part
   std::vector<Support> supports;
   std::vector<std::vector<int>> support_nodes;  // of each support, ascending
   std::vector<NamedLoadCase> load_cases;

@@ -89,6 +89,7 @@ class Modeller {
     MORTISE_ASSIGN_OR_RETURN(metres_, MetresOf(case_.length_unit(), "case.length_unit"));
     model_.mesh.nodes = metres_ * grouped_.nodes;
     model_.mesh.tetrahedra = grouped_.tetrahedra;
+    model_.node_numbers = grouped_.node_numbers;
     constexpr double kFarthest = 1e30;  // m; products of coordinates must be numbers
     if (!(model_.mesh.nodes.cwiseAbs().maxCoeff() < kFarthest)) {
       return InvalidField("mesh_file", "a coordinate is too large");

@@ -49,7 +49,8 @@ std::vector<Found> FindElements(const mesh::TetrahedralMesh& mesh,
 }  // namespace
 
 absl::StatusOr<ProbeTable> ProbeTable::Create(const mesh::TetrahedralMesh& mesh,
-                                              const std::vector<Probe>& probes) {
+                                              const std::vector<Probe>& probes,
+                                              const std::vector<std::int64_t>& node_numbers) {
   ProbeTable table;
   table.csv_ =
       "probe,kind,number,case,x (m),y (m),z (m),ux (m),uy (m),uz (m),sxx (Pa),syy (Pa),szz (Pa),"
@@ -63,12 +64,12 @@ absl::StatusOr<ProbeTable> ProbeTable::Create(const mesh::TetrahedralMesh& mesh,
                             "lies outside of the body");
       }
       table.places_.push_back(
-          {Quoted(probe.name), static_cast<int>(k) + 1, false, probe.points[k],
+          {Quoted(probe.name), static_cast<std::int64_t>(k) + 1, false, probe.points[k],
            mesh.tetrahedra.col(found[k].element),
            TetrahedronShape(found[k].barycentric, static_cast<int>(mesh.tetrahedra.rows()))});
     }
     for (const int node : probe.nodes) {
-      table.places_.push_back({Quoted(probe.name), node + 1, true, mesh.nodes.col(node),
+      table.places_.push_back({Quoted(probe.name), node_numbers[node], true, mesh.nodes.col(node),
                                Eigen::VectorXi::Constant(1, node), Eigen::VectorXd::Ones(1)});
     }
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -25,8 +26,10 @@ class ProbeTable {
  public:
   // Finds the elements that the points lie in. INVALID_ARGUMENT naming "probes[i].points[k]" for
   // one that lies outside of the body by more than a twentieth of an element.
+  // `node_numbers`: what nodes are called in the table.
   static absl::StatusOr<ProbeTable> Create(const mesh::TetrahedralMesh& mesh,
-                                           const std::vector<Probe>& probes);
+                                           const std::vector<Probe>& probes,
+                                           const std::vector<std::int64_t>& node_numbers);
 
   // Values at a point are those of the element's shape functions.
   void Add(const std::string& case_name, const ProbedFields& fields);
@@ -36,8 +39,8 @@ class ProbeTable {
 
  private:
   struct Place {
-    std::string probe;  // as CSV
-    int number;         // of the node in the mesh or of the point in the probe, from 1
+    std::string probe;    // as CSV
+    std::int64_t number;  // of the node, or of the point in the probe, from 1
     bool is_node;
     Eigen::Vector3d position;
     Eigen::VectorXi nodes;   // that the value is made of

@@ -165,7 +165,9 @@ TEST(MeshAnalysis, HeatFlowsThroughAWall) {
   EXPECT_NEAR(heat.through_temperatures, flux, 1e-6);
   EXPECT_THAT(heat.convected, ElementsAre(::testing::DoubleNear(flux, 1e-6)));
   const auto rows = Rows(analysed.files.at("probes.csv"));
-  ASSERT_EQ(rows.size(), 10u);  // nine nodes
+  ASSERT_EQ(rows.size(), 10u);  // nine nodes, called as in the file
+  EXPECT_EQ(rows[1][1], "node");
+  EXPECT_EQ(rows[1][2], std::to_string(10 + 3 * 4));
   EXPECT_NEAR(std::stod(rows[1].back()), heat.minimum, 1e-6);
   EXPECT_TRUE(analysed.files.contains("heat.vtu"));
   EXPECT_TRUE(analysed.files.contains("heat.png"));
