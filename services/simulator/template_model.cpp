@@ -20,16 +20,48 @@ using parametric::EvaluatedPart;
 constexpr std::size_t kMostFaces = 100'000;  // the kernel fuses 76,000 in half a minute
 constexpr std::size_t kNamesTold = 4;
 
-absl::StatusOr<Material> MaterialOf(const std::vector<parametric::Material>& materials,
+// Along which axis of the design an axis of the part's item lies.
+Eigen::Vector3d DirectionOf(parametric::Axis item_axis, const EvaluatedPart& part) {
+  const int length = static_cast<int>(part.length_axis);
+  const int thickness = static_cast<int>(part.thickness_axis);
+  switch (item_axis) {
+    case parametric::Axis::kX:
+      return Eigen::Vector3d::Unit(length);
+    case parametric::Axis::kY:
+      return Eigen::Vector3d::Unit(3 - length - thickness);
+    default:
+      return Eigen::Vector3d::Unit(thickness);
+  }
+}
+
+Orthotropy OrthotropyOf(const parametric::OrthotropicElasticity& elasticity,
+                        const parametric::Item& item, const EvaluatedPart& part) {
+  const parametric::OrthotropicElasticity& e = elasticity;
+  Orthotropy orthotropy;
+  orthotropy.youngs_modulus = {e.youngs_modulus_l, e.youngs_modulus_r, e.youngs_modulus_t};
+  orthotropy.poissons_ratio = {e.poissons_ratio_lr, e.poissons_ratio_rt, e.poissons_ratio_lt};
+  orthotropy.shear_modulus = {e.shear_modulus_lr, e.shear_modulus_rt, e.shear_modulus_lt};
+  orthotropy.axes = GrainAxes(DirectionOf(item.grain_axis.value_or(parametric::Axis::kX), part),
+                              DirectionOf(item.radial_axis.value_or(parametric::Axis::kZ), part));
+  return orthotropy;
+}
+
+// With its grain where the part is made of an item; of other parts nobody says which way it runs.
+absl::StatusOr<Material> MaterialOf(const templates::TemplateHead& head,
                                     const EvaluatedPart& part) {
-  const parametric::Material* material = parametric::FindMaterial(materials, part.material);
-  if (material == nullptr) {
+  const parametric::Material* known = parametric::FindMaterial(head.materials, part.material);
+  if (known == nullptr) {
     return InvalidField(
         absl::StrCat("part '", part.name, "'"),
         part.material.empty() ? "has no material" : absl::StrCat("there is no ", part.material));
   }
-  return Material{material->name, material->density, material->youngs_modulus,
-                  material->poissons_ratio, material->strength};
+  Material material{known->name, known->density, known->youngs_modulus, known->poissons_ratio,
+                    known->strength};
+  const parametric::Item* item = parametric::FindItem(head.items, part.item);
+  if (known->orthotropic && item != nullptr) {
+    material.orthotropy = OrthotropyOf(*known->orthotropic, *item, part);
+  }
+  return material;
 }
 
 // Whether the boxes of two parts meet.
@@ -147,7 +179,7 @@ absl::StatusOr<DesignModel> MakeDesignModel(const templates::Template& function,
   const EvaluatedDesign bearing = LoadBearing(design);
   DesignModel model;
   for (const EvaluatedPart& part : bearing.parts) {
-    MORTISE_ASSIGN_OR_RETURN(Material material, MaterialOf(function.head().materials, part));
+    MORTISE_ASSIGN_OR_RETURN(Material material, MaterialOf(function.head(), part));
     model.analysis.materials.push_back(std::move(material));
   }
   MORTISE_ASSIGN_OR_RETURN(model.surface, SurfaceOf(function, parameters, design, bearing));

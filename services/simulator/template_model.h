@@ -9,8 +9,9 @@ namespace mortise::simulator {
 
 // Fuses the parts of `design`, which is `function` at `parameters`, looks up what they are made of,
 // and turns its boundary conditions into supports and loads. Parts with shapes are their exact
-// solids where the template has them, else their triangles. What only connects parts is left out:
-// they are bonded where they touch. Heat has no part in elasticity.
+// solids where the template has them, else their triangles. Wood has its grain along the axis that
+// the part's item says; where there is no item it is taken as isotropic. What only connects parts
+// is left out: they are bonded where they touch. Heat has no part in elasticity.
 //
 // Fails as cad::FuseAssembly and Template::Solids do; INVALID_ARGUMENT naming the design's field
 // where a material or part is missing; RESOURCE_EXHAUSTED for solids with more faces together than

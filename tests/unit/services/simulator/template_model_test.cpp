@@ -90,6 +90,30 @@ TEST(TemplateModelTest, PartsWithoutMaterialAreNamed) {
   EXPECT_EQ(DetailOf(status).field, "part 'wrench'");
 }
 
+TEST(TemplateModelTest, WoodHasItsGrainWhereThePartsItemSays) {
+  const Subject table = AtDefaults(templates::ShippedTemplate("templates/table"));
+  const auto model = table.Model();
+  ASSERT_TRUE(model.ok()) << model.status();
+  int wooden = 0;
+  for (std::size_t i = 0; i < table.design.parts.size(); ++i) {
+    const parametric::EvaluatedPart& part = table.design.parts[i];
+    const Material& material = model->analysis.materials[i];
+    ASSERT_TRUE(material.orthotropy.has_value()) << part.name;
+    ++wooden;
+    const Eigen::Matrix3d& axes = material.orthotropy->axes;
+    // A part as long as its stock's grain: along it, the part is longest, and thin across the
+    // rings.
+    const Eigen::Vector3d extent = part.maximum - part.minimum;
+    EXPECT_NEAR(extent.dot(axes.col(0).cwiseAbs()), part.size.x(), 1e-9) << part.name;
+    EXPECT_NEAR(extent.dot(axes.col(1).cwiseAbs()), part.size.z(), 1e-9) << part.name;
+    EXPECT_GT(material.orthotropy->youngs_modulus[0], 5 * material.orthotropy->youngs_modulus[2]);
+  }
+  EXPECT_GE(wooden, 9);
+  const auto wrench = AtDefaults(templates::ShippedTemplate("templates/wrench")).Model();
+  ASSERT_TRUE(wrench.ok()) << wrench.status();
+  EXPECT_FALSE(wrench->analysis.materials[0].orthotropy.has_value());
+}
+
 // A solid as the catalog gives it to workers.
 v1::Shape ShapeOf(const cad::Solid& solid, const Eigen::Vector3d& size) {
   const auto drawn = cad::ShapeOfSolid(solid, Eigen::Matrix3d::Identity(), {0, 0, 0}, size);
