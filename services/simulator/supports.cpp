@@ -90,10 +90,24 @@ struct Hold {
   std::size_t support;
 };
 
-// The area-weighted normal of each node of the triangles, as pairs (node, normal) by node.
-std::map<int, Eigen::Vector3d> NodeNormals(const mesh::TetrahedralMesh& mesh,
-                                           const std::vector<int>& triangles) {
-  std::map<int, Eigen::Vector3d> normals;
+// Adds a normal to the one it is nearest to, or, further than 45 degrees from all, beside them.
+// Which way along it does not matter.
+void AddNormal(const Eigen::Vector3d& area, std::vector<Eigen::Vector3d>& normals) {
+  constexpr double kSamePlane = 0.7071;
+  for (Eigen::Vector3d& normal : normals) {
+    const double along = normal.dot(area);
+    if (std::abs(along) < kSamePlane * normal.norm() * area.norm()) continue;
+    normal += along < 0 ? Eigen::Vector3d(-area) : area;
+    return;
+  }
+  normals.push_back(area);
+}
+
+// The area-weighted normals of each node of the triangles: one of a smooth face, and where planes
+// meet at an edge or in a corner one of each.
+std::map<int, std::vector<Eigen::Vector3d>> NodeNormals(const mesh::TetrahedralMesh& mesh,
+                                                        const std::vector<int>& triangles) {
+  std::map<int, std::vector<Eigen::Vector3d>> normals;
   const int nodes = static_cast<int>(mesh.face_triangles.rows());
   for (const int t : triangles) {
     const GradientMatrix positions = TrianglePositions(mesh, t);
@@ -104,16 +118,15 @@ std::map<int, Eigen::Vector3d> NodeNormals(const mesh::TetrahedralMesh& mesh,
       } else {
         l[k - 3] = l[(k - 2) % 3] = 0.5;
       }
-      normals.try_emplace(mesh.face_triangles(k, t), Eigen::Vector3d::Zero()).first->second +=
-          TriangleAreaVector(positions, l);
+      AddNormal(TriangleAreaVector(positions, l), normals[mesh.face_triangles(k, t)]);
     }
   }
-  for (auto& [node, normal] : normals) {
-    normal.normalize();
-    // Faces that are square to an axis up to rounding are held along the axis.
-    Eigen::Index axis;
-    if (normal.cwiseAbs().maxCoeff(&axis) > 1 - 1e-12) {
-      normal = Eigen::Vector3d::Unit(axis);
+  for (auto& [node, of_node] : normals) {
+    for (Eigen::Vector3d& normal : of_node) {
+      normal.normalize();
+      // Faces that are square to an axis up to rounding are held along the axis.
+      Eigen::Index axis;
+      if (normal.cwiseAbs().maxCoeff(&axis) > 1 - 1e-12) normal = Eigen::Vector3d::Unit(axis);
     }
   }
   return normals;
@@ -126,8 +139,8 @@ std::map<int, std::vector<Hold>> CollectHolds(const mesh::TetrahedralMesh& mesh,
     const Support& support = supports[i];
     const std::vector<int> triangles = TrianglesOn(mesh, support.face, false);
     if (support.symmetric) {
-      for (const auto& [node, normal] : NodeNormals(mesh, triangles)) {
-        holds[node].push_back({normal, 0, i});
+      for (const auto& [node, normals] : NodeNormals(mesh, triangles)) {
+        for (const Eigen::Vector3d& normal : normals) holds[node].push_back({normal, 0, i});
       }
       continue;
     }

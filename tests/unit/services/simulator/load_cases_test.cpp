@@ -42,6 +42,32 @@ Eigen::Vector3d MomentOf(const mesh::TetrahedralMesh& mesh, const Eigen::Matrix3
   return moment;
 }
 
+// A face that goes round an edge is held along the normals of both of its planes there, as two
+// faces are.
+TEST(Supports, SymmetryOfSeveralPlanesHoldsTheirSharedEdgesTwice) {
+  for (const double angle : {0.0, 0.3}) {
+    mesh::TetrahedralMesh mesh = mesh::MeshMappedBox(Bar(2, angle), true);
+    for (mesh::AssemblyFace& face : mesh.faces) {
+      const std::vector<mesh::NamedFace> origins = face.origins;
+      for (const mesh::NamedFace& origin : origins) {
+        if (origin.name == "u_min" || origin.name == "v_min" || origin.name == "w_min") {
+          face.origins.push_back({0, "corner"});
+        }
+      }
+    }
+    AnalysisCase analysis;
+    analysis.materials = {Steel()};
+    analysis.forces = {{{0, "u_max"}, {100, -200, 300}}};
+    analysis.supports = {Symmetric("u_min"), Symmetric("v_min"), Symmetric("w_min")};
+    const auto separate = SolveElasticity(mesh, analysis);
+    analysis.supports = {Symmetric("corner")};
+    const auto together = SolveElasticity(mesh, analysis);
+    ASSERT_TRUE(separate.ok() && together.ok()) << separate.status() << together.status();
+    EXPECT_LT((together->displacement - separate->displacement).norm(),
+              1e-9 * separate->displacement.norm());
+  }
+}
+
 // Everything at once: reactions balance forces and moments.
 TEST(Loads, AreBalancedByReactions) {
   for (const bool quadratic : {false, true}) {
