@@ -6,6 +6,7 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_replace.h"
 #include "common/base/errors.h"
+#include "services/simulator/material.h"
 #include "services/simulator/mesh_analysis.h"
 #include "services/simulator/shape_functions.h"
 
@@ -78,28 +79,37 @@ absl::StatusOr<ProbeTable> ProbeTable::Create(const mesh::TetrahedralMesh& mesh,
 
 void ProbeTable::Add(const std::string& case_name, const ProbedFields& fields) {
   const std::string name = Quoted(case_name);
+  const auto write = [&](double value) { absl::StrAppendFormat(&csv_, ",%.9g", value); };
   for (const Place& place : places_) {
     absl::StrAppend(&csv_, place.probe, place.is_node ? ",node," : ",point,", place.number, ",",
                     name);
     for (const double x : place.position) absl::StrAppendFormat(&csv_, ",%.12g", x);
-    const auto add = [&](const auto& field, Eigen::Index rows) {
-      for (Eigen::Index r = 0; r < rows; ++r) {
-        if (field.size() == 0) {
-          csv_ += ",";
-          continue;
-        }
-        double value = 0;
-        for (Eigen::Index k = 0; k < place.nodes.size(); ++k) {
-          value += place.shares[k] * field(r, place.nodes[k]);
-        }
-        absl::StrAppendFormat(&csv_, ",%.9g", value);
+    const auto at = [&](const auto& field) {
+      Eigen::VectorXd value = Eigen::VectorXd::Zero(field.rows());
+      for (Eigen::Index k = 0; k < place.nodes.size(); ++k) {
+        value += place.shares[k] * field.col(place.nodes[k]);
       }
+      return value;
     };
-    add(fields.displacement, 3);
-    add(fields.stress, 6);
-    add(fields.von_mises.transpose(), 1);
-    add(fields.maximum_principal.transpose(), 1);
-    add(fields.temperature.transpose(), 1);
+    if (fields.displacement.size() == 0) {
+      csv_ += ",,,";
+    } else {
+      for (const double u : at(fields.displacement)) write(u);
+    }
+    if (fields.stress.size() == 0) {
+      csv_ += ",,,,,,,,";
+    } else {
+      const Vector6d stress = at(fields.stress);
+      for (const double s : stress) write(s);
+      // At nodes of several parts, those of the part that is most under stress.
+      write(place.is_node ? fields.von_mises[place.nodes[0]] : VonMises(stress));
+      write(place.is_node ? fields.maximum_principal[place.nodes[0]] : MaximumPrincipal(stress));
+    }
+    if (fields.temperature.size() == 0) {
+      csv_ += ",";
+    } else {
+      write(at(fields.temperature.transpose())[0]);
+    }
     csv_ += "\n";
   }
 }

@@ -31,7 +31,8 @@ class ProbeTable {
                                            const std::vector<Probe>& probes,
                                            const std::vector<std::int64_t>& node_numbers);
 
-  // Values at a point are those of the element's shape functions.
+  // Displacements, stresses and temperatures at a point are those of the element's shape functions;
+  // von Mises and principal stress are of that stress.
   void Add(const std::string& case_name, const ProbedFields& fields);
 
   std::size_t size() const { return places_.size(); }  // places
