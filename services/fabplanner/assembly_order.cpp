@@ -321,7 +321,8 @@ class Builder {
       const bool rolls = unit.built.empty() && item != items_.end() && item->second.round &&
                          item->second.kind == ItemKind::kHardware;
       facts.push_back({unit.built.empty() ? first.family : "", !unit.built.empty(), rolls,
-                       box.min().z(), box.max().z(), box.volume()});
+                       unit.built.empty() ? first.group : 0, box.min().z(), box.max().z(),
+                       box.volume()});
     }
     return facts;
   }

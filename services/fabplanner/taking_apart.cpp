@@ -80,7 +80,7 @@ class Disassembly {
   auto RankOf(int unit) const {
     const auto hops = hops_.find(unit);
     const UnitFacts& facts = facts_[unit];
-    return std::make_tuple(!facts.built,
+    return std::make_tuple(!facts.built, -facts.group,
                            hops == hops_.end() ? std::numeric_limits<int>::min() : -hops->second,
                            -Millimetre(facts.highest), std::llround(facts.volume * 1e9), -unit);
   }

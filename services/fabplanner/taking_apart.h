@@ -17,6 +17,7 @@ struct UnitFacts {
   std::string family;  // those of one are taken off in one step; empty for none
   bool built = false;  // a sub-assembly: taken off first
   bool rolls = false;  // nothing is built upon a wheel
+  int group = 0;       // of the drawing: what is drawn later is taken off first
   double lowest = 0;   // m, of its box
   double highest = 0;  // m
   double volume = 0;   // m³, of its box

@@ -219,7 +219,7 @@ TEST(TakingApartTest, RandomPilesComeApart) {
       units.push_back({static_cast<int>(i)});
       all.push_back(static_cast<int>(i));
       facts.push_back(
-          {"", false, false, solids[i].box().min().z(), solids[i].box().max().z(), 1e-3});
+          {"", false, false, 0, solids[i].box().min().z(), solids[i].box().max().z(), 1e-3});
     }
     const Joints joints = FindJoints(design, ExampleItems(), solids);
     const Blocking blocking(design, ExampleItems(), solids, joints, units);
