@@ -14,10 +14,15 @@ namespace mortise::mesh {
 // faces: sets of them become groups of faces. Keywords, parameters and names of sets may be in
 // upper or lower case; a group is called as its name is written first.
 //
+// A *PART (or its *INSTANCE, where that holds the mesh) and the assembly have each their own sets,
+// and numbers of nodes. Members are the part's in the part, with INSTANCE= and as
+// "instance.member". Where both have a set of one name, the assembly's keeps it and the part's is
+// called "<part>.<name>" (in notes). Nodes of the assembly, points of reference, are left out.
+//
 // What belongs to an analysis (*MATERIAL, *STEP …) is not used; GroupedMesh::notes lists it.
 // INVALID_ARGUMENT naming "mesh_file", with the line: *INCLUDE, elements of other kinds (named),
-// whatever makes or moves nodes or elements (*NGEN, *SYSTEM, a second *PART, moved *INSTANCE), and
-// whatever is broken.
+// whatever makes or moves nodes or elements (*NGEN, *SYSTEM, a second *PART or *INSTANCE, a moved
+// one), elements of the assembly itself, lines over 64 kB, and whatever is broken.
 absl::StatusOr<GroupedMesh> ReadAbaqus(std::string_view text);
 
 }  // namespace mortise::mesh

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <cmath>
+#include <cstdlib>
+#include <limits>
 #include <map>
 #include <set>
+#include <span>
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
@@ -113,14 +115,47 @@ class Reader {
         return places_.Fault(place, "the dimension is not 0 to 3");
       const std::string name(line.substr(1, line.size() - 2));
       names_[{static_cast<int>(dimension), tag}] = name;
-      MORTISE_RETURN_IF_ERROR(AddGroup(static_cast<int>(dimension), name, place));
+      MORTISE_RETURN_IF_ERROR(AddGroup(static_cast<int>(dimension), name, place).status());
     }
     return absl::OkStatus();
   }
 
-  absl::Status AddGroup(int dimension, const std::string& name, std::size_t place) {
+  absl::StatusOr<int> AddGroup(int dimension, const std::string& name, std::size_t place) {
     if (dimension == 3) return builder_.AddElementGroup(name, place);
     return dimension == 2 ? builder_.AddFaceGroup(name, place) : builder_.AddNodeGroup(name, place);
+  }
+
+  // The builder's group of a physical one.
+  absl::StatusOr<int> GroupOf(const Key& physical, std::size_t place) {
+    const auto done = groups_.find(physical);
+    if (done != groups_.end()) return done->second;
+    const auto known = names_.find(physical);
+    const std::string name = known == names_.end() ? absl::StrCat(physical.tag) : known->second;
+    MORTISE_ASSIGN_OR_RETURN(const int group, AddGroup(physical.dimension, name, place));
+    groups_.emplace(physical, group);
+    return group;
+  }
+
+  // The groups of an entity's elements, each once. Kept, as many blocks may be of one entity.
+  absl::StatusOr<const std::vector<int>*> GroupsOf(const Key& entity, std::size_t place) {
+    const auto [found, is_new] = groups_of_entity_.try_emplace(entity);
+    const auto tags = entity_tags_.find(entity);
+    if (!is_new || tags == entity_tags_.end()) return &found->second;
+    std::set<int> groups;  // two of one name are one
+    for (const std::int64_t tag : tags->second) {
+      MORTISE_ASSIGN_OR_RETURN(const int group, GroupOf({entity.dimension, tag}, place));
+      groups.insert(group);
+    }
+    found->second.assign(groups.begin(), groups.end());
+    return &found->second;
+  }
+
+  // Negative where the group turns the entity round.
+  absl::StatusOr<std::int64_t> PhysicalTag() {
+    MORTISE_ASSIGN_OR_RETURN(const std::int64_t tag, cursor_.Int());
+    constexpr std::int64_t kMost = std::numeric_limits<std::int32_t>::max();
+    if (tag < -kMost || tag > kMost) return cursor_.Fault("the number of a group is too large");
+    return std::abs(tag);
   }
 
   absl::Status ReadEntities() {
@@ -142,9 +177,14 @@ class Reader {
       MORTISE_RETURN_IF_ERROR(cursor_.Double().status());
     }
     MORTISE_ASSIGN_OR_RETURN(const std::int64_t groups, cursor_.Count(cursor_.is_text() ? 2 : 4));
+    const auto [tags, is_new] = entity_tags_.try_emplace({dimension, tag});
+    if (!is_new) {
+      return cursor_.Fault(
+          absl::StrCat("there is an entity ", tag, " of dimension ", dimension, " already"));
+    }
     for (std::int64_t i = 0; i < groups; ++i) {
-      MORTISE_ASSIGN_OR_RETURN(const std::int64_t group, cursor_.Int());
-      entity_groups_[{dimension, tag}].push_back(std::abs(group));  // negative: turned round
+      MORTISE_ASSIGN_OR_RETURN(const std::int64_t group, PhysicalTag());
+      tags->second.push_back(group);
     }
     if (dimension == 0) return absl::OkStatus();
     MORTISE_ASSIGN_OR_RETURN(const std::int64_t bounds, cursor_.Count(cursor_.is_text() ? 2 : 4));
@@ -217,8 +257,9 @@ class Reader {
       if (kind->dimension != dimension) return cursor_.Fault("the dimension is not its elements'");
       MORTISE_ASSIGN_OR_RETURN(const std::int64_t count,
                                cursor_.Count((1 + kind->nodes) * (cursor_.is_text() ? 2 : 8)));
-      const auto groups = entity_groups_.find({kind->dimension, entity});
-      static const std::vector<std::int64_t> kNone;
+      if (count == 0) continue;
+      MORTISE_ASSIGN_OR_RETURN(const std::vector<int>* groups,
+                               GroupsOf({kind->dimension, entity}, cursor_.at()));
       for (std::int64_t i = 0; i < count; ++i) {
         if (cursor_.is_text()) cursor_.SkipSpace();
         const std::size_t place = cursor_.at();
@@ -227,8 +268,7 @@ class Reader {
         for (int k = 0; k < kind->nodes; ++k) {
           MORTISE_ASSIGN_OR_RETURN(nodes[k], cursor_.Size());
         }
-        MORTISE_RETURN_IF_ERROR(AddElement(
-            *kind, number, nodes, groups == entity_groups_.end() ? kNone : groups->second, place));
+        MORTISE_RETURN_IF_ERROR(AddElement(*kind, number, nodes, *groups, place));
       }
     }
     return absl::OkStatus();
@@ -270,16 +310,18 @@ class Reader {
   absl::Status ReadOldElement(const GmshElementKind& kind, std::int64_t number, std::int64_t tags,
                               std::size_t place) {
     if (tags < 0 || tags > 100) return places_.Fault(place, "the number of tags is not 0 to 100");
-    std::vector<std::int64_t> groups;
-    for (std::int64_t t = 0; t < tags; ++t) {
-      MORTISE_ASSIGN_OR_RETURN(const std::int64_t tag, cursor_.Int());
-      if (t == 0 && tag != 0) groups.push_back(std::abs(tag));
+    std::int64_t tag = 0;
+    if (tags > 0) {
+      MORTISE_ASSIGN_OR_RETURN(tag, PhysicalTag());
     }
+    for (std::int64_t t = 1; t < tags; ++t) MORTISE_RETURN_IF_ERROR(cursor_.Int().status());
     std::array<std::int64_t, 10> nodes{};
     for (int k = 0; k < kind.nodes; ++k) {
       MORTISE_ASSIGN_OR_RETURN(nodes[k], cursor_.Int());
     }
-    return AddElement(kind, number, nodes, groups, place);
+    if (tag == 0) return AddElement(kind, number, nodes, {}, place);
+    MORTISE_ASSIGN_OR_RETURN(const int group, GroupOf({kind.dimension, tag}, place));
+    return AddElement(kind, number, nodes, std::span(&group, 1), place);
   }
 
   absl::StatusOr<const GmshElementKind*> KindOf(std::int64_t type) const {
@@ -294,23 +336,21 @@ class Reader {
   }
 
   absl::Status AddElement(const GmshElementKind& kind, std::int64_t number,
-                          std::array<std::int64_t, 10>& nodes,
-                          const std::vector<std::int64_t>& groups, std::size_t place) {
+                          std::array<std::int64_t, 10>& nodes, std::span<const int> groups,
+                          std::size_t place) {
     if (kind.dimension == 3) {
       if (kind.nodes == 10) std::swap(nodes[8], nodes[9]);  // the middles of 23 and 13
       MORTISE_RETURN_IF_ERROR(
           builder_.AddElement(number, std::span(nodes.data(), kind.nodes), place));
     }
-    for (const std::int64_t tag : groups) {
-      const auto known = names_.find({kind.dimension, tag});
-      const std::string name = known == names_.end() ? absl::StrCat(tag) : known->second;
+    for (const int group : groups) {
       if (kind.dimension == 3) {
-        MORTISE_RETURN_IF_ERROR(builder_.AddElementMember(name, number, place));
+        MORTISE_RETURN_IF_ERROR(builder_.AddElementMember(group, number, place));
       } else if (kind.dimension == 2) {
-        MORTISE_RETURN_IF_ERROR(builder_.AddTriangle(name, {nodes[0], nodes[1], nodes[2]}, place));
+        MORTISE_RETURN_IF_ERROR(builder_.AddTriangle(group, {nodes[0], nodes[1], nodes[2]}, place));
       } else {
         for (int k = 0; k < kind.nodes; ++k) {
-          MORTISE_RETURN_IF_ERROR(builder_.AddNodeMember(name, nodes[k], place));
+          MORTISE_RETURN_IF_ERROR(builder_.AddNodeMember(group, nodes[k], place));
         }
       }
     }
@@ -323,7 +363,9 @@ class Reader {
   const bool is_old_;
   std::set<std::string> seen_;  // sections
   std::map<Key, std::string> names_;
-  std::map<Key, std::vector<std::int64_t>> entity_groups_;  // by entity
+  std::map<Key, int> groups_;                             // the builder's, by physical group
+  std::map<Key, std::vector<std::int64_t>> entity_tags_;  // of physical groups, by entity
+  std::map<Key, std::vector<int>> groups_of_entity_;      // the builder's
 };
 
 }  // namespace

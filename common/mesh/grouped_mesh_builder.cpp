@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <limits>
 #include <numeric>
+#include <set>
 
+#include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/mesh/element_faces.h"
@@ -14,8 +16,15 @@ namespace {
 constexpr std::size_t kMostNodes = 100'000'000;
 constexpr std::size_t kMostGroups = 10'000;  // of a kind
 constexpr std::size_t kLongestName = 200;    // bytes
+constexpr std::size_t kListedNames = 20;     // in a note
 
-// Whether the bytes are UTF-8 without control characters: names go into messages and files.
+// Of all groups together. Files may have more than the first of these only if they are so long that
+// elements and nodes which are listed once each can be as many.
+constexpr std::size_t kMostMembers = 10'000'000;
+constexpr std::size_t kBytesOfMember = 16;
+
+}  // namespace
+
 bool IsPlainText(std::string_view text) {
   std::size_t at = 0;
   while (at < text.size()) {
@@ -41,6 +50,8 @@ bool IsPlainText(std::string_view text) {
   }
   return true;
 }
+
+namespace {
 
 template <typename T>
 void SortAndUnite(std::vector<T>& members) {
@@ -102,62 +113,100 @@ absl::Status GroupedMeshBuilder::AddElement(std::int64_t number,
   return absl::OkStatus();
 }
 
-absl::Status GroupedMeshBuilder::CheckName(const std::string& group, std::size_t place) const {
-  if (!group.empty() && group.size() <= kLongestName && IsPlainText(group)) return absl::OkStatus();
-  return places_.Fault(place, absl::StrCat("the name of a group must be 1 to ", kLongestName,
-                                           " bytes of UTF-8 without control characters"));
-}
-
-absl::Status GroupedMeshBuilder::AddNodeGroup(const std::string& group, std::size_t place) {
-  if (node_groups_.contains(group)) return absl::OkStatus();
-  if (node_groups_.size() >= kMostGroups) return places_.Fault(place, "there are too many groups");
-  node_groups_[group];
-  return CheckName(group, place);
-}
-
-absl::Status GroupedMeshBuilder::AddElementGroup(const std::string& group, std::size_t place) {
-  if (element_groups_.contains(group)) return absl::OkStatus();
-  if (element_groups_.size() >= kMostGroups) {
-    return places_.Fault(place, "there are too many groups");
+absl::StatusOr<int> GroupedMeshBuilder::AddGroup(Groups& groups, const std::string& name,
+                                                 std::size_t place, Owner owner) {
+  const auto found = groups.index.find({owner, name});
+  if (found != groups.index.end()) return found->second;
+  if (groups.groups.size() >= kMostGroups) return places_.Fault(place, "there are too many groups");
+  if (name.empty() || name.size() > kLongestName || !IsPlainText(name)) {
+    return places_.Fault(place, absl::StrCat("the name of a group must be 1 to ", kLongestName,
+                                             " bytes of UTF-8 without control characters"));
   }
-  element_groups_[group];
-  return CheckName(group, place);
+  const int group = static_cast<int>(groups.groups.size());
+  groups.index.emplace(std::pair(owner, name), group);
+  groups.groups.push_back({owner, name, {}, {}});
+  return group;
 }
 
-absl::Status GroupedMeshBuilder::AddFaceGroup(const std::string& group, std::size_t place) {
-  if (face_groups_.contains(group)) return absl::OkStatus();
-  if (face_groups_.size() >= kMostGroups) return places_.Fault(place, "there are too many groups");
-  face_groups_[group];
-  return CheckName(group, place);
+absl::StatusOr<int> GroupedMeshBuilder::AddNodeGroup(const std::string& name, std::size_t place,
+                                                     Owner owner) {
+  return AddGroup(node_groups_, name, place, owner);
 }
 
-absl::Status GroupedMeshBuilder::AddNodeMember(const std::string& group, std::int64_t number,
-                                               std::size_t place) {
-  MORTISE_RETURN_IF_ERROR(AddNodeGroup(group, place));
-  node_groups_[group].push_back({number, place, -1});
+absl::StatusOr<int> GroupedMeshBuilder::AddElementGroup(const std::string& name, std::size_t place,
+                                                        Owner owner) {
+  return AddGroup(element_groups_, name, place, owner);
+}
+
+absl::StatusOr<int> GroupedMeshBuilder::AddFaceGroup(const std::string& name, std::size_t place,
+                                                     Owner owner) {
+  return AddGroup(face_groups_, name, place, owner);
+}
+
+absl::Status GroupedMeshBuilder::SpendMember(std::size_t place) {
+  const std::size_t most = kMostMembers + places_.size() / kBytesOfMember;
+  if (++members_ <= most) return absl::OkStatus();
+  return places_.Fault(place, absl::StrCat("the groups have more than ", most, " members"));
+}
+
+absl::Status GroupedMeshBuilder::AddNodeMember(int group, std::int64_t number, std::size_t place) {
+  MORTISE_RETURN_IF_ERROR(SpendMember(place));
+  node_groups_.groups[group].members.push_back({number, place, -1});
   return absl::OkStatus();
 }
 
-absl::Status GroupedMeshBuilder::AddElementMember(const std::string& group, std::int64_t number,
+absl::Status GroupedMeshBuilder::AddElementMember(int group, std::int64_t number,
                                                   std::size_t place) {
-  MORTISE_RETURN_IF_ERROR(AddElementGroup(group, place));
-  element_groups_[group].push_back({number, place, -1});
+  MORTISE_RETURN_IF_ERROR(SpendMember(place));
+  element_groups_.groups[group].members.push_back({number, place, -1});
   return absl::OkStatus();
 }
 
-absl::Status GroupedMeshBuilder::AddSideMember(const std::string& group, std::int64_t element,
-                                               int side, std::size_t place) {
-  MORTISE_RETURN_IF_ERROR(AddFaceGroup(group, place));
-  face_groups_[group].sides.push_back({element, place, side});
+absl::Status GroupedMeshBuilder::AddSideMember(int group, std::int64_t element, int side,
+                                               std::size_t place) {
+  MORTISE_RETURN_IF_ERROR(SpendMember(place));
+  face_groups_.groups[group].members.push_back({element, place, side});
   return absl::OkStatus();
 }
 
-absl::Status GroupedMeshBuilder::AddTriangle(const std::string& group,
-                                             const std::array<std::int64_t, 3>& corners,
+absl::Status GroupedMeshBuilder::AddTriangle(int group, const std::array<std::int64_t, 3>& corners,
                                              std::size_t place) {
-  MORTISE_RETURN_IF_ERROR(AddFaceGroup(group, place));
-  face_groups_[group].triangles.push_back({corners, place});
+  MORTISE_RETURN_IF_ERROR(SpendMember(place));
+  face_groups_.groups[group].triangles.push_back({corners, place});
   return absl::OkStatus();
+}
+
+// Afterwards names are distinct within a kind, and each kind's groups are in their order.
+void GroupedMeshBuilder::NamePartGroups() {
+  std::set<std::string> of_whole, taken;
+  for (const Groups* const kind : {&node_groups_, &element_groups_, &face_groups_}) {
+    for (const Group& group : kind->groups) {
+      taken.insert(group.name);
+      if (group.owner == Owner::kWhole) of_whole.insert(absl::AsciiStrToUpper(group.name));
+    }
+  }
+  std::set<std::string> renamed;
+  for (Groups* const kind : {&node_groups_, &element_groups_, &face_groups_}) {
+    for (Group& group : kind->groups) {
+      if (group.owner == Owner::kWhole) continue;
+      if (!of_whole.contains(absl::AsciiStrToUpper(group.name))) continue;
+      do {
+        group.name = absl::StrCat(part_name_, ".", group.name);
+      } while (taken.contains(group.name));
+      renamed.insert(group.name);
+    }
+    std::sort(kind->groups.begin(), kind->groups.end(),
+              [](const Group& a, const Group& b) { return a.name < b.name; });
+  }
+  if (renamed.empty()) return;
+  std::string note = "sets of the part, called so because the assembly has their names too:";
+  std::size_t listed = 0;
+  for (const std::string& name : renamed) {
+    if (listed == kListedNames) break;
+    absl::StrAppend(&note, listed++ == 0 ? " " : ", ", name);
+  }
+  if (renamed.size() > listed) absl::StrAppend(&note, " and ", renamed.size() - listed, " more");
+  AddNote(std::move(note));
 }
 
 absl::Status GroupedMeshBuilder::ResolveElements(GroupedMesh& mesh) {
@@ -227,7 +276,7 @@ absl::Status GroupedMeshBuilder::MergeRepeats(GroupedMesh& mesh) {
 }
 
 absl::Status GroupedMeshBuilder::ResolveElementGroups(GroupedMesh& mesh) const {
-  for (const auto& [name, members] : element_groups_) {
+  for (const auto& [owner, name, members, triangles] : element_groups_.groups) {
     ElementGroup group{name, {}};
     for (const Member& member : members) {
       const auto found = element_index_.find(member.number);
@@ -259,8 +308,8 @@ absl::Status GroupedMeshBuilder::ResolveFaceGroups(GroupedMesh& mesh) const {
     std::sort(key.begin(), key.end());
     return key;
   };
-  for (const auto& [name, members] : face_groups_) {
-    for (const Triangle& triangle : members.triangles) {
+  for (const Group& added : face_groups_.groups) {
+    for (const Triangle& triangle : added.triangles) {
       MORTISE_ASSIGN_OR_RETURN(const auto key, key_of(triangle));
       wanted.try_emplace(key, ElementSide{-1, -1});
     }
@@ -276,9 +325,9 @@ absl::Status GroupedMeshBuilder::ResolveFaceGroups(GroupedMesh& mesh) const {
       }
     }
   }
-  for (const auto& [name, members] : face_groups_) {
+  for (const auto& [owner, name, members, triangles] : face_groups_.groups) {
     FaceGroup group{name, {}};
-    for (const Member& member : members.sides) {
+    for (const Member& member : members) {
       const auto found = element_index_.find(member.number);
       if (found == element_index_.end()) {
         return places_.Fault(member.place, absl::StrCat("group '", name, "' names element ",
@@ -286,7 +335,7 @@ absl::Status GroupedMeshBuilder::ResolveFaceGroups(GroupedMesh& mesh) const {
       }
       group.members.push_back({found->second, member.side});
     }
-    for (const Triangle& triangle : members.triangles) {
+    for (const Triangle& triangle : triangles) {
       MORTISE_ASSIGN_OR_RETURN(const auto key, key_of(triangle));
       const ElementSide side = wanted.at(key);
       if (side.element < 0) {
@@ -304,7 +353,7 @@ absl::Status GroupedMeshBuilder::ResolveFaceGroups(GroupedMesh& mesh) const {
 // `kept`: the new index of each node, -1 of those in no element.
 absl::Status GroupedMeshBuilder::ResolveNodeGroups(const std::vector<int>& kept,
                                                    GroupedMesh& mesh) const {
-  for (const auto& [name, members] : node_groups_) {
+  for (const auto& [owner, name, members, triangles] : node_groups_.groups) {
     NodeGroup group{name, {}};
     for (const Member& member : members) {
       const auto found = node_index_.find(member.number);
@@ -324,6 +373,7 @@ absl::StatusOr<GroupedMesh> GroupedMeshBuilder::Build() {
   if (element_numbers_.empty()) {
     return InvalidField("mesh_file", "has no tetrahedra");
   }
+  NamePartGroups();
   GroupedMesh mesh;
   MORTISE_RETURN_IF_ERROR(ResolveElements(mesh));
   MORTISE_RETURN_IF_ERROR(MergeRepeats(mesh));
@@ -347,8 +397,10 @@ absl::StatusOr<GroupedMesh> GroupedMeshBuilder::Build() {
   MORTISE_RETURN_IF_ERROR(ResolveNodeGroups(kept, mesh));
   mesh.notes = std::move(notes_);
   if (const std::size_t unused = nodes_.size() - count; unused > 0) {
-    mesh.notes.push_back(absl::StrCat(unused, unused == 1 ? " node belongs" : " nodes belong",
-                                      " to no element and was left out"));
+    mesh.notes.push_back(absl::StrCat(unused,
+                                      unused == 1 ? " node belongs to no element and was"
+                                                  : " nodes belong to no element and were",
+                                      " left out"));
   }
   return mesh;
 }

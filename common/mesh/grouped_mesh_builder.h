@@ -9,6 +9,7 @@
 #include <string>
 #include <string_view>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "absl/status/status.h"
@@ -25,10 +26,16 @@ class FilePlaces {
   // INVALID_ARGUMENT naming "mesh_file": "line 12: …" or "byte 345: …" for the byte `place`.
   absl::Status Fault(std::size_t place, std::string_view message) const;
 
+  // Of the whole file, in bytes.
+  std::size_t size() const { return bytes_.size(); }
+
  private:
   const std::string_view bytes_;
   const bool is_text_;
 };
+
+// Whether the bytes are UTF-8 without control characters, as what goes into messages must be.
+bool IsPlainText(std::string_view text);
 
 // Nodes and elements are known by the file's numbers, which may come in any order. Each `place` is
 // the byte of the file that failures tell of.
@@ -46,19 +53,32 @@ class GroupedMeshBuilder {
   absl::Status AddElement(std::int64_t number, std::span<const std::int64_t> nodes,
                           std::size_t place);
 
-  // Members of the groups of this name, which is made if it is new. Nodes and elements must exist
-  // in the end; a triangle must be a side of an element.
-  absl::Status AddNodeMember(const std::string& group, std::int64_t number, std::size_t place);
-  absl::Status AddElementMember(const std::string& group, std::int64_t number, std::size_t place);
-  absl::Status AddSideMember(const std::string& group, std::int64_t element, int side,
-                             std::size_t place);
-  absl::Status AddTriangle(const std::string& group, const std::array<std::int64_t, 3>& corners,
+  // Whose a group is. Names are distinct for each owner. Where a part and the whole have groups of
+  // one name, in upper or lower case and of whatever kind, the part's are called "<part>.<name>" in
+  // the mesh, and a note says so.
+  enum class Owner { kWhole, kPart };
+
+  // The group of this name, which is made if it is new and may stay empty. A name is 1 to 200 bytes
+  // of UTF-8.
+  absl::StatusOr<int> AddNodeGroup(const std::string& name, std::size_t place,
+                                   Owner owner = Owner::kWhole);
+  absl::StatusOr<int> AddElementGroup(const std::string& name, std::size_t place,
+                                      Owner owner = Owner::kWhole);
+  absl::StatusOr<int> AddFaceGroup(const std::string& name, std::size_t place,
+                                   Owner owner = Owner::kWhole);
+
+  // Members of a group that was added, of nodes, of elements, of faces and of faces. Nodes and
+  // elements must exist in the end; a triangle must be a side of an element. INVALID_ARGUMENT if
+  // all groups together have more than ten million members and one for each 16 bytes of the file:
+  // a few bytes may put every element into every group.
+  absl::Status AddNodeMember(int group, std::int64_t number, std::size_t place);
+  absl::Status AddElementMember(int group, std::int64_t number, std::size_t place);
+  absl::Status AddSideMember(int group, std::int64_t element, int side, std::size_t place);
+  absl::Status AddTriangle(int group, const std::array<std::int64_t, 3>& corners,
                            std::size_t place);
 
-  // Makes groups that may stay empty.
-  absl::Status AddNodeGroup(const std::string& group, std::size_t place);
-  absl::Status AddElementGroup(const std::string& group, std::size_t place);
-  absl::Status AddFaceGroup(const std::string& group, std::size_t place);
+  // What groups of a part are called by; "Part" until this is called.
+  void SetPartName(std::string name) { part_name_ = std::move(name); }
 
   // Notes beyond the fiftieth are dropped.
   void AddNote(std::string note) {
@@ -81,12 +101,21 @@ class GroupedMeshBuilder {
     std::array<std::int64_t, 3> corners;
     std::size_t place;
   };
-  struct FaceMembers {
-    std::vector<Member> sides;
-    std::vector<Triangle> triangles;
+  struct Group {
+    Owner owner;
+    std::string name;
+    std::vector<Member> members;
+    std::vector<Triangle> triangles;  // of faces
+  };
+  struct Groups {
+    std::vector<Group> groups;
+    std::map<std::pair<Owner, std::string>, int> index;
   };
 
-  absl::Status CheckName(const std::string& group, std::size_t place) const;
+  absl::StatusOr<int> AddGroup(Groups& groups, const std::string& name, std::size_t place,
+                               Owner owner);
+  absl::Status SpendMember(std::size_t place);
+  void NamePartGroups();
   absl::Status ResolveElements(GroupedMesh& mesh);
   absl::Status MergeRepeats(GroupedMesh& mesh);
   absl::Status ResolveElementGroups(GroupedMesh& mesh) const;
@@ -103,8 +132,9 @@ class GroupedMeshBuilder {
   std::vector<std::int64_t> element_numbers_;
   std::vector<std::size_t> element_places_;
   std::unordered_map<std::int64_t, int> element_index_;  // by number; after Build's merging, final
-  std::map<std::string, std::vector<Member>> node_groups_, element_groups_;
-  std::map<std::string, FaceMembers> face_groups_;
+  Groups node_groups_, element_groups_, face_groups_;
+  std::size_t members_ = 0;  // of all groups
+  std::string part_name_ = "Part";
   std::vector<std::string> notes_;
 };
 
