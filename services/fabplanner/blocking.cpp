@@ -1,6 +1,7 @@
 #include "services/fabplanner/blocking.h"
 
 #include <algorithm>
+#include <optional>
 
 namespace mortise::fabplanner {
 namespace {
@@ -93,20 +94,6 @@ void Blocking::Tie(int unit_a, int unit_b, int axis) {
     if (kAll[direction].axis == axis) continue;
     blocks_[direction][unit_a][unit_b] = blocks_[direction][unit_b][unit_a] = true;
   }
-}
-
-std::optional<int> Blocking::WayOff(int unit, const std::vector<int>& others) const {
-  const auto is_blocked = [&](int direction) {
-    return std::any_of(others.begin(), others.end(),
-                       [&](int other) { return other != unit && Blocks(direction, unit, other); });
-  };
-  std::optional<int> way;
-  for (int direction = 0; direction < kDirections; ++direction) {
-    if (is_blocked(direction)) continue;
-    if (is_blocked(Opposite(direction))) return direction;
-    if (!way) way = direction;
-  }
-  return way;
 }
 
 std::vector<int> Blocking::MovesWith(int direction, int unit, const std::vector<int>& units) const {

@@ -4,8 +4,6 @@
 
 #include <Eigen/Core>
 #include <array>
-#include <optional>
-#include <string>
 #include <utility>
 #include <vector>
 
@@ -33,10 +31,6 @@ class Blocking {
 
   // Whether `other` stands in the way of `unit` leaving in a direction.
   bool Blocks(int direction, int unit, int other) const { return blocks_[direction][unit][other]; }
-  // The direction in which the unit can be taken off the others alone; nothing if there is none. Of
-  // several the first on whose way back the unit comes to a stop, which is where it belongs.
-  std::optional<int> WayOff(int unit, const std::vector<int>& others) const;
-
   // What must move with `unit` in a direction, of `units`: itself, what blocks it, what blocks
   // that.
   std::vector<int> MovesWith(int direction, int unit, const std::vector<int>& units) const;

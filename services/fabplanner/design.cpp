@@ -29,12 +29,12 @@ double SignedArea(const std::vector<Eigen::Vector2d>& outline) {
   return area / 2;
 }
 
-// Whether the triangle stands at a right angle to the part's thickness.
-bool IsUprightTriangle(const Part& part, const Eigen::Vector3i& corners) {
+// Whether the triangle's plane runs along the axis.
+bool RunsAlong(int axis, const Part& part, const Eigen::Vector3i& corners) {
   const Eigen::Vector3d a = part.vertices.col(corners[0]);
   const Eigen::Vector3d normal =
       (part.vertices.col(corners[1]) - a).cross(part.vertices.col(corners[2]) - a);
-  return std::abs(normal[part.thickness_axis]) <= 1e-4 * normal.norm();
+  return std::abs(normal[axis]) <= 1e-4 * normal.norm();
 }
 
 // The border of the upper face of triangles that stand upright on their lower face, as vertices in
@@ -52,7 +52,7 @@ std::optional<std::vector<int>> UprightBorder(const Part& part, const Eigen::Ali
     const Eigen::Vector3i corners = part.triangles.col(t);
     const auto is_upper = [&](int k) { return upper[static_cast<std::size_t>(corners[k % 3])]; };
     const bool side = is_upper(0) != is_upper(1) || is_upper(1) != is_upper(2);
-    if (side && !IsUprightTriangle(part, corners)) return std::nullopt;
+    if (side && !RunsAlong(up, part, corners)) return std::nullopt;
     for (int k = 0; k < 3; ++k) {
       // A side's upper edge runs against that of the face above it.
       if (!is_upper(k) || !is_upper(k + 1) || is_upper(k + 2)) continue;
@@ -76,19 +76,38 @@ std::optional<std::vector<int>> UprightBorder(const Part& part, const Eigen::Ali
 
 bool IsBox(const Part& part) {
   constexpr double kAlmostAll = 1 - 1e-6;
-  if (IsShaped(part)) {
-    double volume = 0;
-    for (Eigen::Index t = 0; t < part.triangles.cols(); ++t) {
-      const Eigen::Vector3i corners = part.triangles.col(t);
-      volume += part.vertices.col(corners[0])
-                    .dot(part.vertices.col(corners[1]).cross(part.vertices.col(corners[2]))) /
-                6;
-    }
-    return volume >= kAlmostAll * BoundsOf(part).volume();
-  }
+  if (IsShaped(part)) return VolumeOf(part) >= kAlmostAll * BoundsOf(part).volume();
   Eigen::AlignedBox2d box;
   for (const Eigen::Vector2d& point : part.outline) box.extend(point);
   return std::abs(SignedArea(part.outline)) >= kAlmostAll * box.volume();
+}
+
+double VolumeOf(const Part& part) {
+  if (!IsShaped(part)) return std::abs(SignedArea(part.outline)) * (part.to - part.from);
+  double volume = 0;
+  for (Eigen::Index t = 0; t < part.triangles.cols(); ++t) {
+    const Eigen::Vector3i corners = part.triangles.col(t);
+    volume += part.vertices.col(corners[0])
+                  .dot(part.vertices.col(corners[1]).cross(part.vertices.col(corners[2]))) /
+              6;
+  }
+  return volume;
+}
+
+bool IsPrismAlong(const Part& part, int axis) {
+  if (!IsShaped(part)) return part.extrusion_axis == axis || IsBox(part);
+  const Eigen::AlignedBox3d box = BoundsOf(part);
+  for (Eigen::Index t = 0; t < part.triangles.cols(); ++t) {
+    const Eigen::Vector3i corners = part.triangles.col(t);
+    if (RunsAlong(axis, part, corners)) continue;
+    bool at_start = true, at_end = true;
+    for (int corner : corners) {
+      at_start = at_start && part.vertices(axis, corner) < box.min()[axis] + kFlat;
+      at_end = at_end && part.vertices(axis, corner) > box.max()[axis] - kFlat;
+    }
+    if (!at_start && !at_end) return false;
+  }
+  return true;
 }
 
 bool IsUpright(const Part& part) {

@@ -122,6 +122,12 @@ inline bool IsShaped(const Part& part) { return part.triangles.cols() > 0; }
 // Whether the part fills its box.
 bool IsBox(const Part& part);
 
+// m³; of triangles, what their closed surface encloses.
+double VolumeOf(const Part& part);
+
+// Whether the part has one section all along the axis (0, 1, 2), between two square ends.
+bool IsPrismAlong(const Part& part, int axis);
+
 // Whether a cut at right angles to its thickness gives all of it: SheetOutlineOf is its outline.
 bool IsUpright(const Part& part);
 

@@ -83,6 +83,16 @@ struct Line {
   std::vector<Passage> passages;
 };
 
+// Of the end that reaches into parts, m: of pins, of the hole too.
+double PinDiameter(const Line& line) {
+  return MeasureOr(*line.item, "tenon_diameter", line.connector->size.y());
+}
+
+// The lesser width of a box across an axis, m.
+double SectionAcross(const Eigen::AlignedBox3d& box, int axis) {
+  return std::min(box.sizes()[(axis + 1) % 3], box.sizes()[(axis + 2) % 3]);
+}
+
 bool Contains(const Passage& passage, double s) {
   return passage.enter + kFit < s && s < passage.leave - kFit;
 }
@@ -152,9 +162,13 @@ class HoleMaker {
     for (std::size_t j = 0; j < design_.parts.size(); ++j) {
       if (j == index || !MayBeDrilled(design_.parts[j], items_)) continue;
       if (!solids_[j].box().intersects(box)) continue;
+      const double section = SectionAcross(solids_[j].box(), axis);
       for (const Stretch& stretch : solids_[j].Along(axis, box.center())) {
         const double enter = stretch.from - line.head[axis], leave = stretch.to - line.head[axis];
         if (std::min(leave, line.length) - std::max(enter, 0.0) <= kFit) continue;
+        // Of rods that join rods the thinner goes into the thicker, which does not drill it.
+        const bool crosses = enter > kFit && leave < line.length - kFit;
+        if ((crosses ? part.size.y() : PinDiameter(line)) > section - kFit) continue;
         line.passages.push_back({&design_.parts[j], enter, leave});
       }
     }
@@ -236,7 +250,7 @@ class HoleMaker {
   }
 
   static void AddPinHoles(const Line& line, std::vector<Hole>* holes) {
-    const double diameter = MeasureOr(*line.item, "tenon_diameter", line.connector->size.y());
+    const double diameter = PinDiameter(line);
     for (const Passage& passage : line.passages) {
       const bool starts = Contains(passage, 0), ends = Contains(passage, line.length);
       if (starts && ends) continue;  // it lies in a pocket that no drill makes

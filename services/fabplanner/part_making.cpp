@@ -11,6 +11,7 @@ namespace mortise::fabplanner {
 namespace {
 
 constexpr double kFarthest = 1e4;  // m; what lies further away is a slip of the keyboard
+constexpr double kFacets = 0.05;   // of a circle's area, which 12 chords or more may miss
 constexpr std::array<const char*, 3> kDimensions = {"long", "wide", "thick"};
 
 absl::Status CheckNumbers(const Part& part) {
@@ -55,10 +56,18 @@ absl::Status CheckSize(const Part& part, const Item& item, Making making) {
   return absl::OkStatus();
 }
 
+// Whether a crosscut of round stock gives the part. How thick a tube's wall is need not be known.
+bool IsRoundCut(const Part& part, const Item& item) {
+  if (!item.round || !IsPrismAlong(part, part.length_axis)) return false;
+  if (!IsShaped(part) || item.kind == ItemKind::kBoard) return true;
+  const double full = M_PI / 4 * part.size.prod();
+  return std::abs(VolumeOf(part) - full) <= kFacets * full;
+}
+
 // Whether a crosscut of the stock is all that the part takes.
 bool IsStockCut(const Part& part, const Item& item) {
   if (IsShaped(part) && item.shaped) return true;
-  return IsBox(part) || (item.round && part.extrusion_axis == part.length_axis);
+  return IsBox(part) || IsRoundCut(part, item);
 }
 
 PlannedPart PlanPart(const Part& part, const Item& item) {

@@ -48,9 +48,9 @@ absl::Status OfItem(const absl::Status& status, const Item& item) {
                             detail.field);
 }
 
-// The price of a piece of an item that is sold in several sizes; 0 where the item's own holds.
+// The price of a piece of a size that the item lists; 0 where the item's own holds.
 double PiecePrice(const Item& item, const StockSize& size) {
-  if (item.stock.size() < 2 || item.price_per_volume) return 0;
+  if (item.stock.empty() || item.price_per_volume) return 0;
   if (size.price > 0) return size.price;
   const double width = size.width > 0 ? size.width / item.size.y() : 1;
   return item.price.amount * width * size.length / item.size.x();

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <limits>
 #include <map>
+#include <optional>
 #include <tuple>
 
 namespace mortise::fabplanner {
@@ -64,6 +65,16 @@ class Disassembly {
     std::sort(left_.begin(), left_.end());
     result_.base = PickBase(left_, facts);
     hops_ = HopsFrom(result_.base, left_, InOnePiece(left_, held) ? held : linked);
+    for (int direction = 0; direction < kDirections; ++direction) {
+      blockers_[direction].assign(facts.size(), 0);
+      for (int unit : left_) {
+        for (int other : left_) {
+          if (unit != other && blocking.Blocks(direction, unit, other)) {
+            ++blockers_[direction][unit];
+          }
+        }
+      }
+    }
   }
 
   TakenApart Run() {
@@ -91,14 +102,49 @@ class Disassembly {
 
   void Remove(Removal removal) {
     left_ = Without(left_, removal.units);
+    for (int direction = 0; direction < kDirections; ++direction) {
+      for (int unit : left_) {
+        for (int removed : removal.units) {
+          if (blocking_.Blocks(direction, unit, removed)) --blockers_[direction][unit];
+        }
+      }
+    }
     result_.steps.back().push_back(std::move(removal));
+  }
+
+  // The direction in which the unit can be taken off the others alone; nothing if there is none. Of
+  // several the first on whose way back the unit comes to a stop, which is where it belongs.
+  std::optional<int> WayOff(int unit) const {
+    std::optional<int> way;
+    for (int direction = 0; direction < kDirections; ++direction) {
+      if (blockers_[direction][unit] > 0) continue;
+      if (blockers_[Opposite(direction)][unit] > 0) return direction;
+      if (!way) way = direction;
+    }
+    return way;
+  }
+
+  // The first of `free` without which the links join all that is left.
+  std::vector<int>::iterator FirstToSpare(std::vector<int>& free, const Links& links) const {
+    int pieces = 0;
+    for (std::vector<int> rest = left_; !rest.empty() && pieces < 3; ++pieces) {
+      std::vector<int> piece;
+      for (const auto& [unit, hops] : HopsFrom(rest.front(), rest, links)) piece.push_back(unit);
+      rest = Without(rest, piece);
+    }
+    if (pieces > 2) return free.end();
+    return std::find_if(free.begin(), free.end(), [&](int unit) {
+      // Of two pieces only one that is a single unit can be spared.
+      if (pieces == 2 && HopsFrom(unit, left_, links).size() > 1) return false;
+      return StaysInOnePiece(unit, links);
+    });
   }
 
   // Takes off the unit that ranks first, and with it the others of its family.
   bool TakeOne() {
     std::vector<int> free;
     for (int unit : left_) {
-      if (unit != result_.base && blocking_.WayOff(unit, left_)) free.push_back(unit);
+      if (unit != result_.base && WayOff(unit)) free.push_back(unit);
     }
     if (free.empty()) return false;
     std::sort(free.begin(), free.end(), [&](int a, int b) { return RankOf(a) < RankOf(b); });
@@ -106,19 +152,18 @@ class Disassembly {
     const Links* kept = nullptr;  // the links that join what stays
     for (const Links* links : links_) {
       if (kept != nullptr) break;
-      const auto found = std::find_if(free.begin(), free.end(),
-                                      [&](int unit) { return StaysInOnePiece(unit, *links); });
+      const auto found = FirstToSpare(free, *links);
       if (found == free.end()) continue;
       chosen = found;
       kept = links;
     }
     const int first = *chosen;
     result_.steps.emplace_back();
-    Remove({{first}, *blocking_.WayOff(first, left_)});
+    Remove({{first}, *WayOff(first)});
     if (facts_[first].family.empty()) return true;
     for (int unit : std::vector<int>(left_)) {
       if (unit == result_.base || facts_[unit].family != facts_[first].family) continue;
-      const std::optional<int> way = blocking_.WayOff(unit, left_);
+      const std::optional<int> way = WayOff(unit);
       if (way && (kept == nullptr || StaysInOnePiece(unit, *kept))) Remove({{unit}, *way});
     }
     return true;
@@ -154,6 +199,7 @@ class Disassembly {
   const std::array<const Links*, 2> links_;  // the better first
   const Blocking& blocking_;
   std::vector<int> left_;
+  std::array<std::vector<int>, kDirections> blockers_;  // of each unit, among those left
   std::map<int, int> hops_;
   TakenApart result_;
 };
