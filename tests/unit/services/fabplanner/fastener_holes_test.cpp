@@ -125,6 +125,46 @@ TEST(FastenerHolesTest, PinsAndPegsFillTheirHoles) {
   ExpectHole(holes[0], "upper", HoleKind::kPeg, 0.005, 0.0175, false, 0.036, -1);
 }
 
+// A rail of 30 mm along x, at z = 0, and a spindle below it that reaches up to `top`. A pin
+// elsewhere makes the design one with connectors.
+Design RailAndSpindle(double top, double spindle_diameter) {
+  const double half = spindle_diameter / 2;
+  Design design;
+  design.parts.push_back(BoxPart("rail", "items/rod-30", CutProcess::kChopSaw,
+                                 {-0.4, -0.015, -0.015}, {0.4, 0.015, 0.015}, 0, 2));
+  design.parts.push_back(BoxPart("spindle", "items/rod-20", CutProcess::kChopSaw,
+                                 {-half, -half, -0.6}, {half, half, top}, 2, 1));
+  design.parts.push_back(ScrewPart("pin", {2, 2, 2}, 2, 1, 0.03, 0.005, "items/pin"));
+  return design;
+}
+
+TEST(FastenerHolesTest, OfRodsOnlyTheThickerIsDrilled) {
+  Items items = WithBolt();
+  for (const char* name : {"items/rod-20", "items/rod-30"}) {
+    items[name] = {.name = name, .title = "Rod", .kind = ItemKind::kDowel, .round = true};
+  }
+  // Let in past the rail's axis: the rail's own line crosses the spindle.
+  std::vector<Hole> holes = HolesOf(RailAndSpindle(0.001, 0.02), items).holes;
+  ASSERT_EQ(holes.size(), 1);
+  EXPECT_EQ(holes[0].part, "rail");
+  EXPECT_EQ(holes[0].connector, "spindle");
+  EXPECT_NEAR(holes[0].diameter, 0.02, kTiny);
+  EXPECT_NEAR(holes[0].depth, 0.017, kTiny);
+  EXPECT_FALSE(holes[0].through);
+
+  // Tenons at the rail's ends, thinner than the spindle, do not cross it in its middle either.
+  items["items/rod-30"].measures = {{"tenon_diameter", 0.012}};
+  EXPECT_EQ(HolesOf(RailAndSpindle(0.001, 0.02), items).holes.size(), 1);
+
+  // Right through, and as thick as each other.
+  items["items/rod-30"].measures.clear();
+  holes = HolesOf(RailAndSpindle(0.2, 0.02), items).holes;
+  ASSERT_EQ(holes.size(), 1);
+  EXPECT_EQ(holes[0].part, "rail");
+  EXPECT_TRUE(holes[0].through);
+  EXPECT_TRUE(HolesOf(RailAndSpindle(0.001, 0.03), items).holes.empty());
+}
+
 TEST(FastenerHolesTest, WhatNoScrewHoldsIsMarked) {
   Design design = TwoBoards();
   Part slide = BoxPart("slide", "items/slide", CutProcess::kNone, {0.05, 0.02, 0.036},

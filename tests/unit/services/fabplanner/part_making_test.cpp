@@ -3,6 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
 #include "common/base/errors.h"
 #include "services/fabplanner/part_drawing.h"
 #include "services/fabplanner/part_mesh.h"
@@ -86,6 +90,91 @@ TEST(PartMakingTest, UprightOutlinesAreCutWhatHasHolesTakesADrawing) {
   EXPECT_TRUE(PlanOf(panel).to_shape);
   EXPECT_TRUE(PlanOf(Faceted(panel)).to_shape);
   EXPECT_EQ(SheetOutlineOf(panel).size(), 4);
+}
+
+// A plate of 500 × 400 × 18 mm, whose edges are mitred at 45° so that one side is smaller.
+Part MitredPlate(bool smaller_side_up) {
+  Part plate = Faceted(BoxPart("plate", "items/plywood-18", CutProcess::kJigsaw, {0, 0, 0},
+                               {0.5, 0.4, 0.018}, 0, 2));
+  for (Eigen::Index i = 0; i < plate.vertices.cols(); ++i) {
+    auto vertex = plate.vertices.col(i);
+    if ((vertex.z() > 0.009) != smaller_side_up) continue;
+    vertex.x() += vertex.x() > 0.25 ? -0.018 : 0.018;
+    vertex.y() += vertex.y() > 0.2 ? -0.018 : 0.018;
+  }
+  return plate;
+}
+
+TEST(PartMakingTest, MitredEdgesAreShapedFromTheLargerSide) {
+  for (bool smaller_side_up : {true, false}) {
+    const Part plate = MitredPlate(smaller_side_up);
+    EXPECT_TRUE(PlanOf(plate).to_shape);
+    EXPECT_THAT(PlanOf(plate).handwork, HasSubstr("500 × 400 × 18 mm"));
+    EXPECT_THAT(SheetOutlineOf(plate),
+                ElementsAre(Eigen::Vector2d(0, 0), Eigen::Vector2d(0.5, 0),
+                            Eigen::Vector2d(0.5, 0.4), Eigen::Vector2d(0, 0.4)));
+  }
+}
+
+// A round bar of 30 mm along an axis, 600 mm long, as triangles; with a neck in the middle if
+// `neck` is less than 30 mm.
+Part RoundBar(int axis, double neck = 0.03) {
+  constexpr int kSides = 24;
+  const std::vector<std::pair<double, double>> rings = {
+      {0, 0.03}, {0.2, 0.03}, {0.3, neck}, {0.4, 0.03}, {0.6, 0.03}};
+  const int count = static_cast<int>(rings.size());
+  Part bar =
+      Faceted(BoxPart("bar", "items/bar-30", CutProcess::kChopSaw, {0, 0, 0},
+                      {axis == 0 ? 0.6 : 0.03, axis == 1 ? 0.6 : 0.03, axis == 2 ? 0.6 : 0.03},
+                      axis, (axis + 2) % 3));
+  bar.vertices.setZero(3, kSides * count + 2);
+  bar.triangles.resize(3, 2 * kSides * count);
+  Eigen::Index t = 0;
+  for (int ring = 0; ring < count; ++ring) {
+    for (int i = 0; i < kSides; ++i) {
+      const int next = (i + 1) % kSides;
+      auto vertex = bar.vertices.col(ring * kSides + i);
+      vertex[axis] = rings[ring].first;
+      vertex[(axis + 1) % 3] = 0.015 + rings[ring].second / 2 * std::cos(2 * M_PI * i / kSides);
+      vertex[(axis + 2) % 3] = 0.015 + rings[ring].second / 2 * std::sin(2 * M_PI * i / kSides);
+      if (ring + 1 == count) continue;
+      const int a = ring * kSides + i, b = ring * kSides + next;
+      bar.triangles.col(t++) = Eigen::Vector3i(a, b, b + kSides);
+      bar.triangles.col(t++) = Eigen::Vector3i(a, b + kSides, a + kSides);
+    }
+  }
+  const int start = kSides * count, last = kSides * (count - 1);
+  for (int end : {start, start + 1}) {
+    bar.vertices.col(end).setConstant(0.015);
+    bar.vertices(axis, end) = end == start ? 0 : 0.6;
+  }
+  for (int i = 0; i < kSides; ++i) {
+    const int next = (i + 1) % kSides;
+    bar.triangles.col(t++) = Eigen::Vector3i(start, next, i);
+    bar.triangles.col(t++) = Eigen::Vector3i(start + 1, last + i, last + next);
+  }
+  return bar;
+}
+
+TEST(PartMakingTest, RoundStockIsCrosscutAndTurnedPartsAreShapedWhicheverWayTheyStand) {
+  Items items = ExampleItems();
+  items["items/bar-30"] = {
+      .name = "items/bar-30", .title = "Bar", .kind = ItemKind::kDowel, .round = true};
+  for (int axis = 0; axis < 3; ++axis) {
+    EXPECT_NEAR(VolumeOf(RoundBar(axis)) / (M_PI / 4 * 0.03 * 0.03 * 0.6), 0.9886, 1e-4);
+    EXPECT_FALSE(PlanOf(RoundBar(axis), items).to_shape) << axis;
+    EXPECT_TRUE(PlanOf(RoundBar(axis, 0.029), items).to_shape) << axis;
+    EXPECT_TRUE(PlanOf(RoundBar(axis, 0.015), items).to_shape) << axis;
+  }
+  // Flattened all along: one section, but not the stock's.
+  Part flat = RoundBar(2);
+  for (Eigen::Index i = 0; i < flat.vertices.cols(); ++i) {
+    flat.vertices(0, i) = std::max(flat.vertices(0, i), 0.008);
+  }
+  EXPECT_TRUE(PlanOf(flat, items).to_shape);
+  items["items/bar-30"].kind = ItemKind::kBoard;  // a tube
+  EXPECT_FALSE(PlanOf(RoundBar(2), items).to_shape);
+  EXPECT_TRUE(PlanOf(RoundBar(2, 0.015), items).to_shape);
 }
 
 TEST(PartMakingTest, WhatIsOfNoItemIsMadeToDrawing) {

@@ -58,6 +58,17 @@ TEST(StockCuttingTest, TakesTheLengthsThatCostLeast) {
   EXPECT_EQ(outcome.plan.chop_saw_parts, 3);
 }
 
+TEST(StockCuttingTest, TheOnlySizeHasItsOwnPrice) {
+  Items items = ExampleItems();
+  Item& plank = items["items/apron-20"];
+  plank.price_per_volume = false;
+  plank.price.amount = 9.5;
+  plank.stock = {{3, 0, 12}};
+  EXPECT_DOUBLE_EQ(Cut({Strip("a", 2.5)}, items).purchases.at(0).piece_price, 12);
+  plank.stock = {{3, 0, 0}};  // not known: as much a metre as the item
+  EXPECT_DOUBLE_EQ(Cut({Strip("a", 2.5)}, items).purchases.at(0).piece_price, 9.5 * 3 / 2.4);
+}
+
 TEST(StockCuttingTest, BoardsThatAreRippedAreBoughtWhole) {
   Items items = ExampleItems();
   Item& plank = items["items/apron-20"];
