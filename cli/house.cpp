@@ -1,9 +1,14 @@
 #include "cli/house.h"
 
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
 #include <map>
 #include <thread>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "common/base/errors.h"
 
 namespace mortise::cli {
@@ -46,6 +51,17 @@ HouseProcess Service(const HouseOptions& options, const std::string& name,
 
 void Add(HouseProcess& process, std::initializer_list<std::string> arguments) {
   process.command.insert(process.command.end(), arguments);
+}
+
+// All workers at their limit leave this machine some of its memory. Their own default is for a
+// machine that has one worker; a limit in the environment is somebody's choice, which they inherit.
+void AddMemoryLimit(int workers, HouseProcess& worker) {
+  constexpr double kShare = 0.7, kLeast = 0.01, kMost = 8;  // of all; GB
+  const double memory = 1e-9 * static_cast<double>(sysconf(_SC_PHYS_PAGES)) *
+                        static_cast<double>(sysconf(_SC_PAGESIZE));
+  if (!(memory > 0) || std::getenv("MORTISE_MEMORY_LIMIT") != nullptr) return;
+  const double limit = std::clamp(kShare * memory / workers, kLeast, kMost);
+  Add(worker, {"--memory-limit", absl::StrFormat("%.2f", limit)});
 }
 
 absl::Status CheckFile(const std::string& option, const std::string& path) {
@@ -209,6 +225,7 @@ absl::StatusOr<HousePlan> PlanHouse(const HouseOptions& options) {
                       simulator,
                       "--peer",
                       catalog};
+    AddMemoryLimit(workers, worker);
     plan.processes.push_back(std::move(worker));
   }
   if (options.virtual_cell) MORTISE_RETURN_IF_ERROR(AddVirtualCell(options, plan));

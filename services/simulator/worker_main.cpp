@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <thread>
 
@@ -24,6 +25,13 @@ struct WorkerFlags {
   double memory_limit = 8;  // GB
 };
 
+// Bytes that this machine has; `otherwise` where it does not tell.
+double PhysicalMemory(double otherwise) {
+  const double bytes =
+      static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
+  return bytes > 0 ? bytes : otherwise;
+}
+
 // A peer given by --peer, else the gateway, which knows the way to every service.
 absl::StatusOr<std::shared_ptr<grpc::Channel>> ChannelTo(const rpc::ServiceOptions& options,
                                                          const std::string& peer) {
@@ -38,7 +46,8 @@ absl::Status Run(const rpc::ServiceOptions& options, const WorkerFlags& flags) {
   worker.name = flags.name.empty() ? absl::StrCat("worker-", NewIdentifier()) : flags.name;
   worker.lease = absl::Seconds(flags.lease_seconds);
   worker.threads = flags.threads;
-  worker.memory_limit = 1e9 * flags.memory_limit;
+  const double wanted = 1e9 * flags.memory_limit;
+  worker.memory_limit = std::min(wanted, PhysicalMemory(wanted));
   MORTISE_ASSIGN_OR_RETURN(worker.simulator, ChannelTo(options, "simulator"));
   MORTISE_ASSIGN_OR_RETURN(worker.catalog, ChannelTo(options, "catalog"));
   std::unique_ptr<rpc::IdentitySigner> signer;
@@ -81,7 +90,8 @@ int WorkerMain(int argc, char** argv) {
              ->check(CLI::Range(1, 256))
              ->envname("MORTISE_SOLVER_THREADS");
          app.add_option("--memory-limit", flags.memory_limit,
-                        "GB that one task may take; larger ones are refused")
+                        "GB that one task may take, at most what the machine has; larger ones are "
+                        "refused")
              ->check(CLI::Range(0.01, 1e6))
              ->envname("MORTISE_MEMORY_LIMIT");
        }});

@@ -2,7 +2,10 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
+#include <algorithm>
+#include <cstdlib>
 #include <set>
 
 namespace mortise::cli {
@@ -56,6 +59,29 @@ TEST(PlanHouse, TellsTheGatewayWhereEveryServiceIs) {
   for (const HouseProcess& process : plan.processes) {
     if (process.address.empty() || process.name == "gateway") continue;
     EXPECT_THAT(gateway, Contains(process.name + "=" + process.address));
+  }
+}
+
+// However many there are, they fit into the machine together, and none has more than its default.
+TEST(PlanHouse, SharesTheMachinesMemoryAmongWorkers) {
+  if (std::getenv("MORTISE_MEMORY_LIMIT") != nullptr) GTEST_SKIP() << "the environment says";
+  const double memory = 1e-9 * static_cast<double>(sysconf(_SC_PHYS_PAGES)) *
+                        static_cast<double>(sysconf(_SC_PAGESIZE));
+  HouseOptions options = Development();
+  for (const int workers : {1, 20}) {
+    options.workers = workers;
+    double sum = 0;
+    const HousePlan plan = PlanHouse(options).value();
+    for (const HouseProcess& process : plan.processes) {
+      const auto& words = process.command;
+      const auto flag = std::find(words.begin(), words.end(), "--memory-limit");
+      EXPECT_EQ(flag != words.end(), process.name.rfind("simulator-worker", 0) == 0);
+      if (flag == words.end()) continue;
+      EXPECT_GT(std::stod(flag[1]), 0);
+      EXPECT_LE(std::stod(flag[1]), 8);
+      sum += std::stod(flag[1]);
+    }
+    EXPECT_LT(sum, 0.75 * memory + 0.01 * workers);
   }
 }
 
