@@ -45,6 +45,7 @@ struct Probe {
 // A mesh with all that is asked of it. Faces in conditions are of part 0, whatever they are on.
 struct MeshModel {
   std::string title;
+  std::string case_json;                   // the case itself, kept beside the results; or empty
   mesh::TetrahedralMesh mesh;              // a part for each material
   std::vector<std::int64_t> node_numbers;  // what its nodes are called in the file
   std::vector<Material> materials;         // one for each part
@@ -104,8 +105,9 @@ struct MeshAnalysis {
 // Takes a file as soon as it is made; its failure ends the analysis.
 using KeepFile = std::function<absl::Status(AnalysisFile file)>;
 
-// Files: heat.vtu and heat.png; for each load case and combination its number, from 1, and its name
-// in plain letters, as in 1-weight.vtu and 1-weight.png; modes.vtu; probes.csv.
+// Files, none where the model is refused before anything is computed: case.json, first; heat.vtu
+// and heat.png; for each load case and combination its number, from 1, and its name in plain
+// letters, as in 1-weight.vtu and 1-weight.png; modes.vtu; probes.csv.
 //
 // Errors: INVALID_ARGUMENT with fields as in mortise.v1.MeshCase, below "case", or "mesh_file";
 // FAILED_PRECONDITION, reasons RIGID_MOTION, SINGULAR, FREE_TEMPERATURE, NOT_CONVERGED;
@@ -113,8 +115,9 @@ using KeepFile = std::function<absl::Status(AnalysisFile file)>;
 absl::StatusOr<MeshAnalysis> AnalyzeMesh(const MeshModel& model, const MeshAnalysisOptions& options,
                                          const KeepFile& keep);
 
-// RESOURCE_EXHAUSTED if a mesh of this size, under so many load cases, needs more than the limit.
+// RESOURCE_EXHAUSTED if a mesh of this size, under so many load cases and with so many modes, needs
+// more than the limit: bytes, the factor for the modes not included.
 absl::Status CheckMemory(Eigen::Index nodes, Eigen::Index elements, std::size_t load_cases,
-                         double memory_limit);
+                         double memory_limit, int modes = 0);
 
 }  // namespace mortise::simulator

@@ -1,9 +1,15 @@
 #include "services/simulator/mesh_model.h"
 
+#include <google/protobuf/util/json_util.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <map>
+#include <set>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "absl/strings/str_join.h"
 #include "common/base/errors.h"
 #include "common/mesh/grouped_mesh.h"
 #include "mortise/v1/simulator.pb.h"
@@ -79,13 +85,80 @@ std::string PartName(const Texts& groups) {
                             : absl::StrCat(groups[0], " and ", groups.size() - 1, " more");
 }
 
+template <typename Matrix>
+double Columns(const Matrix& matrix) {
+  return static_cast<double>(matrix.cols());
+}
+
+// How many nodes, sides or elements all conditions name together. A short case that names a large
+// group again and again would take a multiple of the memory that the mesh does.
+class Tally {
+ public:
+  // `what` the mesh has `count` of, of which groups have at most `most` members.
+  Tally(const char* what, double count, double most)
+      : what_(what), most_(most), limit_(kAlways + kTimes * count) {}
+
+  // Groups of a name that is known already are not looked at.
+  template <typename Group>
+  void Know(const std::vector<Group>& groups, double of_member) {
+    for (const Group& group : groups) {
+      members_.emplace(group.name, of_member * static_cast<double>(group.members.size()));
+    }
+  }
+
+  // Counts the members of a condition's groups before they are gathered. RESOURCE_EXHAUSTED naming
+  // the list that the condition, `field`, is in.
+  absl::Status Add(const Texts& groups, const std::string& field) {
+    double members = 0;
+    for (const std::string& name : groups) {
+      const auto found = members_.find(name);
+      if (found != members_.end()) members += found->second;
+    }
+    total_ += std::min(members, most_);
+    if (members <= limit_ && total_ <= limit_) return absl::OkStatus();
+    return TooLarge(
+        field.substr(0, field.rfind('[')),
+        absl::StrFormat("what conditions on this mesh may name: %.0f %s in all", limit_, what_));
+  }
+
+ private:
+  // Each condition on nodes takes up to 250 bytes a node while supports are collected.
+  static constexpr double kAlways = 2e5, kTimes = 8;
+
+  const char* what_;
+  double most_, limit_, total_ = 0;
+  std::map<std::string, double> members_;  // by group
+};
+
+absl::StatusOr<std::string> ToJson(const v1::MeshCase& mesh_case) {
+  google::protobuf::util::JsonPrintOptions options;
+  options.add_whitespace = true;
+  options.preserve_proto_field_names = true;
+  std::string json;
+  const auto written = google::protobuf::util::MessageToJsonString(mesh_case, &json, options);
+  if (written.ok()) return json;
+  return InvalidField("case",
+                      absl::StrCat("cannot be written as JSON: ", std::string(written.message())));
+}
+
 class Modeller {
  public:
   Modeller(const mesh::GroupedMesh& grouped, const v1::MeshCase& of)
-      : grouped_(grouped), case_(of), groups_(grouped) {}
+      : grouped_(grouped),
+        case_(of),
+        groups_(grouped),
+        nodes_("nodes", Columns(grouped.nodes), Columns(grouped.nodes)),
+        sides_("faces", Columns(grouped.tetrahedra), 4 * Columns(grouped.tetrahedra)),
+        elements_("elements", Columns(grouped.tetrahedra), Columns(grouped.tetrahedra)) {
+    nodes_.Know(grouped.face_groups, grouped.tetrahedra.rows() == 10 ? 6 : 3);
+    nodes_.Know(grouped.node_groups, 1);
+    sides_.Know(grouped.face_groups, 1);
+    elements_.Know(grouped.element_groups, 1);
+  }
 
   absl::StatusOr<MeshModel> Make() {
     model_.title = case_.title();
+    MORTISE_ASSIGN_OR_RETURN(model_.case_json, ToJson(case_));
     MORTISE_ASSIGN_OR_RETURN(metres_, MetresOf(case_.length_unit(), "case.length_unit"));
     model_.mesh.nodes = metres_ * grouped_.nodes;
     model_.mesh.tetrahedra = grouped_.tetrahedra;
@@ -115,6 +188,24 @@ class Modeller {
   }
 
  private:
+  // Groups as MeshGroups gives them, once they are counted.
+  absl::StatusOr<std::vector<int>> Nodes(const Texts& groups, const std::string& field) {
+    MORTISE_RETURN_IF_ERROR(nodes_.Add(groups, field));
+    return groups_.Nodes(Names(groups), field);
+  }
+  absl::StatusOr<std::vector<int>> Elements(const Texts& groups, const std::string& field) {
+    MORTISE_RETURN_IF_ERROR(elements_.Add(groups, field));
+    return groups_.Elements(Names(groups), field);
+  }
+  // The same groups share a face, which counts once.
+  absl::StatusOr<mesh::NamedFace> Face(const Texts& groups, bool is_loaded,
+                                       const std::string& field) {
+    if (faces_.insert(absl::StrJoin(groups, "', '")).second) {
+      MORTISE_RETURN_IF_ERROR(sides_.Add(groups, field));
+    }
+    return groups_.Face(Names(groups), is_loaded, field);
+  }
+
   // A part for each material.
   absl::Status MakeParts() {
     mesh::TetrahedralMesh& volume = model_.mesh;
@@ -122,8 +213,7 @@ class Modeller {
     for (int i = 0; i < case_.materials_size(); ++i) {
       const v1::MeshMaterial& use = case_.materials(i);
       const std::string field = absl::StrCat("case.materials[", i, "]");
-      MORTISE_ASSIGN_OR_RETURN(std::vector<int> elements,
-                               groups_.Elements(Names(use.groups()), field));
+      MORTISE_ASSIGN_OR_RETURN(std::vector<int> elements, Elements(use.groups(), field));
       if (use.groups().empty()) {
         elements.resize(volume.tetrahedra.cols());
         for (std::size_t e = 0; e < elements.size(); ++e) elements[e] = static_cast<int>(e);
@@ -165,9 +255,9 @@ class Modeller {
 
   absl::Status AddSupport(const v1::MeshSupport& held, const std::string& field) {
     Support support;
-    MORTISE_ASSIGN_OR_RETURN(std::vector<int> nodes, groups_.Nodes(Names(held.groups()), field));
+    MORTISE_ASSIGN_OR_RETURN(std::vector<int> nodes, Nodes(held.groups(), field));
     if (held.symmetric()) {
-      MORTISE_ASSIGN_OR_RETURN(support.face, groups_.Face(Names(held.groups()), false, field));
+      MORTISE_ASSIGN_OR_RETURN(support.face, Face(held.groups(), false, field));
       support.symmetric = true;
     } else {
       support.nodes = nodes;
@@ -188,7 +278,7 @@ class Modeller {
     named.thermal_stress = given.thermal_stress();
     LoadCase& loads = named.loads;
     const auto face = [&](const Texts& groups, const char* list, int i) {
-      return groups_.Face(Names(groups), true, absl::StrCat(field, ".", list, "[", i, "]"));
+      return Face(groups, true, absl::StrCat(field, ".", list, "[", i, "]"));
     };
     for (int i = 0; i < given.forces_size(); ++i) {
       FaceForce& force = loads.forces.emplace_back();
@@ -211,9 +301,11 @@ class Modeller {
           {metres_ * FromProto(force.position()), FromProto(force.force())});
     }
     for (int i = 0; i < given.nodal_forces_size(); ++i) {
+      const std::string place = absl::StrCat(field, ".nodal_forces[", i, "]");
+      const Texts& groups = given.nodal_forces(i).groups();
+      MORTISE_RETURN_IF_ERROR(nodes_.Add(groups, place));
       MORTISE_ASSIGN_OR_RETURN(const std::vector<int> nodes,
-                               groups_.OwnNodes(Names(given.nodal_forces(i).groups()),
-                                                absl::StrCat(field, ".nodal_forces[", i, "]")));
+                               groups_.OwnNodes(Names(groups), place));
       for (const int node : nodes) {
         loads.nodal_forces.push_back({node, FromProto(given.nodal_forces(i).force())});
       }
@@ -256,27 +348,25 @@ class Modeller {
     };
     for (int i = 0; i < given.temperatures_size(); ++i) {
       FixedTemperature& held = heat.temperatures.emplace_back();
-      MORTISE_ASSIGN_OR_RETURN(
-          held.nodes, groups_.Nodes(Names(given.temperatures(i).groups()), at("temperatures", i)));
+      MORTISE_ASSIGN_OR_RETURN(held.nodes,
+                               Nodes(given.temperatures(i).groups(), at("temperatures", i)));
       held.temperature = given.temperatures(i).temperature();
     }
     for (int i = 0; i < given.fluxes_size(); ++i) {
       HeatFlux& flux = heat.fluxes.emplace_back();
-      MORTISE_ASSIGN_OR_RETURN(
-          flux.face, groups_.Face(Names(given.fluxes(i).groups()), true, at("fluxes", i)));
+      MORTISE_ASSIGN_OR_RETURN(flux.face, Face(given.fluxes(i).groups(), true, at("fluxes", i)));
       flux.flux = given.fluxes(i).flux();
     }
     for (int i = 0; i < given.convections_size(); ++i) {
       Convection& convection = heat.convections.emplace_back();
-      MORTISE_ASSIGN_OR_RETURN(convection.face, groups_.Face(Names(given.convections(i).groups()),
-                                                             true, at("convections", i)));
+      MORTISE_ASSIGN_OR_RETURN(convection.face,
+                               Face(given.convections(i).groups(), true, at("convections", i)));
       convection.coefficient = given.convections(i).coefficient();
       convection.ambient = given.convections(i).ambient();
     }
     for (int i = 0; i < given.sources_size(); ++i) {
-      MORTISE_ASSIGN_OR_RETURN(
-          std::vector<int> elements,
-          groups_.Elements(Names(given.sources(i).groups()), at("sources", i)));
+      MORTISE_ASSIGN_OR_RETURN(std::vector<int> elements,
+                               Elements(given.sources(i).groups(), at("sources", i)));
       if (!given.sources(i).groups().empty()) {
         heat.sources.push_back({-1, given.sources(i).power(), std::move(elements)});
         continue;
@@ -294,13 +384,15 @@ class Modeller {
     for (const v1::Vector3& point : given.points()) {
       probe.points.push_back(metres_ * FromProto(point));
     }
-    MORTISE_ASSIGN_OR_RETURN(probe.nodes, groups_.Nodes(Names(given.groups()), field));
+    MORTISE_ASSIGN_OR_RETURN(probe.nodes, Nodes(given.groups(), field));
     return absl::OkStatus();
   }
 
   const mesh::GroupedMesh& grouped_;
   const v1::MeshCase& case_;
   MeshGroups groups_;
+  Tally nodes_, sides_, elements_;
+  std::set<std::string> faces_;  // counted, by their groups
   double metres_ = 1;
   MeshModel model_;
 };

@@ -183,8 +183,9 @@ TEST_F(MeshServiceTest, EveryFormatGivesTheBarItsStretch) {
       }
     }
   }
-  EXPECT_EQ(analyses[2].notes_size(), 1);  // what of the .inp was not used
-  ASSERT_EQ(analyses[0].artifacts_size(), 4);
+  EXPECT_EQ(analyses[2].notes_size(), 1);      // what of the .inp was not used
+  ASSERT_EQ(analyses[0].artifacts_size(), 5);  // the case, and two of each load case
+  EXPECT_THAT(Download(analyses[0].name(), "case.json"), HasSubstr("youngs_modulus"));
   for (const v1::Artifact& artifact : analyses[0].artifacts()) {
     EXPECT_EQ(Sha256Hex(Download(analyses[0].name(), artifact.file_name())), artifact.sha256());
   }

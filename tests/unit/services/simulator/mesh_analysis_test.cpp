@@ -453,5 +453,83 @@ TEST(MeshAnalysis, ThreadsDoNotChangeTheResult) {
   EXPECT_EQ(one.files, three.files);
 }
 
+// A group of all nodes, named often enough, would outgrow the mesh by far.
+TEST(MeshAnalysis, ConditionsThatMultiplyAMeshAreRefused) {
+  mesh::GroupedMesh mesh = testing::GroupedBox({1, 1, 1}, {10, 10, 10}, false);
+  mesh::NodeGroup all{"all", {}};
+  for (int v = 0; v < mesh.nodes.cols(); ++v) all.members.push_back(v);
+  mesh.node_groups.push_back(all);
+  const auto list = [&](const v1::MeshCase& mesh_case) {
+    EXPECT_TRUE(CheckMeshCase(mesh_case, "case").ok());
+    const absl::Status status = MakeMeshModel(mesh, mesh_case).status();
+    return status.ok() ? "" : absl::IsResourceExhausted(status) ? DetailOf(status).field : "else";
+  };
+  v1::MeshCase supports = Case(kGood), repeated = supports, loads = supports, probes = supports;
+  for (int i = 0; i < 100; ++i) {
+    v1::MeshSupport& support = *supports.add_supports();
+    support.add_groups("all");
+    support.set_fixed(true);
+    // As large as one such list that is allowed.
+    v1::NodalForce& force = *loads.mutable_load_cases(0)->add_nodal_forces();
+    force.add_groups("all");
+    force.mutable_force();
+  }
+  EXPECT_EQ(list(supports), "");
+  EXPECT_EQ(list(loads), "");
+  supports.mutable_supports()->MergeFrom(v1::MeshCase(supports).supports());
+  supports.mutable_supports()->DeleteSubrange(0, 2);
+  EXPECT_EQ(list(supports), "case.supports");
+  loads.add_load_cases()->CopyFrom(loads.load_cases(0));
+  loads.mutable_load_cases(1)->set_name("again");
+  EXPECT_EQ(list(loads), "case.load_cases[1].nodal_forces");
+  // One condition that names a group again and again.
+  for (int i = 0; i < 999; ++i) repeated.mutable_supports(0)->add_groups("all");
+  EXPECT_EQ(list(repeated), "case.supports");
+  // Rows of probes are counted before they are made.
+  for (int i = 0; i < 30; ++i) {
+    v1::MeshProbe& probe = *probes.add_probes();
+    probe.set_name(absl::StrCat("probe ", i));
+    probe.add_groups("all");
+  }
+  probes.set_modes(30);
+  EXPECT_EQ(list(probes), "");
+  EXPECT_THAT(Analyse(mesh, probes).analysis.status().message(), HasSubstr("rows for the probes"));
+}
+
+TEST(MeshAnalysis, ModesCountForMemoryBeforeAnythingIsComputed) {
+  EXPECT_TRUE(CheckMemory(400'000, 300'000, 1, 8e9).ok());
+  EXPECT_TRUE(CheckMemory(400'000, 300'000, 1, 8e9, 10).ok());
+  EXPECT_TRUE(absl::IsResourceExhausted(CheckMemory(400'000, 300'000, 1, 8e9, 100)));
+  // Room for all but the factor: refused with no load case solved.
+  v1::MeshCase mesh_case = Case(kGood);
+  constexpr double kRoom = 1.33e6;
+  EXPECT_TRUE(
+      Analyse(Box(true), mesh_case, {.memory_limit = kRoom, .pictures = false}).analysis.ok());
+  mesh_case.set_modes(1);
+  const Analysed refused =
+      Analyse(Box(true), mesh_case, {.memory_limit = kRoom, .pictures = false});
+  EXPECT_TRUE(absl::IsResourceExhausted(refused.analysis.status())) << refused.analysis.status();
+  EXPECT_THAT(refused.analysis.status().message(), HasSubstr("a factor of"));
+  EXPECT_TRUE(refused.files.empty());
+  EXPECT_EQ(Analyse(Box(true), mesh_case).analysis->modes.size(), 1u);
+}
+
+// What was analysed is told first, as a case that can be given again.
+TEST(MeshAnalysis, TheCaseIsKeptBesideTheResults) {
+  const v1::MeshCase mesh_case = Case(kGood);
+  const auto model = MakeMeshModel(Box(false), mesh_case);
+  ASSERT_TRUE(model.ok()) << model.status();
+  std::vector<std::string> names;
+  const auto analysis = AnalyzeMesh(*model, {.pictures = false}, [&](const AnalysisFile& file) {
+    if (names.empty()) {
+      EXPECT_EQ(Case(file.bytes).SerializeAsString(), mesh_case.SerializeAsString());
+    }
+    names.push_back(file.name);
+    return absl::OkStatus();
+  });
+  ASSERT_TRUE(analysis.ok()) << analysis.status();
+  EXPECT_THAT(names, ElementsAre("case.json", "1-pull.vtu"));
+}
+
 }  // namespace
 }  // namespace mortise::simulator
