@@ -71,6 +71,10 @@ absl::Status CheckNotNegative(double value, const std::string& field) {
   return value >= 0 ? absl::OkStatus() : InvalidField(field, "must not be negative");
 }
 
+absl::Status CheckGiven(bool is_given, const std::string& field) {
+  return is_given ? absl::OkStatus() : InvalidField(field, "is missing");
+}
+
 // Three numbers, or none where they may be missing.
 absl::Status CheckThree(const google::protobuf::RepeatedField<double>& values, bool may_be_missing,
                         const std::string& field) {
@@ -86,13 +90,12 @@ absl::Status CheckOrthotropic(const v1::OrthotropicValues& values, bool conducts
     const google::protobuf::RepeatedField<double>& list;
     bool may_be_missing;
     bool is_positive;  // all must be
-    bool is_not_negative;
   } lists[] = {
-      {"youngs_modulus", values.youngs_modulus(), false, true, false},
-      {"poissons_ratio", values.poissons_ratio(), false, false, false},
-      {"shear_modulus", values.shear_modulus(), false, true, false},
-      {"thermal_expansion", values.thermal_expansion(), true, false, true},
-      {"thermal_conductivity", values.thermal_conductivity(), !conducts, true, false},
+      {"youngs_modulus", values.youngs_modulus(), false, true},
+      {"poissons_ratio", values.poissons_ratio(), false, false},
+      {"shear_modulus", values.shear_modulus(), false, true},
+      {"thermal_expansion", values.thermal_expansion(), true, false},
+      {"thermal_conductivity", values.thermal_conductivity(), !conducts, true},
   };
   // What is there but wrong is named before what is missing.
   for (const bool missing : {false, true}) {
@@ -103,7 +106,6 @@ absl::Status CheckOrthotropic(const v1::OrthotropicValues& values, bool conducts
       for (int i = 0; i < list.list.size(); ++i) {
         const std::string element = absl::StrCat(name, "[", i, "]");
         if (list.is_positive) MORTISE_RETURN_IF_ERROR(CheckPositive(list.list[i], element));
-        if (list.is_not_negative) MORTISE_RETURN_IF_ERROR(CheckNotNegative(list.list[i], element));
       }
     }
   }
@@ -118,8 +120,6 @@ absl::Status CheckValues(const v1::MaterialValues& values, bool conducts,
   }
   MORTISE_RETURN_IF_ERROR(CheckPositive(values.density(), field + ".density"));
   MORTISE_RETURN_IF_ERROR(CheckNotNegative(values.strength(), field + ".strength"));
-  MORTISE_RETURN_IF_ERROR(
-      CheckNotNegative(values.thermal_expansion(), field + ".thermal_expansion"));
   MORTISE_RETURN_IF_ERROR(
       CheckNotNegative(values.thermal_conductivity(), field + ".thermal_conductivity"));
   MORTISE_RETURN_IF_ERROR(CheckNotNegative(values.youngs_modulus(), field + ".youngs_modulus"));
@@ -179,27 +179,45 @@ absl::Status CheckSupport(const v1::MeshSupport& support, const std::string& fie
   }
 }
 
-// A list of conditions that act on groups.
-template <typename Conditions>
+// A list of conditions that act on groups, and what each must have: `is_given` tells whether it has
+// the field called `name`.
+template <typename Conditions, typename IsGiven>
 absl::Status CheckConditions(const Conditions& conditions, const std::string& field,
-                             const char* list, bool may_be_all = false) {
+                             const char* list, const char* name, const IsGiven& is_given,
+                             bool may_be_all = false) {
   MORTISE_RETURN_IF_ERROR(
       CheckCount(conditions.size(), kMostConditions, absl::StrCat(field, ".", list)));
   for (int i = 0; i < conditions.size(); ++i) {
-    MORTISE_RETURN_IF_ERROR(CheckGroups(conditions[i].groups(), may_be_all, At(field, list, i)));
+    const std::string place = At(field, list, i);
+    MORTISE_RETURN_IF_ERROR(CheckGroups(conditions[i].groups(), may_be_all, place));
+    MORTISE_RETURN_IF_ERROR(CheckGiven(is_given(conditions[i]), absl::StrCat(place, ".", name)));
   }
   return absl::OkStatus();
 }
 
-absl::Status CheckLoadCase(const v1::MeshLoadCase& loads, bool has_heat, const std::string& field) {
-  MORTISE_RETURN_IF_ERROR(CheckConditions(loads.forces(), field, "forces"));
-  MORTISE_RETURN_IF_ERROR(CheckConditions(loads.pressures(), field, "pressures"));
-  MORTISE_RETURN_IF_ERROR(CheckConditions(loads.tractions(), field, "tractions"));
-  MORTISE_RETURN_IF_ERROR(CheckConditions(loads.nodal_forces(), field, "nodal_forces"));
+absl::Status CheckLoadCase(const v1::MeshLoadCase& loads, const v1::MeshCase& of,
+                           const std::string& field) {
+  const auto has_force = [](const auto& load) { return load.has_force(); };
+  MORTISE_RETURN_IF_ERROR(CheckConditions(loads.forces(), field, "forces", "force", has_force));
+  MORTISE_RETURN_IF_ERROR(CheckConditions(loads.pressures(), field, "pressures", "pressure",
+                                          [](const auto& load) { return load.has_pressure(); }));
+  MORTISE_RETURN_IF_ERROR(CheckConditions(loads.tractions(), field, "tractions", "traction",
+                                          [](const auto& load) { return load.has_traction(); }));
+  MORTISE_RETURN_IF_ERROR(
+      CheckConditions(loads.nodal_forces(), field, "nodal_forces", "force", has_force));
   MORTISE_RETURN_IF_ERROR(
       CheckCount(loads.point_forces_size(), kMostPointForces, field + ".point_forces"));
-  if (loads.thermal_stress() && !has_heat) {
+  for (int i = 0; i < loads.point_forces_size(); ++i) {
+    const std::string place = At(field, "point_forces", i);
+    MORTISE_RETURN_IF_ERROR(CheckGiven(loads.point_forces(i).has_position(), place + ".position"));
+    MORTISE_RETURN_IF_ERROR(CheckGiven(loads.point_forces(i).has_force(), place + ".force"));
+  }
+  if (!loads.thermal_stress()) return absl::OkStatus();
+  if (!of.has_heat()) {
     return InvalidField(field + ".thermal_stress", "needs the case's `heat`");
+  }
+  if (!of.heat().has_reference_temperature()) {
+    return InvalidField(field + ".thermal_stress", "needs the heat's `reference_temperature`");
   }
   return absl::OkStatus();
 }
@@ -209,10 +227,15 @@ absl::Status CheckHeat(const v1::MeshHeat& heat, const std::string& field) {
     MORTISE_RETURN_IF_ERROR(CheckPositive(heat.convections(i).coefficient(),
                                           At(field, "convections", i) + ".coefficient"));
   }
-  MORTISE_RETURN_IF_ERROR(CheckConditions(heat.temperatures(), field, "temperatures"));
-  MORTISE_RETURN_IF_ERROR(CheckConditions(heat.fluxes(), field, "fluxes"));
-  MORTISE_RETURN_IF_ERROR(CheckConditions(heat.convections(), field, "convections"));
-  return CheckConditions(heat.sources(), field, "sources", true);
+  MORTISE_RETURN_IF_ERROR(CheckConditions(heat.temperatures(), field, "temperatures", "temperature",
+                                          [](const auto& held) { return held.has_temperature(); }));
+  MORTISE_RETURN_IF_ERROR(CheckConditions(heat.fluxes(), field, "fluxes", "flux",
+                                          [](const auto& flux) { return flux.has_flux(); }));
+  MORTISE_RETURN_IF_ERROR(CheckConditions(heat.convections(), field, "convections", "ambient",
+                                          [](const auto& air) { return air.has_ambient(); }));
+  return CheckConditions(
+      heat.sources(), field, "sources", "power",
+      [](const auto& source) { return source.has_power(); }, true);
 }
 
 // Names that are there, and only once.
@@ -230,6 +253,29 @@ class Names {
  private:
   std::map<std::string, std::string> owners_;
 };
+
+bool MovesSupports(const v1::MeshCase& of) {
+  return std::any_of(of.supports().begin(), of.supports().end(), [](const auto& support) {
+    const v1::PrescribedDisplacement& by = support.displacement();
+    return by.x() != 0 || by.y() != 0 || by.z() != 0;
+  });
+}
+
+// Prescribed displacements are in every load case, and a sum of cases must have them once.
+absl::Status CheckFactors(const v1::LoadCombination& combination, const v1::MeshCase& of,
+                          const std::string& field) {
+  double sum = 0;
+  for (int i = 0; i < combination.terms_size(); ++i) {
+    MORTISE_RETURN_IF_ERROR(
+        CheckGiven(combination.terms(i).has_factor(), At(field, "terms", i) + ".factor"));
+    sum += combination.terms(i).factor();
+  }
+  if (std::abs(sum - 1) <= 1e-9 || !MovesSupports(of)) return absl::OkStatus();
+  return InvalidField(field + ".terms",
+                      absl::StrCat("has factors that add up to ", sum,
+                                   "; supports are moved in every load case, so that only sums of "
+                                   "factors 1 move them as prescribed"));
+}
 
 absl::Status CheckCombination(const v1::LoadCombination& combination, const v1::MeshCase& of,
                               const std::string& field) {
@@ -249,7 +295,7 @@ absl::Status CheckCombination(const v1::LoadCombination& combination, const v1::
                         absl::StrCat("there is no load case '", name.substr(0, kLongestLabel),
                                      "'; there are ", names.empty() ? "none" : names));
   }
-  return absl::OkStatus();
+  return CheckFactors(combination, of, field);
 }
 
 absl::Status CheckProbe(const v1::MeshProbe& probe, const std::string& field) {
@@ -343,7 +389,7 @@ absl::Status CheckMeshCase(const v1::MeshCase& mesh_case, const std::string& fie
   Names names;
   for (int i = 0; i < mesh_case.load_cases_size(); ++i) {
     const std::string place = At(field, "load_cases", i);
-    MORTISE_RETURN_IF_ERROR(CheckLoadCase(mesh_case.load_cases(i), mesh_case.has_heat(), place));
+    MORTISE_RETURN_IF_ERROR(CheckLoadCase(mesh_case.load_cases(i), mesh_case, place));
     MORTISE_RETURN_IF_ERROR(names.Add(mesh_case.load_cases(i).name(), place));
   }
   for (int i = 0; i < mesh_case.combinations_size(); ++i) {

@@ -364,7 +364,7 @@ TEST(MeshAnalysis, CasesAreRefusedByField) {
   EXPECT_THAT(Refusal("\"pull\",", "\"pull\", \"thermal_stress\": true,"),
               HasSubstr("case.load_cases[0].thermal_stress"));
   EXPECT_THAT(Refusal("\"load_cases\"", R"("combinations": [{"name": "pull",
-                      "terms": [{"load_case": "pull"}]}], "load_cases")"),
+                      "terms": [{"load_case": "pull", "factor": 1}]}], "load_cases")"),
               HasSubstr("case.combinations[0].name"));
   EXPECT_THAT(Refusal("\"load_cases\"", R"("combinations": [{"name": "sum",
                       "terms": [{"load_case": "push"}]}], "load_cases")"),
@@ -381,6 +381,55 @@ TEST(MeshAnalysis, CasesAreRefusedByField) {
   EXPECT_THAT(Refusal("\"fixed\": true}", R"("fixed": true},
                       {"groups": ["y_min"], "displacement": {"x": 1}})"),
               HasSubstr("case.supports[1].displacement: contradicts"));
+}
+
+// A number that was forgotten is not taken for 0.
+TEST(MeshAnalysis, MissingNumbersAreNamed) {
+  EXPECT_THAT(Refusal(", \"force\": {\"x\": 1}", ""),
+              HasSubstr("case.load_cases[0].forces[0].force: is missing"));
+  const auto in_load_case = [](const char* list, const char* field) {
+    EXPECT_THAT(
+        Refusal("\"forces\"",
+                absl::StrCat("\"", list, "\": [{\"groups\": [\"x_max\"]}], \"forces\"")),
+        HasSubstr(absl::StrCat("case.load_cases[0].", list, "[0].", field, ": is missing")));
+  };
+  in_load_case("pressures", "pressure");
+  in_load_case("tractions", "traction");
+  in_load_case("nodal_forces", "force");
+  EXPECT_THAT(Refusal("\"forces\"", R"("point_forces": [{"force": {"x": 1}}], "forces")"),
+              HasSubstr("case.load_cases[0].point_forces[0].position: is missing"));
+  EXPECT_THAT(Refusal("\"load_cases\"", R"("combinations": [{"name": "sum",
+                      "terms": [{"load_case": "pull"}]}], "load_cases")"),
+              HasSubstr("case.combinations[0].terms[0].factor: is missing"));
+  const auto in_heat = [](const char* list, const char* given, const char* field) {
+    const std::string json = absl::StrReplaceAll(
+        kGood,
+        {{"\"density\"", "\"thermal_conductivity\": 50, \"density\""},
+         {"\"load_cases\"", absl::StrCat("\"heat\": {\"", list, "\": [{\"groups\": [\"x_max\"]",
+                                         given, "}]}, \"load_cases\"")}});
+    EXPECT_THAT(CheckMeshCase(Case(json), "case").message(),
+                HasSubstr(absl::StrCat("case.heat.", list, "[0].", field, ": is missing")));
+  };
+  in_heat("temperatures", "", "temperature");
+  in_heat("fluxes", "", "flux");
+  in_heat("convections", ", \"coefficient\": 10", "ambient");
+  in_heat("sources", "", "power");
+}
+
+// Supports that are moved are so in every load case.
+TEST(MeshAnalysis, SumsMoveSupportsOnce) {
+  const auto sum = [](const char* first, const char* second) {
+    return absl::StrReplaceAll(
+        kGood,
+        {{"\"fixed\": true", "\"displacement\": {\"x\": 1e-5, \"y\": 0, \"z\": 0}"},
+         {"\"load_cases\"", absl::StrCat("\"combinations\": [{\"name\": \"sum\", \"terms\": [",
+                                         "{\"load_case\": \"pull\", \"factor\": ", first,
+                                         "}, {\"load_case\": \"pull\", \"factor\": ", second,
+                                         "}]}], \"load_cases\"")}});
+  };
+  EXPECT_THAT(CheckMeshCase(Case(sum("1.35", "1.5")), "case").message(),
+              HasSubstr("case.combinations[0].terms: has factors that add up to 2.85"));
+  EXPECT_TRUE(CheckMeshCase(Case(sum("0.4", "0.6")), "case").ok());
 }
 
 // Numbers that no result can hold.
