@@ -395,7 +395,7 @@ class Builder {
 
 bool HasOrderOfItsOwn(const Design& design) {
   if (!design.pegs.empty()) return false;
-  return design.groups.size() > 1 ||
+  return design.is_drawn || design.groups.size() > 1 ||
          std::any_of(design.parts.begin(), design.parts.end(), [](const Part& part) {
            return part.connecting || IsShaped(part) || part.item.empty();
          });

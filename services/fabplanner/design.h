@@ -111,6 +111,7 @@ struct Design {
   std::vector<Part> parts;
   std::vector<Peg> pegs;
   std::vector<Group> groups = {Group{}};
+  bool is_drawn = false;  // an assembly, whose parts hold together where they touch
 };
 
 // Items by name.

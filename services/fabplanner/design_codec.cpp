@@ -153,6 +153,7 @@ absl::StatusOr<Design> DesignFrom(const v1::EvaluatedDesign& evaluated_message) 
 }
 
 void AddDrawing(const v1::Assembly& assembly, Design* design) {
+  design->is_drawn = !assembly.parts().empty();
   // Parents before their children, as Design wants them.
   std::map<std::string, int> group_index = {{"", 0}};
   bool found = true;

@@ -11,8 +11,8 @@ namespace mortise::fabplanner {
 // INVALID_ARGUMENT naming the field at fault.
 absl::StatusOr<Design> DesignFrom(const v1::EvaluatedDesign& evaluated);
 
-// What the drawing says of the design's parts: their sub-assemblies, titles and repetitions. Parts
-// that it does not have stay as they are.
+// What the drawing, if it has parts, says of the design's: their sub-assemblies, titles and
+// repetitions. Parts that it does not have stay as they are.
 void AddDrawing(const v1::Assembly& assembly, Design* design);
 
 // The items of the bundle.

@@ -71,6 +71,19 @@ TEST(AssemblyOrderTest, SubAssembliesComeFirstAndThenInOnePiece) {
   EXPECT_THAT(joining.instruction, HasSubstr("the box in place from the front"));
 }
 
+// Boards that are glued where they touch have an order too, if somebody drew them so.
+TEST(AssemblyOrderTest, PartsThatOnlyTouchAreBuiltIfTheyAreDrawn) {
+  Design design;
+  design.parts.push_back(Block("seat", {0, 0, 0.4}, {1, 0.3, 0.418}));
+  design.parts.push_back(Block("left", {0, 0, 0}, {0.018, 0.3, 0.4}));
+  design.parts.push_back(Block("right", {0.982, 0, 0}, {1, 0.3, 0.4}));
+  EXPECT_FALSE(HasOrderOfItsOwn(design));
+  design.is_drawn = true;
+  ASSERT_TRUE(HasOrderOfItsOwn(design));
+  const std::vector<AssemblyStep> steps = OrderedSteps(design, ExampleItems(), {});
+  for (const Part& part : design.parts) StepOf(steps, part.name);
+}
+
 // A frame whose pegs go both ways comes together as two pieces.
 TEST(AssemblyOrderTest, WhatComesOffOnlyTogetherIsBuiltByItself) {
   Design design;
