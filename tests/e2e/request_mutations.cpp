@@ -49,6 +49,8 @@ const std::set<std::string>& AnyNumber() {
       "mortise.v1.AdjustAssemblyRequest.q",
       "mortise.v1.EvaluateAssemblyRequest.Point.q",
       "mortise.v1.ExportAssemblyRequest.q",
+      "mortise.v1.MaterialValues.thermal_expansion",
+      "mortise.v1.OrthotropicValues.thermal_expansion",
       "mortise.v1.PrescribedDisplacement.x",
       "mortise.v1.PrescribedDisplacement.y",
       "mortise.v1.PrescribedDisplacement.z",
