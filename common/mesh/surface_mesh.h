@@ -32,9 +32,9 @@ struct AssemblyFace {
 // A conforming surface of an assembly: where two parts touch, one set of triangles serves both, and
 // no triangle crosses another. The boundary that a tetrahedral mesher needs.
 struct AssemblySurface {
-  Eigen::Matrix3Xd vertices;            // 3 × V, metres
-  Eigen::Matrix3Xi triangles;           // 3 × T
-  Eigen::VectorXi triangle_face;        // T, index into `faces`
+  Eigen::Matrix3Xd vertices;      // 3 × V, metres
+  Eigen::Matrix3Xi triangles;     // 3 × T
+  Eigen::VectorXi triangle_face;  // T, index into `faces`
   std::vector<AssemblyFace> faces;
   Eigen::Matrix3Xd part_interior;       // 3 × P, a point strictly inside each part
   std::vector<std::string> part_names;  // P

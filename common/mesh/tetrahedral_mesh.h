@@ -16,11 +16,12 @@ struct TetrahedralMesh {
   Eigen::MatrixXi tetrahedra;  // 4 × E or 10 × E node indices
   Eigen::VectorXi part;        // E, index of the part each element belongs to
 
-  // Triangles (3- or 6-node: corners, then middles of 01, 12, 20) that lie on faces of the assembly.
-  Eigen::MatrixXi face_triangles;         // 3 × F or 6 × F node indices, outward where on the outside
-  Eigen::VectorXi face_triangle_face;     // F, index into `faces`
+  // Triangles (3- or 6-node: corners, then middles of 01, 12, 20) that lie on faces of the
+  // assembly.
+  Eigen::MatrixXi face_triangles;  // 3 × F or 6 × F node indices, outward where on the outside
+  Eigen::VectorXi face_triangle_face;  // F, index into `faces`
   std::vector<AssemblyFace> faces;
-  std::vector<std::string> part_names;    // P
+  std::vector<std::string> part_names;  // P
 
   bool IsQuadratic() const { return tetrahedra.rows() == 10; }
 };

@@ -34,7 +34,8 @@ struct PutOptions {
   bool keep_history = false;
 };
 
-// Which records of a kind, or tasks of a queue, to list; they come in the order of their keys' bytes.
+// Which records of a kind, or tasks of a queue, to list; they come in the order of their keys'
+// bytes.
 struct ListOptions {
   std::string after_key = {};   // only keys beyond this; the page token of List methods
   std::string key_prefix = {};  // only keys that start with this

@@ -23,8 +23,8 @@ double ClearanceOf(double thread_diameter);
 
 // Adds the holes and marks of the design's connecting parts to the plan, in their order. Holes of
 // one connector follow it from its head to its tip. Only what is cut, and boards, sheets and rods
-// that are bought, are drilled, and those only by what is thinner than they are. No hole comes out at the far side but those that are said to be
-// through.
+// that are bought, are drilled, and those only by what is thinner than they are. No hole comes out
+// at the far side but those that are said to be through.
 void AddFastenerHoles(const Design& design, const Items& items, FabricationPlan* plan);
 
 }  // namespace mortise::fabplanner

@@ -1,5 +1,5 @@
-// EXPECT_OK(status), ASSERT_OK(status) and ASSERT_OK_AND_ASSIGN(variable, status_or), which show the
-// status when it is a failure.
+// EXPECT_OK(status), ASSERT_OK(status) and ASSERT_OK_AND_ASSIGN(variable, status_or), which show
+// the status when it is a failure.
 #pragma once
 
 #include <gtest/gtest.h>
