@@ -29,14 +29,105 @@ HeaderList Unreserved(const std::multimap<grpc::string_ref, grpc::string_ref>& m
   return headers;
 }
 
-class Call final : public ClientCall,
-                   public grpc::ClientBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>,
-                   public std::enable_shared_from_this<Call> {
+// One value that a thread of gRPC gives and a coroutine waits for, in either order.
+class Signal {
  public:
-  void Begin(GenericStub& stub, const CallHead& head, std::vector<std::string> requests) {
-    self_ = shared_from_this();
-    for (const auto& [key, value] : head.metadata) context_.AddMetadata(key, value);
-    if (head.deadline) context_.set_deadline(*head.deadline);
+  // Resumes the coroutine that waits, or the next one to do so.
+  void Give(bool value) {
+    std::function<void(bool)> waiting;
+    {
+      std::lock_guard lock(mutex_);
+      waiting.swap(waiting_);
+      if (!waiting) value_ = value;
+    }
+    if (waiting) waiting(value);
+  }
+
+  // Takes the value; one coroutine at a time.
+  asio::awaitable<bool> Wait() {
+    return asio::async_initiate<const asio::use_awaitable_t<>, void(bool)>(
+        [this](auto handler) { Keep(std::move(handler)); }, asio::use_awaitable);
+  }
+
+ private:
+  // Keeps the coroutine's continuation, and its executor from running out of work.
+  template <class Handler>
+  void Keep(Handler handler) {
+    auto executor = asio::get_associated_executor(handler);
+    auto guard = asio::make_work_guard(executor);
+    auto shared = std::make_shared<Handler>(std::move(handler));
+    std::function<void(bool)> resume = [executor, guard = std::move(guard), shared](bool value) {
+      asio::post(executor, [shared, value] { (*shared)(value); });
+    };
+    std::optional<bool> value;
+    {
+      std::lock_guard lock(mutex_);
+      value.swap(value_);
+      if (!value) waiting_ = std::move(resume);
+    }
+    if (value) resume(*value);
+  }
+
+  std::mutex mutex_;
+  std::optional<bool> value_;          // guarded by mutex_
+  std::function<void(bool)> waiting_;  // guarded by mutex_
+};
+
+void Prepare(grpc::ClientContext& context, const CallHead& head) {
+  for (const auto& [key, value] : head.metadata) context.AddMetadata(key, value);
+  if (head.deadline) context.set_deadline(*head.deadline);
+}
+
+// One answer, which gRPC asks for together with the status. Within a process this is the only way
+// to be sure of it: there a server that sends its answer and its status as one drops the answer if
+// nobody asks for it yet, and then waits forever for its end.
+class UnaryCall final : public ClientCall, public grpc::ClientUnaryReactor {
+ public:
+  void Begin(std::shared_ptr<UnaryCall> self, GenericStub& stub, const CallHead& head,
+             std::string_view request) {
+    self_ = std::move(self);
+    Prepare(context_, head);
+    request_ = ToByteBuffer(request);
+    stub.PrepareUnaryCall(&context_, head.path, {}, &request_, &answer_, this);
+    StartCall();
+  }
+
+  asio::awaitable<std::optional<std::string>> Read() override {
+    if (over_) co_return std::nullopt;
+    over_ = co_await ended_.Wait();
+    if (!status_.ok()) co_return std::nullopt;
+    co_return ToString(answer_);
+  }
+
+  const grpc::Status& status() const override { return status_; }
+  HeaderList leading() const override { return Unreserved(context_.GetServerInitialMetadata()); }
+  HeaderList trailing() const override { return Unreserved(context_.GetServerTrailingMetadata()); }
+  void Cancel() override { context_.TryCancel(); }
+
+  void OnDone(const grpc::Status& status) override {
+    status_ = status;
+    // The last reference may be this one.
+    const std::shared_ptr<UnaryCall> self = std::move(self_);
+    ended_.Give(true);
+  }
+
+ private:
+  std::shared_ptr<UnaryCall> self_;  // until OnDone
+  grpc::ClientContext context_;
+  grpc::ByteBuffer request_;
+  grpc::ByteBuffer answer_;
+  grpc::Status status_;
+  Signal ended_;
+  bool over_ = false;
+};
+
+class StreamingCall final : public ClientCall,
+                            public grpc::ClientBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer> {
+ public:
+  void Begin(std::shared_ptr<StreamingCall> self, GenericStub& stub, const CallHead& head,
+             const std::vector<std::string>& requests) {
+    self_ = std::move(self);
+    Prepare(context_, head);
     for (const std::string& request : requests) requests_.push_back(ToByteBuffer(request));
     stub.PrepareBidiStreamingCall(&context_, head.path, {}, this);
     AddHold();  // Reads begin outside of gRPC's callbacks.
@@ -45,27 +136,12 @@ class Call final : public ClientCall,
   }
 
   asio::awaitable<std::optional<std::string>> Read() override {
-    const bool ok = co_await asio::async_initiate<const asio::use_awaitable_t<>, void(bool)>(
-        [this](auto handler) {
-          Await(std::move(handler));
-          StartRead(&answer_);
-        },
-        asio::use_awaitable);
+    StartRead(&answer_);
+    const bool ok = co_await read_.Wait();
     if (ok) co_return ToString(answer_);
     // No more is read: the call may end, and its status is waited for.
-    co_await asio::async_initiate<const asio::use_awaitable_t<>, void(bool)>(
-        [this](auto handler) {
-          Await(std::move(handler));
-          bool ended = false;
-          {
-            std::lock_guard lock(mutex_);
-            awaiting_end_ = true;
-            ended = ended_;
-          }
-          if (ended) return Resume(true);
-          ReleaseHold();
-        },
-        asio::use_awaitable);
+    ReleaseHold();
+    co_await ended_.Wait();
     co_return std::nullopt;
   }
 
@@ -74,7 +150,7 @@ class Call final : public ClientCall,
   HeaderList trailing() const override { return Unreserved(context_.GetServerTrailingMetadata()); }
   void Cancel() override { context_.TryCancel(); }
 
-  void OnReadDone(bool ok) override { Resume(ok); }
+  void OnReadDone(bool ok) override { read_.Give(ok); }
 
   void OnWriteDone(bool ok) override {
     if (ok) WriteNext();
@@ -82,18 +158,12 @@ class Call final : public ClientCall,
 
   void OnDone(const grpc::Status& status) override {
     status_ = status;
-    bool awaited = false;
-    {
-      std::lock_guard lock(mutex_);
-      ended_ = true;
-      awaited = awaiting_end_;
-    }
     // The last reference may be this one.
-    const std::shared_ptr<Call> self = std::move(self_);
-    if (awaited) Resume(true);
+    const std::shared_ptr<StreamingCall> self = std::move(self_);
+    ended_.Give(true);
   }
 
-  // The coroutine went away without reading to the end.
+  // The coroutine went away, maybe without reading to the end.
   void Abandon() {
     context_.TryCancel();
     ReleaseHold();
@@ -114,47 +184,32 @@ class Call final : public ClientCall,
     if (!released_.exchange(true)) RemoveHold();
   }
 
-  // Keeps the coroutine's continuation, and its executor from running out of work.
-  template <class Handler>
-  void Await(Handler handler) {
-    auto executor = asio::get_associated_executor(handler);
-    auto guard = asio::make_work_guard(executor);
-    auto shared = std::make_shared<Handler>(std::move(handler));
-    std::lock_guard lock(mutex_);
-    continuation_ = [executor, guard = std::move(guard), shared](bool ok) {
-      asio::post(executor, [shared, ok] { (*shared)(ok); });
-    };
-  }
-
-  void Resume(bool ok) {
-    std::function<void(bool)> continuation;
-    {
-      std::lock_guard lock(mutex_);
-      continuation.swap(continuation_);
-    }
-    if (continuation) continuation(ok);
-  }
-
-  std::shared_ptr<Call> self_;  // until OnDone
+  std::shared_ptr<StreamingCall> self_;  // until OnDone
   grpc::ClientContext context_;
   std::vector<grpc::ByteBuffer> requests_;
   std::size_t written_ = 0;
   grpc::ByteBuffer answer_;
   grpc::Status status_;
   std::atomic<bool> released_{false};
-  std::mutex mutex_;
-  std::function<void(bool)> continuation_;  // guarded by mutex_
-  bool awaiting_end_ = false;               // guarded by mutex_
-  bool ended_ = false;                      // guarded by mutex_
+  Signal read_;
+  Signal ended_;
 };
 
 }  // namespace
 
-std::shared_ptr<ClientCall> ClientCall::Start(GenericStub& stub, CallHead head,
-                                              std::vector<std::string> requests) {
-  auto call = std::make_shared<Call>();
-  call->Begin(stub, head, std::move(requests));
-  // The handle's end, not the call's: a handle dropped early abandons the call.
+// The handles below end with what awaits them, not with the call: one dropped early abandons it.
+
+std::shared_ptr<ClientCall> ClientCall::StartUnary(GenericStub& stub, const CallHead& head,
+                                                   std::string_view request) {
+  auto call = std::make_shared<UnaryCall>();
+  call->Begin(call, stub, head, request);
+  return std::shared_ptr<ClientCall>(call.get(), [call](ClientCall*) { call->Cancel(); });
+}
+
+std::shared_ptr<ClientCall> ClientCall::StartStreaming(GenericStub& stub, const CallHead& head,
+                                                       const std::vector<std::string>& requests) {
+  auto call = std::make_shared<StreamingCall>();
+  call->Begin(call, stub, head, requests);
   return std::shared_ptr<ClientCall>(call.get(), [call](ClientCall*) { call->Abandon(); });
 }
 

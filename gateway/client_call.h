@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -25,14 +26,18 @@ struct CallHead {
   std::optional<std::chrono::system_clock::time_point> deadline;
 };
 
-// One call of any kind: all its requests are known when it starts, its answers are read one by one,
-// and the next is only asked for when Read is called again, so a slow reader slows the sender.
-// Used by one coroutine, apart from Cancel.
+// One call, whose requests are known when it starts. Used by one coroutine, apart from Cancel.
+// Dropping the handle cancels what is left of the call.
 class ClientCall {
  public:
-  // Begins the call. It goes on until its end even if this handle goes away before; call Cancel.
-  static std::shared_ptr<ClientCall> Start(GenericStub& stub, CallHead head,
-                                           std::vector<std::string> requests);
+  // Begins a call of a unary method. Its answer comes from the first Read, unless it failed.
+  static std::shared_ptr<ClientCall> StartUnary(GenericStub& stub, const CallHead& head,
+                                                std::string_view request);
+
+  // Begins a call of a method that streams one way or both. The next answer is only asked for when
+  // Read is called, so a slow reader slows the sender.
+  static std::shared_ptr<ClientCall> StartStreaming(GenericStub& stub, const CallHead& head,
+                                                    const std::vector<std::string>& requests);
   virtual ~ClientCall() = default;
 
   // The next answer; nothing at the end, when status() is known. Do not call again after that.

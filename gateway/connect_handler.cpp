@@ -88,11 +88,9 @@ absl::StatusOr<std::string> WriteMessage(const HttpContext& context, const Metho
 
 asio::awaitable<bool> AnswerUnary(HttpConnection& connection, const HttpContext& context,
                                   const MethodRoute& method, ConnectCall call, bool keep_alive) {
-  const auto running =
-      ClientCall::Start(*context.stub, std::move(call.head), std::move(call.requests));
+  const auto running = ClientCall::StartUnary(*context.stub, call.head, call.requests.front());
   connection.WatchForLeaving([running] { running->Cancel(); });
   std::optional<std::string> message = co_await running->Read();
-  if (message) (void)co_await running->Read();
   connection.EndWatch();
 
   HeaderList headers;
@@ -100,8 +98,8 @@ asio::awaitable<bool> AnswerUnary(HttpConnection& connection, const HttpContext&
   AppendMetadata(headers, running->trailing(), "trailer-");
   std::optional<ConnectError> error = ToConnectError(running->status());
   std::string body;
-  if (!error) {
-    auto text = WriteMessage(context, method, call.codec, std::move(message).value_or(""));
+  if (message) {
+    auto text = WriteMessage(context, method, call.codec, *std::move(message));
     if (text.ok()) {
       body = *std::move(text);
     } else {
@@ -126,8 +124,7 @@ asio::awaitable<bool> EndStream(HttpConnection& connection,
 
 asio::awaitable<bool> AnswerStream(HttpConnection& connection, const HttpContext& context,
                                    const MethodRoute& method, ConnectCall call, bool keep_alive) {
-  const auto running =
-      ClientCall::Start(*context.stub, std::move(call.head), std::move(call.requests));
+  const auto running = ClientCall::StartStreaming(*context.stub, call.head, call.requests);
   connection.WatchForLeaving([running] { running->Cancel(); });
   std::optional<std::string> message = co_await running->Read();
 

@@ -194,14 +194,14 @@ asio::awaitable<bool> HandleEvents(HttpConnection& connection, const HttpContext
   if (status.ok()) status = query.status();
   if (!status.ok()) co_return co_await WriteError(connection, ToConnectError(status), id, true);
 
-  auto listing = ClientCall::Start(*context.stub, {kListStreams, metadata, std::nullopt}, {""});
+  const auto listing =
+      ClientCall::StartUnary(*context.stub, {kListStreams, metadata, std::nullopt}, "");
   const std::optional<std::string> listed = co_await listing->Read();
-  if (listed) (void)co_await listing->Read();
-  if (const auto error = ToConnectError(listing->status())) {
-    co_return co_await WriteError(connection, *error, id, true);
+  if (!listed) {
+    co_return co_await WriteError(connection, *ToConnectError(listing->status()), id, true);
   }
   v1::ListStreamsResponse streams;
-  streams.ParseFromString(listed.value_or(""));
+  streams.ParseFromString(*listed);
   auto first = FirstPosition(*query, streams);
   if (!first.ok()) {
     co_return co_await WriteError(connection, ToConnectError(first.status()), id, true);
@@ -214,8 +214,8 @@ asio::awaitable<bool> HandleEvents(HttpConnection& connection, const HttpContext
     follow.add_streams(stream);
     follow.set_after_number(after);
     for (const std::string& type : query->types) follow.add_type_prefixes(type);
-    feed->Add(ClientCall::Start(*context.stub, {kFollowEvents, metadata, std::nullopt},
-                                {follow.SerializeAsString()}));
+    feed->Add(ClientCall::StartStreaming(*context.stub, {kFollowEvents, metadata, std::nullopt},
+                                         {follow.SerializeAsString()}));
   }
   const auto& type = *context.contract->Find(kFollowEvents)->descriptor->output_type();
   co_await SendFeed(connection, feed, id.front().second, [&](const std::string& message) {
@@ -239,8 +239,8 @@ asio::awaitable<bool> HandleOperationWatch(HttpConnection& connection, const Htt
   }
   v1::WatchOperationRequest watch;
   watch.set_name(operation);
-  const auto call = ClientCall::Start(*context.stub, {kWatchOperation, metadata, std::nullopt},
-                                      {watch.SerializeAsString()});
+  const auto call = ClientCall::StartStreaming(
+      *context.stub, {kWatchOperation, metadata, std::nullopt}, {watch.SerializeAsString()});
   // The first state comes at once, or a failure that deserves an HTTP status.
   const std::optional<std::string> now = co_await call->Read();
   if (!now) {
