@@ -1,19 +1,26 @@
 // Fuses the parts' solids with Open CASCADE's general fuse and triangulates each piece once.
 #include "common/cad/assembly_surface.h"
 
-#include <BRepBndLib.hxx>
-#include <BRepExtrema_DistShapeShape.hxx>
+#include <BRepAdaptor_Surface.hxx>
 #include <BRepMesh_IncrementalMesh.hxx>
 #include <BRep_Builder.hxx>
-#include <Bnd_Box.hxx>
 #include <Standard_Failure.hxx>
+#include <TopExp.hxx>
+#include <TopExp_Explorer.hxx>
+#include <TopTools_IndexedDataMapOfShapeListOfShape.hxx>
+#include <TopTools_ListOfShape.hxx>
+#include <TopTools_MapOfShape.hxx>
 #include <TopoDS_Compound.hxx>
 #include <algorithm>
-#include <numeric>
+#include <array>
+#include <map>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "common/base/errors.h"
+#include "common/cad/facet_balance.h"
+#include "common/cad/part_gaps.h"
 #include "common/cad/solid_fusion.h"
 #include "common/cad/solid_kernel.h"
 #include "common/cad/triangle_joiner.h"
@@ -23,125 +30,151 @@
 namespace mortise::cad {
 namespace {
 
-constexpr double kFuseTolerance = 1e-6;  // m; faces nearer than this are one
-constexpr double kAngle = 0.5;           // rad, between neighbouring triangles of a curved face
-constexpr double kLeastChord = 2e-5;     // m
-constexpr double kClear = 0.3;           // of the way between two parts: what triangles may miss
-
-// Two parts that do not touch.
-struct Gap {
-  int first = 0;
-  int second = 0;
-  double width = 0;  // m
-};
+// m; faces nearer than this are one. The first is for drawings that are exact; the others are tried
+// in turn on those that are not, so that no more becomes one than must.
+constexpr std::array<double, 5> kFuseTolerances = {1e-6, 2e-6, 1e-5, 3e-5, kDrawingTolerance};
+constexpr double kAngle = 0.5;        // rad, between neighbouring triangles of a curved face
+constexpr double kLeastChord = 2e-5;  // m
+constexpr double kClear = 0.3;        // of the way between two parts: what triangles may miss
+constexpr std::size_t kPairsTold = 4;
 
 std::string BothNames(const std::vector<FusedPart>& parts, int first, int second) {
   return absl::StrCat("'", parts[static_cast<std::size_t>(first)].name, "' and '",
                       parts[static_cast<std::size_t>(second)].name, "'");
 }
 
-absl::Status Penetration(const std::vector<FusedPart>& parts, const Overlap& overlap) {
-  return InvalidField("parts", absl::StrFormat("%s penetrate each other, by about %.2g mm",
-                                               BothNames(parts, overlap.first, overlap.second),
-                                               1e3 * overlap.depth));
+// Names the pairs of parts that are in the same place, each with its deepest overlap.
+absl::Status Penetration(const std::vector<FusedPart>& parts,
+                         const std::vector<Overlap>& overlaps) {
+  std::map<std::pair<int, int>, double> depths;
+  for (const Overlap& overlap : overlaps) {
+    double& depth = depths[std::minmax(overlap.first, overlap.second)];
+    depth = std::max(depth, overlap.depth);
+  }
+  std::string message;
+  std::size_t told = 0;
+  for (const auto& [pair, depth] : depths) {
+    if (++told > kPairsTold) break;
+    absl::StrAppendFormat(&message, "%s%s%s, by about %.2g mm", told == 1 ? "" : "; so do ",
+                          BothNames(parts, pair.first, pair.second),
+                          told == 1 ? " penetrate each other" : "", 1e3 * depth);
+  }
+  if (depths.size() > kPairsTold) {
+    absl::StrAppend(&message, "; and ", depths.size() - kPairsTold, " more pairs");
+  }
+  return InvalidField("parts", message);
 }
 
-absl::Status NotBonded(const std::vector<FusedPart>& parts, const Gap& gap) {
+absl::Status NotBonded(const std::vector<FusedPart>& parts, const SolidFusion& fusion,
+                       const FaceGap& gap) {
+  const auto part_of = [&](int face) {
+    return fusion.faces()[static_cast<std::size_t>(face)].description.back_part;
+  };
   return PreconditionFailed(
       "NOT_BONDED",
       absl::StrFormat(
           "%s are %.2g mm apart and cannot be joined: let them touch, or leave more than "
           "%.2g mm between them",
-          BothNames(parts, gap.first, gap.second), 1e3 * gap.width, 1e3 * kDrawingTolerance),
+          BothNames(parts, part_of(gap.first), part_of(gap.second)), 1e3 * gap.width,
+          1e3 * kDrawingTolerance),
       "parts");
 }
 
-double ChordOf(const FusedPart& part) {
-  return std::max(kLeastChord, kChordTolerance * part.diagonal);
+// How far triangles of each face may miss it, as its parts are large.
+std::vector<double> ChordsOf(const std::vector<FusedPart>& parts, const SolidFusion& fusion) {
+  std::vector<double> chords;
+  for (const FusedFace& face : fusion.faces()) {
+    double diagonal = parts[static_cast<std::size_t>(face.description.back_part)].diagonal;
+    if (face.description.front_part >= 0) {
+      diagonal =
+          std::min(diagonal, parts[static_cast<std::size_t>(face.description.front_part)].diagonal);
+    }
+    chords.push_back(std::max(kLeastChord, kChordTolerance * diagonal));
+  }
+  return chords;
 }
 
-// What the triangles may miss.
-double MissOf(const FusedPart& part) { return part.is_flat ? 0 : ChordOf(part); }
-
-// Parts that pass each other without touching, nearer than triangles may miss them.
-std::vector<Gap> FindGaps(const std::vector<FusedPart>& parts, const SolidFusion& fusion) {
-  std::vector<Bnd_Box> boxes(parts.size());
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    BRepBndLib::Add(parts[i].solid, boxes[i], Standard_False);
-  }
-  std::vector<Gap> gaps;
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    for (std::size_t j = i + 1; j < parts.size(); ++j) {
-      const int first = static_cast<int>(i), second = static_cast<int>(j);
-      const double near = kDrawingTolerance + MissOf(parts[i]) + MissOf(parts[j]);
-      if (boxes[i].Distance(boxes[j]) > near || fusion.Meet(first, second)) continue;
-      const BRepExtrema_DistShapeShape distance(parts[i].solid, parts[j].solid);
-      if (distance.IsDone() && distance.Value() <= near) {
-        gaps.push_back({first, second, distance.Value()});
-      }
+// How far triangles miss each face with these chords: planes not at all, and cylinders no more than
+// the angle between two triangles lets them.
+std::vector<double> MissesOf(const SolidFusion& fusion, std::vector<double> chords) {
+  for (std::size_t i = 0; i < chords.size(); ++i) {
+    const BRepAdaptor_Surface surface(fusion.faces()[i].face, Standard_False);
+    if (surface.GetType() == GeomAbs_Plane) chords[i] = 0;
+    if (surface.GetType() == GeomAbs_Cylinder) {
+      chords[i] = std::min(chords[i], surface.Cylinder().Radius() * kAngle * kAngle / 8);
     }
   }
-  return gaps;
+  return chords;
 }
 
-const Gap* NarrowestOf(const std::vector<Gap>& gaps) {
-  const auto found = std::min_element(gaps.begin(), gaps.end(),
-                                      [](const Gap& a, const Gap& b) { return a.width < b.width; });
-  return found == gaps.end() ? nullptr : &*found;
-}
-
-// The parts fused, and how far triangles may miss each.
+// The parts fused, and how far triangles may miss each face.
 struct Fused {
   SolidFusion fusion;
   std::vector<double> chords;  // m
 };
 
-absl::StatusOr<Fused> FuseWithin(const std::vector<FusedPart>& parts) {
-  MORTISE_ASSIGN_OR_RETURN(SolidFusion fusion, SolidFusion::Create(parts, kFuseTolerance));
-  for (const Overlap& overlap : fusion.overlaps()) {
-    if (overlap.depth > kDrawingTolerance) return Penetration(parts, overlap);
-  }
-  std::vector<Gap> gaps;
-  if (fusion.overlaps().empty()) gaps = FindGaps(parts, fusion);
-  const Gap* narrowest = NarrowestOf(gaps);
-  if (!fusion.overlaps().empty() ||
-      (narrowest != nullptr && narrowest->width <= kDrawingTolerance)) {
-    MORTISE_ASSIGN_OR_RETURN(fusion, SolidFusion::Create(parts, kDrawingTolerance));
-    if (!fusion.overlaps().empty()) return Penetration(parts, fusion.overlaps().front());
-    gaps = FindGaps(parts, fusion);
-    narrowest = NarrowestOf(gaps);
-    if (narrowest != nullptr && narrowest->width <= kDrawingTolerance) {
-      return NotBonded(parts, *narrowest);
-    }
-  }
-  Fused fused{std::move(fusion), {}};
-  for (const FusedPart& part : parts) fused.chords.push_back(ChordOf(part));
-  for (const Gap& gap : gaps) {
-    for (const int part : {gap.first, gap.second}) {
-      double& chord = fused.chords[static_cast<std::size_t>(part)];
+// Triangles pass through no gap.
+Fused Refined(SolidFusion fusion, const std::vector<FaceGap>& gaps, std::vector<double> chords) {
+  for (const FaceGap& gap : gaps) {
+    for (const int face : {gap.first, gap.second}) {
+      double& chord = chords[static_cast<std::size_t>(face)];
       chord = std::min(chord, std::max(kLeastChord, kClear * gap.width));
     }
   }
-  return fused;
+  return Fused{std::move(fusion), std::move(chords)};
 }
 
-// Triangulates part by part, the finest first: what has triangles that are fine enough keeps them,
-// and its edges give their points to the faces beside.
+absl::StatusOr<Fused> FuseWithin(const std::vector<FusedPart>& parts) {
+  absl::Status failure;
+  double wanted = 0;  // m: what nearly touches misses by no less
+  for (const double tolerance : kFuseTolerances) {
+    if (tolerance < wanted && tolerance < kFuseTolerances.back()) continue;
+    MORTISE_ASSIGN_OR_RETURN(SolidFusion fusion, SolidFusion::Create(parts, tolerance));
+    if (!fusion.overlaps().empty()) {
+      failure = Penetration(parts, fusion.overlaps());
+      for (const Overlap& overlap : fusion.overlaps()) wanted = std::max(wanted, overlap.depth);
+      if (wanted > kDrawingTolerance) return failure;
+      continue;
+    }
+    std::vector<double> chords = ChordsOf(parts, fusion);
+    const std::vector<FaceGap> gaps = FindGaps(fusion, kDrawingTolerance, MissesOf(fusion, chords));
+    failure = absl::OkStatus();
+    for (const FaceGap& gap : gaps) {
+      if (!gap.is_between || gap.width > kDrawingTolerance) continue;
+      failure = NotBonded(parts, fusion, gap);
+      wanted = std::max(wanted, gap.width);
+    }
+    if (failure.ok()) return Refined(std::move(fusion), gaps, std::move(chords));
+  }
+  return failure;
+}
+
+// Triangulates the faces, the finest first, together with those beside them that already have
+// triangles: these keep them, and their edges give the points to the faces beside.
 void Triangulate(const Fused& fused) {
-  std::vector<int> order(fused.chords.size());
-  std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
-    return fused.chords[static_cast<std::size_t>(a)] < fused.chords[static_cast<std::size_t>(b)];
-  });
-  for (const int part : order) {
+  const std::vector<FusedFace>& faces = fused.fusion.faces();
+  std::map<double, std::vector<std::size_t>> groups;
+  for (std::size_t i = 0; i < faces.size(); ++i) groups[fused.chords[i]].push_back(i);
+  TopTools_IndexedDataMapOfShapeListOfShape beside;  // the faces at each edge
+  for (const FusedFace& face : faces) {
+    TopExp::MapShapesAndAncestors(face.face, TopAbs_EDGE, TopAbs_FACE, beside);
+  }
+  TopTools_MapOfShape done;
+  for (const auto& [chord, members] : groups) {
     TopoDS_Compound compound;
     BRep_Builder builder;
     builder.MakeCompound(compound);
-    for (const int face : fused.fusion.FacesOf(part)) {
-      builder.Add(compound, fused.fusion.faces()[static_cast<std::size_t>(face)].face);
+    TopTools_MapOfShape added;
+    for (const std::size_t member : members) {
+      builder.Add(compound, faces[member].face);
+      for (TopExp_Explorer edge(faces[member].face, TopAbs_EDGE); edge.More(); edge.Next()) {
+        for (const TopoDS_Shape& other : beside.FindFromKey(edge.Current())) {
+          if (done.Contains(other) && added.Add(other)) builder.Add(compound, other);
+        }
+      }
     }
-    BRepMesh_IncrementalMesh mesher(compound, fused.chords[static_cast<std::size_t>(part)],
-                                    Standard_False, kAngle, Standard_False);
+    BRepMesh_IncrementalMesh mesher(compound, chord, Standard_False, kAngle, Standard_False);
+    for (const std::size_t member : members) done.Add(faces[member].face);
   }
 }
 
@@ -150,11 +183,20 @@ absl::StatusOr<mesh::AssemblySurface> SurfaceOf(const std::vector<FusedPart>& pa
   Triangulate(fused);
   mesh::AssemblySurface surface;
   TriangleJoiner joiner;
+  FacetBalance balance;
   for (const FusedFace& face : fused.fusion.faces()) {
-    MORTISE_RETURN_IF_ERROR(joiner.Append(face.face, static_cast<int>(surface.faces.size())));
+    const absl::StatusOr<std::vector<int>> points =
+        joiner.Append(face.face, static_cast<int>(surface.faces.size()));
+    if (!points.ok()) {
+      const auto part = static_cast<std::size_t>(face.description.back_part);
+      return KernelFailure("fusing the parts",
+                           absl::StrCat("'", parts[part].name, "': ", points.status().message()));
+    }
+    balance.Add(face.face, *points);
     surface.faces.push_back(face.description);
   }
   joiner.MoveTo(surface);
+  balance.Apply(surface);
   surface.part_interior.resize(3, static_cast<Eigen::Index>(parts.size()));
   for (std::size_t i = 0; i < parts.size(); ++i) {
     const mesh::SurfaceMesh own = mesh::PartSurface(surface, static_cast<int>(i));

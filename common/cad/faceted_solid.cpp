@@ -16,9 +16,11 @@
 #include <map>
 #include <memory>
 #include <numeric>
+#include <set>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "common/base/errors.h"
 #include "common/cad/solid_kernel.h"
 
@@ -224,12 +226,44 @@ Solid Make(const mesh::SurfaceMesh& surface, const Eigen::VectorXi& triangle_fac
   return Solid(std::move(kernel));
 }
 
+std::string InMillimetres(const Eigen::Vector3d& place) {
+  return absl::StrFormat("(%.6g, %.6g, %.6g) mm", 1e3 * place.x(), 1e3 * place.y(),
+                         1e3 * place.z());
+}
+
+// Every edge runs once either way, and is long enough for the kernel to tell its ends apart.
+absl::Status CheckEdges(const mesh::SurfaceMesh& surface) {
+  std::set<std::pair<int, int>> edges;
+  for (const auto& corners : surface.triangles.colwise()) {
+    for (int k = 0; k < 3; ++k) {
+      const int from = corners(k), to = corners((k + 1) % 3);
+      const Eigen::Vector3d start = surface.vertices.col(from);
+      if ((surface.vertices.col(to) - start).norm() <= kInPlane) {
+        return InvalidField("shape", absl::StrCat("has an edge too short for the kernel at ",
+                                                  InMillimetres(start)));
+      }
+      if (!edges.emplace(from, to).second) {
+        return InvalidField("shape", absl::StrCat("has an edge that two triangles run along in the "
+                                                  "same direction, at ",
+                                                  InMillimetres(start)));
+      }
+    }
+  }
+  for (const auto& [from, to] : edges) {
+    if (edges.contains({to, from})) continue;
+    return InvalidField("shape",
+                        absl::StrCat("is open at ", InMillimetres(surface.vertices.col(from))));
+  }
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 absl::StatusOr<Solid> FacetedSolid(const mesh::SurfaceMesh& surface,
                                    const Eigen::VectorXi& triangle_face,
                                    const std::vector<std::string>& face_names,
                                    const std::string& name) {
+  MORTISE_RETURN_IF_ERROR(CheckEdges(surface));
   try {
     return Make(surface, triangle_face, face_names, name);
   } catch (const Standard_Failure& failure) {

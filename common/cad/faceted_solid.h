@@ -15,7 +15,8 @@ namespace mortise::cad {
 // which is called as their face is: several of the solid's faces may have one name. triangle_face:
 // index into `face_names`, of each triangle.
 //
-// INVALID_ARGUMENT, "shape", if the kernel finds that it bounds no solid.
+// INVALID_ARGUMENT, "shape": the surface is open, an edge is too short for the kernel, with its
+// place, or the kernel cannot make a face. Whether it crosses itself is not looked at.
 absl::StatusOr<Solid> FacetedSolid(const mesh::SurfaceMesh& surface,
                                    const Eigen::VectorXi& triangle_face,
                                    const std::vector<std::string>& face_names,

@@ -1,6 +1,5 @@
 #include "common/cad/solid_fusion.h"
 
-#include <BRepAdaptor_Surface.hxx>
 #include <BRepBndLib.hxx>
 #include <BRepBuilderAPI_Copy.hxx>
 #include <BRepGProp.hxx>
@@ -13,6 +12,7 @@
 #include <TopoDS.hxx>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
@@ -52,11 +52,6 @@ FusedPart CopyOf(const Solid& solid) {
   Bnd_Box box;
   BRepBndLib::Add(part.solid, box, Standard_False);
   if (!box.IsVoid()) part.diagonal = std::sqrt(box.SquareExtent());
-  part.is_flat = true;
-  for (TopExp_Explorer face(part.solid, TopAbs_FACE); face.More() && part.is_flat; face.Next()) {
-    const BRepAdaptor_Surface surface(TopoDS::Face(face.Current()), Standard_False);
-    part.is_flat = surface.GetType() == GeomAbs_Plane;
-  }
   return part;
 }
 
@@ -93,20 +88,20 @@ absl::StatusOr<SolidFusion> SolidFusion::Create(const std::vector<FusedPart>& pa
     fusion.NameFaces(static_cast<int>(i), parts[i], fuse);
   }
   fusion.NoteMeetings(pieces);
+  fusion.NoteCorners();
   return fusion;
-}
-
-std::vector<int> SolidFusion::FacesOf(int part) const {
-  std::vector<int> found;
-  for (std::size_t i = 0; i < faces_.size(); ++i) {
-    const mesh::AssemblyFace& face = faces_[i].description;
-    if (face.back_part == part || face.front_part == part) found.push_back(static_cast<int>(i));
-  }
-  return found;
 }
 
 bool SolidFusion::Meet(int first, int second) const {
   return meeting_.count(std::minmax(first, second)) != 0;
+}
+
+bool SolidFusion::Touch(int first, int second) const {
+  const std::vector<int>& a = corners_[static_cast<std::size_t>(first)];
+  const std::vector<int>& b = corners_[static_cast<std::size_t>(second)];
+  std::vector<int> common;
+  std::set_intersection(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(common));
+  return !common.empty();
 }
 
 // Where parts overlap, the overlap is a solid of its own that both are split into.
@@ -173,6 +168,18 @@ void SolidFusion::NoteMeetings(const std::vector<std::vector<TopoDS_Shape>>& pie
       for (const int other : owners[index]) meeting_.emplace(other, static_cast<int>(i));
       owners[index].push_back(static_cast<int>(i));
     }
+  }
+}
+
+void SolidFusion::NoteCorners() {
+  TopTools_IndexedMapOfShape vertices;
+  for (const FusedFace& face : faces_) {
+    std::vector<int>& own = corners_.emplace_back();
+    for (TopExp_Explorer corner(face.face, TopAbs_VERTEX); corner.More(); corner.Next()) {
+      own.push_back(vertices.Add(corner.Current()));
+    }
+    std::sort(own.begin(), own.end());
+    own.erase(std::unique(own.begin(), own.end()), own.end());
   }
 }
 

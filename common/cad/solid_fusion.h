@@ -24,7 +24,6 @@ struct FusedPart {
   std::vector<TopoDS_Face> faces;
   std::vector<std::string> face_names;  // of each face
   double diagonal = 0;                  // m, of its box
-  bool is_flat = false;                 // all its faces are planes
 };
 
 FusedPart CopyOf(const Solid& solid);
@@ -52,11 +51,11 @@ class SolidFusion {
   const std::vector<Overlap>& overlaps() const { return overlaps_; }
   const std::vector<FusedFace>& faces() const { return faces_; }
 
-  // Those of faces() round a part.
-  std::vector<int> FacesOf(int part) const;
-
   // Whether two parts have a face, an edge or a vertex in common.
   bool Meet(int first, int second) const;
+
+  // Whether two of faces() have an edge or a vertex in common.
+  bool Touch(int first, int second) const;
 
  private:
   SolidFusion() = default;
@@ -64,11 +63,13 @@ class SolidFusion {
   absl::Status CollectFaces(int part, const FusedPart& source, const TopoDS_Shape& piece);
   void NameFaces(int part, const FusedPart& source, BOPAlgo_Builder& fuse);
   void NoteMeetings(const std::vector<std::vector<TopoDS_Shape>>& pieces);
+  void NoteCorners();
 
   std::vector<Overlap> overlaps_;
   std::vector<FusedFace> faces_;
   TopTools_DataMapOfShapeInteger index_;  // of a face, whatever its orientation
   std::set<std::pair<int, int>> meeting_;
+  std::vector<std::vector<int>> corners_;  // of each face, the vertices in rising order
 };
 
 }  // namespace mortise::cad

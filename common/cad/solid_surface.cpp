@@ -41,7 +41,8 @@ absl::StatusOr<mesh::AssemblySurface> Triangulate(const Solid& solid,
   for (std::size_t i = 0; i < solid.kernel().faces.size(); ++i) {
     // As it is turned in the solid; ModifiedShape does not tell that.
     const int index = faces.FindIndex(copy.ModifiedShape(solid.kernel().faces[i]));
-    MORTISE_RETURN_IF_ERROR(joiner.Append(TopoDS::Face(faces(index)), static_cast<int>(i)));
+    MORTISE_RETURN_IF_ERROR(
+        joiner.Append(TopoDS::Face(faces(index)), static_cast<int>(i)).status());
     surface.faces.push_back({-1, 0, {{0, solid.face_names()[i]}}});
   }
   if (!joiner.IsClosed()) {

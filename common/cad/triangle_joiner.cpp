@@ -13,8 +13,13 @@
 #include "common/cad/solid_kernel.h"
 
 namespace mortise::cad {
+namespace {
 
-absl::Status TriangleJoiner::Append(const TopoDS_Face& face, int index) {
+constexpr double kOnSide = 1e-6;  // of a triangle's height: what is nearer to a side is on it
+
+}  // namespace
+
+absl::StatusOr<std::vector<int>> TriangleJoiner::Append(const TopoDS_Face& face, int index) {
   TopLoc_Location location;
   const Handle(Poly_Triangulation) mesh = BRep_Tool::Triangulation(face, location);
   if (mesh.IsNull()) return KernelFailure("triangulating the solid", "a face has no triangles");
@@ -25,7 +30,8 @@ absl::Status TriangleJoiner::Append(const TopoDS_Face& face, int index) {
     if (polygon.IsNull()) {
       return KernelFailure("triangulating the solid", "an edge has no points");
     }
-    JoinEdge(TopoDS::Edge(edge.Current()), *mesh, location, *polygon, nodes);
+    MORTISE_RETURN_IF_ERROR(
+        JoinEdge(TopoDS::Edge(edge.Current()), *mesh, location, *polygon, nodes));
   }
   for (int i = 1; i <= mesh->NbNodes(); ++i) {
     int& point = nodes[static_cast<std::size_t>(i)];
@@ -47,7 +53,7 @@ absl::Status TriangleJoiner::Append(const TopoDS_Face& face, int index) {
     faces_.push_back(index);
   }
   SplitAtLoneVertices(face, first);
-  return absl::OkStatus();
+  return nodes;
 }
 
 bool TriangleJoiner::IsClosed() const {
@@ -90,9 +96,10 @@ int TriangleJoiner::PointOf(const TopoDS_Vertex& vertex) {
 }
 
 // Gives the nodes of a face's triangulation that lie on the edge the points of the edge.
-void TriangleJoiner::JoinEdge(const TopoDS_Edge& edge, const Poly_Triangulation& mesh,
-                              const TopLoc_Location& location,
-                              const Poly_PolygonOnTriangulation& polygon, std::vector<int>& nodes) {
+absl::Status TriangleJoiner::JoinEdge(const TopoDS_Edge& edge, const Poly_Triangulation& mesh,
+                                      const TopLoc_Location& location,
+                                      const Poly_PolygonOnTriangulation& polygon,
+                                      std::vector<int>& nodes) {
   const int count = polygon.NbNodes();
   std::vector<int>& along = edges_[edges_by_shape_.Add(edge)];
   if (along.empty()) {
@@ -105,9 +112,13 @@ void TriangleJoiner::JoinEdge(const TopoDS_Edge& edge, const Poly_Triangulation&
     }
     along.push_back(PointOf(TopExp::LastVertex(forward)));
   }
-  for (int i = 1; i <= std::min(count, static_cast<int>(along.size())); ++i) {
+  if (static_cast<int>(along.size()) != count) {
+    return KernelFailure("triangulating the solid", "an edge is divided in two ways");
+  }
+  for (int i = 1; i <= count; ++i) {
     nodes[static_cast<std::size_t>(polygon.Node(i))] = along[static_cast<std::size_t>(i) - 1];
   }
+  return absl::OkStatus();
 }
 
 // Vertices within a face, where another part touches it in a point. The kernel leaves them out.
@@ -117,11 +128,13 @@ void TriangleJoiner::SplitAtLoneVertices(const TopoDS_Face& face, std::size_t fi
   }
 }
 
-// Divides the nearest of the triangles from `first` on in three that meet in the point.
+// Divides the nearest of the triangles from `first` on in three that meet in the point; where it
+// lies on a side, that triangle and the one beyond in two each.
 void TriangleJoiner::SplitAt(int point, std::size_t first) {
   const Eigen::Vector3d place = points_[static_cast<std::size_t>(point)];
   std::size_t nearest = triangles_.size();
   double least = std::numeric_limits<double>::infinity();
+  Eigen::Vector3d shares = Eigen::Vector3d::Zero();
   for (std::size_t t = first; t < triangles_.size(); ++t) {
     const Eigen::Vector3d a = points_[static_cast<std::size_t>(triangles_[t](0))];
     const Eigen::Vector3d u = points_[static_cast<std::size_t>(triangles_[t](1))] - a;
@@ -130,19 +143,42 @@ void TriangleJoiner::SplitAt(int point, std::size_t first) {
     const Eigen::Vector3d offset = place - a;
     const double share_u = offset.cross(v).dot(normal) / normal.squaredNorm();
     const double share_v = u.cross(offset).dot(normal) / normal.squaredNorm();
-    if (!(share_u >= 0 && share_v >= 0 && share_u + share_v <= 1)) continue;
+    const Eigen::Vector3d own(1 - share_u - share_v, share_u, share_v);
+    if (!(own.minCoeff() >= -kOnSide)) continue;
     const double height = std::abs(offset.dot(normal)) / normal.norm();
     if (height >= least) continue;
     least = height;
     nearest = t;
+    shares = own;
   }
   if (nearest == triangles_.size()) return;
   const Eigen::Vector3i corners = triangles_[nearest];
   if ((corners.array() == point).any()) return;
+  int opposite = 0;
+  if (shares.minCoeff(&opposite) < kOnSide) {
+    const int from = corners((opposite + 1) % 3), to = corners((opposite + 2) % 3);
+    for (std::size_t t = first; t < triangles_.size(); ++t) {
+      for (int k = 0; k < 3; ++k) {
+        if (triangles_[t](k) != to || triangles_[t]((k + 1) % 3) != from) continue;
+        SplitSide(t, k, point);
+        SplitSide(nearest, (opposite + 1) % 3, point);
+        return;
+      }
+    }
+  }
   triangles_[nearest](2) = point;
   triangles_.push_back({point, corners(1), corners(2)});
   triangles_.push_back({corners(0), point, corners(2)});
   faces_.insert(faces_.end(), 2, faces_[nearest]);
+}
+
+// Divides a triangle in two by a point on the side from its corner `side` to the next.
+void TriangleJoiner::SplitSide(std::size_t triangle, int side, int point) {
+  Eigen::Vector3i second = triangles_[triangle];
+  triangles_[triangle]((side + 1) % 3) = point;
+  second(side) = point;
+  triangles_.push_back(second);
+  faces_.push_back(faces_[triangle]);
 }
 
 }  // namespace mortise::cad

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "absl/status/statusor.h"
 #include "common/mesh/surface_mesh.h"
 
 namespace mortise::cad {
@@ -24,8 +25,9 @@ namespace mortise::cad {
 class TriangleJoiner {
  public:
   // Appends the triangles of a face that has been triangulated, counter-clockwise seen from where
-  // the face points. INTERNAL if the kernel made none.
-  absl::Status Append(const TopoDS_Face& face, int index);
+  // the face points. Gives the point of each node of its triangulation, from 1. INTERNAL if the
+  // kernel made none, or divided an edge otherwise than for the faces before.
+  absl::StatusOr<std::vector<int>> Append(const TopoDS_Face& face, int index);
 
   // Every edge has as many triangles on one side as on the other.
   bool IsClosed() const;
@@ -36,11 +38,12 @@ class TriangleJoiner {
  private:
   int Add(const gp_Pnt& point);
   int PointOf(const TopoDS_Vertex& vertex);
-  void JoinEdge(const TopoDS_Edge& edge, const Poly_Triangulation& mesh,
-                const TopLoc_Location& location, const Poly_PolygonOnTriangulation& polygon,
-                std::vector<int>& nodes);
+  absl::Status JoinEdge(const TopoDS_Edge& edge, const Poly_Triangulation& mesh,
+                        const TopLoc_Location& location, const Poly_PolygonOnTriangulation& polygon,
+                        std::vector<int>& nodes);
   void SplitAtLoneVertices(const TopoDS_Face& face, std::size_t first);
   void SplitAt(int point, std::size_t first);
+  void SplitSide(std::size_t triangle, int side, int point);
 
   std::vector<Eigen::Vector3d> points_;
   std::vector<Eigen::Vector3i> triangles_;
