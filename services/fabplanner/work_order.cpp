@@ -162,6 +162,15 @@ std::vector<int> WorkOrder::CutsToSendAgain(const std::string& bridge) const {
   return again;
 }
 
+std::set<std::string> WorkOrder::Bridges() const {
+  std::set<std::string> bridges;
+  for (const Cut& cut : cuts_) {
+    const bool in_hand = cut.state == CutState::kSent || cut.state == CutState::kAccepted;
+    if (in_hand) bridges.insert(cut.bridge);
+  }
+  return bridges;
+}
+
 std::optional<int> WorkOrder::Accept(const std::string& bridge, const std::string& machine,
                                      int64_t sequence) {
   const auto found = by_address_.find({bridge, machine, sequence});

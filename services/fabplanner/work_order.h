@@ -19,6 +19,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -98,6 +99,9 @@ class WorkOrder {
   // The cuts to send again to a bridge that attaches or goes on: SENT and not accepted, in order.
   // Nothing unless IN_PROGRESS.
   std::vector<int> CutsToSendAgain(const std::string& bridge) const;
+
+  // The bridges that have cuts in hand.
+  std::set<std::string> Bridges() const;
 
   // The bridge has the cut in its journal. The index of the cut if that is news.
   std::optional<int> Accept(const std::string& bridge, const std::string& machine,
