@@ -3,6 +3,7 @@
 #include <grpcpp/grpcpp.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <memory>
 
 #include "absl/strings/match.h"
@@ -115,11 +116,26 @@ absl::Status Export(v1::ParetoService::Stub& stub, const GatewayClient& client,
   return absl::OkStatus();
 }
 
+// "width 0.4, height 0.72".
+std::string DesignText(const v1::Front& front, const v1::EvaluationFailure& failure) {
+  std::string text;
+  const int known = std::min(front.parameter_names_size(), failure.parameters_size());
+  for (int i = 0; i < known; ++i) {
+    absl::StrAppendFormat(&text, "%s%s %.4g", i == 0 ? "" : ", ", front.parameter_names(i),
+                          failure.parameters(i));
+  }
+  return text;
+}
+
 void PrintFront(const v1::Front& front, const Output& output) {
   output.Line(absl::StrFormat("%s: %d points in %d pieces, %d evaluations (%d failed), %s",
                               front.name(), front.point_count(), front.pieces(),
                               front.evaluations(), front.failed_evaluations(),
                               front.stop_reason()));
+  for (const v1::EvaluationFailure& failure : front.failures()) {
+    output.Line(absl::StrFormat("  %d failed with %s, such as at %s: %s", failure.count(),
+                                failure.reason(), DesignText(front, failure), failure.message()));
+  }
   std::vector<std::string> titles(front.metric_names().begin(), front.metric_names().end());
   titles.insert(titles.end(), front.parameter_names().begin(), front.parameter_names().end());
   std::vector<std::vector<std::string>> rows;

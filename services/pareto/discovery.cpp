@@ -79,6 +79,16 @@ DesignSpace Restrict(const DesignSpace& space, const std::vector<Eigen::Index>& 
   return part;
 }
 
+// An answer without numbers, as a failure.
+Evaluation NotFinite(const Evaluation& result) {
+  Evaluation failed;
+  failed.x = result.x;
+  failed.message = result.message.empty() ? "a metric is not finite" : result.message;
+  failed.reason = "NOT_FINITE";
+  failed.code = absl::StatusCode::kInternal;
+  return failed;
+}
+
 std::vector<double> Key(const Eigen::VectorXd& u) { return {u.begin(), u.end()}; }
 
 }  // namespace
@@ -184,6 +194,7 @@ ArchiveEntry Discovery::EntryOf(const Pending& pending) {
   entry.feasible = result.status == EvaluationStatus::kFeasible && result.metrics.allFinite();
   if (!entry.feasible) {
     ++failed_;
+    failures_.Add(result.status == EvaluationStatus::kFailed ? result : NotFinite(result));
     if (message_.empty() && !result.message.empty()) message_ = result.message;
     return entry;
   }
@@ -354,6 +365,7 @@ Discovery::Summary Discovery::summary() const {
   summary.message = message_;
   summary.evaluations = committed_;
   summary.failed = failed_;
+  summary.failures = failures_.failures();
   summary.optimizations = optimizations_;
   summary.expansions = expansions_;
   summary.cells_covered = static_cast<std::int64_t>(buffer_.cells().size());

@@ -26,6 +26,7 @@
 #include "absl/status/statusor.h"
 #include "services/pareto/archive.h"
 #include "services/pareto/evaluation.h"
+#include "services/pareto/failure_tally.h"
 #include "services/pareto/front.h"
 #include "services/pareto/patch_sampling.h"
 #include "services/pareto/performance_buffer.h"
@@ -52,9 +53,10 @@ class Discovery {
 
   struct Summary {
     StopReason stop_reason = StopReason::kRunning;
-    std::string message;           // why, for people
-    std::int64_t evaluations = 0;  // committed
-    std::int64_t failed = 0;       // of those
+    std::string message;                 // why, for people
+    std::int64_t evaluations = 0;        // committed
+    std::int64_t failed = 0;             // of those
+    std::vector<FailureCount> failures;  // what they failed for; the counts add up to `failed`
     std::int64_t optimizations = 0;
     std::int64_t expansions = 0;
     std::int64_t cells_covered = 0;  // of the buffer
@@ -92,6 +94,7 @@ class Discovery {
   const DesignSpace& space() const { return space_; }
   const Archive& archive() const { return archive_; }
   std::int64_t proposed() const { return proposed_; }
+  std::int64_t initial_samples() const { return initial_samples_; }
 
  private:
   struct Track {
@@ -147,6 +150,7 @@ class Discovery {
   std::int64_t committed_ = 0;
   std::int64_t barrier_ = 0;  // results that must be committed before the next proposal
   std::int64_t failed_ = 0;
+  FailureTally failures_;
   std::int64_t optimizations_ = 0;
   std::int64_t expansions_ = 0;
   double hypervolume_ = 0;    // in the scaling of the buffer, reference 1.1

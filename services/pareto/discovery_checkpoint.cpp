@@ -10,8 +10,10 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little);
 
-constexpr std::string_view kMagic = "MPC1";
+constexpr std::string_view kMagic = "MPC2";
+constexpr std::string_view kMagicWithoutReasons = "MPC1";  // of discoveries begun before
 constexpr std::uint64_t kSizeLimit = 1 << 24;
+constexpr auto kLastCode = static_cast<std::int32_t>(absl::StatusCode::kUnauthenticated);
 
 template <typename T>
 void Append(std::string& bytes, T value) {
@@ -75,12 +77,22 @@ void AppendVector(std::string& bytes, const Eigen::VectorXd& vector) {
   AppendDoubles(bytes, vector.data(), vector.size());
 }
 
-bool ReadResult(Reader& reader, std::int64_t& number, Evaluation& evaluation) {
+// The constant and the code of a failure.
+bool ReadReason(Reader& reader, Evaluation& evaluation) {
+  std::int32_t code = 0;
+  if (!reader.Read(code) || code < 0 || code > kLastCode || !reader.ReadText(evaluation.reason))
+    return false;
+  evaluation.code = static_cast<absl::StatusCode>(code);
+  return true;
+}
+
+bool ReadResult(Reader& reader, bool with_reason, std::int64_t& number, Evaluation& evaluation) {
   std::uint8_t feasible = 0;
   Eigen::VectorXd jacobian;
   if (!reader.Read(number) || !reader.Read(feasible) || feasible > 1 || number < 0 ||
       !reader.ReadVector(evaluation.x) || !reader.ReadVector(evaluation.metrics) ||
-      !reader.ReadVector(jacobian) || !reader.ReadText(evaluation.message))
+      !reader.ReadVector(jacobian) || !reader.ReadText(evaluation.message) ||
+      (with_reason && !ReadReason(reader, evaluation)))
     return false;
   evaluation.status = feasible != 0 ? EvaluationStatus::kFeasible : EvaluationStatus::kFailed;
   if (jacobian.size() == 0) return true;
@@ -103,6 +115,9 @@ std::string Serialize(const DiscoveryCheckpoint& checkpoint) {
     AppendVector(bytes, evaluation.jacobian.reshaped());
     Append<std::uint64_t>(bytes, evaluation.message.size());
     bytes += evaluation.message;
+    Append(bytes, static_cast<std::int32_t>(evaluation.code));
+    Append<std::uint64_t>(bytes, evaluation.reason.size());
+    bytes += evaluation.reason;
   }
   return bytes;
 }
@@ -112,12 +127,13 @@ absl::StatusOr<DiscoveryCheckpoint> ParseCheckpoint(std::string_view bytes) {
   Reader reader(bytes);
   while (!reader.AtEnd()) {
     std::uint64_t count = 0;
-    if (!reader.Skip(kMagic) || !reader.Read(count))
+    const bool with_reason = reader.Skip(kMagic);
+    if ((!with_reason && !reader.Skip(kMagicWithoutReasons)) || !reader.Read(count))
       return absl::DataLossError("not a checkpoint of a discovery");
     for (std::uint64_t i = 0; i < count; ++i) {
       std::int64_t number = 0;
       Evaluation evaluation;
-      if (!ReadResult(reader, number, evaluation))
+      if (!ReadResult(reader, with_reason, number, evaluation))
         return absl::DataLossError(absl::StrCat("result ", i, " of the checkpoint is damaged"));
       checkpoint.results.insert_or_assign(number, std::move(evaluation));
     }

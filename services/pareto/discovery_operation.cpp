@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <map>
 #include <memory>
+#include <stop_token>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -25,6 +26,7 @@ namespace {
 constexpr char kResultKind[] = "discoveryResults";
 constexpr int kPage = 1000;
 constexpr absl::Duration kDescribePatience = absl::Minutes(10);
+constexpr absl::Duration kTrialPatience = absl::Minutes(10);
 constexpr int kMostLanes = 16;
 
 class DiscoveryRun {
@@ -55,7 +57,13 @@ class DiscoveryRun {
     MORTISE_ASSIGN_OR_RETURN(const auto known, LoadResults());
     RemoteEvaluator evaluator(channel, specification_, problem,
                               [this](absl::Duration timeout) { return MakeOrigin(timeout); }, {});
-    MORTISE_RETURN_IF_ERROR(pareto::Run(*discovery, evaluator, MakeRunOptions(problem), known));
+    RunOptions options = MakeRunOptions(problem);
+    options.judge = [&](const Discovery::Summary& summary) {
+      const absl::Status verdict = Judge(channel, problem, *discovery, summary);
+      if (!verdict.ok()) evaluator.Interrupt();
+      return verdict;
+    };
+    MORTISE_RETURN_IF_ERROR(pareto::Run(*discovery, evaluator, options, known));
     return Finish(problem, *discovery);
   }
 
@@ -118,6 +126,8 @@ class DiscoveryRun {
       progress.message =
           absl::StrFormat("hypervolume %.4f, %d cells covered, %d failed", summary.hypervolume,
                           summary.cells_covered, summary.failed);
+      if (summary.failed > 0)
+        absl::StrAppend(&progress.message, " (", CountsByReason(summary.failures), ")");
       context_.ReportProgress(progress);
     };
     options.checkpoint = [this](const std::vector<std::pair<std::int64_t, Evaluation>>& batch) {
@@ -131,6 +141,29 @@ class DiscoveryRun {
     return options;
   }
 
+  // Ends a discovery in which every design must fail as all have so far.
+  absl::Status Judge(const std::shared_ptr<grpc::Channel>& channel, const DiscoveryProblem& problem,
+                     const Discovery& discovery, const Discovery::Summary& summary) {
+    if (default_works_ || !AllLackTheSame(discovery, summary)) return absl::OkStatus();
+    RemoteEvaluator evaluator(channel, specification_, problem,
+                              [this](absl::Duration timeout) { return MakeOrigin(timeout); },
+                              {.patience = absl::ZeroDuration(), .longest_call = kTrialPatience});
+    const std::stop_callback interrupt(context_.stop_token(), [&] { evaluator.Interrupt(); });
+    const auto tried = evaluator.Evaluate({problem.default_design});
+    // An evaluator that is away is asked again after the next batch.
+    if (!tried.ok()) return absl::OkStatus();
+    const absl::Status verdict = JudgeSubject(specification_.subject(), summary, tried->front());
+    default_works_ = verdict.ok();
+    if (verdict.ok()) return absl::OkStatus();
+    MORTISE_RETURN_IF_ERROR(ForgetResults());
+    return verdict;
+  }
+
+  absl::Status ForgetResults() {
+    return context_.Transact(
+        [this](store::Transaction& transaction) { return DropResults(transaction); });
+  }
+
   absl::StatusOr<std::string> Finish(const DiscoveryProblem& problem, const Discovery& discovery) {
     const bool stopped = discovery.summary().stop_reason == Discovery::StopReason::kCancelled;
     if (stopped) {
@@ -138,6 +171,11 @@ class DiscoveryRun {
       MORTISE_ASSIGN_OR_RETURN(const jobs::Operation operation,
                                environment_.operations->Get(context_.name()));
       if (!operation.cancel_requested) return absl::CancelledError("interrupted");
+    }
+    const Discovery::Summary summary = discovery.summary();
+    if (!stopped && summary.failed == summary.evaluations) {
+      MORTISE_RETURN_IF_ERROR(ForgetResults());
+      return NoFeasibleDesign(specification_.subject(), summary);
     }
     v1::Front front = MakeFront(problem, discovery);
     front.set_name(absl::StrCat("fronts/", id_));
@@ -179,6 +217,7 @@ class DiscoveryRun {
   jobs::OperationContext& context_;
   std::string id_;
   v1::DiscoverySpecification specification_;
+  bool default_works_ = false;  // or fails otherwise than those that were tried
 };
 
 }  // namespace

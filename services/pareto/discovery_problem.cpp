@@ -130,12 +130,49 @@ absl::StatusOr<DiscoveryProblem> MakeProblem(const v1::DiscoverySpecification& s
     return InvalidField("specification.subject",
                         absl::StrCat("its design space cannot be searched: ", usable.message()));
   MORTISE_RETURN_IF_ERROR(ApplyBounds(specification, problem));
+  problem.default_design.resize(D);
+  for (Eigen::Index i = 0; i < D; ++i) {
+    const double value = described.parameters(static_cast<int>(i)).default_value();
+    problem.default_design[i] = std::clamp(value, problem.space.lower[i], problem.space.upper[i]);
+  }
   MORTISE_RETURN_IF_ERROR(AddObjectives(specification, described, problem));
   problem.options.evaluations = specification.evaluations();
   problem.options.seed = static_cast<std::uint64_t>(specification.seed());
   problem.options.cells_per_angle = specification.cells();
   if (specification.window() > 0) problem.options.window = specification.window();
   return problem;
+}
+
+absl::Status NoFeasibleDesign(const std::string& subject, const Discovery::Summary& summary) {
+  return PreconditionFailed(
+      "NO_FEASIBLE_DESIGN",
+      absl::StrCat("none of ", summary.evaluations, " designs of ", subject,
+                   " could be evaluated: ", CountsWithExamples(summary.failures)),
+      subject);
+}
+
+bool AllLackTheSame(const Discovery& discovery, const Discovery::Summary& summary) {
+  if (summary.evaluations < discovery.initial_samples() || summary.failed != summary.evaluations ||
+      summary.failures.size() != 1)
+    return false;
+  const FailureCount& failure = summary.failures.front();
+  return failure.same_message && (failure.code == absl::StatusCode::kFailedPrecondition ||
+                                  failure.code == absl::StatusCode::kNotFound ||
+                                  failure.code == absl::StatusCode::kUnimplemented);
+}
+
+absl::Status JudgeSubject(const std::string& subject, const Discovery::Summary& summary,
+                          const Evaluation& default_design) {
+  const FailureCount& failure = summary.failures.front();
+  if (default_design.status != EvaluationStatus::kFailed || default_design.code != failure.code ||
+      default_design.message != failure.message)
+    return absl::OkStatus();
+  return PreconditionFailed(
+      "SUBJECT_UNUSABLE",
+      absl::StrCat("no design of ", subject, " can be evaluated. The default one and ",
+                   failure.count, " all over its parameters say: ", failure.message, " (",
+                   failure.reason, ")"),
+      subject);
 }
 
 v1::Front MakeFront(const DiscoveryProblem& problem, const Discovery& discovery) {
@@ -160,6 +197,13 @@ v1::Front MakeFront(const DiscoveryProblem& problem, const Discovery& discovery)
   message.set_pieces(front.pieces);
   message.set_evaluations(summary.evaluations);
   message.set_failed_evaluations(summary.failed);
+  for (const FailureCount& failure : summary.failures) {
+    v1::EvaluationFailure& to = *message.add_failures();
+    to.set_reason(failure.reason);
+    to.set_count(failure.count);
+    to.set_message(failure.message);
+    to.mutable_parameters()->Add(failure.x.begin(), failure.x.end());
+  }
   message.set_hypervolume(summary.hypervolume);
   message.set_cells_covered(static_cast<int>(summary.cells_covered));
   message.set_stop_reason(StopReasonName(summary.stop_reason));

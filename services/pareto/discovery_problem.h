@@ -27,6 +27,7 @@ struct Objective {
 struct DiscoveryProblem {
   DesignSpace space;  // in the order of parameter_names, bounds narrowed as asked
   std::vector<std::string> parameter_names;
+  Eigen::VectorXd default_design;     // the evaluator's, or what is nearest within the bounds
   std::vector<Objective> objectives;  // 2 or 3
   Discovery::Options options;
 
@@ -45,6 +46,19 @@ absl::Status CheckSpecification(const v1::DiscoverySpecification& specification)
 // for one outside the design space, "specification.subject" for a design space that is unusable).
 absl::StatusOr<DiscoveryProblem> MakeProblem(const v1::DiscoverySpecification& specification,
                                              const v1::DesignSpace& described);
+
+// Why no front can come of it: FAILED_PRECONDITION naming the subject, with what its evaluations
+// failed for.
+absl::Status NoFeasibleDesign(const std::string& subject, const Discovery::Summary& summary);
+
+// Whether all evaluations so far, at least those of the space-filling samples, failed in the same
+// words for what the subject lacks (FAILED_PRECONDITION, NOT_FOUND, UNIMPLEMENTED).
+bool AllLackTheSame(const Discovery& discovery, const Discovery::Summary& summary);
+
+// If the default design fails as `summary` says that all others did: FAILED_PRECONDITION,
+// SUBJECT_UNUSABLE, naming the subject and what it lacks. OK otherwise.
+absl::Status JudgeSubject(const std::string& subject, const Discovery::Summary& summary,
+                          const Evaluation& default_design);
 
 // What was found, as a message without name, specification and time.
 v1::Front MakeFront(const DiscoveryProblem& problem, const Discovery& discovery);

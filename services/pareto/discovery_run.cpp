@@ -118,7 +118,11 @@ class Loop {
     if (options_.checkpoint) MORTISE_RETURN_IF_ERROR(options_.checkpoint(*batch));
     for (auto& [number, evaluation] : *batch)
       MORTISE_RETURN_IF_ERROR(discovery_.Tell(number, std::move(evaluation)));
-    if (options_.progress) options_.progress(discovery_.summary());
+    if (options_.progress || options_.judge) {
+      const Discovery::Summary summary = discovery_.summary();
+      if (options_.progress) options_.progress(summary);
+      if (options_.judge) MORTISE_RETURN_IF_ERROR(options_.judge(summary));
+    }
     return absl::OkStatus();
   }
 

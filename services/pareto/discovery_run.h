@@ -18,6 +18,8 @@ struct RunOptions {
   int lanes = 1;  // calls under way at once. Neither changes the front, only the time it takes.
   std::function<bool()> cancelled;  // asked ten times a second; true: stop with what was found
   std::function<void(const Discovery::Summary&)> progress;  // after each batch
+  // After each batch. A non-OK status, which says why the whole subject is at fault, ends the run.
+  std::function<absl::Status(const Discovery::Summary&)> judge;
   // After each batch, its results with their proposal numbers, before anything else happens with
   // them. A non-OK status stops the run as if the evaluator were lost.
   std::function<absl::Status(const std::vector<std::pair<std::int64_t, Evaluation>>&)> checkpoint;

@@ -46,7 +46,10 @@ struct Evaluation {
   Eigen::VectorXd metrics;   // d; empty when failed
   Eigen::MatrixXd jacobian;  // d x D, dF/dx; empty when no gradients are offered. A row of NaN:
                              // none offered for that metric.
-  std::string message;       // why it failed
+  // Why it failed: for people, and as the evaluator's constant ("RIGID_MOTION") and code.
+  std::string message = {};
+  std::string reason = {};
+  absl::StatusCode code = absl::StatusCode::kUnknown;
 };
 
 // Evaluates designs in batches.

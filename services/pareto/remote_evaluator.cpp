@@ -48,7 +48,10 @@ absl::Status ReadResult(const v1::EvaluationResult& result, const DiscoveryProbl
                         Evaluation& evaluation) {
   if (result.has_error()) {
     evaluation.status = EvaluationStatus::kFailed;
+    const absl::Status error = rpc::FromProto(result.error());
     evaluation.message = result.error().message();
+    evaluation.reason = DetailOf(error).reason;
+    evaluation.code = error.code();
     return absl::OkStatus();
   }
   const Eigen::VectorXd signs = problem.Signs();

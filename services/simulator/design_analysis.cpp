@@ -101,6 +101,13 @@ const std::vector<MetricDescription>& OfferedMetrics() {
   return metrics;
 }
 
+bool NeedsSolution(const std::vector<std::string>& metrics) {
+  return std::any_of(metrics.begin(), metrics.end(), [](const std::string& name) {
+    const MetricDescription* const metric = FindMetric(name);
+    return metric != nullptr && metric->needs_solution;
+  });
+}
+
 absl::Status CheckMetricNames(const std::vector<std::string>& metrics) {
   if (metrics.empty()) return InvalidField("metrics", "ask for at least one metric");
   for (std::size_t i = 0; i < metrics.size(); ++i) {
@@ -121,9 +128,7 @@ absl::StatusOr<DesignAnalysis> AnalyzeDesign(const DesignModel& model,
   MORTISE_RETURN_IF_ERROR(CheckMetricNames(metrics));
   MORTISE_RETURN_IF_ERROR(CheckModel(model));
   DesignAnalysis analysis;
-  const bool solve = fields || std::any_of(metrics.begin(), metrics.end(), [](const auto& name) {
-                       return FindMetric(name)->needs_solution;
-                     });
+  const bool solve = fields || NeedsSolution(metrics);
   if (solve) {
     MORTISE_ASSIGN_OR_RETURN(analysis.mesh, mesh::MeshAssembly(model.surface, options.mesh));
     analysis.meshing_seconds = SecondsSince(start);

@@ -40,6 +40,9 @@ struct MetricDescription {
 // stress_ratio, relative_error.
 const std::vector<MetricDescription>& OfferedMetrics();
 
+// Whether any of these takes a solution.
+bool NeedsSolution(const std::vector<std::string>& metrics);
+
 struct DesignAnalysisOptions {
   mesh::MeshOptions mesh;
   ElasticityOptions elasticity;

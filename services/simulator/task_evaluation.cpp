@@ -38,9 +38,14 @@ absl::Status Evaluate(const v1::Task& task, const TaskSurroundings& surroundings
       task.point().parameters().data(), task.point().parameters_size());
   MORTISE_ASSIGN_OR_RETURN(const parametric::EvaluatedDesign design,
                            compiled->function->Evaluate(parameters));
+  const std::vector<std::string> metrics(task.metrics().begin(), task.metrics().end());
+  // Before the parts are fused, which takes a while and would fail for every design alike.
+  if (!task.fields() && NeedsSolution(metrics)) {
+    MORTISE_RETURN_IF_ERROR(CheckSupported(design));
+    MORTISE_RETURN_IF_ERROR(CheckLoaded(design));
+  }
   MORTISE_ASSIGN_OR_RETURN(const DesignModel model,
                            MakeDesignModel(*compiled->function, parameters, design));
-  const std::vector<std::string> metrics(task.metrics().begin(), task.metrics().end());
   DesignAnalysisOptions options;
   options.mesh.element_size = task.mesh().element_size();
   options.mesh.quadratic = !task.mesh().linear();

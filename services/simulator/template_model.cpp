@@ -51,9 +51,12 @@ absl::StatusOr<Material> MaterialOf(const templates::TemplateHead& head,
                                     const EvaluatedPart& part) {
   const parametric::Material* known = parametric::FindMaterial(head.materials, part.material);
   if (known == nullptr) {
-    return InvalidField(
-        absl::StrCat("part '", part.name, "'"),
-        part.material.empty() ? "has no material" : absl::StrCat("there is no ", part.material));
+    return PreconditionFailed(
+        "NO_MATERIAL",
+        part.material.empty()
+            ? absl::StrCat("part '", part.name, "' has no material: give it an item that has one")
+            : absl::StrCat("part '", part.name, "': there is no ", part.material),
+        absl::StrCat("part '", part.name, "'"));
   }
   Material material{known->name, known->density, known->youngs_modulus, known->poissons_ratio,
                     known->strength};
@@ -226,6 +229,22 @@ absl::Status WithLeftOutParts(const absl::Status& failure, const EvaluatedDesign
   return PreconditionFailed(
       "RIGID_MOTION",
       absl::StrCat(
+absl::Status CheckLoaded(const EvaluatedDesign& design) {
+  const auto& conditions = design.boundary_conditions;
+  if (std::any_of(conditions.begin(), conditions.end(), [](const auto& condition) {
+        return condition.kind == BoundaryConditionKind::kForce ||
+               condition.kind == BoundaryConditionKind::kPressure;
+      })) {
+    return absl::OkStatus();
+  }
+  return PreconditionFailed(
+      "NO_LOADS",
+      absl::StrCat("nothing loads ", design.template_name,
+                   ": give it boundary_conditions of kind FORCE or PRESSURE that name a part and "
+                   "a face of it; without one, every displacement and stress is 0"),
+      "boundary_conditions");
+}
+
           message, "; ", absl::StrJoin(left_out, ", "),
           more == 0 ? "" : absl::StrCat(" and ", more, " more"),
           " only connect, and what only connects is left out: let what bears be principal"),

@@ -13,15 +13,19 @@ namespace mortise::simulator {
 // the part's item says; where there is no item it is taken as isotropic. What only connects parts
 // is left out: they are bonded where they touch. Heat has no part in elasticity.
 //
-// Fails as cad::FuseAssembly and Template::Solids do; INVALID_ARGUMENT naming the design's field
-// where a material or part is missing; RESOURCE_EXHAUSTED for solids with more faces together than
-// the kernel fuses in reasonable time.
+// Fails as cad::FuseAssembly and Template::Solids do; FAILED_PRECONDITION, NO_MATERIAL, naming a
+// part of which nobody says what it is made of; INVALID_ARGUMENT naming the design's field where a
+// part is missing; RESOURCE_EXHAUSTED for solids with more faces together than the kernel fuses in
+// reasonable time.
 absl::StatusOr<DesignModel> MakeDesignModel(const templates::Template& function,
                                             const Eigen::VectorXd& parameters,
                                             const parametric::EvaluatedDesign& design);
 
 // FAILED_PRECONDITION, NO_SUPPORTS, saying what to add, for a design that nothing holds.
 absl::Status CheckSupported(const parametric::EvaluatedDesign& design);
+
+// FAILED_PRECONDITION, NO_LOADS, saying what to add, for a design that nothing loads.
+absl::Status CheckLoaded(const parametric::EvaluatedDesign& design);
 
 // The failure of an analysis of `design`. Where a part is free to move (RIGID_MOTION), and what
 // connects it to others was left out, it says so.

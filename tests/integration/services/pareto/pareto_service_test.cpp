@@ -10,7 +10,9 @@
 #include <limits>
 #include <mutex>
 
+#include "common/base/errors.h"
 #include "common/base/identifiers.h"
+#include "common/rpc/status_mapping.h"
 #include "mortise/v1/evaluator.grpc.pb.h"
 #include "mortise/v1/operations.grpc.pb.h"
 #include "mortise/v1/pareto.grpc.pb.h"
@@ -56,9 +58,8 @@ class Zdt1Evaluator : public v1::EvaluatorService::Service {
       const Eigen::VectorXd x = Eigen::VectorXd::Map(parameters.data(), parameters.size());
       v1::EvaluationResult result;
       result.set_index(k);
-      if (x[1] > 0.9) {
-        result.mutable_error()->set_code(3);
-        result.mutable_error()->set_message("cannot be built");
+      if (const absl::Status fault = FaultOf(x); !fault.ok()) {
+        *result.mutable_error() = rpc::ToProto(fault);
       } else {
         const Evaluation evaluation = problem_.evaluate(x, false);
         for (const std::string& name : request->metrics()) {
@@ -87,12 +88,24 @@ class Zdt1Evaluator : public v1::EvaluatorService::Service {
     std::unique_lock lock(mutex_);
     changed_.wait_for(lock, std::chrono::seconds(60), [&] { return evaluations_ >= limit_; });
   }
+  // Every design with a first parameter of at least `least` fails so from now on.
+  void FailFrom(double least, const absl::Status& fault) {
+    const std::lock_guard lock(mutex_);
+    fails_from_ = least;
+    fault_ = fault;
+  }
   int evaluations() {
     const std::lock_guard lock(mutex_);
     return evaluations_;
   }
 
  private:
+  absl::Status FaultOf(const Eigen::VectorXd& x) {
+    const std::lock_guard lock(mutex_);
+    if (x[0] >= fails_from_) return fault_;
+    return x[1] > 0.9 ? InvalidField("points", "cannot be built") : absl::OkStatus();
+  }
+
   bool Admit(grpc::ServerContext& context) {
     std::unique_lock lock(mutex_);
     while (evaluations_ >= limit_) {
@@ -109,6 +122,8 @@ class Zdt1Evaluator : public v1::EvaluatorService::Service {
   std::condition_variable changed_;
   int evaluations_ = 0;
   int limit_ = std::numeric_limits<int>::max();
+  double fails_from_ = 2;
+  absl::Status fault_;
 };
 
 class ParetoServiceTest : public ::testing::Test {
@@ -249,6 +264,61 @@ TEST_F(ParetoServiceTest, DiscoversPicksListsAndExports) {
   EXPECT_EQ(csv.rfind("x0,x1,x2,x3,x4,mass (kg),gain (kg),piece", 0), 0u);
   EXPECT_NE(Export(front.name(), v1::ExportFrontRequest::SVG).find("<svg"), std::string::npos);
   EXPECT_EQ(Export(front.name(), v1::ExportFrontRequest::JSON).front(), '{');
+}
+
+TEST_F(ParetoServiceTest, SaysWhyDesignsFailed) {
+  evaluator_.FailFrom(0.6,
+                      PreconditionFailed("RIGID_MOTION", "nothing holds the seat", "supports"));
+  const v1::Operation operation = Wait(Discover(Request(60)).name());
+  ASSERT_EQ(operation.state(), v1::Operation::SUCCEEDED) << operation.ShortDebugString();
+  EXPECT_NE(operation.progress().message().find(" RIGID_MOTION"), std::string::npos)
+      << operation.progress().message();
+  const v1::Front front = FrontOf(operation);
+  std::int64_t count = 0;
+  bool named = false;
+  for (const v1::EvaluationFailure& failure : front.failures()) {
+    count += failure.count();
+    if (failure.reason() != "RIGID_MOTION") continue;
+    named = true;
+    EXPECT_NE(failure.message().find("nothing holds the seat"), std::string::npos);
+    ASSERT_EQ(failure.parameters_size(), kDimensions);
+    EXPECT_GE(failure.parameters(0), 0.6);
+  }
+  EXPECT_TRUE(named);
+  EXPECT_EQ(count, front.failed_evaluations());
+}
+
+TEST_F(ParetoServiceTest, EndsAtOnceWhereTheSubjectLacksSomething) {
+  evaluator_.FailFrom(0, PreconditionFailed("NO_SUPPORTS", "nothing holds it", "boundary"));
+  const v1::Operation operation = Wait(Discover(Request(5000)).name());
+  ASSERT_EQ(operation.state(), v1::Operation::FAILED) << operation.ShortDebugString();
+  const absl::Status error = rpc::FromProto(operation.error());
+  EXPECT_EQ(error.code(), absl::StatusCode::kFailedPrecondition);
+  EXPECT_EQ(DetailOf(error).reason, "SUBJECT_UNUSABLE");
+  EXPECT_EQ(DetailOf(error).field, "templates/zdt1");
+  for (const char* part : {"templates/zdt1", "nothing holds it", "NO_SUPPORTS"})
+    EXPECT_NE(error.message().find(part), std::string::npos) << error;
+  EXPECT_LT(evaluator_.evaluations(), 100);
+}
+
+TEST_F(ParetoServiceTest, GoesOnWhereTheDefaultDesignWorks) {
+  // Only the default design, with x0 = 0, works; all others lack something.
+  evaluator_.FailFrom(1e-9, PreconditionFailed("NO_SUPPORTS", "nothing holds it", "boundary"));
+  const v1::Operation operation = Wait(Discover(Request(30)).name());
+  ASSERT_EQ(operation.state(), v1::Operation::FAILED) << operation.ShortDebugString();
+  EXPECT_EQ(DetailOf(rpc::FromProto(operation.error())).reason, "NO_FEASIBLE_DESIGN");
+  EXPECT_EQ(evaluator_.evaluations(), 31);
+}
+
+TEST_F(ParetoServiceTest, SpendsItsBudgetOnDesignsThatFailForThemselves) {
+  evaluator_.FailFrom(0, InvalidField("points", "cannot be built"));
+  const v1::Operation operation = Wait(Discover(Request(40)).name());
+  ASSERT_EQ(operation.state(), v1::Operation::FAILED) << operation.ShortDebugString();
+  const absl::Status error = rpc::FromProto(operation.error());
+  EXPECT_EQ(error.code(), absl::StatusCode::kFailedPrecondition);
+  EXPECT_EQ(DetailOf(error).reason, "NO_FEASIBLE_DESIGN");
+  EXPECT_NE(error.message().find("40 FIELD_INVALID, such as"), std::string::npos) << error;
+  EXPECT_EQ(evaluator_.evaluations(), 40);
 }
 
 TEST_F(ParetoServiceTest, SurvivesKillNineWithTheSameFront) {

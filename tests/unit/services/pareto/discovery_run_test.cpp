@@ -134,6 +134,17 @@ TEST_F(RunTest, ReportsProgress) {
   EXPECT_GT(hypervolume, 0);
 }
 
+TEST_F(RunTest, EndsAsItsJudgeSays) {
+  auto discovery = Make();
+  ProblemEvaluator evaluator(problem_);
+  RunOptions options;
+  options.judge = [](const Discovery::Summary& summary) {
+    return summary.evaluations < 20 ? absl::OkStatus() : absl::FailedPreconditionError("useless");
+  };
+  EXPECT_TRUE(absl::IsFailedPrecondition(pareto::Run(*discovery, evaluator, options)));
+  EXPECT_LT(evaluator.calls(), 40);
+}
+
 TEST_F(RunTest, RefusesResultsOfAnotherDiscovery) {
   auto discovery = Make();
   ProblemEvaluator evaluator(problem_);
@@ -153,6 +164,8 @@ TEST(CheckpointTest, RoundTripsBitForBit) {
   evaluation = {};
   evaluation.x = Eigen::Vector2d(1, 2);
   evaluation.message = "no such solid";
+  evaluation.reason = "FEATURE_FAILED";
+  evaluation.code = absl::StatusCode::kFailedPrecondition;
   checkpoint.results[9] = evaluation;
   const auto parsed = ParseCheckpoint(Serialize(checkpoint));
   ASSERT_TRUE(parsed.ok());
@@ -160,6 +173,23 @@ TEST(CheckpointTest, RoundTripsBitForBit) {
   EXPECT_EQ(parsed->results.at(4).jacobian, checkpoint.results.at(4).jacobian);
   EXPECT_EQ(parsed->results.at(9).message, "no such solid");
   EXPECT_EQ(parsed->results.at(9).status, EvaluationStatus::kFailed);
+  EXPECT_EQ(parsed->results.at(9).reason, "FEATURE_FAILED");
+  EXPECT_EQ(parsed->results.at(9).code, absl::StatusCode::kFailedPrecondition);
+}
+
+TEST(CheckpointTest, ReadsWhatWasWrittenBeforeFailuresHadReasons) {
+  Evaluation failed;
+  failed.x = Eigen::VectorXd::Constant(1, 2.5);
+  failed.message = "cannot be built";
+  DiscoveryCheckpoint checkpoint;
+  checkpoint.results[3] = failed;
+  std::string old = Serialize(checkpoint);
+  old.replace(0, 4, "MPC1");
+  old.resize(old.size() - sizeof(std::int32_t) - sizeof(std::uint64_t));  // code, empty reason
+  const auto parsed = ParseCheckpoint(old + Serialize(checkpoint));
+  ASSERT_TRUE(parsed.ok()) << parsed.status();
+  EXPECT_EQ(parsed->results.at(3).message, "cannot be built");
+  EXPECT_TRUE(ParseCheckpoint(old).ok());
 }
 
 TEST(CheckpointTest, RefusesDamage) {

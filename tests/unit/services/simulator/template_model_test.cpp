@@ -86,7 +86,8 @@ TEST(TemplateModelTest, PartsWithoutMaterialAreNamed) {
   Subject wrench = AtDefaults(templates::ShippedTemplate("templates/wrench"));
   wrench.design.parts[0].material = "materials/none";
   const absl::Status status = wrench.Model().status();
-  EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_EQ(status.code(), absl::StatusCode::kFailedPrecondition);
+  EXPECT_EQ(DetailOf(status).reason, "NO_MATERIAL");
   EXPECT_EQ(DetailOf(status).field, "part 'wrench'");
 }
 
@@ -290,6 +291,17 @@ TEST(TemplateModelTest, SaysWhatToAddWhereNothingHolds) {
   EXPECT_EQ(DetailOf(status).reason, "NO_SUPPORTS");
   EXPECT_THAT(std::string(status.message()), ::testing::HasSubstr("FIXED"));
   EXPECT_EQ(CheckSupported(AtDefaults(Stool(TurnedLeg())).design), absl::OkStatus());
+}
+
+TEST(TemplateModelTest, SaysWhatToAddWhereNothingLoads) {
+  Subject stool = AtDefaults(Stool(TurnedLeg()));
+  EXPECT_EQ(CheckLoaded(stool.design), absl::OkStatus());
+  std::erase_if(stool.design.boundary_conditions, [](const auto& condition) {
+    return condition.kind != parametric::BoundaryConditionKind::kFixed;
+  });
+  const absl::Status status = CheckLoaded(stool.design);
+  EXPECT_EQ(DetailOf(status).reason, "NO_LOADS");
+  EXPECT_THAT(std::string(status.message()), ::testing::HasSubstr("FORCE"));
 }
 
 TEST(TemplateModelTest, DamagedSurfacesAreNamed) {

@@ -1,0 +1,45 @@
+// Why designs of a discovery failed, counted.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "services/pareto/evaluation.h"
+
+namespace mortise::pareto {
+
+// Designs that failed for one reason.
+struct FailureCount {
+  std::string reason;  // the evaluator's constant; the name of the code where it gives none
+  absl::StatusCode code = absl::StatusCode::kUnknown;
+  std::int64_t count = 0;
+  // Of the first of them.
+  std::string message;
+  Eigen::VectorXd x;         // D
+  bool same_message = true;  // whether all said the very same
+};
+
+// Failures are alike if they have the same reason and their messages differ in numbers only. At
+// most 16 kinds are told apart; what comes after them counts with the last kind, "OTHER".
+class FailureTally {
+ public:
+  void Add(const Evaluation& failed);
+
+  // In the order in which they first came.
+  const std::vector<FailureCount>& failures() const { return failures_; }
+
+ private:
+  std::vector<FailureCount> failures_;
+  std::vector<std::string> keys_;  // of each: reason and message without numbers
+};
+
+// "5 RIGID_MOTION, 2 SINGULAR": counts by reason, the most frequent first.
+std::string CountsByReason(const std::vector<FailureCount>& failures);
+
+// The same with an example of each: "5 RIGID_MOTION, such as 'nothing holds the seat'; 2 ...".
+std::string CountsWithExamples(const std::vector<FailureCount>& failures);
+
+}  // namespace mortise::pareto
