@@ -7,7 +7,9 @@
 #include "absl/strings/str_join.h"
 #include "common/base/errors.h"
 #include "common/cad/assembly_surface.h"
+#include "common/cad/solid_shape.h"
 #include "common/mesh/inside_point.h"
+#include "common/parametric/parametric_assembly.h"
 #include "common/parametric/part_shapes.h"
 
 namespace mortise::simulator {
@@ -115,19 +117,38 @@ void NameFaces(const EvaluatedDesign& bearing, mesh::AssemblySurface& surface) {
   }
 }
 
+// What only connects is not made: nobody needs its shape to stretch.
+absl::StatusOr<std::vector<cad::Solid>> BearingSolids(const templates::Template& function,
+                                                      const Eigen::VectorXd& parameters,
+                                                      const EvaluatedDesign& design) {
+  MORTISE_ASSIGN_OR_RETURN(const auto drawn, function.AssemblyAt(parameters));
+  // Only assemblies have parts that connect.
+  if (!drawn) return function.Solids(parameters);
+  const std::vector<parametric::PlacedPart> placed = drawn->assembly->PartsAt(drawn->q);
+  std::vector<cad::Solid> solids;
+  for (std::size_t i = 0; i < placed.size(); ++i) {
+    const EvaluatedPart& part = design.parts[i];
+    if (part.connecting) continue;
+    const auto& shape = drawn->assembly->ShapeOf(placed[i]);
+    absl::StatusOr<cad::Solid> solid =
+        shape == nullptr ? cad::Solid::FromPart(parametric::PartShapeOf(part))
+                         : cad::SolidOfShape(*shape, placed[i].box.size(), part.name);
+    if (!solid.ok()) return UnderField(absl::StrCat("part '", part.name, "'"), solid.status());
+    solids.push_back(shape == nullptr ? *std::move(solid)
+                                      : cad::MovedSolid(*solid, placed[i].box.minimum));
+  }
+  return solids;
+}
+
 // Several parts, some of which have shapes.
 absl::StatusOr<mesh::AssemblySurface> FuseShapes(const templates::Template& function,
                                                  const Eigen::VectorXd& parameters,
                                                  const EvaluatedDesign& design,
                                                  const EvaluatedDesign& bearing) {
-  MORTISE_ASSIGN_OR_RETURN(const std::vector<cad::Solid> all, function.Solids(parameters));
-  std::vector<cad::Solid> solids;
+  MORTISE_ASSIGN_OR_RETURN(const std::vector<cad::Solid> solids,
+                           BearingSolids(function, parameters, design));
   std::size_t faces = 0;
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    if (design.parts[i].connecting) continue;
-    faces += all[i].face_names().size();
-    solids.push_back(all[i]);
-  }
+  for (const cad::Solid& solid : solids) faces += solid.face_names().size();
   if (faces > kMostFaces) {
     return TooLarge(absl::StrCat("the analysis of parts with ", faces, " faces together"),
                     absl::StrCat(kMostFaces, " faces: take exact surfaces instead of triangles"));
@@ -208,6 +229,22 @@ absl::Status CheckSupported(const EvaluatedDesign& design) {
       "boundary_conditions");
 }
 
+absl::Status CheckLoaded(const EvaluatedDesign& design) {
+  const auto& conditions = design.boundary_conditions;
+  if (std::any_of(conditions.begin(), conditions.end(), [](const auto& condition) {
+        return condition.kind == BoundaryConditionKind::kForce ||
+               condition.kind == BoundaryConditionKind::kPressure;
+      })) {
+    return absl::OkStatus();
+  }
+  return PreconditionFailed(
+      "NO_LOADS",
+      absl::StrCat("nothing loads ", design.template_name,
+                   ": give it boundary_conditions of kind FORCE or PRESSURE that name a part and "
+                   "a face of it; without one, every displacement and stress is 0"),
+      "boundary_conditions");
+}
+
 absl::Status WithLeftOutParts(const absl::Status& failure, const EvaluatedDesign& design) {
   if (DetailOf(failure).reason != "RIGID_MOTION") return failure;
   const std::string message(failure.message());
@@ -229,22 +266,6 @@ absl::Status WithLeftOutParts(const absl::Status& failure, const EvaluatedDesign
   return PreconditionFailed(
       "RIGID_MOTION",
       absl::StrCat(
-absl::Status CheckLoaded(const EvaluatedDesign& design) {
-  const auto& conditions = design.boundary_conditions;
-  if (std::any_of(conditions.begin(), conditions.end(), [](const auto& condition) {
-        return condition.kind == BoundaryConditionKind::kForce ||
-               condition.kind == BoundaryConditionKind::kPressure;
-      })) {
-    return absl::OkStatus();
-  }
-  return PreconditionFailed(
-      "NO_LOADS",
-      absl::StrCat("nothing loads ", design.template_name,
-                   ": give it boundary_conditions of kind FORCE or PRESSURE that name a part and "
-                   "a face of it; without one, every displacement and stress is 0"),
-      "boundary_conditions");
-}
-
           message, "; ", absl::StrJoin(left_out, ", "),
           more == 0 ? "" : absl::StrCat(" and ", more, " more"),
           " only connect, and what only connects is left out: let what bears be principal"),

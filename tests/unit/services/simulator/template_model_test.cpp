@@ -312,6 +312,20 @@ TEST(TemplateModelTest, DamagedSurfacesAreNamed) {
   EXPECT_THAT(DetailOf(status).field, ::testing::HasSubstr("part 'leg"));
 }
 
+// A screw that cannot be made matters to nobody who leaves it out.
+TEST(TemplateModelTest, ConnectingPartsNeedNoSurfaces) {
+  v1::Shape pad = TurnedLeg();
+  pad.set_brep("no surface");
+  pad.set_name(parametric::NameOf(pad));
+  v1::TemplateBundle bundle = Stool(TurnedLeg(), 0.01);
+  for (v1::AssemblyPart& part : *bundle.mutable_assembly()->mutable_parts()) {
+    if (part.role() == v1::AssemblyPart::CONNECTING) part.set_shape(pad.name());
+  }
+  *bundle.add_shapes() = pad;
+  const auto model = AtDefaults(bundle).Model();
+  EXPECT_TRUE(model.ok()) << model.status();
+}
+
 TEST(TemplateModelTest, OnlyPartsOfferTheGradientOfMass) {
   const Subject table = AtDefaults(templates::ShippedTemplate("templates/table"));
   EXPECT_TRUE(OffersGradient(*table.function, "mass"));
