@@ -29,12 +29,14 @@ std::vector<PartSolid> SolidsOf(const Design& design) {
 
 class Builder {
  public:
-  Builder(const Design& design, const Items& items, const std::vector<Mark>& marks)
+  Builder(const Design& design, const Items& items, const std::vector<Mark>& marks,
+          const std::stop_token& stop)
       : design_(design),
         items_(items),
         marks_(marks),
+        stop_(stop),
         solids_(SolidsOf(design)),
-        joints_(FindJoints(design, items, solids_)),
+        joints_(FindJoints(design, items, solids_, stop)),
         is_fixed_(joints_.fixings.size(), false),
         is_added_(design.parts.size(), 0) {}
 
@@ -121,9 +123,9 @@ class Builder {
         all.push_back(static_cast<int>(i));
         parts_of.push_back(units[i].parts);
       }
-      const Blocking blocking(design_, items_, solids_, joints_, parts_of);
+      const Blocking blocking(design_, items_, solids_, joints_, parts_of, stop_);
       const TakenApart apart =
-          TakeApart(all, FactsOf(units), HeldOf(units), LinksOf(units), blocking);
+          TakeApart(all, FactsOf(units), HeldOf(units), LinksOf(units), blocking, stop_);
       std::set<std::size_t> dissolved;
       for (int unit : apart.stuck) {
         if (pieces[piece_of[unit]].group >= 0) dissolved.insert(piece_of[unit]);
@@ -154,7 +156,7 @@ class Builder {
     }
     std::vector<std::vector<int>> parts_of;
     for (const Unit& unit : units) parts_of.push_back(unit.parts);
-    const Blocking blocking(design_, items_, solids_, joints_, parts_of);
+    const Blocking blocking(design_, items_, solids_, joints_, parts_of, stop_);
     std::vector<int> all;
     for (std::size_t i = 0; i < units.size(); ++i) all.push_back(static_cast<int>(i));
     int pieces = 0;
@@ -165,7 +167,8 @@ class Builder {
                         const std::vector<UnitFacts>& unit_facts, const Blocking& blocking,
                         const std::string& name, int* pieces) {
     if (chosen.size() == 1) return units[chosen.front()].parts;
-    const TakenApart apart = TakeApart(chosen, unit_facts, HeldOf(units), LinksOf(units), blocking);
+    const TakenApart apart =
+        TakeApart(chosen, unit_facts, HeldOf(units), LinksOf(units), blocking, stop_);
     std::vector<int> standing;
     StepFacts facts;
     std::vector<Eigen::Vector3d> ways_in;
@@ -384,6 +387,7 @@ class Builder {
   const Design& design_;
   const Items& items_;
   const std::vector<Mark>& marks_;
+  const std::stop_token stop_;
   const std::vector<PartSolid> solids_;
   const Joints joints_;
   std::vector<bool> is_fixed_;  // fixings
@@ -402,8 +406,9 @@ bool HasOrderOfItsOwn(const Design& design) {
 }
 
 std::vector<AssemblyStep> OrderedSteps(const Design& design, const Items& items,
-                                       const std::vector<Mark>& marks) {
-  return Builder(design, items, marks).Build();
+                                       const std::vector<Mark>& marks,
+                                       const std::stop_token& stop) {
+  return Builder(design, items, marks, stop).Build();
 }
 
 }  // namespace mortise::fabplanner

@@ -10,6 +10,7 @@
 // reached, the ways of connecting parts, and movements that turn.
 #pragma once
 
+#include <stop_token>
 #include <vector>
 
 #include "services/fabplanner/design.h"
@@ -23,8 +24,10 @@ bool HasOrderOfItsOwn(const Design& design);
 
 // The steps, numbered 1, 2, 3 …; every part, connecting ones included, comes in with exactly one of
 // them. Where no order exists the step that brings parts together names those that block each
-// other. Depends on nothing but its arguments.
+// other. Depends on nothing but its arguments. Once a stop is requested it returns soon, with steps
+// that are of no use. O(parts³).
 std::vector<AssemblyStep> OrderedSteps(const Design& design, const Items& items,
-                                       const std::vector<Mark>& marks);
+                                       const std::vector<Mark>& marks,
+                                       const std::stop_token& stop = {});
 
 }  // namespace mortise::fabplanner

@@ -140,10 +140,24 @@ absl::Status CheckConnected(const Design& design, Groups& groups) {
       loose.front());
 }
 
+absl::StatusOr<std::vector<AssemblyStep>> StepsByShape(const Design& design, const Items& items,
+                                                       const std::vector<Mark>& marks,
+                                                       const std::stop_token& stop) {
+  if (design.parts.size() > kMostOrderedParts) {
+    return TooLarge(
+        absl::StrCat("the order in which ", design.parts.size(), " parts are put together"),
+        absl::StrCat(kMostOrderedParts, " parts in one design"));
+  }
+  std::vector<AssemblyStep> steps = OrderedSteps(design, items, marks, stop);
+  if (stop.stop_requested()) return absl::CancelledError("the ordering of the steps was stopped");
+  return steps;
+}
+
 }  // namespace
 
 absl::StatusOr<std::vector<AssemblyStep>> AssemblySteps(const Design& design, const Items& items,
-                                                        const std::vector<Mark>& marks) {
+                                                        const std::vector<Mark>& marks,
+                                                        const std::stop_token& stop) {
   std::map<std::string, int> part_index;
   for (std::size_t i = 0; i < design.parts.size(); ++i) {
     if (!part_index.emplace(design.parts[i].name, static_cast<int>(i)).second) {
@@ -151,7 +165,7 @@ absl::StatusOr<std::vector<AssemblyStep>> AssemblySteps(const Design& design, co
                           absl::StrCat("is used twice: ", design.parts[i].name));
     }
   }
-  if (HasOrderOfItsOwn(design)) return OrderedSteps(design, items, marks);
+  if (HasOrderOfItsOwn(design)) return StepsByShape(design, items, marks, stop);
   MORTISE_ASSIGN_OR_RETURN(const std::vector<PeggedConnection> connections,
                            CollectConnections(design, part_index));
   std::map<int, AssemblyStep> by_priority;

@@ -5,6 +5,7 @@
 // sub-assembly that does not touch what stands already; a later step joins the two.
 #pragma once
 
+#include <stop_token>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -13,13 +14,18 @@
 
 namespace mortise::fabplanner {
 
+// Most parts of a design whose order follows from their shapes: it takes their number cubed.
+inline constexpr std::size_t kMostOrderedParts = 2000;
+
 // Of a design whose connectors are parts, or that has parts of no item or sub-assemblies, those of
 // assembly_order.h. Otherwise by priority: the steps, numbered 1, 2, 3 …; every part is added in
 // exactly one of them. A design of one part without connections has one step. INVALID_ARGUMENT if a
 // connection names an unknown part, joins a part to itself or has pegs of differing priorities;
 // FAILED_PRECONDITION, reason PARTS_UNCONNECTED, naming parts that the connections leave loose.
-// `marks`: of the design's holes.
+// `marks`: of the design's holes. Of those of assembly_order.h: RESOURCE_EXHAUSTED past
+// kMostOrderedParts, CANCELLED once a stop is requested.
 absl::StatusOr<std::vector<AssemblyStep>> AssemblySteps(const Design& design, const Items& items,
-                                                        const std::vector<Mark>& marks = {});
+                                                        const std::vector<Mark>& marks = {},
+                                                        const std::stop_token& stop = {});
 
 }  // namespace mortise::fabplanner

@@ -44,13 +44,14 @@ int Opposite(int direction) {
 const char* ComingFrom(int direction) { return kAll[direction].coming_from; }
 
 Blocking::Blocking(const Design& design, const Items& items, const std::vector<PartSolid>& solids,
-                   const Joints& joints, const std::vector<std::vector<int>>& units) {
+                   const Joints& joints, const std::vector<std::vector<int>>& units,
+                   const std::stop_token& stop) {
   for (auto& blocks : blocks_) blocks.assign(units.size(), std::vector<bool>(units.size(), false));
   std::vector<int> unit_of(design.parts.size(), -1);
   for (std::size_t unit = 0; unit < units.size(); ++unit) {
     for (int part : units[unit]) unit_of[part] = static_cast<int>(unit);
   }
-  for (std::size_t a = 0; a < solids.size(); ++a) {
+  for (std::size_t a = 0; a < solids.size() && !stop.stop_requested(); ++a) {
     if (unit_of[a] < 0 || design.parts[a].connecting) continue;
     for (std::size_t b = a + 1; b < solids.size(); ++b) {
       if (unit_of[b] < 0 || unit_of[a] == unit_of[b] || design.parts[b].connecting) continue;

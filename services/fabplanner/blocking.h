@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <stop_token>
 #include <utility>
 #include <vector>
 
@@ -25,9 +26,11 @@ class Blocking {
  public:
   // `units`: parts that move together, by index; each part in at most one. Parts that are pushed
   // over pegs or rods move only along them. Parts that reach into each other otherwise do not block
-  // each other: nothing is known of their joint.
+  // each other: nothing is known of their joint. Once a stop is requested, what is not compared yet
+  // does not block.
   Blocking(const Design& design, const Items& items, const std::vector<PartSolid>& solids,
-           const Joints& joints, const std::vector<std::vector<int>>& units);
+           const Joints& joints, const std::vector<std::vector<int>>& units,
+           const std::stop_token& stop = {});
 
   // Whether `other` stands in the way of `unit` leaving in a direction.
   bool Blocks(int direction, int unit, int other) const { return blocks_[direction][unit][other]; }

@@ -57,6 +57,7 @@ struct Item {
   std::array<SizeLimits, 3> limits = {};        // of length, width and thickness
   bool ripped = false;                          // to width, by a rip saw
   bool round = false;                           // about its length, or its thickness
+  bool pin = false;                             // hardware that reaches into parts like a dowel
   bool shaped = false;                          // what it looks like is known: no plain box
   std::vector<StockSize> stock = {};            // besides `size`, or with its price
   std::map<std::string, double> measures = {};  // m: "head_diameter" …

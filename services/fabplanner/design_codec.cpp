@@ -1,6 +1,7 @@
 #include "services/fabplanner/design_codec.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "absl/strings/ascii.h"
@@ -68,6 +69,15 @@ bool IsRound(parametric::ItemKind kind) {
   }
 }
 
+// Round hardware that is longer than thick, such as shelf pins, cam bolts and insert nuts. What is
+// cut to length, such as a chain, is none.
+bool IsPin(const parametric::Item& item) {
+  const double diameter = item.dimensions[1].size;
+  return item.kind == parametric::ItemKind::kHardware &&
+         item.dimensions[0].process == parametric::Process::kNone &&
+         std::abs(diameter - item.dimensions[2].size) < 1e-6 && item.dimensions[0].size > diameter;
+}
+
 Item ItemFrom(const parametric::Item& read) {
   Item item;
   item.name = read.name;
@@ -75,6 +85,7 @@ Item ItemFrom(const parametric::Item& read) {
   item.kind = KindFrom(read);
   item.round = IsRound(read.kind);
   item.shaped = !read.shape.empty();
+  item.pin = IsPin(read);
   for (int axis = 0; axis < 3; ++axis) {
     const parametric::ItemDimension& dimension = read.dimensions[axis];
     item.size[axis] = dimension.size;

@@ -39,14 +39,14 @@ double MeasureOr(const Item& item, const char* name, double otherwise) {
 }
 
 // Long and round things reach into parts along a line.
-bool IsRoundPin(const Part& part, const Item& item) {
+bool IsRoundPin(const Item& item) {
   switch (item.kind) {
     case ItemKind::kDowel:
     case ItemKind::kScrew:
     case ItemKind::kBolt:
       return true;
     case ItemKind::kHardware:
-      return std::abs(part.size.y() - part.size.z()) < 1e-6 && part.size.x() > part.size.y();
+      return item.pin;
     default:
       return false;
   }
@@ -118,7 +118,7 @@ class HoleMaker {
     for (std::size_t i = 0; i < design_.parts.size(); ++i) {
       const Part& part = design_.parts[i];
       const Item* item = ItemOf(part, items_);
-      if (item == nullptr || !IsRoundPin(part, *item)) continue;
+      if (item == nullptr || !IsRoundPin(*item)) continue;
       // Of principal parts, only rods reach into others.
       if (!part.connecting && item->kind != ItemKind::kDowel && item->kind != ItemKind::kBolt) {
         continue;
@@ -139,7 +139,7 @@ class HoleMaker {
       const Part& part = design_.parts[i];
       const Item* item = ItemOf(part, items_);
       if (!part.connecting || item == nullptr || item->kind != ItemKind::kHardware) continue;
-      if (IsRoundPin(part, *item) || IsFastened(i)) continue;
+      if (IsRoundPin(*item) || IsFastened(i)) continue;
       for (std::size_t j = 0; j < design_.parts.size(); ++j) {
         if (!MayBeDrilled(design_.parts[j], items_) || !solids_[i].Touches(solids_[j])) continue;
         Eigen::AlignedBox3d region = solids_[i].box().intersection(solids_[j].box());
@@ -179,10 +179,21 @@ class HoleMaker {
       line.tip_inside = line.tip_inside || Contains(passage, line.length);
     }
     if (line.passages.empty()) return line;
-    const bool sunk_less_at_tip =
-        line.passages.back().leave - line.length < -line.passages.front().enter;
-    if (line.head_inside && (!line.tip_inside || sunk_less_at_tip)) Reverse(&line);
+    if (HeadIsAtTip(line)) Reverse(&line);
     return line;
+  }
+
+  // Whether the connector has to be turned round: its head is at the end that is sunk less. Where
+  // both are sunk alike, as of a screw that is flush at both, it is in the thinner of the parts at
+  // the ends, which the other is pulled against.
+  static bool HeadIsAtTip(const Line& line) {
+    const Passage& first = line.passages.front();
+    const Passage& last = line.passages.back();
+    const double sunk_at_head = -first.enter, sunk_at_tip = last.leave - line.length;
+    if (std::abs(sunk_at_head - sunk_at_tip) <= kFit) {
+      return last.leave - last.enter < first.leave - first.enter - kFit;
+    }
+    return line.head_inside && (!line.tip_inside || sunk_at_tip < sunk_at_head);
   }
 
   // A hole along the line from where it enters the part.
@@ -289,7 +300,7 @@ class HoleMaker {
     for (std::size_t i = 0; i < design_.parts.size(); ++i) {
       const Item* item = ItemOf(design_.parts[i], items_);
       if (i == index || !design_.parts[i].connecting || item == nullptr) continue;
-      if (IsRoundPin(design_.parts[i], *item) && solids_[i].Touches(solids_[index])) return true;
+      if (IsRoundPin(*item) && solids_[i].Touches(solids_[index])) return true;
     }
     return false;
   }

@@ -40,14 +40,15 @@ void AddTies(const std::vector<int>& reached, int axis, std::vector<PegTie>* peg
 
 }  // namespace
 
-Joints FindJoints(const Design& design, const Items& items, const std::vector<PartSolid>& solids) {
+Joints FindJoints(const Design& design, const Items& items, const std::vector<PartSolid>& solids,
+                  const std::stop_token& stop) {
   const int count = static_cast<int>(design.parts.size());
   Joints joints;
   joints.touching.assign(count, std::vector<bool>(count, false));
   std::vector<int> parent(count);
   std::iota(parent.begin(), parent.end(), 0);
   std::vector<std::set<int>> reached(count);  // principals that a connector touches
-  for (int i = 0; i < count; ++i) {
+  for (int i = 0; i < count && !stop.stop_requested(); ++i) {
     for (int j = i + 1; j < count; ++j) {
       if (!solids[i].Touches(solids[j])) continue;
       const bool first = design.parts[i].connecting, second = design.parts[j].connecting;

@@ -2,6 +2,7 @@
 // (thesis §3.6).
 #pragma once
 
+#include <stop_token>
 #include <vector>
 
 #include "services/fabplanner/design.h"
@@ -29,7 +30,9 @@ struct Joints {
   std::vector<PegTie> pegs;
 };
 
-// `solids`: of the parts, in order. O(parts²).
-Joints FindJoints(const Design& design, const Items& items, const std::vector<PartSolid>& solids);
+// `solids`: of the parts, in order. O(parts²). Once a stop is requested, what is not compared yet
+// does not touch.
+Joints FindJoints(const Design& design, const Items& items, const std::vector<PartSolid>& solids,
+                  const std::stop_token& stop = {});
 
 }  // namespace mortise::fabplanner

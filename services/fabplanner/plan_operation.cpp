@@ -28,6 +28,7 @@ namespace {
 
 constexpr absl::Duration kCatalogTimeout = absl::Minutes(2);
 constexpr char kStepFile[] = "design.step";
+constexpr std::size_t kLargestExport = 256u << 20;  // bytes
 
 // "operations/fabplanner/abc" names "plans/abc".
 std::string PlanIdOf(const std::string& operation_name) {
@@ -109,9 +110,15 @@ absl::StatusOr<PlanOperation::Inputs> PlanOperation::FetchInputs(
   retry.stop = context.stop_token();
 
   Inputs inputs;
-  MORTISE_ASSIGN_OR_RETURN(inputs.design,
-                           rpc::CallUnary(*catalog, &v1::CatalogService::Stub::EvaluateTemplate,
-                                          EvaluationOf(request), origin, retry));
+  v1::ExportDesignRequest evaluate;
+  evaluate.set_name(request.template_());
+  evaluate.set_revision(request.template_revision());
+  *evaluate.mutable_parameters() = request.parameters();
+  evaluate.set_format(v1::ExportDesignRequest::DESIGN);
+  MORTISE_ASSIGN_OR_RETURN(const std::string bytes, Export(evaluate, context));
+  if (!inputs.design.ParseFromString(bytes)) {
+    return absl::DataLossError("the design did not arrive as the catalog sent it");
+  }
   v1::GetTemplateBundleRequest get_bundle;
   get_bundle.set_name(request.template_());
   get_bundle.set_revision(inputs.design.template_revision());
@@ -121,30 +128,40 @@ absl::StatusOr<PlanOperation::Inputs> PlanOperation::FetchInputs(
   return inputs;
 }
 
-absl::StatusOr<std::string> PlanOperation::FetchStep(const v1::EvaluatedDesign& design,
-                                                     jobs::OperationContext& context) const {
+absl::StatusOr<std::string> PlanOperation::Export(const v1::ExportDesignRequest& request,
+                                                  jobs::OperationContext& context) const {
   MORTISE_ASSIGN_OR_RETURN(const auto channel, peers_->Channel("catalog"));
   const std::unique_ptr<v1::CatalogService::Stub> catalog = v1::CatalogService::NewStub(channel);
+  rpc::RetryOptions retry;
+  retry.patience = kCatalogTimeout;  // the catalog may be starting again
+  retry.stop = context.stop_token();
+  std::string bytes;
+  bool too_large = false;
+  const absl::Status status = rpc::CallWithRetry(
+      rpc::OwnOrigin(signer_, rpc::Role::kViewer, CurrentTraceId(), kCatalogTimeout), retry,
+      [&](grpc::ClientContext* call) {
+        bytes.clear();
+        const auto chunks = catalog->ExportDesign(call, request);
+        for (v1::Chunk chunk; !too_large && chunks->Read(&chunk);) {
+          bytes += chunk.data();
+          too_large = bytes.size() > kLargestExport;
+        }
+        if (too_large) call->TryCancel();
+        return chunks->Finish();
+      });
+  if (too_large) return TooLarge("the design", "256 MiB");
+  MORTISE_RETURN_IF_ERROR(status);
+  return bytes;
+}
+
+absl::StatusOr<std::string> PlanOperation::FetchStep(const v1::EvaluatedDesign& design,
+                                                     jobs::OperationContext& context) const {
   v1::ExportDesignRequest request;
   request.set_name(design.template_());
   request.set_revision(design.template_revision());
   *request.mutable_parameters() = design.parameters();
   request.set_format(v1::ExportDesignRequest::STEP);
-  rpc::RetryOptions retry;
-  retry.patience = kCatalogTimeout;
-  retry.stop = context.stop_token();
-  std::string step;
-  const absl::Status status = rpc::CallWithRetry(
-      rpc::OwnOrigin(signer_, rpc::Role::kViewer, CurrentTraceId(), kCatalogTimeout), retry,
-      [&](grpc::ClientContext* call) {
-        step.clear();
-        const auto chunks = catalog->ExportDesign(call, request);
-        for (v1::Chunk chunk; chunks->Read(&chunk);) step += chunk.data();
-        return chunks->Finish();
-      });
-  if (absl::IsFailedPrecondition(status)) return std::string();
-  MORTISE_RETURN_IF_ERROR(status);
-  return step;
+  return Export(request, context);
 }
 
 absl::StatusOr<std::string> PlanOperation::Run(jobs::OperationContext& context) const {
@@ -171,12 +188,21 @@ absl::StatusOr<std::string> PlanOperation::Run(jobs::OperationContext& context) 
   MORTISE_ASSIGN_OR_RETURN(const Items items, ItemsFrom(inputs.bundle));
   context.ReportProgress({.total = 0, .message = "laying out boards and sheets"});
   const int quantity = request.quantity() == 0 ? 1 : request.quantity();
-  MORTISE_ASSIGN_OR_RETURN(FabricationPlan made,
-                           MakePlan(design, items, quantity, RulesFrom(request.rules())));
+  MORTISE_ASSIGN_OR_RETURN(
+      FabricationPlan made,
+      MakePlan(design, items, quantity, RulesFrom(request.rules()), context.stop_token()));
   std::string step;
   if (HasDrawings(made)) {
-    MORTISE_ASSIGN_OR_RETURN(step, FetchStep(inputs.design, context));
-    if (!step.empty()) AddToDrawings(kStepFile, &made);
+    absl::StatusOr<std::string> fetched = FetchStep(inputs.design, context);
+    if (context.Cancelled()) return absl::CancelledError("the plan was cancelled");
+    if (fetched.ok()) {
+      step = *std::move(fetched);
+      AddToDrawings(kStepFile, &made);
+    } else if (!absl::IsFailedPrecondition(fetched.status())) {
+      made.handwork.push_back(
+          absl::StrCat("make do without ", kStepFile,
+                       ", which the catalog could not make: ", fetched.status().message()));
+    }
   }
   const v1::Template& origin = inputs.bundle.template_();
   MORTISE_ASSIGN_OR_RETURN(

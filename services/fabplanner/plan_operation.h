@@ -47,6 +47,9 @@ class PlanOperation {
     v1::EvaluatedDesign design;
     v1::TemplateBundle bundle;
   };
+  // The bytes of a file that the catalog exports.
+  absl::StatusOr<std::string> Export(const v1::ExportDesignRequest& request,
+                                     jobs::OperationContext& context) const;
   absl::StatusOr<Inputs> FetchInputs(const v1::CreatePlanRequest& request,
                                      jobs::OperationContext& context) const;
   // The design as a STEP file; empty for what has no exact surfaces, such as a mesh in a cage.

@@ -98,7 +98,7 @@ absl::Status CheckRules(const WorkshopRules& rules) {
 }
 
 absl::StatusOr<FabricationPlan> MakePlan(const Design& design, const Items& items, int quantity,
-                                         const WorkshopRules& rules) {
+                                         const WorkshopRules& rules, const std::stop_token& stop) {
   MORTISE_RETURN_IF_ERROR(CheckRules(rules));
   if (quantity < 1 || quantity > 1000) return InvalidField("quantity", "must be 1 to 1000");
   if (static_cast<int64_t>(design.parts.size()) * quantity > kMostParts) {
@@ -118,7 +118,7 @@ absl::StatusOr<FabricationPlan> MakePlan(const Design& design, const Items& item
   MORTISE_RETURN_IF_ERROR(CutParts(design, items, &plan, &purchases));
   MORTISE_ASSIGN_OR_RETURN(plan.holes, HolesFor(design));
   AddFastenerHoles(design, items, &plan);
-  MORTISE_ASSIGN_OR_RETURN(plan.steps, AssemblySteps(design, items, plan.marks));
+  MORTISE_ASSIGN_OR_RETURN(plan.steps, AssemblySteps(design, items, plan.marks, stop));
   for (const auto& [item, count] : CountPegs(design)) {
     if (!items.contains(item)) return InvalidField("connectors", absl::StrCat("no item ", item));
     purchases.push_back({item, items.at(item).size, count * quantity});

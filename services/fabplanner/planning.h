@@ -1,6 +1,7 @@
 // Makes the whole fabrication plan of a design: cuts, holes, assembly and bill of materials.
 #pragma once
 
+#include <stop_token>
 #include <string>
 
 #include "absl/status/statusor.h"
@@ -18,8 +19,9 @@ absl::Status CheckRules(const WorkshopRules& rules);
 
 // Plans `quantity` copies, 1 to 1000: what is cut, bought and made to drawing, the holes, the steps
 // and the bill. Fails as CheckRules, PlanParts, CutParts, HolesFor, AddFastenerHoles, AssemblySteps
-// and MakeBill do; RESOURCE_EXHAUSTED past kMostParts.
+// and MakeBill do; RESOURCE_EXHAUSTED past kMostParts; CANCELLED once a stop is requested.
 absl::StatusOr<FabricationPlan> MakePlan(const Design& design, const Items& items, int quantity,
-                                         const WorkshopRules& rules = {});
+                                         const WorkshopRules& rules = {},
+                                         const std::stop_token& stop = {});
 
 }  // namespace mortise::fabplanner

@@ -33,6 +33,50 @@ std::map<int, int> HopsFrom(int first, const std::vector<int>& units, const Link
   return hops;
 }
 
+// By unit: whether the others of its piece would fall into several without it (Tarjan's depth-first
+// search, O(units²)).
+std::vector<bool> CutUnits(const std::vector<int>& units, const Links& links) {
+  struct Visit {
+    int unit;
+    std::size_t next = 0;
+  };
+  std::vector<int> order(links.size(), 0), low(links.size(), 0), parent(links.size(), -1);
+  std::vector<bool> cut(links.size(), false);
+  int visited = 0;
+  for (int root : units) {
+    if (order[root] > 0) continue;
+    int branches = 0;
+    std::vector<Visit> path = {{root}};
+    order[root] = low[root] = ++visited;
+    while (!path.empty()) {
+      const int unit = path.back().unit;
+      if (path.back().next < units.size()) {
+        const int other = units[path.back().next++];
+        if (other == unit || !links[unit][other]) continue;
+        if (order[other] > 0) {
+          if (other != parent[unit]) low[unit] = std::min(low[unit], order[other]);
+          continue;
+        }
+        parent[other] = unit;
+        order[other] = low[other] = ++visited;
+        path.push_back({other});
+        continue;
+      }
+      path.pop_back();
+      const int above = parent[unit];
+      if (above < 0) continue;
+      low[above] = std::min(low[above], low[unit]);
+      if (above == root) {
+        ++branches;
+      } else if (low[unit] >= order[above]) {
+        cut[above] = true;
+      }
+    }
+    cut[root] = branches > 1;
+  }
+  return cut;
+}
+
 int64_t Millimetre(double metres) { return std::llround(metres * 1000); }
 
 int PickBase(const std::vector<int>& units, const std::vector<UnitFacts>& facts) {
@@ -60,8 +104,8 @@ int PickBase(const std::vector<int>& units, const std::vector<UnitFacts>& facts)
 class Disassembly {
  public:
   Disassembly(const std::vector<int>& units, const std::vector<UnitFacts>& facts, const Links& held,
-              const Links& linked, const Blocking& blocking)
-      : facts_(facts), links_({&held, &linked}), blocking_(blocking), left_(units) {
+              const Links& linked, const Blocking& blocking, const std::stop_token& stop)
+      : facts_(facts), links_({&held, &linked}), blocking_(blocking), stop_(stop), left_(units) {
     std::sort(left_.begin(), left_.end());
     result_.base = PickBase(left_, facts);
     hops_ = HopsFrom(result_.base, left_, InOnePiece(left_, held) ? held : linked);
@@ -79,7 +123,7 @@ class Disassembly {
 
   TakenApart Run() {
     while (left_.size() > 1) {
-      if (TakeOne() || TakeSeveral()) continue;
+      if (!stop_.stop_requested() && (TakeOne() || TakeSeveral())) continue;
       result_.stuck = left_;
       return std::move(result_);
     }
@@ -94,10 +138,6 @@ class Disassembly {
     return std::make_tuple(!facts.built, -facts.group,
                            hops == hops_.end() ? std::numeric_limits<int>::min() : -hops->second,
                            -Millimetre(facts.highest), std::llround(facts.volume * 1e9), -unit);
-  }
-
-  bool StaysInOnePiece(int unit, const Links& links) const {
-    return InOnePiece(Without(left_, {unit}), links);
   }
 
   void Remove(Removal removal) {
@@ -133,11 +173,30 @@ class Disassembly {
       rest = Without(rest, piece);
     }
     if (pieces > 2) return free.end();
-    return std::find_if(free.begin(), free.end(), [&](int unit) {
-      // Of two pieces only one that is a single unit can be spared.
-      if (pieces == 2 && HopsFrom(unit, left_, links).size() > 1) return false;
-      return StaysInOnePiece(unit, links);
-    });
+    if (pieces == 2) {
+      // Only a piece that is a single unit can be spared.
+      return std::find_if(free.begin(), free.end(), [&](int unit) {
+        return HopsFrom(unit, left_, links).size() == 1 &&
+               InOnePiece(Without(left_, {unit}), links);
+      });
+    }
+    const std::vector<bool> cut = CutUnits(left_, links);
+    return std::find_if(free.begin(), free.end(), [&](int unit) { return !cut[unit]; });
+  }
+
+  // Takes off those of a family that come off alone, as far as `kept` joins what stays.
+  void TakeFamily(const std::string& family, const Links* kept) {
+    const auto cut_now = [&] {
+      return kept == nullptr ? std::vector<bool>(facts_.size(), false) : CutUnits(left_, *kept);
+    };
+    std::vector<bool> cut = cut_now();
+    for (int unit : std::vector<int>(left_)) {
+      if (unit == result_.base || facts_[unit].family != family || cut[unit]) continue;
+      const std::optional<int> way = WayOff(unit);
+      if (!way) continue;
+      Remove({{unit}, *way});
+      cut = cut_now();
+    }
   }
 
   // Takes off the unit that ranks first, and with it the others of its family.
@@ -160,12 +219,7 @@ class Disassembly {
     const int first = *chosen;
     result_.steps.emplace_back();
     Remove({{first}, *WayOff(first)});
-    if (facts_[first].family.empty()) return true;
-    for (int unit : std::vector<int>(left_)) {
-      if (unit == result_.base || facts_[unit].family != facts_[first].family) continue;
-      const std::optional<int> way = WayOff(unit);
-      if (way && (kept == nullptr || StaysInOnePiece(unit, *kept))) Remove({{unit}, *way});
-    }
+    if (!facts_[first].family.empty()) TakeFamily(facts_[first].family, kept);
     return true;
   }
 
@@ -175,6 +229,7 @@ class Disassembly {
     std::optional<Rank> best;
     for (int direction = 0; direction < kDirections; ++direction) {
       for (int unit : left_) {
+        if (stop_.stop_requested()) return false;
         std::vector<int> moving = blocking_.MovesWith(direction, unit, left_);
         if (moving.size() == left_.size()) continue;
         std::vector<int> staying = Without(left_, moving);
@@ -198,6 +253,7 @@ class Disassembly {
   const std::vector<UnitFacts>& facts_;
   const std::array<const Links*, 2> links_;  // the better first
   const Blocking& blocking_;
+  const std::stop_token stop_;
   std::vector<int> left_;
   std::array<std::vector<int>, kDirections> blockers_;  // of each unit, among those left
   std::map<int, int> hops_;
@@ -211,8 +267,9 @@ bool InOnePiece(const std::vector<int>& units, const Links& links) {
 }
 
 TakenApart TakeApart(const std::vector<int>& units, const std::vector<UnitFacts>& facts,
-                     const Links& held, const Links& linked, const Blocking& blocking) {
-  return Disassembly(units, facts, held, linked, blocking).Run();
+                     const Links& held, const Links& linked, const Blocking& blocking,
+                     const std::stop_token& stop) {
+  return Disassembly(units, facts, held, linked, blocking, stop).Run();
 }
 
 }  // namespace mortise::fabplanner

@@ -5,6 +5,7 @@
 // back; where nothing comes off alone, several are taken off as one and taken apart by themselves.
 #pragma once
 
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -45,8 +46,9 @@ bool InOnePiece(const std::vector<int>& units, const Links& links);
 
 // `units`: at least one. `held`: which are fastened to each other; `linked`: which are, or touch.
 // What stays is kept fastened together where that can be, else touching. Does not depend on
-// anything but its arguments.
+// anything but its arguments. Once a stop is requested all that is left is stuck.
 TakenApart TakeApart(const std::vector<int>& units, const std::vector<UnitFacts>& facts,
-                     const Links& held, const Links& linked, const Blocking& blocking);
+                     const Links& held, const Links& linked, const Blocking& blocking,
+                     const std::stop_token& stop = {});
 
 }  // namespace mortise::fabplanner

@@ -459,6 +459,23 @@ TEST_F(FabPlannerServiceTest, PlansWhatIsMadeToDrawing) {
   EXPECT_EQ(Download(plan, "design.step", &sha256), "ISO-10303-21;END-ISO-10303-21;");
 }
 
+TEST_F(FabPlannerServiceTest, PlansDesignsThatOutgrowAMessageAndHaveNoStepFile) {
+  catalog_.OutgrowMessages();
+  catalog_.BreakStep();
+  v1::CreatePlanRequest request = TableRequest();
+  request.set_template_("templates/drawn");
+  const v1::Operation operation = CreatePlan(request);
+  ASSERT_EQ(operation.state(), v1::Operation::SUCCEEDED) << operation.error().message();
+  v1::Plan plan;
+  ASSERT_TRUE(operation.result().UnpackTo(&plan));
+  EXPECT_EQ(plan.parts(0).making(), v1::PlannedPart::TO_DRAWING);
+  EXPECT_EQ(plan.parts(0).drawings_size(), 2);
+  for (const v1::Artifact& artifact : plan.artifacts())
+    EXPECT_NE(artifact.file_name(), "design.step");
+  EXPECT_THAT(plan.handwork(),
+              ::testing::Contains(AllOf(HasSubstr("design.step"), HasSubstr("gave up"))));
+}
+
 TEST_F(FabPlannerServiceTest, APartLongerThanItsStockIsNamedWithTheLengths) {
   Items items = ExampleItems();
   items["items/apron-20"].size.x() = 1.0;

@@ -35,12 +35,32 @@ class FakeCatalog final : public v1::CatalogService::Service {
     items_ = items;
   }
 
+  // From now on STEP files cannot be made.
+  void BreakStep() {
+    std::lock_guard lock(mutex_);
+    breaks_step_ = true;
+  }
+
+  // Designs do not fit into one message from now on.
+  void OutgrowMessages() {
+    std::lock_guard lock(mutex_);
+    outgrows_messages_ = true;
+  }
+
   grpc::Status EvaluateTemplate(grpc::ServerContext*, const v1::EvaluateTemplateRequest* request,
                                 v1::EvaluatedDesign* response) override {
-    const bool drawn = request->name() == "templates/drawn";      // a leg of no item
-    const bool screwed = request->name() == "templates/screwed";  // held by screws that are parts
-    if (request->name() != "templates/table" && !drawn && !screwed) {
-      return {grpc::StatusCode::NOT_FOUND, "no template " + request->name()};
+    {
+      std::lock_guard lock(mutex_);
+      if (outgrows_messages_) return {grpc::StatusCode::RESOURCE_EXHAUSTED, "too large"};
+    }
+    return Evaluate(request->name(), response);
+  }
+
+  static grpc::Status Evaluate(const std::string& name, v1::EvaluatedDesign* response) {
+    const bool drawn = name == "templates/drawn";      // a leg of no item
+    const bool screwed = name == "templates/screwed";  // held by screws that are parts
+    if (name != "templates/table" && !drawn && !screwed) {
+      return {grpc::StatusCode::NOT_FOUND, "no template " + name};
     }
     const Design table = screwed ? ExampleRack() : ExampleTable();
     parametric::EvaluatedDesign design;
@@ -96,18 +116,33 @@ class FakeCatalog final : public v1::CatalogService::Service {
 
   grpc::Status ExportDesign(grpc::ServerContext*, const v1::ExportDesignRequest* request,
                             grpc::ServerWriter<v1::Chunk>* writer) override {
+    if (request->format() == v1::ExportDesignRequest::DESIGN) {
+      v1::EvaluatedDesign design;
+      const grpc::Status status = Evaluate(request->name(), &design);
+      if (!status.ok()) return status;
+      const std::string bytes = design.SerializeAsString();
+      WriteAll({bytes.substr(0, bytes.size() / 2), bytes.substr(bytes.size() / 2)}, writer);
+      return grpc::Status::OK;
+    }
     if (request->format() != v1::ExportDesignRequest::STEP) {
-      return {grpc::StatusCode::INVALID_ARGUMENT, "only STEP is here"};
+      return {grpc::StatusCode::INVALID_ARGUMENT, "only STEP and designs are here"};
     }
-    for (const char* piece : {"ISO-10303-21;", "END-ISO-10303-21;"}) {
-      v1::Chunk chunk;
-      chunk.set_data(piece);
-      writer->Write(chunk);
-    }
+    std::lock_guard lock(mutex_);
+    if (breaks_step_) return {grpc::StatusCode::INTERNAL, "the kernel gave up"};
+    WriteAll({"ISO-10303-21;", "END-ISO-10303-21;"}, writer);
     return grpc::Status::OK;
   }
 
  private:
+  static void WriteAll(const std::vector<std::string>& pieces,
+                       grpc::ServerWriter<v1::Chunk>* writer) {
+    for (const std::string& piece : pieces) {
+      v1::Chunk chunk;
+      chunk.set_data(piece);
+      writer->Write(chunk);
+    }
+  }
+
   static parametric::ItemKind KindOf(ItemKind kind) {
     switch (kind) {
       case ItemKind::kBoard:
@@ -165,7 +200,9 @@ class FakeCatalog final : public v1::CatalogService::Service {
   std::unique_ptr<grpc::Server> server_;
   std::string address_;
   std::mutex mutex_;
-  Items items_ = ExampleItems();  // guarded by mutex_
+  Items items_ = ExampleItems();    // guarded by mutex_
+  bool breaks_step_ = false;        // guarded by mutex_
+  bool outgrows_messages_ = false;  // guarded by mutex_
 };
 
 }  // namespace mortise::fabplanner

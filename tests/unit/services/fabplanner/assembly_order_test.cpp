@@ -6,7 +6,10 @@
 #include <algorithm>
 #include <map>
 #include <random>
+#include <set>
+#include <stop_token>
 
+#include "services/fabplanner/assembly_sequence.h"
 #include "services/fabplanner/part_solid.h"
 #include "services/fabplanner/taking_apart.h"
 #include "tests/unit/services/fabplanner/example_table.h"
@@ -14,6 +17,7 @@
 namespace mortise::fabplanner {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -251,6 +255,46 @@ TEST(TakingApartTest, RandomPilesComeApart) {
     }
     EXPECT_THAT(left, ElementsAre(apart.base));
   }
+}
+
+// A wall of boxes, nothing fastened, so that each step has to keep all that is left in one piece.
+Design Wall(int width, int height) {
+  Design design;
+  design.is_drawn = true;
+  for (int i = 0; i < width * height; ++i) {
+    const double x = 0.1 * (i % width), z = 0.1 * (i / width);
+    design.parts.push_back(Block("b" + std::to_string(i), {x, 0, z}, {x + 0.1, 0.1, z + 0.1}));
+  }
+  return design;
+}
+
+TEST(TakingApartTest, WhatIsLeftHoldsTogether) {
+  const std::vector<AssemblyStep> steps = OrderedSteps(Wall(7, 5), ExampleItems(), {});
+  std::set<int> standing;
+  for (const AssemblyStep& step : steps) {
+    for (const std::string& name : step.added_parts) {
+      const int part = std::stoi(name.substr(1));
+      const bool touches = standing.empty() || standing.contains(part - 7) ||
+                           standing.contains(part + 7) ||
+                           (part % 7 > 0 && standing.contains(part - 1)) ||
+                           (part % 7 < 6 && standing.contains(part + 1));
+      EXPECT_TRUE(touches) << name << " in step " << step.number;
+      standing.insert(part);
+    }
+  }
+  EXPECT_EQ(standing.size(), 35u);
+}
+
+TEST(TakingApartTest, StopsWhenItIsAskedTo) {
+  std::stop_source source;
+  source.request_stop();
+  EXPECT_TRUE(absl::IsCancelled(AssemblySteps(Wall(40, 40), {}, {}, source.get_token()).status()));
+}
+
+TEST(TakingApartTest, RefusesMorePartsThanItOrdersInTime) {
+  const absl::Status status = AssemblySteps(Wall(3, 700), {}).status();
+  EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_THAT(std::string(status.message()), AllOf(HasSubstr("2100"), HasSubstr("2000")));
 }
 
 TEST(PartSolidTest, ShapesAreJudgedByTheirFaces) {

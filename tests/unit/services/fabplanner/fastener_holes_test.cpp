@@ -30,7 +30,7 @@ Items WithBolt() {
     return item;
   };
   add("items/bolt", ItemKind::kBolt).measures = {{"thread_pitch", 0.00125}};
-  add("items/pin", ItemKind::kHardware);
+  add("items/pin", ItemKind::kHardware).pin = true;
   add("items/slide", ItemKind::kHardware);
   return items;
 }
@@ -77,6 +77,39 @@ TEST(FastenerHolesTest, AHeadBelowTheSurfaceIsCounterbored) {
   ExpectHole(holes[0], "upper", HoleKind::kClearance, 0.008, 0.005, false, 0.036, -1);
   ExpectHole(holes[1], "upper", HoleKind::kClearance, 0.0045, 0.018, true, 0.036, -1);
   ExpectHole(holes[2], "lower", HoleKind::kPilot, 0.003, 0.012, false, 0.018, -1);
+}
+
+TEST(FastenerHolesTest, AScrewThatIsFlushAtBothEndsHasItsHeadInTheThinnerPart) {
+  for (const double lower : {0.012, 0.024}) {
+    Design design;
+    for (int i = 0; i < 2; ++i) {
+      design.parts.push_back(BoxPart(i == 0 ? "lower" : "upper", "items/plywood-18",
+                                     CutProcess::kJigsaw, {0, 0, i == 0 ? 0 : lower},
+                                     {0.3, 0.2, i == 0 ? lower : 0.036}, 0, 2));
+    }
+    for (const int direction : {-1, 1}) {
+      design.parts.resize(2);
+      design.parts.push_back(
+          ScrewPart("screw", {0.1, 0.1, direction > 0 ? 0 : 0.036}, 2, direction, 0.036));
+      const std::vector<Hole> holes = HolesOf(design).holes;
+      ASSERT_EQ(holes.size(), 2);
+      const bool from_below = lower < 0.018;
+      EXPECT_EQ(holes[0].kind, HoleKind::kClearance);
+      EXPECT_EQ(holes[0].part, from_below ? "lower" : "upper");
+      EXPECT_EQ(holes[0].direction.z(), from_below ? 1 : -1);
+      EXPECT_EQ(holes[1].kind, HoleKind::kPilot);
+      EXPECT_EQ(holes[1].part, from_below ? "upper" : "lower");
+    }
+  }
+}
+
+TEST(FastenerHolesTest, OnlyPinsAmongHardwareAreDrilledFor) {
+  Items items = WithBolt();
+  Design design = TwoBoards();
+  design.parts.push_back(ScrewPart("link", {0.1, 0.1, 0.03}, 2, -1, 0.024, 0.005, "items/slide"));
+  EXPECT_TRUE(HolesOf(design, items).holes.empty());
+  items["items/slide"].pin = true;
+  EXPECT_EQ(HolesOf(design, items).holes.size(), 2);
 }
 
 TEST(FastenerHolesTest, WhatTheItemSaysGoesBeforeTheRule) {
