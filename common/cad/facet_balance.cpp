@@ -9,6 +9,8 @@
 #include <array>
 #include <cmath>
 
+#include "common/mesh/surface_check.h"
+
 namespace mortise::cad {
 namespace {
 
@@ -22,6 +24,10 @@ constexpr double kOneNormal =
     0.9;                           // length of the mean of normals that belong to one tangent plane
 constexpr double kInPlane = 1e-6;  // of a unit vector: what is left of it outside some planes
 constexpr double kAtACorner = 0.5;  // singular value below which a face runs along the others
+
+constexpr double kTurned = 0.05;  // of a triangle's area: what is left of one that nearly folds
+constexpr int kRounds = 20;
+constexpr int kMostCrossings = 100;
 
 Eigen::Vector3d ToEigen(const gp_XYZ& v) { return {v.X(), v.Y(), v.Z()}; }
 
@@ -57,6 +63,29 @@ Eigen::MatrixXd AlongAll(const std::vector<Eigen::Vector3d>& normals) {
   if (across.cols() == 0) return Eigen::Matrix3d::Identity();
   const Eigen::JacobiSVD<Eigen::Matrix3Xd> svd(across, Eigen::ComputeFullU);
   return svd.matrixU().rightCols(3 - across.cols());
+}
+
+Eigen::Vector3d AreaOf(const Eigen::Matrix3Xd& vertices, const Eigen::Vector3i& corners) {
+  const Eigen::Vector3d first = vertices.col(corners(0));
+  return (vertices.col(corners(1)) - first).cross(vertices.col(corners(2)) - first);
+}
+
+// Triangles that turn over when the vertices are moved, or cross others.
+std::vector<int> BadTriangles(const mesh::AssemblySurface& surface, const Eigen::Matrix3Xd& moved) {
+  std::vector<int> bad;
+  for (Eigen::Index t = 0; t < surface.triangles.cols(); ++t) {
+    const Eigen::Vector3i corners = surface.triangles.col(t);
+    const Eigen::Vector3d before = AreaOf(surface.vertices, corners);
+    if (before.dot(AreaOf(moved, corners)) <= kTurned * before.squaredNorm()) {
+      bad.push_back(static_cast<int>(t));
+    }
+  }
+  for (const mesh::Intersection& found :
+       mesh::FindIntersections(moved, surface.triangles, kMostCrossings)) {
+    bad.push_back(found.first);
+    bad.push_back(found.second);
+  }
+  return bad;
 }
 
 }  // namespace
@@ -97,7 +126,7 @@ void FacetBalance::Add(const TopoDS_Face& face, const std::vector<int>& points) 
   }
 }
 
-void FacetBalance::Apply(mesh::AssemblySurface& surface) const {
+Eigen::Matrix3Xd FacetBalance::ShiftsOf(const mesh::AssemblySurface& surface) const {
   std::map<int, std::vector<Eigen::Vector3d>> planes;  // normals of those at each point
   const auto is_curved_point = [&](int point) {
     const auto found = shares_.lower_bound({point, 0});
@@ -106,15 +135,12 @@ void FacetBalance::Apply(mesh::AssemblySurface& surface) const {
   for (Eigen::Index t = 0; t < surface.triangles.cols(); ++t) {
     if (!is_flat_[static_cast<std::size_t>(surface.triangle_face(t))]) continue;
     const Eigen::Vector3i corners = surface.triangles.col(t);
-    const Eigen::Vector3d normal =
-        (surface.vertices.col(corners(1)) - surface.vertices.col(corners(0)))
-            .cross(surface.vertices.col(corners(2)) - surface.vertices.col(corners(0)))
-            .normalized();
+    const Eigen::Vector3d normal = AreaOf(surface.vertices, corners).normalized();
     for (const int point : corners) {
       if (is_curved_point(point)) planes[point].push_back(normal);
     }
   }
-  Eigen::Matrix3Xd moved = surface.vertices;
+  Eigen::Matrix3Xd shifts = Eigen::Matrix3Xd::Zero(3, surface.vertices.cols());
   for (auto first = shares_.begin(); first != shares_.end();) {
     const int point = first->first.first;
     Eigen::MatrixX3d normals(0, 3);
@@ -138,9 +164,28 @@ void FacetBalance::Apply(mesh::AssemblySurface& surface) const {
       const double value = svd.singularValues()(i);
       step(i) = value < kAtACorner ? 0 : step(i) / value;
     }
-    moved.col(point) += along * (svd.matrixV() * step);
+    shifts.col(point) = along * (svd.matrixV() * step);
   }
-  surface.vertices = moved;
+  return shifts;
+}
+
+void FacetBalance::Apply(mesh::AssemblySurface& surface) const {
+  Eigen::Matrix3Xd shifts = ShiftsOf(surface);
+  for (int round = 0; round < kRounds && !shifts.isZero(0); ++round) {
+    const Eigen::Matrix3Xd moved = surface.vertices + shifts;
+    bool is_better = false;
+    for (const int triangle : BadTriangles(surface, moved)) {
+      for (const int point : surface.triangles.col(triangle)) {
+        is_better = is_better || !shifts.col(point).isZero(0);
+        shifts.col(point).setZero();
+      }
+    }
+    // What crosses though nothing moves there crossed before, which others tell of.
+    if (!is_better) {
+      surface.vertices = moved;
+      return;
+    }
+  }
 }
 
 }  // namespace mortise::cad

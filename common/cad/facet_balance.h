@@ -25,7 +25,8 @@ class FacetBalance {
   // triangulation, from 1, the index of the surface's vertex. Planes are passed over.
   void Add(const TopoDS_Face& face, const std::vector<int>& points);
 
-  // Moves the vertices of `surface`, whose faces were added in order.
+  // Moves the vertices of `surface`, whose faces were added in order; those of triangles that would
+  // fold over or cross others stay.
   void Apply(mesh::AssemblySurface& surface) const;
 
  private:
@@ -35,6 +36,8 @@ class FacetBalance {
     double miss = 0;  // m³, of the face above its triangles
     double area = 0;  // m²
   };
+
+  Eigen::Matrix3Xd ShiftsOf(const mesh::AssemblySurface& surface) const;
 
   std::map<std::pair<int, int>, Share> shares_;  // by point and face
   std::vector<bool> is_flat_;                    // of each face

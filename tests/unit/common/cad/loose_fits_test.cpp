@@ -175,6 +175,27 @@ TEST(RoundParts, KeepTheirSection) {
   }
 }
 
+// Bores beside each other with a wall thinner than what chords cut off, and a wall round a bore
+// that is thinner still: points that would cross it stay.
+TEST(RoundParts, MoveNoTrianglesIntoEachOther) {
+  for (const double wall : {6e-4, 3e-4, 1.5e-4}) {
+    SCOPED_TRACE(wall);
+    const double apart = 2 * kBore + wall;
+    const TopoDS_Shape plate = BRepAlgoAPI_Cut(BRepAlgoAPI_Cut(BoxAt(0, 0, 0, 0.2, 0.2, 0.03),
+                                                               Upright(0.07, 0.1, -1, 1, kBore))
+                                                   .Shape(),
+                                               Upright(0.07 + apart, 0.1, -1, 1, kBore))
+                                   .Shape();
+    const TopoDS_Shape edge = BRepAlgoAPI_Cut(BoxAt(0.1 - kBore - wall, 0, 0.03, 0.2, 0.2, 0.03),
+                                              Upright(0.1, 0.1, -1, 1, kBore))
+                                  .Shape();
+    const std::vector<Solid> parts = {Named(plate, "plate"), Named(edge, "edge")};
+    const auto surface = FuseAssembly(parts);
+    ASSERT_TRUE(surface.ok()) << surface.status();
+    ExpectSound(*surface, parts, 2e-3);
+  }
+}
+
 mesh::SurfaceMesh Tetrahedron(double size) {
   mesh::SurfaceMesh surface;
   surface.vertices = size * Eigen::Matrix3Xd::Identity(3, 4);
