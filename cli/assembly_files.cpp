@@ -28,6 +28,7 @@ namespace {
 using Stub = v1::AssemblyService::Stub;
 
 constexpr std::size_t kMaxFile = 4 << 20;  // bytes
+constexpr double kLargeFileSeconds = 600;
 
 struct ImportOptions {
   std::vector<std::filesystem::path> files;
@@ -100,15 +101,30 @@ void Tell(const v1::Assembly& stored, int64_t before, const std::vector<std::str
   document.push_back(std::move(entry));
 }
 
+// Brings a file that is too large for a message to the catalog; its digest.
+absl::StatusOr<std::string> Upload(const std::string& bytes, Stub& stub,
+                                   const GatewayClient& client) {
+  v1::UploadDrawingResponse response;
+  MORTISE_RETURN_IF_ERROR(client.Call(
+      [&](grpc::ClientContext& context) {
+        const auto writer = stub.UploadDrawing(&context, &response);
+        Send(bytes, *writer);
+        return rpc::FromGrpc(writer->Finish());
+      },
+      kLargeFileSeconds));
+  return response.sha256();
+}
+
 absl::Status ImportDrawing(const std::filesystem::path& file, const ImportOptions& options,
                            Stub& stub, const GatewayClient& client, Output& output,
                            nlohmann::ordered_json& document) {
   v1::ImportAssemblyStepRequest request;
   MORTISE_ASSIGN_OR_RETURN(*request.mutable_annotations(), ReadAnnotations(options.annotations));
-  MORTISE_ASSIGN_OR_RETURN(*request.mutable_step(), PackedFile(file));
+  MORTISE_ASSIGN_OR_RETURN(const std::string packed, PackedFile(file));
   v1::AssemblyAnnotations& annotations = *request.mutable_annotations();
   FieldSources sources;
   sources.AddFile("step", file.string());
+  sources.AddFile("drawing", file.string());
   sources.AddFile("annotations",
                   (options.annotations.empty() ? file : options.annotations).string());
   if (!options.id.empty()) {
@@ -120,10 +136,17 @@ absl::Status ImportDrawing(const std::filesystem::path& file, const ImportOption
   request.set_request_id(NewIdentifier());
   MORTISE_ASSIGN_OR_RETURN(const int64_t before, PresentRevision(annotations.name(), stub, client));
   request.set_expected_revision(before);
+  if (packed.size() <= kMostInMessage) {
+    request.set_step(packed);
+  } else {
+    MORTISE_ASSIGN_OR_RETURN(*request.mutable_drawing(), Upload(packed, stub, client));
+  }
   v1::ImportAssemblyStepResponse imported;
-  MORTISE_RETURN_IF_ERROR(sources.Name(client.Call([&](grpc::ClientContext& context) {
-    return rpc::FromGrpc(stub.ImportAssemblyStep(&context, request, &imported));
-  })));
+  MORTISE_RETURN_IF_ERROR(sources.Name(client.Call(
+      [&](grpc::ClientContext& context) {
+        return rpc::FromGrpc(stub.ImportAssemblyStep(&context, request, &imported));
+      },
+      kLargeFileSeconds)));
   Tell(imported.assembly(), before, {imported.notes().begin(), imported.notes().end()}, output,
        document);
   return absl::OkStatus();

@@ -10,7 +10,6 @@
 #include "absl/strings/strip.h"
 #include "cli/field_sources.h"
 #include "cli/requests.h"
-#include "common/base/digest.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
 #include "common/base/identifiers.h"
@@ -52,26 +51,14 @@ absl::StatusOr<v1::MeshCase> ReadCase(const std::filesystem::path& file) {
 
 absl::StatusOr<std::string> Upload(const std::filesystem::path& file,
                                    v1::SimulatorService::Stub& stub, const GatewayClient& client) {
-  constexpr std::size_t kChunk = 512 * 1024;
   constexpr double kSeconds = 600;
   MORTISE_ASSIGN_OR_RETURN(const std::string bytes, ReadFile(file));
   if (bytes.empty()) return InvalidField(file.string(), "is empty");
-  const std::string digest = Sha256Hex(bytes);
   v1::UploadBlobResponse response;
   MORTISE_RETURN_IF_ERROR(client.Call(
       [&](grpc::ClientContext& context) {
         const auto writer = stub.UploadBlob(&context, &response);
-        for (std::size_t offset = 0; offset < bytes.size(); offset += kChunk) {
-          v1::Chunk chunk;
-          chunk.set_offset(static_cast<std::int64_t>(offset));
-          chunk.set_data(bytes.substr(offset, kChunk));
-          if (offset == 0) {
-            chunk.set_total_size(static_cast<std::int64_t>(bytes.size()));
-            chunk.set_sha256(digest);
-          }
-          if (!writer->Write(chunk)) break;
-        }
-        writer->WritesDone();
+        Send(bytes, *writer);
         return rpc::FromGrpc(writer->Finish());
       },
       kSeconds));

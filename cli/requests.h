@@ -42,6 +42,10 @@ std::string MetricText(const v1::Metric& metric);
 absl::StatusOr<std::int64_t> Receive(grpc::ClientReader<v1::Chunk>& reader,
                                      const std::filesystem::path& path);
 
+// Sends bytes as a stream of chunks, and says that they were all. What becomes of it the call's
+// Finish says.
+void Send(const std::string& bytes, grpc::ClientWriter<v1::Chunk>& writer);
+
 // Follows an operation with a progress bar and takes out its result.
 template <typename Result>
 absl::StatusOr<Result> FollowTo(const GatewayClient& client, const v1::Operation& operation,

@@ -17,8 +17,7 @@
 namespace mortise::cli {
 namespace {
 
-constexpr std::size_t kMaxFile = 64 << 20;     // bytes
-constexpr std::size_t kMaxPacked = 4'000'000;  // bytes; a message is a little more
+constexpr std::size_t kMaxFile = 64 << 20;  // bytes
 
 std::string ExtensionOf(const std::filesystem::path& file) {
   std::string extension = file.extension().string();
@@ -57,7 +56,6 @@ absl::StatusOr<std::string> PackedFile(const std::filesystem::path& file) {
   if (!bytes.starts_with("\x1f\x8b")) {
     MORTISE_ASSIGN_OR_RETURN(bytes, Packed(bytes, file.string()));
   }
-  if (bytes.size() > kMaxPacked) return TooLarge(file.string(), "4 MB packed by gzip");
   return bytes;
 }
 
@@ -76,6 +74,9 @@ absl::StatusOr<v1::Shape> ImportShapeFile(const std::filesystem::path& file,
   request.set_request_id(NewIdentifier());
   request.set_format(IsStepFile(file) ? v1::ImportShapeRequest::STEP : v1::ImportShapeRequest::STL);
   MORTISE_ASSIGN_OR_RETURN(*request.mutable_file(), PackedFile(file));
+  if (request.file().size() > kMostInMessage) {
+    return TooLarge(file.string(), "4 MB packed by gzip");
+  }
   FieldSources sources;
   sources.Add("file", file.string());
   v1::Shape shape;

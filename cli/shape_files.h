@@ -11,7 +11,10 @@
 
 namespace mortise::cli {
 
-// The bytes of a file packed by gzip, which fit into a message. NOT_FOUND; RESOURCE_EXHAUSTED.
+// Most bytes of a file that fit into a message.
+inline constexpr std::size_t kMostInMessage = 4'000'000;
+
+// The bytes of a file of at most 64 MiB, packed by gzip. NOT_FOUND; RESOURCE_EXHAUSTED.
 absl::StatusOr<std::string> PackedFile(const std::filesystem::path& file);
 
 // Whether a file is STEP by its extension: .step, .stp, .stpz.

@@ -11,9 +11,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "common/base/digest.h"
 #include "common/base/errors.h"
-#include "common/cad/step_isolation.h"
 #include "common/parametric/assembly_design.h"
 #include "common/parametric/parametrization_codec.h"
 #include "common/parametric/template_codec.h"
@@ -23,19 +21,20 @@
 #include "services/catalog/assembly_import.h"
 #include "services/catalog/assembly_records.h"
 #include "services/catalog/design_stream.h"
+#include "services/catalog/drawing_records.h"
+#include "services/catalog/drawing_source.h"
 #include "services/catalog/recently_used.h"
 #include "services/catalog/shape_records.h"
+#include "services/catalog/store_reading.h"
 
 namespace mortise::catalog {
 namespace {
 
 constexpr std::size_t kParametrizedAssemblies = 64;
-constexpr std::size_t kDrawings = 8;
 constexpr int kMaxDesigns = 1000;  // in one answer
 constexpr int kMaxDemands = 100;
 
 using Parametrized = std::shared_ptr<const parametric::ParametricAssembly>;
-using Drawing = std::shared_ptr<const cad::StepAssembly>;
 using AdjustedWriter = std::shared_ptr<rpc::StreamWriter<v1::AdjustedAssembly>>;
 
 // An assembly revision, parametrised.
@@ -101,11 +100,12 @@ void StreamDesigns(Found found, std::vector<Eigen::VectorXd> parameters,
 
 class AssemblyAdapter : public v1::AssemblyService::CallbackService {
  public:
-  explicit AssemblyAdapter(const rpc::ServiceEnvironment& environment)
+  AssemblyAdapter(const rpc::ServiceEnvironment& environment, store::BlobFolder* blobs)
       : store_(environment.store),
+        blobs_(blobs),
         endpoint_(environment.dispatcher, "mortise.v1.AssemblyService"),
         parametrized_(kParametrizedAssemblies),
-        drawings_(kDrawings) {}
+        drawings_(environment.store, blobs) {}
 
   grpc::ServerUnaryReactor* GetAssembly(grpc::CallbackServerContext* context,
                                         const v1::GetAssemblyRequest* request,
@@ -123,21 +123,13 @@ class AssemblyAdapter : public v1::AssemblyService::CallbackService {
                                            const v1::ListAssembliesRequest* request,
                                            v1::ListAssembliesResponse* response) override {
     return endpoint_.Query("ListAssemblies", context, request, response,
-                           [this](const rpc::Call&, const v1::ListAssembliesRequest& asked)
-                               -> absl::StatusOr<v1::ListAssembliesResponse> {
-                             Page<v1::Assembly> page;
-                             MORTISE_RETURN_IF_ERROR(store_->Read(
-                                 [&](store::ReadTransaction& transaction) -> absl::Status {
-                                   MORTISE_ASSIGN_OR_RETURN(
-                                       page, catalog::ListAssemblies(transaction, asked.page_size(),
-                                                                     asked.page_token()));
-                                   return absl::OkStatus();
-                                 }));
-                             v1::ListAssembliesResponse listed;
-                             for (v1::Assembly& entry : page.entries)
-                               *listed.add_assemblies() = std::move(entry);
-                             listed.set_next_page_token(page.next_page_token);
-                             return listed;
+                           [this](const rpc::Call&, const v1::ListAssembliesRequest& asked) {
+                             return ListFrom(
+                                 *store_, &v1::ListAssembliesResponse::mutable_assemblies,
+                                 [&](store::ReadTransaction& transaction) {
+                                   return catalog::ListAssemblies(transaction, asked.page_size(),
+                                                                  asked.page_token());
+                                 });
                            });
   }
 
@@ -181,6 +173,16 @@ class AssemblyAdapter : public v1::AssemblyService::CallbackService {
                            call.identity().request_id));
           answer.mutable_notes()->Assign(imported.notes.begin(), imported.notes.end());
           return answer;
+        });
+  }
+
+  grpc::ServerReadReactor<v1::Chunk>* UploadDrawing(grpc::CallbackServerContext* context,
+                                                    v1::UploadDrawingResponse* response) override {
+    using Reader = rpc::UploadReader<v1::Chunk, v1::UploadDrawingResponse>;
+    return endpoint_.Upload<v1::Chunk, v1::UploadDrawingResponse>(
+        "UploadDrawing", context, response,
+        [this](const rpc::Call&) -> absl::StatusOr<std::unique_ptr<Reader>> {
+          return ReceiveDrawing(store_, blobs_);
         });
   }
 
@@ -259,40 +261,29 @@ class AssemblyAdapter : public v1::AssemblyService::CallbackService {
 
  private:
   absl::StatusOr<v1::AssemblyBundle> Get(const std::string& name, int64_t revision) {
-    v1::AssemblyBundle bundle;
-    MORTISE_RETURN_IF_ERROR(store_->Read([&](store::ReadTransaction& transaction) -> absl::Status {
-      MORTISE_ASSIGN_OR_RETURN(bundle, GetAssemblyBundle(transaction, name, revision));
-      return absl::OkStatus();
-    }));
-    return bundle;
+    return ReadFrom<v1::AssemblyBundle>(*store_, [&](store::ReadTransaction& transaction) {
+      return GetAssemblyBundle(transaction, name, revision);
+    });
   }
 
   absl::StatusOr<v1::AssemblyBundle> FreezeNow(const v1::Assembly& assembly) {
-    v1::AssemblyBundle bundle;
-    MORTISE_RETURN_IF_ERROR(store_->Read([&](store::ReadTransaction& transaction) -> absl::Status {
-      MORTISE_ASSIGN_OR_RETURN(bundle, Freeze(transaction, assembly));
-      return absl::OkStatus();
-    }));
-    return bundle;
+    return ReadFrom<v1::AssemblyBundle>(*store_, [&](store::ReadTransaction& transaction) {
+      return Freeze(transaction, assembly);
+    });
   }
 
-  // Read now, or before: those who write annotations send the same file again and again.
-  absl::StatusOr<Drawing> ReadDrawing(const std::string& step) {
-    const std::string key = Sha256Hex(step);
-    if (const std::optional<Drawing> known = drawings_.Find(key)) return *known;
-    MORTISE_ASSIGN_OR_RETURN(const std::string bytes, UnpackStep(step));
-    MORTISE_ASSIGN_OR_RETURN(cad::StepAssembly read, cad::ReadStepInChild(bytes));
-    for (mesh::DrawnShape& shape : read.shapes) shape.name = NamedShape(shape).name();
-    const auto drawing = std::make_shared<const cad::StepAssembly>(std::move(read));
-    drawings_.Add(key, drawing);
-    return drawing;
-  }
-
+  // What is said of 'step' is said of the drawing that was uploaded instead.
   absl::StatusOr<Imported> PrepareStep(const v1::ImportAssemblyStepRequest& asked) {
+    absl::StatusOr<Imported> prepared = PrepareAnyStep(asked);
+    if (prepared.ok() || asked.drawing().empty()) return prepared;
+    return OfUpload(prepared.status());
+  }
+
+  absl::StatusOr<Imported> PrepareAnyStep(const v1::ImportAssemblyStepRequest& asked) {
     if (asked.expected_revision() < 0) {
       return InvalidField("expected_revision", "must be at least 0");
     }
-    MORTISE_ASSIGN_OR_RETURN(const Drawing drawing, ReadDrawing(asked.step()));
+    MORTISE_ASSIGN_OR_RETURN(const Drawing drawing, drawings_.Read(asked.step(), asked.drawing()));
     // Only for the items.
     v1::Assembly named;
     for (const v1::PartAnnotation& part : asked.annotations().parts()) {
@@ -378,15 +369,17 @@ class AssemblyAdapter : public v1::AssemblyService::CallbackService {
   }
 
   store::Store* const store_;
+  store::BlobFolder* const blobs_;
   rpc::Endpoint endpoint_;
   RecentlyUsed<Parametrized> parametrized_;  // by digest
-  RecentlyUsed<Drawing> drawings_;           // by digest of the file
+  DrawingSource drawings_;
 };
 
 }  // namespace
 
-std::shared_ptr<grpc::Service> MakeAssemblyService(const rpc::ServiceEnvironment& environment) {
-  return std::make_shared<AssemblyAdapter>(environment);
+std::shared_ptr<grpc::Service> MakeAssemblyService(const rpc::ServiceEnvironment& environment,
+                                                   store::BlobFolder* blobs) {
+  return std::make_shared<AssemblyAdapter>(environment, blobs);
 }
 
 }  // namespace mortise::catalog

@@ -5,8 +5,14 @@
 
 #include "common/rpc/run_service.h"
 
+namespace mortise::store {
+class BlobFolder;
+}
+
 namespace mortise::catalog {
 
-std::shared_ptr<grpc::Service> MakeAssemblyService(const rpc::ServiceEnvironment& environment);
+// `blobs`: where drawings are kept that are uploaded; outlives it.
+std::shared_ptr<grpc::Service> MakeAssemblyService(const rpc::ServiceEnvironment& environment,
+                                                   store::BlobFolder* blobs);
 
 }  // namespace mortise::catalog

@@ -24,7 +24,9 @@
 #include "services/catalog/design_stream.h"
 #include "services/catalog/shape_import.h"
 #include "services/catalog/shape_records.h"
+#include "services/catalog/store_reading.h"
 #include "services/catalog/template_cache.h"
+#include "services/catalog/upkeep.h"
 
 namespace mortise::catalog {
 namespace {
@@ -78,47 +80,38 @@ void DropTriangles(v1::EvaluatedDesign& design) {
   }
 }
 
-template <typename Response, typename Message>
-Response ToResponse(Page<Message> page,
-                    google::protobuf::RepeatedPtrField<Message>* (Response::*entries)()) {
-  Response response;
-  for (Message& entry : page.entries) *(response.*entries)()->Add() = std::move(entry);
-  response.set_next_page_token(page.next_page_token);
-  return response;
-}
-
 class CatalogAdapter : public v1::CatalogService::CallbackService {
  public:
-  explicit CatalogAdapter(const rpc::ServiceEnvironment& environment)
+  CatalogAdapter(const rpc::ServiceEnvironment& environment, store::BlobFolder* blobs)
       : store_(environment.store),
         endpoint_(environment.dispatcher, "mortise.v1.CatalogService"),
-        cache_(kCompiledTemplates) {}
+        cache_(kCompiledTemplates),
+        upkeep_(environment.store, blobs) {}
 
   grpc::ServerUnaryReactor* GetMaterial(grpc::CallbackServerContext* context,
                                         const v1::GetMaterialRequest* request,
                                         v1::Material* response) override {
-    return endpoint_.Query("GetMaterial", context, request, response,
-                           [this](const rpc::Call&, const v1::GetMaterialRequest& asked) {
-                             return Read<v1::Material>([&](store::ReadTransaction& transaction) {
-                               return catalog::GetMaterial(transaction, asked.name(),
-                                                           asked.revision());
-                             });
-                           });
+    return endpoint_.Query(
+        "GetMaterial", context, request, response,
+        [this](const rpc::Call&, const v1::GetMaterialRequest& asked) {
+          return ReadFrom<v1::Material>(*store_, [&](store::ReadTransaction& transaction) {
+            return catalog::GetMaterial(transaction, asked.name(), asked.revision());
+          });
+        });
   }
 
   grpc::ServerUnaryReactor* ListMaterials(grpc::CallbackServerContext* context,
                                           const v1::ListMaterialsRequest* request,
                                           v1::ListMaterialsResponse* response) override {
-    return endpoint_.Query(
-        "ListMaterials", context, request, response,
-        [this](const rpc::Call&,
-               const v1::ListMaterialsRequest& asked) -> absl::StatusOr<v1::ListMaterialsResponse> {
-          MORTISE_ASSIGN_OR_RETURN(
-              auto page, Read<Page<v1::Material>>([&](store::ReadTransaction& transaction) {
-                return catalog::ListMaterials(transaction, asked.page_size(), asked.page_token());
-              }));
-          return ToResponse(std::move(page), &v1::ListMaterialsResponse::mutable_materials);
-        });
+    return endpoint_.Query("ListMaterials", context, request, response,
+                           [this](const rpc::Call&, const v1::ListMaterialsRequest& asked) {
+                             return ListFrom(*store_, &v1::ListMaterialsResponse::mutable_materials,
+                                             [&](store::ReadTransaction& transaction) {
+                                               return catalog::ListMaterials(transaction,
+                                                                             asked.page_size(),
+                                                                             asked.page_token());
+                                             });
+                           });
   }
 
   grpc::ServerUnaryReactor* CreateMaterial(grpc::CallbackServerContext* context,
@@ -159,27 +152,25 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
   grpc::ServerUnaryReactor* GetItem(grpc::CallbackServerContext* context,
                                     const v1::GetItemRequest* request,
                                     v1::Item* response) override {
-    return endpoint_.Query("GetItem", context, request, response,
-                           [this](const rpc::Call&, const v1::GetItemRequest& asked) {
-                             return Read<v1::Item>([&](store::ReadTransaction& transaction) {
-                               return catalog::GetItem(transaction, asked.name(), asked.revision());
-                             });
-                           });
+    return endpoint_.Query(
+        "GetItem", context, request, response,
+        [this](const rpc::Call&, const v1::GetItemRequest& asked) {
+          return ReadFrom<v1::Item>(*store_, [&](store::ReadTransaction& transaction) {
+            return catalog::GetItem(transaction, asked.name(), asked.revision());
+          });
+        });
   }
 
   grpc::ServerUnaryReactor* ListItems(grpc::CallbackServerContext* context,
                                       const v1::ListItemsRequest* request,
                                       v1::ListItemsResponse* response) override {
-    return endpoint_.Query(
-        "ListItems", context, request, response,
-        [this](const rpc::Call&,
-               const v1::ListItemsRequest& asked) -> absl::StatusOr<v1::ListItemsResponse> {
-          MORTISE_ASSIGN_OR_RETURN(auto page,
-                                   Read<Page<v1::Item>>([&](store::ReadTransaction& transaction) {
-                                     return catalog::ListItems(transaction, asked);
-                                   }));
-          return ToResponse(std::move(page), &v1::ListItemsResponse::mutable_items);
-        });
+    return endpoint_.Query("ListItems", context, request, response,
+                           [this](const rpc::Call&, const v1::ListItemsRequest& asked) {
+                             return ListFrom(*store_, &v1::ListItemsResponse::mutable_items,
+                                             [&](store::ReadTransaction& transaction) {
+                                               return catalog::ListItems(transaction, asked);
+                                             });
+                           });
   }
 
   grpc::ServerUnaryReactor* CreateItem(grpc::CallbackServerContext* context,
@@ -239,10 +230,11 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
     return endpoint_.Query(
         "GetShape", context, request, response,
         [this](const rpc::Call&, const v1::GetShapeRequest& asked) -> absl::StatusOr<v1::Shape> {
-          MORTISE_ASSIGN_OR_RETURN(v1::Shape shape,
-                                   Read<v1::Shape>([&](store::ReadTransaction& transaction) {
-                                     return catalog::GetShape(transaction, asked.name());
-                                   }));
+          MORTISE_ASSIGN_OR_RETURN(
+              v1::Shape shape,
+              ReadFrom<v1::Shape>(*store_, [&](store::ReadTransaction& transaction) {
+                return catalog::GetShape(transaction, asked.name());
+              }));
           return ShownShape(std::move(shape));
         });
   }
@@ -253,10 +245,11 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
         "DownloadShape", context, request,
         [this](const rpc::Call&, const v1::DownloadShapeRequest& asked,
                const std::shared_ptr<rpc::StreamWriter<v1::Chunk>>& writer) -> absl::Status {
-          MORTISE_ASSIGN_OR_RETURN(const v1::Shape shape,
-                                   Read<v1::Shape>([&](store::ReadTransaction& transaction) {
-                                     return catalog::GetShape(transaction, asked.name());
-                                   }));
+          MORTISE_ASSIGN_OR_RETURN(
+              const v1::Shape shape,
+              ReadFrom<v1::Shape>(*store_, [&](store::ReadTransaction& transaction) {
+                return catalog::GetShape(transaction, asked.name());
+              }));
           rpc::StreamBytes(shape.SerializeAsString(), {"shape.binpb", "application/x-protobuf"},
                            writer);
           return absl::OkStatus();
@@ -279,16 +272,15 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
   grpc::ServerUnaryReactor* ListTemplates(grpc::CallbackServerContext* context,
                                           const v1::ListTemplatesRequest* request,
                                           v1::ListTemplatesResponse* response) override {
-    return endpoint_.Query(
-        "ListTemplates", context, request, response,
-        [this](const rpc::Call&,
-               const v1::ListTemplatesRequest& asked) -> absl::StatusOr<v1::ListTemplatesResponse> {
-          MORTISE_ASSIGN_OR_RETURN(
-              auto page, Read<Page<v1::Template>>([&](store::ReadTransaction& transaction) {
-                return catalog::ListTemplates(transaction, asked.page_size(), asked.page_token());
-              }));
-          return ToResponse(std::move(page), &v1::ListTemplatesResponse::mutable_templates);
-        });
+    return endpoint_.Query("ListTemplates", context, request, response,
+                           [this](const rpc::Call&, const v1::ListTemplatesRequest& asked) {
+                             return ListFrom(*store_, &v1::ListTemplatesResponse::mutable_templates,
+                                             [&](store::ReadTransaction& transaction) {
+                                               return catalog::ListTemplates(transaction,
+                                                                             asked.page_size(),
+                                                                             asked.page_token());
+                                             });
+                           });
   }
 
   // Checking tries many designs, so it happens before the transaction.
@@ -304,7 +296,7 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
           }
           MORTISE_ASSIGN_OR_RETURN(
               v1::TemplateBundle bundle,
-              Read<v1::TemplateBundle>([&](store::ReadTransaction& transaction) {
+              ReadFrom<v1::TemplateBundle>(*store_, [&](store::ReadTransaction& transaction) {
                 return Freeze(transaction, asked.template_());
               }));
           MORTISE_RETURN_IF_ERROR(CompleteBundle(bundle, templates::Trial::kThorough));
@@ -356,28 +348,18 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
   }
 
  private:
-  // Runs `read` on one state of the store.
-  template <typename Result, typename Function>
-  absl::StatusOr<Result> Read(const Function& read) {
-    absl::StatusOr<Result> result = absl::UnknownError("not read");
-    MORTISE_RETURN_IF_ERROR(store_->Read([&](store::ReadTransaction& transaction) {
-      result = read(transaction);
-      return result.status();
-    }));
-    return result;
-  }
-
   absl::StatusOr<v1::TemplateBundle> FindBundle(const std::string& name, int64_t revision) {
-    return Read<v1::TemplateBundle>([&](store::ReadTransaction& transaction) {
+    return ReadFrom<v1::TemplateBundle>(*store_, [&](store::ReadTransaction& transaction) {
       return GetBundle(transaction, name, revision);
     });
   }
 
-  // With the triangles of all shapes: what F(q) takes.
+  // With the triangles of all shapes, as many as fit, or their names: what F(q) takes.
   absl::StatusOr<v1::TemplateBundle> WholeBundle(const std::string& name, int64_t revision) {
     MORTISE_ASSIGN_OR_RETURN(v1::TemplateBundle bundle, FindBundle(name, revision));
     MORTISE_RETURN_IF_ERROR(AddShapesTo(bundle));
     DropExact(*bundle.mutable_shapes());
+    NameWhatDoesNotFit(bundle);
     return bundle;
   }
 
@@ -407,6 +389,7 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
 
   absl::Status Export(const v1::ExportDesignRequest& asked,
                       const std::shared_ptr<rpc::StreamWriter<v1::Chunk>>& writer) {
+    if (asked.format() == v1::ExportDesignRequest::DESIGN) return ExportMessage(asked, writer);
     MORTISE_ASSIGN_OR_RETURN(const FileKind kind, KindOf(asked.format()));
     MORTISE_ASSIGN_OR_RETURN(const NamedDesign evaluated,
                              Evaluate(asked.name(), asked.revision(), asked.parameters()));
@@ -432,9 +415,23 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
     return absl::OkStatus();
   }
 
+  // The evaluated design itself, as large as it may be.
+  absl::Status ExportMessage(const v1::ExportDesignRequest& asked,
+                             const std::shared_ptr<rpc::StreamWriter<v1::Chunk>>& writer) {
+    if (!asked.rest_pose().empty()) {
+      return InvalidField("rest_pose", "of a DESIGN there is only the pose it is drawn in");
+    }
+    MORTISE_ASSIGN_OR_RETURN(const NamedDesign evaluated,
+                             Evaluate(asked.name(), asked.revision(), asked.parameters()));
+    rpc::StreamBytes(parametric::ToProto(evaluated.design).SerializeAsString(),
+                     {"design.binpb", "application/x-protobuf"}, writer);
+    return absl::OkStatus();
+  }
+
   store::Store* const store_;
   rpc::Endpoint endpoint_;
   TemplateCache cache_;
+  const Upkeep upkeep_;
 };
 
 }  // namespace
@@ -442,10 +439,12 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
 absl::StatusOr<std::vector<std::shared_ptr<grpc::Service>>> MakeServices(
     rpc::ServiceEnvironment& environment, const std::filesystem::path& collection) {
   if (!collection.empty()) {
-    MORTISE_RETURN_IF_ERROR(LoadCollectionIfEmpty(*environment.store, collection));
+    MORTISE_RETURN_IF_ERROR(LoadCollection(*environment.store, collection).status());
   }
-  return std::vector<std::shared_ptr<grpc::Service>>{std::make_shared<CatalogAdapter>(environment),
-                                                     MakeAssemblyService(environment)};
+  MORTISE_ASSIGN_OR_RETURN(store::BlobFolder* const blobs, environment.store->Blobs());
+  return std::vector<std::shared_ptr<grpc::Service>>{
+      std::make_shared<CatalogAdapter>(environment, blobs),
+      MakeAssemblyService(environment, blobs)};
 }
 
 }  // namespace mortise::catalog

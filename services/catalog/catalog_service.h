@@ -10,8 +10,8 @@
 
 namespace mortise::catalog {
 
-// Makes the services on the environment's store. With a `collection` folder, an empty store is
-// filled from it first.
+// Makes the services on the environment's store. With a `collection` folder, the store first
+// takes what it lacks of it (collection_loader.h).
 absl::StatusOr<std::vector<std::shared_ptr<grpc::Service>>> MakeServices(
     rpc::ServiceEnvironment& environment, const std::filesystem::path& collection);
 

@@ -1,16 +1,31 @@
-// Fills an empty catalog with the collection that ships.
+// Brings the collection that ships into the catalog, and later what a newer one has.
 #pragma once
 
 #include <filesystem>
+#include <string>
+#include <vector>
 
-#include "absl/status/status.h"
+#include "absl/status/statusor.h"
 #include "common/store/store.h"
 
 namespace mortise::catalog {
 
-// Loads the folder into the store in one transaction, if the store has no materials, items,
-// templates and assemblies yet; otherwise nothing happens. INVALID_ARGUMENT or NOT_FOUND with the
-// file and what is wrong with it; nothing is stored then.
-absl::Status LoadCollectionIfEmpty(store::Store& store, const std::filesystem::path& folder);
+// What came of it, by name.
+struct CollectionReport {
+  std::vector<std::string> created;
+  std::vector<std::string> updated;
+  std::vector<std::string>
+      kept;  // a user's own, or changed by a user, where the collection differs
+  std::vector<std::string> failed;  // "items/x: why": cannot be brought in beside what is there
+};
+
+// Loads the folder into the store in one transaction. An empty store takes all of it:
+// INVALID_ARGUMENT or NOT_FOUND with the file and what is wrong with it, and nothing is stored. A
+// store that is not empty takes what is new, and new revisions of what is still as it was shipped;
+// what users changed, made or removed stays as it is. Templates and assemblies as they were shipped
+// take up items and materials that are replaced. What a store already has of the folder it does not
+// take again.
+absl::StatusOr<CollectionReport> LoadCollection(store::Store& store,
+                                                const std::filesystem::path& folder);
 
 }  // namespace mortise::catalog

@@ -16,8 +16,10 @@ int main(int argc, char** argv) {
   description.name = "catalog";
   description.title = "Keeps materials, items and templates, and evaluates designs";
   description.add_flags = [&collection](CLI::App& app) {
-    app.add_option("--collection", collection,
-                   "Folder to fill an empty catalog from (collection/ in the repository)")
+    app.add_option(
+           "--collection", collection,
+           "Folder whose items, templates and assemblies the catalog takes where it lacks them "
+           "(collection/ in the repository)")
         ->envname("MORTISE_COLLECTION");
   };
   return mortise::rpc::RunService(argc, argv, description,

@@ -12,10 +12,12 @@
 namespace mortise::catalog {
 namespace {
 
-constexpr const char* kShapes = "shapes";
-constexpr std::size_t kDigest = 64;               // characters
-constexpr std::size_t kMostTogether = 3'000'000;  // bytes of arrays
-constexpr double kSameSize = 1e-6;                // m
+constexpr std::size_t kDigest = 64;                // characters
+constexpr std::size_t kMostTogether = 64'000'000;  // bytes of arrays
+constexpr std::size_t kMostInMessage = 3'000'000;  // bytes of arrays
+// Writing again what was written just now is spared; far less than kUnusedShapeLife.
+constexpr absl::Duration kFresh = absl::Minutes(5);
+constexpr double kSameSize = 1e-6;  // m
 
 absl::StatusOr<std::string> KeyOf(const std::string& name) {
   const std::string prefix = absl::StrCat(kShapes, "/");
@@ -56,14 +58,12 @@ absl::StatusOr<v1::Shape> GetShape(store::ReadTransaction& transaction, const st
 
 absl::StatusOr<bool> PutShape(store::Transaction& transaction, const v1::Shape& shape) {
   MORTISE_ASSIGN_OR_RETURN(const std::string key, KeyOf(shape.name()));
-  const absl::Status present = transaction.Get(kShapes, key).status();
-  if (present.ok()) return false;
-  if (!absl::IsNotFound(present)) return present;
-  MORTISE_RETURN_IF_ERROR(transaction
-                              .Put(kShapes, key, shape.SerializeAsString(),
-                                   {.expected_revision = 0, .keep_history = false})
-                              .status());
-  return true;
+  const absl::StatusOr<store::Record> present = transaction.Get(kShapes, key);
+  if (!present.ok() && !absl::IsNotFound(present.status())) return present.status();
+  if (present.ok() && present->updated_at >= transaction.Now() - kFresh) return false;
+  MORTISE_RETURN_IF_ERROR(
+      transaction.Put(kShapes, key, shape.SerializeAsString(), {.keep_history = false}).status());
+  return !present.ok();
 }
 
 absl::StatusOr<v1::Shape> ImportShape(store::Transaction& transaction, const v1::Shape& shape,
@@ -103,6 +103,20 @@ absl::Status AddShapes(store::ReadTransaction& transaction, const v1::Assembly& 
 
 void DropExact(google::protobuf::RepeatedPtrField<v1::Shape>& shapes) {
   for (v1::Shape& shape : shapes) shape.clear_brep();
+}
+
+void NameWhatDoesNotFit(v1::TemplateBundle& bundle) {
+  google::protobuf::RepeatedPtrField<v1::Shape> fitting;
+  std::size_t bytes = 0;
+  for (v1::Shape& shape : *bundle.mutable_shapes()) {
+    bytes += shape.ByteSizeLong();
+    if (bytes <= kMostInMessage) {
+      *fitting.Add() = std::move(shape);
+    } else {
+      bundle.add_more_shapes(shape.name());
+    }
+  }
+  *bundle.mutable_shapes() = std::move(fitting);
 }
 
 absl::Status CheckTogether(const google::protobuf::RepeatedPtrField<v1::Shape>& shapes) {

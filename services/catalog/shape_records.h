@@ -1,5 +1,5 @@
 // Shapes of parts and items in the store: each kept once, under the digest of its content, for as
-// long as the store lives, since any revision may refer to it.
+// long as any revision of anything refers to it (shape_sweep.h).
 #pragma once
 
 #include <google/protobuf/repeated_ptr_field.h>
@@ -17,6 +17,9 @@
 
 namespace mortise::catalog {
 
+// The kind of their records.
+inline constexpr const char* kShapes = "shapes";
+
 // The message of a shape, named by its content.
 v1::Shape NamedShape(const mesh::DrawnShape& shape);
 
@@ -27,7 +30,8 @@ v1::Shape ShownShape(v1::Shape shape);
 // its name says.
 absl::StatusOr<v1::Shape> GetShape(store::ReadTransaction& transaction, const std::string& name);
 
-// Writes a named shape unless it is there; true if it was not.
+// Writes a named shape unless it is there; true if it was not. In either case it is as if it had
+// just been imported.
 absl::StatusOr<bool> PutShape(store::Transaction& transaction, const v1::Shape& shape);
 
 // Writes a shape that was read from a file ("shape.imported"), and gives it without its arrays.
@@ -43,8 +47,10 @@ absl::Status AddShapes(store::ReadTransaction& transaction, const v1::Assembly& 
 // Leaves out exact surfaces, which only files need.
 void DropExact(google::protobuf::RepeatedPtrField<v1::Shape>& shapes);
 
-// INVALID_ARGUMENT, "parts": shapes that together do not fit into the one message that whoever
-// evaluates the design gets.
+// Leaves in place of the shapes that do not fit into one message, 3 MB, their names.
+void NameWhatDoesNotFit(v1::TemplateBundle& bundle);
+
+// INVALID_ARGUMENT, "parts": shapes that together are more than whoever evaluates the design takes.
 absl::Status CheckTogether(const google::protobuf::RepeatedPtrField<v1::Shape>& shapes);
 
 // What is wrong with an item's shape, given the shapes there are: none of this name, or another

@@ -26,11 +26,20 @@ absl::Status ShapeSource::AddExact(google::protobuf::RepeatedPtrField<v1::Shape>
     if (!shape.exact() || !shape.brep().empty()) continue;
     std::shared_ptr<const std::string> brep = Find(shape.name());
     if (brep == nullptr) {
-      MORTISE_ASSIGN_OR_RETURN(brep, Download(shape.name(), origin));
+      MORTISE_ASSIGN_OR_RETURN(v1::Shape downloaded, Download(shape.name(), origin));
+      brep = std::make_shared<const std::string>(std::move(*downloaded.mutable_brep()));
       Keep({shape.name(), brep});
     }
     shape.set_brep(*brep);
   }
+  return absl::OkStatus();
+}
+
+absl::Status ShapeSource::AddMore(v1::TemplateBundle& bundle, const rpc::Origin& origin) {
+  for (const std::string& name : bundle.more_shapes()) {
+    MORTISE_ASSIGN_OR_RETURN(*bundle.add_shapes(), Download(name, origin));
+  }
+  bundle.clear_more_shapes();
   return absl::OkStatus();
 }
 
@@ -53,8 +62,8 @@ void ShapeSource::Keep(Kept kept) {
   }
 }
 
-absl::StatusOr<std::shared_ptr<const std::string>> ShapeSource::Download(
-    const std::string& name, const rpc::Origin& origin) {
+absl::StatusOr<v1::Shape> ShapeSource::Download(const std::string& name,
+                                                const rpc::Origin& origin) {
   const auto stub = v1::CatalogService::NewStub(catalog_);
   v1::DownloadShapeRequest request;
   request.set_name(name);
@@ -74,7 +83,8 @@ absl::StatusOr<std::shared_ptr<const std::string>> ShapeSource::Download(
   if (!shape.ParseFromString(bytes) || parametric::NameOf(shape) != name) {
     return absl::DataLossError(absl::StrCat(name, " did not arrive as the catalog keeps it"));
   }
-  return std::make_shared<const std::string>(std::move(*shape.mutable_brep()));
+  shape.set_name(name);
+  return shape;
 }
 
 }  // namespace mortise::simulator

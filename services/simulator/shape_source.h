@@ -17,7 +17,8 @@ class RepeatedPtrField;
 }
 namespace mortise::v1 {
 class Shape;
-}
+class TemplateBundle;
+}  // namespace mortise::v1
 
 namespace mortise::simulator {
 
@@ -33,6 +34,9 @@ class ShapeSource {
   absl::Status AddExact(google::protobuf::RepeatedPtrField<v1::Shape>& shapes,
                         const rpc::Origin& origin);
 
+  // Fetches the shapes that did not fit into the bundle's message. Fails as AddExact does.
+  absl::Status AddMore(v1::TemplateBundle& bundle, const rpc::Origin& origin);
+
  private:
   struct Kept {
     std::string name;  // shapes/{digest}
@@ -41,8 +45,7 @@ class ShapeSource {
 
   std::shared_ptr<const std::string> Find(const std::string& name);
   void Keep(Kept kept);
-  absl::StatusOr<std::shared_ptr<const std::string>> Download(const std::string& name,
-                                                              const rpc::Origin& origin);
+  absl::StatusOr<v1::Shape> Download(const std::string& name, const rpc::Origin& origin);
 
   const std::shared_ptr<grpc::Channel> catalog_;
   const std::size_t capacity_;

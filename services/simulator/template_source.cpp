@@ -89,9 +89,10 @@ absl::StatusOr<std::shared_ptr<const CompiledTemplate>> TemplateSource::Get(
     const std::string& name, int64_t revision, const rpc::Origin& origin) {
   MORTISE_RETURN_IF_ERROR(ParseResourceName(name, "templates", "subject").status());
   if (revision < 0) return InvalidField("revision", "must not be negative");
-  MORTISE_ASSIGN_OR_RETURN(const v1::TemplateBundle bundle, Ask(name, revision, origin));
+  MORTISE_ASSIGN_OR_RETURN(v1::TemplateBundle bundle, Ask(name, revision, origin));
   std::string digest = BundleDigest(bundle);
   if (auto known = Find(name, bundle.template_().revision(), digest, false)) return known;
+  MORTISE_RETURN_IF_ERROR(shapes_.AddMore(bundle, origin));
   return Compile(bundle, std::move(digest), false);
 }
 
@@ -106,6 +107,7 @@ absl::StatusOr<std::shared_ptr<const CompiledTemplate>> TemplateSource::GetByDig
                                            " have changed since the evaluation was asked for"),
                               name);
   }
+  MORTISE_RETURN_IF_ERROR(shapes_.AddMore(bundle, origin));
   MORTISE_RETURN_IF_ERROR(shapes_.AddExact(*bundle.mutable_shapes(), origin));
   return Compile(bundle, digest, true);
 }

@@ -87,6 +87,7 @@ constexpr Example kExamples[] = {
      "request_id: 'bad-17' step: '{step}' annotations { name: 'assemblies/drawn' "
      "parts { parts: 'screw left 1.1' item: 'items/screw-4x40' role: CONNECTING } }",
      Outcome::kChanges},
+    {"AssemblyService/UploadDrawing", "data: 'abc' total_size: 4", Outcome::kRefused},
     {"AssemblyService/ParametrizeAssembly", "name: 'assemblies/planter' revision: 1"},
     {"AssemblyService/AdjustAssembly",
      "name: 'assemblies/planter' q: [{q}] "

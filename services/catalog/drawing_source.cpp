@@ -1,0 +1,65 @@
+// Reading of drawings, and the few that are remembered.
+#include "services/catalog/drawing_source.h"
+
+#include <optional>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "common/base/digest.h"
+#include "common/base/errors.h"
+#include "common/base/field_violations.h"
+#include "common/cad/step_isolation.h"
+#include "services/catalog/assembly_import.h"
+#include "services/catalog/drawing_records.h"
+#include "services/catalog/shape_records.h"
+
+namespace mortise::catalog {
+namespace {
+
+constexpr std::size_t kRemembered = 8;
+constexpr std::string_view kOfStep = "step: ";
+
+}  // namespace
+
+DrawingSource::DrawingSource(store::Store* store, store::BlobFolder* blobs)
+    : store_(store), blobs_(blobs), read_(kRemembered) {}
+
+absl::StatusOr<Drawing> DrawingSource::Read(const std::string& step, const std::string& drawing) {
+  if (!step.empty() && !drawing.empty()) {
+    return InvalidField("drawing", "give either this or 'step'");
+  }
+  std::string uploaded;
+  if (!drawing.empty()) {
+    MORTISE_ASSIGN_OR_RETURN(uploaded, GetDrawing(store_, blobs_, drawing));
+  }
+  const std::string& file = drawing.empty() ? step : uploaded;
+  const std::string key = Sha256Hex(file);
+  if (const std::optional<Drawing> known = read_.Find(key)) return *known;
+  MORTISE_ASSIGN_OR_RETURN(const std::string bytes, UnpackStep(file));
+  MORTISE_ASSIGN_OR_RETURN(cad::StepAssembly read, cad::ReadStepInChild(bytes));
+  for (mesh::DrawnShape& shape : read.shapes) shape.name = NamedShape(shape).name();
+  auto kept = std::make_shared<const cad::StepAssembly>(std::move(read));
+  read_.Add(key, kept);
+  return kept;
+}
+
+absl::Status OfUpload(const absl::Status& status) {
+  if (absl::IsResourceExhausted(status)) {
+    return WithDetail(status, {DetailOf(status).reason, "drawing"});
+  }
+  std::vector<FieldViolation> violations = ViolationsOf(status);
+  if (violations.empty()) {
+    const ErrorDetail detail = DetailOf(status);
+    if (detail.field != "step") return status;
+    std::string message(status.message());
+    if (message.starts_with(kOfStep)) message.erase(0, kOfStep.size());
+    return InvalidField("drawing", message);
+  }
+  for (FieldViolation& violation : violations) {
+    if (violation.field == "step") violation.field = "drawing";
+  }
+  return InvalidFields(violations);
+}
+
+}  // namespace mortise::catalog

@@ -1,0 +1,63 @@
+// What is known of each thing that came with the collection: which content it had then, and which
+// revision that became. From it follows what a newer collection may change without overwriting what
+// users changed.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "absl/time/time.h"
+#include "common/store/store.h"
+
+namespace mortise::catalog {
+
+struct ShippedMark {
+  std::string digest;    // of what was shipped, as the collection has it
+  int64_t revision = 0;  // that it became; 0 where a user's own was kept instead
+};
+
+// The present record of a resource.
+struct PresentRevision {
+  int64_t revision = 0;
+  absl::Time created_at = {};
+};
+
+// What becomes of a thing that a collection brings.
+enum class Delivery {
+  kNone,     // it is there already, or a user removed it
+  kCreate,   // it is new
+  kUpdate,   // as it was shipped before: it is replaced
+  kKeepOwn,  // a user changed it, or made it: it stays
+};
+
+// `mark`: none if it was never shipped to this store. Stores that were filled before there were
+// marks have none; there, what was written in the store's first transaction, at `filled_at`, and
+// never since, is as it was shipped.
+Delivery DecideDelivery(const std::optional<ShippedMark>& mark,
+                        const std::optional<PresentRevision>& present, const std::string& digest,
+                        absl::Time filled_at);
+
+// The mark of the resource `name` ("items/x").
+absl::StatusOr<std::optional<ShippedMark>> GetMark(store::ReadTransaction& transaction,
+                                                   const std::string& name);
+absl::Status PutMark(store::Transaction& transaction, const std::string& name,
+                     const ShippedMark& mark);
+
+// The resource `kind/id` in its latest revision, if there is one.
+absl::StatusOr<std::optional<PresentRevision>> FindPresent(store::ReadTransaction& transaction,
+                                                           const char* kind,
+                                                           const std::string& name);
+
+// How the store came to what it holds.
+struct StoreOrigin {
+  bool is_empty = true;  // of materials, items, templates and assemblies
+  // When a collection was loaded into the empty store: the time of its first records, if one
+  // transaction wrote several, which no call does. Otherwise the infinite future.
+  absl::Time filled_at = absl::InfiniteFuture();
+};
+absl::StatusOr<StoreOrigin> OriginOf(store::ReadTransaction& transaction);
+
+}  // namespace mortise::catalog

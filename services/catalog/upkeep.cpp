@@ -1,0 +1,50 @@
+// The hourly thread.
+#include "services/catalog/upkeep.h"
+
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
+
+#include "common/base/logging.h"
+#include "common/store/store.h"
+#include "services/catalog/drawing_records.h"
+#include "services/catalog/shape_sweep.h"
+
+namespace mortise::catalog {
+namespace {
+
+constexpr std::chrono::hours kPause{1};
+
+void Run(const std::stop_token& stop, store::Store* store, store::BlobFolder* blobs) {
+  std::mutex mutex;
+  std::condition_variable_any stopped;
+  std::unique_lock lock(mutex);
+  while (!stop.stop_requested()) {
+    TidyUp(store, blobs);
+    stopped.wait_for(lock, stop, kPause, [] { return false; });
+  }
+}
+
+}  // namespace
+
+void TidyUp(store::Store* store, store::BlobFolder* blobs) {
+  const auto shapes = SweepShapes(*store);
+  if (!shapes.ok()) {
+    Log(LogLevel::kWarning, "unused shapes could not be removed",
+        {{"error", shapes.status().ToString()}});
+  } else if (!shapes->empty()) {
+    Log(LogLevel::kInfo, "removed shapes that nothing refers to", {{"shapes", shapes->size()}});
+  }
+  const auto drawings = ForgetDrawings(store, blobs, store->Now() - kDrawingLife);
+  if (!drawings.ok()) {
+    Log(LogLevel::kWarning, "old drawings could not be removed",
+        {{"error", drawings.status().ToString()}});
+  } else if (*drawings > 0) {
+    Log(LogLevel::kInfo, "forgot drawings that were uploaded", {{"drawings", *drawings}});
+  }
+}
+
+Upkeep::Upkeep(store::Store* store, store::BlobFolder* blobs)
+    : thread_([store, blobs](const std::stop_token& stop) { Run(stop, store, blobs); }) {}
+
+}  // namespace mortise::catalog

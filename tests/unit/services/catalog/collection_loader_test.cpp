@@ -1,0 +1,210 @@
+// A collection in a store: all of it when that is empty; later what is new, and never instead of
+// what users changed.
+#include "services/catalog/collection_loader.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
+#include "common/base/files.h"
+#include "services/catalog/catalog_records.h"
+#include "tests/support/temporary_folder.h"
+
+namespace mortise::catalog {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using ::testing::UnorderedElementsAre;
+
+std::string MaterialText(const std::string& id, double density) {
+  return absl::StrCat("materials { name: 'materials/", id, "' title: '", id, "' density: ", density,
+                      " youngs_modulus: 2e11 poissons_ratio: 0.3 strength: 2e8 }\n");
+}
+
+class CollectionLoaderTest : public ::testing::Test {
+ protected:
+  // Density of wood and price of the knob; with a second item if that has a price.
+  void Ship(double density, double knob, double hook = 0) {
+    const std::string head =
+        "# proto-file: mortise/v1/template.proto\n# proto-message: mortise.v1.TemplateBundle\n";
+    ASSERT_TRUE(
+        WriteFile(collection_ / "materials.textproto", head + MaterialText("wood", density)).ok());
+    std::string items =
+        "name,title,kind,material,length_mm,width_mm,thickness_mm,price,currency,price_date,"
+        "price_is_example\n";
+    const auto add = [&](const char* id, double price) {
+      if (price == 0) return;
+      absl::StrAppend(&items, "items/", id, ",", id, ",HARDWARE,materials/wood,30,30,27,", price,
+                      ",EUR,2026-01-15,true\n");
+    };
+    add("knob", knob);
+    add("hook", hook);
+    ASSERT_TRUE(WriteFile(collection_ / "items" / "hardware.csv", items).ok());
+  }
+
+  CollectionReport Load() {
+    auto report = LoadCollection(*store_, collection_);
+    EXPECT_TRUE(report.ok()) << report.status();
+    EXPECT_THAT(report->failed, IsEmpty());
+    return *std::move(report);
+  }
+
+  absl::Status Transact(const std::function<absl::Status(store::Transaction&)>& change) {
+    now_ += absl::Seconds(1);
+    return store_->Transact(change);
+  }
+
+  v1::Item ItemOf(const std::string& name) {
+    v1::Item item;
+    EXPECT_TRUE(store_
+                    ->Read([&](store::ReadTransaction& transaction) -> absl::Status {
+                      MORTISE_ASSIGN_OR_RETURN(item, GetItem(transaction, name));
+                      return absl::OkStatus();
+                    })
+                    .ok());
+    return item;
+  }
+
+  // Somebody's own price for an item.
+  void Reprice(const std::string& name, double price) {
+    v1::UpdateItemRequest update;
+    *update.mutable_item() = ItemOf(name);
+    update.mutable_item()->mutable_price()->set_amount(price);
+    ASSERT_TRUE(Transact([&](store::Transaction& transaction) {
+                  return UpdateItem(transaction, update, "somebody").status();
+                }).ok());
+  }
+
+  void Remove(const std::string& name) {
+    v1::DeleteItemRequest request;
+    request.set_name(name);
+    request.set_revision(ItemOf(name).revision());
+    ASSERT_TRUE(Transact([&](store::Transaction& transaction) {
+                  return DeleteItem(transaction, request, "somebody");
+                }).ok());
+  }
+
+  // Forgets what was shipped, as stores that were filled before that was kept.
+  void ForgetMarks() {
+    ASSERT_TRUE(Transact([&](store::Transaction& transaction) -> absl::Status {
+                  store::ListOptions all;
+                  MORTISE_ASSIGN_OR_RETURN(const auto marks, transaction.List("shipped", all));
+                  EXPECT_FALSE(marks.empty());
+                  for (const store::Record& mark : marks)
+                    MORTISE_RETURN_IF_ERROR(transaction.Delete("shipped", mark.key));
+                  return absl::OkStatus();
+                }).ok());
+  }
+
+  testing::TemporaryFolder folder_;
+  const std::filesystem::path collection_ = folder_.path() / "collection";
+  absl::Time now_ = absl::FromUnixSeconds(1'700'000'000);
+  std::unique_ptr<store::Store> store_ =
+      store::OpenStore({.url = absl::StrCat("sqlite:", (folder_.path() / "store.db").string()),
+                        .clock = [this] { return now_; }})
+          .value();
+};
+
+TEST_F(CollectionLoaderTest, FillsAnEmptyStoreOnce) {
+  Ship(500, 1);
+  EXPECT_THAT(Load().created, UnorderedElementsAre("materials/wood", "items/knob"));
+  const CollectionReport again = Load();
+  EXPECT_THAT(again.created, IsEmpty());
+  EXPECT_THAT(again.updated, IsEmpty());
+}
+
+TEST_F(CollectionLoaderTest, BringsWhatIsNewAndWhatChanged) {
+  Ship(500, 1);
+  Load();
+  Ship(500, 2, 3);
+  const CollectionReport report = Load();
+  EXPECT_THAT(report.created, ElementsAre("items/hook"));
+  EXPECT_THAT(report.updated, ElementsAre("items/knob"));
+  EXPECT_EQ(ItemOf("items/knob").price().amount(), 2);
+  EXPECT_EQ(ItemOf("items/knob").revision(), 2);
+  // And once more: what it brought itself is no user's change.
+  Ship(500, 4, 3);
+  EXPECT_THAT(Load().updated, ElementsAre("items/knob"));
+}
+
+TEST_F(CollectionLoaderTest, KeepsWhatUsersChangedMadeOrRemoved) {
+  Ship(500, 1, 1);
+  Load();
+  Reprice("items/knob", 7);
+  Remove("items/hook");
+  EXPECT_THAT(Load().kept, IsEmpty());  // the collection has nothing new
+  Ship(500, 2, 2);
+  const CollectionReport report = Load();
+  EXPECT_THAT(report.kept, ElementsAre("items/knob"));
+  EXPECT_THAT(report.created, IsEmpty());
+  EXPECT_THAT(report.updated, IsEmpty());
+  EXPECT_EQ(ItemOf("items/knob").price().amount(), 7);
+  EXPECT_THAT(Load().kept, IsEmpty());  // told once
+}
+
+TEST_F(CollectionLoaderTest, DoesNotReplaceWhatUsersMadeBefore) {
+  Ship(600, 1);
+  v1::Material own;
+  own.set_name("materials/wood");
+  own.set_title("Our wood");
+  own.set_density(450);
+  own.set_youngs_modulus(9e9);
+  own.set_poissons_ratio(0.3);
+  own.set_strength(2e7);
+  ASSERT_TRUE(Transact([&](store::Transaction& transaction) {
+                return CreateMaterial(transaction, own, "somebody").status();
+              }).ok());
+  now_ += absl::Seconds(1);
+  const CollectionReport report = Load();
+  EXPECT_THAT(report.kept, ElementsAre("materials/wood"));
+  EXPECT_THAT(report.created, ElementsAre("items/knob"));
+}
+
+TEST_F(CollectionLoaderTest, BringsStoresUpToDateThatWereFilledBeforeMarksWereKept) {
+  Ship(500, 1, 1);
+  Load();
+  ForgetMarks();
+  Reprice("items/hook", 7);
+  Ship(510, 2, 2);
+  now_ += absl::Seconds(1);
+  const CollectionReport report = Load();
+  EXPECT_THAT(report.updated, UnorderedElementsAre("materials/wood", "items/knob"));
+  EXPECT_THAT(report.kept, ElementsAre("items/hook"));
+  EXPECT_EQ(ItemOf("items/hook").price().amount(), 7);
+}
+
+TEST_F(CollectionLoaderTest, AFaultOfTheCollectionStoresNothingInAnEmptyStore) {
+  Ship(500, 1);
+  ASSERT_TRUE(WriteFile(collection_ / "items" / "more.csv",
+                        "name,title,kind,material,length_mm,width_mm,thickness_mm,price,currency,"
+                        "price_date,price_is_example\n"
+                        "items/odd,odd,HARDWARE,materials/absent,1,1,1,1,EUR,2026-01-15,true\n")
+                  .ok());
+  EXPECT_EQ(LoadCollection(*store_, collection_).status().code(),
+            absl::StatusCode::kInvalidArgument);
+  std::filesystem::remove(collection_ / "items" / "more.csv");
+  EXPECT_THAT(Load().created, UnorderedElementsAre("materials/wood", "items/knob"));
+}
+
+TEST_F(CollectionLoaderTest, OneFaultDoesNotKeepTheRestFromAFilledStore) {
+  Ship(500, 1);
+  Load();
+  ASSERT_TRUE(WriteFile(collection_ / "items" / "a.csv",
+                        "name,title,kind,material,length_mm,width_mm,thickness_mm,price,currency,"
+                        "price_date,price_is_example\n"
+                        "items/odd,odd,HARDWARE,materials/absent,1,1,1,1,EUR,2026-01-15,true\n")
+                  .ok());
+  Ship(500, 1, 5);
+  const auto report = LoadCollection(*store_, collection_);
+  ASSERT_TRUE(report.ok()) << report.status();
+  ASSERT_EQ(report->failed.size(), 1u);
+  EXPECT_TRUE(report->failed[0].starts_with("items/odd: ")) << report->failed[0];
+  EXPECT_THAT(report->created, ElementsAre("items/hook"));
+}
+
+}  // namespace
+}  // namespace mortise::catalog
