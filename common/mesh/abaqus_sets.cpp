@@ -1,0 +1,201 @@
+#include "common/mesh/abaqus_sets.h"
+
+#include <algorithm>
+#include <optional>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
+#include "common/mesh/abaqus_text.h"
+
+namespace mortise::mesh {
+namespace {
+
+using abaqus::Fields;
+using abaqus::Integer;
+using abaqus::Upper;
+
+// Faces S1 to S4 as sides: 1-2-3, 1-4-2, 2-4-3, 3-4-1 are opposite nodes 4, 3, 1, 2.
+constexpr std::array<int, 4> kSides{3, 2, 0, 1};
+
+// Of all sets together, which take some fifty bytes each.
+constexpr std::size_t kMostMembers = 10'000'000;
+
+}  // namespace
+
+absl::StatusOr<int> AbaqusSets::Open(Kind kind, const std::string& name, Owner owner,
+                                     std::size_t place) {
+  const auto [found, is_new] = index_[static_cast<std::size_t>(kind)].try_emplace(
+      {owner, Upper(name)}, static_cast<int>(sets_.size()));
+  if (!is_new) return found->second;
+  sets_.push_back({kind, name, owner, place, {}, -1, -1});
+  Set& set = sets_.back();
+  if (kind == Kind::kNodes) {
+    MORTISE_ASSIGN_OR_RETURN(set.group, builder_.AddNodeGroup(name, place, owner));
+  } else if (kind == Kind::kElements) {
+    MORTISE_ASSIGN_OR_RETURN(set.group, builder_.AddElementGroup(name, place, owner));
+  } else {
+    MORTISE_RETURN_IF_ERROR(AddFaceGroup(set, place));
+  }
+  return found->second;
+}
+
+absl::Status AbaqusSets::AddFaceGroup(Set& set, std::size_t place) {
+  if (set.face_group >= 0) return absl::OkStatus();
+  MORTISE_ASSIGN_OR_RETURN(set.face_group, builder_.AddFaceGroup(set.name, place, set.owner));
+  return absl::OkStatus();
+}
+
+absl::Status AbaqusSets::AddMember(int set, std::int64_t number, std::size_t place) {
+  Set& grown = sets_[set];
+  grown.members.push_back(number);
+  return grown.kind == Kind::kNodes ? builder_.AddNodeMember(grown.group, number, place)
+                                    : builder_.AddElementMember(grown.group, number, place);
+}
+
+absl::Status AbaqusSets::AddTriangle(int set, std::int64_t number,
+                                     const std::array<std::int64_t, 3>& corners,
+                                     std::size_t place) {
+  triangles_[number] = corners;
+  if (set == kNoSet) return absl::OkStatus();
+  return builder_.AddTriangle(sets_[set].face_group, corners, place);
+}
+
+absl::Status AbaqusSets::AddLine(const List& list, std::string_view line) {
+  const std::vector<std::string_view> fields = Fields(line);
+  MORTISE_RETURN_IF_ERROR(Spend(fields.size(), PlaceOf(line)));
+  if (list.is_range || sets_[list.set].kind == Kind::kFaces) {
+    entries_.push_back({line, list.set, list.is_range, list.of});
+    return absl::OkStatus();
+  }
+  for (const std::string_view member : fields) {
+    if (member.empty()) return places_.Fault(PlaceOf(line), "a member of a set is missing");
+    entries_.push_back({member, list.set, false, list.of});
+    if (list.has_weights) break;  // they have no meaning here
+  }
+  return absl::OkStatus();
+}
+
+absl::Status AbaqusSets::Resolve() {
+  std::sort(assembly_nodes_.begin(), assembly_nodes_.end());
+  for (const Entry& entry : entries_) MORTISE_RETURN_IF_ERROR(ResolveEntry(entry));
+  if (const std::size_t count = assembly_nodes_.size(); count > 0) {
+    builder_.AddNote(absl::StrCat(count,
+                                  count == 1
+                                      ? " node of the assembly belongs to no element and was"
+                                      : " nodes of the assembly belong to no element and were",
+                                  " left out"));
+  }
+  return absl::OkStatus();
+}
+
+// Sets that name each other may multiply; what they hold in all is limited.
+absl::Status AbaqusSets::Spend(std::size_t members, std::size_t place) {
+  members_ += members;
+  if (members_ <= kMostMembers) return absl::OkStatus();
+  return places_.Fault(place, absl::StrCat("the sets have more than ", kMostMembers, " members"));
+}
+
+std::pair<std::string_view, AbaqusSets::Owner> AbaqusSets::WithoutInstance(std::string_view name,
+                                                                           Owner of) const {
+  const std::size_t length = instance_.size();
+  const bool is_named = length > 0 && name.size() > length && name[length] == '.' &&
+                        Upper(name.substr(0, length)) == Upper(instance_);
+  return is_named ? std::pair(name.substr(length + 1), Owner::kPart) : std::pair(name, of);
+}
+
+// A set of its owner, or of the other if it has none of the name, that is earlier than `place`;
+// kNoSet if there is none but `except`.
+int AbaqusSets::FindSet(Kind kind, std::string_view name, Owner of, std::size_t place,
+                        int except) const {
+  const Index& index = index_[static_cast<std::size_t>(kind)];
+  const Owner other = of == Owner::kPart ? Owner::kWhole : Owner::kPart;
+  const std::string upper = Upper(name);
+  for (const Owner owner : {of, other}) {
+    const auto found = index.find({owner, upper});
+    if (found == index.end() || found->second == except) continue;
+    if (sets_[found->second].place < place) return found->second;
+  }
+  return kNoSet;
+}
+
+absl::Status AbaqusSets::ResolveEntry(const Entry& entry) {
+  const Kind kind = sets_[entry.set].kind;
+  if (kind == Kind::kFaces) return ResolveSurface(entry);
+  if (entry.is_range) return ResolveRange(entry);
+  const std::size_t place = PlaceOf(entry.text);
+  const auto [name, of] = WithoutInstance(entry.text, entry.of);
+  if (const auto number = Integer(name)) return ResolveMember(entry, *number, of);
+  const int named = FindSet(kind, name, of, place, entry.set);
+  if (named == kNoSet) {
+    return Fault(entry, "a member is neither a number nor the name of an earlier set");
+  }
+  MORTISE_RETURN_IF_ERROR(Spend(sets_[named].members.size(), place));
+  for (const std::int64_t member : std::vector(sets_[named].members)) {
+    MORTISE_RETURN_IF_ERROR(ResolveMember(entry, member, Owner::kPart));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status AbaqusSets::ResolveMember(const Entry& entry, std::int64_t number, Owner of) {
+  const std::size_t place = PlaceOf(entry.text);
+  Set& set = sets_[entry.set];
+  if (set.kind == Kind::kNodes) {
+    const bool is_left_out =
+        of == Owner::kWhole &&
+        std::binary_search(assembly_nodes_.begin(), assembly_nodes_.end(), number);
+    return is_left_out ? absl::OkStatus() : AddMember(entry.set, number, place);
+  }
+  // Elements that only mark faces may be in sets with others.
+  const auto triangle = triangles_.find(number);
+  if (triangle == triangles_.end() || builder_.HasElement(number)) {
+    return AddMember(entry.set, number, place);
+  }
+  set.members.push_back(number);
+  MORTISE_RETURN_IF_ERROR(AddFaceGroup(set, place));
+  return builder_.AddTriangle(set.face_group, triangle->second, place);
+}
+
+absl::Status AbaqusSets::ResolveRange(const Entry& entry) {
+  const std::vector<std::string_view> fields = Fields(entry.text);
+  const auto field = [&](std::size_t k) { return k < fields.size() ? fields[k] : ""; };
+  const auto first = Integer(field(0)), last = Integer(field(1));
+  const auto step = field(2).empty() ? std::optional<std::int64_t>(1) : Integer(field(2));
+  if (!first || !last || !step || *step < 1 || *last < *first || *first < 0) {
+    return Fault(entry, "a range must be first, last and step, of whole numbers");
+  }
+  const std::int64_t steps = (*last - *first) / *step;
+  // Members must exist, and those that do are no more than the file has bytes.
+  if (steps >= static_cast<std::int64_t>(text_.size())) {
+    return Fault(entry,
+                 absl::StrCat("a range takes ", steps, " steps, more than there can be members"));
+  }
+  MORTISE_RETURN_IF_ERROR(Spend(static_cast<std::size_t>(steps) + 1, PlaceOf(entry.text)));
+  for (std::int64_t i = 0; i <= steps; ++i) {
+    MORTISE_RETURN_IF_ERROR(ResolveMember(entry, *first + i * *step, entry.of));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status AbaqusSets::ResolveSurface(const Entry& entry) {
+  const std::vector<std::string_view> fields = Fields(entry.text);
+  const std::string label = Upper(fields.size() > 1 ? fields[1] : "");
+  if (label.size() != 2 || label[0] != 'S' || label[1] < '1' || label[1] > '4') {
+    return Fault(entry, "a line of a surface must be an element or a set of them, and S1 to S4");
+  }
+  const int side = kSides[label[1] - '1'];
+  const int group = sets_[entry.set].face_group;
+  const std::size_t place = PlaceOf(entry.text);
+  const auto [name, of] = WithoutInstance(fields[0], entry.of);
+  if (const auto number = Integer(name)) {
+    return builder_.AddSideMember(group, *number, side, place);
+  }
+  const int named = FindSet(Kind::kElements, name, of, place, kNoSet);
+  if (named == kNoSet) return Fault(entry, "a surface names no earlier set of elements");
+  MORTISE_RETURN_IF_ERROR(Spend(sets_[named].members.size(), place));
+  for (const std::int64_t member : sets_[named].members) {
+    MORTISE_RETURN_IF_ERROR(builder_.AddSideMember(group, member, side, place));
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace mortise::mesh

@@ -1,0 +1,112 @@
+// Sets and surfaces of Abaqus' input files, whose members are found out in the end; for
+// abaqus_reader.cpp.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "common/mesh/grouped_mesh_builder.h"
+
+namespace mortise::mesh {
+
+// Every set is a group of the builder's. Members that lines list wait until everything they may
+// name has been read; sets are known by what they are of, whose they are, and their names in upper
+// or lower case. All failures are INVALID_ARGUMENT naming "mesh_file", with the line.
+class AbaqusSets {
+ public:
+  using Owner = GroupedMeshBuilder::Owner;
+
+  // What a set is of; a surface of faces of elements is a set of faces.
+  enum class Kind : std::uint8_t { kNodes, kElements, kFaces };
+
+  static constexpr int kNoSet = -1;
+
+  // How the lines after a keyword list the members of a set.
+  struct List {
+    int set = kNoSet;          // as Open gave it
+    Owner of = Owner::kWhole;  // whose the members are that do not name the instance
+    bool is_range = false;     // a line is first, last and step
+    bool has_weights = false;  // a line is one member, and perhaps a weight
+  };
+
+  // `text`: the whole file, of which `places` tells and all lines are parts. All must outlive this.
+  AbaqusSets(std::string_view text, const FilePlaces& places, GroupedMeshBuilder& builder)
+      : text_(text), places_(places), builder_(builder) {}
+
+  // The set of this name, which is made if it is new and may stay empty. `place`: the keyword's.
+  absl::StatusOr<int> Open(Kind kind, const std::string& name, Owner owner, std::size_t place);
+
+  // A node or element that is read into the set, of such, at `place`.
+  absl::Status AddMember(int set, std::int64_t number, std::size_t place);
+
+  // A triangle that only marks faces: those of `set`, of faces, if there is one, and of sets of
+  // elements that list its number.
+  absl::Status AddTriangle(int set, std::int64_t number, const std::array<std::int64_t, 3>& corners,
+                           std::size_t place);
+
+  // A node of the assembly, which is left out of the whole's sets.
+  void AddAssemblyNode(std::int64_t number) { assembly_nodes_.push_back(number); }
+
+  // A line of members, without space round it. All sets together have up to ten million.
+  absl::Status AddLine(const List& list, std::string_view line);
+
+  // The instance's name: "Part-1-1.Set-1" and "Part-1-1.5" are the part's, wherever they stand.
+  void SetInstance(std::string name) { instance_ = std::move(name); }
+  const std::string& instance() const { return instance_; }
+
+  // Puts the members of all lines into the builder's groups, in the order of the file, and a note
+  // if nodes were left out. Once everything has been read.
+  absl::Status Resolve();
+
+ private:
+  struct Set {
+    Kind kind;
+    std::string name;  // as it was written first
+    Owner owner;
+    std::size_t place;  // of its first line
+    std::vector<std::int64_t> members;
+    int group, face_group;  // the builder's, -1 before it is made
+  };
+  struct Entry {
+    std::string_view text;  // a member; or a line, of a range or of a surface of element faces
+    int set;
+    bool is_range;
+    Owner of;
+  };
+  using Index = std::map<std::pair<Owner, std::string>, int>;  // into sets_, by upper case
+
+  std::size_t PlaceOf(std::string_view part) const {
+    return static_cast<std::size_t>(part.data() - text_.data());
+  }
+  absl::Status Fault(const Entry& entry, std::string_view message) const {
+    return places_.Fault(PlaceOf(entry.text), message);
+  }
+  absl::Status Spend(std::size_t members, std::size_t place);
+  absl::Status AddFaceGroup(Set& set, std::size_t place);
+  std::pair<std::string_view, Owner> WithoutInstance(std::string_view name, Owner of) const;
+  int FindSet(Kind kind, std::string_view name, Owner of, std::size_t place, int except) const;
+  absl::Status ResolveMember(const Entry& entry, std::int64_t number, Owner of);
+  absl::Status ResolveEntry(const Entry& entry);
+  absl::Status ResolveRange(const Entry& entry);
+  absl::Status ResolveSurface(const Entry& entry);
+
+  const std::string_view text_;
+  const FilePlaces& places_;
+  GroupedMeshBuilder& builder_;
+  std::string instance_;
+  std::vector<Set> sets_;
+  std::array<Index, 3> index_;  // by kind
+  std::vector<Entry> entries_;
+  std::size_t members_ = 0;                   // of all sets, as far as they are known
+  std::vector<std::int64_t> assembly_nodes_;  // in the end, ascending
+  std::map<std::int64_t, std::array<std::int64_t, 3>> triangles_;  // that mark faces
+};
+
+}  // namespace mortise::mesh
