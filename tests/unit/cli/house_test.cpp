@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <optional>
 #include <set>
 
 namespace mortise::cli {
@@ -22,6 +23,31 @@ HouseOptions Development() {
   options.workers = 3;
   return options;
 }
+
+// What the environment says of workers' memory, whatever it said before, until the test ends.
+class MemoryLimitInEnvironment {
+ public:
+  explicit MemoryLimitInEnvironment(const char* limit) {
+    if (const char* before = std::getenv(kName)) before_ = before;
+    Set(limit);
+  }
+  ~MemoryLimitInEnvironment() { Set(before_ ? before_->c_str() : nullptr); }
+  MemoryLimitInEnvironment(const MemoryLimitInEnvironment&) = delete;
+  MemoryLimitInEnvironment& operator=(const MemoryLimitInEnvironment&) = delete;
+
+ private:
+  static constexpr char kName[] = "MORTISE_MEMORY_LIMIT";
+
+  static void Set(const char* limit) {
+    if (limit == nullptr) {
+      unsetenv(kName);
+    } else {
+      setenv(kName, limit, 1);
+    }
+  }
+
+  std::optional<std::string> before_;
+};
 
 std::set<std::string> Names(const HousePlan& plan) {
   std::set<std::string> names;
@@ -64,7 +90,7 @@ TEST(PlanHouse, TellsTheGatewayWhereEveryServiceIs) {
 
 // However many there are, they fit into the machine together, and none has more than its default.
 TEST(PlanHouse, SharesTheMachinesMemoryAmongWorkers) {
-  if (std::getenv("MORTISE_MEMORY_LIMIT") != nullptr) GTEST_SKIP() << "the environment says";
+  const MemoryLimitInEnvironment none(nullptr);
   const double memory = 1e-9 * static_cast<double>(sysconf(_SC_PHYS_PAGES)) *
                         static_cast<double>(sysconf(_SC_PAGESIZE));
   HouseOptions options = Development();
@@ -82,6 +108,15 @@ TEST(PlanHouse, SharesTheMachinesMemoryAmongWorkers) {
       sum += std::stod(flag[1]);
     }
     EXPECT_LT(sum, 0.75 * memory + 0.01 * workers);
+  }
+}
+
+// Workers inherit a limit that somebody chose for them.
+TEST(PlanHouse, LeavesTheMemoryToTheEnvironmentsLimit) {
+  const MemoryLimitInEnvironment chosen("1.5");
+  const HousePlan plan = PlanHouse(Development()).value();
+  for (const HouseProcess& process : plan.processes) {
+    EXPECT_THAT(process.command, testing::Not(Contains("--memory-limit"))) << process.name;
   }
 }
 
