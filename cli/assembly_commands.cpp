@@ -10,8 +10,10 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "absl/strings/str_join.h"
 #include "cli/assembly_files.h"
 #include "cli/field_sources.h"
 #include "cli/requests.h"
@@ -121,6 +123,29 @@ absl::Status List(Session& session, Output& output) {
   return absl::OkStatus();
 }
 
+// "contact across x, 12 cm2"; of several patches the first and how many more.
+std::string MeetingText(const v1::ElementConnection& connection) {
+  if (connection.patches().empty()) return "";
+  const v1::ConnectionPatch& patch = connection.patches(0);
+  std::string text;
+  switch (patch.kind()) {
+    case v1::ConnectionPatch::CONTACT:
+      text =
+          absl::StrFormat("contact across %s, %.4g cm2",
+                          absl::AsciiStrToLower(v1::Axis_Name(patch.normal())), 1e4 * patch.area());
+      break;
+    case v1::ConnectionPatch::GAP:
+      text = absl::StrCat("gap along ", absl::AsciiStrToLower(v1::Axis_Name(patch.normal())));
+      break;
+    default:
+      text = "anywhere on it";
+  }
+  if (connection.patches_size() > 1) {
+    absl::StrAppend(&text, " and ", connection.patches_size() - 1, " more");
+  }
+  return text;
+}
+
 void PrintParametrization(const v1::Parametrization& found, const Output& output) {
   std::vector<std::vector<std::string>> nodes;
   for (const v1::ParametricNode& node : found.nodes()) {
@@ -134,9 +159,20 @@ void PrintParametrization(const v1::Parametrization& found, const Output& output
                      Millimetres(range.minimum()), Millimetres(range.maximum())});
   }
   output.Table({"size", "drawn", "least", "most"}, sizes);
-  output.Line(absl::StrFormat("%s revision %d: %d contacts, %d relationships, %d ways to change it",
-                              found.assembly(), found.revision(), found.contacts_size(),
-                              found.relationships_size(), found.degrees_of_freedom()));
+  std::vector<std::vector<std::string>> connections;
+  for (const v1::ElementConnection& connection : found.connections()) {
+    connections.push_back({connection.name(),
+                           connection.connecting().empty()
+                               ? "(they touch)"
+                               : absl::StrJoin(connection.connecting(), ", "),
+                           MeetingText(connection), absl::StrCat(connection.hard_size()),
+                           absl::StrCat(connection.soft_size())});
+  }
+  output.Table({"connection", "held by", "where they meet", "hard", "soft"}, connections);
+  output.Line(absl::StrFormat(
+      "%s revision %d: %d contacts, %d connections, %d relationships, %d ways to change it",
+      found.assembly(), found.revision(), found.contacts_size(), found.connections_size(),
+      found.relationships_size(), found.degrees_of_freedom()));
 }
 
 absl::Status Show(const std::string& name, Session& session, Output& output) {

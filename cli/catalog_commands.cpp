@@ -37,6 +37,7 @@ struct EvaluateOptions {
   std::vector<std::string> parameters;
   std::filesystem::path step;
   std::filesystem::path glb;
+  bool without_triangles = false;
 };
 
 std::string KindNames() {
@@ -219,13 +220,20 @@ absl::Status Evaluate(const EvaluateOptions& options, Session& session, Output& 
   request.set_name(ResourceName("templates", options.subject));
   MORTISE_ASSIGN_OR_RETURN(const auto parameters, ParseParameters(options.parameters));
   request.mutable_parameters()->Assign(parameters.begin(), parameters.end());
-  request.set_without_triangles(!output.json());  // which the table does not show
+  // The table does not show them.
+  request.set_without_triangles(options.without_triangles || !output.json());
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   const auto stub = v1::CatalogService::NewStub(client->channel());
   v1::EvaluatedDesign design;
-  MORTISE_RETURN_IF_ERROR(client->Call([&](grpc::ClientContext& context) {
+  const absl::Status evaluated = client->Call([&](grpc::ClientContext& context) {
     return rpc::FromGrpc(stub->EvaluateTemplate(&context, request, &design));
-  }));
+  });
+  if (absl::IsResourceExhausted(evaluated) && !request.without_triangles()) {
+    return TooLarge(request.name(),
+                    "4 MiB with all its triangles: use --without-triangles, or --step or --glb to "
+                    "have them in a file");
+  }
+  MORTISE_RETURN_IF_ERROR(evaluated);
   std::vector<std::vector<std::string>> rows;
   for (const v1::EvaluatedPart& part : design.parts()) {
     const std::string& made_of = part.item().empty() ? part.material() : part.item();
@@ -306,6 +314,8 @@ void AddCatalogCommands(CLI::App& app, Session& session) {
   evaluate->add_option("--set", options->parameters, "NAME=VALUE, such as length=1500mm");
   evaluate->add_option("--step", options->step, "Also write a STEP file");
   evaluate->add_option("--glb", options->glb, "Also write a GLB file");
+  evaluate->add_flag("--without-triangles", options->without_triangles,
+                     "With --json: leave out triangles, which may not fit into a message");
   evaluate->footer("Example: mortise catalog evaluate table --set length=1500mm --glb table.glb");
   evaluate->callback([&session, options] {
     session.command = [options](Session& s, Output& o) {

@@ -4,7 +4,9 @@
 
 #include <cstdlib>
 #include <nlohmann/json.hpp>
+#include <random>
 
+#include "absl/strings/str_cat.h"
 #include "cli/command_line.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
@@ -14,6 +16,7 @@ namespace mortise::cli {
 namespace {
 
 using Json = nlohmann::json;
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 std::string Collection() {
@@ -60,6 +63,42 @@ TEST_F(AssemblyCommand, ListsAndShows) {
   ASSERT_TRUE(shown.ok()) << shown.status();
   EXPECT_EQ((*shown)["assembly"], "assemblies/bookshelf");
   EXPECT_FALSE((*shown)["sizes"].empty());
+}
+
+TEST_F(AssemblyCommand, ShowsWhatHoldsPartsTogether) {
+  ::testing::internal::CaptureStdout();
+  Output output(Output::Form::kText);
+  const absl::Status shown = RunCommandLine({"assembly", "show", "bookshelf"}, session_, output);
+  const std::string text = ::testing::internal::GetCapturedStdout();
+  ASSERT_TRUE(shown.ok()) << shown;
+  for (const char* part : {"connection", "held by", "screw", "contact across x", " connections, "})
+    EXPECT_THAT(text, HasSubstr(part));
+}
+
+TEST_F(AssemblyCommand, ImportsDrawingsThatOutgrowAMessage) {
+  const auto drawing = ReadFile(Collection() + "/drawings/wall_shelf.step");
+  ASSERT_TRUE(drawing.ok()) << drawing.status();
+  // Comments that cannot be packed to less than a message.
+  std::string padded = *drawing;
+  std::string comments;
+  std::mt19937_64 random(5);
+  while (comments.size() < 10'000'000)
+    absl::StrAppend(&comments, "/* ", absl::Hex(random()), " */\n");
+  const std::size_t data = padded.find("DATA;");
+  ASSERT_NE(data, std::string::npos);
+  padded.insert(data + std::string("DATA;").size(), "\n" + comments);
+  const std::string file = File("large.step", padded);
+  const auto imported = Run({"import", file, "--annotations",
+                             Collection() + "/drawings/wall_shelf.textproto", "--id", "large"});
+  ASSERT_TRUE(imported.ok()) << imported.status();
+  EXPECT_EQ((*imported)[0]["name"], "assemblies/large");
+  EXPECT_EQ((*imported)[0]["revision"], 1);
+
+  // What is wrong with it is said of the file.
+  const std::string cut = File("cut.step", padded.substr(0, padded.size() - 2000));
+  EXPECT_THAT(Refusal({"import", cut}), HasSubstr("cut.step"));
+  const std::string huge = File("huge.step", std::string((64 << 20) + 1, ' '));
+  EXPECT_THAT(Refusal({"import", huge}), AllOf(HasSubstr("huge.step"), HasSubstr("67108864")));
 }
 
 TEST_F(AssemblyCommand, AdjustsGoesOnFromThereAndWritesFiles) {
