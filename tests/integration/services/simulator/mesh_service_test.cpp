@@ -10,10 +10,7 @@
 #include "common/base/errors.h"
 #include "common/rpc/status_mapping.h"
 #include "google/rpc/status.pb.h"
-#include "mortise/v1/operations.grpc.pb.h"
-#include "mortise/v1/simulator.grpc.pb.h"
-#include "tests/integration/services/service_under_test.h"
-#include "tests/integration/services/simulator/table_catalog.h"
+#include "tests/integration/services/simulator/simulator_process.h"
 #include "tests/support/mesh_files.h"
 
 namespace mortise::simulator {
@@ -21,26 +18,11 @@ namespace {
 
 using ::testing::HasSubstr;
 
-class MeshServiceTest : public ::testing::Test {
+class MeshServiceTest : public SimulatorProcessTest {
  protected:
-  static std::unique_ptr<grpc::ClientContext> Context(int seconds = 100) {
-    auto context = std::make_unique<grpc::ClientContext>();
-    context->set_deadline(std::chrono::system_clock::now() + std::chrono::seconds(seconds));
-    context->set_wait_for_ready(true);
-    return context;
-  }
-
-  std::unique_ptr<v1::SimulatorService::Stub> Simulator() {
-    return v1::SimulatorService::NewStub(service_.channel());
-  }
-
   std::unique_ptr<testing::ChildProcess> StartWorker(
-      const std::string& name, const std::string& memory_limit = "--memory-limit=2") const {
-    return std::make_unique<testing::ChildProcess>(std::vector<std::string>{
-        testing::BuiltProgram("mortise-simulator"), "--worker", "--worker-name=" + name,
-        "--insecure-development", "--log-level=warning", "--lease-seconds=2", "--solver-threads=2",
-        memory_limit, "--peer=simulator=" + service_.address(),
-        "--peer=catalog=" + catalog_.address()});
+      const std::string& name, const std::string& limit = "--memory-limit=2") const {
+    return SimulatorProcessTest::StartWorker(name, {"--solver-threads=2", limit});
   }
 
   std::string Upload(const std::string& bytes) {
@@ -86,18 +68,6 @@ class MeshServiceTest : public ::testing::Test {
     return Simulator()->AnalyzeMesh(context.get(), request, &operation);
   }
 
-  v1::Operation Wait(const std::string& name) {
-    const auto stub = v1::OperationService::NewStub(service_.channel());
-    v1::WaitOperationRequest request;
-    request.set_name(name);
-    request.set_timeout_seconds(90);
-    v1::Operation operation;
-    const auto context = Context();
-    const grpc::Status status = stub->WaitOperation(context.get(), request, &operation);
-    EXPECT_TRUE(status.ok()) << status.error_message();
-    return operation;
-  }
-
   // Starts, waits, and gives how it ended.
   v1::Operation Run(const v1::AnalyzeMeshRequest& request) {
     v1::Operation operation;
@@ -120,20 +90,6 @@ class MeshServiceTest : public ::testing::Test {
     return list.analyses_size();
   }
 
-  std::string Download(const std::string& analysis, const std::string& file) {
-    v1::DownloadArtifactRequest request;
-    request.set_name(analysis);
-    request.set_file_name(file);
-    const auto context = Context();
-    const auto stub = Simulator();
-    const auto reader = stub->DownloadArtifact(context.get(), request);
-    std::string bytes;
-    v1::Chunk chunk;
-    while (reader->Read(&chunk)) bytes += chunk.data();
-    EXPECT_TRUE(reader->Finish().ok());
-    return bytes;
-  }
-
   static std::map<std::string, double> MetricsOf(const v1::CaseResult& result) {
     std::map<std::string, double> metrics;
     for (const v1::Metric& metric : result.metrics()) metrics[metric.name()] = metric.value();
@@ -141,8 +97,6 @@ class MeshServiceTest : public ::testing::Test {
   }
 
   const mesh::GroupedMesh box_ = testing::GroupedBox({100, 10, 10}, {10, 1, 1}, true);
-  TableCatalog catalog_;
-  testing::ServiceUnderTest service_{"mortise-simulator", {"--peer=catalog=" + catalog_.address()}};
 };
 
 TEST_F(MeshServiceTest, EveryFormatGivesTheBarItsStretch) {

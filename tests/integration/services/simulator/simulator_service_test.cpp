@@ -11,23 +11,13 @@
 #include "common/base/files.h"
 #include "google/rpc/status.pb.h"
 #include "mortise/v1/evaluator.grpc.pb.h"
-#include "mortise/v1/operations.grpc.pb.h"
-#include "mortise/v1/simulator.grpc.pb.h"
-#include "tests/integration/services/service_under_test.h"
-#include "tests/integration/services/simulator/table_catalog.h"
+#include "tests/integration/services/simulator/simulator_process.h"
 
 namespace mortise::simulator {
 namespace {
 
-class SimulatorServiceTest : public ::testing::Test {
+class SimulatorServiceTest : public SimulatorProcessTest {
  protected:
-  static std::unique_ptr<grpc::ClientContext> Context(int seconds = 100) {
-    auto context = std::make_unique<grpc::ClientContext>();
-    context->set_deadline(std::chrono::system_clock::now() + std::chrono::seconds(seconds));
-    context->set_wait_for_ready(true);
-    return context;
-  }
-
   // Points between the bounds of the table's parameters, `count` of them, all different.
   v1::EvaluateBatchRequest Batch(int count, const std::vector<std::string>& metrics,
                                  double shift = 0) {
@@ -56,17 +46,6 @@ class SimulatorServiceTest : public ::testing::Test {
     return reader->Finish();
   }
 
-  std::unique_ptr<v1::SimulatorService::Stub> Simulator() {
-    return v1::SimulatorService::NewStub(service_.channel());
-  }
-
-  std::unique_ptr<testing::ChildProcess> StartWorker(const std::string& name) const {
-    return std::make_unique<testing::ChildProcess>(std::vector<std::string>{
-        testing::BuiltProgram("mortise-simulator"), "--worker", "--worker-name=" + name,
-        "--insecure-development", "--log-level=warning", "--lease-seconds=2",
-        "--peer=simulator=" + service_.address(), "--peer=catalog=" + catalog_.address()});
-  }
-
   std::vector<v1::Task> Lease(const std::string& worker, double lease, double wait) {
     v1::LeaseTasksRequest request;
     request.set_evaluator("simulator");
@@ -80,36 +59,6 @@ class SimulatorServiceTest : public ::testing::Test {
     EXPECT_TRUE(status.ok()) << status.error_message();
     return {response.tasks().begin(), response.tasks().end()};
   }
-
-  v1::Operation Wait(const std::string& name) {
-    const auto stub = v1::OperationService::NewStub(service_.channel());
-    v1::WaitOperationRequest request;
-    request.set_name(name);
-    request.set_timeout_seconds(90);
-    v1::Operation operation;
-    const auto context = Context();
-    const grpc::Status status = stub->WaitOperation(context.get(), request, &operation);
-    EXPECT_TRUE(status.ok()) << status.error_message();
-    return operation;
-  }
-
-  std::string Download(const std::string& analysis, const std::string& file) {
-    v1::DownloadArtifactRequest request;
-    request.set_name(analysis);
-    request.set_file_name(file);
-    const auto context = Context();
-    const auto stub = Simulator();
-    const auto reader = stub->DownloadArtifact(context.get(), request);
-    std::string bytes;
-    v1::Chunk chunk;
-    while (reader->Read(&chunk)) bytes += chunk.data();
-    const grpc::Status status = reader->Finish();
-    EXPECT_TRUE(status.ok()) << status.error_message();
-    return bytes;
-  }
-
-  TableCatalog catalog_;
-  testing::ServiceUnderTest service_{"mortise-simulator", {"--peer=catalog=" + catalog_.address()}};
 };
 
 TEST_F(SimulatorServiceTest, DescribesTheDesignSpace) {
