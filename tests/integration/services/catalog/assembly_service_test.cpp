@@ -15,6 +15,7 @@
 #include "mortise/v1/assembly.grpc.pb.h"
 #include "mortise/v1/catalog.grpc.pb.h"
 #include "mortise/v1/events.grpc.pb.h"
+#include "tests/integration/services/call_service.h"
 #include "tests/integration/services/service_under_test.h"
 
 namespace mortise::catalog {
@@ -35,21 +36,11 @@ class AssemblyServiceTest : public ::testing::Test {
 
   void Connect() { stub_ = v1::AssemblyService::NewStub(process_.channel()); }
 
-  static void Prepare(grpc::ClientContext& context) {
-    context.set_deadline(std::chrono::system_clock::now() + std::chrono::seconds(60));
-    context.set_wait_for_ready(true);
-  }
-
   template <typename Request, typename Response>
   absl::StatusOr<Response> Call(grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&,
                                                              Response*),
                                 const Request& request) {
-    grpc::ClientContext context;
-    Prepare(context);
-    Response response;
-    const grpc::Status status = ((*stub_).*method)(&context, request, &response);
-    if (!status.ok()) return rpc::FromGrpc(status);
-    return response;
+    return testing::Call(*stub_, method, request);
   }
 
   template <typename Reader>
@@ -68,14 +59,14 @@ class AssemblyServiceTest : public ::testing::Test {
     request.set_count(count);
     request.set_seed(seed);
     grpc::ClientContext context;
-    Prepare(context);
+    testing::Prepare(context);
     return ReadAll(stub_->SampleAssembly(&context, request));
   }
 
   absl::StatusOr<std::vector<v1::AdjustedAssembly>> Evaluate(
       const v1::EvaluateAssemblyRequest& request) {
     grpc::ClientContext context;
-    Prepare(context);
+    testing::Prepare(context);
     return ReadAll(stub_->EvaluateAssembly(&context, request));
   }
 
@@ -109,14 +100,10 @@ class AssemblyServiceTest : public ::testing::Test {
     request.set_name(name);
     request.set_format(v1::ExportDesignRequest::STEP);
     grpc::ClientContext context;
-    Prepare(context);
-    const auto reader = stub_->ExportAssembly(&context, request);
-    std::string bytes;
-    v1::Chunk chunk;
-    while (reader->Read(&chunk)) bytes += chunk.data();
-    const grpc::Status status = reader->Finish();
-    EXPECT_TRUE(status.ok()) << status.error_message();
-    return bytes;
+    testing::Prepare(context);
+    const auto bytes = testing::ReadChunks(*stub_->ExportAssembly(&context, request));
+    EXPECT_TRUE(bytes.ok()) << bytes.status();
+    return bytes.value_or("");
   }
 
   absl::StatusOr<v1::ImportAssemblyStepResponse> ImportStep(
@@ -305,7 +292,7 @@ TEST_F(AssemblyServiceTest, ExportsEveryPart) {
   for (const auto format : {v1::ExportDesignRequest::STEP, v1::ExportDesignRequest::GLB}) {
     request.set_format(format);
     grpc::ClientContext context;
-    Prepare(context);
+    testing::Prepare(context);
     const auto reader = stub_->ExportAssembly(&context, request);
     v1::Chunk chunk;
     while (reader->Read(&chunk)) files[format] += chunk.data();
@@ -476,7 +463,7 @@ TEST_F(AssemblyServiceTest, KeepsRevisionsAndTellsOfThem) {
   v1::FollowEventsRequest follow;
   follow.add_type_prefixes("assembly.imported");
   grpc::ClientContext context;
-  Prepare(context);
+  testing::Prepare(context);
   const auto reader = events->FollowEvents(&context, follow);
   v1::Event event;
   bool told = false;
@@ -554,7 +541,7 @@ TEST_F(AssemblyServiceTest, NamesTheFieldAtFault) {
   v1::ExportAssemblyRequest format;
   format.set_name(kShelf);
   grpc::ClientContext context;
-  Prepare(context);
+  testing::Prepare(context);
   const auto reader = stub_->ExportAssembly(&context, format);
   v1::Chunk chunk;
   EXPECT_FALSE(reader->Read(&chunk));
@@ -569,7 +556,7 @@ TEST_F(AssemblyServiceTest, ItemsOfAssembliesStay) {
   request.set_revision(1);
   v1::DeleteItemResponse response;
   grpc::ClientContext context;
-  Prepare(context);
+  testing::Prepare(context);
   const absl::Status kept = rpc::FromGrpc(catalog->DeleteItem(&context, request, &response));
   EXPECT_EQ(DetailOf(kept).reason, "ITEM_IN_USE") << kept;
 }

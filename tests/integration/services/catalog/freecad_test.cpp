@@ -15,6 +15,7 @@
 #include "common/cad/step_reader.h"
 #include "common/rpc/status_mapping.h"
 #include "mortise/v1/assembly.grpc.pb.h"
+#include "tests/integration/services/call_service.h"
 #include "tests/integration/services/service_under_test.h"
 
 namespace mortise::catalog {
@@ -126,15 +127,10 @@ class FreeCadTest : public ::testing::Test {
     if (!Installed()) GTEST_SKIP() << "freecadcmd (Debian: freecad-python3) is not installed";
   }
 
-  static void Prepare(grpc::ClientContext& context) {
-    context.set_deadline(std::chrono::system_clock::now() + std::chrono::seconds(60));
-    context.set_wait_for_ready(true);
-  }
-
   std::vector<std::string> Assemblies() {
     v1::ListAssembliesResponse listed;
     grpc::ClientContext context;
-    Prepare(context);
+    testing::Prepare(context);
     const absl::Status status = rpc::FromGrpc(stub_->ListAssemblies(&context, {}, &listed));
     EXPECT_TRUE(status.ok()) << status;
     std::vector<std::string> names;
@@ -150,7 +146,7 @@ class FreeCadTest : public ::testing::Test {
     request.mutable_annotations()->set_name("assemblies/" + drawing.substr(0, drawing.find('_')));
     v1::ImportAssemblyStepResponse imported;
     grpc::ClientContext context;
-    Prepare(context);
+    testing::Prepare(context);
     const absl::Status status =
         rpc::FromGrpc(stub_->ImportAssemblyStep(&context, request, &imported));
     ASSERT_TRUE(status.ok()) << status;
@@ -162,7 +158,7 @@ class FreeCadTest : public ::testing::Test {
     request.set_count(1);
     request.set_seed(5);
     grpc::ClientContext context;
-    Prepare(context);
+    testing::Prepare(context);
     v1::AdjustedAssembly sample;
     const auto reader = stub_->SampleAssembly(&context, request);
     EXPECT_TRUE(reader->Read(&sample));
@@ -177,14 +173,10 @@ class FreeCadTest : public ::testing::Test {
     *request.mutable_q() = design.q();
     request.set_format(v1::ExportDesignRequest::STEP);
     grpc::ClientContext context;
-    Prepare(context);
-    const auto reader = stub_->ExportAssembly(&context, request);
-    std::string bytes;
-    v1::Chunk chunk;
-    while (reader->Read(&chunk)) bytes += chunk.data();
-    const absl::Status status = rpc::FromGrpc(reader->Finish());
-    EXPECT_TRUE(status.ok()) << status;
-    return bytes;
+    testing::Prepare(context);
+    const auto bytes = testing::ReadChunks(*stub_->ExportAssembly(&context, request));
+    EXPECT_TRUE(bytes.ok()) << bytes.status();
+    return bytes.value_or("");
   }
 
   testing::ServiceUnderTest process_{"mortise-catalog",

@@ -22,12 +22,16 @@
 #include "common/rpc/status_mapping.h"
 #include "mortise/v1/assembly.grpc.pb.h"
 #include "mortise/v1/catalog.grpc.pb.h"
+#include "tests/integration/services/call_service.h"
 #include "tests/integration/services/service_under_test.h"
 
 namespace mortise::catalog {
 namespace {
 
+using testing::Call;
 using ::testing::HasSubstr;
+using testing::Prepare;
+using testing::ReadChunks;
 using ::testing::UnorderedElementsAre;
 
 template <typename Message>
@@ -100,24 +104,6 @@ std::string Stool() {
 
 class ShapeServiceTest : public ::testing::Test {
  protected:
-  template <typename Stub, typename Request, typename Response>
-  static absl::StatusOr<Response> Call(Stub& stub,
-                                       grpc::Status (Stub::*method)(grpc::ClientContext*,
-                                                                    const Request&, Response*),
-                                       const Request& request) {
-    grpc::ClientContext context;
-    Prepare(context);
-    Response response;
-    const grpc::Status status = (stub.*method)(&context, request, &response);
-    if (!status.ok()) return rpc::FromGrpc(status);
-    return response;
-  }
-
-  static void Prepare(grpc::ClientContext& context) {
-    context.set_deadline(std::chrono::system_clock::now() + std::chrono::seconds(120));
-    context.set_wait_for_ready(true);
-  }
-
   absl::StatusOr<v1::ImportAssemblyStepResponse> ImportStep(const std::string& step,
                                                             const std::string& annotations) {
     v1::ImportAssemblyStepRequest request;
@@ -144,26 +130,17 @@ class ShapeServiceTest : public ::testing::Test {
     return shape.value_or(v1::Shape());
   }
 
-  template <typename Reader>
-  static absl::StatusOr<std::string> Received(const Reader& reader) {
-    std::string bytes;
-    v1::Chunk chunk;
-    while (reader->Read(&chunk)) bytes += chunk.data();
-    const absl::Status status = rpc::FromGrpc(reader->Finish());
-    if (!status.ok()) return status;
-    return bytes;
-  }
-
   absl::StatusOr<std::string> Export(const std::string& text) {
     grpc::ClientContext context;
     Prepare(context);
-    return Received(assemblies_->ExportAssembly(&context, Parse<v1::ExportAssemblyRequest>(text)));
+    return ReadChunks(
+        *assemblies_->ExportAssembly(&context, Parse<v1::ExportAssemblyRequest>(text)));
   }
 
   absl::StatusOr<std::string> ExportTemplate(const std::string& text) {
     grpc::ClientContext context;
     Prepare(context);
-    return Received(catalog_->ExportDesign(&context, Parse<v1::ExportDesignRequest>(text)));
+    return ReadChunks(*catalog_->ExportDesign(&context, Parse<v1::ExportDesignRequest>(text)));
   }
 
   std::string NextId() { return absl::StrCat("shapes-", ++requests_); }

@@ -1,0 +1,200 @@
+// What the catalog refuses, and what it says then.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <limits>
+
+#include "tests/integration/services/catalog/catalog_service_fixture.h"
+
+namespace mortise::catalog {
+namespace {
+
+using ::testing::HasSubstr;
+
+TEST_F(CatalogServiceTest, RefusesBadReads) {
+  using Stub = v1::CatalogService::Stub;
+  v1::GetMaterialRequest material;
+  material.set_name("cheese");
+  EXPECT_EQ(Fail(&Stub::GetMaterial, material).field, "name");
+  v1::GetItemRequest item;
+  item.set_name("items/unobtainium");
+  EXPECT_EQ(Fail(&Stub::GetItem, item).code, absl::StatusCode::kNotFound);
+  item.set_name("items/../../etc/passwd");
+  EXPECT_EQ(Fail(&Stub::GetItem, item).field, "name");
+  v1::ListMaterialsRequest materials;
+  materials.set_page_size(-1);
+  EXPECT_EQ(Fail(&Stub::ListMaterials, materials).field, "page_size");
+  v1::ListItemsRequest items;
+  items.set_page_size(1001);
+  EXPECT_EQ(Fail(&Stub::ListItems, items).field, "page_size");
+  items.set_page_size(1);
+  items.set_page_token("'; drop table");
+  EXPECT_EQ(Fail(&Stub::ListItems, items).field, "page_token");
+  items.Clear();
+  items.set_kind(static_cast<v1::ItemKind>(99));
+  EXPECT_EQ(Fail(&Stub::ListItems, items).field, "kind");
+  items.Clear();
+  for (const char* unknown :
+       {"materials/unobtainium", "oak", "items/screw-4x40", "materials/../x"}) {
+    items.set_material(unknown);
+    const Failure failure = Fail(&Stub::ListItems, items);
+    EXPECT_EQ(failure.code, absl::StatusCode::kInvalidArgument) << unknown;
+    EXPECT_EQ(failure.field, "material") << unknown;
+  }
+  items.Clear();
+  items.set_text(std::string(201, 'x'));
+  EXPECT_EQ(Fail(&Stub::ListItems, items).field, "text");
+  item.set_name("items/screw-4x40");
+  item.set_revision(-1);
+  EXPECT_EQ(Fail(&Stub::GetItem, item).field, "revision");
+  item.set_revision(2);
+  EXPECT_EQ(Fail(&Stub::GetItem, item).code, absl::StatusCode::kNotFound);
+  v1::ListTemplatesRequest templates;
+  templates.set_page_token("NOT A TOKEN");
+  EXPECT_EQ(Fail(&Stub::ListTemplates, templates).field, "page_token");
+  v1::GetTemplateRequest revision;
+  revision.set_name("templates/table");
+  revision.set_revision(-1);
+  EXPECT_EQ(Fail(&Stub::GetTemplate, revision).field, "revision");
+  revision.set_revision(99);
+  EXPECT_EQ(Fail(&Stub::GetTemplate, revision).code, absl::StatusCode::kNotFound);
+  v1::GetTemplateBundleRequest bundle;
+  bundle.set_name("");
+  EXPECT_EQ(Fail(&Stub::GetTemplateBundle, bundle).field, "name");
+}
+
+TEST_F(CatalogServiceTest, RefusesBadParameters) {
+  using Stub = v1::CatalogService::Stub;
+  const auto evaluate = [&](const std::string& name, double value) {
+    v1::EvaluateTemplateRequest request;
+    request.set_name("templates/table");
+    request.add_parameters()->set_name(name);
+    request.mutable_parameters(0)->set_value(value);
+    const Failure failure = Fail(&Stub::EvaluateTemplate, request);
+    EXPECT_EQ(failure.code, absl::StatusCode::kInvalidArgument);
+    return failure.field;
+  };
+  EXPECT_EQ(evaluate("depth", 1), "parameters[0].name");
+  EXPECT_EQ(evaluate("length", -1), "parameters[0].value");
+  EXPECT_EQ(evaluate("length", NAN), "parameters[0].value");
+  EXPECT_EQ(evaluate("length", std::numeric_limits<double>::infinity()), "parameters[0].value");
+
+  v1::ExportDesignRequest request;
+  request.set_name("templates/table");
+  EXPECT_EQ(DetailOf(Export(request).status()).field, "format");
+  request.set_format(static_cast<v1::ExportDesignRequest::Format>(9));
+  EXPECT_EQ(DetailOf(Export(request).status()).field, "format");
+  request.set_format(v1::ExportDesignRequest::GLB);
+  request.set_name("templates/none");
+  EXPECT_EQ(Export(request).status().code(), absl::StatusCode::kNotFound);
+}
+
+TEST_F(CatalogServiceTest, RefusesBadItemsAndMaterials) {
+  using Stub = v1::CatalogService::Stub;
+  const v1::Item dowel = GetItem("items/dowel-8x35");
+  const auto create = [&](const std::function<void(v1::Item&)>& spoil) {
+    v1::CreateItemRequest request;
+    request.set_request_id(NewRequestId());
+    *request.mutable_item() = dowel;
+    request.mutable_item()->set_name("items/new-dowel");
+    spoil(*request.mutable_item());
+    return Fail(&Stub::CreateItem, request);
+  };
+  EXPECT_EQ(create([](v1::Item& item) { item.set_name("items/dowel-8x35"); }).code,
+            absl::StatusCode::kAlreadyExists);
+  EXPECT_EQ(create([](v1::Item& item) { item.set_name("Dowel"); }).field, "item.name");
+  EXPECT_EQ(create([](v1::Item& item) { item.set_material("materials/air"); }).field,
+            "item.material");
+  EXPECT_EQ(create([](v1::Item& item) { item.mutable_dimensions(0)->set_size(-0.035); }).field,
+            "item.dimensions[X].size");
+  EXPECT_EQ(create([](v1::Item& item) { item.mutable_dimensions(0)->set_size(NAN); }).field,
+            "item.dimensions[0].size");
+  EXPECT_EQ(create([](v1::Item& item) { item.mutable_dimensions()->RemoveLast(); }).field,
+            "item.dimensions");
+  EXPECT_EQ(create([](v1::Item& item) { item.set_kind(v1::ITEM_KIND_UNSPECIFIED); }).field,
+            "item.kind");
+  EXPECT_EQ(create([](v1::Item& item) { item.set_title(std::string(5000, 'x')); }).field,
+            "item.title");
+  EXPECT_EQ(create([](v1::Item& item) { item.add_measures()->set_size(-1); }).field,
+            "item.measures[0].size");
+  EXPECT_EQ(create([](v1::Item& item) { item.add_stock_sizes()->set_length(1); }).field,
+            "item.stock_sizes");
+  EXPECT_EQ(create([](v1::Item& item) { item.add_more_suppliers()->set_url("file:x"); }).field,
+            "item.more_suppliers[0].url");
+  v1::CreateItemRequest without_id;
+  *without_id.mutable_item() = dowel;
+  EXPECT_EQ(Fail(&Stub::CreateItem, without_id).field, "request_id");
+  v1::CreateItemRequest huge;
+  huge.set_request_id(NewRequestId());
+  *huge.mutable_item() = dowel;
+  huge.mutable_item()->set_title(std::string(5 << 20, 'x'));
+  EXPECT_EQ(Fail(&Stub::CreateItem, huge).code, absl::StatusCode::kResourceExhausted);
+
+  v1::UpdateItemRequest update;
+  update.set_request_id(NewRequestId());
+  *update.mutable_item() = dowel;
+  update.mutable_item()->set_revision(5);
+  EXPECT_EQ(Fail(&Stub::UpdateItem, update).code, absl::StatusCode::kAborted);
+  update.mutable_item()->set_revision(1);
+  update.mutable_update_mask()->add_paths("colour");
+  EXPECT_EQ(Fail(&Stub::UpdateItem, update).field, "update_mask");
+  update.mutable_update_mask()->set_paths(0, "name");
+  EXPECT_EQ(Fail(&Stub::UpdateItem, update).field, "update_mask");
+  update.clear_update_mask();
+  update.mutable_item()->mutable_price()->set_amount(-1);
+  EXPECT_EQ(Fail(&Stub::UpdateItem, update).field, "item.price.amount");
+  EXPECT_EQ(GetItem("items/dowel-8x35").revision(), 1);
+
+  v1::CreateMaterialRequest material;
+  material.set_request_id(NewRequestId());
+  material.mutable_material()->set_name("materials/glass");
+  material.mutable_material()->set_density(2500);
+  const Failure unfinished = Fail(&Stub::CreateMaterial, material);
+  EXPECT_EQ(unfinished.field, "material.youngs_modulus");
+  EXPECT_THAT(unfinished.message, HasSubstr("strength"));  // all findings at once
+  v1::GetMaterialRequest spruce;
+  spruce.set_name("materials/spruce");
+  ASSERT_TRUE(Call(&Stub::GetMaterial, spruce, material.mutable_material()).ok());
+  material.mutable_material()->set_name("materials/perpetual");
+  material.mutable_material()->mutable_orthotropic()->set_poissons_ratio_lr(4);
+  EXPECT_EQ(Fail(&Stub::CreateMaterial, material).field, "material.orthotropic.poissons_ratio_lr");
+}
+
+TEST_F(CatalogServiceTest, RefusesBadTemplatesAndSaysAllThatIsWrong) {
+  using Stub = v1::CatalogService::Stub;
+  const v1::Template table = GetTemplate("templates/table");
+  const auto import = [&](const std::function<void(v1::Template&)>& spoil) {
+    v1::Template spoilt = table;
+    spoilt.set_name("templates/spoilt");
+    spoil(spoilt);
+    const Failure failure = Fail(&Stub::ImportTemplate, ImportRequest(spoilt, 0));
+    EXPECT_EQ(failure.code, absl::StatusCode::kInvalidArgument) << failure.message;
+    return failure;
+  };
+  EXPECT_EQ(import([](v1::Template& t) { t.set_name("spoilt"); }).field, "template.name");
+  EXPECT_EQ(import([](v1::Template& t) { t.clear_parts(); }).field, "template.parts");
+  EXPECT_EQ(import([](v1::Template& t) { t.mutable_parameters(0)->set_minimum(NAN); }).field,
+            "template.parameters[0].minimum");
+  EXPECT_EQ(import([](v1::Template& t) {
+              t.mutable_parts(0)->set_length_axis(static_cast<v1::Axis>(12));
+            }).field,
+            "template.parts[0].length_axis");
+  EXPECT_EQ(import([](v1::Template& t) { t.mutable_parts(1)->set_item("items/none"); }).field,
+            "template.parts[1].item");
+  const Failure several = import([](v1::Template& t) {
+    t.mutable_parameters(2)->set_maximum(0);
+    t.mutable_parts(0)->mutable_box()->mutable_x()->set_from("length +");
+    t.mutable_connections(3)->set_face("nose");
+  });
+  EXPECT_EQ(several.field, "template.parameters[2].maximum");
+  EXPECT_THAT(several.message, HasSubstr("3 findings"));
+  EXPECT_THAT(several.message, HasSubstr("parts[0].box.x.from"));
+  EXPECT_THAT(several.message, HasSubstr("connections[3].face"));
+  v1::GetTemplateRequest request;
+  request.set_name("templates/spoilt");
+  EXPECT_EQ(Fail(&Stub::GetTemplate, request).code, absl::StatusCode::kNotFound);
+}
+
+}  // namespace
+}  // namespace mortise::catalog

@@ -1,0 +1,224 @@
+// Templates in the catalog: what ships, designs and files of every kind, revisions.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "common/cad/step_reader.h"
+#include "tests/integration/services/catalog/catalog_service_fixture.h"
+
+namespace mortise::catalog {
+namespace {
+
+using ::testing::HasSubstr;
+
+TEST_F(CatalogServiceTest, ShipsACollection) {
+  v1::ListTemplatesRequest request;
+  v1::ListTemplatesResponse response;
+  ASSERT_TRUE(Call(&v1::CatalogService::Stub::ListTemplates, request, &response).ok());
+  ASSERT_GE(response.templates_size(), 1);
+  const v1::Template table = GetTemplate("templates/table");
+  EXPECT_EQ(table.revision(), 1);
+  EXPECT_EQ(table.digest().size(), 64u);
+  EXPECT_GT(table.create_time().seconds(), 0);
+  EXPECT_EQ(table.parts_size(), 9);
+  for (const v1::Template& listed : response.templates()) EXPECT_EQ(listed.parts_size(), 0);
+
+  v1::GetTemplateBundleRequest bundle_request;
+  bundle_request.set_name("templates/table");
+  v1::TemplateBundle bundle;
+  ASSERT_TRUE(Call(&v1::CatalogService::Stub::GetTemplateBundle, bundle_request, &bundle).ok());
+  EXPECT_EQ(bundle.items_size(), 3);
+  EXPECT_EQ(bundle.materials_size(), 3);
+  EXPECT_EQ(bundle.template_().digest(), table.digest());
+
+  v1::GetMaterialRequest material_request;
+  material_request.set_name("materials/spruce");
+  v1::Material spruce;
+  ASSERT_TRUE(Call(&v1::CatalogService::Stub::GetMaterial, material_request, &spruce).ok());
+  EXPECT_EQ(spruce.density(), 420);
+}
+
+TEST_F(CatalogServiceTest, EvaluatesTheTable) {
+  v1::EvaluateTemplateRequest request;
+  request.set_name("templates/table");
+  auto* length = request.add_parameters();
+  length->set_name("length");
+  length->set_value(1.6004);  // a workshop sets millimetres
+  v1::EvaluatedDesign design;
+  const grpc::Status status = Call(&v1::CatalogService::Stub::EvaluateTemplate, request, &design);
+  ASSERT_TRUE(status.ok()) << status.error_message();
+  ASSERT_EQ(design.parts_size(), 9);
+  EXPECT_EQ(design.template_revision(), 1);
+  ASSERT_EQ(design.parameters_size(), 6);
+  EXPECT_NEAR(design.parameters(0).value(), 1.6, 1e-12);
+  EXPECT_NEAR(design.parts(8).size().x(), 1.6, 1e-12);
+  EXPECT_GT(design.connectors_size(), 30);
+  EXPECT_EQ(design.boundary_conditions_size(), 5);
+}
+
+TEST_F(CatalogServiceTest, ExportsStepAndGlb) {
+  v1::ExportDesignRequest request;
+  request.set_name("templates/table");
+  request.set_format(v1::ExportDesignRequest::STEP);
+  v1::Chunk first;
+  const auto step = Export(request, &first);
+  ASSERT_TRUE(step.ok()) << step.status();
+  EXPECT_EQ(first.file_name(), "table.step");
+  const auto assembly = cad::ReadStep(*step);
+  ASSERT_TRUE(assembly.ok()) << assembly.status();
+  ASSERT_EQ(assembly->parts.size(), 9u);
+  EXPECT_EQ(assembly->parts[8].name, "top");
+
+  request.set_format(v1::ExportDesignRequest::GLB);
+  const auto glb = Export(request, &first);
+  ASSERT_TRUE(glb.ok()) << glb.status();
+  EXPECT_EQ(glb->substr(0, 4), "glTF");
+  EXPECT_EQ(first.media_type(), "model/gltf-binary");
+}
+
+TEST_F(CatalogServiceTest, TemplatesOfEveryKindAreListedAndEvaluated) {
+  v1::ListTemplatesRequest list;
+  list.set_page_size(100);
+  v1::ListTemplatesResponse listed;
+  ASSERT_TRUE(Call(&v1::CatalogService::Stub::ListTemplates, list, &listed).ok());
+  std::map<v1::Template::KindCase, int> kinds;
+  for (const v1::Template& message : listed.templates()) {
+    ++kinds[message.kind_case()];
+    EXPECT_FALSE(message.title().empty()) << message.name();
+    EXPECT_GE(message.parameters_size(), 1) << message.name();
+  }
+  EXPECT_GE(kinds[v1::Template::KIND_NOT_SET], 1);
+  EXPECT_GE(kinds[v1::Template::kAssembly], 14);
+  EXPECT_GE(kinds[v1::Template::kCad], 9);
+  EXPECT_GE(kinds[v1::Template::kCage], 1);
+
+  v1::EvaluateTemplateRequest evaluate;
+  evaluate.set_name("templates/wrench");
+  auto* length = evaluate.add_parameters();
+  length->set_name("handle_length");
+  length->set_value(0.2);
+  v1::EvaluatedDesign wrench;
+  grpc::Status status = Call(&v1::CatalogService::Stub::EvaluateTemplate, evaluate, &wrench);
+  ASSERT_TRUE(status.ok()) << status.error_message();
+  ASSERT_EQ(wrench.parts_size(), 1);
+  EXPECT_EQ(wrench.parts(0).material(), "materials/steel");
+  EXPECT_GT(wrench.parts(0).faceted().triangles_size(), 300);
+  EXPECT_GT(wrench.mass(), 0.05);
+
+  v1::EvaluatedDesign shelf;
+  evaluate.Clear();
+  evaluate.set_name("templates/bookshelf");
+  status = Call(&v1::CatalogService::Stub::EvaluateTemplate, evaluate, &shelf);
+  ASSERT_TRUE(status.ok()) << status.error_message();
+  EXPECT_GT(shelf.parts_size(), 10);
+  EXPECT_GT(shelf.mass(), 1);
+}
+
+TEST_F(CatalogServiceTest, ExportsASolidOfFeaturesExactly) {
+  v1::EvaluateTemplateRequest evaluate;
+  evaluate.set_name("templates/wrench");
+  v1::EvaluatedDesign wrench;
+  ASSERT_TRUE(Call(&v1::CatalogService::Stub::EvaluateTemplate, evaluate, &wrench).ok());
+  v1::ExportDesignRequest request;
+  request.set_name("templates/wrench");
+  request.set_format(v1::ExportDesignRequest::STEP);
+  v1::Chunk first;
+  const auto step = Export(request, &first);
+  ASSERT_TRUE(step.ok()) << step.status();
+  const auto read = cad::ReadStep(*step);
+  ASSERT_TRUE(read.ok()) << read.status();
+  ASSERT_EQ(read->parts.size(), 1u);
+  EXPECT_NEAR(read->parts[0].volume / wrench.parts(0).volume(), 1, 1e-6);
+  request.set_format(v1::ExportDesignRequest::GLB);
+  EXPECT_TRUE(Export(request, &first).ok());
+}
+
+TEST_F(CatalogServiceTest, ImportsTemplatesOfEveryKindOrSaysWhyNot) {
+  using Stub = v1::CatalogService::Stub;
+  v1::Template wrench = GetTemplate("templates/wrench");
+  wrench.set_name("templates/spanner");
+  wrench.mutable_cad()->clear_name();
+  wrench.mutable_cad()->mutable_definitions(0)->set_value("0.017");
+  v1::Template spanner;
+  ASSERT_TRUE(Call(&Stub::ImportTemplate, ImportRequest(wrench, 0), &spanner).ok());
+  EXPECT_EQ(spanner.cad().name(), "templates/spanner");
+  EXPECT_NE(spanner.digest(), GetTemplate("templates/wrench").digest());
+  wrench.set_name("templates/broken");
+  wrench.mutable_cad()->mutable_features(0)->set_name("");
+  wrench.mutable_cad()->mutable_definitions(0)->set_value("1 / 0");
+  const Failure broken = Fail(&Stub::ImportTemplate, ImportRequest(wrench, 0));
+  EXPECT_EQ(broken.code, absl::StatusCode::kInvalidArgument);
+  EXPECT_THAT(broken.message, HasSubstr("template.cad.features[0].name"));
+
+  v1::Template shelf;
+  shelf.set_name("templates/narrow-shelf");
+  shelf.mutable_assembly()->set_assembly("assemblies/bookshelf");
+  v1::Template stored;
+  ASSERT_TRUE(Call(&Stub::ImportTemplate, ImportRequest(shelf, 0), &stored).ok());
+  EXPECT_EQ(stored.assembly().revision(), 1);
+  EXPECT_EQ(stored.assembly().handles_size(), stored.parameters_size());
+  // What the service filled in may be sent back; it is the same content then.
+  v1::Template again;
+  ASSERT_TRUE(Call(&Stub::ImportTemplate, ImportRequest(stored, 1), &again).ok());
+  EXPECT_EQ(again.revision(), 1);
+  shelf.mutable_assembly()->set_assembly("assemblies/none");
+  EXPECT_EQ(Fail(&Stub::ImportTemplate, ImportRequest(shelf, 1)).field,
+            "template.assembly.assembly");
+  shelf.mutable_assembly()->set_assembly("assemblies/bookshelf");
+  shelf.mutable_assembly()->set_revision(7);
+  EXPECT_EQ(Fail(&Stub::ImportTemplate, ImportRequest(shelf, 1)).field,
+            "template.assembly.revision");
+}
+
+TEST_F(CatalogServiceTest, KeepsRevisionsAsTheyWere) {
+  v1::Template table = GetTemplate("templates/table");
+  table.mutable_parameters(0)->set_maximum(1.9);
+  v1::Template second;
+  const auto request = ImportRequest(table, 1);
+  ASSERT_TRUE(Call(&v1::CatalogService::Stub::ImportTemplate, request, &second).ok());
+  EXPECT_EQ(second.revision(), 2);
+  EXPECT_NE(second.digest(), table.digest());
+
+  // The same request again gets the same answer; another one on the old revision is refused.
+  v1::Template repeated;
+  ASSERT_TRUE(Call(&v1::CatalogService::Stub::ImportTemplate, request, &repeated).ok());
+  EXPECT_EQ(repeated.revision(), 2);
+  table.mutable_parameters(0)->set_maximum(1.8);
+  const Failure stale = Fail(&v1::CatalogService::Stub::ImportTemplate, ImportRequest(table, 1));
+  EXPECT_EQ(stale.code, absl::StatusCode::kAborted);
+  EXPECT_EQ(stale.reason, "STALE_REVISION");
+
+  // Importing what is there already changes nothing.
+  v1::Template same;
+  ASSERT_TRUE(
+      Call(&v1::CatalogService::Stub::ImportTemplate, ImportRequest(second, 2), &same).ok());
+  EXPECT_EQ(same.revision(), 2);
+
+  EXPECT_EQ(GetTemplate("templates/table", 1).parameters(0).maximum(), 2.0);
+  EXPECT_EQ(GetTemplate("templates/table").parameters(0).maximum(), 1.9);
+
+  // A change of a material's item is not seen by revisions that exist.
+  v1::UpdateItemRequest update;
+  update.set_request_id(NewRequestId());
+  *update.mutable_item() = GetItem("items/panel-spruce");
+  update.mutable_item()->set_material("materials/beech");
+  update.mutable_update_mask()->add_paths("material");
+  v1::Item changed;
+  ASSERT_TRUE(Call(&v1::CatalogService::Stub::UpdateItem, update, &changed).ok());
+  EXPECT_EQ(changed.revision(), 2);
+  EXPECT_EQ(changed.title(), update.item().title());
+  v1::EvaluateTemplateRequest evaluate;
+  evaluate.set_name("templates/table");
+  v1::EvaluatedDesign before, after;
+  ASSERT_TRUE(Call(&v1::CatalogService::Stub::EvaluateTemplate, evaluate, &before).ok());
+  v1::Template third;
+  ASSERT_TRUE(
+      Call(&v1::CatalogService::Stub::ImportTemplate, ImportRequest(second, 2), &third).ok());
+  EXPECT_EQ(third.revision(), 3);
+  ASSERT_TRUE(Call(&v1::CatalogService::Stub::EvaluateTemplate, evaluate, &after).ok());
+  EXPECT_GT(after.mass(), before.mass());
+}
+
+}  // namespace
+}  // namespace mortise::catalog
