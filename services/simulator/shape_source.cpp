@@ -11,27 +11,26 @@
 #include "mortise/v1/catalog.grpc.pb.h"
 
 namespace mortise::simulator {
-namespace {
 
-constexpr std::size_t kLargest = 256u << 20;  // bytes of one shape
+ShapeSource::ShapeSource(std::shared_ptr<grpc::Channel> catalog, std::size_t capacity,
+                         std::size_t largest)
+    : catalog_(std::move(catalog)), capacity_(capacity), largest_(largest) {}
 
-}  // namespace
-
-ShapeSource::ShapeSource(std::shared_ptr<grpc::Channel> catalog, std::size_t capacity)
-    : catalog_(std::move(catalog)), capacity_(capacity) {}
+absl::Status ShapeSource::AddExact(v1::Shape& shape, const rpc::Origin& origin) {
+  if (!shape.exact() || !shape.brep().empty()) return absl::OkStatus();
+  std::shared_ptr<const std::string> brep = Find(shape.name());
+  if (brep == nullptr) {
+    MORTISE_ASSIGN_OR_RETURN(v1::Shape downloaded, Download(shape.name(), origin));
+    brep = std::make_shared<const std::string>(std::move(*downloaded.mutable_brep()));
+    Keep({shape.name(), brep});
+  }
+  shape.set_brep(*brep);
+  return absl::OkStatus();
+}
 
 absl::Status ShapeSource::AddExact(google::protobuf::RepeatedPtrField<v1::Shape>& shapes,
                                    const rpc::Origin& origin) {
-  for (v1::Shape& shape : shapes) {
-    if (!shape.exact() || !shape.brep().empty()) continue;
-    std::shared_ptr<const std::string> brep = Find(shape.name());
-    if (brep == nullptr) {
-      MORTISE_ASSIGN_OR_RETURN(v1::Shape downloaded, Download(shape.name(), origin));
-      brep = std::make_shared<const std::string>(std::move(*downloaded.mutable_brep()));
-      Keep({shape.name(), brep});
-    }
-    shape.set_brep(*brep);
-  }
+  for (v1::Shape& shape : shapes) MORTISE_RETURN_IF_ERROR(AddExact(shape, origin));
   return absl::OkStatus();
 }
 
@@ -68,16 +67,23 @@ absl::StatusOr<v1::Shape> ShapeSource::Download(const std::string& name,
   v1::DownloadShapeRequest request;
   request.set_name(name);
   std::string bytes;
-  MORTISE_RETURN_IF_ERROR(rpc::CallWithRetry(origin, {}, [&](grpc::ClientContext* context) {
+  bool is_too_large = false;
+  const absl::Status arrived = rpc::CallWithRetry(origin, {}, [&](grpc::ClientContext* context) {
     bytes.clear();
     const auto reader = stub->DownloadShape(context, request);
     v1::Chunk chunk;
-    while (reader->Read(&chunk)) {
-      if (bytes.size() + chunk.data().size() > kLargest) context->TryCancel();
+    while (!is_too_large && reader->Read(&chunk)) {
+      is_too_large = bytes.size() + chunk.data().size() > largest_;
       bytes += chunk.data();
     }
+    if (is_too_large) context->TryCancel();
     return reader->Finish();
-  }));
+  });
+  if (is_too_large) {
+    return TooLarge(absl::StrCat(name, " with its exact surfaces"),
+                    absl::StrCat(largest_, " bytes"));
+  }
+  MORTISE_RETURN_IF_ERROR(arrived);
   v1::Shape shape;
   // The kernel may crash over damaged surfaces.
   if (!shape.ParseFromString(bytes) || parametric::NameOf(shape) != name) {

@@ -26,11 +26,16 @@ namespace mortise::simulator {
 class ShapeSource {
  public:
   // Keeps up to `capacity` bytes, the least recently used forgotten first.
-  ShapeSource(std::shared_ptr<grpc::Channel> catalog, std::size_t capacity);
+  ShapeSource(std::shared_ptr<grpc::Channel> catalog, std::size_t capacity,
+              std::size_t largest = std::size_t{256} << 20);
 
-  // Gives those of `shapes` that have exact surfaces, but not here, theirs. What arrives is checked
-  // against the shape's name, the digest of its content. NOT_FOUND naming a shape that the catalog
-  // does not have; DATA_LOSS for one that is damaged; UNAVAILABLE.
+  // Gives a shape that has exact surfaces, but not here, its own. What arrives is checked against
+  // the shape's name, the digest of its content. NOT_FOUND naming a shape that the catalog does not
+  // have; RESOURCE_EXHAUSTED for one of more than `largest` bytes; DATA_LOSS for one that is
+  // damaged; UNAVAILABLE.
+  absl::Status AddExact(v1::Shape& shape, const rpc::Origin& origin);
+
+  // The same for several.
   absl::Status AddExact(google::protobuf::RepeatedPtrField<v1::Shape>& shapes,
                         const rpc::Origin& origin);
 
@@ -49,6 +54,7 @@ class ShapeSource {
 
   const std::shared_ptr<grpc::Channel> catalog_;
   const std::size_t capacity_;
+  const std::size_t largest_;  // bytes of one shape
   std::mutex mutex_;
   std::list<Kept> kept_;        // guarded by mutex_; latest first
   std::size_t kept_bytes_ = 0;  // guarded by mutex_

@@ -2,6 +2,9 @@
 
 #include <grpcpp/grpcpp.h>
 
+#include <map>
+#include <set>
+
 #include "absl/strings/str_cat.h"
 #include "common/base/digest.h"
 #include "common/base/errors.h"
@@ -24,6 +27,21 @@ std::string BundleDigest(const v1::TemplateBundle& bundle) {
     digests += Sha256Hex(material.SerializeAsString());
   }
   return Sha256Hex(digests);
+}
+
+// The shapes of parts that an analysis joins: a part by itself is its triangles, and what only
+// connects is left out.
+std::set<std::string> ShapesThatAreJoined(const v1::TemplateBundle& bundle) {
+  std::map<std::string, std::string> shape_of;  // by item
+  for (const v1::Item& item : bundle.items()) shape_of[item.name()] = item.shape();
+  std::set<std::string> shapes;
+  int bearing = 0;
+  for (const v1::AssemblyPart& part : bundle.assembly().parts()) {
+    if (part.role() == v1::AssemblyPart::CONNECTING) continue;
+    bearing += part.repeat().empty() ? 1 : 2;
+    shapes.insert(part.shape().empty() ? shape_of[part.item()] : part.shape());
+  }
+  return bearing > 1 ? shapes : std::set<std::string>();
 }
 
 }  // namespace
@@ -108,7 +126,10 @@ absl::StatusOr<std::shared_ptr<const CompiledTemplate>> TemplateSource::GetByDig
                               name);
   }
   MORTISE_RETURN_IF_ERROR(shapes_.AddMore(bundle, origin));
-  MORTISE_RETURN_IF_ERROR(shapes_.AddExact(*bundle.mutable_shapes(), origin));
+  const std::set<std::string> joined = ShapesThatAreJoined(bundle);
+  for (v1::Shape& shape : *bundle.mutable_shapes()) {
+    if (joined.contains(shape.name())) MORTISE_RETURN_IF_ERROR(shapes_.AddExact(shape, origin));
+  }
   return Compile(bundle, digest, true);
 }
 

@@ -24,7 +24,7 @@ struct CompiledTemplate {
   std::string name;  // templates/{id}
   int64_t revision = 0;
   std::string digest;  // of its content and of the items and materials it uses
-  // Whether shapes have their exact surfaces, which only solids take.
+  // Whether the shapes of parts that an analysis joins have their exact surfaces.
   bool is_exact = false;
   std::size_t bytes = 0;  // of its shapes
   std::shared_ptr<const templates::Template> function;
@@ -43,9 +43,9 @@ class TemplateSource {
                                                               int64_t revision,
                                                               const rpc::Origin& origin);
 
-  // The same revision as a task names it, with exact surfaces; without a question to the catalog if
-  // its content is known. FAILED_PRECONDITION, TEMPLATE_CHANGED if items or materials have changed
-  // since; as ShapeSource::AddExact.
+  // The same revision as a task names it, with the exact surfaces of parts that are joined; without
+  // a question to the catalog if its content is known. FAILED_PRECONDITION, TEMPLATE_CHANGED if
+  // items or materials have changed since; as ShapeSource::AddExact.
   absl::StatusOr<std::shared_ptr<const CompiledTemplate>> GetByDigest(const std::string& name,
                                                                       int64_t revision,
                                                                       const std::string& digest,
