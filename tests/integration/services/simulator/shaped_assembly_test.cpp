@@ -262,6 +262,10 @@ TEST(ShapeSourceTest, RefusesWhatIsMissingOrDamaged) {
   EXPECT_THAT(std::string(status.message()), HasSubstr(catalog.shape().name()));
   EXPECT_TRUE(shapes[0].brep().empty());
   catalog.damaged = false;
+  ShapeSource small(catalog.channel(), 1 << 20, 1500);
+  const absl::Status large = small.AddExact(shapes, {});
+  EXPECT_EQ(large.code(), absl::StatusCode::kResourceExhausted) << large;
+  EXPECT_THAT(std::string(large.message()), HasSubstr(catalog.shape().name()));
   EXPECT_TRUE(source.AddExact(shapes, {}).ok());
 }
 
