@@ -4,9 +4,14 @@
 #include <google/protobuf/text_format.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/Core>
+#include <array>
 #include <atomic>
 #include <chrono>
+#include <cmath>
+#include <cstdint>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -20,14 +25,17 @@
 #include "common/rpc/status_mapping.h"
 #include "mortise/v1/assembly.grpc.pb.h"
 #include "mortise/v1/catalog.grpc.pb.h"
+#include "mortise/v1/evaluator.grpc.pb.h"
 #include "mortise/v1/operations.grpc.pb.h"
 #include "mortise/v1/simulator.grpc.pb.h"
 #include "services/simulator/shape_source.h"
+#include "tests/integration/services/call_service.h"
 #include "tests/integration/services/service_under_test.h"
 
 namespace mortise::simulator {
 namespace {
 
+using testing::Call;
 using ::testing::HasSubstr;
 
 std::filesystem::path Sources() {
@@ -46,22 +54,46 @@ Message ParsedFrom(const std::string& file) {
   return message;
 }
 
+// A round disc as a binary STL file, 2 * spokes * (rings + 1) triangles, sizes in millimetres.
+std::string DiscStl(double diameter, double height, int rings, int spokes) {
+  std::string stl(84, '\0');
+  std::uint32_t count = 0;
+  using Corner = std::array<float, 3>;
+  const auto rim = [&](int ring, int spoke) {
+    const double around = 2 * M_PI * (spoke % spokes) / spokes;
+    return Corner{static_cast<float>(diameter / 2 * std::cos(around)),
+                  static_cast<float>(diameter / 2 * std::sin(around)),
+                  static_cast<float>(height * ring / rings)};
+  };
+  const auto add = [&](const std::array<Corner, 3>& corners) {
+    char triangle[50] = {};
+    std::memcpy(triangle + 12, corners.data(), 36);
+    stl.append(triangle, sizeof triangle);
+    ++count;
+  };
+  const Corner bottom{0, 0, 0}, top{0, 0, static_cast<float>(height)};
+  for (int spoke = 0; spoke < spokes; ++spoke) {
+    add({bottom, rim(0, spoke + 1), rim(0, spoke)});
+    add({top, rim(rings, spoke), rim(rings, spoke + 1)});
+    for (int ring = 0; ring < rings; ++ring) {
+      add({rim(ring, spoke), rim(ring, spoke + 1), rim(ring + 1, spoke + 1)});
+      add({rim(ring, spoke), rim(ring + 1, spoke + 1), rim(ring + 1, spoke)});
+    }
+  }
+  std::memcpy(stl.data() + 80, &count, sizeof count);
+  return stl;
+}
+
+v1::Vector3 VectorOf(const Eigen::Vector3d& from) {
+  v1::Vector3 vector;
+  vector.set_x(from.x());
+  vector.set_y(from.y());
+  vector.set_z(from.z());
+  return vector;
+}
+
 class ShapedAssemblyTest : public ::testing::Test {
  protected:
-  template <class Stub, class Request, class Response>
-  static absl::StatusOr<Response> Call(Stub& stub,
-                                       grpc::Status (Stub::*method)(grpc::ClientContext*,
-                                                                    const Request&, Response*),
-                                       const Request& request) {
-    grpc::ClientContext context;
-    context.set_deadline(std::chrono::system_clock::now() + std::chrono::seconds(200));
-    context.set_wait_for_ready(true);
-    Response response;
-    const grpc::Status status = (stub.*method)(&context, request, &response);
-    if (!status.ok()) return rpc::FromGrpc(status);
-    return response;
-  }
-
   // Imports a drawing and the template that loads it.
   absl::Status Import(const std::string& drawing) {
     v1::ImportAssemblyStepRequest step;
@@ -223,6 +255,81 @@ class ShapeCatalog final : public v1::CatalogService::Service {
   std::unique_ptr<grpc::Server> server_;
   std::shared_ptr<grpc::Channel> channel_;
 };
+
+TEST_F(ShapedAssemblyTest, WorkersFetchTheShapesThatDoNotFitIntoAMessage) {
+  constexpr int kRings = 14, kSpokes = 1500;
+  constexpr double kHeight = 0.05;
+  v1::ImportAssemblyRequest assembly;
+  assembly.set_request_id("discs");
+  assembly.mutable_assembly()->set_name("assemblies/discs");
+  assembly.mutable_assembly()->set_title("Discs on a board");
+  const auto place = [&](const std::string& name, const Eigen::Vector3d& at,
+                         const Eigen::Vector3d& size) -> v1::AssemblyPart& {
+    v1::AssemblyPart& part = *assembly.mutable_assembly()->add_parts();
+    part.set_name(name);
+    *part.mutable_position() = VectorOf(at);
+    *part.mutable_size() = VectorOf(size);
+    return part;
+  };
+  place("board", {-0.2, -0.2, -0.02}, {1.6, 0.4, 0.02});
+  for (int i = 0; i < 5; ++i) {
+    const double diameter = 0.2 - 0.01 * i;
+    v1::ImportShapeRequest shape;
+    shape.set_request_id(absl::StrCat("disc-", i));
+    shape.set_format(v1::ImportShapeRequest::STL);
+    shape.set_file(DiscStl(1000 * diameter, 1000 * kHeight, kRings, kSpokes));
+    const auto stored = Call(*catalog_, &v1::CatalogService::Stub::ImportShape, shape);
+    ASSERT_TRUE(stored.ok()) << stored.status();
+    place(absl::StrCat("disc ", i), {0.25 * i, -diameter / 2, 0}, {diameter, diameter, kHeight})
+        .set_shape(stored->name());
+  }
+  const auto imported = Call(*assemblies_, &v1::AssemblyService::Stub::ImportAssembly, assembly);
+  ASSERT_TRUE(imported.ok()) << imported.status();
+  v1::ImportTemplateRequest request;
+  request.set_request_id("discs-template");
+  request.mutable_template_()->set_name("templates/discs");
+  request.mutable_template_()->mutable_assembly()->set_assembly("assemblies/discs");
+  const auto made = Call(*catalog_, &v1::CatalogService::Stub::ImportTemplate, request);
+  ASSERT_TRUE(made.ok()) << made.status();
+
+  v1::GetTemplateBundleRequest get;
+  get.set_name("templates/discs");
+  const auto bundle = Call(*catalog_, &v1::CatalogService::Stub::GetTemplateBundle, get);
+  ASSERT_TRUE(bundle.ok()) << bundle.status();
+  EXPECT_GT(bundle->shapes_size(), 0);
+  EXPECT_GT(bundle->more_shapes_size(), 0);
+  EXPECT_EQ(bundle->shapes_size() + bundle->more_shapes_size(), 5);
+
+  const auto evaluator = v1::EvaluatorService::NewStub(service_.channel());
+  v1::DescribeDesignSpaceRequest describe;
+  describe.set_subject("templates/discs");
+  const auto space = Call(*evaluator, &v1::EvaluatorService::Stub::DescribeDesignSpace, describe);
+  ASSERT_TRUE(space.ok()) << space.status();
+  EXPECT_GT(space->parameters_size(), 0);
+
+  v1::EvaluateTemplateRequest whole;
+  whole.set_name("templates/discs");
+  const absl::Status large =
+      Call(*catalog_, &v1::CatalogService::Stub::EvaluateTemplate, whole).status();
+  EXPECT_EQ(large.code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_THAT(std::string(large.message()), HasSubstr("without_triangles"));
+
+  // As a file it comes whole.
+  v1::ExportDesignRequest as_file;
+  as_file.set_name("templates/discs");
+  as_file.set_format(v1::ExportDesignRequest::DESIGN);
+  grpc::ClientContext context;
+  testing::Prepare(context);
+  const auto bytes = testing::ReadChunks(*catalog_->ExportDesign(&context, as_file));
+  ASSERT_TRUE(bytes.ok()) << bytes.status();
+  EXPECT_GT(bytes->size(), std::size_t{4} << 20);
+  v1::EvaluatedDesign design;
+  ASSERT_TRUE(design.ParseFromString(*bytes));
+  ASSERT_EQ(design.parts_size(), 6);
+  for (int i = 1; i < design.parts_size(); ++i) {
+    EXPECT_EQ(design.parts(i).faceted().triangles_size(), 3 * 2 * kSpokes * (kRings + 1));
+  }
+}
 
 TEST(ShapeSourceTest, AsksOnceForWhatItKeeps) {
   ShapeCatalog catalog;
