@@ -13,7 +13,6 @@
 namespace mortise::parametric {
 namespace {
 
-constexpr std::array<Axis, 3> kAxes = {Axis::kX, Axis::kY, Axis::kZ};
 constexpr double kDependent = 1e-8;    // length of what is left of a unit row among others
 constexpr double kLeastWeight = 1e-2;  // of the further edge, however near the nearer one is
 

@@ -6,8 +6,6 @@
 namespace mortise::parametric {
 namespace {
 
-constexpr std::array<Axis, 3> kAxes = {Axis::kX, Axis::kY, Axis::kZ};
-
 // The box of all parts of an element.
 BoundingBox BoxOf(const Assembly& assembly, const std::vector<int>& parts) {
   BoundingBox box = assembly.parts[static_cast<std::size_t>(parts.front())].box;

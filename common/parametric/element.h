@@ -16,6 +16,8 @@
 
 namespace mortise::parametric {
 
+inline constexpr std::array<Axis, 3> kAxes = {Axis::kX, Axis::kY, Axis::kZ};
+
 // Index into q of an element's centre or size along an axis.
 inline int CenterVariable(int element, Axis axis) { return 6 * element + static_cast<int>(axis); }
 inline int SizeVariable(int element, Axis axis) { return 6 * element + 3 + static_cast<int>(axis); }

@@ -18,8 +18,6 @@ constexpr double kFixed = 1e-9;              // m; a range no wider is none
 // conflict with the next demand.
 constexpr double kInside = 1e-8;
 
-constexpr std::array<Axis, 3> kAxes = {Axis::kX, Axis::kY, Axis::kZ};
-
 std::string Describe(const MeasureDemand& demand) {
   return absl::StrCat("the ", AxisName(demand.measure.axis), " ",
                       MeasureKindName(demand.measure.kind), " of '", demand.measure.element,

@@ -1,7 +1,6 @@
 #include "common/parametric/relationship.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
 
@@ -10,8 +9,6 @@
 
 namespace mortise::parametric {
 namespace {
-
-constexpr std::array<Axis, 3> kAxes = {Axis::kX, Axis::kY, Axis::kZ};
 
 class RelationshipSearch {
  public:

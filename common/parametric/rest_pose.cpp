@@ -8,7 +8,6 @@
 namespace mortise::parametric {
 namespace {
 
-constexpr std::array<Axis, 3> kAxes = {Axis::kX, Axis::kY, Axis::kZ};
 constexpr double kAligned = 1e-6;  // of a rotation's entries: an axis is taken to an axis
 
 Eigen::Matrix3d RotationOf(const Joint& joint, const Eigen::Vector3d& motion) {
