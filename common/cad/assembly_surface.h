@@ -5,9 +5,13 @@
 // common, so the triangles form one complex without T-junctions in which every part is a closed
 // region: what a tetrahedral mesher needs to glue the parts together.
 //
-// Drawings are not exact. Parts that miss each other, or reach into each other, by no more than
-// kDrawingTolerance are taken as touching: where that occurs the fuse is made again with this
-// tolerance, and vertices and edges nearer than it become one.
+// Drawings are not exact. Faces that look at each other across no more than kDrawingTolerance, and
+// parts that reach into each other by no more, are taken as touching: where that occurs the fuse is
+// made again with the smallest tolerance that joins them, up to this one; vertices and edges nearer
+// than it become one.
+//
+// Points on curved faces lie a little outside them, so that parts keep their volumes and sections
+// (facet_balance.h).
 #pragma once
 
 #include <vector>
@@ -22,17 +26,17 @@ namespace mortise::cad {
 inline constexpr double kDrawingTolerance = 1e-4;  // m
 
 // By how much triangles may miss a curved face, as a share of its part's diagonal. They miss it by
-// less where parts pass each other at a small distance, which they must not cross.
+// less where it passes another part's face at a small distance, which they must not cross.
 inline constexpr double kChordTolerance = 2e-3;
 
 // The surface of `parts` together. Every AssemblyFace names the faces of the parts it is a piece
 // of. Triangles of a face between two parts point from the part of lower index into the other one;
 // those on the outside point outwards (front_part -1).
 //
-// INVALID_ARGUMENT naming "parts": two parts that penetrate each other, with both names and how
-// far; or "parts[i]": a part that touches itself. FAILED_PRECONDITION, NOT_BONDED, for two parts
-// nearer to each other than the tolerance that the kernel cannot join. INTERNAL if the kernel
-// fails.
+// INVALID_ARGUMENT naming "parts": parts that penetrate each other, with the names of the first
+// four pairs and how far; or "parts[i]": a part that touches itself. FAILED_PRECONDITION,
+// NOT_BONDED, for two parts nearer to each other than the tolerance that the kernel cannot join.
+// INTERNAL if the kernel fails.
 absl::StatusOr<mesh::AssemblySurface> FuseAssembly(const std::vector<Solid>& parts);
 
 // The same for prisms. INVALID_ARGUMENT naming "parts[i]" too where a shape is degenerate.

@@ -4,10 +4,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <filesystem>
 #include <numbers>
 
+#include "common/base/errors.h"
+#include "common/base/files.h"
 #include "common/cad/assembly_surface.h"
 #include "common/cad/cylinder.h"
+#include "common/cad/solid_shape.h"
+#include "common/cad/step_reader.h"
+#include "common/mesh/mass_properties.h"
+#include "common/mesh/mesher.h"
 #include "common/mesh/surface_check.h"
 #include "common/parametric/parameter_values.h"
 #include "common/templates/template_codec.h"
@@ -17,17 +25,20 @@
 namespace mortise::simulator {
 namespace {
 
+// The model of an assembly at its defaults.
+absl::StatusOr<DesignModel> ModelOf(const std::string& name) {
+  v1::TemplateBundle bundle = templates::ShippedAssembly(name);
+  MORTISE_RETURN_IF_ERROR(templates::Complete(bundle, templates::Trial::kDefaults));
+  MORTISE_ASSIGN_OR_RETURN(const auto function, templates::Compile(bundle));
+  const Eigen::VectorXd parameters = parametric::Defaults(function->parameters());
+  MORTISE_ASSIGN_OR_RETURN(const auto design, function->Evaluate(parameters));
+  return MakeDesignModel(*function, parameters, design);
+}
+
 class ShippedSurfacesTest : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(ShippedSurfacesTest, CanBeMeshed) {
-  v1::TemplateBundle bundle = templates::ShippedAssembly(GetParam());
-  ASSERT_EQ(templates::Complete(bundle, templates::Trial::kDefaults), absl::OkStatus());
-  const auto function = templates::Compile(bundle);
-  ASSERT_TRUE(function.ok()) << function.status();
-  const Eigen::VectorXd parameters = parametric::Defaults((*function)->parameters());
-  const auto design = (*function)->Evaluate(parameters);
-  ASSERT_TRUE(design.ok()) << design.status();
-  const auto model = MakeDesignModel(**function, parameters, *design);
+  const auto model = ModelOf(GetParam());
   ASSERT_TRUE(model.ok()) << model.status();
   EXPECT_EQ(mesh::CheckAssembly(model->surface), absl::OkStatus());
   const auto crossing = mesh::FindIntersections(model->surface.vertices, model->surface.triangles);
@@ -48,6 +59,64 @@ INSTANTIATE_TEST_SUITE_P(Collection, ShippedSurfacesTest, ::testing::ValuesIn(As
                            std::replace(name.begin(), name.end(), '-', '_');
                            return name;
                          });
+
+TEST(ShippedTetrahedraTest, FillWhatWasDrawnAnew) {
+  for (const std::string name : {"assemblies/coat-rack", "assemblies/tool-cart"}) {
+    SCOPED_TRACE(name);
+    const auto model = ModelOf(name);
+    ASSERT_TRUE(model.ok()) << model.status();
+    mesh::MeshOptions options;
+    options.quadratic = false;
+    const auto meshed = mesh::MeshAssembly(model->surface, options);
+    ASSERT_TRUE(meshed.ok()) << meshed.status();
+    for (std::size_t i = 0; i < model->surface.part_names.size(); ++i) {
+      const int part = static_cast<int>(i);
+      const double volume =
+          mesh::ComputeMassProperties(mesh::PartSurface(model->surface, part)).volume;
+      EXPECT_NEAR(mesh::ComputeMassProperties(*meshed, part).volume, volume, 1e-6 * volume);
+    }
+  }
+}
+
+// The drawings that ship, but for their screws.
+TEST(ShippedDrawingsTest, KeepTheirVolumes) {
+  for (const std::string name : {"garden_seat.step", "wall_shelf.step"}) {
+    SCOPED_TRACE(name);
+    const char* const sources = std::getenv("MORTISE_SOURCE_DIR");
+    const auto bytes = ReadFile(std::filesystem::path(sources == nullptr ? "." : sources) /
+                                "collection/drawings" / name);
+    ASSERT_TRUE(bytes.ok()) << bytes.status();
+    const auto drawing = cad::ReadStep(*bytes);
+    ASSERT_TRUE(drawing.ok()) << drawing.status();
+    std::vector<cad::Solid> solids;
+    for (const cad::StepPart& part : drawing->parts) {
+      if (part.name.starts_with("screw")) continue;
+      const Eigen::Vector3d size = part.maximum - part.minimum;
+      mesh::PartShape box;
+      box.name = part.name;
+      box.outline.resize(2, 4);
+      box.outline << 0, size.x(), size.x(), 0, 0, 0, size.y(), size.y();
+      box.height = size.z();
+      box.face_names = {"y_min", "x_max", "y_max", "x_min", "z_min", "z_max"};
+      const auto solid =
+          part.shape < 0 ? cad::Solid::FromPart(box)
+                         : cad::SolidOfShape(drawing->shapes[static_cast<std::size_t>(part.shape)],
+                                             size, part.name);
+      ASSERT_TRUE(solid.ok()) << solid.status();
+      solids.push_back(cad::MovedSolid(*solid, part.minimum));
+    }
+    const auto surface = cad::FuseAssembly(solids);
+    ASSERT_TRUE(surface.ok()) << surface.status();
+    EXPECT_EQ(mesh::CheckAssembly(*surface), absl::OkStatus());
+    EXPECT_TRUE(mesh::FindIntersections(surface->vertices, surface->triangles).empty());
+    EXPECT_LT(surface->triangles.cols(), 30'000);
+    for (std::size_t i = 0; i < solids.size(); ++i) {
+      const double volume =
+          mesh::ComputeMassProperties(mesh::PartSurface(*surface, static_cast<int>(i))).volume;
+      EXPECT_NEAR(volume, solids[i].Volume(), 1e-3 * volume) << solids[i].name();
+    }
+  }
+}
 
 // A slim round bar has few facets, and bends as a round bar does.
 TEST(RoundBarTest, BendsAsBeamTheorySays) {
