@@ -50,6 +50,19 @@ function(mortise_compile_briefly target)
   target_precompile_headers(${target} REUSE_FROM ${ARGN})
 endfunction()
 
+# mortise_compile_together(<target> a.cpp b.cpp ...)
+# Compiles these sources of the target as one: small files that include gRPC, protobuf or Eigen spend
+# most of their time on instantiating the same templates. Their unnamed namespaces become one, which
+# is why only those listed are joined and a new file is not. The presets for debugging do without.
+function(mortise_compile_together target first)
+  if(CMAKE_DISABLE_PRECOMPILE_HEADERS)
+    return()
+  endif()
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
+  get_filename_component(group ${first} NAME_WE)
+  set_source_files_properties(${first} ${ARGN} PROPERTIES UNITY_GROUP ${group})
+endfunction()
+
 # mortise_library(<name> SOURCES a.cpp ... [DEPENDS target ...] [BRIEF | COMMANDS])
 # A static library. Headers are found from the root of the repository: "common/base/units.h".
 # BRIEF: see mortise_compile_briefly; COMMANDS: the same for what reads command lines.
@@ -83,16 +96,16 @@ if(MORTISE_BUILD_TESTS)
 endif()
 
 # mortise_test(<name> SOURCES x_test.cpp ... [DEPENDS target ...] [TIMEOUT seconds] [LABELS l ...]
-#              [RUN_SERIAL] [OPTIMIZED])
+#              [RUN_SERIAL] [OPTIMIZED] [TOGETHER])
 # A GoogleTest binary, registered as one CTest test. It may read ${MORTISE_SOURCE_DIR} and find
 # built programs in ${MORTISE_BIN_DIR} (environment variables). OPTIMIZED is for tests that compute
 # much themselves: half the time of compiling a test is optimising its assertions, so the others are
-# not; what they test always is.
+# not; what they test always is. TOGETHER: see mortise_compile_together.
 function(mortise_test name)
   if(NOT MORTISE_BUILD_TESTS)
     return()
   endif()
-  cmake_parse_arguments(ARG "RUN_SERIAL;OPTIMIZED" "TIMEOUT" "SOURCES;DEPENDS;LABELS" ${ARGN})
+  cmake_parse_arguments(ARG "RUN_SERIAL;OPTIMIZED;TOGETHER" "TIMEOUT" "SOURCES;DEPENDS;LABELS" ${ARGN})
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 120)
   endif()
@@ -105,6 +118,9 @@ function(mortise_test name)
   else()
     target_compile_options(${name} PRIVATE "$<$<CONFIG:Release>:-O0;-g0>")
     target_precompile_headers(${name} REUSE_FROM mortise_test_headers)
+  endif()
+  if(ARG_TOGETHER)
+    mortise_compile_together(${name} ${ARG_SOURCES})
   endif()
   add_test(NAME ${name} COMMAND ${name})
   set_tests_properties(${name} PROPERTIES

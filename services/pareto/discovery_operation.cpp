@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <map>
 #include <memory>
+#include <optional>
 #include <stop_token>
 #include <utility>
 
@@ -141,22 +142,25 @@ class DiscoveryRun {
     return options;
   }
 
-  // Ends a discovery in which every design must fail as all have so far.
+  // Ends a discovery in which every design must fail, as all have so far.
   absl::Status Judge(const std::shared_ptr<grpc::Channel>& channel, const DiscoveryProblem& problem,
                      const Discovery& discovery, const Discovery::Summary& summary) {
-    if (default_works_ || !AllLackTheSame(discovery, summary)) return absl::OkStatus();
+    if (!MayLackSomething(discovery, summary)) return absl::OkStatus();
+    if (!default_design_) TryDefault(channel, problem);
+    if (!default_design_) return absl::OkStatus();
+    const absl::Status verdict = JudgeSubject(specification_.subject(), summary, *default_design_);
+    if (!verdict.ok()) MORTISE_RETURN_IF_ERROR(ForgetResults());
+    return verdict;
+  }
+
+  // An evaluator that is away is asked again after the next batch.
+  void TryDefault(const std::shared_ptr<grpc::Channel>& channel, const DiscoveryProblem& problem) {
     RemoteEvaluator evaluator(channel, specification_, problem,
                               [this](absl::Duration timeout) { return MakeOrigin(timeout); },
                               {.patience = absl::ZeroDuration(), .longest_call = kTrialPatience});
     const std::stop_callback interrupt(context_.stop_token(), [&] { evaluator.Interrupt(); });
-    const auto tried = evaluator.Evaluate({problem.default_design});
-    // An evaluator that is away is asked again after the next batch.
-    if (!tried.ok()) return absl::OkStatus();
-    const absl::Status verdict = JudgeSubject(specification_.subject(), summary, tried->front());
-    default_works_ = verdict.ok();
-    if (verdict.ok()) return absl::OkStatus();
-    MORTISE_RETURN_IF_ERROR(ForgetResults());
-    return verdict;
+    auto tried = evaluator.Evaluate({problem.default_design});
+    if (tried.ok()) default_design_ = std::move(tried->front());
   }
 
   absl::Status ForgetResults() {
@@ -217,7 +221,7 @@ class DiscoveryRun {
   jobs::OperationContext& context_;
   std::string id_;
   v1::DiscoverySpecification specification_;
-  bool default_works_ = false;  // or fails otherwise than those that were tried
+  std::optional<Evaluation> default_design_;  // what became of it, once it was tried
 };
 
 }  // namespace

@@ -60,6 +60,14 @@ absl::Status AddObjectives(const v1::DiscoverySpecification& specification,
   return absl::OkStatus();
 }
 
+// Whether several designs failed in the same words for what the subject may lack.
+bool IsOfSubject(const FailureCount& failure) {
+  return failure.count > 1 && failure.same_message &&
+         (failure.code == absl::StatusCode::kFailedPrecondition ||
+          failure.code == absl::StatusCode::kNotFound ||
+          failure.code == absl::StatusCode::kUnimplemented);
+}
+
 absl::Status CheckCount(std::int64_t value, std::int64_t least, std::int64_t most,
                         const std::string& field) {
   if (value >= least && value <= most) return absl::OkStatus();
@@ -129,12 +137,12 @@ absl::StatusOr<DiscoveryProblem> MakeProblem(const v1::DiscoverySpecification& s
   if (!usable.ok())
     return InvalidField("specification.subject",
                         absl::StrCat("its design space cannot be searched: ", usable.message()));
-  MORTISE_RETURN_IF_ERROR(ApplyBounds(specification, problem));
   problem.default_design.resize(D);
   for (Eigen::Index i = 0; i < D; ++i) {
     const double value = described.parameters(static_cast<int>(i)).default_value();
     problem.default_design[i] = std::clamp(value, problem.space.lower[i], problem.space.upper[i]);
   }
+  MORTISE_RETURN_IF_ERROR(ApplyBounds(specification, problem));
   MORTISE_RETURN_IF_ERROR(AddObjectives(specification, described, problem));
   problem.options.evaluations = specification.evaluations();
   problem.options.seed = static_cast<std::uint64_t>(specification.seed());
@@ -151,27 +159,26 @@ absl::Status NoFeasibleDesign(const std::string& subject, const Discovery::Summa
       subject);
 }
 
-bool AllLackTheSame(const Discovery& discovery, const Discovery::Summary& summary) {
-  if (summary.evaluations < discovery.initial_samples() || summary.failed != summary.evaluations ||
-      summary.failures.size() != 1)
-    return false;
-  const FailureCount& failure = summary.failures.front();
-  return failure.same_message && (failure.code == absl::StatusCode::kFailedPrecondition ||
-                                  failure.code == absl::StatusCode::kNotFound ||
-                                  failure.code == absl::StatusCode::kUnimplemented);
+bool MayLackSomething(const Discovery& discovery, const Discovery::Summary& summary) {
+  return summary.evaluations >= discovery.initial_samples() &&
+         summary.failed == summary.evaluations &&
+         std::any_of(summary.failures.begin(), summary.failures.end(), IsOfSubject);
 }
 
 absl::Status JudgeSubject(const std::string& subject, const Discovery::Summary& summary,
                           const Evaluation& default_design) {
-  const FailureCount& failure = summary.failures.front();
-  if (default_design.status != EvaluationStatus::kFailed || default_design.code != failure.code ||
-      default_design.message != failure.message)
-    return absl::OkStatus();
+  if (default_design.status != EvaluationStatus::kFailed) return absl::OkStatus();
+  const auto shared = std::find_if(
+      summary.failures.begin(), summary.failures.end(), [&](const FailureCount& failure) {
+        return IsOfSubject(failure) && failure.code == default_design.code &&
+               failure.message == default_design.message;
+      });
+  if (shared == summary.failures.end()) return absl::OkStatus();
   return PreconditionFailed(
       "SUBJECT_UNUSABLE",
       absl::StrCat("no design of ", subject, " can be evaluated. The default one and ",
-                   failure.count, " all over its parameters say: ", failure.message, " (",
-                   failure.reason, ")"),
+                   shared->count, " of the first ", summary.evaluations,
+                   ", which all failed, say: ", shared->message, " (", shared->reason, ")"),
       subject);
 }
 

@@ -27,7 +27,7 @@ struct Objective {
 struct DiscoveryProblem {
   DesignSpace space;  // in the order of parameter_names, bounds narrowed as asked
   std::vector<std::string> parameter_names;
-  Eigen::VectorXd default_design;     // the evaluator's, or what is nearest within the bounds
+  Eigen::VectorXd default_design;     // the subject's own, whatever the bounds asked for
   std::vector<Objective> objectives;  // 2 or 3
   Discovery::Options options;
 
@@ -51,12 +51,13 @@ absl::StatusOr<DiscoveryProblem> MakeProblem(const v1::DiscoverySpecification& s
 // failed for.
 absl::Status NoFeasibleDesign(const std::string& subject, const Discovery::Summary& summary);
 
-// Whether all evaluations so far, at least those of the space-filling samples, failed in the same
-// words for what the subject lacks (FAILED_PRECONDITION, NOT_FOUND, UNIMPLEMENTED).
-bool AllLackTheSame(const Discovery& discovery, const Discovery::Summary& summary);
+// Whether all evaluations so far, at least those of the space-filling samples, failed, and several
+// in the same words for what the subject may lack (FAILED_PRECONDITION, NOT_FOUND, UNIMPLEMENTED).
+bool MayLackSomething(const Discovery& discovery, const Discovery::Summary& summary);
 
-// If the default design fails as `summary` says that all others did: FAILED_PRECONDITION,
-// SUBJECT_UNUSABLE, naming the subject and what it lacks. OK otherwise.
+// If the default design lacks what several of those in `summary`, which all failed, lack in the
+// same words: FAILED_PRECONDITION, SUBJECT_UNUSABLE, naming the subject and what that is. OK
+// otherwise. Others may have failed before that was looked at, over dimensions that conflict, say.
 absl::Status JudgeSubject(const std::string& subject, const Discovery::Summary& summary,
                           const Evaluation& default_design);
 

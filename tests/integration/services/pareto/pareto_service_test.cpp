@@ -88,9 +88,11 @@ class Zdt1Evaluator : public v1::EvaluatorService::Service {
     std::unique_lock lock(mutex_);
     changed_.wait_for(lock, std::chrono::seconds(60), [&] { return evaluations_ >= limit_; });
   }
-  // Every design with a first parameter of at least `least` fails so from now on.
-  void FailFrom(double least, const absl::Status& fault) {
+  // Every design with a first parameter of at least `least` fails so from now on, but those whose
+  // second is above `conflict`: they cannot be built at all.
+  void FailFrom(double least, const absl::Status& fault, double conflict = 0.9) {
     const std::lock_guard lock(mutex_);
+    conflicts_from_ = conflict;
     fails_from_ = least;
     fault_ = fault;
   }
@@ -102,8 +104,8 @@ class Zdt1Evaluator : public v1::EvaluatorService::Service {
  private:
   absl::Status FaultOf(const Eigen::VectorXd& x) {
     const std::lock_guard lock(mutex_);
-    if (x[0] >= fails_from_) return fault_;
-    return x[1] > 0.9 ? InvalidField("points", "cannot be built") : absl::OkStatus();
+    if (x[1] > conflicts_from_) return InvalidField("points", "cannot be built");
+    return x[0] >= fails_from_ ? fault_ : absl::OkStatus();
   }
 
   bool Admit(grpc::ServerContext& context) {
@@ -122,6 +124,7 @@ class Zdt1Evaluator : public v1::EvaluatorService::Service {
   std::condition_variable changed_;
   int evaluations_ = 0;
   int limit_ = std::numeric_limits<int>::max();
+  double conflicts_from_ = 0.9;
   double fails_from_ = 2;
   absl::Status fault_;
 };
@@ -289,7 +292,8 @@ TEST_F(ParetoServiceTest, SaysWhyDesignsFailed) {
 }
 
 TEST_F(ParetoServiceTest, EndsAtOnceWhereTheSubjectLacksSomething) {
-  evaluator_.FailFrom(0, PreconditionFailed("NO_SUPPORTS", "nothing holds it", "boundary"));
+  // Half of the designs do not get so far that this would be seen.
+  evaluator_.FailFrom(0, PreconditionFailed("NO_SUPPORTS", "nothing holds it", "boundary"), 0.5);
   const v1::Operation operation = Wait(Discover(Request(5000)).name());
   ASSERT_EQ(operation.state(), v1::Operation::FAILED) << operation.ShortDebugString();
   const absl::Status error = rpc::FromProto(operation.error());
