@@ -30,9 +30,24 @@ std::string IdOf(const std::string& operation) {
   return operation.substr(operation.rfind('/') + 1);
 }
 
-// Queues the task and waits until it has finished.
-absl::StatusOr<store::Task> RunTask(SimulatorCore& core, const std::string& key,
-                                    const std::string& payload, jobs::OperationContext& context) {
+// What an analysis runs in.
+struct Run {
+  SimulatorCore& core;
+  jobs::Operations& operations;
+  jobs::OperationContext& context;
+};
+
+// Whether somebody cancelled the analysis: where the process just ends, its task goes on, and the
+// run that resumes finds it.
+bool IsGivenUp(const Run& run) {
+  const auto operation = run.operations.Get(run.context.name());
+  return operation.ok() && operation->cancel_requested;
+}
+
+// Queues the task, or finds it, and waits until it has finished.
+absl::StatusOr<store::Task> AwaitTask(const Run& run, const std::string& key,
+                                      const std::string& payload) {
+  SimulatorCore& core = run.core;
   struct Finished {
     jobs::Bell bell;
     std::mutex mutex;
@@ -58,23 +73,33 @@ absl::StatusOr<store::Task> RunTask(SimulatorCore& core, const std::string& key,
       const std::lock_guard lock(finished->mutex);
       if (finished->task) return *finished->task;
     }
-    if (context.Cancelled()) {
-      if (core.waiters().Remove(key, ticket)) core.CancelIfQueued(key);
+    if (run.context.Cancelled()) {
+      if (core.waiters().Remove(key, ticket) && IsGivenUp(run)) core.CancelUnwanted(key);
       return absl::CancelledError("the analysis was cancelled");
     }
     finished->bell.Wait(kLookForCancel);
   }
 }
 
-absl::StatusOr<std::string> Analyse(SimulatorCore& core, jobs::OperationContext& context) {
+// The same, for a task that others share: whom they cancel it for is not this one.
+absl::StatusOr<store::Task> RunTask(const Run& run, const std::string& key,
+                                    const std::string& payload) {
+  while (true) {
+    MORTISE_ASSIGN_OR_RETURN(store::Task task, AwaitTask(run, key, payload));
+    if (task.state != store::TaskState::kCancelled) return task;
+  }
+}
+
+absl::StatusOr<std::string> Analyse(const Run& run) {
+  jobs::OperationContext& context = run.context;
   v1::Task task;
   if (!task.ParseFromString(context.request())) {
     return absl::InternalError("the stored request cannot be read");
   }
   const std::string id = IdOf(context.name());
   context.ReportProgress({.done = 0, .total = 1, .message = "waiting for a worker"});
-  MORTISE_ASSIGN_OR_RETURN(const store::Task finished, RunTask(core, absl::StrCat("analysis-", id),
-                                                               task.SerializeAsString(), context));
+  MORTISE_ASSIGN_OR_RETURN(const store::Task finished,
+                           RunTask(run, absl::StrCat("analysis-", id), task.SerializeAsString()));
   MORTISE_RETURN_IF_ERROR(TaskError(finished));
   v1::ReportTaskRequest report;
   if (!report.ParseFromString(finished.result)) {
@@ -165,8 +190,9 @@ absl::StatusOr<v1::Operation> StartAnalysis(jobs::Operations& operations, const 
 }
 
 void RegisterAnalysis(jobs::Operations& operations, const std::shared_ptr<SimulatorCore>& core) {
-  operations.Register(kOperationKind,
-                      [core](jobs::OperationContext& context) { return Analyse(*core, context); });
+  operations.Register(kOperationKind, [core, &operations](jobs::OperationContext& context) {
+    return Analyse({*core, operations, context});
+  });
 }
 
 absl::StatusOr<v1::Analysis> ReadAnalysis(store::Store& store, const std::string& id) {

@@ -49,6 +49,11 @@ int64_t TaskWaiters::Add(const std::string& key, Callback callback) {
   return ticket;
 }
 
+bool TaskWaiters::IsAwaited(const std::string& key) const {
+  const std::lock_guard lock(mutex_);
+  return callbacks_.contains(key);
+}
+
 bool TaskWaiters::Remove(const std::string& key, int64_t ticket) {
   const std::lock_guard lock(mutex_);
   const auto found = callbacks_.find(key);

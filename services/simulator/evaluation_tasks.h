@@ -42,6 +42,8 @@ class TaskWaiters {
   // Forgets a waiter; true if nobody else waits for its task.
   bool Remove(const std::string& key, int64_t ticket);
 
+  bool IsAwaited(const std::string& key) const;
+
   // Hands a finished task to all who wait for it.
   void Notify(const store::Task& task, bool known_before);
 

@@ -107,7 +107,7 @@ class Batch : public std::enable_shared_from_this<Batch> {
       waiting.swap(waiting_);
     }
     for (const auto& [key, ticket] : waiting) {
-      if (core_->waiters().Remove(key, ticket)) core_->CancelIfQueued(key);
+      if (core_->waiters().Remove(key, ticket)) core_->CancelUnwanted(key);
     }
   }
 

@@ -16,6 +16,7 @@
 #include "services/simulator/probe_table.h"
 #include "services/simulator/shape_functions.h"
 #include "services/simulator/sparse_cholesky.h"
+#include "services/simulator/stopping.h"
 #include "services/simulator/supports.h"
 
 namespace mortise::simulator {
@@ -125,6 +126,7 @@ class Analyst {
 
   // The case goes before the first file.
   absl::Status Keep(AnalysisFile file) {
+    MORTISE_RETURN_IF_ERROR(CheckStopped(options_.stop));
     if (!std::exchange(is_case_kept_, true) && !model_.case_json.empty()) {
       MORTISE_RETURN_IF_ERROR(keep_({"case.json", kJson, model_.case_json}));
     }
@@ -158,6 +160,7 @@ class Analyst {
   }
 
   absl::Status Heat() {
+    MORTISE_RETURN_IF_ERROR(CheckStopped(options_.stop));
     HeatOptions heat_options;
     heat_options.cholesky.memory_limit = options_.memory_limit;
     heat_options.threads = options_.threads;
@@ -198,6 +201,7 @@ class Analyst {
     ElasticityOptions elasticity;
     elasticity.threads = options_.threads;
     elasticity.solver.memory_limit = options_.memory_limit;
+    elasticity.solver.progress = [this](int, double) { return CheckStopped(options_.stop); };
     auto system = ElasticSystem::Create(model_.mesh, model_.materials, model_.supports, elasticity);
     MORTISE_RETURN_IF_ERROR(InCase("case", system.status()));
     std::vector<ElasticitySolution> solutions;
@@ -286,6 +290,7 @@ class Analyst {
   }
 
   absl::Status Vibration() {
+    MORTISE_RETURN_IF_ERROR(CheckStopped(options_.stop));
     ModalOptions modal;
     modal.count = model_.modes;
     modal.threads = options_.threads;

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -63,6 +64,7 @@ struct MeshAnalysisOptions {
   double memory_limit = 8e9;  // bytes
   int threads = 1;            // the result is the same for any number
   bool pictures = true;       // each takes about a second
+  std::stop_token stop = {};  // ends the analysis at its next step or iteration: CANCELLED
 };
 
 // What a load case or a combination does.

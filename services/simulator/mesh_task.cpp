@@ -101,11 +101,12 @@ absl::Status EvaluateMeshTask(const v1::Task& task, const TaskSurroundings& surr
     MORTISE_ASSIGN_OR_RETURN(model, MakeMeshModel(grouped, task.case_()));
     for (const std::string& note : grouped.notes) report.mutable_analysis()->add_notes(note);
   }
-  MORTISE_ASSIGN_OR_RETURN(
-      const MeshAnalysis analysis,
-      AnalyzeMesh(model,
-                  {.memory_limit = surroundings.memory_limit, .threads = surroundings.threads},
-                  surroundings.keep));
+  MORTISE_ASSIGN_OR_RETURN(const MeshAnalysis analysis,
+                           AnalyzeMesh(model,
+                                       {.memory_limit = surroundings.memory_limit,
+                                        .threads = surroundings.threads,
+                                        .stop = surroundings.stop},
+                                       surroundings.keep));
   AddMetric("mass", "kg", analysis.mass, *report.mutable_result());
   AddMetric("volume", "m^3", analysis.volume, *report.mutable_result());
   Fill(analysis, model, *report.mutable_analysis());

@@ -55,15 +55,16 @@ absl::StatusOr<store::Task> SimulatorCore::Enqueue(const std::string& key,
   return task;
 }
 
-void SimulatorCore::CancelIfQueued(const std::string& key) {
+void SimulatorCore::CancelUnwanted(const std::string& key) {
   const absl::Status status =
       store_->Transact([&](store::Transaction& transaction) -> absl::Status {
         MORTISE_ASSIGN_OR_RETURN(const store::Task task, transaction.GetTask(kSimulatorQueue, key));
-        if (task.state != store::TaskState::kQueued) return absl::OkStatus();
+        // Who begins to wait from here on asks for the task afterwards, and finds it cancelled.
+        if (IsFinished(task) || waiters_.IsAwaited(key)) return absl::OkStatus();
         return transaction.CancelTask(kSimulatorQueue, key);
       });
   if (!status.ok()) {
-    Log(LogLevel::kWarning, "an unwanted task stays queued", {{"error", status.message()}});
+    Log(LogLevel::kWarning, "an unwanted task goes on", {{"error", status.message()}});
   }
 }
 

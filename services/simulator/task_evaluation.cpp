@@ -8,6 +8,7 @@
 #include "services/simulator/analysis_report.h"
 #include "services/simulator/design_analysis.h"
 #include "services/simulator/mesh_task.h"
+#include "services/simulator/stopping.h"
 #include "services/simulator/template_model.h"
 
 namespace mortise::simulator {
@@ -46,11 +47,15 @@ absl::Status Evaluate(const v1::Task& task, const TaskSurroundings& surroundings
   }
   MORTISE_ASSIGN_OR_RETURN(const DesignModel model,
                            MakeDesignModel(*compiled->function, parameters, design));
+  MORTISE_RETURN_IF_ERROR(CheckStopped(surroundings.stop));
   DesignAnalysisOptions options;
   options.mesh.element_size = task.mesh().element_size();
   options.mesh.quadratic = !task.mesh().linear();
   options.elasticity.threads = surroundings.threads;
   options.elasticity.solver.memory_limit = surroundings.memory_limit;
+  options.elasticity.solver.progress = [&surroundings](int, double) {
+    return CheckStopped(surroundings.stop);
+  };
   const absl::StatusOr<DesignAnalysis> analyzed =
       AnalyzeDesign(model, metrics, task.fields(), options);
   if (!analyzed.ok()) return WithLeftOutParts(analyzed.status(), design);
@@ -72,6 +77,7 @@ absl::Status Evaluate(const v1::Task& task, const TaskSurroundings& surroundings
     }
   }
   if (!task.fields()) return absl::OkStatus();
+  MORTISE_RETURN_IF_ERROR(CheckStopped(surroundings.stop));
   FillAnalysis(analysis, design, *report.mutable_analysis());
   MORTISE_ASSIGN_OR_RETURN(std::string fields, WriteFields(analysis));
   MORTISE_RETURN_IF_ERROR(surroundings.keep({"analysis.vtu", "model/vnd.vtu", std::move(fields)}));

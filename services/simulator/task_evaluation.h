@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <stop_token>
 #include <string>
 
 #include "common/rpc/channel.h"
@@ -25,6 +26,7 @@ struct TaskSurroundings {
 
   double memory_limit = 8e9;  // bytes
   int threads = 1;
+  std::stop_token stop = {};  // ends the evaluation at its next step, as CANCELLED
 };
 
 // Metrics, gradients and analysis, or the error; without the task and the artifacts. Never fails:

@@ -3,6 +3,7 @@
 #include <grpcpp/grpcpp.h>
 
 #include <algorithm>
+#include <atomic>
 #include <condition_variable>
 #include <mutex>
 #include <thread>
@@ -24,12 +25,18 @@ using Stub = v1::SimulatorService::Stub;
 constexpr std::size_t kTemplatesKept = 32;
 constexpr absl::Duration kCallTimeout = absl::Seconds(30);
 constexpr absl::Duration kReportPatience = absl::Minutes(2);
+constexpr absl::Duration kLookForCancel = absl::Seconds(2);
 
-// Renews the lease of one task until it goes away.
+// Renews the lease of one task, and asks for the work to stop once the lease is lost or the time is
+// over.
 class LeaseKeeper {
  public:
   LeaseKeeper(const WorkerOptions& options, Stub& stub, const v1::Task& task)
-      : options_(options), stub_(stub), task_(task), thread_([this] { Run(); }) {}
+      : options_(options),
+        stub_(stub),
+        task_(task),
+        interval_(std::min(options.lease / 3, kLookForCancel)),
+        thread_([this] { Run(); }) {}
 
   ~LeaseKeeper() {
     {
@@ -40,12 +47,19 @@ class LeaseKeeper {
     thread_.join();
   }
 
+  std::stop_token stop_token() const { return stop_.get_token(); }
+
+  // Whether somebody has taken the task away: its result is not wanted.
+  bool lost() const { return lost_; }
+
  private:
   void Run() {
+    const absl::Time start = absl::Now();
     std::unique_lock lock(mutex_);
-    while (!changed_.wait_for(lock, absl::ToChronoNanoseconds(options_.lease / 3),
-                              [this] { return done_; })) {
+    while (
+        !changed_.wait_for(lock, absl::ToChronoNanoseconds(interval_), [this] { return done_; })) {
       lock.unlock();
+      if (absl::Now() - start > options_.time_limit) stop_.request_stop();
       v1::RenewLeasesRequest request;
       request.set_worker(options_.name);
       request.set_lease_seconds(absl::ToDoubleSeconds(options_.lease));
@@ -58,6 +72,10 @@ class LeaseKeeper {
       if (!renewed.ok()) {
         Log(LogLevel::kWarning, "a lease was not renewed",
             {{"task", task_.name()}, {"error", renewed.status().message()}});
+      } else if (renewed->lost_size() > 0) {
+        lost_ = true;
+        stop_.request_stop();
+        return;
       }
       lock.lock();
     }
@@ -66,6 +84,9 @@ class LeaseKeeper {
   const WorkerOptions& options_;
   Stub& stub_;
   const v1::Task& task_;
+  const absl::Duration interval_;
+  std::stop_source stop_;
+  std::atomic<bool> lost_{false};
   std::mutex mutex_;
   std::condition_variable changed_;
   bool done_ = false;  // guarded by mutex_
@@ -119,6 +140,13 @@ absl::StatusOr<std::string> Download(const WorkerOptions& options, Stub& stub,
   return absl::UnavailableError("the mesh's file did not arrive as it was uploaded");
 }
 
+absl::Status OutOfTime(absl::Duration limit) {
+  return WithDetail(absl::ResourceExhaustedError(absl::StrCat("the evaluation takes longer than ",
+                                                              absl::FormatDuration(limit),
+                                                              ", the limit of this worker")),
+                    {"TIME_LIMIT", ""});
+}
+
 void WorkOn(const WorkerOptions& options, Stub& stub, TemplateSource& templates,
             const v1::Task& task) {
   const TraceScope trace(task.trace_id());
@@ -143,8 +171,18 @@ void WorkOn(const WorkerOptions& options, Stub& stub, TemplateSource& templates,
             return Download(options, stub, task.trace_id(), sha256, limit);
           },
       .memory_limit = options.memory_limit,
-      .threads = options.threads};
+      .threads = options.threads,
+      .stop = keeper.stop_token()};
   v1::ReportTaskRequest report = EvaluateTask(task, surroundings);
+  if (keeper.lost()) {
+    Log(LogLevel::kInfo, "a task was dropped, as nobody wants it from here any more",
+        {{"task", task.name()}, {"attempt", task.attempt()}});
+    return;
+  }
+  if (report.result().error().code() == static_cast<int>(absl::StatusCode::kCancelled) &&
+      keeper.stop_token().stop_requested()) {
+    *report.mutable_result()->mutable_error() = rpc::ToProto(OutOfTime(options.time_limit));
+  }
   if (report.has_analysis()) {
     report.mutable_analysis()->mutable_artifacts()->Swap(artifacts.mutable_artifacts());
   }

@@ -22,7 +22,8 @@ struct WorkerFlags {
   std::string name;
   double lease_seconds = 30;
   int threads = 1;
-  double memory_limit = 8;  // GB
+  double memory_limit = 8;   // GB
+  double time_limit = 7200;  // s
 };
 
 // Bytes that this machine has; `otherwise` where it does not tell.
@@ -46,6 +47,7 @@ absl::Status Run(const rpc::ServiceOptions& options, const WorkerFlags& flags) {
   worker.name = flags.name.empty() ? absl::StrCat("worker-", NewIdentifier()) : flags.name;
   worker.lease = absl::Seconds(flags.lease_seconds);
   worker.threads = flags.threads;
+  worker.time_limit = absl::Seconds(flags.time_limit);
   const double wanted = 1e9 * flags.memory_limit;
   worker.memory_limit = std::min(wanted, PhysicalMemory(wanted));
   MORTISE_ASSIGN_OR_RETURN(worker.simulator, ChannelTo(options, "simulator"));
@@ -94,6 +96,9 @@ int WorkerMain(int argc, char** argv) {
                         "refused")
              ->check(CLI::Range(0.01, 1e6))
              ->envname("MORTISE_MEMORY_LIMIT");
+         app.add_option("--time-limit", flags.time_limit, "seconds that one task may take")
+             ->check(CLI::Range(1.0, 1e7))
+             ->envname("MORTISE_TIME_LIMIT");
        }});
   if (absl::IsCancelled(options.status())) {
     std::fputs(std::string(options.status().message()).c_str(), stdout);

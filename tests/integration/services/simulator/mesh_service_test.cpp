@@ -6,6 +6,7 @@
 #include <limits>
 #include <map>
 
+#include "absl/strings/str_cat.h"
 #include "common/base/digest.h"
 #include "common/base/errors.h"
 #include "common/rpc/status_mapping.h"
@@ -61,6 +62,33 @@ class MeshServiceTest : public SimulatorProcessTest {
     force.add_groups("x_max");
     force.mutable_force()->set_x(1000);
     return request;
+  }
+
+  // The bar pulled fifty times and drawn each time: half a minute of work.
+  static v1::AnalyzeMeshRequest WithManyCases(const std::string& mesh_file,
+                                              const std::string& request_id) {
+    v1::AnalyzeMeshRequest request = Bar(mesh_file, request_id);
+    v1::MeshCase& bar = *request.mutable_case_();
+    for (int i = 1; i < 50; ++i) {
+      v1::MeshLoadCase& again = *bar.add_load_cases();
+      again = bar.load_cases(0);
+      again.set_name(absl::StrCat("pull ", i));
+    }
+    return request;
+  }
+
+  // Asks until a worker has a task; false after a minute.
+  bool WaitUntilLeased() {
+    v1::GetQueueStatusRequest asked;
+    asked.set_evaluator("simulator");
+    const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(1);
+    while (std::chrono::steady_clock::now() < end) {
+      v1::QueueStatus status;
+      const auto context = Context();
+      EXPECT_TRUE(Simulator()->GetQueueStatus(context.get(), asked, &status).ok());
+      if (status.leased() > 0) return true;
+    }
+    return false;
   }
 
   grpc::Status Start(const v1::AnalyzeMeshRequest& request, v1::Operation& operation) {
@@ -167,6 +195,47 @@ TEST_F(MeshServiceTest, AnAnalysisOutlivesTheService) {
   v1::Operation repeated;
   ASSERT_TRUE(Start(Bar(digest, "outlives"), repeated).ok());
   EXPECT_EQ(repeated.name(), operation.name());
+}
+
+TEST_F(MeshServiceTest, WhatIsCancelledIsDroppedByItsWorker) {
+  const auto worker = StartWorker("only");
+  const std::string digest = Upload(testing::WriteGmsh41(box_, true));
+  v1::Operation operation;
+  ASSERT_TRUE(Start(WithManyCases(digest, "too-long"), operation).ok());
+  ASSERT_TRUE(WaitUntilLeased());
+  v1::CancelOperationRequest cancel;
+  cancel.set_name(operation.name());
+  cancel.set_request_id("cancel");
+  v1::Operation answer;
+  const auto context = Context();
+  const auto operations = v1::OperationService::NewStub(service_.channel());
+  ASSERT_TRUE(operations->CancelOperation(context.get(), cancel, &answer).ok());
+  EXPECT_EQ(Wait(operation.name()).state(), v1::Operation::CANCELLED);
+  // The worker, the only one, is free for others, and what it dropped leaves no analysis.
+  EXPECT_EQ(ResultOf(Run(Bar(digest, "next"))).cases_size(), 1);
+  EXPECT_EQ(Analyses(), 1);
+  v1::ListTasksRequest all;
+  all.set_evaluator("simulator");
+  v1::ListTasksResponse tasks;
+  const auto list_context = Context();
+  ASSERT_TRUE(Simulator()->ListTasks(list_context.get(), all, &tasks).ok());
+  int dropped = 0;
+  for (const auto& entry : tasks.tasks()) {
+    dropped += entry.task().state() == v1::TASK_CANCELLED ? 1 : 0;
+  }
+  EXPECT_EQ(dropped, 1) << tasks.ShortDebugString();
+  EXPECT_EQ(tasks.tasks_size(), 2);
+}
+
+TEST_F(MeshServiceTest, WhatTakesTooLongFails) {
+  const auto worker = StartWorker("only", "--time-limit=1");
+  const std::string digest = Upload(testing::WriteGmsh41(box_, true));
+  const v1::Operation operation = Run(WithManyCases(digest, "too-long"));
+  EXPECT_EQ(operation.state(), v1::Operation::FAILED);
+  const absl::Status failure = rpc::FromProto(operation.error());
+  EXPECT_EQ(failure.code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_EQ(DetailOf(failure).reason, "TIME_LIMIT");
+  EXPECT_EQ(Analyses(), 0);
 }
 
 TEST_F(MeshServiceTest, BadInputIsRefusedAndTheWorkerLives) {
