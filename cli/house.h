@@ -15,7 +15,7 @@ namespace mortise::cli {
 struct HouseOptions {
   std::filesystem::path state = ".mortise";  // where stores, blobs, keys and logs live
   std::filesystem::path binaries;            // folder of the mortise-* programs
-  std::filesystem::path collection;          // items and designs a new catalog begins with
+  std::filesystem::path collection;          // items and designs that ship with it
   bool any_ports = false;                    // any free ports instead of the usual ones
   int workers = 0;                           // simulator workers; 0 for one a core
   bool virtual_cell = false;                 // also a virtual cell and the bridge to it

@@ -180,8 +180,9 @@ void AddHouseCommands(CLI::App& app, Session& session) {
   CLI::App* up = app.add_subcommand("up", "Start every service of a house on this machine");
   up->add_option("--state", options->state, "Folder for stores, blobs, keys and logs")
       ->capture_default_str();
-  up->add_option("--collection", options->collection,
-                 "Items and designs a new catalog begins with");
+  up->add_option(
+      "--collection", options->collection,
+      "Items and designs that the catalog has from the start, and takes up as they change");
   up->add_flag("--any-ports", options->any_ports, "Any free ports instead of the usual ones");
   up->add_option("--workers", options->workers, "Simulator workers; 0 for one a core")
       ->check(CLI::NonNegativeNumber);
