@@ -27,8 +27,8 @@ struct Thing {
   const char* kind;
   std::string name;
   std::string digest;
-  bool uses_others = false;  // takes up items and materials that change
   Put put;
+  std::string assembly = {};  // that a template exposes
 };
 
 std::string DigestOf(const google::protobuf::Message& message) {
@@ -64,7 +64,8 @@ absl::StatusOr<int64_t> PutItem(store::Transaction& transaction, v1::Item item, 
     return made.revision();
   }
   item.set_revision(present);
-  MORTISE_ASSIGN_OR_RETURN(const v1::Item now, GetItem(transaction, item.name()));
+  MORTISE_ASSIGN_OR_RETURN(v1::Item now, GetItem(transaction, item.name()));
+  now.clear_update_time();
   if (now.SerializeAsString() == item.SerializeAsString()) return present;
   v1::UpdateItemRequest update;
   *update.mutable_item() = std::move(item);
@@ -97,23 +98,23 @@ std::vector<Thing> ThingsOf(const parametric::Collection& collection,
                             store::Transaction* transaction) {
   std::vector<Thing> things;
   for (const v1::Material& message : collection.materials) {
-    things.push_back({kMaterials, message.name(), DigestOf(message), false, [=](int64_t present) {
+    things.push_back({kMaterials, message.name(), DigestOf(message), [=](int64_t present) {
                         return PutMaterial(*transaction, message, present);
                       }});
   }
   for (const v1::Item& message : collection.items) {
-    things.push_back({kItems, message.name(), DigestOf(message), false,
+    things.push_back({kItems, message.name(), DigestOf(message),
                       [=](int64_t present) { return PutItem(*transaction, message, present); }});
   }
   std::set<std::string> own_templates;
   for (const v1::Template& message : collection.templates) own_templates.insert(message.name());
   const auto add_template = [&](const v1::Template& message, const std::string& digest) {
-    things.push_back({kTemplates, message.name(), digest, true, [=](int64_t present) {
-                        return PutTemplate(*transaction, message, present);
-                      }});
+    things.push_back({kTemplates, message.name(), digest,
+                      [=](int64_t present) { return PutTemplate(*transaction, message, present); },
+                      message.assembly().assembly()});
   };
   for (const v1::Assembly& message : collection.assemblies) {
-    things.push_back({kAssemblies, message.name(), DigestOf(message), true, [=](int64_t present) {
+    things.push_back({kAssemblies, message.name(), DigestOf(message), [=](int64_t present) {
                         return PutAssembly(*transaction, message, present);
                       }});
     // Somebody's own template of that name is kept instead.
@@ -150,16 +151,19 @@ class Loader {
     MORTISE_ASSIGN_OR_RETURN(const auto mark, GetMark(transaction_, thing.name));
     MORTISE_ASSIGN_OR_RETURN(const auto present, FindPresent(transaction_, thing.kind, thing.name));
     Delivery delivery = DecideDelivery(mark, present, thing.digest, origin_.filled_at);
-    const bool as_shipped = mark && present && mark->revision == present->revision;
-    if (delivery == Delivery::kNone && thing.uses_others && others_changed_ && as_shipped) {
-      delivery = Delivery::kUpdate;
+    if (delivery != Delivery::kNone && !thing.assembly.empty()) {
+      // It would expose what a user has drawn instead.
+      MORTISE_ASSIGN_OR_RETURN(const bool as_shipped, IsShippedNow(kAssemblies, thing.assembly));
+      if (!as_shipped) delivery = Delivery::kKeepOwn;
     }
     switch (delivery) {
       case Delivery::kNone:
         return absl::OkStatus();
       case Delivery::kKeepOwn:
         report_.kept.push_back(thing.name);
-        return PutMark(transaction_, thing.name, {thing.digest, mark ? mark->revision : 0});
+        return PutMark(transaction_, thing.name,
+                       {thing.digest, mark ? mark->revision : 0,
+                        mark ? mark->created_at : absl::InfinitePast()});
       case Delivery::kCreate:
       case Delivery::kUpdate:
         return Bring(thing, present ? present->revision : 0);
@@ -179,14 +183,20 @@ class Loader {
     }
     if (*revision != present) {
       (present == 0 ? report_.created : report_.updated).push_back(thing.name);
-      others_changed_ = others_changed_ || !thing.uses_others;
     }
-    return PutMark(transaction_, thing.name, {thing.digest, *revision});
+    MORTISE_ASSIGN_OR_RETURN(const auto brought, FindPresent(transaction_, thing.kind, thing.name));
+    return PutMark(transaction_, thing.name,
+                   {thing.digest, *revision, brought ? brought->created_at : absl::InfinitePast()});
+  }
+
+  absl::StatusOr<bool> IsShippedNow(const char* kind, const std::string& name) {
+    MORTISE_ASSIGN_OR_RETURN(const auto mark, GetMark(transaction_, name));
+    MORTISE_ASSIGN_OR_RETURN(const auto present, FindPresent(transaction_, kind, name));
+    return IsAsShipped(mark, present);
   }
 
   store::Transaction& transaction_;
   StoreOrigin origin_;
-  bool others_changed_ = false;  // items or materials
   CollectionReport report_;
 };
 
@@ -209,6 +219,16 @@ absl::StatusOr<bool> LacksAny(store::Store& store, const parametric::Collection&
   return lacks;
 }
 
+absl::StatusOr<bool> IsEmpty(store::Store& store) {
+  bool is_empty = true;
+  MORTISE_RETURN_IF_ERROR(store.Read([&](store::ReadTransaction& transaction) -> absl::Status {
+    MORTISE_ASSIGN_OR_RETURN(const StoreOrigin origin, OriginOf(transaction));
+    is_empty = origin.is_empty;
+    return absl::OkStatus();
+  }));
+  return is_empty;
+}
+
 void Tell(const CollectionReport& report, const std::filesystem::path& folder) {
   if (!report.created.empty() || !report.updated.empty()) {
     Log(LogLevel::kInfo, "loaded the collection",
@@ -229,13 +249,19 @@ void Tell(const CollectionReport& report, const std::filesystem::path& folder) {
 
 absl::StatusOr<CollectionReport> LoadCollection(store::Store& store,
                                                 const std::filesystem::path& folder) {
-  MORTISE_ASSIGN_OR_RETURN(const parametric::Collection collection,
-                           parametric::ReadCollection(folder));
-  MORTISE_ASSIGN_OR_RETURN(const bool lacks, LacksAny(store, collection));
+  const absl::StatusOr<parametric::Collection> collection = parametric::ReadCollection(folder);
   CollectionReport report;
+  if (!collection.ok()) {
+    MORTISE_ASSIGN_OR_RETURN(const bool is_empty, IsEmpty(store));
+    if (is_empty) return collection.status();
+    report.failed.emplace_back(collection.status().message());
+    Tell(report, folder);
+    return report;
+  }
+  MORTISE_ASSIGN_OR_RETURN(const bool lacks, LacksAny(store, *collection));
   if (!lacks) return report;
   MORTISE_RETURN_IF_ERROR(store.Transact([&](store::Transaction& transaction) -> absl::Status {
-    MORTISE_ASSIGN_OR_RETURN(report, Loader(transaction).Load(collection));
+    MORTISE_ASSIGN_OR_RETURN(report, Loader(transaction).Load(*collection));
     return absl::OkStatus();
   }));
   Tell(report, folder);

@@ -22,9 +22,10 @@ struct CollectionReport {
 // Loads the folder into the store in one transaction. An empty store takes all of it:
 // INVALID_ARGUMENT or NOT_FOUND with the file and what is wrong with it, and nothing is stored. A
 // store that is not empty takes what is new, and new revisions of what is still as it was shipped;
-// what users changed, made or removed stays as it is. Templates and assemblies as they were shipped
-// take up items and materials that are replaced. What a store already has of the folder it does not
-// take again.
+// what users changed, made or removed stays as it is, and the template that exposes an assembly
+// goes with it. Templates and assemblies keep the items and materials that they were made with
+// until they are replaced themselves. What a store already has of the folder it does not take
+// again. A folder that cannot be read is said to be in `failed`, and leaves such a store as it is.
 absl::StatusOr<CollectionReport> LoadCollection(store::Store& store,
                                                 const std::filesystem::path& folder);
 

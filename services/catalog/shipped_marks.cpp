@@ -17,13 +17,19 @@ constexpr int kPage = 1000;
 
 }  // namespace
 
+bool IsAsShipped(const std::optional<ShippedMark>& mark,
+                 const std::optional<PresentRevision>& present) {
+  return mark && present && mark->revision == present->revision &&
+         mark->created_at == present->created_at;
+}
+
 Delivery DecideDelivery(const std::optional<ShippedMark>& mark,
                         const std::optional<PresentRevision>& present, const std::string& digest,
                         absl::Time filled_at) {
   if (!present) return mark ? Delivery::kNone : Delivery::kCreate;
   if (mark) {
     if (mark->digest == digest) return Delivery::kNone;
-    return present->revision == mark->revision ? Delivery::kUpdate : Delivery::kKeepOwn;
+    return IsAsShipped(mark, present) ? Delivery::kUpdate : Delivery::kKeepOwn;
   }
   const bool as_filled = present->revision == 1 && present->created_at == filled_at;
   return as_filled ? Delivery::kUpdate : Delivery::kKeepOwn;
@@ -36,16 +42,20 @@ absl::StatusOr<std::optional<ShippedMark>> GetMark(store::ReadTransaction& trans
   MORTISE_RETURN_IF_ERROR(record.status());
   const auto json = nlohmann::json::parse(record->payload, nullptr, false);
   if (!json.is_object() || !json.contains("digest") || !json["digest"].is_string() ||
-      !json.contains("revision") || !json["revision"].is_number_integer()) {
+      !json.contains("revision") || !json["revision"].is_number_integer() ||
+      !json.contains("created_at") || !json["created_at"].is_number_integer()) {
     return StorageFailed(absl::StrCat(kMarks, "/", name), "the record cannot be read");
   }
   return std::optional<ShippedMark>(
-      ShippedMark{json["digest"].get<std::string>(), json["revision"].get<int64_t>()});
+      ShippedMark{json["digest"].get<std::string>(), json["revision"].get<int64_t>(),
+                  absl::FromUnixMicros(json["created_at"].get<int64_t>())});
 }
 
 absl::Status PutMark(store::Transaction& transaction, const std::string& name,
                      const ShippedMark& mark) {
-  const nlohmann::json json = {{"digest", mark.digest}, {"revision", mark.revision}};
+  const nlohmann::json json = {{"digest", mark.digest},
+                               {"revision", mark.revision},
+                               {"created_at", absl::ToUnixMicros(mark.created_at)}};
   return transaction.Put(kMarks, name, json.dump()).status();
 }
 

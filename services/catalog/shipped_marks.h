@@ -17,6 +17,9 @@ namespace mortise::catalog {
 struct ShippedMark {
   std::string digest;    // of what was shipped, as the collection has it
   int64_t revision = 0;  // that it became; 0 where a user's own was kept instead
+  // When the resource was made that has this revision: one that a user made under the same name,
+  // after removing what was shipped, begins with revision 1 again.
+  absl::Time created_at = absl::InfinitePast();
 };
 
 // The present record of a resource.
@@ -32,6 +35,10 @@ enum class Delivery {
   kUpdate,   // as it was shipped before: it is replaced
   kKeepOwn,  // a user changed it, or made it: it stays
 };
+
+// Whether the resource is still what was shipped.
+bool IsAsShipped(const std::optional<ShippedMark>& mark,
+                 const std::optional<PresentRevision>& present);
 
 // `mark`: none if it was never shipped to this store. Stores that were filled before there were
 // marks have none; there, what was written in the store's first transaction, at `filled_at`, and

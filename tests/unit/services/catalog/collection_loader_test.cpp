@@ -146,6 +146,23 @@ TEST_F(CollectionLoaderTest, KeepsWhatUsersChangedMadeOrRemoved) {
   EXPECT_THAT(Load().kept, IsEmpty());  // told once
 }
 
+TEST_F(CollectionLoaderTest, KeepsWhatUsersMadeInPlaceOfWhatTheyRemoved) {
+  Ship(500, 1);
+  Load();
+  v1::Item own = ItemOf("items/knob");
+  Remove("items/knob");
+  own.mutable_price()->set_amount(9);
+  own.clear_update_time();
+  own.clear_revision();
+  ASSERT_TRUE(Transact([&](store::Transaction& transaction) {
+                return CreateItem(transaction, own, "somebody").status();
+              }).ok());
+  ASSERT_EQ(ItemOf("items/knob").revision(), 1);  // as what was shipped had
+  Ship(500, 2);
+  EXPECT_THAT(Load().kept, ElementsAre("items/knob"));
+  EXPECT_EQ(ItemOf("items/knob").price().amount(), 9);
+}
+
 TEST_F(CollectionLoaderTest, DoesNotReplaceWhatUsersMadeBefore) {
   Ship(600, 1);
   v1::Material own;
@@ -175,6 +192,26 @@ TEST_F(CollectionLoaderTest, BringsStoresUpToDateThatWereFilledBeforeMarksWereKe
   EXPECT_THAT(report.updated, UnorderedElementsAre("materials/wood", "items/knob"));
   EXPECT_THAT(report.kept, ElementsAre("items/hook"));
   EXPECT_EQ(ItemOf("items/hook").price().amount(), 7);
+}
+
+TEST_F(CollectionLoaderTest, MakesNoRevisionsOfWhatIsTheSame) {
+  Ship(500, 1);
+  Load();
+  ForgetMarks();
+  EXPECT_THAT(Load().updated, IsEmpty());
+  EXPECT_EQ(ItemOf("items/knob").revision(), 1);
+  Ship(500, 2);
+  EXPECT_THAT(Load().updated, ElementsAre("items/knob"));
+}
+
+TEST_F(CollectionLoaderTest, ACollectionThatCannotBeReadLeavesAFilledStoreAsItIs) {
+  Ship(500, 1);
+  Load();
+  ASSERT_TRUE(WriteFile(collection_ / "items" / "hardware.csv", "not a table\n1,2\n").ok());
+  const auto report = LoadCollection(*store_, collection_);
+  ASSERT_TRUE(report.ok()) << report.status();
+  EXPECT_EQ(report->failed.size(), 1u);
+  EXPECT_EQ(ItemOf("items/knob").price().amount(), 1);
 }
 
 TEST_F(CollectionLoaderTest, AFaultOfTheCollectionStoresNothingInAnEmptyStore) {
