@@ -30,6 +30,12 @@ constexpr absl::Duration kCatalogTimeout = absl::Minutes(2);
 constexpr char kStepFile[] = "design.step";
 constexpr std::size_t kLargestExport = 256u << 20;  // bytes
 
+// Whether it is not the design that is at fault.
+bool MayPass(const absl::Status& status) {
+  return absl::IsUnavailable(status) || absl::IsDeadlineExceeded(status) ||
+         absl::IsAborted(status) || absl::IsCancelled(status);
+}
+
 // "operations/fabplanner/abc" names "plans/abc".
 std::string PlanIdOf(const std::string& operation_name) {
   return operation_name.substr(operation_name.rfind('/') + 1);
@@ -198,6 +204,8 @@ absl::StatusOr<std::string> PlanOperation::Run(jobs::OperationContext& context) 
     if (fetched.ok()) {
       step = *std::move(fetched);
       AddToDrawings(kStepFile, &made);
+    } else if (MayPass(fetched.status())) {
+      return fetched.status();
     } else if (!absl::IsFailedPrecondition(fetched.status())) {
       made.handwork.push_back(
           absl::StrCat("make do without ", kStepFile,
