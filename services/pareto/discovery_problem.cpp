@@ -60,9 +60,19 @@ absl::Status AddObjectives(const v1::DiscoverySpecification& specification,
   return absl::OkStatus();
 }
 
+// Reasons that are FAILED_PRECONDITION, but may hold for some designs of a subject only, and be
+// given in the same words for many.
+bool IsOfDesign(const std::string& reason) {
+  for (const char* known :
+       {"RIGID_MOTION", "SINGULAR", "NOT_CONVERGED", "NOT_BONDED", "QUARANTINED"}) {
+    if (reason == known) return true;
+  }
+  return false;
+}
+
 // Whether several designs failed in the same words for what the subject may lack.
 bool IsOfSubject(const FailureCount& failure) {
-  return failure.count > 1 && failure.same_message &&
+  return failure.count > 1 && failure.same_message && !IsOfDesign(failure.reason) &&
          (failure.code == absl::StatusCode::kFailedPrecondition ||
           failure.code == absl::StatusCode::kNotFound ||
           failure.code == absl::StatusCode::kUnimplemented);

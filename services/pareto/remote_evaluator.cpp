@@ -21,9 +21,15 @@ namespace {
 constexpr absl::Duration kFirstDelay = absl::Milliseconds(100);
 constexpr absl::Duration kLongestDelay = absl::Seconds(2);
 
+// Of a call: it got lost, took too long, or there were too many.
 bool WorthRepeating(const absl::Status& status) {
   return absl::IsUnavailable(status) || absl::IsAborted(status) ||
-         absl::IsResourceExhausted(status);
+         absl::IsResourceExhausted(status) || absl::IsDeadlineExceeded(status);
+}
+
+// Of one design: its evaluation got lost. One that takes too much memory or time has failed.
+bool GotLost(const absl::Status& status) {
+  return absl::IsUnavailable(status) || absl::IsAborted(status) || absl::IsCancelled(status);
 }
 
 }  // namespace
@@ -140,7 +146,7 @@ absl::Status RemoteEvaluator::CallOnce(Batch& batch) {
       break;
     }
     const std::size_t i = asked[static_cast<std::size_t>(result.index())];
-    if (result.has_error() && WorthRepeating(rpc::FromProto(result.error()))) continue;
+    if (result.has_error() && GotLost(rpc::FromProto(result.error()))) continue;
     batch.results[i].x = batch.designs[i];
     wrong = ReadResult(result, problem_, batch.results[i]);
     batch.answered[i] = true;

@@ -291,6 +291,15 @@ TEST_F(ParetoServiceTest, SaysWhyDesignsFailed) {
   EXPECT_EQ(count, front.failed_evaluations());
 }
 
+TEST_F(ParetoServiceTest, GoesOnWithoutDesignsThatTakeTooMuch) {
+  evaluator_.FailFrom(0.6, TooLarge("the evaluation", "the memory at hand"));
+  const v1::Front front = FrontOf(Wait(Discover(Request(60)).name()));
+  EXPECT_GT(front.points_size(), 0);
+  EXPECT_GT(front.failed_evaluations(), 0);
+  EXPECT_EQ(front.evaluations(), 60);
+  EXPECT_EQ(evaluator_.evaluations(), 60);  // none was asked again
+}
+
 TEST_F(ParetoServiceTest, EndsAtOnceWhereTheSubjectLacksSomething) {
   // Half of the designs do not get so far that this would be seen.
   evaluator_.FailFrom(0, PreconditionFailed("NO_SUPPORTS", "nothing holds it", "boundary"), 0.5);
@@ -303,6 +312,15 @@ TEST_F(ParetoServiceTest, EndsAtOnceWhereTheSubjectLacksSomething) {
   for (const char* part : {"templates/zdt1", "nothing holds it", "NO_SUPPORTS"})
     EXPECT_NE(error.message().find(part), std::string::npos) << error;
   EXPECT_LT(evaluator_.evaluations(), 100);
+}
+
+TEST_F(ParetoServiceTest, SpendsItsBudgetWherePartsAreLoose) {
+  // In the same words for each, and for the default design; others may hold all the same.
+  evaluator_.FailFrom(0, PreconditionFailed("RIGID_MOTION", "the seat is free to move", "seat"));
+  const v1::Operation operation = Wait(Discover(Request(40)).name());
+  ASSERT_EQ(operation.state(), v1::Operation::FAILED) << operation.ShortDebugString();
+  EXPECT_EQ(DetailOf(rpc::FromProto(operation.error())).reason, "NO_FEASIBLE_DESIGN");
+  EXPECT_EQ(evaluator_.evaluations(), 40);
 }
 
 TEST_F(ParetoServiceTest, GoesOnWhereTheDefaultDesignWorks) {
