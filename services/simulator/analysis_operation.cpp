@@ -37,6 +37,19 @@ struct Run {
   jobs::OperationContext& context;
 };
 
+std::string KeyOf(const std::string& operation) {
+  return absl::StrCat("analysis-", IdOf(operation));
+}
+
+// The task of an analysis that is cancelled while nobody runs it.
+absl::Status CancelTask(store::Transaction& transaction, const jobs::Operation& operation) {
+  const std::string key = KeyOf(operation.name);
+  const absl::StatusOr<store::Task> task = transaction.GetTask(kSimulatorQueue, key);
+  if (absl::IsNotFound(task.status())) return absl::OkStatus();
+  MORTISE_RETURN_IF_ERROR(task.status());
+  return IsFinished(*task) ? absl::OkStatus() : transaction.CancelTask(kSimulatorQueue, key);
+}
+
 // Whether somebody cancelled the analysis: where the process just ends, its task goes on, and the
 // run that resumes finds it.
 bool IsGivenUp(const Run& run) {
@@ -74,7 +87,7 @@ absl::StatusOr<store::Task> AwaitTask(const Run& run, const std::string& key,
       if (finished->task) return *finished->task;
     }
     if (run.context.Cancelled()) {
-      if (core.waiters().Remove(key, ticket) && IsGivenUp(run)) core.CancelUnwanted(key);
+      if (core.waiters().Remove(key, ticket) && IsGivenUp(run)) core.CancelUnfinished(key);
       return absl::CancelledError("the analysis was cancelled");
     }
     finished->bell.Wait(kLookForCancel);
@@ -99,7 +112,7 @@ absl::StatusOr<std::string> Analyse(const Run& run) {
   const std::string id = IdOf(context.name());
   context.ReportProgress({.done = 0, .total = 1, .message = "waiting for a worker"});
   MORTISE_ASSIGN_OR_RETURN(const store::Task finished,
-                           RunTask(run, absl::StrCat("analysis-", id), task.SerializeAsString()));
+                           RunTask(run, KeyOf(context.name()), task.SerializeAsString()));
   MORTISE_RETURN_IF_ERROR(TaskError(finished));
   v1::ReportTaskRequest report;
   if (!report.ParseFromString(finished.result)) {
@@ -190,9 +203,12 @@ absl::StatusOr<v1::Operation> StartAnalysis(jobs::Operations& operations, const 
 }
 
 void RegisterAnalysis(jobs::Operations& operations, const std::shared_ptr<SimulatorCore>& core) {
-  operations.Register(kOperationKind, [core, &operations](jobs::OperationContext& context) {
-    return Analyse({*core, operations, context});
-  });
+  operations.Register(
+      kOperationKind,
+      [core, &operations](jobs::OperationContext& context) {
+        return Analyse({*core, operations, context});
+      },
+      CancelTask);
 }
 
 absl::StatusOr<v1::Analysis> ReadAnalysis(store::Store& store, const std::string& id) {

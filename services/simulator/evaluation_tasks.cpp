@@ -24,14 +24,24 @@ bool IsTransient(const absl::Status& status) {
   }
 }
 
+namespace {
+
+// A worker's limit of time is not the task's: the next may give it longer.
+bool MayEndOtherwise(const absl::Status& failure) {
+  return IsTransient(failure) || DetailOf(failure).reason == kTimeLimit;
+}
+
+}  // namespace
+
 absl::StatusOr<store::Task> FindOrEnqueue(store::Transaction& transaction, const std::string& key,
                                           const std::string& payload, int priority,
                                           bool& was_there) {
   absl::StatusOr<store::Task> task = transaction.GetTask(kSimulatorQueue, key);
   if (!task.ok() && !absl::IsNotFound(task.status())) return task.status();
   if (task.ok()) {
-    const bool again = task->state == store::TaskState::kCancelled ||
-                       (task->state == store::TaskState::kFailed && IsTransient(TaskError(*task)));
+    const bool again =
+        task->state == store::TaskState::kCancelled ||
+        (task->state == store::TaskState::kFailed && MayEndOtherwise(TaskError(*task)));
     was_there = task->state == store::TaskState::kSucceeded;
     if (!again) return task;
     MORTISE_RETURN_IF_ERROR(transaction.DeleteTask(kSimulatorQueue, key));

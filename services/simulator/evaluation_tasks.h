@@ -20,12 +20,15 @@ inline constexpr char kSimulatorQueue[] = "simulator";
 // Whether the task will not change any more.
 bool IsFinished(const store::Task& task);
 
+// The reason of a failure for the worker's limit of time.
+inline constexpr char kTimeLimit[] = "TIME_LIMIT";
+
 // Whether a failure may pass by itself, so that the work is worth another try.
 bool IsTransient(const absl::Status& status);
 
 // The task under `key`, queued by this call if it was not there. One that failed for a passing
-// reason, or was cancelled, is queued afresh. `was_there` tells whether its result, if it has one,
-// was computed before.
+// reason or for a limit of time, or was cancelled, is queued afresh. `was_there` tells whether its
+// result, if it has one, was computed before.
 absl::StatusOr<store::Task> FindOrEnqueue(store::Transaction& transaction, const std::string& key,
                                           const std::string& payload, int priority,
                                           bool& was_there);

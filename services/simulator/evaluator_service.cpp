@@ -99,7 +99,8 @@ class Batch : public std::enable_shared_from_this<Batch> {
     waiting_.emplace_back(key, ticket);
   }
 
-  // Nobody reads any more: what only this stream wanted need not be computed.
+  // Nobody reads any more: what only this stream wanted need not be begun. What is under way is
+  // finished and kept: streams break off and are asked for again.
   void Abandon() {
     std::vector<std::pair<std::string, int64_t>> waiting;
     {
@@ -107,7 +108,7 @@ class Batch : public std::enable_shared_from_this<Batch> {
       waiting.swap(waiting_);
     }
     for (const auto& [key, ticket] : waiting) {
-      if (core_->waiters().Remove(key, ticket)) core_->CancelUnwanted(key);
+      if (core_->waiters().Remove(key, ticket)) core_->CancelIfQueued(key);
     }
   }
 

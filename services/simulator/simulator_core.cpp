@@ -55,12 +55,16 @@ absl::StatusOr<store::Task> SimulatorCore::Enqueue(const std::string& key,
   return task;
 }
 
-void SimulatorCore::CancelUnwanted(const std::string& key) {
+void SimulatorCore::CancelIfQueued(const std::string& key) { Cancel(key, false); }
+
+void SimulatorCore::CancelUnfinished(const std::string& key) { Cancel(key, true); }
+
+void SimulatorCore::Cancel(const std::string& key, bool even_if_leased) {
   const absl::Status status =
       store_->Transact([&](store::Transaction& transaction) -> absl::Status {
         MORTISE_ASSIGN_OR_RETURN(const store::Task task, transaction.GetTask(kSimulatorQueue, key));
-        // Who begins to wait from here on asks for the task afterwards, and finds it cancelled.
         if (IsFinished(task) || waiters_.IsAwaited(key)) return absl::OkStatus();
+        if (task.state == store::TaskState::kLeased && !even_if_leased) return absl::OkStatus();
         return transaction.CancelTask(kSimulatorQueue, key);
       });
   if (!status.ok()) {

@@ -40,9 +40,12 @@ class SimulatorCore : public std::enable_shared_from_this<SimulatorCore> {
   absl::StatusOr<store::Task> Enqueue(const std::string& key, const std::string& payload,
                                       int priority, bool& was_there);
 
+  // Cancels a task that still waits for a worker, unless somebody waits for it.
+  void CancelIfQueued(const std::string& key);
+
   // Cancels a task that has not finished, unless somebody waits for it. A worker that has it drops
   // it when it next renews its lease.
-  void CancelUnwanted(const std::string& key);
+  void CancelUnfinished(const std::string& key);
 
   // Leases tasks, puts aside poisonous ones and tells those who wait for them.
   absl::StatusOr<std::vector<store::Task>> Lease(const std::string& queue,
@@ -62,6 +65,7 @@ class SimulatorCore : public std::enable_shared_from_this<SimulatorCore> {
  private:
   explicit SimulatorCore(const rpc::ServiceEnvironment& environment);
   void LookAtStore();
+  void Cancel(const std::string& key, bool even_if_leased);
 
   store::Store* const store_;
   rpc::Dispatcher* const dispatcher_;

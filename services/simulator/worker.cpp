@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <mutex>
 #include <thread>
@@ -14,6 +15,7 @@
 #include "common/base/logging.h"
 #include "common/rpc/status_mapping.h"
 #include "mortise/v1/simulator.grpc.pb.h"
+#include "services/simulator/evaluation_tasks.h"
 #include "services/simulator/task_evaluation.h"
 #include "services/simulator/template_source.h"
 
@@ -54,12 +56,12 @@ class LeaseKeeper {
 
  private:
   void Run() {
-    const absl::Time start = absl::Now();
+    const auto end = std::chrono::steady_clock::now() + absl::ToChronoSeconds(options_.time_limit);
     std::unique_lock lock(mutex_);
     while (
         !changed_.wait_for(lock, absl::ToChronoNanoseconds(interval_), [this] { return done_; })) {
       lock.unlock();
-      if (absl::Now() - start > options_.time_limit) stop_.request_stop();
+      if (std::chrono::steady_clock::now() > end) stop_.request_stop();
       v1::RenewLeasesRequest request;
       request.set_worker(options_.name);
       request.set_lease_seconds(absl::ToDoubleSeconds(options_.lease));
@@ -144,7 +146,7 @@ absl::Status OutOfTime(absl::Duration limit) {
   return WithDetail(absl::ResourceExhaustedError(absl::StrCat("the evaluation takes longer than ",
                                                               absl::FormatDuration(limit),
                                                               ", the limit of this worker")),
-                    {"TIME_LIMIT", ""});
+                    {kTimeLimit, ""});
 }
 
 void WorkOn(const WorkerOptions& options, Stub& stub, TemplateSource& templates,
