@@ -136,7 +136,7 @@ absl::Status ImportDrawing(const std::filesystem::path& file, const ImportOption
   request.set_request_id(NewIdentifier());
   MORTISE_ASSIGN_OR_RETURN(const int64_t before, PresentRevision(annotations.name(), stub, client));
   request.set_expected_revision(before);
-  if (packed.size() <= kMostInMessage) {
+  if (request.ByteSizeLong() + packed.size() <= kMostInMessage) {
     request.set_step(packed);
   } else {
     MORTISE_ASSIGN_OR_RETURN(*request.mutable_drawing(), Upload(packed, stub, client));
