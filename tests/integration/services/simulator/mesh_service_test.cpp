@@ -77,6 +77,17 @@ class MeshServiceTest : public SimulatorProcessTest {
     return request;
   }
 
+  void Cancel(const std::string& operation) {
+    v1::CancelOperationRequest cancel;
+    cancel.set_name(operation);
+    cancel.set_request_id("cancel");
+    v1::Operation answer;
+    const auto context = Context();
+    const auto operations = v1::OperationService::NewStub(service_.channel());
+    EXPECT_TRUE(operations->CancelOperation(context.get(), cancel, &answer).ok());
+    EXPECT_EQ(Wait(operation).state(), v1::Operation::CANCELLED);
+  }
+
   // Asks until a worker has a task; false after a minute.
   bool WaitUntilLeased() {
     v1::GetQueueStatusRequest asked;
@@ -178,14 +189,7 @@ TEST_F(MeshServiceTest, AnAnalysisOutlivesTheService) {
   v1::Operation operation, cancelled;
   ASSERT_TRUE(Start(Bar(digest, "outlives"), operation).ok());
   ASSERT_TRUE(Start(Bar(digest, "is-cancelled"), cancelled).ok());
-  v1::CancelOperationRequest cancel;
-  cancel.set_name(cancelled.name());
-  cancel.set_request_id("cancel");
-  v1::Operation answer;
-  const auto context = Context();
-  const auto operations = v1::OperationService::NewStub(service_.channel());
-  ASSERT_TRUE(operations->CancelOperation(context.get(), cancel, &answer).ok());
-  EXPECT_EQ(Wait(cancelled.name()).state(), v1::Operation::CANCELLED);
+  Cancel(cancelled.name());
   service_.Kill();
   service_.Start();
   const auto worker = StartWorker("late");
@@ -203,14 +207,7 @@ TEST_F(MeshServiceTest, WhatIsCancelledIsDroppedByItsWorker) {
   v1::Operation operation;
   ASSERT_TRUE(Start(WithManyCases(digest, "too-long"), operation).ok());
   ASSERT_TRUE(WaitUntilLeased());
-  v1::CancelOperationRequest cancel;
-  cancel.set_name(operation.name());
-  cancel.set_request_id("cancel");
-  v1::Operation answer;
-  const auto context = Context();
-  const auto operations = v1::OperationService::NewStub(service_.channel());
-  ASSERT_TRUE(operations->CancelOperation(context.get(), cancel, &answer).ok());
-  EXPECT_EQ(Wait(operation.name()).state(), v1::Operation::CANCELLED);
+  Cancel(operation.name());
   // The worker, the only one, is free for others, and what it dropped leaves no analysis.
   EXPECT_EQ(ResultOf(Run(Bar(digest, "next"))).cases_size(), 1);
   EXPECT_EQ(Analyses(), 1);
