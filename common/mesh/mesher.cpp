@@ -9,6 +9,7 @@
 #include <numbers>
 #include <string>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 // The library is compiled so; without it the header declares functions that exit.
@@ -108,15 +109,14 @@ std::mutex& TetGenMutex() {
   return mutex;
 }
 
-absl::Status RunTetGen(const AssemblySurface& assembly, const MeshOptions& options,
-                       double element_size, tetgenio& output) {
-  tetgenio input;
-  FillInput(assembly, RegularVolume(element_size), input);
-  // p: a surface; z: from 0; Q: quiet; A: region attributes; a: region volumes; q: quality;
-  // S: at most so many extra points, which ends runaway refinement.
-  std::string switches = absl::StrFormat("pzQAaq%.4f/%.4fS%d", options.radius_edge_ratio,
-                                         options.minimum_dihedral * kDegreesPerRadian,
-                                         std::max(1000, options.element_limit / 3));
+// q: quality; S: at most so many extra points, which ends runaway refinement.
+std::string QualitySwitches(const MeshOptions& options) {
+  return absl::StrFormat("q%.4f/%.4fS%d", options.radius_edge_ratio,
+                         options.minimum_dihedral * kDegreesPerRadian,
+                         std::max(1000, options.element_limit / 3));
+}
+
+absl::Status RunTetGen(std::string switches, tetgenio& input, tetgenio& output) {
   try {
     const std::lock_guard lock(TetGenMutex());
     tetrahedralize(switches.data(), &input, &output);
@@ -181,12 +181,11 @@ TetrahedralMesh TakeElements(const tetgenio& output, int parts) {
 }
 
 // Takes over the marked triangles, oriented as the header promises.
-void TakeFaces(const tetgenio& output, const AssemblySurface& assembly, TetrahedralMesh& mesh) {
-  mesh.faces = assembly.faces;
+void TakeFaces(const tetgenio& output, std::vector<AssemblyFace> faces, TetrahedralMesh& mesh) {
+  mesh.faces = std::move(faces);
   for (AssemblyFace& face : mesh.faces) {
     if (face.back_part < 0) std::swap(face.front_part, face.back_part);
   }
-  mesh.part_names = assembly.part_names;
   const ElementFaces sides(mesh);
   std::vector<Eigen::Vector3i> triangles;
   std::vector<int> owners;
@@ -208,7 +207,91 @@ void TakeFaces(const tetgenio& output, const AssemblySurface& assembly, Tetrahed
   }
 }
 
+// What TetGen made, checked. Errors as MeshAssembly's.
+absl::StatusOr<TetrahedralMesh> TakeMesh(const tetgenio& output, std::vector<AssemblyFace> faces,
+                                         const std::vector<std::string>& part_names,
+                                         const MeshOptions& options) {
+  const int parts = static_cast<int>(part_names.size());
+  TetrahedralMesh mesh = TakeElements(output, parts);
+  if (mesh.tetrahedra.cols() > options.element_limit) {
+    return TooLarge(absl::StrCat("a mesh of ", mesh.tetrahedra.cols(), " elements"),
+                    absl::StrCat(options.element_limit, " elements"));
+  }
+  TakeFaces(output, std::move(faces), mesh);
+  mesh.part_names = part_names;
+  for (int p = 0; p < parts; ++p) {
+    if ((mesh.part.array() == p).any()) continue;
+    return absl::InternalError(
+        absl::StrCat("meshing failed: part '", part_names[p], "' got no elements"));
+  }
+  return options.quadratic ? MakeQuadratic(std::move(mesh)) : mesh;
+}
+
+absl::Status CheckSizes(const TetrahedralMesh& mesh, const Eigen::VectorXd& sizes) {
+  if (sizes.size() != mesh.tetrahedra.cols()) {
+    return InvalidField("sizes", "there must be one for each element");
+  }
+  if (!(sizes.array() > 0).all()) return InvalidField("sizes", "must be positive");
+  return absl::OkStatus();
+}
+
+// Copies the corners of a mesh into TetGen's input, with its parts as regions and its faces as
+// marked triangles, and the volume that each element may have.
+void FillInput(const TetrahedralMesh& mesh, const Eigen::VectorXd& sizes, tetgenio& input) {
+  std::vector<int> corner(static_cast<std::size_t>(mesh.nodes.cols()), -1);
+  std::vector<int> used;
+  const auto corner_of = [&](int node) {
+    int& mapped = corner[static_cast<std::size_t>(node)];
+    if (mapped < 0) {
+      mapped = static_cast<int>(used.size());
+      used.push_back(node);
+    }
+    return mapped;
+  };
+  input.firstnumber = 0;
+  input.mesh_dim = 3;
+  input.numberofcorners = 4;
+  input.numberoftetrahedra = static_cast<int>(mesh.tetrahedra.cols());
+  input.numberoftetrahedronattributes = 1;
+  input.tetrahedronlist = new int[4 * input.numberoftetrahedra];
+  input.tetrahedronattributelist = new REAL[input.numberoftetrahedra];
+  input.tetrahedronvolumelist = new REAL[input.numberoftetrahedra];
+  for (int e = 0; e < input.numberoftetrahedra; ++e) {
+    int* const corners = input.tetrahedronlist + 4 * e;
+    for (int k = 0; k < 4; ++k) corners[k] = corner_of(mesh.tetrahedra(k, e));
+    std::swap(corners[2], corners[3]);  // left-handed, as TetGen writes them
+    input.tetrahedronattributelist[e] = mesh.part[e] + 1;
+    input.tetrahedronvolumelist[e] = RegularVolume(sizes[e]);
+  }
+  input.numberoftrifaces = static_cast<int>(mesh.face_triangles.cols());
+  input.trifacelist = new int[3 * input.numberoftrifaces];
+  input.trifacemarkerlist = new int[input.numberoftrifaces];
+  for (int f = 0; f < input.numberoftrifaces; ++f) {
+    for (int k = 0; k < 3; ++k) {
+      input.trifacelist[3 * f + k] = corner_of(mesh.face_triangles(k, f));
+    }
+    input.trifacemarkerlist[f] = mesh.face_triangle_face[f] + 1;
+  }
+  input.numberofpoints = static_cast<int>(used.size());
+  input.pointlist = new REAL[3 * used.size()];
+  for (std::size_t v = 0; v < used.size(); ++v) {
+    Eigen::Map<Eigen::Vector3d>(input.pointlist + 3 * v) = mesh.nodes.col(used[v]);
+  }
+}
+
 }  // namespace
+
+double EstimateRefinement(const TetrahedralMesh& mesh, const Eigen::VectorXd& sizes) {
+  double elements = 0;
+  for (Eigen::Index e = 0; e < mesh.tetrahedra.cols(); ++e) {
+    const Eigen::Vector3d a = mesh.nodes.col(mesh.tetrahedra(0, e));
+    const Eigen::Vector3d b = mesh.nodes.col(mesh.tetrahedra(1, e)) - a;
+    const Eigen::Vector3d c = mesh.nodes.col(mesh.tetrahedra(2, e)) - a;
+    const Eigen::Vector3d d = mesh.nodes.col(mesh.tetrahedra(3, e)) - a;
+    elements += std::max(1.0, b.cross(c).dot(d) / 6 / RegularVolume(sizes[e]));
+  }
+  return elements;
+}
 
 double DefaultElementSize(const AssemblySurface& assembly) {
   Eigen::AlignedBox3d box;
@@ -236,19 +319,29 @@ absl::StatusOr<TetrahedralMesh> MeshAssembly(const AssemblySurface& assembly,
         absl::StrFormat("a mesh of about %.2g elements of %.4g mm", expected, 1e3 * size), limit);
   }
   MORTISE_RETURN_IF_ERROR(CheckCrossings(assembly));
-  tetgenio output;
-  MORTISE_RETURN_IF_ERROR(RunTetGen(assembly, options, size, output));
-  TetrahedralMesh mesh = TakeElements(output, static_cast<int>(assembly.part_names.size()));
-  if (mesh.tetrahedra.cols() > options.element_limit) {
-    return TooLarge(absl::StrCat("a mesh of ", mesh.tetrahedra.cols(), " elements"), limit);
+  tetgenio input, output;
+  FillInput(assembly, RegularVolume(size), input);
+  // p: a surface; z: from 0; Q: quiet; A: region attributes; a: region volumes.
+  MORTISE_RETURN_IF_ERROR(
+      RunTetGen(absl::StrCat("pzQAa", QualitySwitches(options)), input, output));
+  return TakeMesh(output, assembly.faces, assembly.part_names, options);
+}
+
+absl::StatusOr<TetrahedralMesh> RefineMesh(const TetrahedralMesh& mesh,
+                                           const Eigen::VectorXd& sizes,
+                                           const MeshOptions& options) {
+  MORTISE_RETURN_IF_ERROR(CheckOptions(options));
+  MORTISE_RETURN_IF_ERROR(CheckSizes(mesh, sizes));
+  const double expected = EstimateRefinement(mesh, sizes);
+  if (!(expected <= options.element_limit)) {
+    return TooLarge(absl::StrFormat("a refined mesh of about %.2g elements", expected),
+                    absl::StrCat(options.element_limit, " elements"));
   }
-  TakeFaces(output, assembly, mesh);
-  for (int p = 0; p < static_cast<int>(assembly.part_names.size()); ++p) {
-    if ((mesh.part.array() == p).any()) continue;
-    return absl::InternalError(
-        absl::StrCat("meshing failed: part '", assembly.part_names[p], "' got no elements"));
-  }
-  return options.quadratic ? MakeQuadratic(std::move(mesh)) : mesh;
+  tetgenio input, output;
+  FillInput(mesh, sizes, input);
+  // r: a mesh; z: from 0; Q: quiet; a: a volume for each element.
+  MORTISE_RETURN_IF_ERROR(RunTetGen(absl::StrCat("rzQa", QualitySwitches(options)), input, output));
+  return TakeMesh(output, mesh.faces, mesh.part_names, options);
 }
 
 }  // namespace mortise::mesh

@@ -47,6 +47,23 @@ double EstimateElements(const AssemblySurface& assembly, double element_size);
 absl::StatusOr<TetrahedralMesh> MeshAssembly(const AssemblySurface& assembly,
                                              const MeshOptions& options = {});
 
+// The mesh with every element of more than the volume of a regular tetrahedron of edge sizes[e] (m)
+// divided, and those beside them as good shapes need. Others mostly stay; nothing becomes coarser.
+// Parts, faces and what they enclose stay exactly the same. Of a quadratic mesh the corners count:
+// it must have straight edges. `options.element_size` has no effect. The same input gives the same
+// mesh.
+//
+// Errors as MeshAssembly's; INVALID_ARGUMENT naming "sizes" unless there is a positive one for each
+// element; RESOURCE_EXHAUSTED before any work is done where EstimateRefinement is beyond
+// `element_limit`.
+absl::StatusOr<TetrahedralMesh> RefineMesh(const TetrahedralMesh& mesh,
+                                           const Eigen::VectorXd& sizes,
+                                           const MeshOptions& options = {});
+
+// How many elements these sizes take at least. RefineMesh makes about twice to three times as many,
+// since sizes are the largest that elements may have.
+double EstimateRefinement(const TetrahedralMesh& mesh, const Eigen::VectorXd& sizes);
+
 // The same mesh with 10-node elements: a node in the middle of every edge. Quadratic meshes are
 // returned as they are.
 TetrahedralMesh MakeQuadratic(TetrahedralMesh mesh);

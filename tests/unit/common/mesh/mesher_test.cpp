@@ -4,7 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
 #include <limits>
+#include <vector>
 
 #include "box_assembly.h"
 #include "common/base/errors.h"
@@ -33,13 +36,123 @@ TEST(Mesher, FillsEveryPartExactly) {
   }
 }
 
+// The area of each face as a vector along its normal, m².
+std::vector<Eigen::Vector3d> FaceAreas(const TetrahedralMesh& mesh) {
+  std::vector<Eigen::Vector3d> areas(mesh.faces.size(), Eigen::Vector3d::Zero());
+  for (Eigen::Index t = 0; t < mesh.face_triangles.cols(); ++t) {
+    const Eigen::Vector3d a = mesh.nodes.col(mesh.face_triangles(0, t));
+    const Eigen::Vector3d b = mesh.nodes.col(mesh.face_triangles(1, t));
+    const Eigen::Vector3d c = mesh.nodes.col(mesh.face_triangles(2, t));
+    areas[mesh.face_triangle_face[t]] += (b - a).cross(c - a) / 2;
+  }
+  return areas;
+}
+
+// The edge of the regular tetrahedron of an element's volume, m.
+double SizeOf(const TetrahedralMesh& mesh, Eigen::Index element) {
+  const Eigen::Vector3d a = mesh.nodes.col(mesh.tetrahedra(0, element));
+  const Eigen::Vector3d b = mesh.nodes.col(mesh.tetrahedra(1, element)) - a;
+  const Eigen::Vector3d c = mesh.nodes.col(mesh.tetrahedra(2, element)) - a;
+  const Eigen::Vector3d d = mesh.nodes.col(mesh.tetrahedra(3, element)) - a;
+  return std::cbrt(std::sqrt(2.0) * b.cross(c).dot(d));
+}
+
+Eigen::Vector3d MiddleOf(const TetrahedralMesh& mesh, Eigen::Index element) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (int k = 0; k < 4; ++k) sum += mesh.nodes.col(mesh.tetrahedra(k, element));
+  return sum / 4;
+}
+
+TEST(Mesher, RefinesElementsToTheirSizes) {
+  const AssemblySurface table = TestTable();
+  for (const bool quadratic : {false, true}) {
+    const MeshOptions options{.quadratic = quadratic};
+    const auto coarse = MeshAssembly(table, options);
+    ASSERT_TRUE(coarse.ok()) << coarse.status();
+    Eigen::VectorXd sizes(coarse->tetrahedra.cols());
+    for (Eigen::Index e = 0; e < sizes.size(); ++e) sizes[e] = 0.75 * SizeOf(*coarse, e);
+    const auto fine = RefineMesh(*coarse, sizes, options);
+    ASSERT_TRUE(fine.ok()) << fine.status();
+    EXPECT_EQ(fine->IsQuadratic(), quadratic);
+    EXPECT_GE(fine->tetrahedra.cols(), EstimateRefinement(*coarse, sizes));
+    EXPECT_LT(fine->tetrahedra.cols(), 6 * EstimateRefinement(*coarse, sizes));
+    EXPECT_EQ(fine->part_names, coarse->part_names);
+    for (int p = 0; p < 9; ++p) {
+      const double volume = ComputeMassProperties(*coarse, p).volume;
+      EXPECT_NEAR(ComputeMassProperties(*fine, p).volume, volume, 1e-12 * volume + 1e-15) << p;
+      EXPECT_TRUE(IsWatertight({fine->nodes, OuterTriangles(*fine, p)})) << p;
+    }
+    const auto before = FaceAreas(*coarse), after = FaceAreas(*fine);
+    ASSERT_EQ(after.size(), before.size());
+    for (std::size_t f = 0; f < before.size(); ++f) {
+      EXPECT_EQ(fine->faces[f].origins, coarse->faces[f].origins);
+      EXPECT_EQ(fine->faces[f].back_part, coarse->faces[f].back_part);
+      EXPECT_LT((before[f] - after[f]).norm(), 1e-12) << f;
+    }
+    EXPECT_GT(MeasureQuality(*fine).minimum_dihedral, 0.05) << ToText(MeasureQuality(*fine));
+  }
+}
+
+TEST(Mesher, RefinesOnlyWhereItIsAsked) {
+  const auto coarse = MeshAssembly(
+      AssembleBoxes({{"a", {0, 0, 0}, {4, 1, 1}}, {"b", {4, 0.2, 0.2}, {5, 0.8, 0.8}}}),
+      {.element_size = 0.4, .quadratic = false});
+  ASSERT_TRUE(coarse.ok()) << coarse.status();
+  const double wanted = 0.08;
+  Eigen::VectorXd sizes(coarse->tetrahedra.cols());
+  Eigen::Index far_before = 0;
+  for (Eigen::Index e = 0; e < sizes.size(); ++e) {
+    double nearest = 9;
+    for (int k = 0; k < 4; ++k) {
+      nearest = std::min(nearest, coarse->nodes(0, coarse->tetrahedra(k, e)));
+    }
+    sizes[e] = nearest < 0.1 ? wanted : 1;
+    if (MiddleOf(*coarse, e).x() > 3) ++far_before;
+  }
+  const auto fine = RefineMesh(*coarse, sizes, {.quadratic = false});
+  ASSERT_TRUE(fine.ok()) << fine.status();
+  Eigen::Index far_after = 0;
+  for (Eigen::Index e = 0; e < fine->tetrahedra.cols(); ++e) {
+    const Eigen::Vector3d middle = MiddleOf(*fine, e);
+    if (middle.x() > 3) ++far_after;
+    if (middle.x() < 0.1) {
+      EXPECT_LE(SizeOf(*fine, e), wanted * 1.001);
+    }
+  }
+  EXPECT_GT(fine->tetrahedra.cols(), 3 * coarse->tetrahedra.cols());
+  EXPECT_LE(far_after, far_before * 11 / 10 + 5);
+  // The interface is still one set of triangles, and the outline of the contact is kept.
+  const SurfaceMesh outside{fine->nodes, OuterTriangles(*fine)};
+  EXPECT_TRUE(IsWatertight(outside));
+  EXPECT_NEAR(SurfaceArea(outside), 2 + 4 * 4 + 4 * 0.6, 1e-9);
+}
+
+TEST(Mesher, RefiningIsDeterministicAndRefusesNonsense) {
+  const auto coarse = MeshAssembly(AssembleBoxes({{"a", {0, 0, 0}, {1, 1, 1}}}), {});
+  ASSERT_TRUE(coarse.ok());
+  const Eigen::VectorXd sizes = Eigen::VectorXd::Constant(coarse->tetrahedra.cols(), 0.1);
+  const auto first = RefineMesh(*coarse, sizes), second = RefineMesh(*coarse, sizes);
+  ASSERT_TRUE(first.ok() && second.ok());
+  EXPECT_EQ(first->nodes, second->nodes);
+  EXPECT_EQ(first->tetrahedra, second->tetrahedra);
+  const auto code = [&](const Eigen::VectorXd& wanted, int limit = 2'000'000) {
+    return RefineMesh(*coarse, wanted, {.element_limit = limit}).status().code();
+  };
+  EXPECT_EQ(code(Eigen::VectorXd()), absl::StatusCode::kInvalidArgument);
+  EXPECT_EQ(code(0 * sizes), absl::StatusCode::kInvalidArgument);
+  EXPECT_EQ(code(sizes * std::numeric_limits<double>::quiet_NaN()),
+            absl::StatusCode::kInvalidArgument);
+  EXPECT_EQ(code(1e-5 * sizes), absl::StatusCode::kResourceExhausted);
+  EXPECT_EQ(code(sizes, 1000), absl::StatusCode::kResourceExhausted);
+}
+
 TEST(Mesher, KeepsFacesWithTheirAreaAndDirection) {
   const AssemblySurface table = TestTable();
   const auto mesh = MeshAssembly(table, {.quadratic = true});
   ASSERT_TRUE(mesh.ok()) << mesh.status();
   ASSERT_EQ(mesh->faces.size(), table.faces.size());
   std::vector<Eigen::Vector3d> before(table.faces.size(), Eigen::Vector3d::Zero());
-  std::vector<Eigen::Vector3d> after = before;
+  const std::vector<Eigen::Vector3d> after = FaceAreas(*mesh);
   for (Eigen::Index t = 0; t < table.triangles.cols(); ++t) {
     const Eigen::Vector3d a = table.vertices.col(table.triangles(0, t));
     const Eigen::Vector3d b = table.vertices.col(table.triangles(1, t));
@@ -52,7 +165,6 @@ TEST(Mesher, KeepsFacesWithTheirAreaAndDirection) {
     const Eigen::Vector3d a = mesh->nodes.col(mesh->face_triangles(0, t));
     const Eigen::Vector3d b = mesh->nodes.col(mesh->face_triangles(1, t));
     const Eigen::Vector3d c = mesh->nodes.col(mesh->face_triangles(2, t));
-    after[mesh->face_triangle_face[t]] += (b - a).cross(c - a) / 2;
     EXPECT_LT((mesh->nodes.col(mesh->face_triangles(3, t)) - 0.5 * (a + b)).norm(), 1e-15);
     EXPECT_LT((mesh->nodes.col(mesh->face_triangles(4, t)) - 0.5 * (b + c)).norm(), 1e-15);
     EXPECT_LT((mesh->nodes.col(mesh->face_triangles(5, t)) - 0.5 * (c + a)).norm(), 1e-15);
