@@ -1,8 +1,11 @@
 #include "services/simulator/analysis_operation.h"
 
+#include <algorithm>
 #include <condition_variable>
 #include <mutex>
 #include <optional>
+#include <string>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
@@ -15,6 +18,7 @@
 #include "services/simulator/design_analysis.h"
 #include "services/simulator/mesh_case.h"
 #include "services/simulator/simulator_core.h"
+#include "services/simulator/task_progress.h"
 #include "services/simulator/template_model.h"
 
 namespace mortise::simulator {
@@ -22,6 +26,7 @@ namespace {
 
 constexpr char kOperationKind[] = "simulator.analysis";
 constexpr absl::Duration kLookForCancel = absl::Milliseconds(100);
+constexpr absl::Duration kLookForProgress = absl::Milliseconds(500);
 constexpr int kInteractivePriority = 10;  // a person waits for it; batches can wait
 
 // The id at the end of "operations/simulator/{id}": the analysis takes it over, so that a resumed
@@ -47,7 +52,9 @@ absl::Status CancelTask(store::Transaction& transaction, const jobs::Operation& 
   const absl::StatusOr<store::Task> task = transaction.GetTask(kSimulatorQueue, key);
   if (absl::IsNotFound(task.status())) return absl::OkStatus();
   MORTISE_RETURN_IF_ERROR(task.status());
-  return IsFinished(*task) ? absl::OkStatus() : transaction.CancelTask(kSimulatorQueue, key);
+  if (IsFinished(*task)) return absl::OkStatus();
+  MORTISE_RETURN_IF_ERROR(transaction.CancelTask(kSimulatorQueue, key));
+  return ForgetProgress(transaction, key);
 }
 
 // Whether somebody cancelled the analysis: where the process just ends, its task goes on, and the
@@ -57,9 +64,56 @@ bool IsGivenUp(const Run& run) {
   return operation.ok() && operation->cancel_requested;
 }
 
+// What those who watch the analysis see of its worker.
+class ProgressView {
+ public:
+  ProgressView(const Run& run, std::string key) : run_(run), key_(std::move(key)) {}
+
+  // Looks at the task and tells what has changed.
+  void Look() {
+    jobs::Progress seen = told_;
+    const absl::Status status =
+        run_.core.store()->Read([&](store::ReadTransaction& read) -> absl::Status {
+          const absl::Time now = run_.core.store()->Now();
+          MORTISE_ASSIGN_OR_RETURN(const store::Task task, read.GetTask(kSimulatorQueue, key_));
+          MORTISE_ASSIGN_OR_RETURN(const auto of_worker, FindProgress(read, task, now));
+          if (of_worker) {
+            seen = {.done = of_worker->done(),
+                    .total = of_worker->total(),
+                    .message = of_worker->stage()};
+          } else if (!IsFinished(task)) {
+            const bool has_worker =
+                task.state == store::TaskState::kLeased && task.lease_expires_at > now;
+            seen = {.message = has_worker ? "with a worker" : "waiting for a worker"};
+          }
+          return absl::OkStatus();
+        });
+    if (status.ok()) Tell(seen);
+  }
+
+  void TellEnd() {
+    const int64_t total = std::max<int64_t>(told_.total, 1);
+    Tell({.done = total, .total = total, .message = "analysed"});
+  }
+
+ private:
+  void Tell(const jobs::Progress& progress) {
+    if (progress.done == told_.done && progress.total == told_.total &&
+        progress.message == told_.message) {
+      return;
+    }
+    told_ = progress;
+    run_.context.ReportProgress(progress);
+  }
+
+  const Run& run_;
+  const std::string key_;
+  jobs::Progress told_;
+};
+
 // Queues the task, or finds it, and waits until it has finished.
 absl::StatusOr<store::Task> AwaitTask(const Run& run, const std::string& key,
-                                      const std::string& payload) {
+                                      const std::string& payload, ProgressView& progress) {
   SimulatorCore& core = run.core;
   struct Finished {
     jobs::Bell bell;
@@ -81,6 +135,7 @@ absl::StatusOr<store::Task> AwaitTask(const Run& run, const std::string& key,
     return queued.status();
   }
   if (IsFinished(*queued)) core.waiters().Notify(*queued, was_there);
+  absl::Time next_look = absl::InfinitePast();
   while (true) {
     {
       const std::lock_guard lock(finished->mutex);
@@ -90,15 +145,19 @@ absl::StatusOr<store::Task> AwaitTask(const Run& run, const std::string& key,
       if (core.waiters().Remove(key, ticket) && IsGivenUp(run)) core.CancelUnfinished(key);
       return absl::CancelledError("the analysis was cancelled");
     }
+    if (absl::Now() >= next_look) {
+      progress.Look();
+      next_look = absl::Now() + kLookForProgress;
+    }
     finished->bell.Wait(kLookForCancel);
   }
 }
 
 // The same, for a task that others share: whom they cancel it for is not this one.
 absl::StatusOr<store::Task> RunTask(const Run& run, const std::string& key,
-                                    const std::string& payload) {
+                                    const std::string& payload, ProgressView& progress) {
   while (true) {
-    MORTISE_ASSIGN_OR_RETURN(store::Task task, AwaitTask(run, key, payload));
+    MORTISE_ASSIGN_OR_RETURN(store::Task task, AwaitTask(run, key, payload, progress));
     if (task.state != store::TaskState::kCancelled) return task;
   }
 }
@@ -110,9 +169,12 @@ absl::StatusOr<std::string> Analyse(const Run& run) {
     return absl::InternalError("the stored request cannot be read");
   }
   const std::string id = IdOf(context.name());
-  context.ReportProgress({.done = 0, .total = 1, .message = "waiting for a worker"});
+  const std::string key = KeyOf(context.name());
+  ProgressView progress(run, key);
   MORTISE_ASSIGN_OR_RETURN(const store::Task finished,
-                           RunTask(run, KeyOf(context.name()), task.SerializeAsString()));
+                           RunTask(run, key, task.SerializeAsString(), progress));
+  MORTISE_RETURN_IF_ERROR(run.core.store()->Transact(
+      [&](store::Transaction& transaction) { return ForgetProgress(transaction, key); }));
   MORTISE_RETURN_IF_ERROR(TaskError(finished));
   v1::ReportTaskRequest report;
   if (!report.ParseFromString(finished.result)) {
@@ -135,7 +197,7 @@ absl::StatusOr<std::string> Analyse(const Run& run) {
                                     .payload = "{}",
                                     .trace_id = task.trace_id()});
   }));
-  context.ReportProgress({.done = 1, .total = 1, .message = "analysed"});
+  progress.TellEnd();
   return rpc::PackResult(analysis);
 }
 

@@ -130,8 +130,10 @@ absl::StatusOr<DesignAnalysis> AnalyzeDesign(const DesignModel& model,
   DesignAnalysis analysis;
   const bool solve = fields || NeedsSolution(metrics);
   if (solve) {
+    if (options.progress != nullptr) options.progress->Begin("mesh");
     MORTISE_ASSIGN_OR_RETURN(analysis.mesh, mesh::MeshAssembly(model.surface, options.mesh));
     analysis.meshing_seconds = SecondsSince(start);
+    if (options.progress != nullptr) options.progress->Begin("solution");
     MORTISE_ASSIGN_OR_RETURN(analysis.solution,
                              SolveElasticity(*analysis.mesh, model.analysis, options.elasticity));
   }

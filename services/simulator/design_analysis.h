@@ -12,6 +12,7 @@
 #include "common/mesh/surface_mesh.h"
 #include "services/simulator/analysis_case.h"
 #include "services/simulator/elasticity.h"
+#include "services/simulator/stage_progress.h"
 
 namespace mortise::simulator {
 
@@ -46,6 +47,7 @@ bool NeedsSolution(const std::vector<std::string>& metrics);
 struct DesignAnalysisOptions {
   mesh::MeshOptions mesh;
   ElasticityOptions elasticity;
+  StageProgress* progress = nullptr;  // told of "mesh" and "solution", if it is there
 };
 
 // All that was computed. Without a metric that needs it there is no mesh and no solution.

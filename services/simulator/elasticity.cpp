@@ -186,6 +186,7 @@ Stresses ElasticSystem::PointStress(const ElasticitySolution& solution) {
 
 void ElasticSystem::Finish(ElasticitySolution& solution) {
   State& state = *state_;
+  if (state.options.before_recovery) state.options.before_recovery();
   state.Summarise(solution);
   const auto start = Clock::now();
   if (state.options.recover_stress) {

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -22,6 +23,7 @@ struct ElasticityOptions {
   SolverOptions solver{};      // `threads` below counts, not its own
   bool recover_stress = true;  // false saves about a tenth of the time where only u is wanted
   int threads = 1;             // the result is the same for any number
+  std::function<void()> before_recovery{};  // called when only stresses are missing
 };
 
 // How a solution went, and what proves it.

@@ -124,6 +124,10 @@ class Analyst {
     return SparseCholesky::Analyze(pattern, constraints->fixed, FactorOptions()).status();
   }
 
+  void Begin(std::string stage) const {
+    if (options_.progress != nullptr) options_.progress->Begin(std::move(stage));
+  }
+
   // The case goes before the first file.
   absl::Status Keep(AnalysisFile file) {
     MORTISE_RETURN_IF_ERROR(CheckStopped(options_.stop));
@@ -161,6 +165,7 @@ class Analyst {
 
   absl::Status Heat() {
     MORTISE_RETURN_IF_ERROR(CheckStopped(options_.stop));
+    Begin("heat");
     HeatOptions heat_options;
     heat_options.cholesky.memory_limit = options_.memory_limit;
     heat_options.threads = options_.threads;
@@ -181,6 +186,7 @@ class Analyst {
     ProbedFields fields;
     fields.temperature = temperature_;
     probes_.Add("heat", fields);
+    Begin("heat: files");
 
     const Eigen::Matrix3Xd at_points =
         HeatFluxAtPoints(model_.mesh, model_.heat->materials, temperature_);
@@ -201,7 +207,13 @@ class Analyst {
     ElasticityOptions elasticity;
     elasticity.threads = options_.threads;
     elasticity.solver.memory_limit = options_.memory_limit;
-    elasticity.solver.progress = [this](int, double) { return CheckStopped(options_.stop); };
+    elasticity.solver.progress = [this](int iteration, double) {
+      if (options_.progress != nullptr) options_.progress->Iterate(iteration);
+      return CheckStopped(options_.stop);
+    };
+    std::string stage;
+    elasticity.before_recovery = [this, &stage] { Begin(stage + ": stresses"); };
+    Begin("stiffness");
     auto system = ElasticSystem::Create(model_.mesh, model_.materials, model_.supports, elasticity);
     MORTISE_RETURN_IF_ERROR(InCase("case", system.status()));
     std::vector<ElasticitySolution> solutions;
@@ -211,8 +223,11 @@ class Analyst {
       if (load_case.thermal_stress) {
         loads.temperature = temperature_.array() - model_.reference_temperature;
       }
+      stage = absl::StrCat("load case ", i + 1, " of ", model_.load_cases.size());
+      Begin(stage);
       auto solution = system->Solve(loads);
       MORTISE_RETURN_IF_ERROR(InCase(absl::StrCat("case.load_cases[", i, "]"), solution.status()));
+      Begin(stage + ": files");
       MORTISE_RETURN_IF_ERROR(
           Report(load_case.name, absl::StrCat("case.load_cases[", i, "]"), *solution));
       // Combinations need no more than this.
@@ -227,8 +242,10 @@ class Analyst {
       for (const NamedCombination::Term& term : combination.terms) {
         terms.push_back({term.factor, &solutions[term.load_case]});
       }
-      MORTISE_ASSIGN_OR_RETURN(const ElasticitySolution sum, system->Combine(terms));
       const auto index = &combination - model_.combinations.data();
+      stage = absl::StrCat("combination ", index + 1, " of ", model_.combinations.size());
+      MORTISE_ASSIGN_OR_RETURN(const ElasticitySolution sum, system->Combine(terms));
+      Begin(stage + ": files");
       MORTISE_RETURN_IF_ERROR(
           Report(combination.name, absl::StrCat("case.combinations[", index, "]"), sum));
     }
@@ -291,6 +308,7 @@ class Analyst {
 
   absl::Status Vibration() {
     MORTISE_RETURN_IF_ERROR(CheckStopped(options_.stop));
+    Begin("frequencies");
     ModalOptions modal;
     modal.count = model_.modes;
     modal.threads = options_.threads;
@@ -313,6 +331,7 @@ class Analyst {
       probes_.Add(absl::StrCat("mode ", m + 1), fields);
     }
     if (analysis_.unknowns == 0) analysis_.unknowns = 3 * analysis_.nodes;
+    Begin("frequencies: files");
     return Write("modes.vtu", shapes, {});
   }
 
@@ -335,6 +354,16 @@ absl::Status CheckMemory(Eigen::Index nodes, Eigen::Index elements, std::size_t 
   return TooLarge(absl::StrFormat("an analysis of %d elements on %d nodes, about %.2g GB, ",
                                   elements, nodes, bytes / 1e9),
                   absl::StrFormat("the worker's %.2g GB", memory_limit / 1e9));
+}
+
+int StagesOf(const MeshModel& model) {
+  const int load_cases = static_cast<int>(model.load_cases.size());
+  const int combinations = static_cast<int>(model.combinations.size());
+  int stages = 0;
+  if (model.heat) stages += 2;                                          // temperatures, files
+  if (load_cases > 0) stages += 1 + 3 * load_cases + 2 * combinations;  // solution, stresses, files
+  if (model.modes > 0) stages += 2;                                     // shapes, files
+  return stages;
 }
 
 absl::StatusOr<MeshAnalysis> AnalyzeMesh(const MeshModel& model, const MeshAnalysisOptions& options,

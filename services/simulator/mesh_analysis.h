@@ -16,6 +16,7 @@
 #include "services/simulator/analysis_report.h"
 #include "services/simulator/elasticity.h"
 #include "services/simulator/heat_conduction.h"
+#include "services/simulator/stage_progress.h"
 
 namespace mortise::simulator {
 
@@ -61,11 +62,15 @@ struct MeshModel {
 };
 
 struct MeshAnalysisOptions {
-  double memory_limit = 8e9;  // bytes
-  int threads = 1;            // the result is the same for any number
-  bool pictures = true;       // each takes about a second
-  std::stop_token stop = {};  // ends the analysis at its next step or iteration: CANCELLED
+  double memory_limit = 8e9;          // bytes
+  int threads = 1;                    // the result is the same for any number
+  bool pictures = true;               // each takes about a second
+  std::stop_token stop = {};          // ends the analysis at its next step or iteration: CANCELLED
+  StageProgress* progress = nullptr;  // told of stages, if it is there
 };
+
+// How many stages an analysis has: what it tells MeshAnalysisOptions::progress of.
+int StagesOf(const MeshModel& model);
 
 // What a load case or a combination does.
 struct CaseOutcome {

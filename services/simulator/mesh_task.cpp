@@ -88,6 +88,8 @@ v1::Vector3 ToProto(const Eigen::Vector3d& vector) {
 
 absl::Status EvaluateMeshTask(const v1::Task& task, const TaskSurroundings& surroundings,
                               v1::ReportTaskRequest& report) {
+  StageProgress* const progress = surroundings.progress;
+  if (progress != nullptr) progress->Begin("mesh");
   MeshModel model;
   {
     // File and groups are not needed any more once the model is made.
@@ -101,11 +103,13 @@ absl::Status EvaluateMeshTask(const v1::Task& task, const TaskSurroundings& surr
     MORTISE_ASSIGN_OR_RETURN(model, MakeMeshModel(grouped, task.case_()));
     for (const std::string& note : grouped.notes) report.mutable_analysis()->add_notes(note);
   }
+  if (progress != nullptr) progress->Expect(1 + StagesOf(model));
   MORTISE_ASSIGN_OR_RETURN(const MeshAnalysis analysis,
                            AnalyzeMesh(model,
                                        {.memory_limit = surroundings.memory_limit,
                                         .threads = surroundings.threads,
-                                        .stop = surroundings.stop},
+                                        .stop = surroundings.stop,
+                                        .progress = progress},
                                        surroundings.keep));
   AddMetric("mass", "kg", analysis.mass, *report.mutable_result());
   AddMetric("volume", "m^3", analysis.volume, *report.mutable_result());

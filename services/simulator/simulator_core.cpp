@@ -8,6 +8,7 @@
 #include "common/rpc/channel.h"
 #include "common/rpc/dispatcher.h"
 #include "mortise/v1/catalog.grpc.pb.h"
+#include "services/simulator/task_progress.h"
 
 namespace mortise::simulator {
 namespace {
@@ -65,7 +66,8 @@ void SimulatorCore::Cancel(const std::string& key, bool even_if_leased) {
         MORTISE_ASSIGN_OR_RETURN(const store::Task task, transaction.GetTask(kSimulatorQueue, key));
         if (IsFinished(task) || waiters_.IsAwaited(key)) return absl::OkStatus();
         if (task.state == store::TaskState::kLeased && !even_if_leased) return absl::OkStatus();
-        return transaction.CancelTask(kSimulatorQueue, key);
+        MORTISE_RETURN_IF_ERROR(transaction.CancelTask(kSimulatorQueue, key));
+        return ForgetProgress(transaction, key);
       });
   if (!status.ok()) {
     Log(LogLevel::kWarning, "an unwanted task goes on", {{"error", status.message()}});

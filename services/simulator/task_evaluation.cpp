@@ -14,6 +14,9 @@
 namespace mortise::simulator {
 namespace {
 
+// Geometry, mesh, solution, stresses, files.
+constexpr int kStagesOfDesign = 5;
+
 void FillAnalysis(const DesignAnalysis& analysis, const parametric::EvaluatedDesign& design,
                   v1::Analysis& message) {
   const ElasticitySummary& summary = analysis.solution->summary;
@@ -30,11 +33,17 @@ void FillAnalysis(const DesignAnalysis& analysis, const parametric::EvaluatedDes
   message.set_seconds(analysis.seconds);
 }
 
+void Begin(const TaskSurroundings& surroundings, const char* stage) {
+  if (surroundings.progress != nullptr) surroundings.progress->Begin(stage);
+}
+
 absl::Status Evaluate(const v1::Task& task, const TaskSurroundings& surroundings,
                       v1::ReportTaskRequest& report) {
   MORTISE_ASSIGN_OR_RETURN(const auto compiled,
                            surroundings.templates.GetByDigest(task.subject(), task.revision(),
                                                               task.digest(), surroundings.origin));
+  if (surroundings.progress != nullptr) surroundings.progress->Expect(kStagesOfDesign);
+  Begin(surroundings, "geometry");
   const Eigen::VectorXd parameters = Eigen::Map<const Eigen::VectorXd>(
       task.point().parameters().data(), task.point().parameters_size());
   MORTISE_ASSIGN_OR_RETURN(const parametric::EvaluatedDesign design,
@@ -53,7 +62,10 @@ absl::Status Evaluate(const v1::Task& task, const TaskSurroundings& surroundings
   options.mesh.quadratic = !task.mesh().linear();
   options.elasticity.threads = surroundings.threads;
   options.elasticity.solver.memory_limit = surroundings.memory_limit;
-  options.elasticity.solver.progress = [&surroundings](int, double) {
+  options.progress = surroundings.progress;
+  options.elasticity.before_recovery = [&surroundings] { Begin(surroundings, "stresses"); };
+  options.elasticity.solver.progress = [&surroundings](int iteration, double) {
+    if (surroundings.progress != nullptr) surroundings.progress->Iterate(iteration);
     return CheckStopped(surroundings.stop);
   };
   const absl::StatusOr<DesignAnalysis> analyzed =
@@ -78,6 +90,7 @@ absl::Status Evaluate(const v1::Task& task, const TaskSurroundings& surroundings
   }
   if (!task.fields()) return absl::OkStatus();
   MORTISE_RETURN_IF_ERROR(CheckStopped(surroundings.stop));
+  Begin(surroundings, "files");
   FillAnalysis(analysis, design, *report.mutable_analysis());
   MORTISE_ASSIGN_OR_RETURN(std::string fields, WriteFields(analysis));
   MORTISE_RETURN_IF_ERROR(surroundings.keep({"analysis.vtu", "model/vnd.vtu", std::move(fields)}));

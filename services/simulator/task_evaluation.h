@@ -9,6 +9,7 @@
 #include "common/rpc/channel.h"
 #include "mortise/v1/simulator.pb.h"
 #include "services/simulator/analysis_report.h"
+#include "services/simulator/stage_progress.h"
 #include "services/simulator/template_source.h"
 
 namespace mortise::simulator {
@@ -26,7 +27,8 @@ struct TaskSurroundings {
 
   double memory_limit = 8e9;  // bytes
   int threads = 1;
-  std::stop_token stop = {};  // ends the evaluation at its next step, as CANCELLED
+  StageProgress* progress = nullptr;  // told of stages, if it is there
+  std::stop_token stop = {};          // ends the evaluation at its next step, as CANCELLED
 };
 
 // Metrics, gradients and analysis, or the error; without the task and the artifacts. Never fails:

@@ -27,10 +27,11 @@ using Stub = v1::SimulatorService::Stub;
 constexpr std::size_t kTemplatesKept = 32;
 constexpr absl::Duration kCallTimeout = absl::Seconds(30);
 constexpr absl::Duration kReportPatience = absl::Minutes(2);
+// How soon a worker notices that a task was cancelled, and tells how far it is.
 constexpr absl::Duration kLookForCancel = absl::Seconds(2);
 
-// Renews the lease of one task, and asks for the work to stop once the lease is lost or the time is
-// over.
+// Renews the lease of one task, tells with it how far the work is, and asks for the work to stop
+// once the lease is lost or the time is over.
 class LeaseKeeper {
  public:
   LeaseKeeper(const WorkerOptions& options, Stub& stub, const v1::Task& task)
@@ -51,10 +52,22 @@ class LeaseKeeper {
 
   std::stop_token stop_token() const { return stop_.get_token(); }
 
+  // What renewals tell.
+  StageProgress& progress() { return progress_; }
+
   // Whether somebody has taken the task away: its result is not wanted.
   bool lost() const { return lost_; }
 
  private:
+  // Of analyses, which people watch.
+  void AddProgress(v1::TaskAttempt& attempt) const {
+    const StageProgress::State state = progress_.state();
+    if (!task_.fields() || state.total == 0) return;
+    attempt.mutable_progress()->set_stage(state.stage);
+    attempt.mutable_progress()->set_done(state.done);
+    attempt.mutable_progress()->set_total(state.total);
+  }
+
   void Run() {
     const auto end = std::chrono::steady_clock::now() + absl::ToChronoSeconds(options_.time_limit);
     std::unique_lock lock(mutex_);
@@ -67,6 +80,7 @@ class LeaseKeeper {
       request.set_lease_seconds(absl::ToDoubleSeconds(options_.lease));
       request.add_tasks()->set_name(task_.name());
       request.mutable_tasks(0)->set_attempt(task_.attempt());
+      AddProgress(*request.mutable_tasks(0));
       const auto renewed = rpc::CallUnary<Stub, v1::RenewLeasesRequest, v1::RenewLeasesResponse>(
           stub_, &Stub::RenewLeases, request,
           rpc::OwnOrigin(options_.signer, rpc::Role::kDesigner, task_.trace_id(),
@@ -87,6 +101,7 @@ class LeaseKeeper {
   Stub& stub_;
   const v1::Task& task_;
   const absl::Duration interval_;
+  StageProgress progress_;
   std::stop_source stop_;
   std::atomic<bool> lost_{false};
   std::mutex mutex_;
@@ -153,7 +168,7 @@ void WorkOn(const WorkerOptions& options, Stub& stub, TemplateSource& templates,
             const v1::Task& task) {
   const TraceScope trace(task.trace_id());
   const absl::Time start = absl::Now();
-  const LeaseKeeper keeper(options, stub, task);
+  LeaseKeeper keeper(options, stub, task);
   v1::Analysis artifacts;
   const TaskSurroundings surroundings{
       .templates = templates,
@@ -174,6 +189,7 @@ void WorkOn(const WorkerOptions& options, Stub& stub, TemplateSource& templates,
           },
       .memory_limit = options.memory_limit,
       .threads = options.threads,
+      .progress = &keeper.progress(),
       .stop = keeper.stop_token()};
   v1::ReportTaskRequest report = EvaluateTask(task, surroundings);
   if (keeper.lost()) {

@@ -125,7 +125,8 @@ constexpr Example kExamples[] = {
     {"SimulatorService/DownloadArtifact", "name: '{analysis}' file_name: 'stress.png'"},
     {"SimulatorService/LeaseTasks", "evaluator: 'somebodys' worker: 'nobody' limit: 1"},
     {"SimulatorService/RenewLeases",
-     "worker: 'nobody' tasks { name: 'tasks/none' attempt: 1 } lease_seconds: 10"},
+     "worker: 'nobody' lease_seconds: 10 "
+     "tasks { name: 'tasks/none' attempt: 1 progress { stage: 'mesh' done: 1 total: 5 } }"},
     {"SimulatorService/ReportTask",
      "task { name: 'tasks/none' attempt: 1 } result { metrics { name: 'mass' unit: 'kg' value: 1 } "
      "}",

@@ -232,6 +232,35 @@ TEST(MeshAnalysis, ThreadsDoNotChangeTheResult) {
 }
 
 // What was analysed is told first, as a case that can be given again.
+TEST(MeshAnalysis, EveryStageIsTold) {
+  const v1::MeshCase mesh_case = Case(R"({
+    "length_unit": "mm", "materials": [STEEL], "modes": 1,
+    "supports": [{"groups": ["x_min"], "fixed": true}],
+    "load_cases": [{"name": "weight", "gravity": {"x": 9.81}},
+                   {"name": "warm", "thermal_stress": true}],
+    "combinations": [{"name": "both", "terms": [{"load_case": "weight", "factor": 1},
+                                                {"load_case": "warm", "factor": 1}]}],
+    "heat": {"temperatures": [{"groups": ["x_min"], "temperature": 50}],
+             "reference_temperature": 20}})");
+  StageProgress progress;
+  std::vector<std::string> stages;
+  const auto model = MakeMeshModel(Box(true), mesh_case);
+  ASSERT_TRUE(model.ok()) << model.status();
+  progress.Expect(StagesOf(*model));
+  const auto analysis =
+      AnalyzeMesh(*model, {.pictures = false, .progress = &progress}, [&](const AnalysisFile&) {
+        stages.push_back(progress.state().stage);
+        return absl::OkStatus();
+      });
+  ASSERT_TRUE(analysis.ok()) << analysis.status();
+  EXPECT_THAT(stages, ElementsAre("heat: files", "heat: files", "load case 1 of 2: files",
+                                  "load case 2 of 2: files", "combination 1 of 1: files",
+                                  "frequencies: files"));
+  // All have begun, and all but the last are behind.
+  EXPECT_EQ(progress.state().done, StagesOf(*model) - 1);
+  EXPECT_EQ(progress.state().total, StagesOf(*model));
+}
+
 TEST(MeshAnalysis, TheCaseIsKeptBesideTheResults) {
   const v1::MeshCase mesh_case = Case(kGoodCase);
   const auto model = MakeMeshModel(Box(false), mesh_case);

@@ -1,0 +1,38 @@
+// How far a computation is: which of its stages it is in. One thread computes and tells, another
+// one reads.
+#pragma once
+
+#include <mutex>
+#include <string>
+
+namespace mortise::simulator {
+
+// Thread safe.
+class StageProgress {
+ public:
+  struct State {
+    std::string stage;  // what is being done: "mesh", "load case 2 of 5: iteration 12"; "" at first
+    int done = 0;       // stages behind, 0 to total
+    int total = 0;      // stages in all; 0 until they are known
+  };
+
+  // Says how many stages there are in all, those that have begun included.
+  void Expect(int stages);
+
+  // A stage begins, and the one before it is done.
+  void Begin(std::string stage);
+
+  // The present stage is at this iteration, from 1; 0 where it does not iterate.
+  void Iterate(int iteration);
+
+  State state() const;
+
+ private:
+  mutable std::mutex mutex_;
+  std::string stage_;  // guarded by mutex_, as all below
+  int iteration_ = 0;
+  int begun_ = 0;
+  int total_ = 0;
+};
+
+}  // namespace mortise::simulator

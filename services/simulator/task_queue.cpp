@@ -1,0 +1,239 @@
+#include "services/simulator/task_queue.h"
+
+#include <algorithm>
+#include <mutex>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
+#include "common/base/identifiers.h"
+#include "common/rpc/status_mapping.h"
+#include "services/simulator/page_size.h"
+#include "services/simulator/simulator_core.h"
+#include "services/simulator/task_codec.h"
+#include "services/simulator/task_progress.h"
+
+namespace mortise::simulator {
+namespace {
+
+constexpr std::size_t kLongestTaskKey = 128;
+constexpr int kMostRenewals = 1000;  // leases in one call
+
+// `seconds`, or `otherwise` for 0; INVALID_ARGUMENT naming `field` outside the range.
+absl::StatusOr<absl::Duration> Seconds(double seconds, double otherwise, double minimum,
+                                       double maximum, const char* field) {
+  if (seconds == 0) seconds = otherwise;
+  if (seconds >= minimum && seconds <= maximum) return absl::Seconds(seconds);
+  return InvalidField(field, absl::StrCat("must be within ", minimum, " to ", maximum));
+}
+
+// The queue named by a request; ours if none is.
+absl::StatusOr<std::string> QueueName(const std::string& evaluator) {
+  if (evaluator.empty()) return std::string(kSimulatorQueue);
+  if (IsResourceId(evaluator)) return evaluator;
+  return InvalidField("evaluator", "must be letters, digits and hyphens");
+}
+
+// Digests, and operations' identifiers with a prefix.
+bool IsTaskKey(const std::string& key) {
+  return !key.empty() && key.size() <= kLongestTaskKey &&
+         std::all_of(key.begin(), key.end(), [](char c) {
+           return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-';
+         });
+}
+
+absl::StatusOr<std::string> TaskKey(const std::string& name, const std::string& field) {
+  if (absl::StartsWith(name, "tasks/") && IsTaskKey(name.substr(6))) return name.substr(6);
+  return InvalidField(field, "must have the form tasks/{id}");
+}
+
+absl::Status CheckAttempt(int attempt, const std::string& field) {
+  if (attempt >= 1) return absl::OkStatus();
+  return InvalidField(field, "must be at least 1, as leased");
+}
+
+absl::Status Settle(const v1::ReportTaskRequest& asked, const std::string& key, int64_t attempt,
+                    store::Transaction& transaction) {
+  if (!asked.result().has_error()) {
+    return transaction.CompleteTask(kSimulatorQueue, key, attempt, asked.SerializeAsString());
+  }
+  const absl::Status failure = rpc::FromProto(asked.result().error());
+  if (failure.ok()) return InvalidField("result.error", "must have a code other than OK");
+  // A worker that ends gives its work back unharmed.
+  if (absl::IsCancelled(failure)) return transaction.ReleaseTask(kSimulatorQueue, key, attempt);
+  return transaction.FailTask(kSimulatorQueue, key, attempt, EncodeError(failure),
+                              IsTransient(failure), absl::Seconds(1));
+}
+
+}  // namespace
+
+absl::Status LeaseTasks(SimulatorCore& core, const rpc::Call& call,
+                        const v1::LeaseTasksRequest& asked,
+                        rpc::Responder<v1::LeaseTasksResponse> respond) {
+  MORTISE_ASSIGN_OR_RETURN(const std::string queue, QueueName(asked.evaluator()));
+  if (asked.worker().empty()) return InvalidField("worker", "must name the worker");
+  if (asked.limit() < 1 || asked.limit() > 16) {
+    return InvalidField("limit", "must be within 1 to 16");
+  }
+  MORTISE_ASSIGN_OR_RETURN(const absl::Duration lease,
+                           Seconds(asked.lease_seconds(), 30, 1, 3600, "lease_seconds"));
+  MORTISE_ASSIGN_OR_RETURN(const absl::Duration wait,
+                           Seconds(asked.wait_seconds(), 0, 0, 60, "wait_seconds"));
+  const absl::Time deadline = absl::Now() + wait;
+  // Answered once: by tasks, by the end of the wait, or because the caller has gone.
+  struct Waiting {
+    std::mutex mutex;
+    bool answered = false;
+    rpc::Responder<v1::LeaseTasksResponse> respond;
+  };
+  auto waiting = std::make_shared<Waiting>();
+  waiting->respond = std::move(respond);
+  call.OnStop([waiting] {
+    const std::lock_guard lock(waiting->mutex);
+    if (std::exchange(waiting->answered, true)) return;
+    waiting->respond(v1::LeaseTasksResponse());
+  });
+  core.WhenWork([&core, waiting, queue, worker = asked.worker(), limit = asked.limit(), lease,
+                 deadline, call] {
+    const std::lock_guard lock(waiting->mutex);
+    if (waiting->answered) return true;
+    if (call.cancelled()) return false;
+    const auto tasks = core.Lease(queue, worker, limit, lease);
+    if (tasks.ok() && tasks->empty() && absl::Now() < deadline) return false;
+    waiting->answered = true;
+    if (tasks.ok()) {
+      v1::LeaseTasksResponse response;
+      for (const store::Task& task : *tasks) *response.add_tasks() = ToProto(task);
+      waiting->respond(response);
+    } else {
+      waiting->respond(tasks.status());
+    }
+    return true;
+  });
+  return absl::OkStatus();
+}
+
+absl::StatusOr<v1::RenewLeasesResponse> RenewLeases(SimulatorCore& core,
+                                                    const v1::RenewLeasesRequest& asked) {
+  MORTISE_ASSIGN_OR_RETURN(const absl::Duration lease,
+                           Seconds(asked.lease_seconds(), 30, 1, 3600, "lease_seconds"));
+  if (asked.tasks_size() > kMostRenewals) {
+    return InvalidField("tasks", absl::StrCat("has more than ", kMostRenewals, " entries"));
+  }
+  // All are looked at before any is prolonged.
+  std::vector<std::string> keys;
+  for (int i = 0; i < asked.tasks_size(); ++i) {
+    const v1::TaskAttempt& attempt = asked.tasks(i);
+    const std::string field = absl::StrCat("tasks[", i, "]");
+    MORTISE_ASSIGN_OR_RETURN(keys.emplace_back(), TaskKey(attempt.name(), field + ".name"));
+    MORTISE_RETURN_IF_ERROR(CheckAttempt(attempt.attempt(), field + ".attempt"));
+    if (!attempt.has_progress()) continue;
+    MORTISE_RETURN_IF_ERROR(CheckProgress(attempt.progress(), field + ".progress"));
+  }
+  v1::RenewLeasesResponse response;
+  for (int i = 0; i < asked.tasks_size(); ++i) {
+    const v1::TaskAttempt& attempt = asked.tasks(i);
+    const absl::Status status = core.store()->Transact(
+        [&](store::Transaction& transaction) -> absl::Status {
+          MORTISE_RETURN_IF_ERROR(
+              transaction.RenewLease(kSimulatorQueue, keys[i], attempt.attempt(), lease));
+          if (!attempt.has_progress()) return absl::OkStatus();
+          return KeepProgress(transaction, keys[i], attempt);
+        },
+        store::Isolation::kReadCommitted);
+    if (absl::IsAborted(status) || absl::IsFailedPrecondition(status) || absl::IsNotFound(status)) {
+      response.add_lost(attempt.name());
+    } else if (!status.ok()) {
+      return status;
+    }
+  }
+  return response;
+}
+
+absl::StatusOr<v1::ReportTaskResponse> ReportTask(SimulatorCore& core, store::BlobFolder& blobs,
+                                                  const v1::ReportTaskRequest& asked) {
+  MORTISE_ASSIGN_OR_RETURN(const std::string key, TaskKey(asked.task().name(), "task.name"));
+  MORTISE_RETURN_IF_ERROR(CheckAttempt(asked.task().attempt(), "task.attempt"));
+  for (int i = 0; i < asked.analysis().artifacts_size(); ++i) {
+    const absl::Status there = blobs.Size(asked.analysis().artifacts(i).sha256()).status();
+    if (!there.ok()) {
+      return InvalidField(absl::StrCat("analysis.artifacts[", i, "].sha256"),
+                          "has not been uploaded");
+    }
+  }
+  const int64_t attempt = asked.task().attempt();
+  store::Task task;
+  MORTISE_RETURN_IF_ERROR(
+      core.store()->Transact([&](store::Transaction& transaction) -> absl::Status {
+        MORTISE_RETURN_IF_ERROR(Settle(asked, key, attempt, transaction));
+        MORTISE_ASSIGN_OR_RETURN(task, transaction.GetTask(kSimulatorQueue, key));
+        return absl::OkStatus();
+      }));
+  if (IsFinished(task)) {
+    core.waiters().Notify(task, false);
+  } else {
+    core.WakeWorkers();
+  }
+  return v1::ReportTaskResponse();
+}
+
+absl::StatusOr<v1::QueueStatus> GetQueueStatus(SimulatorCore& core,
+                                               const v1::GetQueueStatusRequest& asked) {
+  MORTISE_ASSIGN_OR_RETURN(const std::string queue, QueueName(asked.evaluator()));
+  store::QueueDepth depth;
+  MORTISE_RETURN_IF_ERROR(core.store()->Read([&](store::ReadTransaction& read) -> absl::Status {
+    MORTISE_ASSIGN_OR_RETURN(depth, read.Depth(queue));
+    return absl::OkStatus();
+  }));
+  v1::QueueStatus status;
+  status.set_queued(depth.queued);
+  status.set_leased(depth.leased);
+  status.set_done(depth.succeeded + depth.failed);
+  status.set_quarantined(depth.quarantined);
+  return status;
+}
+
+absl::StatusOr<v1::ListTasksResponse> ListTasks(SimulatorCore& core,
+                                                const v1::ListTasksRequest& asked) {
+  MORTISE_ASSIGN_OR_RETURN(const std::string queue, QueueName(asked.evaluator()));
+  MORTISE_ASSIGN_OR_RETURN(const std::size_t size, PageSize(asked.page_size()));
+  if (!asked.page_token().empty() && !IsTaskKey(asked.page_token())) {
+    return InvalidField("page_token", "is not one that this method gave");
+  }
+  v1::ListTasksResponse response;
+  MORTISE_RETURN_IF_ERROR(core.store()->Read([&](store::ReadTransaction& read) -> absl::Status {
+    response.Clear();
+    std::string after = asked.page_token();
+    std::size_t bytes = 0;
+    // The store lists by key; states are picked out here, page by page.
+    while (static_cast<std::size_t>(response.tasks_size()) < size) {
+      MORTISE_ASSIGN_OR_RETURN(const auto tasks,
+                               read.ListTasks(queue, {.after_key = after, .limit = 1000}));
+      for (const store::Task& task : tasks) {
+        after = task.key;
+        const v1::Task message = ToProto(task);
+        if (asked.state() != v1::TASK_STATE_UNSPECIFIED && message.state() != asked.state()) {
+          continue;
+        }
+        auto* entry = response.add_tasks();
+        *entry->mutable_task() = message;
+        if (const absl::Status error = TaskError(task); IsFinished(task) && !error.ok()) {
+          *entry->mutable_error() = rpc::ToProto(error);
+        }
+        bytes += entry->ByteSizeLong();
+        if (static_cast<std::size_t>(response.tasks_size()) == size || bytes >= kPageBytes) {
+          response.set_next_page_token(after);
+          return absl::OkStatus();
+        }
+      }
+      if (tasks.size() < 1000) return absl::OkStatus();
+    }
+    return absl::OkStatus();
+  }));
+  return response;
+}
+
+}  // namespace mortise::simulator
