@@ -43,7 +43,7 @@ struct Run {
 };
 
 std::string KeyOf(const std::string& operation) {
-  return absl::StrCat("analysis-", IdOf(operation));
+  return absl::StrCat(kAnalysisTaskPrefix, IdOf(operation));
 }
 
 // The task of an analysis that is cancelled while nobody runs it.

@@ -25,6 +25,9 @@ class SimulatorCore;
 // The kind of records that hold analyses, by id.
 inline constexpr char kAnalysisKind[] = "analyses";
 
+// What the keys of their tasks begin with.
+inline constexpr char kAnalysisTaskPrefix[] = "analysis-";
+
 // Looks the template up and checks the parameters: the task a worker will be given.
 absl::StatusOr<v1::Task> PrepareAnalysis(SimulatorCore& core, const v1::AnalyzeDesignRequest& asked,
                                          const rpc::Origin& origin);

@@ -5,9 +5,11 @@
 #include "common/base/identifiers.h"
 #include "common/rpc/chunk_stream.h"
 #include "common/rpc/handler.h"
+#include "common/store/blob_upkeep.h"
 #include "mortise/v1/simulator.grpc.pb.h"
 #include "services/simulator/analysis_operation.h"
 #include "services/simulator/evaluator_service.h"
+#include "services/simulator/file_upkeep.h"
 #include "services/simulator/mesh_case.h"
 #include "services/simulator/page_size.h"
 #include "services/simulator/simulator_core.h"
@@ -43,6 +45,7 @@ class SimulatorAdapter final : public v1::SimulatorService::CallbackService {
         store_(environment.store),
         blobs_(blobs),
         operations_(environment.operations),
+        upkeep_(FileUpkeep::Start(environment)),
         endpoint_(environment.dispatcher, "mortise.v1.SimulatorService") {}
 
   grpc::ServerUnaryReactor* AnalyzeDesign(grpc::CallbackServerContext* context,
@@ -68,7 +71,8 @@ class SimulatorAdapter final : public v1::SimulatorService::CallbackService {
         [this](const rpc::Call& call,
                const v1::AnalyzeMeshRequest& asked) -> absl::StatusOr<v1::Task> {
           MORTISE_RETURN_IF_ERROR(CheckMeshCase(asked.case_(), "case"));
-          const absl::Status there = blobs_->Size(asked.mesh_file()).status();
+          // Touched, so that it stays until the operation, which names it, is there.
+          const absl::Status there = store::TouchBlob(*blobs_, asked.mesh_file());
           if (!there.ok()) {
             return InvalidField("mesh_file", absl::IsNotFound(there)
                                                  ? "has not been uploaded"
@@ -224,6 +228,7 @@ class SimulatorAdapter final : public v1::SimulatorService::CallbackService {
   store::Store* const store_;
   store::BlobFolder* const blobs_;
   jobs::Operations* const operations_;
+  const std::shared_ptr<FileUpkeep> upkeep_;
   rpc::Endpoint endpoint_;
 };
 

@@ -2,6 +2,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "services/simulator/evaluation_tasks.h"
 
 namespace mortise::simulator {
 namespace {
@@ -9,6 +10,7 @@ namespace {
 constexpr char kProgressKind[] = "task-progress";  // records of v1.TaskAttempt, by the task's key
 constexpr std::size_t kLongestStage = 200;
 constexpr int kMostSteps = 1'000'000;
+constexpr int kPage = 100;
 
 // What was told last, of whichever attempt; empty if nothing.
 absl::StatusOr<v1::TaskAttempt> LastTold(store::ReadTransaction& transaction,
@@ -54,6 +56,21 @@ absl::StatusOr<std::optional<v1::TaskProgress>> FindProgress(store::ReadTransact
   MORTISE_ASSIGN_OR_RETURN(const v1::TaskAttempt told, LastTold(transaction, task.key));
   if (told.attempt() != task.attempt) return std::nullopt;
   return told.progress();
+}
+
+absl::StatusOr<std::vector<std::string>> FindOldProgress(store::ReadTransaction& transaction) {
+  std::vector<std::string> old;
+  store::ListOptions list{.limit = kPage};
+  while (true) {
+    MORTISE_ASSIGN_OR_RETURN(const auto page, transaction.List(kProgressKind, list));
+    for (const store::Record& record : page) {
+      const absl::StatusOr<store::Task> task = transaction.GetTask(kSimulatorQueue, record.key);
+      if (!task.ok() && !absl::IsNotFound(task.status())) return task.status();
+      if (!task.ok() || IsFinished(*task)) old.push_back(record.key);
+    }
+    if (static_cast<int>(page.size()) < kPage) return old;
+    list.after_key = page.back().key;
+  }
 }
 
 absl::Status ForgetProgress(store::Transaction& transaction, const std::string& key) {

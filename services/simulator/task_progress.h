@@ -4,6 +4,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
@@ -24,6 +25,9 @@ absl::Status KeepProgress(store::Transaction& transaction, const std::string& ke
 absl::StatusOr<std::optional<v1::TaskProgress>> FindProgress(store::ReadTransaction& transaction,
                                                              const store::Task& task,
                                                              absl::Time now);
+
+// The keys of tasks of which something was told and that have ended or are gone.
+absl::StatusOr<std::vector<std::string>> FindOldProgress(store::ReadTransaction& transaction);
 
 // Removes what was told of a task; OK if nothing was.
 absl::Status ForgetProgress(store::Transaction& transaction, const std::string& key);

@@ -1,0 +1,146 @@
+#include "services/simulator/file_upkeep.h"
+
+#include <algorithm>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "common/base/errors.h"
+#include "common/base/logging.h"
+#include "common/jobs/operations.h"
+#include "common/rpc/dispatcher.h"
+#include "common/rpc/run_service.h"
+#include "mortise/v1/simulator.pb.h"
+#include "services/simulator/analysis_operation.h"
+#include "services/simulator/evaluation_tasks.h"
+#include "services/simulator/task_progress.h"
+
+namespace mortise::simulator {
+namespace {
+
+constexpr absl::Duration kPause = absl::Hours(1);
+constexpr int kPage = 100;
+
+// What files are named, and since when there may be some that are not named yet.
+struct FileUse {
+  std::set<std::string> named;
+  absl::Time oldest_work = absl::InfiniteFuture();
+};
+
+absl::Status AddOperations(jobs::Operations& operations, FileUse& use) {
+  std::string after;
+  while (true) {
+    MORTISE_ASSIGN_OR_RETURN(const auto page, operations.List(after, kPage));
+    for (const jobs::Operation& operation : page) {
+      if (jobs::IsFinal(operation.state)) continue;
+      use.oldest_work = std::min(use.oldest_work, operation.created_at);
+      v1::Task task;
+      if (task.ParseFromString(operation.request)) use.named.insert(task.mesh_file());
+    }
+    if (static_cast<int>(page.size()) < kPage) return absl::OkStatus();
+    after = page.back().name;
+  }
+}
+
+absl::Status AddAnalyses(store::ReadTransaction& read, FileUse& use) {
+  store::ListOptions list{.limit = kPage};
+  while (true) {
+    MORTISE_ASSIGN_OR_RETURN(const auto page, read.List(kAnalysisKind, list));
+    for (const store::Record& record : page) {
+      v1::Analysis analysis;
+      if (!analysis.ParseFromString(record.payload)) {
+        return StorageFailed("analyses/" + record.key, "the record cannot be read");
+      }
+      use.named.insert(analysis.mesh_file());
+      for (const v1::Artifact& artifact : analysis.artifacts()) use.named.insert(artifact.sha256());
+    }
+    if (static_cast<int>(page.size()) < kPage) return absl::OkStatus();
+    list.after_key = page.back().key;
+  }
+}
+
+// Their input is kept for whoever looks into them.
+absl::Status AddQuarantined(store::ReadTransaction& read, FileUse& use) {
+  store::ListOptions list{.key_prefix = kAnalysisTaskPrefix, .limit = kPage};
+  while (true) {
+    MORTISE_ASSIGN_OR_RETURN(const auto page, read.ListTasks(kSimulatorQueue, list));
+    for (const store::Task& stored : page) {
+      v1::Task task;
+      if (stored.state != store::TaskState::kQuarantined) continue;
+      if (task.ParseFromString(stored.payload)) use.named.insert(task.mesh_file());
+    }
+    if (static_cast<int>(page.size()) < kPage) return absl::OkStatus();
+    list.after_key = page.back().key;
+  }
+}
+
+}  // namespace
+
+absl::StatusOr<store::RemovedBlobs> RemoveUnusedFiles(store::Store& store,
+                                                      jobs::Operations& operations,
+                                                      const std::filesystem::path& folder) {
+  const absl::Time now = store.Now();
+  FileUse use;
+  // Operations first: one that ends meanwhile has made its analysis before it is looked for.
+  MORTISE_RETURN_IF_ERROR(AddOperations(operations, use));
+  MORTISE_RETURN_IF_ERROR(store.Read([&](store::ReadTransaction& read) -> absl::Status {
+    MORTISE_RETURN_IF_ERROR(AddAnalyses(read, use));
+    return AddQuarantined(read, use);
+  }));
+  MORTISE_RETURN_IF_ERROR(
+      store::RemoveAbandonedParts(folder, now - kAbandonedPartLife).status());
+  return store::RemoveUnusedBlobs(
+      folder, std::min(now - kUnusedFileLife, use.oldest_work),
+      [&use](const std::string& digest) { return use.named.contains(digest); });
+}
+
+absl::StatusOr<int> RemoveOldProgress(store::Store& store) {
+  std::vector<std::string> old;
+  MORTISE_RETURN_IF_ERROR(store.Read([&](store::ReadTransaction& read) -> absl::Status {
+    MORTISE_ASSIGN_OR_RETURN(old, FindOldProgress(read));
+    return absl::OkStatus();
+  }));
+  for (const std::string& key : old) {
+    MORTISE_RETURN_IF_ERROR(store.Transact(
+        [&](store::Transaction& transaction) { return ForgetProgress(transaction, key); }));
+  }
+  return static_cast<int>(old.size());
+}
+
+FileUpkeep::FileUpkeep(const rpc::ServiceEnvironment& environment)
+    : store_(environment.store),
+      operations_(environment.operations),
+      dispatcher_(environment.dispatcher),
+      folder_(environment.options.blobs) {}
+
+std::shared_ptr<FileUpkeep> FileUpkeep::Start(const rpc::ServiceEnvironment& environment) {
+  std::shared_ptr<FileUpkeep> upkeep(new FileUpkeep(environment));
+  upkeep->RunAfter(absl::ZeroDuration());
+  return upkeep;
+}
+
+void FileUpkeep::RunAfter(absl::Duration delay) {
+  dispatcher_->SubmitAfter(delay, [weak = weak_from_this()] {
+    const auto upkeep = weak.lock();
+    if (upkeep == nullptr) return;
+    upkeep->TidyUp();
+    upkeep->RunAfter(kPause);
+  });
+}
+
+void FileUpkeep::TidyUp() {
+  const auto files = RemoveUnusedFiles(*store_, *operations_, folder_);
+  if (!files.ok()) {
+    Log(LogLevel::kWarning, "unused files could not be removed",
+        {{"error", files.status().ToString()}});
+  } else if (files->count > 0) {
+    Log(LogLevel::kInfo, "removed files that nothing refers to",
+        {{"files", files->count}, {"bytes", files->bytes}});
+  }
+  if (const auto old = RemoveOldProgress(*store_); !old.ok()) {
+    Log(LogLevel::kWarning, "the progress of old tasks could not be removed",
+        {{"error", old.status().ToString()}});
+  }
+}
+
+}  // namespace mortise::simulator

@@ -1,0 +1,155 @@
+// Which files of the simulator go, and when.
+#include "services/simulator/file_upkeep.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <fstream>
+
+#include "common/jobs/operations.h"
+#include "common/store/store.h"
+#include "mortise/v1/simulator.pb.h"
+#include "services/simulator/analysis_operation.h"
+#include "services/simulator/evaluation_tasks.h"
+#include "services/simulator/task_progress.h"
+#include "tests/unit/common/store/store_conformance.h"
+
+namespace mortise::simulator {
+namespace {
+
+using store::Driver;
+
+class FileUpkeepTest : public ::testing::TestWithParam<Driver> {
+ protected:
+  FileUpkeepTest() {
+    static std::atomic<int> last = 0;
+    store::StoreOptions options;
+    options.url = GetParam() == Driver::kSqlite ? "sqlite:" + (folder_.path() / "store.db").string()
+                                                : store::SharedPostgresqlUrl();
+    options.service = "files-" + std::to_string(++last);
+    options.blob_folder = blob_folder_;
+    options.clock = [this] { return absl::Now() + ahead_; };
+    store_ = store::OpenStore(options).value();
+    blobs_ = store_->Blobs().value();
+    operations_ = jobs::Operations::Create({.service = "simulator"}, store_.get()).value();
+    // Without Resume none ever runs.
+    operations_->Register("analysis", [](jobs::OperationContext&) { return ""; });
+  }
+
+  // A mesh, or a file of an analysis.
+  std::string Upload(const std::string& bytes) { return blobs_->Put(bytes).value(); }
+
+  bool Exists(const std::string& digest) { return blobs_->Size(digest).ok(); }
+
+  void InTransaction(const std::function<absl::Status(store::Transaction&)>& change) {
+    EXPECT_OK(store_->Transact(change));
+  }
+
+  std::string StartAnalysis(const std::string& mesh_file) {
+    v1::Task task;
+    task.set_mesh_file(mesh_file);
+    std::string name;
+    InTransaction([&](store::Transaction& transaction) -> absl::Status {
+      MORTISE_ASSIGN_OR_RETURN(
+          const jobs::Operation operation,
+          operations_->Start(transaction,
+                             {.kind = "analysis", .request = task.SerializeAsString()}));
+      name = operation.name;
+      return absl::OkStatus();
+    });
+    return name;
+  }
+
+  int RemoveFiles() {
+    const auto removed = RemoveUnusedFiles(*store_, *operations_, blob_folder_);
+    EXPECT_OK(removed);
+    return removed.ok() ? removed->count : -1;
+  }
+
+  const testing::TemporaryFolder folder_;
+  const std::filesystem::path blob_folder_ = folder_.path() / "blobs";
+  absl::Duration ahead_ = absl::ZeroDuration();  // of the store's clock
+  std::unique_ptr<store::Store> store_;
+  store::BlobFolder* blobs_ = nullptr;
+  std::unique_ptr<jobs::Operations> operations_;
+};
+
+TEST_P(FileUpkeepTest, AnUploadThatNobodyAnalysesGoesAfterADay) {
+  const std::string mesh = Upload("mesh");
+  ahead_ = absl::Hours(23);
+  EXPECT_EQ(RemoveFiles(), 0);
+  EXPECT_TRUE(Exists(mesh));
+  ahead_ = absl::Hours(25);
+  EXPECT_EQ(RemoveFiles(), 1);
+  EXPECT_FALSE(Exists(mesh));
+}
+
+TEST_P(FileUpkeepTest, WhatAnAnalysisNamesStays) {
+  v1::Analysis analysis;
+  analysis.set_mesh_file(Upload("mesh"));
+  analysis.add_artifacts()->set_sha256(Upload("picture"));
+  InTransaction([&](store::Transaction& transaction) {
+    return transaction.Put(kAnalysisKind, "finished", analysis.SerializeAsString()).status();
+  });
+  ahead_ = absl::Hours(1000);
+  EXPECT_EQ(RemoveFiles(), 0);
+  EXPECT_TRUE(Exists(analysis.mesh_file()));
+}
+
+TEST_P(FileUpkeepTest, FilesOfUnfinishedWorkStayUntilItEnds) {
+  const std::string other = Upload("of nobody");
+  const std::string mesh = Upload("mesh");
+  const std::string analysis = StartAnalysis(mesh);
+  // What its worker has uploaded so far is named nowhere yet.
+  const std::string picture = Upload("picture");
+  ahead_ = absl::Hours(30);
+  EXPECT_EQ(RemoveFiles(), 1);
+  EXPECT_FALSE(Exists(other));
+  EXPECT_TRUE(Exists(mesh));
+  EXPECT_TRUE(Exists(picture));
+  EXPECT_OK(operations_->Cancel(analysis).status());
+  EXPECT_EQ(RemoveFiles(), 2);
+}
+
+TEST_P(FileUpkeepTest, TheInputOfAQuarantinedTaskStays) {
+  v1::Task task;
+  task.set_mesh_file(Upload("poison"));
+  const std::string key = std::string(kAnalysisTaskPrefix) + "poison";
+  InTransaction([&](store::Transaction& transaction) {
+    return transaction.EnqueueTask({.queue = kSimulatorQueue,
+                                    .key = key,
+                                    .payload = task.SerializeAsString(),
+                                    .max_attempts = 1});
+  });
+  for (int lease = 0; lease < 2; ++lease) {
+    InTransaction([&](store::Transaction& transaction) {
+      return transaction.LeaseTasks(kSimulatorQueue, "victim", 1, absl::Seconds(1)).status();
+    });
+    ahead_ += absl::Hours(30);
+  }
+  EXPECT_EQ(RemoveFiles(), 0);
+  EXPECT_TRUE(Exists(task.mesh_file()));
+}
+
+TEST_P(FileUpkeepTest, ProgressOfTasksThatEndedIsForgotten) {
+  v1::TaskAttempt told;
+  told.set_attempt(1);
+  told.mutable_progress()->set_total(1);
+  for (const std::string key : {"ended", "gone", "waits"}) {
+    InTransaction([&](store::Transaction& transaction) -> absl::Status {
+      MORTISE_RETURN_IF_ERROR(KeepProgress(transaction, key, told));
+      if (key == "gone") return absl::OkStatus();
+      MORTISE_RETURN_IF_ERROR(transaction.EnqueueTask({.queue = kSimulatorQueue, .key = key}));
+      return key == "ended" ? transaction.CancelTask(kSimulatorQueue, key) : absl::OkStatus();
+    });
+  }
+  EXPECT_EQ(RemoveOldProgress(*store_).value(), 2);
+  EXPECT_EQ(RemoveOldProgress(*store_).value(), 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Stores, FileUpkeepTest,
+                         ::testing::Values(Driver::kSqlite, Driver::kPostgresql),
+                         store::DriverName);
+
+}  // namespace
+}  // namespace mortise::simulator
