@@ -20,6 +20,8 @@ namespace {
 
 constexpr absl::Duration kPause = absl::Hours(1);
 constexpr int kPage = 100;
+// By how much the clocks of store and file system may differ, and more.
+constexpr absl::Duration kClockMargin = absl::Hours(1);
 
 // What files are named, and since when there may be some that are not named yet.
 struct FileUse {
@@ -87,10 +89,9 @@ absl::StatusOr<store::RemovedBlobs> RemoveUnusedFiles(store::Store& store,
     MORTISE_RETURN_IF_ERROR(AddAnalyses(read, use));
     return AddQuarantined(read, use);
   }));
-  MORTISE_RETURN_IF_ERROR(
-      store::RemoveAbandonedParts(folder, now - kAbandonedPartLife).status());
+  MORTISE_RETURN_IF_ERROR(store::RemoveAbandonedParts(folder, now - kAbandonedPartLife).status());
   return store::RemoveUnusedBlobs(
-      folder, std::min(now - kUnusedFileLife, use.oldest_work),
+      folder, std::min(now - kUnusedFileLife, use.oldest_work - kClockMargin),
       [&use](const std::string& digest) { return use.named.contains(digest); });
 }
 

@@ -30,7 +30,8 @@ inline constexpr absl::Duration kUnusedFileLife = absl::Hours(24);
 inline constexpr absl::Duration kAbandonedPartLife = absl::Hours(1);
 
 // Removes what no analysis, no unfinished operation and no quarantined task names and what is older
-// than the above and than every unfinished operation, whose files are not named before it ends.
+// than the above and than an hour before every unfinished operation, whose files are not named
+// before it ends.
 absl::StatusOr<store::RemovedBlobs> RemoveUnusedFiles(store::Store& store,
                                                       jobs::Operations& operations,
                                                       const std::filesystem::path& folder);

@@ -98,6 +98,9 @@ TEST_P(FileUpkeepTest, WhatAnAnalysisNamesStays) {
 
 TEST_P(FileUpkeepTest, FilesOfUnfinishedWorkStayUntilItEnds) {
   const std::string other = Upload("of nobody");
+  std::filesystem::last_write_time(
+      blobs_->PathOf(other).value(),
+      std::filesystem::file_time_type::clock::now() - std::chrono::hours(2));
   const std::string mesh = Upload("mesh");
   const std::string analysis = StartAnalysis(mesh);
   // What its worker has uploaded so far is named nowhere yet.
