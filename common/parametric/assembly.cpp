@@ -54,6 +54,10 @@ void CheckGroups(const Assembly& assembly, Findings& findings) {
 void CheckBox(const std::string& place, const BoundingBox& box, Findings& findings) {
   if (!box.minimum.allFinite() || !box.maximum.allFinite()) {
     findings.push_back({place + ".box", "must be finite"});
+  } else if (std::max(box.minimum.cwiseAbs().maxCoeff(), box.maximum.cwiseAbs().maxCoeff()) >
+             kFurthestFromOrigin) {
+    findings.push_back({place + ".box",
+                        absl::StrCat("must lie within ", kFurthestFromOrigin, " m of the origin")});
   } else if ((box.size().array() <= 0).any()) {
     findings.push_back({place + ".box", "must have a positive size along each axis"});
   }
@@ -75,6 +79,15 @@ void CheckLimits(const std::string& place, const AssemblyPart& part, Findings& f
   }
 }
 
+// A plane may lie outside its part: what keeps its distance from it.
+void CheckPlanes(const std::string& place, const AssemblyPart& part, Findings& findings) {
+  for (std::size_t i = 0; i < part.prominent_planes.size(); ++i) {
+    if (std::abs(part.prominent_planes[i].position) <= kFurthestFromOrigin) continue;
+    findings.push_back({absl::StrCat(place, ".prominent_planes[", i, "].position"),
+                        absl::StrCat("must lie within ", kFurthestFromOrigin, " m of the origin")});
+  }
+}
+
 void CheckParts(const Assembly& assembly, Findings& findings) {
   if (assembly.parts.empty()) findings.push_back({"parts", "there must be a part"});
   std::set<std::string> names;
@@ -88,11 +101,9 @@ void CheckParts(const Assembly& assembly, Findings& findings) {
     if (!IsGroup(assembly, part.group)) findings.push_back({place + ".group", "is no group"});
     const std::size_t before = findings.size();
     CheckBox(place, part.box, findings);
-    if (findings.size() == before) CheckLimits(place, part, findings);
-    for (const ProminentPlane& plane : part.prominent_planes) {
-      if (!std::isfinite(plane.position)) {
-        findings.push_back({place + ".prominent_planes", "must be finite"});
-      }
+    if (findings.size() == before) {
+      CheckLimits(place, part, findings);
+      CheckPlanes(place, part, findings);
     }
   }
 }
@@ -118,7 +129,14 @@ void CheckRestPose(const std::string& place, const Joint& joint, const RestPose&
   }
 }
 
-void CheckJoints(const Assembly& assembly, Findings& findings) {
+bool HasParts(const Assembly& assembly, int group) {
+  return std::any_of(assembly.parts.begin(), assembly.parts.end(), [&](const AssemblyPart& part) {
+    return IsGroup(assembly, part.group) && IsWithin(assembly, part.group, group);
+  });
+}
+
+// groups_fault_free: whether each group's parents lead to the root.
+void CheckJoints(const Assembly& assembly, bool groups_fault_free, Findings& findings) {
   std::set<int> moved;
   for (std::size_t i = 0; i < assembly.joints.size(); ++i) {
     const Joint& joint = assembly.joints[i];
@@ -137,6 +155,14 @@ void CheckJoints(const Assembly& assembly, Findings& findings) {
       findings.push_back({place + ".lower", "the limits must be finite and in order"});
       continue;
     }
+    if (joint.lower > kLimitTolerance || joint.upper < -kLimitTolerance) {
+      findings.push_back(
+          {place + ".lower", "the limits must include 0, the pose in which the design is drawn"});
+    }
+    if (IsGroup(assembly, joint.group) && groups_fault_free && !assembly.parts.empty() &&
+        !HasParts(assembly, joint.group)) {
+      findings.push_back({place + ".group", "there are no parts in the group that it moves"});
+    }
     for (std::size_t j = 0; j < joint.rest_poses.size(); ++j) {
       CheckRestPose(absl::StrCat(place, ".rest_poses[", j, "]"), joint, joint.rest_poses[j],
                     findings);
@@ -149,8 +175,9 @@ void CheckJoints(const Assembly& assembly, Findings& findings) {
 std::vector<Finding> ValidateAssembly(const Assembly& assembly) {
   Findings findings;
   CheckGroups(assembly, findings);
+  const bool groups_fault_free = findings.empty();
   CheckParts(assembly, findings);
-  CheckJoints(assembly, findings);
+  CheckJoints(assembly, groups_fault_free, findings);
   return findings;
 }
 

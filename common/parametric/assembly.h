@@ -15,6 +15,9 @@
 
 namespace mortise::parametric {
 
+// m; assemblies, and designs of them, lie within this along every axis.
+inline constexpr double kFurthestFromOrigin = 10e3;
+
 // The bounding box of a part, in metres, in the design's coordinates.
 struct BoundingBox {
   Eigen::Vector3d minimum = Eigen::Vector3d::Zero();

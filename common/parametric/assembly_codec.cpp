@@ -358,8 +358,11 @@ Finding AtMessage(const Finding& finding, const Drawing& drawing) {
 bool IsConsequence(const Finding& finding, const v1::Assembly& message, const Drawing& drawing) {
   if (finding.field == "parts") return message.parts_size() > 0;
   const int joint = IndexIn(finding.field, "joints");
-  return joint >= 0 && finding.field.ends_with("].group") &&
-         drawing.assembly.joints[static_cast<std::size_t>(joint)].group < 0;
+  if (joint < 0 || !finding.field.ends_with("].group")) return false;
+  // Without parts because they could not be read.
+  const bool parts_are_missing =
+      drawing.assembly.parts.size() == kMaxParts || drawing.assembly.parts.empty();
+  return parts_are_missing || drawing.assembly.joints[static_cast<std::size_t>(joint)].group < 0;
 }
 
 }  // namespace

@@ -60,7 +60,8 @@ std::string Describe(const ContactFault& fault) {
       return absl::StrCat("'", fault.first, "' reaches ", fault.amount, " m into '", fault.second,
                           "'", pose);
     case ContactFault::Kind::kChangedSize:
-      return absl::StrCat("a fixed size of '", fault.first, "' differs by ", fault.amount, " m");
+      return absl::StrCat("a size of '", fault.first, "' is ", fault.amount,
+                          " m beyond what its item allows");
   }
   return "";
 }
@@ -79,6 +80,14 @@ ContactCheck::ContactCheck(Assembly assembly, std::vector<Element> elements, dou
     }
     meetings_.push_back(std::move(meetings));
   }
+  for (std::size_t e = 0; e < elements_.size(); ++e) {
+    std::array<Neighbours, 2> met;
+    const std::array<double, 2> gaps = NeighbourGaps(e, drawn);
+    for (std::size_t i = 0; i < 2; ++i) {
+      met[i] = {.touched = gaps[i] <= tolerance_, .intersected = gaps[i] < -tolerance_};
+    }
+    neighbours_.push_back(met);
+  }
 }
 
 absl::Status ContactCheck::CheckParameters(const Eigen::VectorXd& q) const {
@@ -86,13 +95,16 @@ absl::Status ContactCheck::CheckParameters(const Eigen::VectorXd& q) const {
   if (q.size() != static_cast<Eigen::Index>(expected) || !q.allFinite()) {
     return InvalidField("q", absl::StrCat("must be ", expected, " finite numbers"));
   }
+  if (q.size() > 0 && q.cwiseAbs().maxCoeff() > kFurthestFromOrigin) {
+    return InvalidField("q", absl::StrCat("must be within ", kFurthestFromOrigin, " m"));
+  }
   for (std::size_t e = 0; e < elements_.size(); ++e) {
     const Eigen::Vector3d size = q.segment<3>(SizeVariable(static_cast<int>(e), Axis::kX));
     if (size.minCoeff() <= 0) {
       return InvalidField("q", absl::StrCat("'", elements_[e].name, "' must have positive sizes"));
     }
   }
-  return absl::OkStatus();
+  return CheckPartCount(assembly_, elements_, q);
 }
 
 absl::StatusOr<std::vector<ContactFault>> ContactCheck::FaultsAt(const Eigen::VectorXd& q,
@@ -101,7 +113,10 @@ absl::StatusOr<std::vector<ContactFault>> ContactCheck::FaultsAt(const Eigen::Ve
   std::vector<ContactFault> faults;
   for (std::size_t p = 0; p < poses_.size(); ++p) {
     const Parts parts = PartsIn(poses_[p], q);
-    if (p == 0) CheckSizes(parts, faults);
+    if (p == 0) {
+      CheckSizes(parts, faults);
+      CheckNeighbours(parts, q, penetration, faults);
+    }
     ContactFault fault;
     fault.pose = poses_[p].name;
     std::vector<Eigen::AlignedBox3d> around;
@@ -188,7 +203,9 @@ ContactCheck::Meeting ContactCheck::MeetingOf(const std::vector<Part>& a,
   for (const Part& part : a) {
     bool touches = false;
     for (std::size_t j = 0; j < b.size(); ++j) {
-      if (SeparationOf(part, b[j]) > tolerance_) continue;
+      const double separation = SeparationOf(part, b[j]);
+      if (separation > tolerance_) continue;
+      meeting.is_clear &= separation >= -tolerance_;
       touches = true;
       second_touches[j] = true;
     }
@@ -221,7 +238,7 @@ void ContactCheck::CheckPair(const Meeting& meeting, const std::vector<Part>& a,
       const double separation = SeparationOf(part, b[j]);
       first_gap = std::min(first_gap, separation);
       second_gap[j] = std::min(second_gap[j], separation);
-      if (!meeting.any && -separation > penetration) {
+      if (meeting.is_clear && -separation > penetration) {
         fault.kind = ContactFault::Kind::kPenetration;
         fault.first = part.name;
         fault.second = b[j].name;
@@ -246,10 +263,14 @@ void ContactCheck::CheckSizes(const Parts& parts, std::vector<ContactFault>& fau
     for (const Part& part : parts[e]) {
       double differs = 0;
       for (int axis = 0; axis < 3; ++axis) {
+        // As drawn, which may differ from the item by the tolerance of the drawing.
         const SizeLimits& limits = drawn.limits[static_cast<std::size_t>(axis)];
-        if (limits.minimum < limits.maximum) continue;
-        differs =
-            std::max(differs, std::abs(2 * part.box.half_size[axis] - drawn.box.size()[axis]));
+        const double drawn_size = drawn.box.size()[axis];
+        const bool is_fixed = limits.minimum == limits.maximum;
+        const double least = is_fixed ? drawn_size : std::min(limits.minimum, drawn_size);
+        const double most = is_fixed ? drawn_size : std::max(limits.maximum, drawn_size);
+        const double size = 2 * part.box.half_size[axis];
+        differs = std::max({differs, least - size, size - most});
       }
       if (differs <= tolerance_) continue;
       ContactFault fault;
@@ -257,6 +278,43 @@ void ContactCheck::CheckSizes(const Parts& parts, std::vector<ContactFault>& fau
       fault.first = part.name;
       fault.amount = differs;
       faults.push_back(fault);
+    }
+  }
+}
+
+std::array<double, 2> ContactCheck::NeighbourGaps(std::size_t element,
+                                                  const Eigen::VectorXd& q) const {
+  std::array<double, 2> gaps = {kInfinity, kInfinity};
+  const Element& subject = elements_[element];
+  if (!subject.pattern) return gaps;
+  const PatternLayout layout = LayOut(*subject.pattern, BoxOf(q, static_cast<int>(element)));
+  for (std::size_t i = 0; i < 2; ++i) {
+    if (layout.directions[i].count < 2) continue;
+    const Eigen::Vector3d apart = layout.directions[i].spacing.cwiseAbs() - layout.part_size;
+    gaps[i] = apart.maxCoeff();
+  }
+  return gaps;
+}
+
+void ContactCheck::CheckNeighbours(const Parts& parts, const Eigen::VectorXd& q, double penetration,
+                                   std::vector<ContactFault>& faults) const {
+  for (std::size_t e = 0; e < elements_.size(); ++e) {
+    const std::array<double, 2> gaps = NeighbourGaps(e, q);
+    for (std::size_t i = 0; i < 2; ++i) {
+      if (gaps[i] == kInfinity) continue;
+      const Neighbours& met = neighbours_[e][i];
+      ContactFault fault;
+      fault.first = parts[e].front().name;
+      fault.second = parts[e].back().name;
+      if (met.touched && gaps[i] > tolerance_) {
+        fault.kind = ContactFault::Kind::kLostContact;
+        fault.amount = gaps[i];
+        faults.push_back(fault);
+      } else if (!met.intersected && -gaps[i] > penetration) {
+        fault.kind = ContactFault::Kind::kPenetration;
+        fault.amount = -gaps[i];
+        faults.push_back(fault);
+      }
     }
   }
 }

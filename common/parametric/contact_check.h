@@ -9,6 +9,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <array>
 #include <cstddef>
 #include <optional>
 #include <string>
@@ -54,14 +55,21 @@ class ContactCheck {
   // valid. O(poses · parts²).
   ContactCheck(Assembly assembly, std::vector<Element> elements, double tolerance = 1e-6);
 
+  // INVALID_ARGUMENT, "q", for another number of parameters, one that is not finite or beyond
+  // kFurthestFromOrigin, a size that is not positive, and where patterns so large would have far
+  // more parts than the drawn design.
+  absl::Status CheckParameters(const Eigen::VectorXd& q) const;
+
   // All faults at q, which has 6 numbers an element and 3 a joint:
   // - elements that touched are apart by more than the tolerance. If all parts of a pattern touched
   //   the other element, all it now has must do so;
-  // - parts of elements that did not touch intersect by more than `penetration`, m;
-  // - a size that an item fixes differs from the drawn one by more than the tolerance.
+  // - parts of elements that did not intersect, whether they touched or not, do so by more than
+  //   `penetration`, m;
+  // - neighbours in a pattern that touched are apart, or those that did not intersect do;
+  // - a size is beyond what the item allows by more than the tolerance: differs from the drawn one,
+  //   where the item fixes it.
   // What a rest pose moves together, or not at all, is told of once, as drawn. Empty if the design
-  // is sound. INVALID_ARGUMENT, "q", for another number of parameters, one that is not finite, or a
-  // size that is not positive. O(poses · parts²).
+  // is sound. Fails as CheckParameters. O(poses · parts²).
   absl::StatusOr<std::vector<ContactFault>> FaultsAt(const Eigen::VectorXd& q,
                                                      double penetration = 1e-4) const;
 
@@ -79,9 +87,14 @@ class ContactCheck {
     bool any = false;            // some part of the first touched some of the second
     bool all_of_first = false;   // each part of the first touched some of the second
     bool all_of_second = false;  // and the other way round
+    bool is_clear = true;        // no part of the one reached into one of the other
+  };
+  // How neighbours along a direction of a pattern met as drawn.
+  struct Neighbours {
+    bool touched = false;
+    bool intersected = false;
   };
 
-  absl::Status CheckParameters(const Eigen::VectorXd& q) const;
   // How far two parts are apart, m; minus how deep they reach into each other.
   double SeparationOf(const Part& a, const Part& b) const;
   static const mesh::ProbedSurface& Probed(const Part& part);
@@ -95,12 +108,18 @@ class ContactCheck {
   void CheckPair(const Meeting& meeting, const std::vector<Part>& a, const std::vector<Part>& b,
                  ContactFault fault, double penetration, std::vector<ContactFault>& faults) const;
   void CheckSizes(const Parts& parts, std::vector<ContactFault>& faults) const;
+  // Of each direction of an element's pattern, the separation of neighbours at q, m; infinite where
+  // there are none.
+  std::array<double, 2> NeighbourGaps(std::size_t element, const Eigen::VectorXd& q) const;
+  void CheckNeighbours(const Parts& parts, const Eigen::VectorXd& q, double penetration,
+                       std::vector<ContactFault>& faults) const;
 
   Assembly assembly_;
   std::vector<Element> elements_;
   double tolerance_;
   std::vector<Pose> poses_;
-  std::vector<std::vector<Meeting>> meetings_;  // by pose, then PairIndex(a, b) of a <= b
+  std::vector<std::vector<Meeting>> meetings_;         // by pose, then PairIndex(a, b) of a <= b
+  std::vector<std::array<Neighbours, 2>> neighbours_;  // of each element's pattern
 };
 
 }  // namespace mortise::parametric

@@ -25,6 +25,12 @@ void AddBoxPlanes(Element& element) {
   }
 }
 
+void AddPlane(const AssemblyPart& part, const ProminentPlane& plane, Element& element) {
+  const int axis = static_cast<int>(plane.axis);
+  element.planes.push_back(
+      {plane.name, plane.axis, (plane.position - part.box.center()[axis]) / part.box.size()[axis]});
+}
+
 Element ElementOfPart(const Assembly& assembly, int index) {
   const AssemblyPart& part = assembly.parts[static_cast<std::size_t>(index)];
   Element element;
@@ -36,26 +42,11 @@ Element ElementOfPart(const Assembly& assembly, int index) {
   element.box = part.box;
   element.limits = part.limits;
   AddBoxPlanes(element);
-  for (const ProminentPlane& plane : part.prominent_planes) {
-    const int axis = static_cast<int>(plane.axis);
-    element.planes.push_back({plane.name, plane.axis,
-                              (plane.position - part.box.center()[axis]) / part.box.size()[axis]});
-  }
+  for (const ProminentPlane& plane : part.prominent_planes) AddPlane(part, plane, element);
   return element;
 }
 
-// The sizes a pattern may take along an axis it leads along.
-SizeLimits LimitsAlong(const Pattern& pattern, double drawn, int axis) {
-  double smallest_spacing = 0;
-  for (const PatternDirection& direction : pattern.directions) {
-    if (direction.count > 1) smallest_spacing += std::abs(direction.spacing[axis]);
-  }
-  // Two parts side by side, or at their drawn spacing where they overlap in the drawing.
-  const double room = std::min(smallest_spacing, pattern.part_size[axis]) + pattern.part_size[axis];
-  return {std::min(std::max(drawn / 2, room), drawn), 2 * drawn};
-}
-
-Element ElementOfPattern(const Assembly& assembly, const FoundPattern& found) {
+Element ElementOfPattern(const Assembly& assembly, const FoundPattern& found, double tolerance) {
   const AssemblyPart& first = assembly.parts[static_cast<std::size_t>(found.parts.front())];
   Element element;
   element.name = first.name;
@@ -67,17 +58,15 @@ Element ElementOfPattern(const Assembly& assembly, const FoundPattern& found) {
   element.box = BoxOf(assembly, found.parts);
   element.limits = first.limits;
   for (int axis = 0; axis < 3; ++axis) {
-    bool led = false;
-    for (const PatternDirection& direction : found.pattern.directions) {
-      led |= direction.count > 1 &&
-             std::abs(direction.spacing[axis]) > 1e-9 * direction.spacing.norm();
-    }
-    if (led) {
-      element.limits[static_cast<std::size_t>(axis)] =
-          LimitsAlong(found.pattern, element.box.size()[axis], axis);
-    }
+    if (!LeadsAlong(found.pattern, axis)) continue;
+    element.limits[static_cast<std::size_t>(axis)] =
+        LengthsOf(found.pattern, axis, element.box.size()[axis], tolerance);
   }
   AddBoxPlanes(element);
+  // All parts have these planes in one place, except along the pattern.
+  for (const ProminentPlane& plane : first.prominent_planes) {
+    if (!LeadsAlong(found.pattern, static_cast<int>(plane.axis))) AddPlane(first, plane, element);
+  }
   return element;
 }
 
@@ -87,7 +76,7 @@ std::vector<Element> MakeElements(const Assembly& assembly, double tolerance) {
   std::vector<Element> elements;
   std::vector<bool> taken(assembly.parts.size(), false);
   for (const FoundPattern& found : FindPatterns(assembly, tolerance)) {
-    elements.push_back(ElementOfPattern(assembly, found));
+    elements.push_back(ElementOfPattern(assembly, found, tolerance));
     for (const int part : found.parts) taken[static_cast<std::size_t>(part)] = true;
   }
   for (std::size_t i = 0; i < assembly.parts.size(); ++i) {

@@ -39,12 +39,12 @@ struct Element {
   std::optional<Pattern> pattern;  // of an element of more than one part
   BoundingBox box;                 // as the expert drew it
   std::array<SizeLimits, 3> limits;
-  std::vector<ElementPlane> planes;  // the six of the box, then the annotated ones
+  // The six of the box, then the prominent ones; of a pattern those that all parts have in common.
+  std::vector<ElementPlane> planes;
 };
 
 // The elements of a valid assembly: its patterns, largest first, then the remaining parts in their
-// order. Along a pattern's directions the limits run from half to twice the drawn size, and leave
-// room for two parts.
+// order. Along a pattern's directions the limits are those of LengthsOf.
 std::vector<Element> MakeElements(const Assembly& assembly, double tolerance);
 
 // q as the expert drew the design: 6 · elements numbers, m.

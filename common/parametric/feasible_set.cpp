@@ -1,5 +1,6 @@
 #include "common/parametric/feasible_set.h"
 
+#include <Eigen/LU>
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
@@ -20,6 +21,7 @@ namespace {
 constexpr double kDrawnTolerance = 1e-9;  // m
 constexpr double kRankThreshold = 1e-10;  // coefficients are of order one
 constexpr double kParallel = 1e-9;        // between unit normals
+constexpr double kNoShare = 1e-7;         // of a relationship in a conflict
 
 double AmountBroken(const Relationship& relationship, const Eigen::VectorXd& q) {
   const double value = relationship.form.At(q);
@@ -213,7 +215,9 @@ absl::StatusOr<FeasibleSet::Held> FeasibleSet::Hold(const std::vector<Demand>& d
     const double missing = demands[i].value - demands[i].form.At(drawn_);
     if (row.norm() <= kParallel) {
       if (std::abs(missing) <= kDrawnTolerance) continue;
-      return Conflict({demands[i].description, "the equalities of the design"});
+      std::vector<std::string> reasons = EqualitiesBehind({&demands[i].form});
+      reasons.insert(reasons.begin(), demands[i].description);
+      return Conflict(reasons);
     }
     const Eigen::Index rows = held.feasible.equalities.rows() + 1;
     held.feasible.equalities.conservativeResize(rows, Eigen::NoChange);
@@ -225,16 +229,71 @@ absl::StatusOr<FeasibleSet::Held> FeasibleSet::Hold(const std::vector<Demand>& d
   return held;
 }
 
+// By Farkas' lemma some combination of the rows says nothing of z; in q it is made of equalities.
 absl::Status FeasibleSet::ConflictOf(const Held& held, const std::vector<int>& equalities,
                                      const std::vector<int>& inequalities) const {
   std::vector<std::string> reasons;
+  std::vector<const LinearForm*> forms;
   for (const int row : equalities) {
-    reasons.push_back(held.demands[static_cast<std::size_t>(row)]->description);
+    const Demand& demand = *held.demands[static_cast<std::size_t>(row)];
+    reasons.push_back(demand.description);
+    forms.push_back(&demand.form);
   }
   for (const int row : inequalities) {
-    reasons.push_back(inequalities_[static_cast<std::size_t>(row)].description);
+    const Relationship& inequality = inequalities_[static_cast<std::size_t>(row)];
+    reasons.push_back(inequality.description);
+    forms.push_back(&inequality.form);
   }
+  for (std::string& name : EqualitiesBehind(forms)) reasons.push_back(std::move(name));
   return Conflict(reasons);
+}
+
+// The kept equalities of which a combination of these forms is made that is the same for all z.
+std::vector<std::string> FeasibleSet::EqualitiesBehind(
+    const std::vector<const LinearForm*>& forms) const {
+  Eigen::MatrixXd across =
+      Eigen::MatrixXd::Zero(basis_.cols(), static_cast<Eigen::Index>(forms.size()));
+  for (std::size_t i = 0; i < forms.size(); ++i) {
+    for (const LinearTerm& term : forms[i]->terms) {
+      across.col(static_cast<Eigen::Index>(i)) +=
+          term.coefficient * basis_.row(term.variable).transpose();
+    }
+  }
+  Eigen::VectorXd shares = Eigen::VectorXd::Ones(across.cols());
+  if (across.cols() > 1) {
+    Eigen::FullPivLU<Eigen::MatrixXd> decomposition(across);
+    decomposition.setThreshold(kParallel);
+    shares = decomposition.kernel().col(0);
+  }
+  std::map<int, double> combination;  // by variable
+  for (std::size_t i = 0; i < forms.size(); ++i) {
+    for (const LinearTerm& term : forms[i]->terms) {
+      combination[term.variable] += shares[static_cast<Eigen::Index>(i)] * term.coefficient;
+    }
+  }
+  std::vector<int> variables(static_cast<std::size_t>(drawn_.size()));
+  std::iota(variables.begin(), variables.end(), 0);
+  std::vector<std::string> names;
+  for (const Block& block : SplitIntoBlocks(equalities_, variables, drawn_.size())) {
+    const bool takes_part =
+        std::any_of(block.variables.begin(), block.variables.end(),
+                    [&](int variable) { return combination.count(variable) != 0; });
+    if (block.equalities.empty() || !takes_part) continue;
+    const Eigen::MatrixXd columns = ColumnsOf(block);
+    Eigen::VectorXd wanted = Eigen::VectorXd::Zero(columns.rows());
+    for (std::size_t i = 0; i < block.variables.size(); ++i) {
+      const auto found = combination.find(block.variables[i]);
+      if (found != combination.end()) wanted[static_cast<Eigen::Index>(i)] = found->second;
+    }
+    const Eigen::VectorXd parts = columns.colPivHouseholderQr().solve(wanted);
+    for (Eigen::Index i = 0; i < parts.size(); ++i) {
+      if (std::abs(parts[i]) <= kNoShare * std::max(1.0, parts.cwiseAbs().maxCoeff())) continue;
+      // What repeats together does so in place and in size, under one name.
+      const std::string& name = block.equalities[static_cast<std::size_t>(i)]->description;
+      if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+    }
+  }
+  return names;
 }
 
 absl::StatusOr<Eigen::VectorXd> FeasibleSet::Nearest(const Eigen::VectorXd& wish,

@@ -61,8 +61,8 @@ class FeasibleSet {
   // those that meet the demands exactly: what becomes of a design when somebody drags a part of it
   // (thesis §3.5.1). What may not change is as drawn, whatever the wish. INVALID_ARGUMENT for a
   // wish or demand of wrong size or not finite; FAILED_PRECONDITION, DEMANDS_CONFLICT, naming the
-  // demands and relationships that cannot hold together. See polyhedron.h for the method and its
-  // cost.
+  // demands, inequalities and kept equalities that cannot hold together, none of them superfluous.
+  // See polyhedron.h for the method and its cost.
   absl::StatusOr<Eigen::VectorXd> Nearest(const Eigen::VectorXd& wish,
                                           const std::vector<Demand>& demands = {}) const;
 
@@ -93,6 +93,7 @@ class FeasibleSet {
   void ReduceInequalities();
   absl::StatusOr<Eigen::VectorXd> RowOf(const Demand& demand, std::size_t index) const;
   absl::StatusOr<Held> Hold(const std::vector<Demand>& demands) const;
+  std::vector<std::string> EqualitiesBehind(const std::vector<const LinearForm*>& forms) const;
   absl::Status ConflictOf(const Held& held, const std::vector<int>& equalities,
                           const std::vector<int>& inequalities) const;
 

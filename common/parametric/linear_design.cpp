@@ -1,8 +1,10 @@
 #include "common/parametric/linear_design.h"
 
+#include <cstdint>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
 
 namespace mortise::parametric {
 namespace {
@@ -24,6 +26,22 @@ std::string NameOf(const Assembly& assembly, const Element& element, int index) 
 BoundingBox BoxOf(const Eigen::VectorXd& q, int element) {
   return BoxAround(q.segment<3>(CenterVariable(element, Axis::kX)),
                    q.segment<3>(SizeVariable(element, Axis::kX)));
+}
+
+absl::Status CheckPartCount(const Assembly& assembly, const std::vector<Element>& elements,
+                            const Eigen::VectorXd& q) {
+  const auto most = static_cast<std::int64_t>(kPartGrowthLimit * assembly.parts.size());
+  std::int64_t count = 0;
+  for (std::size_t e = 0; e < elements.size(); ++e) {
+    const Element& element = elements[e];
+    count +=
+        element.pattern ? LayOut(*element.pattern, BoxOf(q, static_cast<int>(e))).part_count() : 1;
+    if (count <= most) continue;
+    return InvalidField(
+        "q", absl::StrCat("'", element.name, "' is so large that the design would have ", count,
+                          " parts; drawn with ", assembly.parts.size(), ", it may have ", most));
+  }
+  return absl::OkStatus();
 }
 
 std::vector<PlacedPart> PlaceParts(const Assembly& assembly, const std::vector<Element>& elements,

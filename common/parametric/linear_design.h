@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "absl/status/status.h"
 #include "common/mesh/surface_mesh.h"
 #include "common/parametric/assembly.h"
 #include "common/parametric/element.h"
@@ -24,6 +25,13 @@ struct PlacedPart {
 // number depends on q. O(parts).
 std::vector<PlacedPart> PlaceParts(const Assembly& assembly, const std::vector<Element>& elements,
                                    const Eigen::VectorXd& q);
+
+// INVALID_ARGUMENT, "q", where patterns would have so many parts at q that there are more than
+// kPartGrowthLimit times as many as drawn: no feasible design has, and placing them takes their
+// time. q is finite, with positive sizes.
+inline constexpr int kPartGrowthLimit = 20;
+absl::Status CheckPartCount(const Assembly& assembly, const std::vector<Element>& elements,
+                            const Eigen::VectorXd& q);
 
 // The box of an element at q.
 BoundingBox BoxOf(const Eigen::VectorXd& q, int element);

@@ -109,7 +109,12 @@ class ParametricAssembly {
     return feasible_set_->Sample(count, seed);
   }
 
-  // All parts at q, in the pose the design is drawn in.
+  // Whether the design can be looked at there, feasible or not: as ContactCheck::CheckParameters.
+  absl::Status CheckParameters(const Eigen::VectorXd& q) const {
+    return contact_check_->CheckParameters(q);
+  }
+
+  // All parts at q, in the pose the design is drawn in. CheckParameters must be OK.
   std::vector<PlacedPart> PartsAt(const Eigen::VectorXd& q) const {
     return PlaceParts(assembly_, elements_, q);
   }

@@ -82,10 +82,14 @@ class PatternSearch {
   // The best pattern among the parts; without parts if there is none.
   Candidate Best() {
     FindRows();
-    for (std::size_t i = 0; i < rows_.size(); ++i) {
-      Keep(rows_[i]);
-      for (std::size_t j = 0; j < rows_.size(); ++j) {
-        if (i != j && rows_[i].parts[0] == rows_[j].parts[0]) KeepGrid(rows_[i], rows_[j]);
+    // Rows that begin at one part follow each other.
+    for (std::size_t begin = 0, end = 0; begin < rows_.size(); begin = end) {
+      while (end < rows_.size() && rows_[end].parts[0] == rows_[begin].parts[0]) ++end;
+      for (std::size_t i = begin; i < end; ++i) {
+        Keep(rows_[i]);
+        for (std::size_t j = begin; j < end; ++j) {
+          if (i != j) KeepGrid(rows_[i], rows_[j]);
+        }
       }
     }
     return best_;
@@ -97,7 +101,39 @@ class PatternSearch {
   }
 
   void Keep(const Candidate& candidate) {
-    if (best_.parts.empty() || IsBetter(candidate, best_, tolerance_)) best_ = candidate;
+    const bool is_better = best_.parts.empty() || IsBetter(candidate, best_, tolerance_);
+    if (is_better && !HasStranger(candidate)) best_ = candidate;
+  }
+
+  const BoundingBox& Box(int part) const {
+    return assembly_.parts[static_cast<std::size_t>(part)].box;
+  }
+
+  // Whether two boxes have more than `depth` in common along every axis.
+  static bool Overlap(const BoundingBox& a, const BoundingBox& b, double depth) {
+    return ((a.maximum - b.minimum).array() > depth).all() &&
+           ((b.maximum - a.minimum).array() > depth).all();
+  }
+
+  // Whether a principal part stands between principal ones and touches none of them. Fasteners go
+  // where their connections want them; rows of them may cross.
+  bool HasStranger(const Candidate& candidate) const {
+    if (assembly_.parts[static_cast<std::size_t>(candidate.parts.front())].connecting) return false;
+    BoundingBox around = Box(candidate.parts.front());
+    for (const int part : candidate.parts) {
+      around.minimum = around.minimum.cwiseMin(Box(part).minimum);
+      around.maximum = around.maximum.cwiseMax(Box(part).maximum);
+    }
+    for (std::size_t i = 0; i < assembly_.parts.size(); ++i) {
+      const BoundingBox& other = assembly_.parts[i].box;
+      if (assembly_.parts[i].connecting || !Overlap(other, around, tolerance_)) continue;
+      if (std::none_of(candidate.parts.begin(), candidate.parts.end(), [&](int part) {
+            return part == static_cast<int>(i) || Overlap(other, Box(part), -tolerance_);
+          })) {
+        return true;
+      }
+    }
+    return false;
   }
 
   // From `first`, as long as parts follow each other at `spacing`.
@@ -124,8 +160,10 @@ class PatternSearch {
         if (static_cast<int>(row.parts.size()) < kFewest) continue;
         // The mean spacing, better than that of the first two.
         row.directions[0].count = static_cast<int>(row.parts.size());
-        row.directions[0].spacing =
-            (Center(row.parts.back()) - Center(first)) / static_cast<double>(row.parts.size() - 1);
+        // What the drawing is out by is no direction.
+        Eigen::Vector3d reach = Center(row.parts.back()) - Center(first);
+        reach = (reach.array().abs() > tolerance_).select(reach, 0);
+        row.directions[0].spacing = reach / static_cast<double>(row.parts.size() - 1);
         rows_.push_back(std::move(row));
       }
     }
@@ -135,9 +173,9 @@ class PatternSearch {
   void KeepGrid(const Candidate& along, const Candidate& across) {
     const Eigen::Vector3d& p = along.directions[0].spacing;
     const Eigen::Vector3d& r = across.directions[0].spacing;
-    if (std::abs(p.dot(r)) > tolerance_ * std::max(p.norm(), r.norm())) return;  // rectangular only
+    // Each fills the box along axes of its own.
+    if (((p.array().abs() > tolerance_) && (r.array().abs() > tolerance_)).any()) return;
     int count = along.directions[0].count;
-    Candidate grid;
     for (std::size_t row = 0; row < across.parts.size(); ++row) {
       const std::vector<int> parts = Walk(across.parts[row], p, count);
       count = std::min(count, static_cast<int>(parts.size()));
@@ -170,16 +208,36 @@ class PatternSearch {
   Candidate best_;
 };
 
-// Parts of one item, role, shape and group, split by size.
+// Whether two parts have the same prominent planes at the same places within them.
+bool HaveSamePlanes(const AssemblyPart& a, const AssemblyPart& b, double tolerance) {
+  return std::equal(a.prominent_planes.begin(), a.prominent_planes.end(),
+                    b.prominent_planes.begin(), b.prominent_planes.end(),
+                    [&](const ProminentPlane& of_a, const ProminentPlane& of_b) {
+                      const int axis = static_cast<int>(of_a.axis);
+                      return of_a.axis == of_b.axis &&
+                             std::abs((of_a.position - a.box.minimum[axis]) -
+                                      (of_b.position - b.box.minimum[axis])) <= tolerance;
+                    });
+}
+
+bool AreIdentical(const AssemblyPart& a, const AssemblyPart& b, double tolerance) {
+  const auto same_limits = [&](const SizeLimits& of_a, const SizeLimits& of_b) {
+    return std::abs(of_a.minimum - of_b.minimum) <= tolerance &&
+           std::abs(of_a.maximum - of_b.maximum) <= tolerance;
+  };
+  return a.item == b.item && a.item_axes == b.item_axes && a.group == b.group &&
+         a.connecting == b.connecting && a.shape == b.shape && a.color == b.color &&
+         (a.box.size() - b.box.size()).cwiseAbs().maxCoeff() <= tolerance &&
+         std::equal(a.limits.begin(), a.limits.end(), b.limits.begin(), same_limits) &&
+         HaveSamePlanes(a, b, tolerance);
+}
+
 std::vector<std::vector<int>> IdenticalParts(const Assembly& assembly, double tolerance) {
   std::vector<std::vector<int>> kinds;
   for (std::size_t i = 0; i < assembly.parts.size(); ++i) {
     const AssemblyPart& part = assembly.parts[i];
     const auto is_alike = [&](const std::vector<int>& kind) {
-      const AssemblyPart& other = assembly.parts[static_cast<std::size_t>(kind.front())];
-      return other.item == part.item && other.group == part.group &&
-             other.connecting == part.connecting && other.shape == part.shape &&
-             (other.box.size() - part.box.size()).cwiseAbs().maxCoeff() <= tolerance;
+      return AreIdentical(assembly.parts[static_cast<std::size_t>(kind.front())], part, tolerance);
     };
     const auto kind = std::find_if(kinds.begin(), kinds.end(), is_alike);
     if (kind == kinds.end()) {
@@ -199,13 +257,16 @@ Pattern PatternOf(const Assembly& assembly, const Candidate& candidate) {
   pattern.connecting = first.connecting;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     pattern.resizable[axis] = first.limits[axis].minimum < first.limits[axis].maximum;
+    if (pattern.resizable[axis]) pattern.part_limits[axis] = first.limits[axis];
   }
   return pattern;
 }
 
 // ---- Layout ------------------------------------------------------------------------------------
 
-// The axes that a direction leads along.
+constexpr int kMost = 100'000;      // parts along a direction
+constexpr double kRounding = 1e-9;  // of lengths that are computed
+
 bool LeadsAlong(const PatternDirection& direction, int axis) {
   return direction.count > 1 && std::abs(direction.spacing[axis]) > 1e-9 * direction.spacing.norm();
 }
@@ -254,9 +315,21 @@ bool Intersects(const Pattern& pattern, const PatternDirection& direction, const
   return was_clear && !clear;
 }
 
+// 1 if parts are larger than they may be, -1 if they are smaller, 0 if they are neither.
+int BeyondLimits(const Pattern& pattern, const PatternDirection& direction, const Laid& laid) {
+  int beyond = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto index = static_cast<std::size_t>(axis);
+    if (!LeadsAlong(direction, axis) || !pattern.resizable[index]) continue;
+    const SizeLimits& limits = pattern.part_limits[index];
+    if (laid.part_size[axis] > limits.maximum * (1 + kRounding)) return 1;
+    if (laid.part_size[axis] < limits.minimum * (1 - kRounding)) beyond = -1;
+  }
+  return beyond;
+}
+
 int CountFor(const Pattern& pattern, const PatternDirection& direction,
              const Eigen::Vector3d& box_size) {
-  constexpr int kMost = 100000;
   const double original = direction.spacing.norm();
   const auto spacing = [&](int count) {
     return Lay(pattern, direction, count, box_size).spacing.norm();
@@ -278,6 +351,11 @@ int CountFor(const Pattern& pattern, const PatternDirection& direction,
       spacing(count - 1) - original <= original - spacing(count)) {
     --count;
   }
+  const auto beyond = [&](int parts) {
+    return BeyondLimits(pattern, direction, Lay(pattern, direction, parts, box_size));
+  };
+  while (count < kMost && beyond(count) > 0) ++count;
+  while (count > 2 && beyond(count) < 0 && beyond(count - 1) <= 0) --count;
   while (count > 2 && Intersects(pattern, direction, Lay(pattern, direction, count, box_size))) {
     --count;
   }
@@ -285,6 +363,41 @@ int CountFor(const Pattern& pattern, const PatternDirection& direction,
 }
 
 }  // namespace
+
+bool LeadsAlong(const Pattern& pattern, int axis) {
+  return LeadsAlong(pattern.directions[0], axis) || LeadsAlong(pattern.directions[1], axis);
+}
+
+SizeLimits LengthsOf(const Pattern& pattern, int axis, double drawn, double tolerance) {
+  const PatternDirection& direction =
+      LeadsAlong(pattern.directions[0], axis) ? pattern.directions[0] : pattern.directions[1];
+  const auto index = static_cast<std::size_t>(axis);
+  const double spacing = std::abs(direction.spacing[axis]);
+  const double part = pattern.part_size[axis];
+  SizeLimits lengths{drawn / 2, 2 * drawn};
+  if (!pattern.resizable[index]) {
+    // Two parts side by side, or at their drawn spacing where they overlap in the drawing.
+    const double room = std::min(spacing, part) + part;
+    lengths.minimum = std::min(std::max(lengths.minimum, room), drawn);
+    const bool touching = std::abs(direction.spacing.norm() - part) <= tolerance;
+    return touching ? SizeLimits{drawn, drawn} : lengths;
+  }
+  // `count` parts of size s at spacings that scale with it are s · (count - 1) · spacing / part + s
+  // long.
+  const auto length = [&](int count, double size) {
+    return size * ((count - 1) * spacing / part + 1);
+  };
+  const SizeLimits& sizes = pattern.part_limits[index];
+  int fewest = direction.count, most = direction.count;
+  while (fewest > 2 && length(fewest, sizes.minimum) <= length(fewest - 1, sizes.maximum)) --fewest;
+  while (most < 2 * direction.count + 1 &&
+         length(most + 1, sizes.minimum) <= length(most, sizes.maximum)) {
+    ++most;
+  }
+  lengths.minimum = std::min(std::max(lengths.minimum, length(fewest, sizes.minimum)), drawn);
+  lengths.maximum = std::max(std::min(lengths.maximum, length(most, sizes.maximum)), drawn);
+  return lengths;
+}
 
 std::vector<FoundPattern> FindPatterns(const Assembly& assembly, double tolerance) {
   std::vector<FoundPattern> found;
@@ -330,9 +443,7 @@ PatternLayout LayOut(const Pattern& pattern, const BoundingBox& box) {
   PatternLayout layout;
   layout.part_size = pattern.part_size;
   for (int axis = 0; axis < 3; ++axis) {
-    const bool led =
-        LeadsAlong(pattern.directions[0], axis) || LeadsAlong(pattern.directions[1], axis);
-    if (!led) layout.part_size[axis] = box.size()[axis];
+    if (!LeadsAlong(pattern, axis)) layout.part_size[axis] = box.size()[axis];
   }
   Eigen::Vector3d reach = Eigen::Vector3d::Zero();  // from the first part to the last
   for (std::size_t i = 0; i < 2; ++i) {

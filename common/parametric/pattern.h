@@ -4,6 +4,8 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cstdint>
+#include <limits>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -30,7 +32,11 @@ struct Pattern {
   // Axes along which a part may be resized; along a direction of the pattern it then scales with
   // the spacing, elsewhere it fills the box.
   std::array<bool, 3> resizable = {false, false, false};
+  // What sizes a part may take along those, m.
+  std::array<SizeLimits, 3> part_limits = {kAnySize, kAnySize, kAnySize};
   bool connecting = false;
+
+  static constexpr SizeLimits kAnySize{0, std::numeric_limits<double>::infinity()};
 };
 
 // Where a pattern was found.
@@ -40,9 +46,12 @@ struct FoundPattern {
 };
 
 // All patterns of at least three parts along each direction, largest first, no part in two of them
-// (ties: the closer spacing, then the lower part). Parts are identical if item, role, group and
-// size agree. `tolerance` in metres. O(n² log n) for n identical parts of one group in one
-// dimension; two dimensions add the pairs of directions that meet in a part.
+// (ties: the closer spacing, then the lower part). Parts are identical if item and how it lies in
+// them, role, group, size and what sizes they may take, shape, colour and prominent planes agree.
+// The directions of a grid lead along different axes. Nothing else stands between the parts of a
+// pattern without touching one: as their number changes, they would run into it. `tolerance` in
+// metres. O(n² log n) for n identical parts of one group in one dimension; two dimensions add the
+// pairs of directions that begin at one part.
 std::vector<FoundPattern> FindPatterns(const Assembly& assembly, double tolerance);
 
 // The direction of `a`, and that of `b`, along an axis in which the two repeat together: as often
@@ -57,7 +66,9 @@ struct PatternLayout {
   Eigen::Vector3d part_size = Eigen::Vector3d::Zero();     // m
   Eigen::Vector3d first_center = Eigen::Vector3d::Zero();  // m, in the design's coordinates
 
-  int part_count() const { return directions[0].count * directions[1].count; }
+  std::int64_t part_count() const {
+    return static_cast<std::int64_t>(directions[0].count) * directions[1].count;
+  }
   // The centre of part `index`, first direction running fastest, m.
   Eigen::Vector3d CenterOf(int index) const;
 };
@@ -65,7 +76,17 @@ struct PatternLayout {
 // Fills `box` with the pattern. The first and the last part touch the ends of the box. A principal
 // pattern takes the count whose spacing is nearest the original; a connecting pattern the smallest
 // count whose spacing is not above the original. Neither lets parts intersect: then the count
-// shrinks, to two at least.
+// shrinks, to two at least. Parts that scale with the spacing take the nearest count with which
+// they stay within their limits, if there is one: see LengthsOf.
 PatternLayout LayOut(const Pattern& pattern, const BoundingBox& box);
+
+// How long the box of a pattern may be along an axis that it leads along, m: from half to twice the
+// drawn length. Of parts that may be resized along it only lengths that some number of them fills
+// within their limits, without gaps from the drawn length on; of others with room for two, and
+// where they touch each other the drawn length alone, or they would come apart.
+SizeLimits LengthsOf(const Pattern& pattern, int axis, double drawn, double tolerance);
+
+// Whether one of its directions leads along the axis.
+bool LeadsAlong(const Pattern& pattern, int axis);
 
 }  // namespace mortise::parametric

@@ -1,8 +1,10 @@
 #include "common/parametric/relationship.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "absl/strings/str_cat.h"
 #include "common/parametric/rest_pose.h"
@@ -31,8 +33,8 @@ class RelationshipSearch {
       for (const Axis axis : kAxes) {
         FindLevel(pose, positions, axis);
         FindOrder(pose, positions, axis);
-        if (pose.joint < 0) KeepContacts(contacts, positions, axis);
       }
+      KeepOrderOfPlanes(pose, NeighboursIn(pose, contacts, positions), positions);
     }
     return std::move(found_);
   }
@@ -51,6 +53,14 @@ class RelationshipSearch {
   // Among themselves, what moves together and what stays are related in the drawn pose already.
   bool IsOfInterest(const Pose& pose, int a, int b) const {
     return pose.joint < 0 || IsMoved(pose, a) != IsMoved(pose, b);
+  }
+  // Whether a plane or centre of two elements that a pose moves together says something of its own:
+  // turned obliquely, what is level in the pose is not as drawn.
+  bool IsTurned(const Pose& pose, int a, int b) const {
+    if (pose.joint < 0 || !IsMoved(pose, a) || !IsMoved(pose, b)) return false;
+    const Eigen::Matrix3d turn =
+        MotionIn(pose, assembly_, elements_.size(), drawn_).linear().cwiseAbs();
+    return ((turn.array() != 0) && (turn.array() != 1)).any();
   }
 
   // A pose's relationship also binds the joint's centre, which lives beside the moved group.
@@ -196,6 +206,12 @@ class RelationshipSearch {
   // what a subtree holds then ties its own members without the rest of the tree.
   void Chain(const Pose& pose, std::vector<PositionPointer> members) {
     if (members.size() < 2) return;
+    // What a pose moves is related among itself only where it meets something that stays.
+    if (pose.joint >= 0 && std::all_of(members.begin(), members.end(), [&](PositionPointer member) {
+          return IsMoved(pose, member->element);
+        })) {
+      return;
+    }
     // Moved elements first, so that they represent their branch.
     std::stable_sort(members.begin(), members.end(), [&](PositionPointer a, PositionPointer b) {
       return IsMoved(pose, a->element) > IsMoved(pose, b->element);
@@ -224,7 +240,7 @@ class RelationshipSearch {
   }
 
   void Tie(const Pose& pose, const PosedPosition& a, const PosedPosition& b) {
-    if (!IsOfInterest(pose, a.element, b.element)) return;
+    if (!IsOfInterest(pose, a.element, b.element) && !IsTurned(pose, a.element, b.element)) return;
     Add(a.is_center ? RelationshipKind::kConcentric : RelationshipKind::kCoplanar, true,
         a.position - b.position, GroupFor(pose, a.element, b.element),
         absl::StrCat(a.label, a.is_center ? " level with " : " in one plane with ", b.label));
@@ -238,7 +254,8 @@ class RelationshipSearch {
     PositionPointer maximum = nullptr;
   };
 
-  std::vector<Span> SpansOf(const std::vector<PosedPosition>& positions, Axis axis) const {
+  // Of every element; without ends where a pose leaves it no planes along the axis.
+  std::vector<Span> AllSpans(const std::vector<PosedPosition>& positions, Axis axis) const {
     std::vector<Span> spans(elements_.size());
     for (const PosedPosition& position : positions) {
       if (position.axis != axis) continue;
@@ -246,6 +263,11 @@ class RelationshipSearch {
       if (position.is_minimum) span.minimum = &position;
       if (position.is_maximum) span.maximum = &position;
     }
+    return spans;
+  }
+
+  std::vector<Span> SpansOf(const std::vector<PosedPosition>& positions, Axis axis) const {
+    std::vector<Span> spans = AllSpans(positions, axis);
     std::erase_if(
         spans, [](const Span& span) { return span.minimum == nullptr || span.maximum == nullptr; });
     return spans;
@@ -282,19 +304,49 @@ class RelationshipSearch {
         absl::StrCat(before.label, " before ", after.label));
   }
 
-  // Elements that touch keep all their faces in order, so that they go on touching.
-  void KeepContacts(const Contacts& contacts, const std::vector<PosedPosition>& positions,
-                    Axis axis) {
-    std::map<int, std::vector<PositionPointer>> faces;
-    for (const PosedPosition& position : positions) {
-      const bool is_face = position.is_minimum || position.is_maximum;
-      if (position.axis == axis && is_face) faces[position.element].push_back(&position);
+  // Whose planes keep their order: elements that touch, so that they go on touching, and those in
+  // each other's boxes that do not, so that they go on not touching. In a pose, what comes so near
+  // only there.
+  std::set<std::pair<int, int>> NeighboursIn(const Pose& pose, const Contacts& contacts,
+                                             const std::vector<PosedPosition>& positions) const {
+    std::set<std::pair<int, int>> neighbours;
+    if (pose.joint < 0) neighbours.insert(contacts.begin(), contacts.end());
+    const double reach = pose.joint < 0 ? -tolerance_ : tolerance_;  // as drawn, touching is told
+    std::array<std::vector<Span>, 3> spans;
+    for (const Axis axis : kAxes) spans[static_cast<std::size_t>(axis)] = AllSpans(positions, axis);
+    for (std::size_t a = 0; a < elements_.size(); ++a) {
+      for (std::size_t b = a + 1; b < elements_.size(); ++b) {
+        if (!IsOfInterest(pose, static_cast<int>(a), static_cast<int>(b))) continue;
+        if (std::all_of(spans.begin(), spans.end(), [&](const std::vector<Span>& along) {
+              return Meet(along[a], along[b], reach);
+            })) {
+          neighbours.emplace(static_cast<int>(a), static_cast<int>(b));
+        }
+      }
     }
-    for (const auto& [a, b] : contacts) {
-      for (const PositionPointer face_a : faces[a]) {
-        for (const PositionPointer face_b : faces[b]) {
-          if (face_a->drawn < face_b->drawn - tolerance_) Order(Pose{}, *face_a, *face_b);
-          if (face_b->drawn < face_a->drawn - tolerance_) Order(Pose{}, *face_b, *face_a);
+    return neighbours;
+  }
+
+  // Whether two spans are apart by no more than `reach`, m; if it is negative, overlap by as much.
+  static bool Meet(const Span& a, const Span& b, double reach) {
+    return a.minimum != nullptr && b.minimum != nullptr &&
+           a.minimum->drawn - b.maximum->drawn <= reach &&
+           b.minimum->drawn - a.maximum->drawn <= reach;
+  }
+
+  void KeepOrderOfPlanes(const Pose& pose, const std::set<std::pair<int, int>>& neighbours,
+                         const std::vector<PosedPosition>& positions) {
+    std::map<std::pair<int, Axis>, std::vector<PositionPointer>> planes;
+    for (const PosedPosition& position : positions) {
+      if (!position.is_center) planes[{position.element, position.axis}].push_back(&position);
+    }
+    for (const auto& [a, b] : neighbours) {
+      for (const Axis axis : kAxes) {
+        for (const PositionPointer plane_a : planes[{a, axis}]) {
+          for (const PositionPointer plane_b : planes[{b, axis}]) {
+            if (plane_a->drawn < plane_b->drawn - tolerance_) Order(pose, *plane_a, *plane_b);
+            if (plane_b->drawn < plane_a->drawn - tolerance_) Order(pose, *plane_b, *plane_a);
+          }
         }
       }
     }

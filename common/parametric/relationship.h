@@ -50,7 +50,9 @@ void FollowPrincipalPatterns(std::vector<Element>& elements, const Contacts& con
 // - symmetric: two alike elements level in two axes, about a third element centred between them
 //   along the other, looked for among siblings first, then up the tree; their sizes stay equal;
 // - order: what lies wholly before another along an axis stays so; of elements that touch, all
-//   planes keep their order, so that the contact is not lost;
+//   planes keep their order, prominent ones too, so that the contact is not lost; likewise of
+//   elements that lie in each other's boxes without touching, so that they stay clear of each
+//   other;
 // - size: the limits of the items;
 // - repeat: patterns that touch and are as often and as far apart along an axis stay so: what
 //   fastens each part of a row goes on doing that.

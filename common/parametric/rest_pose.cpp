@@ -8,12 +8,20 @@
 namespace mortise::parametric {
 namespace {
 
-constexpr double kAligned = 1e-6;  // of a rotation's entries: an axis is taken to an axis
+// A rotation that misses right angles by no more than the digits of an angle typed by hand is meant
+// to be one of right angles.
+constexpr double kTyped = 1e-4;  // rad
+constexpr double kRounding = 1e-12;
 
 Eigen::Matrix3d RotationOf(const Joint& joint, const Eigen::Vector3d& motion) {
   const double angle = motion.norm();
   if (joint.kind == JointKind::kPrismatic || angle == 0) return Eigen::Matrix3d::Identity();
-  return Eigen::AngleAxisd(angle, motion / angle).toRotationMatrix();
+  const Eigen::Matrix3d rotation = Eigen::AngleAxisd(angle, motion / angle).toRotationMatrix();
+  const Eigen::Array33d rounded = rotation.array().round();
+  const Eigen::Array33d missed = (rotation.array() - rounded).abs();
+  if (missed.maxCoeff() <= kTyped) return rounded;
+  // About an axis of the design it takes that axis to itself, but for rounding.
+  return (missed <= kRounding).select(rounded, rotation.array());
 }
 
 // The centre of an element in a pose: R (p - c) + c + t.
@@ -33,9 +41,8 @@ std::array<LinearForm, 3> PosedCenter(const Pose& pose, const Assembly& assembly
     form = LinearForm::Variable(JointVariable(elements, pose.joint, row));
     for (const Axis column : kAxes) {
       const double entry = rotation(i, static_cast<int>(column));
-      if (std::abs(entry) <= kAligned) continue;
-      const double exact = std::abs(std::abs(entry) - 1) <= kAligned ? std::round(entry) : entry;
-      form = form + exact * (LinearForm::Variable(CenterVariable(element, column)) -
+      if (entry == 0) continue;
+      form = form + entry * (LinearForm::Variable(CenterVariable(element, column)) -
                              LinearForm::Variable(JointVariable(elements, pose.joint, column)));
     }
   }
@@ -103,8 +110,8 @@ class Positions {
     for (const ElementPlane& plane : At(element).planes) {
       for (const Axis axis : kAxes) {
         const double entry = rotation(static_cast<int>(axis), static_cast<int>(plane.axis));
-        if (std::abs(std::abs(entry) - 1) > kAligned) continue;
-        const double side = std::round(entry) * plane.fraction;
+        if (std::abs(entry) != 1) continue;
+        const double side = entry * plane.fraction;
         Add(element, axis,
             Combine(1, center[static_cast<std::size_t>(axis)], side,
                     LinearForm::Variable(SizeVariable(element, plane.axis))),
@@ -122,11 +129,19 @@ class Positions {
 
 }  // namespace
 
+std::vector<RestPose> RestPosesOf(const Joint& joint) {
+  if (!joint.rest_poses.empty() || joint.kind == JointKind::kBall) return joint.rest_poses;
+  std::vector<RestPose> ends;
+  if (joint.lower != 0) ends.push_back({"lower limit", joint.lower * joint.axis});
+  if (joint.upper != 0) ends.push_back({"upper limit", joint.upper * joint.axis});
+  return ends;
+}
+
 std::vector<Pose> PosesOf(const Assembly& assembly) {
   std::vector<Pose> poses = {Pose{}};
   for (std::size_t j = 0; j < assembly.joints.size(); ++j) {
     const Joint& joint = assembly.joints[j];
-    for (const RestPose& rest : joint.rest_poses) {
+    for (const RestPose& rest : RestPosesOf(joint)) {
       poses.push_back({.name = absl::StrCat(joint.name, ": ", rest.name),
                        .moved_group = joint.group,
                        .joint = static_cast<int>(j),

@@ -33,6 +33,9 @@ struct Pose {
   Eigen::Vector3d motion = Eigen::Vector3d::Zero();
 };
 
+// The rest poses of a joint; of a hinge or slide without any, its two ends (thesis §3.5.1).
+std::vector<RestPose> RestPosesOf(const Joint& joint);
+
 // The drawn pose, then every rest pose of every joint, the other joints as drawn.
 std::vector<Pose> PosesOf(const Assembly& assembly);
 
@@ -45,7 +48,8 @@ inline int JointVariable(std::size_t elements, int joint, Axis axis) {
 Eigen::VectorXd DrawnParameters(const Assembly& assembly, const std::vector<Element>& elements);
 
 // How a pose moves the parts of its group at q: x becomes rotation · x + translation. The identity
-// as drawn. The exact counterpart of the planes below, for whatever moves with the group.
+// as drawn. The exact counterpart of the planes below, for whatever moves with the group. Rotations
+// that miss right angles by 1e-4 rad or less, as digits typed by hand do, are taken as right ones.
 Eigen::Isometry3d MotionIn(const Pose& pose, const Assembly& assembly, std::size_t elements,
                            const Eigen::VectorXd& q);
 

@@ -63,6 +63,26 @@ TEST(ParametricAssembly, NamesWhatCannotHoldTogether) {
   for (const char* part : {"'left'", "'right'"}) {
     EXPECT_NE(refused.status().message().find(part), absl::string_view::npos) << refused.status();
   }
+  EXPECT_NE(refused.status().message().find("'left' and 'right' equal in z size"),
+            absl::string_view::npos)
+      << refused.status();
+}
+
+// A size that the item fixes, and one that another follows, are told by the relationship's name.
+TEST(ParametricAssembly, NamesTheEqualitiesThatStandAgainstADemand) {
+  Assembly drawn = TwoLeggedTable();
+  drawn.parts[0].limits[2] = {0.04, 0.04};
+  const ParametricAssembly table = Parametrized(drawn);
+  const auto refusal = [&](std::vector<MeasureDemand> demands) {
+    const auto refused = table.Adjust(table.drawn(), demands, Insistence::kStrict);
+    EXPECT_EQ(DetailOf(refused.status()).reason, "DEMANDS_CONFLICT");
+    return std::string(refused.status().message());
+  };
+  EXPECT_NE(refusal({{{"top", Axis::kZ}, 0.05}}).find("'top' z size fixed at 0.04 m"),
+            std::string::npos);
+  const std::string uneven = refusal({{{"leg 1", Axis::kX}, 0.08}, {{"leg 2", Axis::kX}, 0.07}});
+  EXPECT_NE(uneven.find("'leg 1' and 'leg 2' equal in x size"), std::string::npos) << uneven;
+  EXPECT_EQ(uneven.find("z minimum"), std::string::npos) << "and nothing superfluous: " << uneven;
 }
 
 TEST(ParametricAssembly, ComesAsNearAsItCanTheFirstDemandsFirst) {
@@ -153,6 +173,31 @@ TEST(ParametricAssembly, NamesBadInput) {
   EXPECT_EQ(DetailOf(bench.RangeOf({"lid", Axis::kX}).status()).field, "measure.element");
 }
 
+// One request must not ask for more parts than memory holds.
+TEST(ParametricAssembly, RefusesParametersBeyondAllMeasure) {
+  Assembly field;
+  field.name = "field";
+  field.groups = {{"field", -1}};
+  field.parts.push_back(ResizablePart("board", {0, 0, -0.02}, {0.25, 0.25, 0}));
+  for (int i = 0; i < 9; ++i) {
+    const Eigen::Vector3d low(0.1 * (i % 3), 0.1 * (i / 3), 0);
+    field.parts.push_back(FixedPart("peg " + std::to_string(i), low, low.array() + 0.05));
+  }
+  const ParametricAssembly made = Parametrized(field);
+  ASSERT_EQ(made.elements().size(), 2U);
+  ASSERT_EQ(made.elements()[0].name, "peg 0");
+  const auto field_of = [&](int variable, double value) {
+    Eigen::VectorXd q = made.drawn();
+    q[variable] = value;
+    EXPECT_EQ(made.CheckParameters(q).ok(), made.FaultsAt(q).ok());
+    return DetailOf(made.CheckParameters(q)).field;
+  };
+  EXPECT_EQ(field_of(SizeVariable(0, Axis::kX), 0.45), "");
+  EXPECT_EQ(field_of(SizeVariable(0, Axis::kX), 3000), "q");
+  EXPECT_EQ(field_of(SizeVariable(0, Axis::kX), 1e300), "q");
+  EXPECT_EQ(field_of(CenterVariable(1, Axis::kX), 1e20), "q");
+}
+
 // Contact is between parts: a post between two slats of a row touches neither.
 TEST(ParametricAssembly, ContactsAreOfPartsNotOfTheBoxAroundThem) {
   Assembly fence;
@@ -169,7 +214,7 @@ TEST(ParametricAssembly, ContactsAreOfPartsNotOfTheBoxAroundThem) {
   ASSERT_TRUE(contacts.ok()) << contacts.status();
   std::vector<std::string> names;
   for (const auto& [a, b] : *contacts) names.push_back(elements[a].name + "-" + elements[b].name);
-  EXPECT_EQ(names, (std::vector<std::string>{"slat 0-rail", "post-rail"}));
+  EXPECT_EQ(names, (std::vector<std::string>{"slat 1-rail", "slat 0-rail", "post-rail"}));
 }
 
 }  // namespace

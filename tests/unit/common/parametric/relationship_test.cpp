@@ -1,0 +1,286 @@
+// What must stay true of a design: which relationships are found, where they are held, and that
+// they keep designs sound where boxes, rows and rest poses make it hard.
+#include "common/parametric/relationship.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "common/parametric/parametric_assembly.h"
+#include "tests/support/status_assertions.h"
+#include "tests/unit/common/parametric/assemblies.h"
+
+namespace mortise::parametric {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::Each;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+
+constexpr double kRightAngle = std::numbers::pi / 2;
+
+Assembly Named(const std::string& name, std::vector<AssemblyPart> parts) {
+  Assembly assembly;
+  assembly.name = name;
+  assembly.groups = {{name, -1}};
+  assembly.parts = std::move(parts);
+  return assembly;
+}
+
+std::vector<std::string> Descriptions(const ParametricAssembly& assembly) {
+  std::vector<std::string> descriptions;
+  for (const Relationship& relationship : assembly.relationships()) {
+    descriptions.push_back(relationship.description);
+  }
+  return descriptions;
+}
+
+// Where the relationship of this description is held.
+std::string GroupOf(const ParametricAssembly& assembly, const std::string& description) {
+  for (const Relationship& relationship : assembly.relationships()) {
+    if (relationship.description != description) continue;
+    return assembly.assembly().groups[static_cast<std::size_t>(relationship.group)].name;
+  }
+  return "none";
+}
+
+// Random designs, and those at the ends of every size, have no faults in any pose.
+void ExpectSound(const ParametricAssembly& assembly) {
+  ASSERT_OK_AND_ASSIGN(std::vector<Eigen::VectorXd> designs, assembly.Sample(300, 5));
+  ASSERT_OK_AND_ASSIGN(const std::vector<MeasureRange> sizes, assembly.AdjustableSizes());
+  EXPECT_THAT(sizes, Not(IsEmpty())) << "a design that cannot change is always sound";
+  for (const MeasureRange& size : sizes) {
+    for (const double value : {size.minimum, size.maximum}) {
+      ASSERT_OK_AND_ASSIGN(
+          const Adjustment end,
+          assembly.Adjust(assembly.drawn(), {{size.measure, value}}, Insistence::kNearest));
+      designs.push_back(end.q);
+    }
+  }
+  for (const Eigen::VectorXd& q : designs) {
+    ASSERT_OK_AND_ASSIGN(const std::vector<ContactFault> faults, assembly.FaultsAt(q));
+    for (const ContactFault& fault : faults) ADD_FAILURE() << Describe(fault);
+    if (!faults.empty()) return;
+  }
+}
+
+TEST(RelationshipTest, APostBetweenSlatsStaysBetweenThem) {
+  Assembly fence = Named("fence", {});
+  for (int i = 0; i < 5; ++i) {
+    fence.parts.push_back(
+        ResizablePart("slat " + std::to_string(i), {0.2 * i, 0, 0}, {0.2 * i + 0.05, 0.02, 1}));
+  }
+  fence.parts.push_back(ResizablePart("post", {0.1, 0, 0}, {0.15, 0.02, 1.5}));
+  fence.parts.push_back(ResizablePart("rail", {0, 0.02, 0.4}, {0.85, 0.04, 0.5}));
+  ASSERT_OK_AND_ASSIGN(const auto made, ParametricAssembly::Create(fence));
+  ExpectSound(made);
+}
+
+// Two kinds of boards in turn: as their numbers changed, they would stand in each other.
+TEST(RelationshipTest, RowsThatInterlaceStayApart) {
+  Assembly screen = Named("screen", {});
+  for (int i = 0; i < 4; ++i) {
+    const double at = 0.2 * i;
+    screen.parts.push_back(
+        ResizablePart("wide " + std::to_string(i), {at, 0, 0}, {at + 0.08, 0.02, 1}));
+    screen.parts.push_back(
+        ResizablePart("slim " + std::to_string(i), {at + 0.12, 0, 0}, {at + 0.15, 0.02, 1}));
+  }
+  screen.parts.push_back(ResizablePart("rail", {0, 0.02, 0.4}, {0.75, 0.04, 0.5}));
+  ASSERT_OK_AND_ASSIGN(const auto made, ParametricAssembly::Create(screen));
+  ExpectSound(made);
+}
+
+// An L of 40 mm × 40 mm and 4 mm, 100 mm long along z.
+std::shared_ptr<const mesh::DrawnShape> Angle() {
+  const double outline[][2] = {{0, 0},         {0.04, 0},     {0.04, 0.004},
+                               {0.004, 0.004}, {0.004, 0.04}, {0, 0.04}};
+  mesh::SurfaceMesh surface;
+  surface.vertices.resize(3, 12);
+  for (int i = 0; i < 6; ++i) {
+    surface.vertices.col(i) << outline[i][0], outline[i][1], 0;
+    surface.vertices.col(6 + i) << outline[i][0], outline[i][1], 0.1;
+  }
+  surface.triangles.resize(3, 20);
+  surface.triangles << 2, 6, 3, 6, 4, 6, 5, 6, 0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 5, 5,  //
+      1, 7, 2, 8, 3, 9, 4, 10, 1, 7, 2, 8, 3, 9, 4, 10, 5, 11, 0, 6,                //
+      0, 8, 0, 9, 0, 10, 0, 11, 7, 6, 8, 7, 9, 8, 10, 9, 11, 10, 6, 11;
+  auto shape = mesh::ShapeOfMesh(surface);
+  EXPECT_TRUE(shape.ok()) << shape.status();
+  return std::make_shared<const mesh::DrawnShape>(*std::move(shape));
+}
+
+// It lies in the angle's box without touching it; the plate under both holds it.
+TEST(RelationshipTest, WhatLiesInAnothersBoxStaysClearOfIt) {
+  Assembly corner = Named("corner", {ResizablePart("angle", {0, 0, 0}, {0.04, 0.04, 0.1}),
+                                     ResizablePart("block", {0.008, 0.009, 0}, {0.03, 0.03, 0.1}),
+                                     ResizablePart("plate", {0, 0, -0.01}, {0.04, 0.04, 0})});
+  corner.parts[0].shape = Angle();
+  corner.parts[0].prominent_planes = {{"leg along y", Axis::kX, 0.004},
+                                      {"leg along x", Axis::kY, 0.004}};
+  ASSERT_OK_AND_ASSIGN(const auto made, ParametricAssembly::Create(corner));
+  EXPECT_THAT(Descriptions(made), Contains("'angle' leg along y before 'block' x minimum"));
+  ExpectSound(made);
+}
+
+// A door drawn open; closed, it lies against a stop, which must not slide off it.
+TEST(RelationshipTest, ContactsOfARestPoseAreKept) {
+  Assembly gate = Named("gate", {ResizablePart("post", {0, 0, 0}, {0.05, 0.05, 1}),
+                                 ResizablePart("sill", {0, 0, -0.02}, {0.6, 0.05, 0}),
+                                 ResizablePart("stop", {0.5, 0.025, 0}, {0.55, 0.045, 0.05}),
+                                 ResizablePart("door", {0.05, 0.025, 0}, {0.07, 0.525, 1}, 1)});
+  gate.groups.push_back({"wing", 0});
+  Joint hinge;
+  hinge.name = "hinge";
+  hinge.group = 1;
+  hinge.center = {0.05, 0.025, 0.5};
+  hinge.axis = Eigen::Vector3d::UnitZ();
+  hinge.lower = -kRightAngle;
+  hinge.upper = 0;
+  hinge.rest_poses = {{"closed", {0, 0, -kRightAngle}}};
+  gate.joints = {hinge};
+  ASSERT_THAT(ValidateAssembly(gate), IsEmpty());
+  ASSERT_OK_AND_ASSIGN(const auto made, ParametricAssembly::Create(gate));
+  ExpectSound(made);
+}
+
+// A drawer in a box: its front stands before the sides, drawn shut and pulled out.
+Assembly BoxWithDrawer() {
+  Assembly box = Named("box", {ResizablePart("left", {0, 0, 0}, {0.02, 0.4, 0.2}),
+                               ResizablePart("right", {0.48, 0, 0}, {0.5, 0.4, 0.2}),
+                               ResizablePart("bottom", {0.02, 0, 0}, {0.48, 0.4, 0.02}),
+                               ResizablePart("front", {0, -0.02, 0}, {0.5, 0, 0.2}, 1),
+                               ResizablePart("tray", {0.03, 0, 0.02}, {0.47, 0.38, 0.1}, 1)});
+  box.groups.push_back({"drawer", 0});
+  Joint slide;
+  slide.name = "slide";
+  slide.kind = JointKind::kPrismatic;
+  slide.group = 1;
+  slide.axis = -Eigen::Vector3d::UnitY();
+  slide.lower = 0;
+  slide.upper = 0.3;
+  box.joints = {slide};
+  return box;
+}
+
+// A slide without rest poses is looked at at both its ends.
+TEST(RelationshipTest, ADrawerIsSoundShutAndPulledOut) {
+  const Assembly box = BoxWithDrawer();
+  ASSERT_THAT(ValidateAssembly(box), IsEmpty());
+  const std::vector<Pose> poses = PosesOf(box);
+  ASSERT_EQ(poses.size(), 2U);
+  EXPECT_EQ(poses[1].name, "slide: upper limit");
+  EXPECT_NEAR((poses[1].motion - Eigen::Vector3d(0, -0.3, 0)).norm(), 0, 1e-15);
+  ASSERT_OK_AND_ASSIGN(const auto made, ParametricAssembly::Create(box));
+  ExpectSound(made);
+}
+
+// A lamp's arm on a ball, turned a quarter about two axes in turn.
+TEST(RelationshipTest, ABallIsSoundInEachOfItsPoses) {
+  Assembly lamp = Named("lamp", {ResizablePart("foot", {-0.1, -0.1, 0}, {0.1, 0.1, 0.02}),
+                                 ResizablePart("stem", {-0.01, -0.01, 0.02}, {0.01, 0.01, 0.5}),
+                                 ResizablePart("arm", {-0.01, -0.01, 0.5}, {0.01, 0.01, 0.8}, 1)});
+  lamp.groups.push_back({"head", 0});
+  Joint ball;
+  ball.name = "ball";
+  ball.kind = JointKind::kBall;
+  ball.group = 1;
+  ball.center = {0, 0, 0.51};
+  ball.upper = 2;
+  ball.rest_poses = {{"to the front", {kRightAngle, 0, 0}}, {"aside", {0, kRightAngle, 0}}};
+  lamp.joints = {ball};
+  ASSERT_THAT(ValidateAssembly(lamp), IsEmpty());
+  ASSERT_OK_AND_ASSIGN(const auto made, ParametricAssembly::Create(lamp));
+  EXPECT_EQ(PosesOf(lamp).size(), 3U);
+  ExpectSound(made);
+}
+
+// As a person types it, a right angle is one.
+TEST(RelationshipTest, AnAngleTypedByHandFreezesNothing) {
+  const auto freedoms = [](double angle) {
+    Assembly chest = ChestWithLid();
+    chest.joints[0].rest_poses[0].motion = {-angle, 0, 0};
+    const auto made = ParametricAssembly::Create(chest);
+    EXPECT_TRUE(made.ok()) << made.status();
+    return made->feasible_set().degrees_of_freedom();
+  };
+  const int exact = freedoms(kRightAngle);
+  EXPECT_EQ(freedoms(1.5708), exact);
+  EXPECT_EQ(freedoms(1.570796), exact);
+}
+
+TEST(RelationshipTest, ProminentPlanesAreTied) {
+  // A shelf on a ledge that is no face of the wall's box.
+  Assembly niche = Named("niche", {ResizablePart("wall", {0, 0, 0}, {0.1, 1, 2}),
+                                   ResizablePart("shelf", {0.1, 0, 0.8}, {0.4, 1, 0.83})});
+  niche.parts[0].prominent_planes = {{"ledge", Axis::kZ, 0.8}};
+  ASSERT_OK_AND_ASSIGN(const auto made, ParametricAssembly::Create(niche));
+  EXPECT_THAT(Descriptions(made),
+              Contains(AllOf(HasSubstr("'wall' ledge"), HasSubstr("in one plane with"),
+                             HasSubstr("'shelf' z minimum"))));
+  ASSERT_OK_AND_ASSIGN(const Adjustment higher,
+                       made.Adjust(made.drawn(), {{{"wall", Axis::kZ}, 3}}, Insistence::kStrict));
+  for (const PlacedPart& part : made.PartsAt(higher.q)) {
+    if (part.name == "shelf") {
+      EXPECT_NEAR(part.box.minimum.z(), 1.2, 1e-9);
+    }
+  }
+}
+
+// Of two elements between which a pair is centred, the sibling is the middle.
+TEST(RelationshipTest, MirrorsAreLookedForAmongSiblingsFirst) {
+  Assembly cart = Named("cart", {ResizablePart("wheel 1", {-0.5, 0, 0}, {-0.45, 0.3, 0.3}, 1),
+                                 ResizablePart("wheel 2", {0.45, 0, 0}, {0.5, 0.3, 0.3}, 1),
+                                 ResizablePart("axle", {-0.45, 0.1, 0.1}, {0.45, 0.2, 0.2}, 1),
+                                 ResizablePart("bed", {-0.4, 0, 0.3}, {0.4, 0.3, 0.35}, 0)});
+  cart.parts[2].item = "items/rod";
+  cart.parts[3].item = "items/panel";
+  cart.groups.push_back({"chassis", 0});
+  ASSERT_OK_AND_ASSIGN(const auto made, ParametricAssembly::Create(cart));
+  EXPECT_EQ(GroupOf(made, "'wheel 1' and 'wheel 2' mirrored along x about 'axle'"), "chassis");
+  // If it is no sibling, what the group above has is taken, and held there.
+  cart.parts[2].group = 0;
+  ASSERT_OK_AND_ASSIGN(const auto without, ParametricAssembly::Create(cart));
+  EXPECT_EQ(GroupOf(without, "'wheel 1' and 'wheel 2' mirrored along x about 'axle'"), "cart");
+}
+
+// Every relationship is held by a group that contains all it speaks of, and by no higher one.
+TEST(RelationshipTest, EachIsHeldByTheLowestGroupAboveAllItRelates) {
+  for (unsigned seed = 0; seed < 6; ++seed) {
+    Assembly assembly = seed == 0 ? ChestWithLid() : RandomAssembly(seed);
+    const std::vector<Element> elements = MakeElements(assembly, 1e-6);
+    const auto elements_end = static_cast<int>(6 * elements.size());
+    for (const Relationship& relationship :
+         FindRelationships(assembly, elements, TouchingPairs(elements), 1e-6)) {
+      int lowest = -1;
+      for (const LinearTerm& term : relationship.form.terms) {
+        const int group =
+            term.variable < elements_end
+                ? elements[static_cast<std::size_t>(term.variable / 6)].group
+                : assembly
+                      .groups[static_cast<std::size_t>(
+                          assembly
+                              .joints[static_cast<std::size_t>((term.variable - elements_end) / 3)]
+                              .group)]
+                      .parent;  // a joint's centre lives beside what it moves
+        lowest = lowest < 0 ? group : LowestCommonGroup(assembly, lowest, group);
+      }
+      // A mirrored pair is as large as each other because of what it is mirrored about.
+      if (relationship.kind == RelationshipKind::kSymmetric &&
+          relationship.form.terms.size() == 2) {
+        EXPECT_TRUE(IsWithin(assembly, lowest, relationship.group)) << relationship.description;
+        continue;
+      }
+      EXPECT_EQ(relationship.group, lowest) << seed << ": " << relationship.description;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace mortise::parametric
