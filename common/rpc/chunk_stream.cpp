@@ -119,19 +119,23 @@ absl::Status ChunkAssembler::Append(const v1::Chunk& chunk) {
   return absl::OkStatus();
 }
 
-absl::StatusOr<std::string> ChunkAssembler::Finish() {
+absl::StatusOr<std::string> ChunkAssembler::Digest() const {
   if (!writer_) return InvalidField("data", "no chunk was sent");
   if (received_ != total_size_) {
     return InvalidField("total_size",
                         absl::StrCat("is ", total_size_, ", but ", received_, " bytes came"));
   }
-  MORTISE_ASSIGN_OR_RETURN(std::string digest, writer_->Finish());
-  writer_.reset();
+  std::string digest = writer_->Digest();
   if (!sha256_.empty() && digest != sha256_) {
-    // The blob that did arrive is not what was meant; nobody refers to it unless it was there
-    // before, in which case removing it would hurt others. It stays, found by no name.
     return InvalidField("sha256", "differs from the digest of what arrived");
   }
+  return digest;
+}
+
+absl::StatusOr<std::string> ChunkAssembler::Finish() {
+  MORTISE_RETURN_IF_ERROR(Digest().status());
+  MORTISE_ASSIGN_OR_RETURN(std::string digest, writer_->Finish());
+  writer_.reset();
   return digest;
 }
 

@@ -57,7 +57,11 @@ class ChunkAssembler {
   // INVALID_ARGUMENT naming the field: a gap, a chunk over 1 MiB, or more than total_size.
   absl::Status Append(const v1::Chunk& chunk);
 
-  // The digest of the whole. INVALID_ARGUMENT if bytes are missing or differ from `sha256`.
+  // The digest of the whole, when all of it has come; the blob is not in its place yet.
+  // INVALID_ARGUMENT if bytes are missing or differ from `sha256`: nothing is kept then.
+  absl::StatusOr<std::string> Digest() const;
+
+  // Puts the blob into its place. Fails as Digest does, and as BlobWriter::Finish.
   absl::StatusOr<std::string> Finish();
 
  private:

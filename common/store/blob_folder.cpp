@@ -92,8 +92,21 @@ class FileBlobWriter final : public BlobWriter {
     return absl::OkStatus();
   }
 
+  std::string Digest() const override {
+    const std::unique_ptr<EVP_MD_CTX, FreeDigest> so_far(EVP_MD_CTX_new());
+    EVP_MD_CTX_copy_ex(so_far.get(), digest_.get());
+    unsigned char bytes[EVP_MAX_MD_SIZE];
+    unsigned int length = 0;
+    EVP_DigestFinal_ex(so_far.get(), bytes, &length);
+    std::string text;
+    for (unsigned int i = 0; i < length; ++i) {
+      absl::StrAppend(&text, absl::Hex(bytes[i], absl::kZeroPad2));
+    }
+    return text;
+  }
+
   absl::StatusOr<std::string> Finish() override {
-    const std::string digest = Hexadecimal();
+    const std::string digest = Digest();
     const std::filesystem::path place = PlaceOf(folder_, digest);
     if (::fsync(descriptor_) != 0) return Failed(part_);
     MORTISE_RETURN_IF_ERROR(CreateFolder(place.parent_path()));
@@ -104,17 +117,6 @@ class FileBlobWriter final : public BlobWriter {
   }
 
  private:
-  std::string Hexadecimal() {
-    unsigned char bytes[EVP_MAX_MD_SIZE];
-    unsigned int length = 0;
-    EVP_DigestFinal_ex(digest_.get(), bytes, &length);
-    std::string text;
-    for (unsigned int i = 0; i < length; ++i) {
-      absl::StrAppend(&text, absl::Hex(bytes[i], absl::kZeroPad2));
-    }
-    return text;
-  }
-
   std::filesystem::path folder_;
   std::filesystem::path part_;
   int descriptor_;  // -1 once finished

@@ -24,6 +24,9 @@ class BlobWriter {
   // INTERNAL, STORAGE_FAILED naming the path.
   virtual absl::Status Append(std::string_view bytes) = 0;
 
+  // The digest of what was appended so far, as Finish would return it.
+  virtual std::string Digest() const = 0;
+
   // Flushes to disk, puts the blob into its place and returns its digest. Call once, last.
   virtual absl::StatusOr<std::string> Finish() = 0;
 };

@@ -21,8 +21,6 @@
 namespace mortise::store {
 namespace {
 
-constexpr absl::Duration kPatience = absl::Seconds(15);
-
 const SchemaDialect kDialect{.bytes = "BYTEA",
                              .text = "TEXT COLLATE \"C\"",
                              .number = "BIGINT",
@@ -58,10 +56,10 @@ absl::Status RunOnce(PostgresqlConnection* connection, const char* begin, const 
   return OpenTransaction(connection).Run(change);
 }
 
-// Repeats the transaction, ever later, while others get in its way.
+// Repeats the transaction, ever later, while others get in its way, for as long as `patience`.
 absl::Status RunPatiently(PostgresqlConnection* connection, const char* begin,
-                          const Change& change) {
-  const absl::Time deadline = absl::Now() + kPatience;
+                          absl::Duration patience, const Change& change) {
+  const absl::Time deadline = absl::Now() + patience;
   std::minstd_rand random(std::random_device{}());
   double pause = 0.5;  // milliseconds, doubled up to 100
   while (true) {
@@ -83,7 +81,7 @@ class PostgresqlStore final : public Store {
   // Creates schema and tables, one replica at a time.
   absl::Status Prepare() {
     MORTISE_ASSIGN_OR_RETURN(auto connection, writers_.Take());
-    return RunPatiently(connection.get(), BeginOf(Isolation::kReadCommitted),
+    return RunPatiently(connection.get(), BeginOf(Isolation::kReadCommitted), options_.patience,
                         [&](PostgresqlConnection* open) -> absl::Status {
                           MORTISE_RETURN_IF_ERROR(open->Execute(
                               "SELECT pg_advisory_xact_lock(hashtext('mortise schema'))"));
@@ -117,7 +115,7 @@ class PostgresqlStore final : public Store {
   absl::Status Read(const std::function<absl::Status(ReadTransaction&)>& read) override {
     MORTISE_ASSIGN_OR_RETURN(auto connection, readers_.Take());
     return RunPatiently(connection.get(), "BEGIN ISOLATION LEVEL REPEATABLE READ READ ONLY",
-                        [&](PostgresqlConnection* open) {
+                        options_.patience, [&](PostgresqlConnection* open) {
                           SqlTransaction transaction(open, options_.clock());
                           return read(transaction);
                         });
@@ -143,7 +141,7 @@ class PostgresqlStore final : public Store {
  private:
   absl::Status Run(Isolation isolation, const Change& change) {
     MORTISE_ASSIGN_OR_RETURN(auto connection, writers_.Take());
-    return RunPatiently(connection.get(), BeginOf(isolation), change);
+    return RunPatiently(connection.get(), BeginOf(isolation), options_.patience, change);
   }
 
   StoreOptions options_;
@@ -160,8 +158,9 @@ class PostgresqlStore final : public Store {
 // are only given under the present epoch.
 class PostgresqlEventNumbering final : public EventNumbering {
  public:
-  PostgresqlEventNumbering(std::unique_ptr<PostgresqlConnection> connection, int64_t epoch)
-      : connection_(std::move(connection)), epoch_(epoch) {}
+  PostgresqlEventNumbering(std::unique_ptr<PostgresqlConnection> connection, int64_t epoch,
+                           absl::Duration patience)
+      : connection_(std::move(connection)), epoch_(epoch), patience_(patience) {}
 
   ~PostgresqlEventNumbering() override {
     // Failing it changes nothing: the connection is lost, and the lock with it.
@@ -173,7 +172,7 @@ class PostgresqlEventNumbering final : public EventNumbering {
   absl::StatusOr<std::vector<NumberedEvent>> NumberEvents(int limit) override {
     std::vector<NumberedEvent> events;
     MORTISE_RETURN_IF_ERROR(RunPatiently(
-        connection_.get(), "BEGIN ISOLATION LEVEL REPEATABLE READ",
+        connection_.get(), "BEGIN ISOLATION LEVEL REPEATABLE READ", patience_,
         [&](PostgresqlConnection* connection) -> absl::Status {
           MORTISE_ASSIGN_OR_RETURN(events, EventTable(connection).Number(epoch_, limit));
           return absl::OkStatus();
@@ -184,6 +183,7 @@ class PostgresqlEventNumbering final : public EventNumbering {
  private:
   std::unique_ptr<PostgresqlConnection> connection_;
   int64_t epoch_;
+  absl::Duration patience_;
 };
 
 absl::StatusOr<std::unique_ptr<EventNumbering>> PostgresqlStore::TakeEventNumbering() {
@@ -206,7 +206,8 @@ absl::StatusOr<std::unique_ptr<EventNumbering>> PostgresqlStore::TakeEventNumber
   if (!locked) {
     return PreconditionFailed("RELAY_TAKEN", "another relay numbers the events of this store");
   }
-  return std::make_unique<PostgresqlEventNumbering>(std::move(connection), epoch);
+  return std::make_unique<PostgresqlEventNumbering>(std::move(connection), epoch,
+                                                    options_.patience);
 }
 
 }  // namespace

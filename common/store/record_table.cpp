@@ -72,17 +72,21 @@ absl::StatusOr<std::vector<Record>> RecordTable::List(std::string_view kind,
   const std::string end = EndOfPrefix(options.key_prefix);
   const std::string below =
       options.descending && !options.after_key.empty() ? std::min(options.after_key, end) : end;
+  const int64_t with_payloads = options.without_payloads ? 0 : 1;
   MORTISE_ASSIGN_OR_RETURN(
       SqlResult result,
       options.descending
           ? connection_->Run(
-                "SELECT kind, key, revision, payload, created_at, updated_at FROM records"
-                " WHERE kind = $1 AND key >= $2 AND key < $3 ORDER BY key DESC LIMIT $4",
-                {kind, options.key_prefix, below, int64_t{options.limit}})
+                "SELECT kind, key, revision, CASE WHEN $1 = 1 THEN payload END, created_at,"
+                " updated_at FROM records"
+                " WHERE kind = $2 AND key >= $3 AND key < $4 ORDER BY key DESC LIMIT $5",
+                {with_payloads, kind, options.key_prefix, below, int64_t{options.limit}})
           : connection_->Run(
-                "SELECT kind, key, revision, payload, created_at, updated_at FROM records"
-                " WHERE kind = $1 AND key > $2 AND key >= $3 AND key < $4 ORDER BY key LIMIT $5",
-                {kind, options.after_key, options.key_prefix, end, int64_t{options.limit}}));
+                "SELECT kind, key, revision, CASE WHEN $1 = 1 THEN payload END, created_at,"
+                " updated_at FROM records"
+                " WHERE kind = $2 AND key > $3 AND key >= $4 AND key < $5 ORDER BY key LIMIT $6",
+                {with_payloads, kind, options.after_key, options.key_prefix, end,
+                 int64_t{options.limit}}));
   std::vector<Record> records;
   records.reserve(result.rows.size());
   for (SqlRow& row : result.rows) records.push_back(RecordOf(row));

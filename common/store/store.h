@@ -44,6 +44,8 @@ struct StoreOptions {
   std::string service = "mortise";
   // How many reads and, on PostgreSQL, transactions run at the same time.
   int connections = 4;
+  // How long a transaction that others get in the way of is repeated (PostgreSQL).
+  absl::Duration patience = absl::Seconds(15);
   Clock clock = absl::Now;
 };
 

@@ -41,6 +41,9 @@ struct ListOptions {
   std::string key_prefix = {};  // only keys that start with this
   int limit = 100;              // at most this many, 1 to 10000
   bool descending = false;      // from the greatest key down (records only)
+  // Leaves payloads empty, and where they are large unread, for those who only ask what there is
+  // (records only).
+  bool without_payloads = false;
 };
 
 // ---- Events ------------------------------------------------------------------------------------

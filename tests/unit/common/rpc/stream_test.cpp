@@ -392,6 +392,7 @@ TEST_F(FileStreamTest, BadUploadsNameTheField) {
   EXPECT_EQ(field({Piece(0, "ab", -4)}), "total_size");
   EXPECT_EQ(field({Piece(0, std::string(1024 * 1024 + 1, 'x'), 2'000'000)}), "data");
   EXPECT_EQ(field({Piece(0, "ab", 2, std::string(64, '0'))}), "sha256");
+  EXPECT_EQ((*store_->Blobs())->Size(Sha256Hex("ab")).status().code(), absl::StatusCode::kNotFound);
   EXPECT_EQ(Upload({Piece(0, "ab", 10'000'001)}).status().code(),
             absl::StatusCode::kResourceExhausted);
 }

@@ -80,6 +80,18 @@ TEST_F(BlobFolderTest, AnAbandonedWriterLeavesNothing) {
   EXPECT_EQ(blobs_->Get(Sha256Hex("half")).status().code(), absl::StatusCode::kNotFound);
 }
 
+TEST_F(BlobFolderTest, TheDigestIsKnownBeforeTheBlobIsInItsPlace) {
+  auto writer = blobs_->Write().value();
+  ASSERT_OK(writer->Append("hel"));
+  EXPECT_EQ(writer->Digest(), Sha256Hex("hel"));
+  ASSERT_OK(writer->Append("lo"));
+  const std::string digest = writer->Digest();
+  EXPECT_EQ(digest, Sha256Hex("hello"));
+  EXPECT_EQ(blobs_->Size(digest).status().code(), absl::StatusCode::kNotFound);
+  EXPECT_EQ(writer->Finish().value(), digest);
+  EXPECT_EQ(blobs_->Get(digest).value(), "hello");
+}
+
 TEST_F(BlobFolderTest, ManyWritersOfTheSameBytesAgree) {
   std::vector<std::thread> writers;
   for (int i = 0; i < 8; ++i) {

@@ -133,6 +133,28 @@ TEST_P(RecordConformance, AFailedTransactionLeavesNothing) {
   EXPECT_TRUE((*numbering)->NumberEvents(10)->empty());
 }
 
+TEST_P(RecordConformance, ListsWithoutPayloads) {
+  const std::string payload(3'000'000, 'x');
+  ASSERT_EQ(Put("items", "a", "first").value(), 1);
+  ASSERT_EQ(Put("items", "a", payload).value(), 2);
+  ASSERT_EQ(Put("items", "b", "b").value(), 1);
+  EXPECT_OK(store_->Read([&](ReadTransaction& transaction) -> absl::Status {
+    for (const bool descending : {false, true}) {
+      const auto bare = transaction.List(
+          "items", {.limit = 2, .descending = descending, .without_payloads = true});
+      const auto whole = transaction.List("items", {.limit = 2, .descending = descending});
+      for (std::size_t i = 0; i < 2; ++i) {
+        EXPECT_EQ((*bare)[i].payload, "");
+        EXPECT_EQ((*bare)[i].key, (*whole)[i].key);
+        EXPECT_EQ((*bare)[i].revision, (*whole)[i].revision);
+        EXPECT_EQ((*bare)[i].updated_at, (*whole)[i].updated_at);
+      }
+      EXPECT_TRUE((*whole)[descending ? 1 : 0].payload == payload);
+    }
+    return absl::OkStatus();
+  }));
+}
+
 TEST_P(RecordConformance, AfterCommitMayUseTheStoreAndListenersHear) {
   int heard = 0;
   auto listener = store_->OnCommit([&] { ++heard; });
