@@ -13,6 +13,7 @@
 #include "common/parametric/assembly_design.h"
 #include "common/parametric/expression.h"
 #include "common/parametric/identifier.h"
+#include "common/parametric/memory_use.h"
 #include "common/parametric/part_shapes.h"
 #include "common/parametric/template_validation.h"
 
@@ -176,6 +177,10 @@ class HandledAssembly final : public Template {
         assembly_(std::move(assembly)),
         handles_(std::move(handles)),
         conditions_(std::move(conditions)) {}
+
+  std::size_t MemoryUse() const override {
+    return Template::MemoryUse() + parametric::MemoryUse(*assembly_);
+  }
 
  protected:
   absl::StatusOr<parametric::EvaluatedDesign> DesignAt(const Eigen::VectorXd& q) const override {

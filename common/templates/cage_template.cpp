@@ -24,6 +24,12 @@ class CagedMesh final : public Template {
                                       density * volume.gradient};
   }
 
+  // The coordinates are dense; what else a model has of its surface is less.
+  std::size_t MemoryUse() const override {
+    return Template::MemoryUse() +
+           2 * static_cast<std::size_t>(model_.coordinates().size()) * sizeof(double);
+  }
+
  protected:
   absl::StatusOr<parametric::EvaluatedDesign> DesignAt(const Eigen::VectorXd& q) const override {
     MORTISE_ASSIGN_OR_RETURN(parametric::CageDesign made, model_.Evaluate(q));

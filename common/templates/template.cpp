@@ -39,6 +39,13 @@ absl::StatusOr<parametric::MassProperties> Template::Mass(const Eigen::VectorXd&
                             head_.name);
 }
 
+std::size_t Template::MemoryUse() const {
+  constexpr std::size_t kItem = 4096, kMaterial = 1024, kParameter = 512;  // bytes, texts included
+  constexpr std::size_t kDefinition = std::size_t{64} << 10;  // expressions, features, conditions
+  return kDefinition + head_.items.size() * kItem + head_.materials.size() * kMaterial +
+         head_.parameters.size() * kParameter;
+}
+
 absl::StatusOr<std::vector<cad::Solid>> Template::SolidsAt(const Eigen::VectorXd& q) const {
   MORTISE_ASSIGN_OR_RETURN(const parametric::EvaluatedDesign design, DesignAt(q));
   return SolidsOf(design);

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <memory>
 #include <optional>
 #include <string>
@@ -69,6 +70,9 @@ class Template {
   // Volume and mass at q with exact gradients. Fails as Evaluate; FAILED_PRECONDITION where there
   // are no gradients.
   virtual absl::StatusOr<parametric::MassProperties> Mass(const Eigen::VectorXd& q) const;
+
+  // An estimate of the memory that it takes, bytes, for those who keep templates for reuse.
+  virtual std::size_t MemoryUse() const;
 
  protected:
   explicit Template(TemplateHead head) : head_(std::move(head)) {}

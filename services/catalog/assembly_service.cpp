@@ -12,7 +12,9 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "common/base/single_flight_cache.h"
 #include "common/parametric/assembly_design.h"
+#include "common/parametric/memory_use.h"
 #include "common/parametric/parametrization_codec.h"
 #include "common/parametric/template_codec.h"
 #include "common/rpc/handler.h"
@@ -23,18 +25,18 @@
 #include "services/catalog/design_stream.h"
 #include "services/catalog/drawing_records.h"
 #include "services/catalog/drawing_source.h"
-#include "services/catalog/recently_used.h"
 #include "services/catalog/shape_records.h"
 #include "services/catalog/store_reading.h"
 
 namespace mortise::catalog {
 namespace {
 
-constexpr std::size_t kParametrizedAssemblies = 64;
+constexpr std::size_t kParametrizedBytes = std::size_t{256} << 20;
 constexpr int kMaxDesigns = 1000;  // in one answer
 constexpr int kMaxDemands = 100;
 
 using Parametrized = std::shared_ptr<const parametric::ParametricAssembly>;
+using ParametrizedCache = SingleFlightCache<Parametrized>;
 using AdjustedWriter = std::shared_ptr<rpc::StreamWriter<v1::AdjustedAssembly>>;
 
 // An assembly revision, parametrised.
@@ -59,7 +61,11 @@ absl::StatusOr<Eigen::VectorXd> ParametersOf(const google::protobuf::RepeatedFie
                         absl::StrCat("has ", q.size(), " numbers, not ", assembly.drawn().size(),
                                      " as q of ParametrizeAssembly"));
   }
-  return Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(q.data(), q.size()));
+  Eigen::VectorXd given = Eigen::Map<const Eigen::VectorXd>(q.data(), q.size());
+  if (const absl::Status usable = assembly.CheckParameters(given); !usable.ok()) {
+    return InvalidField(field, std::string(usable.message()));
+  }
+  return given;
 }
 
 absl::StatusOr<v1::AdjustedAssembly> Evaluate(const Found& found, const Eigen::VectorXd& q,
@@ -104,7 +110,7 @@ class AssemblyAdapter : public v1::AssemblyService::CallbackService {
       : store_(environment.store),
         blobs_(blobs),
         endpoint_(environment.dispatcher, "mortise.v1.AssemblyService"),
-        parametrized_(kParametrizedAssemblies),
+        parametrized_(kParametrizedBytes, Oversize::kAlone),
         drawings_(environment.store, blobs) {}
 
   grpc::ServerUnaryReactor* GetAssembly(grpc::CallbackServerContext* context,
@@ -308,19 +314,23 @@ class AssemblyAdapter : public v1::AssemblyService::CallbackService {
     }
   }
 
-  // Parametrised now, or before.
+  // Parametrised now, once for all who ask, or before.
   absl::StatusOr<Found> Find(const std::string& name, int64_t revision) {
     MORTISE_ASSIGN_OR_RETURN(v1::AssemblyBundle bundle, Get(name, revision));
-    const std::string& key = bundle.assembly().digest();
-    std::optional<Parametrized> parametrized = parametrized_.Find(key);
-    if (!parametrized) {
-      MORTISE_RETURN_IF_ERROR(store_->Read([&](store::ReadTransaction& transaction) {
-        return AddShapes(transaction, bundle.assembly(), bundle.items(), *bundle.mutable_shapes());
-      }));
-      MORTISE_ASSIGN_OR_RETURN(parametrized, Parametrize(bundle));
-      parametrized_.Add(key, *parametrized);
-    }
-    return Found{std::move(bundle), *std::move(parametrized)};
+    MORTISE_ASSIGN_OR_RETURN(
+        Parametrized parametrized,
+        parametrized_.Get(bundle.assembly().digest(), [&] { return ParametrizeWhole(bundle); }));
+    return Found{std::move(bundle), std::move(parametrized)};
+  }
+
+  // With the shapes, which the bundle need not have.
+  absl::StatusOr<ParametrizedCache::Made> ParametrizeWhole(v1::AssemblyBundle bundle) {
+    MORTISE_RETURN_IF_ERROR(store_->Read([&](store::ReadTransaction& transaction) {
+      return AddShapes(transaction, bundle.assembly(), bundle.items(), *bundle.mutable_shapes());
+    }));
+    MORTISE_ASSIGN_OR_RETURN(Parametrized made, Parametrize(bundle));
+    const std::size_t bytes = parametric::MemoryUse(*made);
+    return ParametrizedCache::Made{std::move(made), bytes};
   }
 
   absl::StatusOr<v1::AdjustedAssembly> Adjust(const v1::AdjustAssemblyRequest& asked) {
@@ -371,7 +381,7 @@ class AssemblyAdapter : public v1::AssemblyService::CallbackService {
   store::Store* const store_;
   store::BlobFolder* const blobs_;
   rpc::Endpoint endpoint_;
-  RecentlyUsed<Parametrized> parametrized_;  // by digest
+  ParametrizedCache parametrized_;  // by digest
   DrawingSource drawings_;
 };
 

@@ -1,7 +1,6 @@
 // Reading of drawings, and the few that are remembered.
 #include "services/catalog/drawing_source.h"
 
-#include <optional>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -10,6 +9,7 @@
 #include "common/base/errors.h"
 #include "common/base/field_violations.h"
 #include "common/cad/step_isolation.h"
+#include "common/parametric/memory_use.h"
 #include "services/catalog/assembly_import.h"
 #include "services/catalog/drawing_records.h"
 #include "services/catalog/shape_records.h"
@@ -17,13 +17,23 @@
 namespace mortise::catalog {
 namespace {
 
-constexpr std::size_t kRemembered = 8;
+constexpr std::size_t kRememberedBytes = std::size_t{128} << 20;
+constexpr std::size_t kPart = sizeof(cad::StepPart) + sizeof(cad::StepProduct) + 256;  // with names
 constexpr std::string_view kOfStep = "step: ";
+
+using DrawingCache = SingleFlightCache<Drawing>;
+
+std::size_t MemoryUse(const cad::StepAssembly& drawing) {
+  std::size_t bytes =
+      (drawing.parts.size() + drawing.groups.size() + drawing.leaves.size()) * kPart;
+  for (const mesh::DrawnShape& shape : drawing.shapes) bytes += parametric::MemoryUse(shape);
+  return bytes;
+}
 
 }  // namespace
 
 DrawingSource::DrawingSource(store::Store* store, store::BlobFolder* blobs)
-    : store_(store), blobs_(blobs), read_(kRemembered) {}
+    : store_(store), blobs_(blobs), read_(kRememberedBytes, Oversize::kAlone) {}
 
 absl::StatusOr<Drawing> DrawingSource::Read(const std::string& step, const std::string& drawing) {
   if (!step.empty() && !drawing.empty()) {
@@ -35,13 +45,13 @@ absl::StatusOr<Drawing> DrawingSource::Read(const std::string& step, const std::
   }
   const std::string& file = drawing.empty() ? step : uploaded;
   const std::string key = Sha256Hex(file);
-  if (const std::optional<Drawing> known = read_.Find(key)) return *known;
-  MORTISE_ASSIGN_OR_RETURN(const std::string bytes, UnpackStep(file));
-  MORTISE_ASSIGN_OR_RETURN(cad::StepAssembly read, cad::ReadStepInChild(bytes));
-  for (mesh::DrawnShape& shape : read.shapes) shape.name = NamedShape(shape).name();
-  auto kept = std::make_shared<const cad::StepAssembly>(std::move(read));
-  read_.Add(key, kept);
-  return kept;
+  return read_.Get(key, [&file]() -> absl::StatusOr<DrawingCache::Made> {
+    MORTISE_ASSIGN_OR_RETURN(const std::string bytes, UnpackStep(file));
+    MORTISE_ASSIGN_OR_RETURN(cad::StepAssembly read, cad::ReadStepInChild(bytes));
+    for (mesh::DrawnShape& shape : read.shapes) shape.name = NamedShape(shape).name();
+    const std::size_t taken = MemoryUse(read);
+    return DrawingCache::Made{std::make_shared<const cad::StepAssembly>(std::move(read)), taken};
+  });
 }
 
 absl::Status OfUpload(const absl::Status& status) {

@@ -6,8 +6,8 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "common/base/single_flight_cache.h"
 #include "common/cad/step_assembly.h"
-#include "services/catalog/recently_used.h"
 
 namespace mortise::store {
 class BlobFolder;
@@ -19,8 +19,8 @@ namespace mortise::catalog {
 // What a file shows; its shapes have names.
 using Drawing = std::shared_ptr<const cad::StepAssembly>;
 
-// Thread safe. Remembers the latest files: those who write annotations send the same one again and
-// again.
+// Thread safe. Remembers the latest files, 128 MiB of them, and reads one once for all who ask at
+// the same time: those who write annotations send the same one again and again.
 class DrawingSource {
  public:
   // Both outlive it.
@@ -33,7 +33,7 @@ class DrawingSource {
  private:
   store::Store* const store_;
   store::BlobFolder* const blobs_;
-  RecentlyUsed<Drawing> read_;  // by digest of the file
+  SingleFlightCache<Drawing> read_;  // by digest of the file
 };
 
 // What is said of "step", said of "drawing": of a file that was uploaded.

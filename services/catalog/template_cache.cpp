@@ -1,12 +1,15 @@
 #include "services/catalog/template_cache.h"
 
+#include <utility>
+
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/templates/template_codec.h"
 
 namespace mortise::catalog {
-
 namespace {
+
+using Compiled = SingleFlightCache<std::shared_ptr<const templates::Template>>;
 
 std::string KeyOf(const v1::Template& message) {
   return absl::StrCat(message.name(), "/", message.revision(), "/", message.digest());
@@ -14,16 +17,14 @@ std::string KeyOf(const v1::Template& message) {
 
 }  // namespace
 
-std::shared_ptr<const templates::Template> TemplateCache::Find(const v1::TemplateBundle& bundle) {
-  return compiled_.Find(KeyOf(bundle.template_())).value_or(nullptr);
-}
-
-absl::StatusOr<std::shared_ptr<const templates::Template>> TemplateCache::Compile(
-    const v1::TemplateBundle& bundle) {
-  if (auto found = Find(bundle)) return found;
-  MORTISE_ASSIGN_OR_RETURN(auto compiled, templates::Compile(bundle));
-  compiled_.Add(KeyOf(bundle.template_()), compiled);
-  return compiled;
+absl::StatusOr<std::shared_ptr<const templates::Template>> TemplateCache::Get(
+    v1::TemplateBundle bundle, const std::function<absl::Status(v1::TemplateBundle&)>& complete) {
+  return compiled_.Get(KeyOf(bundle.template_()), [&]() -> absl::StatusOr<Compiled::Made> {
+    MORTISE_RETURN_IF_ERROR(complete(bundle));
+    MORTISE_ASSIGN_OR_RETURN(auto compiled, templates::Compile(bundle));
+    const std::size_t bytes = compiled->MemoryUse();
+    return Compiled::Made{std::move(compiled), bytes};
+  });
 }
 
 }  // namespace mortise::catalog

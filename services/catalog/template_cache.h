@@ -1,29 +1,30 @@
 // Compiled templates, kept so that dragging a slider does not compile one a move. Thread safe.
 #pragma once
 
+#include <functional>
 #include <memory>
 
+#include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "common/base/single_flight_cache.h"
 #include "common/templates/template.h"
 #include "mortise/v1/catalog.pb.h"
-#include "services/catalog/recently_used.h"
 
 namespace mortise::catalog {
 
 class TemplateCache {
  public:
-  explicit TemplateCache(std::size_t capacity) : compiled_(capacity) {}
+  // `capacity`, bytes; see SingleFlightCache.
+  explicit TemplateCache(std::size_t capacity) : compiled_(capacity, Oversize::kAlone) {}
 
-  // F of the bundle if it was compiled lately, by name, revision and digest; else null. The bundle
-  // needs no shapes.
-  std::shared_ptr<const templates::Template> Find(const v1::TemplateBundle& bundle);
-
-  // F of the bundle, compiled now or found.
-  absl::StatusOr<std::shared_ptr<const templates::Template>> Compile(
-      const v1::TemplateBundle& bundle);
+  // F of the bundle, by name, revision and digest: from before, or compiled now, once for all who
+  // ask. `complete` adds what compiling takes and the bundle need not have: its shapes. Fails as it
+  // and templates::Compile do.
+  absl::StatusOr<std::shared_ptr<const templates::Template>> Get(
+      v1::TemplateBundle bundle, const std::function<absl::Status(v1::TemplateBundle&)>& complete);
 
  private:
-  RecentlyUsed<std::shared_ptr<const templates::Template>> compiled_;
+  SingleFlightCache<std::shared_ptr<const templates::Template>> compiled_;
 };
 
 }  // namespace mortise::catalog

@@ -2,7 +2,6 @@
 
 #include <grpcpp/grpcpp.h>
 
-#include <algorithm>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -14,16 +13,18 @@ namespace mortise::simulator {
 
 ShapeSource::ShapeSource(std::shared_ptr<grpc::Channel> catalog, std::size_t capacity,
                          std::size_t largest)
-    : catalog_(std::move(catalog)), capacity_(capacity), largest_(largest) {}
+    : catalog_(std::move(catalog)), largest_(largest), surfaces_(capacity) {}
 
 absl::Status ShapeSource::AddExact(v1::Shape& shape, const rpc::Origin& origin) {
   if (!shape.exact() || !shape.brep().empty()) return absl::OkStatus();
-  std::shared_ptr<const std::string> brep = Find(shape.name());
-  if (brep == nullptr) {
-    MORTISE_ASSIGN_OR_RETURN(v1::Shape downloaded, Download(shape.name(), origin));
-    brep = std::make_shared<const std::string>(std::move(*downloaded.mutable_brep()));
-    Keep({shape.name(), brep});
-  }
+  MORTISE_ASSIGN_OR_RETURN(
+      const std::shared_ptr<const std::string> brep,
+      surfaces_.Get(shape.name(), [&]() -> absl::StatusOr<Surfaces::Made> {
+        MORTISE_ASSIGN_OR_RETURN(v1::Shape downloaded, Download(shape.name(), origin));
+        const auto bytes = downloaded.brep().capacity();
+        return Surfaces::Made{
+            std::make_shared<const std::string>(std::move(*downloaded.mutable_brep())), bytes};
+      }));
   shape.set_brep(*brep);
   return absl::OkStatus();
 }
@@ -34,31 +35,15 @@ absl::Status ShapeSource::AddExact(google::protobuf::RepeatedPtrField<v1::Shape>
   return absl::OkStatus();
 }
 
-absl::Status ShapeSource::AddMore(v1::TemplateBundle& bundle, const rpc::Origin& origin) {
+absl::Status ShapeSource::AddMore(v1::TemplateBundle& bundle, const std::set<std::string>& exact,
+                                  const rpc::Origin& origin) {
   for (const std::string& name : bundle.more_shapes()) {
-    MORTISE_ASSIGN_OR_RETURN(*bundle.add_shapes(), Download(name, origin));
+    MORTISE_ASSIGN_OR_RETURN(v1::Shape shape, Download(name, origin));
+    if (!exact.contains(name)) shape.clear_brep();
+    *bundle.add_shapes() = std::move(shape);
   }
   bundle.clear_more_shapes();
   return absl::OkStatus();
-}
-
-std::shared_ptr<const std::string> ShapeSource::Find(const std::string& name) {
-  const std::lock_guard lock(mutex_);
-  const auto found =
-      std::find_if(kept_.begin(), kept_.end(), [&](const Kept& kept) { return kept.name == name; });
-  if (found == kept_.end()) return nullptr;
-  kept_.splice(kept_.begin(), kept_, found);
-  return kept_.front().brep;
-}
-
-void ShapeSource::Keep(Kept kept) {
-  const std::lock_guard lock(mutex_);
-  kept_bytes_ += kept.brep->size();
-  kept_.push_front(std::move(kept));
-  while (kept_bytes_ > capacity_) {
-    kept_bytes_ -= kept_.back().brep->size();
-    kept_.pop_back();
-  }
 }
 
 absl::StatusOr<v1::Shape> ShapeSource::Download(const std::string& name,

@@ -2,13 +2,13 @@
 #pragma once
 
 #include <cstddef>
-#include <list>
 #include <memory>
-#include <mutex>
+#include <set>
 #include <string>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "common/base/single_flight_cache.h"
 #include "common/rpc/channel.h"
 
 namespace google::protobuf {
@@ -25,7 +25,8 @@ namespace mortise::simulator {
 // Thread safe.
 class ShapeSource {
  public:
-  // Keeps up to `capacity` bytes, the least recently used forgotten first.
+  // Keeps up to `capacity` bytes of surfaces, the least recently used forgotten first; what is
+  // asked for by several at the same time is fetched once.
   ShapeSource(std::shared_ptr<grpc::Channel> catalog, std::size_t capacity,
               std::size_t largest = std::size_t{256} << 20);
 
@@ -39,25 +40,19 @@ class ShapeSource {
   absl::Status AddExact(google::protobuf::RepeatedPtrField<v1::Shape>& shapes,
                         const rpc::Origin& origin);
 
-  // Fetches the shapes that did not fit into the bundle's message. Fails as AddExact does.
-  absl::Status AddMore(v1::TemplateBundle& bundle, const rpc::Origin& origin);
+  // Fetches the shapes that did not fit into the bundle's message: those named in `exact` with
+  // their exact surfaces, the others without. Fails as AddExact does.
+  absl::Status AddMore(v1::TemplateBundle& bundle, const std::set<std::string>& exact,
+                       const rpc::Origin& origin);
 
  private:
-  struct Kept {
-    std::string name;  // shapes/{digest}
-    std::shared_ptr<const std::string> brep;
-  };
+  using Surfaces = SingleFlightCache<std::shared_ptr<const std::string>>;
 
-  std::shared_ptr<const std::string> Find(const std::string& name);
-  void Keep(Kept kept);
   absl::StatusOr<v1::Shape> Download(const std::string& name, const rpc::Origin& origin);
 
   const std::shared_ptr<grpc::Channel> catalog_;
-  const std::size_t capacity_;
   const std::size_t largest_;  // bytes of one shape
-  std::mutex mutex_;
-  std::list<Kept> kept_;        // guarded by mutex_; latest first
-  std::size_t kept_bytes_ = 0;  // guarded by mutex_
+  Surfaces surfaces_;          // by name
 };
 
 }  // namespace mortise::simulator

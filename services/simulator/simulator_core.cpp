@@ -13,7 +13,6 @@
 namespace mortise::simulator {
 namespace {
 
-constexpr std::size_t kTemplatesKept = 64;
 // How soon news is noticed that came to another replica, or comes from nobody: an expired lease.
 constexpr absl::Duration kLookInterval = absl::Milliseconds(250);
 
@@ -26,7 +25,7 @@ absl::StatusOr<std::shared_ptr<SimulatorCore>> SimulatorCore::Create(
     const rpc::ServiceEnvironment& environment) {
   std::shared_ptr<SimulatorCore> core(new SimulatorCore(environment));
   MORTISE_ASSIGN_OR_RETURN(core->catalog_, environment.peers->Channel("catalog"));
-  core->templates_ = std::make_unique<TemplateSource>(core->catalog_, kTemplatesKept);
+  core->templates_ = std::make_unique<TemplateSource>(core->catalog_);
   core->KeepWatching();
   return core;
 }

@@ -15,8 +15,7 @@
 namespace mortise::simulator {
 namespace {
 
-constexpr std::size_t kShapeBytes = 64u << 20;
-constexpr std::size_t kCompiledBytes = 256u << 20;
+constexpr std::size_t kSurfaceBytes = std::size_t{64} << 20;
 
 // A template's own digest does not see its items and materials change; results depend on them.
 // Revisions and prices have no part in physics, but telling them apart costs little.
@@ -27,6 +26,11 @@ std::string BundleDigest(const v1::TemplateBundle& bundle) {
     digests += Sha256Hex(material.SerializeAsString());
   }
   return Sha256Hex(digests);
+}
+
+std::string KeyOf(const std::string& name, int64_t revision, const std::string& digest,
+                  bool is_exact) {
+  return absl::StrCat(name, "/", revision, "/", digest, is_exact ? "/exact" : "");
 }
 
 // The shapes of parts that an analysis joins: a part by itself is its triangles, and what only
@@ -47,36 +51,9 @@ std::set<std::string> ShapesThatAreJoined(const v1::TemplateBundle& bundle) {
 }  // namespace
 
 TemplateSource::TemplateSource(std::shared_ptr<grpc::Channel> catalog, std::size_t capacity)
-    : catalog_(catalog), capacity_(capacity), shapes_(std::move(catalog), kShapeBytes) {}
-
-// What is exact serves those who need no surfaces, too.
-std::shared_ptr<const CompiledTemplate> TemplateSource::Find(const std::string& name,
-                                                             int64_t revision,
-                                                             const std::string& digest,
-                                                             bool is_exact) {
-  const std::lock_guard lock(mutex_);
-  for (auto entry = kept_.begin(); entry != kept_.end(); ++entry) {
-    const CompiledTemplate& kept = **entry;
-    if (kept.digest != digest || kept.name != name || kept.revision != revision) continue;
-    if (is_exact && !kept.is_exact) continue;
-    kept_.splice(kept_.begin(), kept_, entry);
-    return kept_.front();
-  }
-  return nullptr;
-}
-
-void TemplateSource::Keep(const std::shared_ptr<const CompiledTemplate>& compiled) {
-  const std::lock_guard lock(mutex_);
-  kept_.push_front(compiled);
-  std::size_t bytes = 0, count = 0;
-  auto entry = kept_.begin();
-  // The latest stays however large it is.
-  for (; entry != kept_.end(); ++entry, ++count) {
-    bytes += (*entry)->bytes;
-    if (count == capacity_ || (count > 0 && bytes > kCompiledBytes)) break;
-  }
-  kept_.erase(entry, kept_.end());
-}
+    : catalog_(catalog),
+      shapes_(std::move(catalog), kSurfaceBytes),
+      kept_(capacity, Oversize::kAlone) {}
 
 absl::StatusOr<v1::TemplateBundle> TemplateSource::Ask(const std::string& name, int64_t revision,
                                                        const rpc::Origin& origin) {
@@ -88,19 +65,24 @@ absl::StatusOr<v1::TemplateBundle> TemplateSource::Ask(const std::string& name, 
       *stub, &v1::CatalogService::Stub::GetTemplateBundle, request, origin);
 }
 
-absl::StatusOr<std::shared_ptr<const CompiledTemplate>> TemplateSource::Compile(
-    const v1::TemplateBundle& bundle, std::string digest, bool is_exact) {
+absl::StatusOr<TemplateSource::Kept::Made> TemplateSource::Compile(v1::TemplateBundle bundle,
+                                                                   const std::string& digest,
+                                                                   bool is_exact,
+                                                                   const rpc::Origin& origin) {
+  const std::set<std::string> joined =
+      is_exact ? ShapesThatAreJoined(bundle) : std::set<std::string>();
+  MORTISE_RETURN_IF_ERROR(shapes_.AddMore(bundle, joined, origin));
+  for (v1::Shape& shape : *bundle.mutable_shapes()) {
+    if (joined.contains(shape.name())) MORTISE_RETURN_IF_ERROR(shapes_.AddExact(shape, origin));
+  }
   CompiledTemplate compiled{.name = bundle.template_().name(),
                             .revision = bundle.template_().revision(),
-                            .digest = std::move(digest),
+                            .digest = digest,
                             .is_exact = is_exact,
-                            .bytes = 0,
                             .function = nullptr};
-  for (const v1::Shape& shape : bundle.shapes()) compiled.bytes += shape.ByteSizeLong();
   MORTISE_ASSIGN_OR_RETURN(compiled.function, templates::Compile(bundle));
-  auto kept = std::make_shared<const CompiledTemplate>(std::move(compiled));
-  Keep(kept);
-  return kept;
+  const std::size_t bytes = compiled.function->MemoryUse();
+  return Kept::Made{std::make_shared<const CompiledTemplate>(std::move(compiled)), bytes};
 }
 
 absl::StatusOr<std::shared_ptr<const CompiledTemplate>> TemplateSource::Get(
@@ -108,29 +90,27 @@ absl::StatusOr<std::shared_ptr<const CompiledTemplate>> TemplateSource::Get(
   MORTISE_RETURN_IF_ERROR(ParseResourceName(name, "templates", "subject").status());
   if (revision < 0) return InvalidField("revision", "must not be negative");
   MORTISE_ASSIGN_OR_RETURN(v1::TemplateBundle bundle, Ask(name, revision, origin));
-  std::string digest = BundleDigest(bundle);
-  if (auto known = Find(name, bundle.template_().revision(), digest, false)) return known;
-  MORTISE_RETURN_IF_ERROR(shapes_.AddMore(bundle, origin));
-  return Compile(bundle, std::move(digest), false);
+  const std::string digest = BundleDigest(bundle);
+  const int64_t present = bundle.template_().revision();
+  // What is exact serves those who need no surfaces, too.
+  if (const auto exact = kept_.Find(KeyOf(name, present, digest, true))) return *exact;
+  return kept_.Get(KeyOf(name, present, digest, false),
+                   [&] { return Compile(std::move(bundle), digest, false, origin); });
 }
 
 absl::StatusOr<std::shared_ptr<const CompiledTemplate>> TemplateSource::GetByDigest(
     const std::string& name, int64_t revision, const std::string& digest,
     const rpc::Origin& origin) {
-  if (auto known = Find(name, revision, digest, true)) return known;
-  MORTISE_ASSIGN_OR_RETURN(v1::TemplateBundle bundle, Ask(name, revision, origin));
-  if (BundleDigest(bundle) != digest) {
-    return PreconditionFailed("TEMPLATE_CHANGED",
-                              absl::StrCat("items or materials of ", name,
-                                           " have changed since the evaluation was asked for"),
-                              name);
-  }
-  MORTISE_RETURN_IF_ERROR(shapes_.AddMore(bundle, origin));
-  const std::set<std::string> joined = ShapesThatAreJoined(bundle);
-  for (v1::Shape& shape : *bundle.mutable_shapes()) {
-    if (joined.contains(shape.name())) MORTISE_RETURN_IF_ERROR(shapes_.AddExact(shape, origin));
-  }
-  return Compile(bundle, digest, true);
+  return kept_.Get(KeyOf(name, revision, digest, true), [&]() -> absl::StatusOr<Kept::Made> {
+    MORTISE_ASSIGN_OR_RETURN(v1::TemplateBundle bundle, Ask(name, revision, origin));
+    if (BundleDigest(bundle) != digest) {
+      return PreconditionFailed("TEMPLATE_CHANGED",
+                                absl::StrCat("items or materials of ", name,
+                                             " have changed since the evaluation was asked for"),
+                                name);
+    }
+    return Compile(std::move(bundle), digest, true, origin);
+  });
 }
 
 }  // namespace mortise::simulator

@@ -3,12 +3,11 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <list>
 #include <memory>
-#include <mutex>
 #include <string>
 
 #include "absl/status/statusor.h"
+#include "common/base/single_flight_cache.h"
 #include "common/rpc/channel.h"
 #include "common/templates/template.h"
 #include "services/simulator/shape_source.h"
@@ -26,16 +25,17 @@ struct CompiledTemplate {
   std::string digest;  // of its content and of the items and materials it uses
   // Whether the shapes of parts that an analysis joins have their exact surfaces.
   bool is_exact = false;
-  std::size_t bytes = 0;  // of its shapes
   std::shared_ptr<const templates::Template> function;
 };
 
 // Thread safe.
 class TemplateSource {
  public:
-  // `capacity`: how many revisions are kept, the least recently used forgotten first; fewer if
-  // their shapes are large.
-  TemplateSource(std::shared_ptr<grpc::Channel> catalog, std::size_t capacity);
+  // `capacity`: bytes of compiled revisions that are kept, the least recently used forgotten first;
+  // the latest stays however large it is. Those who ask for the same revision at the same time
+  // share one.
+  explicit TemplateSource(std::shared_ptr<grpc::Channel> catalog,
+                          std::size_t capacity = std::size_t{256} << 20);
 
   // The revision, or the latest for 0. Asks the catalog; compiles only what it has not seen.
   // INVALID_ARGUMENT naming "subject" for a malformed name; NOT_FOUND; UNAVAILABLE.
@@ -52,20 +52,17 @@ class TemplateSource {
                                                                       const rpc::Origin& origin);
 
  private:
+  using Kept = SingleFlightCache<std::shared_ptr<const CompiledTemplate>>;
+
   absl::StatusOr<v1::TemplateBundle> Ask(const std::string& name, int64_t revision,
                                          const rpc::Origin& origin);
-  absl::StatusOr<std::shared_ptr<const CompiledTemplate>> Compile(const v1::TemplateBundle& bundle,
-                                                                  std::string digest,
-                                                                  bool is_exact);
-  std::shared_ptr<const CompiledTemplate> Find(const std::string& name, int64_t revision,
-                                               const std::string& digest, bool is_exact);
-  void Keep(const std::shared_ptr<const CompiledTemplate>& compiled);
+  // `bundle` names the shapes that did not fit into its message.
+  absl::StatusOr<Kept::Made> Compile(v1::TemplateBundle bundle, const std::string& digest,
+                                     bool is_exact, const rpc::Origin& origin);
 
   const std::shared_ptr<grpc::Channel> catalog_;
-  const std::size_t capacity_;
   ShapeSource shapes_;
-  std::mutex mutex_;
-  std::list<std::shared_ptr<const CompiledTemplate>> kept_;  // guarded by mutex_; latest first
+  Kept kept_;  // by name, revision and digest, with exact surfaces or without
 };
 
 }  // namespace mortise::simulator

@@ -24,7 +24,6 @@ namespace {
 
 using Stub = v1::SimulatorService::Stub;
 
-constexpr std::size_t kTemplatesKept = 32;
 constexpr absl::Duration kCallTimeout = absl::Seconds(30);
 constexpr absl::Duration kReportPatience = absl::Minutes(2);
 // How soon a worker notices that a task was cancelled, and tells how far it is.
@@ -223,7 +222,7 @@ void WorkOn(const WorkerOptions& options, Stub& stub, TemplateSource& templates,
 
 void RunWorker(const WorkerOptions& options, const std::stop_token& stop) {
   const auto stub = v1::SimulatorService::NewStub(options.simulator);
-  TemplateSource templates(options.catalog, kTemplatesKept);
+  TemplateSource templates(options.catalog);
   v1::LeaseTasksRequest request;
   request.set_worker(options.name);
   request.set_limit(1);

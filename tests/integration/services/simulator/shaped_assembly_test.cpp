@@ -1,12 +1,11 @@
 // Drawings of parts with shapes, from STEP to stresses, through catalog, simulator and worker as
-// processes; and what a worker does about shapes that are missing or damaged.
+// processes.
 #include <gmock/gmock.h>
 #include <google/protobuf/text_format.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Core>
 #include <array>
-#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <cstdint>
@@ -19,16 +18,11 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
-#include "common/cad/cylinder.h"
-#include "common/cad/solid_shape.h"
-#include "common/parametric/shape_codec.h"
-#include "common/rpc/status_mapping.h"
 #include "mortise/v1/assembly.grpc.pb.h"
 #include "mortise/v1/catalog.grpc.pb.h"
 #include "mortise/v1/evaluator.grpc.pb.h"
 #include "mortise/v1/operations.grpc.pb.h"
 #include "mortise/v1/simulator.grpc.pb.h"
-#include "services/simulator/shape_source.h"
 #include "tests/integration/services/call_service.h"
 #include "tests/integration/services/service_under_test.h"
 
@@ -194,68 +188,6 @@ TEST_F(ShapedAssemblyTest, ADrawnShelfBearsItsBooksAtAnyLength) {
   EXPECT_THAT(std::string(status.message()), HasSubstr("FIXED"));
 }
 
-// A catalog with one shape, which may be damaged or missing.
-class ShapeCatalog final : public v1::CatalogService::Service {
- public:
-  ShapeCatalog() {
-    cad::CylinderShape leg;
-    leg.name = "leg";
-    leg.center = {0.02, 0.02, 0};
-    leg.radius_u = leg.radius_v = 0.02;
-    leg.height = 0.4;
-    shape_ = parametric::ToProto(cad::ShapeOfSolid(cad::MakeCylinder(leg).value(),
-                                                   Eigen::Matrix3d::Identity(), {0, 0, 0},
-                                                   {0.04, 0.04, 0.4})
-                                     .value());
-    shape_.set_name(parametric::NameOf(shape_));
-    grpc::ServerBuilder builder;
-    int port = 0;
-    builder.AddListeningPort("127.0.0.1:0", grpc::InsecureServerCredentials(), &port);
-    builder.RegisterService(this);
-    server_ = builder.BuildAndStart();
-    channel_ =
-        grpc::CreateChannel(absl::StrCat("127.0.0.1:", port), grpc::InsecureChannelCredentials());
-  }
-  ~ShapeCatalog() override { server_->Shutdown(); }
-
-  grpc::Status DownloadShape(grpc::ServerContext*, const v1::DownloadShapeRequest* request,
-                             grpc::ServerWriter<v1::Chunk>* writer) override {
-    ++asked;
-    if (missing || request->name() != shape_.name()) {
-      return {grpc::StatusCode::NOT_FOUND, request->name()};
-    }
-    std::string bytes = shape_.SerializeAsString();
-    if (damaged) bytes[bytes.size() / 2] ^= 1;
-    for (std::size_t at = 0; at < bytes.size(); at += 1000) {
-      v1::Chunk chunk;
-      chunk.set_offset(static_cast<int64_t>(at));
-      chunk.set_data(bytes.substr(at, 1000));
-      writer->Write(chunk);
-    }
-    return grpc::Status::OK;
-  }
-
-  // As in a bundle.
-  google::protobuf::RepeatedPtrField<v1::Shape> Shown() const {
-    google::protobuf::RepeatedPtrField<v1::Shape> shapes;
-    *shapes.Add() = shape_;
-    shapes[0].clear_brep();
-    return shapes;
-  }
-
-  const v1::Shape& shape() const { return shape_; }
-  const std::shared_ptr<grpc::Channel>& channel() const { return channel_; }
-
-  std::atomic<int> asked = 0;
-  std::atomic<bool> missing = false;
-  std::atomic<bool> damaged = false;
-
- private:
-  v1::Shape shape_;
-  std::unique_ptr<grpc::Server> server_;
-  std::shared_ptr<grpc::Channel> channel_;
-};
-
 TEST_F(ShapedAssemblyTest, WorkersFetchTheShapesThatDoNotFitIntoAMessage) {
   constexpr int kRings = 14, kSpokes = 1500;
   constexpr double kHeight = 0.05;
@@ -329,51 +261,6 @@ TEST_F(ShapedAssemblyTest, WorkersFetchTheShapesThatDoNotFitIntoAMessage) {
   for (int i = 1; i < design.parts_size(); ++i) {
     EXPECT_EQ(design.parts(i).faceted().triangles_size(), 3 * 2 * kSpokes * (kRings + 1));
   }
-}
-
-TEST(ShapeSourceTest, AsksOnceForWhatItKeeps) {
-  ShapeCatalog catalog;
-  ShapeSource source(catalog.channel(), 1 << 20);
-  for (int round = 0; round < 3; ++round) {
-    auto shapes = catalog.Shown();
-    const absl::Status status = source.AddExact(shapes, {});
-    ASSERT_TRUE(status.ok()) << status;
-    EXPECT_EQ(shapes[0].brep(), catalog.shape().brep());
-  }
-  EXPECT_EQ(catalog.asked, 1);
-  // What has its surfaces, or none, is not asked for.
-  auto shapes = catalog.Shown();
-  shapes[0].set_exact(false);
-  *shapes.Add() = catalog.shape();
-  EXPECT_TRUE(source.AddExact(shapes, {}).ok());
-  EXPECT_EQ(catalog.asked, 1);
-  // Too large to be kept.
-  ShapeSource forgetful(catalog.channel(), 10);
-  for (int round = 0; round < 2; ++round) {
-    auto again = catalog.Shown();
-    EXPECT_TRUE(forgetful.AddExact(again, {}).ok());
-  }
-  EXPECT_EQ(catalog.asked, 3);
-}
-
-TEST(ShapeSourceTest, RefusesWhatIsMissingOrDamaged) {
-  ShapeCatalog catalog;
-  ShapeSource source(catalog.channel(), 1 << 20);
-  auto shapes = catalog.Shown();
-  catalog.missing = true;
-  EXPECT_EQ(source.AddExact(shapes, {}).code(), absl::StatusCode::kNotFound);
-  catalog.missing = false;
-  catalog.damaged = true;
-  const absl::Status status = source.AddExact(shapes, {});
-  EXPECT_EQ(status.code(), absl::StatusCode::kDataLoss);
-  EXPECT_THAT(std::string(status.message()), HasSubstr(catalog.shape().name()));
-  EXPECT_TRUE(shapes[0].brep().empty());
-  catalog.damaged = false;
-  ShapeSource small(catalog.channel(), 1 << 20, 1500);
-  const absl::Status large = small.AddExact(shapes, {});
-  EXPECT_EQ(large.code(), absl::StatusCode::kResourceExhausted) << large;
-  EXPECT_THAT(std::string(large.message()), HasSubstr(catalog.shape().name()));
-  EXPECT_TRUE(source.AddExact(shapes, {}).ok());
 }
 
 }  // namespace

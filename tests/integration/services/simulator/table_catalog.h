@@ -3,6 +3,7 @@
 
 #include <grpcpp/grpcpp.h>
 
+#include <atomic>
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
@@ -50,12 +51,15 @@ class TableCatalog final : public v1::CatalogService::Service {
 
   grpc::Status GetTemplateBundle(grpc::ServerContext*, const v1::GetTemplateBundleRequest* request,
                                  v1::TemplateBundle* response) override {
+    ++asked;
     if (request->name() != "templates/table" || request->revision() > 1) {
       return {grpc::StatusCode::NOT_FOUND, "no such template revision: " + request->name()};
     }
     *response = bundle_;
     return grpc::Status::OK;
   }
+
+  std::atomic<int> asked = 0;  // for bundles
 
  private:
   static std::string SourceFolder() {
