@@ -31,7 +31,7 @@
 namespace mortise::catalog {
 namespace {
 
-constexpr std::size_t kCompiledTemplates = 64;
+constexpr std::size_t kCompiledBytes = std::size_t{256} << 20;
 
 // A design with the template it came from.
 struct NamedDesign {
@@ -85,8 +85,8 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
   CatalogAdapter(const rpc::ServiceEnvironment& environment, store::BlobFolder* blobs)
       : store_(environment.store),
         endpoint_(environment.dispatcher, "mortise.v1.CatalogService"),
-        cache_(kCompiledTemplates),
-        upkeep_(environment.store, blobs) {}
+        cache_(kCompiledBytes),
+        upkeep_(environment.store, blobs, environment.options.blobs) {}
 
   grpc::ServerUnaryReactor* GetMaterial(grpc::CallbackServerContext* context,
                                         const v1::GetMaterialRequest* request,
@@ -374,11 +374,10 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
       const std::string& name, int64_t revision,
       const google::protobuf::RepeatedPtrField<v1::ParameterValue>& values) {
     MORTISE_ASSIGN_OR_RETURN(v1::TemplateBundle bundle, FindBundle(name, revision));
-    std::shared_ptr<const templates::Template> function = cache_.Find(bundle);
-    if (function == nullptr) {
-      MORTISE_RETURN_IF_ERROR(AddShapesTo(bundle));
-      MORTISE_ASSIGN_OR_RETURN(function, cache_.Compile(bundle));
-    }
+    MORTISE_ASSIGN_OR_RETURN(std::shared_ptr<const templates::Template> function,
+                             cache_.Get(std::move(bundle), [this](v1::TemplateBundle& needed) {
+                               return AddShapesTo(needed);
+                             }));
     const std::vector<parametric::Parameter>& parameters = function->parameters();
     MORTISE_ASSIGN_OR_RETURN(Eigen::VectorXd q,
                              parametric::Complete(parameters, parametric::FromProto(values)));

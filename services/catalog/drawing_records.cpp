@@ -2,6 +2,7 @@
 #include "services/catalog/drawing_records.h"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <utility>
 #include <vector>
 
@@ -23,65 +24,146 @@ bool IsDigest(const std::string& text) {
          });
 }
 
-// Writes the record of a blob that is there, or says again that it is wanted.
-absl::Status KeepRecord(store::Transaction& transaction, store::BlobFolder* blobs,
-                        const std::string& sha256) {
-  const absl::Status there = blobs->Size(sha256).status();
-  if (absl::IsNotFound(there)) {
-    return absl::UnavailableError("the drawing was forgotten while it came again: upload it again");
+// What is known of a drawing without reading it.
+struct KeptDrawing {
+  std::string sha256;
+  int64_t bytes = 0;
+  absl::Time uploaded_at;
+};
+
+std::string PayloadOf(int64_t bytes) { return nlohmann::json{{"bytes", bytes}}.dump(); }
+
+// Records of earlier versions are empty: their blobs say how large they are.
+int64_t BytesOf(const store::Record& record, store::BlobFolder* blobs) {
+  const auto json = nlohmann::json::parse(record.payload, nullptr, false);
+  if (json.is_object() && json.contains("bytes") && json["bytes"].is_number_integer()) {
+    return json["bytes"].get<int64_t>();
   }
-  MORTISE_RETURN_IF_ERROR(there);
-  return transaction.Put(kDrawings, sha256, "").status();
+  return static_cast<int64_t>(blobs->Size(record.key).value_or(0));
 }
 
-// Removes a blob that no record names.
-absl::Status RemoveUnlessKept(store::Store* store, store::BlobFolder* blobs,
-                              const std::string& sha256) {
-  return store->Transact([&](store::Transaction& transaction) {
-    const absl::Status kept = transaction.Get(kDrawings, sha256).status();
-    return absl::IsNotFound(kept) ? blobs->Remove(sha256) : kept;
-  });
+absl::StatusOr<std::vector<KeptDrawing>> ListDrawings(store::ReadTransaction& transaction,
+                                                      store::BlobFolder* blobs) {
+  std::vector<KeptDrawing> drawings;
+  store::ListOptions list;
+  list.limit = kPage;
+  while (true) {
+    MORTISE_ASSIGN_OR_RETURN(const std::vector<store::Record> page,
+                             transaction.List(kDrawings, list));
+    for (const store::Record& record : page) {
+      drawings.push_back({record.key, BytesOf(record, blobs), record.updated_at});
+    }
+    if (static_cast<int>(page.size()) < kPage) return drawings;
+    list.after_key = page.back().key;
+  }
+}
+
+absl::StatusOr<std::vector<KeptDrawing>> ListDrawings(store::Store& store,
+                                                      store::BlobFolder* blobs) {
+  std::vector<KeptDrawing> drawings;
+  MORTISE_RETURN_IF_ERROR(store.Read([&](store::ReadTransaction& transaction) -> absl::Status {
+    MORTISE_ASSIGN_OR_RETURN(drawings, ListDrawings(transaction, blobs));
+    return absl::OkStatus();
+  }));
+  return drawings;
+}
+
+int64_t TotalBytes(const std::vector<KeptDrawing>& drawings) {
+  int64_t bytes = 0;
+  for (const KeptDrawing& drawing : drawings) bytes += drawing.bytes;
+  return bytes;
+}
+
+// Forgets a drawing unless it came again at `time` or later. The blob goes while the record is
+// locked by its deletion: an upload of the same drawing either was before, which is seen here, or
+// puts its blob into place afterwards.
+absl::StatusOr<bool> Forget(store::Store& store, store::BlobFolder* blobs,
+                            const std::string& sha256, absl::Time time) {
+  bool forgotten = false;
+  MORTISE_RETURN_IF_ERROR(store.Transact([&](store::Transaction& transaction) -> absl::Status {
+    forgotten = false;
+    const absl::StatusOr<store::Record> record = transaction.Get(kDrawings, sha256);
+    if (absl::IsNotFound(record.status())) return absl::OkStatus();
+    MORTISE_RETURN_IF_ERROR(record.status());
+    if (record->updated_at >= time) return absl::OkStatus();
+    MORTISE_RETURN_IF_ERROR(transaction.Delete(kDrawings, sha256));
+    forgotten = true;
+    return blobs->Remove(sha256);
+  }));
+  return forgotten;
 }
 
 class DrawingReader final : public rpc::UploadReader<v1::Chunk, v1::UploadDrawingResponse> {
  public:
-  DrawingReader(store::Store* store, store::BlobFolder* blobs)
-      : store_(store), blobs_(blobs), assembler_(blobs, cad::kMaxStepBytes) {}
+  DrawingReader(store::Store* store, store::BlobFolder* blobs, int64_t most)
+      : store_(*store), blobs_(blobs), most_(most), assembler_(blobs, cad::kMaxStepBytes) {}
 
   absl::Status OnMessage(const v1::Chunk& chunk) override {
-    if (chunk.sha256().empty()) return assembler_.Append(chunk);
-    // Compared at the end, where what differs can be removed again.
-    if (chunk.offset() == 0) expected_ = chunk.sha256();
-    v1::Chunk unnamed = chunk;
-    unnamed.clear_sha256();
-    return assembler_.Append(unnamed);
+    bytes_ += static_cast<int64_t>(chunk.data().size());
+    return assembler_.Append(chunk);
   }
 
   absl::StatusOr<v1::UploadDrawingResponse> Complete() override {
     v1::UploadDrawingResponse response;
-    MORTISE_ASSIGN_OR_RETURN(*response.mutable_sha256(), assembler_.Finish());
-    const std::string& digest = response.sha256();
-    if (!expected_.empty() && expected_ != digest) {
-      MORTISE_RETURN_IF_ERROR(RemoveUnlessKept(store_, blobs_, digest));
-      return InvalidField("sha256", "differs from the digest of what arrived");
-    }
-    MORTISE_RETURN_IF_ERROR(store_->Transact(
-        [&](store::Transaction& transaction) { return KeepRecord(transaction, blobs_, digest); }));
+    MORTISE_ASSIGN_OR_RETURN(*response.mutable_sha256(), assembler_.Digest());
+    MORTISE_RETURN_IF_ERROR(MakeRoom(response.sha256()));
+    MORTISE_RETURN_IF_ERROR(PutRecord(response.sha256()));
+    // Should this fail, the record goes in time: another upload of the same may rely on it.
+    MORTISE_RETURN_IF_ERROR(assembler_.Finish().status());
     return response;
   }
 
  private:
-  store::Store* const store_;
+  // Forgets the oldest drawings as far as this one needs it, and none if that is not enough.
+  absl::Status MakeRoom(const std::string& sha256) {
+    MORTISE_ASSIGN_OR_RETURN(std::vector<KeptDrawing> drawings, ListDrawings(store_, blobs_));
+    std::erase_if(drawings, [&](const KeptDrawing& each) { return each.sha256 == sha256; });
+    const absl::Time spared = store_.Now() - kDrawingGrace;
+    std::sort(drawings.begin(), drawings.end(), [](const KeptDrawing& a, const KeptDrawing& b) {
+      return a.uploaded_at < b.uploaded_at;
+    });
+    const auto young = std::find_if(drawings.begin(), drawings.end(), [&](const KeptDrawing& each) {
+      return each.uploaded_at >= spared;
+    });
+    const int64_t of_young = TotalBytes({young, drawings.end()});
+    if (of_young + bytes_ > most_) return NoRoom(of_young);
+    int64_t together = TotalBytes(drawings) + bytes_;
+    for (auto old = drawings.begin(); old != young && together > most_; ++old) {
+      MORTISE_RETURN_IF_ERROR(Forget(store_, blobs_, old->sha256, spared).status());
+      together -= old->bytes;
+    }
+    return absl::OkStatus();
+  }
+
+  absl::Status PutRecord(const std::string& sha256) {
+    return store_.Transact([&](store::Transaction& transaction) -> absl::Status {
+      MORTISE_ASSIGN_OR_RETURN(std::vector<KeptDrawing> others, ListDrawings(transaction, blobs_));
+      std::erase_if(others, [&](const KeptDrawing& each) { return each.sha256 == sha256; });
+      if (TotalBytes(others) + bytes_ > most_) return NoRoom(TotalBytes(others));
+      return transaction.Put(kDrawings, sha256, PayloadOf(bytes_)).status();
+    });
+  }
+
+  absl::Status NoRoom(int64_t beside) const {
+    return WithDetail(
+        absl::ResourceExhaustedError(absl::StrCat(
+            "the drawings uploaded within the last hour take ", beside, " of ", most_,
+            " bytes, which leaves no room for ", bytes_, " more: upload it again later")),
+        {"DRAWINGS_FULL", "total_size"});
+  }
+
+  store::Store& store_;
   store::BlobFolder* const blobs_;
+  const int64_t most_;
   rpc::ChunkAssembler assembler_;
-  std::string expected_;
+  int64_t bytes_ = 0;
 };
 
 }  // namespace
 
 std::unique_ptr<rpc::UploadReader<v1::Chunk, v1::UploadDrawingResponse>> ReceiveDrawing(
-    store::Store* store, store::BlobFolder* blobs) {
-  return std::make_unique<DrawingReader>(store, blobs);
+    store::Store* store, store::BlobFolder* blobs, int64_t most) {
+  return std::make_unique<DrawingReader>(store, blobs, most);
 }
 
 absl::StatusOr<std::string> GetDrawing(store::Store* store, store::BlobFolder* blobs,
@@ -102,32 +184,12 @@ absl::StatusOr<std::string> GetDrawing(store::Store* store, store::BlobFolder* b
 
 absl::StatusOr<int64_t> ForgetDrawings(store::Store* store, store::BlobFolder* blobs,
                                        absl::Time time) {
-  std::vector<std::string> old;
-  MORTISE_RETURN_IF_ERROR(store->Read([&](store::ReadTransaction& transaction) -> absl::Status {
-    old.clear();
-    store::ListOptions list;
-    list.limit = kPage;
-    while (true) {
-      MORTISE_ASSIGN_OR_RETURN(const std::vector<store::Record> page,
-                               transaction.List(kDrawings, list));
-      for (const store::Record& record : page) {
-        if (record.updated_at < time) old.push_back(record.key);
-      }
-      if (static_cast<int>(page.size()) < kPage) return absl::OkStatus();
-      list.after_key = page.back().key;
-    }
-  }));
+  MORTISE_ASSIGN_OR_RETURN(const std::vector<KeptDrawing> drawings, ListDrawings(*store, blobs));
   int64_t forgotten = 0;
-  for (const std::string& key : old) {
-    MORTISE_RETURN_IF_ERROR(store->Transact([&](store::Transaction& transaction) -> absl::Status {
-      const absl::StatusOr<store::Record> record = transaction.Get(kDrawings, key);
-      if (absl::IsNotFound(record.status())) return absl::OkStatus();
-      MORTISE_RETURN_IF_ERROR(record.status());
-      if (record->updated_at >= time) return absl::OkStatus();  // it came again
-      MORTISE_RETURN_IF_ERROR(blobs->Remove(key));
-      return transaction.Delete(kDrawings, key);
-    }));
-    ++forgotten;
+  for (const KeptDrawing& drawing : drawings) {
+    if (drawing.uploaded_at >= time) continue;
+    MORTISE_ASSIGN_OR_RETURN(const bool gone, Forget(*store, blobs, drawing.sha256, time));
+    if (gone) ++forgotten;
   }
   return forgotten;
 }

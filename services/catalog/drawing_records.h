@@ -1,8 +1,10 @@
 // STEP files that were uploaded for an import: bytes in the blob folder, and a record that says
 // since when.
 //
-// A record is written only while its blob is there, and a blob goes only within a write transaction
-// that removes its record: a blob without a record is never left.
+// The record comes first and goes last. It is committed before its blob is put into place, so that
+// no crash leaves a blob that nobody knows of; and the blob is removed while the record's deletion
+// has it locked, so that none vanishes under a record that was written meanwhile. A record whose
+// blob never came counts as a drawing that has not been uploaded, and is forgotten like any other.
 #pragma once
 
 #include <cstdint>
@@ -19,11 +21,20 @@
 
 namespace mortise::catalog {
 
-// Receives one file, at most as large as cad::kMaxStepBytes. RESOURCE_EXHAUSTED naming the limit;
-// INVALID_ARGUMENT naming "offset", "data", "total_size" or "sha256". Nothing is kept of an upload
-// that breaks off or is refused.
+// How much all drawings may take together, bytes.
+inline constexpr int64_t kMostDrawingBytes = int64_t{2} << 30;
+
+// How long a drawing is not forgotten to make room for others: who uploads one is about to import
+// it.
+inline constexpr absl::Duration kDrawingGrace = absl::Hours(1);
+
+// Receives one file, at most as large as cad::kMaxStepBytes. If all drawings together would take
+// more than `most` bytes, those that were last uploaded longest ago are forgotten, but none within
+// kDrawingGrace. RESOURCE_EXHAUSTED naming the limit, reason DRAWINGS_FULL if it is that of all
+// together; INVALID_ARGUMENT naming "offset", "data", "total_size" or "sha256". Nothing is kept of
+// an upload that breaks off or is refused.
 std::unique_ptr<rpc::UploadReader<v1::Chunk, v1::UploadDrawingResponse>> ReceiveDrawing(
-    store::Store* store, store::BlobFolder* blobs);
+    store::Store* store, store::BlobFolder* blobs, int64_t most = kMostDrawingBytes);
 
 // The bytes of a drawing that was uploaded. INVALID_ARGUMENT, "drawing", for one that was not.
 absl::StatusOr<std::string> GetDrawing(store::Store* store, store::BlobFolder* blobs,

@@ -109,12 +109,13 @@ void NameWhatDoesNotFit(v1::TemplateBundle& bundle) {
   google::protobuf::RepeatedPtrField<v1::Shape> fitting;
   std::size_t bytes = 0;
   for (v1::Shape& shape : *bundle.mutable_shapes()) {
-    bytes += shape.ByteSizeLong();
-    if (bytes <= kMostInMessage) {
-      *fitting.Add() = std::move(shape);
-    } else {
+    const std::size_t more = shape.ByteSizeLong();
+    if (bytes + more > kMostInMessage) {
       bundle.add_more_shapes(shape.name());
+      continue;
     }
+    bytes += more;
+    *fitting.Add() = std::move(shape);
   }
   *bundle.mutable_shapes() = std::move(fitting);
 }

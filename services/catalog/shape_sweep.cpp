@@ -16,7 +16,6 @@ namespace {
 
 constexpr std::size_t kDigest = 64;  // characters
 constexpr int kPage = 100;
-constexpr int kShapePage = 10;  // they are large
 constexpr std::string_view kPrefix = "shapes/";
 
 bool IsHexadecimal(char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); }
@@ -33,17 +32,18 @@ void AddNamed(std::string_view payload, std::set<std::string>& named) {
   }
 }
 
-// Calls `take` for each record of a kind.
+// Calls `take` for each record of a kind, with its payload or without.
 template <typename Take>
-absl::Status ForEach(store::ReadTransaction& transaction, const char* kind, int page,
+absl::Status ForEach(store::ReadTransaction& transaction, const char* kind, bool without_payloads,
                      const Take& take) {
   store::ListOptions list;
-  list.limit = page;
+  list.limit = kPage;
+  list.without_payloads = without_payloads;
   while (true) {
     MORTISE_ASSIGN_OR_RETURN(const std::vector<store::Record> records,
                              transaction.List(kind, list));
     for (const store::Record& record : records) MORTISE_RETURN_IF_ERROR(take(record));
-    if (static_cast<int>(records.size()) < page) return absl::OkStatus();
+    if (static_cast<int>(records.size()) < kPage) return absl::OkStatus();
     list.after_key = records.back().key;
   }
 }
@@ -53,7 +53,7 @@ absl::StatusOr<std::set<std::string>> NamedShapes(store::ReadTransaction& transa
   std::set<std::string> named;
   for (const char* kind : {kItems, kAssemblies, kTemplates}) {
     MORTISE_RETURN_IF_ERROR(
-        ForEach(transaction, kind, kPage, [&](const store::Record& latest) -> absl::Status {
+        ForEach(transaction, kind, false, [&](const store::Record& latest) -> absl::Status {
           AddNamed(latest.payload, named);
           for (int64_t revision = 1; revision < latest.revision; ++revision) {
             const absl::StatusOr<store::Record> earlier =
@@ -77,11 +77,10 @@ absl::StatusOr<std::vector<std::string>> Candidates(store::Store& store) {
   std::vector<std::string> candidates;
   MORTISE_RETURN_IF_ERROR(store.Read([&](store::ReadTransaction& transaction) -> absl::Status {
     candidates.clear();
-    MORTISE_RETURN_IF_ERROR(
-        ForEach(transaction, kShapes, kShapePage, [&](const store::Record& shape) {
-          if (IsOld(shape, store.Now())) candidates.push_back(shape.key);
-          return absl::OkStatus();
-        }));
+    MORTISE_RETURN_IF_ERROR(ForEach(transaction, kShapes, true, [&](const store::Record& shape) {
+      if (IsOld(shape, store.Now())) candidates.push_back(shape.key);
+      return absl::OkStatus();
+    }));
     if (candidates.empty()) return absl::OkStatus();
     MORTISE_ASSIGN_OR_RETURN(const std::set<std::string> named, NamedShapes(transaction));
     std::erase_if(candidates, [&](const std::string& key) { return named.contains(key); });

@@ -5,7 +5,9 @@
 #include <condition_variable>
 #include <mutex>
 
+#include "absl/time/clock.h"
 #include "common/base/logging.h"
+#include "common/store/blob_upkeep.h"
 #include "common/store/store.h"
 #include "services/catalog/drawing_records.h"
 #include "services/catalog/shape_sweep.h"
@@ -15,19 +17,20 @@ namespace {
 
 constexpr std::chrono::hours kPause{1};
 
-void Run(const std::stop_token& stop, store::Store* store, store::BlobFolder* blobs) {
+void Run(const std::stop_token& stop, store::Store* store, store::BlobFolder* blobs,
+         const std::filesystem::path& folder) {
   std::mutex mutex;
   std::condition_variable_any stopped;
   std::unique_lock lock(mutex);
   while (!stop.stop_requested()) {
-    TidyUp(store, blobs);
+    TidyUp(store, blobs, folder);
     stopped.wait_for(lock, stop, kPause, [] { return false; });
   }
 }
 
 }  // namespace
 
-void TidyUp(store::Store* store, store::BlobFolder* blobs) {
+void TidyUp(store::Store* store, store::BlobFolder* blobs, const std::filesystem::path& folder) {
   const auto shapes = SweepShapes(*store);
   if (!shapes.ok()) {
     Log(LogLevel::kWarning, "unused shapes could not be removed",
@@ -42,9 +45,17 @@ void TidyUp(store::Store* store, store::BlobFolder* blobs) {
   } else if (*drawings > 0) {
     Log(LogLevel::kInfo, "forgot drawings that were uploaded", {{"drawings", *drawings}});
   }
+  // Uploads that broke off with the process that received them.
+  const auto abandoned = store::RemoveAbandonedParts(folder, absl::Now() - kDrawingLife);
+  if (!abandoned.ok()) {
+    Log(LogLevel::kWarning, "unfinished uploads could not be removed",
+        {{"error", abandoned.status().ToString()}});
+  }
 }
 
-Upkeep::Upkeep(store::Store* store, store::BlobFolder* blobs)
-    : thread_([store, blobs](const std::stop_token& stop) { Run(stop, store, blobs); }) {}
+Upkeep::Upkeep(store::Store* store, store::BlobFolder* blobs, const std::filesystem::path& folder)
+    : thread_([store, blobs, folder](const std::stop_token& stop) {
+        Run(stop, store, blobs, folder);
+      }) {}
 
 }  // namespace mortise::catalog

@@ -1,7 +1,8 @@
-// What the catalog does by itself, at its start and every hour: it removes shapes and forgets
-// drawings that nobody wants any more.
+// What the catalog does by itself, at its start and every hour: it removes shapes, drawings and
+// unfinished uploads that nobody wants any more.
 #pragma once
 
+#include <filesystem>
 #include <thread>
 
 #include "absl/time/time.h"
@@ -16,14 +17,15 @@ namespace mortise::catalog {
 // How long a drawing stays after it was last uploaded.
 inline constexpr absl::Duration kDrawingLife = absl::Hours(24);
 
-// Does it once: SweepShapes and ForgetDrawings. What fails is logged; the next time comes.
-void TidyUp(store::Store* store, store::BlobFolder* blobs);
+// Does it once: SweepShapes, ForgetDrawings, and RemoveAbandonedParts of `folder`, where the blobs
+// are. What fails is logged; the next time comes.
+void TidyUp(store::Store* store, store::BlobFolder* blobs, const std::filesystem::path& folder);
 
 // Does it on a thread of its own, until it is destroyed.
 class Upkeep {
  public:
-  // Both outlive it.
-  Upkeep(store::Store* store, store::BlobFolder* blobs);
+  // Store and blobs outlive it.
+  Upkeep(store::Store* store, store::BlobFolder* blobs, const std::filesystem::path& folder);
 
  private:
   std::jthread thread_;

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
@@ -66,6 +67,26 @@ TEST_F(ShapeRecordsTest, AreRefusedWhereTheyAreNotWhatTheirNameSays) {
   EXPECT_EQ(DetailOf(status).reason, "STORAGE_FAILED") << status;
   EXPECT_EQ(Get("shapes/" + std::string(64, '0')).status().code(), absl::StatusCode::kNotFound);
   EXPECT_EQ(DetailOf(Get("shapes/../x").status()).field, "name");
+}
+
+// What is left out takes no room from what comes after it.
+TEST(NameWhatDoesNotFit, LeavesOutOnlyWhatDoesNotFit) {
+  v1::TemplateBundle bundle;
+  for (const auto& [name, bytes] : {std::pair{"a", 1'000'000},
+                                    {"b", 4'000'000},
+                                    {"c", 1'500'000},
+                                    {"d", 1'000'000},
+                                    {"e", 400'000}}) {
+    v1::Shape& shape = *bundle.add_shapes();
+    shape.set_name(name);
+    shape.set_vertices(std::string(static_cast<std::size_t>(bytes), 'x'));
+  }
+  NameWhatDoesNotFit(bundle);
+  std::string kept, named;
+  for (const v1::Shape& shape : bundle.shapes()) kept += shape.name();
+  for (const std::string& name : bundle.more_shapes()) named += name;
+  EXPECT_EQ(kept, "ace");
+  EXPECT_EQ(named, "bd");
 }
 
 }  // namespace
