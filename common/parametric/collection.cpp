@@ -4,9 +4,13 @@
 #include <algorithm>
 #include <set>
 
+#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "common/base/digest.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
+#include "common/parametric/csv_table.h"
 #include "common/parametric/design_file.h"
 #include "common/parametric/proto_text.h"
 #include "common/parametric/template_codec.h"
@@ -60,6 +64,45 @@ absl::Status AppendTemplates(const fs::path& folder, ParseTemplate parse, Collec
     collection.templates.push_back(std::move(message));
   }
   return absl::OkStatus();
+}
+
+// A number and the digest of the content that it stands for.
+struct Version {
+  int64_t number = 0;
+  std::string digest;
+};
+
+// The last row of versions.csv.
+absl::StatusOr<Version> ReadVersion(const fs::path& file) {
+  MORTISE_ASSIGN_OR_RETURN(const std::string text, ReadFile(file, kMaxTextBytes));
+  const CsvTable table = ParseCsv(text);
+  std::vector<Finding> findings = table.findings;
+  Version version;
+  for (std::size_t i = 0; i < table.rows.size(); ++i) {
+    const CsvRow& row = table.rows[i];
+    if (row.size() != 2 || (i == 0 && (row[0].text != "number" || row[1].text != "digest"))) {
+      findings.push_back({PlaceOf(row[0]), "must be a table of 'number' and 'digest'"});
+      break;
+    }
+    if (i == 0) continue;
+    int64_t number = 0;
+    if (!absl::SimpleAtoi(row[0].text, &number) || number <= version.number) {
+      findings.push_back({PlaceOf(row[0]), "must be a whole number above those before"});
+      continue;
+    }
+    version = {number, row[1].text};
+  }
+  for (Finding& finding : findings)
+    finding.field = absl::StrCat(file.string(), ": ", finding.field);
+  MORTISE_RETURN_IF_ERROR(ToStatus(findings));
+  return version;
+}
+
+template <typename Messages>
+void AddDigests(const Messages& messages, std::vector<std::string>& digests) {
+  for (const auto& message : messages) {
+    digests.push_back(absl::StrCat(message.name(), " ", Sha256Hex(message.SerializeAsString())));
+  }
 }
 
 }  // namespace
@@ -122,7 +165,22 @@ absl::StatusOr<Collection> ReadCollection(const fs::path& folder) {
     MORTISE_ASSIGN_OR_RETURN(v1::Assembly message, ParseAssemblyText(text, file.string()));
     collection.assemblies.push_back(std::move(message));
   }
+  const fs::path versions = folder / "versions.csv";
+  if (fs::exists(versions, error)) {
+    MORTISE_ASSIGN_OR_RETURN(const Version version, ReadVersion(versions));
+    if (version.digest == ContentDigest(collection)) collection.number = version.number;
+  }
   return collection;
+}
+
+std::string ContentDigest(const Collection& collection) {
+  std::vector<std::string> digests;
+  AddDigests(collection.materials, digests);
+  AddDigests(collection.items, digests);
+  AddDigests(collection.templates, digests);
+  AddDigests(collection.assemblies, digests);
+  std::sort(digests.begin(), digests.end());
+  return Sha256Hex(absl::StrJoin(digests, "\n"));
 }
 
 absl::StatusOr<TemplateBundle> BundleOf(const Collection& collection, const std::string& name) {

@@ -7,8 +7,10 @@
 //   assemblies/*.textproto                     each a mortise.v1.Assembly (assembly_codec.h)
 //   cad_templates/*.textproto                  each a mortise.v1.CadTemplate
 //   cage_templates/*.textproto                 each a mortise.v1.CageTemplate
+//   versions.csv                               a number and a digest for each version that shipped
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -23,6 +25,10 @@ namespace mortise::parametric {
 
 // Everything in a collection, in the order of file names, not yet validated.
 struct Collection {
+  // Goes up whenever what ships changes, so that it is known which of two collections is newer: the
+  // last one in versions.csv. 0, which says nothing, without that file, and where the digest beside
+  // the number is not that of the content, as in a copy that somebody has changed.
+  int64_t number = 0;
   std::vector<v1::Material> materials;
   std::vector<v1::Item> items;
   std::vector<v1::Template> templates;  // of designs/, cad_templates/ and cage_templates/, in turn
@@ -41,8 +47,12 @@ absl::StatusOr<v1::TemplateBundle> ParseBundleText(std::string_view text,
 absl::StatusOr<v1::Assembly> ParseAssemblyText(std::string_view text, const std::string& origin);
 
 // Reads a folder. NOT_FOUND if it does not exist; INVALID_ARGUMENT naming each fault of the first
-// file that has any.
+// file that has any, in versions.csv numbers that do not go up.
 absl::StatusOr<Collection> ReadCollection(const std::filesystem::path& folder);
+
+// The digest of all that a collection brings, 64 hexadecimal digits: whatever its files are called
+// and however they are written.
+std::string ContentDigest(const Collection& collection);
 
 // The template of `collection` with this name and what it uses, as structs. NOT_FOUND;
 // INVALID_ARGUMENT naming the field where a message cannot be converted.

@@ -2,10 +2,12 @@
 #include "services/catalog/collection_loader.h"
 
 #include <functional>
+#include <optional>
 #include <set>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
 #include "common/base/digest.h"
 #include "common/base/errors.h"
 #include "common/base/logging.h"
@@ -30,6 +32,14 @@ struct Thing {
   Put put;
   std::string assembly = {};  // that a template exposes
 };
+
+// How long others that load at the same time are waited for.
+constexpr absl::Duration kLoadingPatience = absl::Minutes(5);
+
+// A collection without a number has no order.
+bool IsOlder(const parametric::Collection& collection, int64_t newest) {
+  return collection.number != 0 && collection.number < newest;
+}
 
 std::string DigestOf(const google::protobuf::Message& message) {
   return Sha256Hex(message.SerializeAsString());
@@ -134,44 +144,63 @@ bool IsFaultOfThing(const absl::Status& status) {
          absl::IsResourceExhausted(status) || absl::IsAlreadyExists(status);
 }
 
+// What the store says about a thing, as it bears on what becomes of it.
+absl::StatusOr<DeliveryQuestion> QuestionOf(store::ReadTransaction& transaction, const Thing& thing,
+                                            bool is_newer) {
+  DeliveryQuestion question;
+  question.digest = thing.digest;
+  question.is_newer = is_newer;
+  MORTISE_ASSIGN_OR_RETURN(question.mark, GetMark(transaction, thing.name));
+  MORTISE_ASSIGN_OR_RETURN(question.present, FindPresent(transaction, thing.kind, thing.name));
+  return question;
+}
+
 class Loader {
  public:
   explicit Loader(store::Transaction& transaction) : transaction_(transaction) {}
 
   absl::StatusOr<CollectionReport> Load(const parametric::Collection& collection) {
+    MORTISE_ASSIGN_OR_RETURN(const int64_t newest, GetCollectionNumber(transaction_));
+    if (IsOlder(collection, newest)) return std::move(report_);
+    is_newer_ = collection.number > newest;
     MORTISE_ASSIGN_OR_RETURN(origin_, OriginOf(transaction_));
     for (const Thing& thing : ThingsOf(collection, &transaction_)) {
       MORTISE_RETURN_IF_ERROR(Take(thing));
+    }
+    if (is_newer_) {
+      MORTISE_RETURN_IF_ERROR(PutCollectionNumber(transaction_, collection.number));
     }
     return std::move(report_);
   }
 
  private:
   absl::Status Take(const Thing& thing) {
-    MORTISE_ASSIGN_OR_RETURN(const auto mark, GetMark(transaction_, thing.name));
-    MORTISE_ASSIGN_OR_RETURN(const auto present, FindPresent(transaction_, thing.kind, thing.name));
-    Delivery delivery = DecideDelivery(mark, present, thing.digest, origin_.filled_at);
+    MORTISE_ASSIGN_OR_RETURN(DeliveryQuestion question, QuestionOf(transaction_, thing, is_newer_));
+    question.filled_at = [this] { return origin_.filled_at; };
+    MORTISE_ASSIGN_OR_RETURN(Delivery delivery, DecideDelivery(question));
     if (delivery != Delivery::kNone && !thing.assembly.empty()) {
       // It would expose what a user has drawn instead.
       MORTISE_ASSIGN_OR_RETURN(const bool as_shipped, IsShippedNow(kAssemblies, thing.assembly));
       if (!as_shipped) delivery = Delivery::kKeepOwn;
     }
+    // What is there stays known as what it was.
+    ShippedMark as_before = question.mark.value_or(ShippedMark());
+    as_before.digest = thing.digest;
+    as_before.failed = false;
     switch (delivery) {
       case Delivery::kNone:
         return absl::OkStatus();
       case Delivery::kKeepOwn:
         report_.kept.push_back(thing.name);
-        return PutMark(transaction_, thing.name,
-                       {thing.digest, mark ? mark->revision : 0,
-                        mark ? mark->created_at : absl::InfinitePast()});
+        return PutMark(transaction_, thing.name, as_before);
       case Delivery::kCreate:
       case Delivery::kUpdate:
-        return Bring(thing, present ? present->revision : 0);
+        return Bring(thing, question.present ? question.present->revision : 0, as_before);
     }
     return absl::OkStatus();
   }
 
-  absl::Status Bring(const Thing& thing, int64_t present) {
+  absl::Status Bring(const Thing& thing, int64_t present, ShippedMark as_before) {
     const absl::StatusOr<int64_t> revision = thing.put(present);
     if (!revision.ok()) {
       // Of an empty catalog the collection itself is at fault.
@@ -179,14 +208,17 @@ class Loader {
         return UnderField(thing.name, revision.status());
       }
       report_.failed.push_back(absl::StrCat(thing.name, ": ", revision.status().message()));
-      return absl::OkStatus();
+      as_before.failed = true;
+      return PutMark(transaction_, thing.name, as_before);
     }
     if (*revision != present) {
       (present == 0 ? report_.created : report_.updated).push_back(thing.name);
     }
     MORTISE_ASSIGN_OR_RETURN(const auto brought, FindPresent(transaction_, thing.kind, thing.name));
     return PutMark(transaction_, thing.name,
-                   {thing.digest, *revision, brought ? brought->created_at : absl::InfinitePast()});
+                   {.digest = thing.digest,
+                    .revision = *revision,
+                    .created_at = brought ? brought->created_at : absl::InfinitePast()});
   }
 
   absl::StatusOr<bool> IsShippedNow(const char* kind, const std::string& name) {
@@ -197,26 +229,43 @@ class Loader {
 
   store::Transaction& transaction_;
   StoreOrigin origin_;
+  bool is_newer_ = false;  // than all collections before
   CollectionReport report_;
 };
 
-// Whether the store lacks anything of the collection, as it looks without keeping others from
-// writing.
-absl::StatusOr<bool> LacksAny(store::Store& store, const parametric::Collection& collection) {
-  bool lacks = false;
+// What there is to do with a collection.
+enum class Standing {
+  kOlder,  // a newer one was brought before: nothing
+  kThere,  // the store has what it has: nothing
+  kLacks,  // the store lacks something of it
+};
+
+// As it looks without keeping others from writing.
+absl::StatusOr<Standing> StandingOf(store::Store& store, const parametric::Collection& collection) {
+  Standing standing = Standing::kThere;
   MORTISE_RETURN_IF_ERROR(store.Read([&](store::ReadTransaction& transaction) -> absl::Status {
-    lacks = false;
-    MORTISE_ASSIGN_OR_RETURN(const StoreOrigin origin, OriginOf(transaction));
+    MORTISE_ASSIGN_OR_RETURN(const int64_t newest, GetCollectionNumber(transaction));
+    standing = IsOlder(collection, newest) ? Standing::kOlder : Standing::kThere;
+    if (standing == Standing::kOlder) return absl::OkStatus();
+    const bool is_newer = collection.number > newest;
+    if (is_newer) standing = Standing::kLacks;
+    std::optional<StoreOrigin> origin;  // looked for where something has no mark
+    const auto filled_at = [&]() -> absl::StatusOr<absl::Time> {
+      if (!origin) {
+        MORTISE_ASSIGN_OR_RETURN(origin, OriginOf(transaction));
+      }
+      return origin->filled_at;
+    };
     for (const Thing& thing : ThingsOf(collection, nullptr)) {
-      MORTISE_ASSIGN_OR_RETURN(const auto mark, GetMark(transaction, thing.name));
-      MORTISE_ASSIGN_OR_RETURN(const auto present,
-                               FindPresent(transaction, thing.kind, thing.name));
-      lacks =
-          lacks || DecideDelivery(mark, present, thing.digest, origin.filled_at) != Delivery::kNone;
+      if (standing == Standing::kLacks) break;
+      MORTISE_ASSIGN_OR_RETURN(DeliveryQuestion question, QuestionOf(transaction, thing, is_newer));
+      question.filled_at = filled_at;
+      MORTISE_ASSIGN_OR_RETURN(const Delivery delivery, DecideDelivery(question));
+      if (delivery != Delivery::kNone) standing = Standing::kLacks;
     }
     return absl::OkStatus();
   }));
-  return lacks;
+  return standing;
 }
 
 absl::StatusOr<bool> IsEmpty(store::Store& store) {
@@ -258,12 +307,25 @@ absl::StatusOr<CollectionReport> LoadCollection(store::Store& store,
     Tell(report, folder);
     return report;
   }
-  MORTISE_ASSIGN_OR_RETURN(const bool lacks, LacksAny(store, *collection));
-  if (!lacks) return report;
-  MORTISE_RETURN_IF_ERROR(store.Transact([&](store::Transaction& transaction) -> absl::Status {
-    MORTISE_ASSIGN_OR_RETURN(report, Loader(transaction).Load(*collection));
-    return absl::OkStatus();
-  }));
+  const absl::Time deadline = absl::Now() + kLoadingPatience;
+  while (true) {
+    MORTISE_ASSIGN_OR_RETURN(const Standing standing, StandingOf(store, *collection));
+    report = CollectionReport();
+    if (standing == Standing::kOlder) {
+      Log(LogLevel::kInfo, "left the collection alone, as the store has a newer one",
+          {{"folder", folder.string()}, {"number", collection->number}});
+    }
+    if (standing != Standing::kLacks) return report;
+    const absl::Status loaded =
+        store.Transact([&](store::Transaction& transaction) -> absl::Status {
+          MORTISE_ASSIGN_OR_RETURN(report, Loader(transaction).Load(*collection));
+          return absl::OkStatus();
+        });
+    if (loaded.ok()) break;
+    // Others got in the way, as another catalog does that starts at the same time: one of the two
+    // has loaded it then.
+    if (!absl::IsUnavailable(loaded) || absl::Now() >= deadline) return loaded;
+  }
   Tell(report, folder);
   return report;
 }

@@ -13,7 +13,16 @@ namespace mortise::catalog {
 namespace {
 
 constexpr const char* kMarks = "shipped";
+constexpr const char* kCollection = "collection";  // the mark of all of it; names have a slash
 constexpr int kPage = 1000;
+
+bool HasInteger(const nlohmann::json& json, const char* field) {
+  return json.is_object() && json.contains(field) && json[field].is_number_integer();
+}
+
+absl::Status Unreadable(const std::string& name) {
+  return StorageFailed(absl::StrCat(kMarks, "/", name), "the record cannot be read");
+}
 
 }  // namespace
 
@@ -23,16 +32,31 @@ bool IsAsShipped(const std::optional<ShippedMark>& mark,
          mark->created_at == present->created_at;
 }
 
-Delivery DecideDelivery(const std::optional<ShippedMark>& mark,
-                        const std::optional<PresentRevision>& present, const std::string& digest,
-                        absl::Time filled_at) {
-  if (!present) return mark ? Delivery::kNone : Delivery::kCreate;
-  if (mark) {
-    if (mark->digest == digest) return Delivery::kNone;
-    return IsAsShipped(mark, present) ? Delivery::kUpdate : Delivery::kKeepOwn;
+absl::StatusOr<Delivery> DecideDelivery(const DeliveryQuestion& question) {
+  const auto& [digest, mark, present, filled_at, is_newer] = question;
+  const bool failed = mark && mark->failed;
+  if (mark && mark->digest == digest && !(failed && is_newer)) return Delivery::kNone;
+  if (!present) {
+    const bool never_came = !mark || (failed && mark->revision == 0);
+    return never_came ? Delivery::kCreate : Delivery::kNone;
   }
-  const bool as_filled = present->revision == 1 && present->created_at == filled_at;
+  if (mark) return IsAsShipped(mark, present) ? Delivery::kUpdate : Delivery::kKeepOwn;
+  MORTISE_ASSIGN_OR_RETURN(const absl::Time filled, filled_at());
+  const bool as_filled = present->revision == 1 && present->created_at == filled;
   return as_filled ? Delivery::kUpdate : Delivery::kKeepOwn;
+}
+
+absl::StatusOr<int64_t> GetCollectionNumber(store::ReadTransaction& transaction) {
+  const absl::StatusOr<store::Record> record = transaction.Get(kMarks, kCollection);
+  if (absl::IsNotFound(record.status())) return 0;
+  MORTISE_RETURN_IF_ERROR(record.status());
+  const auto json = nlohmann::json::parse(record->payload, nullptr, false);
+  if (!HasInteger(json, "number")) return Unreadable(kCollection);
+  return json["number"].get<int64_t>();
+}
+
+absl::Status PutCollectionNumber(store::Transaction& transaction, int64_t number) {
+  return transaction.Put(kMarks, kCollection, nlohmann::json{{"number", number}}.dump()).status();
 }
 
 absl::StatusOr<std::optional<ShippedMark>> GetMark(store::ReadTransaction& transaction,
@@ -41,21 +65,23 @@ absl::StatusOr<std::optional<ShippedMark>> GetMark(store::ReadTransaction& trans
   if (absl::IsNotFound(record.status())) return std::optional<ShippedMark>();
   MORTISE_RETURN_IF_ERROR(record.status());
   const auto json = nlohmann::json::parse(record->payload, nullptr, false);
-  if (!json.is_object() || !json.contains("digest") || !json["digest"].is_string() ||
-      !json.contains("revision") || !json["revision"].is_number_integer() ||
-      !json.contains("created_at") || !json["created_at"].is_number_integer()) {
-    return StorageFailed(absl::StrCat(kMarks, "/", name), "the record cannot be read");
+  if (!HasInteger(json, "revision") || !HasInteger(json, "created_at") ||
+      !json.contains("digest") || !json["digest"].is_string()) {
+    return Unreadable(name);
   }
   return std::optional<ShippedMark>(
-      ShippedMark{json["digest"].get<std::string>(), json["revision"].get<int64_t>(),
-                  absl::FromUnixMicros(json["created_at"].get<int64_t>())});
+      ShippedMark{.digest = json["digest"].get<std::string>(),
+                  .revision = json["revision"].get<int64_t>(),
+                  .created_at = absl::FromUnixMicros(json["created_at"].get<int64_t>()),
+                  .failed = json.contains("failed")});
 }
 
 absl::Status PutMark(store::Transaction& transaction, const std::string& name,
                      const ShippedMark& mark) {
-  const nlohmann::json json = {{"digest", mark.digest},
-                               {"revision", mark.revision},
-                               {"created_at", absl::ToUnixMicros(mark.created_at)}};
+  nlohmann::json json = {{"digest", mark.digest},
+                         {"revision", mark.revision},
+                         {"created_at", absl::ToUnixMicros(mark.created_at)}};
+  if (mark.failed) json["failed"] = true;
   return transaction.Put(kMarks, name, json.dump()).status();
 }
 
@@ -74,6 +100,7 @@ absl::StatusOr<StoreOrigin> OriginOf(store::ReadTransaction& transaction) {
   for (const char* kind : {kMaterials, kItems, kTemplates, kAssemblies}) {
     store::ListOptions list;
     list.limit = kPage;
+    list.without_payloads = true;
     while (true) {
       MORTISE_ASSIGN_OR_RETURN(const std::vector<store::Record> page, transaction.List(kind, list));
       for (const store::Record& record : page) {

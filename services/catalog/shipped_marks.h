@@ -1,9 +1,11 @@
 // What is known of each thing that came with the collection: which content it had then, and which
-// revision that became. From it follows what a newer collection may change without overwriting what
-// users changed.
+// revision that became; and the number of the newest collection that was. From it follows what a
+// newer collection may change without overwriting what users changed, and that an older one, of a
+// replica that is not up to date yet, changes nothing.
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -20,6 +22,8 @@ struct ShippedMark {
   // When the resource was made that has this revision: one that a user made under the same name,
   // after removing what was shipped, begins with revision 1 again.
   absl::Time created_at = absl::InfinitePast();
+  // Whether this content could not be brought in; `revision` is then that of what was before.
+  bool failed = false;
 };
 
 // The present record of a resource.
@@ -30,7 +34,7 @@ struct PresentRevision {
 
 // What becomes of a thing that a collection brings.
 enum class Delivery {
-  kNone,     // it is there already, or a user removed it
+  kNone,     // it is there already, or a user removed it, or it was found not to go in
   kCreate,   // it is new
   kUpdate,   // as it was shipped before: it is replaced
   kKeepOwn,  // a user changed it, or made it: it stays
@@ -40,12 +44,25 @@ enum class Delivery {
 bool IsAsShipped(const std::optional<ShippedMark>& mark,
                  const std::optional<PresentRevision>& present);
 
-// `mark`: none if it was never shipped to this store. Stores that were filled before there were
-// marks have none; there, what was written in the store's first transaction, at `filled_at`, and
-// never since, is as it was shipped.
-Delivery DecideDelivery(const std::optional<ShippedMark>& mark,
-                        const std::optional<PresentRevision>& present, const std::string& digest,
-                        absl::Time filled_at);
+// What a decision is made from.
+struct DeliveryQuestion {
+  std::string digest;                      // of what the collection has
+  std::optional<ShippedMark> mark;         // none if it was never shipped to this store
+  std::optional<PresentRevision> present;  // none if there is no such resource
+  // Stores that were filled before there were marks have none; there, what was written in the
+  // store's first transaction, and never since, is as it was shipped. Asked only where it matters.
+  std::function<absl::StatusOr<absl::Time>()> filled_at;
+  // Whether the collection is newer than all that were brought before: what could not be brought in
+  // then may go in now.
+  bool is_newer = false;
+};
+
+// Fails as `filled_at` does.
+absl::StatusOr<Delivery> DecideDelivery(const DeliveryQuestion& question);
+
+// The number of the newest collection that was brought into the store; 0 if none had one.
+absl::StatusOr<int64_t> GetCollectionNumber(store::ReadTransaction& transaction);
+absl::Status PutCollectionNumber(store::Transaction& transaction, int64_t number);
 
 // The mark of the resource `name` ("items/x").
 absl::StatusOr<std::optional<ShippedMark>> GetMark(store::ReadTransaction& transaction,
@@ -65,6 +82,7 @@ struct StoreOrigin {
   // transaction wrote several, which no call does. Otherwise the infinite future.
   absl::Time filled_at = absl::InfiniteFuture();
 };
+// O(records), without reading them.
 absl::StatusOr<StoreOrigin> OriginOf(store::ReadTransaction& transaction);
 
 }  // namespace mortise::catalog

@@ -1,68 +1,26 @@
-// Assemblies through the catalog as a process: parametrised, dragged, sampled, exported, imported.
+// Assemblies through the catalog as a process: parametrised, dragged, sampled, kept in revisions.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <chrono>
-#include <cmath>
 #include <limits>
-#include <map>
+#include <string>
+#include <vector>
 
 #include "common/base/errors.h"
 #include "common/base/field_violations.h"
-#include "common/cad/step_reader.h"
-#include "common/rpc/status_mapping.h"
-#include "mortise/v1/assembly.grpc.pb.h"
 #include "mortise/v1/catalog.grpc.pb.h"
 #include "mortise/v1/events.grpc.pb.h"
-#include "tests/integration/services/call_service.h"
-#include "tests/integration/services/service_under_test.h"
+#include "tests/integration/services/catalog/assembly_service_fixture.h"
 
 namespace mortise::catalog {
 namespace {
 
 using ::testing::Contains;
 using ::testing::HasSubstr;
-using Stub = v1::AssemblyService::Stub;
 
-std::filesystem::path ShippedCollection() {
-  const char* source = std::getenv("MORTISE_SOURCE_DIR");
-  return std::filesystem::path(source == nullptr ? "." : source) / "collection";
-}
-
-class AssemblyServiceTest : public ::testing::Test {
+class AssemblyParametrizationTest : public AssemblyServiceTest {
  protected:
-  AssemblyServiceTest() { Connect(); }
-
-  void Connect() { stub_ = v1::AssemblyService::NewStub(process_.channel()); }
-
-  template <typename Request, typename Response>
-  absl::StatusOr<Response> Call(grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&,
-                                                             Response*),
-                                const Request& request) {
-    return testing::Call(*stub_, method, request);
-  }
-
-  template <typename Reader>
-  static absl::StatusOr<std::vector<v1::AdjustedAssembly>> ReadAll(const Reader& reader) {
-    std::vector<v1::AdjustedAssembly> designs;
-    v1::AdjustedAssembly design;
-    while (reader->Read(&design)) designs.push_back(design);
-    const absl::Status status = rpc::FromGrpc(reader->Finish());
-    if (!status.ok()) return status;
-    return designs;
-  }
-
-  absl::StatusOr<std::vector<v1::AdjustedAssembly>> Sample(int count, uint64_t seed) {
-    v1::SampleAssemblyRequest request;
-    request.set_name(kShelf);
-    request.set_count(count);
-    request.set_seed(seed);
-    grpc::ClientContext context;
-    testing::Prepare(context);
-    return ReadAll(stub_->SampleAssembly(&context, request));
-  }
-
   absl::StatusOr<std::vector<v1::AdjustedAssembly>> Evaluate(
       const v1::EvaluateAssemblyRequest& request) {
     grpc::ClientContext context;
@@ -70,22 +28,7 @@ class AssemblyServiceTest : public ::testing::Test {
     return ReadAll(stub_->EvaluateAssembly(&context, request));
   }
 
-  v1::Parametrization Parametrized() {
-    v1::ParametrizeAssemblyRequest request;
-    request.set_name(kShelf);
-    const auto found = Call(&Stub::ParametrizeAssembly, request);
-    EXPECT_TRUE(found.ok()) << found.status();
-    return found.ok() ? *found : v1::Parametrization();
-  }
-
-  v1::Assembly Get(const std::string& name, int64_t revision = 0) {
-    v1::GetAssemblyRequest request;
-    request.set_name(name);
-    request.set_revision(revision);
-    const auto found = Call(&Stub::GetAssembly, request);
-    EXPECT_TRUE(found.ok()) << found.status();
-    return found.ok() ? *found : v1::Assembly();
-  }
+  v1::Parametrization Parametrized() { return ParametrizationOf(kShelf); }
 
   absl::StatusOr<v1::Assembly> Import(const v1::Assembly& assembly, int64_t expected) {
     v1::ImportAssemblyRequest request;
@@ -94,42 +37,6 @@ class AssemblyServiceTest : public ::testing::Test {
     request.set_expected_revision(expected);
     return Call(&Stub::ImportAssembly, request);
   }
-
-  std::string Export(const std::string& name) {
-    v1::ExportAssemblyRequest request;
-    request.set_name(name);
-    request.set_format(v1::ExportDesignRequest::STEP);
-    grpc::ClientContext context;
-    testing::Prepare(context);
-    const auto bytes = testing::ReadChunks(*stub_->ExportAssembly(&context, request));
-    EXPECT_TRUE(bytes.ok()) << bytes.status();
-    return bytes.value_or("");
-  }
-
-  absl::StatusOr<v1::ImportAssemblyStepResponse> ImportStep(
-      const std::string& step, const v1::AssemblyAnnotations& annotations, int64_t expected = 0) {
-    v1::ImportAssemblyStepRequest request;
-    request.set_request_id("import-" + std::to_string(++requests_));
-    request.set_step(step);
-    *request.mutable_annotations() = annotations;
-    request.set_expected_revision(expected);
-    return Call(&Stub::ImportAssemblyStep, request);
-  }
-
-  v1::Parametrization ParametrizationOf(const std::string& name) {
-    v1::ParametrizeAssemblyRequest request;
-    request.set_name(name);
-    const auto found = Call(&Stub::ParametrizeAssembly, request);
-    EXPECT_TRUE(found.ok()) << found.status();
-    return found.value_or(v1::Parametrization());
-  }
-
-  static constexpr char kShelf[] = "assemblies/bookshelf";
-
-  int requests_ = 0;
-  testing::ServiceUnderTest process_{"mortise-catalog",
-                                     {"--collection=" + ShippedCollection().string()}};
-  std::unique_ptr<Stub> stub_;
 };
 
 double Extent(const v1::AdjustedAssembly& design, const std::string& element, v1::Axis axis) {
@@ -154,7 +61,7 @@ v1::MeasureRange SizeOfOnePart(const v1::Parametrization& parametrization) {
   return {};
 }
 
-TEST_F(AssemblyServiceTest, ShipsAssembliesInPages) {
+TEST_F(AssemblyParametrizationTest, ShipsAssembliesInPages) {
   v1::ListAssembliesRequest request;
   request.set_page_size(2);
   std::vector<std::string> names;
@@ -178,7 +85,7 @@ TEST_F(AssemblyServiceTest, ShipsAssembliesInPages) {
   EXPECT_GT(shelf.create_time().seconds(), 0);
 }
 
-TEST_F(AssemblyServiceTest, TellsWhatParametrisationFinds) {
+TEST_F(AssemblyParametrizationTest, TellsWhatParametrisationFinds) {
   const v1::Parametrization found = Parametrized();
   EXPECT_EQ(found.assembly(), kShelf);
   EXPECT_EQ(found.revision(), 1);
@@ -202,7 +109,7 @@ TEST_F(AssemblyServiceTest, TellsWhatParametrisationFinds) {
   EXPECT_GE(parts, Get(kShelf).parts_size());
 }
 
-TEST_F(AssemblyServiceTest, DragsAPart) {
+TEST_F(AssemblyParametrizationTest, DragsAPart) {
   const v1::MeasureRange range = SizeOfOnePart(Parametrized());
   v1::AdjustAssemblyRequest request;
   request.set_name(kShelf);
@@ -223,7 +130,7 @@ TEST_F(AssemblyServiceTest, DragsAPart) {
   }
 }
 
-TEST_F(AssemblyServiceTest, ComesAsNearAsItCanOrRefuses) {
+TEST_F(AssemblyParametrizationTest, ComesAsNearAsItCanOrRefuses) {
   const v1::MeasureRange range = SizeOfOnePart(Parametrized());
   v1::AdjustAssemblyRequest request;
   request.set_name(kShelf);
@@ -241,7 +148,7 @@ TEST_F(AssemblyServiceTest, ComesAsNearAsItCanOrRefuses) {
   EXPECT_THAT(std::string(refused.message()), HasSubstr(range.measure().element()));
 }
 
-TEST_F(AssemblyServiceTest, SamplesAndEvaluatesAlike) {
+TEST_F(AssemblyParametrizationTest, SamplesAndEvaluatesAlike) {
   const auto samples = Sample(20, 7);
   ASSERT_TRUE(samples.ok()) << samples.status();
   ASSERT_EQ(samples->size(), 20u);
@@ -265,7 +172,7 @@ TEST_F(AssemblyServiceTest, SamplesAndEvaluatesAlike) {
   }
 }
 
-TEST_F(AssemblyServiceTest, SaysWhatIsWrongWithADesignThatBreaksARelationship) {
+TEST_F(AssemblyParametrizationTest, SaysWhatIsWrongWithADesignThatBreaksARelationship) {
   const v1::Parametrization found = Parametrized();
   v1::EvaluateAssemblyRequest request;
   request.set_name(kShelf);
@@ -282,165 +189,7 @@ TEST_F(AssemblyServiceTest, SaysWhatIsWrongWithADesignThatBreaksARelationship) {
   EXPECT_THAT((*designs)[1].faults(0), HasSubstr("has lost"));
 }
 
-TEST_F(AssemblyServiceTest, ExportsEveryPart) {
-  const auto samples = Sample(1, 3);
-  ASSERT_TRUE(samples.ok()) << samples.status();
-  v1::ExportAssemblyRequest request;
-  request.set_name(kShelf);
-  *request.mutable_q() = samples->front().q();
-  std::map<v1::ExportDesignRequest::Format, std::string> files;
-  for (const auto format : {v1::ExportDesignRequest::STEP, v1::ExportDesignRequest::GLB}) {
-    request.set_format(format);
-    grpc::ClientContext context;
-    testing::Prepare(context);
-    const auto reader = stub_->ExportAssembly(&context, request);
-    v1::Chunk chunk;
-    while (reader->Read(&chunk)) files[format] += chunk.data();
-    const grpc::Status status = reader->Finish();
-    ASSERT_TRUE(status.ok()) << status.error_message();
-  }
-  EXPECT_EQ(files[v1::ExportDesignRequest::GLB].substr(0, 4), "glTF");
-  const auto step = cad::ReadStep(files[v1::ExportDesignRequest::STEP]);
-  ASSERT_TRUE(step.ok()) << step.status();
-  ASSERT_EQ(step->parts.size(), static_cast<std::size_t>(samples->front().parts_size()));
-  for (const v1::PlacedPart& placed : samples->front().parts()) {
-    const auto found = std::find_if(step->parts.begin(), step->parts.end(),
-                                    [&](const auto& part) { return part.name == placed.name(); });
-    ASSERT_NE(found, step->parts.end()) << placed.name();
-    const cad::StepPart& read = *found;
-    const Eigen::Vector3d middle =
-        0.5 * Eigen::Vector3d(placed.minimum().x() + placed.maximum().x(),
-                              placed.minimum().y() + placed.maximum().y(),
-                              placed.minimum().z() + placed.maximum().z());
-    EXPECT_LT(((read.minimum + read.maximum) / 2 - middle).norm(), 1e-6) << placed.name();
-  }
-}
-
-// What a person would write beside the STEP file of an assembly to get it back.
-v1::AssemblyAnnotations AnnotationsFor(const v1::Assembly& assembly,
-                                       const cad::StepAssembly& drawing, const std::string& name) {
-  v1::AssemblyAnnotations annotations;
-  annotations.set_name(name);
-  annotations.set_title(assembly.title());
-  *annotations.mutable_joints() = assembly.joints();
-  for (const v1::AssemblyPart& part : assembly.parts()) {
-    v1::PartAnnotation& annotation = *annotations.add_parts();
-    for (const cad::StepPart& drawn : drawing.parts) {
-      // "post", or "post 1.2" of a part that is repeated.
-      const bool is_repetition =
-          part.repeat_size() > 0 && drawn.name.starts_with(part.name() + " ") &&
-          drawn.name.find_first_not_of("0123456789.", part.name().size() + 1) == std::string::npos;
-      if (drawn.name == part.name() || is_repetition) annotation.add_parts(drawn.name);
-    }
-    annotation.set_item(part.item());
-    annotation.set_role(part.role());
-    annotation.set_length_axis(part.length_axis() == v1::AXIS_UNSPECIFIED ? v1::X
-                                                                          : part.length_axis());
-    annotation.set_thickness_axis(
-        part.thickness_axis() == v1::AXIS_UNSPECIFIED ? v1::Z : part.thickness_axis());
-    if (annotation.parts_size() == 1) {
-      *annotation.mutable_prominent_planes() = part.prominent_planes();
-    }
-  }
-  return annotations;
-}
-
-// What is exported and imported again is the same design, and can be changed to the same.
-TEST_F(AssemblyServiceTest, ImportsTheStepItExports) {
-  for (const char* name : {kShelf, "assemblies/toy-chest", "assemblies/planter"}) {
-    const std::string step = Export(name);
-    const auto drawing = cad::ReadStep(step);
-    ASSERT_TRUE(drawing.ok()) << drawing.status();
-    const std::string copy = std::string(name) + "-copy";
-    const auto imported = ImportStep(step, AnnotationsFor(Get(name), *drawing, copy));
-    ASSERT_TRUE(imported.ok()) << imported.status();
-    EXPECT_EQ(imported->assembly().revision(), 1);
-    const v1::Parametrization drawn = ParametrizationOf(name);
-    const v1::Parametrization again = ParametrizationOf(copy);
-    EXPECT_EQ(again.elements_size(), drawn.elements_size()) << name;
-    EXPECT_EQ(again.contacts_size(), drawn.contacts_size()) << name;
-    EXPECT_EQ(again.nodes_size(), drawn.nodes_size()) << name;
-    EXPECT_EQ(again.degrees_of_freedom(), drawn.degrees_of_freedom()) << name;
-    EXPECT_EQ(again.rest_poses_size(), drawn.rest_poses_size()) << name;
-    ASSERT_EQ(again.sizes_size(), drawn.sizes_size()) << name;
-    std::map<std::string, v1::MeasureRange> ranges;
-    const auto key = [](const v1::Measure& measure) {
-      return measure.element() + "." + std::to_string(measure.axis());
-    };
-    for (const v1::MeasureRange& range : drawn.sizes()) ranges[key(range.measure())] = range;
-    for (const v1::MeasureRange& range : again.sizes()) {
-      const v1::MeasureRange& before = ranges[key(range.measure())];
-      EXPECT_NEAR(range.drawn(), before.drawn(), 1e-6) << key(range.measure());
-      EXPECT_NEAR(range.minimum(), before.minimum(), 1e-6) << key(range.measure());
-      EXPECT_NEAR(range.maximum(), before.maximum(), 1e-6) << key(range.measure());
-    }
-    // The tree, too, goes the same way again.
-    const auto twice = cad::ReadStep(Export(copy));
-    ASSERT_TRUE(twice.ok()) << twice.status();
-    ASSERT_EQ(twice->parts.size(), drawing->parts.size()) << name;
-    std::map<std::string, const cad::StepPart*> parts;
-    for (const cad::StepPart& part : drawing->parts) {
-      parts[cad::PathOf(*drawing, part.group, part.name)] = &part;
-    }
-    for (const cad::StepPart& part : twice->parts) {
-      const auto before = parts.find(cad::PathOf(*twice, part.group, part.name));
-      ASSERT_NE(before, parts.end()) << part.name;
-      EXPECT_LT((part.minimum - before->second->minimum).norm(), 1e-6) << part.name;
-      EXPECT_LT((part.maximum - before->second->maximum).norm(), 1e-6) << part.name;
-      EXPECT_NEAR(part.volume, before->second->volume, 1e-6 * part.volume) << part.name;
-    }
-  }
-}
-
-TEST_F(AssemblyServiceTest, ImportsStepWithoutAnnotationsAndRepeatsItself) {
-  v1::AssemblyAnnotations annotations;
-  annotations.set_name("assemblies/bare");
-  const std::string step = Export(kShelf);
-  const auto imported = ImportStep(step, annotations);
-  ASSERT_TRUE(imported.ok()) << imported.status();
-  EXPECT_EQ(imported->assembly().title(), "bookshelf");
-  EXPECT_THAT(imported->notes(), Contains(HasSubstr("without an item")));
-  EXPECT_GT(ParametrizationOf("assemblies/bare").sizes_size(), 0);
-  EXPECT_EQ(ImportStep(step, annotations).status().code(), absl::StatusCode::kAborted);
-  const auto same = ImportStep(step, annotations, 1);
-  ASSERT_TRUE(same.ok()) << same.status();
-  EXPECT_EQ(same->assembly().revision(), 1) << "nothing has changed";
-}
-
-TEST_F(AssemblyServiceTest, RefusesStepThatIsDamagedAndLives) {
-  const std::string step = Export(kShelf);
-  v1::AssemblyAnnotations annotations;
-  annotations.set_name("assemblies/damaged");
-  EXPECT_EQ(DetailOf(ImportStep("", annotations).status()).field, "step");
-  EXPECT_EQ(DetailOf(ImportStep(step.substr(0, step.size() / 2), annotations).status()).field,
-            "step");
-  EXPECT_EQ(DetailOf(ImportStep("\x1f\x8b no gzip", annotations).status()).field, "step");
-  // References to what is not there, over which the kernel crashes.
-  std::string dangling = step;
-  const std::size_t last = dangling.rfind("CARTESIAN_POINT");
-  const std::size_t line = dangling.rfind('\n', last) + 1;
-  dangling.erase(line, dangling.find(';', line) + 1 - line);
-  const absl::Status refused = ImportStep(dangling, annotations).status();
-  if (!refused.ok()) {
-    EXPECT_EQ(refused.code(), absl::StatusCode::kInvalidArgument) << refused;
-    EXPECT_EQ(DetailOf(refused).field, "step");
-  }
-  annotations.add_parts()->add_parts("nobody");
-  annotations.mutable_parts(0)->set_item("items/none");
-  annotations.add_joints()->set_group("nowhere");
-  annotations.set_tolerance(-1);
-  std::vector<std::string> fields;
-  for (const FieldViolation& violation : ViolationsOf(ImportStep(step, annotations).status())) {
-    fields.push_back(violation.field);
-  }
-  for (const char* field : {"annotations.parts[0].parts[0]", "annotations.joints[0].group",
-                            "annotations.joints[0].kind", "annotations.tolerance"}) {
-    EXPECT_THAT(fields, Contains(field));
-  }
-  EXPECT_GT(Get(kShelf).parts_size(), 3) << "the catalog still serves";
-}
-
-TEST_F(AssemblyServiceTest, KeepsRevisionsAndTellsOfThem) {
+TEST_F(AssemblyParametrizationTest, KeepsRevisionsAndTellsOfThem) {
   v1::Assembly shelf = Get(kShelf);
   const auto same = Import(shelf, 1);
   ASSERT_TRUE(same.ok()) << same.status();
@@ -474,7 +223,7 @@ TEST_F(AssemblyServiceTest, KeepsRevisionsAndTellsOfThem) {
   context.TryCancel();
 }
 
-TEST_F(AssemblyServiceTest, ReportsEverythingThatIsWrongAndStoresNothing) {
+TEST_F(AssemblyParametrizationTest, ReportsEverythingThatIsWrongAndStoresNothing) {
   v1::Assembly broken = Get(kShelf);
   broken.set_name("assemblies/broken");
   broken.mutable_parts(0)->set_item("items/nothing-like-it");
@@ -509,7 +258,7 @@ TEST_F(AssemblyServiceTest, ReportsEverythingThatIsWrongAndStoresNothing) {
   }
 }
 
-TEST_F(AssemblyServiceTest, NamesTheFieldAtFault) {
+TEST_F(AssemblyParametrizationTest, NamesTheFieldAtFault) {
   const auto field = [](const absl::Status& status) {
     EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << status;
     return DetailOf(status).field;
@@ -548,7 +297,7 @@ TEST_F(AssemblyServiceTest, NamesTheFieldAtFault) {
   EXPECT_EQ(field(rpc::FromGrpc(reader->Finish())), "format");
 }
 
-TEST_F(AssemblyServiceTest, ItemsOfAssembliesStay) {
+TEST_F(AssemblyParametrizationTest, ItemsOfAssembliesStay) {
   const auto catalog = v1::CatalogService::NewStub(process_.channel());
   v1::DeleteItemRequest request;
   request.set_request_id("delete-1");

@@ -6,10 +6,12 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
+#include "common/parametric/collection.h"
 #include "services/catalog/catalog_records.h"
 #include "tests/support/temporary_folder.h"
 
@@ -44,6 +46,33 @@ class CollectionLoaderTest : public ::testing::Test {
     add("knob", knob);
     add("hook", hook);
     ASSERT_TRUE(WriteFile(collection_ / "items" / "hardware.csv", items).ok());
+  }
+
+  // Gives what was shipped last a number.
+  void Number(int64_t number) {
+    const auto shipped = parametric::ReadCollection(collection_);
+    ASSERT_TRUE(shipped.ok()) << shipped.status();
+    ASSERT_TRUE(WriteFile(collection_ / "versions.csv",
+                          absl::StrCat("number,digest\n", number, ",",
+                                       parametric::ContentDigest(*shipped), "\n"))
+                    .ok());
+  }
+
+  // An item of a material that there is not.
+  void ShipOddItem(const std::string& title) {
+    ASSERT_TRUE(
+        WriteFile(collection_ / "items" / "a.csv",
+                  absl::StrCat("name,title,kind,material,length_mm,width_mm,thickness_mm,price,"
+                               "currency,price_date,price_is_example\n"
+                               "items/odd,",
+                               title, ",HARDWARE,materials/absent,1,1,1,1,EUR,2026-01-15,true\n"))
+            .ok());
+  }
+
+  CollectionReport LoadWithFaults() {
+    auto report = LoadCollection(*store_, collection_);
+    EXPECT_TRUE(report.ok()) << report.status();
+    return *std::move(report);
   }
 
   CollectionReport Load() {
@@ -230,17 +259,119 @@ TEST_F(CollectionLoaderTest, AFaultOfTheCollectionStoresNothingInAnEmptyStore) {
 TEST_F(CollectionLoaderTest, OneFaultDoesNotKeepTheRestFromAFilledStore) {
   Ship(500, 1);
   Load();
-  ASSERT_TRUE(WriteFile(collection_ / "items" / "a.csv",
-                        "name,title,kind,material,length_mm,width_mm,thickness_mm,price,currency,"
-                        "price_date,price_is_example\n"
-                        "items/odd,odd,HARDWARE,materials/absent,1,1,1,1,EUR,2026-01-15,true\n")
-                  .ok());
+  ShipOddItem("odd");
   Ship(500, 1, 5);
-  const auto report = LoadCollection(*store_, collection_);
-  ASSERT_TRUE(report.ok()) << report.status();
-  ASSERT_EQ(report->failed.size(), 1u);
-  EXPECT_TRUE(report->failed[0].starts_with("items/odd: ")) << report->failed[0];
-  EXPECT_THAT(report->created, ElementsAre("items/hook"));
+  const CollectionReport report = LoadWithFaults();
+  ASSERT_EQ(report.failed.size(), 1u);
+  EXPECT_TRUE(report.failed[0].starts_with("items/odd: ")) << report.failed[0];
+  EXPECT_THAT(report.created, ElementsAre("items/hook"));
+}
+
+TEST_F(CollectionLoaderTest, WhatCannotBeBroughtInIsToldOncePerVersion) {
+  Ship(500, 1);
+  Number(1);
+  Load();
+  ShipOddItem("odd");
+  Number(2);
+  EXPECT_EQ(LoadWithFaults().failed.size(), 1u);
+  EXPECT_THAT(LoadWithFaults().failed, IsEmpty());
+  // Another version, in which it is the same.
+  Ship(500, 1, 5);
+  Number(3);
+  CollectionReport report = LoadWithFaults();
+  EXPECT_EQ(report.failed.size(), 1u);
+  EXPECT_THAT(report.created, ElementsAre("items/hook"));
+  EXPECT_THAT(LoadWithFaults().failed, IsEmpty());
+  // It changes, in a collection without numbers.
+  std::filesystem::remove(collection_ / "versions.csv");
+  ShipOddItem("stranger");
+  EXPECT_EQ(LoadWithFaults().failed.size(), 1u);
+  EXPECT_THAT(LoadWithFaults().failed, IsEmpty());
+  // And goes in when what it lacked has come with the next version.
+  const auto materials = ReadFile(collection_ / "materials.textproto");
+  ASSERT_TRUE(materials.ok());
+  ASSERT_TRUE(
+      WriteFile(collection_ / "materials.textproto", *materials + MaterialText("absent", 700))
+          .ok());
+  Number(4);
+  EXPECT_THAT(Load().created, UnorderedElementsAre("materials/absent", "items/odd"));
+}
+
+TEST_F(CollectionLoaderTest, WhatUsersRemovedStaysRemovedThoughAnUpdateOfItFailed) {
+  Ship(500, 1);
+  Number(1);
+  Load();
+  // The knob is made of something that there is not.
+  const std::filesystem::path items = collection_ / "items" / "hardware.csv";
+  std::string text = ReadFile(items).value();
+  text.replace(text.find("materials/wood"), 14, "materials/gone");
+  ASSERT_TRUE(WriteFile(items, text).ok());
+  Number(2);
+  EXPECT_EQ(LoadWithFaults().failed.size(), 1u);
+  EXPECT_EQ(ItemOf("items/knob").revision(), 1);
+  Remove("items/knob");
+  Ship(500, 3);
+  Number(3);
+  EXPECT_THAT(Load().created, IsEmpty());
+}
+
+TEST_F(CollectionLoaderTest, AFailedUpdateDoesNotMakeAThingTheUsers) {
+  Ship(500, 1);
+  Number(1);
+  Load();
+  const std::filesystem::path items = collection_ / "items" / "hardware.csv";
+  std::string text = ReadFile(items).value();
+  text.replace(text.find("materials/wood"), 14, "materials/gone");
+  ASSERT_TRUE(WriteFile(items, text).ok());
+  Number(2);
+  EXPECT_EQ(LoadWithFaults().failed.size(), 1u);
+  Ship(500, 3);
+  Number(3);
+  EXPECT_THAT(Load().updated, ElementsAre("items/knob"));
+  EXPECT_EQ(ItemOf("items/knob").price().amount(), 3);
+}
+
+TEST_F(CollectionLoaderTest, AnOlderCollectionChangesNothing) {
+  Ship(500, 2);
+  Number(2);
+  Load();
+  Ship(400, 1, 1);  // an older replica's, with something that the newer has no more
+  Number(1);
+  const CollectionReport report = Load();
+  EXPECT_THAT(report.created, IsEmpty());
+  EXPECT_THAT(report.updated, IsEmpty());
+  EXPECT_EQ(ItemOf("items/knob").price().amount(), 2);
+  Ship(500, 3);
+  Number(3);
+  EXPECT_THAT(Load().updated, ElementsAre("items/knob"));
+}
+
+// What was once shipped may be shipped again: the order is that of the numbers.
+TEST_F(CollectionLoaderTest, AContentThatComesAgainIsNewerAllTheSame) {
+  for (const auto& [number, price] : {std::pair{1, 1.0}, {2, 2.0}, {3, 1.0}}) {
+    Ship(500, price);
+    Number(number);
+    Load();
+  }
+  Ship(500, 2);
+  Number(2);
+  EXPECT_THAT(Load().updated, IsEmpty());
+  EXPECT_EQ(ItemOf("items/knob").price().amount(), 1);
+}
+
+TEST_F(CollectionLoaderTest, StoresThatKnowNoNumbersGoOn) {
+  Ship(500, 1, 1);
+  Load();
+  Reprice("items/hook", 7);
+  Ship(500, 2, 2);
+  Number(5);
+  const CollectionReport report = Load();
+  EXPECT_THAT(report.updated, ElementsAre("items/knob"));
+  EXPECT_THAT(report.kept, ElementsAre("items/hook"));
+  // A folder without a number has no order, and is taken as before.
+  std::filesystem::remove(collection_ / "versions.csv");
+  Ship(500, 3, 2);
+  EXPECT_THAT(Load().updated, ElementsAre("items/knob"));
 }
 
 }  // namespace

@@ -1,0 +1,204 @@
+// Assemblies to STEP and back through the catalog as a process, and STEP that is damaged.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "common/base/errors.h"
+#include "common/base/field_violations.h"
+#include "common/cad/step_reader.h"
+#include "tests/integration/services/catalog/assembly_service_fixture.h"
+
+namespace mortise::catalog {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+
+class AssemblyStepTest : public AssemblyServiceTest {
+ protected:
+  std::string Export(const std::string& name) {
+    v1::ExportAssemblyRequest request;
+    request.set_name(name);
+    request.set_format(v1::ExportDesignRequest::STEP);
+    grpc::ClientContext context;
+    testing::Prepare(context);
+    const auto bytes = testing::ReadChunks(*stub_->ExportAssembly(&context, request));
+    EXPECT_TRUE(bytes.ok()) << bytes.status();
+    return bytes.value_or("");
+  }
+
+  absl::StatusOr<v1::ImportAssemblyStepResponse> ImportStep(
+      const std::string& step, const v1::AssemblyAnnotations& annotations, int64_t expected = 0) {
+    v1::ImportAssemblyStepRequest request;
+    request.set_request_id("import-" + std::to_string(++requests_));
+    request.set_step(step);
+    *request.mutable_annotations() = annotations;
+    request.set_expected_revision(expected);
+    return Call(&Stub::ImportAssemblyStep, request);
+  }
+};
+
+TEST_F(AssemblyStepTest, ExportsEveryPart) {
+  const auto samples = Sample(1, 3);
+  ASSERT_TRUE(samples.ok()) << samples.status();
+  v1::ExportAssemblyRequest request;
+  request.set_name(kShelf);
+  *request.mutable_q() = samples->front().q();
+  std::map<v1::ExportDesignRequest::Format, std::string> files;
+  for (const auto format : {v1::ExportDesignRequest::STEP, v1::ExportDesignRequest::GLB}) {
+    request.set_format(format);
+    grpc::ClientContext context;
+    testing::Prepare(context);
+    const auto reader = stub_->ExportAssembly(&context, request);
+    v1::Chunk chunk;
+    while (reader->Read(&chunk)) files[format] += chunk.data();
+    const grpc::Status status = reader->Finish();
+    ASSERT_TRUE(status.ok()) << status.error_message();
+  }
+  EXPECT_EQ(files[v1::ExportDesignRequest::GLB].substr(0, 4), "glTF");
+  const auto step = cad::ReadStep(files[v1::ExportDesignRequest::STEP]);
+  ASSERT_TRUE(step.ok()) << step.status();
+  ASSERT_EQ(step->parts.size(), static_cast<std::size_t>(samples->front().parts_size()));
+  for (const v1::PlacedPart& placed : samples->front().parts()) {
+    const auto found = std::find_if(step->parts.begin(), step->parts.end(),
+                                    [&](const auto& part) { return part.name == placed.name(); });
+    ASSERT_NE(found, step->parts.end()) << placed.name();
+    const cad::StepPart& read = *found;
+    const Eigen::Vector3d middle =
+        0.5 * Eigen::Vector3d(placed.minimum().x() + placed.maximum().x(),
+                              placed.minimum().y() + placed.maximum().y(),
+                              placed.minimum().z() + placed.maximum().z());
+    EXPECT_LT(((read.minimum + read.maximum) / 2 - middle).norm(), 1e-6) << placed.name();
+  }
+}
+
+// What a person would write beside the STEP file of an assembly to get it back.
+v1::AssemblyAnnotations AnnotationsFor(const v1::Assembly& assembly,
+                                       const cad::StepAssembly& drawing, const std::string& name) {
+  v1::AssemblyAnnotations annotations;
+  annotations.set_name(name);
+  annotations.set_title(assembly.title());
+  *annotations.mutable_joints() = assembly.joints();
+  for (const v1::AssemblyPart& part : assembly.parts()) {
+    v1::PartAnnotation& annotation = *annotations.add_parts();
+    for (const cad::StepPart& drawn : drawing.parts) {
+      // "post", or "post 1.2" of a part that is repeated.
+      const bool is_repetition =
+          part.repeat_size() > 0 && drawn.name.starts_with(part.name() + " ") &&
+          drawn.name.find_first_not_of("0123456789.", part.name().size() + 1) == std::string::npos;
+      if (drawn.name == part.name() || is_repetition) annotation.add_parts(drawn.name);
+    }
+    annotation.set_item(part.item());
+    annotation.set_role(part.role());
+    annotation.set_length_axis(part.length_axis() == v1::AXIS_UNSPECIFIED ? v1::X
+                                                                          : part.length_axis());
+    annotation.set_thickness_axis(
+        part.thickness_axis() == v1::AXIS_UNSPECIFIED ? v1::Z : part.thickness_axis());
+    if (annotation.parts_size() == 1) {
+      *annotation.mutable_prominent_planes() = part.prominent_planes();
+    }
+  }
+  return annotations;
+}
+
+// What is exported and imported again is the same design, and can be changed to the same.
+TEST_F(AssemblyStepTest, ImportsTheStepItExports) {
+  for (const char* name : {kShelf, "assemblies/toy-chest", "assemblies/planter"}) {
+    const std::string step = Export(name);
+    const auto drawing = cad::ReadStep(step);
+    ASSERT_TRUE(drawing.ok()) << drawing.status();
+    const std::string copy = std::string(name) + "-copy";
+    const auto imported = ImportStep(step, AnnotationsFor(Get(name), *drawing, copy));
+    ASSERT_TRUE(imported.ok()) << imported.status();
+    EXPECT_EQ(imported->assembly().revision(), 1);
+    const v1::Parametrization drawn = ParametrizationOf(name);
+    const v1::Parametrization again = ParametrizationOf(copy);
+    EXPECT_EQ(again.elements_size(), drawn.elements_size()) << name;
+    EXPECT_EQ(again.contacts_size(), drawn.contacts_size()) << name;
+    EXPECT_EQ(again.nodes_size(), drawn.nodes_size()) << name;
+    EXPECT_EQ(again.degrees_of_freedom(), drawn.degrees_of_freedom()) << name;
+    EXPECT_EQ(again.rest_poses_size(), drawn.rest_poses_size()) << name;
+    ASSERT_EQ(again.sizes_size(), drawn.sizes_size()) << name;
+    std::map<std::string, v1::MeasureRange> ranges;
+    const auto key = [](const v1::Measure& measure) {
+      return measure.element() + "." + std::to_string(measure.axis());
+    };
+    for (const v1::MeasureRange& range : drawn.sizes()) ranges[key(range.measure())] = range;
+    for (const v1::MeasureRange& range : again.sizes()) {
+      const v1::MeasureRange& before = ranges[key(range.measure())];
+      EXPECT_NEAR(range.drawn(), before.drawn(), 1e-6) << key(range.measure());
+      EXPECT_NEAR(range.minimum(), before.minimum(), 1e-6) << key(range.measure());
+      EXPECT_NEAR(range.maximum(), before.maximum(), 1e-6) << key(range.measure());
+    }
+    // The tree, too, goes the same way again.
+    const auto twice = cad::ReadStep(Export(copy));
+    ASSERT_TRUE(twice.ok()) << twice.status();
+    ASSERT_EQ(twice->parts.size(), drawing->parts.size()) << name;
+    std::map<std::string, const cad::StepPart*> parts;
+    for (const cad::StepPart& part : drawing->parts) {
+      parts[cad::PathOf(*drawing, part.group, part.name)] = &part;
+    }
+    for (const cad::StepPart& part : twice->parts) {
+      const auto before = parts.find(cad::PathOf(*twice, part.group, part.name));
+      ASSERT_NE(before, parts.end()) << part.name;
+      EXPECT_LT((part.minimum - before->second->minimum).norm(), 1e-6) << part.name;
+      EXPECT_LT((part.maximum - before->second->maximum).norm(), 1e-6) << part.name;
+      EXPECT_NEAR(part.volume, before->second->volume, 1e-6 * part.volume) << part.name;
+    }
+  }
+}
+
+TEST_F(AssemblyStepTest, ImportsStepWithoutAnnotationsAndRepeatsItself) {
+  v1::AssemblyAnnotations annotations;
+  annotations.set_name("assemblies/bare");
+  const std::string step = Export(kShelf);
+  const auto imported = ImportStep(step, annotations);
+  ASSERT_TRUE(imported.ok()) << imported.status();
+  EXPECT_EQ(imported->assembly().title(), "bookshelf");
+  EXPECT_THAT(imported->notes(), Contains(HasSubstr("without an item")));
+  EXPECT_GT(ParametrizationOf("assemblies/bare").sizes_size(), 0);
+  EXPECT_EQ(ImportStep(step, annotations).status().code(), absl::StatusCode::kAborted);
+  const auto same = ImportStep(step, annotations, 1);
+  ASSERT_TRUE(same.ok()) << same.status();
+  EXPECT_EQ(same->assembly().revision(), 1) << "nothing has changed";
+}
+
+TEST_F(AssemblyStepTest, RefusesStepThatIsDamagedAndLives) {
+  const std::string step = Export(kShelf);
+  v1::AssemblyAnnotations annotations;
+  annotations.set_name("assemblies/damaged");
+  EXPECT_EQ(DetailOf(ImportStep("", annotations).status()).field, "step");
+  EXPECT_EQ(DetailOf(ImportStep(step.substr(0, step.size() / 2), annotations).status()).field,
+            "step");
+  EXPECT_EQ(DetailOf(ImportStep("\x1f\x8b no gzip", annotations).status()).field, "step");
+  // References to what is not there, over which the kernel crashes.
+  std::string dangling = step;
+  const std::size_t last = dangling.rfind("CARTESIAN_POINT");
+  const std::size_t line = dangling.rfind('\n', last) + 1;
+  dangling.erase(line, dangling.find(';', line) + 1 - line);
+  const absl::Status refused = ImportStep(dangling, annotations).status();
+  if (!refused.ok()) {
+    EXPECT_EQ(refused.code(), absl::StatusCode::kInvalidArgument) << refused;
+    EXPECT_EQ(DetailOf(refused).field, "step");
+  }
+  annotations.add_parts()->add_parts("nobody");
+  annotations.mutable_parts(0)->set_item("items/none");
+  annotations.add_joints()->set_group("nowhere");
+  annotations.set_tolerance(-1);
+  std::vector<std::string> fields;
+  for (const FieldViolation& violation : ViolationsOf(ImportStep(step, annotations).status())) {
+    fields.push_back(violation.field);
+  }
+  for (const char* field : {"annotations.parts[0].parts[0]", "annotations.joints[0].group",
+                            "annotations.joints[0].kind", "annotations.tolerance"}) {
+    EXPECT_THAT(fields, Contains(field));
+  }
+  EXPECT_GT(Get(kShelf).parts_size(), 3) << "the catalog still serves";
+}
+
+}  // namespace
+}  // namespace mortise::catalog
