@@ -276,9 +276,9 @@ class CatalogProcesses : public ::testing::Test {
   void StartAndLook(const std::string& replica) {
     const testing::ServiceProcess process(
         testing::BuiltProgram("mortise-catalog"),
-        {"--insecure-development", "--log-level=warning", "--listen=127.0.0.1:0",
-         "--store=" + PostgresqlUrl(), "--blobs=" + (folder_.path() / "blobs").string(),
-         "--replica=" + replica, "--collection=" + collection_.string()},
+        {"--insecure-development", "--log-level=warning", "--listen=127.0.0.1:0", "--store=" + url_,
+         "--blobs=" + (folder_.path() / "blobs").string(), "--replica=" + replica,
+         "--collection=" + collection_.string()},
         folder_.path() / (replica + ".json"));
     const auto channel = grpc::CreateChannel(process.address(), grpc::InsecureChannelCredentials());
     const auto catalog = v1::CatalogService::NewStub(channel);
@@ -297,6 +297,7 @@ class CatalogProcesses : public ::testing::Test {
     ++served_;
   }
 
+  const std::string url_ = PostgresqlUrl();  // the server ends with the thread that started it
   const testing::TemporaryFolder folder_;
   const std::filesystem::path collection_ = folder_.path() / "collection";
   std::atomic<int> served_ = 0;
