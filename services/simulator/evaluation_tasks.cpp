@@ -7,6 +7,17 @@
 
 namespace mortise::simulator {
 
+std::string TaskKeyIn(const std::string& queue, const std::string& digest) {
+  if (queue == kSimulatorQueue) return digest;
+  return absl::StrCat(queue.substr(queue.find('/') + 1), ".", digest);
+}
+
+std::string QueueOf(const std::string& key) {
+  const std::size_t dot = key.find('.');
+  if (dot == std::string::npos) return kSimulatorQueue;
+  return absl::StrCat("evaluators/", key.substr(0, dot));
+}
+
 bool IsFinished(const store::Task& task) {
   return task.state != store::TaskState::kQueued && task.state != store::TaskState::kLeased;
 }
@@ -36,7 +47,8 @@ bool MayEndOtherwise(const absl::Status& failure) {
 absl::StatusOr<store::Task> FindOrEnqueue(store::Transaction& transaction, const std::string& key,
                                           const std::string& payload, int priority,
                                           bool& was_there) {
-  absl::StatusOr<store::Task> task = transaction.GetTask(kSimulatorQueue, key);
+  const std::string queue = QueueOf(key);
+  absl::StatusOr<store::Task> task = transaction.GetTask(queue, key);
   if (!task.ok() && !absl::IsNotFound(task.status())) return task.status();
   if (task.ok()) {
     const bool again =
@@ -44,12 +56,12 @@ absl::StatusOr<store::Task> FindOrEnqueue(store::Transaction& transaction, const
         (task->state == store::TaskState::kFailed && MayEndOtherwise(TaskError(*task)));
     was_there = task->state == store::TaskState::kSucceeded;
     if (!again) return task;
-    MORTISE_RETURN_IF_ERROR(transaction.DeleteTask(kSimulatorQueue, key));
+    MORTISE_RETURN_IF_ERROR(transaction.DeleteTask(queue, key));
   }
   was_there = false;
   MORTISE_RETURN_IF_ERROR(transaction.EnqueueTask(
-      {.queue = kSimulatorQueue, .key = key, .payload = payload, .priority = priority}));
-  return transaction.GetTask(kSimulatorQueue, key);
+      {.queue = queue, .key = key, .payload = payload, .priority = priority}));
+  return transaction.GetTask(queue, key);
 }
 
 int64_t TaskWaiters::Add(const std::string& key, Callback callback) {

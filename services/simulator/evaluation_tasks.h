@@ -17,6 +17,13 @@ namespace mortise::simulator {
 // The queue of our own evaluator, in the store and in LeaseTasks.
 inline constexpr char kSimulatorQueue[] = "simulator";
 
+// The key of an evaluator's task: its id, a dot and the digest of what is evaluated. Keys of our
+// own tasks have no dot, so that a key, and with it a task's name, tells its queue.
+std::string TaskKeyIn(const std::string& queue, const std::string& digest);
+
+// The queue of a task: "simulator", or "evaluators/{id}".
+std::string QueueOf(const std::string& key);
+
 // Whether the task will not change any more.
 bool IsFinished(const store::Task& task);
 

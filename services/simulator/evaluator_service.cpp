@@ -1,8 +1,9 @@
 #include "services/simulator/evaluator_service.h"
 
-#include <algorithm>
-#include <cmath>
 #include <mutex>
+#include <optional>
+#include <type_traits>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
@@ -13,10 +14,10 @@
 #include "common/rpc/status_mapping.h"
 #include "mortise/v1/evaluator.grpc.pb.h"
 #include "mortise/v1/simulator.pb.h"
-#include "services/simulator/design_analysis.h"
+#include "services/simulator/evaluation_subject.h"
+#include "services/simulator/evaluator_records.h"
 #include "services/simulator/result_cache.h"
 #include "services/simulator/simulator_core.h"
-#include "services/simulator/template_model.h"
 
 namespace mortise::simulator {
 namespace {
@@ -25,26 +26,6 @@ constexpr int kMaximumPoints = 1000;
 constexpr std::size_t kCachedResults = 20000;
 
 using ResultWriter = std::shared_ptr<rpc::StreamWriter<v1::EvaluationResult>>;
-
-// OK if the point can be evaluated at all.
-absl::Status CheckPoint(const v1::DesignPoint& point,
-                        const std::vector<parametric::Parameter>& parameters,
-                        const std::string& field) {
-  if (point.parameters_size() != static_cast<int>(parameters.size())) {
-    return InvalidField(field + ".parameters", absl::StrCat("must be ", parameters.size(),
-                                                            " values, one for each parameter"));
-  }
-  for (std::size_t k = 0; k < parameters.size(); ++k) {
-    const parametric::Parameter& parameter = parameters[k];
-    const double slack = 1e-9 * (parameter.maximum - parameter.minimum);
-    const double value = point.parameters(static_cast<int>(k));
-    if (value >= parameter.minimum - slack && value <= parameter.maximum + slack) continue;
-    return InvalidField(absl::StrCat(field, ".parameters[", k, "]"),
-                        absl::StrCat(parameter.name, " must be within ", parameter.minimum, " to ",
-                                     parameter.maximum));
-  }
-  return absl::OkStatus();
-}
 
 v1::EvaluationResult FailedResult(int index, const absl::Status& status) {
   v1::EvaluationResult result;
@@ -131,8 +112,59 @@ class EvaluatorAdapter final : public v1::EvaluatorService::CallbackService {
                                                 v1::DesignSpace* response) override {
     return endpoint_.Query(
         "DescribeDesignSpace", context, request, response,
-        [this](const rpc::Call& call, const v1::DescribeDesignSpaceRequest& asked) {
-          return Describe(call, asked);
+        [this](const rpc::Call& call,
+               const v1::DescribeDesignSpaceRequest& asked) -> absl::StatusOr<v1::DesignSpace> {
+          MORTISE_ASSIGN_OR_RETURN(
+              EvaluationSubject subject,
+              FindSubject(*core_, asked.subject(), asked.revision(), rpc::ForwardedFrom(call)));
+          return std::move(subject.space);
+        });
+  }
+
+  grpc::ServerUnaryReactor* CreateEvaluator(grpc::CallbackServerContext* context,
+                                            const v1::CreateEvaluatorRequest* request,
+                                            v1::Evaluator* response) override {
+    return endpoint_.Mutation("CreateEvaluator", context, request, response,
+                              [](const rpc::Call& call, const v1::CreateEvaluatorRequest& asked,
+                                 store::Transaction& transaction) -> absl::StatusOr<v1::Evaluator> {
+                                MORTISE_RETURN_IF_ERROR(CheckEvaluator(asked.evaluator()));
+                                return simulator::CreateEvaluator(transaction, asked.evaluator(),
+                                                                  call.identity().request_id);
+                              });
+  }
+
+  grpc::ServerUnaryReactor* GetEvaluator(grpc::CallbackServerContext* context,
+                                         const v1::GetEvaluatorRequest* request,
+                                         v1::Evaluator* response) override {
+    return endpoint_.Query("GetEvaluator", context, request, response,
+                           [this](const rpc::Call&, const v1::GetEvaluatorRequest& asked) {
+                             return Read([&](store::ReadTransaction& read) {
+                               return simulator::GetEvaluator(read, asked.name(), "name");
+                             });
+                           });
+  }
+
+  grpc::ServerUnaryReactor* ListEvaluators(grpc::CallbackServerContext* context,
+                                           const v1::ListEvaluatorsRequest* request,
+                                           v1::ListEvaluatorsResponse* response) override {
+    return endpoint_.Query("ListEvaluators", context, request, response,
+                           [this](const rpc::Call&, const v1::ListEvaluatorsRequest& asked) {
+                             return Read([&](store::ReadTransaction& read) {
+                               return simulator::ListEvaluators(read, asked);
+                             });
+                           });
+  }
+
+  grpc::ServerUnaryReactor* DeleteEvaluator(grpc::CallbackServerContext* context,
+                                            const v1::DeleteEvaluatorRequest* request,
+                                            v1::DeleteEvaluatorResponse* response) override {
+    return endpoint_.Mutation(
+        "DeleteEvaluator", context, request, response,
+        [](const rpc::Call& call, const v1::DeleteEvaluatorRequest& asked,
+           store::Transaction& transaction) -> absl::StatusOr<v1::DeleteEvaluatorResponse> {
+          MORTISE_RETURN_IF_ERROR(
+              simulator::DeleteEvaluator(transaction, asked.name(), call.identity().request_id));
+          return v1::DeleteEvaluatorResponse();
         });
   }
 
@@ -146,31 +178,15 @@ class EvaluatorAdapter final : public v1::EvaluatorService::CallbackService {
   }
 
  private:
-  absl::StatusOr<v1::DesignSpace> Describe(const rpc::Call& call,
-                                           const v1::DescribeDesignSpaceRequest& asked) {
-    MORTISE_ASSIGN_OR_RETURN(
-        const auto compiled,
-        core_->templates().Get(asked.subject(), asked.revision(), rpc::ForwardedFrom(call)));
-    v1::DesignSpace space;
-    space.set_subject(compiled->name);
-    space.set_revision(compiled->revision);
-    for (const parametric::Parameter& parameter : compiled->function->parameters()) {
-      auto* described = space.add_parameters();
-      described->set_name(parameter.name);
-      described->set_unit(parameter.unit);
-      described->set_minimum(parameter.minimum);
-      described->set_maximum(parameter.maximum);
-      described->set_default_value(parameter.default_value);
-      described->set_step(parameter.step);
-    }
-    for (const MetricDescription& metric : OfferedMetrics()) {
-      auto* described = space.add_metrics();
-      described->set_name(metric.name);
-      described->set_unit(metric.unit);
-      described->set_description(metric.description);
-      described->set_offers_gradient(OffersGradient(*compiled->function, metric.name));
-    }
-    return space;
+  // What `find` gives, of one state of the store.
+  template <typename Find>
+  std::invoke_result_t<Find, store::ReadTransaction&> Read(const Find& find) {
+    std::optional<std::invoke_result_t<Find, store::ReadTransaction&>> found;
+    MORTISE_RETURN_IF_ERROR(core_->store()->Read([&](store::ReadTransaction& read) {
+      found = find(read);
+      return found->status();
+    }));
+    return *std::move(found);
   }
 
   absl::Status Evaluate(const rpc::Call& call, const v1::EvaluateBatchRequest& asked,
@@ -179,21 +195,21 @@ class EvaluatorAdapter final : public v1::EvaluatorService::CallbackService {
       return InvalidField("points", absl::StrCat("must be 1 to ", kMaximumPoints));
     }
     const std::vector<std::string> metrics(asked.metrics().begin(), asked.metrics().end());
-    MORTISE_RETURN_IF_ERROR(CheckMetricNames(metrics));
     if (asked.mesh().element_size() < 0) {
       return InvalidField("mesh.element_size", "must be positive, or 0 for the default");
     }
     MORTISE_ASSIGN_OR_RETURN(
-        const auto compiled,
-        core_->templates().Get(asked.subject(), asked.revision(), rpc::ForwardedFrom(call)));
+        const EvaluationSubject subject,
+        FindSubject(*core_, asked.subject(), asked.revision(), rpc::ForwardedFrom(call)));
+    MORTISE_RETURN_IF_ERROR(CheckMetrics(subject.space, metrics));
     auto batch = std::make_shared<Batch>(core_, cache_, writer, asked.points_size());
     writer->OnEnd([batch] { batch->Abandon(); });
 
     v1::Task task;
-    task.set_evaluator(kSimulatorQueue);
-    task.set_subject(compiled->name);
-    task.set_revision(compiled->revision);
-    task.set_digest(compiled->digest);
+    task.set_evaluator(subject.queue);
+    task.set_subject(subject.space.subject());
+    task.set_revision(subject.space.revision());
+    task.set_digest(subject.digest);
     *task.mutable_metrics() = asked.metrics();
     task.set_gradients(asked.gradients());
     *task.mutable_mesh() = asked.mesh();
@@ -201,8 +217,8 @@ class EvaluatorAdapter final : public v1::EvaluatorService::CallbackService {
     const std::string what =
         absl::StrCat(asked.gradients() ? "gradients of " : "", absl::StrJoin(metrics, ","));
     for (int i = 0; i < asked.points_size(); ++i) {
-      const absl::Status usable = CheckPoint(asked.points(i), compiled->function->parameters(),
-                                             absl::StrCat("points[", i, "]"));
+      const absl::Status usable =
+          CheckPoint(subject.space, asked.points(i), absl::StrCat("points[", i, "]"));
       if (!usable.ok()) {
         batch->Send(FailedResult(i, usable));
         continue;
@@ -217,8 +233,9 @@ class EvaluatorAdapter final : public v1::EvaluatorService::CallbackService {
               const std::shared_ptr<Batch>& batch) {
     const Eigen::VectorXd parameters = Eigen::Map<const Eigen::VectorXd>(
         task.point().parameters().data(), task.point().parameters_size());
-    const std::string key = EvaluationKey(task.digest(), parameters, task.mesh().element_size(),
-                                          task.mesh().linear(), what);
+    const std::string key = TaskKeyIn(
+        task.evaluator(), EvaluationKey(task.digest(), parameters, task.mesh().element_size(),
+                                        task.mesh().linear(), what));
     if (const auto known = cache_->Find(key)) {
       v1::EvaluationResult result;
       result.ParseFromString(*known);

@@ -2,12 +2,15 @@
 
 #include <grpcpp/grpcpp.h>
 
+#include <set>
+
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/base/logging.h"
 #include "common/rpc/channel.h"
 #include "common/rpc/dispatcher.h"
 #include "mortise/v1/catalog.grpc.pb.h"
+#include "services/simulator/evaluator_records.h"
 #include "services/simulator/task_progress.h"
 
 namespace mortise::simulator {
@@ -48,6 +51,10 @@ absl::StatusOr<store::Task> SimulatorCore::Enqueue(const std::string& key,
                                                    bool& was_there) {
   store::Task task;
   MORTISE_RETURN_IF_ERROR(store_->Transact([&](store::Transaction& transaction) -> absl::Status {
+    // One that is deleted meanwhile would leave a task that no worker can get.
+    if (const std::string queue = QueueOf(key); IsEvaluatorName(queue)) {
+      MORTISE_RETURN_IF_ERROR(GetEvaluator(transaction, queue, "subject").status());
+    }
     MORTISE_ASSIGN_OR_RETURN(task, FindOrEnqueue(transaction, key, payload, priority, was_there));
     return absl::OkStatus();
   }));
@@ -60,12 +67,13 @@ void SimulatorCore::CancelIfQueued(const std::string& key) { Cancel(key, false);
 void SimulatorCore::CancelUnfinished(const std::string& key) { Cancel(key, true); }
 
 void SimulatorCore::Cancel(const std::string& key, bool even_if_leased) {
+  const std::string queue = QueueOf(key);
   const absl::Status status =
       store_->Transact([&](store::Transaction& transaction) -> absl::Status {
-        MORTISE_ASSIGN_OR_RETURN(const store::Task task, transaction.GetTask(kSimulatorQueue, key));
+        MORTISE_ASSIGN_OR_RETURN(const store::Task task, transaction.GetTask(queue, key));
         if (IsFinished(task) || waiters_.IsAwaited(key)) return absl::OkStatus();
         if (task.state == store::TaskState::kLeased && !even_if_leased) return absl::OkStatus();
-        MORTISE_RETURN_IF_ERROR(transaction.CancelTask(kSimulatorQueue, key));
+        MORTISE_RETURN_IF_ERROR(transaction.CancelTask(queue, key));
         return ForgetProgress(transaction, key);
       });
   if (!status.ok()) {
@@ -139,16 +147,19 @@ void SimulatorCore::LookAtStore() {
   if (idle) WakeWorkers();
   const std::vector<std::string> keys = waiters_.Keys();
   if (keys.empty()) return;
-  if (const auto put_aside = Lease(kSimulatorQueue, "service", 0, absl::Seconds(1));
-      !put_aside.ok()) {
-    Log(LogLevel::kWarning, "the queue cannot be looked at",
-        {{"error", put_aside.status().message()}});
+  std::set<std::string> queues;
+  for (const std::string& key : keys) queues.insert(QueueOf(key));
+  for (const std::string& queue : queues) {
+    const auto put_aside = Lease(queue, "service", 0, absl::Seconds(1));
+    if (put_aside.ok()) continue;
+    Log(LogLevel::kWarning, "a queue cannot be looked at",
+        {{"queue", queue}, {"error", put_aside.status().message()}});
   }
   std::vector<store::Task> finished;
   const absl::Status status = store_->Read([&](store::ReadTransaction& transaction) {
     finished.clear();
     for (const std::string& key : keys) {
-      absl::StatusOr<store::Task> task = transaction.GetTask(kSimulatorQueue, key);
+      absl::StatusOr<store::Task> task = transaction.GetTask(QueueOf(key), key);
       if (task.ok() && IsFinished(*task)) finished.push_back(*std::move(task));
     }
     return absl::OkStatus();

@@ -64,7 +64,7 @@ absl::StatusOr<std::vector<std::string>> FindOldProgress(store::ReadTransaction&
   while (true) {
     MORTISE_ASSIGN_OR_RETURN(const auto page, transaction.List(kProgressKind, list));
     for (const store::Record& record : page) {
-      const absl::StatusOr<store::Task> task = transaction.GetTask(kSimulatorQueue, record.key);
+      const absl::StatusOr<store::Task> task = transaction.GetTask(QueueOf(record.key), record.key);
       if (!task.ok() && !absl::IsNotFound(task.status())) return task.status();
       if (!task.ok() || IsFinished(*task)) old.push_back(record.key);
     }

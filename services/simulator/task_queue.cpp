@@ -11,6 +11,8 @@
 #include "common/base/errors.h"
 #include "common/base/identifiers.h"
 #include "common/rpc/status_mapping.h"
+#include "services/simulator/evaluation_subject.h"
+#include "services/simulator/evaluator_records.h"
 #include "services/simulator/page_size.h"
 #include "services/simulator/simulator_core.h"
 #include "services/simulator/task_codec.h"
@@ -30,18 +32,24 @@ absl::StatusOr<absl::Duration> Seconds(double seconds, double otherwise, double 
   return InvalidField(field, absl::StrCat("must be within ", minimum, " to ", maximum));
 }
 
-// The queue named by a request; ours if none is.
-absl::StatusOr<std::string> QueueName(const std::string& evaluator) {
-  if (evaluator.empty()) return std::string(kSimulatorQueue);
-  if (IsResourceId(evaluator)) return evaluator;
-  return InvalidField("evaluator", "must be letters, digits and hyphens");
+// The queue named by a request, ours if none is; NOT_FOUND for an evaluator that is not registered.
+absl::StatusOr<std::string> QueueName(store::Store& store, const std::string& evaluator) {
+  if (evaluator.empty() || evaluator == kSimulatorQueue) return std::string(kSimulatorQueue);
+  if (!IsEvaluatorName(evaluator)) {
+    return InvalidField("evaluator", "must be simulator or have the form evaluators/{id}");
+  }
+  MORTISE_RETURN_IF_ERROR(store.Read([&](store::ReadTransaction& read) {
+    return GetEvaluator(read, evaluator, "evaluator").status();
+  }));
+  return evaluator;
 }
 
-// Digests, and operations' identifiers with a prefix.
+// Digests, with an evaluator's id and a dot before them or not, and operations' identifiers with a
+// prefix.
 bool IsTaskKey(const std::string& key) {
   return !key.empty() && key.size() <= kLongestTaskKey &&
          std::all_of(key.begin(), key.end(), [](char c) {
-           return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-';
+           return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-' || c == '.';
          });
 }
 
@@ -55,25 +63,80 @@ absl::Status CheckAttempt(int attempt, const std::string& field) {
   return InvalidField(field, "must be at least 1, as leased");
 }
 
-absl::Status Settle(const v1::ReportTaskRequest& asked, const std::string& key, int64_t attempt,
-                    store::Transaction& transaction) {
-  if (!asked.result().has_error()) {
-    return transaction.CompleteTask(kSimulatorQueue, key, attempt, asked.SerializeAsString());
+// What a worker says of its attempt, on the way into the store.
+class Report {
+ public:
+  Report(const v1::ReportTaskRequest& asked, std::string key, store::BlobFolder& blobs)
+      : asked_(asked), key_(std::move(key)), queue_(QueueOf(key_)), blobs_(blobs) {}
+
+  // Becomes the task's end, or its next try. What cannot be used ends the task too: sent again it
+  // would be no better, and whoever waits should hear of it.
+  absl::Status Settle(store::Transaction& transaction) {
+    const int64_t attempt = asked_.task().attempt();
+    MORTISE_ASSIGN_OR_RETURN(const store::Task task, transaction.GetTask(queue_, key_));
+    v1::ReportTaskRequest report = asked_;
+    MORTISE_RETURN_IF_ERROR(FindFault(task, transaction, report));
+    if (!fault_.ok()) {
+      const absl::Status failure = PreconditionFailed(
+          "RESULT_UNUSABLE",
+          absl::StrCat("what the worker reports cannot be used: ", fault_.message()),
+          DetailOf(fault_).field);
+      return transaction.FailTask(queue_, key_, attempt, EncodeError(failure), false);
+    }
+    if (!report.result().has_error()) {
+      return transaction.CompleteTask(queue_, key_, attempt, report.SerializeAsString());
+    }
+    const absl::Status failure = rpc::FromProto(report.result().error());
+    // A worker that ends gives its work back unharmed.
+    if (absl::IsCancelled(failure)) return transaction.ReleaseTask(queue_, key_, attempt);
+    return transaction.FailTask(queue_, key_, attempt, EncodeError(failure), IsTransient(failure),
+                                absl::Seconds(1));
   }
-  const absl::Status failure = rpc::FromProto(asked.result().error());
-  if (failure.ok()) return InvalidField("result.error", "must have a code other than OK");
-  // A worker that ends gives its work back unharmed.
-  if (absl::IsCancelled(failure)) return transaction.ReleaseTask(kSimulatorQueue, key, attempt);
-  return transaction.FailTask(kSimulatorQueue, key, attempt, EncodeError(failure),
-                              IsTransient(failure), absl::Seconds(1));
-}
+
+  // Why it could not be used; OK if it could.
+  const absl::Status& fault() const { return fault_; }
+
+ private:
+  // Sets fault_, and fills in what the report may leave out. Fails only if the store does.
+  absl::Status FindFault(const store::Task& stored, store::ReadTransaction& transaction,
+                         v1::ReportTaskRequest& report) {
+    fault_ = absl::OkStatus();
+    if (report.result().has_error()) {
+      if (rpc::FromProto(report.result().error()).ok()) {
+        fault_ = InvalidField("result.error", "must have a code other than OK");
+      }
+      return absl::OkStatus();
+    }
+    for (int i = 0; i < report.analysis().artifacts_size(); ++i) {
+      if (blobs_.Size(report.analysis().artifacts(i).sha256()).ok()) continue;
+      fault_ =
+          InvalidField(absl::StrCat("analysis.artifacts[", i, "].sha256"), "has not been uploaded");
+      return absl::OkStatus();
+    }
+    if (!IsEvaluatorName(queue_)) return absl::OkStatus();
+    v1::Task task;
+    if (!task.ParseFromString(stored.payload)) {
+      return StorageFailed(absl::StrCat("tasks/", key_), "the task cannot be read");
+    }
+    MORTISE_ASSIGN_OR_RETURN(const v1::Evaluator evaluator,
+                             GetEvaluator(transaction, queue_, "task.name"));
+    fault_ = CompleteResult(task, evaluator.space(), *report.mutable_result());
+    return absl::OkStatus();
+  }
+
+  const v1::ReportTaskRequest& asked_;
+  const std::string key_;
+  const std::string queue_;
+  store::BlobFolder& blobs_;
+  absl::Status fault_;
+};
 
 }  // namespace
 
 absl::Status LeaseTasks(SimulatorCore& core, const rpc::Call& call,
                         const v1::LeaseTasksRequest& asked,
                         rpc::Responder<v1::LeaseTasksResponse> respond) {
-  MORTISE_ASSIGN_OR_RETURN(const std::string queue, QueueName(asked.evaluator()));
+  MORTISE_ASSIGN_OR_RETURN(const std::string queue, QueueName(*core.store(), asked.evaluator()));
   if (asked.worker().empty()) return InvalidField("worker", "must name the worker");
   if (asked.limit() < 1 || asked.limit() > 16) {
     return InvalidField("limit", "must be within 1 to 16");
@@ -139,7 +202,7 @@ absl::StatusOr<v1::RenewLeasesResponse> RenewLeases(SimulatorCore& core,
     const absl::Status status = core.store()->Transact(
         [&](store::Transaction& transaction) -> absl::Status {
           MORTISE_RETURN_IF_ERROR(
-              transaction.RenewLease(kSimulatorQueue, keys[i], attempt.attempt(), lease));
+              transaction.RenewLease(QueueOf(keys[i]), keys[i], attempt.attempt(), lease));
           if (!attempt.has_progress()) return absl::OkStatus();
           return KeepProgress(transaction, keys[i], attempt);
         },
@@ -157,19 +220,12 @@ absl::StatusOr<v1::ReportTaskResponse> ReportTask(SimulatorCore& core, store::Bl
                                                   const v1::ReportTaskRequest& asked) {
   MORTISE_ASSIGN_OR_RETURN(const std::string key, TaskKey(asked.task().name(), "task.name"));
   MORTISE_RETURN_IF_ERROR(CheckAttempt(asked.task().attempt(), "task.attempt"));
-  for (int i = 0; i < asked.analysis().artifacts_size(); ++i) {
-    const absl::Status there = blobs.Size(asked.analysis().artifacts(i).sha256()).status();
-    if (!there.ok()) {
-      return InvalidField(absl::StrCat("analysis.artifacts[", i, "].sha256"),
-                          "has not been uploaded");
-    }
-  }
-  const int64_t attempt = asked.task().attempt();
+  Report report(asked, key, blobs);
   store::Task task;
   MORTISE_RETURN_IF_ERROR(
       core.store()->Transact([&](store::Transaction& transaction) -> absl::Status {
-        MORTISE_RETURN_IF_ERROR(Settle(asked, key, attempt, transaction));
-        MORTISE_ASSIGN_OR_RETURN(task, transaction.GetTask(kSimulatorQueue, key));
+        MORTISE_RETURN_IF_ERROR(report.Settle(transaction));
+        MORTISE_ASSIGN_OR_RETURN(task, transaction.GetTask(QueueOf(key), key));
         return absl::OkStatus();
       }));
   if (IsFinished(task)) {
@@ -177,12 +233,13 @@ absl::StatusOr<v1::ReportTaskResponse> ReportTask(SimulatorCore& core, store::Bl
   } else {
     core.WakeWorkers();
   }
+  MORTISE_RETURN_IF_ERROR(report.fault());
   return v1::ReportTaskResponse();
 }
 
 absl::StatusOr<v1::QueueStatus> GetQueueStatus(SimulatorCore& core,
                                                const v1::GetQueueStatusRequest& asked) {
-  MORTISE_ASSIGN_OR_RETURN(const std::string queue, QueueName(asked.evaluator()));
+  MORTISE_ASSIGN_OR_RETURN(const std::string queue, QueueName(*core.store(), asked.evaluator()));
   store::QueueDepth depth;
   MORTISE_RETURN_IF_ERROR(core.store()->Read([&](store::ReadTransaction& read) -> absl::Status {
     MORTISE_ASSIGN_OR_RETURN(depth, read.Depth(queue));
@@ -198,7 +255,7 @@ absl::StatusOr<v1::QueueStatus> GetQueueStatus(SimulatorCore& core,
 
 absl::StatusOr<v1::ListTasksResponse> ListTasks(SimulatorCore& core,
                                                 const v1::ListTasksRequest& asked) {
-  MORTISE_ASSIGN_OR_RETURN(const std::string queue, QueueName(asked.evaluator()));
+  MORTISE_ASSIGN_OR_RETURN(const std::string queue, QueueName(*core.store(), asked.evaluator()));
   MORTISE_ASSIGN_OR_RETURN(const std::size_t size, PageSize(asked.page_size()));
   if (!asked.page_token().empty() && !IsTaskKey(asked.page_token())) {
     return InvalidField("page_token", "is not one that this method gave");

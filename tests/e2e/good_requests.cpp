@@ -100,6 +100,15 @@ constexpr Example kExamples[] = {
      "subject: 'templates/table' points { parameters: [{point}] } metrics: 'mass' "
      "mesh { element_size: 0.3 linear: true }",
      Outcome::kChanges},
+    {"EvaluatorService/CreateEvaluator",
+     "request_id: 'bad-40' evaluator { name: 'evaluators/bad' title: 'Bad' version: '1' space { "
+     "parameters { name: 'x' unit: 'm' minimum: 0 maximum: 2 default_value: 1 step: 0.5 } "
+     "metrics { name: 'y' unit: 'kg' description: 'Mass.' offers_gradient: true } } }",
+     Outcome::kChanges},
+    {"EvaluatorService/GetEvaluator", "name: 'evaluators/none'", Outcome::kRefused},
+    {"EvaluatorService/ListEvaluators", "page_size: 10"},
+    {"EvaluatorService/DeleteEvaluator", "request_id: 'bad-41' name: 'evaluators/none'",
+     Outcome::kRefused},
     {"SimulatorService/AnalyzeDesign",
      "request_id: 'bad-6' template: 'templates/table' parameters { name: 'length' value: 1.5 } "
      "mesh { element_size: 0.3 linear: true }",
@@ -123,7 +132,8 @@ constexpr Example kExamples[] = {
     {"SimulatorService/GetAnalysis", "name: '{analysis}'"},
     {"SimulatorService/ListAnalyses", "page_size: 10"},
     {"SimulatorService/DownloadArtifact", "name: '{analysis}' file_name: 'stress.png'"},
-    {"SimulatorService/LeaseTasks", "evaluator: 'somebodys' worker: 'nobody' limit: 1"},
+    {"SimulatorService/LeaseTasks", "evaluator: 'evaluators/none' worker: 'nobody' limit: 1",
+     Outcome::kRefused},
     {"SimulatorService/RenewLeases",
      "worker: 'nobody' lease_seconds: 10 "
      "tasks { name: 'tasks/none' attempt: 1 progress { stage: 'mesh' done: 1 total: 5 } }"},

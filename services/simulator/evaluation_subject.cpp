@@ -1,0 +1,154 @@
+#include "services/simulator/evaluation_subject.h"
+
+#include <memory>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "common/base/errors.h"
+#include "services/simulator/design_analysis.h"
+#include "services/simulator/evaluator_records.h"
+#include "services/simulator/simulator_core.h"
+#include "services/simulator/template_model.h"
+
+namespace mortise::simulator {
+namespace {
+
+using MetricDescriptionMessage = v1::DesignSpace::MetricDescription;
+
+EvaluationSubject SubjectOf(const CompiledTemplate& compiled) {
+  EvaluationSubject subject{.digest = compiled.digest, .queue = kSimulatorQueue};
+  v1::DesignSpace& space = subject.space;
+  space.set_subject(compiled.name);
+  space.set_revision(compiled.revision);
+  for (const parametric::Parameter& parameter : compiled.function->parameters()) {
+    auto* described = space.add_parameters();
+    described->set_name(parameter.name);
+    described->set_unit(parameter.unit);
+    described->set_minimum(parameter.minimum);
+    described->set_maximum(parameter.maximum);
+    described->set_default_value(parameter.default_value);
+    described->set_step(parameter.step);
+  }
+  for (const MetricDescription& metric : OfferedMetrics()) {
+    auto* described = space.add_metrics();
+    described->set_name(metric.name);
+    described->set_unit(metric.unit);
+    described->set_description(metric.description);
+    described->set_offers_gradient(OffersGradient(*compiled.function, metric.name));
+  }
+  return subject;
+}
+
+absl::StatusOr<EvaluationSubject> FindRegistered(store::Store& store, const std::string& name,
+                                                 int64_t revision) {
+  EvaluationSubject subject{.queue = name};
+  MORTISE_RETURN_IF_ERROR(store.Read([&](store::ReadTransaction& read) -> absl::Status {
+    MORTISE_ASSIGN_OR_RETURN(const v1::Evaluator evaluator, GetEvaluator(read, name, "subject"));
+    subject.space = evaluator.space();
+    subject.digest = EvaluatorDigest(evaluator);
+    return absl::OkStatus();
+  }));
+  if (revision == 0 || revision == subject.space.revision()) return subject;
+  return ResourceNotFound(absl::StrCat(name, "/revisions/", revision));
+}
+
+const MetricDescriptionMessage* FindMetric(const v1::DesignSpace& space, const std::string& name) {
+  for (const MetricDescriptionMessage& metric : space.metrics()) {
+    if (metric.name() == name) return &metric;
+  }
+  return nullptr;
+}
+
+absl::Status CheckGradients(const v1::Task& task, const v1::DesignSpace& space,
+                            const v1::EvaluationResult& result) {
+  std::vector<std::string> expected;
+  for (const std::string& name : task.metrics()) {
+    const MetricDescriptionMessage* const metric = FindMetric(space, name);
+    if (task.gradients() && metric != nullptr && metric->offers_gradient()) {
+      expected.push_back(name);
+    }
+  }
+  if (result.gradients_size() != static_cast<int>(expected.size())) {
+    return InvalidField("result.gradients",
+                        absl::StrCat("has ", result.gradients_size(), " entries; asked for were ",
+                                     expected.size(), ": ", absl::StrJoin(expected, ", ")));
+  }
+  for (int i = 0; i < result.gradients_size(); ++i) {
+    const std::string field = absl::StrCat("result.gradients[", i, "]");
+    if (result.gradients(i).metric() != expected[i]) {
+      return InvalidField(field + ".metric", absl::StrCat("must be '", expected[i], "'"));
+    }
+    if (result.gradients(i).values_size() == space.parameters_size()) continue;
+    return InvalidField(
+        field + ".values",
+        absl::StrCat("has ", result.gradients(i).values_size(), " entries, one for each of the ",
+                     space.parameters_size(), " parameters is needed"));
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::StatusOr<EvaluationSubject> FindSubject(SimulatorCore& core, const std::string& name,
+                                              int64_t revision, const rpc::Origin& origin) {
+  if (IsEvaluatorName(name)) return FindRegistered(*core.store(), name, revision);
+  MORTISE_ASSIGN_OR_RETURN(const auto compiled, core.templates().Get(name, revision, origin));
+  return SubjectOf(*compiled);
+}
+
+absl::Status CheckMetrics(const v1::DesignSpace& space, const std::vector<std::string>& metrics) {
+  if (metrics.empty()) return InvalidField("metrics", "ask for at least one metric");
+  for (std::size_t i = 0; i < metrics.size(); ++i) {
+    if (FindMetric(space, metrics[i]) != nullptr) continue;
+    const std::string offered = absl::StrJoin(
+        space.metrics(), ", ", [](std::string* out, const MetricDescriptionMessage& metric) {
+          out->append(metric.name());
+        });
+    return InvalidField(absl::StrCat("metrics[", i, "]"),
+                        absl::StrCat("'", metrics[i], "' is not offered; there are ", offered));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status CheckPoint(const v1::DesignSpace& space, const v1::DesignPoint& point,
+                        const std::string& field) {
+  if (point.parameters_size() != space.parameters_size()) {
+    return InvalidField(field + ".parameters", absl::StrCat("must be ", space.parameters_size(),
+                                                            " values, one for each parameter"));
+  }
+  for (int k = 0; k < space.parameters_size(); ++k) {
+    const v1::DesignSpace::DesignParameter& parameter = space.parameters(k);
+    const double slack = 1e-9 * (parameter.maximum() - parameter.minimum());
+    const double value = point.parameters(k);
+    if (value >= parameter.minimum() - slack && value <= parameter.maximum() + slack) continue;
+    return InvalidField(absl::StrCat(field, ".parameters[", k, "]"),
+                        absl::StrCat(parameter.name(), " must be within ", parameter.minimum(),
+                                     " to ", parameter.maximum()));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status CompleteResult(const v1::Task& task, const v1::DesignSpace& space,
+                            v1::EvaluationResult& result) {
+  if (result.metrics_size() != task.metrics_size()) {
+    return InvalidField(
+        "result.metrics",
+        absl::StrCat("has ", result.metrics_size(), " entries; asked for were ",
+                     task.metrics_size(), ": ", absl::StrJoin(task.metrics(), ", ")));
+  }
+  for (int i = 0; i < result.metrics_size(); ++i) {
+    v1::Metric& metric = *result.mutable_metrics(i);
+    const std::string field = absl::StrCat("result.metrics[", i, "]");
+    if (metric.name() != task.metrics(i)) {
+      return InvalidField(field + ".name", absl::StrCat("must be '", task.metrics(i), "'"));
+    }
+    const MetricDescriptionMessage* const offered = FindMetric(space, metric.name());
+    if (offered == nullptr) continue;
+    if (metric.unit().empty()) metric.set_unit(offered->unit());
+    if (metric.unit() == offered->unit()) continue;
+    return InvalidField(field + ".unit", absl::StrCat("must be '", offered->unit(), "'"));
+  }
+  return CheckGradients(task, space, result);
+}
+
+}  // namespace mortise::simulator
