@@ -80,14 +80,16 @@ class Manual : public ::testing::Test {
     }
   }
 
-  // Starts a server and waits until it says that it serves.
+  // Starts a server or a worker and waits until it says that it serves, or works.
   static void CheckServer(const std::string& place, const std::string& command) {
     static const std::regex listener("(--grpc|--http|--listen) 127\\.0\\.0\\.1:[0-9]+");
     const std::string log = (folder_ / ("server-" + NewIdentifier() + ".log")).string();
     const auto server = BackgroundCommand::InShell(
         std::regex_replace(command, listener, "$1 127.0.0.1:0"), folder_, log);
     const auto serves = [&log] {
-      return absl::StrContains(ReadFile(log).value_or(""), "\"message\":\"serving\"");
+      const std::string printed = ReadFile(log).value_or("");
+      return absl::StrContains(printed, "\"message\":\"serving\"") ||
+             absl::StrContains(printed, "\"message\":\"working\"");
     };
     EXPECT_TRUE(testing::WaitForFiles(folder_, serves, absl::Minutes(1)))
         << place << ": " << command << "\n"

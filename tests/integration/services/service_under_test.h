@@ -17,13 +17,14 @@ namespace mortise::testing {
 
 class ServiceUnderTest {
  public:
-  // Starts `program` with `flags`, on a store and blobs in a folder of its own.
-  ServiceUnderTest(std::string program, std::vector<std::string> flags)
+  // Starts `program` with `flags`, on blobs in a folder of its own, and on a store there unless the
+  // URL of another is given.
+  ServiceUnderTest(std::string program, std::vector<std::string> flags, std::string store = {})
       : program_(std::move(program)), flags_(std::move(flags)) {
+    if (store.empty()) store = "sqlite:" + (folder_.path() / "store.db").string();
     flags_.insert(flags_.end(),
                   {"--insecure-development", "--log-level=warning", "--listen=" + port_.address(),
-                   "--store=sqlite:" + (folder_.path() / "store.db").string(),
-                   "--blobs=" + (folder_.path() / "blobs").string()});
+                   "--store=" + store, "--blobs=" + (folder_.path() / "blobs").string()});
     Start();
   }
 
