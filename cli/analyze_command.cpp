@@ -1,4 +1,5 @@
-// mortise analyze: finite elements on a template at parameters, or on an uploaded mesh.
+// mortise analyze: finite elements on a template at parameters, or on an uploaded mesh; metrics of
+// a template.
 #include <grpcpp/grpcpp.h>
 
 #include <CLI/CLI.hpp>
@@ -7,6 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "cli/field_sources.h"
 #include "cli/mesh_analysis.h"
+#include "cli/metric_evaluation.h"
 #include "cli/requests.h"
 #include "cli/session.h"
 #include "common/base/errors.h"
@@ -20,6 +22,7 @@ namespace {
 struct AnalyzeOptions {
   std::string subject;
   std::vector<std::string> parameters;
+  std::vector<std::string> metrics;  // these and nothing else, if there are any
   std::string element_size;
   bool linear = false;
   std::filesystem::path mesh;  // with it, `subject` is the file of a case
@@ -30,6 +33,9 @@ FieldSources SourcesOf(const AnalyzeOptions& options) {
   FieldSources sources;
   sources.AddEach("parameters", "--set", options.parameters);
   sources.Add("mesh.element_size", "--element-size");
+  sources.AddEach("metrics", "--metric", options.metrics);
+  // The evaluator speaks of points in the template's order, not of names.
+  sources.Add("points[0].parameters", "--set");
   return sources;
 }
 
@@ -50,9 +56,10 @@ absl::Status DownloadArtifacts(const v1::Analysis& analysis, const std::filesyst
 }
 
 absl::Status AnalyzeMesh(const AnalyzeOptions& options, Session& session, Output& output) {
-  if (!options.parameters.empty() || !options.element_size.empty() || options.linear) {
+  if (!options.parameters.empty() || !options.element_size.empty() || options.linear ||
+      !options.metrics.empty()) {
     return InvalidField("--mesh",
-                        "is a mesh already: --set, --element-size and --linear are for "
+                        "is a mesh already: --set, --metric, --element-size and --linear are for "
                         "templates");
   }
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
@@ -64,6 +71,28 @@ absl::Status AnalyzeMesh(const AnalyzeOptions& options, Session& session, Output
     MORTISE_RETURN_IF_ERROR(DownloadArtifacts(analysis, options.out, *stub, *client, output));
   }
   output.DocumentOf(analysis);
+  return absl::OkStatus();
+}
+
+void PrintMetrics(const google::protobuf::RepeatedPtrField<v1::Metric>& metrics,
+                  const Output& output) {
+  std::vector<std::vector<std::string>> rows;
+  for (const v1::Metric& metric : metrics) rows.push_back({metric.name(), MetricText(metric)});
+  output.Table({"metric", "value"}, rows);
+}
+
+absl::Status Evaluate(const AnalyzeOptions& options, const v1::AnalyzeDesignRequest& asked,
+                      Session& session, Output& output) {
+  if (!options.out.empty()) {
+    return InvalidField("--out", "is for a whole analysis: --metric makes no files");
+  }
+  MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
+  MORTISE_ASSIGN_OR_RETURN(
+      const v1::EvaluationResult result,
+      EvaluateMetrics(asked.template_(), {asked.parameters().begin(), asked.parameters().end()},
+                      options.metrics, asked.mesh(), *client));
+  PrintMetrics(result.metrics(), output);
+  output.DocumentOf(result);
   return absl::OkStatus();
 }
 
@@ -83,6 +112,7 @@ absl::Status Analyze(const AnalyzeOptions& options, Session& session, Output& ou
     request.mutable_mesh()->set_element_size(size);
   }
   if (options.linear) request.mutable_mesh()->set_linear(true);
+  if (!options.metrics.empty()) return Evaluate(options, request, session, output);
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   const auto stub = v1::SimulatorService::NewStub(client->channel());
   v1::Operation operation;
@@ -91,13 +121,10 @@ absl::Status Analyze(const AnalyzeOptions& options, Session& session, Output& ou
   }));
   MORTISE_ASSIGN_OR_RETURN(const v1::Analysis analysis,
                            FollowTo<v1::Analysis>(*client, operation, output));
-  std::vector<std::vector<std::string>> rows;
-  for (const v1::Metric& metric : analysis.metrics()) {
-    rows.push_back({metric.name(), MetricText(metric)});
-  }
   output.Line(absl::StrCat(analysis.name(), ": ", analysis.elements(), " elements, ",
                            analysis.unknowns(), " unknowns"));
-  output.Table({"metric", "value"}, rows);
+  PrintMetrics(analysis.metrics(), output);
+  for (const std::string& note : analysis.notes()) output.Line(absl::StrCat("  without ", note));
   if (!options.out.empty()) {
     MORTISE_RETURN_IF_ERROR(DownloadArtifacts(analysis, options.out, *stub, *client, output));
   }
@@ -116,6 +143,8 @@ void AddAnalyzeCommand(CLI::App& app, Session& session) {
       ->required();
   analyze->add_option("--set", options->parameters,
                       "NAME=VALUE, such as length=1500mm (metres without unit)");
+  analyze->add_option("--metric", options->metrics,
+                      "Only this, such as mass, cost, draught or max_displacement; again for more");
   analyze->add_option("--element-size", options->element_size, "Edge length of the tetrahedra");
   analyze->add_flag("--linear", options->linear, "Tetrahedra of 4 nodes instead of 10");
   analyze->add_option("--mesh", options->mesh,
@@ -124,6 +153,7 @@ void AddAnalyzeCommand(CLI::App& app, Session& session) {
                       "Folder for pictures (PNG), fields (VTU) and probes (CSV)");
   analyze->footer(
       "Example: mortise analyze table --set length=1500mm --out out/table\n"
+      "Example: mortise analyze boat --metric draught --metric metacentric_height\n"
       "Example: mortise analyze collection/meshes/bracket.json --mesh "
       "collection/meshes/bracket.msh --out out/bracket");
   analyze->callback([&session, options] {

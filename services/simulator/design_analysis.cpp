@@ -19,6 +19,28 @@ double SecondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
+const std::vector<MetricDescription>& MetricsUnderLoads() {
+  static const std::vector<MetricDescription> metrics{
+      {"max_displacement", "m", "Largest displacement of any point under the loads.",
+       MetricSource::kLoads},
+      {"max_von_mises", "Pa",
+       "Largest von Mises stress at any node. At sharp inner corners it grows with refinement.",
+       MetricSource::kLoads},
+      {"max_principal", "Pa",
+       "Largest principal stress at any node: what pulls most. At sharp inner corners it grows "
+       "with refinement.",
+       MetricSource::kLoads},
+      {"compliance", "J", "Work of the loads on the displacements, f·u: the smaller, the stiffer.",
+       MetricSource::kLoads},
+      {"strain_energy", "J", "Elastic energy stored under the loads.", MetricSource::kLoads},
+      {"stress_ratio", "1", "Largest von Mises stress of a part over its material's strength.",
+       MetricSource::kLoads},
+      {"relative_error", "1",
+       "Estimated error of the stresses, as a share of all, in the energy norm: 0.05 is good.",
+       MetricSource::kLoads}};
+  return metrics;
+}
+
 const MetricDescription* FindMetric(const std::string& name) {
   for (const MetricDescription& metric : OfferedMetrics()) {
     if (metric.name == name) return &metric;
@@ -36,17 +58,42 @@ double StressRatio(const DesignModel& model, const ElasticitySolution& solution)
   return ratio;
 }
 
-double Value(const std::string& name, const DesignModel& model, const DesignAnalysis& analysis,
-             int threads) {
-  if (name == "mass" || name == "volume") {
-    double sum = 0;
-    for (std::size_t p = 0; p < model.analysis.materials.size(); ++p) {
-      const double volume =
-          mesh::ComputeMassProperties(mesh::PartSurface(model.surface, static_cast<int>(p))).volume;
-      sum += volume * (name == "mass" ? model.analysis.materials[p].density : 1);
-    }
-    return sum;
+bool AnyIs(const std::vector<std::string>& metrics, std::initializer_list<MetricSource> sources) {
+  return std::any_of(metrics.begin(), metrics.end(), [&](const std::string& name) {
+    const MetricDescription* const metric = FindMetric(name);
+    return metric != nullptr &&
+           std::find(sources.begin(), sources.end(), metric->source) != sources.end();
+  });
+}
+
+std::vector<SolidPart> PartsOf(const DesignModel& model) {
+  if (!model.parts.empty()) return model.parts;
+  std::vector<SolidPart> parts;
+  for (std::size_t p = 0; p < model.analysis.materials.size(); ++p) {
+    SolidPart& part = parts.emplace_back();
+    part.surface = mesh::PartSurface(model.surface, static_cast<int>(p));
+    part.volume = mesh::ComputeMassProperties(part.surface).volume;
+    part.density = model.analysis.materials[p].density;
   }
+  return parts;
+}
+
+// Of all that no other part touches.
+double OutsideArea(const mesh::AssemblySurface& surface) {
+  mesh::SurfaceMesh outside{surface.vertices, surface.triangles};
+  Eigen::Index count = 0;
+  for (Eigen::Index t = 0; t < surface.triangles.cols(); ++t) {
+    const mesh::AssemblyFace& face =
+        surface.faces[static_cast<std::size_t>(surface.triangle_face[t])];
+    const bool is_between_parts = face.front_part >= 0 && face.back_part >= 0;
+    if (!is_between_parts) outside.triangles.col(count++) = surface.triangles.col(t);
+  }
+  outside.triangles.conservativeResize(Eigen::NoChange, count);
+  return mesh::SurfaceArea(outside);
+}
+
+double ValueUnderLoads(const std::string& name, const DesignModel& model,
+                       const DesignAnalysis& analysis, int threads) {
   const ElasticitySolution& solution = *analysis.solution;
   if (name == "max_displacement") return solution.summary.maximum_displacement;
   if (name == "max_von_mises") return solution.part_maximum_von_mises.maxCoeff();
@@ -62,10 +109,37 @@ double Value(const std::string& name, const DesignModel& model, const DesignAnal
   return StressRatio(model, solution);
 }
 
-// What both paths rely on; the path with a mesh checks the rest.
-absl::Status CheckModel(const DesignModel& model) {
-  MORTISE_RETURN_IF_ERROR(mesh::CheckAssembly(model.surface));
-  if (model.analysis.materials.size() != model.surface.part_names.size()) {
+absl::StatusOr<Metric> Compute(const MetricDescription& metric, const DesignModel& model,
+                               const DesignAnalysis& analysis, GeometryMetrics& geometry,
+                               int threads) {
+  Metric computed{metric.name, metric.unit, 0};
+  switch (metric.source) {
+    case MetricSource::kParts: {
+      MORTISE_ASSIGN_OR_RETURN(computed.value, geometry.Value(metric.name));
+      break;
+    }
+    case MetricSource::kOutside:
+      computed.value = OutsideArea(model.surface);
+      break;
+    case MetricSource::kPrices: {
+      MORTISE_RETURN_IF_ERROR(model.cost.status());
+      computed.value = model.cost->amount;
+      computed.unit = model.cost->currency;
+      break;
+    }
+    case MetricSource::kLoads:
+      computed.value = ValueUnderLoads(metric.name, model, analysis, threads);
+      break;
+  }
+  return computed;
+}
+
+// What all paths rely on; the path with a mesh checks the rest.
+absl::Status CheckModel(const DesignModel& model, bool needs_surface) {
+  const bool by_surface = needs_surface || model.parts.empty();
+  if (by_surface) MORTISE_RETURN_IF_ERROR(mesh::CheckAssembly(model.surface));
+  const std::size_t parts = by_surface ? model.surface.part_names.size() : model.parts.size();
+  if (model.analysis.materials.size() != parts) {
     return InvalidField("materials", "there must be one for each part");
   }
   for (std::size_t p = 0; p < model.analysis.materials.size(); ++p) {
@@ -78,34 +152,25 @@ absl::Status CheckModel(const DesignModel& model) {
 }  // namespace
 
 const std::vector<MetricDescription>& OfferedMetrics() {
-  static const std::vector<MetricDescription> metrics{
-      {"mass", "kg", "Mass of all parts.", false},
-      {"volume", "m^3", "Volume of all parts.", false},
-      {"max_displacement", "m", "Largest displacement of any point under the loads.", true},
-      {"max_von_mises", "Pa",
-       "Largest von Mises stress at any node. At sharp inner corners it grows with refinement.",
-       true},
-      {"max_principal", "Pa",
-       "Largest principal stress at any node: what pulls most. At sharp inner corners it grows "
-       "with "
-       "refinement.",
-       true},
-      {"compliance", "J", "Work of the loads on the displacements, f·u: the smaller, the stiffer.",
-       true},
-      {"strain_energy", "J", "Elastic energy stored under the loads.", true},
-      {"stress_ratio", "1", "Largest von Mises stress of a part over its material's strength.",
-       true},
-      {"relative_error", "1",
-       "Estimated error of the stresses, as a share of all, in the energy norm: 0.05 is good.",
-       true}};
+  static const std::vector<MetricDescription> metrics = [] {
+    std::vector<MetricDescription> all = GeometryMetrics::Offered();
+    all.push_back({"surface_area", "m^2", "Area of the outside of all parts joined.",
+                   MetricSource::kOutside});
+    all.push_back({"cost", "", "What the material costs by the prices of the items, without waste.",
+                   MetricSource::kPrices});
+    const std::vector<MetricDescription>& others = MetricsUnderLoads();
+    all.insert(all.end(), others.begin(), others.end());
+    return all;
+  }();
   return metrics;
 }
 
 bool NeedsSolution(const std::vector<std::string>& metrics) {
-  return std::any_of(metrics.begin(), metrics.end(), [](const std::string& name) {
-    const MetricDescription* const metric = FindMetric(name);
-    return metric != nullptr && metric->needs_solution;
-  });
+  return AnyIs(metrics, {MetricSource::kLoads});
+}
+
+bool NeedsSurface(const std::vector<std::string>& metrics) {
+  return AnyIs(metrics, {MetricSource::kLoads, MetricSource::kOutside});
 }
 
 absl::Status CheckMetricNames(const std::vector<std::string>& metrics) {
@@ -126,7 +191,7 @@ absl::StatusOr<DesignAnalysis> AnalyzeDesign(const DesignModel& model,
                                              const DesignAnalysisOptions& options) {
   const auto start = Clock::now();
   MORTISE_RETURN_IF_ERROR(CheckMetricNames(metrics));
-  MORTISE_RETURN_IF_ERROR(CheckModel(model));
+  MORTISE_RETURN_IF_ERROR(CheckModel(model, fields || NeedsSurface(metrics)));
   DesignAnalysis analysis;
   const bool solve = fields || NeedsSolution(metrics);
   if (solve) {
@@ -137,9 +202,17 @@ absl::StatusOr<DesignAnalysis> AnalyzeDesign(const DesignModel& model,
     MORTISE_ASSIGN_OR_RETURN(analysis.solution,
                              SolveElasticity(*analysis.mesh, model.analysis, options.elasticity));
   }
+  GeometryMetrics geometry(PartsOf(model));
   for (const std::string& name : metrics) {
-    analysis.metrics.push_back(
-        {name, FindMetric(name)->unit, Value(name, model, analysis, options.elasticity.threads)});
+    absl::StatusOr<Metric> metric =
+        Compute(*FindMetric(name), model, analysis, geometry, options.elasticity.threads);
+    if (metric.ok()) {
+      analysis.metrics.push_back(*std::move(metric));
+    } else if (options.leave_out_inapplicable && absl::IsFailedPrecondition(metric.status())) {
+      analysis.notes.push_back(absl::StrCat(name, ": ", metric.status().message()));
+    } else {
+      return metric.status();
+    }
   }
   analysis.seconds = SecondsSince(start);
   return analysis;

@@ -12,47 +12,43 @@
 #include "common/mesh/surface_mesh.h"
 #include "services/simulator/analysis_case.h"
 #include "services/simulator/elasticity.h"
+#include "services/simulator/geometry_metrics.h"
+#include "services/simulator/metric.h"
 #include "services/simulator/stage_progress.h"
 
 namespace mortise::simulator {
 
 // An evaluated design as physics sees it. Faces in the supports and loads name parts by index.
 struct DesignModel {
+  // The parts joined; may be left empty where no metric needs it and no fields are wanted.
   mesh::AssemblySurface surface;
-  AnalysisCase analysis;  // one material for each part of `surface`
+  AnalysisCase analysis;              // one material for each part
+  std::vector<SolidPart> parts = {};  // by themselves; those of `surface` if there are none
+  absl::StatusOr<Cost> cost = absl::FailedPreconditionError("nobody says what it costs");
 };
 
-// A number with a name.
-struct Metric {
-  std::string name;
-  std::string unit;  // SI
-  double value = 0;
-};
-
-// A metric that can be asked for.
-struct MetricDescription {
-  std::string name;
-  std::string unit;
-  std::string description;
-  bool needs_solution = false;  // computed from displacements, not from geometry alone
-};
-
-// mass, volume, max_displacement, max_von_mises, max_principal, compliance, strain_energy,
-// stress_ratio, relative_error.
+// Those of GeometryMetrics; surface_area; cost; max_displacement, max_von_mises, max_principal,
+// compliance, strain_energy, stress_ratio, relative_error.
 const std::vector<MetricDescription>& OfferedMetrics();
 
 // Whether any of these takes a solution.
 bool NeedsSolution(const std::vector<std::string>& metrics);
 
+// Whether any of these takes the joined surface of the parts.
+bool NeedsSurface(const std::vector<std::string>& metrics);
+
 struct DesignAnalysisOptions {
   mesh::MeshOptions mesh;
   ElasticityOptions elasticity;
   StageProgress* progress = nullptr;  // told of "mesh" and "solution", if it is there
+  // Metrics that this design cannot have (a draught where it sinks) are left out, with a note.
+  bool leave_out_inapplicable = false;
 };
 
 // All that was computed. Without a metric that needs it there is no mesh and no solution.
 struct DesignAnalysis {
-  std::vector<Metric> metrics;  // in the order asked for
+  std::vector<Metric> metrics;     // in the order asked for
+  std::vector<std::string> notes;  // what was left out, and why
   std::optional<mesh::TetrahedralMesh> mesh;
   std::optional<ElasticitySolution> solution;
   double meshing_seconds = 0;
@@ -60,7 +56,8 @@ struct DesignAnalysis {
 };
 
 // Computes `metrics` by name, in order; INVALID_ARGUMENT naming "metrics[i]" for an unknown one,
-// else as MeshAssembly and SolveElasticity fail. With `fields` the solution is made in any case.
+// else as GeometryMetrics, the design's cost, MeshAssembly and SolveElasticity fail. With `fields`
+// the solution is made in any case.
 absl::StatusOr<DesignAnalysis> AnalyzeDesign(const DesignModel& model,
                                              const std::vector<std::string>& metrics, bool fields,
                                              const DesignAnalysisOptions& options = {});

@@ -29,7 +29,7 @@ EvaluationSubject SubjectOf(const CompiledTemplate& compiled) {
     described->set_default_value(parameter.default_value);
     described->set_step(parameter.step);
   }
-  for (const MetricDescription& metric : OfferedMetrics()) {
+  for (const MetricDescription& metric : MetricsOf(*compiled.function)) {
     auto* described = space.add_metrics();
     described->set_name(metric.name);
     described->set_unit(metric.unit);

@@ -31,6 +31,7 @@ void FillAnalysis(const DesignAnalysis& analysis, const parametric::EvaluatedDes
   message.set_elements(summary.elements);
   message.set_unknowns(summary.solver.unknowns);
   message.set_seconds(analysis.seconds);
+  for (const std::string& note : analysis.notes) message.add_notes(note);
 }
 
 void Begin(const TaskSurroundings& surroundings, const char* stage) {
@@ -55,9 +56,12 @@ absl::Status Evaluate(const v1::Task& task, const TaskSurroundings& surroundings
     MORTISE_RETURN_IF_ERROR(CheckLoaded(design));
   }
   MORTISE_ASSIGN_OR_RETURN(const DesignModel model,
-                           MakeDesignModel(*compiled->function, parameters, design));
+                           MakeDesignModel(*compiled->function, parameters, design,
+                                           task.fields() || NeedsSurface(metrics)));
   MORTISE_RETURN_IF_ERROR(CheckStopped(surroundings.stop));
   DesignAnalysisOptions options;
+  // Nobody chose the metrics of an analysis.
+  options.leave_out_inapplicable = task.fields();
   options.mesh.element_size = task.mesh().element_size();
   options.mesh.quadratic = !task.mesh().linear();
   options.elasticity.threads = surroundings.threads;

@@ -11,6 +11,7 @@
 #include "common/mesh/inside_point.h"
 #include "common/parametric/parametric_assembly.h"
 #include "common/parametric/part_shapes.h"
+#include "services/simulator/design_cost.h"
 
 namespace mortise::simulator {
 namespace {
@@ -199,18 +200,30 @@ absl::Status AddCondition(const EvaluatedDesign& design, std::size_t index,
 
 absl::StatusOr<DesignModel> MakeDesignModel(const templates::Template& function,
                                             const Eigen::VectorXd& parameters,
-                                            const EvaluatedDesign& design) {
+                                            const EvaluatedDesign& design, bool joined) {
   const EvaluatedDesign bearing = LoadBearing(design);
   DesignModel model;
   for (const EvaluatedPart& part : bearing.parts) {
     MORTISE_ASSIGN_OR_RETURN(Material material, MaterialOf(function.head(), part));
+    model.parts.push_back({parametric::PartSurface(part), part.volume, material.density});
     model.analysis.materials.push_back(std::move(material));
   }
-  MORTISE_ASSIGN_OR_RETURN(model.surface, SurfaceOf(function, parameters, design, bearing));
+  model.cost = CostOf(design, function.head().items);
+  if (joined) {
+    MORTISE_ASSIGN_OR_RETURN(model.surface, SurfaceOf(function, parameters, design, bearing));
+  }
   for (std::size_t i = 0; i < bearing.boundary_conditions.size(); ++i) {
     MORTISE_RETURN_IF_ERROR(AddCondition(bearing, i, model.analysis));
   }
   return model;
+}
+
+std::vector<MetricDescription> MetricsOf(const templates::Template& function) {
+  std::vector<MetricDescription> metrics = OfferedMetrics();
+  for (MetricDescription& metric : metrics) {
+    if (metric.source == MetricSource::kPrices) metric.unit = CurrencyOf(function.head().items);
+  }
+  return metrics;
 }
 
 absl::Status CheckSupported(const EvaluatedDesign& design) {

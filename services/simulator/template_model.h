@@ -11,7 +11,8 @@ namespace mortise::simulator {
 // and turns its boundary conditions into supports and loads. Parts with shapes are their exact
 // solids where the template has them, else their triangles. Wood has its grain along the axis that
 // the part's item says; where there is no item it is taken as isotropic. What only connects parts
-// is left out: they are bonded where they touch. Heat has no part in elasticity.
+// is left out: they are bonded where they touch. Heat has no part in elasticity. Without `joined`
+// the parts are not fused, which may take a second, and there is no surface.
 //
 // Fails as cad::FuseAssembly and Template::Solids do; FAILED_PRECONDITION, NO_MATERIAL, naming a
 // part of which nobody says what it is made of; INVALID_ARGUMENT naming the design's field where a
@@ -19,7 +20,11 @@ namespace mortise::simulator {
 // reasonable time.
 absl::StatusOr<DesignModel> MakeDesignModel(const templates::Template& function,
                                             const Eigen::VectorXd& parameters,
-                                            const parametric::EvaluatedDesign& design);
+                                            const parametric::EvaluatedDesign& design,
+                                            bool joined = true);
+
+// OfferedMetrics, with the currency of the template's items as the unit of the cost.
+std::vector<MetricDescription> MetricsOf(const templates::Template& function);
 
 // FAILED_PRECONDITION, NO_SUPPORTS, saying what to add, for a design that nothing holds.
 absl::Status CheckSupported(const parametric::EvaluatedDesign& design);

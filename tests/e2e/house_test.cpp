@@ -90,6 +90,25 @@ TEST_F(HouseTest, TableIsEvaluatedAtParameters) {
   EXPECT_EQ(design["parts"].size(), 9u);
 }
 
+// Metrics alone, without an analysis: some of the shape, one of the loads.
+TEST_F(HouseTest, MetricsAreEvaluatedAtParameters) {
+  const auto values = [&](const std::string& length) {
+    const Json result =
+        Ask({"analyze", "table", "--set", "length=" + length, "--metric", "mass", "--metric",
+             "toppling_margin", "--metric", "cost", "--metric", "max_displacement"});
+    EXPECT_EQ(result["metrics"].size(), 4u);
+    EXPECT_EQ(result["metrics"][2]["unit"], "EUR");
+    std::vector<double> numbers;
+    for (const Json& metric : result["metrics"]) numbers.push_back(metric["value"].get<double>());
+    return numbers;
+  };
+  const std::vector<double> small = values("1200mm"), large = values("1.6m");
+  EXPECT_LT(small[0], large[0]);
+  EXPECT_NEAR(small[1], large[1], 1e-6);  // across the table, which is as wide as it was
+  EXPECT_LT(small[2], large[2]);
+  EXPECT_LT(small[3], large[3]);
+}
+
 TEST_F(HouseTest, FaultsNameWhatIsWrong) {
   Json error = Ask({"catalog", "show", "templates/nothing"}, 1)["error"];
   EXPECT_EQ(error["code"], "NOT_FOUND");
@@ -117,6 +136,10 @@ TEST_F(HouseTest, FaultsNameTheFlag) {
   EXPECT_EQ(fault({"catalog", "list", "--material", "nosuch"}), "--material");
   EXPECT_EQ(fault({"catalog", "list", "--kind", "nosuch"}), "--kind");
   EXPECT_EQ(fault({"analyze", "table", "--element-size", "-3mm"}), "--element-size");
+  EXPECT_EQ(fault({"analyze", "table", "--metric", "mass", "--metric", "beauty"}),
+            "--metric beauty");
+  EXPECT_EQ(fault({"analyze", "table", "--metric", "mass", "--set", "girth=1"}), "--set girth");
+  EXPECT_EQ(fault({"analyze", "table", "--metric", "mass", "--out", "x"}), "--out");
   EXPECT_EQ(fault({"plan", "table", "--quantity", "-1"}), "--quantity");
   EXPECT_EQ(fault({"plan", "table", "--kerf", "-3mm"}), "--kerf");
   EXPECT_EQ(fault({"pareto", "run", "table", "--minimize", "mass"}), "--minimize");

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 
@@ -29,10 +30,49 @@ TEST(Metrics, GeometryNeedsNoMesh) {
 TEST(Metrics, AreAllThereAndSensible) {
   std::vector<std::string> names;
   for (const MetricDescription& metric : OfferedMetrics()) names.push_back(metric.name);
-  const auto analysis = AnalyzeDesign(LoadedTable(), names, false, {});
+  DesignModel table = LoadedTable();
+  table.cost = Cost{12.5, "EUR"};
+  const auto analysis = AnalyzeDesign(table, names, false, {});
   ASSERT_TRUE(analysis.ok()) << analysis.status();
   ASSERT_EQ(analysis->metrics.size(), names.size());
-  for (const Metric& metric : analysis->metrics) EXPECT_GT(metric.value, 0) << metric.name;
+  const std::vector<std::string> signless{
+      "mass",          "drag",          "draught", "surface_area", "max_displacement",
+      "max_von_mises", "relative_error"};
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    EXPECT_EQ(analysis->metrics[i].name, names[i]);
+    EXPECT_TRUE(std::isfinite(analysis->metrics[i].value)) << names[i];
+    const bool is_positive = std::count(signless.begin(), signless.end(), names[i]) > 0;
+    EXPECT_TRUE(!is_positive || analysis->metrics[i].value > 0) << names[i];
+  }
+}
+
+TEST(Metrics, ThatADesignCannotHaveAreNamed) {
+  DesignModel table = LoadedTable();
+  for (Material& material : table.analysis.materials) material.density = 7850;
+  const auto refused = AnalyzeDesign(table, {"mass", "draught"}, false, {});
+  EXPECT_EQ(refused.status().code(), absl::StatusCode::kFailedPrecondition);
+  EXPECT_EQ(AnalyzeDesign(table, {"cost"}, false, {}).status().code(),
+            absl::StatusCode::kFailedPrecondition);
+  DesignAnalysisOptions options;
+  options.leave_out_inapplicable = true;
+  const auto analysis = AnalyzeDesign(table, {"draught", "mass", "cost"}, false, options);
+  ASSERT_TRUE(analysis.ok()) << analysis.status();
+  ASSERT_EQ(analysis->metrics.size(), 1u);
+  EXPECT_EQ(analysis->metrics[0].name, "mass");
+  ASSERT_EQ(analysis->notes.size(), 2u);
+  EXPECT_EQ(analysis->notes[0].rfind("draught: ", 0), 0u) << analysis->notes[0];
+}
+
+// Where parts touch they have no outside.
+TEST(Metrics, SurfaceAreaIsThatOfTheOutside) {
+  DesignModel model;
+  model.surface = mesh::AssembleBoxes(
+      {{"lower", {0, 0, 0}, {1, 1, 1}}, {"upper", {0.25, 0.25, 1}, {0.75, 0.75, 1.5}}});
+  model.analysis.materials.assign(2, Spruce());
+  const auto analysis = AnalyzeDesign(model, {"surface_area"}, false, {});
+  ASSERT_TRUE(analysis.ok()) << analysis.status();
+  EXPECT_NEAR(analysis->metrics[0].value, 6 + 4 * 0.5 * 0.5, 1e-12);
+  EXPECT_FALSE(analysis->mesh.has_value());
 }
 
 TEST(Metrics, AThickerTopDeflectsLess) {

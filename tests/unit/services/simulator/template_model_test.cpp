@@ -5,6 +5,9 @@
 #include <google/protobuf/text_format.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
+#include <algorithm>
+
 #include "absl/strings/str_cat.h"
 #include "absl/strings/substitute.h"
 #include "common/base/errors.h"
@@ -324,6 +327,77 @@ TEST(TemplateModelTest, ConnectingPartsNeedNoSurfaces) {
   *bundle.add_shapes() = pad;
   const auto model = AtDefaults(bundle).Model();
   EXPECT_TRUE(model.ok()) << model.status();
+}
+
+// What needs no mesh and no joined parts is there for every kind of template that ships.
+TEST(TemplateModelTest, GeometryMetricsOfWhatShips) {
+  std::vector<std::string> names;
+  for (const MetricDescription& metric : GeometryMetrics::Offered()) names.push_back(metric.name);
+  DesignAnalysisOptions options;
+  options.leave_out_inapplicable = true;
+  for (const v1::Template& message : templates::ShippedCollection().templates) {
+    SCOPED_TRACE(message.name());
+    v1::TemplateBundle bundle = templates::ShippedTemplate(message.name());
+    for (const v1::Assembly& assembly : templates::ShippedCollection().assemblies) {
+      if (assembly.name() == message.assembly().assembly()) *bundle.mutable_assembly() = assembly;
+    }
+    const Subject subject = AtDefaults(bundle);
+    const auto model =
+        MakeDesignModel(*subject.function, subject.parameters, subject.design, false);
+    ASSERT_TRUE(model.ok()) << model.status();
+    EXPECT_EQ(model->surface.triangles.cols(), 0);
+    const auto analysis = AnalyzeDesign(*model, names, false, options);
+    ASSERT_TRUE(analysis.ok()) << analysis.status();
+    // Steel sinks, wood floats.
+    EXPECT_TRUE(analysis->notes.empty() || analysis->notes.size() == 4) << analysis->notes[0];
+    Eigen::AlignedBox3d box;
+    double mass = 0;
+    for (const auto& part : subject.design.parts) {
+      if (part.connecting) continue;
+      box.extend(part.minimum).extend(part.maximum);
+      mass += part.mass;
+    }
+    EXPECT_NEAR(ValueOf(*analysis, "mass"), mass, 1e-6 * mass);
+    const Eigen::Vector3d size = box.sizes();
+    for (int axis = 0; axis < 3; ++axis) {
+      const std::string name(1, "xyz"[axis]);
+      const double center = ValueOf(*analysis, "center_of_mass_" + name);
+      EXPECT_TRUE(box.min()[axis] < center && center < box.max()[axis]) << name;
+      const double area = ValueOf(*analysis, "projected_area_" + name);
+      const double frame = size[(axis + 1) % 3] * size[(axis + 2) % 3];
+      EXPECT_TRUE(area > 0.01 * frame && area < 1.001 * frame) << name << " " << area / frame;
+      EXPECT_GT(ValueOf(*analysis, "inertia_" + name + name), 0);
+    }
+  }
+}
+
+TEST(TemplateModelTest, ABoatOfWoodFloatsUpright) {
+  const Subject boat = AtDefaults(templates::ShippedTemplate("templates/boat"));
+  const auto model = MakeDesignModel(*boat.function, boat.parameters, boat.design, false);
+  ASSERT_TRUE(model.ok()) << model.status();
+  const auto analysis =
+      AnalyzeDesign(*model, {"draught", "metacentric_height", "displaced_volume", "mass"}, false);
+  ASSERT_TRUE(analysis.ok()) << analysis.status();
+  EXPECT_GT(ValueOf(*analysis, "draught"), 0.01);
+  EXPECT_LT(ValueOf(*analysis, "draught"), 0.1);
+  EXPECT_GT(ValueOf(*analysis, "metacentric_height"), 0);
+  EXPECT_NEAR(1000 * ValueOf(*analysis, "displaced_volume"), ValueOf(*analysis, "mass"), 1e-9);
+}
+
+TEST(TemplateModelTest, TheCostHasTheItemsCurrency) {
+  const Subject table = AtDefaults(templates::ShippedTemplate("templates/table"));
+  const std::vector<MetricDescription> metrics = MetricsOf(*table.function);
+  const auto cost = std::find_if(metrics.begin(), metrics.end(),
+                                 [](const auto& metric) { return metric.name == "cost"; });
+  ASSERT_NE(cost, metrics.end());
+  EXPECT_EQ(cost->unit, "EUR");
+  const auto model = MakeDesignModel(*table.function, table.parameters, table.design, false);
+  ASSERT_TRUE(model.ok()) << model.status();
+  const auto analysis = AnalyzeDesign(*model, {"cost"}, false);
+  ASSERT_TRUE(analysis.ok()) << analysis.status();
+  EXPECT_EQ(analysis->metrics[0].unit, "EUR");
+  const Subject wrench = AtDefaults(templates::ShippedTemplate("templates/wrench"));
+  EXPECT_EQ(DetailOf(wrench.Model()->cost.status()).reason, "NO_PRICE");
 }
 
 TEST(TemplateModelTest, OnlyPartsOfferTheGradientOfMass) {
