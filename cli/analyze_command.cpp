@@ -25,6 +25,7 @@ struct AnalyzeOptions {
   std::vector<std::string> metrics;  // these and nothing else, if there are any
   std::string element_size;
   bool linear = false;
+  int modes = 0;
   std::filesystem::path mesh;  // with it, `subject` is the file of a case
   std::filesystem::path out;
 };
@@ -34,6 +35,7 @@ FieldSources SourcesOf(const AnalyzeOptions& options) {
   sources.AddEach("parameters", "--set", options.parameters);
   sources.Add("mesh.element_size", "--element-size");
   sources.AddEach("metrics", "--metric", options.metrics);
+  sources.Add("modes", "--modes");
   // The evaluator speaks of points in the template's order, not of names.
   sources.Add("points[0].parameters", "--set");
   return sources;
@@ -83,6 +85,9 @@ void PrintMetrics(const google::protobuf::RepeatedPtrField<v1::Metric>& metrics,
 
 absl::Status Evaluate(const AnalyzeOptions& options, const v1::AnalyzeDesignRequest& asked,
                       Session& session, Output& output) {
+  if (options.modes > 0) {
+    return InvalidField("--modes", "are of a whole analysis: ask for --metric natural_frequency");
+  }
   if (!options.out.empty()) {
     return InvalidField("--out", "is for a whole analysis: --metric makes no files");
   }
@@ -112,6 +117,7 @@ absl::Status Analyze(const AnalyzeOptions& options, Session& session, Output& ou
     request.mutable_mesh()->set_element_size(size);
   }
   if (options.linear) request.mutable_mesh()->set_linear(true);
+  request.set_modes(options.modes);
   if (!options.metrics.empty()) return Evaluate(options, request, session, output);
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   const auto stub = v1::SimulatorService::NewStub(client->channel());
@@ -124,6 +130,7 @@ absl::Status Analyze(const AnalyzeOptions& options, Session& session, Output& ou
   output.Line(absl::StrCat(analysis.name(), ": ", analysis.elements(), " elements, ",
                            analysis.unknowns(), " unknowns"));
   PrintMetrics(analysis.metrics(), output);
+  PrintModes(analysis, output);
   for (const std::string& note : analysis.notes()) output.Line(absl::StrCat("  without ", note));
   if (!options.out.empty()) {
     MORTISE_RETURN_IF_ERROR(DownloadArtifacts(analysis, options.out, *stub, *client, output));
@@ -146,6 +153,7 @@ void AddAnalyzeCommand(CLI::App& app, Session& session) {
   analyze->add_option("--metric", options->metrics,
                       "Only this, such as mass, cost, draught or max_displacement; again for more");
   analyze->add_option("--element-size", options->element_size, "Edge length of the tetrahedra");
+  analyze->add_option("--modes", options->modes, "How many natural frequencies besides, up to 100");
   analyze->add_flag("--linear", options->linear, "Tetrahedra of 4 nodes instead of 10");
   analyze->add_option("--mesh", options->mesh,
                       "Mesh of the case: Gmsh (MSH 2.2, 4.1), Abaqus or CalculiX (.inp)");

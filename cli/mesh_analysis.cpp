@@ -100,16 +100,6 @@ void PrintCases(const v1::Analysis& analysis, const Output& output) {
                rows);
 }
 
-void PrintModes(const v1::Analysis& analysis, const Output& output) {
-  if (analysis.modes().empty()) return;
-  std::vector<std::vector<std::string>> rows;
-  for (const v1::Mode& mode : analysis.modes()) {
-    rows.push_back({absl::StrCat(rows.size() + 1), absl::StrFormat("%.5g Hz", mode.frequency()),
-                    mode.rigid() ? "rigid" : ""});
-  }
-  output.Table({"mode", "frequency", ""}, rows);
-}
-
 }  // namespace
 
 absl::StatusOr<v1::Analysis> AnalyzeMeshFiles(const std::filesystem::path& case_file,
@@ -130,6 +120,16 @@ absl::StatusOr<v1::Analysis> AnalyzeMeshFiles(const std::filesystem::path& case_
   absl::StatusOr<v1::Analysis> analysis = FollowTo<v1::Analysis>(client, operation, output);
   if (!analysis.ok()) return sources.Name(analysis.status());
   return analysis;
+}
+
+void PrintModes(const v1::Analysis& analysis, const Output& output) {
+  if (analysis.modes().empty()) return;
+  std::vector<std::vector<std::string>> rows;
+  for (const v1::Mode& mode : analysis.modes()) {
+    rows.push_back({absl::StrCat(rows.size() + 1), absl::StrFormat("%.5g Hz", mode.frequency()),
+                    mode.rigid() ? "rigid" : ""});
+  }
+  output.Table({"mode", "frequency", ""}, rows);
 }
 
 void PrintMeshAnalysis(const v1::Analysis& analysis, const Output& output) {

@@ -23,4 +23,7 @@ absl::StatusOr<v1::Analysis> AnalyzeMeshFiles(const std::filesystem::path& case_
 // Tables of load cases, temperatures and frequencies, and what of the mesh file was not used.
 void PrintMeshAnalysis(const v1::Analysis& analysis, const Output& output);
 
+// A table of natural frequencies, if there are any.
+void PrintModes(const v1::Analysis& analysis, const Output& output);
+
 }  // namespace mortise::cli

@@ -27,6 +27,7 @@ namespace {
 constexpr char kOperationKind[] = "simulator.analysis";
 constexpr absl::Duration kLookForCancel = absl::Milliseconds(100);
 constexpr absl::Duration kLookForProgress = absl::Milliseconds(500);
+constexpr int kMaximumModes = 100;
 constexpr int kInteractivePriority = 10;  // a person waits for it; batches can wait
 
 // The id at the end of "operations/simulator/{id}": the analysis takes it over, so that a resumed
@@ -208,6 +209,9 @@ absl::StatusOr<v1::Task> PrepareAnalysis(SimulatorCore& core, const v1::AnalyzeD
   if (asked.mesh().element_size() < 0) {
     return InvalidField("mesh.element_size", "must be positive, or 0 for the default");
   }
+  if (asked.modes() < 0 || asked.modes() > kMaximumModes) {
+    return InvalidField("modes", absl::StrCat("must be 0 to ", kMaximumModes));
+  }
   absl::StatusOr<std::shared_ptr<const CompiledTemplate>> compiled =
       core.templates().Get(asked.template_(), asked.template_revision(), origin);
   if (!compiled.ok() && DetailOf(compiled.status()).field == "subject") {
@@ -227,7 +231,11 @@ absl::StatusOr<v1::Task> PrepareAnalysis(SimulatorCore& core, const v1::AnalyzeD
   task.set_revision((*compiled)->revision);
   task.set_digest((*compiled)->digest);
   for (const double value : parameters) task.mutable_point()->add_parameters(value);
-  for (const MetricDescription& metric : OfferedMetrics()) task.add_metrics(metric.name);
+  for (const MetricDescription& metric : OfferedMetrics()) {
+    const bool is_asked = metric.source != MetricSource::kModes || asked.modes() > 0;
+    if (is_asked) task.add_metrics(metric.name);
+  }
+  task.set_modes(asked.modes());
   task.set_fields(true);
   *task.mutable_mesh() = asked.mesh();
   return task;

@@ -49,6 +49,18 @@ render::Shape PartShape(const mesh::TetrahedralMesh& volume, int part) {
   return shape;
 }
 
+// The undeformed body, behind all else.
+render::Shape Outline(const mesh::TetrahedralMesh& volume, const render::Scene& scene) {
+  render::Shape ghost;
+  ghost.vertices = volume.nodes;
+  ghost.triangles = mesh::OuterTriangles(volume);
+  ghost.backdrop = true;
+  ghost.color = scene.background;
+  ghost.edge_width = 0.8;
+  ghost.edge_color = {0.62, 0.64, 0.68};
+  return ghost;
+}
+
 absl::StatusOr<std::string> Draw(render::Scene scene, const StressPictureOptions& options) {
   scene.camera = render::FitCamera(render::BoundingBox(scene), render::kViewIsometric,
                                    static_cast<double>(options.width) / options.height, true, 0.03);
@@ -92,14 +104,7 @@ absl::StatusOr<std::string> DrawStress(const mesh::TetrahedralMesh& volume,
     shape.scalars = solution.von_mises / kMegapascal;
     scene.shapes.push_back(shape);
   }
-  render::Shape ghost;
-  ghost.vertices = volume.nodes;
-  ghost.triangles = mesh::OuterTriangles(volume);
-  ghost.backdrop = true;
-  ghost.color = scene.background;
-  ghost.edge_width = 0.8;
-  ghost.edge_color = {0.62, 0.64, 0.68};
-  scene.shapes.push_back(ghost);
+  scene.shapes.push_back(Outline(volume, scene));
   scene.color_bar = render::ColorBar{0, stress_scale / kMegapascal, "von Mises (MPa)"};
   scene.title = title;
   scene.footnote =
@@ -107,6 +112,40 @@ absl::StatusOr<std::string> DrawStress(const mesh::TetrahedralMesh& volume,
                       render::ShortNumber(largest / kMillimetre, 3), factor,
                       render::ShortNumber(solution.von_mises.maxCoeff() / kMegapascal, 3),
                       solution.summary.elements);
+  return Draw(std::move(scene), options);
+}
+
+std::vector<mesh::VtuField> ShapeFields(const ModalSolution& vibration) {
+  std::vector<mesh::VtuField> fields;
+  for (std::size_t m = 0; m < vibration.modes.size(); ++m) {
+    const Mode& mode = vibration.modes[m];
+    fields.push_back({absl::StrFormat("mode %d (%.5g Hz)", m + 1, mode.frequency), mode.shape});
+  }
+  return fields;
+}
+
+absl::StatusOr<std::string> DrawMode(const mesh::TetrahedralMesh& volume, const Mode& mode,
+                                     const std::string& title,
+                                     const StressPictureOptions& options) {
+  const Eigen::VectorXd amplitude = mode.shape.colwise().norm().transpose();
+  const double largest = amplitude.size() > 0 ? amplitude.maxCoeff() : 0;
+  if (!(largest > 0)) {
+    return PreconditionFailed("NO_SOLUTION", "the mode moves nothing", "modes");
+  }
+  const Eigen::Vector3d extent =
+      volume.nodes.rowwise().maxCoeff() - volume.nodes.rowwise().minCoeff();
+  render::Scene scene;
+  for (int p = 0; p < static_cast<int>(volume.part_names.size()); ++p) {
+    render::Shape shape = PartShape(volume, p);
+    shape.vertices += options.visible_deflection * extent.norm() / largest * mode.shape;
+    shape.scalars = amplitude / largest;
+    scene.shapes.push_back(shape);
+  }
+  scene.shapes.push_back(Outline(volume, scene));
+  scene.color_bar = render::ColorBar{0, 1, "share of the largest motion"};
+  scene.title = title;
+  scene.footnote = absl::StrFormat("%s Hz; %d elements", render::ShortNumber(mode.frequency, 5),
+                                   volume.tetrahedra.cols());
   return Draw(std::move(scene), options);
 }
 

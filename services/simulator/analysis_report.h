@@ -3,9 +3,12 @@
 
 #include <Eigen/Core>
 #include <string>
+#include <vector>
 
 #include "absl/status/statusor.h"
+#include "common/mesh/vtu_writer.h"
 #include "services/simulator/design_analysis.h"
+#include "services/simulator/modal_analysis.h"
 
 namespace mortise::simulator {
 
@@ -19,6 +22,9 @@ struct AnalysisFile {
 // VTU with displacement, von Mises stress, stress tensor and reactions at the nodes. The analysis
 // must have a solution.
 absl::StatusOr<std::string> WriteFields(const DesignAnalysis& analysis);
+
+// The shapes of vibration as fields, each with its number and frequency in its name.
+std::vector<mesh::VtuField> ShapeFields(const ModalSolution& vibration);
 
 struct StressPictureOptions {
   int width = 1200;                  // pixels
@@ -35,6 +41,12 @@ absl::StatusOr<std::string> DrawStress(const DesignAnalysis& analysis, const std
 absl::StatusOr<std::string> DrawStress(const mesh::TetrahedralMesh& volume,
                                        const ElasticitySolution& solution, const std::string& title,
                                        const StressPictureOptions& options = {});
+
+// A PNG of a shape of vibration, exaggerated, coloured by how far each point moves as a share of
+// what moves farthest, over the outline at rest.
+absl::StatusOr<std::string> DrawMode(const mesh::TetrahedralMesh& volume, const Mode& mode,
+                                     const std::string& title,
+                                     const StressPictureOptions& options = {});
 
 // A PNG of the shape coloured by temperature (nodes, °C or K).
 absl::StatusOr<std::string> DrawTemperature(const mesh::TetrahedralMesh& volume,

@@ -9,6 +9,7 @@
 #include "common/mesh/mass_properties.h"
 #include "common/mesh/surface_check.h"
 #include "services/simulator/error_estimate.h"
+#include "services/simulator/mesh_analysis.h"
 
 namespace mortise::simulator {
 namespace {
@@ -92,6 +93,10 @@ double OutsideArea(const mesh::AssemblySurface& surface) {
   return mesh::SurfaceArea(outside);
 }
 
+double LowestFrequency(const ModalSolution& vibration) {
+  return vibration.modes[static_cast<std::size_t>(vibration.rigid_motions)].frequency;
+}
+
 double ValueUnderLoads(const std::string& name, const DesignModel& model,
                        const DesignAnalysis& analysis, int threads) {
   const ElasticitySolution& solution = *analysis.solution;
@@ -127,6 +132,9 @@ absl::StatusOr<Metric> Compute(const MetricDescription& metric, const DesignMode
       computed.unit = model.cost->currency;
       break;
     }
+    case MetricSource::kModes:
+      computed.value = LowestFrequency(*analysis.vibration);
+      break;
     case MetricSource::kLoads:
       computed.value = ValueUnderLoads(metric.name, model, analysis, threads);
       break;
@@ -149,6 +157,22 @@ absl::Status CheckModel(const DesignModel& model, bool needs_surface) {
   return absl::OkStatus();
 }
 
+absl::StatusOr<ModalSolution> Vibrate(const DesignModel& model, const mesh::TetrahedralMesh& mesh,
+                                      int count, const DesignAnalysisOptions& options) {
+  const double limit = options.elasticity.solver.memory_limit;
+  MORTISE_RETURN_IF_ERROR(CheckMemory(mesh.nodes.cols(), mesh.tetrahedra.cols(), 1, limit, count));
+  ModalOptions modal;
+  modal.count = count;
+  modal.threads = options.elasticity.threads;
+  modal.cholesky.memory_limit = limit;
+  absl::StatusOr<ModalSolution> vibration =
+      FindModes(mesh, model.analysis.materials, model.analysis.supports, modal);
+  if (DetailOf(vibration.status()).field == "count") {
+    return WithDetail(vibration.status(), {"FIELD_INVALID", "modes"});
+  }
+  return vibration;
+}
+
 }  // namespace
 
 const std::vector<MetricDescription>& OfferedMetrics() {
@@ -158,6 +182,9 @@ const std::vector<MetricDescription>& OfferedMetrics() {
                    MetricSource::kOutside});
     all.push_back({"cost", "", "What the material costs by the prices of the items, without waste.",
                    MetricSource::kPrices});
+    all.push_back({"natural_frequency", "Hz",
+                   "Lowest frequency at which it vibrates on its supports, other than as a whole.",
+                   MetricSource::kModes});
     const std::vector<MetricDescription>& others = MetricsUnderLoads();
     all.insert(all.end(), others.begin(), others.end());
     return all;
@@ -169,8 +196,12 @@ bool NeedsSolution(const std::vector<std::string>& metrics) {
   return AnyIs(metrics, {MetricSource::kLoads});
 }
 
+bool NeedsModes(const std::vector<std::string>& metrics) {
+  return AnyIs(metrics, {MetricSource::kModes});
+}
+
 bool NeedsSurface(const std::vector<std::string>& metrics) {
-  return AnyIs(metrics, {MetricSource::kLoads, MetricSource::kOutside});
+  return AnyIs(metrics, {MetricSource::kLoads, MetricSource::kModes, MetricSource::kOutside});
 }
 
 absl::Status CheckMetricNames(const std::vector<std::string>& metrics) {
@@ -191,16 +222,23 @@ absl::StatusOr<DesignAnalysis> AnalyzeDesign(const DesignModel& model,
                                              const DesignAnalysisOptions& options) {
   const auto start = Clock::now();
   MORTISE_RETURN_IF_ERROR(CheckMetricNames(metrics));
-  MORTISE_RETURN_IF_ERROR(CheckModel(model, fields || NeedsSurface(metrics)));
+  const int modes = NeedsModes(metrics) ? std::max(1, options.modes) : options.modes;
+  MORTISE_RETURN_IF_ERROR(CheckModel(model, fields || modes > 0 || NeedsSurface(metrics)));
   DesignAnalysis analysis;
   const bool solve = fields || NeedsSolution(metrics);
-  if (solve) {
+  if (solve || modes > 0) {
     if (options.progress != nullptr) options.progress->Begin("mesh");
     MORTISE_ASSIGN_OR_RETURN(analysis.mesh, mesh::MeshAssembly(model.surface, options.mesh));
     analysis.meshing_seconds = SecondsSince(start);
+  }
+  if (solve) {
     if (options.progress != nullptr) options.progress->Begin("solution");
     MORTISE_ASSIGN_OR_RETURN(analysis.solution,
                              SolveElasticity(*analysis.mesh, model.analysis, options.elasticity));
+  }
+  if (modes > 0) {
+    if (options.progress != nullptr) options.progress->Begin("frequencies");
+    MORTISE_ASSIGN_OR_RETURN(analysis.vibration, Vibrate(model, *analysis.mesh, modes, options));
   }
   GeometryMetrics geometry(PartsOf(model));
   for (const std::string& name : metrics) {

@@ -14,6 +14,7 @@
 #include "services/simulator/elasticity.h"
 #include "services/simulator/geometry_metrics.h"
 #include "services/simulator/metric.h"
+#include "services/simulator/modal_analysis.h"
 #include "services/simulator/stage_progress.h"
 
 namespace mortise::simulator {
@@ -27,12 +28,15 @@ struct DesignModel {
   absl::StatusOr<Cost> cost = absl::FailedPreconditionError("nobody says what it costs");
 };
 
-// Those of GeometryMetrics; surface_area; cost; max_displacement, max_von_mises, max_principal,
-// compliance, strain_energy, stress_ratio, relative_error.
+// Those of GeometryMetrics; surface_area; cost; natural_frequency; max_displacement, max_von_mises,
+// max_principal, compliance, strain_energy, stress_ratio, relative_error.
 const std::vector<MetricDescription>& OfferedMetrics();
 
-// Whether any of these takes a solution.
+// Whether any of these takes a solution under loads.
 bool NeedsSolution(const std::vector<std::string>& metrics);
+
+// Whether any of these takes the natural modes.
+bool NeedsModes(const std::vector<std::string>& metrics);
 
 // Whether any of these takes the joined surface of the parts.
 bool NeedsSurface(const std::vector<std::string>& metrics);
@@ -40,24 +44,27 @@ bool NeedsSurface(const std::vector<std::string>& metrics);
 struct DesignAnalysisOptions {
   mesh::MeshOptions mesh;
   ElasticityOptions elasticity;
-  StageProgress* progress = nullptr;  // told of "mesh" and "solution", if it is there
+  StageProgress* progress = nullptr;  // told of "mesh", "solution" …, if it is there
   // Metrics that this design cannot have (a draught where it sinks) are left out, with a note.
   bool leave_out_inapplicable = false;
+  // How many natural modes that deform are wanted beside the metrics; one, if a metric needs it.
+  int modes = 0;
 };
 
-// All that was computed. Without a metric that needs it there is no mesh and no solution.
+// All that was computed. Without a metric that needs them there are no mesh, solution and modes.
 struct DesignAnalysis {
   std::vector<Metric> metrics;     // in the order asked for
   std::vector<std::string> notes;  // what was left out, and why
   std::optional<mesh::TetrahedralMesh> mesh;
   std::optional<ElasticitySolution> solution;
+  std::optional<ModalSolution> vibration;
   double meshing_seconds = 0;
   double seconds = 0;
 };
 
 // Computes `metrics` by name, in order; INVALID_ARGUMENT naming "metrics[i]" for an unknown one,
-// else as GeometryMetrics, the design's cost, MeshAssembly and SolveElasticity fail. With `fields`
-// the solution is made in any case.
+// else as GeometryMetrics, the design's cost, MeshAssembly, SolveElasticity and FindModes fail;
+// "modes" where there are more than the mesh has. With `fields` the solution is made in any case.
 absl::StatusOr<DesignAnalysis> AnalyzeDesign(const DesignModel& model,
                                              const std::vector<std::string>& metrics, bool fields,
                                              const DesignAnalysisOptions& options = {});

@@ -318,21 +318,19 @@ class Analyst {
       return WithDetail(solution.status(), {"FIELD_INVALID", "case.modes"});
     }
     MORTISE_RETURN_IF_ERROR(InCase("case", solution.status()));
-    std::vector<mesh::VtuField> shapes;
     for (std::size_t m = 0; m < solution->modes.size(); ++m) {
       const Mode& mode = solution->modes[m];
       if (!std::isfinite(mode.frequency) || !mode.shape.allFinite()) {
         return NotFinite("case.materials");
       }
       analysis_.modes.push_back({mode.frequency, mode.rigid});
-      shapes.push_back({absl::StrFormat("mode %d (%.5g Hz)", m + 1, mode.frequency), mode.shape});
       ProbedFields fields;
       fields.displacement = mode.shape;
       probes_.Add(absl::StrCat("mode ", m + 1), fields);
     }
     if (analysis_.unknowns == 0) analysis_.unknowns = 3 * analysis_.nodes;
     Begin("frequencies: files");
-    return Write("modes.vtu", shapes, {});
+    return Write("modes.vtu", ShapeFields(*solution), {});
   }
 
   const MeshModel& model_;

@@ -23,6 +23,7 @@ enum class MetricSource {
   kParts,    // each part by itself: microseconds to milliseconds
   kOutside,  // the outside of all parts joined
   kPrices,   // the items' prices
+  kModes,    // natural vibration: a mesh and a factor
   kLoads,    // displacements and stresses under the loads: a mesh and a solution
 };
 

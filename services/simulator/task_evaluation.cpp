@@ -1,5 +1,6 @@
 #include "services/simulator/task_evaluation.h"
 
+#include <algorithm>
 #include <exception>
 
 #include "absl/strings/str_cat.h"
@@ -14,8 +15,8 @@
 namespace mortise::simulator {
 namespace {
 
-// Geometry, mesh, solution, stresses, files.
-constexpr int kStagesOfDesign = 5;
+// Geometry, mesh, solution, stresses, files; where they are wanted, frequencies.
+int StagesOf(const v1::Task& task) { return task.modes() > 0 ? 6 : 5; }
 
 void FillAnalysis(const DesignAnalysis& analysis, const parametric::EvaluatedDesign& design,
                   v1::Analysis& message) {
@@ -32,6 +33,32 @@ void FillAnalysis(const DesignAnalysis& analysis, const parametric::EvaluatedDes
   message.set_unknowns(summary.solver.unknowns);
   message.set_seconds(analysis.seconds);
   for (const std::string& note : analysis.notes) message.add_notes(note);
+  if (!analysis.vibration) return;
+  for (const Mode& mode : analysis.vibration->modes) {
+    v1::Mode& to = *message.add_modes();
+    to.set_frequency(mode.frequency);
+    to.set_rigid(mode.rigid);
+  }
+}
+
+// modes.vtu, and mode-1.png … of the lowest that deform.
+absl::Status KeepModes(const DesignAnalysis& analysis, const std::string& title,
+                       const TaskSurroundings& surroundings) {
+  constexpr std::size_t kPictures = 6;  // each takes about a second
+  const std::vector<Mode>& modes = analysis.vibration->modes;
+  MORTISE_ASSIGN_OR_RETURN(std::string fields,
+                           mesh::WriteVtu(*analysis.mesh, ShapeFields(*analysis.vibration)));
+  MORTISE_RETURN_IF_ERROR(surroundings.keep({"modes.vtu", "model/vnd.vtu", std::move(fields)}));
+  const auto rigid = static_cast<std::size_t>(analysis.vibration->rigid_motions);
+  for (std::size_t m = rigid; m < std::min(modes.size(), rigid + kPictures); ++m) {
+    MORTISE_RETURN_IF_ERROR(CheckStopped(surroundings.stop));
+    const std::string number = absl::StrCat("mode-", m + 1);
+    MORTISE_ASSIGN_OR_RETURN(std::string picture, DrawMode(*analysis.mesh, modes[m],
+                                                           absl::StrCat(title, ": mode ", m + 1)));
+    MORTISE_RETURN_IF_ERROR(
+        surroundings.keep({absl::StrCat(number, ".png"), "image/png", std::move(picture)}));
+  }
+  return absl::OkStatus();
 }
 
 void Begin(const TaskSurroundings& surroundings, const char* stage) {
@@ -43,7 +70,7 @@ absl::Status Evaluate(const v1::Task& task, const TaskSurroundings& surroundings
   MORTISE_ASSIGN_OR_RETURN(const auto compiled,
                            surroundings.templates.GetByDigest(task.subject(), task.revision(),
                                                               task.digest(), surroundings.origin));
-  if (surroundings.progress != nullptr) surroundings.progress->Expect(kStagesOfDesign);
+  if (surroundings.progress != nullptr) surroundings.progress->Expect(StagesOf(task));
   Begin(surroundings, "geometry");
   const Eigen::VectorXd parameters = Eigen::Map<const Eigen::VectorXd>(
       task.point().parameters().data(), task.point().parameters_size());
@@ -62,6 +89,7 @@ absl::Status Evaluate(const v1::Task& task, const TaskSurroundings& surroundings
   DesignAnalysisOptions options;
   // Nobody chose the metrics of an analysis.
   options.leave_out_inapplicable = task.fields();
+  options.modes = task.modes();
   options.mesh.element_size = task.mesh().element_size();
   options.mesh.quadratic = !task.mesh().linear();
   options.elasticity.threads = surroundings.threads;
@@ -100,7 +128,9 @@ absl::Status Evaluate(const v1::Task& task, const TaskSurroundings& surroundings
   MORTISE_RETURN_IF_ERROR(surroundings.keep({"analysis.vtu", "model/vnd.vtu", std::move(fields)}));
   MORTISE_ASSIGN_OR_RETURN(std::string picture,
                            DrawStress(analysis, compiled->function->head().title));
-  return surroundings.keep({"stress.png", "image/png", std::move(picture)});
+  MORTISE_RETURN_IF_ERROR(surroundings.keep({"stress.png", "image/png", std::move(picture)}));
+  return analysis.vibration ? KeepModes(analysis, compiled->function->head().title, surroundings)
+                            : absl::OkStatus();
 }
 
 }  // namespace

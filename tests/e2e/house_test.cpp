@@ -139,6 +139,7 @@ TEST_F(HouseTest, FaultsNameTheFlag) {
   EXPECT_EQ(fault({"analyze", "table", "--metric", "mass", "--metric", "beauty"}),
             "--metric beauty");
   EXPECT_EQ(fault({"analyze", "table", "--metric", "mass", "--set", "girth=1"}), "--set girth");
+  EXPECT_EQ(fault({"analyze", "table", "--modes", "101"}), "--modes");
   EXPECT_EQ(fault({"analyze", "table", "--metric", "mass", "--out", "x"}), "--out");
   EXPECT_EQ(fault({"plan", "table", "--quantity", "-1"}), "--quantity");
   EXPECT_EQ(fault({"plan", "table", "--kerf", "-3mm"}), "--kerf");

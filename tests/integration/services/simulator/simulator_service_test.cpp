@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -166,6 +167,61 @@ TEST_F(SimulatorServiceTest, AnalysesADesignWithFiles) {
   context = Context();
   ASSERT_TRUE(Simulator()->AnalyzeDesign(context.get(), request, &repeated).ok());
   EXPECT_EQ(repeated.name(), operation.name());
+}
+
+TEST_F(SimulatorServiceTest, FindsNaturalFrequencies) {
+  const auto worker = StartWorker("only");
+  v1::AnalyzeDesignRequest request;
+  request.set_request_id("modes-1");
+  request.set_template_("templates/table");
+  request.mutable_mesh()->set_linear(true);
+  request.set_modes(2);
+  v1::Operation operation;
+  auto context = Context();
+  const grpc::Status status = Simulator()->AnalyzeDesign(context.get(), request, &operation);
+  ASSERT_TRUE(status.ok()) << status.error_message();
+  const v1::Operation done = Wait(operation.name());
+  ASSERT_EQ(done.state(), v1::Operation::SUCCEEDED) << done.error().message();
+  v1::Analysis analysis;
+  ASSERT_TRUE(done.result().UnpackTo(&analysis));
+  ASSERT_EQ(analysis.modes_size(), 2);
+  EXPECT_GT(analysis.modes(0).frequency(), 1);
+  EXPECT_LE(analysis.modes(0).frequency(), analysis.modes(1).frequency());
+  const auto metric = std::find_if(analysis.metrics().begin(), analysis.metrics().end(),
+                                   [](const auto& m) { return m.name() == "natural_frequency"; });
+  ASSERT_NE(metric, analysis.metrics().end());
+  EXPECT_EQ(metric->value(), analysis.modes(0).frequency());
+  std::vector<std::string> files;
+  for (const v1::Artifact& artifact : analysis.artifacts()) files.push_back(artifact.file_name());
+  EXPECT_THAT(files, ::testing::UnorderedElementsAre("analysis.vtu", "stress.png", "modes.vtu",
+                                                     "mode-1.png", "mode-2.png"));
+  for (const int wrong : {-1, 101}) {
+    request.set_request_id("modes-wrong");
+    request.set_modes(wrong);
+    context = Context();
+    EXPECT_EQ(Simulator()->AnalyzeDesign(context.get(), request, &operation).error_code(),
+              grpc::StatusCode::INVALID_ARGUMENT);
+  }
+}
+
+TEST_F(SimulatorServiceTest, MetricsOfTheShapeNeedNoMesh) {
+  const auto worker = StartWorker("only");
+  const std::vector<std::string> names{"mass", "center_of_mass_z", "inertia_zz", "projected_area_x",
+                                       "drag", "toppling_margin",  "draught",    "surface_area",
+                                       "cost"};
+  std::map<int, v1::EvaluationResult> results;
+  const grpc::Status status = Evaluate(Batch(3, names), results);
+  ASSERT_TRUE(status.ok()) << status.error_message();
+  ASSERT_EQ(results.size(), 3u);
+  for (const auto& [index, result] : results) {
+    ASSERT_FALSE(result.has_error()) << result.error().message();
+    ASSERT_EQ(result.metrics_size(), static_cast<int>(names.size()));
+    for (int i = 0; i < result.metrics_size(); ++i) {
+      EXPECT_EQ(result.metrics(i).name(), names[static_cast<std::size_t>(i)]);
+      EXPECT_GT(result.metrics(i).value(), 0) << names[static_cast<std::size_t>(i)];
+    }
+    EXPECT_EQ(result.metrics(8).unit(), "EUR");
+  }
 }
 
 TEST_F(SimulatorServiceTest, NoResultIsLostWhenWorkersAndServiceAreKilled) {

@@ -101,6 +101,45 @@ TEST(Metrics, DefaultMeshIsConverged) {
   }
 }
 
+// Euler's and Bernoulli's beam: f = λ² / 2π √(E I / ρ A L⁴), λ = 1.8751 clamped at one end
+// and 4.7300 free at both. This one is forty times as long as it is thick.
+TEST(Metrics, NaturalFrequencyIsThatOfABeam) {
+  DesignModel beam = Cantilever(1, 0.025, 1, 0);
+  const double unit = std::sqrt(10e9 / 1000 * 0.025 * 0.025 / 12) / (2 * std::acos(-1.0));
+  const auto clamped = AnalyzeDesign(beam, {"natural_frequency"}, false, {});
+  ASSERT_TRUE(clamped.ok()) << clamped.status();
+  EXPECT_EQ(clamped->metrics[0].unit, "Hz");
+  EXPECT_NEAR(clamped->metrics[0].value, 1.8751 * 1.8751 * unit, 0.005 * clamped->metrics[0].value);
+  EXPECT_FALSE(clamped->solution.has_value());
+  EXPECT_EQ(clamped->vibration->rigid_motions, 0);
+  beam.analysis.supports.clear();
+  const auto free = AnalyzeDesign(beam, {"natural_frequency"}, false, {});
+  ASSERT_TRUE(free.ok()) << free.status();
+  EXPECT_EQ(free->vibration->rigid_motions, 6);
+  EXPECT_NEAR(free->metrics[0].value, 4.73 * 4.73 * unit, 0.01 * free->metrics[0].value);
+}
+
+TEST(Metrics, AsManyModesAsAreWanted) {
+  DesignAnalysisOptions options;
+  options.modes = 4;
+  options.mesh.quadratic = false;
+  const auto analysis = AnalyzeDesign(LoadedTable(), {"natural_frequency", "mass"}, true, options);
+  ASSERT_TRUE(analysis.ok()) << analysis.status();
+  ASSERT_EQ(analysis->vibration->modes.size(), 4u);
+  EXPECT_EQ(analysis->metrics[0].value, analysis->vibration->modes[0].frequency);
+  const auto picture = DrawMode(*analysis->mesh, analysis->vibration->modes[1], "Table: mode 2");
+  ASSERT_TRUE(picture.ok()) << picture.status();
+  EXPECT_EQ(render::DecodePng(*picture)->width, 1200);
+  if (const char* folder = std::getenv("MORTISE_PICTURES")) {
+    ASSERT_TRUE(WriteFile(std::filesystem::path(folder) / "mode.png", *picture).ok());
+  }
+  const auto fields = ShapeFields(*analysis->vibration);
+  ASSERT_EQ(fields.size(), 4u);
+  EXPECT_EQ(fields[3].name.rfind("mode 4 (", 0), 0u) << fields[3].name;
+  options.modes = 1'000'000;
+  EXPECT_FALSE(AnalyzeDesign(LoadedTable(), {"mass"}, false, options).ok());
+}
+
 TEST(Reports, ShowTheStress) {
   const auto analysis = AnalyzeDesign(LoadedTable(), {"max_displacement"}, true, {});
   ASSERT_TRUE(analysis.ok());
