@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 #include <utility>
 
@@ -14,6 +15,7 @@ namespace {
 
 constexpr double kRelativeTolerance = 1e-6;  // of the design's diagonal
 constexpr double kFixed = 1e-9;              // m; a range no wider is none
+constexpr double kSameDirection = 1e-8;      // between entries of unit vectors
 // m. What is reached stays this far inside of what can be: rounding must not turn the one into a
 // conflict with the next demand.
 constexpr double kInside = 1e-8;
@@ -180,8 +182,9 @@ absl::StatusOr<Adjustment> ParametricAssembly::Adjust(const Eigen::VectorXd& fro
   std::vector<Demand> forms;
   for (std::size_t i = 0; i < demands.size(); ++i) {
     const std::string field = absl::StrCat("demands[", i, "]");
-    if (!std::isfinite(demands[i].value)) {
-      return InvalidField(absl::StrCat(field, ".value"), "must be a finite number");
+    if (!(std::abs(demands[i].value) <= kFurthestFromOrigin)) {
+      return InvalidField(absl::StrCat(field, ".value"),
+                          absl::StrCat("must be within ", kFurthestFromOrigin, " m"));
     }
     MORTISE_ASSIGN_OR_RETURN(const LinearForm form,
                              FormOf(demands[i].measure, absl::StrCat(field, ".measure")));
@@ -239,15 +242,37 @@ absl::StatusOr<MeasureRange> ParametricAssembly::RangeOf(const Measure& measure)
   return MeasureRange{measure, form.At(drawn()), form.At(smallest), form.At(largest)};
 }
 
+// Sizes that change in proportion reach their ends together: each direction is followed once.
 absl::StatusOr<std::vector<MeasureRange>> ParametricAssembly::AdjustableSizes() const {
+  struct Ends {
+    Eigen::VectorXd upwards, downwards;  // q furthest along the direction, and against it
+  };
+  std::map<std::vector<std::int64_t>, Ends> known;  // by direction
   std::vector<MeasureRange> sizes;
   for (std::size_t e = 0; e < elements_.size(); ++e) {
     if (elements_[e].connecting) continue;
     for (const Axis axis : kAxes) {
       const int variable = SizeVariable(static_cast<int>(e), axis);
-      if (feasible_set_->basis().row(variable).norm() <= kFixed) continue;
-      MORTISE_ASSIGN_OR_RETURN(const MeasureRange range, RangeOf({elements_[e].name, axis}));
-      if (range.maximum - range.minimum > kFixed) sizes.push_back(range);
+      Eigen::VectorXd direction = feasible_set_->basis().row(variable).transpose();
+      if (direction.norm() <= kFixed) continue;
+      direction.normalize();
+      Eigen::Index largest = 0;
+      direction.cwiseAbs().maxCoeff(&largest);
+      if (direction[largest] < 0) direction = -direction;
+      std::vector<std::int64_t> key;
+      for (const double entry : direction) key.push_back(std::llround(entry / kSameDirection));
+      auto found = known.find(key);
+      if (found == known.end()) {
+        const LinearForm form = LinearForm::Variable(variable);
+        Ends ends;
+        MORTISE_ASSIGN_OR_RETURN(ends.upwards, feasible_set_->Furthest(form));
+        MORTISE_ASSIGN_OR_RETURN(ends.downwards, feasible_set_->Furthest(-1 * form));
+        found = known.emplace(std::move(key), std::move(ends)).first;
+      }
+      const auto [low, high] =
+          std::minmax(found->second.upwards[variable], found->second.downwards[variable]);
+      if (high - low <= kFixed) continue;
+      sizes.push_back({{elements_[e].name, axis}, drawn()[variable], low, high});
     }
   }
   return sizes;

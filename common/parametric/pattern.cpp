@@ -115,8 +115,8 @@ class PatternSearch {
            ((b.maximum - a.minimum).array() > depth).all();
   }
 
-  // Whether a principal part stands between principal ones and touches none of them. Fasteners go
-  // where their connections want them; rows of them may cross.
+  // Whether a principal part stands between principal ones and does not touch all of them.
+  // Fasteners go where their connections want them; rows of them may cross.
   bool HasStranger(const Candidate& candidate) const {
     if (assembly_.parts[static_cast<std::size_t>(candidate.parts.front())].connecting) return false;
     BoundingBox around = Box(candidate.parts.front());
@@ -127,9 +127,10 @@ class PatternSearch {
     for (std::size_t i = 0; i < assembly_.parts.size(); ++i) {
       const BoundingBox& other = assembly_.parts[i].box;
       if (assembly_.parts[i].connecting || !Overlap(other, around, tolerance_)) continue;
-      if (std::none_of(candidate.parts.begin(), candidate.parts.end(), [&](int part) {
-            return part == static_cast<int>(i) || Overlap(other, Box(part), -tolerance_);
-          })) {
+      const auto& own = candidate.parts;
+      if (std::find(own.begin(), own.end(), static_cast<int>(i)) != own.end()) continue;
+      if (!std::all_of(own.begin(), own.end(),
+                       [&](int part) { return Overlap(other, Box(part), -tolerance_); })) {
         return true;
       }
     }
@@ -249,6 +250,15 @@ std::vector<std::vector<int>> IdenticalParts(const Assembly& assembly, double to
   return kinds;
 }
 
+// Along a slope the sizes would change by axes of their own, with one number of parts for both: no
+// number keeps all of them within what the item allows.
+void KeepSizesOfSlope(const PatternDirection& direction, Pattern& pattern) {
+  if (direction.count < 2 || (direction.spacing.array() != 0).count() < 2) return;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (direction.spacing[axis] != 0) pattern.resizable[static_cast<std::size_t>(axis)] = false;
+  }
+}
+
 Pattern PatternOf(const Assembly& assembly, const Candidate& candidate) {
   const AssemblyPart& first = assembly.parts[static_cast<std::size_t>(candidate.parts.front())];
   Pattern pattern;
@@ -259,6 +269,7 @@ Pattern PatternOf(const Assembly& assembly, const Candidate& candidate) {
     pattern.resizable[axis] = first.limits[axis].minimum < first.limits[axis].maximum;
     if (pattern.resizable[axis]) pattern.part_limits[axis] = first.limits[axis];
   }
+  for (const PatternDirection& direction : pattern.directions) KeepSizesOfSlope(direction, pattern);
   return pattern;
 }
 
@@ -424,8 +435,6 @@ Eigen::Vector3d PatternLayout::CenterOf(int index) const {
 
 std::optional<std::pair<int, int>> CommonDirection(const Pattern& a, const Pattern& b, int axis,
                                                    double tolerance) {
-  const auto index = static_cast<std::size_t>(axis);
-  if (a.resizable[index] || b.resizable[index]) return std::nullopt;
   for (int i = 0; i < 2; ++i) {
     for (int j = 0; j < 2; ++j) {
       const PatternDirection& of_a = a.directions[static_cast<std::size_t>(i)];

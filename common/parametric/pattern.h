@@ -30,7 +30,7 @@ struct Pattern {
   std::array<PatternDirection, 2> directions;  // the second has count 1 in one-dimensional patterns
   Eigen::Vector3d part_size = Eigen::Vector3d::Zero();  // m
   // Axes along which a part may be resized; along a direction of the pattern it then scales with
-  // the spacing, elsewhere it fills the box.
+  // the spacing, elsewhere it fills the box. Not along a direction that slopes.
   std::array<bool, 3> resizable = {false, false, false};
   // What sizes a part may take along those, m.
   std::array<SizeLimits, 3> part_limits = {kAnySize, kAnySize, kAnySize};
@@ -55,8 +55,8 @@ struct FoundPattern {
 std::vector<FoundPattern> FindPatterns(const Assembly& assembly, double tolerance);
 
 // The direction of `a`, and that of `b`, along an axis in which the two repeat together: as often
-// and as far apart as each other, along that axis only, without changing the size of their parts.
-// Nothing if there is none. `tolerance` in metres.
+// and as far apart as each other, along that axis only. Nothing if there is none. `tolerance` in
+// metres.
 std::optional<std::pair<int, int>> CommonDirection(const Pattern& a, const Pattern& b, int axis,
                                                    double tolerance);
 

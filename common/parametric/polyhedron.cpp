@@ -1,7 +1,7 @@
 #include "common/parametric/polyhedron.h"
 
+#include <Eigen/Jacobi>
 #include <Eigen/LU>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -28,6 +28,69 @@ struct Active {
 struct DualStep {
   double length = kInfinity;
   Eigen::Index blocking = -1;  // index into the active ones
+};
+
+// Linearly independent vectors as Q · R with orthonormal columns of Q, one vector more or less at a
+// time: O(n k) for k vectors of n numbers.
+class IndependentVectors {
+ public:
+  explicit IndependentVectors(Eigen::Index size) : q_(size, 0), r_(0, 0) {}
+
+  // `vector` as a combination of these, in least squares, and what is left of it.
+  Eigen::VectorXd SharesIn(const Eigen::VectorXd& vector, Eigen::VectorXd& rest) const {
+    Eigen::VectorXd along;
+    rest = RestOf(vector, along);
+    if (count_ == 0) return Eigen::VectorXd(0);
+    return r_.topLeftCorner(count_, count_).triangularView<Eigen::Upper>().solve(along);
+  }
+
+  void Add(const Eigen::VectorXd& vector) {
+    Reserve(count_ + 1);
+    Eigen::VectorXd along;
+    const Eigen::VectorXd rest = RestOf(vector, along);
+    const double length = rest.norm();
+    q_.col(count_) = rest / length;
+    r_.col(count_).setZero();
+    r_.col(count_).head(count_) = along;
+    r_(count_, count_) = length;
+    ++count_;
+  }
+
+  void Remove(Eigen::Index index) {
+    for (Eigen::Index column = index; column + 1 < count_; ++column) {
+      r_.col(column) = r_.col(column + 1).eval();
+    }
+    --count_;
+    // What now stands below the diagonal is turned into it.
+    for (Eigen::Index row = index; row < count_; ++row) {
+      Eigen::JacobiRotation<double> turn;
+      turn.makeGivens(r_(row, row), r_(row + 1, row));
+      r_.middleCols(row, count_ - row).applyOnTheLeft(row, row + 1, turn.adjoint());
+      q_.applyOnTheRight(row, row + 1, turn);
+    }
+  }
+
+ private:
+  // Twice, as once leaves rounding of vectors that are nearly dependent.
+  Eigen::VectorXd RestOf(const Eigen::VectorXd& vector, Eigen::VectorXd& along) const {
+    const auto q = q_.leftCols(count_);
+    along = q.transpose() * vector;
+    Eigen::VectorXd rest = vector - q * along;
+    const Eigen::VectorXd again = q.transpose() * rest;
+    rest -= q * again;
+    along += again;
+    return rest;
+  }
+
+  void Reserve(Eigen::Index count) {
+    if (count <= q_.cols()) return;
+    const Eigen::Index capacity = std::max<Eigen::Index>(8, 2 * q_.cols());
+    q_.conservativeResize(Eigen::NoChange, capacity);
+    r_.conservativeResize(capacity, capacity);
+  }
+
+  Eigen::MatrixXd q_, r_;  // of which the first count_ columns are used
+  Eigen::Index count_ = 0;
 };
 
 class DualActiveSet {
@@ -81,8 +144,8 @@ class DualActiveSet {
       if (++steps_ > 50 * (inequalities_.rows() + equalities_.rows() + x_.size() + 10)) {
         return absl::InternalError("the nearest point was not found: too many steps");
       }
-      const Eigen::VectorXd shares = SharesOfActive(normal);
-      const Eigen::VectorXd direction = normal - normals_ * shares;
+      Eigen::VectorXd direction;
+      const Eigen::VectorXd shares = normals_.SharesIn(normal, direction);
       const bool depends = direction.norm() <= kDependent;
       const DualStep dual = LongestDualStep(shares);
       const double excess = Excess(added);
@@ -93,6 +156,9 @@ class DualActiveSet {
       }
       const double primal = depends ? kInfinity : -excess / direction.squaredNorm();
       const double step = std::min(primal, dual.length);
+      if (!std::isfinite(step)) {
+        return absl::InternalError("the nearest point was not found: numbers too large");
+      }
       if (!depends) x_ += step * direction;
       for (std::size_t i = 0; i < active_.size(); ++i) {
         active_[i].multiplier -= step * shares[static_cast<Eigen::Index>(i)];
@@ -104,12 +170,6 @@ class DualActiveSet {
       }
       Remove(dual.blocking);
     }
-  }
-
-  // `normal` as a combination of the active normals, in least squares.
-  Eigen::VectorXd SharesOfActive(const Eigen::VectorXd& normal) const {
-    if (active_.empty()) return Eigen::VectorXd(0);
-    return normals_.householderQr().solve(normal);
   }
 
   DualStep LongestDualStep(const Eigen::VectorXd& shares) const {
@@ -125,15 +185,12 @@ class DualActiveSet {
 
   void Add(const Active& active, const Eigen::VectorXd& normal) {
     active_.push_back(active);
-    normals_.conservativeResize(x_.size(), normals_.cols() + 1);
-    normals_.rightCols(1) = normal;
+    normals_.Add(normal);
   }
 
   void Remove(Eigen::Index index) {
     active_.erase(active_.begin() + index);
-    const Eigen::Index behind = normals_.cols() - index - 1;
-    normals_.middleCols(index, behind) = normals_.rightCols(behind).eval();
-    normals_.conservativeResize(x_.size(), normals_.cols() - 1);
+    normals_.Remove(index);
   }
 
   void NoteConflict(const Active& added, const Eigen::VectorXd& shares) {
@@ -172,7 +229,7 @@ class DualActiveSet {
   Eigen::MatrixXd inequalities_, equalities_;  // rows of unit length
   Eigen::VectorXd bounds_, values_;
   std::vector<Active> active_;
-  Eigen::MatrixXd normals_{x_.size(), 0};  // n × active: linearly independent
+  IndependentVectors normals_{x_.size()};  // of active_
   std::vector<Active> conflict_;
   Eigen::Index steps_ = 0;
 };

@@ -33,8 +33,8 @@ struct Projection {
 };
 
 // Constraints hold to 1e-10 of a unit row's distance. INVALID_ARGUMENT if sizes disagree or numbers
-// are not finite; INTERNAL if rounding keeps the method from ending. O(n³) for each constraint that
-// is taken up or let go, most often as many as are active in the end.
+// are not finite; INTERNAL if rounding keeps the method from ending. O((m + k) n) for each
+// constraint that is taken up or let go, most often the k that are active in the end.
 absl::StatusOr<Projection> ProjectOnto(const Polyhedron& polyhedron, const Eigen::VectorXd& x);
 
 // How far a polyhedron goes along a direction.

@@ -37,8 +37,9 @@ struct Relationship {
 // Elements that touch, by index.
 using Contacts = std::vector<std::pair<int, int>>;
 
-// Lets connecting patterns that touch a principal one, and repeat together with it, take its
-// counts. After MakeElements, before anything that depends on how many parts there are.
+// Lets patterns that touch each other and repeat together keep the sizes of their parts along that
+// direction, and connecting ones take the counts of the principal ones. After MakeElements, before
+// anything that depends on how many parts there are.
 void FollowPrincipalPatterns(std::vector<Element>& elements, const Contacts& contacts,
                              double tolerance);
 

@@ -168,6 +168,8 @@ TEST(ParametricAssembly, NamesBadInput) {
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(field(bench.drawn(), {{"lid", Axis::kX}, 1}), "demands[0].measure.element");
   EXPECT_EQ(field(bench.drawn(), {{"seat", Axis::kX}, kNaN}), "demands[0].value");
+  EXPECT_EQ(field(bench.drawn(), {{"seat", Axis::kX}, 1e308}), "demands[0].value");
+  EXPECT_EQ(field(bench.drawn(), {{"seat", Axis::kX}, -1e308}), "demands[0].value");
   EXPECT_EQ(field(bench.drawn().head(3), {{"seat", Axis::kX}, 1}), "from");
   EXPECT_EQ(field(bench.drawn() * kNaN, {{"seat", Axis::kX}, 1}), "from");
   EXPECT_EQ(DetailOf(bench.RangeOf({"lid", Axis::kX}).status()).field, "measure.element");

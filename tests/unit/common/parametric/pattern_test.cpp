@@ -193,17 +193,19 @@ TEST(PatternTest, KeepsThePlanesThatAllPartsHave) {
 }
 
 // With another number of slats one would stand where the post does.
-TEST(PatternTest, NothingStandsBetweenThePartsUnlessItTouchesOne) {
+TEST(PatternTest, NothingStandsBetweenThePartsUnlessItTouchesThemAll) {
   Assembly assembly = Parts();
   for (int i = 0; i < 6; ++i) AddCube(assembly, {0.2 * i, 0, 0});
   AddCube(assembly, {0.3, 0, 0}, 0.03);
   const auto between = FindPatterns(assembly, kTolerance);
   ASSERT_EQ(between.size(), 1U);
   EXPECT_EQ(between[0].parts, (std::vector<int>{2, 3, 4, 5}));
-  AddCube(assembly, {0.5, 0, 0}, 0.15);  // touches two of these
-  EXPECT_EQ(FindPatterns(assembly, kTolerance)[0].parts.size(), 4U);
   AddCube(assembly, {0.7, 0.2, 0}, 0.03);  // beside the row
   EXPECT_EQ(FindPatterns(assembly, kTolerance)[0].parts.size(), 4U);
+  assembly.parts.push_back(FixedPart("rail", {0, -0.04, -0.01}, {1.2, 0, 0.01}));  // through all
+  EXPECT_EQ(FindPatterns(assembly, kTolerance)[0].parts.size(), 4U);
+  AddCube(assembly, {0.9, 0, 0}, 0.15);  // touches two of these
+  EXPECT_TRUE(FindPatterns(assembly, kTolerance).empty());
 }
 
 // A drawing that is out by less than its tolerance has no direction of its own.

@@ -97,6 +97,54 @@ TEST(RelationshipTest, RowsThatInterlaceStayApart) {
   ExpectSound(made);
 }
 
+// Planks that could be sawn narrower, each held by a screw: a plank keeps its width, and its screw.
+TEST(RelationshipTest, WhatIsFastenedPartByPartStaysSo) {
+  Assembly deck = Named("deck", {ResizablePart("beam 1", {0, 0, 0}, {0.05, 0.8, 0.1}),
+                                 ResizablePart("beam 2", {1.15, 0, 0}, {1.2, 0.8, 0.1})});
+  for (int i = 0; i < 5; ++i) {
+    const double at = 0.16 * i;
+    deck.parts.push_back(
+        ResizablePart("plank " + std::to_string(i), {0, at, 0.1}, {1.2, at + 0.14, 0.12}));
+    deck.parts.push_back(FixedPart("screw " + std::to_string(i), {0.023, at + 0.068, 0.06},
+                                   {0.027, at + 0.072, 0.12}));
+    deck.parts.back().connecting = true;
+    deck.parts.back().item = "items/screw";
+  }
+  ASSERT_OK_AND_ASSIGN(const auto made, ParametricAssembly::Create(deck));
+  ExpectSound(made);
+}
+
+// A box on the third shelf, one under the fifth, and a partition between two others.
+TEST(RelationshipTest, WhatStandsOnOneShelfStaysOnIt) {
+  Assembly rack = Named("rack", {ResizablePart("left", {0, 0, 0}, {0.02, 0.3, 1.6}),
+                                 ResizablePart("right", {0.98, 0, 0}, {1, 0.3, 1.6})});
+  for (int i = 0; i < 5; ++i) {
+    const double at = 0.3 * i + 0.1;
+    rack.parts.push_back(
+        ResizablePart("shelf " + std::to_string(i), {0.02, 0, at}, {0.98, 0.3, at + 0.02}));
+    rack.parts.back().item = "items/shelf";
+  }
+  rack.parts.push_back(ResizablePart("box", {0.2, 0.1, 0.72}, {0.4, 0.2, 0.85}));
+  rack.parts.push_back(ResizablePart("lamp", {0.6, 0.1, 1.25}, {0.7, 0.2, 1.3}));
+  rack.parts.push_back(ResizablePart("partition", {0.5, 0, 0.12}, {0.52, 0.3, 0.4}));
+  ASSERT_OK_AND_ASSIGN(const auto made, ParametricAssembly::Create(rack));
+  ExpectSound(made);
+}
+
+// Steps between two stringers, up a slope: as many and as large as both of its lengths allow.
+TEST(RelationshipTest, StepsOfAStairKeepTheirSize) {
+  Assembly stair = Named("stair", {ResizablePart("left", {0, 0, 0}, {0.04, 1.5, 1.2}),
+                                   ResizablePart("right", {0.84, 0, 0}, {0.88, 1.5, 1.2})});
+  for (int i = 0; i < 6; ++i) {
+    const double at = 0.22 * i, up = 0.17 * i + 0.15;
+    stair.parts.push_back(
+        ResizablePart("step " + std::to_string(i), {0.04, at, up}, {0.84, at + 0.25, up + 0.04}));
+    stair.parts.back().item = "items/step";
+  }
+  ASSERT_OK_AND_ASSIGN(const auto made, ParametricAssembly::Create(stair));
+  ExpectSound(made);
+}
+
 // An L of 40 mm × 40 mm and 4 mm, 100 mm long along z.
 std::shared_ptr<const mesh::DrawnShape> Angle() {
   const double outline[][2] = {{0, 0},         {0.04, 0},     {0.04, 0.004},
