@@ -146,7 +146,8 @@ const char* Fault(double value, Need need) {
       if (value < kSmallest) return "must be greater than 0, at least 1 µm";
       return value <= kLargest ? nullptr : "is greater than 1 km";
     case Need::kCount:
-      return IsWhole(value, 1, 1000) ? nullptr : "must be a whole number from 1 to 1000";
+      static_assert(kMaxInstances == 200);
+      return IsWhole(value, 1, kMaxInstances) ? nullptr : "must be a whole number from 1 to 200";
     case Need::kSides:
       return IsWhole(value, 3, 64) ? nullptr : "must be a whole number from 3 to 64";
     case Need::kTurn:

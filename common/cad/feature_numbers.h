@@ -14,6 +14,10 @@
 
 namespace mortise::cad {
 
+// Of one pattern, and copies that all patterns of a template make together: what the kernel
+// combines in a few seconds, which grow with the square of the number.
+inline constexpr int kMaxInstances = 200;
+
 // What a number must be to be used.
 enum class Need {
   kAny,          // finite

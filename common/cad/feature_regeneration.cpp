@@ -213,6 +213,11 @@ class Regeneration {
     const Repeatable& repeatable = repeatable_.at(source);
     state_.patterns[name()] = {source, static_cast<int>(placements.size()) + 1};
     if (placements.empty()) return absl::OkStatus();
+    copies_ += placements.size() * repeatable.solids.size();
+    if (copies_ > static_cast<std::size_t>(kMaxInstances)) {
+      return absl::InvalidArgumentError(
+          absl::StrCat("patterns make more than ", kMaxInstances, " copies of solids together"));
+    }
     std::vector<NamedBody> copies;
     for (std::size_t i = 0; i < placements.size(); ++i) {
       for (const NamedBody& solid : repeatable.solids) {
@@ -255,6 +260,7 @@ class Regeneration {
   std::map<std::string, Repeatable> repeatable_;
   ModelState state_;
   std::optional<Pending> pending_;
+  std::size_t copies_ = 0;  // of solids, by patterns
   std::vector<FaceCondition> conditions_;
 };
 

@@ -7,13 +7,13 @@
 #include <gp_Vec.hxx>
 #include <numbers>
 
+#include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/cad/sketch_faces.h"
 
 namespace mortise::cad {
 namespace {
 
-constexpr int kMaxInstances = 1000;
 constexpr double kShortestStep = 1e-3;   // mm
 constexpr double kSmallestAngle = 1e-6;  // rad
 
@@ -33,7 +33,8 @@ absl::StatusOr<std::vector<gp_Trsf>> PlacementsOf(const LinearPattern& pattern,
     return InvalidField("linear_pattern.second_step", "has no length");
   }
   if (count * rows > kMaxInstances) {
-    return InvalidField("linear_pattern.count", "makes more than 1000 instances");
+    return InvalidField("linear_pattern.count",
+                        absl::StrCat("makes more than ", kMaxInstances, " instances"));
   }
   std::vector<gp_Trsf> placements;
   for (int k = 1; k < count * rows; ++k) {

@@ -11,7 +11,7 @@
 namespace mortise::cad {
 
 // One rigid motion (mm) for each instance from 1 on. INVALID_ARGUMENT naming the field of a step,
-// angle or axis without length, or of more than 1000 instances.
+// angle or axis without length, or of more than kMaxInstances.
 absl::StatusOr<std::vector<gp_Trsf>> PlacementsOf(const LinearPattern& pattern,
                                                   const Numbers& numbers);
 absl::StatusOr<std::vector<gp_Trsf>> PlacementsOf(const CircularPattern& pattern,

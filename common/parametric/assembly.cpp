@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 
@@ -58,8 +59,8 @@ void CheckBox(const std::string& place, const BoundingBox& box, Findings& findin
              kFurthestFromOrigin) {
     findings.push_back({place + ".box",
                         absl::StrCat("must lie within ", kFurthestFromOrigin, " m of the origin")});
-  } else if ((box.size().array() <= 0).any()) {
-    findings.push_back({place + ".box", "must have a positive size along each axis"});
+  } else if ((box.size().array() < kSmallestPart - kLimitTolerance).any()) {
+    findings.push_back({place + ".box", "must measure at least 1 µm along each axis"});
   }
 }
 
@@ -135,6 +136,23 @@ bool HasParts(const Assembly& assembly, int group) {
   });
 }
 
+// What lies beyond has lost so many digits that nothing can be said of it.
+bool HasUsableLimits(const Joint& joint, const std::string& place, Findings& findings) {
+  const bool slides = joint.kind == JointKind::kPrismatic;
+  const double furthest = slides ? kFurthestFromOrigin : kFurthestTurn;
+  const std::size_t before = findings.size();
+  for (const auto& [field, limit] :
+       {std::pair(".lower", joint.lower), std::pair(".upper", joint.upper)}) {
+    if (std::abs(limit) <= furthest) continue;
+    findings.push_back({place + field, absl::StrCat("must lie between -", furthest, " and ",
+                                                    furthest, slides ? " m" : " rad")});
+  }
+  if (findings.size() == before && joint.lower > joint.upper) {
+    findings.push_back({place + ".lower", "is above `upper`"});
+  }
+  return findings.size() == before;
+}
+
 // groups_fault_free: whether each group's parents lead to the root.
 void CheckJoints(const Assembly& assembly, bool groups_fault_free, Findings& findings) {
   std::set<int> moved;
@@ -146,15 +164,15 @@ void CheckJoints(const Assembly& assembly, bool groups_fault_free, Findings& fin
     } else if (!moved.insert(joint.group).second) {
       findings.push_back({place + ".group", "another joint moves this group already"});
     }
-    if (!joint.center.allFinite()) findings.push_back({place + ".center", "must be finite"});
+    if (!(joint.center.array().abs() <= kFurthestFromOrigin).all()) {
+      findings.push_back({place + ".center", absl::StrCat("must lie within ", kFurthestFromOrigin,
+                                                          " m of the origin")});
+    }
     if (!(std::abs(joint.axis.norm() - 1) <= kUnitTolerance)) {
       findings.push_back({place + ".axis", "must be a unit vector"});
       continue;
     }
-    if (!std::isfinite(joint.lower) || !std::isfinite(joint.upper) || joint.lower > joint.upper) {
-      findings.push_back({place + ".lower", "the limits must be finite and in order"});
-      continue;
-    }
+    if (!HasUsableLimits(joint, place, findings)) continue;
     if (joint.lower > kLimitTolerance || joint.upper < -kLimitTolerance) {
       findings.push_back(
           {place + ".lower", "the limits must include 0, the pose in which the design is drawn"});

@@ -18,6 +18,12 @@ namespace mortise::parametric {
 // m; assemblies, and designs of them, lie within this along every axis.
 inline constexpr double kFurthestFromOrigin = 10e3;
 
+// m; parts are at least as large along every axis.
+inline constexpr double kSmallestPart = 1e-6;
+
+// rad; joints turn no further, either way: sixteen turns.
+inline constexpr double kFurthestTurn = 100;
+
 // The bounding box of a part, in metres, in the design's coordinates.
 struct BoundingBox {
   Eigen::Vector3d minimum = Eigen::Vector3d::Zero();

@@ -13,6 +13,7 @@
 #include "common/base/errors.h"
 #include "common/base/identifiers.h"
 #include "common/parametric/axis_codec.h"
+#include "common/parametric/field_checks.h"
 #include "common/parametric/message_digest.h"
 #include "common/parametric/shape_reader.h"
 
@@ -166,6 +167,20 @@ void ApplyDrawnSize(const Eigen::Vector3d& size, AssemblyPart& part) {
   }
 }
 
+// Whether steps along one direction of a grid lead to where steps along the other do.
+bool Coincide(const v1::Repeat& first, const v1::Repeat& second) {
+  constexpr double kSameStep = 1e-9;
+  const Eigen::Vector3d one = ToEigen(first.offset()), other = ToEigen(second.offset());
+  const double share = one.dot(other) / other.squaredNorm();  // of `other` that `one` is
+  if ((one - share * other).norm() > kSameStep * one.norm()) return false;
+  for (int steps = 1; steps < first.count(); ++steps) {
+    const double there = std::abs(steps * share);
+    if (std::round(there) >= second.count()) return false;
+    if (std::abs(there - std::round(there)) <= kSameStep * there) return true;
+  }
+  return false;
+}
+
 // How many parts, and where each stands against the first.
 std::vector<std::pair<std::string, Eigen::Vector3d>> Repetitions(const v1::AssemblyPart& part,
                                                                  const std::string& field,
@@ -185,6 +200,10 @@ std::vector<std::pair<std::string, Eigen::Vector3d>> Repetitions(const v1::Assem
     }
     if (!offset.allFinite() || offset.isZero()) {
       findings.push_back({place + ".offset", "must be finite and not 0"});
+      return places;
+    }
+    if (r == 1 && Coincide(part.repeat(0), repeat)) {
+      findings.push_back({place + ".offset", "puts parts where repeat[0] has put some"});
       return places;
     }
     std::vector<std::pair<std::string, Eigen::Vector3d>> more;
@@ -207,6 +226,7 @@ class PartReader {
 
   void Read(const v1::AssemblyPart& message, const std::string& field, Drawing& drawing) {
     CheckName(field + ".name", message.name(), findings_);
+    CheckTitle(field + ".title", message.title(), findings_);
     AssemblyPart part;
     part.item = message.item();
     part.group = groups_.Find(message.group(), field + ".group");
@@ -323,6 +343,12 @@ void ReadJoint(const v1::Joint& message, const std::string& field, const GroupRe
       findings.push_back({place, absl::StrCat("'", pose.name(), "' occurs twice")});
     }
     const bool is_ball = joint.kind == JointKind::kBall;
+    const std::string motion = absl::StrCat(field, ".rest_poses[", i, "]");
+    if (is_ball && pose.amount() != 0) {
+      findings.push_back({motion + ".amount", "is not of ball joints: give their `rotation`"});
+    } else if (!is_ball && !ToEigen(pose.rotation()).isZero(0)) {
+      findings.push_back({motion + ".rotation", "is of ball joints only: give the `amount`"});
+    }
     joint.rest_poses.push_back({pose.name(), is_ball
                                                  ? ToEigen(pose.rotation())
                                                  : Eigen::Vector3d(pose.amount() * joint.axis)});
@@ -377,6 +403,8 @@ absl::StatusOr<Assembly> FromProto(const v1::Assembly& message, const std::vecto
                         "must be 'assemblies/' and 1 to 63 lower-case letters, digits and "
                         "hyphens"});
   }
+  CheckTitle("title", message.title(), findings);
+  CheckDescription("description", message.description(), findings);
   drawing.assembly.name = message.name();
   GroupReader groups(message, findings);
   groups.Read(drawing);

@@ -2,14 +2,33 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "common/base/identifiers.h"
 
 namespace mortise::parametric {
 namespace {
 
-constexpr std::size_t kMaxText = 1000;  // bytes
+constexpr std::size_t kMaxText = 1000;              // bytes
+constexpr std::ptrdiff_t kMaxTitle = 200;           // characters
+constexpr std::ptrdiff_t kMaxDescription = 10'000;  // characters
+
+constexpr const char* kUnits[] = {"1",   "m",   "m^2",   "m^3",   "rad",   "kg", "kg/m^3",
+                                  "s",   "m/s", "m/s^2", "rad/s", "Hz",    "N",  "N m",
+                                  "N/m", "Pa",  "J",     "W",     "W/m^2", "K",  "1/K"};
+
+void CheckCharacters(const std::string& field, const std::string& text, std::ptrdiff_t most,
+                     std::vector<Finding>& findings) {
+  // Each character of UTF-8 has one byte that continues no other.
+  const auto characters = std::count_if(text.begin(), text.end(), [](char c) {
+    return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U;
+  });
+  if (characters > most) {
+    findings.push_back({field, absl::StrCat("is longer than ", most, " characters")});
+  }
+}
 
 }  // namespace
 
@@ -20,6 +39,15 @@ void CheckResourceName(const std::string& name, const std::string& collection,
                                              "/' and 1 to 63 lower-case letters, digits and "
                                              "hyphens")});
   }
+}
+
+void CheckTitle(const std::string& field, const std::string& text, std::vector<Finding>& findings) {
+  CheckCharacters(field, text, kMaxTitle, findings);
+}
+
+void CheckDescription(const std::string& field, const std::string& text,
+                      std::vector<Finding>& findings) {
+  CheckCharacters(field, text, kMaxDescription, findings);
 }
 
 void CheckText(const std::string& field, const std::string& text, std::vector<Finding>& findings) {
@@ -33,6 +61,14 @@ void CheckLink(const std::string& field, const std::string& link, std::vector<Fi
   CheckText(field, link, findings);
   if (link.empty() || link.starts_with("https://") || link.starts_with("http://")) return;
   findings.push_back({field, "must begin with https:// or http://"});
+}
+
+void CheckUnit(const std::string& field, const std::string& unit, std::vector<Finding>& findings) {
+  if (unit.empty()) {
+    findings.push_back({field, "is missing; say '1' where there is none"});
+  } else if (std::find(std::begin(kUnits), std::end(kUnits), unit) == std::end(kUnits)) {
+    findings.push_back({field, absl::StrCat("must be one of ", absl::StrJoin(kUnits, ", "))});
+  }
 }
 
 void CheckPositive(const std::string& field, double value, std::vector<Finding>& findings) {

@@ -1,4 +1,5 @@
 // Checks of items.
+#include <chrono>
 #include <cmath>
 #include <set>
 
@@ -17,7 +18,7 @@ constexpr std::size_t kMaxMoreSuppliers = 16;
 constexpr const char* kAxisFields[] = {"X", "Y", "Z"};
 constexpr const char* kAxisNames[] = {"length", "width", "thickness"};
 
-// YYYY-MM-DD with a month and day that exist in some year.
+// YYYY-MM-DD, a day that the calendar has.
 bool IsDate(const std::string& text) {
   if (text.size() != 10 || text[4] != '-' || text[7] != '-') return false;
   for (const int i : {0, 1, 2, 3, 5, 6, 8, 9}) {
@@ -25,9 +26,11 @@ bool IsDate(const std::string& text) {
       return false;
     }
   }
-  const int month = (text[5] - '0') * 10 + text[6] - '0';
-  const int day = (text[8] - '0') * 10 + text[9] - '0';
-  return month >= 1 && month <= 12 && day >= 1 && day <= 31;
+  return std::chrono::year_month_day(
+             std::chrono::year(std::stoi(text.substr(0, 4))),
+             std::chrono::month(static_cast<unsigned>(std::stoi(text.substr(5, 2)))),
+             std::chrono::day(static_cast<unsigned>(std::stoi(text.substr(8, 2)))))
+      .ok();
 }
 
 bool IsCurrency(const std::string& text) {
@@ -215,7 +218,7 @@ void CheckPrice(const Item& item, std::vector<Finding>& findings) {
 std::vector<Finding> ValidateItem(const Item& item, const std::vector<Material>& materials) {
   std::vector<Finding> findings;
   CheckResourceName(item.name, "items", findings);
-  CheckText("title", item.title, findings);
+  CheckTitle("title", item.title, findings);
   CheckText("standard", item.standard, findings);
   CheckText("designation", item.designation, findings);
   CheckSuppliers(item, findings);

@@ -79,7 +79,7 @@ void CheckElasticity(const OrthotropicElasticity& e, std::vector<Finding>& findi
 std::vector<Finding> ValidateMaterial(const Material& material) {
   std::vector<Finding> findings;
   CheckResourceName(material.name, "materials", findings);
-  CheckText("title", material.title, findings);
+  CheckTitle("title", material.title, findings);
   CheckPositive("density", material.density, findings);
   CheckPositive("youngs_modulus", material.youngs_modulus, findings);
   CheckPositive("strength", material.strength, findings);

@@ -41,8 +41,8 @@ void CheckSolidTexts(const std::string& name, const std::string& title,
     findings.push_back(
         {"material", "must be 'materials/' and 1 to 63 lower-case letters, digits and hyphens"});
   }
-  CheckText("title", title, findings);
-  CheckText("description", description, findings);
+  CheckTitle("title", title, findings);
+  CheckDescription("description", description, findings);
 }
 
 void CheckUniqueName(const std::string& field, const std::string& name, std::set<std::string>& seen,
@@ -69,9 +69,9 @@ void CheckSolidParameters(const std::vector<Parameter>& parameters, std::set<std
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     const std::string field = absl::StrCat("parameters[", i, "]");
     CheckNumberName(field + ".name", parameters[i].name, seen, findings);
-    if (parameters[i].unit.empty()) {
-      findings.push_back({field + ".unit", "is missing; say '1' where there is none"});
-    }
+    CheckTitle(field + ".title", parameters[i].title, findings);
+    CheckDescription(field + ".description", parameters[i].description, findings);
+    CheckUnit(field + ".unit", parameters[i].unit, findings);
     CheckRange(field, parameters[i], findings);
   }
 }

@@ -9,6 +9,7 @@
 #include "common/base/identifiers.h"
 #include "common/parametric/compiled_template.h"
 #include "common/parametric/expression.h"
+#include "common/parametric/field_checks.h"
 #include "common/parametric/identifier.h"
 
 namespace mortise::parametric {
@@ -19,7 +20,6 @@ constexpr std::size_t kMaxParts = 500;
 constexpr std::size_t kMaxOutlinePoints = 200;
 constexpr std::size_t kMaxConnections = 2000;
 constexpr std::size_t kMaxBoundaryConditions = 500;
-constexpr std::size_t kMaxText = 10'000;  // bytes of a title or description
 
 // Collects findings about one template.
 class Checker {
@@ -40,8 +40,8 @@ class Checker {
     if (const auto id = ParseResourceName(definition_.name, "templates", "name"); !id.ok()) {
       Report("name", "must be 'templates/' and 1 to 63 lower-case letters, digits and hyphens");
     }
-    CheckText("title", definition_.title);
-    CheckText("description", definition_.description);
+    CheckTitle("title", definition_.title, findings_);
+    CheckDescription("description", definition_.description, findings_);
     CheckParameters();
     CheckParts();
     CheckConnections();
@@ -60,10 +60,6 @@ class Checker {
       Report(field,
              absl::StrCat("has ", count, " entries; ", least, " to ", most, " are accepted"));
     }
-  }
-
-  void CheckText(const std::string& field, const std::string& text) {
-    if (text.size() > kMaxText) Report(field, absl::StrCat("is longer than ", kMaxText, " bytes"));
   }
 
   void CheckName(const std::string& field, const std::string& name, std::set<std::string>& seen) {
@@ -98,11 +94,9 @@ class Checker {
         Report(absl::StrCat(field, ".name"),
                absl::StrCat("'", parameter.name, "' is a word of the expression language"));
       }
-      CheckText(absl::StrCat(field, ".title"), parameter.title);
-      CheckText(absl::StrCat(field, ".description"), parameter.description);
-      if (parameter.unit.empty()) {
-        Report(absl::StrCat(field, ".unit"), "is missing; say '1' where there is none");
-      }
+      CheckTitle(absl::StrCat(field, ".title"), parameter.title, findings_);
+      CheckDescription(absl::StrCat(field, ".description"), parameter.description, findings_);
+      CheckUnit(absl::StrCat(field, ".unit"), parameter.unit, findings_);
       CheckRange(field, parameter);
     }
   }
@@ -143,7 +137,7 @@ class Checker {
       const PartTemplate& part = definition_.parts[i];
       const std::string field = absl::StrCat("parts[", i, "]");
       CheckName(absl::StrCat(field, ".name"), part.name, seen);
-      CheckText(absl::StrCat(field, ".title"), part.title);
+      CheckTitle(absl::StrCat(field, ".title"), part.title, findings_);
       CheckPartItem(field, part);
       if (part.length_axis == part.thickness_axis) {
         Report(absl::StrCat(field, ".thickness_axis"), "is the same as length_axis");

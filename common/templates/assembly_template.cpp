@@ -12,6 +12,7 @@
 #include "common/cad/solid_shape.h"
 #include "common/parametric/assembly_design.h"
 #include "common/parametric/expression.h"
+#include "common/parametric/field_checks.h"
 #include "common/parametric/identifier.h"
 #include "common/parametric/memory_use.h"
 #include "common/parametric/part_shapes.h"
@@ -78,6 +79,7 @@ std::vector<Parameter> ParametersOf(const ParametricAssembly& assembly,
     } else if (!names.insert(handle.parameter).second) {
       findings.push_back({absl::StrCat(field, ".parameter"), "is given twice"});
     }
+    parametric::CheckTitle(absl::StrCat(field, ".title"), handle.title, findings);
     if (!measures.insert({handle.measure.element, handle.measure.axis, handle.measure.kind})
              .second) {
       findings.push_back({absl::StrCat(field, ".measure"), "is given twice"});

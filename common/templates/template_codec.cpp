@@ -12,6 +12,7 @@
 #include "common/cad/cad_template_codec.h"
 #include "common/parametric/assembly_codec.h"
 #include "common/parametric/cage_template_codec.h"
+#include "common/parametric/field_checks.h"
 #include "common/parametric/parameter_values.h"
 #include "common/parametric/parametrization_codec.h"
 #include "common/parametric/template_codec.h"
@@ -204,6 +205,11 @@ void FillHead(const v1::TemplateBundle& bundle, const Template& compiled, v1::Te
       message.set_description(bundle.assembly().description());
     }
   }
+  // Those of the other kinds have been checked with what they are made of.
+  if (message.has_assembly()) {
+    parametric::CheckTitle("title", message.title(), findings);
+    parametric::CheckDescription("description", message.description(), findings);
+  }
   v1::Template filled;
   for (const parametric::Parameter& parameter : compiled.parameters()) {
     *filled.add_parameters() = parametric::ToProto(parameter);
@@ -242,20 +248,23 @@ bool Try(const Template& compiled, const Eigen::VectorXd& q, const std::string& 
 }
 
 // The ends of every parameter, one at a time.
-void TryEnds(const Template& compiled, const std::string& kind, std::vector<Finding>& findings) {
+void TryEnds(const Template& compiled, const std::string& kind,
+             const std::function<bool()>& is_given_up, std::vector<Finding>& findings) {
   const Eigen::VectorXd defaults = parametric::Defaults(compiled.parameters());
   for (Eigen::Index i = 0; i < defaults.size(); ++i) {
     const parametric::Parameter& parameter = compiled.parameters()[static_cast<std::size_t>(i)];
     for (const double end : {parameter.minimum, parameter.maximum}) {
       Eigen::VectorXd q = defaults;
       q(i) = end;
+      if (is_given_up()) return;
       Try(compiled, q, kind, absl::StrCat("at ", parameter.name, " = ", end), findings);
     }
   }
 }
 
 // Corners of the parameter box, always the same.
-void TryCorners(const Template& compiled, const std::string& kind, std::vector<Finding>& findings) {
+void TryCorners(const Template& compiled, const std::string& kind,
+                const std::function<bool()>& is_given_up, std::vector<Finding>& findings) {
   std::mt19937 bits(1);
   for (int corner = 0; corner < kTriedCorners; ++corner) {
     Eigen::VectorXd q(static_cast<Eigen::Index>(compiled.parameters().size()));
@@ -263,21 +272,23 @@ void TryCorners(const Template& compiled, const std::string& kind, std::vector<F
       const parametric::Parameter& parameter = compiled.parameters()[static_cast<std::size_t>(i)];
       q(i) = (bits() & 1U) != 0 ? parameter.maximum : parameter.minimum;
     }
+    if (is_given_up()) return;
     Try(compiled, q, kind, "at " + parametric::ToText(compiled.parameters(), q), findings);
   }
 }
 
 // A solid takes up to a second, and somebody waits: a dozen or so are tried. The ends of an
 // assembly's handles are exact, and a cage has been tried all over already.
-void TryAll(const Template& compiled, const std::string& kind, std::vector<Finding>& findings) {
+void TryAll(const Template& compiled, const std::string& kind,
+            const std::function<bool()>& is_given_up, std::vector<Finding>& findings) {
   const std::vector<parametric::Parameter>& parameters = compiled.parameters();
   const Eigen::VectorXd defaults =
       parametric::RoundToSteps(parameters, parametric::Defaults(parameters));
   if (!Try(compiled, defaults, kind, "at the defaults", findings) || kind != "cad") return;
   if (parameters.size() <= kMostTriedEnds) {
-    TryEnds(compiled, kind, findings);
+    TryEnds(compiled, kind, is_given_up, findings);
   } else {
-    TryCorners(compiled, kind, findings);
+    TryCorners(compiled, kind, is_given_up, findings);
   }
 }
 
@@ -287,7 +298,8 @@ absl::Status CompleteParts(const v1::TemplateBundle& bundle) {
   return parametric::ToStatus(parametric::ValidateTemplate(*converted));
 }
 
-absl::Status CompleteKind(v1::TemplateBundle& bundle, Trial trial) {
+absl::Status CompleteKind(v1::TemplateBundle& bundle, Trial trial,
+                          const std::function<bool()>& is_given_up) {
   v1::Template& message = *bundle.mutable_template_();
   std::vector<Finding> findings;
   CheckHead(message, findings);
@@ -298,7 +310,10 @@ absl::Status CompleteKind(v1::TemplateBundle& bundle, Trial trial) {
   if (message.has_assembly()) *message.mutable_assembly() = std::move(handles);
   FillHead(bundle, *compiled, message, findings);
   const std::string kind = message.has_cad() ? "cad" : message.has_assembly() ? "assembly" : "cage";
-  if (trial == Trial::kThorough || message.has_assembly()) TryAll(*compiled, kind, findings);
+  if (trial == Trial::kThorough || message.has_assembly()) {
+    TryAll(*compiled, kind, is_given_up, findings);
+  }
+  if (is_given_up()) return absl::CancelledError("nobody waits for the template any more");
   return parametric::ToStatus(findings);
 }
 
@@ -308,10 +323,11 @@ absl::StatusOr<std::shared_ptr<const Template>> Compile(const v1::TemplateBundle
   return CompileWith(bundle, nullptr);
 }
 
-absl::Status Complete(v1::TemplateBundle& bundle, Trial trial) {
+absl::Status Complete(v1::TemplateBundle& bundle, Trial trial,
+                      const std::function<bool()>& is_given_up) {
   MORTISE_RETURN_IF_ERROR(bundle.template_().kind_case() == v1::Template::KIND_NOT_SET
                               ? CompleteParts(bundle)
-                              : CompleteKind(bundle, trial));
+                              : CompleteKind(bundle, trial, is_given_up));
   bundle.mutable_template_()->set_digest(parametric::BundleDigest(bundle));
   return absl::OkStatus();
 }

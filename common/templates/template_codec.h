@@ -2,6 +2,7 @@
 // only adapters use it.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <set>
 #include <string>
@@ -29,8 +30,10 @@ enum class Trial {
 // Fills in what the service says of a template (title, description and parameters of a kind, the
 // handles of an assembly where there are none, the digest), and checks all of it. The bundle has
 // the items, materials and assembly that it uses. INVALID_ARGUMENT with every finding; fields as
-// Compile.
-absl::Status Complete(v1::TemplateBundle& bundle, Trial trial);
+// Compile. CANCELLED as soon as `is_given_up`, which is asked before each design that is tried.
+absl::Status Complete(
+    v1::TemplateBundle& bundle, Trial trial,
+    const std::function<bool()>& is_given_up = [] { return false; });
 
 // What a template names itself, not what its assembly does: items/{id}, materials/{id}.
 std::set<std::string> ItemsOf(const v1::Template& message);

@@ -3,6 +3,7 @@
 #include <google/protobuf/util/time_util.h>
 
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <set>
 
 #include "absl/strings/str_cat.h"
@@ -12,6 +13,7 @@
 #include "common/parametric/assembly_codec.h"
 #include "common/parametric/template_codec.h"
 #include "services/catalog/record_access.h"
+#include "services/catalog/record_page.h"
 #include "services/catalog/shape_records.h"
 
 namespace mortise::catalog {
@@ -46,23 +48,16 @@ absl::StatusOr<v1::AssemblyBundle> GetAssemblyBundle(store::ReadTransaction& tra
 
 absl::StatusOr<Page<v1::Assembly>> ListAssemblies(store::ReadTransaction& transaction,
                                                   int page_size, const std::string& page_token) {
-  MORTISE_ASSIGN_OR_RETURN(const store::ListOptions options, PageOptions(page_size, page_token));
-  MORTISE_ASSIGN_OR_RETURN(const std::vector<store::Record> records,
-                           transaction.List(kAssemblies, options));
-  Page<v1::Assembly> page;
-  for (const store::Record& record : records) {
-    if (static_cast<int>(page.entries.size()) + 1 == options.limit) {
-      page.next_page_token = records[page.entries.size() - 1].key;
-      break;
-    }
-    MORTISE_ASSIGN_OR_RETURN(v1::AssemblyBundle bundle, BundleOf(record));
-    v1::Assembly summary = std::move(*bundle.mutable_assembly());
-    summary.clear_parts();
-    summary.clear_groups();
-    summary.clear_joints();
-    page.entries.push_back(std::move(summary));
-  }
-  return page;
+  return ReadPage<v1::Assembly>(
+      transaction, kAssemblies, page_size, page_token,
+      [](const store::Record& record) -> absl::StatusOr<std::optional<v1::Assembly>> {
+        MORTISE_ASSIGN_OR_RETURN(v1::AssemblyBundle bundle, BundleOf(record));
+        v1::Assembly& summary = *bundle.mutable_assembly();
+        summary.clear_parts();
+        summary.clear_groups();
+        summary.clear_joints();
+        return std::move(summary);
+      });
 }
 
 absl::StatusOr<v1::AssemblyBundle> Freeze(store::ReadTransaction& transaction,

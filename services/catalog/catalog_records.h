@@ -4,6 +4,7 @@
 // was imported, so that F(q) of a revision never changes and its digest says all of it.
 #pragma once
 
+#include <functional>
 #include <set>
 #include <string>
 #include <vector>
@@ -95,7 +96,9 @@ absl::StatusOr<v1::TemplateBundle> Freeze(store::ReadTransaction& transaction,
 
 // As templates::Complete; fields are the request's ("template.parts[2]"). Takes up to seconds for
 // large templates.
-absl::Status CompleteBundle(v1::TemplateBundle& bundle, templates::Trial trial);
+absl::Status CompleteBundle(
+    v1::TemplateBundle& bundle, templates::Trial trial,
+    const std::function<bool()>& is_given_up = [] { return false; });
 
 // Writes a completed bundle as the revision after `expected_revision` ("template.imported") and
 // returns the template. If the present revision has the same content, that is returned and nothing

@@ -289,7 +289,7 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
                                            v1::Template* response) override {
     return endpoint_.PreparedMutation(
         "ImportTemplate", context, request, response,
-        [this](const rpc::Call&,
+        [this](const rpc::Call& call,
                const v1::ImportTemplateRequest& asked) -> absl::StatusOr<v1::TemplateBundle> {
           if (asked.expected_revision() < 0) {
             return InvalidField("expected_revision", "must be at least 0");
@@ -299,7 +299,8 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
               ReadFrom<v1::TemplateBundle>(*store_, [&](store::ReadTransaction& transaction) {
                 return Freeze(transaction, asked.template_());
               }));
-          MORTISE_RETURN_IF_ERROR(CompleteBundle(bundle, templates::Trial::kThorough));
+          MORTISE_RETURN_IF_ERROR(CompleteBundle(bundle, templates::Trial::kThorough,
+                                                 [&call] { return call.cancelled(); }));
           return bundle;
         },
         [](const rpc::Call& call, const v1::ImportTemplateRequest& asked,

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
@@ -13,6 +14,7 @@
 #include "services/catalog/catalog_records.h"
 #include "services/catalog/item_filter.h"
 #include "services/catalog/record_access.h"
+#include "services/catalog/record_page.h"
 #include "services/catalog/record_update.h"
 #include "services/catalog/shape_records.h"
 
@@ -85,27 +87,14 @@ absl::StatusOr<v1::Item> GetItem(store::ReadTransaction& transaction, const std:
 
 absl::StatusOr<Page<v1::Item>> ListItems(store::ReadTransaction& transaction,
                                          const v1::ListItemsRequest& request) {
-  MORTISE_ASSIGN_OR_RETURN(store::ListOptions options,
-                           PageOptions(request.page_size(), request.page_token()));
   MORTISE_ASSIGN_OR_RETURN(const ItemFilter filter, ItemFilter::Create(transaction, request));
-  Page<v1::Item> page;
-  std::string last_taken;
-  while (true) {
-    MORTISE_ASSIGN_OR_RETURN(const std::vector<store::Record> records,
-                             transaction.List(kItems, options));
-    for (const store::Record& record : records) {
-      MORTISE_ASSIGN_OR_RETURN(v1::Item item, ItemOf(record));
-      if (!filter.Takes(item)) continue;
-      if (static_cast<int>(page.entries.size()) + 1 == options.limit) {
-        page.next_page_token = last_taken;
-        return page;
-      }
-      last_taken = record.key;
-      page.entries.push_back(std::move(item));
-    }
-    if (static_cast<int>(records.size()) < options.limit) return page;
-    options.after_key = records.back().key;
-  }
+  return ReadPage<v1::Item>(
+      transaction, kItems, request.page_size(), request.page_token(),
+      [&filter](const store::Record& record) -> absl::StatusOr<std::optional<v1::Item>> {
+        MORTISE_ASSIGN_OR_RETURN(v1::Item item, ItemOf(record));
+        if (!filter.Takes(item)) return std::nullopt;
+        return item;
+      });
 }
 
 absl::StatusOr<std::vector<parametric::Finding>> CheckItem(store::ReadTransaction& transaction,

@@ -1,11 +1,13 @@
 // Materials in the store.
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "absl/strings/str_join.h"
 #include "common/base/errors.h"
 #include "common/parametric/template_codec.h"
 #include "services/catalog/catalog_records.h"
 #include "services/catalog/record_access.h"
+#include "services/catalog/record_page.h"
 #include "services/catalog/record_update.h"
 
 namespace mortise::catalog {
@@ -55,19 +57,11 @@ absl::StatusOr<v1::Material> GetMaterial(store::ReadTransaction& transaction,
 
 absl::StatusOr<Page<v1::Material>> ListMaterials(store::ReadTransaction& transaction, int page_size,
                                                  const std::string& page_token) {
-  MORTISE_ASSIGN_OR_RETURN(const store::ListOptions options, PageOptions(page_size, page_token));
-  MORTISE_ASSIGN_OR_RETURN(const std::vector<store::Record> records,
-                           transaction.List(kMaterials, options));
-  Page<v1::Material> page;
-  for (const store::Record& record : records) {
-    if (static_cast<int>(page.entries.size()) + 1 == options.limit) {
-      page.next_page_token = records[page.entries.size() - 1].key;
-      break;
-    }
-    MORTISE_ASSIGN_OR_RETURN(v1::Material material, MaterialOf(record));
-    page.entries.push_back(std::move(material));
-  }
-  return page;
+  return ReadPage<v1::Material>(
+      transaction, kMaterials, page_size, page_token,
+      [](const store::Record& record) -> absl::StatusOr<std::optional<v1::Material>> {
+        return MaterialOf(record);
+      });
 }
 
 absl::StatusOr<v1::Material> CreateMaterial(store::Transaction& transaction,

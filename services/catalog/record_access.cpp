@@ -33,7 +33,7 @@ absl::StatusOr<store::ListOptions> PageOptions(int page_size, const std::string&
   }
   store::ListOptions options;
   options.after_key = page_token;
-  options.limit = (page_size == 0 ? kDefaultPageSize : page_size) + 1;
+  options.limit = page_size == 0 ? kDefaultPageSize : page_size;
   return options;
 }
 

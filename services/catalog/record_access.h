@@ -21,8 +21,8 @@ inline constexpr const char* kAssemblies = "assemblies";
 absl::StatusOr<store::Record> GetRecord(store::ReadTransaction& transaction, const char* kind,
                                         const std::string& name, int64_t revision = 0);
 
-// Options of a List method, one record more than the page holds. INVALID_ARGUMENT naming page_size
-// or page_token.
+// Where a page begins, and as its limit how many entries it has at most. INVALID_ARGUMENT naming
+// page_size or page_token.
 absl::StatusOr<store::ListOptions> PageOptions(int page_size, const std::string& page_token);
 
 // Writes a record that must not exist yet. ALREADY_EXISTS naming it.

@@ -2,6 +2,7 @@
 #include <google/protobuf/util/time_util.h>
 
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "absl/time/time.h"
 #include "common/base/errors.h"
@@ -9,6 +10,7 @@
 #include "services/catalog/assembly_records.h"
 #include "services/catalog/catalog_records.h"
 #include "services/catalog/record_access.h"
+#include "services/catalog/record_page.h"
 #include "services/catalog/shape_records.h"
 
 namespace mortise::catalog {
@@ -61,19 +63,12 @@ absl::StatusOr<v1::TemplateBundle> GetBundle(store::ReadTransaction& transaction
 
 absl::StatusOr<Page<v1::Template>> ListTemplates(store::ReadTransaction& transaction, int page_size,
                                                  const std::string& page_token) {
-  MORTISE_ASSIGN_OR_RETURN(const store::ListOptions options, PageOptions(page_size, page_token));
-  MORTISE_ASSIGN_OR_RETURN(const std::vector<store::Record> records,
-                           transaction.List(kTemplates, options));
-  Page<v1::Template> page;
-  for (const store::Record& record : records) {
-    if (static_cast<int>(page.entries.size()) + 1 == options.limit) {
-      page.next_page_token = records[page.entries.size() - 1].key;
-      break;
-    }
-    MORTISE_ASSIGN_OR_RETURN(v1::TemplateBundle bundle, BundleOf(record));
-    page.entries.push_back(templates::SummaryOf(std::move(*bundle.mutable_template_())));
-  }
-  return page;
+  return ReadPage<v1::Template>(
+      transaction, kTemplates, page_size, page_token,
+      [](const store::Record& record) -> absl::StatusOr<std::optional<v1::Template>> {
+        MORTISE_ASSIGN_OR_RETURN(v1::TemplateBundle bundle, BundleOf(record));
+        return templates::SummaryOf(std::move(*bundle.mutable_template_()));
+      });
 }
 
 absl::StatusOr<v1::TemplateBundle> Freeze(store::ReadTransaction& transaction,
@@ -97,8 +92,10 @@ absl::StatusOr<v1::TemplateBundle> Freeze(store::ReadTransaction& transaction,
   return bundle;
 }
 
-absl::Status CompleteBundle(v1::TemplateBundle& bundle, templates::Trial trial) {
-  return UnderField("template", templates::Complete(bundle, trial));
+absl::Status CompleteBundle(v1::TemplateBundle& bundle, templates::Trial trial,
+                            const std::function<bool()>& is_given_up) {
+  const absl::Status completed = templates::Complete(bundle, trial, is_given_up);
+  return absl::IsCancelled(completed) ? completed : UnderField("template", completed);
 }
 
 absl::StatusOr<v1::Template> ImportBundle(store::Transaction& transaction,

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/base/field_violations.h"
 #include "tests/unit/common/cad/feature_texts.h"
@@ -64,6 +65,42 @@ TEST(BadTemplate, TellsEverythingAtOnce) {
           "features[5].circular_pattern.feature", "features[6].heat.faces",
           "features[6].heat.flux"));
   EXPECT_THAT(findings, Tells("features[1].extrude.sketch", "'b' is not before this feature"));
+}
+
+// The kernel would take minutes over them.
+TEST(BadTemplate, MakesNoMoreCopiesThanTheKernelCombinesInSeconds) {
+  const auto grid = [](const char* count, const char* rows) {
+    return absl::StrCat("linear_pattern { feature: 'h' step { x: '0.001' } count: '", count,
+                        "' second_step { y: '0.001' } second_count: '", rows, "' } } ");
+  };
+  const std::string hole =
+      BlockText() +
+      "features { name: 'h' hole { face: 'block.end' position { x: '-0.02' y: '-0.02' } "
+      "diameter: '0.0005' } } ";
+  const auto refusal = [&](const std::string& patterns) {
+    const auto definition = ParseCadTemplateText(TemplateText("", hole + patterns), "test");
+    EXPECT_TRUE(definition.ok()) << definition.status();
+    const auto model = FeatureModel::Create(*definition);
+    return model.ok() ? model->Regenerate(model->Defaults()).status() : model.status();
+  };
+  EXPECT_EQ(DetailOf(refusal("features { name: 'z' " + grid("32", "31"))).field,
+            "features[3].linear_pattern.count");
+  EXPECT_EQ(DetailOf(refusal("features { name: 'z' " + grid("201", "1"))).field,
+            "features[3].linear_pattern.count");
+  EXPECT_EQ(DetailOf(refusal("features { name: 'y' " + grid("20", "10") + "features { name: 'z' " +
+                             grid("2", "2")))
+                .field,
+            "features[4]");
+}
+
+TEST(BadTemplate, LimitsTextsAndKnowsUnits) {
+  const auto findings =
+      FindingsOf(absl::StrCat("description: '", std::string(10'001, 'x'),
+                              "' parameters { name: 'a' title: '", std::string(201, 'x'),
+                              "' unit: 'inch' minimum: 0 maximum: 1 default_value: 0 } "),
+                 BlockText());
+  EXPECT_THAT(PlacesOf(findings),
+              UnorderedElementsAre("description", "parameters[0].title", "parameters[0].unit"));
 }
 
 TEST(BadTemplate, TellsWhatReferencesCannotMean) {

@@ -203,6 +203,77 @@ TEST(AssemblyCodec, RefusesWhatCannotBe) {
               UnorderedElementsAre("parts"));
 }
 
+TEST(AssemblyCodec, RefusesWhatSaysNothing) {
+  const auto faults = [](const std::function<void(v1::Assembly&)>& change) {
+    v1::Assembly rack = Rack();
+    change(rack);
+    return FieldsAtFault(rack);
+  };
+  EXPECT_THAT(faults([](auto& rack) {
+                auto& pose = *rack.mutable_joints(0)->add_rest_poses();
+                pose.set_name("ajar");
+                pose.mutable_rotation()->set_z(-1);
+              }),
+              UnorderedElementsAre("joints[0].rest_poses[1].rotation"))
+      << "a hinge turns by an amount";
+  EXPECT_THAT(faults([](auto& rack) {
+                auto& joint = *rack.mutable_joints(0);
+                joint.set_kind(v1::Joint::BALL);
+                joint.set_upper(1.6);
+                joint.mutable_rest_poses(0)->set_amount(1);
+              }),
+              UnorderedElementsAre("joints[0].rest_poses[0].amount"))
+      << "a ball by a rotation";
+  EXPECT_THAT(
+      faults([](auto& rack) { *rack.mutable_parts(1)->add_repeat() = rack.parts(1).repeat(0); }),
+      UnorderedElementsAre("parts[1].repeat[1].offset"));
+  EXPECT_THAT(faults([](auto& rack) {
+                auto& twice = *rack.mutable_parts(1)->add_repeat();
+                twice.set_count(2);
+                twice.mutable_offset()->set_z(-1);
+              }),
+              UnorderedElementsAre("parts[1].repeat[1].offset"))
+      << "two steps of one are one of the other";
+  EXPECT_THAT(faults([](auto& rack) {
+                auto& beyond = *rack.mutable_parts(1)->add_repeat();
+                beyond.set_count(2);
+                beyond.mutable_offset()->set_z(1.5);
+              }),
+              UnorderedElementsAre())
+      << "one step of one leads past all of the other";
+}
+
+TEST(AssemblyCodec, RefusesWhatIsTooFarTooSmallOrTooLong) {
+  const auto faults = [](const std::function<void(v1::Assembly&)>& change) {
+    v1::Assembly rack = Rack();
+    change(rack);
+    return FieldsAtFault(rack);
+  };
+  EXPECT_THAT(faults([](auto& rack) { rack.mutable_joints(0)->mutable_center()->set_x(1e300); }),
+              UnorderedElementsAre("joints[0].center"));
+  EXPECT_THAT(faults([](auto& rack) { rack.mutable_joints(0)->set_lower(-1e300); }),
+              UnorderedElementsAre("joints[0].lower"));
+  EXPECT_THAT(faults([](auto& rack) { rack.mutable_joints(0)->set_upper(101); }),
+              UnorderedElementsAre("joints[0].upper"));
+  EXPECT_THAT(faults([](auto& rack) {
+                rack.mutable_joints(0)->set_kind(v1::Joint::PRISMATIC);
+                rack.mutable_joints(0)->set_lower(-101);
+              }),
+              UnorderedElementsAre())
+      << "101 m is not far";
+  EXPECT_THAT(faults([](auto& rack) {
+                rack.mutable_parts(3)->clear_item();
+                rack.mutable_parts(3)->mutable_size()->set_y(5e-7);
+              }),
+              UnorderedElementsAre("parts[3].size"));
+  EXPECT_THAT(faults([](auto& rack) {
+                rack.set_title(std::string(201, 'x'));
+                rack.set_description(std::string(10'001, 'x'));
+                rack.mutable_parts(2)->set_title(std::string(201, 'x'));
+              }),
+              UnorderedElementsAre("title", "description", "parts[2].title"));
+}
+
 TEST(AssemblyCodec, TextThatIsNoneIsRefusedWithItsPlace) {
   const auto read =
       ParseAssemblyText("name: 'assemblies/a'\nparts { colour: 3 }", "rack.textproto");

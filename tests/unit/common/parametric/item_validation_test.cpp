@@ -152,6 +152,20 @@ TEST(ItemValidation, ChecksStockAndSuppliers) {
               ElementsAre(At("more_suppliers", "17 entries")));
   EXPECT_THAT(Spoilt([](Item& item) { item.designation = std::string(1001, 'x'); }),
               ElementsAre(At("designation")));
+  EXPECT_THAT(Spoilt([](Item& item) { item.title = std::string(201, 'x'); }),
+              ElementsAre(At("title", "200 characters")));
+  EXPECT_THAT(Spoilt([](Item& item) {
+                for (int i = 0; i < 200; ++i) item.title += "ß";
+              }),
+              IsEmpty())
+      << "characters, not bytes";
+  for (const char* no_day :
+       {"2026-02-30", "2026-02-29", "2026-04-31", "2026-13-01", "2026-00-10"}) {
+    EXPECT_THAT(Spoilt([&](Item& item) { item.price_date = no_day; }),
+                ElementsAre(At("price_date")))
+        << no_day;
+  }
+  EXPECT_THAT(Spoilt([](Item& item) { item.price_date = "2028-02-29"; }), IsEmpty());
 }
 
 TEST(ItemValidation, GrainLiesAlongTwoAxes) {

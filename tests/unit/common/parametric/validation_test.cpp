@@ -164,6 +164,20 @@ TEST_F(ValidationTest, LimitsWhatItLooksAt) {
   EXPECT_EQ(findings.size(), 1u);
 }
 
+TEST_F(ValidationTest, LimitsTextsAndKnowsUnits) {
+  table_.title = std::string(201, 'x');
+  table_.description = std::string(10'001, 'x');
+  table_.parameters[0].title = std::string(201, 'x');
+  table_.parameters[0].unit = "furlong";
+  table_.parts[1].title = std::string(201, 'x');
+  const auto findings = ValidateTemplate(bundle_);
+  for (const char* field :
+       {"title", "description", "parameters[0].title", "parameters[0].unit", "parts[1].title"}) {
+    EXPECT_THAT(findings, Contains(At(field))) << Listed(findings);
+  }
+  EXPECT_EQ(findings.size(), 5u) << Listed(findings);
+}
+
 TEST_F(ValidationTest, ChecksItems) {
   Item item = bundle_.items[1];
   ASSERT_THAT(ValidateItem(item, bundle_.materials), IsEmpty());

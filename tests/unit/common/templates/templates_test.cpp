@@ -185,6 +185,14 @@ TEST(TemplatesTest, AKindSaysWhatItIsByItself) {
   EXPECT_EQ(DetailOf(Complete(bundle, Trial::kDefaults)).field, "cad.name");
 }
 
+TEST(TemplatesTest, NothingMoreIsTriedForWhoHasGivenUp) {
+  v1::TemplateBundle bundle = ShippedTemplate("templates/wrench");
+  int asked = 0;
+  const absl::Status status = Complete(bundle, Trial::kThorough, [&asked] { return ++asked >= 2; });
+  EXPECT_EQ(status.code(), absl::StatusCode::kCancelled) << status;
+  EXPECT_LE(asked, 3) << "of six ends of parameters";
+}
+
 TEST(TemplatesTest, DesignsThatCannotBeMadeAtTheEndsAreRefused) {
   v1::TemplateBundle bundle = ShippedTemplate("templates/wrench");
   v1::CadTemplate& cad = *bundle.mutable_template_()->mutable_cad();
