@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <boost/pending/disjoint_sets.hpp>
 #include <cmath>
 #include <map>
 #include <utility>
@@ -18,6 +19,7 @@ namespace {
 
 constexpr double kOnBox = 2e-7;         // m, within which a vertex lies in a face of the box
 constexpr double kLeastSize = 1e-6;     // m
+constexpr double kFurthest = 10e3;      // m, from the origin, as assemblies
 constexpr double kSamePlane = 1e-9;     // of the size: fractions in one plane
 constexpr double kProminent = 0.1;      // of the box's section: the least area of a large face
 constexpr std::size_t kMostPlanes = 4;  // along an axis
@@ -38,6 +40,10 @@ absl::Status CheckSolid(const mesh::SurfaceMesh& surface) {
     return TooLarge("shape", absl::StrCat(kMaxShapeVertices, " vertices and ", kMaxShapeTriangles,
                                           " triangles"));
   }
+  if (surface.vertices.cwiseAbs().maxCoeff() > kFurthest) {
+    return InvalidField("shape",
+                        absl::StrCat("lies further than ", kFurthest, " m from the origin"));
+  }
   std::vector<FieldViolation> faults;
   for (const mesh::SurfaceFault& fault : mesh::CheckSurface(surface, kMostFaults)) {
     faults.push_back({"shape", fault.message});
@@ -50,6 +56,26 @@ absl::Status CheckSolid(const mesh::SurfaceMesh& surface) {
     }
   }
   return faults.empty() ? absl::OkStatus() : InvalidFields(faults);
+}
+
+// How many solids the surfaces enclose that share no vertex; a hollow, turned inwards, is none.
+std::size_t CountSolids(const mesh::SurfaceMesh& surface) {
+  boost::disjoint_sets_with_storage<> surfaces(static_cast<std::size_t>(surface.vertices.cols()));
+  for (Eigen::Index v = 0; v < surface.vertices.cols(); ++v) surfaces.make_set(v);
+  for (Eigen::Index t = 0; t < surface.triangles.cols(); ++t) {
+    surfaces.union_set(surface.triangles(0, t), surface.triangles(1, t));
+    surfaces.union_set(surface.triangles(0, t), surface.triangles(2, t));
+  }
+  std::map<std::size_t, double> volumes;  // six times m³
+  for (Eigen::Index t = 0; t < surface.triangles.cols(); ++t) {
+    const auto corner = [&](int k) -> Eigen::Vector3d {
+      return surface.vertices.col(surface.triangles(k, t)) - surface.vertices.col(0);
+    };
+    volumes[surfaces.find_set(surface.triangles(0, t))] +=
+        corner(0).dot(corner(1).cross(corner(2)));
+  }
+  return static_cast<std::size_t>(std::count_if(
+      volumes.begin(), volumes.end(), [](const auto& volume) { return volume.second > 0; }));
 }
 
 // The face of the box along `axis` in which a triangle lies: 0, 1, or -1 for neither.
@@ -161,6 +187,9 @@ absl::StatusOr<DrawnShape> ShapeOfMesh(const mesh::SurfaceMesh& surface) {
       DrawnShape shape,
       MakeDrawnShape(surface, Eigen::VectorXi::Zero(surface.triangles.cols()), {"surface"},
                      surface.vertices.rowwise().minCoeff(), surface.vertices.rowwise().maxCoeff()));
+  if (const std::size_t solids = CountSolids(surface); solids != 1) {
+    return InvalidField("shape", absl::StrCat("has ", solids, " separate solids, not one"));
+  }
   for (int axis = 0; axis < 3; ++axis) {
     for (int side = 0; side < 2; ++side) {
       const int face = static_cast<int>(shape.face_names.size());

@@ -47,7 +47,8 @@ struct DrawnShape {
 // The volume is that of the triangles, and there is no deflection and no B-rep yet.
 //
 // INVALID_ARGUMENT, "shape": open, not manifold, inside out or self-intersecting surfaces, with the
-// places; a box without size; RESOURCE_EXHAUSTED past kMaxShapeVertices or kMaxShapeTriangles.
+// places; coordinates beyond 10 km; a box without size; RESOURCE_EXHAUSTED past kMaxShapeVertices
+// or kMaxShapeTriangles.
 absl::StatusOr<DrawnShape> MakeDrawnShape(const mesh::SurfaceMesh& surface,
                                           const Eigen::VectorXi& triangle_face,
                                           const std::vector<std::string>& own_names,
@@ -55,7 +56,8 @@ absl::StatusOr<DrawnShape> MakeDrawnShape(const mesh::SurfaceMesh& surface,
                                           const Eigen::Vector3d& maximum);
 
 // The shape of a mesh of which nothing else is known: its faces are those in the faces of its box,
-// "face1" …, and all the rest, "surface". Errors as MakeDrawnShape.
+// "face1" …, and all the rest, "surface". Errors as MakeDrawnShape; INVALID_ARGUMENT, "shape", also
+// for several solids that share no vertex. One may have hollows.
 absl::StatusOr<DrawnShape> ShapeOfMesh(const mesh::SurfaceMesh& surface);
 
 // Everything about `shape` that follows from its fractions, triangles, triangle_face and own names:

@@ -22,6 +22,7 @@
 #include "common/rpc/status_mapping.h"
 #include "mortise/v1/assembly.grpc.pb.h"
 #include "mortise/v1/catalog.grpc.pb.h"
+#include "mortise/v1/events.grpc.pb.h"
 #include "tests/integration/services/call_service.h"
 #include "tests/integration/services/service_under_test.h"
 
@@ -395,6 +396,20 @@ TEST_F(ShapeServiceTest, RefusesWhatIsNoSolidAndStoresNothing) {
   EXPECT_EQ(DetailOf(ImportShape("x", Request::FORMAT_UNSPECIFIED).status()).field, "format");
   EXPECT_EQ(DetailOf(ImportShape(Stool(), Request::STEP).status()).field, "file") << "five solids";
   EXPECT_EQ(DetailOf(ImportShape("ISO-10303-21;", Request::STEP).status()).field, "file");
+  // The first shape that the catalog tells of is the first that is good.
+  const auto good =
+      ImportShape(Tetrahedron({{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}), Request::STL);
+  ASSERT_TRUE(good.ok()) << good.status();
+  const auto events = v1::EventService::NewStub(process_.channel());
+  v1::FollowEventsRequest follow;
+  follow.add_type_prefixes("shape.");
+  grpc::ClientContext context;
+  testing::Prepare(context);
+  const auto reader = events->FollowEvents(&context, follow);
+  v1::Event event;
+  ASSERT_TRUE(reader->Read(&event));
+  EXPECT_EQ(event.subject(), good->name());
+  context.TryCancel();
   v1::GetShapeRequest get;
   get.set_name("shapes/" + std::string(64, '0'));
   EXPECT_EQ(Call(*catalog_, &v1::CatalogService::Stub::GetShape, get).status().code(),

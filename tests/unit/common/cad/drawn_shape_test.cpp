@@ -240,6 +240,21 @@ TEST(DrawnShape, IsRefusedWithThePlaceWhereItBoundsNoSolid) {
   crossing.triangles << good.triangles, good.triangles.array() + static_cast<int>(v);
   EXPECT_THAT(std::string(mesh::ShapeOfMesh(crossing).status().message()),
               HasSubstr("crosses itself"));
+  mesh::SurfaceMesh apart = crossing;
+  apart.vertices.rightCols(v).array() += 10;
+  EXPECT_THAT(std::string(mesh::ShapeOfMesh(apart).status().message()),
+              HasSubstr("2 separate solids"));
+  // One within the other, turned inwards, is a hollow.
+  mesh::SurfaceMesh hollow = apart;
+  const Eigen::Vector3d within = good.vertices.rowwise().mean();
+  hollow.vertices.rightCols(v) = ((good.vertices.colwise() - within) / 10).colwise() + within;
+  EXPECT_THAT(std::string(mesh::ShapeOfMesh(hollow).status().message()),
+              HasSubstr("2 separate solids"));
+  hollow.triangles.rightCols(t).row(0).swap(hollow.triangles.rightCols(t).row(1));
+  EXPECT_TRUE(mesh::ShapeOfMesh(hollow).ok());
+  mesh::SurfaceMesh far = good;
+  far.vertices.array() += 10'001;
+  EXPECT_THAT(std::string(mesh::ShapeOfMesh(far).status().message()), HasSubstr("from the origin"));
   EXPECT_FALSE(mesh::ShapeOfMesh({}).ok());
   mesh::SurfaceMesh huge;
   huge.vertices = Eigen::Matrix3Xd::Zero(3, 3);
