@@ -147,10 +147,11 @@ absl::Status UnderField(std::string_view prefix, const absl::Status& status) {
   }
   if (!violations.empty()) return InvalidFields(violations);
   ErrorDetail detail = DetailOf(status);
+  const char* const separator = detail.field.empty() ? ": " : ".";
   detail.field =
       detail.field.empty() ? std::string(prefix) : absl::StrCat(View(prefix), ".", detail.field);
-  return WithDetail(absl::Status(status.code(), absl::StrCat(View(prefix), ".", status.message())),
-                    detail);
+  return WithDetail(
+      absl::Status(status.code(), absl::StrCat(View(prefix), separator, status.message())), detail);
 }
 
 }  // namespace mortise

@@ -333,7 +333,9 @@ absl::Status AtRequest(const DrawnAssembly& drawn, const v1::AssemblyAnnotations
     all.push_back({finding.field, finding.message});
   }
   if (!checked.ok() && !absl::IsInvalidArgument(checked)) {
-    return all.empty() ? checked : InvalidFields(all);
+    if (!all.empty()) return InvalidFields(all);
+    // Of the design as a whole, which is what the file draws.
+    return absl::IsFailedPrecondition(checked) ? UnderField("step", checked) : checked;
   }
   std::vector<FieldViolation> violations = ViolationsOf(checked);
   if (!checked.ok() && violations.empty()) {

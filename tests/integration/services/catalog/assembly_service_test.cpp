@@ -249,6 +249,7 @@ TEST_F(AssemblyParametrizationTest, ReportsEverythingThatIsWrongAndStoresNothing
   lamp.mutable_position()->set_z(10);
   const absl::Status unbounded = Import(loose, 0).status();
   EXPECT_EQ(DetailOf(unbounded).reason, "FEASIBLE_SET_UNBOUNDED") << unbounded;
+  EXPECT_EQ(DetailOf(unbounded).field, "assembly");
   EXPECT_THAT(std::string(unbounded.message()), HasSubstr("'lamp'"));
 
   for (const char* name : {"assemblies/broken", "assemblies/loose"}) {

@@ -43,6 +43,10 @@ TEST(UnderField, PutsThePrefixBeforeFieldAndMessage) {
   EXPECT_EQ(DetailOf(status).reason, "FIELD_INVALID");
   EXPECT_EQ(status.message(), "requests[3].q[1]: is not finite");
   EXPECT_TRUE(UnderField("x", absl::OkStatus()).ok());
+  const absl::Status whole = UnderField("assembly", PreconditionFailed("UNBOUNDED", "can grow"));
+  EXPECT_EQ(DetailOf(whole).field, "assembly");
+  EXPECT_EQ(DetailOf(whole).reason, "UNBOUNDED");
+  EXPECT_EQ(whole.message(), "assembly: can grow");
 }
 
 TEST(DetailOf, IsEmptyForForeignStatuses) {
