@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "cli/field_sources.h"
 #include "cli/mesh_analysis.h"
 #include "cli/metric_evaluation.h"
@@ -24,6 +25,7 @@ struct AnalyzeOptions {
   std::vector<std::string> parameters;
   std::vector<std::string> metrics;  // these and nothing else, if there are any
   std::string element_size;
+  double relative_error = 0;
   bool linear = false;
   int modes = 0;
   std::filesystem::path mesh;  // with it, `subject` is the file of a case
@@ -34,6 +36,7 @@ FieldSources SourcesOf(const AnalyzeOptions& options) {
   FieldSources sources;
   sources.AddEach("parameters", "--set", options.parameters);
   sources.Add("mesh.element_size", "--element-size");
+  sources.Add("mesh.relative_error", "--relative-error");
   sources.AddEach("metrics", "--metric", options.metrics);
   sources.Add("modes", "--modes");
   // The evaluator speaks of points in the template's order, not of names.
@@ -59,10 +62,10 @@ absl::Status DownloadArtifacts(const v1::Analysis& analysis, const std::filesyst
 
 absl::Status AnalyzeMesh(const AnalyzeOptions& options, Session& session, Output& output) {
   if (!options.parameters.empty() || !options.element_size.empty() || options.linear ||
-      !options.metrics.empty()) {
+      options.relative_error != 0 || !options.metrics.empty()) {
     return InvalidField("--mesh",
-                        "is a mesh already: --set, --metric, --element-size and --linear are for "
-                        "templates");
+                        "is a mesh already: --set, --metric, --element-size, --relative-error and "
+                        "--linear are for templates");
   }
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   const auto stub = v1::SimulatorService::NewStub(client->channel());
@@ -116,6 +119,7 @@ absl::Status Analyze(const AnalyzeOptions& options, Session& session, Output& ou
                              ParseQuantity(options.element_size, "--element-size"));
     request.mutable_mesh()->set_element_size(size);
   }
+  request.mutable_mesh()->set_relative_error(options.relative_error);
   if (options.linear) request.mutable_mesh()->set_linear(true);
   request.set_modes(options.modes);
   if (!options.metrics.empty()) return Evaluate(options, request, session, output);
@@ -131,7 +135,11 @@ absl::Status Analyze(const AnalyzeOptions& options, Session& session, Output& ou
                            analysis.unknowns(), " unknowns"));
   PrintMetrics(analysis.metrics(), output);
   PrintModes(analysis, output);
-  for (const std::string& note : analysis.notes()) output.Line(absl::StrCat("  without ", note));
+  for (const v1::RefinementStep& step : analysis.refinements()) {
+    output.Line(absl::StrFormat("  %d elements: estimated error %.2g %%", step.elements(),
+                                100 * step.relative_error()));
+  }
+  for (const std::string& note : analysis.notes()) output.Line(absl::StrCat("  note: ", note));
   if (!options.out.empty()) {
     MORTISE_RETURN_IF_ERROR(DownloadArtifacts(analysis, options.out, *stub, *client, output));
   }
@@ -153,6 +161,8 @@ void AddAnalyzeCommand(CLI::App& app, Session& session) {
   analyze->add_option("--metric", options->metrics,
                       "Only this, such as mass, cost, draught or max_displacement; again for more");
   analyze->add_option("--element-size", options->element_size, "Edge length of the tetrahedra");
+  analyze->add_option("--relative-error", options->relative_error,
+                      "Refine until the estimated error is at most this, such as 0.05");
   analyze->add_option("--modes", options->modes, "How many natural frequencies besides, up to 100");
   analyze->add_flag("--linear", options->linear, "Tetrahedra of 4 nodes instead of 10");
   analyze->add_option("--mesh", options->mesh,

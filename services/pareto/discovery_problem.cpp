@@ -115,6 +115,10 @@ absl::Status CheckSpecification(const v1::DiscoverySpecification& specification)
   if (specification.mesh().element_size() < 0)
     return InvalidField("specification.mesh.element_size",
                         "must be positive, or 0 for the default");
+  const double error = specification.mesh().relative_error();
+  if (error != 0 && !(error >= 0.001 && error <= 1))
+    return InvalidField("specification.mesh.relative_error",
+                        "must be within 0.001 to 1, or 0 for no refinement");
   names.clear();
   for (int k = 0; k < specification.bounds_size(); ++k) {
     const auto& bound = specification.bounds(k);

@@ -17,6 +17,7 @@
 #include "common/store/store.h"
 #include "services/simulator/design_analysis.h"
 #include "services/simulator/mesh_case.h"
+#include "services/simulator/mesh_settings.h"
 #include "services/simulator/simulator_core.h"
 #include "services/simulator/task_progress.h"
 #include "services/simulator/template_model.h"
@@ -206,9 +207,7 @@ absl::StatusOr<std::string> Analyse(const Run& run) {
 
 absl::StatusOr<v1::Task> PrepareAnalysis(SimulatorCore& core, const v1::AnalyzeDesignRequest& asked,
                                          const rpc::Origin& origin) {
-  if (asked.mesh().element_size() < 0) {
-    return InvalidField("mesh.element_size", "must be positive, or 0 for the default");
-  }
+  MORTISE_RETURN_IF_ERROR(CheckMeshSettings(asked.mesh()));
   if (asked.modes() < 0 || asked.modes() > kMaximumModes) {
     return InvalidField("modes", absl::StrCat("must be 0 to ", kMaximumModes));
   }

@@ -114,6 +114,34 @@ double ValueUnderLoads(const std::string& name, const DesignModel& model,
   return StressRatio(model, solution);
 }
 
+// Solves on finer meshes until the error is as wanted.
+absl::Status Refine(const DesignModel& model, const DesignAnalysisOptions& options,
+                    DesignAnalysis& analysis) {
+  Refinement refinement({.wanted_error = options.wanted_error,
+                         .mesh = options.mesh,
+                         .memory_limit = options.elasticity.solver.memory_limit});
+  ThreadTeam team(options.elasticity.threads);
+  while (true) {
+    const ErrorEstimate estimate =
+        EstimateError(*analysis.mesh, model.analysis.materials, analysis.solution->displacement,
+                      analysis.solution->temperature, team);
+    MORTISE_ASSIGN_OR_RETURN(auto finer, refinement.Next(*analysis.mesh, {&estimate, 1}));
+    if (!finer) break;
+    absl::StatusOr<ElasticitySolution> solution =
+        SolveElasticity(*finer, model.analysis, options.elasticity);
+    if (absl::IsResourceExhausted(solution.status())) {
+      refinement.GiveUp(std::string(solution.status().message()));
+      break;
+    }
+    MORTISE_RETURN_IF_ERROR(solution.status());
+    analysis.mesh = *std::move(finer);
+    analysis.solution = *std::move(solution);
+  }
+  analysis.refinements = refinement.steps();
+  analysis.shortfall = refinement.shortfall();
+  return absl::OkStatus();
+}
+
 absl::StatusOr<Metric> Compute(const MetricDescription& metric, const DesignModel& model,
                                const DesignAnalysis& analysis, GeometryMetrics& geometry,
                                int threads) {
@@ -235,6 +263,7 @@ absl::StatusOr<DesignAnalysis> AnalyzeDesign(const DesignModel& model,
     if (options.progress != nullptr) options.progress->Begin("solution");
     MORTISE_ASSIGN_OR_RETURN(analysis.solution,
                              SolveElasticity(*analysis.mesh, model.analysis, options.elasticity));
+    if (options.wanted_error > 0) MORTISE_RETURN_IF_ERROR(Refine(model, options, analysis));
   }
   if (modes > 0) {
     if (options.progress != nullptr) options.progress->Begin("frequencies");

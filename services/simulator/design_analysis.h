@@ -15,6 +15,7 @@
 #include "services/simulator/geometry_metrics.h"
 #include "services/simulator/metric.h"
 #include "services/simulator/modal_analysis.h"
+#include "services/simulator/refinement.h"
 #include "services/simulator/stage_progress.h"
 
 namespace mortise::simulator {
@@ -49,6 +50,9 @@ struct DesignAnalysisOptions {
   bool leave_out_inapplicable = false;
   // How many natural modes that deform are wanted beside the metrics; one, if a metric needs it.
   int modes = 0;
+  // The mesh is refined until the estimated relative error is at most this, 0.001 to 1, or the
+  // limits of memory and elements forbid it; 0 for no refinement.
+  double wanted_error = 0;
 };
 
 // All that was computed. Without a metric that needs them there are no mesh, solution and modes.
@@ -58,6 +62,8 @@ struct DesignAnalysis {
   std::optional<mesh::TetrahedralMesh> mesh;
   std::optional<ElasticitySolution> solution;
   std::optional<ModalSolution> vibration;
+  std::vector<RefinementStep> refinements;  // the meshes solved on, where an error was wanted
+  std::string shortfall;                    // why it was not reached; empty if it was
   double meshing_seconds = 0;
   double seconds = 0;
 };

@@ -86,8 +86,13 @@ Eigen::VectorXd ElementSizes(const mesh::TetrahedralMesh& mesh, const ErrorEstim
                              double wanted) {
   const double degree = mesh.IsQuadratic() ? 2 : 1;
   const Eigen::Index elements = mesh.tetrahedra.cols();
-  const double allowed =
-      wanted * std::hypot(estimate.error, estimate.energy_norm) / std::sqrt(double(elements));
+  const double allowed = wanted * std::hypot(estimate.error, estimate.energy_norm);
+  // An element of error η becomes f times as large: its place then has the error η f^p and f^-3
+  // elements. Their number is least, for Σ η² f^2p = allowed², where f = c η^(-2 / (2p + 3)).
+  const double power = 2 / (2 * degree + 3);
+  double sum = 0;
+  for (const double error : estimate.element_error) sum += std::pow(error, 3 * power);
+  const double scale = sum > 0 ? std::pow(allowed * allowed / sum, 1 / (2 * degree)) : 0;
   Eigen::VectorXd sizes(elements);
   for (Eigen::Index e = 0; e < elements; ++e) {
     const GradientMatrix positions = ElementPositions(mesh, e);
@@ -96,7 +101,7 @@ Eigen::VectorXd ElementSizes(const mesh::TetrahedralMesh& mesh, const ErrorEstim
         EvaluateElement(positions, Eigen::Vector4d::Constant(0.25)).determinant / 6;
     const double size = std::cbrt(6 * std::sqrt(2.0) * std::max(volume, 0.0));
     const double error = estimate.element_error[e];
-    const double factor = error > 0 ? std::pow(allowed / error, 1 / degree) : 2;
+    const double factor = error > 0 ? scale * std::pow(error, -power) : 2;
     sizes[e] = size * std::clamp(factor, 0.2, 2.0);
   }
   return sizes;

@@ -30,8 +30,10 @@ ErrorEstimate EstimateError(const mesh::TetrahedralMesh& mesh,
                             const Eigen::VectorXd& temperature, ThreadTeam& team);
 
 // The size (m) that elements should have for a relative error of `wanted`, one for each element:
-// all are to contribute equally, and an element's η falls with its size to the power of its degree
-// (Zienkiewicz and Zhu 1987). Never less than a fifth nor more than twice the present size.
+// those that give it with the fewest elements, if an element's error η falls with its size to the
+// power p of its degree. All elements then have errors in the proportion η^(3 / (2p + 3)) of
+// today's (Coorevits, Ladevèze and Pelle 1995). Never less than a fifth nor more than twice the
+// present size.
 Eigen::VectorXd ElementSizes(const mesh::TetrahedralMesh& mesh, const ErrorEstimate& estimate,
                              double wanted);
 

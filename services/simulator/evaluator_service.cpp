@@ -16,6 +16,7 @@
 #include "mortise/v1/simulator.pb.h"
 #include "services/simulator/evaluation_subject.h"
 #include "services/simulator/evaluator_records.h"
+#include "services/simulator/mesh_settings.h"
 #include "services/simulator/result_cache.h"
 #include "services/simulator/simulator_core.h"
 
@@ -195,9 +196,7 @@ class EvaluatorAdapter final : public v1::EvaluatorService::CallbackService {
       return InvalidField("points", absl::StrCat("must be 1 to ", kMaximumPoints));
     }
     const std::vector<std::string> metrics(asked.metrics().begin(), asked.metrics().end());
-    if (asked.mesh().element_size() < 0) {
-      return InvalidField("mesh.element_size", "must be positive, or 0 for the default");
-    }
+    MORTISE_RETURN_IF_ERROR(CheckMeshSettings(asked.mesh()));
     MORTISE_ASSIGN_OR_RETURN(
         const EvaluationSubject subject,
         FindSubject(*core_, asked.subject(), asked.revision(), rpc::ForwardedFrom(call)));
@@ -215,7 +214,8 @@ class EvaluatorAdapter final : public v1::EvaluatorService::CallbackService {
     *task.mutable_mesh() = asked.mesh();
     task.set_trace_id(call.identity().request_id);
     const std::string what =
-        absl::StrCat(asked.gradients() ? "gradients of " : "", absl::StrJoin(metrics, ","));
+        absl::StrCat(asked.gradients() ? "gradients of " : "", absl::StrJoin(metrics, ","),
+                     RefinementText(asked.mesh()));
     for (int i = 0; i < asked.points_size(); ++i) {
       const absl::Status usable =
           CheckPoint(subject.space, asked.points(i), absl::StrCat("points[", i, "]"));

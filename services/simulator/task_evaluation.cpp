@@ -32,6 +32,13 @@ void FillAnalysis(const DesignAnalysis& analysis, const parametric::EvaluatedDes
   message.set_elements(summary.elements);
   message.set_unknowns(summary.solver.unknowns);
   message.set_seconds(analysis.seconds);
+  for (const RefinementStep& step : analysis.refinements) {
+    v1::RefinementStep* refinement = message.add_refinements();
+    refinement->set_elements(step.elements);
+    refinement->set_nodes(step.nodes);
+    refinement->set_relative_error(step.relative_error);
+  }
+  if (!analysis.shortfall.empty()) message.add_notes(analysis.shortfall);
   for (const std::string& note : analysis.notes) message.add_notes(note);
   if (!analysis.vibration) return;
   for (const Mode& mode : analysis.vibration->modes) {
@@ -92,6 +99,7 @@ absl::Status Evaluate(const v1::Task& task, const TaskSurroundings& surroundings
   options.modes = task.modes();
   options.mesh.element_size = task.mesh().element_size();
   options.mesh.quadratic = !task.mesh().linear();
+  options.wanted_error = task.mesh().relative_error();
   options.elasticity.threads = surroundings.threads;
   options.elasticity.solver.memory_limit = surroundings.memory_limit;
   options.progress = surroundings.progress;
