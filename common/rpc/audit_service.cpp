@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "common/base/errors.h"
+#include "common/base/identifiers.h"
 #include "common/rpc/handler.h"
 #include "common/rpc/mutation_log.h"
 #include "mortise/v1/audit.grpc.pb.h"
@@ -32,6 +33,9 @@ class AuditAdapter : public v1::AuditService::CallbackService {
   absl::StatusOr<v1::ListAuditRecordsResponse> List(const v1::ListAuditRecordsRequest& asked) {
     if (asked.page_size() < 0 || asked.page_size() > kLargestPage) {
       return InvalidField("page_size", "must be 0 to 1000");
+    }
+    if (!asked.page_token().empty() && !IsResourceId(asked.page_token())) {
+      return InvalidField("page_token", "is not one that this method gave");
     }
     v1::ListAuditRecordsResponse response;
     if (!asked.service().empty() && asked.service() != service_) return response;

@@ -101,12 +101,16 @@ class OperationAdapter : public v1::OperationService::CallbackService {
       return response;
     }
     // One more than asked for tells whether there is another page.
-    MORTISE_ASSIGN_OR_RETURN(std::vector<jobs::Operation> newest,
-                             operations_->List(asked.page_token(), static_cast<int>(size) + 1));
-    for (std::size_t i = 0; i < std::min(size, newest.size()); ++i) {
-      *response.add_operations() = ToProto(newest[i]);
+    absl::StatusOr<std::vector<jobs::Operation>> newest =
+        operations_->List(asked.page_token(), static_cast<int>(size) + 1);
+    if (absl::IsInvalidArgument(newest.status())) {
+      return InvalidField("page_token", "is not one that this method gave");
     }
-    if (newest.size() > size) response.set_next_page_token(newest[size - 1].name);
+    MORTISE_RETURN_IF_ERROR(newest.status());
+    for (std::size_t i = 0; i < std::min(size, newest->size()); ++i) {
+      *response.add_operations() = ToProto((*newest)[i]);
+    }
+    if (newest->size() > size) response.set_next_page_token((*newest)[size - 1].name);
     return response;
   }
 

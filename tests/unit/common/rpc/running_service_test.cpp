@@ -237,6 +237,13 @@ TEST_F(RunningServiceTest, ListsOperationsNewestFirst) {
                          .status())
                 .field,
             "page_size");
+  request.set_page_size(3);
+  request.set_page_token("no such token");
+  EXPECT_EQ(DetailOf(CallUnary(*operations_, &v1::OperationService::Stub::ListOperations, request,
+                               As(rpc::Role::kViewer))
+                         .status())
+                .field,
+            "page_token");
 }
 
 TEST_F(RunningServiceTest, EventsAreFollowedInOrder) {
@@ -304,6 +311,13 @@ TEST_F(RunningServiceTest, TheAuditLogIsForAdministrators) {
   ASSERT_EQ(records->records_size(), 1);
   EXPECT_EQ(records->records(0).method(), "mortise.testing.ProbeService/Begin");
   EXPECT_EQ(records->records(0).resource(), name);
+  v1::ListAuditRecordsRequest garbage;
+  garbage.set_page_token("no such token");
+  EXPECT_EQ(DetailOf(CallUnary(*audit_, &v1::AuditService::Stub::ListAuditRecords, garbage,
+                               As(rpc::Role::kAdmin))
+                         .status())
+                .field,
+            "page_token");
 }
 
 TEST_F(RunningServiceTest, UnfinishedOperationsGoOnAfterARestart) {
