@@ -1,11 +1,14 @@
 // Small assemblies for the tests of automatic parametrisation.
 #pragma once
 
+#include <cmath>
+#include <memory>
 #include <random>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "common/mesh/drawn_shape.h"
 #include "common/parametric/assembly.h"
 
 namespace mortise::parametric {
@@ -70,6 +73,23 @@ inline Assembly ChestWithLid() {
   hinge.rest_poses = {{"open", {-std::acos(0.0), 0, 0}}};
   chest.joints = {hinge};
   return chest;
+}
+
+// An L of 40 mm × 40 mm, 4 mm thick and 100 mm long along z, in its box.
+inline std::shared_ptr<const mesh::DrawnShape> Angle() {
+  const double outline[][2] = {{0, 0},         {0.04, 0},     {0.04, 0.004},
+                               {0.004, 0.004}, {0.004, 0.04}, {0, 0.04}};
+  mesh::SurfaceMesh surface;
+  surface.vertices.resize(3, 12);
+  for (int i = 0; i < 6; ++i) {
+    surface.vertices.col(i) << outline[i][0], outline[i][1], 0;
+    surface.vertices.col(6 + i) << outline[i][0], outline[i][1], 0.1;
+  }
+  surface.triangles.resize(3, 20);
+  surface.triangles << 2, 6, 3, 6, 4, 6, 5, 6, 0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 5, 5,  //
+      1, 7, 2, 8, 3, 9, 4, 10, 1, 7, 2, 8, 3, 9, 4, 10, 5, 11, 0, 6,                //
+      0, 8, 0, 9, 0, 10, 0, 11, 7, 6, 8, 7, 9, 8, 10, 9, 11, 10, 6, 11;
+  return std::make_shared<const mesh::DrawnShape>(mesh::ShapeOfMesh(surface).value());
 }
 
 // Boxes on a grid of 0.1 m that do not intersect, in a random hierarchy; some alike, some fixed.

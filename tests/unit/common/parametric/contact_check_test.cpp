@@ -254,33 +254,6 @@ TEST(ContactCheckTest, ParametersThatAreNoneAreRefused) {
   EXPECT_EQ(field(q), "q");
 }
 
-// An L of 40 mm × 40 mm, 4 mm thick and 100 mm long along z, in its box.
-std::shared_ptr<const mesh::DrawnShape> Angle() {
-  const double outline[][2] = {{0, 0},         {0.04, 0},     {0.04, 0.004},
-                               {0.004, 0.004}, {0.004, 0.04}, {0, 0.04}};
-  mesh::SurfaceMesh surface;
-  surface.vertices.resize(3, 12);
-  for (int i = 0; i < 6; ++i) {
-    surface.vertices.col(i) << outline[i][0], outline[i][1], 0;
-    surface.vertices.col(6 + i) << outline[i][0], outline[i][1], 0.1;
-  }
-  surface.triangles.resize(3, 20);
-  const int ends[][3] = {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 5}};
-  int next = 0;
-  for (const auto& [a, b, c] : ends) {
-    surface.triangles.col(next++) << c, b, a;
-    surface.triangles.col(next++) << 6 + a, 6 + b, 6 + c;
-  }
-  for (int i = 0; i < 6; ++i) {
-    const int j = (i + 1) % 6;
-    surface.triangles.col(next++) << i, j, 6 + j;
-    surface.triangles.col(next++) << i, 6 + j, 6 + i;
-  }
-  auto shape = mesh::ShapeOfMesh(surface);
-  EXPECT_TRUE(shape.ok()) << shape.status();
-  return std::make_shared<const mesh::DrawnShape>(*std::move(shape));
-}
-
 // An angle and a block in its corner, as far from both legs as `gap`, m.
 Assembly BlockInAngle(double gap) {
   Assembly corner;

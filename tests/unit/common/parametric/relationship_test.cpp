@@ -145,25 +145,6 @@ TEST(RelationshipTest, StepsOfAStairKeepTheirSize) {
   ExpectSound(made);
 }
 
-// An L of 40 mm × 40 mm and 4 mm, 100 mm long along z.
-std::shared_ptr<const mesh::DrawnShape> Angle() {
-  const double outline[][2] = {{0, 0},         {0.04, 0},     {0.04, 0.004},
-                               {0.004, 0.004}, {0.004, 0.04}, {0, 0.04}};
-  mesh::SurfaceMesh surface;
-  surface.vertices.resize(3, 12);
-  for (int i = 0; i < 6; ++i) {
-    surface.vertices.col(i) << outline[i][0], outline[i][1], 0;
-    surface.vertices.col(6 + i) << outline[i][0], outline[i][1], 0.1;
-  }
-  surface.triangles.resize(3, 20);
-  surface.triangles << 2, 6, 3, 6, 4, 6, 5, 6, 0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 5, 5,  //
-      1, 7, 2, 8, 3, 9, 4, 10, 1, 7, 2, 8, 3, 9, 4, 10, 5, 11, 0, 6,                //
-      0, 8, 0, 9, 0, 10, 0, 11, 7, 6, 8, 7, 9, 8, 10, 9, 11, 10, 6, 11;
-  auto shape = mesh::ShapeOfMesh(surface);
-  EXPECT_TRUE(shape.ok()) << shape.status();
-  return std::make_shared<const mesh::DrawnShape>(*std::move(shape));
-}
-
 // It lies in the angle's box without touching it; the plate under both holds it.
 TEST(RelationshipTest, WhatLiesInAnothersBoxStaysClearOfIt) {
   Assembly corner = Named("corner", {ResizablePart("angle", {0, 0, 0}, {0.04, 0.04, 0.1}),
