@@ -12,7 +12,9 @@
 #include "absl/strings/str_join.h"
 #include "common/base/errors.h"
 #include "common/parametric/hit_and_run.h"
+#include "common/parametric/linear_programme.h"
 #include "common/parametric/polyhedron.h"
+#include "common/parametric/polyhedron_factors.h"
 #include "common/parametric/rest_pose.h"
 
 namespace mortise::parametric {
@@ -21,6 +23,7 @@ namespace {
 constexpr double kDrawnTolerance = 1e-9;  // m
 constexpr double kRankThreshold = 1e-10;  // coefficients are of order one
 constexpr double kParallel = 1e-9;        // between unit normals
+constexpr double kRounding = 1e-13;       // in a unit normal
 constexpr double kNoShare = 1e-7;         // of a relationship in a conflict
 
 double AmountBroken(const Relationship& relationship, const Eigen::VectorXd& q) {
@@ -180,6 +183,8 @@ void FeasibleSet::ReduceInequalities() {
     const double length = normal.norm();
     if (length <= kParallel) continue;  // the equalities decide it, and as drawn it holds
     normal /= length;
+    // Rounding must not tie together what has nothing to do with each other.
+    normal = (normal.array().abs() <= kRounding).select(0, normal);
     const double slack = -relationship.form.At(drawn_) / length;
     std::vector<std::int64_t> direction;
     for (const double entry : normal) direction.push_back(std::llround(entry / kParallel / 10));
@@ -320,6 +325,34 @@ absl::StatusOr<Eigen::VectorXd> FeasibleSet::Furthest(const LinearForm& form,
   return ConflictOf(held, end.equalities, end.inequalities);
 }
 
+absl::StatusOr<std::vector<Range>> FeasibleSet::RangesOf(
+    const std::vector<LinearForm>& forms) const {
+  const Polyhedron whole{normals_, slacks_, Eigen::MatrixXd(0, basis_.cols()), Eigen::VectorXd(0)};
+  const std::vector<PolyhedronFactor> factors = FactorsOf(whole);
+  std::vector<std::optional<LinearProgramme>> programmes(factors.size());
+  std::vector<Range> ranges;
+  for (std::size_t i = 0; i < forms.size(); ++i) {
+    MORTISE_ASSIGN_OR_RETURN(const Eigen::VectorXd row, RowOf({forms[i], 0, ""}, i));
+    Range range{forms[i].At(drawn_), forms[i].At(drawn_)};
+    for (std::size_t f = 0; f < factors.size(); ++f) {
+      const Eigen::VectorXd share = EntriesOf(row, factors[f]);
+      if (share.norm() <= kParallel) continue;
+      if (!programmes[f]) {
+        const Polyhedron factor = PolyhedronOf(whole, factors[f]);
+        MORTISE_ASSIGN_OR_RETURN(programmes[f],
+                                 LinearProgramme::Create(factor.inequalities, factor.bounds));
+      }
+      MORTISE_ASSIGN_OR_RETURN(const auto furthest, programmes[f]->Furthest(share));
+      MORTISE_ASSIGN_OR_RETURN(const auto nearest, programmes[f]->Furthest(-share));
+      if (!furthest || !nearest) return Unbounded();
+      range.maximum += share.dot(*furthest);
+      range.minimum += share.dot(*nearest);
+    }
+    ranges.push_back(range);
+  }
+  return ranges;
+}
+
 absl::StatusOr<std::optional<Eigen::VectorXd>> FeasibleSet::UnboundedDirection() const {
   MORTISE_ASSIGN_OR_RETURN(const auto open, parametric::UnboundedDirection(normals_));
   if (!open) return std::optional<Eigen::VectorXd>();
@@ -344,9 +377,8 @@ absl::StatusOr<std::vector<Eigen::VectorXd>> FeasibleSet::Sample(int count,
   if (count < 0) return InvalidField("count", "must not be negative");
   MORTISE_ASSIGN_OR_RETURN(const auto open, parametric::UnboundedDirection(normals_));
   if (open) return Unbounded();
-  MORTISE_ASSIGN_OR_RETURN(
-      std::vector<Eigen::VectorXd> samples,
-      SamplePolyhedron(normals_, slacks_, Eigen::VectorXd::Zero(basis_.cols()), count, seed));
+  MORTISE_ASSIGN_OR_RETURN(std::vector<Eigen::VectorXd> samples,
+                           SamplePolyhedron(normals_, slacks_, count, seed));
   for (Eigen::VectorXd& sample : samples) sample = drawn_ + basis_ * sample;
   return samples;
 }

@@ -32,6 +32,12 @@ struct Demand {
   std::string description;  // for people: "width of 'top' is 1.2 m"
 };
 
+// The values that a form takes, m.
+struct Range {
+  double minimum = 0;
+  double maximum = 0;
+};
+
 class FeasibleSet {
  public:
   // `drawn` must satisfy the relationships (FAILED_PRECONDITION names those it breaks by more than
@@ -71,6 +77,11 @@ class FeasibleSet {
   // likes. A few projections: FurthestAlong of polyhedron.h.
   absl::StatusOr<Eigen::VectorXd> Furthest(const LinearForm& form,
                                            const std::vector<Demand>& demands = {}) const;
+
+  // The smallest and the largest value of each form over the set. FAILED_PRECONDITION,
+  // FEASIBLE_SET_UNBOUNDED if there is none. Two linear programmes for each form, each begun where
+  // the last one ended (linear_programme.h).
+  absl::StatusOr<std::vector<Range>> RangesOf(const std::vector<LinearForm>& forms) const;
 
   // A change of q that can be followed without end; nothing if there is none, decided exactly.
   absl::StatusOr<std::optional<Eigen::VectorXd>> UnboundedDirection() const;

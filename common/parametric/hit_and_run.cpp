@@ -4,10 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <random>
 
 #include "common/base/errors.h"
+#include "common/parametric/linear_programme.h"
 #include "common/parametric/polyhedron.h"
+#include "common/parametric/polyhedron_factors.h"
 
 namespace mortise::parametric {
 namespace {
@@ -16,127 +19,149 @@ namespace {
 // room.
 constexpr double kFlat = 1e-7;
 constexpr double kParallel = 1e-11;  // between unit vectors: only rounding tells them apart
+constexpr double kTouching = 1e-15;  // of an inequality's room: none
 constexpr int kRoundings = 2;
 
-// Where a line through the polyhedron leaves it.
-struct Chord {
-  double from = -std::numeric_limits<double>::infinity();
-  double to = std::numeric_limits<double>::infinity();
-};
+// For a covariance: more points than variables, and enough where those are few.
+Eigen::Index SweepsToRound(Eigen::Index variables) { return 64 + 2 * variables; }
 
-// What is left of inequalities of unit length, and how fast the direction uses it up.
-Chord ChordOf(const Eigen::VectorXd& left, const Eigen::VectorXd& rate) {
-  Chord chord;
-  for (Eigen::Index i = 0; i < left.size(); ++i) {
-    if (rate[i] > kParallel) {
-      chord.to = std::min(chord.to, std::max(left[i], 0.0) / rate[i]);
-    } else if (rate[i] < -kParallel) {
-      chord.from = std::max(chord.from, std::max(left[i], 0.0) / rate[i]);
-    }
-  }
-  return chord;
-}
+// Between two samples, until the second no longer tells of the first. Of a box that lies anyhow
+// among n directions a line leads about 1/√n of the way, so a walk through it takes n sweeps at
+// worst.
+int SweepsBetween(Eigen::Index variables) { return 8 + static_cast<int>(variables / 2); }
 
-// Columns whose combinations with standard normal weights are spread as the points are, directions
-// without room left out.
-Eigen::MatrixXd SpreadOf(const Eigen::MatrixXd& points) {
+// The directions along which points are spread by themselves, as unit columns; those without room
+// are left out, where the points' deviation is at most `flat`.
+Eigen::MatrixXd PrincipalAxes(const Eigen::MatrixXd& points, double flat) {
   const Eigen::MatrixXd centered = points.colwise() - points.rowwise().mean();
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(centered * centered.transpose() /
                                                               static_cast<double>(points.cols()));
   const Eigen::VectorXd lengths = solver.eigenvalues().cwiseMax(0).cwiseSqrt();
-  Eigen::Index flat = 0;
-  while (flat < lengths.size() && lengths[flat] <= kFlat * lengths[lengths.size() - 1]) ++flat;
-  const Eigen::Index wide = lengths.size() - flat;
-  return solver.eigenvectors().rightCols(wide) * lengths.tail(wide).asDiagonal();
+  Eigen::Index narrow = 0;
+  while (narrow < lengths.size() && lengths[narrow] <= flat) ++narrow;
+  return solver.eigenvectors().rightCols(lengths.size() - narrow);
 }
 
 class Walk {
  public:
-  Walk(const Eigen::MatrixXd& inequalities, const Eigen::VectorXd& bounds, std::uint64_t seed)
-      : inequalities_(inequalities.rowwise().normalized()),
-        bounds_(bounds.array() / inequalities.rowwise().norm().array()),
-        random_(seed) {}
-
-  void Begin(const Eigen::VectorXd& start) {
-    x_ = start;
-    left_ = bounds_ - inequalities_ * x_;
+  Walk(const Polyhedron& polyhedron, const Eigen::VectorXd& start, std::uint64_t seed)
+      : inequalities_(polyhedron.inequalities.rowwise().normalized()),
+        bounds_(polyhedron.bounds.cwiseQuotient(polyhedron.inequalities.rowwise().norm())),
+        random_(seed),
+        x_(start) {
+    Refresh();
   }
 
-  void SetSpread(Eigen::MatrixXd spread) { spread_ = std::move(spread); }
+  // Unit columns.
+  void SetDirections(Eigen::MatrixXd directions) {
+    directions_ = std::move(directions);
+    rates_ = inequalities_ * directions_;
+    rates_ = (rates_.array().abs() <= kParallel).select(0, rates_);
+  }
 
   const Eigen::VectorXd& at() const { return x_; }
 
-  void Step() {
-    if (spread_.cols() == 0) return;  // a single point
-    Eigen::VectorXd weights(spread_.cols());
-    for (double& weight : weights) weight = normal_(random_);
-    const Eigen::VectorXd direction = (spread_ * weights).normalized();
-    const Eigen::VectorXd rate = inequalities_ * direction;
-    const Chord chord = ChordOf(left_, rate);
-    const double length = chord.from + uniform_(random_) * (chord.to - chord.from);
-    x_ += length * direction;
-    left_ -= length * rate;
+  // Along each direction once, in random order; all together cost as much as one line that lies
+  // anyhow. Rounding adds up in what is left of the inequalities, so it is computed anew.
+  void Sweep() {
+    std::vector<Eigen::Index> order(static_cast<std::size_t>(directions_.cols()));
+    std::iota(order.begin(), order.end(), 0);
+    std::shuffle(order.begin(), order.end(), random_);
+    for (const Eigen::Index direction : order) {
+      // Each inequality ends the line where its room is used up; the first to do so has the
+      // largest share of room used up for each metre.
+      used_up_ = rates_.col(direction).cwiseQuotient(left_);
+      const double to = 1 / used_up_.maxCoeff();
+      const double from = 1 / used_up_.minCoeff();
+      if (!std::isfinite(to) || !std::isfinite(from)) continue;  // rounding hides its ends
+      const double length = from + uniform_(random_) * (to - from);
+      x_ += length * directions_.col(direction);
+      left_ = (left_ - length * rates_.col(direction)).cwiseMax(kTouching);
+    }
+    Refresh();
   }
 
-  // Rounding adds up; now and then it must go.
-  void Refresh() { left_ = bounds_ - inequalities_ * x_; }
-
  private:
+  void Refresh() { left_ = (bounds_ - inequalities_ * x_).cwiseMax(kTouching); }
+
   const Eigen::MatrixXd inequalities_;  // rows of unit length
   const Eigen::VectorXd bounds_;
   std::mt19937_64 random_;
-  std::normal_distribution<double> normal_;
   std::uniform_real_distribution<double> uniform_;
-  Eigen::MatrixXd spread_;
+  Eigen::MatrixXd directions_;
+  Eigen::MatrixXd rates_;  // inequalities_ · directions_
   Eigen::VectorXd x_;
-  Eigen::VectorXd left_;  // bounds - inequalities · x
+  Eigen::VectorXd left_;  // bounds_ - inequalities_ · x
+  Eigen::VectorXd used_up_;
 };
 
 // The furthest points along every axis, both ways.
-absl::StatusOr<Eigen::MatrixXd> EndsOf(const Polyhedron& polyhedron, const Eigen::VectorXd& start) {
-  const Eigen::Index variables = start.size();
+absl::StatusOr<Eigen::MatrixXd> EndsOf(const Polyhedron& polyhedron) {
+  const Eigen::Index variables = polyhedron.inequalities.cols();
   Eigen::MatrixXd ends(variables, 2 * variables);
+  MORTISE_ASSIGN_OR_RETURN(LinearProgramme programme,
+                           LinearProgramme::Create(polyhedron.inequalities, polyhedron.bounds));
   for (Eigen::Index i = 0; i < 2 * variables; ++i) {
     const Eigen::VectorXd axis = (i % 2 == 0 ? 1 : -1) * Eigen::VectorXd::Unit(variables, i / 2);
-    MORTISE_ASSIGN_OR_RETURN(const Furthest end, FurthestAlong(polyhedron, axis, start));
-    if (!end.point) {
+    MORTISE_ASSIGN_OR_RETURN(const auto end, programme.Furthest(axis));
+    if (!end) {
       return PreconditionFailed("POLYHEDRON_UNBOUNDED", "the polyhedron goes on without end");
     }
-    ends.col(i) = *end.point;
+    ends.col(i) = *end;
   }
   return ends;
+}
+
+double LongestExtent(const Eigen::MatrixXd& points) {
+  return (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).maxCoeff();
+}
+
+// `count` points of one factor, as columns.
+Eigen::MatrixXd SampleFactor(const Polyhedron& factor, const Eigen::MatrixXd& ends, double flat,
+                             int count, std::uint64_t seed) {
+  const Eigen::Index variables = factor.inequalities.cols();
+  Walk walk(factor, ends.rowwise().mean(), seed);
+  walk.SetDirections(PrincipalAxes(ends, flat));
+  for (int rounding = 0; rounding < kRoundings; ++rounding) {
+    Eigen::MatrixXd path(variables, SweepsToRound(variables));
+    for (Eigen::Index sweep = 0; sweep < path.cols(); ++sweep) {
+      walk.Sweep();
+      path.col(sweep) = walk.at();
+    }
+    walk.SetDirections(PrincipalAxes(path, flat));
+  }
+  Eigen::MatrixXd samples(variables, count);
+  for (int i = 0; i < count; ++i) {
+    for (int sweep = 0; sweep < SweepsBetween(variables); ++sweep) walk.Sweep();
+    samples.col(i) = walk.at();
+  }
+  return samples;
 }
 
 }  // namespace
 
 absl::StatusOr<std::vector<Eigen::VectorXd>> SamplePolyhedron(const Eigen::MatrixXd& inequalities,
                                                               const Eigen::VectorXd& bounds,
-                                                              const Eigen::VectorXd& start,
                                                               int count, std::uint64_t seed) {
-  const Eigen::Index variables = start.size();
-  if (variables == 0) {
-    return std::vector<Eigen::VectorXd>(static_cast<std::size_t>(count), start);
+  const Eigen::Index variables = inequalities.cols();
+  std::vector<Eigen::VectorXd> samples(static_cast<std::size_t>(count),
+                                       Eigen::VectorXd::Zero(variables));
+  const Polyhedron whole{inequalities, bounds, Eigen::MatrixXd(0, variables), Eigen::VectorXd(0)};
+  const std::vector<PolyhedronFactor> factors = FactorsOf(whole);
+  std::vector<Eigen::MatrixXd> ends;
+  double longest = 0;
+  for (const PolyhedronFactor& factor : factors) {
+    MORTISE_ASSIGN_OR_RETURN(Eigen::MatrixXd of_factor, EndsOf(PolyhedronOf(whole, factor)));
+    longest = std::max(longest, LongestExtent(of_factor));
+    ends.push_back(std::move(of_factor));
   }
-  const Polyhedron polyhedron{inequalities, bounds, Eigen::MatrixXd(0, variables),
-                              Eigen::VectorXd(0)};
-  MORTISE_ASSIGN_OR_RETURN(const Eigen::MatrixXd ends, EndsOf(polyhedron, start));
-  Walk walk(inequalities, bounds, seed);
-  walk.Begin(ends.rowwise().mean());
-  walk.SetSpread(SpreadOf(ends));
-  for (int rounding = 0; rounding < kRoundings; ++rounding) {
-    Eigen::MatrixXd path(variables, 64 * variables);
-    for (Eigen::Index step = 0; step < path.cols(); ++step) {
-      walk.Step();
-      path.col(step) = walk.at();
+  std::mt19937_64 seeds(seed);
+  for (std::size_t f = 0; f < factors.size(); ++f) {
+    const Eigen::MatrixXd of_factor =
+        SampleFactor(PolyhedronOf(whole, factors[f]), ends[f], kFlat * longest, count, seeds());
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+      SetEntries(of_factor.col(static_cast<Eigen::Index>(i)), factors[f], samples[i]);
     }
-    walk.Refresh();
-    walk.SetSpread(SpreadOf(path));
-  }
-  std::vector<Eigen::VectorXd> samples;
-  for (int i = 0; i < count; ++i) {
-    for (Eigen::Index step = 0; step < 4 * variables + 8; ++step) walk.Step();
-    walk.Refresh();
-    samples.push_back(walk.at());
   }
   return samples;
 }

@@ -1,11 +1,11 @@
-// Points spread evenly over a polyhedron, by hit-and-run (Smith 1984): from a point along a random
-// line to anywhere inside, again and again.
+// Points spread evenly over a polyhedron, by hit-and-run along coordinate directions (Smith 1984):
+// from a point along a line to anywhere inside, again and again.
 //
 // In a long and thin polyhedron most lines leave at once, and the walk would need millions of steps
-// to get to the other end. So it is made round first: directions are drawn from the covariance of
-// its furthest points, then of a walk through it (as Lovász and Vempala 2006 do to compute
-// volumes). One that is flat, because its inequalities imply equalities, is walked within its
-// plane.
+// to get to the other end. So it is made round first: directions are the principal axes of its
+// furthest points, then of a walk through it (as Lovász and Vempala 2006 do to compute volumes).
+// One that is flat, because its inequalities imply equalities, is walked within its plane. Factors
+// (polyhedron_factors.h) are walked one by one: together they are as even as each.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,12 +16,11 @@
 
 namespace mortise::parametric {
 
-// `count` points of inequalities · x <= bounds, which must be bounded and contain `start`. A seed
-// gives the same points always. FAILED_PRECONDITION, POLYHEDRON_UNBOUNDED. O(count · n · (m n)) for
-// m inequalities of n variables.
+// `count` points of inequalities · x <= bounds, which must be bounded and have a point. A seed
+// gives the same points always. FAILED_PRECONDITION, POLYHEDRON_UNBOUNDED or POLYHEDRON_EMPTY. For
+// m inequalities of n variables, in the largest factor, O(n² m) once and for each point.
 absl::StatusOr<std::vector<Eigen::VectorXd>> SamplePolyhedron(const Eigen::MatrixXd& inequalities,
                                                               const Eigen::VectorXd& bounds,
-                                                              const Eigen::VectorXd& start,
                                                               int count, std::uint64_t seed);
 
 }  // namespace mortise::parametric

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <set>
 #include <utility>
 
@@ -15,7 +14,6 @@ namespace {
 
 constexpr double kRelativeTolerance = 1e-6;  // of the design's diagonal
 constexpr double kFixed = 1e-9;              // m; a range no wider is none
-constexpr double kSameDirection = 1e-8;      // between entries of unit vectors
 // m. What is reached stays this far inside of what can be: rounding must not turn the one into a
 // conflict with the next demand.
 constexpr double kInside = 1e-8;
@@ -237,44 +235,31 @@ absl::StatusOr<Adjustment> ParametricAssembly::PlaceConnecting(
 
 absl::StatusOr<MeasureRange> ParametricAssembly::RangeOf(const Measure& measure) const {
   MORTISE_ASSIGN_OR_RETURN(const LinearForm form, FormOf(measure, "measure"));
-  MORTISE_ASSIGN_OR_RETURN(const Eigen::VectorXd largest, feasible_set_->Furthest(form));
-  MORTISE_ASSIGN_OR_RETURN(const Eigen::VectorXd smallest, feasible_set_->Furthest(-1 * form));
-  return MeasureRange{measure, form.At(drawn()), form.At(smallest), form.At(largest)};
+  MORTISE_ASSIGN_OR_RETURN(const std::vector<Range> ranges, feasible_set_->RangesOf({form}));
+  return MeasureRange{measure, form.At(drawn()), ranges[0].minimum, ranges[0].maximum};
 }
 
-// Sizes that change in proportion reach their ends together: each direction is followed once.
 absl::StatusOr<std::vector<MeasureRange>> ParametricAssembly::AdjustableSizes() const {
-  struct Ends {
-    Eigen::VectorXd upwards, downwards;  // q furthest along the direction, and against it
-  };
-  std::map<std::vector<std::int64_t>, Ends> known;  // by direction
   std::vector<MeasureRange> sizes;
+  std::vector<LinearForm> forms;
   for (std::size_t e = 0; e < elements_.size(); ++e) {
     if (elements_[e].connecting) continue;
     for (const Axis axis : kAxes) {
       const int variable = SizeVariable(static_cast<int>(e), axis);
-      Eigen::VectorXd direction = feasible_set_->basis().row(variable).transpose();
-      if (direction.norm() <= kFixed) continue;
-      direction.normalize();
-      Eigen::Index largest = 0;
-      direction.cwiseAbs().maxCoeff(&largest);
-      if (direction[largest] < 0) direction = -direction;
-      std::vector<std::int64_t> key;
-      for (const double entry : direction) key.push_back(std::llround(entry / kSameDirection));
-      auto found = known.find(key);
-      if (found == known.end()) {
-        const LinearForm form = LinearForm::Variable(variable);
-        Ends ends;
-        MORTISE_ASSIGN_OR_RETURN(ends.upwards, feasible_set_->Furthest(form));
-        MORTISE_ASSIGN_OR_RETURN(ends.downwards, feasible_set_->Furthest(-1 * form));
-        found = known.emplace(std::move(key), std::move(ends)).first;
-      }
-      const auto [low, high] =
-          std::minmax(found->second.upwards[variable], found->second.downwards[variable]);
-      if (high - low <= kFixed) continue;
-      sizes.push_back({{elements_[e].name, axis}, drawn()[variable], low, high});
+      if (feasible_set_->basis().row(variable).norm() <= kFixed) continue;
+      forms.push_back(LinearForm::Variable(variable));
+      sizes.push_back({{elements_[e].name, axis}, drawn()[variable], 0, 0});
     }
   }
+  MORTISE_ASSIGN_OR_RETURN(const std::vector<Range> ranges, feasible_set_->RangesOf(forms));
+  for (std::size_t i = 0; i < sizes.size(); ++i) {
+    sizes[i].minimum = ranges[i].minimum;
+    sizes[i].maximum = ranges[i].maximum;
+  }
+  sizes.erase(std::remove_if(
+                  sizes.begin(), sizes.end(),
+                  [](const MeasureRange& size) { return size.maximum - size.minimum <= kFixed; }),
+              sizes.end());
   return sizes;
 }
 

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "common/base/errors.h"
+#include "common/parametric/polyhedron_factors.h"
 
 namespace mortise::parametric {
 namespace {
@@ -258,7 +259,26 @@ absl::Status Check(const Polyhedron& polyhedron, const Eigen::VectorXd& x) {
 
 absl::StatusOr<Projection> ProjectOnto(const Polyhedron& polyhedron, const Eigen::VectorXd& x) {
   MORTISE_RETURN_IF_ERROR(Check(polyhedron, x));
-  return DualActiveSet(polyhedron, x).Run();
+  Projection projection;
+  projection.point = x;
+  for (const PolyhedronFactor& factor : FactorsOf(polyhedron)) {
+    if (factor.inequalities.empty() && factor.equalities.empty()) continue;
+    MORTISE_ASSIGN_OR_RETURN(
+        const Projection part,
+        DualActiveSet(PolyhedronOf(polyhedron, factor), EntriesOf(x, factor)).Run());
+    if (!part.point) projection = Projection{};
+    for (const int row : part.inequalities) {
+      projection.inequalities.push_back(factor.inequalities[static_cast<std::size_t>(row)]);
+    }
+    for (const int row : part.equalities) {
+      projection.equalities.push_back(factor.equalities[static_cast<std::size_t>(row)]);
+    }
+    if (!part.point) return projection;
+    SetEntries(*part.point, factor, *projection.point);
+  }
+  std::sort(projection.inequalities.begin(), projection.inequalities.end());
+  std::sort(projection.equalities.begin(), projection.equalities.end());
+  return projection;
 }
 
 absl::StatusOr<Furthest> FurthestAlong(const Polyhedron& polyhedron,

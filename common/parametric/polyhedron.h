@@ -34,7 +34,8 @@ struct Projection {
 
 // Constraints hold to 1e-10 of a unit row's distance. INVALID_ARGUMENT if sizes disagree or numbers
 // are not finite; INTERNAL if rounding keeps the method from ending. O((m + k) n) for each
-// constraint that is taken up or let go, most often the k that are active in the end.
+// constraint that is taken up or let go, most often the k that are active in the end, in each
+// factor (polyhedron_factors.h) by itself; an empty polyhedron tells of its first empty factor.
 absl::StatusOr<Projection> ProjectOnto(const Polyhedron& polyhedron, const Eigen::VectorXd& x);
 
 // How far a polyhedron goes along a direction.

@@ -153,6 +153,132 @@ void BM_EvaluateShapes(benchmark::State& state) {
 }
 BENCHMARK(BM_EvaluateShapes)->Arg(100)->Unit(benchmark::kMillisecond);
 
+// ---- The whole answer ---------------------------------------------------------------------------
+
+// `columns` uprights with shelves between them, each at a height of its own: nothing repeats, so
+// that every part is an element by itself.
+Assembly Bookcase(int columns, int shelves_each) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> shift(0, 0.5);
+  Assembly bookcase;
+  bookcase.name = "bookcase";
+  bookcase.groups = {{"bookcase", -1}};
+  bookcase.parts.push_back(Board("floor", {0, 0, 0}, {0.1 * columns, 0.3, 0.018}, 0));
+  for (int column = 0; column < columns; ++column) {
+    const double x = 0.1 * column;
+    const std::string name = std::to_string(column);
+    bookcase.parts.push_back(Board("upright " + name, {x, 0, 0.018}, {x + 0.018, 0.3, 2.018}, 0));
+    if (column + 1 == columns) break;
+    for (int shelf = 0; shelf < shelves_each; ++shelf) {
+      const double z = 0.1 + 1.8 * (shelf + shift(random)) / shelves_each;
+      bookcase.parts.push_back(Board("shelf " + name + " " + std::to_string(shelf),
+                                     {x + 0.018, 0, z}, {x + 0.1, 0.3, z + 0.018}, 0));
+    }
+  }
+  return bookcase;
+}
+
+AssemblyPart Fastener(const std::string& name, const Eigen::Vector3d& minimum,
+                      const Eigen::Vector3d& maximum, int group) {
+  AssemblyPart part = Board(name, minimum, maximum, group);
+  part.item = "items/fastener";
+  part.connecting = true;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double size = maximum[axis] - minimum[axis];
+    part.limits[static_cast<std::size_t>(axis)] = {size, size};
+  }
+  return part;
+}
+
+// Cupboards side by side, each as wide as no other, with shelves, rows of screws and a door on
+// hinges that opens: what designs of workshops are made of. 25 parts each.
+Assembly Cupboards(int count) {
+  Assembly cupboards;
+  cupboards.name = "cupboards";
+  cupboards.groups = {{"cupboards", -1}};
+  double x = 0;
+  for (int k = 0; k < count; ++k) {
+    const std::string name = "cupboard " + std::to_string(k) + " ";
+    const double wide = 0.5 + 0.03 * k;
+    const int group = static_cast<int>(cupboards.groups.size());
+    cupboards.groups.push_back({name, 0});
+    cupboards.groups.push_back({name + "door", group});
+    const auto board = [&](const std::string& part, const Eigen::Vector3d& minimum,
+                           const Eigen::Vector3d& maximum, int home) {
+      cupboards.parts.push_back(Board(name + part, minimum, maximum, home));
+    };
+    board("left", {x, 0, 0}, {x + 0.018, 0.4, 1.8}, group);
+    board("right", {x + wide - 0.018, 0, 0}, {x + wide, 0.4, 1.8}, group);
+    board("back", {x, 0.4, 0}, {x + wide, 0.403, 1.8}, group);
+    for (int shelf = 0; shelf < 5; ++shelf) {
+      const double z = 0.05 + 0.015 * shelf * shelf + (0.25 + 0.008 * k) * shelf;
+      board("shelf " + std::to_string(shelf), {x + 0.018, 0, z}, {x + wide - 0.018, 0.4, z + 0.018},
+            group);
+      for (int screw = 0; screw < 3; ++screw) {
+        const double y = 0.1 + 0.1 * screw;
+        cupboards.parts.push_back(
+            Fastener(name + "screw " + std::to_string(shelf) + " " + std::to_string(screw),
+                     {x, y, z + 0.007}, {x + 0.05, y + 0.004, z + 0.011}, group));
+      }
+    }
+    board("door", {x, -0.018, 0}, {x + wide, 0, 1.8}, group + 1);
+    board("handle", {x + wide - 0.06, -0.04, 0.8}, {x + wide - 0.04, -0.018, 1}, group + 1);
+    Joint hinge;
+    hinge.name = name + "hinge";
+    hinge.kind = JointKind::kHinge;
+    hinge.group = group + 1;
+    hinge.center = {x, -0.018, 0.9};
+    hinge.axis = Eigen::Vector3d::UnitZ();
+    hinge.lower = -1.8;
+    hinge.upper = 0;
+    hinge.rest_poses = {{"open", {0, 0, -1.5707963267948966}}};
+    cupboards.joints.push_back(hinge);
+    x += wide;
+  }
+  return cupboards;
+}
+
+// All that somebody who opens a design waits for: patterns, contacts, relationships, feasible set,
+// connections, degrees of freedom of each group and the ends of all sizes.
+void ParametriseAll(benchmark::State& state, const Assembly& assembly) {
+  int degrees = 0;
+  for (auto _ : state) {
+    const auto parametric = ParametricAssembly::Create(assembly);
+    if (!parametric.ok()) {
+      state.SkipWithError(std::string(parametric.status().message()).c_str());
+      return;
+    }
+    for (int group = 0; group < static_cast<int>(assembly.groups.size()); ++group) {
+      benchmark::DoNotOptimize(parametric->DegreesOfFreedom(group));
+    }
+    benchmark::DoNotOptimize(parametric->AdjustableSizes());
+    degrees = parametric->feasible_set().degrees_of_freedom();
+  }
+  state.counters["parts"] = static_cast<double>(assembly.parts.size());
+  state.counters["degrees_of_freedom"] = degrees;
+}
+void BM_WholeBookcase(benchmark::State& state) { ParametriseAll(state, Bookcase(20, 9)); }
+void BM_WholeCupboards(benchmark::State& state) { ParametriseAll(state, Cupboards(8)); }
+BENCHMARK(BM_WholeBookcase)->Unit(benchmark::kMillisecond);
+BENCHMARK(BM_WholeCupboards)->Unit(benchmark::kMillisecond);
+
+// Ten random designs of one that has been parametrised.
+void SampleTen(benchmark::State& state, const Assembly& assembly) {
+  const auto parametric = ParametricAssembly::Create(assembly);
+  if (!parametric.ok()) {
+    state.SkipWithError(std::string(parametric.status().message()).c_str());
+    return;
+  }
+  std::uint64_t seed = 0;
+  for (auto _ : state) {
+    if (!parametric->Sample(10, ++seed).ok()) state.SkipWithError("not sampled");
+  }
+}
+void BM_SampleBookcase(benchmark::State& state) { SampleTen(state, Bookcase(20, 9)); }
+void BM_SampleCupboards(benchmark::State& state) { SampleTen(state, Cupboards(8)); }
+BENCHMARK(BM_SampleBookcase)->Unit(benchmark::kMillisecond)->Iterations(1);
+BENCHMARK(BM_SampleCupboards)->Unit(benchmark::kMillisecond)->Iterations(1);
+
 }  // namespace
 }  // namespace mortise::parametric
 

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <limits>
 #include <random>
+#include <utility>
 
 #include "common/base/errors.h"
 #include "common/parametric/polyhedron.h"
@@ -37,9 +38,7 @@ MatrixXd RandomRotation(Eigen::Index n, unsigned seed) {
 }
 
 MatrixXd Samples(const Polyhedron& polyhedron, int count, unsigned seed) {
-  const auto samples =
-      SamplePolyhedron(polyhedron.inequalities, polyhedron.bounds,
-                       VectorXd::Zero(polyhedron.inequalities.cols()), count, seed);
+  const auto samples = SamplePolyhedron(polyhedron.inequalities, polyhedron.bounds, count, seed);
   EXPECT_TRUE(samples.ok()) << samples.status();
   MatrixXd columns(polyhedron.inequalities.cols(), count);
   for (int i = 0; i < count; ++i) columns.col(i) = (*samples)[static_cast<std::size_t>(i)];
@@ -110,9 +109,47 @@ TEST(HitAndRun, ASeedGivesTheSamePoints) {
 
 TEST(HitAndRun, RefusesWhatHasNoEnd) {
   const Polyhedron box = BoxOf(Eigen::Vector2d(1, 1));
-  const auto open =
-      SamplePolyhedron(box.inequalities.topRows(3), box.bounds.head(3), VectorXd::Zero(2), 1, 1);
+  const auto open = SamplePolyhedron(box.inequalities.topRows(3), box.bounds.head(3), 1, 1);
   EXPECT_EQ(DetailOf(open.status()).reason, "POLYHEDRON_UNBOUNDED");
+}
+
+// A square and a triangle that know nothing of each other: each is as it would be alone, and where
+// one is says nothing about the other.
+TEST(HitAndRun, FactorsAreIndependent) {
+  Polyhedron product{MatrixXd::Zero(7, 4), VectorXd::Zero(7), MatrixXd(0, 4), VectorXd(0)};
+  // x0 and x2 within ±1; x1, x3 >= 0 and x1 + x3 <= 1.
+  product.inequalities(0, 0) = product.inequalities(1, 2) = 1;
+  product.inequalities(2, 0) = product.inequalities(3, 2) = -1;
+  product.inequalities(4, 1) = product.inequalities(5, 3) = -1;
+  product.inequalities(6, 1) = product.inequalities(6, 3) = 1;
+  product.bounds << 1, 1, 1, 1, 0, 0, 1;
+  constexpr int kCount = 4000;
+  const MatrixXd samples = Samples(product, kCount, 6);
+  EXPECT_LE((product.inequalities * samples).rowwise().maxCoeff().coeff(6), 1 + 1e-9);
+  EXPECT_NEAR(samples.row(1).mean(), 1.0 / 3, 0.02);
+  EXPECT_NEAR(samples.row(3).mean(), 1.0 / 3, 0.02);
+  const MatrixXd centered = samples.colwise() - samples.rowwise().mean();
+  const MatrixXd covariance = centered * centered.transpose() / kCount;
+  EXPECT_NEAR(covariance(0, 0), 1.0 / 3, 0.03);
+  EXPECT_NEAR(covariance(1, 3), -1.0 / 36, 0.005);
+  for (const auto& [a, b] : {std::pair{0, 1}, {0, 3}, {2, 1}, {2, 3}, {0, 2}}) {
+    EXPECT_NEAR(covariance(a, b), 0, 0.02) << a << " and " << b;
+  }
+}
+
+// Of a box that lies anyhow among many directions a line leads a small part of the way only: what
+// comes next must still tell nothing of what was before.
+TEST(HitAndRun, SamplesTellNothingOfEachOther) {
+  Polyhedron box = BoxOf(VectorXd::Ones(40));
+  const MatrixXd rotation = RandomRotation(40, 8);
+  box.inequalities *= rotation.transpose();
+  constexpr int kCount = 1000;
+  const MatrixXd along = rotation.transpose() * Samples(box, kCount, 7);
+  const MatrixXd now = along.leftCols(kCount - 1);
+  const MatrixXd next = along.rightCols(kCount - 1);
+  const double together = now.cwiseProduct(next).mean();
+  EXPECT_NEAR(together / along.array().square().mean(), 0, 0.05);
+  EXPECT_NEAR(along.array().square().mean(), 1.0 / 3, 0.01);
 }
 
 // ---- Furthest points ----------------------------------------------------------------------------

@@ -1,0 +1,39 @@
+// The furthest points of one polyhedron along one direction after the other, by the simplex method
+// (Clp): each programme begins at the corner where the last one ended, so the ends of all sizes of
+// a design cost little more than those of one.
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <optional>
+
+#include "absl/status/statusor.h"
+
+class ClpSimplex;
+
+namespace mortise::parametric {
+
+class LinearProgramme {
+ public:
+  // Over inequalities · x <= bounds, which must have a point; x may be anything where there are no
+  // rows. INVALID_ARGUMENT if sizes disagree or numbers are not finite.
+  static absl::StatusOr<LinearProgramme> Create(const Eigen::MatrixXd& inequalities,
+                                                const Eigen::VectorXd& bounds);
+
+  LinearProgramme(LinearProgramme&&) noexcept;
+  LinearProgramme& operator=(LinearProgramme&&) noexcept;
+  ~LinearProgramme();
+
+  // The point with the largest direction · x; of several, any, though the same one whenever the
+  // same programmes are asked for in the same order. Nothing if the polyhedron goes on without end.
+  // Constraints hold to 1e-9 of a unit row's distance. FAILED_PRECONDITION, POLYHEDRON_EMPTY, if
+  // there is no point; INTERNAL if rounding keeps the solver from ending.
+  absl::StatusOr<std::optional<Eigen::VectorXd>> Furthest(const Eigen::VectorXd& direction);
+
+ private:
+  explicit LinearProgramme(std::unique_ptr<ClpSimplex> solver);
+
+  std::unique_ptr<ClpSimplex> solver_;
+};
+
+}  // namespace mortise::parametric
