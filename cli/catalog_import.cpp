@@ -1,12 +1,14 @@
 #include "cli/catalog_import.h"
 
-#include <google/protobuf/util/message_differencer.h>
 #include <grpcpp/grpcpp.h>
 
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <set>
+#include <utility>
 
+#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "cli/requests.h"
 #include "cli/shape_files.h"
@@ -115,16 +117,6 @@ absl::StatusOr<Present> ReadCatalog(v1::CatalogService::Stub& stub, const Gatewa
   return present;
 }
 
-// Whether two materials or items say the same, but for what the service sets.
-template <typename Message>
-bool SameContent(Message a, Message b) {
-  for (Message* message : {&a, &b}) {
-    message->clear_revision();
-    if constexpr (std::is_same_v<Message, v1::Item>) message->clear_update_time();
-  }
-  return google::protobuf::util::MessageDifferencer::Equals(a, b);
-}
-
 // Checks designs against each other and what is present.
 class Check {
  public:
@@ -202,128 +194,86 @@ class Check {
   Findings findings_;
 };
 
-// A failure to store what a file has, with the file in front.
-absl::Status InFile(const std::string& file, const absl::Status& status) {
-  if (status.ok()) return status;
-  std::vector<FieldViolation> violations = ViolationsOf(status);
-  for (FieldViolation& violation : violations) {
-    violation.field = absl::StrCat(file, ": ", violation.field);
+// The designs as one request.
+absl::StatusOr<v1::ImportCatalogRequest> RequestOf(const Designs& designs) {
+  v1::ImportCatalogRequest request;
+  request.set_request_id(NewIdentifier());
+  for (const auto& read : designs.materials) *request.add_materials() = read.message();
+  for (const auto& read : designs.items) *request.add_items() = read.message();
+  for (const auto& read : designs.templates) *request.add_templates() = read.message();
+  if (request.ByteSizeLong() > kMostInMessage) {
+    return TooLarge("what the files have together",
+                    absl::StrCat(kMostInMessage, " bytes: import them one after the other"));
   }
-  if (!violations.empty()) return InvalidFields(violations);
-  ErrorDetail detail = DetailOf(status);
-  detail.field = absl::StrCat(file, detail.field.empty() ? "" : ": ", detail.field);
-  return WithDetail(absl::Status(status.code(), absl::StrCat(file, ": ", status.message())),
-                    detail);
+  return request;
 }
 
-// Stores designs that have been checked, and tells of each.
-class Storing {
- public:
-  Storing(v1::CatalogService::Stub& stub, const GatewayClient& client, const Present& present,
-          const Output& output)
-      : stub_(stub), client_(client), present_(present), output_(output) {}
-
-  absl::Status Run(const Designs& designs) {
-    for (const auto& read : designs.materials) {
-      MORTISE_RETURN_IF_ERROR(InFile(read.file, StoreMaterial(read.message())));
-    }
-    for (const auto& read : designs.items) {
-      MORTISE_RETURN_IF_ERROR(InFile(read.file, StoreItem(read.message())));
-    }
-    for (const auto& read : designs.templates) {
-      MORTISE_RETURN_IF_ERROR(InFile(read.file, StoreTemplate(read.message())));
-    }
-    return absl::OkStatus();
+// Takes "items[" and "]" off "items[3].price", which leaves the 3 and ".price"; nothing where it
+// does not begin so.
+std::optional<std::pair<std::size_t, std::string>> SplitField(const std::string& field,
+                                                              const std::string& list) {
+  if (!field.starts_with(list + "[")) return std::nullopt;
+  const std::size_t end = field.find(']');
+  std::size_t index = 0;
+  if (end == std::string::npos ||
+      !absl::SimpleAtoi(field.substr(list.size() + 1, end - list.size() - 1), &index)) {
+    return std::nullopt;
   }
+  const std::string rest = field.substr(end + 1);
+  return std::pair(index, rest.starts_with(".") ? rest.substr(1) : rest);
+}
 
-  const nlohmann::ordered_json& document() const { return document_; }
+// Where what the catalog says of a field of the request is in the files, if it is of that list.
+template <typename Message>
+std::optional<std::string> PlaceIn(const std::vector<Read<Message>>& list, const std::string& name,
+                                   const std::string& field) {
+  const auto split = SplitField(field, name);
+  if (!split || split->first >= list.size()) return std::nullopt;
+  const auto& [index, rest] = *split;
+  return absl::StrCat(list[index].Place(rest), rest.empty() ? "" : ".", rest);
+}
 
- private:
-  template <typename Message>
-  void Note(const Message& message, std::int64_t revision_before) {
-    const bool changed = message.revision() != revision_before;
-    output_.Line(absl::StrCat(message.name(), changed ? " imported as" : " is there already as",
-                              " revision ", message.revision()));
-    document_.push_back({{"name", message.name()},
-                         {"revision", message.revision()},
-                         {"change", !changed               ? "none"
-                                    : revision_before == 0 ? "created"
-                                                           : "updated"}});
+// A refusal by the catalog, with places in the files.
+absl::Status InFiles(const Designs& designs, const absl::Status& status) {
+  std::vector<FieldViolation> violations = ViolationsOf(status);
+  if (violations.empty() && absl::IsInvalidArgument(status)) {
+    const std::string field = DetailOf(status).field;
+    std::string message(status.message());
+    if (message.starts_with(field + ": ")) message.erase(0, field.size() + 2);
+    violations.push_back({field, message});
   }
-
-  absl::Status StoreMaterial(const v1::Material& material) {
-    const auto found = present_.materials.find(material.name());
-    if (found == present_.materials.end()) {
-      v1::CreateMaterialRequest request;
-      *request.mutable_material() = material;
-      return Send(
-          request, [this](auto... a) { return stub_.CreateMaterial(a...); }, v1::Material(), 0);
-    }
-    const std::int64_t revision = found->second.revision();
-    if (SameContent(found->second, material)) {
-      Note(found->second, revision);
-      return absl::OkStatus();
-    }
-    v1::UpdateMaterialRequest request;
-    *request.mutable_material() = material;
-    request.mutable_material()->set_revision(revision);
-    return Send(
-        request, [this](auto... a) { return stub_.UpdateMaterial(a...); }, v1::Material(),
-        revision);
+  if (violations.empty()) return status;
+  for (FieldViolation& violation : violations) {
+    std::optional<std::string> place = PlaceIn(designs.materials, "materials", violation.field);
+    if (!place) place = PlaceIn(designs.items, "items", violation.field);
+    if (!place) place = PlaceIn(designs.templates, "templates", violation.field);
+    if (place) violation.field = *place;
   }
+  return InvalidFields(violations);
+}
 
-  absl::Status StoreItem(const v1::Item& item) {
-    const auto found = present_.items.find(item.name());
-    if (found == present_.items.end()) {
-      v1::CreateItemRequest request;
-      *request.mutable_item() = item;
-      return Send(
-          request, [this](auto... a) { return stub_.CreateItem(a...); }, v1::Item(), 0);
-    }
-    const std::int64_t revision = found->second.revision();
-    if (SameContent(found->second, item)) {
-      Note(found->second, revision);
-      return absl::OkStatus();
-    }
-    v1::UpdateItemRequest request;
-    *request.mutable_item() = item;
-    request.mutable_item()->set_revision(revision);
-    return Send(
-        request, [this](auto... a) { return stub_.UpdateItem(a...); }, v1::Item(), revision);
-  }
-
-  absl::Status StoreTemplate(const v1::Template& design) {
-    v1::GetTemplateRequest get;
-    get.set_name(design.name());
-    v1::Template present;
-    const absl::Status status = client_.Call([&](grpc::ClientContext& context) {
-      return rpc::FromGrpc(stub_.GetTemplate(&context, get, &present));
-    });
-    if (!status.ok() && !absl::IsNotFound(status)) return status;
-    v1::ImportTemplateRequest request;
-    *request.mutable_template_() = design;
-    request.set_expected_revision(present.revision());
-    return Send(
-        request, [this](auto... a) { return stub_.ImportTemplate(a...); }, v1::Template(),
-        present.revision());
-  }
-
-  template <typename Request, typename Method, typename Message>
-  absl::Status Send(Request& request, Method method, Message stored, std::int64_t before) {
-    request.set_request_id(NewIdentifier());
-    MORTISE_RETURN_IF_ERROR(client_.Call([&](grpc::ClientContext& context) {
-      return rpc::FromGrpc(method(&context, request, &stored));
-    }));
-    Note(stored, before);
-    return absl::OkStatus();
-  }
-
-  v1::CatalogService::Stub& stub_;
-  const GatewayClient& client_;
-  const Present& present_;
-  const Output& output_;
-  nlohmann::ordered_json document_ = nlohmann::ordered_json::array();
+// What became of a thing: for the document, and for people.
+struct Words {
+  const char* change;
+  const char* sentence;
 };
+
+Words WordsOf(v1::ImportCatalogResponse::Change::Kind kind) {
+  using Change = v1::ImportCatalogResponse::Change;
+  if (kind == Change::UNCHANGED) return {"none", " is there already as revision "};
+  return {kind == Change::CREATED ? "created" : "updated", " imported as revision "};
+}
+
+void Tell(const v1::ImportCatalogResponse& imported, Output& output) {
+  nlohmann::ordered_json document = nlohmann::ordered_json::array();
+  for (const auto& change : imported.changes()) {
+    const Words words = WordsOf(change.kind());
+    output.Line(absl::StrCat(change.name(), words.sentence, change.revision()));
+    document.push_back(
+        {{"name", change.name()}, {"revision", change.revision()}, {"change", words.change}});
+  }
+  output.Document(document);
+}
 
 }  // namespace
 
@@ -341,9 +291,17 @@ absl::Status ImportFiles(const std::vector<std::filesystem::path>& files, Sessio
     MORTISE_RETURN_IF_ERROR(
         ResolveShape(read.file, *read.placed.message.mutable_shape(), *stub, *client));
   }
-  Storing storing(*stub, *client, present, output);
-  MORTISE_RETURN_IF_ERROR(storing.Run(designs));
-  output.Document(storing.document());
+  MORTISE_ASSIGN_OR_RETURN(const v1::ImportCatalogRequest request, RequestOf(designs));
+  v1::ImportCatalogResponse imported;
+  // Templates are tried at many designs.
+  const double patience = 60.0 * (1 + request.templates_size());
+  MORTISE_RETURN_IF_ERROR(InFiles(designs, client->Call(
+                                               [&](grpc::ClientContext& context) {
+                                                 return rpc::FromGrpc(stub->ImportCatalog(
+                                                     &context, request, &imported));
+                                               },
+                                               patience)));
+  Tell(imported, output);
   return absl::OkStatus();
 }
 

@@ -4,7 +4,6 @@
 // was imported, so that F(q) of a revision never changes and its digest says all of it.
 #pragma once
 
-#include <functional>
 #include <set>
 #include <string>
 #include <vector>
@@ -64,6 +63,23 @@ absl::StatusOr<v1::Item> UpdateItem(store::Transaction& transaction,
                                     const v1::UpdateItemRequest& request,
                                     const std::string& trace_id);
 
+// What became of a thing that takes the place of what is there under its name.
+struct Replacement {
+  int64_t before = 0;    // the revision that was there; 0 if there was none
+  int64_t revision = 0;  // that is there now; the same if it says the same
+};
+
+// Creates a material or an item that has been checked, or makes it the next revision of what is
+// there and says something else. Tells of it as the methods above do.
+absl::StatusOr<Replacement> ReplaceMaterial(store::Transaction& transaction,
+                                            const v1::Material& material,
+                                            const std::string& trace_id);
+absl::StatusOr<Replacement> ReplaceItem(store::Transaction& transaction, const v1::Item& item,
+                                        const std::string& trace_id);
+
+// What is wrong with a material; fields are those of the material. OK if nothing is.
+absl::Status CheckMaterial(const v1::Material& material);
+
 // Removes a material ("material.deleted"). ABORTED for another revision; FAILED_PRECONDITION,
 // MATERIAL_IN_USE, naming items that are made of it.
 absl::Status DeleteMaterial(store::Transaction& transaction,
@@ -90,15 +106,10 @@ absl::StatusOr<Page<v1::Template>> ListTemplates(store::ReadTransaction& transac
                                                  const std::string& page_token);
 
 // The template with those items and materials it names that exist, or with the assembly that it is
-// of and what that uses. INVALID_ARGUMENT, "template.assembly.assembly", for one there is not.
+// of and what that uses. INVALID_ARGUMENT, "assembly.assembly", for one there is not. What makes it
+// whole is templates::Complete.
 absl::StatusOr<v1::TemplateBundle> Freeze(store::ReadTransaction& transaction,
                                           const v1::Template& message);
-
-// As templates::Complete; fields are the request's ("template.parts[2]"). Takes up to seconds for
-// large templates.
-absl::Status CompleteBundle(
-    v1::TemplateBundle& bundle, templates::Trial trial,
-    const std::function<bool()>& is_given_up = [] { return false; });
 
 // Writes a completed bundle as the revision after `expected_revision` ("template.imported") and
 // returns the template. If the present revision has the same content, that is returned and nothing

@@ -7,8 +7,6 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
-#include "common/base/field_violations.h"
-#include "common/cad/step_isolation.h"
 #include "common/parametric/parameter_values.h"
 #include "common/parametric/template_codec.h"
 #include "common/rpc/chunk_stream.h"
@@ -16,13 +14,13 @@
 #include "common/rpc/server_host.h"
 #include "common/store/store.h"
 #include "mortise/v1/catalog.grpc.pb.h"
-#include "services/catalog/assembly_import.h"
 #include "services/catalog/assembly_service.h"
+#include "services/catalog/catalog_import.h"
 #include "services/catalog/catalog_records.h"
 #include "services/catalog/collection_loader.h"
 #include "services/catalog/design_export.h"
 #include "services/catalog/design_stream.h"
-#include "services/catalog/shape_import.h"
+#include "services/catalog/shape_file.h"
 #include "services/catalog/shape_records.h"
 #include "services/catalog/store_reading.h"
 #include "services/catalog/template_cache.h"
@@ -40,37 +38,6 @@ struct NamedDesign {
   parametric::EvaluatedDesign design;
 };
 
-// What is wrong with the shape, said of the file.
-absl::Status OfFile(const absl::Status& status) {
-  if (absl::IsResourceExhausted(status))
-    return TooLarge("file", "64 MiB unpacked, or 50,000 triangles");
-  std::vector<FieldViolation> violations = ViolationsOf(status);
-  if (violations.empty()) {
-    std::string message(status.message());
-    const std::string field = DetailOf(status).field;
-    if (message.starts_with(field + ": ")) message.erase(0, field.size() + 2);
-    violations.push_back({"file", message});
-  }
-  for (FieldViolation& violation : violations) violation.field = "file";
-  return InvalidFields(violations);
-}
-
-absl::StatusOr<mesh::DrawnShape> ReadShape(const v1::ImportShapeRequest& asked) {
-  const absl::StatusOr<std::string> bytes = UnpackStep(asked.file());
-  if (!bytes.ok()) return OfFile(bytes.status());
-  absl::StatusOr<mesh::DrawnShape> shape = InvalidField("format", "must be STEP or STL");
-  if (asked.format() == v1::ImportShapeRequest::STEP) {
-    const absl::StatusOr<cad::StepAssembly> drawing = cad::ReadStepInChild(*bytes);
-    if (!drawing.ok()) return OfFile(drawing.status());
-    shape = ShapeOfStep(*drawing);
-  } else if (asked.format() == v1::ImportShapeRequest::STL) {
-    MORTISE_ASSIGN_OR_RETURN(const mesh::SurfaceMesh surface, ReadStl(*bytes));
-    shape = mesh::ShapeOfMesh(surface);
-    if (!shape.ok()) return OfFile(shape.status());
-  }
-  return shape;
-}
-
 void DropTriangles(v1::EvaluatedDesign& design) {
   for (v1::EvaluatedPart& part : *design.mutable_parts()) {
     if (!part.has_faceted()) continue;
@@ -87,6 +54,21 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
         endpoint_(environment.dispatcher, "mortise.v1.CatalogService"),
         cache_(kCompiledBytes),
         upkeep_(environment.store, blobs, environment.options.blobs) {}
+
+  // Checking tries designs of templates, so it happens before the transaction.
+  grpc::ServerUnaryReactor* ImportCatalog(grpc::CallbackServerContext* context,
+                                          const v1::ImportCatalogRequest* request,
+                                          v1::ImportCatalogResponse* response) override {
+    return endpoint_.PreparedMutation(
+        "ImportCatalog", context, request, response,
+        [this](const rpc::Call& call, const v1::ImportCatalogRequest& asked) {
+          return PrepareImport(*store_, asked, [&call] { return call.cancelled(); });
+        },
+        [](const rpc::Call& call, const v1::ImportCatalogRequest& asked,
+           std::vector<v1::TemplateBundle>& templates, store::Transaction& transaction) {
+          return catalog::ImportCatalog(transaction, asked, templates, call.identity().request_id);
+        });
+  }
 
   grpc::ServerUnaryReactor* GetMaterial(grpc::CallbackServerContext* context,
                                         const v1::GetMaterialRequest* request,
@@ -214,10 +196,7 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
                                         v1::Shape* response) override {
     return endpoint_.PreparedMutation(
         "ImportShape", context, request, response,
-        [](const rpc::Call&, const v1::ImportShapeRequest& asked) -> absl::StatusOr<v1::Shape> {
-          MORTISE_ASSIGN_OR_RETURN(const mesh::DrawnShape shape, ReadShape(asked));
-          return NamedShape(shape);
-        },
+        [](const rpc::Call&, const v1::ImportShapeRequest& asked) { return ReadShape(asked); },
         [](const rpc::Call& call, const v1::ImportShapeRequest&, v1::Shape& shape,
            store::Transaction& transaction) {
           return catalog::ImportShape(transaction, shape, call.identity().request_id);
@@ -289,19 +268,8 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
                                            v1::Template* response) override {
     return endpoint_.PreparedMutation(
         "ImportTemplate", context, request, response,
-        [this](const rpc::Call& call,
-               const v1::ImportTemplateRequest& asked) -> absl::StatusOr<v1::TemplateBundle> {
-          if (asked.expected_revision() < 0) {
-            return InvalidField("expected_revision", "must be at least 0");
-          }
-          MORTISE_ASSIGN_OR_RETURN(
-              v1::TemplateBundle bundle,
-              ReadFrom<v1::TemplateBundle>(*store_, [&](store::ReadTransaction& transaction) {
-                return Freeze(transaction, asked.template_());
-              }));
-          MORTISE_RETURN_IF_ERROR(CompleteBundle(bundle, templates::Trial::kThorough,
-                                                 [&call] { return call.cancelled(); }));
-          return bundle;
+        [this](const rpc::Call& call, const v1::ImportTemplateRequest& asked) {
+          return PrepareTemplate(call, asked);
         },
         [](const rpc::Call& call, const v1::ImportTemplateRequest& asked,
            v1::TemplateBundle& bundle, store::Transaction& transaction) {
@@ -353,6 +321,22 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
     return ReadFrom<v1::TemplateBundle>(*store_, [&](store::ReadTransaction& transaction) {
       return GetBundle(transaction, name, revision);
     });
+  }
+
+  absl::StatusOr<v1::TemplateBundle> PrepareTemplate(const rpc::Call& call,
+                                                     const v1::ImportTemplateRequest& asked) {
+    if (asked.expected_revision() < 0) {
+      return InvalidField("expected_revision", "must be at least 0");
+    }
+    absl::StatusOr<v1::TemplateBundle> bundle =
+        ReadFrom<v1::TemplateBundle>(*store_, [&](store::ReadTransaction& transaction) {
+          return Freeze(transaction, asked.template_());
+        });
+    if (!bundle.ok()) return UnderField("template", bundle.status());
+    MORTISE_RETURN_IF_ERROR(
+        UnderField("template", templates::Complete(*bundle, templates::Trial::kThorough,
+                                                   [&call] { return call.cancelled(); })));
+    return bundle;
   }
 
   // With the triangles of all shapes, as many as fit, or their names: what F(q) takes.

@@ -53,34 +53,18 @@ v1::Template TemplateOf(const v1::Assembly& assembly) {
   return message;
 }
 
-absl::StatusOr<int64_t> PutMaterial(store::Transaction& transaction, v1::Material material,
-                                    int64_t present) {
-  if (present == 0) {
-    MORTISE_ASSIGN_OR_RETURN(const v1::Material made, CreateMaterial(transaction, material, ""));
-    return made.revision();
-  }
-  material.set_revision(present);
-  MORTISE_ASSIGN_OR_RETURN(const v1::Material now, GetMaterial(transaction, material.name()));
-  if (now.SerializeAsString() == material.SerializeAsString()) return present;
-  v1::UpdateMaterialRequest update;
-  *update.mutable_material() = std::move(material);
-  MORTISE_ASSIGN_OR_RETURN(const v1::Material made, UpdateMaterial(transaction, update, ""));
-  return made.revision();
+absl::StatusOr<int64_t> PutMaterial(store::Transaction& transaction, const v1::Material& material) {
+  MORTISE_RETURN_IF_ERROR(CheckMaterial(material));
+  MORTISE_ASSIGN_OR_RETURN(const Replacement replaced, ReplaceMaterial(transaction, material, ""));
+  return replaced.revision;
 }
 
-absl::StatusOr<int64_t> PutItem(store::Transaction& transaction, v1::Item item, int64_t present) {
-  if (present == 0) {
-    MORTISE_ASSIGN_OR_RETURN(const v1::Item made, CreateItem(transaction, item, ""));
-    return made.revision();
-  }
-  item.set_revision(present);
-  MORTISE_ASSIGN_OR_RETURN(v1::Item now, GetItem(transaction, item.name()));
-  now.clear_update_time();
-  if (now.SerializeAsString() == item.SerializeAsString()) return present;
-  v1::UpdateItemRequest update;
-  *update.mutable_item() = std::move(item);
-  MORTISE_ASSIGN_OR_RETURN(const v1::Item made, UpdateItem(transaction, update, ""));
-  return made.revision();
+absl::StatusOr<int64_t> PutItem(store::Transaction& transaction, const v1::Item& item) {
+  MORTISE_ASSIGN_OR_RETURN(const std::vector<parametric::Finding> findings,
+                           CheckItem(transaction, item));
+  MORTISE_RETURN_IF_ERROR(parametric::ToStatus(findings));
+  MORTISE_ASSIGN_OR_RETURN(const Replacement replaced, ReplaceItem(transaction, item, ""));
+  return replaced.revision;
 }
 
 absl::StatusOr<int64_t> PutAssembly(store::Transaction& transaction, const v1::Assembly& message,
@@ -96,7 +80,7 @@ absl::StatusOr<int64_t> PutAssembly(store::Transaction& transaction, const v1::A
 absl::StatusOr<int64_t> PutTemplate(store::Transaction& transaction, const v1::Template& message,
                                     int64_t present) {
   MORTISE_ASSIGN_OR_RETURN(v1::TemplateBundle bundle, Freeze(transaction, message));
-  MORTISE_RETURN_IF_ERROR(CompleteBundle(bundle, templates::Trial::kDefaults));
+  MORTISE_RETURN_IF_ERROR(templates::Complete(bundle, templates::Trial::kDefaults));
   MORTISE_ASSIGN_OR_RETURN(const v1::Template stored,
                            ImportBundle(transaction, std::move(bundle), present, ""));
   return stored.revision();
@@ -108,13 +92,12 @@ std::vector<Thing> ThingsOf(const parametric::Collection& collection,
                             store::Transaction* transaction) {
   std::vector<Thing> things;
   for (const v1::Material& message : collection.materials) {
-    things.push_back({kMaterials, message.name(), DigestOf(message), [=](int64_t present) {
-                        return PutMaterial(*transaction, message, present);
-                      }});
+    things.push_back({kMaterials, message.name(), DigestOf(message),
+                      [=](int64_t) { return PutMaterial(*transaction, message); }});
   }
   for (const v1::Item& message : collection.items) {
     things.push_back({kItems, message.name(), DigestOf(message),
-                      [=](int64_t present) { return PutItem(*transaction, message, present); }});
+                      [=](int64_t) { return PutItem(*transaction, message); }});
   }
   std::set<std::string> own_templates;
   for (const v1::Template& message : collection.templates) own_templates.insert(message.name());

@@ -39,6 +39,19 @@ std::string PayloadOf(v1::Item item) {
   return item.SerializeAsString();
 }
 
+// Writes an item as the revision after `present`, 0 for a new one, and tells of it.
+absl::StatusOr<int64_t> Write(store::Transaction& transaction, const v1::Item& item,
+                              int64_t present, const std::string& trace_id) {
+  MORTISE_ASSIGN_OR_RETURN(
+      const int64_t revision,
+      present == 0 ? PutNew(transaction, kItems, item.name(), PayloadOf(item))
+                   : PutNext(transaction, kItems, item.name(), PayloadOf(item), present));
+  MORTISE_RETURN_IF_ERROR(AppendEvent(transaction, present == 0 ? "item.created" : "item.updated",
+                                      item.name(),
+                                      {{"title", item.title()}, {"revision", revision}}, trace_id));
+  return revision;
+}
+
 // Whether the latest revision in a record uses the item.
 template <typename Bundle>
 bool Uses(const store::Record& record, const std::string& item) {
@@ -140,10 +153,7 @@ absl::StatusOr<v1::Item> CreateItem(store::Transaction& transaction, const v1::I
   const auto findings = CheckItem(transaction, item);
   if (!findings.ok()) return UnderField("item", findings.status());
   MORTISE_RETURN_IF_ERROR(UnderField("item", parametric::ToStatus(*findings)));
-  MORTISE_ASSIGN_OR_RETURN(const int64_t revision,
-                           PutNew(transaction, kItems, item.name(), PayloadOf(item)));
-  MORTISE_RETURN_IF_ERROR(AppendEvent(transaction, "item.created", item.name(),
-                                      {{"title", item.title()}, {"revision", revision}}, trace_id));
+  MORTISE_RETURN_IF_ERROR(Write(transaction, item, 0, trace_id).status());
   return GetItem(transaction, item.name());
 }
 
@@ -161,15 +171,19 @@ absl::StatusOr<v1::Item> UpdateItem(store::Transaction& transaction,
   const auto findings = CheckItem(transaction, changed);
   if (!findings.ok()) return UnderField("item", findings.status());
   MORTISE_RETURN_IF_ERROR(UnderField("item", parametric::ToStatus(*findings)));
-  const std::string id = changed.name().substr(std::string(kItems).size() + 1);
-  MORTISE_ASSIGN_OR_RETURN(
-      const int64_t revision,
-      transaction.Put(kItems, id, PayloadOf(changed),
-                      {.expected_revision = present->revision(), .keep_history = true}));
-  MORTISE_RETURN_IF_ERROR(AppendEvent(transaction, "item.updated", changed.name(),
-                                      {{"title", changed.title()}, {"revision", revision}},
-                                      trace_id));
+  MORTISE_RETURN_IF_ERROR(Write(transaction, changed, present->revision(), trace_id).status());
   return GetItem(transaction, changed.name());
+}
+
+absl::StatusOr<Replacement> ReplaceItem(store::Transaction& transaction, const v1::Item& item,
+                                        const std::string& trace_id) {
+  absl::StatusOr<v1::Item> present = GetItem(transaction, item.name());
+  if (!absl::IsNotFound(present.status())) MORTISE_RETURN_IF_ERROR(present.status());
+  Replacement replaced{.before = present.ok() ? present->revision() : 0};
+  replaced.revision = replaced.before;
+  if (present.ok() && PayloadOf(*present) == PayloadOf(item)) return replaced;
+  MORTISE_ASSIGN_OR_RETURN(replaced.revision, Write(transaction, item, replaced.before, trace_id));
+  return replaced;
 }
 
 absl::Status DeleteItem(store::Transaction& transaction, const v1::DeleteItemRequest& request,

@@ -28,10 +28,18 @@ std::string PayloadOf(v1::Material material) {
   return material.SerializeAsString();
 }
 
-absl::Status CheckMaterial(const v1::Material& material) {
-  const absl::StatusOr<parametric::Material> converted = parametric::FromProto(material);
-  if (!converted.ok()) return UnderField("material", converted.status());
-  return UnderField("material", parametric::ToStatus(parametric::ValidateMaterial(*converted)));
+// Writes a material as the revision after `present`, 0 for a new one, and tells of it.
+absl::StatusOr<int64_t> Write(store::Transaction& transaction, const v1::Material& material,
+                              int64_t present, const std::string& trace_id) {
+  MORTISE_ASSIGN_OR_RETURN(
+      const int64_t revision,
+      present == 0
+          ? PutNew(transaction, kMaterials, material.name(), PayloadOf(material))
+          : PutNext(transaction, kMaterials, material.name(), PayloadOf(material), present));
+  MORTISE_RETURN_IF_ERROR(AppendEvent(
+      transaction, present == 0 ? "material.created" : "material.updated", material.name(),
+      {{"title", material.title()}, {"revision", revision}}, trace_id));
+  return revision;
 }
 
 // Names of items made of the material, a few at most.
@@ -64,15 +72,16 @@ absl::StatusOr<Page<v1::Material>> ListMaterials(store::ReadTransaction& transac
       });
 }
 
+absl::Status CheckMaterial(const v1::Material& material) {
+  MORTISE_ASSIGN_OR_RETURN(const parametric::Material converted, parametric::FromProto(material));
+  return parametric::ToStatus(parametric::ValidateMaterial(converted));
+}
+
 absl::StatusOr<v1::Material> CreateMaterial(store::Transaction& transaction,
                                             const v1::Material& material,
                                             const std::string& trace_id) {
-  MORTISE_RETURN_IF_ERROR(CheckMaterial(material));
-  MORTISE_ASSIGN_OR_RETURN(const int64_t revision,
-                           PutNew(transaction, kMaterials, material.name(), PayloadOf(material)));
-  MORTISE_RETURN_IF_ERROR(AppendEvent(transaction, "material.created", material.name(),
-                                      {{"title", material.title()}, {"revision", revision}},
-                                      trace_id));
+  MORTISE_RETURN_IF_ERROR(UnderField("material", CheckMaterial(material)));
+  MORTISE_RETURN_IF_ERROR(Write(transaction, material, 0, trace_id).status());
   return GetMaterial(transaction, material.name());
 }
 
@@ -87,16 +96,22 @@ absl::StatusOr<v1::Material> UpdateMaterial(store::Transaction& transaction,
     return StaleRevision(present->name(), request.material().revision(), present->revision());
   }
   const v1::Material changed = Updated(*present, request.material(), request.update_mask());
-  MORTISE_RETURN_IF_ERROR(CheckMaterial(changed));
-  const std::string id = changed.name().substr(std::string(kMaterials).size() + 1);
-  MORTISE_ASSIGN_OR_RETURN(
-      const int64_t revision,
-      transaction.Put(kMaterials, id, PayloadOf(changed),
-                      {.expected_revision = present->revision(), .keep_history = true}));
-  MORTISE_RETURN_IF_ERROR(AppendEvent(transaction, "material.updated", changed.name(),
-                                      {{"title", changed.title()}, {"revision", revision}},
-                                      trace_id));
+  MORTISE_RETURN_IF_ERROR(UnderField("material", CheckMaterial(changed)));
+  MORTISE_RETURN_IF_ERROR(Write(transaction, changed, present->revision(), trace_id).status());
   return GetMaterial(transaction, changed.name());
+}
+
+absl::StatusOr<Replacement> ReplaceMaterial(store::Transaction& transaction,
+                                            const v1::Material& material,
+                                            const std::string& trace_id) {
+  absl::StatusOr<v1::Material> present = GetMaterial(transaction, material.name());
+  if (!absl::IsNotFound(present.status())) MORTISE_RETURN_IF_ERROR(present.status());
+  Replacement replaced{.before = present.ok() ? present->revision() : 0};
+  replaced.revision = replaced.before;
+  if (present.ok() && PayloadOf(*present) == PayloadOf(material)) return replaced;
+  MORTISE_ASSIGN_OR_RETURN(replaced.revision,
+                           Write(transaction, material, replaced.before, trace_id));
+  return replaced;
 }
 
 absl::Status DeleteMaterial(store::Transaction& transaction,

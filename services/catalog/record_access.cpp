@@ -49,6 +49,13 @@ absl::StatusOr<int64_t> PutNew(store::Transaction& transaction, const char* kind
   return revision;
 }
 
+absl::StatusOr<int64_t> PutNext(store::Transaction& transaction, const char* kind,
+                                const std::string& name, const std::string& payload,
+                                int64_t present) {
+  MORTISE_ASSIGN_OR_RETURN(const std::string id, ParseResourceName(name, kind, "name"));
+  return transaction.Put(kind, id, payload, {.expected_revision = present, .keep_history = true});
+}
+
 absl::Status AppendEvent(store::Transaction& transaction, const std::string& type,
                          const std::string& subject, const nlohmann::json& data,
                          const std::string& trace_id) {

@@ -29,6 +29,12 @@ absl::StatusOr<store::ListOptions> PageOptions(int page_size, const std::string&
 absl::StatusOr<int64_t> PutNew(store::Transaction& transaction, const char* kind,
                                const std::string& name, const std::string& payload);
 
+// Writes the revision after `present`, which is kept. ABORTED, STALE_REVISION if that is not the
+// latest.
+absl::StatusOr<int64_t> PutNext(store::Transaction& transaction, const char* kind,
+                                const std::string& name, const std::string& payload,
+                                int64_t present);
+
 // Tells what happened; `data` is a JSON object.
 absl::Status AppendEvent(store::Transaction& transaction, const std::string& type,
                          const std::string& subject, const nlohmann::json& data,

@@ -32,7 +32,7 @@ absl::Status FreezeAssembly(store::ReadTransaction& transaction, v1::TemplateBun
       GetAssemblyBundle(transaction, message.assembly(), message.revision());
   if (absl::IsNotFound(used.status()) || absl::IsInvalidArgument(used.status())) {
     const bool there = GetAssemblyBundle(transaction, message.assembly(), 0).ok();
-    return InvalidField(there ? "template.assembly.revision" : "template.assembly.assembly",
+    return InvalidField(there ? "assembly.revision" : "assembly.assembly",
                         std::string(used.status().message()));
   }
   MORTISE_RETURN_IF_ERROR(used.status());
@@ -90,12 +90,6 @@ absl::StatusOr<v1::TemplateBundle> Freeze(store::ReadTransaction& transaction,
     if (material.ok()) *bundle.add_materials() = *std::move(material);
   }
   return bundle;
-}
-
-absl::Status CompleteBundle(v1::TemplateBundle& bundle, templates::Trial trial,
-                            const std::function<bool()>& is_given_up) {
-  const absl::Status completed = templates::Complete(bundle, trial, is_given_up);
-  return absl::IsCancelled(completed) ? completed : UnderField("template", completed);
 }
 
 absl::StatusOr<v1::Template> ImportBundle(store::Transaction& transaction,

@@ -20,6 +20,7 @@ using testing::HasSubstr;
 constexpr char kGetItem[] = "/mortise.v1.CatalogService/GetItem";
 constexpr char kListItems[] = "/mortise.v1.CatalogService/ListItems";
 constexpr char kEvaluate[] = "/mortise.v1.CatalogService/EvaluateTemplate";
+constexpr char kImportCatalog[] = "/mortise.v1.CatalogService/ImportCatalog";
 constexpr char kImport[] = "/mortise.v1.CatalogService/ImportTemplate";
 
 class BadJsonTest : public testing::Test {
@@ -52,6 +53,23 @@ class BadJsonTest : public testing::Test {
     ASSERT_TRUE(error.is_object()) << answer.body;
     EXPECT_EQ(error.value("code", ""), code) << answer.body;
     EXPECT_THAT(error.value("message", ""), HasSubstr(words));
+  }
+
+  // Every field that a refusal names: its details are what gRPC clients get.
+  static std::vector<std::string> FieldsOf(const HttpAnswer& answer) {
+    const Json error = Json::parse(answer.body, nullptr, false);
+    std::vector<std::string> fields;
+    for (const Json& detail : error.value("details", Json::array())) {
+      std::string value;
+      google::rpc::BadRequest bad_request;
+      if (detail.value("type", "") != "google.rpc.BadRequest") continue;
+      EXPECT_TRUE(absl::Base64Unescape(detail.value("value", ""), &value));
+      EXPECT_TRUE(bad_request.ParseFromString(value));
+      for (const auto& violation : bad_request.field_violations()) {
+        fields.push_back(violation.field());
+      }
+    }
+    return fields;
   }
 
   static std::unique_ptr<RunningHouse> house_;
@@ -127,22 +145,35 @@ TEST_F(BadJsonTest, EveryFindingOfATemplateIsTold) {
                 "box":{"x":{"from":"0","to":"depth"},"y":{"from":"0","to":"0.3"},
                        "z":{"from":"0","to":"0.02"}}}]}})");
   ExpectRefused(answer, "invalid_argument", "5 findings");
-  // The details are what gRPC clients get: every field is named.
-  const Json error = Json::parse(answer.body, nullptr, false);
-  std::vector<std::string> fields;
-  for (const Json& detail : error.value("details", Json::array())) {
-    std::string value;
-    google::rpc::BadRequest bad_request;
-    if (detail.value("type", "") != "google.rpc.BadRequest") continue;
-    ASSERT_TRUE(absl::Base64Unescape(detail.value("value", ""), &value));
-    ASSERT_TRUE(bad_request.ParseFromString(value));
-    for (const auto& violation : bad_request.field_violations())
-      fields.push_back(violation.field());
+  EXPECT_THAT(FieldsOf(answer), testing::UnorderedElementsAre(
+                                    "template.parameters[0].name", "template.parameters[0].maximum",
+                                    "template.parameters[1].unit", "template.parts[0].item",
+                                    "template.parts[0].box.x.to"));
+}
+
+TEST_F(BadJsonTest, AnImportIsStoredWholeOrNotAtAll) {
+  const auto request = [](const std::string& id, const std::string& amount) {
+    const std::string sizes = R"("dimensions":[{"axis":"X","size":0.035},{"axis":"Y","size":0.008},
+        {"axis":"Z","size":0.008}],"priceBasis":"PER_PIECE","priceDate":"2026-01-15")";
+    return R"({"requestId":")" + id + R"(","materials":[{"name":"materials/elm","title":"Elm",
+        "density":560,"youngsModulus":9e9,"poissonsRatio":0.3,"strength":5e7}],"items":[
+        {"name":"items/elm-peg","title":"Peg","kind":"DOWEL","material":"materials/elm",
+         "price":{"currency":"EUR","amount":0.07},)" +
+           sizes + R"(},
+        {"name":"items/elm-pin","title":"Pin","kind":"DOWEL","material":"materials/elm",
+         "price":{"currency":"EUR","amount":)" +
+           amount + "}," + sizes + "}]}";
+  };
+  const HttpAnswer refused = Send(kImportCatalog, request("elm-1", "-1"));
+  ExpectRefused(refused, "invalid_argument", "items[1].price.amount");
+  EXPECT_THAT(FieldsOf(refused), testing::ElementsAre("items[1].price.amount"));
+  EXPECT_EQ(Send(kGetItem, R"({"name":"items/elm-peg"})").status, 404);
+  for (int repeat = 0; repeat < 2; ++repeat) {
+    const HttpAnswer stored = Send(kImportCatalog, request("elm-2", "0.05"));
+    EXPECT_EQ(stored.status, 200) << stored.body;
+    EXPECT_EQ(Json::parse(stored.body, nullptr, false)["createdCount"], 3) << stored.body;
   }
-  EXPECT_THAT(fields, testing::UnorderedElementsAre(
-                          "template.parameters[0].name", "template.parameters[0].maximum",
-                          "template.parameters[1].unit", "template.parts[0].item",
-                          "template.parts[0].box.x.to"));
+  EXPECT_EQ(Send(kGetItem, R"({"name":"items/elm-peg"})").status, 200);
 }
 
 }  // namespace

@@ -45,6 +45,13 @@ struct Example {
 };
 
 constexpr Example kExamples[] = {
+    {"CatalogService/ImportCatalog",
+     "request_id: 'bad-42' "
+     "materials { name: 'materials/elm' title: 'Elm' density: 560 youngs_modulus: 9e9 "
+     "poissons_ratio: 0.3 strength: 5e7 } "
+     "items { {item} name: 'items/imported-board' } "
+     "templates { {template} }",
+     Outcome::kChanges},
     {"CatalogService/GetMaterial", "name: 'materials/spruce'"},
     {"CatalogService/ListMaterials", "page_size: 10"},
     {"CatalogService/CreateMaterial",

@@ -168,7 +168,7 @@ items {
   const Json refused = Ask("vera", {"catalog", "import", file}, 1)["error"];
   EXPECT_EQ(refused["code"], "PERMISSION_DENIED");
   EXPECT_THAT(refused["message"].get<std::string>(),
-              testing::StartsWith(file + ": mortise.v1.CatalogService/CreateItem needs the role"));
+              testing::StartsWith("mortise.v1.CatalogService/ImportCatalog needs the role"));
   EXPECT_EQ(Refusal("vera", {"plan", "table"}), "PERMISSION_DENIED");
   EXPECT_EQ(Refusal("vera", {"fab", "release", NewPlan()}), "PERMISSION_DENIED");
   EXPECT_EQ(Ask("vera", {"catalog", "list", "items"}).size(), items);

@@ -1,0 +1,212 @@
+// Checks everything of an import, then writes it.
+#include "services/catalog/catalog_import.h"
+
+#include <optional>
+#include <set>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
+#include "common/base/field_violations.h"
+#include "common/base/identifiers.h"
+#include "common/parametric/template_validation.h"
+#include "services/catalog/catalog_records.h"
+#include "services/catalog/pending_records.h"
+#include "services/catalog/record_access.h"
+#include "services/catalog/shipped_marks.h"
+
+namespace mortise::catalog {
+namespace {
+
+constexpr int kMostRows = 10'000;  // materials and items
+constexpr int kMostTemplates = 100;
+
+std::string At(const char* list, int index) { return absl::StrCat(list, "[", index, "]"); }
+
+absl::Status CheckCounts(const v1::ImportCatalogRequest& request) {
+  if (request.materials_size() > kMostRows) {
+    return InvalidField("materials", absl::StrCat("must be at most ", kMostRows));
+  }
+  if (request.items_size() > kMostRows - request.materials_size()) {
+    return InvalidField("items", absl::StrCat("must be at most ", kMostRows, " with materials"));
+  }
+  if (request.templates_size() > kMostTemplates) {
+    return InvalidField("templates", absl::StrCat("must be at most ", kMostTemplates));
+  }
+  return absl::OkStatus();
+}
+
+// Everything that is wrong with the things of a request.
+class Faults {
+ public:
+  // What is wrong with the thing at `place`. Failures that say nothing of fields are given back.
+  absl::Status Add(const std::string& place, const absl::Status& status) {
+    if (!status.ok() && !absl::IsInvalidArgument(status)) return UnderField(place, status);
+    std::vector<FieldViolation> more = ViolationsOf(status);
+    if (more.empty() && !status.ok()) {
+      const std::string field = DetailOf(status).field;
+      std::string message(status.message());
+      if (message.starts_with(field + ": ")) message.erase(0, field.size() + 2);
+      more.push_back({field, message});
+    }
+    for (FieldViolation& violation : more) {
+      violation.field = absl::StrCat(place, violation.field.empty() ? "" : ".", violation.field);
+      violations_.push_back(std::move(violation));
+    }
+    return absl::OkStatus();
+  }
+
+  // That a name is there a second time.
+  void AddName(const std::string& place, const std::string& name) {
+    if (names_.insert(name).second) return;
+    violations_.push_back({place + ".name", absl::StrCat("'", name, "' is there twice")});
+  }
+
+  bool none() const { return violations_.empty(); }
+
+  absl::Status AsStatus() const { return none() ? absl::OkStatus() : InvalidFields(violations_); }
+
+ private:
+  std::vector<FieldViolation> violations_;
+  std::set<std::string> names_;
+};
+
+absl::Status CheckRow(store::ReadTransaction& transaction, const v1::Item& item) {
+  MORTISE_ASSIGN_OR_RETURN(const std::vector<parametric::Finding> findings,
+                           CheckItem(transaction, item));
+  return parametric::ToStatus(findings);
+}
+
+template <typename Message>
+void AddTo(PendingRecords& pending, const char* kind, const Message& message) {
+  const absl::StatusOr<std::string> id = ParseResourceName(message.name(), kind, "name");
+  // One that is malformed is found to be.
+  if (id.ok()) pending.Add(kind, *id, message.SerializeAsString());
+}
+
+// Checks materials and items, and adds them to `pending`.
+absl::Status CheckRows(const v1::ImportCatalogRequest& request, PendingRecords& pending,
+                       Faults& faults) {
+  for (const v1::Material& material : request.materials()) AddTo(pending, kMaterials, material);
+  for (const v1::Item& item : request.items()) AddTo(pending, kItems, item);
+  for (int i = 0; i < request.materials_size(); ++i) {
+    const v1::Material& material = request.materials(i);
+    faults.AddName(At("materials", i), material.name());
+    MORTISE_RETURN_IF_ERROR(faults.Add(At("materials", i), CheckMaterial(material)));
+  }
+  for (int i = 0; i < request.items_size(); ++i) {
+    const v1::Item& item = request.items(i);
+    faults.AddName(At("items", i), item.name());
+    MORTISE_RETURN_IF_ERROR(faults.Add(At("items", i), CheckRow(pending, item)));
+  }
+  return absl::OkStatus();
+}
+
+// The templates with what they use, stored or pending; empty where something is at fault.
+absl::Status FreezeTemplates(const v1::ImportCatalogRequest& request, PendingRecords& pending,
+                             Faults& faults, std::vector<v1::TemplateBundle>& frozen) {
+  for (int i = 0; i < request.templates_size(); ++i) {
+    const std::string place = At("templates", i);
+    const v1::Template& message = request.templates(i);
+    faults.AddName(place, message.name());
+    const absl::Status name = ParseResourceName(message.name(), kTemplates, "name").status();
+    MORTISE_RETURN_IF_ERROR(faults.Add(place, name));
+    absl::StatusOr<v1::TemplateBundle> bundle = Freeze(pending, message);
+    MORTISE_RETURN_IF_ERROR(faults.Add(place, bundle.status()));
+    frozen.push_back(name.ok() && bundle.ok() ? *std::move(bundle) : v1::TemplateBundle());
+  }
+  return absl::OkStatus();
+}
+
+// What was pending has a revision and a time now.
+absl::Status TakeAsStored(store::ReadTransaction& transaction, v1::TemplateBundle& bundle) {
+  for (v1::Item& item : *bundle.mutable_items()) {
+    if (item.revision() > 0) continue;
+    MORTISE_ASSIGN_OR_RETURN(item, GetItem(transaction, item.name()));
+  }
+  for (v1::Material& material : *bundle.mutable_materials()) {
+    if (material.revision() > 0) continue;
+    MORTISE_ASSIGN_OR_RETURN(material, GetMaterial(transaction, material.name()));
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<Replacement> StoreTemplate(store::Transaction& transaction,
+                                          v1::TemplateBundle bundle, const std::string& trace_id) {
+  MORTISE_RETURN_IF_ERROR(TakeAsStored(transaction, bundle));
+  MORTISE_ASSIGN_OR_RETURN(const std::optional<PresentRevision> present,
+                           FindPresent(transaction, kTemplates, bundle.template_().name()));
+  const int64_t before = present ? present->revision : 0;
+  MORTISE_ASSIGN_OR_RETURN(const v1::Template stored,
+                           ImportBundle(transaction, std::move(bundle), before, trace_id));
+  return Replacement{before, stored.revision()};
+}
+
+void Note(const std::string& name, const Replacement& replaced, v1::ImportCatalogResponse& answer) {
+  using Change = v1::ImportCatalogResponse::Change;
+  Change& change = *answer.add_changes();
+  change.set_name(name);
+  change.set_revision(replaced.revision);
+  if (replaced.before == 0) {
+    change.set_kind(Change::CREATED);
+    answer.set_created_count(answer.created_count() + 1);
+  } else if (replaced.revision != replaced.before) {
+    change.set_kind(Change::UPDATED);
+    answer.set_updated_count(answer.updated_count() + 1);
+  } else {
+    change.set_kind(Change::UNCHANGED);
+    answer.set_unchanged_count(answer.unchanged_count() + 1);
+  }
+}
+
+}  // namespace
+
+absl::StatusOr<std::vector<v1::TemplateBundle>> PrepareImport(
+    store::Store& store, const v1::ImportCatalogRequest& request,
+    const std::function<bool()>& is_given_up) {
+  MORTISE_RETURN_IF_ERROR(CheckCounts(request));
+  Faults faults;
+  std::vector<v1::TemplateBundle> bundles;
+  MORTISE_RETURN_IF_ERROR(store.Read([&](store::ReadTransaction& transaction) -> absl::Status {
+    PendingRecords pending(transaction);
+    MORTISE_RETURN_IF_ERROR(CheckRows(request, pending, faults));
+    if (!faults.none()) return absl::OkStatus();
+    return FreezeTemplates(request, pending, faults, bundles);
+  }));
+  for (int i = 0; i < static_cast<int>(bundles.size()); ++i) {
+    v1::TemplateBundle& bundle = bundles[static_cast<std::size_t>(i)];
+    if (!bundle.has_template_()) continue;
+    MORTISE_RETURN_IF_ERROR(faults.Add(
+        At("templates", i), templates::Complete(bundle, templates::Trial::kThorough, is_given_up)));
+  }
+  MORTISE_RETURN_IF_ERROR(faults.AsStatus());
+  return bundles;
+}
+
+absl::StatusOr<v1::ImportCatalogResponse> ImportCatalog(
+    store::Transaction& transaction, const v1::ImportCatalogRequest& request,
+    const std::vector<v1::TemplateBundle>& templates, const std::string& trace_id) {
+  // Once more, as others may have removed what is used.
+  PendingRecords pending(transaction);
+  Faults faults;
+  MORTISE_RETURN_IF_ERROR(CheckRows(request, pending, faults));
+  MORTISE_RETURN_IF_ERROR(faults.AsStatus());
+  v1::ImportCatalogResponse answer;
+  for (const v1::Material& material : request.materials()) {
+    MORTISE_ASSIGN_OR_RETURN(const Replacement replaced,
+                             ReplaceMaterial(transaction, material, trace_id));
+    Note(material.name(), replaced, answer);
+  }
+  for (const v1::Item& item : request.items()) {
+    MORTISE_ASSIGN_OR_RETURN(const Replacement replaced, ReplaceItem(transaction, item, trace_id));
+    Note(item.name(), replaced, answer);
+  }
+  for (const v1::TemplateBundle& bundle : templates) {
+    MORTISE_ASSIGN_OR_RETURN(const Replacement replaced,
+                             StoreTemplate(transaction, bundle, trace_id));
+    Note(bundle.template_().name(), replaced, answer);
+  }
+  return answer;
+}
+
+}  // namespace mortise::catalog

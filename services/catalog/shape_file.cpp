@@ -1,0 +1,51 @@
+#include "services/catalog/shape_file.h"
+
+#include <string>
+#include <vector>
+
+#include "common/base/errors.h"
+#include "common/base/field_violations.h"
+#include "common/cad/step_isolation.h"
+#include "common/mesh/drawn_shape.h"
+#include "services/catalog/assembly_import.h"
+#include "services/catalog/shape_import.h"
+#include "services/catalog/shape_records.h"
+
+namespace mortise::catalog {
+namespace {
+
+// What is wrong with the shape, said of the file.
+absl::Status OfFile(const absl::Status& status) {
+  if (absl::IsResourceExhausted(status))
+    return TooLarge("file", "64 MiB unpacked, or 50,000 triangles");
+  std::vector<FieldViolation> violations = ViolationsOf(status);
+  if (violations.empty()) {
+    std::string message(status.message());
+    const std::string field = DetailOf(status).field;
+    if (message.starts_with(field + ": ")) message.erase(0, field.size() + 2);
+    violations.push_back({"file", message});
+  }
+  for (FieldViolation& violation : violations) violation.field = "file";
+  return InvalidFields(violations);
+}
+
+}  // namespace
+
+absl::StatusOr<v1::Shape> ReadShape(const v1::ImportShapeRequest& asked) {
+  const absl::StatusOr<std::string> bytes = UnpackStep(asked.file());
+  if (!bytes.ok()) return OfFile(bytes.status());
+  absl::StatusOr<mesh::DrawnShape> shape = InvalidField("format", "must be STEP or STL");
+  if (asked.format() == v1::ImportShapeRequest::STEP) {
+    const absl::StatusOr<cad::StepAssembly> drawing = cad::ReadStepInChild(*bytes);
+    if (!drawing.ok()) return OfFile(drawing.status());
+    shape = ShapeOfStep(*drawing);
+  } else if (asked.format() == v1::ImportShapeRequest::STL) {
+    MORTISE_ASSIGN_OR_RETURN(const mesh::SurfaceMesh surface, ReadStl(*bytes));
+    shape = mesh::ShapeOfMesh(surface);
+    if (!shape.ok()) return OfFile(shape.status());
+  }
+  MORTISE_RETURN_IF_ERROR(shape.status());
+  return NamedShape(*shape);
+}
+
+}  // namespace mortise::catalog
