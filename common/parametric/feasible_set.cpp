@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 #include <Eigen/QR>
 #include <algorithm>
+#include <boost/pending/disjoint_sets.hpp>
 #include <cmath>
 #include <map>
 #include <numeric>
@@ -31,26 +32,6 @@ double AmountBroken(const Relationship& relationship, const Eigen::VectorXd& q) 
   return relationship.equality ? std::abs(value) : std::max(value, 0.0);
 }
 
-// Sets of variables that equalities connect.
-class Connected {
- public:
-  explicit Connected(Eigen::Index variables) : parent_(static_cast<std::size_t>(variables)) {
-    std::iota(parent_.begin(), parent_.end(), 0);
-  }
-  int Find(int variable) {
-    while (parent_[static_cast<std::size_t>(variable)] != variable) {
-      int& parent = parent_[static_cast<std::size_t>(variable)];
-      parent = parent_[static_cast<std::size_t>(parent)];
-      variable = parent;
-    }
-    return variable;
-  }
-  void Join(int a, int b) { parent_[static_cast<std::size_t>(Find(a))] = Find(b); }
-
- private:
-  std::vector<int> parent_;
-};
-
 // The variables of one set, and the equalities among them.
 struct Block {
   std::vector<int> variables;
@@ -59,23 +40,25 @@ struct Block {
 
 std::vector<Block> SplitIntoBlocks(const std::vector<Relationship>& relationships,
                                    const std::vector<int>& variables, Eigen::Index all) {
-  Connected connected(all);
+  boost::disjoint_sets_with_storage<> connected(static_cast<std::size_t>(all));
+  const auto set_of = [&](int variable) {
+    return connected.find_set(static_cast<std::size_t>(variable));
+  };
   for (const Relationship& relationship : relationships) {
     if (!relationship.equality) continue;
     for (const LinearTerm& term : relationship.form.terms) {
-      connected.Join(relationship.form.terms.front().variable, term.variable);
+      connected.union_set(set_of(relationship.form.terms.front().variable), set_of(term.variable));
     }
   }
-  std::map<int, Block> blocks;
-  for (const int variable : variables)
-    blocks[connected.Find(variable)].variables.push_back(variable);
+  std::map<std::size_t, Block> blocks;
+  for (const int variable : variables) blocks[set_of(variable)].variables.push_back(variable);
   for (const Relationship& relationship : relationships) {
     if (!relationship.equality) continue;
-    const int root = connected.Find(relationship.form.terms.front().variable);
-    blocks[root].equalities.push_back(&relationship);
+    const std::size_t set = set_of(relationship.form.terms.front().variable);
+    blocks[set].equalities.push_back(&relationship);
   }
   std::vector<Block> result;
-  for (auto& [root, block] : blocks) result.push_back(std::move(block));
+  for (auto& [set, block] : blocks) result.push_back(std::move(block));
   return result;
 }
 

@@ -1,46 +1,26 @@
 #include "common/parametric/polyhedron_factors.h"
 
 #include <algorithm>
+#include <boost/pending/disjoint_sets.hpp>
 #include <map>
-#include <numeric>
 #include <vector>
 
 namespace mortise::parametric {
 namespace {
 
-// Variables that rows connect.
-class Connected {
- public:
-  explicit Connected(Eigen::Index variables) : parent_(static_cast<std::size_t>(variables)) {
-    std::iota(parent_.begin(), parent_.end(), 0);
-  }
+using Connected = boost::disjoint_sets_with_storage<>;
 
-  int Find(int variable) {
-    while (parent_[static_cast<std::size_t>(variable)] != variable) {
-      int& parent = parent_[static_cast<std::size_t>(variable)];
-      parent = parent_[static_cast<std::size_t>(parent)];
-      variable = parent;
-    }
-    return variable;
-  }
-
-  void Join(int a, int b) { parent_[static_cast<std::size_t>(Find(a))] = Find(b); }
-
- private:
-  std::vector<int> parent_;
-};
-
-int FirstVariable(const Eigen::MatrixXd& rows, Eigen::Index row) {
+std::size_t FirstVariable(const Eigen::MatrixXd& rows, Eigen::Index row) {
   Eigen::Index first = 0;
   while (rows(row, first) == 0) ++first;
-  return static_cast<int>(first);
+  return static_cast<std::size_t>(first);
 }
 
 void Connect(const Eigen::MatrixXd& rows, Connected& connected) {
   for (Eigen::Index row = 0; row < rows.rows(); ++row) {
-    const int first = FirstVariable(rows, row);
-    for (Eigen::Index i = first + 1; i < rows.cols(); ++i) {
-      if (rows(row, i) != 0) connected.Join(first, static_cast<int>(i));
+    const std::size_t first = FirstVariable(rows, row);
+    for (auto i = first + 1; i < static_cast<std::size_t>(rows.cols()); ++i) {
+      if (rows(row, static_cast<Eigen::Index>(i)) != 0) connected.union_set(first, i);
     }
   }
 }
@@ -50,18 +30,19 @@ void Connect(const Eigen::MatrixXd& rows, Connected& connected) {
 std::vector<PolyhedronFactor> FactorsOf(const Polyhedron& polyhedron) {
   const Eigen::Index variables =
       std::max(polyhedron.inequalities.cols(), polyhedron.equalities.cols());
-  Connected connected(variables);
+  Connected connected(static_cast<std::size_t>(variables));
   Connect(polyhedron.inequalities, connected);
   Connect(polyhedron.equalities, connected);
   std::vector<PolyhedronFactor> factors;
-  std::map<int, std::size_t> place;  // of a set's representative
+  std::map<std::size_t, std::size_t> place;  // of a set's representative
   for (int variable = 0; variable < variables; ++variable) {
-    const auto [found, is_new] = place.emplace(connected.Find(variable), factors.size());
+    const auto [found, is_new] =
+        place.emplace(connected.find_set(static_cast<std::size_t>(variable)), factors.size());
     if (is_new) factors.emplace_back();
     factors[found->second].variables.push_back(variable);
   }
   const auto factor_of = [&](const Eigen::MatrixXd& rows, Eigen::Index row) -> PolyhedronFactor& {
-    return factors[place.at(connected.Find(FirstVariable(rows, row)))];
+    return factors[place.at(connected.find_set(FirstVariable(rows, row)))];
   };
   for (Eigen::Index row = 0; row < polyhedron.inequalities.rows(); ++row) {
     factor_of(polyhedron.inequalities, row).inequalities.push_back(static_cast<int>(row));
