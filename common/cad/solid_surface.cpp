@@ -17,6 +17,7 @@
 #include "common/base/errors.h"
 #include "common/cad/solid_kernel.h"
 #include "common/cad/triangle_joiner.h"
+#include "common/mesh/surface_check.h"
 
 namespace mortise::cad {
 namespace {
@@ -45,10 +46,10 @@ absl::StatusOr<mesh::AssemblySurface> Triangulate(const Solid& solid,
         joiner.Append(TopoDS::Face(faces(index)), static_cast<int>(i)).status());
     surface.faces.push_back({-1, 0, {{0, solid.face_names()[i]}}});
   }
-  if (!joiner.IsClosed()) {
+  joiner.MoveTo(surface);
+  if (!mesh::IsBalanced(surface.vertices, surface.triangles)) {
     return KernelFailure("triangulating the solid", "the triangles leave a gap");
   }
-  joiner.MoveTo(surface);
   surface.part_interior.resize(3, 0);
   surface.part_names = {solid.name()};
   return surface;

@@ -5,7 +5,6 @@
 #include <TopExp.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopoDS.hxx>
-#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -54,18 +53,6 @@ absl::StatusOr<std::vector<int>> TriangleJoiner::Append(const TopoDS_Face& face,
   }
   SplitAtLoneVertices(face, first);
   return nodes;
-}
-
-bool TriangleJoiner::IsClosed() const {
-  std::map<std::pair<int, int>, int> balance;
-  for (const Eigen::Vector3i& corners : triangles_) {
-    for (int i = 0; i < 3; ++i) {
-      const int from = corners(i), to = corners((i + 1) % 3);
-      balance[std::minmax(from, to)] += from < to ? 1 : -1;
-    }
-  }
-  return std::all_of(balance.begin(), balance.end(),
-                     [](const auto& entry) { return entry.second == 0; });
 }
 
 void TriangleJoiner::MoveTo(mesh::AssemblySurface& surface) const {

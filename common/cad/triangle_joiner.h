@@ -29,9 +29,6 @@ class TriangleJoiner {
   // kernel made none, or divided an edge otherwise than for the faces before.
   absl::StatusOr<std::vector<int>> Append(const TopoDS_Face& face, int index);
 
-  // Every edge has as many triangles on one side as on the other.
-  bool IsClosed() const;
-
   // Moves points, triangles and the index of each triangle's face there.
   void MoveTo(mesh::AssemblySurface& surface) const;
 

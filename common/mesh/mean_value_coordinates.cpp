@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <utility>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "common/mesh/halfedge_mesh.h"
 #include "common/mesh/surface_check.h"
 
 namespace mortise::mesh {
@@ -56,14 +56,15 @@ class Cage {
   };
 
   void CollectEdges() {
-    std::map<std::pair<int, int>, int> known;
-    for (Eigen::Index t = 0; t < mesh_.triangles.cols(); ++t) {
-      for (int k = 0; k < 3; ++k) {
-        const int from = mesh_.triangles((k + 1) % 3, t), to = mesh_.triangles((k + 2) % 3, t);
-        const auto edge = std::minmax(from, to);
-        const auto [found, is_new] = known.emplace(edge, static_cast<int>(edges_.size()));
-        if (is_new) edges_.push_back(edge);
-        sides_(k, t) = found->second;
+    const CutSurface surface(mesh_.vertices, mesh_.triangles);
+    const HalfedgeMesh& mesh = surface.mesh();
+    // What is closed is cut nowhere along an edge.
+    for (const SurfaceEdge& edge : surface.edges()) edges_.emplace_back(edge.low, edge.high);
+    for (const OpenMesh::FaceHandle face : mesh.all_faces()) {
+      OpenMesh::HalfedgeHandle halfedge = mesh.halfedge_handle(face);
+      for (const int opposite : {2, 0, 1}) {
+        sides_(opposite, face.idx()) = mesh.edge_handle(halfedge).idx();
+        halfedge = mesh.next_halfedge_handle(halfedge);
       }
     }
   }

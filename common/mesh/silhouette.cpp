@@ -1,11 +1,12 @@
 #include "common/mesh/silhouette.h"
 
 #include <Eigen/Geometry>
-#include <algorithm>
 #include <boost/polygon/polygon.hpp>
 #include <cmath>
 #include <utility>
 #include <vector>
+
+#include "common/mesh/halfedge_mesh.h"
 
 namespace mortise::mesh {
 namespace {
@@ -30,19 +31,21 @@ double Cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
 
 // The edges around what faces the light: those that no other such triangle runs along backwards.
 std::vector<Edge> ContourEdges(const SurfaceMesh& solid, const Eigen::Matrix2Xd& points) {
-  std::vector<Edge> edges;
-  for (Eigen::Index t = 0; t < solid.triangles.cols(); ++t) {
-    const Eigen::Vector3i triangle = solid.triangles.col(t);
+  const CutSurface surface(solid.vertices, solid.triangles);
+  std::vector<bool> is_lit;
+  for (const auto& triangle : solid.triangles.colwise()) {
     const Eigen::Vector2d first = points.col(triangle[0]);
-    if (!(Cross(points.col(triangle[1]) - first, points.col(triangle[2]) - first) > 0)) continue;
-    for (int k = 0; k < 3; ++k) edges.emplace_back(triangle[k], triangle[(k + 1) % 3]);
+    is_lit.push_back(Cross(points.col(triangle[1]) - first, points.col(triangle[2]) - first) > 0);
   }
-  std::sort(edges.begin(), edges.end());
+  const auto faces_light = [&](OpenMesh::HalfedgeHandle halfedge) {
+    const OpenMesh::FaceHandle face = surface.mesh().face_handle(halfedge);
+    return face.is_valid() && is_lit[static_cast<std::size_t>(face.idx())];
+  };
   std::vector<Edge> contour;
-  for (const Edge& edge : edges) {
-    if (!std::binary_search(edges.begin(), edges.end(), Edge(edge.second, edge.first))) {
-      contour.push_back(edge);
-    }
+  for (const OpenMesh::HalfedgeHandle halfedge : surface.mesh().all_halfedges()) {
+    const auto opposite = surface.mesh().opposite_halfedge_handle(halfedge);
+    if (!faces_light(halfedge) || faces_light(opposite)) continue;
+    contour.emplace_back(surface.CornerOf(halfedge), surface.CornerOf(opposite));
   }
   return contour;
 }

@@ -2,52 +2,25 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "common/base/errors.h"
+#include "common/mesh/halfedge_mesh.h"
 #include "common/mesh/mass_properties.h"
 
 namespace mortise::mesh {
-namespace {
 
 using Kind = SurfaceFault::Kind;
 
-std::string PlaceText(const Eigen::Vector3d& place) {
-  return absl::StrFormat("(%.4g, %.4g, %.4g) mm", 1e3 * place.x(), 1e3 * place.y(),
-                         1e3 * place.z());
+SurfaceFault FaultAt(Kind kind, const Eigen::Vector3d& place, const std::string& what) {
+  return {kind, place,
+          absl::StrCat(what, absl::StrFormat(" at (%.4g, %.4g, %.4g) mm", 1e3 * place.x(),
+                                             1e3 * place.y(), 1e3 * place.z()))};
 }
 
-SurfaceFault Fault(Kind kind, const Eigen::Vector3d& place, const std::string& what) {
-  return {kind, place, absl::StrCat(what, " at ", PlaceText(place))};
-}
-
-// A directed edge of a triangle, sortable by its unordered ends.
-struct EdgeUse {
-  int low;
-  int high;
-  bool forward;  // runs from low to high
-};
-
-std::vector<EdgeUse> SortedEdges(const Eigen::Matrix3Xi& triangles) {
-  std::vector<EdgeUse> edges;
-  edges.reserve(3 * triangles.cols());
-  for (Eigen::Index t = 0; t < triangles.cols(); ++t) {
-    for (int k = 0; k < 3; ++k) {
-      const int a = triangles(k, t), b = triangles((k + 1) % 3, t);
-      edges.push_back({std::min(a, b), std::max(a, b), a < b});
-    }
-  }
-  std::sort(edges.begin(), edges.end(), [](const EdgeUse& a, const EdgeUse& b) {
-    return std::array{a.low, a.high, int{a.forward}} < std::array{b.low, b.high, int{b.forward}};
-  });
-  return edges;
-}
-
-// Indices and coordinates; the other checks rely on them.
 std::vector<SurfaceFault> CheckNumbers(const Eigen::Matrix3Xd& vertices,
                                        const Eigen::Matrix3Xi& triangles) {
   const Eigen::Vector3d nowhere = Eigen::Vector3d::Zero();
@@ -66,7 +39,23 @@ std::vector<SurfaceFault> CheckNumbers(const Eigen::Matrix3Xd& vertices,
   return {};
 }
 
-}  // namespace
+std::optional<SurfaceFault> FaultAt(const SurfaceEdge& edge, const Eigen::Matrix3Xd& vertices) {
+  if (edge.IsJoined()) return std::nullopt;
+  const Eigen::Vector3d middle = 0.5 * (vertices.col(edge.low) + vertices.col(edge.high));
+  if (edge.triangles() == 1) {
+    return FaultAt(Kind::kOpenEdge, middle, "the surface is open along an edge");
+  }
+  if (edge.triangles() > 2) {
+    return FaultAt(Kind::kOvercrowded, middle, "more than two triangles meet at an edge");
+  }
+  return FaultAt(Kind::kFlippedEdge, middle, "two neighbouring triangles face opposite ways");
+}
+
+bool IsDegenerate(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
+  const double longest2 =
+      std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()});
+  return (b - a).cross(c - a).norm() <= 1e-12 * longest2;
+}
 
 std::vector<SurfaceFault> CheckSurface(const SurfaceMesh& surface, int limit) {
   const auto& [vertices, triangles] = surface;
@@ -76,39 +65,30 @@ std::vector<SurfaceFault> CheckSurface(const SurfaceMesh& surface, int limit) {
   for (Eigen::Index t = 0; t < triangles.cols() && !full(); ++t) {
     const Eigen::Vector3d a = vertices.col(triangles(0, t)), b = vertices.col(triangles(1, t)),
                           c = vertices.col(triangles(2, t));
-    const double longest2 =
-        std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()});
-    if ((b - a).cross(c - a).norm() <= 1e-12 * longest2) {
-      faults.push_back(Fault(Kind::kDegenerate, (a + b + c) / 3, "a triangle has no area"));
+    if (IsDegenerate(a, b, c)) {
+      faults.push_back(FaultAt(Kind::kDegenerate, (a + b + c) / 3, "a triangle has no area"));
     }
   }
-  const std::vector<EdgeUse> edges = SortedEdges(triangles);
-  for (std::size_t i = 0; i < edges.size() && !full();) {
-    std::size_t next = i + 1;
-    while (next < edges.size() && edges[next].low == edges[i].low &&
-           edges[next].high == edges[i].high) {
-      ++next;
-    }
-    const Eigen::Vector3d middle = 0.5 * (vertices.col(edges[i].low) + vertices.col(edges[i].high));
-    if (next - i == 1) {
-      faults.push_back(Fault(Kind::kOpenEdge, middle, "the surface is open along an edge"));
-    } else if (next - i > 2) {
-      faults.push_back(
-          Fault(Kind::kOvercrowded, middle, "more than two triangles meet at an edge"));
-    } else if (edges[i].forward == edges[i + 1].forward) {
-      faults.push_back(
-          Fault(Kind::kFlippedEdge, middle, "two neighbouring triangles face opposite ways"));
-    }
-    i = next;
+  if (full()) return faults;
+  const CutSurface cut(vertices, triangles);
+  for (const SurfaceEdge& edge : cut.edges()) {
+    if (full()) break;
+    if (auto fault = FaultAt(edge, vertices)) faults.push_back(*std::move(fault));
   }
   if (faults.empty()) {
     const MassProperties mass = ComputeMassProperties(surface);
     if (!(mass.volume > 0)) {
-      faults.push_back(Fault(Kind::kInsideOut, vertices.rowwise().mean(),
-                             "the surface is inside out or encloses nothing,"));
+      faults.push_back(FaultAt(Kind::kInsideOut, vertices.rowwise().mean(),
+                               "the surface is inside out or encloses nothing,"));
     }
   }
   return faults;
+}
+
+bool IsBalanced(const Eigen::Matrix3Xd& vertices, const Eigen::Matrix3Xi& triangles) {
+  const CutSurface cut(vertices, triangles);
+  return std::all_of(cut.edges().begin(), cut.edges().end(),
+                     [](const SurfaceEdge& edge) { return edge.forward == edge.backward; });
 }
 
 bool IsWatertight(const SurfaceMesh& surface) { return CheckSurface(surface, 1).empty(); }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,8 @@
 #include "common/mesh/surface_mesh.h"
 
 namespace mortise::mesh {
+
+struct SurfaceEdge;
 
 // What is wrong with a surface at one place.
 struct SurfaceFault {
@@ -19,6 +22,7 @@ struct SurfaceFault {
     kOpenEdge,     // an edge belongs to one triangle only
     kFlippedEdge,  // two triangles run along an edge in the same direction
     kOvercrowded,  // more than two triangles meet at an edge
+    kPinched,      // triangles around a vertex that share no edges with the others there
     kInsideOut,    // closed, but the enclosed volume is not positive
   };
   Kind kind = Kind::kOpenEdge;
@@ -27,8 +31,27 @@ struct SurfaceFault {
 };
 
 // All faults of a surface, at most `limit`; empty for a closed, oriented 2-manifold of positive
-// volume. (Self-intersections are searched by FindIntersections.)
+// volume, which may meet itself in single vertices. (Self-intersections are searched by
+// FindIntersections.)
 std::vector<SurfaceFault> CheckSurface(const SurfaceMesh& surface, int limit = 20);
+
+// The first fault of indices and coordinates, on which all else relies; empty if there is none.
+std::vector<SurfaceFault> CheckNumbers(const Eigen::Matrix3Xd& vertices,
+                                       const Eigen::Matrix3Xi& triangles);
+
+// What is wrong at an edge; nothing if two triangles run along it, once either way.
+std::optional<SurfaceFault> FaultAt(const SurfaceEdge& edge, const Eigen::Matrix3Xd& vertices);
+
+// A fault with its place: "what at (1, 2, 3) mm".
+SurfaceFault FaultAt(SurfaceFault::Kind kind, const Eigen::Vector3d& place,
+                     const std::string& what);
+
+// Whether a triangle has no area, but for rounding.
+bool IsDegenerate(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c);
+
+// Whether every edge has as many triangles that run along it one way as the other: of solids that
+// touch themselves along an edge, too.
+bool IsBalanced(const Eigen::Matrix3Xd& vertices, const Eigen::Matrix3Xi& triangles);
 
 // Whether CheckSurface finds nothing.
 bool IsWatertight(const SurfaceMesh& surface);

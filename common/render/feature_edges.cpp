@@ -6,16 +6,9 @@
 #include <cmath>
 #include <numeric>
 
+#include "common/mesh/halfedge_mesh.h"
+
 namespace mortise::render {
-namespace {
-
-struct HalfEdge {
-  int low;
-  int high;
-  int triangle;
-};
-
-}  // namespace
 
 std::vector<int> MergeVertices(const Eigen::Matrix3Xd& vertices) {
   const int count = static_cast<int>(vertices.cols());
@@ -52,39 +45,25 @@ std::vector<FeatureEdge> FindFeatureEdges(
     const Eigen::Matrix3Xd& vertices, const Eigen::Matrix3Xi& triangles, double feature_angle,
     const std::function<bool(const Eigen::Vector3d&, const Eigen::Vector3d&)>& faces_eye) {
   const std::vector<int> merged = MergeVertices(vertices);
+  const mesh::CutSurface surface(vertices, triangles.unaryExpr([&](int v) { return merged[v]; }));
   const Eigen::Matrix3Xd normals = TriangleNormals(vertices, triangles);
   std::vector<bool> front(triangles.cols());
-  std::vector<HalfEdge> edges;
-  edges.reserve(3 * triangles.cols());
-  for (int t = 0; t < triangles.cols(); ++t) {
+  for (Eigen::Index t = 0; t < triangles.cols(); ++t) {
     const Eigen::Vector3d centre = (vertices.col(triangles(0, t)) + vertices.col(triangles(1, t)) +
                                     vertices.col(triangles(2, t))) /
                                    3;
     front[t] = faces_eye(centre, normals.col(t));
-    for (int k = 0; k < 3; ++k) {
-      const int a = merged[triangles(k, t)];
-      const int b = merged[triangles((k + 1) % 3, t)];
-      if (a != b) edges.push_back({std::min(a, b), std::max(a, b), t});
-    }
   }
-  std::sort(edges.begin(), edges.end(), [](const HalfEdge& a, const HalfEdge& b) {
-    return std::array{a.low, a.high, a.triangle} < std::array{b.low, b.high, b.triangle};
-  });
   const double cosine = std::cos(feature_angle);
   std::vector<FeatureEdge> features;
-  for (std::size_t i = 0; i < edges.size();) {
-    std::size_t next = i + 1;
-    while (next < edges.size() && edges[next].low == edges[i].low &&
-           edges[next].high == edges[i].high) {
-      ++next;
-    }
-    bool drawn = next - i != 2;
+  for (const mesh::SurfaceEdge& edge : surface.edges()) {
+    if (edge.low == edge.high) continue;
+    bool drawn = edge.triangles() != 2;
     if (!drawn) {
-      const int a = edges[i].triangle, b = edges[i + 1].triangle;
+      const int a = surface.TriangleAt(edge, 0), b = surface.TriangleAt(edge, 1);
       drawn = front[a] != front[b] || normals.col(a).dot(normals.col(b)) < cosine;
     }
-    if (drawn) features.push_back({vertices.col(edges[i].low), vertices.col(edges[i].high)});
-    i = next;
+    if (drawn) features.push_back({vertices.col(edge.low), vertices.col(edge.high)});
   }
   return features;
 }

@@ -100,6 +100,27 @@ TEST(ProjectedArea, KeepsItsInvariants) {
   }
 }
 
+// Four triangles at one edge of one surface.
+TEST(ProjectedArea, OfASolidThatTouchesItselfAlongAnEdge) {
+  const SurfaceMesh near = BoxSurface({0, 0, 0}, {1, 1, 1});
+  const SurfaceMesh far = BoxSurface({1, 1, 0}, {2, 2, 1});
+  SurfaceMesh both;
+  both.vertices.resize(3, 16);
+  both.vertices << near.vertices, far.vertices;
+  both.triangles.resize(3, 24);
+  both.triangles << near.triangles, far.triangles.array() + 8;
+  for (int& vertex : both.triangles.reshaped()) {
+    for (int other = 0; other < 8; ++other) {
+      if (both.vertices.col(other) == both.vertices.col(vertex)) vertex = other;
+    }
+  }
+  std::mt19937_64 random(4);
+  for (int i = 0; i < 50; ++i) {
+    const Vector3d way = AnyVector(random).normalized();
+    EXPECT_NEAR(ProjectedArea(Solids{both}, way), ProjectedArea(Solids{near, far}, way), 1e-8);
+  }
+}
+
 TEST(ProjectedArea, OfNothingIsNothing) {
   EXPECT_EQ(ProjectedArea({}, Vector3d::UnitX()), 0);
   EXPECT_EQ(ProjectedArea(Solids{SurfaceMesh{}}, Vector3d::UnitX()), 0);

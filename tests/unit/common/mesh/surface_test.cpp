@@ -110,6 +110,11 @@ TEST(SurfaceChecks, NameEachFault) {
   std::swap(broken.triangles(0, 0), broken.triangles(1, 0));
   EXPECT_EQ(kind(broken), static_cast<int>(SurfaceFault::Kind::kFlippedEdge));
   broken = box;
+  broken.triangles.conservativeResize(3, box.triangles.cols() + 1);
+  broken.triangles.rightCols(1) = box.triangles.leftCols(1);
+  EXPECT_EQ(kind(broken), static_cast<int>(SurfaceFault::Kind::kOvercrowded));
+  EXPECT_EQ(CheckSurface(broken).size(), 3u) << "each edge once";
+  broken = box;
   broken.triangles.row(0).swap(broken.triangles.row(1));
   EXPECT_EQ(kind(broken), static_cast<int>(SurfaceFault::Kind::kInsideOut));
   broken = box;
