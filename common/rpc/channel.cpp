@@ -3,7 +3,6 @@
 #include <grpcpp/channel.h>
 #include <grpcpp/client_context.h>
 #include <grpcpp/create_channel.h>
-#include <grpcpp/support/channel_arguments.h>
 
 #include <algorithm>
 #include <condition_variable>
@@ -12,6 +11,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "common/rpc/connection_arguments.h"
 #include "common/rpc/status_mapping.h"
 
 namespace mortise::rpc {
@@ -36,15 +36,7 @@ bool Pause(absl::Duration duration, const std::stop_token& stop) {
 absl::StatusOr<std::shared_ptr<grpc::Channel>> MakeChannel(const std::string& address,
                                                            const ChannelSecurity& security) {
   MORTISE_ASSIGN_OR_RETURN(auto credentials, MakeClientCredentials(address, security));
-  grpc::ChannelArguments arguments;
-  // Services restart within a second or two: look for them about as often.
-  arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 100);
-  arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, 1000);
-  arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 2000);
-  // A host that vanished without closing the connection is noticed after half a minute.
-  arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, 20000);
-  arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 10000);
-  return grpc::CreateCustomChannel(address, credentials, arguments);
+  return grpc::CreateCustomChannel(address, credentials, ConnectionArguments());
 }
 
 Origin ForwardedFrom(const Call& call) {

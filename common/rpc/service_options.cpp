@@ -91,7 +91,7 @@ absl::Status ParsePeers(const std::vector<std::string>& flags,
   return absl::OkStatus();
 }
 
-absl::Status CheckAccess(const ServiceOptions& options) {
+absl::Status CheckAccess(const ServiceOptions& options, bool only_calls) {
   const bool local = IsLocalAddress(options.listen);
   if (!local && options.security.certificate.empty()) {
     return InvalidField("listen", absl::StrCat(options.listen,
@@ -103,7 +103,7 @@ absl::Status CheckAccess(const ServiceOptions& options) {
     if (!options.keys.empty()) {
       return InvalidField("insecure-development", "contradicts --keys");
     }
-  } else if (options.keys.empty()) {
+  } else if (options.keys.empty() && !only_calls) {
     return InvalidField("keys",
                         "must be given, so that callers can be known "
                         "(or --insecure-development, on loopback)");
@@ -147,7 +147,7 @@ absl::StatusOr<ServiceOptions> ParseServiceOptions(int argc, const char* const* 
   options.security = {flags.certificate, flags.key, flags.authority};
   options.drain_time = absl::Seconds(flags.drain_seconds);
   MORTISE_RETURN_IF_ERROR(ParsePeers(flags.peers, options.peers));
-  MORTISE_RETURN_IF_ERROR(CheckAccess(options));
+  MORTISE_RETURN_IF_ERROR(CheckAccess(options, description.only_calls));
   return options;
 }
 

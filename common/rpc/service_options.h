@@ -43,13 +43,15 @@ struct ServiceDescription {
   std::string title;  // one line for --help
   // Adds flags of the service's own; may be empty.
   std::function<void(CLI::App&)> add_flags = nullptr;
+  // A process that only calls others has no callers to know, and checks itself how it is known.
+  bool only_calls = false;
 };
 
 // Reads the flags, each of which can also be given as an environment variable MORTISE_<FLAG>
 // (MORTISE_BUS_PUBLISH; peers as MORTISE_PEERS="a=host:1,b=host:2"). INVALID_ARGUMENT naming the
-// flag; also if --listen leaves the machine without TLS, or without --keys and
-// --insecure-development being given. CANCELLED if --help or --version was asked for; its message
-// is the text to print.
+// flag; also if --listen leaves the machine without TLS, or, unless the process only calls others,
+// without --keys and --insecure-development being given. CANCELLED if --help or --version was asked
+// for; its message is the text to print.
 absl::StatusOr<ServiceOptions> ParseServiceOptions(int argc, const char* const* argv,
                                                    const ServiceDescription& description);
 

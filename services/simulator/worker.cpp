@@ -6,6 +6,7 @@
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
+#include <functional>
 #include <mutex>
 #include <thread>
 
@@ -22,6 +23,7 @@
 namespace mortise::simulator {
 namespace {
 
+using Clock = std::chrono::steady_clock;
 using Stub = v1::SimulatorService::Stub;
 
 constexpr absl::Duration kCallTimeout = absl::Seconds(30);
@@ -30,15 +32,18 @@ constexpr absl::Duration kReportPatience = absl::Minutes(2);
 constexpr absl::Duration kLookForCancel = absl::Seconds(2);
 
 // Renews the lease of one task, tells with it how far the work is, and asks for the work to stop
-// once the lease is lost or the time is over.
+// once the lease is lost or the time is over. When the worker is asked to end, it gives the task
+// back after the drain time.
 class LeaseKeeper {
  public:
-  LeaseKeeper(const WorkerOptions& options, Stub& stub, const v1::Task& task)
+  LeaseKeeper(const WorkerOptions& options, Stub& stub, const v1::Task& task,
+              const std::stop_token& ending)
       : options_(options),
         stub_(stub),
         task_(task),
-        interval_(std::min(options.lease / 3, kLookForCancel)),
-        thread_([this] { Run(); }) {}
+        interval_(absl::ToChronoNanoseconds(std::min(options.lease / 3, kLookForCancel))),
+        thread_([this] { Run(); }),
+        ending_(ending, [this] { BeginDrain(); }) {}
 
   ~LeaseKeeper() {
     {
@@ -67,46 +72,94 @@ class LeaseKeeper {
     attempt.mutable_progress()->set_total(state.total);
   }
 
+  void BeginDrain() {
+    {
+      const std::lock_guard lock(mutex_);
+      give_back_at_ = Clock::now() + absl::ToChronoNanoseconds(options_.drain_time);
+    }
+    changed_.notify_all();
+  }
+
   void Run() {
-    const auto end = std::chrono::steady_clock::now() + absl::ToChronoSeconds(options_.time_limit);
+    const Clock::time_point end = Clock::now() + absl::ToChronoNanoseconds(options_.time_limit);
+    Clock::time_point renewal = Clock::now() + interval_;
     std::unique_lock lock(mutex_);
-    while (
-        !changed_.wait_for(lock, absl::ToChronoNanoseconds(interval_), [this] { return done_; })) {
-      lock.unlock();
-      if (std::chrono::steady_clock::now() > end) stop_.request_stop();
-      v1::RenewLeasesRequest request;
-      request.set_worker(options_.name);
-      request.set_lease_seconds(absl::ToDoubleSeconds(options_.lease));
-      request.add_tasks()->set_name(task_.name());
-      request.mutable_tasks(0)->set_attempt(task_.attempt());
-      AddProgress(*request.mutable_tasks(0));
-      const auto renewed = rpc::CallUnary<Stub, v1::RenewLeasesRequest, v1::RenewLeasesResponse>(
-          stub_, &Stub::RenewLeases, request,
-          rpc::OwnOrigin(options_.signer, rpc::Role::kDesigner, task_.trace_id(),
-                         options_.lease / 3));
-      if (!renewed.ok()) {
-        Log(LogLevel::kWarning, "a lease was not renewed",
-            {{"task", task_.name()}, {"error", renewed.status().message()}});
-      } else if (renewed->lost_size() > 0) {
-        lost_ = true;
-        stop_.request_stop();
-        return;
+    while (!done_) {
+      const Clock::time_point now = Clock::now();
+      if (now >= give_back_at_) {
+        lock.unlock();
+        return GiveBack();
       }
+      if (now < renewal) {
+        changed_.wait_until(lock, std::min(renewal, give_back_at_));
+        continue;
+      }
+      lock.unlock();
+      if (now > end) stop_.request_stop();
+      if (!Renew()) return;
+      renewal = Clock::now() + interval_;
       lock.lock();
     }
+  }
+
+  // False once the task is lost.
+  bool Renew() {
+    v1::RenewLeasesRequest request;
+    request.set_worker(options_.name);
+    request.set_lease_seconds(absl::ToDoubleSeconds(options_.lease));
+    request.add_tasks()->set_name(task_.name());
+    request.mutable_tasks(0)->set_attempt(task_.attempt());
+    AddProgress(*request.mutable_tasks(0));
+    const auto renewed = rpc::CallUnary<Stub, v1::RenewLeasesRequest, v1::RenewLeasesResponse>(
+        stub_, &Stub::RenewLeases, request,
+        rpc::OwnOrigin(options_.signer, rpc::Role::kDesigner, task_.trace_id(),
+                       options_.lease / 3));
+    if (!renewed.ok()) {
+      Log(LogLevel::kWarning, "a lease was not renewed",
+          {{"task", task_.name()}, {"error", renewed.status().message()}});
+    } else if (renewed->lost_size() > 0) {
+      Drop();
+      return false;
+    }
+    return true;
+  }
+
+  // Told before the work has stopped, which may take long: the sooner others begin with it.
+  void GiveBack() {
+    Drop();
+    v1::ReportTaskRequest report;
+    report.mutable_task()->set_name(task_.name());
+    report.mutable_task()->set_attempt(task_.attempt());
+    *report.mutable_result()->mutable_error() =
+        rpc::ToProto(absl::CancelledError("the worker ends"));
+    const auto given = rpc::CallUnary<Stub, v1::ReportTaskRequest, v1::ReportTaskResponse>(
+        stub_, &Stub::ReportTask, report,
+        rpc::OwnOrigin(options_.signer, rpc::Role::kDesigner, task_.trace_id(), kCallTimeout));
+    Log(given.ok() ? LogLevel::kInfo : LogLevel::kWarning,
+        given.ok() ? "task given back" : "a task could not be given back",
+        {{"task", task_.name()},
+         {"attempt", task_.attempt()},
+         {"error", given.ok() ? "" : given.status().message()}});
+  }
+
+  void Drop() {
+    lost_ = true;
+    stop_.request_stop();
   }
 
   const WorkerOptions& options_;
   Stub& stub_;
   const v1::Task& task_;
-  const absl::Duration interval_;
+  const Clock::duration interval_;
   StageProgress progress_;
   std::stop_source stop_;
   std::atomic<bool> lost_{false};
   std::mutex mutex_;
   std::condition_variable changed_;
-  bool done_ = false;  // guarded by mutex_
+  bool done_ = false;                                          // guarded by mutex_
+  Clock::time_point give_back_at_ = Clock::time_point::max();  // guarded by mutex_
   std::thread thread_;
+  const std::stop_callback<std::function<void()>> ending_;  // last: gone before what it changes
 };
 
 absl::StatusOr<std::string> Upload(const WorkerOptions& options, Stub& stub,
@@ -164,10 +217,10 @@ absl::Status OutOfTime(absl::Duration limit) {
 }
 
 void WorkOn(const WorkerOptions& options, Stub& stub, TemplateSource& templates,
-            const v1::Task& task) {
+            const v1::Task& task, const std::stop_token& ending) {
   const TraceScope trace(task.trace_id());
   const absl::Time start = absl::Now();
-  LeaseKeeper keeper(options, stub, task);
+  LeaseKeeper keeper(options, stub, task, ending);
   v1::Analysis artifacts;
   const TaskSurroundings surroundings{
       .templates = templates,
@@ -240,7 +293,7 @@ void RunWorker(const WorkerOptions& options, const std::stop_token& stop) {
       if (!absl::IsUnavailable(leased.status())) rpc::Pause(absl::Seconds(1), stop);
       continue;
     }
-    for (const v1::Task& task : leased->tasks()) WorkOn(options, *stub, templates, task);
+    for (const v1::Task& task : leased->tasks()) WorkOn(options, *stub, templates, task, stop);
   }
 }
 

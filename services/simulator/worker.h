@@ -12,21 +12,24 @@
 namespace mortise::simulator {
 
 struct WorkerOptions {
-  std::string name;                             // unique among the workers
-  std::shared_ptr<grpc::Channel> simulator;     // where tasks come from
-  std::shared_ptr<grpc::Channel> catalog;       // where templates come from
-  const rpc::IdentitySigner* signer = nullptr;  // null in development; outlives the worker
-  absl::Duration lease = absl::Seconds(30);     // renewed while computing
-  absl::Duration time_limit = absl::Hours(2);   // of one task
-  absl::Duration patience = absl::Seconds(2);   // for a task, in one call
-  int threads = 1;                              // that solve one task
-  double memory_limit = 8e9;                    // bytes of one task
+  std::string name;                               // unique among the workers
+  std::shared_ptr<grpc::Channel> simulator;       // where tasks come from
+  std::shared_ptr<grpc::Channel> catalog;         // where templates come from
+  const rpc::IdentitySigner* signer = nullptr;    // null in development; outlives the worker
+  absl::Duration lease = absl::Seconds(30);       // renewed while computing
+  absl::Duration time_limit = absl::Hours(2);     // of one task
+  absl::Duration drain_time = absl::Seconds(10);  // of the task at hand, once a stop is requested
+  absl::Duration patience = absl::Seconds(2);     // for a task, in one call
+  int threads = 1;                                // that solve one task
+  double memory_limit = 8e9;                      // bytes of one task
 };
 
-// Works until a stop is requested: the task at hand is still finished and reported. A task that is
-// cancelled, or was lent to another meanwhile, is dropped at its next step; one that takes longer
-// than the limit fails there, RESOURCE_EXHAUSTED, TIME_LIMIT. A worker holds no state that matters;
-// when it dies its leases run out and others take the tasks.
+// Works until a stop is requested. The task at hand is still finished and reported if that takes no
+// longer than the drain time; else it is given back, unharmed and at once, so that others may have
+// it, and dropped here at its next step. A task that is cancelled, or was lent to another
+// meanwhile, is dropped at its next step; one that takes longer than the limit fails there,
+// RESOURCE_EXHAUSTED, TIME_LIMIT. A worker holds no state that matters; when it dies its leases run
+// out and others take the tasks.
 void RunWorker(const WorkerOptions& options, const std::stop_token& stop);
 
 // `mortise-simulator --worker`: flags, signals, RunWorker. Returns the exit code.

@@ -70,6 +70,15 @@ TEST(ServiceOptionsTest, RefusesUnsafeCombinations) {
             "insecure-development");
 }
 
+TEST(ServiceOptionsTest, ProcessesThatOnlyCallNeedNoKeys) {
+  const char* const arguments[] = {"mortise-catalog", "--gateway", "127.0.0.1:7700"};
+  const ServiceDescription worker{.name = "catalog", .title = "A worker.", .only_calls = true};
+  const auto options = ParseServiceOptions(3, arguments, worker);
+  ASSERT_OK(options);
+  EXPECT_EQ(options->gateway, "127.0.0.1:7700");
+  EXPECT_TRUE(options->keys.empty());
+}
+
 TEST(ServiceOptionsTest, RefusesNonsense) {
   EXPECT_EQ(FieldAtFault(Parse({"--insecure-development", "--peer", "simulator"})), "peer");
   EXPECT_EQ(FieldAtFault(Parse({"--insecure-development", "--threads", "0"})), "flags");
