@@ -6,6 +6,7 @@
 //   blocks ```sh not-run    every flag is one that the program's --help lists
 //   blocks ```sh secure-…   by secure_house_test
 //   blocks ```sh evaluators by evaluator_page_test
+//   blocks ```sh slurm      by slurm_workers_test
 //   export PATH=…           left out: the programs are on the PATH
 #include "tests/e2e/manual/manual.h"
 
@@ -15,6 +16,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <regex>
+#include <set>
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
@@ -31,6 +33,9 @@ std::filesystem::path Source() {
   const char* folder = std::getenv("MORTISE_SOURCE_DIR");
   return folder == nullptr ? "." : folder;
 }
+
+// Marks of blocks that other tests run.
+const std::set<std::string> kRunElsewhere = {"secure-house", "evaluators", "slurm"};
 
 class Manual : public ::testing::Test {
  protected:
@@ -125,7 +130,7 @@ TEST_F(Manual, EveryCommandDoesWhatItSays) {
   for (const std::string& document : ManualDocuments()) {
     StandIns stand_ins(folder_ / ".mortise");
     for (const ManualBlock& block : ReadManual(document)) {
-      if (block.mark == "secure-house" || block.mark == "evaluators") continue;
+      if (kRunElsewhere.count(block.mark) > 0) continue;
       EXPECT_THAT(block.mark, ::testing::AnyOf("", "not-run")) << document;
       for (const ManualCommand& command : block.commands) {
         Check(block, command, stand_ins);
