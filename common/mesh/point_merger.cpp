@@ -1,9 +1,9 @@
 // Looks for a near point in the 27 grid cells around.
-#include "common/cad/point_merger.h"
+#include "common/mesh/point_merger.h"
 
 #include <cmath>
 
-namespace mortise::cad {
+namespace mortise::mesh {
 
 std::size_t PointMerger::CellHash::operator()(const Cell& cell) const {
   std::uint64_t hash = 0;
@@ -43,4 +43,4 @@ Eigen::Matrix3Xd PointMerger::Points() const {
   return result;
 }
 
-}  // namespace mortise::cad
+}  // namespace mortise::mesh

@@ -1,4 +1,4 @@
-// Gives points that are the same up to rounding one index.
+// Gives points that are the same up to a tolerance one index.
 #pragma once
 
 #include <Eigen/Core>
@@ -7,7 +7,7 @@
 #include <unordered_map>
 #include <vector>
 
-namespace mortise::cad {
+namespace mortise::mesh {
 
 // Points nearer than the tolerance are one. Found by a hash of grid cells as wide as the tolerance.
 class PointMerger {
@@ -31,4 +31,4 @@ class PointMerger {
   std::unordered_map<Cell, std::vector<int>, CellHash> cells_;
 };
 
-}  // namespace mortise::cad
+}  // namespace mortise::mesh
