@@ -22,7 +22,6 @@
 #include "common/base/errors.h"
 #include "common/base/field_violations.h"
 #include "common/mesh/halfedge_mesh.h"
-#include "common/mesh/mass_properties.h"
 #include "common/mesh/surface_check.h"
 #include "common/mesh/triangle_soup.h"
 
@@ -34,7 +33,7 @@ using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Kind = SurfaceFault::Kind;
 using Triangles = std::vector<Eigen::Vector3i>;
 
-constexpr double kNoVolume = 1e-15;  // of the cube of the extent
+constexpr double kNoVolume = 1e-12;  // of a piece's area to the power of 3/2
 constexpr int kMostFaults = 5;       // told of one surface
 constexpr int kMostRounds = 20;      // of dividing triangles
 constexpr std::size_t kCubic = 100;  // edges of a hole that all triangulations may be tried of
@@ -130,12 +129,11 @@ std::vector<Hole> HolesOf(const CutSurface& surface) {
   const HalfedgeMesh& mesh = surface.mesh();
   std::vector<Hole> holes;
   std::vector<bool> seen(mesh.n_halfedges(), false);
-  std::unordered_map<int, std::size_t> places;  // of vertices in the path
   for (const OpenMesh::HalfedgeHandle start : mesh.all_halfedges()) {
+    if (!mesh.is_boundary(start) || seen[static_cast<std::size_t>(start.idx())]) continue;
     Hole path;
-    places.clear();
-    for (auto halfedge = start;
-         mesh.is_boundary(halfedge) && !seen[static_cast<std::size_t>(halfedge.idx())];
+    std::unordered_map<int, std::size_t> places;  // of vertices in the path
+    for (auto halfedge = start; !seen[static_cast<std::size_t>(halfedge.idx())];
          halfedge = mesh.next_halfedge_handle(halfedge)) {
       seen[static_cast<std::size_t>(halfedge.idx())] = true;
       const int corner = surface.CornerOf(halfedge);
@@ -159,23 +157,35 @@ double AreaOf(const Eigen::Matrix3Xd& vertices, const Eigen::Vector3i& triangle)
   return (vertices.col(triangle[1]) - a).cross(vertices.col(triangle[2]) - a).norm() / 2;
 }
 
-// Of each triangle, the area of all that are connected with it.
-std::vector<double> PieceAreas(const SurfaceMesh& surface, const CutSurface& connected) {
+// The connected piece of a surface that a triangle is in.
+struct Piece {
+  double area = 0;    // m²
+  double volume = 0;  // m³, enclosed if it is closed; negative where it is inside out
+};
+
+// That of each triangle.
+std::vector<Piece> PiecesOf(const SurfaceMesh& surface, const CutSurface& connected) {
   const auto count = static_cast<std::size_t>(surface.triangles.cols());
-  boost::disjoint_sets_with_storage<> pieces(count);
-  for (std::size_t t = 0; t < count; ++t) pieces.make_set(t);
+  boost::disjoint_sets_with_storage<> sets(count);
+  for (std::size_t t = 0; t < count; ++t) sets.make_set(t);
   for (const SurfaceEdge& edge : connected.edges()) {
     if (edge.IsJoined()) {
-      pieces.union_set(connected.TriangleAt(edge, 0), connected.TriangleAt(edge, 1));
+      sets.union_set(connected.TriangleAt(edge, 0), connected.TriangleAt(edge, 1));
     }
   }
-  std::vector<double> sums(count, 0), areas;
+  std::vector<Piece> sums(count), pieces;
   for (std::size_t t = 0; t < count; ++t) {
-    sums[pieces.find_set(t)] +=
-        AreaOf(surface.vertices, surface.triangles.col(static_cast<Eigen::Index>(t)));
+    const auto root = static_cast<Eigen::Index>(sets.find_set(t));
+    Piece& sum = sums[static_cast<std::size_t>(root)];
+    const Eigen::Vector3i triangle = surface.triangles.col(static_cast<Eigen::Index>(t));
+    sum.area += AreaOf(surface.vertices, triangle);
+    // About a corner of the piece: far away from it, rounding would outweigh it.
+    Eigen::Matrix3d corners = surface.vertices(Eigen::all, triangle);
+    corners.colwise() -= surface.vertices.col(surface.triangles(0, root));
+    sum.volume += corners.determinant() / 6;
   }
-  for (std::size_t t = 0; t < count; ++t) areas.push_back(sums[pieces.find_set(t)]);
-  return areas;
+  for (std::size_t t = 0; t < count; ++t) pieces.push_back(sums[sets.find_set(t)]);
+  return pieces;
 }
 
 // Triangles that fill a hole; none if there is no way to.
@@ -195,9 +205,9 @@ Triangles PatchOf(const Eigen::Matrix3Xd& vertices, const std::vector<int>& hole
   return patch;
 }
 
-// Why a hole is not filled; nullptr if it is. `piece`: m², of what it is a hole of.
+// Why a hole is not filled; nullptr if it is. `largest`: m², that it may take.
 const char* WhyNot(const Hole& hole, const Eigen::Matrix3Xd& vertices, const Triangles& patch,
-                   double largest, double piece) {
+                   double largest) {
   if (hole.vertices.size() == 3) {
     const bool is_around_one =
         hole.triangles[0] == hole.triangles[1] && hole.triangles[1] == hole.triangles[2];
@@ -206,13 +216,13 @@ const char* WhyNot(const Hole& hole, const Eigen::Matrix3Xd& vertices, const Tri
   if (patch.empty()) return "is too ragged to be filled";
   double area = 0;
   for (const Eigen::Vector3i& triangle : patch) area += AreaOf(vertices, triangle);
-  return area > largest * piece ? "is too large to be filled" : nullptr;
+  return area > largest ? "is too large to be filled" : nullptr;
 }
 
 absl::Status FillHoles(const RepairOptions& options, SurfaceMesh& surface,
                        SurfaceRepairs& repairs) {
   const CutSurface connected(surface.vertices, surface.triangles);
-  const std::vector<double> areas = PieceAreas(surface, connected);
+  const std::vector<Piece> pieces = PiecesOf(surface, connected);
   Triangles triangles(surface.triangles.colwise().begin(), surface.triangles.colwise().end());
   std::vector<SurfaceFault> faults;
   for (const Hole& hole : HolesOf(connected)) {
@@ -220,8 +230,9 @@ absl::Status FillHoles(const RepairOptions& options, SurfaceMesh& surface,
     for (const int vertex : hole.vertices) box.extend(surface.vertices.col(vertex).eval());
     const double width = box.diagonal().norm();
     const Triangles patch = PatchOf(surface.vertices, hole.vertices);
-    const double piece = areas[static_cast<std::size_t>(hole.triangles[0])];
-    if (const char* reason = WhyNot(hole, surface.vertices, patch, options.largest_hole, piece)) {
+    const double largest =
+        options.largest_hole * pieces[static_cast<std::size_t>(hole.triangles[0])].area;
+    if (const char* reason = WhyNot(hole, surface.vertices, patch, largest)) {
       AddFault(FaultAt(Kind::kOpenEdge, box.center(),
                        absl::StrFormat("a hole of %d edges, %.4g mm across, %s,",
                                        hole.vertices.size(), 1e3 * width, reason)),
@@ -241,10 +252,15 @@ absl::Status TurnOutwards(SurfaceMesh& surface) {
   std::vector<SurfaceFault> faults = CheckSurface(surface, kMostFaults);
   std::erase_if(faults, [](const SurfaceFault& fault) { return fault.kind == Kind::kInsideOut; });
   MORTISE_RETURN_IF_ERROR(Refusal(faults));
-  const double extent =
-      (surface.vertices.rowwise().maxCoeff() - surface.vertices.rowwise().minCoeff()).norm();
-  if (std::abs(ComputeMassProperties(surface).volume) <= kNoVolume * std::pow(extent, 3)) {
-    return InvalidField("surface", "encloses nothing");
+  const std::vector<Piece> pieces =
+      PiecesOf(surface, CutSurface(surface.vertices, surface.triangles));
+  const auto flat = std::find_if(pieces.begin(), pieces.end(), [](const Piece& piece) {
+    return std::abs(piece.volume) <= kNoVolume * std::pow(piece.area, 1.5);
+  });
+  if (flat != pieces.end()) {
+    const int corner = surface.triangles(0, flat - pieces.begin());
+    return Refusal(
+        {FaultAt(Kind::kInsideOut, surface.vertices.col(corner), "the surface encloses nothing")});
   }
   MORTISE_ASSIGN_OR_RETURN(HalfedgeMesh mesh, ToHalfedgeMesh(surface));
   processing::orient_to_bound_a_volume(mesh);

@@ -143,6 +143,10 @@ TEST(RepairSurface, TurnsTrianglesAsTheirNeighboursAndOutwards) {
   box.triangles.col(4) = Turned(box.triangles.col(4));
   EXPECT_THAT(Describe(Repaired(box, kBoxVolume)), ElementsAre("turned 1 triangle around"));
   EXPECT_EQ(Repaired(InsideOut(Box()), kBoxVolume).turned_triangles, 12);
+  // Two solids, of which one has the wrong side outwards.
+  EXPECT_EQ(Repaired(Both(Box(), InsideOut(BoxSurface({1, 0, 0}, {1.1, 0.2, 0.3}))), 2 * kBoxVolume)
+                .turned_triangles,
+            12);
   // A hollow belongs inside out, however its triangles lie.
   const Eigen::Vector3d low(0.02, 0.02, 0.02), high(0.05, 0.05, 0.05);
   SurfaceMesh hollow = Both(InsideOut(Box()), BoxSurface(low, high));
