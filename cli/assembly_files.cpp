@@ -160,8 +160,9 @@ absl::Status ImportText(const std::filesystem::path& file, const v1::Assembly& a
   request.set_request_id(NewIdentifier());
   *request.mutable_assembly() = assembly;
   const auto catalog = v1::CatalogService::NewStub(client.channel());
+  std::vector<std::string> notes;
   for (v1::AssemblyPart& part : *request.mutable_assembly()->mutable_parts()) {
-    MORTISE_RETURN_IF_ERROR(ResolveShape(file, *part.mutable_shape(), *catalog, client));
+    MORTISE_RETURN_IF_ERROR(ResolveShape(file, *part.mutable_shape(), *catalog, client, notes));
   }
   request.set_expected_revision(before);
   v1::Assembly stored;
@@ -170,7 +171,7 @@ absl::Status ImportText(const std::filesystem::path& file, const v1::Assembly& a
   MORTISE_RETURN_IF_ERROR(sources.Name(client.Call([&](grpc::ClientContext& context) {
     return rpc::FromGrpc(stub.ImportAssembly(&context, request, &stored));
   })));
-  Tell(stored, before, {}, output, document);
+  Tell(stored, before, notes, output, document);
   return absl::OkStatus();
 }
 

@@ -260,6 +260,7 @@ absl::Status AddShape(const std::filesystem::path& file, Session& session, Outpu
       "  ", Millimetres(shape.size().x()), " x ", Millimetres(shape.size().y()), " x ",
       Millimetres(shape.size().z()), ", ", absl::StrFormat("%.4g", 1e6 * shape.volume()), " cm3, ",
       shape.triangle_count(), " triangles", shape.exact() ? ", exact surfaces" : ""));
+  for (const std::string& note : shape.notes()) output.Line(absl::StrCat("  note: ", note));
   output.DocumentOf(shape);
   return absl::OkStatus();
 }

@@ -287,10 +287,12 @@ absl::Status ImportFiles(const std::vector<std::filesystem::path>& files, Sessio
   const auto stub = v1::CatalogService::NewStub(client->channel());
   MORTISE_ASSIGN_OR_RETURN(const Present present, ReadCatalog(*stub, *client));
   MORTISE_RETURN_IF_ERROR(Refusal(Check(designs, present).Run()));
+  std::vector<std::string> notes;
   for (Read<v1::Item>& read : designs.items) {
     MORTISE_RETURN_IF_ERROR(
-        ResolveShape(read.file, *read.placed.message.mutable_shape(), *stub, *client));
+        ResolveShape(read.file, *read.placed.message.mutable_shape(), *stub, *client, notes));
   }
+  for (const std::string& note : notes) output.Line(absl::StrCat("note: ", note));
   MORTISE_ASSIGN_OR_RETURN(const v1::ImportCatalogRequest request, RequestOf(designs));
   v1::ImportCatalogResponse imported;
   // Templates are tried at many designs.

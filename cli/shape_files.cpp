@@ -87,10 +87,12 @@ absl::StatusOr<v1::Shape> ImportShapeFile(const std::filesystem::path& file,
 }
 
 absl::Status ResolveShape(const std::filesystem::path& file, std::string& shape,
-                          v1::CatalogService::Stub& stub, const GatewayClient& client) {
+                          v1::CatalogService::Stub& stub, const GatewayClient& client,
+                          std::vector<std::string>& notes) {
   if (shape.empty() || shape.starts_with("shapes/")) return absl::OkStatus();
   MORTISE_ASSIGN_OR_RETURN(const v1::Shape stored,
                            ImportShapeFile(file.parent_path() / shape, stub, client));
+  for (const std::string& note : stored.notes()) notes.push_back(absl::StrCat(shape, ": ", note));
   shape = stored.name();
   return absl::OkStatus();
 }

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
@@ -27,8 +28,10 @@ absl::StatusOr<v1::Shape> ImportShapeFile(const std::filesystem::path& file,
                                           const GatewayClient& client);
 
 // Where `shape`, as `file` has it, is no shapes/{digest} but a path beside the file, adds that
-// shape to the catalog and puts its name there.
+// shape to the catalog and puts its name there; and adds what was repaired of it to `notes`, with
+// the path.
 absl::Status ResolveShape(const std::filesystem::path& file, std::string& shape,
-                          v1::CatalogService::Stub& stub, const GatewayClient& client);
+                          v1::CatalogService::Stub& stub, const GatewayClient& client,
+                          std::vector<std::string>& notes);
 
 }  // namespace mortise::cli

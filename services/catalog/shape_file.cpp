@@ -34,18 +34,20 @@ absl::Status OfFile(const absl::Status& status) {
 absl::StatusOr<v1::Shape> ReadShape(const v1::ImportShapeRequest& asked) {
   const absl::StatusOr<std::string> bytes = UnpackStep(asked.file());
   if (!bytes.ok()) return OfFile(bytes.status());
-  absl::StatusOr<mesh::DrawnShape> shape = InvalidField("format", "must be STEP or STL");
   if (asked.format() == v1::ImportShapeRequest::STEP) {
     const absl::StatusOr<cad::StepAssembly> drawing = cad::ReadStepInChild(*bytes);
     if (!drawing.ok()) return OfFile(drawing.status());
-    shape = ShapeOfStep(*drawing);
-  } else if (asked.format() == v1::ImportShapeRequest::STL) {
-    MORTISE_ASSIGN_OR_RETURN(const mesh::SurfaceMesh surface, ReadStl(*bytes));
-    shape = mesh::ShapeOfMesh(surface);
-    if (!shape.ok()) return OfFile(shape.status());
+    MORTISE_ASSIGN_OR_RETURN(const mesh::DrawnShape shape, ShapeOfStep(*drawing));
+    return NamedShape(shape);
   }
-  MORTISE_RETURN_IF_ERROR(shape.status());
-  return NamedShape(*shape);
+  if (asked.format() == v1::ImportShapeRequest::STL) {
+    const absl::StatusOr<ImportedShape> imported = ShapeOfStl(*bytes);
+    if (!imported.ok()) return OfFile(imported.status());
+    v1::Shape shape = NamedShape(imported->shape);
+    shape.mutable_notes()->Assign(imported->notes.begin(), imported->notes.end());
+    return shape;
+  }
+  return InvalidField("format", "must be STEP or STL");
 }
 
 }  // namespace mortise::catalog

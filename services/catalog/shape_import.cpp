@@ -8,11 +8,13 @@
 #include <cstring>
 #include <map>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/base/field_violations.h"
+#include "common/mesh/surface_repair.h"
 
 namespace mortise::catalog {
 namespace {
@@ -126,6 +128,13 @@ absl::StatusOr<mesh::SurfaceMesh> ReadStl(std::string_view bytes) {
   if (IsBinary(bytes)) return ReadBinary(bytes);
   if (bytes.starts_with("solid")) return ReadText(bytes);
   return InvalidField("file", "is not STL: neither text nor as long as its triangles take");
+}
+
+absl::StatusOr<ImportedShape> ShapeOfStl(std::string_view bytes) {
+  MORTISE_ASSIGN_OR_RETURN(const mesh::SurfaceMesh surface, ReadStl(bytes));
+  MORTISE_ASSIGN_OR_RETURN(const mesh::RepairedSurface repaired, mesh::RepairSurface(surface));
+  MORTISE_ASSIGN_OR_RETURN(mesh::DrawnShape shape, mesh::ShapeOfMesh(repaired.surface));
+  return ImportedShape{std::move(shape), mesh::Describe(repaired.repairs)};
 }
 
 absl::StatusOr<mesh::DrawnShape> ShapeOfStep(const cad::StepAssembly& drawing) {

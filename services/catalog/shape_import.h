@@ -3,6 +3,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "absl/status/statusor.h"
 #include "common/cad/step_assembly.h"
@@ -15,6 +16,16 @@ namespace mortise::catalog {
 // same place are one vertex. INVALID_ARGUMENT, "file": no STL, cut off, numbers that are none;
 // RESOURCE_EXHAUSTED past 50,000 triangles.
 absl::StatusOr<mesh::SurfaceMesh> ReadStl(std::string_view bytes);
+
+// A shape, and what was repaired of its file, for people.
+struct ImportedShape {
+  mesh::DrawnShape shape;
+  std::vector<std::string> notes;
+};
+
+// The one solid of an STL file, repaired if it is not closed (mesh/surface_repair.h). Errors as
+// ReadStl's, RepairSurface's and mesh::ShapeOfMesh's.
+absl::StatusOr<ImportedShape> ShapeOfStl(std::string_view bytes);
 
 // The one solid of a STEP file as a shape in the axes of the file. INVALID_ARGUMENT, "file", for
 // several, and with all that is wrong with it.

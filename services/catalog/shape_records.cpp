@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
@@ -66,8 +67,10 @@ absl::StatusOr<bool> PutShape(store::Transaction& transaction, const v1::Shape& 
   return !present.ok();
 }
 
-absl::StatusOr<v1::Shape> ImportShape(store::Transaction& transaction, const v1::Shape& shape,
+absl::StatusOr<v1::Shape> ImportShape(store::Transaction& transaction, v1::Shape shape,
                                       const std::string& trace_id) {
+  const auto notes = std::move(*shape.mutable_notes());
+  shape.clear_notes();
   MORTISE_ASSIGN_OR_RETURN(const bool is_new, PutShape(transaction, shape));
   if (is_new) {
     MORTISE_RETURN_IF_ERROR(AppendEvent(transaction, "shape.imported", shape.name(),
@@ -76,7 +79,8 @@ absl::StatusOr<v1::Shape> ImportShape(store::Transaction& transaction, const v1:
                                          {"exact", shape.exact()}},
                                         trace_id));
   }
-  v1::Shape summary = ShownShape(shape);
+  v1::Shape summary = ShownShape(std::move(shape));
+  *summary.mutable_notes() = notes;
   summary.clear_vertices();
   summary.clear_triangles();
   summary.clear_triangle_faces();

@@ -34,8 +34,9 @@ absl::StatusOr<v1::Shape> GetShape(store::ReadTransaction& transaction, const st
 // just been imported.
 absl::StatusOr<bool> PutShape(store::Transaction& transaction, const v1::Shape& shape);
 
-// Writes a shape that was read from a file ("shape.imported"), and gives it without its arrays.
-absl::StatusOr<v1::Shape> ImportShape(store::Transaction& transaction, const v1::Shape& shape,
+// Writes a shape that was read from a file ("shape.imported"), and gives it without its arrays. Its
+// notes are of the file, so the answer has them and the record does not.
+absl::StatusOr<v1::Shape> ImportShape(store::Transaction& transaction, v1::Shape shape,
                                       const std::string& trace_id);
 
 // Adds those shapes of the assembly's parts and of the items that exist and that `shapes` does not

@@ -4,14 +4,11 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "common/mesh/drawn_shape.h"
 #include "services/catalog/shape_import.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, std::size_t size) {
-  const auto surface =
-      mortise::catalog::ReadStl(std::string_view(reinterpret_cast<const char*>(data), size));
-  if (!surface.ok()) return 0;
-  const auto shape = mortise::mesh::ShapeOfMesh(*surface);
-  if (shape.ok() && !(shape->volume > 0)) std::abort();
+  const auto imported =
+      mortise::catalog::ShapeOfStl(std::string_view(reinterpret_cast<const char*>(data), size));
+  if (imported.ok() && !(imported->shape.volume > 0)) std::abort();
   return 0;
 }

@@ -318,9 +318,9 @@ TEST_F(ShapeServiceTest, IsATemplateLikeAnyOther) {
   }
 }
 
-// A tetrahedron as text, in millimetres; `faces` of its four.
+// A tetrahedron as text, in millimetres; `faces` of its four corners, and of one beside it.
 std::string Tetrahedron(const std::vector<std::array<int, 3>>& faces) {
-  const char* const corners[] = {"0 0 0", "40 0 0", "0 40 0", "0 0 40"};
+  const char* const corners[] = {"0 0 0", "40 0 0", "0 40 0", "0 0 40", "30 -20 10"};
   std::string text = "solid t\n";
   for (const auto& face : faces) {
     absl::StrAppend(&text, "facet normal 0 0 0\nouter loop\n");
@@ -377,18 +377,40 @@ TEST_F(ShapeServiceTest, IsOfItemsToo) {
       UnorderedElementsAre("assembly.parts[1].shape"));
 }
 
+TEST_F(ShapeServiceTest, RepairsStlAndSaysWhat) {
+  using Request = v1::ImportShapeRequest;
+  const auto good =
+      ImportShape(Tetrahedron({{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}), Request::STL);
+  ASSERT_TRUE(good.ok()) << good.status();
+  EXPECT_EQ(good->notes_size(), 0);
+  // Without a face, inside out, and with a face twice, it is the same solid.
+  const std::map<std::string, std::string> damaged = {
+      {"filled 1 hole, up to 69.28 mm across", Tetrahedron({{0, 2, 1}, {0, 1, 3}, {0, 3, 2}})},
+      {"turned 4 triangles around", Tetrahedron({{0, 1, 2}, {0, 3, 1}, {0, 2, 3}, {1, 3, 2}})},
+      {"dropped 1 triangle drawn more than once",
+       Tetrahedron({{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}, {0, 1, 3}})}};
+  for (const auto& [note, file] : damaged) {
+    const auto repaired = ImportShape(file, Request::STL);
+    ASSERT_TRUE(repaired.ok()) << repaired.status();
+    EXPECT_NEAR(repaired->volume(), good->volume(), 1e-12);
+    ASSERT_EQ(repaired->notes_size(), 1) << note;
+    EXPECT_EQ(repaired->notes(0), note);
+    EXPECT_EQ(Shape(repaired->name()).notes_size(), 0) << "they are of the file";
+  }
+}
+
 TEST_F(ShapeServiceTest, RefusesWhatIsNoSolidAndStoresNothing) {
   using Request = v1::ImportShapeRequest;
-  const std::string open = Tetrahedron({{0, 2, 1}, {0, 1, 3}, {0, 3, 2}});
-  const std::string inside_out = Tetrahedron({{0, 1, 2}, {0, 3, 1}, {0, 2, 3}, {1, 3, 2}});
-  const std::string three_at_an_edge =
-      Tetrahedron({{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}, {0, 1, 3}});
+  // Two of its four faces: a hole as large as what is left.
+  const std::string open = Tetrahedron({{0, 2, 1}, {0, 1, 3}});
+  const std::string fin = Tetrahedron({{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}, {0, 1, 4}});
   const absl::Status not_closed = ImportShape(open, Request::STL).status();
   EXPECT_THAT(std::string(not_closed.message()), HasSubstr(" mm")) << "the place";
+  EXPECT_THAT(std::string(ImportShape(fin, Request::STL).status().message()),
+              HasSubstr("more than two triangles meet at an edge at ("));
   for (const std::string& file :
-       {open, inside_out, three_at_an_edge, std::string("solid t\n"), std::string("no file"),
-        std::string(84, '\0'), std::string(), std::string("\x1f\x8b no gzip"),
-        std::string("solid\nvertex 1 x 2")}) {
+       {open, fin, std::string("solid t\n"), std::string("no file"), std::string(84, '\0'),
+        std::string(), std::string("\x1f\x8b no gzip"), std::string("solid\nvertex 1 x 2")}) {
     const absl::Status status = ImportShape(file, Request::STL).status();
     EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << status;
     for (const std::string& field : FieldsOf(status)) EXPECT_EQ(field, "file");
