@@ -15,6 +15,7 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "cli/assembly_files.h"
+#include "cli/delete_commands.h"
 #include "cli/field_sources.h"
 #include "cli/requests.h"
 #include "cli/session.h"
@@ -300,6 +301,7 @@ void AddAssemblyCommands(CLI::App& app, Session& session) {
   assembly->require_subcommand(1);
 
   AddAssemblyFileCommands(*assembly, session);
+  AddAssemblyDelete(*assembly, session);
 
   CLI::App* list = assembly->add_subcommand("list", "List the assemblies");
   list->footer("Example: mortise assembly list");

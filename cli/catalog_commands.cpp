@@ -1,4 +1,4 @@
-// mortise catalog import|list|show|evaluate: materials, items and templates.
+// mortise catalog import|list|show|evaluate|shape: materials, items and templates.
 #include <google/protobuf/text_format.h>
 #include <grpcpp/grpcpp.h>
 
@@ -12,6 +12,7 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_replace.h"
 #include "cli/catalog_import.h"
+#include "cli/delete_commands.h"
 #include "cli/field_sources.h"
 #include "cli/requests.h"
 #include "cli/session.h"
@@ -330,6 +331,8 @@ void AddCatalogCommands(CLI::App& app, Session& session) {
   add_shape->callback([&session, shape] {
     session.command = [shape](Session& s, Output& o) { return AddShape(*shape, s, o); };
   });
+
+  AddCatalogDelete(*catalog, session);
 
   // Last: commands would inherit it.
   catalog->footer("Example: mortise catalog list items");

@@ -6,14 +6,14 @@
 #include <optional>
 #include <set>
 
-#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "absl/time/time.h"
 #include "common/base/errors.h"
-#include "common/base/identifiers.h"
 #include "common/parametric/assembly_codec.h"
 #include "common/parametric/template_codec.h"
 #include "services/catalog/record_access.h"
 #include "services/catalog/record_page.h"
+#include "services/catalog/record_users.h"
 #include "services/catalog/shape_records.h"
 
 namespace mortise::catalog {
@@ -28,13 +28,11 @@ absl::StatusOr<v1::AssemblyBundle> BundleOf(const store::Record& record) {
   return bundle;
 }
 
-// The latest record; revision 0 if there is none.
-absl::StatusOr<store::Record> LatestOrNone(store::ReadTransaction& transaction,
-                                           const std::string& name) {
-  absl::StatusOr<store::Record> record = GetRecord(transaction, kAssemblies, name);
-  if (absl::IsNotFound(record.status())) return store::Record{};
-  if (absl::IsInvalidArgument(record.status())) return UnderField("assembly", record.status());
-  return record;
+// Whether the latest revision of a template exposes the assembly.
+bool Exposes(const store::Record& record, const std::string& assembly) {
+  v1::TemplateBundle bundle;
+  return bundle.ParseFromString(record.payload) &&
+         bundle.template_().assembly().assembly() == assembly;
 }
 
 }  // namespace
@@ -97,7 +95,8 @@ absl::StatusOr<v1::Assembly> ImportBundle(store::Transaction& transaction,
                                           v1::AssemblyBundle bundle, int64_t expected_revision,
                                           const std::string& trace_id) {
   v1::Assembly& message = *bundle.mutable_assembly();
-  MORTISE_ASSIGN_OR_RETURN(const store::Record latest, LatestOrNone(transaction, message.name()));
+  MORTISE_ASSIGN_OR_RETURN(const store::Record latest,
+                           GetRecordOrNone(transaction, kAssemblies, message.name(), "assembly"));
   if (latest.revision != expected_revision) {
     return StaleRevision(message.name(), expected_revision, latest.revision);
   }
@@ -113,12 +112,9 @@ absl::StatusOr<v1::Assembly> ImportBundle(store::Transaction& transaction,
   bundle.clear_shapes();
   *message.mutable_create_time() = google::protobuf::util::TimeUtil::MicrosecondsToTimestamp(
       absl::ToUnixMicros(transaction.Now()));
-  MORTISE_ASSIGN_OR_RETURN(const std::string id,
-                           ParseResourceName(message.name(), kAssemblies, "assembly.name"));
-  MORTISE_ASSIGN_OR_RETURN(
-      const int64_t revision,
-      transaction.Put(kAssemblies, id, bundle.SerializeAsString(),
-                      {.expected_revision = expected_revision, .keep_history = true}));
+  MORTISE_ASSIGN_OR_RETURN(const int64_t revision,
+                           PutNext(transaction, kAssemblies, message.name(),
+                                   bundle.SerializeAsString(), expected_revision));
   message.set_revision(revision);
   MORTISE_RETURN_IF_ERROR(AppendEvent(transaction, "assembly.imported", message.name(),
                                       {{"title", message.title()},
@@ -127,6 +123,28 @@ absl::StatusOr<v1::Assembly> ImportBundle(store::Transaction& transaction,
                                        {"parts", message.parts_size()}},
                                       trace_id));
   return std::move(message);
+}
+
+absl::Status DeleteAssembly(store::Transaction& transaction,
+                            const v1::DeleteAssemblyRequest& request, const std::string& trace_id) {
+  MORTISE_ASSIGN_OR_RETURN(const store::Record present,
+                           GetRecord(transaction, kAssemblies, request.name()));
+  if (present.revision != request.revision()) {
+    return StaleRevision(request.name(), request.revision(), present.revision);
+  }
+  std::vector<std::string> users;
+  MORTISE_RETURN_IF_ERROR(AddUsers(
+      transaction, kTemplates,
+      [&](const store::Record& record) { return Exposes(record, request.name()); }, users));
+  if (!users.empty()) {
+    return PreconditionFailed(
+        "ASSEMBLY_IN_USE", "'" + request.name() + "' is exposed by " + absl::StrJoin(users, ", "),
+        "name");
+  }
+  MORTISE_RETURN_IF_ERROR(
+      MarkDeleted(transaction, kAssemblies, request.name(), request.revision()));
+  return AppendEvent(transaction, "assembly.deleted", request.name(),
+                     {{"revision", request.revision()}}, trace_id);
 }
 
 }  // namespace mortise::catalog

@@ -42,4 +42,10 @@ absl::StatusOr<v1::Assembly> ImportBundle(store::Transaction& transaction,
                                           v1::AssemblyBundle bundle, int64_t expected_revision,
                                           const std::string& trace_id);
 
+// Removes an assembly ("assembly.deleted"); its revisions stay readable by number. ABORTED for
+// another revision; FAILED_PRECONDITION, ASSEMBLY_IN_USE, naming templates whose latest revision
+// exposes it.
+absl::Status DeleteAssembly(store::Transaction& transaction,
+                            const v1::DeleteAssemblyRequest& request, const std::string& trace_id);
+
 }  // namespace mortise::catalog

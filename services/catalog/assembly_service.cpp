@@ -182,6 +182,19 @@ class AssemblyAdapter : public v1::AssemblyService::CallbackService {
         });
   }
 
+  grpc::ServerUnaryReactor* DeleteAssembly(grpc::CallbackServerContext* context,
+                                           const v1::DeleteAssemblyRequest* request,
+                                           v1::DeleteAssemblyResponse* response) override {
+    return endpoint_.Mutation(
+        "DeleteAssembly", context, request, response,
+        [](const rpc::Call& call, const v1::DeleteAssemblyRequest& asked,
+           store::Transaction& transaction) -> absl::StatusOr<v1::DeleteAssemblyResponse> {
+          MORTISE_RETURN_IF_ERROR(
+              catalog::DeleteAssembly(transaction, asked, call.identity().request_id));
+          return v1::DeleteAssemblyResponse();
+        });
+  }
+
   grpc::ServerReadReactor<v1::Chunk>* UploadDrawing(grpc::CallbackServerContext* context,
                                                     v1::UploadDrawingResponse* response) override {
     using Reader = rpc::UploadReader<v1::Chunk, v1::UploadDrawingResponse>;

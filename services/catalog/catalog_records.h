@@ -118,4 +118,9 @@ absl::StatusOr<v1::Template> ImportBundle(store::Transaction& transaction,
                                           v1::TemplateBundle bundle, int64_t expected_revision,
                                           const std::string& trace_id);
 
+// Removes a template ("template.deleted"); its revisions stay readable by number, for what was made
+// of them. NOT_FOUND; ABORTED for another revision.
+absl::Status DeleteTemplate(store::Transaction& transaction,
+                            const v1::DeleteTemplateRequest& request, const std::string& trace_id);
+
 }  // namespace mortise::catalog

@@ -278,6 +278,19 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
         });
   }
 
+  grpc::ServerUnaryReactor* DeleteTemplate(grpc::CallbackServerContext* context,
+                                           const v1::DeleteTemplateRequest* request,
+                                           v1::DeleteTemplateResponse* response) override {
+    return endpoint_.Mutation(
+        "DeleteTemplate", context, request, response,
+        [](const rpc::Call& call, const v1::DeleteTemplateRequest& asked,
+           store::Transaction& transaction) -> absl::StatusOr<v1::DeleteTemplateResponse> {
+          MORTISE_RETURN_IF_ERROR(
+              catalog::DeleteTemplate(transaction, asked, call.identity().request_id));
+          return v1::DeleteTemplateResponse();
+        });
+  }
+
   grpc::ServerUnaryReactor* GetTemplateBundle(grpc::CallbackServerContext* context,
                                               const v1::GetTemplateBundleRequest* request,
                                               v1::TemplateBundle* response) override {

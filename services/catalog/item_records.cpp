@@ -16,6 +16,7 @@
 #include "services/catalog/record_access.h"
 #include "services/catalog/record_page.h"
 #include "services/catalog/record_update.h"
+#include "services/catalog/record_users.h"
 #include "services/catalog/shape_records.h"
 
 namespace mortise::catalog {
@@ -59,29 +60,6 @@ bool Uses(const store::Record& record, const std::string& item) {
   if (!bundle.ParseFromString(record.payload)) return false;
   return std::any_of(bundle.items().begin(), bundle.items().end(),
                      [&](const v1::Item& used) { return used.name() == item; });
-}
-
-// Names of templates and assemblies whose latest revision uses the item, a few at most.
-absl::StatusOr<std::vector<std::string>> UsersOf(store::ReadTransaction& transaction,
-                                                 const std::string& item) {
-  constexpr std::size_t kEnough = 5;
-  std::vector<std::string> users;
-  for (const char* kind : {kTemplates, kAssemblies}) {
-    store::ListOptions options;
-    options.limit = 100;
-    std::vector<store::Record> records;
-    do {
-      MORTISE_ASSIGN_OR_RETURN(records, transaction.List(kind, options));
-      for (const store::Record& record : records) {
-        const bool uses = kind == kTemplates ? Uses<v1::TemplateBundle>(record, item)
-                                             : Uses<v1::AssemblyBundle>(record, item);
-        if (uses) users.push_back(absl::StrCat(kind, "/", record.key));
-        if (users.size() >= kEnough) return users;
-      }
-      if (!records.empty()) options.after_key = records.back().key;
-    } while (static_cast<int>(records.size()) == options.limit);
-  }
-  return users;
 }
 
 // Names are what people write: one that is malformed counts as one that does not exist.
@@ -192,8 +170,15 @@ absl::Status DeleteItem(store::Transaction& transaction, const v1::DeleteItemReq
   if (present.revision() != request.revision()) {
     return StaleRevision(present.name(), request.revision(), present.revision());
   }
-  MORTISE_ASSIGN_OR_RETURN(const std::vector<std::string> users,
-                           UsersOf(transaction, present.name()));
+  std::vector<std::string> users;
+  MORTISE_RETURN_IF_ERROR(AddUsers(
+      transaction, kTemplates,
+      [&](const store::Record& record) { return Uses<v1::TemplateBundle>(record, present.name()); },
+      users));
+  MORTISE_RETURN_IF_ERROR(AddUsers(
+      transaction, kAssemblies,
+      [&](const store::Record& record) { return Uses<v1::AssemblyBundle>(record, present.name()); },
+      users));
   if (!users.empty()) {
     return PreconditionFailed(
         "ITEM_IN_USE", "'" + present.name() + "' is used by " + absl::StrJoin(users, ", "), "name");

@@ -18,9 +18,17 @@ absl::StatusOr<store::Record> GetRecord(store::ReadTransaction& transaction, con
   if (revision < 0) return InvalidField("revision", "must be at least 0");
   absl::StatusOr<store::Record> record =
       revision == 0 ? transaction.Get(kind, id) : transaction.GetRevision(kind, id, revision);
-  if (absl::IsNotFound(record.status())) {
+  if (absl::IsNotFound(record.status()) || (record.ok() && IsDeleted(*record))) {
     return ResourceNotFound(revision == 0 ? name : absl::StrCat(name, "/revisions/", revision));
   }
+  return record;
+}
+
+absl::StatusOr<store::Record> GetRecordOrNone(store::ReadTransaction& transaction, const char* kind,
+                                              const std::string& name, const std::string& field) {
+  absl::StatusOr<store::Record> record = GetRecord(transaction, kind, name);
+  if (absl::IsNotFound(record.status())) return store::Record{};
+  if (!record.ok()) return UnderField(field, record.status());
   return record;
 }
 
@@ -53,7 +61,19 @@ absl::StatusOr<int64_t> PutNext(store::Transaction& transaction, const char* kin
                                 const std::string& name, const std::string& payload,
                                 int64_t present) {
   MORTISE_ASSIGN_OR_RETURN(const std::string id, ParseResourceName(name, kind, "name"));
+  if (present == 0) {
+    const absl::StatusOr<store::Record> latest = transaction.Get(kind, id);
+    if (!absl::IsNotFound(latest.status())) MORTISE_RETURN_IF_ERROR(latest.status());
+    if (latest.ok() && IsDeleted(*latest)) present = latest->revision;
+  }
   return transaction.Put(kind, id, payload, {.expected_revision = present, .keep_history = true});
+}
+
+absl::Status MarkDeleted(store::Transaction& transaction, const char* kind, const std::string& name,
+                         int64_t revision) {
+  MORTISE_ASSIGN_OR_RETURN(const store::Record present, GetRecord(transaction, kind, name));
+  if (present.revision != revision) return StaleRevision(name, revision, present.revision);
+  return PutNext(transaction, kind, name, "", revision).status();
 }
 
 absl::Status AppendEvent(store::Transaction& transaction, const std::string& type,

@@ -16,10 +16,18 @@ inline constexpr const char* kItems = "items";
 inline constexpr const char* kTemplates = "templates";
 inline constexpr const char* kAssemblies = "assemblies";
 
+// What stands for a resource that was deleted, where its revisions can still be read: a revision
+// after them that says nothing.
+inline bool IsDeleted(const store::Record& record) { return record.payload.empty(); }
+
 // The record of the resource `kind/{id}` (revision 0: the present one). INVALID_ARGUMENT naming
-// "name" or "revision"; NOT_FOUND naming the resource.
+// "name" or "revision"; NOT_FOUND naming the resource, also where it is deleted.
 absl::StatusOr<store::Record> GetRecord(store::ReadTransaction& transaction, const char* kind,
                                         const std::string& name, int64_t revision = 0);
+
+// The same; a record of revision 0 where there is none. Fields of failures are under `field`.
+absl::StatusOr<store::Record> GetRecordOrNone(store::ReadTransaction& transaction, const char* kind,
+                                              const std::string& name, const std::string& field);
 
 // Where a page begins, and as its limit how many entries it has at most. INVALID_ARGUMENT naming
 // page_size or page_token.
@@ -29,11 +37,16 @@ absl::StatusOr<store::ListOptions> PageOptions(int page_size, const std::string&
 absl::StatusOr<int64_t> PutNew(store::Transaction& transaction, const char* kind,
                                const std::string& name, const std::string& payload);
 
-// Writes the revision after `present`, which is kept. ABORTED, STALE_REVISION if that is not the
-// latest.
+// Writes the revision after `present`, which is kept; 0 if the resource does not exist, or is
+// deleted: then the revision after that. ABORTED, STALE_REVISION if that is not the latest.
 absl::StatusOr<int64_t> PutNext(store::Transaction& transaction, const char* kind,
                                 const std::string& name, const std::string& payload,
                                 int64_t present);
+
+// Deletes a resource, and keeps its revisions for those who ask for them by number. NOT_FOUND;
+// ABORTED, STALE_REVISION if `revision` is not the latest.
+absl::Status MarkDeleted(store::Transaction& transaction, const char* kind, const std::string& name,
+                         int64_t revision);
 
 // Tells what happened; `data` is a JSON object.
 absl::Status AppendEvent(store::Transaction& transaction, const std::string& type,

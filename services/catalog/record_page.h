@@ -40,6 +40,7 @@ absl::StatusOr<Page<Message>> ReadPage(store::ReadTransaction& transaction, cons
     MORTISE_ASSIGN_OR_RETURN(const std::vector<store::Record> records,
                              transaction.List(kind, options));
     for (const store::Record& record : records) {
+      if (IsDeleted(record)) continue;
       MORTISE_ASSIGN_OR_RETURN(std::optional<Message> entry, entry_of(record));
       if (!entry) continue;
       bytes += entry->ByteSizeLong();

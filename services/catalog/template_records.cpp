@@ -6,7 +6,6 @@
 
 #include "absl/time/time.h"
 #include "common/base/errors.h"
-#include "common/base/identifiers.h"
 #include "services/catalog/assembly_records.h"
 #include "services/catalog/catalog_records.h"
 #include "services/catalog/record_access.h"
@@ -25,31 +24,31 @@ absl::StatusOr<v1::TemplateBundle> BundleOf(const store::Record& record) {
   return bundle;
 }
 
-// The assembly of an assembly template, and what it uses.
+// Whether there is nothing of the name or revision that was asked for.
+bool IsNone(const absl::Status& status) {
+  return absl::IsNotFound(status) || absl::IsInvalidArgument(status);
+}
+
+// The assembly of an assembly template, and what it uses. One that is deleted cannot be exposed.
 absl::Status FreezeAssembly(store::ReadTransaction& transaction, v1::TemplateBundle& bundle) {
   v1::AssemblyTemplate& message = *bundle.mutable_template_()->mutable_assembly();
-  absl::StatusOr<v1::AssemblyBundle> used =
-      GetAssemblyBundle(transaction, message.assembly(), message.revision());
-  if (absl::IsNotFound(used.status()) || absl::IsInvalidArgument(used.status())) {
-    const bool there = GetAssemblyBundle(transaction, message.assembly(), 0).ok();
-    return InvalidField(there ? "assembly.revision" : "assembly.assembly",
-                        std::string(used.status().message()));
+  absl::StatusOr<v1::AssemblyBundle> used = GetAssemblyBundle(transaction, message.assembly(), 0);
+  if (IsNone(used.status())) {
+    return InvalidField("assembly.assembly", std::string(used.status().message()));
   }
   MORTISE_RETURN_IF_ERROR(used.status());
+  if (message.revision() != 0) {
+    used = GetAssemblyBundle(transaction, message.assembly(), message.revision());
+    if (IsNone(used.status())) {
+      return InvalidField("assembly.revision", std::string(used.status().message()));
+    }
+    MORTISE_RETURN_IF_ERROR(used.status());
+  }
   message.set_revision(used->assembly().revision());
   *bundle.mutable_items() = std::move(*used->mutable_items());
   *bundle.mutable_materials() = std::move(*used->mutable_materials());
   *bundle.mutable_assembly() = std::move(*used->mutable_assembly());
   return AddShapes(transaction, bundle.assembly(), bundle.items(), *bundle.mutable_shapes());
-}
-
-// The revision of the latest template; 0 if there is none.
-absl::StatusOr<store::Record> LatestOrNone(store::ReadTransaction& transaction,
-                                           const std::string& name) {
-  absl::StatusOr<store::Record> record = GetRecord(transaction, kTemplates, name);
-  if (absl::IsNotFound(record.status())) return store::Record{};
-  if (absl::IsInvalidArgument(record.status())) return UnderField("template", record.status());
-  return record;
 }
 
 }  // namespace
@@ -96,7 +95,8 @@ absl::StatusOr<v1::Template> ImportBundle(store::Transaction& transaction,
                                           v1::TemplateBundle bundle, int64_t expected_revision,
                                           const std::string& trace_id) {
   v1::Template& message = *bundle.mutable_template_();
-  MORTISE_ASSIGN_OR_RETURN(const store::Record latest, LatestOrNone(transaction, message.name()));
+  MORTISE_ASSIGN_OR_RETURN(const store::Record latest,
+                           GetRecordOrNone(transaction, kTemplates, message.name(), "template"));
   if (latest.revision != expected_revision) {
     return StaleRevision(message.name(), expected_revision, latest.revision);
   }
@@ -109,12 +109,9 @@ absl::StatusOr<v1::Template> ImportBundle(store::Transaction& transaction,
   bundle.clear_shapes();  // those of the assembly are stored
   *message.mutable_create_time() = google::protobuf::util::TimeUtil::MicrosecondsToTimestamp(
       absl::ToUnixMicros(transaction.Now()));
-  MORTISE_ASSIGN_OR_RETURN(const std::string id,
-                           ParseResourceName(message.name(), kTemplates, "template.name"));
-  MORTISE_ASSIGN_OR_RETURN(
-      const int64_t revision,
-      transaction.Put(kTemplates, id, bundle.SerializeAsString(),
-                      {.expected_revision = expected_revision, .keep_history = true}));
+  MORTISE_ASSIGN_OR_RETURN(const int64_t revision,
+                           PutNext(transaction, kTemplates, message.name(),
+                                   bundle.SerializeAsString(), expected_revision));
   message.set_revision(revision);
   MORTISE_RETURN_IF_ERROR(AppendEvent(transaction, "template.imported", message.name(),
                                       {{"title", message.title()},
@@ -123,6 +120,13 @@ absl::StatusOr<v1::Template> ImportBundle(store::Transaction& transaction,
                                        {"parts", message.parts_size()}},
                                       trace_id));
   return std::move(message);
+}
+
+absl::Status DeleteTemplate(store::Transaction& transaction,
+                            const v1::DeleteTemplateRequest& request, const std::string& trace_id) {
+  MORTISE_RETURN_IF_ERROR(MarkDeleted(transaction, kTemplates, request.name(), request.revision()));
+  return AppendEvent(transaction, "template.deleted", request.name(),
+                     {{"revision", request.revision()}}, trace_id);
 }
 
 }  // namespace mortise::catalog

@@ -81,6 +81,8 @@ constexpr Example kExamples[] = {
     {"CatalogService/ListTemplates", "page_size: 10"},
     {"CatalogService/ImportTemplate",
      "request_id: 'bad-5' expected_revision: 1 template { {template} }", Outcome::kChanges},
+    {"CatalogService/DeleteTemplate", "request_id: 'bad-43' name: 'templates/table' revision: 1",
+     Outcome::kChanges},
     {"CatalogService/GetTemplateBundle", "name: 'templates/table'"},
     {"CatalogService/EvaluateTemplate",
      "name: 'templates/table' parameters { name: 'length' value: 1.5 }"},
@@ -94,6 +96,8 @@ constexpr Example kExamples[] = {
      "request_id: 'bad-17' step: '{step}' annotations { name: 'assemblies/drawn' "
      "parts { parts: 'screw left 1.1' item: 'items/screw-4x40' role: CONNECTING } }",
      Outcome::kChanges},
+    {"AssemblyService/DeleteAssembly",
+     "request_id: 'bad-44' name: 'assemblies/planter' revision: 1", Outcome::kChanges},
     {"AssemblyService/UploadDrawing", "data: 'abc' total_size: 4", Outcome::kRefused},
     {"AssemblyService/ParametrizeAssembly", "name: 'assemblies/planter' revision: 1"},
     {"AssemblyService/AdjustAssembly",

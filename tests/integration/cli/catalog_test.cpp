@@ -159,6 +159,21 @@ TEST_F(CatalogCommand, OfVeryManyFaultsNamesTheFirst) {
       AllOf(HasSubstr("items/i99."), Not(HasSubstr("items/i100.")), HasSubstr("50 more faults")));
 }
 
+TEST_F(CatalogCommand, DeletesWhatNothingUses) {
+  Changes({File("items.csv", kItems)});
+  EXPECT_EQ(Run({"delete", "materials/beech"}).status().code(),
+            absl::StatusCode::kFailedPrecondition);
+  const auto stale = Run({"delete", "items/peg", "--revision", "2"}).status();
+  EXPECT_EQ(stale.code(), absl::StatusCode::kAborted);
+  const auto deleted = Run({"delete", "items/peg"});
+  ASSERT_TRUE(deleted.ok()) << deleted.status();
+  EXPECT_EQ(*deleted, Json({{"name", "items/peg"}, {"revision", 1}}));
+  EXPECT_TRUE(Run({"delete", "materials/beech", "--revision", "1"}).ok());
+  EXPECT_EQ(Names({"items"}), (std::vector<std::string>{"items/bolt", "items/ring"}));
+  EXPECT_EQ(Run({"delete", "items/peg"}).status().code(), absl::StatusCode::kNotFound);
+  EXPECT_EQ(Run({"delete", "table"}).status().code(), absl::StatusCode::kNotFound);
+}
+
 TEST_F(CatalogCommand, ListsWhatTheFiltersSay) {
   Changes({File("items.csv", kItems)});
   using Expected = std::vector<std::string>;

@@ -48,6 +48,32 @@ class CollectionLoaderTest : public ::testing::Test {
     ASSERT_TRUE(WriteFile(collection_ / "items" / "hardware.csv", items).ok());
   }
 
+  // A template of one disc of wood.
+  void ShipDisc(const std::string& title, const std::string& id = "disc") {
+    ASSERT_TRUE(WriteFile(collection_ / "cad_templates" / (id + ".textproto"),
+                          absl::StrCat("# proto-file: mortise/v1/cad_template.proto\n"
+                                       "# proto-message: mortise.v1.CadTemplate\n"
+                                       "name: 'templates/",
+                                       id, "' title: '", title, "' material: 'materials/wood'\n",
+                                       "parameters { name: 'radius' title: 'Radius' unit: 'm' "
+                                       "minimum: 0.1 maximum: 0.3 default_value: 0.2 }\n"
+                                       "features { name: 'base' sketch { "
+                                       "profiles { name: 'rim' circle { radius: 'radius' } } } }\n"
+                                       "features { name: 'disc' extrude { "
+                                       "sketch: 'base' from: '0' to: '0.1' } }\n"))
+                    .ok());
+  }
+
+  absl::StatusOr<std::string> TitleOf(const std::string& name) {
+    std::string title;
+    MORTISE_RETURN_IF_ERROR(store_->Read([&](store::ReadTransaction& transaction) -> absl::Status {
+      MORTISE_ASSIGN_OR_RETURN(const v1::TemplateBundle bundle, GetBundle(transaction, name, 0));
+      title = bundle.template_().title();
+      return absl::OkStatus();
+    }));
+    return title;
+  }
+
   // Gives what was shipped last a number.
   void Number(int64_t number) {
     const auto shipped = parametric::ReadCollection(collection_);
@@ -173,6 +199,52 @@ TEST_F(CollectionLoaderTest, KeepsWhatUsersChangedMadeOrRemoved) {
   EXPECT_THAT(report.updated, IsEmpty());
   EXPECT_EQ(ItemOf("items/knob").price().amount(), 7);
   EXPECT_THAT(Load().kept, IsEmpty());  // told once
+}
+
+TEST_F(CollectionLoaderTest, DoesNotBringBackTemplatesThatUsersRemoved) {
+  Ship(500, 2);
+  ShipDisc("Disc");
+  Load();
+  v1::DeleteTemplateRequest request;
+  request.set_name("templates/disc");
+  request.set_revision(1);
+  ASSERT_TRUE(Transact([&](store::Transaction& transaction) {
+                return DeleteTemplate(transaction, request, "somebody");
+              }).ok());
+  ShipDisc("Better disc");
+  const CollectionReport report = Load();
+  EXPECT_THAT(report.created, IsEmpty());
+  EXPECT_THAT(report.updated, IsEmpty());
+  EXPECT_TRUE(absl::IsNotFound(TitleOf("templates/disc").status()));
+  // Somebody's own of that name is left alone, too.
+  ASSERT_TRUE(Transact([&](store::Transaction& transaction) -> absl::Status {
+                MORTISE_ASSIGN_OR_RETURN(v1::TemplateBundle bundle,
+                                         GetBundle(transaction, "templates/disc", 1));
+                bundle.mutable_template_()->set_title("My disc");
+                return ImportBundle(transaction, bundle, 0, "somebody").status();
+              }).ok());
+  ShipDisc("Best disc");
+  EXPECT_THAT(Load().kept, ElementsAre("templates/disc"));
+  EXPECT_EQ(TitleOf("templates/disc").value_or(""), "My disc");
+}
+
+TEST_F(CollectionLoaderTest, BringsATemplateOfANameThatAUserTookAndGaveUp) {
+  Ship(500, 2);
+  ShipDisc("Disc");
+  Load();
+  v1::TemplateBundle bundle;
+  ASSERT_TRUE(Transact([&](store::Transaction& transaction) -> absl::Status {
+                MORTISE_ASSIGN_OR_RETURN(bundle, GetBundle(transaction, "templates/disc", 1));
+                bundle.mutable_template_()->set_name("templates/puck");
+                MORTISE_RETURN_IF_ERROR(ImportBundle(transaction, bundle, 0, "somebody").status());
+                v1::DeleteTemplateRequest request;
+                request.set_name("templates/puck");
+                request.set_revision(1);
+                return DeleteTemplate(transaction, request, "somebody");
+              }).ok());
+  ShipDisc("Puck", "puck");
+  EXPECT_THAT(Load().created, ElementsAre("templates/puck"));
+  EXPECT_EQ(TitleOf("templates/puck").value_or(""), "Puck");
 }
 
 TEST_F(CollectionLoaderTest, KeepsWhatUsersMadeInPlaceOfWhatTheyRemoved) {
