@@ -21,12 +21,14 @@
 #include <sstream>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "common/base/errors.h"
 #include "common/base/field_violations.h"
 #include "common/cad/solid_kernel.h"
 #include "common/cad/solid_shape.h"
 #include "common/cad/step_document.h"
 #include "common/cad/step_measure.h"
+#include "common/cad/step_references.h"
 #include "common/cad/step_structure.h"
 
 namespace mortise::cad {
@@ -281,6 +283,21 @@ absl::Status CheckFrame(std::string_view bytes) {
   return absl::OkStatus();
 }
 
+// That the file has all that it refers to.
+absl::Status CheckReferences(std::string_view bytes) {
+  constexpr std::size_t kMaxShown = 5;
+  const std::vector<MissingEntity> missing = MissingEntities(bytes, kMaxShown + 1);
+  if (missing.empty()) return absl::OkStatus();
+  std::vector<std::string> faults;
+  for (std::size_t i = 0; i < std::min(missing.size(), kMaxShown); ++i) {
+    const std::string user = missing[i].user == 0 ? "" : absl::StrCat(" by #", missing[i].user);
+    faults.push_back(
+        absl::StrCat("#", missing[i].number, " is used", user, ", but is not in the file"));
+  }
+  if (missing.size() > kMaxShown) faults.push_back("and more are missing");
+  return InvalidField("step", absl::StrJoin(faults, "; "));
+}
+
 // Lengths of the kernel's shapes while one reads, for all the process. The setting exists only once
 // a reader does.
 class InMetres {
@@ -293,6 +310,7 @@ class InMetres {
 
 absl::StatusOr<StepAssembly> Read(std::string_view bytes, const StepFaultsSeen& seen) {
   MORTISE_RETURN_IF_ERROR(CheckFrame(bytes));
+  MORTISE_RETURN_IF_ERROR(CheckReferences(bytes));
   const std::lock_guard<std::mutex> lock(StepTranslatorMutex());
   Handle(TDocStd_Document) document = NewStepDocument();
   STEPCAFControl_Reader reader;

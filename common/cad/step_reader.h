@@ -20,7 +20,8 @@ using StepFaultsSeen = std::function<void(const std::vector<std::string>&)>;
 // product has several; several roots stand in one. Names that the file has more than once are
 // counted (DistinctNames); a part is called as its occurrence is, or else as its product.
 //
-// INVALID_ARGUMENT, "step": not STEP, cut off, nothing solid in it, parts in other files,
+// INVALID_ARGUMENT, "step": not STEP, cut off, entities that are referred to and not there
+// (step_references.h), nothing solid in it, parts in other files,
 // products that contain themselves, with the entities at fault where the file has such.
 // RESOURCE_EXHAUSTED: more than kMaxStepBytes, or more than 2,000 parts.
 //
