@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <set>
 #include <utility>
 #include <vector>
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
+#include "common/mesh/halfedge_mesh.h"
 #include "services/fabplanner/dimension_text.h"
 #include "services/fabplanner/part_mesh.h"
 #include "services/fabplanner/svg_drawing.h"
@@ -58,24 +58,23 @@ struct Segment {
 
 // The edges to draw of a view.
 std::vector<Segment> EdgesOf(const render::Shape& shape, const View& view) {
-  std::map<std::pair<int, int>, std::vector<Eigen::Vector3d>> faces;
-  for (Eigen::Index t = 0; t < shape.triangles.cols(); ++t) {
-    const Eigen::Vector3i corners = shape.triangles.col(t);
-    const Eigen::Vector3d a = shape.vertices.col(corners[0]);
-    const Eigen::Vector3d normal =
-        (shape.vertices.col(corners[1]) - a).cross(shape.vertices.col(corners[2]) - a).normalized();
-    for (int k = 0; k < 3; ++k) {
-      faces[std::minmax(corners[k], corners[(k + 1) % 3])].push_back(normal);
-    }
-  }
+  const mesh::CutSurface surface(shape.vertices, shape.triangles);
+  const auto normal_of = [&shape](int triangle) -> Eigen::Vector3d {
+    const Eigen::Matrix3d corners = shape.vertices(Eigen::all, shape.triangles.col(triangle));
+    return (corners.col(1) - corners.col(0)).cross(corners.col(2) - corners.col(0)).normalized();
+  };
   std::vector<Segment> edges;
-  for (const auto& [ends, normals] : faces) {
+  for (const mesh::SurfaceEdge& edge : surface.edges()) {
+    std::vector<Eigen::Vector3d> normals;
     int seen = 0;
-    for (const Eigen::Vector3d& normal : normals) seen += normal.dot(view.towards) > 1e-6 ? 1 : 0;
+    for (int i = 0; i < edge.triangles(); ++i) {
+      normals.push_back(normal_of(surface.TriangleAt(edge, i)));
+      seen += normals.back().dot(view.towards) > 1e-6 ? 1 : 0;
+    }
     const bool outline = normals.size() == 2 && seen == 1;
     const bool sharp = normals.size() != 2 || normals[0].dot(normals[1]) < kSharp;
     if (!outline && !sharp) continue;
-    edges.push_back({shape.vertices.col(ends.first), shape.vertices.col(ends.second), seen > 0});
+    edges.push_back({shape.vertices.col(edge.low), shape.vertices.col(edge.high), seen > 0});
   }
   return edges;
 }
