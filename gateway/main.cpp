@@ -44,7 +44,7 @@ void AddFlags(CLI::App& app, GatewayOptions& options, RawFlags& raw) {
                  "Required audience of tokens; any if empty")
       ->envname("MORTISE_JWT_AUDIENCE");
   app.add_option("--tls-certificate", options.security.certificate,
-                 "Certificate chain of both doors, PEM")
+                 "Certificate chain of both doors, shown to services too, PEM")
       ->envname("MORTISE_TLS_CERTIFICATE");
   app.add_option("--tls-key", options.security.key, "Its private key, PEM")
       ->envname("MORTISE_TLS_KEY");
@@ -131,6 +131,11 @@ int main(int argc, char** argv) {
     return app.exit(error) == 0 ? 0 : 2;
   }
   if (!TakeServices(raw, options)) return 2;
+  // Services on other machines ask their callers for a certificate.
+  if (!options.services_security.authority.empty()) {
+    options.services_security.certificate = options.security.certificate;
+    options.services_security.key = options.security.key;
+  }
   options.drain_time = absl::Seconds(raw.drain_seconds);
   const LogLevel level = ParseLogLevel(raw.log_level);
   options.log_calls = level <= LogLevel::kInfo;

@@ -271,6 +271,16 @@ void WorkOn(const WorkerOptions& options, Stub& stub, TemplateSource& templates,
        {"error", reported.ok() ? absl::string_view() : reported.status().message()}});
 }
 
+// Waits until the channel is connected; false if a stop is requested. Calls alone would not do: one
+// that finds no connection fails at once, and a TLS handshake goes on only while somebody waits.
+bool AwaitConnection(grpc::Channel& channel, const std::stop_token& stop) {
+  constexpr std::chrono::milliseconds kLookForStop{200};
+  while (!stop.stop_requested()) {
+    if (channel.WaitForConnected(std::chrono::system_clock::now() + kLookForStop)) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 void RunWorker(const WorkerOptions& options, const std::stop_token& stop) {
@@ -281,7 +291,7 @@ void RunWorker(const WorkerOptions& options, const std::stop_token& stop) {
   request.set_limit(1);
   request.set_lease_seconds(absl::ToDoubleSeconds(options.lease));
   request.set_wait_seconds(absl::ToDoubleSeconds(options.patience));
-  while (!stop.stop_requested()) {
+  while (AwaitConnection(*options.simulator, stop)) {
     const auto leased = rpc::CallUnary<Stub, v1::LeaseTasksRequest, v1::LeaseTasksResponse>(
         *stub, &Stub::LeaseTasks, request,
         rpc::OwnOrigin(options.signer, rpc::Role::kDesigner, "", options.patience + kCallTimeout),
