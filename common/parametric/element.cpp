@@ -72,10 +72,11 @@ Element ElementOfPattern(const Assembly& assembly, const FoundPattern& found, do
 
 }  // namespace
 
-std::vector<Element> MakeElements(const Assembly& assembly, double tolerance) {
+std::vector<Element> MakeElements(const Assembly& assembly, double tolerance,
+                                  const std::set<int>& easily_lost) {
   std::vector<Element> elements;
   std::vector<bool> taken(assembly.parts.size(), false);
-  for (const FoundPattern& found : FindPatterns(assembly, tolerance)) {
+  for (const FoundPattern& found : FindPatterns(assembly, tolerance, easily_lost)) {
     elements.push_back(ElementOfPattern(assembly, found, tolerance));
     for (const int part : found.parts) taken[static_cast<std::size_t>(part)] = true;
   }

@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -44,8 +45,10 @@ struct Element {
 };
 
 // The elements of a valid assembly: its patterns, largest first, then the remaining parts in their
-// order. Along a pattern's directions the limits are those of LengthsOf.
-std::vector<Element> MakeElements(const Assembly& assembly, double tolerance);
+// order. Along a pattern's directions the limits are those of LengthsOf. `easily_lost` as in
+// FindPatterns.
+std::vector<Element> MakeElements(const Assembly& assembly, double tolerance,
+                                  const std::set<int>& easily_lost = {});
 
 // q as the expert drew the design: 6 · elements numbers, m.
 Eigen::VectorXd DrawnParameters(const std::vector<Element>& elements);

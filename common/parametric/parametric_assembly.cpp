@@ -8,6 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/mesh/proximity.h"
+#include "common/parametric/easily_lost.h"
 
 namespace mortise::parametric {
 namespace {
@@ -97,24 +98,34 @@ absl::StatusOr<ParametricAssembly> ParametricAssembly::Create(Assembly assembly)
   ParametricAssembly made;
   made.assembly_ = std::move(assembly);
   made.tolerance_ = kRelativeTolerance * AssemblyDiagonal(made.assembly_);
-  made.elements_ = MakeElements(made.assembly_, made.tolerance_);
-  MORTISE_ASSIGN_OR_RETURN(made.contacts_,
-                           FindContacts(made.assembly_, made.elements_, made.tolerance_));
-  FollowPrincipalPatterns(made.elements_, made.contacts_, made.tolerance_);
-  made.relationships_ =
-      FindRelationships(made.assembly_, made.elements_, made.contacts_, made.tolerance_);
-  std::vector<Relationship> anchored = made.relationships_;
-  for (Relationship& held : StandingInPlace(made.elements_)) anchored.push_back(std::move(held));
-  MORTISE_ASSIGN_OR_RETURN(
-      made.feasible_set_,
-      FeasibleSet::Create(std::move(anchored), DrawnParameters(made.assembly_, made.elements_),
-                          VariablesWithin(made.assembly_, made.elements_, 0)));
-  MORTISE_RETURN_IF_ERROR(made.CheckBounded());
+  std::set<int> easily_lost;
+  while (true) {
+    MORTISE_RETURN_IF_ERROR(made.FindFeasibleSet(easily_lost));
+    MORTISE_ASSIGN_OR_RETURN(
+        const std::set<int> lost,
+        FindEasilyLost(made.assembly_, made.elements_, *made.feasible_set_, made.tolerance_));
+    const std::size_t known = easily_lost.size();
+    easily_lost.insert(lost.begin(), lost.end());
+    if (easily_lost.size() == known) break;
+  }
   made.placement_.emplace(*made.feasible_set_, made.elements_,
                           FindConnections(made.assembly_, made.elements_, made.contacts_,
                                           made.relationships_, made.tolerance_));
   made.contact_check_.emplace(made.assembly_, made.elements_, made.tolerance_);
   return made;
+}
+
+absl::Status ParametricAssembly::FindFeasibleSet(const std::set<int>& easily_lost) {
+  elements_ = MakeElements(assembly_, tolerance_, easily_lost);
+  MORTISE_ASSIGN_OR_RETURN(contacts_, FindContacts(assembly_, elements_, tolerance_));
+  FollowPrincipalPatterns(elements_, contacts_, tolerance_);
+  relationships_ = FindRelationships(assembly_, elements_, contacts_, tolerance_);
+  std::vector<Relationship> anchored = relationships_;
+  for (Relationship& held : StandingInPlace(elements_)) anchored.push_back(std::move(held));
+  MORTISE_ASSIGN_OR_RETURN(
+      feasible_set_, FeasibleSet::Create(std::move(anchored), DrawnParameters(assembly_, elements_),
+                                         VariablesWithin(assembly_, elements_, 0)));
+  return CheckBounded();
 }
 
 absl::Status ParametricAssembly::CheckBounded() const {

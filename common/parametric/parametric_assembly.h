@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -69,7 +70,8 @@ class ParametricAssembly {
   // Parametrises a valid assembly. What touches is found on the surfaces of the parts' shapes, or
   // of their boxes where they have none; alignment, likeness and contact are judged with one
   // tolerance(), and curved faces besides with what their triangles may miss. The lowest element
-  // is held on the floor, the first where it is drawn along x and y. FAILED_PRECONDITION as
+  // is held on the floor, the first where it is drawn along x and y. Patterns end before parts that
+  // they might lose (easily_lost.h), which takes another round. FAILED_PRECONDITION as
   // FeasibleSet::Create, or FEASIBLE_SET_UNBOUNDED naming an element that could move or grow
   // without end.
   static absl::StatusOr<ParametricAssembly> Create(Assembly assembly);
@@ -137,6 +139,9 @@ class ParametricAssembly {
 
  private:
   ParametricAssembly() = default;
+  // Everything up to the feasible set. Patterns touch parts that are easily lost with all of their
+  // parts or with none.
+  absl::Status FindFeasibleSet(const std::set<int>& easily_lost);
   absl::Status CheckBounded() const;
   absl::StatusOr<LinearForm> FormOf(const Measure& measure, const std::string& field) const;
   absl::StatusOr<Adjustment> ComeNear(const Eigen::VectorXd& from,

@@ -5,6 +5,8 @@
 #include <map>
 #include <tuple>
 
+#include "common/parametric/pattern_contact.h"
+
 namespace mortise::parametric {
 namespace {
 
@@ -56,6 +58,30 @@ bool IsForward(const Eigen::Vector3d& spacing, double tolerance) {
   return false;
 }
 
+// Whether two parts have the same prominent planes at the same places within them.
+bool HaveSamePlanes(const AssemblyPart& a, const AssemblyPart& b, double tolerance) {
+  return std::equal(a.prominent_planes.begin(), a.prominent_planes.end(),
+                    b.prominent_planes.begin(), b.prominent_planes.end(),
+                    [&](const ProminentPlane& of_a, const ProminentPlane& of_b) {
+                      const int axis = static_cast<int>(of_a.axis);
+                      return of_a.axis == of_b.axis &&
+                             std::abs((of_a.position - a.box.minimum[axis]) -
+                                      (of_b.position - b.box.minimum[axis])) <= tolerance;
+                    });
+}
+
+bool AreIdentical(const AssemblyPart& a, const AssemblyPart& b, double tolerance) {
+  const auto same_limits = [&](const SizeLimits& of_a, const SizeLimits& of_b) {
+    return std::abs(of_a.minimum - of_b.minimum) <= tolerance &&
+           std::abs(of_a.maximum - of_b.maximum) <= tolerance;
+  };
+  return a.item == b.item && a.item_axes == b.item_axes && a.group == b.group &&
+         a.connecting == b.connecting && a.shape == b.shape && a.color == b.color &&
+         (a.box.size() - b.box.size()).cwiseAbs().maxCoeff() <= tolerance &&
+         std::equal(a.limits.begin(), a.limits.end(), b.limits.begin(), same_limits) &&
+         HaveSamePlanes(a, b, tolerance);
+}
+
 struct Candidate {
   std::array<PatternDirection, 2> directions;
   std::vector<int> parts;
@@ -73,9 +99,11 @@ bool IsBetter(const Candidate& a, const Candidate& b, double tolerance) {
 
 class PatternSearch {
  public:
-  PatternSearch(const Assembly& assembly, std::vector<int> parts, double tolerance)
+  PatternSearch(const Assembly& assembly, std::vector<int> parts, const std::set<int>& easily_lost,
+                double tolerance)
       : assembly_(assembly),
         parts_(std::move(parts)),
+        easily_lost_(easily_lost),
         tolerance_(tolerance),
         places_(assembly, parts_, tolerance) {}
 
@@ -86,7 +114,7 @@ class PatternSearch {
     for (std::size_t begin = 0, end = 0; begin < rows_.size(); begin = end) {
       while (end < rows_.size() && rows_[end].parts[0] == rows_[begin].parts[0]) ++end;
       for (std::size_t i = begin; i < end; ++i) {
-        Keep(rows_[i]);
+        KeepRow(rows_[i]);
         for (std::size_t j = begin; j < end; ++j) {
           if (i != j) KeepGrid(rows_[i], rows_[j]);
         }
@@ -101,8 +129,24 @@ class PatternSearch {
   }
 
   void Keep(const Candidate& candidate) {
-    const bool is_better = best_.parts.empty() || IsBetter(candidate, best_, tolerance_);
-    if (is_better && !HasStranger(candidate)) best_ = candidate;
+    if (MayReplaceBest(candidate) && IsSound(candidate)) best_ = candidate;
+  }
+
+  // A row, or as much of it as is sound.
+  void KeepRow(Candidate row) {
+    while (static_cast<int>(row.parts.size()) >= kFewest && MayReplaceBest(row)) {
+      if (IsSound(row)) best_ = row;
+      row.parts.pop_back();
+      row.directions[0].count -= 1;
+    }
+  }
+
+  bool MayReplaceBest(const Candidate& candidate) const {
+    return best_.parts.empty() || IsBetter(candidate, best_, tolerance_);
+  }
+
+  bool IsSound(const Candidate& candidate) const {
+    return !HasStranger(candidate) && !MightLose(candidate);
   }
 
   const BoundingBox& Box(int part) const {
@@ -135,6 +179,16 @@ class PatternSearch {
       }
     }
     return false;
+  }
+
+  // Whether something that has been lost by such patterns touches the parts in part.
+  bool MightLose(const Candidate& candidate) const {
+    if (easily_lost_.empty()) return false;
+    const std::vector<PartialContact> partial =
+        FindPartialContacts(assembly_, candidate.directions, candidate.parts, tolerance_);
+    return std::any_of(partial.begin(), partial.end(), [&](const PartialContact& contact) {
+      return easily_lost_.count(contact.part) != 0;
+    });
   }
 
   // From `first`, as long as parts follow each other at `spacing`.
@@ -203,35 +257,12 @@ class PatternSearch {
 
   const Assembly& assembly_;
   const std::vector<int> parts_;
+  const std::set<int>& easily_lost_;
   const double tolerance_;
   const Places places_;
   std::vector<Candidate> rows_;
   Candidate best_;
 };
-
-// Whether two parts have the same prominent planes at the same places within them.
-bool HaveSamePlanes(const AssemblyPart& a, const AssemblyPart& b, double tolerance) {
-  return std::equal(a.prominent_planes.begin(), a.prominent_planes.end(),
-                    b.prominent_planes.begin(), b.prominent_planes.end(),
-                    [&](const ProminentPlane& of_a, const ProminentPlane& of_b) {
-                      const int axis = static_cast<int>(of_a.axis);
-                      return of_a.axis == of_b.axis &&
-                             std::abs((of_a.position - a.box.minimum[axis]) -
-                                      (of_b.position - b.box.minimum[axis])) <= tolerance;
-                    });
-}
-
-bool AreIdentical(const AssemblyPart& a, const AssemblyPart& b, double tolerance) {
-  const auto same_limits = [&](const SizeLimits& of_a, const SizeLimits& of_b) {
-    return std::abs(of_a.minimum - of_b.minimum) <= tolerance &&
-           std::abs(of_a.maximum - of_b.maximum) <= tolerance;
-  };
-  return a.item == b.item && a.item_axes == b.item_axes && a.group == b.group &&
-         a.connecting == b.connecting && a.shape == b.shape && a.color == b.color &&
-         (a.box.size() - b.box.size()).cwiseAbs().maxCoeff() <= tolerance &&
-         std::equal(a.limits.begin(), a.limits.end(), b.limits.begin(), same_limits) &&
-         HaveSamePlanes(a, b, tolerance);
-}
 
 std::vector<std::vector<int>> IdenticalParts(const Assembly& assembly, double tolerance) {
   std::vector<std::vector<int>> kinds;
@@ -273,148 +304,14 @@ Pattern PatternOf(const Assembly& assembly, const Candidate& candidate) {
   return pattern;
 }
 
-// ---- Layout ------------------------------------------------------------------------------------
-
-constexpr int kMost = 100'000;      // parts along a direction
-constexpr double kRounding = 1e-9;  // of lengths that are computed
-
-bool LeadsAlong(const PatternDirection& direction, int axis) {
-  return direction.count > 1 && std::abs(direction.spacing[axis]) > 1e-9 * direction.spacing.norm();
-}
-
-struct Laid {
-  Eigen::Vector3d spacing = Eigen::Vector3d::Zero();
-  Eigen::Vector3d part_size;  // changed along the direction only
-};
-
-// `count` parts along one direction of the pattern, between the ends of a box of this size.
-Laid Lay(const Pattern& pattern, const PatternDirection& direction, int count,
-         const Eigen::Vector3d& box_size) {
-  Laid laid;
-  laid.part_size = pattern.part_size;
-  for (int axis = 0; axis < 3; ++axis) {
-    if (!LeadsAlong(direction, axis)) continue;
-    const double original = std::abs(direction.spacing[axis]);
-    const double part = pattern.part_size[axis];
-    const double sign = direction.spacing[axis] < 0 ? -1 : 1;
-    if (pattern.resizable[static_cast<std::size_t>(axis)]) {
-      // (count - 1) · spacing + part · spacing / original fills the box.
-      const double spacing = box_size[axis] / (count - 1 + part / original);
-      laid.spacing[axis] = sign * spacing;
-      laid.part_size[axis] = part * spacing / original;
-    } else {
-      laid.spacing[axis] = sign * (box_size[axis] - part) / (count - 1);
-    }
-  }
-  return laid;
-}
-
-// Whether neighbours, of the pattern or of the principal one that it follows, do not stay clear of
-// each other where they were clear in the original.
-bool Intersects(const Pattern& pattern, const PatternDirection& direction, const Laid& laid) {
-  if (direction.principal_size > 0) {
-    const double clear_from = direction.principal_size - 1e-9 * (1 + direction.principal_size);
-    return direction.spacing.norm() >= clear_from && laid.spacing.norm() < clear_from;
-  }
-  bool clear = false;
-  bool was_clear = false;
-  for (int axis = 0; axis < 3; ++axis) {
-    const double slack = 1e-9 * (1 + pattern.part_size.norm());
-    clear |= std::abs(laid.spacing[axis]) >= laid.part_size[axis] - slack;
-    was_clear |= std::abs(direction.spacing[axis]) >= pattern.part_size[axis] - slack;
-  }
-  return was_clear && !clear;
-}
-
-// 1 if parts are larger than they may be, -1 if they are smaller, 0 if they are neither.
-int BeyondLimits(const Pattern& pattern, const PatternDirection& direction, const Laid& laid) {
-  int beyond = 0;
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto index = static_cast<std::size_t>(axis);
-    if (!LeadsAlong(direction, axis) || !pattern.resizable[index]) continue;
-    const SizeLimits& limits = pattern.part_limits[index];
-    if (laid.part_size[axis] > limits.maximum * (1 + kRounding)) return 1;
-    if (laid.part_size[axis] < limits.minimum * (1 - kRounding)) beyond = -1;
-  }
-  return beyond;
-}
-
-int CountFor(const Pattern& pattern, const PatternDirection& direction,
-             const Eigen::Vector3d& box_size) {
-  const double original = direction.spacing.norm();
-  const auto spacing = [&](int count) {
-    return Lay(pattern, direction, count, box_size).spacing.norm();
-  };
-  // The spacing falls as the count grows: the first that is not above the original.
-  int low = 2;
-  int high = 2;
-  while (spacing(high) > original * (1 + 1e-9) && high < kMost) high *= 2;
-  while (low < high) {
-    const int middle = low + (high - low) / 2;
-    if (spacing(middle) > original * (1 + 1e-9)) {
-      low = middle + 1;
-    } else {
-      high = middle;
-    }
-  }
-  int count = low;
-  if ((!pattern.connecting || direction.principal_size > 0) && count > 2 &&
-      spacing(count - 1) - original <= original - spacing(count)) {
-    --count;
-  }
-  const auto beyond = [&](int parts) {
-    return BeyondLimits(pattern, direction, Lay(pattern, direction, parts, box_size));
-  };
-  while (count < kMost && beyond(count) > 0) ++count;
-  while (count > 2 && beyond(count) < 0 && beyond(count - 1) <= 0) --count;
-  while (count > 2 && Intersects(pattern, direction, Lay(pattern, direction, count, box_size))) {
-    --count;
-  }
-  return count;
-}
-
 }  // namespace
 
-bool LeadsAlong(const Pattern& pattern, int axis) {
-  return LeadsAlong(pattern.directions[0], axis) || LeadsAlong(pattern.directions[1], axis);
-}
-
-SizeLimits LengthsOf(const Pattern& pattern, int axis, double drawn, double tolerance) {
-  const PatternDirection& direction =
-      LeadsAlong(pattern.directions[0], axis) ? pattern.directions[0] : pattern.directions[1];
-  const auto index = static_cast<std::size_t>(axis);
-  const double spacing = std::abs(direction.spacing[axis]);
-  const double part = pattern.part_size[axis];
-  SizeLimits lengths{drawn / 2, 2 * drawn};
-  if (!pattern.resizable[index]) {
-    // Two parts side by side, or at their drawn spacing where they overlap in the drawing.
-    const double room = std::min(spacing, part) + part;
-    lengths.minimum = std::min(std::max(lengths.minimum, room), drawn);
-    const bool touching = std::abs(direction.spacing.norm() - part) <= tolerance;
-    return touching ? SizeLimits{drawn, drawn} : lengths;
-  }
-  // `count` parts of size s at spacings that scale with it are s · (count - 1) · spacing / part + s
-  // long.
-  const auto length = [&](int count, double size) {
-    return size * ((count - 1) * spacing / part + 1);
-  };
-  const SizeLimits& sizes = pattern.part_limits[index];
-  int fewest = direction.count, most = direction.count;
-  while (fewest > 2 && length(fewest, sizes.minimum) <= length(fewest - 1, sizes.maximum)) --fewest;
-  while (most < 2 * direction.count + 1 &&
-         length(most + 1, sizes.minimum) <= length(most, sizes.maximum)) {
-    ++most;
-  }
-  lengths.minimum = std::min(std::max(lengths.minimum, length(fewest, sizes.minimum)), drawn);
-  lengths.maximum = std::max(std::min(lengths.maximum, length(most, sizes.maximum)), drawn);
-  return lengths;
-}
-
-std::vector<FoundPattern> FindPatterns(const Assembly& assembly, double tolerance) {
+std::vector<FoundPattern> FindPatterns(const Assembly& assembly, double tolerance,
+                                       const std::set<int>& easily_lost) {
   std::vector<FoundPattern> found;
   for (std::vector<int> kind : IdenticalParts(assembly, tolerance)) {
     while (static_cast<int>(kind.size()) >= kFewest) {
-      const Candidate best = PatternSearch(assembly, kind, tolerance).Best();
+      const Candidate best = PatternSearch(assembly, kind, easily_lost, tolerance).Best();
       if (best.parts.empty()) break;
       found.push_back({PatternOf(assembly, best), best.parts});
       std::erase_if(kind, [&](int part) {
@@ -426,48 +323,6 @@ std::vector<FoundPattern> FindPatterns(const Assembly& assembly, double toleranc
     return a.parts.size() > b.parts.size();
   });
   return found;
-}
-
-Eigen::Vector3d PatternLayout::CenterOf(int index) const {
-  return first_center + (index % directions[0].count) * directions[0].spacing +
-         (index / directions[0].count) * directions[1].spacing;
-}
-
-std::optional<std::pair<int, int>> CommonDirection(const Pattern& a, const Pattern& b, int axis,
-                                                   double tolerance) {
-  for (int i = 0; i < 2; ++i) {
-    for (int j = 0; j < 2; ++j) {
-      const PatternDirection& of_a = a.directions[static_cast<std::size_t>(i)];
-      const PatternDirection& of_b = b.directions[static_cast<std::size_t>(j)];
-      const bool alike = of_a.count > 1 && of_a.count == of_b.count &&
-                         (of_a.spacing - of_b.spacing).norm() <= tolerance;
-      const bool along_axis = std::abs(of_a.spacing[axis]) >= of_a.spacing.norm() - tolerance;
-      if (alike && along_axis) return std::pair(i, j);
-    }
-  }
-  return std::nullopt;
-}
-
-PatternLayout LayOut(const Pattern& pattern, const BoundingBox& box) {
-  PatternLayout layout;
-  layout.part_size = pattern.part_size;
-  for (int axis = 0; axis < 3; ++axis) {
-    if (!LeadsAlong(pattern, axis)) layout.part_size[axis] = box.size()[axis];
-  }
-  Eigen::Vector3d reach = Eigen::Vector3d::Zero();  // from the first part to the last
-  for (std::size_t i = 0; i < 2; ++i) {
-    const PatternDirection& direction = pattern.directions[i];
-    if (direction.count < 2) continue;
-    const int count = CountFor(pattern, direction, box.size());
-    const Laid laid = Lay(pattern, direction, count, box.size());
-    layout.directions[i] = {count, laid.spacing};
-    reach += (count - 1) * laid.spacing;
-    for (int axis = 0; axis < 3; ++axis) {
-      if (LeadsAlong(direction, axis)) layout.part_size[axis] = laid.part_size[axis];
-    }
-  }
-  layout.first_center = box.center() - reach / 2;
-  return layout;
 }
 
 }  // namespace mortise::parametric

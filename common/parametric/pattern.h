@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -51,8 +52,13 @@ struct FoundPattern {
 // The directions of a grid lead along different axes. Nothing else stands between the parts of a
 // pattern without touching one: as their number changes, they would run into it. `tolerance` in
 // metres. O(n² log n) for n identical parts of one group in one dimension; two dimensions add the
-// pairs of directions that begin at one part.
-std::vector<FoundPattern> FindPatterns(const Assembly& assembly, double tolerance);
+// pairs of directions that begin at one part. Parts that are `easily_lost` touch no pattern in part
+// only (pattern_contact.h): rows end before them.
+std::vector<FoundPattern> FindPatterns(const Assembly& assembly, double tolerance,
+                                       const std::set<int>& easily_lost = {});
+
+// Whether there are as many parts along both, and as far apart. `tolerance` in metres.
+bool RepeatAlike(const PatternDirection& a, const PatternDirection& b, double tolerance);
 
 // The direction of `a`, and that of `b`, along an axis in which the two repeat together: as often
 // and as far apart as each other, along that axis only. Nothing if there is none. `tolerance` in

@@ -38,6 +38,15 @@ inline AssemblyPart FixedPart(const std::string& name, const Eigen::Vector3d& mi
   return part;
 }
 
+// Parts in one group.
+inline Assembly Named(const std::string& name, std::vector<AssemblyPart> parts) {
+  Assembly assembly;
+  assembly.name = name;
+  assembly.groups = {{name, -1}};
+  assembly.parts = std::move(parts);
+  return assembly;
+}
+
 // The table of Figure 3-4: a top on two inset legs, all as deep as each other.
 inline Assembly TwoLeggedTable() {
   Assembly table;

@@ -204,8 +204,8 @@ TEST(PatternTest, NothingStandsBetweenThePartsUnlessItTouchesThemAll) {
   EXPECT_EQ(FindPatterns(assembly, kTolerance)[0].parts.size(), 4U);
   assembly.parts.push_back(FixedPart("rail", {0, -0.04, -0.01}, {1.2, 0, 0.01}));  // through all
   EXPECT_EQ(FindPatterns(assembly, kTolerance)[0].parts.size(), 4U);
-  AddCube(assembly, {0.9, 0, 0}, 0.15);  // touches two of these
-  EXPECT_TRUE(FindPatterns(assembly, kTolerance).empty());
+  AddCube(assembly, {0.9, 0, 0}, 0.15);  // touches the last two of these
+  EXPECT_EQ(FindPatterns(assembly, kTolerance)[0].parts, (std::vector<int>{2, 3, 4}));
 }
 
 // A drawing that is out by less than its tolerance has no direction of its own.

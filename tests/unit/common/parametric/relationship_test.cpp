@@ -12,6 +12,7 @@
 #include "common/parametric/parametric_assembly.h"
 #include "tests/support/status_assertions.h"
 #include "tests/unit/common/parametric/assemblies.h"
+#include "tests/unit/common/parametric/expect_sound.h"
 
 namespace mortise::parametric {
 namespace {
@@ -24,14 +25,6 @@ using ::testing::IsEmpty;
 using ::testing::Not;
 
 constexpr double kRightAngle = std::numbers::pi / 2;
-
-Assembly Named(const std::string& name, std::vector<AssemblyPart> parts) {
-  Assembly assembly;
-  assembly.name = name;
-  assembly.groups = {{name, -1}};
-  assembly.parts = std::move(parts);
-  return assembly;
-}
 
 std::vector<std::string> Descriptions(const ParametricAssembly& assembly) {
   std::vector<std::string> descriptions;
@@ -48,26 +41,6 @@ std::string GroupOf(const ParametricAssembly& assembly, const std::string& descr
     return assembly.assembly().groups[static_cast<std::size_t>(relationship.group)].name;
   }
   return "none";
-}
-
-// Random designs, and those at the ends of every size, have no faults in any pose.
-void ExpectSound(const ParametricAssembly& assembly) {
-  ASSERT_OK_AND_ASSIGN(std::vector<Eigen::VectorXd> designs, assembly.Sample(300, 5));
-  ASSERT_OK_AND_ASSIGN(const std::vector<MeasureRange> sizes, assembly.AdjustableSizes());
-  EXPECT_THAT(sizes, Not(IsEmpty())) << "a design that cannot change is always sound";
-  for (const MeasureRange& size : sizes) {
-    for (const double value : {size.minimum, size.maximum}) {
-      ASSERT_OK_AND_ASSIGN(
-          const Adjustment end,
-          assembly.Adjust(assembly.drawn(), {{size.measure, value}}, Insistence::kNearest));
-      designs.push_back(end.q);
-    }
-  }
-  for (const Eigen::VectorXd& q : designs) {
-    ASSERT_OK_AND_ASSIGN(const std::vector<ContactFault> faults, assembly.FaultsAt(q));
-    for (const ContactFault& fault : faults) ADD_FAILURE() << Describe(fault);
-    if (!faults.empty()) return;
-  }
 }
 
 TEST(RelationshipTest, APostBetweenSlatsStaysBetweenThem) {

@@ -1,0 +1,29 @@
+// What touches some parts of a pattern only, and might touch none of them when their number and
+// their places change.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <vector>
+
+#include "common/parametric/assembly.h"
+#include "common/parametric/pattern.h"
+
+namespace mortise::parametric {
+
+// A part that touches some parts of a pattern along one of its directions, and not all of them.
+struct PartialContact {
+  int part = 0;       // of the assembly, none of the pattern's
+  int direction = 0;  // index into Pattern::directions
+};
+
+// What touches `parts`, those of a pattern with these directions, in part only: without what stands
+// beyond their ends, which do not move in the pattern's box, and without what is too long for any
+// gap that can come between them. Parts touch where their boxes come within `tolerance`, m, as
+// drawn. `parts` has the first direction running fastest. O(n k) for n parts of the assembly and k
+// of the pattern.
+std::vector<PartialContact> FindPartialContacts(const Assembly& assembly,
+                                                const std::array<PatternDirection, 2>& directions,
+                                                const std::vector<int>& parts, double tolerance);
+
+}  // namespace mortise::parametric

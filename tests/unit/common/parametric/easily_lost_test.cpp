@@ -1,0 +1,128 @@
+// What touches one part of a row stays on one, however the row is laid out anew; and rows stay rows
+// where that is so anyway.
+#include "common/parametric/easily_lost.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+
+#include "common/parametric/parametric_assembly.h"
+#include "common/parametric/pattern_contact.h"
+#include "tests/support/status_assertions.h"
+#include "tests/unit/common/parametric/assemblies.h"
+#include "tests/unit/common/parametric/expect_sound.h"
+
+namespace mortise::parametric {
+namespace {
+
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+// Six slats across two rails, 0.3 m apart; as wide as their item comes, or resizable.
+Assembly Slats(bool fixed) {
+  Assembly slats = Named("slats", {ResizablePart("left rail", {0, 0, 0}, {0.04, 2, 0.1}),
+                                   ResizablePart("right rail", {0.96, 0, 0}, {1, 2, 0.1})});
+  for (int i = 0; i < 6; ++i) {
+    const double at = 0.1 + 0.3 * i;
+    AssemblyPart slat =
+        ResizablePart("slat " + std::to_string(i), {0, at, 0.1}, {1, at + 0.1, 0.12});
+    slat.item = "items/slat";
+    if (fixed) slat.limits[1] = {0.1, 0.1};
+    slats.parts.push_back(slat);
+  }
+  return slats;
+}
+
+AssemblyPart Screw(const std::string& name, double x, double y) {
+  AssemblyPart screw = FixedPart(name, {x, y, 0.07}, {x + 0.004, y + 0.004, 0.12});
+  screw.item = "items/screw";
+  screw.connecting = true;
+  return screw;
+}
+
+// How many parts the largest row of slats has.
+std::size_t LongestRow(const ParametricAssembly& assembly) {
+  std::size_t longest = 0;
+  for (const Element& element : assembly.elements()) {
+    if (element.item == "items/slat") longest = std::max(longest, element.parts.size());
+  }
+  return longest;
+}
+
+class EasilyLost : public ::testing::TestWithParam<bool> {
+ protected:
+  // Sound in all designs, and how long the longest row of slats still is.
+  void Expect(const Assembly& assembly, std::size_t longest_row) {
+    ASSERT_OK_AND_ASSIGN(const auto made, ParametricAssembly::Create(assembly));
+    EXPECT_EQ(LongestRow(made), longest_row);
+    ExpectSound(made);
+  }
+
+  Assembly slats_ = Slats(GetParam());
+};
+
+TEST_P(EasilyLost, AScrewInOneSlatEndsTheRowThere) {
+  slats_.parts.push_back(Screw("screw", 0.01, 0.445));
+  Expect(slats_, 4);
+}
+
+TEST_P(EasilyLost, ScrewsInTheOuterSlatsLeaveTheInnerOnesARow) {
+  slats_.parts.push_back(Screw("first screw", 0.01, 0.145));
+  slats_.parts.push_back(Screw("last screw", 0.01, 1.645));
+  Expect(slats_, 4);
+}
+
+TEST_P(EasilyLost, ScrewsInEveryOtherSlatTakeTheRowApart) {
+  for (int i = 0; i < 3; ++i) {
+    slats_.parts.push_back(Screw("screw " + std::to_string(i), 0.01, 0.145 + 0.6 * i));
+  }
+  Expect(slats_, 1);
+}
+
+TEST_P(EasilyLost, AScrewInEachSlatKeepsTheRow) {
+  for (int i = 0; i < 6; ++i) {
+    slats_.parts.push_back(Screw("screw " + std::to_string(i), 0.01, 0.145 + 0.3 * i));
+  }
+  Expect(slats_, 6);
+}
+
+TEST_P(EasilyLost, WhatStandsOnASlatEndsTheRowThere) {
+  slats_.parts.push_back(ResizablePart("box", {0.4, 0.41, 0.12}, {0.45, 0.49, 0.2}));
+  Expect(slats_, 4);
+}
+
+TEST_P(EasilyLost, ABattenAcrossSeveralKeepsTheRow) {
+  slats_.parts.push_back(ResizablePart("batten", {0.4, 0.1, 0.12}, {0.45, 0.8, 0.14}));
+  Expect(slats_, 6);
+}
+
+// A cleat that begins where the row begins lies under the first slat always.
+TEST_P(EasilyLost, WhatIsInOnePlaneWithTheEndKeepsTheRow) {
+  slats_.parts.push_back(FixedPart("cleat", {0.04, 0.1, 0.06}, {0.1, 0.13, 0.1}));
+  Expect(slats_, 6);
+}
+
+INSTANTIATE_TEST_SUITE_P(Widths, EasilyLost, ::testing::Bool(), [](const auto& width) {
+  return width.param ? std::string("Fixed") : std::string("Resizable");
+});
+
+TEST(PartialContacts, AreThoseWithSomePartsOnly) {
+  const Assembly slats = Slats(true);
+  std::vector<int> row = {2, 3, 4, 5, 6, 7};
+  PatternDirection along{6, {0, 0.3, 0}};
+  const auto found = [&](const AssemblyPart& part) {
+    Assembly with = slats;
+    with.parts.push_back(part);
+    return FindPartialContacts(with, {along, PatternDirection{}}, row, 1e-6);
+  };
+  ASSERT_THAT(found(Screw("screw", 0.01, 0.445)), SizeIs(1));
+  EXPECT_EQ(found(Screw("screw", 0.01, 0.445))[0].part, 8);
+  EXPECT_THAT(found(Screw("in a gap", 0.5, 0.35)), IsEmpty());
+  EXPECT_THAT(found(FixedPart("at the end", {0, 0.05, 0.1}, {1, 0.1, 0.12})), IsEmpty());
+  EXPECT_THAT(found(FixedPart("batten", {0.4, 0.1, 0.12}, {0.45, 0.8, 0.14})), IsEmpty());
+}
+
+}  // namespace
+}  // namespace mortise::parametric
