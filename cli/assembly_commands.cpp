@@ -104,7 +104,7 @@ std::string MeasureText(const v1::Measure& measure) {
 
 // ---- The commands -------------------------------------------------------------------------------
 
-absl::Status List(Session& session, Output& output) {
+absl::Status List(const v1::ListAssembliesRequest& filters, Session& session, Output& output) {
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   const auto stub = v1::AssemblyService::NewStub(client->channel());
   nlohmann::ordered_json document = nlohmann::ordered_json::array();
@@ -117,7 +117,8 @@ absl::Status List(Session& session, Output& output) {
               {assembly.name(), assembly.title(), absl::StrCat("revision ", assembly.revision())});
           if (!output.text()) document.push_back(ToJson(assembly));
         }
-      });
+      },
+      filters);
   MORTISE_RETURN_IF_ERROR(listed);
   output.Table({"name", "title", "details"}, rows);
   output.Document(document);
@@ -304,9 +305,22 @@ void AddAssemblyCommands(CLI::App& app, Session& session) {
   AddAssemblyDelete(*assembly, session);
 
   CLI::App* list = assembly->add_subcommand("list", "List the assemblies");
-  list->footer("Example: mortise assembly list");
-  list->callback(
-      [&session] { session.command = [](Session& s, Output& o) { return List(s, o); }; });
+  auto item = std::make_shared<std::string>();
+  auto text = std::make_shared<std::string>();
+  list->add_option("--item", *item, "Only those that use this item");
+  list->add_option("--text", *text, "Only those with these words in id, title or description");
+  list->footer("Example: mortise assembly list --text table");
+  list->callback([&session, item, text] {
+    session.command = [item, text](Session& s, Output& o) {
+      v1::ListAssembliesRequest filters;
+      if (!item->empty()) filters.set_item(ResourceName("items", *item));
+      filters.set_text(*text);
+      FieldSources sources;
+      sources.Add("item", "--item");
+      sources.Add("text", "--text");
+      return sources.Name(List(filters, s, o));
+    };
+  });
 
   auto name = std::make_shared<std::string>();
   CLI::App* show = assembly->add_subcommand("show", "What of an assembly can be changed, how far");

@@ -6,12 +6,11 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "absl/strings/ascii.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "absl/strings/str_replace.h"
 #include "cli/catalog_import.h"
+#include "cli/catalog_list.h"
 #include "cli/delete_commands.h"
 #include "cli/field_sources.h"
 #include "cli/requests.h"
@@ -26,13 +25,6 @@ namespace {
 
 using Stub = v1::CatalogService::Stub;
 
-struct ListOptions {
-  std::string what;
-  std::string kind;
-  std::string material;
-  std::string text;
-};
-
 struct EvaluateOptions {
   std::string subject;
   std::vector<std::string> parameters;
@@ -41,121 +33,11 @@ struct EvaluateOptions {
   bool without_triangles = false;
 };
 
-std::string KindNames() {
-  std::string names;
-  const google::protobuf::EnumDescriptor& kinds = *v1::ItemKind_descriptor();
-  for (int i = 1; i < kinds.value_count(); ++i) {
-    absl::StrAppend(&names, i == 1 ? "" : ", ", kinds.value(i)->name());
-  }
-  return names;
-}
-
-// "drawer-slide" or "DRAWER_SLIDE".
-absl::StatusOr<v1::ItemKind> ParseKind(const std::string& text) {
-  v1::ItemKind kind = v1::ITEM_KIND_UNSPECIFIED;
-  if (text.empty()) return kind;
-  const std::string name = absl::StrReplaceAll(absl::AsciiStrToUpper(text), {{"-", "_"}});
-  if (!v1::ItemKind_Parse(name, &kind) || kind == v1::ITEM_KIND_UNSPECIFIED) {
-    return InvalidField("kind", absl::StrCat("'", text, "' is none of ", KindNames()));
-  }
-  return kind;
-}
-
-FieldSources SourcesOf(const ListOptions&) {
-  FieldSources sources;
-  sources.Add("kind", "--kind");
-  sources.Add("material", "--material");
-  sources.Add("text", "--text");
-  return sources;
-}
-
 FieldSources SourcesOf(const EvaluateOptions& options) {
   FieldSources sources;
   sources.Add("name", "template");
   sources.AddEach("parameters", "--set", options.parameters);
   return sources;
-}
-
-absl::StatusOr<v1::ListItemsRequest> ItemsRequest(const ListOptions& options) {
-  v1::ListItemsRequest request;
-  MORTISE_ASSIGN_OR_RETURN(const v1::ItemKind kind, ParseKind(options.kind));
-  request.set_kind(kind);
-  if (!options.material.empty()) {
-    request.set_material(ResourceName("materials", options.material));
-  }
-  request.set_text(options.text);
-  return request;
-}
-
-// "BOLT, 0.31 EUR", or "0.31 EUR (example)" where the price is one.
-std::string DetailsOf(const v1::Item& item) {
-  return absl::StrFormat("%s, %.2f %s%s%s", v1::ItemKind_Name(item.kind()), item.price().amount(),
-                         item.price().currency(),
-                         item.price_basis() == v1::PER_VOLUME ? " per m³" : "",
-                         item.price_is_example() ? " (example)" : "");
-}
-
-// What a template is made of.
-std::string KindOf(const v1::Template& message) {
-  switch (message.kind_case()) {
-    case v1::Template::kAssembly:
-      return "assembly";
-    case v1::Template::kCad:
-      return "features";
-    case v1::Template::kCage:
-      return "cage";
-    case v1::Template::KIND_NOT_SET:
-      break;
-  }
-  return "parts";
-}
-
-absl::Status List(const ListOptions& options, Session& session, Output& output) {
-  const bool filtered = !options.kind.empty() || !options.material.empty() || !options.text.empty();
-  const std::string what = !options.what.empty() ? options.what : filtered ? "items" : "templates";
-  if (filtered && what != "items") {
-    return InvalidField("what", "only items are told apart by kind, material and text");
-  }
-  MORTISE_ASSIGN_OR_RETURN(const v1::ListItemsRequest items_request, ItemsRequest(options));
-  MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
-  const auto stub = v1::CatalogService::NewStub(client->channel());
-  nlohmann::ordered_json document = nlohmann::ordered_json::array();
-  std::vector<std::vector<std::string>> rows;
-  const auto add = [&](const auto& message, std::string details) {
-    rows.push_back({message.name(), message.title(), std::move(details)});
-    if (!output.text()) document.push_back(ToJson(message));
-  };
-  absl::Status status;
-  if (what == "materials") {
-    status = ListAll<v1::ListMaterialsRequest, v1::ListMaterialsResponse>(
-        *client, [&](auto... a) { return stub->ListMaterials(a...); },
-        [&](const v1::ListMaterialsResponse& page) {
-          for (const auto& m : page.materials()) add(m, absl::StrFormat("%g kg/m³", m.density()));
-        });
-  } else if (what == "items") {
-    const auto list_items = [&](grpc::ClientContext* context, const v1::ListItemsRequest& page,
-                                v1::ListItemsResponse* response) {
-      v1::ListItemsRequest request = items_request;
-      request.MergeFrom(page);
-      return stub->ListItems(context, request, response);
-    };
-    status = ListAll<v1::ListItemsRequest, v1::ListItemsResponse>(
-        *client, list_items, [&](const v1::ListItemsResponse& page) {
-          for (const auto& item : page.items()) add(item, DetailsOf(item));
-        });
-  } else {
-    status = ListAll<v1::ListTemplatesRequest, v1::ListTemplatesResponse>(
-        *client, [&](auto... a) { return stub->ListTemplates(a...); },
-        [&](const v1::ListTemplatesResponse& page) {
-          for (const auto& t : page.templates()) {
-            add(t, absl::StrCat(KindOf(t), ", revision ", t.revision()));
-          }
-        });
-  }
-  MORTISE_RETURN_IF_ERROR(status);
-  output.Table({"name", "title", "details"}, rows);
-  output.Document(document);
-  return absl::OkStatus();
 }
 
 template <typename Message, typename Request, typename Method>
@@ -280,21 +162,7 @@ void AddCatalogCommands(CLI::App& app, Session& session) {
     session.command = [files](Session& s, Output& o) { return ImportFiles(*files, s, o); };
   });
 
-  auto filter = std::make_shared<ListOptions>();
-  CLI::App* list = catalog->add_subcommand("list", "List templates, items or materials");
-  list->add_option("what", filter->what,
-                   "templates (also if nothing is said), items (also with a filter) or materials")
-      ->check(CLI::IsMember({"templates", "items", "materials"}));
-  list->add_option("--kind", filter->kind, "Only items of this kind, such as bolt");
-  list->add_option("--material", filter->material, "Only items of this material, such as steel");
-  list->add_option("--text", filter->text,
-                   "Only items with these words in id, title, standard or designation");
-  list->footer("Example: mortise catalog list --kind nut --text \"ISO 4032\"");
-  list->callback([&session, filter] {
-    session.command = [filter](Session& s, Output& o) {
-      return SourcesOf(*filter).Name(List(*filter, s, o));
-    };
-  });
+  AddCatalogList(*catalog, session);
 
   auto name = std::make_shared<std::string>();
   auto revision = std::make_shared<std::int64_t>(0);

@@ -51,9 +51,9 @@ template <typename Result>
 absl::StatusOr<Result> FollowTo(const GatewayClient& client, const v1::Operation& operation,
                                 Output& output);
 
-// Takes all pages of a list method, one after the other.
+// Takes all pages of a list method, one after the other: of what meets the filters of `request`.
 template <typename Request, typename Response, typename Method, typename Take>
-absl::Status ListAll(const GatewayClient& client, Method method, Take take);
+absl::Status ListAll(const GatewayClient& client, Method method, Take take, Request request = {});
 
 // The part of FollowTo that does not depend on the result's type.
 absl::StatusOr<v1::Operation> FollowWithProgress(const GatewayClient& client,
@@ -72,8 +72,7 @@ absl::StatusOr<Result> FollowTo(const GatewayClient& client, const v1::Operation
 }
 
 template <typename Request, typename Response, typename Method, typename Take>
-absl::Status ListAll(const GatewayClient& client, Method method, Take take) {
-  Request request;
+absl::Status ListAll(const GatewayClient& client, Method method, Take take, Request request) {
   request.set_page_size(1000);
   do {
     Response response;

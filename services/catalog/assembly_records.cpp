@@ -11,6 +11,7 @@
 #include "common/base/errors.h"
 #include "common/parametric/assembly_codec.h"
 #include "common/parametric/template_codec.h"
+#include "services/catalog/list_filter.h"
 #include "services/catalog/record_access.h"
 #include "services/catalog/record_page.h"
 #include "services/catalog/record_users.h"
@@ -45,12 +46,18 @@ absl::StatusOr<v1::AssemblyBundle> GetAssemblyBundle(store::ReadTransaction& tra
 }
 
 absl::StatusOr<Page<v1::Assembly>> ListAssemblies(store::ReadTransaction& transaction,
-                                                  int page_size, const std::string& page_token) {
+                                                  const v1::ListAssembliesRequest& request) {
+  MORTISE_RETURN_IF_ERROR(CheckFilterName(transaction, kItems, request.item(), "item"));
+  MORTISE_ASSIGN_OR_RETURN(const WordFilter words, WordFilter::Create(request.text()));
   return ReadPage<v1::Assembly>(
-      transaction, kAssemblies, page_size, page_token,
-      [](const store::Record& record) -> absl::StatusOr<std::optional<v1::Assembly>> {
+      transaction, kAssemblies, request.page_size(), request.page_token(),
+      [&](const store::Record& record) -> absl::StatusOr<std::optional<v1::Assembly>> {
         MORTISE_ASSIGN_OR_RETURN(v1::AssemblyBundle bundle, BundleOf(record));
         v1::Assembly& summary = *bundle.mutable_assembly();
+        if (!request.item().empty() && !UsesItem(bundle, request.item())) return std::nullopt;
+        if (!words.Takes(summary.name(), {summary.title(), summary.description()})) {
+          return std::nullopt;
+        }
         summary.clear_parts();
         summary.clear_groups();
         summary.clear_joints();

@@ -19,10 +19,10 @@ namespace mortise::catalog {
 absl::StatusOr<v1::AssemblyBundle> GetAssemblyBundle(store::ReadTransaction& transaction,
                                                      const std::string& name, int64_t revision);
 
-// Latest revisions without parts, groups and joints, in the order of names. INVALID_ARGUMENT naming
-// page_size or page_token.
+// Latest revisions without parts, groups and joints, in the order of names; only those that meet
+// all of the request's filters. INVALID_ARGUMENT naming page_size, page_token, item or text.
 absl::StatusOr<Page<v1::Assembly>> ListAssemblies(store::ReadTransaction& transaction,
-                                                  int page_size, const std::string& page_token);
+                                                  const v1::ListAssembliesRequest& request);
 
 // The assembly with those items, materials and shapes it names that exist, and its digest.
 absl::StatusOr<v1::AssemblyBundle> Freeze(store::ReadTransaction& transaction,

@@ -130,12 +130,11 @@ class AssemblyAdapter : public v1::AssemblyService::CallbackService {
                                            v1::ListAssembliesResponse* response) override {
     return endpoint_.Query("ListAssemblies", context, request, response,
                            [this](const rpc::Call&, const v1::ListAssembliesRequest& asked) {
-                             return ListFrom(
-                                 *store_, &v1::ListAssembliesResponse::mutable_assemblies,
-                                 [&](store::ReadTransaction& transaction) {
-                                   return catalog::ListAssemblies(transaction, asked.page_size(),
-                                                                  asked.page_token());
-                                 });
+                             return ListFrom(*store_,
+                                             &v1::ListAssembliesResponse::mutable_assemblies,
+                                             [&](store::ReadTransaction& transaction) {
+                                               return catalog::ListAssemblies(transaction, asked);
+                                             });
                            });
   }
 

@@ -33,11 +33,10 @@ absl::StatusOr<v1::Material> GetMaterial(store::ReadTransaction& transaction,
 absl::StatusOr<v1::Item> GetItem(store::ReadTransaction& transaction, const std::string& name,
                                  int64_t revision = 0);
 
-// In the order of names. INVALID_ARGUMENT naming page_size or page_token.
-absl::StatusOr<Page<v1::Material>> ListMaterials(store::ReadTransaction& transaction, int page_size,
-                                                 const std::string& page_token);
-// Only items that meet all of the request's filters. INVALID_ARGUMENT naming page_size, page_token,
-// material or text.
+// In the order of names, only those that meet all of the request's filters. INVALID_ARGUMENT naming
+// page_size, page_token, text, or of items material.
+absl::StatusOr<Page<v1::Material>> ListMaterials(store::ReadTransaction& transaction,
+                                                 const v1::ListMaterialsRequest& request);
 absl::StatusOr<Page<v1::Item>> ListItems(store::ReadTransaction& transaction,
                                          const v1::ListItemsRequest& request);
 
@@ -101,9 +100,10 @@ absl::Status AddItems(store::ReadTransaction& transaction, const std::set<std::s
 absl::StatusOr<v1::TemplateBundle> GetBundle(store::ReadTransaction& transaction,
                                              const std::string& name, int64_t revision);
 
-// Latest revisions without what they are made of, in the order of names.
-absl::StatusOr<Page<v1::Template>> ListTemplates(store::ReadTransaction& transaction, int page_size,
-                                                 const std::string& page_token);
+// Latest revisions without what they are made of, in the order of names; only those that meet all
+// of the request's filters. INVALID_ARGUMENT naming page_size, page_token, item or text.
+absl::StatusOr<Page<v1::Template>> ListTemplates(store::ReadTransaction& transaction,
+                                                 const v1::ListTemplatesRequest& request);
 
 // The template with those items and materials it names that exist, or with the assembly that it is
 // of and what that uses. INVALID_ARGUMENT, "assembly.assembly", for one there is not. What makes it

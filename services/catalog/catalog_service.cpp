@@ -89,9 +89,7 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
                            [this](const rpc::Call&, const v1::ListMaterialsRequest& asked) {
                              return ListFrom(*store_, &v1::ListMaterialsResponse::mutable_materials,
                                              [&](store::ReadTransaction& transaction) {
-                                               return catalog::ListMaterials(transaction,
-                                                                             asked.page_size(),
-                                                                             asked.page_token());
+                                               return catalog::ListMaterials(transaction, asked);
                                              });
                            });
   }
@@ -255,9 +253,7 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
                            [this](const rpc::Call&, const v1::ListTemplatesRequest& asked) {
                              return ListFrom(*store_, &v1::ListTemplatesResponse::mutable_templates,
                                              [&](store::ReadTransaction& transaction) {
-                                               return catalog::ListTemplates(transaction,
-                                                                             asked.page_size(),
-                                                                             asked.page_token());
+                                               return catalog::ListTemplates(transaction, asked);
                                              });
                            });
   }

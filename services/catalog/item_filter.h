@@ -2,11 +2,12 @@
 #pragma once
 
 #include <string>
-#include <vector>
+#include <utility>
 
 #include "absl/status/statusor.h"
 #include "common/store/store.h"
 #include "mortise/v1/catalog.pb.h"
+#include "services/catalog/list_filter.h"
 
 namespace mortise::catalog {
 
@@ -19,9 +20,11 @@ class ItemFilter {
   bool Takes(const v1::Item& item) const;
 
  private:
+  explicit ItemFilter(WordFilter words) : words_(std::move(words)) {}
+
   v1::ItemKind kind_ = v1::ITEM_KIND_UNSPECIFIED;
   std::string material_;
-  std::vector<std::string> words_;  // in lower case
+  WordFilter words_;
 };
 
 }  // namespace mortise::catalog

@@ -1,7 +1,6 @@
 // Items in the store.
 #include <google/protobuf/util/time_util.h>
 
-#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -57,9 +56,7 @@ absl::StatusOr<int64_t> Write(store::Transaction& transaction, const v1::Item& i
 template <typename Bundle>
 bool Uses(const store::Record& record, const std::string& item) {
   Bundle bundle;
-  if (!bundle.ParseFromString(record.payload)) return false;
-  return std::any_of(bundle.items().begin(), bundle.items().end(),
-                     [&](const v1::Item& used) { return used.name() == item; });
+  return bundle.ParseFromString(record.payload) && UsesItem(bundle, item);
 }
 
 // Names are what people write: one that is malformed counts as one that does not exist.

@@ -6,6 +6,7 @@
 #include "common/base/errors.h"
 #include "common/parametric/template_codec.h"
 #include "services/catalog/catalog_records.h"
+#include "services/catalog/list_filter.h"
 #include "services/catalog/record_access.h"
 #include "services/catalog/record_page.h"
 #include "services/catalog/record_update.h"
@@ -42,6 +43,18 @@ absl::StatusOr<int64_t> Write(store::Transaction& transaction, const v1::Materia
   return revision;
 }
 
+// Whether the material gives way as is asked for.
+bool Gives(const v1::Material& material, v1::ListMaterialsRequest::Elasticity elasticity) {
+  switch (elasticity) {
+    case v1::ListMaterialsRequest::ISOTROPIC:
+      return !material.has_orthotropic();
+    case v1::ListMaterialsRequest::ORTHOTROPIC:
+      return material.has_orthotropic();
+    default:
+      return true;
+  }
+}
+
 // Names of items made of the material, a few at most.
 absl::StatusOr<std::vector<std::string>> ItemsOf(store::ReadTransaction& transaction,
                                                  const std::string& material) {
@@ -63,12 +76,16 @@ absl::StatusOr<v1::Material> GetMaterial(store::ReadTransaction& transaction,
   return MaterialOf(record);
 }
 
-absl::StatusOr<Page<v1::Material>> ListMaterials(store::ReadTransaction& transaction, int page_size,
-                                                 const std::string& page_token) {
+absl::StatusOr<Page<v1::Material>> ListMaterials(store::ReadTransaction& transaction,
+                                                 const v1::ListMaterialsRequest& request) {
+  MORTISE_ASSIGN_OR_RETURN(const WordFilter words, WordFilter::Create(request.text()));
   return ReadPage<v1::Material>(
-      transaction, kMaterials, page_size, page_token,
-      [](const store::Record& record) -> absl::StatusOr<std::optional<v1::Material>> {
-        return MaterialOf(record);
+      transaction, kMaterials, request.page_size(), request.page_token(),
+      [&](const store::Record& record) -> absl::StatusOr<std::optional<v1::Material>> {
+        MORTISE_ASSIGN_OR_RETURN(v1::Material material, MaterialOf(record));
+        if (!Gives(material, request.elasticity())) return std::nullopt;
+        if (!words.Takes(material.name(), {material.title()})) return std::nullopt;
+        return material;
       });
 }
 

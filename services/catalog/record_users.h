@@ -1,6 +1,7 @@
 // Who uses a resource, as far as the catalog knows: the latest revisions of others.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <string>
 #include <vector>
@@ -11,6 +12,13 @@
 #include "common/store/store.h"
 
 namespace mortise::catalog {
+
+// Whether a TemplateBundle or AssemblyBundle has the item.
+template <typename Bundle>
+bool UsesItem(const Bundle& bundle, const std::string& item) {
+  return std::any_of(bundle.items().begin(), bundle.items().end(),
+                     [&](const auto& used) { return used.name() == item; });
+}
 
 // As many users as a refusal names.
 inline constexpr std::size_t kMostUsersNamed = 5;

@@ -8,8 +8,10 @@
 #include "common/base/errors.h"
 #include "services/catalog/assembly_records.h"
 #include "services/catalog/catalog_records.h"
+#include "services/catalog/list_filter.h"
 #include "services/catalog/record_access.h"
 #include "services/catalog/record_page.h"
+#include "services/catalog/record_users.h"
 #include "services/catalog/shape_records.h"
 
 namespace mortise::catalog {
@@ -51,6 +53,21 @@ absl::Status FreezeAssembly(store::ReadTransaction& transaction, v1::TemplateBun
   return AddShapes(transaction, bundle.assembly(), bundle.items(), *bundle.mutable_shapes());
 }
 
+bool IsOfKind(const v1::Template& message, v1::ListTemplatesRequest::Kind kind) {
+  switch (kind) {
+    case v1::ListTemplatesRequest::PARTS:
+      return message.kind_case() == v1::Template::KIND_NOT_SET;
+    case v1::ListTemplatesRequest::ASSEMBLY:
+      return message.has_assembly();
+    case v1::ListTemplatesRequest::CAD:
+      return message.has_cad();
+    case v1::ListTemplatesRequest::CAGE:
+      return message.has_cage();
+    default:
+      return true;
+  }
+}
+
 }  // namespace
 
 absl::StatusOr<v1::TemplateBundle> GetBundle(store::ReadTransaction& transaction,
@@ -60,12 +77,20 @@ absl::StatusOr<v1::TemplateBundle> GetBundle(store::ReadTransaction& transaction
   return BundleOf(record);
 }
 
-absl::StatusOr<Page<v1::Template>> ListTemplates(store::ReadTransaction& transaction, int page_size,
-                                                 const std::string& page_token) {
+absl::StatusOr<Page<v1::Template>> ListTemplates(store::ReadTransaction& transaction,
+                                                 const v1::ListTemplatesRequest& request) {
+  MORTISE_RETURN_IF_ERROR(CheckFilterName(transaction, kItems, request.item(), "item"));
+  MORTISE_ASSIGN_OR_RETURN(const WordFilter words, WordFilter::Create(request.text()));
   return ReadPage<v1::Template>(
-      transaction, kTemplates, page_size, page_token,
-      [](const store::Record& record) -> absl::StatusOr<std::optional<v1::Template>> {
+      transaction, kTemplates, request.page_size(), request.page_token(),
+      [&](const store::Record& record) -> absl::StatusOr<std::optional<v1::Template>> {
         MORTISE_ASSIGN_OR_RETURN(v1::TemplateBundle bundle, BundleOf(record));
+        const v1::Template& message = bundle.template_();
+        if (!IsOfKind(message, request.kind())) return std::nullopt;
+        if (!request.item().empty() && !UsesItem(bundle, request.item())) return std::nullopt;
+        if (!words.Takes(message.name(), {message.title(), message.description()})) {
+          return std::nullopt;
+        }
         return templates::SummaryOf(std::move(*bundle.mutable_template_()));
       });
 }

@@ -189,7 +189,17 @@ TEST_F(CatalogCommand, ListsWhatTheFiltersSay) {
   EXPECT_THAT(Refusal({"list", "--material", "cheese"}),
               AllOf(HasSubstr("material"), HasSubstr("materials/cheese")));
   EXPECT_THAT(Refusal({"list", "--text", std::string(201, 'x')}), HasSubstr("text"));
-  EXPECT_THAT(Refusal({"list", "templates", "--kind", "bolt"}), HasSubstr("only items"));
+  EXPECT_THAT(Refusal({"list", "templates", "--kind", "bolt"}), HasSubstr("PARTS, ASSEMBLY"));
+  EXPECT_THAT(Refusal({"list", "templates", "--material", "steel"}), HasSubstr("only items"));
+  EXPECT_THAT(Refusal({"list", "materials", "--kind", "bolt"}), HasSubstr("--kind"));
+  EXPECT_THAT(Refusal({"list", "items", "--item", "bolt"}), HasSubstr("only templates"));
+  EXPECT_THAT(Refusal({"list", "items", "--elasticity", "isotropic"}), HasSubstr("only materials"));
+  EXPECT_THAT(Refusal({"list", "--item", "none"}), HasSubstr("items/none"));
+  EXPECT_EQ(Names({"--elasticity", "orthotropic"}), Expected{"materials/beech"});
+  EXPECT_EQ(Names({"materials", "--elasticity", "isotropic"}), Expected{"materials/steel"});
+  EXPECT_EQ(Names({"materials", "--text", "BEE"}), Expected{"materials/beech"});
+  EXPECT_EQ(Names({"--item", "bolt"}), Expected{});
+  EXPECT_EQ(Names({"templates", "--kind", "cad"}), Expected{});
 }
 
 }  // namespace

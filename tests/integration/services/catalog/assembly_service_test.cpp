@@ -61,6 +61,45 @@ v1::MeasureRange SizeOfOnePart(const v1::Parametrization& parametrization) {
   return {};
 }
 
+TEST_F(AssemblyParametrizationTest, ListsWhatTheFiltersSay) {
+  const auto list = [this](v1::ListAssembliesRequest request) {
+    std::vector<std::string> names;
+    request.set_page_size(2);
+    do {
+      const auto page = Call(&Stub::ListAssemblies, request);
+      EXPECT_TRUE(page.ok()) << page.status();
+      if (!page.ok()) break;
+      for (const v1::Assembly& listed : page->assemblies()) names.push_back(listed.name());
+      request.set_page_token(page->next_page_token());
+    } while (!request.page_token().empty());
+    return names;
+  };
+  const std::vector<std::string> all = list({});
+  v1::ListAssembliesRequest request;
+  request.set_text("BOOKSHELF");
+  EXPECT_THAT(list(request), Contains(kShelf));
+  EXPECT_LT(list(request).size(), all.size());
+  request.set_text("no such words");
+  EXPECT_TRUE(list(request).empty());
+  request.Clear();
+  const v1::Assembly shelf = Get(kShelf);
+  for (const v1::AssemblyPart& part : shelf.parts()) {
+    if (!part.item().empty()) request.set_item(part.item());
+  }
+  ASSERT_FALSE(request.item().empty());
+  const std::vector<std::string> users = list(request);
+  EXPECT_THAT(users, Contains(kShelf));
+  for (const std::string& name : all) {
+    const v1::Assembly assembly = Get(name);
+    const bool uses =
+        std::any_of(assembly.parts().begin(), assembly.parts().end(),
+                    [&](const v1::AssemblyPart& part) { return part.item() == request.item(); });
+    EXPECT_EQ(std::count(users.begin(), users.end(), name), uses ? 1 : 0) << name;
+  }
+  request.set_item("items/none");
+  EXPECT_EQ(DetailOf(Call(&Stub::ListAssemblies, request).status()).field, "item");
+}
+
 TEST_F(AssemblyParametrizationTest, ShipsAssembliesInPages) {
   v1::ListAssembliesRequest request;
   request.set_page_size(2);

@@ -53,6 +53,17 @@ TEST_F(CatalogServiceTest, RefusesBadReads) {
   v1::ListTemplatesRequest templates;
   templates.set_page_token("NOT A TOKEN");
   EXPECT_EQ(Fail(&Stub::ListTemplates, templates).field, "page_token");
+  templates.Clear();
+  templates.set_item("items/unobtainium");
+  EXPECT_EQ(Fail(&Stub::ListTemplates, templates).field, "item");
+  templates.set_item("dowel");
+  EXPECT_EQ(Fail(&Stub::ListTemplates, templates).field, "item");
+  templates.Clear();
+  templates.set_text(std::string(201, 'x'));
+  EXPECT_EQ(Fail(&Stub::ListTemplates, templates).field, "text");
+  materials.Clear();
+  materials.set_text(std::string(201, 'x'));
+  EXPECT_EQ(Fail(&Stub::ListMaterials, materials).field, "text");
   v1::GetTemplateRequest revision;
   revision.set_name("templates/table");
   revision.set_revision(-1);

@@ -66,6 +66,78 @@ TEST_F(CatalogServiceTest, FiltersItems) {
   EXPECT_TRUE(list(nuts).empty());
 }
 
+TEST_F(CatalogServiceTest, FiltersMaterials) {
+  const auto list = [this](v1::ListMaterialsRequest request) {
+    std::vector<v1::Material> materials;
+    request.set_page_size(2);
+    v1::ListMaterialsResponse response;
+    do {
+      EXPECT_TRUE(Call(&v1::CatalogService::Stub::ListMaterials, request, &response).ok());
+      materials.insert(materials.end(), response.materials().begin(), response.materials().end());
+      request.set_page_token(response.next_page_token());
+    } while (!response.next_page_token().empty());
+    return materials;
+  };
+  v1::ListMaterialsRequest request;
+  const std::size_t all = list(request).size();
+  request.set_elasticity(v1::ListMaterialsRequest::ORTHOTROPIC);
+  const auto woods = list(request);
+  for (const v1::Material& wood : woods) EXPECT_TRUE(wood.has_orthotropic()) << wood.name();
+  request.set_elasticity(v1::ListMaterialsRequest::ISOTROPIC);
+  const auto others = list(request);
+  for (const v1::Material& other : others) EXPECT_FALSE(other.has_orthotropic()) << other.name();
+  EXPECT_GE(woods.size(), 2u);
+  EXPECT_GE(others.size(), 2u);
+  EXPECT_EQ(woods.size() + others.size(), all);
+  request.set_text("STEEL");
+  for (const v1::Material& steel : list(request)) {
+    EXPECT_THAT(steel.name(), HasSubstr("steel"));
+  }
+  EXPECT_FALSE(list(request).empty());
+  request.set_elasticity(v1::ListMaterialsRequest::ORTHOTROPIC);
+  EXPECT_TRUE(list(request).empty());
+}
+
+TEST_F(CatalogServiceTest, FiltersTemplates) {
+  const auto list = [this](v1::ListTemplatesRequest request) {
+    std::set<std::string> names;
+    request.set_page_size(3);
+    v1::ListTemplatesResponse response;
+    do {
+      EXPECT_TRUE(Call(&v1::CatalogService::Stub::ListTemplates, request, &response).ok());
+      for (const v1::Template& message : response.templates()) names.insert(message.name());
+      request.set_page_token(response.next_page_token());
+    } while (!response.next_page_token().empty());
+    return names;
+  };
+  using Request = v1::ListTemplatesRequest;
+  const std::size_t all = list(Request()).size();
+  std::size_t of_kinds = 0;
+  for (const auto& [kind, one] : {std::pair(Request::PARTS, "templates/table"),
+                                  {Request::ASSEMBLY, "templates/planter"},
+                                  {Request::CAD, "templates/wrench"},
+                                  {Request::CAGE, "templates/boat"}}) {
+    Request request;
+    request.set_kind(kind);
+    const auto names = list(request);
+    EXPECT_EQ(names.count(one), 1u) << one;
+    of_kinds += names.size();
+  }
+  EXPECT_EQ(of_kinds, all);
+  // What has the item, whether a part is made of it or two are joined by it.
+  Request pegged;
+  pegged.set_item("items/dowel-8x35");
+  const auto users = list(pegged);
+  EXPECT_EQ(users.count("templates/table"), 1u);
+  EXPECT_EQ(users.count("templates/wrench"), 0u);
+  EXPECT_LT(users.size(), all);
+  pegged.set_kind(Request::CAD);
+  EXPECT_TRUE(list(pegged).empty());
+  Request worded;
+  worded.set_text("WRENCH open-ended");
+  EXPECT_EQ(list(worded), std::set<std::string>{"templates/wrench"});
+}
+
 TEST_F(CatalogServiceTest, KeepsRevisionsOfItems) {
   v1::UpdateItemRequest update;
   update.set_request_id(NewRequestId());

@@ -70,7 +70,10 @@ class RecordPageTest : public ::testing::Test {
   std::vector<std::vector<std::string>> MaterialPages(int page_size) {
     return PagesOf<v1::Material>(
         [page_size](store::ReadTransaction& transaction, const std::string& token) {
-          return ListMaterials(transaction, page_size, token);
+          v1::ListMaterialsRequest request;
+          request.set_page_size(page_size);
+          request.set_page_token(token);
+          return ListMaterials(transaction, request);
         });
   }
 
@@ -125,7 +128,9 @@ TEST_F(RecordPageTest, CountsWhatIsShownAndNoMore) {
   }
   const auto pages =
       PagesOf<v1::Assembly>([](store::ReadTransaction& transaction, const std::string& token) {
-        return ListAssemblies(transaction, 0, token);
+        v1::ListAssembliesRequest request;
+        request.set_page_token(token);
+        return ListAssemblies(transaction, request);
       });
   ExpectEachOnce(pages, 60);
   EXPECT_EQ(pages.size(), 1u) << "parts are not shown";

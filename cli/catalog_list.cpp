@@ -1,0 +1,210 @@
+// mortise catalog list
+#include "cli/catalog_list.h"
+
+#include <grpcpp/grpcpp.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "absl/strings/ascii.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "absl/strings/str_replace.h"
+#include "cli/field_sources.h"
+#include "cli/requests.h"
+#include "common/base/errors.h"
+#include "mortise/v1/catalog.grpc.pb.h"
+
+namespace mortise::cli {
+namespace {
+
+struct ListOptions {
+  std::string what;
+  std::string kind;
+  std::string material;
+  std::string elasticity;
+  std::string item;
+  std::string text;
+};
+
+// What is listed, and the entries so far.
+struct Listing {
+  v1::CatalogService::Stub& stub;
+  const GatewayClient& client;
+  bool with_document = false;
+  std::vector<std::vector<std::string>> rows = {};
+  nlohmann::ordered_json document = nlohmann::ordered_json::array();
+
+  template <typename Message>
+  void Add(const Message& message, std::string details) {
+    rows.push_back({message.name(), message.title(), std::move(details)});
+    if (with_document) document.push_back(ToJson(message));
+  }
+};
+
+// The value called "drawer-slide" or "DRAWER_SLIDE"; the first one, which stands for none, where
+// there is no text.
+absl::StatusOr<int> ParseWord(const google::protobuf::EnumDescriptor& words,
+                              const std::string& field, const std::string& text) {
+  if (text.empty()) return 0;
+  const std::string name = absl::StrReplaceAll(absl::AsciiStrToUpper(text), {{"-", "_"}});
+  const auto* value = words.FindValueByName(name);
+  if (value != nullptr && value->number() != 0) return value->number();
+  std::string names;
+  for (int i = 1; i < words.value_count(); ++i) {
+    absl::StrAppend(&names, i == 1 ? "" : ", ", words.value(i)->name());
+  }
+  return InvalidField(field, absl::StrCat("'", text, "' is none of ", names));
+}
+
+FieldSources SourcesOf(const ListOptions&) {
+  FieldSources sources;
+  for (const char* field : {"kind", "material", "elasticity", "item", "text"}) {
+    sources.Add(field, absl::StrCat("--", field));
+  }
+  return sources;
+}
+
+// "BOLT, 0.31 EUR", or "0.31 EUR (example)" where the price is one.
+std::string DetailsOf(const v1::Item& item) {
+  return absl::StrFormat("%s, %.2f %s%s%s", v1::ItemKind_Name(item.kind()), item.price().amount(),
+                         item.price().currency(),
+                         item.price_basis() == v1::PER_VOLUME ? " per m³" : "",
+                         item.price_is_example() ? " (example)" : "");
+}
+
+// What a template is made of.
+std::string KindOf(const v1::Template& message) {
+  switch (message.kind_case()) {
+    case v1::Template::kAssembly:
+      return "assembly";
+    case v1::Template::kCad:
+      return "features";
+    case v1::Template::kCage:
+      return "cage";
+    case v1::Template::KIND_NOT_SET:
+      break;
+  }
+  return "parts";
+}
+
+absl::Status ListMaterials(const ListOptions& options, Listing& listing) {
+  v1::ListMaterialsRequest filters;
+  MORTISE_ASSIGN_OR_RETURN(const int elasticity,
+                           ParseWord(*v1::ListMaterialsRequest::Elasticity_descriptor(),
+                                     "elasticity", options.elasticity));
+  filters.set_elasticity(static_cast<v1::ListMaterialsRequest::Elasticity>(elasticity));
+  filters.set_text(options.text);
+  return ListAll<v1::ListMaterialsRequest, v1::ListMaterialsResponse>(
+      listing.client, [&](auto... a) { return listing.stub.ListMaterials(a...); },
+      [&](const v1::ListMaterialsResponse& page) {
+        for (const auto& m : page.materials()) {
+          listing.Add(m, absl::StrFormat("%g kg/m³%s", m.density(),
+                                         m.has_orthotropic() ? ", orthotropic" : ""));
+        }
+      },
+      filters);
+}
+
+absl::Status ListItems(const ListOptions& options, Listing& listing) {
+  v1::ListItemsRequest filters;
+  MORTISE_ASSIGN_OR_RETURN(const int kind,
+                           ParseWord(*v1::ItemKind_descriptor(), "kind", options.kind));
+  filters.set_kind(static_cast<v1::ItemKind>(kind));
+  if (!options.material.empty()) {
+    filters.set_material(ResourceName("materials", options.material));
+  }
+  filters.set_text(options.text);
+  return ListAll<v1::ListItemsRequest, v1::ListItemsResponse>(
+      listing.client, [&](auto... a) { return listing.stub.ListItems(a...); },
+      [&](const v1::ListItemsResponse& page) {
+        for (const auto& item : page.items()) listing.Add(item, DetailsOf(item));
+      },
+      filters);
+}
+
+absl::Status ListTemplates(const ListOptions& options, Listing& listing) {
+  v1::ListTemplatesRequest filters;
+  MORTISE_ASSIGN_OR_RETURN(const int kind, ParseWord(*v1::ListTemplatesRequest::Kind_descriptor(),
+                                                     "kind", options.kind));
+  filters.set_kind(static_cast<v1::ListTemplatesRequest::Kind>(kind));
+  if (!options.item.empty()) filters.set_item(ResourceName("items", options.item));
+  filters.set_text(options.text);
+  return ListAll<v1::ListTemplatesRequest, v1::ListTemplatesResponse>(
+      listing.client, [&](auto... a) { return listing.stub.ListTemplates(a...); },
+      [&](const v1::ListTemplatesResponse& page) {
+        for (const auto& t : page.templates()) {
+          listing.Add(t, absl::StrCat(KindOf(t), ", revision ", t.revision()));
+        }
+      },
+      filters);
+}
+
+// What is listed where nothing is said: what the filters are of.
+std::string Subject(const ListOptions& options) {
+  if (!options.what.empty()) return options.what;
+  if (!options.elasticity.empty()) return "materials";
+  if (!options.item.empty()) return "templates";
+  const bool filtered = !options.kind.empty() || !options.material.empty() || !options.text.empty();
+  return filtered ? "items" : "templates";
+}
+
+// That no filter is of something else.
+absl::Status CheckFilters(const ListOptions& options, const std::string& what) {
+  if (what != "items" && !options.material.empty()) {
+    return InvalidField("material", "only items are told apart by their material");
+  }
+  if (what != "materials" && !options.elasticity.empty()) {
+    return InvalidField("elasticity", "only materials are told apart by it");
+  }
+  if (what != "templates" && !options.item.empty()) {
+    return InvalidField("item", "only templates are told apart by the items they use");
+  }
+  if (what == "materials" && !options.kind.empty()) {
+    return InvalidField("kind", "only items and templates are told apart by kind");
+  }
+  return absl::OkStatus();
+}
+
+absl::Status List(const ListOptions& options, Session& session, Output& output) {
+  const std::string what = Subject(options);
+  MORTISE_RETURN_IF_ERROR(CheckFilters(options, what));
+  MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
+  const auto stub = v1::CatalogService::NewStub(client->channel());
+  Listing listing{*stub, *client, !output.text()};
+  MORTISE_RETURN_IF_ERROR(what == "materials" ? ListMaterials(options, listing)
+                          : what == "items"   ? ListItems(options, listing)
+                                              : ListTemplates(options, listing));
+  output.Table({"name", "title", "details"}, listing.rows);
+  output.Document(listing.document);
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+void AddCatalogList(CLI::App& catalog, Session& session) {
+  auto filter = std::make_shared<ListOptions>();
+  CLI::App* list = catalog.add_subcommand("list", "List templates, items or materials");
+  list->add_option("what", filter->what,
+                   "templates (also if nothing is said), items (also with a filter) or materials")
+      ->check(CLI::IsMember({"templates", "items", "materials"}));
+  list->add_option(
+      "--kind", filter->kind,
+      "Only items of this kind, such as bolt, or templates: parts, assembly, cad, cage");
+  list->add_option("--material", filter->material, "Only items of this material, such as steel");
+  list->add_option("--elasticity", filter->elasticity,
+                   "Only materials that are isotropic, or orthotropic as wood");
+  list->add_option("--item", filter->item, "Only templates that use this item");
+  list->add_option("--text", filter->text,
+                   "Only those with these words in id or title, of items also standard or "
+                   "designation, of templates also description");
+  list->footer("Example: mortise catalog list --kind nut --text \"ISO 4032\"");
+  list->callback([&session, filter] {
+    session.command = [filter](Session& s, Output& o) {
+      return SourcesOf(*filter).Name(List(*filter, s, o));
+    };
+  });
+}
+
+}  // namespace mortise::cli
