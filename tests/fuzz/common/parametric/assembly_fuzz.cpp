@@ -1,11 +1,12 @@
-// Any text given as an assembly file is refused or parametrised, never a crash.
+// Any text given as an assembly file is refused or parametrised, and what was parametrised has
+// random designs that can be looked at; never a crash.
 #include <cstdint>
 #include <string_view>
+#include <utility>
 
 #include "common/parametric/assembly_codec.h"
 #include "common/parametric/collection.h"
-#include "common/parametric/element.h"
-#include "common/parametric/relationship.h"
+#include "common/parametric/parametric_assembly.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace mortise::parametric;
@@ -20,10 +21,14 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   sheet.name = "items/sheet";
   sheet.dimensions = {
       {{2.5, Process::kJigsaw, 0.05, 2.5}, {1.25, Process::kJigsaw, 0.05, 1.25}, {0.018}}};
-  const auto assembly = FromProto(*message, {board, sheet});
+  auto assembly = FromProto(*message, {board, sheet});
   // Many parts take long by design; the rest is the same code.
   if (!assembly.ok() || assembly->parts.size() > 20) return 0;
-  const std::vector<Element> elements = MakeElements(*assembly, 1e-6);
-  (void)FindRelationships(*assembly, elements, {}, 1e-6);
+  const auto made = ParametricAssembly::Create(*std::move(assembly));
+  if (!made.ok()) return 0;
+  (void)made->AdjustableSizes();
+  const auto designs = made->Sample(2, 1);
+  if (!designs.ok()) return 0;
+  for (const Eigen::VectorXd& q : *designs) (void)made->FaultsAt(q);
   return 0;
 }
