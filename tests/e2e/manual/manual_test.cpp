@@ -7,6 +7,7 @@
 //   blocks ```sh secure-…   by secure_house_test
 //   blocks ```sh evaluators by evaluator_page_test
 //   blocks ```sh slurm      by slurm_workers_test
+//   blocks ```sh kubernetes by kubernetes_manifests_test
 //   export PATH=…           left out: the programs are on the PATH
 #include "tests/e2e/manual/manual.h"
 
@@ -35,7 +36,7 @@ std::filesystem::path Source() {
 }
 
 // Marks of blocks that other tests run.
-const std::set<std::string> kRunElsewhere = {"secure-house", "evaluators", "slurm"};
+const std::set<std::string> kRunElsewhere = {"secure-house", "evaluators", "slurm", "kubernetes"};
 
 class Manual : public ::testing::Test {
  protected:
