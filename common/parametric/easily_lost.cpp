@@ -113,6 +113,10 @@ absl::StatusOr<std::set<int>> FindEasilyLost(const Assembly& assembly,
       const PatternDirection& direction =
           pattern.directions[static_cast<std::size_t>(contact.direction)];
       if (RepeatsWith(direction, touching, tolerance)) continue;
+      if (contact.stands_between) {
+        lost.insert(contact.part);
+        continue;
+      }
       const std::optional<Axis> axis = AxisOf(direction, tolerance);
       const bool moves_by_itself =
           !axis || (touching.pattern && LeadsAlong(*touching.pattern, static_cast<int>(*axis)));

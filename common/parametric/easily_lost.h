@@ -12,9 +12,10 @@
 
 namespace mortise::parametric {
 
-// Indices of parts that touch a pattern in part only (pattern_contact.h), do not repeat together
-// with it, and in some feasible design neither lie on its first or its last part nor bridge its
-// gaps. Decided by linear programmes: six for each such contact. Fails as FeasibleSet::RangesOf.
+// Indices of parts that stand between those of a pattern without touching one, and of those that
+// touch a pattern in part only (pattern_contact.h), do not repeat together with it, and in some
+// feasible design neither lie on its first or its last part nor bridge its gaps. Decided by linear
+// programmes: six for each such contact. Fails as FeasibleSet::RangesOf.
 absl::StatusOr<std::set<int>> FindEasilyLost(const Assembly& assembly,
                                              const std::vector<Element>& elements,
                                              const FeasibleSet& feasible_set, double tolerance);

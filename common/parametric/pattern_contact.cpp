@@ -16,6 +16,11 @@ bool Touch(const BoundingBox& a, const BoundingBox& b, double tolerance) {
          ((b.maximum - a.minimum).array() >= -tolerance).all();
 }
 
+// Whether they have more than `tolerance` in common along every axis.
+bool Overlap(const BoundingBox& a, const BoundingBox& b, double tolerance) {
+  return Touch(a, b, -tolerance);
+}
+
 BoundingBox BoxAround(const Assembly& assembly, const std::vector<int>& parts) {
   BoundingBox around = BoxOf(assembly, parts.front());
   for (const int part : parts) {
@@ -77,14 +82,19 @@ std::vector<PartialContact> FindPartialContacts(const Assembly& assembly,
     if (!Touch(part.box, around, tolerance)) continue;
     if (std::find(parts.begin(), parts.end(), other) != parts.end()) continue;
     const auto touched = TouchedBy(part.box, assembly, parts, directions[0].count, tolerance);
-    if (touched[0].empty()) continue;
+    const bool stands_between = touched[0].empty() && Overlap(part.box, around, tolerance);
+    if (touched[0].empty() && !stands_between) continue;
     for (int d = 0; d < 2; ++d) {
       const PatternDirection& direction = directions[static_cast<std::size_t>(d)];
+      if (stands_between) {
+        if (direction.count > 1) contacts.push_back({other, d, true});
+        continue;
+      }
       const bool touches_all =
           static_cast<int>(touched[static_cast<std::size_t>(d)].size()) == direction.count;
       if (!touches_all && !IsBeyondTheEnds(part.box, around, direction, tolerance) &&
           !ReachesAcrossGaps(part, size, direction, tolerance)) {
-        contacts.push_back({other, d});
+        contacts.push_back({other, d, false});
       }
     }
   }

@@ -1,5 +1,5 @@
-// What touches some parts of a pattern only, and might touch none of them when their number and
-// their places change.
+// What touches some parts of a pattern only, or none: when their number and their places change it
+// might touch none of them, or be run into.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,10 +11,12 @@
 
 namespace mortise::parametric {
 
-// A part that touches some parts of a pattern along one of its directions, and not all of them.
+// A part that touches some parts of a pattern along one of its directions and not all of them, or
+// stands between them and touches none.
 struct PartialContact {
   int part = 0;       // of the assembly, none of the pattern's
   int direction = 0;  // index into Pattern::directions
+  bool stands_between = false;
 };
 
 // What touches `parts`, those of a pattern with these directions, in part only: without what stands

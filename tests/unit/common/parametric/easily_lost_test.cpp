@@ -81,6 +81,12 @@ TEST_P(EasilyLost, ScrewsInEveryOtherSlatTakeTheRowApart) {
   Expect(slats_, 1);
 }
 
+// It touches the rail alone, but a slat would run into it.
+TEST_P(EasilyLost, AScrewBetweenTwoSlatsEndsTheRowThere) {
+  slats_.parts.push_back(Screw("screw", 0.01, 0.345));
+  Expect(slats_, 5);
+}
+
 TEST_P(EasilyLost, AScrewInEachSlatKeepsTheRow) {
   for (int i = 0; i < 6; ++i) {
     slats_.parts.push_back(Screw("screw " + std::to_string(i), 0.01, 0.145 + 0.3 * i));
@@ -119,7 +125,9 @@ TEST(PartialContacts, AreThoseWithSomePartsOnly) {
   };
   ASSERT_THAT(found(Screw("screw", 0.01, 0.445)), SizeIs(1));
   EXPECT_EQ(found(Screw("screw", 0.01, 0.445))[0].part, 8);
-  EXPECT_THAT(found(Screw("in a gap", 0.5, 0.35)), IsEmpty());
+  EXPECT_FALSE(found(Screw("screw", 0.01, 0.445))[0].stands_between);
+  ASSERT_THAT(found(Screw("in a gap", 0.5, 0.35)), SizeIs(1));
+  EXPECT_TRUE(found(Screw("in a gap", 0.5, 0.35))[0].stands_between);
   EXPECT_THAT(found(FixedPart("at the end", {0, 0.05, 0.1}, {1, 0.1, 0.12})), IsEmpty());
   EXPECT_THAT(found(FixedPart("batten", {0.4, 0.1, 0.12}, {0.45, 0.8, 0.14})), IsEmpty());
 }
