@@ -14,6 +14,7 @@ namespace {
 
 constexpr double kFixedSizeTolerance = 1e-5;  // m, between a part and a fixed dimension
 constexpr double kRangeTolerance = 1e-9;      // m, beyond the range of a resizable dimension
+constexpr std::size_t kMaxPegs = 1000;        // of a design; each is compared with all others
 constexpr const char* kDimensionNames[] = {"length", "width", "thickness"};
 
 // Splits a field's status back into a finding: the message begins with the field.
@@ -86,6 +87,10 @@ void CheckPegs(const CompiledTemplate& compiled, const std::vector<EvaluatedPart
     if (!pegs.ok()) {
       findings.push_back(FindingOf(pegs.status()));
       continue;
+    }
+    if (all.size() + pegs->size() > kMaxPegs) {
+      findings.push_back({"connections", absl::StrCat("make more than ", kMaxPegs, " pegs")});
+      return;
     }
     for (const EvaluatedConnector& peg : *pegs) {
       CheckPegInParts(compiled.connections[i], peg, parts, findings);

@@ -95,13 +95,19 @@ void FillExtents(const PartTemplate& definition, EvaluatedPart& part) {
   part.size = {extents(length), extents(width), extents(thickness)};
 }
 
-// Positions of the pegs of a row along its length, m.
-std::vector<double> RowPositions(double length, double end_distance, double spacing,
-                                 double diameter) {
+// Positions of the pegs of a row along its length, m. INVALID_ARGUMENT, "spacing", for more than
+// kMaxRow.
+absl::StatusOr<std::vector<double>> RowPositions(double length, double end_distance, double spacing,
+                                                 double diameter) {
   const double between = length - 2 * end_distance;
-  if (between < 2 * diameter) return {length / 2};
+  if (between < 2 * diameter) return std::vector<double>{length / 2};
   // A hair of tolerance keeps a row of exactly n spacings from getting one more peg by rounding.
-  const int gaps = std::max(1, static_cast<int>(std::ceil(between / spacing - 1e-9)));
+  const double wanted = std::max(1.0, std::ceil(between / spacing - 1e-9));
+  if (!(wanted < kMaxRow)) {
+    return InvalidField(
+        "spacing", absl::StrCat("makes more than ", kMaxRow, " pegs in a row of ", length, " m"));
+  }
+  const int gaps = static_cast<int>(wanted);
   std::vector<double> positions;
   for (int i = 0; i <= gaps; ++i) positions.push_back(end_distance + between * i / gaps);
   return positions;
@@ -162,8 +168,10 @@ absl::StatusOr<std::vector<EvaluatedConnector>> EvaluateConnection(
   const Eigen::Vector2d extent = patch.maximum - patch.minimum;
   const Eigen::Vector2d middle = (patch.minimum + patch.maximum) / 2;
   const int along = extent.x() >= extent.y() ? 0 : 1;
-  for (const double position : RowPositions(extent(along), definition.end_distance,
-                                            definition.spacing, compiled.diameter)) {
+  const auto positions =
+      RowPositions(extent(along), definition.end_distance, definition.spacing, compiled.diameter);
+  if (!positions.ok()) return UnderField(compiled.field, positions.status());
+  for (const double position : *positions) {
     Eigen::Vector2d point = middle;
     point(along) = patch.minimum(along) + position;
     EvaluatedConnector peg;

@@ -15,8 +15,10 @@ namespace mortise::parametric {
 absl::StatusOr<EvaluatedPart> EvaluatePart(const CompiledTemplate& compiled, std::size_t part,
                                            const Eigen::VectorXd& q);
 
+inline constexpr int kMaxRow = 200;  // pegs of a connection
+
 // The pegs of the connection of this index, for parts already evaluated. INVALID_ARGUMENT naming
-// the connection if the parts do not touch.
+// the connection if the parts do not touch, or its spacing if that makes more than kMaxRow.
 absl::StatusOr<std::vector<EvaluatedConnector>> EvaluateConnection(
     const CompiledTemplate& compiled, std::size_t connection,
     const std::vector<EvaluatedPart>& parts);

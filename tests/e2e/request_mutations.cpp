@@ -145,9 +145,14 @@ std::string Serialized(const Message& message) {
   return message.SerializePartialAsString();
 }
 
+// What is made of a good request.
+enum class Sort { kFaults, kLargeNumbers };
+
 class Spoiler {
  public:
-  explicit Spoiler(const Message& good) : good_(good) { Visit(good.GetDescriptor()); }
+  Spoiler(const Message& good, Sort sort) : good_(good), sort_(sort) {
+    Visit(good.GetDescriptor());
+  }
 
   std::vector<BadRequest> Take() { return std::move(requests_); }
 
@@ -163,6 +168,7 @@ class Spoiler {
   }
 
   void Spoil(const FieldDescriptor* field) {
+    if (sort_ == Sort::kLargeNumbers) return Enlarge(field);
     if (field->is_repeated()) SpoilByCount(field);
     switch (field->cpp_type()) {
       case FieldDescriptor::CPPTYPE_DOUBLE:
@@ -188,6 +194,7 @@ class Spoiler {
     // Times are set by the services; Any is not looked into.
     if (type == "google.protobuf.Timestamp" || type == "google.protobuf.Any") return;
     if (type != "google.protobuf.FieldMask") return Visit(field->message_type());
+    if (sort_ == Sort::kLargeNumbers) return;
     Add("an unknown path", Verdict::kField, [&](Message* at) {
       Message* mask = at->GetReflection()->MutableMessage(at, field);
       mask->GetReflection()->AddString(mask, mask->GetDescriptor()->FindFieldByName("paths"),
@@ -195,21 +202,18 @@ class Spoiler {
     });
   }
 
+  void Enlarge(const FieldDescriptor* field) {
+    if (field->cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE) return SpoilMessage(field);
+    if (field->cpp_type() != FieldDescriptor::CPPTYPE_DOUBLE) return;
+    for (const double number : {30e3, 1e300}) AddDouble(number, Verdict::kAnswered);
+  }
+
   void SpoilDouble(const FieldDescriptor* field) {
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
-    const auto set = [&](double value) {
-      return [field, value](Message* at) {
-        const Reflection& reflection = *at->GetReflection();
-        if (!field->is_repeated()) return reflection.SetDouble(at, field, value);
-        if (reflection.FieldSize(*at, field) == 0) return reflection.AddDouble(at, field, value);
-        reflection.SetRepeatedDouble(at, field, 0, value);
-      };
-    };
-    Add("NaN", Verdict::kPath, set(std::numeric_limits<double>::quiet_NaN()));
-    Add("infinity", Verdict::kPath, set(kInfinity));
-    Add("negative infinity", Verdict::kPath, set(-kInfinity));
-    if (AnyNumber().count(field->full_name()) != 0) return;
-    Add("a negative number", Verdict::kField, set(-1.5));
+    for (const double number : {std::numeric_limits<double>::quiet_NaN(), kInfinity, -kInfinity}) {
+      AddDouble(number, Verdict::kPath);
+    }
+    if (AnyNumber().count(field->full_name()) == 0) AddDouble(-1.5, Verdict::kField);
   }
 
   void SpoilInteger(const FieldDescriptor* field) {
@@ -342,6 +346,16 @@ class Spoiler {
     return reflection.FieldSize(at, field) == 0 ? "" : reflection.GetRepeatedString(at, field, 0);
   }
 
+  void AddDouble(double number, Verdict verdict) {
+    const FieldDescriptor* field = route_.back();
+    Add(absl::StrCat(number), verdict, [&](Message* at) {
+      const Reflection& reflection = *at->GetReflection();
+      if (!field->is_repeated()) return reflection.SetDouble(at, field, number);
+      if (reflection.FieldSize(*at, field) == 0) return reflection.AddDouble(at, field, number);
+      reflection.SetRepeatedDouble(at, field, 0, number);
+    });
+  }
+
   void AddText(const std::string& what, Verdict verdict, const std::string& text) {
     const FieldDescriptor* field = route_.back();
     Add(what, verdict, [&](Message* at) {
@@ -358,6 +372,13 @@ class Spoiler {
     spoilt->CopyFrom(good_);
     change(Holder(spoilt.get(), route_));
     if (verdict == Verdict::kField && IsElsewhere()) verdict = Verdict::kRefused;
+    // One that is answered well would be the answer to the next under its id, too.
+    const FieldDescriptor* id = spoilt->GetDescriptor()->FindFieldByName("request_id");
+    if (id != nullptr && sort_ == Sort::kLargeNumbers) {
+      spoilt->GetReflection()->SetString(
+          spoilt.get(), id,
+          absl::StrCat(spoilt->GetReflection()->GetString(*spoilt, id), "-", requests_.size()));
+    }
     requests_.push_back({what, PathOf(route_), verdict, Serialized(*spoilt)});
   }
 
@@ -376,6 +397,7 @@ class Spoiler {
   }
 
   const Message& good_;
+  const Sort sort_;
   Route route_;
   std::vector<BadRequest> requests_;
 };
@@ -412,6 +434,12 @@ std::vector<BadRequest> Truncations(const Message& good, int count) {
   return requests;
 }
 
-std::vector<BadRequest> SpoiltFields(const Message& good) { return Spoiler(good).Take(); }
+std::vector<BadRequest> SpoiltFields(const Message& good) {
+  return Spoiler(good, Sort::kFaults).Take();
+}
+
+std::vector<BadRequest> LargeNumbers(const Message& good) {
+  return Spoiler(good, Sort::kLargeNumbers).Take();
+}
 
 }  // namespace mortise::e2e

@@ -41,4 +41,8 @@ std::vector<BadRequest> Truncations(const google::protobuf::Message& good, int c
 // type and name suggest.
 std::vector<BadRequest> SpoiltFields(const google::protobuf::Message& good);
 
+// `good` with each number that need not be whole, set or not, large in turn: 30e3, as of
+// millimetres for metres, and 1e300. Each has a request id of its own. They may be answered well.
+std::vector<BadRequest> LargeNumbers(const google::protobuf::Message& good);
+
 }  // namespace mortise::e2e

@@ -2,7 +2,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <string>
 
 #include "common/base/errors.h"
 #include "common/parametric/template_validation.h"
@@ -150,6 +152,34 @@ TEST_F(ValidationTest, FindsPegsThatStickOut) {
     if (connection.name == "top_leg_front_left") connection.depth_in_part = 0.1;
   }
   EXPECT_THAT(ValidateTemplate(bundle_), Contains(At("connections[8]", "sticks out of 'top'")));
+}
+
+// A range in millimetres, taken for metres: a peg every few centimetres of 30 km.
+TEST_F(ValidationTest, BoundsRowsOfPegs) {
+  table_.parameters[0].maximum = 30e3;
+  const std::vector<Finding> findings = ValidateTemplate(bundle_);
+  const auto row = std::find_if(findings.begin(), findings.end(), [](const Finding& finding) {
+    return finding.field.ends_with(".spacing");
+  });
+  ASSERT_NE(row, findings.end()) << Listed(findings);
+  EXPECT_THAT(row->message, HasSubstr("more than 200 pegs in a row"));
+  EXPECT_THAT(row->message, HasSubstr("at length = ")) << "which parameter makes it so long";
+  // As far as numbers go.
+  table_.parameters[0].maximum = 1e300;
+  EXPECT_THAT(ValidateTemplate(bundle_), Not(IsEmpty()));
+}
+
+TEST_F(ValidationTest, BoundsPegsInAll) {
+  const std::vector<Connection> connections = table_.connections;
+  for (int copy = 0; copy < 20; ++copy) {
+    for (Connection connection : connections) {
+      connection.name += "_" + std::to_string(copy);
+      connection.spacing = 0.05;
+      table_.connections.push_back(connection);
+    }
+  }
+  const std::vector<Finding> findings = ValidateTemplate(bundle_);
+  EXPECT_THAT(findings, Contains(At("connections", "more than 1000 pegs"))) << Listed(findings);
 }
 
 TEST_F(ValidationTest, FindsDivisionByZero) {
