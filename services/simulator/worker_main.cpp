@@ -1,4 +1,5 @@
 // The main program of a worker process.
+#include <semaphore.h>
 #include <signal.h>
 #include <unistd.h>
 
@@ -83,9 +84,31 @@ absl::StatusOr<std::shared_ptr<grpc::Channel>> ChannelTo(const rpc::ServiceOptio
   return InvalidField("peer", absl::StrCat("give --peer ", peer, "=ADDRESS, or --gateway ADDRESS"));
 }
 
-// Ends when one of `signals`, which no thread may take, comes.
-absl::Status Run(const rpc::ServiceOptions& options, const WorkerFlags& flags,
-                 const sigset_t& signals) {
+// Posted by every signal that asks the worker to end: nothing else reaches a signal's handler.
+sem_t asked_to_end;
+
+extern "C" void AskToEnd(int) { sem_post(&asked_to_end); }
+
+// Takes SIGTERM and SIGINT, in whatever thread they come and as often as they do: schedulers send
+// some twice, and libraries (OpenBLAS) have threads from before main() that no mask of ours
+// reaches.
+void TakeEndingSignals() {
+  sem_init(&asked_to_end, 0, 0);
+  struct sigaction action = {};
+  action.sa_handler = AskToEnd;
+  action.sa_flags = SA_RESTART;
+  sigemptyset(&action.sa_mask);
+  sigaction(SIGTERM, &action, nullptr);
+  sigaction(SIGINT, &action, nullptr);
+}
+
+void AwaitEndingSignal() {
+  while (sem_wait(&asked_to_end) != 0) {
+  }
+}
+
+// Ends when TakeEndingSignals has seen one.
+absl::Status Run(const rpc::ServiceOptions& options, const WorkerFlags& flags) {
   MORTISE_RETURN_IF_ERROR(CheckAccess(options, flags));
   WorkerOptions worker;
   worker.name = flags.name.empty() ? absl::StrCat("worker-", NewIdentifier()) : flags.name;
@@ -104,10 +127,8 @@ absl::Status Run(const rpc::ServiceOptions& options, const WorkerFlags& flags,
   }
   Log(LogLevel::kInfo, "working", {{"worker", worker.name}});
   std::jthread work([&](const std::stop_token& stop) { RunWorker(worker, stop); });
-  int caught = 0;
-  sigwait(&signals, &caught);
-  Log(LogLevel::kInfo, "asked to end, once the task at hand is finished or given back",
-      {{"signal", caught}});
+  AwaitEndingSignal();
+  Log(LogLevel::kInfo, "asked to end, once the task at hand is finished or given back", {});
   work.request_stop();
   work.join();
   return absl::OkStatus();
@@ -134,15 +155,9 @@ int WorkerMain(int argc, char** argv) {
   if (!options.ok()) return fail(options.status(), 2);
   ConfigureLogging("simulator-worker", options->log_level);
 
-  // Blocked before any thread starts, so that all inherit it and only this one waits: schedulers
-  // send some of them twice, and a thread that took the second would end the process.
-  sigset_t signals;
-  sigemptyset(&signals);
-  sigaddset(&signals, SIGTERM);
-  sigaddset(&signals, SIGINT);
-  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  TakeEndingSignals();
   signal(SIGPIPE, SIG_IGN);
-  if (const absl::Status status = Run(*options, flags, signals); !status.ok()) {
+  if (const absl::Status status = Run(*options, flags); !status.ok()) {
     return fail(status, 1);
   }
   return 0;
