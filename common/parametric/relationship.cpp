@@ -334,11 +334,40 @@ class RelationshipSearch {
            b.minimum->drawn - a.maximum->drawn <= reach;
   }
 
+  // Of rows of parts that keep their size, as drawn: the inner faces of the first and the last
+  // part, which are as far from the ends of the row's box as a part is long. What touches all parts
+  // touches these two, and what touches one of them stays with it.
+  std::vector<PosedPosition> InnerFacesOfRows(const Pose& pose,
+                                              const std::vector<PosedPosition>& positions) const {
+    std::vector<PosedPosition> faces;
+    if (pose.joint >= 0) return faces;
+    for (const PosedPosition& end : positions) {
+      const Element& row = At(end.element);
+      const int axis = static_cast<int>(end.axis);
+      if (!row.pattern || !(end.is_minimum || end.is_maximum)) continue;
+      if (!LeadsAlong(*row.pattern, axis)) continue;
+      if (row.pattern->resizable[static_cast<std::size_t>(axis)]) continue;
+      const double inwards = (end.is_minimum ? 1 : -1) * row.pattern->part_size[axis];
+      PosedPosition face = end;
+      face.is_minimum = face.is_maximum = false;
+      face.position.constant += inwards;
+      face.drawn += inwards;
+      face.label = absl::StrCat("'", row.name, "' ", AxisName(end.axis),
+                                end.is_minimum ? " maximum of the first" : " minimum of the last");
+      faces.push_back(std::move(face));
+    }
+    return faces;
+  }
+
   void KeepOrderOfPlanes(const Pose& pose, const std::set<std::pair<int, int>>& neighbours,
                          const std::vector<PosedPosition>& positions) {
     std::map<std::pair<int, Axis>, std::vector<PositionPointer>> planes;
     for (const PosedPosition& position : positions) {
       if (!position.is_center) planes[{position.element, position.axis}].push_back(&position);
+    }
+    const std::vector<PosedPosition> inner = InnerFacesOfRows(pose, positions);
+    for (const PosedPosition& position : inner) {
+      planes[{position.element, position.axis}].push_back(&position);
     }
     for (const auto& [a, b] : neighbours) {
       for (const Axis axis : kAxes) {
