@@ -5,6 +5,8 @@
 #include <cstdlib>
 #include <filesystem>
 #include <optional>
+#include <random>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -12,6 +14,7 @@
 #include "common/base/files.h"
 #include "common/parametric/assembly_codec.h"
 #include "common/parametric/collection.h"
+#include "common/parametric/feasible_set.h"
 #include "common/parametric/parametric_assembly.h"
 #include "common/parametric/template_codec.h"
 
@@ -80,6 +83,37 @@ TEST_P(ShippedAssembly, KeepsContactsSizesAndGaps) {
     const auto faults = parametric_->FaultsAt(q);
     ASSERT_TRUE(faults.ok()) << faults.status();
     ASSERT_TRUE(faults->empty()) << Describe(faults->front());
+  }
+}
+
+// A subtree is a template by itself, to be cut out and put into others: what binds it speaks of its
+// own parameters only, and what it allows by itself keeps all of that.
+TEST_P(ShippedAssembly, EachSubtreeIsSelfContained) {
+  const Assembly& assembly = parametric_->assembly();
+  std::mt19937 random(1);
+  std::normal_distribution<double> normal(0, 0.1);
+  for (int group = 0; group < static_cast<int>(assembly.groups.size()); ++group) {
+    SCOPED_TRACE(assembly.groups[static_cast<std::size_t>(group)].name);
+    const std::vector<int> variables = VariablesWithin(assembly, parametric_->elements(), group);
+    const std::set<int> own(variables.begin(), variables.end());
+    const std::vector<Relationship> within =
+        RelationshipsWithin(assembly, parametric_->relationships(), group);
+    for (const Relationship& relationship : within) {
+      for (const LinearTerm& term : relationship.form.terms) {
+        EXPECT_TRUE(own.count(term.variable)) << relationship.description;
+      }
+    }
+    const auto set = FeasibleSet::Create(within, parametric_->drawn(), variables);
+    ASSERT_TRUE(set.ok()) << set.status();
+    Eigen::VectorXd wish = parametric_->drawn();
+    for (double& entry : wish) entry += normal(random);
+    const auto nearest = set->Nearest(wish);
+    ASSERT_TRUE(nearest.ok()) << nearest.status();
+    EXPECT_TRUE(set->Violations(*nearest, 1e-7).empty());
+    for (Eigen::Index i = 0; i < wish.size(); ++i) {
+      if (own.count(static_cast<int>(i))) continue;
+      EXPECT_EQ((*nearest)[i], parametric_->drawn()[i]);
+    }
   }
 }
 
