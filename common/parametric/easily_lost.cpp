@@ -10,16 +10,6 @@
 namespace mortise::parametric {
 namespace {
 
-std::vector<int> ElementsOfParts(const Assembly& assembly, const std::vector<Element>& elements) {
-  std::vector<int> element_of(assembly.parts.size(), -1);
-  for (std::size_t e = 0; e < elements.size(); ++e) {
-    for (const int part : elements[e].parts) {
-      element_of[static_cast<std::size_t>(part)] = static_cast<int>(e);
-    }
-  }
-  return element_of;
-}
-
 bool RepeatsWith(const PatternDirection& direction, const Element& other, double tolerance) {
   if (!other.pattern) return false;
   return std::any_of(

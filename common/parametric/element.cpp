@@ -86,6 +86,16 @@ std::vector<Element> MakeElements(const Assembly& assembly, double tolerance,
   return elements;
 }
 
+std::vector<int> ElementsOfParts(const Assembly& assembly, const std::vector<Element>& elements) {
+  std::vector<int> element_of(assembly.parts.size(), -1);
+  for (std::size_t e = 0; e < elements.size(); ++e) {
+    for (const int part : elements[e].parts) {
+      element_of[static_cast<std::size_t>(part)] = static_cast<int>(e);
+    }
+  }
+  return element_of;
+}
+
 Eigen::VectorXd DrawnParameters(const std::vector<Element>& elements) {
   Eigen::VectorXd q(6 * static_cast<Eigen::Index>(elements.size()));
   for (std::size_t e = 0; e < elements.size(); ++e) {

@@ -50,6 +50,9 @@ struct Element {
 std::vector<Element> MakeElements(const Assembly& assembly, double tolerance,
                                   const std::set<int>& easily_lost = {});
 
+// Of each part of the assembly, the index of its element; -1 of one that is in none.
+std::vector<int> ElementsOfParts(const Assembly& assembly, const std::vector<Element>& elements);
+
 // q as the expert drew the design: 6 · elements numbers, m.
 Eigen::VectorXd DrawnParameters(const std::vector<Element>& elements);
 

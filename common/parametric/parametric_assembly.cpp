@@ -64,12 +64,7 @@ const char* MeasureKindName(MeasureKind kind) {
 
 absl::StatusOr<Contacts> FindContacts(const Assembly& assembly,
                                       const std::vector<Element>& elements, double tolerance) {
-  std::vector<int> element_of(assembly.parts.size(), -1);
-  for (std::size_t e = 0; e < elements.size(); ++e) {
-    for (const int part : elements[e].parts) {
-      element_of[static_cast<std::size_t>(part)] = static_cast<int>(e);
-    }
-  }
+  const std::vector<int> element_of = ElementsOfParts(assembly, elements);
   std::vector<mesh::SurfaceMesh> surfaces;
   surfaces.reserve(assembly.parts.size());
   std::vector<double> deflections;  // by which triangles may miss curved faces
