@@ -13,42 +13,11 @@
 namespace mortise::parametric {
 namespace {
 
-constexpr double kParallel = 1e-9;  // length of the cross product of edges that give no direction
 constexpr double kFurthest =
     0.01;  // m; gaps between solids in each other's boxes are not measured beyond
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// Half the extent of a box along a unit vector.
-double Reach(const OrientedBox& box, const Eigen::Vector3d& direction) {
-  return (box.axes.transpose() * direction).cwiseAbs().dot(box.half_size);
-}
-
-double SeparationAlong(const OrientedBox& a, const OrientedBox& b,
-                       const Eigen::Vector3d& direction) {
-  return std::abs(direction.dot(b.center - a.center)) - Reach(a, direction) - Reach(b, direction);
-}
-
 }  // namespace
-
-double Separation(const OrientedBox& a, const OrientedBox& b) {
-  double separation = -kInfinity;
-  for (int i = 0; i < 3; ++i) {
-    separation = std::max(separation, SeparationAlong(a, b, a.axes.col(i)));
-  }
-  if (a.axes == b.axes) return separation;  // all other directions are the same
-  for (int i = 0; i < 3; ++i) {
-    separation = std::max(separation, SeparationAlong(a, b, b.axes.col(i)));
-  }
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) {
-      const Eigen::Vector3d direction = a.axes.col(i).cross(b.axes.col(j));
-      const double length = direction.norm();
-      if (length <= kParallel) continue;
-      separation = std::max(separation, SeparationAlong(a, b, direction / length));
-    }
-  }
-  return separation;
-}
 
 std::string Describe(const ContactFault& fault) {
   const std::string pose = fault.pose.empty() ? "" : absl::StrCat(" in '", fault.pose, "'");
@@ -117,13 +86,15 @@ absl::StatusOr<std::vector<ContactFault>> ContactCheck::FaultsAt(const Eigen::Ve
       CheckSizes(parts, faults);
       CheckNeighbours(parts, q, penetration, faults);
     }
-    ContactFault fault;
-    fault.pose = poses_[p].name;
     std::vector<Eigen::AlignedBox3d> around;
     for (const std::vector<Part>& of_element : parts) around.push_back(BoxAround(of_element));
     for (const auto& [a, b] : PairsIn(poses_[p])) {
       const Meeting& meeting = meetings_[p][PairIndex(a, b)];
       if (!meeting.any && !around[a].intersects(around[b])) continue;
+      ContactFault fault;
+      fault.pose = poses_[p].name;
+      fault.first_element = static_cast<int>(a);
+      fault.second_element = static_cast<int>(b);
       CheckPair(meeting, parts[a], parts[b], fault, penetration, faults);
     }
   }
@@ -225,13 +196,15 @@ void ContactCheck::CheckPair(const Meeting& meeting, const std::vector<Part>& a,
   const bool each_of_first = meeting.all_of_first && (a.size() > 1 || !each_of_second);
   std::vector<double> second_gap(b.size(), kInfinity);
   double gap = kInfinity;
-  const auto lose = [&](const Part& part, const Part& other, double by) {
-    fault.kind = ContactFault::Kind::kLostContact;
-    fault.first = part.name;
-    fault.second = other.name;
-    fault.amount = by;
-    faults.push_back(fault);
+  const auto lose = [&](ContactFault lost, const Part& part, const Part& other, double by) {
+    lost.kind = ContactFault::Kind::kLostContact;
+    lost.first = part.name;
+    lost.second = other.name;
+    lost.amount = by;
+    faults.push_back(std::move(lost));
   };
+  ContactFault turned = fault;
+  std::swap(turned.first_element, turned.second_element);
   for (const Part& part : a) {
     double first_gap = kInfinity;
     for (std::size_t j = 0; j < b.size(); ++j) {
@@ -247,13 +220,13 @@ void ContactCheck::CheckPair(const Meeting& meeting, const std::vector<Part>& a,
       }
     }
     gap = std::min(gap, first_gap);
-    if (each_of_first && first_gap > tolerance_) lose(part, b.front(), first_gap);
+    if (each_of_first && first_gap > tolerance_) lose(fault, part, b.front(), first_gap);
   }
   for (std::size_t j = 0; j < b.size(); ++j) {
-    if (each_of_second && second_gap[j] > tolerance_) lose(b[j], a.front(), second_gap[j]);
+    if (each_of_second && second_gap[j] > tolerance_) lose(turned, b[j], a.front(), second_gap[j]);
   }
   const bool told = each_of_first || each_of_second;
-  if (meeting.any && !told && gap > tolerance_) lose(a.front(), b.front(), gap);
+  if (meeting.any && !told && gap > tolerance_) lose(fault, a.front(), b.front(), gap);
 }
 
 void ContactCheck::CheckSizes(const Parts& parts, std::vector<ContactFault>& faults) const {
@@ -276,6 +249,7 @@ void ContactCheck::CheckSizes(const Parts& parts, std::vector<ContactFault>& fau
       ContactFault fault;
       fault.kind = ContactFault::Kind::kChangedSize;
       fault.first = part.name;
+      fault.first_element = static_cast<int>(e);
       fault.amount = differs;
       faults.push_back(fault);
     }
@@ -306,6 +280,7 @@ void ContactCheck::CheckNeighbours(const Parts& parts, const Eigen::VectorXd& q,
       ContactFault fault;
       fault.first = parts[e].front().name;
       fault.second = parts[e].back().name;
+      fault.first_element = fault.second_element = static_cast<int>(e);
       if (met.touched && gaps[i] > tolerance_) {
         fault.kind = ContactFault::Kind::kLostContact;
         fault.amount = gaps[i];

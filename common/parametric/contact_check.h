@@ -21,21 +21,10 @@
 #include "common/mesh/proximity.h"
 #include "common/parametric/assembly.h"
 #include "common/parametric/element.h"
+#include "common/parametric/oriented_box.h"
 #include "common/parametric/rest_pose.h"
 
 namespace mortise::parametric {
-
-// A box anywhere in space.
-struct OrientedBox {
-  Eigen::Vector3d center = Eigen::Vector3d::Zero();     // m
-  Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();   // columns: unit vectors
-  Eigen::Vector3d half_size = Eigen::Vector3d::Zero();  // m
-};
-
-// How far two boxes are apart along the direction that separates them best, m; if they intersect,
-// minus how far one must be moved to be free. By separating axes (Gottschalk et al. 1996): exact
-// where negative, and never above the true distance.
-double Separation(const OrientedBox& a, const OrientedBox& b);
 
 struct ContactFault {
   enum class Kind { kLostContact, kPenetration, kChangedSize };
@@ -44,6 +33,10 @@ struct ContactFault {
   std::string first;   // part; of patterns the one at fault
   std::string second;  // part or pattern; empty for changed sizes
   double amount = 0;   // m: the gap, the depth, or by how much a size differs
+  // Indices of the elements that the parts belong to; the same one of neighbours in a pattern, -1
+  // where there is no second.
+  int first_element = -1;
+  int second_element = -1;
 };
 
 // "'leg 1' has lost 'top' by 0.002 m in 'lid hinge: open'".

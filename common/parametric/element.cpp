@@ -73,10 +73,10 @@ Element ElementOfPattern(const Assembly& assembly, const FoundPattern& found, do
 }  // namespace
 
 std::vector<Element> MakeElements(const Assembly& assembly, double tolerance,
-                                  const std::set<int>& easily_lost) {
+                                  const PatternExclusions& exclusions) {
   std::vector<Element> elements;
   std::vector<bool> taken(assembly.parts.size(), false);
-  for (const FoundPattern& found : FindPatterns(assembly, tolerance, easily_lost)) {
+  for (const FoundPattern& found : FindPatterns(assembly, tolerance, exclusions)) {
     elements.push_back(ElementOfPattern(assembly, found, tolerance));
     for (const int part : found.parts) taken[static_cast<std::size_t>(part)] = true;
   }

@@ -7,7 +7,6 @@
 #include <Eigen/Core>
 #include <array>
 #include <optional>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -45,10 +44,10 @@ struct Element {
 };
 
 // The elements of a valid assembly: its patterns, largest first, then the remaining parts in their
-// order. Along a pattern's directions the limits are those of LengthsOf. `easily_lost` as in
+// order. Along a pattern's directions the limits are those of LengthsOf. `exclusions` as in
 // FindPatterns.
 std::vector<Element> MakeElements(const Assembly& assembly, double tolerance,
-                                  const std::set<int>& easily_lost = {});
+                                  const PatternExclusions& exclusions = {});
 
 // Of each part of the assembly, the index of its element; -1 of one that is in none.
 std::vector<int> ElementsOfParts(const Assembly& assembly, const std::vector<Element>& elements);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <random>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -334,6 +335,30 @@ absl::StatusOr<std::vector<Range>> FeasibleSet::RangesOf(
     ranges.push_back(range);
   }
   return ranges;
+}
+
+absl::StatusOr<std::vector<Eigen::VectorXd>> FeasibleSet::Corners(int count,
+                                                                  std::uint64_t seed) const {
+  if (count < 0) return InvalidField("count", "must not be negative");
+  const Polyhedron whole{normals_, slacks_, Eigen::MatrixXd(0, basis_.cols()), Eigen::VectorXd(0)};
+  std::vector<Eigen::VectorXd> corners(static_cast<std::size_t>(count),
+                                       Eigen::VectorXd::Zero(basis_.cols()));
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal;
+  for (const PolyhedronFactor& of : FactorsOf(whole)) {
+    const Polyhedron factor = PolyhedronOf(whole, of);
+    MORTISE_ASSIGN_OR_RETURN(LinearProgramme programme,
+                             LinearProgramme::Create(factor.inequalities, factor.bounds));
+    for (Eigen::VectorXd& corner : corners) {
+      Eigen::VectorXd direction(static_cast<Eigen::Index>(of.variables.size()));
+      for (double& component : direction) component = normal(random);
+      MORTISE_ASSIGN_OR_RETURN(const auto furthest, programme.Furthest(direction));
+      if (!furthest) return Unbounded();
+      SetEntries(*furthest, of, corner);
+    }
+  }
+  for (Eigen::VectorXd& corner : corners) corner = drawn_ + basis_ * corner;
+  return corners;
 }
 
 absl::StatusOr<std::optional<Eigen::VectorXd>> FeasibleSet::UnboundedDirection() const {

@@ -83,6 +83,11 @@ class FeasibleSet {
   // the last one ended (linear_programme.h).
   absl::StatusOr<std::vector<Range>> RangesOf(const std::vector<LinearForm>& forms) const;
 
+  // `count` points at corners of the set: the ends of random directions, seeded. Each factor of the
+  // set (polyhedron_factors.h) has directions of its own. Fails as RangesOf. A linear programme for
+  // each.
+  absl::StatusOr<std::vector<Eigen::VectorXd>> Corners(int count, std::uint64_t seed) const;
+
   // A change of q that can be followed without end; nothing if there is none, decided exactly.
   absl::StatusOr<std::optional<Eigen::VectorXd>> UnboundedDirection() const;
 

@@ -8,7 +8,9 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/mesh/proximity.h"
+#include "common/parametric/design_trial.h"
 #include "common/parametric/easily_lost.h"
+#include "common/parametric/principal_patterns.h"
 
 namespace mortise::parametric {
 namespace {
@@ -93,16 +95,7 @@ absl::StatusOr<ParametricAssembly> ParametricAssembly::Create(Assembly assembly)
   ParametricAssembly made;
   made.assembly_ = std::move(assembly);
   made.tolerance_ = kRelativeTolerance * AssemblyDiagonal(made.assembly_);
-  std::set<int> easily_lost;
-  while (true) {
-    MORTISE_RETURN_IF_ERROR(made.FindFeasibleSet(easily_lost));
-    MORTISE_ASSIGN_OR_RETURN(
-        const std::set<int> lost,
-        FindEasilyLost(made.assembly_, made.elements_, *made.feasible_set_, made.tolerance_));
-    const std::size_t known = easily_lost.size();
-    easily_lost.insert(lost.begin(), lost.end());
-    if (easily_lost.size() == known) break;
-  }
+  MORTISE_RETURN_IF_ERROR(made.FindSoundFeasibleSet());
   made.placement_.emplace(*made.feasible_set_, made.elements_,
                           FindConnections(made.assembly_, made.elements_, made.contacts_,
                                           made.relationships_, made.tolerance_));
@@ -110,11 +103,33 @@ absl::StatusOr<ParametricAssembly> ParametricAssembly::Create(Assembly assembly)
   return made;
 }
 
-absl::Status ParametricAssembly::FindFeasibleSet(const std::set<int>& easily_lost) {
-  elements_ = MakeElements(assembly_, tolerance_, easily_lost);
+absl::Status ParametricAssembly::FindSoundFeasibleSet() {
+  std::set<int> easily_lost;
+  Remedies remedies;
+  const auto has_more = [](auto& all, const auto& found) {
+    const std::size_t known = all.size();
+    all.insert(found.begin(), found.end());
+    return all.size() > known;
+  };
+  while (true) {
+    MORTISE_RETURN_IF_ERROR(FindFeasibleSet({easily_lost, remedies.lone}, remedies.kept_apart));
+    MORTISE_ASSIGN_OR_RETURN(const std::set<int> lost,
+                             FindEasilyLost(assembly_, elements_, *feasible_set_, tolerance_));
+    if (has_more(easily_lost, lost)) continue;
+    MORTISE_ASSIGN_OR_RETURN(const Remedies found, TryDesigns(assembly_, elements_, *feasible_set_,
+                                                              remedies, tolerance_));
+    const bool has_more_lone = has_more(remedies.lone, found.lone);
+    const bool has_more_apart = has_more(remedies.kept_apart, found.kept_apart);
+    if (!has_more_lone && !has_more_apart) return absl::OkStatus();
+  }
+}
+
+absl::Status ParametricAssembly::FindFeasibleSet(const PatternExclusions& exclusions,
+                                                 const std::set<KeptApart>& kept_apart) {
+  elements_ = MakeElements(assembly_, tolerance_, exclusions);
   MORTISE_ASSIGN_OR_RETURN(contacts_, FindContacts(assembly_, elements_, tolerance_));
   FollowPrincipalPatterns(elements_, contacts_, tolerance_);
-  relationships_ = FindRelationships(assembly_, elements_, contacts_, tolerance_);
+  relationships_ = FindRelationships(assembly_, elements_, contacts_, tolerance_, kept_apart);
   std::vector<Relationship> anchored = relationships_;
   for (Relationship& held : StandingInPlace(elements_)) anchored.push_back(std::move(held));
   MORTISE_ASSIGN_OR_RETURN(

@@ -71,7 +71,8 @@ class ParametricAssembly {
   // of their boxes where they have none; alignment, likeness and contact are judged with one
   // tolerance(), and curved faces besides with what their triangles may miss. The lowest element
   // is held on the floor, the first where it is drawn along x and y. Patterns end before parts that
-  // they might lose (easily_lost.h), which takes another round. FAILED_PRECONDITION as
+  // they might lose (easily_lost.h), and what designs that are tried show to be at fault is mended
+  // (design_trial.h); each takes another round. FAILED_PRECONDITION as
   // FeasibleSet::Create, or FEASIBLE_SET_UNBOUNDED naming an element that could move or grow
   // without end.
   static absl::StatusOr<ParametricAssembly> Create(Assembly assembly);
@@ -139,9 +140,12 @@ class ParametricAssembly {
 
  private:
   ParametricAssembly() = default;
-  // Everything up to the feasible set. Patterns touch parts that are easily lost with all of their
-  // parts or with none.
-  absl::Status FindFeasibleSet(const std::set<int>& easily_lost);
+  // The feasible set, made anew until no pattern might lose what it touches, and none of the
+  // designs that are tried has a fault that could be helped.
+  absl::Status FindSoundFeasibleSet();
+  // Everything up to the feasible set.
+  absl::Status FindFeasibleSet(const PatternExclusions& exclusions,
+                               const std::set<KeptApart>& kept_apart);
   absl::Status CheckBounded() const;
   absl::StatusOr<LinearForm> FormOf(const Measure& measure, const std::string& field) const;
   absl::StatusOr<Adjustment> ComeNear(const Eigen::VectorXd& from,

@@ -307,11 +307,13 @@ Pattern PatternOf(const Assembly& assembly, const Candidate& candidate) {
 }  // namespace
 
 std::vector<FoundPattern> FindPatterns(const Assembly& assembly, double tolerance,
-                                       const std::set<int>& easily_lost) {
+                                       const PatternExclusions& exclusions) {
   std::vector<FoundPattern> found;
   for (std::vector<int> kind : IdenticalParts(assembly, tolerance)) {
+    std::erase_if(kind, [&](int part) { return exclusions.lone.count(part) != 0; });
     while (static_cast<int>(kind.size()) >= kFewest) {
-      const Candidate best = PatternSearch(assembly, kind, easily_lost, tolerance).Best();
+      const Candidate best =
+          PatternSearch(assembly, kind, exclusions.easily_lost, tolerance).Best();
       if (best.parts.empty()) break;
       found.push_back({PatternOf(assembly, best), best.parts});
       std::erase_if(kind, [&](int part) {

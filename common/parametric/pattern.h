@@ -40,6 +40,13 @@ struct Pattern {
   static constexpr SizeLimits kAnySize{0, std::numeric_limits<double>::infinity()};
 };
 
+// Which patterns are not wanted. Parts by their index in the assembly.
+struct PatternExclusions {
+  // Touch no pattern in part only (pattern_contact.h): rows end before them.
+  std::set<int> easily_lost;
+  std::set<int> lone;  // are in no pattern
+};
+
 // Where a pattern was found.
 struct FoundPattern {
   Pattern pattern;
@@ -52,10 +59,9 @@ struct FoundPattern {
 // The directions of a grid lead along different axes. Nothing else stands between the parts of a
 // pattern without touching one: as their number changes, they would run into it. `tolerance` in
 // metres. O(n² log n) for n identical parts of one group in one dimension; two dimensions add the
-// pairs of directions that begin at one part. Parts that are `easily_lost` touch no pattern in part
-// only (pattern_contact.h): rows end before them.
+// pairs of directions that begin at one part.
 std::vector<FoundPattern> FindPatterns(const Assembly& assembly, double tolerance,
-                                       const std::set<int>& easily_lost = {});
+                                       const PatternExclusions& exclusions = {});
 
 // Whether there are as many parts along both, and as far apart. `tolerance` in metres.
 bool RepeatAlike(const PatternDirection& a, const PatternDirection& b, double tolerance);

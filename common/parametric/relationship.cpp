@@ -21,7 +21,7 @@ class RelationshipSearch {
         tolerance_(tolerance),
         drawn_(DrawnParameters(assembly, elements)) {}
 
-  std::vector<Relationship> Find(const Contacts& contacts) {
+  std::vector<Relationship> Find(const Contacts& contacts, const std::set<KeptApart>& kept_apart) {
     FindSizes();
     FindSymmetries();
     for (const Pose& pose : PosesOf(assembly_)) {
@@ -35,6 +35,7 @@ class RelationshipSearch {
         FindOrder(pose, positions, axis);
       }
       KeepOrderOfPlanes(pose, NeighboursIn(pose, contacts, positions), positions);
+      KeepApart(pose, kept_apart);
     }
     return std::move(found_);
   }
@@ -381,6 +382,29 @@ class RelationshipSearch {
     }
   }
 
+  // Parts that relationships along the axes do not keep clear of each other.
+  void KeepApart(const Pose& pose, const std::set<KeptApart>& kept_apart) {
+    std::set<std::pair<int, int>> pairs;
+    const std::vector<int> element_of = ElementsOfParts(assembly_, elements_);
+    for (const KeptApart& kept : kept_apart) {
+      if (kept.pose != pose.name) continue;
+      pairs.insert(std::minmax(element_of[static_cast<std::size_t>(kept.first)],
+                               element_of[static_cast<std::size_t>(kept.second)]));
+    }
+    for (const auto& [a, b] : pairs) {
+      const SeparatingAxis separating =
+          FindSeparatingAxis(BoxIn(pose, assembly_, elements_, a, drawn_),
+                             BoxIn(pose, assembly_, elements_, b, drawn_));
+      if (separating.distance < -tolerance_) continue;
+      LinearForm overlap = ReachIn(pose, assembly_, elements_, a, separating.direction) +
+                           ReachIn(pose, assembly_, elements_, b, -separating.direction);
+      // The drawing may miss the contact by less than the tolerance.
+      overlap.constant -= std::max(0.0, overlap.At(drawn_));
+      Add(RelationshipKind::kOrder, false, std::move(overlap), GroupFor(pose, a, b),
+          absl::StrCat("'", At(a).name, "' clear of '", At(b).name, "' in '", pose.name, "'"));
+    }
+  }
+
   // ---- Patterns
   // ------------------------------------------------------------------------------------
 
@@ -465,52 +489,11 @@ const char* RelationshipKindName(RelationshipKind kind) {
   return "";
 }
 
-namespace {
-
-// Parts that grew with their spacing would not stay with what repeats beside them.
-void KeepSizesAlong(int axis, double tolerance, Element& element) {
-  const auto index = static_cast<std::size_t>(axis);
-  if (!element.pattern->resizable[index]) return;
-  element.pattern->resizable[index] = false;
-  element.limits[index] = LengthsOf(*element.pattern, axis, element.box.size()[axis], tolerance);
-}
-
-}  // namespace
-
-void FollowPrincipalPatterns(std::vector<Element>& elements, const Contacts& contacts,
-                             double tolerance) {
-  for (const auto& [a, b] : contacts) {
-    Element& first = elements[static_cast<std::size_t>(a)];
-    Element& second = elements[static_cast<std::size_t>(b)];
-    if (!first.pattern || !second.pattern) continue;
-    for (int axis = 0; axis < 3; ++axis) {
-      if (!CommonDirection(*first.pattern, *second.pattern, axis, tolerance)) continue;
-      KeepSizesAlong(axis, tolerance, first);
-      KeepSizesAlong(axis, tolerance, second);
-    }
-  }
-  const auto follow = [&](Element& follower, const Element& principal) {
-    if (!follower.connecting || principal.connecting) return;
-    for (int axis = 0; axis < 3; ++axis) {
-      const auto common = CommonDirection(*follower.pattern, *principal.pattern, axis, tolerance);
-      if (!common) continue;
-      follower.pattern->directions[static_cast<std::size_t>(common->first)].principal_size =
-          principal.pattern->part_size[axis];
-    }
-  };
-  for (const auto& [a, b] : contacts) {
-    Element& first = elements[static_cast<std::size_t>(a)];
-    Element& second = elements[static_cast<std::size_t>(b)];
-    if (!first.pattern || !second.pattern) continue;
-    follow(first, second);
-    follow(second, first);
-  }
-}
-
 std::vector<Relationship> FindRelationships(const Assembly& assembly,
                                             const std::vector<Element>& elements,
-                                            const Contacts& contacts, double tolerance) {
-  return RelationshipSearch(assembly, elements, tolerance).Find(contacts);
+                                            const Contacts& contacts, double tolerance,
+                                            const std::set<KeptApart>& kept_apart) {
+  return RelationshipSearch(assembly, elements, tolerance).Find(contacts, kept_apart);
 }
 
 }  // namespace mortise::parametric

@@ -3,7 +3,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <set>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -34,14 +36,18 @@ struct Relationship {
   std::string description;
 };
 
+// Two parts of the assembly that stay clear of each other in a rest pose.
+struct KeptApart {
+  std::string pose;  // as Pose::name
+  int first = 0;
+  int second = 0;
+};
+inline bool operator<(const KeptApart& a, const KeptApart& b) {
+  return std::tie(a.pose, a.first, a.second) < std::tie(b.pose, b.first, b.second);
+}
+
 // Elements that touch, by index.
 using Contacts = std::vector<std::pair<int, int>>;
-
-// Lets patterns that touch each other and repeat together keep the sizes of their parts along that
-// direction, and connecting ones take the counts of the principal ones. After MakeElements, before
-// anything that depends on how many parts there are.
-void FollowPrincipalPatterns(std::vector<Element>& elements, const Contacts& contacts,
-                             double tolerance);
 
 // All relationships of a design, those of rest poses included: each joint's rest poses are taken
 // one joint at a time, the others as drawn. The drawn parameters satisfy every one.
@@ -53,7 +59,8 @@ void FollowPrincipalPatterns(std::vector<Element>& elements, const Contacts& con
 // - order: what lies wholly before another along an axis stays so; of elements that touch, all
 //   planes keep their order, prominent ones too, so that the contact is not lost; likewise of
 //   elements that lie in each other's boxes without touching, so that they stay clear of each
-//   other;
+//   other; elements with parts that are `kept_apart` in a pose stay so along the direction that
+//   separates their boxes best as drawn, which need not be an axis;
 // - size: the limits of the items;
 // - repeat: patterns that touch and are as often and as far apart along an axis stay so: what
 //   fastens each part of a row goes on doing that.
@@ -64,6 +71,7 @@ void FollowPrincipalPatterns(std::vector<Element>& elements, const Contacts& con
 // planes along an axis.
 std::vector<Relationship> FindRelationships(const Assembly& assembly,
                                             const std::vector<Element>& elements,
-                                            const Contacts& contacts, double tolerance);
+                                            const Contacts& contacts, double tolerance,
+                                            const std::set<KeptApart>& kept_apart = {});
 
 }  // namespace mortise::parametric

@@ -59,9 +59,7 @@ class Positions {
 
   std::vector<PosedPosition> All() {
     for (std::size_t e = 0; e < elements_.size(); ++e) {
-      const bool moved =
-          pose_.joint >= 0 && IsWithin(assembly_, elements_[e].group, pose_.moved_group);
-      if (moved) {
+      if (MovesIn(pose_, assembly_, elements_[e])) {
         AddMoved(static_cast<int>(e));
       } else {
         AddStill(static_cast<int>(e));
@@ -172,6 +170,43 @@ Eigen::Isometry3d MotionIn(const Pose& pose, const Assembly& assembly, std::size
   const Eigen::Vector3d center = q.segment<3>(JointVariable(elements, pose.joint, Axis::kX));
   return Eigen::Translation3d(center) * Eigen::Isometry3d(RotationOf(joint, pose.motion)) *
          Eigen::Translation3d(-center);
+}
+
+bool MovesIn(const Pose& pose, const Assembly& assembly, const Element& element) {
+  return pose.joint >= 0 && IsWithin(assembly, element.group, pose.moved_group);
+}
+
+OrientedBox BoxIn(const Pose& pose, const Assembly& assembly, const std::vector<Element>& elements,
+                  int element, const Eigen::VectorXd& q) {
+  OrientedBox box;
+  box.center = q.segment<3>(CenterVariable(element, Axis::kX));
+  box.half_size = q.segment<3>(SizeVariable(element, Axis::kX)) / 2;
+  if (!MovesIn(pose, assembly, elements[static_cast<std::size_t>(element)])) return box;
+  const Eigen::Isometry3d motion = MotionIn(pose, assembly, elements.size(), q);
+  box.center = motion * box.center;
+  box.axes = motion.linear();
+  return box;
+}
+
+LinearForm ReachIn(const Pose& pose, const Assembly& assembly, const std::vector<Element>& elements,
+                   int element, const Eigen::Vector3d& direction) {
+  const bool moves = MovesIn(pose, assembly, elements[static_cast<std::size_t>(element)]);
+  Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
+  std::array<LinearForm, 3> center;
+  if (moves) {
+    axes = RotationOf(assembly.joints[static_cast<std::size_t>(pose.joint)], pose.motion);
+    center = PosedCenter(pose, assembly, elements.size(), element);
+  }
+  LinearForm reach;
+  for (const Axis axis : kAxes) {
+    const auto index = static_cast<std::size_t>(axis);
+    const int i = static_cast<int>(axis);
+    if (!moves) center[index] = LinearForm::Variable(CenterVariable(element, axis));
+    reach = Combine(1, reach, direction[i], center[index]);
+    reach = Combine(1, reach, std::abs(axes.col(i).dot(direction)) / 2,
+                    LinearForm::Variable(SizeVariable(element, axis)));
+  }
+  return reach;
 }
 
 std::vector<PosedPosition> PositionsIn(const Pose& pose, const Assembly& assembly,

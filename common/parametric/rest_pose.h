@@ -10,6 +10,7 @@
 #include "common/parametric/assembly.h"
 #include "common/parametric/element.h"
 #include "common/parametric/linear_form.h"
+#include "common/parametric/oriented_box.h"
 
 namespace mortise::parametric {
 
@@ -52,6 +53,18 @@ Eigen::VectorXd DrawnParameters(const Assembly& assembly, const std::vector<Elem
 // that miss right angles by 1e-4 rad or less, as digits typed by hand do, are taken as right ones.
 Eigen::Isometry3d MotionIn(const Pose& pose, const Assembly& assembly, std::size_t elements,
                            const Eigen::VectorXd& q);
+
+// Whether a pose moves an element.
+bool MovesIn(const Pose& pose, const Assembly& assembly, const Element& element);
+
+// The box of an element in a pose, at q.
+OrientedBox BoxIn(const Pose& pose, const Assembly& assembly, const std::vector<Element>& elements,
+                  int element, const Eigen::VectorXd& q);
+
+// How far an element reaches along a direction, a unit vector, in a pose: the largest value of
+// direction · x over its box, m, as a function of q.
+LinearForm ReachIn(const Pose& pose, const Assembly& assembly, const std::vector<Element>& elements,
+                   int element, const Eigen::Vector3d& direction);
 
 // Planes and centres of all elements in a pose. A rotation that does not take axes to axes leaves
 // no plane of the moved elements parallel to one; then only their centres are given.

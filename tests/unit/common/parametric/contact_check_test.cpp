@@ -25,18 +25,6 @@ using Kind = ContactFault::Kind;
 
 constexpr double kTolerance = 1e-6;
 
-OrientedBox AnyBox(std::mt19937& random) {
-  std::uniform_real_distribution<double> uniform(0.1, 0.6);
-  std::normal_distribution<double> normal;
-  OrientedBox box;
-  box.center = {normal(random) / 2, normal(random) / 2, normal(random) / 2};
-  box.axes = Eigen::Quaterniond(normal(random), normal(random), normal(random), normal(random))
-                 .normalized()
-                 .toRotationMatrix();
-  box.half_size = {uniform(random), uniform(random), uniform(random)};
-  return box;
-}
-
 // A design with its check.
 struct Design {
   explicit Design(Assembly drawing)
@@ -72,76 +60,6 @@ struct Design {
   Eigen::VectorXd drawn;
   ContactCheck check;
 };
-
-TEST(SeparationTest, OfBoxesSideBySideIsTheGapOrTheDepth) {
-  OrientedBox a;
-  a.half_size = {1, 2, 3};
-  OrientedBox b = a;
-  b.center = {2.5, 0.5, 1};
-  EXPECT_NEAR(Separation(a, b), 0.5, 1e-12);
-  b.center.x() = 2;
-  EXPECT_NEAR(Separation(a, b), 0, 1e-12);
-  b.center.x() = 1.75;
-  EXPECT_NEAR(Separation(a, b), -0.25, 1e-12);
-}
-
-// A cube that stands on its edge reaches half its diagonal.
-TEST(SeparationTest, OfATurnedCubeIsMeasuredToItsEdge) {
-  OrientedBox a;
-  a.half_size = {0.5, 0.5, 0.5};
-  OrientedBox b = a;
-  b.axes = Eigen::AngleAxisd(std::acos(-1.0) / 4, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-  b.center = {2, 0, 0};
-  EXPECT_NEAR(Separation(a, b), 2 - 0.5 - std::sqrt(0.5), 1e-12);
-  // Edge over edge, crosswise: only a product of edges separates them.
-  a.axes = Eigen::AngleAxisd(std::acos(-1.0) / 4, Eigen::Vector3d::UnitY()).toRotationMatrix();
-  EXPECT_NEAR(Separation(a, b), 2 - 2 * std::sqrt(0.5), 1e-12);
-}
-
-TEST(SeparationTest, IsSymmetricAndTheSameWhereverOneStands) {
-  std::mt19937 random(1);
-  for (int round = 0; round < 500; ++round) {
-    OrientedBox a = AnyBox(random);
-    OrientedBox b = AnyBox(random);
-    const double separation = Separation(a, b);
-    EXPECT_NEAR(Separation(b, a), separation, 1e-12);
-    const OrientedBox motion = AnyBox(random);
-    for (OrientedBox* box : {&a, &b}) {
-      box->center = motion.axes * box->center + motion.center;
-      box->axes = motion.axes * box->axes;
-    }
-    EXPECT_NEAR(Separation(a, b), separation, 1e-9);
-  }
-}
-
-// A box that is free of another has none of its points, and no motion shorter than the separation
-// changes whether it is.
-TEST(SeparationTest, AgreesWithPointsAndMotions) {
-  std::mt19937 random(2);
-  std::uniform_real_distribution<double> uniform(-1, 1);
-  std::normal_distribution<double> normal;
-  int apart = 0;
-  for (int round = 0; round < 300; ++round) {
-    const OrientedBox a = AnyBox(random);
-    const OrientedBox b = AnyBox(random);
-    const double separation = Separation(a, b);
-    apart += separation > 0 ? 1 : 0;
-    for (int i = 0; i < 100; ++i) {
-      const Eigen::Vector3d within(uniform(random), uniform(random), uniform(random));
-      const Eigen::Vector3d point = a.center + a.axes * within.cwiseProduct(a.half_size);
-      const Eigen::Vector3d in_b = b.axes.transpose() * (point - b.center);
-      if (separation > 0) {
-        EXPECT_GT((in_b.cwiseAbs() - b.half_size).maxCoeff(), 0);
-      }
-      OrientedBox moved = b;
-      const Eigen::Vector3d way = Eigen::Vector3d(normal(random), normal(random), normal(random));
-      moved.center += 0.99 * std::abs(separation) * way.normalized();
-      EXPECT_EQ(Separation(a, moved) > 0, separation > 0);
-    }
-  }
-  EXPECT_GT(apart, 30);
-  EXPECT_LT(apart, 270);
-}
 
 TEST(ContactCheckTest, FeasibleDesignsHoldTogetherInEveryPose) {
   for (const Assembly& assembly : {TwoLeggedTable(), ChestWithLid()}) {

@@ -245,6 +245,30 @@ TEST(FeasibleSetTest, SampledDesignsCanBeBuilt) {
   }
 }
 
+// No design is further along an axis than the furthest corner of many.
+TEST(FeasibleSetTest, CornersAreFeasibleAndFurthestOut) {
+  const Parametrised table(TwoLeggedTable());
+  ASSERT_OK_AND_ASSIGN(const FeasibleSet set, table.Set(0, 0));
+  ASSERT_OK_AND_ASSIGN(const auto corners, set.Corners(200, 7));
+  ASSERT_EQ(corners.size(), 200U);
+  Eigen::VectorXd least = corners[0], most = corners[0];
+  for (const Eigen::VectorXd& corner : corners) {
+    EXPECT_TRUE(set.Violations(corner, 1e-8).empty());
+    least = least.cwiseMin(corner);
+    most = most.cwiseMax(corner);
+  }
+  std::vector<LinearForm> forms;
+  for (int i = 0; i < table.drawn.size(); ++i) forms.push_back(LinearForm::Variable(i));
+  ASSERT_OK_AND_ASSIGN(const std::vector<Range> ranges, set.RangesOf(forms));
+  for (Eigen::Index i = 0; i < table.drawn.size(); ++i) {
+    EXPECT_NEAR(least[i], ranges[static_cast<std::size_t>(i)].minimum, 1e-8);
+    EXPECT_NEAR(most[i], ranges[static_cast<std::size_t>(i)].maximum, 1e-8);
+  }
+  ASSERT_OK_AND_ASSIGN(const auto again, set.Corners(200, 7));
+  EXPECT_EQ(corners, again);
+  EXPECT_EQ(set.Corners(-1, 0).status().code(), absl::StatusCode::kInvalidArgument);
+}
+
 TEST(FeasibleSetTest, ASeedGivesTheSamePoints) {
   const Parametrised table(TwoLeggedTable());
   ASSERT_OK_AND_ASSIGN(const FeasibleSet set, table.Set(0, 0));

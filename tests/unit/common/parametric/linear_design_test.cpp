@@ -9,6 +9,7 @@
 
 #include "common/mesh/mass_properties.h"
 #include "common/parametric/feasible_set.h"
+#include "common/parametric/principal_patterns.h"
 #include "common/parametric/relationship.h"
 #include "common/parametric/rest_pose.h"
 #include "tests/unit/common/parametric/assemblies.h"

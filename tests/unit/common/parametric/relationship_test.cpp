@@ -203,6 +203,38 @@ TEST(RelationshipTest, ABallIsSoundInEachOfItsPoses) {
   ExpectSound(made);
 }
 
+// How far a box reaches in a pose is linear in q, turned however.
+TEST(RestPoseTest, ReachesAsFarAsTheFurthestCorner) {
+  Assembly chest = ChestWithLid();
+  chest.joints[0].rest_poses[0].motion = {-0.7, 0, 0};
+  const std::vector<Element> elements = MakeElements(chest, 1e-6);
+  std::mt19937 random(4);
+  std::uniform_real_distribution<double> uniform(0.1, 1);
+  Eigen::VectorXd q = DrawnParameters(chest, elements);
+  for (int round = 0; round < 50; ++round) {
+    for (double& value : q) value = uniform(random);
+    const Eigen::Vector3d direction =
+        Eigen::Vector3d(uniform(random), -uniform(random), uniform(random)).normalized();
+    for (const Pose& pose : PosesOf(chest)) {
+      const Eigen::Isometry3d motion = MotionIn(pose, chest, elements.size(), q);
+      for (int e = 0; e < static_cast<int>(elements.size()); ++e) {
+        const Eigen::Vector3d center = q.segment<3>(CenterVariable(e, Axis::kX));
+        const Eigen::Vector3d half = q.segment<3>(SizeVariable(e, Axis::kX)) / 2;
+        double furthest = -1e9;
+        for (int corner = 0; corner < 8; ++corner) {
+          Eigen::Vector3d point = center;
+          for (int axis = 0; axis < 3; ++axis) {
+            point[axis] += (corner >> axis & 1 ? 1 : -1) * half[axis];
+          }
+          if (MovesIn(pose, chest, elements[static_cast<std::size_t>(e)])) point = motion * point;
+          furthest = std::max(furthest, direction.dot(point));
+        }
+        EXPECT_NEAR(ReachIn(pose, chest, elements, e, direction).At(q), furthest, 1e-12);
+      }
+    }
+  }
+}
+
 // As a person types it, a right angle is one.
 TEST(RelationshipTest, AnAngleTypedByHandFreezesNothing) {
   const auto freedoms = [](double angle) {

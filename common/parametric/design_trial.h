@@ -1,0 +1,34 @@
+// Tries a parametrised design before anybody uses it: what linear relationships along the axes do
+// not say, some design among corners of the feasible set and points between them shows.
+//
+// A grid of resizable parts may stretch beyond the board it stands on, as how many parts it has and
+// how large they are is not linear in its box; a lid at 100° has no planes along the axes that
+// could keep it clear of what it leans over.
+#pragma once
+
+#include <set>
+
+#include "absl/status/statusor.h"
+#include "common/parametric/assembly.h"
+#include "common/parametric/element.h"
+#include "common/parametric/feasible_set.h"
+#include "common/parametric/relationship.h"
+
+namespace mortise::parametric {
+
+// What makes the designs that were tried sound, parts by their index in the assembly.
+struct Remedies {
+  std::set<int> lone;              // better in no pattern: PatternExclusions::lone
+  std::set<KeptApart> kept_apart;  // to be kept apart in a rest pose
+};
+
+// Parts count as their boxes. Where two elements run into each other in a pose, and are apart as
+// drawn, they are to be kept apart; any other fault gives up the patterns of its elements, of
+// fasteners before those of what they fasten. Nothing of `known` is said again, nor of designs that
+// have neither patterns nor rest poses. The same designs are tried whenever the same is asked.
+// Fails as FeasibleSet::Corners and ContactCheck::FaultsAt.
+absl::StatusOr<Remedies> TryDesigns(const Assembly& assembly, const std::vector<Element>& elements,
+                                    const FeasibleSet& feasible_set, const Remedies& known,
+                                    double tolerance);
+
+}  // namespace mortise::parametric

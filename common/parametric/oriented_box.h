@@ -1,0 +1,28 @@
+// Boxes anywhere in space, and what separates two of them.
+#pragma once
+
+#include <Eigen/Core>
+
+namespace mortise::parametric {
+
+struct OrientedBox {
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();     // m
+  Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();   // columns: unit vectors
+  Eigen::Vector3d half_size = Eigen::Vector3d::Zero();  // m
+};
+
+// The direction along which two boxes are furthest apart.
+struct SeparatingAxis {
+  Eigen::Vector3d direction =
+      Eigen::Vector3d::UnitX();  // unit vector, from the first to the second
+  double distance = 0;           // m between them along it
+};
+
+// By separating axes (Gottschalk et al. 1996). If the boxes intersect, the distance is minus how
+// far one must be moved to be free: exact; if not, it is never above the true distance.
+SeparatingAxis FindSeparatingAxis(const OrientedBox& a, const OrientedBox& b);
+
+// Its distance, m.
+double Separation(const OrientedBox& a, const OrientedBox& b);
+
+}  // namespace mortise::parametric

@@ -1,0 +1,17 @@
+// Rows that repeat together, as planks and the screws in each: what fastens a row follows it.
+#pragma once
+
+#include <vector>
+
+#include "common/parametric/element.h"
+#include "common/parametric/relationship.h"
+
+namespace mortise::parametric {
+
+// Lets patterns that touch each other and repeat together keep the sizes of their parts along that
+// direction, and connecting ones take the counts of the principal ones. After MakeElements, before
+// anything that depends on how many parts there are. `tolerance` in metres.
+void FollowPrincipalPatterns(std::vector<Element>& elements, const Contacts& contacts,
+                             double tolerance);
+
+}  // namespace mortise::parametric
