@@ -8,6 +8,7 @@
 #include <variant>
 #include <vector>
 
+#include "common/parametric/boundary_condition.h"
 #include "common/parametric/template_definition.h"
 
 namespace mortise::cad {
@@ -143,29 +144,13 @@ struct CircularPattern {
   Formula count, angle;
 };
 
-struct Fixed {
-  std::vector<std::string> faces;
-};
-
-struct Force {
-  std::vector<std::string> faces;
-  Formula3 force;
-};
-
-struct Pressure {
-  std::vector<std::string> faces;
-  Formula pressure;
-};
-
-struct Heat {
-  std::vector<std::string> faces;
-  Formula flux, temperature;
-};
+// A support, load or heat on faces, or a load of the whole body.
+using Condition = parametric::ConditionDefinition;
 
 struct Feature {
   std::string name;
   std::variant<Sketch, Extrude, Revolve, Sweep, Boolean, Fillet, Chamfer, Draft, Shell, Hole,
-               LinearPattern, CircularPattern, Fixed, Force, Pressure, Heat>
+               LinearPattern, CircularPattern, Condition>
       kind;
 };
 
@@ -182,6 +167,7 @@ struct CadTemplate {
   std::vector<parametric::Parameter> parameters;
   std::vector<Definition> definitions;
   std::vector<Feature> features;
+  Formula reference_temperature;  // K; empty if there is no thermal stress
 };
 
 }  // namespace mortise::cad

@@ -7,6 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
+#include "common/parametric/condition_codec.h"
 #include "common/parametric/proto_text.h"
 #include "common/parametric/template_validation.h"
 
@@ -81,17 +82,14 @@ class FeatureReader {
         feature.kind = ReadRing(message.circular_pattern());
         break;
       case v1::Feature::kFixed:
-        feature.kind = Fixed{List(message.fixed().faces())};
-        break;
       case v1::Feature::kForce:
-        feature.kind = Force{List(message.force().faces()), Triple(message.force().force())};
-        break;
       case v1::Feature::kPressure:
-        feature.kind = Pressure{List(message.pressure().faces()), message.pressure().pressure()};
-        break;
       case v1::Feature::kHeat:
-        feature.kind =
-            Heat{List(message.heat().faces()), message.heat().flux(), message.heat().temperature()};
+      case v1::Feature::kSymmetric:
+      case v1::Feature::kDisplacement:
+      case v1::Feature::kGravity:
+      case v1::Feature::kRotation:
+        feature.kind = *parametric::ReadCondition(message, place_, findings_);
         break;
       case v1::Feature::KIND_NOT_SET:
         findings_.push_back({place_, "does not say what kind of feature it is"});
@@ -189,8 +187,14 @@ class FeatureReader {
 }  // namespace
 
 absl::StatusOr<CadTemplate> FromProto(const v1::CadTemplate& message) {
-  CadTemplate definition{
-      message.name(), message.title(), message.description(), message.material(), {}, {}, {}};
+  CadTemplate definition{message.name(),
+                         message.title(),
+                         message.description(),
+                         message.material(),
+                         {},
+                         {},
+                         {},
+                         message.reference_temperature()};
   for (const v1::Parameter& parameter : message.parameters()) {
     definition.parameters.push_back({parameter.name(), parameter.title(), parameter.description(),
                                      parameter.unit(), parameter.minimum(), parameter.maximum(),

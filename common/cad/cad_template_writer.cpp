@@ -1,5 +1,6 @@
 // Converts structs to messages.
 #include "common/cad/cad_template_codec.h"
+#include "common/parametric/condition_codec.h"
 
 namespace mortise::cad {
 namespace {
@@ -156,24 +157,7 @@ class KindWriter {
     message.set_count(pattern.count);
     message.set_angle(pattern.angle);
   }
-  void operator()(const Fixed& fixed) {
-    *feature_.mutable_fixed()->mutable_faces() = {fixed.faces.begin(), fixed.faces.end()};
-  }
-  void operator()(const Force& force) {
-    *feature_.mutable_force()->mutable_faces() = {force.faces.begin(), force.faces.end()};
-    Fill(force.force, *feature_.mutable_force()->mutable_force());
-  }
-  void operator()(const Pressure& pressure) {
-    v1::PressureOnFaces& message = *feature_.mutable_pressure();
-    *message.mutable_faces() = {pressure.faces.begin(), pressure.faces.end()};
-    message.set_pressure(pressure.pressure);
-  }
-  void operator()(const Heat& heat) {
-    v1::HeatOnFaces& message = *feature_.mutable_heat();
-    *message.mutable_faces() = {heat.faces.begin(), heat.faces.end()};
-    message.set_flux(heat.flux);
-    message.set_temperature(heat.temperature);
-  }
+  void operator()(const Condition& condition) { parametric::WriteCondition(condition, feature_); }
 
  private:
   v1::Feature& feature_;
@@ -208,6 +192,7 @@ v1::CadTemplate ToProto(const CadTemplate& definition) {
     added.set_name(feature.name);
     std::visit(KindWriter(added), feature.kind);
   }
+  message.set_reference_temperature(definition.reference_temperature);
   return message;
 }
 

@@ -43,6 +43,8 @@ class FeatureChecker {
       earlier_.emplace(feature.name, &feature);
     }
     if (!makes_body) Report("features", "make no body");
+    parametric::CheckConditionsTogether("features", uses_, definition_.reference_temperature,
+                                        findings_);
     return std::move(findings_);
   }
 
@@ -143,13 +145,14 @@ class FeatureChecker {
   void operator()(const CircularPattern& pattern) {
     Source("circular_pattern.feature", pattern.feature);
   }
-  void operator()(const Fixed& fixed) { Faces("fixed.faces", fixed.faces); }
-  void operator()(const Force& force) { Faces("force.faces", force.faces); }
-  void operator()(const Pressure& pressure) { Faces("pressure.faces", pressure.faces); }
-  void operator()(const Heat& heat) {
-    Faces("heat.faces", heat.faces);
-    if (heat.flux.empty() == heat.temperature.empty()) {
-      Here("heat.flux", "either it or the temperature must be given");
+  void operator()(const Condition& condition) {
+    std::string field = place_;
+    field.pop_back();
+    parametric::CheckCondition(field, condition.kind, condition.components, condition.load_case,
+                               findings_);
+    uses_.push_back({condition.kind, condition.load_case});
+    if (parametric::ActsOnFace(condition.kind)) {
+      Faces(parametric::FacesField(condition.kind), condition.faces);
     }
   }
 
@@ -307,6 +310,7 @@ class FeatureChecker {
   std::set<std::string> number_names_, feature_names_;
   FeaturesByName earlier_;
   std::set<std::string> bodies_;  // that exist at the feature at hand
+  std::vector<parametric::ConditionUse> uses_;
 };
 
 }  // namespace

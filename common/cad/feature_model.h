@@ -10,6 +10,7 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -28,6 +29,7 @@ struct RegeneratedModel {
   Solid solid;  // valid by the kernel's check; face_names are the first of `origins`
   std::vector<std::vector<FaceName>> origins;         // of each face: all names that lead to it
   std::vector<parametric::FaceCondition> conditions;  // in the order of the features
+  std::optional<double> reference_temperature;        // K; no thermal stress without it
 };
 
 // Indices of the faces that a reference as in feature_reference.h means. INVALID_ARGUMENT if it

@@ -100,14 +100,13 @@ class Lister {
     Required("circular_pattern.count", pattern.count, Need::kCount);
     Optional("circular_pattern.angle", pattern.angle, Need::kAny);
   }
-  void operator()(const Fixed&) {}
-  void operator()(const Force& force) { Optional("force.force", force.force, Need::kAny); }
-  void operator()(const Pressure& pressure) {
-    Required("pressure.pressure", pressure.pressure, Need::kAny);
-  }
-  void operator()(const Heat& heat) {
-    Optional("heat.flux", heat.flux, Need::kAny);
-    Optional("heat.temperature", heat.temperature, Need::kTemperature);
+  void operator()(const Condition& condition) {
+    const auto components = parametric::ComponentsOf(condition.kind);
+    for (std::size_t k = 0; k < components.size(); ++k) {
+      const Need need = components[k].positive ? Need::kPositive : Need::kAny;
+      uses_.push_back(
+          {components[k].field, &condition.components[k], need, components[k].coordinate});
+    }
   }
 
  private:
@@ -159,8 +158,8 @@ const char* Fault(double value, Need need) {
       return value > 1e-6 && value < 1.2 ? nullptr : "must be greater than 0, less than 1.2 rad";
     case Need::kConeAngle:
       return value >= 0.1 && value <= 3 ? nullptr : "must be 0.1 to 3 rad";
-    case Need::kTemperature:
-      return value > 0 ? nullptr : "must be greater than 0 K";
+    case Need::kPositive:
+      return value > 0 ? nullptr : "must be greater than 0";
   }
   return nullptr;
 }
@@ -215,9 +214,29 @@ FeatureNumbers::FeatureNumbers(const CadTemplate& definition, std::vector<Findin
         }
         expressions_.emplace(*use.formula, *std::move(expression));
       }
-      uses_.push_back({std::move(field), *use.formula, use.need});
+      const bool is_condition = std::holds_alternative<Condition>(definition.features[i].kind);
+      uses_.push_back({std::move(field), *use.formula, use.need,
+                       is_condition ? definition.features[i].name : ""});
     }
   }
+  AddReferenceTemperature(definition, names, findings);
+}
+
+void FeatureNumbers::AddReferenceTemperature(const CadTemplate& definition,
+                                             const std::vector<std::string>& names,
+                                             std::vector<Finding>& findings) {
+  constexpr char kField[] = "reference_temperature";
+  const Formula& formula = definition.reference_temperature;
+  if (formula.empty()) return;
+  if (!expressions_.contains(formula)) {
+    auto expression = Expression::Parse(formula, names);
+    if (!expression.ok()) {
+      findings.push_back({kField, std::string(expression.status().message())});
+      return;
+    }
+    expressions_.emplace(formula, *std::move(expression));
+  }
+  uses_.push_back({kField, formula, Need::kPositive, ""});
 }
 
 Numbers FeatureNumbers::Evaluate(const Eigen::Ref<const Eigen::VectorXd>& q,
@@ -237,20 +256,22 @@ Numbers FeatureNumbers::Evaluate(const Eigen::Ref<const Eigen::VectorXd>& q,
   }
   for (const Use& use : uses_) {
     const auto known = numbers.values_.find(use.text);
+    const std::string owner = use.condition.empty() ? "" : absl::StrCat("'", use.condition, "': ");
     double value = 0;
     if (known != numbers.values_.end()) {
       value = known->second;
     } else {
       const auto result = expressions_.at(use.text).Value(values);
       if (!result.ok()) {
-        findings.push_back({use.field, std::string(result.status().message())});
+        findings.push_back({use.field, owner + std::string(result.status().message())});
         continue;
       }
       value = *result;
       numbers.values_.emplace(use.text, value);
     }
     if (const char* fault = Fault(value, use.need)) {
-      findings.push_back({use.field, absl::StrCat("'", use.text, "' is ", value, ": ", fault)});
+      findings.push_back(
+          {use.field, absl::StrCat(owner, "'", use.text, "' is ", value, ": ", fault)});
     }
   }
   return numbers;

@@ -20,15 +20,15 @@ inline constexpr int kMaxInstances = 200;
 
 // What a number must be to be used.
 enum class Need {
-  kAny,          // finite
-  kPosition,     // m, at most 1 km from the origin
-  kLength,       // m, 1 µm to 1 km
-  kCount,        // a whole number from 1 to 1000
-  kSides,        // a whole number from 3 to 64
-  kTurn,         // rad, more than 0 to a full turn
-  kDraftAngle,   // rad, more than 0, less than 1.2
-  kConeAngle,    // rad, 0.1 to 3
-  kTemperature,  // K, more than 0
+  kAny,         // finite
+  kPosition,    // m, at most 1 km from the origin
+  kLength,      // m, 1 µm to 1 km
+  kCount,       // a whole number from 1 to 1000
+  kSides,       // a whole number from 3 to 64
+  kTurn,        // rad, more than 0 to a full turn
+  kDraftAngle,  // rad, more than 0, less than 1.2
+  kConeAngle,   // rad, 0.1 to 3
+  kPositive,    // more than 0
 };
 
 // A number of a feature.
@@ -70,7 +70,11 @@ class FeatureNumbers {
     std::string field;  // "features[2].extrude.to"
     std::string text;
     Need need;
+    std::string condition;  // whose it is; empty for the shape's
   };
+  void AddReferenceTemperature(const CadTemplate& definition, const std::vector<std::string>& names,
+                               std::vector<parametric::Finding>& findings);
+
   std::vector<parametric::Expression> definitions_;
   std::vector<Use> uses_;
   std::unordered_map<std::string, parametric::Expression> expressions_;  // by text

@@ -142,28 +142,19 @@ class Regeneration {
     MORTISE_ASSIGN_OR_RETURN(const auto placements, PlacementsOf(pattern, numbers_));
     return Repeat(pattern.feature, placements);
   }
-  absl::Status operator()(const Fixed& fixed) {
-    return AddCondition({name(), BoundaryConditionKind::kFixed, {}}, fixed.faces, "fixed.faces");
-  }
-  absl::Status operator()(const Force& force) {
-    FaceCondition condition{name(), BoundaryConditionKind::kForce, {}};
-    condition.force = numbers_(force.force);
-    return AddCondition(std::move(condition), force.faces, "force.faces");
-  }
-  absl::Status operator()(const Pressure& pressure) {
-    FaceCondition condition{name(), BoundaryConditionKind::kPressure, {}};
-    condition.pressure = numbers_(pressure.pressure);
-    return AddCondition(std::move(condition), pressure.faces, "pressure.faces");
-  }
-  absl::Status operator()(const Heat& heat) {
-    const bool is_flux = !heat.flux.empty();
-    FaceCondition condition{
-        name(),
-        is_flux ? BoundaryConditionKind::kHeatFlux : BoundaryConditionKind::kTemperature,
-        {}};
-    condition.heat_flux = numbers_(heat.flux);
-    condition.temperature = numbers_(heat.temperature);
-    return AddCondition(std::move(condition), heat.faces, "heat.faces");
+  absl::Status operator()(const Condition& definition) {
+    std::vector<std::optional<double>> values;
+    for (const Formula& component : definition.components) {
+      std::optional<double>& value = values.emplace_back();
+      if (!component.empty()) value = numbers_(component);
+    }
+    FaceCondition condition;
+    static_cast<parametric::ConditionNumbers&>(condition) =
+        parametric::NumbersOf(definition.kind, values);
+    condition.name = name();
+    condition.kind = definition.kind;
+    condition.load_case = definition.load_case;
+    return AddCondition(std::move(condition), definition.faces);
   }
 
  private:
@@ -229,9 +220,13 @@ class Regeneration {
     return UseOn(operation, repeatable.body, "", copies);
   }
 
-  absl::Status AddCondition(FaceCondition condition, const std::vector<std::string>& faces,
-                            const std::string& field) {
-    MORTISE_ASSIGN_OR_RETURN(const FoundFaces found, FindFaces(state_, faces, field));
+  absl::Status AddCondition(FaceCondition condition, const std::vector<std::string>& faces) {
+    if (!parametric::ActsOnFace(condition.kind)) {
+      conditions_.push_back(std::move(condition));
+      return absl::OkStatus();
+    }
+    MORTISE_ASSIGN_OR_RETURN(const FoundFaces found,
+                             FindFaces(state_, faces, parametric::FacesField(condition.kind)));
     // Faces of a condition follow later features as all names do.
     state_.bodies[found.body].names.push_back({{name(), kNoInstance, {}}, found.faces, {}});
     conditions_.push_back(std::move(condition));
@@ -348,7 +343,7 @@ absl::StatusOr<RegeneratedModel> Regeneration::Finish() const {
     }
   }
   for (const FaceCondition& condition : conditions) {
-    if (condition.faces.empty()) {
+    if (condition.faces.empty() && parametric::ActsOnFace(condition.kind)) {
       return PlaceOf(condition.name,
                      absl::StrCat("later features removed all faces of '", condition.name, "'"));
     }
@@ -362,7 +357,12 @@ absl::StatusOr<RegeneratedModel> Regeneration::Finish() const {
     if (names.empty()) names.push_back({body.name, kNoInstance, {}});  // the kernel did not tell
     kernel->face_names.push_back(ToString(names.front()));
   }
-  return RegeneratedModel{Solid(std::move(kernel)), std::move(origins), std::move(conditions)};
+  std::optional<double> reference;
+  if (!definition_.reference_temperature.empty()) {
+    reference = numbers_(definition_.reference_temperature);
+  }
+  return RegeneratedModel{Solid(std::move(kernel)), std::move(origins), std::move(conditions),
+                          reference};
 }
 
 }  // namespace

@@ -107,16 +107,20 @@ class CageChecker {
 
   void CheckConditions() {
     std::set<std::string> names;
+    std::vector<ConditionUse> uses;
     for (std::size_t i = 0; i < definition_.conditions.size(); ++i) {
       const CageCondition& condition = definition_.conditions[i];
       const std::string field = absl::StrCat("conditions[", i, "]");
       CheckUniqueName(field + ".name", condition.name, names, findings_);
+      CheckCondition(field, condition.kind, condition.components, condition.load_case, findings_);
+      uses.push_back({condition.kind, condition.load_case});
       for (std::size_t k = 0; k < condition.faces.size(); ++k) {
         if (face_names_.contains(condition.faces[k])) continue;
         Report(absl::StrCat(field, ".faces[", k, "]"),
                absl::StrCat("there is no face '", condition.faces[k].substr(0, 80), "'"));
       }
     }
+    CheckConditionsTogether("conditions", uses, definition_.reference_temperature, findings_);
   }
 
   const CageTemplate& definition_;
@@ -142,6 +146,7 @@ std::vector<Finding> CheckCageSizes(const CageTemplate& definition) {
   if (!findings.empty()) return findings;
   count("surface.faces[*].triangles", TrianglesOf(definition.surface).cols(), 4, kMaxTriangles);
   for (std::size_t i = 0; i < definition.conditions.size(); ++i) {
+    if (!ActsOnFace(definition.conditions[i].kind)) continue;
     count(absl::StrCat("conditions[", i, "].faces"), definition.conditions[i].faces.size(), 1,
           kMaxFaces);
   }

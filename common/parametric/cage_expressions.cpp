@@ -1,6 +1,7 @@
 #include "common/parametric/cage_expressions.h"
 
 #include <cmath>
+#include <span>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -62,28 +63,17 @@ CageExpressions::CageExpressions(const CageTemplate& definition, std::vector<Fin
   for (std::size_t i = 0; i < definition.conditions.size(); ++i) {
     const CageCondition& condition = definition.conditions[i];
     const std::string field = absl::StrCat("conditions[", i, "]");
-    Condition parsed{condition.kind, {}, {}};
-    switch (condition.kind) {
-      case BoundaryConditionKind::kFixed:
-        break;
-      case BoundaryConditionKind::kForce:
-        parsed.force = point(field + ".force.force", condition.force);
-        break;
-      case BoundaryConditionKind::kPressure:
-        parsed.amount.field = field + ".pressure.pressure";
-        break;
-      case BoundaryConditionKind::kHeatFlux:
-        parsed.amount.field = field + ".heat.flux";
-        break;
-      case BoundaryConditionKind::kTemperature:
-        parsed.amount.field = field + ".heat.temperature";
-        break;
-    }
-    if (!parsed.amount.field.empty()) {
-      parsed.amount.expression = parser.Parse(parsed.amount.field, condition.amount, false);
+    Condition parsed{condition.name, condition.kind, {}};
+    const std::span<const ConditionComponent> components = ComponentsOf(condition.kind);
+    for (std::size_t k = 0; k < components.size(); ++k) {
+      const std::string place = absl::StrCat(field, ".", components[k].field);
+      parsed.components.push_back(
+          {place, parser.Parse(place, condition.components[k], components[k].coordinate)});
     }
     conditions_.push_back(std::move(parsed));
   }
+  reference_temperature_ =
+      parser.Parse("reference_temperature", definition.reference_temperature, true);
 }
 
 absl::StatusOr<CageExpressions::Names> CageExpressions::NamesAt(const Eigen::VectorXd& q,
@@ -148,33 +138,37 @@ absl::StatusOr<CageNumbers> CageExpressions::Cage(const Eigen::VectorXd& q,
   return numbers;
 }
 
-absl::StatusOr<std::vector<CageConditionNumbers>> CageExpressions::Conditions(
+absl::StatusOr<CageExpressions::Conditions> CageExpressions::ConditionsAt(
     const Eigen::VectorXd& q) const {
   MORTISE_ASSIGN_OR_RETURN(const Names names, NamesAt(q, false));
   std::vector<Finding> findings;
-  const auto value_of = [&](const Placed& placed) {
-    if (!placed.expression) return 0.0;
-    const auto value = placed.expression->Value(names.values);
-    if (value.ok()) return *value;
-    findings.push_back(Fault(placed.field, value.status()));
-    return 0.0;
-  };
-  std::vector<CageConditionNumbers> numbers;
+  Conditions at;
   for (const Condition& condition : conditions_) {
-    const std::size_t before = findings.size();
-    CageConditionNumbers& at = numbers.emplace_back();
-    for (int axis = 0; axis < 3; ++axis) {
-      at.force(axis) = value_of(condition.force[static_cast<std::size_t>(axis)]);
+    const std::span<const ConditionComponent> components = ComponentsOf(condition.kind);
+    std::vector<std::optional<double>> values;
+    for (std::size_t k = 0; k < components.size(); ++k) {
+      std::optional<double>& component = values.emplace_back();
+      const Placed& placed = condition.components[k];
+      if (!placed.expression) continue;
+      const auto value = placed.expression->Value(names.values);
+      const std::string fault =
+          value.ok() ? FaultOf(components[k], *value) : std::string(value.status().message());
+      if (!fault.empty()) {
+        findings.push_back({placed.field, absl::StrCat("'", condition.name, "': ", fault)});
+      }
+      component = value.value_or(0);
     }
-    at.amount = value_of(condition.amount);
-    if (condition.kind == BoundaryConditionKind::kTemperature && findings.size() == before &&
-        at.amount <= 0) {
-      findings.push_back(
-          {condition.amount.field, absl::StrCat("is ", at.amount, " K: must be above 0")});
-    }
+    at.numbers.push_back(NumbersOf(condition.kind, values));
+  }
+  if (reference_temperature_) {
+    const auto value = reference_temperature_->Value(names.values);
+    const std::string fault =
+        value.ok() ? FaultOfTemperature(*value) : std::string(value.status().message());
+    if (!fault.empty()) findings.push_back({"reference_temperature", fault});
+    at.reference_temperature = value.value_or(0);
   }
   MORTISE_RETURN_IF_ERROR(ToStatus(findings));
-  return numbers;
+  return at;
 }
 
 }  // namespace mortise::parametric

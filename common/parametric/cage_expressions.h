@@ -21,12 +21,6 @@ struct CageNumbers {
   Eigen::MatrixXd by_cage;  // 3C × n: row 3c + axis is the gradient; empty if not asked for
 };
 
-// A condition's numbers at one point; those that its kind does not have are 0.
-struct CageConditionNumbers {
-  Eigen::Vector3d force = Eigen::Vector3d::Zero();  // N
-  double amount = 0;                                // Pa, W/m² or K
-};
-
 // Can be evaluated from any number of threads.
 class CageExpressions {
  public:
@@ -39,9 +33,15 @@ class CageExpressions {
   // farther than 1 km from the origin.
   absl::StatusOr<CageNumbers> Cage(const Eigen::VectorXd& q, bool with_gradient) const;
 
-  // The numbers of the conditions, in their order. INVALID_ARGUMENT as above; temperatures must be
-  // greater than 0.
-  absl::StatusOr<std::vector<CageConditionNumbers>> Conditions(const Eigen::VectorXd& q) const;
+  // The conditions at `q`.
+  struct Conditions {
+    std::vector<ConditionNumbers> numbers;        // in their order
+    std::optional<double> reference_temperature;  // K
+  };
+
+  // INVALID_ARGUMENT naming the field and the condition of every expression that cannot be
+  // evaluated or is not what it must be: temperatures and coefficients are greater than 0.
+  absl::StatusOr<Conditions> ConditionsAt(const Eigen::VectorXd& q) const;
 
  private:
   struct Placed {
@@ -49,9 +49,9 @@ class CageExpressions {
     std::optional<Expression> expression;  // none where the text is empty: 0
   };
   struct Condition {
+    std::string name;
     BoundaryConditionKind kind;
-    std::array<Placed, 3> force;
-    Placed amount;
+    std::vector<Placed> components;
   };
   // Parameters, then definitions.
   struct Names {
@@ -64,6 +64,7 @@ class CageExpressions {
   std::vector<Placed> definitions_;
   std::vector<std::array<Placed, 3>> cage_;
   std::vector<Condition> conditions_;
+  std::optional<Expression> reference_temperature_;
 };
 
 }  // namespace mortise::parametric

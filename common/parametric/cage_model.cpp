@@ -181,9 +181,13 @@ const Eigen::MatrixXd& CageModel::coordinates() const { return state_->coordinat
 absl::StatusOr<CageDesign> CageModel::Evaluate(const Eigen::VectorXd& q) const {
   MORTISE_RETURN_IF_ERROR(ToStatus(CheckRanges(state_->definition.parameters, q)));
   MORTISE_ASSIGN_OR_RETURN(const CageNumbers numbers, state_->expressions.Cage(q, false));
-  MORTISE_ASSIGN_OR_RETURN(const std::vector<CageConditionNumbers> loads,
-                           state_->expressions.Conditions(q));
-  CageDesign design{state_->SurfaceAt(numbers.cage), state_->triangle_face, {}, {}};
+  MORTISE_ASSIGN_OR_RETURN(const CageExpressions::Conditions conditions,
+                           state_->expressions.ConditionsAt(q));
+  CageDesign design{state_->SurfaceAt(numbers.cage),
+                    state_->triangle_face,
+                    {},
+                    {},
+                    conditions.reference_temperature};
   const std::string fault = FaultOf(design.surface, state_->volume);
   if (!fault.empty()) {
     return InvalidField("surface", absl::StrCat(fault, At(state_->definition, q)));
@@ -191,19 +195,19 @@ absl::StatusOr<CageDesign> CageModel::Evaluate(const Eigen::VectorXd& q) const {
   for (const CageFace& face : state_->definition.surface.faces) {
     design.face_names.push_back(face.name);
   }
-  for (std::size_t i = 0; i < loads.size(); ++i) {
+  for (std::size_t i = 0; i < conditions.numbers.size(); ++i) {
     const CageCondition& condition = state_->definition.conditions[i];
-    FaceCondition at{
-        .name = condition.name, .kind = condition.kind, .faces = {}, .force = loads[i].force};
+    FaceCondition at;
+    static_cast<ConditionNumbers&>(at) = conditions.numbers[i];
+    at.name = condition.name;
+    at.kind = condition.kind;
+    at.load_case = condition.load_case;
     for (std::size_t face = 0; face < design.face_names.size(); ++face) {
       const auto& wanted = condition.faces;
       if (std::find(wanted.begin(), wanted.end(), design.face_names[face]) != wanted.end()) {
         at.faces.push_back(static_cast<int>(face));
       }
     }
-    if (condition.kind == BoundaryConditionKind::kPressure) at.pressure = loads[i].amount;
-    if (condition.kind == BoundaryConditionKind::kHeatFlux) at.heat_flux = loads[i].amount;
-    if (condition.kind == BoundaryConditionKind::kTemperature) at.temperature = loads[i].amount;
     design.conditions.push_back(std::move(at));
   }
   return design;

@@ -9,6 +9,7 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,10 +24,11 @@ namespace mortise::parametric {
 
 // The shape at given parameters.
 struct CageDesign {
-  mesh::SurfaceMesh surface;              // closed, outward, does not cross itself
-  Eigen::VectorXi triangle_face;          // T, index into face_names
-  std::vector<std::string> face_names;    // in the template's order
-  std::vector<FaceCondition> conditions;  // in the template's order
+  mesh::SurfaceMesh surface;                    // closed, outward, does not cross itself
+  Eigen::VectorXi triangle_face;                // T, index into face_names
+  std::vector<std::string> face_names;          // in the template's order
+  std::vector<FaceCondition> conditions;        // in the template's order
+  std::optional<double> reference_temperature;  // K; no thermal stress without it
 };
 
 // Everything that is wrong with a template, at once: names, ranges, sizes, references, expressions;

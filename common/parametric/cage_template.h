@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "common/parametric/boundary_condition.h"
 #include "common/parametric/template_definition.h"
 
 namespace mortise::parametric {
@@ -38,13 +39,9 @@ struct Cage {
   Eigen::Matrix3Xi triangles;
 };
 
-// A support or load.
-struct CageCondition {
+// A support, load or heat.
+struct CageCondition : ConditionDefinition {
   std::string name;
-  BoundaryConditionKind kind = BoundaryConditionKind::kFixed;
-  std::vector<std::string> faces;  // names
-  CagePoint force;                 // N in all, of kForce
-  std::string amount;              // Pa, W/m² or K of the last three kinds
 };
 
 struct CageTemplate {
@@ -57,6 +54,7 @@ struct CageTemplate {
   CageSurface surface;  // as it is at the defaults
   Cage cage;
   std::vector<CageCondition> conditions;
+  std::string reference_temperature;  // expression, K; empty if there is no thermal stress
 };
 
 }  // namespace mortise::parametric

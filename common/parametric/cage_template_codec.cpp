@@ -6,6 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
+#include "common/parametric/condition_codec.h"
 #include "common/parametric/proto_text.h"
 #include "common/parametric/template_validation.h"
 
@@ -46,68 +47,13 @@ void WriteColumns(const Eigen::Matrix<Number, 3, Eigen::Dynamic>& columns,
 CageCondition ReadCondition(const v1::CageCondition& message, const std::string& field,
                             std::vector<Finding>& findings) {
   CageCondition condition;
+  if (auto read = parametric::ReadCondition<v1::CageCondition>(message, field, findings)) {
+    static_cast<ConditionDefinition&>(condition) = *std::move(read);
+  } else {
+    findings.push_back({field, "does not say what kind of condition it is"});
+  }
   condition.name = message.name();
-  const auto read = [&condition](BoundaryConditionKind kind, const auto& faces) {
-    condition.kind = kind;
-    condition.faces = {faces.begin(), faces.end()};
-  };
-  switch (message.kind_case()) {
-    case v1::CageCondition::kFixed:
-      read(BoundaryConditionKind::kFixed, message.fixed().faces());
-      break;
-    case v1::CageCondition::kForce:
-      read(BoundaryConditionKind::kForce, message.force().faces());
-      condition.force = Read(message.force().force());
-      break;
-    case v1::CageCondition::kPressure:
-      read(BoundaryConditionKind::kPressure, message.pressure().faces());
-      condition.amount = message.pressure().pressure();
-      break;
-    case v1::CageCondition::kHeat: {
-      const v1::HeatOnFaces& heat = message.heat();
-      const bool is_flux = !heat.flux().empty();
-      if (is_flux != heat.temperature().empty()) {
-        findings.push_back(
-            {field + ".heat", "must have either a flux or a temperature, not both nor none"});
-      }
-      read(is_flux ? BoundaryConditionKind::kHeatFlux : BoundaryConditionKind::kTemperature,
-           heat.faces());
-      condition.amount = is_flux ? heat.flux() : heat.temperature();
-      break;
-    }
-    case v1::CageCondition::KIND_NOT_SET:
-      findings.push_back({field, "does not say what kind of condition it is"});
-      break;
-  }
   return condition;
-}
-
-void WriteCondition(const CageCondition& condition, v1::CageCondition& message) {
-  message.set_name(condition.name);
-  const auto write = [&condition](auto& kind) {
-    *kind.mutable_faces() = {condition.faces.begin(), condition.faces.end()};
-  };
-  switch (condition.kind) {
-    case BoundaryConditionKind::kFixed:
-      write(*message.mutable_fixed());
-      break;
-    case BoundaryConditionKind::kForce:
-      write(*message.mutable_force());
-      Write(condition.force, *message.mutable_force()->mutable_force());
-      break;
-    case BoundaryConditionKind::kPressure:
-      write(*message.mutable_pressure());
-      message.mutable_pressure()->set_pressure(condition.amount);
-      break;
-    case BoundaryConditionKind::kHeatFlux:
-      write(*message.mutable_heat());
-      message.mutable_heat()->set_flux(condition.amount);
-      break;
-    case BoundaryConditionKind::kTemperature:
-      write(*message.mutable_heat());
-      message.mutable_heat()->set_temperature(condition.amount);
-      break;
-  }
 }
 
 }  // namespace
@@ -143,6 +89,7 @@ absl::StatusOr<CageTemplate> FromProto(const v1::CageTemplate& message) {
     definition.conditions.push_back(
         ReadCondition(message.conditions(i), absl::StrCat("conditions[", i, "]"), findings));
   }
+  definition.reference_temperature = message.reference_temperature();
   MORTISE_RETURN_IF_ERROR(ToStatus(findings));
   return definition;
 }
@@ -180,8 +127,11 @@ v1::CageTemplate ToProto(const CageTemplate& definition) {
   }
   WriteColumns(definition.cage.triangles, *message.mutable_cage()->mutable_triangles());
   for (const CageCondition& condition : definition.conditions) {
-    WriteCondition(condition, *message.add_conditions());
+    v1::CageCondition& entry = *message.add_conditions();
+    entry.set_name(condition.name);
+    WriteCondition(condition, entry);
   }
+  message.set_reference_temperature(definition.reference_temperature);
   return message;
 }
 

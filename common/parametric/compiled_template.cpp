@@ -148,6 +148,10 @@ absl::StatusOr<CompiledTemplate> CompileTemplate(const TemplateBundle& bundle) {
     CompiledBoundaryCondition condition;
     const std::vector<std::string>& components = definition.boundary_conditions[i].components;
     for (std::size_t j = 0; j < components.size(); ++j) {
+      if (components[j].empty()) {
+        condition.components.emplace_back();
+        continue;
+      }
       MORTISE_ASSIGN_OR_RETURN(
           PlacedExpression component,
           CompileExpression(components[j],
@@ -156,6 +160,12 @@ absl::StatusOr<CompiledTemplate> CompileTemplate(const TemplateBundle& bundle) {
       condition.components.push_back(std::move(component));
     }
     compiled.boundary_conditions.push_back(std::move(condition));
+  }
+  if (!definition.reference_temperature.empty()) {
+    MORTISE_ASSIGN_OR_RETURN(
+        compiled.reference_temperature,
+        CompileExpression(definition.reference_temperature, "reference_temperature",
+                          ParameterNames(definition)));
   }
   return compiled;
 }

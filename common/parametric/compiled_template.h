@@ -2,6 +2,7 @@
 // evaluation files of this folder.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -45,7 +46,8 @@ struct CompiledConnection {
 };
 
 struct CompiledBoundaryCondition {
-  std::vector<PlacedExpression> components;
+  // As many as the kind has; nothing where a displacement is free.
+  std::vector<std::optional<PlacedExpression>> components;
 };
 
 struct CompiledTemplate {
@@ -53,6 +55,7 @@ struct CompiledTemplate {
   std::vector<CompiledPart> parts;
   std::vector<CompiledConnection> connections;
   std::vector<CompiledBoundaryCondition> boundary_conditions;
+  std::optional<PlacedExpression> reference_temperature;
 };
 
 // Compiles a template after checking it (template_checks.h); INVALID_ARGUMENT with the findings.

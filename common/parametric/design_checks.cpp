@@ -127,6 +127,8 @@ std::vector<Finding> CheckDesign(const CompiledTemplate& compiled, const Eigen::
     const auto condition = EvaluateBoundaryCondition(compiled, i, q);
     if (!condition.ok()) findings.push_back(FindingOf(condition.status()));
   }
+  const auto reference = EvaluateReferenceTemperature(compiled, q);
+  if (!reference.ok()) findings.push_back(FindingOf(reference.status()));
   // Contacts mean something only between parts that have a shape.
   if (whole.size() == parts.size()) CheckPegs(compiled, whole, findings);
   return findings;

@@ -158,33 +158,66 @@ EvaluatedConnector ConnectorOf(const v1::EvaluatedConnector& message) {
   return peg;
 }
 
+void SetDisplacement(const std::array<std::optional<double>, 3>& displacement,
+                     v1::PrescribedDisplacement* message) {
+  if (displacement[0]) message->set_x(*displacement[0]);
+  if (displacement[1]) message->set_y(*displacement[1]);
+  if (displacement[2]) message->set_z(*displacement[2]);
+}
+
+std::array<std::optional<double>, 3> DisplacementOf(const v1::PrescribedDisplacement& message) {
+  std::array<std::optional<double>, 3> displacement;
+  if (message.has_x()) displacement[0] = message.x();
+  if (message.has_y()) displacement[1] = message.y();
+  if (message.has_z()) displacement[2] = message.z();
+  return displacement;
+}
+
 void SetCondition(const EvaluatedBoundaryCondition& condition,
                   v1::EvaluatedBoundaryCondition* message) {
   message->set_name(condition.name);
   message->set_kind(static_cast<v1::BoundaryCondition::Kind>(condition.kind));
   message->set_part(condition.part);
   message->set_face(condition.face);
+  message->set_load_case(condition.load_case);
   SetVector(condition.force, message->mutable_force());
   message->set_pressure(condition.pressure);
   message->set_heat_flux(condition.heat_flux);
   message->set_temperature(condition.temperature);
+  message->set_coefficient(condition.coefficient);
+  if (condition.kind == BoundaryConditionKind::kDisplacement) {
+    SetDisplacement(condition.displacement, message->mutable_displacement());
+  }
+  if (condition.kind == BoundaryConditionKind::kGravity) {
+    SetVector(condition.acceleration, message->mutable_acceleration());
+  }
+  if (condition.kind == BoundaryConditionKind::kRotation) {
+    SetVector(condition.axis_point, message->mutable_axis_point());
+    SetVector(condition.angular_velocity, message->mutable_angular_velocity());
+  }
 }
 
 absl::StatusOr<EvaluatedBoundaryCondition> ConditionOf(
     const v1::EvaluatedBoundaryCondition& message, const std::string& field) {
   EvaluatedBoundaryCondition condition;
   condition.name = message.name();
-  if (message.kind() < v1::BoundaryCondition::FIXED ||
-      message.kind() > v1::BoundaryCondition::TEMPERATURE) {
+  if (!v1::BoundaryCondition::Kind_IsValid(message.kind()) ||
+      message.kind() == v1::BoundaryCondition::KIND_UNSPECIFIED) {
     return InvalidField(absl::StrCat(field, ".kind"), "is not a kind of condition");
   }
   condition.kind = static_cast<BoundaryConditionKind>(message.kind());
   condition.part = message.part();
   condition.face = message.face();
+  condition.load_case = message.load_case();
   condition.force = VectorOf(message.force());
   condition.pressure = message.pressure();
   condition.heat_flux = message.heat_flux();
   condition.temperature = message.temperature();
+  condition.coefficient = message.coefficient();
+  condition.displacement = DisplacementOf(message.displacement());
+  condition.acceleration = VectorOf(message.acceleration());
+  condition.axis_point = VectorOf(message.axis_point());
+  condition.angular_velocity = VectorOf(message.angular_velocity());
   return condition;
 }
 
@@ -208,6 +241,9 @@ v1::EvaluatedDesign ToProto(const EvaluatedDesign& design) {
     SetCondition(condition, message.add_boundary_conditions());
   }
   message.set_mass(design.mass);
+  if (design.reference_temperature) {
+    message.set_reference_temperature(*design.reference_temperature);
+  }
   return message;
 }
 
@@ -232,6 +268,9 @@ absl::StatusOr<EvaluatedDesign> FromProto(const v1::EvaluatedDesign& message) {
     design.boundary_conditions.push_back(std::move(condition));
   }
   design.mass = message.mass();
+  if (message.has_reference_temperature()) {
+    design.reference_temperature = message.reference_temperature();
+  }
   return design;
 }
 

@@ -200,15 +200,33 @@ absl::StatusOr<EvaluatedBoundaryCondition> EvaluateBoundaryCondition(
   condition.kind = definition.kind;
   condition.part = definition.part;
   condition.face = definition.face;
-  if (definition.kind == BoundaryConditionKind::kForce) {
-    for (int i = 0; i < 3; ++i) {
-      MORTISE_ASSIGN_OR_RETURN(condition.force(i),
-                               ValueOf(compiled.components[static_cast<std::size_t>(i)], q));
+  condition.load_case = definition.load_case;
+  std::vector<std::optional<double>> values;
+  for (std::size_t i = 0; i < compiled.components.size(); ++i) {
+    const std::optional<PlacedExpression>& component = compiled.components[i];
+    if (!component) {
+      values.emplace_back();
+      continue;
     }
-  } else if (definition.kind == BoundaryConditionKind::kPressure) {
-    MORTISE_ASSIGN_OR_RETURN(condition.pressure, ValueOf(compiled.components[0], q));
+    const absl::StatusOr<double> value = component->expression.Value(q);
+    const std::string fault = value.ok() ? FaultOf(ComponentsOf(definition.kind)[i], *value)
+                                         : std::string(value.status().message());
+    if (!fault.empty()) {
+      return InvalidField(component->field, absl::StrCat("'", definition.name, "': ", fault));
+    }
+    values.push_back(*value);
   }
+  static_cast<ConditionNumbers&>(condition) = NumbersOf(definition.kind, values);
   return condition;
+}
+
+absl::StatusOr<std::optional<double>> EvaluateReferenceTemperature(const CompiledTemplate& compiled,
+                                                                   const VectorXd& q) {
+  if (!compiled.reference_temperature) return std::nullopt;
+  MORTISE_ASSIGN_OR_RETURN(const double value, ValueOf(*compiled.reference_temperature, q));
+  const std::string fault = FaultOfTemperature(value);
+  if (!fault.empty()) return InvalidField(compiled.reference_temperature->field, fault);
+  return value;
 }
 
 absl::StatusOr<Dual> EvaluateVolume(const CompiledPart& part, const VectorXd& q) {

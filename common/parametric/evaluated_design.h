@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/mesh/surface_mesh.h"
+#include "common/parametric/boundary_condition.h"
 #include "common/parametric/template_definition.h"
 
 namespace mortise::parametric {
@@ -60,15 +61,12 @@ struct EvaluatedConnector {
   int priority = 0;
 };
 
-struct EvaluatedBoundaryCondition {
+struct EvaluatedBoundaryCondition : ConditionNumbers {
   std::string name;
   BoundaryConditionKind kind = BoundaryConditionKind::kFixed;
-  std::string part;
-  std::string face;
-  Eigen::Vector3d force = Eigen::Vector3d::Zero();  // N, kForce: the total over the face
-  double pressure = 0;                              // Pa, kPressure: positive pushes on the face
-  double heat_flux = 0;                             // W/m² into the part, kHeatFlux
-  double temperature = 0;                           // K, kTemperature
+  std::string part;       // empty for the whole body
+  std::string face;       // likewise
+  std::string load_case;  // of a load; empty where it acts in every one
 };
 
 struct NamedValue {
@@ -84,7 +82,8 @@ struct EvaluatedDesign {
   std::vector<EvaluatedPart> parts;    // in template order
   std::vector<EvaluatedConnector> connectors;
   std::vector<EvaluatedBoundaryCondition> boundary_conditions;
-  double mass = 0;  // kg, of the parts (pegs left out)
+  double mass = 0;                                   // kg, of the parts (pegs left out)
+  std::optional<double> reference_temperature = {};  // K; no thermal stress without it
 };
 
 // Index of the part of this name; -1 if there is none.

@@ -60,6 +60,8 @@ absl::StatusOr<EvaluatedDesign> TemplateFunction::Evaluate(const VectorXd& q) co
                              EvaluateBoundaryCondition(*compiled_, i, q));
     design.boundary_conditions.push_back(std::move(condition));
   }
+  MORTISE_ASSIGN_OR_RETURN(design.reference_temperature,
+                           EvaluateReferenceTemperature(*compiled_, q));
   return design;
 }
 

@@ -1,22 +1,18 @@
-// A support or load on faces of one solid, at given parameters.
+// A support, load or heat on faces of one solid, or a load of all of it, at given parameters.
 #pragma once
 
-#include <Eigen/Core>
 #include <string>
 #include <vector>
 
-#include "common/parametric/template_definition.h"
+#include "common/parametric/boundary_condition.h"
 
 namespace mortise::parametric {
 
-struct FaceCondition {
+struct FaceCondition : ConditionNumbers {
   std::string name;
   BoundaryConditionKind kind = BoundaryConditionKind::kFixed;
-  std::vector<int> faces;                           // indices of the solid's faces, at least one
-  Eigen::Vector3d force = Eigen::Vector3d::Zero();  // N in all, spread over the faces; kForce
-  double pressure = 0;                              // Pa, against the faces; kPressure
-  double heat_flux = 0;                             // W/m² into the solid; kHeatFlux
-  double temperature = 0;                           // K; kTemperature
+  std::vector<int> faces;  // indices of the solid's faces; none for the whole body
+  std::string load_case;   // of a load; empty where it acts in every one
 };
 
 }  // namespace mortise::parametric

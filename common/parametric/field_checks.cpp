@@ -15,9 +15,9 @@ constexpr std::size_t kMaxText = 1000;              // bytes
 constexpr std::ptrdiff_t kMaxTitle = 200;           // characters
 constexpr std::ptrdiff_t kMaxDescription = 10'000;  // characters
 
-constexpr const char* kUnits[] = {"1",   "m",   "m^2",   "m^3",   "rad",   "kg", "kg/m^3",
-                                  "s",   "m/s", "m/s^2", "rad/s", "Hz",    "N",  "N m",
-                                  "N/m", "Pa",  "J",     "W",     "W/m^2", "K",  "1/K"};
+constexpr const char* kUnits[] = {"1",   "m",     "m^2",   "m^3", "rad", "kg",       "kg/m^3", "s",
+                                  "m/s", "m/s^2", "rad/s", "Hz",  "N",   "N m",      "N/m",    "Pa",
+                                  "J",   "W",     "W/m^2", "K",   "1/K", "W/(m^2 K)"};
 
 void CheckCharacters(const std::string& field, const std::string& text, std::ptrdiff_t most,
                      std::vector<Finding>& findings) {

@@ -117,16 +117,12 @@ v1::Connection ToProto(const Connection& connection) {
 
 absl::StatusOr<BoundaryConditionKind> FromProto(v1::BoundaryCondition::Kind kind,
                                                 const std::string& field) {
-  switch (kind) {
-    case v1::BoundaryCondition::FIXED:
-      return BoundaryConditionKind::kFixed;
-    case v1::BoundaryCondition::FORCE:
-      return BoundaryConditionKind::kForce;
-    case v1::BoundaryCondition::PRESSURE:
-      return BoundaryConditionKind::kPressure;
-    default:
-      return InvalidField(field, "must be FIXED, FORCE or PRESSURE");
-  }
+  const bool is_known =
+      v1::BoundaryCondition::Kind_IsValid(kind) && kind != v1::BoundaryCondition::KIND_UNSPECIFIED;
+  if (is_known) return static_cast<BoundaryConditionKind>(kind);
+  return InvalidField(field,
+                      "must be FIXED, SYMMETRIC, DISPLACEMENT, FORCE, PRESSURE, GRAVITY, ROTATION, "
+                      "HEAT_FLUX, TEMPERATURE or CONVECTION");
 }
 
 v1::BoundaryCondition::Kind ToProto(BoundaryConditionKind kind) {
@@ -143,6 +139,7 @@ absl::StatusOr<BoundaryCondition> FromProto(const v1::BoundaryCondition& message
   condition.part = message.part();
   condition.face = message.face();
   condition.components = {message.components().begin(), message.components().end()};
+  condition.load_case = message.load_case();
   return condition;
 }
 
@@ -155,6 +152,7 @@ v1::BoundaryCondition ToProto(const BoundaryCondition& condition) {
   message.set_part(condition.part);
   message.set_face(condition.face);
   for (const std::string& component : condition.components) message.add_components(component);
+  message.set_load_case(condition.load_case);
   return message;
 }
 
@@ -196,6 +194,7 @@ absl::StatusOr<TemplateDefinition> FromProto(const v1::Template& message) {
         FromProto(message.boundary_conditions(i), absl::StrCat("boundary_conditions[", i, "]")));
     definition.boundary_conditions.push_back(std::move(condition));
   }
+  definition.reference_temperature = message.reference_temperature();
   return definition;
 }
 
@@ -216,6 +215,7 @@ v1::Template ToProto(const TemplateDefinition& definition) {
   for (const BoundaryCondition& condition : definition.boundary_conditions) {
     *message.add_boundary_conditions() = ToProto(condition);
   }
+  message.set_reference_temperature(definition.reference_temperature);
   return message;
 }
 

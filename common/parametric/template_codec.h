@@ -18,7 +18,7 @@ namespace mortise::parametric {
 absl::StatusOr<Material> FromProto(const v1::Material& message);
 absl::StatusOr<Item> FromProto(const v1::Item& message);
 Parameter FromProto(const v1::Parameter& message);
-// FIXED, FORCE or PRESSURE; `field` is the path of the message.
+// A condition of any kind; `field` is the path of the message.
 absl::StatusOr<BoundaryCondition> FromProto(const v1::BoundaryCondition& message,
                                             const std::string& field);
 // Only templates of parts; for any kind see common/templates/template_codec.h.

@@ -186,21 +186,26 @@ struct Connection {
   double depth_in_part = 0;  // fraction of the peg's length in `part`
 };
 
-// Heat is prescribed only by CAD templates.
 enum class BoundaryConditionKind {
   kFixed = 1,
   kForce = 2,
   kPressure = 3,
   kHeatFlux = 4,
   kTemperature = 5,
+  kConvection = 6,
+  kSymmetric = 7,
+  kDisplacement = 8,
+  kGravity = 9,
+  kRotation = 10,
 };
 
 struct BoundaryCondition {
   std::string name;
   BoundaryConditionKind kind = BoundaryConditionKind::kFixed;
-  std::string part;
-  std::string face;
-  std::vector<std::string> components;  // kForce: three expressions, N; kPressure: one, Pa
+  std::string part;                     // empty for the whole body
+  std::string face;                     // likewise
+  std::vector<std::string> components;  // expressions, as many as the kind has
+  std::string load_case;                // of a load; empty where it acts in every one
 };
 
 struct TemplateDefinition {
@@ -212,7 +217,8 @@ struct TemplateDefinition {
   std::vector<PartTemplate> parts;
   std::vector<Connection> connections;
   std::vector<BoundaryCondition> boundary_conditions;
-  std::string digest;  // SHA-256 of the content
+  std::string reference_temperature = {};  // expression, K; empty if there is no thermal stress
+  std::string digest;                      // SHA-256 of the content
 };
 
 // A template with every item and material it uses: all that F(q) needs.

@@ -36,7 +36,7 @@ constexpr std::size_t kMaxConditions = 500;
 
 struct CompiledCondition {
   BoundaryCondition condition;
-  std::vector<parametric::Expression> components;
+  std::vector<std::optional<parametric::Expression>> components;  // none where it is free
 };
 
 // "top shelf 1", x: "top_shelf_1_x".
@@ -47,17 +47,6 @@ std::string ParameterName(const Measure& measure) {
   }
   if (std::isdigit(static_cast<unsigned char>(name.front())) != 0) name.insert(0, "_");
   return name;
-}
-
-std::size_t ComponentsOf(BoundaryConditionKind kind) {
-  switch (kind) {
-    case BoundaryConditionKind::kForce:
-      return 3;
-    case BoundaryConditionKind::kPressure:
-      return 1;
-    default:
-      return 0;
-  }
 }
 
 // The parameters that the handles are, with what is wrong with them.
@@ -122,6 +111,29 @@ std::vector<Parameter> ParametersOf(const ParametricAssembly& assembly,
   return parameters;
 }
 
+// The part and face of a condition, or that it has none.
+void CheckPlace(const parametric::EvaluatedDesign& drawn, const BoundaryCondition& condition,
+                const std::string& field, std::vector<Finding>& findings) {
+  if (!parametric::ActsOnFace(condition.kind)) {
+    constexpr char kWhole[] = "must be left out: this kind acts on the whole body";
+    if (!condition.part.empty()) findings.push_back({field + ".part", kWhole});
+    if (!condition.face.empty()) findings.push_back({field + ".face", kWhole});
+    return;
+  }
+  const int part = parametric::FindPart(drawn, condition.part);
+  if (part < 0) {
+    findings.push_back({field + ".part", absl::StrCat("there is no part '", condition.part, "'")});
+    return;
+  }
+  const parametric::EvaluatedPart& of = drawn.parts[static_cast<std::size_t>(part)];
+  if (of.connecting) {
+    findings.push_back({field + ".part", "only connects others, which analyses leave out"});
+  } else if (std::find(of.face_names.begin(), of.face_names.end(), condition.face) ==
+             of.face_names.end()) {
+    findings.push_back({field + ".face", absl::StrCat("there is no face '", condition.face, "'")});
+  }
+}
+
 std::vector<CompiledCondition> ConditionsOf(const parametric::EvaluatedDesign& drawn,
                                             const std::vector<BoundaryCondition>& conditions,
                                             const std::vector<std::string>& parameters,
@@ -138,26 +150,21 @@ std::vector<CompiledCondition> ConditionsOf(const parametric::EvaluatedDesign& d
     if (condition.name.empty() || !names.insert(condition.name).second) {
       findings.push_back({absl::StrCat(field, ".name"), "must be there, and distinct"});
     }
-    const int part = parametric::FindPart(drawn, condition.part);
-    if (part < 0) {
-      findings.push_back(
-          {absl::StrCat(field, ".part"), absl::StrCat("there is no part '", condition.part, "'")});
-    } else if (drawn.parts[static_cast<std::size_t>(part)].connecting) {
-      findings.push_back(
-          {absl::StrCat(field, ".part"), "only connects others, which analyses leave out"});
-    } else {
-      const auto& faces = drawn.parts[static_cast<std::size_t>(part)].face_names;
-      if (std::find(faces.begin(), faces.end(), condition.face) == faces.end()) {
-        findings.push_back({absl::StrCat(field, ".face"),
-                            absl::StrCat("there is no face '", condition.face, "'")});
-      }
-    }
+    CheckPlace(drawn, condition, field, findings);
+    parametric::CheckCondition(field, condition.kind, condition.components, condition.load_case,
+                               findings);
     CompiledCondition entry{condition, {}};
-    if (condition.components.size() != ComponentsOf(condition.kind)) {
-      findings.push_back({absl::StrCat(field, ".components"),
-                          absl::StrCat("must be ", ComponentsOf(condition.kind))});
+    const std::size_t expected = parametric::ComponentsOf(condition.kind).size();
+    if (condition.components.size() != expected) {
+      findings.push_back({absl::StrCat(field, ".components"), absl::StrCat("must be ", expected)});
     }
     for (std::size_t k = 0; k < condition.components.size(); ++k) {
+      const bool is_free =
+          condition.kind == BoundaryConditionKind::kDisplacement && condition.components[k].empty();
+      if (is_free) {
+        entry.components.emplace_back();
+        continue;
+      }
       auto expression = parametric::Expression::Parse(condition.components[k], parameters);
       if (expression.ok()) {
         entry.components.push_back(*std::move(expression));
@@ -174,11 +181,13 @@ std::vector<CompiledCondition> ConditionsOf(const parametric::EvaluatedDesign& d
 class HandledAssembly final : public Template {
  public:
   HandledAssembly(TemplateHead head, std::shared_ptr<const ParametricAssembly> assembly,
-                  std::vector<AssemblyHandle> handles, std::vector<CompiledCondition> conditions)
+                  std::vector<AssemblyHandle> handles, std::vector<CompiledCondition> conditions,
+                  std::optional<parametric::Expression> reference_temperature)
       : Template(std::move(head)),
         assembly_(std::move(assembly)),
         handles_(std::move(handles)),
-        conditions_(std::move(conditions)) {}
+        conditions_(std::move(conditions)),
+        reference_temperature_(std::move(reference_temperature)) {}
 
   std::size_t MemoryUse() const override {
     return Template::MemoryUse() + parametric::MemoryUse(*assembly_);
@@ -193,6 +202,7 @@ class HandledAssembly final : public Template {
       MORTISE_ASSIGN_OR_RETURN(parametric::EvaluatedBoundaryCondition condition, ConditionAt(i, q));
       design.boundary_conditions.push_back(std::move(condition));
     }
+    MORTISE_ASSIGN_OR_RETURN(design.reference_temperature, ReferenceTemperatureAt(q));
     return design;
   }
 
@@ -237,31 +247,47 @@ class HandledAssembly final : public Template {
   absl::StatusOr<parametric::EvaluatedBoundaryCondition> ConditionAt(
       std::size_t index, const Eigen::VectorXd& q) const {
     const CompiledCondition& compiled = conditions_[index];
-    std::vector<double> values;
+    const BoundaryCondition& condition = compiled.condition;
+    std::vector<std::optional<double>> values;
     for (std::size_t k = 0; k < compiled.components.size(); ++k) {
-      const absl::StatusOr<double> value = compiled.components[k].Value(q);
-      if (!value.ok()) {
+      if (!compiled.components[k]) {
+        values.emplace_back();
+        continue;
+      }
+      const absl::StatusOr<double> value = compiled.components[k]->Value(q);
+      const std::string fault =
+          value.ok() ? parametric::FaultOf(parametric::ComponentsOf(condition.kind)[k], *value)
+                     : std::string(value.status().message());
+      if (!fault.empty()) {
         return InvalidField(absl::StrCat("boundary_conditions[", index, "].components[", k, "]"),
-                            std::string(value.status().message()));
+                            absl::StrCat("'", condition.name, "': ", fault));
       }
       values.push_back(*value);
     }
-    const BoundaryCondition& condition = compiled.condition;
-    parametric::EvaluatedBoundaryCondition evaluated{.name = condition.name,
-                                                     .kind = condition.kind,
-                                                     .part = condition.part,
-                                                     .face = condition.face};
-    if (condition.kind == BoundaryConditionKind::kForce) {
-      evaluated.force = Eigen::Vector3d(values[0], values[1], values[2]);
-    } else if (condition.kind == BoundaryConditionKind::kPressure) {
-      evaluated.pressure = values[0];
-    }
+    parametric::EvaluatedBoundaryCondition evaluated;
+    evaluated.name = condition.name;
+    evaluated.kind = condition.kind;
+    evaluated.part = condition.part;
+    evaluated.face = condition.face;
+    evaluated.load_case = condition.load_case;
+    static_cast<parametric::ConditionNumbers&>(evaluated) =
+        parametric::NumbersOf(condition.kind, values);
     return evaluated;
+  }
+
+  absl::StatusOr<std::optional<double>> ReferenceTemperatureAt(const Eigen::VectorXd& q) const {
+    if (!reference_temperature_) return std::nullopt;
+    const absl::StatusOr<double> value = reference_temperature_->Value(q);
+    const std::string fault =
+        value.ok() ? parametric::FaultOfTemperature(*value) : std::string(value.status().message());
+    if (!fault.empty()) return InvalidField("reference_temperature", fault);
+    return *value;
   }
 
   const std::shared_ptr<const ParametricAssembly> assembly_;
   const std::vector<AssemblyHandle> handles_;
   const std::vector<CompiledCondition> conditions_;
+  const std::optional<parametric::Expression> reference_temperature_;
 };
 
 }  // namespace
@@ -316,9 +342,25 @@ absl::StatusOr<std::shared_ptr<const Template>> MakeAssemblyTemplate(
       parametric::DesignAt(*assembly, assembly->drawn(), head.items, head.materials);
   std::vector<CompiledCondition> conditions =
       ConditionsOf(drawn, definition.boundary_conditions, names, findings);
+  std::vector<parametric::ConditionUse> uses;
+  for (const BoundaryCondition& condition : definition.boundary_conditions) {
+    uses.push_back({condition.kind, condition.load_case});
+  }
+  parametric::CheckConditionsTogether("boundary_conditions", uses, definition.reference_temperature,
+                                      findings);
+  std::optional<parametric::Expression> reference;
+  if (!definition.reference_temperature.empty()) {
+    auto expression = parametric::Expression::Parse(definition.reference_temperature, names);
+    if (expression.ok()) {
+      reference = *std::move(expression);
+    } else {
+      findings.push_back({"reference_temperature", std::string(expression.status().message())});
+    }
+  }
   MORTISE_RETURN_IF_ERROR(parametric::ToStatus(findings));
-  return std::make_shared<const HandledAssembly>(
-      std::move(head), std::move(assembly), std::move(definition.handles), std::move(conditions));
+  return std::make_shared<const HandledAssembly>(std::move(head), std::move(assembly),
+                                                 std::move(definition.handles),
+                                                 std::move(conditions), std::move(reference));
 }
 
 }  // namespace mortise::templates

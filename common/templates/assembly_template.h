@@ -25,6 +25,7 @@ struct AssemblyHandle {
 struct AssemblyTemplate {
   std::vector<AssemblyHandle> handles;
   std::vector<parametric::BoundaryCondition> boundary_conditions;  // on faces of its parts
+  std::string reference_temperature;  // expression, K; empty if there is no thermal stress
 };
 
 // Handles for sizes that can be chosen independently of each other and say all that sizes say: of
@@ -34,10 +35,11 @@ absl::StatusOr<std::vector<AssemblyHandle>> IndependentSizes(
     const parametric::ParametricAssembly& assembly, std::size_t limit);
 
 // `head` says what the catalog knows; its parameters are made of the handles here.
-// INVALID_ARGUMENT naming "assembly.handles[i]" or "boundary_conditions[i]", all at once, where one
-// means nothing: no handles, elements that there are not, lengths that cannot change, names that
-// are no identifiers or given twice, ranges without the drawn length or beyond what the assembly
-// allows, conditions on parts that there are not as drawn, expressions that cannot be read.
+// INVALID_ARGUMENT naming "assembly.handles[i]", "boundary_conditions[i]" or
+// "reference_temperature", all at once, where one means nothing: no handles, elements that there
+// are not, lengths that cannot change, names that are no identifiers or given twice, ranges without
+// the drawn length or beyond what the assembly allows, conditions on parts that there are not as
+// drawn, expressions that cannot be read.
 absl::StatusOr<std::shared_ptr<const Template>> MakeAssemblyTemplate(
     TemplateHead head, std::shared_ptr<const parametric::ParametricAssembly> assembly,
     AssemblyTemplate definition);

@@ -36,7 +36,10 @@ class CagedMesh final : public Template {
     MORTISE_ASSIGN_OR_RETURN(const parametric::Dual volume, model_.Volume(q));
     parametric::FacetedShape shape{std::move(made.surface), std::move(made.triangle_face), {}};
     for (std::string& name : made.face_names) shape.face_names.push_back({std::move(name)});
-    return DesignOf(identity_, std::move(shape), made.conditions, volume.value);
+    parametric::EvaluatedDesign design =
+        DesignOf(identity_, std::move(shape), made.conditions, volume.value);
+    design.reference_temperature = made.reference_temperature;
+    return design;
   }
 
   absl::StatusOr<std::vector<cad::Solid>> SolidsAt(const Eigen::VectorXd&) const override {

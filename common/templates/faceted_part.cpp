@@ -45,14 +45,14 @@ parametric::EvaluatedDesign DesignOf(const SolidIdentity& identity, parametric::
   design.parts.push_back(PartOf(identity, std::move(shape), volume));
   design.mass = design.parts[0].mass;
   for (const parametric::FaceCondition& condition : conditions) {
-    design.boundary_conditions.push_back({.name = condition.name,
-                                          .kind = condition.kind,
-                                          .part = design.parts[0].name,
-                                          .face = absl::StrCat("condition:", condition.name),
-                                          .force = condition.force,
-                                          .pressure = condition.pressure,
-                                          .heat_flux = condition.heat_flux,
-                                          .temperature = condition.temperature});
+    parametric::EvaluatedBoundaryCondition& at = design.boundary_conditions.emplace_back();
+    static_cast<parametric::ConditionNumbers&>(at) = condition;
+    at.name = condition.name;
+    at.kind = condition.kind;
+    at.load_case = condition.load_case;
+    if (!parametric::ActsOnFace(condition.kind)) continue;
+    at.part = design.parts[0].name;
+    at.face = absl::StrCat("condition:", condition.name);
   }
   return design;
 }

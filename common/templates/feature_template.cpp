@@ -27,7 +27,10 @@ class FeatureTemplate final : public Template {
       std::vector<std::string>& names = shape.face_names.emplace_back();
       for (const cad::FaceName& name : origins) names.push_back(cad::ToString(name));
     }
-    return DesignOf(identity_, std::move(shape), made.conditions, made.solid.Volume());
+    parametric::EvaluatedDesign design =
+        DesignOf(identity_, std::move(shape), made.conditions, made.solid.Volume());
+    design.reference_temperature = made.reference_temperature;
+    return design;
   }
 
   absl::StatusOr<std::vector<cad::Solid>> SolidsAt(const Eigen::VectorXd& q) const override {

@@ -85,6 +85,7 @@ absl::StatusOr<AssemblyTemplate> DefinitionOf(const v1::Template& message) {
                                                    absl::StrCat("boundary_conditions[", i, "]")));
     definition.boundary_conditions.push_back(std::move(condition));
   }
+  definition.reference_temperature = message.reference_temperature();
   return definition;
 }
 
@@ -173,6 +174,9 @@ void CheckHead(const v1::Template& message, std::vector<Finding>& findings) {
   if (!message.has_assembly() && message.boundary_conditions_size() > 0) {
     findings.push_back({"boundary_conditions", "must be those of the kind"});
   }
+  if (!message.has_assembly() && !message.reference_temperature().empty()) {
+    findings.push_back({"reference_temperature", "must be that of the kind"});
+  }
   const std::string& name = message.has_cad() ? message.cad().name() : message.cage().name();
   if (!name.empty() && name != message.name()) {
     findings.push_back({message.has_cad() ? "cad.name" : "cage.name",
@@ -237,8 +241,10 @@ bool Try(const Template& compiled, const Eigen::VectorXd& q, const std::string& 
     violations.push_back({field, message});
   }
   for (const FieldViolation& violation : violations) {
-    const bool within = violation.field.starts_with("boundary_conditions");
-    findings.push_back({absl::StrCat(within ? "" : kind + ".", violation.field),
+    // Those of an assembly template are beside its kind.
+    const bool beside = kind == "assembly" && (violation.field.starts_with("boundary_conditions") ||
+                                               violation.field == "reference_temperature");
+    findings.push_back({absl::StrCat(beside ? "" : kind + ".", violation.field),
                         absl::StrCat(where, ": ", violation.message)});
   }
   if (violations.empty()) {
@@ -349,6 +355,7 @@ v1::Template SummaryOf(v1::Template message) {
   message.clear_parts();
   message.clear_connections();
   message.clear_boundary_conditions();
+  message.clear_reference_temperature();
   if (message.has_cad()) message.mutable_cad()->Clear();
   if (message.has_cage()) message.mutable_cage()->Clear();
   if (message.has_assembly()) message.mutable_assembly()->clear_handles();

@@ -81,6 +81,13 @@ struct LoadCase {
   Eigen::VectorXd temperature;
 };
 
+// A load case by name.
+struct NamedLoadCase {
+  std::string name;
+  LoadCase loads;
+  bool thermal_stress = false;  // whether the temperatures of the model's heat act
+};
+
 // One load case and what it acts on. Parts that touch are bonded.
 struct AnalysisCase : LoadCase {
   std::vector<Material> materials;  // one for each part

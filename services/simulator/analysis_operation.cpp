@@ -16,6 +16,7 @@
 #include "common/rpc/operation_codec.h"
 #include "common/store/store.h"
 #include "services/simulator/design_analysis.h"
+#include "services/simulator/design_conditions.h"
 #include "services/simulator/mesh_case.h"
 #include "services/simulator/mesh_settings.h"
 #include "services/simulator/simulator_core.h"
@@ -223,7 +224,10 @@ absl::StatusOr<v1::Task> PrepareAnalysis(SimulatorCore& core, const v1::AnalyzeD
   // Fails at once, with the field, where the geometry is impossible or nothing holds it.
   MORTISE_ASSIGN_OR_RETURN(const parametric::EvaluatedDesign design,
                            (*compiled)->function->Evaluate(parameters));
-  MORTISE_RETURN_IF_ERROR(CheckSupported(design));
+  const bool has_heat = HasHeat(design);
+  const bool has_loads = IsLoaded(design) || !has_heat;
+  if (has_loads) MORTISE_RETURN_IF_ERROR(CheckSupported(design));
+  if (has_heat) MORTISE_RETURN_IF_ERROR(CheckHeated(design));
   v1::Task task;
   task.set_evaluator(kSimulatorQueue);
   task.set_subject((*compiled)->name);
@@ -231,7 +235,9 @@ absl::StatusOr<v1::Task> PrepareAnalysis(SimulatorCore& core, const v1::AnalyzeD
   task.set_digest((*compiled)->digest);
   for (const double value : parameters) task.mutable_point()->add_parameters(value);
   for (const MetricDescription& metric : OfferedMetrics()) {
-    const bool is_asked = metric.source != MetricSource::kModes || asked.modes() > 0;
+    const bool is_asked = (metric.source != MetricSource::kModes || asked.modes() > 0) &&
+                          (metric.source != MetricSource::kHeat || has_heat) &&
+                          (metric.source != MetricSource::kLoads || has_loads);
     if (is_asked) task.add_metrics(metric.name);
   }
   task.set_modes(asked.modes());

@@ -34,13 +34,6 @@ double Percentile(const Eigen::VectorXd& values, const Eigen::Matrix3Xi& triangl
   return sorted[rank];
 }
 
-absl::Status NeedSolution(const DesignAnalysis& analysis) {
-  if (analysis.mesh && analysis.solution && analysis.solution->stress.size() > 0) {
-    return absl::OkStatus();
-  }
-  return PreconditionFailed("NO_SOLUTION", "the analysis was made without fields", "fields");
-}
-
 render::Shape PartShape(const mesh::TetrahedralMesh& volume, int part) {
   render::Shape shape;
   shape.triangles = mesh::OuterTriangles(volume, part);
@@ -71,21 +64,6 @@ absl::StatusOr<std::string> Draw(render::Scene scene, const StressPictureOptions
 }
 
 }  // namespace
-
-absl::StatusOr<std::string> WriteFields(const DesignAnalysis& analysis) {
-  MORTISE_RETURN_IF_ERROR(NeedSolution(analysis));
-  const ElasticitySolution& solution = *analysis.solution;
-  return mesh::WriteVtu(*analysis.mesh, {{"displacement (m)", solution.displacement},
-                                         {"von Mises stress (Pa)", solution.von_mises.transpose()},
-                                         {"stress (Pa)", solution.stress},
-                                         {"reaction (N)", solution.reaction}});
-}
-
-absl::StatusOr<std::string> DrawStress(const DesignAnalysis& analysis, const std::string& title,
-                                       const StressPictureOptions& options) {
-  MORTISE_RETURN_IF_ERROR(NeedSolution(analysis));
-  return DrawStress(*analysis.mesh, *analysis.solution, title, options);
-}
 
 absl::StatusOr<std::string> DrawStress(const mesh::TetrahedralMesh& volume,
                                        const ElasticitySolution& solution, const std::string& title,

@@ -7,7 +7,7 @@
 
 #include "absl/status/statusor.h"
 #include "common/mesh/vtu_writer.h"
-#include "services/simulator/design_analysis.h"
+#include "services/simulator/elasticity.h"
 #include "services/simulator/modal_analysis.h"
 
 namespace mortise::simulator {
@@ -18,10 +18,6 @@ struct AnalysisFile {
   std::string media_type;  // "image/png"
   std::string bytes;
 };
-
-// VTU with displacement, von Mises stress, stress tensor and reactions at the nodes. The analysis
-// must have a solution.
-absl::StatusOr<std::string> WriteFields(const DesignAnalysis& analysis);
 
 // The shapes of vibration as fields, each with its number and frequency in its name.
 std::vector<mesh::VtuField> ShapeFields(const ModalSolution& vibration);
@@ -36,8 +32,6 @@ struct StressPictureOptions {
 // A PNG: the deformed shape, exaggerated, coloured by von Mises stress, over the outline of the
 // undeformed one. The scale ends at the 99.5th percentile, since a few nodes at sharp corners would
 // otherwise darken all the rest; the footnote gives the true maximum.
-absl::StatusOr<std::string> DrawStress(const DesignAnalysis& analysis, const std::string& title,
-                                       const StressPictureOptions& options = {});
 absl::StatusOr<std::string> DrawStress(const mesh::TetrahedralMesh& volume,
                                        const ElasticitySolution& solution, const std::string& title,
                                        const StressPictureOptions& options = {});

@@ -2,13 +2,14 @@
 
 #include <algorithm>
 #include <chrono>
+#include <limits>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "common/base/errors.h"
 #include "common/mesh/mass_properties.h"
 #include "common/mesh/surface_check.h"
-#include "services/simulator/error_estimate.h"
+#include "services/simulator/design_solver.h"
 #include "services/simulator/mesh_analysis.h"
 
 namespace mortise::simulator {
@@ -39,6 +40,18 @@ const std::vector<MetricDescription>& MetricsUnderLoads() {
       {"relative_error", "1",
        "Estimated error of the stresses, as a share of all, in the energy norm: 0.05 is good.",
        MetricSource::kLoads}};
+  return metrics;
+}
+
+const std::vector<MetricDescription>& MetricsOfHeat() {
+  static const std::vector<MetricDescription> metrics{
+      {"max_temperature", "K", "Highest temperature at any node.", MetricSource::kHeat},
+      {"min_temperature", "K", "Lowest temperature at any node.", MetricSource::kHeat},
+      {"mean_temperature", "K", "Mean temperature over the volume.", MetricSource::kHeat},
+      {"heat_dissipation", "W",
+       "Heat that leaves through convections and held temperatures, those that let more out than "
+       "in.",
+       MetricSource::kHeat}};
   return metrics;
 }
 
@@ -97,45 +110,45 @@ double LowestFrequency(const ModalSolution& vibration) {
   return vibration.modes[static_cast<std::size_t>(vibration.rigid_motions)].frequency;
 }
 
+double ValueOfHeat(const std::string& name, const HeatSolution& heat) {
+  if (name == "max_temperature") return heat.maximum;
+  if (name == "min_temperature") return heat.minimum;
+  if (name == "mean_temperature") return heat.mean;
+  return DissipatedHeat(heat);
+}
+
 double ValueUnderLoads(const std::string& name, const DesignModel& model,
-                       const DesignAnalysis& analysis, int threads) {
-  const ElasticitySolution& solution = *analysis.solution;
+                       const SolvedCase& solved) {
+  const ElasticitySolution& solution = solved.solution;
   if (name == "max_displacement") return solution.summary.maximum_displacement;
   if (name == "max_von_mises") return solution.part_maximum_von_mises.maxCoeff();
   if (name == "max_principal") return solution.maximum_principal.maxCoeff();
-  if (name == "relative_error") {
-    ThreadTeam team(threads);
-    return EstimateError(*analysis.mesh, model.analysis.materials, solution.displacement,
-                         solution.temperature, team)
-        .relative;
-  }
+  if (name == "relative_error") return solved.error->relative;
   if (name == "compliance") return solution.summary.compliance;
   if (name == "strain_energy") return solution.summary.strain_energy;
   return StressRatio(model, solution);
 }
 
 // Solves on finer meshes until the error is as wanted.
-absl::Status Refine(const DesignModel& model, const DesignAnalysisOptions& options,
-                    DesignAnalysis& analysis) {
+absl::Status Refine(const DesignSolver& solver, bool heat_wanted,
+                    const DesignAnalysisOptions& options, DesignAnalysis& analysis) {
   Refinement refinement({.wanted_error = options.wanted_error,
                          .mesh = options.mesh,
                          .memory_limit = options.elasticity.solver.memory_limit});
-  ThreadTeam team(options.elasticity.threads);
   while (true) {
-    const ErrorEstimate estimate =
-        EstimateError(*analysis.mesh, model.analysis.materials, analysis.solution->displacement,
-                      analysis.solution->temperature, team);
-    MORTISE_ASSIGN_OR_RETURN(auto finer, refinement.Next(*analysis.mesh, {&estimate, 1}));
+    std::vector<ErrorEstimate> estimates;
+    for (const SolvedCase& solved : analysis.cases) estimates.push_back(*solved.error);
+    MORTISE_ASSIGN_OR_RETURN(auto finer, refinement.Next(*analysis.mesh, estimates));
     if (!finer) break;
-    absl::StatusOr<ElasticitySolution> solution =
-        SolveElasticity(*finer, model.analysis, options.elasticity);
-    if (absl::IsResourceExhausted(solution.status())) {
-      refinement.GiveUp(std::string(solution.status().message()));
+    absl::StatusOr<SolvedDesign> solved = solver.Solve(*finer, heat_wanted);
+    if (absl::IsResourceExhausted(solved.status())) {
+      refinement.GiveUp(std::string(solved.status().message()));
       break;
     }
-    MORTISE_RETURN_IF_ERROR(solution.status());
+    MORTISE_RETURN_IF_ERROR(solved.status());
     analysis.mesh = *std::move(finer);
-    analysis.solution = *std::move(solution);
+    analysis.cases = std::move(solved->cases);
+    analysis.heat = std::move(solved->heat);
   }
   analysis.refinements = refinement.steps();
   analysis.shortfall = refinement.shortfall();
@@ -143,8 +156,7 @@ absl::Status Refine(const DesignModel& model, const DesignAnalysisOptions& optio
 }
 
 absl::StatusOr<Metric> Compute(const MetricDescription& metric, const DesignModel& model,
-                               const DesignAnalysis& analysis, GeometryMetrics& geometry,
-                               int threads) {
+                               const DesignAnalysis& analysis, GeometryMetrics& geometry) {
   Metric computed{metric.name, metric.unit, 0};
   switch (metric.source) {
     case MetricSource::kParts: {
@@ -163,8 +175,14 @@ absl::StatusOr<Metric> Compute(const MetricDescription& metric, const DesignMode
     case MetricSource::kModes:
       computed.value = LowestFrequency(*analysis.vibration);
       break;
+    case MetricSource::kHeat:
+      computed.value = ValueOfHeat(metric.name, *analysis.heat);
+      break;
     case MetricSource::kLoads:
-      computed.value = ValueUnderLoads(metric.name, model, analysis, threads);
+      computed.value = -std::numeric_limits<double>::infinity();
+      for (const SolvedCase& solved : analysis.cases) {
+        computed.value = std::max(computed.value, ValueUnderLoads(metric.name, model, solved));
+      }
       break;
   }
   return computed;
@@ -213,15 +231,33 @@ const std::vector<MetricDescription>& OfferedMetrics() {
     all.push_back({"natural_frequency", "Hz",
                    "Lowest frequency at which it vibrates on its supports, other than as a whole.",
                    MetricSource::kModes});
-    const std::vector<MetricDescription>& others = MetricsUnderLoads();
-    all.insert(all.end(), others.begin(), others.end());
+    for (const auto& others : {MetricsOfHeat(), MetricsUnderLoads()}) {
+      all.insert(all.end(), others.begin(), others.end());
+    }
     return all;
   }();
   return metrics;
 }
 
+bool IsLoaded(const DesignModel& model) {
+  const auto loads_something = [](const LoadCase& loads) {
+    return !loads.forces.empty() || !loads.pressures.empty() || !loads.tractions.empty() ||
+           !loads.point_forces.empty() || !loads.nodal_forces.empty() || !loads.gravity.isZero(0) ||
+           loads.rotation || loads.body_force || loads.temperature.size() > 0;
+  };
+  return (model.heat && model.reference_temperature) || loads_something(model.analysis) ||
+         std::any_of(model.load_cases.begin(), model.load_cases.end(),
+                     [&](const NamedLoadCase& named) { return loads_something(named.loads); }) ||
+         std::any_of(model.analysis.supports.begin(), model.analysis.supports.end(),
+                     [](const Support& support) { return !support.displacement.isZero(0); });
+}
+
 bool NeedsSolution(const std::vector<std::string>& metrics) {
   return AnyIs(metrics, {MetricSource::kLoads});
+}
+
+bool NeedsHeat(const std::vector<std::string>& metrics) {
+  return AnyIs(metrics, {MetricSource::kHeat});
 }
 
 bool NeedsModes(const std::vector<std::string>& metrics) {
@@ -229,7 +265,8 @@ bool NeedsModes(const std::vector<std::string>& metrics) {
 }
 
 bool NeedsSurface(const std::vector<std::string>& metrics) {
-  return AnyIs(metrics, {MetricSource::kLoads, MetricSource::kModes, MetricSource::kOutside});
+  return AnyIs(metrics, {MetricSource::kLoads, MetricSource::kHeat, MetricSource::kModes,
+                         MetricSource::kOutside});
 }
 
 absl::Status CheckMetricNames(const std::vector<std::string>& metrics) {
@@ -253,17 +290,26 @@ absl::StatusOr<DesignAnalysis> AnalyzeDesign(const DesignModel& model,
   const int modes = NeedsModes(metrics) ? std::max(1, options.modes) : options.modes;
   MORTISE_RETURN_IF_ERROR(CheckModel(model, fields || modes > 0 || NeedsSurface(metrics)));
   DesignAnalysis analysis;
-  const bool solve = fields || NeedsSolution(metrics);
-  if (solve || modes > 0) {
+  const bool solve = NeedsSolution(metrics) || (fields && (IsLoaded(model) || !model.heat));
+  const bool heat = NeedsHeat(metrics) || (model.heat && fields);
+  if (heat && !model.heat) {
+    return PreconditionFailed("NO_HEAT", "there is no condition of heat", "boundary_conditions");
+  }
+  if (solve || heat || modes > 0) {
     if (options.progress != nullptr) options.progress->Begin("mesh");
     MORTISE_ASSIGN_OR_RETURN(analysis.mesh, mesh::MeshAssembly(model.surface, options.mesh));
     analysis.meshing_seconds = SecondsSince(start);
   }
+  const bool estimates =
+      fields || std::find(metrics.begin(), metrics.end(), "relative_error") != metrics.end();
+  const DesignSolver solver(model, options, estimates);
   if (solve) {
-    if (options.progress != nullptr) options.progress->Begin("solution");
-    MORTISE_ASSIGN_OR_RETURN(analysis.solution,
-                             SolveElasticity(*analysis.mesh, model.analysis, options.elasticity));
-    if (options.wanted_error > 0) MORTISE_RETURN_IF_ERROR(Refine(model, options, analysis));
+    MORTISE_ASSIGN_OR_RETURN(SolvedDesign solved, solver.Solve(*analysis.mesh, heat));
+    analysis.heat = std::move(solved.heat);
+    analysis.cases = std::move(solved.cases);
+    if (options.wanted_error > 0) MORTISE_RETURN_IF_ERROR(Refine(solver, heat, options, analysis));
+  } else if (heat) {
+    MORTISE_ASSIGN_OR_RETURN(analysis.heat, solver.Heat(*analysis.mesh));
   }
   if (modes > 0) {
     if (options.progress != nullptr) options.progress->Begin("frequencies");
@@ -271,8 +317,7 @@ absl::StatusOr<DesignAnalysis> AnalyzeDesign(const DesignModel& model,
   }
   GeometryMetrics geometry(PartsOf(model));
   for (const std::string& name : metrics) {
-    absl::StatusOr<Metric> metric =
-        Compute(*FindMetric(name), model, analysis, geometry, options.elasticity.threads);
+    absl::StatusOr<Metric> metric = Compute(*FindMetric(name), model, analysis, geometry);
     if (metric.ok()) {
       analysis.metrics.push_back(*std::move(metric));
     } else if (options.leave_out_inapplicable && absl::IsFailedPrecondition(metric.status())) {

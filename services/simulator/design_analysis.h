@@ -12,7 +12,9 @@
 #include "common/mesh/surface_mesh.h"
 #include "services/simulator/analysis_case.h"
 #include "services/simulator/elasticity.h"
+#include "services/simulator/error_estimate.h"
 #include "services/simulator/geometry_metrics.h"
+#include "services/simulator/heat_conduction.h"
 #include "services/simulator/metric.h"
 #include "services/simulator/modal_analysis.h"
 #include "services/simulator/refinement.h"
@@ -24,17 +26,31 @@ namespace mortise::simulator {
 struct DesignModel {
   // The parts joined; may be left empty where no metric needs it and no fields are wanted.
   mesh::AssemblySurface surface;
-  AnalysisCase analysis;              // one material for each part
+  // One material for each part, the supports, and the loads that act in every load case.
+  AnalysisCase analysis;
   std::vector<SolidPart> parts = {};  // by themselves; those of `surface` if there are none
   absl::StatusOr<Cost> cost = absl::FailedPreconditionError("nobody says what it costs");
+  // The loads of each besides; if there are none there is one load case, "loads".
+  std::vector<NamedLoadCase> load_cases = {};
+  std::optional<HeatCase> heat = {};  // K; its materials are those of `analysis`
+  // K: at which nothing is under stress; with it the temperatures of `heat` act in every load case.
+  std::optional<double> reference_temperature = {};
 };
 
-// Those of GeometryMetrics; surface_area; cost; natural_frequency; max_displacement, max_von_mises,
-// max_principal, compliance, strain_energy, stress_ratio, relative_error.
+// Whether anything in the model causes stress: a load, a support that is moved, or temperatures.
+bool IsLoaded(const DesignModel& model);
+
+// Those of GeometryMetrics; surface_area; cost; natural_frequency; max_temperature,
+// min_temperature, mean_temperature, heat_dissipation; and of the load case where each is worst
+// max_displacement, max_von_mises, max_principal, compliance, strain_energy, stress_ratio,
+// relative_error.
 const std::vector<MetricDescription>& OfferedMetrics();
 
 // Whether any of these takes a solution under loads.
 bool NeedsSolution(const std::vector<std::string>& metrics);
+
+// Whether any of these takes the temperatures.
+bool NeedsHeat(const std::vector<std::string>& metrics);
 
 // Whether any of these takes the natural modes.
 bool NeedsModes(const std::vector<std::string>& metrics);
@@ -45,7 +61,7 @@ bool NeedsSurface(const std::vector<std::string>& metrics);
 struct DesignAnalysisOptions {
   mesh::MeshOptions mesh;
   ElasticityOptions elasticity;
-  StageProgress* progress = nullptr;  // told of "mesh", "solution" …, if it is there
+  StageProgress* progress = nullptr;  // told of "mesh", "heat", "solution" …, if it is there
   // Metrics that this design cannot have (a draught where it sinks) are left out, with a note.
   bool leave_out_inapplicable = false;
   // How many natural modes that deform are wanted beside the metrics; one, if a metric needs it.
@@ -55,12 +71,20 @@ struct DesignAnalysisOptions {
   double wanted_error = 0;
 };
 
-// All that was computed. Without a metric that needs them there are no mesh, solution and modes.
+// A load case, solved.
+struct SolvedCase {
+  std::string name;
+  ElasticitySolution solution;
+  std::optional<ErrorEstimate> error;  // where the metrics, the files or a refinement need it
+};
+
+// All that was computed. Without a metric that needs them there are no mesh, cases, heat and modes.
 struct DesignAnalysis {
   std::vector<Metric> metrics;     // in the order asked for
   std::vector<std::string> notes;  // what was left out, and why
   std::optional<mesh::TetrahedralMesh> mesh;
-  std::optional<ElasticitySolution> solution;
+  std::vector<SolvedCase> cases;  // those of the model, in its order
+  std::optional<HeatSolution> heat;
   std::optional<ModalSolution> vibration;
   std::vector<RefinementStep> refinements;  // the meshes solved on, where an error was wanted
   std::string shortfall;                    // why it was not reached; empty if it was
@@ -69,8 +93,10 @@ struct DesignAnalysis {
 };
 
 // Computes `metrics` by name, in order; INVALID_ARGUMENT naming "metrics[i]" for an unknown one,
-// else as GeometryMetrics, the design's cost, MeshAssembly, SolveElasticity and FindModes fail;
-// "modes" where there are more than the mesh has. With `fields` the solution is made in any case.
+// FAILED_PRECONDITION, NO_HEAT, for temperatures of a model without heat; else as GeometryMetrics,
+// the design's cost, MeshAssembly, SolveHeat, ElasticSystem and FindModes fail; "modes" where there
+// are more than the mesh has. With `fields` all that the model has is solved in any case: loads, if
+// it is loaded or has no heat, and heat.
 absl::StatusOr<DesignAnalysis> AnalyzeDesign(const DesignModel& model,
                                              const std::vector<std::string>& metrics, bool fields,
                                              const DesignAnalysisOptions& options = {});

@@ -252,6 +252,26 @@ absl::Status CheckFreeTemperature(const mesh::TetrahedralMesh& mesh, const HeatC
   return absl::OkStatus();
 }
 
+// Over the volume.
+double MeanTemperature(const mesh::TetrahedralMesh& mesh, const Eigen::VectorXd& temperature) {
+  const auto& rule = TetrahedronRule(mesh.IsQuadratic() ? 5 : 1);
+  double sum = 0, volume = 0;
+  for (Eigen::Index e = 0; e < mesh.tetrahedra.cols(); ++e) {
+    const GradientMatrix positions = ElementPositions(mesh, e);
+    for (const TetrahedronPoint& point : rule) {
+      const double part =
+          point.weight * EvaluateElement(positions, point.barycentric).determinant / 6;
+      const ShapeVector shape =
+          TetrahedronShape(point.barycentric, static_cast<int>(mesh.tetrahedra.rows()));
+      for (Eigen::Index k = 0; k < shape.size(); ++k) {
+        sum += part * shape[k] * temperature[mesh.tetrahedra(k, e)];
+      }
+      volume += part;
+    }
+  }
+  return sum / volume;
+}
+
 // Balances the heat of a solution.
 void Summarise(const mesh::TetrahedralMesh& mesh, const HeatCase& heat, const Held& held,
                const Eigen::Matrix3Xd& unbalanced, HeatSolution& solution) {
@@ -271,12 +291,22 @@ void Summarise(const mesh::TetrahedralMesh& mesh, const HeatCase& heat, const He
       solution.convected[i] += convection.coefficient * area * (temperature - convection.ambient);
     });
   }
+  solution.held = Eigen::VectorXd::Zero(heat.temperatures.size());
+  std::vector<bool> counted(nodes);
+  for (std::size_t i = 0; i < heat.temperatures.size(); ++i) {
+    for (const int node : NodesOf(mesh, heat.temperatures[i])) {
+      if (counted[node]) continue;
+      counted[node] = true;
+      solution.held[i] += solution.reaction[node];
+    }
+  }
   const double scale = std::abs(solution.supplied) + solution.reaction.cwiseAbs().sum() +
                        solution.convected.cwiseAbs().sum();
   const double rest = solution.supplied + solution.reaction.sum() - solution.convected.sum();
   solution.imbalance = scale > 0 ? std::abs(rest) / scale : 0;
   solution.minimum = solution.temperature.minCoeff();
   solution.maximum = solution.temperature.maxCoeff();
+  solution.mean = MeanTemperature(mesh, solution.temperature);
 }
 
 }  // namespace
@@ -309,6 +339,10 @@ absl::StatusOr<HeatSolution> SolveHeat(const mesh::TetrahedralMesh& mesh, const 
   solution.seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return solution;
+}
+
+double DissipatedHeat(const HeatSolution& solution) {
+  return solution.convected.cwiseMax(0).sum() + (-solution.held).cwiseMax(0).sum();
 }
 
 Eigen::Matrix3Xd HeatFluxAtPoints(const mesh::TetrahedralMesh& mesh,

@@ -59,10 +59,14 @@ struct HeatSolution {
   // W into the body at nodes of fixed temperature, zero elsewhere.
   Eigen::VectorXd reaction;
   Eigen::VectorXd convected;  // W that leaves through each of the case's convections
-  double supplied = 0;        // W of fluxes and sources
+  // W that comes in through each of the case's fixed temperatures; nodes of several count for the
+  // first.
+  Eigen::VectorXd held;
+  double supplied = 0;   // W of fluxes and sources
   double imbalance = 0;  // |supplied + reactions − convected| over the sum of their magnitudes
   double minimum = 0;
   double maximum = 0;
+  double mean = 0;  // over the volume
   double seconds = 0;
 };
 
@@ -71,6 +75,10 @@ struct HeatSolution {
 // nor convection; RESOURCE_EXHAUSTED.
 absl::StatusOr<HeatSolution> SolveHeat(const mesh::TetrahedralMesh& mesh, const HeatCase& heat,
                                        const HeatOptions& options = {});
+
+// W that leaves through convections and fixed temperatures: the sum over those of them that let
+// more out than in.
+double DissipatedHeat(const HeatSolution& solution);
 
 // The heat flux −k ∇T at the integration points, W/m²: 3 × (points · elements), those of an element
 // in a row, in the order of TetrahedronRule.

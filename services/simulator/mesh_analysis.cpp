@@ -49,19 +49,6 @@ double EstimateBytes(Eigen::Index nodes, Eigen::Index elements, std::size_t load
   return static_cast<double>(nodes) * of_node + static_cast<double>(elements) * 300;
 }
 
-// "Own weight, 1.5×" as "own-weight-1-5": letters and digits that every file system takes.
-std::string FileName(std::size_t number, const std::string& name) {
-  std::string plain = absl::StrCat(number);
-  bool gap = true;
-  for (const char c : name.substr(0, 60)) {
-    const bool keep = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
-    if (keep && gap) plain += '-';
-    if (keep) plain += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    gap = !keep;
-  }
-  return plain;
-}
-
 class Analyst {
  public:
   Analyst(const MeshModel& model, const MeshAnalysisOptions& options, const KeepFile& keep)
@@ -172,31 +159,17 @@ class Analyst {
     auto solution = SolveHeat(model_.mesh, *model_.heat, heat_options);
     MORTISE_RETURN_IF_ERROR(InCase("case.heat", solution.status()));
     temperature_ = solution->temperature;
-    if (!std::isfinite(solution->supplied + solution->reaction.sum() + solution->convected.sum() +
-                       (solution->maximum - solution->minimum))) {
-      return NotFinite("case.heat");
-    }
+    if (!IsFinite(*solution)) return NotFinite("case.heat");
     analysis_.unknowns = analysis_.nodes;
-    HeatOutcome& heat = analysis_.heat.emplace();
-    heat.minimum = solution->minimum;
-    heat.maximum = solution->maximum;
-    heat.supplied = solution->supplied;
-    heat.through_temperatures = solution->reaction.sum();
-    heat.convected.assign(solution->convected.begin(), solution->convected.end());
+    analysis_.heat = OutcomeOf(*solution);
     ProbedFields fields;
     fields.temperature = temperature_;
     probes_.Add("heat", fields);
     Begin("heat: files");
 
-    const Eigen::Matrix3Xd at_points =
-        HeatFluxAtPoints(model_.mesh, model_.heat->materials, temperature_);
-    const Eigen::Index points = at_points.cols() / model_.mesh.tetrahedra.cols();
-    Eigen::Matrix3Xd flux(3, model_.mesh.tetrahedra.cols());
-    for (Eigen::Index e = 0; e < flux.cols(); ++e) {
-      flux.col(e) = at_points.middleCols(e * points, points).rowwise().mean();
-    }
-    MORTISE_RETURN_IF_ERROR(Write("heat.vtu", {{"temperature", temperature_.transpose()}},
-                                  {{"heat flux (W/m^2)", flux}}));
+    MORTISE_ASSIGN_OR_RETURN(std::string bytes,
+                             WriteHeat(model_.mesh, model_.heat->materials, temperature_));
+    MORTISE_RETURN_IF_ERROR(Keep({"heat.vtu", kVtu, std::move(bytes)}));
     if (!options_.pictures) return absl::OkStatus();
     MORTISE_ASSIGN_OR_RETURN(std::string picture,
                              DrawTemperature(model_.mesh, temperature_, Heading("temperature")));
@@ -254,53 +227,28 @@ class Analyst {
 
   absl::Status Report(const std::string& name, const std::string& field,
                       const ElasticitySolution& solution) {
-    const double energy = solution.summary.strain_energy + solution.summary.compliance;
-    if (!std::isfinite(energy) || !std::isfinite(solution.summary.maximum_displacement) ||
-        !solution.stress.allFinite() || !solution.von_mises.allFinite() ||
-        !solution.reaction.allFinite() || !solution.summary.total_load.allFinite()) {
-      return NotFinite(field);
-    }
-    CaseOutcome& outcome = analysis_.cases.emplace_back();
-    outcome.name = name;
-    outcome.summary = solution.summary;
+    if (!IsFinite(solution)) return NotFinite(field);
     analysis_.unknowns = solution.summary.solver.unknowns;
-    Eigen::Index worst = 0;
-    outcome.maximum_von_mises = solution.von_mises.maxCoeff(&worst);
-    outcome.maximum_von_mises_at = model_.mesh.nodes.col(worst);
-    outcome.maximum_displacement_at =
-        model_.mesh.nodes.col(solution.summary.maximum_displacement_node);
-    outcome.maximum_principal = solution.maximum_principal.maxCoeff();
-    outcome.part_maximum_von_mises = solution.part_maximum_von_mises;
-    outcome.part_safety_factor = solution.part_safety_factor;
-    for (const std::vector<int>& nodes : model_.support_nodes) {
-      Eigen::Vector3d& sum = outcome.reactions.emplace_back(Eigen::Vector3d::Zero());
-      for (const int v : nodes) sum += solution.reaction.col(v);
-    }
     const ErrorEstimate estimate = EstimateError(
         model_.mesh, model_.materials, solution.displacement, solution.temperature, team_);
     if (!std::isfinite(estimate.relative)) return NotFinite(field);
-    outcome.relative_error = estimate.relative;
+    analysis_.cases.push_back(
+        OutcomeOf(name, model_.mesh, solution, estimate.relative, model_.support_nodes));
 
     ProbedFields fields;
     fields.displacement = solution.displacement;
     fields.stress = solution.stress;
     fields.von_mises = solution.von_mises;
     fields.maximum_principal = solution.maximum_principal;
-    std::vector<mesh::VtuField> at_nodes{
-        {"displacement (m)", solution.displacement},
-        {"von Mises stress (Pa)", solution.von_mises.transpose()},
-        {"stress (Pa)", solution.stress},
-        {"maximum principal stress (Pa)", solution.maximum_principal.transpose()},
-        {"reaction (N)", solution.reaction}};
     if (solution.temperature.size() > 0) {
       fields.temperature = solution.temperature.array() + model_.reference_temperature;
-      at_nodes.push_back({"temperature", fields.temperature.transpose()});
     }
     probes_.Add(name, fields);
-    const std::string file = FileName(analysis_.cases.size(), name);
-    MORTISE_RETURN_IF_ERROR(
-        Write(file + ".vtu", at_nodes,
-              {{"error of the stress (J^1/2)", estimate.element_error.transpose()}}));
+    const std::string file = FileStem(analysis_.cases.size(), name);
+    MORTISE_ASSIGN_OR_RETURN(
+        std::string bytes,
+        WriteFields(model_.mesh, solution, estimate.element_error, model_.reference_temperature));
+    MORTISE_RETURN_IF_ERROR(Keep({file + ".vtu", kVtu, std::move(bytes)}));
     if (!options_.pictures) return absl::OkStatus();
     MORTISE_ASSIGN_OR_RETURN(std::string picture, DrawStress(model_.mesh, solution, Heading(name)));
     return Keep({file + ".png", kPng, std::move(picture)});

@@ -14,18 +14,10 @@
 #include "common/mesh/tetrahedral_mesh.h"
 #include "services/simulator/analysis_case.h"
 #include "services/simulator/analysis_report.h"
-#include "services/simulator/elasticity.h"
-#include "services/simulator/heat_conduction.h"
+#include "services/simulator/case_outcome.h"
 #include "services/simulator/stage_progress.h"
 
 namespace mortise::simulator {
-
-// A load case by name.
-struct NamedLoadCase {
-  std::string name;
-  LoadCase loads;
-  bool thermal_stress = false;  // whether the temperatures of MeshModel::heat act
-};
 
 // Factors times load cases.
 struct NamedCombination {
@@ -72,30 +64,9 @@ struct MeshAnalysisOptions {
 // How many stages an analysis has: what it tells MeshAnalysisOptions::progress of.
 int StagesOf(const MeshModel& model);
 
-// What a load case or a combination does.
-struct CaseOutcome {
-  std::string name;
-  ElasticitySummary summary;
-  double maximum_von_mises = 0;                                       // Pa
-  Eigen::Vector3d maximum_von_mises_at = Eigen::Vector3d::Zero();     // m
-  Eigen::Vector3d maximum_displacement_at = Eigen::Vector3d::Zero();  // m
-  double maximum_principal = 0;                                       // Pa
-  double relative_error = 0;               // estimated, of the energy norm
-  Eigen::VectorXd part_maximum_von_mises;  // parts, Pa
-  Eigen::VectorXd part_safety_factor;      // parts; infinite where strength is unknown
-  std::vector<Eigen::Vector3d> reactions;  // N, of each support
-};
-
 struct ModeOutcome {
   double frequency = 0;  // Hz
   bool rigid = false;
-};
-
-struct HeatOutcome {
-  double minimum = 0, maximum = 0;
-  double supplied = 0;              // W
-  double through_temperatures = 0;  // W
-  std::vector<double> convected;    // W, of each convection
 };
 
 struct MeshAnalysis {

@@ -1,14 +1,10 @@
 // One task on an uploaded mesh: read, computed, and told of as mortise.v1.Analysis.
 #pragma once
 
-#include <Eigen/Core>
-
 #include "absl/status/status.h"
 #include "services/simulator/task_evaluation.h"
 
 namespace mortise::simulator {
-
-v1::Vector3 ToProto(const Eigen::Vector3d& vector);
 
 // Fills the report's metrics (mass and volume) and its analysis. Fails as ReadGroupedMesh,
 // MakeMeshModel and AnalyzeMesh do.

@@ -24,6 +24,7 @@ enum class MetricSource {
   kOutside,  // the outside of all parts joined
   kPrices,   // the items' prices
   kModes,    // natural vibration: a mesh and a factor
+  kHeat,     // steady temperatures: a mesh and a solution
   kLoads,    // displacements and stresses under the loads: a mesh and a solution
 };
 

@@ -6,8 +6,10 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/rpc/status_mapping.h"
+#include "services/simulator/analysis_codec.h"
 #include "services/simulator/analysis_report.h"
 #include "services/simulator/design_analysis.h"
+#include "services/simulator/design_conditions.h"
 #include "services/simulator/mesh_task.h"
 #include "services/simulator/stopping.h"
 #include "services/simulator/template_model.h"
@@ -15,22 +17,51 @@
 namespace mortise::simulator {
 namespace {
 
-// Geometry, mesh, solution, stresses, files; where they are wanted, frequencies.
-int StagesOf(const v1::Task& task) { return task.modes() > 0 ? 6 : 5; }
+// What of a design is computed, besides what needs no solution.
+struct Demands {
+  bool loads = false;
+  bool heat = false;
+};
 
-void FillAnalysis(const DesignAnalysis& analysis, const parametric::EvaluatedDesign& design,
-                  v1::Analysis& message) {
-  const ElasticitySummary& summary = analysis.solution->summary;
+Demands DemandsOf(const v1::Task& task, const std::vector<std::string>& metrics,
+                  const parametric::EvaluatedDesign& design) {
+  const bool has_heat = HasHeat(design);
+  const bool loads = NeedsSolution(metrics) || (task.fields() && (IsLoaded(design) || !has_heat));
+  const bool thermal_stress = loads && has_heat && design.reference_temperature.has_value();
+  return {loads, NeedsHeat(metrics) || thermal_stress || (task.fields() && has_heat)};
+}
+
+// Geometry, mesh, temperatures, solution and stresses of each load case, frequencies, files.
+int StagesOf(const v1::Task& task, const Demands& demands,
+             const parametric::EvaluatedDesign& design) {
+  const int load_cases = static_cast<int>(CountLoadCases(design));
+  return 3 + (demands.heat ? 1 : 0) + (demands.loads ? 2 * load_cases : 0) +
+         (task.modes() > 0 ? 1 : 0);
+}
+
+void FillAnalysis(const DesignAnalysis& analysis, const DesignModel& model,
+                  const parametric::EvaluatedDesign& design, v1::Analysis& message) {
   for (const parametric::NamedValue& value : design.parameters) {
     auto* parameter = message.add_parameters();
     parameter->set_name(value.name);
     parameter->set_value(value.value);
   }
-  *message.mutable_total_load() = ToProto(summary.total_load);
-  *message.mutable_total_reaction() = ToProto(summary.total_reaction);
-  message.set_nodes(summary.nodes);
-  message.set_elements(summary.elements);
-  message.set_unknowns(summary.solver.unknowns);
+  message.set_nodes(analysis.mesh->nodes.cols());
+  message.set_elements(analysis.mesh->tetrahedra.cols());
+  message.set_unknowns(analysis.cases.empty() ? analysis.mesh->nodes.cols()
+                                              : analysis.cases[0].solution.summary.solver.unknowns);
+  if (analysis.cases.size() == 1) {
+    const ElasticitySummary& summary = analysis.cases[0].solution.summary;
+    *message.mutable_total_load() = ToProto(summary.total_load);
+    *message.mutable_total_reaction() = ToProto(summary.total_reaction);
+  }
+  const auto support_nodes = NodesOf(*analysis.mesh, model.analysis.supports);
+  for (const SolvedCase& solved : analysis.cases) {
+    Fill(OutcomeOf(solved.name, *analysis.mesh, solved.solution, solved.error->relative,
+                   support_nodes),
+         analysis.mesh->part_names, *message.add_cases());
+  }
+  if (analysis.heat) Fill(OutcomeOf(*analysis.heat), *message.mutable_heat());
   message.set_seconds(analysis.seconds);
   for (const RefinementStep& step : analysis.refinements) {
     v1::RefinementStep* refinement = message.add_refinements();
@@ -46,6 +77,54 @@ void FillAnalysis(const DesignAnalysis& analysis, const parametric::EvaluatedDes
     to.set_frequency(mode.frequency);
     to.set_rigid(mode.rigid);
   }
+}
+
+// analysis.vtu and stress.png of the only load case; of several, each with its number and name.
+absl::Status KeepCases(const DesignAnalysis& analysis, const DesignModel& model,
+                       const std::string& title, const TaskSurroundings& surroundings) {
+  const bool is_only = analysis.cases.size() == 1;
+  for (std::size_t i = 0; i < analysis.cases.size(); ++i) {
+    const SolvedCase& solved = analysis.cases[i];
+    const std::string stem = FileStem(i + 1, solved.name);
+    MORTISE_RETURN_IF_ERROR(CheckStopped(surroundings.stop));
+    MORTISE_ASSIGN_OR_RETURN(
+        std::string fields,
+        WriteFields(*analysis.mesh, solved.solution, solved.error->element_error,
+                    model.reference_temperature.value_or(0)));
+    MORTISE_RETURN_IF_ERROR(surroundings.keep(
+        {is_only ? "analysis.vtu" : stem + ".vtu", "model/vnd.vtu", std::move(fields)}));
+    MORTISE_ASSIGN_OR_RETURN(std::string picture,
+                             DrawStress(*analysis.mesh, solved.solution,
+                                        is_only ? title : absl::StrCat(title, ": ", solved.name)));
+    MORTISE_RETURN_IF_ERROR(surroundings.keep(
+        {is_only ? "stress.png" : stem + ".png", "image/png", std::move(picture)}));
+  }
+  return absl::OkStatus();
+}
+
+// heat.vtu and heat.png.
+absl::Status KeepHeat(const DesignAnalysis& analysis, const DesignModel& model,
+                      const std::string& title, const TaskSurroundings& surroundings) {
+  MORTISE_RETURN_IF_ERROR(CheckStopped(surroundings.stop));
+  const Eigen::VectorXd& temperature = analysis.heat->temperature;
+  MORTISE_ASSIGN_OR_RETURN(std::string fields,
+                           WriteHeat(*analysis.mesh, model.analysis.materials, temperature));
+  MORTISE_RETURN_IF_ERROR(surroundings.keep({"heat.vtu", "model/vnd.vtu", std::move(fields)}));
+  MORTISE_ASSIGN_OR_RETURN(
+      std::string picture,
+      DrawTemperature(*analysis.mesh, temperature, absl::StrCat(title, ": temperature (K)")));
+  return surroundings.keep({"heat.png", "image/png", std::move(picture)});
+}
+
+// A report that is not finite would be refused, and the task tried again and again.
+absl::Status CheckFinite(const DesignAnalysis& analysis) {
+  const bool is_finite =
+      (!analysis.heat || IsFinite(*analysis.heat)) &&
+      std::all_of(analysis.cases.begin(), analysis.cases.end(),
+                  [](const SolvedCase& solved) { return IsFinite(solved.solution); });
+  if (is_finite) return absl::OkStatus();
+  return InvalidField("boundary_conditions",
+                      "lead to results that are not finite: some number is far too large");
 }
 
 // modes.vtu, and mode-1.png … of the lowest that deform.
@@ -77,18 +156,22 @@ absl::Status Evaluate(const v1::Task& task, const TaskSurroundings& surroundings
   MORTISE_ASSIGN_OR_RETURN(const auto compiled,
                            surroundings.templates.GetByDigest(task.subject(), task.revision(),
                                                               task.digest(), surroundings.origin));
-  if (surroundings.progress != nullptr) surroundings.progress->Expect(StagesOf(task));
   Begin(surroundings, "geometry");
   const Eigen::VectorXd parameters = Eigen::Map<const Eigen::VectorXd>(
       task.point().parameters().data(), task.point().parameters_size());
   MORTISE_ASSIGN_OR_RETURN(const parametric::EvaluatedDesign design,
                            compiled->function->Evaluate(parameters));
   const std::vector<std::string> metrics(task.metrics().begin(), task.metrics().end());
+  const Demands demands = DemandsOf(task, metrics, design);
+  if (surroundings.progress != nullptr) {
+    surroundings.progress->Expect(StagesOf(task, demands, design));
+  }
   // Before the parts are fused, which takes a while and would fail for every design alike.
-  if (!task.fields() && NeedsSolution(metrics)) {
+  if (!task.fields() && demands.loads) {
     MORTISE_RETURN_IF_ERROR(CheckSupported(design));
     MORTISE_RETURN_IF_ERROR(CheckLoaded(design));
   }
+  if (demands.heat) MORTISE_RETURN_IF_ERROR(CheckHeated(design));
   MORTISE_ASSIGN_OR_RETURN(const DesignModel model,
                            MakeDesignModel(*compiled->function, parameters, design,
                                            task.fields() || NeedsSurface(metrics)));
@@ -103,7 +186,6 @@ absl::Status Evaluate(const v1::Task& task, const TaskSurroundings& surroundings
   options.elasticity.threads = surroundings.threads;
   options.elasticity.solver.memory_limit = surroundings.memory_limit;
   options.progress = surroundings.progress;
-  options.elasticity.before_recovery = [&surroundings] { Begin(surroundings, "stresses"); };
   options.elasticity.solver.progress = [&surroundings](int iteration, double) {
     if (surroundings.progress != nullptr) surroundings.progress->Iterate(iteration);
     return CheckStopped(surroundings.stop);
@@ -112,6 +194,7 @@ absl::Status Evaluate(const v1::Task& task, const TaskSurroundings& surroundings
       AnalyzeDesign(model, metrics, task.fields(), options);
   if (!analyzed.ok()) return WithLeftOutParts(analyzed.status(), design);
   const DesignAnalysis& analysis = *analyzed;
+  MORTISE_RETURN_IF_ERROR(CheckFinite(analysis));
   v1::EvaluationResult& result = *report.mutable_result();
   for (const Metric& metric : analysis.metrics) {
     v1::Metric* message = result.add_metrics();
@@ -131,14 +214,11 @@ absl::Status Evaluate(const v1::Task& task, const TaskSurroundings& surroundings
   if (!task.fields()) return absl::OkStatus();
   MORTISE_RETURN_IF_ERROR(CheckStopped(surroundings.stop));
   Begin(surroundings, "files");
-  FillAnalysis(analysis, design, *report.mutable_analysis());
-  MORTISE_ASSIGN_OR_RETURN(std::string fields, WriteFields(analysis));
-  MORTISE_RETURN_IF_ERROR(surroundings.keep({"analysis.vtu", "model/vnd.vtu", std::move(fields)}));
-  MORTISE_ASSIGN_OR_RETURN(std::string picture,
-                           DrawStress(analysis, compiled->function->head().title));
-  MORTISE_RETURN_IF_ERROR(surroundings.keep({"stress.png", "image/png", std::move(picture)}));
-  return analysis.vibration ? KeepModes(analysis, compiled->function->head().title, surroundings)
-                            : absl::OkStatus();
+  FillAnalysis(analysis, model, design, *report.mutable_analysis());
+  const std::string& title = compiled->function->head().title;
+  MORTISE_RETURN_IF_ERROR(KeepCases(analysis, model, title, surroundings));
+  if (analysis.heat) MORTISE_RETURN_IF_ERROR(KeepHeat(analysis, model, title, surroundings));
+  return analysis.vibration ? KeepModes(analysis, title, surroundings) : absl::OkStatus();
 }
 
 }  // namespace

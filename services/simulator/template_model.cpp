@@ -11,12 +11,12 @@
 #include "common/mesh/inside_point.h"
 #include "common/parametric/parametric_assembly.h"
 #include "common/parametric/part_shapes.h"
+#include "services/simulator/design_conditions.h"
 #include "services/simulator/design_cost.h"
 
 namespace mortise::simulator {
 namespace {
 
-using parametric::BoundaryConditionKind;
 using parametric::EvaluatedDesign;
 using parametric::EvaluatedPart;
 
@@ -61,11 +61,15 @@ absl::StatusOr<Material> MaterialOf(const templates::TemplateHead& head,
             : absl::StrCat("part '", part.name, "': there is no ", part.material),
         absl::StrCat("part '", part.name, "'"));
   }
-  Material material{known->name, known->density, known->youngs_modulus, known->poissons_ratio,
-                    known->strength};
+  Material material{
+      known->name,     known->density,           known->youngs_modulus,      known->poissons_ratio,
+      known->strength, known->thermal_expansion, known->thermal_conductivity};
   const parametric::Item* item = parametric::FindItem(head.items, part.item);
   if (known->orthotropic && item != nullptr) {
     material.orthotropy = OrthotropyOf(*known->orthotropic, *item, part);
+    // The catalog knows one number of each, for all directions.
+    material.orthotropy->thermal_expansion.setConstant(known->thermal_expansion);
+    material.orthotropy->conductivity.setConstant(known->thermal_conductivity);
   }
   return material;
 }
@@ -171,27 +175,15 @@ absl::StatusOr<mesh::AssemblySurface> SurfaceOf(const templates::Template& funct
   return FuseShapes(function, parameters, design, bearing);
 }
 
-absl::Status AddCondition(const EvaluatedDesign& design, std::size_t index,
-                          AnalysisCase& analysis) {
-  const parametric::EvaluatedBoundaryCondition& condition = design.boundary_conditions[index];
-  const mesh::NamedFace face{parametric::FindPart(design, condition.part), condition.face};
-  if (face.part < 0) {
-    return InvalidField(absl::StrCat("boundary_conditions[", index, "].part"),
-                        absl::StrCat("there is no load-bearing part '", condition.part, "'"));
-  }
-  switch (condition.kind) {
-    case BoundaryConditionKind::kFixed:
-      analysis.supports.push_back({face});
-      break;
-    case BoundaryConditionKind::kForce:
-      analysis.forces.push_back({face, condition.force});
-      break;
-    case BoundaryConditionKind::kPressure:
-      analysis.pressures.push_back({face, condition.pressure});
-      break;
-    case BoundaryConditionKind::kHeatFlux:
-    case BoundaryConditionKind::kTemperature:
-      break;
+// What conducts heat must say how well.
+absl::Status CheckConducts(const DesignModel& model, const EvaluatedDesign& bearing) {
+  for (std::size_t p = 0; p < model.analysis.materials.size(); ++p) {
+    const Material& material = model.analysis.materials[p];
+    if (material.conductivity > 0) continue;
+    return PreconditionFailed("NO_CONDUCTIVITY",
+                              absl::StrCat(material.name, ", of part '", bearing.parts[p].name,
+                                           "', has no thermal_conductivity: heat needs one"),
+                              material.name);
   }
   return absl::OkStatus();
 }
@@ -212,8 +204,10 @@ absl::StatusOr<DesignModel> MakeDesignModel(const templates::Template& function,
   if (joined) {
     MORTISE_ASSIGN_OR_RETURN(model.surface, SurfaceOf(function, parameters, design, bearing));
   }
-  for (std::size_t i = 0; i < bearing.boundary_conditions.size(); ++i) {
-    MORTISE_RETURN_IF_ERROR(AddCondition(bearing, i, model.analysis));
+  MORTISE_RETURN_IF_ERROR(AddConditions(bearing, model));
+  if (model.heat) {
+    MORTISE_RETURN_IF_ERROR(CheckConducts(model, bearing));
+    model.heat->materials = model.analysis.materials;
   }
   return model;
 }
@@ -224,38 +218,6 @@ std::vector<MetricDescription> MetricsOf(const templates::Template& function) {
     if (metric.source == MetricSource::kPrices) metric.unit = CurrencyOf(function.head().items);
   }
   return metrics;
-}
-
-absl::Status CheckSupported(const EvaluatedDesign& design) {
-  const auto& conditions = design.boundary_conditions;
-  if (std::any_of(conditions.begin(), conditions.end(), [](const auto& condition) {
-        return condition.kind == BoundaryConditionKind::kFixed;
-      })) {
-    return absl::OkStatus();
-  }
-  return PreconditionFailed(
-      "NO_SUPPORTS",
-      absl::StrCat(
-          "nothing holds ", design.template_name,
-          ": give it boundary_conditions, at least one of kind FIXED that names a part and "
-          "a face of it, and loads of kind FORCE or PRESSURE"),
-      "boundary_conditions");
-}
-
-absl::Status CheckLoaded(const EvaluatedDesign& design) {
-  const auto& conditions = design.boundary_conditions;
-  if (std::any_of(conditions.begin(), conditions.end(), [](const auto& condition) {
-        return condition.kind == BoundaryConditionKind::kForce ||
-               condition.kind == BoundaryConditionKind::kPressure;
-      })) {
-    return absl::OkStatus();
-  }
-  return PreconditionFailed(
-      "NO_LOADS",
-      absl::StrCat("nothing loads ", design.template_name,
-                   ": give it boundary_conditions of kind FORCE or PRESSURE that name a part and "
-                   "a face of it; without one, every displacement and stress is 0"),
-      "boundary_conditions");
 }
 
 absl::Status WithLeftOutParts(const absl::Status& failure, const EvaluatedDesign& design) {

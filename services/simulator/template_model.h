@@ -11,11 +11,12 @@ namespace mortise::simulator {
 // and turns its boundary conditions into supports and loads. Parts with shapes are their exact
 // solids where the template has them, else their triangles. Wood has its grain along the axis that
 // the part's item says; where there is no item it is taken as isotropic. What only connects parts
-// is left out: they are bonded where they touch. Heat has no part in elasticity. Without `joined`
-// the parts are not fused, which may take a second, and there is no surface.
+// is left out: they are bonded where they touch. Without `joined` the parts are not fused, which
+// may take a second, and there is no surface.
 //
 // Fails as cad::FuseAssembly and Template::Solids do; FAILED_PRECONDITION, NO_MATERIAL, naming a
-// part of which nobody says what it is made of; INVALID_ARGUMENT naming the design's field where a
+// part of which nobody says what it is made of; NO_CONDUCTIVITY, naming the material of a part that
+// is heated, where it says nothing of heat; INVALID_ARGUMENT naming the design's field where a
 // part is missing; RESOURCE_EXHAUSTED for solids with more faces together than the kernel fuses in
 // reasonable time.
 absl::StatusOr<DesignModel> MakeDesignModel(const templates::Template& function,
@@ -25,12 +26,6 @@ absl::StatusOr<DesignModel> MakeDesignModel(const templates::Template& function,
 
 // OfferedMetrics, with the currency of the template's items as the unit of the cost.
 std::vector<MetricDescription> MetricsOf(const templates::Template& function);
-
-// FAILED_PRECONDITION, NO_SUPPORTS, saying what to add, for a design that nothing holds.
-absl::Status CheckSupported(const parametric::EvaluatedDesign& design);
-
-// FAILED_PRECONDITION, NO_LOADS, saying what to add, for a design that nothing loads.
-absl::Status CheckLoaded(const parametric::EvaluatedDesign& design);
 
 // The failure of an analysis of `design`. Where a part is free to move (RIGID_MOTION), and what
 // connects it to others was left out, it says so.

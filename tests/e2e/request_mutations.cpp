@@ -69,10 +69,10 @@ const std::set<std::string>& AnyNumber() {
 // Texts that name something, beyond those called `name`.
 bool NamesSomething(const FieldDescriptor* field) {
   static const std::set<std::string> names = {
-      "name",       "parent",  "template",  "plan",      "subject", "item",
-      "material",   "part",    "face",      "stream",    "streams", "other_part",
-      "metric",     "metrics", "service",   "file_name", "bridge",  "machine",
-      "work_order", "sha256",  "parameter", "evaluator", "shape",   "rest_pose"};
+      "name",      "parent",    "template",  "plan",     "subject",    "item",   "material",
+      "part",      "face",      "stream",    "streams",  "other_part", "metric", "metrics",
+      "service",   "file_name", "bridge",    "machine",  "work_order", "sha256", "parameter",
+      "evaluator", "shape",     "rest_pose", "load_case"};
   return names.count(field->name()) != 0 || field->name().ends_with("_name");
 }
 
@@ -85,6 +85,7 @@ bool GivesName(const FieldDescriptor* field) {
                                               "mortise.v1.AssemblyAnnotations.name",
                                               "mortise.v1.Connection.name",
                                               "mortise.v1.BoundaryCondition.name",
+                                              "mortise.v1.BoundaryCondition.load_case",
                                               "mortise.v1.BridgeMessage.Hello.bridge",
                                               "mortise.v1.Machine.name",
                                               "mortise.v1.Evaluator.name",
@@ -108,7 +109,8 @@ bool IsLabel(const FieldDescriptor* field) {
 bool IsExpression(const FieldDescriptor* field) {
   const std::string& owner = field->containing_type()->full_name();
   return owner == "mortise.v1.Extent" || owner == "mortise.v1.OutlinePoint" ||
-         field->full_name() == "mortise.v1.BoundaryCondition.components";
+         field->full_name() == "mortise.v1.BoundaryCondition.components" ||
+         field->full_name() == "mortise.v1.Template.reference_temperature";
 }
 
 // Where a field is in the tree of messages: the fields that lead to it, itself last.

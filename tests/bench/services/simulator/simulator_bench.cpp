@@ -28,7 +28,7 @@ void BM_Table(benchmark::State& state) {
     last =
         *AnalyzeDesign(model, {"max_displacement", "compliance", "max_von_mises"}, false, options);
   }
-  const ElasticitySummary& summary = last.solution->summary;
+  const ElasticitySummary& summary = last.cases[0].solution.summary;
   state.counters["elements"] = summary.elements;
   state.counters["unknowns"] = summary.solver.unknowns;
   state.counters["mesh_s"] = last.meshing_seconds;
@@ -49,6 +49,42 @@ BENCHMARK(BM_Table)
     ->Args({0, 0, 20})
     ->Args({30, 1, 20})
     ->Args({20, 1, 20});
+
+// What heat and further load cases cost beside the first. Arguments: load cases; heat, and its
+// stress.
+void BM_WarmTable(benchmark::State& state) {
+  DesignModel model = LoadedTable();
+  for (Material& material : model.analysis.materials) {
+    material.thermal_expansion = 5e-6;
+    material.conductivity = 0.12;
+  }
+  for (int i = 1; i < state.range(0); ++i) {
+    NamedLoadCase& load_case = model.load_cases.emplace_back();
+    load_case.loads.gravity = {0, 0, -9.81 * i};
+  }
+  if (state.range(0) > 1) model.load_cases.emplace_back();
+  if (state.range(1) != 0) {
+    HeatCase& heat = model.heat.emplace();
+    heat.materials = model.analysis.materials;
+    heat.fluxes = {{{0, "z_max"}, 800}};
+    heat.convections = {{{0, "z_min"}, 8, 293.15}};
+    model.reference_temperature = 293.15;
+  }
+  DesignAnalysisOptions options;
+  DesignAnalysis last;
+  for (auto unused : state) last = *AnalyzeDesign(model, {"max_von_mises"}, false, options);
+  state.counters["unknowns"] = last.cases[0].solution.summary.solver.unknowns;
+  state.counters["mesh_s"] = last.meshing_seconds;
+  state.counters["heat_s"] = last.heat ? last.heat->seconds : 0;
+  state.counters["stress_MPa"] = 1e-6 * last.metrics[0].value;
+}
+BENCHMARK(BM_WarmTable)
+    ->Unit(benchmark::kMillisecond)
+    ->Args({1, 0})
+    ->Args({1, 1})
+    ->Args({2, 0})
+    ->Args({5, 0})
+    ->Args({5, 1});
 
 }  // namespace
 }  // namespace mortise::simulator

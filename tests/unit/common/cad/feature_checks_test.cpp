@@ -140,7 +140,7 @@ TEST(BadTemplate, TellsNumbersThatGoWrongSomewhereInTheRange) {
   EXPECT_THAT(findings,
               Tells("features[0].sketch.profiles[0].circle.radius", "must be greater than 0"));
   EXPECT_THAT(findings, Tells("features[2].linear_pattern.count", "must be a whole number"));
-  EXPECT_THAT(findings, Tells("features[3].heat.temperature", "must be greater than 0 K"));
+  EXPECT_THAT(findings, Tells("features[3].heat.temperature", "must be greater than 0"));
   EXPECT_THAT(findings, Tells("features[4].draft.angle", "less than 1.2 rad"));
   EXPECT_THAT(findings, Tells("features[4].draft.angle", "(at a = "));
 }
@@ -269,7 +269,14 @@ TEST(CadTemplateCodec, LosesNothing) {
           "features { name: 'x' fixed { faces: 'a' } } "
           "features { name: 'y' force { faces: 'a' force { z: '1' } } } "
           "features { name: 'z' pressure { faces: 'a' pressure: '1' } } "
-          "features { name: 't' heat { faces: 'a' flux: '1' temperature: '2' } }");
+          "features { name: 't' heat { faces: 'a' flux: '1' } } "
+          "features { name: 'tt' heat { faces: 'a' temperature: '2' } } "
+          "features { name: 'tc' heat { faces: 'a' convection: '3' ambient: '4' } } "
+          "features { name: 's' symmetric { faces: 'a' } } "
+          "features { name: 'd' displacement { faces: 'a' displacement { y: '0' } } } "
+          "features { name: 'g' gravity { acceleration { z: '-9.8' } load_case: 'own' } } "
+          "features { name: 'r' rotation { axis_point { x: '1' } angular_velocity { z: '2' } "
+          "load_case: 'spin' } } reference_temperature: '293.15'");
   const auto definition = ParseCadTemplateText(text, "test");
   ASSERT_TRUE(definition.ok()) << definition.status();
   const v1::CadTemplate message = ToProto(*definition);
@@ -280,6 +287,12 @@ TEST(CadTemplateCodec, LosesNothing) {
 }
 
 TEST(CadTemplateCodec, RefusesWhatStructsCannotHold) {
+  const auto heat = ParseCadTemplateText(
+      "features { name: 'a' heat { flux: '1' temperature: '2' } } "
+      "features { name: 'b' heat { flux: '1' ambient: '2' } }",
+      "oven");
+  EXPECT_THAT(std::string(heat.status().message()),
+              AllOf(HasSubstr("features[0].heat"), HasSubstr("features[1].heat.ambient")));
   const auto syntax = ParseCadTemplateText("name: 'x' features { sketh { } }", "wrench");
   EXPECT_EQ(DetailOf(syntax.status()).field, "wrench");
   EXPECT_THAT(std::string(syntax.status().message()), HasSubstr("line 1, column"));

@@ -225,7 +225,7 @@ INSTANTIATE_TEST_SUITE_P(
         Fault{"NoPressure", "pressure: \"1000 * height\"", "", "conditions[2].pressure.pressure",
               ""},
         Fault{"Freezing", "280 + 10 * half", "half - width", "conditions[4].heat.temperature",
-              "above 0"}),
+              "greater than 0"}),
     [](const auto& fault) { return fault.param.name; });
 
 TEST(CageModel, FindsAllFaultsAtOnce) {
@@ -275,7 +275,7 @@ TEST(CageTemplateCodec, LosesNothing) {
   EXPECT_EQ(again->surface.vertices, definition.surface.vertices);
   EXPECT_EQ(again->surface.faces[2].triangles, definition.surface.faces[2].triangles);
   EXPECT_EQ(again->cage.vertices[5].x, "right");
-  EXPECT_EQ(again->conditions[4].amount, "280 + 10 * half");
+  EXPECT_EQ(again->conditions[4].components.at(0), "280 + 10 * half");
 }
 
 TEST(CageTemplateCodec, NamesWhatCannotBeRead) {

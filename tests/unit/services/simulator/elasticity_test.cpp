@@ -157,7 +157,7 @@ TEST(Balance, ReactionsCarryEveryLoad) {
   model.analysis.forces.push_back({{2, "x_min"}, {40, -10, 5}});
   const auto analysis = AnalyzeDesign(model, {"mass", "compliance", "strain_energy"}, true, {});
   ASSERT_TRUE(analysis.ok()) << analysis.status();
-  const ElasticitySummary& summary = analysis->solution->summary;
+  const ElasticitySummary& summary = analysis->cases[0].solution.summary;
   const Eigen::Vector3d sum = summary.total_load + summary.total_reaction;
   EXPECT_LT(sum.norm(), 1e-9 * summary.total_load.norm());
   EXPECT_LT(summary.imbalance, 1e-9);
@@ -169,7 +169,7 @@ TEST(Balance, ReactionsCarryEveryLoad) {
   Eigen::Vector3d moment = Eigen::Vector3d::Zero();
   const auto& mesh = *analysis->mesh;
   const auto stiffness = AssembleStiffness(mesh, model.analysis.materials);
-  const Eigen::Matrix3Xd all = stiffness->Multiply(analysis->solution->displacement);
+  const Eigen::Matrix3Xd all = stiffness->Multiply(analysis->cases[0].solution.displacement);
   for (Eigen::Index v = 0; v < mesh.nodes.cols(); ++v) {
     moment += Eigen::Vector3d(mesh.nodes.col(v)).cross(Eigen::Vector3d(all.col(v)));
   }

@@ -55,7 +55,7 @@ TEST(Refinement, ReachesTheWantedErrorAndItIsTrue) {
       EXPECT_GT(refined->refinements[i].elements, refined->refinements[i - 1].elements);
       EXPECT_LT(refined->refinements[i].relative_error, refined->refinements[i - 1].relative_error);
     }
-    EXPECT_EQ(refined->refinements.back().elements, refined->solution->summary.elements);
+    EXPECT_EQ(refined->refinements.back().elements, refined->cases[0].solution.summary.elements);
     EXPECT_EQ(refined->refinements.back().relative_error, refined->metrics[1].value);
   }
 }
@@ -69,14 +69,14 @@ TEST(Refinement, TakesFewerElementsThanAnEvenMesh) {
   even.mesh.element_size = 0.036;
   const auto same = AnalyzeDesign(model, {"relative_error"}, false, even);
   ASSERT_TRUE(same.ok()) << same.status();
-  EXPECT_GT(same->solution->summary.elements, refined->solution->summary.elements);
+  EXPECT_GT(same->cases[0].solution.summary.elements, refined->cases[0].solution.summary.elements);
   EXPECT_GT(same->metrics[0].value, refined->metrics[1].value);
 }
 
 TEST(Refinement, SaysWhyItFallsShort) {
   const auto limited = Refined(InnerCorner(), 0.01, false, 3000);
   ASSERT_TRUE(limited.ok()) << limited.status();
-  EXPECT_LE(limited->solution->summary.elements, 3000);
+  EXPECT_LE(limited->cases[0].solution.summary.elements, 3000);
   EXPECT_GT(limited->metrics[1].value, 0.01);
   EXPECT_NE(limited->shortfall.find("not 1 %"), std::string::npos) << limited->shortfall;
   EXPECT_NE(limited->shortfall.find("limits of memory or elements"), std::string::npos)

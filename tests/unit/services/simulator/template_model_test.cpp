@@ -18,6 +18,7 @@
 #include "common/parametric/parameter_values.h"
 #include "common/parametric/shape_codec.h"
 #include "common/templates/template_codec.h"
+#include "services/simulator/design_conditions.h"
 #include "tests/unit/common/templates/shipped_collection.h"
 
 namespace mortise::simulator {
@@ -69,7 +70,7 @@ TEST(TemplateModelTest, ASolidOfFeaturesBendsUnderItsLoad) {
   EXPECT_GT(ValueOf(*analysis, "max_displacement"), 1e-5);
   EXPECT_LT(ValueOf(*analysis, "max_displacement"), 5e-3);
   // 250 N at the handle: a force spread over all of its faces together, held at the jaw.
-  const ElasticitySummary& summary = analysis->solution->summary;
+  const ElasticitySummary& summary = analysis->cases[0].solution.summary;
   EXPECT_NEAR(summary.total_load.norm(), 250, 1e-6);
   EXPECT_LT((summary.total_load + summary.total_reaction).norm(), 1e-4);
 }
@@ -217,7 +218,7 @@ TEST(TemplateModelTest, PartsWithShapesAreGluedWhereTheyTouch) {
     const auto analysis = AnalyzeDesign(*model, {"mass", "max_displacement"}, true, options);
     ASSERT_TRUE(analysis.ok()) << analysis.status();
     EXPECT_NEAR(ValueOf(*analysis, "mass"), stool.design.mass, 0.01 * stool.design.mass);
-    const ElasticitySummary& summary = analysis->solution->summary;
+    const ElasticitySummary& summary = analysis->cases[0].solution.summary;
     EXPECT_NEAR(summary.total_load.z(), -1000, 1e-6);
     EXPECT_LT((summary.total_load + summary.total_reaction).norm(), 1e-3);
   }

@@ -1,0 +1,62 @@
+#include "services/simulator/analysis_codec.h"
+
+#include <cmath>
+
+namespace mortise::simulator {
+namespace {
+
+void AddMetric(const char* name, const char* unit, double value, v1::CaseResult& message) {
+  v1::Metric& metric = *message.add_metrics();
+  metric.set_name(name);
+  metric.set_unit(unit);
+  metric.set_value(value);
+}
+
+}  // namespace
+
+v1::Vector3 ToProto(const Eigen::Vector3d& vector) {
+  v1::Vector3 message;
+  message.set_x(vector.x());
+  message.set_y(vector.y());
+  message.set_z(vector.z());
+  return message;
+}
+
+void Fill(const CaseOutcome& outcome, const std::vector<std::string>& parts,
+          v1::CaseResult& message) {
+  message.set_name(outcome.name);
+  const ElasticitySummary& summary = outcome.summary;
+  AddMetric("max_displacement", "m", summary.maximum_displacement, message);
+  AddMetric("max_von_mises", "Pa", outcome.maximum_von_mises, message);
+  AddMetric("max_principal", "Pa", outcome.maximum_principal, message);
+  AddMetric("strain_energy", "J", summary.strain_energy, message);
+  AddMetric("compliance", "J", summary.compliance, message);
+  AddMetric("relative_error", "1", outcome.relative_error, message);
+  const double safety = outcome.part_safety_factor.minCoeff();
+  if (std::isfinite(safety)) AddMetric("safety_factor", "1", safety, message);
+  *message.mutable_total_load() = ToProto(summary.total_load);
+  *message.mutable_total_reaction() = ToProto(summary.total_reaction);
+  for (const Eigen::Vector3d& reaction : outcome.reactions) {
+    *message.add_reactions() = ToProto(reaction);
+  }
+  *message.mutable_max_displacement_at() = ToProto(outcome.maximum_displacement_at);
+  *message.mutable_max_von_mises_at() = ToProto(outcome.maximum_von_mises_at);
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    v1::CaseResult::PartResult& part = *message.add_parts();
+    part.set_name(parts[p]);
+    part.set_max_von_mises(outcome.part_maximum_von_mises[p]);
+    if (std::isfinite(outcome.part_safety_factor[p])) {
+      part.set_safety_factor(outcome.part_safety_factor[p]);
+    }
+  }
+}
+
+void Fill(const HeatOutcome& outcome, v1::HeatResult& message) {
+  message.set_minimum(outcome.minimum);
+  message.set_maximum(outcome.maximum);
+  message.set_supplied(outcome.supplied);
+  message.set_through_temperatures(outcome.through_temperatures);
+  for (const double power : outcome.convected) message.add_convected(power);
+}
+
+}  // namespace mortise::simulator

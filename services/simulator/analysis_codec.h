@@ -1,0 +1,21 @@
+// What analyses found, as messages.
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "mortise/v1/simulator.pb.h"
+#include "services/simulator/case_outcome.h"
+
+namespace mortise::simulator {
+
+v1::Vector3 ToProto(const Eigen::Vector3d& vector);
+
+// `parts` are the names of those that the outcome tells of.
+void Fill(const CaseOutcome& outcome, const std::vector<std::string>& parts,
+          v1::CaseResult& message);
+
+void Fill(const HeatOutcome& outcome, v1::HeatResult& message);
+
+}  // namespace mortise::simulator

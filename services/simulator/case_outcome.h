@@ -1,0 +1,70 @@
+// What load cases and heat come to, of designs and of uploaded meshes alike: the numbers that are
+// told of each, and the fields that are shown.
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "common/mesh/tetrahedral_mesh.h"
+#include "services/simulator/elasticity.h"
+#include "services/simulator/error_estimate.h"
+#include "services/simulator/heat_conduction.h"
+
+namespace mortise::simulator {
+
+// What a load case or a combination does.
+struct CaseOutcome {
+  std::string name;
+  ElasticitySummary summary;
+  double maximum_von_mises = 0;                                       // Pa
+  Eigen::Vector3d maximum_von_mises_at = Eigen::Vector3d::Zero();     // m
+  Eigen::Vector3d maximum_displacement_at = Eigen::Vector3d::Zero();  // m
+  double maximum_principal = 0;                                       // Pa
+  double relative_error = 0;               // estimated, of the energy norm
+  Eigen::VectorXd part_maximum_von_mises;  // parts, Pa
+  Eigen::VectorXd part_safety_factor;      // parts; infinite where strength is unknown
+  std::vector<Eigen::Vector3d> reactions;  // N, of each support
+};
+
+struct HeatOutcome {
+  double minimum = 0, maximum = 0;
+  double supplied = 0;              // W
+  double through_temperatures = 0;  // W
+  std::vector<double> convected;    // W, of each convection
+};
+
+// `support_nodes` has those of each support.
+CaseOutcome OutcomeOf(const std::string& name, const mesh::TetrahedralMesh& mesh,
+                      const ElasticitySolution& solution, double relative_error,
+                      const std::vector<std::vector<int>>& support_nodes);
+
+HeatOutcome OutcomeOf(const HeatSolution& solution);
+
+// Whether every number that is told or shown is finite.
+bool IsFinite(const ElasticitySolution& solution);
+bool IsFinite(const HeatSolution& solution);
+
+// The nodes of each support, ascending.
+std::vector<std::vector<int>> NodesOf(const mesh::TetrahedralMesh& mesh,
+                                      const std::vector<Support>& supports);
+
+// "Own weight, 1.5×", the second, as "2-own-weight-1-5": letters and digits that every file system
+// takes.
+std::string FileStem(std::size_t number, const std::string& name);
+
+// VTU with displacement, stress tensor, von Mises and largest principal stress, reactions, where it
+// is warm the temperature, and the estimated error of each element. Temperatures of the solution
+// are above `reference_temperature`.
+absl::StatusOr<std::string> WriteFields(const mesh::TetrahedralMesh& mesh,
+                                        const ElasticitySolution& solution,
+                                        const Eigen::VectorXd& element_error,
+                                        double reference_temperature);
+
+// VTU with the temperature at the nodes and the heat flux in each element.
+absl::StatusOr<std::string> WriteHeat(const mesh::TetrahedralMesh& mesh,
+                                      const std::vector<Material>& materials,
+                                      const Eigen::VectorXd& temperature);
+
+}  // namespace mortise::simulator

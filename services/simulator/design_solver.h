@@ -1,0 +1,42 @@
+// Solves a design on meshes: its temperatures, and its load cases over one factor.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "common/mesh/tetrahedral_mesh.h"
+#include "services/simulator/design_analysis.h"
+
+namespace mortise::simulator {
+
+struct SolvedDesign {
+  std::optional<HeatSolution> heat;
+  std::vector<SolvedCase> cases;
+};
+
+class DesignSolver {
+ public:
+  // `model` and `options` must outlive it. With `estimates`, or where a refinement is wanted, the
+  // error of each load case is estimated.
+  DesignSolver(const DesignModel& model, const DesignAnalysisOptions& options, bool estimates);
+
+  // The temperatures of a model that has heat; fails as SolveHeat.
+  absl::StatusOr<HeatSolution> Heat(const mesh::TetrahedralMesh& mesh) const;
+
+  // All load cases; the temperatures where they act, or are wanted. Fails as Heat and ElasticSystem
+  // do; RESOURCE_EXHAUSTED if the solutions would not fit into the memory.
+  absl::StatusOr<SolvedDesign> Solve(const mesh::TetrahedralMesh& mesh, bool heat_wanted) const;
+
+ private:
+  void Begin(std::string stage) const;
+  std::string StageOf(std::size_t index) const;
+
+  const DesignModel& model_;
+  const DesignAnalysisOptions& options_;
+  const std::vector<NamedLoadCase> load_cases_;
+  const bool estimates_;
+};
+
+}  // namespace mortise::simulator
