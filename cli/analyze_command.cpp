@@ -134,6 +134,8 @@ absl::Status Analyze(const AnalyzeOptions& options, Session& session, Output& ou
   output.Line(absl::StrCat(analysis.name(), ": ", analysis.elements(), " elements, ",
                            analysis.unknowns(), " unknowns"));
   PrintMetrics(analysis.metrics(), output);
+  if (analysis.cases_size() > 1) PrintCases(analysis, output);
+  PrintHeat(analysis, " K", output);
   PrintModes(analysis, output);
   for (const v1::RefinementStep& step : analysis.refinements()) {
     output.Line(absl::StrFormat("  %d elements: estimated error %.2g %%", step.elements(),

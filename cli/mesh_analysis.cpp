@@ -81,25 +81,6 @@ std::string Newtons(const v1::Vector3& force) {
   return absl::StrCat(text(force.x()), ", ", text(force.y()), ", ", text(force.z()));
 }
 
-void PrintCases(const v1::Analysis& analysis, const Output& output) {
-  if (analysis.cases().empty()) return;
-  std::vector<std::vector<std::string>> rows;
-  for (const v1::CaseResult& result : analysis.cases()) {
-    const double safety = MetricOf(result, "safety_factor");
-    rows.push_back({result.name(),
-                    absl::StrFormat("%.4g mm", MetricOf(result, "max_displacement") / kMillimetre),
-                    absl::StrFormat("%.4g MPa", MetricOf(result, "max_von_mises") / kMegapascal),
-                    absl::StrFormat("%.4g MPa", MetricOf(result, "max_principal") / kMegapascal),
-                    safety > 0 ? absl::StrFormat("%.3g", safety) : "",
-                    absl::StrFormat("%.4g J", MetricOf(result, "strain_energy")),
-                    absl::StrFormat("%.2g %%", 100 * MetricOf(result, "relative_error")),
-                    Newtons(result.total_reaction())});
-  }
-  output.Table({"load case", "displacement", "von Mises", "principal", "safety", "energy", "error",
-                "reaction (N)"},
-               rows);
-}
-
 }  // namespace
 
 absl::StatusOr<v1::Analysis> AnalyzeMeshFiles(const std::filesystem::path& case_file,
@@ -122,6 +103,36 @@ absl::StatusOr<v1::Analysis> AnalyzeMeshFiles(const std::filesystem::path& case_
   return analysis;
 }
 
+void PrintCases(const v1::Analysis& analysis, const Output& output) {
+  if (analysis.cases().empty()) return;
+  std::vector<std::vector<std::string>> rows;
+  for (const v1::CaseResult& result : analysis.cases()) {
+    const double safety = MetricOf(result, "safety_factor");
+    rows.push_back({result.name(),
+                    absl::StrFormat("%.4g mm", MetricOf(result, "max_displacement") / kMillimetre),
+                    absl::StrFormat("%.4g MPa", MetricOf(result, "max_von_mises") / kMegapascal),
+                    absl::StrFormat("%.4g MPa", MetricOf(result, "max_principal") / kMegapascal),
+                    safety > 0 ? absl::StrFormat("%.3g", safety) : "",
+                    absl::StrFormat("%.4g J", MetricOf(result, "strain_energy")),
+                    absl::StrFormat("%.2g %%", 100 * MetricOf(result, "relative_error")),
+                    Newtons(result.total_reaction())});
+  }
+  output.Table({"load case", "displacement", "von Mises", "principal", "safety", "energy", "error",
+                "reaction (N)"},
+               rows);
+}
+
+void PrintHeat(const v1::Analysis& analysis, const std::string& unit, const Output& output) {
+  if (!analysis.has_heat()) return;
+  double convected = 0;
+  for (const double power : analysis.heat().convected()) convected += power;
+  output.Line(absl::StrFormat(
+      "temperatures from %.5g to %.5g%s, %.5g W of fluxes and sources, %.5g W from where "
+      "temperatures are held, %.5g W to the surroundings",
+      analysis.heat().minimum(), analysis.heat().maximum(), unit, analysis.heat().supplied(),
+      analysis.heat().through_temperatures(), convected));
+}
+
 void PrintModes(const v1::Analysis& analysis, const Output& output) {
   if (analysis.modes().empty()) return;
   std::vector<std::vector<std::string>> rows;
@@ -140,13 +151,7 @@ void PrintMeshAnalysis(const v1::Analysis& analysis, const Output& output) {
     output.Line(absl::StrCat("  ", metric.name(), " ", MetricText(metric)));
   }
   PrintCases(analysis, output);
-  if (analysis.has_heat()) {
-    output.Line(absl::StrFormat(
-        "temperatures from %.5g to %.5g, %.5g W of fluxes and sources, %.5g W from where "
-        "temperatures are held",
-        analysis.heat().minimum(), analysis.heat().maximum(), analysis.heat().supplied(),
-        analysis.heat().through_temperatures()));
-  }
+  PrintHeat(analysis, "", output);
   PrintModes(analysis, output);
   for (const std::string& note : analysis.notes()) output.Line("note: " + note);
 }

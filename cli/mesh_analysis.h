@@ -23,6 +23,12 @@ absl::StatusOr<v1::Analysis> AnalyzeMeshFiles(const std::filesystem::path& case_
 // Tables of load cases, temperatures and frequencies, and what of the mesh file was not used.
 void PrintMeshAnalysis(const v1::Analysis& analysis, const Output& output);
 
+// A table of load cases and combinations, if there are any.
+void PrintCases(const v1::Analysis& analysis, const Output& output);
+
+// A line on the temperatures, if heat was asked for; in this unit, which may be empty.
+void PrintHeat(const v1::Analysis& analysis, const std::string& unit, const Output& output);
+
 // A table of natural frequencies, if there are any.
 void PrintModes(const v1::Analysis& analysis, const Output& output);
 
