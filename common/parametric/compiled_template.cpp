@@ -144,29 +144,11 @@ absl::StatusOr<CompiledTemplate> CompileTemplate(const TemplateBundle& bundle) {
     compiled.connections.push_back(
         CompileConnection(bundle, definition.connections[i], absl::StrCat("connections[", i, "]")));
   }
-  for (std::size_t i = 0; i < definition.boundary_conditions.size(); ++i) {
-    CompiledBoundaryCondition condition;
-    const std::vector<std::string>& components = definition.boundary_conditions[i].components;
-    for (std::size_t j = 0; j < components.size(); ++j) {
-      if (components[j].empty()) {
-        condition.components.emplace_back();
-        continue;
-      }
-      MORTISE_ASSIGN_OR_RETURN(
-          PlacedExpression component,
-          CompileExpression(components[j],
-                            absl::StrCat("boundary_conditions[", i, "].components[", j, "]"),
-                            ParameterNames(definition)));
-      condition.components.push_back(std::move(component));
-    }
-    compiled.boundary_conditions.push_back(std::move(condition));
-  }
-  if (!definition.reference_temperature.empty()) {
-    MORTISE_ASSIGN_OR_RETURN(
-        compiled.reference_temperature,
-        CompileExpression(definition.reference_temperature, "reference_temperature",
-                          ParameterNames(definition)));
-  }
+  std::vector<Finding> findings;
+  compiled.conditions =
+      ConditionExpressions(definition.boundary_conditions, definition.reference_temperature,
+                           ParameterNames(definition), findings);
+  MORTISE_RETURN_IF_ERROR(ToStatus(findings));
   return compiled;
 }
 

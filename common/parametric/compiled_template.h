@@ -2,11 +2,11 @@
 // evaluation files of this folder.
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "common/parametric/condition_expressions.h"
 #include "common/parametric/expression.h"
 #include "common/parametric/template_definition.h"
 
@@ -45,17 +45,11 @@ struct CompiledConnection {
   std::string field;    // "connections[1]"
 };
 
-struct CompiledBoundaryCondition {
-  // As many as the kind has; nothing where a displacement is free.
-  std::vector<std::optional<PlacedExpression>> components;
-};
-
 struct CompiledTemplate {
   TemplateBundle bundle;
   std::vector<CompiledPart> parts;
   std::vector<CompiledConnection> connections;
-  std::vector<CompiledBoundaryCondition> boundary_conditions;
-  std::optional<PlacedExpression> reference_temperature;
+  ConditionExpressions conditions;
 };
 
 // Compiles a template after checking it (template_checks.h); INVALID_ARGUMENT with the findings.

@@ -123,11 +123,11 @@ std::vector<Finding> CheckDesign(const CompiledTemplate& compiled, const Eigen::
     whole.push_back(*std::move(part));
   }
   CheckPenetrations(compiled, parts, findings);
-  for (std::size_t i = 0; i < compiled.boundary_conditions.size(); ++i) {
-    const auto condition = EvaluateBoundaryCondition(compiled, i, q);
+  for (std::size_t i = 0; i < compiled.conditions.size(); ++i) {
+    const auto condition = compiled.conditions.At(i, q);
     if (!condition.ok()) findings.push_back(FindingOf(condition.status()));
   }
-  const auto reference = EvaluateReferenceTemperature(compiled, q);
+  const auto reference = compiled.conditions.ReferenceTemperature(q);
   if (!reference.ok()) findings.push_back(FindingOf(reference.status()));
   // Contacts mean something only between parts that have a shape.
   if (whole.size() == parts.size()) CheckPegs(compiled, whole, findings);

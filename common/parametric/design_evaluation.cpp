@@ -1,4 +1,4 @@
-// The pieces of F(q): parts, pegs, boundary conditions, and volumes with gradients.
+// The pieces of F(q): parts, pegs, and volumes with gradients.
 #include "common/parametric/design_evaluation.h"
 
 #include <algorithm>
@@ -188,45 +188,6 @@ absl::StatusOr<std::vector<EvaluatedConnector>> EvaluateConnection(
     pegs.push_back(std::move(peg));
   }
   return pegs;
-}
-
-absl::StatusOr<EvaluatedBoundaryCondition> EvaluateBoundaryCondition(
-    const CompiledTemplate& compiled_template, std::size_t index, const VectorXd& q) {
-  const BoundaryCondition& definition =
-      compiled_template.bundle.definition.boundary_conditions[index];
-  const CompiledBoundaryCondition& compiled = compiled_template.boundary_conditions[index];
-  EvaluatedBoundaryCondition condition;
-  condition.name = definition.name;
-  condition.kind = definition.kind;
-  condition.part = definition.part;
-  condition.face = definition.face;
-  condition.load_case = definition.load_case;
-  std::vector<std::optional<double>> values;
-  for (std::size_t i = 0; i < compiled.components.size(); ++i) {
-    const std::optional<PlacedExpression>& component = compiled.components[i];
-    if (!component) {
-      values.emplace_back();
-      continue;
-    }
-    const absl::StatusOr<double> value = component->expression.Value(q);
-    const std::string fault = value.ok() ? FaultOf(ComponentsOf(definition.kind)[i], *value)
-                                         : std::string(value.status().message());
-    if (!fault.empty()) {
-      return InvalidField(component->field, absl::StrCat("'", definition.name, "': ", fault));
-    }
-    values.push_back(*value);
-  }
-  static_cast<ConditionNumbers&>(condition) = NumbersOf(definition.kind, values);
-  return condition;
-}
-
-absl::StatusOr<std::optional<double>> EvaluateReferenceTemperature(const CompiledTemplate& compiled,
-                                                                   const VectorXd& q) {
-  if (!compiled.reference_temperature) return std::nullopt;
-  MORTISE_ASSIGN_OR_RETURN(const double value, ValueOf(*compiled.reference_temperature, q));
-  const std::string fault = FaultOfTemperature(value);
-  if (!fault.empty()) return InvalidField(compiled.reference_temperature->field, fault);
-  return value;
 }
 
 absl::StatusOr<Dual> EvaluateVolume(const CompiledPart& part, const VectorXd& q) {

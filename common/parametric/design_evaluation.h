@@ -23,15 +23,6 @@ absl::StatusOr<std::vector<EvaluatedConnector>> EvaluateConnection(
     const CompiledTemplate& compiled, std::size_t connection,
     const std::vector<EvaluatedPart>& parts);
 
-// The boundary condition of this index. INVALID_ARGUMENT naming the component that cannot be
-// computed or is not what it must be, and the condition.
-absl::StatusOr<EvaluatedBoundaryCondition> EvaluateBoundaryCondition(
-    const CompiledTemplate& compiled, std::size_t condition, const Eigen::VectorXd& q);
-
-// The reference temperature, K; nothing where there is none. INVALID_ARGUMENT as above.
-absl::StatusOr<std::optional<double>> EvaluateReferenceTemperature(const CompiledTemplate& compiled,
-                                                                   const Eigen::VectorXd& q);
-
 // The volume of the part of this index, m³, with its gradient.
 absl::StatusOr<Dual> EvaluateVolume(const CompiledPart& part, const Eigen::VectorXd& q);
 

@@ -55,13 +55,12 @@ absl::StatusOr<EvaluatedDesign> TemplateFunction::Evaluate(const VectorXd& q) co
                              EvaluateConnection(*compiled_, i, design.parts));
     std::move(pegs.begin(), pegs.end(), std::back_inserter(design.connectors));
   }
-  for (std::size_t i = 0; i < definition.boundary_conditions.size(); ++i) {
-    MORTISE_ASSIGN_OR_RETURN(EvaluatedBoundaryCondition condition,
-                             EvaluateBoundaryCondition(*compiled_, i, q));
+  for (std::size_t i = 0; i < compiled_->conditions.size(); ++i) {
+    MORTISE_ASSIGN_OR_RETURN(EvaluatedBoundaryCondition condition, compiled_->conditions.At(i, q));
     design.boundary_conditions.push_back(std::move(condition));
   }
   MORTISE_ASSIGN_OR_RETURN(design.reference_temperature,
-                           EvaluateReferenceTemperature(*compiled_, q));
+                           compiled_->conditions.ReferenceTemperature(q));
   return design;
 }
 

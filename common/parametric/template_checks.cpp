@@ -7,8 +7,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/identifiers.h"
-#include "common/parametric/boundary_condition.h"
 #include "common/parametric/compiled_template.h"
+#include "common/parametric/condition_expressions.h"
 #include "common/parametric/expression.h"
 #include "common/parametric/field_checks.h"
 #include "common/parametric/identifier.h"
@@ -249,46 +249,16 @@ class Checker {
 
   void CheckBoundaryConditions() {
     std::set<std::string> seen;
-    std::vector<ConditionUse> uses;
     for (std::size_t i = 0; i < definition_.boundary_conditions.size(); ++i) {
       const BoundaryCondition& condition = definition_.boundary_conditions[i];
       const std::string field = absl::StrCat("boundary_conditions[", i, "]");
       CheckName(absl::StrCat(field, ".name"), condition.name, seen);
       if (ActsOnFace(condition.kind)) {
         CheckFaceReference(field, condition.part, condition.face);
-      } else {
-        CheckNoFace(field, condition);
       }
-      CheckCondition(field, condition.kind, condition.components, condition.load_case, findings_);
-      uses.push_back({condition.kind, condition.load_case});
-      CheckComponents(field, condition);
     }
-    if (!definition_.reference_temperature.empty()) {
-      CheckExpression("reference_temperature", definition_.reference_temperature);
-    }
-    CheckConditionsTogether("boundary_conditions", uses, definition_.reference_temperature,
-                            findings_);
-  }
-
-  void CheckNoFace(const std::string& field, const BoundaryCondition& condition) {
-    constexpr char kWhole[] = "must be left out: this kind acts on the whole body";
-    if (!condition.part.empty()) Report(field + ".part", kWhole);
-    if (!condition.face.empty()) Report(field + ".face", kWhole);
-  }
-
-  void CheckComponents(const std::string& field, const BoundaryCondition& condition) {
-    const std::size_t expected = ComponentsOf(condition.kind).size();
-    if (condition.components.size() != expected) {
-      Report(field + ".components",
-             absl::StrCat("has ", condition.components.size(), " expressions, not ", expected));
-      return;
-    }
-    for (std::size_t i = 0; i < expected; ++i) {
-      const bool is_free =
-          condition.kind == BoundaryConditionKind::kDisplacement && condition.components[i].empty();
-      if (is_free) continue;
-      CheckExpression(absl::StrCat(field, ".components[", i, "]"), condition.components[i]);
-    }
+    ConditionExpressions(definition_.boundary_conditions, definition_.reference_temperature,
+                         parameter_names_, findings_);
   }
 
   const TemplateBundle& bundle_;

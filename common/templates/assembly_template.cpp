@@ -11,7 +11,7 @@
 #include "common/base/errors.h"
 #include "common/cad/solid_shape.h"
 #include "common/parametric/assembly_design.h"
-#include "common/parametric/expression.h"
+#include "common/parametric/condition_expressions.h"
 #include "common/parametric/field_checks.h"
 #include "common/parametric/identifier.h"
 #include "common/parametric/memory_use.h"
@@ -22,7 +22,7 @@ namespace mortise::templates {
 namespace {
 
 using parametric::BoundaryCondition;
-using parametric::BoundaryConditionKind;
+using parametric::ConditionExpressions;
 using parametric::Finding;
 using parametric::Measure;
 using parametric::MeasureRange;
@@ -33,11 +33,6 @@ constexpr double kSlack = 1e-9;           // m, beyond the range that the assemb
 constexpr double kIndependent = 1e-6;     // of a size's own change: what others leave open of it
 constexpr std::size_t kMaxHandles = 100;  // demands that an adjustment may have
 constexpr std::size_t kMaxConditions = 500;
-
-struct CompiledCondition {
-  BoundaryCondition condition;
-  std::vector<std::optional<parametric::Expression>> components;  // none where it is free
-};
 
 // "top shelf 1", x: "top_shelf_1_x".
 std::string ParameterName(const Measure& measure) {
@@ -111,83 +106,55 @@ std::vector<Parameter> ParametersOf(const ParametricAssembly& assembly,
   return parameters;
 }
 
-// The part and face of a condition, or that it has none.
-void CheckPlace(const parametric::EvaluatedDesign& drawn, const BoundaryCondition& condition,
-                const std::string& field, std::vector<Finding>& findings) {
-  if (!parametric::ActsOnFace(condition.kind)) {
-    constexpr char kWhole[] = "must be left out: this kind acts on the whole body";
-    if (!condition.part.empty()) findings.push_back({field + ".part", kWhole});
-    if (!condition.face.empty()) findings.push_back({field + ".face", kWhole});
-    return;
-  }
-  const int part = parametric::FindPart(drawn, condition.part);
-  if (part < 0) {
-    findings.push_back({field + ".part", absl::StrCat("there is no part '", condition.part, "'")});
-    return;
-  }
-  const parametric::EvaluatedPart& of = drawn.parts[static_cast<std::size_t>(part)];
-  if (of.connecting) {
-    findings.push_back({field + ".part", "only connects others, which analyses leave out"});
-  } else if (std::find(of.face_names.begin(), of.face_names.end(), condition.face) ==
-             of.face_names.end()) {
-    findings.push_back({field + ".face", absl::StrCat("there is no face '", condition.face, "'")});
-  }
-}
-
-std::vector<CompiledCondition> ConditionsOf(const parametric::EvaluatedDesign& drawn,
-                                            const std::vector<BoundaryCondition>& conditions,
-                                            const std::vector<std::string>& parameters,
-                                            std::vector<Finding>& findings) {
-  std::vector<CompiledCondition> compiled;
+// What the drawn assembly lacks of the conditions' parts and faces.
+void CheckPlaces(const parametric::EvaluatedDesign& drawn,
+                 const std::vector<BoundaryCondition>& conditions, std::vector<Finding>& findings) {
   std::set<std::string> names;
-  if (conditions.size() > kMaxConditions) {
-    findings.push_back({"boundary_conditions", absl::StrCat("are more than ", kMaxConditions)});
-    return compiled;
-  }
   for (std::size_t i = 0; i < conditions.size(); ++i) {
     const BoundaryCondition& condition = conditions[i];
     const std::string field = absl::StrCat("boundary_conditions[", i, "]");
     if (condition.name.empty() || !names.insert(condition.name).second) {
-      findings.push_back({absl::StrCat(field, ".name"), "must be there, and distinct"});
+      findings.push_back({field + ".name", "must be there, and distinct"});
     }
-    CheckPlace(drawn, condition, field, findings);
-    parametric::CheckCondition(field, condition.kind, condition.components, condition.load_case,
-                               findings);
-    CompiledCondition entry{condition, {}};
-    const std::size_t expected = parametric::ComponentsOf(condition.kind).size();
-    if (condition.components.size() != expected) {
-      findings.push_back({absl::StrCat(field, ".components"), absl::StrCat("must be ", expected)});
+    if (!parametric::ActsOnFace(condition.kind)) continue;
+    const int part = parametric::FindPart(drawn, condition.part);
+    if (part < 0) {
+      findings.push_back(
+          {field + ".part", absl::StrCat("there is no part '", condition.part, "'")});
+      continue;
     }
-    for (std::size_t k = 0; k < condition.components.size(); ++k) {
-      const bool is_free =
-          condition.kind == BoundaryConditionKind::kDisplacement && condition.components[k].empty();
-      if (is_free) {
-        entry.components.emplace_back();
-        continue;
-      }
-      auto expression = parametric::Expression::Parse(condition.components[k], parameters);
-      if (expression.ok()) {
-        entry.components.push_back(*std::move(expression));
-      } else {
-        findings.push_back({absl::StrCat(field, ".components[", k, "]"),
-                            std::string(expression.status().message())});
-      }
+    const parametric::EvaluatedPart& of = drawn.parts[static_cast<std::size_t>(part)];
+    if (of.connecting) {
+      findings.push_back({field + ".part", "only connects others, which analyses leave out"});
+    } else if (std::find(of.face_names.begin(), of.face_names.end(), condition.face) ==
+               of.face_names.end()) {
+      findings.push_back(
+          {field + ".face", absl::StrCat("there is no face '", condition.face, "'")});
     }
-    compiled.push_back(std::move(entry));
   }
-  return compiled;
+}
+
+// The conditions, if there are not too many of them to be looked at.
+ConditionExpressions ConditionsOf(const parametric::EvaluatedDesign& drawn,
+                                  const AssemblyTemplate& definition,
+                                  const std::vector<std::string>& parameters,
+                                  std::vector<Finding>& findings) {
+  if (definition.boundary_conditions.size() > kMaxConditions) {
+    findings.push_back({"boundary_conditions", absl::StrCat("are more than ", kMaxConditions)});
+    return {};
+  }
+  CheckPlaces(drawn, definition.boundary_conditions, findings);
+  return {definition.boundary_conditions, definition.reference_temperature, parameters, findings};
 }
 
 class HandledAssembly final : public Template {
  public:
   HandledAssembly(TemplateHead head, std::shared_ptr<const ParametricAssembly> assembly,
-                  std::vector<AssemblyHandle> handles, std::vector<CompiledCondition> conditions,
-                  std::optional<parametric::Expression> reference_temperature)
+                  std::vector<AssemblyHandle> handles, ConditionExpressions conditions)
       : Template(std::move(head)),
         assembly_(std::move(assembly)),
         handles_(std::move(handles)),
-        conditions_(std::move(conditions)),
-        reference_temperature_(std::move(reference_temperature)) {}
+        conditions_(std::move(conditions)) {}
 
   std::size_t MemoryUse() const override {
     return Template::MemoryUse() + parametric::MemoryUse(*assembly_);
@@ -199,10 +166,11 @@ class HandledAssembly final : public Template {
     parametric::EvaluatedDesign design =
         parametric::DesignAt(*assembly_, adjusted.q, head().items, head().materials);
     for (std::size_t i = 0; i < conditions_.size(); ++i) {
-      MORTISE_ASSIGN_OR_RETURN(parametric::EvaluatedBoundaryCondition condition, ConditionAt(i, q));
+      MORTISE_ASSIGN_OR_RETURN(parametric::EvaluatedBoundaryCondition condition,
+                               conditions_.At(i, q));
       design.boundary_conditions.push_back(std::move(condition));
     }
-    MORTISE_ASSIGN_OR_RETURN(design.reference_temperature, ReferenceTemperatureAt(q));
+    MORTISE_ASSIGN_OR_RETURN(design.reference_temperature, conditions_.ReferenceTemperature(q));
     return design;
   }
 
@@ -244,50 +212,9 @@ class HandledAssembly final : public Template {
     return cad::MovedSolid(*solid, placed.box.minimum);
   }
 
-  absl::StatusOr<parametric::EvaluatedBoundaryCondition> ConditionAt(
-      std::size_t index, const Eigen::VectorXd& q) const {
-    const CompiledCondition& compiled = conditions_[index];
-    const BoundaryCondition& condition = compiled.condition;
-    std::vector<std::optional<double>> values;
-    for (std::size_t k = 0; k < compiled.components.size(); ++k) {
-      if (!compiled.components[k]) {
-        values.emplace_back();
-        continue;
-      }
-      const absl::StatusOr<double> value = compiled.components[k]->Value(q);
-      const std::string fault =
-          value.ok() ? parametric::FaultOf(parametric::ComponentsOf(condition.kind)[k], *value)
-                     : std::string(value.status().message());
-      if (!fault.empty()) {
-        return InvalidField(absl::StrCat("boundary_conditions[", index, "].components[", k, "]"),
-                            absl::StrCat("'", condition.name, "': ", fault));
-      }
-      values.push_back(*value);
-    }
-    parametric::EvaluatedBoundaryCondition evaluated;
-    evaluated.name = condition.name;
-    evaluated.kind = condition.kind;
-    evaluated.part = condition.part;
-    evaluated.face = condition.face;
-    evaluated.load_case = condition.load_case;
-    static_cast<parametric::ConditionNumbers&>(evaluated) =
-        parametric::NumbersOf(condition.kind, values);
-    return evaluated;
-  }
-
-  absl::StatusOr<std::optional<double>> ReferenceTemperatureAt(const Eigen::VectorXd& q) const {
-    if (!reference_temperature_) return std::nullopt;
-    const absl::StatusOr<double> value = reference_temperature_->Value(q);
-    const std::string fault =
-        value.ok() ? parametric::FaultOfTemperature(*value) : std::string(value.status().message());
-    if (!fault.empty()) return InvalidField("reference_temperature", fault);
-    return *value;
-  }
-
   const std::shared_ptr<const ParametricAssembly> assembly_;
   const std::vector<AssemblyHandle> handles_;
-  const std::vector<CompiledCondition> conditions_;
-  const std::optional<parametric::Expression> reference_temperature_;
+  const ConditionExpressions conditions_;
 };
 
 }  // namespace
@@ -340,27 +267,10 @@ absl::StatusOr<std::shared_ptr<const Template>> MakeAssemblyTemplate(
   for (const Parameter& parameter : head.parameters) names.push_back(parameter.name);
   const parametric::EvaluatedDesign drawn =
       parametric::DesignAt(*assembly, assembly->drawn(), head.items, head.materials);
-  std::vector<CompiledCondition> conditions =
-      ConditionsOf(drawn, definition.boundary_conditions, names, findings);
-  std::vector<parametric::ConditionUse> uses;
-  for (const BoundaryCondition& condition : definition.boundary_conditions) {
-    uses.push_back({condition.kind, condition.load_case});
-  }
-  parametric::CheckConditionsTogether("boundary_conditions", uses, definition.reference_temperature,
-                                      findings);
-  std::optional<parametric::Expression> reference;
-  if (!definition.reference_temperature.empty()) {
-    auto expression = parametric::Expression::Parse(definition.reference_temperature, names);
-    if (expression.ok()) {
-      reference = *std::move(expression);
-    } else {
-      findings.push_back({"reference_temperature", std::string(expression.status().message())});
-    }
-  }
+  ConditionExpressions conditions = ConditionsOf(drawn, definition, names, findings);
   MORTISE_RETURN_IF_ERROR(parametric::ToStatus(findings));
-  return std::make_shared<const HandledAssembly>(std::move(head), std::move(assembly),
-                                                 std::move(definition.handles),
-                                                 std::move(conditions), std::move(reference));
+  return std::make_shared<const HandledAssembly>(
+      std::move(head), std::move(assembly), std::move(definition.handles), std::move(conditions));
 }
 
 }  // namespace mortise::templates

@@ -1,0 +1,49 @@
+// The boundary conditions that parts and assemblies write, with their expressions parsed once.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "common/parametric/evaluated_design.h"
+#include "common/parametric/expression.h"
+#include "common/parametric/template_validation.h"
+
+namespace mortise::parametric {
+
+// Can be evaluated from any number of threads.
+class ConditionExpressions {
+ public:
+  // No conditions.
+  ConditionExpressions() = default;
+
+  // Parses; what is wrong, with its place ("boundary_conditions[2].components[0]",
+  // "reference_temperature"), is added to `findings`, and then nothing else may be called. Names
+  // are not looked at, nor whether parts and faces exist, but what acts on the whole body has
+  // neither.
+  ConditionExpressions(std::vector<BoundaryCondition> conditions,
+                       const std::string& reference_temperature,
+                       const std::vector<std::string>& parameters, std::vector<Finding>& findings);
+
+  std::size_t size() const { return conditions_.size(); }
+
+  // The condition of this index at `q`. INVALID_ARGUMENT naming the component that cannot be
+  // computed or is not what it must be, and the condition.
+  absl::StatusOr<EvaluatedBoundaryCondition> At(std::size_t index, const Eigen::VectorXd& q) const;
+
+  // K; nothing where there is none. INVALID_ARGUMENT naming "reference_temperature".
+  absl::StatusOr<std::optional<double>> ReferenceTemperature(const Eigen::VectorXd& q) const;
+
+ private:
+  struct Condition {
+    BoundaryCondition definition;
+    std::vector<std::optional<Expression>> components;  // nothing where a displacement is free
+  };
+
+  std::vector<Condition> conditions_;
+  std::optional<Expression> reference_temperature_;
+};
+
+}  // namespace mortise::parametric
