@@ -10,6 +10,8 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <mutex>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
@@ -25,11 +27,37 @@ using Triangles = std::vector<Triangle>;
 using Primitive = CGAL::AABB_triangle_primitive<Kernel, Triangles::const_iterator>;
 using Tree = CGAL::AABB_tree<CGAL::AABB_traits<Kernel, Primitive>>;
 
+constexpr double kRounding = 1e-9;  // m; what touches is so far apart, or so deep, by rounding
+
 // A surface ready to be asked. The tree refers to the triangles, so neither moves.
-struct Surface {
-  Triangles triangles;
-  CGAL::Bbox_3 box;
-  Tree tree;
+class Surface {
+ public:
+  explicit Surface(Triangles triangles_in) : triangles(std::move(triangles_in)) {
+    boxes.reserve(triangles.size());
+    for (const Triangle& triangle : triangles) {
+      boxes.push_back(triangle.bbox());
+      box += boxes.back();
+    }
+  }
+
+  // Takes longer to make than many a question whose answer needs none.
+  const Tree& tree() const {
+    std::call_once(is_built_, [this] {
+      // What points are nearest to begin with would take as long again, for few questions.
+      tree_.do_not_accelerate_distance_queries();
+      tree_.insert(triangles.begin(), triangles.end());
+      tree_.build();
+    });
+    return tree_;
+  }
+
+  const Triangles triangles;
+  std::vector<CGAL::Bbox_3> boxes;  // of the triangles
+  CGAL::Bbox_3 box;                 // around all
+
+ private:
+  mutable std::once_flag is_built_;
+  mutable Tree tree_;
 };
 
 Point ToPoint(const Eigen::Vector3d& vertex) { return {vertex.x(), vertex.y(), vertex.z()}; }
@@ -44,16 +72,14 @@ absl::Status CheckSurface(const SurfaceMesh& surface, const std::string& field) 
 }
 
 std::unique_ptr<const Surface> Prepare(const SurfaceMesh& mesh) {
-  auto surface = std::make_unique<Surface>();
+  Triangles triangles;
+  triangles.reserve(static_cast<std::size_t>(mesh.triangles.cols()));
   for (Eigen::Index t = 0; t < mesh.triangles.cols(); ++t) {
-    surface->triangles.emplace_back(ToPoint(mesh.vertices.col(mesh.triangles(0, t))),
-                                    ToPoint(mesh.vertices.col(mesh.triangles(1, t))),
-                                    ToPoint(mesh.vertices.col(mesh.triangles(2, t))));
-    surface->box += surface->triangles.back().bbox();
+    triangles.emplace_back(ToPoint(mesh.vertices.col(mesh.triangles(0, t))),
+                           ToPoint(mesh.vertices.col(mesh.triangles(1, t))),
+                           ToPoint(mesh.vertices.col(mesh.triangles(2, t))));
   }
-  surface->tree.insert(surface->triangles.begin(), surface->triangles.end());
-  surface->tree.build();
-  return surface;
+  return std::make_unique<const Surface>(std::move(triangles));
 }
 
 CGAL::Bbox_3 Grown(const CGAL::Bbox_3& box, double margin) {
@@ -79,17 +105,69 @@ double SquaredDistance(const Triangle& a, const Triangle& b) {
   return least;
 }
 
+// Of boxes around what is measured, never more than the distance.
+double SquaredDistance(const CGAL::Bbox_3& a, const CGAL::Bbox_3& b) {
+  double squared = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double apart = std::max({a.min(axis) - b.max(axis), b.min(axis) - a.max(axis), 0.0});
+    squared += apart * apart;
+  }
+  return squared;
+}
+
+// The triangles whose boxes meet `where`.
+std::vector<std::size_t> TrianglesIn(const CGAL::Bbox_3& where, const Surface& surface) {
+  std::vector<std::size_t> found;
+  for (std::size_t i = 0; i < surface.boxes.size(); ++i) {
+    if (CGAL::do_overlap(surface.boxes[i], where)) found.push_back(i);
+  }
+  return found;
+}
+
+// Measures triangles of two surfaces; what is further apart than the nearest so far is passed over.
+class NearestTriangles {
+ public:
+  NearestTriangles(const Surface& a, const Surface& b) : a_(a), b_(b) {}
+
+  void Measure(std::size_t i, std::size_t j) {
+    if (SquaredDistance(a_.boxes[i], b_.boxes[j]) >= squared_) return;
+    squared_ = std::min(squared_, SquaredDistance(a_.triangles[i], b_.triangles[j]));
+    if (squared_ <= kRounding * kRounding) squared_ = 0;
+  }
+
+  double squared() const { return squared_; }
+
+ private:
+  const Surface& a_;
+  const Surface& b_;
+  double squared_ = std::numeric_limits<double>::infinity();
+};
+
 // The least distance between two surfaces, as far as it is within `tolerance`; infinity beyond.
 double DistanceWithin(const Surface& a, const Surface& b, double tolerance) {
-  double least = std::numeric_limits<double>::infinity();
+  constexpr std::size_t kMostPairs = 100'000;  // that are looked at one by one
+  const std::vector<std::size_t> of_a = TrianglesIn(Grown(b.box, tolerance), a);
+  const std::vector<std::size_t> of_b = TrianglesIn(Grown(a.box, tolerance), b);
+  NearestTriangles nearest(a, b);
+  const bool one_by_one = of_a.size() * of_b.size() <= kMostPairs;
+  double reach = tolerance;
   std::vector<Triangles::const_iterator> near;
-  for (const Triangle& triangle : a.triangles) {
-    near.clear();
-    b.tree.all_intersected_primitives(Grown(triangle.bbox(), tolerance), std::back_inserter(near));
-    for (const auto& other : near) least = std::min(least, SquaredDistance(triangle, *other));
-    if (least == 0) return 0;
+  for (const std::size_t i : of_a) {
+    if (one_by_one) {
+      for (std::size_t j = 0; j < of_b.size() && nearest.squared() > 0; ++j) {
+        nearest.Measure(i, of_b[j]);
+      }
+    } else {
+      near.clear();
+      b.tree().all_intersected_primitives(Grown(a.boxes[i], reach), std::back_inserter(near));
+      for (const auto& other : near) {
+        nearest.Measure(i, static_cast<std::size_t>(other - b.triangles.begin()));
+      }
+    }
+    if (nearest.squared() == 0) return 0;
+    reach = std::min(reach, std::sqrt(nearest.squared()));
   }
-  least = std::sqrt(least);
+  const double least = std::sqrt(nearest.squared());
   return least <= tolerance ? least : std::numeric_limits<double>::infinity();
 }
 
@@ -180,7 +258,7 @@ bool IsWithin(const Point& point, const Surface& surface) {
   int inside = 0;
   for (const Kernel::Vector_3& direction : directions) {
     const std::size_t met =
-        surface.tree.number_of_intersected_primitives(Kernel::Ray_3(point, direction));
+        surface.tree().number_of_intersected_primitives(Kernel::Ray_3(point, direction));
     inside += met % 2 == 1 ? 1 : 0;
   }
   return inside >= 2;
@@ -190,7 +268,7 @@ bool IsWithin(const Point& point, const Surface& surface) {
 std::vector<double> Crossings(const Segment& edge, const Surface& surface,
                               std::vector<Triangles::const_iterator>& met) {
   met.clear();
-  surface.tree.all_intersected_primitives(edge, std::back_inserter(met));
+  surface.tree().all_intersected_primitives(edge, std::back_inserter(met));
   std::vector<double> along = {0, 1};
   const auto direction = edge.to_vector();
   for (const auto& triangle : met) {
@@ -205,18 +283,33 @@ std::vector<double> Crossings(const Segment& edge, const Surface& surface,
   return along;
 }
 
+// No point of `part` is deeper in a solid within `whole` than this: leaving the box, it leaves the
+// solid.
+double MostDepth(const CGAL::Bbox_3& part, const CGAL::Bbox_3& whole) {
+  double most = std::numeric_limits<double>::infinity();
+  for (int axis = 0; axis < 3; ++axis) {
+    const double low = whole.min(axis), high = whole.max(axis);
+    const double from = std::max(part.min(axis), low), to = std::min(part.max(axis), high);
+    if (from > to) return 0;
+    const double deepest = std::clamp((low + high) / 2, from, to);
+    most = std::min({most, deepest - low, high - deepest});
+  }
+  return most;
+}
+
 // How deep edges of `a` reach into `b`.
 double DepthOf(const std::vector<Segment>& edges, const Surface& b) {
   double deepest = 0;
   std::size_t probes = 0;
   std::vector<Triangles::const_iterator> met;
   const auto probe = [&](const Point& point) {
-    if (!CGAL::do_overlap(point.bbox(), b.box) || ++probes > kMostProbes) return;
-    const double squared = b.tree.squared_distance(point);
+    if (MostDepth(point.bbox(), b.box) <= std::max(deepest, kRounding) || ++probes > kMostProbes)
+      return;
+    const double squared = b.tree().squared_distance(point);
     if (squared > deepest * deepest && IsWithin(point, b)) deepest = std::sqrt(squared);
   };
   for (const Segment& edge : edges) {
-    if (!CGAL::do_overlap(edge.bbox(), b.box)) continue;
+    if (MostDepth(edge.bbox(), b.box) <= std::max(deepest, kRounding)) continue;
     const std::vector<double> along = Crossings(edge, b, met);
     probe(edge.source());
     for (std::size_t i = 1; i < along.size(); ++i) {
@@ -231,15 +324,23 @@ double DepthOf(const std::vector<Segment>& edges, const Surface& b) {
 ProbedSurface::ProbedSurface(const SurfaceMesh& surface)
     : prepared_(std::make_shared<const Prepared>(Prepared{Prepare(surface), EdgesOf(surface)})) {}
 
-double ProbedSurface::Separation(const ProbedSurface& a, const ProbedSurface& b, double limit) {
+double ProbedSurface::Distance(const ProbedSurface& a, const ProbedSurface& b, double limit) {
   const Surface& first = *a.prepared_->surface;
   const Surface& second = *b.prepared_->surface;
   if (!CGAL::do_overlap(Grown(first.box, limit), second.box)) {
     return std::numeric_limits<double>::infinity();
   }
-  const double distance = DistanceWithin(first, second, limit);
-  if (distance > 0 && !Encloses(first, second) && !Encloses(second, first)) return distance;
-  return -std::max(DepthOf(a.prepared_->edges, second), DepthOf(b.prepared_->edges, first));
+  const double distance = first.triangles.size() <= second.triangles.size()
+                              ? DistanceWithin(first, second, limit)
+                              : DistanceWithin(second, first, limit);
+  return distance > 0 && (Encloses(first, second) || Encloses(second, first)) ? 0 : distance;
+}
+
+double ProbedSurface::Separation(const ProbedSurface& a, const ProbedSurface& b, double limit) {
+  const double distance = Distance(a, b, limit);
+  if (distance > 0) return distance;
+  return -std::max(DepthOf(a.prepared_->edges, *b.prepared_->surface),
+                   DepthOf(b.prepared_->edges, *a.prepared_->surface));
 }
 
 }  // namespace mortise::mesh

@@ -33,7 +33,11 @@ class ProbedSurface {
   // The surface must have triangles, indices in range and finite vertices.
   explicit ProbedSurface(const SurfaceMesh& surface);
 
-  // How far the solids within two surfaces are apart, m, infinity beyond `limit`; where they reach
+  // How far the solids within two surfaces are apart, m, infinity beyond `limit`; 0 where they meet
+  // or reach into each other.
+  static double Distance(const ProbedSurface& a, const ProbedSurface& b, double limit);
+
+  // The same, but where they reach
   // into each other, minus how deep: the largest distance from the one's surface of a point within
   // it of the other's edges. 0 if they only touch.
   static double Separation(const ProbedSurface& a, const ProbedSurface& b, double limit);

@@ -79,7 +79,8 @@ class ConnectionSearch {
     }
     for (const auto& [a, b] : contacts_) {
       if (At(a).connecting || At(b).connecting || connected.contains({a, b})) continue;
-      const ConnectionPatch patch = FindPatch(At(a), At(a).box, At(b), At(b).box, tolerance_);
+      const ConnectionPatch patch =
+          FindPatch(At(a), At(a).box, At(b), At(b).box, tolerance_, tolerance_);
       if (patch.kind == PatchKind::kContact) connecting_of_[{a, b}] = {};
     }
   }
@@ -143,7 +144,7 @@ class ConnectionSearch {
       for (int b = a + 1; b < count; ++b) {
         ConnectionPatch patch =
             FindPatch(made.elements[static_cast<std::size_t>(a)], box(a),
-                      made.elements[static_cast<std::size_t>(b)], box(b), tolerance_);
+                      made.elements[static_cast<std::size_t>(b)], box(b), tolerance_, tolerance_);
         if (patch.kind != PatchKind::kContact) continue;
         add(std::move(patch), a, b);
         touches[static_cast<std::size_t>(a)] = touches[static_cast<std::size_t>(b)] = true;
@@ -267,8 +268,9 @@ ConnectionPatch PatchAt(const ElementConnection& connection, int patch,
       found = GapBetween(principals[first], principals[second]);
       break;
     case PatchKind::kContact:
+      // What met over an area as drawn may do so over ever less.
       found = FindPatch(connection.elements[first], principals[first], connection.elements[second],
-                        principals[second], connection.tolerance);
+                        principals[second], connection.tolerance, 0);
       break;
   }
   found.first = drawn.first;

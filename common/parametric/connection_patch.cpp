@@ -26,10 +26,10 @@ int ThinnestAxis(const BoundingBox& piece) {
   return normal;
 }
 
-bool MeetOverAnArea(const BoundingBox& a, const BoundingBox& b, double tolerance) {
+bool MeetOverAnArea(const BoundingBox& a, const BoundingBox& b, double tolerance, double least) {
   Eigen::Vector3d shared = a.maximum.cwiseMin(b.maximum) - a.minimum.cwiseMax(b.minimum);
   std::sort(shared.begin(), shared.end());
-  return shared[0] >= -tolerance && shared[1] > tolerance;
+  return shared[0] >= -tolerance && shared[1] > least;
 }
 
 }  // namespace
@@ -59,13 +59,13 @@ std::vector<BoundingBox> PartsIn(const Element& element, const BoundingBox& box)
 }
 
 ConnectionPatch FindPatch(const Element& first, const BoundingBox& first_box, const Element& second,
-                          const BoundingBox& second_box, double tolerance) {
+                          const BoundingBox& second_box, double tolerance, double least) {
   ConnectionPatch patch;
   std::array<double, 3> areas = {0, 0, 0};
   const std::vector<BoundingBox> second_parts = PartsIn(second, second_box);
   for (const BoundingBox& a : PartsIn(first, first_box)) {
     for (const BoundingBox& b : second_parts) {
-      if (!MeetOverAnArea(a, b, tolerance)) continue;
+      if (!MeetOverAnArea(a, b, tolerance, least)) continue;
       const BoundingBox piece = Between(a, b);
       const int normal = ThinnestAxis(piece);
       areas[static_cast<std::size_t>(normal)] += AreaAlong(piece, normal);

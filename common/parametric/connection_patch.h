@@ -35,10 +35,10 @@ struct ConnectionPatch {
 std::vector<BoundingBox> PartsIn(const Element& element, const BoundingBox& box);
 
 // How two principals meet if they fill these boxes: their contact, or else the gap. Parts further
-// apart than `tolerance`, m, do not touch; nor do parts that meet in an edge or a corner only.
-// Indices are left 0. O(parts · parts).
+// apart than `tolerance`, m, do not touch; nor do parts that meet in an edge or a corner only, over
+// no more than `least`, m. Indices are left 0. O(parts · parts).
 ConnectionPatch FindPatch(const Element& first, const BoundingBox& first_box, const Element& second,
-                          const BoundingBox& second_box, double tolerance);
+                          const BoundingBox& second_box, double tolerance, double least);
 
 // What lies between two boxes: along each axis what they share, else the gap.
 ConnectionPatch GapBetween(const BoundingBox& first, const BoundingBox& second);

@@ -154,14 +154,15 @@ const mesh::ProbedSurface& ContactCheck::Probed(const Part& part) {
   return *part.probed;
 }
 
-double ContactCheck::SeparationOf(const Part& a, const Part& b) const {
+double ContactCheck::SeparationOf(const Part& a, const Part& b, bool how_deep) const {
   const double boxes = Separation(a.box, b.box);
   if (boxes > tolerance_ || (a.shape == nullptr && b.shape == nullptr)) return boxes;
   double missed = 0;  // by the triangles of curved faces
   for (const Part* part : {&a, &b}) {
     if (part->shape != nullptr) missed += mesh::DeflectionIn(*part->shape, 2 * part->box.half_size);
   }
-  const double apart = mesh::ProbedSurface::Separation(Probed(a), Probed(b), missed + kFurthest);
+  const auto measure = how_deep ? mesh::ProbedSurface::Separation : mesh::ProbedSurface::Distance;
+  const double apart = measure(Probed(a), Probed(b), missed + kFurthest);
   if (apart > 0) return std::min(std::max(apart - missed, 0.0), kFurthest);
   return std::min(apart + missed, 0.0);
 }
@@ -174,7 +175,7 @@ ContactCheck::Meeting ContactCheck::MeetingOf(const std::vector<Part>& a,
   for (const Part& part : a) {
     bool touches = false;
     for (std::size_t j = 0; j < b.size(); ++j) {
-      const double separation = SeparationOf(part, b[j]);
+      const double separation = SeparationOf(part, b[j], true);
       if (separation > tolerance_) continue;
       meeting.is_clear &= separation >= -tolerance_;
       touches = true;
@@ -208,7 +209,8 @@ void ContactCheck::CheckPair(const Meeting& meeting, const std::vector<Part>& a,
   for (const Part& part : a) {
     double first_gap = kInfinity;
     for (std::size_t j = 0; j < b.size(); ++j) {
-      const double separation = SeparationOf(part, b[j]);
+      // What is within the other as drawn may be, however deep.
+      const double separation = SeparationOf(part, b[j], meeting.is_clear);
       first_gap = std::min(first_gap, separation);
       second_gap[j] = std::min(second_gap[j], separation);
       if (meeting.is_clear && -separation > penetration) {

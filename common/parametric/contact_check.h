@@ -88,8 +88,9 @@ class ContactCheck {
     bool intersected = false;
   };
 
-  // How far two parts are apart, m; minus how deep they reach into each other.
-  double SeparationOf(const Part& a, const Part& b) const;
+  // How far two parts are apart, m; minus how deep they reach into each other. How deep is the dear
+  // part of it for parts with shapes, and only asked for where it matters.
+  double SeparationOf(const Part& a, const Part& b, bool how_deep) const;
   static const mesh::ProbedSurface& Probed(const Part& part);
   static Eigen::AlignedBox3d BoxAround(const std::vector<Part>& parts);
   // Pairs of elements that are not in every pose as they are in the drawn one: all in that, else

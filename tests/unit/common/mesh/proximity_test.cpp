@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -148,6 +149,8 @@ TEST(ProbedSurface, TellsGapsContactsAndDepths) {
   const auto separation = [](const SurfaceMesh& a, const SurfaceMesh& b) {
     const double there = ProbedSurface::Separation(ProbedSurface(a), ProbedSurface(b), 0.1);
     EXPECT_EQ(there, ProbedSurface::Separation(ProbedSurface(b), ProbedSurface(a), 0.1));
+    EXPECT_EQ(std::max(there, 0.0),
+              ProbedSurface::Distance(ProbedSurface(a), ProbedSurface(b), 0.1));
     return there;
   };
   const SurfaceMesh cube = Box({0, 0, 0}, {1, 1, 1});
