@@ -10,6 +10,7 @@
 #include "common/base/digest.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
+#include "common/parametric/collection_shapes.h"
 #include "common/parametric/csv_table.h"
 #include "common/parametric/design_file.h"
 #include "common/parametric/proto_text.h"
@@ -41,8 +42,15 @@ absl::StatusOr<std::vector<fs::path>> FilesUnder(const fs::path& folder) {
   return files;
 }
 
-absl::Status AppendBundle(const fs::path& file, Collection& collection) {
+absl::Status AppendBundle(const fs::path& file, CollectionShapes& shapes, Collection& collection) {
   DesignFile read = ReadDesignFile(file);
+  for (Placed<v1::Item>& item : read.items) {
+    const absl::Status resolved = shapes.Resolve(file, *item.message.mutable_shape());
+    if (resolved.ok()) continue;
+    read.findings.push_back({absl::StrCat(PlaceOf(item.place, item.fields, "shape"), ": ",
+                                          item.message.name(), ".shape"),
+                             std::string(resolved.message())});
+  }
   for (Finding& finding : read.findings) {
     finding.field = absl::StrCat(file.string(), finding.field.empty() ? "" : ": ", finding.field);
   }
@@ -50,6 +58,18 @@ absl::Status AppendBundle(const fs::path& file, Collection& collection) {
   for (auto& material : read.materials) collection.materials.push_back(std::move(material.message));
   for (auto& item : read.items) collection.items.push_back(std::move(item.message));
   return absl::OkStatus();
+}
+
+// The shapes of an assembly's parts that have their own.
+absl::Status ResolveShapes(const fs::path& file, CollectionShapes& shapes, v1::Assembly& assembly) {
+  std::vector<Finding> findings;
+  for (int i = 0; i < assembly.parts_size(); ++i) {
+    const absl::Status resolved = shapes.Resolve(file, *assembly.mutable_parts(i)->mutable_shape());
+    if (resolved.ok()) continue;
+    findings.push_back(
+        {absl::StrCat(file.string(), ": parts[", i, "].shape"), std::string(resolved.message())});
+  }
+  return ToStatus(findings);
 }
 
 using ParseTemplate = absl::StatusOr<v1::Template> (*)(std::string_view, const std::string&);
@@ -146,11 +166,14 @@ absl::StatusOr<Collection> ReadCollection(const fs::path& folder) {
   std::error_code error;
   if (!fs::is_directory(folder, error)) return ResourceNotFound(folder.string());
   Collection collection;
+  CollectionShapes shapes;
   const fs::path materials = folder / "materials.textproto";
-  if (fs::exists(materials, error)) MORTISE_RETURN_IF_ERROR(AppendBundle(materials, collection));
+  if (fs::exists(materials, error)) {
+    MORTISE_RETURN_IF_ERROR(AppendBundle(materials, shapes, collection));
+  }
   MORTISE_ASSIGN_OR_RETURN(const std::vector<fs::path> item_files, FilesUnder(folder / "items"));
   for (const fs::path& file : item_files) {
-    MORTISE_RETURN_IF_ERROR(AppendBundle(file, collection));
+    MORTISE_RETURN_IF_ERROR(AppendBundle(file, shapes, collection));
   }
   MORTISE_RETURN_IF_ERROR(AppendTemplates(folder / "designs", ParseTemplateText, collection));
   MORTISE_RETURN_IF_ERROR(
@@ -163,8 +186,10 @@ absl::StatusOr<Collection> ReadCollection(const fs::path& folder) {
     if (file.extension() != ".textproto") continue;
     MORTISE_ASSIGN_OR_RETURN(const std::string text, ReadFile(file, kMaxTextBytes));
     MORTISE_ASSIGN_OR_RETURN(v1::Assembly message, ParseAssemblyText(text, file.string()));
+    MORTISE_RETURN_IF_ERROR(ResolveShapes(file, shapes, message));
     collection.assemblies.push_back(std::move(message));
   }
+  collection.shapes = shapes.Take();
   const fs::path versions = folder / "versions.csv";
   if (fs::exists(versions, error)) {
     MORTISE_ASSIGN_OR_RETURN(const Version version, ReadVersion(versions));

@@ -7,6 +7,8 @@
 //   assemblies/*.textproto                     each a mortise.v1.Assembly (assembly_codec.h)
 //   cad_templates/*.textproto                  each a mortise.v1.CadTemplate
 //   cage_templates/*.textproto                 each a mortise.v1.CageTemplate
+//   shapes/*.shape                             each a mortise.v1.Shape, read from the drawing
+//                                              shapes/*.step, which items and parts name
 //   versions.csv                               a number and a digest for each version that shipped
 #pragma once
 
@@ -33,6 +35,9 @@ struct Collection {
   std::vector<v1::Item> items;
   std::vector<v1::Template> templates;  // of designs/, cad_templates/ and cage_templates/, in turn
   std::vector<v1::Assembly> assemblies;
+  // Those that items and parts of assemblies name, each once. In the files they are named by the
+  // path of a drawing beside; here, as everywhere, by their content.
+  std::vector<v1::Shape> shapes;
 };
 
 // Parses one file's text. INVALID_ARGUMENT naming `origin` with every line and column at fault;
@@ -47,7 +52,8 @@ absl::StatusOr<v1::TemplateBundle> ParseBundleText(std::string_view text,
 absl::StatusOr<v1::Assembly> ParseAssemblyText(std::string_view text, const std::string& origin);
 
 // Reads a folder. NOT_FOUND if it does not exist; INVALID_ARGUMENT naming each fault of the first
-// file that has any, in versions.csv numbers that do not go up.
+// file that has any: shapes that are missing or damaged with the item and the path, in versions.csv
+// numbers that do not go up.
 absl::StatusOr<Collection> ReadCollection(const std::filesystem::path& folder);
 
 // The digest of all that a collection brings, 64 hexadecimal digits: whatever its files are called

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "common/base/digest.h"
 #include "common/base/errors.h"
 #include "common/parametric/axis_codec.h"
 #include "mortise/v1/item.pb.h"
@@ -111,11 +110,6 @@ v1::Shape ToProto(const mesh::DrawnShape& shape) {
   }
   message.set_brep(shape.brep);
   return message;
-}
-
-std::string NameOf(v1::Shape message) {
-  message.clear_name();
-  return absl::StrCat("shapes/", Sha256Hex(message.SerializeAsString()));
 }
 
 absl::StatusOr<ShapesByName> FromProto(

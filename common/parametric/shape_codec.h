@@ -8,6 +8,7 @@
 
 #include "absl/status/statusor.h"
 #include "common/mesh/drawn_shape.h"
+#include "common/parametric/shape_name.h"
 
 namespace google::protobuf {
 template <typename Element>
@@ -26,9 +27,6 @@ absl::StatusOr<mesh::DrawnShape> FromProto(const v1::Shape& message);
 
 // With triangles, and exact surfaces if it has some.
 v1::Shape ToProto(const mesh::DrawnShape& shape);
-
-// What a shape is called by its content: shapes/{digest}. Its own name does not count.
-std::string NameOf(v1::Shape message);
 
 // INVALID_ARGUMENT naming "shapes[i]" as above.
 absl::StatusOr<ShapesByName> FromProto(const google::protobuf::RepeatedPtrField<v1::Shape>& shapes);

@@ -2,6 +2,8 @@
 #include "services/catalog/collection_loader.h"
 
 #include <functional>
+#include <map>
+#include <memory>
 #include <optional>
 #include <set>
 #include <utility>
@@ -15,6 +17,7 @@
 #include "services/catalog/assembly_records.h"
 #include "services/catalog/catalog_records.h"
 #include "services/catalog/record_access.h"
+#include "services/catalog/shape_records.h"
 #include "services/catalog/shipped_marks.h"
 
 namespace mortise::catalog {
@@ -59,7 +62,27 @@ absl::StatusOr<int64_t> PutMaterial(store::Transaction& transaction, const v1::M
   return replaced.revision;
 }
 
-absl::StatusOr<int64_t> PutItem(store::Transaction& transaction, const v1::Item& item) {
+// The shapes that a collection brings, by name.
+using ShapesOfCollection = std::map<std::string, const v1::Shape*>;
+
+ShapesOfCollection ShapesOf(const parametric::Collection& collection) {
+  ShapesOfCollection shapes;
+  for (const v1::Shape& shape : collection.shapes) shapes[shape.name()] = &shape;
+  return shapes;
+}
+
+// Writes the shape that something is about to name, if the collection brings it. So it comes with
+// what names it, in one transaction, and the sweep finds it either with that or not at all.
+absl::Status PutShapeNamed(store::Transaction& transaction, const ShapesOfCollection& shapes,
+                           const std::string& name) {
+  const auto shape = shapes.find(name);
+  if (shape == shapes.end()) return absl::OkStatus();
+  return PutShape(transaction, *shape->second).status();
+}
+
+absl::StatusOr<int64_t> PutItem(store::Transaction& transaction, const v1::Item& item,
+                                const ShapesOfCollection& shapes) {
+  MORTISE_RETURN_IF_ERROR(PutShapeNamed(transaction, shapes, item.shape()));
   MORTISE_ASSIGN_OR_RETURN(const std::vector<parametric::Finding> findings,
                            CheckItem(transaction, item));
   MORTISE_RETURN_IF_ERROR(parametric::ToStatus(findings));
@@ -68,7 +91,10 @@ absl::StatusOr<int64_t> PutItem(store::Transaction& transaction, const v1::Item&
 }
 
 absl::StatusOr<int64_t> PutAssembly(store::Transaction& transaction, const v1::Assembly& message,
-                                    int64_t present) {
+                                    const ShapesOfCollection& shapes, int64_t present) {
+  for (const v1::AssemblyPart& part : message.parts()) {
+    MORTISE_RETURN_IF_ERROR(PutShapeNamed(transaction, shapes, part.shape()));
+  }
   MORTISE_ASSIGN_OR_RETURN(v1::AssemblyBundle bundle, Freeze(transaction, message));
   MORTISE_RETURN_IF_ERROR(Parametrize(bundle).status());
   MORTISE_ASSIGN_OR_RETURN(const v1::Assembly stored,
@@ -91,13 +117,14 @@ absl::StatusOr<int64_t> PutTemplate(store::Transaction& transaction, const v1::T
 std::vector<Thing> ThingsOf(const parametric::Collection& collection,
                             store::Transaction* transaction) {
   std::vector<Thing> things;
+  const auto shapes = std::make_shared<const ShapesOfCollection>(ShapesOf(collection));
   for (const v1::Material& message : collection.materials) {
     things.push_back({kMaterials, message.name(), DigestOf(message),
                       [=](int64_t) { return PutMaterial(*transaction, message); }});
   }
   for (const v1::Item& message : collection.items) {
     things.push_back({kItems, message.name(), DigestOf(message),
-                      [=](int64_t) { return PutItem(*transaction, message); }});
+                      [=](int64_t) { return PutItem(*transaction, message, *shapes); }});
   }
   std::set<std::string> own_templates;
   for (const v1::Template& message : collection.templates) own_templates.insert(message.name());
@@ -108,7 +135,7 @@ std::vector<Thing> ThingsOf(const parametric::Collection& collection,
   };
   for (const v1::Assembly& message : collection.assemblies) {
     things.push_back({kAssemblies, message.name(), DigestOf(message), [=](int64_t present) {
-                        return PutAssembly(*transaction, message, present);
+                        return PutAssembly(*transaction, message, *shapes, present);
                       }});
     // Somebody's own template of that name is kept instead.
     const v1::Template exposed = TemplateOf(message);

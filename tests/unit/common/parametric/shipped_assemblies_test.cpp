@@ -1,9 +1,9 @@
 // The assemblies that ship: all can be read, made of items that ship, and what they are
 // parametrised to keeps parts apart that do not touch, and parts together that do.
+#include "tests/unit/common/parametric/shipped_assemblies.h"
+
 #include <gtest/gtest.h>
 
-#include <cstdlib>
-#include <filesystem>
 #include <optional>
 #include <random>
 #include <set>
@@ -11,52 +11,18 @@
 #include <utility>
 #include <vector>
 
-#include "common/base/files.h"
-#include "common/parametric/assembly_codec.h"
-#include "common/parametric/collection.h"
 #include "common/parametric/feasible_set.h"
 #include "common/parametric/parametric_assembly.h"
-#include "common/parametric/template_codec.h"
 
 namespace mortise::parametric {
 namespace {
 
 constexpr int kSamples = 1000;
 
-std::filesystem::path CollectionFolder() {
-  const char* source = std::getenv("MORTISE_SOURCE_DIR");
-  return std::filesystem::path(source == nullptr ? "." : source) / "collection";
-}
-
-std::vector<std::string> Files() {
-  std::vector<std::string> files;
-  for (const auto& entry : std::filesystem::directory_iterator(CollectionFolder() / "assemblies")) {
-    files.push_back(entry.path().stem().string());
-  }
-  return files;
-}
-
-const std::vector<Item>& ShippedItems() {
-  static const auto* const items = [] {
-    auto* const read = new std::vector<Item>();
-    const Collection collection = ReadCollection(CollectionFolder()).value();
-    for (const v1::Item& message : collection.items) {
-      read->push_back(*FromProto(message));
-    }
-    return read;
-  }();
-  return *items;
-}
-
 class ShippedAssembly : public ::testing::TestWithParam<std::string> {
  protected:
   void SetUp() override {
-    const auto path = CollectionFolder() / "assemblies" / (GetParam() + ".textproto");
-    const auto text = ReadFile(path);
-    ASSERT_TRUE(text.ok()) << text.status();
-    const auto message = ParseAssemblyText(*text, path.filename().string());
-    ASSERT_TRUE(message.ok()) << message.status();
-    auto assembly = FromProto(*message, ShippedItems());
+    auto assembly = ReadShippedAssembly(GetParam());
     ASSERT_TRUE(assembly.ok()) << assembly.status();
     auto parametric = ParametricAssembly::Create(*std::move(assembly));
     ASSERT_TRUE(parametric.ok()) << parametric.status();
@@ -117,7 +83,7 @@ TEST_P(ShippedAssembly, EachSubtreeIsSelfContained) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Collection, ShippedAssembly, ::testing::ValuesIn(Files()),
+INSTANTIATE_TEST_SUITE_P(Collection, ShippedAssembly, ::testing::ValuesIn(ShippedAssemblyIds()),
                          [](const auto& assembly) { return assembly.param; });
 
 }  // namespace

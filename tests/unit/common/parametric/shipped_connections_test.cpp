@@ -2,58 +2,25 @@
 // and can be placed anew for its principals.
 #include <gtest/gtest.h>
 
-#include <cstdlib>
-#include <filesystem>
 #include <optional>
 #include <set>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "common/base/files.h"
-#include "common/parametric/assembly_codec.h"
-#include "common/parametric/collection.h"
 #include "common/parametric/parametrization_codec.h"
-#include "common/parametric/template_codec.h"
 #include "tests/unit/common/parametric/connection_assemblies.h"
+#include "tests/unit/common/parametric/shipped_assemblies.h"
 
 namespace mortise::parametric {
 namespace {
 
 constexpr int kSamples = 200;
 
-std::filesystem::path CollectionFolder() {
-  const char* source = std::getenv("MORTISE_SOURCE_DIR");
-  return std::filesystem::path(source == nullptr ? "." : source) / "collection";
-}
-
-std::vector<std::string> Files() {
-  std::vector<std::string> files;
-  for (const auto& entry : std::filesystem::directory_iterator(CollectionFolder() / "assemblies")) {
-    files.push_back(entry.path().stem().string());
-  }
-  return files;
-}
-
-const std::vector<Item>& ShippedItems() {
-  static const auto* const items = [] {
-    auto* const read = new std::vector<Item>();
-    const Collection collection = ReadCollection(CollectionFolder()).value();
-    for (const v1::Item& message : collection.items) read->push_back(*FromProto(message));
-    return read;
-  }();
-  return *items;
-}
-
 class ShippedConnections : public ::testing::TestWithParam<std::string> {
  protected:
   void SetUp() override {
-    const auto path = CollectionFolder() / "assemblies" / (GetParam() + ".textproto");
-    const auto text = ReadFile(path);
-    ASSERT_TRUE(text.ok()) << text.status();
-    const auto message = ParseAssemblyText(*text, path.filename().string());
-    ASSERT_TRUE(message.ok()) << message.status();
-    auto assembly = FromProto(*message, ShippedItems());
+    auto assembly = ReadShippedAssembly(GetParam());
     ASSERT_TRUE(assembly.ok()) << assembly.status();
     auto design = ParametricAssembly::Create(*std::move(assembly));
     ASSERT_TRUE(design.ok()) << design.status();
@@ -88,7 +55,9 @@ TEST_P(ShippedConnections, HoldEveryConnectingElement) {
     const Element& first = elements[static_cast<std::size_t>(a)];
     const Element& second = elements[static_cast<std::size_t>(b)];
     if (first.connecting || second.connecting) continue;
-    const auto kind = FindPatch(first, first.box, second, second.box, design_->tolerance()).kind;
+    const auto kind =
+        FindPatch(first, first.box, second, second.box, design_->tolerance(), design_->tolerance())
+            .kind;
     EXPECT_TRUE(connected.contains({a, b}) || kind != PatchKind::kContact)
         << first.name << " with " << second.name;
   }
@@ -143,7 +112,7 @@ TEST_P(ShippedConnections, FitIntoAMessage) {
   EXPECT_LT(message->ByteSizeLong(), 2'000'000U);
 }
 
-INSTANTIATE_TEST_SUITE_P(Collection, ShippedConnections, ::testing::ValuesIn(Files()),
+INSTANTIATE_TEST_SUITE_P(Collection, ShippedConnections, ::testing::ValuesIn(ShippedAssemblyIds()),
                          [](const auto& assembly) { return assembly.param; });
 
 }  // namespace

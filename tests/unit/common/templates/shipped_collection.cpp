@@ -11,6 +11,7 @@ v1::TemplateBundle EverythingThatShips() {
   const parametric::Collection& collection = ShippedCollection();
   *bundle.mutable_items() = {collection.items.begin(), collection.items.end()};
   *bundle.mutable_materials() = {collection.materials.begin(), collection.materials.end()};
+  *bundle.mutable_shapes() = {collection.shapes.begin(), collection.shapes.end()};
   return bundle;
 }
 

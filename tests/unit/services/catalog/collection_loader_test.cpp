@@ -13,12 +13,16 @@
 #include "common/base/files.h"
 #include "common/parametric/collection.h"
 #include "services/catalog/catalog_records.h"
+#include "services/catalog/shape_records.h"
+#include "services/catalog/shape_sweep.h"
+#include "tests/support/status_assertions.h"
 #include "tests/support/temporary_folder.h"
 
 namespace mortise::catalog {
 namespace {
 
 using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::UnorderedElementsAre;
 
@@ -93,6 +97,36 @@ class CollectionLoaderTest : public ::testing::Test {
                                "items/odd,",
                                title, ",HARDWARE,materials/absent,1,1,1,1,EUR,2026-01-15,true\n"))
             .ok());
+  }
+
+  // A knob that looks like a pyramid of this height, m, in its box; its name.
+  std::string ShipShapedKnob(double height) {
+    mesh::SurfaceMesh pyramid;
+    pyramid.vertices.resize(3, 4);
+    pyramid.vertices << 0, 0.03, 0, 0, 0, 0, 0.03, 0, 0, 0, 0, height;
+    pyramid.triangles.resize(3, 4);
+    pyramid.triangles << 0, 0, 1, 0, 2, 1, 2, 3, 1, 3, 3, 2;
+    const v1::Shape shape = NamedShape(mesh::ShapeOfMesh(pyramid).value());
+    EXPECT_OK(WriteFile(collection_ / "shapes" / "knob.shape", shape.SerializeAsString()));
+    EXPECT_OK(WriteFile(
+        collection_ / "items" / "knobs.csv",
+        absl::StrCat("name,title,kind,material,length_mm,width_mm,thickness_mm,price,currency,"
+                     "price_date,price_is_example,shape\nitems/pyramid,Knob,HARDWARE,"
+                     "materials/wood,30,30,",
+                     1000 * height, ",1,EUR,2026-01-15,true,../shapes/knob.step\n")));
+    return shape.name();
+  }
+
+  // The names of all shapes in the store.
+  std::vector<std::string> Shapes() {
+    std::vector<std::string> names;
+    EXPECT_OK(store_->Read([&](store::ReadTransaction& transaction) -> absl::Status {
+      names.clear();
+      MORTISE_ASSIGN_OR_RETURN(const auto records, transaction.List(kShapes, {}));
+      for (const store::Record& record : records) names.push_back("shapes/" + record.key);
+      return absl::OkStatus();
+    }));
+    return names;
   }
 
   CollectionReport LoadWithFaults() {
@@ -444,6 +478,68 @@ TEST_F(CollectionLoaderTest, StoresThatKnowNoNumbersGoOn) {
   std::filesystem::remove(collection_ / "versions.csv");
   Ship(500, 3, 2);
   EXPECT_THAT(Load().updated, ElementsAre("items/knob"));
+}
+
+TEST_F(CollectionLoaderTest, BringsTheShapesOfItems) {
+  Ship(500, 1);
+  const std::string shape = ShipShapedKnob(0.03);
+  EXPECT_THAT(Load().created,
+              UnorderedElementsAre("materials/wood", "items/knob", "items/pyramid"));
+  EXPECT_EQ(ItemOf("items/pyramid").shape(), shape);
+  EXPECT_THAT(Shapes(), ElementsAre(shape));
+  // Neither again, nor lost as unused.
+  now_ += 2 * kUnusedShapeLife;
+  EXPECT_THAT(Load().updated, IsEmpty());
+  ASSERT_OK_AND_ASSIGN(const auto swept, SweepShapes(*store_));
+  EXPECT_THAT(swept, IsEmpty());
+  EXPECT_THAT(Shapes(), ElementsAre(shape));
+}
+
+TEST_F(CollectionLoaderTest, AShapeThatChangedIsANewRevisionOfItsItem) {
+  Ship(500, 1);
+  const std::string first = ShipShapedKnob(0.03);
+  Load();
+  const std::string second = ShipShapedKnob(0.04);
+  EXPECT_THAT(Load().updated, ElementsAre("items/pyramid"));
+  EXPECT_EQ(ItemOf("items/pyramid").shape(), second);
+  EXPECT_EQ(ItemOf("items/pyramid").revision(), 2);
+  EXPECT_THAT(Shapes(), UnorderedElementsAre(first, second)) << "revision 1 has the first";
+}
+
+TEST_F(CollectionLoaderTest, AShapeOfWhatUsersChangedIsNotBrought) {
+  Ship(500, 1);
+  const std::string first = ShipShapedKnob(0.03);
+  Load();
+  Reprice("items/pyramid", 2);
+  ShipShapedKnob(0.04);
+  EXPECT_THAT(Load().kept, ElementsAre("items/pyramid"));
+  EXPECT_THAT(Shapes(), ElementsAre(first));
+}
+
+TEST_F(CollectionLoaderTest, AShapeOfAnotherSizeIsAFaultOfItsItem) {
+  Ship(500, 1);
+  ShipShapedKnob(0.03);
+  const auto whole = ReadFile(collection_ / "shapes" / "knob.shape");
+  ASSERT_OK(whole);
+  ShipShapedKnob(0.04);
+  ASSERT_OK(WriteFile(collection_ / "shapes" / "knob.shape", *whole));
+  const absl::Status status = LoadCollection(*store_, collection_).status();
+  EXPECT_THAT(std::string(status.message()), HasSubstr("items/pyramid"));
+  EXPECT_THAT(std::string(status.message()), HasSubstr("measures 30 mm along Z"));
+  EXPECT_THAT(Shapes(), IsEmpty());
+}
+
+TEST_F(CollectionLoaderTest, ADamagedShapeLeavesAFilledStoreAsItIs) {
+  Ship(500, 1);
+  ShipShapedKnob(0.03);
+  Load();
+  ASSERT_OK(WriteFile(collection_ / "shapes" / "knob.shape", "no shape"));
+  Ship(500, 2);
+  const CollectionReport report = LoadWithFaults();
+  ASSERT_EQ(report.failed.size(), 1U);
+  EXPECT_THAT(report.failed[0], HasSubstr("items/pyramid.shape"));
+  EXPECT_THAT(report.failed[0], HasSubstr("knob.shape"));
+  EXPECT_EQ(ItemOf("items/knob").price().amount(), 1);
 }
 
 }  // namespace
