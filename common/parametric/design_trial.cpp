@@ -12,16 +12,22 @@
 namespace mortise::parametric {
 namespace {
 
-constexpr int kCorners = 24;
+// As many corners as take little time, of large designs the fewest.
+constexpr int kFewestCorners = 24;
+constexpr int kMostCorners = 250;
+constexpr int kPartsLookedAt = 4000;
 constexpr std::uint64_t kSeed = 1;
 
 // Corners of the set, and points on the lines from each to the next.
-absl::StatusOr<std::vector<Eigen::VectorXd>> TrialDesigns(const FeasibleSet& feasible_set) {
+absl::StatusOr<std::vector<Eigen::VectorXd>> TrialDesigns(const FeasibleSet& feasible_set,
+                                                          std::size_t parts) {
+  const int corners = std::clamp(kPartsLookedAt / static_cast<int>(std::max<std::size_t>(parts, 1)),
+                                 kFewestCorners, kMostCorners);
   MORTISE_ASSIGN_OR_RETURN(std::vector<Eigen::VectorXd> designs,
-                           feasible_set.Corners(kCorners, kSeed));
+                           feasible_set.Corners(corners, kSeed));
   std::mt19937_64 random(kSeed);
   std::uniform_real_distribution<double> uniform;
-  for (std::size_t i = 0; i + 1 < kCorners; ++i) {
+  for (std::size_t i = 0; i + 1 < static_cast<std::size_t>(corners); ++i) {
     const double along = uniform(random);
     designs.push_back((1 - along) * designs[i] + along * designs[i + 1]);
   }
@@ -96,7 +102,8 @@ absl::StatusOr<Remedies> TryDesigns(const Assembly& assembly, const std::vector<
   for (AssemblyPart& part : boxes.parts) part.shape = nullptr;
   const ContactCheck check(std::move(boxes), elements, tolerance);
   Trial trial(assembly, elements, known, tolerance);
-  MORTISE_ASSIGN_OR_RETURN(const std::vector<Eigen::VectorXd> designs, TrialDesigns(feasible_set));
+  MORTISE_ASSIGN_OR_RETURN(const std::vector<Eigen::VectorXd> designs,
+                           TrialDesigns(feasible_set, assembly.parts.size()));
   for (const Eigen::VectorXd& q : designs) {
     if (!check.CheckParameters(q).ok()) continue;  // more parts than anybody may ask for
     MORTISE_ASSIGN_OR_RETURN(const std::vector<ContactFault> faults, check.FaultsAt(q));

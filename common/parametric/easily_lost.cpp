@@ -86,43 +86,113 @@ std::optional<Axis> AxisOf(const PatternDirection& direction, double tolerance) 
   return std::nullopt;
 }
 
-}  // namespace
+// Whether a pattern has parts as far apart as along a direction of another, however many.
+bool GoesAlong(const PatternDirection& direction, const Element& other, double tolerance) {
+  if (!other.pattern) return false;
+  return std::any_of(other.pattern->directions.begin(), other.pattern->directions.end(),
+                     [&](const PatternDirection& theirs) {
+                       PatternDirection as_long = theirs;
+                       as_long.count = direction.count;
+                       return theirs.count > 1 && RepeatAlike(direction, as_long, tolerance);
+                     });
+}
 
-absl::StatusOr<std::set<int>> FindEasilyLost(const Assembly& assembly,
-                                             const std::vector<Element>& elements,
-                                             const FeasibleSet& feasible_set, double tolerance) {
-  const std::vector<int> element_of = ElementsOfParts(assembly, elements);
-  std::set<int> lost;
-  for (std::size_t row = 0; row < elements.size(); ++row) {
-    if (!elements[row].pattern) continue;
-    const Pattern& pattern = *elements[row].pattern;
-    for (const PartialContact& contact :
-         FindPartialContacts(assembly, pattern.directions, elements[row].parts, tolerance)) {
-      const int other = element_of[static_cast<std::size_t>(contact.part)];
-      const Element& touching = elements[static_cast<std::size_t>(other)];
-      const PatternDirection& direction =
-          pattern.directions[static_cast<std::size_t>(contact.direction)];
-      if (RepeatsWith(direction, touching, tolerance)) continue;
-      if (contact.stands_between) {
-        lost.insert(contact.part);
-        continue;
-      }
-      const std::optional<Axis> axis = AxisOf(direction, tolerance);
-      const bool moves_by_itself =
-          !axis || (touching.pattern && LeadsAlong(*touching.pattern, static_cast<int>(*axis)));
-      if (!moves_by_itself) {
-        MORTISE_ASSIGN_OR_RETURN(
-            const bool stays,
-            StaysAtAnEnd(elements, static_cast<int>(row), other, *axis, feasible_set, tolerance));
-        if (stays) continue;
-        MORTISE_ASSIGN_OR_RETURN(const bool bridges, BridgesGaps(elements, static_cast<int>(row),
-                                                                 other, *axis, feasible_set));
-        if (bridges) continue;
-      }
-      lost.insert(contact.part);
+class LossSearch {
+ public:
+  LossSearch(const Assembly& assembly, const std::vector<Element>& elements,
+             const FeasibleSet& feasible_set, double tolerance)
+      : elements_(elements),
+        feasible_set_(feasible_set),
+        tolerance_(tolerance),
+        element_of_(ElementsOfParts(assembly, elements)),
+        contacts_(elements.size()) {
+    for (std::size_t row = 0; row < elements.size(); ++row) {
+      if (!elements[row].pattern) continue;
+      contacts_[row] = FindPartialContacts(assembly, elements[row].pattern->directions,
+                                           elements[row].parts, tolerance);
     }
   }
-  return lost;
+
+  absl::StatusOr<EasilyLost> Find() {
+    for (std::size_t row = 0; row < elements_.size(); ++row) {
+      for (const PartialContact& contact : contacts_[row]) {
+        MORTISE_RETURN_IF_ERROR(Look(static_cast<int>(row), contact));
+      }
+    }
+    return std::move(lost_);
+  }
+
+ private:
+  const Element& At(int element) const { return elements_[static_cast<std::size_t>(element)]; }
+  int ElementOf(int part) const { return element_of_[static_cast<std::size_t>(part)]; }
+  const PatternDirection& DirectionOf(int row, const PartialContact& contact) const {
+    return At(row).pattern->directions[static_cast<std::size_t>(contact.direction)];
+  }
+
+  void Lose(int row, int part) {
+    for (const int own : At(row).parts) lost_.emplace(own, part);
+  }
+
+  absl::Status Look(int row, const PartialContact& contact) {
+    const PatternDirection& direction = DirectionOf(row, contact);
+    const int other = ElementOf(contact.part);
+    if (RepeatsWith(direction, At(other), tolerance_)) return absl::OkStatus();
+    if (GoesAlong(direction, At(other), tolerance_)) {
+      if (EndsWhere(row, direction, other) || EndsWhere(other, direction, row)) {
+        return absl::OkStatus();
+      }
+    } else if (!contact.stands_between) {
+      MORTISE_ASSIGN_OR_RETURN(const bool keeps, Keeps(row, direction, other));
+      if (keeps) return absl::OkStatus();
+    }
+    Lose(row, contact.part);
+    return absl::OkStatus();
+  }
+
+  // Has a row that goes on beyond another end where that does, if something is there to end it.
+  bool EndsWhere(int longer, const PatternDirection& direction, int shorter) {
+    if (At(longer).parts.size() <= At(shorter).parts.size()) return false;
+    bool ends = false;
+    for (const PartialContact& contact : contacts_[static_cast<std::size_t>(longer)]) {
+      const Element& beyond = At(ElementOf(contact.part));
+      if (GoesAlong(direction, beyond, tolerance_)) continue;
+      if (!RepeatAlike(DirectionOf(longer, contact), direction, tolerance_) &&
+          !GoesAlong(DirectionOf(longer, contact), At(shorter), tolerance_)) {
+        continue;
+      }
+      Lose(longer, contact.part);
+      ends = true;
+    }
+    return ends;
+  }
+
+  // Whether a row keeps what touches it in part.
+  absl::StatusOr<bool> Keeps(int row, const PatternDirection& direction, int other) const {
+    const Element& touching = At(other);
+    const std::optional<Axis> axis = AxisOf(direction, tolerance_);
+    if (!axis || (touching.pattern && LeadsAlong(*touching.pattern, static_cast<int>(*axis)))) {
+      return false;  // it moves by itself
+    }
+    MORTISE_ASSIGN_OR_RETURN(const bool stays,
+                             StaysAtAnEnd(elements_, row, other, *axis, feasible_set_, tolerance_));
+    if (stays) return true;
+    return BridgesGaps(elements_, row, other, *axis, feasible_set_);
+  }
+
+  const std::vector<Element>& elements_;
+  const FeasibleSet& feasible_set_;
+  const double tolerance_;
+  const std::vector<int> element_of_;
+  std::vector<std::vector<PartialContact>> contacts_;  // of each element
+  EasilyLost lost_;
+};
+
+}  // namespace
+
+absl::StatusOr<EasilyLost> FindEasilyLost(const Assembly& assembly,
+                                          const std::vector<Element>& elements,
+                                          const FeasibleSet& feasible_set, double tolerance) {
+  return LossSearch(assembly, elements, feasible_set, tolerance).Find();
 }
 
 }  // namespace mortise::parametric

@@ -1,6 +1,7 @@
 #include "common/parametric/hit_and_run.h"
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -95,15 +96,17 @@ class Walk {
   Eigen::VectorXd used_up_;
 };
 
-// The furthest points along every axis, both ways.
-absl::StatusOr<Eigen::MatrixXd> EndsOf(const Polyhedron& polyhedron) {
-  const Eigen::Index variables = polyhedron.inequalities.cols();
-  Eigen::MatrixXd ends(variables, 2 * variables);
-  MORTISE_ASSIGN_OR_RETURN(LinearProgramme programme,
-                           LinearProgramme::Create(polyhedron.inequalities, polyhedron.bounds));
-  for (Eigen::Index i = 0; i < 2 * variables; ++i) {
-    const Eigen::VectorXd axis = (i % 2 == 0 ? 1 : -1) * Eigen::VectorXd::Unit(variables, i / 2);
-    MORTISE_ASSIGN_OR_RETURN(const auto end, programme.Furthest(axis));
+double LongestExtent(const Eigen::MatrixXd& points) {
+  return (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).maxCoeff();
+}
+
+// The furthest points along each of the directions, both ways.
+absl::StatusOr<Eigen::MatrixXd> EndsAlong(const Eigen::MatrixXd& directions,
+                                          LinearProgramme& programme) {
+  Eigen::MatrixXd ends(directions.rows(), 2 * directions.cols());
+  for (Eigen::Index i = 0; i < ends.cols(); ++i) {
+    MORTISE_ASSIGN_OR_RETURN(const auto end,
+                             programme.Furthest((i % 2 == 0 ? 1 : -1) * directions.col(i / 2)));
     if (!end) {
       return PreconditionFailed("POLYHEDRON_UNBOUNDED", "the polyhedron goes on without end");
     }
@@ -112,8 +115,34 @@ absl::StatusOr<Eigen::MatrixXd> EndsOf(const Polyhedron& polyhedron) {
   return ends;
 }
 
-double LongestExtent(const Eigen::MatrixXd& points) {
-  return (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).maxCoeff();
+// The directions in which points do not differ, as orthonormal columns.
+Eigen::MatrixXd LevelDirections(const Eigen::MatrixXd& points, double flat) {
+  const Eigen::MatrixXd spread = PrincipalAxes(points, flat);
+  if (spread.cols() == 0) return Eigen::MatrixXd::Identity(points.rows(), points.rows());
+  const Eigen::HouseholderQR<Eigen::MatrixXd> decomposition(spread);
+  const Eigen::MatrixXd all = decomposition.householderQ();
+  return all.rightCols(points.rows() - spread.cols());
+}
+
+// Points of the polyhedron that differ in as many directions as it has room in: the furthest along
+// every axis, which may all lie in one plane across it, then the furthest out of what they span,
+// until nothing is out of it.
+absl::StatusOr<Eigen::MatrixXd> EndsOf(const Polyhedron& polyhedron) {
+  const Eigen::Index variables = polyhedron.inequalities.cols();
+  MORTISE_ASSIGN_OR_RETURN(LinearProgramme programme,
+                           LinearProgramme::Create(polyhedron.inequalities, polyhedron.bounds));
+  MORTISE_ASSIGN_OR_RETURN(Eigen::MatrixXd ends,
+                           EndsAlong(Eigen::MatrixXd::Identity(variables, variables), programme));
+  const double flat = kFlat * LongestExtent(ends);
+  while (true) {
+    const Eigen::MatrixXd level = LevelDirections(ends, flat);
+    if (level.cols() == 0) return ends;
+    MORTISE_ASSIGN_OR_RETURN(const Eigen::MatrixXd out, EndsAlong(level, programme));
+    Eigen::MatrixXd more(variables, ends.cols() + out.cols());
+    more << ends, out;
+    ends = std::move(more);
+    if (LevelDirections(ends, flat).cols() == level.cols()) return ends;
+  }
 }
 
 // `count` points of one factor, as columns.

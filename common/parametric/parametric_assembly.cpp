@@ -104,7 +104,7 @@ absl::StatusOr<ParametricAssembly> ParametricAssembly::Create(Assembly assembly)
 }
 
 absl::Status ParametricAssembly::FindSoundFeasibleSet() {
-  std::set<int> easily_lost;
+  EasilyLost easily_lost;
   Remedies remedies;
   const auto has_more = [](auto& all, const auto& found) {
     const std::size_t known = all.size();
@@ -113,7 +113,7 @@ absl::Status ParametricAssembly::FindSoundFeasibleSet() {
   };
   while (true) {
     MORTISE_RETURN_IF_ERROR(FindFeasibleSet({easily_lost, remedies.lone}, remedies.kept_apart));
-    MORTISE_ASSIGN_OR_RETURN(const std::set<int> lost,
+    MORTISE_ASSIGN_OR_RETURN(const EasilyLost lost,
                              FindEasilyLost(assembly_, elements_, *feasible_set_, tolerance_));
     if (has_more(easily_lost, lost)) continue;
     MORTISE_ASSIGN_OR_RETURN(const Remedies found, TryDesigns(assembly_, elements_, *feasible_set_,

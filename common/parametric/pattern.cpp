@@ -99,7 +99,7 @@ bool IsBetter(const Candidate& a, const Candidate& b, double tolerance) {
 
 class PatternSearch {
  public:
-  PatternSearch(const Assembly& assembly, std::vector<int> parts, const std::set<int>& easily_lost,
+  PatternSearch(const Assembly& assembly, std::vector<int> parts, const EasilyLost& easily_lost,
                 double tolerance)
       : assembly_(assembly),
         parts_(std::move(parts)),
@@ -187,7 +187,9 @@ class PatternSearch {
     const std::vector<PartialContact> partial =
         FindPartialContacts(assembly_, candidate.directions, candidate.parts, tolerance_);
     return std::any_of(partial.begin(), partial.end(), [&](const PartialContact& contact) {
-      return easily_lost_.count(contact.part) != 0;
+      return std::any_of(candidate.parts.begin(), candidate.parts.end(), [&](int part) {
+        return easily_lost_.count({part, contact.part}) != 0;
+      });
     });
   }
 
@@ -257,7 +259,7 @@ class PatternSearch {
 
   const Assembly& assembly_;
   const std::vector<int> parts_;
-  const std::set<int>& easily_lost_;
+  const EasilyLost& easily_lost_;
   const double tolerance_;
   const Places places_;
   std::vector<Candidate> rows_;

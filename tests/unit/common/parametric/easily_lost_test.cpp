@@ -133,5 +133,75 @@ TEST(PartialContacts, AreThoseWithSomePartsOnly) {
   EXPECT_THAT(found(FixedPart("batten", {0.4, 0.1, 0.12}, {0.45, 0.8, 0.14})), IsEmpty());
 }
 
+// A grid of screws, one in each slat on each of three rails, and legs under the first slat and the
+// last: the screws fall back to a row on each rail, and nobody loses all patterns.
+TEST(EasilyLostTest, AGridFallsBackToRows) {
+  Assembly bench = Named("bench", {});
+  for (int i = 0; i < 6; ++i) {
+    const double y = 0.124 * i;
+    AssemblyPart slat =
+        FixedPart("slat " + std::to_string(i), {0, y, 0.4}, {1.2, y + 0.064, 0.419});
+    slat.item = "items/slat";
+    slat.limits[0] = {0.1, 2.4};
+    bench.parts.push_back(slat);
+  }
+  for (int j = 0; j < 3; ++j) {
+    const double x = 0.581 * j;
+    AssemblyPart rail =
+        FixedPart("rail " + std::to_string(j), {x, 0, 0.311}, {x + 0.038, 0.684, 0.4});
+    rail.item = "items/rail";
+    rail.limits[1] = {0.1, 2.4};
+    bench.parts.push_back(rail);
+    for (int i = 0; i < 6; ++i) {
+      const Eigen::Vector3d at(x + 0.017, 0.03 + 0.124 * i, 0.369);
+      AssemblyPart screw = FixedPart("screw " + std::to_string(j) + "." + std::to_string(i), at,
+                                     at + Eigen::Vector3d(0.004, 0.004, 0.05));
+      screw.item = "items/screw";
+      screw.connecting = true;
+      bench.parts.push_back(screw);
+    }
+  }
+  for (const double x : {0.038, 1.124}) {
+    for (const double y : {0.0, 0.62}) {
+      AssemblyPart leg = FixedPart("leg", {x, y, 0}, {x + 0.038, y + 0.064, 0.4});
+      leg.item = "items/leg";
+      leg.name += std::to_string(bench.parts.size());
+      leg.limits[2] = {0.1, 2.4};
+      bench.parts.push_back(leg);
+    }
+  }
+  ASSERT_OK_AND_ASSIGN(const auto made, ParametricAssembly::Create(bench));
+  EXPECT_EQ(LongestRow(made), 6U);
+  const auto& elements = made.elements();
+  const auto has_pattern = [](const Element& element) { return element.pattern.has_value(); };
+  EXPECT_GE(std::count_if(elements.begin(), elements.end(), has_pattern), 4);
+  ExpectSound(made);
+}
+
+// Boards on both sides of a rail, the rear ones before the gaps of the front ones: nails from both
+// sides pass each other as long as neither row is spread anew.
+TEST(EasilyLostTest, NailsFromTwoSidesDoNotMeet) {
+  Assembly fence = Named("fence", {FixedPart("rail", {0, 0, 0.2}, {1.2, 0.038, 0.289})});
+  fence.parts[0].limits[0] = {0.1, 2.4};
+  for (int i = 0; i < 4; ++i) {
+    for (const bool front : {true, false}) {
+      const double x = 0.15 * i + (front ? 0 : 0.075), y = front ? -0.019 : 0.038;
+      AssemblyPart board = FixedPart((front ? "front " : "rear ") + std::to_string(i), {x, y, 0.05},
+                                     {x + 0.089, y + 0.019, 0.75});
+      board.item = "items/slat";
+      board.limits[2] = {0.1, 2.4};
+      const double depth = front ? -0.019 : 0.007;
+      AssemblyPart nail = FixedPart((front ? "front nail " : "rear nail ") + std::to_string(i),
+                                    {x + 0.043, depth, 0.243}, {x + 0.046, depth + 0.05, 0.246});
+      nail.item = "items/nail";
+      nail.connecting = true;
+      fence.parts.push_back(board);
+      fence.parts.push_back(nail);
+    }
+  }
+  ASSERT_OK_AND_ASSIGN(const auto made, ParametricAssembly::Create(fence));
+  ExpectSound(made);
+}
+
 }  // namespace
 }  // namespace mortise::parametric

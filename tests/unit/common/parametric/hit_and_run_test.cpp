@@ -66,6 +66,33 @@ TEST(HitAndRun, SpreadsEvenlyInLongThinBoxes) {
   }
 }
 
+// Prisms between two far corners, narrow across and wider in the middle: every axis ends at one of
+// the two, which must not make a line of what has room in all directions.
+TEST(HitAndRun, ReachesWhatTheEndsOfTheAxesDoNotShow) {
+  for (Eigen::Index variables = 2; variables <= 6; ++variables) {
+    // Along the diagonal from -1 to 1; in each direction across it less than 1 - |diagonal|, times
+    // a tenth.
+    const VectorXd diagonal = VectorXd::Ones(variables).normalized();
+    MatrixXd frame = RandomRotation(variables, 7);
+    frame.col(0) = diagonal;
+    frame = MatrixXd(frame.householderQr().householderQ());
+    Polyhedron rhombus{MatrixXd(4 * (variables - 1), variables),
+                       VectorXd::Ones(4 * (variables - 1)), MatrixXd(0, variables), VectorXd(0)};
+    for (Eigen::Index i = 1; i < variables; ++i) {
+      for (int side = 0; side < 4; ++side) {
+        rhombus.inequalities.row(4 * (i - 1) + side) =
+            (side % 2 == 0 ? 1 : -1) * diagonal.transpose() +
+            (side < 2 ? 10 : -10) * frame.col(i).transpose();
+      }
+    }
+    const MatrixXd across = frame.rightCols(variables - 1).transpose() * Samples(rhombus, 400, 5);
+    for (Eigen::Index i = 0; i < across.rows(); ++i) {
+      EXPECT_GT(across.row(i).maxCoeff(), 0.04) << variables;
+      EXPECT_LT(across.row(i).minCoeff(), -0.04) << variables;
+    }
+  }
+}
+
 // Of the simplex x >= 0, sum x <= 1 in n variables the mean is 1 / (n + 1) for each.
 TEST(HitAndRun, FindsTheMeanOfASimplex) {
   constexpr Eigen::Index kVariables = 8;
