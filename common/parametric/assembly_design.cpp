@@ -13,15 +13,21 @@ namespace {
 
 constexpr int kSides = 24;  // of what is round
 
+// Hollow sections are tubes too, but say a width.
+bool HasDiameter(const Item& item) {
+  return item.dimensions[1].name.find("diameter") != std::string::npos;
+}
+
 // The axis of the item about which it is round; nothing if it is not.
-std::optional<Axis> RoundAbout(ItemKind kind) {
-  switch (kind) {
+std::optional<Axis> RoundAbout(const Item& item) {
+  switch (item.kind) {
     case ItemKind::kDowel:
     case ItemKind::kScrew:
     case ItemKind::kBolt:
     case ItemKind::kThreadedRod:
-    case ItemKind::kTube:
       return Axis::kX;
+    case ItemKind::kTube:
+      return HasDiameter(item) ? std::optional(Axis::kX) : std::nullopt;
     case ItemKind::kNut:
     case ItemKind::kWasher:
     case ItemKind::kBearing:
@@ -98,7 +104,7 @@ EvaluatedDesign DesignAt(const ParametricAssembly& assembly, const Eigen::Vector
     part.color = drawn.color;
     part.length_axis = drawn.item_axes[0];
     part.thickness_axis = drawn.item_axes[2];
-    const std::optional<Axis> round = item == nullptr ? std::nullopt : RoundAbout(item->kind);
+    const std::optional<Axis> round = item == nullptr ? std::nullopt : RoundAbout(*item);
     if (drawn.shape != nullptr) {
       FillShape(*drawn.shape, placed.box, part);
     } else if (round) {

@@ -18,9 +18,15 @@ Eigen::Vector3d MaterialColor(const std::string& material) {
     Eigen::Vector3d color;
   };
   static const Look kLooks[] = {
-      {"spruce", {0.70, 0.50, 0.28}}, {"beech", {0.58, 0.36, 0.20}},
-      {"oak", {0.42, 0.27, 0.13}},    {"plywood", {0.72, 0.56, 0.36}},
-      {"steel", {0.33, 0.34, 0.36}},  {"aluminium", {0.55, 0.56, 0.58}},
+      {"plywood", {0.72, 0.56, 0.36}},   {"spruce", {0.70, 0.50, 0.28}},
+      {"pine", {0.70, 0.48, 0.25}},      {"fir", {0.60, 0.38, 0.19}},
+      {"cedar", {0.38, 0.17, 0.08}},     {"beech", {0.58, 0.36, 0.20}},
+      {"birch", {0.72, 0.54, 0.34}},     {"oak", {0.42, 0.27, 0.13}},
+      {"hardboard", {0.27, 0.15, 0.08}}, {"particleboard", {0.58, 0.43, 0.26}},
+      {"osb", {0.62, 0.43, 0.20}},       {"mdf", {0.48, 0.34, 0.21}},
+      {"steel", {0.33, 0.34, 0.36}},     {"aluminium", {0.55, 0.56, 0.58}},
+      {"zinc", {0.42, 0.43, 0.45}},      {"copper", {0.52, 0.21, 0.11}},
+      {"rubber", {0.09, 0.09, 0.09}},    {"polyamide", {0.10, 0.10, 0.11}},
   };
   for (const Look& look : kLooks) {
     if (material.find(look.word) != std::string::npos) return look.color;

@@ -10,6 +10,7 @@
 #include "common/base/errors.h"
 #include "common/base/field_violations.h"
 #include "common/cad/step_reader.h"
+#include "mortise/v1/catalog.grpc.pb.h"
 #include "tests/integration/services/catalog/assembly_service_fixture.h"
 
 namespace mortise::catalog {
@@ -20,10 +21,11 @@ using ::testing::HasSubstr;
 
 class AssemblyStepTest : public AssemblyServiceTest {
  protected:
-  std::string Export(const std::string& name) {
+  std::string Export(const std::string& name,
+                     v1::ExportDesignRequest::Format format = v1::ExportDesignRequest::STEP) {
     v1::ExportAssemblyRequest request;
     request.set_name(name);
-    request.set_format(v1::ExportDesignRequest::STEP);
+    request.set_format(format);
     grpc::ClientContext context;
     testing::Prepare(context);
     const auto bytes = testing::ReadChunks(*stub_->ExportAssembly(&context, request));
@@ -74,6 +76,41 @@ TEST_F(AssemblyStepTest, ExportsEveryPart) {
                               placed.minimum().z() + placed.maximum().z());
     EXPECT_LT(((read.minimum + read.maximum) / 2 - middle).norm(), 1e-6) << placed.name();
   }
+}
+
+// What ships with a shape looks like that in every file, and the shape itself can be had.
+TEST_F(AssemblyStepTest, ExportsPegsAsPegs) {
+  const auto catalog = v1::CatalogService::NewStub(process_.channel());
+  v1::GetItemRequest item;
+  item.set_name("items/shaker-peg-75");
+  const auto peg = testing::Call(*catalog, &v1::CatalogService::Stub::GetItem, item);
+  ASSERT_TRUE(peg.ok()) << peg.status();
+  v1::DownloadShapeRequest download;
+  download.set_name(peg->shape());
+  grpc::ClientContext context;
+  testing::Prepare(context);
+  const auto bytes = testing::ReadChunks(*catalog->DownloadShape(&context, download));
+  ASSERT_TRUE(bytes.ok()) << bytes.status();
+  v1::Shape shape;
+  ASSERT_TRUE(shape.ParseFromString(*bytes));
+  EXPECT_TRUE(shape.exact());
+  EXPECT_FALSE(shape.brep().empty());
+  EXPECT_GT(shape.triangle_count(), 500);
+
+  const auto step = cad::ReadStep(Export("assemblies/coat-rack"));
+  ASSERT_TRUE(step.ok()) << step.status();
+  int pegs = 0;
+  for (const cad::StepPart& part : step->parts) {
+    if (!part.name.starts_with("peg ") || part.name.find("dowel") != std::string::npos) continue;
+    ++pegs;
+    SCOPED_TRACE(part.name);
+    EXPECT_NEAR(part.volume, shape.volume(), 1e-6 * shape.volume());
+    EXPECT_FALSE(part.is_box);
+  }
+  EXPECT_EQ(pegs, 6);
+  // Three indices of four bytes a triangle, besides the vertices.
+  const std::string glb = Export("assemblies/coat-rack", v1::ExportDesignRequest::GLB);
+  EXPECT_GT(glb.size(), 6U * 12U * static_cast<std::size_t>(shape.triangle_count()));
 }
 
 // What a person would write beside the STEP file of an assembly to get it back.

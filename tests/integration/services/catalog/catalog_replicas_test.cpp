@@ -265,7 +265,8 @@ class CatalogProcesses : public ::testing::Test {
     const char* source = std::getenv("MORTISE_SOURCE_DIR");
     const std::filesystem::path shipped =
         std::filesystem::path(source == nullptr ? "." : source) / "collection";
-    for (const char* name : {"materials.textproto", "items", "assemblies/bookshelf.textproto"}) {
+    for (const char* name :
+         {"materials.textproto", "items", "shapes", "assemblies/bookshelf.textproto"}) {
       std::filesystem::create_directories((collection_ / name).parent_path());
       std::filesystem::copy(shipped / name, collection_ / name,
                             std::filesystem::copy_options::recursive);
