@@ -109,6 +109,52 @@ TEST_F(HouseTest, MetricsAreEvaluatedAtParameters) {
   EXPECT_LT(small[3], large[3]);
 }
 
+// The sun on one side, air on the other: the thicker, the warmer in the sun, and the heavier.
+constexpr char kWarmBoard[] =
+    "# proto-file: mortise/v1/template.proto\n"
+    "# proto-message: mortise.v1.Template\n"
+    "name: 'templates/warm-board' title: 'Board in the sun' "
+    "parameters { name: 'thickness' unit: 'm' minimum: 0.02 maximum: 0.1 default_value: 0.04 } "
+    "parameters { name: 'length' unit: 'm' minimum: 0.4 maximum: 0.8 default_value: 0.5 } "
+    "parts { name: 'board' item: 'items/spruce-planed-2400' length_axis: X thickness_axis: Z "
+    "box { x { from: '0' to: 'length' } y { from: '0' to: '0.2' } z { from: '0' to: 'thickness' } "
+    "} } boundary_conditions { name: 'sun' kind: HEAT_FLUX part: 'board' face: 'z_max' "
+    "components: '500' } boundary_conditions { name: 'air' kind: CONVECTION part: 'board' "
+    "face: 'z_min' components: '10' components: '293.15' }";
+
+// Temperatures and where the heat goes, of a whole analysis and of an optimisation.
+TEST_F(HouseTest, AHeatedDesignIsAnalysedAndOptimised) {
+  const std::string out = (folder_ / "drum").string();
+  const Json analysis =
+      Ask({"analyze", "drum-brake", "--linear", "--element-size", "20mm", "--out", out});
+  const double supplied = analysis["heat"]["supplied"].get<double>();
+  EXPECT_GT(supplied, 400);
+  EXPECT_NEAR(analysis["heat"]["convected"][0].get<double>(), supplied, 1e-6 * supplied);
+  EXPECT_EQ(ReadFile(out + "/heat.png").value_or("").substr(1, 3), "PNG");
+  EXPECT_THAT(ReadFile(out + "/heat.vtu").value_or(""), HasSubstr("temperature"));
+  EXPECT_EQ(ReadFile(out + "/stress.png").value_or("").substr(1, 3), "PNG");
+  const Json error =
+      Ask({"analyze", "wrench", "--metric", "heat_dissipation", "--linear"}, 1)["error"];
+  EXPECT_THAT(error["message"].get<std::string>(), HasSubstr("HEAT_FLUX"));
+  const std::string board = (folder_ / "board.textproto").string();
+  ASSERT_TRUE(WriteFile(board, kWarmBoard).ok());
+  Ask({"catalog", "import", board});
+  const std::string specification = (folder_ / "board.json").string();
+  ASSERT_TRUE(WriteFile(specification,
+                        R"({"subject": "templates/warm-board", "seed": 1, "evaluations": 20,
+                            "objectives": [{"metric": "mass"},
+                                           {"metric": "max_temperature", "maximize": true}],
+                            "mesh": {"linear": true, "element_size": 0.1}})")
+                  .ok());
+  const Json front = Ask({"pareto", "run", specification});
+  ASSERT_GE(front["points"].size(), 2u) << front;
+  for (const Json& point : front["points"]) {
+    const double thickness = point["parameters"][0].get<double>();
+    EXPECT_NEAR(point["metrics"][1].get<double>(), 293.15 + 500 / 10.0 + 500 * thickness / 0.12,
+                1e-3);
+  }
+}
+
 TEST_F(HouseTest, FaultsNameWhatIsWrong) {
   Json error = Ask({"catalog", "show", "templates/nothing"}, 1)["error"];
   EXPECT_EQ(error["code"], "NOT_FOUND");
