@@ -105,8 +105,10 @@ class Transaction : public ReadTransaction {
   virtual absl::Status EnqueueTask(const NewTask& task) = 0;
 
   // Leases up to `limit` tasks to `worker` for `lease`: queued ones, and leased ones whose lease
-  // has expired. Each lease raises the task's attempt. Expired tasks without attempts left become
-  // quarantined instead. No task is leased to two workers at once. A limit of 0 only quarantines.
+  // has expired. Each lease raises the task's attempt. A worker does what it holds in the order in
+  // which it leased it: where several leases of one run out, the attempt counts for the first, the
+  // others were held in reserve. Expired tasks without attempts left become quarantined instead. No
+  // task is leased to two workers at once. A limit of 0 only looks for expired ones.
   virtual absl::StatusOr<LeaseResult> LeaseTasks(std::string_view queue, std::string_view worker,
                                                  int limit, absl::Duration lease) = 0;
 

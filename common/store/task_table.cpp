@@ -14,6 +14,15 @@
   "queue, key, payload, state, attempt, max_attempts, priority, worker, lease_expires_at," \
   " result, error, created_at, updated_at, arrival"
 
+// 1 of a leased task that its worker has not begun, 0 of any other: a worker does what it holds in
+// the order in which it was leased, and what it has done is no longer leased.
+#define HELD_IN_RESERVE                                                                   \
+  "(CASE WHEN EXISTS (SELECT 1 FROM tasks AS earlier WHERE earlier.queue = tasks.queue"   \
+  " AND earlier.worker = tasks.worker AND earlier.state = 1"                              \
+  " AND (earlier.updated_at < tasks.updated_at OR (earlier.updated_at = tasks.updated_at" \
+  " AND (earlier.priority > tasks.priority OR (earlier.priority = tasks.priority"         \
+  " AND earlier.arrival < tasks.arrival))))) THEN 1 ELSE 0 END)"
+
 namespace mortise::store {
 namespace {
 
@@ -164,6 +173,21 @@ absl::Status TaskTable::Enqueue(const NewTask& task) {
   return absl::OkStatus();
 }
 
+absl::Status TaskTable::RequeueExpired(std::string_view queue) {
+  return connection_
+      ->Run("WITH expired AS MATERIALIZED (SELECT arrival, " HELD_IN_RESERVE
+            " AS held_in_reserve FROM tasks WHERE queue = $1 AND state = 1"
+            " AND lease_expires_at <= $2"
+            " AND counted_attempts - " HELD_IN_RESERVE
+            " < max_attempts FOR UPDATE SKIP LOCKED)"
+            " UPDATE tasks SET state = 0, due_at = $2, updated_at = $2, counted_attempts ="
+            " counted_attempts - (SELECT held_in_reserve FROM expired"
+            " WHERE expired.arrival = tasks.arrival)"
+            " WHERE arrival IN (SELECT arrival FROM expired)",
+            {queue, absl::ToUnixMicros(now_)})
+      .status();
+}
+
 absl::StatusOr<std::vector<Task>> TaskTable::QuarantineExpired(std::string_view queue) {
   MORTISE_ASSIGN_OR_RETURN(
       SqlResult result,
@@ -177,17 +201,6 @@ absl::StatusOr<std::vector<Task>> TaskTable::QuarantineExpired(std::string_view 
   return TasksInOrder(result.rows);
 }
 
-absl::Status TaskTable::RequeueExpired(std::string_view queue) {
-  return connection_
-      ->Run(
-          "UPDATE tasks SET state = 0, due_at = $2, updated_at = $2"
-          " WHERE arrival IN (SELECT arrival FROM tasks WHERE queue = $1"
-          " AND state = 1 AND lease_expires_at <= $2"
-          " AND counted_attempts < max_attempts FOR UPDATE SKIP LOCKED)",
-          {queue, absl::ToUnixMicros(now_)})
-      .status();
-}
-
 absl::StatusOr<LeaseResult> TaskTable::Lease(std::string_view queue, std::string_view worker,
                                              int limit, absl::Duration lease) {
   MORTISE_RETURN_IF_ERROR(CheckRequiredName("queue", queue));
@@ -195,9 +208,9 @@ absl::StatusOr<LeaseResult> TaskTable::Lease(std::string_view queue, std::string
   MORTISE_RETURN_IF_ERROR(CheckLease(lease));
   if (limit != 0) MORTISE_RETURN_IF_ERROR(CheckLimit("limit", limit));
   LeaseResult answer;
+  MORTISE_RETURN_IF_ERROR(RequeueExpired(queue));
   MORTISE_ASSIGN_OR_RETURN(answer.quarantined, QuarantineExpired(queue));
   if (limit == 0) return answer;
-  MORTISE_RETURN_IF_ERROR(RequeueExpired(queue));
   MORTISE_ASSIGN_OR_RETURN(
       SqlResult result,
       connection_->Run("WITH due AS MATERIALIZED (SELECT arrival FROM tasks WHERE queue = $1"
@@ -229,23 +242,27 @@ absl::StatusOr<TaskTable::Standing> TaskTable::LockStanding(std::string_view que
                   .reportable = !row[4].text.empty()};
 }
 
-absl::StatusOr<TaskTable::Standing> TaskTable::LockForReport(std::string_view queue,
-                                                             std::string_view key,
-                                                             int64_t attempt) {
-  MORTISE_ASSIGN_OR_RETURN(Standing standing, LockStanding(queue, key));
+absl::Status TaskTable::CheckReportable(const Standing& standing, std::string_view queue,
+                                        std::string_view key, int64_t attempt) {
   if (standing.state != TaskState::kQueued && standing.state != TaskState::kLeased) {
     return Finished(queue, key, standing.state);
   }
   if (standing.attempt != attempt || !standing.reportable) {
     return StaleAttempt(NameOf(queue, key), attempt, standing.attempt);
   }
-  return standing;
+  return absl::OkStatus();
+}
+
+absl::Status TaskTable::LockForReport(std::string_view queue, std::string_view key,
+                                      int64_t attempt) {
+  MORTISE_ASSIGN_OR_RETURN(const Standing standing, LockStanding(queue, key));
+  return CheckReportable(standing, queue, key, attempt);
 }
 
 absl::Status TaskTable::Renew(std::string_view queue, std::string_view key, int64_t attempt,
                               absl::Duration lease) {
   MORTISE_RETURN_IF_ERROR(CheckLease(lease));
-  MORTISE_RETURN_IF_ERROR(LockForReport(queue, key, attempt).status());
+  MORTISE_RETURN_IF_ERROR(LockForReport(queue, key, attempt));
   return connection_
       ->Run("UPDATE tasks SET state = 1, lease_expires_at = $3 WHERE queue = $1 AND key = $2",
             {queue, key, After(lease)})
@@ -260,7 +277,7 @@ absl::Status TaskTable::Complete(std::string_view queue, std::string_view key, i
     if (standing.attempt == attempt) return absl::OkStatus();
     return StaleAttempt(NameOf(queue, key), attempt, standing.attempt);
   }
-  MORTISE_RETURN_IF_ERROR(LockForReport(queue, key, attempt).status());
+  MORTISE_RETURN_IF_ERROR(CheckReportable(standing, queue, key, attempt));
   return connection_
       ->Run(
           "UPDATE tasks SET state = 2, result = $3, updated_at = $4"
@@ -275,12 +292,12 @@ absl::Status TaskTable::Fail(std::string_view queue, std::string_view key, int64
   if (delay < absl::ZeroDuration() || delay > absl::Hours(24 * 365)) {
     return InvalidField("delay", "must not be negative, and at most a year");
   }
-  MORTISE_ASSIGN_OR_RETURN(Standing standing, LockStanding(queue, key));
+  MORTISE_ASSIGN_OR_RETURN(const Standing standing, LockStanding(queue, key));
   const bool reported =
       standing.state == TaskState::kFailed ||
       (standing.state == TaskState::kQueued && !standing.reportable && standing.attempt > 0);
   if (reported && standing.attempt == attempt) return absl::OkStatus();
-  MORTISE_RETURN_IF_ERROR(LockForReport(queue, key, attempt).status());
+  MORTISE_RETURN_IF_ERROR(CheckReportable(standing, queue, key, attempt));
   const bool again = retry && standing.counted_attempts < standing.max_attempts;
   return connection_
       ->Run(
@@ -292,10 +309,11 @@ absl::Status TaskTable::Fail(std::string_view queue, std::string_view key, int64
 }
 
 absl::Status TaskTable::Release(std::string_view queue, std::string_view key, int64_t attempt) {
-  MORTISE_RETURN_IF_ERROR(LockForReport(queue, key, attempt).status());
+  MORTISE_RETURN_IF_ERROR(LockForReport(queue, key, attempt));
   return connection_
       ->Run(
-          "UPDATE tasks SET state = 0, worker = '', counted_attempts = counted_attempts - 1,"
+          "UPDATE tasks SET state = 0, worker = '', counted_attempts ="
+          " CASE WHEN counted_attempts > 0 THEN counted_attempts - 1 ELSE 0 END,"
           " due_at = $3, updated_at = $3 WHERE queue = $1 AND key = $2",
           {queue, key, absl::ToUnixMicros(now_)})
       .status();

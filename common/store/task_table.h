@@ -1,9 +1,10 @@
 // The task queue of a store, in SQL.
 //
 // A task's `attempt` rises with every lease and is the fencing token; `counted_attempts` leaves out
-// the leases that were given back unharmed, and is what max_attempts limits. `worker` is empty
-// while no attempt may still report: before the first lease, and after one was failed or released.
-// Queue calls lock the rows they change, so that they are right at every isolation.
+// the leases that were given back unharmed, or ran out before their worker came to them, and is
+// what max_attempts limits. `worker` is empty while no attempt may still report: before the first
+// lease, and after one was failed or released. Queue calls lock the rows they change, so that they
+// are right at every isolation.
 #pragma once
 
 #include <cstdint>
@@ -54,12 +55,16 @@ class TaskTable {
 
   absl::StatusOr<Standing> LockStanding(std::string_view queue, std::string_view key);
 
-  // Locks the task and checks that `attempt` may still report on it.
-  absl::StatusOr<Standing> LockForReport(std::string_view queue, std::string_view key,
-                                         int64_t attempt);
+  // Whether `attempt` may still report on a task.
+  static absl::Status CheckReportable(const Standing& standing, std::string_view queue,
+                                      std::string_view key, int64_t attempt);
 
-  absl::StatusOr<std::vector<Task>> QuarantineExpired(std::string_view queue);
+  // Locks the task and checks that.
+  absl::Status LockForReport(std::string_view queue, std::string_view key, int64_t attempt);
+
   absl::Status RequeueExpired(std::string_view queue);
+  // After RequeueExpired, which needs to see what the same workers held.
+  absl::StatusOr<std::vector<Task>> QuarantineExpired(std::string_view queue);
   int64_t After(absl::Duration duration) const;
 
   SqlConnection* connection_;

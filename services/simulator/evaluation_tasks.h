@@ -57,7 +57,7 @@ class TaskWaiters {
   // Hands a finished task to all who wait for it.
   void Notify(const store::Task& task, bool known_before);
 
-  // The tasks waited for.
+  // The tasks waited for, in ascending order.
   std::vector<std::string> Keys() const;
 
  private:

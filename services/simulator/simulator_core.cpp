@@ -2,6 +2,9 @@
 
 #include <grpcpp/grpcpp.h>
 
+#include <algorithm>
+#include <iterator>
+#include <map>
 #include <set>
 
 #include "absl/strings/str_cat.h"
@@ -18,6 +21,7 @@ namespace {
 
 // How soon news is noticed that came to another replica, or comes from nobody: an expired lease.
 constexpr absl::Duration kLookInterval = absl::Milliseconds(250);
+constexpr std::size_t kKeysInOneLook = 256;
 
 }  // namespace
 
@@ -105,28 +109,58 @@ absl::StatusOr<std::vector<store::Task>> SimulatorCore::Lease(const std::string&
   return std::move(result.leased);
 }
 
-void SimulatorCore::WhenWork(std::function<bool()> attempt) {
-  if (attempt()) return;
-  const std::lock_guard lock(mutex_);
-  idle_workers_.push_back(std::move(attempt));
+void SimulatorCore::WhenWork(const std::string& queue, absl::Time deadline, Attempt attempt) {
+  const std::uint64_t before = wakes_;
+  bool others_wait = false;
+  {
+    const std::lock_guard lock(mutex_);
+    others_wait = std::any_of(idle_workers_.begin(), idle_workers_.end(),
+                              [&](const IdleWorker& worker) { return worker.queue == queue; });
+  }
+  if (attempt(others_wait)) return;
+  {
+    const std::lock_guard lock(mutex_);
+    idle_workers_.push_back({queue, deadline, std::move(attempt)});
+  }
+  if (wakes_ != before) WakeWorkers();  // which may have come too early for this one
 }
 
+// Thousands of tasks may come at once: all that come before the workers are asked wake them once.
 void SimulatorCore::WakeWorkers() {
+  ++wakes_;
+  if (is_waking_.exchange(true)) return;
   dispatcher_->Submit([weak = weak_from_this()] {
-    const auto core = weak.lock();
-    if (core == nullptr) return;
-    std::vector<std::function<bool()>> attempts;
-    {
-      const std::lock_guard lock(core->mutex_);
-      attempts.swap(core->idle_workers_);
-    }
-    std::vector<std::function<bool()>> still_idle;
-    for (auto& attempt : attempts) {
-      if (!attempt()) still_idle.push_back(std::move(attempt));
-    }
-    const std::lock_guard lock(core->mutex_);
-    for (auto& attempt : still_idle) core->idle_workers_.push_back(std::move(attempt));
+    if (const auto core = weak.lock()) core->AskIdleWorkers();
   });
+}
+
+void SimulatorCore::AskIdleWorkers() {
+  is_waking_ = false;
+  const std::uint64_t before = wakes_;
+  std::vector<IdleWorker> idle;
+  {
+    const std::lock_guard lock(mutex_);
+    idle.swap(idle_workers_);
+  }
+  std::vector<IdleWorker> still_idle;
+  std::map<std::string, int> waiting;  // for each queue, who has not been asked
+  for (const IdleWorker& worker : idle) ++waiting[worker.queue];
+  std::set<std::string> empty;  // queues
+  const absl::Time now = absl::Now();
+  for (IdleWorker& worker : idle) {
+    const bool others_wait = --waiting[worker.queue] > 0;
+    const bool is_worth_asking = empty.count(worker.queue) == 0 || now >= worker.deadline;
+    if (is_worth_asking && worker.attempt(others_wait)) continue;
+    empty.insert(worker.queue);
+    still_idle.push_back(std::move(worker));
+  }
+  if (still_idle.empty()) return;
+  {
+    const std::lock_guard lock(mutex_);
+    idle_workers_.insert(idle_workers_.begin(), std::make_move_iterator(still_idle.begin()),
+                         std::make_move_iterator(still_idle.end()));
+  }
+  if (wakes_ != before) WakeWorkers();  // news of meanwhile found none of these
 }
 
 void SimulatorCore::KeepWatching() {
@@ -136,6 +170,18 @@ void SimulatorCore::KeepWatching() {
     core->LookAtStore();
     core->KeepWatching();
   });
+}
+
+// Thousands may be awaited; what another replica finished can wait for a few looks.
+std::vector<std::string> SimulatorCore::NextOf(const std::vector<std::string>& keys) {
+  const auto begin = static_cast<std::size_t>(
+      std::upper_bound(keys.begin(), keys.end(), looked_up_to_) - keys.begin());
+  std::vector<std::string> next;
+  for (std::size_t i = 0; i < std::min(keys.size(), kKeysInOneLook); ++i) {
+    next.push_back(keys[(begin + i) % keys.size()]);
+  }
+  looked_up_to_ = next.empty() ? "" : next.back();
+  return next;
 }
 
 void SimulatorCore::LookAtStore() {
@@ -156,9 +202,10 @@ void SimulatorCore::LookAtStore() {
         {{"queue", queue}, {"error", put_aside.status().message()}});
   }
   std::vector<store::Task> finished;
+  const std::vector<std::string> some = NextOf(keys);
   const absl::Status status = store_->Read([&](store::ReadTransaction& transaction) {
     finished.clear();
-    for (const std::string& key : keys) {
+    for (const std::string& key : some) {
       absl::StatusOr<store::Task> task = transaction.GetTask(QueueOf(key), key);
       if (task.ok() && IsFinished(*task)) finished.push_back(*std::move(task));
     }

@@ -1,6 +1,8 @@
 // What the adapters of one simulator process share: the queue, who waits for it, the catalog.
 #pragma once
 
+#include <atomic>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -52,8 +54,13 @@ class SimulatorCore : public std::enable_shared_from_this<SimulatorCore> {
                                                  const std::string& worker, int limit,
                                                  absl::Duration lease);
 
-  // Calls `attempt` when there may be work, until it returns true; it must be quick.
-  void WhenWork(std::function<bool()> attempt);
+  // Takes work, or gives up; false to be asked again. It must be quick. Where others wait for work
+  // of the same queue it should take no more than it can begin.
+  using Attempt = std::function<bool(bool others_wait)>;
+
+  // Calls `attempt` now, when there may be work in the queue, and after the deadline, until it
+  // returns true. Where one found no work, others of its queue are not asked.
+  void WhenWork(const std::string& queue, absl::Time deadline, Attempt attempt);
 
   // Tells of work, and asks those who wait for it.
   void WakeWorkers();
@@ -64,7 +71,17 @@ class SimulatorCore : public std::enable_shared_from_this<SimulatorCore> {
 
  private:
   explicit SimulatorCore(const rpc::ServiceEnvironment& environment);
+  // Somebody who waits for work.
+  struct IdleWorker {
+    std::string queue;
+    absl::Time deadline;  // until when
+    Attempt attempt;
+  };
+
+  void AskIdleWorkers();
   void LookAtStore();
+  // Some of the keys, which ascend: those after the ones of the last look, round and round.
+  std::vector<std::string> NextOf(const std::vector<std::string>& keys);
   void Cancel(const std::string& key, bool even_if_leased);
 
   store::Store* const store_;
@@ -73,8 +90,11 @@ class SimulatorCore : public std::enable_shared_from_this<SimulatorCore> {
   std::shared_ptr<grpc::Channel> catalog_;
   std::unique_ptr<TemplateSource> templates_;
   TaskWaiters waiters_;
+  std::string looked_up_to_;  // key; used by LookAtStore alone
   std::mutex mutex_;
-  std::vector<std::function<bool()>> idle_workers_;  // guarded by mutex_
+  std::vector<IdleWorker> idle_workers_;  // guarded by mutex_
+  std::atomic<bool> is_waking_ = false;   // they are about to be asked
+  std::atomic<std::uint64_t> wakes_ = 0;  // how often there was news
 };
 
 }  // namespace mortise::simulator

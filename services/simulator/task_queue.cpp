@@ -159,23 +159,24 @@ absl::Status LeaseTasks(SimulatorCore& core, const rpc::Call& call,
     if (std::exchange(waiting->answered, true)) return;
     waiting->respond(v1::LeaseTasksResponse());
   });
-  core.WhenWork([&core, waiting, queue, worker = asked.worker(), limit = asked.limit(), lease,
-                 deadline, call] {
-    const std::lock_guard lock(waiting->mutex);
-    if (waiting->answered) return true;
-    if (call.cancelled()) return false;
-    const auto tasks = core.Lease(queue, worker, limit, lease);
-    if (tasks.ok() && tasks->empty() && absl::Now() < deadline) return false;
-    waiting->answered = true;
-    if (tasks.ok()) {
-      v1::LeaseTasksResponse response;
-      for (const store::Task& task : *tasks) *response.add_tasks() = ToProto(task);
-      waiting->respond(response);
-    } else {
-      waiting->respond(tasks.status());
-    }
-    return true;
-  });
+  core.WhenWork(queue, deadline,
+                [&core, waiting, queue, worker = asked.worker(), limit = asked.limit(), lease,
+                 deadline, call](bool others_wait) {
+                  const std::lock_guard lock(waiting->mutex);
+                  if (waiting->answered) return true;
+                  if (call.cancelled()) return true;  // OnStop answers
+                  const auto tasks = core.Lease(queue, worker, others_wait ? 1 : limit, lease);
+                  if (tasks.ok() && tasks->empty() && absl::Now() < deadline) return false;
+                  waiting->answered = true;
+                  if (tasks.ok()) {
+                    v1::LeaseTasksResponse response;
+                    for (const store::Task& task : *tasks) *response.add_tasks() = ToProto(task);
+                    waiting->respond(response);
+                  } else {
+                    waiting->respond(tasks.status());
+                  }
+                  return true;
+                });
   return absl::OkStatus();
 }
 
@@ -222,12 +223,14 @@ absl::StatusOr<v1::ReportTaskResponse> ReportTask(SimulatorCore& core, store::Bl
   MORTISE_RETURN_IF_ERROR(CheckAttempt(asked.task().attempt(), "task.attempt"));
   Report report(asked, key, blobs);
   store::Task task;
-  MORTISE_RETURN_IF_ERROR(
-      core.store()->Transact([&](store::Transaction& transaction) -> absl::Status {
+  MORTISE_RETURN_IF_ERROR(core.store()->Transact(
+      [&](store::Transaction& transaction) -> absl::Status {
         MORTISE_RETURN_IF_ERROR(report.Settle(transaction));
         MORTISE_ASSIGN_OR_RETURN(task, transaction.GetTask(QueueOf(key), key));
         return absl::OkStatus();
-      }));
+      },
+      // What else it reads, the evaluator's metrics, cannot change.
+      store::Isolation::kReadCommitted));
   if (IsFinished(task)) {
     core.waiters().Notify(task, false);
   } else {

@@ -6,8 +6,10 @@
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
+#include <deque>
 #include <functional>
 #include <mutex>
+#include <optional>
 #include <thread>
 
 #include "absl/strings/str_cat.h"
@@ -31,16 +33,89 @@ constexpr absl::Duration kReportPatience = absl::Minutes(2);
 // How soon a worker notices that a task was cancelled, and tells how far it is.
 constexpr absl::Duration kLookForCancel = absl::Seconds(2);
 
+// Tasks that take less than this together are leased ahead, so that a worker need not ask for each.
+constexpr absl::Duration kAhead = absl::Milliseconds(250);
+constexpr int kMostAhead = 4;
+// How long what was leased ahead waits behind a task that takes longer than was thought.
+constexpr absl::Duration kReservePatience = absl::Seconds(1);
+
+// Tells that the worker will not do a task that it holds: others may have it, unharmed.
+void GiveBack(const WorkerOptions& options, Stub& stub, const v1::Task& task) {
+  v1::ReportTaskRequest report;
+  report.mutable_task()->set_name(task.name());
+  report.mutable_task()->set_attempt(task.attempt());
+  *report.mutable_result()->mutable_error() =
+      rpc::ToProto(absl::CancelledError("the worker gives it back"));
+  const auto given = rpc::CallUnary<Stub, v1::ReportTaskRequest, v1::ReportTaskResponse>(
+      stub, &Stub::ReportTask, report,
+      rpc::OwnOrigin(options.signer, rpc::Role::kDesigner, task.trace_id(), kCallTimeout));
+  Log(given.ok() ? LogLevel::kInfo : LogLevel::kWarning,
+      given.ok() ? "task given back" : "a task could not be given back",
+      {{"task", task.name()},
+       {"attempt", task.attempt()},
+       {"error", given.ok() ? "" : given.status().message()}});
+}
+
+// Tasks that are leased and not begun, in the order of their leases.
+class Reserve {
+ public:
+  Reserve(const WorkerOptions& options, Stub& stub) : options_(options), stub_(stub) {}
+
+  void Put(const v1::LeaseTasksResponse& leased) {
+    const std::lock_guard lock(mutex_);
+    tasks_.insert(tasks_.end(), leased.tasks().begin(), leased.tasks().end());
+  }
+
+  std::optional<v1::Task> Take() {
+    const std::lock_guard lock(mutex_);
+    if (tasks_.empty()) return std::nullopt;
+    v1::Task task = std::move(tasks_.front());
+    tasks_.pop_front();
+    return task;
+  }
+
+  void GiveAllBack() {
+    while (const std::optional<v1::Task> task = Take()) GiveBack(options_, stub_, *task);
+  }
+
+ private:
+  const WorkerOptions& options_;
+  Stub& stub_;
+  std::mutex mutex_;
+  std::deque<v1::Task> tasks_;  // guarded by mutex_
+};
+
+// How many tasks to lease at a time, by how long the last ones took.
+class LeaseSize {
+ public:
+  int value() const {
+    if (!seconds_) return 1;
+    const double fit = absl::ToDoubleSeconds(kAhead) / std::max(*seconds_, 1e-6);
+    return static_cast<int>(std::clamp(fit, 1.0, static_cast<double>(kMostAhead)));
+  }
+
+  void Add(absl::Duration duration) {
+    constexpr double kWeight = 0.5;  // of the last one
+    const double seconds = absl::ToDoubleSeconds(duration);
+    seconds_ = seconds_ ? (1 - kWeight) * *seconds_ + kWeight * seconds : seconds;
+  }
+
+ private:
+  std::optional<double> seconds_;  // of a task
+};
+
 // Renews the lease of one task, tells with it how far the work is, and asks for the work to stop
 // once the lease is lost or the time is over. When the worker is asked to end, it gives the task
-// back after the drain time.
+// back after the drain time. What is in reserve it gives back when the task takes long, or the
+// worker is asked to end.
 class LeaseKeeper {
  public:
-  LeaseKeeper(const WorkerOptions& options, Stub& stub, const v1::Task& task,
+  LeaseKeeper(const WorkerOptions& options, Stub& stub, const v1::Task& task, Reserve& reserve,
               const std::stop_token& ending)
       : options_(options),
         stub_(stub),
         task_(task),
+        reserve_(reserve),
         interval_(absl::ToChronoNanoseconds(std::min(options.lease / 3, kLookForCancel))),
         thread_([this] { Run(); }),
         ending_(ending, [this] { BeginDrain(); }) {}
@@ -76,6 +151,7 @@ class LeaseKeeper {
     {
       const std::lock_guard lock(mutex_);
       give_back_at_ = Clock::now() + absl::ToChronoNanoseconds(options_.drain_time);
+      empty_reserve_at_ = Clock::now();
     }
     changed_.notify_all();
   }
@@ -88,10 +164,19 @@ class LeaseKeeper {
       const Clock::time_point now = Clock::now();
       if (now >= give_back_at_) {
         lock.unlock();
-        return GiveBack();
+        // Told before the work has stopped, which may take long: the sooner others begin with it.
+        Drop();
+        return GiveBack(options_, stub_, task_);
+      }
+      if (now >= empty_reserve_at_) {
+        empty_reserve_at_ = Clock::time_point::max();
+        lock.unlock();
+        reserve_.GiveAllBack();
+        lock.lock();
+        continue;
       }
       if (now < renewal) {
-        changed_.wait_until(lock, std::min(renewal, give_back_at_));
+        changed_.wait_until(lock, std::min({renewal, give_back_at_, empty_reserve_at_}));
         continue;
       }
       lock.unlock();
@@ -124,24 +209,6 @@ class LeaseKeeper {
     return true;
   }
 
-  // Told before the work has stopped, which may take long: the sooner others begin with it.
-  void GiveBack() {
-    Drop();
-    v1::ReportTaskRequest report;
-    report.mutable_task()->set_name(task_.name());
-    report.mutable_task()->set_attempt(task_.attempt());
-    *report.mutable_result()->mutable_error() =
-        rpc::ToProto(absl::CancelledError("the worker ends"));
-    const auto given = rpc::CallUnary<Stub, v1::ReportTaskRequest, v1::ReportTaskResponse>(
-        stub_, &Stub::ReportTask, report,
-        rpc::OwnOrigin(options_.signer, rpc::Role::kDesigner, task_.trace_id(), kCallTimeout));
-    Log(given.ok() ? LogLevel::kInfo : LogLevel::kWarning,
-        given.ok() ? "task given back" : "a task could not be given back",
-        {{"task", task_.name()},
-         {"attempt", task_.attempt()},
-         {"error", given.ok() ? "" : given.status().message()}});
-  }
-
   void Drop() {
     lost_ = true;
     stop_.request_stop();
@@ -150,6 +217,7 @@ class LeaseKeeper {
   const WorkerOptions& options_;
   Stub& stub_;
   const v1::Task& task_;
+  Reserve& reserve_;
   const Clock::duration interval_;
   StageProgress progress_;
   std::stop_source stop_;
@@ -158,6 +226,8 @@ class LeaseKeeper {
   std::condition_variable changed_;
   bool done_ = false;                                          // guarded by mutex_
   Clock::time_point give_back_at_ = Clock::time_point::max();  // guarded by mutex_
+  Clock::time_point empty_reserve_at_ =
+      Clock::now() + absl::ToChronoNanoseconds(kReservePatience);  // guarded by mutex_
   std::thread thread_;
   const std::stop_callback<std::function<void()>> ending_;  // last: gone before what it changes
 };
@@ -217,10 +287,10 @@ absl::Status OutOfTime(absl::Duration limit) {
 }
 
 void WorkOn(const WorkerOptions& options, Stub& stub, TemplateSource& templates,
-            const v1::Task& task, const std::stop_token& ending) {
+            const v1::Task& task, Reserve& reserve, const std::stop_token& ending) {
   const TraceScope trace(task.trace_id());
   const absl::Time start = absl::Now();
-  LeaseKeeper keeper(options, stub, task, ending);
+  LeaseKeeper keeper(options, stub, task, reserve, ending);
   v1::Analysis artifacts;
   const TaskSurroundings surroundings{
       .templates = templates,
@@ -288,10 +358,12 @@ void RunWorker(const WorkerOptions& options, const std::stop_token& stop) {
   TemplateSource templates(options.catalog);
   v1::LeaseTasksRequest request;
   request.set_worker(options.name);
-  request.set_limit(1);
   request.set_lease_seconds(absl::ToDoubleSeconds(options.lease));
   request.set_wait_seconds(absl::ToDoubleSeconds(options.patience));
+  Reserve reserve(options, *stub);
+  LeaseSize size;
   while (AwaitConnection(*options.simulator, stop)) {
+    request.set_limit(size.value());
     const auto leased = rpc::CallUnary<Stub, v1::LeaseTasksRequest, v1::LeaseTasksResponse>(
         *stub, &Stub::LeaseTasks, request,
         rpc::OwnOrigin(options.signer, rpc::Role::kDesigner, "", options.patience + kCallTimeout),
@@ -303,7 +375,13 @@ void RunWorker(const WorkerOptions& options, const std::stop_token& stop) {
       if (!absl::IsUnavailable(leased.status())) rpc::Pause(absl::Seconds(1), stop);
       continue;
     }
-    for (const v1::Task& task : leased->tasks()) WorkOn(options, *stub, templates, task, stop);
+    reserve.Put(*leased);
+    while (const std::optional<v1::Task> task = reserve.Take()) {
+      const absl::Time start = absl::Now();
+      WorkOn(options, *stub, templates, *task, reserve, stop);
+      size.Add(absl::Now() - start);
+      if (stop.stop_requested()) reserve.GiveAllBack();
+    }
   }
 }
 

@@ -76,7 +76,7 @@ class MeshServiceTest : public SimulatorProcessTest {
   void Cancel(const std::string& operation) {
     v1::CancelOperationRequest cancel;
     cancel.set_name(operation);
-    cancel.set_request_id("cancel");
+    cancel.set_request_id(absl::StrCat("cancel-", operation.substr(operation.find('/') + 1)));
     v1::Operation answer;
     const auto context = Context();
     const auto operations = v1::OperationService::NewStub(service_.channel());

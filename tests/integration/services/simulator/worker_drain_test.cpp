@@ -3,10 +3,13 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
+#include <chrono>
 #include <memory>
 #include <string>
+#include <thread>
 #include <vector>
 
+#include "mortise/v1/evaluator.grpc.pb.h"
 #include "tests/integration/services/simulator/mesh_service.h"
 
 namespace mortise::simulator {
@@ -51,8 +54,74 @@ class WorkerDrainTest : public MeshServiceTest {
     return response.tasks().empty() ? v1::Task() : response.tasks(0);
   }
 
+  // Asks for the masses of many tables: moments of work each.
+  void WeighTables() {
+    constexpr int kTables = 300;
+    v1::EvaluateBatchRequest request;
+    request.set_subject("templates/table");
+    request.add_metrics("mass");
+    for (int i = 0; i < kTables; ++i) {
+      v1::DesignPoint& point = *request.add_points();
+      for (const v1::Parameter& parameter : catalog_.table().parameters()) {
+        const double share = 0.3 + 0.4 * i / kTables;
+        point.add_parameters(parameter.minimum() +
+                             share * (parameter.maximum() - parameter.minimum()));
+      }
+    }
+    const auto context = Context();
+    const auto evaluators = v1::EvaluatorService::NewStub(service_.channel());
+    const auto reader = evaluators->EvaluateBatch(context.get(), request);
+    v1::EvaluationResult result;
+    while (reader->Read(&result)) EXPECT_FALSE(result.has_error()) << result.error().message();
+    EXPECT_TRUE(reader->Finish().ok());
+  }
+
+  v1::QueueStatus Status() const {
+    v1::QueueStatus status;
+    const auto context = Context();
+    EXPECT_TRUE(Simulator()->GetQueueStatus(context.get(), {}, &status).ok());
+    return status;
+  }
+
+  // The analyses that workers hold.
+  int LeasedAnalyses() const {
+    v1::ListTasksRequest request;
+    request.set_state(v1::LEASED);
+    v1::ListTasksResponse response;
+    const auto context = Context();
+    EXPECT_TRUE(Simulator()->ListTasks(context.get(), request, &response).ok());
+    int analyses = 0;
+    for (const auto& entry : response.tasks()) analyses += entry.task().has_case_() ? 1 : 0;
+    return analyses;
+  }
+
   v1::Operation operation_;
 };
+
+// Short tasks are leased several at a time, and analyses that come then with them. Behind one that
+// takes long nothing must wait: whoever asks gets it.
+TEST_F(WorkerDrainTest, DoesNotSitOnWhatItLeasedAhead) {
+  std::thread client([&] { WeighTables(); });
+  const auto worker = StartWorker("0");
+  const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(1);
+  const auto wait_until = [&](const auto& condition) {
+    while (!condition() && std::chrono::steady_clock::now() < end) {
+    }
+    return condition();
+  };
+  EXPECT_TRUE(wait_until([&] { return Status().done() >= 50; }));
+  std::vector<std::string> operations;
+  for (const char* name : {"first", "second"}) {
+    v1::AnalyzeMeshRequest work = WithManyCases(Upload(testing::WriteGmsh41(box_, true)), name);
+    work.mutable_case_()->set_title(name);
+    EXPECT_TRUE(Start(work, operation_).ok());
+    operations.push_back(operation_.name());
+  }
+  EXPECT_TRUE(wait_until([&] { return Status().leased() == 1 && LeasedAnalyses() == 1; }));
+  for (const std::string& operation : operations) Cancel(operation);
+  client.join();
+  EXPECT_EQ(worker->End(SIGTERM), 0);
+}
 
 TEST_F(WorkerDrainTest, GivesBackWhatTakesLongerThanItHas) {
   const auto worker = StartWorking(50, "0");

@@ -153,6 +153,41 @@ TEST_P(TaskConformance, ATaskWhoseWorkersVanishIsQuarantinedWithItsInput) {
   EXPECT_EQ(ReasonOf(Complete("killer", 3, "too late")), "TASK_FINISHED");
 }
 
+// Three workers die of the first of the tasks that they hold: the others are as good as new.
+TEST_P(TaskConformance, WhatAWorkerHeldInReserveLosesNoAttempt) {
+  EnqueueKeys({"killer", "b", "c"});
+  for (const char* worker : {"w1", "w2", "w3"}) {
+    EXPECT_THAT(Keys(Lease(worker, 3).leased), ElementsAre("killer", "b", "c"));
+    Advance(kLease + absl::Seconds(1));
+  }
+  LeaseResult result = Lease("w4", 3);
+  EXPECT_THAT(Keys(result.quarantined), ElementsAre("killer"));
+  EXPECT_THAT(Keys(result.leased), ElementsAre("b", "c"));
+  // Three attempts at b count from here; what is done is not held.
+  EXPECT_OK(Complete("b", 4, "done"));
+  for (const char* worker : {"w5", "w6"}) {
+    Advance(kLease + absl::Seconds(1));
+    EXPECT_THAT(Keys(Lease(worker, 3).leased), ElementsAre("c"));
+  }
+  Advance(kLease + absl::Seconds(1));
+  EXPECT_THAT(Keys(Lease("w7", 3).quarantined), ElementsAre("c"));
+}
+
+// What was leased first was begun first, whatever its place in the queue.
+TEST_P(TaskConformance, TheFirstLeaseOfAWorkerCounts) {
+  EnqueueKeys({"a", "b"}, 1);
+  Lease("w1", 1);  // a
+  Advance(absl::Seconds(1));
+  Lease("w2", 1);  // b
+  Advance(absl::Seconds(1));
+  EXPECT_OK(Do([&](Transaction& t) { return t.ReleaseTask("q", "a", 1); }));
+  Lease("w2", 1);  // a, in reserve
+  Advance(kLease + absl::Seconds(1));
+  const LeaseResult result = Lease("w3", 2);
+  EXPECT_THAT(Keys(result.quarantined), ElementsAre("b"));
+  EXPECT_THAT(Keys(result.leased), ElementsAre("a"));
+}
+
 TEST_P(TaskConformance, AFailureIsRetriedAfterItsDelayUntilAttemptsAreUsedUp) {
   EnqueueKeys({"a"}, 2);
   Lease("w");
