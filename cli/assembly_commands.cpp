@@ -237,7 +237,11 @@ absl::Status Adjust(const AdjustOptions& options, Session& session, Output& outp
   file.set_format(v1::ExportDesignRequest::GLB);
   MORTISE_RETURN_IF_ERROR(ExportTo(file, options.glb, *client, output));
   output.DocumentOf(design);
-  return absl::OkStatus();
+  if (!options.strict || design.faults().empty()) return absl::OkStatus();
+  return PreconditionFailed("DESIGN_FAULTY",
+                            absl::StrCat("the design has ", design.faults_size(),
+                                         " faults; the first: ", design.faults(0)),
+                            design.assembly());
 }
 
 FieldSources SourcesOf(const AdjustOptions& options) {
@@ -344,7 +348,8 @@ void AddAssemblyCommands(CLI::App& app, Session& session) {
   adjust->add_option("--from", adjust_options->from,
                      "Start at a design that 'assembly adjust --json' printed");
   adjust->add_flag("--strict", adjust_options->strict,
-                   "Refuse what cannot be met instead of coming near");
+                   "Refuse what cannot be met instead of coming near; fail if the design has "
+                   "faults");
   adjust->add_option("--step", adjust_options->step, "Also write a STEP file");
   adjust->add_option("--glb", adjust_options->glb, "Also write a GLB file");
   adjust->footer("Example: mortise assembly adjust bookshelf --set side.z=1.5 --glb shelf.glb");

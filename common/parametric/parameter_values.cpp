@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <random>
 #include <set>
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "common/base/field_violations.h"
 
 namespace mortise::parametric {
 namespace {
@@ -15,6 +17,19 @@ using Eigen::VectorXd;
 
 constexpr double kRangeTolerance = 1e-9;          // of a parameter's range
 constexpr Eigen::Index kMaxCornerParameters = 6;  // 2⁶ corners
+
+// What is wrong with a value of a parameter; nothing if it is usable.
+std::optional<std::string> FaultOf(const Parameter& parameter, double value) {
+  if (!std::isfinite(value)) return "is not a finite number";
+  const double slack = kRangeTolerance * (parameter.maximum - parameter.minimum);
+  if (value >= parameter.minimum - slack && value <= parameter.maximum + slack) return {};
+  return absl::StrCat("'", parameter.name, "' is ", value, ", outside its range ",
+                      parameter.minimum, " to ", parameter.maximum, " ", parameter.unit);
+}
+
+absl::Status RefusalOf(const std::vector<FieldViolation>& faults) {
+  return faults.empty() ? absl::OkStatus() : InvalidFields(faults);
+}
 
 }  // namespace
 
@@ -30,23 +45,24 @@ absl::StatusOr<VectorXd> Complete(const std::vector<Parameter>& parameters,
                                   const std::vector<NamedValue>& values) {
   VectorXd q = Defaults(parameters);
   std::set<std::string> seen;
+  std::vector<FieldViolation> faults;
   for (std::size_t i = 0; i < values.size(); ++i) {
+    const NamedValue& given = values[i];
     const std::string field = absl::StrCat("parameters[", i, "]");
     const auto found =
         std::find_if(parameters.begin(), parameters.end(),
-                     [&](const Parameter& entry) { return entry.name == values[i].name; });
+                     [&](const Parameter& entry) { return entry.name == given.name; });
     if (found == parameters.end()) {
-      return InvalidField(absl::StrCat(field, ".name"),
-                          absl::StrCat("there is no parameter '", values[i].name, "'"));
+      faults.push_back({field + ".name", absl::StrCat("there is no parameter '", given.name, "'")});
+    } else if (!seen.insert(given.name).second) {
+      faults.push_back({field + ".name", absl::StrCat("'", given.name, "' is given twice")});
+    } else if (const auto fault = FaultOf(*found, given.value)) {
+      faults.push_back({field + ".value", *fault});
+    } else {
+      q(found - parameters.begin()) = given.value;
     }
-    if (!seen.insert(values[i].name).second) {
-      return InvalidField(absl::StrCat(field, ".name"),
-                          absl::StrCat("'", values[i].name, "' is given twice"));
-    }
-    MORTISE_RETURN_IF_ERROR(
-        CheckParameterValue(*found, values[i].value, absl::StrCat(field, ".value")));
-    q(found - parameters.begin()) = values[i].value;
   }
+  MORTISE_RETURN_IF_ERROR(RefusalOf(faults));
   return q;
 }
 
@@ -63,14 +79,8 @@ VectorXd RoundToSteps(const std::vector<Parameter>& parameters, const VectorXd& 
 
 absl::Status CheckParameterValue(const Parameter& parameter, double value,
                                  const std::string& field) {
-  if (!std::isfinite(value)) return InvalidField(field, "is not a finite number");
-  const double slack = kRangeTolerance * (parameter.maximum - parameter.minimum);
-  if (value < parameter.minimum - slack || value > parameter.maximum + slack) {
-    return InvalidField(
-        field, absl::StrCat("'", parameter.name, "' is ", value, ", outside its range ",
-                            parameter.minimum, " to ", parameter.maximum, " ", parameter.unit));
-  }
-  return absl::OkStatus();
+  const auto fault = FaultOf(parameter, value);
+  return fault ? InvalidField(field, *fault) : absl::OkStatus();
 }
 
 absl::Status CheckParameterValues(const std::vector<Parameter>& parameters, const VectorXd& q) {
@@ -78,11 +88,12 @@ absl::Status CheckParameterValues(const std::vector<Parameter>& parameters, cons
     return InvalidField("parameters",
                         absl::StrCat("has ", q.size(), " values, not ", parameters.size()));
   }
+  std::vector<FieldViolation> faults;
   for (std::size_t i = 0; i < parameters.size(); ++i) {
-    MORTISE_RETURN_IF_ERROR(CheckParameterValue(parameters[i], q(static_cast<Eigen::Index>(i)),
-                                                absl::StrCat("parameters[", i, "].value")));
+    const auto fault = FaultOf(parameters[i], q(static_cast<Eigen::Index>(i)));
+    if (fault) faults.push_back({absl::StrCat("parameters[", i, "].value"), *fault});
   }
-  return absl::OkStatus();
+  return RefusalOf(faults);
 }
 
 std::vector<Finding> CheckRanges(const std::vector<Parameter>& parameters,

@@ -97,7 +97,7 @@ TEST(Connections, PatchesAreOfParts) {
   row.pattern->part_size = {0.1, 0.1, 0.02};
   Element rail;
   const ConnectionPatch patch = FindPatch(row, {{0, 0, 0}, {0.5, 0.1, 0.02}}, rail,
-                                          {{-1, 0.05, 0.02}, {0.25, 0.2, 0.1}}, 1e-9);
+                                          {{-1, 0.05, 0.02}, {0.25, 0.2, 0.1}}, 1e-9, 1e-9);
   ASSERT_EQ(patch.pieces.size(), 2U);
   ExpectBox(patch.pieces[0], {0, 0.05, 0.02}, {0.1, 0.1, 0.02});
   ExpectBox(patch.pieces[1], {0.2, 0.05, 0.02}, {0.25, 0.1, 0.02});
@@ -110,7 +110,7 @@ TEST(Connections, PartsThatMeetInAnEdgeDoNotTouch) {
   const BoundingBox box{{0, 0, 0}, {1, 1, 1}};
   const auto kind = [&](const Eigen::Vector3d& minimum) {
     const BoundingBox other{minimum, minimum + Eigen::Vector3d::Ones()};
-    return FindPatch(board, box, board, other, 1e-6).kind;
+    return FindPatch(board, box, board, other, 1e-6, 1e-6).kind;
   };
   EXPECT_EQ(kind({1, 0.5, 0}), PatchKind::kContact);
   EXPECT_EQ(kind({1 + 5e-7, 0.5, 0}), PatchKind::kContact);

@@ -11,7 +11,9 @@
 #include <random>
 
 #include "common/base/errors.h"
+#include "common/base/field_violations.h"
 #include "common/parametric/contact.h"
+#include "common/parametric/parameter_values.h"
 #include "tests/unit/common/parametric/table.h"
 
 namespace mortise::parametric {
@@ -236,6 +238,23 @@ EvaluatedPart MakePrism(Axis axis, std::initializer_list<std::array<double, 2>> 
   part.minimum = FromPrismAxes(axis, low.x(), low.y(), from);
   part.maximum = FromPrismAxes(axis, high.x(), high.y(), to);
   return part;
+}
+
+TEST(ParameterValues, AllThatIsWrongIsToldAtOnce) {
+  std::vector<Parameter> parameters(2);
+  parameters[0].name = "length";
+  parameters[0].maximum = 1;
+  parameters[1].name = "width";
+  parameters[1].maximum = 1;
+  const auto refused =
+      Complete(parameters, {{"length", 2}, {"depth", 0.5}, {"width", NAN}, {"length", 0.5}});
+  std::vector<std::string> fields;
+  for (const FieldViolation& fault : ViolationsOf(refused.status())) fields.push_back(fault.field);
+  EXPECT_THAT(fields, ::testing::ElementsAre("parameters[0].value", "parameters[1].name",
+                                             "parameters[2].value", "parameters[3].name"));
+  const absl::Status out = CheckParameterValues(parameters, Eigen::Vector2d(-1, 2));
+  EXPECT_EQ(ViolationsOf(out).size(), 2U);
+  EXPECT_EQ(DetailOf(Complete(parameters, {{"width", 3}}).status()).field, "parameters[0].value");
 }
 
 TEST(Contact, FacesPointOutwards) {
