@@ -113,7 +113,7 @@ Eigen::AlignedBox3d ContactCheck::BoxAround(const std::vector<Part>& parts) {
 
 std::vector<std::pair<std::size_t, std::size_t>> ContactCheck::PairsIn(const Pose& pose) const {
   const auto moves = [&](std::size_t element) {
-    return pose.joint >= 0 && IsWithin(assembly_, elements_[element].group, pose.moved_group);
+    return MovesIn(pose, assembly_, elements_[element]);
   };
   std::vector<std::pair<std::size_t, std::size_t>> pairs;
   for (std::size_t a = 0; a < elements_.size(); ++a) {
@@ -132,7 +132,7 @@ ContactCheck::Parts ContactCheck::PartsIn(const Pose& pose, const Eigen::VectorX
     OrientedBox box;
     box.center = placed.box.center();
     box.half_size = placed.box.size() / 2;
-    if (pose.joint >= 0 && IsWithin(assembly_, elements_[element].group, pose.moved_group)) {
+    if (MovesIn(pose, assembly_, elements_[element])) {
       box.center = motion * box.center;
       box.axes = motion.linear();
     }

@@ -156,10 +156,7 @@ class LossSearch {
     for (const PartialContact& contact : contacts_[static_cast<std::size_t>(longer)]) {
       const Element& beyond = At(ElementOf(contact.part));
       if (GoesAlong(direction, beyond, tolerance_)) continue;
-      if (!RepeatAlike(DirectionOf(longer, contact), direction, tolerance_) &&
-          !GoesAlong(DirectionOf(longer, contact), At(shorter), tolerance_)) {
-        continue;
-      }
+      if (!GoesAlong(DirectionOf(longer, contact), At(shorter), tolerance_)) continue;
       Lose(longer, contact.part);
       ends = true;
     }

@@ -8,7 +8,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
-#include "common/base/field_violations.h"
+#include "common/parametric/template_validation.h"
 
 namespace mortise::parametric {
 namespace {
@@ -27,10 +27,6 @@ std::optional<std::string> FaultOf(const Parameter& parameter, double value) {
                       parameter.minimum, " to ", parameter.maximum, " ", parameter.unit);
 }
 
-absl::Status RefusalOf(const std::vector<FieldViolation>& faults) {
-  return faults.empty() ? absl::OkStatus() : InvalidFields(faults);
-}
-
 }  // namespace
 
 VectorXd Defaults(const std::vector<Parameter>& parameters) {
@@ -45,7 +41,7 @@ absl::StatusOr<VectorXd> Complete(const std::vector<Parameter>& parameters,
                                   const std::vector<NamedValue>& values) {
   VectorXd q = Defaults(parameters);
   std::set<std::string> seen;
-  std::vector<FieldViolation> faults;
+  std::vector<Finding> faults;
   for (std::size_t i = 0; i < values.size(); ++i) {
     const NamedValue& given = values[i];
     const std::string field = absl::StrCat("parameters[", i, "]");
@@ -62,7 +58,7 @@ absl::StatusOr<VectorXd> Complete(const std::vector<Parameter>& parameters,
       q(found - parameters.begin()) = given.value;
     }
   }
-  MORTISE_RETURN_IF_ERROR(RefusalOf(faults));
+  MORTISE_RETURN_IF_ERROR(ToStatus(faults));
   return q;
 }
 
@@ -88,12 +84,12 @@ absl::Status CheckParameterValues(const std::vector<Parameter>& parameters, cons
     return InvalidField("parameters",
                         absl::StrCat("has ", q.size(), " values, not ", parameters.size()));
   }
-  std::vector<FieldViolation> faults;
+  std::vector<Finding> faults;
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     const auto fault = FaultOf(parameters[i], q(static_cast<Eigen::Index>(i)));
     if (fault) faults.push_back({absl::StrCat("parameters[", i, "].value"), *fault});
   }
-  return RefusalOf(faults);
+  return ToStatus(faults);
 }
 
 std::vector<Finding> CheckRanges(const std::vector<Parameter>& parameters,

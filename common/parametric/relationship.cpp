@@ -49,7 +49,7 @@ class RelationshipSearch {
     return LowestCommonGroup(assembly_, GroupOf(a), GroupOf(b));
   }
   bool IsMoved(const Pose& pose, int element) const {
-    return pose.joint >= 0 && IsWithin(assembly_, GroupOf(element), pose.moved_group);
+    return MovesIn(pose, assembly_, At(element));
   }
   // Among themselves, what moves together and what stays are related in the drawn pose already.
   bool IsOfInterest(const Pose& pose, int a, int b) const {
