@@ -1,7 +1,6 @@
 // Builds prisms with Open CASCADE and keeps track of which face is which.
 #include "common/cad/solid.h"
 
-#include <BRepAdaptor_Surface.hxx>
 #include <BRepBuilderAPI_MakeFace.hxx>
 #include <BRepBuilderAPI_MakePolygon.hxx>
 #include <BRepCheck_Analyzer.hxx>
@@ -22,7 +21,6 @@ namespace mortise::cad {
 namespace {
 
 constexpr double kShortestEdge = 1e-6;  // m; ten times the kernel's tolerance
-constexpr double kVolumeError = 1e-8;   // relative
 
 gp_Pnt ToPoint(const Eigen::Vector3d& point) { return {point.x(), point.y(), point.z()}; }
 
@@ -107,23 +105,6 @@ absl::StatusOr<Solid> Solid::FromPart(const mesh::PartShape& part) {
 const std::string& Solid::name() const { return kernel_->name; }
 
 const std::vector<std::string>& Solid::face_names() const { return kernel_->face_names; }
-
-double AccurateVolume(const TopoDS_Shape& solid) {
-  bool is_simple = true;
-  for (TopExp_Explorer face(solid, TopAbs_FACE); face.More() && is_simple; face.Next()) {
-    const GeomAbs_SurfaceType type =
-        BRepAdaptor_Surface(TopoDS::Face(face.Current()), Standard_False).GetType();
-    // Planes, cylinders, cones, spheres and tori come first.
-    is_simple = type <= GeomAbs_Torus || type == GeomAbs_SurfaceOfExtrusion;
-  }
-  GProp_GProps properties;
-  if (is_simple) {
-    BRepGProp::VolumeProperties(solid, properties);
-  } else {
-    BRepGProp::VolumePropertiesGK(solid, properties, kVolumeError);
-  }
-  return properties.Mass();
-}
 
 double Solid::Volume() const { return AccurateVolume(kernel_->shape); }
 

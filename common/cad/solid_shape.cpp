@@ -29,7 +29,7 @@ namespace {
 constexpr double kDeflection = 5e-4;       // of the diagonal
 constexpr double kAngle = 0.5;             // rad, between neighbouring triangles
 constexpr double kLeastDeflection = 2e-5;  // m
-constexpr double kSameSize = 1e-9;         // relative
+constexpr double kSameSize = 1e-9;         // m; boxes of curved faces are no more exact
 const Eigen::Vector3d kTrial(1.25, 1, 1.5);
 
 TopoDS_Shape MovedBy(const TopoDS_Shape& shape, const Eigen::Matrix3d& turn,
@@ -80,7 +80,8 @@ absl::StatusOr<mesh::DrawnShape> Draw(const Solid& solid, const Eigen::Matrix3d&
                                       const Eigen::Vector3d& minimum,
                                       const Eigen::Vector3d& maximum) {
   TopoDS_Shape shape = MovedBy(solid.kernel().shape, rotation, -minimum);
-  if (AccurateVolume(shape) < 0) shape.Reverse();
+  const double volume = AccurateVolume(shape);
+  if (volume < 0) shape.Reverse();
   if (!BRepCheck_Analyzer(shape).IsValid()) {
     return InvalidField("shape", "is no valid solid: faces that do not meet, or cross each other");
   }
@@ -95,7 +96,7 @@ absl::StatusOr<mesh::DrawnShape> Draw(const Solid& solid, const Eigen::Matrix3d&
       mesh::DrawnShape drawn,
       mesh::MakeDrawnShape({surface->vertices, surface->triangles}, surface->triangle_face,
                            turned.face_names(), Eigen::Vector3d::Zero(), maximum - minimum));
-  drawn.volume = AccurateVolume(shape);
+  drawn.volume = std::abs(volume);
   drawn.deflection = IsFlat(shape) ? 0 : options.deflection;
   drawn.brep = BytesOf(shape);
   // A solid that the kernel keeps but cannot stretch would be a surprise later.
@@ -120,9 +121,8 @@ TopoDS_Shape InSize(const mesh::DrawnShape& shape, const Eigen::Vector3d& size) 
     const Eigen::Vector3d corner = shape.turn * (shape.turn.transpose() * shape.size).cwiseAbs();
     solid = MovedBy(solid, shape.turn, -corner.cwiseMin(0));
   }
-  const Eigen::Vector3d factors = size.cwiseQuotient(shape.size);
-  if ((factors.array() - 1).abs().maxCoeff() <= kSameSize) return solid;
-  return StretchSolid(solid, factors);
+  if ((size - shape.size).cwiseAbs().maxCoeff() <= kSameSize) return solid;
+  return StretchSolid(solid, size.cwiseQuotient(shape.size));
 }
 
 }  // namespace

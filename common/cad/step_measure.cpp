@@ -3,6 +3,7 @@
 #include <BRepAdaptor_Curve.hxx>
 #include <BRepAdaptor_Surface.hxx>
 #include <BRepBndLib.hxx>
+#include <BRepBuilderAPI_Transform.hxx>
 #include <BRep_Tool.hxx>
 #include <Bnd_Box.hxx>
 #include <TopExp.hxx>
@@ -10,6 +11,7 @@
 #include <TopTools_IndexedMapOfShape.hxx>
 #include <TopoDS.hxx>
 #include <cmath>
+#include <gp_Trsf.hxx>
 
 #include "common/cad/solid_kernel.h"
 #include "common/cad/step_document.h"
@@ -19,6 +21,9 @@ namespace {
 
 // Share of the box's volume that a box may miss by.
 constexpr double kBoxTolerance = 1e-6;
+// Boxes of curved faces are too large by the kernel's tolerance, 1e-7 of whatever unit the solid is
+// in: 0.1 µm at each side in metres. That would stretch each part that is to have its exact size.
+constexpr double kEnlargement = 1e4;
 
 bool IsPolyhedron(const TopoDS_Shape& solid) {
   for (TopExp_Explorer face(solid, TopAbs_FACE); face.More(); face.Next()) {
@@ -31,6 +36,12 @@ bool IsPolyhedron(const TopoDS_Shape& solid) {
     if (BRepAdaptor_Curve(TopoDS::Edge(edge.Current())).GetType() != GeomAbs_Line) return false;
   }
   return true;
+}
+
+TopoDS_Shape Enlarged(const TopoDS_Shape& solid) {
+  gp_Trsf scale;
+  scale.SetScale(gp_Pnt(0, 0, 0), kEnlargement);
+  return BRepBuilderAPI_Transform(solid, scale, Standard_True).Shape();
 }
 
 Eigen::Matrix3Xd VerticesOf(const TopoDS_Shape& solid) {
@@ -66,11 +77,12 @@ const SolidMeasurer::Turned& SolidMeasurer::BoxOf(const Eigen::Matrix3d& rotatio
     Eigen::Isometry3d turn = Eigen::Isometry3d::Identity();
     turn.linear() = rotation;
     Bnd_Box box;
-    BRepBndLib::AddOptimal(solid_.Moved(ToLocation(turn)), box, Standard_False, Standard_False);
+    BRepBndLib::AddOptimal(Enlarged(solid_).Moved(ToLocation(turn)), box, Standard_False,
+                           Standard_False);
     box.SetGap(0);
     const gp_Pnt low = box.CornerMin(), high = box.CornerMax();
-    turned.minimum = {low.X(), low.Y(), low.Z()};
-    turned.maximum = {high.X(), high.Y(), high.Z()};
+    turned.minimum = Eigen::Vector3d(low.X(), low.Y(), low.Z()) / kEnlargement;
+    turned.maximum = Eigen::Vector3d(high.X(), high.Y(), high.Z()) / kEnlargement;
   }
   turned_.push_back(turned);
   return turned_.back();
