@@ -14,6 +14,7 @@
 #include <XCAFDoc_ColorTool.hxx>
 #include <XCAFDoc_DocumentTool.hxx>
 #include <XCAFDoc_ShapeTool.hxx>
+#include <XSControl_WorkSession.hxx>
 #include <algorithm>
 #include <cctype>
 #include <map>
@@ -322,6 +323,7 @@ absl::StatusOr<StepAssembly> Read(std::string_view bytes, const StepFaultsSeen& 
   const std::vector<std::string> faults = EntityFaults(reader);
   if (seen && !faults.empty()) seen(faults);
   MORTISE_RETURN_IF_ERROR(CheckStructure(reader));
+  KeepNames(Handle(StepData_StepModel)::DownCast(reader.ChangeReader().WS()->Model()));
   if (!reader.Transfer(document)) return InvalidField("step", "holds no shapes that can be read");
   StepAssembly assembly;
   assembly.schema = SchemaOf(bytes);

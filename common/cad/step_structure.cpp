@@ -197,6 +197,20 @@ std::vector<std::string> EntityFaults(STEPCAFControl_Reader& reader) {
   return faults;
 }
 
+void KeepNames(const Handle(StepData_StepModel) & model) {
+  const auto is_overlooked = [](const Handle(TCollection_HAsciiString) & name) {
+    if (name.IsNull() || name->UsefullLength() > 0) return false;
+    const std::string text = name->ToCString();
+    return std::any_of(text.begin(), text.end(), [](char c) { return (c & 0x80) != 0; });
+  };
+  for (int i = 1; i <= model->NbEntities(); ++i) {
+    const auto usage = Handle(StepRepr_NextAssemblyUsageOccurrence)::DownCast(model->Value(i));
+    if (!usage.IsNull() && is_overlooked(usage->Name())) usage->SetId(usage->Name());
+    const auto product = Handle(StepBasic_Product)::DownCast(model->Value(i));
+    if (!product.IsNull() && is_overlooked(product->Name())) product->SetId(product->Name());
+  }
+}
+
 absl::Status CheckStructure(STEPCAFControl_Reader& reader) {
   const Handle(StepData_StepModel) model = ModelOf(reader);
   MORTISE_RETURN_IF_ERROR(CheckReferences(reader));

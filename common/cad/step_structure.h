@@ -2,6 +2,7 @@
 #pragma once
 
 #include <STEPCAFControl_Reader.hxx>
+#include <StepData_StepModel.hxx>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,10 @@ inline constexpr int kMaxStepParts = 2000;  // as many as an assembly may have
 // What the file says that entities of it are wrong, "#12: …", at most 20 of them. The kernel may
 // read the rest, or fall over them.
 std::vector<std::string> EntityFaults(STEPCAFControl_Reader& reader);
+
+// Makes the kernel keep names in which nothing is ASCII, such as "棚": it takes them for empty and
+// looks at the id instead, so the id becomes the name.
+void KeepNames(const Handle(StepData_StepModel) & model);
 
 // INVALID_ARGUMENT, "step": products or representations that contain themselves, naming them; parts
 // that are in other files.

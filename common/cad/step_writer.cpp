@@ -27,6 +27,7 @@
 #include "common/base/files.h"
 #include "common/cad/solid_kernel.h"
 #include "common/cad/step_document.h"
+#include "common/cad/step_structure.h"
 
 namespace mortise::cad {
 namespace {
@@ -190,6 +191,7 @@ absl::StatusOr<std::string> Write(const StepAssembly& assembly, StepUnit unit) {
     return KernelFailure("writing STEP", "the assembly cannot be translated");
   }
   NameOccurrences(assembly, writer.ChangeWriter().Model());
+  KeepNames(writer.ChangeWriter().Model());
   const TemporaryFile file(".step");
   if (writer.Write(file.path().c_str()) != IFSelect_RetDone) {
     return KernelFailure("writing STEP", "the file cannot be written");

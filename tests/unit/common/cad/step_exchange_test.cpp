@@ -106,6 +106,35 @@ TEST(StepExchange, KeepsTheTreeInAnyUnit) {
   }
 }
 
+// The kernel takes a name for empty in which nothing is ASCII.
+TEST(StepExchange, KeepsNamesInAnyScript) {
+  StepAssembly shelf;
+  shelf.name = "棚";
+  shelf.groups = {{"棚", -1}, {"左", 0}};
+  shelf.products = {{"板", Box("板", 0.4, 0.2, 0.018), std::nullopt},
+                    {"post", Box("post", 0.04, 0.04, 0.3), std::nullopt}};
+  const std::vector<std::string> names = {"板", "柱", "ä", "Brett ä", "棚板 2"};
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    AddPart(shelf, names[i], static_cast<int>(i % 2), static_cast<int>(i / 3),
+            At(0, 0, 0.5 * static_cast<double>(i)));
+  }
+  const std::string bytes = Written(shelf);
+  const StepAssembly read = ReadBack(bytes);
+  EXPECT_EQ(read.name, "棚");
+  EXPECT_EQ(Paths(read), Paths(shelf));
+  EXPECT_EQ(read.products.front().name, "板");
+  ExpectSame(ReadBack(Written(read)), read);
+  // As other programs write it, whose ids are numbers.
+  const std::string numbered = absl::StrReplaceAll(
+      bytes,
+      {{"OCCURRENCE('柱','柱'", "OCCURRENCE('7','柱'"}, {"PRODUCT('板','板'", "PRODUCT('8','板'"}});
+  ASSERT_NE(numbered, bytes);
+  EXPECT_EQ(Paths(ReadBack(numbered)), Paths(shelf));
+  // Blanks are no name.
+  const StepAssembly blank = ReadBack(absl::StrReplaceAll(bytes, {{"'Brett ä'", "'  '"}}));
+  EXPECT_TRUE(Paths(blank).contains("左/post") || Paths(blank).contains("左/part")) << "nameless";
+}
+
 TEST(StepExchange, MeasuresBoxesInTheAssemblysFrame) {
   const StepAssembly read = ReadBack(Written(Stand()));
   const StepPart& rear = PartOf(read, "left/rear post");
