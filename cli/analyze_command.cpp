@@ -9,6 +9,7 @@
 #include "absl/strings/str_format.h"
 #include "cli/field_sources.h"
 #include "cli/mesh_analysis.h"
+#include "cli/metric_definitions.h"
 #include "cli/metric_evaluation.h"
 #include "cli/requests.h"
 #include "cli/session.h"
@@ -24,6 +25,7 @@ struct AnalyzeOptions {
   std::string subject;
   std::vector<std::string> parameters;
   std::vector<std::string> metrics;  // these and nothing else, if there are any
+  MetricDefinitionFlags own;
   std::string element_size;
   double relative_error = 0;
   bool linear = false;
@@ -38,6 +40,7 @@ FieldSources SourcesOf(const AnalyzeOptions& options) {
   sources.Add("mesh.element_size", "--element-size");
   sources.Add("mesh.relative_error", "--relative-error");
   sources.AddEach("metrics", "--metric", options.metrics);
+  AddSources(options.own, "metric_definitions", sources);
   sources.Add("modes", "--modes");
   // The evaluator speaks of points in the template's order, not of names.
   sources.Add("points[0].parameters", "--set");
@@ -62,10 +65,11 @@ absl::Status DownloadArtifacts(const v1::Analysis& analysis, const std::filesyst
 
 absl::Status AnalyzeMesh(const AnalyzeOptions& options, Session& session, Output& output) {
   if (!options.parameters.empty() || !options.element_size.empty() || options.linear ||
-      options.relative_error != 0 || !options.metrics.empty()) {
+      options.relative_error != 0 || !options.metrics.empty() || !options.own.define.empty() ||
+      !options.own.point.empty()) {
     return InvalidField("--mesh",
-                        "is a mesh already: --set, --metric, --element-size, --relative-error and "
-                        "--linear are for templates");
+                        "is a mesh already: --set, --metric, --define, --point, --element-size, "
+                        "--relative-error and --linear are for templates");
   }
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   const auto stub = v1::SimulatorService::NewStub(client->channel());
@@ -94,11 +98,17 @@ absl::Status Evaluate(const AnalyzeOptions& options, const v1::AnalyzeDesignRequ
   if (!options.out.empty()) {
     return InvalidField("--out", "is for a whole analysis: --metric makes no files");
   }
+  MORTISE_ASSIGN_OR_RETURN(const v1::MetricDefinitions definitions,
+                           ParseMetricDefinitions(options.own));
+  std::vector<std::string> metrics = options.metrics;
+  if (metrics.empty()) {
+    for (const auto& metric : definitions.expressions()) metrics.push_back(metric.name());
+  }
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   MORTISE_ASSIGN_OR_RETURN(
       const v1::EvaluationResult result,
       EvaluateMetrics(asked.template_(), {asked.parameters().begin(), asked.parameters().end()},
-                      options.metrics, asked.mesh(), *client));
+                      metrics, definitions, asked.mesh(), *client));
   PrintMetrics(result.metrics(), output);
   output.DocumentOf(result);
   return absl::OkStatus();
@@ -122,7 +132,9 @@ absl::Status Analyze(const AnalyzeOptions& options, Session& session, Output& ou
   request.mutable_mesh()->set_relative_error(options.relative_error);
   if (options.linear) request.mutable_mesh()->set_linear(true);
   request.set_modes(options.modes);
-  if (!options.metrics.empty()) return Evaluate(options, request, session, output);
+  if (!options.metrics.empty() || !options.own.define.empty()) {
+    return Evaluate(options, request, session, output);
+  }
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   const auto stub = v1::SimulatorService::NewStub(client->channel());
   v1::Operation operation;
@@ -162,6 +174,11 @@ void AddAnalyzeCommand(CLI::App& app, Session& session) {
                       "NAME=VALUE, such as length=1500mm (metres without unit)");
   analyze->add_option("--metric", options->metrics,
                       "Only this, such as mass, cost, draught or max_displacement; again for more");
+  analyze->add_option("--define", options->own.define,
+                      "A metric of your own, \"NAME [UNIT] = EXPRESSION\"; only those and --metric "
+                      "are computed");
+  analyze->add_option("--point", options->own.point,
+                      "A point that --define speaks of, \"NAME = X, Y, Z\" (metres)");
   analyze->add_option("--element-size", options->element_size, "Edge length of the tetrahedra");
   analyze->add_option("--relative-error", options->relative_error,
                       "Refine until the estimated error is at most this, such as 0.05");

@@ -36,8 +36,8 @@ absl::StatusOr<v1::DesignPoint> PointOf(const v1::DesignSpace& space,
 
 absl::StatusOr<v1::EvaluationResult> EvaluateMetrics(
     const std::string& subject, const std::vector<v1::ParameterValue>& parameters,
-    const std::vector<std::string>& metrics, const v1::MeshSettings& mesh,
-    const GatewayClient& client) {
+    const std::vector<std::string>& metrics, const v1::MetricDefinitions& definitions,
+    const v1::MeshSettings& mesh, const GatewayClient& client) {
   const auto stub = v1::EvaluatorService::NewStub(client.channel());
   v1::DescribeDesignSpaceRequest describe;
   describe.set_subject(subject);
@@ -50,6 +50,7 @@ absl::StatusOr<v1::EvaluationResult> EvaluateMetrics(
   request.set_revision(space.revision());
   MORTISE_ASSIGN_OR_RETURN(*request.add_points(), PointOf(space, parameters));
   for (const std::string& metric : metrics) request.add_metrics(metric);
+  *request.mutable_metric_definitions() = definitions;
   *request.mutable_mesh() = mesh;
   v1::EvaluationResult result;
   MORTISE_RETURN_IF_ERROR(client.Call(

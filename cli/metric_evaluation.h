@@ -10,11 +10,12 @@
 
 namespace mortise::cli {
 
-// Evaluates `metrics` at the defaults but for `parameters`. INVALID_ARGUMENT naming
-// "parameters[i]" for one that the template does not have, else as the evaluator fails.
+// Evaluates `metrics`, which may be among `definitions`, at the defaults but for `parameters`.
+// INVALID_ARGUMENT naming "parameters[i]" for one that the template does not have, else as the
+// evaluator fails.
 absl::StatusOr<v1::EvaluationResult> EvaluateMetrics(
     const std::string& subject, const std::vector<v1::ParameterValue>& parameters,
-    const std::vector<std::string>& metrics, const v1::MeshSettings& mesh,
-    const GatewayClient& client);
+    const std::vector<std::string>& metrics, const v1::MetricDefinitions& definitions,
+    const v1::MeshSettings& mesh, const GatewayClient& client);
 
 }  // namespace mortise::cli

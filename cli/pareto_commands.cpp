@@ -12,6 +12,7 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_split.h"
 #include "cli/field_sources.h"
+#include "cli/metric_definitions.h"
 #include "cli/requests.h"
 #include "cli/session.h"
 #include "common/base/errors.h"
@@ -26,6 +27,8 @@ namespace {
 struct RunOptions {
   std::string subject;  // a template, or a file with a DiscoverySpecification as JSON
   std::vector<std::string> minimize;
+  std::vector<std::string> maximize;
+  MetricDefinitionFlags own;
   std::vector<std::string> fix;
   std::vector<std::string> range;
   int evaluations = 0;
@@ -94,6 +97,20 @@ absl::StatusOr<v1::DiscoverySpecification> Specification(const RunOptions& optio
   }
   for (const std::string& metric : options.minimize) {
     specification.add_objectives()->set_metric(metric);
+  }
+  if (!options.maximize.empty()) {
+    sources.AddEach("specification.objectives", "--maximize", options.maximize,
+                    specification.objectives_size());
+  }
+  for (const std::string& metric : options.maximize) {
+    v1::DiscoverySpecification::Objective* const objective = specification.add_objectives();
+    objective->set_metric(metric);
+    objective->set_maximize(true);
+  }
+  if (!options.own.define.empty() || !options.own.point.empty()) {
+    MORTISE_ASSIGN_OR_RETURN(*specification.mutable_metric_definitions(),
+                             ParseMetricDefinitions(options.own));
+    AddSources(options.own, "specification.metric_definitions", sources);
   }
   if (options.evaluations > 0) {
     specification.set_evaluations(options.evaluations);
@@ -242,6 +259,11 @@ void AddParetoCommands(CLI::App& app, Session& session) {
   CLI::App* run = pareto->add_subcommand("run", "Discover the front of a template");
   run->add_option("subject", run_options->subject, "Template, or SPECIFICATION.json")->required();
   run->add_option("--minimize", run_options->minimize, "Metric to make small; two or three");
+  run->add_option("--maximize", run_options->maximize, "Metric to make large");
+  run->add_option("--define", run_options->own.define,
+                  "A metric of your own, \"NAME [UNIT] = EXPRESSION\"");
+  run->add_option("--point", run_options->own.point,
+                  "A point that --define speaks of, \"NAME = X, Y, Z\" (metres)");
   run->add_option("--fix", run_options->fix, "NAME=VALUE: keep a parameter");
   run->add_option("--range", run_options->range, "NAME=LOW:HIGH: narrow a parameter");
   run->add_option("--evaluations", run_options->evaluations, "Budget of evaluations")

@@ -12,7 +12,9 @@
 #include "common/cad/cad_template_codec.h"
 #include "common/parametric/assembly_codec.h"
 #include "common/parametric/cage_template_codec.h"
+#include "common/parametric/design_metrics.h"
 #include "common/parametric/field_checks.h"
+#include "common/parametric/metric_codec.h"
 #include "common/parametric/parameter_values.h"
 #include "common/parametric/parametrization_codec.h"
 #include "common/parametric/template_codec.h"
@@ -177,6 +179,9 @@ void CheckHead(const v1::Template& message, std::vector<Finding>& findings) {
   if (!message.has_assembly() && !message.reference_temperature().empty()) {
     findings.push_back({"reference_temperature", "must be that of the kind"});
   }
+  if (!message.has_assembly() && message.has_metric_definitions()) {
+    findings.push_back({"metric_definitions", "must be those of the kind"});
+  }
   const std::string& name = message.has_cad() ? message.cad().name() : message.cage().name();
   if (!name.empty() && name != message.name()) {
     findings.push_back({message.has_cad() ? "cad.name" : "cage.name",
@@ -323,6 +328,18 @@ absl::Status CompleteKind(v1::TemplateBundle& bundle, Trial trial,
   return parametric::ToStatus(findings);
 }
 
+absl::Status CheckOwnMetrics(const v1::Template& message) {
+  std::vector<parametric::NamedUnit> parameters;
+  for (const v1::Parameter& parameter : message.parameters()) {
+    parameters.push_back({parameter.name(), parameter.unit()});
+  }
+  std::vector<Finding> findings = parametric::CheckMetricDefinitions(
+      parametric::MetricDefinitionsOf(message), parameters, parametric::DesignMetrics());
+  const std::string kind = message.has_cad() ? "cad." : message.has_cage() ? "cage." : "";
+  for (Finding& finding : findings) finding.field = kind + finding.field;
+  return parametric::ToStatus(findings);
+}
+
 }  // namespace
 
 absl::StatusOr<std::shared_ptr<const Template>> Compile(const v1::TemplateBundle& bundle) {
@@ -334,6 +351,7 @@ absl::Status Complete(v1::TemplateBundle& bundle, Trial trial,
   MORTISE_RETURN_IF_ERROR(bundle.template_().kind_case() == v1::Template::KIND_NOT_SET
                               ? CompleteParts(bundle)
                               : CompleteKind(bundle, trial, is_given_up));
+  MORTISE_RETURN_IF_ERROR(CheckOwnMetrics(bundle.template_()));
   bundle.mutable_template_()->set_digest(parametric::BundleDigest(bundle));
   return absl::OkStatus();
 }
@@ -356,6 +374,7 @@ v1::Template SummaryOf(v1::Template message) {
   message.clear_connections();
   message.clear_boundary_conditions();
   message.clear_reference_temperature();
+  message.clear_metric_definitions();
   if (message.has_cad()) message.mutable_cad()->Clear();
   if (message.has_cage()) message.mutable_cage()->Clear();
   if (message.has_assembly()) message.mutable_assembly()->clear_handles();

@@ -121,6 +121,7 @@ absl::Status RemoteEvaluator::CallOnce(Batch& batch) {
   for (const Objective& objective : problem_.objectives) request.add_metrics(objective.metric);
   request.set_gradients(problem_.AnyGradient());
   if (specification_->has_mesh()) *request.mutable_mesh() = specification_->mesh();
+  *request.mutable_metric_definitions() = specification_->metric_definitions();
   std::vector<std::size_t> asked;
   for (std::size_t i = 0; i < batch.designs.size(); ++i) {
     if (batch.answered[i]) continue;
@@ -180,6 +181,7 @@ absl::StatusOr<std::unique_ptr<v1::DesignSpace>> DescribeDesignSpace(
   v1::DescribeDesignSpaceRequest request;
   request.set_subject(specification.subject());
   request.set_revision(specification.revision());
+  *request.mutable_metric_definitions() = specification.metric_definitions();
   const std::unique_ptr<v1::EvaluatorService::Stub> stub = v1::EvaluatorService::NewStub(channel);
   auto described = std::make_unique<v1::DesignSpace>();
   MORTISE_RETURN_IF_ERROR(rpc::CallWithRetry(origin, retry, [&](grpc::ClientContext* context) {

@@ -20,6 +20,7 @@
 #include "services/simulator/mesh_case.h"
 #include "services/simulator/mesh_settings.h"
 #include "services/simulator/simulator_core.h"
+#include "services/simulator/subject_metrics.h"
 #include "services/simulator/task_progress.h"
 #include "services/simulator/template_model.h"
 
@@ -238,6 +239,13 @@ absl::StatusOr<v1::Task> PrepareAnalysis(SimulatorCore& core, const v1::AnalyzeD
     const bool is_asked = (metric.source != MetricSource::kModes || asked.modes() > 0) &&
                           (metric.source != MetricSource::kHeat || has_heat) &&
                           (metric.source != MetricSource::kLoads || has_loads);
+    if (is_asked) task.add_metrics(metric.name);
+  }
+  MORTISE_ASSIGN_OR_RETURN(const parametric::MetricExpressions own, OwnMetricsOf(**compiled, {}));
+  for (const parametric::MetricDefinition& metric : own.metrics()) {
+    const MetricDemands demands = DemandsOf({metric.name}, own);
+    const bool is_asked = (!demands.modes || asked.modes() > 0) && (!demands.heat || has_heat) &&
+                          (!demands.loads || has_loads);
     if (is_asked) task.add_metrics(metric.name);
   }
   task.set_modes(asked.modes());

@@ -11,6 +11,7 @@
 #include "common/mesh/surface_check.h"
 #include "services/simulator/design_solver.h"
 #include "services/simulator/mesh_analysis.h"
+#include "services/simulator/own_metrics.h"
 
 namespace mortise::simulator {
 namespace {
@@ -70,14 +71,6 @@ double StressRatio(const DesignModel& model, const ElasticitySolution& solution)
     if (strength > 0) ratio = std::max(ratio, solution.part_maximum_von_mises[p] / strength);
   }
   return ratio;
-}
-
-bool AnyIs(const std::vector<std::string>& metrics, std::initializer_list<MetricSource> sources) {
-  return std::any_of(metrics.begin(), metrics.end(), [&](const std::string& name) {
-    const MetricDescription* const metric = FindMetric(name);
-    return metric != nullptr &&
-           std::find(sources.begin(), sources.end(), metric->source) != sources.end();
-  });
 }
 
 std::vector<SolidPart> PartsOf(const DesignModel& model) {
@@ -203,6 +196,20 @@ absl::Status CheckModel(const DesignModel& model, bool needs_surface) {
   return absl::OkStatus();
 }
 
+absl::Status CheckMetricNames(const std::vector<std::string>& metrics,
+                              const parametric::MetricExpressions& own) {
+  if (metrics.empty()) return InvalidField("metrics", "ask for at least one metric");
+  for (std::size_t i = 0; i < metrics.size(); ++i) {
+    if (FindMetric(metrics[i]) != nullptr || own.Find(metrics[i]) >= 0) continue;
+    const std::string offered = absl::StrJoin(
+        OfferedMetrics(), ", ",
+        [](std::string* out, const MetricDescription& metric) { out->append(metric.name); });
+    return InvalidField(absl::StrCat("metrics[", i, "]"),
+                        absl::StrCat("'", metrics[i], "' is not offered; there are ", offered));
+  }
+  return absl::OkStatus();
+}
+
 absl::StatusOr<ModalSolution> Vibrate(const DesignModel& model, const mesh::TetrahedralMesh& mesh,
                                       int count, const DesignAnalysisOptions& options) {
   const double limit = options.elasticity.solver.memory_limit;
@@ -252,46 +259,39 @@ bool IsLoaded(const DesignModel& model) {
                      [](const Support& support) { return !support.displacement.isZero(0); });
 }
 
-bool NeedsSolution(const std::vector<std::string>& metrics) {
-  return AnyIs(metrics, {MetricSource::kLoads});
-}
-
-bool NeedsHeat(const std::vector<std::string>& metrics) {
-  return AnyIs(metrics, {MetricSource::kHeat});
-}
-
-bool NeedsModes(const std::vector<std::string>& metrics) {
-  return AnyIs(metrics, {MetricSource::kModes});
-}
-
-bool NeedsSurface(const std::vector<std::string>& metrics) {
-  return AnyIs(metrics, {MetricSource::kLoads, MetricSource::kHeat, MetricSource::kModes,
-                         MetricSource::kOutside});
-}
-
-absl::Status CheckMetricNames(const std::vector<std::string>& metrics) {
-  if (metrics.empty()) return InvalidField("metrics", "ask for at least one metric");
-  for (std::size_t i = 0; i < metrics.size(); ++i) {
-    if (FindMetric(metrics[i]) != nullptr) continue;
-    const std::string offered = absl::StrJoin(
-        OfferedMetrics(), ", ",
-        [](std::string* out, const MetricDescription& metric) { out->append(metric.name); });
-    return InvalidField(absl::StrCat("metrics[", i, "]"),
-                        absl::StrCat("'", metrics[i], "' is not offered; there are ", offered));
+MetricDemands DemandsOf(const std::vector<std::string>& metrics,
+                        const parametric::MetricExpressions& own) {
+  const parametric::MetricExpressions::Needs needs = own.NeedsOf(metrics);
+  MetricDemands demands;
+  for (const std::string& name : needs.metrics) {
+    const MetricDescription* const metric = FindMetric(name);
+    if (metric == nullptr) continue;
+    demands.loads = demands.loads || metric->source == MetricSource::kLoads;
+    demands.heat = demands.heat || metric->source == MetricSource::kHeat;
+    demands.modes = demands.modes || metric->source == MetricSource::kModes;
+    demands.surface = demands.surface || metric->source == MetricSource::kOutside;
   }
-  return absl::OkStatus();
+  for (const parametric::MetricCall& call : needs.calls) {
+    using Source = parametric::MetricFunctionSource;
+    demands.loads = demands.loads || call.function->source == Source::kLoads;
+    demands.heat = demands.heat || call.function->source == Source::kHeat;
+    demands.surface = true;
+  }
+  demands.surface = demands.surface || demands.loads || demands.heat || demands.modes;
+  return demands;
 }
 
 absl::StatusOr<DesignAnalysis> AnalyzeDesign(const DesignModel& model,
                                              const std::vector<std::string>& metrics, bool fields,
                                              const DesignAnalysisOptions& options) {
   const auto start = Clock::now();
-  MORTISE_RETURN_IF_ERROR(CheckMetricNames(metrics));
-  const int modes = NeedsModes(metrics) ? std::max(1, options.modes) : options.modes;
-  MORTISE_RETURN_IF_ERROR(CheckModel(model, fields || modes > 0 || NeedsSurface(metrics)));
+  MORTISE_RETURN_IF_ERROR(CheckMetricNames(metrics, options.own_metrics));
+  const MetricDemands demands = DemandsOf(metrics, options.own_metrics);
+  const int modes = demands.modes ? std::max(1, options.modes) : options.modes;
+  MORTISE_RETURN_IF_ERROR(CheckModel(model, fields || modes > 0 || demands.surface));
   DesignAnalysis analysis;
-  const bool solve = NeedsSolution(metrics) || (fields && (IsLoaded(model) || !model.heat));
-  const bool heat = NeedsHeat(metrics) || (model.heat && fields);
+  const bool solve = demands.loads || (fields && (IsLoaded(model) || !model.heat));
+  const bool heat = demands.heat || (model.heat && fields);
   if (heat && !model.heat) {
     return PreconditionFailed("NO_HEAT", "there is no condition of heat", "boundary_conditions");
   }
@@ -300,8 +300,9 @@ absl::StatusOr<DesignAnalysis> AnalyzeDesign(const DesignModel& model,
     MORTISE_ASSIGN_OR_RETURN(analysis.mesh, mesh::MeshAssembly(model.surface, options.mesh));
     analysis.meshing_seconds = SecondsSince(start);
   }
-  const bool estimates =
-      fields || std::find(metrics.begin(), metrics.end(), "relative_error") != metrics.end();
+  const parametric::MetricExpressions::Needs needs = options.own_metrics.NeedsOf(metrics);
+  const bool estimates = fields || std::find(needs.metrics.begin(), needs.metrics.end(),
+                                             "relative_error") != needs.metrics.end();
   const DesignSolver solver(model, options, estimates);
   if (solve) {
     MORTISE_ASSIGN_OR_RETURN(SolvedDesign solved, solver.Solve(*analysis.mesh, heat));
@@ -316,11 +317,21 @@ absl::StatusOr<DesignAnalysis> AnalyzeDesign(const DesignModel& model,
     MORTISE_ASSIGN_OR_RETURN(analysis.vibration, Vibrate(model, *analysis.mesh, modes, options));
   }
   GeometryMetrics geometry(PartsOf(model));
+  const OwnMetrics own(options.own_metrics, options.parameters, metrics, model, analysis,
+                       [&](const std::string& name) -> absl::StatusOr<double> {
+                         MORTISE_ASSIGN_OR_RETURN(
+                             const Metric metric,
+                             Compute(*FindMetric(name), model, analysis, geometry));
+                         return metric.value;
+                       });
   for (const std::string& name : metrics) {
-    absl::StatusOr<Metric> metric = Compute(*FindMetric(name), model, analysis, geometry);
+    const bool is_own = options.own_metrics.Find(name) >= 0;
+    absl::StatusOr<Metric> metric =
+        is_own ? own.Compute(name) : Compute(*FindMetric(name), model, analysis, geometry);
     if (metric.ok()) {
       analysis.metrics.push_back(*std::move(metric));
-    } else if (options.leave_out_inapplicable && absl::IsFailedPrecondition(metric.status())) {
+    } else if (options.leave_out_inapplicable &&
+               (is_own || absl::IsFailedPrecondition(metric.status()))) {
       analysis.notes.push_back(absl::StrCat(name, ": ", metric.status().message()));
     } else {
       return metric.status();

@@ -4,12 +4,14 @@
 #include <Eigen/Core>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "absl/status/statusor.h"
 #include "common/mesh/mesh_quality.h"
 #include "common/mesh/mesher.h"
 #include "common/mesh/surface_mesh.h"
+#include "common/parametric/metric_expressions.h"
 #include "services/simulator/analysis_case.h"
 #include "services/simulator/elasticity.h"
 #include "services/simulator/error_estimate.h"
@@ -35,6 +37,8 @@ struct DesignModel {
   std::optional<HeatCase> heat = {};  // K; its materials are those of `analysis`
   // K: at which nothing is under stress; with it the temperatures of `heat` act in every load case.
   std::optional<double> reference_temperature = {};
+  // What the conditions that act on faces are called, and on which.
+  std::vector<std::pair<std::string, mesh::NamedFace>> condition_faces = {};
 };
 
 // Whether anything in the model causes stress: a load, a support that is moved, or temperatures.
@@ -46,17 +50,17 @@ bool IsLoaded(const DesignModel& model);
 // relative_error.
 const std::vector<MetricDescription>& OfferedMetrics();
 
-// Whether any of these takes a solution under loads.
-bool NeedsSolution(const std::vector<std::string>& metrics);
+// What must be known of a design to tell some metrics of it.
+struct MetricDemands {
+  bool loads = false;    // a solution under the loads
+  bool heat = false;     // the temperatures
+  bool modes = false;    // the natural modes
+  bool surface = false;  // the joined surface of the parts
+};
 
-// Whether any of these takes the temperatures.
-bool NeedsHeat(const std::vector<std::string>& metrics);
-
-// Whether any of these takes the natural modes.
-bool NeedsModes(const std::vector<std::string>& metrics);
-
-// Whether any of these takes the joined surface of the parts.
-bool NeedsSurface(const std::vector<std::string>& metrics);
+// `own`: metrics that are offered besides.
+MetricDemands DemandsOf(const std::vector<std::string>& metrics,
+                        const parametric::MetricExpressions& own = {});
 
 struct DesignAnalysisOptions {
   mesh::MeshOptions mesh;
@@ -69,6 +73,9 @@ struct DesignAnalysisOptions {
   // The mesh is refined until the estimated relative error is at most this, 0.001 to 1, or the
   // limits of memory and elements forbid it; 0 for no refinement.
   double wanted_error = 0;
+  // Metrics that are offered besides, and the parameters that they speak of.
+  parametric::MetricExpressions own_metrics = {};
+  Eigen::VectorXd parameters = {};
 };
 
 // A load case, solved.
@@ -100,8 +107,5 @@ struct DesignAnalysis {
 absl::StatusOr<DesignAnalysis> AnalyzeDesign(const DesignModel& model,
                                              const std::vector<std::string>& metrics, bool fields,
                                              const DesignAnalysisOptions& options = {});
-
-// INVALID_ARGUMENT naming "metrics[i]" (or "metrics" if there are none) unless all are offered.
-absl::Status CheckMetricNames(const std::vector<std::string>& metrics);
 
 }  // namespace mortise::simulator

@@ -84,6 +84,7 @@ absl::Status AddCondition(const EvaluatedDesign& design, std::size_t index, Desi
       return InvalidField(absl::StrCat("boundary_conditions[", index, "].part"),
                           absl::StrCat("there is no load-bearing part '", condition.part, "'"));
     }
+    model.condition_faces.emplace_back(condition.name, face);
   }
   if (parametric::IsSupport(condition.kind)) {
     AddSupport(condition, face, model);

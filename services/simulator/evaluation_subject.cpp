@@ -8,6 +8,7 @@
 #include "services/simulator/design_analysis.h"
 #include "services/simulator/evaluator_records.h"
 #include "services/simulator/simulator_core.h"
+#include "services/simulator/subject_metrics.h"
 #include "services/simulator/template_model.h"
 
 namespace mortise::simulator {
@@ -15,7 +16,8 @@ namespace {
 
 using MetricDescriptionMessage = v1::DesignSpace::MetricDescription;
 
-EvaluationSubject SubjectOf(const CompiledTemplate& compiled) {
+EvaluationSubject SubjectOf(const CompiledTemplate& compiled,
+                            const parametric::MetricExpressions& own) {
   EvaluationSubject subject{.digest = compiled.digest, .queue = kSimulatorQueue};
   v1::DesignSpace& space = subject.space;
   space.set_subject(compiled.name);
@@ -35,6 +37,12 @@ EvaluationSubject SubjectOf(const CompiledTemplate& compiled) {
     described->set_unit(metric.unit);
     described->set_description(metric.description);
     described->set_offers_gradient(OffersGradient(*compiled.function, metric.name));
+  }
+  for (const parametric::MetricDefinition& metric : own.metrics()) {
+    auto* described = space.add_metrics();
+    described->set_name(metric.name);
+    described->set_unit(metric.unit);
+    described->set_description(metric.description.empty() ? metric.expression : metric.description);
   }
   return subject;
 }
@@ -90,10 +98,20 @@ absl::Status CheckGradients(const v1::Task& task, const v1::DesignSpace& space,
 }  // namespace
 
 absl::StatusOr<EvaluationSubject> FindSubject(SimulatorCore& core, const std::string& name,
-                                              int64_t revision, const rpc::Origin& origin) {
-  if (IsEvaluatorName(name)) return FindRegistered(*core.store(), name, revision);
+                                              int64_t revision,
+                                              const v1::MetricDefinitions& definitions,
+                                              const rpc::Origin& origin) {
+  if (IsEvaluatorName(name)) {
+    if (!DefinitionsText(definitions).empty()) {
+      return InvalidField("metric_definitions",
+                          "are for templates: an evaluator of one's own computes its own metrics");
+    }
+    return FindRegistered(*core.store(), name, revision);
+  }
   MORTISE_ASSIGN_OR_RETURN(const auto compiled, core.templates().Get(name, revision, origin));
-  return SubjectOf(*compiled);
+  MORTISE_ASSIGN_OR_RETURN(const parametric::MetricExpressions own,
+                           OwnMetricsOf(*compiled, definitions));
+  return SubjectOf(*compiled, own);
 }
 
 absl::Status CheckMetrics(const v1::DesignSpace& space, const std::vector<std::string>& metrics) {

@@ -22,10 +22,13 @@ struct EvaluationSubject {
   std::string queue = {};      // where its tasks go
 };
 
-// A revision of templates/{id} or evaluators/{id}, the latest for 0. INVALID_ARGUMENT naming
-// "subject"; NOT_FOUND; UNAVAILABLE while the catalog cannot be reached.
+// A revision of templates/{id} or evaluators/{id}, the latest for 0, with the metrics that a
+// request defines. INVALID_ARGUMENT naming "subject" or what is wrong below "metric_definitions";
+// NOT_FOUND; UNAVAILABLE while the catalog cannot be reached.
 absl::StatusOr<EvaluationSubject> FindSubject(SimulatorCore& core, const std::string& name,
-                                              int64_t revision, const rpc::Origin& origin);
+                                              int64_t revision,
+                                              const v1::MetricDefinitions& definitions,
+                                              const rpc::Origin& origin);
 
 // INVALID_ARGUMENT naming "metrics[i]" (or "metrics" if there are none) unless all are offered.
 absl::Status CheckMetrics(const v1::DesignSpace& space, const std::vector<std::string>& metrics);

@@ -19,6 +19,7 @@
 #include "services/simulator/mesh_settings.h"
 #include "services/simulator/result_cache.h"
 #include "services/simulator/simulator_core.h"
+#include "services/simulator/subject_metrics.h"
 
 namespace mortise::simulator {
 namespace {
@@ -117,7 +118,8 @@ class EvaluatorAdapter final : public v1::EvaluatorService::CallbackService {
                const v1::DescribeDesignSpaceRequest& asked) -> absl::StatusOr<v1::DesignSpace> {
           MORTISE_ASSIGN_OR_RETURN(
               EvaluationSubject subject,
-              FindSubject(*core_, asked.subject(), asked.revision(), rpc::ForwardedFrom(call)));
+              FindSubject(*core_, asked.subject(), asked.revision(), asked.metric_definitions(),
+                          rpc::ForwardedFrom(call)));
           return std::move(subject.space);
         });
   }
@@ -197,9 +199,9 @@ class EvaluatorAdapter final : public v1::EvaluatorService::CallbackService {
     }
     const std::vector<std::string> metrics(asked.metrics().begin(), asked.metrics().end());
     MORTISE_RETURN_IF_ERROR(CheckMeshSettings(asked.mesh()));
-    MORTISE_ASSIGN_OR_RETURN(
-        const EvaluationSubject subject,
-        FindSubject(*core_, asked.subject(), asked.revision(), rpc::ForwardedFrom(call)));
+    MORTISE_ASSIGN_OR_RETURN(const EvaluationSubject subject,
+                             FindSubject(*core_, asked.subject(), asked.revision(),
+                                         asked.metric_definitions(), rpc::ForwardedFrom(call)));
     MORTISE_RETURN_IF_ERROR(CheckMetrics(subject.space, metrics));
     auto batch = std::make_shared<Batch>(core_, cache_, writer, asked.points_size());
     writer->OnEnd([batch] { batch->Abandon(); });
@@ -212,10 +214,11 @@ class EvaluatorAdapter final : public v1::EvaluatorService::CallbackService {
     *task.mutable_metrics() = asked.metrics();
     task.set_gradients(asked.gradients());
     *task.mutable_mesh() = asked.mesh();
+    *task.mutable_metric_definitions() = asked.metric_definitions();
     task.set_trace_id(call.identity().request_id);
     const std::string what =
         absl::StrCat(asked.gradients() ? "gradients of " : "", absl::StrJoin(metrics, ","),
-                     RefinementText(asked.mesh()));
+                     RefinementText(asked.mesh()), DefinitionsText(asked.metric_definitions()));
     for (int i = 0; i < asked.points_size(); ++i) {
       const absl::Status usable =
           CheckPoint(subject.space, asked.points(i), absl::StrCat("points[", i, "]"));

@@ -1,50 +1,19 @@
 #include "services/simulator/probe_table.h"
 
-#include <Eigen/LU>
-
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_replace.h"
 #include "common/base/errors.h"
 #include "services/simulator/material.h"
 #include "services/simulator/mesh_analysis.h"
+#include "services/simulator/point_location.h"
 #include "services/simulator/shape_functions.h"
 
 namespace mortise::simulator {
 namespace {
 
-// How far outside of an element's corners a point still counts as in it: curved sides bulge.
-constexpr double kOutside = -0.05;
-
 std::string Quoted(const std::string& text) {
   return absl::StrCat("\"", absl::StrReplaceAll(text, {{"\"", "\"\""}}), "\"");
-}
-
-// The element that a point is deepest in, and its barycentric coordinates there.
-struct Found {
-  Eigen::Index element = -1;
-  Eigen::Vector4d barycentric = Eigen::Vector4d::Zero();
-};
-
-std::vector<Found> FindElements(const mesh::TetrahedralMesh& mesh,
-                                const std::vector<Eigen::Vector3d>& points) {
-  std::vector<Found> found(points.size());
-  std::vector<double> depth(points.size(), kOutside);
-  for (Eigen::Index e = 0; !points.empty() && e < mesh.tetrahedra.cols(); ++e) {
-    const GradientMatrix positions = ElementPositions(mesh, e);
-    Eigen::Matrix3d edges;
-    for (int k = 0; k < 3; ++k) edges.col(k) = positions.col(k + 1) - positions.col(0);
-    const Eigen::Matrix3d inverse = edges.inverse();
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      Eigen::Vector4d l;
-      l.tail<3>() = inverse * (points[i] - positions.col(0));
-      l[0] = 1 - l.tail<3>().sum();
-      if (!(l.minCoeff() > depth[i])) continue;
-      depth[i] = l.minCoeff();
-      found[i] = {e, l};
-    }
-  }
-  return found;
 }
 
 }  // namespace
@@ -58,7 +27,7 @@ absl::StatusOr<ProbeTable> ProbeTable::Create(const mesh::TetrahedralMesh& mesh,
       "sxy (Pa),syz (Pa),sxz (Pa),von Mises (Pa),max principal (Pa),temperature\n";
   for (std::size_t i = 0; i < probes.size(); ++i) {
     const Probe& probe = probes[i];
-    const std::vector<Found> found = FindElements(mesh, probe.points);
+    const std::vector<LocatedPoint> found = LocatePoints(mesh, probe.points);
     for (std::size_t k = 0; k < found.size(); ++k) {
       if (found[k].element < 0) {
         return InvalidField(absl::StrCat("probes[", i, "].points[", k, "]"),

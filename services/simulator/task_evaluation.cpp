@@ -12,27 +12,26 @@
 #include "services/simulator/design_conditions.h"
 #include "services/simulator/mesh_task.h"
 #include "services/simulator/stopping.h"
+#include "services/simulator/subject_metrics.h"
 #include "services/simulator/template_model.h"
 
 namespace mortise::simulator {
 namespace {
 
-// What of a design is computed, besides what needs no solution.
-struct Demands {
-  bool loads = false;
-  bool heat = false;
-};
-
-Demands DemandsOf(const v1::Task& task, const std::vector<std::string>& metrics,
-                  const parametric::EvaluatedDesign& design) {
+// What of a design is computed.
+MetricDemands DemandsOf(const v1::Task& task, const MetricDemands& of_metrics,
+                        const parametric::EvaluatedDesign& design) {
   const bool has_heat = HasHeat(design);
-  const bool loads = NeedsSolution(metrics) || (task.fields() && (IsLoaded(design) || !has_heat));
-  const bool thermal_stress = loads && has_heat && design.reference_temperature.has_value();
-  return {loads, NeedsHeat(metrics) || thermal_stress || (task.fields() && has_heat)};
+  MetricDemands demands = of_metrics;
+  demands.loads = demands.loads || (task.fields() && (IsLoaded(design) || !has_heat));
+  const bool thermal_stress = demands.loads && has_heat && design.reference_temperature.has_value();
+  demands.heat = demands.heat || thermal_stress || (task.fields() && has_heat);
+  demands.surface = demands.surface || task.fields();
+  return demands;
 }
 
 // Geometry, mesh, temperatures, solution and stresses of each load case, frequencies, files.
-int StagesOf(const v1::Task& task, const Demands& demands,
+int StagesOf(const v1::Task& task, const MetricDemands& demands,
              const parametric::EvaluatedDesign& design) {
   const int load_cases = static_cast<int>(CountLoadCases(design));
   return 3 + (demands.heat ? 1 : 0) + (demands.loads ? 2 * load_cases : 0) +
@@ -162,7 +161,9 @@ absl::Status Evaluate(const v1::Task& task, const TaskSurroundings& surroundings
   MORTISE_ASSIGN_OR_RETURN(const parametric::EvaluatedDesign design,
                            compiled->function->Evaluate(parameters));
   const std::vector<std::string> metrics(task.metrics().begin(), task.metrics().end());
-  const Demands demands = DemandsOf(task, metrics, design);
+  MORTISE_ASSIGN_OR_RETURN(const parametric::MetricExpressions own,
+                           OwnMetricsOf(*compiled, task.metric_definitions()));
+  const MetricDemands demands = DemandsOf(task, simulator::DemandsOf(metrics, own), design);
   if (surroundings.progress != nullptr) {
     surroundings.progress->Expect(StagesOf(task, demands, design));
   }
@@ -172,9 +173,8 @@ absl::Status Evaluate(const v1::Task& task, const TaskSurroundings& surroundings
     MORTISE_RETURN_IF_ERROR(CheckLoaded(design));
   }
   if (demands.heat) MORTISE_RETURN_IF_ERROR(CheckHeated(design));
-  MORTISE_ASSIGN_OR_RETURN(const DesignModel model,
-                           MakeDesignModel(*compiled->function, parameters, design,
-                                           task.fields() || NeedsSurface(metrics)));
+  MORTISE_ASSIGN_OR_RETURN(const DesignModel model, MakeDesignModel(*compiled->function, parameters,
+                                                                    design, demands.surface));
   MORTISE_RETURN_IF_ERROR(CheckStopped(surroundings.stop));
   DesignAnalysisOptions options;
   // Nobody chose the metrics of an analysis.
@@ -186,6 +186,8 @@ absl::Status Evaluate(const v1::Task& task, const TaskSurroundings& surroundings
   options.elasticity.threads = surroundings.threads;
   options.elasticity.solver.memory_limit = surroundings.memory_limit;
   options.progress = surroundings.progress;
+  options.own_metrics = own;
+  options.parameters = parameters;
   options.elasticity.solver.progress = [&surroundings](int iteration, double) {
     if (surroundings.progress != nullptr) surroundings.progress->Iterate(iteration);
     return CheckStopped(surroundings.stop);

@@ -9,6 +9,7 @@
 #include "common/base/digest.h"
 #include "common/base/errors.h"
 #include "common/base/identifiers.h"
+#include "common/parametric/metric_codec.h"
 #include "common/templates/template_codec.h"
 #include "mortise/v1/catalog.grpc.pb.h"
 
@@ -75,11 +76,13 @@ absl::StatusOr<TemplateSource::Kept::Made> TemplateSource::Compile(v1::TemplateB
   for (v1::Shape& shape : *bundle.mutable_shapes()) {
     if (joined.contains(shape.name())) MORTISE_RETURN_IF_ERROR(shapes_.AddExact(shape, origin));
   }
-  CompiledTemplate compiled{.name = bundle.template_().name(),
-                            .revision = bundle.template_().revision(),
-                            .digest = digest,
-                            .is_exact = is_exact,
-                            .function = nullptr};
+  CompiledTemplate compiled{
+      .name = bundle.template_().name(),
+      .revision = bundle.template_().revision(),
+      .digest = digest,
+      .is_exact = is_exact,
+      .function = nullptr,
+      .metrics = parametric::FromProto(parametric::MetricDefinitionsOf(bundle.template_()))};
   MORTISE_ASSIGN_OR_RETURN(compiled.function, templates::Compile(bundle));
   const std::size_t bytes = compiled.function->MemoryUse();
   return Kept::Made{std::make_shared<const CompiledTemplate>(std::move(compiled)), bytes};

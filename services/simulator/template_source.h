@@ -8,6 +8,7 @@
 
 #include "absl/status/statusor.h"
 #include "common/base/single_flight_cache.h"
+#include "common/parametric/metric_expressions.h"
 #include "common/rpc/channel.h"
 #include "common/templates/template.h"
 #include "services/simulator/shape_source.h"
@@ -26,6 +27,7 @@ struct CompiledTemplate {
   // Whether the shapes of parts that an analysis joins have their exact surfaces.
   bool is_exact = false;
   std::shared_ptr<const templates::Template> function;
+  parametric::MetricDefinitions metrics = {};  // its own
 };
 
 // Thread safe.

@@ -108,8 +108,11 @@ constexpr Example kExamples[] = {
     {"AssemblyService/ExportAssembly", "name: 'assemblies/planter' q: [{q}] format: GLB"},
     {"EvaluatorService/DescribeDesignSpace", "subject: 'templates/table'"},
     {"EvaluatorService/EvaluateBatch",
-     "subject: 'templates/table' points { parameters: [{point}] } metrics: 'mass' "
-     "mesh { element_size: 0.3 linear: true }",
+     "subject: 'templates/table' points { parameters: [{point}] } metrics: 'mass' metrics: "
+     "'slender' "
+     "mesh { element_size: 0.3 linear: true } metric_definitions { points { name: 'p' x: 'length' "
+     "} "
+     "expressions { name: 'slender' unit: '1' expression: \"distance('p', 'top/cap') / '2 m'\" } }",
      Outcome::kChanges},
     {"EvaluatorService/CreateEvaluator",
      "request_id: 'bad-40' evaluator { name: 'evaluators/bad' title: 'Bad' version: '1' space { "
@@ -208,7 +211,8 @@ constexpr char kDiscovery[] =
     "subject: 'templates/table' objectives { metric: 'mass' } "
     "objectives { metric: 'max_displacement' } "
     "bounds { parameter: 'length' minimum: 1.2 maximum: 1.5 } evaluations: 10 seed: 1 "
-    "mesh { element_size: 0.3 linear: true }";
+    "mesh { element_size: 0.3 linear: true } "
+    "metric_definitions { expressions { name: 'slender' unit: '1' expression: 'length / width' } }";
 
 [[noreturn]] void Fail(const std::string& what) {
   std::fprintf(stderr, "the requests cannot be made: %s\n", what.c_str());

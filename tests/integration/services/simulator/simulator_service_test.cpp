@@ -127,6 +127,52 @@ TEST_F(SimulatorServiceTest, GivesExactGradientsOfMass) {
   EXPECT_NEAR(results[0].gradients(0).values(0), slope, 1e-4 * std::abs(slope));
 }
 
+TEST_F(SimulatorServiceTest, MetricsOfOnesOwnAreDescribedEvaluatedAndCached) {
+  const auto worker = StartWorker("only");
+  v1::EvaluateBatchRequest request = Batch(2, {"slender", "sag", "mass"});
+  request.mutable_mesh()->set_element_size(0.3);
+  request.mutable_mesh()->set_linear(true);
+  v1::MetricExpression& slender = *request.mutable_metric_definitions()->add_expressions();
+  slender.set_name("slender");
+  slender.set_unit("1");
+  slender.set_expression("length / width");
+  v1::MetricExpression& sag = *request.mutable_metric_definitions()->add_expressions();
+  sag.set_name("sag");
+  sag.set_unit("1");
+  sag.set_expression("abs(mean_displacement_z('load')) / length * slender");
+  v1::DescribeDesignSpaceRequest describe;
+  describe.set_subject("templates/table");
+  *describe.mutable_metric_definitions() = request.metric_definitions();
+  v1::DesignSpace space;
+  const auto context = Context();
+  const auto stub = v1::EvaluatorService::NewStub(service_.channel());
+  ASSERT_TRUE(stub->DescribeDesignSpace(context.get(), describe, &space).ok());
+  EXPECT_EQ(space.metrics(space.metrics_size() - 1).name(), "sag");
+  std::map<int, v1::EvaluationResult> first, again, other;
+  ASSERT_TRUE(Evaluate(request, first).ok());
+  for (const auto& [index, result] : first) {
+    ASSERT_FALSE(result.has_error()) << result.error().message();
+    const auto& q = request.points(index).parameters();
+    EXPECT_NEAR(result.metrics(0).value(), q[0] / q[1], 1e-12);
+    EXPECT_GT(result.metrics(1).value(), 1e-7);
+    EXPECT_LT(result.metrics(1).value(), 1e-2);
+    EXPECT_FALSE(result.cached());
+  }
+  ASSERT_TRUE(Evaluate(request, again).ok());
+  EXPECT_TRUE(again[0].cached());
+  request.mutable_metric_definitions()->mutable_expressions(0)->set_expression("width / length");
+  ASSERT_TRUE(Evaluate(request, other).ok());
+  EXPECT_FALSE(other[0].cached());
+  EXPECT_NEAR(other[0].metrics(0).value() * first[0].metrics(0).value(), 1, 1e-12);
+  request.mutable_metric_definitions()->mutable_expressions(0)->set_expression("length");
+  const grpc::Status refused = Evaluate(request, other);
+  EXPECT_EQ(refused.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_NE(refused.error_message().find("metric_definitions.expressions[0].expression: 'slender': "
+                                         "has the unit m, not 1"),
+            std::string::npos)
+      << refused.error_message();
+}
+
 TEST_F(SimulatorServiceTest, AnalysesADesignWithFiles) {
   const auto worker = StartWorker("only");
   v1::AnalyzeDesignRequest request;

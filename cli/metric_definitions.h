@@ -1,0 +1,26 @@
+// Metrics of one's own, as flags give them.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "cli/field_sources.h"
+#include "mortise/v1/metric.pb.h"
+
+namespace mortise::cli {
+
+struct MetricDefinitionFlags {
+  std::vector<std::string> define;  // "pull [N] = '30 N m' / distance('jaw', 'grip')"
+  std::vector<std::string> point;   // "grip = length - 0.02, 0, 0"
+};
+
+// INVALID_ARGUMENT naming "--define" or "--point" for one of another form. A metric without a unit
+// in brackets has none, "1".
+absl::StatusOr<v1::MetricDefinitions> ParseMetricDefinitions(const MetricDefinitionFlags& flags);
+
+// What gave the fields below `field`, "metric_definitions", of a request.
+void AddSources(const MetricDefinitionFlags& flags, const std::string& field,
+                FieldSources& sources);
+
+}  // namespace mortise::cli

@@ -1,0 +1,21 @@
+// Metrics of one's own to and from mortise/v1/metric.proto.
+#pragma once
+
+#include "common/parametric/metric_expressions.h"
+#include "mortise/v1/metric.pb.h"
+#include "mortise/v1/template.pb.h"
+
+namespace mortise::parametric {
+
+MetricDefinitions FromProto(const v1::MetricDefinitions& message);
+
+// Those of a template, which CAD templates and cages have among what they are made of.
+const v1::MetricDefinitions& MetricDefinitionsOf(const v1::Template& message);
+
+// What is wrong with the definitions of a template or request, as MetricExpressions finds it, with
+// places below "metric_definitions".
+std::vector<Finding> CheckMetricDefinitions(const v1::MetricDefinitions& message,
+                                            const std::vector<NamedUnit>& parameters,
+                                            const std::vector<NamedUnit>& metrics);
+
+}  // namespace mortise::parametric

@@ -1,0 +1,46 @@
+// Functions of named faces and points that metrics of one's own can use: area('rim'),
+// distance('jaw', 'grip').
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace mortise::parametric {
+
+// What a function is computed from.
+enum class MetricFunctionSource {
+  kShape,  // the outside of all parts joined
+  kLoads,  // a mesh and a solution under the loads
+  kHeat,   // a mesh and its temperatures
+};
+
+struct MetricFunction {
+  std::string name;
+  std::string unit;  // SI
+  MetricFunctionSource source = MetricFunctionSource::kShape;
+  int places = 1;         // how many names of places it takes
+  bool of_faces = false;  // whether the first of them must be a face; else it may be a point
+  std::string description = {};
+};
+
+// All of them, in the order of the manual.
+const std::vector<MetricFunction>& MetricFunctions();
+
+// The function of this name; nullptr if there is none.
+const MetricFunction* FindMetricFunction(std::string_view name);
+
+// A function of places: area('rim').
+struct MetricCall {
+  const MetricFunction* function = nullptr;
+  std::vector<std::string> places;  // names of points, conditions or faces
+  // Under loads: the load case; empty for the one where the value is largest, whatever its sign.
+  std::string load_case = {};
+
+  friend bool operator==(const MetricCall&, const MetricCall&) = default;
+};
+
+// As it is written.
+std::string ToText(const MetricCall& call);
+
+}  // namespace mortise::parametric

@@ -1,0 +1,37 @@
+// Metrics of one's own on a design that is analysed.
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "common/parametric/metric_expressions.h"
+#include "services/simulator/design_analysis.h"
+
+namespace mortise::simulator {
+
+class OwnMetrics {
+ public:
+  using ValueOf = std::function<absl::StatusOr<double>(const std::string& metric)>;
+
+  // Computes all that those of `own` among `names` need; `value_of` gives metrics that are computed
+  // otherwise. `own` must outlive it.
+  OwnMetrics(const parametric::MetricExpressions& own, const Eigen::VectorXd& parameters,
+             const std::vector<std::string>& names, const DesignModel& model,
+             const DesignAnalysis& analysis, const ValueOf& value_of);
+
+  // One of `own` among `names`. INVALID_ARGUMENT naming the expression and what it lacks; where a
+  // metric fails that it needs, as that.
+  absl::StatusOr<Metric> Compute(const std::string& name) const;
+
+ private:
+  const parametric::MetricExpressions& own_;
+  const Eigen::VectorXd parameters_;
+  parametric::MetricExpressions::Needs needs_;
+  std::vector<absl::StatusOr<parametric::Dual>> metrics_;
+  std::vector<absl::StatusOr<parametric::Dual>> calls_;
+};
+
+}  // namespace mortise::simulator

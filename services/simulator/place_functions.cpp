@@ -1,0 +1,292 @@
+#include "services/simulator/place_functions.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "common/base/errors.h"
+#include "services/simulator/point_location.h"
+#include "services/simulator/shape_functions.h"
+
+namespace mortise::simulator {
+namespace {
+
+using parametric::MetricCall;
+using parametric::MetricFunctionSource;
+
+constexpr std::size_t kNamesTold = 12;
+constexpr char kField[] = "metric_definitions";
+
+// The axis that a function's name ends in, as in "reaction_x"; -1 without one.
+int AxisOf(const std::string& function) {
+  if (function.size() < 2 || function[function.size() - 2] != '_') return -1;
+  return static_cast<int>(std::string("xyz").find(function.back()));
+}
+
+// How a face is called: of a design of one part without the part.
+std::string FaceText(const mesh::AssemblySurface& surface, const mesh::NamedFace& face) {
+  if (surface.part_names.size() == 1) return face.name;
+  return absl::StrCat(surface.part_names[static_cast<std::size_t>(face.part)], "/", face.name);
+}
+
+// The area of a face, and its first moment.
+struct FaceMoments {
+  double area = 0;                                   // m²
+  Eigen::Vector3d moment = Eigen::Vector3d::Zero();  // m³
+};
+
+FaceMoments MomentsOf(const mesh::AssemblySurface& surface, const mesh::NamedFace& face) {
+  FaceMoments sum;
+  for (Eigen::Index t = 0; t < surface.triangles.cols(); ++t) {
+    const auto& origins = surface.faces[static_cast<std::size_t>(surface.triangle_face[t])].origins;
+    if (std::find(origins.begin(), origins.end(), face) == origins.end()) continue;
+    Eigen::Matrix3d corners;
+    for (int k = 0; k < 3; ++k) corners.col(k) = surface.vertices.col(surface.triangles(k, t));
+    const double area =
+        (corners.col(1) - corners.col(0)).cross(corners.col(2) - corners.col(0)).norm() / 2;
+    sum.area += area;
+    sum.moment += area * corners.rowwise().mean();
+  }
+  return sum;
+}
+
+// The nodes of a face's triangles, each once.
+std::vector<int> NodesOn(const mesh::TetrahedralMesh& mesh, const mesh::NamedFace& face) {
+  std::vector<int> nodes;
+  for (const int t : TrianglesOn(mesh, face, false)) {
+    for (const int node : mesh.face_triangles.col(t)) nodes.push_back(node);
+  }
+  std::sort(nodes.begin(), nodes.end());
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  return nodes;
+}
+
+// Calls back with the shape functions of a triangle, its nodes, and the area at each point of the
+// rule.
+using AtPoint =
+    std::function<void(const ShapeVector& shape, const Eigen::VectorXi& nodes, double area)>;
+void Integrate(const mesh::TetrahedralMesh& mesh, const std::vector<int>& triangles,
+               const AtPoint& at) {
+  for (const int t : triangles) {
+    const GradientMatrix positions = TrianglePositions(mesh, t);
+    const Eigen::VectorXi nodes = mesh.face_triangles.col(t);
+    for (const TrianglePoint& point : TriangleRule()) {
+      at(TriangleShape(point.barycentric, static_cast<int>(nodes.size())), nodes,
+         point.weight * TriangleAreaVector(positions, point.barycentric).norm());
+    }
+  }
+}
+
+// The mean of |field| where `axis` is -1, else of its component. `field`: a column a node.
+double MeanOver(const mesh::TetrahedralMesh& mesh, const mesh::NamedFace& face,
+                const Eigen::MatrixXd& field, int axis) {
+  double area = 0;
+  double sum = 0;
+  Integrate(mesh, TrianglesOn(mesh, face, false),
+            [&](const ShapeVector& shape, const Eigen::VectorXi& nodes, double piece) {
+              Eigen::VectorXd value = Eigen::VectorXd::Zero(field.rows());
+              for (Eigen::Index k = 0; k < nodes.size(); ++k) {
+                value += shape[k] * field.col(nodes[k]);
+              }
+              area += piece;
+              sum += piece * (axis < 0 ? value.norm() : value[axis]);
+            });
+  return sum / area;
+}
+
+// The column of `field` in the element at `point`; INVALID_ARGUMENT outside of the body.
+absl::StatusOr<Eigen::VectorXd> AtPointOf(const mesh::TetrahedralMesh& mesh,
+                                          const std::string& name, const Eigen::Vector3d& point,
+                                          const Eigen::MatrixXd& field) {
+  const LocatedPoint located = LocatePoints(mesh, {point})[0];
+  if (located.element < 0) {
+    return InvalidField(kField, absl::StrCat("the point '", name, "' lies outside of the body"));
+  }
+  const auto nodes = mesh.tetrahedra.col(located.element);
+  const ShapeVector shape =
+      TetrahedronShape(located.barycentric, static_cast<int>(mesh.tetrahedra.rows()));
+  Eigen::VectorXd value = Eigen::VectorXd::Zero(field.rows());
+  for (Eigen::Index k = 0; k < nodes.size(); ++k) value += shape[k] * field.col(nodes[k]);
+  return value;
+}
+
+}  // namespace
+
+std::optional<mesh::NamedFace> FindFace(const DesignModel& model, const std::string& name) {
+  for (const auto& [condition, face] : model.condition_faces) {
+    if (condition == name) return face;
+  }
+  for (const mesh::AssemblyFace& face : model.surface.faces) {
+    for (const mesh::NamedFace& origin : face.origins) {
+      const std::string& part = model.surface.part_names[static_cast<std::size_t>(origin.part)];
+      if (name == FaceText(model.surface, origin) || name == absl::StrCat(part, "/", origin.name)) {
+        return origin;
+      }
+    }
+  }
+  return std::nullopt;
+}
+
+PlaceFunctions::PlaceFunctions(const parametric::MetricExpressions& own,
+                               const Eigen::VectorXd& parameters, const DesignModel& model,
+                               const DesignAnalysis& analysis)
+    : own_(own), parameters_(parameters), model_(model), analysis_(analysis) {}
+
+absl::StatusOr<MetricPlace> PlaceFunctions::Find(const std::string& name) const {
+  MORTISE_ASSIGN_OR_RETURN(const auto point, own_.PointAt(name, parameters_));
+  if (point) return MetricPlace{point->position, {}};
+  if (const auto face = FindFace(model_, name)) return MetricPlace{std::nullopt, *face};
+  std::vector<std::string> names;
+  for (const mesh::AssemblyFace& face : model_.surface.faces) {
+    for (const mesh::NamedFace& origin : face.origins) {
+      names.push_back(FaceText(model_.surface, origin));
+    }
+  }
+  std::sort(names.begin(), names.end());
+  names.erase(std::unique(names.begin(), names.end()), names.end());
+  const std::size_t more = names.size() - std::min(names.size(), kNamesTold);
+  names.resize(names.size() - more);
+  return InvalidField(kField, absl::StrCat("there is no point, condition or face '", name,
+                                           "'; faces are ", absl::StrJoin(names, ", "),
+                                           more > 0 ? absl::StrCat(" and ", more, " more") : ""));
+}
+
+absl::StatusOr<double> PlaceFunctions::Value(const MetricCall& call) const {
+  if (call.function->of_faces) {
+    MORTISE_ASSIGN_OR_RETURN(const MetricPlace place, Find(call.places[0]));
+    if (place.point) {
+      return InvalidField(kField, absl::StrCat("'", call.places[0], "' is a point; ",
+                                               call.function->name, " is of faces"));
+    }
+  }
+  switch (call.function->source) {
+    case MetricFunctionSource::kShape:
+      return OfShape(call);
+    case MetricFunctionSource::kLoads:
+      return UnderLoads(call);
+    case MetricFunctionSource::kHeat:
+      return OfHeat(call);
+  }
+  return absl::InternalError("a function without a source");
+}
+
+absl::StatusOr<Eigen::Vector3d> PlaceFunctions::PositionOf(const std::string& name) const {
+  MORTISE_ASSIGN_OR_RETURN(const MetricPlace place, Find(name));
+  if (place.point) return *place.point;
+  const FaceMoments moments = MomentsOf(model_.surface, place.face);
+  return moments.moment / moments.area;
+}
+
+absl::StatusOr<double> PlaceFunctions::OfShape(const MetricCall& call) const {
+  if (call.function->name == "area") {
+    MORTISE_ASSIGN_OR_RETURN(const MetricPlace place, Find(call.places[0]));
+    return MomentsOf(model_.surface, place.face).area;
+  }
+  MORTISE_ASSIGN_OR_RETURN(const Eigen::Vector3d position, PositionOf(call.places[0]));
+  if (call.function->name != "distance") return position[AxisOf(call.function->name)];
+  MORTISE_ASSIGN_OR_RETURN(const Eigen::Vector3d other, PositionOf(call.places[1]));
+  return (position - other).norm();
+}
+
+absl::StatusOr<double> PlaceFunctions::UnderLoads(const MetricCall& call) const {
+  MORTISE_ASSIGN_OR_RETURN(const MetricPlace place, Find(call.places[0]));
+  double worst = 0;
+  bool is_there = false;
+  for (const SolvedCase& solved : analysis_.cases) {
+    if (!call.load_case.empty() && call.load_case != solved.name) continue;
+    MORTISE_ASSIGN_OR_RETURN(const double value, InCase(call, place, solved.solution));
+    if (!is_there || std::abs(value) > std::abs(worst)) worst = value;
+    is_there = true;
+  }
+  if (is_there) return worst;
+  return InvalidField(
+      kField,
+      absl::StrCat("there is no load case '", call.load_case, "'; there are ",
+                   absl::StrJoin(analysis_.cases, ", ", [](std::string* out, const auto& solved) {
+                     out->append(solved.name);
+                   })));
+}
+
+absl::StatusOr<double> PlaceFunctions::InCase(const MetricCall& call, const MetricPlace& place,
+                                              const ElasticitySolution& solution) const {
+  const std::string& function = call.function->name;
+  const mesh::TetrahedralMesh& mesh = *analysis_.mesh;
+  const int axis = AxisOf(function);
+  if (function.starts_with("reaction") || function.starts_with("moment")) {
+    Eigen::Vector3d about = Eigen::Vector3d::Zero();
+    if (call.places.size() > 1) {
+      MORTISE_ASSIGN_OR_RETURN(about, PositionOf(call.places[1]));
+    }
+    Eigen::Vector3d force = Eigen::Vector3d::Zero();
+    Eigen::Vector3d moment = Eigen::Vector3d::Zero();
+    for (const int node : NodesOn(mesh, place.face)) {
+      const Eigen::Vector3d reaction = solution.reaction.col(node);
+      force += reaction;
+      moment += (mesh.nodes.col(node) - about).cross(reaction);
+    }
+    return call.places.size() > 1 ? moment[axis] : force[axis];
+  }
+  if (place.point) {
+    MORTISE_ASSIGN_OR_RETURN(const Eigen::VectorXd displacement,
+                             AtPointOf(mesh, call.places[0], *place.point, solution.displacement));
+    return axis < 0 ? displacement.norm() : displacement[axis];
+  }
+  if (function.starts_with("mean")) return MeanOver(mesh, place.face, solution.displacement, axis);
+  double largest = 0;
+  for (const int node : NodesOn(mesh, place.face)) {
+    const Eigen::Vector3d displacement = solution.displacement.col(node);
+    const double value = axis < 0 ? displacement.norm() : displacement[axis];
+    if (std::abs(value) > std::abs(largest)) largest = value;
+  }
+  return largest;
+}
+
+absl::StatusOr<double> PlaceFunctions::OfHeat(const MetricCall& call) const {
+  MORTISE_ASSIGN_OR_RETURN(const MetricPlace place, Find(call.places[0]));
+  const std::string& function = call.function->name;
+  if (function == "heat_dissipation") return Dissipation(place.face);
+  const mesh::TetrahedralMesh& mesh = *analysis_.mesh;
+  const Eigen::VectorXd& temperature = analysis_.heat->temperature;
+  if (place.point) {
+    MORTISE_ASSIGN_OR_RETURN(
+        const Eigen::VectorXd value,
+        AtPointOf(mesh, call.places[0], *place.point, temperature.transpose()));
+    return value[0];
+  }
+  if (function == "mean_temperature") {
+    return MeanOver(mesh, place.face, temperature.transpose(), 0);
+  }
+  const std::vector<int> nodes = NodesOn(mesh, place.face);
+  const Eigen::VectorXd on_face = temperature(nodes);
+  return function == "max_temperature" ? on_face.maxCoeff() : on_face.minCoeff();
+}
+
+// What the convections on the face carry off, and what its nodes of held temperature let out.
+double PlaceFunctions::Dissipation(const mesh::NamedFace& face) const {
+  const mesh::TetrahedralMesh& mesh = *analysis_.mesh;
+  const HeatSolution& heat = *analysis_.heat;
+  const std::vector<int> triangles = TrianglesOn(mesh, face, true);
+  double power = 0;
+  for (const Convection& convection : model_.heat->convections) {
+    std::vector<int> shared;
+    const std::vector<int> cooled = TrianglesOn(mesh, convection.face, true);
+    std::set_intersection(triangles.begin(), triangles.end(), cooled.begin(), cooled.end(),
+                          std::back_inserter(shared));
+    Integrate(mesh, shared,
+              [&](const ShapeVector& shape, const Eigen::VectorXi& nodes, double area) {
+                double temperature = 0;
+                for (Eigen::Index k = 0; k < nodes.size(); ++k) {
+                  temperature += shape[k] * heat.temperature[nodes[k]];
+                }
+                power += area * convection.coefficient * (temperature - convection.ambient);
+              });
+  }
+  for (const int node : NodesOn(mesh, face)) power -= heat.reaction[node];
+  return power;
+}
+
+}  // namespace mortise::simulator

@@ -1,0 +1,35 @@
+#include "services/simulator/subject_metrics.h"
+
+#include "absl/strings/str_cat.h"
+#include "common/base/digest.h"
+#include "common/parametric/metric_codec.h"
+#include "services/simulator/template_model.h"
+
+namespace mortise::simulator {
+
+absl::StatusOr<parametric::MetricExpressions> OwnMetricsOf(const CompiledTemplate& compiled,
+                                                           const v1::MetricDefinitions& asked) {
+  const parametric::MetricDefinitions definitions = parametric::FromProto(asked);
+  if (definitions.IsEmpty() && compiled.metrics.IsEmpty()) return parametric::MetricExpressions();
+  std::vector<parametric::NamedUnit> parameters;
+  for (const parametric::Parameter& parameter : compiled.function->parameters()) {
+    parameters.push_back({parameter.name, parameter.unit});
+  }
+  std::vector<parametric::NamedUnit> metrics;
+  for (const MetricDescription& metric : MetricsOf(*compiled.function)) {
+    metrics.push_back({metric.name, metric.unit});
+  }
+  std::vector<parametric::Finding> findings;
+  parametric::MetricExpressions expressions(definitions, compiled.metrics, parameters, metrics,
+                                            "metric_definitions", findings);
+  const absl::Status status = parametric::ToStatus(findings);
+  if (!status.ok()) return status;
+  return expressions;
+}
+
+std::string DefinitionsText(const v1::MetricDefinitions& asked) {
+  if (asked.expressions_size() == 0 && asked.points_size() == 0) return "";
+  return absl::StrCat(" with ", Sha256Hex(asked.SerializeAsString()));
+}
+
+}  // namespace mortise::simulator

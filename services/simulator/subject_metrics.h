@@ -1,0 +1,23 @@
+// The metrics of a template: those that every design has, its own, and those of a request.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "common/parametric/metric_expressions.h"
+#include "mortise/v1/metric.pb.h"
+#include "services/simulator/template_source.h"
+
+namespace mortise::simulator {
+
+// The template's own metrics and those of a request, ready to be computed. INVALID_ARGUMENT naming
+// all that is wrong with the request's, below "metric_definitions".
+absl::StatusOr<parametric::MetricExpressions> OwnMetricsOf(const CompiledTemplate& compiled,
+                                                           const v1::MetricDefinitions& asked);
+
+// What tells the definitions of one request from those of another, for caches; empty where there
+// are none.
+std::string DefinitionsText(const v1::MetricDefinitions& asked);
+
+}  // namespace mortise::simulator
