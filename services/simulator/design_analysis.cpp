@@ -2,13 +2,16 @@
 
 #include <algorithm>
 #include <chrono>
+#include <iterator>
 #include <limits>
+#include <map>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "common/base/errors.h"
 #include "common/mesh/mass_properties.h"
 #include "common/mesh/surface_check.h"
+#include "services/simulator/design_gradients.h"
 #include "services/simulator/design_solver.h"
 #include "services/simulator/mesh_analysis.h"
 #include "services/simulator/own_metrics.h"
@@ -124,7 +127,8 @@ double ValueUnderLoads(const std::string& name, const DesignModel& model,
 
 // Solves on finer meshes until the error is as wanted.
 absl::Status Refine(const DesignSolver& solver, bool heat_wanted,
-                    const DesignAnalysisOptions& options, DesignAnalysis& analysis) {
+                    const DesignAnalysisOptions& options, DesignAnalysis& analysis,
+                    std::map<std::string, Eigen::VectorXd>& gradients) {
   Refinement refinement({.wanted_error = options.wanted_error,
                          .mesh = options.mesh,
                          .memory_limit = options.elasticity.solver.memory_limit});
@@ -142,6 +146,7 @@ absl::Status Refine(const DesignSolver& solver, bool heat_wanted,
     analysis.mesh = *std::move(finer);
     analysis.cases = std::move(solved->cases);
     analysis.heat = std::move(solved->heat);
+    for (auto& [name, gradient] : solved->gradients) gradients[name] = std::move(gradient);
   }
   analysis.refinements = refinement.steps();
   analysis.shortfall = refinement.shortfall();
@@ -259,6 +264,17 @@ bool IsLoaded(const DesignModel& model) {
                      [](const Support& support) { return !support.displacement.isZero(0); });
 }
 
+bool HasGradient(const std::string& metric, const parametric::MetricExpressions& own) {
+  const parametric::MetricExpressions::Needs needs = own.NeedsOf(std::vector{metric});
+  return std::all_of(needs.metrics.begin(), needs.metrics.end(),
+                     [](const std::string& name) {
+                       return name == "mass" || name == "volume" || HasGradientUnderLoads(name);
+                     }) &&
+         std::all_of(
+             needs.calls.begin(), needs.calls.end(),
+             [](const parametric::MetricCall& call) { return HasGradientUnderLoads(call); });
+}
+
 MetricDemands DemandsOf(const std::vector<std::string>& metrics,
                         const parametric::MetricExpressions& own) {
   const parametric::MetricExpressions::Needs needs = own.NeedsOf(metrics);
@@ -303,12 +319,22 @@ absl::StatusOr<DesignAnalysis> AnalyzeDesign(const DesignModel& model,
   const parametric::MetricExpressions::Needs needs = options.own_metrics.NeedsOf(metrics);
   const bool estimates = fields || std::find(needs.metrics.begin(), needs.metrics.end(),
                                              "relative_error") != needs.metrics.end();
-  const DesignSolver solver(model, options, estimates);
+  std::vector<std::string> with_gradient;
+  std::copy_if(metrics.begin(), metrics.end(), std::back_inserter(with_gradient),
+               [&](const std::string& name) { return HasGradient(name, options.own_metrics); });
+  const DesignSolver solver(model, options, estimates, with_gradient);
+  std::map<std::string, Eigen::VectorXd> gradients;
+  if (options.motion != nullptr) {
+    gradients = {{"mass", options.motion->mass}, {"volume", options.motion->volume}};
+  }
   if (solve) {
     MORTISE_ASSIGN_OR_RETURN(SolvedDesign solved, solver.Solve(*analysis.mesh, heat));
     analysis.heat = std::move(solved.heat);
     analysis.cases = std::move(solved.cases);
-    if (options.wanted_error > 0) MORTISE_RETURN_IF_ERROR(Refine(solver, heat, options, analysis));
+    gradients.merge(solved.gradients);
+    if (options.wanted_error > 0) {
+      MORTISE_RETURN_IF_ERROR(Refine(solver, heat, options, analysis, gradients));
+    }
   } else if (heat) {
     MORTISE_ASSIGN_OR_RETURN(analysis.heat, solver.Heat(*analysis.mesh));
   }
@@ -336,6 +362,16 @@ absl::StatusOr<DesignAnalysis> AnalyzeDesign(const DesignModel& model,
     } else {
       return metric.status();
     }
+  }
+  for (const std::string& name : with_gradient) {
+    const bool is_own = options.own_metrics.Find(name) >= 0;
+    std::optional<Eigen::VectorXd> gradient;
+    if (is_own) {
+      gradient = own.Gradient(name, gradients);
+    } else if (const auto known = gradients.find(name); known != gradients.end()) {
+      gradient = known->second;
+    }
+    if (gradient && gradient->size() > 0) analysis.gradients.push_back({name, *gradient});
   }
   analysis.seconds = SecondsSince(start);
   return analysis;

@@ -50,6 +50,11 @@ bool IsLoaded(const DesignModel& model);
 // relative_error.
 const std::vector<MetricDescription>& OfferedMetrics();
 
+// Whether a metric, or all that one of `own` needs, has an exact gradient on designs that say how
+// they move: mass, volume, compliance, strain_energy, max_displacement, and mean_displacement_x, _y
+// and _z of faces.
+bool HasGradient(const std::string& metric, const parametric::MetricExpressions& own = {});
+
 // What must be known of a design to tell some metrics of it.
 struct MetricDemands {
   bool loads = false;    // a solution under the loads
@@ -61,6 +66,8 @@ struct MetricDemands {
 // `own`: metrics that are offered besides.
 MetricDemands DemandsOf(const std::vector<std::string>& metrics,
                         const parametric::MetricExpressions& own = {});
+
+struct DesignMotion;
 
 struct DesignAnalysisOptions {
   mesh::MeshOptions mesh;
@@ -76,6 +83,9 @@ struct DesignAnalysisOptions {
   // Metrics that are offered besides, and the parameters that they speak of.
   parametric::MetricExpressions own_metrics = {};
   Eigen::VectorXd parameters = {};
+  // How the model changes with the parameters: with it, exact gradients of those metrics that have
+  // one (HasGradient) are computed besides. It must outlive the call.
+  const DesignMotion* motion = nullptr;
 };
 
 // A load case, solved.
@@ -87,8 +97,9 @@ struct SolvedCase {
 
 // All that was computed. Without a metric that needs them there are no mesh, cases, heat and modes.
 struct DesignAnalysis {
-  std::vector<Metric> metrics;     // in the order asked for
-  std::vector<std::string> notes;  // what was left out, and why
+  std::vector<Metric> metrics;            // in the order asked for
+  std::vector<MetricGradient> gradients;  // of those metrics that have one, where asked for
+  std::vector<std::string> notes;         // what was left out, and why
   std::optional<mesh::TetrahedralMesh> mesh;
   std::vector<SolvedCase> cases;  // those of the model, in its order
   std::optional<HeatSolution> heat;

@@ -4,12 +4,11 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "services/simulator/design_gradients.h"
 #include "services/simulator/mesh_analysis.h"
 
 namespace mortise::simulator {
-namespace {
 
-// What every load case of the model is: what acts in all, and its own.
 std::vector<NamedLoadCase> LoadCasesOf(const DesignModel& model) {
   const bool is_warm = model.heat && model.reference_temperature;
   const LoadCase& common = model.analysis;
@@ -26,14 +25,13 @@ std::vector<NamedLoadCase> LoadCasesOf(const DesignModel& model) {
   return load_cases;
 }
 
-}  // namespace
-
 DesignSolver::DesignSolver(const DesignModel& model, const DesignAnalysisOptions& options,
-                           bool estimates)
+                           bool estimates, std::vector<std::string> gradients)
     : model_(model),
       options_(options),
       load_cases_(LoadCasesOf(model)),
-      estimates_(estimates || options.wanted_error > 0) {}
+      estimates_(estimates || options.wanted_error > 0),
+      gradients_(std::move(gradients)) {}
 
 absl::StatusOr<HeatSolution> DesignSolver::Heat(const mesh::TetrahedralMesh& mesh) const {
   Begin("heat");
@@ -80,6 +78,18 @@ absl::StatusOr<SolvedDesign> DesignSolver::Solve(const mesh::TetrahedralMesh& me
     if (estimates_) {
       of.error = EstimateError(mesh, model_.analysis.materials, of.solution.displacement,
                                of.solution.temperature, team);
+    }
+  }
+  if (options_.motion != nullptr && !options_.motion->faces.empty() &&
+      AllowsGradients(model_, *options_.motion)) {
+    const auto needs = options_.own_metrics.NeedsOf(gradients_);
+    auto gradients = GradientsUnderLoads({mesh, model_, load_cases_, solved.cases, system, limit},
+                                         *options_.motion, needs.metrics, needs.calls);
+    // Where parts do not stay in touch there are none; everything else is a failure.
+    if (gradients.ok()) {
+      solved.gradients = *std::move(gradients);
+    } else if (!absl::IsFailedPrecondition(gradients.status())) {
+      return gradients.status();
     }
   }
   return solved;

@@ -1,6 +1,7 @@
 // Solves a design on meshes: its temperatures, and its load cases over one factor.
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -14,13 +15,20 @@ namespace mortise::simulator {
 struct SolvedDesign {
   std::optional<HeatSolution> heat;
   std::vector<SolvedCase> cases;
+  // Of those metrics and calls that were asked for, and have one; by name, or text of the call.
+  std::map<std::string, Eigen::VectorXd> gradients = {};
 };
+
+// What every load case of a model is: what acts in all, and its own.
+std::vector<NamedLoadCase> LoadCasesOf(const DesignModel& model);
 
 class DesignSolver {
  public:
   // `model` and `options` must outlive it. With `estimates`, or where a refinement is wanted, the
-  // error of each load case is estimated.
-  DesignSolver(const DesignModel& model, const DesignAnalysisOptions& options, bool estimates);
+  // error of each load case is estimated. Gradients are those of the metrics `gradients`, where
+  // the options say how the design moves.
+  DesignSolver(const DesignModel& model, const DesignAnalysisOptions& options, bool estimates,
+               std::vector<std::string> gradients = {});
 
   // The temperatures of a model that has heat; fails as SolveHeat.
   absl::StatusOr<HeatSolution> Heat(const mesh::TetrahedralMesh& mesh) const;
@@ -37,6 +45,7 @@ class DesignSolver {
   const DesignAnalysisOptions& options_;
   const std::vector<NamedLoadCase> load_cases_;
   const bool estimates_;
+  const std::vector<std::string> gradients_;
 };
 
 }  // namespace mortise::simulator

@@ -61,6 +61,7 @@ struct ElasticSystem::State {
   }
 
   absl::StatusOr<Eigen::Matrix3Xd> SolveInFrames(const Eigen::Matrix3Xd& loads);
+  absl::StatusOr<Eigen::Matrix3Xd> SolveAtRest(const Eigen::Matrix3Xd& loads);
   void Summarise(ElasticitySolution& solution);
 };
 
@@ -68,13 +69,18 @@ absl::StatusOr<Eigen::Matrix3Xd> ElasticSystem::State::SolveInFrames(
     const Eigen::Matrix3Xd& loads) {
   Eigen::Matrix3Xd rest = loads;
   if (!constraints.displacement.isZero()) rest -= Multiply(constraints.displacement);
-  MORTISE_ASSIGN_OR_RETURN(Eigen::Matrix3Xd displacement, solver->Solve(rest));
+  MORTISE_ASSIGN_OR_RETURN(const Eigen::Matrix3Xd displacement, SolveAtRest(rest));
+  return displacement + constraints.displacement;
+}
+
+absl::StatusOr<Eigen::Matrix3Xd> ElasticSystem::State::SolveAtRest(const Eigen::Matrix3Xd& loads) {
+  MORTISE_ASSIGN_OR_RETURN(Eigen::Matrix3Xd displacement, solver->Solve(loads));
   if (solver->summary().kind == SolverKind::kDirect && solver->summary().residual > kRounding) {
     MORTISE_ASSIGN_OR_RETURN(const Eigen::Matrix3Xd correction,
-                             solver->Solve(FreePart(rest - Multiply(displacement))));
+                             solver->Solve(FreePart(loads - Multiply(displacement))));
     displacement += correction;
   }
-  return displacement + constraints.displacement;
+  return displacement;
 }
 
 // Reactions, energies and balances of a displacement.
@@ -154,6 +160,13 @@ absl::StatusOr<ElasticitySolution> ElasticSystem::Solve(const LoadCase& loads) {
   state.assembly_seconds = state.preparation_seconds = 0;
   Finish(solution);
   return solution;
+}
+
+absl::StatusOr<Eigen::Matrix3Xd> ElasticSystem::SolveForces(const Eigen::Matrix3Xd& forces) {
+  const NodeFrames& frames = state_->constraints.frames;
+  MORTISE_ASSIGN_OR_RETURN(Eigen::Matrix3Xd displacement,
+                           state_->SolveAtRest(frames.ToFrames(forces)));
+  return frames.ToSpace(std::move(displacement));
 }
 
 absl::StatusOr<ElasticitySolution> ElasticSystem::Combine(std::span<const CombinationTerm> terms) {

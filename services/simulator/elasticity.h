@@ -86,6 +86,10 @@ class ElasticSystem {
   // of the load at fault.
   absl::StatusOr<ElasticitySolution> Solve(const LoadCase& loads);
 
+  // Displacements under nodal forces (3 × nodes, N) where all supports are at rest: the adjoint
+  // solutions of derivatives. Fails as the linear solver does.
+  absl::StatusOr<Eigen::Matrix3Xd> SolveForces(const Eigen::Matrix3Xd& forces);
+
   // Σ factor · solution of load cases of this system, stresses and proofs included: a linear
   // combination, in which prescribed displacements are multiplied too. INVALID_ARGUMENT naming
   // "terms[i]" if a factor is not finite or a solution is of another mesh.

@@ -16,6 +16,12 @@ namespace {
 
 using MetricDescriptionMessage = v1::DesignSpace::MetricDescription;
 
+bool OffersGradient(const CompiledTemplate& compiled, const std::string& metric,
+                    const parametric::MetricExpressions& own) {
+  if (!HasGradient(metric, own)) return false;
+  return DemandsOf({metric}, own).loads ? compiled.gradients.loads : compiled.gradients.mass;
+}
+
 EvaluationSubject SubjectOf(const CompiledTemplate& compiled,
                             const parametric::MetricExpressions& own) {
   EvaluationSubject subject{.digest = compiled.digest, .queue = kSimulatorQueue};
@@ -36,13 +42,14 @@ EvaluationSubject SubjectOf(const CompiledTemplate& compiled,
     described->set_name(metric.name);
     described->set_unit(metric.unit);
     described->set_description(metric.description);
-    described->set_offers_gradient(OffersGradient(*compiled.function, metric.name));
+    described->set_offers_gradient(OffersGradient(compiled, metric.name, own));
   }
   for (const parametric::MetricDefinition& metric : own.metrics()) {
     auto* described = space.add_metrics();
     described->set_name(metric.name);
     described->set_unit(metric.unit);
     described->set_description(metric.description.empty() ? metric.expression : metric.description);
+    described->set_offers_gradient(OffersGradient(compiled, metric.name, own));
   }
   return subject;
 }

@@ -42,4 +42,34 @@ absl::StatusOr<Metric> OwnMetrics::Compute(const std::string& name) const {
   return Metric{name, own_.metrics()[static_cast<std::size_t>(index)].unit, value.value};
 }
 
+std::optional<Eigen::VectorXd> OwnMetrics::Gradient(
+    const std::string& name, const std::map<std::string, Eigen::VectorXd>& known) const {
+  // What it does not need may lack a gradient: that stays without one, and nobody looks.
+  const auto needs = own_.NeedsOf(std::span(&name, 1));
+  const auto with_gradient = [&](const auto& terms, const auto& values, const auto& wanted,
+                                 const auto& text_of,
+                                 std::vector<absl::StatusOr<Dual>>& completed) {
+    for (std::size_t i = 0; i < terms.size(); ++i) {
+      completed.push_back(values[i]);
+      if (std::find(wanted.begin(), wanted.end(), terms[i]) == wanted.end()) continue;
+      const auto gradient = known.find(text_of(terms[i]));
+      if (gradient == known.end() || !values[i].ok()) return false;
+      completed.back()->gradient = gradient->second;
+    }
+    return true;
+  };
+  std::vector<absl::StatusOr<Dual>> metrics, calls;
+  if (!with_gradient(
+          needs_.metrics, metrics_, needs.metrics, [](const std::string& metric) { return metric; },
+          metrics) ||
+      !with_gradient(
+          needs_.calls, calls_, needs.calls,
+          [](const parametric::MetricCall& call) { return ToText(call); }, calls)) {
+    return std::nullopt;
+  }
+  auto value = own_.At(own_.Find(name), parameters_, true, needs_, metrics, calls);
+  if (!value.ok()) return std::nullopt;
+  return std::move(value->gradient);
+}
+
 }  // namespace mortise::simulator

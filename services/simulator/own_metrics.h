@@ -3,6 +3,8 @@
 
 #include <Eigen/Core>
 #include <functional>
+#include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,6 +27,11 @@ class OwnMetrics {
   // One of `own` among `names`. INVALID_ARGUMENT naming the expression and what it lacks; where a
   // metric fails that it needs, as that.
   absl::StatusOr<Metric> Compute(const std::string& name) const;
+
+  // Its gradient by the chain rule from those that are known, by metric or ToText of the call;
+  // nothing if one is missing that it needs, or it has none here, as at the root of 0.
+  std::optional<Eigen::VectorXd> Gradient(
+      const std::string& name, const std::map<std::string, Eigen::VectorXd>& known) const;
 
  private:
   const parametric::MetricExpressions& own_;

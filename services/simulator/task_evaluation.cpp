@@ -192,6 +192,11 @@ absl::Status Evaluate(const v1::Task& task, const TaskSurroundings& surroundings
     if (surroundings.progress != nullptr) surroundings.progress->Iterate(iteration);
     return CheckStopped(surroundings.stop);
   };
+  DesignMotion motion;
+  if (task.gradients()) {
+    motion = KnownMotion(*compiled->function, parameters, design, model);
+    options.motion = &motion;
+  }
   const absl::StatusOr<DesignAnalysis> analyzed =
       AnalyzeDesign(model, metrics, task.fields(), options);
   if (!analyzed.ok()) return WithLeftOutParts(analyzed.status(), design);
@@ -205,9 +210,7 @@ absl::Status Evaluate(const v1::Task& task, const TaskSurroundings& surroundings
     message->set_value(metric.value);
   }
   if (task.gradients()) {
-    MORTISE_ASSIGN_OR_RETURN(const std::vector<MetricGradient> gradients,
-                             MetricGradients(*compiled->function, parameters, metrics));
-    for (const MetricGradient& gradient : gradients) {
+    for (const MetricGradient& gradient : analysis.gradients) {
       v1::Gradient* message = result.add_gradients();
       message->set_metric(gradient.metric);
       for (const double value : gradient.values) message->add_values(value);

@@ -247,20 +247,4 @@ absl::Status WithLeftOutParts(const absl::Status& failure, const EvaluatedDesign
       "supports");
 }
 
-bool OffersGradient(const templates::Template& function, const std::string& metric) {
-  return (metric == "mass" || metric == "volume") && function.OffersMassGradient();
-}
-
-absl::StatusOr<std::vector<MetricGradient>> MetricGradients(
-    const templates::Template& function, const Eigen::VectorXd& parameters,
-    const std::vector<std::string>& metrics) {
-  std::vector<MetricGradient> gradients;
-  for (const std::string& metric : metrics) {
-    if (!OffersGradient(function, metric)) continue;
-    MORTISE_ASSIGN_OR_RETURN(const parametric::MassProperties mass, function.Mass(parameters));
-    gradients.push_back({metric, metric == "mass" ? mass.mass_gradient : mass.volume_gradient});
-  }
-  return gradients;
-}
-
 }  // namespace mortise::simulator

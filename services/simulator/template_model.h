@@ -32,18 +32,4 @@ std::vector<MetricDescription> MetricsOf(const templates::Template& function);
 absl::Status WithLeftOutParts(const absl::Status& failure,
                               const parametric::EvaluatedDesign& design);
 
-// The gradient of a metric with respect to all parameters.
-struct MetricGradient {
-  std::string metric;
-  Eigen::VectorXd values;  // metric unit per parameter unit
-};
-
-// Exact gradients of those of `metrics` that offer them: mass and volume, of some templates.
-absl::StatusOr<std::vector<MetricGradient>> MetricGradients(
-    const templates::Template& function, const Eigen::VectorXd& parameters,
-    const std::vector<std::string>& metrics);
-
-// Whether MetricGradients gives the gradient of this metric.
-bool OffersGradient(const templates::Template& function, const std::string& metric);
-
 }  // namespace mortise::simulator

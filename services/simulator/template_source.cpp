@@ -84,6 +84,9 @@ absl::StatusOr<TemplateSource::Kept::Made> TemplateSource::Compile(v1::TemplateB
       .function = nullptr,
       .metrics = parametric::FromProto(parametric::MetricDefinitionsOf(bundle.template_()))};
   MORTISE_ASSIGN_OR_RETURN(compiled.function, templates::Compile(bundle));
+  const auto kind = bundle.template_().kind_case();
+  compiled.gradients = GradientsOf(
+      *compiled.function, kind == v1::Template::KIND_NOT_SET || kind == v1::Template::kAssembly);
   const std::size_t bytes = compiled.function->MemoryUse();
   return Kept::Made{std::make_shared<const CompiledTemplate>(std::move(compiled)), bytes};
 }

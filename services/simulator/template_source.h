@@ -11,6 +11,7 @@
 #include "common/parametric/metric_expressions.h"
 #include "common/rpc/channel.h"
 #include "common/templates/template.h"
+#include "services/simulator/design_motion.h"
 #include "services/simulator/shape_source.h"
 
 namespace mortise::v1 {
@@ -28,6 +29,7 @@ struct CompiledTemplate {
   bool is_exact = false;
   std::shared_ptr<const templates::Template> function;
   parametric::MetricDefinitions metrics = {};  // its own
+  OfferedGradients gradients = {};
 };
 
 // Thread safe.

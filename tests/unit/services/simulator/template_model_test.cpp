@@ -401,13 +401,5 @@ TEST(TemplateModelTest, TheCostHasTheItemsCurrency) {
   EXPECT_EQ(DetailOf(wrench.Model()->cost.status()).reason, "NO_PRICE");
 }
 
-TEST(TemplateModelTest, OnlyPartsOfferTheGradientOfMass) {
-  const Subject table = AtDefaults(templates::ShippedTemplate("templates/table"));
-  EXPECT_TRUE(OffersGradient(*table.function, "mass"));
-  EXPECT_FALSE(OffersGradient(*table.function, "max_displacement"));
-  const Subject wrench = AtDefaults(templates::ShippedTemplate("templates/wrench"));
-  EXPECT_FALSE(OffersGradient(*wrench.function, "mass"));
-}
-
 }  // namespace
 }  // namespace mortise::simulator

@@ -1,0 +1,264 @@
+// Exact gradients of designs under loads: held against beam theory, against central differences on
+// the mesh that moves along, and against those of new meshes.
+#include "services/simulator/design_gradients.h"
+
+#include <gmock/gmock.h>
+#include <google/protobuf/text_format.h>
+#include <gtest/gtest.h>
+
+#include "absl/strings/str_cat.h"
+#include "common/parametric/parameter_values.h"
+#include "common/templates/template_codec.h"
+#include "services/simulator/design_motion.h"
+#include "services/simulator/design_solver.h"
+#include "services/simulator/subject_metrics.h"
+#include "services/simulator/template_model.h"
+#include "tests/unit/common/templates/conditioned_bars.h"
+
+namespace mortise::simulator {
+namespace {
+
+constexpr char kTip[] =
+    "expressions { name: 'tip' unit: 'm' expression: "
+    "\"mean_displacement_z('end')\" } "
+    "expressions { name: 'trade' unit: 'J kg' expression: "
+    "\"compliance * mass * (1 + length / width) + mass * '1 N' * tip\" } ";
+
+// A cantilever of length x width x height along x, clamped at x = 0, with forces at its end that
+// may depend on its length.
+v1::TemplateBundle Cantilever(const std::string& force, const std::string& more = "") {
+  const auto parameter = [](const std::string& name, double low, double high, double value) {
+    return absl::StrCat("parameters { name: '", name, "' unit: 'm' minimum: ", low,
+                        " maximum: ", high, " default_value: ", value, " } ");
+  };
+  return templates::BarOf(
+      absl::StrCat(
+          "title: 'Beam' ", parameter("length", 0.2, 0.8, 0.6),
+          parameter("width", 0.02, 0.06, 0.04), parameter("height", 0.02, 0.06, 0.03),
+          "parts { name: 'bar' item: 'items/spruce-planed-2400' length_axis: X thickness_axis: Z "
+          "box { x { from: '0' to: 'length' } y { from: '0' to: 'width' } "
+          "z { from: '0' to: 'height' } } } "
+          "boundary_conditions { name: 'wall' kind: FIXED part: 'bar' face: 'x_min' } "
+          "boundary_conditions { name: 'end' kind: FORCE part: 'bar' face: 'x_max' "
+          "components: '0' components: '0' components: '",
+          force, "' } ", more),
+      {.poissons_ratio = 0.3});
+}
+
+struct Subject {
+  CompiledTemplate compiled;
+  parametric::MetricExpressions own;
+
+  Eigen::VectorXd Defaults() const { return parametric::Defaults(compiled.function->parameters()); }
+  parametric::EvaluatedDesign At(const Eigen::VectorXd& q) const {
+    auto design = compiled.function->Evaluate(q);
+    EXPECT_TRUE(design.ok()) << design.status();
+    return *std::move(design);
+  }
+  // Without `joined` it is for meshes that are there.
+  DesignModel ModelAt(const Eigen::VectorXd& q, bool joined = true) const {
+    auto model = MakeDesignModel(*compiled.function, q, At(q), joined);
+    EXPECT_TRUE(model.ok()) << model.status();
+    return *std::move(model);
+  }
+};
+
+Subject SubjectOf(v1::TemplateBundle bundle, const std::string& definitions = kTip) {
+  EXPECT_EQ(templates::Complete(bundle, templates::Trial::kDefaults), absl::OkStatus());
+  Subject subject;
+  auto function = templates::Compile(bundle);
+  EXPECT_TRUE(function.ok()) << function.status();
+  subject.compiled.function = *function;
+  v1::MetricDefinitions asked;
+  EXPECT_TRUE(google::protobuf::TextFormat::ParseFromString(definitions, &asked));
+  auto own = OwnMetricsOf(subject.compiled, asked);
+  EXPECT_TRUE(own.ok()) << own.status();
+  subject.own = *std::move(own);
+  return subject;
+}
+
+DesignAnalysisOptions OptionsOf(const Subject& subject, const Eigen::VectorXd& q,
+                                double element_size, bool quadratic) {
+  DesignAnalysisOptions options;
+  options.mesh.element_size = element_size;
+  options.mesh.quadratic = quadratic;
+  options.elasticity.solver.kind = SolverKind::kDirect;
+  options.own_metrics = subject.own;
+  options.parameters = q;
+  return options;
+}
+
+DesignAnalysis WithGradients(const Subject& subject, const Eigen::VectorXd& q,
+                             const std::vector<std::string>& metrics, double element_size,
+                             bool quadratic) {
+  const DesignModel model = subject.ModelAt(q);
+  const DesignMotion motion = KnownMotion(*subject.compiled.function, q, subject.At(q), model);
+  EXPECT_FALSE(motion.faces.empty());
+  DesignAnalysisOptions options = OptionsOf(subject, q, element_size, quadratic);
+  options.motion = &motion;
+  auto analysis = AnalyzeDesign(model, metrics, false, options);
+  EXPECT_TRUE(analysis.ok()) << analysis.status();
+  return *std::move(analysis);
+}
+
+double ValueOf(const DesignAnalysis& analysis, const std::string& name) {
+  for (const Metric& metric : analysis.metrics) {
+    if (metric.name == name) return metric.value;
+  }
+  ADD_FAILURE() << "there is no " << name;
+  return 0;
+}
+
+// The mesh of an analysis as its nodes follow the parameters.
+class MovingMesh {
+ public:
+  MovingMesh(const Subject& subject, const Eigen::VectorXd& q, const DesignAnalysis& analysis)
+      : subject_(subject), q_(q), mesh_(*analysis.mesh) {
+    const auto motion =
+        MotionOf(*subject.compiled.function, q, subject.At(q), subject.ModelAt(q, false));
+    EXPECT_TRUE(motion.ok()) << motion.status();
+    auto velocities = NodeVelocities(mesh_, motion->faces, static_cast<int>(q.size()), 1e9);
+    EXPECT_TRUE(velocities.ok()) << velocities.status();
+    velocities_ = *std::move(velocities);
+  }
+
+  // What comes of the design when parameter k is changed by `step`.
+  DesignAnalysis At(int k, double step) const {
+    Eigen::VectorXd q = q_;
+    q[k] += step;
+    const DesignModel model = subject_.ModelAt(q, false);
+    DesignAnalysis moved;
+    moved.mesh = mesh_;
+    moved.mesh->nodes += step * velocities_[static_cast<std::size_t>(k)];
+    const DesignAnalysisOptions options = OptionsOf(subject_, q, 1, mesh_.IsQuadratic());
+    auto solved = DesignSolver(model, options, false).Solve(*moved.mesh, false);
+    EXPECT_TRUE(solved.ok()) << solved.status();
+    moved.cases = std::move(solved->cases);
+    return moved;
+  }
+
+ private:
+  const Subject& subject_;
+  const Eigen::VectorXd q_;
+  const mesh::TetrahedralMesh mesh_;
+  std::vector<Eigen::Matrix3Xd> velocities_;
+};
+
+double ComplianceOf(const DesignAnalysis& analysis) {
+  double largest = 0;
+  for (const SolvedCase& solved : analysis.cases) {
+    largest = std::max(largest, solved.solution.summary.compliance);
+  }
+  return largest;
+}
+
+double LargestDisplacement(const DesignAnalysis& analysis) {
+  return analysis.cases.at(0).solution.summary.maximum_displacement;
+}
+
+// Euler and Bernoulli: F L³ / (3 E I), I = b h³ / 12, so the logarithmic derivatives are 3, -1, -3.
+TEST(DesignGradients, OfACantileverAreThoseOfBeamTheory) {
+  const Subject beam = SubjectOf(Cantilever("-10"));
+  const Eigen::VectorXd q = beam.Defaults();
+  const DesignAnalysis analysis = WithGradients(beam, q, {"tip", "mass"}, 0.02, true);
+  ASSERT_EQ(analysis.gradients.size(), 2u);
+  const Eigen::Vector3d powers(3, -1, -3);
+  for (int k = 0; k < 3; ++k) {
+    const double power = analysis.gradients[0].values[k] * q[k] / ValueOf(analysis, "tip");
+    EXPECT_NEAR(power, powers[k], 0.02 * std::abs(powers[k])) << k;
+    const double mass = analysis.gradients[1].values[k] * q[k] / ValueOf(analysis, "mass");
+    EXPECT_NEAR(mass, 1, 1e-9) << k;
+  }
+}
+
+TEST(DesignGradients, AreThoseOfDifferencesOnTheMeshThatMovesAlong) {
+  const std::string pressed =
+      "boundary_conditions { name: 'wind' kind: PRESSURE part: 'bar' face: 'y_max' "
+      "components: '30 / width' } boundary_conditions { name: 'down' kind: GRAVITY "
+      "components: '0' components: '0' components: '-9.81 * length' } ";
+  for (const bool quadratic : {false, true}) {
+    const Subject beam = SubjectOf(Cantilever("-10 * length ^ 2", pressed));
+    const Eigen::VectorXd q = beam.Defaults();
+    const DesignAnalysis analysis = WithGradients(
+        beam, q, {"compliance", "max_displacement", "strain_energy"}, 0.04, quadratic);
+    ASSERT_EQ(analysis.gradients.size(), 3u);
+    const MovingMesh moving(beam, q, analysis);
+    for (int k = 0; k < q.size(); ++k) {
+      const double step = 1e-5 * q[k];
+      const DesignAnalysis plus = moving.At(k, step);
+      const DesignAnalysis minus = moving.At(k, -step);
+      const double compliance = (ComplianceOf(plus) - ComplianceOf(minus)) / (2 * step);
+      EXPECT_NEAR(analysis.gradients[0].values[k], compliance, 1e-6 * std::abs(compliance));
+      const double largest = (LargestDisplacement(plus) - LargestDisplacement(minus)) / (2 * step);
+      EXPECT_NEAR(analysis.gradients[1].values[k], largest, 1e-6 * std::abs(largest));
+      EXPECT_NEAR(analysis.gradients[2].values[k], compliance / 2, 1e-6 * std::abs(compliance));
+    }
+  }
+}
+
+// A design of nine parts, whose legs move with the corners of its top.
+TEST(DesignGradients, OfPartsThatTouchAreThoseOfDifferences) {
+  const Subject table = SubjectOf(templates::ShippedTemplate("templates/table"), "");
+  const Eigen::VectorXd q = table.Defaults();
+  const DesignAnalysis analysis = WithGradients(table, q, {"compliance", "mass"}, 0.3, false);
+  ASSERT_EQ(analysis.gradients.size(), 2u);
+  const MovingMesh moving(table, q, analysis);
+  for (int k = 0; k < q.size(); ++k) {
+    const double step = 1e-5 * q[k];
+    const double difference =
+        (ComplianceOf(moving.At(k, step)) - ComplianceOf(moving.At(k, -step))) / (2 * step);
+    EXPECT_NEAR(analysis.gradients[0].values[k], difference, 2e-6 * std::abs(difference)) << k;
+  }
+}
+
+TEST(DesignGradients, AreNearThoseOfNewMeshes) {
+  const Subject beam = SubjectOf(Cantilever("-10"));
+  const Eigen::VectorXd q = beam.Defaults();
+  const std::vector<std::string> metrics{"compliance", "tip", "max_displacement", "trade"};
+  const DesignAnalysis analysis = WithGradients(beam, q, metrics, 0.03, true);
+  ASSERT_EQ(analysis.gradients.size(), metrics.size());
+  for (int k = 0; k < q.size(); ++k) {
+    const double step = 0.02 * q[k];
+    const auto at = [&](double by) {
+      Eigen::VectorXd moved = q;
+      moved[k] += by;
+      auto analyzed =
+          AnalyzeDesign(beam.ModelAt(moved), metrics, false, OptionsOf(beam, moved, 0.03, true));
+      EXPECT_TRUE(analyzed.ok()) << analyzed.status();
+      return *std::move(analyzed);
+    };
+    const DesignAnalysis plus = at(step), minus = at(-step);
+    for (std::size_t i = 0; i < metrics.size(); ++i) {
+      const double difference =
+          (ValueOf(plus, metrics[i]) - ValueOf(minus, metrics[i])) / (2 * step);
+      EXPECT_NEAR(analysis.gradients[i].values[k], difference, 0.02 * std::abs(difference))
+          << metrics[i];
+    }
+  }
+}
+
+TEST(DesignGradients, AreLeftOutWhereNobodyKnowsThem) {
+  const Subject beam = SubjectOf(Cantilever("-10"));
+  const Eigen::VectorXd q = beam.Defaults();
+  const DesignAnalysis analysis =
+      WithGradients(beam, q, {"mass", "max_von_mises", "compliance"}, 0.04, false);
+  ASSERT_EQ(analysis.gradients.size(), 2u);
+  EXPECT_EQ(analysis.gradients[0].metric, "mass");
+  EXPECT_EQ(analysis.gradients[1].metric, "compliance");
+  EXPECT_TRUE(GradientsOf(*beam.compiled.function, true).loads);
+  const Subject turning =
+      SubjectOf(Cantilever("-10",
+                           "boundary_conditions { name: 'spin' kind: ROTATION components: '0' "
+                           "components: '0' components: '0' components: '0' components: '0' "
+                           "components: '1' } "));
+  EXPECT_FALSE(GradientsOf(*turning.compiled.function, true).loads);
+  EXPECT_TRUE(GradientsOf(*turning.compiled.function, true).mass);
+  const Subject boat = SubjectOf(templates::ShippedTemplate("templates/boat"), "");
+  EXPECT_FALSE(GradientsOf(*boat.compiled.function, false).loads);
+  EXPECT_TRUE(GradientsOf(*boat.compiled.function, false).mass);
+  const Subject wrench = SubjectOf(templates::ShippedTemplate("templates/wrench"), "");
+  EXPECT_FALSE(GradientsOf(*wrench.compiled.function, false).mass);
+}
+
+}  // namespace
+}  // namespace mortise::simulator
