@@ -56,12 +56,13 @@ absl::Status FieldSources::Name(const absl::Status& status) const {
   const std::string field = detail.field;
   detail.field = SourceOf(field);
   if (detail.field == field) return status;
+  // Failures begin with the field, and a colon or, of what is too large, a blank.
   absl::string_view message = status.message();
-  const bool names_field = absl::ConsumePrefix(&message, field + ": ");
-  return WithDetail(
-      absl::Status(status.code(),
-                   names_field ? absl::StrCat(detail.field, ": ", message) : std::string(message)),
-      detail);
+  const bool names_field = absl::ConsumePrefix(&message, field) &&
+                           (absl::StartsWith(message, ": ") || absl::StartsWith(message, " "));
+  return WithDetail(absl::Status(status.code(), names_field ? absl::StrCat(detail.field, message)
+                                                            : std::string(status.message())),
+                    detail);
 }
 
 }  // namespace mortise::cli

@@ -49,6 +49,10 @@ TEST(FieldSources, LeavesTheRestAsItIs) {
   EXPECT_EQ(DetailOf(large).field, "--kerf");
 }
 
+TEST(FieldSources, NamesWhatIsTooLarge) {
+  EXPECT_EQ(Sources().Name(TooLarge("rules.kerf", "1 m")).message(), "--kerf is larger than 1 m");
+}
+
 TEST(FieldSources, NamesEveryFinding) {
   const auto named = ViolationsOf(
       Sources().Name(InvalidFields({{"parameters[0].value", "a"}, {"rules.trim", "b"}})));
