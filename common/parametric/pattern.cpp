@@ -1,6 +1,7 @@
 #include "common/parametric/pattern.h"
 
 #include <algorithm>
+#include <boost/dynamic_bitset.hpp>
 #include <cmath>
 #include <map>
 #include <tuple>
@@ -97,13 +98,26 @@ bool IsBetter(const Candidate& a, const Candidate& b, double tolerance) {
   return a.parts < b.parts;
 }
 
+// Of each part, what patterns that it is in might lose: PatternExclusions::easily_lost.
+using LostBy = std::map<int, boost::dynamic_bitset<>>;
+
+LostBy ByPart(const EasilyLost& easily_lost, std::size_t parts) {
+  LostBy lost_by;
+  for (const auto& [part, lost] : easily_lost) {
+    boost::dynamic_bitset<>& by_part = lost_by[part];
+    by_part.resize(parts);
+    by_part.set(static_cast<std::size_t>(lost));
+  }
+  return lost_by;
+}
+
 class PatternSearch {
  public:
-  PatternSearch(const Assembly& assembly, std::vector<int> parts, const EasilyLost& easily_lost,
+  PatternSearch(const Assembly& assembly, std::vector<int> parts, const LostBy& lost_by,
                 double tolerance)
       : assembly_(assembly),
         parts_(std::move(parts)),
-        easily_lost_(easily_lost),
+        lost_by_(lost_by),
         tolerance_(tolerance),
         places_(assembly, parts_, tolerance) {}
 
@@ -183,14 +197,18 @@ class PatternSearch {
 
   // Whether something that has been lost by such patterns touches the parts in part.
   bool MightLose(const Candidate& candidate) const {
-    if (easily_lost_.empty()) return false;
-    const std::vector<PartialContact> partial =
-        FindPartialContacts(assembly_, candidate.directions, candidate.parts, tolerance_);
-    return std::any_of(partial.begin(), partial.end(), [&](const PartialContact& contact) {
-      return std::any_of(candidate.parts.begin(), candidate.parts.end(), [&](int part) {
-        return easily_lost_.count({part, contact.part}) != 0;
-      });
-    });
+    boost::dynamic_bitset<> lost(assembly_.parts.size());  // by patterns of any of the parts
+    for (const int part : candidate.parts) {
+      const auto by_part = lost_by_.find(part);
+      if (by_part != lost_by_.end()) lost |= by_part->second;
+    }
+    std::vector<int> others;
+    for (auto other = lost.find_first(); other != lost.npos; other = lost.find_next(other)) {
+      others.push_back(static_cast<int>(other));
+    }
+    return !FindPartialContactsWith(others, assembly_, candidate.directions, candidate.parts,
+                                    tolerance_)
+                .empty();
   }
 
   // From `first`, as long as parts follow each other at `spacing`.
@@ -259,7 +277,7 @@ class PatternSearch {
 
   const Assembly& assembly_;
   const std::vector<int> parts_;
-  const EasilyLost& easily_lost_;
+  const LostBy& lost_by_;
   const double tolerance_;
   const Places places_;
   std::vector<Candidate> rows_;
@@ -311,11 +329,11 @@ Pattern PatternOf(const Assembly& assembly, const Candidate& candidate) {
 std::vector<FoundPattern> FindPatterns(const Assembly& assembly, double tolerance,
                                        const PatternExclusions& exclusions) {
   std::vector<FoundPattern> found;
+  const LostBy lost_by = ByPart(exclusions.easily_lost, assembly.parts.size());
   for (std::vector<int> kind : IdenticalParts(assembly, tolerance)) {
     std::erase_if(kind, [&](int part) { return exclusions.lone.count(part) != 0; });
     while (static_cast<int>(kind.size()) >= kFewest) {
-      const Candidate best =
-          PatternSearch(assembly, kind, exclusions.easily_lost, tolerance).Best();
+      const Candidate best = PatternSearch(assembly, kind, lost_by, tolerance).Best();
       if (best.parts.empty()) break;
       found.push_back({PatternOf(assembly, best), best.parts});
       std::erase_if(kind, [&](int part) {

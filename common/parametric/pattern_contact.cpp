@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <set>
 
 namespace mortise::parametric {
@@ -74,10 +75,20 @@ std::array<std::set<int>, 2> TouchedBy(const BoundingBox& box, const Assembly& a
 std::vector<PartialContact> FindPartialContacts(const Assembly& assembly,
                                                 const std::array<PatternDirection, 2>& directions,
                                                 const std::vector<int>& parts, double tolerance) {
+  std::vector<int> all(assembly.parts.size());
+  std::iota(all.begin(), all.end(), 0);
+  return FindPartialContactsWith(all, assembly, directions, parts, tolerance);
+}
+
+std::vector<PartialContact> FindPartialContactsWith(
+    const std::vector<int>& others, const Assembly& assembly,
+    const std::array<PatternDirection, 2>& directions, const std::vector<int>& parts,
+    double tolerance) {
   std::vector<PartialContact> contacts;
+  if (others.empty()) return contacts;
   const BoundingBox around = BoxAround(assembly, parts);
   const Eigen::Vector3d size = BoxOf(assembly, parts.front()).size();
-  for (int other = 0; other < static_cast<int>(assembly.parts.size()); ++other) {
+  for (const int other : others) {
     const AssemblyPart& part = assembly.parts[static_cast<std::size_t>(other)];
     if (!Touch(part.box, around, tolerance)) continue;
     if (std::find(parts.begin(), parts.end(), other) != parts.end()) continue;

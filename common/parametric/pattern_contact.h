@@ -28,4 +28,10 @@ std::vector<PartialContact> FindPartialContacts(const Assembly& assembly,
                                                 const std::array<PatternDirection, 2>& directions,
                                                 const std::vector<int>& parts, double tolerance);
 
+// The same, of `others` only, parts of the assembly.
+std::vector<PartialContact> FindPartialContactsWith(
+    const std::vector<int>& others, const Assembly& assembly,
+    const std::array<PatternDirection, 2>& directions, const std::vector<int>& parts,
+    double tolerance);
+
 }  // namespace mortise::parametric
