@@ -122,6 +122,7 @@ class ConnectionRelationships {
           break;
         case RelationshipKind::kSize:
         case RelationshipKind::kRepeat:
+        case RelationshipKind::kProportion:
           (found.equality ? required_ : inequalities_).push_back(std::move(found));
           break;
       }

@@ -15,6 +15,7 @@ namespace {
 
 constexpr double kFurthest =
     0.01;  // m; gaps between solids in each other's boxes are not measured beyond
+constexpr double kSame = 1e-3;  // of the tolerance: two parts stand as they are drawn
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 }  // namespace
@@ -39,10 +40,10 @@ ContactCheck::ContactCheck(Assembly assembly, std::vector<Element> elements, dou
     : assembly_(std::move(assembly)),
       elements_(std::move(elements)),
       tolerance_(tolerance),
-      poses_(PosesOf(assembly_)) {
-  const Eigen::VectorXd drawn = DrawnParameters(assembly_, elements_);
+      poses_(PosesOf(assembly_)),
+      drawn_(DrawnParameters(assembly_, elements_)) {
   for (const Pose& pose : poses_) {
-    const Parts parts = PartsIn(pose, drawn);
+    const Parts parts = PartsIn(pose, drawn_);
     std::vector<Meeting> meetings(elements_.size() * elements_.size());
     for (const auto& [a, b] : PairsIn(pose)) {
       meetings[PairIndex(a, b)] = MeetingOf(parts[a], parts[b]);
@@ -51,7 +52,7 @@ ContactCheck::ContactCheck(Assembly assembly, std::vector<Element> elements, dou
   }
   for (std::size_t e = 0; e < elements_.size(); ++e) {
     std::array<Neighbours, 2> met;
-    const std::array<double, 2> gaps = NeighbourGaps(e, drawn);
+    const std::array<double, 2> gaps = NeighbourGaps(e, drawn_);
     for (std::size_t i = 0; i < 2; ++i) {
       met[i] = {.touched = gaps[i] <= tolerance_, .intersected = gaps[i] < -tolerance_};
     }
@@ -91,6 +92,7 @@ absl::StatusOr<std::vector<ContactFault>> ContactCheck::FaultsAt(const Eigen::Ve
     for (const auto& [a, b] : PairsIn(poses_[p])) {
       const Meeting& meeting = meetings_[p][PairIndex(a, b)];
       if (!meeting.any && !around[a].intersects(around[b])) continue;
+      if (StandAsDrawn(poses_[p], a, b, q)) continue;
       ContactFault fault;
       fault.pose = poses_[p].name;
       fault.first_element = static_cast<int>(a);
@@ -99,6 +101,28 @@ absl::StatusOr<std::vector<ContactFault>> ContactCheck::FaultsAt(const Eigen::Ve
     }
   }
   return faults;
+}
+
+bool ContactCheck::StandAsDrawn(const Pose& pose, std::size_t a, std::size_t b,
+                                const Eigen::VectorXd& q) const {
+  if (elements_[a].pattern || elements_[b].pattern) return false;
+  const double same = kSame * tolerance_;
+  const auto drawn = [&](int variable) { return drawn_[variable]; };
+  const int first = static_cast<int>(a), second = static_cast<int>(b);
+  return std::all_of(kAxes.begin(), kAxes.end(), [&](Axis axis) {
+    const int size_a = SizeVariable(first, axis), size_b = SizeVariable(second, axis);
+    const int center_a = CenterVariable(first, axis), center_b = CenterVariable(second, axis);
+    const double factor = q[size_a] / drawn(size_a);
+    if (std::abs(q[size_b] - factor * drawn(size_b)) > same) return false;
+    const auto is_kept = [&](int of, int to) {
+      return std::abs(q[of] - q[to] - factor * (drawn(of) - drawn(to))) <= same;
+    };
+    if (!is_kept(center_a, center_b)) return false;
+    if (pose.joint < 0) return true;
+    // Turned, only what keeps its size is stretched by one map.
+    return std::abs(q[size_a] - drawn(size_a)) <= same &&
+           is_kept(center_a, JointVariable(elements_.size(), pose.joint, axis));
+  });
 }
 
 Eigen::AlignedBox3d ContactCheck::BoxAround(const std::vector<Part>& parts) {

@@ -92,6 +92,9 @@ class ContactCheck {
   // part of it for parts with shapes, and only asked for where it matters.
   double SeparationOf(const Part& a, const Part& b, bool how_deep) const;
   static const mesh::ProbedSurface& Probed(const Part& part);
+  // Whether one map along the axes stretches both from where they are drawn: nothing can be wrong
+  // between them that is not as drawn.
+  bool StandAsDrawn(const Pose& pose, std::size_t a, std::size_t b, const Eigen::VectorXd& q) const;
   static Eigen::AlignedBox3d BoxAround(const std::vector<Part>& parts);
   // Pairs of elements that are not in every pose as they are in the drawn one: all in that, else
   // those of which one moves.
@@ -112,6 +115,7 @@ class ContactCheck {
   std::vector<Element> elements_;
   double tolerance_;
   std::vector<Pose> poses_;
+  Eigen::VectorXd drawn_;
   std::vector<std::vector<Meeting>> meetings_;         // by pose, then PairIndex(a, b) of a <= b
   std::vector<std::array<Neighbours, 2>> neighbours_;  // of each element's pattern
 };

@@ -16,12 +16,17 @@ namespace {
 constexpr int kFewestCorners = 24;
 constexpr int kMostCorners = 250;
 constexpr int kPartsLookedAt = 4000;
+constexpr int kFitsLookedAt = 250;  // true shapes take a hundred times as long as boxes
 constexpr std::uint64_t kSeed = 1;
+constexpr double kRigid = 1e-9;  // rows of an orthonormal basis this short say that nothing moves
 
 // Corners of the set, and points on the lines from each to the next.
 absl::StatusOr<std::vector<Eigen::VectorXd>> TrialDesigns(const FeasibleSet& feasible_set,
-                                                          std::size_t parts) {
-  const int corners = std::clamp(kPartsLookedAt / static_cast<int>(std::max<std::size_t>(parts, 1)),
+                                                          std::size_t parts, std::size_t fits) {
+  const auto share = [](int looked_at, std::size_t of) {
+    return looked_at / static_cast<int>(std::max<std::size_t>(of, 1));
+  };
+  const int corners = std::clamp(std::min(share(kPartsLookedAt, parts), share(kFitsLookedAt, fits)),
                                  kFewestCorners, kMostCorners);
   MORTISE_ASSIGN_OR_RETURN(std::vector<Eigen::VectorXd> designs,
                            feasible_set.Corners(corners, kSeed));
@@ -34,37 +39,103 @@ absl::StatusOr<std::vector<Eigen::VectorXd>> TrialDesigns(const FeasibleSet& fea
   return designs;
 }
 
+// Pairs of elements, lower first.
+using Pairs = std::set<std::pair<int, int>>;
+
+// Whether every design has both elements as they are drawn, but for where they stand together.
+bool AreRigid(const FeasibleSet& feasible_set, int a, int b) {
+  const Eigen::MatrixXd& basis = feasible_set.basis();
+  const auto moves = [&](const Eigen::RowVectorXd& row) { return row.norm() > kRigid; };
+  return std::none_of(kAxes.begin(), kAxes.end(), [&](Axis axis) {
+    return moves(basis.row(SizeVariable(a, axis))) || moves(basis.row(SizeVariable(b, axis))) ||
+           moves(basis.row(CenterVariable(a, axis)) - basis.row(CenterVariable(b, axis)));
+  });
+}
+
+// Those whose boxes meet as drawn, one of them with a shape, that are not rigid.
+Pairs FitsToTry(const Assembly& assembly, const std::vector<Element>& elements,
+                const FeasibleSet& feasible_set, double tolerance) {
+  const auto has_shape = [&](const Element& element) {
+    return assembly.parts[static_cast<std::size_t>(element.parts.front())].shape != nullptr;
+  };
+  Pairs pairs;
+  for (std::size_t a = 0; a < elements.size(); ++a) {
+    for (std::size_t b = a + 1; b < elements.size(); ++b) {
+      if (!has_shape(elements[a]) && !has_shape(elements[b])) continue;
+      const Eigen::Vector3d gap = (elements[a].box.center() - elements[b].box.center()).cwiseAbs() -
+                                  (elements[a].box.size() + elements[b].box.size()) / 2;
+      if (gap.maxCoeff() > tolerance) continue;
+      const std::pair<int, int> pair(static_cast<int>(a), static_cast<int>(b));
+      if (!AreRigid(feasible_set, pair.first, pair.second)) pairs.insert(pair);
+    }
+  }
+  return pairs;
+}
+
+// The assembly with no shapes but those of the elements that are to be tried.
+Assembly WithShapesOf(const Pairs& pairs, const std::vector<Element>& elements, Assembly assembly) {
+  std::set<int> kept;
+  for (const auto& [a, b] : pairs) {
+    for (const int element : {a, b}) {
+      const std::vector<int>& parts = elements[static_cast<std::size_t>(element)].parts;
+      kept.insert(parts.begin(), parts.end());
+    }
+  }
+  for (std::size_t i = 0; i < assembly.parts.size(); ++i) {
+    if (kept.count(static_cast<int>(i)) == 0) assembly.parts[i].shape = nullptr;
+  }
+  return assembly;
+}
+
 class Trial {
  public:
-  Trial(const Assembly& assembly, const std::vector<Element>& elements, const Remedies& known,
-        double tolerance)
+  Trial(const Assembly& assembly, const std::vector<Element>& elements, Pairs fits,
+        const Remedies& known, double tolerance)
       : assembly_(assembly),
         elements_(elements),
+        fits_(std::move(fits)),
         known_(known),
         tolerance_(tolerance),
         drawn_(DrawnParameters(assembly, elements)) {}
 
   void Remedy(const ContactFault& fault) {
-    if (!KeepApart(fault)) GiveUpPatterns(fault);
+    if (!KeepMeeting(fault) && !Fit(fault)) GiveUpPatterns(fault);
   }
+
+  // Whether some parts are to be fitted: what else is tried before they are is of no use.
+  bool HasFitted() const { return !remedies_.precautions.fitted.empty(); }
 
   Remedies TakeRemedies() { return std::move(remedies_); }
 
  private:
   const Element& At(int element) const { return elements_[static_cast<std::size_t>(element)]; }
 
-  bool KeepApart(const ContactFault& fault) {
-    if (fault.kind != ContactFault::Kind::kPenetration || fault.pose.empty()) return false;
+  // In a rest pose, as they meet in it as drawn: apart, or touching.
+  bool KeepMeeting(const ContactFault& fault) {
+    if (fault.pose.empty()) return false;
+    const bool is_lost = fault.kind == ContactFault::Kind::kLostContact;
     const std::vector<Pose> poses = PosesOf(assembly_);
     const auto pose = std::find_if(poses.begin(), poses.end(),
                                    [&](const Pose& one) { return one.name == fault.pose; });
     const double apart =
         Separation(BoxIn(*pose, assembly_, elements_, fault.first_element, drawn_),
                    BoxIn(*pose, assembly_, elements_, fault.second_element, drawn_));
-    const KeptApart pair{fault.pose, At(fault.first_element).parts.front(),
+    const PosedPair pair{fault.pose, At(fault.first_element).parts.front(),
                          At(fault.second_element).parts.front()};
-    if (apart < -tolerance_ || known_.kept_apart.count(pair) != 0) return false;
-    remedies_.kept_apart.insert(pair);
+    const auto kept = is_lost ? &Precautions::kept_touching : &Precautions::kept_apart;
+    if (apart < -tolerance_ || (is_lost && apart > tolerance_)) return false;
+    if ((known_.precautions.*kept).count(pair) != 0) return false;
+    (remedies_.precautions.*kept).insert(pair);
+    return true;
+  }
+
+  bool Fit(const ContactFault& fault) {
+    const std::pair<int, int> pair = std::minmax(fault.first_element, fault.second_element);
+    if (fits_.count(pair) == 0 || At(pair.first).pattern || At(pair.second).pattern) return false;
+    const std::pair<int, int> parts =
+        std::minmax(At(pair.first).parts.front(), At(pair.second).parts.front());
+    if (known_.precautions.fitted.count(parts) != 0) return false;
+    remedies_.precautions.fitted.insert(parts);
     return true;
   }
 
@@ -83,6 +154,7 @@ class Trial {
 
   const Assembly& assembly_;
   const std::vector<Element>& elements_;
+  const Pairs fits_;
   const Remedies& known_;
   const double tolerance_;
   const Eigen::VectorXd drawn_;
@@ -97,17 +169,17 @@ absl::StatusOr<Remedies> TryDesigns(const Assembly& assembly, const std::vector<
   const bool has_patterns =
       std::any_of(elements.begin(), elements.end(),
                   [](const Element& element) { return element.pattern.has_value(); });
-  if (!has_patterns && PosesOf(assembly).size() == 1) return Remedies();
-  Assembly boxes = assembly;
-  for (AssemblyPart& part : boxes.parts) part.shape = nullptr;
-  const ContactCheck check(std::move(boxes), elements, tolerance);
-  Trial trial(assembly, elements, known, tolerance);
+  Pairs fits = FitsToTry(assembly, elements, feasible_set, tolerance);
+  if (!has_patterns && PosesOf(assembly).size() == 1 && fits.empty()) return Remedies();
   MORTISE_ASSIGN_OR_RETURN(const std::vector<Eigen::VectorXd> designs,
-                           TrialDesigns(feasible_set, assembly.parts.size()));
+                           TrialDesigns(feasible_set, assembly.parts.size(), fits.size()));
+  const ContactCheck check(WithShapesOf(fits, elements, assembly), elements, tolerance);
+  Trial trial(assembly, elements, std::move(fits), known, tolerance);
   for (const Eigen::VectorXd& q : designs) {
     if (!check.CheckParameters(q).ok()) continue;  // more parts than anybody may ask for
     MORTISE_ASSIGN_OR_RETURN(const std::vector<ContactFault> faults, check.FaultsAt(q));
     for (const ContactFault& fault : faults) trial.Remedy(fault);
+    if (trial.HasFitted()) break;
   }
   return trial.TakeRemedies();
 }

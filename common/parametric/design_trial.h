@@ -3,7 +3,7 @@
 //
 // A grid of resizable parts may stretch beyond the board it stands on, as how many parts it has and
 // how large they are is not linear in its box; a lid at 100° has no planes along the axes that
-// could keep it clear of what it leans over.
+// could keep it clear of what it leans over; nor has a leg that is let into a seat aslant.
 #pragma once
 
 #include <set>
@@ -18,14 +18,17 @@ namespace mortise::parametric {
 
 // What makes the designs that were tried sound, parts by their index in the assembly.
 struct Remedies {
-  std::set<int> lone;              // better in no pattern: PatternExclusions::lone
-  std::set<KeptApart> kept_apart;  // to be kept apart in a rest pose
+  std::set<int> lone;  // better in no pattern: PatternExclusions::lone
+  Precautions precautions;
 };
 
-// Parts count as their boxes. Where two elements run into each other in a pose, and are apart as
-// drawn, they are to be kept apart; any other fault gives up the patterns of its elements, of
-// fasteners before those of what they fasten. Nothing of `known` is said again, nor of designs that
-// have neither patterns nor rest poses. The same designs are tried whenever the same is asked.
+// Where two elements run into each other in a pose, and their boxes are apart as drawn, they are to
+// be kept apart; where they come apart in one, and their boxes touch as drawn, to be kept touching;
+// where two that are no patterns touch as drawn, and one of them has a shape, they
+// are to stretch together; any other fault gives up the patterns of its elements, of fasteners
+// before those of what they fasten. Parts count as their boxes but for shapes that may move or
+// stretch against what they touch. Nothing of `known` is said again, nor of designs without
+// patterns, rest poses and such shapes. The same designs are tried whenever the same is asked.
 // Fails as FeasibleSet::Corners and ContactCheck::FaultsAt.
 absl::StatusOr<Remedies> TryDesigns(const Assembly& assembly, const std::vector<Element>& elements,
                                     const FeasibleSet& feasible_set, const Remedies& known,

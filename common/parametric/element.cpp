@@ -3,8 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "absl/strings/str_cat.h"
+#include "common/mesh/shape_levels.h"
+
 namespace mortise::parametric {
 namespace {
+
+constexpr double kSameFraction = 1e-9;  // of a size
 
 // The box of all parts of an element.
 BoundingBox BoxOf(const Assembly& assembly, const std::vector<int>& parts) {
@@ -31,6 +36,24 @@ void AddPlane(const AssemblyPart& part, const ProminentPlane& plane, Element& el
       {plane.name, plane.axis, (plane.position - part.box.center()[axis]) / part.box.size()[axis]});
 }
 
+// Those that are no planes of the element already, along the axes that `is_wanted` says.
+template <typename Predicate>
+void AddLevels(const AssemblyPart& part, const Predicate& is_wanted, Element& element) {
+  if (part.shape == nullptr) return;
+  std::array<int, 3> counts = {};
+  for (const mesh::ShapeLevel& level : mesh::LevelsOf(*part.shape)) {
+    const Axis axis = static_cast<Axis>(level.axis);
+    const int count = ++counts[static_cast<std::size_t>(level.axis)];
+    const bool is_plane =
+        std::any_of(element.planes.begin(), element.planes.end(), [&](const ElementPlane& plane) {
+          return plane.axis == axis && std::abs(plane.fraction - level.fraction) < kSameFraction;
+        });
+    if (is_plane || !is_wanted(axis)) continue;
+    element.levels.push_back(
+        {absl::StrCat(AxisName(axis), " level ", count), axis, level.fraction});
+  }
+}
+
 Element ElementOfPart(const Assembly& assembly, int index) {
   const AssemblyPart& part = assembly.parts[static_cast<std::size_t>(index)];
   Element element;
@@ -43,6 +66,8 @@ Element ElementOfPart(const Assembly& assembly, int index) {
   element.limits = part.limits;
   AddBoxPlanes(element);
   for (const ProminentPlane& plane : part.prominent_planes) AddPlane(part, plane, element);
+  AddLevels(
+      part, [](Axis) { return true; }, element);
   return element;
 }
 
@@ -64,9 +89,13 @@ Element ElementOfPattern(const Assembly& assembly, const FoundPattern& found, do
   }
   AddBoxPlanes(element);
   // All parts have these planes in one place, except along the pattern.
+  const auto is_shared = [&](Axis axis) {
+    return !LeadsAlong(found.pattern, static_cast<int>(axis));
+  };
   for (const ProminentPlane& plane : first.prominent_planes) {
-    if (!LeadsAlong(found.pattern, static_cast<int>(plane.axis))) AddPlane(first, plane, element);
+    if (is_shared(plane.axis)) AddPlane(first, plane, element);
   }
+  AddLevels(first, is_shared, element);
   return element;
 }
 

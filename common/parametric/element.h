@@ -41,6 +41,9 @@ struct Element {
   std::array<SizeLimits, 3> limits;
   // The six of the box, then the prominent ones; of a pattern those that all parts have in common.
   std::vector<ElementPlane> planes;
+  // Where its shape turns back besides (mesh/shape_levels.h): what neighbours that fit into it are
+  // held by. Of a pattern not along it.
+  std::vector<ElementPlane> levels;
 };
 
 // The elements of a valid assembly: its patterns, largest first, then the remaining parts in their

@@ -22,6 +22,10 @@ struct SeparatingAxis {
 // far one must be moved to be free: exact; if not, it is never above the true distance.
 SeparatingAxis FindSeparatingAxis(const OrientedBox& a, const OrientedBox& b);
 
+// A point in the middle of what two boxes have in common, if they are apart by no more than
+// `tolerance`, m; of others one between them.
+Eigen::Vector3d CommonPoint(const OrientedBox& a, const OrientedBox& b, double tolerance);
+
 // Its distance, m.
 double Separation(const OrientedBox& a, const OrientedBox& b);
 

@@ -112,24 +112,27 @@ absl::Status ParametricAssembly::FindSoundFeasibleSet() {
     return all.size() > known;
   };
   while (true) {
-    MORTISE_RETURN_IF_ERROR(FindFeasibleSet({easily_lost, remedies.lone}, remedies.kept_apart));
+    MORTISE_RETURN_IF_ERROR(FindFeasibleSet({easily_lost, remedies.lone}, remedies.precautions));
     MORTISE_ASSIGN_OR_RETURN(const EasilyLost lost,
                              FindEasilyLost(assembly_, elements_, *feasible_set_, tolerance_));
     if (has_more(easily_lost, lost)) continue;
     MORTISE_ASSIGN_OR_RETURN(const Remedies found, TryDesigns(assembly_, elements_, *feasible_set_,
                                                               remedies, tolerance_));
-    const bool has_more_lone = has_more(remedies.lone, found.lone);
-    const bool has_more_apart = has_more(remedies.kept_apart, found.kept_apart);
-    if (!has_more_lone && !has_more_apart) return absl::OkStatus();
+    Precautions& precautions = remedies.precautions;
+    bool is_sound = !has_more(remedies.lone, found.lone);
+    is_sound &= !has_more(precautions.kept_apart, found.precautions.kept_apart);
+    is_sound &= !has_more(precautions.kept_touching, found.precautions.kept_touching);
+    is_sound &= !has_more(precautions.fitted, found.precautions.fitted);
+    if (is_sound) return absl::OkStatus();
   }
 }
 
 absl::Status ParametricAssembly::FindFeasibleSet(const PatternExclusions& exclusions,
-                                                 const std::set<KeptApart>& kept_apart) {
+                                                 const Precautions& precautions) {
   elements_ = MakeElements(assembly_, tolerance_, exclusions);
   MORTISE_ASSIGN_OR_RETURN(contacts_, FindContacts(assembly_, elements_, tolerance_));
   FollowPrincipalPatterns(elements_, contacts_, tolerance_);
-  relationships_ = FindRelationships(assembly_, elements_, contacts_, tolerance_, kept_apart);
+  relationships_ = FindRelationships(assembly_, elements_, contacts_, tolerance_, precautions);
   std::vector<Relationship> anchored = relationships_;
   for (Relationship& held : StandingInPlace(elements_)) anchored.push_back(std::move(held));
   MORTISE_ASSIGN_OR_RETURN(

@@ -144,8 +144,7 @@ class ParametricAssembly {
   // designs that are tried has a fault that could be helped.
   absl::Status FindSoundFeasibleSet();
   // Everything up to the feasible set.
-  absl::Status FindFeasibleSet(const PatternExclusions& exclusions,
-                               const std::set<KeptApart>& kept_apart);
+  absl::Status FindFeasibleSet(const PatternExclusions& exclusions, const Precautions& precautions);
   absl::Status CheckBounded() const;
   absl::StatusOr<LinearForm> FormOf(const Measure& measure, const std::string& field) const;
   absl::StatusOr<Adjustment> ComeNear(const Eigen::VectorXd& from,

@@ -66,6 +66,8 @@ v1::GeometricRelationship::Kind KindToProto(RelationshipKind kind) {
       return v1::GeometricRelationship::SIZE;
     case RelationshipKind::kRepeat:
       return v1::GeometricRelationship::REPEAT;
+    case RelationshipKind::kProportion:
+      return v1::GeometricRelationship::PROPORTION;
   }
   return v1::GeometricRelationship::KIND_UNSPECIFIED;
 }

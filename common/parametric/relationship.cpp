@@ -7,6 +7,7 @@
 #include <set>
 
 #include "absl/strings/str_cat.h"
+#include "common/parametric/fits.h"
 #include "common/parametric/rest_pose.h"
 
 namespace mortise::parametric {
@@ -21,7 +22,7 @@ class RelationshipSearch {
         tolerance_(tolerance),
         drawn_(DrawnParameters(assembly, elements)) {}
 
-  std::vector<Relationship> Find(const Contacts& contacts, const std::set<KeptApart>& kept_apart) {
+  std::vector<Relationship> Find(const Contacts& contacts, const Precautions& precautions) {
     FindSizes();
     FindSymmetries();
     for (const Pose& pose : PosesOf(assembly_)) {
@@ -34,8 +35,16 @@ class RelationshipSearch {
         FindLevel(pose, positions, axis);
         FindOrder(pose, positions, axis);
       }
-      KeepOrderOfPlanes(pose, NeighboursIn(pose, contacts, positions), positions);
-      KeepApart(pose, kept_apart);
+      const std::set<std::pair<int, int>> neighbours = NeighboursIn(pose, contacts, positions);
+      KeepOrderOfPlanes(pose, neighbours, positions);
+      for (Relationship& fit : FindFits(pose, assembly_, elements_, neighbours, tolerance_)) {
+        found_.push_back(std::move(fit));
+      }
+      KeepMeeting(pose, precautions.kept_apart, false);
+      KeepMeeting(pose, precautions.kept_touching, true);
+    }
+    for (Relationship& together : StretchTogether(assembly_, elements_, precautions.fitted)) {
+      found_.push_back(std::move(together));
     }
     return std::move(found_);
   }
@@ -64,12 +73,8 @@ class RelationshipSearch {
     return ((turn.array() != 0) && (turn.array() != 1)).any();
   }
 
-  // A pose's relationship also binds the joint's centre, which lives beside the moved group.
   int GroupFor(const Pose& pose, int a, int b) const {
-    const int common = CommonGroup(a, b);
-    if (pose.joint < 0) return common;
-    const int home = assembly_.groups[static_cast<std::size_t>(pose.moved_group)].parent;
-    return LowestCommonGroup(assembly_, common, home);
+    return GroupIn(pose, assembly_, At(a), At(b));
   }
 
   void Add(RelationshipKind kind, bool equality, LinearForm form, int group,
@@ -382,14 +387,14 @@ class RelationshipSearch {
     }
   }
 
-  // Parts that relationships along the axes do not keep clear of each other.
-  void KeepApart(const Pose& pose, const std::set<KeptApart>& kept_apart) {
+  // Parts that relationships along the axes do not keep clear of each other, or touching.
+  void KeepMeeting(const Pose& pose, const std::set<PosedPair>& kept, bool touching) {
     std::set<std::pair<int, int>> pairs;
     const std::vector<int> element_of = ElementsOfParts(assembly_, elements_);
-    for (const KeptApart& kept : kept_apart) {
-      if (kept.pose != pose.name) continue;
-      pairs.insert(std::minmax(element_of[static_cast<std::size_t>(kept.first)],
-                               element_of[static_cast<std::size_t>(kept.second)]));
+    for (const PosedPair& pair : kept) {
+      if (pair.pose != pose.name) continue;
+      pairs.insert(std::minmax(element_of[static_cast<std::size_t>(pair.first)],
+                               element_of[static_cast<std::size_t>(pair.second)]));
     }
     for (const auto& [a, b] : pairs) {
       const SeparatingAxis separating =
@@ -399,9 +404,33 @@ class RelationshipSearch {
       LinearForm overlap = ReachIn(pose, assembly_, elements_, a, separating.direction) +
                            ReachIn(pose, assembly_, elements_, b, -separating.direction);
       // The drawing may miss the contact by less than the tolerance.
-      overlap.constant -= std::max(0.0, overlap.At(drawn_));
-      Add(RelationshipKind::kOrder, false, std::move(overlap), GroupFor(pose, a, b),
-          absl::StrCat("'", At(a).name, "' clear of '", At(b).name, "' in '", pose.name, "'"));
+      if (!touching) overlap.constant -= std::max(0.0, overlap.At(drawn_));
+      Add(touching ? RelationshipKind::kCoplanar : RelationshipKind::kOrder, touching,
+          std::move(overlap), GroupFor(pose, a, b),
+          absl::StrCat("'", At(a).name, touching ? "' on '" : "' clear of '", At(b).name, "' in '",
+                       pose.name, "'"));
+      if (touching) KeepPointWithin(pose, IsMoved(pose, a) ? a : b, IsMoved(pose, a) ? b : a);
+    }
+  }
+
+  // Where one that the pose moves meets one that it does not, as drawn, stays within the other.
+  void KeepPointWithin(const Pose& pose, int moved, int still) {
+    const OrientedBox box = BoxIn(pose, assembly_, elements_, moved, drawn_);
+    const Eigen::Vector3d point =
+        CommonPoint(box, BoxIn(pose, assembly_, elements_, still, drawn_), tolerance_);
+    const Eigen::Vector3d fractions =
+        (box.axes.transpose() * (point - box.center)).array() / (2 * box.half_size.array());
+    const std::string label =
+        absl::StrCat("'", At(moved).name, "' within '", At(still).name, "' along ");
+    for (const Axis axis : kAxes) {
+      const Eigen::Vector3d along = Eigen::Vector3d::Unit(static_cast<int>(axis));
+      for (const int side : {-1, 1}) {
+        LinearForm beyond = side * PlaceIn(pose, assembly_, elements_, moved, fractions, along) +
+                            -1 * ReachIn(pose, assembly_, elements_, still, side * along);
+        beyond.constant -= std::max(0.0, beyond.At(drawn_));
+        Add(RelationshipKind::kOrder, false, std::move(beyond), GroupFor(pose, moved, still),
+            absl::StrCat(label, AxisName(axis), " where they meet in '", pose.name, "'"));
+      }
     }
   }
 
@@ -485,6 +514,8 @@ const char* RelationshipKindName(RelationshipKind kind) {
       return "size";
     case RelationshipKind::kRepeat:
       return "repeat";
+    case RelationshipKind::kProportion:
+      return "proportion";
   }
   return "";
 }
@@ -492,8 +523,8 @@ const char* RelationshipKindName(RelationshipKind kind) {
 std::vector<Relationship> FindRelationships(const Assembly& assembly,
                                             const std::vector<Element>& elements,
                                             const Contacts& contacts, double tolerance,
-                                            const std::set<KeptApart>& kept_apart) {
-  return RelationshipSearch(assembly, elements, tolerance).Find(contacts, kept_apart);
+                                            const Precautions& precautions) {
+  return RelationshipSearch(assembly, elements, tolerance).Find(contacts, precautions);
 }
 
 }  // namespace mortise::parametric

@@ -22,9 +22,10 @@ enum class RelationshipKind {
   kOrder,       // a plane stays before another
   kSize,        // a size stays fixed, or within its limits
   kRepeat,      // two patterns that touch go on repeating together
+  kProportion,  // two elements stretch together: sizes and places stay in proportion
 };
 
-// "coplanar", "concentric", "symmetric", "order", "size" or "repeat".
+// "coplanar", "concentric", "symmetric", "order", "size", "repeat" or "proportion".
 const char* RelationshipKindName(RelationshipKind kind);
 
 struct Relationship {
@@ -36,15 +37,22 @@ struct Relationship {
   std::string description;
 };
 
-// Two parts of the assembly that stay clear of each other in a rest pose.
-struct KeptApart {
+// Two parts of the assembly in a rest pose.
+struct PosedPair {
   std::string pose;  // as Pose::name
   int first = 0;
   int second = 0;
 };
-inline bool operator<(const KeptApart& a, const KeptApart& b) {
+inline bool operator<(const PosedPair& a, const PosedPair& b) {
   return std::tie(a.pose, a.first, a.second) < std::tie(b.pose, b.first, b.second);
 }
+
+// What is known to go wrong without: see design_trial.h.
+struct Precautions {
+  std::set<PosedPair> kept_apart;        // stay clear of each other
+  std::set<PosedPair> kept_touching;     // go on touching
+  std::set<std::pair<int, int>> fitted;  // parts of the assembly that stretch together, lower first
+};
 
 // Elements that touch, by index.
 using Contacts = std::vector<std::pair<int, int>>;
@@ -59,8 +67,11 @@ using Contacts = std::vector<std::pair<int, int>>;
 // - order: what lies wholly before another along an axis stays so; of elements that touch, all
 //   planes keep their order, prominent ones too, so that the contact is not lost; likewise of
 //   elements that lie in each other's boxes without touching, so that they stay clear of each
-//   other; elements with parts that are `kept_apart` in a pose stay so along the direction that
-//   separates their boxes best as drawn, which need not be an axis;
+//   other; elements with parts that are kept apart, or touching, in a pose stay so along the
+//   direction that separates their boxes best as drawn, which need not be an axis;
+// - what touches or lies in another's box and has a shape: where shapes turn back, they stay in one
+//   place or keep their order, so that what fits into each other goes on doing so (fits.h);
+// - proportion: parts that are to be fitted stretch together;
 // - size: the limits of the items;
 // - repeat: patterns that touch and are as often and as far apart along an axis stay so: what
 //   fastens each part of a row goes on doing that.
@@ -72,6 +83,6 @@ using Contacts = std::vector<std::pair<int, int>>;
 std::vector<Relationship> FindRelationships(const Assembly& assembly,
                                             const std::vector<Element>& elements,
                                             const Contacts& contacts, double tolerance,
-                                            const std::set<KeptApart>& kept_apart = {});
+                                            const Precautions& precautions = {});
 
 }  // namespace mortise::parametric

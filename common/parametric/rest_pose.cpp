@@ -57,13 +57,18 @@ class Positions {
         elements_(elements),
         drawn_(DrawnParameters(assembly, elements)) {}
 
-  std::vector<PosedPosition> All() {
+  std::vector<PosedPosition> PlanesAndCenters() {
     for (std::size_t e = 0; e < elements_.size(); ++e) {
-      if (MovesIn(pose_, assembly_, elements_[e])) {
-        AddMoved(static_cast<int>(e));
-      } else {
-        AddStill(static_cast<int>(e));
-      }
+      const int element = static_cast<int>(e);
+      AddCenter(element);
+      AddPlanes(element, elements_[e].planes);
+    }
+    return std::move(positions_);
+  }
+
+  std::vector<PosedPosition> Levels() {
+    for (std::size_t e = 0; e < elements_.size(); ++e) {
+      AddPlanes(static_cast<int>(e), elements_[e].levels);
     }
     return std::move(positions_);
   }
@@ -86,26 +91,36 @@ class Positions {
     positions_.push_back(std::move(posed));
   }
 
-  void AddStill(int element) {
+  bool Moves(int element) const { return MovesIn(pose_, assembly_, At(element)); }
+
+  std::array<LinearForm, 3> CenterOf(int element) const {
+    if (Moves(element)) return PosedCenter(pose_, assembly_, elements_.size(), element);
+    std::array<LinearForm, 3> center;
     for (const Axis axis : kAxes) {
-      Add(element, axis, LinearForm::Variable(CenterVariable(element, axis)),
-          absl::StrCat(AxisName(axis), " centre"), true, 0);
+      center[static_cast<std::size_t>(axis)] = LinearForm::Variable(CenterVariable(element, axis));
     }
-    for (const ElementPlane& plane : At(element).planes) {
-      Add(element, plane.axis, PositionOf(element, plane), plane.name, false, plane.fraction);
-    }
+    return center;
   }
 
-  void AddMoved(int element) {
-    const Joint& joint = assembly_.joints[static_cast<std::size_t>(pose_.joint)];
-    const Eigen::Matrix3d rotation = RotationOf(joint, pose_.motion);
-    const std::array<LinearForm, 3> center =
-        PosedCenter(pose_, assembly_, elements_.size(), element);
+  void AddCenter(int element) {
+    const std::array<LinearForm, 3> center = CenterOf(element);
     for (const Axis axis : kAxes) {
       Add(element, axis, center[static_cast<std::size_t>(axis)],
           absl::StrCat(AxisName(axis), " centre"), true, 0);
     }
-    for (const ElementPlane& plane : At(element).planes) {
+  }
+
+  void AddPlanes(int element, const std::vector<ElementPlane>& planes) {
+    if (!Moves(element)) {
+      for (const ElementPlane& plane : planes) {
+        Add(element, plane.axis, PositionOf(element, plane), plane.name, false, plane.fraction);
+      }
+      return;
+    }
+    const Joint& joint = assembly_.joints[static_cast<std::size_t>(pose_.joint)];
+    const Eigen::Matrix3d rotation = RotationOf(joint, pose_.motion);
+    const std::array<LinearForm, 3> center = CenterOf(element);
+    for (const ElementPlane& plane : planes) {
       for (const Axis axis : kAxes) {
         const double entry = rotation(static_cast<int>(axis), static_cast<int>(plane.axis));
         if (std::abs(entry) != 1) continue;
@@ -188,8 +203,9 @@ OrientedBox BoxIn(const Pose& pose, const Assembly& assembly, const std::vector<
   return box;
 }
 
-LinearForm ReachIn(const Pose& pose, const Assembly& assembly, const std::vector<Element>& elements,
-                   int element, const Eigen::Vector3d& direction) {
+LinearForm PlaceIn(const Pose& pose, const Assembly& assembly, const std::vector<Element>& elements,
+                   int element, const Eigen::Vector3d& fractions,
+                   const Eigen::Vector3d& direction) {
   const bool moves = MovesIn(pose, assembly, elements[static_cast<std::size_t>(element)]);
   Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
   std::array<LinearForm, 3> center;
@@ -197,21 +213,44 @@ LinearForm ReachIn(const Pose& pose, const Assembly& assembly, const std::vector
     axes = RotationOf(assembly.joints[static_cast<std::size_t>(pose.joint)], pose.motion);
     center = PosedCenter(pose, assembly, elements.size(), element);
   }
-  LinearForm reach;
+  LinearForm place;
   for (const Axis axis : kAxes) {
     const auto index = static_cast<std::size_t>(axis);
     const int i = static_cast<int>(axis);
     if (!moves) center[index] = LinearForm::Variable(CenterVariable(element, axis));
-    reach = Combine(1, reach, direction[i], center[index]);
-    reach = Combine(1, reach, std::abs(axes.col(i).dot(direction)) / 2,
+    place = Combine(1, place, direction[i], center[index]);
+    place = Combine(1, place, fractions[i] * axes.col(i).dot(direction),
                     LinearForm::Variable(SizeVariable(element, axis)));
   }
-  return reach;
+  return place;
+}
+
+LinearForm ReachIn(const Pose& pose, const Assembly& assembly, const std::vector<Element>& elements,
+                   int element, const Eigen::Vector3d& direction) {
+  Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
+  if (MovesIn(pose, assembly, elements[static_cast<std::size_t>(element)])) {
+    axes = RotationOf(assembly.joints[static_cast<std::size_t>(pose.joint)], pose.motion);
+  }
+  const Eigen::Vector3d furthest =
+      ((axes.transpose() * direction).array() < 0).select(Eigen::Vector3d::Constant(-0.5), 0.5);
+  return PlaceIn(pose, assembly, elements, element, furthest, direction);
 }
 
 std::vector<PosedPosition> PositionsIn(const Pose& pose, const Assembly& assembly,
                                        const std::vector<Element>& elements) {
-  return Positions(pose, assembly, elements).All();
+  return Positions(pose, assembly, elements).PlanesAndCenters();
+}
+
+int GroupIn(const Pose& pose, const Assembly& assembly, const Element& a, const Element& b) {
+  const int common = LowestCommonGroup(assembly, a.group, b.group);
+  if (pose.joint < 0) return common;
+  const int home = assembly.groups[static_cast<std::size_t>(pose.moved_group)].parent;
+  return LowestCommonGroup(assembly, common, home);
+}
+
+std::vector<PosedPosition> LevelsIn(const Pose& pose, const Assembly& assembly,
+                                    const std::vector<Element>& elements) {
+  return Positions(pose, assembly, elements).Levels();
 }
 
 }  // namespace mortise::parametric

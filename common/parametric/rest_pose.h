@@ -61,6 +61,11 @@ bool MovesIn(const Pose& pose, const Assembly& assembly, const Element& element)
 OrientedBox BoxIn(const Pose& pose, const Assembly& assembly, const std::vector<Element>& elements,
                   int element, const Eigen::VectorXd& q);
 
+// Where a point that is fixed in an element's box lies along a direction in a pose: direction · x,
+// m, as a function of q. `fractions` of the box's sizes, from its middle.
+LinearForm PlaceIn(const Pose& pose, const Assembly& assembly, const std::vector<Element>& elements,
+                   int element, const Eigen::Vector3d& fractions, const Eigen::Vector3d& direction);
+
 // How far an element reaches along a direction, a unit vector, in a pose: the largest value of
 // direction · x over its box, m, as a function of q.
 LinearForm ReachIn(const Pose& pose, const Assembly& assembly, const std::vector<Element>& elements,
@@ -70,5 +75,13 @@ LinearForm ReachIn(const Pose& pose, const Assembly& assembly, const std::vector
 // no plane of the moved elements parallel to one; then only their centres are given.
 std::vector<PosedPosition> PositionsIn(const Pose& pose, const Assembly& assembly,
                                        const std::vector<Element>& elements);
+
+// The levels of all elements in a pose, as far as it leaves them at right angles to an axis.
+std::vector<PosedPosition> LevelsIn(const Pose& pose, const Assembly& assembly,
+                                    const std::vector<Element>& elements);
+
+// The lowest group that holds what a relationship of two elements in a pose binds: that of a pose
+// also binds the joint's centre, which lives beside the moved group.
+int GroupIn(const Pose& pose, const Assembly& assembly, const Element& a, const Element& b);
 
 }  // namespace mortise::parametric

@@ -5,7 +5,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <string>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "common/parametric/parametric_assembly.h"
@@ -85,13 +87,50 @@ TEST(DesignTrial, ALidThatLeansStaysClearOfWhatItLeansOver) {
   ExpectSound(made);
 }
 
+// An arm that comes to rest on the edge of a stop, at an angle that leaves it no planes along the
+// axes.
+Assembly ArmOnAStop(double angle) {
+  const double length = 0.5, thick = 0.03;
+  // The lower face of the arm, 0.4 m from its hinge.
+  const Eigen::Vector3d hinge(0, 0.05, 0.6), along(std::cos(angle), 0, -std::sin(angle));
+  const Eigen::Vector3d edge = hinge + 0.4 * along;
+  Assembly stop =
+      Named("arm", {ResizablePart("post", {-0.04, 0, 0}, {0, 0.1, 0.7}),
+                    ResizablePart("floor", {-0.04, 0, -0.02}, {0.8, 0.1, 0}),
+                    ResizablePart("stop", {edge.x() - 0.05, 0, 0}, {edge.x(), 0.1, edge.z()}),
+                    ResizablePart("arm", {0, 0, 0.6}, {length, 0.1, 0.6 + thick}, 1)});
+  stop.groups.push_back({"swinging", 0});
+  Joint joint;
+  joint.name = "hinge";
+  joint.group = 1;
+  joint.center = hinge;
+  joint.axis = Eigen::Vector3d::UnitY();
+  joint.upper = 1.5;
+  joint.rest_poses = {{"down", angle * joint.axis}};
+  stop.joints = {joint};
+  return stop;
+}
+
+TEST(DesignTrial, AnArmStaysOnTheStopThatItLeansOn) {
+  for (const double angle : {0.3, 0.5, 0.8}) {
+    SCOPED_TRACE(angle);
+    const Assembly arm = ArmOnAStop(angle);
+    ASSERT_THAT(ValidateAssembly(arm), IsEmpty());
+    ASSERT_OK_AND_ASSIGN(const auto made, ParametricAssembly::Create(arm));
+    std::vector<std::string> descriptions;
+    for (const Relationship& one : made.relationships()) descriptions.push_back(one.description);
+    EXPECT_THAT(descriptions, Contains("'stop' on 'arm' in 'hinge: down'"));
+    ExpectSound(made);
+  }
+}
+
 TEST(DesignTrial, SaysNothingOfWhatHasNeitherPatternsNorPoses) {
   ASSERT_OK_AND_ASSIGN(const auto table, ParametricAssembly::Create(TwoLeggedTable()));
   ASSERT_OK_AND_ASSIGN(
       const Remedies remedies,
       TryDesigns(table.assembly(), table.elements(), table.feasible_set(), {}, table.tolerance()));
   EXPECT_THAT(remedies.lone, IsEmpty());
-  EXPECT_THAT(remedies.kept_apart, IsEmpty());
+  EXPECT_THAT(remedies.precautions.kept_apart, IsEmpty());
 }
 
 // Without them designs are at fault, and what is found is the same each time.

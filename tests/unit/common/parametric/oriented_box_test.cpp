@@ -34,6 +34,32 @@ TEST(SeparationTest, OfBoxesSideBySideIsTheGapOrTheDepth) {
   EXPECT_NEAR(Separation(a, b), -0.25, 1e-12);
 }
 
+TEST(CommonPointTest, IsInTheMiddleOfWhereBoxesTouch) {
+  OrientedBox a;
+  a.half_size = {1, 2, 3};
+  OrientedBox b = a;
+  b.center = {2, 1, 3};
+  EXPECT_TRUE(CommonPoint(a, b, 1e-9).isApprox(Eigen::Vector3d(1, 0.5, 1.5), 1e-9));
+}
+
+// Boxes are moved together until they just touch, however they are turned.
+TEST(CommonPointTest, LiesInBothHoweverTheyTouch) {
+  std::mt19937 random(3);
+  const auto misses = [](const OrientedBox& box, const Eigen::Vector3d& point) {
+    return ((box.axes.transpose() * (point - box.center)).cwiseAbs() - box.half_size).maxCoeff();
+  };
+  for (int i = 0; i < 200; ++i) {
+    const OrientedBox a = AnyBox(random);
+    OrientedBox b = AnyBox(random);
+    const SeparatingAxis separating = FindSeparatingAxis(a, b);
+    b.center -= (separating.distance + 1e-3) * separating.direction;
+    if (Separation(a, b) > 0) continue;  // they pass each other
+    const Eigen::Vector3d point = CommonPoint(a, b, 1e-9);
+    EXPECT_LT(misses(a, point), 1e-8);
+    EXPECT_LT(misses(b, point), 1e-8);
+  }
+}
+
 // A cube that stands on its edge reaches half its diagonal.
 TEST(SeparationTest, OfATurnedCubeIsMeasuredToItsEdge) {
   OrientedBox a;

@@ -1,0 +1,122 @@
+#include "common/mesh/shape_levels.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <utility>
+
+namespace mortise::mesh {
+namespace {
+
+constexpr double kSameLevel = 1e-8;  // m, as drawn
+
+// The levels along one axis.
+class LevelSearch {
+ public:
+  LevelSearch(const DrawnShape& shape, int axis)
+      : shape_(shape), axis_(axis), same_(kSameLevel / shape.size[axis]) {}
+
+  std::vector<ShapeLevel> Find() {
+    for (Eigen::Index t = 0; t < shape_.triangles.cols(); ++t) LookAt(t);
+    LookAtVertices();
+    return Distinct();
+  }
+
+ private:
+  // How often and how largely the surface turns back at a height.
+  struct Turn {
+    double fraction = 0;
+    double area = 0;  // of flat faces, as a share of the box's section
+  };
+
+  double Height(int vertex) const { return shape_.fractions(axis_, vertex); }
+  // -1, 0 or 1: a vertex below, level with or above a height.
+  int Side(int vertex, double height) const {
+    const double above = Height(vertex) - height;
+    return std::abs(above) <= same_ ? 0 : above > 0 ? 1 : -1;
+  }
+
+  void LookAt(Eigen::Index t) {
+    const std::array<int, 3> corners = {shape_.triangles(0, t), shape_.triangles(1, t),
+                                        shape_.triangles(2, t)};
+    for (std::size_t k = 0; k < 3; ++k) {
+      const int from = corners[k], to = corners[(k + 1) % 3], opposite = corners[(k + 2) % 3];
+      for (const int other : {to, opposite}) NoteNeighbour(from, Side(other, Height(from)));
+      if (Side(to, Height(from)) == 0) LookAtEdge(std::minmax(from, to), opposite);
+    }
+    const double height = Height(corners[0]);
+    if (Side(corners[1], height) == 0 && Side(corners[2], height) == 0) {
+      turns_.push_back({height, Section(corners)});
+    }
+  }
+
+  // Of the two triangles at a level edge: whether both go the same way from it.
+  void LookAtEdge(std::pair<int, int> edge, int opposite) {
+    const int side = Side(opposite, Height(edge.first));
+    const auto [found, is_new] = edges_.emplace(edge, side);
+    if (!is_new && side != 0 && found->second == side) turns_.push_back({Height(edge.first), 0});
+  }
+
+  void NoteNeighbour(int vertex, int side) {
+    const auto [found, is_new] = peaks_.emplace(vertex, side);
+    if (!is_new && found->second != side) found->second = 0;
+  }
+
+  // Single vertices that all their neighbours lie below, or above.
+  void LookAtVertices() {
+    for (const auto& [vertex, side] : peaks_) {
+      if (side != 0) turns_.push_back({Height(vertex), 0});
+    }
+  }
+
+  double Section(const std::array<int, 3>& corners) const {
+    const int u = (axis_ + 1) % 3, v = (axis_ + 2) % 3;
+    const auto corner = [&](std::size_t k) { return shape_.fractions.col(corners[k]); };
+    const double au = corner(1)[u] - corner(0)[u], av = corner(1)[v] - corner(0)[v];
+    const double bu = corner(2)[u] - corner(0)[u], bv = corner(2)[v] - corner(0)[v];
+    return std::abs(au * bv - av * bu) / 2;
+  }
+
+  std::vector<ShapeLevel> Distinct() {
+    std::stable_sort(turns_.begin(), turns_.end(),
+                     [](const Turn& a, const Turn& b) { return a.fraction < b.fraction; });
+    std::vector<Turn> distinct;
+    for (const Turn& turn : turns_) {
+      if (0.5 - std::abs(turn.fraction) <= same_) continue;
+      if (distinct.empty() || turn.fraction - distinct.back().fraction > same_) {
+        distinct.push_back(turn);
+      } else {
+        distinct.back().area += turn.area;
+      }
+    }
+    std::stable_sort(distinct.begin(), distinct.end(),
+                     [](const Turn& a, const Turn& b) { return a.area > b.area; });
+    if (distinct.size() > kMostLevels) distinct.resize(kMostLevels);
+    std::sort(distinct.begin(), distinct.end(),
+              [](const Turn& a, const Turn& b) { return a.fraction < b.fraction; });
+    std::vector<ShapeLevel> levels;
+    for (const Turn& turn : distinct) levels.push_back({axis_, turn.fraction});
+    return levels;
+  }
+
+  const DrawnShape& shape_;
+  const int axis_;
+  const double same_;                         // as a fraction
+  std::map<std::pair<int, int>, int> edges_;  // on which side the first triangle goes
+  std::map<int, int> peaks_;                  // the side of all neighbours; 0 if they differ
+  std::vector<Turn> turns_;
+};
+
+}  // namespace
+
+std::vector<ShapeLevel> LevelsOf(const DrawnShape& shape) {
+  std::vector<ShapeLevel> levels;
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::vector<ShapeLevel> along = LevelSearch(shape, axis).Find();
+    levels.insert(levels.end(), along.begin(), along.end());
+  }
+  return levels;
+}
+
+}  // namespace mortise::mesh

@@ -1,0 +1,34 @@
+// Parts that fit into each other: an axle in its bore, a tenon in its mortise, the mitres of a
+// frame. Their boxes overlap, so that planes of boxes do not say how they go on touching.
+#pragma once
+
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "common/parametric/assembly.h"
+#include "common/parametric/element.h"
+#include "common/parametric/relationship.h"
+#include "common/parametric/rest_pose.h"
+
+namespace mortise::parametric {
+
+// Of neighbours in a pose, at least one with a shape: where the levels of the one (Element::levels)
+// lie in a plane or level of the other, they stay there, as near as they are drawn; otherwise
+// levels and planes keep their order, and so do the middles of shapes, along which round ones touch
+// what is flat. In one place is what is apart by no more than `tolerance`, m, and what triangles
+// may miss. Complete for shapes whose faces are at right angles to the axes, and for cylinders
+// along them. O(p²) for p planes and levels of each pair.
+std::vector<Relationship> FindFits(const Pose& pose, const Assembly& assembly,
+                                   const std::vector<Element>& elements,
+                                   const std::set<std::pair<int, int>>& neighbours,
+                                   double tolerance);
+
+// Of pairs of parts, elements of their own: their sizes, and the distance of their centres, stay in
+// proportion along each axis, so that both are stretched by the same map and touch as drawn
+// whatever their shape. Parts in patterns are left out.
+std::vector<Relationship> StretchTogether(const Assembly& assembly,
+                                          const std::vector<Element>& elements,
+                                          const std::set<std::pair<int, int>>& fitted);
+
+}  // namespace mortise::parametric

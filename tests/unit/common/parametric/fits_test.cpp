@@ -1,0 +1,250 @@
+// Parts that fit into each other go on doing so, whatever sizes people ask for.
+#include "common/parametric/fits.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <BRepAlgoAPI_Common.hxx>
+#include <BRepAlgoAPI_Fuse.hxx>
+#include <BRepBndLib.hxx>
+#include <BRepBuilderAPI_MakeFace.hxx>
+#include <BRepBuilderAPI_MakePolygon.hxx>
+#include <BRepPrimAPI_MakePrism.hxx>
+#include <Bnd_Box.hxx>
+#include <random>
+
+#include "common/cad/solid_shape.h"
+#include "common/mesh/shape_levels.h"
+#include "common/parametric/parametric_assembly.h"
+#include "tests/support/status_assertions.h"
+#include "tests/unit/common/cad/fused_parts.h"
+#include "tests/unit/common/parametric/assemblies.h"
+
+namespace mortise::parametric {
+namespace {
+
+using cad::BoxAt;
+using ::testing::Contains;
+using ::testing::Not;
+
+// A part that fills the box around a solid, as exactly as the kernel says.
+AssemblyPart Drawn(const std::string& name, const TopoDS_Shape& shape) {
+  Bnd_Box around;
+  BRepBndLib::AddOptimal(shape, around, false, false);
+  around.SetGap(0);
+  const gp_Pnt low = around.CornerMin(), high = around.CornerMax();
+  // As drawings have it, to the nanometre.
+  const auto exact = [](double length) { return std::round(1e9 * length) / 1e9; };
+  const Eigen::Vector3d minimum(exact(low.X()), exact(low.Y()), exact(low.Z()));
+  const Eigen::Vector3d maximum(exact(high.X()), exact(high.Y()), exact(high.Z()));
+  AssemblyPart part = ResizablePart(name, minimum, maximum);
+  part.item = "items/" + name;
+  auto drawn =
+      cad::ShapeOfSolid(cad::Named(shape, name), Eigen::Matrix3d::Identity(), minimum, maximum);
+  EXPECT_TRUE(drawn.ok()) << drawn.status();
+  if (drawn.ok()) part.shape = std::make_shared<const mesh::DrawnShape>(*std::move(drawn));
+  return part;
+}
+
+AssemblyPart Boxed(const std::string& name, const Eigen::Vector3d& minimum,
+                   const Eigen::Vector3d& size) {
+  AssemblyPart part = ResizablePart(name, minimum, minimum + size);
+  part.item = "items/" + name;
+  return part;
+}
+
+TopoDS_Shape RodAlong(const gp_Dir& direction, const gp_Pnt& from, double radius, double length) {
+  return BRepPrimAPI_MakeCylinder(gp_Ax2(from, direction), radius, length).Solid();
+}
+
+TopoDS_Shape Less(const TopoDS_Shape& solid, const TopoDS_Shape& tool) {
+  return BRepAlgoAPI_Cut(solid, tool).Shape();
+}
+
+TopoDS_Shape Plate(const std::vector<std::pair<double, double>>& corners, double thickness) {
+  BRepBuilderAPI_MakePolygon outline;
+  for (const auto& [x, y] : corners) outline.Add(gp_Pnt(x, y, 0));
+  outline.Close();
+  return BRepPrimAPI_MakePrism(BRepBuilderAPI_MakeFace(outline.Wire()).Face(),
+                               gp_Vec(0, 0, thickness))
+      .Shape();
+}
+
+class Drawing {
+ public:
+  explicit Drawing(std::uint64_t seed) : random_(seed) {}
+
+  // A rail whose tenons stand in mortises of two posts.
+  Assembly MortiseAndTenon() {
+    const double post = Length(0.035, 0.06), width = Length(0.2, 0.5);
+    const double low = Length(0.1, 0.25), rail = Length(0.05, 0.09);
+    const double deep = Length(0.4, 0.8) * post, shoulder = Length(0.1, 0.25) * rail;
+    const double thick = Length(0.4, 0.7) * post, tenon = Length(0.3, 0.6) * thick;
+    const double y = (post - thick) / 2, ty = (post - tenon) / 2;
+    const TopoDS_Shape body = BoxAt(post, y, low, width, thick, rail);
+    const TopoDS_Shape tongue =
+        BoxAt(post - deep, ty, low + shoulder, width + 2 * deep, tenon, rail - 2 * shoulder);
+    const auto upright = [&](double x) { return Less(BoxAt(x, 0, 0, post, post, 0.4), tongue); };
+    return Named("rail", {Drawn("rail", BRepAlgoAPI_Fuse(body, tongue).Shape()),
+                          Drawn("post 1", upright(0)), Drawn("post 2", upright(post + width))});
+  }
+
+  // A wheel that turns on its axle between two cheeks.
+  Assembly Wheel() {
+    const double bore = Length(0.006, 0.015), play = OneIn(2) ? 0 : 0.0005;
+    const double radius = Length(0.06, 0.15), height = radius + Length(0, 0.02);
+    const gp_Dir along(0, 1, 0);
+    const auto rod = [&](double from, double to, double by) {
+      return RodAlong(along, gp_Pnt(0, from, height), by, to - from);
+    };
+    const auto cheek = [&](double y) {
+      return Less(BoxAt(-0.025, y, height - 0.03, 0.05, 0.012, radius + 0.06),
+                  rod(y - 0.01, y + 0.02, bore));
+    };
+    return Named("wheel",
+                 {Drawn("wheel", Less(rod(-0.02, 0.02, radius), rod(-0.03, 0.03, bore + play))),
+                  Drawn("axle", rod(-0.04, 0.05, bore)), Drawn("cheek 1", cheek(-0.034)),
+                  Drawn("cheek 2", cheek(0.022)),
+                  Boxed("crown", {-0.025, -0.034, height + radius + 0.03}, {0.05, 0.068, 0.02})});
+  }
+
+  // A seat on legs that are let into it aslant.
+  Assembly Stool() {
+    const double slope = Length(0.05, 0.3), thick = Length(0.02, 0.04), high = Length(0.3, 0.5);
+    const double radius = Length(0.012, 0.02), from_middle = Length(0.07, 0.1);
+    const bool is_through = OneIn(2);
+    TopoDS_Shape seat = BoxAt(-0.17, -0.17, high, 0.34, 0.34, thick);
+    std::vector<AssemblyPart> parts;
+    for (int i = 0; i < 4; ++i) {
+      const double x = i % 2 == 0 ? 1 : -1, y = i < 2 ? 1 : -1;
+      const TopoDS_Shape leg =
+          RodAlong(gp_Dir(slope * x, slope * y, -1),
+                   gp_Pnt(from_middle * x, from_middle * y, high + 0.1), radius, 0.8);
+      const double top = high + (is_through ? thick : 0);
+      parts.push_back(Drawn("leg " + std::to_string(i + 1),
+                            BRepAlgoAPI_Common(leg, BoxAt(-1, -1, 0, 2, 2, top)).Shape()));
+      if (is_through) seat = Less(seat, leg);
+    }
+    parts.push_back(Drawn("seat", seat));
+    return Named("stool", parts);
+  }
+
+  // Four sides that meet in mitres, and a pane between them.
+  Assembly MitredFrame() {
+    const double w = Length(0.3, 0.8), h = Length(0.2, 0.6), b = Length(0.03, 0.08);
+    return Named("frame",
+                 {Drawn("bottom", Plate({{0, 0}, {w, 0}, {w - b, b}, {b, b}}, 0.02)),
+                  Drawn("top", Plate({{0, h}, {b, h - b}, {w - b, h - b}, {w, h}}, 0.02)),
+                  Drawn("left", Plate({{0, 0}, {b, b}, {b, h - b}, {0, h}}, 0.02)),
+                  Drawn("right", Plate({{w, 0}, {w, h}, {w - b, h - b}, {w - b, b}}, 0.02)),
+                  Boxed("pane", {b, b, 0.008}, {w - 2 * b, h - 2 * b, 0.004})});
+  }
+
+  // A round rod between boards, nearly half of it beyond the edge of the lower one.
+  Assembly RodBetweenBoards() {
+    const double radius = Length(0.01, 0.03), beyond = -Length(0.1, 0.6) * radius;
+    return Named("rod",
+                 {Boxed("board", {0, 0, 0}, {0.3, 0.5, 0.02}),
+                  Boxed("shelf", {0.1, 0, 0.02 + 2 * radius}, {0.4, 0.5, 0.02}),
+                  Drawn("rod", RodAlong(gp_Dir(0, 1, 0), gp_Pnt(0.3 + beyond, 0.05, 0.02 + radius),
+                                        radius, 0.4))});
+  }
+
+ private:
+  bool OneIn(int count) { return std::uniform_int_distribution<int>(1, count)(random_) == 1; }
+  // To the tenth of a millimetre.
+  double Length(double low, double high) {
+    return std::round(1e4 * std::uniform_real_distribution<double>(low, high)(random_)) / 1e4;
+  }
+
+  std::mt19937_64 random_;
+};
+
+struct Kind {
+  std::string name;
+  Assembly (Drawing::*draw)();
+};
+
+class Fits : public ::testing::TestWithParam<Kind> {};
+
+TEST_P(Fits, KeepWhateverIsAskedFor) {
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    SCOPED_TRACE(seed);
+    Drawing drawing(seed);
+    const Assembly drawn = (drawing.*GetParam().draw)();
+    ASSERT_THAT(ValidateAssembly(drawn), ::testing::IsEmpty());
+    ASSERT_OK_AND_ASSIGN(const auto made, ParametricAssembly::Create(drawn));
+    EXPECT_GE(made.feasible_set().degrees_of_freedom(), 3) << "it can be resized along every axis";
+    ASSERT_OK_AND_ASSIGN(std::vector<Eigen::VectorXd> designs, made.Sample(40, seed));
+    ASSERT_OK_AND_ASSIGN(const auto corners, made.feasible_set().Corners(40, seed + 100));
+    designs.insert(designs.end(), corners.begin(), corners.end());
+    for (const Eigen::VectorXd& q : designs) {
+      ASSERT_OK_AND_ASSIGN(const std::vector<ContactFault> faults, made.FaultsAt(q));
+      for (const ContactFault& fault : faults) ADD_FAILURE() << Describe(fault);
+      if (!faults.empty()) return;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(AllKinds, Fits,
+                         ::testing::Values(Kind{"Tenon", &Drawing::MortiseAndTenon},
+                                           Kind{"Wheel", &Drawing::Wheel},
+                                           Kind{"Stool", &Drawing::Stool},
+                                           Kind{"Mitre", &Drawing::MitredFrame},
+                                           Kind{"Rod", &Drawing::RodBetweenBoards}),
+                         [](const auto& kind) { return kind.param.name; });
+
+// By hand: a block of 100 × 60 × 40 mm with a bore of 20 mm along z, its axis at (30, 40).
+TEST(ShapeLevels, AreTheSidesOfABore) {
+  const AssemblyPart block =
+      Drawn("block", Less(BoxAt(0, 0, 0, 0.1, 0.06, 0.04), cad::Upright(0.03, 0.04, -1, 1, 0.01)));
+  std::vector<std::vector<double>> levels(3);
+  for (const mesh::ShapeLevel& level : mesh::LevelsOf(*block.shape)) {
+    levels[static_cast<std::size_t>(level.axis)].push_back((level.fraction + 0.5) *
+                                                           block.box.size()[level.axis]);
+  }
+  const double missed = mesh::DeflectionIn(*block.shape, block.box.size());
+  EXPECT_LT(missed, 1e-4);
+  EXPECT_THAT(levels[0],
+              ::testing::Pointwise(::testing::DoubleNear(missed), std::vector<double>{0.02, 0.04}));
+  EXPECT_THAT(levels[1],
+              ::testing::Pointwise(::testing::DoubleNear(missed), std::vector<double>{0.03, 0.05}));
+  EXPECT_THAT(levels[2], ::testing::IsEmpty());
+}
+
+TEST(ShapeLevels, AreStepsAndSummits) {
+  const TopoDS_Shape step =
+      BRepAlgoAPI_Fuse(BoxAt(0, 0, 0, 0.1, 0.05, 0.02), BoxAt(0, 0, 0.02, 0.04, 0.05, 0.03))
+          .Shape();
+  const AssemblyPart part = Drawn("step", step);
+  std::vector<std::pair<int, double>> levels;
+  for (const mesh::ShapeLevel& level : mesh::LevelsOf(*part.shape)) {
+    levels.emplace_back(level.axis, std::round(1e9 * level.fraction) / 1e9);
+  }
+  EXPECT_THAT(levels, ::testing::ElementsAre(std::pair(0, -0.1), std::pair(2, -0.1)));
+}
+
+// The smaller part's size and the distance of the centres are what they are of the larger's size.
+TEST(StretchTogether, KeepsSizesAndPlacesInProportion) {
+  const Assembly drawn =
+      Named("two", {Boxed("a", {0, 0, 0}, {1, 2, 3}), Boxed("b", {0.5, 1, 1}, {0.2, 0.3, 6})});
+  const std::vector<Element> elements = MakeElements(drawn, 1e-6);
+  const std::vector<Relationship> together = StretchTogether(drawn, elements, {{0, 1}});
+  ASSERT_EQ(together.size(), 6U);
+  Eigen::VectorXd q = DrawnParameters(drawn, elements);
+  for (const Relationship& one : together) EXPECT_NEAR(one.form.At(q), 0, 1e-12);
+  const Eigen::Array3d factor(2, 0.5, 3), shift(7, 8, 9);
+  for (int part = 0; part < 4; ++part) q.segment<3>(3 * part).array() *= factor;
+  for (int part = 0; part < 2; ++part) q.segment<3>(6 * part).array() += shift;
+  for (const Relationship& one : together) EXPECT_NEAR(one.form.At(q), 0, 1e-12);
+  q[SizeVariable(0, Axis::kY)] *= 1.1;
+  std::vector<std::string> broken;
+  for (const Relationship& one : together) {
+    if (std::abs(one.form.At(q)) > 1e-9) broken.push_back(one.description);
+  }
+  EXPECT_THAT(broken, Contains("'b' stretches along y with 'a'"));
+  EXPECT_THAT(broken, Not(Contains("'b' stretches along x with 'a'")));
+}
+
+}  // namespace
+}  // namespace mortise::parametric
