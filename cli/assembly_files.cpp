@@ -17,7 +17,6 @@
 #include "common/base/errors.h"
 #include "common/base/files.h"
 #include "common/base/identifiers.h"
-#include "common/parametric/collection.h"
 #include "common/parametric/proto_text.h"
 #include "common/rpc/status_mapping.h"
 #include "mortise/v1/assembly.grpc.pb.h"
@@ -59,17 +58,24 @@ std::string IdOf(const std::filesystem::path& file) {
   return id;
 }
 
-absl::StatusOr<v1::AssemblyAnnotations> ReadAnnotations(const std::filesystem::path& path) {
-  v1::AssemblyAnnotations annotations;
-  if (path.empty()) return annotations;
+// A message as JSON, as the gateway writes it, or else as protobuf text. INVALID_ARGUMENT naming
+// the file and, of text, the place in it.
+template <typename Message>
+absl::StatusOr<Message> ReadMessage(const std::filesystem::path& path) {
+  Message message;
   MORTISE_ASSIGN_OR_RETURN(const std::string text, ReadFile(path, kMaxFile));
   if (path.extension() == ".json") {
-    const auto parsed = google::protobuf::util::JsonStringToMessage(text, &annotations);
+    const auto parsed = google::protobuf::util::JsonStringToMessage(text, &message);
     if (!parsed.ok()) return InvalidField(path.string(), std::string(parsed.message()));
-    return annotations;
+    return message;
   }
-  MORTISE_RETURN_IF_ERROR(parametric::ParseProtoText(text, path.string(), annotations));
-  return annotations;
+  MORTISE_RETURN_IF_ERROR(parametric::ParseProtoText(text, path.string(), message));
+  return message;
+}
+
+absl::StatusOr<v1::AssemblyAnnotations> ReadAnnotations(const std::filesystem::path& path) {
+  if (path.empty()) return v1::AssemblyAnnotations();
+  return ReadMessage<v1::AssemblyAnnotations>(path);
 }
 
 // The latest revision of an assembly; 0 if there is none.
@@ -185,8 +191,7 @@ absl::Status Import(const ImportOptions& options, Session& session, Output& outp
   for (std::size_t i = 0; i < texts.size(); ++i) {
     const std::filesystem::path& file = options.files[i];
     if (IsStepFile(file)) continue;
-    MORTISE_ASSIGN_OR_RETURN(const std::string text, ReadFile(file, kMaxFile));
-    MORTISE_ASSIGN_OR_RETURN(texts[i], parametric::ParseAssemblyText(text, file.string()));
+    MORTISE_ASSIGN_OR_RETURN(texts[i], ReadMessage<v1::Assembly>(file));
   }
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   const auto stub = v1::AssemblyService::NewStub(client->channel());

@@ -40,6 +40,23 @@ FieldSources SourcesOf(const EvaluateOptions& options) {
   return sources;
 }
 
+// Numbers as a person reads them; --json has all their digits.
+class ShortNumbers : public google::protobuf::TextFormat::FastFieldValuePrinter {
+ public:
+  void PrintDouble(double value,
+                   google::protobuf::TextFormat::BaseTextGenerator* generator) const override {
+    generator->PrintString(absl::StrFormat("%.6g", value));
+  }
+};
+
+std::string TextOf(const google::protobuf::Message& message) {
+  google::protobuf::TextFormat::Printer printer;
+  printer.SetDefaultFieldValuePrinter(new ShortNumbers);  // which it takes over
+  std::string text;
+  printer.PrintToString(message, &text);
+  return text;
+}
+
 template <typename Message, typename Request, typename Method>
 absl::Status ShowOne(const GatewayClient& client, const Request& request, Method method,
                      Output& output) {
@@ -47,9 +64,7 @@ absl::Status ShowOne(const GatewayClient& client, const Request& request, Method
   MORTISE_RETURN_IF_ERROR(client.Call([&](grpc::ClientContext& context) {
     return rpc::FromGrpc(method(&context, request, &message));
   }));
-  std::string text;
-  google::protobuf::TextFormat::PrintToString(message, &text);
-  output.Line(text);
+  output.Line(TextOf(message));
   output.DocumentOf(message);
   return absl::OkStatus();
 }

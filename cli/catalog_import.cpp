@@ -13,8 +13,8 @@
 #include "cli/requests.h"
 #include "cli/shape_files.h"
 #include "common/base/errors.h"
-#include "common/base/field_violations.h"
 #include "common/base/identifiers.h"
+#include "common/base/violation_lists.h"
 #include "common/parametric/collection.h"
 #include "common/parametric/design_file.h"
 #include "common/parametric/template_codec.h"
@@ -235,13 +235,7 @@ std::optional<std::string> PlaceIn(const std::vector<Read<Message>>& list, const
 
 // A refusal by the catalog, with places in the files.
 absl::Status InFiles(const Designs& designs, const absl::Status& status) {
-  std::vector<FieldViolation> violations = ViolationsOf(status);
-  if (violations.empty() && absl::IsInvalidArgument(status)) {
-    const std::string field = DetailOf(status).field;
-    std::string message(status.message());
-    if (message.starts_with(field + ": ")) message.erase(0, field.size() + 2);
-    violations.push_back({field, message});
-  }
+  std::vector<FieldViolation> violations = AllViolationsOf(status);
   if (violations.empty()) return status;
   for (FieldViolation& violation : violations) {
     std::optional<std::string> place = PlaceIn(designs.materials, "materials", violation.field);

@@ -2,7 +2,9 @@
 #include "common/parametric/assembly.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
 #include <set>
 #include <utility>
 
@@ -13,6 +15,7 @@ namespace {
 
 constexpr double kUnitTolerance = 1e-9;
 constexpr double kLimitTolerance = 1e-9;  // m or rad; what rounding in a file may cost
+constexpr double kSamePlace = 1e-7;       // m
 
 using Findings = std::vector<Finding>;
 
@@ -80,12 +83,26 @@ void CheckLimits(const std::string& place, const AssemblyPart& part, Findings& f
   }
 }
 
-// A plane may lie outside its part: what keeps its distance from it.
+// A plane may lie outside its part, as a hinge's axis does, but not far from it: what is a slip of
+// the pen would hold parts in line that have nothing to do with each other.
 void CheckPlanes(const std::string& place, const AssemblyPart& part, Findings& findings) {
+  const double furthest = part.box.size().maxCoeff() + kLimitTolerance;
   for (std::size_t i = 0; i < part.prominent_planes.size(); ++i) {
-    if (std::abs(part.prominent_planes[i].position) <= kFurthestFromOrigin) continue;
-    findings.push_back({absl::StrCat(place, ".prominent_planes[", i, "].position"),
-                        absl::StrCat("must lie within ", kFurthestFromOrigin, " m of the origin")});
+    const ProminentPlane& plane = part.prominent_planes[i];
+    const std::string field = absl::StrCat(place, ".prominent_planes[", i, "].position");
+    const auto axis = static_cast<Eigen::Index>(plane.axis);
+    const double outside =
+        std::max(part.box.minimum[axis] - plane.position, plane.position - part.box.maximum[axis]);
+    if (!(std::abs(plane.position) <= kFurthestFromOrigin)) {
+      findings.push_back(
+          {field, absl::StrCat("must lie within ", kFurthestFromOrigin, " m of the origin")});
+    } else if (outside > furthest) {
+      findings.push_back(
+          {field, absl::StrCat("lies ", outside, " m outside the part's box, which is ",
+                               part.box.size().maxCoeff(),
+                               " m at its largest: at "
+                               "most as far is allowed")});
+    }
   }
 }
 
@@ -114,18 +131,21 @@ double Amount(const Joint& joint, const RestPose& pose) {
   return joint.kind == JointKind::kBall ? pose.motion.norm() : pose.motion.dot(joint.axis);
 }
 
+// `limits_usable`, `axis_usable`: else nothing is said that follows from them.
 void CheckRestPose(const std::string& place, const Joint& joint, const RestPose& pose,
-                   Findings& findings) {
+                   bool limits_usable, bool axis_usable, Findings& findings) {
   if (!pose.motion.allFinite()) {
     findings.push_back({place, "must be finite"});
     return;
   }
+  if (!axis_usable) return;
   const double amount = Amount(joint, pose);
   if (joint.kind != JointKind::kBall &&
       (pose.motion - amount * joint.axis).norm() > kLimitTolerance) {
     findings.push_back({place, "moves out of the joint's axis"});
   }
-  if (amount < joint.lower - kLimitTolerance || amount > joint.upper + kLimitTolerance) {
+  if (limits_usable &&
+      (amount < joint.lower - kLimitTolerance || amount > joint.upper + kLimitTolerance)) {
     findings.push_back({place, absl::StrCat("'", pose.name, "' is beyond the joint's limits")});
   }
 }
@@ -168,12 +188,10 @@ void CheckJoints(const Assembly& assembly, bool groups_fault_free, Findings& fin
       findings.push_back({place + ".center", absl::StrCat("must lie within ", kFurthestFromOrigin,
                                                           " m of the origin")});
     }
-    if (!(std::abs(joint.axis.norm() - 1) <= kUnitTolerance)) {
-      findings.push_back({place + ".axis", "must be a unit vector"});
-      continue;
-    }
-    if (!HasUsableLimits(joint, place, findings)) continue;
-    if (joint.lower > kLimitTolerance || joint.upper < -kLimitTolerance) {
+    const bool axis_usable = std::abs(joint.axis.norm() - 1) <= kUnitTolerance;
+    if (!axis_usable) findings.push_back({place + ".axis", "must be a unit vector"});
+    const bool limits_usable = HasUsableLimits(joint, place, findings);
+    if (limits_usable && (joint.lower > kLimitTolerance || joint.upper < -kLimitTolerance)) {
       findings.push_back(
           {place + ".lower", "the limits must include 0, the pose in which the design is drawn"});
     }
@@ -183,8 +201,37 @@ void CheckJoints(const Assembly& assembly, bool groups_fault_free, Findings& fin
     }
     for (std::size_t j = 0; j < joint.rest_poses.size(); ++j) {
       CheckRestPose(absl::StrCat(place, ".rest_poses[", j, "]"), joint, joint.rest_poses[j],
-                    findings);
+                    limits_usable, axis_usable, findings);
     }
+  }
+}
+
+// Whether parts in one place must overlap: solids of two shapes may share a box and yet only touch.
+bool FillTheSame(const AssemblyPart& a, const AssemblyPart& b) {
+  if (a.shape == nullptr || b.shape == nullptr || a.shape == b.shape) return true;
+  return a.shape->name == b.shape->name && a.shape->turn == b.shape->turn;
+}
+
+void CheckPlaces(const Assembly& assembly, Findings& findings) {
+  std::map<std::array<long, 6>, std::vector<std::size_t>> parts_at;
+  for (std::size_t i = 0; i < assembly.parts.size(); ++i) {
+    const AssemblyPart& part = assembly.parts[i];
+    if (!part.box.minimum.allFinite() || !part.box.maximum.allFinite()) continue;
+    std::array<long, 6> place;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const auto along = static_cast<Eigen::Index>(axis);
+      place[axis] = std::lround(part.box.minimum[along] / kSamePlace);
+      place[axis + 3] = std::lround(part.box.maximum[along] / kSamePlace);
+    }
+    std::vector<std::size_t>& there = parts_at[place];
+    for (const std::size_t other : there) {
+      if (!FillTheSame(assembly.parts[other], part)) continue;
+      findings.push_back(
+          {absl::StrCat("parts[", i, "].position"),
+           absl::StrCat("lies in the same place as '", assembly.parts[other].name, "'")});
+      break;
+    }
+    there.push_back(i);
   }
 }
 
@@ -195,6 +242,7 @@ std::vector<Finding> ValidateAssembly(const Assembly& assembly) {
   CheckGroups(assembly, findings);
   const bool groups_fault_free = findings.empty();
   CheckParts(assembly, findings);
+  CheckPlaces(assembly, findings);
   CheckJoints(assembly, groups_fault_free, findings);
   return findings;
 }

@@ -63,27 +63,28 @@ class GroupReader {
       findings_.push_back({"groups", absl::StrCat("are more than ", kMaxGroups)});
     }
     drawing.assembly.groups = {{message_.name(), -1}};
-    std::set<std::string> names;
     const int count = std::min(message_.groups_size(), kMaxGroups);
     for (int i = 0; i < count; ++i) {
       const v1::AssemblyGroup& group = message_.groups(i);
       const std::string field = absl::StrCat("groups[", i, "]");
       CheckName(field + ".name", group.name(), findings_);
-      if (!names.insert(group.name()).second) {
+      if (!names_.insert(group.name()).second) {
         findings_.push_back({field + ".name", absl::StrCat("'", group.name(), "' occurs twice")});
       }
       children_[group.parent()].push_back(i);
     }
     AddChildren("", 0, drawing);
-    for (int i = 0; i < count; ++i) CheckReached(i, names);
+    for (int i = 0; i < count; ++i) CheckReached(i);
     index_[""] = 0;
   }
 
-  // Index of a group of the struct; -1, and a finding, if there is none of this name.
+  // Index of a group of the struct; -1 if there is none of this name, and a finding if the message
+  // has none either.
   int Find(const std::string& name, const std::string& field) const {
     const auto found = index_.find(name);
     if (found != index_.end()) return found->second;
-    findings_.push_back({field, absl::StrCat("there is no group '", name, "'")});
+    if (!names_.contains(name))
+      findings_.push_back({field, absl::StrCat("there is no group '", name, "'")});
     return -1;
   }
 
@@ -103,11 +104,11 @@ class GroupReader {
     }
   }
 
-  void CheckReached(int i, const std::set<std::string>& names) {
+  void CheckReached(int i) {
     const v1::AssemblyGroup& group = message_.groups(i);
     if (group.name().empty() || index_.contains(group.name())) return;
     findings_.push_back({absl::StrCat("groups[", i, "].parent"),
-                         names.contains(group.parent())
+                         names_.contains(group.parent())
                              ? "the hierarchy goes in a circle, or hangs on one that does"
                              : absl::StrCat("there is no group '", group.parent(), "'")});
   }
@@ -116,6 +117,7 @@ class GroupReader {
   Findings& findings_;
   std::map<std::string, std::vector<int>> children_;  // of the message, by parent's name
   std::map<std::string, int> index_;                  // into the struct, by name
+  std::set<std::string> names_;                       // of the message
 };
 
 // --- Parts.
@@ -181,11 +183,12 @@ bool Coincide(const v1::Repeat& first, const v1::Repeat& second) {
   return false;
 }
 
-// How many parts, and where each stands against the first.
-std::vector<std::pair<std::string, Eigen::Vector3d>> Repetitions(const v1::AssemblyPart& part,
-                                                                 const std::string& field,
-                                                                 Findings& findings) {
-  std::vector<std::pair<std::string, Eigen::Vector3d>> places = {{"", Eigen::Vector3d::Zero()}};
+// What the name of each of a row's parts ends with, and where it stands against the first.
+using Places = std::vector<std::pair<std::string, Eigen::Vector3d>>;
+
+// What can be read of them, and findings about the rest.
+Places Repetitions(const v1::AssemblyPart& part, const std::string& field, Findings& findings) {
+  Places places = {{"", Eigen::Vector3d::Zero()}};
   if (part.repeat_size() > 2) {
     findings.push_back({field + ".repeat", "has at most two directions"});
     return places;
@@ -206,7 +209,7 @@ std::vector<std::pair<std::string, Eigen::Vector3d>> Repetitions(const v1::Assem
       findings.push_back({place + ".offset", "puts parts where repeat[0] has put some"});
       return places;
     }
-    std::vector<std::pair<std::string, Eigen::Vector3d>> more;
+    Places more;
     for (const auto& [name, from] : places) {
       for (int i = 0; i < repeat.count(); ++i) {
         more.emplace_back(absl::StrCat(name, r == 0 ? " " : ".", i + 1), from + i * offset);
@@ -250,7 +253,9 @@ class PartReader {
     if (axes) shapes_.Read(message, field, item, size, part);
     // Without its item, size and limits of a part would be found wrong again and again.
     const bool complete = (item != nullptr || !has_item) && axes && part.group >= 0;
-    if (complete) AddAll(message, field, part, size, drawing);
+    const Places places = Repetitions(message, field, findings_);
+    CheckIncomplete(message.name(), field, complete);
+    if (complete) AddAll(message, field, part, size, places, drawing);
   }
 
  private:
@@ -279,10 +284,20 @@ class PartReader {
     }
   }
 
+  // Of two parts of one name that both are complete, ValidateAssembly tells.
+  void CheckIncomplete(const std::string& name, const std::string& field, bool complete) {
+    const auto [known, is_new] = complete_.emplace(name, complete);
+    if (is_new || name.empty()) return;
+    if (!complete || !known->second) {
+      findings_.push_back({field + ".name", absl::StrCat("'", name, "' occurs twice")});
+    }
+    known->second = known->second && complete;
+  }
+
   void AddAll(const v1::AssemblyPart& message, const std::string& field, const AssemblyPart& first,
-              const Eigen::Vector3d& size, Drawing& drawing) {
+              const Eigen::Vector3d& size, const Places& places, Drawing& drawing) {
     const Eigen::Vector3d position = ToEigen(message.position());
-    for (const auto& [suffix, offset] : Repetitions(message, field, findings_)) {
+    for (const auto& [suffix, offset] : places) {
       if (drawing.assembly.parts.size() == kMaxParts) {
         if (!full_) findings_.push_back({"parts", absl::StrCat("are more than ", kMaxParts)});
         full_ = true;
@@ -305,7 +320,8 @@ class PartReader {
   ShapeReader shapes_;
   const GroupReader& groups_;
   Findings& findings_;
-  bool full_ = false;  // and that has been said
+  bool full_ = false;                     // and that has been said
+  std::map<std::string, bool> complete_;  // of each part's name, whether all parts so called are
 };
 
 // --- Joints.
@@ -383,6 +399,7 @@ Finding AtMessage(const Finding& finding, const Drawing& drawing) {
 // Whether a finding only says what was left out because of findings before.
 bool IsConsequence(const Finding& finding, const v1::Assembly& message, const Drawing& drawing) {
   if (finding.field == "parts") return message.parts_size() > 0;
+  if (finding.field == "groups[0].name") return true;  // the root is called as the assembly
   const int joint = IndexIn(finding.field, "joints");
   if (joint < 0 || !finding.field.ends_with("].group")) return false;
   // Without parts because they could not be read.

@@ -4,6 +4,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "common/base/violation_lists.h"
 #include "common/parametric/cage_model.h"
 #include "common/templates/faceted_part.h"
 
@@ -60,12 +61,13 @@ absl::StatusOr<std::shared_ptr<const Template>> MakeCageTemplate(
     TemplateHead head, parametric::CageTemplate definition) {
   head.title = definition.title;
   head.parameters = definition.parameters;
-  MORTISE_ASSIGN_OR_RETURN(
-      SolidIdentity identity,
-      IdentityOf(head, definition.name, definition.title, definition.material));
-  MORTISE_ASSIGN_OR_RETURN(parametric::CageModel model,
-                           parametric::CageModel::Create(std::move(definition)));
-  return std::make_shared<const CagedMesh>(std::move(head), std::move(model), std::move(identity));
+  absl::StatusOr<SolidIdentity> identity =
+      IdentityOf(head, definition.name, definition.title, definition.material);
+  absl::StatusOr<parametric::CageModel> model =
+      parametric::CageModel::Create(std::move(definition));
+  MORTISE_RETURN_IF_ERROR(Together(identity.status(), model.status()));
+  return std::make_shared<const CagedMesh>(std::move(head), *std::move(model),
+                                           *std::move(identity));
 }
 
 }  // namespace mortise::templates

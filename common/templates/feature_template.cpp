@@ -4,6 +4,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "common/base/violation_lists.h"
 #include "common/cad/feature_model.h"
 #include "common/cad/solid_surface.h"
 #include "common/templates/faceted_part.h"
@@ -49,13 +50,12 @@ absl::StatusOr<std::shared_ptr<const Template>> MakeFeatureTemplate(TemplateHead
                                                                     cad::CadTemplate definition) {
   head.title = definition.title;
   head.parameters = definition.parameters;
-  MORTISE_ASSIGN_OR_RETURN(
-      SolidIdentity identity,
-      IdentityOf(head, definition.name, definition.title, definition.material));
-  MORTISE_ASSIGN_OR_RETURN(cad::FeatureModel model,
-                           cad::FeatureModel::Create(std::move(definition)));
-  return std::make_shared<const FeatureTemplate>(std::move(head), std::move(model),
-                                                 std::move(identity));
+  absl::StatusOr<SolidIdentity> identity =
+      IdentityOf(head, definition.name, definition.title, definition.material);
+  absl::StatusOr<cad::FeatureModel> model = cad::FeatureModel::Create(std::move(definition));
+  MORTISE_RETURN_IF_ERROR(Together(identity.status(), model.status()));
+  return std::make_shared<const FeatureTemplate>(std::move(head), *std::move(model),
+                                                 *std::move(identity));
 }
 
 }  // namespace mortise::templates

@@ -8,7 +8,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
-#include "common/base/field_violations.h"
+#include "common/base/violation_lists.h"
 #include "common/cad/cad_template_codec.h"
 #include "common/parametric/assembly_codec.h"
 #include "common/parametric/cage_template_codec.h"
@@ -237,14 +237,8 @@ bool Try(const Template& compiled, const Eigen::VectorXd& q, const std::string& 
          const std::string& where, std::vector<Finding>& findings) {
   const absl::Status status = compiled.Evaluate(q).status();
   if (status.ok()) return true;
-  std::vector<FieldViolation> violations = ViolationsOf(status);
   // A field is named only by what is at fault in the template; the kernel's failures name none.
-  if (violations.empty() && absl::IsInvalidArgument(status)) {
-    const std::string field = DetailOf(status).field;
-    std::string message(status.message());
-    if (message.starts_with(field + ": ")) message.erase(0, field.size() + 2);
-    violations.push_back({field, message});
-  }
+  const std::vector<FieldViolation> violations = AllViolationsOf(status);
   for (const FieldViolation& violation : violations) {
     // Those of an assembly template are beside its kind.
     const bool beside = kind == "assembly" && (violation.field.starts_with("boundary_conditions") ||

@@ -14,7 +14,7 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "common/base/errors.h"
-#include "common/base/field_violations.h"
+#include "common/base/violation_lists.h"
 #include "common/cad/step_reader.h"
 #include "services/catalog/drawn_coordinates.h"
 #include "services/catalog/item_fit.h"
@@ -24,6 +24,7 @@ namespace mortise::catalog {
 namespace {
 
 constexpr double kMaxTolerance = 1e-3;    // m
+constexpr std::size_t kLeastPacked = 18;  // bytes of gzip around nothing
 constexpr double kLeastTolerance = 2e-7;  // m; below it, noise of the drawing counts
 constexpr double kToleranceShare = 1e-6;  // of the diagonal
 constexpr std::size_t kNamesInNote = 5;
@@ -314,6 +315,9 @@ absl::StatusOr<std::string> UnpackStep(const std::string& bytes) {
     whole.append(static_cast<const char*>(piece), static_cast<std::size_t>(size));
     if (whole.size() > cad::kMaxStepBytes) return TooLarge("step", "64 MiB unpacked");
   }
+  // What was packed says in its last four bytes how long it was.
+  const bool was_empty = bytes.size() >= kLeastPacked && bytes.ends_with(std::string(4, '\0'));
+  if (whole.empty() && was_empty) return InvalidField("step", "is empty");
   if (unpacked.ZlibErrorMessage() != nullptr || whole.empty()) {
     return InvalidField("step", "is packed, but cannot be unpacked");
   }
@@ -337,15 +341,8 @@ absl::Status AtRequest(const DrawnAssembly& drawn, const v1::AssemblyAnnotations
     // Of the design as a whole, which is what the file draws.
     return absl::IsFailedPrecondition(checked) ? UnderField("step", checked) : checked;
   }
-  std::vector<FieldViolation> violations = ViolationsOf(checked);
-  if (!checked.ok() && violations.empty()) {
-    const std::string field = DetailOf(checked).field;
-    std::string message(checked.message());
-    if (message.starts_with(field + ": ")) message.erase(0, field.size() + 2);
-    violations.push_back({field, message});
-  }
   std::set<std::pair<std::string, std::string>> told;
-  for (const FieldViolation& violation : violations) {
+  for (const FieldViolation& violation : AllViolationsOf(checked)) {
     FieldViolation there = AtRequest(violation, drawn, annotations);
     if (told.emplace(there.field, there.message).second) all.push_back(std::move(there));
   }

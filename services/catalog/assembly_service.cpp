@@ -22,6 +22,7 @@
 #include "mortise/v1/assembly.grpc.pb.h"
 #include "services/catalog/assembly_import.h"
 #include "services/catalog/assembly_records.h"
+#include "services/catalog/demand_check.h"
 #include "services/catalog/design_stream.h"
 #include "services/catalog/drawing_records.h"
 #include "services/catalog/drawing_source.h"
@@ -354,6 +355,7 @@ class AssemblyAdapter : public v1::AssemblyService::CallbackService {
                              ParametersOf(asked.q(), *found.parametrized, "q"));
     MORTISE_ASSIGN_OR_RETURN(const std::vector<parametric::MeasureDemand> demands,
                              parametric::FromProto(asked.demands()));
+    MORTISE_RETURN_IF_ERROR(CheckElements(*found.parametrized, demands));
     const auto insistence =
         asked.strict() ? parametric::Insistence::kStrict : parametric::Insistence::kNearest;
     MORTISE_ASSIGN_OR_RETURN(const parametric::Adjustment adjusted,

@@ -7,8 +7,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
-#include "common/base/field_violations.h"
 #include "common/base/identifiers.h"
+#include "common/base/violation_lists.h"
 #include "common/parametric/template_validation.h"
 #include "services/catalog/catalog_records.h"
 #include "services/catalog/pending_records.h"
@@ -42,14 +42,7 @@ class Faults {
   // What is wrong with the thing at `place`. Failures that say nothing of fields are given back.
   absl::Status Add(const std::string& place, const absl::Status& status) {
     if (!status.ok() && !absl::IsInvalidArgument(status)) return UnderField(place, status);
-    std::vector<FieldViolation> more = ViolationsOf(status);
-    if (more.empty() && !status.ok()) {
-      const std::string field = DetailOf(status).field;
-      std::string message(status.message());
-      if (message.starts_with(field + ": ")) message.erase(0, field.size() + 2);
-      more.push_back({field, message});
-    }
-    for (FieldViolation& violation : more) {
+    for (FieldViolation& violation : AllViolationsOf(status)) {
       violation.field = absl::StrCat(place, violation.field.empty() ? "" : ".", violation.field);
       violations_.push_back(std::move(violation));
     }

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "common/base/errors.h"
-#include "common/base/field_violations.h"
+#include "common/base/violation_lists.h"
 #include "common/cad/step_isolation.h"
 #include "common/mesh/drawn_shape.h"
 #include "services/catalog/assembly_import.h"
@@ -18,13 +18,8 @@ namespace {
 absl::Status OfFile(const absl::Status& status) {
   if (absl::IsResourceExhausted(status))
     return TooLarge("file", "64 MiB unpacked, or 50,000 triangles");
-  std::vector<FieldViolation> violations = ViolationsOf(status);
-  if (violations.empty()) {
-    std::string message(status.message());
-    const std::string field = DetailOf(status).field;
-    if (message.starts_with(field + ": ")) message.erase(0, field.size() + 2);
-    violations.push_back({"file", message});
-  }
+  if (!absl::IsInvalidArgument(status)) return status;
+  std::vector<FieldViolation> violations = AllViolationsOf(status);
   for (FieldViolation& violation : violations) violation.field = "file";
   return InvalidFields(violations);
 }

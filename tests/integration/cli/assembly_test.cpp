@@ -122,6 +122,8 @@ TEST_F(AssemblyCommand, AdjustsGoesOnFromThereAndWritesFiles) {
 TEST_F(AssemblyCommand, NamesTheFlagAtFault) {
   EXPECT_THAT(Refusal({"adjust", "bookshelf", "--set", "lid.z=2"}),
               HasSubstr("--set lid.z: there is no element 'lid'"));
+  EXPECT_THAT(Refusal({"adjust", "bookshelf", "--set", "Shelf.x=1"}),
+              HasSubstr("there is no element 'Shelf'; did you mean 'shelf"));
   for (const char* set : {"side 1", "side 1=2", "side 1.w=2", "side 1.z", ".z"}) {
     EXPECT_THAT(Refusal({"adjust", "bookshelf", "--set", set}), HasSubstr("--set")) << set;
   }
@@ -167,6 +169,18 @@ TEST_F(AssemblyCommand, ImportsOrNamesThePlace) {
   EXPECT_THAT(Refusal({"import", (folder_.path() / "none").string()}), HasSubstr("none"));
 }
 
+// The file as the gateway writes it.
+TEST_F(AssemblyCommand, ImportsJson) {
+  const std::string bench = File("bench.json", R"({"name": "assemblies/json-bench", "parts": [
+    {"name": "seat", "position": {"z": 0.4}, "size": {"x": 1, "y": 0.3, "z": 0.02}},
+    {"name": "left", "size": {"x": 0.02, "y": 0.3, "z": 0.4}, "role": "PRINCIPAL"},
+    {"name": "right", "position": {"x": 0.98}, "size": {"x": 0.02, "y": 0.3, "z": 0.4}}]})");
+  const auto imported = Run({"import", bench});
+  ASSERT_TRUE(imported.ok()) << imported.status();
+  EXPECT_EQ((*imported)[0]["name"], "assemblies/json-bench");
+  EXPECT_THAT(Refusal({"import", File("odd.json", "{\"parts\": 3}")}), HasSubstr("odd.json"));
+}
+
 TEST_F(AssemblyCommand, ExportsAndImportsStep) {
   const std::string step = (folder_.path() / "My Shelf.step").string();
   const auto written = Run({"export", "bookshelf", "--out", step});
@@ -209,6 +223,8 @@ TEST_F(AssemblyCommand, ExportsWhatWasAdjusted) {
 TEST_F(AssemblyCommand, NamesTheFileAtFaultOfStepImports) {
   const std::string cut = File("cut.step", "ISO-10303-21;\nHEADER;");
   EXPECT_THAT(Refusal({"import", cut}), HasSubstr("cut.step"));
+  EXPECT_THAT(Refusal({"import", File("nothing.step", "")}),
+              AllOf(HasSubstr("nothing.step"), HasSubstr("is empty")));
   const std::string step = (folder_.path() / "shelf.step").string();
   ASSERT_TRUE(Run({"export", "bookshelf", "-o", step}).ok());
   const std::string wrong = File("wrong.textproto", "parts { parts: 'nobody' }");

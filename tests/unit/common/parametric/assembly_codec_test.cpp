@@ -165,9 +165,56 @@ TEST(AssemblyCodec, EveryFaultIsFoundAtOnceWhereItStands) {
   rack.mutable_joints(0)->set_upper(-2);               // below lower
   EXPECT_THAT(
       FieldsAtFault(rack),
-      UnorderedElementsAre("name", "groups[0].parent", "groups[1].parent", "parts[0].group",
-                           "parts[0].item", "parts[1].group", "parts[1].prominent_planes[0].axis",
+      UnorderedElementsAre("name", "groups[0].parent", "groups[1].parent", "parts[0].item",
+                           "parts[1].repeat[0].count", "parts[1].prominent_planes[0].axis",
                            "parts[2].size.x", "parts[3].thickness_axis", "joints[0].lower"));
+}
+
+// Nor does one fault hide what else is wrong with the same thing.
+TEST(AssemblyCodec, OneFaultHidesNoOther) {
+  v1::Assembly rack = Rack();
+  rack.mutable_parts(0)->set_group("cellar");
+  rack.mutable_parts(0)->mutable_repeat(1)->set_count(1);
+  rack.mutable_parts(2)->set_item("items/none");
+  *rack.add_parts() = rack.parts(2);
+  rack.mutable_parts(4)->set_item("items/screw");
+  v1::Joint& hinge = *rack.mutable_joints(0);
+  hinge.mutable_axis()->set_z(2);
+  hinge.set_lower(1);
+  hinge.set_upper(-1);
+  hinge.mutable_rest_poses(0)->set_amount(std::nan(""));
+  EXPECT_THAT(FieldsAtFault(rack),
+              UnorderedElementsAre("parts[0].group", "parts[0].repeat[1].count", "parts[2].item",
+                                   "parts[4].name", "joints[0].axis", "joints[0].lower",
+                                   "joints[0].rest_poses[0]"));
+  // Without a name there is no name for the root either, which nobody gave.
+  rack = Rack();
+  rack.clear_name();
+  EXPECT_THAT(FieldsAtFault(rack), UnorderedElementsAre("name"));
+}
+
+TEST(AssemblyCodec, RefusesPartsInOnePlace) {
+  v1::Assembly rack = Rack();
+  *rack.add_parts() = rack.parts(3);
+  rack.mutable_parts(4)->set_name("second door");
+  EXPECT_THAT(FieldsAtFault(rack), UnorderedElementsAre("parts[4].position"));
+  EXPECT_THAT(std::string(FromProto(rack, Items()).status().message()),
+              HasSubstr("'second door': lies in the same place as 'door'"));
+  rack.mutable_parts(4)->mutable_position()->set_y(-0.036);
+  EXPECT_THAT(FieldsAtFault(rack), UnorderedElementsAre());
+}
+
+TEST(AssemblyCodec, RefusesPlanesFarFromTheirPart) {
+  v1::Assembly rack = Rack();
+  auto& plane = *rack.mutable_parts(3)->add_prominent_planes();  // of the door, 1 by 1.5 m
+  plane.set_name("hinge line");
+  plane.set_axis(v1::Y);
+  plane.set_position(1.4);
+  EXPECT_THAT(FieldsAtFault(rack), UnorderedElementsAre());
+  plane.set_position(1.6);
+  EXPECT_THAT(FieldsAtFault(rack), UnorderedElementsAre("parts[3].prominent_planes[0].position"));
+  plane.set_position(-1.6);
+  EXPECT_THAT(FieldsAtFault(rack), UnorderedElementsAre("parts[3].prominent_planes[0].position"));
 }
 
 TEST(AssemblyCodec, RefusesWhatCannotBe) {

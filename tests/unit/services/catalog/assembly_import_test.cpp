@@ -291,6 +291,7 @@ TEST(UnpackStep, TakesGzipOrNone) {
   EXPECT_EQ(UnpackStep(text).value_or(""), text);
   EXPECT_EQ(UnpackStep(Packed(text.size())).value_or(""), text);
   EXPECT_EQ(UnpackStep("").value_or("x"), "");
+  EXPECT_EQ(UnpackStep(Packed(0)).status().message(), "step: is empty");
   const absl::Status bomb = UnpackStep(Packed(std::size_t{70} << 20)).status();
   EXPECT_TRUE(absl::IsResourceExhausted(bomb)) << bomb;
   const absl::Status nonsense = UnpackStep("\x1f\x8bnonsense").status();
