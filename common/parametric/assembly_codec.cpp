@@ -396,16 +396,37 @@ Finding AtMessage(const Finding& finding, const Drawing& drawing) {
   return finding;
 }
 
+// Whether one group of the message is another or below it; of hierarchies with faults as well.
+bool IsWithin(const v1::Assembly& message, std::string group, const std::string& ancestor) {
+  for (int depth = 0; depth <= message.groups_size() && group != ancestor; ++depth) {
+    const auto found =
+        std::find_if(message.groups().begin(), message.groups().end(),
+                     [&](const v1::AssemblyGroup& other) { return other.name() == group; });
+    if (found == message.groups().end()) return false;
+    group = found->parent();
+  }
+  return group == ancestor;
+}
+
+// Whether parts of a group, or below it, could not be read.
+bool MissesParts(const std::string& group, const v1::Assembly& message, const Drawing& drawing) {
+  if (drawing.assembly.parts.size() == kMaxParts) return true;
+  const std::set<std::string> read(drawing.part_fields.begin(), drawing.part_fields.end());
+  for (int i = 0; i < message.parts_size(); ++i) {
+    if (read.contains(absl::StrCat("parts[", i, "]"))) continue;
+    if (IsWithin(message, message.parts(i).group(), group)) return true;
+  }
+  return false;
+}
+
 // Whether a finding only says what was left out because of findings before.
 bool IsConsequence(const Finding& finding, const v1::Assembly& message, const Drawing& drawing) {
   if (finding.field == "parts") return message.parts_size() > 0;
   if (finding.field == "groups[0].name") return true;  // the root is called as the assembly
   const int joint = IndexIn(finding.field, "joints");
   if (joint < 0 || !finding.field.ends_with("].group")) return false;
-  // Without parts because they could not be read.
-  const bool parts_are_missing =
-      drawing.assembly.parts.size() == kMaxParts || drawing.assembly.parts.empty();
-  return parts_are_missing || drawing.assembly.joints[static_cast<std::size_t>(joint)].group < 0;
+  return drawing.assembly.joints[static_cast<std::size_t>(joint)].group < 0 ||
+         MissesParts(message.joints(joint).group(), message, drawing);
 }
 
 }  // namespace
