@@ -12,31 +12,35 @@
 namespace mortise::parametric {
 namespace {
 
-// As many corners as take little time, of large designs the fewest.
+constexpr int kPartsLookedAt = 4000;
 constexpr int kFewestCorners = 24;
 constexpr int kMostCorners = 250;
-constexpr int kPartsLookedAt = 4000;
 constexpr int kFitsLookedAt = 250;  // true shapes take a hundred times as long as boxes
+constexpr int kFewestOfFits = 8;
+constexpr int kMostOfFits = 60;
 constexpr std::uint64_t kSeed = 1;
 constexpr double kRigid = 1e-9;  // rows of an orthonormal basis this short say that nothing moves
 
-// Corners of the set, and points on the lines from each to the next.
+// Corners of the set, and points on the lines from each to the next, in turn.
 absl::StatusOr<std::vector<Eigen::VectorXd>> TrialDesigns(const FeasibleSet& feasible_set,
-                                                          std::size_t parts, std::size_t fits) {
-  const auto share = [](int looked_at, std::size_t of) {
-    return looked_at / static_cast<int>(std::max<std::size_t>(of, 1));
-  };
-  const int corners = std::clamp(std::min(share(kPartsLookedAt, parts), share(kFitsLookedAt, fits)),
-                                 kFewestCorners, kMostCorners);
-  MORTISE_ASSIGN_OR_RETURN(std::vector<Eigen::VectorXd> designs,
+                                                          int corners) {
+  MORTISE_ASSIGN_OR_RETURN(const std::vector<Eigen::VectorXd> at,
                            feasible_set.Corners(corners, kSeed));
   std::mt19937_64 random(kSeed);
   std::uniform_real_distribution<double> uniform;
-  for (std::size_t i = 0; i + 1 < static_cast<std::size_t>(corners); ++i) {
+  std::vector<Eigen::VectorXd> designs;
+  for (std::size_t i = 0; i + 1 < at.size(); ++i) {
     const double along = uniform(random);
-    designs.push_back((1 - along) * designs[i] + along * designs[i + 1]);
+    designs.push_back(at[i]);
+    designs.push_back((1 - along) * at[i] + along * at[i + 1]);
   }
   return designs;
+}
+
+// As many corners as take little time: so much is looked at, once in each.
+int CornersFor(int looked_at, std::size_t things, int fewest, int most) {
+  const int share = looked_at / static_cast<int>(std::max<std::size_t>(things, 1));
+  return std::clamp(share, fewest, most);
 }
 
 // Pairs of elements, lower first.
@@ -105,6 +109,12 @@ class Trial {
   // Whether some parts are to be fitted: what else is tried before they are is of no use.
   bool HasFitted() const { return !remedies_.precautions.fitted.empty(); }
 
+  bool HasRemedies() const {
+    const Precautions& precautions = remedies_.precautions;
+    return !remedies_.lone.empty() || !precautions.kept_apart.empty() ||
+           !precautions.kept_touching.empty() || !precautions.fitted.empty();
+  }
+
   Remedies TakeRemedies() { return std::move(remedies_); }
 
  private:
@@ -169,17 +179,28 @@ absl::StatusOr<Remedies> TryDesigns(const Assembly& assembly, const std::vector<
   const bool has_patterns =
       std::any_of(elements.begin(), elements.end(),
                   [](const Element& element) { return element.pattern.has_value(); });
-  Pairs fits = FitsToTry(assembly, elements, feasible_set, tolerance);
-  if (!has_patterns && PosesOf(assembly).size() == 1 && fits.empty()) return Remedies();
-  MORTISE_ASSIGN_OR_RETURN(const std::vector<Eigen::VectorXd> designs,
-                           TrialDesigns(feasible_set, assembly.parts.size(), fits.size()));
-  const ContactCheck check(WithShapesOf(fits, elements, assembly), elements, tolerance);
-  Trial trial(assembly, elements, std::move(fits), known, tolerance);
-  for (const Eigen::VectorXd& q : designs) {
-    if (!check.CheckParameters(q).ok()) continue;  // more parts than anybody may ask for
-    MORTISE_ASSIGN_OR_RETURN(const std::vector<ContactFault> faults, check.FaultsAt(q));
-    for (const ContactFault& fault : faults) trial.Remedy(fault);
-    if (trial.HasFitted()) break;
+  const Pairs fits = FitsToTry(assembly, elements, feasible_set, tolerance);
+  Trial trial(assembly, elements, fits, known, tolerance);
+  const auto look_at = [&](const Pairs& with_shapes, int corners) -> absl::Status {
+    const ContactCheck check(WithShapesOf(with_shapes, elements, assembly), elements, tolerance);
+    MORTISE_ASSIGN_OR_RETURN(const std::vector<Eigen::VectorXd> designs,
+                             TrialDesigns(feasible_set, corners));
+    for (const Eigen::VectorXd& q : designs) {
+      if (!check.CheckParameters(q).ok()) continue;  // more parts than anybody may ask for
+      MORTISE_ASSIGN_OR_RETURN(const std::vector<ContactFault> faults, check.FaultsAt(q));
+      for (const ContactFault& fault : faults) trial.Remedy(fault);
+      if (trial.HasFitted()) break;
+    }
+    return absl::OkStatus();
+  };
+  if (has_patterns || PosesOf(assembly).size() > 1) {
+    MORTISE_RETURN_IF_ERROR(look_at(
+        {}, CornersFor(kPartsLookedAt, assembly.parts.size(), kFewestCorners, kMostCorners)));
+  }
+  // With what is known now the set will be another, and fits may be sound in that.
+  if (!fits.empty() && !trial.HasRemedies()) {
+    MORTISE_RETURN_IF_ERROR(
+        look_at(fits, CornersFor(kFitsLookedAt, fits.size(), kFewestOfFits, kMostOfFits)));
   }
   return trial.TakeRemedies();
 }
