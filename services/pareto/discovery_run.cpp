@@ -68,6 +68,13 @@ class Loop {
         lanes_(std::max(1, options.lanes)) {}
 
   absl::Status Run() {
+    const absl::Status status = RunToItsEnd();
+    if (!status.ok()) KeepWhatIsUnderWay();
+    return status;
+  }
+
+ private:
+  absl::Status RunToItsEnd() {
     while (true) {
       if (!discovery_.Finished() && options_.cancelled && options_.cancelled()) {
         discovery_.Stop(Discovery::StopReason::kCancelled, "cancelled");
@@ -80,7 +87,24 @@ class Loop {
     }
   }
 
- private:
+  // After a failure: what other lanes have evaluated meanwhile need not be evaluated again.
+  void KeepWhatIsUnderWay() {
+    while (under_way_ > 0) {
+      const std::optional<absl::StatusOr<Numbered>> batch = mailbox_.Take(kCancelPoll);
+      if (!batch) continue;
+      --under_way_;
+      // The failure that is told is the first.
+      if (batch->ok() && can_keep_) KeepResults(**batch).IgnoreError();
+    }
+  }
+
+  absl::Status KeepResults(const Numbered& batch) {
+    if (!options_.checkpoint) return absl::OkStatus();
+    const absl::Status kept = options_.checkpoint(batch);
+    can_keep_ = kept.ok();
+    return kept;
+  }
+
   // A failure ends the discovery, which keeps what it found.
   absl::Status Keep(absl::Status status) {
     if (!status.ok())
@@ -115,7 +139,7 @@ class Loop {
     --under_way_;
     if (discovery_.Finished()) return absl::OkStatus();
     MORTISE_RETURN_IF_ERROR(batch.status());
-    if (options_.checkpoint) MORTISE_RETURN_IF_ERROR(options_.checkpoint(*batch));
+    MORTISE_RETURN_IF_ERROR(KeepResults(*batch));
     for (auto& [number, evaluation] : *batch)
       MORTISE_RETURN_IF_ERROR(discovery_.Tell(number, std::move(evaluation)));
     if (options_.progress || options_.judge) {
@@ -132,6 +156,7 @@ class Loop {
   const std::map<std::int64_t, Evaluation>& known_;
   Mailbox mailbox_;
   int under_way_ = 0;
+  bool can_keep_ = true;
   ThreadPool lanes_;  // last: joined before the mailbox goes
 };
 

@@ -18,8 +18,8 @@ class ProblemEvaluator : public Evaluator {
 
   absl::StatusOr<std::vector<Evaluation>> Evaluate(
       const std::vector<Eigen::VectorXd>& designs) override {
-    if (lost_after >= 0 && calls_ >= lost_after) return absl::UnavailableError("away");
-    ++calls_;
+    const int call = calls_++;
+    if (lost_after >= 0 && call >= lost_after) return absl::UnavailableError("away");
     std::vector<Evaluation> results;
     for (const auto& x : designs) results.push_back(problem_.evaluate(x, false));
     return results;
