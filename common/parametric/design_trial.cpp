@@ -16,6 +16,7 @@ constexpr int kPartsLookedAt = 4000;
 constexpr int kFewestCorners = 24;
 constexpr int kMostCorners = 250;
 constexpr int kFitsLookedAt = 250;  // true shapes take a hundred times as long as boxes
+constexpr int kPartsWithFits = 800;
 constexpr int kFewestOfFits = 8;
 constexpr int kMostOfFits = 60;
 constexpr std::uint64_t kSeed = 1;
@@ -199,8 +200,10 @@ absl::StatusOr<Remedies> TryDesigns(const Assembly& assembly, const std::vector<
   }
   // With what is known now the set will be another, and fits may be sound in that.
   if (!fits.empty() && !trial.HasRemedies()) {
-    MORTISE_RETURN_IF_ERROR(
-        look_at(fits, CornersFor(kFitsLookedAt, fits.size(), kFewestOfFits, kMostOfFits)));
+    MORTISE_RETURN_IF_ERROR(look_at(
+        fits,
+        std::min(CornersFor(kFitsLookedAt, fits.size(), kFewestOfFits, kMostOfFits),
+                 CornersFor(kPartsWithFits, assembly.parts.size(), kFewestOfFits, kMostOfFits))));
   }
   return trial.TakeRemedies();
 }
