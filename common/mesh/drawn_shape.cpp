@@ -5,12 +5,14 @@
 #include <boost/pending/disjoint_sets.hpp>
 #include <cmath>
 #include <map>
+#include <set>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "common/base/errors.h"
 #include "common/base/field_violations.h"
+#include "common/mesh/halfedge_mesh.h"
 #include "common/mesh/mass_properties.h"
 #include "common/mesh/surface_check.h"
 
@@ -49,33 +51,50 @@ absl::Status CheckSolid(const mesh::SurfaceMesh& surface) {
     faults.push_back({"shape", fault.message});
   }
   if (faults.empty()) {
+    std::set<std::string> places;  // two pairs of triangles may cross in one
     for (const mesh::Intersection& crossing :
          mesh::FindIntersections(surface.vertices, surface.triangles, kMostIntersections)) {
-      faults.push_back(
-          {"shape", absl::StrCat("the surface crosses itself at ", PlaceText(crossing.place))});
+      const std::string place = PlaceText(crossing.place);
+      if (!places.insert(place).second) continue;
+      faults.push_back({"shape", absl::StrCat("the surface crosses itself at ", place)});
     }
   }
   return faults.empty() ? absl::OkStatus() : InvalidFields(faults);
 }
 
-// How many solids the surfaces enclose that share no vertex; a hollow, turned inwards, is none.
-std::size_t CountSolids(const mesh::SurfaceMesh& surface) {
-  boost::disjoint_sets_with_storage<> surfaces(static_cast<std::size_t>(surface.vertices.cols()));
-  for (Eigen::Index v = 0; v < surface.vertices.cols(); ++v) surfaces.make_set(v);
-  for (Eigen::Index t = 0; t < surface.triangles.cols(); ++t) {
-    surfaces.union_set(surface.triangles(0, t), surface.triangles(1, t));
-    surfaces.union_set(surface.triangles(0, t), surface.triangles(2, t));
-  }
+// Refuses surfaces that enclose several solids, also where these meet in a vertex; a hollow, turned
+// inwards, is none.
+absl::Status CheckOneSolid(const mesh::SurfaceMesh& surface) {
+  const CutSurface cut(surface.vertices, surface.triangles);
+  const std::size_t corners = cut.origin().size();
+  boost::disjoint_sets_with_storage<> pieces(corners);
+  for (std::size_t corner = 0; corner < corners; ++corner) pieces.make_set(corner);
   std::map<std::size_t, double> volumes;  // six times m³
-  for (Eigen::Index t = 0; t < surface.triangles.cols(); ++t) {
+  const auto corner_of = [&](OpenMesh::HalfedgeHandle side) {
+    return static_cast<std::size_t>(cut.mesh().from_vertex_handle(side).idx());
+  };
+  for (const auto side : cut.mesh().halfedges()) {
+    pieces.union_set(corner_of(side), corner_of(cut.mesh().next_halfedge_handle(side)));
+  }
+  for (int t = 0; t < surface.triangles.cols(); ++t) {
     const auto corner = [&](int k) -> Eigen::Vector3d {
       return surface.vertices.col(surface.triangles(k, t)) - surface.vertices.col(0);
     };
-    volumes[surfaces.find_set(surface.triangles(0, t))] +=
-        corner(0).dot(corner(1).cross(corner(2)));
+    const OpenMesh::HalfedgeHandle side = cut.mesh().halfedge_handle(OpenMesh::FaceHandle(t));
+    volumes[pieces.find_set(corner_of(side))] += corner(0).dot(corner(1).cross(corner(2)));
   }
-  return static_cast<std::size_t>(std::count_if(
-      volumes.begin(), volumes.end(), [](const auto& volume) { return volume.second > 0; }));
+  const auto solids = std::count_if(volumes.begin(), volumes.end(),
+                                    [](const auto& volume) { return volume.second > 0; });
+  if (solids == 1) return absl::OkStatus();
+  const auto vertices = static_cast<std::size_t>(surface.vertices.cols());
+  for (std::size_t copy = vertices; copy < corners; ++copy) {
+    const int origin = cut.origin()[copy];
+    if (pieces.find_set(copy) == pieces.find_set(static_cast<std::size_t>(origin))) continue;
+    return InvalidField("shape",
+                        absl::StrCat("has ", solids, " solids that meet only in a vertex, at ",
+                                     PlaceText(surface.vertices.col(origin))));
+  }
+  return InvalidField("shape", absl::StrCat("has ", solids, " separate solids, not one"));
 }
 
 // The face of the box along `axis` in which a triangle lies: 0, 1, or -1 for neither.
@@ -88,15 +107,6 @@ int SideOf(const DrawnShape& shape, Eigen::Index triangle, int axis) {
     if (at(0) == 0.5) return 1;
   }
   return -1;
-}
-
-// As a share of the box's section across `axis`.
-double SectionOf(const DrawnShape& shape, Eigen::Index triangle, int axis) {
-  const int u = (axis + 1) % 3, v = (axis + 2) % 3;
-  const auto corner = [&](int k) { return shape.fractions.col(shape.triangles(k, triangle)); };
-  const double au = corner(1)[u] - corner(0)[u], av = corner(1)[v] - corner(0)[v];
-  const double bu = corner(2)[u] - corner(0)[u], bv = corner(2)[v] - corner(0)[v];
-  return std::abs(au * bv - av * bu) / 2;
 }
 
 void NameBoxFaces(DrawnShape& shape) {
@@ -147,6 +157,14 @@ void FindPlanes(DrawnShape& shape) {
 
 }  // namespace
 
+double SectionOf(const DrawnShape& shape, Eigen::Index triangle, int axis) {
+  const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+  const auto corner = [&](int k) { return shape.fractions.col(shape.triangles(k, triangle)); };
+  const double au = corner(1)[u] - corner(0)[u], av = corner(1)[v] - corner(0)[v];
+  const double bu = corner(2)[u] - corner(0)[u], bv = corner(2)[v] - corner(0)[v];
+  return std::abs(au * bv - av * bu) / 2;
+}
+
 void DeriveFaces(DrawnShape& shape) {
   NameBoxFaces(shape);
   FindPlanes(shape);
@@ -187,9 +205,7 @@ absl::StatusOr<DrawnShape> ShapeOfMesh(const mesh::SurfaceMesh& surface) {
       DrawnShape shape,
       MakeDrawnShape(surface, Eigen::VectorXi::Zero(surface.triangles.cols()), {"surface"},
                      surface.vertices.rowwise().minCoeff(), surface.vertices.rowwise().maxCoeff()));
-  if (const std::size_t solids = CountSolids(surface); solids != 1) {
-    return InvalidField("shape", absl::StrCat("has ", solids, " separate solids, not one"));
-  }
+  MORTISE_RETURN_IF_ERROR(CheckOneSolid(surface));
   for (int axis = 0; axis < 3; ++axis) {
     for (int side = 0; side < 2; ++side) {
       const int face = static_cast<int>(shape.face_names.size());

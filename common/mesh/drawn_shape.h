@@ -57,8 +57,11 @@ absl::StatusOr<DrawnShape> MakeDrawnShape(const mesh::SurfaceMesh& surface,
 
 // The shape of a mesh of which nothing else is known: its faces are those in the faces of its box,
 // "face1" …, and all the rest, "surface". Errors as MakeDrawnShape; INVALID_ARGUMENT, "shape", also
-// for several solids that share no vertex. One may have hollows.
+// for several solids, with the place where two meet in a vertex. One may have hollows.
 absl::StatusOr<DrawnShape> ShapeOfMesh(const mesh::SurfaceMesh& surface);
+
+// How large a triangle is seen along an axis, as a share of the box's section across it.
+double SectionOf(const DrawnShape& shape, Eigen::Index triangle, int axis);
 
 // Everything about `shape` that follows from its fractions, triangles, triangle_face and own names:
 // names of faces in the faces of the box, and planes.

@@ -47,7 +47,7 @@ class LevelSearch {
     }
     const double height = Height(corners[0]);
     if (Side(corners[1], height) == 0 && Side(corners[2], height) == 0) {
-      turns_.push_back({height, Section(corners)});
+      turns_.push_back({height, SectionOf(shape_, t, axis_)});
     }
   }
 
@@ -68,14 +68,6 @@ class LevelSearch {
     for (const auto& [vertex, side] : peaks_) {
       if (side != 0) turns_.push_back({Height(vertex), 0});
     }
-  }
-
-  double Section(const std::array<int, 3>& corners) const {
-    const int u = (axis_ + 1) % 3, v = (axis_ + 2) % 3;
-    const auto corner = [&](std::size_t k) { return shape_.fractions.col(corners[k]); };
-    const double au = corner(1)[u] - corner(0)[u], av = corner(1)[v] - corner(0)[v];
-    const double bu = corner(2)[u] - corner(0)[u], bv = corner(2)[v] - corner(0)[v];
-    return std::abs(au * bv - av * bu) / 2;
   }
 
   std::vector<ShapeLevel> Distinct() {
