@@ -176,7 +176,7 @@ class Trial {
 
 absl::StatusOr<Remedies> TryDesigns(const Assembly& assembly, const std::vector<Element>& elements,
                                     const FeasibleSet& feasible_set, const Remedies& known,
-                                    double tolerance) {
+                                    double tolerance, const std::function<bool()>& is_given_up) {
   const bool has_patterns =
       std::any_of(elements.begin(), elements.end(),
                   [](const Element& element) { return element.pattern.has_value(); });
@@ -187,6 +187,7 @@ absl::StatusOr<Remedies> TryDesigns(const Assembly& assembly, const std::vector<
     MORTISE_ASSIGN_OR_RETURN(const std::vector<Eigen::VectorXd> designs,
                              TrialDesigns(feasible_set, corners));
     for (const Eigen::VectorXd& q : designs) {
+      if (is_given_up()) return absl::CancelledError("nobody waits for the designs any more");
       if (!check.CheckParameters(q).ok()) continue;  // more parts than anybody may ask for
       MORTISE_ASSIGN_OR_RETURN(const std::vector<ContactFault> faults, check.FaultsAt(q));
       for (const ContactFault& fault : faults) trial.Remedy(fault);

@@ -6,6 +6,7 @@
 // could keep it clear of what it leans over; nor has a leg that is let into a seat aslant.
 #pragma once
 
+#include <functional>
 #include <set>
 
 #include "absl/status/statusor.h"
@@ -29,9 +30,10 @@ struct Remedies {
 // before those of what they fasten. Parts count as their boxes but for shapes that may move or
 // stretch against what they touch. Nothing of `known` is said again, nor of designs without
 // patterns, rest poses and such shapes. The same designs are tried whenever the same is asked.
-// Fails as FeasibleSet::Corners and ContactCheck::FaultsAt.
+// Fails as FeasibleSet::Corners and ContactCheck::FaultsAt; CANCELLED if `is_given_up`, which is
+// asked before each design.
 absl::StatusOr<Remedies> TryDesigns(const Assembly& assembly, const std::vector<Element>& elements,
                                     const FeasibleSet& feasible_set, const Remedies& known,
-                                    double tolerance);
+                                    double tolerance, const std::function<bool()>& is_given_up);
 
 }  // namespace mortise::parametric

@@ -91,11 +91,12 @@ absl::StatusOr<Contacts> FindContacts(const Assembly& assembly,
   return Contacts(touching.begin(), touching.end());
 }
 
-absl::StatusOr<ParametricAssembly> ParametricAssembly::Create(Assembly assembly) {
+absl::StatusOr<ParametricAssembly> ParametricAssembly::Create(
+    Assembly assembly, const std::function<bool()>& is_given_up) {
   ParametricAssembly made;
   made.assembly_ = std::move(assembly);
   made.tolerance_ = kRelativeTolerance * AssemblyDiagonal(made.assembly_);
-  MORTISE_RETURN_IF_ERROR(made.FindSoundFeasibleSet());
+  MORTISE_RETURN_IF_ERROR(made.FindSoundFeasibleSet(is_given_up));
   made.placement_.emplace(*made.feasible_set_, made.elements_,
                           FindConnections(made.assembly_, made.elements_, made.contacts_,
                                           made.relationships_, made.tolerance_));
@@ -103,7 +104,7 @@ absl::StatusOr<ParametricAssembly> ParametricAssembly::Create(Assembly assembly)
   return made;
 }
 
-absl::Status ParametricAssembly::FindSoundFeasibleSet() {
+absl::Status ParametricAssembly::FindSoundFeasibleSet(const std::function<bool()>& is_given_up) {
   EasilyLost easily_lost;
   Remedies remedies;
   const auto has_more = [](auto& all, const auto& found) {
@@ -117,7 +118,7 @@ absl::Status ParametricAssembly::FindSoundFeasibleSet() {
                              FindEasilyLost(assembly_, elements_, *feasible_set_, tolerance_));
     if (has_more(easily_lost, lost)) continue;
     MORTISE_ASSIGN_OR_RETURN(const Remedies found, TryDesigns(assembly_, elements_, *feasible_set_,
-                                                              remedies, tolerance_));
+                                                              remedies, tolerance_, is_given_up));
     Precautions& precautions = remedies.precautions;
     bool is_sound = !has_more(remedies.lone, found.lone);
     is_sound &= !has_more(precautions.kept_apart, found.precautions.kept_apart);
@@ -145,6 +146,7 @@ absl::Status ParametricAssembly::CheckBounded() const {
   MORTISE_ASSIGN_OR_RETURN(const auto free, feasible_set_->UnboundedDirection());
   if (!free) return absl::OkStatus();
   Eigen::Index variable = 0;
+    if (is_given_up()) return absl::CancelledError("nobody waits for the designs any more");
   free->cwiseAbs().maxCoeff(&variable);
   const auto of_elements = static_cast<Eigen::Index>(6 * elements_.size());
   const std::string what =

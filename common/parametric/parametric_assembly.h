@@ -10,6 +10,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <set>
@@ -74,8 +75,10 @@ class ParametricAssembly {
   // they might lose (easily_lost.h), and what designs that are tried show to be at fault is mended
   // (design_trial.h); each takes another round. FAILED_PRECONDITION as
   // FeasibleSet::Create, or FEASIBLE_SET_UNBOUNDED naming an element that could move or grow
-  // without end.
-  static absl::StatusOr<ParametricAssembly> Create(Assembly assembly);
+  // without end. CANCELLED soon after `is_given_up`, which is asked before each round and each
+  // design that is tried.
+  static absl::StatusOr<ParametricAssembly> Create(
+      Assembly assembly, const std::function<bool()>& is_given_up = [] { return false; });
 
   const Assembly& assembly() const { return assembly_; }
   double tolerance() const { return tolerance_; }  // m: a millionth of the design's diagonal
@@ -142,7 +145,7 @@ class ParametricAssembly {
   ParametricAssembly() = default;
   // The feasible set, made anew until no pattern might lose what it touches, and none of the
   // designs that are tried has a fault that could be helped.
-  absl::Status FindSoundFeasibleSet();
+  absl::Status FindSoundFeasibleSet(const std::function<bool()>& is_given_up);
   // Everything up to the feasible set.
   absl::Status FindFeasibleSet(const PatternExclusions& exclusions, const Precautions& precautions);
   absl::Status CheckBounded() const;

@@ -1,12 +1,17 @@
 #include "common/parametric/parametrization_codec.h"
 
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "common/parametric/assembly_codec.h"
 #include "common/parametric/axis_codec.h"
 #include "common/parametric/connection_codec.h"
 #include "common/parametric/rest_pose.h"
+#include "common/parametric/shape_codec.h"
+#include "common/parametric/template_codec.h"
 
 namespace mortise::parametric {
 namespace {
@@ -151,6 +156,20 @@ absl::StatusOr<std::vector<MeasureDemand>> FromProto(
     demands.push_back(std::move(demand));
   }
   return demands;
+}
+
+absl::StatusOr<std::shared_ptr<const ParametricAssembly>> Parametrize(
+    const v1::AssemblyBundle& bundle, const std::function<bool()>& is_given_up) {
+  std::vector<Item> items;
+  for (const v1::Item& message : bundle.items()) {
+    MORTISE_ASSIGN_OR_RETURN(Item item, FromProto(message));
+    items.push_back(std::move(item));
+  }
+  MORTISE_ASSIGN_OR_RETURN(const ShapesByName shapes, FromProto(bundle.shapes()));
+  MORTISE_ASSIGN_OR_RETURN(Assembly assembly, FromProto(bundle.assembly(), items, shapes));
+  MORTISE_ASSIGN_OR_RETURN(ParametricAssembly parametrized,
+                           ParametricAssembly::Create(std::move(assembly), is_given_up));
+  return std::make_shared<const ParametricAssembly>(std::move(parametrized));
 }
 
 absl::StatusOr<v1::Parametrization> ToProto(const ParametricAssembly& parametric) {

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -22,6 +24,13 @@ v1::Measure ToProto(const Measure& measure);
 // the contract does not have.
 absl::StatusOr<std::vector<MeasureDemand>> FromProto(
     const google::protobuf::RepeatedPtrField<v1::MeasureDemand>& messages);
+
+// Parametrises an assembly with the items and shapes that it names. INVALID_ARGUMENT with
+// everything that is wrong with it, fields as the message has them; FAILED_PRECONDITION as
+// ParametricAssembly::Create, and CANCELLED. Takes up to seconds for hundreds of parts.
+absl::StatusOr<std::shared_ptr<const ParametricAssembly>> Parametrize(
+    const v1::AssemblyBundle& bundle,
+    const std::function<bool()>& is_given_up = [] { return false; });
 
 // Everything but the name and revision. Fails as ParametricAssembly::DegreesOfFreedom does.
 absl::StatusOr<v1::Parametrization> ToProto(const ParametricAssembly& assembly);

@@ -34,6 +34,12 @@ constexpr std::size_t kFilledHandles = 12;
 constexpr std::size_t kMostTriedEnds = 6;  // parameters; twice as many designs
 constexpr int kTriedCorners = 12;
 
+// How assemblies are parametrised, and who waits for that.
+struct Parametrizing {
+  const Parametrize& parametrize;
+  const std::function<bool()>& is_given_up;
+};
+
 absl::StatusOr<TemplateHead> HeadOf(const v1::TemplateBundle& bundle) {
   const v1::Template& message = bundle.template_();
   TemplateHead head{.name = message.name(),
@@ -54,15 +60,14 @@ absl::StatusOr<TemplateHead> HeadOf(const v1::TemplateBundle& bundle) {
   return head;
 }
 
-absl::StatusOr<std::shared_ptr<const parametric::ParametricAssembly>> AssemblyOf(
-    const v1::TemplateBundle& bundle, const std::vector<parametric::Item>& items) {
-  MORTISE_ASSIGN_OR_RETURN(const parametric::ShapesByName shapes,
-                           parametric::FromProto(bundle.shapes()));
-  MORTISE_ASSIGN_OR_RETURN(parametric::Assembly assembly,
-                           parametric::FromProto(bundle.assembly(), items, shapes));
-  MORTISE_ASSIGN_OR_RETURN(parametric::ParametricAssembly parametrized,
-                           parametric::ParametricAssembly::Create(std::move(assembly)));
-  return std::make_shared<const parametric::ParametricAssembly>(std::move(parametrized));
+absl::StatusOr<Parametrization> AssemblyOf(const v1::TemplateBundle& bundle,
+                                           const Parametrizing& parametrizing) {
+  v1::AssemblyBundle exposed;
+  *exposed.mutable_assembly() = bundle.assembly();
+  *exposed.mutable_items() = bundle.items();
+  *exposed.mutable_materials() = bundle.materials();
+  *exposed.mutable_shapes() = bundle.shapes();
+  return parametrizing.parametrize(exposed, parametrizing.is_given_up);
 }
 
 absl::StatusOr<AssemblyHandle> HandleOf(const v1::AssemblyHandle& message,
@@ -127,9 +132,8 @@ absl::Status FillHandles(const parametric::ParametricAssembly& assembly,
 }
 
 Compiled CompileAssembly(const v1::TemplateBundle& bundle, TemplateHead head,
-                         v1::AssemblyTemplate* fill) {
-  absl::StatusOr<std::shared_ptr<const parametric::ParametricAssembly>> assembly =
-      AssemblyOf(bundle, head.items);
+                         const Parametrizing& parametrizing, v1::AssemblyTemplate* fill) {
+  absl::StatusOr<Parametrization> assembly = AssemblyOf(bundle, parametrizing);
   if (!assembly.ok()) return UnderField("assembly.assembly", assembly.status());
   v1::Template message = bundle.template_();
   if (fill != nullptr) {
@@ -147,13 +151,14 @@ Compiled CompileParts(const v1::TemplateBundle& bundle) {
 }
 
 // `fill` takes the handles of an assembly template that has none.
-Compiled CompileWith(const v1::TemplateBundle& bundle, v1::AssemblyTemplate* fill) {
+Compiled CompileWith(const v1::TemplateBundle& bundle, const Parametrizing& parametrizing,
+                     v1::AssemblyTemplate* fill) {
   switch (bundle.template_().kind_case()) {
     case v1::Template::KIND_NOT_SET:
       return CompileParts(bundle);
     case v1::Template::kAssembly: {
       MORTISE_ASSIGN_OR_RETURN(TemplateHead head, HeadOf(bundle));
-      return CompileAssembly(bundle, std::move(head), fill);
+      return CompileAssembly(bundle, std::move(head), parametrizing, fill);
     }
     case v1::Template::kCad: {
       MORTISE_ASSIGN_OR_RETURN(TemplateHead head, HeadOf(bundle));
@@ -304,14 +309,15 @@ absl::Status CompleteParts(const v1::TemplateBundle& bundle) {
 }
 
 absl::Status CompleteKind(v1::TemplateBundle& bundle, Trial trial,
-                          const std::function<bool()>& is_given_up) {
+                          const Parametrizing& parametrizing) {
+  const std::function<bool()>& is_given_up = parametrizing.is_given_up;
   v1::Template& message = *bundle.mutable_template_();
   std::vector<Finding> findings;
   CheckHead(message, findings);
   MORTISE_RETURN_IF_ERROR(parametric::ToStatus(findings));
   v1::AssemblyTemplate handles = message.assembly();
   MORTISE_ASSIGN_OR_RETURN(const std::shared_ptr<const Template> compiled,
-                           CompileWith(bundle, &handles));
+                           CompileWith(bundle, parametrizing, &handles));
   if (message.has_assembly()) *message.mutable_assembly() = std::move(handles);
   FillHead(bundle, *compiled, message, findings);
   const std::string kind = message.has_cad() ? "cad" : message.has_assembly() ? "assembly" : "cage";
@@ -336,15 +342,16 @@ absl::Status CheckOwnMetrics(const v1::Template& message) {
 
 }  // namespace
 
-absl::StatusOr<std::shared_ptr<const Template>> Compile(const v1::TemplateBundle& bundle) {
-  return CompileWith(bundle, nullptr);
+absl::StatusOr<std::shared_ptr<const Template>> Compile(const v1::TemplateBundle& bundle,
+                                                        const Parametrize& parametrize) {
+  return CompileWith(bundle, {parametrize, [] { return false; }}, nullptr);
 }
 
 absl::Status Complete(v1::TemplateBundle& bundle, Trial trial,
-                      const std::function<bool()>& is_given_up) {
+                      const std::function<bool()>& is_given_up, const Parametrize& parametrize) {
   MORTISE_RETURN_IF_ERROR(bundle.template_().kind_case() == v1::Template::KIND_NOT_SET
                               ? CompleteParts(bundle)
-                              : CompleteKind(bundle, trial, is_given_up));
+                              : CompleteKind(bundle, trial, {parametrize, is_given_up}));
   MORTISE_RETURN_IF_ERROR(CheckOwnMetrics(bundle.template_()));
   bundle.mutable_template_()->set_digest(parametric::BundleDigest(bundle));
   return absl::OkStatus();

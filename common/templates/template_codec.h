@@ -9,16 +9,23 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "common/parametric/parametrization_codec.h"
 #include "common/templates/template.h"
 #include "mortise/v1/template.pb.h"
 
 namespace mortise::templates {
 
+// The parametrisation of an assembly: made now, as parametric::Parametrize does, or before.
+using Parametrization = std::shared_ptr<const parametric::ParametricAssembly>;
+using Parametrize = std::function<absl::StatusOr<Parametrization>(
+    const v1::AssemblyBundle& bundle, const std::function<bool()>& is_given_up)>;
+
 // A completed bundle, ready for evaluation. INVALID_ARGUMENT naming all fields at fault, as the
 // template's message has them ("parts[2].item", "cad.features[3].fillet.radius",
 // "assembly.handles[0].measure"); FAILED_PRECONDITION as ParametricAssembly::Create. Takes up to
 // seconds for assemblies of hundreds of parts.
-absl::StatusOr<std::shared_ptr<const Template>> Compile(const v1::TemplateBundle& bundle);
+absl::StatusOr<std::shared_ptr<const Template>> Compile(
+    const v1::TemplateBundle& bundle, const Parametrize& parametrize = parametric::Parametrize);
 
 // How much of its design space a template is tried at before it is accepted.
 enum class Trial {
@@ -33,7 +40,8 @@ enum class Trial {
 // Compile. CANCELLED as soon as `is_given_up`, which is asked before each design that is tried.
 absl::Status Complete(
     v1::TemplateBundle& bundle, Trial trial,
-    const std::function<bool()>& is_given_up = [] { return false; });
+    const std::function<bool()>& is_given_up = [] { return false; },
+    const Parametrize& parametrize = parametric::Parametrize);
 
 // What a template names itself, not what its assembly does: items/{id}, materials/{id}.
 std::set<std::string> ItemsOf(const v1::Template& message);

@@ -81,23 +81,6 @@ absl::StatusOr<v1::AssemblyBundle> Freeze(store::ReadTransaction& transaction,
   return bundle;
 }
 
-absl::StatusOr<std::shared_ptr<const parametric::ParametricAssembly>> Parametrize(
-    const v1::AssemblyBundle& bundle) {
-  std::vector<parametric::Item> items;
-  for (const v1::Item& message : bundle.items()) {
-    MORTISE_ASSIGN_OR_RETURN(parametric::Item item, parametric::FromProto(message));
-    items.push_back(std::move(item));
-  }
-  MORTISE_RETURN_IF_ERROR(CheckTogether(bundle.shapes()));
-  MORTISE_ASSIGN_OR_RETURN(const parametric::ShapesByName shapes,
-                           parametric::FromProto(bundle.shapes()));
-  MORTISE_ASSIGN_OR_RETURN(parametric::Assembly assembly,
-                           parametric::FromProto(bundle.assembly(), items, shapes));
-  MORTISE_ASSIGN_OR_RETURN(parametric::ParametricAssembly parametrized,
-                           parametric::ParametricAssembly::Create(std::move(assembly)));
-  return std::make_shared<const parametric::ParametricAssembly>(std::move(parametrized));
-}
-
 absl::StatusOr<v1::Assembly> ImportBundle(store::Transaction& transaction,
                                           v1::AssemblyBundle bundle, int64_t expected_revision,
                                           const std::string& trace_id) {

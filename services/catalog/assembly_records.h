@@ -2,12 +2,10 @@
 // what a revision can be changed to never changes.
 #pragma once
 
-#include <memory>
 #include <string>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "common/parametric/parametric_assembly.h"
 #include "common/store/store.h"
 #include "mortise/v1/assembly.pb.h"
 #include "services/catalog/catalog_records.h"
@@ -27,12 +25,6 @@ absl::StatusOr<Page<v1::Assembly>> ListAssemblies(store::ReadTransaction& transa
 // The assembly with those items, materials and shapes it names that exist, and its digest.
 absl::StatusOr<v1::AssemblyBundle> Freeze(store::ReadTransaction& transaction,
                                           const v1::Assembly& message);
-
-// Parametrises a frozen assembly. INVALID_ARGUMENT with everything that is wrong with it, fields as
-// the message has them; FAILED_PRECONDITION as ParametricAssembly::Create. Takes up to seconds for
-// hundreds of parts.
-absl::StatusOr<std::shared_ptr<const parametric::ParametricAssembly>> Parametrize(
-    const v1::AssemblyBundle& bundle);
 
 // Writes a bundle that can be parametrised, and its shapes, as the revision after
 // `expected_revision` ("assembly.imported") and returns the assembly. If the present revision has

@@ -12,9 +12,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
-#include "common/base/single_flight_cache.h"
 #include "common/parametric/assembly_design.h"
-#include "common/parametric/memory_use.h"
 #include "common/parametric/parametrization_codec.h"
 #include "common/parametric/template_codec.h"
 #include "common/rpc/handler.h"
@@ -32,18 +30,15 @@
 namespace mortise::catalog {
 namespace {
 
-constexpr std::size_t kParametrizedBytes = std::size_t{256} << 20;
 constexpr int kMaxDesigns = 1000;  // in one answer
 constexpr int kMaxDemands = 100;
 
-using Parametrized = std::shared_ptr<const parametric::ParametricAssembly>;
-using ParametrizedCache = SingleFlightCache<Parametrized>;
 using AdjustedWriter = std::shared_ptr<rpc::StreamWriter<v1::AdjustedAssembly>>;
 
 // An assembly revision, parametrised.
 struct Found {
   v1::AssemblyBundle bundle;
-  Parametrized parametrized;
+  templates::Parametrization parametrized;
 };
 
 // An assembly that is drawn in CAD and can be stored.
@@ -107,11 +102,12 @@ void StreamDesigns(Found found, std::vector<Eigen::VectorXd> parameters,
 
 class AssemblyAdapter : public v1::AssemblyService::CallbackService {
  public:
-  AssemblyAdapter(const rpc::ServiceEnvironment& environment, store::BlobFolder* blobs)
+  AssemblyAdapter(const rpc::ServiceEnvironment& environment, store::BlobFolder* blobs,
+                  std::shared_ptr<ParametrizationCache> parametrized)
       : store_(environment.store),
         blobs_(blobs),
         endpoint_(environment.dispatcher, "mortise.v1.AssemblyService"),
-        parametrized_(kParametrizedBytes, Oversize::kAlone),
+        parametrized_(std::move(parametrized)),
         drawings_(environment.store, blobs) {}
 
   grpc::ServerUnaryReactor* GetAssembly(grpc::CallbackServerContext* context,
@@ -145,13 +141,13 @@ class AssemblyAdapter : public v1::AssemblyService::CallbackService {
                                            v1::Assembly* response) override {
     return endpoint_.PreparedMutation(
         "ImportAssembly", context, request, response,
-        [this](const rpc::Call&,
+        [this](const rpc::Call& call,
                const v1::ImportAssemblyRequest& asked) -> absl::StatusOr<v1::AssemblyBundle> {
           if (asked.expected_revision() < 0) {
             return InvalidField("expected_revision", "must be at least 0");
           }
           MORTISE_ASSIGN_OR_RETURN(v1::AssemblyBundle bundle, FreezeNow(asked.assembly()));
-          const absl::Status checked = Parametrize(bundle).status();
+          const absl::Status checked = TryToParametrize(call, bundle);
           if (!checked.ok()) return UnderField("assembly", checked);
           return bundle;
         },
@@ -167,8 +163,8 @@ class AssemblyAdapter : public v1::AssemblyService::CallbackService {
                                                v1::ImportAssemblyStepResponse* response) override {
     return endpoint_.PreparedMutation(
         "ImportAssemblyStep", context, request, response,
-        [this](const rpc::Call&, const v1::ImportAssemblyStepRequest& asked) {
-          return PrepareStep(asked);
+        [this](const rpc::Call& call, const v1::ImportAssemblyStepRequest& asked) {
+          return PrepareStep(call, asked);
         },
         [](const rpc::Call& call, const v1::ImportAssemblyStepRequest& asked, Imported& imported,
            store::Transaction& transaction) -> absl::StatusOr<v1::ImportAssemblyStepResponse> {
@@ -210,9 +206,9 @@ class AssemblyAdapter : public v1::AssemblyService::CallbackService {
                                                 v1::Parametrization* response) override {
     return endpoint_.Query(
         "ParametrizeAssembly", context, request, response,
-        [this](const rpc::Call&,
+        [this](const rpc::Call& call,
                const v1::ParametrizeAssemblyRequest& asked) -> absl::StatusOr<v1::Parametrization> {
-          MORTISE_ASSIGN_OR_RETURN(const Found found, Find(asked.name(), asked.revision()));
+          MORTISE_ASSIGN_OR_RETURN(const Found found, Find(call, asked.name(), asked.revision()));
           MORTISE_ASSIGN_OR_RETURN(v1::Parametrization described,
                                    parametric::ToProto(*found.parametrized));
           described.set_assembly(found.bundle.assembly().name());
@@ -224,21 +220,22 @@ class AssemblyAdapter : public v1::AssemblyService::CallbackService {
   grpc::ServerUnaryReactor* AdjustAssembly(grpc::CallbackServerContext* context,
                                            const v1::AdjustAssemblyRequest* request,
                                            v1::AdjustedAssembly* response) override {
-    return endpoint_.Query(
-        "AdjustAssembly", context, request, response,
-        [this](const rpc::Call&, const v1::AdjustAssemblyRequest& asked) { return Adjust(asked); });
+    return endpoint_.Query("AdjustAssembly", context, request, response,
+                           [this](const rpc::Call& call, const v1::AdjustAssemblyRequest& asked) {
+                             return Adjust(call, asked);
+                           });
   }
 
   grpc::ServerWriteReactor<v1::AdjustedAssembly>* EvaluateAssembly(
       grpc::CallbackServerContext* context, const v1::EvaluateAssemblyRequest* request) override {
     return endpoint_.ServerStream<v1::AdjustedAssembly>(
         "EvaluateAssembly", context, request,
-        [this](const rpc::Call&, const v1::EvaluateAssemblyRequest& asked,
+        [this](const rpc::Call& call, const v1::EvaluateAssemblyRequest& asked,
                const AdjustedWriter& writer) -> absl::Status {
           if (asked.points_size() < 1 || asked.points_size() > kMaxDesigns) {
             return InvalidField("points", absl::StrCat("must be 1 to ", kMaxDesigns));
           }
-          MORTISE_ASSIGN_OR_RETURN(Found found, Find(asked.name(), asked.revision()));
+          MORTISE_ASSIGN_OR_RETURN(Found found, Find(call, asked.name(), asked.revision()));
           std::vector<Eigen::VectorXd> points;
           for (int i = 0; i < asked.points_size(); ++i) {
             MORTISE_ASSIGN_OR_RETURN(Eigen::VectorXd q,
@@ -255,12 +252,12 @@ class AssemblyAdapter : public v1::AssemblyService::CallbackService {
       grpc::CallbackServerContext* context, const v1::SampleAssemblyRequest* request) override {
     return endpoint_.ServerStream<v1::AdjustedAssembly>(
         "SampleAssembly", context, request,
-        [this](const rpc::Call&, const v1::SampleAssemblyRequest& asked,
+        [this](const rpc::Call& call, const v1::SampleAssemblyRequest& asked,
                const AdjustedWriter& writer) -> absl::Status {
           if (asked.count() < 1 || asked.count() > kMaxDesigns) {
             return InvalidField("count", absl::StrCat("must be 1 to ", kMaxDesigns));
           }
-          MORTISE_ASSIGN_OR_RETURN(Found found, Find(asked.name(), asked.revision()));
+          MORTISE_ASSIGN_OR_RETURN(Found found, Find(call, asked.name(), asked.revision()));
           MORTISE_ASSIGN_OR_RETURN(std::vector<Eigen::VectorXd> samples,
                                    found.parametrized->Sample(asked.count(), asked.seed()));
           StreamDesigns(std::move(found), std::move(samples), "samples", writer);
@@ -272,9 +269,9 @@ class AssemblyAdapter : public v1::AssemblyService::CallbackService {
       grpc::CallbackServerContext* context, const v1::ExportAssemblyRequest* request) override {
     return endpoint_.ServerStream<v1::Chunk>(
         "ExportAssembly", context, request,
-        [this](const rpc::Call&, const v1::ExportAssemblyRequest& asked,
+        [this](const rpc::Call& call, const v1::ExportAssemblyRequest& asked,
                const std::shared_ptr<rpc::StreamWriter<v1::Chunk>>& writer) {
-          return Export(asked, writer);
+          return Export(call, asked, writer);
         });
   }
 
@@ -292,13 +289,15 @@ class AssemblyAdapter : public v1::AssemblyService::CallbackService {
   }
 
   // What is said of 'step' is said of the drawing that was uploaded instead.
-  absl::StatusOr<Imported> PrepareStep(const v1::ImportAssemblyStepRequest& asked) {
-    absl::StatusOr<Imported> prepared = PrepareAnyStep(asked);
+  absl::StatusOr<Imported> PrepareStep(const rpc::Call& call,
+                                       const v1::ImportAssemblyStepRequest& asked) {
+    absl::StatusOr<Imported> prepared = PrepareAnyStep(call, asked);
     if (prepared.ok() || asked.drawing().empty()) return prepared;
     return OfUpload(prepared.status());
   }
 
-  absl::StatusOr<Imported> PrepareAnyStep(const v1::ImportAssemblyStepRequest& asked) {
+  absl::StatusOr<Imported> PrepareAnyStep(const rpc::Call& call,
+                                          const v1::ImportAssemblyStepRequest& asked) {
     if (asked.expected_revision() < 0) {
       return InvalidField("expected_revision", "must be at least 0");
     }
@@ -313,7 +312,7 @@ class AssemblyAdapter : public v1::AssemblyService::CallbackService {
     DrawnAssembly drawn = MakeAssembly(*drawing, asked.annotations(), items.items);
     MORTISE_ASSIGN_OR_RETURN(v1::AssemblyBundle bundle, FreezeNow(drawn.assembly));
     AddNewShapes(*drawing, bundle);
-    MORTISE_RETURN_IF_ERROR(AtRequest(drawn, asked.annotations(), Parametrize(bundle).status()));
+    MORTISE_RETURN_IF_ERROR(AtRequest(drawn, asked.annotations(), TryToParametrize(call, bundle)));
     return Imported{std::move(bundle), std::move(drawn.notes)};
   }
 
@@ -328,29 +327,30 @@ class AssemblyAdapter : public v1::AssemblyService::CallbackService {
   }
 
   // Parametrised now, once for all who ask, or before.
-  absl::StatusOr<Found> Find(const std::string& name, int64_t revision) {
+  absl::StatusOr<Found> Find(const rpc::Call& call, const std::string& name, int64_t revision) {
     MORTISE_ASSIGN_OR_RETURN(v1::AssemblyBundle bundle, Get(name, revision));
-    MORTISE_ASSIGN_OR_RETURN(
-        Parametrized parametrized,
-        parametrized_.Get(bundle.assembly().digest(), [&] { return ParametrizeWhole(bundle); }));
+    const auto add_shapes = [this](v1::AssemblyBundle& needed) {
+      return store_->Read([&](store::ReadTransaction& transaction) {
+        return AddShapes(transaction, needed.assembly(), needed.items(), *needed.mutable_shapes());
+      });
+    };
+    MORTISE_ASSIGN_OR_RETURN(templates::Parametrization parametrized,
+                             parametrized_->Get(
+                                 bundle, [&call] { return call.cancelled(); }, add_shapes));
     return Found{std::move(bundle), std::move(parametrized)};
   }
 
-  // With the shapes, which the bundle need not have.
-  absl::StatusOr<ParametrizedCache::Made> ParametrizeWhole(v1::AssemblyBundle bundle) {
-    MORTISE_RETURN_IF_ERROR(store_->Read([&](store::ReadTransaction& transaction) {
-      return AddShapes(transaction, bundle.assembly(), bundle.items(), *bundle.mutable_shapes());
-    }));
-    MORTISE_ASSIGN_OR_RETURN(Parametrized made, Parametrize(bundle));
-    const std::size_t bytes = parametric::MemoryUse(*made);
-    return ParametrizedCache::Made{std::move(made), bytes};
+  // Whether a design can be made of it; kept for who asks for it next.
+  absl::Status TryToParametrize(const rpc::Call& call, const v1::AssemblyBundle& bundle) {
+    return parametrized_->Get(bundle, [&call] { return call.cancelled(); }).status();
   }
 
-  absl::StatusOr<v1::AdjustedAssembly> Adjust(const v1::AdjustAssemblyRequest& asked) {
+  absl::StatusOr<v1::AdjustedAssembly> Adjust(const rpc::Call& call,
+                                              const v1::AdjustAssemblyRequest& asked) {
     if (asked.demands_size() > kMaxDemands) {
       return InvalidField("demands", absl::StrCat("must be at most ", kMaxDemands));
     }
-    MORTISE_ASSIGN_OR_RETURN(const Found found, Find(asked.name(), asked.revision()));
+    MORTISE_ASSIGN_OR_RETURN(const Found found, Find(call, asked.name(), asked.revision()));
     MORTISE_ASSIGN_OR_RETURN(const Eigen::VectorXd from,
                              ParametersOf(asked.q(), *found.parametrized, "q"));
     MORTISE_ASSIGN_OR_RETURN(const std::vector<parametric::MeasureDemand> demands,
@@ -365,10 +365,10 @@ class AssemblyAdapter : public v1::AssemblyService::CallbackService {
     return answer;
   }
 
-  absl::Status Export(const v1::ExportAssemblyRequest& asked,
+  absl::Status Export(const rpc::Call& call, const v1::ExportAssemblyRequest& asked,
                       const std::shared_ptr<rpc::StreamWriter<v1::Chunk>>& writer) {
     MORTISE_RETURN_IF_ERROR(KindOf(asked.format()).status());
-    MORTISE_ASSIGN_OR_RETURN(const Found found, Find(asked.name(), asked.revision()));
+    MORTISE_ASSIGN_OR_RETURN(const Found found, Find(call, asked.name(), asked.revision()));
     MORTISE_ASSIGN_OR_RETURN(const Eigen::VectorXd q,
                              ParametersOf(asked.q(), *found.parametrized, "q"));
     MORTISE_RETURN_IF_ERROR(Evaluate(found, q, "q").status());
@@ -395,15 +395,16 @@ class AssemblyAdapter : public v1::AssemblyService::CallbackService {
   store::Store* const store_;
   store::BlobFolder* const blobs_;
   rpc::Endpoint endpoint_;
-  ParametrizedCache parametrized_;  // by digest
+  const std::shared_ptr<ParametrizationCache> parametrized_;
   DrawingSource drawings_;
 };
 
 }  // namespace
 
-std::shared_ptr<grpc::Service> MakeAssemblyService(const rpc::ServiceEnvironment& environment,
-                                                   store::BlobFolder* blobs) {
-  return std::make_shared<AssemblyAdapter>(environment, blobs);
+std::shared_ptr<grpc::Service> MakeAssemblyService(
+    const rpc::ServiceEnvironment& environment, store::BlobFolder* blobs,
+    std::shared_ptr<ParametrizationCache> parametrized) {
+  return std::make_shared<AssemblyAdapter>(environment, blobs, std::move(parametrized));
 }
 
 }  // namespace mortise::catalog

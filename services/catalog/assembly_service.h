@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "common/rpc/run_service.h"
+#include "services/catalog/parametrization_cache.h"
 
 namespace mortise::store {
 class BlobFolder;
@@ -11,8 +12,10 @@ class BlobFolder;
 
 namespace mortise::catalog {
 
-// `blobs`: where drawings are kept that are uploaded; outlives it.
-std::shared_ptr<grpc::Service> MakeAssemblyService(const rpc::ServiceEnvironment& environment,
-                                                   store::BlobFolder* blobs);
+// `blobs`: where drawings are kept that are uploaded; outlives it. `parametrized`: assemblies that
+// others of the catalog have parametrised, too.
+std::shared_ptr<grpc::Service> MakeAssemblyService(
+    const rpc::ServiceEnvironment& environment, store::BlobFolder* blobs,
+    std::shared_ptr<ParametrizationCache> parametrized);
 
 }  // namespace mortise::catalog

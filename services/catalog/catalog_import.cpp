@@ -156,7 +156,7 @@ void Note(const std::string& name, const Replacement& replaced, v1::ImportCatalo
 
 absl::StatusOr<std::vector<v1::TemplateBundle>> PrepareImport(
     store::Store& store, const v1::ImportCatalogRequest& request,
-    const std::function<bool()>& is_given_up) {
+    const std::function<bool()>& is_given_up, const templates::Parametrize& parametrize) {
   MORTISE_RETURN_IF_ERROR(CheckCounts(request));
   Faults faults;
   std::vector<v1::TemplateBundle> bundles;
@@ -170,7 +170,8 @@ absl::StatusOr<std::vector<v1::TemplateBundle>> PrepareImport(
     v1::TemplateBundle& bundle = bundles[static_cast<std::size_t>(i)];
     if (!bundle.has_template_()) continue;
     MORTISE_RETURN_IF_ERROR(faults.Add(
-        At("templates", i), templates::Complete(bundle, templates::Trial::kThorough, is_given_up)));
+        At("templates", i),
+        templates::Complete(bundle, templates::Trial::kThorough, is_given_up, parametrize)));
   }
   MORTISE_RETURN_IF_ERROR(faults.AsStatus());
   return bundles;

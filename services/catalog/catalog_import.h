@@ -7,6 +7,7 @@
 
 #include "absl/status/statusor.h"
 #include "common/store/store.h"
+#include "common/templates/template_codec.h"
 #include "mortise/v1/catalog.pb.h"
 
 namespace mortise::catalog {
@@ -18,7 +19,7 @@ namespace mortise::catalog {
 // `is_given_up`, which is asked before each design of a template that is tried.
 absl::StatusOr<std::vector<v1::TemplateBundle>> PrepareImport(
     store::Store& store, const v1::ImportCatalogRequest& request,
-    const std::function<bool()>& is_given_up);
+    const std::function<bool()>& is_given_up, const templates::Parametrize& parametrize);
 
 // Stores a request with its templates as PrepareImport has made them. What others changed
 // meanwhile is replaced like everything else; what they removed is INVALID_ARGUMENT as above where

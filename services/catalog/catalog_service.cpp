@@ -31,6 +31,7 @@ namespace {
 
 constexpr std::size_t kCompiledBytes = std::size_t{256} << 20;
 
+constexpr std::size_t kParametrizedBytes = std::size_t{256} << 20;
 // A design with the template it came from.
 struct NamedDesign {
   std::shared_ptr<const templates::Template> function;
@@ -49,10 +50,12 @@ void DropTriangles(v1::EvaluatedDesign& design) {
 
 class CatalogAdapter : public v1::CatalogService::CallbackService {
  public:
-  CatalogAdapter(const rpc::ServiceEnvironment& environment, store::BlobFolder* blobs)
+  CatalogAdapter(const rpc::ServiceEnvironment& environment, store::BlobFolder* blobs,
+                 std::shared_ptr<ParametrizationCache> parametrized)
       : store_(environment.store),
         endpoint_(environment.dispatcher, "mortise.v1.CatalogService"),
-        cache_(kCompiledBytes),
+        parametrized_(std::move(parametrized)),
+        cache_(kCompiledBytes, parametrized_->ForTemplates()),
         upkeep_(environment.store, blobs, environment.options.blobs) {}
 
   // Checking tries designs of templates, so it happens before the transaction.
@@ -62,7 +65,8 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
     return endpoint_.PreparedMutation(
         "ImportCatalog", context, request, response,
         [this](const rpc::Call& call, const v1::ImportCatalogRequest& asked) {
-          return PrepareImport(*store_, asked, [&call] { return call.cancelled(); });
+          return PrepareImport(
+              *store_, asked, [&call] { return call.cancelled(); }, parametrized_->ForTemplates());
         },
         [](const rpc::Call& call, const v1::ImportCatalogRequest& asked,
            std::vector<v1::TemplateBundle>& templates, store::Transaction& transaction) {
@@ -342,9 +346,10 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
           return Freeze(transaction, asked.template_());
         });
     if (!bundle.ok()) return UnderField("template", bundle.status());
-    MORTISE_RETURN_IF_ERROR(
-        UnderField("template", templates::Complete(*bundle, templates::Trial::kThorough,
-                                                   [&call] { return call.cancelled(); })));
+    MORTISE_RETURN_IF_ERROR(UnderField(
+        "template", templates::Complete(
+                        *bundle, templates::Trial::kThorough, [&call] { return call.cancelled(); },
+                        parametrized_->ForTemplates())));
     return bundle;
   }
 
@@ -420,6 +425,7 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
                      {"design.binpb", "application/x-protobuf"}, writer);
     return absl::OkStatus();
   }
+  const std::shared_ptr<ParametrizationCache> parametrized_;
 
   store::Store* const store_;
   rpc::Endpoint endpoint_;
@@ -428,16 +434,17 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
 };
 
 }  // namespace
+  const auto parametrized = std::make_shared<ParametrizationCache>(kParametrizedBytes);
 
 absl::StatusOr<std::vector<std::shared_ptr<grpc::Service>>> MakeServices(
     rpc::ServiceEnvironment& environment, const std::filesystem::path& collection) {
   if (!collection.empty()) {
-    MORTISE_RETURN_IF_ERROR(LoadCollection(*environment.store, collection).status());
+    MORTISE_RETURN_IF_ERROR(LoadCollection(*environment.store, collection, *parametrized).status());
   }
   MORTISE_ASSIGN_OR_RETURN(store::BlobFolder* const blobs, environment.store->Blobs());
   return std::vector<std::shared_ptr<grpc::Service>>{
-      std::make_shared<CatalogAdapter>(environment, blobs),
-      MakeAssemblyService(environment, blobs)};
+      std::make_shared<CatalogAdapter>(environment, blobs, parametrized),
+      MakeAssemblyService(environment, blobs, parametrized)};
 }
 
 }  // namespace mortise::catalog

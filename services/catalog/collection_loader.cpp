@@ -90,13 +90,16 @@ absl::StatusOr<int64_t> PutItem(store::Transaction& transaction, const v1::Item&
   return replaced.revision;
 }
 
+bool IsNeverGivenUp() { return false; }
+
 absl::StatusOr<int64_t> PutAssembly(store::Transaction& transaction, const v1::Assembly& message,
-                                    const ShapesOfCollection& shapes, int64_t present) {
+                                    const ShapesOfCollection& shapes,
+                                    ParametrizationCache& parametrized, int64_t present) {
   for (const v1::AssemblyPart& part : message.parts()) {
     MORTISE_RETURN_IF_ERROR(PutShapeNamed(transaction, shapes, part.shape()));
   }
   MORTISE_ASSIGN_OR_RETURN(v1::AssemblyBundle bundle, Freeze(transaction, message));
-  MORTISE_RETURN_IF_ERROR(Parametrize(bundle).status());
+  MORTISE_RETURN_IF_ERROR(parametrized.Get(bundle, IsNeverGivenUp).status());
   MORTISE_ASSIGN_OR_RETURN(const v1::Assembly stored,
                            ImportBundle(transaction, std::move(bundle), present, ""));
   return stored.revision();
@@ -104,18 +107,19 @@ absl::StatusOr<int64_t> PutAssembly(store::Transaction& transaction, const v1::A
 
 // What ships has been tried all over its design space (shipped_things_test).
 absl::StatusOr<int64_t> PutTemplate(store::Transaction& transaction, const v1::Template& message,
-                                    int64_t present) {
+                                    ParametrizationCache& parametrized, int64_t present) {
   MORTISE_ASSIGN_OR_RETURN(v1::TemplateBundle bundle, Freeze(transaction, message));
-  MORTISE_RETURN_IF_ERROR(templates::Complete(bundle, templates::Trial::kDefaults));
+  MORTISE_RETURN_IF_ERROR(templates::Complete(bundle, templates::Trial::kDefaults, IsNeverGivenUp,
+                                              parametrized.ForTemplates()));
   MORTISE_ASSIGN_OR_RETURN(const v1::Template stored,
                            ImportBundle(transaction, std::move(bundle), present, ""));
   return stored.revision();
 }
 
-// All things of a collection, in an order in which each comes after what it uses. `transaction` may
-// be null for those who only ask what there is.
+// All things of a collection, in an order in which each comes after what it uses. The others may be
+// null for those who only ask what there is.
 std::vector<Thing> ThingsOf(const parametric::Collection& collection,
-                            store::Transaction* transaction) {
+                            store::Transaction* transaction, ParametrizationCache* parametrized) {
   std::vector<Thing> things;
   const auto shapes = std::make_shared<const ShapesOfCollection>(ShapesOf(collection));
   for (const v1::Material& message : collection.materials) {
@@ -130,12 +134,14 @@ std::vector<Thing> ThingsOf(const parametric::Collection& collection,
   for (const v1::Template& message : collection.templates) own_templates.insert(message.name());
   const auto add_template = [&](const v1::Template& message, const std::string& digest) {
     things.push_back({kTemplates, message.name(), digest,
-                      [=](int64_t present) { return PutTemplate(*transaction, message, present); },
+                      [=](int64_t present) {
+                        return PutTemplate(*transaction, message, *parametrized, present);
+                      },
                       message.assembly().assembly()});
   };
   for (const v1::Assembly& message : collection.assemblies) {
     things.push_back({kAssemblies, message.name(), DigestOf(message), [=](int64_t present) {
-                        return PutAssembly(*transaction, message, *shapes, present);
+                        return PutAssembly(*transaction, message, *shapes, *parametrized, present);
                       }});
     // Somebody's own template of that name is kept instead.
     const v1::Template exposed = TemplateOf(message);
@@ -167,14 +173,15 @@ absl::StatusOr<DeliveryQuestion> QuestionOf(store::ReadTransaction& transaction,
 
 class Loader {
  public:
-  explicit Loader(store::Transaction& transaction) : transaction_(transaction) {}
+  Loader(store::Transaction& transaction, ParametrizationCache& parametrized)
+      : transaction_(transaction), parametrized_(parametrized) {}
 
   absl::StatusOr<CollectionReport> Load(const parametric::Collection& collection) {
     MORTISE_ASSIGN_OR_RETURN(const int64_t newest, GetCollectionNumber(transaction_));
     if (IsOlder(collection, newest)) return std::move(report_);
     is_newer_ = collection.number > newest;
     MORTISE_ASSIGN_OR_RETURN(origin_, OriginOf(transaction_));
-    for (const Thing& thing : ThingsOf(collection, &transaction_)) {
+    for (const Thing& thing : ThingsOf(collection, &transaction_, &parametrized_)) {
       MORTISE_RETURN_IF_ERROR(Take(thing));
     }
     if (is_newer_) {
@@ -238,6 +245,7 @@ class Loader {
   }
 
   store::Transaction& transaction_;
+  ParametrizationCache& parametrized_;
   StoreOrigin origin_;
   bool is_newer_ = false;  // than all collections before
   CollectionReport report_;
@@ -266,7 +274,7 @@ absl::StatusOr<Standing> StandingOf(store::Store& store, const parametric::Colle
       }
       return origin->filled_at;
     };
-    for (const Thing& thing : ThingsOf(collection, nullptr)) {
+    for (const Thing& thing : ThingsOf(collection, nullptr, nullptr)) {
       if (standing == Standing::kLacks) break;
       MORTISE_ASSIGN_OR_RETURN(DeliveryQuestion question, QuestionOf(transaction, thing, is_newer));
       question.filled_at = filled_at;
@@ -307,7 +315,8 @@ void Tell(const CollectionReport& report, const std::filesystem::path& folder) {
 }  // namespace
 
 absl::StatusOr<CollectionReport> LoadCollection(store::Store& store,
-                                                const std::filesystem::path& folder) {
+                                                const std::filesystem::path& folder,
+                                                ParametrizationCache& parametrized) {
   const absl::StatusOr<parametric::Collection> collection = parametric::ReadCollection(folder);
   CollectionReport report;
   if (!collection.ok()) {
@@ -328,7 +337,7 @@ absl::StatusOr<CollectionReport> LoadCollection(store::Store& store,
     if (standing != Standing::kLacks) return report;
     const absl::Status loaded =
         store.Transact([&](store::Transaction& transaction) -> absl::Status {
-          MORTISE_ASSIGN_OR_RETURN(report, Loader(transaction).Load(*collection));
+          MORTISE_ASSIGN_OR_RETURN(report, Loader(transaction, parametrized).Load(*collection));
           return absl::OkStatus();
         });
     if (loaded.ok()) break;

@@ -7,6 +7,7 @@
 
 #include "absl/status/statusor.h"
 #include "common/store/store.h"
+#include "services/catalog/parametrization_cache.h"
 
 namespace mortise::catalog {
 
@@ -30,7 +31,9 @@ struct CollectionReport {
 // tried again when it or the number has changed. A folder that cannot be read is said to be in
 // `failed`, and leaves such a store as it is. Several may load into one store at the same time;
 // UNAVAILABLE if others get in the way for minutes.
+// Assemblies are parametrised on the way, and stay so in `parametrized`.
 absl::StatusOr<CollectionReport> LoadCollection(store::Store& store,
-                                                const std::filesystem::path& folder);
+                                                const std::filesystem::path& folder,
+                                                ParametrizationCache& parametrized);
 
 }  // namespace mortise::catalog

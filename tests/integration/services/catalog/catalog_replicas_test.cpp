@@ -152,6 +152,8 @@ class CatalogReplicasTest : public ::testing::Test {
   testing::TemporaryFolder folder_;
   std::atomic<int64_t> now_ = 1'700'000'000;
   std::unique_ptr<store::Store> first_, second_;
+  ParametrizationCache first_parametrized_{std::size_t{64} << 20};
+  ParametrizationCache second_parametrized_{std::size_t{64} << 20};
   store::BlobFolder* blobs_ = nullptr;
 };
 
@@ -160,8 +162,8 @@ TEST_F(CatalogReplicasTest, LoadOneCollectionTogether) {
   for (int round = 0; round < 10; ++round) {
     OpenStores(absl::ZeroDuration());
     absl::StatusOr<CollectionReport> one, other;
-    Together({[&] { one = LoadCollection(*first_, folder); },
-              [&] { other = LoadCollection(*second_, folder); }});
+    Together({[&] { one = LoadCollection(*first_, folder, first_parametrized_); },
+              [&] { other = LoadCollection(*second_, folder, second_parametrized_); }});
     ASSERT_OK(one);
     ASSERT_OK(other);
     EXPECT_EQ(one->created.size() + other->created.size(), 2u);
@@ -175,18 +177,18 @@ TEST_F(CatalogReplicasTest, OlderAndNewerTogetherEndWithTheNewer) {
   for (int round = 0; round < 10; ++round) {
     OpenStores();
     absl::StatusOr<CollectionReport> one, other;
-    Together({[&] { one = LoadCollection(*first_, older); },
-              [&] { other = LoadCollection(*second_, newer); }});
+    Together({[&] { one = LoadCollection(*first_, older, first_parametrized_); },
+              [&] { other = LoadCollection(*second_, newer, second_parametrized_); }});
     ASSERT_OK(one);
     ASSERT_OK(other);
     EXPECT_EQ(GetKnob(*first_)->price().amount(), 2);
-    ASSERT_OK(LoadCollection(*first_, older));
+    ASSERT_OK(LoadCollection(*first_, older, first_parametrized_));
     EXPECT_EQ(GetKnob(*first_)->price().amount(), 2);
   }
 }
 
 TEST_F(CatalogReplicasTest, ASweepLeavesNoItemWithoutItsShape) {
-  ASSERT_OK(LoadCollection(*first_, Ship("collection", 1, 2)));
+  ASSERT_OK(LoadCollection(*first_, Ship("collection", 1, 2), first_parametrized_));
   const v1::Shape shape = Tetrahedron(0.1);
   for (int round = 0; round < 20; ++round) {
     ASSERT_OK(first_->Transact(

@@ -18,6 +18,8 @@
 namespace mortise::parametric {
 namespace {
 
+bool NobodyLeaves() { return false; }
+
 using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -124,11 +126,22 @@ TEST(DesignTrial, AnArmStaysOnTheStopThatItLeansOn) {
   }
 }
 
+// Asked between designs, so that what nobody waits for takes no more than a moment.
+TEST(DesignTrial, IsGivenUpWhenNobodyWaits) {
+  const Assembly pegs = PegBoard(0.69);
+  EXPECT_EQ(ParametricAssembly::Create(pegs, [] { return true; }).status().code(),
+            absl::StatusCode::kCancelled);
+  int asked = 0;
+  EXPECT_EQ(ParametricAssembly::Create(pegs, [&asked] { return ++asked == 10; }).status().code(),
+            absl::StatusCode::kCancelled);
+  EXPECT_EQ(asked, 10);
+}
+
 TEST(DesignTrial, SaysNothingOfWhatHasNeitherPatternsNorPoses) {
   ASSERT_OK_AND_ASSIGN(const auto table, ParametricAssembly::Create(TwoLeggedTable()));
-  ASSERT_OK_AND_ASSIGN(
-      const Remedies remedies,
-      TryDesigns(table.assembly(), table.elements(), table.feasible_set(), {}, table.tolerance()));
+  ASSERT_OK_AND_ASSIGN(const Remedies remedies,
+                       TryDesigns(table.assembly(), table.elements(), table.feasible_set(), {},
+                                  table.tolerance(), NobodyLeaves));
   EXPECT_THAT(remedies.lone, IsEmpty());
   EXPECT_THAT(remedies.precautions.kept_apart, IsEmpty());
 }
@@ -148,8 +161,10 @@ TEST(DesignTrial, NamesWhatIsAtFaultTheSameEachTime) {
   ASSERT_OK_AND_ASSIGN(const FeasibleSet set,
                        FeasibleSet::Create(relationships, DrawnParameters(pegs, elements),
                                            VariablesWithin(pegs, elements, 0)));
-  ASSERT_OK_AND_ASSIGN(const Remedies first, TryDesigns(pegs, elements, set, {}, tolerance));
-  ASSERT_OK_AND_ASSIGN(const Remedies again, TryDesigns(pegs, elements, set, {}, tolerance));
+  ASSERT_OK_AND_ASSIGN(const Remedies first,
+                       TryDesigns(pegs, elements, set, {}, tolerance, NobodyLeaves));
+  ASSERT_OK_AND_ASSIGN(const Remedies again,
+                       TryDesigns(pegs, elements, set, {}, tolerance, NobodyLeaves));
   EXPECT_EQ(first.lone.size(), 16U);
   EXPECT_EQ(first.lone, again.lone);
 }

@@ -130,13 +130,13 @@ class CollectionLoaderTest : public ::testing::Test {
   }
 
   CollectionReport LoadWithFaults() {
-    auto report = LoadCollection(*store_, collection_);
+    auto report = LoadCollection(*store_, collection_, parametrized_);
     EXPECT_TRUE(report.ok()) << report.status();
     return *std::move(report);
   }
 
   CollectionReport Load() {
-    auto report = LoadCollection(*store_, collection_);
+    auto report = LoadCollection(*store_, collection_, parametrized_);
     EXPECT_TRUE(report.ok()) << report.status();
     EXPECT_THAT(report->failed, IsEmpty());
     return *std::move(report);
@@ -192,6 +192,7 @@ class CollectionLoaderTest : public ::testing::Test {
   testing::TemporaryFolder folder_;
   const std::filesystem::path collection_ = folder_.path() / "collection";
   absl::Time now_ = absl::FromUnixSeconds(1'700'000'000);
+  ParametrizationCache parametrized_{std::size_t{64} << 20};
   std::unique_ptr<store::Store> store_ =
       store::OpenStore({.url = absl::StrCat("sqlite:", (folder_.path() / "store.db").string()),
                         .clock = [this] { return now_; }})
@@ -343,7 +344,7 @@ TEST_F(CollectionLoaderTest, ACollectionThatCannotBeReadLeavesAFilledStoreAsItIs
   Ship(500, 1);
   Load();
   ASSERT_TRUE(WriteFile(collection_ / "items" / "hardware.csv", "not a table\n1,2\n").ok());
-  const auto report = LoadCollection(*store_, collection_);
+  const auto report = LoadCollection(*store_, collection_, parametrized_);
   ASSERT_TRUE(report.ok()) << report.status();
   EXPECT_EQ(report->failed.size(), 1u);
   EXPECT_EQ(ItemOf("items/knob").price().amount(), 1);
@@ -356,7 +357,7 @@ TEST_F(CollectionLoaderTest, AFaultOfTheCollectionStoresNothingInAnEmptyStore) {
                         "price_date,price_is_example\n"
                         "items/odd,odd,HARDWARE,materials/absent,1,1,1,1,EUR,2026-01-15,true\n")
                   .ok());
-  EXPECT_EQ(LoadCollection(*store_, collection_).status().code(),
+  EXPECT_EQ(LoadCollection(*store_, collection_, parametrized_).status().code(),
             absl::StatusCode::kInvalidArgument);
   std::filesystem::remove(collection_ / "items" / "more.csv");
   EXPECT_THAT(Load().created, UnorderedElementsAre("materials/wood", "items/knob"));
@@ -523,7 +524,7 @@ TEST_F(CollectionLoaderTest, AShapeOfAnotherSizeIsAFaultOfItsItem) {
   ASSERT_OK(whole);
   ShipShapedKnob(0.04);
   ASSERT_OK(WriteFile(collection_ / "shapes" / "knob.shape", *whole));
-  const absl::Status status = LoadCollection(*store_, collection_).status();
+  const absl::Status status = LoadCollection(*store_, collection_, parametrized_).status();
   EXPECT_THAT(std::string(status.message()), HasSubstr("items/pyramid"));
   EXPECT_THAT(std::string(status.message()), HasSubstr("measures 30 mm along Z"));
   EXPECT_THAT(Shapes(), IsEmpty());

@@ -1,0 +1,65 @@
+#include "services/catalog/parametrization_cache.h"
+
+#include <set>
+#include <string>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
+#include "common/parametric/memory_use.h"
+#include "services/catalog/shape_records.h"
+
+namespace mortise::catalog {
+
+namespace {
+
+using templates::Parametrization;
+
+// A digest says nothing of the assembly's name, which is checked as well, nor whether the shapes
+// are there that it names.
+std::string KeyOf(const v1::Assembly& assembly) {
+  return absl::StrCat(assembly.name(), "/", assembly.digest());
+}
+
+bool HasAllShapes(const v1::AssemblyBundle& bundle) {
+  std::set<std::string> missing;
+  for (const v1::AssemblyPart& part : bundle.assembly().parts()) missing.insert(part.shape());
+  for (const v1::Item& item : bundle.items()) missing.insert(item.shape());
+  missing.erase("");
+  for (const v1::Shape& shape : bundle.shapes()) missing.erase(shape.name());
+  return missing.empty();
+}
+
+absl::StatusOr<Parametrization> ParametrizeNow(const v1::AssemblyBundle& bundle,
+                                               const std::function<bool()>& is_given_up) {
+  MORTISE_RETURN_IF_ERROR(CheckTogether(bundle.shapes()));
+  return parametric::Parametrize(bundle, is_given_up);
+}
+
+}  // namespace
+
+absl::StatusOr<Parametrization> ParametrizationCache::Get(
+    v1::AssemblyBundle bundle, const std::function<bool()>& is_given_up,
+    const std::function<absl::Status(v1::AssemblyBundle&)>& complete) {
+  using Made = SingleFlightCache<Parametrization>::Made;
+  return parametrized_.Get(KeyOf(bundle.assembly()), [&]() -> absl::StatusOr<Made> {
+    MORTISE_RETURN_IF_ERROR(complete(bundle));
+    MORTISE_ASSIGN_OR_RETURN(Parametrization made, ParametrizeNow(bundle, is_given_up));
+    const std::size_t bytes = parametric::MemoryUse(*made);
+    return Made{std::move(made), bytes};
+  });
+}
+
+absl::StatusOr<Parametrization> ParametrizationCache::Get(
+    const v1::AssemblyBundle& bundle, const std::function<bool()>& is_given_up) {
+  if (!HasAllShapes(bundle)) return ParametrizeNow(bundle, is_given_up);
+  return Get(bundle, is_given_up, [](v1::AssemblyBundle&) { return absl::OkStatus(); });
+}
+
+templates::Parametrize ParametrizationCache::ForTemplates() {
+  return [this](const v1::AssemblyBundle& bundle, const std::function<bool()>& is_given_up) {
+    return Get(bundle, is_given_up);
+  };
+}
+
+}  // namespace mortise::catalog
