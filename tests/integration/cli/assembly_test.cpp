@@ -10,7 +10,7 @@
 #include "cli/command_line.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
-#include "tests/integration/services/service_under_test.h"
+#include "tests/integration/services/filled_catalog.h"
 
 namespace mortise::cli {
 namespace {
@@ -19,10 +19,7 @@ using Json = nlohmann::json;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-std::string Collection() {
-  const char* source = std::getenv("MORTISE_SOURCE_DIR");
-  return std::string(source == nullptr ? "." : source) + "/collection";
-}
+std::string Collection() { return mortise::testing::ShippedCollection().string(); }
 
 class AssemblyCommand : public ::testing::Test {
  protected:
@@ -50,8 +47,7 @@ class AssemblyCommand : public ::testing::Test {
   }
 
   const mortise::testing::TemporaryFolder folder_;
-  const mortise::testing::ServiceUnderTest process_{"mortise-catalog",
-                                                    {"--collection=" + Collection()}};
+  const mortise::testing::FilledCatalog process_;
   Session session_;
 };
 
@@ -192,7 +188,7 @@ TEST_F(AssemblyCommand, ExportsAndImportsStep) {
   EXPECT_FALSE((*bare)[0]["notes"].empty());
 
   const std::string text = File("shelf.textproto",
-                                "parts { product: 'screw left' role: CONNECTING "
+                                "parts { product: 'screw-4x40' role: CONNECTING "
                                 "item: 'items/screw-4x40' }");
   const auto annotated = Run({"import", step, "--annotations", text});
   ASSERT_TRUE(annotated.ok()) << annotated.status();

@@ -4,6 +4,7 @@
 #include <grpcpp/grpcpp.h>
 #include <signal.h>
 
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <utility>
@@ -18,9 +19,13 @@ namespace mortise::testing {
 class ServiceUnderTest {
  public:
   // Starts `program` with `flags`, on blobs in a folder of its own, and on a store there unless the
-  // URL of another is given.
-  ServiceUnderTest(std::string program, std::vector<std::string> flags, std::string store = {})
+  // URL of another is given. `state`: a folder whose content they begin with; empty for nothing.
+  ServiceUnderTest(std::string program, std::vector<std::string> flags, std::string store = {},
+                   const std::filesystem::path& state = {})
       : program_(std::move(program)), flags_(std::move(flags)) {
+    if (!state.empty()) {
+      std::filesystem::copy(state, folder_.path(), std::filesystem::copy_options::recursive);
+    }
     if (store.empty()) store = "sqlite:" + (folder_.path() / "store.db").string();
     flags_.insert(flags_.end(),
                   {"--insecure-development", "--log-level=warning", "--listen=" + port_.address(),

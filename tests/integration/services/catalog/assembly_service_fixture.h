@@ -12,7 +12,7 @@
 #include "common/rpc/status_mapping.h"
 #include "mortise/v1/assembly.grpc.pb.h"
 #include "tests/integration/services/call_service.h"
-#include "tests/integration/services/service_under_test.h"
+#include "tests/integration/services/filled_catalog.h"
 
 namespace mortise::catalog {
 
@@ -68,16 +68,10 @@ class AssemblyServiceTest : public ::testing::Test {
     return found.value_or(v1::Parametrization());
   }
 
-  static std::filesystem::path ShippedCollection() {
-    const char* source = std::getenv("MORTISE_SOURCE_DIR");
-    return std::filesystem::path(source == nullptr ? "." : source) / "collection";
-  }
-
   static constexpr char kShelf[] = "assemblies/bookshelf";
 
   int requests_ = 0;
-  testing::ServiceUnderTest process_{"mortise-catalog",
-                                     {"--collection=" + ShippedCollection().string()}};
+  testing::FilledCatalog process_;
   std::unique_ptr<Stub> stub_;
 };
 

@@ -13,14 +13,9 @@
 #include "common/base/errors.h"
 #include "common/rpc/status_mapping.h"
 #include "mortise/v1/catalog.grpc.pb.h"
-#include "tests/integration/services/service_under_test.h"
+#include "tests/integration/services/filled_catalog.h"
 
 namespace mortise::catalog {
-
-inline std::filesystem::path ShippedCollection() {
-  const char* source = std::getenv("MORTISE_SOURCE_DIR");
-  return std::filesystem::path(source == nullptr ? "." : source) / "collection";
-}
 
 // What a failed call says: code, reason and field.
 struct Failure {
@@ -110,8 +105,7 @@ class CatalogServiceTest : public ::testing::Test {
     return bytes;
   }
 
-  testing::ServiceUnderTest process_{"mortise-catalog",
-                                     {"--collection=" + ShippedCollection().string()}};
+  testing::FilledCatalog process_;
   std::unique_ptr<v1::CatalogService::Stub> stub_;
 };
 

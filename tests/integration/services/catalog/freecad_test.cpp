@@ -16,7 +16,7 @@
 #include "common/rpc/status_mapping.h"
 #include "mortise/v1/assembly.grpc.pb.h"
 #include "tests/integration/services/call_service.h"
-#include "tests/integration/services/service_under_test.h"
+#include "tests/integration/services/filled_catalog.h"
 
 namespace mortise::catalog {
 namespace {
@@ -187,8 +187,7 @@ class FreeCadTest : public ::testing::Test {
     return bytes.value_or("");
   }
 
-  testing::ServiceUnderTest process_{"mortise-catalog",
-                                     {"--collection=" + (Sources() / "collection").string()}};
+  testing::FilledCatalog process_;
   std::unique_ptr<Stub> stub_ = v1::AssemblyService::NewStub(process_.channel());
 };
 

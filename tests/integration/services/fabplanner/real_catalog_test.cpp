@@ -13,17 +13,13 @@
 #include "mortise/v1/catalog.grpc.pb.h"
 #include "mortise/v1/fabplanner.grpc.pb.h"
 #include "mortise/v1/operations.grpc.pb.h"
+#include "tests/integration/services/filled_catalog.h"
 #include "tests/integration/services/service_under_test.h"
 
 namespace mortise::fabplanner {
 namespace {
 
 using ::testing::Contains;
-
-std::filesystem::path Source() {
-  const char* folder = std::getenv("MORTISE_SOURCE_DIR");
-  return folder == nullptr ? "." : folder;
-}
 
 class RealCatalogTest : public ::testing::Test {
  protected:
@@ -79,8 +75,7 @@ class RealCatalogTest : public ::testing::Test {
     EXPECT_EQ(static_cast<int>(added.size()), plan.parts_size());
   }
 
-  testing::ServiceUnderTest catalog_{"mortise-catalog",
-                                     {"--collection=" + (Source() / "collection").string()}};
+  testing::FilledCatalog catalog_;
   testing::ServiceUnderTest planner_{"mortise-fabplanner",
                                      {"--peer=catalog=" + catalog_.address()}};
 };
@@ -96,7 +91,7 @@ TEST_F(RealCatalogTest, AnAssemblyWithADrawer) {
 }
 
 TEST_F(RealCatalogTest, AnAssemblyDrawnInCad) {
-  const std::filesystem::path drawings = Source() / "collection" / "drawings";
+  const std::filesystem::path drawings = testing::ShippedCollection() / "drawings";
   v1::ImportAssemblyStepRequest import;
   import.set_request_id("import-shelf");
   import.set_step(*ReadFile(drawings / "wall_shelf.step"));

@@ -20,6 +20,7 @@
 #include "mortise/v1/operations.grpc.pb.h"
 #include "mortise/v1/simulator.grpc.pb.h"
 #include "tests/integration/services/call_service.h"
+#include "tests/integration/services/filled_catalog.h"
 #include "tests/integration/services/service_under_test.h"
 
 namespace mortise::simulator {
@@ -28,11 +29,6 @@ namespace {
 using testing::Call;
 using ::testing::HasSubstr;
 using ::testing::UnorderedElementsAre;
-
-std::filesystem::path Sources() {
-  const char* folder = std::getenv("MORTISE_SOURCE_DIR");
-  return folder == nullptr ? "." : folder;
-}
 
 // A board held at one end and guided at the other, under its weight in every load case, and wind or
 // snow besides.
@@ -135,8 +131,7 @@ class HeatedDesignTest : public ::testing::Test {
     return metrics;
   }
 
-  testing::ServiceUnderTest catalog_process_{
-      "mortise-catalog", {"--collection=" + (Sources() / "collection").string()}};
+  testing::FilledCatalog catalog_process_;
   testing::ServiceUnderTest service_{"mortise-simulator",
                                      {"--peer=catalog=" + catalog_process_.address()}};
   testing::ChildProcess worker_{{testing::BuiltProgram("mortise-simulator"), "--worker",

@@ -24,6 +24,7 @@
 #include "mortise/v1/operations.grpc.pb.h"
 #include "mortise/v1/simulator.grpc.pb.h"
 #include "tests/integration/services/call_service.h"
+#include "tests/integration/services/filled_catalog.h"
 #include "tests/integration/services/service_under_test.h"
 
 namespace mortise::simulator {
@@ -137,8 +138,7 @@ class ShapedAssemblyTest : public ::testing::Test {
     return 0;
   }
 
-  testing::ServiceUnderTest catalog_process_{
-      "mortise-catalog", {"--collection=" + (Sources() / "collection").string()}};
+  testing::FilledCatalog catalog_process_;
   testing::ServiceUnderTest service_{"mortise-simulator",
                                      {"--peer=catalog=" + catalog_process_.address()}};
   testing::ChildProcess worker_{{testing::BuiltProgram("mortise-simulator"), "--worker",
