@@ -4,6 +4,7 @@
 #include <BRepBuilderAPI_MakeFace.hxx>
 #include <BRepBuilderAPI_MakeVertex.hxx>
 #include <BRepBuilderAPI_MakeWire.hxx>
+#include <BRepCheck_Analyzer.hxx>
 #include <BRep_Builder.hxx>
 #include <Eigen/Geometry>
 #include <Standard_Failure.hxx>
@@ -11,6 +12,7 @@
 #include <TopoDS_Shell.hxx>
 #include <TopoDS_Solid.hxx>
 #include <algorithm>
+#include <boost/pending/disjoint_sets.hpp>
 #include <gp_Pln.hxx>
 #include <map>
 #include <memory>
@@ -26,6 +28,16 @@ namespace {
 
 constexpr double kInPlane = 1e-7;  // m, the kernel's own tolerance
 
+Eigen::Vector3d AreaVector(const Eigen::Matrix3Xd& places, const std::vector<int>& loop,
+                           const Eigen::Vector3d& from) {
+  Eigen::Vector3d area = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < loop.size(); ++i) {
+    const Eigen::Vector3d corner = places.col(loop[i]) - from;
+    area += corner.cross(places.col(loop[(i + 1) % loop.size()]) - from) / 2;
+  }
+  return area;
+}
+
 // Makes faces of loops of corners, which share edges and vertices.
 class FaceMaker {
  public:
@@ -38,10 +50,12 @@ class FaceMaker {
 
   TopoDS_Face FaceOf(const mesh::FlatFace& flat) {
     std::vector<std::vector<int>> loops = flat.loops;
+    const auto area = [&](const std::vector<int>& loop) {
+      return AreaVector(places_, loop, flat.point).dot(flat.normal);
+    };
     // The outer loop runs round the largest area.
-    std::stable_sort(loops.begin(), loops.end(), [&](const auto& a, const auto& b) {
-      return AreaOf(a, flat) > AreaOf(b, flat);
-    });
+    std::stable_sort(loops.begin(), loops.end(),
+                     [&](const auto& a, const auto& b) { return area(a) > area(b); });
     const gp_Pln kernel(gp_Pnt(flat.point.x(), flat.point.y(), flat.point.z()),
                         gp_Dir(flat.normal.x(), flat.normal.y(), flat.normal.z()));
     BRepBuilderAPI_MakeFace face(kernel, WireOf(loops.front()), Standard_True);
@@ -50,15 +64,6 @@ class FaceMaker {
   }
 
  private:
-  double AreaOf(const std::vector<int>& loop, const mesh::FlatFace& plane) const {
-    Eigen::Vector3d area = Eigen::Vector3d::Zero();
-    for (std::size_t i = 0; i < loop.size(); ++i) {
-      const Eigen::Vector3d from = places_.col(loop[i]) - plane.point;
-      area += from.cross(places_.col(loop[(i + 1) % loop.size()]) - plane.point);
-    }
-    return area.dot(plane.normal);
-  }
-
   TopoDS_Edge EdgeOf(int from, int to) {
     const auto [low, high] = std::minmax(from, to);
     TopoDS_Edge& edge = edges_[{low, high}];
@@ -86,24 +91,61 @@ class FaceMaker {
   std::map<std::pair<int, int>, TopoDS_Edge> edges_;
 };
 
+// Faces that hang together by their edges: the outside of a solid, or a hollow in it.
+struct Shell {
+  std::vector<std::size_t> faces;
+  double volume = 0;  // m³; of a hollow, negative
+};
+
+std::vector<Shell> ShellsOf(const Eigen::Matrix3Xd& places,
+                            const std::vector<mesh::FlatFace>& faces) {
+  boost::disjoint_sets_with_storage<> joined(faces.size());
+  for (std::size_t f = 0; f < faces.size(); ++f) joined.make_set(f);
+  std::map<std::pair<int, int>, std::size_t> first_at;  // by edge
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    for (const std::vector<int>& loop : faces[f].loops) {
+      for (std::size_t i = 0; i < loop.size(); ++i) {
+        const auto edge = std::minmax({loop[i], loop[(i + 1) % loop.size()]});
+        joined.union_set(f, first_at.emplace(edge, f).first->second);
+      }
+    }
+  }
+  const Eigen::Vector3d origin = places.col(0);
+  std::map<std::size_t, Shell> shells;
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    Shell& shell = shells[joined.find_set(f)];
+    shell.faces.push_back(f);
+    for (const std::vector<int>& loop : faces[f].loops) {
+      const Eigen::Vector3d area = AreaVector(places, loop, faces[f].point);
+      shell.volume += area.dot(faces[f].point - origin) / 3;
+    }
+  }
+  std::vector<Shell> all;
+  for (auto& [root, shell] : shells) all.push_back(std::move(shell));
+  return all;
+}
+
 Solid Make(const mesh::SurfaceMesh& surface, const std::vector<mesh::FlatFace>& faces,
-           const std::vector<std::string>& face_names, const std::string& name) {
+           const std::vector<Shell>& shells, const std::vector<std::string>& face_names,
+           const std::string& name) {
   FaceMaker maker(surface.vertices);
   auto kernel = std::make_shared<Solid::Kernel>();
   kernel->name = name;
   BRep_Builder builder;
-  TopoDS_Shell shell;
-  builder.MakeShell(shell);
-  for (const mesh::FlatFace& flat : faces) {
-    const TopoDS_Face face = maker.FaceOf(flat);
-    builder.Add(shell, face);
-    kernel->faces.push_back(face);
-    kernel->face_names.push_back(face_names[static_cast<std::size_t>(flat.face)]);
-  }
-  shell.Closed(Standard_True);
   TopoDS_Solid solid;
   builder.MakeSolid(solid);
-  builder.Add(solid, shell);
+  for (const Shell& of_solid : shells) {
+    TopoDS_Shell shell;
+    builder.MakeShell(shell);
+    for (const std::size_t f : of_solid.faces) {
+      const TopoDS_Face face = maker.FaceOf(faces[f]);
+      builder.Add(shell, face);
+      kernel->faces.push_back(face);
+      kernel->face_names.push_back(face_names[static_cast<std::size_t>(faces[f].face)]);
+    }
+    shell.Closed(Standard_True);
+    builder.Add(solid, shell);
+  }
   kernel->shape = solid;
   return Solid(std::move(kernel));
 }
@@ -116,10 +158,23 @@ absl::StatusOr<Solid> FacetedSolid(const mesh::SurfaceMesh& surface,
                                    const std::string& name) {
   MORTISE_ASSIGN_OR_RETURN(const std::vector<mesh::FlatFace> faces,
                            mesh::FindFlatFaces(surface, triangle_face, kInPlane));
+  const std::vector<Shell> shells = ShellsOf(surface.vertices, faces);
+  const auto solids = std::count_if(shells.begin(), shells.end(),
+                                    [](const Shell& shell) { return shell.volume > 0; });
+  if (solids != 1)
+    return InvalidField("shape", absl::StrCat("bounds ", solids, " solids, not one"));
   try {
-    return Make(surface, faces, face_names, name);
+    return Make(surface, faces, shells, face_names, name);
   } catch (const Standard_Failure& failure) {
     return InvalidField("shape", absl::StrCat("cannot be made: ", failure.GetMessageString()));
+  }
+}
+
+bool IsSound(const Solid& solid) {
+  try {
+    return BRepCheck_Analyzer(solid.kernel().shape).IsValid();
+  } catch (const Standard_Failure&) {
+    return false;
   }
 }
 

@@ -10,16 +10,21 @@
 
 namespace mortise::cad {
 
-// The solid within a closed, outward surface without self-intersections. Neighbouring triangles of
-// one face that lie in one plane, up to a tenth of a micrometre, become one face of the solid,
-// which is called as their face is: several of the solid's faces may have one name. triangle_face:
-// index into `face_names`, of each triangle.
+// The solid within a closed, outward surface without self-intersections, which may have hollows.
+// Neighbouring triangles of one face that lie in one plane, up to a tenth of a micrometre, become
+// one face of the solid, which is called as their face is: several of the solid's faces may have
+// one name. triangle_face: index into `face_names`, of each triangle.
 //
-// INVALID_ARGUMENT, "shape": the surface is open, an edge is too short for the kernel, with its
-// place, or the kernel cannot make a face. Whether it crosses itself is not looked at.
+// INVALID_ARGUMENT, "shape": the surface is open, bounds several solids, an edge is too short for
+// the kernel, with its place, or the kernel cannot make a face. Whether it crosses itself is not
+// looked at; IsSound does.
 absl::StatusOr<Solid> FacetedSolid(const mesh::SurfaceMesh& surface,
                                    const Eigen::VectorXi& triangle_face,
                                    const std::vector<std::string>& face_names,
                                    const std::string& name);
+
+// Whether the kernel finds nothing wrong with a solid: its faces are bounded, meet and do not cross
+// each other. Takes about half a millisecond a face.
+bool IsSound(const Solid& solid);
 
 }  // namespace mortise::cad

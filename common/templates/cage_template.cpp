@@ -5,6 +5,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/base/violation_lists.h"
+#include "common/cad/faceted_solid.h"
 #include "common/parametric/cage_model.h"
 #include "common/templates/faceted_part.h"
 
@@ -43,14 +44,25 @@ class CagedMesh final : public Template {
     return design;
   }
 
-  absl::StatusOr<std::vector<cad::Solid>> SolidsAt(const Eigen::VectorXd&) const override {
-    return PreconditionFailed("NO_SOLID",
-                              "a mesh in a cage has no boundary representation: "
-                              "ask for GLB",
-                              head().name);
+  absl::StatusOr<std::vector<cad::Solid>> SolidsAt(const Eigen::VectorXd& q) const override {
+    MORTISE_ASSIGN_OR_RETURN(const parametric::CageDesign made, model_.Evaluate(q));
+    absl::StatusOr<cad::Solid> solid =
+        cad::FacetedSolid(made.surface, made.triangle_face, made.face_names, PartName(identity_));
+    if (!solid.ok()) return NoSolid(std::string(solid.status().message()));
+    if (!cad::IsSound(*solid))
+      return NoSolid("shape: the kernel finds faces that cross each other");
+    return std::vector<cad::Solid>{*std::move(solid)};
   }
 
  private:
+  absl::Status NoSolid(const std::string& why) const {
+    return PreconditionFailed(
+        "NO_SOLID",
+        absl::StrCat("the mesh in its cage cannot be written as exact surfaces (", why,
+                     "): ask for GLB, OBJ or STL"),
+        head().name);
+  }
+
   const parametric::CageModel model_;
   const SolidIdentity identity_;
 };

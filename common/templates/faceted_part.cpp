@@ -11,7 +11,7 @@ namespace {
 parametric::EvaluatedPart PartOf(const SolidIdentity& identity, parametric::FacetedShape shape,
                                  double volume) {
   parametric::EvaluatedPart part;
-  part.name = identity.name.substr(identity.name.find('/') + 1);
+  part.name = PartName(identity);
   part.title = identity.title;
   part.material = identity.material;
   part.minimum = shape.surface.vertices.rowwise().minCoeff();
@@ -24,6 +24,10 @@ parametric::EvaluatedPart PartOf(const SolidIdentity& identity, parametric::Face
 }
 
 }  // namespace
+
+std::string PartName(const SolidIdentity& identity) {
+  return identity.name.substr(identity.name.find('/') + 1);
+}
 
 absl::StatusOr<SolidIdentity> IdentityOf(const TemplateHead& head, std::string name,
                                          std::string title, std::string material) {

@@ -19,6 +19,9 @@ struct SolidIdentity {
   double density = 0;    // kg/m³
 };
 
+// What its one part is called: as its template, without "templates/".
+std::string PartName(const SolidIdentity& identity);
+
 // The identity of a template's solid, its density that of the material among the head's.
 // INVALID_ARGUMENT, field "material", if there is none of that name.
 absl::StatusOr<SolidIdentity> IdentityOf(const TemplateHead& head, std::string name,

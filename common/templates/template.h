@@ -53,7 +53,9 @@ class Template {
   absl::StatusOr<parametric::EvaluatedDesign> Evaluate(const Eigen::VectorXd& q) const;
 
   // The boundary representation of each part of the design at q, in the order of Evaluate's parts.
-  // Fails as Evaluate; FAILED_PRECONDITION, NO_SOLID, for what is only a mesh.
+  // A mesh in a cage has a plane for each of its triangles that lie in one. Fails as Evaluate;
+  // FAILED_PRECONDITION, NO_SOLID, where a mesh in a cage bounds several solids, or none that the
+  // kernel can have.
   absl::StatusOr<std::vector<cad::Solid>> Solids(const Eigen::VectorXd& q) const;
 
   // What an assembly template is made of at q: the assembly, and its parameters there. Nothing for

@@ -1,5 +1,6 @@
 // Templates in the catalog: what ships, designs and files of every kind, revisions.
 #include <gmock/gmock.h>
+#include <google/protobuf/text_format.h>
 #include <gtest/gtest.h>
 
 #include <map>
@@ -75,6 +76,55 @@ TEST_F(CatalogServiceTest, ExportsStepAndGlb) {
   ASSERT_TRUE(glb.ok()) << glb.status();
   EXPECT_EQ(glb->substr(0, 4), "glTF");
   EXPECT_EQ(first.media_type(), "model/gltf-binary");
+}
+
+// A cube in a cage that is a cube itself, and grows in width.
+constexpr char kBlock[] = R"(name: "templates/block" cage {
+  name: "templates/block" title: "Block" material: "materials/beech"
+  parameters { name: "width" unit: "m" minimum: 0.1 maximum: 0.4 default_value: 0.1 }
+  surface {
+    vertices: [0.02, 0.02, 0.02, 0.08, 0.02, 0.02, 0.02, 0.08, 0.02, 0.08, 0.08, 0.02,
+               0.02, 0.02, 0.08, 0.08, 0.02, 0.08, 0.02, 0.08, 0.08, 0.08, 0.08, 0.08]
+    faces { name: "all" triangles: [0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4,
+                                    2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5] }
+  }
+  cage {
+    vertices { x: "0" y: "0" z: "0" } vertices { x: "width" y: "0" z: "0" }
+    vertices { x: "0" y: "0.1" z: "0" } vertices { x: "width" y: "0.1" z: "0" }
+    vertices { x: "0" y: "0" z: "0.1" } vertices { x: "width" y: "0" z: "0.1" }
+    vertices { x: "0" y: "0.1" z: "0.1" } vertices { x: "width" y: "0.1" z: "0.1" }
+    triangles: [0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4,
+                2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5]
+  }
+})";
+
+TEST_F(CatalogServiceTest, ExportsAMeshInACage) {
+  v1::Template block;
+  ASSERT_TRUE(google::protobuf::TextFormat::ParseFromString(kBlock, &block));
+  const grpc::Status stored =
+      Call(&v1::CatalogService::Stub::ImportTemplate, ImportRequest(block, 0), &block);
+  ASSERT_TRUE(stored.ok()) << stored.error_message();
+  v1::ExportDesignRequest request;
+  request.set_name("templates/block");
+  auto* width = request.add_parameters();
+  width->set_name("width");
+  width->set_value(0.2);
+  request.set_format(v1::ExportDesignRequest::STEP);
+  v1::Chunk first;
+  const auto step = Export(request, &first);
+  ASSERT_TRUE(step.ok()) << step.status();
+  const auto read = cad::ReadStep(*step);
+  ASSERT_TRUE(read.ok()) << read.status();
+  ASSERT_EQ(read->parts.size(), 1u);
+  EXPECT_EQ(read->parts[0].name, "block");
+  EXPECT_TRUE(read->parts[0].is_box) << "of planes";
+  EXPECT_NEAR(read->parts[0].volume, 0.12 * 0.06 * 0.06, 1e-6 * 0.12 * 0.06 * 0.06);
+  EXPECT_NEAR(read->parts[0].maximum.x(), 0.16, 1e-6);
+
+  request.set_format(v1::ExportDesignRequest::STL);
+  const auto stl = Export(request, &first);
+  ASSERT_TRUE(stl.ok()) << stl.status();
+  EXPECT_EQ(stl->size(), 84u + 12u * 50u);
 }
 
 TEST_F(CatalogServiceTest, TemplatesOfEveryKindAreListedAndEvaluated) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "common/base/errors.h"
+#include "common/cad/faceted_solid.h"
 #include "common/mesh/mass_properties.h"
 #include "common/parametric/parameter_values.h"
 #include "common/parametric/template_codec.h"
@@ -12,6 +13,7 @@
 namespace mortise::templates {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 
@@ -135,7 +137,103 @@ TEST(TemplatesTest, AMeshInACageHasExactGradients) {
     const double slope = ((*boat)->Mass(more)->mass - (*boat)->Mass(less)->mass) / (2 * step);
     EXPECT_NEAR(mass->mass_gradient(i), slope, 1e-6 * mass->mass_gradient.norm());
   }
-  EXPECT_EQ(DetailOf((*boat)->Solids(q).status()).reason, "NO_SOLID");
+}
+
+// Planes, however the cage bends what was drawn, that bound one solid which the kernel finds sound:
+// else it would be refused.
+TEST(TemplatesTest, AMeshInACageIsASolidOfItsFacets) {
+  const auto boat = Compile(Completed("templates/boat"));
+  ASSERT_TRUE(boat.ok()) << boat.status();
+  const std::vector<parametric::Parameter>& parameters = (*boat)->parameters();
+  for (const double share : {0.0, 0.4, 1.0}) {
+    SCOPED_TRACE(share);
+    Eigen::VectorXd q(static_cast<Eigen::Index>(parameters.size()));
+    for (Eigen::Index i = 0; i < q.size(); ++i) {
+      const parametric::Parameter& parameter = parameters[static_cast<std::size_t>(i)];
+      q(i) = parameter.minimum + share * (parameter.maximum - parameter.minimum);
+    }
+    const auto design = (*boat)->Evaluate(q);
+    ASSERT_TRUE(design.ok()) << design.status();
+    const auto solids = (*boat)->Solids(q);
+    ASSERT_TRUE(solids.ok()) << solids.status();
+    ASSERT_EQ(solids->size(), 1U);
+    EXPECT_EQ(solids->front().name(), "boat");
+    EXPECT_NEAR(solids->front().Volume(), design->parts[0].volume, 1e-6 * design->parts[0].volume);
+  }
+}
+
+// A cube's surface; `outward` or, of a hollow, inward.
+void AddCube(double lower, double upper, bool outward, v1::CageSurface& surface) {
+  const int first = surface.vertices_size() / 3;
+  for (int corner = 0; corner < 8; ++corner) {
+    for (int axis = 0; axis < 3; ++axis) {
+      surface.add_vertices((corner >> axis & 1) != 0 ? upper : lower);
+    }
+  }
+  const int triangles[12][3] = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+                                {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+  v1::CageFace& face = *surface.add_faces();
+  face.set_name("cube" + std::to_string(first));
+  for (const auto& [a, b, c] : triangles) {
+    for (const int corner : {a, outward ? b : c, outward ? c : b}) {
+      face.add_triangles(first + corner);
+    }
+  }
+}
+
+// Cubes in a cage that is a cube itself and grows in width.
+v1::TemplateBundle Cubes(const v1::CageSurface& surface) {
+  v1::TemplateBundle bundle = ShippedTemplate("templates/boat");
+  v1::CageTemplate& cubes = *bundle.mutable_template_()->mutable_cage();
+  cubes.clear_parameters();
+  cubes.clear_definitions();
+  cubes.clear_conditions();
+  cubes.clear_cage();
+  v1::Parameter& width = *cubes.add_parameters();
+  width.set_name("width");
+  width.set_unit("m");
+  width.set_minimum(1);
+  width.set_maximum(2);
+  width.set_default_value(1);
+  *cubes.mutable_surface() = surface;
+  v1::CageSurface cube;
+  AddCube(0, 1, true, cube);
+  for (int i = 0; i < cube.vertices_size(); i += 3) {
+    v1::SpacePoint& point = *cubes.mutable_cage()->add_vertices();
+    point.set_x(cube.vertices(i) > 0 ? "width" : "0");
+    point.set_y(cube.vertices(i + 1) > 0 ? "1" : "0");
+    point.set_z(cube.vertices(i + 2) > 0 ? "1" : "0");
+  }
+  *cubes.mutable_cage()->mutable_triangles() = cube.faces(0).triangles();
+  EXPECT_EQ(Complete(bundle, Trial::kDefaults), absl::OkStatus());
+  return bundle;
+}
+
+TEST(TemplatesTest, AMeshInACageMayHaveHollows) {
+  v1::CageSurface surface;
+  AddCube(0.1, 0.9, true, surface);
+  AddCube(0.3, 0.5, false, surface);
+  const auto hollow = Compile(Cubes(surface));
+  ASSERT_TRUE(hollow.ok()) << hollow.status();
+  const auto solids = (*hollow)->Solids(Eigen::VectorXd::Constant(1, 1.5));
+  ASSERT_TRUE(solids.ok()) << solids.status();
+  EXPECT_NEAR(solids->front().Volume(), 1.5 * (0.512 - 0.008), 1e-9);
+  EXPECT_TRUE(cad::IsSound(solids->front()));
+}
+
+// They can be weighed and looked at, but are no solid.
+TEST(TemplatesTest, SeveralMeshesInACageAreNoSolid) {
+  v1::CageSurface surface;
+  AddCube(0.1, 0.3, true, surface);
+  AddCube(0.5, 0.9, true, surface);
+  const auto two = Compile(Cubes(surface));
+  ASSERT_TRUE(two.ok()) << two.status();
+  const Eigen::VectorXd q = Eigen::VectorXd::Constant(1, 1.5);
+  EXPECT_TRUE((*two)->Evaluate(q).ok());
+  const absl::Status refused = (*two)->Solids(q).status();
+  EXPECT_EQ(DetailOf(refused).reason, "NO_SOLID");
+  EXPECT_THAT(std::string(refused.message()),
+              AllOf(HasSubstr("2 solids"), HasSubstr("GLB, OBJ or STL")));
 }
 
 TEST(TemplatesTest, ParametersOutOfRangeAreNamedWhateverTheKind) {
