@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "common/base/errors.h"
 #include "common/mesh/proximity.h"
 #include "common/parametric/design_trial.h"
@@ -16,7 +17,8 @@ namespace mortise::parametric {
 namespace {
 
 constexpr double kRelativeTolerance = 1e-6;  // of the design's diagonal
-constexpr double kFixed = 1e-9;              // m; a range no wider is none
+constexpr std::size_t kMostLooseNamed = 10;
+constexpr double kFixed = 1e-9;  // m; a range no wider is none
 // m. What is reached stays this far inside of what can be: rounding must not turn the one into a
 // conflict with the next demand.
 constexpr double kInside = 1e-8;
@@ -46,6 +48,37 @@ std::vector<Relationship> StandingInPlace(const std::vector<Element>& elements) 
 
 bool IsConflict(const absl::Status& status) {
   return DetailOf(status).reason == "DEMANDS_CONFLICT";
+}
+
+absl::StatusOr<bool> AreBounded(const FeasibleSet& feasible_set,
+                                const std::vector<LinearForm>& forms) {
+  const absl::Status ranges = feasible_set.RangesOf(forms).status();
+  if (DetailOf(ranges).reason == "FEASIBLE_SET_UNBOUNDED") return false;
+  MORTISE_RETURN_IF_ERROR(ranges);
+  return true;
+}
+
+// What elements can do without end: "'lamp' can move along x, z".
+absl::StatusOr<std::vector<std::string>> LooseElements(const std::vector<Element>& elements,
+                                                       const FeasibleSet& feasible_set) {
+  std::vector<std::string> loose;
+  for (std::size_t e = 0; e < elements.size(); ++e) {
+    std::vector<std::string> moves, grows;
+    for (const Axis axis : kAxes) {
+      const LinearForm center = LinearForm::Variable(CenterVariable(static_cast<int>(e), axis));
+      const LinearForm size = LinearForm::Variable(SizeVariable(static_cast<int>(e), axis));
+      MORTISE_ASSIGN_OR_RETURN(const bool holds, AreBounded(feasible_set, {center, size}));
+      if (holds) continue;
+      MORTISE_ASSIGN_OR_RETURN(const bool is_sized, AreBounded(feasible_set, {size}));
+      (is_sized ? moves : grows).push_back(AxisName(axis));
+    }
+    std::vector<std::string> changes;
+    if (!moves.empty()) changes.push_back("move along " + absl::StrJoin(moves, ", "));
+    if (!grows.empty()) changes.push_back("grow along " + absl::StrJoin(grows, ", "));
+    if (changes.empty()) continue;
+    loose.push_back(absl::StrCat("'", elements[e].name, "' can ", absl::StrJoin(changes, " and ")));
+  }
+  return loose;
 }
 
 }  // namespace
@@ -113,6 +146,7 @@ absl::Status ParametricAssembly::FindSoundFeasibleSet(const std::function<bool()
     return all.size() > known;
   };
   while (true) {
+    if (is_given_up()) return absl::CancelledError("nobody waits for the designs any more");
     MORTISE_RETURN_IF_ERROR(FindFeasibleSet({easily_lost, remedies.lone}, remedies.precautions));
     MORTISE_ASSIGN_OR_RETURN(const EasilyLost lost,
                              FindEasilyLost(assembly_, elements_, *feasible_set_, tolerance_));
@@ -145,23 +179,24 @@ absl::Status ParametricAssembly::FindFeasibleSet(const PatternExclusions& exclus
 absl::Status ParametricAssembly::CheckBounded() const {
   MORTISE_ASSIGN_OR_RETURN(const auto free, feasible_set_->UnboundedDirection());
   if (!free) return absl::OkStatus();
-  Eigen::Index variable = 0;
-    if (is_given_up()) return absl::CancelledError("nobody waits for the designs any more");
-  free->cwiseAbs().maxCoeff(&variable);
-  const auto of_elements = static_cast<Eigen::Index>(6 * elements_.size());
-  const std::string what =
-      variable < of_elements
-          ? absl::StrCat("'", elements_[static_cast<std::size_t>(variable / 6)].name, "' can ",
-                         variable % 6 < 3 ? "move" : "grow", " along ",
-                         AxisName(static_cast<Axis>(variable % 3)))
-          : absl::StrCat(
-                "the centre of '",
-                assembly_.joints[static_cast<std::size_t>((variable - of_elements) / 3)].name,
-                "' can move along ", AxisName(static_cast<Axis>((variable - of_elements) % 3)));
-  return PreconditionFailed("FEASIBLE_SET_UNBOUNDED",
-                            absl::StrCat(what,
-                                         " without end: nothing that it touches, and no item, "
-                                         "holds it"));
+  MORTISE_ASSIGN_OR_RETURN(std::vector<std::string> loose,
+                           LooseElements(elements_, *feasible_set_));
+  if (loose.empty()) {
+    for (const Joint& joint : assembly_.joints) {
+      loose.push_back(absl::StrCat("the centre of '", joint.name, "' can move"));
+    }
+  }
+  std::string more;
+  if (loose.size() > kMostLooseNamed) {
+    more = absl::StrCat(" and ", loose.size() - kMostLooseNamed, " more");
+    loose.resize(kMostLooseNamed);
+  }
+  const bool is_one = loose.size() == 1;
+  return PreconditionFailed(
+      "FEASIBLE_SET_UNBOUNDED",
+      absl::StrCat(absl::StrJoin(loose, "; "), more, " without end: nothing that ",
+                   is_one ? "it touches" : "they touch", ", and no item, holds ",
+                   is_one ? "it" : "them"));
 }
 
 absl::StatusOr<int> ParametricAssembly::DegreesOfFreedom(int group) const {

@@ -160,6 +160,20 @@ TEST(ParametricAssembly, TellsWhichElementNothingHolds) {
       << made.status();
 }
 
+TEST(ParametricAssembly, TellsOfAllElementsThatNothingHolds) {
+  Assembly loose = Bench();
+  loose.parts.push_back(ResizablePart("lamp", {0.4, 0.1, 2.0}, {0.5, 0.2, 2.1}));
+  loose.parts.push_back(ResizablePart("shade", {3.4, 5.1, 3.0}, {3.5, 5.2, 3.1}));
+  const auto made = ParametricAssembly::Create(std::move(loose));
+  EXPECT_EQ(DetailOf(made.status()).reason, "FEASIBLE_SET_UNBOUNDED");
+  for (const char* named : {"'lamp' can move along ", "'shade' can move along ", "holds them"}) {
+    EXPECT_NE(made.status().message().find(named), absl::string_view::npos) << made.status();
+  }
+  for (const char* held : {"'seat'", "'left'"}) {
+    EXPECT_EQ(made.status().message().find(held), absl::string_view::npos) << made.status();
+  }
+}
+
 TEST(ParametricAssembly, NamesBadInput) {
   const ParametricAssembly bench = Parametrized(Bench());
   const auto field = [&](const Eigen::VectorXd& from, const MeasureDemand& demand) {
