@@ -22,6 +22,7 @@
 #include <Geom_SurfaceOfRevolution.hxx>
 #include <Geom_ToroidalSurface.hxx>
 #include <Geom_TrimmedCurve.hxx>
+#include <TColStd_Array1OfReal.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopoDS.hxx>
 #include <algorithm>
@@ -329,8 +330,7 @@ class ExactStretch : public BRepTools_Modification {
     return stretch_.Curve(curve).value_or(StretchedCurve{});
   }
 
-  // The edge in the parameters of the stretched face; null if it is neither a line nor a spline of
-  // the stretched edge's own parameter.
+  // The edge in the parameters of the stretched face; null if it is neither a line nor a spline.
   Handle(Geom2d_Curve) CurveOn(const TopoDS_Edge& edge, const TopoDS_Face& face) const {
     double first = 0, last = 0;
     const auto drawn = BRep_Tool::CurveOnSurface(edge, face, first, last);
@@ -350,11 +350,14 @@ class ExactStretch : public BRepTools_Modification {
                              gp_Dir2d(along));
     }
     const auto spline = Handle(Geom2d_BSplineCurve)::DownCast(basis);
-    if (spline.IsNull() || curve.scale != 1 || curve.shift != 0) return nullptr;
+    if (spline.IsNull()) return nullptr;
     const auto stretched = Handle(Geom2d_BSplineCurve)::DownCast(spline->Copy());
     for (int i = 1; i <= stretched->NbPoles(); ++i) {
       stretched->SetPole(i, gp_Pnt2d(moved(stretched->Pole(i).XY())));
     }
+    TColStd_Array1OfReal knots = stretched->Knots();
+    for (double& knot : knots) knot = curve.scale * knot + curve.shift;
+    stretched->SetKnots(knots);
     return Handle(Geom2d_Curve)(stretched);
   }
 

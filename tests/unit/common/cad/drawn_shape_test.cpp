@@ -179,6 +179,22 @@ TEST(DrawnShape, KeepsPlanesAndCylindersWhereTheyCanBeKept) {
             (std::map<GeomAbs_SurfaceType, int>{{GeomAbs_Plane, 5}}));
 }
 
+// Files in millimetres have splines where the kernel has lines in the parameters of a face.
+TEST(DrawnShape, KeepsCylindersThatCameInAFile) {
+  for (const Solid& solid : {BoredBoard(), TurnedLeg()}) {
+    const auto bytes = WriteStep("drawn", {{solid}});
+    ASSERT_TRUE(bytes.ok()) << bytes.status();
+    const auto read = ReadStep(*bytes);
+    ASSERT_TRUE(read.ok()) << read.status();
+    ASSERT_EQ(read->shapes.size(), 1u);
+    const Solid stretched = Stretched(read->shapes[0], {1.5, 1.5, 0.7});
+    EXPECT_EQ(FaceTypes(stretched), FaceTypes(solid)) << solid.name();
+    EXPECT_TRUE(BRepCheck_Analyzer(stretched.kernel().shape).IsValid()) << solid.name();
+    const double volume = solid.Volume() * 1.5 * 1.5 * 0.7;
+    EXPECT_NEAR(stretched.Volume(), volume, 1e-9 * volume) << solid.name();
+  }
+}
+
 TEST(DrawnShape, KnowsItsLargePlanesAndFacesOfItsBox) {
   const mesh::DrawnShape angle = Drawn(Angle("angle"));
   ASSERT_EQ(angle.planes.size(), 2u);
@@ -268,6 +284,19 @@ TEST(DrawnShape, IsRefusedWithThePlaceWhereItBoundsNoSolid) {
   apart.vertices.rightCols(v).array() += 10;
   EXPECT_THAT(std::string(mesh::ShapeOfMesh(apart).status().message()),
               HasSubstr("2 separate solids"));
+  // Beside each other, with one corner in common.
+  mesh::SurfaceMesh touching = crossing;
+  const Eigen::Vector3d shift(1, 0, 1);
+  touching.vertices.rightCols(v) = good.vertices.colwise() + shift;
+  for (int i = 0; i < v; ++i) {
+    for (int j = 0; j < v; ++j) {
+      if ((good.vertices.col(i) - good.vertices.col(j) - shift).norm() > 1e-9) continue;
+      touching.triangles =
+          (touching.triangles.array() == static_cast<int>(v) + j).select(i, touching.triangles);
+    }
+  }
+  EXPECT_THAT(std::string(mesh::ShapeOfMesh(touching).status().message()),
+              HasSubstr("2 solids that meet only in a vertex, at (500.000, -500.000, 500.000) mm"));
   // One within the other, turned inwards, is a hollow.
   mesh::SurfaceMesh hollow = apart;
   const Eigen::Vector3d within = good.vertices.rowwise().mean();
