@@ -172,6 +172,29 @@ class Service : public RunningService {
   std::unique_ptr<ServerHost> host_;
 };
 
+// The thread that waits for signals; a handler has nothing but globals to find it by.
+pthread_t waiting_thread;
+
+void HandOver(int signal) { pthread_kill(waiting_thread, signal); }
+
+// Has this thread wait for the signals that end a service. They are blocked in it, and in all that
+// it starts. Libraries have started threads before main(), as OpenBLAS does, in which they are not:
+// what these are given, as they may be until this one waits, would end the process at once.
+sigset_t TakeEndingSignals() {
+  waiting_thread = pthread_self();
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGTERM);
+  sigaddset(&signals, SIGINT);
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  struct sigaction action = {};
+  action.sa_handler = HandOver;
+  action.sa_flags = SA_RESTART;
+  sigaction(SIGTERM, &action, nullptr);
+  sigaction(SIGINT, &action, nullptr);
+  return signals;
+}
+
 int Fail(const std::string& service, const absl::Status& status, int code) {
   std::fprintf(stderr, "mortise-%s: %s\n", service.c_str(), std::string(status.message()).c_str());
   return code;
@@ -196,12 +219,7 @@ int RunService(int argc, char** argv, const ServiceDescription& description,
   if (!options.ok()) return Fail(description.name, options.status(), 2);
   ConfigureLogging(options->name, options->log_level);
 
-  // Blocked before any thread starts, so that every thread inherits it and only this one waits.
-  sigset_t signals;
-  sigemptyset(&signals);
-  sigaddset(&signals, SIGTERM);
-  sigaddset(&signals, SIGINT);
-  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  const sigset_t signals = TakeEndingSignals();
   signal(SIGPIPE, SIG_IGN);
 
   absl::StatusOr<std::unique_ptr<RunningService>> running =

@@ -1,14 +1,17 @@
 // A service of its own process, to be started, signalled and killed by process_test.
 //
 // Reads answer, and operations end, once the file they name exists; both say on standard output
-// what they wait for.
+// what they wait for. With END_AT_START in its environment it asks itself to end while it starts.
 #include <grpcpp/grpcpp.h>
+#include <signal.h>
 #include <sys/eventfd.h>
 #include <unistd.h>
 
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <stop_token>
+#include <thread>
 
 #include "common/base/errors.h"
 #include "common/jobs/operations.h"
@@ -76,8 +79,16 @@ class Probe {
 }  // namespace mortise::testing
 
 int main(int argc, char** argv) {
+  // As libraries do that compute in parallel, before the service has a say in signals.
+  std::thread([] {
+    while (true) ::pause();
+  }).detach();
   mortise::testing::Probe probe;
-  return mortise::rpc::RunService(
-      argc, argv, {.name = "probe", .title = "A service for tests."},
-      [&](mortise::rpc::ServiceEnvironment& given) { return probe.MakeServices(given); });
+  return mortise::rpc::RunService(argc, argv, {.name = "probe", .title = "A service for tests."},
+                                  [&](mortise::rpc::ServiceEnvironment& given) {
+                                    if (std::getenv("END_AT_START") != nullptr) {
+                                      ::kill(::getpid(), SIGTERM);
+                                    }
+                                    return probe.MakeServices(given);
+                                  });
 }

@@ -109,6 +109,14 @@ TEST_F(ProcessTest, TerminationLetsCallsInFlightFinish) {
   EXPECT_EQ(process->Wait(), 0);
 }
 
+// Whichever of its threads is given the signal.
+TEST_F(ProcessTest, TerminationWhileItStartsEndsItInOrder) {
+  std::vector<std::string> arguments = Flags({});
+  arguments.insert(arguments.begin(), {"/usr/bin/env", "END_AT_START=1", Program()});
+  ChildProcess process(arguments);
+  EXPECT_EQ(process.Wait(), 0) << process.Output();
+}
+
 TEST_F(ProcessTest, AnOperationSurvivesKill) {
   auto process = Serve();
   const std::string name = Begin(Path("release")).name();
