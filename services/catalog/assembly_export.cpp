@@ -33,44 +33,73 @@ std::string Stem(const std::string& name) {
 // Without a shape everything is a box or round: see parametric::DesignAt.
 bool IsRound(const parametric::EvaluatedPart& part) { return part.outline.cols() > 4; }
 
-// With the lower corner of its box at the origin.
+// What takes the axes of a part's product to the design's: products are drawn along the axes of
+// their shape or item, so that parts that are turned are of one.
+Eigen::Matrix3d TurnOf(const parametric::EvaluatedPart& part, const mesh::DrawnShape* shape) {
+  if (shape != nullptr) return shape->turn;
+  if (part.item.empty()) return Eigen::Matrix3d::Identity();
+  Eigen::Matrix3d turn;
+  turn.col(0) = Eigen::Vector3d::Unit(static_cast<int>(part.length_axis));
+  turn.col(2) = Eigen::Vector3d::Unit(static_cast<int>(part.thickness_axis));
+  turn.col(1) = turn.col(2).cross(turn.col(0));
+  return turn;
+}
+
+// The shape before it was turned. Its faces and planes are those it has now, which solids do not
+// ask for.
+mesh::DrawnShape TurnedBack(mesh::DrawnShape shape) {
+  const Eigen::Matrix3d back = shape.turn.transpose();
+  shape.size = (back * shape.size).cwiseAbs();
+  shape.fractions = back * shape.fractions;
+  shape.turn.setIdentity();
+  return shape;
+}
+
+// With the lower corner of its box, of this size along the product's axes, at the origin.
 absl::StatusOr<cad::Solid> SolidOf(const parametric::EvaluatedPart& part,
-                                   const mesh::DrawnShape* drawn, const Eigen::Vector3d& size,
-                                   const std::string& name) {
-  if (drawn != nullptr) {
-    auto solid = cad::SolidOfShape(*drawn, size, name);
+                                   const mesh::DrawnShape* shape, const Eigen::Vector3d& size,
+                                   int round_about, const std::string& name) {
+  if (shape != nullptr) {
+    auto solid = cad::SolidOfShape(TurnedBack(*shape), size, name);
     if (absl::IsInvalidArgument(solid.status())) {
       return UnderField(absl::StrCat("part '", part.name, "'"), solid.status());
     }
     return solid;
   }
-  const int w = static_cast<int>(part.axis), u = (w + 1) % 3, v = (w + 2) % 3;
-  if (IsRound(part)) {
-    cad::CylinderShape shape;
-    shape.name = name;
-    shape.u = Eigen::Vector3d::Unit(u);
-    shape.v = Eigen::Vector3d::Unit(v);
-    shape.radius_u = size[u] / 2;
-    shape.radius_v = size[v] / 2;
-    shape.center = shape.radius_u * shape.u + shape.radius_v * shape.v;
-    shape.height = size[w];
-    return cad::MakeCylinder(shape);
+  if (round_about != kBox) {
+    const int w = round_about, u = (w + 1) % 3, v = (w + 2) % 3;
+    cad::CylinderShape cylinder;
+    cylinder.name = name;
+    cylinder.u = Eigen::Vector3d::Unit(u);
+    cylinder.v = Eigen::Vector3d::Unit(v);
+    cylinder.radius_u = size[u] / 2;
+    cylinder.radius_v = size[v] / 2;
+    cylinder.center = cylinder.radius_u * cylinder.u + cylinder.radius_v * cylinder.v;
+    cylinder.height = size[w];
+    return cad::MakeCylinder(cylinder);
   }
-  mesh::PartShape shape;
-  shape.name = name;
-  shape.outline.resize(2, 4);
-  shape.outline << 0, size.x(), size.x(), 0, 0, 0, size.y(), size.y();
-  shape.height = size.z();
-  shape.face_names = {"y_min", "x_max", "y_max", "x_min", "z_min", "z_max"};
-  return cad::Solid::FromPart(shape);
+  mesh::PartShape box;
+  box.name = name;
+  box.outline.resize(2, 4);
+  box.outline << 0, size.x(), size.x(), 0, 0, 0, size.y(), size.y();
+  box.height = size.z();
+  box.face_names = {"y_min", "x_max", "y_max", "x_min", "z_min", "z_max"};
+  return cad::Solid::FromPart(box);
+}
+
+// What is bought as it is is called as its item, "hex-nut-m8" of "items/hex-nut-m8"; what is cut
+// from stock, or of no item, as its part.
+std::string ProductName(const parametric::EvaluatedPart& part) {
+  const bool is_bought = !part.item.empty() && part.process == parametric::Process::kNone;
+  return is_bought ? part.item.substr(part.item.find('/') + 1) : Stem(part.name);
 }
 
 // What products are told apart by.
 struct Likeness {
   std::string item;
-  const mesh::DrawnShape* shape = nullptr;
-  int round_about = 0;     // axis, or kBox
-  std::vector<long> size;  // nm
+  std::string shape;       // shapes/{digest}
+  int round_about = kBox;  // axis of the product
+  std::vector<long> size;  // nm, along the product's axes
   std::vector<double> color;
   auto operator<=>(const Likeness&) const = default;
 };
@@ -83,24 +112,34 @@ class ProductMaker {
   // Adds a part, and its product if that is a new one.
   absl::Status Add(const parametric::EvaluatedPart& part, const mesh::DrawnShape* shape, int group,
                    const Eigen::Vector3d& color) {
-    const Eigen::Vector3d size = part.maximum - part.minimum;
-    Likeness likeness{part.item, shape, kBox, {}, {}};
-    if (shape == nullptr && IsRound(part)) likeness.round_about = static_cast<int>(part.axis);
+    const Eigen::Matrix3d turn = TurnOf(part, shape);
+    const Eigen::Vector3d size = (turn.transpose() * (part.maximum - part.minimum)).cwiseAbs();
+    Likeness likeness;
+    likeness.item = part.item;
+    if (shape != nullptr) {
+      likeness.shape = shape->name;
+    } else if (IsRound(part)) {
+      turn.row(static_cast<int>(part.axis)).cwiseAbs().maxCoeff(&likeness.round_about);
+    }
     for (const double length : size) likeness.size.push_back(std::lround(kAlike * length));
     likeness.color.assign(color.begin(), color.end());
+    const int round_about = likeness.round_about;
     const auto [known, is_new] =
         products_.try_emplace(std::move(likeness), static_cast<int>(step_.products.size()));
     cad::StepPart placed;
     placed.name = part.name;
     placed.group = group;
     placed.product = known->second;
-    placed.placement.translation() = part.minimum;
+    placed.placement.linear() = turn;
+    // The box as it was before it was turned reached from the origin to this corner.
+    placed.placement.translation() = part.minimum - (turn * size).cwiseMin(0);
     step_.parts.push_back(std::move(placed));
     if (!is_new) return absl::OkStatus();
-    std::string name = Stem(part.name);
-    if (!names_.insert(name).second) name = part.name;
-    names_.insert(name);
-    MORTISE_ASSIGN_OR_RETURN(cad::Solid solid, SolidOf(part, shape, size, name));
+    std::string name = ProductName(part);
+    for (int number = 2; !names_.insert(name).second; ++number) {
+      name = absl::StrCat(ProductName(part), " ", number);
+    }
+    MORTISE_ASSIGN_OR_RETURN(cad::Solid solid, SolidOf(part, shape, size, round_about, name));
     step_.products.push_back({std::move(name), std::move(solid), color});
     return absl::OkStatus();
   }

@@ -22,8 +22,10 @@ struct PosedAssembly {
 // STEP AP242: the groups as sub-assemblies, the parts as occurrences under their names, where they
 // are, in their colours. Parts with a shape are that, stretched exactly; what else is round is a
 // cylinder, and the rest are boxes. Parts of one item, shape, size and colour are of one product,
-// as they would be drawn. INVALID_ARGUMENT, "rest_pose", for one that there is not, and naming the
-// part that cannot be made.
+// as they would be drawn, also where right angles turn them. A product is called as its item where
+// that is bought as it is, else as its first part; products that would be called alike are
+// numbered. INVALID_ARGUMENT, "rest_pose", for one that there is not, and naming the part that
+// cannot be made.
 absl::StatusOr<std::string> ExportAssemblyStep(const PosedAssembly& posed, const std::string& name);
 
 // The triangles of the parts. INVALID_ARGUMENT, "rest_pose".

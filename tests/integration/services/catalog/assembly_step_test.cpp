@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,7 @@ namespace {
 
 using ::testing::Contains;
 using ::testing::HasSubstr;
+using ::testing::StartsWith;
 
 class AssemblyStepTest : public AssemblyServiceTest {
  protected:
@@ -111,6 +113,57 @@ TEST_F(AssemblyStepTest, ExportsPegsAsPegs) {
   // Three indices of four bytes a triangle, besides the vertices.
   const std::string glb = Export("assemblies/coat-rack", v1::ExportDesignRequest::GLB);
   EXPECT_GT(glb.size(), 6U * 12U * static_cast<std::size_t>(shape.triangle_count()));
+}
+
+// "hinge" of "hinge 2": products that would be called alike are numbered.
+std::string Unnumbered(const std::string& product) {
+  const std::size_t end = product.find_last_not_of("0123456789");
+  return end < product.size() - 1 && product[end] == ' ' ? product.substr(0, end) : product;
+}
+
+// What is bought is one product under its item's name, however its parts are turned.
+TEST_F(AssemblyStepTest, MakesOneProductOfPartsOfOneItem) {
+  const auto catalog = v1::CatalogService::NewStub(process_.channel());
+  const std::string name = "assemblies/cabinet";
+  const auto step = cad::ReadStep(Export(name));
+  ASSERT_TRUE(step.ok()) << step.status();
+  std::set<std::string> names;
+  for (const cad::StepProduct& product : step->products) {
+    EXPECT_TRUE(names.insert(product.name).second) << product.name << " twice";
+  }
+  std::map<std::string, std::string> items;  // by part
+  const v1::Parametrization parametrized = ParametrizationOf(name);
+  for (const v1::ParametricElement& element : parametrized.elements()) {
+    for (const std::string& part : element.parts()) items[part] = element.item();
+  }
+  std::map<std::string, bool> is_bought;                         // by item
+  std::map<std::string, std::vector<Eigen::Matrix3d>> turns_of;  // by product
+  for (const cad::StepPart& part : step->parts) {
+    const std::string& item = items[part.name];
+    const std::string& product = step->products[static_cast<std::size_t>(part.product)].name;
+    if (is_bought.count(item) == 0) {
+      v1::GetItemRequest request;
+      request.set_name(item);
+      const auto found = testing::Call(*catalog, &v1::CatalogService::Stub::GetItem, request);
+      ASSERT_TRUE(found.ok()) << found.status();
+      is_bought[item] = std::all_of(
+          found->dimensions().begin(), found->dimensions().end(),
+          [](const auto& dimension) { return dimension.process() == v1::PROCESS_UNSPECIFIED; });
+    }
+    if (is_bought[item]) {
+      EXPECT_EQ("items/" + Unnumbered(product), item) << part.name;
+    } else if (turns_of.count(product) == 0) {
+      EXPECT_THAT(part.name, StartsWith(Unnumbered(product))) << "the first of the product";
+    }
+    std::vector<Eigen::Matrix3d>& turns = turns_of[product];
+    const Eigen::Matrix3d turn = part.placement.linear();
+    if (std::none_of(turns.begin(), turns.end(),
+                     [&](const auto& other) { return other.isApprox(turn, 1e-9); })) {
+      turns.push_back(turn);
+    }
+  }
+  EXPECT_TRUE(std::any_of(turns_of.begin(), turns_of.end(),
+                          [](const auto& turns) { return turns.second.size() > 1; }));
 }
 
 // What a person would write beside the STEP file of an assembly to get it back.

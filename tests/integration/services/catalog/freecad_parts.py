@@ -11,6 +11,8 @@ DEFLECTION = 0.01  # mm
 
 # Groups rather than links: without a window this version ends in a crash over links.
 FreeCAD.ParamGet("User parameter:BaseApp/Preferences/Mod/Import").SetBool("UseLinkGroup", False)
+# What products are called, without a number where one occurs again.
+FreeCAD.ParamGet("User parameter:BaseApp/Preferences/Document").SetBool("DuplicateLabels", True)
 document = FreeCAD.newDocument("read")
 Import.insert(os.environ["STEP_FILE"], document.Name)
 

@@ -45,23 +45,6 @@ Json SeenByFreeCad(const std::string& step) {
   return Json::parse(freecad.AwaitFile(parts), nullptr, false);
 }
 
-// FreeCAD numbers labels that occur again: "left door001".
-std::string Unnumbered(std::string label) {
-  const bool numbered = label.size() > 3 && std::all_of(label.end() - 3, label.end(), [](char c) {
-                          return c >= '0' && c <= '9';
-                        });
-  if (numbered) label.resize(label.size() - 3);
-  return label;
-}
-
-// FreeCAD calls parts as their products, with a number; that takes the place of one in the name:
-// "screw-4x041" comes after "screw-4x40".
-bool IsNamedAfter(const std::string& label, const std::string& product) {
-  const std::size_t digits = product.find_last_not_of("0123456789") + 1;
-  return label == product || Unnumbered(label) == product ||
-         Unnumbered(label) == product.substr(0, digits);
-}
-
 // Groups with the group above each, and how many parts are in each.
 std::multiset<std::string> TreeOf(const cad::StepAssembly& assembly) {
   std::multiset<std::string> tree;
@@ -78,10 +61,10 @@ std::multiset<std::string> TreeOf(const cad::StepAssembly& assembly) {
 std::multiset<std::string> TreeOf(const Json& seen) {
   std::multiset<std::string> tree;
   for (const Json& group : seen["groups"]) {
-    tree.insert(Unnumbered(group["name"]) + " in " + Unnumbered(group["parent"]));
+    tree.insert(group["name"].get<std::string>() + " in " + group["parent"].get<std::string>());
   }
   for (const Json& part : seen["parts"]) {
-    tree.insert("part in " + Unnumbered(part["group"].get<std::string>()));
+    tree.insert("part in " + part["group"].get<std::string>());
   }
   return tree;
 }
@@ -120,9 +103,8 @@ void ExpectTheSameParts(const cad::StepAssembly& ours, Json seen) {
     ASSERT_TRUE(match != parts.end())
         << part.name << " of " << part.volume << " m³ from " << part.minimum.transpose() << " to "
         << part.maximum.transpose();
-    EXPECT_TRUE(IsNamedAfter((*match)["product"],
-                             ours.products[static_cast<std::size_t>(part.product)].name))
-        << (*match)["product"] << " of " << part.name;
+    EXPECT_EQ((*match)["product"], ours.products[static_cast<std::size_t>(part.product)].name)
+        << part.name;
     EXPECT_EQ((*match)["solids"], 1) << part.name;
     EXPECT_TRUE((*match)["valid"]) << part.name;
     parts.erase(match);
