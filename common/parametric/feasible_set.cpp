@@ -156,8 +156,9 @@ void FeasibleSet::ReduceInequalities() {
     Eigen::VectorXd normal;
     double slack;
   };
+  using Direction = std::vector<std::pair<Eigen::Index, std::int64_t>>;  // entries that are not 0
   std::vector<Reduced> kept;
-  std::map<std::vector<std::int64_t>, std::size_t> by_direction;
+  std::map<Direction, std::size_t> by_direction;
   for (const Relationship& relationship : all_) {
     if (relationship.equality) continue;
     Eigen::VectorXd normal = Eigen::VectorXd::Zero(basis_.cols());
@@ -170,8 +171,11 @@ void FeasibleSet::ReduceInequalities() {
     // Rounding must not tie together what has nothing to do with each other.
     normal = (normal.array().abs() <= kRounding).select(0, normal);
     const double slack = -relationship.form.At(drawn_) / length;
-    std::vector<std::int64_t> direction;
-    for (const double entry : normal) direction.push_back(std::llround(entry / kParallel / 10));
+    Direction direction;
+    for (Eigen::Index i = 0; i < normal.size(); ++i) {
+      const auto rounded = std::llround(normal[i] / kParallel / 10);
+      if (rounded != 0) direction.emplace_back(i, rounded);
+    }
     const auto [place, is_new] = by_direction.emplace(std::move(direction), kept.size());
     if (is_new) {
       kept.push_back({&relationship, std::move(normal), slack});
@@ -362,9 +366,16 @@ absl::StatusOr<std::vector<Eigen::VectorXd>> FeasibleSet::Corners(int count,
 }
 
 absl::StatusOr<std::optional<Eigen::VectorXd>> FeasibleSet::UnboundedDirection() const {
-  MORTISE_ASSIGN_OR_RETURN(const auto open, parametric::UnboundedDirection(normals_));
-  if (!open) return std::optional<Eigen::VectorXd>();
-  return std::optional<Eigen::VectorXd>(basis_ * *open);
+  const Polyhedron whole{normals_, slacks_, Eigen::MatrixXd(0, basis_.cols()), Eigen::VectorXd(0)};
+  for (const PolyhedronFactor& factor : FactorsOf(whole)) {
+    MORTISE_ASSIGN_OR_RETURN(
+        const auto open, parametric::UnboundedDirection(PolyhedronOf(whole, factor).inequalities));
+    if (!open) continue;
+    Eigen::VectorXd direction = Eigen::VectorXd::Zero(basis_.cols());
+    SetEntries(*open, factor, direction);
+    return std::optional<Eigen::VectorXd>(basis_ * direction);
+  }
+  return std::optional<Eigen::VectorXd>();
 }
 
 absl::StatusOr<Eigen::VectorXd> FeasibleSet::RowOf(const Demand& demand, std::size_t index) const {
@@ -383,7 +394,7 @@ absl::StatusOr<Eigen::VectorXd> FeasibleSet::RowOf(const Demand& demand, std::si
 absl::StatusOr<std::vector<Eigen::VectorXd>> FeasibleSet::Sample(int count,
                                                                  std::uint64_t seed) const {
   if (count < 0) return InvalidField("count", "must not be negative");
-  MORTISE_ASSIGN_OR_RETURN(const auto open, parametric::UnboundedDirection(normals_));
+  MORTISE_ASSIGN_OR_RETURN(const auto open, UnboundedDirection());
   if (open) return Unbounded();
   MORTISE_ASSIGN_OR_RETURN(std::vector<Eigen::VectorXd> samples,
                            SamplePolyhedron(normals_, slacks_, count, seed));
