@@ -237,11 +237,7 @@ absl::Status Adjust(const AdjustOptions& options, Session& session, Output& outp
   file.set_format(v1::ExportDesignRequest::GLB);
   MORTISE_RETURN_IF_ERROR(ExportTo(file, options.glb, *client, output));
   output.DocumentOf(design);
-  if (!options.strict || design.faults().empty()) return absl::OkStatus();
-  return PreconditionFailed("DESIGN_FAULTY",
-                            absl::StrCat("the design has ", design.faults_size(),
-                                         " faults; the first: ", design.faults(0)),
-                            design.assembly());
+  return options.strict ? FaultsToStatus(design.assembly(), design.faults()) : absl::OkStatus();
 }
 
 FieldSources SourcesOf(const AdjustOptions& options) {

@@ -31,6 +31,7 @@ struct EvaluateOptions {
   std::filesystem::path step;
   std::filesystem::path glb;
   bool without_triangles = false;
+  bool strict = false;
 };
 
 FieldSources SourcesOf(const EvaluateOptions& options) {
@@ -140,13 +141,14 @@ absl::Status Evaluate(const EvaluateOptions& options, Session& session, Output& 
                     absl::StrFormat("%.3f kg", part.mass())});
   }
   output.Table({"part", "item", "length", "width", "thickness", "mass"}, rows);
+  for (const std::string& fault : design.faults()) output.Line(absl::StrCat("fault: ", fault));
   output.Line(absl::StrFormat("%d parts, %d pegs, %.3f kg", design.parts_size(),
                               design.connectors_size(), design.mass()));
   using Request = v1::ExportDesignRequest;
   MORTISE_RETURN_IF_ERROR(ExportTo(options, Request::STEP, options.step, *stub, *client, output));
   MORTISE_RETURN_IF_ERROR(ExportTo(options, Request::GLB, options.glb, *stub, *client, output));
   output.DocumentOf(design);
-  return absl::OkStatus();
+  return options.strict ? FaultsToStatus(design.template_(), design.faults()) : absl::OkStatus();
 }
 
 absl::Status AddShape(const std::filesystem::path& file, Session& session, Output& output) {
@@ -201,6 +203,9 @@ void AddCatalogCommands(CLI::App& app, Session& session) {
   evaluate->add_option("--glb", options->glb, "Also write a GLB file");
   evaluate->add_flag("--without-triangles", options->without_triangles,
                      "With --json: leave out triangles, which may not fit into a message");
+  evaluate->add_flag(
+      "--strict", options->strict,
+      "Fail if the design of an assembly has faults: contacts lost, parts in each other");
   evaluate->footer("Example: mortise catalog evaluate table --set length=1500mm --glb table.glb");
   evaluate->callback([&session, options] {
     session.command = [options](Session& s, Output& o) {

@@ -94,6 +94,16 @@ void Send(const std::string& bytes, grpc::ClientWriter<v1::Chunk>& writer) {
   writer.WritesDone();
 }
 
+absl::Status FaultsToStatus(const std::string& design,
+                            const google::protobuf::RepeatedPtrField<std::string>& faults) {
+  if (faults.empty()) return absl::OkStatus();
+  return PreconditionFailed(
+      "DESIGN_FAULTY",
+      absl::StrCat("the design has ", faults.size(),
+                   faults.size() == 1 ? " fault: " : " faults; the first: ", faults[0]),
+      design);
+}
+
 absl::StatusOr<v1::Operation> FollowWithProgress(const GatewayClient& client,
                                                  const v1::Operation& operation, Output& output) {
   absl::StatusOr<v1::Operation> done =

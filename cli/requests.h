@@ -46,6 +46,11 @@ absl::StatusOr<std::int64_t> Receive(grpc::ClientReader<v1::Chunk>& reader,
 // Finish says.
 void Send(const std::string& bytes, grpc::ClientWriter<v1::Chunk>& writer);
 
+// OK if the design has no faults; else FAILED_PRECONDITION, DESIGN_FAULTY, with how many there are
+// and the first.
+absl::Status FaultsToStatus(const std::string& design,
+                            const google::protobuf::RepeatedPtrField<std::string>& faults);
+
 // Follows an operation with a progress bar and takes out its result.
 template <typename Result>
 absl::StatusOr<Result> FollowTo(const GatewayClient& client, const v1::Operation& operation,

@@ -18,6 +18,7 @@
 #include "services/catalog/catalog_import.h"
 #include "services/catalog/catalog_records.h"
 #include "services/catalog/collection_loader.h"
+#include "services/catalog/design_answer.h"
 #include "services/catalog/design_export.h"
 #include "services/catalog/design_stream.h"
 #include "services/catalog/shape_file.h"
@@ -30,23 +31,14 @@ namespace mortise::catalog {
 namespace {
 
 constexpr std::size_t kCompiledBytes = std::size_t{256} << 20;
-
 constexpr std::size_t kParametrizedBytes = std::size_t{256} << 20;
+
 // A design with the template it came from.
 struct NamedDesign {
   std::shared_ptr<const templates::Template> function;
   Eigen::VectorXd q;
   parametric::EvaluatedDesign design;
 };
-
-void DropTriangles(v1::EvaluatedDesign& design) {
-  for (v1::EvaluatedPart& part : *design.mutable_parts()) {
-    if (!part.has_faceted()) continue;
-    part.mutable_faceted()->clear_vertices();
-    part.mutable_faceted()->clear_triangles();
-    part.mutable_faceted()->clear_triangle_faces();
-  }
-}
 
 class CatalogAdapter : public v1::CatalogService::CallbackService {
  public:
@@ -311,6 +303,9 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
                                    Evaluate(asked.name(), asked.revision(), asked.parameters()));
           v1::EvaluatedDesign answer = parametric::ToProto(evaluated.design);
           if (asked.without_triangles()) DropTriangles(answer);
+          if (!asked.without_faults()) {
+            MORTISE_RETURN_IF_ERROR(AddFaults(*evaluated.function, evaluated.q, answer));
+          }
           if (answer.ByteSizeLong() > static_cast<std::size_t>(rpc::kMaxMessageBytes)) {
             return TooLarge("the design",
                             "4 MiB: ask for it without_triangles, or export it as a file");
@@ -421,23 +416,25 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
     }
     MORTISE_ASSIGN_OR_RETURN(const NamedDesign evaluated,
                              Evaluate(asked.name(), asked.revision(), asked.parameters()));
-    rpc::StreamBytes(parametric::ToProto(evaluated.design).SerializeAsString(),
-                     {"design.binpb", "application/x-protobuf"}, writer);
+    v1::EvaluatedDesign design = parametric::ToProto(evaluated.design);
+    MORTISE_RETURN_IF_ERROR(AddFaults(*evaluated.function, evaluated.q, design));
+    rpc::StreamBytes(design.SerializeAsString(), {"design.binpb", "application/x-protobuf"},
+                     writer);
     return absl::OkStatus();
   }
-  const std::shared_ptr<ParametrizationCache> parametrized_;
 
   store::Store* const store_;
   rpc::Endpoint endpoint_;
+  const std::shared_ptr<ParametrizationCache> parametrized_;
   TemplateCache cache_;
   const Upkeep upkeep_;
 };
 
 }  // namespace
-  const auto parametrized = std::make_shared<ParametrizationCache>(kParametrizedBytes);
 
 absl::StatusOr<std::vector<std::shared_ptr<grpc::Service>>> MakeServices(
     rpc::ServiceEnvironment& environment, const std::filesystem::path& collection) {
+  const auto parametrized = std::make_shared<ParametrizationCache>(kParametrizedBytes);
   if (!collection.empty()) {
     MORTISE_RETURN_IF_ERROR(LoadCollection(*environment.store, collection, *parametrized).status());
   }

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <random>
@@ -113,6 +114,68 @@ TEST_F(AssemblyCommand, AdjustsGoesOnFromThereAndWritesFiles) {
   }
   EXPECT_NEAR(top, 2.2, 1e-6) << "as it was made before";
   EXPECT_EQ(ReadFile(glb).value_or("").substr(0, 4), "glTF");
+}
+
+// An L of 40 x 40 mm, 4 mm thick and 30 mm long, in STL.
+std::string Hook() {
+  const std::array<std::array<int, 2>, 6> outline = {
+      {{0, 0}, {40, 0}, {40, 4}, {4, 4}, {4, 40}, {0, 40}}};
+  std::string text = "solid hook\n";
+  const auto add = [&](const std::array<std::array<int, 2>, 3>& corners) {
+    absl::StrAppend(&text, "facet normal 0 0 0\nouter loop\n");
+    for (const auto& [corner, z] : corners) {
+      const auto& [x, y] = outline[static_cast<std::size_t>(corner)];
+      absl::StrAppend(&text, "vertex ", x, " ", y, " ", z, "\n");
+    }
+    absl::StrAppend(&text, "endloop\nendfacet\n");
+  };
+  for (const auto& [a, b, c] : {std::array{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 5}}) {
+    add({{{a, 30}, {b, 30}, {c, 30}}});
+    add({{{a, 0}, {c, 0}, {b, 0}}});
+  }
+  for (int i = 0; i < 6; ++i) {
+    const int next = (i + 1) % 6;
+    add({{{i, 0}, {next, 0}, {next, 30}}});
+    add({{{i, 0}, {next, 30}, {i, 30}}});
+  }
+  return text + "endsolid hook\n";
+}
+
+// A hook that closes round a stop, which a larger one would not fit into, as a template.
+TEST_F(AssemblyCommand, FailsOnFaultsOfADesignIfStrict) {
+  File("hook.stl", Hook());
+  const std::string latch = File("latch.textproto", R"(name: "assemblies/latch"
+groups { name: "latch" }
+parts { name: "plate" position { x: -0.06 y: -0.06 z: -0.02 } size { x: 0.12 y: 0.12 z: 0.02 } }
+parts { name: "hook" group: "latch" size { x: 0.04 y: 0.04 z: 0.03 } shape: "hook.stl" }
+parts { name: "stop" position { x: -0.038 y: -0.008 } size { x: 0.016 y: 0.016 z: 0.03 } }
+joints {
+  name: "pin" kind: HINGE group: "latch" axis { z: 1 } upper: 2.4
+  rest_poses { name: "closed" amount: 2.356194490192345 }
+})");
+  ASSERT_EQ(Run({"import", latch}).status(), absl::OkStatus());
+  EXPECT_THAT(
+      Refusal({"adjust", "latch", "--strict", "--set", "stop.x=32mm", "--set", "stop.y=32mm"}),
+      AllOf(HasSubstr("1 fault"), HasSubstr("'hook'")));
+  const std::string file = File("template.textproto", R"(# proto-message: mortise.v1.Template
+name: "templates/latch"
+assembly {
+  assembly: "assemblies/latch"
+  handles { parameter: "width" measure { element: "stop" axis: X } }
+  handles { parameter: "depth" measure { element: "stop" axis: Y } }
+})");
+  Output output(Output::Form::kSilent);
+  ASSERT_EQ(RunCommandLine({"catalog", "import", file}, session_, output), absl::OkStatus());
+  std::vector<std::string> evaluate = {"catalog",    "evaluate", "latch",     "--set",
+                                       "width=32mm", "--set",    "depth=32mm"};
+  EXPECT_EQ(RunCommandLine(evaluate, session_, output), absl::OkStatus());
+  EXPECT_EQ(Json::parse(output.last_document())["faults"].size(), 1u);
+  evaluate.push_back("--strict");
+  const absl::Status refused = RunCommandLine(evaluate, session_, output);
+  EXPECT_EQ(DetailOf(refused).reason, "DESIGN_FAULTY") << refused;
+  EXPECT_THAT(std::string(refused.message()), AllOf(HasSubstr("'stop'"), HasSubstr("'hook'")));
+  evaluate[4] = "width=16mm";
+  EXPECT_EQ(RunCommandLine(evaluate, session_, output), absl::OkStatus());
 }
 
 TEST_F(AssemblyCommand, NamesTheFlagAtFault) {

@@ -29,7 +29,9 @@
 namespace mortise::catalog {
 namespace {
 
+using ::testing::AllOf;
 using testing::Call;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using testing::Prepare;
 using testing::ReadChunks;
@@ -316,6 +318,66 @@ TEST_F(ShapeServiceTest, IsATemplateLikeAnyOther) {
   for (const v1::EvaluatedPart& part : design->parts()) {
     EXPECT_NEAR(PartOf(*read, part.name()).volume, part.volume(), 1e-6 * part.volume());
   }
+}
+
+// A hook that closes round a stop, which it touches nowhere. Only in a pose that a joint turns it
+// to does the stop stand in its corner.
+constexpr char kLatch[] = R"(name: "assemblies/latch"
+groups { name: "latch" }
+parts { name: "plate" position { x: -0.06 y: -0.06 z: -0.02 } size { x: 0.12 y: 0.12 z: 0.02 } }
+parts { name: "hook" group: "latch" size { x: 0.04 y: 0.04 z: 0.03 } }
+parts { name: "stop" position { x: -0.038 y: -0.008 } size { x: 0.016 y: 0.016 z: 0.03 } }
+joints {
+  name: "pin" kind: HINGE group: "latch" axis { z: 1 } upper: 2.4
+  rest_poses { name: "closed" amount: 2.356194490192345 }
+})";
+
+// As AssemblyService tells of the assembly's own designs.
+TEST_F(ShapeServiceTest, TellsTheFaultsOfATemplatesDesign) {
+  Eigen::Matrix2Xd angle(2, 6);
+  angle << 0, 0.04, 0.04, 0.004, 0.004, 0, 0, 0, 0.004, 0.004, 0.04, 0.04;
+  const std::vector<cad::AssemblyPart> drawing = {{Prism("hook", angle, 0.03)}};
+  const auto hook = ImportShape(*cad::WriteStep("hook", drawing), v1::ImportShapeRequest::STEP);
+  ASSERT_TRUE(hook.ok()) << hook.status();
+  v1::ImportAssemblyRequest latch;
+  latch.set_request_id(NextId());
+  *latch.mutable_assembly() = Parse<v1::Assembly>(kLatch);
+  latch.mutable_assembly()->mutable_parts(1)->set_shape(hook->name());
+  const auto drawn = Call(*assemblies_, &v1::AssemblyService::Stub::ImportAssembly, latch);
+  ASSERT_TRUE(drawn.ok()) << drawn.status();
+  v1::ImportTemplateRequest request;
+  request.set_request_id(NextId());
+  *request.mutable_template_() = Parse<v1::Template>(
+      "name: 'templates/latch' assembly { assembly: 'assemblies/latch' "
+      "handles { parameter: 'width' measure { element: 'stop' axis: X } } "
+      "handles { parameter: 'depth' measure { element: 'stop' axis: Y } } }");
+  const auto stored = Call(*catalog_, &v1::CatalogService::Stub::ImportTemplate, request);
+  ASSERT_TRUE(stored.ok()) << stored.status();
+  const auto evaluate = [this](const std::string& asked) {
+    return Call(*catalog_, &v1::CatalogService::Stub::EvaluateTemplate,
+                Parse<v1::EvaluateTemplateRequest>(asked));
+  };
+  const auto sound = evaluate("name: 'templates/latch'");
+  ASSERT_TRUE(sound.ok()) << sound.status();
+  EXPECT_EQ(sound->faults_size(), 0);
+
+  const std::string wide =
+      "name: 'templates/latch' parameters { name: 'width' value: 0.032 } "
+      "parameters { name: 'depth' value: 0.032 } ";
+  const auto crowded = evaluate(wide);
+  ASSERT_TRUE(crowded.ok()) << crowded.status();
+  EXPECT_THAT(crowded->faults(), ElementsAre(AllOf(HasSubstr("'hook'"), HasSubstr("'stop'"),
+                                                   HasSubstr("'pin: closed'"))));
+  const auto bytes = ExportTemplate(wide + "format: DESIGN");
+  ASSERT_TRUE(bytes.ok()) << bytes.status();
+  v1::EvaluatedDesign whole;
+  ASSERT_TRUE(whole.ParseFromString(*bytes));
+  EXPECT_EQ(whole.SerializeAsString(), crowded->SerializeAsString());
+
+  const auto unseen = evaluate(wide + "without_faults: true");
+  ASSERT_TRUE(unseen.ok()) << unseen.status();
+  EXPECT_EQ(unseen->faults_size(), 0);
+  EXPECT_EQ(unseen->parts_size(), crowded->parts_size());
 }
 
 // A tetrahedron as text, in millimetres; `faces` of its four corners, and of one beside it.
