@@ -23,6 +23,7 @@ constexpr double kOnBox = 2e-7;         // m, within which a vertex lies in a fa
 constexpr double kLeastSize = 1e-6;     // m
 constexpr double kFurthest = 10e3;      // m, from the origin, as assemblies
 constexpr double kSamePlane = 1e-9;     // of the size: fractions in one plane
+constexpr double kAlong = 1e-6;         // of its largest section: that of a triangle along an axis
 constexpr double kProminent = 0.1;      // of the box's section: the least area of a large face
 constexpr std::size_t kMostPlanes = 4;  // along an axis
 constexpr int kMostFaults = 5;          // told of one surface
@@ -107,6 +108,17 @@ int SideOf(const DrawnShape& shape, Eigen::Index triangle, int axis) {
     if (at(0) == 0.5) return 1;
   }
   return -1;
+}
+
+// Whether all triangles run along an axis, but for the ends in the faces of the box: what curved
+// faces stand out from them is across it.
+bool IsStraightAlong(const DrawnShape& shape, int axis) {
+  for (Eigen::Index t = 0; t < shape.triangles.cols(); ++t) {
+    const double across =
+        std::max(SectionOf(shape, t, (axis + 1) % 3), SectionOf(shape, t, (axis + 2) % 3));
+    if (SectionOf(shape, t, axis) > kAlong * across && SideOf(shape, t, axis) < 0) return false;
+  }
+  return true;
 }
 
 void NameBoxFaces(DrawnShape& shape) {
@@ -231,7 +243,13 @@ double VolumeIn(const DrawnShape& shape, const Eigen::Vector3d& size) {
 }
 
 double DeflectionIn(const DrawnShape& shape, const Eigen::Vector3d& size) {
-  return shape.deflection * (size.array() / shape.size.array()).maxCoeff();
+  if (shape.deflection == 0) return 0;
+  const Eigen::Vector3d factors = size.array() / shape.size.array();
+  double grows = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (factors[axis] > grows && !IsStraightAlong(shape, axis)) grows = factors[axis];
+  }
+  return shape.deflection * (grows > 0 ? grows : factors.maxCoeff());
 }
 
 DrawnShape Turned(const DrawnShape& shape, int x_becomes, int z_becomes) {

@@ -73,7 +73,7 @@ mesh::SurfaceMesh SurfaceIn(const DrawnShape& shape, const Eigen::Vector3d& size
 // m³ in a box of this size: stretching multiplies volumes.
 double VolumeIn(const DrawnShape& shape, const Eigen::Vector3d& size);
 
-// m, by which the triangles may miss the exact surface in a box of this size.
+// m, by which triangles may miss the exact surface in such a box: bars and tubes no more if longer.
 double DeflectionIn(const DrawnShape& shape, const Eigen::Vector3d& size);
 
 // The shape turned by whole right angles: its axis i becomes the axis |axes[i]|, forwards or

@@ -210,6 +210,30 @@ TEST(DrawnShape, KnowsItsLargePlanesAndFacesOfItsBox) {
   EXPECT_GT(Drawn(TurnedLeg()).deflection, 0);
 }
 
+// How far triangles miss what is curved, where it is stretched along itself and across.
+TEST(DrawnShape, MissesCurvedFacesByNoMoreAtGreaterLength) {
+  const TopoDS_Shape bore = BRepPrimAPI_MakeCylinder(0.0105, 0.25).Solid();
+  const Solid tube = SolidFrom(
+      BRepAlgoAPI_Cut(BRepPrimAPI_MakeCylinder(0.0125, 0.25).Solid(), bore).Shape(), "tube");
+  for (const auto& [solid, is_straight] :
+       {std::pair(tube, true), std::pair(TurnedLeg(), false), std::pair(BoredBoard(), true)}) {
+    const mesh::DrawnShape shape = Drawn(solid);
+    const auto missed = [&](double x, double y, double z) {
+      return mesh::DeflectionIn(shape, shape.size.cwiseProduct(Eigen::Vector3d(x, y, z)));
+    };
+    const double drawn = shape.deflection;
+    EXPECT_GT(drawn, 0) << solid.name();
+    EXPECT_DOUBLE_EQ(missed(1, 1, 1), drawn);
+    EXPECT_DOUBLE_EQ(missed(1, 1, 12), is_straight ? drawn : 12 * drawn) << solid.name();
+    EXPECT_DOUBLE_EQ(missed(1, 3, 1), 3 * drawn) << solid.name();
+    EXPECT_DOUBLE_EQ(missed(0.5, 0.5, 0.5), 0.5 * drawn) << solid.name();
+    // Turned, the same along the axis that its own length lies along then.
+    const mesh::DrawnShape lying = mesh::Turned(shape, 1, 0);
+    const Eigen::Vector3d longer = lying.size.cwiseProduct(Eigen::Vector3d(12, 1, 1));
+    EXPECT_DOUBLE_EQ(mesh::DeflectionIn(lying, longer), is_straight ? drawn : 12 * drawn);
+  }
+}
+
 TEST(DrawnShape, IsTurnedWithoutBeingMirrored) {
   const mesh::DrawnShape angle = Drawn(Angle("angle"));
   for (int x = 0; x < 3; ++x) {
