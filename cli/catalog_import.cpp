@@ -57,12 +57,6 @@ struct Present {
   std::map<std::string, v1::Item> items;
 };
 
-// A failure to convert a message, as a finding.
-template <typename Message>
-Finding ToFinding(const Read<Message>& read, const absl::Status& status) {
-  return {read.Place(DetailOf(status).field), std::string(status.message())};
-}
-
 // Findings of a message, under its name.
 template <typename Message>
 void Add(const Read<Message>& read, const Findings& more, Findings& findings) {
@@ -70,6 +64,16 @@ void Add(const Read<Message>& read, const Findings& more, Findings& findings) {
     findings.push_back(
         {absl::StrCat(read.Place(finding.field), ".", finding.field), finding.message});
   }
+}
+
+// What keeps a message from being converted.
+template <typename Message>
+void Add(const Read<Message>& read, const absl::Status& status, Findings& findings) {
+  Findings more;
+  for (const FieldViolation& violation : AllViolationsOf(status)) {
+    more.push_back({violation.field, violation.message});
+  }
+  Add(read, more, findings);
 }
 
 template <typename Message>
@@ -158,7 +162,7 @@ class Check {
   void CheckMaterial(const Read<v1::Material>& read) {
     CheckName(read);
     absl::StatusOr<parametric::Material> material = parametric::FromProto(read.message());
-    if (!material.ok()) return findings_.push_back(ToFinding(read, material.status()));
+    if (!material.ok()) return Add(read, material.status(), findings_);
     Add(read, parametric::ValidateMaterial(*material), findings_);
     materials_.push_back(*std::move(material));
   }
@@ -166,7 +170,7 @@ class Check {
   void CheckItem(const Read<v1::Item>& read) {
     CheckName(read);
     absl::StatusOr<parametric::Item> item = parametric::FromProto(read.message());
-    if (!item.ok()) return findings_.push_back(ToFinding(read, item.status()));
+    if (!item.ok()) return Add(read, item.status(), findings_);
     Add(read, parametric::ValidateItem(*item, materials_), findings_);
     items_.push_back(*std::move(item));
   }
@@ -177,7 +181,7 @@ class Check {
     if (read.message().kind_case() != v1::Template::KIND_NOT_SET) return;
     absl::StatusOr<parametric::TemplateDefinition> definition =
         parametric::FromProto(read.message());
-    if (!definition.ok()) return findings_.push_back(ToFinding(read, definition.status()));
+    if (!definition.ok()) return Add(read, definition.status(), findings_);
     Add(read,
         parametric::ValidateTemplate(
             parametric::MakeBundle(*std::move(definition), items_, materials_)),

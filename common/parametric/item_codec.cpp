@@ -4,40 +4,53 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "common/base/violation_lists.h"
 #include "common/parametric/axis_codec.h"
 #include "common/parametric/template_codec.h"
 
 namespace mortise::parametric {
 namespace {
 
-absl::StatusOr<std::array<ItemDimension, 3>> DimensionsFromProto(const v1::Item& message) {
-  std::array<ItemDimension, 3> dimensions;
+// The value; nothing, and what is wrong with it to the findings, if there is none.
+template <typename Value>
+std::optional<Value> Read(const absl::StatusOr<Value>& value, std::vector<Finding>& findings) {
+  if (value.ok()) return *value;
+  for (const FieldViolation& violation : AllViolationsOf(value.status())) {
+    findings.push_back({violation.field, violation.message});
+  }
+  return std::nullopt;
+}
+
+void ReadDimensions(const v1::Item& message, Item& item, std::vector<Finding>& findings) {
   std::array<bool, 3> given = {false, false, false};
+  const std::size_t before = findings.size();
   for (int i = 0; i < message.dimensions_size(); ++i) {
     const v1::ItemDimension& dimension = message.dimensions(i);
     const std::string field = absl::StrCat("dimensions[", i, "]");
-    MORTISE_ASSIGN_OR_RETURN(const Axis axis,
-                             AxisFromProto(dimension.axis(), absl::StrCat(field, ".axis")));
-    const auto index = static_cast<std::size_t>(axis);
-    if (given[index]) return InvalidField(absl::StrCat(field, ".axis"), "is given twice");
+    const std::optional<Axis> axis =
+        Read(AxisFromProto(dimension.axis(), absl::StrCat(field, ".axis")), findings);
+    const std::optional<Process> process =
+        Read(ProcessFromProto(dimension.process(), absl::StrCat(field, ".process")), findings);
+    if (!axis) continue;
+    const auto index = static_cast<std::size_t>(*axis);
+    if (given[index]) findings.push_back({absl::StrCat(field, ".axis"), "is given twice"});
     given[index] = true;
-    MORTISE_ASSIGN_OR_RETURN(
-        const Process process,
-        ProcessFromProto(dimension.process(), absl::StrCat(field, ".process")));
-    dimensions[index] = {dimension.size(),    process,          dimension.minimum(),
-                         dimension.maximum(), dimension.name(), dimension.nominal()};
+    item.dimensions[index] = {dimension.size(),    process.value_or(Process::kNone),
+                              dimension.minimum(), dimension.maximum(),
+                              dimension.name(),    dimension.nominal()};
   }
-  if (!given[0] || !given[1] || !given[2]) {
-    return InvalidField("dimensions", "must hold one entry for each of X, Y and Z");
+  // Of an axis that is another's it is told already.
+  const bool is_complete = given[0] && given[1] && given[2];
+  if (!is_complete && findings.size() == before) {
+    findings.push_back({"dimensions", "must hold one entry for each of X, Y and Z"});
   }
-  return dimensions;
 }
 
 // The grain's axes may be left unsaid.
-absl::StatusOr<std::optional<Axis>> OptionalAxis(v1::Axis axis, const std::string& field) {
-  if (axis == v1::AXIS_UNSPECIFIED) return std::optional<Axis>();
-  MORTISE_ASSIGN_OR_RETURN(const Axis known, AxisFromProto(axis, field));
-  return std::optional<Axis>(known);
+std::optional<Axis> ReadOptionalAxis(v1::Axis axis, const std::string& field,
+                                     std::vector<Finding>& findings) {
+  if (axis == v1::AXIS_UNSPECIFIED) return std::nullopt;
+  return Read(AxisFromProto(axis, field), findings);
 }
 
 std::string KindNames() {
@@ -162,21 +175,23 @@ v1::Material ToProto(const Material& material) {
   return message;
 }
 
-absl::StatusOr<Item> FromProto(const v1::Item& message) {
+Item ReadItem(const v1::Item& message, std::vector<Finding>& findings) {
   Item item;
   item.name = message.name();
   item.title = message.title();
   if (message.kind() == v1::ITEM_KIND_UNSPECIFIED || !v1::ItemKind_IsValid(message.kind())) {
-    return InvalidField("kind", "must be " + KindNames());
+    findings.push_back({"kind", "must be " + KindNames()});
+  } else {
+    item.kind = static_cast<ItemKind>(message.kind());
   }
-  item.kind = static_cast<ItemKind>(message.kind());
   item.material = message.material();
-  MORTISE_ASSIGN_OR_RETURN(item.dimensions, DimensionsFromProto(message));
+  ReadDimensions(message, item, findings);
   item.price = {message.price().currency(), message.price().amount()};
   if (message.price_basis() < v1::PER_PIECE || message.price_basis() > v1::PER_VOLUME) {
-    return InvalidField("price_basis", "must be PER_PIECE or PER_VOLUME");
+    findings.push_back({"price_basis", "must be PER_PIECE or PER_VOLUME"});
+  } else {
+    item.price_basis = static_cast<PriceBasis>(message.price_basis());
   }
-  item.price_basis = static_cast<PriceBasis>(message.price_basis());
   item.price_date = message.price_date();
   item.supplier = message.supplier();
   item.supplier_url = message.supplier_url();
@@ -195,8 +210,15 @@ absl::StatusOr<Item> FromProto(const v1::Item& message) {
   for (const v1::SupplierLink& link : message.more_suppliers()) {
     item.more_suppliers.push_back({link.supplier(), link.url(), link.number()});
   }
-  MORTISE_ASSIGN_OR_RETURN(item.grain_axis, OptionalAxis(message.grain_axis(), "grain_axis"));
-  MORTISE_ASSIGN_OR_RETURN(item.radial_axis, OptionalAxis(message.radial_axis(), "radial_axis"));
+  item.grain_axis = ReadOptionalAxis(message.grain_axis(), "grain_axis", findings);
+  item.radial_axis = ReadOptionalAxis(message.radial_axis(), "radial_axis", findings);
+  return item;
+}
+
+absl::StatusOr<Item> FromProto(const v1::Item& message) {
+  std::vector<Finding> findings;
+  Item item = ReadItem(message, findings);
+  MORTISE_RETURN_IF_ERROR(ToStatus(findings));
   return item;
 }
 

@@ -3,6 +3,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "common/base/violation_lists.h"
 #include "common/parametric/axis_codec.h"
 #include "common/parametric/message_digest.h"
 
@@ -45,30 +46,35 @@ absl::StatusOr<Prism> FromProto(const v1::Prism& message, const std::string& fie
   return prism;
 }
 
-absl::StatusOr<PartTemplate> FromProto(const v1::PartTemplate& message, const std::string& field) {
-  PartTemplate part;
-  part.name = message.name();
-  part.title = message.title();
-  part.item = message.item();
-  MORTISE_ASSIGN_OR_RETURN(
-      part.length_axis, AxisFromProto(message.length_axis(), absl::StrCat(field, ".length_axis")));
-  MORTISE_ASSIGN_OR_RETURN(
-      part.thickness_axis,
-      AxisFromProto(message.thickness_axis(), absl::StrCat(field, ".thickness_axis")));
+absl::StatusOr<decltype(PartTemplate::body)> BodyFromProto(const v1::PartTemplate& message,
+                                                           const std::string& field) {
   switch (message.body_case()) {
     case v1::PartTemplate::kBox:
-      part.body = Box{FromProto(message.box().x()), FromProto(message.box().y()),
-                      FromProto(message.box().z())};
-      return part;
-    case v1::PartTemplate::kPrism: {
-      MORTISE_ASSIGN_OR_RETURN(part.body,
-                               FromProto(message.prism(), absl::StrCat(field, ".prism")));
-      return part;
-    }
+      return Box{FromProto(message.box().x()), FromProto(message.box().y()),
+                 FromProto(message.box().z())};
+    case v1::PartTemplate::kPrism:
+      return FromProto(message.prism(), absl::StrCat(field, ".prism"));
     case v1::PartTemplate::BODY_NOT_SET:
       break;
   }
   return InvalidField(absl::StrCat(field, ".body"), "is missing: say 'box' or 'prism'");
+}
+
+absl::StatusOr<PartTemplate> FromProto(const v1::PartTemplate& message, const std::string& field) {
+  const absl::StatusOr<Axis> length =
+      AxisFromProto(message.length_axis(), absl::StrCat(field, ".length_axis"));
+  const absl::StatusOr<Axis> thickness =
+      AxisFromProto(message.thickness_axis(), absl::StrCat(field, ".thickness_axis"));
+  auto body = BodyFromProto(message, field);
+  MORTISE_RETURN_IF_ERROR(Together(Together(length.status(), thickness.status()), body.status()));
+  PartTemplate part;
+  part.name = message.name();
+  part.title = message.title();
+  part.item = message.item();
+  part.length_axis = *length;
+  part.thickness_axis = *thickness;
+  part.body = *std::move(body);
+  return part;
 }
 
 v1::PartTemplate ToProto(const PartTemplate& part) {
@@ -180,20 +186,24 @@ absl::StatusOr<TemplateDefinition> FromProto(const v1::Template& message) {
   for (const v1::Parameter& parameter : message.parameters()) {
     definition.parameters.push_back(FromProto(parameter));
   }
+  std::vector<FieldViolation> violations;
+  const auto take = [&violations](auto read, auto& list) {
+    if (read.ok()) return list.push_back(*std::move(read));
+    for (FieldViolation& violation : AllViolationsOf(read.status())) {
+      violations.push_back(std::move(violation));
+    }
+  };
   for (int i = 0; i < message.parts_size(); ++i) {
-    MORTISE_ASSIGN_OR_RETURN(PartTemplate part,
-                             FromProto(message.parts(i), absl::StrCat("parts[", i, "]")));
-    definition.parts.push_back(std::move(part));
+    take(FromProto(message.parts(i), absl::StrCat("parts[", i, "]")), definition.parts);
   }
   for (const v1::Connection& connection : message.connections()) {
     definition.connections.push_back(FromProto(connection));
   }
   for (int i = 0; i < message.boundary_conditions_size(); ++i) {
-    MORTISE_ASSIGN_OR_RETURN(
-        BoundaryCondition condition,
-        FromProto(message.boundary_conditions(i), absl::StrCat("boundary_conditions[", i, "]")));
-    definition.boundary_conditions.push_back(std::move(condition));
+    take(FromProto(message.boundary_conditions(i), absl::StrCat("boundary_conditions[", i, "]")),
+         definition.boundary_conditions);
   }
+  if (!violations.empty()) return InvalidFields(violations);
   definition.reference_temperature = message.reference_temperature();
   return definition;
 }

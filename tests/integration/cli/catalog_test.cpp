@@ -144,6 +144,15 @@ TEST_F(CatalogCommand, NamesEveryFaultOfEveryFileAndStoresNothing) {
             HasSubstr(senseless + ": line 2, column 12 (price_date): items/z-bolt.price_date"),
             HasSubstr(senseless + ": line 4, column 7 (width_mm): items/z-ring.dimensions[Y].size"),
             HasSubstr(senseless + ": line 5, column 4 (material): items/z-peg.material")));
+  // What cannot be converted, all of it too.
+  const std::string bare = File("bare.textproto",
+                                "# proto-message: mortise.v1.Template\n"
+                                "name: 'templates/bare' parts { name: 'a' item: 'items/bolt' }");
+  EXPECT_THAT(
+      Refusal({"import", bare}),
+      AllOf(HasSubstr("3 findings"), HasSubstr(bare + ": templates/bare.parts[0].length_axis"),
+            HasSubstr(bare + ": templates/bare.parts[0].thickness_axis"),
+            HasSubstr(bare + ": templates/bare.parts[0].body")));
   EXPECT_THAT(Refusal({"import", sound, sound}),
               HasSubstr(sound + ": line 2, column 1 (name): items/bolt: is there twice"));
   EXPECT_TRUE(Names({"items"}).empty());

@@ -11,6 +11,7 @@ namespace mortise::catalog {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::StartsWith;
 
 TEST_F(CatalogServiceTest, RefusesBadReads) {
   using Stub = v1::CatalogService::Stub;
@@ -133,6 +134,22 @@ TEST_F(CatalogServiceTest, RefusesBadItemsAndMaterials) {
             "item.stock_sizes");
   EXPECT_EQ(create([](v1::Item& item) { item.add_more_suppliers()->set_url("file:x"); }).field,
             "item.more_suppliers[0].url");
+  // All at once, whether it can be read or not; nothing that only follows from the rest.
+  const Failure several = create([](v1::Item& item) {
+    item.set_name("Dowel");
+    item.clear_kind();
+    item.set_material("materials/air");
+    item.mutable_dimensions(1)->set_axis(v1::X);
+    item.mutable_dimensions(2)->set_size(-1);
+    item.mutable_price()->set_currency("euro");
+    item.set_price_basis(v1::PRICE_BASIS_UNSPECIFIED);
+  });
+  EXPECT_THAT(several.message, StartsWith("7 findings: "));
+  for (const char* field :
+       {"item.kind: ", "item.dimensions[1].axis: ", "item.price_basis: ", "item.name: ",
+        "item.material: ", "item.dimensions[Z].size: ", "item.price.currency: "}) {
+    EXPECT_THAT(several.message, HasSubstr(field));
+  }
   v1::CreateItemRequest without_id;
   *without_id.mutable_item() = dowel;
   EXPECT_EQ(Fail(&Stub::CreateItem, without_id).field, "request_id");
@@ -202,6 +219,18 @@ TEST_F(CatalogServiceTest, RefusesBadTemplatesAndSaysAllThatIsWrong) {
   EXPECT_THAT(several.message, HasSubstr("3 findings"));
   EXPECT_THAT(several.message, HasSubstr("parts[0].box.x.from"));
   EXPECT_THAT(several.message, HasSubstr("connections[3].face"));
+  const Failure unreadable = import([](v1::Template& t) {
+    t.mutable_parts(0)->clear_length_axis();
+    t.mutable_parts(0)->clear_box();
+    t.mutable_parts(2)->clear_thickness_axis();
+    t.mutable_boundary_conditions(1)->clear_kind();
+  });
+  EXPECT_THAT(unreadable.message, StartsWith("4 findings"));
+  for (const char* field :
+       {"template.parts[0].length_axis: ", "template.parts[0].body: ",
+        "template.parts[2].thickness_axis: ", "template.boundary_conditions[1].kind: "}) {
+    EXPECT_THAT(unreadable.message, HasSubstr(field));
+  }
   v1::GetTemplateRequest request;
   request.set_name("templates/spoilt");
   EXPECT_EQ(Fail(&Stub::GetTemplate, request).code, absl::StatusCode::kNotFound);
