@@ -8,6 +8,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/parametric/fits.h"
+#include "common/parametric/pose_contacts.h"
 #include "common/parametric/rest_pose.h"
 
 namespace mortise::parametric {
@@ -40,8 +41,8 @@ class RelationshipSearch {
       for (Relationship& fit : FindFits(pose, assembly_, elements_, neighbours, tolerance_)) {
         found_.push_back(std::move(fit));
       }
-      KeepMeeting(pose, precautions.kept_apart, false);
-      KeepMeeting(pose, precautions.kept_touching, true);
+      Keep(pose, precautions.kept_apart, Meeting::kApart);
+      Keep(pose, precautions.kept_touching, Meeting::kTouching);
     }
     for (Relationship& together : StretchTogether(assembly_, elements_, precautions.fitted)) {
       found_.push_back(std::move(together));
@@ -387,50 +388,9 @@ class RelationshipSearch {
     }
   }
 
-  // Parts that relationships along the axes do not keep clear of each other, or touching.
-  void KeepMeeting(const Pose& pose, const std::set<PosedPair>& kept, bool touching) {
-    std::set<std::pair<int, int>> pairs;
-    const std::vector<int> element_of = ElementsOfParts(assembly_, elements_);
-    for (const PosedPair& pair : kept) {
-      if (pair.pose != pose.name) continue;
-      pairs.insert(std::minmax(element_of[static_cast<std::size_t>(pair.first)],
-                               element_of[static_cast<std::size_t>(pair.second)]));
-    }
-    for (const auto& [a, b] : pairs) {
-      const SeparatingAxis separating =
-          FindSeparatingAxis(BoxIn(pose, assembly_, elements_, a, drawn_),
-                             BoxIn(pose, assembly_, elements_, b, drawn_));
-      if (separating.distance < -tolerance_) continue;
-      LinearForm overlap = ReachIn(pose, assembly_, elements_, a, separating.direction) +
-                           ReachIn(pose, assembly_, elements_, b, -separating.direction);
-      // The drawing may miss the contact by less than the tolerance.
-      if (!touching) overlap.constant -= std::max(0.0, overlap.At(drawn_));
-      Add(touching ? RelationshipKind::kCoplanar : RelationshipKind::kOrder, touching,
-          std::move(overlap), GroupFor(pose, a, b),
-          absl::StrCat("'", At(a).name, touching ? "' on '" : "' clear of '", At(b).name, "' in '",
-                       pose.name, "'"));
-      if (touching) KeepPointWithin(pose, IsMoved(pose, a) ? a : b, IsMoved(pose, a) ? b : a);
-    }
-  }
-
-  // Where one that the pose moves meets one that it does not, as drawn, stays within the other.
-  void KeepPointWithin(const Pose& pose, int moved, int still) {
-    const OrientedBox box = BoxIn(pose, assembly_, elements_, moved, drawn_);
-    const Eigen::Vector3d point =
-        CommonPoint(box, BoxIn(pose, assembly_, elements_, still, drawn_), tolerance_);
-    const Eigen::Vector3d fractions =
-        (box.axes.transpose() * (point - box.center)).array() / (2 * box.half_size.array());
-    const std::string label =
-        absl::StrCat("'", At(moved).name, "' within '", At(still).name, "' along ");
-    for (const Axis axis : kAxes) {
-      const Eigen::Vector3d along = Eigen::Vector3d::Unit(static_cast<int>(axis));
-      for (const int side : {-1, 1}) {
-        LinearForm beyond = side * PlaceIn(pose, assembly_, elements_, moved, fractions, along) +
-                            -1 * ReachIn(pose, assembly_, elements_, still, side * along);
-        beyond.constant -= std::max(0.0, beyond.At(drawn_));
-        Add(RelationshipKind::kOrder, false, std::move(beyond), GroupFor(pose, moved, still),
-            absl::StrCat(label, AxisName(axis), " where they meet in '", pose.name, "'"));
-      }
+  void Keep(const Pose& pose, const std::set<PosedPair>& pairs, Meeting meeting) {
+    for (Relationship& kept : KeepMeeting(pose, assembly_, elements_, pairs, meeting, tolerance_)) {
+      found_.push_back(std::move(kept));
     }
   }
 
