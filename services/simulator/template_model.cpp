@@ -122,6 +122,22 @@ void NameFaces(const EvaluatedDesign& bearing, mesh::AssemblySurface& surface) {
   }
 }
 
+// Whether what bears of an assembly has exact surfaces: triangulated anew, these keep the sections
+// of what is round (cad/assembly_surface.h), which triangles drawn once for all sizes do not.
+absl::StatusOr<bool> HasExactSurfaces(const templates::Template& function,
+                                      const Eigen::VectorXd& parameters,
+                                      const EvaluatedDesign& design) {
+  MORTISE_ASSIGN_OR_RETURN(const auto drawn, function.AssemblyAt(parameters));
+  if (!drawn) return false;
+  const std::vector<parametric::PlacedPart> placed = drawn->assembly->PartsAt(drawn->q);
+  for (std::size_t i = 0; i < placed.size(); ++i) {
+    if (design.parts[i].connecting) continue;
+    const auto& shape = drawn->assembly->ShapeOf(placed[i]);
+    if (shape != nullptr && shape->brep.empty()) return false;
+  }
+  return true;
+}
+
 // What only connects is not made: nobody needs its shape to stretch.
 absl::StatusOr<std::vector<cad::Solid>> BearingSolids(const templates::Template& function,
                                                       const Eigen::VectorXd& parameters,
@@ -171,7 +187,10 @@ absl::StatusOr<mesh::AssemblySurface> SurfaceOf(const templates::Template& funct
       std::any_of(bearing.parts.begin(), bearing.parts.end(),
                   [](const EvaluatedPart& part) { return part.faceted.has_value(); });
   if (!has_shapes) return cad::FuseAssembly(parametric::PartShapes(bearing));
-  if (bearing.parts.size() == 1) return SurfaceOf(bearing.parts[0]);
+  if (bearing.parts.size() == 1) {
+    MORTISE_ASSIGN_OR_RETURN(const bool is_exact, HasExactSurfaces(function, parameters, design));
+    if (!is_exact) return SurfaceOf(bearing.parts[0]);
+  }
   return FuseShapes(function, parameters, design, bearing);
 }
 

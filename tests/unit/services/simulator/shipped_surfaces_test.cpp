@@ -1,5 +1,6 @@
 // Every assembly that ships can be analysed: its parts touch, and none is within another.
 #include <gmock/gmock.h>
+#include <google/protobuf/text_format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,6 +9,7 @@
 #include <filesystem>
 #include <numbers>
 
+#include "absl/strings/substitute.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
 #include "common/cad/assembly_surface.h"
@@ -25,9 +27,8 @@
 namespace mortise::simulator {
 namespace {
 
-// The model of an assembly at its defaults.
-absl::StatusOr<DesignModel> ModelOf(const std::string& name) {
-  v1::TemplateBundle bundle = templates::ShippedAssembly(name);
+// The model of a template at its defaults.
+absl::StatusOr<DesignModel> ModelOf(v1::TemplateBundle bundle) {
   MORTISE_RETURN_IF_ERROR(templates::Complete(bundle, templates::Trial::kDefaults));
   MORTISE_ASSIGN_OR_RETURN(const auto function, templates::Compile(bundle));
   const Eigen::VectorXd parameters = parametric::Defaults(function->parameters());
@@ -38,7 +39,7 @@ absl::StatusOr<DesignModel> ModelOf(const std::string& name) {
 class ShippedSurfacesTest : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(ShippedSurfacesTest, CanBeMeshed) {
-  const auto model = ModelOf(GetParam());
+  const auto model = ModelOf(templates::ShippedAssembly(GetParam()));
   ASSERT_TRUE(model.ok()) << model.status();
   EXPECT_EQ(mesh::CheckAssembly(model->surface), absl::OkStatus());
   const auto crossing = mesh::FindIntersections(model->surface.vertices, model->surface.triangles);
@@ -63,7 +64,7 @@ INSTANTIATE_TEST_SUITE_P(Collection, ShippedSurfacesTest, ::testing::ValuesIn(As
 TEST(ShippedTetrahedraTest, FillWhatWasDrawnAnew) {
   for (const std::string name : {"assemblies/coat-rack", "assemblies/tool-cart"}) {
     SCOPED_TRACE(name);
-    const auto model = ModelOf(name);
+    const auto model = ModelOf(templates::ShippedAssembly(name));
     ASSERT_TRUE(model.ok()) << model.status();
     mesh::MeshOptions options;
     options.quadratic = false;
@@ -140,6 +141,40 @@ TEST(RoundBarTest, BendsAsBeamTheorySays) {
   const double exact = kForce * std::pow(kLength, 3) / 3 / kModulus / second_moment +
                        kForce * kLength / factor / area / shear_modulus;
   EXPECT_NEAR(analysis->metrics.at(0).value, exact, 0.01 * exact);
+}
+
+// A round tube that ships, clamped at one end, bends as a tube does and not as a bar.
+TEST(RoundTubeTest, BendsAsBeamTheorySays) {
+  constexpr double kLength = 0.4, kForce = 50;
+  v1::TemplateBundle bundle = templates::ShippedAssembly("assemblies/bookshelf");
+  ASSERT_TRUE(google::protobuf::TextFormat::ParseFromString(
+      absl::Substitute("name: 'assemblies/pole' parts { name: 'pole' size { x: $0 } "
+                       "item: 'items/aluminium-tube-25x2' }",
+                       kLength),
+      bundle.mutable_assembly()));
+  ASSERT_TRUE(google::protobuf::TextFormat::ParseFromString(
+      absl::Substitute(
+          "name: 'templates/pole' assembly { assembly: 'assemblies/pole' } "
+          "boundary_conditions { name: 'wall' kind: FIXED part: 'pole' face: 'x_min' } "
+          "boundary_conditions { name: 'tip' kind: FORCE part: 'pole' face: 'x_max' "
+          "components: '0' components: '0' components: '-$0' }",
+          kForce),
+      bundle.mutable_template_()));
+  const auto model = ModelOf(bundle);
+  ASSERT_TRUE(model.ok()) << model.status();
+  DesignAnalysisOptions options;
+  options.mesh.minimum_dihedral = 0;  // an eighth of the elements
+  const auto analysis = AnalyzeDesign(*model, {"max_displacement", "mass"}, false, options);
+  ASSERT_TRUE(analysis.ok()) << analysis.status();
+  const double outer = 0.025, inner = 0.021;
+  const double second_moment = std::numbers::pi / 64 * (std::pow(outer, 4) - std::pow(inner, 4));
+  const Material& aluminium = model->analysis.materials[0];
+  const double exact =
+      kForce * std::pow(kLength, 3) / (3 * aluminium.youngs_modulus * second_moment);
+  EXPECT_NEAR(analysis->metrics.at(0).value, exact, 0.01 * exact);
+  const double section = std::numbers::pi / 4 * (outer * outer - inner * inner);
+  const double mass = aluminium.density * section * kLength;
+  EXPECT_NEAR(analysis->metrics.at(1).value, mass, 1e-6 * mass);
 }
 
 }  // namespace
