@@ -3,8 +3,10 @@
 #include <cctype>
 #include <cmath>
 #include <map>
+#include <memory>
 #include <set>
 #include <utility>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
@@ -13,6 +15,7 @@
 #include "common/cad/solid_shape.h"
 #include "common/cad/step_writer.h"
 #include "common/parametric/rest_pose.h"
+#include "services/catalog/shape_turn.h"
 
 namespace mortise::catalog {
 namespace {
@@ -33,10 +36,8 @@ std::string Stem(const std::string& name) {
 // Without a shape everything is a box or round: see parametric::DesignAt.
 bool IsRound(const parametric::EvaluatedPart& part) { return part.outline.cols() > 4; }
 
-// What takes the axes of a part's product to the design's: products are drawn along the axes of
-// their shape or item, so that parts that are turned are of one.
-Eigen::Matrix3d TurnOf(const parametric::EvaluatedPart& part, const mesh::DrawnShape* shape) {
-  if (shape != nullptr) return shape->turn;
+// From the axes of a part's item to the design's; of what is of none, these are the same.
+Eigen::Matrix3d TurnOfItem(const parametric::EvaluatedPart& part) {
   if (part.item.empty()) return Eigen::Matrix3d::Identity();
   Eigen::Matrix3d turn;
   turn.col(0) = Eigen::Vector3d::Unit(static_cast<int>(part.length_axis));
@@ -55,12 +56,42 @@ mesh::DrawnShape TurnedBack(mesh::DrawnShape shape) {
   return shape;
 }
 
+// Shapes that products have, each with those that are it, turned.
+class ProductShapes {
+ public:
+  struct Turned {
+    std::shared_ptr<const mesh::DrawnShape> shape;  // as the product has it
+    Eigen::Matrix3d turn;                           // from the product's axes to the design's
+  };
+
+  // Of a part of this item that has this shape.
+  Turned Of(const std::string& item, const mesh::DrawnShape& shape) {
+    const auto [known, is_new] = known_.try_emplace({item, shape.name});
+    if (is_new) known->second = AmongDrawn(item, TurnedBack(shape));
+    return {known->second.shape, shape.turn * known->second.turn};
+  }
+
+ private:
+  Turned AmongDrawn(const std::string& item, mesh::DrawnShape shape) {
+    auto& drawn = drawn_[item];
+    for (const auto& other : drawn) {
+      if (const auto turn = TurnBetween(*other, shape)) return {other, *turn};
+    }
+    drawn.push_back(std::make_shared<const mesh::DrawnShape>(std::move(shape)));
+    return {drawn.back(), Eigen::Matrix3d::Identity()};
+  }
+
+  std::map<std::pair<std::string, std::string>, Turned>
+      known_;  // by item and name, before its turn
+  std::map<std::string, std::vector<std::shared_ptr<const mesh::DrawnShape>>> drawn_;  // by item
+};
+
 // With the lower corner of its box, of this size along the product's axes, at the origin.
 absl::StatusOr<cad::Solid> SolidOf(const parametric::EvaluatedPart& part,
                                    const mesh::DrawnShape* shape, const Eigen::Vector3d& size,
                                    int round_about, const std::string& name) {
   if (shape != nullptr) {
-    auto solid = cad::SolidOfShape(TurnedBack(*shape), size, name);
+    auto solid = cad::SolidOfShape(*shape, size, name);
     if (absl::IsInvalidArgument(solid.status())) {
       return UnderField(absl::StrCat("part '", part.name, "'"), solid.status());
     }
@@ -104,7 +135,8 @@ struct Likeness {
   auto operator<=>(const Likeness&) const = default;
 };
 
-// Makes products of parts, each at the origin.
+// Makes products of parts, each at the origin and drawn along the axes of its shape or item, so
+// that parts that are turned are of one.
 class ProductMaker {
  public:
   explicit ProductMaker(cad::StepAssembly& step) : step_(step) {}
@@ -112,12 +144,15 @@ class ProductMaker {
   // Adds a part, and its product if that is a new one.
   absl::Status Add(const parametric::EvaluatedPart& part, const mesh::DrawnShape* shape, int group,
                    const Eigen::Vector3d& color) {
-    const Eigen::Matrix3d turn = TurnOf(part, shape);
+    const ProductShapes::Turned drawn = shape == nullptr
+                                            ? ProductShapes::Turned{nullptr, TurnOfItem(part)}
+                                            : shapes_.Of(part.item, *shape);
+    const Eigen::Matrix3d& turn = drawn.turn;
     const Eigen::Vector3d size = (turn.transpose() * (part.maximum - part.minimum)).cwiseAbs();
     Likeness likeness;
     likeness.item = part.item;
-    if (shape != nullptr) {
-      likeness.shape = shape->name;
+    if (drawn.shape != nullptr) {
+      likeness.shape = drawn.shape->name;
     } else if (IsRound(part)) {
       turn.row(static_cast<int>(part.axis)).cwiseAbs().maxCoeff(&likeness.round_about);
     }
@@ -139,13 +174,15 @@ class ProductMaker {
     for (int number = 2; !names_.insert(name).second; ++number) {
       name = absl::StrCat(ProductName(part), " ", number);
     }
-    MORTISE_ASSIGN_OR_RETURN(cad::Solid solid, SolidOf(part, shape, size, round_about, name));
+    MORTISE_ASSIGN_OR_RETURN(cad::Solid solid,
+                             SolidOf(part, drawn.shape.get(), size, round_about, name));
     step_.products.push_back({std::move(name), std::move(solid), color});
     return absl::OkStatus();
   }
 
  private:
   cad::StepAssembly& step_;
+  ProductShapes shapes_;
   std::map<Likeness, int> products_;
   std::set<std::string> names_;
 };

@@ -320,6 +320,60 @@ TEST_F(ShapeServiceTest, IsATemplateLikeAnyOther) {
   }
 }
 
+// What was placed as one product, turned, is one again.
+TEST_F(ShapeServiceTest, ExportsTurnedPartsOfADrawingAsOneProduct) {
+  Eigen::Matrix2Xd angle(2, 6);
+  angle << 0, 0.04, 0.04, 0.004, 0.004, 0, 0, 0, 0.004, 0.004, 0.06, 0.06;
+  cad::StepAssembly drawing;
+  drawing.name = "hooks";
+  drawing.groups.push_back({"hooks", -1});
+  drawing.products.push_back({"plate", Box("plate", {0.5, 0.2, 0.02}), {}});
+  drawing.products.push_back({"hook", Prism("hook", angle, 0.03), {}});
+  cad::StepPart plate;
+  plate.name = "plate";
+  plate.placement.translation() << -0.05, -0.1, -0.02;
+  drawing.parts.push_back(plate);
+  const double turns[] = {0, std::acos(0.0), std::acos(-1.0), 0.5};
+  for (int i = 0; i < 4; ++i) {
+    cad::StepPart hook;
+    hook.name = absl::StrCat("hook ", i + 1);
+    hook.product = 1;
+    hook.placement.linear() =
+        Eigen::AngleAxisd(turns[i], Eigen::Vector3d::UnitZ()).toRotationMatrix();
+    hook.placement.translation() << 0.1 * i, 0, 0;
+    drawing.parts.push_back(hook);
+  }
+  ASSERT_TRUE(ImportStep(*cad::WriteStep(drawing), "name: 'assemblies/hooks'").ok());
+  const auto step = Export("name: 'assemblies/hooks' format: STEP");
+  ASSERT_TRUE(step.ok()) << step.status();
+  const auto read = cad::ReadStep(*step);
+  ASSERT_TRUE(read.ok()) << read.status();
+  ASSERT_EQ(read->parts.size(), 5u);
+  std::map<std::string, std::string> products;
+  for (const cad::StepPart& part : read->parts) {
+    products[part.name] = read->products[static_cast<std::size_t>(part.product)].name;
+  }
+  EXPECT_EQ(products, (std::map<std::string, std::string>{{"plate", "plate"},
+                                                          {"hook 1", "hook"},
+                                                          {"hook 2", "hook"},
+                                                          {"hook 3", "hook"},
+                                                          {"hook 4", "hook 2"}}));
+  // Where they were, corner by corner: no mirror image, no other turn.
+  const auto drawn = cad::ReadStep(*cad::WriteStep(drawing));
+  ASSERT_TRUE(drawn.ok()) << drawn.status();
+  for (const cad::StepPart& part : read->parts) {
+    SCOPED_TRACE(part.name);
+    const cad::StepPart& before = PartOf(*drawn, part.name);
+    const auto center = [](const cad::StepAssembly& of, const cad::StepPart& at) {
+      return at.placement * of.products[static_cast<std::size_t>(at.product)].solid->CentreOfMass();
+    };
+    EXPECT_LT((center(*read, part) - center(*drawn, before)).norm(), 1e-6);
+    EXPECT_LT((part.minimum - before.minimum).norm(), 1e-6);
+    EXPECT_LT((part.maximum - before.maximum).norm(), 1e-6);
+    EXPECT_NEAR(part.volume, before.volume, 1e-6 * before.volume);
+  }
+}
+
 // A hook that closes round a stop, which it touches nowhere. Only in a pose that a joint turns it
 // to does the stop stand in its corner.
 constexpr char kLatch[] = R"(name: "assemblies/latch"
