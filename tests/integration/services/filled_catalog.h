@@ -2,6 +2,7 @@
 // wait until it has taken the collection.
 #pragma once
 
+#include <gtest/gtest.h>
 #include <signal.h>
 
 #include <cstdlib>
