@@ -16,7 +16,9 @@ enum class StepUnit { kMillimetre, kMetre, kInch };
 // written once, each part an occurrence of it with its name, place and colour. Of the parts, only
 // name, group, product, placement and colour count. Lengths are in millimetres, as workshops
 // expect, unless another unit is asked for; the file says which. INVALID_ARGUMENT naming
-// "parts[i].product" where a product has no solid; INTERNAL if the kernel fails.
+// "parts[i].product" where a product has no solid; FAILED_PRECONDITION, NO_STEP, for one that
+// readers would take for another solid, as a ball that is stretched unevenly may be; INTERNAL if
+// the kernel fails.
 absl::StatusOr<std::string> WriteStep(const StepAssembly& assembly,
                                       StepUnit unit = StepUnit::kMillimetre);
 
