@@ -13,6 +13,7 @@
 #include "services/catalog/assembly_import.h"
 #include "services/catalog/drawing_records.h"
 #include "services/catalog/shape_records.h"
+#include "services/catalog/shape_turn.h"
 
 namespace mortise::catalog {
 namespace {
@@ -49,6 +50,10 @@ absl::StatusOr<Drawing> DrawingSource::Read(const std::string& step, const std::
     MORTISE_ASSIGN_OR_RETURN(const std::string bytes, UnpackStep(file));
     MORTISE_ASSIGN_OR_RETURN(cad::StepAssembly read, cad::ReadStepInChild(bytes));
     for (mesh::DrawnShape& shape : read.shapes) shape.name = NamedShape(shape).name();
+    const std::vector<int> first = FirstAlike(read.shapes);
+    for (cad::StepPart& part : read.parts) {
+      if (part.shape >= 0) part.shape = first[static_cast<std::size_t>(part.shape)];
+    }
     const std::size_t taken = MemoryUse(read);
     return DrawingCache::Made{std::make_shared<const cad::StepAssembly>(std::move(read)), taken};
   });

@@ -66,4 +66,19 @@ std::optional<Eigen::Matrix3d> TurnBetween(const mesh::DrawnShape& from,
   return std::nullopt;
 }
 
+std::vector<int> FirstAlike(const std::vector<mesh::DrawnShape>& shapes) {
+  std::vector<int> first;
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
+    const auto is_alike = [&](std::size_t known) {
+      if (first[known] != static_cast<int>(known)) return false;
+      const auto turn = TurnBetween(shapes[known], shapes[i]);
+      return turn && turn->isIdentity();
+    };
+    std::size_t known = 0;
+    while (known < i && !is_alike(known)) ++known;
+    first.push_back(static_cast<int>(known));
+  }
+  return first;
+}
+
 }  // namespace mortise::catalog

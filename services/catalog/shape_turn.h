@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <vector>
 
 #include "common/mesh/drawn_shape.h"
 
@@ -14,5 +15,9 @@ namespace mortise::catalog {
 // and the moments of inertia. O(V) for each of 24 turns that the boxes allow.
 std::optional<Eigen::Matrix3d> TurnBetween(const mesh::DrawnShape& from,
                                            const mesh::DrawnShape& to);
+
+// For each shape the first of them that is the same as drawn, unturned, or itself: parts that were
+// each drawn where they stand differ by rounding, and would be no row if they were told apart.
+std::vector<int> FirstAlike(const std::vector<mesh::DrawnShape>& shapes);
 
 }  // namespace mortise::catalog

@@ -79,5 +79,17 @@ TEST(TurnBetween, IsNoneOfOtherSolids) {
   EXPECT_FALSE(TurnBetween(left, longer).has_value());
 }
 
+TEST(FirstAlike, TakesWhatDiffersByRoundingForOne) {
+  const mesh::DrawnShape bracket = ShapeOf(Drawing("angle-25x15"), Eigen::Matrix3d::Identity());
+  mesh::DrawnShape rounded = bracket, longer = bracket;
+  rounded.fractions.array() += 1e-15;
+  rounded.volume *= 1 + 1e-14;
+  longer.size.x() *= 1.01;
+  const mesh::DrawnShape turned =
+      ShapeOf(Drawing("angle-25x15"), About(Eigen::Vector3d::UnitZ(), kRightAngle));
+  EXPECT_EQ(FirstAlike({bracket, longer, rounded, turned, rounded, longer}),
+            (std::vector<int>{0, 1, 0, 3, 0, 1}));
+}
+
 }  // namespace
 }  // namespace mortise::catalog
