@@ -1,6 +1,5 @@
 #include "services/catalog/parametrization_cache.h"
 
-#include <set>
 #include <string>
 #include <utility>
 
@@ -19,15 +18,6 @@ using templates::Parametrization;
 // are there that it names.
 std::string KeyOf(const v1::Assembly& assembly) {
   return absl::StrCat(assembly.name(), "/", assembly.digest());
-}
-
-bool HasAllShapes(const v1::AssemblyBundle& bundle) {
-  std::set<std::string> missing;
-  for (const v1::AssemblyPart& part : bundle.assembly().parts()) missing.insert(part.shape());
-  for (const v1::Item& item : bundle.items()) missing.insert(item.shape());
-  missing.erase("");
-  for (const v1::Shape& shape : bundle.shapes()) missing.erase(shape.name());
-  return missing.empty();
 }
 
 absl::StatusOr<Parametrization> ParametrizeNow(const v1::AssemblyBundle& bundle,
@@ -52,7 +42,9 @@ absl::StatusOr<Parametrization> ParametrizationCache::Get(
 
 absl::StatusOr<Parametrization> ParametrizationCache::Get(
     const v1::AssemblyBundle& bundle, const std::function<bool()>& is_given_up) {
-  if (!HasAllShapes(bundle)) return ParametrizeNow(bundle, is_given_up);
+  if (!MissingShapes(bundle.assembly(), bundle.items(), bundle.shapes()).empty()) {
+    return ParametrizeNow(bundle, is_given_up);
+  }
   return Get(bundle, is_given_up, [](v1::AssemblyBundle&) { return absl::OkStatus(); });
 }
 

@@ -87,15 +87,21 @@ absl::StatusOr<v1::Shape> ImportShape(store::Transaction& transaction, v1::Shape
   return summary;
 }
 
-absl::Status AddShapes(store::ReadTransaction& transaction, const v1::Assembly& assembly,
-                       const google::protobuf::RepeatedPtrField<v1::Item>& items,
-                       google::protobuf::RepeatedPtrField<v1::Shape>& shapes) {
+std::set<std::string> MissingShapes(const v1::Assembly& assembly,
+                                    const google::protobuf::RepeatedPtrField<v1::Item>& items,
+                                    const google::protobuf::RepeatedPtrField<v1::Shape>& shapes) {
   std::set<std::string> names;
   for (const v1::AssemblyPart& part : assembly.parts()) names.insert(part.shape());
   for (const v1::Item& item : items) names.insert(item.shape());
   names.erase("");
   for (const v1::Shape& shape : shapes) names.erase(shape.name());
-  for (const std::string& name : names) {
+  return names;
+}
+
+absl::Status AddShapes(store::ReadTransaction& transaction, const v1::Assembly& assembly,
+                       const google::protobuf::RepeatedPtrField<v1::Item>& items,
+                       google::protobuf::RepeatedPtrField<v1::Shape>& shapes) {
+  for (const std::string& name : MissingShapes(assembly, items, shapes)) {
     absl::StatusOr<v1::Shape> shape = GetShape(transaction, name);
     // What is not there is told with everything else that is wrong.
     if (absl::IsNotFound(shape.status()) || absl::IsInvalidArgument(shape.status())) continue;

@@ -39,6 +39,11 @@ absl::StatusOr<bool> PutShape(store::Transaction& transaction, const v1::Shape& 
 absl::StatusOr<v1::Shape> ImportShape(store::Transaction& transaction, v1::Shape shape,
                                       const std::string& trace_id);
 
+// The shapes that the assembly's parts and the items name and that `shapes` does not have.
+std::set<std::string> MissingShapes(const v1::Assembly& assembly,
+                                    const google::protobuf::RepeatedPtrField<v1::Item>& items,
+                                    const google::protobuf::RepeatedPtrField<v1::Shape>& shapes);
+
 // Adds those shapes of the assembly's parts and of the items that exist and that `shapes` does not
 // have, by name.
 absl::Status AddShapes(store::ReadTransaction& transaction, const v1::Assembly& assembly,
