@@ -53,7 +53,9 @@ LinearProgramme& LinearProgramme::operator=(LinearProgramme&&) noexcept = defaul
 LinearProgramme::~LinearProgramme() = default;
 
 absl::StatusOr<LinearProgramme> LinearProgramme::Create(const Eigen::MatrixXd& inequalities,
-                                                        const Eigen::VectorXd& bounds) {
+                                                        const Eigen::VectorXd& bounds,
+                                                        double reach) {
+  if (!(reach > 0)) return InvalidField("reach", "must be positive");
   if (inequalities.rows() != bounds.size()) {
     return InvalidField("bounds", "must be one for each inequality");
   }
@@ -66,13 +68,13 @@ absl::StatusOr<LinearProgramme> LinearProgramme::Create(const Eigen::MatrixXd& i
   }
   const auto variables = static_cast<std::size_t>(inequalities.cols());
   const auto rows = static_cast<std::size_t>(inequalities.rows());
-  const std::vector<double> free_below(variables, -kInfinity), free_above(variables, kInfinity);
+  const std::vector<double> below(variables, -reach), above(variables, reach);
   const std::vector<double> indifferent(variables, 0.0), row_below(rows, -kInfinity);
   const Eigen::VectorXd row_above = bounds.cwiseQuotient(lengths);
   try {
     auto solver = std::make_unique<ClpSimplex>();
     solver->setLogLevel(0);
-    solver->loadProblem(SparseRows(inequalities, lengths), free_below.data(), free_above.data(),
+    solver->loadProblem(SparseRows(inequalities, lengths), below.data(), above.data(),
                         indifferent.data(), row_below.data(), row_above.data());
     solver->setOptimizationDirection(-1);
     solver->scaling(0);

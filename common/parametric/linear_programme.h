@@ -4,6 +4,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 #include <memory>
 #include <optional>
 
@@ -15,10 +16,12 @@ namespace mortise::parametric {
 
 class LinearProgramme {
  public:
-  // Over inequalities · x <= bounds, which must have a point; x may be anything where there are no
-  // rows. INVALID_ARGUMENT if sizes disagree or numbers are not finite.
-  static absl::StatusOr<LinearProgramme> Create(const Eigen::MatrixXd& inequalities,
-                                                const Eigen::VectorXd& bounds);
+  // Over inequalities · x <= bounds, which must have a point, with no entry of x further from 0
+  // than `reach`; without one, x may be anything where there are no rows. INVALID_ARGUMENT if sizes
+  // disagree or numbers are not finite.
+  static absl::StatusOr<LinearProgramme> Create(
+      const Eigen::MatrixXd& inequalities, const Eigen::VectorXd& bounds,
+      double reach = std::numeric_limits<double>::infinity());
 
   LinearProgramme(LinearProgramme&&) noexcept;
   LinearProgramme& operator=(LinearProgramme&&) noexcept;

@@ -1,12 +1,13 @@
 #include "common/parametric/polyhedron.h"
 
 #include <Eigen/Jacobi>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <random>
 
 #include "common/base/errors.h"
+#include "common/parametric/linear_programme.h"
 #include "common/parametric/polyhedron_factors.h"
 
 namespace mortise::parametric {
@@ -300,32 +301,26 @@ absl::StatusOr<Furthest> FurthestAlong(const Polyhedron& polyhedron,
   return Furthest{};
 }
 
-// In the cone of the directions, the sum of the negative normals has a positive product with every
-// one but those along which no inequality changes, which are looked for first. So its nearest point
-// in the cone is 0 only if there is no other.
+// Of the cone of such directions, what lies in a box about 0: it has a corner other than 0 unless
+// it is 0 alone, and what grows along neither a random direction nor against it is 0.
 absl::StatusOr<std::optional<Eigen::VectorXd>> UnboundedDirection(
     const Eigen::MatrixXd& inequalities) {
-  const Eigen::Index variables = inequalities.cols();
-  if (variables == 0) return std::optional<Eigen::VectorXd>();
-  if (inequalities.rows() == 0) {
-    return std::optional<Eigen::VectorXd>(Eigen::VectorXd::Unit(variables, 0));
+  if (inequalities.cols() == 0) return std::optional<Eigen::VectorXd>();
+  MORTISE_ASSIGN_OR_RETURN(
+      LinearProgramme cone,
+      LinearProgramme::Create(inequalities, Eigen::VectorXd::Zero(inequalities.rows()), 1));
+  std::mt19937_64 random(1);
+  std::normal_distribution<double> normal;
+  Eigen::VectorXd direction(inequalities.cols());
+  for (double& component : direction) component = normal(random);
+  for (const double sign : {1.0, -1.0}) {
+    MORTISE_ASSIGN_OR_RETURN(const auto corner, cone.Furthest(sign * direction));
+    // A corner is 0 but for rounding, or reaches the box.
+    if (corner && corner->lpNorm<Eigen::Infinity>() > 0.5) {
+      return std::optional<Eigen::VectorXd>(corner->normalized());
+    }
   }
-  const Eigen::MatrixXd unit = inequalities.rowwise().normalized();
-  Eigen::FullPivLU<Eigen::MatrixXd> decomposition(unit);
-  decomposition.setThreshold(kDependent);
-  if (decomposition.rank() < variables) {
-    return std::optional<Eigen::VectorXd>(decomposition.kernel().col(0).normalized());
-  }
-  const Eigen::VectorXd inward = -unit.colwise().sum().transpose();
-  // Without a sum the normals balance each other: none can be followed.
-  if (inward.norm() <= kDependent * static_cast<double>(unit.rows())) {
-    return std::optional<Eigen::VectorXd>();
-  }
-  const Polyhedron cone{unit, Eigen::VectorXd::Zero(unit.rows()), Eigen::MatrixXd(0, variables),
-                        Eigen::VectorXd(0)};
-  MORTISE_ASSIGN_OR_RETURN(const Projection nearest, ProjectOnto(cone, inward.normalized()));
-  if (!nearest.point || nearest.point->norm() <= 1e-7) return std::optional<Eigen::VectorXd>();
-  return std::optional<Eigen::VectorXd>(nearest.point->normalized());
+  return std::optional<Eigen::VectorXd>();
 }
 
 }  // namespace mortise::parametric

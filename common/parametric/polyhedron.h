@@ -56,7 +56,7 @@ absl::StatusOr<Furthest> FurthestAlong(const Polyhedron& polyhedron,
                                        const Eigen::VectorXd& from);
 
 // A unit direction in which inequalities · x <= bounds can be followed without end, whatever the
-// bounds; nothing if there is none. One projection onto the cone of such directions.
+// bounds; nothing if there is none. Two linear programmes over the cone of such directions.
 absl::StatusOr<std::optional<Eigen::VectorXd>> UnboundedDirection(
     const Eigen::MatrixXd& inequalities);
 
