@@ -34,6 +34,7 @@
 #include "common/rpc/call.h"
 #include "common/rpc/call_state.h"
 #include "common/rpc/dispatcher.h"
+#include "common/rpc/page_tokens.h"
 #include "common/rpc/stream_reactors.h"
 #include "common/rpc/stream_writer.h"
 #include "common/rpc/unary_call.h"
@@ -49,21 +50,25 @@ class Endpoint {
   // `service` is the proto's full name. `dispatcher` must outlive it.
   Endpoint(Dispatcher* dispatcher, const std::string& service);
 
-  // A call that changes nothing (or nothing that is audited, such as a lease).
+  // A call that changes nothing (or nothing that is audited, such as a lease). Of a list, the
+  // function takes and gives positions as page tokens (page_tokens.h).
   //   function(const Call&, const Request&) -> absl::StatusOr<Response>
   template <class Request, class Response, class Function>
   grpc::ServerUnaryReactor* Query(const char* method, grpc::CallbackServerContext* context,
                                   const Request* request, Response* response, Function function) {
-    return UnaryCall::Start(dispatcher_, &Find(method, false), context, request,
-                            [request, response, function = std::move(function)](
-                                const Call& call, const std::shared_ptr<UnaryCall>& unary) {
-                              absl::Status status =
-                                  unary->state().RunGuarded([&]() -> absl::Status {
-                                    MORTISE_ASSIGN_OR_RETURN(*response, function(call, *request));
-                                    return absl::OkStatus();
-                                  });
-                              if (unary->Claim()) unary->Complete(status);
-                            });
+    return UnaryCall::Start(
+        dispatcher_, &Find(method, false), context, request,
+        [request, response, function = std::move(function)](
+            const Call& call, const std::shared_ptr<UnaryCall>& unary) {
+          absl::Status status = unary->state().RunGuarded([&]() -> absl::Status {
+            MORTISE_ASSIGN_OR_RETURN(*response,
+                                     WithPageTokens<Response>(*request, [&](const Request& r) {
+                                       return absl::StatusOr<Response>(function(call, r));
+                                     }));
+            return absl::OkStatus();
+          });
+          if (unary->Claim()) unary->Complete(status);
+        });
   }
 
   // A call that waits without holding a thread: for a task to lease, an operation to end.

@@ -264,6 +264,7 @@ class Spoiler {
     }
     if (field->name() == "page_token") {
       AddText("garbage", Verdict::kField, "no such token!");
+      AddText("a name", Verdict::kField, "oak");
       AddText("a NUL", Verdict::kField, std::string("a\0b", 3));
       AddText("a long text", Verdict::kField, std::string(kLongText, 'a'));
     }

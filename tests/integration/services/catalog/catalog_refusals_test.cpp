@@ -30,8 +30,23 @@ TEST_F(CatalogServiceTest, RefusesBadReads) {
   items.set_page_size(1001);
   EXPECT_EQ(Fail(&Stub::ListItems, items).field, "page_size");
   items.set_page_size(1);
-  items.set_page_token("'; drop table");
+  for (const char* made_up : {"'; drop table", "a", "screw-4x40"}) {
+    items.set_page_token(made_up);
+    EXPECT_EQ(Fail(&Stub::ListItems, items).field, "page_token") << made_up;
+  }
+  // A token belongs to its list and its filters.
+  items.clear_page_token();
+  v1::ListItemsResponse first;
+  ASSERT_TRUE(Call(&Stub::ListItems, items, &first).ok());
+  ASSERT_FALSE(first.next_page_token().empty());
+  items.set_page_token(first.next_page_token());
+  items.set_page_size(2);
+  ASSERT_TRUE(Call(&Stub::ListItems, items, &first).ok());
+  items.set_text("screw");
   EXPECT_EQ(Fail(&Stub::ListItems, items).field, "page_token");
+  materials.Clear();
+  materials.set_page_token(items.page_token());
+  EXPECT_EQ(Fail(&Stub::ListMaterials, materials).field, "page_token");
   items.Clear();
   items.set_kind(static_cast<v1::ItemKind>(99));
   EXPECT_EQ(Fail(&Stub::ListItems, items).field, "kind");

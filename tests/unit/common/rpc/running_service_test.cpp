@@ -238,6 +238,18 @@ TEST_F(RunningServiceTest, ListsOperationsNewestFirst) {
                 .field,
             "page_size");
   request.set_page_size(3);
+  // A token of the list of all services is none of the list of one.
+  const auto whole = CallUnary(*operations_, &v1::OperationService::Stub::ListOperations, request,
+                               As(rpc::Role::kViewer));
+  ASSERT_OK(whole);
+  ASSERT_FALSE(whole->next_page_token().empty());
+  request.set_page_token(whole->next_page_token());
+  request.set_service("probe");
+  EXPECT_EQ(DetailOf(CallUnary(*operations_, &v1::OperationService::Stub::ListOperations, request,
+                               As(rpc::Role::kViewer))
+                         .status())
+                .field,
+            "page_token");
   request.set_page_token("no such token");
   EXPECT_EQ(DetailOf(CallUnary(*operations_, &v1::OperationService::Stub::ListOperations, request,
                                As(rpc::Role::kViewer))
