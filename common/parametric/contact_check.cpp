@@ -18,6 +18,41 @@ constexpr double kFurthest =
 constexpr double kSame = 1e-3;  // of the tolerance: two parts stand as they are drawn
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
+// Whether axes are those of the assembly, in any order.
+bool IsAtRightAngles(const Eigen::Matrix3d& axes) {
+  return (axes.array().abs() == 0 || axes.array().abs() == 1).all();
+}
+
+// Whether one scaling takes two boxes from where they are drawn to where they are, but for
+// `tolerance`, m.
+bool AreScaled(const OrientedBox& a, const OrientedBox& b, const OrientedBox& drawn_a,
+               const OrientedBox& drawn_b, double tolerance) {
+  const auto lengths = [](const OrientedBox& one, const OrientedBox& other) {
+    Eigen::Matrix<double, 9, 1> all;
+    all << one.half_size, other.half_size, one.center - other.center;
+    return all;
+  };
+  const Eigen::Matrix<double, 9, 1> drawn = lengths(drawn_a, drawn_b);
+  const Eigen::Matrix<double, 9, 1> now = lengths(a, b);
+  Eigen::Index largest = 0;
+  drawn.head<6>().maxCoeff(&largest);
+  const double factor = now[largest] / drawn[largest];
+  return (now - factor * drawn).cwiseAbs().maxCoeff() <= tolerance;
+}
+
+// As AreScaled, of boxes at right angles, by a factor of its own along each axis.
+bool AreStretched(const OrientedBox& a, const OrientedBox& b, const OrientedBox& drawn_a,
+                  const OrientedBox& drawn_b, double tolerance) {
+  const auto sizes = [](const OrientedBox& box) -> Eigen::Array3d {
+    return box.axes.cwiseAbs() * box.half_size;
+  };
+  const Eigen::Array3d factors = sizes(a) / sizes(drawn_a);
+  const Eigen::Array3d apart = (a.center - b.center).array();
+  const Eigen::Array3d drawn_apart = (drawn_a.center - drawn_b.center).array();
+  return (sizes(b) - factors * sizes(drawn_b)).abs().maxCoeff() <= tolerance &&
+         (apart - factors * drawn_apart).abs().maxCoeff() <= tolerance;
+}
+
 }  // namespace
 
 std::string Describe(const ContactFault& fault) {
@@ -44,6 +79,11 @@ ContactCheck::ContactCheck(Assembly assembly, std::vector<Element> elements, dou
       drawn_(DrawnParameters(assembly_, elements_)) {
   for (const Pose& pose : poses_) {
     const Parts parts = PartsIn(pose, drawn_);
+    std::vector<OrientedBox> boxes;
+    for (std::size_t e = 0; e < elements_.size(); ++e) {
+      boxes.push_back(BoxIn(pose, assembly_, elements_, static_cast<int>(e), drawn_));
+    }
+    boxes_.push_back(std::move(boxes));
     std::vector<Meeting> meetings(elements_.size() * elements_.size());
     for (const auto& [a, b] : PairsIn(pose)) {
       meetings[PairIndex(a, b)] = MeetingOf(parts[a], parts[b]);
@@ -92,7 +132,7 @@ absl::StatusOr<std::vector<ContactFault>> ContactCheck::FaultsAt(const Eigen::Ve
     for (const auto& [a, b] : PairsIn(poses_[p])) {
       const Meeting& meeting = meetings_[p][PairIndex(a, b)];
       if (!meeting.any && !around[a].intersects(around[b])) continue;
-      if (StandAsDrawn(poses_[p], a, b, q)) continue;
+      if (StandAsDrawn(p, a, b, parts)) continue;
       ContactFault fault;
       fault.pose = poses_[p].name;
       fault.first_element = static_cast<int>(a);
@@ -103,26 +143,16 @@ absl::StatusOr<std::vector<ContactFault>> ContactCheck::FaultsAt(const Eigen::Ve
   return faults;
 }
 
-bool ContactCheck::StandAsDrawn(const Pose& pose, std::size_t a, std::size_t b,
-                                const Eigen::VectorXd& q) const {
+bool ContactCheck::StandAsDrawn(std::size_t pose, std::size_t a, std::size_t b,
+                                const Parts& parts) const {
   if (elements_[a].pattern || elements_[b].pattern) return false;
-  const double same = kSame * tolerance_;
-  const auto drawn = [&](int variable) { return drawn_[variable]; };
-  const int first = static_cast<int>(a), second = static_cast<int>(b);
-  return std::all_of(kAxes.begin(), kAxes.end(), [&](Axis axis) {
-    const int size_a = SizeVariable(first, axis), size_b = SizeVariable(second, axis);
-    const int center_a = CenterVariable(first, axis), center_b = CenterVariable(second, axis);
-    const double factor = q[size_a] / drawn(size_a);
-    if (std::abs(q[size_b] - factor * drawn(size_b)) > same) return false;
-    const auto is_kept = [&](int of, int to) {
-      return std::abs(q[of] - q[to] - factor * (drawn(of) - drawn(to))) <= same;
-    };
-    if (!is_kept(center_a, center_b)) return false;
-    if (pose.joint < 0) return true;
-    // Turned, only what keeps its size is stretched by one map.
-    return std::abs(q[size_a] - drawn(size_a)) <= same &&
-           is_kept(center_a, JointVariable(elements_.size(), pose.joint, axis));
-  });
+  const OrientedBox& box_a = parts[a].front().box;
+  const OrientedBox& box_b = parts[b].front().box;
+  const OrientedBox& drawn_a = boxes_[pose][a];
+  const OrientedBox& drawn_b = boxes_[pose][b];
+  const bool at_right_angles = IsAtRightAngles(box_a.axes) && IsAtRightAngles(box_b.axes);
+  return (at_right_angles ? AreStretched : AreScaled)(box_a, box_b, drawn_a, drawn_b,
+                                                      kSame * tolerance_);
 }
 
 Eigen::AlignedBox3d ContactCheck::BoxAround(const std::vector<Part>& parts) {

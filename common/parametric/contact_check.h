@@ -92,9 +92,9 @@ class ContactCheck {
   // part of it for parts with shapes, and only asked for where it matters.
   double SeparationOf(const Part& a, const Part& b, bool how_deep) const;
   static const mesh::ProbedSurface& Probed(const Part& part);
-  // Whether one map along the axes stretches both from where they are drawn: nothing can be wrong
-  // between them that is not as drawn.
-  bool StandAsDrawn(const Pose& pose, std::size_t a, std::size_t b, const Eigen::VectorXd& q) const;
+  // Whether one map stretches both, in a pose by its index, from where they are drawn: nothing can
+  // be wrong between them that is not as drawn.
+  bool StandAsDrawn(std::size_t pose, std::size_t a, std::size_t b, const Parts& parts) const;
   static Eigen::AlignedBox3d BoxAround(const std::vector<Part>& parts);
   // Pairs of elements that are not in every pose as they are in the drawn one: all in that, else
   // those of which one moves.
@@ -116,6 +116,7 @@ class ContactCheck {
   double tolerance_;
   std::vector<Pose> poses_;
   Eigen::VectorXd drawn_;
+  std::vector<std::vector<OrientedBox>> boxes_;        // as drawn, by pose, of elements
   std::vector<std::vector<Meeting>> meetings_;         // by pose, then PairIndex(a, b) of a <= b
   std::vector<std::array<Neighbours, 2>> neighbours_;  // of each element's pattern
 };

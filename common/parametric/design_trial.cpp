@@ -47,31 +47,52 @@ int CornersFor(int looked_at, std::size_t things, int fewest, int most) {
 // Pairs of elements, lower first.
 using Pairs = std::set<std::pair<int, int>>;
 
-// Whether every design has both elements as they are drawn, but for where they stand together.
-bool AreRigid(const FeasibleSet& feasible_set, int a, int b) {
-  const Eigen::MatrixXd& basis = feasible_set.basis();
-  const auto moves = [&](const Eigen::RowVectorXd& row) { return row.norm() > kRigid; };
-  return std::none_of(kAxes.begin(), kAxes.end(), [&](Axis axis) {
-    return moves(basis.row(SizeVariable(a, axis))) || moves(basis.row(SizeVariable(b, axis))) ||
-           moves(basis.row(CenterVariable(a, axis)) - basis.row(CenterVariable(b, axis)));
+// Whether every design has both elements as they are drawn, but for where they stand together in a
+// pose.
+bool AreRigid(const Pose& pose, const Assembly& assembly, const std::vector<Element>& elements,
+              const FeasibleSet& feasible_set, int a, int b) {
+  const auto is_fixed = [&](const LinearForm& form) {
+    Eigen::RowVectorXd row = Eigen::RowVectorXd::Zero(feasible_set.basis().cols());
+    for (const LinearTerm& term : form.terms) {
+      row += term.coefficient * feasible_set.basis().row(term.variable);
+    }
+    return row.norm() <= kRigid;
+  };
+  const Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  return std::all_of(kAxes.begin(), kAxes.end(), [&](Axis axis) {
+    const Eigen::Vector3d along = Eigen::Vector3d::Unit(static_cast<int>(axis));
+    return is_fixed(LinearForm::Variable(SizeVariable(a, axis))) &&
+           is_fixed(LinearForm::Variable(SizeVariable(b, axis))) &&
+           is_fixed(PlaceIn(pose, assembly, elements, a, middle, along) -
+                    PlaceIn(pose, assembly, elements, b, middle, along));
   });
 }
 
-// Those whose boxes meet as drawn, one of them with a shape, that are not rigid.
+// Those whose boxes meet in a pose of the drawn design, one of them with a shape, that are not
+// rigid there.
 Pairs FitsToTry(const Assembly& assembly, const std::vector<Element>& elements,
                 const FeasibleSet& feasible_set, double tolerance) {
-  const auto has_shape = [&](const Element& element) {
-    return assembly.parts[static_cast<std::size_t>(element.parts.front())].shape != nullptr;
+  const Eigen::VectorXd drawn = DrawnParameters(assembly, elements);
+  const int count = static_cast<int>(elements.size());
+  const auto at = [&](int element) -> const Element& {
+    return elements[static_cast<std::size_t>(element)];
+  };
+  const auto has_shape = [&](int element) {
+    return assembly.parts[static_cast<std::size_t>(at(element).parts.front())].shape != nullptr;
   };
   Pairs pairs;
-  for (std::size_t a = 0; a < elements.size(); ++a) {
-    for (std::size_t b = a + 1; b < elements.size(); ++b) {
-      if (!has_shape(elements[a]) && !has_shape(elements[b])) continue;
-      const Eigen::Vector3d gap = (elements[a].box.center() - elements[b].box.center()).cwiseAbs() -
-                                  (elements[a].box.size() + elements[b].box.size()) / 2;
-      if (gap.maxCoeff() > tolerance) continue;
-      const std::pair<int, int> pair(static_cast<int>(a), static_cast<int>(b));
-      if (!AreRigid(feasible_set, pair.first, pair.second)) pairs.insert(pair);
+  for (const Pose& pose : PosesOf(assembly)) {
+    std::vector<OrientedBox> boxes;
+    for (int e = 0; e < count; ++e) boxes.push_back(BoxIn(pose, assembly, elements, e, drawn));
+    const auto moves = [&](int element) { return MovesIn(pose, assembly, at(element)); };
+    for (int a = 0; a < count; ++a) {
+      for (int b = a + 1; b < count; ++b) {
+        if (!has_shape(a) && !has_shape(b)) continue;
+        if (pose.joint >= 0 && moves(a) == moves(b)) continue;
+        const auto index_a = static_cast<std::size_t>(a), index_b = static_cast<std::size_t>(b);
+        if (Separation(boxes[index_a], boxes[index_b]) > tolerance) continue;
+        if (!AreRigid(pose, assembly, elements, feasible_set, a, b)) pairs.emplace(a, b);
+      }
     }
   }
   return pairs;
@@ -143,8 +164,7 @@ class Trial {
   bool Fit(const ContactFault& fault) {
     const std::pair<int, int> pair = std::minmax(fault.first_element, fault.second_element);
     if (fits_.count(pair) == 0 || At(pair.first).pattern || At(pair.second).pattern) return false;
-    const std::pair<int, int> parts =
-        std::minmax(At(pair.first).parts.front(), At(pair.second).parts.front());
+    const PosedPair parts{fault.pose, At(pair.first).parts.front(), At(pair.second).parts.front()};
     if (known_.precautions.fitted.count(parts) != 0) return false;
     remedies_.precautions.fitted.insert(parts);
     return true;

@@ -25,8 +25,8 @@ struct Remedies {
 
 // Where two elements run into each other in a pose, and their boxes are apart as drawn, they are to
 // be kept apart; where they come apart in one, and their boxes touch as drawn, to be kept touching;
-// where two that are no patterns touch as drawn, and one of them has a shape, they
-// are to stretch together; any other fault gives up the patterns of its elements, of fasteners
+// where the boxes of two that are no patterns meet in a pose as drawn, and one of them has a shape,
+// they are to stretch together; any other fault gives up the patterns of its elements, of fasteners
 // before those of what they fasten. Parts count as their boxes but for shapes that may move or
 // stretch against what they touch. Nothing of `known` is said again, nor of designs without
 // patterns, rest poses and such shapes. The same designs are tried whenever the same is asked.

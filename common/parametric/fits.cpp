@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <string>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "common/mesh/drawn_shape.h"
@@ -134,32 +135,97 @@ class FitSearch {
   std::vector<Relationship> found_;
 };
 
-// Along one axis: the smaller's size, and how far its centre is from the larger's, as shares of the
-// larger's size, which are better known than the other way round.
-void StretchAlong(const Assembly& assembly, const std::vector<Element>& elements, int a, int b,
-                  Axis axis, std::vector<Relationship>& found) {
-  const auto at = [&](int element) -> const Element& {
-    return elements[static_cast<std::size_t>(element)];
-  };
-  const int i = static_cast<int>(axis);
-  if (at(a).box.size()[i] > at(b).box.size()[i]) std::swap(a, b);
-  const double whole = at(b).box.size()[i];
-  const double share = at(a).box.size()[i] / whole;
-  const double offset = (at(a).box.center()[i] - at(b).box.center()[i]) / whole;
-  const LinearForm size = LinearForm::Variable(SizeVariable(b, axis));
-  const std::string label = absl::StrCat("'", at(a).name, "' stretches along ", AxisName(axis),
-                                         " with '", at(b).name, "'");
-  const int group = LowestCommonGroup(assembly, at(a).group, at(b).group);
-  found.push_back({RelationshipKind::kProportion, true,
-                   Combine(1, LinearForm::Variable(SizeVariable(a, axis)), -share, size), group,
-                   label});
-  found.push_back({RelationshipKind::kProportion, true,
-                   Combine(1,
-                           LinearForm::Variable(CenterVariable(a, axis)) -
-                               LinearForm::Variable(CenterVariable(b, axis)),
-                           -offset, size),
-                   group, label});
-}
+// Two elements in a pose that are to be stretched by one map.
+class Stretch {
+ public:
+  Stretch(const Pose& pose, const Assembly& assembly, const std::vector<Element>& elements, int a,
+          int b)
+      : pose_(pose),
+        assembly_(assembly),
+        elements_(elements),
+        drawn_(DrawnParameters(assembly, elements)),
+        a_(a),
+        b_(b) {}
+
+  std::vector<Relationship> Find() {
+    const Eigen::Matrix3d turn_a = BoxIn(pose_, assembly_, elements_, a_, drawn_).axes.cwiseAbs();
+    const Eigen::Matrix3d turn_b = BoxIn(pose_, assembly_, elements_, b_, drawn_).axes.cwiseAbs();
+    if (!IsPermutation(turn_a) || !IsPermutation(turn_b)) {
+      KeepInProportion({SizesOf(a_), SizesOf(b_)}, {kAxes.begin(), kAxes.end()});
+      return std::move(found_);
+    }
+    for (const Axis axis : kAxes) {
+      KeepInProportion({std::vector{SizeAlong(a_, turn_a, axis)}, {SizeAlong(b_, turn_b, axis)}},
+                       {axis});
+    }
+    return std::move(found_);
+  }
+
+ private:
+  const Element& At(int element) const { return elements_[static_cast<std::size_t>(element)]; }
+
+  static bool IsPermutation(const Eigen::Matrix3d& turn) {
+    return ((turn.array() == 0) || (turn.array() == 1)).all();
+  }
+
+  static std::vector<LinearForm> SizesOf(int element) {
+    std::vector<LinearForm> sizes;
+    for (const Axis axis : kAxes)
+      sizes.push_back(LinearForm::Variable(SizeVariable(element, axis)));
+    return sizes;
+  }
+
+  // Of an element that is turned to right angles, along an axis of the pose.
+  static LinearForm SizeAlong(int element, const Eigen::Matrix3d& turn, Axis axis) {
+    Eigen::Index own = 0;
+    turn.row(static_cast<int>(axis)).maxCoeff(&own);
+    return LinearForm::Variable(SizeVariable(element, static_cast<Axis>(own)));
+  }
+
+  // Sizes of both, and how far their centres are apart along axes of the pose, as shares of the
+  // largest size, which are better known than the other way round.
+  void KeepInProportion(const std::array<std::vector<LinearForm>, 2>& sizes,
+                        const std::vector<Axis>& axes) {
+    const LinearForm* largest = &sizes[0].front();
+    bool is_of_a = true;
+    for (std::size_t of = 0; of < 2; ++of) {
+      for (const LinearForm& size : sizes[of]) {
+        if (size.At(drawn_) <= largest->At(drawn_)) continue;
+        largest = &size;
+        is_of_a = of == 0;
+      }
+    }
+    std::string label = absl::StrCat("'", At(is_of_a ? b_ : a_).name, "' stretches along ",
+                                     axes.size() == 1 ? AxisName(axes.front()) : "all axes",
+                                     " with '", At(is_of_a ? a_ : b_).name, "'");
+    if (pose_.joint >= 0) absl::StrAppend(&label, " in '", pose_.name, "'");
+    for (const std::vector<LinearForm>& of : sizes) {
+      for (const LinearForm& size : of) {
+        if (&size != largest) Tie(size, *largest, label);
+      }
+    }
+    for (const Axis axis : axes) {
+      const Eigen::Vector3d along = Eigen::Vector3d::Unit(static_cast<int>(axis));
+      const Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+      Tie(PlaceIn(pose_, assembly_, elements_, a_, middle, along) -
+              PlaceIn(pose_, assembly_, elements_, b_, middle, along),
+          *largest, label);
+    }
+  }
+
+  void Tie(const LinearForm& length, const LinearForm& whole, const std::string& label) {
+    const double share = length.At(drawn_) / whole.At(drawn_);
+    found_.push_back({RelationshipKind::kProportion, true, Combine(1, length, -share, whole),
+                      GroupIn(pose_, assembly_, At(a_), At(b_)), label});
+  }
+
+  const Pose& pose_;
+  const Assembly& assembly_;
+  const std::vector<Element>& elements_;
+  const Eigen::VectorXd drawn_;
+  const int a_, b_;
+  std::vector<Relationship> found_;
+};
 
 }  // namespace
 
@@ -170,19 +236,22 @@ std::vector<Relationship> FindFits(const Pose& pose, const Assembly& assembly,
   return FitSearch(pose, assembly, elements, tolerance).Find(neighbours);
 }
 
-std::vector<Relationship> StretchTogether(const Assembly& assembly,
+std::vector<Relationship> StretchTogether(const Pose& pose, const Assembly& assembly,
                                           const std::vector<Element>& elements,
-                                          const std::set<std::pair<int, int>>& fitted) {
+                                          const std::set<PosedPair>& fitted) {
   const std::vector<int> element_of = ElementsOfParts(assembly, elements);
   std::vector<Relationship> found;
-  for (const auto& [first, second] : fitted) {
-    const int a = element_of[static_cast<std::size_t>(first)];
-    const int b = element_of[static_cast<std::size_t>(second)];
+  for (const PosedPair& pair : fitted) {
+    if (pair.pose != pose.name) continue;
+    const int a = element_of[static_cast<std::size_t>(pair.first)];
+    const int b = element_of[static_cast<std::size_t>(pair.second)];
     if (elements[static_cast<std::size_t>(a)].pattern ||
         elements[static_cast<std::size_t>(b)].pattern) {
       continue;
     }
-    for (const Axis axis : kAxes) StretchAlong(assembly, elements, a, b, axis, found);
+    for (Relationship& together : Stretch(pose, assembly, elements, a, b).Find()) {
+      found.push_back(std::move(together));
+    }
   }
   return found;
 }

@@ -24,11 +24,13 @@ std::vector<Relationship> FindFits(const Pose& pose, const Assembly& assembly,
                                    const std::set<std::pair<int, int>>& neighbours,
                                    double tolerance);
 
-// Of pairs of parts, elements of their own: their sizes, and the distance of their centres, stay in
-// proportion along each axis, so that both are stretched by the same map and touch as drawn
-// whatever their shape. Parts in patterns are left out.
-std::vector<Relationship> StretchTogether(const Assembly& assembly,
+// Of pairs of parts that `pose` is named in, elements of their own: their sizes, and the distance
+// of their centres in the pose, stay in proportion along each axis, so that both are stretched by
+// the same map and meet as drawn whatever their shape. Where the pose turns one of them to no right
+// angle, that map is a scaling: all their sizes and distances stay in one proportion. Parts in
+// patterns are left out.
+std::vector<Relationship> StretchTogether(const Pose& pose, const Assembly& assembly,
                                           const std::vector<Element>& elements,
-                                          const std::set<std::pair<int, int>>& fitted);
+                                          const std::set<PosedPair>& fitted);
 
 }  // namespace mortise::parametric

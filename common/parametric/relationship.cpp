@@ -43,9 +43,10 @@ class RelationshipSearch {
       }
       Keep(pose, precautions.kept_apart, Meeting::kApart);
       Keep(pose, precautions.kept_touching, Meeting::kTouching);
-    }
-    for (Relationship& together : StretchTogether(assembly_, elements_, precautions.fitted)) {
-      found_.push_back(std::move(together));
+      for (Relationship& together :
+           StretchTogether(pose, assembly_, elements_, precautions.fitted)) {
+        found_.push_back(std::move(together));
+      }
     }
     return std::move(found_);
   }

@@ -49,9 +49,9 @@ inline bool operator<(const PosedPair& a, const PosedPair& b) {
 
 // What is known to go wrong without: see design_trial.h.
 struct Precautions {
-  std::set<PosedPair> kept_apart;        // stay clear of each other
-  std::set<PosedPair> kept_touching;     // go on touching
-  std::set<std::pair<int, int>> fitted;  // parts of the assembly that stretch together, lower first
+  std::set<PosedPair> kept_apart;     // stay clear of each other
+  std::set<PosedPair> kept_touching;  // go on touching
+  std::set<PosedPair> fitted;         // stretch together (fits.h)
 };
 
 // Elements that touch, by index.
@@ -71,7 +71,7 @@ using Contacts = std::vector<std::pair<int, int>>;
 //   direction that separates their boxes best as drawn, which need not be an axis;
 // - what touches or lies in another's box and has a shape: where shapes turn back, they stay in one
 //   place or keep their order, so that what fits into each other goes on doing so (fits.h);
-// - proportion: parts that are to be fitted stretch together;
+// - proportion: parts that are to be fitted, as drawn or in a pose, stretch together;
 // - size: the limits of the items;
 // - repeat: patterns that touch and are as often and as far apart along an axis stay so: what
 //   fastens each part of a row goes on doing that.

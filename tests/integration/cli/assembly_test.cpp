@@ -116,11 +116,11 @@ TEST_F(AssemblyCommand, AdjustsGoesOnFromThereAndWritesFiles) {
   EXPECT_EQ(ReadFile(glb).value_or("").substr(0, 4), "glTF");
 }
 
-// An L of 40 x 40 mm, 4 mm thick and 30 mm long, in STL.
-std::string Hook() {
-  const std::array<std::array<int, 2>, 6> outline = {
-      {{0, 0}, {40, 0}, {40, 4}, {4, 4}, {4, 40}, {0, 40}}};
-  std::string text = "solid hook\n";
+// A wall 2 m long, 10 mm thick and 30 mm high with a ridge of 1 mm on its face, in STL.
+std::string RidgedWall() {
+  const std::array<std::array<double, 2>, 7> outline = {
+      {{0, 0}, {2000, 0}, {2000, 10}, {300.5, 10}, {300, 20}, {299.5, 10}, {0, 10}}};
+  std::string text = "solid wall\n";
   const auto add = [&](const std::array<std::array<int, 2>, 3>& corners) {
     absl::StrAppend(&text, "facet normal 0 0 0\nouter loop\n");
     for (const auto& [corner, z] : corners) {
@@ -129,52 +129,44 @@ std::string Hook() {
     }
     absl::StrAppend(&text, "endloop\nendfacet\n");
   };
-  for (const auto& [a, b, c] : {std::array{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 5}}) {
+  for (const auto& [a, b, c] : {std::array{0, 1, 2}, {0, 2, 3}, {0, 3, 5}, {0, 5, 6}, {3, 4, 5}}) {
     add({{{a, 30}, {b, 30}, {c, 30}}});
     add({{{a, 0}, {c, 0}, {b, 0}}});
   }
-  for (int i = 0; i < 6; ++i) {
-    const int next = (i + 1) % 6;
+  for (int i = 0; i < 7; ++i) {
+    const int next = (i + 1) % 7;
     add({{{i, 0}, {next, 0}, {next, 30}}});
     add({{{i, 0}, {next, 30}, {i, 30}}});
   }
-  return text + "endsolid hook\n";
+  return text + "endsolid wall\n";
 }
 
-// A hook that closes round a stop, which a larger one would not fit into, as a template.
+// A slider that runs into a ridge only where nobody tried it, as a template.
 TEST_F(AssemblyCommand, FailsOnFaultsOfADesignIfStrict) {
-  File("hook.stl", Hook());
-  const std::string latch = File("latch.textproto", R"(name: "assemblies/latch"
-groups { name: "latch" }
-parts { name: "plate" position { x: -0.06 y: -0.06 z: -0.02 } size { x: 0.12 y: 0.12 z: 0.02 } }
-parts { name: "hook" group: "latch" size { x: 0.04 y: 0.04 z: 0.03 } shape: "hook.stl" }
-parts { name: "stop" position { x: -0.038 y: -0.008 } size { x: 0.016 y: 0.016 z: 0.03 } }
-joints {
-  name: "pin" kind: HINGE group: "latch" axis { z: 1 } upper: 2.4
-  rest_poses { name: "closed" amount: 2.356194490192345 }
-})");
-  ASSERT_EQ(Run({"import", latch}).status(), absl::OkStatus());
-  EXPECT_THAT(
-      Refusal({"adjust", "latch", "--strict", "--set", "stop.x=32mm", "--set", "stop.y=32mm"}),
-      AllOf(HasSubstr("1 fault"), HasSubstr("'hook'")));
+  File("wall.stl", RidgedWall());
+  const std::string track = File("track.textproto", R"(name: "assemblies/track"
+parts { name: "base" position { y: -0.01 z: -0.02 } size { x: 2 y: 0.05 z: 0.02 } }
+parts { name: "wall" size { x: 2 y: 0.02 z: 0.03 } shape: "wall.stl" }
+parts { name: "slider" position { x: 0.7 y: 0.015 } size { x: 0.001 y: 0.02 z: 0.02 } })");
+  ASSERT_EQ(Run({"import", track}).status(), absl::OkStatus());
+  EXPECT_THAT(Refusal({"adjust", "track", "--strict", "--set", "slider.x.center=300mm"}),
+              AllOf(HasSubstr("1 fault"), HasSubstr("'slider'")));
   const std::string file = File("template.textproto", R"(# proto-message: mortise.v1.Template
-name: "templates/latch"
+name: "templates/track"
 assembly {
-  assembly: "assemblies/latch"
-  handles { parameter: "width" measure { element: "stop" axis: X } }
-  handles { parameter: "depth" measure { element: "stop" axis: Y } }
+  assembly: "assemblies/track"
+  handles { parameter: "place" measure { element: "slider" axis: X kind: CENTER } }
 })");
   Output output(Output::Form::kSilent);
   ASSERT_EQ(RunCommandLine({"catalog", "import", file}, session_, output), absl::OkStatus());
-  std::vector<std::string> evaluate = {"catalog",    "evaluate", "latch",     "--set",
-                                       "width=32mm", "--set",    "depth=32mm"};
+  std::vector<std::string> evaluate = {"catalog", "evaluate", "track", "--set", "place=300mm"};
   EXPECT_EQ(RunCommandLine(evaluate, session_, output), absl::OkStatus());
   EXPECT_EQ(Json::parse(output.last_document())["faults"].size(), 1u);
   evaluate.push_back("--strict");
   const absl::Status refused = RunCommandLine(evaluate, session_, output);
   EXPECT_EQ(DetailOf(refused).reason, "DESIGN_FAULTY") << refused;
-  EXPECT_THAT(std::string(refused.message()), AllOf(HasSubstr("'stop'"), HasSubstr("'hook'")));
-  evaluate[4] = "width=16mm";
+  EXPECT_THAT(std::string(refused.message()), AllOf(HasSubstr("'slider'"), HasSubstr("'wall'")));
+  evaluate[4] = "place=700mm";
   EXPECT_EQ(RunCommandLine(evaluate, session_, output), absl::OkStatus());
 }
 
@@ -228,6 +220,18 @@ TEST_F(AssemblyCommand, ImportsOrNamesThePlace) {
   EXPECT_THAT(Refusal({"import", (folder_.path() / "none").string()}), HasSubstr("none"));
 }
 
+TEST_F(AssemblyCommand, TellsOfShapesWithAllElse) {
+  const std::string file = File("shapes.textproto",
+                                "name: 'assemblies/shapes' parts { name: 'a' shape: 'absent.step' "
+                                "size { x: 1 y: 1 z: 1 } } parts { name: '' shape: 'odd.txt' "
+                                "item: 'items/none' }");
+  const std::string refusal = Refusal({"import", file});
+  EXPECT_THAT(refusal, AllOf(HasSubstr(file + ": parts[0].shape: cannot read"),
+                             HasSubstr(file + ": parts[1].shape"), HasSubstr("is neither STEP"),
+                             HasSubstr(file + ": parts[1].name"),
+                             HasSubstr(file + ": parts[1].item"), HasSubstr("4 findings")));
+}
+
 // The file as the gateway writes it.
 TEST_F(AssemblyCommand, ImportsJson) {
   const std::string bench = File("bench.json", R"({"name": "assemblies/json-bench", "parts": [
@@ -237,7 +241,10 @@ TEST_F(AssemblyCommand, ImportsJson) {
   const auto imported = Run({"import", bench});
   ASSERT_TRUE(imported.ok()) << imported.status();
   EXPECT_EQ((*imported)[0]["name"], "assemblies/json-bench");
-  EXPECT_THAT(Refusal({"import", File("odd.json", "{\"parts\": 3}")}), HasSubstr("odd.json"));
+  const std::string odd = File("odd.json", R"({"title": 3, "parts": [{"role": "NONE"}, 7]})");
+  EXPECT_THAT(Refusal({"import", odd}),
+              AllOf(HasSubstr(odd + ": title: 3 must be a text"),
+                    HasSubstr(odd + ": parts[0].role"), HasSubstr(odd + ": parts[1]: must be")));
 }
 
 TEST_F(AssemblyCommand, ExportsAndImportsStep) {

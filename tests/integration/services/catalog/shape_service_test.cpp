@@ -374,61 +374,53 @@ TEST_F(ShapeServiceTest, ExportsTurnedPartsOfADrawingAsOneProduct) {
   }
 }
 
-// A hook that closes round a stop, which it touches nowhere. Only in a pose that a joint turns it
-// to does the stop stand in its corner.
-constexpr char kLatch[] = R"(name: "assemblies/latch"
-groups { name: "latch" }
-parts { name: "plate" position { x: -0.06 y: -0.06 z: -0.02 } size { x: 0.12 y: 0.12 z: 0.02 } }
-parts { name: "hook" group: "latch" size { x: 0.04 y: 0.04 z: 0.03 } }
-parts { name: "stop" position { x: -0.038 y: -0.008 } size { x: 0.016 y: 0.016 z: 0.03 } }
-joints {
-  name: "pin" kind: HINGE group: "latch" axis { z: 1 } upper: 2.4
-  rest_poses { name: "closed" amount: 2.356194490192345 }
-})";
+// A slider before a wall with a narrow ridge, which it touches nowhere. Neither the ends of where
+// it may stand nor the few places between them that are tried before a design is stored show that
+// it runs into the ridge.
+constexpr char kTrack[] = R"(name: "assemblies/track"
+parts { name: "base" position { y: -0.01 z: -0.02 } size { x: 2 y: 0.05 z: 0.02 } }
+parts { name: "wall" size { x: 2 y: 0.02 z: 0.03 } }
+parts { name: "slider" position { x: 0.7 y: 0.015 } size { x: 0.001 y: 0.02 z: 0.02 } })";
 
 // As AssemblyService tells of the assembly's own designs.
 TEST_F(ShapeServiceTest, TellsTheFaultsOfATemplatesDesign) {
-  Eigen::Matrix2Xd angle(2, 6);
-  angle << 0, 0.04, 0.04, 0.004, 0.004, 0, 0, 0, 0.004, 0.004, 0.04, 0.04;
-  const std::vector<cad::AssemblyPart> drawing = {{Prism("hook", angle, 0.03)}};
-  const auto hook = ImportShape(*cad::WriteStep("hook", drawing), v1::ImportShapeRequest::STEP);
-  ASSERT_TRUE(hook.ok()) << hook.status();
-  v1::ImportAssemblyRequest latch;
-  latch.set_request_id(NextId());
-  *latch.mutable_assembly() = Parse<v1::Assembly>(kLatch);
-  latch.mutable_assembly()->mutable_parts(1)->set_shape(hook->name());
-  const auto drawn = Call(*assemblies_, &v1::AssemblyService::Stub::ImportAssembly, latch);
+  Eigen::Matrix2Xd outline(2, 7);
+  outline << 0, 2, 2, 0.3005, 0.3, 0.2995, 0, 0, 0, 0.01, 0.01, 0.02, 0.01, 0.01;
+  const std::vector<cad::AssemblyPart> drawing = {{Prism("wall", outline, 0.03)}};
+  const auto wall = ImportShape(*cad::WriteStep("wall", drawing), v1::ImportShapeRequest::STEP);
+  ASSERT_TRUE(wall.ok()) << wall.status();
+  v1::ImportAssemblyRequest track;
+  track.set_request_id(NextId());
+  *track.mutable_assembly() = Parse<v1::Assembly>(kTrack);
+  track.mutable_assembly()->mutable_parts(1)->set_shape(wall->name());
+  const auto drawn = Call(*assemblies_, &v1::AssemblyService::Stub::ImportAssembly, track);
   ASSERT_TRUE(drawn.ok()) << drawn.status();
   v1::ImportTemplateRequest request;
   request.set_request_id(NextId());
   *request.mutable_template_() = Parse<v1::Template>(
-      "name: 'templates/latch' assembly { assembly: 'assemblies/latch' "
-      "handles { parameter: 'width' measure { element: 'stop' axis: X } } "
-      "handles { parameter: 'depth' measure { element: 'stop' axis: Y } } }");
+      "name: 'templates/track' assembly { assembly: 'assemblies/track' "
+      "handles { parameter: 'place' measure { element: 'slider' axis: X kind: CENTER } } }");
   const auto stored = Call(*catalog_, &v1::CatalogService::Stub::ImportTemplate, request);
   ASSERT_TRUE(stored.ok()) << stored.status();
   const auto evaluate = [this](const std::string& asked) {
     return Call(*catalog_, &v1::CatalogService::Stub::EvaluateTemplate,
                 Parse<v1::EvaluateTemplateRequest>(asked));
   };
-  const auto sound = evaluate("name: 'templates/latch'");
+  const auto sound = evaluate("name: 'templates/track'");
   ASSERT_TRUE(sound.ok()) << sound.status();
   EXPECT_EQ(sound->faults_size(), 0);
 
-  const std::string wide =
-      "name: 'templates/latch' parameters { name: 'width' value: 0.032 } "
-      "parameters { name: 'depth' value: 0.032 } ";
-  const auto crowded = evaluate(wide);
+  const std::string on_ridge = "name: 'templates/track' parameters { name: 'place' value: 0.3 } ";
+  const auto crowded = evaluate(on_ridge);
   ASSERT_TRUE(crowded.ok()) << crowded.status();
-  EXPECT_THAT(crowded->faults(), ElementsAre(AllOf(HasSubstr("'hook'"), HasSubstr("'stop'"),
-                                                   HasSubstr("'pin: closed'"))));
-  const auto bytes = ExportTemplate(wide + "format: DESIGN");
+  EXPECT_THAT(crowded->faults(), ElementsAre(AllOf(HasSubstr("'wall'"), HasSubstr("'slider'"))));
+  const auto bytes = ExportTemplate(on_ridge + "format: DESIGN");
   ASSERT_TRUE(bytes.ok()) << bytes.status();
   v1::EvaluatedDesign whole;
   ASSERT_TRUE(whole.ParseFromString(*bytes));
   EXPECT_EQ(whole.SerializeAsString(), crowded->SerializeAsString());
 
-  const auto unseen = evaluate(wide + "without_faults: true");
+  const auto unseen = evaluate(on_ridge + "without_faults: true");
   ASSERT_TRUE(unseen.ok()) << unseen.status();
   EXPECT_EQ(unseen->faults_size(), 0);
   EXPECT_EQ(unseen->parts_size(), crowded->parts_size());

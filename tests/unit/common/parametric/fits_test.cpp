@@ -150,6 +150,32 @@ class Drawing {
                                         radius, 0.4))});
   }
 
+  // A hook that turns about its heel until it closes round a pin, which may touch it.
+  Assembly Latch() {
+    const double arm = Length(0.05, 0.09), thick = Length(0.006, 0.012);
+    const double radius = Length(0.004, 0.008), play = OneIn(2) ? 0 : 0.001;
+    const double closed = Length(1.9, 2.9), from_arms = thick + radius + play;
+    const Eigen::Vector2d pin = Eigen::Rotation2Dd(closed) * Eigen::Vector2d(from_arms, from_arms);
+    const AssemblyPart hook = Drawn(
+        "hook", Plate({{0, 0}, {arm, 0}, {arm, thick}, {thick, thick}, {thick, arm}, {0, arm}},
+                      Length(0.01, 0.02)));
+    Assembly latch =
+        Named("latch",
+              {Boxed("plate", {-0.1, -0.1, -0.02}, {0.25, 0.25, 0.02}), hook,
+               Drawn("pin", RodAlong(gp_Dir(0, 0, 1), gp_Pnt(pin.x(), pin.y(), 0), radius, 0.03))});
+    latch.groups.push_back({"turning", 0});
+    latch.parts[1].group = 1;
+    Joint heel;
+    heel.name = "heel";
+    heel.kind = JointKind::kHinge;
+    heel.group = 1;
+    heel.axis = Eigen::Vector3d::UnitZ();
+    heel.upper = 3;
+    heel.rest_poses = {{"closed", {0, 0, closed}}};
+    latch.joints = {heel};
+    return latch;
+  }
+
  private:
   bool OneIn(int count) { return std::uniform_int_distribution<int>(1, count)(random_) == 1; }
   // To the tenth of a millimetre.
@@ -186,13 +212,12 @@ TEST_P(Fits, KeepWhateverIsAskedFor) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(AllKinds, Fits,
-                         ::testing::Values(Kind{"Tenon", &Drawing::MortiseAndTenon},
-                                           Kind{"Wheel", &Drawing::Wheel},
-                                           Kind{"Stool", &Drawing::Stool},
-                                           Kind{"Mitre", &Drawing::MitredFrame},
-                                           Kind{"Rod", &Drawing::RodBetweenBoards}),
-                         [](const auto& kind) { return kind.param.name; });
+INSTANTIATE_TEST_SUITE_P(
+    AllKinds, Fits,
+    ::testing::Values(Kind{"Tenon", &Drawing::MortiseAndTenon}, Kind{"Wheel", &Drawing::Wheel},
+                      Kind{"Stool", &Drawing::Stool}, Kind{"Mitre", &Drawing::MitredFrame},
+                      Kind{"Rod", &Drawing::RodBetweenBoards}, Kind{"Latch", &Drawing::Latch}),
+    [](const auto& kind) { return kind.param.name; });
 
 // By hand: a block of 100 × 60 × 40 mm with a bore of 20 mm along z, its axis at (30, 40).
 TEST(ShapeLevels, AreTheSidesOfABore) {
@@ -229,7 +254,7 @@ TEST(StretchTogether, KeepsSizesAndPlacesInProportion) {
   const Assembly drawn =
       Named("two", {Boxed("a", {0, 0, 0}, {1, 2, 3}), Boxed("b", {0.5, 1, 1}, {0.2, 0.3, 6})});
   const std::vector<Element> elements = MakeElements(drawn, 1e-6);
-  const std::vector<Relationship> together = StretchTogether(drawn, elements, {{0, 1}});
+  const std::vector<Relationship> together = StretchTogether(Pose(), drawn, elements, {{"", 0, 1}});
   ASSERT_EQ(together.size(), 6U);
   Eigen::VectorXd q = DrawnParameters(drawn, elements);
   for (const Relationship& one : together) EXPECT_NEAR(one.form.At(q), 0, 1e-12);
@@ -244,6 +269,41 @@ TEST(StretchTogether, KeepsSizesAndPlacesInProportion) {
   }
   EXPECT_THAT(broken, Contains("'b' stretches along y with 'a'"));
   EXPECT_THAT(broken, Not(Contains("'b' stretches along x with 'a'")));
+}
+
+// Turned by half a right angle, only a scaling of both keeps how they meet.
+TEST(StretchTogether, ScalesWhatAPoseTurnsAslant) {
+  Assembly drawn =
+      Named("two", {Boxed("a", {0, 0, 0}, {1, 2, 3}), Boxed("b", {0.5, 1, 1}, {0.2, 0.3, 6})});
+  drawn.groups.push_back({"turned", 0});
+  drawn.parts[1].group = 1;
+  Joint hinge;
+  hinge.name = "hinge";
+  hinge.kind = JointKind::kHinge;
+  hinge.group = 1;
+  hinge.center = {0.1, 0.2, 0.3};
+  hinge.axis = Eigen::Vector3d::UnitZ();
+  hinge.upper = 1;
+  hinge.rest_poses = {{"turned", {0, 0, std::atan(1)}}};
+  drawn.joints = {hinge};
+  const std::vector<Element> elements = MakeElements(drawn, 1e-6);
+  const std::vector<Pose> poses = PosesOf(drawn);
+  ASSERT_EQ(poses.size(), 2U);
+  const std::vector<Relationship> together =
+      StretchTogether(poses[1], drawn, elements, {{poses[1].name, 0, 1}});
+  ASSERT_EQ(together.size(), 8U);
+  Eigen::VectorXd q = DrawnParameters(drawn, elements);
+  const auto are_kept = [&] {
+    return std::all_of(together.begin(), together.end(),
+                       [&](const Relationship& one) { return std::abs(one.form.At(q)) <= 1e-12; });
+  };
+  EXPECT_TRUE(are_kept());
+  q *= 1.7;
+  EXPECT_TRUE(are_kept());
+  q[SizeVariable(0, Axis::kY)] *= 1.1;
+  EXPECT_FALSE(are_kept());
+  EXPECT_THAT(StretchTogether(poses[0], drawn, elements, {{poses[1].name, 0, 1}}),
+              ::testing::IsEmpty());
 }
 
 }  // namespace
