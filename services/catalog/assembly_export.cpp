@@ -1,5 +1,6 @@
 #include "services/catalog/assembly_export.h"
 
+#include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <map>
@@ -187,6 +188,13 @@ class ProductMaker {
   std::set<std::string> names_;
 };
 
+// Names in STEP have no control characters, which titles may have.
+std::string InOneLine(std::string text) {
+  std::replace_if(
+      text.begin(), text.end(), [](unsigned char c) { return c < ' ' || c == 127; }, ' ');
+  return text;
+}
+
 absl::StatusOr<parametric::Pose> PoseOf(const PosedAssembly& posed) {
   std::string known;
   for (parametric::Pose& pose : parametric::PosesOf(posed.assembly.assembly())) {
@@ -209,7 +217,7 @@ absl::StatusOr<std::string> ExportAssemblyStep(const PosedAssembly& posed,
   MORTISE_ASSIGN_OR_RETURN(const parametric::Pose pose, PoseOf(posed));
   const parametric::ParametricAssembly& assembly = posed.assembly;
   cad::StepAssembly step;
-  step.name = name;
+  step.name = InOneLine(name);
   for (const parametric::AssemblyGroup& group : assembly.assembly().groups) {
     step.groups.push_back({group.name, group.parent});
   }

@@ -24,8 +24,9 @@ struct PosedAssembly {
 // cylinder, and the rest are boxes. Parts of one item, shape, size and colour are of one product,
 // as they would be drawn, also where right angles turn them. A product is called as its item where
 // that is bought as it is, else as its first part; products that would be called alike are
-// numbered. INVALID_ARGUMENT, "rest_pose", for one that there is not, and naming the part that
-// cannot be made.
+// numbered. The whole is called by `name`, as importing gives it back as title; line breaks in
+// it become blanks. INVALID_ARGUMENT, "rest_pose", for one that there is not, and naming the part
+// that cannot be made.
 absl::StatusOr<std::string> ExportAssemblyStep(const PosedAssembly& posed, const std::string& name);
 
 // The triangles of the parts. INVALID_ARGUMENT, "rest_pose".

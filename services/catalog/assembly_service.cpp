@@ -376,7 +376,8 @@ class AssemblyAdapter : public v1::AssemblyService::CallbackService {
     const parametric::EvaluatedDesign design =
         parametric::DesignAt(*found.parametrized, q, bundle.items, bundle.materials);
     return StreamAssembly({*found.parametrized, q, design, asked.rest_pose()}, asked.format(),
-                          asked.name().substr(asked.name().find('/') + 1), writer);
+                          asked.name().substr(asked.name().find('/') + 1),
+                          found.bundle.assembly().title(), writer);
   }
 
   static absl::StatusOr<parametric::TemplateBundle> UsedBy(const v1::AssemblyBundle& bundle) {

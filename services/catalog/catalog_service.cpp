@@ -390,7 +390,7 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
     MORTISE_ASSIGN_OR_RETURN(const auto assembly, evaluated.function->AssemblyAt(evaluated.q));
     if (assembly) {
       return StreamAssembly({*assembly->assembly, assembly->q, evaluated.design, asked.rest_pose()},
-                            asked.format(), id, writer);
+                            asked.format(), id, evaluated.function->head().title, writer);
     }
     if (!asked.rest_pose().empty()) {
       return InvalidField("rest_pose", "only assembly templates have rest poses");

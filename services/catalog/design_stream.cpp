@@ -29,12 +29,12 @@ MeshFormat MeshFormatOf(v1::ExportDesignRequest::Format format) {
 }
 
 absl::Status StreamAssembly(const PosedAssembly& posed, v1::ExportDesignRequest::Format format,
-                            const std::string& id,
+                            const std::string& id, const std::string& title,
                             const std::shared_ptr<rpc::StreamWriter<v1::Chunk>>& writer) {
   MORTISE_ASSIGN_OR_RETURN(const FileKind kind, KindOf(format));
   MORTISE_ASSIGN_OR_RETURN(std::string bytes,
                            format == v1::ExportDesignRequest::STEP
-                               ? ExportAssemblyStep(posed, id)
+                               ? ExportAssemblyStep(posed, title.empty() ? id : title)
                                : ExportAssemblyMesh(posed, MeshFormatOf(format), id));
   rpc::StreamBytes(std::move(bytes), {id + kind.extension, kind.media_type}, writer);
   return absl::OkStatus();

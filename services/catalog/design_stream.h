@@ -24,9 +24,10 @@ absl::StatusOr<FileKind> KindOf(v1::ExportDesignRequest::Format format);
 // Which of the formats of triangles; the format must not be STEP.
 MeshFormat MeshFormatOf(v1::ExportDesignRequest::Format format);
 
-// The assembly as a file called by `id` and its extension.
+// The assembly as a file called by `id` and its extension. In STEP it is called by its title, or by
+// the id if that is empty.
 absl::Status StreamAssembly(const PosedAssembly& posed, v1::ExportDesignRequest::Format format,
-                            const std::string& id,
+                            const std::string& id, const std::string& title,
                             const std::shared_ptr<rpc::StreamWriter<v1::Chunk>>& writer);
 
 }  // namespace mortise::catalog

@@ -248,13 +248,56 @@ TEST_F(AssemblyStepTest, ImportsStepWithoutAnnotationsAndRepeatsItself) {
   const std::string step = Export(kShelf);
   const auto imported = ImportStep(step, annotations);
   ASSERT_TRUE(imported.ok()) << imported.status();
-  EXPECT_EQ(imported->assembly().title(), "bookshelf");
+  EXPECT_EQ(imported->assembly().title(), Get(kShelf).title());
   EXPECT_THAT(imported->notes(), Contains(HasSubstr("without an item")));
   EXPECT_GT(ParametrizationOf("assemblies/bare").sizes_size(), 0);
   EXPECT_EQ(ImportStep(step, annotations).status().code(), absl::StatusCode::kAborted);
   const auto same = ImportStep(step, annotations, 1);
   ASSERT_TRUE(same.ok()) << same.status();
   EXPECT_EQ(same->assembly().revision(), 1) << "nothing has changed";
+}
+
+// Of a design without annotations, STEP keeps how everything is called, whatever the signs.
+TEST_F(AssemblyStepTest, KeepsTitlesAndNamesOfGroupsAndParts) {
+  const std::vector<std::string> names = {"Größe \"L\" / 桌子", "it's 'quoted'", "naïve\\path\\",
+                                          "\\X2\\00E4\\X0\\",   ":#12=",         "3"};
+  v1::ImportAssemblyRequest request;
+  request.set_request_id("names");
+  v1::Assembly& assembly = *request.mutable_assembly();
+  assembly.set_name("assemblies/names");
+  assembly.set_title("Möbel „Größe \"L\"“, it's \\ 桌子\nfür alle");
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    v1::AssemblyGroup& group = *assembly.add_groups();
+    group.set_name(names[i]);
+    if (i > 0) group.set_parent(names[(i - 1) / 2]);
+    v1::AssemblyPart& part = *assembly.add_parts();
+    part.set_name("part " + names[i]);
+    part.set_group(names[i]);
+    part.mutable_size()->set_x(1);
+    part.mutable_size()->set_y(0.1 * static_cast<double>(i + 1));
+    part.mutable_size()->set_z(0.1);
+    part.mutable_position()->set_z(0.1 * static_cast<double>(i));
+  }
+  ASSERT_TRUE(Call(&Stub::ImportAssembly, request).ok());
+  v1::AssemblyAnnotations annotations;
+  annotations.set_name("assemblies/names-copy");
+  const auto imported = ImportStep(Export("assemblies/names"), annotations);
+  ASSERT_TRUE(imported.ok()) << imported.status();
+  const v1::Assembly copy = Get("assemblies/names-copy");
+  EXPECT_EQ(copy.title(), "Möbel „Größe \"L\"“, it's \\ 桌子 für alle");
+  std::map<std::string, std::string> parents, groups;
+  for (const v1::AssemblyGroup& group : copy.groups()) parents[group.name()] = group.parent();
+  for (const v1::AssemblyPart& part : copy.parts()) groups[part.name()] = part.group();
+  for (const v1::AssemblyGroup& group : assembly.groups()) {
+    ASSERT_EQ(parents.count(group.name()), 1U) << group.name();
+    EXPECT_EQ(parents[group.name()], group.parent()) << group.name();
+  }
+  for (const v1::AssemblyPart& part : assembly.parts()) {
+    EXPECT_EQ(groups[part.name()], part.group()) << part.name();
+  }
+  annotations.set_name("assemblies/names-again");
+  ASSERT_TRUE(ImportStep(Export("assemblies/names-copy"), annotations).ok());
+  EXPECT_EQ(Get("assemblies/names-again").digest(), copy.digest()) << "only the name differs";
 }
 
 TEST_F(AssemblyStepTest, RefusesStepThatIsDamagedAndLives) {
