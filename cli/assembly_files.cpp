@@ -1,6 +1,5 @@
 #include "cli/assembly_files.h"
 
-#include <google/protobuf/util/json_util.h>
 #include <grpcpp/grpcpp.h>
 
 #include <CLI/CLI.hpp>
@@ -17,6 +16,8 @@
 #include "common/base/errors.h"
 #include "common/base/files.h"
 #include "common/base/identifiers.h"
+#include "common/base/violation_lists.h"
+#include "common/parametric/json_message.h"
 #include "common/parametric/proto_text.h"
 #include "common/rpc/status_mapping.h"
 #include "mortise/v1/assembly.grpc.pb.h"
@@ -65,8 +66,13 @@ absl::StatusOr<Message> ReadMessage(const std::filesystem::path& path) {
   Message message;
   MORTISE_ASSIGN_OR_RETURN(const std::string text, ReadFile(path, kMaxFile));
   if (path.extension() == ".json") {
-    const auto parsed = google::protobuf::util::JsonStringToMessage(text, &message);
-    if (!parsed.ok()) return InvalidField(path.string(), std::string(parsed.message()));
+    parametric::UnreadFields unread;
+    std::vector<parametric::Finding> findings = parametric::ReadJsonMessage(text, message, unread);
+    for (parametric::Finding& finding : findings) {
+      const bool is_of_field = !finding.field.empty();
+      finding.field = absl::StrCat(path.string(), is_of_field ? ": " : "", finding.field);
+    }
+    MORTISE_RETURN_IF_ERROR(parametric::ToStatus(findings));
     return message;
   }
   MORTISE_RETURN_IF_ERROR(parametric::ParseProtoText(text, path.string(), message));
@@ -158,6 +164,24 @@ absl::Status ImportDrawing(const std::filesystem::path& file, const ImportOption
   return absl::OkStatus();
 }
 
+// The refusal of an assembly, with why files of shapes are none where it only says that there are
+// no shapes of their names.
+absl::Status WithShapeFaults(const std::vector<parametric::Finding>& of_shapes,
+                             const absl::Status& refusal) {
+  if (of_shapes.empty() || (!refusal.ok() && !absl::IsInvalidArgument(refusal))) return refusal;
+  std::vector<FieldViolation> all;
+  for (const parametric::Finding& finding : of_shapes) {
+    all.push_back({finding.field, finding.message});
+  }
+  for (FieldViolation& violation : AllViolationsOf(refusal)) {
+    const bool is_told = std::any_of(
+        of_shapes.begin(), of_shapes.end(),
+        [&](const parametric::Finding& finding) { return finding.field == violation.field; });
+    if (!is_told) all.push_back(std::move(violation));
+  }
+  return InvalidFields(all);
+}
+
 absl::Status ImportText(const std::filesystem::path& file, const v1::Assembly& assembly, Stub& stub,
                         const GatewayClient& client, Output& output,
                         nlohmann::ordered_json& document) {
@@ -167,16 +191,22 @@ absl::Status ImportText(const std::filesystem::path& file, const v1::Assembly& a
   *request.mutable_assembly() = assembly;
   const auto catalog = v1::CatalogService::NewStub(client.channel());
   std::vector<std::string> notes;
-  for (v1::AssemblyPart& part : *request.mutable_assembly()->mutable_parts()) {
-    MORTISE_RETURN_IF_ERROR(ResolveShape(file, *part.mutable_shape(), *catalog, client, notes));
+  std::vector<parametric::Finding> of_shapes;
+  for (int i = 0; i < assembly.parts_size(); ++i) {
+    const absl::Status resolved =
+        ResolveShape(file, *request.mutable_assembly()->mutable_parts(i)->mutable_shape(), *catalog,
+                     client, notes);
+    const std::string place = absl::StrCat(file.string(), ": parts[", i, "].shape");
+    MORTISE_RETURN_IF_ERROR(AddShapeFaults(resolved, place, of_shapes));
   }
   request.set_expected_revision(before);
   v1::Assembly stored;
   FieldSources sources;
   sources.AddFile("assembly", file.string());
-  MORTISE_RETURN_IF_ERROR(sources.Name(client.Call([&](grpc::ClientContext& context) {
-    return rpc::FromGrpc(stub.ImportAssembly(&context, request, &stored));
-  })));
+  MORTISE_RETURN_IF_ERROR(
+      WithShapeFaults(of_shapes, sources.Name(client.Call([&](grpc::ClientContext& context) {
+        return rpc::FromGrpc(stub.ImportAssembly(&context, request, &stored));
+      }))));
   Tell(stored, before, notes, output, document);
   return absl::OkStatus();
 }

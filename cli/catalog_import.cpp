@@ -5,19 +5,18 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <set>
 #include <utility>
 
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
+#include "cli/design_check.h"
 #include "cli/requests.h"
 #include "cli/shape_files.h"
 #include "common/base/errors.h"
 #include "common/base/identifiers.h"
 #include "common/base/violation_lists.h"
-#include "common/parametric/collection.h"
 #include "common/parametric/design_file.h"
-#include "common/parametric/template_codec.h"
+#include "common/parametric/message_checks.h"
 #include "common/parametric/template_validation.h"
 #include "common/rpc/status_mapping.h"
 #include "mortise/v1/catalog.grpc.pb.h"
@@ -30,55 +29,9 @@ using Findings = std::vector<Finding>;
 
 constexpr std::size_t kMaxFindings = 100;
 
-// A message of a file, and where it comes from.
-template <typename Message>
-struct Read {
-  std::string file;
-  parametric::Placed<Message> placed;
-
-  const Message& message() const { return placed.message; }
-
-  // "bolts.csv: line 3, column 5 (price): items/bolt-m8x40", as far as it is known.
-  std::string Place(const std::string& field = "") const {
-    const std::string place = parametric::PlaceOf(placed.place, placed.fields, field);
-    return absl::StrCat(file, ": ", place, place.empty() ? "" : ": ", placed.message.name());
-  }
-};
-
-struct Designs {
-  std::vector<Read<v1::Material>> materials;
-  std::vector<Read<v1::Item>> items;
-  std::vector<Read<v1::Template>> templates;
-};
-
-// What the catalog has, by name.
-struct Present {
-  std::map<std::string, v1::Material> materials;
-  std::map<std::string, v1::Item> items;
-};
-
-// Findings of a message, under its name.
-template <typename Message>
-void Add(const Read<Message>& read, const Findings& more, Findings& findings) {
-  for (const Finding& finding : more) {
-    findings.push_back(
-        {absl::StrCat(read.Place(finding.field), ".", finding.field), finding.message});
-  }
-}
-
-// What keeps a message from being converted.
-template <typename Message>
-void Add(const Read<Message>& read, const absl::Status& status, Findings& findings) {
-  Findings more;
-  for (const FieldViolation& violation : AllViolationsOf(status)) {
-    more.push_back({violation.field, violation.message});
-  }
-  Add(read, more, findings);
-}
-
 template <typename Message>
 void Take(const std::string& file, std::vector<parametric::Placed<Message>>& messages,
-          std::vector<Read<Message>>& taken) {
+          std::vector<ReadDesign<Message>>& taken) {
   for (auto& placed : messages) taken.push_back({file, std::move(placed)});
 }
 
@@ -92,6 +45,7 @@ void ReadDesigns(const std::filesystem::path& path, Designs& designs, Findings& 
   Take(name, file.materials, designs.materials);
   Take(name, file.items, designs.items);
   Take(name, file.templates, designs.templates);
+  designs.unread_names.merge(file.unread_names);
 }
 
 // All findings as one failure; of very many, the first and how many more there are.
@@ -121,82 +75,51 @@ absl::StatusOr<Present> ReadCatalog(v1::CatalogService::Stub& stub, const Gatewa
   return present;
 }
 
-// Checks designs against each other and what is present.
-class Check {
- public:
-  Check(const Designs& designs, const Present& present) : designs_(designs), present_(present) {
-    for (const auto& read : designs.materials) materials_in_files_.insert(read.message().name());
-    for (const auto& read : designs.items) items_in_files_.insert(read.message().name());
+// Adds shapes in files beside those of items to the catalog, and names them in the items. A file
+// that is not there or no shape is a finding; gives failures to reach the catalog.
+absl::Status ResolveShapes(Designs& designs, v1::CatalogService::Stub& stub,
+                           const GatewayClient& client, std::vector<std::string>& notes,
+                           Findings& findings) {
+  for (ReadDesign<v1::Item>& read : designs.items) {
+    const absl::Status resolved =
+        ResolveShape(read.file, *read.placed.message.mutable_shape(), stub, client, notes);
+    MORTISE_RETURN_IF_ERROR(AddShapeFaults(resolved, read.Place("shape") + ".shape", findings));
   }
+  return absl::OkStatus();
+}
 
-  Findings Run() {
-    for (const auto& [name, material] : present_.materials) {
-      if (materials_in_files_.count(name) == 0) TakeKnown(material, materials_);
+// What is wrong with the shapes that items name, given those that the catalog has, which tells of
+// them where nothing else is wrong. Shapes that do not fit into a message are not looked at.
+absl::Status CheckShapes(const Designs& designs, v1::CatalogService::Stub& stub,
+                         const GatewayClient& client, Findings& findings) {
+  std::map<std::string, absl::StatusOr<v1::Shape>> shapes;
+  for (const ReadDesign<v1::Item>& read : designs.items) {
+    const std::string& name = read.message().shape();
+    if (!name.starts_with("shapes/")) continue;
+    if (shapes.count(name) == 0) {
+      v1::GetShapeRequest request;
+      request.set_name(name);
+      v1::Shape shape;
+      const absl::Status found = client.Call([&](grpc::ClientContext& context) {
+        return rpc::FromGrpc(stub.GetShape(&context, request, &shape));
+      });
+      shape.clear_vertices();
+      shape.clear_triangles();
+      shape.clear_triangle_faces();
+      shapes.emplace(name, found.ok() ? absl::StatusOr<v1::Shape>(std::move(shape)) : found);
     }
-    for (const auto& read : designs_.materials) CheckMaterial(read);
-    for (const auto& [name, item] : present_.items) {
-      if (items_in_files_.count(name) == 0) TakeKnown(item, items_);
-    }
-    for (const auto& read : designs_.items) CheckItem(read);
-    // A template is not judged by items that are at fault themselves.
-    if (findings_.empty()) {
-      for (const auto& read : designs_.templates) CheckTemplate(read);
-    }
-    return std::move(findings_);
-  }
-
- private:
-  template <typename Message>
-  void CheckName(const Read<Message>& read) {
-    if (!names_.insert(read.message().name()).second) {
-      findings_.push_back({read.Place("name"), "is there twice"});
+    const absl::StatusOr<v1::Shape>& shape = shapes.at(name);
+    if (shape.ok()) {
+      AddFindings(read, parametric::CheckShapeOfItem(read.message(), *shape, read.placed.unread),
+                  findings);
+    } else if (absl::IsNotFound(shape.status()) || absl::IsInvalidArgument(shape.status())) {
+      AddFindings(read, {parametric::MissingShape(read.message())}, findings);
+    } else if (!absl::IsResourceExhausted(shape.status())) {
+      return shape.status();
     }
   }
-
-  template <typename Message, typename Struct>
-  void TakeKnown(const Message& message, std::vector<Struct>& known) {
-    absl::StatusOr<Struct> converted = parametric::FromProto(message);
-    if (converted.ok()) known.push_back(*std::move(converted));
-  }
-
-  void CheckMaterial(const Read<v1::Material>& read) {
-    CheckName(read);
-    absl::StatusOr<parametric::Material> material = parametric::FromProto(read.message());
-    if (!material.ok()) return Add(read, material.status(), findings_);
-    Add(read, parametric::ValidateMaterial(*material), findings_);
-    materials_.push_back(*std::move(material));
-  }
-
-  void CheckItem(const Read<v1::Item>& read) {
-    CheckName(read);
-    absl::StatusOr<parametric::Item> item = parametric::FromProto(read.message());
-    if (!item.ok()) return Add(read, item.status(), findings_);
-    Add(read, parametric::ValidateItem(*item, materials_), findings_);
-    items_.push_back(*std::move(item));
-  }
-
-  void CheckTemplate(const Read<v1::Template>& read) {
-    CheckName(read);
-    // What needs the CAD kernel or the catalog's assemblies, the catalog checks.
-    if (read.message().kind_case() != v1::Template::KIND_NOT_SET) return;
-    absl::StatusOr<parametric::TemplateDefinition> definition =
-        parametric::FromProto(read.message());
-    if (!definition.ok()) return Add(read, definition.status(), findings_);
-    Add(read,
-        parametric::ValidateTemplate(
-            parametric::MakeBundle(*std::move(definition), items_, materials_)),
-        findings_);
-  }
-
-  const Designs& designs_;
-  const Present& present_;
-  std::vector<parametric::Material> materials_;  // of the files and the catalog
-  std::vector<parametric::Item> items_;          // the same; the files' where both have one
-  std::set<std::string> materials_in_files_;
-  std::set<std::string> items_in_files_;
-  std::set<std::string> names_;  // of the files, as far as they have been checked
-  Findings findings_;
-};
+  return absl::OkStatus();
+}
 
 // The designs as one request.
 absl::StatusOr<v1::ImportCatalogRequest> RequestOf(const Designs& designs) {
@@ -229,8 +152,8 @@ std::optional<std::pair<std::size_t, std::string>> SplitField(const std::string&
 
 // Where what the catalog says of a field of the request is in the files, if it is of that list.
 template <typename Message>
-std::optional<std::string> PlaceIn(const std::vector<Read<Message>>& list, const std::string& name,
-                                   const std::string& field) {
+std::optional<std::string> PlaceIn(const std::vector<ReadDesign<Message>>& list,
+                                   const std::string& name, const std::string& field) {
   const auto split = SplitField(field, name);
   if (!split || split->first >= list.size()) return std::nullopt;
   const auto& [index, rest] = *split;
@@ -280,15 +203,15 @@ absl::Status ImportFiles(const std::vector<std::filesystem::path>& files, Sessio
   Designs designs;
   Findings findings;
   for (const std::filesystem::path& file : files) ReadDesigns(file, designs, findings);
-  MORTISE_RETURN_IF_ERROR(Refusal(std::move(findings)));
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   const auto stub = v1::CatalogService::NewStub(client->channel());
   MORTISE_ASSIGN_OR_RETURN(const Present present, ReadCatalog(*stub, *client));
-  MORTISE_RETURN_IF_ERROR(Refusal(Check(designs, present).Run()));
+  for (Finding& finding : CheckDesigns(designs, present)) findings.push_back(std::move(finding));
   std::vector<std::string> notes;
-  for (Read<v1::Item>& read : designs.items) {
-    MORTISE_RETURN_IF_ERROR(
-        ResolveShape(read.file, *read.placed.message.mutable_shape(), *stub, *client, notes));
+  MORTISE_RETURN_IF_ERROR(ResolveShapes(designs, *stub, *client, notes, findings));
+  if (!findings.empty()) {
+    MORTISE_RETURN_IF_ERROR(CheckShapes(designs, *stub, *client, findings));
+    return Refusal(std::move(findings));
   }
   for (const std::string& note : notes) output.Line(absl::StrCat("note: ", note));
   MORTISE_ASSIGN_OR_RETURN(const v1::ImportCatalogRequest request, RequestOf(designs));

@@ -12,6 +12,7 @@
 #include "common/base/errors.h"
 #include "common/base/files.h"
 #include "common/base/identifiers.h"
+#include "common/base/violation_lists.h"
 #include "common/rpc/status_mapping.h"
 
 namespace mortise::cli {
@@ -94,6 +95,19 @@ absl::Status ResolveShape(const std::filesystem::path& file, std::string& shape,
                            ImportShapeFile(file.parent_path() / shape, stub, client));
   for (const std::string& note : stored.notes()) notes.push_back(absl::StrCat(shape, ": ", note));
   shape = stored.name();
+  return absl::OkStatus();
+}
+
+absl::Status AddShapeFaults(const absl::Status& resolved, const std::string& place,
+                            std::vector<parametric::Finding>& findings) {
+  if (absl::IsNotFound(resolved) || absl::IsResourceExhausted(resolved)) {
+    findings.push_back({place, std::string(resolved.message())});
+    return absl::OkStatus();
+  }
+  if (!absl::IsInvalidArgument(resolved)) return resolved;
+  for (const FieldViolation& violation : AllViolationsOf(resolved)) {
+    findings.push_back({place, absl::StrCat(violation.field, ": ", violation.message)});
+  }
   return absl::OkStatus();
 }
 

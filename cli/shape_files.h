@@ -8,6 +8,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "cli/gateway_client.h"
+#include "common/parametric/template_validation.h"
 #include "mortise/v1/catalog.grpc.pb.h"
 
 namespace mortise::cli {
@@ -33,5 +34,10 @@ absl::StatusOr<v1::Shape> ImportShapeFile(const std::filesystem::path& file,
 absl::Status ResolveShape(const std::filesystem::path& file, std::string& shape,
                           v1::CatalogService::Stub& stub, const GatewayClient& client,
                           std::vector<std::string>& notes);
+
+// Adds what is wrong with the shape that `place` names to the findings, as ResolveShape gives it;
+// gives it back if it is no fault of the file.
+absl::Status AddShapeFaults(const absl::Status& resolved, const std::string& place,
+                            std::vector<parametric::Finding>& findings);
 
 }  // namespace mortise::cli

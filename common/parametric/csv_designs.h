@@ -6,7 +6,7 @@
 
 namespace mortise::parametric {
 
-// `table` has at least one row and no findings.
+// `table` has at least one row. Its own findings are not told again.
 DesignFile ItemsOfTable(const CsvTable& table);
 DesignFile MaterialsOfTable(const CsvTable& table);
 

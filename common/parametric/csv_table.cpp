@@ -94,6 +94,7 @@ class Parser {
     if (width_ == 0) width_ = row.size();
     if (row.size() != width_) {
       Report(row[0], absl::StrCat("the row has ", row.size(), " cells, the first one ", width_));
+      table_.ragged.push_back(std::move(row));
       return;
     }
     table_.rows.push_back(std::move(row));

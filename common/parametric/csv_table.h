@@ -24,7 +24,8 @@ struct CsvCell {
 using CsvRow = std::vector<CsvCell>;
 
 struct CsvTable {
-  std::vector<CsvRow> rows;  // the first is the header, if there is one
+  std::vector<CsvRow> rows;    // the first is the header, if there is one
+  std::vector<CsvRow> ragged;  // whose number of cells is not that of the first, which is told
   // What is wrong, with places such as "line 7, column 3" as fields; at most 100. Rows at fault are
   // not among the rows.
   std::vector<Finding> findings;

@@ -53,17 +53,18 @@ DesignFile ParseDesignText(std::string_view text, const std::string& origin) {
     if (!HasLine(text, mark)) continue;
     absl::StatusOr<v1::Template> message = parse(text, origin);
     if (!message.ok()) return Failed(message.status());
-    file.templates.push_back({*std::move(message), "", {}});
+    file.templates.push_back({*std::move(message), "", {}, {}});
     return file;
   }
   absl::StatusOr<v1::TemplateBundle> bundle = ParseBundleText(text, origin);
   if (!bundle.ok()) return Failed(bundle.status());
   for (v1::Material& material : *bundle->mutable_materials()) {
-    file.materials.push_back({std::move(material), "", {}});
+    file.materials.push_back({std::move(material), "", {}, {}});
   }
-  for (v1::Item& item : *bundle->mutable_items()) file.items.push_back({std::move(item), "", {}});
+  for (v1::Item& item : *bundle->mutable_items())
+    file.items.push_back({std::move(item), "", {}, {}});
   if (bundle->has_template_()) {
-    file.templates.push_back({std::move(*bundle->mutable_template_()), "", {}});
+    file.templates.push_back({std::move(*bundle->mutable_template_()), "", {}, {}});
   }
   return file;
 }
@@ -71,17 +72,23 @@ DesignFile ParseDesignText(std::string_view text, const std::string& origin) {
 }  // namespace
 
 DesignFile ParseDesignCsv(std::string_view text) {
-  DesignFile file;
   const CsvTable table = ParseCsv(text);
-  file.findings = table.findings;
-  if (file.findings.empty() && table.rows.empty()) {
-    file.findings.push_back({"line 1", "is missing: the first row names the columns"});
+  std::vector<Finding> findings = table.findings;
+  if (table.rows.empty()) {
+    DesignFile file;
+    if (findings.empty()) {
+      findings.push_back({"line 1", "is missing: the first row names the columns"});
+    }
+    file.findings = std::move(findings);
+    return file;
   }
-  if (!file.findings.empty()) return file;
   const CsvRow& header = table.rows[0];
   const bool has_density = std::any_of(header.begin(), header.end(),
                                        [](const CsvCell& cell) { return cell.text == "density"; });
-  return has_density ? MaterialsOfTable(table) : ItemsOfTable(table);
+  DesignFile file = has_density ? MaterialsOfTable(table) : ItemsOfTable(table);
+  findings.insert(findings.end(), file.findings.begin(), file.findings.end());
+  file.findings = std::move(findings);
+  return file;
 }
 
 std::string PlaceOf(const std::string& place, const std::map<std::string, std::string>& fields,

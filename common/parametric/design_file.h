@@ -5,10 +5,12 @@
 
 #include <filesystem>
 #include <map>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "common/parametric/message_checks.h"
 #include "common/parametric/template_validation.h"
 #include "mortise/v1/catalog.pb.h"
 
@@ -20,6 +22,9 @@ struct Placed {
   Message message;
   std::string place;                          // "line 12"; empty if not known
   std::map<std::string, std::string> fields;  // field path: "line 12, column 3 (length_mm)"
+  // Paths of the fields of which the file says something that cannot be read, as message_checks.h
+  // takes them. The findings of the file tell of each.
+  UnreadFields unread;
 };
 
 struct DesignFile {
@@ -28,6 +33,8 @@ struct DesignFile {
   std::vector<Placed<v1::Template>> templates;
   // What cannot be read, with places as fields; what could be is above all the same.
   std::vector<Finding> findings;
+  // Names, as far as they could be made out, of what is not above because of that.
+  std::set<std::string> unread_names;
 };
 
 // Where `field` of a message is: its own place, that of what it is part of, or that of the message.
@@ -39,7 +46,8 @@ std::string PlaceOf(const std::string& place, const std::map<std::string, std::s
 // numbers and words are known.
 DesignFile ParseDesignCsv(std::string_view text);
 
-// A TemplateBundle as JSON (proto3 JSON, either form of field names), or a list of items.
+// A TemplateBundle as JSON (proto3 JSON, either form of field names), or a list of items. Of a
+// template of which something cannot be read, only the name counts.
 DesignFile ParseDesignJson(std::string_view text);
 
 // The file at `path`, by its extension: .csv, .json, or protobuf text. A file that cannot be read

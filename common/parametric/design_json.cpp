@@ -1,13 +1,12 @@
 // Designs as JSON. The text is first checked as a whole, then each material, item and template in
 // it is read by itself, so that all that is wrong is found, each with the line it begins at.
-#include <google/protobuf/util/json_util.h>
-
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <set>
 
 #include "absl/strings/str_cat.h"
 #include "common/parametric/design_file.h"
+#include "common/parametric/json_message.h"
 
 namespace mortise::parametric {
 namespace {
@@ -198,14 +197,18 @@ class Reader {
     Placed<Message> placed;
     placed.place = absl::StrCat("line ", walker_.Line());
     const std::string_view value = walker_.Value();
-    const auto status = google::protobuf::util::JsonStringToMessage(
-        google::protobuf::StringPiece(value.data(), value.size()), &placed.message);
-    if (value[0] != '{') {
-      Report(placed.place, absl::StrCat(path, " must be an object"));
-    } else if (!status.ok()) {
-      Report(placed.place, absl::StrCat(path, ": ", std::string(status.message())));
-    } else {
+    if (value[0] != '{') return Report(placed.place, absl::StrCat(path, " must be an object"));
+    bool is_whole = true;
+    for (const Finding& finding : ReadJsonMessage(value, placed.message, placed.unread)) {
+      const bool is_of_field = !finding.field.empty();
+      Report(placed.place,
+             absl::StrCat(path, is_of_field ? "." : "", finding.field, ": ", finding.message));
+      is_whole = is_whole && is_of_field;
+    }
+    if (is_whole) {
       messages.push_back(std::move(placed));
+    } else {
+      file_.unread_names.insert(placed.message.name());
     }
   }
 

@@ -31,13 +31,35 @@ constexpr const char* kPlainColumns[] = {
     "name",         "title",       "kind",        "material",        "price_basis",
     "price_date",   "supplier",    "standard",    "grain_axis",      "price_is_example",
     "supplier_url", "designation", "radial_axis", "supplier_number", "shape"};
-constexpr const char* kNeededColumns[] = {"name",      "kind",  "material", "length",    "width",
-                                          "thickness", "price", "currency", "price_date"};
+
+// Columns that there must be, and the fields that they fill.
+struct NeededColumn {
+  const char* name;
+  const char* field;
+};
+constexpr NeededColumn kNeededColumns[] = {{"name", "name"},
+                                           {"kind", "kind"},
+                                           {"material", "material"},
+                                           {"length", "dimensions[X].size"},
+                                           {"width", "dimensions[Y].size"},
+                                           {"thickness", "dimensions[Z].size"},
+                                           {"price", "price.amount"},
+                                           {"currency", "price.currency"},
+                                           {"price_date", "price_date"}};
 constexpr std::size_t kMaxFindings = 100;
 
 // What a column fills.
 struct Column {
-  enum class Part { kPlain, kPrice, kCurrency, kDimension, kMeasure, kStockSizes, kMoreSuppliers };
+  enum class Part {
+    kPlain,
+    kPrice,
+    kCurrency,
+    kDimension,
+    kMeasure,
+    kStockSizes,
+    kMoreSuppliers,
+    kUnknown  // the header is at fault
+  };
   std::string title;    // as the header has it
   std::string meaning;  // without the unit: "length.minimum"
   Part part = Part::kPlain;
@@ -164,8 +186,8 @@ class Reader {
  public:
   DesignFile Run(const CsvTable& table) {
     ReadHeader(table.rows[0]);
-    if (!file_.findings.empty()) return std::move(file_);
     for (std::size_t i = 1; i < table.rows.size(); ++i) ReadRow(table.rows[i]);
+    for (const CsvRow& row : table.ragged) NoteName(row);
     return std::move(file_);
   }
 
@@ -186,16 +208,24 @@ class Reader {
       if (column.millimetres) column.meaning.resize(cell.text.size() - kMillimetreSuffix.size());
       if (!FindMeaning(column)) {
         Report(PlaceOf(cell), absl::StrCat("there is no column '", cell.text.substr(0, 80), "'"));
+        column.part = Column::Part::kUnknown;
       } else if (!seen.insert(column.meaning).second) {
         Report(PlaceOf(cell), absl::StrCat("'", column.meaning, "' is there twice"));
+        column.part = Column::Part::kUnknown;
       }
       columns_.push_back(std::move(column));
     }
-    for (const char* needed : kNeededColumns) {
-      if (seen.count(needed) == 0) {
-        Report(absl::StrCat("line ", row[0].line),
-               absl::StrCat("the column '", needed, "' is missing"));
-      }
+    for (const NeededColumn& needed : kNeededColumns) {
+      if (seen.count(needed.name) != 0) continue;
+      Report(absl::StrCat("line ", row[0].line),
+             absl::StrCat("the column '", needed.name, "' is missing"));
+      missing_.insert(needed.field);
+    }
+  }
+
+  void NoteName(const CsvRow& row) {
+    for (std::size_t i = 0; i < std::min(row.size(), columns_.size()); ++i) {
+      if (columns_[i].meaning == "name") file_.unread_names.insert(row[i].text);
     }
   }
 
@@ -207,41 +237,55 @@ class Reader {
     for (int axis = v1::X; axis <= v1::Z; ++axis) {
       item.add_dimensions()->set_axis(static_cast<v1::Axis>(axis));
     }
+    placed.unread = missing_;
+    for (const std::string& field : missing_) SetUnread(field, item);
     for (std::size_t i = 0; i < row.size(); ++i) {
+      const Filled filled = Fill(columns_[i], row[i].text, item);
+      if (filled.field.empty()) continue;
       const std::string place = absl::StrCat(PlaceOf(row[i]), " (", columns_[i].title, ")");
-      const absl::StatusOr<std::string> field = Fill(columns_[i], row[i].text, item);
-      if (!field.ok()) {
-        Report(place, std::string(field.status().message()));
-      } else if (!field->empty()) {
-        placed.fields[*field] = place;
-      }
+      placed.fields[filled.field] = place;
+      if (filled.status.ok()) continue;
+      Report(place, std::string(filled.status.message()));
+      placed.unread.insert(filled.field);
     }
     file_.items.push_back(std::move(placed));
   }
 
-  // Puts a cell into the item and returns the path of the field it fills; empty for a measure that
-  // the item does not have.
-  absl::StatusOr<std::string> Fill(const Column& column, const std::string& text, v1::Item& item) {
+  // A number that no column gives.
+  static void SetUnread(const std::string& field, v1::Item& item) {
+    for (std::size_t axis = 0; axis < kAxes.size(); ++axis) {
+      if (field != absl::StrCat("dimensions[", kAxisFields[axis], "].size")) continue;
+      item.mutable_dimensions(static_cast<int>(axis))->set_size(kUnreadNumber);
+    }
+  }
+
+  // The path of the field that a cell fills, empty for none, and whether the cell could be read.
+  struct Filled {
+    std::string field;
+    absl::Status status;
+  };
+
+  // Puts a cell into the item.
+  Filled Fill(const Column& column, const std::string& text, v1::Item& item) {
     switch (column.part) {
+      case Column::Part::kUnknown:
+        return {};
       case Column::Part::kPlain:
-        if (!text.empty()) MORTISE_RETURN_IF_ERROR(SetPlain(item, column.meaning, text));
-        return column.meaning;
+        return {column.meaning,
+                text.empty() ? absl::OkStatus() : SetPlain(item, column.meaning, text)};
       case Column::Part::kCurrency:
         item.mutable_price()->set_currency(text);
-        return std::string("price.currency");
+        return {"price.currency", absl::OkStatus()};
       case Column::Part::kPrice: {
-        MORTISE_ASSIGN_OR_RETURN(const double amount, ParseCsvNumber(text, false));
-        item.mutable_price()->set_amount(amount);
-        return std::string("price.amount");
+        const absl::StatusOr<double> amount = ParseCsvNumber(text, false);
+        item.mutable_price()->set_amount(amount.value_or(kUnreadNumber));
+        return {"price.amount", amount.status()};
       }
       case Column::Part::kStockSizes:
-        if (!text.empty()) {
-          MORTISE_RETURN_IF_ERROR(SetStockSizes(item, text, column.millimetres));
-        }
-        return std::string("stock_sizes");
+        return {"stock_sizes",
+                text.empty() ? absl::OkStatus() : SetStockSizes(item, text, column.millimetres)};
       case Column::Part::kMoreSuppliers:
-        if (!text.empty()) MORTISE_RETURN_IF_ERROR(SetMoreSuppliers(item, text));
-        return std::string("more_suppliers");
+        return {"more_suppliers", text.empty() ? absl::OkStatus() : SetMoreSuppliers(item, text)};
       case Column::Part::kDimension:
         return FillDimension(column, text, item);
       case Column::Part::kMeasure:
@@ -250,37 +294,38 @@ class Reader {
     return FillMeasure(column, text, item);
   }
 
-  absl::StatusOr<std::string> FillDimension(const Column& column, const std::string& text,
-                                            v1::Item& item) {
+  Filled FillDimension(const Column& column, const std::string& text, v1::Item& item) {
     v1::ItemDimension& dimension = *item.mutable_dimensions(static_cast<int>(column.axis));
     const std::string field =
         absl::StrCat("dimensions[", kAxisFields[column.axis], "].", column.detail);
-    if (text.empty()) return field;
+    if (text.empty()) return {field, absl::OkStatus()};
     if (column.detail == "name") {
       dimension.set_name(text);
-      return field;
+      return {field, absl::OkStatus()};
     }
     if (column.detail == "process") {
       v1::Process process = v1::PROCESS_UNSPECIFIED;
       if (!v1::Process_Parse(text, &process)) {
-        return absl::InvalidArgumentError(
-            absl::StrCat("'", text.substr(0, 80), "' is no process, such as CHOP_SAW"));
+        return {field, absl::InvalidArgumentError(absl::StrCat(
+                           "'", text.substr(0, 80), "' is no process, such as CHOP_SAW"))};
       }
       dimension.set_process(process);
-      return field;
+      return {field, absl::OkStatus()};
     }
-    MORTISE_ASSIGN_OR_RETURN(const double value, ParseCsvNumber(text, column.millimetres));
+    const absl::StatusOr<double> read = ParseCsvNumber(text, column.millimetres);
+    const double value = read.value_or(kUnreadNumber);
     if (column.detail == "size") dimension.set_size(value);
     if (column.detail == "minimum") dimension.set_minimum(value);
     if (column.detail == "maximum") dimension.set_maximum(value);
     if (column.detail == "nominal") dimension.set_nominal(value);
-    return field;
+    return {field, read.status()};
   }
 
-  absl::StatusOr<std::string> FillMeasure(const Column& column, const std::string& text,
-                                          v1::Item& item) {
-    if (text.empty()) return std::string();
-    MORTISE_ASSIGN_OR_RETURN(const double value, ParseCsvNumber(text, column.millimetres));
+  // Nothing for a measure that the item does not have.
+  Filled FillMeasure(const Column& column, const std::string& text, v1::Item& item) {
+    if (text.empty()) return {};
+    const absl::StatusOr<double> read = ParseCsvNumber(text, column.millimetres);
+    const double value = read.value_or(kUnreadNumber);
     int index = 0;
     while (index < item.measures_size() && item.measures(index).name() != column.measure) ++index;
     if (index == item.measures_size()) item.add_measures()->set_name(column.measure);
@@ -288,10 +333,11 @@ class Reader {
     if (column.detail == "size") measure.set_size(value);
     if (column.detail == "minimum") measure.set_minimum(value);
     if (column.detail == "maximum") measure.set_maximum(value);
-    return absl::StrCat("measures[", index, "].", column.detail);
+    return {absl::StrCat("measures[", index, "].", column.detail), read.status()};
   }
 
   std::vector<Column> columns_;
+  UnreadFields missing_;  // of all rows, as the header has no column of them
   DesignFile file_;
 };
 

@@ -41,7 +41,8 @@ bool IsCurrency(const std::string& text) {
   return true;
 }
 
-bool Same(double a, double b) { return std::abs(a - b) <= kSameSize; }
+// Whether both are known, and are not the same.
+bool Differ(double a, double b) { return std::abs(a - b) > kSameSize; }
 
 void CheckNotHuge(const std::string& field, double size, std::vector<Finding>& findings) {
   if (size > kLargestDimension) {
@@ -52,7 +53,6 @@ void CheckNotHuge(const std::string& field, double size, std::vector<Finding>& f
 
 void CheckDimension(const std::string& field, const ItemDimension& dimension,
                     std::vector<Finding>& findings) {
-  const std::size_t before = findings.size();
   CheckPositive(absl::StrCat(field, ".size"), dimension.size, findings);
   CheckNotHuge(absl::StrCat(field, ".size"), dimension.size, findings);
   CheckNotNegative(absl::StrCat(field, ".nominal"), dimension.nominal, findings);
@@ -63,19 +63,16 @@ void CheckDimension(const std::string& field, const ItemDimension& dimension,
                         "with a letter"});
   }
   if (dimension.process == Process::kNone) {
-    if (dimension.minimum != 0 || dimension.maximum != 0) {
-      findings.push_back({absl::StrCat(field, ".process"),
-                          "is missing, though a range is given; a fixed dimension has none"});
-    }
-    return;
+    if (dimension.minimum == 0 && dimension.maximum == 0) return;
+    findings.push_back({absl::StrCat(field, ".process"),
+                        "is missing, though a range is given; a fixed dimension has none"});
   }
   CheckPositive(absl::StrCat(field, ".minimum"), dimension.minimum, findings);
   CheckPositive(absl::StrCat(field, ".maximum"), dimension.maximum, findings);
-  if (findings.size() > before) return;
-  if (dimension.maximum < dimension.minimum) {
+  if (dimension.maximum > 0 && dimension.maximum < dimension.minimum) {
     findings.push_back({absl::StrCat(field, ".maximum"), "is less than the minimum"});
   }
-  if (dimension.maximum > dimension.size) {
+  if (dimension.size > 0 && dimension.maximum > dimension.size) {
     findings.push_back(
         {absl::StrCat(field, ".maximum"),
          absl::StrCat("is more than the size of the stock, ", dimension.size, " m")});
@@ -95,14 +92,14 @@ void CheckDimensions(const Item& item, std::vector<Finding>& findings) {
   for (std::size_t i = 1; i < 3; ++i) {
     for (std::size_t j = 0; j < i; ++j) {
       if (NameOf(item, i) != NameOf(item, j)) continue;
-      if (Same(item.dimensions[i].size, item.dimensions[j].size)) continue;
+      if (!Differ(item.dimensions[i].size, item.dimensions[j].size)) continue;
       findings.push_back({absl::StrCat("dimensions[", kAxisFields[i], "].size"),
                           absl::StrCat("differs from that of ", kAxisFields[j],
                                        ", though both are '", NameOf(item, i), "'")});
     }
   }
   const bool round = item.kind == ItemKind::kDowel || item.kind == ItemKind::kThreadedRod;
-  if (round && !Same(item.dimensions[1].size, item.dimensions[2].size)) {
+  if (round && Differ(item.dimensions[1].size, item.dimensions[2].size)) {
     findings.push_back({"dimensions[Z].size", "it is round: Y and Z must be its diameter"});
   }
 }
@@ -110,18 +107,15 @@ void CheckDimensions(const Item& item, std::vector<Finding>& findings) {
 // What is wrong in itself is named before what is only missing.
 void CheckMeasure(const std::string& field, const ItemMeasure& measure,
                   std::vector<Finding>& findings) {
-  const std::size_t before = findings.size();
   CheckNotNegative(absl::StrCat(field, ".minimum"), measure.minimum, findings);
   CheckNotNegative(absl::StrCat(field, ".maximum"), measure.maximum, findings);
   CheckPositive(absl::StrCat(field, ".size"), measure.size, findings);
   CheckNotHuge(absl::StrCat(field, ".size"), measure.size, findings);
-  if (findings.size() == before) {
-    if (measure.minimum > measure.size) {
-      findings.push_back({absl::StrCat(field, ".minimum"), "is more than the size"});
-    }
-    if (measure.maximum != 0 && measure.maximum < measure.size) {
-      findings.push_back({absl::StrCat(field, ".maximum"), "is less than the size"});
-    }
+  if (measure.size > 0 && measure.minimum > measure.size) {
+    findings.push_back({absl::StrCat(field, ".minimum"), "is more than the size"});
+  }
+  if (measure.maximum > 0 && measure.maximum < measure.size) {
+    findings.push_back({absl::StrCat(field, ".maximum"), "is less than the size"});
   }
   if (!IsMeasureName(measure.name)) {
     findings.push_back({absl::StrCat(field, ".name"),
@@ -169,17 +163,20 @@ void CheckStockSize(const std::string& field, const StockSize& stock,
 void CheckStockSizes(const Item& item, std::vector<Finding>& findings) {
   const std::size_t before = findings.size();
   CheckList("stock_sizes", item.stock_sizes, kMaxStockSizes, CheckStockSize, findings);
-  if (findings.size() > before || item.stock_sizes.empty()) return;
+  if (item.stock_sizes.empty() || item.stock_sizes.size() > kMaxStockSizes) return;
+  const bool is_sound = findings.size() == before;
   const bool sheet = item.kind == ItemKind::kSheet;
   for (std::size_t i = 0; i < item.stock_sizes.size(); ++i) {
-    if (sheet == (item.stock_sizes[i].width > 0)) continue;
+    const double width = item.stock_sizes[i].width;
+    if (sheet ? width != 0 : !(width > 0)) continue;
     findings.push_back({absl::StrCat("stock_sizes[", i, "].width"),
                         sheet ? "is missing: a sheet has a width"
                               : "must be 0: only sheets are sold by length and width"});
   }
+  if (!is_sound) return;
   for (const StockSize& stock : item.stock_sizes) {
-    if (Same(stock.length, item.dimensions[0].size) &&
-        (!sheet || Same(stock.width, item.dimensions[1].size))) {
+    if (!Differ(stock.length, item.dimensions[0].size) &&
+        (!sheet || !Differ(stock.width, item.dimensions[1].size))) {
       return;
     }
   }

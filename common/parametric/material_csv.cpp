@@ -2,6 +2,7 @@
 #include <google/protobuf/descriptor.h>
 #include <google/protobuf/message.h>
 
+#include <algorithm>
 #include <set>
 
 #include "absl/strings/str_cat.h"
@@ -45,8 +46,8 @@ class Reader {
  public:
   DesignFile Run(const CsvTable& table) {
     ReadHeader(table.rows[0]);
-    if (!file_.findings.empty()) return std::move(file_);
     for (std::size_t i = 1; i < table.rows.size(); ++i) ReadRow(table.rows[i]);
+    for (const CsvRow& row : table.ragged) NoteName(row);
     return std::move(file_);
   }
 
@@ -66,24 +67,35 @@ class Reader {
                absl::StrCat("there is no column '", cell.text.substr(0, 80), "' of materials"));
       } else if (!seen.insert(cell.text).second) {
         Report(PlaceOf(cell), absl::StrCat("'", cell.text, "' is there twice"));
+        columns_.back().field = nullptr;
       }
     }
     for (const char* needed : kNeededColumns) {
-      if (seen.count(needed) == 0) {
-        Report(absl::StrCat("line ", row[0].line),
-               absl::StrCat("the column '", needed, "' is missing"));
-      }
+      if (seen.count(needed) != 0) continue;
+      Report(absl::StrCat("line ", row[0].line),
+             absl::StrCat("the column '", needed, "' is missing"));
+      missing_.insert(needed);
+    }
+  }
+
+  void NoteName(const CsvRow& row) {
+    for (std::size_t i = 0; i < std::min(row.size(), columns_.size()); ++i) {
+      if (columns_[i].title == "name") file_.unread_names.insert(row[i].text);
     }
   }
 
   void ReadRow(const CsvRow& row) {
     Placed<v1::Material> placed;
     placed.place = absl::StrCat("line ", row[0].line);
+    placed.unread = missing_;
     for (std::size_t i = 0; i < row.size(); ++i) {
+      if (columns_[i].field == nullptr) continue;
       const std::string place = absl::StrCat(PlaceOf(row[i]), " (", columns_[i].title, ")");
       placed.fields[columns_[i].title] = place;
       const absl::Status filled = Fill(columns_[i], row[i].text, placed.message);
-      if (!filled.ok()) Report(place, std::string(filled.message()));
+      if (filled.ok()) continue;
+      Report(place, std::string(filled.message()));
+      placed.unread.insert(columns_[i].title);
     }
     file_.materials.push_back(std::move(placed));
   }
@@ -97,12 +109,13 @@ class Reader {
       message->GetReflection()->SetString(message, column.field, text);
       return absl::OkStatus();
     }
-    MORTISE_ASSIGN_OR_RETURN(const double value, ParseCsvNumber(text));
-    message->GetReflection()->SetDouble(message, column.field, value);
-    return absl::OkStatus();
+    const absl::StatusOr<double> value = ParseCsvNumber(text);
+    message->GetReflection()->SetDouble(message, column.field, value.value_or(kUnreadNumber));
+    return value.status();
   }
 
-  std::vector<Column> columns_;
+  std::vector<Column> columns_;  // without a field where the header is at fault
+  UnreadFields missing_;         // of all rows, as the header has no column of them
   DesignFile file_;
 };
 

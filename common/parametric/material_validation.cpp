@@ -54,20 +54,31 @@ void CheckModuli(const OrthotropicElasticity& e, std::vector<Finding>& findings)
   }
 }
 
+bool IsPositive(double value) { return value > 0 && std::isfinite(value); }
+
 void CheckElasticity(const OrthotropicElasticity& e, std::vector<Finding>& findings) {
-  const std::size_t before = findings.size();
   CheckModuli(e, findings);
-  if (findings.size() > before) return;
+  // Of moduli that are none, ratios would be scaled to anything.
+  if (!IsPositive(e.youngs_modulus_l) || !IsPositive(e.youngs_modulus_r) ||
+      !IsPositive(e.youngs_modulus_t)) {
+    return;
+  }
   const ScaledRatios scaled(e);
-  const auto check = [&findings](const char* field, double ratio, const char* limit) {
-    if (std::abs(ratio) < 1) return;
+  bool is_possible = true;  // by each ratio alone
+  const auto check = [&](const char* field, double ratio, double scaled_ratio, const char* limit) {
+    if (std::abs(scaled_ratio) < 1) return;
+    is_possible = false;
+    if (!(ratio > -1) || !std::isfinite(ratio)) return;  // which has been told
     findings.push_back({field, std::string("must be smaller in size than ") + limit +
                                    ", or a deformation would set energy free"});
   };
-  check("orthotropic.poissons_ratio_lr", scaled.lr, "sqrt(youngs_modulus_l / youngs_modulus_r)");
-  check("orthotropic.poissons_ratio_lt", scaled.lt, "sqrt(youngs_modulus_l / youngs_modulus_t)");
-  check("orthotropic.poissons_ratio_rt", scaled.rt, "sqrt(youngs_modulus_r / youngs_modulus_t)");
-  if (findings.size() == before && scaled.Determinant() < kLeastDeterminant) {
+  check("orthotropic.poissons_ratio_lr", e.poissons_ratio_lr, scaled.lr,
+        "sqrt(youngs_modulus_l / youngs_modulus_r)");
+  check("orthotropic.poissons_ratio_lt", e.poissons_ratio_lt, scaled.lt,
+        "sqrt(youngs_modulus_l / youngs_modulus_t)");
+  check("orthotropic.poissons_ratio_rt", e.poissons_ratio_rt, scaled.rt,
+        "sqrt(youngs_modulus_r / youngs_modulus_t)");
+  if (is_possible && scaled.Determinant() < kLeastDeterminant) {
     findings.push_back({"orthotropic",
                         "is not positive definite: its three Poisson's ratios are together too "
                         "large, and a deformation would set energy free"});

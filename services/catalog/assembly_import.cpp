@@ -61,6 +61,7 @@ class Maker {
     MakeGroups();
     MeasureParts();
     for (std::size_t k = 0; k < kept_.size(); ++k) MakePart(k);
+    CheckUnused();
     *drawn_.assembly.mutable_joints() = annotations_.joints();
     AddNotes();
     return std::move(drawn_);
@@ -172,6 +173,19 @@ class Maker {
   bool StandsStraight(const cad::StepPart& part) const {
     const Eigen::Matrix3d turn = (cad::PlacementOf(drawing_, part.group) * part.placement).linear();
     return (turn.array().abs() * (1 - turn.array().abs())).maxCoeff() < kRightAngle;
+  }
+
+  // Annotations that no part shows are checked as they stand.
+  void CheckUnused() {
+    const std::set<int> used(drawn_.annotations.begin(), drawn_.annotations.end());
+    std::vector<int> unused;
+    for (int i = 0; i < annotations_.parts_size(); ++i) {
+      if (used.count(i) == 0) unused.push_back(i);
+    }
+    for (parametric::Finding& finding :
+         CheckWithoutParts(annotations_, unused, drawn_.assembly.groups(), items_)) {
+      drawn_.findings.push_back(std::move(finding));
+    }
   }
 
   void SetColor(const cad::StepPart& part, v1::AssemblyPart& message) const {

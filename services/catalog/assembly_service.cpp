@@ -12,6 +12,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "common/base/violation_lists.h"
 #include "common/parametric/assembly_design.h"
 #include "common/parametric/parametrization_codec.h"
 #include "common/parametric/template_codec.h"
@@ -24,6 +25,7 @@
 #include "services/catalog/design_stream.h"
 #include "services/catalog/drawing_records.h"
 #include "services/catalog/drawing_source.h"
+#include "services/catalog/part_annotations.h"
 #include "services/catalog/shape_records.h"
 #include "services/catalog/store_reading.h"
 
@@ -301,7 +303,6 @@ class AssemblyAdapter : public v1::AssemblyService::CallbackService {
     if (asked.expected_revision() < 0) {
       return InvalidField("expected_revision", "must be at least 0");
     }
-    MORTISE_ASSIGN_OR_RETURN(const Drawing drawing, drawings_.Read(asked.step(), asked.drawing()));
     // Only for the items.
     v1::Assembly named;
     for (const v1::PartAnnotation& part : asked.annotations().parts()) {
@@ -309,9 +310,16 @@ class AssemblyAdapter : public v1::AssemblyService::CallbackService {
     }
     MORTISE_ASSIGN_OR_RETURN(const v1::AssemblyBundle used, FreezeNow(named));
     MORTISE_ASSIGN_OR_RETURN(const parametric::TemplateBundle items, UsedBy(used));
-    DrawnAssembly drawn = MakeAssembly(*drawing, asked.annotations(), items.items);
+    const absl::StatusOr<Drawing> read = drawings_.Read(asked.step(), asked.drawing());
+    if (absl::IsInvalidArgument(read.status())) {
+      return Together(read.status(),
+                      parametric::ToStatus(CheckWithoutDrawing(asked.annotations(), items.items)));
+    }
+    MORTISE_RETURN_IF_ERROR(read.status());
+    const cad::StepAssembly& drawing = **read;
+    DrawnAssembly drawn = MakeAssembly(drawing, asked.annotations(), items.items);
     MORTISE_ASSIGN_OR_RETURN(v1::AssemblyBundle bundle, FreezeNow(drawn.assembly));
-    AddNewShapes(*drawing, bundle);
+    AddNewShapes(drawing, bundle);
     MORTISE_RETURN_IF_ERROR(AtRequest(drawn, asked.annotations(), TryToParametrize(call, bundle)));
     return Imported{std::move(bundle), std::move(drawn.notes)};
   }

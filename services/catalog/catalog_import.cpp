@@ -1,6 +1,7 @@
 // Checks everything of an import, then writes it.
 #include "services/catalog/catalog_import.h"
 
+#include <algorithm>
 #include <optional>
 #include <set>
 #include <utility>
@@ -39,9 +40,11 @@ absl::Status CheckCounts(const v1::ImportCatalogRequest& request) {
 // Everything that is wrong with the things of a request.
 class Faults {
  public:
-  // What is wrong with the thing at `place`. Failures that say nothing of fields are given back.
-  absl::Status Add(const std::string& place, const absl::Status& status) {
+  // What is wrong with the thing of this name at `place`. Failures that say nothing of fields are
+  // given back.
+  absl::Status Add(const std::string& place, const std::string& name, const absl::Status& status) {
     if (!status.ok() && !absl::IsInvalidArgument(status)) return UnderField(place, status);
+    if (!status.ok()) at_fault_.insert(name);
     for (FieldViolation& violation : AllViolationsOf(status)) {
       violation.field = absl::StrCat(place, violation.field.empty() ? "" : ".", violation.field);
       violations_.push_back(std::move(violation));
@@ -53,15 +56,19 @@ class Faults {
   void AddName(const std::string& place, const std::string& name) {
     if (names_.insert(name).second) return;
     violations_.push_back({place + ".name", absl::StrCat("'", name, "' is there twice")});
+    at_fault_.insert(name);
   }
 
-  bool none() const { return violations_.empty(); }
+  // Whether something is wrong with a thing of this name.
+  bool IsAtFault(const std::string& name) const { return at_fault_.count(name) != 0; }
 
-  absl::Status AsStatus() const { return none() ? absl::OkStatus() : InvalidFields(violations_); }
+  absl::Status AsStatus() const {
+    return violations_.empty() ? absl::OkStatus() : InvalidFields(violations_);
+  }
 
  private:
   std::vector<FieldViolation> violations_;
-  std::set<std::string> names_;
+  std::set<std::string> names_, at_fault_;
 };
 
 absl::Status CheckRow(store::ReadTransaction& transaction, const v1::Item& item) {
@@ -85,14 +92,28 @@ absl::Status CheckRows(const v1::ImportCatalogRequest& request, PendingRecords& 
   for (int i = 0; i < request.materials_size(); ++i) {
     const v1::Material& material = request.materials(i);
     faults.AddName(At("materials", i), material.name());
-    MORTISE_RETURN_IF_ERROR(faults.Add(At("materials", i), CheckMaterial(material)));
+    MORTISE_RETURN_IF_ERROR(
+        faults.Add(At("materials", i), material.name(), CheckMaterial(material)));
   }
   for (int i = 0; i < request.items_size(); ++i) {
     const v1::Item& item = request.items(i);
     faults.AddName(At("items", i), item.name());
-    MORTISE_RETURN_IF_ERROR(faults.Add(At("items", i), CheckRow(pending, item)));
+    MORTISE_RETURN_IF_ERROR(faults.Add(At("items", i), item.name(), CheckRow(pending, item)));
   }
   return absl::OkStatus();
+}
+
+// Whether a template is to use something that is at fault itself. An assembly is stored already.
+bool UsesWhatIsAtFault(const v1::TemplateBundle& bundle, const Faults& faults) {
+  const v1::Template& message = bundle.template_();
+  if (message.has_assembly()) return false;
+  const auto is_at_fault = [&](const std::string& name) { return faults.IsAtFault(name); };
+  const std::set<std::string> items = templates::ItemsOf(message);
+  const std::set<std::string> materials = templates::MaterialsOf(message);
+  return std::any_of(items.begin(), items.end(), is_at_fault) ||
+         std::any_of(materials.begin(), materials.end(), is_at_fault) ||
+         std::any_of(bundle.materials().begin(), bundle.materials().end(),
+                     [&](const v1::Material& material) { return is_at_fault(material.name()); });
 }
 
 // The templates with what they use, stored or pending; empty where something is at fault.
@@ -103,10 +124,11 @@ absl::Status FreezeTemplates(const v1::ImportCatalogRequest& request, PendingRec
     const v1::Template& message = request.templates(i);
     faults.AddName(place, message.name());
     const absl::Status name = ParseResourceName(message.name(), kTemplates, "name").status();
-    MORTISE_RETURN_IF_ERROR(faults.Add(place, name));
+    MORTISE_RETURN_IF_ERROR(faults.Add(place, message.name(), name));
     absl::StatusOr<v1::TemplateBundle> bundle = Freeze(pending, message);
-    MORTISE_RETURN_IF_ERROR(faults.Add(place, bundle.status()));
-    frozen.push_back(name.ok() && bundle.ok() ? *std::move(bundle) : v1::TemplateBundle());
+    MORTISE_RETURN_IF_ERROR(faults.Add(place, message.name(), bundle.status()));
+    const bool can_be_judged = name.ok() && bundle.ok() && !UsesWhatIsAtFault(*bundle, faults);
+    frozen.push_back(can_be_judged ? *std::move(bundle) : v1::TemplateBundle());
   }
   return absl::OkStatus();
 }
@@ -163,14 +185,13 @@ absl::StatusOr<std::vector<v1::TemplateBundle>> PrepareImport(
   MORTISE_RETURN_IF_ERROR(store.Read([&](store::ReadTransaction& transaction) -> absl::Status {
     PendingRecords pending(transaction);
     MORTISE_RETURN_IF_ERROR(CheckRows(request, pending, faults));
-    if (!faults.none()) return absl::OkStatus();
     return FreezeTemplates(request, pending, faults, bundles);
   }));
   for (int i = 0; i < static_cast<int>(bundles.size()); ++i) {
     v1::TemplateBundle& bundle = bundles[static_cast<std::size_t>(i)];
     if (!bundle.has_template_()) continue;
     MORTISE_RETURN_IF_ERROR(faults.Add(
-        At("templates", i),
+        At("templates", i), request.templates(i).name(),
         templates::Complete(bundle, templates::Trial::kThorough, is_given_up, parametrize)));
   }
   MORTISE_RETURN_IF_ERROR(faults.AsStatus());

@@ -1,15 +1,13 @@
 // Items in the store.
 #include <google/protobuf/util/time_util.h>
 
-#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "absl/strings/match.h"
-#include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "absl/time/time.h"
 #include "common/base/errors.h"
+#include "common/parametric/message_checks.h"
 #include "common/parametric/template_codec.h"
 #include "mortise/v1/assembly.pb.h"
 #include "services/catalog/catalog_records.h"
@@ -66,27 +64,6 @@ bool IsMissing(const absl::Status& status) {
   return absl::IsNotFound(status) || absl::IsInvalidArgument(status);
 }
 
-// Whether a finding only says that something of an item was not read, which `unread` tells of.
-bool IsConsequence(const parametric::Finding& finding, const v1::Item& item,
-                   const std::vector<parametric::Finding>& unread) {
-  const auto is_unread = [&](absl::string_view field) {
-    return std::any_of(unread.begin(), unread.end(), [&](const parametric::Finding& other) {
-      return absl::StartsWith(other.field, field);
-    });
-  };
-  const absl::string_view field = finding.field;
-  if (absl::StartsWith(field, "stock_sizes")) return is_unread("kind") || is_unread("dimensions");
-  if (absl::StartsWith(field, "dimensions[") && is_unread("dimensions")) {
-    const char axis = field[sizeof("dimensions[") - 1];
-    return std::count_if(item.dimensions().begin(), item.dimensions().end(),
-                         [&](const v1::ItemDimension& dimension) {
-                           return v1::Axis_Name(dimension.axis()) == std::string(1, axis) &&
-                                  v1::Process_IsValid(dimension.process());
-                         }) != 1;
-  }
-  return is_unread(field);
-}
-
 }  // namespace
 
 absl::StatusOr<v1::Item> GetItem(store::ReadTransaction& transaction, const std::string& name,
@@ -110,8 +87,6 @@ absl::StatusOr<Page<v1::Item>> ListItems(store::ReadTransaction& transaction,
 
 absl::StatusOr<std::vector<parametric::Finding>> CheckItem(store::ReadTransaction& transaction,
                                                            const v1::Item& item) {
-  std::vector<parametric::Finding> findings;
-  const parametric::Item read = parametric::ReadItem(item, findings);
   std::vector<parametric::Material> materials;
   absl::StatusOr<v1::Material> material = GetMaterial(transaction, item.material());
   if (material.ok()) {
@@ -120,10 +95,7 @@ absl::StatusOr<std::vector<parametric::Finding>> CheckItem(store::ReadTransactio
   } else if (!absl::IsNotFound(material.status()) && !absl::IsInvalidArgument(material.status())) {
     return material.status();
   }
-  const std::vector<parametric::Finding> unread = findings;
-  for (parametric::Finding& finding : parametric::ValidateItem(read, materials)) {
-    if (!IsConsequence(finding, item, unread)) findings.push_back(std::move(finding));
-  }
+  std::vector<parametric::Finding> findings = parametric::CheckItemMessage(item, materials);
   MORTISE_ASSIGN_OR_RETURN(const std::vector<parametric::Finding> of_shape,
                            CheckItemShape(transaction, item));
   findings.insert(findings.end(), of_shape.begin(), of_shape.end());

@@ -1,15 +1,26 @@
 #include "services/catalog/part_annotations.h"
 
 #include <algorithm>
+#include <iterator>
 #include <map>
 #include <string>
+#include <string_view>
+#include <utility>
 
+#include "absl/strings/match.h"
+#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
+#include "common/base/identifiers.h"
+#include "common/base/violation_lists.h"
+#include "common/parametric/assembly_codec.h"
+#include "common/parametric/field_checks.h"
 
 namespace mortise::catalog {
 namespace {
 
 using parametric::Finding;
+
+constexpr absl::string_view kParts = "parts[";
 
 class Assigner {
  public:
@@ -146,7 +157,88 @@ class Assigner {
   std::vector<int> own_, products_;  // annotations of each
 };
 
+// A part as an annotation says, in a box of its own.
+v1::AssemblyPart PartOf(const v1::PartAnnotation& annotation, int index) {
+  v1::AssemblyPart part;
+  part.set_name(absl::StrCat("part ", index));
+  part.set_title(annotation.title());
+  part.set_item(annotation.item());
+  part.set_role(annotation.role());
+  part.set_length_axis(annotation.length_axis());
+  part.set_thickness_axis(annotation.thickness_axis());
+  part.set_group(annotation.group());
+  *part.mutable_prominent_planes() = annotation.prominent_planes();
+  part.mutable_position()->set_x(index);
+  v1::Vector3& size = *part.mutable_size();
+  size.set_x(0.5);
+  size.set_y(0.5);
+  size.set_z(0.5);
+  return part;
+}
+
+// Whether a field of a part is what an annotation says, not what the part measures.
+bool IsAnnotated(std::string_view rest) {
+  static constexpr std::string_view kFields[] = {
+      ".title", ".item", ".role", ".group", ".length_axis", ".thickness_axis", ".prominent_planes"};
+  const bool is_among =
+      std::any_of(std::begin(kFields), std::end(kFields),
+                  [&](std::string_view field) { return rest.starts_with(field); });
+  return is_among && !rest.ends_with(".position");
+}
+
 }  // namespace
+
+std::vector<Finding> CheckWithoutParts(
+    const v1::AssemblyAnnotations& annotations, const std::vector<int>& which,
+    const google::protobuf::RepeatedPtrField<v1::AssemblyGroup>& groups,
+    const std::vector<parametric::Item>& items) {
+  if (which.empty()) return {};
+  v1::Assembly assembly;
+  assembly.set_name("assemblies/alone");
+  *assembly.mutable_groups() = groups;
+  for (const int i : which) *assembly.add_parts() = PartOf(annotations.parts(i), i);
+  std::vector<Finding> findings;
+  const absl::Status checked = parametric::FromProto(assembly, items).status();
+  for (const FieldViolation& violation : AllViolationsOf(checked)) {
+    const absl::string_view field = violation.field;
+    const std::size_t close = field.find(']');
+    int index = 0;
+    if (!absl::StartsWith(field, kParts) || close == absl::string_view::npos ||
+        !absl::SimpleAtoi(field.substr(kParts.size(), close - kParts.size()), &index)) {
+      continue;
+    }
+    const int annotation = which[static_cast<std::size_t>(index)];
+    const std::string rest(field.substr(close + 1));
+    // Shapes of items that exist are not looked up here.
+    const bool is_of_known_item =
+        rest == ".item" &&
+        parametric::FindItem(items, annotations.parts(annotation).item()) != nullptr;
+    if (!IsAnnotated(rest) || is_of_known_item) continue;
+    findings.push_back(
+        {absl::StrCat("annotations.parts[", annotation, "]", rest), violation.message});
+  }
+  return findings;
+}
+
+std::vector<Finding> CheckWithoutDrawing(const v1::AssemblyAnnotations& annotations,
+                                         const std::vector<parametric::Item>& items) {
+  std::vector<Finding> findings;
+  if (!ParseResourceName(annotations.name(), "assemblies", "name").ok()) {
+    findings.push_back({"annotations.name",
+                        "must be 'assemblies/' and 1 to 63 lower-case letters, digits and "
+                        "hyphens"});
+  }
+  parametric::CheckTitle("annotations.title", annotations.title(), findings);
+  parametric::CheckDescription("annotations.description", annotations.description(), findings);
+  std::vector<int> all;
+  for (int i = 0; i < annotations.parts_size(); ++i) all.push_back(i);
+  for (Finding& finding : CheckWithoutParts(annotations, all, annotations.groups(), items)) {
+    // Groups may be those of the file.
+    if (annotations.groups_size() == 0 && absl::EndsWith(finding.field, ".group")) continue;
+    findings.push_back(std::move(finding));
+  }
+  return findings;
+}
 
 Assignment AssignAnnotations(const cad::StepAssembly& drawing,
                              const v1::AssemblyAnnotations& annotations,

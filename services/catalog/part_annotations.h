@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "common/cad/step_assembly.h"
+#include "common/parametric/template_definition.h"
 #include "common/parametric/template_validation.h"
 #include "mortise/v1/assembly.pb.h"
 
@@ -21,5 +22,17 @@ struct Assignment {
 Assignment AssignAnnotations(const cad::StepAssembly& drawing,
                              const v1::AssemblyAnnotations& annotations,
                              std::vector<parametric::Finding>& findings);
+
+// What is wrong with annotations of the parts of no drawing: the items (`items` are those that
+// exist), roles, axes, groups, planes and titles that they name. `annotations.parts[i]` for each i
+// of `which`; `groups` are those that there are. Fields as above.
+std::vector<parametric::Finding> CheckWithoutParts(
+    const v1::AssemblyAnnotations& annotations, const std::vector<int>& which,
+    const google::protobuf::RepeatedPtrField<v1::AssemblyGroup>& groups,
+    const std::vector<parametric::Item>& items);
+
+// The same of all annotations to a file that cannot be read, and of the texts about the whole.
+std::vector<parametric::Finding> CheckWithoutDrawing(const v1::AssemblyAnnotations& annotations,
+                                                     const std::vector<parametric::Item>& items);
 
 }  // namespace mortise::catalog

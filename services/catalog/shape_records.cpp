@@ -1,12 +1,12 @@
 #include "services/catalog/shape_records.h"
 
 #include <algorithm>
-#include <cmath>
 #include <nlohmann/json.hpp>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "common/parametric/message_checks.h"
 #include "common/parametric/shape_codec.h"
 #include "services/catalog/record_access.h"
 
@@ -18,7 +18,6 @@ constexpr std::size_t kMostTogether = 64'000'000;  // bytes of arrays
 constexpr std::size_t kMostInMessage = 3'000'000;  // bytes of arrays
 // Writing again what was written just now is spared; far less than kUnusedShapeLife.
 constexpr absl::Duration kFresh = absl::Minutes(5);
-constexpr double kSameSize = 1e-6;  // m
 
 absl::StatusOr<std::string> KeyOf(const std::string& name) {
   const std::string prefix = absl::StrCat(kShapes, "/");
@@ -141,28 +140,14 @@ absl::Status CheckTogether(const google::protobuf::RepeatedPtrField<v1::Shape>& 
 
 absl::StatusOr<std::vector<parametric::Finding>> CheckItemShape(store::ReadTransaction& transaction,
                                                                 const v1::Item& item) {
-  std::vector<parametric::Finding> findings;
-  if (item.shape().empty()) return findings;
+  using Findings = std::vector<parametric::Finding>;
+  if (item.shape().empty()) return Findings();
   const absl::StatusOr<v1::Shape> shape = GetShape(transaction, item.shape());
   if (absl::IsNotFound(shape.status()) || absl::IsInvalidArgument(shape.status())) {
-    findings.push_back({"shape", absl::StrCat("there is no shape '", item.shape(), "'")});
-    return findings;
+    return Findings{parametric::MissingShape(item)};
   }
   MORTISE_RETURN_IF_ERROR(shape.status());
-  const double sizes[] = {shape->size().x(), shape->size().y(), shape->size().z()};
-  for (const v1::ItemDimension& dimension : item.dimensions()) {
-    if (dimension.axis() < v1::X || dimension.axis() > v1::Z) continue;
-    const double drawn = sizes[dimension.axis() - v1::X];
-    if (dimension.process() != v1::PROCESS_UNSPECIFIED ||
-        std::abs(drawn - dimension.size()) <= kSameSize) {
-      continue;
-    }
-    findings.push_back(
-        {"shape",
-         absl::StrCat("measures ", 1000 * drawn, " mm along ", v1::Axis_Name(dimension.axis()),
-                      ", where the item's size is fixed to ", 1000 * dimension.size(), " mm")});
-  }
-  return findings;
+  return parametric::CheckShapeOfItem(item, *shape);
 }
 
 }  // namespace mortise::catalog

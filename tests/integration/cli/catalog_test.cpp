@@ -158,6 +158,51 @@ TEST_F(CatalogCommand, NamesEveryFaultOfEveryFileAndStoresNothing) {
   EXPECT_TRUE(Names({"items"}).empty());
 }
 
+// One answer, whatever keeps each from being taken: cells, rows, other files, the catalog.
+TEST_F(CatalogCommand, TellsFaultsOfEveryKindAtOnce) {
+  const std::string materials = File("brass.csv",
+                                     "name,density,youngs_modulus,poissons_ratio,strength\n"
+                                     "materials/brass,heavy,1e11,0.6,2e8\n"
+                                     "materials/short,1\n");
+  const std::string none = "shapes/" + std::string(64, 'a');
+  const std::string items =
+      File("parts.csv",
+           "name,kind,material,length_mm,width_mm,thickness_mm,price,currency,price_date,shape\n"
+           "items/a,BOLT,materials/brass,4O,8,8,-1,EUR,2026-01-15,\n"
+           "items/b,BOLT,materials/unobtainium,40,8,8,1,EURO,2026-01-15,absent.step\n"
+           "items/b,BOLD,materials/short,40,8,8,1,EUR,today," +
+               none + "\n");
+  const std::string json = File(
+      "more.json",
+      "{\"items\": [{\"name\": \"items/c\", \"kind\": \"BOLD\", \"material\": "
+      "\"materials/steel\",\n"
+      "\"dimensions\": [{\"axis\": \"X\", \"size\": \"wide\"}, {\"axis\": \"X\", \"size\": -1}],\n"
+      "\"price\": {\"currency\": \"EUR\"}, \"price_basis\": \"PER_PIECE\", \"price_date\": "
+      "\"2026-02-30\"}]}");
+  const std::string refusal = Refusal({"import", materials, items, json});
+  EXPECT_THAT(refusal, HasSubstr("16 findings"));
+  for (const std::string& fault : std::vector<std::string>{
+           materials + ": line 2, column 2 (density): 'heavy' is no number",
+           materials + ": line 3, column 1: the row has 2 cells",
+           materials + ": line 2, column 4 (poissons_ratio): materials/brass.poissons_ratio",
+           items + ": line 2, column 4 (length_mm): '4O' is no number",
+           items + ": line 2, column 7 (price): items/a.price.amount",
+           items + ": line 3, column 3 (material): items/b.material",
+           items + ": line 3, column 8 (currency): items/b.price.currency",
+           items + ": line 3, column 10 (shape): items/b.shape",
+           items + ": line 4, column 1 (name): items/b: is there twice",
+           items + ": line 4, column 2 (kind): 'BOLD'",
+           items + ": line 4, column 9 (price_date): items/b.price_date",
+           items + ": line 4, column 10 (shape): items/b.shape: there is no shape '" + none,
+           json + ": line 1: items[0].kind: \"BOLD\"",
+           json + ": line 1: items[0].dimensions[0].size: \"wide\"",
+           json + ": line 1: items/c.dimensions[1].axis: is given twice",
+           json + ": line 1: items/c.price_date"}) {
+    EXPECT_THAT(refusal, HasSubstr(fault));
+  }
+  EXPECT_TRUE(Names({"items"}).empty());
+}
+
 TEST_F(CatalogCommand, OfVeryManyFaultsNamesTheFirst) {
   std::string text = "name,kind,material,length,width,thickness,price,currency,price_date\n";
   for (int i = 0; i < 150; ++i) {

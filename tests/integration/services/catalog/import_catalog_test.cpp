@@ -188,9 +188,16 @@ TEST_F(ImportCatalogTest, NamesFaultsOfTemplatesAndStoresNothing) {
               ElementsAre("templates[1].name", "templates[3].assembly.assembly",
                           "templates[4].name", "templates[2].parts[1].item"));
   EXPECT_FALSE(IsThere("items/ash-peg"));
-  // Templates are not judged by what is at fault itself.
+  // Templates are not judged by what is at fault itself; others are.
   request.mutable_materials(0)->set_strength(0);
-  EXPECT_THAT(FieldsOf(Import(request).status()), ElementsAre("materials[0].strength"));
+  v1::Template& apart = *request.add_templates();
+  apart = GetTemplate("templates/table");
+  apart.set_name("templates/apart");
+  apart.mutable_parts(1)->set_item("items/none");
+  EXPECT_THAT(
+      FieldsOf(Import(request).status()),
+      ElementsAre("materials[0].strength", "templates[1].name", "templates[3].assembly.assembly",
+                  "templates[4].name", "templates[5].parts[1].item"));
 }
 
 TEST_F(ImportCatalogTest, HasLimits) {

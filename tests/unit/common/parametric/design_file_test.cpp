@@ -6,6 +6,7 @@
 #include <google/protobuf/util/message_differencer.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
 
 #include "common/base/files.h"
@@ -114,6 +115,35 @@ TEST(ItemsCsv, RefusesHeadersThatItDoesNotUnderstand) {
   EXPECT_THAT(findings(""), testing::ElementsAre(At("line 1", "is missing")));
 }
 
+TEST(ItemsCsv, ReadsWhatItCanOfRowsAndOfHeadersAtFault) {
+  const DesignFile file =
+      ParseDesignCsv(std::string("colour,") + kHeader +
+                     "red,items/a,A,BOLD,materials/steel,40,8,eight,0.1,EUR,2026-01-15\n"
+                     "red,items/short,B\n"
+                     "red,items/\"c\",C,BOLT,materials/steel,40,8,8,0.1,EUR,2026-01-15\n"
+                     "red,items/d,D,BOLT,materials/steel,40,8,8,0.1,EURO,2026-01-15\n");
+  EXPECT_THAT(file.findings,
+              testing::UnorderedElementsAre(At("line 1, column 1", "no column 'colour'"),
+                                            At("line 2, column 4 (kind)", "BOLD"),
+                                            At("line 2, column 8 (thickness_mm)", "eight"),
+                                            At("line 3, column 1", "has 3 cells"),
+                                            At("line 4, column 2", "quote")))
+      << Listed(file.findings);
+  ASSERT_THAT(file.items, SizeIs(2));
+  EXPECT_THAT(file.items[0].unread, testing::ElementsAre("dimensions[Z].size", "kind"));
+  EXPECT_TRUE(std::isnan(file.items[0].message.dimensions(2).size()));
+  EXPECT_EQ(file.items[0].message.price().currency(), "EUR");
+  EXPECT_THAT(file.items[1].unread, IsEmpty());
+  EXPECT_EQ(file.items[1].message.name(), "items/d");
+  EXPECT_THAT(file.unread_names, testing::ElementsAre("items/short"));
+  const DesignFile without = ParseDesignCsv(
+      "name,kind,material,length,thickness,price,price_date\n"
+      "items/a,BOLT,materials/steel,0.04,0.008,0.1,2026-01-15\n");
+  ASSERT_THAT(without.items, SizeIs(1));
+  EXPECT_THAT(without.items[0].unread,
+              testing::ElementsAre("dimensions[Y].size", "price.currency"));
+}
+
 TEST(ItemsCsv, TakesMillimetresAsTheNearestNumber) {
   for (const char* text : {"6.8", "0.1", "13.27", "68e-1", "1e1"}) {
     const DesignFile file = ParseDesignCsv(std::string(kHeader) + "items/a,A,NUT,materials/steel," +
@@ -198,18 +228,28 @@ TEST(DesignJson, NamesThePlaceOfEveryFault) {
   const DesignFile file = ParseDesignJson(R"({
   "items": [
     {"name": "items/a", "title": "with \"]}\" in it"},
-    {"name": "items/b",
-     "kind": "BOLD"},
+    {"name": "items/b", "title": 3, "priceDate": "2026-01-15",
+     "kind": "BOLD", "dimensions": [{"axis": "X", "size": "wide"}, 7, {"axis": "Z", "size": 2}]},
     7,
     {"nmae": "items/c"}
   ],
   "materials": {},
   "colours": [1, 2]
 })");
-  EXPECT_THAT(file.items, SizeIs(1));
-  EXPECT_THAT(file.findings, SizeIs(5)) << Listed(file.findings);
-  EXPECT_THAT(file.findings, Contains(At("line 4", "items[1]: ")));
-  EXPECT_THAT(file.findings, Contains(At("line 4", "BOLD")));
+  ASSERT_THAT(file.items, SizeIs(3));
+  EXPECT_THAT(file.findings, SizeIs(8)) << Listed(file.findings);
+  EXPECT_THAT(file.findings, Contains(At("line 4", "items[1].title: 3 must be a text")));
+  EXPECT_THAT(file.findings,
+              Contains(At("line 4", "items[1].kind: \"BOLD\" must be one of BOARD, ")));
+  EXPECT_THAT(file.findings, Contains(At("line 4", "items[1].dimensions[0].size: \"wide\"")));
+  EXPECT_THAT(file.findings, Contains(At("line 4", "items[1].dimensions[1]: must be an object")));
+  // What can be read of the item is there.
+  const Placed<v1::Item>& placed = file.items[1];
+  EXPECT_EQ(placed.message.price_date(), "2026-01-15");
+  EXPECT_TRUE(std::isnan(placed.message.dimensions(0).size()));
+  EXPECT_EQ(placed.message.dimensions(2).size(), 2);
+  EXPECT_THAT(placed.unread,
+              testing::ElementsAre("dimensions[0].size", "dimensions[1]", "kind", "title"));
   EXPECT_THAT(file.findings, Contains(At("line 6", "items[2] must be an object")));
   EXPECT_THAT(file.findings, Contains(At("line 7", "nmae")));
   EXPECT_THAT(file.findings, Contains(At("line 9", "materials must be a list")));

@@ -13,6 +13,7 @@
 #include "common/parametric/assembly_codec.h"
 #include "services/catalog/drawn_coordinates.h"
 #include "services/catalog/item_fit.h"
+#include "services/catalog/part_annotations.h"
 
 namespace mortise::catalog {
 namespace {
@@ -198,7 +199,16 @@ TEST(AssemblyImport, TellsEveryFaultAtOnce) {
                            "annotations.parts[1].parts[0]", "annotations.parts[2].product",
                            "annotations.parts[3].item", "annotations.parts[4].parts",
                            "annotations.parts[5].product", "annotations.parts[6].left_out",
-                           "annotations.parts[7].parts[0]"));
+                           "annotations.parts[7].parts[0]", "annotations.parts[7].group"));
+  // Also of what is about nothing in the file.
+  EXPECT_THAT(Fields("name: 'assemblies/a' parts { parts: 'nobody' item: 'items/none' "
+                     "group: 'legs' length_axis: X thickness_axis: X } "
+                     "parts { parts: 'no one' item: 'items/board' group: 'nowhere' "
+                     "prominent_planes { name: '' axis: X position: 3 } }"),
+              UnorderedElementsAre("annotations.parts[0].parts[0]", "annotations.parts[0].item",
+                                   "annotations.parts[0].thickness_axis",
+                                   "annotations.parts[1].parts[0]", "annotations.parts[1].group",
+                                   "annotations.parts[1].prominent_planes[0].name"));
   EXPECT_THAT(Fields(absl::StrCat(kGood,
                                   "parts { parts: 'top' group: 'nowhere' "
                                   "prominent_planes { name: '' axis: X } }")),
@@ -207,6 +217,17 @@ TEST(AssemblyImport, TellsEveryFaultAtOnce) {
   EXPECT_THAT(Fields("name: 'assemblies/a' parts { parts: 'leg 1' parts: 'leg 2' parts: 'top' "
                      "parts: 'bolt' parts: 'Ann' left_out: true }"),
               Contains("annotations.parts"));
+}
+
+TEST(AssemblyImport, ChecksAnnotationsOfFilesThatCannotBeRead) {
+  std::vector<std::string> fields;
+  for (const parametric::Finding& finding : CheckWithoutDrawing(
+           Annotations("name: 'Trestle!' parts { parts: 'nobody' item: 'items/none' } "
+                       "parts { parts: 'top' item: 'items/board' group: 'of the file' }"),
+           {Board()})) {
+    fields.push_back(finding.field);
+  }
+  EXPECT_THAT(fields, UnorderedElementsAre("annotations.name", "annotations.parts[0].item"));
 }
 
 TEST(AssemblyImport, SaysWhyAnItemDoesNotFit) {

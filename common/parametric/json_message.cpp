@@ -1,0 +1,161 @@
+#include "common/parametric/json_message.h"
+
+#include <google/protobuf/descriptor.h>
+#include <google/protobuf/util/json_util.h>
+
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+
+namespace mortise::parametric {
+namespace {
+
+using google::protobuf::Descriptor;
+using google::protobuf::FieldDescriptor;
+using google::protobuf::Message;
+using google::protobuf::MessageFactory;
+using Json = nlohmann::json;
+
+constexpr std::size_t kMostShown = 80;  // bytes
+constexpr int kMostNesting = 64;
+
+std::string Names(const google::protobuf::EnumDescriptor& type) {
+  std::string names;
+  for (int i = 0; i < type.value_count(); ++i) {
+    // The first stands for what is not said.
+    if (i > 0) absl::StrAppend(&names, i == 1 ? "" : ", ", type.value(i)->name());
+  }
+  return names;
+}
+
+// What a field takes.
+std::string Wanted(const FieldDescriptor& field) {
+  switch (field.cpp_type()) {
+    case FieldDescriptor::CPPTYPE_ENUM:
+      return absl::StrCat("must be one of ", Names(*field.enum_type()));
+    case FieldDescriptor::CPPTYPE_BOOL:
+      return "must be true or false";
+    case FieldDescriptor::CPPTYPE_STRING:
+      return field.type() == FieldDescriptor::TYPE_BYTES ? "must be a text in base64"
+                                                         : "must be a text";
+    case FieldDescriptor::CPPTYPE_MESSAGE:
+      return absl::StrCat("must be a ", field.message_type()->full_name(), " as JSON");
+    case FieldDescriptor::CPPTYPE_DOUBLE:
+    case FieldDescriptor::CPPTYPE_FLOAT:
+      return "must be a number";
+    default:
+      return "must be a whole number that is not too large";
+  }
+}
+
+// Takes what cannot be read out of a JSON object.
+class Cleaner {
+ public:
+  Cleaner(std::vector<Finding>& findings, UnreadFields& unread)
+      : findings_(findings), unread_(unread) {}
+
+  void CleanObject(Json& object, const Descriptor& type, const std::string& path) {
+    for (auto entry = object.begin(); entry != object.end();) {
+      const FieldDescriptor* const field = FieldOf(type, entry.key());
+      const std::string place = absl::StrCat(path, path.empty() ? "" : ".",
+                                             field == nullptr ? entry.key() : field->name());
+      if (field == nullptr) {
+        findings_.push_back({place, "there is no field of this name"});
+        entry = object.erase(entry);
+      } else if (!CleanField(entry.value(), *field, place)) {
+        entry = object.erase(entry);
+      } else {
+        ++entry;
+      }
+    }
+  }
+
+ private:
+  static const FieldDescriptor* FieldOf(const Descriptor& type, const std::string& key) {
+    const FieldDescriptor* const field = type.FindFieldByName(key);
+    if (field != nullptr) return field;
+    for (int i = 0; i < type.field_count(); ++i) {
+      if (type.field(i)->json_name() == key) return type.field(i);
+    }
+    return nullptr;
+  }
+
+  bool Fail(const std::string& place, std::string message) {
+    findings_.push_back({place, std::move(message)});
+    unread_.insert(place);
+    return false;
+  }
+
+  // Whether there is anything left of it.
+  bool CleanField(Json& value, const FieldDescriptor& field, const std::string& place) {
+    if (value.is_null()) return true;
+    if (!field.is_repeated() || field.is_map()) return CleanValue(value, field, place);
+    if (!value.is_array()) return Fail(place, "must be a list");
+    for (std::size_t i = 0; i < value.size(); ++i) {
+      // The others keep their places.
+      if (CleanValue(value[i], field, absl::StrCat(place, "[", i, "]"))) continue;
+      value[i] = field.cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE  ? Json::object()
+                 : field.cpp_type() == FieldDescriptor::CPPTYPE_STRING ? Json("")
+                 : field.cpp_type() == FieldDescriptor::CPPTYPE_BOOL   ? Json(false)
+                                                                       : Json(0);
+    }
+    return true;
+  }
+
+  bool CleanValue(Json& value, const FieldDescriptor& field, const std::string& place) {
+    const bool is_message = field.cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE;
+    const bool is_plain = is_message && !field.is_map() &&
+                          !absl::StartsWith(field.message_type()->full_name(), "google.protobuf.");
+    if (is_plain) {
+      if (!value.is_object()) return Fail(place, "must be an object");
+      CleanObject(value, *field.message_type(), place);
+      return true;
+    }
+    if (CanBeRead(value, field)) return true;
+    std::string shown = value.is_primitive() ? value.dump() + " " : "";
+    if (shown.size() > kMostShown) shown.clear();
+    Fail(place, absl::StrCat(shown, Wanted(field)));
+    if (field.cpp_type() != FieldDescriptor::CPPTYPE_DOUBLE) return false;
+    value = "NaN";  // as unread numbers are
+    return true;
+  }
+
+  static bool CanBeRead(const Json& value, const FieldDescriptor& field) {
+    const std::unique_ptr<Message> scratch(
+        MessageFactory::generated_factory()->GetPrototype(field.containing_type())->New());
+    const Json whole = {
+        {field.name(), field.is_repeated() && !field.is_map() ? Json::array({value}) : value}};
+    return google::protobuf::util::JsonStringToMessage(whole.dump(), scratch.get()).ok();
+  }
+
+  std::vector<Finding>& findings_;
+  UnreadFields& unread_;
+};
+
+}  // namespace
+
+std::vector<Finding> ReadJsonMessage(std::string_view text, Message& message,
+                                     UnreadFields& unread) {
+  using google::protobuf::StringPiece;
+  using google::protobuf::util::JsonStringToMessage;
+  const auto read = JsonStringToMessage(StringPiece(text.data(), text.size()), &message);
+  if (read.ok()) return {};
+  message.Clear();
+  const auto is_shallow = [](int depth, Json::parse_event_t, const Json&) {
+    return depth <= kMostNesting;
+  };
+  Json object = Json::parse(text, is_shallow, /*allow_exceptions=*/false);
+  if (!object.is_object()) return {{"", std::string(read.message())}};
+  std::vector<Finding> findings;
+  Cleaner(findings, unread).CleanObject(object, *message.GetDescriptor(), "");
+  const auto rest = JsonStringToMessage(object.dump(), &message);
+  const auto& untold = rest.ok() ? read : rest;
+  if (!rest.ok() || findings.empty()) findings.push_back({"", std::string(untold.message())});
+  return findings;
+}
+
+}  // namespace mortise::parametric

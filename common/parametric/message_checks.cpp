@@ -1,0 +1,135 @@
+#include "common/parametric/message_checks.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/violation_lists.h"
+#include "common/parametric/template_codec.h"
+
+namespace mortise::parametric {
+namespace {
+
+constexpr double kSameSize = 1e-6;  // m
+constexpr const char* kDimensions = "dimensions[";
+constexpr std::string_view kStockSizes = "stock_sizes[";
+
+// Whether `path` is `field` or lies in it: "price.amount" in "price".
+bool LiesIn(std::string_view path, std::string_view field) {
+  if (!path.starts_with(field)) return false;
+  const std::string_view rest = path.substr(field.size());
+  return rest.empty() || rest.front() == '.' || rest.front() == '[';
+}
+
+bool IsOneOf(const std::string& field, const UnreadFields& told) {
+  return std::any_of(told.begin(), told.end(),
+                     [&](const std::string& other) { return LiesIn(field, other); });
+}
+
+// How often the item's dimensions have an axis.
+long CountOf(Axis axis, const v1::Item& item) {
+  return std::count_if(item.dimensions().begin(), item.dimensions().end(),
+                       [axis](const v1::ItemDimension& dimension) {
+                         return dimension.axis() == static_cast<int>(axis) + v1::X;
+                       });
+}
+
+// The path that findings of ValidateItem have: "dimensions[X].size" of "dimensions[0].size".
+std::string ByAxis(const std::string& field, const v1::Item& item) {
+  for (int i = 0; i < item.dimensions_size(); ++i) {
+    const std::string element = absl::StrCat(kDimensions, i, "]");
+    const v1::Axis axis = item.dimensions(i).axis();
+    if (!LiesIn(field, element) || axis < v1::X || axis > v1::Z) continue;
+    return absl::StrCat(kDimensions, v1::Axis_Name(axis), "]", field.substr(element.size()));
+  }
+  return field;
+}
+
+// Of the dimension of an axis that is missing or there twice, that is what is told.
+bool IsOfAmbiguousAxis(const std::string& field, const v1::Item& item) {
+  for (const Axis axis : {Axis::kX, Axis::kY, Axis::kZ}) {
+    const std::string name = v1::Axis_Name(static_cast<v1::Axis>(static_cast<int>(axis) + v1::X));
+    if (LiesIn(field, absl::StrCat(kDimensions, name, "]"))) return CountOf(axis, item) != 1;
+  }
+  return false;
+}
+
+// Whether the field is the width of a stock size that is wrong for one kind only. Of what kind the
+// item is, nobody knows.
+bool IsWidthForKind(const std::string& field, const v1::Item& item, const UnreadFields& told) {
+  if (told.count("kind") == 0 || !field.starts_with(kStockSizes) || !field.ends_with(".width")) {
+    return false;
+  }
+  const int index = std::stoi(field.substr(kStockSizes.size()));
+  return item.stock_sizes(index).width() >= 0;
+}
+
+}  // namespace
+
+std::vector<Finding> CheckMaterialMessage(const v1::Material& material,
+                                          const UnreadFields& unread) {
+  const absl::StatusOr<Material> read = FromProto(material);
+  std::vector<Finding> findings;
+  for (const FieldViolation& violation : AllViolationsOf(read.status())) {
+    findings.push_back({violation.field, violation.message});
+  }
+  if (read.ok()) findings = ValidateMaterial(*read);
+  std::erase_if(findings, [&](const Finding& finding) { return IsOneOf(finding.field, unread); });
+  return findings;
+}
+
+std::vector<Finding> CheckItemMessage(const v1::Item& item, const std::vector<Material>& materials,
+                                      const UnreadFields& unread) {
+  std::vector<Finding> findings;
+  Item read = ReadItem(item, findings);
+  std::erase_if(findings, [&](const Finding& finding) { return IsOneOf(finding.field, unread); });
+  UnreadFields told;
+  for (const std::string& field : unread) told.insert(ByAxis(field, item));
+  for (const Finding& finding : findings) told.insert(ByAxis(finding.field, item));
+  for (const Axis axis : {Axis::kX, Axis::kY, Axis::kZ}) {
+    if (CountOf(axis, item) != 1) {
+      read.dimensions[static_cast<std::size_t>(axis)].size = kUnreadNumber;
+    }
+  }
+  for (Finding& finding : ValidateItem(read, materials)) {
+    if (IsOneOf(finding.field, told) || IsOfAmbiguousAxis(finding.field, item) ||
+        IsWidthForKind(finding.field, item, told)) {
+      continue;
+    }
+    findings.push_back(std::move(finding));
+  }
+  return findings;
+}
+
+std::vector<Finding> CheckShapeOfItem(const v1::Item& item, const v1::Shape& shape,
+                                      const UnreadFields& unread) {
+  std::vector<Finding> findings;
+  const auto is_unread = [&](const std::string& axis) {
+    return std::any_of(unread.begin(), unread.end(), [&](const std::string& field) {
+      return LiesIn(ByAxis(field, item), absl::StrCat(kDimensions, axis, "]"));
+    });
+  };
+  const double sizes[] = {shape.size().x(), shape.size().y(), shape.size().z()};
+  for (const v1::ItemDimension& dimension : item.dimensions()) {
+    if (dimension.axis() < v1::X || dimension.axis() > v1::Z) continue;
+    const double drawn = sizes[dimension.axis() - v1::X];
+    if (dimension.process() != v1::PROCESS_UNSPECIFIED ||
+        is_unread(v1::Axis_Name(dimension.axis())) ||
+        std::abs(drawn - dimension.size()) <= kSameSize) {
+      continue;
+    }
+    findings.push_back(
+        {"shape",
+         absl::StrCat("measures ", 1000 * drawn, " mm along ", v1::Axis_Name(dimension.axis()),
+                      ", where the item's size is fixed to ", 1000 * dimension.size(), " mm")});
+  }
+  return findings;
+}
+
+Finding MissingShape(const v1::Item& item) {
+  return {"shape", absl::StrCat("there is no shape '", item.shape(), "'")};
+}
+
+}  // namespace mortise::parametric
