@@ -15,8 +15,6 @@ namespace {
 
 using parametric::Finding;
 
-constexpr std::size_t kMaxDefinitions = 500;
-constexpr std::size_t kMaxFeatures = 500;
 constexpr std::size_t kMaxProfiles = 200;
 constexpr std::size_t kMaxSegments = 500;
 constexpr std::size_t kMaxReferences = 200;

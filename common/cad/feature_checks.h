@@ -2,12 +2,17 @@
 // what features are given. Private to this folder; feature_model.h is the door.
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "common/cad/cad_template.h"
 #include "common/parametric/template_validation.h"
 
 namespace mortise::cad {
+
+// Most of a template; what has more is not looked at further.
+inline constexpr std::size_t kMaxDefinitions = 500;
+inline constexpr std::size_t kMaxFeatures = 500;
 
 // All findings at once; expressions are left to FeatureNumbers.
 std::vector<parametric::Finding> CheckFeatures(const CadTemplate& definition);

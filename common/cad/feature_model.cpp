@@ -1,7 +1,9 @@
 // Validates lists of features and evaluates them.
 #include "common/cad/feature_model.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <set>
 #include <utility>
 
@@ -11,6 +13,7 @@
 #include "common/cad/feature_regeneration.h"
 #include "common/cad/sketch_curves.h"
 #include "common/parametric/parameter_values.h"
+#include "common/parametric/solid_head_checks.h"
 
 namespace mortise::cad {
 namespace {
@@ -20,17 +23,40 @@ using parametric::Finding;
 constexpr int kRandomPoints = 32;
 constexpr std::size_t kMaxFindings = 100;
 
-// " (at length = 0.2, width = 0.1)".
+// " (at length = 0.2, width = 0.1)", without what is not known.
 std::string At(const CadTemplate& definition, const Eigen::VectorXd& q) {
-  return absl::StrCat(" (at ", parametric::ToText(definition.parameters, q), ")");
+  std::vector<parametric::Parameter> parameters;
+  Eigen::VectorXd known(q.size());
+  for (Eigen::Index i = 0; i < q.size(); ++i) {
+    if (!std::isfinite(q(i))) continue;
+    known(static_cast<Eigen::Index>(parameters.size())) = q(i);
+    parameters.push_back(definition.parameters[static_cast<std::size_t>(i)]);
+  }
+  if (parameters.empty()) return "";
+  const auto count = static_cast<Eigen::Index>(parameters.size());
+  return absl::StrCat(" (at ", parametric::ToText(parameters, known.head(count)), ")");
 }
 
-// What is wrong with sketches and extents whose numbers are each usable.
-void CheckShapes(const CadTemplate& definition, const Numbers& numbers,
-                 std::vector<Finding>& findings) {
+// Whether every number of a feature has a value that it may have, given what is wrong with numbers.
+bool IsUsable(const std::vector<NumberUse>& uses, const std::string& place, const Numbers& numbers,
+              const std::vector<Finding>& findings) {
+  const bool is_known = std::all_of(uses.begin(), uses.end(), [&](const NumberUse& use) {
+    return use.formula->empty() ? use.optional : numbers.Knows(*use.formula);
+  });
+  return is_known && std::none_of(findings.begin(), findings.end(), [&](const Finding& finding) {
+           return finding.field.starts_with(place);
+         });
+}
+
+// What is wrong with sketches and extents whose numbers are each usable. `uses` are those of each
+// feature.
+void CheckShapes(const CadTemplate& definition, const std::vector<std::vector<NumberUse>>& uses,
+                 const Numbers& numbers, std::vector<Finding>& findings) {
   for (std::size_t i = 0; i < definition.features.size(); ++i) {
-    const std::string place = absl::StrCat("features[", i, "].");
     const auto& kind = definition.features[i].kind;
+    if (!std::holds_alternative<Sketch>(kind) && !std::holds_alternative<Extrude>(kind)) continue;
+    const std::string place = absl::StrCat("features[", i, "].");
+    if (!IsUsable(uses[i], place, numbers, findings)) continue;
     if (const auto* sketch = std::get_if<Sketch>(&kind)) {
       std::vector<Finding> inside;
       ResolveSketch(*sketch, numbers, inside);
@@ -47,27 +73,54 @@ void CheckShapes(const CadTemplate& definition, const Numbers& numbers,
   }
 }
 
-std::vector<Finding> CheckNumbers(const CadTemplate& definition, const FeatureNumbers& numbers) {
-  std::vector<Finding> findings;
+// Parameters of which a range, name or default is at fault: nobody knows what values they have.
+std::vector<Eigen::Index> ParametersAtFault(const CadTemplate& definition,
+                                            const std::vector<Finding>& findings) {
+  std::vector<Eigen::Index> at_fault;
+  for (std::size_t i = 0; i < definition.parameters.size(); ++i) {
+    const std::string field = absl::StrCat("parameters[", i, "]");
+    const bool is_at_fault =
+        std::any_of(findings.begin(), findings.end(), [&](const Finding& finding) {
+          return finding.field == field || finding.field == field + ".name" ||
+                 finding.field == field + ".maximum" || finding.field == field + ".default_value";
+        });
+    if (is_at_fault) at_fault.push_back(static_cast<Eigen::Index>(i));
+  }
+  return at_fault;
+}
+
+// Adds what is wrong at some parameters to what is wrong at all of them.
+void CheckNumbers(const CadTemplate& definition, const FeatureNumbers& numbers,
+                  std::vector<Finding>& findings) {
+  const std::vector<Eigen::Index> unknown = ParametersAtFault(definition, findings);
+  std::vector<std::vector<NumberUse>> uses;
+  for (const Feature& feature : definition.features) uses.push_back(NumbersOf(feature));
   std::set<std::string> seen;
-  for (const Eigen::VectorXd& q : parametric::TrialPoints(definition.parameters, kRandomPoints)) {
+  for (Eigen::VectorXd q : parametric::TrialPoints(definition.parameters, kRandomPoints)) {
+    for (const Eigen::Index i : unknown) q(i) = std::numeric_limits<double>::quiet_NaN();
     std::vector<Finding> here;
     const Numbers values = numbers.Evaluate(q, here);
-    if (here.empty()) CheckShapes(definition, values, here);
+    CheckShapes(definition, uses, values, here);
     for (Finding& finding : here) {
-      if (findings.size() == kMaxFindings) return findings;
+      if (findings.size() >= kMaxFindings) return;
       if (!seen.insert(finding.field).second) continue;
       findings.push_back({finding.field, finding.message + At(definition, q)});
     }
   }
-  return findings;
+}
+
+// Whether the template is small enough to be tried at many parameters.
+bool CanBeTried(const CadTemplate& definition) {
+  return definition.parameters.size() <= parametric::kMaxSolidParameters &&
+         definition.definitions.size() <= kMaxDefinitions &&
+         definition.features.size() <= kMaxFeatures;
 }
 
 std::vector<Finding> Validate(const CadTemplate& definition, const FeatureNumbers& numbers,
                               std::vector<Finding> of_expressions) {
   std::vector<Finding> findings = CheckFeatures(definition);
   findings.insert(findings.end(), of_expressions.begin(), of_expressions.end());
-  if (findings.empty()) findings = CheckNumbers(definition, numbers);
+  if (CanBeTried(definition)) CheckNumbers(definition, numbers, findings);
   if (findings.size() > kMaxFindings) findings.resize(kMaxFindings);
   return findings;
 }

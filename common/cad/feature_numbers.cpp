@@ -1,12 +1,16 @@
 // Lists, parses and evaluates the numbers of features.
 #include "common/cad/feature_numbers.h"
 
+#include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <limits>
 #include <numbers>
-#include <optional>
+#include <set>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
 
 namespace mortise::cad {
 namespace {
@@ -16,6 +20,7 @@ using parametric::Finding;
 
 constexpr double kSmallest = 1e-6;  // m
 constexpr double kLargest = 1e3;    // m
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 // Collects the numbers of one feature.
 class Lister {
@@ -130,6 +135,30 @@ class Lister {
   std::string prefix_;
 };
 
+bool BeginsName(char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0 || c == '_'; }
+bool BelongsToWord(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; }
+
+// Which of `names` stand in the text of an expression.
+std::vector<Eigen::Index> NamesIn(const std::string& text, const std::vector<std::string>& names) {
+  std::set<std::string> words;
+  for (std::size_t at = 0; at < text.size();) {
+    std::size_t end = at;
+    while (end < text.size() && BelongsToWord(text[end])) ++end;
+    if (BeginsName(text[at])) words.insert(text.substr(at, end - at));
+    at = std::max(end, at + 1);
+  }
+  std::vector<Eigen::Index> found;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (words.contains(names[i])) found.push_back(static_cast<Eigen::Index>(i));
+  }
+  return found;
+}
+
+bool AreKnown(const std::vector<Eigen::Index>& names, const Eigen::VectorXd& values) {
+  return std::all_of(names.begin(), names.end(),
+                     [&](Eigen::Index name) { return std::isfinite(values(name)); });
+}
+
 bool IsWhole(double value, double least, double most) {
   return value == std::floor(value) && value >= least && value <= most;
 }
@@ -189,14 +218,13 @@ FeatureNumbers::FeatureNumbers(const CadTemplate& definition, std::vector<Findin
   std::vector<std::string> names;
   for (const auto& parameter : definition.parameters) names.push_back(parameter.name);
   for (std::size_t i = 0; i < definition.definitions.size(); ++i) {
-    auto expression = Expression::Parse(definition.definitions[i].value, names);
-    if (!expression.ok()) {
+    auto parsed = Parse(definition.definitions[i].value, names);
+    if (!parsed.ok()) {
       findings.push_back(
-          {absl::StrCat("definitions[", i, "].value"), std::string(expression.status().message())});
-      // The names still count, or every use of this one would be a finding too.
-      expression = Expression::Parse("0", names);
+          {absl::StrCat("definitions[", i, "].value"), std::string(parsed.status().message())});
     }
-    definitions_.push_back(*std::move(expression));
+    // The names still count, or every use of this one would be a finding too.
+    definitions_.push_back(parsed.ok() ? std::optional(*std::move(parsed)) : std::nullopt);
     names.push_back(definition.definitions[i].name);
   }
   for (std::size_t i = 0; i < definition.features.size(); ++i) {
@@ -207,12 +235,12 @@ FeatureNumbers::FeatureNumbers(const CadTemplate& definition, std::vector<Findin
         continue;
       }
       if (!expressions_.contains(*use.formula)) {
-        auto expression = Expression::Parse(*use.formula, names);
-        if (!expression.ok()) {
-          findings.push_back({field, std::string(expression.status().message())});
+        auto parsed = Parse(*use.formula, names);
+        if (!parsed.ok()) {
+          findings.push_back({field, std::string(parsed.status().message())});
           continue;
         }
-        expressions_.emplace(*use.formula, *std::move(expression));
+        expressions_.emplace(*use.formula, *std::move(parsed));
       }
       const bool is_condition = std::holds_alternative<Condition>(definition.features[i].kind);
       uses_.push_back({std::move(field), *use.formula, use.need,
@@ -222,6 +250,12 @@ FeatureNumbers::FeatureNumbers(const CadTemplate& definition, std::vector<Findin
   AddReferenceTemperature(definition, names, findings);
 }
 
+absl::StatusOr<FeatureNumbers::Parsed> FeatureNumbers::Parse(
+    const std::string& text, const std::vector<std::string>& names) {
+  MORTISE_ASSIGN_OR_RETURN(Expression expression, Expression::Parse(text, names));
+  return Parsed{std::move(expression), NamesIn(text, names)};
+}
+
 void FeatureNumbers::AddReferenceTemperature(const CadTemplate& definition,
                                              const std::vector<std::string>& names,
                                              std::vector<Finding>& findings) {
@@ -229,12 +263,12 @@ void FeatureNumbers::AddReferenceTemperature(const CadTemplate& definition,
   const Formula& formula = definition.reference_temperature;
   if (formula.empty()) return;
   if (!expressions_.contains(formula)) {
-    auto expression = Expression::Parse(formula, names);
-    if (!expression.ok()) {
-      findings.push_back({kField, std::string(expression.status().message())});
+    auto parsed = Parse(formula, names);
+    if (!parsed.ok()) {
+      findings.push_back({kField, std::string(parsed.status().message())});
       return;
     }
-    expressions_.emplace(formula, *std::move(expression));
+    expressions_.emplace(formula, *std::move(parsed));
   }
   uses_.push_back({kField, formula, Need::kPositive, ""});
 }
@@ -245,14 +279,16 @@ Numbers FeatureNumbers::Evaluate(const Eigen::Ref<const Eigen::VectorXd>& q,
   Eigen::VectorXd values(q.size() + static_cast<Eigen::Index>(definitions_.size()));
   values.head(q.size()) = q;
   for (std::size_t i = 0; i < definitions_.size(); ++i) {
-    const Eigen::Index known = q.size() + static_cast<Eigen::Index>(i);
-    const auto value = definitions_[i].Value(values.head(known));
-    if (!value.ok()) {
+    const Eigen::Index index = q.size() + static_cast<Eigen::Index>(i);
+    values(index) = kUnknown;
+    if (!definitions_[i] || !AreKnown(definitions_[i]->names, values)) continue;
+    const auto value = definitions_[i]->expression.Value(values.head(index));
+    if (value.ok()) {
+      values(index) = *value;
+    } else {
       findings.push_back(
           {absl::StrCat("definitions[", i, "].value"), std::string(value.status().message())});
-      return numbers;  // all else may hang on it
     }
-    values(known) = *value;
   }
   for (const Use& use : uses_) {
     const auto known = numbers.values_.find(use.text);
@@ -261,7 +297,9 @@ Numbers FeatureNumbers::Evaluate(const Eigen::Ref<const Eigen::VectorXd>& q,
     if (known != numbers.values_.end()) {
       value = known->second;
     } else {
-      const auto result = expressions_.at(use.text).Value(values);
+      const Parsed& parsed = expressions_.at(use.text);
+      if (!AreKnown(parsed.names, values)) continue;
+      const auto result = parsed.expression.Value(values);
       if (!result.ok()) {
         findings.push_back({use.field, owner + std::string(result.status().message())});
         continue;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -45,9 +46,11 @@ std::vector<NumberUse> NumbersOf(const Feature& feature);
 // Values by the text of the expression, at given parameters.
 class Numbers {
  public:
-  double operator()(const Formula& formula) const;  // 0 if empty
+  double operator()(const Formula& formula) const;  // 0 if empty; else it must be known
   Eigen::Vector2d operator()(const Formula2& formula) const;
   Eigen::Vector3d operator()(const Formula3& formula) const;
+
+  bool Knows(const Formula& formula) const { return formula.empty() || values_.contains(formula); }
 
  private:
   friend class FeatureNumbers;
@@ -62,10 +65,20 @@ class FeatureNumbers {
 
   // The numbers at `q`, one entry a parameter in the template's order, which need not be within
   // their ranges. Whatever cannot be evaluated or is not what it must be is added to `findings`.
+  // Parameters that are not finite, and definitions that could not be parsed or evaluated, are
+  // unknown: so is what uses them, of which nothing is told.
   Numbers Evaluate(const Eigen::Ref<const Eigen::VectorXd>& q,
                    std::vector<parametric::Finding>& findings) const;
 
  private:
+  // An expression, and which of the parameters and definitions it names.
+  struct Parsed {
+    parametric::Expression expression;
+    std::vector<Eigen::Index> names;
+  };
+  static absl::StatusOr<Parsed> Parse(const std::string& text,
+                                      const std::vector<std::string>& names);
+
   struct Use {
     std::string field;  // "features[2].extrude.to"
     std::string text;
@@ -75,9 +88,9 @@ class FeatureNumbers {
   void AddReferenceTemperature(const CadTemplate& definition, const std::vector<std::string>& names,
                                std::vector<parametric::Finding>& findings);
 
-  std::vector<parametric::Expression> definitions_;
+  std::vector<std::optional<Parsed>> definitions_;  // none for those that cannot be parsed
   std::vector<Use> uses_;
-  std::unordered_map<std::string, parametric::Expression> expressions_;  // by text
+  std::unordered_map<std::string, Parsed> expressions_;  // by text
   Eigen::Index parameter_count_ = 0;
 };
 

@@ -10,8 +10,6 @@
 namespace mortise::parametric {
 namespace {
 
-constexpr std::size_t kMaxParameters = 64;
-
 void CheckRange(const std::string& field, const Parameter& parameter,
                 std::vector<Finding>& findings) {
   if (!std::isfinite(parameter.minimum) || !std::isfinite(parameter.maximum) ||
@@ -65,7 +63,7 @@ void CheckNumberName(const std::string& field, const std::string& name, std::set
 
 void CheckSolidParameters(const std::vector<Parameter>& parameters, std::set<std::string>& seen,
                           std::vector<Finding>& findings) {
-  CheckCount("parameters", parameters.size(), 1, kMaxParameters, findings);
+  CheckCount("parameters", parameters.size(), 1, kMaxSolidParameters, findings);
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     const std::string field = absl::StrCat("parameters[", i, "]");
     CheckNumberName(field + ".name", parameters[i].name, seen, findings);

@@ -2,6 +2,7 @@
 // shape: texts, parameters, and the names of numbers.
 #pragma once
 
+#include <cstddef>
 #include <set>
 #include <string>
 #include <vector>
@@ -10,6 +11,8 @@
 #include "common/parametric/template_validation.h"
 
 namespace mortise::parametric {
+
+inline constexpr std::size_t kMaxSolidParameters = 64;
 
 // "templates/{id}", "materials/{id}", and texts of at most 1000 bytes.
 void CheckSolidTexts(const std::string& name, const std::string& title,

@@ -45,6 +45,9 @@ namespace mortise::rpc {
 template <class Response>
 using Responder = std::function<void(absl::StatusOr<Response>)>;
 
+// When numbers of a request that are not finite, and enum values that nobody knows, are told.
+enum class BadNumbers { kToldFirst, kToldWithAllElse };
+
 class Endpoint {
  public:
   // `service` is the proto's full name. `dispatcher` must outlive it.
@@ -116,13 +119,16 @@ class Endpoint {
 
   // The same for changes that need slow work first: what `prepare` returns, outside the
   // transaction, is given to `function`. Not run for a request answered before.
+  // With BadNumbers::kToldWithAllElse, `prepare` refuses every number that is not finite itself,
+  // and is run for such requests, too, to tell what else is wrong with them.
   //   prepare(const Call&, const Request&) -> absl::StatusOr<Prepared>
   //   function(const Call&, const Request&, Prepared&, store::Transaction&) -> StatusOr<Response>
   template <class Request, class Response, class Prepare, class Function>
   grpc::ServerUnaryReactor* PreparedMutation(const char* method,
                                              grpc::CallbackServerContext* context,
                                              const Request* request, Response* response,
-                                             Prepare prepare, Function function) {
+                                             Prepare prepare, Function function,
+                                             BadNumbers bad_numbers = BadNumbers::kToldFirst) {
     using Prepared =
         typename std::invoke_result_t<Prepare, const Call&, const Request&>::value_type;
     auto prepared = std::make_shared<std::optional<Prepared>>();
@@ -132,6 +138,7 @@ class Endpoint {
       MORTISE_ASSIGN_OR_RETURN(*prepared, prepare(call, *request));
       return absl::OkStatus();
     };
+    steps.prepare_tells_all = bad_numbers == BadNumbers::kToldWithAllElse;
     steps.change = [request, response, prepared, function = std::move(function)](
                        const Call& call, store::Transaction& transaction) -> absl::Status {
       MORTISE_ASSIGN_OR_RETURN(*response, function(call, *request, **prepared, transaction));

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "common/base/errors.h"
+#include "common/base/field_violations.h"
 
 namespace mortise::rpc {
 namespace {
@@ -17,6 +17,8 @@ namespace {
 using google::protobuf::FieldDescriptor;
 using google::protobuf::Message;
 using google::protobuf::Reflection;
+
+constexpr std::size_t kMost = 40;  // violations, about as many as an answer holds
 
 // One field of a message, or one element of a repeated field (`index` >= 0).
 struct Place {
@@ -56,26 +58,30 @@ bool NeedsCheck(const FieldDescriptor* field) {
   }
 }
 
-absl::Status CheckFinite(double value) {
-  if (std::isfinite(value)) return absl::OkStatus();
-  return InvalidField("", "must be a finite number");
+using Violations = std::vector<FieldViolation>;
+
+void CheckInto(const Message& message, Violations& violations);
+
+void CheckFinite(double value, Violations& violations) {
+  if (!std::isfinite(value)) violations.push_back({"", "must be a finite number"});
 }
 
-// A failure has the path below this place as its field; the caller puts the rest before it.
-absl::Status CheckPlace(const Place& place) {
+// Violations have the path below this place as their fields; the caller puts the rest before it.
+void CheckPlace(const Place& place, Violations& violations) {
   switch (place.field->cpp_type()) {
     case FieldDescriptor::CPPTYPE_DOUBLE:
-      return CheckFinite(place.Double());
+      return CheckFinite(place.Double(), violations);
     case FieldDescriptor::CPPTYPE_FLOAT:
-      return CheckFinite(place.Float());
+      return CheckFinite(place.Float(), violations);
     case FieldDescriptor::CPPTYPE_ENUM: {
       const int value = place.Enum();
-      if (place.field->enum_type()->FindValueByNumber(value) != nullptr) return absl::OkStatus();
-      return InvalidField(
-          "", absl::StrCat(value, " is not a value of ", place.field->enum_type()->name()));
+      if (place.field->enum_type()->FindValueByNumber(value) != nullptr) return;
+      violations.push_back(
+          {"", absl::StrCat(value, " is not a value of ", place.field->enum_type()->name())});
+      return;
     }
     default:
-      return CheckMessage(place.Nested());
+      CheckInto(place.Nested(), violations);
   }
 }
 
@@ -91,42 +97,53 @@ std::string MapSegment(const FieldDescriptor* field, const Message& entry) {
   return absl::StrCat(field->name(), "[", key, "]");
 }
 
-// Rebuilds the failure with `segment` before its path, and its message after that.
-absl::Status Locate(const std::string& segment, const absl::Status& status) {
-  const std::string below = DetailOf(status).field;
-  std::string message(status.message());
-  message.erase(0, absl::StrCat(below, ": ").size());
-  return InvalidField(below.empty() ? segment : absl::StrCat(segment, ".", below), message);
+// Puts `segment` before the paths of the violations from the index `first` on.
+void Locate(const std::string& segment, std::size_t first, Violations& violations) {
+  for (std::size_t i = first; i < violations.size(); ++i) {
+    std::string& field = violations[i].field;
+    field = absl::StrCat(segment, field.empty() ? "" : ".", field);
+  }
 }
 
 // Element `index` of a field, or the whole of a singular one (-1).
-absl::Status CheckElement(const Message& message, const FieldDescriptor* field, int index) {
+void CheckElement(const Message& message, const FieldDescriptor* field, int index,
+                  Violations& violations) {
+  const std::size_t first = violations.size();
   if (!field->is_map()) {
-    const absl::Status status = CheckPlace({message, field, index});
-    return status.ok() ? status : Locate(Segment(field, index), status);
+    CheckPlace({message, field, index}, violations);
+    if (violations.size() > first) Locate(Segment(field, index), first, violations);
+    return;
   }
   const Message& entry = message.GetReflection()->GetRepeatedMessage(message, field, index);
   const FieldDescriptor* value = entry.GetDescriptor()->map_value();
-  if (!NeedsCheck(value)) return absl::OkStatus();
-  const absl::Status status = CheckPlace({entry, value, -1});
-  return status.ok() ? status : Locate(MapSegment(field, entry), status);
+  if (!NeedsCheck(value)) return;
+  CheckPlace({entry, value, -1}, violations);
+  if (violations.size() > first) Locate(MapSegment(field, entry), first, violations);
 }
 
-}  // namespace
-
-absl::Status CheckMessage(const Message& message) {
+void CheckInto(const Message& message, Violations& violations) {
   std::vector<const FieldDescriptor*> fields;
   message.GetReflection()->ListFields(message, &fields);
   for (const FieldDescriptor* field : fields) {
     if (!NeedsCheck(field)) continue;
     if (!field->is_repeated()) {
-      MORTISE_RETURN_IF_ERROR(CheckElement(message, field, -1));
+      CheckElement(message, field, -1, violations);
       continue;
     }
     const int count = message.GetReflection()->FieldSize(message, field);
-    for (int i = 0; i < count; ++i) MORTISE_RETURN_IF_ERROR(CheckElement(message, field, i));
+    for (int i = 0; i < count && violations.size() < kMost; ++i) {
+      CheckElement(message, field, i, violations);
+    }
+    if (violations.size() >= kMost) return;
   }
-  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::Status CheckMessage(const Message& message) {
+  Violations violations;
+  CheckInto(message, violations);
+  return violations.empty() ? absl::OkStatus() : InvalidFields(violations);
 }
 
 }  // namespace mortise::rpc

@@ -9,8 +9,9 @@ class Message;
 
 namespace mortise::rpc {
 
-// INVALID_ARGUMENT with the path of the first field, in the order of field numbers, that holds NaN,
-// an infinity, or a number that its enum does not have. Any fields are not looked into.
+// INVALID_ARGUMENT with the paths of the fields, in the order of field numbers and the first 40 or
+// so, that hold NaN, an infinity, or a number that their enum does not have. Any fields are not
+// looked into.
 absl::Status CheckMessage(const google::protobuf::Message& message);
 
 }  // namespace mortise::rpc

@@ -22,11 +22,16 @@ class UnaryCall : public grpc::ServerUnaryReactor, public std::enable_shared_fro
  public:
   using Handler = std::function<void(const Call& call, const std::shared_ptr<UnaryCall>& unary)>;
 
+  // What else is wrong with a request than numbers that are not finite and unknown enum values.
+  using Explanation = std::function<absl::Status(const Call& call)>;
+
   // Checks the call on the dispatcher's threads, then runs `handler`, which (or what it leaves
-  // behind) calls Complete.
+  // behind) calls Complete. A request that is refused for its numbers is refused for what the
+  // explanation tells as well, if there is one.
   static UnaryCall* Start(Dispatcher* dispatcher, const MethodInfo* method,
                           grpc::CallbackServerContext* context,
-                          const google::protobuf::Message* request, Handler handler);
+                          const google::protobuf::Message* request, Handler handler,
+                          Explanation explanation = nullptr);
 
   // Whether the answer is the caller's to give: true for the first who asks. It may then write the
   // response, and must call Complete.
@@ -53,6 +58,9 @@ class UnaryCall : public grpc::ServerUnaryReactor, public std::enable_shared_fro
 // repeated). The same transaction holds the answer under its request_id and the audit record.
 struct MutationSteps {
   std::function<absl::Status(const Call&)> prepare;  // may be unset
+  // Whether `prepare` is run for requests that are refused for their numbers, too, only to tell
+  // what else is wrong. It must refuse each of these numbers itself.
+  bool prepare_tells_all = false;
   std::function<absl::Status(const Call&, store::Transaction&)> change;
 };
 

@@ -63,7 +63,8 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
         [](const rpc::Call& call, const v1::ImportCatalogRequest& asked,
            std::vector<v1::TemplateBundle>& templates, store::Transaction& transaction) {
           return catalog::ImportCatalog(transaction, asked, templates, call.identity().request_id);
-        });
+        },
+        rpc::BadNumbers::kToldWithAllElse);
   }
 
   grpc::ServerUnaryReactor* GetMaterial(grpc::CallbackServerContext* context,
@@ -267,7 +268,8 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
            v1::TemplateBundle& bundle, store::Transaction& transaction) {
           return ImportBundle(transaction, bundle, asked.expected_revision(),
                               call.identity().request_id);
-        });
+        },
+        rpc::BadNumbers::kToldWithAllElse);
   }
 
   grpc::ServerUnaryReactor* DeleteTemplate(grpc::CallbackServerContext* context,

@@ -3,6 +3,7 @@
 #include <google/protobuf/text_format.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <map>
 
 #include "common/cad/step_reader.h"
@@ -200,6 +201,16 @@ TEST_F(CatalogServiceTest, ImportsTemplatesOfEveryKindOrSaysWhyNot) {
   const Failure broken = Fail(&Stub::ImportTemplate, ImportRequest(wrench, 0));
   EXPECT_EQ(broken.code, absl::StatusCode::kInvalidArgument);
   EXPECT_THAT(broken.message, HasSubstr("template.cad.features[0].name"));
+  EXPECT_THAT(broken.message, HasSubstr("template.cad.definitions[0].value"));
+  // Numbers that are none are told with all else, each once.
+  wrench.mutable_cad()->mutable_parameters(0)->set_minimum(std::nan(""));
+  wrench.mutable_cad()->mutable_parameters(1)->set_maximum(INFINITY);
+  const Failure worse = Fail(&Stub::ImportTemplate, ImportRequest(wrench, 0));
+  for (const char* field :
+       {"5 findings", "template.cad.parameters[0].minimum", "template.cad.parameters[1].maximum",
+        "template.cad.features[0].name", "template.cad.definitions[0].value"}) {
+    EXPECT_THAT(worse.message, HasSubstr(field));
+  }
 
   v1::Template shelf;
   shelf.set_name("templates/narrow-shelf");

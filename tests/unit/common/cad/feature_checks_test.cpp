@@ -145,6 +145,32 @@ TEST(BadTemplate, TellsNumbersThatGoWrongSomewhereInTheRange) {
   EXPECT_THAT(findings, Tells("features[4].draft.angle", "(at a = "));
 }
 
+// Numbers that go wrong are told with names, references and texts that do, but not what only hangs
+// on one of these.
+TEST(BadTemplate, TellsNumbersWithAllElse) {
+  const auto findings = FindingsOf(
+      "parameters { name: 'w' unit: 'm' minimum: nan maximum: 0.2 default_value: 0.1 } "
+      "parameters { name: 'n' unit: '1' minimum: 0 maximum: 4 default_value: 2 } "
+      "definitions { name: 'never' value: '1 / 0' } definitions { name: 'unread' value: '1 +' } "
+      "definitions { name: 'root' value: 'sqrt(0 - 1)' } ",
+      "features { name: 's' sketch { profiles { name: 'o' rectangle { width: '0.1 / (2 - 2)' "
+      "height: 'w' } } } } "
+      "features { name: 't' sketch { profiles { name: 'o' path { start { x: '0' } "
+      "segments { name: 'a' to { x: '0' } } } } } } "
+      "features { name: 'u' sketch { profiles { name: 'o' circle { radius: 'never' } } } } "
+      "features { name: 'x' extrude { sketch: 'nobody' from: '0.1' to: '0.01' } } "
+      "features { name: 'y' extrude { sketch: 's' to: '0.1 / n' } } "
+      "features { name: 'z' extrude { sketch: 's' to: 'w / 0.1 + unread + never + root' } }");
+  EXPECT_THAT(PlacesOf(findings),
+              UnorderedElementsAre(
+                  "parameters[0]", "definitions[0].value", "definitions[1].value",
+                  "definitions[2].value", "features[0].sketch.profiles[0].rectangle.width",
+                  "features[1].sketch.profiles[0].path.segments[0]", "features[3].extrude.sketch",
+                  "features[3].extrude.to", "features[4].extrude.to"));
+  EXPECT_THAT(findings, Tells("definitions[0].value", "divides by zero"));
+  EXPECT_THAT(findings, Tells("features[4].extrude.to", "divides by zero (at n = 0)"));
+}
+
 TEST(BadTemplate, TellsSketchesThatCannotBeDrawn) {
   const auto path = [](const std::string& segments) {
     return "features { name: 's' sketch { profiles { name: 'o' path { " + segments +

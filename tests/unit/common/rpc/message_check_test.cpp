@@ -2,9 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
+#include <string>
+#include <vector>
 
 #include "common/base/errors.h"
+#include "common/base/field_violations.h"
 #include "probe.pb.h"
 #include "tests/support/status_assertions.h"
 
@@ -52,6 +56,22 @@ TEST(MessageCheckTest, NamesTheNumberThatIsNotFinite) {
   testing::ReadRequest mapped;
   (*mapped.mutable_by_name())["left"].set_number(kNaN);
   ExpectRefused(mapped, "by_name[\"left\"].number", "must be a finite number");
+}
+
+TEST(MessageCheckTest, NamesAllOfThemButNotThousands) {
+  testing::ReadRequest request;
+  request.set_number(kNaN);
+  request.add_parts()->add_numbers(kInfinity);
+  (*request.mutable_by_name())["left"].set_number(kNaN);
+  std::vector<std::string> fields;
+  for (const FieldViolation& violation : ViolationsOf(CheckMessage(request))) {
+    fields.push_back(violation.field);
+  }
+  std::sort(fields.begin(), fields.end());
+  EXPECT_EQ(fields, (std::vector<std::string>{"by_name[\"left\"].number", "number",
+                                              "parts[0].numbers[0]"}));
+  for (int i = 0; i < 10'000; ++i) request.mutable_parts(0)->add_numbers(kInfinity);
+  EXPECT_LT(ViolationsOf(CheckMessage(request)).size(), 100U);
 }
 
 TEST(MessageCheckTest, NamesTheEnumThatIsUnknown) {
