@@ -1,5 +1,5 @@
 // What parts look like: their own shapes or their items', and what follows from them for
-// parametrisation. Private to assembly_codec.cpp.
+// parametrisation. Private to part_reader.cpp.
 #pragma once
 
 #include <Eigen/Core>
