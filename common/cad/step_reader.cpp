@@ -344,8 +344,8 @@ absl::StatusOr<StepAssembly> Read(std::string_view bytes, const StepFaultsSeen& 
 absl::StatusOr<StepAssembly> ReadStep(std::string_view bytes, const StepFaultsSeen& seen) {
   try {
     return Read(bytes, seen);
-  } catch (const Standard_Failure& failure) {
-    return InvalidField("step", absl::StrCat("cannot be read: ", failure.GetMessageString()));
+  } catch (const Standard_Failure&) {
+    return InvalidField("step", "is damaged: the CAD kernel cannot read it");
   }
 }
 

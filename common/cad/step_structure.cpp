@@ -6,6 +6,7 @@
 #include <StepBasic_ProductDefinition.hxx>
 #include <StepBasic_ProductDefinitionFormation.hxx>
 #include <StepData_StepModel.hxx>
+#include <StepData_UndefinedEntity.hxx>
 #include <StepRepr_MappedItem.hxx>
 #include <StepRepr_NextAssemblyUsageOccurrence.hxx>
 #include <StepRepr_Representation.hxx>
@@ -15,14 +16,19 @@
 #include <algorithm>
 #include <functional>
 #include <map>
+#include <set>
+#include <string_view>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "common/base/errors.h"
 
 namespace mortise::cad {
 namespace {
 
 constexpr std::size_t kMaxFaults = 20;
+constexpr std::size_t kMaxTypes = 5;
 
 Handle(StepData_StepModel) ModelOf(STEPCAFControl_Reader& reader) {
   return Handle(StepData_StepModel)::DownCast(reader.ChangeReader().WS()->Model());
@@ -181,17 +187,48 @@ absl::Status CheckReferences(STEPCAFControl_Reader& reader) {
   return absl::OkStatus();
 }
 
+// The types of entities that the kernel does not know, the first few: "entities of types …".
+std::string UnknownTypes(const Handle(StepData_StepModel) & model) {
+  std::set<std::string> types;
+  for (int i = 1; i <= model->NbEntities() && types.size() < kMaxTypes; ++i) {
+    const auto entity = Handle(StepData_UndefinedEntity)::DownCast(model->Value(i));
+    if (!entity.IsNull() && !entity->IsSub()) types.insert(entity->StepType());
+  }
+  if (types.empty()) return "";
+  return absl::StrCat("it has entities of types that are not known here, such as ",
+                      absl::StrJoin(types, ", "), "; AP203, AP214 and AP242 are read");
+}
+
+// What the kernel finds wrong with an entity, "Parameter n0.2 (basis_surface) : Entity has illegal
+// type", in words for people.
+std::string InPlainWords(std::string_view found) {
+  constexpr std::string_view kParameter = "Parameter n0.";
+  if (found.starts_with("Count of Parameters")) {
+    return "has more or fewer parameters than its type";
+  }
+  const std::size_t close = found.find(')');
+  if (!found.starts_with(kParameter) || close == std::string_view::npos) return "cannot be read";
+  const std::string which(found.substr(kParameter.size(), close + 1 - kParameter.size()));
+  const bool is_entity = found.find("Entity") != std::string_view::npos;
+  return absl::StrCat("parameter ", which,
+                      is_entity ? " refers to something that cannot stand there"
+                                : " is not such a value as must stand there");
+}
+
 }  // namespace
 
 std::vector<std::string> EntityFaults(STEPCAFControl_Reader& reader) {
   const Handle(StepData_StepModel) model = ModelOf(reader);
   std::vector<std::string> faults;
+  std::string unknown = UnknownTypes(model);
+  // What refers to entities of these types is wrong because of that.
+  if (!unknown.empty()) return {std::move(unknown)};
   for (int i = 1; i <= model->NbEntities() && faults.size() < kMaxFaults; ++i) {
     if (!model->IsErrorEntity(i)) continue;
     const Handle(Interface_Check) check = model->Check(i, Standard_True);
     const int line = model->IdentLabel(model->Value(i));
     const std::string what =
-        check.IsNull() || check->NbFails() == 0 ? "cannot be read" : check->CFail(1);
+        check.IsNull() || check->NbFails() == 0 ? "cannot be read" : InPlainWords(check->CFail(1));
     faults.push_back(absl::StrCat("#", line, ": ", what));
   }
   return faults;

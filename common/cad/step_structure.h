@@ -12,8 +12,8 @@ namespace mortise::cad {
 
 inline constexpr int kMaxStepParts = 2000;  // as many as an assembly may have
 
-// What the file says that entities of it are wrong, "#12: …", at most 20 of them. The kernel may
-// read the rest, or fall over them.
+// What entities of the file are wrong, "#12: …", at most 20 of them; or, if there are any of types
+// that the kernel does not know, which types. The kernel may read the rest, or fall over them.
 std::vector<std::string> EntityFaults(STEPCAFControl_Reader& reader);
 
 // Makes the kernel keep names in which nothing is ASCII, such as "棚": it takes them for empty and

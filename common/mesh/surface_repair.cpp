@@ -102,8 +102,9 @@ absl::Status TurnAlike(SurfaceMesh& surface) {
   for (const SurfaceEdge& edge : cut.edges()) {
     if (edge.triangles() != 2 || edge.IsJoined()) continue;
     AddFault(FaultAt(Kind::kFlippedEdge, surface.vertices.col(edge.low),
-                     "the surface has one side only, as it turns over"),
+                     "the surface turns over: it has one side only, no inside and no outside,"),
              faults);
+    break;  // it may be said of any edge across
   }
   return Refusal(faults);
 }

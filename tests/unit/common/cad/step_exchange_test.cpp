@@ -19,6 +19,7 @@
 #include <sstream>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "absl/strings/str_replace.h"
 #include "common/base/errors.h"
 #include "common/cad/cylinder.h"
@@ -31,8 +32,10 @@
 namespace mortise::cad {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 constexpr StepUnit kUnits[] = {StepUnit::kMillimetre, StepUnit::kMetre, StepUnit::kInch};
 
@@ -353,6 +356,25 @@ TEST(StepReader, SaysWhatTheFileIsNot) {
   EXPECT_THAT(Refusal(whole.substr(0, whole.size() / 2), kInvalid), HasSubstr("is cut off"));
   EXPECT_THAT(Refusal(whole.substr(0, whole.size() - 20), kInvalid), HasSubstr("is cut off"));
   EXPECT_THAT(Refusal(Products(3, {{1, 2}, {1, 3}}), kInvalid), HasSubstr("holds no"));
+}
+
+TEST(StepReader, SaysInPlainWordsWhatItDoesNotUnderstand) {
+  const auto faults = [](const std::string& bytes) {
+    std::vector<std::string> seen;
+    const auto read = ReadStep(bytes, [&](const std::vector<std::string>& all) { seen = all; });
+    return absl::StrJoin(seen, "\n");
+  };
+  const std::string whole = Written(Stand());
+  EXPECT_EQ(faults(whole), "");
+  // Another standard's types, as of a building model.
+  EXPECT_EQ(faults(absl::StrReplaceAll(whole, {{"PLANE(", "IFCPLANE("}})),
+            "it has entities of types that are not known here, such as IFCPLANE; AP203, AP214 and "
+            "AP242 are read");
+  const std::size_t at = whole.find("CARTESIAN_POINT('',(") + 20;
+  std::string letters = whole;
+  letters.replace(at, 1, "x");
+  EXPECT_THAT(faults(letters),
+              AllOf(HasSubstr("(coordinates) is not such a value"), Not(HasSubstr("Real"))));
 }
 
 TEST(StepReader, RefusesProductsThatContainThemselves) {

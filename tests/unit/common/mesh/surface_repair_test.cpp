@@ -271,7 +271,7 @@ TEST(RepairSurface, RefusesWhatCannotBeRepairedWithThePlace) {
     band.triangles.col(2 * i) << 2 * i, 2 * i + 1, right;
     band.triangles.col(2 * i + 1) << 2 * i, right, left;
   }
-  EXPECT_THAT(Refused(band), HasSubstr("one side only"));
+  EXPECT_THAT(Refused(band), HasSubstr("one side only, no inside and no outside"));
   SurfaceMesh broken = Box();
   broken.vertices(0, 1) = INFINITY;
   EXPECT_THAT(Refused(broken), HasSubstr("not finite"));
