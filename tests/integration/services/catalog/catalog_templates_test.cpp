@@ -7,11 +7,16 @@
 #include <map>
 
 #include "common/cad/step_reader.h"
+#include "common/cad/step_writer.h"
+#include "mortise/v1/assembly.grpc.pb.h"
+#include "tests/integration/services/call_service.h"
 #include "tests/integration/services/catalog/catalog_service_fixture.h"
 
 namespace mortise::catalog {
 namespace {
 
+using ::testing::AllOf;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 TEST_F(CatalogServiceTest, ShipsACollection) {
@@ -230,6 +235,79 @@ TEST_F(CatalogServiceTest, ImportsTemplatesOfEveryKindOrSaysWhyNot) {
   shelf.mutable_assembly()->set_revision(7);
   EXPECT_EQ(Fail(&Stub::ImportTemplate, ImportRequest(shelf, 1)).field,
             "template.assembly.revision");
+}
+
+// A slider before a wall with a narrow ridge, which it touches nowhere. Neither the ends of where
+// it may stand nor the few places between them that are tried before a design is stored show that
+// it runs into the ridge.
+constexpr char kTrack[] = R"(name: "assemblies/track"
+parts { name: "base" position { y: -0.01 z: -0.02 } size { x: 2 y: 0.05 z: 0.02 } }
+parts { name: "wall" size { x: 2 y: 0.02 z: 0.03 } }
+parts { name: "slider" position { x: 0.7 y: 0.015 } size { x: 0.001 y: 0.02 z: 0.02 } })";
+
+// The shape of a prism, as the catalog has it.
+absl::StatusOr<v1::Shape> ImportPrism(const mesh::PartShape& prism,
+                                      v1::CatalogService::Stub& catalog) {
+  MORTISE_ASSIGN_OR_RETURN(const cad::Solid solid, cad::Solid::FromPart(prism));
+  v1::ImportShapeRequest request;
+  request.set_request_id("prism");
+  request.set_format(v1::ImportShapeRequest::STEP);
+  MORTISE_ASSIGN_OR_RETURN(*request.mutable_file(), cad::WriteStep(prism.name, {{solid}}));
+  return testing::Call(catalog, &v1::CatalogService::Stub::ImportShape, request);
+}
+
+template <typename Message>
+Message Parse(const std::string& text) {
+  Message message;
+  EXPECT_TRUE(google::protobuf::TextFormat::ParseFromString(text, &message)) << text;
+  return message;
+}
+
+// As AssemblyService tells of the assembly's own designs.
+TEST_F(CatalogServiceTest, TellsTheFaultsOfATemplatesDesign) {
+  mesh::PartShape ridge;
+  ridge.name = "wall";
+  ridge.height = 0.03;
+  ridge.outline.resize(2, 7);
+  ridge.outline << 0, 2, 2, 0.3005, 0.3, 0.2995, 0, 0, 0, 0.01, 0.01, 0.02, 0.01, 0.01;
+  for (int i = 0; i < 9; ++i) ridge.face_names.push_back("face" + std::to_string(i));
+  const auto wall = ImportPrism(ridge, *stub_);
+  ASSERT_TRUE(wall.ok()) << wall.status();
+  v1::ImportAssemblyRequest track;
+  track.set_request_id(NewRequestId());
+  *track.mutable_assembly() = Parse<v1::Assembly>(kTrack);
+  track.mutable_assembly()->mutable_parts(1)->set_shape(wall->name());
+  const auto assemblies = v1::AssemblyService::NewStub(process_.channel());
+  const auto drawn = testing::Call(*assemblies, &v1::AssemblyService::Stub::ImportAssembly, track);
+  ASSERT_TRUE(drawn.ok()) << drawn.status();
+  const auto message = Parse<v1::Template>(
+      "name: 'templates/track' assembly { assembly: 'assemblies/track' "
+      "handles { parameter: 'place' measure { element: 'slider' axis: X kind: CENTER } } }");
+  const auto stored =
+      testing::Call(*stub_, &v1::CatalogService::Stub::ImportTemplate, ImportRequest(message, 0));
+  ASSERT_TRUE(stored.ok()) << stored.status();
+  const auto evaluate = [this](const std::string& asked) {
+    return testing::Call(*stub_, &v1::CatalogService::Stub::EvaluateTemplate,
+                         Parse<v1::EvaluateTemplateRequest>(asked));
+  };
+  const auto sound = evaluate("name: 'templates/track'");
+  ASSERT_TRUE(sound.ok()) << sound.status();
+  EXPECT_EQ(sound->faults_size(), 0);
+
+  const std::string on_ridge = "name: 'templates/track' parameters { name: 'place' value: 0.3 } ";
+  const auto crowded = evaluate(on_ridge);
+  ASSERT_TRUE(crowded.ok()) << crowded.status();
+  EXPECT_THAT(crowded->faults(), ElementsAre(AllOf(HasSubstr("'wall'"), HasSubstr("'slider'"))));
+  const auto bytes = Export(Parse<v1::ExportDesignRequest>(on_ridge + "format: DESIGN"));
+  ASSERT_TRUE(bytes.ok()) << bytes.status();
+  v1::EvaluatedDesign whole;
+  ASSERT_TRUE(whole.ParseFromString(*bytes));
+  EXPECT_EQ(whole.SerializeAsString(), crowded->SerializeAsString());
+
+  const auto unseen = evaluate(on_ridge + "without_faults: true");
+  ASSERT_TRUE(unseen.ok()) << unseen.status();
+  EXPECT_EQ(unseen->faults_size(), 0);
+  EXPECT_EQ(unseen->parts_size(), crowded->parts_size());
 }
 
 TEST_F(CatalogServiceTest, KeepsRevisionsAsTheyWere) {

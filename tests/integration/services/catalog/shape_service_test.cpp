@@ -10,6 +10,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <set>
 #include <sstream>
 
 #include "absl/strings/str_cat.h"
@@ -29,7 +30,6 @@
 namespace mortise::catalog {
 namespace {
 
-using ::testing::AllOf;
 using testing::Call;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -374,56 +374,40 @@ TEST_F(ShapeServiceTest, ExportsTurnedPartsOfADrawingAsOneProduct) {
   }
 }
 
-// A slider before a wall with a narrow ridge, which it touches nowhere. Neither the ends of where
-// it may stand nor the few places between them that are tried before a design is stored show that
-// it runs into the ridge.
-constexpr char kTrack[] = R"(name: "assemblies/track"
-parts { name: "base" position { y: -0.01 z: -0.02 } size { x: 2 y: 0.05 z: 0.02 } }
-parts { name: "wall" size { x: 2 y: 0.02 z: 0.03 } }
-parts { name: "slider" position { x: 0.7 y: 0.015 } size { x: 0.001 y: 0.02 z: 0.02 } })";
-
-// As AssemblyService tells of the assembly's own designs.
-TEST_F(ShapeServiceTest, TellsTheFaultsOfATemplatesDesign) {
-  Eigen::Matrix2Xd outline(2, 7);
-  outline << 0, 2, 2, 0.3005, 0.3, 0.2995, 0, 0, 0, 0.01, 0.01, 0.02, 0.01, 0.01;
-  const std::vector<cad::AssemblyPart> drawing = {{Prism("wall", outline, 0.03)}};
-  const auto wall = ImportShape(*cad::WriteStep("wall", drawing), v1::ImportShapeRequest::STEP);
-  ASSERT_TRUE(wall.ok()) << wall.status();
-  v1::ImportAssemblyRequest track;
-  track.set_request_id(NextId());
-  *track.mutable_assembly() = Parse<v1::Assembly>(kTrack);
-  track.mutable_assembly()->mutable_parts(1)->set_shape(wall->name());
-  const auto drawn = Call(*assemblies_, &v1::AssemblyService::Stub::ImportAssembly, track);
+// Solids of one form that were each drawn where they stand, and so differ by rounding.
+TEST_F(ShapeServiceTest, SeesARowInPartsThatWereEachDrawnInTheirPlace) {
+  cad::StepAssembly rack;
+  rack.name = "rack";
+  rack.groups = {{"rack", -1}};
+  rack.products = {{"board", Box("board", {0.5, 0.04, 0.02}), std::nullopt}};
+  Place(rack, "board", 0, 0, {0, 0, -0.02});
+  std::set<double> widths;
+  for (int i = 0; i < 3; ++i) {
+    const double place = 0.07 + i * 0.4 / 3;
+    Eigen::Matrix2Xd outline(2, 6);
+    outline << 0, 0.04, 0.04, 0.004, 0.004, 0, 0, 0, 0.004, 0.004, 0.04, 0.04;
+    outline.row(0).array() += place;
+    widths.insert(outline(0, 1) - outline(0, 0));
+    const std::string name = absl::StrCat("bracket ", i + 1);
+    rack.products.push_back({name, Prism(name, outline, 0.03), std::nullopt});
+    Place(rack, name, 0, i + 1, {0, 0, 0});
+  }
+  ASSERT_GT(widths.size(), 1U) << "none of them is rounded otherwise";
+  const auto drawn = ImportStep(*cad::WriteStep(rack), "name: 'assemblies/rack'");
   ASSERT_TRUE(drawn.ok()) << drawn.status();
-  v1::ImportTemplateRequest request;
-  request.set_request_id(NextId());
-  *request.mutable_template_() = Parse<v1::Template>(
-      "name: 'templates/track' assembly { assembly: 'assemblies/track' "
-      "handles { parameter: 'place' measure { element: 'slider' axis: X kind: CENTER } } }");
-  const auto stored = Call(*catalog_, &v1::CatalogService::Stub::ImportTemplate, request);
-  ASSERT_TRUE(stored.ok()) << stored.status();
-  const auto evaluate = [this](const std::string& asked) {
-    return Call(*catalog_, &v1::CatalogService::Stub::EvaluateTemplate,
-                Parse<v1::EvaluateTemplateRequest>(asked));
-  };
-  const auto sound = evaluate("name: 'templates/track'");
-  ASSERT_TRUE(sound.ok()) << sound.status();
-  EXPECT_EQ(sound->faults_size(), 0);
-
-  const std::string on_ridge = "name: 'templates/track' parameters { name: 'place' value: 0.3 } ";
-  const auto crowded = evaluate(on_ridge);
-  ASSERT_TRUE(crowded.ok()) << crowded.status();
-  EXPECT_THAT(crowded->faults(), ElementsAre(AllOf(HasSubstr("'wall'"), HasSubstr("'slider'"))));
-  const auto bytes = ExportTemplate(on_ridge + "format: DESIGN");
-  ASSERT_TRUE(bytes.ok()) << bytes.status();
-  v1::EvaluatedDesign whole;
-  ASSERT_TRUE(whole.ParseFromString(*bytes));
-  EXPECT_EQ(whole.SerializeAsString(), crowded->SerializeAsString());
-
-  const auto unseen = evaluate(on_ridge + "without_faults: true");
-  ASSERT_TRUE(unseen.ok()) << unseen.status();
-  EXPECT_EQ(unseen->faults_size(), 0);
-  EXPECT_EQ(unseen->parts_size(), crowded->parts_size());
+  std::set<std::string> shapes;
+  for (const v1::AssemblyPart& part : drawn->assembly().parts()) shapes.insert(part.shape());
+  EXPECT_EQ(shapes.size(), 2U) << "the brackets' and none";
+  v1::ParametrizeAssemblyRequest request;
+  request.set_name("assemblies/rack");
+  const auto parametrized =
+      Call(*assemblies_, &v1::AssemblyService::Stub::ParametrizeAssembly, request);
+  ASSERT_TRUE(parametrized.ok()) << parametrized.status();
+  ASSERT_EQ(parametrized->elements_size(), 2);
+  const v1::ParametricElement& brackets =
+      parametrized->elements(parametrized->elements(0).name() == "board" ? 1 : 0);
+  EXPECT_THAT(brackets.parts(), ElementsAre("bracket 1", "bracket 2", "bracket 3"));
+  EXPECT_EQ(brackets.rows_size(), 1);
 }
 
 // A tetrahedron as text, in millimetres; `faces` of its four corners, and of one beside it.
