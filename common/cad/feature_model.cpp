@@ -7,6 +7,7 @@
 #include <set>
 #include <utility>
 
+#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/cad/feature_checks.h"
@@ -37,26 +38,38 @@ std::string At(const CadTemplate& definition, const Eigen::VectorXd& q) {
   return absl::StrCat(" (at ", parametric::ToText(parameters, known.head(count)), ")");
 }
 
-// Whether every number of a feature has a value that it may have, given what is wrong with numbers.
-bool IsUsable(const std::vector<NumberUse>& uses, const std::string& place, const Numbers& numbers,
-              const std::vector<Finding>& findings) {
-  const bool is_known = std::all_of(uses.begin(), uses.end(), [&](const NumberUse& use) {
-    return use.formula->empty() ? use.optional : numbers.Knows(*use.formula);
-  });
-  return is_known && std::none_of(findings.begin(), findings.end(), [&](const Finding& finding) {
-           return finding.field.starts_with(place);
-         });
+// Indices of the features of which something is wrong.
+std::set<std::size_t> FeaturesAtFault(const std::vector<Finding>& findings) {
+  constexpr std::string_view kFeatures = "features[";
+  std::set<std::size_t> at_fault;
+  for (const Finding& finding : findings) {
+    const std::size_t close = finding.field.find(']');
+    std::size_t index = 0;
+    if (finding.field.starts_with(kFeatures) && close != std::string::npos &&
+        absl::SimpleAtoi(finding.field.substr(kFeatures.size(), close - kFeatures.size()),
+                         &index)) {
+      at_fault.insert(index);
+    }
+  }
+  return at_fault;
 }
 
-// What is wrong with sketches and extents whose numbers are each usable. `uses` are those of each
-// feature.
+bool AreKnown(const std::vector<NumberUse>& uses, const Numbers& numbers) {
+  return std::all_of(uses.begin(), uses.end(), [&](const NumberUse& use) {
+    return use.formula->empty() ? use.optional : numbers.Knows(*use.formula);
+  });
+}
+
+// What is wrong with sketches and extents whose numbers are each usable, given what is wrong with
+// numbers. `uses` are those of each feature.
 void CheckShapes(const CadTemplate& definition, const std::vector<std::vector<NumberUse>>& uses,
                  const Numbers& numbers, std::vector<Finding>& findings) {
+  const std::set<std::size_t> at_fault = FeaturesAtFault(findings);
   for (std::size_t i = 0; i < definition.features.size(); ++i) {
     const auto& kind = definition.features[i].kind;
     if (!std::holds_alternative<Sketch>(kind) && !std::holds_alternative<Extrude>(kind)) continue;
     const std::string place = absl::StrCat("features[", i, "].");
-    if (!IsUsable(uses[i], place, numbers, findings)) continue;
+    if (at_fault.contains(i) || !AreKnown(uses[i], numbers)) continue;
     if (const auto* sketch = std::get_if<Sketch>(&kind)) {
       std::vector<Finding> inside;
       ResolveSketch(*sketch, numbers, inside);

@@ -148,8 +148,9 @@ std::vector<Eigen::Index> NamesIn(const std::string& text, const std::vector<std
     at = std::max(end, at + 1);
   }
   std::vector<Eigen::Index> found;
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    if (words.contains(names[i])) found.push_back(static_cast<Eigen::Index>(i));
+  for (const std::string& word : words) {
+    const auto name = std::find(names.begin(), names.end(), word);
+    if (name != names.end()) found.push_back(name - names.begin());
   }
   return found;
 }

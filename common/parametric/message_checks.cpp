@@ -5,6 +5,7 @@
 #include <string_view>
 #include <utility>
 
+#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "common/base/violation_lists.h"
 #include "common/parametric/template_codec.h"
@@ -38,13 +39,17 @@ long CountOf(Axis axis, const v1::Item& item) {
 
 // The path that findings of ValidateItem have: "dimensions[X].size" of "dimensions[0].size".
 std::string ByAxis(const std::string& field, const v1::Item& item) {
-  for (int i = 0; i < item.dimensions_size(); ++i) {
-    const std::string element = absl::StrCat(kDimensions, i, "]");
-    const v1::Axis axis = item.dimensions(i).axis();
-    if (!LiesIn(field, element) || axis < v1::X || axis > v1::Z) continue;
-    return absl::StrCat(kDimensions, v1::Axis_Name(axis), "]", field.substr(element.size()));
+  // There may be thousands of dimensions, each at fault.
+  const std::size_t begin = std::string_view(kDimensions).size(), close = field.find(']');
+  int index = 0;
+  if (!field.starts_with(kDimensions) || close == std::string::npos ||
+      !absl::SimpleAtoi(field.substr(begin, close - begin), &index) || index < 0 ||
+      index >= item.dimensions_size()) {
+    return field;
   }
-  return field;
+  const v1::Axis axis = item.dimensions(index).axis();
+  if (axis < v1::X || axis > v1::Z) return field;
+  return absl::StrCat(kDimensions, v1::Axis_Name(axis), field.substr(close));
 }
 
 // Of the dimension of an axis that is missing or there twice, that is what is told.
