@@ -1,7 +1,7 @@
 #include "common/parametric/feasible_set.h"
 
 #include <Eigen/LU>
-#include <Eigen/QR>
+#include <Eigen/Sparse>
 #include <algorithm>
 #include <boost/pending/disjoint_sets.hpp>
 #include <cmath>
@@ -64,20 +64,22 @@ std::vector<Block> SplitIntoBlocks(const std::vector<Relationship>& relationship
 }
 
 // The equalities of a block as unit columns over its variables.
-Eigen::MatrixXd ColumnsOf(const Block& block) {
+Eigen::SparseMatrix<double> ColumnsOf(const Block& block) {
   std::map<int, Eigen::Index> place;
   for (const int variable : block.variables) {
     place.emplace(variable, static_cast<Eigen::Index>(place.size()));
   }
-  Eigen::MatrixXd columns =
-      Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(block.variables.size()),
-                            static_cast<Eigen::Index>(block.equalities.size()));
-  for (Eigen::Index row = 0; row < columns.cols(); ++row) {
-    for (const LinearTerm& term : block.equalities[static_cast<std::size_t>(row)]->form.terms) {
-      columns(place.at(term.variable), row) = term.coefficient;
+  Eigen::SparseMatrix<double> columns(static_cast<Eigen::Index>(block.variables.size()),
+                                      static_cast<Eigen::Index>(block.equalities.size()));
+  for (Eigen::Index column = 0; column < columns.cols(); ++column) {
+    const LinearForm& form = block.equalities[static_cast<std::size_t>(column)]->form;
+    double squared = 0;
+    for (const LinearTerm& term : form.terms) squared += term.coefficient * term.coefficient;
+    for (const LinearTerm& term : form.terms) {
+      columns.insert(place.at(term.variable), column) = term.coefficient / std::sqrt(squared);
     }
   }
-  columns.colwise().normalize();
+  columns.makeCompressed();
   return columns;
 }
 
@@ -124,8 +126,8 @@ void FeasibleSet::SolveEqualities(const std::vector<int>& variables) {
       degrees += size;
       continue;
     }
-    Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr;
-    qr.setThreshold(kRankThreshold);
+    Eigen::SparseQR<Eigen::SparseMatrix<double>, Eigen::COLAMDOrdering<int>> qr;
+    qr.setPivotThreshold(kRankThreshold);
     qr.compute(ColumnsOf(block));
     const Eigen::Index rank = qr.rank();
     for (Eigen::Index i = 0; i < rank; ++i) {
@@ -135,7 +137,7 @@ void FeasibleSet::SolveEqualities(const std::vector<int>& variables) {
     if (rank == size) continue;
     Eigen::MatrixXd directions = Eigen::MatrixXd::Zero(size, size - rank);
     directions.bottomRows(size - rank).setIdentity();
-    directions.applyOnTheLeft(qr.householderQ());
+    directions = qr.matrixQ() * directions;
     degrees += size - rank;
     free.push_back({block.variables, std::move(directions)});
   }

@@ -259,7 +259,9 @@ void ParametriseAll(benchmark::State& state, const Assembly& assembly) {
 }
 void BM_WholeBookcase(benchmark::State& state) { ParametriseAll(state, Bookcase(20, 9)); }
 void BM_WholeCupboards(benchmark::State& state) { ParametriseAll(state, Cupboards(8)); }
+void BM_WholeLargeBookcase(benchmark::State& state) { ParametriseAll(state, Bookcase(66, 9)); }
 BENCHMARK(BM_WholeBookcase)->Unit(benchmark::kMillisecond);
+BENCHMARK(BM_WholeLargeBookcase)->Unit(benchmark::kMillisecond)->Iterations(1);
 BENCHMARK(BM_WholeCupboards)->Unit(benchmark::kMillisecond);
 
 // Ten random designs of one that has been parametrised.
