@@ -96,16 +96,17 @@ if(MORTISE_BUILD_TESTS)
 endif()
 
 # mortise_test(<name> SOURCES x_test.cpp ... [DEPENDS target ...] [TIMEOUT seconds] [LABELS l ...]
-#              [RUN_SERIAL] [OPTIMIZED] [TOGETHER])
+#              [RESOURCE_LOCK resource] [OPTIMIZED] [TOGETHER])
 # A GoogleTest binary, registered as one CTest test. It may read ${MORTISE_SOURCE_DIR} and find
 # built programs in ${MORTISE_BIN_DIR} (environment variables). OPTIMIZED is for tests that compute
 # much themselves: half the time of compiling a test is optimising its assertions, so the others are
-# not; what they test always is. TOGETHER: see mortise_compile_together.
+# not; what they test always is. Tests that name one RESOURCE_LOCK never run at the same time.
+# TOGETHER: see mortise_compile_together.
 function(mortise_test name)
   if(NOT MORTISE_BUILD_TESTS)
     return()
   endif()
-  cmake_parse_arguments(ARG "RUN_SERIAL;OPTIMIZED;TOGETHER" "TIMEOUT" "SOURCES;DEPENDS;LABELS" ${ARGN})
+  cmake_parse_arguments(ARG "OPTIMIZED;TOGETHER" "TIMEOUT;RESOURCE_LOCK" "SOURCES;DEPENDS;LABELS" ${ARGN})
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 300)
   endif()
@@ -126,8 +127,8 @@ function(mortise_test name)
   set_tests_properties(${name} PROPERTIES
     TIMEOUT ${ARG_TIMEOUT} LABELS "${ARG_LABELS}"
     ENVIRONMENT "MORTISE_SOURCE_DIR=${CMAKE_SOURCE_DIR};MORTISE_BIN_DIR=${CMAKE_RUNTIME_OUTPUT_DIRECTORY}")
-  if(ARG_RUN_SERIAL)
-    set_tests_properties(${name} PROPERTIES RUN_SERIAL TRUE)
+  if(ARG_RESOURCE_LOCK)
+    set_tests_properties(${name} PROPERTIES RESOURCE_LOCK ${ARG_RESOURCE_LOCK})
   endif()
 endfunction()
 
