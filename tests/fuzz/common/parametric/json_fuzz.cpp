@@ -4,8 +4,7 @@
 #include <string_view>
 
 #include "common/parametric/design_file.h"
-#include "common/parametric/template_codec.h"
-#include "common/parametric/template_validation.h"
+#include "common/parametric/message_checks.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace mortise::parametric;
@@ -15,12 +14,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (finding.message.empty()) std::abort();
   }
   for (const auto& placed : file.materials) {
-    const auto material = FromProto(placed.message);
-    if (material.ok()) (void)ValidateMaterial(*material);
+    (void)CheckMaterialMessage(placed.message, placed.unread);
   }
   for (const auto& placed : file.items) {
-    const auto item = FromProto(placed.message);
-    if (item.ok()) (void)ValidateItem(*item, {});
+    (void)CheckItemMessage(placed.message, {}, placed.unread);
   }
   return 0;
 }
