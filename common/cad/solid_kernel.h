@@ -1,8 +1,10 @@
 // The kernel's side of a solid. Private to this folder: it brings Open CASCADE's headers.
 #pragma once
 
+#include <Eigen/Core>
 #include <TopoDS_Face.hxx>
 #include <TopoDS_Shape.hxx>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,6 +17,13 @@ struct Solid::Kernel {
   TopoDS_Shape shape;                   // one solid, m
   std::vector<TopoDS_Face> faces;       // in the order of mesh::PartShape::face_names
   std::vector<std::string> face_names;  // of each face
+
+  // Of a solid that was stretched unevenly, the one that it was (StretchSolid).
+  struct Drawn {
+    TopoDS_Shape shape;
+    Eigen::Vector3d factors;
+  };
+  std::optional<Drawn> stretched_from;
 };
 
 // m³, to eight digits for whatever surfaces: what the kernel takes by default misses up to a

@@ -3,8 +3,10 @@
 #include <BRepAdaptor_Surface.hxx>
 #include <BRepBuilderAPI_Transform.hxx>
 #include <BRepCheck_Analyzer.hxx>
+#include <BRepGProp.hxx>
 #include <BinTools.hxx>
 #include <Eigen/Geometry>
+#include <GProp_GProps.hxx>
 #include <Standard_Failure.hxx>
 #include <TopExp.hxx>
 #include <TopExp_Explorer.hxx>
@@ -30,6 +32,7 @@ constexpr double kDeflection = 5e-4;       // of the diagonal
 constexpr double kAngle = 0.5;             // rad, between neighbouring triangles
 constexpr double kLeastDeflection = 2e-5;  // m
 constexpr double kSameSize = 1e-9;         // m; boxes of curved faces are no more exact
+constexpr double kSameVolume = 1e-6;       // relative
 const Eigen::Vector3d kTrial(1.25, 1, 1.5);
 
 TopoDS_Shape MovedBy(const TopoDS_Shape& shape, const Eigen::Matrix3d& turn,
@@ -76,6 +79,25 @@ TopoDS_Shape ShapeFrom(const std::string& bytes) {
   return shape;
 }
 
+bool HasPlainSurfaces(const TopoDS_Shape& solid) {
+  for (TopExp_Explorer face(solid, TopAbs_FACE); face.More(); face.Next()) {
+    const GeomAbs_SurfaceType type =
+        BRepAdaptor_Surface(TopoDS::Face(face.Current()), Standard_False).GetType();
+    if (type > GeomAbs_Torus && type != GeomAbs_SurfaceOfExtrusion) return false;
+  }
+  return true;
+}
+
+// What is kept with a shape: of plain surfaces as the kernel's own integration has it, where that
+// is right. So were the shapes measured that are stored, and drawings of them still give them.
+double KeptVolume(const TopoDS_Shape& solid, double volume) {
+  if (!HasPlainSurfaces(solid)) return volume;
+  GProp_GProps properties;
+  BRepGProp::VolumeProperties(solid, properties);
+  const double plain = std::abs(properties.Mass());
+  return std::abs(plain - volume) <= kSameVolume * volume ? plain : volume;
+}
+
 absl::StatusOr<mesh::DrawnShape> Draw(const Solid& solid, const Eigen::Matrix3d& rotation,
                                       const Eigen::Vector3d& minimum,
                                       const Eigen::Vector3d& maximum) {
@@ -96,7 +118,7 @@ absl::StatusOr<mesh::DrawnShape> Draw(const Solid& solid, const Eigen::Matrix3d&
       mesh::DrawnShape drawn,
       mesh::MakeDrawnShape({surface->vertices, surface->triangles}, surface->triangle_face,
                            turned.face_names(), Eigen::Vector3d::Zero(), maximum - minimum));
-  drawn.volume = std::abs(volume);
+  drawn.volume = KeptVolume(shape, std::abs(volume));
   drawn.deflection = IsFlat(shape) ? 0 : options.deflection;
   drawn.brep = BytesOf(shape);
   // A solid that the kernel keeps but cannot stretch would be a surprise later.
@@ -114,15 +136,25 @@ absl::StatusOr<Solid> Faceted(const mesh::DrawnShape& shape, const Eigen::Vector
   return FacetedSolid(surface, shape.triangle_face, names, name);
 }
 
-TopoDS_Shape InSize(const mesh::DrawnShape& shape, const Eigen::Vector3d& size) {
-  TopoDS_Shape solid = ShapeFrom(shape.brep);
-  if (!shape.turn.isIdentity(0)) {
-    // The box as it was before it was turned reached from the origin to this corner.
-    const Eigen::Vector3d corner = shape.turn * (shape.turn.transpose() * shape.size).cwiseAbs();
-    solid = MovedBy(solid, shape.turn, -corner.cwiseMin(0));
-  }
-  if ((size - shape.size).cwiseAbs().maxCoeff() <= kSameSize) return solid;
-  return StretchSolid(solid, size.cwiseQuotient(shape.size));
+// As drawn, with the lower corner of its box at the origin.
+TopoDS_Shape AsDrawn(const mesh::DrawnShape& shape) {
+  const TopoDS_Shape solid = ShapeFrom(shape.brep);
+  if (shape.turn.isIdentity(0)) return solid;
+  // The box as it was before it was turned reached from the origin to this corner.
+  const Eigen::Vector3d corner = shape.turn * (shape.turn.transpose() * shape.size).cwiseAbs();
+  return MovedBy(solid, shape.turn, -corner.cwiseMin(0));
+}
+
+absl::StatusOr<Solid> InSize(const mesh::DrawnShape& shape, const Eigen::Vector3d& size,
+                             const std::string& name) {
+  const TopoDS_Shape drawn = AsDrawn(shape);
+  if ((size - shape.size).cwiseAbs().maxCoeff() <= kSameSize) return Named(drawn, name);
+  const Eigen::Vector3d factors = size.cwiseQuotient(shape.size);
+  const TopoDS_Shape stretched = StretchSolid(drawn, factors);
+  if (stretched.IsNull()) return InvalidField("shape", WhyNotStretched(drawn));
+  auto kernel = std::make_shared<Solid::Kernel>(Named(stretched, name).kernel());
+  kernel->stretched_from = {drawn, factors};
+  return Solid(std::move(kernel));
 }
 
 }  // namespace
@@ -142,9 +174,7 @@ absl::StatusOr<Solid> SolidOfShape(const mesh::DrawnShape& shape, const Eigen::V
                                    const std::string& name) {
   if (shape.brep.empty()) return Faceted(shape, size, name);
   try {
-    const TopoDS_Shape made = InSize(shape, size);
-    if (made.IsNull()) return InvalidField("shape", "cannot be stretched to this size");
-    return Named(made, name);
+    return InSize(shape, size, name);
   } catch (const Standard_Failure& failure) {
     return InvalidField("shape", absl::StrCat("cannot be made: ", failure.GetMessageString()));
   }
@@ -156,6 +186,7 @@ Solid MovedSolid(const Solid& solid, const Eigen::Vector3d& translation) {
   const TopLoc_Location there(motion);
   auto moved = std::make_shared<Solid::Kernel>(solid.kernel());
   moved->shape = moved->shape.Moved(there);
+  moved->stretched_from.reset();
   for (TopoDS_Face& face : moved->faces) face = TopoDS::Face(face.Moved(there));
   return Solid(std::move(moved));
 }

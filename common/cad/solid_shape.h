@@ -23,7 +23,7 @@ absl::StatusOr<mesh::DrawnShape> ShapeOfSolid(const Solid& solid, const Eigen::M
 // stretched exactly: flat faces stay planes, and cylinders and cones stay such where their section
 // is not stretched differently (StretchSolid). A shape of triangles only has a plane for each.
 //
-// INVALID_ARGUMENT, "shape", if it cannot be made in this size.
+// INVALID_ARGUMENT, "shape", if it cannot be made in this size, naming the faces at fault.
 absl::StatusOr<Solid> SolidOfShape(const mesh::DrawnShape& shape, const Eigen::Vector3d& size,
                                    const std::string& name);
 

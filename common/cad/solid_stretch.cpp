@@ -6,262 +6,118 @@
 #include <BRepTools_Modification.hxx>
 #include <BRepTools_Modifier.hxx>
 #include <BRep_Tool.hxx>
+#include <Bnd_Box2d.hxx>
+#include <Geom2dAdaptor_Curve.hxx>
 #include <Geom2d_BSplineCurve.hxx>
 #include <Geom2d_Curve.hxx>
 #include <Geom2d_Line.hxx>
 #include <Geom2d_TrimmedCurve.hxx>
-#include <Geom_BSplineCurve.hxx>
-#include <Geom_Circle.hxx>
-#include <Geom_ConicalSurface.hxx>
-#include <Geom_CylindricalSurface.hxx>
-#include <Geom_Ellipse.hxx>
-#include <Geom_Line.hxx>
 #include <Geom_Plane.hxx>
-#include <Geom_RectangularTrimmedSurface.hxx>
-#include <Geom_SurfaceOfLinearExtrusion.hxx>
-#include <Geom_SurfaceOfRevolution.hxx>
-#include <Geom_ToroidalSurface.hxx>
-#include <Geom_TrimmedCurve.hxx>
+#include <NCollection_DataMap.hxx>
 #include <TColStd_Array1OfReal.hxx>
+#include <TopExp.hxx>
 #include <TopExp_Explorer.hxx>
+#include <TopTools_IndexedMapOfShape.hxx>
+#include <TopTools_ShapeMapHasher.hxx>
 #include <TopoDS.hxx>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <gp_GTrsf.hxx>
-#include <gp_Lin.hxx>
-#include <optional>
+#include <vector>
 
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "common/cad/fitted_curve.h"
 #include "common/cad/solid_kernel.h"
+#include "common/cad/stretched_curve.h"
+#include "common/cad/stretched_surface.h"
 
 namespace mortise::cad {
 namespace {
 
 constexpr double kSame = 1e-9;      // factors and lengths that differ by less, relatively, are one
-constexpr double kParallel = 1e-9;  // sine of an angle
+constexpr double kFit = 1e-11;      // of a parameter
+constexpr double kShortest = 1e-9;  // piece of a curve, of its length
+const Eigen::Vector3d kUneven(1.25, 1, 1.5);
+constexpr int kLooks = 32;             // along an edge
 constexpr double kVolumeError = 1e-6;  // relative
 
-template <class Curve, class Trimmed>
-Handle(Curve) Untrimmed(Handle(Curve) curve) {
-  for (;;) {
-    const auto trimmed = Handle(Trimmed)::DownCast(curve);
-    if (trimmed.IsNull()) return curve;
-    curve = trimmed->BasisCurve();
-  }
-}
-
-Handle(Geom_Surface) Untrimmed(Handle(Geom_Surface) surface) {
-  for (;;) {
-    const auto trimmed = Handle(Geom_RectangularTrimmedSurface)::DownCast(surface);
-    if (trimmed.IsNull()) return surface;
-    surface = trimmed->BasisSurface();
-  }
-}
-
-// A curve, whose point at `scale` t + `shift` is that of the drawn one at t, stretched.
-struct StretchedCurve {
-  Handle(Geom_Curve) curve;
-  double scale = 1;
-  double shift = 0;
-};
-
-// A surface, whose point at (u + `u_shift`, `v_scale` v + `v_shift`) is that of the drawn one at
-// (u, v), stretched. Of planes that does not hold.
-struct StretchedSurface {
-  Handle(Geom_Surface) surface;
-  double u_shift = 0;
-  double v_scale = 1;
-  double v_shift = 0;
-};
-
-// Stretches the curves and surfaces of which solids mostly consist by themselves: lines, conics and
-// splines, planes, and what is swept along or about a coordinate axis.
-class Stretcher {
- public:
-  explicit Stretcher(const Eigen::Vector3d& factors) : factors_(factors) {}
-
-  gp_XYZ Point(const gp_XYZ& p) const {
-    return {factors_[0] * p.X(), factors_[1] * p.Y(), factors_[2] * p.Z()};
-  }
-
-  double Grown(double tolerance) const { return tolerance * std::max(1.0, factors_.maxCoeff()); }
-
-  std::optional<StretchedCurve> Curve(const Handle(Geom_Curve) & drawn) const {
-    const auto basis = Untrimmed<Geom_Curve, Geom_TrimmedCurve>(drawn);
-    if (const auto line = Handle(Geom_Line)::DownCast(basis); !line.IsNull()) {
-      const gp_XYZ direction = Point(line->Lin().Direction().XYZ());
-      return StretchedCurve{
-          new Geom_Line(gp_Pnt(Point(line->Lin().Location().XYZ())), gp_Dir(direction)),
-          direction.Modulus(), 0};
-    }
-    if (const auto circle = Handle(Geom_Circle)::DownCast(basis); !circle.IsNull()) {
-      return Conic(circle->Position(), circle->Radius(), circle->Radius());
-    }
-    if (const auto ellipse = Handle(Geom_Ellipse)::DownCast(basis); !ellipse.IsNull()) {
-      if (AxisAlong(ellipse->Position().XDirection()) < 0) return std::nullopt;
-      return Conic(ellipse->Position(), ellipse->MajorRadius(), ellipse->MinorRadius());
-    }
-    if (const auto spline = Handle(Geom_BSplineCurve)::DownCast(basis); !spline.IsNull()) {
-      const auto stretched = Handle(Geom_BSplineCurve)::DownCast(spline->Copy());
-      for (int i = 1; i <= stretched->NbPoles(); ++i) {
-        stretched->SetPole(i, gp_Pnt(Point(stretched->Pole(i).XYZ())));
+// Where a curve in a face's parameters crosses the knots of the surface's splines. Without a knot
+// in between, pieces of it are smooth where the curve is.
+void AddCrossings(const std::function<double(double)>& at, const std::vector<double>& knots,
+                  double from, double to, std::vector<double>& breaks) {
+  for (const double knot : knots) {
+    double before = from;
+    bool was_below = at(before) < knot;
+    for (int look = 1; look <= kLooks; ++look) {
+      const double now = from + (to - from) * look / kLooks;
+      const bool is_below = at(now) < knot;
+      if (is_below != was_below) {
+        double low = before, high = now;
+        for (int halving = 0; halving < 50; ++halving) {
+          const double middle = (low + high) / 2;
+          ((at(middle) < knot) == was_below ? low : high) = middle;
+        }
+        breaks.push_back(low);
       }
-      return StretchedCurve{Handle(Geom_Curve)(stretched)};
+      before = now;
+      was_below = is_below;
     }
-    return std::nullopt;
   }
+}
 
-  std::optional<StretchedSurface> Surface(const Handle(Geom_Surface) & drawn) const {
-    const Handle(Geom_Surface) basis = Untrimmed(drawn);
-    if (const auto plane = Handle(Geom_Plane)::DownCast(basis); !plane.IsNull()) {
-      return Plane(plane->Position());
-    }
-    if (const auto cylinder = Handle(Geom_CylindricalSurface)::DownCast(basis);
-        !cylinder.IsNull()) {
-      return Cylinder(cylinder->Position(), cylinder->Radius());
-    }
-    if (const auto cone = Handle(Geom_ConicalSurface)::DownCast(basis); !cone.IsNull()) {
-      return Cone(cone->Position(), cone->RefRadius(), cone->SemiAngle());
-    }
-    if (const auto torus = Handle(Geom_ToroidalSurface)::DownCast(basis); !torus.IsNull()) {
-      return Ring(torus->Position(), torus->MajorRadius(), torus->MinorRadius());
-    }
-    if (const auto turned = Handle(Geom_SurfaceOfRevolution)::DownCast(basis); !turned.IsNull()) {
-      return Turned(turned->Axis(), turned->BasisCurve());
-    }
-    if (const auto swept = Handle(Geom_SurfaceOfLinearExtrusion)::DownCast(basis);
-        !swept.IsNull()) {
-      const auto curve = Curve(swept->BasisCurve());
-      if (!curve || curve->scale != 1) return std::nullopt;
-      const gp_XYZ direction = Point(swept->Direction().XYZ());
-      return StretchedSurface{new Geom_SurfaceOfLinearExtrusion(curve->curve, gp_Dir(direction)),
-                              curve->shift, direction.Modulus(), 0};
-    }
-    return std::nullopt;
+// The ends of an edge in a face's parameters, and where it is not smooth there.
+std::vector<double> BreaksOf(const Geom2dAdaptor_Curve& curve, const StretchedSurface& surface) {
+  TColStd_Array1OfReal smooth(1, curve.NbIntervals(GeomAbs_CN) + 1);
+  curve.Intervals(smooth, GeomAbs_CN);
+  std::vector<double> breaks(smooth.begin(), smooth.end());
+  const std::size_t pieces = breaks.size() - 1;
+  for (std::size_t i = 0; i < pieces; ++i) {
+    AddCrossings([&](double t) { return curve.Value(t).X(); }, surface.u.knots,
+                 smooth[static_cast<int>(i) + 1], smooth[static_cast<int>(i) + 2], breaks);
+    AddCrossings([&](double t) { return curve.Value(t).Y(); }, surface.v.knots,
+                 smooth[static_cast<int>(i) + 1], smooth[static_cast<int>(i) + 2], breaks);
   }
+  std::sort(breaks.begin(), breaks.end());
+  const double least = kShortest * (breaks.back() - breaks.front());
+  std::vector<double> apart{breaks.front()};
+  for (const double at : breaks) {
+    if (at - apart.back() > least && breaks.back() - at > least) apart.push_back(at);
+  }
+  apart.push_back(breaks.back());
+  return apart;
+}
 
- private:
-  // The coordinate axis along `direction`; -1 if there is none.
-  static int AxisAlong(const gp_Dir& direction) {
-    for (int axis = 0; axis < 3; ++axis) {
-      const double other =
-          std::hypot(direction.Coord((axis + 1) % 3 + 1), direction.Coord((axis + 2) % 3 + 1));
-      if (other <= kParallel) return axis;
+ParameterRange RangeOf(const TopoDS_Face& face) {
+  Bnd_Box2d box;
+  for (TopExp_Explorer edge(face, TopAbs_EDGE); edge.More(); edge.Next()) {
+    double first = 0, last = 0;
+    const auto curve = BRep_Tool::CurveOnSurface(TopoDS::Edge(edge.Current()), face, first, last);
+    if (curve.IsNull()) continue;
+    for (int look = 0; look <= kLooks; ++look) {
+      box.Add(curve->Value(first + (last - first) * look / kLooks));
     }
-    return -1;
   }
-
-  // The axis, if what is round about it stays round.
-  int RoundAbout(const gp_Dir& direction) const {
-    const int axis = AxisAlong(direction);
-    if (axis < 0) return -1;
-    const double a = factors_[(axis + 1) % 3], b = factors_[(axis + 2) % 3];
-    return std::abs(a - b) <= kSame * a ? axis : -1;
-  }
-
-  // Circles, and ellipses whose axes are those of the coordinates.
-  std::optional<StretchedCurve> Conic(const gp_Ax2& position, double along_x,
-                                      double along_y) const {
-    const int normal = AxisAlong(position.Direction());
-    if (normal < 0) return std::nullopt;
-    const gp_Pnt center(Point(position.Location().XYZ()));
-    if (along_x == along_y && RoundAbout(position.Direction()) >= 0) {
-      return StretchedCurve{
-          new Geom_Circle(gp_Ax2(center, position.Direction(), position.XDirection()),
-                          factors_[(normal + 1) % 3] * along_x)};
-    }
-    // Along either of the two axes across, how long it becomes.
-    const auto unit = [](int axis) { return gp_Dir(axis == 0, axis == 1, axis == 2); };
-    const auto radius = [&](int axis) {
-      const bool is_x = std::abs(position.XDirection().Dot(gp_Dir(unit(axis)))) > 0.5;
-      return factors_[axis] * (along_x == along_y || is_x ? along_x : along_y);
-    };
-    int longer = (normal + 1) % 3, shorter = (normal + 2) % 3;
-    if (radius(shorter) > radius(longer)) std::swap(longer, shorter);
-    // Of both ways along the longer axis that which shifts least, and forwards: the kernel mistakes
-    // the direction of closed ellipses that begin before their own parameter 0.
-    gp_Dir along = unit(longer);
-    const gp_Dir& x = position.XDirection();
-    if (x.Dot(along) < -kParallel || x.Dot(position.Direction().Crossed(along)) < -kParallel) {
-      along.Reverse();
-    }
-    const gp_Ax2 axes(center, position.Direction(), along);
-    const double shift = std::atan2(x.Dot(axes.YDirection()), x.Dot(axes.XDirection()));
-    return StretchedCurve{new Geom_Ellipse(axes, radius(longer), radius(shorter)), 1,
-                          std::max(0.0, shift)};
-  }
-
-  StretchedSurface Plane(const gp_Ax3& position) const {
-    const gp_XYZ n = position.Direction().XYZ();
-    const gp_Dir normal(n.X() / factors_[0], n.Y() / factors_[1], n.Z() / factors_[2]);
-    gp_Ax3 moved(gp_Pnt(Point(position.Location().XYZ())), normal,
-                 gp_Dir(Point(position.XDirection().XYZ())));
-    if (!position.Direct()) moved.YReverse();
-    return {new Geom_Plane(moved)};
-  }
-
-  std::optional<StretchedSurface> Cylinder(gp_Ax3 position, double radius) const {
-    const int axis = AxisAlong(position.Direction());
-    if (axis < 0) return std::nullopt;
-    if (RoundAbout(position.Direction()) >= 0) {
-      position.SetLocation(gp_Pnt(Point(position.Location().XYZ())));
-      return StretchedSurface{
-          new Geom_CylindricalSurface(position, factors_[(axis + 1) % 3] * radius), 0,
-          factors_[axis], 0};
-    }
-    if (!position.Direct()) return std::nullopt;
-    const auto outline = Conic(position.Ax2(), radius, radius);
-    if (!outline) return std::nullopt;
-    return StretchedSurface{new Geom_SurfaceOfLinearExtrusion(outline->curve, position.Direction()),
-                            outline->shift, factors_[axis], 0};
-  }
-
-  std::optional<StretchedSurface> Cone(gp_Ax3 position, double radius, double angle) const {
-    const int axis = RoundAbout(position.Direction());
-    if (axis < 0) return std::nullopt;
-    const double across = factors_[(axis + 1) % 3];
-    const double out = across * std::sin(angle), along = factors_[axis] * std::cos(angle);
-    position.SetLocation(gp_Pnt(Point(position.Location().XYZ())));
-    return StretchedSurface{
-        new Geom_ConicalSurface(position, std::atan2(out, along), across * radius), 0,
-        std::hypot(out, along), 0};
-  }
-
-  // A torus, turned about its axis from the circle in the plane of X. (A sphere's circle would
-  // cross the axis, which the kernel does not bear.)
-  std::optional<StretchedSurface> Ring(const gp_Ax3& position, double major, double minor) const {
-    if (RoundAbout(position.Direction()) < 0 || !position.Direct()) return std::nullopt;
-    if (AxisAlong(position.XDirection()) < 0) return std::nullopt;
-    const gp_XYZ x = position.XDirection().XYZ();
-    const gp_Ax2 section(gp_Pnt(position.Location().XYZ() + major * x),
-                         position.YDirection().Reversed(), position.XDirection());
-    return Turned(position.Axis(), new Geom_Circle(section, minor));
-  }
-
-  std::optional<StretchedSurface> Turned(const gp_Ax1& axis,
-                                         const Handle(Geom_Curve) & meridian) const {
-    if (RoundAbout(axis.Direction()) < 0) return std::nullopt;
-    const auto curve = Curve(meridian);
-    if (!curve) return std::nullopt;
-    return StretchedSurface{
-        new Geom_SurfaceOfRevolution(
-            curve->curve, gp_Ax1(gp_Pnt(Point(axis.Location().XYZ())), axis.Direction())),
-        0, curve->scale, curve->shift};
-  }
-
-  const Eigen::Vector3d factors_;
-};
+  ParameterRange range;
+  if (!box.IsVoid()) box.Get(range.u_minimum, range.v_minimum, range.u_maximum, range.v_maximum);
+  return range;
+}
 
 // The kernel's way to change the geometry of a solid and keep how it hangs together.
 class ExactStretch : public BRepTools_Modification {
  public:
-  explicit ExactStretch(const Eigen::Vector3d& factors) : stretch_(factors) {}
+  explicit ExactStretch(const Eigen::Vector3d& factors) : factors_(factors) {}
 
-  // Whether all of the solid can be stretched so.
-  bool Suits(const TopoDS_Shape& solid) const {
-    for (TopExp_Explorer face(solid, TopAbs_FACE); face.More(); face.Next()) {
-      if (!stretch_.Surface(BRep_Tool::Surface(TopoDS::Face(face.Current())))) return false;
-      for (TopExp_Explorer edge(face.Current(), TopAbs_EDGE); edge.More(); edge.Next()) {
-        if (!Suits(TopoDS::Edge(edge.Current()), TopoDS::Face(face.Current()))) return false;
+  // Whether all of the solid can be stretched so. Must be asked first.
+  bool Suits(const TopoDS_Shape& solid) {
+    for (TopExp_Explorer found(solid, TopAbs_FACE); found.More(); found.Next()) {
+      const TopoDS_Face face = TopoDS::Face(found.Current());
+      const auto surface = StretchSurface(BRep_Tool::Surface(face), factors_, RangeOf(face));
+      if (!surface) return false;
+      surfaces_.Bind(face, *surface);
+      for (TopExp_Explorer edge(face, TopAbs_EDGE); edge.More(); edge.Next()) {
+        if (!Suits(TopoDS::Edge(edge.Current()), face)) return false;
       }
     }
     return true;
@@ -271,9 +127,9 @@ class ExactStretch : public BRepTools_Modification {
                               TopLoc_Location& location, Standard_Real& tolerance,
                               Standard_Boolean& reverses_wires,
                               Standard_Boolean& reverses_face) override {
-    surface = stretch_.Surface(BRep_Tool::Surface(face))->surface;
+    surface = surfaces_.Find(face).surface;
     location.Identity();
-    tolerance = stretch_.Grown(BRep_Tool::Tolerance(face));
+    tolerance = Grown(BRep_Tool::Tolerance(face));
     reverses_wires = reverses_face = Standard_False;
     return Standard_True;
   }
@@ -282,14 +138,14 @@ class ExactStretch : public BRepTools_Modification {
                             TopLoc_Location& location, Standard_Real& tolerance) override {
     curve = CurveOf(edge).curve;
     location.Identity();
-    tolerance = stretch_.Grown(BRep_Tool::Tolerance(edge));
+    tolerance = Grown(BRep_Tool::Tolerance(edge));
     return Standard_True;
   }
 
   Standard_Boolean NewPoint(const TopoDS_Vertex& vertex, gp_Pnt& point,
                             Standard_Real& tolerance) override {
-    point = gp_Pnt(stretch_.Point(BRep_Tool::Pnt(vertex).XYZ()));
-    tolerance = stretch_.Grown(BRep_Tool::Tolerance(vertex));
+    point = gp_Pnt(Stretched(BRep_Tool::Pnt(vertex).XYZ(), factors_));
+    tolerance = Grown(BRep_Tool::Tolerance(vertex));
     return Standard_True;
   }
 
@@ -304,7 +160,7 @@ class ExactStretch : public BRepTools_Modification {
 
   Standard_Boolean NewParameter(const TopoDS_Vertex& vertex, const TopoDS_Edge& edge,
                                 Standard_Real& parameter, Standard_Real& tolerance) override {
-    tolerance = stretch_.Grown(BRep_Tool::Tolerance(vertex));
+    tolerance = Grown(BRep_Tool::Tolerance(vertex));
     const StretchedCurve curve = CurveOf(edge);
     parameter = curve.scale * BRep_Tool::Parameter(vertex, edge) + curve.shift;
     return Standard_True;
@@ -317,6 +173,8 @@ class ExactStretch : public BRepTools_Modification {
   }
 
  private:
+  double Grown(double tolerance) const { return tolerance * std::max(1.0, factors_.maxCoeff()); }
+
   // Curves on planes follow from those in space.
   static bool IsPlanar(const TopoDS_Face& face) {
     return !Handle(Geom_Plane)::DownCast(Untrimmed(BRep_Tool::Surface(face))).IsNull();
@@ -327,49 +185,72 @@ class ExactStretch : public BRepTools_Modification {
     double first = 0, last = 0;
     const auto curve = BRep_Tool::Curve(edge, first, last);
     if (curve.IsNull()) return {};
-    return stretch_.Curve(curve).value_or(StretchedCurve{});
+    return StretchCurve(curve, factors_).value_or(StretchedCurve{});
   }
 
-  // The edge in the parameters of the stretched face; null if it is neither a line nor a spline.
+  // The edge in the parameters of the stretched face.
   Handle(Geom2d_Curve) CurveOn(const TopoDS_Edge& edge, const TopoDS_Face& face) const {
     double first = 0, last = 0;
     const auto drawn = BRep_Tool::CurveOnSurface(edge, face, first, last);
     if (drawn.IsNull()) return nullptr;
     const auto basis = Untrimmed<Geom2d_Curve, Geom2d_TrimmedCurve>(drawn);
-    const StretchedSurface surface = *stretch_.Surface(BRep_Tool::Surface(face));
+    const StretchedSurface& surface = surfaces_.Find(face);
     const StretchedCurve curve = CurveOf(edge);
-    const auto moved = [&](const gp_XY& p) {
-      return gp_XY(p.X() + surface.u_shift, surface.v_scale * p.Y() + surface.v_shift);
-    };
-    if (const auto line = Handle(Geom2d_Line)::DownCast(basis); !line.IsNull()) {
-      gp_XY along = line->Direction().XY();
-      along.SetY(surface.v_scale * along.Y());
-      along /= curve.scale;
-      if (std::abs(along.Modulus() - 1) > kSame) return nullptr;
-      return new Geom2d_Line(gp_Pnt2d(moved(line->Location().XY()) - curve.shift * along),
-                             gp_Dir2d(along));
+    if (surface.u.IsLinear() && surface.v.IsLinear()) {
+      const auto line = Handle(Geom2d_Line)::DownCast(basis);
+      const auto spline = Handle(Geom2d_BSplineCurve)::DownCast(basis);
+      if (!spline.IsNull()) return MovedSpline(spline, surface, curve);
+      if (!line.IsNull()) {
+        if (const auto moved = MovedLine(line, surface, curve); !moved.IsNull()) return moved;
+      }
     }
-    const auto spline = Handle(Geom2d_BSplineCurve)::DownCast(basis);
-    if (spline.IsNull()) return nullptr;
-    const auto stretched = Handle(Geom2d_BSplineCurve)::DownCast(spline->Copy());
-    for (int i = 1; i <= stretched->NbPoles(); ++i) {
-      stretched->SetPole(i, gp_Pnt2d(moved(stretched->Pole(i).XY())));
+    std::vector<double> breaks = BreaksOf(Geom2dAdaptor_Curve(drawn, first, last), surface);
+    for (double& at : breaks) at = curve.scale * at + curve.shift;
+    return FitCurve(
+        [&](double t) -> Eigen::Vector2d {
+          const gp_Pnt2d p = drawn->Value((t - curve.shift) / curve.scale);
+          return {surface.u.At(p.X()), surface.v.At(p.Y())};
+        },
+        breaks, kFit);
+  }
+
+  // Null if its parameter would not be its length.
+  static Handle(Geom2d_Curve)
+      MovedLine(const Handle(Geom2d_Line) & line, const StretchedSurface& surface,
+                const StretchedCurve& curve) {
+    const gp_XY& direction = line->Direction().XY();
+    const gp_XY along =
+        gp_XY(surface.u.scale * direction.X(), surface.v.scale * direction.Y()) / curve.scale;
+    if (std::abs(along.Modulus() - 1) > kSame) return nullptr;
+    const gp_XY& from = line->Location().XY();
+    const gp_XY moved(surface.u.At(from.X()), surface.v.At(from.Y()));
+    return new Geom2d_Line(gp_Pnt2d(moved - curve.shift * along), gp_Dir2d(along));
+  }
+
+  static Handle(Geom2d_Curve)
+      MovedSpline(const Handle(Geom2d_BSplineCurve) & spline, const StretchedSurface& surface,
+                  const StretchedCurve& curve) {
+    const auto moved = Handle(Geom2d_BSplineCurve)::DownCast(spline->Copy());
+    for (int i = 1; i <= moved->NbPoles(); ++i) {
+      const gp_Pnt2d pole = moved->Pole(i);
+      moved->SetPole(i, gp_Pnt2d(surface.u.At(pole.X()), surface.v.At(pole.Y())));
     }
-    TColStd_Array1OfReal knots = stretched->Knots();
+    TColStd_Array1OfReal knots = moved->Knots();
     for (double& knot : knots) knot = curve.scale * knot + curve.shift;
-    stretched->SetKnots(knots);
-    return Handle(Geom2d_Curve)(stretched);
+    moved->SetKnots(knots);
+    return Handle(Geom2d_Curve)(moved);
   }
 
   bool Suits(const TopoDS_Edge& edge, const TopoDS_Face& face) const {
     double first = 0, last = 0;
     const auto curve = BRep_Tool::Curve(edge, first, last);
     if (curve.IsNull() != BRep_Tool::Degenerated(edge)) return false;
-    if (!curve.IsNull() && !stretch_.Curve(curve)) return false;
-    return IsPlanar(face) || !CurveOn(edge, face).IsNull();
+    if (!curve.IsNull() && !StretchCurve(curve, factors_)) return false;
+    return IsPlanar(face) || !BRep_Tool::CurveOnSurface(edge, face, first, last).IsNull();
   }
 
-  const Stretcher stretch_;
+  const Eigen::Vector3d factors_;
+  NCollection_DataMap<TopoDS_Shape, StretchedSurface, TopTools_ShapeMapHasher> surfaces_;
 };
 
 TopoDS_Shape General(const TopoDS_Shape& solid, const Eigen::Vector3d& factors) {
@@ -402,6 +283,20 @@ TopoDS_Shape StretchSolid(const TopoDS_Shape& solid, const Eigen::Vector3d& fact
   }
   const TopoDS_Shape stretched = General(solid, factors);
   return IsRight(stretched, volume) ? stretched : TopoDS_Shape();
+}
+
+std::string WhyNotStretched(const TopoDS_Shape& solid) {
+  ExactStretch stretch(kUneven);
+  TopTools_IndexedMapOfShape faces;
+  TopExp::MapShapes(solid, TopAbs_FACE, faces);
+  std::vector<std::string> numbers;
+  for (int i = 1; i <= faces.Extent(); ++i) {
+    if (!stretch.Suits(faces(i))) numbers.push_back(absl::StrCat(i));
+  }
+  if (numbers.empty()) return "cannot be stretched: the kernel makes no valid solid of it";
+  return absl::StrCat("cannot be stretched: ", numbers.size(), " of its ", faces.Extent(),
+                      " faces (", absl::StrJoin(numbers, ", "),
+                      ") are offset or end in curves that are; write them as splines");
 }
 
 }  // namespace mortise::cad

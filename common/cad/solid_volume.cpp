@@ -228,26 +228,11 @@ std::optional<double> BoundaryIntegral(const TopoDS_Shape& solid) {
   return volume;
 }
 
-// Planes, cylinders, cones, spheres and tori, and what is swept along a line: the kernel's plain
-// integration is right for these.
-bool IsSimple(const TopoDS_Shape& solid) {
-  for (TopExp_Explorer face(solid, TopAbs_FACE); face.More(); face.Next()) {
-    const GeomAbs_SurfaceType type =
-        BRepAdaptor_Surface(TopoDS::Face(face.Current()), Standard_False).GetType();
-    if (type > GeomAbs_Torus && type != GeomAbs_SurfaceOfExtrusion) return false;
-  }
-  return true;
-}
-
 }  // namespace
 
 double AccurateVolume(const TopoDS_Shape& solid) {
-  GProp_GProps properties;
-  if (IsSimple(solid)) {
-    BRepGProp::VolumeProperties(solid, properties);
-    return properties.Mass();
-  }
   if (const std::optional<double> volume = BoundaryIntegral(solid)) return *volume;
+  GProp_GProps properties;
   BRepGProp::VolumePropertiesGK(solid, properties, kKernelError);
   return properties.Mass();
 }

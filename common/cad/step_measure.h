@@ -3,8 +3,10 @@
 
 #include <Eigen/Geometry>
 #include <TopoDS_Shape.hxx>
-#include <vector>
+#include <deque>
+#include <utility>
 
+#include "common/cad/solid_box.h"
 #include "common/cad/step_assembly.h"
 
 namespace mortise::cad {
@@ -20,17 +22,12 @@ class SolidMeasurer {
   void Measure(const Eigen::Isometry3d& placement, StepPart& part);
 
  private:
-  struct Turned {
-    Eigen::Matrix3d rotation;
-    Eigen::Vector3d minimum, maximum;  // of the solid turned so, where it stands otherwise
-  };
-  const Turned& BoxOf(const Eigen::Matrix3d& rotation);
+  // Of the solid turned so, where it stands otherwise.
+  const SolidBox& TurnedBox(const Eigen::Matrix3d& rotation);
 
   TopoDS_Shape solid_;
   double volume_ = 0;
-  bool is_polyhedron_ = false;  // flat faces, straight edges: its vertices span its box
-  Eigen::Matrix3Xd vertices_;   // m, of a polyhedron
-  std::vector<Turned> turned_;
+  std::deque<std::pair<Eigen::Matrix3d, SolidBox>> boxes_;  // by rotation
 };
 
 }  // namespace mortise::cad

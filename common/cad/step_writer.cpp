@@ -2,15 +2,11 @@
 #include "common/cad/step_writer.h"
 
 #include <BRepBuilderAPI_Transform.hxx>
-#include <BRepCheck_Analyzer.hxx>
-#include <BRep_Tool.hxx>
-#include <Geom_BSplineSurface.hxx>
 #include <IFSelect_ReturnStatus.hxx>
 #include <Interface_Static.hxx>
 #include <Quantity_Color.hxx>
 #include <STEPCAFControl_Controller.hxx>
 #include <STEPCAFControl_Writer.hxx>
-#include <ShapeUpgrade_ShapeDivideClosed.hxx>
 #include <Standard_Failure.hxx>
 #include <StepBasic_Product.hxx>
 #include <StepBasic_ProductDefinition.hxx>
@@ -18,13 +14,10 @@
 #include <StepData_StepModel.hxx>
 #include <StepRepr_NextAssemblyUsageOccurrence.hxx>
 #include <TCollection_HAsciiString.hxx>
-#include <TopExp_Explorer.hxx>
-#include <TopoDS.hxx>
 #include <XCAFDoc_ColorTool.hxx>
 #include <XCAFDoc_DocumentTool.hxx>
 #include <XCAFDoc_ShapeTool.hxx>
 #include <algorithm>
-#include <cmath>
 #include <gp_Trsf.hxx>
 #include <map>
 
@@ -32,18 +25,16 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
+#include "common/cad/closed_faces.h"
 #include "common/cad/solid_kernel.h"
 #include "common/cad/step_document.h"
-#include "common/cad/step_reader.h"
+#include "common/cad/step_readback.h"
 #include "common/cad/step_structure.h"
 
 namespace mortise::cad {
 namespace {
 
 constexpr double kMillimetres = 1000;  // in a metre; the kernel's own unit
-constexpr int kMostCuts = 3;           // of a face that closes on itself
-constexpr double kSameVolume = 1e-7;   // relative
-constexpr double kReadVolume = 1e-6;   // relative, of what is read again
 
 const char* NameOf(StepUnit unit) {
   switch (unit) {
@@ -60,34 +51,6 @@ TopoDS_Shape InMillimetres(const TopoDS_Shape& shape) {
   gp_Trsf scale;
   scale.SetScale(gp_Pnt(0, 0, 0), kMillimetres);
   return BRepBuilderAPI_Transform(shape, scale, Standard_True).Shape();
-}
-
-bool ClosesOnItself(const TopoDS_Face& face) {
-  const auto surface = Handle(Geom_BSplineSurface)::DownCast(BRep_Tool::Surface(face));
-  return !surface.IsNull() && (surface->IsUClosed() || surface->IsVClosed());
-}
-
-bool HasClosedSplines(const TopoDS_Shape& shape) {
-  for (TopExp_Explorer face(shape, TopAbs_FACE); face.More(); face.Next()) {
-    if (ClosesOnItself(TopoDS::Face(face.Current()))) return true;
-  }
-  return false;
-}
-
-// Cuts faces of splines that close on themselves, as a ball's do that was stretched: of a loop in
-// one, which has neither a seam nor poles in the file, readers take the wrong side. As it was where
-// the kernel cannot cut it.
-TopoDS_Shape CutOpen(const TopoDS_Shape& shape, double volume) {
-  // A cut that runs along or through an edge may fail; others lie elsewhere.
-  for (int cuts = 1; cuts <= kMostCuts; ++cuts) {
-    ShapeUpgrade_ShapeDivideClosed divide(shape);
-    divide.SetNbSplitPoints(cuts);
-    if (!divide.Perform() || !BRepCheck_Analyzer(divide.Result()).IsValid()) continue;
-    if (std::abs(AccurateVolume(divide.Result()) - volume) <= kSameVolume * volume) {
-      return divide.Result();
-    }
-  }
-  return shape;
 }
 
 TopLoc_Location InMillimetres(Eigen::Isometry3d placement) {
@@ -237,29 +200,29 @@ absl::StatusOr<std::string> Write(const StepAssembly& assembly, StepUnit unit) {
   return ReadFile(file.path());
 }
 
-// A product with faces of splines that close on themselves, cut open, and read again: what cannot
-// be cut would be another solid to whoever reads the file, and a valid one.
+// A product that would be another solid to whoever reads the file, and a valid one, as one that
+// would not.
 absl::Status MakeReadable(StepProduct& product) {
-  const double volume = AccurateVolume(product.solid->kernel().shape);
-  auto open = std::make_shared<Solid::Kernel>(product.solid->kernel());
-  open->shape = CutOpen(open->shape, volume);
-  product.solid = Solid(std::move(open));
-  StepAssembly alone;
-  alone.name = product.name;
-  alone.groups.push_back({product.name, -1});
-  alone.products.push_back(product);
-  alone.parts.emplace_back().name = product.name;
-  MORTISE_ASSIGN_OR_RETURN(const std::string bytes, Write(alone, StepUnit::kMillimetre));
-  const absl::StatusOr<StepAssembly> read = ReadStep(bytes);
-  if (read.ok() && read->parts.size() == 1 &&
-      std::abs(read->parts[0].volume - volume) <= kReadVolume * volume) {
-    return absl::OkStatus();
+  const auto write = [&](const Solid& solid) {
+    StepAssembly alone;
+    alone.name = product.name;
+    alone.groups.push_back({product.name, -1});
+    alone.products.push_back({product.name, solid, std::nullopt});
+    alone.parts.emplace_back().name = product.name;
+    return Write(alone, StepUnit::kMillimetre);
+  };
+  MORTISE_ASSIGN_OR_RETURN(const std::optional<Solid> readable,
+                           ReadableSolid(*product.solid, write));
+  if (!readable) {
+    return PreconditionFailed(
+        "NO_STEP",
+        absl::StrCat("'", product.name,
+                     "' cannot be written as STEP in this size: a face of it closes on itself, and "
+                     "readers take the wrong side of it; ask for GLB, OBJ or STL, or draw it with "
+                     "its ball turned"));
   }
-  return PreconditionFailed(
-      "NO_STEP", absl::StrCat("'", product.name,
-                              "' cannot be written as STEP in this size: a face of it closes on "
-                              "itself, and readers take the wrong side of it; ask for GLB, OBJ or "
-                              "STL, or draw it with its ball turned"));
+  product.solid = *readable;
+  return absl::OkStatus();
 }
 
 }  // namespace
@@ -269,7 +232,7 @@ absl::StatusOr<std::string> WriteStep(const StepAssembly& assembly, StepUnit uni
     MORTISE_RETURN_IF_ERROR(Check(assembly));
     StepAssembly used = WithoutUnused(assembly);
     for (StepProduct& product : used.products) {
-      if (!HasClosedSplines(product.solid->kernel().shape)) continue;
+      if (!HasClosedFaces(product.solid->kernel().shape)) continue;
       MORTISE_RETURN_IF_ERROR(MakeReadable(product));
     }
     return Write(used, unit);

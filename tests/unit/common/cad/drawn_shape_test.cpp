@@ -22,7 +22,6 @@
 #include <numbers>
 #include <random>
 
-#include "common/base/errors.h"
 #include "common/cad/solid_shape.h"
 #include "common/cad/solid_stretch.h"
 #include "common/cad/step_assembly_json.h"
@@ -340,43 +339,6 @@ TEST(DrawnShape, IsRefusedWithThePlaceWhereItBoundsNoSolid) {
 }
 
 // What STEP has is what is written after it was read, stretched, written and read again.
-// A ball of 20 mm radius with a flat and a bore beside its own axis, z: stretched unevenly, it has
-// a face of splines that closes on itself around them.
-TopoDS_Shape FlattenedBall(const gp_Dir& flat) {
-  const gp_Ax2 outside(gp_Pnt(15e-3 * flat.X(), 15e-3 * flat.Y(), 15e-3 * flat.Z()), flat);
-  return BRepAlgoAPI_Cut(BRepPrimAPI_MakeSphere(0.02).Solid(),
-                         BRepPrimAPI_MakeCylinder(outside, 0.03, 0.03).Solid())
-      .Shape();
-}
-
-TopoDS_Shape BoredBall(const gp_Dir& along) {
-  const gp_Ax2 axis(gp_Pnt(-0.03 * along.X(), -0.03 * along.Y(), -0.03 * along.Z()), along);
-  return BRepAlgoAPI_Cut(BRepPrimAPI_MakeSphere(0.02).Solid(),
-                         BRepPrimAPI_MakeCylinder(axis, 0.006, 0.06).Solid())
-      .Shape();
-}
-
-// What is read must be what was written, in every size; what cannot be so is refused.
-TEST(DrawnShape, BallsAreReadAsTheyWereWrittenOrNotWritten) {
-  const Eigen::Vector3d factors(2, 1, 1);
-  int written = 0;
-  for (const TopoDS_Shape& ball : {FlattenedBall(gp_Dir(0, 1, 0)), BoredBall(gp_Dir(1, 0, 0))}) {
-    const mesh::DrawnShape shape = Drawn(SolidFrom(ball, "ball"));
-    const double volume = shape.volume * factors.prod();
-    const auto step = WriteStep("balls", {{Stretched(shape, factors)}});
-    if (!step.ok()) {
-      EXPECT_EQ(DetailOf(step.status()).reason, "NO_STEP") << step.status();
-      continue;
-    }
-    ++written;
-    const auto read = ReadStep(*step);
-    ASSERT_TRUE(read.ok()) << read.status();
-    ASSERT_EQ(read->parts.size(), 1U);
-    EXPECT_NEAR(read->parts[0].volume, volume, 1e-6 * volume);
-  }
-  EXPECT_GE(written, 1);
-}
-
 TEST(DrawnShape, GoesThroughFilesAtAnySize) {
   StepAssembly stand;
   stand.name = "stand";
