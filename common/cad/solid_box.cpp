@@ -200,7 +200,7 @@ class Measurement {
       classifier_ = std::make_unique<BRepTopAdaptor_FClass2d>(face, kInFace);
       classified_ = face;
     }
-    if (classifier_->Perform(gp_Pnt2d(u, v)) == TopAbs_IN) Add(p);
+    if (classifier_->Perform(gp_Pnt2d(u, v)) != TopAbs_OUT) Add(p);
   }
 
   void AddBall(const TopoDS_Face& face, const gp_Sphere& ball) {
