@@ -67,8 +67,10 @@ void CheckBox(const std::string& place, const BoundingBox& box, Findings& findin
   }
 }
 
+// Along axes on which the box is finite; of others, the box is a finding.
 void CheckLimits(const std::string& place, const AssemblyPart& part, Findings& findings) {
   for (int axis = 0; axis < 3; ++axis) {
+    if (!std::isfinite(part.box.size()[axis])) continue;
     const SizeLimits& limits = part.limits[static_cast<std::size_t>(axis)];
     const std::string field = absl::StrCat(place, ".limits.", AxisName(static_cast<Axis>(axis)));
     if (!(limits.minimum > 0) || !std::isfinite(limits.maximum)) {
@@ -119,10 +121,9 @@ void CheckParts(const Assembly& assembly, Findings& findings) {
     if (!IsGroup(assembly, part.group)) findings.push_back({place + ".group", "is no group"});
     const std::size_t before = findings.size();
     CheckBox(place, part.box, findings);
-    if (findings.size() == before) {
-      CheckLimits(place, part, findings);
-      CheckPlanes(place, part, findings);
-    }
+    const bool box_usable = findings.size() == before;
+    if (box_usable || !part.box.size().allFinite()) CheckLimits(place, part, findings);
+    if (box_usable) CheckPlanes(place, part, findings);
   }
 }
 

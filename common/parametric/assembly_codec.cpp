@@ -38,6 +38,7 @@ void ReadJoint(const v1::Joint& message, const std::string& field, const GroupRe
       break;
     case v1::Joint::BALL:
       joint.kind = JointKind::kBall;
+      if (!joint.axis.allFinite()) findings.push_back({field + ".axis", "must be finite"});
       joint.axis = Eigen::Vector3d::UnitZ();
       break;
     default:
@@ -72,19 +73,25 @@ int IndexIn(const std::string& field, const std::string& list) {
 }
 
 // A finding about the struct, at its place in the message.
-Finding AtMessage(const Finding& finding, const AssemblyDrawing& drawing) {
+Finding AtMessage(const Finding& finding, const v1::Assembly& message,
+                  const AssemblyDrawing& drawing) {
   const std::string rest =
       finding.field.substr(std::min(finding.field.find(']') + 1, finding.field.size()));
   if (const int part = IndexIn(finding.field, "parts"); part >= 0) {
     const auto index = static_cast<std::size_t>(part);
+    const std::string& place = drawing.part_fields[index];
+    const v1::AssemblyPart& drawn = message.parts(IndexIn(place, "parts"));
     // Boxes and limits are made of the message's positions and sizes.
-    const std::string field = absl::StrReplaceAll(rest, {{".limits", ".size"}, {".box", ".size"}});
-    return {drawing.part_fields[index] + field,
+    const bool is_nowhere =
+        ToEigen(drawn.size()).allFinite() && !ToEigen(drawn.position()).allFinite();
+    const std::string field = absl::StrReplaceAll(
+        rest, {{".limits", ".size"}, {".box", is_nowhere ? ".position" : ".size"}});
+    return {place + field,
             absl::StrCat("'", drawing.assembly.parts[index].name, "': ", finding.message)};
   }
   if (const int group = IndexIn(finding.field, "groups"); group > 0) {
-    const int message = drawing.group_messages[static_cast<std::size_t>(group) - 1];
-    return {absl::StrCat("groups[", message, "]", rest), finding.message};
+    const int index = drawing.group_messages[static_cast<std::size_t>(group) - 1];
+    return {absl::StrCat("groups[", index, "]", rest), finding.message};
   }
   return finding;
 }
@@ -119,7 +126,12 @@ bool IsConsequence(const Finding& finding, const v1::Assembly& message,
   if (finding.field == "parts") return message.parts_size() > 0;
   if (finding.field == "groups[0].name") return true;  // the root is called as the assembly
   const int joint = IndexIn(finding.field, "joints");
-  if (joint < 0 || !finding.field.ends_with("].group")) return false;
+  if (joint < 0) return false;
+  if (finding.field.find("].rest_poses[") != std::string::npos) {
+    // Motions are made of amounts and axes.
+    return !drawing.assembly.joints[static_cast<std::size_t>(joint)].axis.allFinite();
+  }
+  if (!finding.field.ends_with("].group")) return false;
   return drawing.assembly.joints[static_cast<std::size_t>(joint)].group < 0 ||
          MissesParts(message.joints(joint).group(), message, drawing);
 }
@@ -156,7 +168,7 @@ absl::StatusOr<Assembly> FromProto(const v1::Assembly& message, const std::vecto
   }
   for (const Finding& finding : ValidateAssembly(drawing.assembly)) {
     if (IsConsequence(finding, message, drawing)) continue;
-    findings.push_back(AtMessage(finding, drawing));
+    findings.push_back(AtMessage(finding, message, drawing));
   }
   MORTISE_RETURN_IF_ERROR(ToStatus(findings));
   return std::move(drawing.assembly);

@@ -107,7 +107,7 @@ class Maker {
 
   double Tolerance(double diagonal) {
     const double asked = annotations_.tolerance();
-    if (asked < 0 || asked > kMaxTolerance) {
+    if (!(asked >= 0 && asked <= kMaxTolerance)) {
       drawn_.findings.push_back({"annotations.tolerance", "must be 0 to 0.001 m"});
     } else if (asked > 0) {
       return asked;

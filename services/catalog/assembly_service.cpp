@@ -157,7 +157,8 @@ class AssemblyAdapter : public v1::AssemblyService::CallbackService {
            v1::AssemblyBundle& bundle, store::Transaction& transaction) {
           return ImportBundle(transaction, bundle, asked.expected_revision(),
                               call.identity().request_id);
-        });
+        },
+        rpc::BadNumbers::kToldWithAllElse);
   }
 
   grpc::ServerUnaryReactor* ImportAssemblyStep(grpc::CallbackServerContext* context,
@@ -177,7 +178,8 @@ class AssemblyAdapter : public v1::AssemblyService::CallbackService {
                            call.identity().request_id));
           answer.mutable_notes()->Assign(imported.notes.begin(), imported.notes.end());
           return answer;
-        });
+        },
+        rpc::BadNumbers::kToldWithAllElse);
   }
 
   grpc::ServerUnaryReactor* DeleteAssembly(grpc::CallbackServerContext* context,

@@ -9,6 +9,7 @@
 
 #include "common/base/errors.h"
 #include "common/base/field_violations.h"
+#include "common/base/violation_lists.h"
 #include "mortise/v1/catalog.grpc.pb.h"
 #include "mortise/v1/events.grpc.pb.h"
 #include "tests/integration/services/catalog/assembly_service_fixture.h"
@@ -18,6 +19,7 @@ namespace {
 
 using ::testing::Contains;
 using ::testing::HasSubstr;
+using ::testing::UnorderedElementsAre;
 
 class AssemblyParametrizationTest : public AssemblyServiceTest {
  protected:
@@ -335,6 +337,35 @@ TEST_F(AssemblyParametrizationTest, NamesTheFieldAtFault) {
   v1::Chunk chunk;
   EXPECT_FALSE(reader->Read(&chunk));
   EXPECT_EQ(field(rpc::FromGrpc(reader->Finish())), "format");
+}
+
+TEST_F(AssemblyParametrizationTest, TellsNumbersThatAreNoneWithAllElse) {
+  v1::Assembly shelf = Get(kShelf);
+  shelf.set_name("assemblies/no-numbers");
+  const auto fields = [&] {
+    v1::ImportAssemblyRequest request;
+    request.set_request_id("no-numbers");
+    *request.mutable_assembly() = shelf;
+    const absl::Status refused = Call(&Stub::ImportAssembly, request).status();
+    EXPECT_EQ(refused.code(), absl::StatusCode::kInvalidArgument) << refused;
+    std::vector<std::string> all;
+    for (const FieldViolation& violation : AllViolationsOf(refused)) all.push_back(violation.field);
+    return all;
+  };
+  shelf.mutable_parts(0)->mutable_position()->set_x(std::numeric_limits<double>::quiet_NaN());
+  EXPECT_THAT(fields(), UnorderedElementsAre("assembly.parts[0].position.x"));
+  shelf.mutable_parts(1)->set_item("items/none");
+  v1::Joint& joint = *shelf.add_joints();
+  joint.set_name("turn");
+  joint.set_group("nowhere");
+  joint.set_kind(v1::Joint::HINGE);
+  joint.mutable_axis()->set_z(1);
+  joint.set_lower(-std::numeric_limits<double>::infinity());
+  joint.add_rest_poses();
+  EXPECT_THAT(fields(),
+              UnorderedElementsAre("assembly.parts[0].position.x", "assembly.parts[1].item",
+                                   "assembly.joints[0].group", "assembly.joints[0].lower",
+                                   "assembly.joints[0].rest_poses[0].name"));
 }
 
 TEST_F(AssemblyParametrizationTest, ItemsOfAssembliesStay) {

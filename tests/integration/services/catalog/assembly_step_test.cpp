@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <limits>
 #include <map>
 #include <set>
 #include <string>
@@ -329,6 +330,18 @@ TEST_F(AssemblyStepTest, RefusesStepThatIsDamagedAndLives) {
   for (const char* field : {"annotations.parts[0].parts[0]", "annotations.joints[0].group",
                             "annotations.joints[0].kind", "annotations.tolerance"}) {
     EXPECT_THAT(fields, Contains(field));
+  }
+  // Numbers that are none are told with all else.
+  annotations.set_tolerance(std::numeric_limits<double>::quiet_NaN());
+  annotations.mutable_joints(0)->set_upper(std::numeric_limits<double>::infinity());
+  fields.clear();
+  for (const FieldViolation& violation : ViolationsOf(ImportStep(step, annotations).status())) {
+    fields.push_back(violation.field);
+  }
+  for (const char* field :
+       {"annotations.parts[0].parts[0]", "annotations.parts[0].item", "annotations.joints[0].group",
+        "annotations.joints[0].kind", "annotations.joints[0].upper", "annotations.tolerance"}) {
+    EXPECT_EQ(std::count(fields.begin(), fields.end(), field), 1) << field;
   }
   EXPECT_GT(Get(kShelf).parts_size(), 3) << "the catalog still serves";
 }

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -193,6 +194,34 @@ TEST(AssemblyCodec, OneFaultHidesNoOther) {
   EXPECT_THAT(FieldsAtFault(rack), UnorderedElementsAre("name"));
 }
 
+// A number that is none is one fault beside the others, and what follows from it is none.
+TEST(AssemblyCodec, NumbersThatAreNoneHideNothing) {
+  v1::Assembly rack = Rack();
+  rack.mutable_parts(0)->clear_repeat();
+  rack.mutable_parts(0)->mutable_position()->set_x(std::nan(""));
+  rack.mutable_parts(0)->mutable_size()->set_z(9);  // longer than its item
+  rack.mutable_parts(1)->mutable_size()->set_x(-std::numeric_limits<double>::infinity());
+  rack.mutable_parts(1)->mutable_repeat(0)->set_count(1);
+  rack.mutable_parts(2)->mutable_size()->set_x(0.06);  // not the screw's length
+  v1::Joint& hinge = *rack.mutable_joints(0);
+  hinge.mutable_axis()->set_z(std::nan(""));  // of which the motions are made
+  hinge.set_upper(std::nan(""));
+  hinge.mutable_rest_poses(0)->clear_name();
+  EXPECT_THAT(
+      FieldsAtFault(rack),
+      UnorderedElementsAre("parts[0].position", "parts[0].size.z", "parts[1].repeat[0].count",
+                           "parts[1].size", "parts[2].size.x", "joints[0].axis", "joints[0].upper",
+                           "joints[0].rest_poses[0].name"));
+  // Nor is one taken that nothing is made of.
+  rack = Rack();
+  rack.mutable_joints(0)->set_kind(v1::Joint::BALL);
+  rack.mutable_joints(0)->set_upper(1.6);
+  rack.mutable_joints(0)->mutable_rest_poses(0)->set_amount(0);
+  EXPECT_THAT(FieldsAtFault(rack), UnorderedElementsAre());
+  rack.mutable_joints(0)->mutable_axis()->set_z(std::nan(""));
+  EXPECT_THAT(FieldsAtFault(rack), UnorderedElementsAre("joints[0].axis"));
+}
+
 TEST(AssemblyCodec, RefusesPartsInOnePlace) {
   v1::Assembly rack = Rack();
   *rack.add_parts() = rack.parts(3);
@@ -237,7 +266,7 @@ TEST(AssemblyCodec, RefusesWhatCannotBe) {
       << "wider than the sheet";
   EXPECT_THAT(
       faults([](auto& rack) { rack.mutable_parts(3)->mutable_position()->set_x(std::nan("")); }),
-      UnorderedElementsAre("parts[3].size"));
+      UnorderedElementsAre("parts[3].position"));
   EXPECT_THAT(faults([](auto& rack) { rack.mutable_joints(0)->clear_group(); }),
               UnorderedElementsAre("joints[0].group"));
   EXPECT_THAT(faults([](auto& rack) { rack.mutable_joints(0)->set_group("door"); }),
