@@ -3,10 +3,9 @@
 #include <algorithm>
 #include <utility>
 
-#include "common/base/violation_lists.h"
-#include "common/parametric/collection.h"
 #include "common/parametric/message_checks.h"
 #include "common/parametric/template_codec.h"
+#include "common/parametric/template_reader.h"
 
 namespace mortise::cli {
 namespace {
@@ -94,16 +93,7 @@ class DesignCheck {
         UsesWhatIsAtFault(message)) {
       return;
     }
-    absl::StatusOr<parametric::TemplateDefinition> definition = parametric::FromProto(message);
-    if (definition.ok()) {
-      return Report(read, parametric::ValidateTemplate(
-                              parametric::MakeBundle(*std::move(definition), items_, materials_)));
-    }
-    Findings findings;
-    for (const FieldViolation& violation : AllViolationsOf(definition.status())) {
-      findings.push_back({violation.field, violation.message});
-    }
-    Report(read, findings);
+    Report(read, parametric::CheckTemplateMessage(message, items_, materials_));
   }
 
   const Designs& designs_;

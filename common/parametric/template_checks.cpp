@@ -36,8 +36,7 @@ class Checker {
     CheckCount("connections", definition_.connections.size(), 0, kMaxConnections);
     CheckCount("boundary_conditions", definition_.boundary_conditions.size(), 0,
                kMaxBoundaryConditions);
-    // The lists may be far beyond what is worth looking at.
-    if (!findings_.empty()) return findings_;
+    if (IsTooLarge()) return findings_;
     if (const auto id = ParseResourceName(definition_.name, "templates", "name"); !id.ok()) {
       Report("name", "must be 'templates/' and 1 to 63 lower-case letters, digits and hyphens");
     }
@@ -61,6 +60,13 @@ class Checker {
       Report(field,
              absl::StrCat("has ", count, " entries; ", least, " to ", most, " are accepted"));
     }
+  }
+
+  // Lists may be far beyond what is worth looking at.
+  bool IsTooLarge() const {
+    return definition_.parameters.size() > kMaxParameters || definition_.parts.size() > kMaxParts ||
+           definition_.connections.size() > kMaxConnections ||
+           definition_.boundary_conditions.size() > kMaxBoundaryConditions;
   }
 
   void CheckName(const std::string& field, const std::string& name, std::set<std::string>& seen) {

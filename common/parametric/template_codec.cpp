@@ -3,9 +3,9 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
-#include "common/base/violation_lists.h"
 #include "common/parametric/axis_codec.h"
 #include "common/parametric/message_digest.h"
+#include "common/parametric/template_reader.h"
 
 namespace mortise::parametric {
 
@@ -29,52 +29,9 @@ v1::Parameter ToProto(const Parameter& parameter) {
 
 namespace {
 
-Extent FromProto(const v1::Extent& message) { return {message.from(), message.to()}; }
-
 void SetProto(const Extent& extent, v1::Extent* message) {
   message->set_from(extent.from);
   message->set_to(extent.to);
-}
-
-absl::StatusOr<Prism> FromProto(const v1::Prism& message, const std::string& field) {
-  Prism prism;
-  MORTISE_ASSIGN_OR_RETURN(prism.axis, AxisFromProto(message.axis(), absl::StrCat(field, ".axis")));
-  for (const v1::OutlinePoint& point : message.outline()) {
-    prism.outline.push_back({point.u(), point.v()});
-  }
-  prism.extent = FromProto(message.extent());
-  return prism;
-}
-
-absl::StatusOr<decltype(PartTemplate::body)> BodyFromProto(const v1::PartTemplate& message,
-                                                           const std::string& field) {
-  switch (message.body_case()) {
-    case v1::PartTemplate::kBox:
-      return Box{FromProto(message.box().x()), FromProto(message.box().y()),
-                 FromProto(message.box().z())};
-    case v1::PartTemplate::kPrism:
-      return FromProto(message.prism(), absl::StrCat(field, ".prism"));
-    case v1::PartTemplate::BODY_NOT_SET:
-      break;
-  }
-  return InvalidField(absl::StrCat(field, ".body"), "is missing: say 'box' or 'prism'");
-}
-
-absl::StatusOr<PartTemplate> FromProto(const v1::PartTemplate& message, const std::string& field) {
-  const absl::StatusOr<Axis> length =
-      AxisFromProto(message.length_axis(), absl::StrCat(field, ".length_axis"));
-  const absl::StatusOr<Axis> thickness =
-      AxisFromProto(message.thickness_axis(), absl::StrCat(field, ".thickness_axis"));
-  auto body = BodyFromProto(message, field);
-  MORTISE_RETURN_IF_ERROR(Together(Together(length.status(), thickness.status()), body.status()));
-  PartTemplate part;
-  part.name = message.name();
-  part.title = message.title();
-  part.item = message.item();
-  part.length_axis = *length;
-  part.thickness_axis = *thickness;
-  part.body = *std::move(body);
-  return part;
 }
 
 v1::PartTemplate ToProto(const PartTemplate& part) {
@@ -99,12 +56,6 @@ v1::PartTemplate ToProto(const PartTemplate& part) {
   }
   SetProto(prism.extent, message.mutable_prism()->mutable_extent());
   return message;
-}
-
-Connection FromProto(const v1::Connection& message) {
-  return {message.name(),         message.part(),    message.face(),
-          message.other_part(),   message.item(),    message.priority(),
-          message.end_distance(), message.spacing(), message.depth_in_part()};
 }
 
 v1::Connection ToProto(const Connection& connection) {
@@ -177,34 +128,9 @@ absl::StatusOr<TemplateDefinition> FromProto(const v1::Template& message) {
   if (message.kind_case() != v1::Template::KIND_NOT_SET) {
     return InvalidField("kind", "is not a template of parts");
   }
-  TemplateDefinition definition;
-  definition.name = message.name();
-  definition.revision = message.revision();
-  definition.title = message.title();
-  definition.description = message.description();
-  definition.digest = message.digest();
-  for (const v1::Parameter& parameter : message.parameters()) {
-    definition.parameters.push_back(FromProto(parameter));
-  }
-  std::vector<FieldViolation> violations;
-  const auto take = [&violations](auto read, auto& list) {
-    if (read.ok()) return list.push_back(*std::move(read));
-    for (FieldViolation& violation : AllViolationsOf(read.status())) {
-      violations.push_back(std::move(violation));
-    }
-  };
-  for (int i = 0; i < message.parts_size(); ++i) {
-    take(FromProto(message.parts(i), absl::StrCat("parts[", i, "]")), definition.parts);
-  }
-  for (const v1::Connection& connection : message.connections()) {
-    definition.connections.push_back(FromProto(connection));
-  }
-  for (int i = 0; i < message.boundary_conditions_size(); ++i) {
-    take(FromProto(message.boundary_conditions(i), absl::StrCat("boundary_conditions[", i, "]")),
-         definition.boundary_conditions);
-  }
-  if (!violations.empty()) return InvalidFields(violations);
-  definition.reference_temperature = message.reference_temperature();
+  std::vector<Finding> findings;
+  TemplateDefinition definition = ReadTemplate(message, findings);
+  MORTISE_RETURN_IF_ERROR(ToStatus(findings));
   return definition;
 }
 

@@ -18,6 +18,7 @@
 #include "common/parametric/parameter_values.h"
 #include "common/parametric/parametrization_codec.h"
 #include "common/parametric/template_codec.h"
+#include "common/parametric/template_reader.h"
 #include "common/parametric/template_validation.h"
 #include "common/templates/assembly_template.h"
 #include "common/templates/cage_template.h"
@@ -303,9 +304,9 @@ void TryAll(const Template& compiled, const std::string& kind,
 }
 
 absl::Status CompleteParts(const v1::TemplateBundle& bundle) {
-  const auto converted = parametric::FromProto(bundle);
-  MORTISE_RETURN_IF_ERROR(converted.status());
-  return parametric::ToStatus(parametric::ValidateTemplate(*converted));
+  MORTISE_ASSIGN_OR_RETURN(const TemplateHead used, HeadOf(bundle));
+  return parametric::ToStatus(
+      parametric::CheckTemplateMessage(bundle.template_(), used.items, used.materials));
 }
 
 absl::Status CompleteKind(v1::TemplateBundle& bundle, Trial trial,

@@ -150,9 +150,11 @@ TEST_F(CatalogCommand, NamesEveryFaultOfEveryFileAndStoresNothing) {
                                 "name: 'templates/bare' parts { name: 'a' item: 'items/bolt' }");
   EXPECT_THAT(
       Refusal({"import", bare}),
-      AllOf(HasSubstr("3 findings"), HasSubstr(bare + ": templates/bare.parts[0].length_axis"),
+      AllOf(HasSubstr("5 findings"), HasSubstr(bare + ": templates/bare.parts[0].length_axis"),
             HasSubstr(bare + ": templates/bare.parts[0].thickness_axis"),
-            HasSubstr(bare + ": templates/bare.parts[0].body")));
+            HasSubstr(bare + ": templates/bare.parts[0].body"),
+            HasSubstr(bare + ": templates/bare.parameters"),
+            HasSubstr(bare + ": templates/bare.parts[0].item")));
   EXPECT_THAT(Refusal({"import", sound, sound}),
               HasSubstr(sound + ": line 2, column 1 (name): items/bolt: is there twice"));
   EXPECT_TRUE(Names({"items"}).empty());

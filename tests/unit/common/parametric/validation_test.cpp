@@ -5,8 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <vector>
 
 #include "common/base/errors.h"
+#include "common/parametric/template_codec.h"
+#include "common/parametric/template_reader.h"
 #include "common/parametric/template_validation.h"
 #include "tests/unit/common/parametric/table.h"
 
@@ -98,6 +101,46 @@ TEST_F(ValidationTest, ReportsAllThatIsWrongAtOnce) {
   EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
   EXPECT_EQ(DetailOf(status).field, "name");
   EXPECT_THAT(std::string(status.message()), HasSubstr("there is no parameter 'lenght'"));
+}
+
+// What cannot be read hides nothing, and what follows from it is no fault.
+TEST_F(ValidationTest, ReportsWhatCannotBeReadWithAllElse) {
+  v1::Template message = ToProto(table_);
+  const auto places = [&] {
+    std::vector<std::string> fields;
+    for (const Finding& finding : CheckTemplateMessage(message, bundle_.items, bundle_.materials)) {
+      fields.push_back(finding.field);
+    }
+    return fields;
+  };
+  EXPECT_THAT(places(), IsEmpty());
+  message.mutable_parts(0)->clear_length_axis();
+  message.mutable_parts(1)->clear_body();
+  message.mutable_parts(8)->mutable_prism()->clear_axis();
+  message.mutable_parts(7)->clear_thickness_axis();
+  message.mutable_boundary_conditions(0)->clear_kind();
+  message.mutable_boundary_conditions(0)->add_components("nobody");
+  const std::vector<std::string> unread = {"parts[0].length_axis", "parts[1].body",
+                                           "parts[7].thickness_axis", "parts[8].prism.axis",
+                                           "boundary_conditions[0].kind"};
+  EXPECT_THAT(places(), ::testing::UnorderedElementsAreArray(unread));
+  message.mutable_parameters(0)->set_maximum(-1);
+  message.mutable_parameters(1)->set_name(message.parameters(0).name());
+  message.mutable_parameters(2)->set_unit("furlong");
+  message.mutable_parts(0)->set_item("items/nothing");
+  message.mutable_parts(1)->set_name("2nd leg");
+  std::vector<std::string> found = places();
+  for (const char* field : {"parts[0].item", "parts[1].name", "parameters[0].maximum",
+                            "parameters[1].name", "parameters[2].unit"}) {
+    EXPECT_THAT(found, Contains(field));
+  }
+  for (const std::string& field : unread) EXPECT_THAT(found, Contains(field));
+  // Nor does what is missing altogether.
+  message.clear_parts();
+  found = places();
+  for (const char* field : {"parts", "parameters[0].maximum", "parameters[2].unit"}) {
+    EXPECT_THAT(found, Contains(field));
+  }
 }
 
 TEST_F(ValidationTest, FindsPartsThatPenetrate) {
