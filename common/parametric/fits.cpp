@@ -35,7 +35,7 @@ class FitSearch {
       }
     }
     for (PosedPosition& level : LevelsIn(pose, assembly, elements)) {
-      Note(Kind::kLevel, std::move(level));
+      if (!IsOfBox(level)) Note(Kind::kLevel, std::move(level));
     }
   }
 
@@ -64,6 +64,17 @@ class FitSearch {
     return assembly_.parts[static_cast<std::size_t>(At(element).parts.front())];
   }
 
+  // Whether a level is a plane of its own element's box, which triangles of round ones just miss.
+  bool IsOfBox(const PosedPosition& level) const {
+    const auto places = places_.find({level.element, level.axis});
+    if (places == places_.end()) return false;
+    const double missed = DeflectionOf(PartOf(level.element));
+    return std::any_of(places->second.begin(), places->second.end(), [&](const Place& place) {
+      return (place.at.is_minimum || place.at.is_maximum) &&
+             std::abs(place.at.drawn - level.drawn) <= missed;
+    });
+  }
+
   void Note(Kind kind, PosedPosition position) {
     std::vector<Place>& places = places_[{position.element, position.axis}];
     places.push_back({kind, std::move(position)});
@@ -90,10 +101,31 @@ class FitSearch {
       if (high.at.drawn - low.at.drawn > near) {
         Add(RelationshipKind::kOrder, low.at, high.at);
       } else if (tied != &low) {
-        Add(RelationshipKind::kCoplanar, low.at, high.at);
+        if (low.kind == Kind::kLevel) {
+          Add(RelationshipKind::kCoplanar, MovedOnto(high.at, low.at), high.at);
+        } else {
+          Add(RelationshipKind::kCoplanar, low.at, MovedOnto(low.at, high.at));
+        }
         tied = &high;
       }
     }
+  }
+
+  // A level where a place of another element is, which it is in truth: triangles may miss it. It is
+  // as large a share of its element's size there, so that both stay together in every size.
+  PosedPosition MovedOnto(const PosedPosition& place, const PosedPosition& level) const {
+    Eigen::Index own = 0;
+    BoxIn(pose_, assembly_, elements_, level.element, drawn_)
+        .axes.row(static_cast<int>(level.axis))
+        .cwiseAbs()
+        .maxCoeff(&own);
+    const LinearForm size =
+        LinearForm::Variable(SizeVariable(level.element, static_cast<Axis>(own)));
+    PosedPosition moved = level;
+    moved.position =
+        Combine(1, level.position, (place.drawn - level.drawn) / size.At(drawn_), size);
+    moved.drawn = place.drawn;
+    return moved;
   }
 
   void RelateMiddles(int of, int other, Axis axis, double near) {
@@ -117,9 +149,8 @@ class FitSearch {
   void Add(RelationshipKind kind, const PosedPosition& low, const PosedPosition& high) {
     const bool equality = kind == RelationshipKind::kCoplanar;
     LinearForm form = low.position - high.position;
-    if (form.terms.empty()) return;  // true whatever q is
-    // What is apart by less than triangles may miss stays as it was drawn.
-    if (equality) form.constant -= form.At(drawn_);
+    if (form.terms.empty()) return;                  // true whatever q is
+    if (equality) form.constant -= form.At(drawn_);  // rounding
     found_.push_back(
         {kind, equality, std::move(form),
          GroupIn(pose_, assembly_, At(low.element), At(high.element)),

@@ -219,6 +219,48 @@ INSTANTIATE_TEST_SUITE_P(
                       Kind{"Rod", &Drawing::RodBetweenBoards}, Kind{"Latch", &Drawing::Latch}),
     [](const auto& kind) { return kind.param.name; });
 
+// Along z, with its seam at an angle: triangles begin there, and miss the sides by as much as they
+// like in between.
+TopoDS_Shape RodFrom(double angle, double radius, double from, double to) {
+  return BRepPrimAPI_MakeCylinder(gp_Ax2(gp_Pnt(1.5, 0.5, from), gp_Dir(0, 0, 1),
+                                         gp_Dir(std::cos(angle), std::sin(angle), 0)),
+                                  radius, to - from)
+      .Solid();
+}
+
+AssemblyPart BoredPlate(const std::string& name, double bottom, double seam) {
+  return Drawn(name, Less(BoxAt(0, 0, bottom, 3, 1, 0.04), RodFrom(seam, 0.43, -1, 1)));
+}
+
+// However coarse its triangles are, a bore is as wide as the rod in it: twice, where its plate is.
+TEST(FitsOfBores, AreAsExactAsWhatFits) {
+  const Assembly drawn =
+      Named("rod", {BoredPlate("plate", 0, 0.3), Drawn("rod", RodFrom(1.1, 0.43, 0, 0.04))});
+  ASSERT_OK_AND_ASSIGN(const auto made, ParametricAssembly::Create(drawn));
+  ASSERT_OK_AND_ASSIGN(
+      const Adjustment larger,
+      made.Adjust(made.drawn(), {{{"plate", Axis::kX}, 6}, {{"plate", Axis::kY}, 2}},
+                  Insistence::kStrict));
+  EXPECT_NEAR(larger.q[SizeVariable(1, Axis::kX)], 1.72, 1e-9);
+  EXPECT_NEAR(larger.q[SizeVariable(1, Axis::kY)], 1.72, 1e-9);
+  ASSERT_OK_AND_ASSIGN(const MeasureRange range, made.RangeOf({"rod", Axis::kX}));
+  EXPECT_NEAR(range.minimum, 0.43, 1e-9);
+  EXPECT_NEAR(range.maximum, 1.72, 1e-9);
+}
+
+// Bores of two plates on one rod, whose triangles miss it differently.
+TEST(FitsOfBores, OnOneRodCanAllBeResized) {
+  const Assembly drawn =
+      Named("stack", {BoredPlate("plate", 0, 0.3), BoredPlate("cover", 0.04, 0.8),
+                      Drawn("rod", RodFrom(1.1, 0.43, 0, 0.08))});
+  ASSERT_OK_AND_ASSIGN(const auto made, ParametricAssembly::Create(drawn));
+  for (const Axis axis : {Axis::kX, Axis::kY}) {
+    ASSERT_OK_AND_ASSIGN(const MeasureRange range, made.RangeOf({"rod", axis}));
+    EXPECT_NEAR(range.minimum, 0.43, 1e-9);
+    EXPECT_NEAR(range.maximum, 1.72, 1e-9);
+  }
+}
+
 // By hand: a block of 100 × 60 × 40 mm with a bore of 20 mm along z, its axis at (30, 40).
 TEST(ShapeLevels, AreTheSidesOfABore) {
   const AssemblyPart block =
