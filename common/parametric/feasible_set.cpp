@@ -23,7 +23,8 @@ namespace mortise::parametric {
 namespace {
 
 constexpr double kDrawnTolerance = 1e-9;  // m
-constexpr double kRankThreshold = 1e-10;  // coefficients are of order one
+// Of unit equalities, what others leave of one that says nothing new: drawings are not more exact.
+constexpr double kRankThreshold = 1e-6;
 constexpr double kParallel = 1e-9;        // between unit normals
 constexpr double kRounding = 1e-13;       // in a unit normal
 constexpr double kNoShare = 1e-7;         // of a relationship in a conflict

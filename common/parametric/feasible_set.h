@@ -42,9 +42,10 @@ class FeasibleSet {
  public:
   // `drawn` must satisfy the relationships (FAILED_PRECONDITION names those it breaks by more than
   // 1e-9 m). Of the parameters only `variables` may change; relationships mention no others.
-  // Equalities that others imply are left out, by sparse rank-revealing QR within each set of
-  // variables that equalities connect: O(n² m) for the largest such set of n variables and m
-  // equalities at worst, much less for chains of planes.
+  // Equalities that others imply, but for 1e-6 of the lengths they speak of as drawings do, are
+  // left out, by sparse rank-revealing QR within each set of variables that equalities connect:
+  // O(n² m) for the largest such set of n variables and m equalities at worst, much less for chains
+  // of planes.
   static absl::StatusOr<FeasibleSet> Create(std::vector<Relationship> relationships,
                                             const Eigen::VectorXd& drawn,
                                             const std::vector<int>& variables);

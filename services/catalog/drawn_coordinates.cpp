@@ -9,16 +9,24 @@ namespace {
 
 constexpr double kNoise = 1e-7;  // m; what CAD kernels take for equal
 constexpr int kMostDecimals = 12;
+// Of the last decimal's unit: one number in a hundred is as near to one of so few by chance.
+constexpr double kByChance = 0.005;
+
+// The number of fewest decimals within `slack(decimals)` of `value`.
+template <typename Slack>
+double RoundestWithin(double value, const Slack& slack) {
+  double scale = 1;
+  for (int decimals = 0; decimals <= kMostDecimals; ++decimals, scale *= 10) {
+    const double rounded = std::round(value * scale) / scale;
+    if (std::abs(rounded - value) <= slack(1 / scale)) return rounded == 0 ? 0 : rounded;
+  }
+  return value;
+}
 
 }  // namespace
 
 double RoundestNear(double value, double slack) {
-  double scale = 1;
-  for (int decimals = 0; decimals <= kMostDecimals; ++decimals, scale *= 10) {
-    const double rounded = std::round(value * scale) / scale;
-    if (std::abs(rounded - value) <= slack) return rounded == 0 ? 0 : rounded;
-  }
-  return value;
+  return RoundestWithin(value, [slack](double) { return slack; });
 }
 
 std::vector<double> SnapCoordinates(const std::vector<double>& coordinates, double tolerance) {
@@ -32,7 +40,9 @@ std::vector<double> SnapCoordinates(const std::vector<double>& coordinates, doub
     std::size_t end = begin;
     while (end < order.size() && coordinates[order[end]] - first <= tolerance) ++end;
     const double half = (coordinates[order[end - 1]] - first) / 2;
-    const double value = RoundestNear(first + half, half + std::min(kNoise, tolerance / 2));
+    const double value = RoundestWithin(first + half, [&](double unit) {
+      return half + std::min({kNoise, tolerance / 2, kByChance * unit});
+    });
     for (; begin < end; ++begin) snapped[order[begin]] = value;
   }
   return snapped;

@@ -7,6 +7,8 @@
 #include <google/protobuf/text_format.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/base/field_violations.h"
@@ -262,7 +264,7 @@ TEST(AssemblyImport, RefusesPartsThinnerThanTheTolerance) {
 TEST(DrawnCoordinates, AreEqualWithinTheTolerance) {
   const std::vector<double> snapped =
       SnapCoordinates({0.30000004, 1.2, 0.29999996, 0.30000195, -3e-8, 0.00079375}, 1e-6);
-  EXPECT_THAT(snapped, ElementsAre(0.3, 1.2, 0.3, 0.300002, 0.0, 0.0007938));
+  EXPECT_THAT(snapped, ElementsAre(0.3, 1.2, 0.3, 0.30000195, 0.0, 0.00079375));
   EXPECT_THAT(SnapCoordinates({0, 0.9e-6, 1.8e-6}, 1e-6), ElementsAre(0.0, 0.0, 1.8e-6))
       << "a chain does not pull all together";
   EXPECT_THAT(SnapCoordinates({}, 1e-6), IsEmpty());
@@ -270,6 +272,14 @@ TEST(DrawnCoordinates, AreEqualWithinTheTolerance) {
 
 TEST(DrawnCoordinates, AreTheRoundestOfThoseThatAreEqual) {
   EXPECT_THAT(SnapCoordinates({0.0569993, 0.057, 0.3}, 1e-6), ElementsAre(0.057, 0.057, 0.3));
+}
+
+// What is in proportion as drawn stays so: the halves of a hexagon and of a right angle.
+TEST(DrawnCoordinates, AreNotMadeRoundByChance) {
+  const double hexagon = 0.05 * std::sqrt(3.0) / 2, diagonal = 0.03 * std::sqrt(2.0);
+  EXPECT_THAT(SnapCoordinates({hexagon, diagonal, 0.1234500004}, 1e-6),
+              ElementsAre(::testing::DoubleNear(hexagon, 1e-11),
+                          ::testing::DoubleNear(diagonal, 1e-11), 0.12345));
 }
 
 TEST(ItemFit, LaysTheLengthAlongTheLongest) {
