@@ -424,8 +424,21 @@ class RelationshipSearch {
   // ---- Joints
   // ------------------------------------------------------------------------------------
 
+  // Where `place` is drawn, at the distance of a position: a share of the element's size within it,
+  // as what is bored there keeps to, and the same beyond it.
+  LinearForm PlaceBeside(const PosedPosition& position, double place) const {
+    const Element& element = At(position.element);
+    const int axis = static_cast<int>(position.axis);
+    const double apart = place - position.drawn;
+    const bool is_within =
+        place > element.box.minimum[axis] && place < element.box.maximum[axis] && !element.pattern;
+    if (!is_within || std::abs(apart) <= tolerance_) return position.position;
+    return Combine(1, position.position, apart / element.box.size()[axis],
+                   LinearForm::Variable(SizeVariable(position.element, position.axis)));
+  }
+
   // A joint's centre stays where it is against what it moves: in the nearest plane or level with
-  // the nearest centre, at the drawn distance.
+  // the nearest centre, or beside it.
   void TieJoints(const std::vector<PosedPosition>& positions) {
     for (std::size_t j = 0; j < assembly_.joints.size(); ++j) {
       const Joint& joint = assembly_.joints[j];
@@ -444,7 +457,8 @@ class RelationshipSearch {
         }
         if (nearest == nullptr) continue;
         const int variable = JointVariable(elements_.size(), static_cast<int>(j), axis);
-        Add(RelationshipKind::kConcentric, true, LinearForm::Variable(variable) - nearest->position,
+        Add(RelationshipKind::kConcentric, true,
+            LinearForm::Variable(variable) - PlaceBeside(*nearest, center),
             assembly_.groups[static_cast<std::size_t>(joint.group)].parent,
             absl::StrCat("the centre of '", joint.name, "' level along ", AxisName(axis), " with ",
                          nearest->label));

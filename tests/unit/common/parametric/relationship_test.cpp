@@ -236,6 +236,42 @@ TEST(RestPoseTest, ReachesAsFarAsTheFurthestCorner) {
 }
 
 // As a person types it, a right angle is one.
+// A lever that turns about a pin in it, or beside it.
+Assembly Lever(double pin) {
+  Assembly lever = Named("swing", {ResizablePart("base", {0, 0, -0.02}, {0.3, 0.1, 0}),
+                                   ResizablePart("lever", {0, 0, 0}, {0.2, 0.08, 0.02})});
+  lever.groups.push_back({"turning", 0});
+  lever.parts[1].group = 1;
+  Joint joint;
+  joint.name = "pin";
+  joint.kind = JointKind::kHinge;
+  joint.group = 1;
+  joint.center = {pin, 0.04, 0.01};
+  joint.axis = Eigen::Vector3d::UnitZ();
+  joint.upper = std::numbers::pi / 2;
+  lever.joints = {joint};
+  return lever;
+}
+
+TEST(RelationshipTest, AJointInAPartKeepsItsShareOfIt) {
+  ASSERT_OK_AND_ASSIGN(const auto within, ParametricAssembly::Create(Lever(0.05)));
+  ASSERT_OK_AND_ASSIGN(const auto beside, ParametricAssembly::Create(Lever(-0.01)));
+  const int size = SizeVariable(1, Axis::kX), center = CenterVariable(1, Axis::kX);
+  const int pin = JointVariable(2, 0, Axis::kX);
+  ASSERT_OK_AND_ASSIGN(const std::vector<Eigen::VectorXd> samples, within.Sample(20, 3));
+  double shortest = 1, longest = 0;
+  for (const Eigen::VectorXd& q : samples) {
+    EXPECT_NEAR((q[pin] - (q[center] - q[size] / 2)) / q[size], 0.25, 1e-9);
+    shortest = std::min(shortest, q[size]);
+    longest = std::max(longest, q[size]);
+  }
+  EXPECT_GT(longest - shortest, 0.02) << "or nothing is shown";
+  ASSERT_OK_AND_ASSIGN(const std::vector<Eigen::VectorXd> others, beside.Sample(20, 3));
+  for (const Eigen::VectorXd& q : others) {
+    EXPECT_NEAR(q[center] - q[size] / 2 - q[pin], 0.01, 1e-9);
+  }
+}
+
 TEST(RelationshipTest, AnAngleTypedByHandFreezesNothing) {
   const auto freedoms = [](double angle) {
     Assembly chest = ChestWithLid();
