@@ -130,7 +130,7 @@ GatewayOptions GatewayTest::Options() const {
   options.insecure_development = true;
   options.log_calls = false;
   options.drain_time = absl::Seconds(2);
-  options.patience = absl::Milliseconds(50);  // for those who call where nobody listens
+  options.patience = absl::Seconds(1);  // longer than a busy machine takes to connect
   return options;
 }
 
