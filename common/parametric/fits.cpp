@@ -18,6 +18,13 @@ double DeflectionOf(const AssemblyPart& part) {
   return part.shape == nullptr ? 0 : mesh::DeflectionIn(*part.shape, part.box.size());
 }
 
+// The size of an element along an axis of a pose that turns it to right angles, to these axes.
+LinearForm SizeAlong(int element, const Eigen::Matrix3d& axes, Axis axis) {
+  Eigen::Index own = 0;
+  axes.row(static_cast<int>(axis)).cwiseAbs().maxCoeff(&own);
+  return LinearForm::Variable(SizeVariable(element, static_cast<Axis>(own)));
+}
+
 class FitSearch {
  public:
   FitSearch(const Pose& pose, const Assembly& assembly, const std::vector<Element>& elements,
@@ -114,13 +121,8 @@ class FitSearch {
   // A level where a place of another element is, which it is in truth: triangles may miss it. It is
   // as large a share of its element's size there, so that both stay together in every size.
   PosedPosition MovedOnto(const PosedPosition& place, const PosedPosition& level) const {
-    Eigen::Index own = 0;
-    BoxIn(pose_, assembly_, elements_, level.element, drawn_)
-        .axes.row(static_cast<int>(level.axis))
-        .cwiseAbs()
-        .maxCoeff(&own);
-    const LinearForm size =
-        LinearForm::Variable(SizeVariable(level.element, static_cast<Axis>(own)));
+    const OrientedBox box = BoxIn(pose_, assembly_, elements_, level.element, drawn_);
+    const LinearForm size = SizeAlong(level.element, box.axes, level.axis);
     PosedPosition moved = level;
     moved.position =
         Combine(1, level.position, (place.drawn - level.drawn) / size.At(drawn_), size);
@@ -204,13 +206,6 @@ class Stretch {
     for (const Axis axis : kAxes)
       sizes.push_back(LinearForm::Variable(SizeVariable(element, axis)));
     return sizes;
-  }
-
-  // Of an element that is turned to right angles, along an axis of the pose.
-  static LinearForm SizeAlong(int element, const Eigen::Matrix3d& turn, Axis axis) {
-    Eigen::Index own = 0;
-    turn.row(static_cast<int>(axis)).maxCoeff(&own);
-    return LinearForm::Variable(SizeVariable(element, static_cast<Axis>(own)));
   }
 
   // Sizes of both, and how far their centres are apart along axes of the pose, as shares of the
