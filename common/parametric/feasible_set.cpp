@@ -16,6 +16,7 @@
 #include "common/parametric/hit_and_run.h"
 #include "common/parametric/linear_programme.h"
 #include "common/parametric/polyhedron.h"
+#include "common/parametric/polyhedron_extents.h"
 #include "common/parametric/polyhedron_factors.h"
 #include "common/parametric/rest_pose.h"
 
@@ -25,9 +26,9 @@ namespace {
 constexpr double kDrawnTolerance = 1e-9;  // m
 // Of unit equalities, what others leave of one that says nothing new: drawings are not more exact.
 constexpr double kRankThreshold = 1e-6;
-constexpr double kParallel = 1e-9;        // between unit normals
-constexpr double kRounding = 1e-13;       // in a unit normal
-constexpr double kNoShare = 1e-7;         // of a relationship in a conflict
+constexpr double kParallel = 1e-9;   // between unit normals
+constexpr double kRounding = 1e-13;  // in a unit normal
+constexpr double kNoShare = 1e-7;    // of a relationship in a conflict
 
 double AmountBroken(const Relationship& relationship, const Eigen::VectorXd& q) {
   const double value = relationship.form.At(q);
@@ -318,28 +319,28 @@ absl::StatusOr<Eigen::VectorXd> FeasibleSet::Furthest(const LinearForm& form,
 
 absl::StatusOr<std::vector<Range>> FeasibleSet::RangesOf(
     const std::vector<LinearForm>& forms) const {
-  const Polyhedron whole{normals_, slacks_, Eigen::MatrixXd(0, basis_.cols()), Eigen::VectorXd(0)};
-  const std::vector<PolyhedronFactor> factors = FactorsOf(whole);
-  std::vector<std::optional<LinearProgramme>> programmes(factors.size());
+  Eigen::MatrixXd rows(static_cast<Eigen::Index>(forms.size()), basis_.cols());
   std::vector<Range> ranges;
   for (std::size_t i = 0; i < forms.size(); ++i) {
-    MORTISE_ASSIGN_OR_RETURN(const Eigen::VectorXd row, RowOf({forms[i], 0, ""}, i));
-    Range range{forms[i].At(drawn_), forms[i].At(drawn_)};
-    for (std::size_t f = 0; f < factors.size(); ++f) {
-      const Eigen::VectorXd share = EntriesOf(row, factors[f]);
-      if (share.norm() <= kParallel) continue;
-      if (!programmes[f]) {
-        const Polyhedron factor = PolyhedronOf(whole, factors[f]);
-        MORTISE_ASSIGN_OR_RETURN(programmes[f],
-                                 LinearProgramme::Create(factor.inequalities, factor.bounds));
-      }
-      MORTISE_ASSIGN_OR_RETURN(const auto furthest, programmes[f]->Furthest(share));
-      MORTISE_ASSIGN_OR_RETURN(const auto nearest, programmes[f]->Furthest(-share));
-      if (!furthest || !nearest) return Unbounded();
-      range.maximum += share.dot(*furthest);
-      range.minimum += share.dot(*nearest);
+    MORTISE_ASSIGN_OR_RETURN(rows.row(static_cast<Eigen::Index>(i)), RowOf({forms[i], 0, ""}, i));
+    ranges.push_back({forms[i].At(drawn_), forms[i].At(drawn_)});
+  }
+  const Polyhedron whole{normals_, slacks_, Eigen::MatrixXd(0, basis_.cols()), Eigen::VectorXd(0)};
+  for (const PolyhedronFactor& of : FactorsOf(whole)) {
+    std::vector<int> moving;  // forms whose value the factor changes
+    for (Eigen::Index i = 0; i < rows.rows(); ++i) {
+      if (rows(i, of.variables).norm() > kParallel) moving.push_back(static_cast<int>(i));
     }
-    ranges.push_back(range);
+    if (moving.empty()) continue;
+    const Polyhedron factor = PolyhedronOf(whole, of);
+    MORTISE_ASSIGN_OR_RETURN(const Extents extents, ExtentsAlong(factor.inequalities, factor.bounds,
+                                                                 rows(moving, of.variables)));
+    if (!extents.least.allFinite() || !extents.greatest.allFinite()) return Unbounded();
+    for (std::size_t i = 0; i < moving.size(); ++i) {
+      Range& range = ranges[static_cast<std::size_t>(moving[i])];
+      range.minimum += extents.least[static_cast<Eigen::Index>(i)];
+      range.maximum += extents.greatest[static_cast<Eigen::Index>(i)];
+    }
   }
   return ranges;
 }

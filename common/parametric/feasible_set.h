@@ -81,8 +81,8 @@ class FeasibleSet {
                                            const std::vector<Demand>& demands = {}) const;
 
   // The smallest and the largest value of each form over the set. FAILED_PRECONDITION,
-  // FEASIBLE_SET_UNBOUNDED if there is none. Two linear programmes for each form, each begun where
-  // the last one ended (linear_programme.h).
+  // FEASIBLE_SET_UNBOUNDED if there is none. A linear programme for each end that lies before its own
+  // limit (polyhedron_extents.h).
   absl::StatusOr<std::vector<Range>> RangesOf(const std::vector<LinearForm>& forms) const;
 
   // `count` points at corners of the set: the ends of random directions, seeded. Each factor of the
