@@ -7,6 +7,7 @@
 #include <BinTools.hxx>
 #include <Eigen/Geometry>
 #include <GProp_GProps.hxx>
+#include <ShapeCustom.hxx>
 #include <Standard_Failure.hxx>
 #include <TopExp.hxx>
 #include <TopExp_Explorer.hxx>
@@ -88,6 +89,35 @@ bool HasPlainSurfaces(const TopoDS_Shape& solid) {
   return true;
 }
 
+bool HasOffsetSurfaces(const TopoDS_Shape& solid) {
+  for (TopExp_Explorer face(solid, TopAbs_FACE); face.More(); face.Next()) {
+    if (BRepAdaptor_Surface(TopoDS::Face(face.Current()), Standard_False).GetType() ==
+        GeomAbs_OffsetSurface) {
+      return true;
+    }
+  }
+  return false;
+}
+
+TopoDS_Shape Scaled(const TopoDS_Shape& shape, double factor) {
+  gp_Trsf scale;
+  scale.SetScale(gp_Pnt(), factor);
+  return BRepBuilderAPI_Transform(shape, scale, Standard_True).Shape();
+}
+
+// Offset surfaces, which have no exact form once they are stretched, as splines; the solid itself
+// if that changes it. In millimetres, for which the kernel's tolerances are made.
+TopoDS_Shape WithoutOffsetSurfaces(const TopoDS_Shape& solid, double volume) {
+  if (!HasOffsetSurfaces(solid)) return solid;
+  const TopoDS_Shape splines =
+      Scaled(ShapeCustom::ConvertToBSpline(Scaled(solid, 1000), Standard_False, Standard_False,
+                                           Standard_True, Standard_False),
+             1e-3);
+  const bool is_same = BRepCheck_Analyzer(splines).IsValid() &&
+                       std::abs(AccurateVolume(splines) - volume) <= kSameVolume * volume;
+  return is_same ? splines : solid;
+}
+
 // What is kept with a shape: of plain surfaces as the kernel's own integration has it, where that
 // is right. So were the shapes measured that are stored, and drawings of them still give them.
 double KeptVolume(const TopoDS_Shape& solid, double volume) {
@@ -104,6 +134,7 @@ absl::StatusOr<mesh::DrawnShape> Draw(const Solid& solid, const Eigen::Matrix3d&
   TopoDS_Shape shape = MovedBy(solid.kernel().shape, rotation, -minimum);
   const double volume = AccurateVolume(shape);
   if (volume < 0) shape.Reverse();
+  shape = WithoutOffsetSurfaces(shape, std::abs(volume));
   if (!BRepCheck_Analyzer(shape).IsValid()) {
     return InvalidField("shape", "is no valid solid: faces that do not meet, or cross each other");
   }

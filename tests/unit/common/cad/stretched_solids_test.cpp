@@ -3,17 +3,25 @@
 #include <gtest/gtest.h>
 
 #include <BRepAlgoAPI_Cut.hxx>
+#include <BRepBuilderAPI_MakeEdge.hxx>
+#include <BRepBuilderAPI_MakeFace.hxx>
+#include <BRepBuilderAPI_MakeWire.hxx>
 #include <BRepBuilderAPI_Transform.hxx>
 #include <BRepCheck_Analyzer.hxx>
+#include <BRepOffsetAPI_MakeThickSolid.hxx>
 #include <BRepPrimAPI_MakeCone.hxx>
 #include <BRepPrimAPI_MakeCylinder.hxx>
+#include <BRepPrimAPI_MakePrism.hxx>
 #include <BRepPrimAPI_MakeSphere.hxx>
 #include <BRepPrimAPI_MakeTorus.hxx>
 #include <Eigen/Geometry>
 #include <STEPControl_Reader.hxx>
 #include <TopExp_Explorer.hxx>
+#include <TopTools_ListOfShape.hxx>
 #include <TopoDS.hxx>
+#include <TopoDS_Wire.hxx>
 #include <cmath>
+#include <gp_Elips.hxx>
 #include <numbers>
 #include <random>
 #include <sstream>
@@ -26,6 +34,7 @@
 #include "common/cad/step_measure.h"
 #include "common/cad/step_reader.h"
 #include "common/cad/step_writer.h"
+#include "tests/support/status_assertions.h"
 #include "tests/unit/common/cad/step_samples.h"
 
 namespace mortise::cad {
@@ -175,6 +184,33 @@ TEST(StretchedSolids, AreNotRefusedWhereTheyAreCutBesideTheirAxis) {
     const double volume = SolidFrom(shape).Volume();
     EXPECT_NEAR(read->parts[0].volume, volume, 1e-9 * volume);
   }
+}
+
+// An elliptic bar, hollowed out by what is everywhere 3 mm from its outside.
+TopoDS_Shape HollowBar() {
+  const gp_Elips outline(gp_Ax2(gp_Pnt(0, 0, 0), gp_Dir(0, 0, 1)), 0.04, 0.03);
+  const TopoDS_Wire wire = BRepBuilderAPI_MakeWire(BRepBuilderAPI_MakeEdge(outline));
+  BRepPrimAPI_MakePrism bar(BRepBuilderAPI_MakeFace(wire).Shape(), gp_Vec(0, 0, 0.1));
+  TopTools_ListOfShape open;
+  open.Append(bar.LastShape());
+  BRepOffsetAPI_MakeThickSolid hollow;
+  hollow.MakeThickSolidByJoin(bar.Shape(), open, -0.003, 1e-6);
+  return hollow.Shape();
+}
+
+TEST(StretchedSolids, MayHaveOffsetSurfaces) {
+  const Solid solid = SolidFrom(HollowBar());
+  const TopoDS_Shape& drawn = solid.kernel().shape;
+  const SolidBox box = BoxOf(drawn, Eigen::Matrix3d::Identity());
+  ASSERT_OK_AND_ASSIGN(const mesh::DrawnShape shape,
+                       ShapeOfSolid(solid, Eigen::Matrix3d::Identity(), box.minimum, box.maximum));
+  const Eigen::Vector3d factors(1.3, 0.8, 2);
+  ASSERT_OK_AND_ASSIGN(const Solid stretched,
+                       SolidOfShape(shape, factors.cwiseProduct(shape.size), "bar"));
+  const double volume = AccurateVolume(drawn) * factors.prod();
+  EXPECT_NEAR(AccurateVolume(stretched.kernel().shape), volume, 1e-6 * volume);
+  EXPECT_TRUE(BRepCheck_Analyzer(stretched.kernel().shape).IsValid());
+  EXPECT_LT((SizeOf(stretched.kernel().shape) - factors.cwiseProduct(shape.size)).norm(), 1e-8);
 }
 
 TEST(StretchedSolids, AreReadAsTheyWereWritten) {
