@@ -82,6 +82,7 @@ absl::Status Combine(Operation operation, const std::vector<NamedBody>& tools,
   combine.SetArguments(arguments);
   combine.SetTools(others);
   combine.SetRunParallel(Standard_False);
+  combine.SetCheckInverted(Standard_False);  // bodies never are
   combine.Build();
   if (!combine.IsDone() || combine.HasErrors()) {
     return absl::InvalidArgumentError("the kernel cannot combine the bodies");
@@ -99,7 +100,7 @@ absl::Status Combine(Operation operation, const std::vector<NamedBody>& tools,
 
 NamedBody CopyOf(const NamedBody& body, const gp_Trsf& placement, const std::string& pattern,
                  int instance) {
-  BRepBuilderAPI_Transform transform(body.shape, placement);
+  BRepBuilderAPI_Transform transform(body.shape, placement, Standard_True);
   NamedBody copy{body.name, transform.Shape(), {}};
   for (const NamedFaces& named : body.names) {
     NamedFaces moved{{pattern, instance, named.name.role}, {}, named.removed_by};

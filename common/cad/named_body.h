@@ -29,8 +29,8 @@ struct NamedFaces {
 };
 
 struct NamedBody {
-  std::string name;  // of the feature that made it
-  TopoDS_Shape shape;
+  std::string name;    // of the feature that made it
+  TopoDS_Shape shape;  // never inside out
   std::vector<NamedFaces> names;
 };
 

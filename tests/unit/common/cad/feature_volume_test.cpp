@@ -76,6 +76,39 @@ TEST(FeatureVolume, SweptBendByPappus) {
       pi * 0.005 * 0.005 * (0.03 + 0.02 * pi / 2));
 }
 
+// A section on either side of its axis, turned either way, and one that is swept against the way it
+// looks: what is made and what is cut away is the same.
+TEST(FeatureVolume, IsTheSameWhicheverWayASectionMoves) {
+  const double ring = pi * (0.05 * 0.05 - 0.03 * 0.03) * 0.01;
+  const std::string block =
+      "features { name: 'b' sketch { profiles { name: 'o' rectangle { width: '0.2' height: '0.06' "
+      "} } } } features { name: 'block' extrude { sketch: 'b' to: '0.1' } } ";
+  const double block_volume = 0.2 * 0.06 * 0.1;
+  for (const std::string side : {"", "-"}) {
+    for (const std::string way : {"", "-"}) {
+      const std::string section =
+          "features { name: 's' sketch { profiles { name: 'r' rectangle { center { x: '" + side +
+          "0.04' } width: '0.02' height: '0.01' } } } } ";
+      const std::string turn =
+          "features { name: 'ring' revolve { sketch: 's' axis_direction { y: '" + way + "1' } ";
+      ExpectVolume(section + turn + "} }", ring);
+      ExpectVolume(section + turn + "angle: 'pi / 2' } }", ring / 4);
+      ExpectVolume(block + section + turn + "operation: CUT } }", block_volume - ring / 2);
+      ExpectVolume(block + section + turn + "operation: UNITE } }", block_volume + ring / 2);
+    }
+    const std::string rod =
+        "features { name: 's' sketch { plane { origin { z: '0.05' } normal { x: '1' } } profiles { "
+        "name: 'c' circle { radius: '0.005' } } } } features { name: 'p' sketch { plane { origin { "
+        "z: '0.05' } } profiles { name: 'w' path { open: true segments { name: 'run' to { x: '" +
+        side + "0.15' } } } } } } ";
+    const double section_area = pi * 0.005 * 0.005;
+    const std::string sweep = "features { name: 'rod' sweep { sketch: 's' path: 'p' ";
+    ExpectVolume(rod + sweep + "} }", section_area * 0.15);
+    ExpectVolume(block + rod + sweep + "operation: CUT } }", block_volume - section_area * 0.1);
+    ExpectVolume(block + rod + sweep + "operation: UNITE } }", block_volume + section_area * 0.05);
+  }
+}
+
 TEST(FeatureVolume, BooleansOfBodies) {
   const std::string bodies =
       BlockText() +
