@@ -18,11 +18,6 @@ constexpr double kFurthest =
 constexpr double kSame = 1e-3;  // of the tolerance: two parts stand as they are drawn
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// Whether axes are those of the assembly, in any order.
-bool IsAtRightAngles(const Eigen::Matrix3d& axes) {
-  return (axes.array().abs() == 0 || axes.array().abs() == 1).all();
-}
-
 // Whether one scaling takes two boxes from where they are drawn to where they are, but for
 // `tolerance`, m.
 bool AreScaled(const OrientedBox& a, const OrientedBox& b, const OrientedBox& drawn_a,

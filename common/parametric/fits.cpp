@@ -9,6 +9,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/mesh/drawn_shape.h"
+#include "common/parametric/oriented_box.h"
 
 namespace mortise::parametric {
 namespace {
@@ -181,9 +182,9 @@ class Stretch {
         b_(b) {}
 
   std::vector<Relationship> Find() {
-    const Eigen::Matrix3d turn_a = BoxIn(pose_, assembly_, elements_, a_, drawn_).axes.cwiseAbs();
-    const Eigen::Matrix3d turn_b = BoxIn(pose_, assembly_, elements_, b_, drawn_).axes.cwiseAbs();
-    if (!IsPermutation(turn_a) || !IsPermutation(turn_b)) {
+    const Eigen::Matrix3d turn_a = BoxIn(pose_, assembly_, elements_, a_, drawn_).axes;
+    const Eigen::Matrix3d turn_b = BoxIn(pose_, assembly_, elements_, b_, drawn_).axes;
+    if (!IsAtRightAngles(turn_a) || !IsAtRightAngles(turn_b)) {
       KeepInProportion({SizesOf(a_), SizesOf(b_)}, {kAxes.begin(), kAxes.end()});
       return std::move(found_);
     }
@@ -196,10 +197,6 @@ class Stretch {
 
  private:
   const Element& At(int element) const { return elements_[static_cast<std::size_t>(element)]; }
-
-  static bool IsPermutation(const Eigen::Matrix3d& turn) {
-    return ((turn.array() == 0) || (turn.array() == 1)).all();
-  }
 
   static std::vector<LinearForm> SizesOf(int element) {
     std::vector<LinearForm> sizes;

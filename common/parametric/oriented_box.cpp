@@ -61,6 +61,10 @@ void AddEdgesWithin(const OrientedBox& box, const OrientedBox& of, double tolera
 
 }  // namespace
 
+bool IsAtRightAngles(const Eigen::Matrix3d& axes) {
+  return (axes.array().abs() == 0 || axes.array().abs() == 1).all();
+}
+
 SeparatingAxis FindSeparatingAxis(const OrientedBox& a, const OrientedBox& b) {
   SeparatingAxis best;
   best.distance = -std::numeric_limits<double>::infinity();

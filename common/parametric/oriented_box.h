@@ -11,6 +11,10 @@ struct OrientedBox {
   Eigen::Vector3d half_size = Eigen::Vector3d::Zero();  // m
 };
 
+// Whether axes are those of space, in any order and either way; exactly, as rotations by right
+// angles are made without rounding.
+bool IsAtRightAngles(const Eigen::Matrix3d& axes);
+
 // The direction along which two boxes are furthest apart.
 struct SeparatingAxis {
   Eigen::Vector3d direction =

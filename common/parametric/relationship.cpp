@@ -3,13 +3,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <set>
 
 #include "absl/strings/str_cat.h"
 #include "common/parametric/fits.h"
+#include "common/parametric/oriented_box.h"
 #include "common/parametric/pose_contacts.h"
 #include "common/parametric/rest_pose.h"
+#include "common/parametric/ties.h"
 
 namespace mortise::parametric {
 namespace {
@@ -29,8 +32,8 @@ class RelationshipSearch {
     for (const Pose& pose : PosesOf(assembly_)) {
       const std::vector<PosedPosition> positions = PositionsIn(pose, assembly_, elements_);
       if (pose.joint < 0) {
-        TieJoints(positions);
-        TiePatterns(contacts);
+        Append(TieJoints(assembly_, elements_, positions, tolerance_));
+        Append(TiePatterns(assembly_, elements_, contacts, tolerance_));
       }
       for (const Axis axis : kAxes) {
         FindLevel(pose, positions, axis);
@@ -38,15 +41,10 @@ class RelationshipSearch {
       }
       const std::set<std::pair<int, int>> neighbours = NeighboursIn(pose, contacts, positions);
       KeepOrderOfPlanes(pose, neighbours, positions);
-      for (Relationship& fit : FindFits(pose, assembly_, elements_, neighbours, tolerance_)) {
-        found_.push_back(std::move(fit));
-      }
+      Append(FindFits(pose, assembly_, elements_, neighbours, tolerance_));
       Keep(pose, precautions.kept_apart, Meeting::kApart);
       Keep(pose, precautions.kept_touching, Meeting::kTouching);
-      for (Relationship& together :
-           StretchTogether(pose, assembly_, elements_, precautions.fitted)) {
-        found_.push_back(std::move(together));
-      }
+      Append(StretchTogether(pose, assembly_, elements_, precautions.fitted));
     }
     return std::move(found_);
   }
@@ -70,9 +68,7 @@ class RelationshipSearch {
   // turned obliquely, what is level in the pose is not as drawn.
   bool IsTurned(const Pose& pose, int a, int b) const {
     if (pose.joint < 0 || !IsMoved(pose, a) || !IsMoved(pose, b)) return false;
-    const Eigen::Matrix3d turn =
-        MotionIn(pose, assembly_, elements_.size(), drawn_).linear().cwiseAbs();
-    return ((turn.array() != 0) && (turn.array() != 1)).any();
+    return !IsAtRightAngles(MotionIn(pose, assembly_, elements_.size(), drawn_).linear());
   }
 
   int GroupFor(const Pose& pose, int a, int b) const {
@@ -85,6 +81,10 @@ class RelationshipSearch {
     // The drawing may miss a relationship by less than the tolerance; what was drawn stays valid.
     if (equality) form.constant -= form.At(drawn_);
     found_.push_back({kind, equality, std::move(form), group, std::move(description)});
+  }
+
+  void Append(std::vector<Relationship> others) {
+    std::move(others.begin(), others.end(), std::back_inserter(found_));
   }
 
   // ---- Sizes
@@ -392,77 +392,6 @@ class RelationshipSearch {
   void Keep(const Pose& pose, const std::set<PosedPair>& pairs, Meeting meeting) {
     for (Relationship& kept : KeepMeeting(pose, assembly_, elements_, pairs, meeting, tolerance_)) {
       found_.push_back(std::move(kept));
-    }
-  }
-
-  // ---- Patterns
-  // ------------------------------------------------------------------------------------
-
-  // Along a common direction both go from their first part to their last at the same distance from
-  // each other: centres and sizes of their boxes differ as drawn.
-  void TiePatterns(const Contacts& contacts) {
-    for (const auto& [a, b] : contacts) {
-      if (!At(a).pattern || !At(b).pattern) continue;
-      for (const Axis axis : kAxes) {
-        if (!CommonDirection(*At(a).pattern, *At(b).pattern, static_cast<int>(axis), tolerance_)) {
-          continue;
-        }
-        const std::string label = absl::StrCat("'", At(a).name, "' repeats along ", AxisName(axis),
-                                               " with '", At(b).name, "'");
-        Add(RelationshipKind::kRepeat, true,
-            LinearForm::Variable(CenterVariable(a, axis)) -
-                LinearForm::Variable(CenterVariable(b, axis)),
-            CommonGroup(a, b), label);
-        Add(RelationshipKind::kRepeat, true,
-            LinearForm::Variable(SizeVariable(a, axis)) -
-                LinearForm::Variable(SizeVariable(b, axis)),
-            CommonGroup(a, b), label);
-      }
-    }
-  }
-
-  // ---- Joints
-  // ------------------------------------------------------------------------------------
-
-  // Where `place` is drawn, at the distance of a position: a share of the element's size within it,
-  // as what is bored there keeps to, and the same beyond it.
-  LinearForm PlaceBeside(const PosedPosition& position, double place) const {
-    const Element& element = At(position.element);
-    const int axis = static_cast<int>(position.axis);
-    const double apart = place - position.drawn;
-    const bool is_within =
-        place > element.box.minimum[axis] && place < element.box.maximum[axis] && !element.pattern;
-    if (!is_within || std::abs(apart) <= tolerance_) return position.position;
-    return Combine(1, position.position, apart / element.box.size()[axis],
-                   LinearForm::Variable(SizeVariable(position.element, position.axis)));
-  }
-
-  // A joint's centre stays where it is against what it moves: in the nearest plane or level with
-  // the nearest centre, or beside it.
-  void TieJoints(const std::vector<PosedPosition>& positions) {
-    for (std::size_t j = 0; j < assembly_.joints.size(); ++j) {
-      const Joint& joint = assembly_.joints[j];
-      for (const Axis axis : kAxes) {
-        const double center = joint.center[static_cast<int>(axis)];
-        const PosedPosition* nearest = nullptr;
-        for (const PosedPosition& position : positions) {
-          if (position.axis != axis ||
-              !IsWithin(assembly_, GroupOf(position.element), joint.group)) {
-            continue;
-          }
-          if (nearest == nullptr ||
-              std::abs(position.drawn - center) < std::abs(nearest->drawn - center)) {
-            nearest = &position;
-          }
-        }
-        if (nearest == nullptr) continue;
-        const int variable = JointVariable(elements_.size(), static_cast<int>(j), axis);
-        Add(RelationshipKind::kConcentric, true,
-            LinearForm::Variable(variable) - PlaceBeside(*nearest, center),
-            assembly_.groups[static_cast<std::size_t>(joint.group)].parent,
-            absl::StrCat("the centre of '", joint.name, "' level along ", AxisName(axis), " with ",
-                         nearest->label));
-      }
     }
   }
 

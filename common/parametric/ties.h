@@ -1,0 +1,27 @@
+// What is bound to elements as drawn, whatever pose they are in: patterns to the patterns they
+// touch, and joints to what they move.
+#pragma once
+
+#include <vector>
+
+#include "common/parametric/assembly.h"
+#include "common/parametric/element.h"
+#include "common/parametric/relationship.h"
+#include "common/parametric/rest_pose.h"
+
+namespace mortise::parametric {
+
+// Patterns that touch go from their first part to their last at the same distance from each other
+// along a direction in which both repeat, to `tolerance`, m: centres and sizes of their boxes
+// differ as drawn.
+std::vector<Relationship> TiePatterns(const Assembly& assembly,
+                                      const std::vector<Element>& elements,
+                                      const Contacts& contacts, double tolerance);
+
+// A joint's centre stays where it is against what it moves: in the nearest of `positions`, which
+// are those of the drawn pose; or beside it, at a share of the element's size where it lies within
+// the element, as what is bored there keeps to.
+std::vector<Relationship> TieJoints(const Assembly& assembly, const std::vector<Element>& elements,
+                                    const std::vector<PosedPosition>& positions, double tolerance);
+
+}  // namespace mortise::parametric
