@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "absl/strings/ascii.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
@@ -20,7 +21,7 @@ namespace mortise::cli {
 absl::StatusOr<double> ParseQuantity(const std::string& text, const std::string& field) {
   char* end = nullptr;
   const double number = std::strtod(text.c_str(), &end);
-  const std::string unit = end;
+  const absl::string_view unit = absl::StripAsciiWhitespace(end);
   if (end == text.c_str() || !std::isfinite(number)) {
     return InvalidField(field, absl::StrCat("'", text, "' is not a number"));
   }

@@ -21,7 +21,7 @@
 
 namespace mortise::cli {
 
-// A number with an optional length unit: "1.2", "1.2m", "1200mm", "120cm", in SI.
+// A number with an optional length unit: "1.2", "1.2 m", "1200mm", "120cm", in SI.
 // INVALID_ARGUMENT naming `field`.
 absl::StatusOr<double> ParseQuantity(const std::string& text, const std::string& field);
 

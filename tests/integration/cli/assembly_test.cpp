@@ -99,7 +99,7 @@ TEST_F(AssemblyCommand, ImportsDrawingsThatOutgrowAMessage) {
 }
 
 TEST_F(AssemblyCommand, AdjustsGoesOnFromThereAndWritesFiles) {
-  const auto higher = Run({"adjust", "bookshelf", "--set", "side 1.z=2.2"});
+  const auto higher = Run({"adjust", "bookshelf", "--set", "side 1.z=2.2 m"});
   ASSERT_TRUE(higher.ok()) << higher.status();
   EXPECT_NEAR((*higher)["reached"][0].get<double>(), 2.2, 1e-9);
   const std::string from = File("higher.json", higher->dump());
