@@ -68,5 +68,18 @@ TEST(PageTokens, CannotBeMadeUp) {
   }
 }
 
+TEST(PageTokens, AreSpeltInOneWay) {
+  const v1::ListItemsRequest request = BoltsOfSteel();
+  const std::string letters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_";
+  for (const std::string position : {"bolt", "bolts", "bolt-8"}) {  // ends in 2, 4 and 0 spare bits
+    const std::string token = SealPageToken(position, request);
+    for (const char last : letters) {
+      if (last == token.back()) continue;
+      ExpectRefused(token.substr(0, token.size() - 1) + last, request);
+    }
+    for (const char* const added : {"=", "==", " ", "\n"}) ExpectRefused(token + added, request);
+  }
+}
+
 }  // namespace
 }  // namespace mortise::rpc
