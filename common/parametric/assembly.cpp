@@ -157,16 +157,28 @@ bool HasParts(const Assembly& assembly, int group) {
   });
 }
 
-// What lies beyond has lost so many digits that nothing can be said of it.
+// What lies beyond has lost so many digits that nothing can be said of it; a ball that is turned
+// further than half way round is turned the other way.
+std::pair<double, double> FurthestLimits(JointKind kind) {
+  switch (kind) {
+    case JointKind::kPrismatic:
+      return {-kFurthestFromOrigin, kFurthestFromOrigin};
+    case JointKind::kBall:
+      return {0, kHalfTurn};
+    default:
+      return {-kFurthestTurn, kFurthestTurn};
+  }
+}
+
 bool HasUsableLimits(const Joint& joint, const std::string& place, Findings& findings) {
-  const bool slides = joint.kind == JointKind::kPrismatic;
-  const double furthest = slides ? kFurthestFromOrigin : kFurthestTurn;
+  const auto [least, most] = FurthestLimits(joint.kind);
+  const char* const unit = joint.kind == JointKind::kPrismatic ? " m" : " rad";
   const std::size_t before = findings.size();
   for (const auto& [field, limit] :
        {std::pair(".lower", joint.lower), std::pair(".upper", joint.upper)}) {
-    if (std::abs(limit) <= furthest) continue;
-    findings.push_back({place + field, absl::StrCat("must lie between -", furthest, " and ",
-                                                    furthest, slides ? " m" : " rad")});
+    if (limit >= least && limit <= most) continue;
+    findings.push_back(
+        {place + field, absl::StrCat("must lie between ", least, " and ", most, unit)});
   }
   if (findings.size() == before && joint.lower > joint.upper) {
     findings.push_back({place + ".lower", "is above `upper`"});

@@ -24,6 +24,9 @@ inline constexpr double kSmallestPart = 1e-6;
 // rad; joints turn no further, either way: sixteen turns.
 inline constexpr double kFurthestTurn = 100;
 
+// rad; the largest angle that a ball turns by, half a turn as people write it.
+inline constexpr double kHalfTurn = 3.1416;
+
 // The bounding box of a part, in metres, in the design's coordinates.
 struct BoundingBox {
   Eigen::Vector3d minimum = Eigen::Vector3d::Zero();
@@ -85,8 +88,8 @@ struct Joint {
   int group = 0;                                     // what moves; not the root
   Eigen::Vector3d center = Eigen::Vector3d::Zero();  // m, a point that stays (hinge, ball)
   Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();   // unit vector (prismatic, hinge)
-  double lower =
-      0;  // limits of the motion along or about the axis, m or rad; of a ball, of its angle
+  double lower = 0;  // limits of the motion along or about the axis, m or rad; of a ball, of its
+                     // angle, 0 to kHalfTurn
   double upper = 0;
   std::vector<RestPose>
       rest_poses;  // within the limits; the drawn pose is always one and not listed

@@ -215,6 +215,7 @@ TEST(AssemblyCodec, NumbersThatAreNoneHideNothing) {
   // Nor is one taken that nothing is made of.
   rack = Rack();
   rack.mutable_joints(0)->set_kind(v1::Joint::BALL);
+  rack.mutable_joints(0)->set_lower(0);
   rack.mutable_joints(0)->set_upper(1.6);
   rack.mutable_joints(0)->mutable_rest_poses(0)->set_amount(0);
   EXPECT_THAT(FieldsAtFault(rack), UnorderedElementsAre());
@@ -295,6 +296,7 @@ TEST(AssemblyCodec, RefusesWhatSaysNothing) {
   EXPECT_THAT(faults([](auto& rack) {
                 auto& joint = *rack.mutable_joints(0);
                 joint.set_kind(v1::Joint::BALL);
+                joint.set_lower(0);
                 joint.set_upper(1.6);
                 joint.mutable_rest_poses(0)->set_amount(1);
               }),
@@ -331,6 +333,15 @@ TEST(AssemblyCodec, RefusesWhatIsTooFarTooSmallOrTooLong) {
               UnorderedElementsAre("joints[0].lower"));
   EXPECT_THAT(faults([](auto& rack) { rack.mutable_joints(0)->set_upper(101); }),
               UnorderedElementsAre("joints[0].upper"));
+  EXPECT_THAT(faults([](auto& rack) {
+                v1::Joint& ball = *rack.mutable_joints(0);
+                ball.set_kind(v1::Joint::BALL);
+                ball.set_lower(-0.1);
+                ball.set_upper(3.2);
+                ball.clear_rest_poses();
+              }),
+              UnorderedElementsAre("joints[0].lower", "joints[0].upper"))
+      << "a ball turns by 0 to half a turn";
   EXPECT_THAT(faults([](auto& rack) {
                 rack.mutable_joints(0)->set_kind(v1::Joint::PRISMATIC);
                 rack.mutable_joints(0)->set_lower(-101);
