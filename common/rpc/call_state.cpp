@@ -6,11 +6,13 @@
 
 #include <algorithm>
 #include <utility>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/base/identifiers.h"
 #include "common/base/logging.h"
+#include "common/base/violation_lists.h"
 #include "common/rpc/message_check.h"
 #include "mortise/v1/access.pb.h"
 
@@ -33,6 +35,26 @@ bool IsTraceId(const std::string& text) {
 absl::Status Undeclared(const std::string& method) {
   return WithDetail(absl::PermissionDeniedError(absl::StrCat(method, " has no access rule")),
                     {"ACCESS_UNDECLARED", method});
+}
+
+// Whether `path` is `field` or lies in it: "price.amount" in "price".
+bool LiesIn(const std::string& path, const std::string& field) {
+  if (!path.starts_with(field)) return false;
+  return path.size() == field.size() || path[field.size()] == '.' || path[field.size()] == '[';
+}
+
+// A refusal for numbers, with what else is wrong.
+absl::Status WithAllElse(const absl::Status& numbers, const absl::Status& checked) {
+  std::vector<FieldViolation> all = AllViolationsOf(numbers);
+  const std::vector<FieldViolation> told = all;
+  for (FieldViolation& violation : AllViolationsOf(checked)) {
+    if (std::none_of(told.begin(), told.end(), [&](const FieldViolation& other) {
+          return LiesIn(violation.field, other.field) || LiesIn(other.field, violation.field);
+        })) {
+      all.push_back(std::move(violation));
+    }
+  }
+  return InvalidFields(all);
 }
 
 }  // namespace
@@ -102,8 +124,11 @@ absl::Status CallState::Admit() {
   return absl::OkStatus();
 }
 
-absl::Status CallState::CheckRequest(const google::protobuf::Message& request) const {
-  return CheckMessage(request);
+absl::Status CallState::CheckRequest(const google::protobuf::Message& request,
+                                     const std::function<absl::Status()>& explanation) const {
+  const absl::Status numbers = CheckMessage(request);
+  if (numbers.ok() || !explanation) return numbers;
+  return WithAllElse(numbers, RunGuarded(explanation));
 }
 
 absl::Status CallState::RunGuarded(const std::function<absl::Status()>& work) const {

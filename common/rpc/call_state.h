@@ -47,8 +47,10 @@ class CallState : public std::enable_shared_from_this<CallState> {
   // Verifies the identity and the role; then the deadline.
   absl::Status Admit();
 
-  // Refuses numbers that are not finite and enum values the proto does not know, naming the field.
-  absl::Status CheckRequest(const google::protobuf::Message& request) const;
+  // Refuses numbers that are not finite and enum values the proto does not know, naming the field;
+  // such a request with what `explanation` tells as well, if there is one.
+  absl::Status CheckRequest(const google::protobuf::Message& request,
+                            const std::function<absl::Status()>& explanation = nullptr) const;
 
   // Runs handler code with the call's trace id; an exception becomes INTERNAL and is logged.
   absl::Status RunGuarded(const std::function<absl::Status()>& work) const;

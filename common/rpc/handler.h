@@ -48,6 +48,11 @@ using Responder = std::function<void(absl::StatusOr<Response>)>;
 // When numbers of a request that are not finite, and enum values that nobody knows, are told.
 enum class BadNumbers { kToldFirst, kToldWithAllElse };
 
+// What else is wrong with a request than numbers that are not finite and unknown enum values.
+template <class Request>
+using Explanation =
+    std::type_identity_t<std::function<absl::Status(const Call& call, const Request& request)>>;
+
 class Endpoint {
  public:
   // `service` is the proto's full name. `dispatcher` must outlive it.
@@ -55,10 +60,13 @@ class Endpoint {
 
   // A call that changes nothing (or nothing that is audited, such as a lease). Of a list, the
   // function takes and gives positions as page tokens (page_tokens.h).
+  // With `explanation`, requests with numbers that are not finite are refused for what that tells,
+  // too.
   //   function(const Call&, const Request&) -> absl::StatusOr<Response>
   template <class Request, class Response, class Function>
   grpc::ServerUnaryReactor* Query(const char* method, grpc::CallbackServerContext* context,
-                                  const Request* request, Response* response, Function function) {
+                                  const Request* request, Response* response, Function function,
+                                  const Explanation<Request>& explanation = nullptr) {
     return UnaryCall::Start(
         dispatcher_, &Find(method, false), context, request,
         [request, response, function = std::move(function)](
@@ -71,7 +79,8 @@ class Endpoint {
             return absl::OkStatus();
           });
           if (unary->Claim()) unary->Complete(status);
-        });
+        },
+        Of(request, explanation));
   }
 
   // A call that waits without holding a thread: for a task to lease, an operation to end.
@@ -150,17 +159,19 @@ class Endpoint {
 
   // A stream of answers (stream_writer.h). `start` sets it going and returns; keep `writer` for
   // later messages. The request lives only as long as `start` runs. A failure returned ends it.
+  // `explanation` as for Query.
   //   start(const Call&, const Request&, std::shared_ptr<StreamWriter<Response>>) -> absl::Status
   template <class Response, class Request, class StartFunction>
-  grpc::ServerWriteReactor<Response>* ServerStream(const char* method,
-                                                   grpc::CallbackServerContext* context,
-                                                   const Request* request, StartFunction start,
-                                                   const StreamOptions& options = {}) {
+  grpc::ServerWriteReactor<Response>* ServerStream(
+      const char* method, grpc::CallbackServerContext* context, const Request* request,
+      StartFunction start, const StreamOptions& options = {},
+      const Explanation<Request>& explanation = nullptr) {
     return ServerStreamReactor<Response>::Start(
         NewCall(method, *context), request, options,
         [request, start = std::move(start)](const Call& call,
                                             const std::shared_ptr<StreamWriter<Response>>& writer)
-            -> absl::Status { return start(call, *request, writer); });
+            -> absl::Status { return start(call, *request, writer); },
+        Of(request, explanation));
   }
 
   // A stream of requests with one answer.
@@ -184,6 +195,14 @@ class Endpoint {
   }
 
  private:
+  // The explanation of this request, which must live as long as it is used; empty for an empty one.
+  template <class Request>
+  static UnaryCall::Explanation Of(const Request* request,
+                                   const Explanation<Request>& explanation) {
+    if (!explanation) return nullptr;
+    return [request, explanation](const Call& call) { return explanation(call, *request); };
+  }
+
   // The method's rule. `mutation`: whether the wrapper used is one for methods that mutate; if that
   // is not what the proto says, every call is refused.
   const MethodInfo& Find(const std::string& method, bool mutation) const;

@@ -93,20 +93,27 @@ class ServerStreamReactor : public grpc::ServerWriteReactor<Response> {
   using Writer = std::shared_ptr<StreamWriter<Response>>;
   using Handler = std::function<absl::Status(const Call&, const Writer&)>;
 
+  // As UnaryCall::Explanation.
+  using Explanation = std::function<absl::Status(const Call&)>;
+
   static ServerStreamReactor* Start(std::shared_ptr<CallState> state,
                                     const google::protobuf::Message* request,
-                                    const StreamOptions& options, Handler handler) {
+                                    const StreamOptions& options, Handler handler,
+                                    Explanation explanation = nullptr) {
     auto* reactor = new ServerStreamReactor(state, options);  // until OnDone
     auto writer = reactor->writer_;
     if (absl::Status begun = state->Begin(); !begun.ok()) {
       writer->Finish(begun);
       return reactor;
     }
-    state->dispatcher()->Submit([state, writer, request, options, handler = std::move(handler)] {
+    state->dispatcher()->Submit([state, writer, request, options, handler = std::move(handler),
+                                 explanation = std::move(explanation)] {
       // Keeps the request alive: it goes with the call, which ends only after Release.
       if (!writer->Hold()) return;
       const absl::Status status = RunAdmitted(*state, [&]() -> absl::Status {
-        MORTISE_RETURN_IF_ERROR(state->CheckRequest(*request));
+        const auto explain = [&] { return explanation(Call(state)); };
+        MORTISE_RETURN_IF_ERROR(state->CheckRequest(
+            *request, explanation ? std::function<absl::Status()>(explain) : nullptr));
         return handler(Call(state), writer);
       });
       if (status.ok() && options.endless) EndWhenDraining(*state, writer);

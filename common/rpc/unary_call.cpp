@@ -3,13 +3,10 @@
 #include <google/protobuf/message.h>
 #include <grpcpp/server_context.h>
 
-#include <algorithm>
 #include <optional>
 #include <utility>
-#include <vector>
 
 #include "common/base/errors.h"
-#include "common/base/violation_lists.h"
 #include "common/rpc/mutation_log.h"
 #include "common/rpc/status_mapping.h"
 #include "common/store/store.h"
@@ -47,26 +44,6 @@ absl::Status RunMutation(const Call& call, const CallState& state, const Message
   });
 }
 
-// Whether `path` is `field` or lies in it: "price.amount" in "price".
-bool LiesIn(const std::string& path, const std::string& field) {
-  if (!path.starts_with(field)) return false;
-  return path.size() == field.size() || path[field.size()] == '.' || path[field.size()] == '[';
-}
-
-// A refusal for numbers, with what else is wrong.
-absl::Status WithAllElse(const absl::Status& numbers, const absl::Status& checked) {
-  std::vector<FieldViolation> all = AllViolationsOf(numbers);
-  const std::vector<FieldViolation> told = all;
-  for (FieldViolation& violation : AllViolationsOf(checked)) {
-    if (std::none_of(told.begin(), told.end(), [&](const FieldViolation& other) {
-          return LiesIn(violation.field, other.field) || LiesIn(other.field, violation.field);
-        })) {
-      all.push_back(std::move(violation));
-    }
-  }
-  return InvalidFields(all);
-}
-
 }  // namespace
 
 UnaryCall* UnaryCall::Start(Dispatcher* dispatcher, const MethodInfo* method,
@@ -79,22 +56,20 @@ UnaryCall* UnaryCall::Start(Dispatcher* dispatcher, const MethodInfo* method,
     unary->Complete(begun);
     return unary.get();
   }
-  dispatcher->Submit([unary, request, handler = std::move(handler),
-                      explanation = std::move(explanation)] {
-    absl::Status status = unary->state_->Admit();
-    if (status.ok()) {
-      status = unary->state_->CheckRequest(*request);
-      if (!status.ok() && explanation) {
-        status = WithAllElse(
-            status, unary->state_->RunGuarded([&] { return explanation(Call(unary->state_)); }));
-      }
-    }
-    if (status.ok()) {
-      handler(Call(unary->state_), unary);
-    } else if (unary->Claim()) {
-      unary->Complete(status);
-    }
-  });
+  dispatcher->Submit(
+      [unary, request, handler = std::move(handler), explanation = std::move(explanation)] {
+        absl::Status status = unary->state_->Admit();
+        if (status.ok()) {
+          const auto explain = [&] { return explanation(Call(unary->state_)); };
+          status = unary->state_->CheckRequest(
+              *request, explanation ? std::function<absl::Status()>(explain) : nullptr);
+        }
+        if (status.ok()) {
+          handler(Call(unary->state_), unary);
+        } else if (unary->Claim()) {
+          unary->Complete(status);
+        }
+      });
   return unary.get();
 }
 

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/base/violation_lists.h"
@@ -329,9 +330,27 @@ absl::Status CompleteKind(v1::TemplateBundle& bundle, Trial trial,
   return parametric::ToStatus(findings);
 }
 
+// Those of the kind where those of the template are not filled in.
+const google::protobuf::RepeatedPtrField<v1::Parameter>& ParametersOf(const v1::Template& message) {
+  if (message.has_cad()) return message.cad().parameters();
+  if (message.has_cage()) return message.cage().parameters();
+  return message.parameters();
+}
+
+// Whether own metrics can be checked: what follows from faults of parameters is not told, and
+// those of an assembly are known only when it has none.
+bool KnowsParameters(const v1::Template& message, const absl::Status& completed) {
+  if (completed.ok()) return true;
+  if (!absl::IsInvalidArgument(completed) || message.has_assembly()) return false;
+  for (const FieldViolation& violation : AllViolationsOf(completed)) {
+    if (absl::StrContains(violation.field, "parameters")) return false;
+  }
+  return true;
+}
+
 absl::Status CheckOwnMetrics(const v1::Template& message) {
   std::vector<parametric::NamedUnit> parameters;
-  for (const v1::Parameter& parameter : message.parameters()) {
+  for (const v1::Parameter& parameter : ParametersOf(message)) {
     parameters.push_back({parameter.name(), parameter.unit()});
   }
   std::vector<Finding> findings = parametric::CheckMetricDefinitions(
@@ -350,10 +369,13 @@ absl::StatusOr<std::shared_ptr<const Template>> Compile(const v1::TemplateBundle
 
 absl::Status Complete(v1::TemplateBundle& bundle, Trial trial,
                       const std::function<bool()>& is_given_up, const Parametrize& parametrize) {
-  MORTISE_RETURN_IF_ERROR(bundle.template_().kind_case() == v1::Template::KIND_NOT_SET
-                              ? CompleteParts(bundle)
-                              : CompleteKind(bundle, trial, {parametrize, is_given_up}));
-  MORTISE_RETURN_IF_ERROR(CheckOwnMetrics(bundle.template_()));
+  const v1::Template& message = bundle.template_();
+  const absl::Status completed = message.kind_case() == v1::Template::KIND_NOT_SET
+                                     ? CompleteParts(bundle)
+                                     : CompleteKind(bundle, trial, {parametrize, is_given_up});
+  MORTISE_RETURN_IF_ERROR(Together(completed, KnowsParameters(message, completed)
+                                                  ? CheckOwnMetrics(message)
+                                                  : absl::OkStatus()));
   bundle.mutable_template_()->set_digest(parametric::BundleDigest(bundle));
   return absl::OkStatus();
 }

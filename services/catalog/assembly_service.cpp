@@ -26,6 +26,7 @@
 #include "services/catalog/drawing_records.h"
 #include "services/catalog/drawing_source.h"
 #include "services/catalog/part_annotations.h"
+#include "services/catalog/record_access.h"
 #include "services/catalog/shape_records.h"
 #include "services/catalog/store_reading.h"
 
@@ -145,12 +146,9 @@ class AssemblyAdapter : public v1::AssemblyService::CallbackService {
         "ImportAssembly", context, request, response,
         [this](const rpc::Call& call,
                const v1::ImportAssemblyRequest& asked) -> absl::StatusOr<v1::AssemblyBundle> {
-          if (asked.expected_revision() < 0) {
-            return InvalidField("expected_revision", "must be at least 0");
-          }
           MORTISE_ASSIGN_OR_RETURN(v1::AssemblyBundle bundle, FreezeNow(asked.assembly()));
-          const absl::Status checked = TryToParametrize(call, bundle);
-          if (!checked.ok()) return UnderField("assembly", checked);
+          MORTISE_RETURN_IF_ERROR(Together(CheckExpectedRevision(asked.expected_revision()),
+                                           UnderField("assembly", TryToParametrize(call, bundle))));
           return bundle;
         },
         [](const rpc::Call& call, const v1::ImportAssemblyRequest& asked,
@@ -296,15 +294,14 @@ class AssemblyAdapter : public v1::AssemblyService::CallbackService {
   absl::StatusOr<Imported> PrepareStep(const rpc::Call& call,
                                        const v1::ImportAssemblyStepRequest& asked) {
     absl::StatusOr<Imported> prepared = PrepareAnyStep(call, asked);
-    if (prepared.ok() || asked.drawing().empty()) return prepared;
-    return OfUpload(prepared.status());
+    const bool renames = !prepared.ok() && !asked.drawing().empty();
+    MORTISE_RETURN_IF_ERROR(Together(CheckExpectedRevision(asked.expected_revision()),
+                                     renames ? OfUpload(prepared.status()) : prepared.status()));
+    return prepared;
   }
 
   absl::StatusOr<Imported> PrepareAnyStep(const rpc::Call& call,
                                           const v1::ImportAssemblyStepRequest& asked) {
-    if (asked.expected_revision() < 0) {
-      return InvalidField("expected_revision", "must be at least 0");
-    }
     // Only for the items.
     v1::Assembly named;
     for (const v1::PartAnnotation& part : asked.annotations().parts()) {

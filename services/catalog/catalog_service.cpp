@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "common/base/violation_lists.h"
 #include "common/parametric/parameter_values.h"
 #include "common/parametric/template_codec.h"
 #include "common/rpc/chunk_stream.h"
@@ -21,6 +22,7 @@
 #include "services/catalog/design_answer.h"
 #include "services/catalog/design_export.h"
 #include "services/catalog/design_stream.h"
+#include "services/catalog/record_access.h"
 #include "services/catalog/shape_file.h"
 #include "services/catalog/shape_records.h"
 #include "services/catalog/store_reading.h"
@@ -32,6 +34,12 @@ namespace {
 
 constexpr std::size_t kCompiledBytes = std::size_t{256} << 20;
 constexpr std::size_t kParametrizedBytes = std::size_t{256} << 20;
+
+// A template and where to evaluate it.
+struct Choice {
+  std::shared_ptr<const templates::Template> function;
+  Eigen::VectorXd q;
+};
 
 // A design with the template it came from.
 struct NamedDesign {
@@ -313,6 +321,9 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
                             "4 MiB: ask for it without_triangles, or export it as a file");
           }
           return answer;
+        },
+        [this](const rpc::Call&, const v1::EvaluateTemplateRequest& asked) {
+          return Choose(asked.name(), asked.revision(), asked.parameters()).status();
         });
   }
 
@@ -323,6 +334,10 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
         [this](const rpc::Call&, const v1::ExportDesignRequest& asked,
                const std::shared_ptr<rpc::StreamWriter<v1::Chunk>>& writer) {
           return Export(asked, writer);
+        },
+        {},
+        [this](const rpc::Call&, const v1::ExportDesignRequest& asked) {
+          return ChooseFor(asked).status();
         });
   }
 
@@ -335,18 +350,22 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
 
   absl::StatusOr<v1::TemplateBundle> PrepareTemplate(const rpc::Call& call,
                                                      const v1::ImportTemplateRequest& asked) {
-    if (asked.expected_revision() < 0) {
-      return InvalidField("expected_revision", "must be at least 0");
-    }
-    absl::StatusOr<v1::TemplateBundle> bundle =
+    absl::StatusOr<v1::TemplateBundle> bundle = FreezeAndComplete(call, asked.template_());
+    MORTISE_RETURN_IF_ERROR(Together(CheckExpectedRevision(asked.expected_revision()),
+                                     UnderField("template", bundle.status())));
+    return bundle;
+  }
+
+  absl::StatusOr<v1::TemplateBundle> FreezeAndComplete(const rpc::Call& call,
+                                                       const v1::Template& message) {
+    MORTISE_ASSIGN_OR_RETURN(
+        v1::TemplateBundle bundle,
         ReadFrom<v1::TemplateBundle>(*store_, [&](store::ReadTransaction& transaction) {
-          return Freeze(transaction, asked.template_());
-        });
-    if (!bundle.ok()) return UnderField("template", bundle.status());
-    MORTISE_RETURN_IF_ERROR(UnderField(
-        "template", templates::Complete(
-                        *bundle, templates::Trial::kThorough, [&call] { return call.cancelled(); },
-                        parametrized_->ForTemplates())));
+          return Freeze(transaction, message);
+        }));
+    MORTISE_RETURN_IF_ERROR(templates::Complete(
+        bundle, templates::Trial::kThorough, [&call] { return call.cancelled(); },
+        parametrized_->ForTemplates()));
     return bundle;
   }
 
@@ -365,8 +384,8 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
     });
   }
 
-  // F at the given parameters, rounded to what a workshop can set.
-  absl::StatusOr<NamedDesign> Evaluate(
+  // F and the given parameters, rounded to what a workshop can set.
+  absl::StatusOr<Choice> Choose(
       const std::string& name, int64_t revision,
       const google::protobuf::RepeatedPtrField<v1::ParameterValue>& values) {
     MORTISE_ASSIGN_OR_RETURN(v1::TemplateBundle bundle, FindBundle(name, revision));
@@ -378,16 +397,43 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
     MORTISE_ASSIGN_OR_RETURN(Eigen::VectorXd q,
                              parametric::Complete(parameters, parametric::FromProto(values)));
     q = parametric::RoundToSteps(parameters, q);
-    MORTISE_ASSIGN_OR_RETURN(parametric::EvaluatedDesign design, function->Evaluate(q));
-    return NamedDesign{std::move(function), std::move(q), std::move(design)};
+    return Choice{std::move(function), std::move(q)};
+  }
+
+  // What a file is made of. Everything that is wrong with the request is told.
+  absl::StatusOr<Choice> ChooseFor(const v1::ExportDesignRequest& asked) {
+    absl::StatusOr<Choice> choice = Choose(asked.name(), asked.revision(), asked.parameters());
+    MORTISE_RETURN_IF_ERROR(Together(CheckFile(asked), choice.status()));
+    return choice;
+  }
+
+  // Whether there is such a file, of whatever template.
+  static absl::Status CheckFile(const v1::ExportDesignRequest& asked) {
+    if (asked.format() != v1::ExportDesignRequest::DESIGN) return KindOf(asked.format()).status();
+    if (asked.rest_pose().empty()) return absl::OkStatus();
+    return InvalidField("rest_pose", "of a DESIGN there is only the pose it is drawn in");
+  }
+
+  static absl::StatusOr<NamedDesign> Evaluate(Choice choice) {
+    MORTISE_ASSIGN_OR_RETURN(parametric::EvaluatedDesign design,
+                             choice.function->Evaluate(choice.q));
+    return NamedDesign{std::move(choice.function), std::move(choice.q), std::move(design)};
+  }
+
+  // F at the given parameters.
+  absl::StatusOr<NamedDesign> Evaluate(
+      const std::string& name, int64_t revision,
+      const google::protobuf::RepeatedPtrField<v1::ParameterValue>& values) {
+    MORTISE_ASSIGN_OR_RETURN(Choice choice, Choose(name, revision, values));
+    return Evaluate(std::move(choice));
   }
 
   absl::Status Export(const v1::ExportDesignRequest& asked,
                       const std::shared_ptr<rpc::StreamWriter<v1::Chunk>>& writer) {
-    if (asked.format() == v1::ExportDesignRequest::DESIGN) return ExportMessage(asked, writer);
+    MORTISE_ASSIGN_OR_RETURN(Choice choice, ChooseFor(asked));
+    MORTISE_ASSIGN_OR_RETURN(const NamedDesign evaluated, Evaluate(std::move(choice)));
+    if (asked.format() == v1::ExportDesignRequest::DESIGN) return ExportMessage(evaluated, writer);
     MORTISE_ASSIGN_OR_RETURN(const FileKind kind, KindOf(asked.format()));
-    MORTISE_ASSIGN_OR_RETURN(const NamedDesign evaluated,
-                             Evaluate(asked.name(), asked.revision(), asked.parameters()));
     const std::string id = asked.name().substr(asked.name().find('/') + 1);
     MORTISE_ASSIGN_OR_RETURN(const auto assembly, evaluated.function->AssemblyAt(evaluated.q));
     if (assembly) {
@@ -411,13 +457,8 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
   }
 
   // The evaluated design itself, as large as it may be.
-  absl::Status ExportMessage(const v1::ExportDesignRequest& asked,
-                             const std::shared_ptr<rpc::StreamWriter<v1::Chunk>>& writer) {
-    if (!asked.rest_pose().empty()) {
-      return InvalidField("rest_pose", "of a DESIGN there is only the pose it is drawn in");
-    }
-    MORTISE_ASSIGN_OR_RETURN(const NamedDesign evaluated,
-                             Evaluate(asked.name(), asked.revision(), asked.parameters()));
+  static absl::Status ExportMessage(const NamedDesign& evaluated,
+                                    const std::shared_ptr<rpc::StreamWriter<v1::Chunk>>& writer) {
     v1::EvaluatedDesign design = parametric::ToProto(evaluated.design);
     MORTISE_RETURN_IF_ERROR(AddFaults(*evaluated.function, evaluated.q, design));
     rpc::StreamBytes(design.SerializeAsString(), {"design.binpb", "application/x-protobuf"},

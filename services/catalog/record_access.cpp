@@ -57,6 +57,11 @@ absl::StatusOr<int64_t> PutNew(store::Transaction& transaction, const char* kind
   return revision;
 }
 
+absl::Status CheckExpectedRevision(int64_t expected) {
+  if (expected >= 0) return absl::OkStatus();
+  return InvalidField("expected_revision", "must be at least 0");
+}
+
 absl::StatusOr<int64_t> PutNext(store::Transaction& transaction, const char* kind,
                                 const std::string& name, const std::string& payload,
                                 int64_t present) {

@@ -37,6 +37,9 @@ absl::StatusOr<store::ListOptions> PageOptions(int page_size, const std::string&
 absl::StatusOr<int64_t> PutNew(store::Transaction& transaction, const char* kind,
                                const std::string& name, const std::string& payload);
 
+// INVALID_ARGUMENT naming "expected_revision" for one that no resource ever has.
+absl::Status CheckExpectedRevision(int64_t expected);
+
 // Writes the revision after `present`, which is kept; 0 if the resource does not exist, or is
 // deleted: then the revision after that. ABORTED, STALE_REVISION if that is not the latest.
 absl::StatusOr<int64_t> PutNext(store::Transaction& transaction, const char* kind,

@@ -368,6 +368,25 @@ TEST_F(AssemblyParametrizationTest, TellsNumbersThatAreNoneWithAllElse) {
                                    "assembly.joints[0].rest_poses[0].name"));
 }
 
+TEST_F(AssemblyParametrizationTest, TellsARevisionThatCannotBeWithAllElse) {
+  v1::ImportAssemblyRequest request;
+  request.set_request_id("no-revision");
+  request.set_expected_revision(-1);
+  *request.mutable_assembly() = Get(kShelf);
+  request.mutable_assembly()->set_name("assemblies/no-revision");
+  const auto fields = [&] {
+    std::vector<std::string> all;
+    for (const FieldViolation& violation :
+         AllViolationsOf(Call(&Stub::ImportAssembly, request).status())) {
+      all.push_back(violation.field);
+    }
+    return all;
+  };
+  EXPECT_THAT(fields(), UnorderedElementsAre("expected_revision"));
+  request.mutable_assembly()->mutable_parts(1)->set_item("items/none");
+  EXPECT_THAT(fields(), UnorderedElementsAre("expected_revision", "assembly.parts[1].item"));
+}
+
 TEST_F(AssemblyParametrizationTest, ItemsOfAssembliesStay) {
   const auto catalog = v1::CatalogService::NewStub(process_.channel());
   v1::DeleteItemRequest request;

@@ -324,11 +324,12 @@ TEST_F(AssemblyStepTest, RefusesStepThatIsDamagedAndLives) {
   annotations.add_joints()->set_group("nowhere");
   annotations.set_tolerance(-1);
   std::vector<std::string> fields;
-  for (const FieldViolation& violation : ViolationsOf(ImportStep(step, annotations).status())) {
+  for (const FieldViolation& violation : ViolationsOf(ImportStep(step, annotations, -1).status())) {
     fields.push_back(violation.field);
   }
-  for (const char* field : {"annotations.parts[0].parts[0]", "annotations.joints[0].group",
-                            "annotations.joints[0].kind", "annotations.tolerance"}) {
+  for (const char* field :
+       {"expected_revision", "annotations.parts[0].parts[0]", "annotations.joints[0].group",
+        "annotations.joints[0].kind", "annotations.tolerance"}) {
     EXPECT_THAT(fields, Contains(field));
   }
   // Numbers that are none are told with all else.

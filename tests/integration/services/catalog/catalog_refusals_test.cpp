@@ -4,7 +4,10 @@
 
 #include <functional>
 #include <limits>
+#include <string>
+#include <vector>
 
+#include "common/base/violation_lists.h"
 #include "tests/integration/services/catalog/catalog_service_fixture.h"
 
 namespace mortise::catalog {
@@ -12,6 +15,17 @@ namespace {
 
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
+using ::testing::UnorderedElementsAre;
+using ::testing::UnorderedElementsAreArray;
+
+std::vector<std::string> FieldsRefused(const absl::Status& refused) {
+  EXPECT_EQ(refused.code(), absl::StatusCode::kInvalidArgument) << refused;
+  std::vector<std::string> fields;
+  for (const FieldViolation& violation : AllViolationsOf(refused)) {
+    fields.push_back(violation.field);
+  }
+  return fields;
+}
 
 TEST_F(CatalogServiceTest, RefusesBadReads) {
   using Stub = v1::CatalogService::Stub;
@@ -106,6 +120,41 @@ TEST_F(CatalogServiceTest, RefusesBadParameters) {
   EXPECT_EQ(evaluate("length", -1), "parameters[0].value");
   EXPECT_EQ(evaluate("length", NAN), "parameters[0].value");
   EXPECT_EQ(evaluate("length", std::numeric_limits<double>::infinity()), "parameters[0].value");
+
+  // One that is no number hides no other fault.
+  const auto add = [](auto& request, const std::string& name, double value) {
+    request.add_parameters()->set_name(name);
+    request.mutable_parameters(request.parameters_size() - 1)->set_value(value);
+  };
+  const auto spoil = [&](auto& spoiled) {
+    spoiled.set_name("templates/table");
+    add(spoiled, "width", NAN);
+    add(spoiled, "depth", 1);
+    add(spoiled, "length", 100);
+    add(spoiled, "width", 0.6);
+    add(spoiled, "breadth", -std::numeric_limits<double>::infinity());
+  };
+  const std::vector<std::string> faults = {"parameters[0].value", "parameters[1].name",
+                                           "parameters[2].value", "parameters[3].name",
+                                           "parameters[4].value", "parameters[4].name"};
+  v1::EvaluateTemplateRequest spoiled;
+  spoil(spoiled);
+  v1::EvaluatedDesign none;
+  EXPECT_THAT(FieldsRefused(rpc::FromGrpc(Call(&Stub::EvaluateTemplate, spoiled, &none))),
+              UnorderedElementsAreArray(faults));
+  v1::ExportDesignRequest file;
+  spoil(file);
+  std::vector<std::string> of_file = faults;
+  of_file.push_back("format");
+  EXPECT_THAT(FieldsRefused(Export(file).status()), UnorderedElementsAreArray(of_file));
+  file.set_format(v1::ExportDesignRequest::DESIGN);
+  file.set_rest_pose("open");
+  of_file.back() = "rest_pose";
+  EXPECT_THAT(FieldsRefused(Export(file).status()), UnorderedElementsAreArray(of_file));
+  // Of a template that is not there, only what the request shows by itself.
+  spoiled.set_name("templates/none");
+  EXPECT_THAT(FieldsRefused(rpc::FromGrpc(Call(&Stub::EvaluateTemplate, spoiled, &none))),
+              UnorderedElementsAre("parameters[0].value", "parameters[4].value"));
 
   v1::ExportDesignRequest request;
   request.set_name("templates/table");
@@ -246,6 +295,24 @@ TEST_F(CatalogServiceTest, RefusesBadTemplatesAndSaysAllThatIsWrong) {
         "template.parts[2].thickness_axis: ", "template.boundary_conditions[1].kind: "}) {
     EXPECT_THAT(unreadable.message, HasSubstr(field));
   }
+  // Own metrics and a revision that cannot be are faults among the others.
+  v1::ImportTemplateRequest early = ImportRequest(table, -1);
+  early.mutable_template_()->set_name("templates/spoilt");
+  early.mutable_template_()->mutable_parts(1)->set_item("items/none");
+  v1::MetricExpression& metric =
+      *early.mutable_template_()->mutable_metric_definitions()->add_expressions();
+  metric.set_name("slenderness");
+  metric.set_unit("1");
+  metric.set_expression("length / breadth");
+  v1::Template none;
+  EXPECT_THAT(FieldsRefused(rpc::FromGrpc(Call(&Stub::ImportTemplate, early, &none))),
+              UnorderedElementsAre("expected_revision", "template.parts[1].item",
+                                   "template.metric_definitions.expressions[0].expression"));
+  // Of metrics that use a parameter at fault nothing is said that follows from it.
+  early.mutable_template_()->mutable_parameters(0)->set_unit("cubit");
+  EXPECT_THAT(FieldsRefused(rpc::FromGrpc(Call(&Stub::ImportTemplate, early, &none))),
+              UnorderedElementsAre("expected_revision", "template.parts[1].item",
+                                   "template.parameters[0].unit"));
   v1::GetTemplateRequest request;
   request.set_name("templates/spoilt");
   EXPECT_EQ(Fail(&Stub::GetTemplate, request).code, absl::StatusCode::kNotFound);
