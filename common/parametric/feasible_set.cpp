@@ -1,5 +1,6 @@
 #include "common/parametric/feasible_set.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <Eigen/Sparse>
 #include <algorithm>
@@ -103,6 +104,7 @@ absl::StatusOr<FeasibleSet> FeasibleSet::Create(std::vector<Relationship> relati
   FeasibleSet set;
   set.all_ = std::move(relationships);
   set.drawn_ = drawn;
+  set.weights_ = Eigen::VectorXd::Ones(drawn.size());
   const std::vector<Violation> violations = set.Violations(drawn, kDrawnTolerance);
   if (!violations.empty()) {
     return PreconditionFailed("DRAWN_DESIGN_INFEASIBLE",
@@ -110,6 +112,20 @@ absl::StatusOr<FeasibleSet> FeasibleSet::Create(std::vector<Relationship> relati
                                            " relationships, first: ", violations[0].description));
   }
   set.SolveEqualities(variables);
+  set.ReduceInequalities();
+  return set;
+}
+
+absl::StatusOr<FeasibleSet> FeasibleSet::Rescaled(const Eigen::VectorXd& scales) const {
+  if (scales.size() != drawn_.size() || !scales.allFinite() || (scales.array() <= 0).any()) {
+    return InvalidField("scales", absl::StrCat("must be ", drawn_.size(), " positive numbers"));
+  }
+  FeasibleSet set = *this;
+  set.weights_ = scales.array().square().inverse();
+  if (basis_.cols() == 0) return set;
+  const Eigen::LLT<Eigen::MatrixXd> metric(basis_.transpose() * set.weights_.asDiagonal() * basis_);
+  set.basis_ = metric.matrixL().solve(basis_.transpose()).transpose();
+  set.inequalities_.clear();
   set.ReduceInequalities();
   return set;
 }
@@ -299,8 +315,9 @@ absl::StatusOr<Eigen::VectorXd> FeasibleSet::Nearest(const Eigen::VectorXd& wish
     return InvalidField("wish", absl::StrCat("must be ", drawn_.size(), " finite numbers"));
   }
   MORTISE_ASSIGN_OR_RETURN(const Held held, Hold(demands));
-  MORTISE_ASSIGN_OR_RETURN(const Projection nearest,
-                           ProjectOnto(held.feasible, basis_.transpose() * (wish - drawn_)));
+  MORTISE_ASSIGN_OR_RETURN(
+      const Projection nearest,
+      ProjectOnto(held.feasible, basis_.transpose() * weights_.cwiseProduct(wish - drawn_)));
   if (nearest.point) return Eigen::VectorXd(drawn_ + basis_ * *nearest.point);
   return ConflictOf(held, nearest.equalities, nearest.inequalities);
 }

@@ -2,7 +2,8 @@
 // well-posed form (thesis §3.3, §3.5.1).
 //
 // q = drawn + basis · z, with z free but for inequalities: the equalities are solved once and for
-// all. Columns of the basis are orthonormal, so distances in z are distances in q.
+// all. Columns of the basis are orthonormal, so distances in z are distances in q, each parameter
+// measured by its scale.
 #pragma once
 
 #include <Eigen/Core>
@@ -50,6 +51,10 @@ class FeasibleSet {
                                             const Eigen::VectorXd& drawn,
                                             const std::vector<int>& variables);
 
+  // The same set with other distances: parameter i counts in units of scales[i] > 0, one each.
+  // INVALID_ARGUMENT, "scales". O(n² |q|) for n degrees of freedom.
+  absl::StatusOr<FeasibleSet> Rescaled(const Eigen::VectorXd& scales) const;
+
   // Numbers of z: what a designer may really choose.
   int degrees_of_freedom() const { return static_cast<int>(basis_.cols()); }
 
@@ -81,8 +86,8 @@ class FeasibleSet {
                                            const std::vector<Demand>& demands = {}) const;
 
   // The smallest and the largest value of each form over the set. FAILED_PRECONDITION,
-  // FEASIBLE_SET_UNBOUNDED if there is none. A linear programme for each end that lies before its own
-  // limit (polyhedron_extents.h).
+  // FEASIBLE_SET_UNBOUNDED if there is none. A linear programme for each end that lies before its
+  // own limit (polyhedron_extents.h).
   absl::StatusOr<std::vector<Range>> RangesOf(const std::vector<LinearForm>& forms) const;
 
   // `count` points at corners of the set: the ends of random directions, seeded. Each factor of the
@@ -119,6 +124,7 @@ class FeasibleSet {
   std::vector<Relationship> equalities_;
   std::vector<Relationship> inequalities_;
   Eigen::VectorXd drawn_;
+  Eigen::VectorXd weights_;  // of squares in distances: scales to the power of -2
   Eigen::MatrixXd basis_;
   // inequalities_ in z: normals_ · z <= slacks_.
   Eigen::MatrixXd normals_;  // inequalities × degrees of freedom

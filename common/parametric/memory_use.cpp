@@ -10,8 +10,8 @@ namespace {
 
 constexpr std::size_t kText = 64;  // bytes of a short text and what allocating it takes
 // A relationship is kept as it was found, by the feasible set, and there again among its equalities
-// or inequalities.
-constexpr std::size_t kRelationshipCopies = 3;
+// or inequalities; the feasible set is kept twice.
+constexpr std::size_t kRelationshipCopies = 5;
 // A part or element, with its names, limits and planes, is kept by the assembly, by the check of
 // contacts and by the rest poses.
 constexpr std::size_t kPart = 3 * (sizeof(AssemblyPart) + sizeof(Element) + 16 * kText);
@@ -52,10 +52,10 @@ std::size_t MemoryUse(const ParametricAssembly& assembly) {
   }
   const FeasibleSet& feasible = assembly.feasible_set();
   const std::size_t freedom = static_cast<std::size_t>(feasible.degrees_of_freedom());
-  // The basis, and of the placement of connecting elements one as large at most, twice.
-  bytes += 3 * BytesOf(feasible.basis());
-  // Inequalities over the degrees of freedom, here and in the placement.
-  bytes += 2 * feasible.inequalities().size() * freedom * sizeof(double);
+  // The basis, twice, and of the placement of connecting elements one as large at most, twice.
+  bytes += 4 * BytesOf(feasible.basis());
+  // Inequalities over the degrees of freedom, here, twice, and in the placement.
+  bytes += 3 * feasible.inequalities().size() * freedom * sizeof(double);
   std::size_t poses = 1;
   for (const Joint& joint : assembly.assembly().joints) poses += joint.rest_poses.size();
   const std::size_t elements = assembly.elements().size();

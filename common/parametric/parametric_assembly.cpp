@@ -19,9 +19,13 @@ namespace {
 constexpr double kRelativeTolerance = 1e-6;  // of the design's diagonal
 constexpr std::size_t kMostLooseNamed = 10;
 constexpr double kFixed = 1e-9;  // m; a range no wider is none
-// m. What is reached stays this far inside of what can be: rounding must not turn the one into a
-// conflict with the next demand.
+// m. What is reached stays this far inside of what can be while other demands are looked at:
+// rounding must not turn the one into a conflict with the next.
 constexpr double kInside = 1e-8;
+constexpr double kPlaceScale = 3;  // of the design's diagonal
+// Of the largest change of a size in proportion: those that change by less are to stay, if they
+// can; if not all of them, those that change least.
+constexpr double kLittle[] = {0.5, 0.2, 0.05};
 
 std::string Describe(const MeasureDemand& demand) {
   return absl::StrCat("the ", AxisName(demand.measure.axis), " ",
@@ -44,6 +48,20 @@ std::vector<Relationship> StandingInPlace(const std::vector<Element>& elements) 
   floor.group = lowest->group;
   floor.description = absl::StrCat("'", lowest->name, "' held where it stands");
   return held;
+}
+
+// By what a change of each parameter is measured, m: of a size, by the size; of places, by several
+// times the whole design, as they are to follow sizes rather than sizes them.
+Eigen::VectorXd ScalesOf(const std::vector<Element>& elements, const Eigen::VectorXd& drawn,
+                         double diagonal) {
+  Eigen::VectorXd scales = Eigen::VectorXd::Constant(drawn.size(), kPlaceScale * diagonal);
+  for (std::size_t e = 0; e < elements.size(); ++e) {
+    for (const Axis axis : kAxes) {
+      const int size = SizeVariable(static_cast<int>(e), axis);
+      scales[size] = drawn[size];
+    }
+  }
+  return scales;
 }
 
 bool IsConflict(const absl::Status& status) {
@@ -134,6 +152,9 @@ absl::StatusOr<ParametricAssembly> ParametricAssembly::Create(
                           FindConnections(made.assembly_, made.elements_, made.contacts_,
                                           made.relationships_, made.tolerance_));
   made.contact_check_.emplace(made.assembly_, made.elements_, made.tolerance_);
+  MORTISE_ASSIGN_OR_RETURN(made.in_proportion_,
+                           made.feasible_set_->Rescaled(ScalesOf(
+                               made.elements_, made.drawn(), AssemblyDiagonal(made.assembly_))));
   return made;
 }
 
@@ -249,7 +270,7 @@ absl::StatusOr<Adjustment> ParametricAssembly::Adjust(const Eigen::VectorXd& fro
                              FormOf(demands[i].measure, absl::StrCat(field, ".measure")));
     forms.push_back({form, demands[i].value, Describe(demands[i])});
   }
-  absl::StatusOr<Eigen::VectorXd> exact = feasible_set_->Nearest(from, forms);
+  absl::StatusOr<Eigen::VectorXd> exact = NearestKeepingSizes(from, forms);
   if (!exact.ok() && insistence == Insistence::kNearest && IsConflict(exact.status())) {
     return ComeNear(from, forms);
   }
@@ -257,12 +278,37 @@ absl::StatusOr<Adjustment> ParametricAssembly::Adjust(const Eigen::VectorXd& fro
   return PlaceConnecting(*exact, forms);
 }
 
+absl::StatusOr<Eigen::VectorXd> ParametricAssembly::NearestKeepingSizes(
+    const Eigen::VectorXd& from, const std::vector<Demand>& demands) const {
+  MORTISE_ASSIGN_OR_RETURN(Eigen::VectorXd q, in_proportion_->Nearest(from, demands));
+  std::vector<std::pair<int, double>> changes;  // of sizes, in proportion
+  double largest = 0;
+  for (std::size_t e = 0; e < elements_.size(); ++e) {
+    for (const Axis axis : kAxes) {
+      const int size = SizeVariable(static_cast<int>(e), axis);
+      changes.emplace_back(size, std::abs(q[size] - from[size]) / drawn()[size]);
+      largest = std::max(largest, changes.back().second);
+    }
+  }
+  for (const double little : kLittle) {
+    std::vector<Demand> held = demands;
+    for (const auto& [size, change] : changes) {
+      if (change <= kFixed || change >= little * largest) continue;
+      held.push_back({LinearForm::Variable(size), from[size], ""});
+    }
+    absl::StatusOr<Eigen::VectorXd> kept = in_proportion_->Nearest(from, held);
+    if (kept.ok() || !IsConflict(kept.status())) return kept;
+  }
+  return q;
+}
+
 absl::StatusOr<Adjustment> ParametricAssembly::ComeNear(const Eigen::VectorXd& from,
                                                         const std::vector<Demand>& demands) const {
-  std::vector<Demand> held;
+  std::vector<Demand> held, ends;
   MORTISE_ASSIGN_OR_RETURN(Eigen::VectorXd q, feasible_set_->Nearest(from));
   for (const Demand& demand : demands) {
     held.push_back(demand);
+    ends.push_back(demand);
     absl::StatusOr<Eigen::VectorXd> met = feasible_set_->Nearest(from, held);
     if (met.ok()) {
       q = *std::move(met);
@@ -276,12 +322,16 @@ absl::StatusOr<Adjustment> ParametricAssembly::ComeNear(const Eigen::VectorXd& f
     MORTISE_ASSIGN_OR_RETURN(const Eigen::VectorXd furthest,
                              feasible_set_->Furthest(sign * demand.form, held));
     const double end = demand.form.At(furthest);
-    Demand near = demand;
-    near.value = sign * (end - present) > kInside ? end - sign * kInside : present;
-    held.push_back(near);
+    const bool is_ahead = sign * (end - present) > kInside;
+    ends.back().value = is_ahead ? end : present;
+    held.push_back(demand);
+    held.back().value = is_ahead ? end - sign * kInside : present;
     MORTISE_ASSIGN_OR_RETURN(q, feasible_set_->Nearest(from, held));
   }
-  return PlaceConnecting(q, demands);
+  absl::StatusOr<Eigen::VectorXd> nearest = NearestKeepingSizes(from, ends);
+  if (!nearest.ok() && IsConflict(nearest.status())) nearest = NearestKeepingSizes(from, held);
+  MORTISE_RETURN_IF_ERROR(nearest.status());
+  return PlaceConnecting(*nearest, demands);
 }
 
 absl::StatusOr<Adjustment> ParametricAssembly::PlaceConnecting(

@@ -97,7 +97,10 @@ class ParametricAssembly {
   absl::StatusOr<int> DegreesOfFreedom(int group) const;
 
   // The feasible parameters nearest to `from` that meet the demands, the connecting elements where
-  // their connections want them for these principals (ConnectionPlacement). INVALID_ARGUMENT,
+  // their connections want them for these principals (ConnectionPlacement). Changes of sizes count
+  // in proportion to the sizes as drawn, those of places hardly: a thickness stays rather than a
+  // length, and a top follows its legs. Sizes that would change little beside others stay exactly,
+  // as many as can. INVALID_ARGUMENT,
   // "from" or "demands[i].measure.element"; FAILED_PRECONDITION, DEMANDS_CONFLICT, if they must all
   // be met and cannot be: it names the demands and relationships that cannot hold together.
   absl::StatusOr<Adjustment> Adjust(const Eigen::VectorXd& from,
@@ -150,6 +153,8 @@ class ParametricAssembly {
   absl::Status FindFeasibleSet(const PatternExclusions& exclusions, const Precautions& precautions);
   absl::Status CheckBounded() const;
   absl::StatusOr<LinearForm> FormOf(const Measure& measure, const std::string& field) const;
+  absl::StatusOr<Eigen::VectorXd> NearestKeepingSizes(const Eigen::VectorXd& from,
+                                                      const std::vector<Demand>& demands) const;
   absl::StatusOr<Adjustment> ComeNear(const Eigen::VectorXd& from,
                                       const std::vector<Demand>& demands) const;
   absl::StatusOr<Adjustment> PlaceConnecting(const Eigen::VectorXd& q,
@@ -161,6 +166,7 @@ class ParametricAssembly {
   Contacts contacts_;
   std::vector<Relationship> relationships_;
   std::optional<FeasibleSet> feasible_set_;
+  std::optional<FeasibleSet> in_proportion_;  // the same, sizes measured by themselves
   std::optional<ConnectionPlacement> placement_;
   std::optional<ContactCheck> contact_check_;
 };

@@ -269,6 +269,44 @@ TEST(FeasibleSetTest, CornersAreFeasibleAndFurthestOut) {
   EXPECT_EQ(set.Corners(-1, 0).status().code(), absl::StatusCode::kInvalidArgument);
 }
 
+// The same designs are feasible; which of them is nearest is another matter.
+TEST(FeasibleSetTest, RescaledFindsWhatIsNearestInItsScales) {
+  for (const Assembly& assembly : {TwoLeggedTable(), ChestWithLid(), RandomAssembly(5)}) {
+    const Parametrised design(assembly);
+    ASSERT_OK_AND_ASSIGN(const FeasibleSet set, design.Set(0, 0));
+    std::mt19937 random(11);
+    std::uniform_real_distribution<double> scale(0.05, 3), shift(-0.2, 0.2);
+    const Eigen::Index size = design.drawn.size();
+    const Eigen::VectorXd scales =
+        Eigen::VectorXd::NullaryExpr(size, [&] { return scale(random); });
+    ASSERT_OK_AND_ASSIGN(const FeasibleSet rescaled, set.Rescaled(scales));
+    EXPECT_EQ(rescaled.degrees_of_freedom(), set.degrees_of_freedom());
+    const auto distance = [&](const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+      return (a - b).cwiseQuotient(scales).norm();
+    };
+    ASSERT_OK_AND_ASSIGN(const auto samples, set.Sample(60, 5));
+    for (int round = 0; round < 10; ++round) {
+      const Eigen::VectorXd wish =
+          design.drawn + Eigen::VectorXd::NullaryExpr(size, [&] { return shift(random); });
+      ASSERT_OK_AND_ASSIGN(const Eigen::VectorXd nearest, rescaled.Nearest(wish));
+      EXPECT_TRUE(set.Violations(nearest, 1e-8).empty());
+      ASSERT_OK_AND_ASSIGN(const Eigen::VectorXd other, set.Nearest(wish));
+      EXPECT_LE(distance(nearest, wish), distance(other, wish) + 1e-9);
+      // Nor is any nearer on the way to another feasible design.
+      for (const Eigen::VectorXd& sample : samples) {
+        EXPECT_LE(distance(nearest, wish),
+                  distance(nearest + 0.01 * (sample - nearest), wish) + 1e-9);
+      }
+    }
+  }
+  const Parametrised table(TwoLeggedTable());
+  ASSERT_OK_AND_ASSIGN(const FeasibleSet set, table.Set(0, 0));
+  for (const double bad : {0.0, -1.0, std::nan("")}) {
+    const Eigen::VectorXd scales = Eigen::VectorXd::Constant(table.drawn.size(), bad);
+    EXPECT_EQ(DetailOf(set.Rescaled(scales).status()).field, "scales");
+  }
+}
+
 TEST(FeasibleSetTest, ASeedGivesTheSamePoints) {
   const Parametrised table(TwoLeggedTable());
   ASSERT_OK_AND_ASSIGN(const FeasibleSet set, table.Set(0, 0));

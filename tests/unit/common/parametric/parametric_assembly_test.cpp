@@ -55,6 +55,44 @@ TEST(ParametricAssembly, MeetsWhatCanBeMet) {
   }
 }
 
+// What need not change does not: not by a hair, and least of all thicknesses.
+TEST(ParametricAssembly, ChangesNoSizeThatCanStay) {
+  const ParametricAssembly bench = Parametrized(Bench());
+  const std::vector<PlacedPart> drawn = bench.PartsAt(bench.drawn());
+  const auto lower = bench.Adjust(bench.drawn(), {{{"left", Axis::kZ}, 0.3}}, Insistence::kStrict);
+  ASSERT_TRUE(lower.ok()) << lower.status();
+  for (const PlacedPart& part : bench.PartsAt(lower->q)) {
+    for (const Axis axis : kAxes) {
+      const bool is_leg = part.name != "seat" && axis == Axis::kZ;
+      EXPECT_NEAR(LengthOf({part}, part.name, axis),
+                  is_leg ? 0.3 : LengthOf(drawn, part.name, axis), 1e-9)
+          << part.name << " " << AxisName(axis);
+    }
+  }
+  const auto longer = bench.Adjust(bench.drawn(), {{{"seat", Axis::kX}, 1.3}}, Insistence::kStrict);
+  ASSERT_TRUE(longer.ok()) << longer.status();
+  for (const char* post : {"left", "right"}) {
+    EXPECT_NEAR(LengthOf(bench.PartsAt(longer->q), post, Axis::kX), 0.05, 1e-9) << post;
+  }
+}
+
+// As far as it goes, to the last digit, whichever of them is asked for first.
+TEST(ParametricAssembly, ComesToTheVeryEnd) {
+  const ParametricAssembly bench = Parametrized(Bench());
+  for (const double asked : {100.0, -1.0}) {
+    const auto end =
+        bench.Adjust(bench.drawn(), {{{"seat", Axis::kZ}, asked}, {{"left", Axis::kZ}, asked}},
+                     Insistence::kNearest);
+    ASSERT_TRUE(end.ok()) << end.status();
+    for (std::size_t i = 0; i < 2; ++i) {
+      const auto range = bench.RangeOf({i == 0 ? "seat" : "left", Axis::kZ});
+      ASSERT_TRUE(range.ok()) << range.status();
+      EXPECT_NEAR(end->reached[i], asked > 0 ? range->maximum : range->minimum, 1e-10);
+    }
+    EXPECT_TRUE(bench.feasible_set().Violations(end->q, 1e-9).empty());
+  }
+}
+
 TEST(ParametricAssembly, NamesWhatCannotHoldTogether) {
   const ParametricAssembly bench = Parametrized(Bench());
   const auto refused = bench.Adjust(
