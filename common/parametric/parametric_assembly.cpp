@@ -374,4 +374,21 @@ absl::StatusOr<std::vector<MeasureRange>> ParametricAssembly::AdjustableSizes() 
   return sizes;
 }
 
+std::vector<Measure> ParametricAssembly::HeldSizes() const {
+  std::vector<Measure> held;
+  for (std::size_t e = 0; e < elements_.size(); ++e) {
+    const Element& element = elements_[e];
+    if (element.connecting) continue;
+    for (const Axis axis : kAxes) {
+      const SizeLimits& limits = element.limits[static_cast<std::size_t>(axis)];
+      const int variable = SizeVariable(static_cast<int>(e), axis);
+      const bool is_open = limits.minimum < limits.maximum;
+      if (is_open && feasible_set_->basis().row(variable).norm() <= kFixed) {
+        held.push_back({element.name, axis});
+      }
+    }
+  }
+  return held;
+}
+
 }  // namespace mortise::parametric

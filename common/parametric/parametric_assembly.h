@@ -113,6 +113,10 @@ class ParametricAssembly {
   // The sizes of principal elements that can be changed, with their ranges, element by element.
   absl::StatusOr<std::vector<MeasureRange>> AdjustableSizes() const;
 
+  // The sizes of principal elements that their items leave open and the design holds all the same:
+  // a board's across a bore, around a rod of fixed thickness.
+  std::vector<Measure> HeldSizes() const;
+
   // As FeasibleSet::Sample.
   absl::StatusOr<std::vector<Eigen::VectorXd>> Sample(int count, std::uint64_t seed) const {
     return feasible_set_->Sample(count, seed);

@@ -344,6 +344,17 @@ DrawnAssembly MakeAssembly(const cad::StepAssembly& drawing,
   return Maker(drawing, annotations, items).Make();
 }
 
+std::string NoteOnHeldSizes(const std::vector<parametric::Measure>& held) {
+  if (held.empty()) return "";
+  std::vector<std::string> names;
+  for (const parametric::Measure& measure : held) {
+    names.push_back(absl::StrCat("'", measure.element, "' ", parametric::AxisName(measure.axis)));
+  }
+  return absl::StrCat(
+      "sizes that no item fixes but the design holds, as `adjust --strict` explains: ",
+      Some(names));
+}
+
 absl::Status AtRequest(const DrawnAssembly& drawn, const v1::AssemblyAnnotations& annotations,
                        const absl::Status& checked) {
   std::vector<FieldViolation> all;

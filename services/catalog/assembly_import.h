@@ -7,6 +7,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "common/cad/step_assembly.h"
+#include "common/parametric/parametric_assembly.h"
 #include "common/parametric/template_definition.h"
 #include "common/parametric/template_validation.h"
 #include "mortise/v1/assembly.pb.h"
@@ -34,6 +35,10 @@ absl::StatusOr<std::string> UnpackStep(const std::string& bytes);
 DrawnAssembly MakeAssembly(const cad::StepAssembly& drawing,
                            const v1::AssemblyAnnotations& annotations,
                            const std::vector<parametric::Item>& items);
+
+// What to tell of sizes that the design holds (ParametricAssembly::HeldSizes); nothing if there are
+// none.
+std::string NoteOnHeldSizes(const std::vector<parametric::Measure>& held);
 
 // What is wrong with `drawn`: its findings and those of `checked`, which names fields of the
 // assembly, all at their places in the request. OK if there are none.

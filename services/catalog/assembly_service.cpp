@@ -147,8 +147,9 @@ class AssemblyAdapter : public v1::AssemblyService::CallbackService {
         [this](const rpc::Call& call,
                const v1::ImportAssemblyRequest& asked) -> absl::StatusOr<v1::AssemblyBundle> {
           MORTISE_ASSIGN_OR_RETURN(v1::AssemblyBundle bundle, FreezeNow(asked.assembly()));
-          MORTISE_RETURN_IF_ERROR(Together(CheckExpectedRevision(asked.expected_revision()),
-                                           UnderField("assembly", TryToParametrize(call, bundle))));
+          MORTISE_RETURN_IF_ERROR(
+              Together(CheckExpectedRevision(asked.expected_revision()),
+                       UnderField("assembly", Parametrize(call, bundle).status())));
           return bundle;
         },
         [](const rpc::Call& call, const v1::ImportAssemblyRequest& asked,
@@ -319,7 +320,10 @@ class AssemblyAdapter : public v1::AssemblyService::CallbackService {
     DrawnAssembly drawn = MakeAssembly(drawing, asked.annotations(), items.items);
     MORTISE_ASSIGN_OR_RETURN(v1::AssemblyBundle bundle, FreezeNow(drawn.assembly));
     AddNewShapes(drawing, bundle);
-    MORTISE_RETURN_IF_ERROR(AtRequest(drawn, asked.annotations(), TryToParametrize(call, bundle)));
+    const absl::StatusOr<templates::Parametrization> made = Parametrize(call, bundle);
+    MORTISE_RETURN_IF_ERROR(AtRequest(drawn, asked.annotations(), made.status()));
+    const std::string held = NoteOnHeldSizes((*made)->HeldSizes());
+    if (!held.empty()) drawn.notes.push_back(held);
     return Imported{std::move(bundle), std::move(drawn.notes)};
   }
 
@@ -348,8 +352,9 @@ class AssemblyAdapter : public v1::AssemblyService::CallbackService {
   }
 
   // Whether a design can be made of it; kept for who asks for it next.
-  absl::Status TryToParametrize(const rpc::Call& call, const v1::AssemblyBundle& bundle) {
-    return parametrized_->Get(bundle, [&call] { return call.cancelled(); }).status();
+  absl::StatusOr<templates::Parametrization> Parametrize(const rpc::Call& call,
+                                                         const v1::AssemblyBundle& bundle) {
+    return parametrized_->Get(bundle, [&call] { return call.cancelled(); });
   }
 
   absl::StatusOr<v1::AdjustedAssembly> Adjust(const rpc::Call& call,

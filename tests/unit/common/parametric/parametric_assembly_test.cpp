@@ -168,6 +168,18 @@ TEST(ParametricAssembly, RangesAreExact) {
   }
 }
 
+// Posts as deep as a seat that its item fixes cannot change, though theirs leaves them open.
+TEST(ParametricAssembly, TellsWhichSizesTheDesignHolds) {
+  EXPECT_TRUE(Parametrized(Bench()).HeldSizes().empty());
+  Assembly bench = Bench();
+  bench.parts[0].limits[1] = {0.3, 0.3};
+  std::vector<std::string> held;
+  for (const Measure& measure : Parametrized(bench).HeldSizes()) {
+    held.push_back(measure.element + " " + AxisName(measure.axis));
+  }
+  EXPECT_EQ(held, (std::vector<std::string>{"left y", "right y"}));
+}
+
 TEST(ParametricAssembly, StartsFromWhereTheDesignerIs) {
   const ParametricAssembly bench = Parametrized(Bench());
   const auto wide = bench.Adjust(bench.drawn(), {{{"seat", Axis::kX}, 1.4}}, Insistence::kStrict);

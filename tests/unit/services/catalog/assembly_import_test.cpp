@@ -330,5 +330,14 @@ TEST(UnpackStep, TakesGzipOrNone) {
   EXPECT_EQ(DetailOf(nonsense).field, "step");
 }
 
+TEST(AssemblyImport, NotesSizesThatTheDesignHolds) {
+  EXPECT_EQ(NoteOnHeldSizes({}), "");
+  std::vector<parametric::Measure> held{{"board", parametric::Axis::kX},
+                                        {"board", parametric::Axis::kY}};
+  EXPECT_THAT(NoteOnHeldSizes(held), HasSubstr(": 'board' x, 'board' y"));
+  for (int post = 0; post < 50; ++post) held.push_back({"post", parametric::Axis::kZ});
+  EXPECT_THAT(NoteOnHeldSizes(held), HasSubstr(" more"));
+}
+
 }  // namespace
 }  // namespace mortise::catalog
