@@ -253,12 +253,8 @@ absl::StatusOr<LinearForm> ParametricAssembly::FormOf(const Measure& measure,
   return absl::InternalError("a kind of measure that is none");
 }
 
-absl::StatusOr<Adjustment> ParametricAssembly::Adjust(const Eigen::VectorXd& from,
-                                                      const std::vector<MeasureDemand>& demands,
-                                                      Insistence insistence) const {
-  if (from.size() != drawn().size() || !from.allFinite()) {
-    return InvalidField("from", absl::StrCat("must be ", drawn().size(), " finite numbers"));
-  }
+absl::StatusOr<std::vector<Demand>> ParametricAssembly::FormsOf(
+    const std::vector<MeasureDemand>& demands) const {
   std::vector<Demand> forms;
   for (std::size_t i = 0; i < demands.size(); ++i) {
     const std::string field = absl::StrCat("demands[", i, "]");
@@ -270,12 +266,29 @@ absl::StatusOr<Adjustment> ParametricAssembly::Adjust(const Eigen::VectorXd& fro
                              FormOf(demands[i].measure, absl::StrCat(field, ".measure")));
     forms.push_back({form, demands[i].value, Describe(demands[i])});
   }
+  return forms;
+}
+
+absl::StatusOr<Adjustment> ParametricAssembly::Adjust(const Eigen::VectorXd& from,
+                                                      const std::vector<MeasureDemand>& demands,
+                                                      Insistence insistence) const {
+  if (from.size() != drawn().size() || !from.allFinite()) {
+    return InvalidField("from", absl::StrCat("must be ", drawn().size(), " finite numbers"));
+  }
+  MORTISE_ASSIGN_OR_RETURN(const std::vector<Demand> forms, FormsOf(demands));
   absl::StatusOr<Eigen::VectorXd> exact = NearestKeepingSizes(from, forms);
   if (!exact.ok() && insistence == Insistence::kNearest && IsConflict(exact.status())) {
     return ComeNear(from, forms);
   }
   MORTISE_RETURN_IF_ERROR(exact.status());
   return PlaceConnecting(*exact, forms);
+}
+
+absl::StatusOr<Adjustment> ParametricAssembly::Meet(
+    const std::vector<MeasureDemand>& demands) const {
+  MORTISE_ASSIGN_OR_RETURN(const std::vector<Demand> forms, FormsOf(demands));
+  MORTISE_ASSIGN_OR_RETURN(const Eigen::VectorXd q, in_proportion_->Nearest(drawn(), forms));
+  return PlaceConnecting(q, forms);
 }
 
 absl::StatusOr<Eigen::VectorXd> ParametricAssembly::NearestKeepingSizes(

@@ -107,6 +107,11 @@ class ParametricAssembly {
                                     const std::vector<MeasureDemand>& demands,
                                     Insistence insistence) const;
 
+  // The design nearest to the drawn one that meets all demands, with distances as Adjust has them;
+  // continuous in the values demanded, as F(q) of a template must be, so that sizes that Adjust
+  // would keep may change a little. Fails as Adjust.
+  absl::StatusOr<Adjustment> Meet(const std::vector<MeasureDemand>& demands) const;
+
   // INVALID_ARGUMENT, "measure.element", for an element there is not.
   absl::StatusOr<MeasureRange> RangeOf(const Measure& measure) const;
 
@@ -157,6 +162,7 @@ class ParametricAssembly {
   absl::Status FindFeasibleSet(const PatternExclusions& exclusions, const Precautions& precautions);
   absl::Status CheckBounded() const;
   absl::StatusOr<LinearForm> FormOf(const Measure& measure, const std::string& field) const;
+  absl::StatusOr<std::vector<Demand>> FormsOf(const std::vector<MeasureDemand>& demands) const;
   absl::StatusOr<Eigen::VectorXd> NearestKeepingSizes(const Eigen::VectorXd& from,
                                                       const std::vector<Demand>& demands) const;
   absl::StatusOr<Adjustment> ComeNear(const Eigen::VectorXd& from,

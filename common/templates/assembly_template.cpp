@@ -199,7 +199,7 @@ class HandledAssembly final : public Template {
     for (std::size_t i = 0; i < handles_.size(); ++i) {
       demands.push_back({handles_[i].measure, q(static_cast<Eigen::Index>(i))});
     }
-    return assembly_->Adjust(assembly_->drawn(), demands, parametric::Insistence::kStrict);
+    return assembly_->Meet(demands);
   }
 
   absl::StatusOr<cad::Solid> SolidOf(const parametric::PlacedPart& placed,

@@ -76,6 +76,32 @@ TEST(ParametricAssembly, ChangesNoSizeThatCanStay) {
   }
 }
 
+// Templates of assemblies are searched by methods that follow slopes: a small step of what is asked
+// for is a small step of the design.
+TEST(ParametricAssembly, MeetsDemandsContinuously) {
+  for (const Assembly& assembly : {Bench(), TwoLeggedTable(), ChestWithLid()}) {
+    const ParametricAssembly design = Parametrized(assembly);
+    const auto sizes = design.AdjustableSizes();
+    ASSERT_TRUE(sizes.ok()) << sizes.status();
+    for (const MeasureRange& range : *sizes) {
+      constexpr int kSteps = 400;
+      const double step = (range.maximum - range.minimum) / kSteps;
+      Eigen::VectorXd before;
+      for (int i = 0; i <= kSteps; ++i) {
+        const double value = std::min(range.minimum + i * step, range.maximum);
+        const auto met = design.Meet({{range.measure, value}});
+        ASSERT_TRUE(met.ok()) << met.status() << range.measure.element << value;
+        EXPECT_NEAR(met->reached[0], value, 1e-9);
+        EXPECT_TRUE(design.feasible_set().Violations(met->q, 1e-8).empty());
+        if (i > 0) {
+          EXPECT_LT((met->q - before).norm(), 40 * step + 1e-9) << range.measure.element;
+        }
+        before = met->q;
+      }
+    }
+  }
+}
+
 // As far as it goes, to the last digit, whichever of them is asked for first.
 TEST(ParametricAssembly, ComesToTheVeryEnd) {
   const ParametricAssembly bench = Parametrized(Bench());
