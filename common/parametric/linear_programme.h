@@ -1,6 +1,6 @@
 // The furthest points of one polyhedron along one direction after the other, by the simplex method
-// (Clp): each programme begins at the corner where the last one ended, so the ends of all sizes of
-// a design cost little more than those of one.
+// (Clp): each programme begins at the corner where the last one ended. For the ends along many
+// directions see polyhedron_extents.h, which needs few programmes.
 #pragma once
 
 #include <Eigen/Core>
