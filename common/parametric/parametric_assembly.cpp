@@ -50,8 +50,8 @@ std::vector<Relationship> StandingInPlace(const std::vector<Element>& elements) 
   return held;
 }
 
-// By what a change of each parameter is measured, m: of a size, by the size as drawn; of a place, by
-// several times the whole design, as places are to follow sizes and not sizes places.
+// By what a change of each parameter is measured, m: of a size, by the size as drawn; of a place,
+// by several times the whole design, as places are to follow sizes and not sizes places.
 Eigen::VectorXd ScalesOf(const std::vector<Element>& elements, const Eigen::VectorXd& drawn,
                          double diagonal) {
   Eigen::VectorXd scales = Eigen::VectorXd::Constant(drawn.size(), kPlaceScale * diagonal);
