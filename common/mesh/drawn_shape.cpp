@@ -234,17 +234,33 @@ absl::StatusOr<DrawnShape> ShapeOfMesh(const mesh::SurfaceMesh& surface) {
   return shape;
 }
 
-mesh::SurfaceMesh SurfaceIn(const DrawnShape& shape, const Eigen::Vector3d& size) {
-  return {size.asDiagonal() * shape.fractions, shape.triangles};
+mesh::SurfaceMesh SurfaceIn(const DrawnShape& shape, const BoxStretch& stretch) {
+  mesh::SurfaceMesh surface{stretch.size.asDiagonal() * shape.fractions, shape.triangles};
+  for (int axis = 0; axis < 3; ++axis) {
+    if (stretch.IsInProportion(axis)) continue;
+    for (Eigen::Index k = 0; k < shape.fractions.cols(); ++k) {
+      surface.vertices(axis, k) = stretch.PlaceOf(axis, shape.fractions(axis, k));
+    }
+  }
+  return surface;
 }
 
-double VolumeIn(const DrawnShape& shape, const Eigen::Vector3d& size) {
-  return shape.volume * (size.array() / shape.size.array()).prod();
+double VolumeIn(const DrawnShape& shape, const BoxStretch& stretch) {
+  return shape.volume * (stretch.size.array() / shape.size.array()).prod();
 }
 
-double DeflectionIn(const DrawnShape& shape, const Eigen::Vector3d& size) {
+double DeflectionIn(const DrawnShape& shape, const BoxStretch& stretch) {
   if (shape.deflection == 0) return 0;
-  const Eigen::Vector3d factors = size.array() / shape.size.array();
+  Eigen::Vector3d factors = stretch.size.array() / shape.size.array();
+  for (int axis = 0; axis < 3; ++axis) {
+    if (stretch.IsInProportion(axis)) continue;
+    const std::vector<LevelPlace> ends = stretch.Ends(axis);
+    factors[axis] = 0;
+    for (std::size_t i = 0; i + 1 < ends.size(); ++i) {
+      const double drawn = shape.size[axis] * (ends[i + 1].fraction - ends[i].fraction);
+      factors[axis] = std::max(factors[axis], (ends[i + 1].place - ends[i].place) / drawn);
+    }
+  }
   double grows = 0;
   for (int axis = 0; axis < 3; ++axis) {
     if (factors[axis] > grows && !IsStraightAlong(shape, axis)) grows = factors[axis];

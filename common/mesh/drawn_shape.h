@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "common/mesh/box_stretch.h"
 #include "common/mesh/surface_mesh.h"
 
 namespace mortise::mesh {
@@ -23,7 +24,8 @@ struct ShapePlane {
   double fraction = 0;  // of the box's size along the axis, from its middle; between -1/2 and 1/2
 };
 
-// Vertex k lies at center + size ∘ fractions.col(k) of whatever box the shape is in.
+// Vertex k lies at center + size ∘ fractions.col(k) of whatever box the shape is in, if it is not
+// stretched in pieces (box_stretch.h).
 struct DrawnShape {
   std::string name;  // shapes/{digest}; empty as long as it is not stored
   Eigen::Vector3d size = Eigen::Vector3d::Ones();  // m, of the box as drawn
@@ -67,14 +69,16 @@ double SectionOf(const DrawnShape& shape, Eigen::Index triangle, int axis);
 // names of faces in the faces of the box, and planes.
 void DeriveFaces(DrawnShape& shape);
 
-// The surface in a box of this size whose middle is the origin, m.
-mesh::SurfaceMesh SurfaceIn(const DrawnShape& shape, const Eigen::Vector3d& size);
+// The surface stretched into a box whose middle is the origin, m. No triangle crosses a level of
+// the stretch (DividedAt in shape_levels.h).
+mesh::SurfaceMesh SurfaceIn(const DrawnShape& shape, const BoxStretch& stretch);
 
-// m³ in a box of this size: stretching multiplies volumes.
-double VolumeIn(const DrawnShape& shape, const Eigen::Vector3d& size);
+// m³ in such a box. In proportion, stretching multiplies volumes; in pieces it is the triangles'
+// volume and, of what they miss at curved faces, as much as those faces grow.
+double VolumeIn(const DrawnShape& shape, const BoxStretch& stretch);
 
 // m, by which triangles may miss the exact surface in such a box: bars and tubes no more if longer.
-double DeflectionIn(const DrawnShape& shape, const Eigen::Vector3d& size);
+double DeflectionIn(const DrawnShape& shape, const BoxStretch& stretch);
 
 // The shape turned by whole right angles: its axis i becomes the axis |axes[i]|, forwards or
 // backwards so that nothing is mirrored; axes are those of x and z, y follows.

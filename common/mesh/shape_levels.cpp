@@ -9,7 +9,7 @@
 namespace mortise::mesh {
 namespace {
 
-constexpr double kSameLevel = 1e-8;  // m, as drawn
+constexpr double kAlong = 1e-9;  // rad, by which a triangle along an axis may lean
 
 // The levels along one axis.
 class LevelSearch {
@@ -89,7 +89,44 @@ class LevelSearch {
               [](const Turn& a, const Turn& b) { return a.fraction < b.fraction; });
     std::vector<ShapeLevel> levels;
     for (const Turn& turn : distinct) levels.push_back({axis_, turn.fraction});
+    MarkDividing(levels);
     return levels;
+  }
+
+  // Whether a triangle leans against the axis by no more than rounding.
+  bool RunsAlong(Eigen::Index t, double reach) const {
+    const auto corner = [&](int k) -> Eigen::Vector3d {
+      return shape_.size.cwiseProduct(shape_.fractions.col(shape_.triangles(k, t)));
+    };
+    const Eigen::Vector3d normal = (corner(1) - corner(0)).cross(corner(2) - corner(0));
+    const double lean = std::abs(normal[axis_]);
+    return lean <= kAlong * normal.norm() || lean * reach <= kSameLevel * normal.norm();
+  }
+
+  // `levels` in order. Of all triangles that do not run along the axis, counts which levels they
+  // reach across: one more from the first of them on, one less after the last.
+  void MarkDividing(std::vector<ShapeLevel>& levels) const {
+    std::vector<int> more(levels.size() + 1, 0);
+    const auto first_above = [&](double fraction) {
+      return std::lower_bound(
+                 levels.begin(), levels.end(), fraction,
+                 [](const ShapeLevel& level, double sought) { return level.fraction < sought; }) -
+             levels.begin();
+    };
+    for (Eigen::Index t = 0; t < shape_.triangles.cols(); ++t) {
+      const auto [low, high] =
+          std::minmax({Height(shape_.triangles(0, t)), Height(shape_.triangles(1, t)),
+                       Height(shape_.triangles(2, t))});
+      const auto from = first_above(low + same_), to = first_above(high - same_);
+      if (from >= to || RunsAlong(t, (high - low) * shape_.size[axis_])) continue;
+      ++more[static_cast<std::size_t>(from)];
+      --more[static_cast<std::size_t>(to)];
+    }
+    int across = 0;
+    for (std::size_t i = 0; i < levels.size(); ++i) {
+      across += more[i];
+      levels[i].divides = across == 0;
+    }
   }
 
   const DrawnShape& shape_;

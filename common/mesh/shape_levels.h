@@ -1,7 +1,7 @@
 // Where the surface of a shape turns back along the axes of its box: at flat faces at right angles
 // to one, and where a curved face reaches furthest, as a bore does on either side of its axis. What
-// fits into a shape meets it there, and as the box is stretched these places keep their fractions
-// of it.
+// fits into a shape meets it there. As the box is stretched in proportion these places keep their
+// fractions of it; where a level divides the shape, both sides can be stretched by themselves.
 #pragma once
 
 #include <vector>
@@ -11,15 +11,27 @@
 namespace mortise::mesh {
 
 inline constexpr std::size_t kMostLevels = 64;  // along an axis
+inline constexpr double kSameLevel = 1e-8;      // m as drawn, within which levels are one
 
 struct ShapeLevel {
   int axis = 0;         // 0, 1, 2: x, y, z
   double fraction = 0;  // of the box's size along the axis, from its middle; between -1/2 and 1/2
+  // Every triangle that reaches from one side of it to the other, by more than kSameLevel, runs
+  // along the axis: stretching one side more than the other bends none.
+  bool divides = false;
 };
 
-// All levels within the box, its faces left out, by axis and then fraction. Curved faces are known
-// by their triangles, which DeflectionIn says how far to trust. Past kMostLevels along an axis,
-// those of the largest flat faces. O(T log T) for T triangles.
+// All levels within the box, its faces left out, by axis and then fraction. Those of round faces
+// (round_faces.h) are where these reach furthest, whatever their triangles miss; other curved faces
+// are known by their triangles, which DeflectionIn says how far to trust. Past kMostLevels along an
+// axis, those of the largest flat faces. O(T log T) for T triangles.
 std::vector<ShapeLevel> LevelsOf(const DrawnShape& shape);
+
+// The shape with its triangles cut along these levels, so that none reaches across one. Vertices
+// within kSameLevel of a level count as on it. Those that were stay, in their order; new ones come
+// after them, exactly at their level. All else stays: names, planes, the B-rep and the volume; each
+// triangle is of the face of that it was cut from. A closed surface stays closed. O(T L) for T
+// triangles that come of it and L levels.
+DrawnShape DividedAt(const DrawnShape& shape, const std::vector<ShapeLevel>& levels);
 
 }  // namespace mortise::mesh
