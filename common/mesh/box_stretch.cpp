@@ -19,17 +19,25 @@ std::vector<LevelPlace> BoxStretch::Ends(int axis) const {
   return ends;
 }
 
-double BoxStretch::PlaceOf(int axis, double fraction) const {
+std::pair<LevelPlace, LevelPlace> BoxStretch::Around(int axis, double fraction) const {
   const std::vector<LevelPlace>& between = levels[static_cast<std::size_t>(axis)];
   const auto high = std::lower_bound(
       between.begin(), between.end(), fraction,
       [](const LevelPlace& level, double sought) { return level.fraction < sought; });
-  const LevelPlace above = high == between.end() ? LevelPlace{0.5, size[axis] / 2} : *high;
-  const LevelPlace below =
-      high == between.begin() ? LevelPlace{-0.5, -size[axis] / 2} : *std::prev(high);
-  if (between.empty()) return fraction * size[axis];
+  return {high == between.begin() ? LevelPlace{-0.5, -size[axis] / 2} : *std::prev(high),
+          high == between.end() ? LevelPlace{0.5, size[axis] / 2} : *high};
+}
+
+double BoxStretch::PlaceOf(int axis, double fraction) const {
+  if (IsInProportion(axis)) return fraction * size[axis];
+  const auto [below, above] = Around(axis, fraction);
   const double share = (fraction - below.fraction) / (above.fraction - below.fraction);
   return below.place + share * (above.place - below.place);
+}
+
+double BoxStretch::SlopeAt(int axis, double fraction) const {
+  const auto [below, above] = Around(axis, fraction);
+  return (above.place - below.place) / (above.fraction - below.fraction);
 }
 
 BoxStretch BoxStretch::Turned(const Eigen::Matrix3d& turn) const {

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <utility>
 #include <vector>
 
 namespace mortise::mesh {
@@ -33,8 +34,15 @@ struct BoxStretch {
   // m from the middle of the box, of what lies at this fraction of the drawn one. O(log levels).
   double PlaceOf(int axis, double fraction) const;
 
+  // m by which places grow with the fraction there; at a level, below it. O(log levels).
+  double SlopeAt(int axis, double fraction) const;
+
   // The same for the shape turned by `turn`, whose entries are 0, 1 and -1 (DrawnShape::turn).
   BoxStretch Turned(const Eigen::Matrix3d& turn) const;
+
+ private:
+  // The levels, or faces of the box, below and above what lies at this fraction.
+  std::pair<LevelPlace, LevelPlace> Around(int axis, double fraction) const;
 };
 
 }  // namespace mortise::mesh

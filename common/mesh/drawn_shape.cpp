@@ -14,12 +14,12 @@
 #include "common/base/field_violations.h"
 #include "common/mesh/halfedge_mesh.h"
 #include "common/mesh/mass_properties.h"
+#include "common/mesh/missed_volume.h"
 #include "common/mesh/surface_check.h"
 
 namespace mortise::mesh {
 namespace {
 
-constexpr double kOnBox = 2e-7;         // m, within which a vertex lies in a face of the box
 constexpr double kLeastSize = 1e-6;     // m
 constexpr double kFurthest = 10e3;      // m, from the origin, as assemblies
 constexpr double kSamePlane = 1e-9;     // of the size: fractions in one plane
@@ -110,15 +110,41 @@ int SideOf(const DrawnShape& shape, Eigen::Index triangle, int axis) {
   return -1;
 }
 
-// Whether all triangles run along an axis, but for the ends in the faces of the box: what curved
-// faces stand out from them is across it.
-bool IsStraightAlong(const DrawnShape& shape, int axis) {
-  for (Eigen::Index t = 0; t < shape.triangles.cols(); ++t) {
-    const double across =
-        std::max(SectionOf(shape, t, (axis + 1) % 3), SectionOf(shape, t, (axis + 2) % 3));
-    if (SectionOf(shape, t, axis) > kAlong * across && SideOf(shape, t, axis) < 0) return false;
+// Whether a triangle runs along an axis, or ends there in a face of the box: what a curved face
+// stands out from it is across the axis.
+bool RunsAlong(const DrawnShape& shape, Eigen::Index triangle, int axis) {
+  const double across = std::max(SectionOf(shape, triangle, (axis + 1) % 3),
+                                 SectionOf(shape, triangle, (axis + 2) % 3));
+  return SectionOf(shape, triangle, axis) <= kAlong * across || SideOf(shape, triangle, axis) >= 0;
+}
+
+// By how much a stretch lengthens, at most, what lies between two fractions along an axis.
+double LargestFactor(const DrawnShape& shape, const BoxStretch& stretch, int axis, double low,
+                     double high) {
+  const double same = kSameLevel / shape.size[axis];
+  const std::vector<LevelPlace> ends = stretch.Ends(axis);
+  double factor = 0;
+  for (std::size_t i = 0; i + 1 < ends.size(); ++i) {
+    const LevelPlace &below = ends[i], &above = ends[i + 1];
+    if (below.fraction >= high - same || above.fraction <= low + same) continue;
+    const double drawn = shape.size[axis] * (above.fraction - below.fraction);
+    factor = std::max(factor, (above.place - below.place) / drawn);
   }
-  return true;
+  return factor;
+}
+
+// The same of all triangles that do not run along the axis; 0 if all do. What lies flat in a level
+// between two pieces is of neither.
+double LargestFactorAcross(const DrawnShape& shape, const BoxStretch& stretch, int axis) {
+  double factor = 0;
+  for (Eigen::Index t = 0; t < shape.triangles.cols(); ++t) {
+    if (RunsAlong(shape, t, axis)) continue;
+    if (stretch.IsInProportion(axis)) return stretch.size[axis] / shape.size[axis];
+    const auto height = [&](int k) { return shape.fractions(axis, shape.triangles(k, t)); };
+    const auto [low, high] = std::minmax({height(0), height(1), height(2)});
+    factor = std::max(factor, LargestFactor(shape, stretch, axis, low, high));
+  }
+  return factor;
 }
 
 void NameBoxFaces(DrawnShape& shape) {
@@ -246,25 +272,19 @@ mesh::SurfaceMesh SurfaceIn(const DrawnShape& shape, const BoxStretch& stretch) 
 }
 
 double VolumeIn(const DrawnShape& shape, const BoxStretch& stretch) {
-  return shape.volume * (stretch.size.array() / shape.size.array()).prod();
+  if (stretch.IsInProportion()) {
+    return shape.volume * (stretch.size.array() / shape.size.array()).prod();
+  }
+  return ComputeMassProperties(SurfaceIn(shape, stretch)).volume + MissedVolumeIn(shape, stretch);
 }
 
 double DeflectionIn(const DrawnShape& shape, const BoxStretch& stretch) {
   if (shape.deflection == 0) return 0;
-  Eigen::Vector3d factors = stretch.size.array() / shape.size.array();
-  for (int axis = 0; axis < 3; ++axis) {
-    if (stretch.IsInProportion(axis)) continue;
-    const std::vector<LevelPlace> ends = stretch.Ends(axis);
-    factors[axis] = 0;
-    for (std::size_t i = 0; i + 1 < ends.size(); ++i) {
-      const double drawn = shape.size[axis] * (ends[i + 1].fraction - ends[i].fraction);
-      factors[axis] = std::max(factors[axis], (ends[i + 1].place - ends[i].place) / drawn);
-    }
-  }
   double grows = 0;
   for (int axis = 0; axis < 3; ++axis) {
-    if (factors[axis] > grows && !IsStraightAlong(shape, axis)) grows = factors[axis];
+    grows = std::max(grows, LargestFactorAcross(shape, stretch, axis));
   }
+  const Eigen::Vector3d factors = stretch.size.array() / shape.size.array();
   return shape.deflection * (grows > 0 ? grows : factors.maxCoeff());
 }
 

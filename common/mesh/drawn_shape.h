@@ -16,6 +16,10 @@ namespace mortise::mesh {
 
 inline constexpr Eigen::Index kMaxShapeVertices = 50'000;
 inline constexpr Eigen::Index kMaxShapeTriangles = 50'000;
+// m as drawn: within which heights are one level, and within which a vertex lies in a face of the
+// box.
+inline constexpr double kSameLevel = 1e-8;
+inline constexpr double kOnBox = 2e-7;
 
 // A large planar face at a right angle to an axis, besides those in the faces of the box.
 struct ShapePlane {
@@ -73,11 +77,13 @@ void DeriveFaces(DrawnShape& shape);
 // the stretch (DividedAt in shape_levels.h).
 mesh::SurfaceMesh SurfaceIn(const DrawnShape& shape, const BoxStretch& stretch);
 
-// m³ in such a box. In proportion, stretching multiplies volumes; in pieces it is the triangles'
-// volume and, of what they miss at curved faces, as much as those faces grow.
+// m³ in such a box. In proportion, stretching multiplies volumes. In pieces it is that of the
+// triangles and what they miss of it (missed_volume.h), as exact as `volume` where what is round
+// keeps its size or is stretched in proportion. O(T log T).
 double VolumeIn(const DrawnShape& shape, const BoxStretch& stretch);
 
-// m, by which triangles may miss the exact surface in such a box: bars and tubes no more if longer.
+// m, by which triangles may miss the exact surface in such a box: bars and tubes no more if longer,
+// and bores no more if the pieces that they lie in are not.
 double DeflectionIn(const DrawnShape& shape, const BoxStretch& stretch);
 
 // The shape turned by whole right angles: its axis i becomes the axis |axes[i]|, forwards or

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <vector>
 
 #include "common/mesh/drawn_shape.h"
@@ -10,18 +11,28 @@
 namespace mortise::mesh {
 
 // A cylinder along an axis of the shape's box: all faces together that lie in it. Two bores from
-// both sides with something solid between them are two.
+// both sides with something solid, or a gap, between them are two.
 struct RoundFace {
-  int axis = 0;            // 0, 1, 2: the cylinder's is along x, y, z
-  Eigen::Vector3d middle;  // m as drawn, from the middle of the box; along the axis, of its extent
-  double radius = 0;       // m as drawn
-  double length = 0;       // m as drawn, along the axis
-  bool is_hollow = false;  // a bore: the solid lies outside
-  bool is_whole = false;   // seen along the axis, it goes all the way round
+  int axis = 0;                                      // 0, 1, 2: the cylinder's is along x, y, z
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();  // m as drawn, from the middle of the box;
+                                                     // along the axis, of its extent
+  double radius = 0;                                 // m as drawn
+  double length = 0;                                 // m as drawn, along the axis
+  bool is_hollow = false;                            // a bore: the solid lies outside
+  bool is_whole = false;  // seen along the axis, it goes all the way round
+
+  // By axis and end, lower then upper: whether it has what of the cylinder reaches furthest there,
+  // at middle ± radius. A quarter has two such places, or one.
+  std::array<std::array<bool, 2>, 3> reaches = {};
+  double widest_arc = 0;  // rad, of a triangle seen along the axis
+  std::vector<int> triangles;
 };
 
 // Those of a shape as it was drawn: its triangles' corners lie in its faces. Where a shape is cut
-// (DividedAt) they need not. By axis, and then where they lie. O(T log T) for T triangles.
+// (DividedAt) they need not. A face of the shape that has several round pieces, as that of an
+// uploaded mesh has, counts by piece. What is drawn with fewer than three chords, or with more than
+// 40° between them, is taken for flat. By axis, and then where they lie. O(T log T) for T
+// triangles.
 std::vector<RoundFace> RoundFacesOf(const DrawnShape& shape);
 
 }  // namespace mortise::mesh

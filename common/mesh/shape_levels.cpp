@@ -1,10 +1,13 @@
 #include "common/mesh/shape_levels.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
 #include <utility>
+
+#include "common/mesh/round_faces.h"
+#include "common/mesh/shared_edges.h"
 
 namespace mortise::mesh {
 namespace {
@@ -14,13 +17,19 @@ constexpr double kAlong = 1e-9;  // rad, by which a triangle along an axis may l
 // The levels along one axis.
 class LevelSearch {
  public:
-  LevelSearch(const DrawnShape& shape, int axis)
-      : shape_(shape), axis_(axis), same_(kSameLevel / shape.size[axis]) {}
-
-  std::vector<ShapeLevel> Find() {
-    for (Eigen::Index t = 0; t < shape_.triangles.cols(); ++t) LookAt(t);
+  LevelSearch(const DrawnShape& shape, const std::vector<SharedEdge>& edges,
+              const std::vector<RoundFace>& round_faces, int axis)
+      : shape_(shape), axis_(axis), same_(kSameLevel / shape.size[axis]) {
+    for (const RoundFace& face : round_faces) LookAt(face);
+    for (Eigen::Index t = 0; t < shape.triangles.cols(); ++t) LookAt(t);
+    for (const SharedEdge& edge : edges) LookAt(edge);
     LookAtVertices();
-    return Distinct();
+  }
+
+  std::vector<ShapeLevel> Found() {
+    std::vector<ShapeLevel> levels = Distinct();
+    MarkDividing(levels);
+    return levels;
   }
 
  private:
@@ -29,44 +38,89 @@ class LevelSearch {
     double fraction = 0;
     double area = 0;  // of flat faces, as a share of the box's section
   };
+  // What lies beside a vertex, and whether that is a round face that goes on to where it reaches
+  // furthest: there its level is, not at the vertex.
+  struct Place {
+    bool is_used = false;
+    int side = 0;  // of all neighbours; 0 if they differ
+    bool is_round = false;
+  };
 
   double Height(int vertex) const { return shape_.fractions(axis_, vertex); }
+  Place& At(int vertex) { return places_[static_cast<std::size_t>(vertex)]; }
+
   // -1, 0 or 1: a vertex below, level with or above a height.
   int Side(int vertex, double height) const {
     const double above = Height(vertex) - height;
     return std::abs(above) <= same_ ? 0 : above > 0 ? 1 : -1;
   }
 
+  // Where a round face reaches furthest. Its triangles stay inside, by less than a chord's height.
+  void LookAt(const RoundFace& face) {
+    const double missed = face.radius * (1 - std::cos(face.widest_arc)) + kSameLevel;
+    for (std::size_t end = 0; end < 2; ++end) {
+      if (!face.reaches[static_cast<std::size_t>(axis_)][end]) continue;
+      const double sign = end == 0 ? -1 : 1;
+      const double furthest = face.middle[axis_] + sign * face.radius;
+      if (shape_.size[axis_] / 2 - std::abs(furthest) > kOnBox) {
+        turns_.push_back({furthest / shape_.size[axis_], 0});
+      }
+      for (const int t : face.triangles) {
+        is_round_[static_cast<std::size_t>(t)] = true;
+        for (int k = 0; k < 3; ++k) {
+          const int vertex = shape_.triangles(k, t);
+          const double inside = sign * (furthest - Height(vertex) * shape_.size[axis_]);
+          if (inside <= missed) At(vertex).is_round = true;
+        }
+      }
+    }
+  }
+
   void LookAt(Eigen::Index t) {
     const std::array<int, 3> corners = {shape_.triangles(0, t), shape_.triangles(1, t),
                                         shape_.triangles(2, t)};
+    bool is_round = is_round_[static_cast<std::size_t>(t)];
     for (std::size_t k = 0; k < 3; ++k) {
-      const int from = corners[k], to = corners[(k + 1) % 3], opposite = corners[(k + 2) % 3];
-      for (const int other : {to, opposite}) NoteNeighbour(from, Side(other, Height(from)));
-      if (Side(to, Height(from)) == 0) LookAtEdge(std::minmax(from, to), opposite);
+      const int from = corners[k];
+      for (std::size_t other = 1; other < 3; ++other) {
+        NoteNeighbour(from, Side(corners[(k + other) % 3], Height(from)));
+      }
+      is_round = is_round && At(from).is_round;
     }
     const double height = Height(corners[0]);
-    if (Side(corners[1], height) == 0 && Side(corners[2], height) == 0) {
+    if (!is_round && Side(corners[1], height) == 0 && Side(corners[2], height) == 0) {
       turns_.push_back({height, SectionOf(shape_, t, axis_)});
     }
   }
 
   // Of the two triangles at a level edge: whether both go the same way from it.
-  void LookAtEdge(std::pair<int, int> edge, int opposite) {
-    const int side = Side(opposite, Height(edge.first));
-    const auto [found, is_new] = edges_.emplace(edge, side);
-    if (!is_new && side != 0 && found->second == side) turns_.push_back({Height(edge.first), 0});
+  void LookAt(const SharedEdge& edge) {
+    const double height = Height(edge.low);
+    if (Side(edge.high, height) != 0) return;
+    const auto side_of = [&](int t) {
+      const Eigen::Vector3i corners = shape_.triangles.col(t);
+      return Side(corners.sum() - edge.low - edge.high, height);
+    };
+    const int side = side_of(edge.first);
+    if (side == 0 || side != side_of(edge.second)) return;
+    if (!At(edge.low).is_round || !At(edge.high).is_round) turns_.push_back({height, 0});
   }
 
   void NoteNeighbour(int vertex, int side) {
-    const auto [found, is_new] = peaks_.emplace(vertex, side);
-    if (!is_new && found->second != side) found->second = 0;
+    Place& place = At(vertex);
+    if (!place.is_used) {
+      place.is_used = true;
+      place.side = side;
+    } else if (place.side != side) {
+      place.side = 0;
+    }
   }
 
   // Single vertices that all their neighbours lie below, or above.
   void LookAtVertices() {
-    for (const auto& [vertex, side] : peaks_) {
-      if (side != 0) turns_.push_back({Height(vertex), 0});
+    for (int vertex = 0; vertex < shape_.fractions.cols(); ++vertex) {
+      const Place& place = At(vertex);
+      if (place.side != 0 && !place.is_round) turns_.push_back({Height(vertex), 0});
     }
   }
 
@@ -89,7 +143,6 @@ class LevelSearch {
               [](const Turn& a, const Turn& b) { return a.fraction < b.fraction; });
     std::vector<ShapeLevel> levels;
     for (const Turn& turn : distinct) levels.push_back({axis_, turn.fraction});
-    MarkDividing(levels);
     return levels;
   }
 
@@ -108,19 +161,19 @@ class LevelSearch {
   void MarkDividing(std::vector<ShapeLevel>& levels) const {
     std::vector<int> more(levels.size() + 1, 0);
     const auto first_above = [&](double fraction) {
-      return std::lower_bound(
-                 levels.begin(), levels.end(), fraction,
-                 [](const ShapeLevel& level, double sought) { return level.fraction < sought; }) -
-             levels.begin();
+      const auto found = std::lower_bound(
+          levels.begin(), levels.end(), fraction,
+          [](const ShapeLevel& level, double sought) { return level.fraction < sought; });
+      return static_cast<std::size_t>(found - levels.begin());
     };
     for (Eigen::Index t = 0; t < shape_.triangles.cols(); ++t) {
       const auto [low, high] =
           std::minmax({Height(shape_.triangles(0, t)), Height(shape_.triangles(1, t)),
                        Height(shape_.triangles(2, t))});
-      const auto from = first_above(low + same_), to = first_above(high - same_);
+      const std::size_t from = first_above(low + same_), to = first_above(high - same_);
       if (from >= to || RunsAlong(t, (high - low) * shape_.size[axis_])) continue;
-      ++more[static_cast<std::size_t>(from)];
-      --more[static_cast<std::size_t>(to)];
+      ++more[from];
+      --more[to];
     }
     int across = 0;
     for (std::size_t i = 0; i < levels.size(); ++i) {
@@ -131,18 +184,23 @@ class LevelSearch {
 
   const DrawnShape& shape_;
   const int axis_;
-  const double same_;                         // as a fraction
-  std::map<std::pair<int, int>, int> edges_;  // on which side the first triangle goes
-  std::map<int, int> peaks_;                  // the side of all neighbours; 0 if they differ
+  const double same_;  // as a fraction
+  std::vector<Place> places_ =
+      std::vector<Place>(static_cast<std::size_t>(shape_.fractions.cols()));
+  // Of each triangle: whether it is of a face whose furthest places are known.
+  std::vector<bool> is_round_ =
+      std::vector<bool>(static_cast<std::size_t>(shape_.triangles.cols()), false);
   std::vector<Turn> turns_;
 };
 
 }  // namespace
 
 std::vector<ShapeLevel> LevelsOf(const DrawnShape& shape) {
+  const std::vector<SharedEdge> edges = SharedEdges(shape.triangles);
+  const std::vector<RoundFace> round_faces = RoundFacesOf(shape);
   std::vector<ShapeLevel> levels;
   for (int axis = 0; axis < 3; ++axis) {
-    const std::vector<ShapeLevel> along = LevelSearch(shape, axis).Find();
+    const std::vector<ShapeLevel> along = LevelSearch(shape, edges, round_faces, axis).Found();
     levels.insert(levels.end(), along.begin(), along.end());
   }
   return levels;

@@ -11,7 +11,6 @@
 namespace mortise::mesh {
 
 inline constexpr std::size_t kMostLevels = 64;  // along an axis
-inline constexpr double kSameLevel = 1e-8;      // m as drawn, within which levels are one
 
 struct ShapeLevel {
   int axis = 0;         // 0, 1, 2: x, y, z

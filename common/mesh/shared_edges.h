@@ -1,0 +1,28 @@
+// Which triangles of a closed surface lie beside each other, and how sharply they meet. Faster than
+// a half-edge mesh (halfedge_mesh.h), for what needs no walks.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+namespace mortise::mesh {
+
+// An edge with the triangles either side of it.
+struct SharedEdge {
+  int low = -1;  // vertices
+  int high = -1;
+  int first = -1;  // triangles
+  int second = -1;
+};
+
+// All edges of a closed surface, by `low`, then `high`. O(T log T) for T triangles.
+std::vector<SharedEdge> SharedEdges(const Eigen::Matrix3Xi& triangles);
+
+// Outward normals of length 1, 3 × T.
+Eigen::Matrix3Xd TriangleNormals(const Eigen::Matrix3Xd& vertices,
+                                 const Eigen::Matrix3Xi& triangles);
+
+// rad, between the outward normals of two triangles: 0 in one plane.
+double TurnBetween(const Eigen::Vector3d& first, const Eigen::Vector3d& second);
+
+}  // namespace mortise::mesh
