@@ -23,7 +23,7 @@ class ShapeCutter {
 
   void CutAt(const ShapeLevel& level) {
     level_ = level;
-    same_ = kSameLevel / size_[level.axis];
+    same_ = kOnPlane / size_[level.axis];
     cuts_.clear();
     const std::size_t count = triangles_.size();  // what is cut off needs no second look
     for (std::size_t t = 0; t < count; ++t) CutTriangle(t);

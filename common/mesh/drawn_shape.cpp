@@ -121,7 +121,7 @@ bool RunsAlong(const DrawnShape& shape, Eigen::Index triangle, int axis) {
 // By how much a stretch lengthens, at most, what lies between two fractions along an axis.
 double LargestFactor(const DrawnShape& shape, const BoxStretch& stretch, int axis, double low,
                      double high) {
-  const double same = kSameLevel / shape.size[axis];
+  const double same = kOnPlane / shape.size[axis];
   const std::vector<LevelPlace> ends = stretch.Ends(axis);
   double factor = 0;
   for (std::size_t i = 0; i + 1 < ends.size(); ++i) {
@@ -225,7 +225,7 @@ absl::StatusOr<DrawnShape> MakeDrawnShape(const mesh::SurfaceMesh& surface,
   for (Eigen::Index k = 0; k < shape.fractions.cols(); ++k) {
     for (int axis = 0; axis < 3; ++axis) {
       double& fraction = shape.fractions(axis, k);
-      if ((0.5 - std::abs(fraction)) * shape.size[axis] <= kOnBox) {
+      if ((0.5 - std::abs(fraction)) * shape.size[axis] <= kOnPlane) {
         fraction = std::copysign(0.5, fraction);
       }
     }

@@ -16,10 +16,10 @@ namespace mortise::mesh {
 
 inline constexpr Eigen::Index kMaxShapeVertices = 50'000;
 inline constexpr Eigen::Index kMaxShapeTriangles = 50'000;
-// m as drawn: within which heights are one level, and within which a vertex lies in a face of the
-// box.
+// m as drawn: within which two heights are one level, and within which a vertex lies in a plane, as
+// a face of the box or a level. The second is what the CAD kernel leaves open where faces meet.
 inline constexpr double kSameLevel = 1e-8;
-inline constexpr double kOnBox = 2e-7;
+inline constexpr double kOnPlane = 2e-7;
 
 // A large planar face at a right angle to an axis, besides those in the faces of the box.
 struct ShapePlane {

@@ -2,8 +2,8 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <boost/pending/disjoint_sets.hpp>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "common/mesh/mass_properties.h"
@@ -59,41 +59,30 @@ class FacetSearch {
     for (Facet& facet : facets_) Measure(facet);
   }
 
-  const std::vector<Facet>& facets() const { return facets_; }
+  std::vector<Facet> Found() { return std::move(facets_); }
 
  private:
   bool AreOfOneFace(const SharedEdge& edge) const {
     return shape_.triangle_face(edge.first) == shape_.triangle_face(edge.second);
   }
-  double TurnAt(const SharedEdge& edge) const {
-    return TurnBetween(normals_.col(edge.first), normals_.col(edge.second));
+  bool IsFlat(const SharedEdge& edge) const {
+    return (normals_.col(edge.first) - normals_.col(edge.second)).norm() <= kFlat;
   }
 
   void JoinTriangles(const std::vector<SharedEdge>& edges) {
-    const auto count = static_cast<std::size_t>(shape_.triangles.cols());
-    boost::disjoint_sets_with_storage<> sets(count);
-    for (std::size_t t = 0; t < count; ++t) sets.make_set(t);
-    for (const SharedEdge& edge : edges) {
-      if (!AreOfOneFace(edge) || TurnAt(edge) > kFlat) continue;
-      sets.union_set(static_cast<std::size_t>(edge.first), static_cast<std::size_t>(edge.second));
-    }
-    facet_of_.assign(count, 0);
-    std::vector<std::size_t> facet_of_set(count, count);
-    for (std::size_t t = 0; t < count; ++t) {
-      std::size_t& facet = facet_of_set[sets.find_set(t)];
-      if (facet == count) {
-        facet = facets_.size();
-        facets_.emplace_back();
-      }
-      facet_of_[t] = facet;
-      facets_[facet].triangles.push_back(static_cast<int>(t));
+    facet_of_.resize(static_cast<std::size_t>(shape_.triangles.cols()));
+    for (std::vector<int>& triangles : ConnectedTriangles(
+             shape_.triangles.cols(), edges,
+             [&](const SharedEdge& edge) { return AreOfOneFace(edge) && IsFlat(edge); })) {
+      for (const int t : triangles) facet_of_[static_cast<std::size_t>(t)] = facets_.size();
+      facets_.emplace_back().triangles = std::move(triangles);
     }
   }
 
   void NoteBend(const SharedEdge& edge) {
-    if (!AreOfOneFace(edge)) return;
-    const double turn = TurnAt(edge);
-    if (turn <= kFlat) return;
+    if (!AreOfOneFace(edge) || IsFlat(edge)) return;
+    const double turn = TurnBetween(normals_.col(edge.first), normals_.col(edge.second));
+    if (turn > kSharpTurn) return;
     const Eigen::Vector3d at = vertices_.col(edge.low);
     const Eigen::Vector3d along = (vertices_.col(edge.high) - at).normalized();
     const Eigen::Vector3d inward = InwardFrom(at, along, edge.first);
@@ -151,6 +140,14 @@ class FacetSearch {
   std::vector<Facet> facets_;
 };
 
+// Those that a face stands out from.
+std::vector<Facet> FacetsOf(const DrawnShape& shape) {
+  if (shape.deflection == 0) return {};
+  std::vector<Facet> facets = FacetSearch(shape).Found();
+  std::erase_if(facets, [](const Facet& facet) { return facet.bends.empty(); });
+  return facets;
+}
+
 // What a face stands out from a triangle of a facet, m³ as drawn. The middles of the
 // edges weigh alike, which is exact for parabolas.
 double VolumeOver(const Facet& facet, const Eigen::Matrix3d& corners) {
@@ -174,9 +171,7 @@ double FactorAt(const DrawnShape& shape, const BoxStretch& stretch, const Eigen:
 double MissedVolumeIn(const DrawnShape& shape, const BoxStretch& stretch) {
   // Of the drawn shape and the stretched one: the estimate, and how much it moves in all.
   double drawn = 0, stretched = 0, drawn_amount = 0, stretched_amount = 0;
-  const FacetSearch search(shape);
-  for (const Facet& facet : search.facets()) {
-    if (facet.bends.empty()) continue;
+  for (const Facet& facet : FacetsOf(shape)) {
     for (const int t : facet.triangles) {
       const Eigen::Matrix3d corners = shape.fractions(Eigen::all, shape.triangles.col(t));
       const double missed = VolumeOver(facet, shape.size.asDiagonal() * corners);

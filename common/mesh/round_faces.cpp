@@ -18,7 +18,6 @@ namespace mortise::mesh {
 namespace {
 
 constexpr double kWholeTurn = 2 * std::numbers::pi;
-constexpr double kSharp = 0.7;            // rad, between triangles that are not of one round face
 constexpr double kOnCircle = 1e-9;        // m, by which the corners of triangles may miss a circle
 constexpr double kOnCircleShare = 1e-8;   // of its radius, the same
 constexpr double kNearCircle = 1e-6;      // m, the same where they lie in another curved face too
@@ -87,6 +86,12 @@ struct Piece {
   std::vector<Arc> arcs;     // of its triangles
 };
 
+// Triangles that hang together, and their corners.
+struct SmoothPiece {
+  std::vector<int> triangles;
+  std::vector<int> corners;
+};
+
 // Finds the round faces along one axis.
 class RoundFaceSearch {
  public:
@@ -98,14 +103,9 @@ class RoundFaceSearch {
         axis_(axis),
         across_{(axis + 1) % 3, (axis + 2) % 3} {}
 
-  // `triangles` that hang together: noted if they are round.
-  void LookAt(const std::vector<int>& triangles) {
-    std::vector<int> corners;
-    for (const int t : triangles) {
-      for (int k = 0; k < 3; ++k) corners.push_back(shape_.triangles(k, t));
-    }
-    std::sort(corners.begin(), corners.end());
-    corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
+  // Notes a piece if it is round.
+  void LookAt(const SmoothPiece& smooth) {
+    const auto& [triangles, corners] = smooth;
     const std::optional<Circle> circle = CircleThrough(vertices_(across_, corners));
     if (!circle.has_value() || CountAngles(*circle, corners) < kLeastCorners) return;
     Piece piece;
@@ -272,31 +272,28 @@ class RoundFaceSearch {
 };
 
 // The triangles of each face, where they hang together without an edge, and are not flat.
-std::vector<std::vector<int>> SmoothPieces(const DrawnShape& shape,
-                                           const Eigen::Matrix3Xd& normals) {
-  const auto count = static_cast<std::size_t>(shape.triangles.cols());
-  boost::disjoint_sets_with_storage<> sets(count);
-  for (std::size_t t = 0; t < count; ++t) sets.make_set(t);
-  std::vector<bool> bends(count, false);
-  for (const SharedEdge& edge : SharedEdges(shape.triangles)) {
-    if (shape.triangle_face(edge.first) != shape.triangle_face(edge.second)) continue;
-    const double turn = TurnBetween(normals.col(edge.first), normals.col(edge.second));
-    if (turn > kSharp) continue;
-    sets.union_set(static_cast<std::size_t>(edge.first), static_cast<std::size_t>(edge.second));
-    if (turn > kSameAngle) bends[static_cast<std::size_t>(edge.first)] = true;
+std::vector<SmoothPiece> SmoothPieces(const DrawnShape& shape, const Eigen::Matrix3Xd& normals) {
+  const double sharp = std::cos(kSharpTurn);
+  const auto joins = [&](const SharedEdge& edge) {
+    return shape.triangle_face(edge.first) == shape.triangle_face(edge.second) &&
+           normals.col(edge.first).dot(normals.col(edge.second)) >= sharp;
+  };
+  std::vector<SmoothPiece> pieces;
+  for (std::vector<int>& triangles :
+       ConnectedTriangles(shape.triangles.cols(), SharedEdges(shape.triangles), joins)) {
+    const bool is_flat = std::all_of(triangles.begin(), triangles.end(), [&](int t) {
+      return (normals.col(t) - normals.col(triangles.front())).norm() <= kSameAngle;
+    });
+    if (is_flat) continue;
+    std::vector<int> corners;
+    for (const int t : triangles) {
+      for (int k = 0; k < 3; ++k) corners.push_back(shape.triangles(k, t));
+    }
+    std::sort(corners.begin(), corners.end());
+    corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
+    pieces.push_back({std::move(triangles), std::move(corners)});
   }
-  std::map<std::size_t, std::vector<int>> pieces;
-  std::map<std::size_t, bool> is_bent;
-  for (std::size_t t = 0; t < count; ++t) {
-    const std::size_t set = sets.find_set(t);
-    pieces[set].push_back(static_cast<int>(t));
-    if (bends[t]) is_bent[set] = true;
-  }
-  std::vector<std::vector<int>> bent;
-  for (auto& [set, triangles] : pieces) {
-    if (is_bent[set]) bent.push_back(std::move(triangles));
-  }
-  return bent;
+  return pieces;
 }
 
 }  // namespace
@@ -304,11 +301,11 @@ std::vector<std::vector<int>> SmoothPieces(const DrawnShape& shape,
 std::vector<RoundFace> RoundFacesOf(const DrawnShape& shape) {
   const Eigen::Matrix3Xd vertices = shape.size.asDiagonal() * shape.fractions;
   const Eigen::Matrix3Xd normals = TriangleNormals(vertices, shape.triangles);
-  const std::vector<std::vector<int>> pieces = SmoothPieces(shape, normals);
+  const std::vector<SmoothPiece> pieces = SmoothPieces(shape, normals);
   std::vector<RoundFace> faces;
   for (int axis = 0; axis < 3; ++axis) {
     RoundFaceSearch search(shape, vertices, normals, axis);
-    for (const std::vector<int>& piece : pieces) search.LookAt(piece);
+    for (const SmoothPiece& piece : pieces) search.LookAt(piece);
     for (RoundFace& face : search.Found()) faces.push_back(std::move(face));
   }
   std::stable_sort(faces.begin(), faces.end(), [](const RoundFace& a, const RoundFace& b) {

@@ -62,7 +62,7 @@ class LevelSearch {
       if (!face.reaches[static_cast<std::size_t>(axis_)][end]) continue;
       const double sign = end == 0 ? -1 : 1;
       const double furthest = face.middle[axis_] + sign * face.radius;
-      if (shape_.size[axis_] / 2 - std::abs(furthest) > kOnBox) {
+      if (shape_.size[axis_] / 2 - std::abs(furthest) > kOnPlane) {
         turns_.push_back({furthest / shape_.size[axis_], 0});
       }
       for (const int t : face.triangles) {
@@ -153,7 +153,7 @@ class LevelSearch {
     };
     const Eigen::Vector3d normal = (corner(1) - corner(0)).cross(corner(2) - corner(0));
     const double lean = std::abs(normal[axis_]);
-    return lean <= kAlong * normal.norm() || lean * reach <= kSameLevel * normal.norm();
+    return lean <= kAlong * normal.norm() || lean * reach <= kOnPlane * normal.norm();
   }
 
   // `levels` in order. Of all triangles that do not run along the axis, counts which levels they
@@ -166,11 +166,12 @@ class LevelSearch {
           [](const ShapeLevel& level, double sought) { return level.fraction < sought; });
       return static_cast<std::size_t>(found - levels.begin());
     };
+    const double near = kOnPlane / shape_.size[axis_];
     for (Eigen::Index t = 0; t < shape_.triangles.cols(); ++t) {
       const auto [low, high] =
           std::minmax({Height(shape_.triangles(0, t)), Height(shape_.triangles(1, t)),
                        Height(shape_.triangles(2, t))});
-      const std::size_t from = first_above(low + same_), to = first_above(high - same_);
+      const std::size_t from = first_above(low + near), to = first_above(high - near);
       if (from >= to || RunsAlong(t, (high - low) * shape_.size[axis_])) continue;
       ++more[from];
       --more[to];

@@ -15,7 +15,7 @@ inline constexpr std::size_t kMostLevels = 64;  // along an axis
 struct ShapeLevel {
   int axis = 0;         // 0, 1, 2: x, y, z
   double fraction = 0;  // of the box's size along the axis, from its middle; between -1/2 and 1/2
-  // Every triangle that reaches from one side of it to the other, by more than kSameLevel, runs
+  // Every triangle that reaches from one side of it to the other, by more than kOnPlane, runs
   // along the axis: stretching one side more than the other bends none.
   bool divides = false;
 };
@@ -27,7 +27,7 @@ struct ShapeLevel {
 std::vector<ShapeLevel> LevelsOf(const DrawnShape& shape);
 
 // The shape with its triangles cut along these levels, so that none reaches across one. Vertices
-// within kSameLevel of a level count as on it. Those that were stay, in their order; new ones come
+// within kOnPlane of a level count as on it. Those that were stay, in their order; new ones come
 // after them, exactly at their level. All else stays: names, planes, the B-rep and the volume; each
 // triangle is of the face of that it was cut from. A closed surface stays closed. O(T L) for T
 // triangles that come of it and L levels.

@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <boost/pending/disjoint_sets.hpp>
 #include <cmath>
 #include <tuple>
 #include <utility>
@@ -25,6 +26,29 @@ std::vector<SharedEdge> SharedEdges(const Eigen::Matrix3Xi& triangles) {
     edges.push_back({low, high, first, std::get<2>(sides[i + 1])});
   }
   return edges;
+}
+
+std::vector<std::vector<int>> ConnectedTriangles(Eigen::Index triangles,
+                                                 const std::vector<SharedEdge>& edges,
+                                                 absl::FunctionRef<bool(const SharedEdge&)> joins) {
+  const auto count = static_cast<std::size_t>(triangles);
+  boost::disjoint_sets_with_storage<> sets(count);
+  for (std::size_t t = 0; t < count; ++t) sets.make_set(t);
+  for (const SharedEdge& edge : edges) {
+    if (!joins(edge)) continue;
+    sets.union_set(static_cast<std::size_t>(edge.first), static_cast<std::size_t>(edge.second));
+  }
+  std::vector<std::vector<int>> pieces;
+  std::vector<std::size_t> piece_of_set(count, count);
+  for (std::size_t t = 0; t < count; ++t) {
+    std::size_t& piece = piece_of_set[sets.find_set(t)];
+    if (piece == count) {
+      piece = pieces.size();
+      pieces.emplace_back();
+    }
+    pieces[piece].push_back(static_cast<int>(t));
+  }
+  return pieces;
 }
 
 Eigen::Matrix3Xd TriangleNormals(const Eigen::Matrix3Xd& vertices,

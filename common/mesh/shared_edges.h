@@ -5,6 +5,8 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "absl/functional/function_ref.h"
+
 namespace mortise::mesh {
 
 // An edge with the triangles either side of it.
@@ -17,6 +19,15 @@ struct SharedEdge {
 
 // All edges of a closed surface, by `low`, then `high`. O(T log T) for T triangles.
 std::vector<SharedEdge> SharedEdges(const Eigen::Matrix3Xi& triangles);
+
+// rad, more than between triangles side by side in one curved face that the CAD kernel drew.
+inline constexpr double kSharpTurn = 0.7;
+
+// Triangles that hang together over edges that join them, each in order, by their first.
+// O(T log T).
+std::vector<std::vector<int>> ConnectedTriangles(Eigen::Index triangles,
+                                                 const std::vector<SharedEdge>& edges,
+                                                 absl::FunctionRef<bool(const SharedEdge&)> joins);
 
 // Outward normals of length 1, 3 × T.
 Eigen::Matrix3Xd TriangleNormals(const Eigen::Matrix3Xd& vertices,
