@@ -5,6 +5,7 @@
 #include <map>
 #include <utility>
 
+#include "common/mesh/missed_volume.h"
 #include "common/mesh/shape_levels.h"
 
 namespace mortise::mesh {
@@ -125,6 +126,7 @@ DrawnShape DividedAt(const DrawnShape& shape, const std::vector<ShapeLevel>& lev
   for (const ShapeLevel& level : levels) cutter.CutAt(level);
   DrawnShape divided = shape;
   cutter.PutInto(divided);
+  divided.missed_volumes = MissedVolumes(divided);
   return divided;
 }
 

@@ -42,6 +42,9 @@ struct DrawnShape {
   // the box.
   std::vector<std::vector<std::string>> face_names;
   std::vector<ShapePlane> planes;
+  // Of a divided shape (shape_levels.h), T: m³ as drawn that the solid has beyond each triangle
+  // (missed_volume.h). Otherwise empty.
+  Eigen::VectorXd missed_volumes;
   // The kernel's exact solid with the lower corner of its box at the origin, before `turn`; empty
   // for what is only triangles.
   std::string brep;
@@ -79,7 +82,7 @@ mesh::SurfaceMesh SurfaceIn(const DrawnShape& shape, const BoxStretch& stretch);
 
 // m³ in such a box. In proportion, stretching multiplies volumes. In pieces it is that of the
 // triangles and what they miss of it (missed_volume.h), as exact as `volume` where what is round
-// keeps its size or is stretched in proportion. O(T log T).
+// keeps its size or is stretched in proportion. O(T log L) for L levels, if the shape is divided.
 double VolumeIn(const DrawnShape& shape, const BoxStretch& stretch);
 
 // m, by which triangles may miss the exact surface in such a box: bars and tubes no more if longer,

@@ -168,25 +168,38 @@ double FactorAt(const DrawnShape& shape, const BoxStretch& stretch, const Eigen:
 
 }  // namespace
 
-double MissedVolumeIn(const DrawnShape& shape, const BoxStretch& stretch) {
-  // Of the drawn shape and the stretched one: the estimate, and how much it moves in all.
-  double drawn = 0, stretched = 0, drawn_amount = 0, stretched_amount = 0;
+Eigen::VectorXd MissedVolumes(const DrawnShape& shape) {
+  Eigen::VectorXd missed = Eigen::VectorXd::Zero(shape.triangles.cols());
   for (const Facet& facet : FacetsOf(shape)) {
     for (const int t : facet.triangles) {
       const Eigen::Matrix3d corners = shape.fractions(Eigen::all, shape.triangles.col(t));
-      const double missed = VolumeOver(facet, shape.size.asDiagonal() * corners);
-      const double factor = FactorAt(shape, stretch, corners.rowwise().mean());
-      drawn += missed;
-      stretched += factor * missed;
-      drawn_amount += std::abs(missed);
-      stretched_amount += factor * std::abs(missed);
+      missed[t] = VolumeOver(facet, shape.size.asDiagonal() * corners);
     }
   }
   const double triangles = ComputeMassProperties(SurfaceIn(shape, shape.size)).volume;
-  const double unknown = shape.volume - triangles - drawn;
-  const double grows = drawn_amount > 0 ? stretched_amount / drawn_amount
-                                        : stretch.size.cwiseQuotient(shape.size).prod();
-  return stretched + grows * unknown;
+  const double left = shape.volume - triangles - missed.sum();
+  const double amount = missed.cwiseAbs().sum();
+  if (amount > 0) {
+    missed += left / amount * missed.cwiseAbs();
+  } else {
+    missed.array() += left / static_cast<double>(missed.size());
+  }
+  return missed;
+}
+
+double MissedVolumeIn(const DrawnShape& shape, const BoxStretch& stretch) {
+  if (shape.missed_volumes.size() != shape.triangles.cols()) {
+    DrawnShape measured = shape;
+    measured.missed_volumes = MissedVolumes(shape);
+    return MissedVolumeIn(measured, stretch);
+  }
+  double missed = 0;
+  for (Eigen::Index t = 0; t < shape.triangles.cols(); ++t) {
+    if (shape.missed_volumes[t] == 0) continue;
+    const Eigen::Matrix3d corners = shape.fractions(Eigen::all, shape.triangles.col(t));
+    missed += shape.missed_volumes[t] * FactorAt(shape, stretch, corners.rowwise().mean());
+  }
+  return missed;
 }
 
 }  // namespace mortise::mesh
