@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/cad/solid.h"
+#include "common/cad/stretch_map.h"
 
 namespace mortise::cad {
 
@@ -21,7 +22,8 @@ struct Solid::Kernel {
   // Of a solid that was stretched unevenly, the one that it was (StretchSolid).
   struct Drawn {
     TopoDS_Shape shape;
-    Eigen::Vector3d factors;
+    StretchMap map;
+    double volume = 0;  // m³, stretched
   };
   std::optional<Drawn> stretched_from;
 };

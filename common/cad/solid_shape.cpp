@@ -158,10 +158,10 @@ absl::StatusOr<mesh::DrawnShape> Draw(const Solid& solid, const Eigen::Matrix3d&
   return drawn;
 }
 
-absl::StatusOr<Solid> Faceted(const mesh::DrawnShape& shape, const Eigen::Vector3d& size,
+absl::StatusOr<Solid> Faceted(const mesh::DrawnShape& shape, const mesh::BoxStretch& stretch,
                               const std::string& name) {
-  mesh::SurfaceMesh surface = mesh::SurfaceIn(shape, size);
-  surface.vertices.colwise() += size / 2;
+  mesh::SurfaceMesh surface = mesh::SurfaceIn(shape, stretch);
+  surface.vertices.colwise() += stretch.size / 2;
   std::vector<std::string> names;
   for (const std::vector<std::string>& all : shape.face_names) names.push_back(all.front());
   return FacetedSolid(surface, shape.triangle_face, names, name);
@@ -176,15 +176,20 @@ TopoDS_Shape AsDrawn(const mesh::DrawnShape& shape) {
   return MovedBy(solid, shape.turn, -corner.cwiseMin(0));
 }
 
-absl::StatusOr<Solid> InSize(const mesh::DrawnShape& shape, const Eigen::Vector3d& size,
-                             const std::string& name) {
+bool IsAsDrawn(const mesh::DrawnShape& shape, const mesh::BoxStretch& stretch) {
+  return stretch.IsInProportion() && (stretch.size - shape.size).cwiseAbs().maxCoeff() <= kSameSize;
+}
+
+absl::StatusOr<Solid> InBox(const mesh::DrawnShape& shape, const mesh::BoxStretch& stretch,
+                            const std::string& name) {
   const TopoDS_Shape drawn = AsDrawn(shape);
-  if ((size - shape.size).cwiseAbs().maxCoeff() <= kSameSize) return Named(drawn, name);
-  const Eigen::Vector3d factors = size.cwiseQuotient(shape.size);
-  const TopoDS_Shape stretched = StretchSolid(drawn, factors);
-  if (stretched.IsNull()) return InvalidField("shape", WhyNotStretched(drawn));
+  if (IsAsDrawn(shape, stretch)) return Named(drawn, name);
+  const StretchMap map(shape.size, stretch);
+  const double volume = mesh::VolumeIn(shape, stretch);
+  const TopoDS_Shape stretched = StretchSolid(drawn, map, volume);
+  if (stretched.IsNull()) return InvalidField("shape", WhyNotStretched(drawn, map));
   auto kernel = std::make_shared<Solid::Kernel>(Named(stretched, name).kernel());
-  kernel->stretched_from = {drawn, factors};
+  kernel->stretched_from = {drawn, map, volume};
   return Solid(std::move(kernel));
 }
 
@@ -201,11 +206,11 @@ absl::StatusOr<mesh::DrawnShape> ShapeOfSolid(const Solid& solid, const Eigen::M
   }
 }
 
-absl::StatusOr<Solid> SolidOfShape(const mesh::DrawnShape& shape, const Eigen::Vector3d& size,
+absl::StatusOr<Solid> SolidOfShape(const mesh::DrawnShape& shape, const mesh::BoxStretch& stretch,
                                    const std::string& name) {
-  if (shape.brep.empty()) return Faceted(shape, size, name);
+  if (shape.brep.empty()) return Faceted(shape, stretch, name);
   try {
-    return InSize(shape, size, name);
+    return InBox(shape, stretch, name);
   } catch (const Standard_Failure& failure) {
     return InvalidField("shape", absl::StrCat("cannot be made: ", failure.GetMessageString()));
   }

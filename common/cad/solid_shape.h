@@ -19,12 +19,14 @@ absl::StatusOr<mesh::DrawnShape> ShapeOfSolid(const Solid& solid, const Eigen::M
                                               const Eigen::Vector3d& minimum,
                                               const Eigen::Vector3d& maximum);
 
-// The shape in a box of this size, m, with the lower corner at the origin. Exact surfaces are
-// stretched exactly: flat faces stay planes, and cylinders and cones stay such where their section
-// is not stretched differently (StretchSolid). A shape of triangles only has a plane for each.
+// The shape stretched into a box with the lower corner at the origin. Exact surfaces are stretched
+// exactly: flat faces stay planes, and cylinders and cones stay such where their section is not
+// stretched differently, as bores do between levels at their sides (StretchSolid). A shape of
+// triangles only has a plane for each. Levels divide the shape (mesh::ShapeLevel), and its
+// triangles are divided there (mesh::DividedAt).
 //
-// INVALID_ARGUMENT, "shape", if it cannot be made in this size, naming the faces at fault.
-absl::StatusOr<Solid> SolidOfShape(const mesh::DrawnShape& shape, const Eigen::Vector3d& size,
+// INVALID_ARGUMENT, "shape", if it cannot be made so, naming the faces at fault.
+absl::StatusOr<Solid> SolidOfShape(const mesh::DrawnShape& shape, const mesh::BoxStretch& stretch,
                                    const std::string& name);
 
 // The solid elsewhere, by `translation`, m.

@@ -1,21 +1,27 @@
-// Stretches solids by different factors along the axes. Private to this folder: it brings Open
-// CASCADE.
+// Stretches solids along the axes. Private to this folder: it brings Open CASCADE.
 #pragma once
 
-#include <Eigen/Core>
 #include <TopoDS_Shape.hxx>
 #include <string>
 
+#include "common/cad/stretch_map.h"
+
 namespace mortise::cad {
 
-// Every point p of `solid` becomes factors ∘ p; factors > 0. Its faces and edges stay in their
-// order and become what StretchSurface and StretchCurve make of them, exactly. Solids with other
-// surfaces or curves (offset ones) become splines as a whole, to the kernel's tolerance
-// (BRepBuilderAPI_GTransform). May throw Standard_Failure; null if what comes out is not valid or
-// its volume not what it must be, to 1e-6.
-TopoDS_Shape StretchSolid(const TopoDS_Shape& solid, const Eigen::Vector3d& factors);
+// Every point p of `solid` goes where the map takes it. Faces and edges stay in their order and
+// become what StretchSurface and StretchCurve make of them, exactly. May throw Standard_Failure;
+// null if what comes out is not valid or its volume not what it must be.
+//
+// In proportion, solids with other surfaces or curves (offset ones) become splines as a whole, to
+// the kernel's tolerance (BRepBuilderAPI_GTransform); the volume is right to 1e-6, and `volume`
+// does not count.
+//
+// In pieces, the solid lies in the box that the map is of, and every face that reaches across a
+// level runs along its axis there: a plane parallel to it, or what is swept along it, which keeps
+// its form. Null where that is not so, or where the volume is not `volume`, m³, to 1e-4.
+TopoDS_Shape StretchSolid(const TopoDS_Shape& solid, const StretchMap& map, double volume);
 
 // What to say of a solid for which that is null: the faces that have no exact form.
-std::string WhyNotStretched(const TopoDS_Shape& solid);
+std::string WhyNotStretched(const TopoDS_Shape& solid, const StretchMap& map);
 
 }  // namespace mortise::cad

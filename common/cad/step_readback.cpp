@@ -40,7 +40,7 @@ TopoDS_Shape Opened(const Solid& solid, int way) {
     const auto& drawn = solid.kernel().stretched_from;
     if (!drawn) return CutOpen(solid.kernel().shape, way);
     const TopoDS_Shape open = CutOpen(drawn->shape, way);
-    return open.IsNull() ? open : StretchSolid(open, drawn->factors);
+    return open.IsNull() ? open : StretchSolid(open, drawn->map, drawn->volume);
   } catch (const Standard_Failure&) {
     return {};
   }

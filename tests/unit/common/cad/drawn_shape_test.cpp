@@ -144,7 +144,7 @@ TEST(DrawnShape, MeasuresSplinesExactly) {
   for (const Eigen::Vector3d& factors :
        {Eigen::Vector3d(1.3, 1, 0.6), Eigen::Vector3d(1, 2.5, 1)}) {
     for (const auto& [solid, volume] : solids) {
-      const TopoDS_Shape stretched = StretchSolid(solid, factors);
+      const TopoDS_Shape stretched = StretchSolid(solid, StretchMap(factors), 0);
       ASSERT_FALSE(stretched.IsNull());
       const double expected = volume * factors.prod();
       EXPECT_NEAR(AccurateVolume(stretched), expected, 1e-9 * expected);

@@ -145,7 +145,7 @@ TEST(StretchedSolids, AreTheLinearImageOfWhatWasDrawn) {
     ASSERT_TRUE(BRepCheck_Analyzer(drawn).IsValid()) << seed;
     Draws draws(seed + 100);
     const Eigen::Vector3d factors(draws.Between(0.5, 2), draws.Between(0.5, 2), 1);
-    const TopoDS_Shape stretched = StretchSolid(drawn, factors);
+    const TopoDS_Shape stretched = StretchSolid(drawn, StretchMap(factors), 0);
     ASSERT_FALSE(stretched.IsNull()) << seed;
     EXPECT_TRUE(BRepCheck_Analyzer(stretched).IsValid()) << seed;
     const double volume = solid.Volume() * factors.prod();
@@ -252,7 +252,8 @@ TEST(SolidBox, EndsWhereTheSolidDoes) {
     // A ball that is stretched, then turned.
     const Eigen::Vector3d factors(draws.Between(0.5, 2), draws.Between(0.5, 2), 1);
     const Eigen::Matrix3d turn = Eigen::AngleAxisd(draws.Between(0, 6), along).toRotationMatrix();
-    const TopoDS_Shape ball = StretchSolid(BRepPrimAPI_MakeSphere(place, 0.02).Solid(), factors);
+    const TopoDS_Shape ball =
+        StretchSolid(BRepPrimAPI_MakeSphere(place, 0.02).Solid(), StretchMap(factors), 0);
     ASSERT_FALSE(ball.IsNull());
     const Eigen::Matrix3d map = turn * factors.asDiagonal();
     EXPECT_LT((SizeOf(ball, turn) - 0.04 * map.rowwise().norm()).norm(), kExact);

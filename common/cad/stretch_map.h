@@ -1,0 +1,58 @@
+// Where points of a drawn solid go when it is stretched along the axes, in proportion or in pieces
+// between levels (mesh/box_stretch.h). Private to this folder.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <vector>
+
+#include "common/mesh/box_stretch.h"
+
+namespace mortise::cad {
+
+// p becomes factors ∘ p + offsets.
+struct AffineStretch {
+  Eigen::Vector3d factors = Eigen::Vector3d::Ones();
+  Eigen::Vector3d offsets = Eigen::Vector3d::Zero();  // m
+};
+
+class StretchMap {
+ public:
+  // p becomes factors ∘ p; factors > 0.
+  explicit StretchMap(const Eigen::Vector3d& factors) : whole_{factors, Eigen::Vector3d::Zero()} {}
+
+  // From a box of this size, m, to that of `stretch`, both with their lower corner at the origin.
+  // Levels at which the slope does not change are left out.
+  StretchMap(const Eigen::Vector3d& drawn_size, const mesh::BoxStretch& stretch);
+
+  bool IsInProportion() const;
+  // Of a map in proportion.
+  const Eigen::Vector3d& factors() const { return whole_.factors; }
+  double MostFactor() const;
+
+  // m, along an axis. Beyond the ends as at them.
+  double At(int axis, double drawn) const;
+
+  // What the map is for something that reaches from one corner to another, m: along an axis where
+  // it lies in one piece, by a millionth of the box not minded, that piece's; else the one that
+  // takes its ends to the right places.
+  AffineStretch Of(const Eigen::Vector3d& low, const Eigen::Vector3d& high) const;
+
+  // Whether something reaches across several pieces of an axis.
+  bool IsAcross(int axis, double low, double high) const;
+
+ private:
+  struct Knot {
+    double drawn = 0, place = 0;  // m
+  };
+
+  // The piece in which a place is: between knots `index` and `index` + 1.
+  std::size_t PieceOf(int axis, double drawn) const;
+  bool IsIn(int axis, std::size_t piece, double low, double high) const;
+  const std::vector<Knot>& Knots(int axis) const { return knots_[static_cast<std::size_t>(axis)]; }
+
+  AffineStretch whole_;                     // where an axis has no pieces
+  std::array<std::vector<Knot>, 3> knots_;  // with the ends of the box; empty for one piece
+};
+
+}  // namespace mortise::cad
