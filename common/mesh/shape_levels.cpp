@@ -57,6 +57,9 @@ class LevelSearch {
 
   // Where a round face reaches furthest. Its triangles stay inside, by less than a chord's height.
   void LookAt(const RoundFace& face) {
+    if (face.axis == axis_) {
+      for (const int t : face.triangles) is_along_[static_cast<std::size_t>(t)] = true;
+    }
     const double missed = face.radius * (1 - std::cos(face.widest_arc)) + kSameLevel;
     for (std::size_t end = 0; end < 2; ++end) {
       if (!face.reaches[static_cast<std::size_t>(axis_)][end]) continue;
@@ -146,8 +149,10 @@ class LevelSearch {
     return levels;
   }
 
-  // Whether a triangle leans against the axis by no more than rounding.
+  // Whether a triangle leans against the axis by no more than rounding, or only as chords of a
+  // cylinder along it do: cut across, such a one stays as near to that.
   bool RunsAlong(Eigen::Index t, double reach) const {
+    if (is_along_[static_cast<std::size_t>(t)]) return true;
     const auto corner = [&](int k) -> Eigen::Vector3d {
       return shape_.size.cwiseProduct(shape_.fractions.col(shape_.triangles(k, t)));
     };
@@ -190,6 +195,9 @@ class LevelSearch {
       std::vector<Place>(static_cast<std::size_t>(shape_.fractions.cols()));
   // Of each triangle: whether it is of a face whose furthest places are known.
   std::vector<bool> is_round_ =
+      std::vector<bool>(static_cast<std::size_t>(shape_.triangles.cols()), false);
+  // Of each triangle: whether it is of a cylinder along the axis.
+  std::vector<bool> is_along_ =
       std::vector<bool>(static_cast<std::size_t>(shape_.triangles.cols()), false);
   std::vector<Turn> turns_;
 };
