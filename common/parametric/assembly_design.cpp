@@ -68,10 +68,10 @@ void FillRound(const BoundingBox& box, Axis about, EvaluatedPart& part) {
   part.face_names.push_back("cap");
 }
 
-// Every vertex a linear function of the box, and so of q.
-void FillShape(const mesh::DrawnShape& shape, const BoundingBox& box, EvaluatedPart& part) {
+// Every vertex a linear function of the box and the places of held levels, and so of q.
+void FillShape(const mesh::DrawnShape& shape, const PlacedPart& placed, EvaluatedPart& part) {
   FacetedShape& faceted = part.faceted.emplace();
-  faceted.surface = SurfaceIn(shape, box);
+  faceted.surface = SurfaceIn(shape, placed.box.center(), placed.stretch);
   faceted.triangle_face = shape.triangle_face;
   faceted.face_names = shape.face_names;
   std::vector<std::string> of_box;
@@ -105,8 +105,8 @@ EvaluatedDesign DesignAt(const ParametricAssembly& assembly, const Eigen::Vector
     part.length_axis = drawn.item_axes[0];
     part.thickness_axis = drawn.item_axes[2];
     const std::optional<Axis> round = item == nullptr ? std::nullopt : RoundAbout(*item);
-    if (drawn.shape != nullptr) {
-      FillShape(*drawn.shape, placed.box, part);
+    if (element.shape != nullptr) {
+      FillShape(*element.shape, placed, part);
     } else if (round) {
       FillRound(placed.box, drawn.item_axes[static_cast<std::size_t>(*round)], part);
     } else {
@@ -122,7 +122,7 @@ EvaluatedDesign DesignAt(const ParametricAssembly& assembly, const Eigen::Vector
       part.size[i] =
           placed.box.size()[static_cast<int>(drawn.item_axes[static_cast<std::size_t>(i)])];
     }
-    part.volume = part.faceted ? mesh::VolumeIn(*drawn.shape, placed.box.size())
+    part.volume = part.faceted ? mesh::VolumeIn(*element.shape, placed.stretch)
                                : SignedArea(part.outline) * (part.to - part.from);
     if (item != nullptr) {
       const Material* const material = FindMaterial(materials, item->material);

@@ -72,6 +72,9 @@ ContactCheck::ContactCheck(Assembly assembly, std::vector<Element> elements, dou
       tolerance_(tolerance),
       poses_(PosesOf(assembly_)),
       drawn_(DrawnParameters(assembly_, elements_)) {
+  for (std::size_t a = 0; a < elements_.size(); ++a) {
+    for (std::size_t b = a + 1; b < elements_.size(); ++b) AddRegion(a, b);
+  }
   for (const Pose& pose : poses_) {
     const Parts parts = PartsIn(pose, drawn_);
     std::vector<OrientedBox> boxes;
@@ -138,11 +141,34 @@ absl::StatusOr<std::vector<ContactFault>> ContactCheck::FaultsAt(const Eigen::Ve
   return faults;
 }
 
+void ContactCheck::AddRegion(std::size_t a, std::size_t b) {
+  const Element& one = elements_[a];
+  const Element& other = elements_[b];
+  if (one.pattern || other.pattern || (one.shape == nullptr && other.shape == nullptr)) return;
+  const Eigen::Array3d apart =
+      one.box.minimum.cwiseMax(other.box.minimum) - one.box.maximum.cwiseMin(other.box.maximum);
+  if (apart.maxCoeff() > tolerance_) return;
+  regions_.try_emplace({a, b}, one.box, one.shape.get(), other.box, other.shape.get(), tolerance_);
+}
+
 bool ContactCheck::StandAsDrawn(std::size_t pose, std::size_t a, std::size_t b,
                                 const Parts& parts) const {
   if (elements_[a].pattern || elements_[b].pattern) return false;
-  const OrientedBox& box_a = parts[a].front().box;
-  const OrientedBox& box_b = parts[b].front().box;
+  const Part& part_a = parts[a].front();
+  const Part& part_b = parts[b].front();
+  const OrientedBox& box_a = part_a.box;
+  const OrientedBox& box_b = part_b.box;
+  const auto region = regions_.find(std::minmax(a, b));
+  if (poses_[pose].joint < 0 && region != regions_.end()) {
+    const auto stretched = [](const Part& part) -> StretchedPart {
+      const Eigen::Vector3d& half = part.box.half_size;
+      return {{part.box.center - half, part.box.center + half}, part.stretch};
+    };
+    if (region->second.StandsAsDrawn(stretched(part_a), stretched(part_b), kSame * tolerance_)) {
+      return true;
+    }
+  }
+  if (!part_a.stretch.IsInProportion() || !part_b.stretch.IsInProportion()) return false;
   const OrientedBox& drawn_a = boxes_[pose][a];
   const OrientedBox& drawn_b = boxes_[pose][b];
   const bool at_right_angles = IsAtRightAngles(box_a.axes) && IsAtRightAngles(box_b.axes);
@@ -185,9 +211,8 @@ ContactCheck::Parts ContactCheck::PartsIn(const Pose& pose, const Eigen::VectorX
       box.center = motion * box.center;
       box.axes = motion.linear();
     }
-    const AssemblyPart& drawn =
-        assembly_.parts[static_cast<std::size_t>(elements_[element].parts.front())];
-    parts[element].push_back({std::move(placed.name), box, drawn.shape.get(), std::nullopt});
+    parts[element].push_back({std::move(placed.name), box, std::move(placed.stretch),
+                              elements_[element].shape.get(), std::nullopt});
   }
   return parts;
 }
@@ -196,7 +221,7 @@ const mesh::ProbedSurface& ContactCheck::Probed(const Part& part) {
   if (!part.probed) {
     const Eigen::Vector3d half = part.box.half_size;
     mesh::SurfaceMesh surface = part.shape == nullptr ? SurfaceOf(BoundingBox{-half, half})
-                                                      : mesh::SurfaceIn(*part.shape, 2 * half);
+                                                      : mesh::SurfaceIn(*part.shape, part.stretch);
     surface.vertices = (part.box.axes * surface.vertices).colwise() + part.box.center;
     part.probed.emplace(surface);
   }
@@ -208,7 +233,7 @@ double ContactCheck::SeparationOf(const Part& a, const Part& b, bool how_deep) c
   if (boxes > tolerance_ || (a.shape == nullptr && b.shape == nullptr)) return boxes;
   double missed = 0;  // by the triangles of curved faces
   for (const Part* part : {&a, &b}) {
-    if (part->shape != nullptr) missed += mesh::DeflectionIn(*part->shape, 2 * part->box.half_size);
+    if (part->shape != nullptr) missed += mesh::DeflectionIn(*part->shape, part->stretch);
   }
   const auto measure = how_deep ? mesh::ProbedSurface::Separation : mesh::ProbedSurface::Distance;
   const double apart = measure(Probed(a), Probed(b), missed + kFurthest);

@@ -11,6 +11,7 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <cstddef>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -21,6 +22,7 @@
 #include "common/mesh/proximity.h"
 #include "common/parametric/assembly.h"
 #include "common/parametric/element.h"
+#include "common/parametric/meeting_region.h"
 #include "common/parametric/oriented_box.h"
 #include "common/parametric/rest_pose.h"
 
@@ -70,6 +72,7 @@ class ContactCheck {
   struct Part {
     std::string name;
     OrientedBox box;
+    mesh::BoxStretch stretch;
     const mesh::DrawnShape* shape = nullptr;            // none for boxes and prisms
     mutable std::optional<mesh::ProbedSurface> probed;  // made when it is first asked for
   };
@@ -95,6 +98,8 @@ class ContactCheck {
   // Whether one map stretches both, in a pose by its index, from where they are drawn: nothing can
   // be wrong between them that is not as drawn.
   bool StandAsDrawn(std::size_t pose, std::size_t a, std::size_t b, const Parts& parts) const;
+  // As drawn, unless one is a pattern, or both are boxes.
+  void AddRegion(std::size_t a, std::size_t b);
   static Eigen::AlignedBox3d BoxAround(const std::vector<Part>& parts);
   // Pairs of elements that are not in every pose as they are in the drawn one: all in that, else
   // those of which one moves.
@@ -119,6 +124,8 @@ class ContactCheck {
   std::vector<std::vector<OrientedBox>> boxes_;        // as drawn, by pose, of elements
   std::vector<std::vector<Meeting>> meetings_;         // by pose, then PairIndex(a, b) of a <= b
   std::vector<std::array<Neighbours, 2>> neighbours_;  // of each element's pattern
+  // Of pairs with shapes that meet as drawn, by index of element, in the drawn pose.
+  std::map<std::pair<std::size_t, std::size_t>, MeetingRegion> regions_;
 };
 
 }  // namespace mortise::parametric

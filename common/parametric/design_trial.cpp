@@ -58,6 +58,11 @@ bool AreRigid(const Pose& pose, const Assembly& assembly, const std::vector<Elem
     }
     return row.norm() <= kRigid;
   };
+  const auto is_in_pieces = [&](int element) {
+    const auto& held = elements[static_cast<std::size_t>(element)].held_levels;
+    return std::any_of(held.begin(), held.end(), [](const auto& along) { return !along.empty(); });
+  };
+  if (is_in_pieces(a) || is_in_pieces(b)) return false;
   const Eigen::Vector3d middle = Eigen::Vector3d::Zero();
   return std::all_of(kAxes.begin(), kAxes.end(), [&](Axis axis) {
     const Eigen::Vector3d along = Eigen::Vector3d::Unit(static_cast<int>(axis));
@@ -77,9 +82,7 @@ Pairs FitsToTry(const Assembly& assembly, const std::vector<Element>& elements,
   const auto at = [&](int element) -> const Element& {
     return elements[static_cast<std::size_t>(element)];
   };
-  const auto has_shape = [&](int element) {
-    return assembly.parts[static_cast<std::size_t>(at(element).parts.front())].shape != nullptr;
-  };
+  const auto has_shape = [&](int element) { return at(element).shape != nullptr; };
   Pairs pairs;
   for (const Pose& pose : PosesOf(assembly)) {
     std::vector<OrientedBox> boxes;
@@ -98,19 +101,14 @@ Pairs FitsToTry(const Assembly& assembly, const std::vector<Element>& elements,
   return pairs;
 }
 
-// The assembly with no shapes but those of the elements that are to be tried.
-Assembly WithShapesOf(const Pairs& pairs, const std::vector<Element>& elements, Assembly assembly) {
+// The elements with no shapes but those of the ones that are to be tried.
+std::vector<Element> WithShapesOf(const Pairs& pairs, std::vector<Element> elements) {
   std::set<int> kept;
-  for (const auto& [a, b] : pairs) {
-    for (const int element : {a, b}) {
-      const std::vector<int>& parts = elements[static_cast<std::size_t>(element)].parts;
-      kept.insert(parts.begin(), parts.end());
-    }
+  for (const auto& [a, b] : pairs) kept.insert({a, b});
+  for (std::size_t e = 0; e < elements.size(); ++e) {
+    if (kept.count(static_cast<int>(e)) == 0) elements[e].shape = nullptr;
   }
-  for (std::size_t i = 0; i < assembly.parts.size(); ++i) {
-    if (kept.count(static_cast<int>(i)) == 0) assembly.parts[i].shape = nullptr;
-  }
-  return assembly;
+  return elements;
 }
 
 class Trial {
@@ -203,7 +201,7 @@ absl::StatusOr<Remedies> TryDesigns(const Assembly& assembly, const std::vector<
   const Pairs fits = FitsToTry(assembly, elements, feasible_set, tolerance);
   Trial trial(assembly, elements, fits, known, tolerance);
   const auto look_at = [&](const Pairs& with_shapes, int corners) -> absl::Status {
-    const ContactCheck check(WithShapesOf(with_shapes, elements, assembly), elements, tolerance);
+    const ContactCheck check(assembly, WithShapesOf(with_shapes, elements), tolerance);
     MORTISE_ASSIGN_OR_RETURN(const std::vector<Eigen::VectorXd> designs,
                              TrialDesigns(feasible_set, corners));
     for (const Eigen::VectorXd& q : designs) {

@@ -25,15 +25,16 @@ BoundingBox BoxOf(const Assembly& assembly, const std::vector<int>& parts) {
 void AddBoxPlanes(Element& element) {
   for (const Axis axis : kAxes) {
     const std::string name = AxisName(axis);
-    element.planes.push_back({name + " minimum", axis, -0.5});
-    element.planes.push_back({name + " maximum", axis, 0.5});
+    element.planes.push_back({name + " minimum", axis, -0.5, false});
+    element.planes.push_back({name + " maximum", axis, 0.5, false});
   }
 }
 
 void AddPlane(const AssemblyPart& part, const ProminentPlane& plane, Element& element) {
   const int axis = static_cast<int>(plane.axis);
-  element.planes.push_back(
-      {plane.name, plane.axis, (plane.position - part.box.center()[axis]) / part.box.size()[axis]});
+  element.planes.push_back({plane.name, plane.axis,
+                            (plane.position - part.box.center()[axis]) / part.box.size()[axis],
+                            false});
 }
 
 // Those that are no planes of the element already, along the axes that `is_wanted` says.
@@ -44,13 +45,14 @@ void AddLevels(const AssemblyPart& part, const Predicate& is_wanted, Element& el
   for (const mesh::ShapeLevel& level : mesh::LevelsOf(*part.shape)) {
     const Axis axis = static_cast<Axis>(level.axis);
     const int count = ++counts[static_cast<std::size_t>(level.axis)];
-    const bool is_plane =
-        std::any_of(element.planes.begin(), element.planes.end(), [&](const ElementPlane& plane) {
-          return plane.axis == axis && std::abs(plane.fraction - level.fraction) < kSameFraction;
+    const auto plane =
+        std::find_if(element.planes.begin(), element.planes.end(), [&](const ElementPlane& known) {
+          return known.axis == axis && std::abs(known.fraction - level.fraction) < kSameFraction;
         });
-    if (is_plane || !is_wanted(axis)) continue;
+    if (plane != element.planes.end()) plane->divides = level.divides;
+    if (plane != element.planes.end() || !is_wanted(axis)) continue;
     element.levels.push_back(
-        {absl::StrCat(AxisName(axis), " level ", count), axis, level.fraction});
+        {absl::StrCat(AxisName(axis), " level ", count), axis, level.fraction, level.divides});
   }
 }
 
@@ -64,6 +66,7 @@ Element ElementOfPart(const Assembly& assembly, int index) {
   element.parts = {index};
   element.box = part.box;
   element.limits = part.limits;
+  element.shape = part.shape;
   AddBoxPlanes(element);
   for (const ProminentPlane& plane : part.prominent_planes) AddPlane(part, plane, element);
   AddLevels(
@@ -82,6 +85,7 @@ Element ElementOfPattern(const Assembly& assembly, const FoundPattern& found, do
   element.pattern = found.pattern;
   element.box = BoxOf(assembly, found.parts);
   element.limits = first.limits;
+  element.shape = first.shape;
   for (int axis = 0; axis < 3; ++axis) {
     if (!LeadsAlong(found.pattern, axis)) continue;
     element.limits[static_cast<std::size_t>(axis)] =
@@ -137,6 +141,26 @@ Eigen::VectorXd DrawnParameters(const std::vector<Element>& elements) {
 LinearForm PositionOf(int element, const ElementPlane& plane) {
   return Combine(1, LinearForm::Variable(CenterVariable(element, plane.axis)), plane.fraction,
                  LinearForm::Variable(SizeVariable(element, plane.axis)));
+}
+
+LinearForm PositionOf(const std::vector<Element>& elements, int element,
+                      const ElementPlane& plane) {
+  const std::vector<HeldLevel>& held =
+      elements[static_cast<std::size_t>(element)].held_levels[static_cast<std::size_t>(plane.axis)];
+  if (held.empty() || std::abs(plane.fraction) == 0.5) return PositionOf(element, plane);
+  HeldLevel low{-0.5, PositionOf(element, {"", plane.axis, -0.5, false})};
+  HeldLevel high{0.5, PositionOf(element, {"", plane.axis, 0.5, false})};
+  for (const HeldLevel& level : held) {
+    if (std::abs(level.fraction - plane.fraction) < kSameFraction) return level.place;
+    if (level.fraction < plane.fraction) {
+      low = level;
+    } else {
+      high = level;
+      break;
+    }
+  }
+  const double share = (plane.fraction - low.fraction) / (high.fraction - low.fraction);
+  return Combine(1 - share, low.place, share, high.place);
 }
 
 }  // namespace mortise::parametric

@@ -6,10 +6,12 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "common/mesh/drawn_shape.h"
 #include "common/parametric/assembly.h"
 #include "common/parametric/linear_form.h"
 #include "common/parametric/pattern.h"
@@ -23,11 +25,19 @@ inline int CenterVariable(int element, Axis axis) { return 6 * element + static_
 inline int SizeVariable(int element, Axis axis) { return 6 * element + 3 + static_cast<int>(axis); }
 
 // A plane of an element: at centre + fraction · size along its axis. The faces of the box lie at
-// -1/2 and +1/2.
+// -1/2 and +1/2. Of an element with held levels its place is between these: see PositionOf.
 struct ElementPlane {
   std::string name;
   Axis axis = Axis::kX;
   double fraction = 0;
+  bool divides = false;  // its shape can be stretched by itself on either side (ShapeLevel)
+};
+
+// A level of an element's shape that lies where q says, as the side of a bore does that goes by its
+// rod. Between held levels, and the faces of the box, the shape is stretched in proportion.
+struct HeldLevel {
+  double fraction = 0;
+  LinearForm place;  // m, along its axis
 };
 
 struct Element {
@@ -44,6 +54,10 @@ struct Element {
   // Where its shape turns back besides (mesh/shape_levels.h): what neighbours that fit into it are
   // held by. Of a pattern not along it.
   std::vector<ElementPlane> levels;
+  // What its parts look like; null for what their item's kind says.
+  std::shared_ptr<const mesh::DrawnShape> shape;
+  // By axis, in order (held_levels.h). `shape` is divided at them. Of a pattern not along it.
+  std::array<std::vector<HeldLevel>, 3> held_levels;
 };
 
 // The elements of a valid assembly: its patterns, largest first, then the remaining parts in their
@@ -58,7 +72,12 @@ std::vector<int> ElementsOfParts(const Assembly& assembly, const std::vector<Ele
 // q as the expert drew the design: 6 · elements numbers, m.
 Eigen::VectorXd DrawnParameters(const std::vector<Element>& elements);
 
-// Where a plane of element `element` lies along its axis, as a function of q.
+// Where a plane of the box of element `element` lies along its axis, as a function of q; or one of
+// its shape, were it stretched in proportion.
 LinearForm PositionOf(int element, const ElementPlane& plane);
+
+// Where a plane of element `element` lies along its axis, as a function of q, its held levels
+// minded.
+LinearForm PositionOf(const std::vector<Element>& elements, int element, const ElementPlane& plane);
 
 }  // namespace mortise::parametric

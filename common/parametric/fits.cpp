@@ -19,6 +19,16 @@ double DeflectionOf(const AssemblyPart& part) {
   return part.shape == nullptr ? 0 : mesh::DeflectionIn(*part.shape, part.box.size());
 }
 
+bool HasFlatEnds(const mesh::DrawnShape& shape, Axis axis) {
+  const auto is_face = [&](const std::string& name) {
+    return std::any_of(shape.face_names.begin(), shape.face_names.end(), [&](const auto& names) {
+      return std::find(names.begin(), names.end(), name) != names.end();
+    });
+  };
+  return is_face(absl::StrCat(AxisName(axis), "_min")) &&
+         is_face(absl::StrCat(AxisName(axis), "_max"));
+}
+
 // The size of an element along an axis of a pose that turns it to right angles, to these axes.
 LinearForm SizeAlong(int element, const Eigen::Matrix3d& axes, Axis axis) {
   Eigen::Index own = 0;
@@ -38,7 +48,7 @@ class FitSearch {
     for (PosedPosition& position : PositionsIn(pose, assembly, elements)) {
       if (!position.is_center) {
         Note(Kind::kPlane, std::move(position));
-      } else if (PartOf(position.element).shape != nullptr) {
+      } else if (IsTouchedAtMiddle(pose, position)) {
         Note(Kind::kMiddle, std::move(position));
       }
     }
@@ -83,6 +93,17 @@ class FitSearch {
     });
   }
 
+  // Whether what lies beside a shape along an axis may touch it at its middle only, as it does what
+  // is round. Where the shape ends in flat faces, these say all.
+  bool IsTouchedAtMiddle(const Pose& pose, const PosedPosition& middle) const {
+    const mesh::DrawnShape* shape = PartOf(middle.element).shape.get();
+    if (shape == nullptr) return false;
+    const Eigen::Matrix3d axes = BoxIn(pose, assembly_, elements_, middle.element, drawn_).axes;
+    Eigen::Index own = 0;
+    const double along = axes.row(static_cast<int>(middle.axis)).cwiseAbs().maxCoeff(&own);
+    return along < 1 || !HasFlatEnds(*shape, static_cast<Axis>(own));
+  }
+
   void Note(Kind kind, PosedPosition position) {
     std::vector<Place>& places = places_[{position.element, position.axis}];
     places.push_back({kind, std::move(position)});
@@ -109,7 +130,9 @@ class FitSearch {
       if (high.at.drawn - low.at.drawn > near) {
         Add(RelationshipKind::kOrder, low.at, high.at);
       } else if (tied != &low) {
-        if (low.kind == Kind::kLevel) {
+        if ((low.at.position - high.at.position).terms.empty()) {
+          // One is held by the other.
+        } else if (low.kind == Kind::kLevel) {
           Add(RelationshipKind::kCoplanar, MovedOnto(high.at, low.at), high.at);
         } else {
           Add(RelationshipKind::kCoplanar, low.at, MovedOnto(low.at, high.at));
@@ -154,9 +177,9 @@ class FitSearch {
     LinearForm form = low.position - high.position;
     if (form.terms.empty()) return;                  // true whatever q is
     if (equality) form.constant -= form.At(drawn_);  // rounding
+    const int group = GroupIn(pose_, assembly_, elements_, At(low.element), At(high.element), form);
     found_.push_back(
-        {kind, equality, std::move(form),
-         GroupIn(pose_, assembly_, At(low.element), At(high.element)),
+        {kind, equality, std::move(form), group,
          absl::StrCat(low.label, equality ? " in one plane with " : " before ", high.label)});
   }
 
@@ -238,8 +261,9 @@ class Stretch {
 
   void Tie(const LinearForm& length, const LinearForm& whole, const std::string& label) {
     const double share = length.At(drawn_) / whole.At(drawn_);
-    found_.push_back({RelationshipKind::kProportion, true, Combine(1, length, -share, whole),
-                      GroupIn(pose_, assembly_, At(a_), At(b_)), label});
+    LinearForm form = Combine(1, length, -share, whole);
+    const int group = GroupIn(pose_, assembly_, elements_, At(a_), At(b_), form);
+    found_.push_back({RelationshipKind::kProportion, true, std::move(form), group, label});
   }
 
   const Pose& pose_;

@@ -15,7 +15,8 @@ namespace mortise::parametric {
 
 // Of neighbours in a pose, at least one with a shape: where the levels of the one (Element::levels)
 // lie in a plane or level of the other, they stay there; otherwise levels and planes keep their
-// order, and so do the middles of shapes, along which round ones touch what is flat. In one place
+// order, and so do the middles of shapes along axes at whose ends these are not flat, as round ones
+// touch what is flat there. What held levels say already is left out. In one place
 // is what is apart by no more than `tolerance`, m, and what triangles may miss: a level is taken to
 // be where the other's plane is, which is exact. Complete for shapes whose faces are at right
 // angles to the axes, and for cylinders along them. O(p²) for p planes and levels of each pair.

@@ -1,5 +1,6 @@
 #include "common/parametric/linear_design.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <utility>
 
@@ -53,25 +54,51 @@ std::vector<PlacedPart> PlaceParts(const Assembly& assembly, const std::vector<E
     const int index = static_cast<int>(e);
     const BoundingBox box = BoxOf(q, index);
     if (!element.pattern) {
-      placed.push_back({NameOf(assembly, element, 0), index, box});
+      placed.push_back(
+          {NameOf(assembly, element, 0), index, box, StretchOf(elements, index, box, q)});
       continue;
     }
     const PatternLayout layout = LayOut(*element.pattern, box);
     for (int i = 0; i < layout.part_count(); ++i) {
+      const BoundingBox part = BoxAround(layout.CenterOf(i), layout.part_size);
       placed.push_back(
-          {NameOf(assembly, element, i), index, BoxAround(layout.CenterOf(i), layout.part_size)});
+          {NameOf(assembly, element, i), index, part, StretchOf(elements, index, part, q)});
     }
   }
   return placed;
 }
 
 mesh::SurfaceMesh SurfaceOf(const AssemblyPart& part) {
-  return part.shape == nullptr ? SurfaceOf(part.box) : SurfaceIn(*part.shape, part.box);
+  return part.shape == nullptr ? SurfaceOf(part.box)
+                               : SurfaceIn(*part.shape, part.box.center(), part.box.size());
 }
 
-mesh::SurfaceMesh SurfaceIn(const mesh::DrawnShape& shape, const BoundingBox& box) {
-  mesh::SurfaceMesh surface = mesh::SurfaceIn(shape, box.size());
-  surface.vertices.colwise() += box.center();
+mesh::BoxStretch StretchOf(const std::vector<Element>& elements, int element,
+                           const BoundingBox& box, const Eigen::VectorXd& q) {
+  mesh::BoxStretch stretch(box.size());
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto& held =
+        elements[static_cast<std::size_t>(element)].held_levels[static_cast<std::size_t>(axis)];
+    if (held.empty()) continue;
+    const double center = box.center()[axis];
+    std::vector<mesh::LevelPlace> places;
+    for (const HeldLevel& level : held) {
+      places.push_back({level.fraction, level.place.At(q) - center});
+    }
+    double before = -stretch.size[axis] / 2;
+    const bool in_order = std::all_of(places.begin(), places.end(), [&](const auto& level) {
+      return level.place > std::exchange(before, level.place);
+    });
+    if (!in_order || before >= stretch.size[axis] / 2) continue;
+    stretch.levels[static_cast<std::size_t>(axis)] = std::move(places);
+  }
+  return stretch;
+}
+
+mesh::SurfaceMesh SurfaceIn(const mesh::DrawnShape& shape, const Eigen::Vector3d& center,
+                            const mesh::BoxStretch& stretch) {
+  mesh::SurfaceMesh surface = mesh::SurfaceIn(shape, stretch);
+  surface.vertices.colwise() += center;
   return surface;
 }
 

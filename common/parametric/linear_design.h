@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "common/mesh/box_stretch.h"
 #include "common/mesh/surface_mesh.h"
 #include "common/parametric/assembly.h"
 #include "common/parametric/element.h"
@@ -19,6 +20,7 @@ struct PlacedPart {
   std::string name;
   int element = 0;
   BoundingBox box;
+  mesh::BoxStretch stretch;  // of its shape into the box
 };
 
 // All parts at q, element by element. A pattern has as many as fit its box (pattern.h), so their
@@ -42,10 +44,17 @@ mesh::SurfaceMesh SurfaceOf(const BoundingBox& box);
 // The surface of a part as drawn: its shape's, or that of its box.
 mesh::SurfaceMesh SurfaceOf(const AssemblyPart& part);
 
-// The surface of a shape in a box. Its vertices are linear functions of the box's centre and size:
-// of q, for a part that is an element by itself.
+// How the shape of element `element` is stretched into a part's box at q: its held levels, as far
+// as they keep their order within the box, as in every feasible design.
+mesh::BoxStretch StretchOf(const std::vector<Element>& elements, int element,
+                           const BoundingBox& box, const Eigen::VectorXd& q);
+
+// The surface of a shape in a box whose middle is `center`, m. Its vertices are linear functions of
+// the box's centre and size, and of the places of held levels: of q, for a part that is an element
+// by itself. In proportion:
 //
 //   vertex k along axis a = centre[a] + fractions(a, k) · size[a]
-mesh::SurfaceMesh SurfaceIn(const mesh::DrawnShape& shape, const BoundingBox& box);
+mesh::SurfaceMesh SurfaceIn(const mesh::DrawnShape& shape, const Eigen::Vector3d& center,
+                            const mesh::BoxStretch& stretch);
 
 }  // namespace mortise::parametric

@@ -32,7 +32,7 @@ std::size_t BytesOf(const Relationship& relationship) {
 std::size_t MemoryUse(const mesh::DrawnShape& shape) {
   std::size_t bytes = sizeof(shape) + shape.name.capacity() + shape.brep.capacity() +
                       BytesOf(shape.fractions) + BytesOf(shape.triangles) +
-                      BytesOf(shape.triangle_face);
+                      BytesOf(shape.triangle_face) + BytesOf(shape.missed_volumes);
   for (const std::vector<std::string>& names : shape.face_names) {
     bytes += sizeof(names) + names.size() * kText;
   }
@@ -42,11 +42,11 @@ std::size_t MemoryUse(const mesh::DrawnShape& shape) {
 std::size_t MemoryUse(const ParametricAssembly& assembly) {
   std::size_t bytes = sizeof(assembly) + assembly.assembly().parts.size() * kPart;
   std::set<const mesh::DrawnShape*> shapes;
-  for (const AssemblyPart& part : assembly.assembly().parts) {
-    if (part.shape != nullptr && shapes.insert(part.shape.get()).second) {
-      bytes += MemoryUse(*part.shape);
-    }
-  }
+  const auto count = [&](const mesh::DrawnShape* shape) {
+    if (shape != nullptr && shapes.insert(shape).second) bytes += MemoryUse(*shape);
+  };
+  for (const AssemblyPart& part : assembly.assembly().parts) count(part.shape.get());
+  for (const Element& element : assembly.elements()) count(element.shape.get());
   for (const Relationship& relationship : assembly.relationships()) {
     bytes += kRelationshipCopies * BytesOf(relationship);
   }

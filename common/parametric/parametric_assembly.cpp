@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <set>
 #include <utility>
 
@@ -66,6 +67,39 @@ Eigen::VectorXd ScalesOf(const std::vector<Element>& elements, const Eigen::Vect
 
 bool IsConflict(const absl::Status& status) {
   return DetailOf(status).reason == "DEMANDS_CONFLICT";
+}
+
+bool IsHeld(const FeasibleSet& feasible_set, int variable) {
+  return feasible_set.basis().row(variable).norm() <= kFixed;
+}
+
+bool IsOpen(const Element& element, Axis axis) {
+  const SizeLimits& limits = element.limits[static_cast<std::size_t>(axis)];
+  return limits.minimum < limits.maximum;
+}
+
+// Where the shares that fits keep hold a size that its item leaves open, as two bores for one
+// bought bracket do, lets go of all of them but the first, then of that, and of none if it does not
+// help. Whether there is something else to try now.
+bool LoosenShares(const std::vector<Element>& elements, const FeasibleSet& feasible_set,
+                  const FitCounts& fits, Precautions& precautions) {
+  constexpr int kAll = std::numeric_limits<int>::max();
+  bool is_changed = false;
+  for (std::size_t e = 0; e < elements.size(); ++e) {
+    for (const Axis axis : kAxes) {
+      const std::pair<int, Axis> place(elements[e].parts.front(), axis);
+      const auto count = fits.find(place);
+      if (count == fits.end() || !IsOpen(elements[e], axis) ||
+          !IsHeld(feasible_set, SizeVariable(static_cast<int>(e), axis))) {
+        continue;
+      }
+      const auto [kept, is_new] = precautions.shares_kept.try_emplace(place, count->second);
+      if (kept->second == kAll) continue;
+      kept->second = kept->second > 1 ? 1 : kept->second == 1 ? 0 : kAll;
+      is_changed = true;
+    }
+  }
+  return is_changed;
 }
 
 absl::StatusOr<bool> AreBounded(const FeasibleSet& feasible_set,
@@ -168,7 +202,9 @@ absl::Status ParametricAssembly::FindSoundFeasibleSet(const std::function<bool()
   };
   while (true) {
     if (is_given_up()) return absl::CancelledError("nobody waits for the designs any more");
-    MORTISE_RETURN_IF_ERROR(FindFeasibleSet({easily_lost, remedies.lone}, remedies.precautions));
+    MORTISE_ASSIGN_OR_RETURN(const FitCounts fits,
+                             FindFeasibleSet({easily_lost, remedies.lone}, remedies.precautions));
+    if (LoosenShares(elements_, *feasible_set_, fits, remedies.precautions)) continue;
     MORTISE_ASSIGN_OR_RETURN(const EasilyLost lost,
                              FindEasilyLost(assembly_, elements_, *feasible_set_, tolerance_));
     if (has_more(easily_lost, lost)) continue;
@@ -183,18 +219,24 @@ absl::Status ParametricAssembly::FindSoundFeasibleSet(const std::function<bool()
   }
 }
 
-absl::Status ParametricAssembly::FindFeasibleSet(const PatternExclusions& exclusions,
-                                                 const Precautions& precautions) {
+absl::StatusOr<FitCounts> ParametricAssembly::FindFeasibleSet(const PatternExclusions& exclusions,
+                                                              const Precautions& precautions) {
   elements_ = MakeElements(assembly_, tolerance_, exclusions);
   MORTISE_ASSIGN_OR_RETURN(contacts_, FindContacts(assembly_, elements_, tolerance_));
   FollowPrincipalPatterns(elements_, contacts_, tolerance_);
+  const HeldLevels held = HoldLevels(assembly_, elements_, contacts_, tolerance_, precautions);
   relationships_ = FindRelationships(assembly_, elements_, contacts_, tolerance_, precautions);
+  for (const std::vector<Relationship>& more :
+       {held.relationships, KeepRound(assembly_, elements_, tolerance_)}) {
+    relationships_.insert(relationships_.end(), more.begin(), more.end());
+  }
   std::vector<Relationship> anchored = relationships_;
-  for (Relationship& held : StandingInPlace(elements_)) anchored.push_back(std::move(held));
+  for (Relationship& still : StandingInPlace(elements_)) anchored.push_back(std::move(still));
   MORTISE_ASSIGN_OR_RETURN(
       feasible_set_, FeasibleSet::Create(std::move(anchored), DrawnParameters(assembly_, elements_),
                                          VariablesWithin(assembly_, elements_, 0)));
-  return CheckBounded();
+  MORTISE_RETURN_IF_ERROR(CheckBounded());
+  return held.fits;
 }
 
 absl::Status ParametricAssembly::CheckBounded() const {
@@ -370,7 +412,7 @@ absl::StatusOr<std::vector<MeasureRange>> ParametricAssembly::AdjustableSizes() 
     if (elements_[e].connecting) continue;
     for (const Axis axis : kAxes) {
       const int variable = SizeVariable(static_cast<int>(e), axis);
-      if (feasible_set_->basis().row(variable).norm() <= kFixed) continue;
+      if (IsHeld(*feasible_set_, variable)) continue;
       forms.push_back(LinearForm::Variable(variable));
       sizes.push_back({{elements_[e].name, axis}, drawn()[variable], 0, 0});
     }
@@ -393,12 +435,8 @@ std::vector<Measure> ParametricAssembly::HeldSizes() const {
     const Element& element = elements_[e];
     if (element.connecting) continue;
     for (const Axis axis : kAxes) {
-      const SizeLimits& limits = element.limits[static_cast<std::size_t>(axis)];
-      const int variable = SizeVariable(static_cast<int>(e), axis);
-      const bool is_open = limits.minimum < limits.maximum;
-      if (is_open && feasible_set_->basis().row(variable).norm() <= kFixed) {
-        held.push_back({element.name, axis});
-      }
+      const bool is_held = IsHeld(*feasible_set_, SizeVariable(static_cast<int>(e), axis));
+      if (is_held && IsOpen(element, axis)) held.push_back({element.name, axis});
     }
   }
   return held;

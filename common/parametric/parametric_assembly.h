@@ -24,6 +24,7 @@
 #include "common/parametric/contact_check.h"
 #include "common/parametric/element.h"
 #include "common/parametric/feasible_set.h"
+#include "common/parametric/held_levels.h"
 #include "common/parametric/linear_design.h"
 #include "common/parametric/relationship.h"
 
@@ -119,7 +120,7 @@ class ParametricAssembly {
   absl::StatusOr<std::vector<MeasureRange>> AdjustableSizes() const;
 
   // The sizes of principal elements that their items leave open and the design holds all the same:
-  // a board's across a bore, around a rod of fixed thickness.
+  // those of a board that is let in, rounded, into a frame of fixed sizes.
   std::vector<Measure> HeldSizes() const;
 
   // As FeasibleSet::Sample.
@@ -143,9 +144,10 @@ class ParametricAssembly {
     return assembly_.parts[static_cast<std::size_t>(element.parts.front())];
   }
 
-  // What the part looks like in its box; null for what its item's kind says.
+  // What the part looks like, divided where it is stretched in pieces (PlacedPart::stretch); null
+  // for what its item's kind says.
   const std::shared_ptr<const mesh::DrawnShape>& ShapeOf(const PlacedPart& part) const {
-    return DrawnPart(part).shape;
+    return elements_[static_cast<std::size_t>(part.element)].shape;
   }
 
   // What is wrong with the design at q, in every rest pose: see ContactCheck.
@@ -159,7 +161,8 @@ class ParametricAssembly {
   // designs that are tried has a fault that could be helped.
   absl::Status FindSoundFeasibleSet(const std::function<bool()>& is_given_up);
   // Everything up to the feasible set.
-  absl::Status FindFeasibleSet(const PatternExclusions& exclusions, const Precautions& precautions);
+  absl::StatusOr<FitCounts> FindFeasibleSet(const PatternExclusions& exclusions,
+                                            const Precautions& precautions);
   absl::Status CheckBounded() const;
   absl::StatusOr<LinearForm> FormOf(const Measure& measure, const std::string& field) const;
   absl::StatusOr<std::vector<Demand>> FormsOf(const std::vector<MeasureDemand>& demands) const;

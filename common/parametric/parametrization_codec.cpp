@@ -123,6 +123,15 @@ absl::Status AddNodes(const ParametricAssembly& parametric, v1::Parametrization&
   return absl::OkStatus();
 }
 
+void AddLevels(const PlacedPart& part, Axis axis, v1::PlacedPart& message) {
+  for (const mesh::LevelPlace& level : part.stretch.levels[static_cast<std::size_t>(axis)]) {
+    v1::PlacedLevel* placed = message.add_levels();
+    placed->set_axis(AxisToProto(axis));
+    placed->set_fraction(level.fraction);
+    placed->set_position(part.box.center()[static_cast<int>(axis)] + level.place);
+  }
+}
+
 }  // namespace
 
 absl::StatusOr<Measure> FromProto(const v1::Measure& message, const std::string& field) {
@@ -219,6 +228,7 @@ absl::StatusOr<v1::AdjustedAssembly> EvaluatedToProto(const ParametricAssembly& 
     if (const auto& shape = assembly.ShapeOf(part); shape != nullptr) {
       placed->set_shape(shape->name);
     }
+    for (const Axis axis : kAxes) AddLevels(part, axis, *placed);
     SetProto(part.box.minimum, placed->mutable_minimum());
     SetProto(part.box.maximum, placed->mutable_maximum());
   }

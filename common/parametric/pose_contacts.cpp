@@ -86,8 +86,8 @@ class MeetingSearch {
            std::string description) {
     if (form.terms.empty()) return;  // true whatever q is
     if (equality) form.constant -= form.At(drawn_);
-    found_.push_back({kind, equality, std::move(form), GroupIn(pose_, assembly_, At(a), At(b)),
-                      std::move(description)});
+    const int group = GroupIn(pose_, assembly_, elements_, At(a), At(b), form);
+    found_.push_back({kind, equality, std::move(form), group, std::move(description)});
   }
 
   const Pose& pose_;

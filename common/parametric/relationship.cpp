@@ -71,8 +71,12 @@ class RelationshipSearch {
     return !IsAtRightAngles(MotionIn(pose, assembly_, elements_.size(), drawn_).linear());
   }
 
-  int GroupFor(const Pose& pose, int a, int b) const {
-    return GroupIn(pose, assembly_, At(a), At(b));
+  // Of what relates two positions in a pose.
+  void Relate(const Pose& pose, RelationshipKind kind, bool equality, const PosedPosition& a,
+              const PosedPosition& b, std::string description) {
+    LinearForm form = a.position - b.position;
+    const int group = GroupIn(pose, assembly_, elements_, At(a.element), At(b.element), form);
+    Add(kind, equality, std::move(form), group, std::move(description));
   }
 
   void Add(RelationshipKind kind, bool equality, LinearForm form, int group,
@@ -249,9 +253,8 @@ class RelationshipSearch {
 
   void Tie(const Pose& pose, const PosedPosition& a, const PosedPosition& b) {
     if (!IsOfInterest(pose, a.element, b.element) && !IsTurned(pose, a.element, b.element)) return;
-    Add(a.is_center ? RelationshipKind::kConcentric : RelationshipKind::kCoplanar, true,
-        a.position - b.position, GroupFor(pose, a.element, b.element),
-        absl::StrCat(a.label, a.is_center ? " level with " : " in one plane with ", b.label));
+    Relate(pose, a.is_center ? RelationshipKind::kConcentric : RelationshipKind::kCoplanar, true, a,
+           b, absl::StrCat(a.label, a.is_center ? " level with " : " in one plane with ", b.label));
   }
 
   // ---- Order
@@ -307,9 +310,8 @@ class RelationshipSearch {
   }
 
   void Order(const Pose& pose, const PosedPosition& before, const PosedPosition& after) {
-    Add(RelationshipKind::kOrder, false, before.position - after.position,
-        GroupFor(pose, before.element, after.element),
-        absl::StrCat(before.label, " before ", after.label));
+    Relate(pose, RelationshipKind::kOrder, false, before, after,
+           absl::StrCat(before.label, " before ", after.label));
   }
 
   // Whose planes keep their order: elements that touch, so that they go on touching, and those in

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <map>
 #include <set>
 #include <string>
 #include <tuple>
@@ -47,11 +48,14 @@ inline bool operator<(const PosedPair& a, const PosedPair& b) {
   return std::tie(a.pose, a.first, a.second) < std::tie(b.pose, b.first, b.second);
 }
 
-// What is known to go wrong without: see design_trial.h.
+// What is known to go wrong without: see design_trial.h and held_levels.h.
 struct Precautions {
   std::set<PosedPair> kept_apart;     // stay clear of each other
   std::set<PosedPair> kept_touching;  // go on touching
   std::set<PosedPair> fitted;         // stretch together (fits.h)
+  // Of shapes, by part and axis, how many of the places where others fit into them keep their share
+  // of the size; all, where this says nothing.
+  std::map<std::pair<int, Axis>, int> shares_kept;
 };
 
 // Elements that touch, by index.

@@ -113,7 +113,8 @@ class Positions {
   void AddPlanes(int element, const std::vector<ElementPlane>& planes) {
     if (!Moves(element)) {
       for (const ElementPlane& plane : planes) {
-        Add(element, plane.axis, PositionOf(element, plane), plane.name, false, plane.fraction);
+        Add(element, plane.axis, PositionOf(elements_, element, plane), plane.name, false,
+            plane.fraction);
       }
       return;
     }
@@ -124,11 +125,10 @@ class Positions {
       for (const Axis axis : kAxes) {
         const double entry = rotation(static_cast<int>(axis), static_cast<int>(plane.axis));
         if (std::abs(entry) != 1) continue;
-        const double side = entry * plane.fraction;
-        Add(element, axis,
-            Combine(1, center[static_cast<std::size_t>(axis)], side,
-                    LinearForm::Variable(SizeVariable(element, plane.axis))),
-            plane.name, false, side);
+        const LinearForm from_center = PositionOf(elements_, element, plane) -
+                                       LinearForm::Variable(CenterVariable(element, plane.axis));
+        Add(element, axis, Combine(1, center[static_cast<std::size_t>(axis)], entry, from_center),
+            plane.name, false, entry * plane.fraction);
       }
     }
   }
@@ -241,8 +241,14 @@ std::vector<PosedPosition> PositionsIn(const Pose& pose, const Assembly& assembl
   return Positions(pose, assembly, elements).PlanesAndCenters();
 }
 
-int GroupIn(const Pose& pose, const Assembly& assembly, const Element& a, const Element& b) {
-  const int common = LowestCommonGroup(assembly, a.group, b.group);
+int GroupIn(const Pose& pose, const Assembly& assembly, const std::vector<Element>& elements,
+            const Element& a, const Element& b, const LinearForm& form) {
+  int common = LowestCommonGroup(assembly, a.group, b.group);
+  for (const LinearTerm& term : form.terms) {
+    const auto element = static_cast<std::size_t>(term.variable / 6);
+    if (element >= elements.size()) continue;  // a joint's
+    common = LowestCommonGroup(assembly, common, elements[element].group);
+  }
   if (pose.joint < 0) return common;
   const int home = assembly.groups[static_cast<std::size_t>(pose.moved_group)].parent;
   return LowestCommonGroup(assembly, common, home);

@@ -80,8 +80,10 @@ std::vector<PosedPosition> PositionsIn(const Pose& pose, const Assembly& assembl
 std::vector<PosedPosition> LevelsIn(const Pose& pose, const Assembly& assembly,
                                     const std::vector<Element>& elements);
 
-// The lowest group that holds what a relationship of two elements in a pose binds: that of a pose
-// also binds the joint's centre, which lives beside the moved group.
-int GroupIn(const Pose& pose, const Assembly& assembly, const Element& a, const Element& b);
+// The lowest group that holds what a relationship of two elements in a pose binds: whatever its
+// form speaks of besides, as places of held levels do, and in a pose the joint's centre, which
+// lives beside the moved group.
+int GroupIn(const Pose& pose, const Assembly& assembly, const std::vector<Element>& elements,
+            const Element& a, const Element& b, const LinearForm& form);
 
 }  // namespace mortise::parametric

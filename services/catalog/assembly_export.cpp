@@ -1,11 +1,13 @@
 #include "services/catalog/assembly_export.h"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cmath>
 #include <map>
 #include <memory>
 #include <set>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -65,9 +67,11 @@ class ProductShapes {
     Eigen::Matrix3d turn;                           // from the product's axes to the design's
   };
 
-  // Of a part of this item that has this shape.
-  Turned Of(const std::string& item, const mesh::DrawnShape& shape) {
-    const auto [known, is_new] = known_.try_emplace({item, shape.name});
+  // Of a part of this item that has this shape, stretched so.
+  Turned Of(const std::string& item, const mesh::DrawnShape& shape,
+            const mesh::BoxStretch& stretch) {
+    const mesh::DrawnShape* divided = stretch.IsInProportion() ? nullptr : &shape;
+    const auto [known, is_new] = known_.try_emplace({item, shape.name, divided});
     if (is_new) known->second = AmongDrawn(item, TurnedBack(shape));
     return {known->second.shape, shape.turn * known->second.turn};
   }
@@ -82,17 +86,18 @@ class ProductShapes {
     return {drawn.back(), Eigen::Matrix3d::Identity()};
   }
 
-  std::map<std::pair<std::string, std::string>, Turned>
-      known_;  // by item and name, before its turn
+  // By item and name, before its turn; divided differently, one name has several surfaces.
+  std::map<std::tuple<std::string, std::string, const mesh::DrawnShape*>, Turned> known_;
   std::map<std::string, std::vector<std::shared_ptr<const mesh::DrawnShape>>> drawn_;  // by item
 };
 
-// With the lower corner of its box, of this size along the product's axes, at the origin.
+// With the lower corner of its box, along the product's axes, at the origin.
 absl::StatusOr<cad::Solid> SolidOf(const parametric::EvaluatedPart& part,
-                                   const mesh::DrawnShape* shape, const Eigen::Vector3d& size,
+                                   const mesh::DrawnShape* shape, const mesh::BoxStretch& stretch,
                                    int round_about, const std::string& name) {
+  const Eigen::Vector3d& size = stretch.size;
   if (shape != nullptr) {
-    auto solid = cad::SolidOfShape(*shape, size, name);
+    auto solid = cad::SolidOfShape(*shape, stretch, name);
     if (absl::IsInvalidArgument(solid.status())) {
       return UnderField(absl::StrCat("part '", part.name, "'"), solid.status());
     }
@@ -129,9 +134,10 @@ std::string ProductName(const parametric::EvaluatedPart& part) {
 // What products are told apart by.
 struct Likeness {
   std::string item;
-  std::string shape;       // shapes/{digest}
-  int round_about = kBox;  // axis of the product
-  std::vector<long> size;  // nm, along the product's axes
+  std::string shape;                        // shapes/{digest}
+  int round_about = kBox;                   // axis of the product
+  std::vector<long> size;                   // nm, along the product's axes
+  std::array<std::vector<long>, 3> levels;  // nm, along these, of the shape
   std::vector<double> color;
   auto operator<=>(const Likeness&) const = default;
 };
@@ -143,13 +149,14 @@ class ProductMaker {
   explicit ProductMaker(cad::StepAssembly& step) : step_(step) {}
 
   // Adds a part, and its product if that is a new one.
-  absl::Status Add(const parametric::EvaluatedPart& part, const mesh::DrawnShape* shape, int group,
-                   const Eigen::Vector3d& color) {
+  absl::Status Add(const parametric::EvaluatedPart& part, const mesh::DrawnShape* shape,
+                   const mesh::BoxStretch& in_design, int group, const Eigen::Vector3d& color) {
     const ProductShapes::Turned drawn = shape == nullptr
                                             ? ProductShapes::Turned{nullptr, TurnOfItem(part)}
-                                            : shapes_.Of(part.item, *shape);
+                                            : shapes_.Of(part.item, *shape, in_design);
     const Eigen::Matrix3d& turn = drawn.turn;
-    const Eigen::Vector3d size = (turn.transpose() * (part.maximum - part.minimum)).cwiseAbs();
+    const mesh::BoxStretch stretch = in_design.Turned(turn.transpose());
+    const Eigen::Vector3d& size = stretch.size;
     Likeness likeness;
     likeness.item = part.item;
     if (drawn.shape != nullptr) {
@@ -158,6 +165,11 @@ class ProductMaker {
       turn.row(static_cast<int>(part.axis)).cwiseAbs().maxCoeff(&likeness.round_about);
     }
     for (const double length : size) likeness.size.push_back(std::lround(kAlike * length));
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      for (const mesh::LevelPlace& level : stretch.levels[axis]) {
+        likeness.levels[axis].push_back(std::lround(kAlike * level.place));
+      }
+    }
     likeness.color.assign(color.begin(), color.end());
     const int round_about = likeness.round_about;
     const auto [known, is_new] =
@@ -176,7 +188,7 @@ class ProductMaker {
       name = absl::StrCat(ProductName(part), " ", number);
     }
     MORTISE_ASSIGN_OR_RETURN(cad::Solid solid,
-                             SolidOf(part, drawn.shape.get(), size, round_about, name));
+                             SolidOf(part, drawn.shape.get(), stretch, round_about, name));
     step_.products.push_back({std::move(name), std::move(solid), color});
     return absl::OkStatus();
   }
@@ -229,8 +241,8 @@ absl::StatusOr<std::string> ExportAssemblyStep(const PosedAssembly& posed,
   ProductMaker products(step);
   for (std::size_t i = 0; i < placed.size(); ++i) {
     const int group = assembly.elements()[static_cast<std::size_t>(placed[i].element)].group;
-    MORTISE_RETURN_IF_ERROR(
-        products.Add(posed.design.parts[i], assembly.ShapeOf(placed[i]).get(), group, colors[i]));
+    MORTISE_RETURN_IF_ERROR(products.Add(posed.design.parts[i], assembly.ShapeOf(placed[i]).get(),
+                                         placed[i].stretch, group, colors[i]));
   }
   return cad::WriteStep(step);
 }

@@ -153,7 +153,7 @@ absl::StatusOr<std::vector<cad::Solid>> BearingSolids(const templates::Template&
     const auto& shape = drawn->assembly->ShapeOf(placed[i]);
     absl::StatusOr<cad::Solid> solid =
         shape == nullptr ? cad::Solid::FromPart(parametric::PartShapeOf(part))
-                         : cad::SolidOfShape(*shape, placed[i].box.size(), part.name);
+                         : cad::SolidOfShape(*shape, placed[i].stretch, part.name);
     if (!solid.ok()) return UnderField(absl::StrCat("part '", part.name, "'"), solid.status());
     solids.push_back(shape == nullptr ? *std::move(solid)
                                       : cad::MovedSolid(*solid, placed[i].box.minimum));

@@ -119,7 +119,7 @@ void BM_Evaluate(benchmark::State& state) {
   shape.triangles = Eigen::Matrix3Xi::Zero(3, 396);
   for (auto _ : state) {
     for (const PlacedPart& part : PlaceParts(assembly, elements, q)) {
-      benchmark::DoNotOptimize(SurfaceIn(shape, part.box));
+      benchmark::DoNotOptimize(SurfaceIn(shape, part.box.center(), part.stretch));
     }
   }
 }

@@ -5,20 +5,12 @@
 #include <gtest/gtest.h>
 
 #include <BRepAlgoAPI_Common.hxx>
-#include <BRepAlgoAPI_Fuse.hxx>
-#include <BRepBndLib.hxx>
-#include <BRepBuilderAPI_MakeFace.hxx>
-#include <BRepBuilderAPI_MakePolygon.hxx>
-#include <BRepPrimAPI_MakePrism.hxx>
-#include <Bnd_Box.hxx>
 #include <random>
 
-#include "common/cad/solid_shape.h"
 #include "common/mesh/shape_levels.h"
 #include "common/parametric/parametric_assembly.h"
 #include "tests/support/status_assertions.h"
-#include "tests/unit/common/cad/fused_parts.h"
-#include "tests/unit/common/parametric/assemblies.h"
+#include "tests/unit/common/parametric/drawn_parts.h"
 
 namespace mortise::parametric {
 namespace {
@@ -26,49 +18,6 @@ namespace {
 using cad::BoxAt;
 using ::testing::Contains;
 using ::testing::Not;
-
-// A part that fills the box around a solid, as exactly as the kernel says.
-AssemblyPart Drawn(const std::string& name, const TopoDS_Shape& shape) {
-  Bnd_Box around;
-  BRepBndLib::AddOptimal(shape, around, false, false);
-  around.SetGap(0);
-  const gp_Pnt low = around.CornerMin(), high = around.CornerMax();
-  // As drawings have it, to the nanometre.
-  const auto exact = [](double length) { return std::round(1e9 * length) / 1e9; };
-  const Eigen::Vector3d minimum(exact(low.X()), exact(low.Y()), exact(low.Z()));
-  const Eigen::Vector3d maximum(exact(high.X()), exact(high.Y()), exact(high.Z()));
-  AssemblyPart part = ResizablePart(name, minimum, maximum);
-  part.item = "items/" + name;
-  auto drawn =
-      cad::ShapeOfSolid(cad::Named(shape, name), Eigen::Matrix3d::Identity(), minimum, maximum);
-  EXPECT_TRUE(drawn.ok()) << drawn.status();
-  if (drawn.ok()) part.shape = std::make_shared<const mesh::DrawnShape>(*std::move(drawn));
-  return part;
-}
-
-AssemblyPart Boxed(const std::string& name, const Eigen::Vector3d& minimum,
-                   const Eigen::Vector3d& size) {
-  AssemblyPart part = ResizablePart(name, minimum, minimum + size);
-  part.item = "items/" + name;
-  return part;
-}
-
-TopoDS_Shape RodAlong(const gp_Dir& direction, const gp_Pnt& from, double radius, double length) {
-  return BRepPrimAPI_MakeCylinder(gp_Ax2(from, direction), radius, length).Solid();
-}
-
-TopoDS_Shape Less(const TopoDS_Shape& solid, const TopoDS_Shape& tool) {
-  return BRepAlgoAPI_Cut(solid, tool).Shape();
-}
-
-TopoDS_Shape Plate(const std::vector<std::pair<double, double>>& corners, double thickness) {
-  BRepBuilderAPI_MakePolygon outline;
-  for (const auto& [x, y] : corners) outline.Add(gp_Pnt(x, y, 0));
-  outline.Close();
-  return BRepPrimAPI_MakePrism(BRepBuilderAPI_MakeFace(outline.Wire()).Face(),
-                               gp_Vec(0, 0, thickness))
-      .Shape();
-}
 
 class Drawing {
  public:
@@ -150,6 +99,68 @@ class Drawing {
                                         radius, 0.4))});
   }
 
+  // Boards on rods that run through them, which are bought, or as thick as one likes; in bores with
+  // play or none, some of which are empty.
+  Assembly BoardsOnRods() {
+    const double w = Length(0.3, 0.8), d = Length(0.2, 0.4), thick = Length(0.012, 0.03);
+    const int boards = OneIn(2) ? 2 : 4, rods = OneIn(2) ? 2 : 4;
+    const double high = Length(0.25, 0.5), radius = Length(0.005, 0.012);
+    const double play = OneIn(2) ? 0 : 0.0005;
+    const double dx = Length(0.03, 0.08), dy = Length(0.03, 0.08);
+    const bool is_bought = OneIn(2);
+    std::vector<AssemblyPart> parts;
+    std::vector<gp_Pnt> at;
+    for (int i = 0; i < rods; ++i) {
+      at.emplace_back(i % 2 == 0 ? dx : w - dx, i < 2 ? dy : d - dy, 0);
+    }
+    for (int i = 0; i < boards; ++i) {
+      TopoDS_Shape board = BoxAt(0, 0, high * i / (boards - 1), w, d, thick);
+      for (const gp_Pnt& foot : at) {
+        board = Less(board, cad::Upright(foot.X(), foot.Y(), -1, 2, radius + play));
+      }
+      board = Less(board, cad::Upright(w / 2 + Length(0, 0.05), d / 2, -1, 2, Length(0.004, 0.01)));
+      parts.push_back(Drawn("board " + std::to_string(i + 1), board));
+    }
+    for (int i = 0; i < rods; ++i) {
+      const gp_Pnt& foot = at[static_cast<std::size_t>(i)];
+      parts.push_back(Drawn("rod " + std::to_string(i + 1),
+                            cad::Upright(foot.X(), foot.Y(), 0, high + thick, radius)));
+      if (is_bought) Fix(parts.back(), {0, 1});
+    }
+    return Named("boards", parts);
+  }
+
+  // A bought bracket held to a board by bought bolts through both, and to a post by others.
+  Assembly BoltedBracket() {
+    const double w = Length(0.2, 0.6), d = Length(0.15, 0.3), thick = Length(0.018, 0.03);
+    const double apart = Length(0.04, 0.07), radius = Length(0.003, 0.005);
+    const double play = OneIn(2) ? 0 : 0.0003, x = Length(0.02, 0.04);
+    TopoDS_Shape board = BoxAt(0, 0, 0, w, d, thick);
+    TopoDS_Shape flange = BoxAt(0, d / 2 - 0.02, thick, x + apart + 0.02, 0.04, 0.004);
+    std::vector<AssemblyPart> bolts;
+    for (int i = 0; i < 2; ++i) {
+      const TopoDS_Shape bore = cad::Upright(x + i * apart, d / 2, -1, 1, radius + play);
+      board = Less(board, bore);
+      flange = Less(flange, bore);
+      bolts.push_back(Drawn("bolt " + std::to_string(i + 1),
+                            cad::Upright(x + i * apart, d / 2, 0, thick + 0.004, radius)));
+      Fix(bolts.back(), {0, 1});
+    }
+    std::vector<AssemblyPart> parts = {Drawn("board", board), Drawn("bracket", flange)};
+    Fix(parts.back(), {0, 1, 2});
+    parts.insert(parts.end(), bolts.begin(), bolts.end());
+    return Named("bracket", parts);
+  }
+
+  // A rail whose tenons, with shoulders all round, stand in mortises of two bought posts.
+  Assembly BoughtPosts() {
+    Assembly drawn = MortiseAndTenon();
+    Fix(drawn.parts[1], {0, 1});
+    Fix(drawn.parts[2], {0, 1});
+    if (OneIn(2)) Fix(drawn.parts[0], {1, 2});
+    return drawn;
+  }
+
   // A hook that turns about its heel until it closes round a pin, which may touch it.
   Assembly Latch() {
     const double arm = Length(0.05, 0.09), thick = Length(0.006, 0.012);
@@ -177,6 +188,13 @@ class Drawing {
   }
 
  private:
+  static void Fix(AssemblyPart& part, const std::vector<int>& axes) {
+    for (const int axis : axes) {
+      const double size = part.box.size()[axis];
+      part.limits[static_cast<std::size_t>(axis)] = {size, size};
+    }
+  }
+
   bool OneIn(int count) { return std::uniform_int_distribution<int>(1, count)(random_) == 1; }
   // To the tenth of a millimetre.
   double Length(double low, double high) {
@@ -189,6 +207,7 @@ class Drawing {
 struct Kind {
   std::string name;
   Assembly (Drawing::*draw)();
+  int least_freedom = 3;  // it can be resized along every axis
 };
 
 class Fits : public ::testing::TestWithParam<Kind> {};
@@ -200,7 +219,7 @@ TEST_P(Fits, KeepWhateverIsAskedFor) {
     const Assembly drawn = (drawing.*GetParam().draw)();
     ASSERT_THAT(ValidateAssembly(drawn), ::testing::IsEmpty());
     ASSERT_OK_AND_ASSIGN(const auto made, ParametricAssembly::Create(drawn));
-    EXPECT_GE(made.feasible_set().degrees_of_freedom(), 3) << "it can be resized along every axis";
+    EXPECT_GE(made.feasible_set().degrees_of_freedom(), GetParam().least_freedom);
     ASSERT_OK_AND_ASSIGN(std::vector<Eigen::VectorXd> designs, made.Sample(40, seed));
     ASSERT_OK_AND_ASSIGN(const auto corners, made.feasible_set().Corners(40, seed + 100));
     designs.insert(designs.end(), corners.begin(), corners.end());
@@ -216,7 +235,10 @@ INSTANTIATE_TEST_SUITE_P(
     AllKinds, Fits,
     ::testing::Values(Kind{"Tenon", &Drawing::MortiseAndTenon}, Kind{"Wheel", &Drawing::Wheel},
                       Kind{"Stool", &Drawing::Stool}, Kind{"Mitre", &Drawing::MitredFrame},
-                      Kind{"Rod", &Drawing::RodBetweenBoards}, Kind{"Latch", &Drawing::Latch}),
+                      Kind{"Rod", &Drawing::RodBetweenBoards}, Kind{"Latch", &Drawing::Latch},
+                      Kind{"Boards", &Drawing::BoardsOnRods},
+                      Kind{"Bracket", &Drawing::BoltedBracket},
+                      Kind{"BoughtPosts", &Drawing::BoughtPosts, 2}),
     [](const auto& kind) { return kind.param.name; });
 
 // Along z, with its seam at an angle: triangles begin there, and miss the sides by as much as they
@@ -232,17 +254,23 @@ AssemblyPart BoredPlate(const std::string& name, double bottom, double seam) {
   return Drawn(name, Less(BoxAt(0, 0, bottom, 3, 1, 0.04), RodFrom(seam, 0.43, -1, 1)));
 }
 
-// However coarse its triangles are, a bore is as wide as the rod in it: twice, where its plate is.
+// However coarse its triangles are, a bore is as wide as the rod in it, and as thick as that can
+// be.
 TEST(FitsOfBores, AreAsExactAsWhatFits) {
   const Assembly drawn =
       Named("rod", {BoredPlate("plate", 0, 0.3), Drawn("rod", RodFrom(1.1, 0.43, 0, 0.04))});
   ASSERT_OK_AND_ASSIGN(const auto made, ParametricAssembly::Create(drawn));
   ASSERT_OK_AND_ASSIGN(
       const Adjustment larger,
-      made.Adjust(made.drawn(), {{{"plate", Axis::kX}, 6}, {{"plate", Axis::kY}, 2}},
+      made.Adjust(made.drawn(), {{{"plate", Axis::kY}, 2}, {{"rod", Axis::kX}, 1.72}},
                   Insistence::kStrict));
-  EXPECT_NEAR(larger.q[SizeVariable(1, Axis::kX)], 1.72, 1e-9);
-  EXPECT_NEAR(larger.q[SizeVariable(1, Axis::kY)], 1.72, 1e-9);
+  EXPECT_NEAR(larger.q[SizeVariable(1, Axis::kY)], 1.72, 1e-9) << "it stays round";
+  const std::vector<PlacedPart> parts = made.PartsAt(larger.q);
+  for (const std::size_t axis : {0U, 1U}) {
+    const std::vector<mesh::LevelPlace>& sides = parts[0].stretch.levels[axis];
+    ASSERT_EQ(sides.size(), 2U);
+    EXPECT_NEAR(sides[1].place - sides[0].place, 1.72, 1e-9);
+  }
   ASSERT_OK_AND_ASSIGN(const MeasureRange range, made.RangeOf({"rod", Axis::kX}));
   EXPECT_NEAR(range.minimum, 0.43, 1e-9);
   EXPECT_NEAR(range.maximum, 1.72, 1e-9);

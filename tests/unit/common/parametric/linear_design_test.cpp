@@ -114,7 +114,9 @@ TEST(LinearDesign, MeshesAreLinear) {
   surface.vertices.col(3) = 0.9 * surface.vertices.col(3) + 0.1 * drawn.center();
   const auto shape = mesh::ShapeOfMesh(surface);
   ASSERT_TRUE(shape.ok()) << shape.status();
-  const auto vertices_in = [&](const BoundingBox& box) { return SurfaceIn(*shape, box).vertices; };
+  const auto vertices_in = [&](const BoundingBox& box) {
+    return SurfaceIn(*shape, box.center(), box.size()).vertices;
+  };
   EXPECT_TRUE(vertices_in(drawn).isApprox(surface.vertices, 1e-12));
   for (int round = 0; round < 20; ++round) {
     const BoundingBox a = any_box();

@@ -1,0 +1,222 @@
+// What fits into a shape does not hold its size: the shape is stretched in pieces.
+#include "common/parametric/held_levels.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "common/parametric/parametric_assembly.h"
+#include "tests/support/status_assertions.h"
+#include "tests/unit/common/parametric/drawn_parts.h"
+
+namespace mortise::parametric {
+namespace {
+
+using cad::BoxAt;
+using cad::Upright;
+using ::testing::IsEmpty;
+
+constexpr double kRadius = 0.008;  // of rods, m
+constexpr double kThick = 0.018;   // of boards, m
+
+AssemblyPart Bought(AssemblyPart part) {
+  const Eigen::Vector3d size = part.box.size();
+  for (std::size_t axis = 0; axis < 3; ++axis) part.limits[axis] = {size[axis], size[axis]};
+  return part;
+}
+
+AssemblyPart Rod(const std::string& name, double x, double y, double radius = kRadius) {
+  return Drawn(name, Upright(x, y, -0.05, kThick + 0.05, radius));
+}
+
+// A board of 400 × 300 mm with bores at these places.
+AssemblyPart Board(const std::vector<std::pair<double, double>>& bores, double radius = kRadius) {
+  TopoDS_Shape board = BoxAt(0, 0, 0, 0.4, 0.3, kThick);
+  for (const auto& [x, y] : bores) board = Less(board, Upright(x, y, -1, 1, radius));
+  return Drawn("board", board);
+}
+
+// The part's size along an axis, and where a bore of it begins and ends there, from its box's
+// lower side.
+struct Bore {
+  double size = 0;
+  double begins = 0, ends = 0;
+};
+Bore BoreOf(const PlacedPart& part, int axis, std::size_t index = 0) {
+  const std::vector<mesh::LevelPlace>& levels = part.stretch.levels[static_cast<std::size_t>(axis)];
+  EXPECT_GE(levels.size(), 2 * index + 2);
+  if (levels.size() < 2 * index + 2) return {};
+  const double size = part.box.size()[axis];
+  return {size, levels[2 * index].place + size / 2, levels[2 * index + 1].place + size / 2};
+}
+
+double VolumeOf(const ParametricAssembly& made, const PlacedPart& part) {
+  return mesh::VolumeIn(*made.ShapeOf(part), part.stretch);
+}
+
+void ExpectSound(const ParametricAssembly& made) {
+  ASSERT_OK_AND_ASSIGN(std::vector<Eigen::VectorXd> designs, made.Sample(20, 1));
+  ASSERT_OK_AND_ASSIGN(const auto corners, made.feasible_set().Corners(20, 2));
+  designs.insert(designs.end(), corners.begin(), corners.end());
+  for (const Eigen::VectorXd& q : designs) {
+    ASSERT_OK_AND_ASSIGN(const std::vector<ContactFault> faults, made.FaultsAt(q));
+    for (const ContactFault& fault : faults) ADD_FAILURE() << Describe(fault);
+  }
+}
+
+// A bought rod of 16 mm leaves the board both its sizes; its bore stays round and at its share.
+TEST(HeldLevels, LetABoardGrowAroundARod) {
+  ASSERT_OK_AND_ASSIGN(const auto made,
+                       ParametricAssembly::Create(
+                           Named("rack", {Board({{0.1, 0.1}}), Bought(Rod("rod", 0.1, 0.1))})));
+  EXPECT_THAT(made.HeldSizes(), IsEmpty());
+  ASSERT_OK_AND_ASSIGN(
+      const Adjustment larger,
+      made.Adjust(made.drawn(), {{{"board", Axis::kX}, 0.7}, {{"board", Axis::kY}, 0.2}},
+                  Insistence::kStrict));
+  const PlacedPart board = made.PartsAt(larger.q).front();
+  const Bore along_x = BoreOf(board, 0), along_y = BoreOf(board, 1);
+  EXPECT_NEAR(along_x.size, 0.7, 1e-9);
+  EXPECT_NEAR(along_x.begins, 0.7 / 4 - kRadius, 1e-9);
+  EXPECT_NEAR(along_x.ends, 0.7 / 4 + kRadius, 1e-9);
+  EXPECT_NEAR(along_y.begins, 0.2 / 3 - kRadius, 1e-9);
+  EXPECT_NEAR(along_y.ends, 0.2 / 3 + kRadius, 1e-9);
+  const double volume = (0.7 * 0.2 - std::numbers::pi * kRadius * kRadius) * kThick;
+  EXPECT_NEAR(VolumeOf(made, board) / volume, 1, 1e-6);
+  ExpectSound(made);
+}
+
+// A bracket whose bolts are 60 mm apart does not hold the board that they run through.
+TEST(HeldLevels, LetABoardGrowUnderABracket) {
+  TopoDS_Shape bracket = BoxAt(0.08, 0.08, kThick, 0.1, 0.04, 0.003);
+  for (const double x : {0.1, 0.16}) bracket = Less(bracket, Upright(x, 0.1, -1, 1, kRadius));
+  ASSERT_OK_AND_ASSIGN(
+      const auto made,
+      ParametricAssembly::Create(
+          Named("shelf", {Board({{0.1, 0.1}, {0.16, 0.1}}), Bought(Drawn("bracket", bracket)),
+                          Bought(Rod("bolt 1", 0.1, 0.1)), Bought(Rod("bolt 2", 0.16, 0.1))})));
+  ASSERT_OK_AND_ASSIGN(
+      const Adjustment larger,
+      made.Adjust(made.drawn(), {{{"board", Axis::kX}, 0.7}}, Insistence::kStrict));
+  const PlacedPart board = made.PartsAt(larger.q).front();
+  const Bore first = BoreOf(board, 0, 0), second = BoreOf(board, 0, 1);
+  EXPECT_NEAR(second.begins - first.begins, 0.06, 1e-9);
+  EXPECT_NEAR(first.ends - first.begins, 2 * kRadius, 1e-9);
+  EXPECT_NEAR(second.ends - second.begins, 2 * kRadius, 1e-9);
+  ExpectSound(made);
+}
+
+// With 0.4 mm of play all round: as bolts have it.
+TEST(HeldLevels, KeepThePlayOfBolts) {
+  constexpr double kPlay = 0.0004;
+  ASSERT_OK_AND_ASSIGN(
+      const auto made,
+      ParametricAssembly::Create(
+          Named("board", {Board({{0.1, 0.1}, {0.3, 0.2}}, kRadius + kPlay),
+                          Bought(Rod("bolt 1", 0.1, 0.1)), Bought(Rod("bolt 2", 0.3, 0.2)),
+                          Boxed("nut 1", {0.08, 0.08, kThick}, {0.04, 0.04, 0.01}),
+                          Boxed("nut 2", {0.28, 0.18, kThick}, {0.04, 0.04, 0.01})})));
+  ASSERT_OK_AND_ASSIGN(
+      const Adjustment larger,
+      made.Adjust(made.drawn(), {{{"board", Axis::kX}, 0.6}}, Insistence::kStrict));
+  const std::vector<PlacedPart> parts = made.PartsAt(larger.q);
+  for (const std::size_t index : {0U, 1U}) {
+    const Bore bore = BoreOf(parts[0], 0, index);
+    EXPECT_NEAR(bore.ends - bore.begins, 2 * (kRadius + kPlay), 1e-9);
+    EXPECT_NEAR(parts[1 + index].box.minimum.x() - parts[0].box.minimum.x() - bore.begins, kPlay,
+                1e-9);
+  }
+}
+
+TEST(HeldLevels, KeepEmptyBoresAsWideAsDrawn) {
+  ASSERT_OK_AND_ASSIGN(const auto made,
+                       ParametricAssembly::Create(
+                           Named("board", {Board({{0.1, 0.1}, {0.3, 0.25}}),
+                                           Boxed("box", {0, 0, kThick}, {0.05, 0.05, 0.05})})));
+  ASSERT_OK_AND_ASSIGN(
+      const Adjustment larger,
+      made.Adjust(made.drawn(), {{{"board", Axis::kX}, 0.8}, {{"board", Axis::kY}, 0.2}},
+                  Insistence::kStrict));
+  const PlacedPart board = made.PartsAt(larger.q).front();
+  for (const int axis : {0, 1}) {
+    for (const std::size_t index : {0U, 1U}) {
+      const Bore bore = BoreOf(board, axis, index);
+      EXPECT_NEAR(bore.ends - bore.begins, 2 * kRadius, 1e-9);
+    }
+  }
+  EXPECT_NEAR(BoreOf(board, 0, 1).begins, 0.8 * 3 / 4 - kRadius, 1e-9);
+  const double volume = (0.8 * 0.2 - 2 * std::numbers::pi * kRadius * kRadius) * kThick;
+  EXPECT_NEAR(VolumeOf(made, board) / volume, 1, 1e-6);
+}
+
+// A rod of no item stays round, and its bore as wide as it.
+TEST(HeldLevels, FollowARodThatGrows) {
+  ASSERT_OK_AND_ASSIGN(const auto made, ParametricAssembly::Create(Named(
+                                            "rack", {Board({{0.1, 0.1}}), Rod("rod", 0.1, 0.1)})));
+  ASSERT_OK_AND_ASSIGN(
+      const Adjustment thicker,
+      made.Adjust(made.drawn(), {{{"rod", Axis::kX}, 0.024}}, Insistence::kStrict));
+  const std::vector<PlacedPart> parts = made.PartsAt(thicker.q);
+  EXPECT_NEAR(parts[1].box.size().y(), 0.024, 1e-9);
+  for (const int axis : {0, 1}) {
+    const Bore bore = BoreOf(parts[0], axis);
+    EXPECT_NEAR(bore.ends - bore.begins, 0.024, 1e-9);
+    EXPECT_NEAR(bore.size, axis == 0 ? 0.4 : 0.3, 1e-9) << "the board stays as it is";
+  }
+  ExpectSound(made);
+}
+
+// A rail with tenons of 30 mm in bought posts of 60 × 60: its length is free, and the tenons stay
+// as long as the mortises are deep.
+TEST(HeldLevels, LetARailGrowBetweenPosts) {
+  const TopoDS_Shape tongue = BoxAt(0.03, 0.02, 0.12, 0.46, 0.02, 0.06);
+  const TopoDS_Shape rail =
+      BRepAlgoAPI_Fuse(BoxAt(0.06, 0.01, 0.1, 0.4, 0.04, 0.1), tongue).Shape();
+  const auto post = [&](const std::string& name, double x) {
+    AssemblyPart part = Drawn(name, Less(BoxAt(x, 0, 0, 0.06, 0.06, 0.3), tongue));
+    for (const std::size_t axis : {0U, 1U}) part.limits[axis] = {0.06, 0.06};
+    return part;
+  };
+  ASSERT_OK_AND_ASSIGN(const auto made,
+                       ParametricAssembly::Create(Named(
+                           "frame", {Drawn("rail", rail), post("left", 0), post("right", 0.46)})));
+  ASSERT_OK_AND_ASSIGN(const Adjustment longer,
+                       made.Adjust(made.drawn(), {{{"rail", Axis::kX}, 0.8}}, Insistence::kStrict));
+  const std::vector<PlacedPart> parts = made.PartsAt(longer.q);
+  const Bore body = BoreOf(parts[0], 0);
+  EXPECT_NEAR(body.begins, 0.03, 1e-9);
+  EXPECT_NEAR(body.size - body.ends, 0.03, 1e-9);
+  EXPECT_NEAR(parts[2].box.minimum.x() - parts[1].box.maximum.x(), 0.8 - 0.06, 1e-9);
+  ExpectSound(made);
+}
+
+// What lies across bores that overlap is one piece, which goes by the larger thing in it.
+TEST(HeldLevels, KeepBoresThatOverlapTogether) {
+  ASSERT_OK_AND_ASSIGN(const auto made, ParametricAssembly::Create(
+                                            Named("board", {Board({{0.1, 0.1}, {0.11, 0.2}}),
+                                                            Bought(Rod("rod 1", 0.1, 0.1)),
+                                                            Bought(Rod("rod 2", 0.11, 0.2))})));
+  EXPECT_THAT(made.HeldSizes(), IsEmpty());
+  ASSERT_OK_AND_ASSIGN(
+      const Adjustment larger,
+      made.Adjust(made.drawn(), {{{"board", Axis::kX}, 0.7}}, Insistence::kStrict));
+  const std::vector<PlacedPart> parts = made.PartsAt(larger.q);
+  EXPECT_NEAR(parts[2].box.minimum.x() - parts[1].box.minimum.x(), 0.01, 1e-9);
+  ExpectSound(made);
+}
+
+// At infinitely many parameters nobody asks for, as at these, shapes are stretched as a whole.
+TEST(HeldLevels, GiveWayWhereADesignIsNone) {
+  ASSERT_OK_AND_ASSIGN(const auto made,
+                       ParametricAssembly::Create(
+                           Named("rack", {Board({{0.1, 0.1}}), Bought(Rod("rod", 0.1, 0.1))})));
+  Eigen::VectorXd q = made.drawn();
+  q[CenterVariable(1, Axis::kX)] += 1;
+  const std::vector<PlacedPart> parts = made.PartsAt(q);
+  EXPECT_TRUE(parts[0].stretch.IsInProportion(0));
+  EXPECT_FALSE(parts[0].stretch.IsInProportion(1));
+}
+
+}  // namespace
+}  // namespace mortise::parametric

@@ -1,0 +1,113 @@
+// What is taken to stand as drawn does.
+#include "common/parametric/meeting_region.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "common/mesh/proximity.h"
+#include "common/mesh/shape_levels.h"
+#include "common/parametric/linear_design.h"
+#include "tests/unit/common/parametric/drawn_parts.h"
+
+namespace mortise::parametric {
+namespace {
+
+using cad::BoxAt;
+using cad::Upright;
+
+constexpr double kTolerance = 1e-6;
+constexpr double kSame = 1e-9;
+
+// A board of 400 × 300 × 18 mm with a bore of 16 mm at (100, 100), and a rod through it.
+class RodInBoard : public ::testing::Test {
+ protected:
+  RodInBoard()
+      : board_(
+            Drawn("board", Less(BoxAt(0, 0, 0, 0.4, 0.3, 0.018), Upright(0.1, 0.1, -1, 1, 0.008)))),
+        rod_(Drawn("rod", Upright(0.1, 0.1, -0.03, 0.05, 0.008))),
+        region_(board_.box, board_.shape.get(), rod_.box, rod_.shape.get(), kTolerance) {}
+
+  // The board longer along x, its bore at `middle` and `wide`.
+  StretchedPart Board(double middle, double wide) const {
+    const Eigen::Vector3d size(0.7, 0.3, 0.018);
+    StretchedPart board{{{0, 0, 0}, size}, size};
+    board.stretch.levels[0] = {{0.092 / 0.4 - 0.5, middle - wide / 2 - 0.35},
+                               {0.108 / 0.4 - 0.5, middle + wide / 2 - 0.35}};
+    return board;
+  }
+  static StretchedPart Rod(double x, double from, double to) {
+    const BoundingBox box{{x - 0.008, 0.092, from}, {x + 0.008, 0.108, to}};
+    return {box, box.size()};
+  }
+  bool StandsAsDrawn(const StretchedPart& board, const StretchedPart& rod) const {
+    return region_.StandsAsDrawn(board, rod, kSame);
+  }
+
+  const AssemblyPart board_, rod_;
+  const MeetingRegion region_;
+};
+
+TEST_F(RodInBoard, StandsAsDrawnWhereverTheBoreGoesWithTheRod) {
+  EXPECT_TRUE(StandsAsDrawn(Board(0.1, 0.016), Rod(0.1, -0.03, 0.05)));
+  EXPECT_TRUE(StandsAsDrawn(Board(0.5, 0.016), Rod(0.5, -0.03, 0.05)));
+  EXPECT_TRUE(StandsAsDrawn(Board(0.5, 0.016), Rod(0.5, -0.2, 0.02))) << "another length";
+}
+
+TEST_F(RodInBoard, IsLookedAtWhereItDoesNot) {
+  EXPECT_FALSE(StandsAsDrawn(Board(0.5, 0.016), Rod(0.5001, -0.03, 0.05))) << "moved";
+  EXPECT_FALSE(StandsAsDrawn(Board(0.5, 0.017), Rod(0.5, -0.03, 0.05))) << "too wide a bore";
+  EXPECT_FALSE(StandsAsDrawn(Board(0.5, 0.016), Rod(0.5, 0.01, 0.05))) << "not through it";
+  EXPECT_FALSE(StandsAsDrawn(Board(0.5, 0.016), Rod(0.5, 0.1, 0.2))) << "above it";
+}
+
+// A rod with a groove does not go straight on where the board is.
+TEST(MeetingRegion, OfWhatIsNotStraightIsLookedAt) {
+  const AssemblyPart board =
+      Drawn("board", Less(BoxAt(0, 0, 0, 0.4, 0.3, 0.018), Upright(0.1, 0.1, -1, 1, 0.006)));
+  const TopoDS_Shape ring =
+      Less(Upright(0.1, 0.1, 0, 0.018, 0.02), Upright(0.1, 0.1, -1, 1, 0.006));
+  const AssemblyPart rod = Drawn("rod", Less(Upright(0.1, 0.1, -0.03, 0.05, 0.008), ring));
+  const MeetingRegion region(board.box, board.shape.get(), rod.box, rod.shape.get(), kTolerance);
+  const StretchedPart as_drawn{board.box, board.box.size()};
+  StretchedPart longer{rod.box, rod.box.size()};
+  EXPECT_TRUE(region.StandsAsDrawn(as_drawn, longer, kSame));
+  longer.box.maximum.z() += 0.05;
+  longer.stretch = longer.box.size();
+  EXPECT_FALSE(region.StandsAsDrawn(as_drawn, longer, kSame));
+}
+
+TEST(MeetingRegion, IsNoneBetweenWhatIsApart) {
+  const BoundingBox one{{0, 0, 0}, {1, 1, 1}}, other{{2, 0, 0}, {3, 1, 1}};
+  const MeetingRegion region(one, nullptr, other, nullptr, kTolerance);
+  EXPECT_FALSE(region.StandsAsDrawn({one, one.size()}, {other, other.size()}, kSame));
+}
+
+// Whatever is done to a rod and its board: what is said to stand as drawn is neither apart nor in
+// each other by more than as drawn.
+TEST_F(RodInBoard, IsRightAboutRandomStretches) {
+  std::mt19937_64 random(7);
+  const auto between = [&](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random);
+  };
+  const mesh::DrawnShape divided =
+      mesh::DividedAt(*board_.shape, {{0, 0.092 / 0.4 - 0.5, true}, {0, 0.108 / 0.4 - 0.5, true}});
+  const double missed = 2 * mesh::DeflectionIn(*board_.shape, board_.box.size());
+  int stand = 0;
+  for (int trial = 0; trial < 120; ++trial) {
+    const double middle = between(0.05, 0.65);
+    const StretchedPart board = Board(middle, trial % 3 == 0 ? 0.02 : 0.016);
+    const double from = between(-0.05, 0.03);
+    const StretchedPart rod =
+        Rod(middle + (trial % 4 == 0 ? between(-0.02, 0.02) : 0), from, from + between(0.001, 0.1));
+    if (!StandsAsDrawn(board, rod)) continue;
+    ++stand;
+    const mesh::ProbedSurface a(SurfaceIn(divided, board.box.center(), board.stretch));
+    const mesh::ProbedSurface b(SurfaceIn(*rod_.shape, rod.box.center(), rod.stretch));
+    EXPECT_NEAR(mesh::ProbedSurface::Separation(a, b, 1), 0, missed);
+  }
+  EXPECT_GE(stand, 10);
+}
+
+}  // namespace
+}  // namespace mortise::parametric
