@@ -177,7 +177,13 @@ TopoDS_Shape AsDrawn(const mesh::DrawnShape& shape) {
 }
 
 bool IsAsDrawn(const mesh::DrawnShape& shape, const mesh::BoxStretch& stretch) {
-  return stretch.IsInProportion() && (stretch.size - shape.size).cwiseAbs().maxCoeff() <= kSameSize;
+  if ((stretch.size - shape.size).cwiseAbs().maxCoeff() > kSameSize) return false;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const mesh::LevelPlace& level : stretch.levels[static_cast<std::size_t>(axis)]) {
+      if (std::abs(level.place - level.fraction * shape.size[axis]) > kSameSize) return false;
+    }
+  }
+  return true;
 }
 
 absl::StatusOr<Solid> InBox(const mesh::DrawnShape& shape, const mesh::BoxStretch& stretch,
