@@ -29,6 +29,7 @@ constexpr std::size_t kMostPlanes = 4;  // along an axis
 constexpr int kMostFaults = 5;          // told of one surface
 constexpr int kMostIntersections = 3;
 
+const char* const kUnknownFace = "surface";  // of a mesh, but for what lies in its box's faces
 const char* const kBoxFaces[3][2] = {{"x_min", "x_max"}, {"y_min", "y_max"}, {"z_min", "z_max"}};
 
 std::string PlaceText(const Eigen::Vector3d& place) {
@@ -163,12 +164,29 @@ void NameBoxFaces(DrawnShape& shape) {
   }
 }
 
+// Of each face, whether it is level along an axis as a whole: a strip of a curved one is no plane.
+// Of what is only triangles, all that lies in no face of the box is one face, of which nothing can
+// be told.
+std::vector<bool> LevelFaces(const DrawnShape& shape, int axis) {
+  std::vector<bool> is_level(shape.face_names.size(), true);
+  for (Eigen::Index t = 0; t < shape.triangles.cols(); ++t) {
+    const auto face = static_cast<std::size_t>(shape.triangle_face(t));
+    if (shape.face_names[face].front() == kUnknownFace) continue;
+    const auto height = [&](int k) { return shape.fractions(axis, shape.triangles(k, t)); };
+    const auto [low, high] = std::minmax({height(0), height(1), height(2)});
+    if (high - low > kSamePlane) is_level[face] = false;
+  }
+  return is_level;
+}
+
 void FindPlanes(DrawnShape& shape) {
   shape.planes.clear();
   const char* const letters = "xyz";
   for (int axis = 0; axis < 3; ++axis) {
+    const std::vector<bool> is_level = LevelFaces(shape, axis);
     std::map<long long, std::pair<double, double>> areas;  // by rounded fraction: area, fraction
     for (Eigen::Index t = 0; t < shape.triangles.cols(); ++t) {
+      if (!is_level[static_cast<std::size_t>(shape.triangle_face(t))]) continue;
       const Eigen::Vector3d along(shape.fractions(axis, shape.triangles(0, t)),
                                   shape.fractions(axis, shape.triangles(1, t)),
                                   shape.fractions(axis, shape.triangles(2, t)));
@@ -241,7 +259,7 @@ absl::StatusOr<DrawnShape> ShapeOfMesh(const mesh::SurfaceMesh& surface) {
   if (surface.vertices.cols() == 0) return InvalidField("shape", "has no triangles");
   MORTISE_ASSIGN_OR_RETURN(
       DrawnShape shape,
-      MakeDrawnShape(surface, Eigen::VectorXi::Zero(surface.triangles.cols()), {"surface"},
+      MakeDrawnShape(surface, Eigen::VectorXi::Zero(surface.triangles.cols()), {kUnknownFace},
                      surface.vertices.rowwise().minCoeff(), surface.vertices.rowwise().maxCoeff()));
   MORTISE_RETURN_IF_ERROR(CheckOneSolid(surface));
   for (int axis = 0; axis < 3; ++axis) {

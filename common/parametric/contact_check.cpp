@@ -72,8 +72,9 @@ ContactCheck::ContactCheck(Assembly assembly, std::vector<Element> elements, dou
       tolerance_(tolerance),
       poses_(PosesOf(assembly_)),
       drawn_(DrawnParameters(assembly_, elements_)) {
+  const Parts drawn = PartsIn(poses_.front(), drawn_);
   for (std::size_t a = 0; a < elements_.size(); ++a) {
-    for (std::size_t b = a + 1; b < elements_.size(); ++b) AddRegion(a, b);
+    for (std::size_t b = a + 1; b < elements_.size(); ++b) AddRegions(a, b, drawn);
   }
   for (const Pose& pose : poses_) {
     const Parts parts = PartsIn(pose, drawn_);
@@ -141,39 +142,77 @@ absl::StatusOr<std::vector<ContactFault>> ContactCheck::FaultsAt(const Eigen::Ve
   return faults;
 }
 
-void ContactCheck::AddRegion(std::size_t a, std::size_t b) {
+void ContactCheck::AddRegions(std::size_t a, std::size_t b, const Parts& drawn) {
   const Element& one = elements_[a];
   const Element& other = elements_[b];
-  if (one.pattern || other.pattern || (one.shape == nullptr && other.shape == nullptr)) return;
-  const Eigen::Array3d apart =
-      one.box.minimum.cwiseMax(other.box.minimum) - one.box.maximum.cwiseMin(other.box.maximum);
-  if (apart.maxCoeff() > tolerance_) return;
-  regions_.try_emplace({a, b}, one.box, one.shape.get(), other.box, other.shape.get(), tolerance_);
+  if (one.shape == nullptr && other.shape == nullptr) return;
+  const auto apart = [](const BoundingBox& box_a, const BoundingBox& box_b) {
+    return (box_a.minimum.cwiseMax(box_b.minimum) - box_a.maximum.cwiseMin(box_b.maximum))
+        .maxCoeff();
+  };
+  if (apart(one.box, other.box) > tolerance_) return;
+  Regions regions{drawn[a].size(), drawn[b].size(), {}};
+  for (std::size_t i = 0; i < drawn[a].size(); ++i) {
+    for (std::size_t j = 0; j < drawn[b].size(); ++j) {
+      const BoundingBox box_a = BoxAround(drawn[a][i]), box_b = BoxAround(drawn[b][j]);
+      if (apart(box_a, box_b) > tolerance_) continue;
+      regions.of.try_emplace({i, j}, box_a, one.shape.get(), box_b, other.shape.get(), tolerance_);
+    }
+  }
+  if (!regions.of.empty()) regions_.emplace(std::pair(a, b), std::move(regions));
+}
+
+bool ContactCheck::StandAsDrawn(const Regions& regions, const Meeting& meeting,
+                                const std::vector<Part>& a, const std::vector<Part>& b) const {
+  const auto stand = [&](const Part& one, const Part& other, const MeetingRegion& region) {
+    return region.StandsAsDrawn({BoxAround(one), one.stretch}, {BoxAround(other), other.stretch},
+                                kSame * tolerance_);
+  };
+  const bool are_as_many = a.size() == regions.count_a && b.size() == regions.count_b;
+  // More or fewer parts of a pattern, all of which touch the one other: alike, each may stand to it
+  // as any of them was drawn.
+  const bool are_alike = meeting.all_of_first && meeting.all_of_second &&
+                         std::min(a.size(), b.size()) == 1 &&
+                         std::min(regions.count_a, regions.count_b) == 1 &&
+                         regions.of.size() == std::max(regions.count_a, regions.count_b);
+  if (!are_as_many && !are_alike) return false;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      const auto own = regions.of.find({i, j});
+      const bool is_as_drawn =
+          !are_as_many              ? std::any_of(regions.of.begin(), regions.of.end(),
+                                                  [&](const auto& any) { return stand(a[i], b[j], any.second); })
+          : own != regions.of.end() ? stand(a[i], b[j], own->second)
+                                    : Separation(a[i].box, b[j].box) > tolerance_;
+      if (!is_as_drawn) return false;
+    }
+  }
+  return true;
 }
 
 bool ContactCheck::StandAsDrawn(std::size_t pose, std::size_t a, std::size_t b,
                                 const Parts& parts) const {
+  const auto regions = regions_.find({a, b});
+  if (poses_[pose].joint < 0 && regions != regions_.end() &&
+      StandAsDrawn(regions->second, meetings_[pose][PairIndex(a, b)], parts[a], parts[b])) {
+    return true;
+  }
   if (elements_[a].pattern || elements_[b].pattern) return false;
   const Part& part_a = parts[a].front();
   const Part& part_b = parts[b].front();
+  if (!part_a.stretch.IsInProportion() || !part_b.stretch.IsInProportion()) return false;
   const OrientedBox& box_a = part_a.box;
   const OrientedBox& box_b = part_b.box;
-  const auto region = regions_.find(std::minmax(a, b));
-  if (poses_[pose].joint < 0 && region != regions_.end()) {
-    const auto stretched = [](const Part& part) -> StretchedPart {
-      const Eigen::Vector3d& half = part.box.half_size;
-      return {{part.box.center - half, part.box.center + half}, part.stretch};
-    };
-    if (region->second.StandsAsDrawn(stretched(part_a), stretched(part_b), kSame * tolerance_)) {
-      return true;
-    }
-  }
-  if (!part_a.stretch.IsInProportion() || !part_b.stretch.IsInProportion()) return false;
   const OrientedBox& drawn_a = boxes_[pose][a];
   const OrientedBox& drawn_b = boxes_[pose][b];
   const bool at_right_angles = IsAtRightAngles(box_a.axes) && IsAtRightAngles(box_b.axes);
   return (at_right_angles ? AreStretched : AreScaled)(box_a, box_b, drawn_a, drawn_b,
                                                       kSame * tolerance_);
+}
+
+// Of a part that no pose has turned.
+BoundingBox ContactCheck::BoxAround(const Part& part) {
+  return {part.box.center - part.box.half_size, part.box.center + part.box.half_size};
 }
 
 Eigen::AlignedBox3d ContactCheck::BoxAround(const std::vector<Part>& parts) {

@@ -91,6 +91,12 @@ class ContactCheck {
     bool intersected = false;
   };
 
+  // Where parts of two elements meet as drawn, by index among the parts of each.
+  struct Regions {
+    std::size_t count_a = 0, count_b = 0;  // parts as drawn
+    std::map<std::pair<std::size_t, std::size_t>, MeetingRegion> of;
+  };
+
   // How far two parts are apart, m; minus how deep they reach into each other. How deep is the dear
   // part of it for parts with shapes, and only asked for where it matters.
   double SeparationOf(const Part& a, const Part& b, bool how_deep) const;
@@ -98,8 +104,12 @@ class ContactCheck {
   // Whether one map stretches both, in a pose by its index, from where they are drawn: nothing can
   // be wrong between them that is not as drawn.
   bool StandAsDrawn(std::size_t pose, std::size_t a, std::size_t b, const Parts& parts) const;
-  // As drawn, unless one is a pattern, or both are boxes.
-  void AddRegion(std::size_t a, std::size_t b);
+  // Unless both elements are boxes.
+  void AddRegions(std::size_t a, std::size_t b, const Parts& drawn);
+  // Whether each two parts stand to each other as drawn, in the pose that was drawn.
+  bool StandAsDrawn(const Regions& regions, const Meeting& meeting, const std::vector<Part>& a,
+                    const std::vector<Part>& b) const;
+  static BoundingBox BoxAround(const Part& part);
   static Eigen::AlignedBox3d BoxAround(const std::vector<Part>& parts);
   // Pairs of elements that are not in every pose as they are in the drawn one: all in that, else
   // those of which one moves.
@@ -124,8 +134,8 @@ class ContactCheck {
   std::vector<std::vector<OrientedBox>> boxes_;        // as drawn, by pose, of elements
   std::vector<std::vector<Meeting>> meetings_;         // by pose, then PairIndex(a, b) of a <= b
   std::vector<std::array<Neighbours, 2>> neighbours_;  // of each element's pattern
-  // Of pairs with shapes that meet as drawn, by index of element, in the drawn pose.
-  std::map<std::pair<std::size_t, std::size_t>, MeetingRegion> regions_;
+  // Of pairs of elements of which one has a shape and parts meet as drawn, in the drawn pose.
+  std::map<std::pair<std::size_t, std::size_t>, Regions> regions_;
 };
 
 }  // namespace mortise::parametric

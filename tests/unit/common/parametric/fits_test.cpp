@@ -107,7 +107,9 @@ class Drawing {
     const double high = Length(0.25, 0.5), radius = Length(0.005, 0.012);
     const double play = OneIn(2) ? 0 : 0.0005;
     const double dx = Length(0.03, 0.08), dy = Length(0.03, 0.08);
-    const bool is_bought = OneIn(2);
+    const bool is_bought = OneIn(2), is_row = OneIn(2);
+    const gp_Pnt empty(w / 2 + Length(0, 0.05), d / 2, 0);
+    const double empty_radius = Length(0.004, 0.01);
     std::vector<AssemblyPart> parts;
     std::vector<gp_Pnt> at;
     for (int i = 0; i < rods; ++i) {
@@ -118,8 +120,11 @@ class Drawing {
       for (const gp_Pnt& foot : at) {
         board = Less(board, cad::Upright(foot.X(), foot.Y(), -1, 2, radius + play));
       }
-      board = Less(board, cad::Upright(w / 2 + Length(0, 0.05), d / 2, -1, 2, Length(0.004, 0.01)));
+      board = Less(board, cad::Upright(empty.X(), empty.Y(), -1, 2, empty_radius));
       parts.push_back(Drawn("board " + std::to_string(i + 1), board));
+      if (!is_row) continue;
+      parts.back().item = parts.front().item;
+      parts.back().shape = parts.front().shape;
     }
     for (int i = 0; i < rods; ++i) {
       const gp_Pnt& foot = at[static_cast<std::size_t>(i)];

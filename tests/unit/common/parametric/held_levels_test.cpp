@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <numbers>
+#include <tuple>
 
 #include "common/parametric/parametric_assembly.h"
 #include "tests/support/status_assertions.h"
@@ -188,6 +189,39 @@ TEST(HeldLevels, LetARailGrowBetweenPosts) {
   EXPECT_NEAR(body.begins, 0.03, 1e-9);
   EXPECT_NEAR(body.size - body.ends, 0.03, 1e-9);
   EXPECT_NEAR(parts[2].box.minimum.x() - parts[1].box.maximum.x(), 0.8 - 0.06, 1e-9);
+  ExpectSound(made);
+}
+
+// Three equal boards in a row, on two rods: the row is one element, whose bores follow all the
+// same.
+TEST(HeldLevels, AreThoseOfAllBoardsInARow) {
+  const TopoDS_Shape board =
+      Less(Less(BoxAt(0, 0, 0, 0.4, 0.3, kThick), Upright(0.1, 0.1, -1, 1, kRadius)),
+           Upright(0.3, 0.2, -1, 1, kRadius));
+  const AssemblyPart lowest = Drawn("board 1", board);
+  std::vector<AssemblyPart> parts = {lowest, lowest, lowest};
+  for (int i = 1; i < 3; ++i) {
+    AssemblyPart& part = parts[static_cast<std::size_t>(i)];
+    part.name = "board " + std::to_string(i + 1);
+    part.box.minimum.z() += 0.3 * i;
+    part.box.maximum.z() += 0.3 * i;
+  }
+  for (const auto& [name, x, y] : {std::tuple("rod 1", 0.1, 0.1), std::tuple("rod 2", 0.3, 0.2)}) {
+    parts.push_back(Bought(Drawn(name, Upright(x, y, -0.05, 0.7, kRadius))));
+  }
+  ASSERT_OK_AND_ASSIGN(const auto made, ParametricAssembly::Create(Named("rack", parts)));
+  EXPECT_EQ(made.elements().size(), 3U);
+  EXPECT_THAT(made.HeldSizes(), IsEmpty());
+  ASSERT_OK_AND_ASSIGN(
+      const Adjustment larger,
+      made.Adjust(made.drawn(), {{{"board 1", Axis::kX}, 0.8}, {{"board 1", Axis::kY}, 0.5}},
+                  Insistence::kStrict));
+  for (const PlacedPart& part : made.PartsAt(larger.q)) {
+    if (part.element != 0) continue;
+    const Bore along_x = BoreOf(part, 0, 1);
+    EXPECT_NEAR(along_x.begins, 0.6 - kRadius, 1e-9);
+    EXPECT_NEAR(along_x.ends, 0.6 + kRadius, 1e-9);
+  }
   ExpectSound(made);
 }
 
