@@ -99,8 +99,10 @@ bool MeetingRegion::KeepsOrder(const StretchedPart& a, const StretchedPart& b, i
     for (const double end_b : {of_b->from, of_b->to}) {
       const double drawn = end_a - end_b;
       const double now = Image(drawn_a_, a, axis, end_a) - Image(drawn_b_, b, axis, end_b);
-      const bool is_kept =
-          std::abs(drawn) <= tolerance_ ? std::abs(now - drawn) <= same : drawn * now > 0;
+      // At the ends of what is feasible they meet, which is neither apart nor in each other.
+      const bool is_kept = std::abs(drawn) <= tolerance_
+                               ? std::abs(now - drawn) <= same
+                               : std::copysign(1, drawn) * now >= -same;
       if (!is_kept) return false;
     }
   }
