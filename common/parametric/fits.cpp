@@ -143,8 +143,13 @@ class FitSearch {
   }
 
   // A level where a place of another element is, which it is in truth: triangles may miss it. It is
-  // as large a share of its element's size there, so that both stay together in every size.
+  // as large a share of its element's size there, so that both stay together in every size. What is
+  // stretched in pieces is exact, and what is between it and the place is meant.
   PosedPosition MovedOnto(const PosedPosition& place, const PosedPosition& level) const {
+    const auto& held = At(level.element).held_levels;
+    if (std::any_of(held.begin(), held.end(), [](const auto& along) { return !along.empty(); })) {
+      return level;
+    }
     const OrientedBox box = BoxIn(pose_, assembly_, elements_, level.element, drawn_);
     const LinearForm size = SizeAlong(level.element, box.axes, level.axis);
     PosedPosition moved = level;

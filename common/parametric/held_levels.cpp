@@ -38,6 +38,31 @@ struct Place {
   ElementPlane plane;
 };
 
+// The box of a round face of a part, as drawn in the design.
+BoundingBox BoxOf(const AssemblyPart& part, const mesh::RoundFace& face) {
+  Eigen::Vector3d half = Eigen::Vector3d::Constant(face.radius);
+  half[face.axis] = face.length / 2;
+  const Eigen::Vector3d factors = part.box.size().cwiseQuotient(part.shape->size);
+  const Eigen::Vector3d middle = part.box.center() + factors.cwiseProduct(face.middle);
+  half = half.cwiseProduct(factors);
+  return {middle - half, middle + half};
+}
+
+// Whether a box reaches into a bore along `along`, and fills it but for some play across. What is
+// in one place may be `near` apart, m.
+bool LiesIn(const BoundingBox& inner, const BoundingBox& bore, int along, double near) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const double low = inner.minimum[axis], high = inner.maximum[axis];
+    if (axis == along) {
+      if (low >= bore.maximum[axis] - near || high <= bore.minimum[axis] + near) return false;
+      continue;
+    }
+    if (low < bore.minimum[axis] - near || high > bore.maximum[axis] + near) return false;
+    if (kWidestPlay * (high - low) < bore.size()[axis]) return false;
+  }
+  return true;
+}
+
 // Holds the levels of one element along one axis.
 class LevelHolder {
  public:
@@ -69,7 +94,7 @@ class LevelHolder {
       Add(span.low, span.low_place);
       Add(span.high, span.high_place);
     }
-    HoldShoulders();
+    HoldEnds();
     HoldEmpty();
     if (Levels().empty()) return;
     KeepShares(held);
@@ -163,23 +188,12 @@ class LevelHolder {
     return spans;
   }
 
-  // The box of a round face, as drawn in the design.
-  BoundingBox BoxOf(const mesh::RoundFace& face) const {
-    const AssemblyPart& part = PartOf(element_);
-    Eigen::Vector3d half = Eigen::Vector3d::Constant(face.radius);
-    half[face.axis] = face.length / 2;
-    const Eigen::Vector3d factors = part.box.size().cwiseQuotient(part.shape->size);
-    const Eigen::Vector3d middle = part.box.center() + factors.cwiseProduct(face.middle);
-    half = half.cwiseProduct(factors);
-    return {middle - half, middle + half};
-  }
-
   void AddBore(const mesh::RoundFace& face, std::vector<Span>& spans) const {
-    const BoundingBox bore = BoxOf(face);
+    const BoundingBox bore = BoxOf(PartOf(element_), face);
     Span span{bore.minimum[Index()], bore.maximum[Index()], -1, {}, {}};
     double largest = 0;
     for (int other = 0; other < static_cast<int>(elements_.size()); ++other) {
-      if (!IsNeighbour(other) || !LiesIn(other, bore, face.axis)) continue;
+      if (!IsNeighbour(other) || !FitsInto(other, bore, face.axis)) continue;
       const double size = At(other).box.size()[Index()];
       if (size <= largest) continue;
       largest = size;
@@ -193,24 +207,15 @@ class LevelHolder {
   }
 
   // Whether an element lies in a bore along `along`, with little play.
-  bool LiesIn(int other, const BoundingBox& bore, int along) const {
-    const Element& inner = At(other);
-    const double near = NearTo(other);
-    for (int axis = 0; axis < 3; ++axis) {
-      const double low = inner.box.minimum[axis], high = inner.box.maximum[axis];
-      if (axis == along) {
-        if (low >= bore.maximum[axis] - tolerance_ || high <= bore.minimum[axis] + tolerance_) {
-          return false;
-        }
-        continue;
+  bool FitsInto(int other, const BoundingBox& bore, int along) const {
+    for (const int element : {element_, other}) {
+      for (int axis = 0; axis < 3; ++axis) {
+        // Parts of rows are somewhere in the boxes of these.
+        const auto& pattern = At(element).pattern;
+        if (axis != along && pattern && LeadsAlong(*pattern, axis)) return false;
       }
-      // Parts of rows are somewhere in the boxes of these.
-      if (inner.pattern && LeadsAlong(*inner.pattern, axis)) return false;
-      if (At(element_).pattern && LeadsAlong(*At(element_).pattern, axis)) return false;
-      if (low < bore.minimum[axis] - near || high > bore.maximum[axis] + near) return false;
-      if (kWidestPlay * (high - low) < bore.size()[axis]) return false;
     }
-    return true;
+    return LiesIn(At(other).box, bore, along, NearTo(other));
   }
 
   // Whether an element's box reaches into this one's, and does not only touch it.
@@ -280,13 +285,15 @@ class LevelHolder {
 
   // ---- What the shape fits into
 
-  // Whether the element, but along the axis, is no wider than the other where they meet.
-  bool Enters(int other) const {
-    const BoundingBox& own = At(element_).box;
+  // Whether an element, but along the axis, is no wider than another where they meet.
+  bool Enters(int element, int other) const {
+    const BoundingBox& own = At(element).box;
     const BoundingBox& box = At(other).box;
     for (int axis = 0; axis < 3; ++axis) {
       if (axis == Index()) continue;
-      if (At(other).pattern && LeadsAlong(*At(other).pattern, axis)) return false;
+      for (const int one : {element, other}) {
+        if (At(one).pattern && LeadsAlong(*At(one).pattern, axis)) return false;
+      }
       if (own.minimum[axis] < box.minimum[axis] - tolerance_ ||
           own.maximum[axis] > box.maximum[axis] + tolerance_) {
         return false;
@@ -301,17 +308,19 @@ class LevelHolder {
     });
   }
 
-  void HoldShoulders() {
+  // Shoulders against what the element enters, and bottoms of what is let into it.
+  void HoldEnds() {
     for (int other = 0; other < static_cast<int>(elements_.size()); ++other) {
       if (!IsNeighbour(other) || At(other).box.size()[Index()] >= size_ - tolerance_) continue;
-      if (!Enters(other)) continue;
+      const bool enters = Enters(element_, other);
+      if (!enters && !(Overlaps(other) && Enters(other, element_))) continue;
       for (const bool upper : {false, true}) {
         const Place face = BoxFace(other, upper);
         for (const double fraction : dividing_) {
           const double at = center_ + fraction * size_;
           if (std::abs(at - face.at) > NearTo(other) || IsInSpan(at)) continue;
           Add(at, Beside(other, face, at));
-          shoulders_.insert(fraction);
+          if (ends_.insert(fraction).second && !enters) bottoms_.emplace_back(fraction, other);
         }
       }
     }
@@ -355,21 +364,26 @@ class LevelHolder {
 
   std::string Label() const { return absl::StrCat("'", At(element_).name, "'"); }
 
-  // Middles of what fits in stay where they are in proportion.
+  // Middles of what fits in, and bottoms, stay where they are in proportion.
   void KeepShares(HeldLevels& held) const {
     int kept = 0;
-    for (const Span& span : spans_) {
-      if (span.by < 0) continue;
+    const auto keep = [&](int other, const LinearForm& place, double fraction) {
       ++held.fits[{At(element_).parts.front(), axis_}];
-      if (kept >= shares_kept_) continue;
+      if (kept >= shares_kept_) return;
       ++kept;
-      const double fraction = ((span.low + span.high) / 2 - center_) / size_;
       Relate(RelationshipKind::kProportion, true,
-             Combine(0.5, span.low_place, 0.5, span.high_place) -
-                 PositionOf(element_, {"", axis_, fraction, false}),
-             absl::StrCat("'", At(span.by).name, "' at its share of ", Label(), " along ",
+             place - PositionOf(element_, {"", axis_, fraction, false}),
+             absl::StrCat("'", At(other).name, "' at its share of ", Label(), " along ",
                           AxisName(axis_)),
              held);
+    };
+    for (const Span& span : spans_) {
+      if (span.by < 0) continue;
+      keep(span.by, Combine(0.5, span.low_place, 0.5, span.high_place),
+           ((span.low + span.high) / 2 - center_) / size_);
+    }
+    for (const auto& [fraction, other] : bottoms_) {
+      keep(other, PositionOf(elements_, element_, {"", axis_, fraction, false}), fraction);
     }
   }
 
@@ -390,8 +404,8 @@ class LevelHolder {
       const HeldLevel& high = ends[i + 1];
       if (IsSpan(low.fraction, high.fraction)) continue;
       const double share = kLeastShare * (high.fraction - low.fraction);
-      const bool is_tenon = (i == 0 && shoulders_.count(high.fraction) != 0) ||
-                            (i + 2 == ends.size() && shoulders_.count(low.fraction) != 0);
+      const bool is_tenon = (i == 0 && ends_.count(high.fraction) != 0) ||
+                            (i + 2 == ends.size() && ends_.count(low.fraction) != 0);
       LinearForm form = low.place - high.place;
       if (is_tenon) {
         form.constant += share * size_;
@@ -412,10 +426,11 @@ class LevelHolder {
   const Axis axis_;
   const double tolerance_;
   const int shares_kept_;
-  const double center_, size_;    // as drawn, m
-  std::vector<double> dividing_;  // fractions, in order
-  std::vector<Span> spans_;       // in order, apart from each other
-  std::set<double> shoulders_;    // fractions
+  const double center_, size_;                   // as drawn, m
+  std::vector<double> dividing_;                 // fractions, in order
+  std::vector<Span> spans_;                      // in order, apart from each other
+  std::set<double> ends_;                        // fractions of shoulders and bottoms
+  std::vector<std::pair<double, int>> bottoms_;  // fractions, and what is let in
 };
 
 // Elements that touch, or whose boxes overlap.
@@ -475,6 +490,34 @@ HeldLevels HoldLevels(const Assembly& assembly, std::vector<Element>& elements,
   }
   for (Element& element : elements) DivideShape(element);
   return held;
+}
+
+std::set<int> RowsInBoresOfOne(const Assembly& assembly, const std::vector<Element>& elements,
+                               double tolerance) {
+  const std::vector<int> element_of = ElementsOfParts(assembly, elements);
+  std::set<int> rows;  // elements
+  for (const AssemblyPart& bored : assembly.parts) {
+    if (bored.shape == nullptr) continue;
+    std::map<int, std::set<std::size_t>> within;  // parts, by their element
+    for (const mesh::RoundFace& face : mesh::RoundFacesOf(*bored.shape)) {
+      if (!face.is_hollow || !face.is_whole) continue;
+      const BoundingBox bore = BoxOf(bored, face);
+      for (std::size_t i = 0; i < assembly.parts.size(); ++i) {
+        const AssemblyPart& part = assembly.parts[i];
+        if (&part == &bored || !LiesIn(part.box, bore, face.axis, tolerance)) continue;
+        within[element_of[i]].insert(i);
+      }
+    }
+    for (const auto& [element, parts] : within) {
+      if (parts.size() > 1) rows.insert(element);
+    }
+  }
+  std::set<int> found;
+  for (const int row : rows) {
+    const std::vector<int>& parts = elements[static_cast<std::size_t>(row)].parts;
+    found.insert(parts.begin(), parts.end());
+  }
+  return found;
 }
 
 std::vector<Relationship> KeepRound(const Assembly& assembly, const std::vector<Element>& elements,

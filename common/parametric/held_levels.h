@@ -5,6 +5,7 @@
 
 #include <array>
 #include <map>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -33,16 +34,23 @@ struct HeldLevels {
 //   its share of the element's size, as far as Precautions::shares_kept says;
 // - a plane of a neighbour that the element, which is no wider, enters: what lies against it, a
 //   shoulder, goes by that plane;
+// - the end of a shorter neighbour that is let into the element: the bottom of its bore goes by it,
+//   and keeps its share as the middles of bores do;
 // - bores with nothing in them, up to half as wide as their element: they keep their width, and
 //   their middle its share.
 //
 // Bores that overlap along an axis go by the largest thing in them. What lies between two such
-// places, or beside the first and the last, keeps at least half its share; between a shoulder and
-// the end behind it, half its drawn length. In one place is what is apart by no more than
-// `tolerance`, m, and what triangles may miss. What an element's own drawing gives as play stays as
-// it is. O(p² f²) for p parts of f levels and planes.
+// places, or beside the first and the last, keeps at least half its share; between a shoulder or
+// bottom and the end beside it, half its drawn length. In one place is what is apart by no more
+// than `tolerance`, m, and what triangles may miss. What an element's own drawing gives as play
+// stays as it is. O(p² f²) for p parts of f levels and planes.
 HeldLevels HoldLevels(const Assembly& assembly, std::vector<Element>& elements,
                       const Contacts& contacts, double tolerance, const Precautions& precautions);
+
+// Parts of rows of which two or more lie in bores of one part: its bores go by them one by one, and
+// do not become more as the parts of a row do. O(f p) for p parts and f round faces.
+std::set<int> RowsInBoresOfOne(const Assembly& assembly, const std::vector<Element>& elements,
+                               double tolerance);
 
 // What is round about an axis of the design, from one side of its box to the other, stays so.
 std::vector<Relationship> KeepRound(const Assembly& assembly, const std::vector<Element>& elements,

@@ -3,6 +3,8 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <set>
+#include <utility>
 #include <vector>
 
 namespace mortise::parametric {
@@ -42,13 +44,15 @@ MeetingRegion::Reaches MeetingRegion::ReachesOf(const BoundingBox& box,
   Reaches reaches;
   if (shape == nullptr) {
     for (int axis = 0; axis < 3; ++axis) {
-      reaches[static_cast<std::size_t>(axis)] = {box.minimum[axis], box.maximum[axis]};
+      reaches[static_cast<std::size_t>(axis)] = {box.minimum[axis], box.maximum[axis], true};
     }
     return reaches;
   }
+  // Of what does not run along each axis, from where to where it reaches along it: of something
+  // straight, the two ends.
+  std::array<std::set<std::pair<double, double>>, 3> flat_ends;
   const Eigen::Matrix3Xd vertices =
       (box.size().asDiagonal() * shape->fractions).colwise() + box.center();
-  std::array<bool, 3> is_straight = {true, true, true};
   for (Eigen::Index t = 0; t < shape->triangles.cols(); ++t) {
     Eigen::Matrix3d corners;
     for (int k = 0; k < 3; ++k) corners.col(k) = vertices.col(shape->triangles(k, t));
@@ -58,22 +62,23 @@ MeetingRegion::Reaches MeetingRegion::ReachesOf(const BoundingBox& box,
     const Eigen::Array<bool, 3, 1> is_near = low <= region_->maximum.array() + tolerance_ &&
                                              high >= region_->minimum.array() - tolerance_;
     for (int axis = 0; axis < 3; ++axis) {
-      const auto index = static_cast<std::size_t>(axis);
-      // Beside the region, or along the axis: no end of anything.
       if (!is_near[(axis + 1) % 3] || !is_near[(axis + 2) % 3]) continue;
-      if (std::abs(normal[axis]) <= kParallel || !is_straight[index]) continue;
-      // Two flat ends, and nothing else.
-      is_straight[index] = high[axis] - low[axis] <= kParallel;
-      std::optional<Reach>& reach = reaches[index];
-      if (!reach) reach = Reach{low[axis], low[axis]};
-      const bool is_end = std::abs(low[axis] - reach->from) <= kParallel ||
-                          std::abs(low[axis] - reach->to) <= kParallel;
-      is_straight[index] &= is_end || reach->from == reach->to;
-      reach = Reach{std::min(reach->from, low[axis]), std::max(reach->to, low[axis])};
+      std::optional<Reach>& reach = reaches[static_cast<std::size_t>(axis)];
+      if (!reach) reach = Reach{low[axis], high[axis], true};
+      reach->from = std::min(reach->from, low[axis]);
+      reach->to = std::max(reach->to, high[axis]);
+      if (std::abs(normal[axis]) <= kParallel) continue;
+      flat_ends[static_cast<std::size_t>(axis)].insert({low[axis], high[axis]});
     }
   }
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    if (!is_straight[axis]) reaches[axis].reset();
+    if (!reaches[axis]) continue;
+    Reach& reach = *reaches[axis];
+    reach.is_straight = std::all_of(
+        flat_ends[axis].begin(), flat_ends[axis].end(), [&](const std::pair<double, double>& end) {
+          return end.second - end.first <= kParallel &&
+                 (end.first - reach.from <= kParallel || reach.to - end.second <= kParallel);
+        });
   }
   return reaches;
 }
@@ -89,6 +94,13 @@ bool MeetingRegion::IsOneMap(const StretchedPart& a, const StretchedPart& b, int
   });
 }
 
+// Of the distance of two ends. At the ends of what is feasible they meet, which is neither apart
+// nor in each other.
+bool MeetingRegion::IsKept(double drawn, double now, double same) const {
+  return std::abs(drawn) <= tolerance_ ? std::abs(now - drawn) <= same
+                                       : std::copysign(1, drawn) * now >= -same;
+}
+
 bool MeetingRegion::KeepsOrder(const StretchedPart& a, const StretchedPart& b, int axis,
                                double same) const {
   const auto index = static_cast<std::size_t>(axis);
@@ -97,16 +109,14 @@ bool MeetingRegion::KeepsOrder(const StretchedPart& a, const StretchedPart& b, i
   if (!of_a || !of_b) return false;
   for (const double end_a : {of_a->from, of_a->to}) {
     for (const double end_b : {of_b->from, of_b->to}) {
-      const double drawn = end_a - end_b;
       const double now = Image(drawn_a_, a, axis, end_a) - Image(drawn_b_, b, axis, end_b);
-      // At the ends of what is feasible they meet, which is neither apart nor in each other.
-      const bool is_kept = std::abs(drawn) <= tolerance_
-                               ? std::abs(now - drawn) <= same
-                               : std::copysign(1, drawn) * now >= -same;
-      if (!is_kept) return false;
+      if (!IsKept(end_a - end_b, now, same)) return false;
     }
   }
-  return true;
+  const bool covers_b = of_a->from <= of_b->from + tolerance_ && of_a->to >= of_b->to - tolerance_;
+  const bool covers_a = of_b->from <= of_a->from + tolerance_ && of_b->to >= of_a->to - tolerance_;
+  return (of_a->is_straight && of_b->is_straight) || (of_a->is_straight && covers_b) ||
+         (of_b->is_straight && covers_a);
 }
 
 bool MeetingRegion::StandsAsDrawn(const StretchedPart& a, const StretchedPart& b,

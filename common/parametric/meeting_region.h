@@ -28,19 +28,22 @@ class MeetingRegion {
   // Whether the parts, stretched so, stand to each other as drawn: along all axes both are
   // stretched by one map in the region, to within `same`, m; or along all but one, along which both
   // go straight on, as a rod does through its board, and begin and end in the order they did, at
-  // the same distance where they touch.
+  // the same distance where they touch. It is enough that one does, if it reaches beyond the other
+  // at both ends, as a pin does through a tube.
   // False also where that cannot be told. O(levels).
   bool StandsAsDrawn(const StretchedPart& a, const StretchedPart& b, double same) const;
 
  private:
-  // From where to where something goes straight along an axis, m, as drawn.
+  // From where to where a part reaches along an axis where the other is across it, m, as drawn.
   struct Reach {
     double from = 0, to = 0;
+    bool is_straight = true;
   };
   using Reaches = std::array<std::optional<Reach>, 3>;
 
   Reaches ReachesOf(const BoundingBox& box, const mesh::DrawnShape* shape) const;
   bool IsOneMap(const StretchedPart& a, const StretchedPart& b, int axis, double same) const;
+  bool IsKept(double drawn, double now, double same) const;
   bool KeepsOrder(const StretchedPart& a, const StretchedPart& b, int axis, double same) const;
 
   BoundingBox drawn_a_, drawn_b_;

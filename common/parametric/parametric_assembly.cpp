@@ -195,6 +195,7 @@ absl::StatusOr<ParametricAssembly> ParametricAssembly::Create(
 absl::Status ParametricAssembly::FindSoundFeasibleSet(const std::function<bool()>& is_given_up) {
   EasilyLost easily_lost;
   Remedies remedies;
+  remedies.lone = RowsInBoresOfOne(assembly_, MakeElements(assembly_, tolerance_), tolerance_);
   const auto has_more = [](auto& all, const auto& found) {
     const std::size_t known = all.size();
     all.insert(found.begin(), found.end());

@@ -225,6 +225,50 @@ TEST(HeldLevels, AreThoseOfAllBoardsInARow) {
   ExpectSound(made);
 }
 
+// Bought dowels in blind bores between two sides and a shelf: the shelf's length is free, and the
+// bores stay as deep as the dowels are long.
+TEST(HeldLevels, LetAShelfGrowBetweenDowels) {
+  const auto dowel = [](double x) {
+    return RodAlong(gp_Dir(1, 0, 0), gp_Pnt(x, 0.1, 0.2), 0.004, 0.03);
+  };
+  const auto side = [&](const std::string& name, double x, double at) {
+    AssemblyPart part = Drawn(name, Less(BoxAt(x, 0, 0, 0.018, 0.2, 0.4), dowel(at)));
+    part.limits[0] = {0.018, 0.018};
+    return part;
+  };
+  TopoDS_Shape shelf = BoxAt(0.018, 0, 0.191, 0.4, 0.2, 0.018);
+  for (const double x : {0.006, 0.4}) shelf = Less(shelf, dowel(x));
+  ASSERT_OK_AND_ASSIGN(const auto made,
+                       ParametricAssembly::Create(Named(
+                           "shelf", {side("left", 0, 0.006), side("right", 0.418, 0.4),
+                                     Drawn("shelf", shelf), Bought(Drawn("dowel 1", dowel(0.006))),
+                                     Bought(Drawn("dowel 2", dowel(0.4)))})));
+  ASSERT_OK_AND_ASSIGN(
+      const Adjustment longer,
+      made.Adjust(made.drawn(), {{{"shelf", Axis::kX}, 0.7}}, Insistence::kStrict));
+  const Bore bottoms = BoreOf(made.PartsAt(longer.q)[2], 0);
+  EXPECT_NEAR(bottoms.begins, 0.018, 1e-9);
+  EXPECT_NEAR(bottoms.size - bottoms.ends, 0.012 + 0.006, 1e-9);
+  ExpectSound(made);
+}
+
+// Pegs in a row in one board are taken one by one: a bore for each is there as drawn.
+TEST(HeldLevels, AreOnePegAfterTheOther) {
+  std::vector<std::pair<double, double>> places;
+  std::vector<AssemblyPart> parts;
+  for (int i = 0; i < 4; ++i) {
+    places.emplace_back(0.05 + 0.1 * i, 0.1);
+    parts.push_back(Bought(Rod("peg " + std::to_string(i + 1), 0.05 + 0.1 * i, 0.1)));
+    parts.back().item = "items/peg";
+    parts.back().shape = parts.front().shape;
+  }
+  parts.push_back(Board(places));
+  ASSERT_OK_AND_ASSIGN(const auto made, ParametricAssembly::Create(Named("rack", parts)));
+  EXPECT_EQ(made.elements().size(), 5U);
+  EXPECT_THAT(made.HeldSizes(), IsEmpty());
+  ExpectSound(made);
+}
+
 // What lies across bores that overlap is one piece, which goes by the larger thing in it.
 TEST(HeldLevels, KeepBoresThatOverlapTogether) {
   ASSERT_OK_AND_ASSIGN(const auto made, ParametricAssembly::Create(

@@ -77,6 +77,27 @@ TEST(MeetingRegion, OfWhatIsNotStraightIsLookedAt) {
   EXPECT_FALSE(region.StandsAsDrawn(as_drawn, longer, kSame));
 }
 
+// A pin through a tube reaches beyond it, however long it is.
+TEST(MeetingRegion, OfAPinThroughATubeStandsAsDrawn) {
+  const TopoDS_Shape bore = RodAlong(gp_Dir(0, 1, 0), gp_Pnt(0.1, -0.1, 0), 0.004, 0.2);
+  const TopoDS_Shape tube = Less(RodAlong(gp_Dir(1, 0, 0), gp_Pnt(0, 0, 0), 0.015, 0.3),
+                                 RodAlong(gp_Dir(1, 0, 0), gp_Pnt(-1, 0, 0), 0.013, 2));
+  const AssemblyPart bored = Drawn("tube", Less(tube, bore));
+  const AssemblyPart pin =
+      Drawn("pin", RodAlong(gp_Dir(0, 1, 0), gp_Pnt(0.1, -0.02, 0), 0.004, 0.04));
+  const MeetingRegion region(bored.box, bored.shape.get(), pin.box, pin.shape.get(), kTolerance);
+  const StretchedPart as_drawn{bored.box, bored.box.size()};
+  const auto pin_to = [&](double end) {
+    StretchedPart stretched{pin.box, {}};
+    stretched.box.maximum.y() = end;
+    stretched.stretch = stretched.box.size();
+    return stretched;
+  };
+  EXPECT_TRUE(region.StandsAsDrawn(as_drawn, pin_to(0.05), kSame));
+  EXPECT_TRUE(region.StandsAsDrawn(as_drawn, pin_to(0.016), kSame));
+  EXPECT_FALSE(region.StandsAsDrawn(as_drawn, pin_to(0.01), kSame)) << "it ends in the tube";
+}
+
 TEST(MeetingRegion, IsNoneBetweenWhatIsApart) {
   const BoundingBox one{{0, 0, 0}, {1, 1, 1}}, other{{2, 0, 0}, {3, 1, 1}};
   const MeetingRegion region(one, nullptr, other, nullptr, kTolerance);
