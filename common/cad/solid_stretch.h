@@ -18,7 +18,7 @@ namespace mortise::cad {
 //
 // In pieces, the solid lies in the box that the map is of, and every face that reaches across a
 // level runs along its axis there: a plane parallel to it, or what is swept along it, which keeps
-// its form. Null where that is not so, or where the volume is not `volume`, m³, to 1e-4.
+// its form. Null where that is not so, or where the volume is not `volume`, m³, to 1e-2.
 TopoDS_Shape StretchSolid(const TopoDS_Shape& solid, const StretchMap& map, double volume);
 
 // What to say of a solid for which that is null: the faces that have no exact form.

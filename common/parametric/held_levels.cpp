@@ -95,6 +95,7 @@ class LevelHolder {
       Add(span.high, span.high_place);
     }
     HoldEnds();
+    HoldDepths();
     HoldEmpty();
     if (Levels().empty()) return;
     KeepShares(held);
@@ -326,7 +327,28 @@ class LevelHolder {
     }
   }
 
-  // ---- Bores with nothing in them
+  // ---- Bores with nothing in them, or nothing at their bottom
+
+  // A blind bore is as deep as it is drawn, from the face of the box where it begins.
+  void HoldDepths() {
+    const AssemblyPart& part = PartOf(element_);
+    for (const mesh::RoundFace& face : mesh::RoundFacesOf(*part.shape)) {
+      if (!face.is_hollow || !face.is_whole || face.axis != Index()) continue;
+      const BoundingBox bore = BoxOf(part, face);
+      for (const bool upper : {false, true}) {
+        const Place begin = BoxFace(element_, upper);
+        const double mouth = (upper ? bore.maximum : bore.minimum)[Index()];
+        const double bottom = (upper ? bore.minimum : bore.maximum)[Index()];
+        const std::optional<double> fraction = Dividing(bottom);
+        if (!fraction || std::abs(mouth - begin.at) > tolerance_ || IsInSpan(bottom) ||
+            std::abs(bottom - begin.at) > kWidestAlone * size_) {
+          continue;
+        }
+        Add(bottom, Beside(element_, begin, bottom));
+        ends_.insert(*fraction);
+      }
+    }
+  }
 
   void HoldEmpty() {
     std::vector<std::pair<const Span*, LinearForm>>

@@ -37,7 +37,7 @@ struct HeldLevels {
 // - the end of a shorter neighbour that is let into the element: the bottom of its bore goes by it,
 //   and keeps its share as the middles of bores do;
 // - bores with nothing in them, up to half as wide as their element: they keep their width, and
-//   their middle its share.
+//   their middle its share; and blind ones with nothing at their bottom their depth.
 //
 // Bores that overlap along an axis go by the largest thing in them. What lies between two such
 // places, or beside the first and the last, keeps at least half its share; between a shoulder or

@@ -252,6 +252,23 @@ TEST(HeldLevels, LetAShelfGrowBetweenDowels) {
   ExpectSound(made);
 }
 
+// A blind bore of 40 mm in the end of a rail, with a dowel that is not as long: it stays as deep.
+TEST(HeldLevels, KeepBlindBoresAsDeepAsDrawn) {
+  const auto bore = [](double length) {
+    return RodAlong(gp_Dir(1, 0, 0), gp_Pnt(-0.01, 0.02, 0.02), 0.005, 0.01 + length);
+  };
+  ASSERT_OK_AND_ASSIGN(
+      const auto made,
+      ParametricAssembly::Create(
+          Named("rail", {Drawn("rail", Less(BoxAt(0, 0, 0, 0.5, 0.04, 0.04), bore(0.04))),
+                         Bought(Drawn("dowel", bore(0.035)))})));
+  ASSERT_OK_AND_ASSIGN(const Adjustment longer,
+                       made.Adjust(made.drawn(), {{{"rail", Axis::kX}, 0.9}}, Insistence::kStrict));
+  const PlacedPart rail = made.PartsAt(longer.q).front();
+  ASSERT_EQ(rail.stretch.levels[0].size(), 1U);
+  EXPECT_NEAR(rail.stretch.levels[0][0].place + 0.45, 0.04, 1e-9);
+}
+
 // Pegs in a row in one board are taken one by one: a bore for each is there as drawn.
 TEST(HeldLevels, AreOnePegAfterTheOther) {
   std::vector<std::pair<double, double>> places;
