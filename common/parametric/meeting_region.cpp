@@ -10,7 +10,8 @@
 namespace mortise::parametric {
 namespace {
 
-constexpr double kParallel = 1e-9;  // cosine of an angle
+constexpr double kParallel = 1e-9;  // cosine of an angle; m, of places that are one
+constexpr std::size_t kMostSteps = 16;
 
 // Where a place of the drawn part goes along an axis.
 double Image(const BoundingBox& drawn, const StretchedPart& part, int axis, double at) {
@@ -44,13 +45,14 @@ MeetingRegion::Reaches MeetingRegion::ReachesOf(const BoundingBox& box,
   Reaches reaches;
   if (shape == nullptr) {
     for (int axis = 0; axis < 3; ++axis) {
-      reaches[static_cast<std::size_t>(axis)] = {box.minimum[axis], box.maximum[axis], true};
+      const double from = box.minimum[axis], to = box.maximum[axis];
+      reaches[static_cast<std::size_t>(axis)] = {from, to, {from, to}};
     }
     return reaches;
   }
   // Of what does not run along each axis, from where to where it reaches along it: of something
-  // straight, the two ends.
-  std::array<std::set<std::pair<double, double>>, 3> flat_ends;
+  // straight, its steps.
+  std::array<std::set<std::pair<double, double>>, 3> ends;
   const Eigen::Matrix3Xd vertices =
       (box.size().asDiagonal() * shape->fractions).colwise() + box.center();
   for (Eigen::Index t = 0; t < shape->triangles.cols(); ++t) {
@@ -64,21 +66,23 @@ MeetingRegion::Reaches MeetingRegion::ReachesOf(const BoundingBox& box,
     for (int axis = 0; axis < 3; ++axis) {
       if (!is_near[(axis + 1) % 3] || !is_near[(axis + 2) % 3]) continue;
       std::optional<Reach>& reach = reaches[static_cast<std::size_t>(axis)];
-      if (!reach) reach = Reach{low[axis], high[axis], true};
+      if (!reach) reach = Reach{low[axis], high[axis], {}};
       reach->from = std::min(reach->from, low[axis]);
       reach->to = std::max(reach->to, high[axis]);
       if (std::abs(normal[axis]) <= kParallel) continue;
-      flat_ends[static_cast<std::size_t>(axis)].insert({low[axis], high[axis]});
+      ends[static_cast<std::size_t>(axis)].insert({low[axis], high[axis]});
     }
   }
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (!reaches[axis]) continue;
-    Reach& reach = *reaches[axis];
-    reach.is_straight = std::all_of(
-        flat_ends[axis].begin(), flat_ends[axis].end(), [&](const std::pair<double, double>& end) {
-          return end.second - end.first <= kParallel &&
-                 (end.first - reach.from <= kParallel || reach.to - end.second <= kParallel);
-        });
+    std::vector<double>& steps = reaches[axis]->steps;
+    for (const auto& [low, high] : ends[axis]) {
+      if (high - low > kParallel || steps.size() == kMostSteps) {
+        steps.clear();
+        break;
+      }
+      if (steps.empty() || low - steps.back() > kParallel) steps.push_back(low);
+    }
   }
   return reaches;
 }
@@ -107,16 +111,19 @@ bool MeetingRegion::KeepsOrder(const StretchedPart& a, const StretchedPart& b, i
   const std::optional<Reach>& of_a = reaches_a_[index];
   const std::optional<Reach>& of_b = reaches_b_[index];
   if (!of_a || !of_b) return false;
-  for (const double end_a : {of_a->from, of_a->to}) {
-    for (const double end_b : {of_b->from, of_b->to}) {
-      const double now = Image(drawn_a_, a, axis, end_a) - Image(drawn_b_, b, axis, end_b);
-      if (!IsKept(end_a - end_b, now, same)) return false;
-    }
-  }
+  const auto are_kept = [&](const std::vector<double>& ends_a, const std::vector<double>& ends_b) {
+    return std::all_of(ends_a.begin(), ends_a.end(), [&](double end_a) {
+      const double at_a = Image(drawn_a_, a, axis, end_a);
+      return std::all_of(ends_b.begin(), ends_b.end(), [&](double end_b) {
+        return IsKept(end_a - end_b, at_a - Image(drawn_b_, b, axis, end_b), same);
+      });
+    });
+  };
+  if (!of_a->steps.empty() && !of_b->steps.empty()) return are_kept(of_a->steps, of_b->steps);
   const bool covers_b = of_a->from <= of_b->from + tolerance_ && of_a->to >= of_b->to - tolerance_;
   const bool covers_a = of_b->from <= of_a->from + tolerance_ && of_b->to >= of_a->to - tolerance_;
-  return (of_a->is_straight && of_b->is_straight) || (of_a->is_straight && covers_b) ||
-         (of_b->is_straight && covers_a);
+  return ((covers_b && of_a->steps.size() == 2) || (covers_a && of_b->steps.size() == 2)) &&
+         are_kept({of_a->from, of_a->to}, {of_b->from, of_b->to});
 }
 
 bool MeetingRegion::StandsAsDrawn(const StretchedPart& a, const StretchedPart& b,

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <optional>
+#include <vector>
 
 #include "common/mesh/box_stretch.h"
 #include "common/mesh/drawn_shape.h"
@@ -27,9 +28,9 @@ class MeetingRegion {
 
   // Whether the parts, stretched so, stand to each other as drawn: along all axes both are
   // stretched by one map in the region, to within `same`, m; or along all but one, along which both
-  // go straight on, as a rod does through its board, and begin and end in the order they did, at
-  // the same distance where they touch. It is enough that one does, if it reaches beyond the other
-  // at both ends, as a pin does through a tube.
+  // go straight on from step to step, as a rod and its board do, and all steps are in the order
+  // they were, at the same distance where they touch. It is enough that one goes straight on, if it
+  // reaches beyond the other at both ends, as a pin does through a tube.
   // False also where that cannot be told. O(levels).
   bool StandsAsDrawn(const StretchedPart& a, const StretchedPart& b, double same) const;
 
@@ -37,7 +38,9 @@ class MeetingRegion {
   // From where to where a part reaches along an axis where the other is across it, m, as drawn.
   struct Reach {
     double from = 0, to = 0;
-    bool is_straight = true;
+    // Where it begins and ends, or does so in part, as a board does at the bottom of a blind bore;
+    // in between it goes straight on. Empty if it does not.
+    std::vector<double> steps;
   };
   using Reaches = std::array<std::optional<Reach>, 3>;
 

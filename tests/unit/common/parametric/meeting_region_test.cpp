@@ -77,6 +77,25 @@ TEST(MeetingRegion, OfWhatIsNotStraightIsLookedAt) {
   EXPECT_FALSE(region.StandsAsDrawn(as_drawn, longer, kSame));
 }
 
+// A peg of 80 mm in a blind bore that is as deep as it reaches into the board.
+TEST(MeetingRegion, OfAPegInABlindBoreStandsAsDrawn) {
+  const TopoDS_Shape bore = RodAlong(gp_Dir(0, 1, 0), gp_Pnt(0.1, -0.066, 0.05), 0.006, 0.08);
+  const AssemblyPart board = Drawn("board", Less(BoxAt(0, 0, 0, 0.3, 0.019, 0.09), bore));
+  const AssemblyPart peg = Drawn("peg", bore);
+  const MeetingRegion region(board.box, board.shape.get(), peg.box, peg.shape.get(), kTolerance);
+  const StretchedPart as_drawn{board.box, board.box.size()};
+  const auto peg_from_to = [&](double from, double to) {
+    StretchedPart stretched{peg.box, {}};
+    stretched.box.minimum.y() = from;
+    stretched.box.maximum.y() = to;
+    stretched.stretch = stretched.box.size();
+    return stretched;
+  };
+  EXPECT_TRUE(region.StandsAsDrawn(as_drawn, peg_from_to(-0.03, 0.014), kSame));
+  EXPECT_FALSE(region.StandsAsDrawn(as_drawn, peg_from_to(-0.066, 0.015), kSame)) << "into wood";
+  EXPECT_FALSE(region.StandsAsDrawn(as_drawn, peg_from_to(-0.066, 0.013), kSame)) << "not at it";
+}
+
 // A pin through a tube reaches beyond it, however long it is.
 TEST(MeetingRegion, OfAPinThroughATubeStandsAsDrawn) {
   const TopoDS_Shape bore = RodAlong(gp_Dir(0, 1, 0), gp_Pnt(0.1, -0.1, 0), 0.004, 0.2);
