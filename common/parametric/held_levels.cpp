@@ -63,12 +63,25 @@ bool LiesIn(const BoundingBox& inner, const BoundingBox& bore, int along, double
   return true;
 }
 
+// Of shapes, each looked at once: many parts share one.
+class RoundFaces {
+ public:
+  const std::vector<mesh::RoundFace>& Of(const mesh::DrawnShape& shape) {
+    const auto [found, is_new] = known_.try_emplace(&shape);
+    if (is_new) found->second = mesh::RoundFacesOf(shape);
+    return found->second;
+  }
+
+ private:
+  std::map<const mesh::DrawnShape*, std::vector<mesh::RoundFace>> known_;
+};
+
 // Holds the levels of one element along one axis.
 class LevelHolder {
  public:
   LevelHolder(const Assembly& assembly, std::vector<Element>& elements,
               const std::set<std::pair<int, int>>& neighbours, int element, Axis axis,
-              double tolerance, int shares_kept)
+              double tolerance, int shares_kept, RoundFaces& round_faces)
       : assembly_(assembly),
         elements_(elements),
         neighbours_(neighbours),
@@ -82,6 +95,7 @@ class LevelHolder {
       if (place.plane.divides) dividing_.push_back(place.plane.fraction);
     }
     std::sort(dividing_.begin(), dividing_.end());
+    if (!dividing_.empty()) round_faces_ = &round_faces.Of(*PartOf(element).shape);
   }
 
   void Hold(HeldLevels& held) {
@@ -177,7 +191,7 @@ class LevelHolder {
 
   std::vector<Span> FindSpans() const {
     std::vector<Span> spans;
-    for (const mesh::RoundFace& face : mesh::RoundFacesOf(*PartOf(element_).shape)) {
+    for (const mesh::RoundFace& face : *round_faces_) {
       if (face.is_hollow && face.is_whole && face.axis != Index()) AddBore(face, spans);
     }
     for (int other = 0; other < static_cast<int>(elements_.size()); ++other) {
@@ -332,7 +346,7 @@ class LevelHolder {
   // A blind bore is as deep as it is drawn, from the face of the box where it begins.
   void HoldDepths() {
     const AssemblyPart& part = PartOf(element_);
-    for (const mesh::RoundFace& face : mesh::RoundFacesOf(*part.shape)) {
+    for (const mesh::RoundFace& face : *round_faces_) {
       if (!face.is_hollow || !face.is_whole || face.axis != Index()) continue;
       const BoundingBox bore = BoxOf(part, face);
       for (const bool upper : {false, true}) {
@@ -448,11 +462,12 @@ class LevelHolder {
   const Axis axis_;
   const double tolerance_;
   const int shares_kept_;
-  const double center_, size_;                   // as drawn, m
-  std::vector<double> dividing_;                 // fractions, in order
-  std::vector<Span> spans_;                      // in order, apart from each other
-  std::set<double> ends_;                        // fractions of shoulders and bottoms
-  std::vector<std::pair<double, int>> bottoms_;  // fractions, and what is let in
+  const double center_, size_;                                 // as drawn, m
+  std::vector<double> dividing_;                               // fractions, in order
+  const std::vector<mesh::RoundFace>* round_faces_ = nullptr;  // of what something divides
+  std::vector<Span> spans_;                                    // in order, apart from each other
+  std::set<double> ends_;                                      // fractions of shoulders and bottoms
+  std::vector<std::pair<double, int>> bottoms_;                // fractions, and what is let in
 };
 
 // Elements that touch, or whose boxes overlap.
@@ -491,6 +506,7 @@ HeldLevels HoldLevels(const Assembly& assembly, std::vector<Element>& elements,
   for (const PosedPair& pair : precautions.fitted) fitted.insert({pair.first, pair.second});
   const std::set<std::pair<int, int>> neighbours = NeighboursOf(elements, contacts, tolerance);
   HeldLevels held;
+  RoundFaces round_faces;
   for (const Axis axis : kAxes) {
     // What goes by others is larger than they are, whose own places are known by then.
     std::vector<int> order(elements.size());
@@ -506,7 +522,7 @@ HeldLevels HoldLevels(const Assembly& assembly, std::vector<Element>& elements,
       if (element.pattern && LeadsAlong(*element.pattern, static_cast<int>(axis))) continue;
       const auto kept = precautions.shares_kept.find({part, axis});
       LevelHolder(assembly, elements, neighbours, index, axis, tolerance,
-                  kept == precautions.shares_kept.end() ? kAll : kept->second)
+                  kept == precautions.shares_kept.end() ? kAll : kept->second, round_faces)
           .Hold(held);
     }
   }
@@ -518,10 +534,11 @@ std::set<int> RowsInBoresOfOne(const Assembly& assembly, const std::vector<Eleme
                                double tolerance) {
   const std::vector<int> element_of = ElementsOfParts(assembly, elements);
   std::set<int> rows;  // elements
+  RoundFaces round_faces;
   for (const AssemblyPart& bored : assembly.parts) {
     if (bored.shape == nullptr) continue;
     std::map<int, std::set<std::size_t>> within;  // parts, by their element
-    for (const mesh::RoundFace& face : mesh::RoundFacesOf(*bored.shape)) {
+    for (const mesh::RoundFace& face : round_faces.Of(*bored.shape)) {
       if (!face.is_hollow || !face.is_whole) continue;
       const BoundingBox bore = BoxOf(bored, face);
       for (std::size_t i = 0; i < assembly.parts.size(); ++i) {
@@ -545,12 +562,13 @@ std::set<int> RowsInBoresOfOne(const Assembly& assembly, const std::vector<Eleme
 std::vector<Relationship> KeepRound(const Assembly& assembly, const std::vector<Element>& elements,
                                     double tolerance) {
   std::vector<Relationship> kept;
+  RoundFaces round_faces;
   for (std::size_t e = 0; e < elements.size(); ++e) {
     const Element& element = elements[e];
     const AssemblyPart& part = assembly.parts[static_cast<std::size_t>(element.parts.front())];
     if (part.shape == nullptr) continue;
     const Eigen::Vector3d size = part.box.size();
-    for (const mesh::RoundFace& face : mesh::RoundFacesOf(*part.shape)) {
+    for (const mesh::RoundFace& face : round_faces.Of(*part.shape)) {
       const int a = (face.axis + 1) % 3, b = (face.axis + 2) % 3;
       if (face.is_hollow || !face.is_whole) continue;
       const auto is_across = [&](int axis) {
