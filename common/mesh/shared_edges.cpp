@@ -58,7 +58,7 @@ Eigen::Matrix3Xd TriangleNormals(const Eigen::Matrix3Xd& vertices,
     const Eigen::Vector3d corner = vertices.col(triangles(0, t));
     normals.col(t) = (vertices.col(triangles(1, t)) - corner)
                          .cross(vertices.col(triangles(2, t)) - corner)
-                         .normalized();
+                         .stableNormalized();
   }
   return normals;
 }

@@ -29,7 +29,7 @@ std::vector<std::vector<int>> ConnectedTriangles(Eigen::Index triangles,
                                                  const std::vector<SharedEdge>& edges,
                                                  absl::FunctionRef<bool(const SharedEdge&)> joins);
 
-// Outward normals of length 1, 3 × T.
+// Outward normals of length 1, 3 × T; zero where a triangle has no area.
 Eigen::Matrix3Xd TriangleNormals(const Eigen::Matrix3Xd& vertices,
                                  const Eigen::Matrix3Xi& triangles);
 

@@ -1,12 +1,12 @@
 #include "common/render/feature_edges.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numeric>
 
 #include "common/mesh/halfedge_mesh.h"
+#include "common/mesh/shared_edges.h"
 
 namespace mortise::render {
 
@@ -29,24 +29,12 @@ std::vector<int> MergeVertices(const Eigen::Matrix3Xd& vertices) {
   return representative;
 }
 
-Eigen::Matrix3Xd TriangleNormals(const Eigen::Matrix3Xd& vertices,
-                                 const Eigen::Matrix3Xi& triangles) {
-  Eigen::Matrix3Xd normals(3, triangles.cols());
-  for (Eigen::Index t = 0; t < triangles.cols(); ++t) {
-    const Eigen::Vector3d a = vertices.col(triangles(0, t));
-    const Eigen::Vector3d b = vertices.col(triangles(1, t));
-    const Eigen::Vector3d c = vertices.col(triangles(2, t));
-    normals.col(t) = (b - a).cross(c - a).stableNormalized();
-  }
-  return normals;
-}
-
 std::vector<FeatureEdge> FindFeatureEdges(
     const Eigen::Matrix3Xd& vertices, const Eigen::Matrix3Xi& triangles, double feature_angle,
     const std::function<bool(const Eigen::Vector3d&, const Eigen::Vector3d&)>& faces_eye) {
   const std::vector<int> merged = MergeVertices(vertices);
   const mesh::CutSurface surface(vertices, triangles.unaryExpr([&](int v) { return merged[v]; }));
-  const Eigen::Matrix3Xd normals = TriangleNormals(vertices, triangles);
+  const Eigen::Matrix3Xd normals = mesh::TriangleNormals(vertices, triangles);
   std::vector<bool> front(triangles.cols());
   for (Eigen::Index t = 0; t < triangles.cols(); ++t) {
     const Eigen::Vector3d centre = (vertices.col(triangles(0, t)) + vertices.col(triangles(1, t)) +

@@ -24,8 +24,4 @@ std::vector<FeatureEdge> FindFeatureEdges(
 // For each vertex, the index of the first vertex at the same position.
 std::vector<int> MergeVertices(const Eigen::Matrix3Xd& vertices);
 
-// Unit normal of each triangle; zero where it has no area.
-Eigen::Matrix3Xd TriangleNormals(const Eigen::Matrix3Xd& vertices,
-                                 const Eigen::Matrix3Xi& triangles);
-
 }  // namespace mortise::render

@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "common/mesh/shared_edges.h"
 #include "common/render/feature_edges.h"
 #include "common/render/rasterizer.h"
 #include "common/render/svg_plot.h"
@@ -114,7 +115,7 @@ Eigen::Matrix3Xd VertexNormals(const Shape& shape) {
 
 void FillShape(const Shape& shape, const Scene& scene, const Projection& projection,
                Rasterizer& raster) {
-  const Eigen::Matrix3Xd flat = TriangleNormals(shape.vertices, shape.triangles);
+  const Eigen::Matrix3Xd flat = mesh::TriangleNormals(shape.vertices, shape.triangles);
   const Eigen::Matrix3Xd round = shape.smooth ? VertexNormals(shape) : Eigen::Matrix3Xd();
   const bool by_scalar = shape.scalars.size() > 0;
   const double low = by_scalar ? scene.color_bar->minimum : 0;
