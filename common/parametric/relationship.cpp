@@ -34,6 +34,7 @@ class RelationshipSearch {
       if (pose.joint < 0) {
         Append(TieJoints(assembly_, elements_, positions, tolerance_));
         Append(TiePatterns(assembly_, elements_, contacts, tolerance_));
+        Append(TieFasteners(assembly_, elements_, contacts, tolerance_));
       }
       for (const Axis axis : kAxes) {
         FindLevel(pose, positions, axis);

@@ -23,7 +23,8 @@ enum class RelationshipKind {
   kOrder,       // a plane stays before another
   kSize,        // a size stays fixed, or within its limits
   kRepeat,      // two patterns that touch go on repeating together
-  kProportion,  // two elements stretch together: sizes and places stay in proportion
+  kProportion,  // two elements stretch together: sizes and places stay in proportion; or what
+                // fastens a bought part keeps its place on it
 };
 
 // "coplanar", "concentric", "symmetric", "order", "size", "repeat" or "proportion".
@@ -75,7 +76,9 @@ using Contacts = std::vector<std::pair<int, int>>;
 //   direction that separates their boxes best as drawn, which need not be an axis;
 // - what touches or lies in another's box and has a shape: where shapes turn back, they stay in one
 //   place or keep their order, so that what fits into each other goes on doing so (fits.h);
-// - proportion: parts that are to be fitted, as drawn or in a pose, stretch together;
+// - proportion: parts that are to be fitted, as drawn or in a pose, stretch together; fasteners
+// keep
+//   their place on bought parts (ties.h);
 // - size: the limits of the items;
 // - repeat: patterns that touch and are as often and as far apart along an axis stay so: what
 //   fastens each part of a row goes on doing that.

@@ -1,5 +1,6 @@
 #include "common/parametric/ties.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -16,6 +17,28 @@ void AddTie(RelationshipKind kind, LinearForm form, int group, std::string label
   if (form.terms.empty()) return;  // true whatever q is
   form.constant -= form.At(drawn);
   ties.push_back({kind, true, std::move(form), group, std::move(label)});
+}
+
+bool LeadsAlong(const Element& element, int axis) {
+  return element.pattern && parametric::LeadsAlong(*element.pattern, axis);
+}
+
+// Whether the item of an element's parts fixes all of their sizes.
+bool IsOfFixedSize(const Assembly& assembly, const Element& element) {
+  const AssemblyPart& part = assembly.parts[static_cast<std::size_t>(element.parts.front())];
+  return std::all_of(part.limits.begin(), part.limits.end(),
+                     [](const SizeLimits& limits) { return limits.minimum == limits.maximum; });
+}
+
+bool Overlap(const BoundingBox& a, const BoundingBox& b, double tolerance) {
+  const Eigen::Array3d overlap = a.maximum.cwiseMin(b.maximum) - a.minimum.cwiseMax(b.minimum);
+  return overlap.minCoeff() > tolerance;
+}
+
+// Whether one element lies within another along an axis, which it may be drawn to miss.
+bool LiesWithin(const BoundingBox& inner, const BoundingBox& outer, int axis, double tolerance) {
+  return inner.minimum[axis] >= outer.minimum[axis] - tolerance &&
+         inner.maximum[axis] <= outer.maximum[axis] + tolerance;
 }
 
 // Where `place` is drawn, at the distance of a position: a share of the element's size within it,
@@ -58,6 +81,45 @@ std::vector<Relationship> TiePatterns(const Assembly& assembly,
           LinearForm::Variable(SizeVariable(a, axis)) - LinearForm::Variable(SizeVariable(b, axis)),
           group, label, drawn, ties);
     }
+  }
+  return ties;
+}
+
+std::vector<Relationship> TieFasteners(const Assembly& assembly,
+                                       const std::vector<Element>& elements,
+                                       const Contacts& contacts, double tolerance) {
+  const Eigen::VectorXd drawn = DrawnParameters(assembly, elements);
+  std::vector<Relationship> ties;
+  const auto tie = [&](int fastener, int bought) {
+    const Element& one = elements[static_cast<std::size_t>(fastener)];
+    const Element& other = elements[static_cast<std::size_t>(bought)];
+    if (!one.connecting || !IsOfFixedSize(assembly, other) ||
+        !Overlap(one.box, other.box, tolerance)) {
+      return;
+    }
+    const AssemblyPart& part = assembly.parts[static_cast<std::size_t>(one.parts.front())];
+    for (const Axis axis : kAxes) {
+      const int index = static_cast<int>(axis);
+      if (axis == part.item_axes[0] || LeadsAlong(other, index) ||
+          !LiesWithin(one.box, other.box, index, tolerance)) {
+        continue;
+      }
+      const int group = LowestCommonGroup(assembly, one.group, other.group);
+      const std::string label = absl::StrCat("'", one.name, "' in its place on '", other.name,
+                                             "' along ", AxisName(axis));
+      AddTie(RelationshipKind::kProportion,
+             LinearForm::Variable(CenterVariable(fastener, axis)) -
+                 LinearForm::Variable(CenterVariable(bought, axis)),
+             group, label, drawn, ties);
+      if (LeadsAlong(one, index)) {
+        AddTie(RelationshipKind::kProportion, LinearForm::Variable(SizeVariable(fastener, axis)),
+               group, label, drawn, ties);
+      }
+    }
+  };
+  for (const auto& [a, b] : contacts) {
+    tie(a, b);
+    tie(b, a);
   }
   return ties;
 }

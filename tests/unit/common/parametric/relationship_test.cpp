@@ -7,7 +7,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
+#include <string>
+#include <tuple>
 
 #include "common/parametric/parametric_assembly.h"
 #include "tests/support/status_assertions.h"
@@ -299,6 +302,40 @@ TEST(RelationshipTest, ProminentPlanesAreTied) {
   for (const PlacedPart& part : made.PartsAt(higher.q)) {
     if (part.name == "shelf") {
       EXPECT_NEAR(part.box.minimum.z(), 1.2, 1e-9);
+    }
+  }
+}
+
+// A bought handle comes with its threads: wherever it goes, and however wide the front is, its two
+// screws are where these are.
+TEST(RelationshipTest, ScrewsStayInTheThreadsOfABoughtHandle) {
+  const auto fastener = [](const char* name, const Eigen::Vector3d& low,
+                           const Eigen::Vector3d& size) {
+    AssemblyPart part = FixedPart(name, low, low + size);
+    part.item = std::string("items/") + name;
+    part.item_axes = {Axis::kY, Axis::kX, Axis::kZ};
+    part.connecting = true;
+    return part;
+  };
+  Assembly drawer =
+      Named("drawer", {ResizablePart("front", {0, 0, 0}, {0.4, 0.018, 0.2}),
+                       fastener("handle", {0.12, -0.03, 0.09}, {0.16, 0.03, 0.02}),
+                       fastener("left screw", {0.136, -0.012, 0.096}, {0.008, 0.036, 0.008}),
+                       fastener("right screw", {0.250, -0.012, 0.097}, {0.008, 0.036, 0.008})});
+  drawer.parts[0].item = "items/panel";
+  ASSERT_OK_AND_ASSIGN(const auto made, ParametricAssembly::Create(drawer));
+  ASSERT_OK_AND_ASSIGN(std::vector<Eigen::VectorXd> designs, made.Sample(20, 1));
+  ASSERT_OK_AND_ASSIGN(
+      const Adjustment wider,
+      made.Adjust(made.drawn(), {{{"front", Axis::kX}, 0.7}}, Insistence::kStrict));
+  designs.push_back(wider.q);
+  for (const Eigen::VectorXd& q : designs) {
+    std::map<std::string, Eigen::Vector3d> center;
+    for (const PlacedPart& part : made.PartsAt(q)) center[part.name] = part.box.center();
+    for (const auto& [screw, x, z] :
+         {std::tuple("left screw", -0.06, 0.0), std::tuple("right screw", 0.054, 0.001)}) {
+      EXPECT_NEAR(center[screw].x() - center["handle"].x(), x, 1e-9);
+      EXPECT_NEAR(center[screw].z() - center["handle"].z(), z, 1e-9);
     }
   }
 }
