@@ -107,7 +107,7 @@ absl::Status ApplyDraft(const Draft& draft, const std::string& feature, const Nu
   const gp_Dir inwards = neutral.frame.Direction().Reversed();
   const gp_Pln plane(neutral.frame);
   for (std::size_t i = 0; i < found.faces.size(); ++i) {
-    maker.Add(found.faces[i], inwards, -numbers(draft.angle), plane);
+    maker.Add(found.faces[i], inwards, numbers(draft.angle), plane);
     if (!maker.AddDone()) {
       return InvalidField("draft.faces",
                           "a face cannot be leaned: only plane faces, cylinders and "

@@ -17,6 +17,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "common/cad/deferred_combination.h"
 #include "common/cad/feature_changes.h"
 #include "common/cad/feature_solids.h"
 #include "common/cad/named_body.h"
@@ -37,18 +38,12 @@ struct Repeatable {
   std::vector<NamedBody> solids;
 };
 
-// A combination that has been put off.
-struct Pending {
-  Operation operation = Operation::kCut;
-  std::size_t body = 0;
-  std::vector<NamedBody> solids;
-  std::string features;  // whose they are
-};
-
-// Whether making the feature looks at bodies as they are.
-bool ReadsFaces(const Feature& feature) {
-  if (const auto* sketch = std::get_if<Sketch>(&feature.kind)) return !sketch->plane.face.empty();
-  const bool only_adds = std::holds_alternative<Extrude>(feature.kind) ||
+// Whether making the feature looks at bodies as they are. Sketches and holes look at the plane of a
+// face at most (FrameOn).
+bool ReadsBodies(const Feature& feature) {
+  const bool only_adds = std::holds_alternative<Sketch>(feature.kind) ||
+                         std::holds_alternative<Hole>(feature.kind) ||
+                         std::holds_alternative<Extrude>(feature.kind) ||
                          std::holds_alternative<Revolve>(feature.kind) ||
                          std::holds_alternative<Sweep>(feature.kind) ||
                          std::holds_alternative<LinearPattern>(feature.kind) ||
@@ -79,17 +74,16 @@ class Regeneration {
 
   absl::Status Make(const Feature& feature) {
     feature_ = &feature;
-    if (ReadsFaces(feature)) MORTISE_RETURN_IF_ERROR(Flush());
+    if (ReadsBodies(feature)) MORTISE_RETURN_IF_ERROR(Flush());
     return std::visit(*this, feature.kind);
   }
 
   // Does what has been put off.
   absl::Status Flush() {
-    if (!pending_) return absl::OkStatus();
-    const Pending pending = *std::move(pending_);
-    pending_.reset();
-    return Combine(pending.operation, pending.solids, pending.features,
-                   state_.bodies[pending.body]);
+    if (!deferred_) return absl::OkStatus();
+    const DeferredCombination deferred = *std::move(deferred_);
+    deferred_.reset();
+    return deferred.Apply(state_);
   }
 
   absl::Status CheckBodies() const {
@@ -169,6 +163,15 @@ class Regeneration {
                                             : absl::StrCat("there is no body '", body, "' here"));
   }
 
+  // The plane of a face, without doing what has been put off if it can be told before.
+  absl::StatusOr<FaceFrame> FrameOn(const std::string& face, const std::string& field) {
+    if (deferred_) {
+      if (const auto before = deferred_->FrameBefore(face, state_)) return *before;
+      MORTISE_RETURN_IF_ERROR(Flush());
+    }
+    return FrameOfFace(state_, face, field);
+  }
+
   // Adds, cuts or intersects; remembers the solids for patterns.
   absl::Status Use(Operation operation, const std::string& body, const std::string& field,
                    std::vector<NamedBody> solids) {
@@ -183,19 +186,15 @@ class Regeneration {
     return absl::OkStatus();
   }
 
-  // Puts the combination off: one of the kernel's operations with many solids takes much less time
-  // than many with one. What cuts or unites in a row can wait until somebody asks for a face.
+  // Puts the combination off until somebody asks for the body.
   absl::Status UseOn(Operation operation, const std::string& body, const std::string& field,
                      const std::vector<NamedBody>& solids) {
     MORTISE_ASSIGN_OR_RETURN(const std::size_t index, FindBody(body, field));
-    const bool joins = pending_ && pending_->operation == operation && pending_->body == index &&
-                       operation != Operation::kIntersect;
-    if (!joins) {
+    if (!deferred_ || !deferred_->Takes(operation, index)) {
       MORTISE_RETURN_IF_ERROR(Flush());
-      pending_ = Pending{operation, index, {}, {}};
+      deferred_.emplace(operation, index);
     }
-    pending_->solids.insert(pending_->solids.end(), solids.begin(), solids.end());
-    absl::StrAppend(&pending_->features, pending_->features.empty() ? "" : "' or '", name());
+    deferred_->Add(name(), solids);
     return absl::OkStatus();
   }
 
@@ -254,7 +253,7 @@ class Regeneration {
   std::map<std::string, BuiltSketch> sketches_;
   std::map<std::string, Repeatable> repeatable_;
   ModelState state_;
-  std::optional<Pending> pending_;
+  std::optional<DeferredCombination> deferred_;
   std::size_t copies_ = 0;  // of solids, by patterns
   std::vector<FaceCondition> conditions_;
 };
@@ -262,8 +261,7 @@ class Regeneration {
 absl::Status Regeneration::operator()(const Sketch& sketch) {
   gp_Ax3 face_frame;
   if (!sketch.plane.face.empty()) {
-    MORTISE_ASSIGN_OR_RETURN(const FaceFrame face,
-                             FrameOfFace(state_, sketch.plane.face, "sketch.plane.face"));
+    MORTISE_ASSIGN_OR_RETURN(const FaceFrame face, FrameOn(sketch.plane.face, "sketch.plane.face"));
     face_frame = face.frame;
   }
   MORTISE_ASSIGN_OR_RETURN(
@@ -293,7 +291,7 @@ absl::Status Regeneration::operator()(const Boolean& boolean) {
 }
 
 absl::Status Regeneration::operator()(const Hole& hole) {
-  MORTISE_ASSIGN_OR_RETURN(const FaceFrame face, FrameOfFace(state_, hole.face, "hole.face"));
+  MORTISE_ASSIGN_OR_RETURN(const FaceFrame face, FrameOn(hole.face, "hole.face"));
   const gp_Vec up(face.frame.Direction());
   gp_Pnt position = KernelPoint(numbers_(hole.position));
   position.Translate(up * -gp_Vec(face.frame.Location(), position).Dot(up));

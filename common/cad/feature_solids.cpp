@@ -40,22 +40,32 @@ bool LiesOn(const TopoDS_Edge& edge, const TopoDS_Face& face) {
 void TurnOutwards(NamedBody& body) {
   GProp_GProps properties;
   BRepGProp::VolumeProperties(body.shape, properties);
-  if (properties.Mass() < 0) body.shape.Reverse();
+  if (properties.Mass() >= 0) return;
+  body.shape.Reverse();
+  for (NamedFaces& named : body.names) {
+    for (TopoDS_Face& face : named.faces) face.Reverse();
+  }
 }
 
-// Names the faces that `sweep` made of the edges and, unless it closes on itself, of the region.
+// Names the faces that `sweep` made of the edges and, unless it closes on itself, of the region. It
+// gives them as they were made; they are named as the solid has them turned.
 template <typename Algorithm>
 NamedBody NameFaces(Algorithm& sweep, const SketchRegion& region, const std::string& feature,
                     bool has_caps) {
   NamedBody body{feature, sweep.Shape(), {}};
-  TopTools_IndexedMapOfShape unclaimed;
-  TopExp::MapShapes(body.shape, TopAbs_FACE, unclaimed);
+  TopTools_IndexedMapOfShape faces;
+  TopExp::MapShapes(body.shape, TopAbs_FACE, faces);
+  TopTools_IndexedMapOfShape unclaimed = faces;
+  const auto claim = [&](const TopoDS_Shape& face, NamedFaces& named) {
+    const int index = faces.FindIndex(face);
+    if (index == 0) return;
+    named.faces.push_back(TopoDS::Face(faces(index)));
+    unclaimed.RemoveKey(face);
+  };
   for (const auto& [edge, role] : region.edges) {
     NamedFaces named{{feature, kNoInstance, role}, {}, {}};
     for (const TopoDS_Shape& shape : sweep.Generated(edge)) {
-      if (shape.ShapeType() != TopAbs_FACE) continue;
-      named.faces.push_back(TopoDS::Face(shape));
-      unclaimed.RemoveKey(shape);
+      if (shape.ShapeType() == TopAbs_FACE) claim(shape, named);
     }
     body.names.push_back(std::move(named));
   }
@@ -63,8 +73,8 @@ NamedBody NameFaces(Algorithm& sweep, const SketchRegion& region, const std::str
     for (const auto& [role, shape] :
          {std::pair<const char*, TopoDS_Shape>("start", sweep.FirstShape()),
           {"end", sweep.LastShape()}}) {
-      body.names.push_back({{feature, kNoInstance, role}, {TopoDS::Face(shape)}, {}});
-      unclaimed.RemoveKey(shape);
+      body.names.push_back({{feature, kNoInstance, role}, {}, {}});
+      claim(shape, body.names.back());
     }
   }
   // After a full turn the kernel does not tell of which edge it made the faces that are plane.

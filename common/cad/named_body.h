@@ -24,7 +24,7 @@ inline constexpr double kModelScale = 1000;  // mm in the kernel for one metre o
 
 struct NamedFaces {
   FaceName name;
-  std::vector<TopoDS_Face> faces;  // of the body's shape; empty once all are gone
+  std::vector<TopoDS_Face> faces;  // as the body's shape has them; empty once all are gone
   std::string removed_by;          // the feature that removed the last one, or "a' or 'b"
 };
 

@@ -148,10 +148,15 @@ TEST(FeatureVolume, DraftMakesAFrustum) {
   const double lean = 0.02 * std::tan(0.1);
   const double top = (0.1 - 2 * lean) * (0.06 - 2 * lean), bottom = 0.1 * 0.06;
   const double middle = (0.1 - lean) * (0.06 - lean);  // Simpson's rule is exact for a prismatoid
-  ExpectVolume(BlockText() +
-                   "features { name: 'd' draft { faces: 'block.outline' neutral: "
-                   "'block.start' angle: '0.1' } }",
-               0.02 / 6 * (top + 4 * middle + bottom));
+  // From either end, and whether or not something has been done to the block before.
+  for (const std::string neutral : {"block.start", "block.end"}) {
+    const std::string draft = "features { name: 'd' draft { faces: 'block.outline' neutral: '" +
+                              neutral + "' angle: '0.1' } }";
+    ExpectVolume(BlockText() + draft, 0.02 / 6 * (top + 4 * middle + bottom));
+    const std::string bore = "features { name: 'h' hole { face: 'block.end' diameter: '0.004' } } ";
+    ExpectVolume(BlockText() + bore + draft,
+                 0.02 / 6 * (top + 4 * middle + bottom) - pi * 0.002 * 0.002 * 0.02);
+  }
 }
 
 TEST(FeatureVolume, ShellOpenAtTheTop) {
@@ -216,6 +221,42 @@ TEST(FeatureVolume, SketchOnAFaceFollowsIt) {
     const double expected = 0.1 * 0.06 * height + pi * 0.01 * 0.01 * 0.005;
     EXPECT_NEAR(solid->solid.Volume(), expected, kRelative * expected);
     EXPECT_NEAR(solid->solid.CentreOfMass().x(), 0.02 * pi * 0.01 * 0.01 * 0.005 / expected, 1e-9);
+  }
+}
+
+// Faces of a solid that nothing has been done to yet look out of it, too, whichever way the kernel
+// made them: a hole goes in, what is drawn on them comes out.
+TEST(FeatureVolume, HolesAndKnobsOnEverySideOfANewSolid) {
+  const double disc = pi * 0.002 * 0.002;
+  const auto drilled = [](const std::string& face, const std::string& at) {
+    return "features { name: 'h' hole { face: '" + face + "' position { " + at +
+           " } diameter: '0.004' depth: '0.003' } }";
+  };
+  for (const std::string role :
+       {"start", "end", "outline.left", "outline.right", "outline.top", "outline.bottom"}) {
+    const std::string face = "block." + role;
+    ExpectVolume(BlockText() + drilled(face, "z: '0.01'"), kBlockVolume - disc * 0.003);
+    ExpectVolume(BlockText() + "features { name: 'k' sketch { plane { face: '" + face +
+                     "' origin { z: '0.01' } } profiles { name: 'o' circle { radius: '0.002' } } } "
+                     "} features { name: 'knob' extrude { sketch: 'k' to: '0.005' operation: UNITE "
+                     "} }",
+                 kBlockVolume + disc * 0.005);
+  }
+  const double quarter = pi * (0.05 * 0.05 - 0.03 * 0.03) * 0.01 / 4;
+  for (const std::string way : {"", "-"}) {
+    const std::string ring =
+        "features { name: 's' sketch { profiles { name: 'o' rectangle { center { x: '0.04' } "
+        "width: '0.02' height: '0.01' } } } } features { name: 'ring' revolve { sketch: 's' "
+        "axis_direction { y: '" +
+        way + "1' } angle: 'pi / 2' } } ";
+    const std::string middle = "x: '0.04 * cos(pi / 4)' z: '" +
+                               std::string(way.empty() ? "-" : "") + "0.04 * sin(pi / 4)'";
+    for (const std::string role : {"o.top", "o.bottom"}) {
+      ExpectVolume(ring + drilled("ring." + role, middle), quarter - disc * 0.003);
+    }
+    ExpectVolume(ring + drilled("ring.start", "x: '0.04'"), quarter - disc * 0.003);
+    ExpectVolume(ring + drilled("ring.end", "z: '" + std::string(way.empty() ? "-" : "") + "0.04'"),
+                 quarter - disc * 0.003);
   }
 }
 
