@@ -1,5 +1,7 @@
 #include "cli/assembly_files.h"
 
+#include <google/protobuf/message.h>
+#include <google/protobuf/util/json_util.h>
 #include <grpcpp/grpcpp.h>
 
 #include <CLI/CLI.hpp>
@@ -16,9 +18,11 @@
 #include "common/base/errors.h"
 #include "common/base/files.h"
 #include "common/base/identifiers.h"
+#include "common/base/json_faults.h"
+#include "common/base/text_faults.h"
 #include "common/base/violation_lists.h"
-#include "common/parametric/json_message.h"
 #include "common/parametric/proto_text.h"
+#include "common/parametric/template_validation.h"
 #include "common/rpc/status_mapping.h"
 #include "mortise/v1/assembly.grpc.pb.h"
 
@@ -59,23 +63,40 @@ std::string IdOf(const std::filesystem::path& file) {
   return id;
 }
 
+// What is wrong with a file's text, at its places in the file.
+absl::Status FaultsOfFile(const std::filesystem::path& path, std::vector<FieldViolation> faults) {
+  if (faults.empty()) return absl::OkStatus();
+  for (FieldViolation& fault : faults) {
+    fault.field = absl::StrCat(path.string(), fault.field.empty() ? "" : ": ", fault.field);
+  }
+  return InvalidFields(faults);
+}
+
+absl::Status ReadJson(const std::string& text, const std::filesystem::path& path,
+                      google::protobuf::Message& message) {
+  const auto read = google::protobuf::util::JsonStringToMessage(text, &message);
+  return FaultsOfFile(path, JsonFaults(text, *message.GetDescriptor(), read));
+}
+
+absl::Status ReadText(const std::string& text, const std::filesystem::path& path,
+                      google::protobuf::Message& message) {
+  const absl::Status read = parametric::ParseProtoText(text, path.string(), message);
+  if (!absl::IsInvalidArgument(read)) return read;
+  std::vector<FieldViolation> faults;
+  for (const TextFault& fault : TextFaults(text, *message.GetDescriptor())) {
+    faults.push_back({absl::StrCat("line ", fault.line, ", column ", fault.column), fault.message});
+  }
+  return faults.empty() ? read : FaultsOfFile(path, std::move(faults));
+}
+
 // A message as JSON, as the gateway writes it, or else as protobuf text. INVALID_ARGUMENT naming
-// the file and, of text, the place in it.
+// the file with the place in it, fields of JSON, lines of text, of everything that is wrong.
 template <typename Message>
 absl::StatusOr<Message> ReadMessage(const std::filesystem::path& path) {
   Message message;
   MORTISE_ASSIGN_OR_RETURN(const std::string text, ReadFile(path, kMaxFile));
-  if (path.extension() == ".json") {
-    parametric::UnreadFields unread;
-    std::vector<parametric::Finding> findings = parametric::ReadJsonMessage(text, message, unread);
-    for (parametric::Finding& finding : findings) {
-      const bool is_of_field = !finding.field.empty();
-      finding.field = absl::StrCat(path.string(), is_of_field ? ": " : "", finding.field);
-    }
-    MORTISE_RETURN_IF_ERROR(parametric::ToStatus(findings));
-    return message;
-  }
-  MORTISE_RETURN_IF_ERROR(parametric::ParseProtoText(text, path.string(), message));
+  MORTISE_RETURN_IF_ERROR(path.extension() == ".json" ? ReadJson(text, path, message)
+                                                      : ReadText(text, path, message));
   return message;
 }
 
@@ -211,18 +232,29 @@ absl::Status ImportText(const std::filesystem::path& file, const v1::Assembly& a
   return absl::OkStatus();
 }
 
+// The assemblies of the files that are text, each at its file's place. Everything that is wrong
+// with any of them is told.
+absl::StatusOr<std::vector<v1::Assembly>> ReadTexts(
+    const std::vector<std::filesystem::path>& files) {
+  std::vector<v1::Assembly> texts(files.size());
+  absl::Status faults;
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    if (IsStepFile(files[i])) continue;
+    absl::StatusOr<v1::Assembly> text = ReadMessage<v1::Assembly>(files[i]);
+    faults = Together(faults, text.status());
+    if (text.ok()) texts[i] = *std::move(text);
+  }
+  MORTISE_RETURN_IF_ERROR(faults);
+  return texts;
+}
+
 absl::Status Import(const ImportOptions& options, Session& session, Output& output) {
   const bool has_step = std::any_of(options.files.begin(), options.files.end(), IsStepFile);
   const bool has_options = !options.annotations.empty() || !options.id.empty();
   if (has_options && (!has_step || options.files.size() > 1)) {
     return InvalidField(options.id.empty() ? "--annotations" : "--id", "belongs to one STEP file");
   }
-  std::vector<v1::Assembly> texts(options.files.size());
-  for (std::size_t i = 0; i < texts.size(); ++i) {
-    const std::filesystem::path& file = options.files[i];
-    if (IsStepFile(file)) continue;
-    MORTISE_ASSIGN_OR_RETURN(texts[i], ReadMessage<v1::Assembly>(file));
-  }
+  MORTISE_ASSIGN_OR_RETURN(const std::vector<v1::Assembly> texts, ReadTexts(options.files));
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   const auto stub = v1::AssemblyService::NewStub(client->channel());
   nlohmann::ordered_json document = nlohmann::ordered_json::array();
@@ -269,10 +301,12 @@ absl::StatusOr<std::vector<double>> ReadParameters(const std::filesystem::path& 
     return InvalidField(path.string(), "is not what 'assembly adjust --json' prints");
   }
   std::vector<double> q;
+  std::vector<FieldViolation> faults;
   for (const nlohmann::json& entry : document["q"]) {
-    if (!entry.is_number()) return InvalidField(path.string(), "has a q that is no number");
-    q.push_back(entry.get<double>());
+    if (!entry.is_number()) faults.push_back({absl::StrCat("q[", q.size(), "]"), "is no number"});
+    q.push_back(entry.is_number() ? entry.get<double>() : 0);
   }
+  MORTISE_RETURN_IF_ERROR(FaultsOfFile(path, std::move(faults)));
   return q;
 }
 

@@ -11,9 +11,13 @@
 #include <mutex>
 #include <shared_mutex>
 #include <unordered_map>
+#include <utility>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "common/base/field_violations.h"
+#include "common/base/json_faults.h"
 #include "gateway/contract.h"
 
 namespace mortise::gateway {
@@ -73,26 +77,12 @@ class RememberingResolver final : public pb::util::TypeResolver {
   std::unordered_map<std::string, pb::Enum> enums_;
 };
 
-// Protobuf's messages have the form "(parameters[0].value): invalid value …" or
-// "(parameters[0]) foo: Cannot find field.", and "foo: Cannot find field." at the root.
-absl::Status DescribeFailure(std::string_view message) {
-  std::string path;
-  std::string_view rest = message;
-  if (rest.starts_with('(')) {
-    const auto end = rest.find(')');
-    if (end != std::string_view::npos) {
-      path = std::string(rest.substr(1, end - 1));
-      rest.remove_prefix(end + 1);
-      while (!rest.empty() && (rest.front() == ':' || rest.front() == ' ')) rest.remove_prefix(1);
-    }
+// What is said of no field is said of the request.
+absl::Status Refusal(std::vector<FieldViolation> faults) {
+  for (FieldViolation& fault : faults) {
+    if (fault.field.empty()) fault.field = "request";
   }
-  constexpr std::string_view kUnknown = ": Cannot find field.";
-  if (rest.ends_with(kUnknown)) {
-    const std::string_view name = rest.substr(0, rest.size() - kUnknown.size());
-    absl::StrAppend(&path, path.empty() ? "" : ".", absl::string_view(name.data(), name.size()));
-    return InvalidField(path, "there is no field of this name");
-  }
-  return InvalidField(path.empty() ? "request" : path, rest);
+  return InvalidFields(faults);
 }
 
 }  // namespace
@@ -112,9 +102,9 @@ absl::StatusOr<std::string> Transcoder::ToBinary(const pb::Descriptor& type,
   try {
     const Status status =
         pb::util::JsonToBinaryStream(resolver_.get(), TypeUrl(type), &input, &output, options);
-    if (status.ok()) return binary;
-    const auto message = status.message();
-    return DescribeFailure(std::string_view(message.data(), message.size()));
+    std::vector<FieldViolation> faults = JsonFaults(json, type, status);
+    if (!faults.empty()) return Refusal(std::move(faults));
+    return binary;
   } catch (const std::exception& error) {
     return InvalidField("request", error.what());
   }

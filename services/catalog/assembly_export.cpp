@@ -207,13 +207,14 @@ std::string InOneLine(std::string text) {
   return text;
 }
 
-absl::StatusOr<parametric::Pose> PoseOf(const PosedAssembly& posed) {
+absl::StatusOr<parametric::Pose> PoseOf(const parametric::Assembly& assembly,
+                                        const std::string& rest_pose) {
   std::string known;
-  for (parametric::Pose& pose : parametric::PosesOf(posed.assembly.assembly())) {
-    if (pose.name == posed.rest_pose) return std::move(pose);
+  for (parametric::Pose& pose : parametric::PosesOf(assembly)) {
+    if (pose.name == rest_pose) return std::move(pose);
     if (!pose.name.empty()) absl::StrAppend(&known, known.empty() ? "" : ", ", "'", pose.name, "'");
   }
-  return InvalidField("rest_pose", absl::StrCat("there is no '", posed.rest_pose, "'; the design ",
+  return InvalidField("rest_pose", absl::StrCat("there is no '", rest_pose, "'; the design ",
                                                 known.empty() ? "has none" : "has " + known));
 }
 
@@ -224,9 +225,14 @@ Eigen::Isometry3d MotionOf(const PosedAssembly& posed, const parametric::Pose& p
 
 }  // namespace
 
+absl::Status CheckRestPose(const parametric::Assembly& assembly, const std::string& rest_pose) {
+  return PoseOf(assembly, rest_pose).status();
+}
+
 absl::StatusOr<std::string> ExportAssemblyStep(const PosedAssembly& posed,
                                                const std::string& name) {
-  MORTISE_ASSIGN_OR_RETURN(const parametric::Pose pose, PoseOf(posed));
+  MORTISE_ASSIGN_OR_RETURN(const parametric::Pose pose,
+                           PoseOf(posed.assembly.assembly(), posed.rest_pose));
   const parametric::ParametricAssembly& assembly = posed.assembly;
   cad::StepAssembly step;
   step.name = InOneLine(name);
@@ -249,7 +255,8 @@ absl::StatusOr<std::string> ExportAssemblyStep(const PosedAssembly& posed,
 
 absl::StatusOr<std::string> ExportAssemblyMesh(const PosedAssembly& posed, MeshFormat format,
                                                const std::string& name) {
-  MORTISE_ASSIGN_OR_RETURN(const parametric::Pose pose, PoseOf(posed));
+  MORTISE_ASSIGN_OR_RETURN(const parametric::Pose pose,
+                           PoseOf(posed.assembly.assembly(), posed.rest_pose));
   std::vector<Eigen::Isometry3d> motions;
   if (pose.joint >= 0) {
     const Eigen::Isometry3d motion = MotionOf(posed, pose);

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <string>
 
+#include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "common/parametric/evaluated_design.h"
 #include "common/parametric/parametric_assembly.h"
@@ -18,6 +19,9 @@ struct PosedAssembly {
   const parametric::EvaluatedDesign& design;  // parametric::DesignAt of the two
   std::string rest_pose;                      // "joint: pose"; empty for the drawn one
 };
+
+// INVALID_ARGUMENT, "rest_pose", with those that there are, for one that there is not.
+absl::Status CheckRestPose(const parametric::Assembly& assembly, const std::string& rest_pose);
 
 // STEP AP242: the groups as sub-assemblies, the parts as occurrences under their names, where they
 // are, in their colours. Parts with a shape are that, stretched exactly; what else is round is a

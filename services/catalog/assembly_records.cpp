@@ -9,6 +9,7 @@
 #include "absl/strings/str_join.h"
 #include "absl/time/time.h"
 #include "common/base/errors.h"
+#include "common/base/violation_lists.h"
 #include "common/parametric/assembly_codec.h"
 #include "common/parametric/template_codec.h"
 #include "services/catalog/list_filter.h"
@@ -47,15 +48,17 @@ absl::StatusOr<v1::AssemblyBundle> GetAssemblyBundle(store::ReadTransaction& tra
 
 absl::StatusOr<Page<v1::Assembly>> ListAssemblies(store::ReadTransaction& transaction,
                                                   const v1::ListAssembliesRequest& request) {
-  MORTISE_RETURN_IF_ERROR(CheckFilterName(transaction, kItems, request.item(), "item"));
-  MORTISE_ASSIGN_OR_RETURN(const WordFilter words, WordFilter::Create(request.text()));
+  const absl::StatusOr<WordFilter> words = WordFilter::Create(request.text());
+  MORTISE_RETURN_IF_ERROR(Together(
+      Together(CheckFilterName(transaction, kItems, request.item(), "item"), words.status()),
+      PageOptions(request.page_size(), request.page_token()).status()));
   return ReadPage<v1::Assembly>(
       transaction, kAssemblies, request.page_size(), request.page_token(),
       [&](const store::Record& record) -> absl::StatusOr<std::optional<v1::Assembly>> {
         MORTISE_ASSIGN_OR_RETURN(v1::AssemblyBundle bundle, BundleOf(record));
         v1::Assembly& summary = *bundle.mutable_assembly();
         if (!request.item().empty() && !UsesItem(bundle, request.item())) return std::nullopt;
-        if (!words.Takes(summary.name(), {summary.title(), summary.description()})) {
+        if (!words->Takes(summary.name(), {summary.title(), summary.description()})) {
           return std::nullopt;
         }
         summary.clear_parts();

@@ -19,6 +19,7 @@
 #include "common/rpc/handler.h"
 #include "common/store/store.h"
 #include "mortise/v1/assembly.grpc.pb.h"
+#include "services/catalog/asked_parameters.h"
 #include "services/catalog/assembly_import.h"
 #include "services/catalog/assembly_records.h"
 #include "services/catalog/demand_check.h"
@@ -34,7 +35,6 @@ namespace mortise::catalog {
 namespace {
 
 constexpr int kMaxDesigns = 1000;  // in one answer
-constexpr int kMaxDemands = 100;
 
 using AdjustedWriter = std::shared_ptr<rpc::StreamWriter<v1::AdjustedAssembly>>;
 
@@ -44,27 +44,26 @@ struct Found {
   templates::Parametrization parametrized;
 };
 
+// Where to look at one.
+struct Chosen {
+  Found found;
+  Eigen::VectorXd q;
+};
+
+struct ChosenPoints {
+  Found found;
+  std::vector<Eigen::VectorXd> points;
+};
+
 // An assembly that is drawn in CAD and can be stored.
 struct Imported {
   v1::AssemblyBundle bundle;
   std::vector<std::string> notes;
 };
 
-// The parameters of a request: those drawn if it has none.
-absl::StatusOr<Eigen::VectorXd> ParametersOf(const google::protobuf::RepeatedField<double>& q,
-                                             const parametric::ParametricAssembly& assembly,
-                                             const std::string& field) {
-  if (q.empty()) return assembly.drawn();
-  if (q.size() != assembly.drawn().size()) {
-    return InvalidField(field,
-                        absl::StrCat("has ", q.size(), " numbers, not ", assembly.drawn().size(),
-                                     " as q of ParametrizeAssembly"));
-  }
-  Eigen::VectorXd given = Eigen::Map<const Eigen::VectorXd>(q.data(), q.size());
-  if (const absl::Status usable = assembly.CheckParameters(given); !usable.ok()) {
-    return InvalidField(field, std::string(usable.message()));
-  }
-  return given;
+absl::Status CheckCount(const char* field, int count) {
+  if (count >= 1 && count <= kMaxDesigns) return absl::OkStatus();
+  return InvalidField(field, absl::StrCat("must be 1 to ", kMaxDesigns));
 }
 
 absl::StatusOr<v1::AdjustedAssembly> Evaluate(const Found& found, const Eigen::VectorXd& q,
@@ -147,9 +146,9 @@ class AssemblyAdapter : public v1::AssemblyService::CallbackService {
         [this](const rpc::Call& call,
                const v1::ImportAssemblyRequest& asked) -> absl::StatusOr<v1::AssemblyBundle> {
           MORTISE_ASSIGN_OR_RETURN(v1::AssemblyBundle bundle, FreezeNow(asked.assembly()));
-          MORTISE_RETURN_IF_ERROR(
-              Together(CheckExpectedRevision(asked.expected_revision()),
-                       UnderField("assembly", Parametrize(call, bundle).status())));
+          MORTISE_RETURN_IF_ERROR(WithRevisionFault(
+              *store_, kAssemblies, asked.assembly().name(), asked.expected_revision(),
+              UnderField("assembly", Parametrize(call, bundle).status())));
           return bundle;
         },
         [](const rpc::Call& call, const v1::ImportAssemblyRequest& asked,
@@ -223,10 +222,14 @@ class AssemblyAdapter : public v1::AssemblyService::CallbackService {
   grpc::ServerUnaryReactor* AdjustAssembly(grpc::CallbackServerContext* context,
                                            const v1::AdjustAssemblyRequest* request,
                                            v1::AdjustedAssembly* response) override {
-    return endpoint_.Query("AdjustAssembly", context, request, response,
-                           [this](const rpc::Call& call, const v1::AdjustAssemblyRequest& asked) {
-                             return Adjust(call, asked);
-                           });
+    return endpoint_.Query(
+        "AdjustAssembly", context, request, response,
+        [this](const rpc::Call& call, const v1::AdjustAssemblyRequest& asked) {
+          return Adjust(call, asked);
+        },
+        [this](const rpc::Call& call, const v1::AdjustAssemblyRequest& asked) {
+          return ChooseFor(call, asked).status();
+        });
   }
 
   grpc::ServerWriteReactor<v1::AdjustedAssembly>* EvaluateAssembly(
@@ -235,19 +238,13 @@ class AssemblyAdapter : public v1::AssemblyService::CallbackService {
         "EvaluateAssembly", context, request,
         [this](const rpc::Call& call, const v1::EvaluateAssemblyRequest& asked,
                const AdjustedWriter& writer) -> absl::Status {
-          if (asked.points_size() < 1 || asked.points_size() > kMaxDesigns) {
-            return InvalidField("points", absl::StrCat("must be 1 to ", kMaxDesigns));
-          }
-          MORTISE_ASSIGN_OR_RETURN(Found found, Find(call, asked.name(), asked.revision()));
-          std::vector<Eigen::VectorXd> points;
-          for (int i = 0; i < asked.points_size(); ++i) {
-            MORTISE_ASSIGN_OR_RETURN(Eigen::VectorXd q,
-                                     ParametersOf(asked.points(i).q(), *found.parametrized,
-                                                  absl::StrCat("points[", i, "].q")));
-            points.push_back(std::move(q));
-          }
-          StreamDesigns(std::move(found), std::move(points), "points", writer);
+          MORTISE_ASSIGN_OR_RETURN(ChosenPoints chosen, ChooseFor(call, asked));
+          StreamDesigns(std::move(chosen.found), std::move(chosen.points), "points", writer);
           return absl::OkStatus();
+        },
+        {},
+        [this](const rpc::Call& call, const v1::EvaluateAssemblyRequest& asked) {
+          return ChooseFor(call, asked).status();
         });
   }
 
@@ -257,13 +254,11 @@ class AssemblyAdapter : public v1::AssemblyService::CallbackService {
         "SampleAssembly", context, request,
         [this](const rpc::Call& call, const v1::SampleAssemblyRequest& asked,
                const AdjustedWriter& writer) -> absl::Status {
-          if (asked.count() < 1 || asked.count() > kMaxDesigns) {
-            return InvalidField("count", absl::StrCat("must be 1 to ", kMaxDesigns));
-          }
-          MORTISE_ASSIGN_OR_RETURN(Found found, Find(call, asked.name(), asked.revision()));
+          absl::StatusOr<Found> found = Find(call, asked.name(), asked.revision());
+          MORTISE_RETURN_IF_ERROR(Together(CheckCount("count", asked.count()), found.status()));
           MORTISE_ASSIGN_OR_RETURN(std::vector<Eigen::VectorXd> samples,
-                                   found.parametrized->Sample(asked.count(), asked.seed()));
-          StreamDesigns(std::move(found), std::move(samples), "samples", writer);
+                                   found->parametrized->Sample(asked.count(), asked.seed()));
+          StreamDesigns(*std::move(found), std::move(samples), "samples", writer);
           return absl::OkStatus();
         });
   }
@@ -275,6 +270,10 @@ class AssemblyAdapter : public v1::AssemblyService::CallbackService {
         [this](const rpc::Call& call, const v1::ExportAssemblyRequest& asked,
                const std::shared_ptr<rpc::StreamWriter<v1::Chunk>>& writer) {
           return Export(call, asked, writer);
+        },
+        {},
+        [this](const rpc::Call& call, const v1::ExportAssemblyRequest& asked) {
+          return ChooseFor(call, asked).status();
         });
   }
 
@@ -296,8 +295,9 @@ class AssemblyAdapter : public v1::AssemblyService::CallbackService {
                                        const v1::ImportAssemblyStepRequest& asked) {
     absl::StatusOr<Imported> prepared = PrepareAnyStep(call, asked);
     const bool renames = !prepared.ok() && !asked.drawing().empty();
-    MORTISE_RETURN_IF_ERROR(Together(CheckExpectedRevision(asked.expected_revision()),
-                                     renames ? OfUpload(prepared.status()) : prepared.status()));
+    MORTISE_RETURN_IF_ERROR(WithRevisionFault(
+        *store_, kAssemblies, asked.annotations().name(), asked.expected_revision(),
+        renames ? OfUpload(prepared.status()) : prepared.status()));
     return prepared;
   }
 
@@ -357,21 +357,48 @@ class AssemblyAdapter : public v1::AssemblyService::CallbackService {
     return parametrized_->Get(bundle, [&call] { return call.cancelled(); });
   }
 
+  // What a request is about. Everything that is wrong with it is told, as it is by the two below.
+  absl::StatusOr<Chosen> ChooseFor(const rpc::Call& call, const v1::AdjustAssemblyRequest& asked) {
+    const absl::Status count = CheckDemandCount(asked.demands());
+    absl::StatusOr<Found> found = Find(call, asked.name(), asked.revision());
+    if (!found.ok()) return Together(count, found.status());
+    absl::StatusOr<Eigen::VectorXd> from = AskedParameters(asked.q(), *found->parametrized, "q");
+    const absl::Status demands = CheckDemands(*found->parametrized, asked.demands());
+    MORTISE_RETURN_IF_ERROR(Together(count, Together(from.status(), demands)));
+    return Chosen{*std::move(found), *std::move(from)};
+  }
+
+  absl::StatusOr<ChosenPoints> ChooseFor(const rpc::Call& call,
+                                         const v1::EvaluateAssemblyRequest& asked) {
+    const absl::Status count = CheckCount("points", asked.points_size());
+    absl::StatusOr<Found> found = Find(call, asked.name(), asked.revision());
+    if (!found.ok()) return Together(count, found.status());
+    absl::StatusOr<std::vector<Eigen::VectorXd>> points =
+        AskedPoints(asked.points(), *found->parametrized);
+    MORTISE_RETURN_IF_ERROR(Together(count, points.status()));
+    return ChosenPoints{*std::move(found), *std::move(points)};
+  }
+
+  absl::StatusOr<Chosen> ChooseFor(const rpc::Call& call, const v1::ExportAssemblyRequest& asked) {
+    const absl::Status format = KindOf(asked.format()).status();
+    absl::StatusOr<Found> found = Find(call, asked.name(), asked.revision());
+    if (!found.ok()) return Together(format, found.status());
+    absl::StatusOr<Eigen::VectorXd> q = AskedParameters(asked.q(), *found->parametrized, "q");
+    const absl::Status pose = CheckRestPose(found->parametrized->assembly(), asked.rest_pose());
+    MORTISE_RETURN_IF_ERROR(Together(format, Together(q.status(), pose)));
+    return Chosen{*std::move(found), *std::move(q)};
+  }
+
   absl::StatusOr<v1::AdjustedAssembly> Adjust(const rpc::Call& call,
                                               const v1::AdjustAssemblyRequest& asked) {
-    if (asked.demands_size() > kMaxDemands) {
-      return InvalidField("demands", absl::StrCat("must be at most ", kMaxDemands));
-    }
-    MORTISE_ASSIGN_OR_RETURN(const Found found, Find(call, asked.name(), asked.revision()));
-    MORTISE_ASSIGN_OR_RETURN(const Eigen::VectorXd from,
-                             ParametersOf(asked.q(), *found.parametrized, "q"));
+    MORTISE_ASSIGN_OR_RETURN(const Chosen chosen, ChooseFor(call, asked));
+    const Found& found = chosen.found;
     MORTISE_ASSIGN_OR_RETURN(const std::vector<parametric::MeasureDemand> demands,
                              parametric::FromProto(asked.demands()));
-    MORTISE_RETURN_IF_ERROR(CheckElements(*found.parametrized, demands));
     const auto insistence =
         asked.strict() ? parametric::Insistence::kStrict : parametric::Insistence::kNearest;
     MORTISE_ASSIGN_OR_RETURN(const parametric::Adjustment adjusted,
-                             found.parametrized->Adjust(from, demands, insistence));
+                             found.parametrized->Adjust(chosen.q, demands, insistence));
     MORTISE_ASSIGN_OR_RETURN(v1::AdjustedAssembly answer, Evaluate(found, adjusted.q, "q"));
     answer.mutable_reached()->Add(adjusted.reached.begin(), adjusted.reached.end());
     return answer;
@@ -379,10 +406,8 @@ class AssemblyAdapter : public v1::AssemblyService::CallbackService {
 
   absl::Status Export(const rpc::Call& call, const v1::ExportAssemblyRequest& asked,
                       const std::shared_ptr<rpc::StreamWriter<v1::Chunk>>& writer) {
-    MORTISE_RETURN_IF_ERROR(KindOf(asked.format()).status());
-    MORTISE_ASSIGN_OR_RETURN(const Found found, Find(call, asked.name(), asked.revision()));
-    MORTISE_ASSIGN_OR_RETURN(const Eigen::VectorXd q,
-                             ParametersOf(asked.q(), *found.parametrized, "q"));
+    MORTISE_ASSIGN_OR_RETURN(const Chosen chosen, ChooseFor(call, asked));
+    const auto& [found, q] = chosen;
     MORTISE_RETURN_IF_ERROR(Evaluate(found, q, "q").status());
     MORTISE_ASSIGN_OR_RETURN(const parametric::TemplateBundle bundle, UsedBy(found.bundle));
     const parametric::EvaluatedDesign design =

@@ -351,8 +351,9 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
   absl::StatusOr<v1::TemplateBundle> PrepareTemplate(const rpc::Call& call,
                                                      const v1::ImportTemplateRequest& asked) {
     absl::StatusOr<v1::TemplateBundle> bundle = FreezeAndComplete(call, asked.template_());
-    MORTISE_RETURN_IF_ERROR(Together(CheckExpectedRevision(asked.expected_revision()),
-                                     UnderField("template", bundle.status())));
+    MORTISE_RETURN_IF_ERROR(WithRevisionFault(*store_, kTemplates, asked.template_().name(),
+                                              asked.expected_revision(),
+                                              UnderField("template", bundle.status())));
     return bundle;
   }
 

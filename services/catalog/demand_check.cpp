@@ -1,16 +1,21 @@
 #include "services/catalog/demand_check.h"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
+#include <vector>
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "common/base/errors.h"
 #include "common/base/field_violations.h"
+#include "common/parametric/assembly.h"
 
 namespace mortise::catalog {
 namespace {
 
+constexpr int kMostDemands = 100;
 constexpr std::size_t kMostNamesOffered = 3;
 
 // Elements that are called as `name` but for its case, or begin with it.
@@ -26,23 +31,38 @@ std::vector<std::string> CalledLike(const parametric::ParametricAssembly& assemb
   return names;
 }
 
+bool HasElement(const parametric::ParametricAssembly& assembly, const std::string& name) {
+  const auto& elements = assembly.elements();
+  return std::any_of(elements.begin(), elements.end(),
+                     [&](const parametric::Element& element) { return element.name == name; });
+}
+
+std::string NoSuchElement(const parametric::ParametricAssembly& assembly, const std::string& name) {
+  const std::vector<std::string> like = CalledLike(assembly, name);
+  return absl::StrCat("there is no element '", name, "'", like.empty() ? "" : "; did you mean ",
+                      absl::StrJoin(like, " or "), like.empty() ? "" : "?");
+}
+
 }  // namespace
 
-absl::Status CheckElements(const parametric::ParametricAssembly& assembly,
-                           const std::vector<parametric::MeasureDemand>& demands) {
+absl::Status CheckDemandCount(const Demands& demands) {
+  if (demands.size() <= kMostDemands) return absl::OkStatus();
+  return InvalidField("demands", absl::StrCat("must be at most ", kMostDemands));
+}
+
+absl::Status CheckDemands(const parametric::ParametricAssembly& assembly, const Demands& demands) {
+  if (!CheckDemandCount(demands).ok()) return absl::OkStatus();
   std::vector<FieldViolation> violations;
-  for (std::size_t i = 0; i < demands.size(); ++i) {
-    const std::string& name = demands[i].measure.element;
-    const auto& elements = assembly.elements();
-    if (std::any_of(elements.begin(), elements.end(),
-                    [&](const parametric::Element& element) { return element.name == name; })) {
-      continue;
+  for (int i = 0; i < demands.size(); ++i) {
+    const std::string field = absl::StrCat("demands[", i, "]");
+    const std::string& name = demands[i].measure().element();
+    if (!HasElement(assembly, name)) {
+      violations.push_back({field + ".measure.element", NoSuchElement(assembly, name)});
     }
-    std::string message = absl::StrCat("there is no element '", name, "'");
-    const std::vector<std::string> like = CalledLike(assembly, name);
-    if (!like.empty())
-      absl::StrAppend(&message, "; did you mean ", absl::StrJoin(like, " or "), "?");
-    violations.push_back({absl::StrCat("demands[", i, "].measure.element"), message});
+    if (!(std::abs(demands[i].value()) <= parametric::kFurthestFromOrigin)) {
+      violations.push_back({field + ".value", absl::StrCat("must be within ",
+                                                           parametric::kFurthestFromOrigin, " m")});
+    }
   }
   return violations.empty() ? absl::OkStatus() : InvalidFields(violations);
 }

@@ -1,15 +1,17 @@
 #include "services/catalog/item_filter.h"
 
 #include "common/base/errors.h"
+#include "common/base/violation_lists.h"
 #include "services/catalog/record_access.h"
 
 namespace mortise::catalog {
 
 absl::StatusOr<ItemFilter> ItemFilter::Create(store::ReadTransaction& transaction,
                                               const v1::ListItemsRequest& request) {
-  MORTISE_RETURN_IF_ERROR(CheckFilterName(transaction, kMaterials, request.material(), "material"));
-  MORTISE_ASSIGN_OR_RETURN(WordFilter words, WordFilter::Create(request.text()));
-  ItemFilter filter(std::move(words));
+  absl::StatusOr<WordFilter> words = WordFilter::Create(request.text());
+  MORTISE_RETURN_IF_ERROR(Together(
+      CheckFilterName(transaction, kMaterials, request.material(), "material"), words.status()));
+  ItemFilter filter(*std::move(words));
   filter.kind_ = request.kind();
   filter.material_ = request.material();
   return filter;

@@ -7,6 +7,7 @@
 #include "absl/strings/str_join.h"
 #include "absl/time/time.h"
 #include "common/base/errors.h"
+#include "common/base/violation_lists.h"
 #include "common/parametric/message_checks.h"
 #include "common/parametric/template_codec.h"
 #include "mortise/v1/assembly.pb.h"
@@ -75,12 +76,14 @@ absl::StatusOr<v1::Item> GetItem(store::ReadTransaction& transaction, const std:
 
 absl::StatusOr<Page<v1::Item>> ListItems(store::ReadTransaction& transaction,
                                          const v1::ListItemsRequest& request) {
-  MORTISE_ASSIGN_OR_RETURN(const ItemFilter filter, ItemFilter::Create(transaction, request));
+  const absl::StatusOr<ItemFilter> filter = ItemFilter::Create(transaction, request);
+  MORTISE_RETURN_IF_ERROR(
+      Together(filter.status(), PageOptions(request.page_size(), request.page_token()).status()));
   return ReadPage<v1::Item>(
       transaction, kItems, request.page_size(), request.page_token(),
       [&filter](const store::Record& record) -> absl::StatusOr<std::optional<v1::Item>> {
         MORTISE_ASSIGN_OR_RETURN(v1::Item item, ItemOf(record));
-        if (!filter.Takes(item)) return std::nullopt;
+        if (!filter->Takes(item)) return std::nullopt;
         return item;
       });
 }

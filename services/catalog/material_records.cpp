@@ -4,6 +4,7 @@
 
 #include "absl/strings/str_join.h"
 #include "common/base/errors.h"
+#include "common/base/violation_lists.h"
 #include "common/parametric/template_codec.h"
 #include "services/catalog/catalog_records.h"
 #include "services/catalog/list_filter.h"
@@ -78,13 +79,15 @@ absl::StatusOr<v1::Material> GetMaterial(store::ReadTransaction& transaction,
 
 absl::StatusOr<Page<v1::Material>> ListMaterials(store::ReadTransaction& transaction,
                                                  const v1::ListMaterialsRequest& request) {
-  MORTISE_ASSIGN_OR_RETURN(const WordFilter words, WordFilter::Create(request.text()));
+  const absl::StatusOr<WordFilter> words = WordFilter::Create(request.text());
+  MORTISE_RETURN_IF_ERROR(
+      Together(words.status(), PageOptions(request.page_size(), request.page_token()).status()));
   return ReadPage<v1::Material>(
       transaction, kMaterials, request.page_size(), request.page_token(),
       [&](const store::Record& record) -> absl::StatusOr<std::optional<v1::Material>> {
         MORTISE_ASSIGN_OR_RETURN(v1::Material material, MaterialOf(record));
         if (!Gives(material, request.elasticity())) return std::nullopt;
-        if (!words.Takes(material.name(), {material.title()})) return std::nullopt;
+        if (!words->Takes(material.name(), {material.title()})) return std::nullopt;
         return material;
       });
 }

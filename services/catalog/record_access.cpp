@@ -6,6 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/base/identifiers.h"
+#include "common/base/violation_lists.h"
 
 namespace mortise::catalog {
 
@@ -14,10 +15,12 @@ constexpr int kMaxPageSize = 1000;
 
 absl::StatusOr<store::Record> GetRecord(store::ReadTransaction& transaction, const char* kind,
                                         const std::string& name, int64_t revision) {
-  MORTISE_ASSIGN_OR_RETURN(const std::string id, ParseResourceName(name, kind, "name"));
-  if (revision < 0) return InvalidField("revision", "must be at least 0");
+  const absl::StatusOr<std::string> id = ParseResourceName(name, kind, "name");
+  MORTISE_RETURN_IF_ERROR(Together(id.status(), revision < 0
+                                                    ? InvalidField("revision", "must be at least 0")
+                                                    : absl::OkStatus()));
   absl::StatusOr<store::Record> record =
-      revision == 0 ? transaction.Get(kind, id) : transaction.GetRevision(kind, id, revision);
+      revision == 0 ? transaction.Get(kind, *id) : transaction.GetRevision(kind, *id, revision);
   if (absl::IsNotFound(record.status()) || (record.ok() && IsDeleted(*record))) {
     return ResourceNotFound(revision == 0 ? name : absl::StrCat(name, "/revisions/", revision));
   }
@@ -33,12 +36,14 @@ absl::StatusOr<store::Record> GetRecordOrNone(store::ReadTransaction& transactio
 }
 
 absl::StatusOr<store::ListOptions> PageOptions(int page_size, const std::string& page_token) {
+  std::vector<FieldViolation> violations;
   if (page_size < 0 || page_size > kMaxPageSize) {
-    return InvalidField("page_size", absl::StrCat("must be 0 to ", kMaxPageSize));
+    violations.push_back({"page_size", absl::StrCat("must be 0 to ", kMaxPageSize)});
   }
   if (!page_token.empty() && !IsResourceId(page_token)) {
-    return InvalidField("page_token", "is not one that this method gave");
+    violations.push_back({"page_token", "is not one that this method gave"});
   }
+  if (!violations.empty()) return InvalidFields(violations);
   store::ListOptions options;
   options.after_key = page_token;
   options.limit = page_size == 0 ? kDefaultPageSize : page_size;
@@ -57,9 +62,23 @@ absl::StatusOr<int64_t> PutNew(store::Transaction& transaction, const char* kind
   return revision;
 }
 
-absl::Status CheckExpectedRevision(int64_t expected) {
-  if (expected >= 0) return absl::OkStatus();
-  return InvalidField("expected_revision", "must be at least 0");
+absl::Status WithRevisionFault(store::Store& store, const char* kind, const std::string& name,
+                               int64_t expected, const absl::Status& faults) {
+  if (expected < 0) {
+    return Together(InvalidField("expected_revision", "must be at least 0"), faults);
+  }
+  if (!absl::IsInvalidArgument(faults)) return faults;
+  int64_t latest = 0;
+  const absl::Status found = store.Read([&](store::ReadTransaction& transaction) -> absl::Status {
+    MORTISE_ASSIGN_OR_RETURN(const store::Record record,
+                             GetRecordOrNone(transaction, kind, name, ""));
+    latest = record.revision;
+    return absl::OkStatus();
+  });
+  // Of a name that is none there are no revisions.
+  if (!found.ok() || latest == expected) return faults;
+  return Together(
+      InvalidField("expected_revision", absl::StrCat("the latest revision is ", latest)), faults);
 }
 
 absl::StatusOr<int64_t> PutNext(store::Transaction& transaction, const char* kind,

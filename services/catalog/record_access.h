@@ -37,8 +37,11 @@ absl::StatusOr<store::ListOptions> PageOptions(int page_size, const std::string&
 absl::StatusOr<int64_t> PutNew(store::Transaction& transaction, const char* kind,
                                const std::string& name, const std::string& payload);
 
-// INVALID_ARGUMENT naming "expected_revision" for one that no resource ever has.
-absl::Status CheckExpectedRevision(int64_t expected);
+// What is wrong with a request, and "expected_revision" with it if that is one that no resource
+// ever has; or, where other things are wrong too, not the latest of the resource. (By itself that
+// is no fault of the request: see PutNext.)
+absl::Status WithRevisionFault(store::Store& store, const char* kind, const std::string& name,
+                               int64_t expected, const absl::Status& faults);
 
 // Writes the revision after `present`, which is kept; 0 if the resource does not exist, or is
 // deleted: then the revision after that. ABORTED, STALE_REVISION if that is not the latest.

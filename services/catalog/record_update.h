@@ -4,27 +4,29 @@
 #include <google/protobuf/util/field_mask_util.h>
 
 #include <string>
+#include <vector>
 
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "common/base/field_violations.h"
 
 namespace mortise::catalog {
 
-// INVALID_ARGUMENT, "update_mask", for a field that a Message does not have, and for those that the
-// service alone sets.
+// INVALID_ARGUMENT, "update_mask", for each field that a Message does not have, and for those that
+// the service alone sets.
 template <typename Message>
 absl::Status CheckUpdateMask(const google::protobuf::FieldMask& mask) {
   using google::protobuf::util::FieldMaskUtil;
+  std::vector<FieldViolation> violations;
   for (const std::string& path : mask.paths()) {
     if (!FieldMaskUtil::IsValidPath<Message>(path)) {
-      return InvalidField("update_mask", absl::StrCat("there is no field '", path, "'"));
-    }
-    if (path == "name" || path == "revision" || path == "update_time") {
-      return InvalidField("update_mask", absl::StrCat("'", path, "' cannot be changed"));
+      violations.push_back({"update_mask", absl::StrCat("there is no field '", path, "'")});
+    } else if (path == "name" || path == "revision" || path == "update_time") {
+      violations.push_back({"update_mask", absl::StrCat("'", path, "' cannot be changed")});
     }
   }
-  return absl::OkStatus();
+  return violations.empty() ? absl::OkStatus() : InvalidFields(violations);
 }
 
 // The present message with the fields of the mask taken from `changes`; all but the name where the

@@ -6,6 +6,7 @@
 
 #include "absl/time/time.h"
 #include "common/base/errors.h"
+#include "common/base/violation_lists.h"
 #include "services/catalog/assembly_records.h"
 #include "services/catalog/catalog_records.h"
 #include "services/catalog/list_filter.h"
@@ -79,8 +80,10 @@ absl::StatusOr<v1::TemplateBundle> GetBundle(store::ReadTransaction& transaction
 
 absl::StatusOr<Page<v1::Template>> ListTemplates(store::ReadTransaction& transaction,
                                                  const v1::ListTemplatesRequest& request) {
-  MORTISE_RETURN_IF_ERROR(CheckFilterName(transaction, kItems, request.item(), "item"));
-  MORTISE_ASSIGN_OR_RETURN(const WordFilter words, WordFilter::Create(request.text()));
+  const absl::StatusOr<WordFilter> words = WordFilter::Create(request.text());
+  MORTISE_RETURN_IF_ERROR(Together(
+      Together(CheckFilterName(transaction, kItems, request.item(), "item"), words.status()),
+      PageOptions(request.page_size(), request.page_token()).status()));
   return ReadPage<v1::Template>(
       transaction, kTemplates, request.page_size(), request.page_token(),
       [&](const store::Record& record) -> absl::StatusOr<std::optional<v1::Template>> {
@@ -88,7 +91,7 @@ absl::StatusOr<Page<v1::Template>> ListTemplates(store::ReadTransaction& transac
         const v1::Template& message = bundle.template_();
         if (!IsOfKind(message, request.kind())) return std::nullopt;
         if (!request.item().empty() && !UsesItem(bundle, request.item())) return std::nullopt;
-        if (!words.Takes(message.name(), {message.title(), message.description()})) {
+        if (!words->Takes(message.name(), {message.title(), message.description()})) {
           return std::nullopt;
         }
         return templates::SummaryOf(std::move(*bundle.mutable_template_()));

@@ -82,7 +82,7 @@ TEST_F(BadJsonTest, WhatIsNoJsonIsRefused) {
   for (const std::string& body :
        {std::string("{"), std::string("no json"), std::string("[]"), std::string("\0\xFF", 2),
         std::string("{\"name\":\"caf\xE9\"}"), std::string(5000, '['),
-        std::string("{\"name\":\"items/a\"} trailing")}) {
+        std::string("{\"name\":\"items/a\"} trailing"), std::string("{name:'items/a'}")}) {
     ExpectRefused(Send(kGetItem, body), "invalid_argument", "");
   }
 }
@@ -102,6 +102,22 @@ TEST_F(BadJsonTest, WrongTypesAreRefusedByName) {
 TEST_F(BadJsonTest, UnknownFieldsAreRefusedByName) {
   ExpectRefused(Send(kGetItem, R"({"name":"items/a","colour":"red"})"), "invalid_argument",
                 "colour");
+}
+
+TEST_F(BadJsonTest, EveryFieldThatCannotBeReadIsTold) {
+  const HttpAnswer answer = Send(kEvaluate, R"({"name":"templates/table","colour":"red",
+      "parameters":[{"name":"length","value":"wide"},{"name":"width","value":1,"value":2}]})");
+  ExpectRefused(answer, "invalid_argument", "3 findings");
+  EXPECT_THAT(FieldsOf(answer),
+              testing::ElementsAre("colour", "parameters[0].value", "parameters[1].value"));
+}
+
+TEST_F(BadJsonTest, FieldsThatAreThereTwiceAreRefused) {
+  const HttpAnswer answer =
+      Send(kListItems,
+           R"({"pageSize":5,"kind":"DOWEL","text":"a","page_size":7,"kind":"NUT","text":""})");
+  ExpectRefused(answer, "invalid_argument", "is there twice");
+  EXPECT_THAT(FieldsOf(answer), testing::ElementsAre("page_size", "kind", "text"));
 }
 
 TEST_F(BadJsonTest, NumbersThatAreNoneAreRefusedByName) {

@@ -183,6 +183,9 @@ TEST_F(AssemblyCommand, NamesTheFlagAtFault) {
               HasSubstr("odd.json"));
   EXPECT_THAT(Refusal({"adjust", "bookshelf", "--from", File("short.json", "{\"q\": [1]}")}),
               HasSubstr("--from"));
+  const std::string words = File("words.json", R"({"q": [1, "a", 2, null]})");
+  EXPECT_THAT(Refusal({"adjust", "bookshelf", "--from", words}),
+              AllOf(HasSubstr(words + ": q[1]"), HasSubstr(words + ": q[3]")));
   EXPECT_THAT(Refusal({"sample", "bookshelf", "--count", "0"}), HasSubstr("--count"));
   EXPECT_THAT(Refusal({"show", "nothing"}), HasSubstr("assemblies/nothing"));
   EXPECT_THAT(
@@ -245,6 +248,38 @@ TEST_F(AssemblyCommand, ImportsJson) {
   EXPECT_THAT(Refusal({"import", odd}),
               AllOf(HasSubstr(odd + ": title: 3 must be a text"),
                     HasSubstr(odd + ": parts[0].role"), HasSubstr(odd + ": parts[1]: must be")));
+}
+
+// Files that cannot be read: all that is wrong with all of them.
+TEST_F(AssemblyCommand, TellsEveryPlaceOfAFileThatCannotBeRead) {
+  const std::string text = File("faults.textproto",
+                                "name: 'assemblies/faults'\n"
+                                "titel: 'Faults'\n"
+                                "parts {\n"
+                                "  name: 'a' name: 'b'\n"
+                                "  size { x: 'wide' y: 1 z: 1 }\n"
+                                "}\n"
+                                "parts { ) }\n");
+  const std::string json = File("faults.json", R"({"name": "assemblies/faults", "titel": "Faults",
+      "parts": [{"name": "a", "size": {"x": 1, "x": 2, "y": "wide"}}], "name": "b"})");
+  EXPECT_THAT(Refusal({"import", text, json}),
+              AllOf(HasSubstr("8 findings"), HasSubstr(text + ": line 2, column 1: there is no"),
+                    HasSubstr(text + ": line 4, column 13: 'name' is there twice"),
+                    HasSubstr(text + ": line 5, column 13: must be a number"),
+                    HasSubstr(text + ": line 7, column 9"), HasSubstr(json + ": titel"),
+                    HasSubstr(json + ": parts[0].size.x: is there twice"),
+                    HasSubstr(json + ": parts[0].size.y: \"wide\" must be a number"),
+                    HasSubstr(json + ": name: is there twice")));
+  EXPECT_THAT(std::string(Run({"show", "faults"}).status().message()), HasSubstr("there is no"));
+  // Of annotations, too.
+  const std::string step = (folder_.path() / "shelf.step").string();
+  ASSERT_TRUE(Run({"export", "bookshelf", "-o", step}).ok());
+  const std::string annotations =
+      File("annotations.textproto", "parts { itme: 'a' }\nparts { role: NONE left_out: maybe }");
+  EXPECT_THAT(Refusal({"import", step, "--annotations", annotations}),
+              AllOf(HasSubstr("3 findings"), HasSubstr(annotations + ": line 1, column 9"),
+                    HasSubstr(annotations + ": line 2, column 15"),
+                    HasSubstr(annotations + ": line 2, column 30")));
 }
 
 TEST_F(AssemblyCommand, ExportsAndImportsStep) {

@@ -85,6 +85,18 @@ TEST_F(HttpDoorTest, NamesTheFieldOfBadInput) {
   EXPECT_FALSE(Json::parse(details.body)["details"].empty());
 }
 
+TEST_F(HttpDoorTest, NamesEveryFieldOfBadInput) {
+  const HttpAnswer answer = Post("/mortise.v1.CatalogService/EvaluateTemplate",
+                                 R"({"nmae":"a","parameters":[{"name":"a","value":"wide"},
+                                     {"name":"b","value":1,"value":2}]})");
+  ExpectError(answer, 400, "invalid_argument", "3 findings");
+  for (const char* field : {"nmae: ", "parameters[0].value: ", "parameters[1].value: "}) {
+    ExpectError(answer, 400, "invalid_argument", field);
+  }
+  ExpectError(Post(kGetItem, R"({"name":"items/echo","name":"items/echo"})"), 400,
+              "invalid_argument", "name: is there twice");
+}
+
 TEST_F(HttpDoorTest, TellsFailuresOfServices) {
   ExpectError(Post(kGetItem, R"({"name":"items/missing"})"), 404, "not_found", "items/missing");
   ExpectError(Post("/mortise.v1.ParetoService/GetFront", "{}"), 503, "unavailable", "pareto");

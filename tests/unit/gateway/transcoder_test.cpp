@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/base/errors.h"
+#include "common/base/violation_lists.h"
 #include "gateway/contract.h"
 #include "mortise/v1/catalog.pb.h"
 #include "mortise/v1/events.pb.h"
@@ -79,10 +80,31 @@ TEST_F(TranscoderTest, NamesFieldsOfTheWrongType) {
             absl::StatusCode::kInvalidArgument);
 }
 
+TEST_F(TranscoderTest, NamesEveryFieldAtFault) {
+  const auto fields = [](const absl::Status& refused) {
+    std::vector<std::string> names;
+    for (const FieldViolation& violation : AllViolationsOf(refused)) {
+      names.push_back(violation.field);
+    }
+    return names;
+  };
+  EXPECT_THAT(fields(Failure("EvaluateTemplateRequest",
+                             R"({"nmae":"a","revision":"last","parameters":[{"value":"wide"},
+                                {"name":1,"value":2},7]})")),
+              testing::ElementsAre("nmae", "revision", "parameters[0].value", "parameters[1].name",
+                                   "parameters[2]"));
+  EXPECT_THAT(
+      fields(Failure("ListItemsRequest", R"({"pageSize":1,"text":"a","page_size":2,"text":"b"})")),
+      testing::ElementsAre("page_size", "text"));
+  EXPECT_THAT(fields(Failure("GetItemRequest", R"({"nmae":"a",)")),
+              testing::ElementsAre("nmae", "request"));
+}
+
 TEST_F(TranscoderTest, RefusesWhatIsNotJson) {
   for (const std::string& bad :
        {std::string("{"), std::string("[]"), std::string("{\"name\":}"), std::string("nonsense"),
-        std::string("{} trailing"), std::string("\xff\xfe"), std::string("{\"name\":\"\xc3\x28\"}"),
+        std::string("{} trailing"), std::string("{name:\"items/a\"}"), std::string("{'name':'a'}"),
+        std::string(), std::string("\xff\xfe"), std::string("{\"name\":\"\xc3\x28\"}"),
         std::string(100000, '[')}) {
     EXPECT_EQ(Failure("GetItemRequest", bad).code(), absl::StatusCode::kInvalidArgument)
         << bad.substr(0, 20);

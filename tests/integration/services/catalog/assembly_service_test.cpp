@@ -41,6 +41,15 @@ class AssemblyParametrizationTest : public AssemblyServiceTest {
   }
 };
 
+std::vector<std::string> FieldsRefused(const absl::Status& refused) {
+  EXPECT_EQ(refused.code(), absl::StatusCode::kInvalidArgument) << refused;
+  std::vector<std::string> fields;
+  for (const FieldViolation& violation : AllViolationsOf(refused)) {
+    fields.push_back(violation.field);
+  }
+  return fields;
+}
+
 double Extent(const v1::AdjustedAssembly& design, const std::string& element, v1::Axis axis) {
   for (const v1::PlacedPart& part : design.parts()) {
     if (part.element() != element) continue;
@@ -315,7 +324,7 @@ TEST_F(AssemblyParametrizationTest, NamesTheFieldAtFault) {
   EXPECT_EQ(field(Evaluate(evaluate).status()), "points[1].q");
   *evaluate.mutable_points(1)->mutable_q() = evaluate.points(0).q();
   evaluate.mutable_points(1)->set_q(3, -1);
-  EXPECT_EQ(field(Evaluate(evaluate).status()), "points[1].q");
+  EXPECT_EQ(field(Evaluate(evaluate).status()), "points[1].q[3]");
 
   v1::AdjustAssemblyRequest adjust;
   adjust.set_name(kShelf);
@@ -337,6 +346,93 @@ TEST_F(AssemblyParametrizationTest, NamesTheFieldAtFault) {
   v1::Chunk chunk;
   EXPECT_FALSE(reader->Read(&chunk));
   EXPECT_EQ(field(rpc::FromGrpc(reader->Finish())), "format");
+}
+
+// Requests that are wrong in several ways: every one of them is told, numbers that are none
+// included, and of what belongs to a design that is there.
+TEST_F(AssemblyParametrizationTest, TellsAllThatIsWrongWithAnAdjustment) {
+  v1::AdjustAssemblyRequest adjust;
+  adjust.set_name(kShelf);
+  const auto fields = [&] { return FieldsRefused(Call(&Stub::AdjustAssembly, adjust).status()); };
+  *adjust.mutable_q() = Parametrized().q();
+  adjust.set_q(4, -0.5);  // a size
+  adjust.set_q(6, 20e3);  // a place
+  const auto demand = [&](const std::string& element, double value) {
+    v1::MeasureDemand& added = *adjust.add_demands();
+    added.mutable_measure()->set_element(element);
+    added.set_value(value);
+  };
+  demand("nothing", 1);
+  demand(Parametrized().elements(0).name(), -20e3);
+  EXPECT_THAT(fields(), UnorderedElementsAre("q[4]", "q[6]", "demands[0].measure.element",
+                                             "demands[1].value"));
+  demand("Nobody", std::numeric_limits<double>::quiet_NaN());
+  adjust.mutable_demands(1)->mutable_measure()->set_axis(static_cast<v1::Axis>(9));
+  adjust.set_q(0, std::numeric_limits<double>::infinity());
+  EXPECT_THAT(fields(), UnorderedElementsAre("q[0]", "q[4]", "q[6]", "demands[0].measure.element",
+                                             "demands[1].measure.axis", "demands[1].value",
+                                             "demands[2].measure.element", "demands[2].value"));
+  adjust.add_q(1);
+  for (int i = 0; i < 100; ++i) demand("nothing", 1);
+  EXPECT_THAT(fields(), UnorderedElementsAre("q[0]", "demands[1].measure.axis", "demands[2].value"))
+      << "of lists at fault no more is said";
+  adjust.set_q(0, 0);
+  adjust.mutable_demands(1)->mutable_measure()->clear_axis();
+  adjust.mutable_demands(2)->set_value(1);
+  EXPECT_THAT(fields(), UnorderedElementsAre("q", "demands"));
+  adjust.set_name("shelf");
+  adjust.set_revision(-1);
+  EXPECT_THAT(fields(), UnorderedElementsAre("demands", "name", "revision"));
+}
+
+TEST_F(AssemblyParametrizationTest, TellsAllThatIsWrongWithPoints) {
+  v1::EvaluateAssemblyRequest evaluate;
+  evaluate.set_name(kShelf);
+  const auto fields = [&] { return FieldsRefused(Evaluate(evaluate).status()); };
+  for (int i = 0; i < 4; ++i) *evaluate.add_points()->mutable_q() = Parametrized().q();
+  evaluate.mutable_points(0)->add_q(1);
+  evaluate.mutable_points(1)->set_q(3, 0);
+  evaluate.mutable_points(1)->set_q(5, -1);
+  evaluate.mutable_points(3)->set_q(1, 11e3);
+  EXPECT_THAT(fields(), UnorderedElementsAre("points[0].q", "points[1].q[3]", "points[1].q[5]",
+                                             "points[3].q[1]"));
+  evaluate.mutable_points(2)->set_q(7, std::numeric_limits<double>::quiet_NaN());
+  EXPECT_THAT(fields(), UnorderedElementsAre("points[0].q", "points[1].q[3]", "points[1].q[5]",
+                                             "points[2].q[7]", "points[3].q[1]"));
+  evaluate.clear_points();
+  evaluate.set_revision(-1);
+  evaluate.set_name("shelf");
+  EXPECT_THAT(fields(), UnorderedElementsAre("points", "name", "revision"));
+
+  v1::SampleAssemblyRequest sample;
+  sample.set_name("shelf");
+  sample.set_revision(-1);
+  grpc::ClientContext context;
+  testing::Prepare(context);
+  EXPECT_THAT(FieldsRefused(ReadAll(stub_->SampleAssembly(&context, sample)).status()),
+              UnorderedElementsAre("count", "name", "revision"));
+}
+
+TEST_F(AssemblyParametrizationTest, TellsAllThatIsWrongWithAnExport) {
+  v1::ExportAssemblyRequest file;
+  file.set_name(kShelf);
+  const auto fields = [&] {
+    grpc::ClientContext context;
+    testing::Prepare(context);
+    const auto reader = stub_->ExportAssembly(&context, file);
+    v1::Chunk chunk;
+    EXPECT_FALSE(reader->Read(&chunk));
+    return FieldsRefused(rpc::FromGrpc(reader->Finish()));
+  };
+  *file.mutable_q() = Parametrized().q();
+  file.set_q(3, -1);
+  file.set_rest_pose("lid: open");
+  EXPECT_THAT(fields(), UnorderedElementsAre("format", "q[3]", "rest_pose"));
+  file.set_format(static_cast<v1::ExportDesignRequest::Format>(99));
+  file.set_q(9, std::numeric_limits<double>::quiet_NaN());
+  EXPECT_THAT(fields(), UnorderedElementsAre("format", "q[3]", "q[9]", "rest_pose"));
+  file.set_name("shelf");
+  EXPECT_THAT(fields(), UnorderedElementsAre("format", "q[9]", "name"));
 }
 
 TEST_F(AssemblyParametrizationTest, TellsNumbersThatAreNoneWithAllElse) {
@@ -385,6 +481,15 @@ TEST_F(AssemblyParametrizationTest, TellsARevisionThatCannotBeWithAllElse) {
   EXPECT_THAT(fields(), UnorderedElementsAre("expected_revision"));
   request.mutable_assembly()->mutable_parts(1)->set_item("items/none");
   EXPECT_THAT(fields(), UnorderedElementsAre("expected_revision", "assembly.parts[1].item"));
+  // One that is not the latest is a fault among others; by itself it only comes too late.
+  request.set_expected_revision(7);
+  EXPECT_THAT(fields(), UnorderedElementsAre("expected_revision", "assembly.parts[1].item"));
+  request.mutable_assembly()->mutable_parts(2)->set_group("nowhere");
+  request.set_expected_revision(0);
+  EXPECT_THAT(fields(), UnorderedElementsAre("assembly.parts[1].item", "assembly.parts[2].group"));
+  *request.mutable_assembly() = Get(kShelf);
+  request.set_expected_revision(7);
+  EXPECT_EQ(DetailOf(Call(&Stub::ImportAssembly, request).status()).reason, "STALE_REVISION");
 }
 
 TEST_F(AssemblyParametrizationTest, ItemsOfAssembliesStay) {

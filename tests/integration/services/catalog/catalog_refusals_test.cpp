@@ -105,6 +105,24 @@ TEST_F(CatalogServiceTest, RefusesBadReads) {
   EXPECT_EQ(Fail(&Stub::GetTemplateBundle, bundle).field, "name");
 }
 
+TEST_F(CatalogServiceTest, TellsAllThatIsWrongWithAList) {
+  using Stub = v1::CatalogService::Stub;
+  v1::ListItemsRequest items;
+  items.set_page_size(-1);
+  items.set_text(std::string(201, 'x'));
+  items.set_material("materials/cheese");
+  v1::ListItemsResponse no_items;
+  EXPECT_THAT(FieldsRefused(rpc::FromGrpc(Call(&Stub::ListItems, items, &no_items))),
+              UnorderedElementsAre("page_size", "text", "material"));
+  v1::ListTemplatesRequest templates;
+  templates.set_page_size(1001);
+  templates.set_text(std::string(201, 'x'));
+  templates.set_item("dowel");
+  v1::ListTemplatesResponse no_templates;
+  EXPECT_THAT(FieldsRefused(rpc::FromGrpc(Call(&Stub::ListTemplates, templates, &no_templates))),
+              UnorderedElementsAre("page_size", "text", "item"));
+}
+
 TEST_F(CatalogServiceTest, RefusesBadParameters) {
   using Stub = v1::CatalogService::Stub;
   const auto evaluate = [&](const std::string& name, double value) {
@@ -305,6 +323,10 @@ TEST_F(CatalogServiceTest, RefusesBadTemplatesAndSaysAllThatIsWrong) {
   metric.set_unit("1");
   metric.set_expression("length / breadth");
   v1::Template none;
+  EXPECT_THAT(FieldsRefused(rpc::FromGrpc(Call(&Stub::ImportTemplate, early, &none))),
+              UnorderedElementsAre("expected_revision", "template.parts[1].item",
+                                   "template.metric_definitions.expressions[0].expression"));
+  early.set_expected_revision(7);  // there is none yet
   EXPECT_THAT(FieldsRefused(rpc::FromGrpc(Call(&Stub::ImportTemplate, early, &none))),
               UnorderedElementsAre("expected_revision", "template.parts[1].item",
                                    "template.metric_definitions.expressions[0].expression"));

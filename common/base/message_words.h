@@ -1,0 +1,16 @@
+// Names of a message's type as people are told them. Private to the files that find faults.
+#pragma once
+
+#include <google/protobuf/descriptor.h>
+
+#include <string>
+
+namespace mortise {
+
+// "X, Y, Z": all values but the first, which stands for what is not said.
+std::string ValueNames(const google::protobuf::EnumDescriptor& type);
+
+// "cad, cage": the fields of which a message has one at most.
+std::string ChoiceNames(const google::protobuf::OneofDescriptor& choice);
+
+}  // namespace mortise
