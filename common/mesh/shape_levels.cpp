@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "common/mesh/countersinks.h"
 #include "common/mesh/round_faces.h"
 #include "common/mesh/shared_edges.h"
 
@@ -18,9 +19,11 @@ constexpr double kAlong = 1e-9;  // rad, by which a triangle along an axis may l
 class LevelSearch {
  public:
   LevelSearch(const DrawnShape& shape, const std::vector<SharedEdge>& edges,
-              const std::vector<RoundFace>& round_faces, int axis)
+              const std::vector<RoundFace>& round_faces,
+              const std::vector<Countersink>& countersinks, int axis)
       : shape_(shape), axis_(axis), same_(kSameLevel / shape.size[axis]) {
     for (const RoundFace& face : round_faces) LookAt(face);
+    for (const Countersink& countersink : countersinks) LookAt(countersink);
     for (Eigen::Index t = 0; t < shape.triangles.cols(); ++t) LookAt(t);
     for (const SharedEdge& edge : edges) LookAt(edge);
     LookAtVertices();
@@ -75,6 +78,17 @@ class LevelSearch {
           const double inside = sign * (furthest - Height(vertex) * shape_.size[axis_]);
           if (inside <= missed) At(vertex).is_round = true;
         }
+      }
+    }
+  }
+
+  // What is flat around it goes straight on where the circle reaches furthest, and the bore below.
+  void LookAt(const Countersink& countersink) {
+    const double reach = countersink.axis == axis_ ? countersink.depth / 2 : countersink.radius;
+    for (const double side : {-1.0, 1.0}) {
+      const double end = countersink.middle[axis_] + side * reach;
+      if (shape_.size[axis_] / 2 - std::abs(end) > kOnPlane) {
+        turns_.push_back({end / shape_.size[axis_], 0});
       }
     }
   }
@@ -207,9 +221,11 @@ class LevelSearch {
 std::vector<ShapeLevel> LevelsOf(const DrawnShape& shape) {
   const std::vector<SharedEdge> edges = SharedEdges(shape.triangles);
   const std::vector<RoundFace> round_faces = RoundFacesOf(shape);
+  const std::vector<Countersink> countersinks = CountersinksOf(shape);
   std::vector<ShapeLevel> levels;
   for (int axis = 0; axis < 3; ++axis) {
-    const std::vector<ShapeLevel> along = LevelSearch(shape, edges, round_faces, axis).Found();
+    const std::vector<ShapeLevel> along =
+        LevelSearch(shape, edges, round_faces, countersinks, axis).Found();
     levels.insert(levels.end(), along.begin(), along.end());
   }
   return levels;

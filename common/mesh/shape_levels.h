@@ -1,7 +1,8 @@
 // Where the surface of a shape turns back along the axes of its box: at flat faces at right angles
-// to one, and where a curved face reaches furthest, as a bore does on either side of its axis. What
-// fits into a shape meets it there. As the box is stretched in proportion these places keep their
-// fractions of it; where a level divides the shape, both sides can be stretched by themselves.
+// to one, and where a curved face, or a countersink in a flat one, reaches furthest, as a bore does
+// on either side of its axis; and how deep countersinks are. What fits into a shape meets it there.
+// As the box is stretched in proportion these places keep their fractions of it; where a level
+// divides the shape, both sides can be stretched by themselves.
 #pragma once
 
 #include <vector>

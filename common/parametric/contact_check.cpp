@@ -248,7 +248,9 @@ ContactCheck::Parts ContactCheck::PartsIn(const Pose& pose, const Eigen::VectorX
     box.half_size = placed.box.size() / 2;
     if (MovesIn(pose, assembly_, elements_[element])) {
       box.center = motion * box.center;
-      box.axes = motion.linear();
+      // What counts as its box does not turn where it is round.
+      box.axes = elements_[element].shape == nullptr ? AxesIn(pose, assembly_, elements_[element])
+                                                     : Eigen::Matrix3d(motion.linear());
     }
     parts[element].push_back({std::move(placed.name), box, std::move(placed.stretch),
                               elements_[element].shape.get(), std::nullopt});
@@ -274,7 +276,10 @@ double ContactCheck::SeparationOf(const Part& a, const Part& b, bool how_deep) c
   for (const Part* part : {&a, &b}) {
     if (part->shape != nullptr) missed += mesh::DeflectionIn(*part->shape, part->stretch);
   }
-  const auto measure = how_deep ? mesh::ProbedSurface::Separation : mesh::ProbedSurface::Distance;
+  // What only touches the other's box reaches nowhere into it.
+  const bool may_be_deep = how_deep && boxes < -tolerance_;
+  const auto measure =
+      may_be_deep ? mesh::ProbedSurface::Separation : mesh::ProbedSurface::Distance;
   const double apart = measure(Probed(a), Probed(b), missed + kFurthest);
   if (apart > 0) return std::min(std::max(apart - missed, 0.0), kFurthest);
   return std::min(apart + missed, 0.0);

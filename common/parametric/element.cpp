@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "absl/strings/str_cat.h"
-#include "common/mesh/shape_levels.h"
 
 namespace mortise::parametric {
 namespace {
@@ -39,15 +38,16 @@ void AddPlane(const AssemblyPart& part, const ProminentPlane& plane, Element& el
 
 // Those that are no planes of the element already, along the axes that `is_wanted` says.
 template <typename Predicate>
-void AddLevels(const AssemblyPart& part, const Predicate& is_wanted, Element& element) {
+void AddLevels(const AssemblyPart& part, const Predicate& is_wanted, ShapeFeatures& known,
+               Element& element) {
   if (part.shape == nullptr) return;
   std::array<int, 3> counts = {};
-  for (const mesh::ShapeLevel& level : mesh::LevelsOf(*part.shape)) {
+  for (const mesh::ShapeLevel& level : known.LevelsOf(*part.shape)) {
     const Axis axis = static_cast<Axis>(level.axis);
     const int count = ++counts[static_cast<std::size_t>(level.axis)];
     const auto plane =
-        std::find_if(element.planes.begin(), element.planes.end(), [&](const ElementPlane& known) {
-          return known.axis == axis && std::abs(known.fraction - level.fraction) < kSameFraction;
+        std::find_if(element.planes.begin(), element.planes.end(), [&](const ElementPlane& one) {
+          return one.axis == axis && std::abs(one.fraction - level.fraction) < kSameFraction;
         });
     if (plane != element.planes.end()) plane->divides = level.divides;
     if (plane != element.planes.end() || !is_wanted(axis)) continue;
@@ -56,7 +56,22 @@ void AddLevels(const AssemblyPart& part, const Predicate& is_wanted, Element& el
   }
 }
 
-Element ElementOfPart(const Assembly& assembly, int index) {
+// Unless a row of parts, or a tolerance of the drawing, makes its box another than it is wide.
+void AddRoundAxis(const AssemblyPart& part, double tolerance, ShapeFeatures& known,
+                  Element& element) {
+  if (part.shape == nullptr) return;
+  const std::optional<int> axis = known.RoundAboutOf(*part.shape);
+  if (!axis) return;
+  const int a = (*axis + 1) % 3, b = (*axis + 2) % 3;
+  const Eigen::Vector3d size = element.box.size();
+  const auto leads = [&](int along) {
+    return element.pattern && LeadsAlong(*element.pattern, along);
+  };
+  if (leads(a) || leads(b) || std::abs(size[a] - size[b]) > tolerance) return;
+  element.round_about = static_cast<Axis>(*axis);
+}
+
+Element ElementOfPart(const Assembly& assembly, int index, double tolerance, ShapeFeatures& known) {
   const AssemblyPart& part = assembly.parts[static_cast<std::size_t>(index)];
   Element element;
   element.name = part.name;
@@ -70,11 +85,13 @@ Element ElementOfPart(const Assembly& assembly, int index) {
   AddBoxPlanes(element);
   for (const ProminentPlane& plane : part.prominent_planes) AddPlane(part, plane, element);
   AddLevels(
-      part, [](Axis) { return true; }, element);
+      part, [](Axis) { return true; }, known, element);
+  AddRoundAxis(part, tolerance, known, element);
   return element;
 }
 
-Element ElementOfPattern(const Assembly& assembly, const FoundPattern& found, double tolerance) {
+Element ElementOfPattern(const Assembly& assembly, const FoundPattern& found, double tolerance,
+                         ShapeFeatures& known) {
   const AssemblyPart& first = assembly.parts[static_cast<std::size_t>(found.parts.front())];
   Element element;
   element.name = first.name;
@@ -99,7 +116,8 @@ Element ElementOfPattern(const Assembly& assembly, const FoundPattern& found, do
   for (const ProminentPlane& plane : first.prominent_planes) {
     if (is_shared(plane.axis)) AddPlane(first, plane, element);
   }
-  AddLevels(first, is_shared, element);
+  AddLevels(first, is_shared, known, element);
+  AddRoundAxis(first, tolerance, known, element);
   return element;
 }
 
@@ -107,14 +125,21 @@ Element ElementOfPattern(const Assembly& assembly, const FoundPattern& found, do
 
 std::vector<Element> MakeElements(const Assembly& assembly, double tolerance,
                                   const PatternExclusions& exclusions) {
+  ShapeFeatures known;
+  return MakeElements(assembly, tolerance, exclusions, known);
+}
+
+std::vector<Element> MakeElements(const Assembly& assembly, double tolerance,
+                                  const PatternExclusions& exclusions, ShapeFeatures& known) {
   std::vector<Element> elements;
   std::vector<bool> taken(assembly.parts.size(), false);
   for (const FoundPattern& found : FindPatterns(assembly, tolerance, exclusions)) {
-    elements.push_back(ElementOfPattern(assembly, found, tolerance));
+    elements.push_back(ElementOfPattern(assembly, found, tolerance, known));
     for (const int part : found.parts) taken[static_cast<std::size_t>(part)] = true;
   }
   for (std::size_t i = 0; i < assembly.parts.size(); ++i) {
-    if (!taken[i]) elements.push_back(ElementOfPart(assembly, static_cast<int>(i)));
+    if (taken[i]) continue;
+    elements.push_back(ElementOfPart(assembly, static_cast<int>(i), tolerance, known));
   }
   return elements;
 }

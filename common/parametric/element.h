@@ -15,6 +15,7 @@
 #include "common/parametric/assembly.h"
 #include "common/parametric/linear_form.h"
 #include "common/parametric/pattern.h"
+#include "common/parametric/shape_features.h"
 
 namespace mortise::parametric {
 
@@ -56,6 +57,9 @@ struct Element {
   std::vector<ElementPlane> levels;
   // What its parts look like; null for what their item's kind says.
   std::shared_ptr<const mesh::DrawnShape> shape;
+  // The axis that it may be turned about without reaching further: that of its shape, round from
+  // one side of its box to the other.
+  std::optional<Axis> round_about;
   // By axis, in order (held_levels.h). `shape` is divided at them. Of a pattern not along it.
   std::array<std::vector<HeldLevel>, 3> held_levels;
 };
@@ -65,6 +69,8 @@ struct Element {
 // FindPatterns.
 std::vector<Element> MakeElements(const Assembly& assembly, double tolerance,
                                   const PatternExclusions& exclusions = {});
+std::vector<Element> MakeElements(const Assembly& assembly, double tolerance,
+                                  const PatternExclusions& exclusions, ShapeFeatures& known);
 
 // Of each part of the assembly, the index of its element; -1 of one that is in none.
 std::vector<int> ElementsOfParts(const Assembly& assembly, const std::vector<Element>& elements);

@@ -5,13 +5,13 @@
 
 #include <array>
 #include <map>
-#include <set>
 #include <utility>
 #include <vector>
 
 #include "common/parametric/assembly.h"
 #include "common/parametric/element.h"
 #include "common/parametric/relationship.h"
+#include "common/parametric/shape_features.h"
 
 namespace mortise::parametric {
 
@@ -29,7 +29,8 @@ struct HeldLevels {
 // shape (mesh::ShapeLevel) are held, and none of what is to be fitted (Precautions::fitted). Along
 // each axis, from the smallest element to the largest:
 //
-// - a bore as wide as what lies in it, or up to twice as wide, and what else reaches from one plane
+// - a bore as wide as what lies in it, rod or shank, or up to twice as wide, and what else reaches
+// from one plane
 //   of a neighbour to another, as a mortise does: both ends go by the neighbour's. Its middle keeps
 //   its share of the element's size, as far as Precautions::shares_kept says;
 // - a plane of a neighbour that the element, which is no wider, enters: what lies against it, a
@@ -37,7 +38,8 @@ struct HeldLevels {
 // - the end of a shorter neighbour that is let into the element: the bottom of its bore goes by it,
 //   and keeps its share as the middles of bores do;
 // - bores with nothing in them, up to half as wide as their element: they keep their width, and
-//   their middle its share; and blind ones with nothing at their bottom their depth.
+//   their middle its share; and blind ones with nothing at their bottom their depth. Slots with
+//   round ends are bores too: across, they go by the bolts in them, which may move along.
 //
 // Bores that overlap along an axis go by the largest thing in them. What lies between two such
 // places, or beside the first and the last, keeps at least half its share; between a shoulder or
@@ -45,15 +47,11 @@ struct HeldLevels {
 // than `tolerance`, m, and what triangles may miss. What an element's own drawing gives as play
 // stays as it is. O(p² f²) for p parts of f levels and planes.
 HeldLevels HoldLevels(const Assembly& assembly, std::vector<Element>& elements,
-                      const Contacts& contacts, double tolerance, const Precautions& precautions);
-
-// Parts of rows of which two or more lie in bores of one part: its bores go by them one by one, and
-// do not become more as the parts of a row do. O(f p) for p parts and f round faces.
-std::set<int> RowsInBoresOfOne(const Assembly& assembly, const std::vector<Element>& elements,
-                               double tolerance);
+                      const Contacts& contacts, double tolerance, const Precautions& precautions,
+                      ShapeFeatures& known);
 
 // What is round about an axis of the design, from one side of its box to the other, stays so.
 std::vector<Relationship> KeepRound(const Assembly& assembly, const std::vector<Element>& elements,
-                                    double tolerance);
+                                    double tolerance, ShapeFeatures& known);
 
 }  // namespace mortise::parametric

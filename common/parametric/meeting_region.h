@@ -4,6 +4,8 @@
 
 #include <array>
 #include <optional>
+#include <set>
+#include <utility>
 #include <vector>
 
 #include "common/mesh/box_stretch.h"
@@ -29,29 +31,43 @@ class MeetingRegion {
   // Whether the parts, stretched so, stand to each other as drawn: along all axes both are
   // stretched by one map in the region, to within `same`, m; or along all but one, along which both
   // go straight on from step to step, as a rod and its board do, and all steps are in the order
-  // they were, at the same distance where they touch. It is enough that one goes straight on, if it
-  // reaches beyond the other at both ends, as a pin does through a tube.
+  // they were; where they touch or overlap, as the head of a screw and its countersink do, one map
+  // stretches both. It is enough that one goes straight on, if it reaches beyond the other at both
+  // ends, as a pin does through a tube.
   // False also where that cannot be told. O(levels).
   bool StandsAsDrawn(const StretchedPart& a, const StretchedPart& b, double same) const;
 
  private:
+  // A face at right angles to an axis, or what of a part does not run along it, m as drawn.
+  struct Step {
+    double low = 0, high = 0;
+
+    bool IsFlat() const;
+  };
   // From where to where a part reaches along an axis where the other is across it, m, as drawn.
   struct Reach {
     double from = 0, to = 0;
     // Where it begins and ends, or does so in part, as a board does at the bottom of a blind bore;
-    // in between it goes straight on. Empty if it does not.
-    std::vector<double> steps;
+    // in order, apart from each other. In between it goes straight on. Empty if there are too many.
+    std::vector<Step> steps;
   };
   using Reaches = std::array<std::optional<Reach>, 3>;
 
+  // Where in the region a part ends before its box does, the core ends with it.
+  void ShrinkTo(const BoundingBox& box, const mesh::DrawnShape* shape);
   Reaches ReachesOf(const BoundingBox& box, const mesh::DrawnShape* shape) const;
-  bool IsOneMap(const StretchedPart& a, const StretchedPart& b, int axis, double same) const;
+  static std::vector<Step> Merged(const std::set<std::pair<double, double>>& ends);
+  bool IsOneMap(const StretchedPart& a, const StretchedPart& b, int axis, double from, double to,
+                double same) const;
   bool IsKept(double drawn, double now, double same) const;
+  bool AreKept(const StretchedPart& a, const Step& of_a, const StretchedPart& b, const Step& of_b,
+               int axis, double same) const;
   bool KeepsOrder(const StretchedPart& a, const StretchedPart& b, int axis, double same) const;
 
   BoundingBox drawn_a_, drawn_b_;
   double tolerance_;
   std::optional<BoundingBox> region_;
+  BoundingBox core_;  // of the region, what both parts reach into
   Reaches reaches_a_, reaches_b_;
 };
 

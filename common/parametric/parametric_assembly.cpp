@@ -9,8 +9,9 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "common/base/errors.h"
-#include "common/mesh/proximity.h"
+#include "common/parametric/bores.h"
 #include "common/parametric/design_trial.h"
+#include "common/parametric/drawn_contacts.h"
 #include "common/parametric/easily_lost.h"
 #include "common/parametric/principal_patterns.h"
 
@@ -149,33 +150,6 @@ const char* MeasureKindName(MeasureKind kind) {
   return "";
 }
 
-absl::StatusOr<Contacts> FindContacts(const Assembly& assembly,
-                                      const std::vector<Element>& elements, double tolerance) {
-  const std::vector<int> element_of = ElementsOfParts(assembly, elements);
-  std::vector<mesh::SurfaceMesh> surfaces;
-  surfaces.reserve(assembly.parts.size());
-  std::vector<double> deflections;  // by which triangles may miss curved faces
-  for (const AssemblyPart& part : assembly.parts) {
-    surfaces.push_back(SurfaceOf(part));
-    deflections.push_back(part.shape == nullptr ? 0
-                                                : mesh::DeflectionIn(*part.shape, part.box.size()));
-  }
-  const double most =
-      deflections.empty() ? 0 : *std::max_element(deflections.begin(), deflections.end());
-  MORTISE_ASSIGN_OR_RETURN(const std::vector<mesh::Proximity> proximities,
-                           mesh::FindProximities(surfaces, tolerance + 2 * most));
-  std::set<std::pair<int, int>> touching;
-  for (const mesh::Proximity& proximity : proximities) {
-    const double missed = deflections[static_cast<std::size_t>(proximity.first)] +
-                          deflections[static_cast<std::size_t>(proximity.second)];
-    if (proximity.distance > tolerance + missed) continue;
-    const auto [low, high] = std::minmax(element_of[static_cast<std::size_t>(proximity.first)],
-                                         element_of[static_cast<std::size_t>(proximity.second)]);
-    if (low != high) touching.emplace(low, high);
-  }
-  return Contacts(touching.begin(), touching.end());
-}
-
 absl::StatusOr<ParametricAssembly> ParametricAssembly::Create(
     Assembly assembly, const std::function<bool()>& is_given_up) {
   ParametricAssembly made;
@@ -193,18 +167,22 @@ absl::StatusOr<ParametricAssembly> ParametricAssembly::Create(
 }
 
 absl::Status ParametricAssembly::FindSoundFeasibleSet(const std::function<bool()>& is_given_up) {
+  MORTISE_ASSIGN_OR_RETURN(const TouchingParts touching, FindTouchingParts(assembly_, tolerance_));
   EasilyLost easily_lost;
   Remedies remedies;
-  remedies.lone = RowsInBoresOfOne(assembly_, MakeElements(assembly_, tolerance_), tolerance_);
+  ShapeFeatures known;
+  remedies.lone = RowsInBoresOfOne(assembly_, MakeElements(assembly_, tolerance_, {}, known),
+                                   tolerance_, known);
   const auto has_more = [](auto& all, const auto& found) {
-    const std::size_t known = all.size();
+    const std::size_t before = all.size();
     all.insert(found.begin(), found.end());
-    return all.size() > known;
+    return all.size() > before;
   };
   while (true) {
     if (is_given_up()) return absl::CancelledError("nobody waits for the designs any more");
-    MORTISE_ASSIGN_OR_RETURN(const FitCounts fits,
-                             FindFeasibleSet({easily_lost, remedies.lone}, remedies.precautions));
+    MORTISE_ASSIGN_OR_RETURN(
+        const FitCounts fits,
+        FindFeasibleSet(touching, known, {easily_lost, remedies.lone}, remedies.precautions));
     if (LoosenShares(elements_, *feasible_set_, fits, remedies.precautions)) continue;
     MORTISE_ASSIGN_OR_RETURN(const EasilyLost lost,
                              FindEasilyLost(assembly_, elements_, *feasible_set_, tolerance_));
@@ -220,15 +198,18 @@ absl::Status ParametricAssembly::FindSoundFeasibleSet(const std::function<bool()
   }
 }
 
-absl::StatusOr<FitCounts> ParametricAssembly::FindFeasibleSet(const PatternExclusions& exclusions,
+absl::StatusOr<FitCounts> ParametricAssembly::FindFeasibleSet(const TouchingParts& touching,
+                                                              ShapeFeatures& known,
+                                                              const PatternExclusions& exclusions,
                                                               const Precautions& precautions) {
-  elements_ = MakeElements(assembly_, tolerance_, exclusions);
-  MORTISE_ASSIGN_OR_RETURN(contacts_, FindContacts(assembly_, elements_, tolerance_));
+  elements_ = MakeElements(assembly_, tolerance_, exclusions, known);
+  contacts_ = ContactsOf(touching, assembly_, elements_);
   FollowPrincipalPatterns(elements_, contacts_, tolerance_);
-  const HeldLevels held = HoldLevels(assembly_, elements_, contacts_, tolerance_, precautions);
+  const HeldLevels held =
+      HoldLevels(assembly_, elements_, contacts_, tolerance_, precautions, known);
   relationships_ = FindRelationships(assembly_, elements_, contacts_, tolerance_, precautions);
   for (const std::vector<Relationship>& more :
-       {held.relationships, KeepRound(assembly_, elements_, tolerance_)}) {
+       {held.relationships, KeepRound(assembly_, elements_, tolerance_, known)}) {
     relationships_.insert(relationships_.end(), more.begin(), more.end());
   }
   std::vector<Relationship> anchored = relationships_;

@@ -22,6 +22,7 @@
 #include "common/parametric/connection.h"
 #include "common/parametric/connection_placement.h"
 #include "common/parametric/contact_check.h"
+#include "common/parametric/drawn_contacts.h"
 #include "common/parametric/element.h"
 #include "common/parametric/feasible_set.h"
 #include "common/parametric/held_levels.h"
@@ -161,7 +162,8 @@ class ParametricAssembly {
   // designs that are tried has a fault that could be helped.
   absl::Status FindSoundFeasibleSet(const std::function<bool()>& is_given_up);
   // Everything up to the feasible set.
-  absl::StatusOr<FitCounts> FindFeasibleSet(const PatternExclusions& exclusions,
+  absl::StatusOr<FitCounts> FindFeasibleSet(const TouchingParts& touching, ShapeFeatures& known,
+                                            const PatternExclusions& exclusions,
                                             const Precautions& precautions);
   absl::Status CheckBounded() const;
   absl::StatusOr<LinearForm> FormOf(const Measure& measure, const std::string& field) const;
@@ -183,10 +185,5 @@ class ParametricAssembly {
   std::optional<ConnectionPlacement> placement_;
   std::optional<ContactCheck> contact_check_;
 };
-
-// Elements of which some part comes within `tolerance`, m, of a part of the other, as drawn; where
-// faces are curved, within that and what the triangles may miss.
-absl::StatusOr<Contacts> FindContacts(const Assembly& assembly,
-                                      const std::vector<Element>& elements, double tolerance);
 
 }  // namespace mortise::parametric

@@ -120,10 +120,12 @@ class Positions {
     }
     const Joint& joint = assembly_.joints[static_cast<std::size_t>(pose_.joint)];
     const Eigen::Matrix3d rotation = RotationOf(joint, pose_.motion);
+    const Eigen::Matrix3d of_box = AxesIn(pose_, assembly_, At(element));
     const std::array<LinearForm, 3> center = CenterOf(element);
     for (const ElementPlane& plane : planes) {
+      const Eigen::Matrix3d& turned = std::abs(plane.fraction) == 0.5 ? of_box : rotation;
       for (const Axis axis : kAxes) {
-        const double entry = rotation(static_cast<int>(axis), static_cast<int>(plane.axis));
+        const double entry = turned(static_cast<int>(axis), static_cast<int>(plane.axis));
         if (std::abs(entry) != 1) continue;
         const LinearForm from_center = PositionOf(elements_, element, plane) -
                                        LinearForm::Variable(CenterVariable(element, plane.axis));
@@ -191,6 +193,16 @@ bool MovesIn(const Pose& pose, const Assembly& assembly, const Element& element)
   return pose.joint >= 0 && IsWithin(assembly, element.group, pose.moved_group);
 }
 
+Eigen::Matrix3d AxesIn(const Pose& pose, const Assembly& assembly, const Element& element) {
+  if (!MovesIn(pose, assembly, element)) return Eigen::Matrix3d::Identity();
+  const Eigen::Matrix3d rotation =
+      RotationOf(assembly.joints[static_cast<std::size_t>(pose.joint)], pose.motion);
+  const bool turns_in_place =
+      element.round_about &&
+      rotation(static_cast<int>(*element.round_about), static_cast<int>(*element.round_about)) == 1;
+  return turns_in_place ? Eigen::Matrix3d::Identity() : rotation;
+}
+
 OrientedBox BoxIn(const Pose& pose, const Assembly& assembly, const std::vector<Element>& elements,
                   int element, const Eigen::VectorXd& q) {
   OrientedBox box;
@@ -199,20 +211,18 @@ OrientedBox BoxIn(const Pose& pose, const Assembly& assembly, const std::vector<
   if (!MovesIn(pose, assembly, elements[static_cast<std::size_t>(element)])) return box;
   const Eigen::Isometry3d motion = MotionIn(pose, assembly, elements.size(), q);
   box.center = motion * box.center;
-  box.axes = motion.linear();
+  box.axes = AxesIn(pose, assembly, elements[static_cast<std::size_t>(element)]);
   return box;
 }
 
 LinearForm PlaceIn(const Pose& pose, const Assembly& assembly, const std::vector<Element>& elements,
                    int element, const Eigen::Vector3d& fractions,
                    const Eigen::Vector3d& direction) {
-  const bool moves = MovesIn(pose, assembly, elements[static_cast<std::size_t>(element)]);
-  Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
+  const Element& placed = elements[static_cast<std::size_t>(element)];
+  const bool moves = MovesIn(pose, assembly, placed);
+  const Eigen::Matrix3d axes = AxesIn(pose, assembly, placed);
   std::array<LinearForm, 3> center;
-  if (moves) {
-    axes = RotationOf(assembly.joints[static_cast<std::size_t>(pose.joint)], pose.motion);
-    center = PosedCenter(pose, assembly, elements.size(), element);
-  }
+  if (moves) center = PosedCenter(pose, assembly, elements.size(), element);
   LinearForm place;
   for (const Axis axis : kAxes) {
     const auto index = static_cast<std::size_t>(axis);
@@ -227,10 +237,7 @@ LinearForm PlaceIn(const Pose& pose, const Assembly& assembly, const std::vector
 
 LinearForm ReachIn(const Pose& pose, const Assembly& assembly, const std::vector<Element>& elements,
                    int element, const Eigen::Vector3d& direction) {
-  Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
-  if (MovesIn(pose, assembly, elements[static_cast<std::size_t>(element)])) {
-    axes = RotationOf(assembly.joints[static_cast<std::size_t>(pose.joint)], pose.motion);
-  }
+  const Eigen::Matrix3d axes = AxesIn(pose, assembly, elements[static_cast<std::size_t>(element)]);
   const Eigen::Vector3d furthest =
       ((axes.transpose() * direction).array() < 0).select(Eigen::Vector3d::Constant(-0.5), 0.5);
   return PlaceIn(pose, assembly, elements, element, furthest, direction);

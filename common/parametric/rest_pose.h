@@ -57,6 +57,10 @@ Eigen::Isometry3d MotionIn(const Pose& pose, const Assembly& assembly, std::size
 // Whether a pose moves an element.
 bool MovesIn(const Pose& pose, const Assembly& assembly, const Element& element);
 
+// The axes of an element's box in a pose, as columns: as the pose turns it. What is round about the
+// axis that it turns about stays in its box as drawn.
+Eigen::Matrix3d AxesIn(const Pose& pose, const Assembly& assembly, const Element& element);
+
 // The box of an element in a pose, at q.
 OrientedBox BoxIn(const Pose& pose, const Assembly& assembly, const std::vector<Element>& elements,
                   int element, const Eigen::VectorXd& q);
@@ -72,7 +76,8 @@ LinearForm ReachIn(const Pose& pose, const Assembly& assembly, const std::vector
                    int element, const Eigen::Vector3d& direction);
 
 // Planes and centres of all elements in a pose. A rotation that does not take axes to axes leaves
-// no plane of the moved elements parallel to one; then only their centres are given.
+// no plane of the moved elements parallel to one, but for those of the boxes of what is round about
+// the axis that it turns about (AxesIn); then only their centres are given.
 std::vector<PosedPosition> PositionsIn(const Pose& pose, const Assembly& assembly,
                                        const std::vector<Element>& elements);
 

@@ -8,6 +8,7 @@
 #include <BRepBndLib.hxx>
 #include <BRepBuilderAPI_MakeFace.hxx>
 #include <BRepBuilderAPI_MakePolygon.hxx>
+#include <BRepPrimAPI_MakeCone.hxx>
 #include <BRepPrimAPI_MakeCylinder.hxx>
 #include <BRepPrimAPI_MakePrism.hxx>
 #include <Bnd_Box.hxx>
@@ -19,6 +20,7 @@
 
 #include "common/cad/solid_shape.h"
 #include "tests/unit/common/cad/fused_parts.h"
+#include "tests/unit/common/cad/oblong.h"
 #include "tests/unit/common/parametric/assemblies.h"
 
 namespace mortise::parametric {

@@ -166,6 +166,104 @@ class Drawing {
     return drawn;
   }
 
+  // A stop on a board, held by bought bolts through slots of the one and bores of the other.
+  Assembly SlottedStop() {
+    const double w = Length(0.2, 0.6), d = Length(0.15, 0.3), thick = Length(0.012, 0.03);
+    const double radius = Length(0.003, 0.006), play = OneIn(2) ? 0 : 0.0004;
+    const double travel = Length(0.02, 0.04), at = OneIn(3) ? 0 : Length(0, 1) * travel;
+    const bool is_along_x = OneIn(2);
+    TopoDS_Shape board = BoxAt(0, 0, 0, w, d, thick);
+    TopoDS_Shape stop = BoxAt(0, 0, thick, 0.15, 0.12, 0.006);
+    std::vector<AssemblyPart> bolts;
+    for (int i = 0; i < 2; ++i) {
+      const double x = is_along_x ? 0.04 : 0.03 + 0.08 * i, y = is_along_x ? 0.03 + 0.05 * i : 0.04;
+      const gp_Pnt from(x, y, 0), bolt = from.Translated(AlongSlot(at, is_along_x));
+      stop = Less(stop, cad::Oblong(from, from.Translated(AlongSlot(travel, is_along_x)),
+                                    radius + play, 1));
+      board = Less(board, cad::Upright(bolt.X(), bolt.Y(), -1, 1, radius + play));
+      bolts.push_back(Drawn("bolt " + std::to_string(i + 1),
+                            cad::Upright(bolt.X(), bolt.Y(), 0, thick + 0.006, radius)));
+      Fix(bolts.back(), {0, 1});
+    }
+    std::vector<AssemblyPart> parts = {Drawn("board", board), Drawn("stop", stop)};
+    parts.insert(parts.end(), bolts.begin(), bolts.end());
+    return Named("stop", parts);
+  }
+
+  // A strip on a plate, held by bought screws in two rows, whose heads are let into the strip.
+  Assembly Countersunk() {
+    const double w = Length(0.3, 0.6), d = Length(0.1, 0.2), thick = Length(0.015, 0.03);
+    const double strip = Length(0.012, 0.02), radius = Length(0.002, 0.004);
+    const double play = OneIn(2) ? 0 : 0.0003, top = thick + strip, deep = 0.6 * thick;
+    TopoDS_Shape lower = BoxAt(0, 0, 0, w, d, thick);
+    TopoDS_Shape upper = BoxAt(0.02, 0.02, thick, w - 0.04, d - 0.04, strip);
+    std::vector<AssemblyPart> screws;
+    for (int i = 0; i < 4; ++i) {
+      const double x = i % 2 == 0 ? 0.05 : w - 0.07, y = i < 2 ? 0.035 : d - 0.04;
+      const auto head = [&](double larger) {
+        return BRepPrimAPI_MakeCone(gp_Ax2(gp_Pnt(x, y, top - radius), gp_Dir(0, 0, 1)),
+                                    radius + larger, 2 * radius + larger, radius)
+            .Solid();
+      };
+      upper = Less(Less(upper, cad::Upright(x, y, 0, 1, radius + play)), head(play));
+      lower = Less(lower, cad::Upright(x, y, thick - deep, 1, radius + play));
+      screws.push_back(
+          Drawn("screw " + std::to_string(i + 1),
+                BRepAlgoAPI_Fuse(cad::Upright(x, y, thick - deep, top - radius, radius), head(0))
+                    .Shape()));
+      Fix(screws.back(), {0, 1, 2});
+    }
+    std::vector<AssemblyPart> parts = {Drawn("plate", lower), Drawn("strip", upper)};
+    parts.insert(parts.end(), screws.begin(), screws.end());
+    return Named("strip", parts);
+  }
+
+  // Two boards one on the other, with a loose tenon with round ends, bought or not, let into both.
+  Assembly LooseTenon() {
+    const double w = Length(0.1, 0.5), d = Length(0.06, 0.2), thick = Length(0.03, 0.05);
+    const double radius = Length(0.003, 0.006), deep = Length(0.3, 0.45) * thick;
+    const gp_Pnt from(Length(0.02, 0.05), d / 2, thick - deep);
+    const gp_Pnt to = from.Translated(gp_Vec(Length(0.01, 0.03), 0, 0));
+    const TopoDS_Shape tenon = cad::Oblong(from, to, radius, 2 * deep);
+    AssemblyPart drawn = Drawn("tenon", tenon);
+    if (OneIn(2)) Fix(drawn, {0, 1, 2});
+    return Named("boards", {Drawn("lower", Less(BoxAt(0, 0, 0, w, d, thick), tenon)),
+                            Drawn("upper", Less(BoxAt(0, 0, thick, w, d, thick), tenon)), drawn});
+  }
+
+  // A wheel, bought or not, on a bought shaft that turns in two blocks on a plate, at any angle.
+  Assembly TurningWheel() {
+    const double radius = Length(0.05, 0.1), shaft = Length(0.006, 0.012);
+    const double above = OneIn(2) ? 0 : Length(0.001, 0.02), thick = Length(0.012, 0.03);
+    const double turned = Length(0.3, 1.2), height = thick + above + radius;
+    const gp_Dir along(0, 1, 0);
+    const auto rod = [&](double from, double to, double by) {
+      return RodAlong(along, gp_Pnt(0.2, from, height), by, to - from);
+    };
+    const auto block = [&](double y) {
+      return Less(BoxAt(0.16, y, thick, 0.08, 0.02, height - thick + 0.03),
+                  rod(y - 0.01, y + 0.03, shaft));
+    };
+    Assembly drawn =
+        Named("wheel", {Boxed("plate", {0, 0, 0}, {0.4, 0.2, thick}),
+                        Drawn("wheel", Less(rod(0.08, 0.12, radius), rod(0.07, 0.13, shaft))),
+                        Drawn("shaft", rod(0.03, 0.17, shaft)), Drawn("block 1", block(0.04)),
+                        Drawn("block 2", block(0.14))});
+    Fix(drawn.parts[2], {0, 1, 2});
+    drawn.groups.push_back({"turning", 0});
+    drawn.parts[1].group = drawn.parts[2].group = 1;
+    Joint bearing;
+    bearing.name = "bearing";
+    bearing.kind = JointKind::kHinge;
+    bearing.group = 1;
+    bearing.center = {0.2, 0.1, height};
+    bearing.axis = Eigen::Vector3d::UnitY();
+    bearing.upper = 3;
+    bearing.rest_poses = {{"turned", {0, turned, 0}}};
+    drawn.joints = {bearing};
+    return drawn;
+  }
+
   // A hook that turns about its heel until it closes round a pin, which may touch it.
   Assembly Latch() {
     const double arm = Length(0.05, 0.09), thick = Length(0.006, 0.012);
@@ -198,6 +296,10 @@ class Drawing {
       const double size = part.box.size()[axis];
       part.limits[static_cast<std::size_t>(axis)] = {size, size};
     }
+  }
+
+  static gp_Vec AlongSlot(double length, bool is_along_x) {
+    return is_along_x ? gp_Vec(length, 0, 0) : gp_Vec(0, length, 0);
   }
 
   bool OneIn(int count) { return std::uniform_int_distribution<int>(1, count)(random_) == 1; }
@@ -243,6 +345,10 @@ INSTANTIATE_TEST_SUITE_P(
                       Kind{"Rod", &Drawing::RodBetweenBoards}, Kind{"Latch", &Drawing::Latch},
                       Kind{"Boards", &Drawing::BoardsOnRods},
                       Kind{"Bracket", &Drawing::BoltedBracket},
+                      Kind{"Slots", &Drawing::SlottedStop, 4},
+                      Kind{"Countersinks", &Drawing::Countersunk, 3},
+                      Kind{"LooseTenon", &Drawing::LooseTenon, 3},
+                      Kind{"TurningWheel", &Drawing::TurningWheel, 4},
                       Kind{"BoughtPosts", &Drawing::BoughtPosts, 2}),
     [](const auto& kind) { return kind.param.name; });
 

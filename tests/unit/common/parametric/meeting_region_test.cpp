@@ -77,6 +77,33 @@ TEST(MeetingRegion, OfWhatIsNotStraightIsLookedAt) {
   EXPECT_FALSE(region.StandsAsDrawn(as_drawn, longer, kSame));
 }
 
+// The countersink of a screw goes with its head, whatever the board below is.
+TEST(MeetingRegion, OfACountersunkScrewStandsAsDrawn) {
+  const auto screw = [](double larger) {
+    const TopoDS_Shape head = BRepPrimAPI_MakeCone(gp_Ax2(gp_Pnt(0.1, 0.1, 0.015), gp_Dir(0, 0, 1)),
+                                                   0.003 + larger, 0.006 + larger, 0.003)
+                                  .Solid();
+    return BRepAlgoAPI_Fuse(Upright(0.1, 0.1, -0.03, 0.0151, 0.003 + larger), head).Shape();
+  };
+  const AssemblyPart board = Drawn("board", Less(BoxAt(0, 0, 0, 0.4, 0.3, 0.018), screw(0.0002)));
+  const AssemblyPart fastener = Drawn("screw", screw(0));
+  const MeetingRegion region(board.box, board.shape.get(), fastener.box, fastener.shape.get(),
+                             kTolerance);
+  const auto thick = [&](double from, double level) {
+    StretchedPart stretched{board.box, {}};
+    stretched.box.minimum.z() = from;
+    stretched.stretch = stretched.box.size();
+    const double middle = (from + 0.018) / 2;
+    stretched.stretch.levels[2] = {{0.015 / 0.018 - 0.5, level - middle}};
+    return stretched;
+  };
+  const StretchedPart as_drawn{fastener.box, fastener.box.size()};
+  EXPECT_TRUE(region.StandsAsDrawn(thick(-0.02, 0.015), as_drawn, kSame));
+  EXPECT_TRUE(region.StandsAsDrawn(thick(0.01, 0.015), as_drawn, kSame));
+  EXPECT_FALSE(region.StandsAsDrawn(thick(-0.02, 0.016), as_drawn, kSame)) << "not as deep";
+  EXPECT_FALSE(region.StandsAsDrawn(thick(-0.04, 0.015), as_drawn, kSame)) << "beyond its point";
+}
+
 // A peg of 80 mm in a blind bore that is as deep as it reaches into the board.
 TEST(MeetingRegion, OfAPegInABlindBoreStandsAsDrawn) {
   const TopoDS_Shape bore = RodAlong(gp_Dir(0, 1, 0), gp_Pnt(0.1, -0.066, 0.05), 0.006, 0.08);

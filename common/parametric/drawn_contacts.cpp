@@ -1,0 +1,52 @@
+#include "common/parametric/drawn_contacts.h"
+
+#include <algorithm>
+
+#include "common/base/errors.h"
+#include "common/mesh/proximity.h"
+#include "common/parametric/linear_design.h"
+
+namespace mortise::parametric {
+
+absl::StatusOr<TouchingParts> FindTouchingParts(const Assembly& assembly, double tolerance) {
+  std::vector<mesh::SurfaceMesh> surfaces;
+  surfaces.reserve(assembly.parts.size());
+  std::vector<double> deflections;  // by which triangles may miss curved faces
+  for (const AssemblyPart& part : assembly.parts) {
+    surfaces.push_back(SurfaceOf(part));
+    deflections.push_back(part.shape == nullptr ? 0
+                                                : mesh::DeflectionIn(*part.shape, part.box.size()));
+  }
+  const double most =
+      deflections.empty() ? 0 : *std::max_element(deflections.begin(), deflections.end());
+  MORTISE_ASSIGN_OR_RETURN(const std::vector<mesh::Proximity> proximities,
+                           mesh::FindProximities(surfaces, tolerance + 2 * most));
+  TouchingParts touching;
+  for (const mesh::Proximity& proximity : proximities) {
+    const double missed = deflections[static_cast<std::size_t>(proximity.first)] +
+                          deflections[static_cast<std::size_t>(proximity.second)];
+    if (proximity.distance > tolerance + missed) continue;
+    touching.insert(std::minmax(proximity.first, proximity.second));
+  }
+  return touching;
+}
+
+Contacts ContactsOf(const TouchingParts& touching, const Assembly& assembly,
+                    const std::vector<Element>& elements) {
+  const std::vector<int> element_of = ElementsOfParts(assembly, elements);
+  std::set<std::pair<int, int>> contacts;
+  for (const auto& [first, second] : touching) {
+    const std::pair<int, int> pair = std::minmax(element_of[static_cast<std::size_t>(first)],
+                                                 element_of[static_cast<std::size_t>(second)]);
+    if (pair.first != pair.second) contacts.insert(pair);
+  }
+  return Contacts(contacts.begin(), contacts.end());
+}
+
+absl::StatusOr<Contacts> FindContacts(const Assembly& assembly,
+                                      const std::vector<Element>& elements, double tolerance) {
+  MORTISE_ASSIGN_OR_RETURN(const TouchingParts touching, FindTouchingParts(assembly, tolerance));
+  return ContactsOf(touching, assembly, elements);
+}
+
+}  // namespace mortise::parametric

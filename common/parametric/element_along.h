@@ -1,0 +1,87 @@
+// One element along one axis, as drawn, and what lies beside it: what its levels may go by.
+#pragma once
+
+#include <optional>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "common/parametric/assembly.h"
+#include "common/parametric/element.h"
+#include "common/parametric/linear_form.h"
+
+namespace mortise::parametric {
+
+// A place of an element along an axis: a plane or level.
+struct DrawnPlace {
+  double at = 0;  // m
+  ElementPlane plane;
+};
+
+// Pairs of elements that touch, or whose boxes overlap by more than `tolerance`, m; lower first.
+// O(e²) for e elements.
+std::set<std::pair<int, int>> NeighboursOf(const std::vector<Element>& elements,
+                                           const std::vector<std::pair<int, int>>& contacts,
+                                           double tolerance);
+
+// Refers to what it is made of.
+class ElementAlong {
+ public:
+  ElementAlong(const Assembly& assembly, const std::vector<Element>& elements,
+               const std::set<std::pair<int, int>>& neighbours, int element, Axis axis,
+               double tolerance);
+
+  const std::vector<Element>& elements() const { return elements_; }
+  int index() const { return element_; }
+  Axis axis() const { return axis_; }
+  double tolerance() const { return tolerance_; }
+  double center() const { return center_; }  // m
+  double size() const { return size_; }      // m
+  const Element& element() const { return At(element_); }
+  const AssemblyPart& part() const { return PartOf(element_); }
+  const Element& At(int element) const { return elements_[static_cast<std::size_t>(element)]; }
+
+  // Its part, of a row the first.
+  const AssemblyPart& PartOf(int element) const {
+    return assembly_.parts[static_cast<std::size_t>(At(element).parts.front())];
+  }
+
+  // The levels that divide its shape, as fractions, in order.
+  const std::vector<double>& dividing() const { return dividing_; }
+  double PlaceOf(double fraction) const { return center_ + fraction * size_; }  // m
+  double FractionAt(double at) const { return (at - center_) / size_; }
+  // The fraction of the dividing level at a place, m.
+  std::optional<double> DividingAt(double at) const;
+
+  // Whether another is one whose planes can be gone by: of rows, those along which do not lead
+  // here.
+  bool IsNeighbour(int other) const;
+  // Whether the other's box reaches into this one's, and does not only touch it.
+  bool Overlaps(int other) const;
+  // Whether `inner`, but along the axis, is no wider than `outer` where they meet.
+  bool Enters(int inner, int outer) const;
+  // m, how far apart what is in one place with the other may be drawn: triangles miss some.
+  double NearTo(int other) const;
+
+  // All planes and levels of an element along the axis, in order.
+  std::vector<DrawnPlace> PlacesOf(int element) const;
+  // A place within an element's box, m.
+  DrawnPlace PlaceIn(int element, double at) const;
+  // The lower or upper face of an element's box.
+  DrawnPlace BoxFace(int element, bool upper) const;
+  // Where `at`, m, lies, as drawn at a distance from a place of an element.
+  LinearForm Beside(int element, const DrawnPlace& place, double at) const;
+
+ private:
+  int Index() const { return static_cast<int>(axis_); }
+  const Assembly& assembly_;
+  const std::vector<Element>& elements_;
+  const std::set<std::pair<int, int>>& neighbours_;
+  const int element_;
+  const Axis axis_;
+  const double tolerance_;
+  const double center_, size_;
+  std::vector<double> dividing_;
+};
+
+}  // namespace mortise::parametric
