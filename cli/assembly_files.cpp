@@ -19,7 +19,6 @@
 #include "common/base/files.h"
 #include "common/base/identifiers.h"
 #include "common/base/json_faults.h"
-#include "common/base/text_faults.h"
 #include "common/base/violation_lists.h"
 #include "common/parametric/proto_text.h"
 #include "common/parametric/template_validation.h"
@@ -78,25 +77,15 @@ absl::Status ReadJson(const std::string& text, const std::filesystem::path& path
   return FaultsOfFile(path, JsonFaults(text, *message.GetDescriptor(), read));
 }
 
-absl::Status ReadText(const std::string& text, const std::filesystem::path& path,
-                      google::protobuf::Message& message) {
-  const absl::Status read = parametric::ParseProtoText(text, path.string(), message);
-  if (!absl::IsInvalidArgument(read)) return read;
-  std::vector<FieldViolation> faults;
-  for (const TextFault& fault : TextFaults(text, *message.GetDescriptor())) {
-    faults.push_back({absl::StrCat("line ", fault.line, ", column ", fault.column), fault.message});
-  }
-  return faults.empty() ? read : FaultsOfFile(path, std::move(faults));
-}
-
 // A message as JSON, as the gateway writes it, or else as protobuf text. INVALID_ARGUMENT naming
 // the file with the place in it, fields of JSON, lines of text, of everything that is wrong.
 template <typename Message>
 absl::StatusOr<Message> ReadMessage(const std::filesystem::path& path) {
   Message message;
   MORTISE_ASSIGN_OR_RETURN(const std::string text, ReadFile(path, kMaxFile));
-  MORTISE_RETURN_IF_ERROR(path.extension() == ".json" ? ReadJson(text, path, message)
-                                                      : ReadText(text, path, message));
+  MORTISE_RETURN_IF_ERROR(path.extension() == ".json"
+                              ? ReadJson(text, path, message)
+                              : parametric::ParseProtoText(text, path.string(), message));
   return message;
 }
 

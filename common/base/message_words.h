@@ -1,4 +1,4 @@
-// Names of a message's type as people are told them. Private to the files that find faults.
+// Names of a message's type as people are told them. Target mortise_message_faults.
 #pragma once
 
 #include <google/protobuf/descriptor.h>

@@ -10,6 +10,8 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "common/base/json_faults.h"
+#include "common/base/message_words.h"
 
 namespace mortise::parametric {
 namespace {
@@ -23,20 +25,11 @@ using Json = nlohmann::json;
 constexpr std::size_t kMostShown = 80;  // bytes
 constexpr int kMostNesting = 64;
 
-std::string Names(const google::protobuf::EnumDescriptor& type) {
-  std::string names;
-  for (int i = 0; i < type.value_count(); ++i) {
-    // The first stands for what is not said.
-    if (i > 0) absl::StrAppend(&names, i == 1 ? "" : ", ", type.value(i)->name());
-  }
-  return names;
-}
-
 // What a field takes.
 std::string Wanted(const FieldDescriptor& field) {
   switch (field.cpp_type()) {
     case FieldDescriptor::CPPTYPE_ENUM:
-      return absl::StrCat("must be one of ", Names(*field.enum_type()));
+      return absl::StrCat("must be one of ", ValueNames(*field.enum_type()));
     case FieldDescriptor::CPPTYPE_BOOL:
       return "must be true or false";
     case FieldDescriptor::CPPTYPE_STRING:
@@ -136,6 +129,16 @@ class Cleaner {
   UnreadFields& unread_;
 };
 
+// Fields that are there twice, of which protobuf's reader takes the last.
+std::vector<Finding> RepeatedFields(std::string_view text, const Message& message) {
+  std::vector<Finding> findings;
+  for (FieldViolation& fault :
+       JsonFaults(text, *message.GetDescriptor(), google::protobuf::util::Status())) {
+    findings.push_back({std::move(fault.field), std::move(fault.message)});
+  }
+  return findings;
+}
+
 }  // namespace
 
 std::vector<Finding> ReadJsonMessage(std::string_view text, Message& message,
@@ -143,14 +146,15 @@ std::vector<Finding> ReadJsonMessage(std::string_view text, Message& message,
   using google::protobuf::StringPiece;
   using google::protobuf::util::JsonStringToMessage;
   const auto read = JsonStringToMessage(StringPiece(text.data(), text.size()), &message);
-  if (read.ok()) return {};
+  std::vector<Finding> repeated = RepeatedFields(text, message);
+  if (read.ok()) return repeated;
   message.Clear();
   const auto is_shallow = [](int depth, Json::parse_event_t, const Json&) {
     return depth <= kMostNesting;
   };
   Json object = Json::parse(text, is_shallow, /*allow_exceptions=*/false);
   if (!object.is_object()) return {{"", std::string(read.message())}};
-  std::vector<Finding> findings;
+  std::vector<Finding> findings = std::move(repeated);
   Cleaner(findings, unread).CleanObject(object, *message.GetDescriptor(), "");
   const auto rest = JsonStringToMessage(object.dump(), &message);
   const auto& untold = rest.ok() ? read : rest;

@@ -1,5 +1,5 @@
-// Reads messages from JSON and finds everything in them that cannot be read; protobuf's own reader
-// tells of the first only. Target mortise_template_codec.
+// Reads messages from JSON and finds everything in them that cannot be read or is there twice;
+// protobuf's own reader tells of the first only, or takes the last. Target mortise_template_codec.
 #pragma once
 
 #include <google/protobuf/message.h>

@@ -3,30 +3,30 @@
 #include <google/protobuf/io/tokenizer.h>
 #include <google/protobuf/text_format.h>
 
+#include <vector>
+
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "common/base/field_violations.h"
+#include "common/base/text_faults.h"
 
 namespace mortise::parametric {
 namespace {
 
 constexpr int kMaxNesting = 32;
-constexpr int kMaxErrors = 20;
 
-// Joins what the parser finds: "line 3, column 7: …".
-class ErrorJoiner : public google::protobuf::io::ErrorCollector {
+// What it says is told by TextFaults, all of it.
+class Silence : public google::protobuf::io::ErrorCollector {
  public:
-  void AddError(int line, int column, const std::string& message) override {
-    if (++count_ > kMaxErrors) return;
-    absl::StrAppend(&joined_, joined_.empty() ? "" : "; ", "line ", line + 1, ", column ",
-                    column + 1, ": ", message);
+  void AddError(int, int, const std::string& message) override {
+    if (first_.empty()) first_ = message;
   }
   void AddWarning(int, int, const std::string&) override {}
 
-  const std::string& joined() const { return joined_; }
+  const std::string& first() const { return first_; }
 
  private:
-  int count_ = 0;
-  std::string joined_;
+  std::string first_;
 };
 
 }  // namespace
@@ -34,14 +34,18 @@ class ErrorJoiner : public google::protobuf::io::ErrorCollector {
 absl::Status ParseProtoText(std::string_view text, const std::string& origin,
                             google::protobuf::Message& message) {
   if (text.size() > kMaxTextBytes) return TooLarge(origin, "4 MiB");
-  ErrorJoiner errors;
+  Silence parser_says;
   google::protobuf::TextFormat::Parser parser;
-  parser.RecordErrorsTo(&errors);
+  parser.RecordErrorsTo(&parser_says);
   parser.SetRecursionLimit(kMaxNesting);
-  if (!parser.ParseFromString(std::string(text), &message)) {
-    return InvalidField(origin, errors.joined());
+  if (parser.ParseFromString(std::string(text), &message)) return absl::OkStatus();
+  std::vector<FieldViolation> faults;
+  for (const TextFault& fault : TextFaults(text, *message.GetDescriptor())) {
+    faults.push_back(
+        {absl::StrCat(origin, ": line ", fault.line, ", column ", fault.column), fault.message});
   }
-  return absl::OkStatus();
+  if (faults.empty()) return InvalidField(origin, parser_says.first());
+  return InvalidFields(faults);
 }
 
 }  // namespace mortise::parametric

@@ -13,8 +13,8 @@ namespace mortise::parametric {
 
 inline constexpr std::size_t kMaxTextBytes = std::size_t{4} << 20;
 
-// Parses `text` into `message`. INVALID_ARGUMENT naming `origin` with every line and column at
-// fault; RESOURCE_EXHAUSTED past 4 MiB.
+// Parses `text` into `message`. INVALID_ARGUMENT with every fault at its place, "`origin`: line 3,
+// column 7"; RESOURCE_EXHAUSTED past 4 MiB.
 absl::Status ParseProtoText(std::string_view text, const std::string& origin,
                             google::protobuf::Message& message);
 

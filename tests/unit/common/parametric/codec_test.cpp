@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "common/base/errors.h"
+#include "common/base/field_violations.h"
 #include "common/parametric/template_codec.h"
 #include "tests/unit/common/parametric/table.h"
 
@@ -102,12 +103,15 @@ TEST(Codec, RefusesWhatStructsCannotHold) {
   EXPECT_EQ(field(FromProto(kindless).status()), "kind");
 }
 
-TEST(CollectionText, ReportsLineAndColumn) {
-  const auto parsed =
-      ParseTemplateText("name: \"templates/x\"\nparts { nonsense: 1 }", "x.textproto");
-  ASSERT_FALSE(parsed.ok());
-  EXPECT_THAT(std::string(parsed.status().message()), testing::HasSubstr("line 2"));
-  EXPECT_EQ(DetailOf(parsed.status()).field, "x.textproto");
+TEST(CollectionText, ReportsLineAndColumnOfEveryFault) {
+  const auto parsed = ParseTemplateText(
+      "name: \"templates/x\"\nparts { nonsense: 1 }\ntitle: 3\nname: \"templates/y\"",
+      "x.textproto");
+  std::vector<std::string> places;
+  for (const FieldViolation& fault : ViolationsOf(parsed.status())) places.push_back(fault.field);
+  EXPECT_THAT(places,
+              testing::ElementsAre("x.textproto: line 2, column 9", "x.textproto: line 3, column 8",
+                                   "x.textproto: line 4, column 1"));
   EXPECT_EQ(ReadCollection("/nonexistent").status().code(), absl::StatusCode::kNotFound);
 }
 

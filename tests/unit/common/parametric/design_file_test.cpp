@@ -231,13 +231,13 @@ TEST(DesignJson, NamesThePlaceOfEveryFault) {
     {"name": "items/b", "title": 3, "priceDate": "2026-01-15",
      "kind": "BOLD", "dimensions": [{"axis": "X", "size": "wide"}, 7, {"axis": "Z", "size": 2}]},
     7,
-    {"nmae": "items/c"}
+    {"nmae": "items/c", "title": "one", "title": "other"}
   ],
   "materials": {},
   "colours": [1, 2]
 })");
   ASSERT_THAT(file.items, SizeIs(3));
-  EXPECT_THAT(file.findings, SizeIs(8)) << Listed(file.findings);
+  EXPECT_THAT(file.findings, SizeIs(9)) << Listed(file.findings);
   EXPECT_THAT(file.findings, Contains(At("line 4", "items[1].title: 3 must be a text")));
   EXPECT_THAT(file.findings,
               Contains(At("line 4", "items[1].kind: \"BOLD\" must be one of BOARD, ")));
@@ -252,6 +252,7 @@ TEST(DesignJson, NamesThePlaceOfEveryFault) {
               testing::ElementsAre("dimensions[0].size", "dimensions[1]", "kind", "title"));
   EXPECT_THAT(file.findings, Contains(At("line 6", "items[2] must be an object")));
   EXPECT_THAT(file.findings, Contains(At("line 7", "nmae")));
+  EXPECT_THAT(file.findings, Contains(At("line 7", "items[3].title: is there twice")));
   EXPECT_THAT(file.findings, Contains(At("line 9", "materials must be a list")));
   EXPECT_THAT(file.findings, Contains(At("line 10", "'colours' is none of")));
 }
