@@ -1,7 +1,6 @@
 #include "cli/assembly_files.h"
 
 #include <google/protobuf/message.h>
-#include <google/protobuf/util/json_util.h>
 #include <grpcpp/grpcpp.h>
 
 #include <CLI/CLI.hpp>
@@ -13,12 +12,12 @@
 
 #include "absl/strings/str_cat.h"
 #include "cli/field_sources.h"
+#include "cli/json_input.h"
 #include "cli/requests.h"
 #include "cli/shape_files.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
 #include "common/base/identifiers.h"
-#include "common/base/json_faults.h"
 #include "common/base/violation_lists.h"
 #include "common/parametric/proto_text.h"
 #include "common/parametric/template_validation.h"
@@ -71,12 +70,6 @@ absl::Status FaultsOfFile(const std::filesystem::path& path, std::vector<FieldVi
   return InvalidFields(faults);
 }
 
-absl::Status ReadJson(const std::string& text, const std::filesystem::path& path,
-                      google::protobuf::Message& message) {
-  const auto read = google::protobuf::util::JsonStringToMessage(text, &message);
-  return FaultsOfFile(path, JsonFaults(text, *message.GetDescriptor(), read));
-}
-
 // A message as JSON, as the gateway writes it, or else as protobuf text. INVALID_ARGUMENT naming
 // the file with the place in it, fields of JSON, lines of text, of everything that is wrong.
 template <typename Message>
@@ -84,7 +77,7 @@ absl::StatusOr<Message> ReadMessage(const std::filesystem::path& path) {
   Message message;
   MORTISE_ASSIGN_OR_RETURN(const std::string text, ReadFile(path, kMaxFile));
   MORTISE_RETURN_IF_ERROR(path.extension() == ".json"
-                              ? ReadJson(text, path, message)
+                              ? ReadJson(text, path.string(), message)
                               : parametric::ParseProtoText(text, path.string(), message));
   return message;
 }

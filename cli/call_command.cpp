@@ -1,6 +1,5 @@
 // mortise call SERVICE.METHOD [JSON]: any method, known by reflection; mortise health.
 #include <google/protobuf/dynamic_message.h>
-#include <google/protobuf/util/json_util.h>
 
 #include <CLI/CLI.hpp>
 #include <iostream>
@@ -10,6 +9,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "cli/generic_call.h"
+#include "cli/json_input.h"
 #include "cli/reflection.h"
 #include "cli/session.h"
 #include "common/base/errors.h"
@@ -50,8 +50,7 @@ absl::Status Call(const CallOptions& options, Session& session, Output& output) 
   const std::unique_ptr<Message> request(factory.GetPrototype(method->input_type())->New());
   std::string json = options.request;
   if (json == "-") json.assign(std::istreambuf_iterator<char>(std::cin), {});
-  const auto parsed = google::protobuf::util::JsonStringToMessage(json, request.get());
-  if (!parsed.ok()) return InvalidField("request", std::string(parsed.message()));
+  MORTISE_RETURN_IF_ERROR(ReadJson(json, "request", *request));
   FillRequestId(*request);
 
   nlohmann::ordered_json responses = nlohmann::ordered_json::array();

@@ -1,14 +1,13 @@
 #include "cli/mesh_analysis.h"
 
-#include <google/protobuf/util/json_util.h>
 #include <grpcpp/grpcpp.h>
 
 #include <cmath>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "absl/strings/strip.h"
 #include "cli/field_sources.h"
+#include "cli/json_input.h"
 #include "cli/requests.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
@@ -21,32 +20,11 @@ namespace {
 
 constexpr std::size_t kLargestCase = std::size_t{3} << 20;  // bytes
 
-// What protobuf says of JSON has the form "(load_cases[0]) foo: Cannot find field." or
-// "(modes): invalid value …".
-absl::Status BadCase(const std::string& file, absl::string_view message) {
-  std::string path;
-  const std::size_t end = message.find(')');
-  if (absl::ConsumePrefix(&message, "(") && end != absl::string_view::npos) {
-    path = std::string(message.substr(0, end - 1));
-    message.remove_prefix(end);
-    while (absl::ConsumePrefix(&message, ":") || absl::ConsumePrefix(&message, " ")) {
-    }
-  }
-  if (absl::ConsumeSuffix(&message, ": Cannot find field.")) {
-    absl::StrAppend(&path, path.empty() ? "" : ".", message);
-    message = "there is no field of this name";
-  }
-  const std::string text(message.substr(0, 400));
-  return InvalidField(path.empty() ? file : absl::StrCat(file, ": ", path), text);
-}
-
 absl::StatusOr<v1::MeshCase> ReadCase(const std::filesystem::path& file) {
   MORTISE_ASSIGN_OR_RETURN(const std::string text, ReadFile(file, kLargestCase));
   v1::MeshCase mesh_case;
-  const auto parsed = google::protobuf::util::JsonStringToMessage(text, &mesh_case);
-  if (parsed.ok()) return mesh_case;
-  const auto message = parsed.message();
-  return BadCase(file.string(), absl::string_view(message.data(), message.size()));
+  MORTISE_RETURN_IF_ERROR(ReadJson(text, file.string(), mesh_case));
+  return mesh_case;
 }
 
 absl::StatusOr<std::string> Upload(const std::filesystem::path& file,

@@ -1,5 +1,4 @@
 // mortise pareto run|show|pick: trade-offs.
-#include <google/protobuf/util/json_util.h>
 #include <grpcpp/grpcpp.h>
 
 #include <CLI/CLI.hpp>
@@ -12,6 +11,7 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_split.h"
 #include "cli/field_sources.h"
+#include "cli/json_input.h"
 #include "cli/metric_definitions.h"
 #include "cli/requests.h"
 #include "cli/session.h"
@@ -80,8 +80,7 @@ absl::StatusOr<v1::DiscoverySpecification> Specification(const RunOptions& optio
   v1::DiscoverySpecification specification;
   if (IsFile(options)) {
     MORTISE_ASSIGN_OR_RETURN(const std::string text, ReadFile(options.subject, 4 << 20));
-    const auto parsed = google::protobuf::util::JsonStringToMessage(text, &specification);
-    if (!parsed.ok()) return InvalidField(options.subject, std::string(parsed.message()));
+    MORTISE_RETURN_IF_ERROR(ReadJson(text, options.subject, specification));
     sources.AddFile("specification", options.subject);
   } else {
     sources.Add("specification.subject", "subject");

@@ -167,6 +167,11 @@ TEST_F(HouseTest, FaultsNameWhatIsWrong) {
   EXPECT_EQ(error["field"], "--set girth");
   error = Ask({"call", "catalog.Nothing"}, 1)["error"];
   EXPECT_EQ(error["code"], "NOT_FOUND");
+  error = Ask({"call", "catalog.ListItems", R"({"pageSize": "many", "page_size": 3, "mass": 1})"},
+              1)["error"];
+  for (const char* const field : {"request: page_size", "is there twice", "request: mass"}) {
+    EXPECT_THAT(error.dump(), HasSubstr(field));
+  }
 }
 
 // What a service says of its fields is told of the flags that gave them.
