@@ -29,9 +29,9 @@ class LevelSearch {
     LookAtVertices();
   }
 
-  std::vector<ShapeLevel> Found() {
+  std::vector<ShapeLevel> Found(const std::vector<SharedEdge>& edges) {
     std::vector<ShapeLevel> levels = Distinct();
-    MarkDividing(levels);
+    MarkDividing(edges, levels);
     return levels;
   }
 
@@ -163,21 +163,47 @@ class LevelSearch {
     return levels;
   }
 
-  // Whether a triangle leans against the axis by no more than rounding, or only as chords of a
-  // cylinder along it do: cut across, such a one stays as near to that.
-  bool RunsAlong(Eigen::Index t, double reach) const {
-    if (is_along_[static_cast<std::size_t>(t)]) return true;
-    const auto corner = [&](int k) -> Eigen::Vector3d {
-      return shape_.size.cwiseProduct(shape_.fractions.col(shape_.triangles(k, t)));
-    };
-    const Eigen::Vector3d normal = (corner(1) - corner(0)).cross(corner(2) - corner(0));
-    const double lean = std::abs(normal[axis_]);
-    return lean <= kAlong * normal.norm() || lean * reach <= kOnPlane * normal.norm();
+  // From where to where a triangle reaches.
+  std::pair<double, double> Ends(Eigen::Index t) const {
+    return std::minmax({Height(shape_.triangles(0, t)), Height(shape_.triangles(1, t)),
+                        Height(shape_.triangles(2, t))});
   }
 
-  // `levels` in order. Of all triangles that do not run along the axis, counts which levels they
+  // Whether a triangle leans against the axis by no more than rounding, or only as chords of a
+  // cylinder along it do: cut across, such a one stays as near to that.
+  bool RunsAlong(Eigen::Index t, const Eigen::Vector3d& normal, double reach) const {
+    if (is_along_[static_cast<std::size_t>(t)]) return true;
+    const double lean = std::abs(normal[axis_]);
+    return lean <= kAlong || lean * reach <= kOnPlane;
+  }
+
+  // Triangles that do not run along the axis, as the faces that they are drawn for: where one ends
+  // within its face, as the kernel likes to draw a cone in two rings, the face goes on.
+  std::vector<std::vector<int>> BentPieces(const std::vector<SharedEdge>& edges) const {
+    const Eigen::Matrix3Xd vertices = shape_.size.asDiagonal() * shape_.fractions;
+    const Eigen::Matrix3Xd normals = TriangleNormals(vertices, shape_.triangles);
+    std::vector<bool> is_bent;
+    for (Eigen::Index t = 0; t < shape_.triangles.cols(); ++t) {
+      const auto [low, high] = Ends(t);
+      is_bent.push_back(!RunsAlong(t, normals.col(t), (high - low) * shape_.size[axis_]));
+    }
+    const auto is_bent_at = [&](int t) { return is_bent[static_cast<std::size_t>(t)]; };
+    const double sharp = std::cos(kSharpTurn);
+    std::vector<std::vector<int>> pieces =
+        ConnectedTriangles(shape_.triangles.cols(), edges, [&](const SharedEdge& edge) {
+          return is_bent_at(edge.first) && is_bent_at(edge.second) &&
+                 shape_.triangle_face(edge.first) == shape_.triangle_face(edge.second) &&
+                 normals.col(edge.first).dot(normals.col(edge.second)) >= sharp;
+        });
+    std::erase_if(pieces,
+                  [&](const std::vector<int>& piece) { return !is_bent_at(piece.front()); });
+    return pieces;
+  }
+
+  // `levels` in order. Of all pieces that do not run along the axis, counts which levels they
   // reach across: one more from the first of them on, one less after the last.
-  void MarkDividing(std::vector<ShapeLevel>& levels) const {
+  void MarkDividing(const std::vector<SharedEdge>& edges, std::vector<ShapeLevel>& levels) const {
+    if (levels.empty()) return;
     std::vector<int> more(levels.size() + 1, 0);
     const auto first_above = [&](double fraction) {
       const auto found = std::lower_bound(
@@ -186,12 +212,15 @@ class LevelSearch {
       return static_cast<std::size_t>(found - levels.begin());
     };
     const double near = kOnPlane / shape_.size[axis_];
-    for (Eigen::Index t = 0; t < shape_.triangles.cols(); ++t) {
-      const auto [low, high] =
-          std::minmax({Height(shape_.triangles(0, t)), Height(shape_.triangles(1, t)),
-                       Height(shape_.triangles(2, t))});
+    for (const std::vector<int>& piece : BentPieces(edges)) {
+      double low = 0.5, high = -0.5;
+      for (const int t : piece) {
+        const auto [from, to] = Ends(t);
+        low = std::min(low, from);
+        high = std::max(high, to);
+      }
       const std::size_t from = first_above(low + near), to = first_above(high - near);
-      if (from >= to || RunsAlong(t, (high - low) * shape_.size[axis_])) continue;
+      if (from >= to) continue;
       ++more[from];
       --more[to];
     }
@@ -225,7 +254,7 @@ std::vector<ShapeLevel> LevelsOf(const DrawnShape& shape) {
   std::vector<ShapeLevel> levels;
   for (int axis = 0; axis < 3; ++axis) {
     const std::vector<ShapeLevel> along =
-        LevelSearch(shape, edges, round_faces, countersinks, axis).Found();
+        LevelSearch(shape, edges, round_faces, countersinks, axis).Found(edges);
     levels.insert(levels.end(), along.begin(), along.end());
   }
   return levels;

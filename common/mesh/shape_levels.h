@@ -16,9 +16,9 @@ inline constexpr std::size_t kMostLevels = 64;  // along an axis
 struct ShapeLevel {
   int axis = 0;         // 0, 1, 2: x, y, z
   double fraction = 0;  // of the box's size along the axis, from its middle; between -1/2 and 1/2
-  // Every triangle that reaches from one side of it to the other, by more than kOnPlane, runs
-  // along the axis or is of a cylinder that does: stretching one side more than the other bends no
-  // face.
+  // Every face that reaches from one side of it to the other, by more than kOnPlane, runs along the
+  // axis there or is of a cylinder that does: stretching one side more than the other bends none.
+  // Of what is drawn as one face, as uploaded meshes are, what hangs together smoothly counts.
   bool divides = false;
 };
 

@@ -1,6 +1,7 @@
 // Exact solids stretched in pieces between levels that divide their shapes.
 #include <gtest/gtest.h>
 
+#include <BRepAdaptor_Curve.hxx>
 #include <BRepAdaptor_Surface.hxx>
 #include <BRepAlgoAPI_Common.hxx>
 #include <BRepAlgoAPI_Cut.hxx>
@@ -12,6 +13,7 @@
 #include <BRepBuilderAPI_NurbsConvert.hxx>
 #include <BRepCheck_Analyzer.hxx>
 #include <BRepFilletAPI_MakeFillet.hxx>
+#include <BRepPrimAPI_MakeCone.hxx>
 #include <BRepPrimAPI_MakeCylinder.hxx>
 #include <BRepPrimAPI_MakePrism.hxx>
 #include <BRepPrimAPI_MakeSphere.hxx>
@@ -21,6 +23,7 @@
 #include <TopExp_Explorer.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
 #include <TopoDS.hxx>
+#include <gp_Circ.hxx>
 #include <gp_Cylinder.hxx>
 #include <gp_Elips.hxx>
 #include <map>
@@ -36,6 +39,7 @@
 #include "common/mesh/shape_levels.h"
 #include "tests/support/status_assertions.h"
 #include "tests/unit/common/cad/fused_parts.h"
+#include "tests/unit/common/cad/oblong.h"
 
 namespace mortise::cad {
 namespace {
@@ -193,6 +197,30 @@ TopoDS_Shape Counterbored() {
   const TopoDS_Shape board = BoxAt(0, 0, 0, 0.2, 0.15, 0.03);
   return Less(Less(board, Upright(0.06, 0.07, -1, 1, 0.005)), Upright(0.06, 0.07, 0.02, 1, 0.012));
 }
+// A slot right through, along x, and one of 8 mm depth along y.
+TopoDS_Shape Slotted() {
+  const TopoDS_Shape board = BoxAt(0, 0, 0, 0.3, 0.2, kThick);
+  return Less(Less(board, Oblong(gp_Pnt(0.05, 0.06, -1), gp_Pnt(0.09, 0.06, -1), 0.006, 2)),
+              Oblong(gp_Pnt(0.2, 0.08, 0.01), gp_Pnt(0.2, 0.12, 0.01), 0.004, 1));
+}
+// One bore is countersunk, the other has a rounded rim.
+TopoDS_Shape Countersunk() {
+  TopoDS_Shape board = BoxAt(0, 0, 0, 0.2, 0.15, kThick);
+  const gp_Ax2 from(gp_Pnt(0.06, 0.05, kThick - 0.004), gp_Dir(0, 0, 1));
+  board = Less(Less(board, Upright(0.06, 0.05, -1, 1, 0.004)),
+               BRepPrimAPI_MakeCone(from, 0.004, 0.009, 0.005).Solid());
+  board = Less(board, Upright(0.14, 0.1, -1, 1, 0.007));
+  BRepFilletAPI_MakeFillet rounded(board);
+  for (TopExp_Explorer found(board, TopAbs_EDGE); found.More(); found.Next()) {
+    const BRepAdaptor_Curve curve(TopoDS::Edge(found.Current()));
+    const bool is_rim = curve.GetType() == GeomAbs_Circle && curve.Circle().Radius() > 0.0065 &&
+                        curve.Circle().Location().X() > 0.1 && curve.Value(0).Z() > 0.01;
+    if (!is_rim) continue;
+    rounded.Add(0.002, TopoDS::Edge(found.Current()));
+    break;
+  }
+  return rounded.Shape();
+}
 // A tube along x whose wall is bored at two places.
 TopoDS_Shape BoredTube() {
   const auto along = [](double radius) {
@@ -253,12 +281,16 @@ TEST_P(SolidsInPieces, AreSoundWhenTurned) {
   std::mt19937_64 random(3);
   const mesh::BoxStretch stretch = RandomStretch(drawn, random);
   ASSERT_OK_AND_ASSIGN(const Solid solid, SolidOfShape(shape, stretch, "part"));
-  EXPECT_NEAR(mesh::VolumeIn(shape, stretch) / AccurateVolume(solid.kernel().shape), 1, 1e-5);
+  const double volume = AccurateVolume(solid.kernel().shape);
+  EXPECT_NEAR(mesh::VolumeIn(shape, stretch) / volume, 1, 1e-5);
+  EXPECT_NEAR(VolumeRead(solid) / volume, 1, 1e-6);
 }
 
 INSTANTIATE_TEST_SUITE_P(AllKinds, SolidsInPieces,
                          ::testing::Values(Kind{"Plate", Plate, 11},
-                                           Kind{"Counterbored", Counterbored, 5}),
+                                           Kind{"Counterbored", Counterbored, 5},
+                                           Kind{"Slotted", Slotted, 9},
+                                           Kind{"Countersunk", Countersunk, 9}),
                          [](const auto& kind) { return kind.param.name; });
 
 struct Rod {

@@ -94,6 +94,15 @@ TEST(Countersinks, AreConesInAFlatFace) {
   ExpectNear(DividingAlong(0, shape), {0.003, 0.017});
 }
 
+// A bore whose side is level with the middle of another, where the kernel's triangles begin, would
+// be stretched differently on either side of it.
+TEST(Levels, DivideNoFaceAtItsTrianglesEnds) {
+  const DrawnShape shape = Drawn(Less(Less(Board(kBlock), Upright(-0.02, -0.01, -1, 1, 0.008)),
+                                      Upright(-0.02 + 0.005, 0.015, -1, 1, 0.005)),
+                                 kBlock);
+  ExpectNear(DividingAlong(0, shape), {-0.028, -0.01});
+}
+
 TEST(Countersinks, AreRoundedRims) {
   const TopoDS_Shape bored = Less(Board(kBlock), Upright(0.01, 0.003, -1, 1, 0.004));
   BRepFilletAPI_MakeFillet rounded(bored);
