@@ -85,11 +85,10 @@ class LevelHolder {
   void HoldEnds() {
     const int element = along_.index();
     for (int other = 0; other < std::ssize(elements_); ++other) {
-      if (!along_.IsNeighbour(other) ||
-          along_.At(other).box.size()[Index()] >= along_.size() - along_.tolerance()) {
-        continue;
-      }
-      const bool enters = along_.Enters(element, other);
+      if (!along_.IsNeighbour(other)) continue;
+      const bool is_shorter =
+          along_.At(other).box.size()[Index()] < along_.size() - along_.tolerance();
+      const bool enters = is_shorter && along_.Enters(element, other);
       if (!enters && !(along_.Overlaps(other) && along_.Enters(other, element))) continue;
       for (const bool upper : {false, true}) {
         const DrawnPlace face = along_.BoxFace(other, upper);

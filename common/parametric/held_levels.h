@@ -35,7 +35,7 @@ struct HeldLevels {
 //   its share of the element's size, as far as Precautions::shares_kept says;
 // - a plane of a neighbour that the element, which is no wider, enters: what lies against it, a
 //   shoulder, goes by that plane;
-// - the end of a shorter neighbour that is let into the element: the bottom of its bore goes by it,
+// - the end of a neighbour that is let into the element: the bottom of its bore goes by it,
 //   and keeps its share as the middles of bores do;
 // - bores with nothing in them, up to half as wide as their element: they keep their width, and
 //   their middle its share; and blind ones with nothing at their bottom their depth. Slots with

@@ -79,13 +79,14 @@ bool IsOpen(const Element& element, Axis axis) {
   return limits.minimum < limits.maximum;
 }
 
-// Where the shares that fits keep hold a size that its item leaves open, as two bores for one
-// bought bracket do, lets go of all of them but the first, then of that, and of none if it does not
-// help. Whether there is something else to try now.
+// Where the shares that fits keep hold sizes that their items leave open, as two bores for one
+// bought bracket do, lets go of all of them but the first, then of that; of none where that does
+// not help once all that are held have let go. Whether there is something else to try now.
 bool LoosenShares(const std::vector<Element>& elements, const FeasibleSet& feasible_set,
                   const FitCounts& fits, Precautions& precautions) {
   constexpr int kAll = std::numeric_limits<int>::max();
-  bool is_changed = false;
+  bool is_looser = false;
+  std::vector<int*> in_vain;
   for (std::size_t e = 0; e < elements.size(); ++e) {
     for (const Axis axis : kAxes) {
       const std::pair<int, Axis> place(elements[e].parts.front(), axis);
@@ -94,13 +95,19 @@ bool LoosenShares(const std::vector<Element>& elements, const FeasibleSet& feasi
           !IsHeld(feasible_set, SizeVariable(static_cast<int>(e), axis))) {
         continue;
       }
-      const auto [kept, is_new] = precautions.shares_kept.try_emplace(place, count->second);
-      if (kept->second == kAll) continue;
-      kept->second = kept->second > 1 ? 1 : kept->second == 1 ? 0 : kAll;
-      is_changed = true;
+      int& kept = precautions.shares_kept.try_emplace(place, count->second).first->second;
+      if (kept == kAll) continue;
+      if (kept == 0) {
+        in_vain.push_back(&kept);
+      } else {
+        kept = kept > 1 ? 1 : 0;
+        is_looser = true;
+      }
     }
   }
-  return is_changed;
+  if (is_looser) return true;
+  for (int* const kept : in_vain) *kept = kAll;
+  return !in_vain.empty();
 }
 
 absl::StatusOr<bool> AreBounded(const FeasibleSet& feasible_set,

@@ -108,6 +108,21 @@ TEST(HeldLevels, LetABoardGrowUnderABracket) {
   ExpectSound(made);
 }
 
+// Two alike boards may get thicker together about a bought tenon that is let into both.
+TEST(HeldLevels, LetBoardsGrowAboutALooseTenon) {
+  const TopoDS_Shape tenon =
+      cad::Oblong(gp_Pnt(0.1, 0.03, 0.025), gp_Pnt(0.14, 0.03, 0.025), 0.005, 0.03);
+  AssemblyPart lower = Drawn("board", Less(BoxAt(0, 0, 0, 0.5, 0.06, 0.04), tenon));
+  AssemblyPart upper = Drawn("board", Less(BoxAt(0, 0, 0.04, 0.5, 0.06, 0.04), tenon));
+  upper.name = "upper";
+  ASSERT_OK_AND_ASSIGN(
+      const auto made,
+      ParametricAssembly::Create(Named("boards", {lower, upper, Bought(Drawn("tenon", tenon))})));
+  EXPECT_THAT(made.HeldSizes(), IsEmpty());
+  ASSERT_OK(made.Adjust(made.drawn(), {{{"board", Axis::kZ}, 0.05}}, Insistence::kStrict).status());
+  ExpectSound(made);
+}
+
 // With 0.4 mm of play all round: as bolts have it.
 TEST(HeldLevels, KeepThePlayOfBolts) {
   constexpr double kPlay = 0.0004;
