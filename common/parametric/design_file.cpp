@@ -6,6 +6,7 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "common/base/field_violations.h"
 #include "common/base/files.h"
 #include "common/parametric/collection.h"
 #include "common/parametric/csv_designs.h"
@@ -19,13 +20,22 @@ constexpr std::string_view kTemplateMark = "# proto-message: mortise.v1.Template
 constexpr std::string_view kCadTemplateMark = "# proto-message: mortise.v1.CadTemplate";
 constexpr std::string_view kCageTemplateMark = "# proto-message: mortise.v1.CageTemplate";
 
-DesignFile Failed(const absl::Status& status) {
+// All that `status` says of the file `origin`; the caller says which file it is.
+DesignFile Failed(const absl::Status& status, const std::string& origin) {
+  std::vector<FieldViolation> violations = ViolationsOf(status);
+  if (violations.empty()) {
+    const std::string field = DetailOf(status).field;
+    std::string message(status.message());
+    if (message.starts_with(field + ": ")) message.erase(0, field.size() + 2);
+    violations.push_back({field, std::move(message)});
+  }
   DesignFile file;
-  // The caller says which file it is.
-  std::string message(status.message());
-  const std::string origin = absl::StrCat(DetailOf(status).field, ": ");
-  if (message.starts_with(origin)) message.erase(0, origin.size());
-  file.findings.push_back({"", std::move(message)});
+  for (FieldViolation& violation : violations) {
+    std::string& place = violation.field;
+    if (place.starts_with(origin)) place.erase(0, origin.size());
+    if (place.starts_with(": ")) place.erase(0, 2);
+    file.findings.push_back({std::move(place), std::move(violation.message)});
+  }
   return file;
 }
 
@@ -52,12 +62,12 @@ DesignFile ParseDesignText(std::string_view text, const std::string& origin) {
   for (const auto& [mark, parse] : kKinds) {
     if (!HasLine(text, mark)) continue;
     absl::StatusOr<v1::Template> message = parse(text, origin);
-    if (!message.ok()) return Failed(message.status());
+    if (!message.ok()) return Failed(message.status(), origin);
     file.templates.push_back({*std::move(message), "", {}, {}});
     return file;
   }
   absl::StatusOr<v1::TemplateBundle> bundle = ParseBundleText(text, origin);
-  if (!bundle.ok()) return Failed(bundle.status());
+  if (!bundle.ok()) return Failed(bundle.status(), origin);
   for (v1::Material& material : *bundle->mutable_materials()) {
     file.materials.push_back({std::move(material), "", {}, {}});
   }
@@ -104,7 +114,7 @@ std::string PlaceOf(const std::string& place, const std::map<std::string, std::s
 
 DesignFile ReadDesignFile(const std::filesystem::path& path) {
   const absl::StatusOr<std::string> text = ReadFile(path, kMaxBytes);
-  if (!text.ok()) return Failed(text.status());
+  if (!text.ok()) return Failed(text.status(), path.string());
   const std::string extension = path.extension().string();
   if (extension == ".csv") return ParseDesignCsv(*text);
   if (extension == ".json") return ParseDesignJson(*text);

@@ -14,7 +14,8 @@ namespace {
 constexpr std::size_t kMaxFindings = 100;
 constexpr std::size_t kMaxNesting = 32;
 
-// Looks through a text without keeping it: is it JSON, not too deep, and no key there twice?
+// Looks through a text without keeping it: is it JSON, not too deep, and no list of it there twice?
+// What is twice in a message is told beside its other faults.
 class Checker : public nlohmann::json_sax<nlohmann::json> {
  public:
   bool null() override { return true; }
@@ -30,7 +31,7 @@ class Checker : public nlohmann::json_sax<nlohmann::json> {
   bool end_array() override { return Leave(); }
 
   bool key(string_t& name) override {
-    if (keys_.back().insert(name).second) return true;
+    if (depth_ > 1 || lists_.insert(name).second) return true;
     problem_ = absl::StrCat("the key '", name.substr(0, 80), "' is twice in one object");
     return false;
   }
@@ -48,18 +49,18 @@ class Checker : public nlohmann::json_sax<nlohmann::json> {
 
  private:
   bool Enter() {
-    keys_.emplace_back();
-    if (keys_.size() <= kMaxNesting) return true;
+    if (++depth_ <= kMaxNesting) return true;
     problem_ = absl::StrCat("is nested deeper than ", kMaxNesting);
     return false;
   }
 
   bool Leave() {
-    keys_.pop_back();
+    --depth_;
     return true;
   }
 
-  std::vector<std::set<std::string>> keys_;
+  std::size_t depth_ = 0;
+  std::set<std::string> lists_;
   std::string problem_;
 };
 

@@ -288,8 +288,9 @@ TEST(DesignFileOf, GoesByTheExtension) {
   EXPECT_THAT(
       read("b.textproto", "# proto-message: mortise.v1.Template\nname: \"templates/b\"").templates,
       SizeIs(1));
-  EXPECT_THAT(read("c.textproto", "\nitems { nmae: 1 }").findings,
-              testing::ElementsAre(At("", "line 2")));
+  EXPECT_THAT(
+      read("c.textproto", "\nitems { nmae: 1 }\nitmes {}").findings,
+      testing::ElementsAre(At("line 2, column 9", "'nmae'"), At("line 3, column 1", "'itmes'")));
   EXPECT_THAT(ReadDesignFile(folder / "absent.csv").findings, SizeIs(1));
   EXPECT_THAT(read("big.csv", std::string((4 << 20) + 1, 'x')).findings,
               testing::ElementsAre(At("", "4")));
