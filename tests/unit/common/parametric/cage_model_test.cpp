@@ -291,7 +291,7 @@ TEST(CageTemplateCodec, NamesWhatCannotBeRead) {
                                            "conditions[0]", "conditions[3].heat"))
       << status;
   const auto syntax = ParseCageTemplateText("cage { vertices { w: 3 } }", "block").status();
-  EXPECT_EQ(DetailOf(syntax).field, "block") << syntax;
+  EXPECT_EQ(DetailOf(syntax).field, "block: line 1, column 19") << syntax;
 }
 
 }  // namespace
