@@ -15,11 +15,11 @@
 #include "absl/strings/str_join.h"
 #include "cli/command_line.h"
 #include "cli/flag_checks.h"
-#include "cli/process.h"
 #include "cli/session.h"
 #include "cli/state_folder.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
+#include "common/base/process.h"
 
 namespace mortise::cli {
 namespace {

@@ -14,11 +14,11 @@
 #include "cli/flag_checks.h"
 #include "cli/house.h"
 #include "cli/launcher.h"
-#include "cli/process.h"
 #include "cli/session.h"
 #include "cli/state_folder.h"
 #include "common/base/errors.h"
 #include "common/base/logging.h"
+#include "common/base/process.h"
 #include "common/bus/key_folder.h"
 #include "common/rpc/identity.h"
 

@@ -7,10 +7,10 @@
 #include <thread>
 
 #include "absl/strings/str_cat.h"
-#include "cli/process.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
 #include "common/base/logging.h"
+#include "common/base/process.h"
 
 namespace mortise::cli {
 namespace {

@@ -9,10 +9,10 @@
 #include <sstream>
 
 #include "absl/time/time.h"
-#include "cli/process.h"
 #include "cli/state_folder.h"
 #include "common/base/files.h"
 #include "common/base/identifiers.h"
+#include "common/base/process.h"
 #include "tests/e2e/command.h"
 #include "tests/support/file_watch.h"
 

@@ -5,10 +5,10 @@
 
 #include <thread>
 
-#include "cli/process.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
 #include "common/base/identifiers.h"
+#include "common/base/process.h"
 
 namespace mortise::cli {
 namespace {

@@ -1,4 +1,4 @@
-// A child process of the launcher: started, watched, ended by id.
+// Child processes: started, watched, ended by id.
 #pragma once
 
 #include <sys/types.h>
@@ -10,7 +10,7 @@
 
 #include "absl/status/statusor.h"
 
-namespace mortise::cli {
+namespace mortise {
 
 // How a process ended: its exit code, or the signal that killed it.
 struct ProcessEnd {
@@ -22,7 +22,7 @@ struct ProcessEnd {
 
 // Starts `command` (program and arguments) with standard output and error appended to `log`, the
 // environment entries `environment` ("NAME=value") added to this process's. The child gets SIGTERM
-// when the thread that started it dies, so that a killed launcher leaves no orphans.
+// when the thread that started it dies, so that a killed parent leaves no orphans.
 absl::StatusOr<pid_t> StartProcess(const std::vector<std::string>& command,
                                    const std::filesystem::path& log,
                                    const std::vector<std::string>& environment = {});
@@ -30,7 +30,11 @@ absl::StatusOr<pid_t> StartProcess(const std::vector<std::string>& command,
 // Collects the end of `pid` if it has ended; never waits.
 std::optional<ProcessEnd> CollectProcess(pid_t pid);
 
+// Kills `pid`, a child that StartProcess started, with all that it started in turn, and collects
+// it.
+void KillProcess(pid_t pid);
+
 // Whether a process with this id exists.
 bool ProcessExists(pid_t pid);
 
-}  // namespace mortise::cli
+}  // namespace mortise

@@ -1,4 +1,4 @@
-#include "cli/process.h"
+#include "common/base/process.h"
 
 #include <fcntl.h>
 #include <signal.h>
@@ -12,7 +12,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 
-namespace mortise::cli {
+namespace mortise {
 namespace {
 
 std::vector<char*> Pointers(std::vector<std::string>& strings) {
@@ -43,13 +43,13 @@ absl::StatusOr<pid_t> StartProcess(const std::vector<std::string>& command,
   variables.insert(variables.end(), environment.begin(), environment.end());
   const std::vector<char*> argv = Pointers(arguments);
   const std::vector<char*> envp = Pointers(variables);
-  const pid_t launcher = ::getpid();
+  const pid_t parent = ::getpid();
 
   const pid_t pid = ::fork();
   if (pid == 0) {
     ::prctl(PR_SET_PDEATHSIG, SIGTERM);
-    if (::getppid() != launcher) ::_exit(1);
-    // A terminal's Ctrl-C reaches the launcher only, which then ends its children in order.
+    if (::getppid() != parent) ::_exit(1);
+    // A terminal's Ctrl-C reaches the parent only, which then ends its children in order.
     ::setpgid(0, 0);
     ::dup2(log_file, STDOUT_FILENO);
     ::dup2(log_file, STDERR_FILENO);
@@ -73,6 +73,13 @@ std::optional<ProcessEnd> CollectProcess(pid_t pid) {
   return ProcessEnd{false, WEXITSTATUS(status)};
 }
 
+void KillProcess(pid_t pid) {
+  ::kill(-pid, SIGKILL);  // its group, of which StartProcess made it the first
+  ::kill(pid, SIGKILL);
+  while (::waitpid(pid, nullptr, 0) < 0 && errno == EINTR) {
+  }
+}
+
 bool ProcessExists(pid_t pid) { return pid > 0 && (::kill(pid, 0) == 0 || errno == EPERM); }
 
-}  // namespace mortise::cli
+}  // namespace mortise
