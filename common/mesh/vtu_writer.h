@@ -1,4 +1,4 @@
-// Volume meshes with fields as VTU files (VTK XML unstructured grid), which ParaView opens.
+// Meshes with fields as VTU files (VTK XML unstructured grid), which ParaView opens.
 #pragma once
 
 #include <Eigen/Core>
@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "common/mesh/surface_mesh.h"
 #include "common/mesh/tetrahedral_mesh.h"
 
 namespace mortise::mesh {
@@ -19,6 +20,11 @@ struct VtuField {
 // The file's bytes: binary, little-endian, appended raw. Cell data always has "part", the index of
 // the part. INVALID_ARGUMENT names the field whose size does not fit the mesh.
 absl::StatusOr<std::string> WriteVtu(const TetrahedralMesh& mesh,
+                                     const std::vector<VtuField>& point_fields,
+                                     const std::vector<VtuField>& cell_fields = {});
+
+// The same of a surface; its triangles are the cells, and there is no "part".
+absl::StatusOr<std::string> WriteVtu(const SurfaceMesh& surface,
                                      const std::vector<VtuField>& point_fields,
                                      const std::vector<VtuField>& cell_fields = {});
 

@@ -224,5 +224,18 @@ TEST(Files, VtuSaysItsSizesAndRefusesWrongFields) {
   EXPECT_FALSE(WriteVtu(*mesh, {field}).ok());
 }
 
+TEST(Files, VtuHoldsSurfacesToo) {
+  const SurfaceMesh box = BoxSurface({0, 0, 0}, {1, 2, 3});
+  const VtuField pressure{"pressure", box.vertices.row(2)};
+  const VtuField area{"area", Eigen::MatrixXd::Ones(1, box.triangles.cols())};
+  const auto vtu = WriteVtu(box, {pressure}, {area});
+  ASSERT_TRUE(vtu.ok()) << vtu.status();
+  EXPECT_NE(vtu->find("NumberOfPoints=\"8\" NumberOfCells=\"12\""), std::string::npos);
+  EXPECT_EQ(vtu->find("\"part\""), std::string::npos);
+  // The last array tells what the cells are: twelve triangles, which VTK numbers 5.
+  EXPECT_NE(vtu->find(std::string(12, '\x05') + "\n</AppendedData>"), std::string::npos);
+  EXPECT_FALSE(WriteVtu(box, {area}).ok());
+}
+
 }  // namespace
 }  // namespace mortise::mesh
