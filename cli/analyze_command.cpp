@@ -1,8 +1,9 @@
-// mortise analyze: finite elements on a template at parameters, or on an uploaded mesh; metrics of
-// a template.
+// mortise analyze: finite elements on a template at parameters, or on an uploaded mesh; the air
+// around a template; its metrics.
 #include <grpcpp/grpcpp.h>
 
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <memory>
 
 #include "absl/strings/str_cat.h"
@@ -30,6 +31,8 @@ struct AnalyzeOptions {
   double relative_error = 0;
   bool linear = false;
   int modes = 0;
+  std::string wind;            // with it, the air around the design besides
+  int air_cells = 0;           // likewise
   std::filesystem::path mesh;  // with it, `subject` is the file of a case
   std::filesystem::path out;
 };
@@ -42,6 +45,8 @@ FieldSources SourcesOf(const AnalyzeOptions& options) {
   sources.AddEach("metrics", "--metric", options.metrics);
   AddSources(options.own, "metric_definitions", sources);
   sources.Add("modes", "--modes");
+  sources.Add("airflow.wind", "--wind");
+  sources.Add("airflow.cells", "--air-cells");
   // The evaluator speaks of points in the template's order, not of names.
   sources.Add("points[0].parameters", "--set");
   return sources;
@@ -66,10 +71,10 @@ absl::Status DownloadArtifacts(const v1::Analysis& analysis, const std::filesyst
 absl::Status AnalyzeMesh(const AnalyzeOptions& options, Session& session, Output& output) {
   if (!options.parameters.empty() || !options.element_size.empty() || options.linear ||
       options.relative_error != 0 || !options.metrics.empty() || !options.own.define.empty() ||
-      !options.own.point.empty()) {
+      !options.own.point.empty() || !options.wind.empty() || options.air_cells != 0) {
     return InvalidField("--mesh",
                         "is a mesh already: --set, --metric, --define, --point, --element-size, "
-                        "--relative-error and --linear are for templates");
+                        "--relative-error, --linear, --wind and --air-cells are for templates");
   }
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   const auto stub = v1::SimulatorService::NewStub(client->channel());
@@ -108,10 +113,29 @@ absl::Status Evaluate(const AnalyzeOptions& options, const v1::AnalyzeDesignRequ
   MORTISE_ASSIGN_OR_RETURN(
       const v1::EvaluationResult result,
       EvaluateMetrics(asked.template_(), {asked.parameters().begin(), asked.parameters().end()},
-                      metrics, definitions, asked.mesh(), *client));
+                      metrics, definitions, asked.mesh(), asked.airflow(), *client));
   PrintMetrics(result.metrics(), output);
   output.DocumentOf(result);
   return absl::OkStatus();
+}
+
+// The air, if any flag speaks of it.
+absl::Status ReadAirflow(const AnalyzeOptions& options, v1::AnalyzeDesignRequest& request) {
+  if (!options.wind.empty()) {
+    MORTISE_ASSIGN_OR_RETURN(*request.mutable_airflow()->mutable_wind(),
+                             ParseVector(options.wind, "--wind"));
+  }
+  if (options.air_cells != 0) request.mutable_airflow()->set_cells(options.air_cells);
+  return absl::OkStatus();
+}
+
+void PrintAirflow(const v1::Analysis& analysis, const Output& output) {
+  if (!analysis.has_airflow()) return;
+  const v1::AirflowResult& airflow = analysis.airflow();
+  output.Line(absl::StrFormat(
+      "  air: %d cells, %d iterations; the force swings by %.2g N; %.2g N of it is friction",
+      airflow.cells(), airflow.iterations(), airflow.force_swing(),
+      std::hypot(airflow.friction().x(), airflow.friction().y(), airflow.friction().z())));
 }
 
 absl::Status Analyze(const AnalyzeOptions& options, Session& session, Output& output) {
@@ -132,6 +156,7 @@ absl::Status Analyze(const AnalyzeOptions& options, Session& session, Output& ou
   request.mutable_mesh()->set_relative_error(options.relative_error);
   if (options.linear) request.mutable_mesh()->set_linear(true);
   request.set_modes(options.modes);
+  MORTISE_RETURN_IF_ERROR(ReadAirflow(options, request));
   if (!options.metrics.empty() || !options.own.define.empty()) {
     return Evaluate(options, request, session, output);
   }
@@ -143,11 +168,14 @@ absl::Status Analyze(const AnalyzeOptions& options, Session& session, Output& ou
   }));
   MORTISE_ASSIGN_OR_RETURN(const v1::Analysis analysis,
                            FollowTo<v1::Analysis>(*client, operation, output));
-  output.Line(absl::StrCat(analysis.name(), ": ", analysis.elements(), " elements, ",
-                           analysis.unknowns(), " unknowns"));
+  output.Line(analysis.elements() == 0
+                  ? analysis.name()
+                  : absl::StrCat(analysis.name(), ": ", analysis.elements(), " elements, ",
+                                 analysis.unknowns(), " unknowns"));
   PrintMetrics(analysis.metrics(), output);
   if (analysis.cases_size() > 1) PrintCases(analysis, output);
   PrintHeat(analysis, " K", output);
+  PrintAirflow(analysis, output);
   PrintModes(analysis, output);
   for (const v1::RefinementStep& step : analysis.refinements()) {
     output.Line(absl::StrFormat("  %d elements: estimated error %.2g %%", step.elements(),
@@ -183,6 +211,11 @@ void AddAnalyzeCommand(CLI::App& app, Session& session) {
   analyze->add_option("--relative-error", options->relative_error,
                       "Refine until the estimated error is at most this, such as 0.05");
   analyze->add_option("--modes", options->modes, "How many natural frequencies besides, up to 100");
+  analyze->add_option("--wind", options->wind,
+                      "The air around it besides, computed by OpenFOAM: how it blows, \"X, Y, Z\" "
+                      "(m/s), such as \"-10, 0, 0\"");
+  analyze->add_option("--air-cells", options->air_cells,
+                      "About how many cells of air to compute with, 30000 if not given");
   analyze->add_flag("--linear", options->linear, "Tetrahedra of 4 nodes instead of 10");
   analyze->add_option("--mesh", options->mesh,
                       "Mesh of the case: Gmsh (MSH 2.2, 4.1), Abaqus or CalculiX (.inp)");

@@ -37,7 +37,7 @@ absl::StatusOr<v1::DesignPoint> PointOf(const v1::DesignSpace& space,
 absl::StatusOr<v1::EvaluationResult> EvaluateMetrics(
     const std::string& subject, const std::vector<v1::ParameterValue>& parameters,
     const std::vector<std::string>& metrics, const v1::MetricDefinitions& definitions,
-    const v1::MeshSettings& mesh, const GatewayClient& client) {
+    const v1::MeshSettings& mesh, const v1::AirflowSettings& airflow, const GatewayClient& client) {
   const auto stub = v1::EvaluatorService::NewStub(client.channel());
   v1::DescribeDesignSpaceRequest describe;
   describe.set_subject(subject);
@@ -52,6 +52,7 @@ absl::StatusOr<v1::EvaluationResult> EvaluateMetrics(
   for (const std::string& metric : metrics) request.add_metrics(metric);
   *request.mutable_metric_definitions() = definitions;
   *request.mutable_mesh() = mesh;
+  *request.mutable_airflow() = airflow;
   v1::EvaluationResult result;
   MORTISE_RETURN_IF_ERROR(client.Call(
       [&](grpc::ClientContext& context) {

@@ -16,6 +16,6 @@ namespace mortise::cli {
 absl::StatusOr<v1::EvaluationResult> EvaluateMetrics(
     const std::string& subject, const std::vector<v1::ParameterValue>& parameters,
     const std::vector<std::string>& metrics, const v1::MetricDefinitions& definitions,
-    const v1::MeshSettings& mesh, const GatewayClient& client);
+    const v1::MeshSettings& mesh, const v1::AirflowSettings& airflow, const GatewayClient& client);
 
 }  // namespace mortise::cli

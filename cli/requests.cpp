@@ -8,8 +8,10 @@
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/match.h"
+#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "absl/strings/str_split.h"
 #include "common/base/digest.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
@@ -17,6 +19,11 @@
 #include "common/rpc/status_mapping.h"
 
 namespace mortise::cli {
+namespace {
+
+constexpr double kLeastInMegapascal = 1e4;  // Pa
+
+}  // namespace
 
 absl::StatusOr<double> ParseQuantity(const std::string& text, const std::string& field) {
   char* end = nullptr;
@@ -29,6 +36,23 @@ absl::StatusOr<double> ParseQuantity(const std::string& text, const std::string&
   if (unit == "mm") return number * kMillimetre;
   if (unit == "cm") return number * 10 * kMillimetre;
   return InvalidField(field, absl::StrCat("'", unit, "' is not a unit known here: m, cm, mm"));
+}
+
+absl::StatusOr<v1::Vector3> ParseVector(const std::string& text, const std::string& field) {
+  const std::vector<std::string> pieces = absl::StrSplit(text, ',');
+  std::vector<double> numbers(pieces.size());
+  bool is_vector = pieces.size() == 3;
+  for (std::size_t i = 0; i < pieces.size(); ++i) {
+    is_vector = is_vector && absl::SimpleAtod(pieces[i], &numbers[i]) && std::isfinite(numbers[i]);
+  }
+  if (!is_vector) {
+    return InvalidField(field, absl::StrCat("'", text, "' is not of the form X, Y, Z"));
+  }
+  v1::Vector3 vector;
+  vector.set_x(numbers[0]);
+  vector.set_y(numbers[1]);
+  vector.set_z(numbers[2]);
+  return vector;
 }
 
 absl::StatusOr<std::vector<v1::ParameterValue>> ParseParameters(
@@ -57,7 +81,8 @@ std::string Millimetres(double metres) { return absl::StrFormat("%.6g mm", metre
 
 std::string MetricText(const v1::Metric& metric) {
   if (metric.unit() == "m") return absl::StrFormat("%.4g mm", metric.value() / kMillimetre);
-  if (metric.unit() == "Pa") return absl::StrFormat("%.4g MPa", metric.value() / kMegapascal);
+  const bool is_stress = metric.unit() == "Pa" && std::abs(metric.value()) >= kLeastInMegapascal;
+  if (is_stress) return absl::StrFormat("%.4g MPa", metric.value() / kMegapascal);
   return absl::StrFormat("%.5g %s", metric.value(), metric.unit());
 }
 

@@ -25,6 +25,9 @@ namespace mortise::cli {
 // INVALID_ARGUMENT naming `field`.
 absl::StatusOr<double> ParseQuantity(const std::string& text, const std::string& field);
 
+// "X, Y, Z", in SI. INVALID_ARGUMENT naming `field`.
+absl::StatusOr<v1::Vector3> ParseVector(const std::string& text, const std::string& field);
+
 // "name=value" with the value as above.
 absl::StatusOr<std::vector<v1::ParameterValue>> ParseParameters(
     const std::vector<std::string>& assignments);
@@ -35,7 +38,7 @@ std::string ResourceName(const std::string& collection, const std::string& name)
 // A length for people, in millimetres with its unit.
 std::string Millimetres(double metres);
 
-// A metric for people: lengths in mm, stresses in MPa, the rest in SI.
+// A metric for people: lengths in mm, stresses in MPa (Pa where they are small), the rest in SI.
 std::string MetricText(const v1::Metric& metric);
 
 // Writes what a stream of chunks carries, after checking size and digest. Returns the size.

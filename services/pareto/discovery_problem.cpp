@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "common/parametric/evaluation_settings.h"
 #include "mortise/v1/evaluator.pb.h"
 #include "mortise/v1/pareto.pb.h"
 #include "services/pareto/front.h"
@@ -112,13 +113,10 @@ absl::Status CheckSpecification(const v1::DiscoverySpecification& specification)
     if (!names.insert(specification.objectives(k).metric()).second)
       return InvalidField(absl::StrCat("specification.objectives[", k, "].metric"),
                           "is given twice");
-  if (specification.mesh().element_size() < 0)
-    return InvalidField("specification.mesh.element_size",
-                        "must be positive, or 0 for the default");
-  const double error = specification.mesh().relative_error();
-  if (error != 0 && !(error >= 0.001 && error <= 1))
-    return InvalidField("specification.mesh.relative_error",
-                        "must be within 0.001 to 1, or 0 for no refinement");
+  MORTISE_RETURN_IF_ERROR(
+      UnderField("specification", parametric::CheckMeshSettings(specification.mesh())));
+  MORTISE_RETURN_IF_ERROR(
+      UnderField("specification", parametric::ReadAirflow(specification.airflow()).status()));
   names.clear();
   for (int k = 0; k < specification.bounds_size(); ++k) {
     const auto& bound = specification.bounds(k);

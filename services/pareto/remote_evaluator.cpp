@@ -121,6 +121,7 @@ absl::Status RemoteEvaluator::CallOnce(Batch& batch) {
   for (const Objective& objective : problem_.objectives) request.add_metrics(objective.metric);
   request.set_gradients(problem_.AnyGradient());
   if (specification_->has_mesh()) *request.mutable_mesh() = specification_->mesh();
+  if (specification_->has_airflow()) *request.mutable_airflow() = specification_->airflow();
   *request.mutable_metric_definitions() = specification_->metric_definitions();
   std::vector<std::size_t> asked;
   for (std::size_t i = 0; i < batch.designs.size(); ++i) {

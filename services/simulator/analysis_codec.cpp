@@ -59,4 +59,16 @@ void Fill(const HeatOutcome& outcome, v1::HeatResult& message) {
   for (const double power : outcome.convected) message.add_convected(power);
 }
 
+void Fill(const AirflowSolution& solution, const Eigen::Vector3d& wind,
+          v1::AirflowResult& message) {
+  *message.mutable_wind() = ToProto(wind);
+  *message.mutable_force() = ToProto(solution.force);
+  *message.mutable_friction() = ToProto(solution.friction);
+  message.set_force_swing(solution.force_swing);
+  message.set_minimum_pressure(solution.minimum_pressure);
+  message.set_maximum_pressure(solution.maximum_pressure);
+  message.set_cells(solution.cells);
+  message.set_iterations(solution.iterations);
+}
+
 }  // namespace mortise::simulator

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "mortise/v1/simulator.pb.h"
+#include "services/simulator/airflow.h"
 #include "services/simulator/case_outcome.h"
 
 namespace mortise::simulator {
@@ -17,5 +18,8 @@ void Fill(const CaseOutcome& outcome, const std::vector<std::string>& parts,
           v1::CaseResult& message);
 
 void Fill(const HeatOutcome& outcome, v1::HeatResult& message);
+
+// `wind` is that of the solution, m/s.
+void Fill(const AirflowSolution& solution, const Eigen::Vector3d& wind, v1::AirflowResult& message);
 
 }  // namespace mortise::simulator

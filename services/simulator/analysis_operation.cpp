@@ -11,6 +11,7 @@
 #include "common/base/errors.h"
 #include "common/jobs/bell.h"
 #include "common/jobs/operations.h"
+#include "common/parametric/evaluation_settings.h"
 #include "common/parametric/parameter_values.h"
 #include "common/parametric/template_codec.h"
 #include "common/rpc/operation_codec.h"
@@ -18,7 +19,6 @@
 #include "services/simulator/design_analysis.h"
 #include "services/simulator/design_conditions.h"
 #include "services/simulator/mesh_case.h"
-#include "services/simulator/mesh_settings.h"
 #include "services/simulator/simulator_core.h"
 #include "services/simulator/subject_metrics.h"
 #include "services/simulator/task_progress.h"
@@ -209,7 +209,8 @@ absl::StatusOr<std::string> Analyse(const Run& run) {
 
 absl::StatusOr<v1::Task> PrepareAnalysis(SimulatorCore& core, const v1::AnalyzeDesignRequest& asked,
                                          const rpc::Origin& origin) {
-  MORTISE_RETURN_IF_ERROR(CheckMeshSettings(asked.mesh()));
+  MORTISE_RETURN_IF_ERROR(parametric::CheckMeshSettings(asked.mesh()));
+  MORTISE_RETURN_IF_ERROR(parametric::ReadAirflow(asked.airflow()).status());
   if (asked.modes() < 0 || asked.modes() > kMaximumModes) {
     return InvalidField("modes", absl::StrCat("must be 0 to ", kMaximumModes));
   }
@@ -226,7 +227,7 @@ absl::StatusOr<v1::Task> PrepareAnalysis(SimulatorCore& core, const v1::AnalyzeD
   MORTISE_ASSIGN_OR_RETURN(const parametric::EvaluatedDesign design,
                            (*compiled)->function->Evaluate(parameters));
   const bool has_heat = HasHeat(design);
-  const bool has_loads = IsLoaded(design) || !has_heat;
+  const bool has_loads = IsLoaded(design) || (!has_heat && !asked.has_airflow());
   if (has_loads) MORTISE_RETURN_IF_ERROR(CheckSupported(design));
   if (has_heat) MORTISE_RETURN_IF_ERROR(CheckHeated(design));
   v1::Task task;
@@ -238,6 +239,7 @@ absl::StatusOr<v1::Task> PrepareAnalysis(SimulatorCore& core, const v1::AnalyzeD
   for (const MetricDescription& metric : OfferedMetrics()) {
     const bool is_asked = (metric.source != MetricSource::kModes || asked.modes() > 0) &&
                           (metric.source != MetricSource::kHeat || has_heat) &&
+                          (metric.source != MetricSource::kAirflow || asked.has_airflow()) &&
                           (metric.source != MetricSource::kLoads || has_loads);
     if (is_asked) task.add_metrics(metric.name);
   }
@@ -245,12 +247,14 @@ absl::StatusOr<v1::Task> PrepareAnalysis(SimulatorCore& core, const v1::AnalyzeD
   for (const parametric::MetricDefinition& metric : own.metrics()) {
     const MetricDemands demands = DemandsOf({metric.name}, own);
     const bool is_asked = (!demands.modes || asked.modes() > 0) && (!demands.heat || has_heat) &&
-                          (!demands.loads || has_loads);
+                          (!demands.loads || has_loads) &&
+                          (!demands.airflow || asked.has_airflow());
     if (is_asked) task.add_metrics(metric.name);
   }
   task.set_modes(asked.modes());
   task.set_fields(true);
   *task.mutable_mesh() = asked.mesh();
+  if (asked.has_airflow()) *task.mutable_airflow() = asked.airflow();
   return task;
 }
 

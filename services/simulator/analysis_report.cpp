@@ -147,4 +147,37 @@ absl::StatusOr<std::string> DrawTemperature(const mesh::TetrahedralMesh& volume,
   return Draw(std::move(scene), options);
 }
 
+absl::StatusOr<std::string> DrawAirPressure(const AirflowSolution& airflow,
+                                            const Eigen::Vector3d& wind, const std::string& title,
+                                            const StressPictureOptions& options) {
+  render::Scene scene;
+  render::Shape shape;
+  shape.vertices = airflow.surface.vertices;
+  shape.triangles = airflow.surface.triangles;
+  shape.scalars = airflow.pressure;
+  shape.edges = false;  // triangles share no edges, so that each would be drawn as a border
+  scene.shapes.push_back(shape);
+  scene.color_bar =
+      render::ColorBar{Percentile(airflow.pressure, shape.triangles, 0.005),
+                       Percentile(airflow.pressure, shape.triangles, 0.995), "pressure (Pa)"};
+  // Blows against the middle of the design, from outside of it.
+  const Eigen::Vector3d low = shape.vertices.rowwise().minCoeff();
+  const Eigen::Vector3d high = shape.vertices.rowwise().maxCoeff();
+  const double radius = (high - low).norm() / 2;
+  const Eigen::Vector3d along = wind.normalized();
+  render::Line arrow;
+  arrow.points.resize(3, 2);
+  arrow.points.col(0) = (low + high) / 2 - 1.4 * radius * along;
+  arrow.points.col(1) = (low + high) / 2 - 1.05 * radius * along;
+  arrow.arrow = true;
+  scene.lines.push_back(arrow);
+  scene.title = title;
+  scene.footnote = absl::StrFormat("wind %s m/s; %s to %s Pa; drag %s N; %d cells",
+                                   render::ShortNumber(wind.norm(), 3),
+                                   render::ShortNumber(airflow.minimum_pressure, 3),
+                                   render::ShortNumber(airflow.maximum_pressure, 3),
+                                   render::ShortNumber(airflow.force.dot(along), 3), airflow.cells);
+  return Draw(std::move(scene), options);
+}
+
 }  // namespace mortise::simulator

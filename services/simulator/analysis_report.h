@@ -7,6 +7,7 @@
 
 #include "absl/status/statusor.h"
 #include "common/mesh/vtu_writer.h"
+#include "services/simulator/airflow.h"
 #include "services/simulator/elasticity.h"
 #include "services/simulator/modal_analysis.h"
 
@@ -46,6 +47,12 @@ absl::StatusOr<std::string> DrawMode(const mesh::TetrahedralMesh& volume, const 
 absl::StatusOr<std::string> DrawTemperature(const mesh::TetrahedralMesh& volume,
                                             const Eigen::VectorXd& temperature,
                                             const std::string& title,
+                                            const StressPictureOptions& options = {});
+
+// A PNG of the outside coloured by the pressure of the air, with an arrow along the wind. The scale
+// leaves out the extreme 0.5 % at either end; the footnote gives the true extremes.
+absl::StatusOr<std::string> DrawAirPressure(const AirflowSolution& airflow,
+                                            const Eigen::Vector3d& wind, const std::string& title,
                                             const StressPictureOptions& options = {});
 
 }  // namespace mortise::simulator

@@ -59,6 +59,21 @@ const std::vector<MetricDescription>& MetricsOfHeat() {
   return metrics;
 }
 
+const std::vector<MetricDescription>& MetricsOfAirflow() {
+  static const std::vector<MetricDescription> metrics{
+      {"airflow_drag", "N", "Force of the air along the wind.", MetricSource::kAirflow},
+      {"airflow_force_x", "N", "Force of the air along x.", MetricSource::kAirflow},
+      {"airflow_force_y", "N", "Force of the air along y.", MetricSource::kAirflow},
+      {"airflow_force_z", "N", "Force of the air along z: lift.", MetricSource::kAirflow},
+      {"max_air_pressure", "Pa", "Highest pressure on the outside, above that of the oncoming air.",
+       MetricSource::kAirflow},
+      {"min_air_pressure", "Pa",
+       "Lowest pressure on the outside, below 0 where the air sucks. At sharp edges it falls with "
+       "refinement.",
+       MetricSource::kAirflow}};
+  return metrics;
+}
+
 const MetricDescription* FindMetric(const std::string& name) {
   for (const MetricDescription& metric : OfferedMetrics()) {
     if (metric.name == name) return &metric;
@@ -88,8 +103,8 @@ std::vector<SolidPart> PartsOf(const DesignModel& model) {
   return parts;
 }
 
-// Of all that no other part touches.
-double OutsideArea(const mesh::AssemblySurface& surface) {
+// All that no other part touches.
+mesh::SurfaceMesh OutsideOf(const mesh::AssemblySurface& surface) {
   mesh::SurfaceMesh outside{surface.vertices, surface.triangles};
   Eigen::Index count = 0;
   for (Eigen::Index t = 0; t < surface.triangles.cols(); ++t) {
@@ -99,7 +114,7 @@ double OutsideArea(const mesh::AssemblySurface& surface) {
     if (!is_between_parts) outside.triangles.col(count++) = surface.triangles.col(t);
   }
   outside.triangles.conservativeResize(Eigen::NoChange, count);
-  return mesh::SurfaceArea(outside);
+  return outside;
 }
 
 double LowestFrequency(const ModalSolution& vibration) {
@@ -111,6 +126,15 @@ double ValueOfHeat(const std::string& name, const HeatSolution& heat) {
   if (name == "min_temperature") return heat.minimum;
   if (name == "mean_temperature") return heat.mean;
   return DissipatedHeat(heat);
+}
+
+double ValueOfAirflow(const std::string& name, const AirflowSolution& airflow,
+                      const Eigen::Vector3d& wind) {
+  if (name == "airflow_drag") return airflow.force.dot(wind.normalized());
+  if (name == "airflow_force_x") return airflow.force.x();
+  if (name == "airflow_force_y") return airflow.force.y();
+  if (name == "airflow_force_z") return airflow.force.z();
+  return name == "max_air_pressure" ? airflow.maximum_pressure : airflow.minimum_pressure;
 }
 
 double ValueUnderLoads(const std::string& name, const DesignModel& model,
@@ -154,7 +178,8 @@ absl::Status Refine(const DesignSolver& solver, bool heat_wanted,
 }
 
 absl::StatusOr<Metric> Compute(const MetricDescription& metric, const DesignModel& model,
-                               const DesignAnalysis& analysis, GeometryMetrics& geometry) {
+                               const DesignAnalysis& analysis, const Eigen::Vector3d& wind,
+                               GeometryMetrics& geometry) {
   Metric computed{metric.name, metric.unit, 0};
   switch (metric.source) {
     case MetricSource::kParts: {
@@ -162,7 +187,7 @@ absl::StatusOr<Metric> Compute(const MetricDescription& metric, const DesignMode
       break;
     }
     case MetricSource::kOutside:
-      computed.value = OutsideArea(model.surface);
+      computed.value = mesh::SurfaceArea(OutsideOf(model.surface));
       break;
     case MetricSource::kPrices: {
       MORTISE_RETURN_IF_ERROR(model.cost.status());
@@ -175,6 +200,9 @@ absl::StatusOr<Metric> Compute(const MetricDescription& metric, const DesignMode
       break;
     case MetricSource::kHeat:
       computed.value = ValueOfHeat(metric.name, *analysis.heat);
+      break;
+    case MetricSource::kAirflow:
+      computed.value = ValueOfAirflow(metric.name, *analysis.airflow, wind);
       break;
     case MetricSource::kLoads:
       computed.value = -std::numeric_limits<double>::infinity();
@@ -243,7 +271,7 @@ const std::vector<MetricDescription>& OfferedMetrics() {
     all.push_back({"natural_frequency", "Hz",
                    "Lowest frequency at which it vibrates on its supports, other than as a whole.",
                    MetricSource::kModes});
-    for (const auto& others : {MetricsOfHeat(), MetricsUnderLoads()}) {
+    for (const auto& others : {MetricsOfHeat(), MetricsOfAirflow(), MetricsUnderLoads()}) {
       all.insert(all.end(), others.begin(), others.end());
     }
     return all;
@@ -285,6 +313,7 @@ MetricDemands DemandsOf(const std::vector<std::string>& metrics,
     demands.loads = demands.loads || metric->source == MetricSource::kLoads;
     demands.heat = demands.heat || metric->source == MetricSource::kHeat;
     demands.modes = demands.modes || metric->source == MetricSource::kModes;
+    demands.airflow = demands.airflow || metric->source == MetricSource::kAirflow;
     demands.surface = demands.surface || metric->source == MetricSource::kOutside;
   }
   for (const parametric::MetricCall& call : needs.calls) {
@@ -293,7 +322,8 @@ MetricDemands DemandsOf(const std::vector<std::string>& metrics,
     demands.heat = demands.heat || call.function->source == Source::kHeat;
     demands.surface = true;
   }
-  demands.surface = demands.surface || demands.loads || demands.heat || demands.modes;
+  demands.surface =
+      demands.surface || demands.loads || demands.heat || demands.modes || demands.airflow;
   return demands;
 }
 
@@ -304,17 +334,25 @@ absl::StatusOr<DesignAnalysis> AnalyzeDesign(const DesignModel& model,
   MORTISE_RETURN_IF_ERROR(CheckMetricNames(metrics, options.own_metrics));
   const MetricDemands demands = DemandsOf(metrics, options.own_metrics);
   const int modes = demands.modes ? std::max(1, options.modes) : options.modes;
-  MORTISE_RETURN_IF_ERROR(CheckModel(model, fields || modes > 0 || demands.surface));
+  const bool airflow = demands.airflow || options.with_airflow;
+  MORTISE_RETURN_IF_ERROR(CheckModel(model, fields || modes > 0 || airflow || demands.surface));
   DesignAnalysis analysis;
-  const bool solve = demands.loads || (fields && (IsLoaded(model) || !model.heat));
+  const bool solve = demands.loads || (fields && (IsLoaded(model) || (!model.heat && !airflow)));
   const bool heat = demands.heat || (model.heat && fields);
   if (heat && !model.heat) {
     return PreconditionFailed("NO_HEAT", "there is no condition of heat", "boundary_conditions");
   }
+  // First, as its engine may be missing.
+  if (airflow) {
+    MORTISE_ASSIGN_OR_RETURN(
+        analysis.airflow,
+        SolveAirflow(OutsideOf(model.surface), options.airflow, options.airflow_solver));
+  }
   if (solve || heat || modes > 0) {
+    const auto meshing = Clock::now();
     if (options.progress != nullptr) options.progress->Begin("mesh");
     MORTISE_ASSIGN_OR_RETURN(analysis.mesh, mesh::MeshAssembly(model.surface, options.mesh));
-    analysis.meshing_seconds = SecondsSince(start);
+    analysis.meshing_seconds = SecondsSince(meshing);
   }
   const parametric::MetricExpressions::Needs needs = options.own_metrics.NeedsOf(metrics);
   const bool estimates = fields || std::find(needs.metrics.begin(), needs.metrics.end(),
@@ -343,17 +381,18 @@ absl::StatusOr<DesignAnalysis> AnalyzeDesign(const DesignModel& model,
     MORTISE_ASSIGN_OR_RETURN(analysis.vibration, Vibrate(model, *analysis.mesh, modes, options));
   }
   GeometryMetrics geometry(PartsOf(model));
+  const Eigen::Vector3d& wind = options.airflow.wind;
   const OwnMetrics own(options.own_metrics, options.parameters, metrics, model, analysis,
                        [&](const std::string& name) -> absl::StatusOr<double> {
                          MORTISE_ASSIGN_OR_RETURN(
                              const Metric metric,
-                             Compute(*FindMetric(name), model, analysis, geometry));
+                             Compute(*FindMetric(name), model, analysis, wind, geometry));
                          return metric.value;
                        });
   for (const std::string& name : metrics) {
     const bool is_own = options.own_metrics.Find(name) >= 0;
     absl::StatusOr<Metric> metric =
-        is_own ? own.Compute(name) : Compute(*FindMetric(name), model, analysis, geometry);
+        is_own ? own.Compute(name) : Compute(*FindMetric(name), model, analysis, wind, geometry);
     if (metric.ok()) {
       analysis.metrics.push_back(*std::move(metric));
     } else if (options.leave_out_inapplicable &&

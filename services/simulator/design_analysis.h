@@ -12,6 +12,7 @@
 #include "common/mesh/mesher.h"
 #include "common/mesh/surface_mesh.h"
 #include "common/parametric/metric_expressions.h"
+#include "services/simulator/airflow.h"
 #include "services/simulator/analysis_case.h"
 #include "services/simulator/elasticity.h"
 #include "services/simulator/error_estimate.h"
@@ -45,7 +46,8 @@ struct DesignModel {
 bool IsLoaded(const DesignModel& model);
 
 // Those of GeometryMetrics; surface_area; cost; natural_frequency; max_temperature,
-// min_temperature, mean_temperature, heat_dissipation; and of the load case where each is worst
+// min_temperature, mean_temperature, heat_dissipation; airflow_drag, airflow_force_x, _y and _z,
+// max_air_pressure, min_air_pressure; and of the load case where each is worst
 // max_displacement, max_von_mises, max_principal, compliance, strain_energy, stress_ratio,
 // relative_error.
 const std::vector<MetricDescription>& OfferedMetrics();
@@ -60,6 +62,7 @@ struct MetricDemands {
   bool loads = false;    // a solution under the loads
   bool heat = false;     // the temperatures
   bool modes = false;    // the natural modes
+  bool airflow = false;  // the air around it
   bool surface = false;  // the joined surface of the parts
 };
 
@@ -77,6 +80,10 @@ struct DesignAnalysisOptions {
   bool leave_out_inapplicable = false;
   // How many natural modes that deform are wanted beside the metrics; one, if a metric needs it.
   int modes = 0;
+  // How the air around it is computed, where a metric needs it or it is wanted besides.
+  parametric::Airflow airflow = {};
+  AirflowSolverOptions airflow_solver = {};
+  bool with_airflow = false;
   // The mesh is refined until the estimated relative error is at most this, 0.001 to 1, or the
   // limits of memory and elements forbid it; 0 for no refinement.
   double wanted_error = 0;
@@ -95,7 +102,8 @@ struct SolvedCase {
   std::optional<ErrorEstimate> error;  // where the metrics, the files or a refinement need it
 };
 
-// All that was computed. Without a metric that needs them there are no mesh, cases, heat and modes.
+// All that was computed. Without a metric that needs them there are no mesh, cases, heat, modes and
+// air.
 struct DesignAnalysis {
   std::vector<Metric> metrics;            // in the order asked for
   std::vector<MetricGradient> gradients;  // of those metrics that have one, where asked for
@@ -104,6 +112,7 @@ struct DesignAnalysis {
   std::vector<SolvedCase> cases;  // those of the model, in its order
   std::optional<HeatSolution> heat;
   std::optional<ModalSolution> vibration;
+  std::optional<AirflowSolution> airflow;
   std::vector<RefinementStep> refinements;  // the meshes solved on, where an error was wanted
   std::string shortfall;                    // why it was not reached; empty if it was
   double meshing_seconds = 0;
@@ -112,9 +121,9 @@ struct DesignAnalysis {
 
 // Computes `metrics` by name, in order; INVALID_ARGUMENT naming "metrics[i]" for an unknown one,
 // FAILED_PRECONDITION, NO_HEAT, for temperatures of a model without heat; else as GeometryMetrics,
-// the design's cost, MeshAssembly, SolveHeat, ElasticSystem and FindModes fail; "modes" where there
-// are more than the mesh has. With `fields` all that the model has is solved in any case: loads, if
-// it is loaded or has no heat, and heat.
+// the design's cost, MeshAssembly, SolveHeat, SolveAirflow, ElasticSystem and FindModes fail;
+// "modes" where there are more than the mesh has. With `fields` all that the model has is solved in
+// any case: loads, if it is loaded or neither heat nor air are there, and heat.
 absl::StatusOr<DesignAnalysis> AnalyzeDesign(const DesignModel& model,
                                              const std::vector<std::string>& metrics, bool fields,
                                              const DesignAnalysisOptions& options = {});

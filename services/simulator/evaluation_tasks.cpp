@@ -4,6 +4,7 @@
 #include "common/base/errors.h"
 #include "common/rpc/status_mapping.h"
 #include "google/rpc/status.pb.h"
+#include "services/simulator/openfoam.h"
 
 namespace mortise::simulator {
 
@@ -37,9 +38,11 @@ bool IsTransient(const absl::Status& status) {
 
 namespace {
 
-// A worker's limit of time is not the task's: the next may give it longer.
+// A worker's limit of time is not the task's, nor is what is installed beside it: the next may give
+// it longer, or have it.
 bool MayEndOtherwise(const absl::Status& failure) {
-  return IsTransient(failure) || DetailOf(failure).reason == kTimeLimit;
+  const std::string reason = DetailOf(failure).reason;
+  return IsTransient(failure) || reason == kTimeLimit || reason == kNoOpenFoam;
 }
 
 }  // namespace

@@ -34,8 +34,8 @@ inline constexpr char kTimeLimit[] = "TIME_LIMIT";
 bool IsTransient(const absl::Status& status);
 
 // The task under `key`, queued by this call if it was not there. One that failed for a passing
-// reason or for a limit of time, or was cancelled, is queued afresh. `was_there` tells whether its
-// result, if it has one, was computed before.
+// reason, for a limit of time or for want of OpenFOAM, or was cancelled, is queued afresh.
+// `was_there` tells whether its result, if it has one, was computed before.
 absl::StatusOr<store::Task> FindOrEnqueue(store::Transaction& transaction, const std::string& key,
                                           const std::string& payload, int priority,
                                           bool& was_there);

@@ -8,6 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "common/base/errors.h"
+#include "common/parametric/evaluation_settings.h"
 #include "common/rpc/channel.h"
 #include "common/rpc/dispatcher.h"
 #include "common/rpc/handler.h"
@@ -16,8 +17,8 @@
 #include "mortise/v1/simulator.pb.h"
 #include "services/simulator/evaluation_subject.h"
 #include "services/simulator/evaluator_records.h"
-#include "services/simulator/mesh_settings.h"
 #include "services/simulator/result_cache.h"
+#include "services/simulator/settings_text.h"
 #include "services/simulator/simulator_core.h"
 #include "services/simulator/subject_metrics.h"
 
@@ -198,7 +199,8 @@ class EvaluatorAdapter final : public v1::EvaluatorService::CallbackService {
       return InvalidField("points", absl::StrCat("must be 1 to ", kMaximumPoints));
     }
     const std::vector<std::string> metrics(asked.metrics().begin(), asked.metrics().end());
-    MORTISE_RETURN_IF_ERROR(CheckMeshSettings(asked.mesh()));
+    MORTISE_RETURN_IF_ERROR(parametric::CheckMeshSettings(asked.mesh()));
+    MORTISE_RETURN_IF_ERROR(parametric::ReadAirflow(asked.airflow()).status());
     MORTISE_ASSIGN_OR_RETURN(const EvaluationSubject subject,
                              FindSubject(*core_, asked.subject(), asked.revision(),
                                          asked.metric_definitions(), rpc::ForwardedFrom(call)));
@@ -215,10 +217,12 @@ class EvaluatorAdapter final : public v1::EvaluatorService::CallbackService {
     task.set_gradients(asked.gradients());
     *task.mutable_mesh() = asked.mesh();
     *task.mutable_metric_definitions() = asked.metric_definitions();
+    if (asked.has_airflow()) *task.mutable_airflow() = asked.airflow();
     task.set_trace_id(call.identity().request_id);
     const std::string what =
         absl::StrCat(asked.gradients() ? "gradients of " : "", absl::StrJoin(metrics, ","),
-                     RefinementText(asked.mesh()), DefinitionsText(asked.metric_definitions()));
+                     RefinementText(asked.mesh()), DefinitionsText(asked.metric_definitions()),
+                     AirflowText(asked.airflow()));
     for (int i = 0; i < asked.points_size(); ++i) {
       const absl::Status usable =
           CheckPoint(subject.space, asked.points(i), absl::StrCat("points[", i, "]"));

@@ -32,6 +32,7 @@ enum class MetricSource {
   kPrices,   // the items' prices
   kModes,    // natural vibration: a mesh and a factor
   kHeat,     // steady temperatures: a mesh and a solution
+  kAirflow,  // the air around it: OpenFOAM
   kLoads,    // displacements and stresses under the loads: a mesh and a solution
 };
 

@@ -5,6 +5,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "common/parametric/evaluation_settings.h"
 #include "common/rpc/status_mapping.h"
 #include "services/simulator/analysis_codec.h"
 #include "services/simulator/analysis_report.h"
@@ -23,28 +24,26 @@ MetricDemands DemandsOf(const v1::Task& task, const MetricDemands& of_metrics,
                         const parametric::EvaluatedDesign& design) {
   const bool has_heat = HasHeat(design);
   MetricDemands demands = of_metrics;
-  demands.loads = demands.loads || (task.fields() && (IsLoaded(design) || !has_heat));
+  const bool solves_else = has_heat || task.has_airflow();
+  demands.loads = demands.loads || (task.fields() && (IsLoaded(design) || !solves_else));
   const bool thermal_stress = demands.loads && has_heat && design.reference_temperature.has_value();
   demands.heat = demands.heat || thermal_stress || (task.fields() && has_heat);
+  demands.modes = demands.modes || task.modes() > 0;
+  demands.airflow = demands.airflow || (task.fields() && task.has_airflow());
   demands.surface = demands.surface || task.fields();
   return demands;
 }
 
-// Geometry, mesh, temperatures, solution and stresses of each load case, frequencies, files.
-int StagesOf(const v1::Task& task, const MetricDemands& demands,
-             const parametric::EvaluatedDesign& design) {
+// Geometry, cells and flow of the air, mesh, temperatures, solution and stresses of each load case,
+// frequencies, files.
+int StagesOf(const MetricDemands& demands, const parametric::EvaluatedDesign& design) {
   const int load_cases = static_cast<int>(CountLoadCases(design));
-  return 3 + (demands.heat ? 1 : 0) + (demands.loads ? 2 * load_cases : 0) +
-         (task.modes() > 0 ? 1 : 0);
+  const bool has_mesh = demands.heat || demands.loads || demands.modes;
+  return 2 + (demands.airflow ? 2 : 0) + (has_mesh ? 1 : 0) + (demands.heat ? 1 : 0) +
+         (demands.loads ? 2 * load_cases : 0) + (demands.modes ? 1 : 0);
 }
 
-void FillAnalysis(const DesignAnalysis& analysis, const DesignModel& model,
-                  const parametric::EvaluatedDesign& design, v1::Analysis& message) {
-  for (const parametric::NamedValue& value : design.parameters) {
-    auto* parameter = message.add_parameters();
-    parameter->set_name(value.name);
-    parameter->set_value(value.value);
-  }
+void FillCases(const DesignAnalysis& analysis, const DesignModel& model, v1::Analysis& message) {
   message.set_nodes(analysis.mesh->nodes.cols());
   message.set_elements(analysis.mesh->tetrahedra.cols());
   message.set_unknowns(analysis.cases.empty() ? analysis.mesh->nodes.cols()
@@ -60,7 +59,28 @@ void FillAnalysis(const DesignAnalysis& analysis, const DesignModel& model,
                    support_nodes),
          analysis.mesh->part_names, *message.add_cases());
   }
+}
+
+void FillModes(const ModalSolution& vibration, v1::Analysis& message) {
+  for (const Mode& mode : vibration.modes) {
+    v1::Mode& to = *message.add_modes();
+    to.set_frequency(mode.frequency);
+    to.set_rigid(mode.rigid);
+  }
+}
+
+void FillAnalysis(const DesignAnalysis& analysis, const DesignModel& model,
+                  const Eigen::Vector3d& wind, const parametric::EvaluatedDesign& design,
+                  v1::Analysis& message) {
+  for (const parametric::NamedValue& value : design.parameters) {
+    auto* parameter = message.add_parameters();
+    parameter->set_name(value.name);
+    parameter->set_value(value.value);
+  }
+  if (analysis.mesh) FillCases(analysis, model, message);
   if (analysis.heat) Fill(OutcomeOf(*analysis.heat), *message.mutable_heat());
+  if (analysis.airflow) Fill(*analysis.airflow, wind, *message.mutable_airflow());
+  if (analysis.vibration) FillModes(*analysis.vibration, message);
   message.set_seconds(analysis.seconds);
   for (const RefinementStep& step : analysis.refinements) {
     v1::RefinementStep* refinement = message.add_refinements();
@@ -70,12 +90,6 @@ void FillAnalysis(const DesignAnalysis& analysis, const DesignModel& model,
   }
   if (!analysis.shortfall.empty()) message.add_notes(analysis.shortfall);
   for (const std::string& note : analysis.notes) message.add_notes(note);
-  if (!analysis.vibration) return;
-  for (const Mode& mode : analysis.vibration->modes) {
-    v1::Mode& to = *message.add_modes();
-    to.set_frequency(mode.frequency);
-    to.set_rigid(mode.rigid);
-  }
 }
 
 // analysis.vtu and stress.png of the only load case; of several, each with its number and name.
@@ -113,6 +127,20 @@ absl::Status KeepHeat(const DesignAnalysis& analysis, const DesignModel& model,
       std::string picture,
       DrawTemperature(*analysis.mesh, temperature, absl::StrCat(title, ": temperature (K)")));
   return surroundings.keep({"heat.png", "image/png", std::move(picture)});
+}
+
+// airflow.vtu and airflow.png.
+absl::Status KeepAirflow(const AirflowSolution& airflow, const Eigen::Vector3d& wind,
+                         const std::string& title, const TaskSurroundings& surroundings) {
+  MORTISE_RETURN_IF_ERROR(CheckStopped(surroundings.stop));
+  MORTISE_ASSIGN_OR_RETURN(
+      std::string fields,
+      mesh::WriteVtu(airflow.surface, {{"pressure (Pa)", airflow.pressure.transpose()}}));
+  MORTISE_RETURN_IF_ERROR(surroundings.keep({"airflow.vtu", "model/vnd.vtu", std::move(fields)}));
+  MORTISE_ASSIGN_OR_RETURN(
+      std::string picture,
+      DrawAirPressure(airflow, wind, absl::StrCat(title, ": pressure of the air (Pa)")));
+  return surroundings.keep({"airflow.png", "image/png", std::move(picture)});
 }
 
 // A report that is not finite would be refused, and the task tried again and again.
@@ -165,7 +193,7 @@ absl::Status Evaluate(const v1::Task& task, const TaskSurroundings& surroundings
                            OwnMetricsOf(*compiled, task.metric_definitions()));
   const MetricDemands demands = DemandsOf(task, simulator::DemandsOf(metrics, own), design);
   if (surroundings.progress != nullptr) {
-    surroundings.progress->Expect(StagesOf(task, demands, design));
+    surroundings.progress->Expect(StagesOf(demands, design));
   }
   // Before the parts are fused, which takes a while and would fail for every design alike.
   if (!task.fields() && demands.loads) {
@@ -188,6 +216,11 @@ absl::Status Evaluate(const v1::Task& task, const TaskSurroundings& surroundings
   options.progress = surroundings.progress;
   options.own_metrics = own;
   options.parameters = parameters;
+  MORTISE_ASSIGN_OR_RETURN(options.airflow, parametric::ReadAirflow(task.airflow()));
+  options.airflow_solver.memory_limit = surroundings.memory_limit;
+  options.airflow_solver.progress = surroundings.progress;
+  options.airflow_solver.stop = surroundings.stop;
+  options.with_airflow = task.fields() && task.has_airflow();
   options.elasticity.solver.progress = [&surroundings](int iteration, double) {
     if (surroundings.progress != nullptr) surroundings.progress->Iterate(iteration);
     return CheckStopped(surroundings.stop);
@@ -219,10 +252,14 @@ absl::Status Evaluate(const v1::Task& task, const TaskSurroundings& surroundings
   if (!task.fields()) return absl::OkStatus();
   MORTISE_RETURN_IF_ERROR(CheckStopped(surroundings.stop));
   Begin(surroundings, "files");
-  FillAnalysis(analysis, model, design, *report.mutable_analysis());
+  const Eigen::Vector3d& wind = options.airflow.wind;
+  FillAnalysis(analysis, model, wind, design, *report.mutable_analysis());
   const std::string& title = compiled->function->head().title;
   MORTISE_RETURN_IF_ERROR(KeepCases(analysis, model, title, surroundings));
   if (analysis.heat) MORTISE_RETURN_IF_ERROR(KeepHeat(analysis, model, title, surroundings));
+  if (analysis.airflow) {
+    MORTISE_RETURN_IF_ERROR(KeepAirflow(*analysis.airflow, wind, title, surroundings));
+  }
   return analysis.vibration ? KeepModes(analysis, title, surroundings) : absl::OkStatus();
 }
 

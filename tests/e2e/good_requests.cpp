@@ -112,7 +112,8 @@ constexpr Example kExamples[] = {
      "'slender' "
      "mesh { element_size: 0.3 linear: true } metric_definitions { points { name: 'p' x: 'length' "
      "} "
-     "expressions { name: 'slender' unit: '1' expression: \"distance('p', 'top/cap') / '2 m'\" } }",
+     "expressions { name: 'slender' unit: '1' expression: \"distance('p', 'top/cap') / '2 m'\" } } "
+     "airflow { wind { x: -10 } temperature: 300 pressure: 1e5 cells: 2000 }",
      Outcome::kChanges},
     {"EvaluatorService/CreateEvaluator",
      "request_id: 'bad-40' evaluator { name: 'evaluators/bad' title: 'Bad' version: '1' space { "
@@ -125,7 +126,8 @@ constexpr Example kExamples[] = {
      Outcome::kRefused},
     {"SimulatorService/AnalyzeDesign",
      "request_id: 'bad-6' template: 'templates/table' parameters { name: 'length' value: 1.5 } "
-     "mesh { element_size: 0.3 linear: true }",
+     "mesh { element_size: 0.3 linear: true } "
+     "airflow { wind { x: -10 } temperature: 300 pressure: 1e5 cells: 2000 }",
      Outcome::kChanges},
     {"SimulatorService/AnalyzeMesh",
      "request_id: 'bad-19' mesh_file: '{mesh}' case { title: 'Block' length_unit: 'mm' modes: 1 "
@@ -212,7 +214,8 @@ constexpr char kDiscovery[] =
     "objectives { metric: 'max_displacement' } "
     "bounds { parameter: 'length' minimum: 1.2 maximum: 1.5 } evaluations: 10 seed: 1 "
     "mesh { element_size: 0.3 linear: true } "
-    "metric_definitions { expressions { name: 'slender' unit: '1' expression: 'length / width' } }";
+    "metric_definitions { expressions { name: 'slender' unit: '1' expression: 'length / width' } } "
+    "airflow { wind { x: -10 } temperature: 300 pressure: 1e5 cells: 2000 }";
 
 [[noreturn]] void Fail(const std::string& what) {
   std::fprintf(stderr, "the requests cannot be made: %s\n", what.c_str());

@@ -1,0 +1,46 @@
+// The steady flow of air around a body, computed by OpenFOAM (thesis §6.7: the toy airplane).
+#pragma once
+
+#include <Eigen/Core>
+#include <stop_token>
+
+#include "absl/status/statusor.h"
+#include "common/mesh/surface_mesh.h"
+#include "common/parametric/airflow.h"
+#include "services/simulator/stage_progress.h"
+
+namespace mortise::simulator {
+
+struct AirflowSolverOptions {
+  double memory_limit = 8e9;          // bytes
+  StageProgress* progress = nullptr;  // told of "air: cells" and "air: flow", if it is there
+  std::stop_token stop = {};          // ends it within a moment, as CANCELLED
+};
+
+// What air does to a body.
+struct AirflowSolution {
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();     // N, mean of the last quarter of iterations
+  Eigen::Vector3d friction = Eigen::Vector3d::Zero();  // N, the part of it along the surface
+  double force_swing = 0;  // N, the largest departure of the force from its mean there
+  // Where the body's surface is told of: its triangles, divided where they are larger than cells,
+  // each with vertices of its own, so that pressures may differ on both sides of an edge.
+  mesh::SurfaceMesh surface;
+  Eigen::VectorXd pressure;  // Pa at the vertices of `surface`, above that of the oncoming air
+  // Pa, what all but a thousandth of the surface keeps to; a single cell may be far off.
+  double minimum_pressure = 0, maximum_pressure = 0;
+  int cells = 0;
+  int iterations = 0;
+};
+
+// The flow around a body (closed; what cells cannot get between is bridged), in the open, far from
+// any ground. One processor; the same result each time. About 30,000 cells take half a minute.
+//
+// FAILED_PRECONDITION, NO_OPENFOAM, where it is not installed; RESOURCE_EXHAUSTED beyond the limit
+// of memory; FAILED_PRECONDITION, TOO_FEW_CELLS, where none meets the body; FAILED_PRECONDITION,
+// NOT_CONVERGED, where the flow does not settle into finite numbers; else as
+// parametric::CheckAirflow and RunOpenFoam.
+absl::StatusOr<AirflowSolution> SolveAirflow(const mesh::SurfaceMesh& body,
+                                             const parametric::Airflow& airflow,
+                                             const AirflowSolverOptions& options = {});
+
+}  // namespace mortise::simulator

@@ -1,0 +1,33 @@
+// Pressures on the faces of cells, carried over to the surface that the cells were made around.
+#pragma once
+
+#include <Eigen/Core>
+#include <string_view>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "common/mesh/surface_mesh.h"
+
+namespace mortise::simulator {
+
+// The faces of cells along a wall.
+struct WallFaces {
+  Eigen::Matrix3Xd centers;  // m
+  Eigen::Matrix3Xd areas;    // m², times the unit vector out of the body
+  Eigen::VectorXd values;
+};
+
+// Reads polygons and the values on them from an old-style VTK file as text. INTERNAL where that is
+// not what it is.
+absl::StatusOr<WallFaces> ReadWallFaces(std::string_view vtk);
+
+// The triangles of a surface, halved across their longest edge until none is longer than `length`;
+// each has vertices of its own.
+mesh::SurfaceMesh DividedTriangles(const mesh::SurfaceMesh& surface, double length);
+
+// The value at each vertex of a surface whose triangles share none: of the four nearest faces that
+// look the same way as the triangle, weighted by one over the distance squared, so that both sides
+// of a thin plate keep their own. O(log n) each for n faces.
+Eigen::VectorXd ValuesAtVertices(const WallFaces& faces, const mesh::SurfaceMesh& surface);
+
+}  // namespace mortise::simulator
