@@ -421,7 +421,8 @@ absl::Status StoredOperations::Finish(OperationRun* run,
           MORTISE_RETURN_IF_ERROR(transaction.ReleaseTask(lease.queue, lease.id, lease.attempt));
           return records_.Save(transaction, "", &operation);
         }
-        MORTISE_RETURN_IF_ERROR(transaction.CompleteTask(lease.queue, lease.id, lease.attempt, ""));
+        MORTISE_RETURN_IF_ERROR(
+            transaction.CompleteTask(lease.queue, lease.id, lease.attempt, "").status());
         const bool cancelled = !outcome.ok() && operation.cancel_requested;
         operation.state = outcome.ok() ? OperationState::kSucceeded
                           : cancelled  ? OperationState::kCancelled

@@ -20,7 +20,7 @@ class PostgresqlConnection final : public SqlConnection {
                                                                     const std::string& schema);
   ~PostgresqlConnection() override;
 
-  absl::StatusOr<SqlResult> Run(const char* sql, std::initializer_list<SqlValue> values) override;
+  absl::StatusOr<SqlResult> Run(const char* sql, absl::Span<const SqlValue> values) override;
   absl::Status Execute(const std::string& sql) override;
 
   // The first failure since Begin; OK if none.
@@ -42,7 +42,7 @@ class PostgresqlConnection final : public SqlConnection {
  private:
   PostgresqlConnection(std::string schema, pg_conn* connection);
 
-  absl::Status Prepare(const char* sql, std::initializer_list<SqlValue> values, std::string* name);
+  absl::Status Prepare(const char* sql, absl::Span<const SqlValue> values, std::string* name);
   absl::Status UseSchema();
   absl::Status Reconnect();
   absl::Status Failure(const pg_result* result);

@@ -3,6 +3,7 @@
 #include "common/store/postgresql_store.h"
 
 #include <algorithm>
+#include <optional>
 #include <random>
 #include <string>
 #include <utility>
@@ -60,12 +61,13 @@ absl::Status RunOnce(PostgresqlConnection* connection, const char* begin, const 
 absl::Status RunPatiently(PostgresqlConnection* connection, const char* begin,
                           absl::Duration patience, const Change& change) {
   const absl::Time deadline = absl::Now() + patience;
-  std::minstd_rand random(std::random_device{}());
-  double pause = 0.5;  // milliseconds, doubled up to 100
+  std::optional<std::minstd_rand> random;  // seldom needed, and costly
+  double pause = 0.5;                      // milliseconds, doubled up to 100
   while (true) {
     absl::Status status = RunOnce(connection, begin, change);
     if (status.ok() || !connection->repeatable() || absl::Now() > deadline) return status;
-    absl::SleepFor(absl::Milliseconds(std::uniform_real_distribution<>(0, pause)(random)));
+    if (!random) random.emplace(std::random_device{}());
+    absl::SleepFor(absl::Milliseconds(std::uniform_real_distribution<>(0, pause)(*random)));
     pause = std::min(2 * pause, 100.0);
   }
 }

@@ -6,7 +6,6 @@
 #pragma once
 
 #include <cstdint>
-#include <initializer_list>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -14,6 +13,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "absl/types/span.h"
 
 namespace mortise::store {
 
@@ -41,10 +41,11 @@ class SqlConnection {
  public:
   virtual ~SqlConnection() = default;
 
-  // Runs one statement. `sql` is a literal: its address names the prepared statement. A failure is
-  // remembered, so that the transaction cannot be committed by a caller who ignores it.
+  // Runs one statement. `sql` stays as long as the process: its address names the prepared
+  // statement. A failure is remembered, so that the transaction cannot be committed by a caller who
+  // ignores it.
   virtual absl::StatusOr<SqlResult> Run(const char* sql,
-                                        std::initializer_list<SqlValue> values = {}) = 0;
+                                        absl::Span<const SqlValue> values = {}) = 0;
 
   // Runs a statement without values or result: transaction control and table definitions.
   virtual absl::Status Execute(const std::string& sql) = 0;

@@ -58,6 +58,11 @@ absl::Status SqlTransaction::EnqueueTask(const NewTask& task) {
   return tasks_.Enqueue(task);
 }
 
+absl::StatusOr<std::vector<bool>> SqlTransaction::EnqueueTasks(const std::vector<NewTask>& tasks) {
+  wakes_listeners_ = true;
+  return tasks_.EnqueueAll(tasks);
+}
+
 absl::StatusOr<LeaseResult> SqlTransaction::LeaseTasks(std::string_view queue,
                                                        std::string_view worker, int limit,
                                                        absl::Duration lease) {
@@ -69,8 +74,8 @@ absl::Status SqlTransaction::RenewLease(std::string_view queue, std::string_view
   return tasks_.Renew(queue, key, attempt, lease);
 }
 
-absl::Status SqlTransaction::CompleteTask(std::string_view queue, std::string_view key,
-                                          int64_t attempt, std::string_view result) {
+absl::StatusOr<Task> SqlTransaction::CompleteTask(std::string_view queue, std::string_view key,
+                                                  int64_t attempt, std::string_view result) {
   return tasks_.Complete(queue, key, attempt, result);
 }
 

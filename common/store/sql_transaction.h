@@ -44,12 +44,13 @@ class SqlTransaction final : public Transaction {
                       std::optional<int64_t> expected_revision) override;
   absl::Status AppendEvent(const NewEvent& event) override;
   absl::Status EnqueueTask(const NewTask& task) override;
+  absl::StatusOr<std::vector<bool>> EnqueueTasks(const std::vector<NewTask>& tasks) override;
   absl::StatusOr<LeaseResult> LeaseTasks(std::string_view queue, std::string_view worker, int limit,
                                          absl::Duration lease) override;
   absl::Status RenewLease(std::string_view queue, std::string_view key, int64_t attempt,
                           absl::Duration lease) override;
-  absl::Status CompleteTask(std::string_view queue, std::string_view key, int64_t attempt,
-                            std::string_view result) override;
+  absl::StatusOr<Task> CompleteTask(std::string_view queue, std::string_view key, int64_t attempt,
+                                    std::string_view result) override;
   absl::Status FailTask(std::string_view queue, std::string_view key, int64_t attempt,
                         std::string_view error, bool retry, absl::Duration delay) override;
   absl::Status ReleaseTask(std::string_view queue, std::string_view key, int64_t attempt) override;

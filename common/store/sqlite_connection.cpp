@@ -26,7 +26,7 @@ absl::Status Explain(const std::filesystem::path& path, int code, std::string_vi
 }
 
 // Binds $1 … in the order of `values`, whatever the order of their use.
-int Bind(sqlite3_stmt* statement, std::initializer_list<SqlValue> values) {
+int Bind(sqlite3_stmt* statement, absl::Span<const SqlValue> values) {
   int position = 0;
   for (const SqlValue& value : values) {
     const std::string name = absl::StrCat("$", ++position);
@@ -114,7 +114,7 @@ absl::StatusOr<sqlite3_stmt*> SqliteConnection::Prepared(const char* sql) {
 }
 
 absl::StatusOr<SqlResult> SqliteConnection::Run(const char* sql,
-                                                std::initializer_list<SqlValue> values) {
+                                                absl::Span<const SqlValue> values) {
   MORTISE_ASSIGN_OR_RETURN(sqlite3_stmt * statement, Prepared(sql));
   SqlResult result;
   int code = Bind(statement, values);

@@ -23,7 +23,7 @@ class SqliteConnection final : public SqlConnection {
                                                                 Use use);
   ~SqliteConnection() override;
 
-  absl::StatusOr<SqlResult> Run(const char* sql, std::initializer_list<SqlValue> values) override;
+  absl::StatusOr<SqlResult> Run(const char* sql, absl::Span<const SqlValue> values) override;
   absl::Status Execute(const std::string& sql) override;
 
   // The first failure since Begin; OK if none.

@@ -104,6 +104,10 @@ class Transaction : public ReadTransaction {
   // Queues a task. ALREADY_EXISTS if the queue has, or ever had, a task with this key.
   virtual absl::Status EnqueueTask(const NewTask& task) = 0;
 
+  // Queues, in their order, those that EnqueueTask would; whether each is one of them. Many take
+  // little longer than one.
+  virtual absl::StatusOr<std::vector<bool>> EnqueueTasks(const std::vector<NewTask>& tasks) = 0;
+
   // Leases up to `limit` tasks to `worker` for `lease`: queued ones, and leased ones whose lease
   // has expired. Each lease raises the task's attempt. A worker does what it holds in the order in
   // which it leased it: where several leases of one run out, the attempt counts for the first, the
@@ -117,10 +121,11 @@ class Transaction : public ReadTransaction {
   virtual absl::Status RenewLease(std::string_view queue, std::string_view key, int64_t attempt,
                                   absl::Duration lease) = 0;
 
-  // Records the result. Repeating it for the same attempt is OK and changes nothing. Fails as
-  // RenewLease does. A late result of an attempt that nobody replaced is accepted.
-  virtual absl::Status CompleteTask(std::string_view queue, std::string_view key, int64_t attempt,
-                                    std::string_view result) = 0;
+  // Records the result, and gives the task as it is then. Repeating it for the same attempt is OK
+  // and changes nothing. Fails as RenewLease does. A late result of an attempt that nobody replaced
+  // is accepted.
+  virtual absl::StatusOr<Task> CompleteTask(std::string_view queue, std::string_view key,
+                                            int64_t attempt, std::string_view result) = 0;
 
   // Records an error. With `retry`, and attempts left, the task is queued again and becomes due
   // after `delay`; otherwise it has failed. Fails as RenewLease does.

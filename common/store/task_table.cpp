@@ -1,10 +1,12 @@
 #include "common/store/task_table.h"
 
 #include <algorithm>
+#include <set>
 #include <string>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/substitute.h"
 #include "common/base/errors.h"
 #include "common/store/limits.h"
 #include "common/store/record_table.h"
@@ -89,6 +91,23 @@ absl::Status Finished(std::string_view queue, std::string_view key, TaskState st
                             name);
 }
 
+constexpr std::size_t kInsertedAtOnce = 16;
+
+// Inserts so many tasks, of six values each.
+std::string InsertionOf(std::size_t tasks) {
+  std::string sql =
+      "INSERT INTO tasks (queue, key, payload, state, attempt, counted_attempts, max_attempts,"
+      " priority, due_at, worker, lease_expires_at, result, error, created_at, updated_at) VALUES";
+  for (std::size_t i = 0; i < tasks; ++i) {
+    absl::StrAppend(
+        &sql, i == 0 ? "" : ",",
+        absl::Substitute(" ($$$0, $$$1, $$$2, 0, 0, 0, $$$3, $$$4, $$$5, '', 0, '', "
+                         "'', $$$5, $$$5)",
+                         6 * i + 1, 6 * i + 2, 6 * i + 3, 6 * i + 4, 6 * i + 5, 6 * i + 6));
+  }
+  return sql + " ON CONFLICT (queue, key) DO NOTHING RETURNING queue, key";
+}
+
 }  // namespace
 
 const char* TaskStateName(TaskState state) {
@@ -157,20 +176,47 @@ absl::StatusOr<QueueDepth> TaskTable::Depth(std::string_view queue) {
 }
 
 absl::Status TaskTable::Enqueue(const NewTask& task) {
-  MORTISE_RETURN_IF_ERROR(CheckTaskName(task.queue, task.key));
-  MORTISE_RETURN_IF_ERROR(CheckPayload("payload", task.payload));
-  if (task.max_attempts < 1) return InvalidField("max_attempts", "must be at least 1");
+  MORTISE_ASSIGN_OR_RETURN(const std::vector<bool> queued, EnqueueAll({task}));
+  return queued.front() ? absl::OkStatus() : ResourceExists(NameOf(task.queue, task.key));
+}
+
+absl::StatusOr<std::vector<bool>> TaskTable::EnqueueAll(const std::vector<NewTask>& tasks) {
+  static const std::string one = InsertionOf(1), many = InsertionOf(kInsertedAtOnce);
+  for (const NewTask& task : tasks) {
+    MORTISE_RETURN_IF_ERROR(CheckTaskName(task.queue, task.key));
+    MORTISE_RETURN_IF_ERROR(CheckPayload("payload", task.payload));
+    if (task.max_attempts < 1) return InvalidField("max_attempts", "must be at least 1");
+  }
+  std::set<std::pair<std::string, std::string>> queued;
+  for (std::size_t first = 0; first < tasks.size();) {
+    const bool has_many = tasks.size() - first >= kInsertedAtOnce;
+    const std::size_t end = first + (has_many ? kInsertedAtOnce : 1);
+    std::vector<SqlValue> values;
+    for (; first < end; ++first) {
+      const NewTask& task = tasks[first];
+      values.insert(values.end(), {std::string_view(task.queue), std::string_view(task.key),
+                                   SqlBytes{task.payload}, int64_t{task.max_attempts},
+                                   int64_t{task.priority}, absl::ToUnixMicros(now_)});
+    }
+    MORTISE_ASSIGN_OR_RETURN(SqlResult result,
+                             connection_->Run((has_many ? many : one).c_str(), values));
+    for (SqlRow& row : result.rows) {
+      queued.emplace(std::move(row[0].text), std::move(row[1].text));
+    }
+  }
+  std::vector<bool> is_queued;
+  // Of those alike only the first was.
+  for (const NewTask& task : tasks) is_queued.push_back(queued.erase({task.queue, task.key}) > 0);
+  return is_queued;
+}
+
+absl::StatusOr<bool> TaskTable::HasExpired(std::string_view queue) {
   MORTISE_ASSIGN_OR_RETURN(
-      SqlResult result,
-      connection_->Run(
-          "INSERT INTO tasks (queue, key, payload, state, attempt, counted_attempts, max_attempts,"
-          " priority, due_at, worker, lease_expires_at, result, error, created_at, updated_at)"
-          " VALUES ($1, $2, $3, 0, 0, 0, $4, $5, $6, '', 0, '', '', $6, $6)"
-          " ON CONFLICT (queue, key) DO NOTHING",
-          {task.queue, task.key, SqlBytes{task.payload}, int64_t{task.max_attempts},
-           int64_t{task.priority}, absl::ToUnixMicros(now_)}));
-  if (result.changed == 0) return ResourceExists(NameOf(task.queue, task.key));
-  return absl::OkStatus();
+      const SqlResult result,
+      connection_->Run("SELECT arrival FROM tasks WHERE queue = $1 AND state = 1"
+                       " AND lease_expires_at <= $2 LIMIT 1",
+                       {queue, absl::ToUnixMicros(now_)}));
+  return !result.rows.empty();
 }
 
 absl::Status TaskTable::RequeueExpired(std::string_view queue) {
@@ -208,8 +254,11 @@ absl::StatusOr<LeaseResult> TaskTable::Lease(std::string_view queue, std::string
   MORTISE_RETURN_IF_ERROR(CheckLease(lease));
   if (limit != 0) MORTISE_RETURN_IF_ERROR(CheckLimit("limit", limit));
   LeaseResult answer;
-  MORTISE_RETURN_IF_ERROR(RequeueExpired(queue));
-  MORTISE_ASSIGN_OR_RETURN(answer.quarantined, QuarantineExpired(queue));
+  MORTISE_ASSIGN_OR_RETURN(const bool has_expired, HasExpired(queue));
+  if (has_expired) {
+    MORTISE_RETURN_IF_ERROR(RequeueExpired(queue));
+    MORTISE_ASSIGN_OR_RETURN(answer.quarantined, QuarantineExpired(queue));
+  }
   if (limit == 0) return answer;
   MORTISE_ASSIGN_OR_RETURN(
       SqlResult result,
@@ -269,21 +318,29 @@ absl::Status TaskTable::Renew(std::string_view queue, std::string_view key, int6
       .status();
 }
 
-absl::Status TaskTable::Complete(std::string_view queue, std::string_view key, int64_t attempt,
-                                 std::string_view result) {
+absl::StatusOr<Task> TaskTable::Complete(std::string_view queue, std::string_view key,
+                                         int64_t attempt, std::string_view result) {
+  MORTISE_RETURN_IF_ERROR(CheckTaskName(queue, key));
   MORTISE_RETURN_IF_ERROR(CheckPayload("result", result));
-  MORTISE_ASSIGN_OR_RETURN(const Standing standing, LockStanding(queue, key));
-  if (standing.state == TaskState::kSucceeded) {
-    if (standing.attempt == attempt) return absl::OkStatus();
-    return StaleAttempt(NameOf(queue, key), attempt, standing.attempt);
+  const auto record = [&] {
+    return connection_->Run(
+        "UPDATE tasks SET state = 2, result = $3, updated_at = $4 WHERE queue = $1 AND key = $2"
+        " AND attempt = $5 AND state IN (0, 1) AND worker <> '' RETURNING " TASK_COLUMNS,
+        {queue, key, SqlBytes{result}, absl::ToUnixMicros(now_), attempt});
+  };
+  // One statement is enough, unless the report comes in vain or again.
+  MORTISE_ASSIGN_OR_RETURN(SqlResult recorded, record());
+  if (recorded.rows.empty()) {
+    MORTISE_ASSIGN_OR_RETURN(const Standing standing, LockStanding(queue, key));
+    if (standing.state == TaskState::kSucceeded) {
+      if (standing.attempt == attempt) return Get(queue, key);
+      return StaleAttempt(NameOf(queue, key), attempt, standing.attempt);
+    }
+    MORTISE_RETURN_IF_ERROR(CheckReportable(standing, queue, key, attempt));
+    MORTISE_ASSIGN_OR_RETURN(recorded, record());  // it was changed between the two
+    if (recorded.rows.empty()) return ResourceNotFound(NameOf(queue, key));
   }
-  MORTISE_RETURN_IF_ERROR(CheckReportable(standing, queue, key, attempt));
-  return connection_
-      ->Run(
-          "UPDATE tasks SET state = 2, result = $3, updated_at = $4"
-          " WHERE queue = $1 AND key = $2",
-          {queue, key, SqlBytes{result}, absl::ToUnixMicros(now_)})
-      .status();
+  return TaskOf(recorded.rows[0]);
 }
 
 absl::Status TaskTable::Fail(std::string_view queue, std::string_view key, int64_t attempt,

@@ -30,12 +30,13 @@ class TaskTable {
   absl::StatusOr<QueueDepth> Depth(std::string_view queue);
 
   absl::Status Enqueue(const NewTask& task);
+  absl::StatusOr<std::vector<bool>> EnqueueAll(const std::vector<NewTask>& tasks);
   absl::StatusOr<LeaseResult> Lease(std::string_view queue, std::string_view worker, int limit,
                                     absl::Duration lease);
   absl::Status Renew(std::string_view queue, std::string_view key, int64_t attempt,
                      absl::Duration lease);
-  absl::Status Complete(std::string_view queue, std::string_view key, int64_t attempt,
-                        std::string_view result);
+  absl::StatusOr<Task> Complete(std::string_view queue, std::string_view key, int64_t attempt,
+                                std::string_view result);
   absl::Status Fail(std::string_view queue, std::string_view key, int64_t attempt,
                     std::string_view error, bool retry, absl::Duration delay);
   absl::Status Release(std::string_view queue, std::string_view key, int64_t attempt);
@@ -62,6 +63,7 @@ class TaskTable {
   // Locks the task and checks that.
   absl::Status LockForReport(std::string_view queue, std::string_view key, int64_t attempt);
 
+  absl::StatusOr<bool> HasExpired(std::string_view queue);
   absl::Status RequeueExpired(std::string_view queue);
   // After RequeueExpired, which needs to see what the same workers held.
   absl::StatusOr<std::vector<Task>> QuarantineExpired(std::string_view queue);

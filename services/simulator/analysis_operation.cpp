@@ -132,13 +132,14 @@ absl::StatusOr<store::Task> AwaitTask(const Run& run, const std::string& key,
     }
     finished->bell.Ring();
   });
-  bool was_there = false;
-  const auto queued = core.Enqueue(key, payload, kInteractivePriority, was_there);
-  if (!queued.ok()) {
+  const auto found =
+      core.Enqueue({{.key = key, .payload = payload, .priority = kInteractivePriority}});
+  if (!found.ok()) {
     core.waiters().Remove(key, ticket);
-    return queued.status();
+    return found.status();
   }
-  if (IsFinished(*queued)) core.waiters().Notify(*queued, was_there);
+  const auto& [finished_before, known_before] = found->front();
+  if (finished_before) core.waiters().Notify(*finished_before, known_before);
   absl::Time next_look = absl::InfinitePast();
   while (true) {
     {

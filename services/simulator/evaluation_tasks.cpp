@@ -45,26 +45,40 @@ bool MayEndOtherwise(const absl::Status& failure) {
   return IsTransient(failure) || reason == kTimeLimit || reason == kNoOpenFoam;
 }
 
+// A task that is there, queued afresh if it is worth it.
+absl::StatusOr<FoundTask> FindOrRenew(store::Transaction& transaction,
+                                      const store::NewTask& fresh) {
+  MORTISE_ASSIGN_OR_RETURN(store::Task task, transaction.GetTask(fresh.queue, fresh.key));
+  const bool again = task.state == store::TaskState::kCancelled ||
+                     (task.state == store::TaskState::kFailed && MayEndOtherwise(TaskError(task)));
+  if (again) {
+    MORTISE_RETURN_IF_ERROR(transaction.DeleteTask(fresh.queue, fresh.key));
+    MORTISE_RETURN_IF_ERROR(transaction.EnqueueTask(fresh));
+    return FoundTask();
+  }
+  if (!IsFinished(task)) return FoundTask();
+  const bool has_result = task.state == store::TaskState::kSucceeded;
+  return FoundTask{.finished = std::move(task), .known_before = has_result};
+}
+
 }  // namespace
 
-absl::StatusOr<store::Task> FindOrEnqueue(store::Transaction& transaction, const std::string& key,
-                                          const std::string& payload, int priority,
-                                          bool& was_there) {
-  const std::string queue = QueueOf(key);
-  absl::StatusOr<store::Task> task = transaction.GetTask(queue, key);
-  if (!task.ok() && !absl::IsNotFound(task.status())) return task.status();
-  if (task.ok()) {
-    const bool again =
-        task->state == store::TaskState::kCancelled ||
-        (task->state == store::TaskState::kFailed && MayEndOtherwise(TaskError(*task)));
-    was_there = task->state == store::TaskState::kSucceeded;
-    if (!again) return task;
-    MORTISE_RETURN_IF_ERROR(transaction.DeleteTask(queue, key));
+absl::StatusOr<std::vector<FoundTask>> FindOrEnqueue(store::Transaction& transaction,
+                                                     const std::vector<WantedTask>& wanted) {
+  std::vector<store::NewTask> fresh;
+  for (const WantedTask& task : wanted) {
+    fresh.push_back({.queue = QueueOf(task.key),
+                     .key = task.key,
+                     .payload = task.payload,
+                     .priority = task.priority});
   }
-  was_there = false;
-  MORTISE_RETURN_IF_ERROR(transaction.EnqueueTask(
-      {.queue = queue, .key = key, .payload = payload, .priority = priority}));
-  return transaction.GetTask(queue, key);
+  MORTISE_ASSIGN_OR_RETURN(const std::vector<bool> queued, transaction.EnqueueTasks(fresh));
+  std::vector<FoundTask> found(wanted.size());
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    if (queued[i]) continue;
+    MORTISE_ASSIGN_OR_RETURN(found[i], FindOrRenew(transaction, fresh[i]));
+  }
+  return found;
 }
 
 int64_t TaskWaiters::Add(const std::string& key, Callback callback) {

@@ -6,6 +6,7 @@
 #include <functional>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -33,12 +34,23 @@ inline constexpr char kTimeLimit[] = "TIME_LIMIT";
 // Whether a failure may pass by itself, so that the work is worth another try.
 bool IsTransient(const absl::Status& status);
 
-// The task under `key`, queued by this call if it was not there. One that failed for a passing
-// reason, for a limit of time or for want of OpenFOAM, or was cancelled, is queued afresh.
-// `was_there` tells whether its result, if it has one, was computed before.
-absl::StatusOr<store::Task> FindOrEnqueue(store::Transaction& transaction, const std::string& key,
-                                          const std::string& payload, int priority,
-                                          bool& was_there);
+struct WantedTask {
+  std::string key;
+  std::string payload;
+  int priority = 0;
+};
+
+// A task that is in its queue, or has been.
+struct FoundTask {
+  std::optional<store::Task> finished;  // if it has
+  bool known_before = false;            // it has a result that was computed before
+};
+
+// The tasks under the keys, queued by this call if they were not there. Those that failed for a
+// passing reason, for a limit of time or for want of OpenFOAM, or were cancelled, are queued
+// afresh.
+absl::StatusOr<std::vector<FoundTask>> FindOrEnqueue(store::Transaction& transaction,
+                                                     const std::vector<WantedTask>& wanted);
 
 // Who waits for which task. Thread safe.
 class TaskWaiters {

@@ -1,7 +1,10 @@
 #include "services/simulator/evaluator_service.h"
 
+#include <algorithm>
+#include <cstddef>
 #include <mutex>
 #include <optional>
+#include <ranges>
 #include <type_traits>
 #include <utility>
 
@@ -27,6 +30,7 @@ namespace {
 
 constexpr int kMaximumPoints = 1000;
 constexpr std::size_t kCachedResults = 20000;
+constexpr std::size_t kEnqueuedAtOnce = 32;  // in a transaction
 
 using ResultWriter = std::shared_ptr<rpc::StreamWriter<v1::EvaluationResult>>;
 
@@ -74,6 +78,67 @@ class Batch : public std::enable_shared_from_this<Batch> {
     Send(result);
   }
 
+  // Sends a result of the cache.
+  void SendKnown(int index, const std::string& bytes) {
+    v1::EvaluationResult result;
+    result.ParseFromString(bytes);
+    result.set_index(index);
+    result.set_cached(true);
+    Send(result);
+  }
+
+  // Queues tasks and sends their results, each with its index. A few at a time: workers' calls are
+  // handled in between.
+  void Enqueue(std::vector<std::pair<int, WantedTask>> wanted) {
+    const std::size_t count = std::min(wanted.size(), kEnqueuedAtOnce);
+    if (count == 0) return;
+    const auto next = wanted.begin() + static_cast<std::ptrdiff_t>(count);
+    std::vector<WantedTask> tasks;
+    for (auto& [index, task] : std::ranges::subrange(wanted.begin(), next)) {
+      // Waits before it asks, so that a result that comes in between is not missed.
+      WaitFor(task.key, index);
+      tasks.push_back(std::move(task));
+    }
+    EnqueueNow(tasks);
+    if (is_abandoned()) return Abandon();  // what was queued since
+    wanted.erase(wanted.begin(), next);
+    if (wanted.empty()) return;
+    core_->dispatcher()->Submit([self = shared_from_this(), wanted = std::move(wanted)]() mutable {
+      self->Enqueue(std::move(wanted));
+    });
+  }
+
+  // Nobody reads any more: what only this stream wanted need not be begun. What is under way is
+  // finished and kept: streams break off and are asked for again.
+  void Abandon() {
+    std::vector<std::pair<std::string, int64_t>> waiting;
+    {
+      const std::lock_guard lock(mutex_);
+      is_abandoned_ = true;
+      waiting.swap(waiting_);
+    }
+    for (const auto& [key, ticket] : waiting) {
+      if (core_->waiters().Remove(key, ticket)) core_->CancelIfQueued(key);
+    }
+  }
+
+ private:
+  // Those that have finished, or cannot be queued, are told to who waits for them.
+  void EnqueueNow(const std::vector<WantedTask>& tasks) {
+    const auto found = core_->Enqueue(tasks);
+    for (std::size_t i = 0; i < tasks.size(); ++i) {
+      if (!found.ok()) {
+        store::Task failed;
+        failed.key = tasks[i].key;
+        failed.state = store::TaskState::kFailed;
+        failed.error = EncodeError(found.status());
+        core_->waiters().Notify(failed, false);
+      } else if (const auto& [finished, known_before] = (*found)[i]; finished) {
+        core_->waiters().Notify(*finished, known_before);
+      }
+    }
+  }
+
   void WaitFor(const std::string& key, int index) {
     const int64_t ticket = core_->waiters().Add(
         key, [self = shared_from_this(), index](const store::Task& task, bool known_before) {
@@ -83,25 +148,17 @@ class Batch : public std::enable_shared_from_this<Batch> {
     waiting_.emplace_back(key, ticket);
   }
 
-  // Nobody reads any more: what only this stream wanted need not be begun. What is under way is
-  // finished and kept: streams break off and are asked for again.
-  void Abandon() {
-    std::vector<std::pair<std::string, int64_t>> waiting;
-    {
-      const std::lock_guard lock(mutex_);
-      waiting.swap(waiting_);
-    }
-    for (const auto& [key, ticket] : waiting) {
-      if (core_->waiters().Remove(key, ticket)) core_->CancelIfQueued(key);
-    }
+  bool is_abandoned() const {
+    const std::lock_guard lock(mutex_);
+    return is_abandoned_;
   }
 
- private:
   const std::shared_ptr<SimulatorCore> core_;
   const std::shared_ptr<ResultCache> cache_;
   const std::weak_ptr<rpc::StreamWriter<v1::EvaluationResult>> writer_;
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   int remaining_;                                         // guarded by mutex_
+  bool is_abandoned_ = false;                             // guarded by mutex_
   std::vector<std::pair<std::string, int64_t>> waiting_;  // guarded by mutex_: key, ticket
 };
 
@@ -223,6 +280,7 @@ class EvaluatorAdapter final : public v1::EvaluatorService::CallbackService {
         absl::StrCat(asked.gradients() ? "gradients of " : "", absl::StrJoin(metrics, ","),
                      RefinementText(asked.mesh()), DefinitionsText(asked.metric_definitions()),
                      AirflowText(asked.airflow()));
+    std::vector<std::pair<int, WantedTask>> wanted;
     for (int i = 0; i < asked.points_size(); ++i) {
       const absl::Status usable =
           CheckPoint(subject.space, asked.points(i), absl::StrCat("points[", i, "]"));
@@ -231,38 +289,23 @@ class EvaluatorAdapter final : public v1::EvaluatorService::CallbackService {
         continue;
       }
       *task.mutable_point() = asked.points(i);
-      Submit(task, what, i, batch);
+      const std::string key = KeyOf(task, what);
+      if (const auto known = cache_->Find(key)) {
+        batch->SendKnown(i, *known);
+        continue;
+      }
+      wanted.emplace_back(i, WantedTask{.key = key, .payload = task.SerializeAsString()});
     }
+    batch->Enqueue(std::move(wanted));
     return absl::OkStatus();
   }
 
-  void Submit(const v1::Task& task, const std::string& what, int index,
-              const std::shared_ptr<Batch>& batch) {
+  static std::string KeyOf(const v1::Task& task, const std::string& what) {
     const Eigen::VectorXd parameters = Eigen::Map<const Eigen::VectorXd>(
         task.point().parameters().data(), task.point().parameters_size());
-    const std::string key = TaskKeyIn(
-        task.evaluator(), EvaluationKey(task.digest(), parameters, task.mesh().element_size(),
-                                        task.mesh().linear(), what));
-    if (const auto known = cache_->Find(key)) {
-      v1::EvaluationResult result;
-      result.ParseFromString(*known);
-      result.set_index(index);
-      result.set_cached(true);
-      return batch->Send(result);
-    }
-    // Waits before it asks, so that a result that comes in between is not missed.
-    batch->WaitFor(key, index);
-    bool was_there = false;
-    const auto queued = core_->Enqueue(key, task.SerializeAsString(), 0, was_there);
-    if (!queued.ok()) {
-      store::Task failed;
-      failed.key = key;
-      failed.state = store::TaskState::kFailed;
-      failed.error = EncodeError(queued.status());
-      return core_->waiters().Notify(failed, false);
-    }
-    if (!IsFinished(*queued)) return;
-    core_->waiters().Notify(*queued, was_there);
+    return TaskKeyIn(task.evaluator(),
+                     EvaluationKey(task.digest(), parameters, task.mesh().element_size(),
+                                   task.mesh().linear(), what));
   }
 
   const std::shared_ptr<SimulatorCore> core_;

@@ -50,20 +50,25 @@ rpc::Origin SimulatorCore::OwnOrigin(const std::string& trace_id, absl::Duration
   return rpc::OwnOrigin(signer_, rpc::Role::kDesigner, trace_id, timeout);
 }
 
-absl::StatusOr<store::Task> SimulatorCore::Enqueue(const std::string& key,
-                                                   const std::string& payload, int priority,
-                                                   bool& was_there) {
-  store::Task task;
+absl::StatusOr<std::vector<FoundTask>> SimulatorCore::Enqueue(
+    const std::vector<WantedTask>& wanted) {
+  std::vector<FoundTask> found;
   MORTISE_RETURN_IF_ERROR(store_->Transact([&](store::Transaction& transaction) -> absl::Status {
-    // One that is deleted meanwhile would leave a task that no worker can get.
-    if (const std::string queue = QueueOf(key); IsEvaluatorName(queue)) {
-      MORTISE_RETURN_IF_ERROR(GetEvaluator(transaction, queue, "subject").status());
+    std::set<std::string> evaluators;
+    for (const WantedTask& task : wanted) {
+      // One that is deleted meanwhile would leave a task that no worker can get.
+      const std::string queue = QueueOf(task.key);
+      if (IsEvaluatorName(queue) && evaluators.insert(queue).second) {
+        MORTISE_RETURN_IF_ERROR(GetEvaluator(transaction, queue, "subject").status());
+      }
     }
-    MORTISE_ASSIGN_OR_RETURN(task, FindOrEnqueue(transaction, key, payload, priority, was_there));
+    MORTISE_ASSIGN_OR_RETURN(found, FindOrEnqueue(transaction, wanted));
     return absl::OkStatus();
   }));
-  if (task.state == store::TaskState::kQueued) WakeWorkers();
-  return task;
+  const bool has_work =
+      std::any_of(found.begin(), found.end(), [](const FoundTask& task) { return !task.finished; });
+  if (has_work) WakeWorkers();
+  return found;
 }
 
 void SimulatorCore::CancelIfQueued(const std::string& key) { Cancel(key, false); }
@@ -91,6 +96,9 @@ absl::StatusOr<std::vector<store::Task>> SimulatorCore::Lease(const std::string&
   store::LeaseResult result;
   MORTISE_RETURN_IF_ERROR(store_->Transact(
       [&](store::Transaction& transaction) -> absl::Status {
+        if (IsEvaluatorName(queue)) {
+          MORTISE_RETURN_IF_ERROR(GetEvaluator(transaction, queue, "evaluator").status());
+        }
         MORTISE_ASSIGN_OR_RETURN(result, transaction.LeaseTasks(queue, worker, limit, lease));
         for (const store::Task& task : result.quarantined) {
           MORTISE_RETURN_IF_ERROR(

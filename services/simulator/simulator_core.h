@@ -38,9 +38,9 @@ class SimulatorCore : public std::enable_shared_from_this<SimulatorCore> {
   // Calls made in the background, as this service.
   rpc::Origin OwnOrigin(const std::string& trace_id, absl::Duration timeout) const;
 
-  // Queues a task or finds it; a queued one wakes waiting workers. See FindOrEnqueue.
-  absl::StatusOr<store::Task> Enqueue(const std::string& key, const std::string& payload,
-                                      int priority, bool& was_there);
+  // Queues tasks or finds them, all in one transaction, and wakes waiting workers. See
+  // FindOrEnqueue.
+  absl::StatusOr<std::vector<FoundTask>> Enqueue(const std::vector<WantedTask>& wanted);
 
   // Cancels a task that still waits for a worker, unless somebody waits for it.
   void CancelIfQueued(const std::string& key);
@@ -49,7 +49,8 @@ class SimulatorCore : public std::enable_shared_from_this<SimulatorCore> {
   // it when it next renews its lease.
   void CancelUnfinished(const std::string& key);
 
-  // Leases tasks, puts aside poisonous ones and tells those who wait for them.
+  // Leases tasks, puts aside poisonous ones and tells those who wait for them. NOT_FOUND for the
+  // queue of an evaluator that is not registered.
   absl::StatusOr<std::vector<store::Task>> Lease(const std::string& queue,
                                                  const std::string& worker, int limit,
                                                  absl::Duration lease);

@@ -32,16 +32,21 @@ absl::StatusOr<absl::Duration> Seconds(double seconds, double otherwise, double 
   return InvalidField(field, absl::StrCat("must be within ", minimum, " to ", maximum));
 }
 
-// The queue named by a request, ours if none is; NOT_FOUND for an evaluator that is not registered.
-absl::StatusOr<std::string> QueueName(store::Store& store, const std::string& evaluator) {
+// The queue named by a request, ours if none is.
+absl::StatusOr<std::string> QueueName(const std::string& evaluator) {
   if (evaluator.empty() || evaluator == kSimulatorQueue) return std::string(kSimulatorQueue);
-  if (!IsEvaluatorName(evaluator)) {
-    return InvalidField("evaluator", "must be simulator or have the form evaluators/{id}");
-  }
+  if (IsEvaluatorName(evaluator)) return evaluator;
+  return InvalidField("evaluator", "must be simulator or have the form evaluators/{id}");
+}
+
+// The same; NOT_FOUND for an evaluator that is not registered.
+absl::StatusOr<std::string> KnownQueueName(store::Store& store, const std::string& evaluator) {
+  MORTISE_ASSIGN_OR_RETURN(std::string queue, QueueName(evaluator));
+  if (queue == kSimulatorQueue) return queue;
   MORTISE_RETURN_IF_ERROR(store.Read([&](store::ReadTransaction& read) {
-    return GetEvaluator(read, evaluator, "evaluator").status();
+    return GetEvaluator(read, queue, "evaluator").status();
   }));
-  return evaluator;
+  return queue;
 }
 
 // Digests, with an evaluator's id and a dot before them or not, and operations' identifiers with a
@@ -69,13 +74,25 @@ class Report {
   Report(const v1::ReportTaskRequest& asked, std::string key, store::BlobFolder& blobs)
       : asked_(asked), key_(std::move(key)), queue_(QueueOf(key_)), blobs_(blobs) {}
 
-  // Becomes the task's end, or its next try. What cannot be used ends the task too: sent again it
-  // would be no better, and whoever waits should hear of it.
-  absl::Status Settle(store::Transaction& transaction) {
-    const int64_t attempt = asked_.task().attempt();
-    MORTISE_ASSIGN_OR_RETURN(const store::Task task, transaction.GetTask(queue_, key_));
+  // Becomes the task's end, or its next try; the task as it is then. What cannot be used ends the
+  // task too: sent again it would be no better, and whoever waits should hear of it.
+  absl::StatusOr<store::Task> Settle(store::Transaction& transaction) {
     v1::ReportTaskRequest report = asked_;
-    MORTISE_RETURN_IF_ERROR(FindFault(task, transaction, report));
+    MORTISE_RETURN_IF_ERROR(FindFault(transaction, report));
+    if (fault_.ok() && !report.result().has_error()) {
+      return transaction.CompleteTask(queue_, key_, asked_.task().attempt(),
+                                      report.SerializeAsString());
+    }
+    MORTISE_RETURN_IF_ERROR(SettleFailure(transaction));
+    return transaction.GetTask(queue_, key_);
+  }
+
+  // Why it could not be used; OK if it could.
+  const absl::Status& fault() const { return fault_; }
+
+ private:
+  absl::Status SettleFailure(store::Transaction& transaction) const {
+    const int64_t attempt = asked_.task().attempt();
     if (!fault_.ok()) {
       const absl::Status failure = PreconditionFailed(
           "RESULT_UNUSABLE",
@@ -83,23 +100,16 @@ class Report {
           DetailOf(fault_).field);
       return transaction.FailTask(queue_, key_, attempt, EncodeError(failure), false);
     }
-    if (!report.result().has_error()) {
-      return transaction.CompleteTask(queue_, key_, attempt, report.SerializeAsString());
-    }
-    const absl::Status failure = rpc::FromProto(report.result().error());
+    const absl::Status failure = rpc::FromProto(asked_.result().error());
     // A worker that ends gives its work back unharmed.
     if (absl::IsCancelled(failure)) return transaction.ReleaseTask(queue_, key_, attempt);
     return transaction.FailTask(queue_, key_, attempt, EncodeError(failure), IsTransient(failure),
                                 absl::Seconds(1));
   }
 
-  // Why it could not be used; OK if it could.
-  const absl::Status& fault() const { return fault_; }
-
- private:
-  // Sets fault_, and fills in what the report may leave out. Fails only if the store does.
-  absl::Status FindFault(const store::Task& stored, store::ReadTransaction& transaction,
-                         v1::ReportTaskRequest& report) {
+  // Sets fault_, and fills in what the report may leave out. Fails only if the store does, or has
+  // no such task.
+  absl::Status FindFault(store::ReadTransaction& transaction, v1::ReportTaskRequest& report) {
     fault_ = absl::OkStatus();
     if (report.result().has_error()) {
       if (rpc::FromProto(report.result().error()).ok()) {
@@ -114,6 +124,7 @@ class Report {
       return absl::OkStatus();
     }
     if (!IsEvaluatorName(queue_)) return absl::OkStatus();
+    MORTISE_ASSIGN_OR_RETURN(const store::Task stored, transaction.GetTask(queue_, key_));
     v1::Task task;
     if (!task.ParseFromString(stored.payload)) {
       return StorageFailed(absl::StrCat("tasks/", key_), "the task cannot be read");
@@ -136,7 +147,7 @@ class Report {
 absl::Status LeaseTasks(SimulatorCore& core, const rpc::Call& call,
                         const v1::LeaseTasksRequest& asked,
                         rpc::Responder<v1::LeaseTasksResponse> respond) {
-  MORTISE_ASSIGN_OR_RETURN(const std::string queue, QueueName(*core.store(), asked.evaluator()));
+  MORTISE_ASSIGN_OR_RETURN(const std::string queue, QueueName(asked.evaluator()));
   if (asked.worker().empty()) return InvalidField("worker", "must name the worker");
   if (asked.limit() < 1 || asked.limit() > 16) {
     return InvalidField("limit", "must be within 1 to 16");
@@ -225,8 +236,7 @@ absl::StatusOr<v1::ReportTaskResponse> ReportTask(SimulatorCore& core, store::Bl
   store::Task task;
   MORTISE_RETURN_IF_ERROR(core.store()->Transact(
       [&](store::Transaction& transaction) -> absl::Status {
-        MORTISE_RETURN_IF_ERROR(report.Settle(transaction));
-        MORTISE_ASSIGN_OR_RETURN(task, transaction.GetTask(QueueOf(key), key));
+        MORTISE_ASSIGN_OR_RETURN(task, report.Settle(transaction));
         return absl::OkStatus();
       },
       // What else it reads, the evaluator's metrics, cannot change.
@@ -242,7 +252,8 @@ absl::StatusOr<v1::ReportTaskResponse> ReportTask(SimulatorCore& core, store::Bl
 
 absl::StatusOr<v1::QueueStatus> GetQueueStatus(SimulatorCore& core,
                                                const v1::GetQueueStatusRequest& asked) {
-  MORTISE_ASSIGN_OR_RETURN(const std::string queue, QueueName(*core.store(), asked.evaluator()));
+  MORTISE_ASSIGN_OR_RETURN(const std::string queue,
+                           KnownQueueName(*core.store(), asked.evaluator()));
   store::QueueDepth depth;
   MORTISE_RETURN_IF_ERROR(core.store()->Read([&](store::ReadTransaction& read) -> absl::Status {
     MORTISE_ASSIGN_OR_RETURN(depth, read.Depth(queue));
@@ -258,7 +269,8 @@ absl::StatusOr<v1::QueueStatus> GetQueueStatus(SimulatorCore& core,
 
 absl::StatusOr<v1::ListTasksResponse> ListTasks(SimulatorCore& core,
                                                 const v1::ListTasksRequest& asked) {
-  MORTISE_ASSIGN_OR_RETURN(const std::string queue, QueueName(*core.store(), asked.evaluator()));
+  MORTISE_ASSIGN_OR_RETURN(const std::string queue,
+                           KnownQueueName(*core.store(), asked.evaluator()));
   MORTISE_ASSIGN_OR_RETURN(const std::size_t size, PageSize(asked.page_size()));
   if (!asked.page_token().empty() && !IsTaskKey(asked.page_token())) {
     return InvalidField("page_token", "is not one that this method gave");

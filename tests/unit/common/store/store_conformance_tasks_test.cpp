@@ -7,11 +7,14 @@
 #include <thread>
 #include <vector>
 
+#include "absl/strings/str_format.h"
+#include "common/base/errors.h"
 #include "tests/unit/common/store/store_conformance.h"
 
 namespace mortise::store {
 namespace {
 
+using ::testing::Each;
 using ::testing::ElementsAre;
 constexpr absl::Duration kLease = absl::Seconds(30);
 
@@ -41,7 +44,7 @@ class TaskConformance : public StoreConformance {
     return Do([&](Transaction& t) { return t.RenewLease("q", key, attempt, kLease); });
   }
   absl::Status Complete(const std::string& key, int64_t attempt, const std::string& result) {
-    return Do([&](Transaction& t) { return t.CompleteTask("q", key, attempt, result); });
+    return Do([&](Transaction& t) { return t.CompleteTask("q", key, attempt, result).status(); });
   }
   absl::Status Fail(const std::string& key, int64_t attempt, bool retry,
                     absl::Duration delay = absl::ZeroDuration()) {
@@ -99,6 +102,39 @@ TEST_P(TaskConformance, AKeyIsEnqueuedOnce) {
   EXPECT_EQ(Enqueue({.queue = "q", .key = "a"}).code(), absl::StatusCode::kAlreadyExists);
   EXPECT_EQ(Find("a").payload, "in-a");
   EXPECT_OK(Enqueue({.queue = "q2", .key = "a"}));
+}
+
+TEST_P(TaskConformance, ManyAreQueuedInTheirOrderAndOnce) {
+  EnqueueKeys({"07", "twice-2"});
+  std::vector<NewTask> wanted;
+  for (int i = 0; i < 40; ++i) {
+    wanted.push_back({.queue = i == 39 ? "q2" : "q",
+                      .key = absl::StrFormat("%02d", i),
+                      .payload = std::string("in\0-", 4) + std::to_string(i)});
+  }
+  wanted.push_back({.queue = "q", .key = "twice", .payload = "first"});
+  wanted.push_back({.queue = "q", .key = "twice", .payload = "second"});
+  std::vector<bool> queued;
+  const auto enqueue = [&] {
+    return Do([&](Transaction& transaction) -> absl::Status {
+      MORTISE_ASSIGN_OR_RETURN(queued, transaction.EnqueueTasks(wanted));
+      return absl::OkStatus();
+    });
+  };
+  EXPECT_OK(enqueue());
+  ASSERT_EQ(queued.size(), wanted.size());
+  for (std::size_t i = 0; i < queued.size(); ++i) EXPECT_EQ(queued[i], i != 7 && i != 41) << i;
+  EXPECT_EQ(Find("12").payload, std::string("in\0-", 4) + "12");
+  EXPECT_EQ(Find("07").payload, "in-07");
+  EXPECT_EQ(Find("twice").payload, "first");
+  EXPECT_THAT(Keys(Lease("w", 5).leased), ElementsAre("07", "twice-2", "00", "01", "02"));
+  EXPECT_OK(enqueue());
+  EXPECT_THAT(queued, Each(false));
+  wanted[20].max_attempts = 0;
+  wanted[0].key = "new";
+  EXPECT_EQ(DetailOf(enqueue()).field, "max_attempts");
+  EXPECT_EQ(Do([&](Transaction& t) { return t.GetTask("q", "new").status(); }).code(),
+            absl::StatusCode::kNotFound);
 }
 
 TEST_P(TaskConformance, AStaleAttemptIsRefused) {
@@ -304,7 +340,7 @@ TEST_P(TaskConformance, NoTaskIsLeasedTwice) {
           }
           EXPECT_OK(mine->Transact(
               [&](Transaction& transaction) {
-                return transaction.CompleteTask("q", task.key, task.attempt, name);
+                return transaction.CompleteTask("q", task.key, task.attempt, name).status();
               },
               Isolation::kReadCommitted));
         }
@@ -339,7 +375,7 @@ TEST_P(TaskConformance, SerializableQueueUseMakesProgress) {
           EXPECT_OK(store_->Transact([&](Transaction& transaction) -> absl::Status {
             MORTISE_RETURN_IF_ERROR(transaction.Put("results", task.key, "r").status());
             MORTISE_RETURN_IF_ERROR(transaction.AppendEvent({.type = "task.done"}));
-            return transaction.CompleteTask("q", task.key, task.attempt, "r");
+            return transaction.CompleteTask("q", task.key, task.attempt, "r").status();
           }));
           ++completed;
         }
