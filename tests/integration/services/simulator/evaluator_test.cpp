@@ -339,6 +339,25 @@ TEST_F(EvaluatorTest, QueuesDoNotMixAndEndWithTheirEvaluator) {
   EXPECT_TRUE(absl::IsCancelled(cancelled)) << cancelled;
 }
 
+TEST_F(EvaluatorTest, WhoLeavesWhileABatchIsQueuedLeavesNoTasks) {
+  ASSERT_TRUE(Create(Beam()).ok());
+  const auto queued = [&] {
+    v1::GetQueueStatusRequest request;
+    request.set_evaluator("evaluators/beam");
+    const auto status =
+        testing::Call(*Simulator(), &v1::SimulatorService::Stub::GetQueueStatus, request);
+    EXPECT_TRUE(status.ok()) << status.status();
+    return status.ok() ? status->queued() : 0;
+  };
+  const auto stub = Evaluators();
+  const auto context = Context();
+  const auto reader = stub->EvaluateBatch(context.get(), Batch(1000, {"deflection"}));
+  while (queued() == 0 && !HasFailure()) std::this_thread::yield();
+  context->TryCancel();
+  EXPECT_EQ(reader->Finish().error_code(), grpc::StatusCode::CANCELLED);
+  while (queued() > 0 && !HasFailure()) std::this_thread::yield();
+}
+
 TEST_F(EvaluatorTest, BadInputIsNamed) {
   const auto field = [&](const std::function<void(v1::Evaluator&)>& spoil) {
     v1::Evaluator evaluator = Beam();
