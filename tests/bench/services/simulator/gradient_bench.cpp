@@ -74,3 +74,5 @@ BENCHMARK_CAPTURE(Evaluating, with_gradients, true)->Arg(0)->Arg(1)->Unit(benchm
 
 }  // namespace
 }  // namespace mortise::simulator
+
+BENCHMARK_MAIN();
