@@ -33,6 +33,8 @@ function(mortise_find_library target header)
   endforeach()
 endfunction()
 mortise_find_library(mortise_cholmod cholmod.h cholmod openblas)
+# The OpenMP that cholmod runs on, to tell it not to.
+target_link_libraries(mortise_cholmod INTERFACE -l:libgomp.so.1)
 mortise_find_library(mortise_spectra Spectra/SymGEigsShiftSolver.h)
 mortise_find_library(mortise_tetgen tetgen.h tet)
 mortise_find_library(mortise_cgal CGAL/AABB_tree.h gmp mpfr)

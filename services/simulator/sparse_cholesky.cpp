@@ -13,6 +13,8 @@
 #include "common/base/errors.h"
 
 extern "C" void openblas_set_num_threads(int threads);
+extern "C" int omp_get_max_active_levels();
+extern "C" void omp_set_max_active_levels(int levels);
 
 namespace mortise::simulator {
 namespace {
@@ -25,6 +27,20 @@ constexpr int kNestedDissectionNodes = 30000;
 double SecondsSince(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
+
+// While it lives, parallel regions of OpenMP that this thread comes to run on it alone. CHOLMOD wakes
+// four threads for each of many thousand supernodes, whatever the number of cores: it was two to
+// three times as slow, and two workers got into each other's way.
+class OnThisThread {
+ public:
+  OnThisThread() : levels_(omp_get_max_active_levels()) { omp_set_max_active_levels(0); }
+  ~OnThisThread() { omp_set_max_active_levels(levels_); }
+  OnThisThread(const OnThisThread&) = delete;
+  OnThisThread& operator=(const OnThisThread&) = delete;
+
+ private:
+  const int levels_;
+};
 
 // CHOLMOD's workspace and settings, freed with the object.
 struct Workspace {
@@ -128,6 +144,7 @@ absl::Status OutOfMemory() { return TooLarge("the factor of the stiffness", "the
 }  // namespace
 
 double EstimateFactorFlops(const BlockPattern& pattern) {
+  const OnThisThread alone;
   Workspace workspace;
   const SparsePointer graph = NodeGraph(pattern, &workspace.common);
   workspace.common.nmethods = 1;
@@ -155,6 +172,7 @@ SparseCholesky& SparseCholesky::operator=(SparseCholesky&&) noexcept = default;
 absl::StatusOr<SparseCholesky> SparseCholesky::Analyze(const BlockPattern& pattern,
                                                        const Eigen::Array3Xi& fixed,
                                                        const CholeskyOptions& options) {
+  const OnThisThread alone;
   SparseCholesky result(std::make_unique<Factor>());
   Factor& state = *result.factor_;
   cholmod_common* common = &state.workspace.common;
@@ -193,6 +211,7 @@ absl::StatusOr<SparseCholesky> SparseCholesky::Analyze(const BlockPattern& patte
 
 absl::Status SparseCholesky::Factorize(const BlockMatrix& stiffness) {
   if (factor_->unknowns == 0) return absl::OkStatus();
+  const OnThisThread alone;
   const auto start = std::chrono::steady_clock::now();
   cholmod_common* common = &factor_->workspace.common;
   const SparsePointer matrix = FreeMatrix(*stiffness.pattern(), &stiffness.blocks(),
@@ -229,6 +248,7 @@ absl::StatusOr<std::vector<Eigen::Matrix3Xd>> SparseCholesky::SolveAll(
     solutions.push_back(Eigen::Matrix3Xd::Zero(3, load.cols()));
   }
   if (factor_->unknowns == 0 || loads.empty()) return solutions;
+  const OnThisThread alone;
   cholmod_common* common = &factor_->workspace.common;
   const DensePointer right(cholmod_allocate_dense(factor_->unknowns, loads.size(),
                                                   factor_->unknowns, CHOLMOD_REAL, common),
