@@ -2,19 +2,15 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
-#include <mutex>
-#include <new>
+#include <limits>
 #include <numbers>
 #include <string>
 #include <unordered_map>
 #include <utility>
 #include <vector>
-
-// The library is compiled so; without it the header declares functions that exit.
-#define TETLIBRARY
-#include <tetgen.h>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
@@ -22,11 +18,28 @@
 #include "common/mesh/element_faces.h"
 #include "common/mesh/mass_properties.h"
 #include "common/mesh/surface_check.h"
+#include "common/mesh/surface_remesh.h"
+#include "common/mesh/tetgen_process.h"
 
 namespace mortise::mesh {
 namespace {
 
 constexpr double kDegreesPerRadian = 180 / std::numbers::pi;
+
+// Six times the volume over the longest edge cubed; the regular tetrahedron has 0.7. TetGen makes
+// one flatter element in some hundred thousand, between points in one plane: nothing can be solved
+// on it.
+constexpr double kFlat = 1e-12;
+
+// A try at a mesh. Where TetGen makes flat elements, another size mostly does not; where it fails
+// over needles on curved faces, rounder triangles help.
+struct MeshAttempt {
+  double size = 1;      // of that asked for
+  bool redraw = false;  // whether curved faces get round triangles
+  double turn = 0.5;    // rad, of these
+};
+constexpr std::array<MeshAttempt, 5> kAttempts{
+    {{1}, {0.93}, {0.87}, {1, true, 0.5}, {1, true, 0.4}}};
 
 // Volume of the regular tetrahedron of this edge.
 double RegularVolume(double edge) { return edge * edge * edge / (6 * std::numbers::sqrt2); }
@@ -103,36 +116,11 @@ absl::Status CheckCrossings(const AssemblySurface& assembly) {
                       place.z()));
 }
 
-// Serialises TetGen, which fills file-scope tables and uses rand().
-std::mutex& TetGenMutex() {
-  static std::mutex mutex;
-  return mutex;
-}
-
 // q: quality; S: at most so many extra points, which ends runaway refinement.
 std::string QualitySwitches(const MeshOptions& options) {
   return absl::StrFormat("q%.4f/%.4fS%d", options.radius_edge_ratio,
                          options.minimum_dihedral * kDegreesPerRadian,
                          std::max(1000, options.element_limit / 3));
-}
-
-absl::Status RunTetGen(std::string switches, tetgenio& input, tetgenio& output) {
-  try {
-    const std::lock_guard lock(TetGenMutex());
-    tetrahedralize(switches.data(), &input, &output);
-  } catch (int code) {
-    // 1: out of memory; 2: internal; 3: self-intersection; 4: tiny features; 5: tiny angles.
-    if (code == 1) return TooLarge("mesh", "the memory at hand");
-    return absl::InternalError(absl::StrCat("meshing failed: TetGen error ", code));
-  } catch (const std::bad_alloc&) {
-    return TooLarge("mesh", "the memory at hand");
-  } catch (const std::exception& error) {
-    return absl::InternalError(absl::StrCat("meshing failed: ", error.what()));
-  }
-  if (output.numberoftetrahedra == 0) {
-    return absl::InternalError("meshing failed: no elements came out");
-  }
-  return absl::OkStatus();
 }
 
 // Keeps the elements that lie in a part (TetGen also fills enclosed voids) and the nodes they use.
@@ -227,6 +215,47 @@ absl::StatusOr<TetrahedralMesh> TakeMesh(const tetgenio& output, std::vector<Ass
   return options.quadratic ? MakeQuadratic(std::move(mesh)) : mesh;
 }
 
+// Processor time that TetGen gets: it makes 30,000 elements a second, or comes to no end.
+int SecondsFor(double elements) { return 30 + static_cast<int>(1e-3 * elements); }
+
+// Six times the volume over the longest edge cubed, of the flattest element.
+double LeastThickness(const TetrahedralMesh& mesh) {
+  double least = std::numeric_limits<double>::infinity();
+  for (Eigen::Index e = 0; e < mesh.tetrahedra.cols(); ++e) {
+    std::array<Eigen::Vector3d, 4> corners;
+    for (int k = 0; k < 4; ++k) corners[k] = mesh.nodes.col(mesh.tetrahedra(k, e));
+    double longest = 0;
+    for (int i = 0; i < 4; ++i) {
+      for (int j = 0; j < i; ++j) {
+        longest = std::max(longest, (corners[i] - corners[j]).squaredNorm());
+      }
+    }
+    const double volume =
+        (corners[1] - corners[0]).cross(corners[2] - corners[0]).dot(corners[3] - corners[0]);
+    least = std::min(least, longest > 0 ? volume / std::pow(longest, 1.5) : 0);
+  }
+  return least;
+}
+
+absl::Status FlatElements() {
+  return absl::InternalError("meshing failed: it made elements without volume");
+}
+
+// One try at the mesh of a surface, whose elements have volumes.
+absl::StatusOr<TetrahedralMesh> MeshOnce(const AssemblySurface& assembly, double size,
+                                         const MeshOptions& options) {
+  tetgenio input, output;
+  FillInput(assembly, RegularVolume(size), input);
+  // p: a surface; z: from 0; Q: quiet; A: region attributes; a: region volumes.
+  const double expected =
+      std::max<double>(EstimateElements(assembly, size), 10.0 * assembly.triangles.cols());
+  MORTISE_RETURN_IF_ERROR(RunTetGen(absl::StrCat("pzQAa", QualitySwitches(options)),
+                                    SecondsFor(expected), input, output));
+  MORTISE_ASSIGN_OR_RETURN(TetrahedralMesh mesh,
+                           TakeMesh(output, assembly.faces, assembly.part_names, options));
+  return LeastThickness(mesh) < kFlat ? FlatElements() : absl::StatusOr<TetrahedralMesh>(mesh);
+}
+
 absl::Status CheckSizes(const TetrahedralMesh& mesh, const Eigen::VectorXd& sizes) {
   if (sizes.size() != mesh.tetrahedra.cols()) {
     return InvalidField("sizes", "there must be one for each element");
@@ -319,12 +348,25 @@ absl::StatusOr<TetrahedralMesh> MeshAssembly(const AssemblySurface& assembly,
         absl::StrFormat("a mesh of about %.2g elements of %.4g mm", expected, 1e3 * size), limit);
   }
   MORTISE_RETURN_IF_ERROR(CheckCrossings(assembly));
-  tetgenio input, output;
-  FillInput(assembly, RegularVolume(size), input);
-  // p: a surface; z: from 0; Q: quiet; A: region attributes; a: region volumes.
-  MORTISE_RETURN_IF_ERROR(
-      RunTetGen(absl::StrCat("pzQAa", QualitySwitches(options)), input, output));
-  return TakeMesh(output, assembly.faces, assembly.part_names, options);
+  absl::StatusOr<TetrahedralMesh> mesh = absl::InternalError("no attempt was made");
+  bool is_flat = true;  // whether all that failed were flat elements
+  for (const MeshAttempt& attempt : kAttempts) {
+    if (attempt.size < 1 && !is_flat) continue;
+    absl::StatusOr<TetrahedralMesh> made = absl::InternalError("");
+    if (attempt.redraw) {
+      const auto redrawn = WithRoundTriangles(assembly, size, attempt.turn);
+      if (!redrawn.ok() || !CheckAssembly(*redrawn).ok() || !CheckCrossings(*redrawn).ok()) {
+        continue;
+      }
+      made = MeshOnce(*redrawn, size, options);
+    } else {
+      made = MeshOnce(assembly, attempt.size * size, options);
+    }
+    mesh = std::move(made);
+    if (!absl::IsInternal(mesh.status())) return mesh;
+    is_flat = is_flat && mesh.status() == FlatElements();
+  }
+  return mesh;
 }
 
 absl::StatusOr<TetrahedralMesh> RefineMesh(const TetrahedralMesh& mesh,
@@ -337,11 +379,19 @@ absl::StatusOr<TetrahedralMesh> RefineMesh(const TetrahedralMesh& mesh,
     return TooLarge(absl::StrFormat("a refined mesh of about %.2g elements", expected),
                     absl::StrCat(options.element_limit, " elements"));
   }
-  tetgenio input, output;
-  FillInput(mesh, sizes, input);
-  // r: a mesh; z: from 0; Q: quiet; a: a volume for each element.
-  MORTISE_RETURN_IF_ERROR(RunTetGen(absl::StrCat("rzQa", QualitySwitches(options)), input, output));
-  return TakeMesh(output, mesh.faces, mesh.part_names, options);
+  absl::StatusOr<TetrahedralMesh> refined = absl::InternalError("no attempt was made");
+  for (const MeshAttempt& attempt : kAttempts) {
+    if (attempt.redraw) break;
+    tetgenio input, output;
+    FillInput(mesh, attempt.size * sizes, input);
+    // r: a mesh; z: from 0; Q: quiet; a: a volume for each element.
+    MORTISE_RETURN_IF_ERROR(RunTetGen(absl::StrCat("rzQa", QualitySwitches(options)),
+                                      SecondsFor(10 * expected), input, output));
+    MORTISE_ASSIGN_OR_RETURN(refined, TakeMesh(output, mesh.faces, mesh.part_names, options));
+    if (LeastThickness(*refined) >= kFlat) return refined;
+    refined = FlatElements();
+  }
+  return refined;
 }
 
 }  // namespace mortise::mesh

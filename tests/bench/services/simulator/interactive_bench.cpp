@@ -31,14 +31,14 @@ Eigen::VectorXd Dragged(const templates::Template& function, double share) {
   return q;
 }
 
-// Argument: the size of elements, in tenths of a millimetre.
+// Arguments: the size of elements, in tenths of a millimetre; the solver.
 void Dragging(benchmark::State& state, const std::string& name) {
   const auto function = templates::Compile(templates::ShippedTemplate("templates/" + name));
   if (!function.ok()) return state.SkipWithError("no template");
   DesignAnalysisOptions options;
   options.mesh.element_size = 1e-4 * static_cast<double>(state.range(0));
   options.elasticity.threads = kThreads;
-  if (getenv("KIND")) options.elasticity.solver.kind = getenv("KIND")[0]=='i' ? SolverKind::kIterative : SolverKind::kDirect;
+  options.elasticity.solver.kind = static_cast<SolverKind>(state.range(1));
   double share = 0;
   for (auto unused : state) {
     const auto start = Clock::now();
@@ -50,7 +50,8 @@ void Dragging(benchmark::State& state, const std::string& name) {
     if (!model.ok()) return state.SkipWithError("no model");
     state.counters["geometry_s"] = SecondsSince(start);
     const auto analysis = AnalyzeDesign(*model, {"max_von_mises"}, false, options);
-    if (!analysis.ok()) return state.SkipWithError(std::string(analysis.status().message()).c_str());
+    if (!analysis.ok())
+      return state.SkipWithError(std::string(analysis.status().message()).c_str());
     const ElasticitySummary& summary = analysis->cases[0].solution.summary;
     state.counters["elements"] = summary.elements;
     state.counters["unknowns"] = summary.solver.unknowns;
@@ -64,11 +65,20 @@ void Dragging(benchmark::State& state, const std::string& name) {
     state.counters["direct"] = summary.solver.kind == SolverKind::kDirect;
   }
 }
-BENCHMARK_CAPTURE(Dragging, rocker_arm, "bike-rocker-arm")->Arg(40)->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(Dragging, wrench, "wrench")->Arg(40)->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(Dragging, camera_mount, "camera-mount")->Arg(40)->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(Dragging, drum_brake, "drum-brake")->Arg(100)->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(Dragging, table, "table")->Arg(500)->Unit(benchmark::kMillisecond);
+constexpr auto kDirect = static_cast<int64_t>(SolverKind::kDirect);
+constexpr auto kIterative = static_cast<int64_t>(SolverKind::kIterative);
+BENCHMARK_CAPTURE(Dragging, wrench, "wrench")
+    ->ArgNames({"size", "solver"})
+    ->ArgsProduct({{40}, {kDirect, kIterative}})
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(Dragging, camera_mount, "camera-mount")
+    ->ArgNames({"size", "solver"})
+    ->ArgsProduct({{40}, {kDirect, kIterative}})
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(Dragging, table, "table")
+    ->ArgNames({"size", "solver"})
+    ->ArgsProduct({{500}, {kDirect, kIterative}})
+    ->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace mortise::simulator

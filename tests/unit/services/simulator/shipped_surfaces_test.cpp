@@ -79,6 +79,55 @@ TEST(ShippedTetrahedraTest, FillWhatWasDrawnAnew) {
   }
 }
 
+// Six times the volume over the longest edge cubed, of the flattest element.
+double LeastThickness(const mesh::TetrahedralMesh& mesh) {
+  double least = 1;
+  for (Eigen::Index e = 0; e < mesh.tetrahedra.cols(); ++e) {
+    Eigen::Matrix<double, 3, 4> x;
+    for (int k = 0; k < 4; ++k) x.col(k) = mesh.nodes.col(mesh.tetrahedra(k, e));
+    double longest = 0;
+    for (int i = 0; i < 4; ++i) {
+      for (int j = 0; j < i; ++j) longest = std::max(longest, (x.col(i) - x.col(j)).norm());
+    }
+    const Eigen::Vector3d a = x.col(1) - x.col(0), b = x.col(2) - x.col(0), c = x.col(3) - x.col(0);
+    least = std::min(least, a.cross(b).dot(c) / (longest * longest * longest));
+  }
+  return least;
+}
+
+// TetGen crashes over the lamp's needles: seven beams on a long stem.
+TEST(ShippedTetrahedraTest, FillALampThatTheMesherFailsOver) {
+  const auto model = ModelOf(templates::ShippedTemplate("templates/lamp"));
+  ASSERT_TRUE(model.ok()) << model.status();
+  const auto meshed = mesh::MeshAssembly(model->surface, {.quadratic = false});
+  ASSERT_TRUE(meshed.ok()) << meshed.status();
+  EXPECT_GT(LeastThickness(*meshed), 1e-9);
+  const double volume = mesh::ComputeMassProperties(mesh::PartSurface(model->surface, 0)).volume;
+  EXPECT_NEAR(mesh::ComputeMassProperties(*meshed, 0).volume, volume, 0.02 * volume);
+  // Faces keep their names, on which conditions act.
+  EXPECT_FALSE(TrianglesOn(*meshed, {0, "stand.section.sole"}, true).empty());
+}
+
+// TetGen makes an element without volume between four points in a plane.
+TEST(ShippedTetrahedraTest, HaveVolumesOnceTheSizeIsChanged) {
+  v1::TemplateBundle bundle = templates::ShippedTemplate("templates/wrench");
+  ASSERT_EQ(templates::Complete(bundle, templates::Trial::kDefaults), absl::OkStatus());
+  const auto function = templates::Compile(bundle);
+  ASSERT_TRUE(function.ok()) << function.status();
+  Eigen::VectorXd q = parametric::Defaults((*function)->parameters());
+  for (Eigen::Index k = 0; k < q.size(); ++k) {
+    q[k] += 0.04 * ((*function)->parameters()[static_cast<std::size_t>(k)].maximum - q[k]);
+  }
+  const auto design = (*function)->Evaluate(q);
+  ASSERT_TRUE(design.ok()) << design.status();
+  const auto model = MakeDesignModel(**function, q, *design);
+  ASSERT_TRUE(model.ok()) << model.status();
+  const auto meshed =
+      mesh::MeshAssembly(model->surface, {.element_size = 0.004, .quadratic = false});
+  ASSERT_TRUE(meshed.ok()) << meshed.status();
+  EXPECT_GT(LeastThickness(*meshed), 1e-9);
+}
+
 // The drawings that ship, but for their screws.
 TEST(ShippedDrawingsTest, KeepTheirVolumes) {
   for (const std::string name : {"garden_seat.step", "wall_shelf.step"}) {
