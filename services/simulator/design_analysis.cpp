@@ -298,9 +298,11 @@ bool HasGradient(const std::string& metric, const parametric::MetricExpressions&
                      [](const std::string& name) {
                        return name == "mass" || name == "volume" || HasGradientUnderLoads(name);
                      }) &&
-         std::all_of(
-             needs.calls.begin(), needs.calls.end(),
-             [](const parametric::MetricCall& call) { return HasGradientUnderLoads(call); });
+         std::all_of(needs.calls.begin(), needs.calls.end(),
+                     [](const parametric::MetricCall& call) {
+                       return call.function->source == parametric::MetricFunctionSource::kShape ||
+                              HasGradientUnderLoads(call);
+                     });
 }
 
 MetricDemands DemandsOf(const std::vector<std::string>& metrics,
@@ -364,6 +366,12 @@ absl::StatusOr<DesignAnalysis> AnalyzeDesign(const DesignModel& model,
   std::map<std::string, Eigen::VectorXd> gradients;
   if (options.motion != nullptr) {
     gradients = {{"mass", options.motion->mass}, {"volume", options.motion->volume}};
+    for (const parametric::MetricCall& call : options.own_metrics.NeedsOf(with_gradient).calls) {
+      if (call.function->source != parametric::MetricFunctionSource::kShape) continue;
+      auto gradient =
+          GradientOfShape(call, model, *options.motion, options.own_metrics, options.parameters);
+      if (gradient) gradients[ToText(call)] = *std::move(gradient);
+    }
   }
   if (solve) {
     MORTISE_ASSIGN_OR_RETURN(SolvedDesign solved, solver.Solve(*analysis.mesh, heat));

@@ -53,8 +53,8 @@ bool IsLoaded(const DesignModel& model);
 const std::vector<MetricDescription>& OfferedMetrics();
 
 // Whether a metric, or all that one of `own` needs, has an exact gradient on designs that say how
-// they move: mass, volume, compliance, strain_energy, max_displacement, and mean_displacement_x, _y
-// and _z of faces.
+// they move: mass, volume, and those of HasGradientUnderLoads; areas, centroids, distances and
+// displacements of faces and points.
 bool HasGradient(const std::string& metric, const parametric::MetricExpressions& own = {});
 
 // What must be known of a design to tell some metrics of it.

@@ -2,12 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 #include "common/base/errors.h"
 #include "services/simulator/design_solver.h"
 #include "services/simulator/loads.h"
 #include "services/simulator/place_functions.h"
+#include "services/simulator/point_location.h"
 #include "services/simulator/shape_derivative.h"
+#include "services/simulator/shape_functions.h"
+#include "services/simulator/stress_derivative.h"
+#include "services/simulator/stress_recovery.h"
 
 namespace mortise::simulator {
 namespace {
@@ -58,17 +64,21 @@ class AdjointGradients {
   absl::StatusOr<Eigen::VectorXd> LargestDisplacement(std::size_t load_case) const {
     const ElasticitySolution& solution = solved_.cases[load_case].solution;
     const int node = solution.summary.maximum_displacement_node;
-    Eigen::Matrix3Xd force = Eigen::Matrix3Xd::Zero(3, solved_.mesh.nodes.cols());
+    const Eigen::Matrix3Xd none = Eigen::Matrix3Xd::Zero(3, solved_.mesh.nodes.cols());
+    Eigen::Matrix3Xd force = none;
     force.col(node) = solution.displacement.col(node).normalized();
-    MORTISE_ASSIGN_OR_RETURN(const Eigen::Matrix3Xd adjoint, solved_.system.SolveForces(force));
-    return By(load_case, adjoint, Eigen::Matrix3Xd::Zero(3, force.cols()));
+    return Of(load_case, force, none);
   }
 
-  absl::StatusOr<Eigen::VectorXd> FaceMeanOf(std::size_t load_case, const FaceMean& mean) const {
+  // Of a number that depends on the displacements and on where nodes are.
+  absl::StatusOr<Eigen::VectorXd> Of(std::size_t load_case, const Eigen::Matrix3Xd& by_displacement,
+                                     const Eigen::Matrix3Xd& by_position) const {
     MORTISE_ASSIGN_OR_RETURN(const Eigen::Matrix3Xd adjoint,
-                             solved_.system.SolveForces(mean.by_field));
-    return By(load_case, adjoint, mean.by_position);
+                             solved_.system.SolveForces(by_displacement));
+    return By(load_case, adjoint, by_position);
   }
+
+  Eigen::Index parameters() const { return static_cast<Eigen::Index>(velocities_.size()); }
 
  private:
   explicit AdjointGradients(const SolvedLoads& solved) : solved_(solved) {}
@@ -109,8 +119,117 @@ std::size_t Worst(const std::vector<SolvedCase>& cases, const ValueOf& value_of)
   return worst;
 }
 
+// The gradients of stresses where they are largest.
+class StressGradients {
+ public:
+  StressGradients(const SolvedLoads& solved, const AdjointGradients& gradients)
+      : solved_(solved), gradients_(gradients), nodes_(solved.mesh), team_(solved.threads) {}
+
+  absl::StatusOr<Eigen::VectorXd> VonMisesOf() {
+    const std::size_t worst = Worst(solved_.cases, [](const SolvedCase& of) {
+      return of.solution.part_maximum_von_mises.maxCoeff();
+    });
+    return VonMisesAt(worst, LargestSlot(worst, [](int, double stress) { return stress; }), 1);
+  }
+
+  // Zero where nobody says how strong anything is.
+  absl::StatusOr<Eigen::VectorXd> Ratio() {
+    const auto ratio = [this](int part, double stress) {
+      const double strength = StrengthOf(part);
+      return strength > 0 ? stress / strength : 0;
+    };
+    const std::size_t worst = Worst(solved_.cases, [&ratio](const SolvedCase& of) {
+      const Eigen::VectorXd& stresses = of.solution.part_maximum_von_mises;
+      double largest = 0;
+      for (Eigen::Index p = 0; p < stresses.size(); ++p) {
+        largest = std::max(largest, ratio(static_cast<int>(p), stresses[p]));
+      }
+      return largest;
+    });
+    const int slot = LargestSlot(worst, ratio);
+    const double strength = StrengthOf(nodes_.part(slot));
+    if (!(strength > 0)) return Eigen::VectorXd::Zero(gradients_.parameters()).eval();
+    return VonMisesAt(worst, slot, 1 / strength);
+  }
+
+  absl::StatusOr<Eigen::VectorXd> Principal() {
+    const std::size_t worst = Worst(solved_.cases, [](const SolvedCase& of) {
+      return of.solution.maximum_principal.maxCoeff();
+    });
+    Eigen::Index node = 0;
+    solved_.cases[worst].solution.maximum_principal.maxCoeff(&node);
+    // At a node of several parts that of the part under the larger von Mises stress counts.
+    const int slot = LargestSlot(
+        worst, [](int, double stress) { return stress; }, static_cast<int>(node));
+    return At(worst, slot, MaximumPrincipalGradient(InCase(worst).at_slots.col(slot)));
+  }
+
+ private:
+  struct Recovered {
+    Stresses at_points, at_slots;
+  };
+
+  const Recovered& InCase(std::size_t load_case) {
+    const auto known = recovered_.find(load_case);
+    if (known != recovered_.end()) return known->second;
+    Recovered recovered;
+    recovered.at_points = StressAtPoints(solved_.mesh, solved_.model.analysis.materials,
+                                         solved_.cases[load_case].solution.displacement, {}, team_);
+    recovered.at_slots = RecoverByPatches(solved_.mesh, nodes_, recovered.at_points, team_);
+    return recovered_.emplace(load_case, std::move(recovered)).first->second;
+  }
+
+  double StrengthOf(int part) const {
+    return solved_.model.analysis.materials[static_cast<std::size_t>(part)].strength;
+  }
+
+  // The slot (of a node, if there is one) where `of` its part and von Mises stress is largest.
+  template <typename Of>
+  int LargestSlot(std::size_t load_case, const Of& of, int node = -1) {
+    const Stresses& stresses = InCase(load_case).at_slots;
+    int largest = -1;
+    double value = 0;
+    for (int slot = 0; slot < nodes_.size(); ++slot) {
+      if (node >= 0 && nodes_.node(slot) != node) continue;
+      const double here = of(nodes_.part(slot), VonMises(stresses.col(slot)));
+      if (largest >= 0 && !(here > value)) continue;
+      largest = slot;
+      value = here;
+    }
+    return largest;
+  }
+
+  absl::StatusOr<Eigen::VectorXd> VonMisesAt(std::size_t load_case, int slot, double factor) {
+    return At(load_case, slot, factor * VonMisesGradient(InCase(load_case).at_slots.col(slot)));
+  }
+
+  absl::StatusOr<Eigen::VectorXd> At(std::size_t load_case, int slot, const Vector6d& direction) {
+    const StressDerivative derivative =
+        NodalStressDerivative(solved_.mesh, solved_.model.analysis.materials,
+                              solved_.cases[load_case].solution.displacement,
+                              InCase(load_case).at_points, nodes_, slot, direction);
+    return gradients_.Of(load_case, derivative.by_displacement, derivative.by_position);
+  }
+
+  const SolvedLoads& solved_;
+  const AdjointGradients& gradients_;
+  const PartNodes nodes_;
+  ThreadTeam team_;
+  std::map<std::size_t, Recovered> recovered_;
+};
+
+bool IsOfStress(const std::string& metric) {
+  return metric == "max_von_mises" || metric == "max_principal" || metric == "stress_ratio";
+}
+
 absl::StatusOr<Eigen::VectorXd> GradientOf(const std::string& metric, const SolvedLoads& solved,
-                                           const AdjointGradients& gradients) {
+                                           const AdjointGradients& gradients,
+                                           std::optional<StressGradients>& stresses) {
+  if (IsOfStress(metric)) {
+    if (!stresses) stresses.emplace(solved, gradients);
+    if (metric == "max_principal") return stresses->Principal();
+    return metric == "stress_ratio" ? stresses->Ratio() : stresses->VonMisesOf();
+  }
   if (metric == "max_displacement") {
     return gradients.LargestDisplacement(Worst(solved.cases, [](const SolvedCase& of) {
       return of.solution.summary.maximum_displacement;
@@ -122,34 +241,154 @@ absl::StatusOr<Eigen::VectorXd> GradientOf(const std::string& metric, const Solv
   return metric == "compliance" ? gradient : Eigen::VectorXd(gradient / 2);
 }
 
-absl::StatusOr<Eigen::VectorXd> GradientOf(const MetricCall& call, const SolvedLoads& solved,
-                                           const AdjointGradients& gradients) {
+// A displacement of a place, and its derivatives.
+struct PlaceDisplacement {
+  double value = 0;                             // m
+  Eigen::Matrix3Xd by_field, by_position = {};  // 3 × nodes
+  Eigen::VectorXd by_parameters = {};           // as a point moves with them; empty of a face
+};
+
+// The length of a displacement where `axis` is -1, else its component; and the derivative by it.
+std::pair<double, Eigen::Vector3d> Measured(const Eigen::Vector3d& u, int axis) {
+  if (axis < 0) return {u.norm(), u.normalized()};
+  return {u[axis], Eigen::Vector3d::Unit(axis)};
+}
+
+// A point stays where it is, or moves with the parameters; the mesh moves through it.
+absl::StatusOr<PlaceDisplacement> DisplacementOfPoint(
+    const mesh::TetrahedralMesh& mesh, const parametric::MetricExpressions::PlacedPoint& point,
+    const Eigen::Matrix3Xd& displacement, int axis) {
+  const LocatedPoint located = LocatePoints(mesh, {point.position})[0];
+  if (located.element < 0) {
+    return InvalidField("metric_definitions", "a point lies outside of the body");
+  }
+  const GradientMatrix positions = ElementPositions(mesh, located.element);
+  const ElementPoint at = EvaluateElement(positions, located.barycentric);
+  const ShapeVector shape =
+      TetrahedronShape(located.barycentric, static_cast<int>(positions.cols()));
+  Eigen::Vector3d u = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d by_u = Eigen::Matrix3d::Zero();  // ∇u
+  for (Eigen::Index a = 0; a < positions.cols(); ++a) {
+    const Eigen::Vector3d of_node = displacement.col(mesh.tetrahedra(a, located.element));
+    u += shape[a] * of_node;
+    by_u += of_node * at.gradients.col(a).transpose();
+  }
+  const auto [value, direction] = Measured(u, axis);
+  const Eigen::Matrix3Xd none = Eigen::Matrix3Xd::Zero(3, mesh.nodes.cols());
+  PlaceDisplacement place{value, none, none,
+                          point.velocity.transpose() * by_u.transpose() * direction};
+  for (Eigen::Index a = 0; a < positions.cols(); ++a) {
+    const int node = mesh.tetrahedra(a, located.element);
+    place.by_field.col(node) = shape[a] * direction;
+    place.by_position.col(node) = -shape[a] * (by_u.transpose() * direction);
+  }
+  return place;
+}
+
+PlaceDisplacement LargestOnFace(const mesh::TetrahedralMesh& mesh,
+                                const std::vector<int>& triangles,
+                                const Eigen::Matrix3Xd& displacement, int axis) {
+  const Eigen::Matrix3Xd none = Eigen::Matrix3Xd::Zero(3, mesh.nodes.cols());
+  PlaceDisplacement largest{0, none, none};
+  int at = -1;
+  Eigen::Vector3d direction = Eigen::Vector3d::Zero();
+  for (const int t : triangles) {
+    for (const int node : mesh.face_triangles.col(t)) {
+      const auto [value, by_u] = Measured(displacement.col(node), axis);
+      if (at >= 0 && !(std::abs(value) > std::abs(largest.value))) continue;
+      at = node;
+      largest.value = value;
+      direction = by_u;
+    }
+  }
+  if (at >= 0) largest.by_field.col(at) = direction;
+  return largest;
+}
+
+absl::StatusOr<PlaceDisplacement> DisplacementOf(const MetricCall& call, const SolvedLoads& solved,
+                                                 const SolvedCase& of) {
+  const std::string& function = call.function->name;
+  const Eigen::Matrix3Xd& displacement = of.solution.displacement;
+  const int axis = function.ends_with("displacement") ? -1 : function.back() - 'x';
+  MORTISE_ASSIGN_OR_RETURN(const auto point, solved.own.PointAt(call.places[0], solved.parameters));
+  if (point) return DisplacementOfPoint(solved.mesh, *point, displacement, axis);
   const auto face = FindFace(solved.model, call.places[0]);
   if (!face) return InvalidField("metric_definitions", "there is no face " + call.places[0]);
   const std::vector<int> triangles = TrianglesOn(solved.mesh, *face, false);
-  const Eigen::Vector3d direction = Eigen::Vector3d::Unit(call.function->name.back() - 'x');
+  if (function.starts_with("max")) {
+    return LargestOnFace(solved.mesh, triangles, displacement, axis);
+  }
+  FaceMean mean = axis < 0 ? MeanLengthOverTriangles(solved.mesh, triangles, displacement)
+                           : MeanOverTriangles(solved.mesh, triangles, displacement,
+                                               Eigen::Vector3d::Unit(axis));
+  return PlaceDisplacement{mean.value, std::move(mean.by_field), std::move(mean.by_position)};
+}
+
+absl::StatusOr<Eigen::VectorXd> GradientOf(const MetricCall& call, const SolvedLoads& solved,
+                                           const AdjointGradients& gradients) {
   std::size_t worst = 0;
-  std::optional<FaceMean> of_worst;
+  std::optional<PlaceDisplacement> of_worst;
   for (std::size_t c = 0; c < solved.cases.size(); ++c) {
     if (!call.load_case.empty() && call.load_case != solved.cases[c].name) continue;
-    FaceMean mean =
-        MeanOverTriangles(solved.mesh, triangles, solved.cases[c].solution.displacement, direction);
-    if (of_worst && std::abs(mean.value) <= std::abs(of_worst->value)) continue;
+    MORTISE_ASSIGN_OR_RETURN(PlaceDisplacement place,
+                             DisplacementOf(call, solved, solved.cases[c]));
+    if (of_worst && std::abs(place.value) <= std::abs(of_worst->value)) continue;
     worst = c;
-    of_worst = std::move(mean);
+    of_worst = std::move(place);
   }
   if (!of_worst) return InvalidField("metric_definitions", "there is no such load case");
-  return gradients.FaceMeanOf(worst, *of_worst);
+  MORTISE_ASSIGN_OR_RETURN(Eigen::VectorXd gradient,
+                           gradients.Of(worst, of_worst->by_field, of_worst->by_position));
+  if (of_worst->by_parameters.size() > 0) gradient += of_worst->by_parameters;
+  return gradient;
 }
 
 }  // namespace
 
 bool HasGradientUnderLoads(const std::string& metric) {
-  return metric == "compliance" || metric == "strain_energy" || metric == "max_displacement";
+  return metric == "compliance" || metric == "strain_energy" || metric == "max_displacement" ||
+         IsOfStress(metric);
 }
 
 bool HasGradientUnderLoads(const MetricCall& call) {
-  return call.function->name.starts_with("mean_displacement_");
+  return call.function->name.starts_with("mean_displacement") ||
+         call.function->name.starts_with("max_displacement");
+}
+
+std::optional<Eigen::VectorXd> GradientOfShape(const MetricCall& call, const DesignModel& model,
+                                               const DesignMotion& motion,
+                                               const parametric::MetricExpressions& own,
+                                               const Eigen::VectorXd& parameters) {
+  const auto shape_of = [&](const std::string& name) -> const FaceShapeMotion* {
+    const auto face = FindFace(model, name);
+    if (!face) return nullptr;
+    const auto shape =
+        std::find_if(motion.shapes.begin(), motion.shapes.end(),
+                     [&face](const FaceShapeMotion& of) { return of.face == *face; });
+    return shape == motion.shapes.end() ? nullptr : &*shape;
+  };
+  using PlacedPoint = parametric::MetricExpressions::PlacedPoint;
+  const auto place_of = [&](const std::string& name) -> std::optional<PlacedPoint> {
+    auto point = own.PointAt(name, parameters);
+    if (!point.ok() || *point) return point.ok() ? *std::move(point) : std::nullopt;
+    const FaceShapeMotion* const shape = shape_of(name);
+    if (shape == nullptr) return std::nullopt;
+    return PlacedPoint{shape->centroid, shape->centroid_rate};
+  };
+  const std::string& function = call.function->name;
+  if (function == "area") {
+    const FaceShapeMotion* const shape = shape_of(call.places[0]);
+    return shape == nullptr ? std::nullopt : std::optional(shape->area_rate);
+  }
+  const auto place = place_of(call.places[0]);
+  if (!place) return std::nullopt;
+  if (function != "distance") {
+    return Eigen::VectorXd(place->velocity.row(function.back() - 'x').transpose());
+  }
+  const auto other = place_of(call.places[1]);
+  if (!other || place->position == other->position) return std::nullopt;
+  const Eigen::Vector3d direction = (place->position - other->position).normalized();
+  return Eigen::VectorXd((place->velocity - other->velocity).transpose() * direction);
 }
 
 bool AllowsGradients(const DesignModel& model, const DesignMotion& motion) {
@@ -174,9 +413,10 @@ absl::StatusOr<std::map<std::string, Eigen::VectorXd>> GradientsUnderLoads(
   std::map<std::string, Eigen::VectorXd> found;
   MORTISE_ASSIGN_OR_RETURN(const AdjointGradients gradients,
                            AdjointGradients::Create(solved, motion));
+  std::optional<StressGradients> stresses;
   for (const std::string& metric : metrics) {
     if (!HasGradientUnderLoads(metric)) continue;
-    MORTISE_ASSIGN_OR_RETURN(found[metric], GradientOf(metric, solved, gradients));
+    MORTISE_ASSIGN_OR_RETURN(found[metric], GradientOf(metric, solved, gradients, stresses));
   }
   for (const MetricCall& call : calls) {
     if (!HasGradientUnderLoads(call)) continue;

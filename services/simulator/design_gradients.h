@@ -9,6 +9,7 @@
 
 #include <Eigen/Core>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,20 +20,38 @@
 
 namespace mortise::simulator {
 
+// A face of a prism and how it changes with the parameters.
+struct FaceShapeMotion {
+  mesh::NamedFace face;
+  double area = 0;                 // m²
+  Eigen::Vector3d centroid;        // m
+  Eigen::VectorXd area_rate;       // parameters, m² per unit of each
+  Eigen::Matrix3Xd centroid_rate;  // 3 × parameters
+};
+
 // How a model changes with the parameters of its design.
 struct DesignMotion {
   std::vector<FaceMotion> faces;
+  std::vector<FaceShapeMotion> shapes;  // of the same faces
   // For each parameter, the loads' forces, pressures and gravity as their rates of change.
   std::vector<DesignModel> load_rates;
   Eigen::VectorXd mass, volume;  // kg and m³, per unit of each parameter
 };
 
-// Whether gradients under loads are known of this metric: compliance, strain_energy and
-// max_displacement; the last is that of the node where it is largest.
+// Whether gradients under loads are known of this metric: compliance, strain_energy,
+// max_displacement, max_von_mises, max_principal and stress_ratio; what is largest somewhere is
+// differentiated at the node where it is.
 bool HasGradientUnderLoads(const std::string& metric);
 
-// Likewise of mean_displacement_x, _y and _z of a face.
+// Likewise of displacements of faces and points, mean or largest, in all or along an axis.
 bool HasGradientUnderLoads(const parametric::MetricCall& call);
+
+// The gradient of an area, a centroid or a distance of faces and points; nothing where a place is
+// not known, or two that are as far apart as 0.
+std::optional<Eigen::VectorXd> GradientOfShape(const parametric::MetricCall& call,
+                                               const DesignModel& model, const DesignMotion& motion,
+                                               const parametric::MetricExpressions& own,
+                                               const Eigen::VectorXd& parameters);
 
 // Whether a model's supports and loads are of kinds whose changes are known: it is not warm, does
 // not turn, and its supports stay where they are.
@@ -45,7 +64,10 @@ struct SolvedLoads {
   const std::vector<NamedLoadCase>& load_cases;
   const std::vector<SolvedCase>& cases;
   ElasticSystem& system;
+  const parametric::MetricExpressions& own;  // whose points calls may name
+  const Eigen::VectorXd& parameters;
   double memory_limit = 8e9;  // bytes
+  int threads = 1;
 };
 
 // The gradients of those metrics and calls that have one, by metric or by ToText of the call: of

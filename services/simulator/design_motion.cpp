@@ -1,6 +1,8 @@
 #include "services/simulator/design_motion.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
@@ -121,6 +123,50 @@ std::vector<FaceMotion> FacesOf(const EvaluatedPart& part, int index, Eigen::Ind
   return faces;
 }
 
+// Area (m²) and centroid (m) of each face of a prism: 4 × faces.
+Eigen::Matrix4Xd FaceShapes(const EvaluatedPart& part) {
+  const Eigen::Index edges = part.outline.cols();
+  Eigen::Matrix4Xd shapes(4, edges + 2);
+  const Eigen::Vector3d along = Eigen::Vector3d::Unit(static_cast<int>(part.axis));
+  for (Eigen::Index f = 0; f < edges; ++f) {
+    const Eigen::Vector3d start = OutlinePoint(part, f);
+    const Eigen::Vector3d end = OutlinePoint(part, (f + 1) % edges);
+    shapes(0, f) = (end - start).norm() * std::abs(part.to - part.from);
+    shapes.col(f).tail<3>() = (start + end) / 2 + (part.from + part.to) / 2 * along;
+  }
+  // From triangles about the first point, which may be negative.
+  const Eigen::Vector3d first = OutlinePoint(part, 0);
+  double area = 0;
+  Eigen::Vector3d moment = Eigen::Vector3d::Zero();
+  for (Eigen::Index f = 1; f + 1 < edges; ++f) {
+    const Eigen::Vector3d a = OutlinePoint(part, f) - first, b = OutlinePoint(part, f + 1) - first;
+    const double piece = a.cross(b).dot(along) / 2;
+    area += piece;
+    moment += piece * (a + b) / 3;
+  }
+  for (const Eigen::Index cap : {edges, edges + 1}) {
+    shapes(0, cap) = std::abs(area);
+    shapes.col(cap).tail<3>() =
+        first + moment / area + (cap == edges ? part.from : part.to) * along;
+  }
+  return shapes;
+}
+
+// The same faces at rest, as shapes.
+std::vector<FaceShapeMotion> ShapesOf(const EvaluatedPart& part, int index,
+                                      Eigen::Index parameters) {
+  const Eigen::Matrix4Xd known = FaceShapes(part);
+  std::vector<FaceShapeMotion> shapes;
+  for (Eigen::Index f = 0; f < known.cols(); ++f) {
+    shapes.push_back({.face = {index, part.face_names[static_cast<std::size_t>(f)]},
+                      .area = known(0, f),
+                      .centroid = known.col(f).tail<3>(),
+                      .area_rate = Eigen::VectorXd::Zero(parameters),
+                      .centroid_rate = Eigen::Matrix3Xd::Zero(3, parameters)});
+  }
+  return shapes;
+}
+
 // Along an edge that lies along an axis and stays so, nodes may slide.
 void LetSlide(FaceMotion& face) {
   for (int axis = 0; axis < 3; ++axis) {
@@ -136,7 +182,7 @@ void LetSlide(FaceMotion& face) {
 }
 
 void AddRates(const Stencil& stencil, std::size_t part, Eigen::Index parameter,
-              std::vector<FaceMotion>& faces) {
+              std::vector<FaceMotion>& faces, std::vector<FaceShapeMotion>& shapes) {
   const auto part_of = [part](const EvaluatedDesign& design) -> const EvaluatedPart& {
     return *BearingParts(design)[part];
   };
@@ -144,6 +190,13 @@ void AddRates(const Stencil& stencil, std::size_t part, Eigen::Index parameter,
   const auto edges = at_rest.outline.cols();
   const Eigen::Matrix2Xd outline = stencil.Rate(
       [&](const EvaluatedDesign& design) { return Eigen::Matrix2Xd(part_of(design).outline); });
+  const Eigen::Matrix4Xd shape_rates =
+      stencil.Rate([&](const EvaluatedDesign& design) { return FaceShapes(part_of(design)); });
+  for (Eigen::Index f = 0; f < edges + 2; ++f) {
+    FaceShapeMotion& shape = shapes[static_cast<std::size_t>(f)];
+    shape.area_rate[parameter] = shape_rates(0, f);
+    shape.centroid_rate.col(parameter) = shape_rates.col(f).tail<3>();
+  }
   const auto [u, v] = OutlineAxes(at_rest.axis);
   for (Eigen::Index f = 0; f < edges; ++f) {
     FaceMotion& face = faces[static_cast<std::size_t>(f)];
@@ -233,8 +286,10 @@ absl::StatusOr<DesignMotion> MotionOf(const templates::Template& function,
   }
   const std::vector<const EvaluatedPart*> parts = BearingParts(design);
   std::vector<std::vector<FaceMotion>> faces;
+  std::vector<std::vector<FaceShapeMotion>> shapes;
   for (std::size_t p = 0; p < parts.size(); ++p) {
     faces.push_back(FacesOf(*parts[p], static_cast<int>(p), parameters.size()));
+    shapes.push_back(ShapesOf(*parts[p], static_cast<int>(p), parameters.size()));
   }
   DesignMotion motion;
   motion.mass = motion.volume = Eigen::VectorXd::Zero(parameters.size());
@@ -242,7 +297,7 @@ absl::StatusOr<DesignMotion> MotionOf(const templates::Template& function,
     MORTISE_ASSIGN_OR_RETURN(const Stencil stencil,
                              StencilOf(function, parameters, design, static_cast<std::size_t>(k)));
     for (std::size_t p = 0; p < parts.size(); ++p) {
-      AddRates(stencil, p, k, faces[p]);
+      AddRates(stencil, p, k, faces[p], shapes[p]);
       const double volume =
           stencil.Rate([p](const EvaluatedDesign& of) { return BearingParts(of)[p]->volume; });
       motion.volume[k] += volume;
@@ -255,6 +310,9 @@ absl::StatusOr<DesignMotion> MotionOf(const templates::Template& function,
       LetSlide(face);
       motion.faces.push_back(std::move(face));
     }
+  }
+  for (std::vector<FaceShapeMotion>& of_part : shapes) {
+    for (FaceShapeMotion& shape : of_part) motion.shapes.push_back(std::move(shape));
   }
   return motion;
 }
@@ -276,8 +334,9 @@ OfferedGradients GradientsOf(const templates::Template& function, bool is_of_pri
   OfferedGradients offered{.mass = function.OffersMassGradient()};
   if (!is_of_prisms) return offered;
   const auto design = function.Evaluate(parametric::Defaults(function.parameters()));
-  offered.loads = design.ok() && IsMadeOfPrisms(*design) && HasConstantSupports(*design);
-  offered.mass = offered.mass || (design.ok() && IsMadeOfPrisms(*design));
+  offered.shape = design.ok() && IsMadeOfPrisms(*design);
+  offered.loads = offered.shape && HasConstantSupports(*design);
+  offered.mass = offered.mass || offered.shape;
   return offered;
 }
 

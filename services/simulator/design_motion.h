@@ -23,6 +23,7 @@ bool HasConstantSupports(const parametric::EvaluatedDesign& design);
 // Which exact gradients a template offers, judged at its defaults.
 struct OfferedGradients {
   bool mass = false;   // of mass and volume
+  bool shape = false;  // of areas, centroids and distances of faces and points
   bool loads = false;  // of what is computed under loads
 };
 OfferedGradients GradientsOf(const templates::Template& function, bool is_of_prisms);

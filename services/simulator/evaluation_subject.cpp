@@ -19,7 +19,9 @@ using MetricDescriptionMessage = v1::DesignSpace::MetricDescription;
 bool OffersGradient(const CompiledTemplate& compiled, const std::string& metric,
                     const parametric::MetricExpressions& own) {
   if (!HasGradient(metric, own)) return false;
-  return DemandsOf({metric}, own).loads ? compiled.gradients.loads : compiled.gradients.mass;
+  const MetricDemands demands = DemandsOf({metric}, own);
+  if (demands.loads) return compiled.gradients.loads;
+  return demands.surface ? compiled.gradients.shape : compiled.gradients.mass;
 }
 
 EvaluationSubject SubjectOf(const CompiledTemplate& compiled,

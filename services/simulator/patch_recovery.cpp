@@ -19,8 +19,13 @@ constexpr int kRings = 3;  // of neighbours that may join a patch
 constexpr int kLinearSamples = 24;
 constexpr int kQuadraticSamples = 30;
 
+// Pivots of a fit smaller than this, next to the largest, do not determine it.
+constexpr double kLeastPivot = 1e-7;
+
 using Terms = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kQuadraticTerms, 1>;
 using Coefficients = Eigen::Matrix<double, Eigen::Dynamic, 6, 0, kQuadraticTerms, 6>;
+using Square =
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kQuadraticTerms, kQuadraticTerms>;
 
 // A polynomial about a corner node.
 struct Patch {
@@ -74,8 +79,6 @@ std::vector<int> PatchElements(const PartNodes& nodes, int slot, int points, int
 bool Fit(const std::vector<int>& elements, int points, const Eigen::Matrix3Xd& places,
          const Stresses& at_points, int terms, Patch& patch) {
   if (points * static_cast<int>(elements.size()) < terms) return false;
-  using Square =
-      Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kQuadraticTerms, kQuadraticTerms>;
   Square normal = Square::Zero(terms, terms);
   Coefficients right = Coefficients::Zero(terms, 6);
   for (const int e : elements) {
@@ -87,27 +90,48 @@ bool Fit(const std::vector<int>& elements, int points, const Eigen::Matrix3Xd& p
   }
   const Eigen::LDLT<Square> solver(normal);
   const auto pivots = solver.vectorD();
-  if (!(pivots.minCoeff() > 1e-7 * pivots.maxCoeff())) return false;
+  if (!(pivots.minCoeff() > kLeastPivot * pivots.maxCoeff())) return false;
   patch.coefficients = solver.solve(right);
   return true;
 }
 
-Patch FitPatch(const mesh::TetrahedralMesh& mesh, const PartNodes& nodes, int slot,
-               const Eigen::Matrix3Xd& places, const Stresses& at_points) {
+// The samples round a corner, and how to write their places as numbers of about 1.
+struct PatchSamples {
+  std::vector<int> elements;
+  int points = 1;  // of each element
+  int terms = kLinearTerms;
+  Eigen::Vector3d centre;
+  double scale = 1;  // m
+};
+
+PatchSamples SamplesOf(const mesh::TetrahedralMesh& mesh, const PartNodes& nodes, int slot,
+                       const Eigen::Matrix3Xd& places) {
   const bool quadratic = mesh.IsQuadratic();
-  const int points = quadratic ? 4 : 1, terms = quadratic ? kQuadraticTerms : kLinearTerms;
-  const std::vector<int> elements =
-      PatchElements(nodes, slot, points, quadratic ? kQuadraticSamples : kLinearSamples);
-  Patch patch;
-  patch.centre = mesh.nodes.col(nodes.node(slot));
+  PatchSamples samples;
+  samples.points = quadratic ? 4 : 1;
+  samples.terms = quadratic ? kQuadraticTerms : kLinearTerms;
+  samples.elements =
+      PatchElements(nodes, slot, samples.points, quadratic ? kQuadraticSamples : kLinearSamples);
+  samples.centre = mesh.nodes.col(nodes.node(slot));
   double size = 0;
-  for (const int e : elements) {
-    for (int k = points * e; k < points * (e + 1); ++k) {
-      size = std::max(size, (places.col(k) - patch.centre).norm());
+  for (const int e : samples.elements) {
+    for (int k = samples.points * e; k < samples.points * (e + 1); ++k) {
+      size = std::max(size, (places.col(k) - samples.centre).norm());
     }
   }
-  patch.scale = size > 0 ? size : 1;
-  for (const int count : {terms, kLinearTerms}) {
+  samples.scale = size > 0 ? size : 1;
+  return samples;
+}
+
+Patch FitPatch(const mesh::TetrahedralMesh& mesh, const PartNodes& nodes, int slot,
+               const Eigen::Matrix3Xd& places, const Stresses& at_points) {
+  const PatchSamples samples = SamplesOf(mesh, nodes, slot, places);
+  const std::vector<int>& elements = samples.elements;
+  const int points = samples.points;
+  Patch patch;
+  patch.centre = samples.centre;
+  patch.scale = samples.scale;
+  for (const int count : {samples.terms, kLinearTerms}) {
     if (Fit(elements, points, places, at_points, count, patch)) return patch;
   }
   patch.coefficients = Coefficients::Zero(1, 6);
@@ -123,6 +147,91 @@ Eigen::Matrix<double, 6, 1> Evaluate(const Patch& patch, const Eigen::Vector3d& 
   const int terms = static_cast<int>(patch.coefficients.rows());
   if (terms == 1) return patch.coefficients.row(0).transpose();
   return patch.coefficients.transpose() * Monomials((place - patch.centre) / patch.scale, terms);
+}
+
+using TermsByPlace = Eigen::Matrix<double, Eigen::Dynamic, 3, 0, kQuadraticTerms, 3>;
+
+// The derivatives of Monomials.
+TermsByPlace MonomialsByPlace(const Eigen::Vector3d& x, int count) {
+  TermsByPlace by_place = TermsByPlace::Zero(count, 3);
+  if (count == 1) return by_place;
+  by_place.block<3, 3>(1, 0).setIdentity();
+  if (count == kQuadraticTerms) {
+    by_place.block<3, 3>(4, 0).diagonal() = 2 * x;
+    by_place.row(7) << x.y(), x.x(), 0;
+    by_place.row(8) << 0, x.z(), x.y();
+    by_place.row(9) << x.z(), 0, x.x();
+  }
+  return by_place;
+}
+
+Terms TermsAt(const Eigen::Vector3d& x, int count) {
+  return count == 1 ? Terms::Ones(1) : Monomials(x, count);
+}
+
+// The equations of a fit with as many terms as its samples determine, as FitPatch finds them; of
+// one term, their mean, at least.
+struct FitEquations {
+  int terms = 1;
+  Eigen::LDLT<Square> solver;
+};
+
+FitEquations EquationsOf(const PatchSamples& samples, const Eigen::Matrix3Xd& places) {
+  FitEquations equations;
+  const int count = samples.points * static_cast<int>(samples.elements.size());
+  for (const int terms : {samples.terms, kLinearTerms, 1}) {
+    if (count < terms) continue;
+    Square normal = Square::Zero(terms, terms);
+    for (const int e : samples.elements) {
+      for (int k = samples.points * e; k < samples.points * (e + 1); ++k) {
+        const Terms row = TermsAt((places.col(k) - samples.centre) / samples.scale, terms);
+        normal += row * row.transpose();
+      }
+    }
+    equations.terms = terms;
+    equations.solver.compute(normal);
+    const auto pivots = equations.solver.vectorD();
+    if (terms == 1 || pivots.minCoeff() > kLeastPivot * pivots.maxCoeff()) break;
+  }
+  return equations;
+}
+
+// Adds `share` of what the patch of a corner gives at `place`. With the fit's rows r, values s and
+// coefficients c = N⁻¹ Σ r s, N = Σ r rᵀ, the value is m·c, m the terms at `place`, and with
+// h = N⁻¹ m its change is Σ (r'·h)(s − r·c) − (r·h)(r'·c) + m'·c. Centre and scale may be taken as
+// constant: polynomials are the same about any other.
+void AddPatchValue(const PatchSamples& samples, const Eigen::Matrix3Xd& places,
+                   const Eigen::VectorXd& at_points, const Eigen::Vector3d& place, double share,
+                   RecoveredValue& value) {
+  const FitEquations equations = EquationsOf(samples, places);
+  const auto local = [&samples](const Eigen::Vector3d& x) -> Eigen::Vector3d {
+    return (x - samples.centre) / samples.scale;
+  };
+  std::vector<int> points;
+  for (const int e : samples.elements) {
+    for (int k = samples.points * e; k < samples.points * (e + 1); ++k) points.push_back(k);
+  }
+  const Terms at_place = TermsAt(local(place), equations.terms);
+  Terms right = Terms::Zero(equations.terms);
+  for (const int k : points) right += at_points[k] * TermsAt(local(places.col(k)), equations.terms);
+  const Terms coefficients = equations.solver.solve(right);
+  const Terms influence = equations.solver.solve(at_place);
+  const auto first = static_cast<Eigen::Index>(value.points.size());
+  value.by_place.conservativeResize(3, first + static_cast<Eigen::Index>(points.size()));
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Vector3d at = local(places.col(points[i]));
+    const Terms row = TermsAt(at, equations.terms);
+    const double weight = row.dot(influence);
+    const double rest = at_points[points[i]] - row.dot(coefficients);
+    value.points.push_back(points[i]);
+    value.weights.push_back(share * weight);
+    value.by_place.col(first + static_cast<Eigen::Index>(i)) =
+        share / samples.scale * MonomialsByPlace(at, equations.terms).transpose() *
+        (rest * influence - weight * coefficients);
+  }
+  value.value += share * at_place.dot(coefficients);
+  value.by_node += share / samples.scale *
+                   MonomialsByPlace(local(place), equations.terms).transpose() * coefficients;
 }
 
 }  // namespace
@@ -195,6 +304,27 @@ Stresses RecoverByPatches(const mesh::TetrahedralMesh& mesh, const PartNodes& no
     }
   });
   return recovered;
+}
+
+RecoveredValue RecoverAt(const mesh::TetrahedralMesh& mesh, const PartNodes& nodes, int slot,
+                         const Eigen::VectorXd& at_points) {
+  const Eigen::Matrix3Xd places = SamplePositions(mesh);
+  const Eigen::MatrixXi& slots = nodes.element_slots();
+  const Eigen::Vector3d place = mesh.nodes.col(nodes.node(slot));
+  const int e = *nodes.begin(slot);
+  Eigen::Index corner = 0;
+  while (slots(corner, e) != slot) ++corner;
+  std::vector<int> ends{slot};
+  if (corner >= 4) {
+    const auto [a, b] = mesh::kTetrahedronEdges[static_cast<std::size_t>(corner - 4)];
+    ends = {slots(a, e), slots(b, e)};
+  }
+  RecoveredValue value;
+  for (const int end : ends) {
+    AddPatchValue(SamplesOf(mesh, nodes, end, places), places, at_points, place,
+                  1.0 / static_cast<double>(ends.size()), value);
+  }
+  return value;
 }
 
 }  // namespace mortise::simulator

@@ -45,4 +45,18 @@ class PartNodes {
 Stresses RecoverByPatches(const mesh::TetrahedralMesh& mesh, const PartNodes& nodes,
                           const Stresses& at_points, ThreadTeam& team);
 
+// A number recovered at a slot as RecoverByPatches does, from one at each integration point, and
+// how it follows from them and from where they are.
+struct RecoveredValue {
+  double value = 0;
+  std::vector<int> points;      // the integration points that it is made of: columns of `at_points`
+  std::vector<double> weights;  // of each: the value is the sum of weights times values
+  Eigen::Matrix3Xd by_place;    // 3 × points, its derivative by the place of each, 1/m
+  Eigen::Vector3d by_node = Eigen::Vector3d::Zero();  // by the place of the slot's node, 1/m
+};
+
+// `at_points`: points · elements. Points may be there twice. O(elements) for the places of points.
+RecoveredValue RecoverAt(const mesh::TetrahedralMesh& mesh, const PartNodes& nodes, int slot,
+                         const Eigen::VectorXd& at_points);
+
 }  // namespace mortise::simulator

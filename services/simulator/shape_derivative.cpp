@@ -1,7 +1,9 @@
 #include "services/simulator/shape_derivative.h"
 
 #include <Eigen/Geometry>
+#include <utility>
 
+#include "absl/functional/function_ref.h"
 #include "services/simulator/shape_functions.h"
 
 namespace mortise::simulator {
@@ -80,6 +82,42 @@ void AddAreaDerivative(const mesh::TetrahedralMesh& mesh, int triangle, const Tr
   }
 }
 
+// The mean over triangles of what `value_of` makes of u at a point: a number, and its derivative by
+// u.
+using ValueOfField = absl::FunctionRef<std::pair<double, Eigen::Vector3d>(const Eigen::Vector3d&)>;
+FaceMean MeanOf(const mesh::TetrahedralMesh& mesh, const std::vector<int>& triangles,
+                const Eigen::Matrix3Xd& field, ValueOfField value_of) {
+  const Eigen::Matrix3Xd none = Eigen::Matrix3Xd::Zero(3, mesh.nodes.cols());
+  FaceMean mean{0, none, none};
+  Eigen::Matrix3Xd by_area = none;  // d(area)/dX
+  double area = 0;
+  for (const int t : triangles) {
+    const GradientMatrix positions = TrianglePositions(mesh, t);
+    for (const TrianglePoint& point : TriangleRule()) {
+      const TrianglePlace place = PlaceAt(positions, point.barycentric);
+      const Eigen::Vector3d vector = place.first.cross(place.second) / 2;
+      const double piece = point.weight * vector.norm();
+      Eigen::Vector3d u = Eigen::Vector3d::Zero();
+      for (Eigen::Index k = 0; k < place.shape.size(); ++k) {
+        u += place.shape[k] * field.col(mesh.face_triangles(k, t));
+      }
+      const auto [value, by_u] = value_of(u);
+      for (Eigen::Index k = 0; k < place.shape.size(); ++k) {
+        mean.by_field.col(mesh.face_triangles(k, t)) += piece * place.shape[k] * by_u;
+      }
+      area += piece;
+      mean.value += piece * value;
+      const Eigen::Vector3d normal = point.weight * vector.normalized();
+      AddAreaDerivative(mesh, t, place, value * normal, mean.by_position);
+      AddAreaDerivative(mesh, t, place, normal, by_area);
+    }
+  }
+  mean.value /= area;
+  mean.by_field /= area;
+  mean.by_position = (mean.by_position - mean.value * by_area) / area;
+  return mean;
+}
+
 }  // namespace
 
 Eigen::Matrix3Xd StiffnessDerivative(const mesh::TetrahedralMesh& mesh,
@@ -116,33 +154,16 @@ Eigen::Matrix3Xd StiffnessDerivative(const mesh::TetrahedralMesh& mesh,
 
 FaceMean MeanOverTriangles(const mesh::TetrahedralMesh& mesh, const std::vector<int>& triangles,
                            const Eigen::Matrix3Xd& field, const Eigen::Vector3d& direction) {
-  const Eigen::Matrix3Xd none = Eigen::Matrix3Xd::Zero(3, mesh.nodes.cols());
-  FaceMean mean{0, none, none};
-  Eigen::Matrix3Xd by_area = none;  // d(area)/dX
-  double area = 0;
-  for (const int t : triangles) {
-    const GradientMatrix positions = TrianglePositions(mesh, t);
-    for (const TrianglePoint& point : TriangleRule()) {
-      const TrianglePlace place = PlaceAt(positions, point.barycentric);
-      const Eigen::Vector3d vector = place.first.cross(place.second) / 2;
-      const double piece = point.weight * vector.norm();
-      double value = 0;
-      for (Eigen::Index k = 0; k < place.shape.size(); ++k) {
-        const int node = mesh.face_triangles(k, t);
-        value += place.shape[k] * direction.dot(field.col(node));
-        mean.by_field.col(node) += piece * place.shape[k] * direction;
-      }
-      area += piece;
-      mean.value += piece * value;
-      const Eigen::Vector3d normal = point.weight * vector.normalized();
-      AddAreaDerivative(mesh, t, place, value * normal, mean.by_position);
-      AddAreaDerivative(mesh, t, place, normal, by_area);
-    }
-  }
-  mean.value /= area;
-  mean.by_field /= area;
-  mean.by_position = (mean.by_position - mean.value * by_area) / area;
-  return mean;
+  return MeanOf(mesh, triangles, field, [&direction](const Eigen::Vector3d& u) {
+    return std::pair(direction.dot(u), direction);
+  });
+}
+
+FaceMean MeanLengthOverTriangles(const mesh::TetrahedralMesh& mesh,
+                                 const std::vector<int>& triangles, const Eigen::Matrix3Xd& field) {
+  return MeanOf(mesh, triangles, field, [](const Eigen::Vector3d& u) {
+    return std::pair<double, Eigen::Vector3d>(u.norm(), u.normalized());
+  });
 }
 
 Eigen::Matrix3Xd LoadDerivative(const mesh::TetrahedralMesh& mesh,

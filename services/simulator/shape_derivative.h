@@ -38,6 +38,10 @@ struct FaceMean {
 FaceMean MeanOverTriangles(const mesh::TetrahedralMesh& mesh, const std::vector<int>& triangles,
                            const Eigen::Matrix3Xd& field, const Eigen::Vector3d& direction);
 
+// Likewise of the length of u; a point where it is 0 adds nothing to the derivatives.
+FaceMean MeanLengthOverTriangles(const mesh::TetrahedralMesh& mesh,
+                                 const std::vector<int>& triangles, const Eigen::Matrix3Xd& field);
+
 // d(mass)/dX, kg/m, of parts with these densities.
 Eigen::Matrix3Xd MassDerivative(const mesh::TetrahedralMesh& mesh,
                                 const std::vector<double>& densities);
