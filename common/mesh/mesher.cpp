@@ -29,7 +29,7 @@ constexpr double kDegreesPerRadian = 180 / std::numbers::pi;
 // Six times the volume over the longest edge cubed; the regular tetrahedron has 0.7. TetGen makes
 // one flatter element in some hundred thousand, between points in one plane: nothing can be solved
 // on it.
-constexpr double kFlat = 1e-12;
+constexpr double kFlat = 2e-14;
 
 // A try at a mesh. Where TetGen makes flat elements, another size mostly does not; where it fails
 // over needles on curved faces, rounder triangles help.

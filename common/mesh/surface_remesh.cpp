@@ -26,7 +26,7 @@ using Mesh = CGAL::Surface_mesh<Point>;
 
 constexpr double kPlane = 1e-3;          // rad, by which a face turns at most that counts as plane
 constexpr unsigned kRounds = 5;          // of the remeshing
-constexpr double kMostPieces = 3e5;      // into which edges are divided at first
+constexpr double kMostPieces = 1.2e5;    // into which edges are divided at first
 constexpr double kLongBorder = 4 / 3.0;  // of the wanted length: what CGAL takes without dividing
 
 // Height over longest edge: a face with a flatter new triangle keeps its old ones.
@@ -94,7 +94,7 @@ absl::StatusOr<std::vector<double>> EdgeLengths(const AssemblySurface& surface, 
     pieces += bend.lengths / lengths.back();
   }
   if (pieces <= kMostPieces) return lengths;
-  return TooLarge("a surface whose curved faces are drawn anew", "300,000 edges");
+  return TooLarge("a surface whose curved faces are drawn anew", "120,000 edges");
 }
 
 // Halves the outlines of faces until they are short enough for the faces beside them, with all

@@ -15,7 +15,7 @@ namespace mortise::mesh {
 // The same surface gives the same triangles.
 //
 // A needle is first divided into as many pieces as it is longer than they should be: seconds for
-// some 10,000 pieces. RESOURCE_EXHAUSTED beyond 300,000.
+// some 10,000 pieces. RESOURCE_EXHAUSTED beyond 120,000.
 absl::StatusOr<AssemblySurface> WithRoundTriangles(const AssemblySurface& surface, double longest,
                                                    double turn);
 
