@@ -253,7 +253,8 @@ absl::StatusOr<TetrahedralMesh> MeshOnce(const AssemblySurface& assembly, double
                                     SecondsFor(expected), input, output));
   MORTISE_ASSIGN_OR_RETURN(TetrahedralMesh mesh,
                            TakeMesh(output, assembly.faces, assembly.part_names, options));
-  return LeastThickness(mesh) < kFlat ? FlatElements() : absl::StatusOr<TetrahedralMesh>(mesh);
+  if (LeastThickness(mesh) < kFlat) return FlatElements();
+  return mesh;
 }
 
 absl::Status CheckSizes(const TetrahedralMesh& mesh, const Eigen::VectorXd& sizes) {

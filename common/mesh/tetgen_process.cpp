@@ -21,6 +21,10 @@
 namespace mortise::mesh {
 namespace {
 
+// By how much longer than its processor time a child may take on a busy machine, before it counts
+// as one that waits for something that never comes.
+constexpr unsigned kPatience = 20;
+
 // What the child tells first: a failure, or how much follows.
 struct Head {
   // 0, or what TetGen throws: 1 out of memory; 2 internal; 3 self-intersection; 4 tiny features;
@@ -79,6 +83,15 @@ void Tetrahedralize(const std::string& switches, int seconds, tetgenio& input, i
   const auto limit = static_cast<rlim_t>(seconds);
   const rlimit time = {limit, limit};
   ::setrlimit(RLIMIT_CPU, &time);
+  // What asks the parent to end does not ask its child, which is waited for.
+  ::signal(SIGINT, SIG_IGN);
+  ::signal(SIGTERM, SIG_IGN);
+  ::signal(SIGALRM, SIG_DFL);
+  sigset_t alarm;
+  ::sigemptyset(&alarm);
+  ::sigaddset(&alarm, SIGALRM);
+  ::sigprocmask(SIG_UNBLOCK, &alarm, nullptr);
+  ::alarm(kPatience * static_cast<unsigned>(seconds));
   const int nowhere = ::open("/dev/null", O_WRONLY);
   ::dup2(nowhere, STDOUT_FILENO);
   ::dup2(nowhere, STDERR_FILENO);
