@@ -23,7 +23,6 @@ namespace mortise::simulator {
 // A face of a prism and how it changes with the parameters.
 struct FaceShapeMotion {
   mesh::NamedFace face;
-  double area = 0;                 // m²
   Eigen::Vector3d centroid;        // m
   Eigen::VectorXd area_rate;       // parameters, m² per unit of each
   Eigen::Matrix3Xd centroid_rate;  // 3 × parameters

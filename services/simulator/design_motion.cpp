@@ -159,7 +159,6 @@ std::vector<FaceShapeMotion> ShapesOf(const EvaluatedPart& part, int index,
   std::vector<FaceShapeMotion> shapes;
   for (Eigen::Index f = 0; f < known.cols(); ++f) {
     shapes.push_back({.face = {index, part.face_names[static_cast<std::size_t>(f)]},
-                      .area = known(0, f),
                       .centroid = known.col(f).tail<3>(),
                       .area_rate = Eigen::VectorXd::Zero(parameters),
                       .centroid_rate = Eigen::Matrix3Xd::Zero(3, parameters)});

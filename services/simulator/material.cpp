@@ -169,6 +169,14 @@ Eigen::Matrix3d ConductivityMatrix(const Material& material) {
   return axes * material.orthotropy->conductivity.asDiagonal() * axes.transpose();
 }
 
+Eigen::Matrix3d StressTensor(const Vector6d& stress) {
+  Eigen::Matrix3d tensor;
+  tensor << stress[0], stress[3], stress[5],  //
+      stress[3], stress[1], stress[4],        //
+      stress[5], stress[4], stress[2];
+  return tensor;
+}
+
 double VonMises(const Vector6d& stress) {
   const double xy = stress[0] - stress[1], yz = stress[1] - stress[2], zx = stress[2] - stress[0];
   return std::sqrt(0.5 * (xy * xy + yz * yz + zx * zx) + 3 * stress.tail<3>().squaredNorm());
@@ -177,10 +185,7 @@ double VonMises(const Vector6d& stress) {
 // The largest root of the characteristic polynomial, by the cosine of a third of an angle.
 double MaximumPrincipal(const Vector6d& stress) {
   const double mean = stress.head<3>().mean();
-  Eigen::Matrix3d deviator;
-  deviator << stress[0] - mean, stress[3], stress[5],  //
-      stress[3], stress[1] - mean, stress[4],          //
-      stress[5], stress[4], stress[2] - mean;
+  const Eigen::Matrix3d deviator = StressTensor(stress) - mean * Eigen::Matrix3d::Identity();
   const double size = std::sqrt(deviator.squaredNorm() / 6);
   if (!(size > 0)) return mean;
   const double cosine = std::clamp(0.5 * (deviator / size).determinant(), -1.0, 1.0);

@@ -64,6 +64,9 @@ Vector6d ThermalStrain(const Material& material);
 // The conductivity in space: heat flux = −k · gradient of temperature, W/(m K).
 Eigen::Matrix3d ConductivityMatrix(const Material& material);
 
+// xx yy zz xy yz xz as a symmetric matrix.
+Eigen::Matrix3d StressTensor(const Vector6d& stress);
+
 // The equivalent uniaxial stress √(½((σx−σy)²+(σy−σz)²+(σz−σx)²)+3(τxy²+τyz²+τxz²)), Pa.
 double VonMises(const Vector6d& stress);
 

@@ -9,19 +9,11 @@
 namespace mortise::simulator {
 namespace {
 
-Eigen::Matrix3d AsTensor(const Vector6d& stress) {
-  Eigen::Matrix3d tensor;
-  tensor << stress[0], stress[3], stress[5],  //
-      stress[3], stress[1], stress[4],        //
-      stress[5], stress[4], stress[2];
-  return tensor;
-}
-
 Eigen::Matrix3d StressOf(const Matrix6d& stiffness, const Eigen::Matrix3d& gradient) {
   Vector6d strain;
   strain << gradient(0, 0), gradient(1, 1), gradient(2, 2), gradient(0, 1) + gradient(1, 0),
       gradient(1, 2) + gradient(2, 1), gradient(0, 2) + gradient(2, 0);
-  return AsTensor(stiffness * strain);
+  return StressTensor(stiffness * strain);
 }
 
 GradientMatrix Gathered(const mesh::TetrahedralMesh& mesh, Eigen::Index element,

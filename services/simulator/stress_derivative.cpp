@@ -5,17 +5,6 @@
 #include "services/simulator/shape_functions.h"
 
 namespace mortise::simulator {
-namespace {
-
-Eigen::Matrix3d AsTensor(const Vector6d& stress) {
-  Eigen::Matrix3d tensor;
-  tensor << stress[0], stress[3], stress[5],  //
-      stress[3], stress[1], stress[4],        //
-      stress[5], stress[4], stress[2];
-  return tensor;
-}
-
-}  // namespace
 
 StressDerivative NodalStressDerivative(const mesh::TetrahedralMesh& mesh,
                                        const std::vector<Material>& materials,
@@ -24,8 +13,8 @@ StressDerivative NodalStressDerivative(const mesh::TetrahedralMesh& mesh,
                                        const Vector6d& direction) {
   const RecoveredValue recovered = RecoverAt(mesh, nodes, slot, at_points.transpose() * direction);
   // With S = D direction, direction · σ of a point is S : ∇u.
-  const Eigen::Matrix3d sensitivity =
-      AsTensor(StiffnessMatrix(materials[static_cast<std::size_t>(nodes.part(slot))]) * direction);
+  const Eigen::Matrix3d sensitivity = StressTensor(
+      StiffnessMatrix(materials[static_cast<std::size_t>(nodes.part(slot))]) * direction);
   const auto& rule = TetrahedronRule(mesh.IsQuadratic() ? 2 : 1);
   const int per_element = static_cast<int>(rule.size());
   const Eigen::Matrix3Xd none = Eigen::Matrix3Xd::Zero(3, mesh.nodes.cols());
@@ -64,7 +53,7 @@ Vector6d VonMisesGradient(const Vector6d& stress) {
 }
 
 Vector6d MaximumPrincipalGradient(const Vector6d& stress) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> principal(AsTensor(stress));
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> principal(StressTensor(stress));
   const Eigen::Vector3d n = principal.eigenvectors().col(2);
   Vector6d gradient;
   gradient << n.cwiseAbs2(), 2 * n.x() * n.y(), 2 * n.y() * n.z(), 2 * n.x() * n.z();
