@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <iterator>
 #include <mutex>
 #include <optional>
 #include <ranges>
@@ -94,12 +95,14 @@ class Batch : public std::enable_shared_from_this<Batch> {
     if (count == 0) return;
     const auto next = wanted.begin() + static_cast<std::ptrdiff_t>(count);
     std::vector<WantedTask> tasks;
+    std::vector<Waiting> waiting;
     for (auto& [index, task] : std::ranges::subrange(wanted.begin(), next)) {
       // Waits before it asks, so that a result that comes in between is not missed.
-      WaitFor(task.key, index);
+      waiting.push_back(WaitFor(task.key, index));
       tasks.push_back(std::move(task));
     }
     EnqueueNow(tasks);
+    Keep(std::move(waiting));
     if (is_abandoned()) return Abandon();  // what was queued since
     wanted.erase(wanted.begin(), next);
     if (wanted.empty()) return;
@@ -111,7 +114,7 @@ class Batch : public std::enable_shared_from_this<Batch> {
   // Nobody reads any more: what only this stream wanted need not be begun. What is under way is
   // finished and kept: streams break off and are asked for again.
   void Abandon() {
-    std::vector<std::pair<std::string, int64_t>> waiting;
+    std::vector<Waiting> waiting;
     {
       const std::lock_guard lock(mutex_);
       is_abandoned_ = true;
@@ -123,6 +126,11 @@ class Batch : public std::enable_shared_from_this<Batch> {
   }
 
  private:
+  struct Waiting {
+    std::string key;
+    int64_t ticket = 0;
+  };
+
   // Those that have finished, or cannot be queued, are told to who waits for them.
   void EnqueueNow(const std::vector<WantedTask>& tasks) {
     const auto found = core_->Enqueue(tasks);
@@ -139,13 +147,18 @@ class Batch : public std::enable_shared_from_this<Batch> {
     }
   }
 
-  void WaitFor(const std::string& key, int index) {
+  Waiting WaitFor(const std::string& key, int index) {
     const int64_t ticket = core_->waiters().Add(
         key, [self = shared_from_this(), index](const store::Task& task, bool known_before) {
           self->SendTask(index, task, known_before);
         });
+    return {.key = key, .ticket = ticket};
+  }
+
+  // For Abandon, which would miss tasks that are not in the queue yet.
+  void Keep(std::vector<Waiting> queued) {
     const std::lock_guard lock(mutex_);
-    waiting_.emplace_back(key, ticket);
+    std::move(queued.begin(), queued.end(), std::back_inserter(waiting_));
   }
 
   bool is_abandoned() const {
@@ -157,9 +170,9 @@ class Batch : public std::enable_shared_from_this<Batch> {
   const std::shared_ptr<ResultCache> cache_;
   const std::weak_ptr<rpc::StreamWriter<v1::EvaluationResult>> writer_;
   mutable std::mutex mutex_;
-  int remaining_;                                         // guarded by mutex_
-  bool is_abandoned_ = false;                             // guarded by mutex_
-  std::vector<std::pair<std::string, int64_t>> waiting_;  // guarded by mutex_: key, ticket
+  int remaining_;                 // guarded by mutex_
+  bool is_abandoned_ = false;     // guarded by mutex_
+  std::vector<Waiting> waiting_;  // guarded by mutex_; their tasks have been queued
 };
 
 class EvaluatorAdapter final : public v1::EvaluatorService::CallbackService {
