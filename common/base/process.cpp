@@ -7,13 +7,18 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
+#include <thread>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
 #include "common/base/errors.h"
 
 namespace mortise {
 namespace {
+
+constexpr auto kBetweenLooks = std::chrono::milliseconds(2);
 
 std::vector<char*> Pointers(std::vector<std::string>& strings) {
   std::vector<char*> pointers;
@@ -26,6 +31,16 @@ std::vector<char*> Pointers(std::vector<std::string>& strings) {
 
 std::string ProcessEnd::ToString() const {
   return signalled ? absl::StrCat("killed by signal ", code) : absl::StrCat("exit code ", code);
+}
+
+std::filesystem::path FindProgram(const std::string& program) {
+  const char* const path = std::getenv("PATH");
+  for (const absl::string_view folder : absl::StrSplit(path != nullptr ? path : "/usr/bin", ':')) {
+    const std::filesystem::path file =
+        std::filesystem::path(std::string(folder.empty() ? "." : folder)) / program;
+    if (::access(file.c_str(), X_OK) == 0 && !std::filesystem::is_directory(file)) return file;
+  }
+  return {};
 }
 
 absl::StatusOr<pid_t> StartProcess(const std::vector<std::string>& command,
@@ -78,6 +93,22 @@ void KillProcess(pid_t pid) {
   ::kill(pid, SIGKILL);
   while (::waitpid(pid, nullptr, 0) < 0 && errno == EINTR) {
   }
+}
+
+absl::StatusOr<std::optional<ProcessEnd>> RunProcess(const std::vector<std::string>& command,
+                                                     const std::filesystem::path& log,
+                                                     std::chrono::milliseconds limit) {
+  const auto latest = std::chrono::steady_clock::now() + limit;
+  MORTISE_ASSIGN_OR_RETURN(const pid_t pid, StartProcess(command, log));
+  std::optional<ProcessEnd> end;
+  while (!(end = CollectProcess(pid))) {
+    if (std::chrono::steady_clock::now() >= latest) {
+      KillProcess(pid);
+      break;
+    }
+    std::this_thread::sleep_for(kBetweenLooks);
+  }
+  return end;
 }
 
 bool ProcessExists(pid_t pid) { return pid > 0 && (::kill(pid, 0) == 0 || errno == EPERM); }

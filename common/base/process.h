@@ -3,6 +3,7 @@
 
 #include <sys/types.h>
 
+#include <chrono>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -20,6 +21,9 @@ struct ProcessEnd {
   std::string ToString() const;
 };
 
+// The file of a program on PATH, that may be run; empty if there is none.
+std::filesystem::path FindProgram(const std::string& program);
+
 // Starts `command` (program and arguments) with standard output and error appended to `log`, the
 // environment entries `environment` ("NAME=value") added to this process's. The child gets SIGTERM
 // when the thread that started it dies, so that a killed parent leaves no orphans.
@@ -33,6 +37,12 @@ std::optional<ProcessEnd> CollectProcess(pid_t pid);
 // Kills `pid`, a child that StartProcess started, with all that it started in turn, and collects
 // it.
 void KillProcess(pid_t pid);
+
+// Starts `command` as StartProcess does and waits until it ends; nothing if it was killed because
+// it had not after `limit`.
+absl::StatusOr<std::optional<ProcessEnd>> RunProcess(const std::vector<std::string>& command,
+                                                     const std::filesystem::path& log,
+                                                     std::chrono::milliseconds limit);
 
 // Whether a process with this id exists.
 bool ProcessExists(pid_t pid);

@@ -13,18 +13,23 @@
 #include <TopoDS_Compound.hxx>
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <map>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "common/base/errors.h"
+#include "common/cad/edge_lengths.h"
 #include "common/cad/facet_balance.h"
+#include "common/cad/gmsh_triangles.h"
 #include "common/cad/part_gaps.h"
 #include "common/cad/solid_fusion.h"
 #include "common/cad/solid_kernel.h"
 #include "common/cad/triangle_joiner.h"
 #include "common/mesh/inside_point.h"
+#include "common/mesh/mass_properties.h"
+#include "common/mesh/mesher.h"
 #include "common/mesh/surface_check.h"
 
 namespace mortise::cad {
@@ -37,6 +42,9 @@ constexpr double kAngle = 0.5;        // rad, between neighbouring triangles of 
 constexpr double kLeastChord = 2e-5;  // m
 constexpr double kClear = 0.3;        // of the way between two parts: what triangles may miss
 constexpr std::size_t kPairsTold = 4;
+// Of the length of edges: what is tried in turn.
+constexpr std::array<double, 3> kShares = {1, 0.6, 0.35};
+constexpr double kSameVolume = 0.01;
 
 std::string BothNames(const std::vector<FusedPart>& parts, int first, int second) {
   return absl::StrCat("'", parts[static_cast<std::size_t>(first)].name, "' and '",
@@ -110,18 +118,23 @@ std::vector<double> MissesOf(const SolidFusion& fusion, std::vector<double> chor
 // The parts fused, and how far triangles may miss each face.
 struct Fused {
   SolidFusion fusion;
-  std::vector<double> chords;  // m
+  std::vector<double> chords;     // m
+  std::vector<bool> is_at_a_gap;  // of each face: whether its chord is smaller for that
 };
 
 // Triangles pass through no gap.
 Fused Refined(SolidFusion fusion, const std::vector<FaceGap>& gaps, std::vector<double> chords) {
+  std::vector<bool> is_at_a_gap(chords.size(), false);
   for (const FaceGap& gap : gaps) {
     for (const int face : {gap.first, gap.second}) {
       double& chord = chords[static_cast<std::size_t>(face)];
-      chord = std::min(chord, std::max(kLeastChord, kClear * gap.width));
+      const double clear = std::max(kLeastChord, kClear * gap.width);
+      if (clear >= chord) continue;
+      chord = clear;
+      is_at_a_gap[static_cast<std::size_t>(face)] = true;
     }
   }
-  return Fused{std::move(fusion), std::move(chords)};
+  return Fused{std::move(fusion), std::move(chords), std::move(is_at_a_gap)};
 }
 
 absl::StatusOr<Fused> FuseWithin(const std::vector<FusedPart>& parts) {
@@ -178,13 +191,13 @@ void Triangulate(const Fused& fused) {
   }
 }
 
-absl::StatusOr<mesh::AssemblySurface> SurfaceOf(const std::vector<FusedPart>& parts) {
-  MORTISE_ASSIGN_OR_RETURN(const Fused fused, FuseWithin(parts));
-  Triangulate(fused);
+// The kernel's triangles, joined at what the faces share.
+absl::StatusOr<mesh::AssemblySurface> Joined(const std::vector<FusedPart>& parts,
+                                             const SolidFusion& fusion) {
   mesh::AssemblySurface surface;
   TriangleJoiner joiner;
   FacetBalance balance;
-  for (const FusedFace& face : fused.fusion.faces()) {
+  for (const FusedFace& face : fusion.faces()) {
     const absl::StatusOr<std::vector<int>> points =
         joiner.Append(face.face, static_cast<int>(surface.faces.size()));
     if (!points.ok()) {
@@ -197,6 +210,11 @@ absl::StatusOr<mesh::AssemblySurface> SurfaceOf(const std::vector<FusedPart>& pa
   }
   joiner.MoveTo(surface);
   balance.Apply(surface);
+  return surface;
+}
+
+// Adds the names of the parts, and points inside them. INTERNAL where a part is not closed.
+absl::Status CompleteParts(const std::vector<FusedPart>& parts, mesh::AssemblySurface& surface) {
   surface.part_interior.resize(3, static_cast<Eigen::Index>(parts.size()));
   for (std::size_t i = 0; i < parts.size(); ++i) {
     const mesh::SurfaceMesh own = mesh::PartSurface(surface, static_cast<int>(i));
@@ -208,17 +226,89 @@ absl::StatusOr<mesh::AssemblySurface> SurfaceOf(const std::vector<FusedPart>& pa
                              mesh::InsidePoint(own));
     surface.part_names.push_back(parts[i].name);
   }
+  return absl::OkStatus();
+}
+
+// The surface in triangles with edges of these lengths, m, on each face.
+absl::StatusOr<mesh::AssemblySurface> DrawnRound(const std::vector<FusedPart>& parts,
+                                                 const std::vector<TopoDS_Face>& faces,
+                                                 const std::vector<double>& lengths,
+                                                 const std::vector<mesh::AssemblyFace>& described) {
+  MORTISE_ASSIGN_OR_RETURN(GmshTriangles drawn, TriangulateWithGmsh(faces, lengths));
+  mesh::AssemblySurface surface;
+  surface.vertices = std::move(drawn.vertices);
+  surface.triangles = std::move(drawn.triangles);
+  surface.triangle_face = std::move(drawn.triangle_face);
+  surface.faces = described;
+  FacetBalance balance;
+  for (std::size_t i = 0; i < faces.size(); ++i) balance.Add(faces[i], drawn.nodes[i]);
+  balance.Apply(surface);
+  MORTISE_RETURN_IF_ERROR(CompleteParts(parts, surface));
+  if (!mesh::FindIntersections(surface.vertices, surface.triangles).empty()) {
+    return KernelFailure("drawing triangles", "some cross");
+  }
   return surface;
+}
+
+// Whether all parts have nearly the volume in one surface that they have in the other.
+bool EncloseTheSame(const mesh::AssemblySurface& one, const mesh::AssemblySurface& other) {
+  for (std::size_t i = 0; i < one.part_names.size(); ++i) {
+    const auto volume = [&](const mesh::AssemblySurface& surface) {
+      return mesh::ComputeMassProperties(mesh::PartSurface(surface, static_cast<int>(i))).volume;
+    };
+    const double wanted = volume(other);
+    if (!(std::abs(volume(one) - wanted) <= kSameVolume * wanted)) return false;
+  }
+  return true;
+}
+
+// Instead of `surface`, which has the kernel's triangles, triangles as wide as they are high.
+// Where they cross others, in a sharp corner between faces, shorter ones may not.
+absl::StatusOr<mesh::AssemblySurface> DrawnRound(const std::vector<FusedPart>& parts,
+                                                 const Fused& fused, double element_size,
+                                                 mesh::AssemblySurface surface) {
+  std::vector<TopoDS_Face> faces;
+  for (const FusedFace& face : fused.fusion.faces()) faces.push_back(face.face);
+  const std::vector<double> radii = LeastRadii(faces);
+  if (std::none_of(radii.begin(), radii.end(), [](double r) { return std::isfinite(r); })) {
+    return surface;
+  }
+  for (const double share : kShares) {
+    std::vector<double> lengths;
+    for (std::size_t i = 0; i < faces.size(); ++i) {
+      double length = share * EdgeLength(radii[i], element_size);
+      if (fused.is_at_a_gap[i])
+        length = std::min(length, std::sqrt(8 * radii[i] * fused.chords[i]));
+      lengths.push_back(length);
+    }
+    absl::StatusOr<mesh::AssemblySurface> drawn = DrawnRound(parts, faces, lengths, surface.faces);
+    if (drawn.ok() && EncloseTheSame(*drawn, surface)) return drawn;
+    if (DetailOf(drawn.status()).reason == kNoGmsh) return drawn.status();
+  }
+  return surface;
+}
+
+absl::StatusOr<mesh::AssemblySurface> SurfaceOf(const std::vector<FusedPart>& parts,
+                                                const FuseOptions& options) {
+  MORTISE_ASSIGN_OR_RETURN(const Fused fused, FuseWithin(parts));
+  Triangulate(fused);
+  MORTISE_ASSIGN_OR_RETURN(mesh::AssemblySurface surface, Joined(parts, fused.fusion));
+  MORTISE_RETURN_IF_ERROR(CompleteParts(parts, surface));
+  if (!options.element_size) return surface;
+  const double size =
+      *options.element_size > 0 ? *options.element_size : mesh::DefaultElementSize(surface);
+  return DrawnRound(parts, fused, size, std::move(surface));
 }
 
 }  // namespace
 
-absl::StatusOr<mesh::AssemblySurface> FuseAssembly(const std::vector<Solid>& parts) {
+absl::StatusOr<mesh::AssemblySurface> FuseAssembly(const std::vector<Solid>& parts,
+                                                   const FuseOptions& options) {
   if (parts.empty()) return InvalidField("parts", "is empty");
   try {
     std::vector<FusedPart> copies;
     for (const Solid& solid : parts) copies.push_back(CopyOf(solid));
-    return SurfaceOf(copies);
+    return SurfaceOf(copies, options);
   } catch (const Standard_Failure& failure) {
     return KernelFailure("fusing the parts", failure.GetMessageString());
   }

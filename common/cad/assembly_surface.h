@@ -14,6 +14,7 @@
 // (facet_balance.h).
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -29,15 +30,27 @@ inline constexpr double kDrawingTolerance = 1e-4;  // m
 // less where it passes another part's face at a small distance, which they must not cross.
 inline constexpr double kChordTolerance = 2e-3;
 
+// The reason of a failure where Gmsh is needed and not installed.
+inline constexpr char kNoGmsh[] = "NO_GMSH";
+
+struct FuseOptions {
+  // Wanted size of the elements between the triangles, m; 0 for mesh::DefaultElementSize. With it,
+  // what has curved faces gets triangles that are about as wide as they are high, and as long as
+  // elements beside them should be: through Gmsh (gmsh_triangles.h), with the kernel's where Gmsh
+  // fails. Without it the kernel's, which follow what is round with needles.
+  std::optional<double> element_size;
+};
+
 // The surface of `parts` together. Every AssemblyFace names the faces of the parts it is a piece
 // of. Triangles of a face between two parts point from the part of lower index into the other one;
 // those on the outside point outwards (front_part -1).
 //
 // INVALID_ARGUMENT naming "parts": parts that penetrate each other, with the names of the first
 // four pairs and how far; or "parts[i]": a part that touches itself. FAILED_PRECONDITION,
-// NOT_BONDED, for two parts nearer to each other than the tolerance that the kernel cannot join.
-// INTERNAL if the kernel fails.
-absl::StatusOr<mesh::AssemblySurface> FuseAssembly(const std::vector<Solid>& parts);
+// NOT_BONDED, for two parts nearer to each other than the tolerance that the kernel cannot join;
+// NO_GMSH where Gmsh is needed and not installed. INTERNAL if the kernel fails.
+absl::StatusOr<mesh::AssemblySurface> FuseAssembly(const std::vector<Solid>& parts,
+                                                   const FuseOptions& options = {});
 
 // The same for prisms. INVALID_ARGUMENT naming "parts[i]" too where a shape is degenerate.
 absl::StatusOr<mesh::AssemblySurface> FuseAssembly(const std::vector<mesh::PartShape>& parts);

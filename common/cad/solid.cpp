@@ -113,4 +113,10 @@ Eigen::Vector3d Solid::CentreOfMass() const {
   return {centre.X(), centre.Y(), centre.Z()};
 }
 
+Solid WithFaceNames(const Solid& solid, std::vector<std::string> face_names) {
+  auto named = std::make_shared<Solid::Kernel>(solid.kernel());
+  named->face_names = std::move(face_names);
+  return Solid(std::move(named));
+}
+
 }  // namespace mortise::cad

@@ -32,6 +32,8 @@ class CagedMesh final : public Template {
            2 * static_cast<std::size_t>(model_.coordinates().size()) * sizeof(double);
   }
 
+  bool HasExactSurfaces() const override { return false; }
+
  protected:
   absl::StatusOr<parametric::EvaluatedDesign> DesignAt(const Eigen::VectorXd& q) const override {
     MORTISE_ASSIGN_OR_RETURN(parametric::CageDesign made, model_.Evaluate(q));

@@ -58,6 +58,10 @@ class Template {
   // kernel can have.
   absl::StatusOr<std::vector<cad::Solid>> Solids(const Eigen::VectorXd& q) const;
 
+  // Whether the solids' surfaces are those that were designed, and not the triangles of a mesh. Of
+  // an assembly each part's shape tells it.
+  virtual bool HasExactSurfaces() const { return true; }
+
   // What an assembly template is made of at q: the assembly, and its parameters there. Nothing for
   // other kinds. Fails as Evaluate.
   struct AssemblyDesign {

@@ -16,7 +16,7 @@
 #include "absl/strings/str_replace.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
-#include "common/base/identifiers.h"
+#include "common/base/temporary_folder.h"
 #include "services/simulator/airflow_case.h"
 #include "services/simulator/openfoam.h"
 #include "services/simulator/wall_pressure.h"
@@ -27,24 +27,6 @@ namespace {
 constexpr double kBytesPerCell = 4000;  // of what makes the cells; the flow takes less
 constexpr double kOutlying = 0.001;     // of the surface: single cells may be far off
 constexpr int kFewestIterations = 200, kMostIterations = 1500;
-
-// A folder of its own that goes with it.
-class CaseFolder {
- public:
-  CaseFolder()
-      : path_(std::filesystem::temp_directory_path() / ("mortise-airflow-" + NewIdentifier())) {}
-  CaseFolder(const CaseFolder&) = delete;
-  CaseFolder& operator=(const CaseFolder&) = delete;
-  ~CaseFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  const std::filesystem::path path_;
-};
 
 // Turns the world into the wind's frame: the wind along x, what is up as far up as can be.
 Eigen::Matrix3d WindFrame(const Eigen::Vector3d& wind) {
@@ -200,7 +182,7 @@ absl::StatusOr<AirflowSolution> SolveAirflow(const mesh::SurfaceMesh& body,
   AirflowSolution solution;
   solution.iterations = IterationsFor(airflow.cells);
 
-  const CaseFolder folder;
+  const TemporaryFolder folder("airflow");
   for (const auto& [name, text] :
        WriteAirflowCase(turned, domain, airflow.air, speed, solution.iterations)) {
     MORTISE_RETURN_IF_ERROR(WriteFile(folder.path() / name, text));

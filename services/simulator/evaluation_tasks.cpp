@@ -2,6 +2,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "common/cad/assembly_surface.h"
 #include "common/rpc/status_mapping.h"
 #include "google/rpc/status.pb.h"
 #include "services/simulator/openfoam.h"
@@ -42,7 +43,8 @@ namespace {
 // it longer, or have it.
 bool MayEndOtherwise(const absl::Status& failure) {
   const std::string reason = DetailOf(failure).reason;
-  return IsTransient(failure) || reason == kTimeLimit || reason == kNoOpenFoam;
+  return IsTransient(failure) || reason == kTimeLimit || reason == kNoOpenFoam ||
+         reason == cad::kNoGmsh;
 }
 
 // A task that is there, queued afresh if it is worth it.

@@ -47,8 +47,8 @@ struct FoundTask {
 };
 
 // The tasks under the keys, queued by this call if they were not there. Those that failed for a
-// passing reason, for a limit of time or for want of OpenFOAM, or were cancelled, are queued
-// afresh.
+// passing reason, for a limit of time or for want of OpenFOAM or Gmsh, or were cancelled, are
+// queued afresh.
 absl::StatusOr<std::vector<FoundTask>> FindOrEnqueue(store::Transaction& transaction,
                                                      const std::vector<WantedTask>& wanted);
 

@@ -1,7 +1,5 @@
 #include "services/simulator/openfoam.h"
 
-#include <unistd.h>
-
 #include <chrono>
 #include <cstdlib>
 #include <fstream>
@@ -22,16 +20,6 @@ namespace {
 constexpr auto kBetweenLooks = std::chrono::milliseconds(50);
 constexpr std::size_t kMostLog = std::size_t{256} << 20;
 constexpr std::size_t kMostWords = 400;  // bytes of OpenFOAM's own
-
-std::filesystem::path FindProgram(const std::string& program) {
-  const char* const path = std::getenv("PATH");
-  for (const absl::string_view folder : absl::StrSplit(path != nullptr ? path : "/usr/bin", ':')) {
-    const std::filesystem::path file =
-        std::filesystem::path(std::string(folder.empty() ? "." : folder)) / program;
-    if (::access(file.c_str(), X_OK) == 0 && !std::filesystem::is_directory(file)) return file;
-  }
-  return {};
-}
 
 // Tells iterations from a log as it grows: each begins with a line "Time = N".
 class IterationReader {

@@ -201,8 +201,9 @@ absl::Status Evaluate(const v1::Task& task, const TaskSurroundings& surroundings
     MORTISE_RETURN_IF_ERROR(CheckLoaded(design));
   }
   if (demands.heat) MORTISE_RETURN_IF_ERROR(CheckHeated(design));
-  MORTISE_ASSIGN_OR_RETURN(const DesignModel model, MakeDesignModel(*compiled->function, parameters,
-                                                                    design, demands.surface));
+  MORTISE_ASSIGN_OR_RETURN(const DesignModel model,
+                           MakeDesignModel(*compiled->function, parameters, design,
+                                           {demands.surface, task.mesh().element_size()}));
   MORTISE_RETURN_IF_ERROR(CheckStopped(surroundings.stop));
   DesignAnalysisOptions options;
   // Nobody chose the metrics of an analysis.

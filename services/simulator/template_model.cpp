@@ -122,35 +122,29 @@ void NameFaces(const EvaluatedDesign& bearing, mesh::AssemblySurface& surface) {
   }
 }
 
-// Whether what bears of an assembly has exact surfaces: triangulated anew, these keep the sections
-// of what is round (cad/assembly_surface.h), which triangles drawn once for all sizes do not.
-absl::StatusOr<bool> HasExactSurfaces(const templates::Template& function,
-                                      const Eigen::VectorXd& parameters,
-                                      const EvaluatedDesign& design) {
-  MORTISE_ASSIGN_OR_RETURN(const auto drawn, function.AssemblyAt(parameters));
-  if (!drawn) return false;
-  const std::vector<parametric::PlacedPart> placed = drawn->assembly->PartsAt(drawn->q);
+// Whether all that bears of an assembly has exact surfaces: triangulated anew, these keep the
+// sections of what is round (cad/assembly_surface.h), which triangles drawn once for all sizes do
+// not.
+bool HasExactSurfaces(const templates::Template::AssemblyDesign& drawn,
+                      const EvaluatedDesign& design) {
+  const std::vector<parametric::PlacedPart> placed = drawn.assembly->PartsAt(drawn.q);
   for (std::size_t i = 0; i < placed.size(); ++i) {
     if (design.parts[i].connecting) continue;
-    const auto& shape = drawn->assembly->ShapeOf(placed[i]);
+    const auto& shape = drawn.assembly->ShapeOf(placed[i]);
     if (shape != nullptr && shape->brep.empty()) return false;
   }
   return true;
 }
 
 // What only connects is not made: nobody needs its shape to stretch.
-absl::StatusOr<std::vector<cad::Solid>> BearingSolids(const templates::Template& function,
-                                                      const Eigen::VectorXd& parameters,
-                                                      const EvaluatedDesign& design) {
-  MORTISE_ASSIGN_OR_RETURN(const auto drawn, function.AssemblyAt(parameters));
-  // Only assemblies have parts that connect.
-  if (!drawn) return function.Solids(parameters);
-  const std::vector<parametric::PlacedPart> placed = drawn->assembly->PartsAt(drawn->q);
+absl::StatusOr<std::vector<cad::Solid>> BearingSolids(
+    const templates::Template::AssemblyDesign& drawn, const EvaluatedDesign& design) {
+  const std::vector<parametric::PlacedPart> placed = drawn.assembly->PartsAt(drawn.q);
   std::vector<cad::Solid> solids;
   for (std::size_t i = 0; i < placed.size(); ++i) {
     const EvaluatedPart& part = design.parts[i];
     if (part.connecting) continue;
-    const auto& shape = drawn->assembly->ShapeOf(placed[i]);
+    const auto& shape = drawn.assembly->ShapeOf(placed[i]);
     absl::StatusOr<cad::Solid> solid =
         shape == nullptr ? cad::Solid::FromPart(parametric::PartShapeOf(part))
                          : cad::SolidOfShape(*shape, placed[i].stretch, part.name);
@@ -161,20 +155,54 @@ absl::StatusOr<std::vector<cad::Solid>> BearingSolids(const templates::Template&
   return solids;
 }
 
-// Several parts, some of which have shapes.
-absl::StatusOr<mesh::AssemblySurface> FuseShapes(const templates::Template& function,
-                                                 const Eigen::VectorXd& parameters,
+// The solid that is `part`, whose faces are told apart by their index: several may have the same
+// first name.
+absl::StatusOr<mesh::AssemblySurface> FuseSolid(const cad::Solid& solid, const EvaluatedPart& part,
+                                                double element_size) {
+  std::vector<std::string> numbers;
+  for (std::size_t i = 0; i < solid.face_names().size(); ++i) numbers.push_back(absl::StrCat(i));
+  MORTISE_ASSIGN_OR_RETURN(
+      mesh::AssemblySurface surface,
+      cad::FuseAssembly({cad::WithFaceNames(solid, numbers)}, {.element_size = element_size}));
+  for (mesh::AssemblyFace& face : surface.faces) {
+    const std::vector<mesh::NamedFace> pieces_of = std::move(face.origins);
+    face.origins.clear();
+    for (const mesh::NamedFace& origin : pieces_of) {
+      const auto index = std::find(numbers.begin(), numbers.end(), origin.name) - numbers.begin();
+      for (const std::string& name : part.faceted->face_names[static_cast<std::size_t>(index)]) {
+        face.origins.push_back({origin.part, name});
+      }
+    }
+  }
+  surface.part_names = {part.name};
+  return surface;
+}
+
+// A design that is one solid. Where the kernel cannot fuse it as it is, its triangles as drawn.
+absl::StatusOr<mesh::AssemblySurface> SurfaceOfSolid(const templates::Template& function,
+                                                     const Eigen::VectorXd& parameters,
+                                                     const EvaluatedPart& part,
+                                                     double element_size) {
+  MORTISE_ASSIGN_OR_RETURN(const std::vector<cad::Solid> solids, function.Solids(parameters));
+  absl::StatusOr<mesh::AssemblySurface> fused = FuseSolid(solids.front(), part, element_size);
+  if (fused.ok() || absl::IsFailedPrecondition(fused.status())) return fused;
+  return SurfaceOf(part);
+}
+
+// Parts of an assembly, some of which have shapes.
+absl::StatusOr<mesh::AssemblySurface> FuseShapes(const templates::Template::AssemblyDesign& drawn,
                                                  const EvaluatedDesign& design,
-                                                 const EvaluatedDesign& bearing) {
-  MORTISE_ASSIGN_OR_RETURN(const std::vector<cad::Solid> solids,
-                           BearingSolids(function, parameters, design));
+                                                 const EvaluatedDesign& bearing,
+                                                 double element_size) {
+  MORTISE_ASSIGN_OR_RETURN(const std::vector<cad::Solid> solids, BearingSolids(drawn, design));
   std::size_t faces = 0;
   for (const cad::Solid& solid : solids) faces += solid.face_names().size();
   if (faces > kMostFaces) {
     return TooLarge(absl::StrCat("the analysis of parts with ", faces, " faces together"),
                     absl::StrCat(kMostFaces, " faces: take exact surfaces instead of triangles"));
   }
-  MORTISE_ASSIGN_OR_RETURN(mesh::AssemblySurface surface, cad::FuseAssembly(solids));
+  MORTISE_ASSIGN_OR_RETURN(mesh::AssemblySurface surface,
+                           cad::FuseAssembly(solids, {.element_size = element_size}));
   NameFaces(bearing, surface);
   return surface;
 }
@@ -182,16 +210,22 @@ absl::StatusOr<mesh::AssemblySurface> FuseShapes(const templates::Template& func
 absl::StatusOr<mesh::AssemblySurface> SurfaceOf(const templates::Template& function,
                                                 const Eigen::VectorXd& parameters,
                                                 const EvaluatedDesign& design,
-                                                const EvaluatedDesign& bearing) {
+                                                const EvaluatedDesign& bearing,
+                                                double element_size) {
   const bool has_shapes =
       std::any_of(bearing.parts.begin(), bearing.parts.end(),
                   [](const EvaluatedPart& part) { return part.faceted.has_value(); });
   if (!has_shapes) return cad::FuseAssembly(parametric::PartShapes(bearing));
-  if (bearing.parts.size() == 1) {
-    MORTISE_ASSIGN_OR_RETURN(const bool is_exact, HasExactSurfaces(function, parameters, design));
-    if (!is_exact) return SurfaceOf(bearing.parts[0]);
+  MORTISE_ASSIGN_OR_RETURN(const auto drawn, function.AssemblyAt(parameters));
+  if (!drawn) {
+    return function.HasExactSurfaces()
+               ? SurfaceOfSolid(function, parameters, bearing.parts[0], element_size)
+               : SurfaceOf(bearing.parts[0]);
   }
-  return FuseShapes(function, parameters, design, bearing);
+  if (bearing.parts.size() == 1 && !HasExactSurfaces(*drawn, design)) {
+    return SurfaceOf(bearing.parts[0]);
+  }
+  return FuseShapes(*drawn, design, bearing, element_size);
 }
 
 // What conducts heat must say how well.
@@ -211,7 +245,7 @@ absl::Status CheckConducts(const DesignModel& model, const EvaluatedDesign& bear
 
 absl::StatusOr<DesignModel> MakeDesignModel(const templates::Template& function,
                                             const Eigen::VectorXd& parameters,
-                                            const EvaluatedDesign& design, bool joined) {
+                                            const EvaluatedDesign& design, const Joining& joining) {
   const EvaluatedDesign bearing = LoadBearing(design);
   DesignModel model;
   for (const EvaluatedPart& part : bearing.parts) {
@@ -220,8 +254,9 @@ absl::StatusOr<DesignModel> MakeDesignModel(const templates::Template& function,
     model.analysis.materials.push_back(std::move(material));
   }
   model.cost = CostOf(design, function.head().items);
-  if (joined) {
-    MORTISE_ASSIGN_OR_RETURN(model.surface, SurfaceOf(function, parameters, design, bearing));
+  if (joining.is_wanted) {
+    MORTISE_ASSIGN_OR_RETURN(
+        model.surface, SurfaceOf(function, parameters, design, bearing, joining.element_size));
   }
   MORTISE_RETURN_IF_ERROR(AddConditions(bearing, model));
   if (model.heat) {

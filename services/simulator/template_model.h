@@ -7,12 +7,19 @@
 
 namespace mortise::simulator {
 
+// Whether, and how, a model's parts are fused to one surface.
+struct Joining {
+  bool is_wanted = true;
+  double element_size = 0;  // m, of the mesh to be made of it; 0 for mesh::DefaultElementSize
+};
+
 // Fuses the parts of `design`, which is `function` at `parameters`, looks up what they are made of,
 // and turns its boundary conditions into supports and loads. Parts with shapes are their exact
 // solids where the template has them, else their triangles. Wood has its grain along the axis that
 // the part's item says; where there is no item it is taken as isotropic. What only connects parts
-// is left out: they are bonded where they touch. Without `joined` the parts are not fused, which
-// may take a second, and there is no surface.
+// is left out: they are bonded where they touch. Without `joining.is_wanted` the parts are not
+// fused, which may take a second, and there is no surface. What is round gets triangles for elements
+// of the size (cad::FuseOptions).
 //
 // Fails as cad::FuseAssembly and Template::Solids do; FAILED_PRECONDITION, NO_MATERIAL, naming a
 // part of which nobody says what it is made of; NO_CONDUCTIVITY, naming the material of a part that
@@ -22,7 +29,7 @@ namespace mortise::simulator {
 absl::StatusOr<DesignModel> MakeDesignModel(const templates::Template& function,
                                             const Eigen::VectorXd& parameters,
                                             const parametric::EvaluatedDesign& design,
-                                            bool joined = true);
+                                            const Joining& joining = {});
 
 // OfferedMetrics, with the currency of the template's items as the unit of the cost.
 std::vector<MetricDescription> MetricsOf(const templates::Template& function);

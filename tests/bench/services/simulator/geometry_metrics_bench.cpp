@@ -26,8 +26,8 @@ void Evaluating(benchmark::State& state, const Subject& subject,
   options.leave_out_inapplicable = true;
   Eigen::Index triangles = 0;
   for (auto unused : state) {
-    const auto model =
-        MakeDesignModel(*subject.function, subject.parameters, subject.design, false);
+    const auto model = MakeDesignModel(*subject.function, subject.parameters, subject.design,
+                                       {.is_wanted = false});
     if (!model.ok()) return state.SkipWithError("no model");
     benchmark::DoNotOptimize(AnalyzeDesign(*model, metrics, false, options).ok());
     triangles = 0;

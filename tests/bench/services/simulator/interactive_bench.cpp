@@ -46,7 +46,8 @@ void Dragging(benchmark::State& state, const std::string& name) {
     share += 0.01;
     const auto design = (*function)->Evaluate(q);
     if (!design.ok()) return state.SkipWithError("no design");
-    const auto model = MakeDesignModel(**function, q, *design);
+    const auto model =
+        MakeDesignModel(**function, q, *design, {.element_size = options.mesh.element_size});
     if (!model.ok()) return state.SkipWithError("no model");
     state.counters["geometry_s"] = SecondsSince(start);
     const auto analysis = AnalyzeDesign(*model, {"max_von_mises"}, false, options);

@@ -2,7 +2,6 @@
 #include "services/simulator/airflow.h"
 
 #include <gtest/gtest.h>
-#include <stdlib.h>
 
 #include <algorithm>
 #include <atomic>
@@ -10,40 +9,19 @@
 #include <filesystem>
 #include <limits>
 #include <numbers>
-#include <optional>
 #include <string>
 #include <thread>
 
 #include "bodies_in_air.h"
 #include "common/base/errors.h"
+#include "tests/support/environment.h"
 #include "tests/support/temporary_folder.h"
 
 namespace mortise::simulator {
 namespace {
 
 using parametric::Airflow;
-
-// An environment variable for the time of a test.
-class Environment {
- public:
-  Environment(const char* name, const std::string& value) : name_(name) {
-    if (const char* const before = std::getenv(name)) before_ = before;
-    ::setenv(name, value.c_str(), 1);
-  }
-  ~Environment() {
-    if (before_) {
-      ::setenv(name_, before_->c_str(), 1);
-    } else {
-      ::unsetenv(name_);
-    }
-  }
-  Environment(const Environment&) = delete;
-  Environment& operator=(const Environment&) = delete;
-
- private:
-  const char* const name_;
-  std::optional<std::string> before_;
-};
+using testing::Environment;
 
 double DynamicPressure(const Airflow& airflow) {
   return 0.5 * airflow.air.Density() * airflow.wind.squaredNorm();

@@ -58,7 +58,7 @@ struct Subject {
   }
   // Without `joined` it is for meshes that are there.
   DesignModel ModelAt(const Eigen::VectorXd& q, bool joined = true) const {
-    auto model = MakeDesignModel(*compiled.function, q, At(q), joined);
+    auto model = MakeDesignModel(*compiled.function, q, At(q), {.is_wanted = joined});
     EXPECT_TRUE(model.ok()) << model.status();
     return *std::move(model);
   }

@@ -343,8 +343,8 @@ TEST(TemplateModelTest, GeometryMetricsOfWhatShips) {
       if (assembly.name() == message.assembly().assembly()) *bundle.mutable_assembly() = assembly;
     }
     const Subject subject = AtDefaults(bundle);
-    const auto model =
-        MakeDesignModel(*subject.function, subject.parameters, subject.design, false);
+    const auto model = MakeDesignModel(*subject.function, subject.parameters, subject.design,
+                                       {.is_wanted = false});
     ASSERT_TRUE(model.ok()) << model.status();
     EXPECT_EQ(model->surface.triangles.cols(), 0);
     const auto analysis = AnalyzeDesign(*model, names, false, options);
@@ -374,7 +374,8 @@ TEST(TemplateModelTest, GeometryMetricsOfWhatShips) {
 
 TEST(TemplateModelTest, ABoatOfWoodFloatsUpright) {
   const Subject boat = AtDefaults(templates::ShippedTemplate("templates/boat"));
-  const auto model = MakeDesignModel(*boat.function, boat.parameters, boat.design, false);
+  const auto model =
+      MakeDesignModel(*boat.function, boat.parameters, boat.design, {.is_wanted = false});
   ASSERT_TRUE(model.ok()) << model.status();
   const auto analysis =
       AnalyzeDesign(*model, {"draught", "metacentric_height", "displaced_volume", "mass"}, false);
@@ -392,7 +393,8 @@ TEST(TemplateModelTest, TheCostHasTheItemsCurrency) {
                                  [](const auto& metric) { return metric.name == "cost"; });
   ASSERT_NE(cost, metrics.end());
   EXPECT_EQ(cost->unit, "EUR");
-  const auto model = MakeDesignModel(*table.function, table.parameters, table.design, false);
+  const auto model =
+      MakeDesignModel(*table.function, table.parameters, table.design, {.is_wanted = false});
   ASSERT_TRUE(model.ok()) << model.status();
   const auto analysis = AnalyzeDesign(*model, {"cost"}, false);
   ASSERT_TRUE(analysis.ok()) << analysis.status();
