@@ -1,5 +1,7 @@
 #include "common/templates/feature_template.h"
 
+#include <mutex>
+#include <optional>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -19,7 +21,7 @@ class FeatureTemplate final : public Template {
 
  protected:
   absl::StatusOr<parametric::EvaluatedDesign> DesignAt(const Eigen::VectorXd& q) const override {
-    MORTISE_ASSIGN_OR_RETURN(const cad::RegeneratedModel made, model_.Regenerate(q));
+    MORTISE_ASSIGN_OR_RETURN(const cad::RegeneratedModel made, Regenerate(q));
     MORTISE_ASSIGN_OR_RETURN(mesh::AssemblySurface surface, cad::SurfaceOf(made.solid));
     parametric::FacetedShape shape;
     shape.surface = {std::move(surface.vertices), std::move(surface.triangles)};
@@ -35,13 +37,32 @@ class FeatureTemplate final : public Template {
   }
 
   absl::StatusOr<std::vector<cad::Solid>> SolidsAt(const Eigen::VectorXd& q) const override {
-    MORTISE_ASSIGN_OR_RETURN(cad::RegeneratedModel made, model_.Regenerate(q));
+    MORTISE_ASSIGN_OR_RETURN(cad::RegeneratedModel made, Regenerate(q));
     return std::vector<cad::Solid>{std::move(made.solid)};
   }
 
  private:
+  struct Regenerated {
+    Eigen::VectorXd q;
+    cad::RegeneratedModel model;
+  };
+
+  // Who asks for a design mostly asks for its solid next, and regeneration takes most of either.
+  absl::StatusOr<cad::RegeneratedModel> Regenerate(const Eigen::VectorXd& q) const {
+    {
+      const std::lock_guard lock(mutex_);
+      if (last_ && last_->q == q) return last_->model;
+    }
+    MORTISE_ASSIGN_OR_RETURN(cad::RegeneratedModel made, model_.Regenerate(q));
+    const std::lock_guard lock(mutex_);
+    last_ = Regenerated{q, made};
+    return made;
+  }
+
   const cad::FeatureModel model_;
   const SolidIdentity identity_;
+  mutable std::mutex mutex_;
+  mutable std::optional<Regenerated> last_;  // guarded by mutex_
 };
 
 }  // namespace

@@ -2,6 +2,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <thread>
+#include <vector>
+
 #include "common/base/errors.h"
 #include "common/cad/faceted_solid.h"
 #include "common/mesh/mass_properties.h"
@@ -63,6 +66,33 @@ TEST(TemplatesTest, ASolidOfFeaturesIsOnePartWithItsSurface) {
   ASSERT_TRUE(solids.ok()) << solids.status();
   ASSERT_EQ(solids->size(), 1U);
   EXPECT_DOUBLE_EQ(solids->front().Volume(), part.volume);
+}
+
+// Who evaluates a design often asks for its solid next; others may ask for another meanwhile.
+TEST(TemplatesTest, SolidsAreThoseOfTheirOwnParameters) {
+  const auto wrench = Compile(Completed("templates/wrench"));
+  ASSERT_TRUE(wrench.ok()) << wrench.status();
+  const auto check = [&](double share) {
+    Eigen::VectorXd q = parametric::Defaults((*wrench)->parameters());
+    q(0) += share * ((*wrench)->parameters()[0].maximum - q(0));
+    for (int i = 0; i < 3; ++i) {
+      const auto design = (*wrench)->Evaluate(q);
+      const auto solids = (*wrench)->Solids(q);
+      ASSERT_TRUE(design.ok() && solids.ok());
+      EXPECT_NEAR(solids->front().Volume(), design->parts[0].volume,
+                  1e-9 * design->parts[0].volume);
+    }
+  };
+  std::vector<std::thread> threads;
+  for (const double share : {0.0, 0.3, 0.6})
+    threads.emplace_back([&check, share] { check(share); });
+  for (std::thread& thread : threads) thread.join();
+  const Eigen::VectorXd defaults = parametric::Defaults((*wrench)->parameters());
+  Eigen::VectorXd longer = defaults;
+  longer(0) = (*wrench)->parameters()[0].maximum;
+  const auto before = (*wrench)->Solids(defaults), other = (*wrench)->Solids(longer);
+  ASSERT_TRUE(before.ok() && other.ok());
+  EXPECT_GT(other->front().Volume(), 1.1 * before->front().Volume());
 }
 
 TEST(TemplatesTest, ADesignOfFeaturesSurvivesItsMessage) {
