@@ -4,6 +4,7 @@
 #include <BRepAdaptor_Surface.hxx>
 #include <BRepMesh_IncrementalMesh.hxx>
 #include <BRep_Builder.hxx>
+#include <Eigen/Geometry>
 #include <Standard_Failure.hxx>
 #include <TopExp.hxx>
 #include <TopExp_Explorer.hxx>
@@ -45,6 +46,8 @@ constexpr std::size_t kPairsTold = 4;
 // Of the length of edges: what is tried in turn.
 constexpr std::array<double, 3> kShares = {1, 0.6, 0.35};
 constexpr double kSameVolume = 0.01;
+// More take Gmsh half a minute, and bound more elements than a mesh may have.
+constexpr double kMostTriangles = 500'000;
 
 std::string BothNames(const std::vector<FusedPart>& parts, int first, int second) {
   return absl::StrCat("'", parts[static_cast<std::size_t>(first)].name, "' and '",
@@ -262,6 +265,21 @@ bool EncloseTheSame(const mesh::AssemblySurface& one, const mesh::AssemblySurfac
   return true;
 }
 
+// How many triangles with edges of these lengths, m, on each face, the surface has.
+double EstimateTriangles(const mesh::AssemblySurface& surface, const std::vector<double>& lengths) {
+  double count = 0;
+  for (Eigen::Index t = 0; t < surface.triangles.cols(); ++t) {
+    const Eigen::Vector3i corners = surface.triangles.col(t);
+    const Eigen::Vector3d first = surface.vertices.col(corners(0));
+    const double twice = (surface.vertices.col(corners(1)) - first)
+                             .cross(surface.vertices.col(corners(2)) - first)
+                             .norm();
+    const double length = lengths[static_cast<std::size_t>(surface.triangle_face(t))];
+    count += twice / (std::sqrt(0.75) * length * length);
+  }
+  return count;
+}
+
 // Instead of `surface`, which has the kernel's triangles, triangles as wide as they are high.
 // Where they cross others, in a sharp corner between faces, shorter ones may not.
 absl::StatusOr<mesh::AssemblySurface> DrawnRound(const std::vector<FusedPart>& parts,
@@ -281,6 +299,7 @@ absl::StatusOr<mesh::AssemblySurface> DrawnRound(const std::vector<FusedPart>& p
         length = std::min(length, std::sqrt(8 * radii[i] * fused.chords[i]));
       lengths.push_back(length);
     }
+    if (EstimateTriangles(surface, lengths) > kMostTriangles) break;
     absl::StatusOr<mesh::AssemblySurface> drawn = DrawnRound(parts, faces, lengths, surface.faces);
     if (drawn.ok() && EncloseTheSame(*drawn, surface)) return drawn;
     if (DetailOf(drawn.status()).reason == kNoGmsh) return drawn.status();

@@ -23,9 +23,7 @@ struct GmshTriangles {
 // where a face runs along a smaller one. The triangulation of each becomes the new one, of a face
 // that is no plane with places (u, v). The same faces give the same triangles.
 //
-// Gmsh is a program of its own (Debian's package gmsh), so that what it fails over ends it alone.
-// FAILED_PRECONDITION, NO_GMSH, naming the package, where it is not on PATH; INTERNAL where it
-// fails or does not end, or its triangles do not lie on the faces.
+// Errors as MeshWithGmsh's (gmsh_mesh.h); INTERNAL where its triangles do not lie on the faces.
 absl::StatusOr<GmshTriangles> TriangulateWithGmsh(const std::vector<TopoDS_Face>& faces,
                                                   const std::vector<double>& lengths);
 

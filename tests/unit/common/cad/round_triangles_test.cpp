@@ -149,6 +149,15 @@ TEST(RoundTriangles, NeedGmsh) {
   EXPECT_TRUE(FuseAssembly(box, {.element_size = 0.1}).ok()) << "nothing of it is round";
 }
 
+// A mesh of such elements is refused; to draw its triangles would take hours.
+TEST(RoundTriangles, AreNotDrawnBeyondAllMeasure) {
+  const std::vector<Solid> rod = {Named(Upright(0, 0, 0, 1, 0.01), "rod")};
+  const auto drawn = FuseAssembly(rod);
+  const auto surface = FuseAssembly(rod, {.element_size = 1e-5});
+  ASSERT_TRUE(drawn.ok() && surface.ok());
+  EXPECT_EQ(surface->triangles, drawn->triangles);
+}
+
 // The kernel's triangles are worse, but can mostly be meshed.
 TEST(RoundTriangles, GiveWayToTheKernelsWhereGmshFails) {
   const std::vector<Solid> rod = {Named(Upright(0, 0, 0, 1, 0.01), "rod")};

@@ -1,0 +1,33 @@
+// What Gmsh, a program of its own (Debian's package gmsh), makes of faces: triangles as it numbers
+// and writes them. Private to this folder: it brings Open CASCADE.
+#pragma once
+
+#include <Eigen/Core>
+#include <TopoDS_Face.hxx>
+#include <gp_XY.hxx>
+#include <optional>
+#include <vector>
+
+#include "absl/status/statusor.h"
+
+namespace mortise::cad {
+
+struct GmshPoint {
+  Eigen::Vector3d place;         // m
+  std::optional<gp_XY> on_face;  // of a point inside a face: where on it
+};
+
+struct GmshMesh {
+  std::vector<GmshPoint> points;
+  // Of each face, corners by index of points; whichever way round.
+  std::vector<std::vector<Eigen::Vector3i>> triangles;
+};
+
+// Errors: FAILED_PRECONDITION, NO_GMSH, naming the package, where it is not on PATH; INTERNAL where
+// Gmsh fails, takes more than a minute, or writes what cannot be read.
+//
+// Lengths, m, as TriangulateWithGmsh's.
+absl::StatusOr<GmshMesh> MeshWithGmsh(const std::vector<TopoDS_Face>& faces,
+                                      const std::vector<double>& lengths);
+
+}  // namespace mortise::cad
