@@ -29,12 +29,51 @@ bool Succeeded(const PGresult* result) {
   return status == PGRES_COMMAND_OK || status == PGRES_TUPLES_OK;
 }
 
+// The result of the next statement of a pipeline.
+Result NextResult(pg_conn* connection) {
+  Result result(PQgetResult(connection));
+  while (result != nullptr && Result(PQgetResult(connection)) != nullptr) {
+  }
+  return result;
+}
+
 std::string Trimmed(const char* message) {
   return std::string(absl::StripAsciiWhitespace(message == nullptr ? "" : message));
 }
 
+SqlCell CellOf(const PGresult* result, int row, int column) {
+  SqlCell cell;
+  if (PQgetisnull(result, row, column)) return cell;
+  const char* data = PQgetvalue(result, row, column);
+  const auto length = static_cast<std::size_t>(PQgetlength(result, row, column));
+  if (PQftype(result, column) == kInt8 && length == sizeof(uint64_t)) {
+    uint64_t integer = 0;
+    std::memcpy(&integer, data, sizeof(integer));
+    cell.integer = static_cast<int64_t>(be64toh(integer));
+  } else {
+    cell.text.assign(data, length);
+  }
+  return cell;
+}
+
+SqlResult ResultOf(PGresult* result) {
+  SqlResult answer;
+  const int columns = PQnfields(result);
+  answer.rows.resize(static_cast<std::size_t>(PQntuples(result)));
+  for (std::size_t i = 0; i < answer.rows.size(); ++i) {
+    answer.rows[i].reserve(static_cast<std::size_t>(columns));
+    for (int j = 0; j < columns; ++j) {
+      answer.rows[i].push_back(CellOf(result, static_cast<int>(i), j));
+    }
+  }
+  answer.changed = std::strtoll(PQcmdTuples(result), nullptr, 10);
+  return answer;
+}
+
+}  // namespace
+
 // The values of a statement in the binary form the protocol wants.
-class Parameters {
+struct PostgresqlConnection::Parameters {
  public:
   explicit Parameters(absl::Span<const SqlValue> values) : integers_(values.size()) {
     std::size_t i = 0;
@@ -71,37 +110,6 @@ class Parameters {
   std::vector<int> lengths_;
   std::vector<int> formats_;
 };
-
-SqlCell CellOf(const PGresult* result, int row, int column) {
-  SqlCell cell;
-  if (PQgetisnull(result, row, column)) return cell;
-  const char* data = PQgetvalue(result, row, column);
-  const auto length = static_cast<std::size_t>(PQgetlength(result, row, column));
-  if (PQftype(result, column) == kInt8 && length == sizeof(uint64_t)) {
-    uint64_t integer = 0;
-    std::memcpy(&integer, data, sizeof(integer));
-    cell.integer = static_cast<int64_t>(be64toh(integer));
-  } else {
-    cell.text.assign(data, length);
-  }
-  return cell;
-}
-
-SqlResult ResultOf(PGresult* result) {
-  SqlResult answer;
-  const int columns = PQnfields(result);
-  answer.rows.resize(static_cast<std::size_t>(PQntuples(result)));
-  for (std::size_t i = 0; i < answer.rows.size(); ++i) {
-    answer.rows[i].reserve(static_cast<std::size_t>(columns));
-    for (int j = 0; j < columns; ++j) {
-      answer.rows[i].push_back(CellOf(result, static_cast<int>(i), j));
-    }
-  }
-  answer.changed = std::strtoll(PQcmdTuples(result), nullptr, 10);
-  return answer;
-}
-
-}  // namespace
 
 PostgresqlConnection::PostgresqlConnection(std::string schema, pg_conn* connection)
     : schema_(std::move(schema)), connection_(connection) {}
@@ -186,13 +194,38 @@ absl::StatusOr<SqlResult> PostgresqlConnection::Run(const char* sql,
   std::string name;
   MORTISE_RETURN_IF_ERROR(Prepare(sql, values, &name));
   const Parameters parameters(values);
+  if (begin_ != nullptr) return RunWithBegin(name, parameters);
   Result result(PQexecPrepared(connection_, name.c_str(), parameters.size(), parameters.data(),
                                parameters.lengths(), parameters.formats(), 1));
   if (!Succeeded(result.get())) return Failure(result.get());
   return ResultOf(result.get());
 }
 
+absl::StatusOr<SqlResult> PostgresqlConnection::RunWithBegin(const std::string& name,
+                                                             const Parameters& parameters) {
+  const char* const begin = std::exchange(begin_, nullptr);
+  const bool is_sent =
+      PQenterPipelineMode(connection_) == 1 &&
+      PQsendQueryParams(connection_, begin, 0, nullptr, nullptr, nullptr, nullptr, 1) == 1 &&
+      PQsendQueryPrepared(connection_, name.c_str(), parameters.size(), parameters.data(),
+                          parameters.lengths(), parameters.formats(), 1) == 1 &&
+      PQpipelineSync(connection_) == 1;
+  if (!is_sent) return Failure(nullptr);
+  const Result begun = NextResult(connection_), ran = NextResult(connection_);
+  const Result end(PQgetResult(connection_));
+  const bool is_at_end =
+      PQresultStatus(end.get()) == PGRES_PIPELINE_SYNC && PQexitPipelineMode(connection_) == 1;
+  if (!Succeeded(begun.get())) return Failure(begun.get());
+  if (!Succeeded(ran.get())) return Failure(ran.get());
+  if (!is_at_end) return Failure(nullptr);
+  return ResultOf(ran.get());
+}
+
 absl::Status PostgresqlConnection::Execute(const std::string& sql) {
+  if (begin_ != nullptr) {
+    const Result begun(PQexec(connection_, std::exchange(begin_, nullptr)));
+    if (!Succeeded(begun.get())) return Failure(begun.get());
+  }
   Result result(PQexec(connection_, sql.c_str()));
   return Succeeded(result.get()) ? absl::OkStatus() : Failure(result.get());
 }
@@ -206,10 +239,12 @@ absl::Status PostgresqlConnection::Begin(const char* begin) {
       return status;
     }
   }
-  return Execute(begin);
+  begin_ = begin;
+  return absl::OkStatus();
 }
 
 absl::Status PostgresqlConnection::Commit() {
+  if (std::exchange(begin_, nullptr) != nullptr) return absl::OkStatus();  // nothing was done
   Result result(PQexec(connection_, "COMMIT"));
   if (Succeeded(result.get())) {
     if (std::string_view(PQcmdStatus(result.get())) == "COMMIT") return absl::OkStatus();
@@ -225,6 +260,7 @@ absl::Status PostgresqlConnection::Commit() {
 }
 
 void PostgresqlConnection::Rollback() {
+  begin_ = nullptr;
   if (lost() || PQtransactionStatus(connection_) == PQTRANS_IDLE) return;
   PQclear(PQexec(connection_, "ROLLBACK"));
 }

@@ -30,8 +30,9 @@ class PostgresqlConnection final : public SqlConnection {
   // before the commit was asked for: nothing has happened, and the transaction may be repeated.
   bool repeatable() const { return repeatable_; }
 
-  // Begins with a statement such as "BEGIN ISOLATION LEVEL SERIALIZABLE", reconnecting if the
-  // connection was lost.
+  // Begins with a statement such as "BEGIN ISOLATION LEVEL SERIALIZABLE", which must outlive the
+  // transaction, reconnecting if the connection was lost. The server hears of it with the first
+  // statement, which saves one way there and back.
   absl::Status Begin(const char* begin);
 
   // UNAVAILABLE, reason COMMIT_UNKNOWN if the connection is lost before the answer comes.
@@ -42,6 +43,8 @@ class PostgresqlConnection final : public SqlConnection {
  private:
   PostgresqlConnection(std::string schema, pg_conn* connection);
 
+  struct Parameters;
+  absl::StatusOr<SqlResult> RunWithBegin(const std::string& name, const Parameters& parameters);
   absl::Status Prepare(const char* sql, absl::Span<const SqlValue> values, std::string* name);
   absl::Status UseSchema();
   absl::Status Reconnect();
@@ -51,6 +54,7 @@ class PostgresqlConnection final : public SqlConnection {
   std::string schema_;
   pg_conn* connection_;                                    // owned; closed by the destructor
   std::unordered_map<const char*, std::string> prepared_;  // names, by the literal's address
+  const char* begin_ = nullptr;                            // not sent yet
   absl::Status failure_;
   bool repeatable_ = false;
   bool broken_ = false;  // libpq failed by itself, and does not always say CONNECTION_BAD
