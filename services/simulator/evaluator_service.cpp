@@ -22,6 +22,7 @@
 #include "services/simulator/evaluation_subject.h"
 #include "services/simulator/evaluator_records.h"
 #include "services/simulator/result_cache.h"
+#include "services/simulator/serial_executor.h"
 #include "services/simulator/settings_text.h"
 #include "services/simulator/simulator_core.h"
 #include "services/simulator/subject_metrics.h"
@@ -47,8 +48,12 @@ v1::EvaluationResult FailedResult(int index, const absl::Status& status) {
 class Batch : public std::enable_shared_from_this<Batch> {
  public:
   Batch(std::shared_ptr<SimulatorCore> core, std::shared_ptr<ResultCache> cache,
-        ResultWriter writer, int points)
-      : core_(std::move(core)), cache_(std::move(cache)), writer_(writer), remaining_(points) {}
+        std::shared_ptr<SerialExecutor> queueing, ResultWriter writer, int points)
+      : core_(std::move(core)),
+        cache_(std::move(cache)),
+        queueing_(std::move(queueing)),
+        writer_(writer),
+        remaining_(points) {}
 
   // Sends the result of one point; the last one ends the stream.
   void Send(const v1::EvaluationResult& result) {
@@ -88,26 +93,12 @@ class Batch : public std::enable_shared_from_this<Batch> {
     Send(result);
   }
 
-  // Queues tasks and sends their results, each with its index. A few at a time: workers' calls are
-  // handled in between.
+  // Queues tasks and sends their results, each with its index. A few at a time, and of one batch at
+  // a time: workers' calls are handled in between.
   void Enqueue(std::vector<std::pair<int, WantedTask>> wanted) {
-    const std::size_t count = std::min(wanted.size(), kEnqueuedAtOnce);
-    if (count == 0) return;
-    const auto next = wanted.begin() + static_cast<std::ptrdiff_t>(count);
-    std::vector<WantedTask> tasks;
-    std::vector<Waiting> waiting;
-    for (auto& [index, task] : std::ranges::subrange(wanted.begin(), next)) {
-      // Waits before it asks, so that a result that comes in between is not missed.
-      waiting.push_back(WaitFor(task.key, index));
-      tasks.push_back(std::move(task));
-    }
-    EnqueueNow(tasks);
-    Keep(std::move(waiting));
-    if (is_abandoned()) return Abandon();  // what was queued since
-    wanted.erase(wanted.begin(), next);
     if (wanted.empty()) return;
-    core_->dispatcher()->Submit([self = shared_from_this(), wanted = std::move(wanted)]() mutable {
-      self->Enqueue(std::move(wanted));
+    queueing_->Submit([self = shared_from_this(), wanted = std::move(wanted)]() mutable {
+      self->EnqueueSome(std::move(wanted));
     });
   }
 
@@ -130,6 +121,24 @@ class Batch : public std::enable_shared_from_this<Batch> {
     std::string key;
     int64_t ticket = 0;
   };
+
+  void EnqueueSome(std::vector<std::pair<int, WantedTask>> wanted) {
+    if (is_abandoned()) return;
+    const std::size_t count = std::min(wanted.size(), kEnqueuedAtOnce);
+    const auto next = wanted.begin() + static_cast<std::ptrdiff_t>(count);
+    std::vector<WantedTask> tasks;
+    std::vector<Waiting> waiting;
+    for (auto& [index, task] : std::ranges::subrange(wanted.begin(), next)) {
+      // Waits before it asks, so that a result that comes in between is not missed.
+      waiting.push_back(WaitFor(task.key, index));
+      tasks.push_back(std::move(task));
+    }
+    EnqueueNow(tasks);
+    Keep(std::move(waiting));
+    if (is_abandoned()) return Abandon();  // what was queued since
+    wanted.erase(wanted.begin(), next);
+    Enqueue(std::move(wanted));
+  }
 
   // Those that have finished, or cannot be queued, are told to who waits for them.
   void EnqueueNow(const std::vector<WantedTask>& tasks) {
@@ -168,6 +177,7 @@ class Batch : public std::enable_shared_from_this<Batch> {
 
   const std::shared_ptr<SimulatorCore> core_;
   const std::shared_ptr<ResultCache> cache_;
+  const std::shared_ptr<SerialExecutor> queueing_;
   const std::weak_ptr<rpc::StreamWriter<v1::EvaluationResult>> writer_;
   mutable std::mutex mutex_;
   int remaining_;                 // guarded by mutex_
@@ -275,7 +285,7 @@ class EvaluatorAdapter final : public v1::EvaluatorService::CallbackService {
                              FindSubject(*core_, asked.subject(), asked.revision(),
                                          asked.metric_definitions(), rpc::ForwardedFrom(call)));
     MORTISE_RETURN_IF_ERROR(CheckMetrics(subject.space, metrics));
-    auto batch = std::make_shared<Batch>(core_, cache_, writer, asked.points_size());
+    auto batch = std::make_shared<Batch>(core_, cache_, queueing_, writer, asked.points_size());
     writer->OnEnd([batch] { batch->Abandon(); });
 
     v1::Task task;
@@ -323,6 +333,8 @@ class EvaluatorAdapter final : public v1::EvaluatorService::CallbackService {
 
   const std::shared_ptr<SimulatorCore> core_;
   const std::shared_ptr<ResultCache> cache_ = std::make_shared<ResultCache>(kCachedResults);
+  const std::shared_ptr<SerialExecutor> queueing_ =
+      std::make_shared<SerialExecutor>(core_->dispatcher());
   rpc::Endpoint endpoint_;
 };
 

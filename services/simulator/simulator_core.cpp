@@ -96,10 +96,10 @@ absl::StatusOr<std::vector<store::Task>> SimulatorCore::Lease(const std::string&
   store::LeaseResult result;
   MORTISE_RETURN_IF_ERROR(store_->Transact(
       [&](store::Transaction& transaction) -> absl::Status {
-        if (IsEvaluatorName(queue)) {
-          MORTISE_RETURN_IF_ERROR(GetEvaluator(transaction, queue, "evaluator").status());
-        }
         MORTISE_ASSIGN_OR_RETURN(result, transaction.LeaseTasks(queue, worker, limit, lease));
+        if (IsEvaluatorName(queue)) {
+          MORTISE_RETURN_IF_ERROR(Remember(transaction, queue, result.leased));
+        }
         for (const store::Task& task : result.quarantined) {
           MORTISE_RETURN_IF_ERROR(
               transaction.AppendEvent({.type = "task.quarantined",
@@ -115,6 +115,27 @@ absl::StatusOr<std::vector<store::Task>> SimulatorCore::Lease(const std::string&
     waiters_.Notify(task, false);
   }
   return std::move(result.leased);
+}
+
+// Whoever deletes an evaluator cancels its tasks, so that of a queue that has some it need not be
+// looked for.
+absl::Status SimulatorCore::Remember(store::ReadTransaction& transaction, const std::string& queue,
+                                     const std::vector<store::Task>& leased) {
+  if (leased.empty()) return GetEvaluator(transaction, queue, "evaluator").status();
+  for (const store::Task& task : leased) {
+    LentTask lent;
+    if (!lent.task.ParseFromString(task.payload)) continue;  // its report will tell
+    lent.evaluator = lent_tasks_.FindEvaluator(lent.task.digest());
+    if (lent.evaluator == nullptr) {
+      MORTISE_ASSIGN_OR_RETURN(v1::Evaluator evaluator,
+                               GetEvaluator(transaction, queue, "evaluator"));
+      // Another of the same name, since the task was queued: its report will tell.
+      if (EvaluatorDigest(evaluator) != lent.task.digest()) continue;
+      lent.evaluator = lent_tasks_.PutEvaluator(lent.task.digest(), std::move(evaluator));
+    }
+    lent_tasks_.Put(task.key, std::move(lent));
+  }
+  return absl::OkStatus();
 }
 
 void SimulatorCore::WhenWork(const std::string& queue, absl::Time deadline, Attempt attempt) {

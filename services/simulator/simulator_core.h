@@ -13,6 +13,7 @@
 #include "absl/time/time.h"
 #include "common/rpc/run_service.h"
 #include "services/simulator/evaluation_tasks.h"
+#include "services/simulator/lent_tasks.h"
 #include "services/simulator/template_source.h"
 
 namespace mortise::v1 {
@@ -31,6 +32,7 @@ class SimulatorCore : public std::enable_shared_from_this<SimulatorCore> {
   rpc::Dispatcher* dispatcher() const { return dispatcher_; }
   TaskWaiters& waiters() { return waiters_; }
   TemplateSource& templates() { return *templates_; }
+  LentTasks& lent_tasks() { return lent_tasks_; }
 
   // A material of the catalog. NOT_FOUND, UNAVAILABLE.
   absl::StatusOr<v1::Material> GetMaterial(const std::string& name, const rpc::Origin& origin);
@@ -79,6 +81,8 @@ class SimulatorCore : public std::enable_shared_from_this<SimulatorCore> {
     Attempt attempt;
   };
 
+  absl::Status Remember(store::ReadTransaction& transaction, const std::string& queue,
+                        const std::vector<store::Task>& leased);
   void AskIdleWorkers();
   void LookAtStore();
   // Some of the keys, which ascend: those after the ones of the last look, round and round.
@@ -91,6 +95,7 @@ class SimulatorCore : public std::enable_shared_from_this<SimulatorCore> {
   std::shared_ptr<grpc::Channel> catalog_;
   std::unique_ptr<TemplateSource> templates_;
   TaskWaiters waiters_;
+  LentTasks lent_tasks_;
   std::string looked_up_to_;  // key; used by LookAtStore alone
   std::mutex mutex_;
   std::vector<IdleWorker> idle_workers_;  // guarded by mutex_

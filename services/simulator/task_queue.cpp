@@ -71,8 +71,13 @@ absl::Status CheckAttempt(int attempt, const std::string& field) {
 // What a worker says of its attempt, on the way into the store.
 class Report {
  public:
-  Report(const v1::ReportTaskRequest& asked, std::string key, store::BlobFolder& blobs)
-      : asked_(asked), key_(std::move(key)), queue_(QueueOf(key_)), blobs_(blobs) {}
+  Report(const v1::ReportTaskRequest& asked, std::string key, store::BlobFolder& blobs,
+         LentTasks& lent_tasks)
+      : asked_(asked),
+        key_(std::move(key)),
+        queue_(QueueOf(key_)),
+        blobs_(blobs),
+        lent_tasks_(lent_tasks) {}
 
   // Becomes the task's end, or its next try; the task as it is then. What cannot be used ends the
   // task too: sent again it would be no better, and whoever waits should hear of it.
@@ -124,6 +129,11 @@ class Report {
       return absl::OkStatus();
     }
     if (!IsEvaluatorName(queue_)) return absl::OkStatus();
+    if (const auto lent = lent_tasks_.Find(key_)) {
+      fault_ = CompleteResult(lent->task, lent->evaluator->space(), *report.mutable_result());
+      return absl::OkStatus();
+    }
+    // Another replica leased it, or this one did before it was started again.
     MORTISE_ASSIGN_OR_RETURN(const store::Task stored, transaction.GetTask(queue_, key_));
     v1::Task task;
     if (!task.ParseFromString(stored.payload)) {
@@ -139,6 +149,7 @@ class Report {
   const std::string key_;
   const std::string queue_;
   store::BlobFolder& blobs_;
+  LentTasks& lent_tasks_;
   absl::Status fault_;
 };
 
@@ -232,7 +243,7 @@ absl::StatusOr<v1::ReportTaskResponse> ReportTask(SimulatorCore& core, store::Bl
                                                   const v1::ReportTaskRequest& asked) {
   MORTISE_ASSIGN_OR_RETURN(const std::string key, TaskKey(asked.task().name(), "task.name"));
   MORTISE_RETURN_IF_ERROR(CheckAttempt(asked.task().attempt(), "task.attempt"));
-  Report report(asked, key, blobs);
+  Report report(asked, key, blobs, core.lent_tasks());
   store::Task task;
   MORTISE_RETURN_IF_ERROR(core.store()->Transact(
       [&](store::Transaction& transaction) -> absl::Status {
