@@ -97,9 +97,10 @@ void KillProcess(pid_t pid) {
 
 absl::StatusOr<std::optional<ProcessEnd>> RunProcess(const std::vector<std::string>& command,
                                                      const std::filesystem::path& log,
-                                                     std::chrono::milliseconds limit) {
+                                                     std::chrono::milliseconds limit,
+                                                     const std::vector<std::string>& environment) {
   const auto latest = std::chrono::steady_clock::now() + limit;
-  MORTISE_ASSIGN_OR_RETURN(const pid_t pid, StartProcess(command, log));
+  MORTISE_ASSIGN_OR_RETURN(const pid_t pid, StartProcess(command, log, environment));
   std::optional<ProcessEnd> end;
   while (!(end = CollectProcess(pid))) {
     if (std::chrono::steady_clock::now() >= latest) {

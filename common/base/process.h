@@ -40,9 +40,9 @@ void KillProcess(pid_t pid);
 
 // Starts `command` as StartProcess does and waits until it ends; nothing if it was killed because
 // it had not after `limit`.
-absl::StatusOr<std::optional<ProcessEnd>> RunProcess(const std::vector<std::string>& command,
-                                                     const std::filesystem::path& log,
-                                                     std::chrono::milliseconds limit);
+absl::StatusOr<std::optional<ProcessEnd>> RunProcess(
+    const std::vector<std::string>& command, const std::filesystem::path& log,
+    std::chrono::milliseconds limit, const std::vector<std::string>& environment = {});
 
 // Whether a process with this id exists.
 bool ProcessExists(pid_t pid);

@@ -11,7 +11,11 @@ namespace mortise {
 TemporaryFolder::TemporaryFolder(std::string_view purpose)
     : path_(std::filesystem::temp_directory_path() /
             absl::StrCat("mortise-", absl::string_view(purpose.data(), purpose.size()), "-",
-                         NewIdentifier())) {}
+                         NewIdentifier())) {
+  std::error_code ignored;
+  if (!std::filesystem::create_directory(path_, ignored)) return;
+  std::filesystem::permissions(path_, std::filesystem::perms::owner_all, ignored);
+}
 
 TemporaryFolder::~TemporaryFolder() {
   std::error_code ignored;

@@ -6,8 +6,9 @@
 
 namespace mortise {
 
-// A name of its own in the folder for temporary files, "mortise-PURPOSE-IDENTIFIER". Whoever
-// writes the first file makes the folder; it goes with this object, and all in it.
+// One that only this user may look into, "mortise-PURPOSE-IDENTIFIER" in the folder for temporary
+// files. It goes with this object, and all in it. Where it cannot be made, writing files there
+// fails.
 class TemporaryFolder {
  public:
   explicit TemporaryFolder(std::string_view purpose);

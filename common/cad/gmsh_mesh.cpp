@@ -106,10 +106,12 @@ absl::StatusOr<std::string> RunGmsh(const std::string& program,
                         Standard_False, TopTools_FormatVersion_CURRENT)) {
     return GmshFailure("the faces cannot be written");
   }
+  // Settings that somebody keeps at home must not change meshes.
+  const std::string home = absl::StrCat("GMSH_HOME=", folder.path().string());
   MORTISE_ASSIGN_OR_RETURN(const auto end,
                            RunProcess({program, "-", script.string(), "-2", "-nt", "1", "-v", "1",
                                        "-format", "msh2", "-o", mesh.string()},
-                                      log, kMostTime));
+                                      log, kMostTime, {home}));
   if (!end) return GmshFailure("Gmsh came to no end");
   absl::StatusOr<std::string> written = ReadFile(mesh);
   if (end->signalled || end->code != 0 || !written.ok()) {

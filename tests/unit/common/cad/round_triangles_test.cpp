@@ -7,10 +7,13 @@
 #include <BRepPrimAPI_MakeSphere.hxx>
 #include <BRepPrimAPI_MakeTorus.hxx>
 #include <cmath>
+#include <fstream>
 #include <numbers>
 
 #include "common/base/errors.h"
+#include "tests/support/environment.h"
 #include "tests/support/replaced_program.h"
+#include "tests/support/temporary_folder.h"
 #include "tests/unit/common/cad/fused_parts.h"
 
 namespace mortise::cad {
@@ -135,6 +138,17 @@ TEST(RoundTriangles, GrowWithTheElements) {
   const double fine = count(0.005), coarse = count(0.01);
   EXPECT_NEAR(fine / coarse, 4, 1);
   EXPECT_NEAR(fine * std::sqrt(3) / 4 * 0.005 * 0.005, 4 * pi * 0.05 * 0.05, 0.3 * 4 * pi * 0.0025);
+}
+
+TEST(RoundTriangles, AreTheSameWhateverSettingsAreAtHome) {
+  const std::vector<Solid> rod = {Named(Upright(0, 0, 0, 1, 0.01), "rod")};
+  const auto before = FuseAssembly(rod, {.element_size = 0.08});
+  const testing::TemporaryFolder home;
+  std::ofstream(home.path() / ".gmshrc") << "Mesh.Algorithm = 1;\nMesh.MeshSizeFactor = 0.5;\n";
+  const testing::Environment at_home("HOME", home.path());
+  const auto after = FuseAssembly(rod, {.element_size = 0.08});
+  ASSERT_TRUE(before.ok() && after.ok());
+  EXPECT_EQ(after->vertices, before->vertices);
 }
 
 TEST(RoundTriangles, NeedGmsh) {
