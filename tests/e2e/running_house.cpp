@@ -8,12 +8,12 @@
 
 namespace mortise::e2e {
 
-RunningHouse::RunningHouse()
+RunningHouse::RunningHouse(int workers)
     : folder_(std::filesystem::temp_directory_path() / ("mortise-house-" + NewIdentifier())) {
   std::filesystem::create_directories(folder_);
   command_ = std::make_unique<BackgroundCommand>(
-      std::vector<std::string>{"up", "--insecure-development", "--any-ports", "--workers", "1",
-                               "--state", State()},
+      std::vector<std::string>{"up", "--insecure-development", "--any-ports", "--workers",
+                               std::to_string(workers), "--state", State()},
       (folder_ / "up.log").string());
   AwaitHouse(State());
 }

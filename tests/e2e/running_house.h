@@ -1,4 +1,4 @@
-// A house with one worker, started for the tests of a suite, and what of it must not change.
+// A house, started for the tests of a suite, and what of it must not change.
 #pragma once
 
 #include <sys/types.h>
@@ -16,7 +16,7 @@ class RunningHouse {
  public:
   // Starts it in a fresh folder and waits until every process serves; `Serving` tells whether they
   // do.
-  RunningHouse();
+  explicit RunningHouse(int workers = 1);
   // Ends it and removes the folder.
   ~RunningHouse();
   RunningHouse(const RunningHouse&) = delete;
