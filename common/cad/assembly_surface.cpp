@@ -121,23 +121,18 @@ std::vector<double> MissesOf(const SolidFusion& fusion, std::vector<double> chor
 // The parts fused, and how far triangles may miss each face.
 struct Fused {
   SolidFusion fusion;
-  std::vector<double> chords;     // m
-  std::vector<bool> is_at_a_gap;  // of each face: whether its chord is smaller for that
+  std::vector<double> chords;  // m
 };
 
 // Triangles pass through no gap.
 Fused Refined(SolidFusion fusion, const std::vector<FaceGap>& gaps, std::vector<double> chords) {
-  std::vector<bool> is_at_a_gap(chords.size(), false);
   for (const FaceGap& gap : gaps) {
     for (const int face : {gap.first, gap.second}) {
       double& chord = chords[static_cast<std::size_t>(face)];
-      const double clear = std::max(kLeastChord, kClear * gap.width);
-      if (clear >= chord) continue;
-      chord = clear;
-      is_at_a_gap[static_cast<std::size_t>(face)] = true;
+      chord = std::min(chord, std::max(kLeastChord, kClear * gap.width));
     }
   }
-  return Fused{std::move(fusion), std::move(chords), std::move(is_at_a_gap)};
+  return Fused{std::move(fusion), std::move(chords)};
 }
 
 absl::StatusOr<Fused> FuseWithin(const std::vector<FusedPart>& parts) {
@@ -294,10 +289,8 @@ absl::StatusOr<mesh::AssemblySurface> DrawnRound(const std::vector<FusedPart>& p
   for (const double share : kShares) {
     std::vector<double> lengths;
     for (std::size_t i = 0; i < faces.size(); ++i) {
-      double length = share * EdgeLength(radii[i], element_size);
-      if (fused.is_at_a_gap[i])
-        length = std::min(length, std::sqrt(8 * radii[i] * fused.chords[i]));
-      lengths.push_back(length);
+      const double wanted = EdgeLength(radii[i], element_size);
+      lengths.push_back(share * std::min(wanted, std::sqrt(8 * radii[i] * fused.chords[i])));
     }
     if (EstimateTriangles(surface, lengths) > kMostTriangles) break;
     absl::StatusOr<mesh::AssemblySurface> drawn = DrawnRound(parts, faces, lengths, surface.faces);
