@@ -154,7 +154,9 @@ absl::Status PostgresqlConnection::Reconnect() {
 absl::Status PostgresqlConnection::Failure(const pg_result* result) {
   const char* field = result == nullptr ? nullptr : PQresultErrorField(result, PG_DIAG_SQLSTATE);
   const std::string_view state = field == nullptr ? "" : field;
-  const std::string message = Trimmed(PQerrorMessage(connection_));
+  // The connection's own is gone once the rest of a pipeline was read.
+  std::string message = Trimmed(PQresultErrorMessage(result));
+  if (message.empty()) message = Trimmed(PQerrorMessage(connection_));
   broken_ = broken_ || state.empty();  // only the server's own failures have a state
   absl::Status status = StorageFailed("PostgreSQL", message);
   // Serialization failure, deadlock, and rows inserted by two at once.
