@@ -15,6 +15,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <utility>
 
@@ -46,8 +47,7 @@ constexpr std::size_t kPairsTold = 4;
 // Of the length of edges: what is tried in turn.
 constexpr std::array<double, 3> kShares = {1, 0.6, 0.35};
 constexpr double kSameVolume = 0.01;
-// More take Gmsh half a minute, and bound more elements than a mesh may have.
-constexpr double kMostTriangles = 500'000;
+constexpr double kMostTriangles = 100'000;  // four seconds of Gmsh's
 
 std::string BothNames(const std::vector<FusedPart>& parts, int first, int second) {
   return absl::StrCat("'", parts[static_cast<std::size_t>(first)].name, "' and '",
@@ -260,8 +260,17 @@ bool EncloseTheSame(const mesh::AssemblySurface& one, const mesh::AssemblySurfac
   return true;
 }
 
-// How many triangles with edges of these lengths, m, on each face, the surface has.
+// How many triangles Gmsh draws for edges of these lengths, m, on each face: short ones on an edge
+// make those of the faces beside it short, as far as these go without another edge.
 double EstimateTriangles(const mesh::AssemblySurface& surface, const std::vector<double>& lengths) {
+  const auto of_face = [&](Eigen::Index t) {
+    return lengths[static_cast<std::size_t>(surface.triangle_face(t))];
+  };
+  Eigen::VectorXd at_vertex =
+      Eigen::VectorXd::Constant(surface.vertices.cols(), std::numeric_limits<double>::infinity());
+  for (Eigen::Index t = 0; t < surface.triangles.cols(); ++t) {
+    for (const int v : surface.triangles.col(t)) at_vertex(v) = std::min(at_vertex(v), of_face(t));
+  }
   double count = 0;
   for (Eigen::Index t = 0; t < surface.triangles.cols(); ++t) {
     const Eigen::Vector3i corners = surface.triangles.col(t);
@@ -269,7 +278,8 @@ double EstimateTriangles(const mesh::AssemblySurface& surface, const std::vector
     const double twice = (surface.vertices.col(corners(1)) - first)
                              .cross(surface.vertices.col(corners(2)) - first)
                              .norm();
-    const double length = lengths[static_cast<std::size_t>(surface.triangle_face(t))];
+    const double mean = (at_vertex(corners(0)) + at_vertex(corners(1)) + at_vertex(corners(2))) / 3;
+    const double length = std::min(of_face(t), mean);
     count += twice / (std::sqrt(0.75) * length * length);
   }
   return count;

@@ -37,7 +37,7 @@ struct FuseOptions {
   // Wanted size of the elements between the triangles, m; 0 for mesh::DefaultElementSize. With it,
   // what has curved faces gets triangles that are about as wide as they are high, and as long as
   // elements beside them should be: through Gmsh (gmsh_triangles.h), with the kernel's where Gmsh
-  // fails, or there would be more than 500,000. Without it the kernel's, which follow what is round
+  // fails, or there would be more than 100,000. Without it the kernel's, which follow what is round
   // with needles.
   std::optional<double> element_size;
 };

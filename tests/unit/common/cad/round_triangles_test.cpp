@@ -163,6 +163,21 @@ TEST(RoundTriangles, NeedGmsh) {
   EXPECT_TRUE(FuseAssembly(box, {.element_size = 0.1}).ok()) << "nothing of it is round";
 }
 
+// A radius of a fraction of a millimetre at all edges of a large board would make small triangles
+// all over it.
+TEST(RoundTriangles, AreNotDrawnWhereEdgesAreOnlyJustBroken) {
+  const TopoDS_Shape board = BoxAt(0, 0, 0, 1, 0.5, 0.02);
+  BRepFilletAPI_MakeFillet broken(board);
+  for (TopExp_Explorer edge(board, TopAbs_EDGE); edge.More(); edge.Next()) {
+    broken.Add(3e-4, TopoDS::Edge(edge.Current()));
+  }
+  const std::vector<Solid> parts = {Named(broken.Shape(), "board")};
+  const auto drawn = FuseAssembly(parts);
+  const auto surface = FuseAssembly(parts, {.element_size = 0.08});
+  ASSERT_TRUE(drawn.ok() && surface.ok());
+  EXPECT_EQ(surface->triangles, drawn->triangles);
+}
+
 // A mesh of such elements is refused; to draw its triangles would take hours.
 TEST(RoundTriangles, AreNotDrawnBeyondAllMeasure) {
   const std::vector<Solid> rod = {Named(Upright(0, 0, 0, 1, 0.01), "rod")};
