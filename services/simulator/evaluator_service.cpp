@@ -299,8 +299,10 @@ class EvaluatorAdapter final : public v1::EvaluatorService::CallbackService {
     *task.mutable_metric_definitions() = asked.metric_definitions();
     if (asked.has_airflow()) *task.mutable_airflow() = asked.airflow();
     task.set_trace_id(call.identity().request_id);
+    const std::string physics =
+        subject.queue == kSimulatorQueue ? absl::StrCat("physics ", kPhysicsVersion, ": ") : "";
     const std::string what =
-        absl::StrCat(asked.gradients() ? "gradients of " : "", absl::StrJoin(metrics, ","),
+        absl::StrCat(physics, asked.gradients() ? "gradients of " : "", absl::StrJoin(metrics, ","),
                      RefinementText(asked.mesh()), DefinitionsText(asked.metric_definitions()),
                      AirflowText(asked.airflow()));
     std::vector<std::pair<int, WantedTask>> wanted;
