@@ -23,6 +23,7 @@
 #include "absl/strings/str_format.h"
 #include "common/base/errors.h"
 #include "common/cad/edge_lengths.h"
+#include "common/cad/exact_middles.h"
 #include "common/cad/facet_balance.h"
 #include "common/cad/gmsh_triangles.h"
 #include "common/cad/part_gaps.h"
@@ -195,6 +196,7 @@ absl::StatusOr<mesh::AssemblySurface> Joined(const std::vector<FusedPart>& parts
   mesh::AssemblySurface surface;
   TriangleJoiner joiner;
   FacetBalance balance;
+  ExactMiddles middles;
   for (const FusedFace& face : fusion.faces()) {
     const absl::StatusOr<std::vector<int>> points =
         joiner.Append(face.face, static_cast<int>(surface.faces.size()));
@@ -204,9 +206,11 @@ absl::StatusOr<mesh::AssemblySurface> Joined(const std::vector<FusedPart>& parts
                            absl::StrCat("'", parts[part].name, "': ", points.status().message()));
     }
     balance.Add(face.face, *points);
+    middles.Add(face.face, *points);
     surface.faces.push_back(face.description);
   }
   joiner.MoveTo(surface);
+  surface.exact = middles.Find(surface);
   balance.Apply(surface);
   return surface;
 }
@@ -239,7 +243,12 @@ absl::StatusOr<mesh::AssemblySurface> DrawnRound(const std::vector<FusedPart>& p
   surface.triangle_face = std::move(drawn.triangle_face);
   surface.faces = described;
   FacetBalance balance;
-  for (std::size_t i = 0; i < faces.size(); ++i) balance.Add(faces[i], drawn.nodes[i]);
+  ExactMiddles middles;
+  for (std::size_t i = 0; i < faces.size(); ++i) {
+    balance.Add(faces[i], drawn.nodes[i]);
+    middles.Add(faces[i], drawn.nodes[i]);
+  }
+  surface.exact = middles.Find(surface);
   balance.Apply(surface);
   MORTISE_RETURN_IF_ERROR(CompleteParts(parts, surface));
   if (!mesh::FindIntersections(surface.vertices, surface.triangles).empty()) {

@@ -11,7 +11,8 @@
 // than it become one.
 //
 // Points on curved faces lie a little outside them, so that parts keep their volumes and sections
-// (facet_balance.h).
+// (facet_balance.h); where they, and the middles of sides, are on the faces is told besides
+// (mesh::ExactPlaces).
 #pragma once
 
 #include <optional>

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,13 @@ struct AssemblyFace {
   std::vector<NamedFace> origins;  // which faces of which parts it is a piece of (one or two)
 };
 
+// Which points of the exact faces stand behind those of a surface's triangles, which miss what is
+// curved.
+struct ExactPlaces {
+  Eigen::Matrix3Xd vertices;  // 3 × V, metres
+  Eigen::Matrix3Xd middles;   // 3 × 3T: of the sides 01, 12, 20 of each triangle in turn
+};
+
 // A conforming surface of an assembly: where two parts touch, one set of triangles serves both, and
 // no triangle crosses another. The boundary that a tetrahedral mesher needs.
 struct AssemblySurface {
@@ -38,6 +46,7 @@ struct AssemblySurface {
   std::vector<AssemblyFace> faces;
   Eigen::Matrix3Xd part_interior;       // 3 × P, a point strictly inside each part
   std::vector<std::string> part_names;  // P
+  std::optional<ExactPlaces> exact = {};  // where it has curved faces that are known exactly
 };
 
 }  // namespace mortise::mesh

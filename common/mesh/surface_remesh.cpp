@@ -116,6 +116,7 @@ class OutlineDivision {
     while (Pass()) {
     }
     AssemblySurface divided = surface_;
+    divided.exact.reset();
     divided.vertices.resize(3, static_cast<Eigen::Index>(vertices_.size()));
     divided.triangles.resize(3, static_cast<Eigen::Index>(triangles_.size()));
     divided.triangle_face.resize(static_cast<Eigen::Index>(triangles_.size()));
@@ -313,6 +314,7 @@ AssemblySurface Assembled(const AssemblySurface& surface,
                           const std::vector<Eigen::Vector3d>& vertices,
                           const FaceTriangles& triangles) {
   AssemblySurface drawn = surface;
+  drawn.exact.reset();
   Eigen::Index count = 0;
   for (const auto& of_face : triangles) count += static_cast<Eigen::Index>(of_face.size());
   drawn.triangles.resize(3, count);

@@ -9,6 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "common/base/errors.h"
+#include "common/mesh/curved_elements.h"
 #include "common/mesh/mass_properties.h"
 #include "common/mesh/surface_check.h"
 #include "services/simulator/design_gradients.h"
@@ -149,25 +150,27 @@ double ValueUnderLoads(const std::string& name, const DesignModel& model,
   return StressRatio(model, solution);
 }
 
-// Solves on finer meshes until the error is as wanted.
-absl::Status Refine(const DesignSolver& solver, bool heat_wanted,
-                    const DesignAnalysisOptions& options, DesignAnalysis& analysis,
-                    std::map<std::string, Eigen::VectorXd>& gradients) {
+// Solves on finer meshes than `straight`, which has straight sides, until the error is as wanted.
+absl::Status Refine(const DesignSolver& solver, bool heat_wanted, const DesignModel& model,
+                    mesh::TetrahedralMesh straight, const DesignAnalysisOptions& options,
+                    DesignAnalysis& analysis, std::map<std::string, Eigen::VectorXd>& gradients) {
   Refinement refinement({.wanted_error = options.wanted_error,
                          .mesh = options.mesh,
                          .memory_limit = options.elasticity.solver.memory_limit});
   while (true) {
     std::vector<ErrorEstimate> estimates;
     for (const SolvedCase& solved : analysis.cases) estimates.push_back(*solved.error);
-    MORTISE_ASSIGN_OR_RETURN(auto finer, refinement.Next(*analysis.mesh, estimates));
+    MORTISE_ASSIGN_OR_RETURN(auto finer, refinement.Next(straight, estimates));
     if (!finer) break;
-    absl::StatusOr<SolvedDesign> solved = solver.Solve(*finer, heat_wanted);
+    straight = *std::move(finer);
+    mesh::TetrahedralMesh curved = mesh::WithCurvedElements(model.surface, straight);
+    absl::StatusOr<SolvedDesign> solved = solver.Solve(curved, heat_wanted);
     if (absl::IsResourceExhausted(solved.status())) {
       refinement.GiveUp(std::string(solved.status().message()));
       break;
     }
     MORTISE_RETURN_IF_ERROR(solved.status());
-    analysis.mesh = *std::move(finer);
+    analysis.mesh = std::move(curved);
     analysis.cases = std::move(solved->cases);
     analysis.heat = std::move(solved->heat);
     for (auto& [name, gradient] : solved->gradients) gradients[name] = std::move(gradient);
@@ -350,10 +353,12 @@ absl::StatusOr<DesignAnalysis> AnalyzeDesign(const DesignModel& model,
         analysis.airflow,
         SolveAirflow(OutsideOf(model.surface), options.airflow, options.airflow_solver));
   }
+  mesh::TetrahedralMesh straight;
   if (solve || heat || modes > 0) {
     const auto meshing = Clock::now();
     if (options.progress != nullptr) options.progress->Begin("mesh");
-    MORTISE_ASSIGN_OR_RETURN(analysis.mesh, mesh::MeshAssembly(model.surface, options.mesh));
+    MORTISE_ASSIGN_OR_RETURN(straight, mesh::MeshAssembly(model.surface, options.mesh));
+    analysis.mesh = mesh::WithCurvedElements(model.surface, straight);
     analysis.meshing_seconds = SecondsSince(meshing);
   }
   const parametric::MetricExpressions::Needs needs = options.own_metrics.NeedsOf(metrics);
@@ -379,7 +384,8 @@ absl::StatusOr<DesignAnalysis> AnalyzeDesign(const DesignModel& model,
     analysis.cases = std::move(solved.cases);
     gradients.merge(solved.gradients);
     if (options.wanted_error > 0) {
-      MORTISE_RETURN_IF_ERROR(Refine(solver, heat, options, analysis, gradients));
+      MORTISE_RETURN_IF_ERROR(
+          Refine(solver, heat, model, std::move(straight), options, analysis, gradients));
     }
   } else if (heat) {
     MORTISE_ASSIGN_OR_RETURN(analysis.heat, solver.Heat(*analysis.mesh));

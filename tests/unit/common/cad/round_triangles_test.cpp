@@ -2,6 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <BRepBuilderAPI_MakeVertex.hxx>
+#include <BRepExtrema_DistShapeShape.hxx>
 #include <BRepFilletAPI_MakeFillet.hxx>
 #include <BRepPrimAPI_MakeCone.hxx>
 #include <BRepPrimAPI_MakeSphere.hxx>
@@ -9,6 +11,8 @@
 #include <cmath>
 #include <fstream>
 #include <numbers>
+#include <optional>
+#include <tuple>
 
 #include "common/base/errors.h"
 #include "tests/support/environment.h"
@@ -94,6 +98,78 @@ TEST_P(RoundTrianglesTest, AreTheSameEachTime) {
   ASSERT_TRUE(first.ok() && second.ok());
   EXPECT_EQ(first->vertices, second->vertices);
   EXPECT_EQ(first->triangles, second->triangles);
+}
+
+// The volume within the parabolas through exact vertices and middles, by a rule that is exact.
+double ExactlyDrawnVolume(const mesh::AssemblySurface& surface, int part) {
+  constexpr double kNear = 0.816847572980459, kFar = 0.108103018168070;
+  double volume = 0;
+  for (Eigen::Index t = 0; t < surface.triangles.cols(); ++t) {
+    const mesh::AssemblyFace& face =
+        surface.faces[static_cast<std::size_t>(surface.triangle_face(t))];
+    const int side = face.back_part == part ? 1 : face.front_part == part ? -1 : 0;
+    if (side == 0) continue;
+    Eigen::Matrix<double, 3, 6> places;
+    for (int k = 0; k < 3; ++k) {
+      places.col(k) = surface.exact->vertices.col(surface.triangles(k, t));
+      places.col(3 + k) = surface.exact->middles.col(3 * t + k);
+    }
+    for (const auto& [own, other, weight] : {std::tuple(kNear, (1 - kNear) / 2, 0.109951743655322),
+                                             std::tuple(kFar, (1 - kFar) / 2, 0.223381589678011)}) {
+      for (int k = 0; k < 3; ++k) {
+        Eigen::Vector3d l = Eigen::Vector3d::Constant(other);
+        l(k) = own;
+        Eigen::Matrix<double, 6, 1> shape;
+        Eigen::Matrix<double, 6, 3> along = Eigen::Matrix<double, 6, 3>::Zero();
+        for (int i = 0; i < 3; ++i) {
+          const int next = (i + 1) % 3;
+          shape(i) = l(i) * (2 * l(i) - 1);
+          shape(3 + i) = 4 * l(i) * l(next);
+          along(i, i) = 4 * l(i) - 1;
+          along(3 + i, i) = 4 * l(next);
+          along(3 + i, next) = 4 * l(i);
+        }
+        const Eigen::Vector3d place = places * shape;
+        const Eigen::Vector3d first = places * (along.col(1) - along.col(0));
+        const Eigen::Vector3d second = places * (along.col(2) - along.col(0));
+        volume += side * weight / 2 * place.dot(first.cross(second)) / 3;
+      }
+    }
+  }
+  return volume;
+}
+
+double DistanceTo(const TopoDS_Shape& shape, const Eigen::Vector3d& place) {
+  const TopoDS_Vertex vertex =
+      BRepBuilderAPI_MakeVertex(gp_Pnt(place.x(), place.y(), place.z())).Vertex();
+  double least = 1;
+  for (TopExp_Explorer face(shape, TopAbs_FACE); face.More(); face.Next()) {
+    least = std::min(least, BRepExtrema_DistShapeShape(vertex, face.Current()).Value());
+  }
+  return least;
+}
+
+TEST_P(RoundTrianglesTest, KnowWhereTheirSidesAreOnTheFaces) {
+  const Shape& shape = GetParam();
+  for (const std::optional<double> size :
+       {std::optional(shape.element_size), std::optional<double>()}) {
+    const auto surface = FuseAssembly(shape.parts, {.element_size = size});
+    ASSERT_TRUE(surface.ok()) << surface.status();
+    ASSERT_TRUE(surface->exact.has_value());
+    for (std::size_t i = 0; i < shape.parts.size(); ++i) {
+      const double volume = shape.parts[i].Volume();
+      EXPECT_NEAR(ExactlyDrawnVolume(*surface, static_cast<int>(i)), volume, 1e-3 * volume);
+    }
+    // Every tenth, as the kernel takes its time to tell.
+    for (Eigen::Index i = 0; i < surface->exact->middles.cols(); i += 10) {
+      const auto middle = surface->exact->middles.col(i);
+      double distance = 1;
+      for (const Solid& part : shape.parts) {
+        distance = std::min(distance, DistanceTo(part.kernel().shape, middle));
+      }
+      EXPECT_LT(distance, 1e-7) << "at " << middle.transpose();
+    }
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Shapes, RoundTrianglesTest, ::testing::ValuesIn(Shapes()),
