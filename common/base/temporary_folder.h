@@ -7,7 +7,8 @@
 namespace mortise {
 
 // One that only this user may look into, "mortise-PURPOSE-IDENTIFIER" in the folder for temporary
-// files. It goes with this object, and all in it. Where it cannot be made, writing files there
+// files. It goes with this object, and all in it; where the process was killed, as soon as one for
+// the same purpose is made a minute later or after. Where it cannot be made, writing files there
 // fails.
 class TemporaryFolder {
  public:
@@ -20,6 +21,7 @@ class TemporaryFolder {
 
  private:
   const std::filesystem::path path_;
+  int held_ = -1;  // the folder, open and locked while the process lives
 };
 
 }  // namespace mortise
