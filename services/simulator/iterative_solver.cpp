@@ -1,7 +1,9 @@
 #include "services/simulator/iterative_solver.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 
 #include "absl/strings/str_format.h"
 #include "common/base/errors.h"
@@ -17,6 +19,9 @@ constexpr double kSingularCondition = 1e13;
 
 // Where rounding ends the iteration early, the error must have come down to this at least.
 constexpr double kRoundingError = 1e-6;
+
+// Iterations after which their number is foreseen, at least.
+constexpr double kFirstLook = 10;
 
 // Coefficients kept for the estimate of the condition.
 constexpr std::size_t kLanczosSteps = 300;
@@ -74,7 +79,7 @@ IterativeSolver::IterativeSolver(const mesh::TetrahedralMesh& mesh,
   summary_.unknowns = static_cast<int>((fixed == 0).count());
 }
 
-absl::StatusOr<std::unique_ptr<LinearSolver>> IterativeSolver::Create(
+absl::StatusOr<std::unique_ptr<IterativeSolver>> IterativeSolver::Create(
     const mesh::TetrahedralMesh& mesh, std::shared_ptr<const BlockPattern> pattern,
     const Eigen::Array3Xi& fixed, const NodeFrames& frames, const SolverOptions& options) {
   const auto start = Clock::now();
@@ -93,6 +98,7 @@ absl::Status IterativeSolver::Prepare(std::shared_ptr<const BlockMatrix> matrix,
                                       const Eigen::Matrix3Xd& positions) {
   const auto start = Clock::now();
   matrix_ = nullptr;
+  iterations_before_ = 0;
   if (options_.progress) MORTISE_RETURN_IF_ERROR(options_.progress(0, -1));
   if (summary_.unknowns > 0) MORTISE_RETURN_IF_ERROR(multigrid_.Prepare(*matrix, positions));
   matrix_ = std::move(matrix);
@@ -115,9 +121,27 @@ absl::StatusOr<std::vector<Eigen::Matrix3Xd>> IterativeSolver::SolveAll(
   for (const Eigen::Matrix3Xd& load : loads) {
     MORTISE_ASSIGN_OR_RETURN(Eigen::Matrix3Xd solution, SolveOne(load));
     solutions.push_back(std::move(solution));
+    iterations_before_ += summary_.iterations;
   }
   summary_.solution_seconds = SecondsSince(start);
   return solutions;
+}
+
+void IterativeSolver::WaitForever() { options_.patience = std::numeric_limits<double>::infinity(); }
+
+// Looks after a tenth of the patience, and whenever the iterations have doubled: before, the error
+// says little.
+bool IterativeSolver::IsTooSlow() const {
+  const int done = summary_.iterations;
+  if (!std::isfinite(options_.patience)) return false;
+  if (iterations_before_ > options_.patience) return true;
+  double look = std::max(kFirstLook, options_.patience / 10);
+  while (2 * look <= done) look *= 2;
+  if (done < look || done - 1 >= look) return false;
+  const double foreseen = summary_.error < 1
+                              ? done * std::log(options_.tolerance) / std::log(summary_.error)
+                              : std::numeric_limits<double>::infinity();
+  return iterations_before_ + foreseen > options_.patience;
 }
 
 void IterativeSolver::MultiplyFree(const Eigen::VectorXd& x, Eigen::VectorXd& y) {
@@ -172,7 +196,7 @@ absl::StatusOr<Eigen::Matrix3Xd> IterativeSolver::SolveOne(const Eigen::Matrix3X
       fresh = restarted = exact = true;
       continue;
     }
-    if (summary_.iterations >= options_.maximum_iterations) {
+    if (summary_.iterations >= options_.maximum_iterations || IsTooSlow()) {
       return PreconditionFailed(
           "NOT_CONVERGED",
           absl::StrFormat("after %d iterations the relative error is %.2g, not %.2g",

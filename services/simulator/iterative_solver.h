@@ -12,7 +12,7 @@ namespace mortise::simulator {
 
 class IterativeSolver : public LinearSolver {
  public:
-  static absl::StatusOr<std::unique_ptr<LinearSolver>> Create(
+  static absl::StatusOr<std::unique_ptr<IterativeSolver>> Create(
       const mesh::TetrahedralMesh& mesh, std::shared_ptr<const BlockPattern> pattern,
       const Eigen::Array3Xi& fixed, const NodeFrames& frames, const SolverOptions& options);
 
@@ -22,12 +22,16 @@ class IterativeSolver : public LinearSolver {
       const std::vector<Eigen::Matrix3Xd>& loads) override;
   const SolverSummary& summary() const override { return summary_; }
 
+  // From now on, whatever a factor would be worth.
+  void WaitForever();
+
  private:
   struct Iteration;
   IterativeSolver(const mesh::TetrahedralMesh& mesh, std::shared_ptr<const BlockPattern> pattern,
                   const Eigen::Array3Xi& fixed, const NodeFrames& frames,
                   const SolverOptions& options);
 
+  bool IsTooSlow() const;
   absl::StatusOr<Eigen::Matrix3Xd> SolveOne(const Eigen::Matrix3Xd& load);
   void MultiplyFree(const Eigen::VectorXd& x, Eigen::VectorXd& y);
   double Dot(const Eigen::VectorXd& a, const Eigen::VectorXd& b);
@@ -39,6 +43,7 @@ class IterativeSolver : public LinearSolver {
   Multigrid multigrid_;
   std::shared_ptr<const BlockMatrix> matrix_;
   SolverSummary summary_;
+  int iterations_before_ = 0;  // for other loads of this matrix
 };
 
 }  // namespace mortise::simulator

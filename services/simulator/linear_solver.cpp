@@ -1,5 +1,7 @@
 #include "services/simulator/linear_solver.h"
 
+#include <functional>
+#include <limits>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -15,18 +17,18 @@ namespace {
 constexpr int kSmall = 1500;
 constexpr int kLarge = 200000;
 
-// Flops of a factor for each block of the matrix below which it is quick in any case; and, for each
-// block and node, below which the body is so thin that iterating is slower: bars and cubes have 9
-// to 13, plates 3 to 5. Beyond the last number a factor takes minutes.
-constexpr double kQuick = 4e4;
-constexpr double kThin = 5.5;
-constexpr double kSlow = 3e12;
+// Flops of a factor, as they are estimated, in the time of one iteration on one block of the
+// matrix: on one thread 2,200, on two 1,200. Orders other than the estimate's make factors up to
+// twice as slow or quick.
+constexpr double kFlopsOfIteration = 1500;
+// Iterations and their preparation that compact bodies take.
+constexpr double kUsualIterations = 27;
 
 // Iterates, and factorises where that does not converge.
 class FallbackSolver : public LinearSolver {
  public:
-  FallbackSolver(std::unique_ptr<LinearSolver> first,
-                 std::function<absl::StatusOr<std::unique_ptr<LinearSolver>>()> make_second)
+  FallbackSolver(std::unique_ptr<IterativeSolver> first,
+                 std::function<absl::StatusOr<std::unique_ptr<LinearSolver>>(double)> make_second)
       : first_(std::move(first)), make_second_(std::move(make_second)), used_(first_.get()) {}
 
   absl::Status Prepare(std::shared_ptr<const BlockMatrix> matrix,
@@ -42,10 +44,12 @@ class FallbackSolver : public LinearSolver {
     if (used_ != first_.get()) return used_->SolveAll(loads);
     auto solutions = first_->SolveAll(loads);
     if (solutions.ok() || DetailOf(solutions.status()).reason != "NOT_CONVERGED") return solutions;
-    if (second_ == nullptr) {
-      MORTISE_ASSIGN_OR_RETURN(second_, make_second_());
+    const absl::Status prepared = PrepareSecond();
+    if (absl::IsResourceExhausted(prepared)) {
+      first_->WaitForever();
+      return first_->SolveAll(loads);
     }
-    MORTISE_RETURN_IF_ERROR(second_->Prepare(matrix_, positions_));
+    MORTISE_RETURN_IF_ERROR(prepared);
     used_ = second_.get();
     return second_->SolveAll(loads);
   }
@@ -53,8 +57,17 @@ class FallbackSolver : public LinearSolver {
   const SolverSummary& summary() const override { return used_->summary(); }
 
  private:
-  std::unique_ptr<LinearSolver> first_, second_;
-  std::function<absl::StatusOr<std::unique_ptr<LinearSolver>>()> make_second_;
+  absl::Status PrepareSecond() {
+    if (second_ == nullptr) {
+      MORTISE_ASSIGN_OR_RETURN(second_, make_second_(first_->summary().bytes));
+    }
+    return second_->Prepare(matrix_, positions_);
+  }
+
+  std::unique_ptr<IterativeSolver> first_;
+  std::unique_ptr<LinearSolver> second_;
+  // With the bytes that the first one holds.
+  std::function<absl::StatusOr<std::unique_ptr<LinearSolver>>(double)> make_second_;
   LinearSolver* used_;  // one of the two
   std::shared_ptr<const BlockMatrix> matrix_;
   Eigen::Matrix3Xd positions_;
@@ -62,13 +75,15 @@ class FallbackSolver : public LinearSolver {
 
 }  // namespace
 
-SolverKind ChooseSolver(const BlockPattern& pattern) {
-  if (pattern.nodes() <= kSmall) return SolverKind::kDirect;
-  if (pattern.nodes() > kLarge) return SolverKind::kIterative;
+SolverChoice ChooseSolver(const BlockPattern& pattern) {
+  if (pattern.nodes() <= kSmall) return {SolverKind::kDirect};
+  if (pattern.nodes() > kLarge) {
+    return {SolverKind::kIterative, std::numeric_limits<double>::infinity()};
+  }
   const double blocks = static_cast<double>(pattern.rows().size() + pattern.row_slots().size());
-  const double flops = EstimateFactorFlops(pattern);
-  const bool thin = flops <= kThin * blocks * pattern.nodes() && flops <= kSlow;
-  return thin || flops <= kQuick * blocks ? SolverKind::kDirect : SolverKind::kIterative;
+  const double worth = EstimateFactorFlops(pattern) / (kFlopsOfIteration * blocks);
+  if (worth <= kUsualIterations) return {SolverKind::kDirect};
+  return {SolverKind::kIterative, worth};
 }
 
 absl::StatusOr<std::unique_ptr<LinearSolver>> LinearSolver::Create(
@@ -83,16 +98,23 @@ absl::StatusOr<std::unique_ptr<LinearSolver>> LinearSolver::Create(
   if (options.kind == SolverKind::kIterative) {
     return IterativeSolver::Create(mesh, std::move(pattern), fixed, frames, options);
   }
-  const auto direct = [pattern, fixed, options] {
-    return CreateDirectSolver(pattern, fixed, options);
+  const auto direct = [pattern, fixed, options](double bytes_held) {
+    SolverOptions rest = options;
+    rest.memory_limit -= bytes_held;
+    return CreateDirectSolver(pattern, fixed, rest);
   };
-  if (options.kind == SolverKind::kDirect) return direct();
-  if (ChooseSolver(*pattern) == SolverKind::kDirect) {
-    auto solver = direct();
+  if (options.kind == SolverKind::kDirect) return direct(0);
+  const SolverChoice choice = ChooseSolver(*pattern);
+  if (choice.kind == SolverKind::kDirect) {
+    auto solver = direct(0);
     if (!absl::IsResourceExhausted(solver.status())) return solver;
   }
+  SolverOptions patient = options;
+  patient.patience = choice.kind == SolverKind::kIterative
+                         ? choice.patience
+                         : std::numeric_limits<double>::infinity();
   MORTISE_ASSIGN_OR_RETURN(
-      auto iterative, IterativeSolver::Create(mesh, std::move(pattern), fixed, frames, options));
+      auto iterative, IterativeSolver::Create(mesh, std::move(pattern), fixed, frames, patient));
   return std::make_unique<FallbackSolver>(std::move(iterative), direct);
 }
 

@@ -12,6 +12,7 @@
 
 #include <Eigen/Core>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -42,7 +43,11 @@ struct SolverOptions {
   double tolerance = 1e-10;
 
   int maximum_iterations = 2000;  // NOT_CONVERGED beyond
-  int threads = 1;                // of the iterative solver; the direct one uses one
+
+  // Iterations for all loads of a matrix that a factor is worth: the iteration ends NOT_CONVERGED
+  // as soon as it foresees more. kAutomatic has its own.
+  double patience = std::numeric_limits<double>::infinity();
+  int threads = 1;  // of the iterative solver; the direct one uses one
 
   MultigridOptions multigrid;  // of the iterative solver
 
@@ -97,11 +102,18 @@ class LinearSolver {
   virtual const SolverSummary& summary() const = 0;
 };
 
-// The kind that kAutomatic stands for, by the flops of a factor, which take milliseconds to
-// estimate: small and thin bodies, whose factors stay small and which take many iterations, go to
-// the factor, compact ones to the iteration. A factor beyond the limit of memory gives way to the
-// iteration, and follows it where that does not converge.
-SolverKind ChooseSolver(const BlockPattern& pattern);
+// What kAutomatic stands for.
+struct SolverChoice {
+  SolverKind kind = SolverKind::kDirect;
+  double patience = 0;  // of the iteration, before a factor is made after all
+};
+
+// By the flops of a factor, which take a tenth of a second to estimate: where that takes no longer
+// than a usual iteration, the factor; else the iteration, until it foresees that a factor would
+// have been quicker, as for plates of stretched elements or very many loads. It looks after a tenth
+// of what the factor takes, so that no more is lost. A factor beyond the limit of memory gives way
+// to the iteration.
+SolverChoice ChooseSolver(const BlockPattern& pattern);
 
 // INVALID_ARGUMENT naming "loads[i]" unless all have `nodes` columns and are finite.
 absl::Status CheckLoads(const std::vector<Eigen::Matrix3Xd>& loads, int nodes);

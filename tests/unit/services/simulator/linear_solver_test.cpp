@@ -326,9 +326,53 @@ TEST_P(Kinds, StopWhenToldTo) {
 }
 
 TEST(Choice, FactorisesWhatIsSmallOrThin) {
-  EXPECT_EQ(ChooseSolver(*Bar(false).stiffness->pattern()), SolverKind::kDirect);
+  EXPECT_EQ(ChooseSolver(*Bar(false).stiffness->pattern()).kind, SolverKind::kDirect);
   const Problem plate({1, 1, 0.02}, {40, 40, 1}, false);
-  EXPECT_EQ(ChooseSolver(*plate.stiffness->pattern()), SolverKind::kDirect);
+  EXPECT_EQ(ChooseSolver(*plate.stiffness->pattern()).kind, SolverKind::kDirect);
+}
+
+// Of two plates of one topology, the one of stretched elements takes very many iterations.
+TEST(Choice, LetsAFactorFinishWhatWouldTakeTooManyIterations) {
+  const auto kind_of = [](double thickness) {
+    const Problem plate({1, 1, thickness}, {24, 24, 3}, true);
+    EXPECT_EQ(ChooseSolver(*plate.stiffness->pattern()).kind, SolverKind::kIterative);
+    auto solver = plate.Solver({});
+    EXPECT_TRUE(solver.ok()) << solver.status();
+    const auto solution = (*solver)->Solve(plate.load);
+    EXPECT_TRUE(solution.ok()) << solution.status();
+    return (*solver)->summary().kind;
+  };
+  EXPECT_EQ(kind_of(0.15), SolverKind::kIterative);
+  EXPECT_EQ(kind_of(0.01), SolverKind::kDirect);
+}
+
+TEST(Choice, LetsAFactorFinishWhereThereAreManyLoads) {
+  const Problem problem({0.1, 0.1, 0.1}, {20, 20, 20}, false);
+  const double patience = ChooseSolver(*problem.stiffness->pattern()).patience;
+  ASSERT_GT(patience, 30);
+  auto solver = problem.Solver({});
+  ASSERT_TRUE(solver.ok()) << solver.status();
+  int iterated = 0;
+  for (int load = 0; load < 50; ++load) {
+    const auto solution = (*solver)->Solve((1 + load) * problem.load);
+    ASSERT_TRUE(solution.ok()) << solution.status();
+    if ((*solver)->summary().kind == SolverKind::kDirect) break;
+    iterated += (*solver)->summary().iterations;
+  }
+  EXPECT_EQ((*solver)->summary().kind, SolverKind::kDirect);
+  EXPECT_LT(iterated, 1.5 * patience);
+}
+
+TEST(Choice, IteratesOnWhereAFactorDoesNotFit) {
+  const Problem plate({1, 1, 0.01}, {24, 24, 3}, true);
+  SolverOptions options;
+  options.memory_limit = 60e6;
+  auto solver = plate.Solver(options);
+  ASSERT_TRUE(solver.ok()) << solver.status();
+  const auto solution = (*solver)->Solve(plate.load);
+  ASSERT_TRUE(solution.ok()) << solution.status();
+  EXPECT_EQ((*solver)->summary().kind, SolverKind::kIterative);
+  EXPECT_GT((*solver)->summary().iterations, ChooseSolver(*plate.stiffness->pattern()).patience);
 }
 
 TEST(Choice, FallsBackToAFactorWhereIterationFails) {
@@ -337,7 +381,7 @@ TEST(Choice, FallsBackToAFactorWhereIterationFails) {
   options.maximum_iterations = 3;
   auto solver = problem.Solver(options);
   ASSERT_TRUE(solver.ok()) << solver.status();
-  ASSERT_EQ(ChooseSolver(*problem.stiffness->pattern()), SolverKind::kIterative);
+  ASSERT_EQ(ChooseSolver(*problem.stiffness->pattern()).kind, SolverKind::kIterative);
   const auto solution = (*solver)->Solve(problem.load);
   ASSERT_TRUE(solution.ok()) << solution.status();
   EXPECT_EQ((*solver)->summary().kind, SolverKind::kDirect);
