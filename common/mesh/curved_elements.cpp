@@ -10,7 +10,6 @@
 #include <array>
 #include <cmath>
 #include <iterator>
-#include <memory>
 #include <numeric>
 #include <optional>
 #include <utility>
@@ -59,15 +58,20 @@ class FaceShifts {
       }
       is_curved_ = is_curved_ || !patch.shifts.isZero(0);
       patches_.push_back(patch);
+      triangles_.emplace_back(ToPoint(patch.corners.col(0)), ToPoint(patch.corners.col(1)),
+                              ToPoint(patch.corners.col(2)));
     }
+    if (is_curved_) tree_.rebuild(triangles_.begin(), triangles_.end());
   }
+  FaceShifts(const FaceShifts&) = delete;  // the tree refers to the triangles
+  FaceShifts& operator=(const FaceShifts&) = delete;
 
   // Whether any of its points is moved.
   bool is_curved() const { return is_curved_; }
 
-  // From a place on one of the triangles to the face; nothing if it is on none.
+  // From a place on one of the triangles of a curved face to the face; nothing if it is on none.
   std::optional<Eigen::Vector3d> At(const Eigen::Vector3d& place) const {
-    const auto [nearest, triangle] = tree().closest_point_and_primitive(ToPoint(place));
+    const auto [nearest, triangle] = tree_.closest_point_and_primitive(ToPoint(place));
     const Patch& patch = patches_[static_cast<std::size_t>(triangle - triangles_.begin())];
     const Eigen::Vector3d found(nearest.x(), nearest.y(), nearest.z());
     const Eigen::Vector3d along = patch.corners.col(1) - patch.corners.col(0);
@@ -96,22 +100,10 @@ class FaceShifts {
     return surface.exact->vertices.col(surface.triangles(k, t));
   }
 
-  const Tree& tree() const {
-    if (tree_ == nullptr) {
-      triangles_.reserve(patches_.size());
-      for (const Patch& patch : patches_) {
-        triangles_.emplace_back(ToPoint(patch.corners.col(0)), ToPoint(patch.corners.col(1)),
-                                ToPoint(patch.corners.col(2)));
-      }
-      tree_ = std::make_unique<Tree>(triangles_.begin(), triangles_.end());
-    }
-    return *tree_;
-  }
-
   std::vector<Patch> patches_;
   bool is_curved_ = false;
-  mutable Triangles triangles_;  // of the tree, which refers to them
-  mutable std::unique_ptr<Tree> tree_;
+  Triangles triangles_;
+  Tree tree_;  // where anything is moved
 };
 
 // By how much each node moves that is on a face where anything moves.

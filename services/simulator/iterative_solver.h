@@ -22,6 +22,9 @@ class IterativeSolver : public LinearSolver {
       const std::vector<Eigen::Matrix3Xd>& loads) override;
   const SolverSummary& summary() const override { return summary_; }
 
+  // Whether the last load ended for want of patience, not of iterations.
+  bool gave_up_early() const { return summary_.iterations < options_.maximum_iterations; }
+
   // From now on, whatever a factor would be worth.
   void WaitForever();
 

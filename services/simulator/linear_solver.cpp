@@ -46,6 +46,7 @@ class FallbackSolver : public LinearSolver {
     if (solutions.ok() || DetailOf(solutions.status()).reason != "NOT_CONVERGED") return solutions;
     const absl::Status prepared = PrepareSecond();
     if (absl::IsResourceExhausted(prepared)) {
+      if (!first_->gave_up_early()) return solutions;
       first_->WaitForever();
       return first_->SolveAll(loads);
     }
