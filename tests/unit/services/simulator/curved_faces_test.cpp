@@ -13,12 +13,11 @@
 #include <TopoDS.hxx>
 #include <cmath>
 #include <memory>
-#include <numbers>
 #include <string>
 
 #include "common/cad/assembly_surface.h"
-#include "common/cad/cylinder.h"
 #include "common/cad/solid_kernel.h"
+#include "published_targets.h"
 #include "services/simulator/design_analysis.h"
 
 namespace mortise::simulator {
@@ -99,15 +98,7 @@ TEST(CurvedFacesTest, ConcentrateStressAtAHole) {
   for (const char* side : {"x_max", "y_max"}) {
     model.analysis.tractions.push_back(
         {{0, side}, [](const Eigen::Vector3d& x, const Eigen::Vector3d& normal) {
-           const double r2 = kRadius * kRadius / x.head<2>().squaredNorm(), r4 = r2 * r2;
-           const double angle = std::atan2(x.y(), x.x());
-           const double c2 = std::cos(2 * angle), c4 = std::cos(4 * angle);
-           const double s2 = std::sin(2 * angle), s4 = std::sin(4 * angle);
-           const double xx = 1 - r2 * (1.5 * c2 + c4) + 1.5 * r4 * c4;
-           const double yy = -r2 * (0.5 * c2 - c4) - 1.5 * r4 * c4;
-           const double xy = -r2 * (0.5 * s2 + s4) + 1.5 * r4 * s4;
-           return Eigen::Vector3d(kPull * (xx * normal.x() + xy * normal.y()),
-                                  kPull * (xy * normal.x() + yy * normal.y()), 0);
+           return KirschTraction(kRadius, kPull, x, normal);
          }});
   }
   const DesignAnalysis analysis = Solved(model, kSize);
@@ -140,33 +131,6 @@ TEST(CurvedFacesTest, HoldAPressureInside) {
     ++inside;
   }
   EXPECT_GT(inside, 20);
-}
-
-TEST(CurvedFacesTest, BendAsBeamTheorySays) {
-  constexpr double kRadius = 0.015, kLength = 0.45, kForce = 100;
-  cad::CylinderShape bar;
-  bar.name = "bar";
-  bar.radius_u = bar.radius_v = kRadius;
-  bar.height = kLength;
-  const auto surface = cad::FuseAssembly(std::vector<cad::Solid>{cad::MakeCylinder(bar).value()});
-  ASSERT_TRUE(surface.ok()) << surface.status();
-  DesignModel model{*surface, {}};
-  model.analysis.materials = {{"wood", 700, 12e9, 0.3, 60e6}};
-  model.analysis.supports.push_back({{0, "base"}});
-  model.analysis.forces.push_back({{0, "cap"}, {kForce, 0, 0}});
-  const DesignAnalysis analysis = Solved(model, 0.008);
-  const double second_moment = std::numbers::pi / 4 * std::pow(kRadius, 4);
-  const Eigen::Matrix3Xd& nodes = analysis.mesh->nodes;
-  double worst = 0;
-  for (Eigen::Index v = 0; v < nodes.cols(); ++v) {
-    const double z = nodes(2, v);
-    if (z < 4 * kRadius || z > kLength - 4 * kRadius) continue;
-    const double theory = -kForce * (kLength - z) * nodes(0, v) / second_moment;
-    const double largest = kForce * (kLength - z) * kRadius / second_moment;
-    const double found = analysis.cases[0].solution.stress(2, v);
-    worst = std::max(worst, std::abs(found - theory) / largest);
-  }
-  EXPECT_LT(worst, 5e-3);
 }
 
 }  // namespace

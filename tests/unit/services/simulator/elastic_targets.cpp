@@ -103,6 +103,19 @@ TargetAnswer ThickPlate(int n, bool quadratic) {
   return Answer("LE10: syy at D", -5.38 * kMegapascal, solved.solution.stress(1, d), solved);
 }
 
+Eigen::Vector3d KirschTraction(double radius, double pull, const Eigen::Vector3d& x,
+                               const Eigen::Vector3d& normal) {
+  const double r2 = radius * radius / x.head<2>().squaredNorm(), r4 = r2 * r2;
+  const double angle = std::atan2(x.y(), x.x());
+  const double c2 = std::cos(2 * angle), c4 = std::cos(4 * angle);
+  const double s2 = std::sin(2 * angle), s4 = std::sin(4 * angle);
+  const double xx = 1 - r2 * (1.5 * c2 + c4) + 1.5 * r4 * c4;
+  const double yy = -r2 * (0.5 * c2 - c4) - 1.5 * r4 * c4;
+  const double xy = -r2 * (0.5 * s2 + s4) + 1.5 * r4 * s4;
+  return pull *
+         Eigen::Vector3d(xx * normal.x() + xy * normal.y(), xy * normal.x() + yy * normal.y(), 0);
+}
+
 TargetAnswer PlateWithHole(int n, bool quadratic) {
   constexpr double kSide = 4, kPull = 1e6;
   MappedBox box;
@@ -119,15 +132,7 @@ TargetAnswer PlateWithHole(int n, bool quadratic) {
   analysis.supports = {Roller("v_min", 1), Roller("v_max", 0), Roller("w_min", 2),
                        Roller("w_max", 2)};
   analysis.tractions = {{{0, "u_max"}, [](const Eigen::Vector3d& x, const Eigen::Vector3d& normal) {
-                           const double r2 = 1 / x.head<2>().squaredNorm(), r4 = r2 * r2;
-                           const double angle = std::atan2(x.y(), x.x());
-                           const double c2 = std::cos(2 * angle), c4 = std::cos(4 * angle);
-                           const double s2 = std::sin(2 * angle), s4 = std::sin(4 * angle);
-                           const double xx = 1 - r2 * (1.5 * c2 + c4) + 1.5 * r4 * c4;
-                           const double yy = -r2 * (0.5 * c2 - c4) - 1.5 * r4 * c4;
-                           const double xy = -r2 * (0.5 * s2 + s4) + 1.5 * r4 * s4;
-                           return Eigen::Vector3d(kPull * (xx * normal.x() + xy * normal.y()),
-                                                  kPull * (xy * normal.x() + yy * normal.y()), 0);
+                           return KirschTraction(1, kPull, x, normal);
                          }}};
   const Solved solved = Solve(box, quadratic, analysis);
   Worst worst(3 * kPull);

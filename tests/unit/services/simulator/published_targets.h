@@ -4,6 +4,7 @@
 // graded towards where the answer is read, by the same rule at every fineness.
 #pragma once
 
+#include <Eigen/Core>
 #include <string>
 
 namespace mortise::simulator {
@@ -25,6 +26,12 @@ struct TargetAnswer {
 // ν = 0.3, pressed by 1 MPa on z = 0.6. Symmetry on x = 0 and y = 0; on the outer ellipse u = v =
 // 0, and w = 0 along its middle z = 0.3. Target: σyy = −5.38 MPa at D (2, 0, 0.6). 36 n³ elements.
 TargetAnswer ThickPlate(int n, bool quadratic);
+
+// The traction on a plane of this normal at x, m, round a circular hole about z in a plate pulled
+// along x by `pull`, Pa, at infinity, by Kirsch's solution (1898; Timoshenko and Goodier, Theory of
+// Elasticity, §35).
+Eigen::Vector3d KirschTraction(double radius, double pull, const Eigen::Vector3d& x,
+                               const Eigen::Vector3d& normal);
 
 // A plate with a circular hole of radius 1 m in plane strain, pulled along x by 1 MPa at infinity:
 // a quarter of the square |x|, |y| <= 4 m, 0.1 m thick, with the exact tractions of Kirsch's
