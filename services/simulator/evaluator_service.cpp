@@ -10,7 +10,6 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_join.h"
 #include "common/base/errors.h"
 #include "common/parametric/evaluation_settings.h"
 #include "common/rpc/channel.h"
@@ -22,8 +21,8 @@
 #include "services/simulator/evaluation_subject.h"
 #include "services/simulator/evaluator_records.h"
 #include "services/simulator/result_cache.h"
+#include "services/simulator/result_key.h"
 #include "services/simulator/serial_executor.h"
-#include "services/simulator/settings_text.h"
 #include "services/simulator/simulator_core.h"
 #include "services/simulator/subject_metrics.h"
 
@@ -299,12 +298,6 @@ class EvaluatorAdapter final : public v1::EvaluatorService::CallbackService {
     *task.mutable_metric_definitions() = asked.metric_definitions();
     if (asked.has_airflow()) *task.mutable_airflow() = asked.airflow();
     task.set_trace_id(call.identity().request_id);
-    const std::string physics =
-        subject.queue == kSimulatorQueue ? absl::StrCat("physics ", kPhysicsVersion, ": ") : "";
-    const std::string what =
-        absl::StrCat(physics, asked.gradients() ? "gradients of " : "", absl::StrJoin(metrics, ","),
-                     RefinementText(asked.mesh()), DefinitionsText(asked.metric_definitions()),
-                     AirflowText(asked.airflow()));
     std::vector<std::pair<int, WantedTask>> wanted;
     for (int i = 0; i < asked.points_size(); ++i) {
       const absl::Status usable =
@@ -314,7 +307,7 @@ class EvaluatorAdapter final : public v1::EvaluatorService::CallbackService {
         continue;
       }
       *task.mutable_point() = asked.points(i);
-      const std::string key = KeyOf(task, what);
+      const std::string key = ResultKey(task);
       if (const auto known = cache_->Find(key)) {
         batch->SendKnown(i, *known);
         continue;
@@ -323,14 +316,6 @@ class EvaluatorAdapter final : public v1::EvaluatorService::CallbackService {
     }
     batch->Enqueue(std::move(wanted));
     return absl::OkStatus();
-  }
-
-  static std::string KeyOf(const v1::Task& task, const std::string& what) {
-    const Eigen::VectorXd parameters = Eigen::Map<const Eigen::VectorXd>(
-        task.point().parameters().data(), task.point().parameters_size());
-    return TaskKeyIn(task.evaluator(),
-                     EvaluationKey(task.digest(), parameters, task.mesh().element_size(),
-                                   task.mesh().linear(), what));
   }
 
   const std::shared_ptr<SimulatorCore> core_;

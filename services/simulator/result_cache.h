@@ -1,7 +1,6 @@
 // Results of evaluations by what they depend on, the least recently used forgotten first.
 #pragma once
 
-#include <Eigen/Core>
 #include <list>
 #include <mutex>
 #include <optional>
@@ -9,15 +8,6 @@
 #include <unordered_map>
 
 namespace mortise::simulator {
-
-// Counted up where the same design gets other numbers, of our own evaluator: those that are stored
-// are not given any more. 2: round faces in Gmsh's triangles; 3: elements that follow them.
-inline constexpr int kPhysicsVersion = 3;
-
-// The key of an evaluation: a digest of the subject's content digest, the exact parameter values,
-// the mesh settings and everything else that the result depends on.
-std::string EvaluationKey(const std::string& subject_digest, const Eigen::VectorXd& parameters,
-                          double element_size, bool linear, const std::string& what);
 
 // Thread safe.
 class ResultCache {

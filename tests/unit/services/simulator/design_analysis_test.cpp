@@ -174,21 +174,6 @@ TEST(Reports, ShowTheStress) {
   }
 }
 
-TEST(Keys, TellEverythingApart) {
-  const Eigen::VectorXd q = Eigen::Vector2d(1, 2);
-  const std::string key = EvaluationKey("digest", q, 0.1, false, "mass");
-  EXPECT_EQ(key, EvaluationKey("digest", q, 0.1, false, "mass"));
-  EXPECT_NE(key, EvaluationKey("other", q, 0.1, false, "mass"));
-  EXPECT_NE(key,
-            EvaluationKey("digest", Eigen::Vector2d(1, std::nextafter(2, 3)), 0.1, false, "mass"));
-  EXPECT_NE(key, EvaluationKey("digest", Eigen::Vector3d(1, 2, 0), 0.1, false, "mass"));
-  EXPECT_NE(key, EvaluationKey("digest", q, 0.2, false, "mass"));
-  EXPECT_NE(key, EvaluationKey("digest", q, 0.1, true, "mass"));
-  EXPECT_NE(key, EvaluationKey("digestm", q, 0.1, false, "ass"));
-  EXPECT_EQ(EvaluationKey("d", Eigen::VectorXd::Constant(1, 0.0), 0, false, ""),
-            EvaluationKey("d", Eigen::VectorXd::Constant(1, -0.0), 0, false, ""));
-}
-
 TEST(Caches, ForgetTheLeastRecentlyUsed) {
   ResultCache cache(2);
   cache.Store("a", "1");

@@ -1,0 +1,19 @@
+// By what a result is found again: a key of all that it depends on.
+#pragma once
+
+#include <string>
+
+#include "mortise/v1/simulator.pb.h"
+
+namespace mortise::simulator {
+
+// Counted up where the same design gets other numbers, of our own evaluator: those that are stored
+// are not given any more. 2: round faces in Gmsh's triangles; 3: elements that follow them.
+inline constexpr int kPhysicsVersion = 3;
+
+// The key of an evaluation's task in its queue: of the subject's digest, the exact parameters, the
+// metrics and whether their gradients are wanted, what the request defines, and all settings. Those
+// of our own evaluator depend on the version of its physics, those of others do not.
+std::string ResultKey(const v1::Task& task, int physics_version = kPhysicsVersion);
+
+}  // namespace mortise::simulator
