@@ -28,7 +28,6 @@ namespace mortise::cad {
 namespace {
 
 constexpr char kProgram[] = "gmsh";
-constexpr auto kMostTime = std::chrono::seconds(60);
 constexpr double kLengthsApart = 1.1;  // ratio of lengths that are one to Gmsh
 
 absl::Status GmshFailure(const std::string& how) { return KernelFailure("drawing triangles", how); }
@@ -97,7 +96,8 @@ std::string ScriptOf(const std::vector<double>& lengths) {
 // What Gmsh writes of the faces.
 absl::StatusOr<std::string> RunGmsh(const std::string& program,
                                     const std::vector<TopoDS_Face>& faces,
-                                    const std::vector<double>& lengths) {
+                                    const std::vector<double>& lengths,
+                                    std::chrono::milliseconds limit) {
   const TemporaryFolder folder("gmsh");
   const std::filesystem::path script = folder.path() / "faces.geo", mesh = folder.path() / "mesh",
                               log = folder.path() / "log";
@@ -111,7 +111,7 @@ absl::StatusOr<std::string> RunGmsh(const std::string& program,
   MORTISE_ASSIGN_OR_RETURN(const auto end,
                            RunProcess({program, "-", script.string(), "-2", "-nt", "1", "-v", "1",
                                        "-format", "msh2", "-o", mesh.string()},
-                                      log, kMostTime, {home}));
+                                      log, limit, {home}));
   if (!end) return GmshFailure("Gmsh came to no end");
   absl::StatusOr<std::string> written = ReadFile(mesh);
   if (end->signalled || end->code != 0 || !written.ok()) {
@@ -211,9 +211,10 @@ class GmshMeshReader {
 }  // namespace
 
 absl::StatusOr<GmshMesh> MeshWithGmsh(const std::vector<TopoDS_Face>& faces,
-                                      const std::vector<double>& lengths) {
+                                      const std::vector<double>& lengths,
+                                      std::chrono::milliseconds limit) {
   MORTISE_ASSIGN_OR_RETURN(const std::string program, FindGmsh());
-  MORTISE_ASSIGN_OR_RETURN(const std::string written, RunGmsh(program, faces, lengths));
+  MORTISE_ASSIGN_OR_RETURN(const std::string written, RunGmsh(program, faces, lengths, limit));
   return GmshMeshReader(written, faces.size()).Read();
 }
 

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <TopoDS_Face.hxx>
+#include <chrono>
 #include <gp_XY.hxx>
 #include <optional>
 #include <vector>
@@ -24,10 +25,11 @@ struct GmshMesh {
 };
 
 // Errors: FAILED_PRECONDITION, NO_GMSH, naming the package, where it is not on PATH; INTERNAL where
-// Gmsh fails, takes more than a minute, or writes what cannot be read.
+// Gmsh fails, takes longer than `limit`, or writes what cannot be read.
 //
 // Lengths, m, as TriangulateWithGmsh's.
 absl::StatusOr<GmshMesh> MeshWithGmsh(const std::vector<TopoDS_Face>& faces,
-                                      const std::vector<double>& lengths);
+                                      const std::vector<double>& lengths,
+                                      std::chrono::milliseconds limit = std::chrono::minutes(1));
 
 }  // namespace mortise::cad

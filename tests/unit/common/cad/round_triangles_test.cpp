@@ -8,13 +8,17 @@
 #include <BRepPrimAPI_MakeCone.hxx>
 #include <BRepPrimAPI_MakeSphere.hxx>
 #include <BRepPrimAPI_MakeTorus.hxx>
+#include <chrono>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <numbers>
 #include <optional>
 #include <tuple>
 
 #include "common/base/errors.h"
+#include "common/base/process.h"
+#include "common/cad/gmsh_mesh.h"
 #include "tests/support/environment.h"
 #include "tests/support/replaced_program.h"
 #include "tests/support/temporary_folder.h"
@@ -283,6 +287,28 @@ TEST(RoundTriangles, GiveWayToTheKernelsWhereGmshFails) {
     EXPECT_EQ(surface->vertices, drawn->vertices);
     EXPECT_EQ(surface->triangles, drawn->triangles);
   }
+}
+
+// It may take a minute, not for ever; what it started goes with it.
+TEST(RoundTriangles, AreGivenUpWhereGmshComesToNoEnd) {
+  const testing::TemporaryFolder folder;
+  const std::filesystem::path started = folder.path() / "started";
+  const testing::ReplacedProgram other("gmsh",
+                                       "echo $$ > " + started.string() + "; /bin/sleep 1000");
+  const TopoDS_Shape rod = Upright(0, 0, 0, 1, 0.01);
+  std::vector<TopoDS_Face> faces;
+  for (TopExp_Explorer face(rod, TopAbs_FACE); face.More(); face.Next()) {
+    faces.push_back(TopoDS::Face(face.Current()));
+  }
+  const absl::Status status =
+      MeshWithGmsh(faces, std::vector<double>(faces.size(), 0.01), std::chrono::seconds(1))
+          .status();
+  EXPECT_TRUE(absl::IsInternal(status)) << status;
+  EXPECT_THAT(status.message(), HasSubstr("Gmsh came to no end"));
+  pid_t gmsh = 0;
+  std::ifstream(started) >> gmsh;
+  ASSERT_GT(gmsh, 0);
+  EXPECT_FALSE(ProcessExists(gmsh));
 }
 
 }  // namespace
