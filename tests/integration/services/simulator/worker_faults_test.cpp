@@ -150,5 +150,50 @@ TEST_F(WorkerFaultsTest, NoTaskIsLostOrDoneTwiceOnPostgresql) {
   Test(service);
 }
 
+// Asked of one replica, leased from it, reported to another: whoever asked is told.
+TEST_F(WorkerFaultsTest, AReportMayReachAReplicaThatDidNotLend) {
+  const auto cluster = testing::PrivatePostgresql::Start();
+  ASSERT_TRUE(cluster.ok()) << cluster.status();
+  testing::ServiceUnderTest first("mortise-simulator", {"--peer=catalog=127.0.0.1:1"},
+                                  (*cluster)->url());
+  testing::ServiceUnderTest second("mortise-simulator", {"--peer=catalog=127.0.0.1:1"},
+                                   (*cluster)->url());
+  Register(first);
+  v1::EvaluateBatchRequest asked = Batch();
+  asked.mutable_points()->DeleteSubrange(1, kTasks - 1);
+  const auto evaluators = v1::EvaluatorService::NewStub(first.channel());
+  grpc::ClientContext context;
+  testing::Prepare(context);
+  const auto reader = evaluators->EvaluateBatch(&context, asked);
+
+  v1::LeaseTasksRequest lease;
+  lease.set_evaluator("evaluators/synthetic");
+  lease.set_worker("only");
+  lease.set_limit(1);
+  lease.set_wait_seconds(30);
+  const auto of_first = v1::SimulatorService::NewStub(first.channel());
+  const auto leased = testing::Call(*of_first, &v1::SimulatorService::Stub::LeaseTasks, lease);
+  ASSERT_TRUE(leased.ok()) << leased.status();
+  ASSERT_EQ(leased->tasks_size(), 1);
+  v1::ReportTaskRequest report;
+  report.mutable_task()->set_name(leased->tasks(0).name());
+  report.mutable_task()->set_attempt(leased->tasks(0).attempt());
+  for (const char* metric : {"square", "mark"}) {
+    v1::Metric& told = *report.mutable_result()->add_metrics();
+    told.set_name(metric);
+    told.set_value(7);
+  }
+  const auto of_second = v1::SimulatorService::NewStub(second.channel());
+  const auto taken = testing::Call(*of_second, &v1::SimulatorService::Stub::ReportTask, report);
+  ASSERT_TRUE(taken.ok()) << taken.status();
+
+  v1::EvaluationResult result;
+  ASSERT_TRUE(reader->Read(&result));
+  ASSERT_EQ(result.metrics_size(), 2) << result.ShortDebugString();
+  EXPECT_EQ(result.metrics(0).value(), 7);
+  EXPECT_FALSE(reader->Read(&result));
+  EXPECT_TRUE(reader->Finish().ok());
+}
+
 }  // namespace
 }  // namespace mortise::simulator
