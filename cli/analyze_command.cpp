@@ -4,7 +4,9 @@
 
 #include <CLI/CLI.hpp>
 #include <cmath>
+#include <map>
 #include <memory>
+#include <optional>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
@@ -30,6 +32,7 @@ struct AnalyzeOptions {
   std::string element_size;
   double relative_error = 0;
   bool linear = false;
+  std::optional<v1::SolverKind> solver;
   int modes = 0;
   std::string wind;            // with it, the air around the design besides
   int air_cells = 0;           // likewise
@@ -78,8 +81,9 @@ absl::Status AnalyzeMesh(const AnalyzeOptions& options, Session& session, Output
   }
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   const auto stub = v1::SimulatorService::NewStub(client->channel());
-  MORTISE_ASSIGN_OR_RETURN(const v1::Analysis analysis,
-                           AnalyzeMeshFiles(options.subject, options.mesh, *stub, *client, output));
+  MORTISE_ASSIGN_OR_RETURN(
+      const v1::Analysis analysis,
+      AnalyzeMeshFiles(options.subject, options.mesh, options.solver, *stub, *client, output));
   PrintMeshAnalysis(analysis, output);
   if (!options.out.empty()) {
     MORTISE_RETURN_IF_ERROR(DownloadArtifacts(analysis, options.out, *stub, *client, output));
@@ -99,6 +103,9 @@ absl::Status Evaluate(const AnalyzeOptions& options, const v1::AnalyzeDesignRequ
                       Session& session, Output& output) {
   if (options.modes > 0) {
     return InvalidField("--modes", "are of a whole analysis: ask for --metric natural_frequency");
+  }
+  if (options.solver) {
+    return InvalidField("--solver", "is for a whole analysis, not for --metric and --define");
   }
   if (!options.out.empty()) {
     return InvalidField("--out", "is for a whole analysis: --metric makes no files");
@@ -156,6 +163,7 @@ absl::Status Analyze(const AnalyzeOptions& options, Session& session, Output& ou
   request.mutable_mesh()->set_relative_error(options.relative_error);
   if (options.linear) request.mutable_mesh()->set_linear(true);
   request.set_modes(options.modes);
+  if (options.solver) request.set_solver(*options.solver);
   MORTISE_RETURN_IF_ERROR(ReadAirflow(options, request));
   if (!options.metrics.empty() || !options.own.define.empty()) {
     return Evaluate(options, request, session, output);
@@ -174,6 +182,7 @@ absl::Status Analyze(const AnalyzeOptions& options, Session& session, Output& ou
                                  analysis.unknowns(), " unknowns"));
   PrintMetrics(analysis.metrics(), output);
   if (analysis.cases_size() > 1) PrintCases(analysis, output);
+  PrintSolvers(analysis, output);
   PrintHeat(analysis, " K", output);
   PrintAirflow(analysis, output);
   PrintModes(analysis, output);
@@ -211,6 +220,12 @@ void AddAnalyzeCommand(CLI::App& app, Session& session) {
   analyze->add_option("--relative-error", options->relative_error,
                       "Refine until the estimated error is at most this, such as 0.05");
   analyze->add_option("--modes", options->modes, "How many natural frequencies besides, up to 100");
+  analyze
+      ->add_option("--solver", options->solver,
+                   "How load cases are solved: direct, by one factor for all, or iterative; by "
+                   "default whichever should be sooner")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, v1::SolverKind>{
+          {"direct", v1::DIRECT}, {"iterative", v1::ITERATIVE}}));
   analyze->add_option("--wind", options->wind,
                       "The air around it besides, computed by OpenFOAM: how it blows, \"X, Y, Z\" "
                       "(m/s), such as \"-10, 0, 0\"");

@@ -63,6 +63,7 @@ std::string Newtons(const v1::Vector3& force) {
 
 absl::StatusOr<v1::Analysis> AnalyzeMeshFiles(const std::filesystem::path& case_file,
                                               const std::filesystem::path& mesh_file,
+                                              std::optional<v1::SolverKind> solver,
                                               v1::SimulatorService::Stub& stub,
                                               const GatewayClient& client, Output& output) {
   FieldSources sources;
@@ -71,6 +72,7 @@ absl::StatusOr<v1::Analysis> AnalyzeMeshFiles(const std::filesystem::path& case_
   v1::AnalyzeMeshRequest request;
   request.set_request_id(NewIdentifier());
   MORTISE_ASSIGN_OR_RETURN(*request.mutable_case_(), ReadCase(case_file));
+  if (solver) request.mutable_case_()->set_solver(*solver);
   MORTISE_ASSIGN_OR_RETURN(*request.mutable_mesh_file(), Upload(mesh_file, stub, client));
   v1::Operation operation;
   MORTISE_RETURN_IF_ERROR(sources.Name(client.Call([&](grpc::ClientContext& context) {
@@ -98,6 +100,17 @@ void PrintCases(const v1::Analysis& analysis, const Output& output) {
   output.Table({"load case", "displacement", "von Mises", "principal", "safety", "energy", "error",
                 "reaction (N)"},
                rows);
+}
+
+void PrintSolvers(const v1::Analysis& analysis, const Output& output) {
+  for (const v1::CaseResult& result : analysis.cases()) {
+    if (!result.has_solver()) continue;
+    const v1::SolverReport& solver = result.solver();
+    output.Line(absl::StrFormat(
+        "  %s: solved by %s, prepared in %.2g s, solved in %.2g s, residual %.1g", result.name(),
+        solver.kind() == v1::DIRECT ? "a factor" : absl::StrCat(solver.iterations(), " iterations"),
+        solver.preparation_seconds(), solver.solution_seconds(), solver.residual()));
+  }
 }
 
 void PrintHeat(const v1::Analysis& analysis, const std::string& unit, const Output& output) {
@@ -129,6 +142,7 @@ void PrintMeshAnalysis(const v1::Analysis& analysis, const Output& output) {
     output.Line(absl::StrCat("  ", metric.name(), " ", MetricText(metric)));
   }
   PrintCases(analysis, output);
+  PrintSolvers(analysis, output);
   PrintHeat(analysis, "", output);
   PrintModes(analysis, output);
   for (const std::string& note : analysis.notes()) output.Line("note: " + note);

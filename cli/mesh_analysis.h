@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "absl/status/status.h"
@@ -13,10 +14,12 @@
 
 namespace mortise::cli {
 
-// Uploads the mesh, analyses the case and waits for the result. What is wrong with either is said
+// Uploads the mesh, analyses the case, by `solver` instead of the case's own if it is there, and
+// waits for the result. What is wrong with either is said
 // with the file's name: INVALID_ARGUMENT, also for fields that a case does not have.
 absl::StatusOr<v1::Analysis> AnalyzeMeshFiles(const std::filesystem::path& case_file,
                                               const std::filesystem::path& mesh_file,
+                                              std::optional<v1::SolverKind> solver,
                                               v1::SimulatorService::Stub& stub,
                                               const GatewayClient& client, Output& output);
 
@@ -25,6 +28,9 @@ void PrintMeshAnalysis(const v1::Analysis& analysis, const Output& output);
 
 // A table of load cases and combinations, if there are any.
 void PrintCases(const v1::Analysis& analysis, const Output& output);
+
+// A line on how each load case was solved.
+void PrintSolvers(const v1::Analysis& analysis, const Output& output);
 
 // A line on the temperatures, if heat was asked for; in this unit, which may be empty.
 void PrintHeat(const v1::Analysis& analysis, const std::string& unit, const Output& output);

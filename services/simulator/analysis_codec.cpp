@@ -12,6 +12,17 @@ void AddMetric(const char* name, const char* unit, double value, v1::CaseResult&
   metric.set_value(value);
 }
 
+v1::SolverReport ReportOf(const ElasticitySummary& summary) {
+  const bool is_direct = summary.solver.kind == SolverKind::kDirect;
+  v1::SolverReport report;
+  report.set_kind(is_direct ? v1::DIRECT : v1::ITERATIVE);
+  if (!is_direct) report.set_iterations(summary.solver.iterations);
+  report.set_residual(summary.residual);
+  report.set_preparation_seconds(summary.assembly_seconds + summary.preparation_seconds);
+  report.set_solution_seconds(summary.solution_seconds);
+  return report;
+}
+
 }  // namespace
 
 v1::Vector3 ToProto(const Eigen::Vector3d& vector) {
@@ -20,6 +31,17 @@ v1::Vector3 ToProto(const Eigen::Vector3d& vector) {
   message.set_y(vector.y());
   message.set_z(vector.z());
   return message;
+}
+
+SolverKind SolverKindOf(v1::SolverKind kind) {
+  switch (kind) {
+    case v1::DIRECT:
+      return SolverKind::kDirect;
+    case v1::ITERATIVE:
+      return SolverKind::kIterative;
+    default:
+      return SolverKind::kAutomatic;
+  }
 }
 
 void Fill(const CaseOutcome& outcome, const std::vector<std::string>& parts,
@@ -49,6 +71,7 @@ void Fill(const CaseOutcome& outcome, const std::vector<std::string>& parts,
       part.set_safety_factor(outcome.part_safety_factor[p]);
     }
   }
+  if (summary.solution_seconds > 0) *message.mutable_solver() = ReportOf(summary);
 }
 
 void Fill(const HeatOutcome& outcome, v1::HeatResult& message) {

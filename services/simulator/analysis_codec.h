@@ -8,10 +8,13 @@
 #include "mortise/v1/simulator.pb.h"
 #include "services/simulator/airflow.h"
 #include "services/simulator/case_outcome.h"
+#include "services/simulator/linear_solver.h"
 
 namespace mortise::simulator {
 
 v1::Vector3 ToProto(const Eigen::Vector3d& vector);
+
+SolverKind SolverKindOf(v1::SolverKind kind);
 
 // `parts` are the names of those that the outcome tells of.
 void Fill(const CaseOutcome& outcome, const std::vector<std::string>& parts,

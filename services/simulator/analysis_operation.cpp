@@ -254,6 +254,7 @@ absl::StatusOr<v1::Task> PrepareAnalysis(SimulatorCore& core, const v1::AnalyzeD
   }
   task.set_modes(asked.modes());
   task.set_fields(true);
+  task.set_solver(asked.solver());
   *task.mutable_mesh() = asked.mesh();
   if (asked.has_airflow()) *task.mutable_airflow() = asked.airflow();
   return task;

@@ -54,6 +54,7 @@ absl::StatusOr<SolvedDesign> DesignSolver::Solve(const mesh::TetrahedralMesh& me
         CheckMemory(mesh.nodes.cols(), mesh.tetrahedra.cols(), 3 * load_cases_.size(), limit));
   }
   ElasticityOptions elasticity = options_.elasticity;
+  elasticity.solver.loads = static_cast<int>(load_cases_.size());
   std::string stage = StageOf(0);
   elasticity.before_recovery = [&] {
     Begin(load_cases_.size() > 1 ? stage + ": stresses" : "stresses");

@@ -156,7 +156,8 @@ absl::StatusOr<ElasticitySolution> ElasticSystem::Solve(const LoadCase& loads) {
   MORTISE_ASSIGN_OR_RETURN(solution.displacement,
                            state.SolveInFrames(frames.ToFrames(solution.load)));
   solution.displacement = frames.ToSpace(std::move(solution.displacement));
-  solution.summary.solution_seconds = state.preparation_seconds + SecondsSince(start);
+  solution.summary.solution_seconds = SecondsSince(start);
+  solution.summary.preparation_seconds = state.preparation_seconds;
   state.assembly_seconds = state.preparation_seconds = 0;
   Finish(solution);
   return solution;

@@ -39,8 +39,9 @@ struct ElasticitySummary {
   double compliance = 0;     // J, fᵀ u: the work of the loads were they applied at once
   double maximum_displacement = 0;  // m
   int maximum_displacement_node = -1;
-  double assembly_seconds = 0;  // of the stiffness in the first case only
-  double solution_seconds = 0;  // with the preparation in the first case only
+  double assembly_seconds = 0;     // of the loads; in the first case of the stiffness too
+  double preparation_seconds = 0;  // of the solver; in the first case only
+  double solution_seconds = 0;     // 0 of combinations, which are not solved
   double recovery_seconds = 0;
   double seconds = 0;  // all of it
 };

@@ -21,7 +21,7 @@ constexpr int kLarge = 200000;
 // matrix: on one thread 2,200, on two 1,200. Orders other than the estimate's make factors up to
 // twice as slow or quick.
 constexpr double kFlopsOfIteration = 1500;
-// Iterations and their preparation that compact bodies take.
+// Iterations for a load and their preparation that compact bodies take.
 constexpr double kUsualIterations = 27;
 
 // Iterates, and factorises where that does not converge.
@@ -76,14 +76,14 @@ class FallbackSolver : public LinearSolver {
 
 }  // namespace
 
-SolverChoice ChooseSolver(const BlockPattern& pattern) {
+SolverChoice ChooseSolver(const BlockPattern& pattern, int loads) {
   if (pattern.nodes() <= kSmall) return {SolverKind::kDirect};
   if (pattern.nodes() > kLarge) {
     return {SolverKind::kIterative, std::numeric_limits<double>::infinity()};
   }
   const double blocks = static_cast<double>(pattern.rows().size() + pattern.row_slots().size());
   const double worth = EstimateFactorFlops(pattern) / (kFlopsOfIteration * blocks);
-  if (worth <= kUsualIterations) return {SolverKind::kDirect};
+  if (worth <= kUsualIterations * loads) return {SolverKind::kDirect};
   return {SolverKind::kIterative, worth};
 }
 
@@ -105,7 +105,7 @@ absl::StatusOr<std::unique_ptr<LinearSolver>> LinearSolver::Create(
     return CreateDirectSolver(pattern, fixed, rest);
   };
   if (options.kind == SolverKind::kDirect) return direct(0);
-  const SolverChoice choice = ChooseSolver(*pattern);
+  const SolverChoice choice = ChooseSolver(*pattern, options.loads);
   if (choice.kind == SolverKind::kDirect) {
     auto solver = direct(0);
     if (!absl::IsResourceExhausted(solver.status())) return solver;

@@ -34,6 +34,9 @@ enum class SolverKind {
 struct SolverOptions {
   SolverKind kind = SolverKind::kAutomatic;
 
+  // How many loads each matrix will have, for kAutomatic to choose by.
+  int loads = 1;
+
   // RESOURCE_EXHAUSTED if more bytes would be needed, found out before they are allocated.
   double memory_limit = 8e9;
 
@@ -109,11 +112,11 @@ struct SolverChoice {
 };
 
 // By the flops of a factor, which take a tenth of a second to estimate: where that takes no longer
-// than a usual iteration, the factor; else the iteration, until it foresees that a factor would
-// have been quicker, as for plates of stretched elements or very many loads. It looks after a tenth
-// of what the factor takes, so that no more is lost. A factor beyond the limit of memory gives way
-// to the iteration.
-SolverChoice ChooseSolver(const BlockPattern& pattern);
+// than the usual iterations for so many loads, the factor; else the iteration, until it foresees
+// that a factor would have been quicker, as for plates of stretched elements or more loads than
+// were told. It looks after a tenth of what the factor takes, so that no more is lost. A factor
+// beyond the limit of memory gives way to the iteration.
+SolverChoice ChooseSolver(const BlockPattern& pattern, int loads = 1);
 
 // INVALID_ARGUMENT naming "loads[i]" unless all have `nodes` columns and are finite.
 absl::Status CheckLoads(const std::vector<Eigen::Matrix3Xd>& loads, int nodes);

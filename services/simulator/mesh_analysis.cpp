@@ -179,6 +179,8 @@ class Analyst {
   absl::Status Loads() {
     ElasticityOptions elasticity;
     elasticity.threads = options_.threads;
+    elasticity.solver.kind = model_.solver;
+    elasticity.solver.loads = static_cast<int>(model_.load_cases.size());
     elasticity.solver.memory_limit = options_.memory_limit;
     elasticity.solver.progress = [this](int iteration, double) {
       if (options_.progress != nullptr) options_.progress->Iterate(iteration);

@@ -15,6 +15,7 @@
 #include "services/simulator/analysis_case.h"
 #include "services/simulator/analysis_report.h"
 #include "services/simulator/case_outcome.h"
+#include "services/simulator/linear_solver.h"
 #include "services/simulator/stage_progress.h"
 
 namespace mortise::simulator {
@@ -47,6 +48,7 @@ struct MeshModel {
   std::vector<std::vector<int>> support_nodes;  // of each support, ascending
   std::vector<NamedLoadCase> load_cases;
   std::vector<NamedCombination> combinations;
+  SolverKind solver = SolverKind::kAutomatic;  // of the load cases
   std::optional<HeatCase> heat;
   double reference_temperature = 0;  // at which nothing is under thermal stress
   int modes = 0;                     // how many that deform are wanted

@@ -13,6 +13,7 @@
 #include "common/base/errors.h"
 #include "common/mesh/grouped_mesh.h"
 #include "mortise/v1/simulator.pb.h"
+#include "services/simulator/analysis_codec.h"
 #include "services/simulator/mesh_case.h"
 #include "services/simulator/mesh_groups.h"
 #include "services/simulator/shape_functions.h"
@@ -325,6 +326,7 @@ class Modeller {
   }
 
   void AddCombinations() {
+    model_.solver = SolverKindOf(case_.solver());
     for (const v1::LoadCombination& given : case_.combinations()) {
       NamedCombination& combination = model_.combinations.emplace_back();
       combination.name = given.name();

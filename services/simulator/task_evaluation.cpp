@@ -213,6 +213,7 @@ absl::Status Evaluate(const v1::Task& task, const TaskSurroundings& surroundings
   options.mesh.quadratic = !task.mesh().linear();
   options.wanted_error = task.mesh().relative_error();
   options.elasticity.threads = surroundings.threads;
+  options.elasticity.solver.kind = SolverKindOf(task.solver());
   options.elasticity.solver.memory_limit = surroundings.memory_limit;
   options.progress = surroundings.progress;
   options.own_metrics = own;

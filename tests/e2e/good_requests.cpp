@@ -127,7 +127,7 @@ constexpr Example kExamples[] = {
     {"SimulatorService/AnalyzeDesign",
      "request_id: 'bad-6' template: 'templates/table' parameters { name: 'length' value: 1.5 } "
      "mesh { element_size: 0.3 linear: true } "
-     "airflow { wind { x: -10 } temperature: 300 pressure: 1e5 cells: 2000 }",
+     "airflow { wind { x: -10 } temperature: 300 pressure: 1e5 cells: 2000 } solver: ITERATIVE",
      Outcome::kChanges},
     {"SimulatorService/AnalyzeMesh",
      "request_id: 'bad-19' mesh_file: '{mesh}' case { title: 'Block' length_unit: 'mm' modes: 1 "
@@ -143,7 +143,7 @@ constexpr Example kExamples[] = {
      "heat { temperatures { groups: 'base' temperature: 20 } fluxes { groups: 'base' flux: 1 } "
      "convections { groups: 'base' coefficient: 5 ambient: 20 } "
      "sources { groups: 'body' power: 1 } reference_temperature: 20 } "
-     "probes { name: 'there' points { x: 1 } groups: 'tip' } }",
+     "probes { name: 'there' points { x: 1 } groups: 'tip' } solver: DIRECT }",
      Outcome::kChanges},
     {"SimulatorService/GetAnalysis", "name: '{analysis}'"},
     {"SimulatorService/ListAnalyses", "page_size: 10"},

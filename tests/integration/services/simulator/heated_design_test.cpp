@@ -99,8 +99,14 @@ TEST_F(HeatedDesignTest, EveryLoadCaseIsTold) {
   ASSERT_TRUE(google::protobuf::TextFormat::ParseFromString(kBoard, request.mutable_template_()));
   const auto imported = Call(*catalog_, &v1::CatalogService::Stub::ImportTemplate, request);
   ASSERT_TRUE(imported.ok()) << imported.status();
-  const auto analysis = Analyze("templates/board", 0.02);
+  v1::AnalyzeDesignRequest iterated;
+  iterated.set_solver(v1::ITERATIVE);
+  const auto analysis = Analyze("templates/board", 0.02, iterated);
   ASSERT_TRUE(analysis.ok()) << analysis.status();
+  for (const v1::CaseResult& result : analysis->cases()) {
+    EXPECT_EQ(result.solver().kind(), v1::ITERATIVE);
+    EXPECT_GT(result.solver().iterations(), 0);
+  }
   EXPECT_THAT(FilesOf(*analysis),
               UnorderedElementsAre("1-wind.vtu", "1-wind.png", "2-snow.vtu", "2-snow.png"));
   EXPECT_EQ(Download(*analysis, "2-snow.png").substr(1, 3), "PNG");
@@ -122,6 +128,22 @@ TEST_F(HeatedDesignTest, EveryLoadCaseIsTold) {
               std::max(MetricsOf(wind).at(metric), MetricsOf(snow).at(metric)))
         << metric;
   }
+}
+
+// A worker beside which Gmsh is not installed says so, and the next meshes what is round.
+TEST_F(HeatedDesignTest, AnotherWorkerMayHaveGmsh) {
+  worker_->End(SIGTERM);
+  worker_ = std::make_unique<testing::ChildProcess>(WorkerCommand({"/usr/bin/env", "PATH=/none"}));
+  const auto without = Evaluate("templates/drum-brake", {"max_temperature"}, {0.25});
+  const absl::Status failure = rpc::FromProto(without[0].error());
+  EXPECT_EQ(DetailOf(failure).reason, "NO_GMSH") << failure;
+  EXPECT_THAT(std::string(failure.message()), HasSubstr("install Debian's package 'gmsh'"));
+  worker_->End(SIGTERM);
+  worker_ = std::make_unique<testing::ChildProcess>(WorkerCommand());
+  const auto with = Evaluate("templates/drum-brake", {"max_temperature"}, {0.25});
+  ASSERT_FALSE(with[0].has_error()) << with[0].error().message();
+  EXPECT_FALSE(with[0].cached());
+  EXPECT_GT(with[0].metrics(0).value(), 300);
 }
 
 }  // namespace

@@ -71,6 +71,43 @@ TEST_F(MeshServiceTest, EveryFormatGivesTheBarItsStretch) {
   }
 }
 
+TEST_F(MeshServiceTest, LoadCasesAreSolvedAsOneAsks) {
+  const auto worker = StartWorker("only");
+  v1::AnalyzeMeshRequest request = Bar(Upload(testing::WriteGmsh41(box_, true)), "direct");
+  v1::MeshCase& bar = *request.mutable_case_();
+  v1::MeshLoadCase& weight = *bar.add_load_cases();
+  weight.set_name("weight");
+  weight.mutable_gravity()->set_y(9.81);
+  v1::LoadCombination& both = *bar.add_combinations();
+  both.set_name("both");
+  for (const char* name : {"pull", "weight"}) {
+    v1::LoadCombination::Term& term = *both.add_terms();
+    term.set_load_case(name);
+    term.set_factor(1);
+  }
+  bar.set_solver(v1::DIRECT);
+  const v1::Analysis direct = ResultOf(Run(request));
+  request.set_request_id("iterative");
+  bar.set_solver(v1::ITERATIVE);
+  const v1::Analysis iterative = ResultOf(Run(request));
+  for (const v1::Analysis& analysis : {direct, iterative}) {
+    ASSERT_EQ(analysis.cases_size(), 3);
+    EXPECT_FALSE(analysis.cases(2).has_solver()) << "a sum is not solved";
+    for (int c = 0; c < 2; ++c) {
+      const v1::SolverReport& solver = analysis.cases(c).solver();
+      EXPECT_EQ(solver.iterations() > 0, solver.kind() == v1::ITERATIVE);
+      EXPECT_LT(solver.residual(), 1e-8);
+      EXPECT_GT(solver.solution_seconds(), 0);
+    }
+  }
+  for (int c = 0; c < 2; ++c) {
+    EXPECT_EQ(direct.cases(c).solver().kind(), v1::DIRECT);
+    EXPECT_EQ(iterative.cases(c).solver().kind(), v1::ITERATIVE);
+    const double moved = MetricsOf(direct.cases(c)).at("max_displacement");
+    EXPECT_NEAR(MetricsOf(iterative.cases(c)).at("max_displacement"), moved, 1e-7 * moved);
+  }
+}
+
 TEST_F(MeshServiceTest, AnAnalysisOutlivesTheService) {
   const std::string digest = Upload(testing::WriteGmsh41(box_, true));
   v1::Operation operation, cancelled;

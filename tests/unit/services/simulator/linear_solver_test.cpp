@@ -346,7 +346,20 @@ TEST(Choice, LetsAFactorFinishWhatWouldTakeTooManyIterations) {
   EXPECT_EQ(kind_of(0.01), SolverKind::kDirect);
 }
 
-TEST(Choice, LetsAFactorFinishWhereThereAreManyLoads) {
+TEST(Choice, FactorisesAtOnceForAsManyLoadsAsItIsWorth) {
+  const Problem problem({0.1, 0.1, 0.1}, {20, 20, 20}, false);
+  const BlockPattern& pattern = *problem.stiffness->pattern();
+  ASSERT_EQ(ChooseSolver(pattern).kind, SolverKind::kIterative);
+  EXPECT_EQ(ChooseSolver(pattern, 50).kind, SolverKind::kDirect);
+  SolverOptions options;
+  options.loads = 50;
+  auto solver = problem.Solver(options);
+  ASSERT_TRUE(solver.ok()) << solver.status();
+  ASSERT_TRUE((*solver)->Solve(problem.load).ok());
+  EXPECT_EQ((*solver)->summary().kind, SolverKind::kDirect);
+}
+
+TEST(Choice, LetsAFactorFinishWhereThereAreMoreLoadsThanWereTold) {
   const Problem problem({0.1, 0.1, 0.1}, {20, 20, 20}, false);
   const double patience = ChooseSolver(*problem.stiffness->pattern()).patience;
   ASSERT_GT(patience, 30);
