@@ -4,9 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cmath>
-#include <map>
 #include <memory>
-#include <optional>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
@@ -24,21 +22,30 @@
 namespace mortise::cli {
 namespace {
 
+constexpr double kDifferenceStep = 0.05;
+
 struct AnalyzeOptions {
   std::string subject;
   std::vector<std::string> parameters;
   std::vector<std::string> metrics;  // these and nothing else, if there are any
   MetricDefinitionFlags own;
+  bool gradients = false;
+  double difference_step = kDifferenceStep;
   std::string element_size;
   double relative_error = 0;
   bool linear = false;
-  std::optional<v1::SolverKind> solver;
+  std::string solver;  // "direct", "iterative" or empty
   int modes = 0;
   std::string wind;            // with it, the air around the design besides
   int air_cells = 0;           // likewise
   std::filesystem::path mesh;  // with it, `subject` is the file of a case
   std::filesystem::path out;
 };
+
+v1::SolverKind SolverOf(const AnalyzeOptions& options) {
+  if (options.solver.empty()) return v1::SOLVER_KIND_UNSPECIFIED;
+  return options.solver == "direct" ? v1::DIRECT : v1::ITERATIVE;
+}
 
 FieldSources SourcesOf(const AnalyzeOptions& options) {
   FieldSources sources;
@@ -47,6 +54,7 @@ FieldSources SourcesOf(const AnalyzeOptions& options) {
   sources.Add("mesh.relative_error", "--relative-error");
   sources.AddEach("metrics", "--metric", options.metrics);
   AddSources(options.own, "metric_definitions", sources);
+  sources.Add("difference_step", "--difference-step");
   sources.Add("modes", "--modes");
   sources.Add("airflow.wind", "--wind");
   sources.Add("airflow.cells", "--air-cells");
@@ -74,16 +82,18 @@ absl::Status DownloadArtifacts(const v1::Analysis& analysis, const std::filesyst
 absl::Status AnalyzeMesh(const AnalyzeOptions& options, Session& session, Output& output) {
   if (!options.parameters.empty() || !options.element_size.empty() || options.linear ||
       options.relative_error != 0 || !options.metrics.empty() || !options.own.define.empty() ||
-      !options.own.point.empty() || !options.wind.empty() || options.air_cells != 0) {
-    return InvalidField("--mesh",
-                        "is a mesh already: --set, --metric, --define, --point, --element-size, "
-                        "--relative-error, --linear, --wind and --air-cells are for templates");
+      !options.own.point.empty() || options.gradients || !options.wind.empty() ||
+      options.air_cells != 0) {
+    return InvalidField(
+        "--mesh",
+        "is a mesh already: --set, --metric, --define, --point, --gradients, --element-size, "
+        "--relative-error, --linear, --wind and --air-cells are for templates");
   }
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   const auto stub = v1::SimulatorService::NewStub(client->channel());
   MORTISE_ASSIGN_OR_RETURN(
       const v1::Analysis analysis,
-      AnalyzeMeshFiles(options.subject, options.mesh, options.solver, *stub, *client, output));
+      AnalyzeMeshFiles(options.subject, options.mesh, SolverOf(options), *stub, *client, output));
   PrintMeshAnalysis(analysis, output);
   if (!options.out.empty()) {
     MORTISE_RETURN_IF_ERROR(DownloadArtifacts(analysis, options.out, *stub, *client, output));
@@ -99,12 +109,31 @@ void PrintMetrics(const google::protobuf::RepeatedPtrField<v1::Metric>& metrics,
   output.Table({"metric", "value"}, rows);
 }
 
+// A row for each metric and parameter, in SI units.
+void PrintGradients(const EvaluatedMetrics& evaluated, const Output& output) {
+  std::vector<std::vector<std::string>> rows;
+  for (const v1::Gradient& gradient : evaluated.result.gradients()) {
+    std::string unit;
+    for (const v1::Metric& metric : evaluated.result.metrics()) {
+      if (metric.name() == gradient.metric()) unit = metric.unit();
+    }
+    for (int k = 0; k < gradient.values_size(); ++k) {
+      const auto& parameter = evaluated.space.parameters(k);
+      rows.push_back({gradient.metric(), parameter.name(),
+                      absl::StrFormat("%.5g %s per %s", gradient.values(k), unit,
+                                      parameter.unit().empty() ? "1" : parameter.unit()),
+                      gradient.by_differences() ? "by differences" : "exact"});
+    }
+  }
+  if (!rows.empty()) output.Table({"metric", "parameter", "gradient", ""}, rows);
+}
+
 absl::Status Evaluate(const AnalyzeOptions& options, const v1::AnalyzeDesignRequest& asked,
                       Session& session, Output& output) {
   if (options.modes > 0) {
     return InvalidField("--modes", "are of a whole analysis: ask for --metric natural_frequency");
   }
-  if (options.solver) {
+  if (!options.solver.empty()) {
     return InvalidField("--solver", "is for a whole analysis, not for --metric and --define");
   }
   if (!options.out.empty()) {
@@ -112,17 +141,24 @@ absl::Status Evaluate(const AnalyzeOptions& options, const v1::AnalyzeDesignRequ
   }
   MORTISE_ASSIGN_OR_RETURN(const v1::MetricDefinitions definitions,
                            ParseMetricDefinitions(options.own));
-  std::vector<std::string> metrics = options.metrics;
-  if (metrics.empty()) {
-    for (const auto& metric : definitions.expressions()) metrics.push_back(metric.name());
+  v1::EvaluateBatchRequest request;
+  *request.mutable_metrics() = {options.metrics.begin(), options.metrics.end()};
+  if (options.metrics.empty()) {
+    for (const auto& metric : definitions.expressions()) request.add_metrics(metric.name());
   }
+  *request.mutable_metric_definitions() = definitions;
+  *request.mutable_mesh() = asked.mesh();
+  *request.mutable_airflow() = asked.airflow();
+  request.set_gradients(options.gradients);
+  if (options.gradients) request.set_difference_step(options.difference_step);
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   MORTISE_ASSIGN_OR_RETURN(
-      const v1::EvaluationResult result,
+      const EvaluatedMetrics evaluated,
       EvaluateMetrics(asked.template_(), {asked.parameters().begin(), asked.parameters().end()},
-                      metrics, definitions, asked.mesh(), asked.airflow(), *client));
-  PrintMetrics(result.metrics(), output);
-  output.DocumentOf(result);
+                      request, *client));
+  PrintMetrics(evaluated.result.metrics(), output);
+  PrintGradients(evaluated, output);
+  output.DocumentOf(evaluated.result);
   return absl::OkStatus();
 }
 
@@ -163,10 +199,13 @@ absl::Status Analyze(const AnalyzeOptions& options, Session& session, Output& ou
   request.mutable_mesh()->set_relative_error(options.relative_error);
   if (options.linear) request.mutable_mesh()->set_linear(true);
   request.set_modes(options.modes);
-  if (options.solver) request.set_solver(*options.solver);
+  request.set_solver(SolverOf(options));
   MORTISE_RETURN_IF_ERROR(ReadAirflow(options, request));
   if (!options.metrics.empty() || !options.own.define.empty()) {
     return Evaluate(options, request, session, output);
+  }
+  if (options.gradients) {
+    return InvalidField("--gradients", "are of metrics: say which with --metric or --define");
   }
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   const auto stub = v1::SimulatorService::NewStub(client->channel());
@@ -216,6 +255,13 @@ void AddAnalyzeCommand(CLI::App& app, Session& session) {
                       "are computed");
   analyze->add_option("--point", options->own.point,
                       "A point that --define speaks of, \"NAME = X, Y, Z\" (metres)");
+  analyze->add_flag("--gradients", options->gradients,
+                    "With --metric or --define: how they change with each parameter");
+  analyze
+      ->add_option("--difference-step", options->difference_step,
+                   "Of gradients that are not exact, as a share of the parameters' ranges; 0 for "
+                   "exact ones only")
+      ->capture_default_str();
   analyze->add_option("--element-size", options->element_size, "Edge length of the tetrahedra");
   analyze->add_option("--relative-error", options->relative_error,
                       "Refine until the estimated error is at most this, such as 0.05");
@@ -224,8 +270,7 @@ void AddAnalyzeCommand(CLI::App& app, Session& session) {
       ->add_option("--solver", options->solver,
                    "How load cases are solved: direct, by one factor for all, or iterative; by "
                    "default whichever should be sooner")
-      ->transform(CLI::CheckedTransformer(std::map<std::string, v1::SolverKind>{
-          {"direct", v1::DIRECT}, {"iterative", v1::ITERATIVE}}));
+      ->check(CLI::IsMember({"direct", "iterative"}));
   analyze->add_option("--wind", options->wind,
                       "The air around it besides, computed by OpenFOAM: how it blows, \"X, Y, Z\" "
                       "(m/s), such as \"-10, 0, 0\"");
@@ -238,6 +283,7 @@ void AddAnalyzeCommand(CLI::App& app, Session& session) {
                       "Folder for pictures (PNG), fields (VTU) and probes (CSV)");
   analyze->footer(
       "Example: mortise analyze table --set length=1500mm --out out/table\n"
+      "Example: mortise analyze table --metric mass --metric max_displacement --gradients\n"
       "Example: mortise analyze boat --metric draught --metric metacentric_height\n"
       "Example: mortise analyze collection/meshes/bracket.json --mesh "
       "collection/meshes/bracket.msh --out out/bracket");

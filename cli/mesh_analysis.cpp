@@ -63,7 +63,7 @@ std::string Newtons(const v1::Vector3& force) {
 
 absl::StatusOr<v1::Analysis> AnalyzeMeshFiles(const std::filesystem::path& case_file,
                                               const std::filesystem::path& mesh_file,
-                                              std::optional<v1::SolverKind> solver,
+                                              v1::SolverKind solver,
                                               v1::SimulatorService::Stub& stub,
                                               const GatewayClient& client, Output& output) {
   FieldSources sources;
@@ -72,7 +72,7 @@ absl::StatusOr<v1::Analysis> AnalyzeMeshFiles(const std::filesystem::path& case_
   v1::AnalyzeMeshRequest request;
   request.set_request_id(NewIdentifier());
   MORTISE_ASSIGN_OR_RETURN(*request.mutable_case_(), ReadCase(case_file));
-  if (solver) request.mutable_case_()->set_solver(*solver);
+  if (solver != v1::SOLVER_KIND_UNSPECIFIED) request.mutable_case_()->set_solver(solver);
   MORTISE_ASSIGN_OR_RETURN(*request.mutable_mesh_file(), Upload(mesh_file, stub, client));
   v1::Operation operation;
   MORTISE_RETURN_IF_ERROR(sources.Name(client.Call([&](grpc::ClientContext& context) {

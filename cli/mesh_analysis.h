@@ -3,7 +3,6 @@
 #pragma once
 
 #include <filesystem>
-#include <optional>
 #include <string>
 
 #include "absl/status/status.h"
@@ -14,12 +13,12 @@
 
 namespace mortise::cli {
 
-// Uploads the mesh, analyses the case, by `solver` instead of the case's own if it is there, and
-// waits for the result. What is wrong with either is said
-// with the file's name: INVALID_ARGUMENT, also for fields that a case does not have.
+// Uploads the mesh, analyses the case, by `solver` instead of the case's own unless it is
+// unspecified, and waits for the result. What is wrong with either is said with the file's name:
+// INVALID_ARGUMENT, also for fields that a case does not have.
 absl::StatusOr<v1::Analysis> AnalyzeMeshFiles(const std::filesystem::path& case_file,
                                               const std::filesystem::path& mesh_file,
-                                              std::optional<v1::SolverKind> solver,
+                                              v1::SolverKind solver,
                                               v1::SimulatorService::Stub& stub,
                                               const GatewayClient& client, Output& output);
 

@@ -2,6 +2,8 @@
 
 #include <grpcpp/grpcpp.h>
 
+#include <utility>
+
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/rpc/status_mapping.h"
@@ -34,10 +36,10 @@ absl::StatusOr<v1::DesignPoint> PointOf(const v1::DesignSpace& space,
 
 }  // namespace
 
-absl::StatusOr<v1::EvaluationResult> EvaluateMetrics(
-    const std::string& subject, const std::vector<v1::ParameterValue>& parameters,
-    const std::vector<std::string>& metrics, const v1::MetricDefinitions& definitions,
-    const v1::MeshSettings& mesh, const v1::AirflowSettings& airflow, const GatewayClient& client) {
+absl::StatusOr<EvaluatedMetrics> EvaluateMetrics(const std::string& subject,
+                                                 const std::vector<v1::ParameterValue>& parameters,
+                                                 const v1::EvaluateBatchRequest& asked,
+                                                 const GatewayClient& client) {
   const auto stub = v1::EvaluatorService::NewStub(client.channel());
   v1::DescribeDesignSpaceRequest describe;
   describe.set_subject(subject);
@@ -45,14 +47,10 @@ absl::StatusOr<v1::EvaluationResult> EvaluateMetrics(
   MORTISE_RETURN_IF_ERROR(client.Call([&](grpc::ClientContext& context) {
     return rpc::FromGrpc(stub->DescribeDesignSpace(&context, describe, &space));
   }));
-  v1::EvaluateBatchRequest request;
+  v1::EvaluateBatchRequest request = asked;
   request.set_subject(space.subject());
   request.set_revision(space.revision());
   MORTISE_ASSIGN_OR_RETURN(*request.add_points(), PointOf(space, parameters));
-  for (const std::string& metric : metrics) request.add_metrics(metric);
-  *request.mutable_metric_definitions() = definitions;
-  *request.mutable_mesh() = mesh;
-  *request.mutable_airflow() = airflow;
   v1::EvaluationResult result;
   MORTISE_RETURN_IF_ERROR(client.Call(
       [&](grpc::ClientContext& context) {
@@ -64,7 +62,7 @@ absl::StatusOr<v1::EvaluationResult> EvaluateMetrics(
       },
       kPatience));
   if (result.has_error()) return rpc::FromProto(result.error());
-  return result;
+  return EvaluatedMetrics{std::move(space), std::move(result)};
 }
 
 }  // namespace mortise::cli

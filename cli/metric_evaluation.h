@@ -10,12 +10,17 @@
 
 namespace mortise::cli {
 
-// Evaluates `metrics`, which may be among `definitions`, at the defaults but for `parameters`.
-// INVALID_ARGUMENT naming "parameters[i]" for one that the template does not have, else as the
-// evaluator fails.
-absl::StatusOr<v1::EvaluationResult> EvaluateMetrics(
-    const std::string& subject, const std::vector<v1::ParameterValue>& parameters,
-    const std::vector<std::string>& metrics, const v1::MetricDefinitions& definitions,
-    const v1::MeshSettings& mesh, const v1::AirflowSettings& airflow, const GatewayClient& client);
+struct EvaluatedMetrics {
+  v1::DesignSpace space;
+  v1::EvaluationResult result;
+};
+
+// Evaluates what `asked` says (metrics, gradients, settings) of a template at the defaults but for
+// `parameters`. INVALID_ARGUMENT naming "parameters[i]" for one that the template does not have,
+// else as the evaluator fails.
+absl::StatusOr<EvaluatedMetrics> EvaluateMetrics(const std::string& subject,
+                                                 const std::vector<v1::ParameterValue>& parameters,
+                                                 const v1::EvaluateBatchRequest& asked,
+                                                 const GatewayClient& client);
 
 }  // namespace mortise::cli

@@ -113,7 +113,8 @@ constexpr Example kExamples[] = {
      "mesh { element_size: 0.3 linear: true } metric_definitions { points { name: 'p' x: 'length' "
      "} "
      "expressions { name: 'slender' unit: '1' expression: \"distance('p', 'top/cap') / '2 m'\" } } "
-     "airflow { wind { x: -10 } temperature: 300 pressure: 1e5 cells: 2000 }",
+     "airflow { wind { x: -10 } temperature: 300 pressure: 1e5 cells: 2000 } gradients: true "
+     "difference_step: 0.01",
      Outcome::kChanges},
     {"EvaluatorService/CreateEvaluator",
      "request_id: 'bad-40' evaluator { name: 'evaluators/bad' title: 'Bad' version: '1' space { "

@@ -313,6 +313,67 @@ TEST_F(EvaluatorTest, WorkersThatGiveUpFailOrDieAreReplaced) {
   EXPECT_EQ(tasks->tasks(0).task().point().parameters_size(), 2);
 }
 
+// Of three metrics one has an exact gradient. Designs beside the points are ordinary tasks, some of
+// which fail.
+TEST_F(EvaluatorTest, GradientsThatAreNotOfferedAreTakenByDifferences) {
+  ASSERT_TRUE(Create(Beam()).ok());
+  v1::EvaluateBatchRequest request = Batch(1, {"mass", "deflection", "cost"});
+  request.mutable_points(0)->set_parameters(0, 2);
+  *request.add_points() = request.points(0);
+  request.mutable_points(1)->set_parameters(0, 1);  // a bound
+  request.set_gradients(true);
+  request.set_difference_step(0.05);
+  absl::StatusOr<Results> results = absl::UnknownError("not run");
+  std::thread client([&] { results = Evaluate(request); });
+  for (int done = 0; done < 2 + 2 * 4; ++done) {
+    const v1::Task task = LeaseOne();
+    const double length = task.point().parameters(0), height = task.point().parameters(1);
+    v1::EvaluationResult answer;
+    for (const std::string& name : task.metrics()) {
+      v1::Metric& metric = *answer.add_metrics();
+      metric.set_name(name);
+      metric.set_value(name == "deflection" ? length * length / height : 100 * length + height);
+    }
+    if (task.gradients()) {
+      answer.add_gradients()->set_metric("mass");
+      answer.mutable_gradients(0)->add_values(100);
+      answer.mutable_gradients(0)->add_values(1);
+    } else {
+      EXPECT_EQ(task.metrics_size(), 2) << "what is exact is not computed again";
+    }
+    const bool fails = length == 1 && height > 0.2;
+    if (fails) answer = Error(absl::StatusCode::kFailedPrecondition, "too high for its length");
+    EXPECT_TRUE(Report(task, answer).ok());
+  }
+  client.join();
+  ASSERT_TRUE(results.ok()) << results.status();
+  for (const auto& [index, result] : *results) {
+    ASSERT_FALSE(result.has_error()) << result.error().message();
+    ASSERT_EQ(result.metrics_size(), 3);
+    ASSERT_EQ(result.gradients_size(), 3);
+    EXPECT_FALSE(result.gradients(0).by_differences());
+    const double length = request.points(index).parameters(0);
+    const v1::Gradient &deflection = result.gradients(1), &cost = result.gradients(2);
+    EXPECT_EQ(deflection.metric(), "deflection");
+    EXPECT_TRUE(deflection.by_differences());
+    EXPECT_NEAR(deflection.values(0), 2 * length / 0.2, 1e-9);
+    // d(L²/h)/dh by ±0.015, or by −0.015 alone where the other side failed.
+    const double low = length * length / 0.185, high = length * length / 0.215;
+    const double by_low = (length * length / 0.2 - low) / 0.015;
+    EXPECT_NEAR(deflection.values(1), index == 0 ? (high - low) / 0.03 : by_low, 1e-6);
+    EXPECT_EQ(cost.metric(), "cost");
+    EXPECT_NEAR(cost.values(0), 100, 1e-9);
+    EXPECT_NEAR(cost.values(1), 1, 1e-6);
+  }
+  // All of it is known now, but for what failed, which is known too.
+  const auto again = Evaluate(request);
+  ASSERT_TRUE(again.ok()) << again.status();
+  EXPECT_TRUE(again->at(0).cached());
+  EXPECT_EQ(again->at(0).gradients(1).values(1), results->at(0).gradients(1).values(1));
+  request.set_gradients(false);
+  EXPECT_EQ(DetailOf(Evaluate(request).status()).field, "difference_step");
+}
+
 TEST_F(EvaluatorTest, QueuesDoNotMixAndEndWithTheirEvaluator) {
   v1::Evaluator twin = Beam();
   twin.set_name("evaluators/twin");

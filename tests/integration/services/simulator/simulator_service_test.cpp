@@ -127,6 +127,39 @@ TEST_F(SimulatorServiceTest, GivesExactGradientsOfMass) {
   EXPECT_NEAR(results[0].gradients(0).values(0), slope, 1e-4 * std::abs(slope));
 }
 
+// Two workers share the designs on either side.
+TEST_F(SimulatorServiceTest, TakesDifferencesWhereNoGradientIsExact) {
+  const auto first = StartWorker("first");
+  const auto second = StartWorker("second");
+  v1::EvaluateBatchRequest request = Batch(1, {"mass", "natural_frequency"});
+  request.mutable_mesh()->set_element_size(0.3);
+  request.mutable_mesh()->set_linear(true);
+  request.set_gradients(true);
+  std::map<int, v1::EvaluationResult> exact, all, beside;
+  ASSERT_TRUE(Evaluate(request, exact).ok());
+  ASSERT_EQ(exact[0].gradients_size(), 1);
+  request.set_difference_step(0.02);
+  ASSERT_TRUE(Evaluate(request, all).ok());
+  ASSERT_EQ(all[0].gradients_size(), 2) << all[0].ShortDebugString();
+  EXPECT_FALSE(all[0].gradients(0).by_differences());
+  EXPECT_EQ(all[0].gradients(0).values(0), exact[0].gradients(0).values(0));
+  const v1::Gradient& frequency = all[0].gradients(1);
+  EXPECT_TRUE(frequency.by_differences());
+  ASSERT_EQ(frequency.values_size(), catalog_.table().parameters_size());
+  // The same by hand, of the first parameter.
+  const v1::Parameter& length = catalog_.table().parameters(0);
+  const double step = 0.02 * (length.maximum() - length.minimum());
+  request.clear_difference_step();
+  request.set_gradients(false);
+  *request.add_points() = request.points(0);
+  request.mutable_points(0)->set_parameters(0, request.points(0).parameters(0) - step);
+  request.mutable_points(1)->set_parameters(0, request.points(1).parameters(0) + step);
+  ASSERT_TRUE(Evaluate(request, beside).ok());
+  const double by_hand = (beside[1].metrics(1).value() - beside[0].metrics(1).value()) / (2 * step);
+  EXPECT_NEAR(frequency.values(0), by_hand, 1e-6 * std::abs(by_hand));
+  EXPECT_LT(by_hand, 0) << "long tables swing slowly";
+}
+
 TEST_F(SimulatorServiceTest, MetricsOfOnesOwnAreDescribedEvaluatedAndCached) {
   const auto worker = StartWorker("only");
   v1::EvaluateBatchRequest request = Batch(2, {"slender", "sag", "mass"});
