@@ -386,6 +386,14 @@ Front Discovery::front() const {
     x(free_) = point.x;
     point.x = std::move(x);
   }
+  for (FrontPiece& piece : front.pieces) {
+    Eigen::VectorXd origin = space_.lower;
+    origin(free_) = piece.origin;
+    Eigen::MatrixXd directions = Eigen::MatrixXd::Zero(space_.size(), piece.directions.cols());
+    directions(free_, Eigen::all) = piece.directions;
+    piece.origin = std::move(origin);
+    piece.directions = std::move(directions);
+  }
   return front;
 }
 

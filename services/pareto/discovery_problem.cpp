@@ -211,9 +211,19 @@ v1::Front MakeFront(const DiscoveryProblem& problem, const Discovery& discovery)
     to.set_cell(static_cast<int>(point.cell));
     to.set_piece(point.piece);
     to.mutable_embedding()->Add(point.embedding.begin(), point.embedding.end());
+    to.set_approximation_error(point.approximation_error);
+    to.set_jump(point.jump);
+  }
+  for (const FrontPiece& piece : front.pieces) {
+    v1::FrontPiece& to = *message.add_affine_pieces();
+    to.mutable_origin()->Add(piece.origin.begin(), piece.origin.end());
+    for (const auto& direction : piece.directions.colwise()) {
+      to.add_directions()->mutable_values()->Add(direction.begin(), direction.end());
+    }
+    to.set_points(piece.points);
   }
   const Discovery::Summary summary = discovery.summary();
-  message.set_pieces(front.pieces);
+  message.set_pieces(static_cast<int>(front.pieces.size()));
   message.set_evaluations(summary.evaluations);
   message.set_failed_evaluations(summary.failed);
   for (const FailureCount& failure : summary.failures) {

@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "services/pareto/front_labeling.h"
 #include "services/pareto/non_dominated.h"
 
 namespace mortise::pareto {
@@ -18,36 +19,6 @@ Eigen::VectorXd Embed(const Eigen::VectorXd& scaled) {
   for (Eigen::Index k = 0; k < embedding.size(); ++k)
     embedding[k] = std::atan2(y.tail(y.size() - 1 - k).norm(), y[k]) / (std::numbers::pi / 2);
   return embedding;
-}
-
-double DistanceToPiece(const AffinePiece& piece, const Eigen::VectorXd& u) {
-  const Eigen::VectorXd offset = u - piece.centre;
-  return (offset - piece.directions * (piece.directions.transpose() * offset)).norm();
-}
-
-// Greedy cover: again and again the piece that explains most of the points not yet labelled.
-std::vector<int> LabelByPieces(const std::vector<Eigen::VectorXd>& designs,
-                               const std::vector<AffinePiece>& pieces, double tolerance,
-                               int& labels) {
-  std::vector<std::vector<std::size_t>> explained(pieces.size());
-  for (std::size_t p = 0; p < pieces.size(); ++p)
-    for (std::size_t i = 0; i < designs.size(); ++i)
-      if (DistanceToPiece(pieces[p], designs[i]) <= tolerance) explained[p].push_back(i);
-  std::vector<int> label(designs.size(), -1);
-  while (true) {
-    std::size_t best = 0;
-    std::size_t most = 1;  // a piece of one point explains nothing
-    for (std::size_t p = 0; p < pieces.size(); ++p) {
-      std::erase_if(explained[p], [&](std::size_t i) { return label[i] >= 0; });
-      if (explained[p].size() > most) {
-        most = explained[p].size();
-        best = p;
-      }
-    }
-    if (most == 1) return label;
-    for (const std::size_t i : explained[best]) label[i] = labels;
-    ++labels;
-  }
 }
 
 // Points on no piece: the label of the nearest earlier point within `joining`, else a new one.
@@ -69,16 +40,89 @@ void LabelTheRest(const std::vector<Eigen::VectorXd>& designs, double joining,
   }
 }
 
-// Numbers the pieces in the order in which they appear along the front.
-void NumberAlongFront(Front& front) {
-  std::vector<int> number;
-  for (FrontPoint& point : front.points) {
-    const auto at = std::find(number.begin(), number.end(), point.piece);
-    const auto index = static_cast<int>(at - number.begin());
-    if (at == number.end()) number.push_back(point.piece);
-    point.piece = index;
+// Numbers the labels in the order in which they appear along the front, and counts their points.
+// Gives the label of each number.
+std::vector<int> NumberAlongFront(const std::vector<int>& labels, Front& front) {
+  std::vector<int> numbered;
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    const auto at = std::ranges::find(numbered, labels[i]);
+    const auto piece = static_cast<std::size_t>(at - numbered.begin());
+    if (at == numbered.end()) {
+      numbered.push_back(labels[i]);
+      front.pieces.emplace_back();
+    }
+    front.points[i].piece = static_cast<int>(piece);
+    ++front.pieces[piece].points;
   }
-  front.pieces = static_cast<int>(number.size());
+  return numbered;
+}
+
+Eigen::MatrixXd Columns(const std::vector<Eigen::VectorXd>& vectors) {
+  if (vectors.empty()) return {};
+  Eigen::MatrixXd columns(vectors.front().size(), static_cast<Eigen::Index>(vectors.size()));
+  for (std::size_t i = 0; i < vectors.size(); ++i) {
+    columns.col(static_cast<Eigen::Index>(i)) = vectors[i];
+  }
+  return columns;
+}
+
+void MeasureJumps(const std::vector<Eigen::VectorXd>& designs, Front& front) {
+  std::vector<Eigen::VectorXd> embeddings;
+  for (const FrontPoint& point : front.points) embeddings.push_back(point.embedding);
+  for (const auto& [i, k] : NeighboursAlong(Columns(embeddings))) {
+    // On a line those after the next are neighbours for the labels only.
+    if (embeddings[i].size() == 1 && k != i + 1) continue;
+    const double distance = (designs[i] - designs[k]).norm();
+    front.points[i].jump = std::max(front.points[i].jump, distance);
+    front.points[k].jump = std::max(front.points[k].jump, distance);
+  }
+}
+
+struct Labelled {
+  FrontPoint point;
+  std::size_t entry = 0;
+  int piece = -1;
+};
+
+// A point for each cell whose best is not dominated, with the affine piece it lies on.
+std::vector<Labelled> ChoosePoints(const DesignSpace& space, const Archive& archive,
+                                   const PerformanceBuffer& buffer,
+                                   const std::vector<AffinePiece>& pieces) {
+  std::vector<PerformanceBuffer::CellId> ids;
+  std::vector<std::vector<PerformanceBuffer::Candidate>> found;
+  std::vector<Eigen::VectorXd> best;
+  for (const auto& [id, candidates] : buffer.cells()) {
+    ids.push_back(id);
+    found.push_back(candidates);
+    best.push_back(archive[candidates.front().entry].metrics);
+  }
+  const std::vector<std::size_t> kept = NonDominated(best);
+  std::vector<std::pair<Eigen::VectorXd, std::size_t>> order;  // embedding, cell
+  for (const std::size_t i : kept) order.emplace_back(Embed(buffer.scaling().Apply(best[i])), i);
+  std::ranges::stable_sort(order, [](const auto& a, const auto& b) {
+    return std::ranges::lexicographical_compare(a.first, b.first);
+  });
+  std::vector<Eigen::VectorXd> embeddings;
+  std::vector<std::vector<PerformanceBuffer::Candidate>> cells;
+  for (const auto& [embedding, i] : order) {
+    embeddings.push_back(embedding);
+    cells.push_back(found[i]);
+  }
+  const std::vector<CellChoice> choices = ChoosePieces(
+      archive, cells, NeighboursAlong(Columns(embeddings)), pieces, buffer.tolerance());
+  std::vector<Labelled> chosen;
+  for (std::size_t i = 0; i < choices.size(); ++i) {
+    const auto& [entry, piece, error] = choices[i];
+    const Eigen::VectorXd& metrics = archive[entry].metrics;
+    chosen.push_back({{.x = space.FromUnit(archive[entry].u),
+                       .metrics = metrics,
+                       .cell = ids[order[i].second],
+                       .embedding = Embed(buffer.scaling().Apply(metrics)),
+                       .approximation_error = error},
+                      entry,
+                      piece});
+  }
+  return chosen;
 }
 
 absl::Status EmptyFront() {
@@ -88,34 +132,36 @@ absl::Status EmptyFront() {
 }  // namespace
 
 Front BuildFront(const DesignSpace& space, const Archive& archive, const PerformanceBuffer& buffer,
-                 const std::vector<AffinePiece>& pieces, double tolerance, double joining) {
+                 const std::vector<AffinePiece>& pieces, double joining) {
   Front front;
   front.scaling = buffer.scaling();
-  std::vector<std::pair<PerformanceBuffer::CellId, std::size_t>> best;
-  std::vector<Eigen::VectorXd> performances;
-  for (const auto& [cell, candidates] : buffer.cells()) {
-    best.emplace_back(cell, candidates.front().entry);
-    performances.push_back(archive[candidates.front().entry].metrics);
-  }
-  std::vector<std::size_t> kept = NonDominated(performances);
-  std::vector<std::pair<Eigen::VectorXd, std::size_t>> order;
-  for (const std::size_t i : kept)
-    order.emplace_back(Embed(front.scaling.Apply(performances[i])), i);
-  std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) {
-    return std::lexicographical_compare(a.first.begin(), a.first.end(), b.first.begin(),
-                                        b.first.end());
+  std::vector<Labelled> chosen = ChoosePoints(space, archive, buffer, pieces);
+  std::ranges::stable_sort(chosen, [](const Labelled& a, const Labelled& b) {
+    return std::ranges::lexicographical_compare(a.point.embedding, b.point.embedding);
   });
   std::vector<Eigen::VectorXd> designs;
-  for (const auto& [embedding, i] : order) {
-    const ArchiveEntry& entry = archive[best[i].second];
-    designs.push_back(entry.u);
-    front.points.push_back({space.FromUnit(entry.u), entry.metrics, best[i].first, 0, embedding});
+  std::vector<int> label;
+  for (Labelled& one : chosen) {
+    designs.push_back(archive[one.entry].u);
+    label.push_back(one.piece);
+    front.points.push_back(std::move(one.point));
   }
-  int labels = 0;
-  std::vector<int> label = LabelByPieces(designs, pieces, tolerance, labels);
+  int labels = static_cast<int>(pieces.size());
   LabelTheRest(designs, joining, label, labels);
-  for (std::size_t i = 0; i < label.size(); ++i) front.points[i].piece = label[i];
-  NumberAlongFront(front);
+  const std::vector<int> numbered = NumberAlongFront(label, front);
+  for (std::size_t p = 0; p < numbered.size(); ++p) {
+    const bool is_affine = numbered[p] < static_cast<int>(pieces.size());
+    FrontPiece& piece = front.pieces[p];
+    if (is_affine) {
+      piece.origin =
+          space.lower + (space.upper - space.lower).cwiseProduct(pieces[numbered[p]].centre);
+      piece.directions = (space.upper - space.lower).asDiagonal() * pieces[numbered[p]].directions;
+    } else {
+      piece.origin = std::ranges::find(front.points, static_cast<int>(p), &FrontPoint::piece)->x;
+      piece.directions.resize(space.size(), 0);
+    }
+  }
+  MeasureJumps(designs, front);
   return front;
 }
 

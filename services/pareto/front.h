@@ -13,29 +13,41 @@
 
 namespace mortise::pareto {
 
-// A trade-off that nothing found beats. Every one has truly been evaluated.
+// A trade-off. Every one has truly been evaluated.
 struct FrontPoint {
   Eigen::VectorXd x;          // D, within the bounds
   Eigen::VectorXd metrics;    // d
   std::int64_t cell = 0;      // of the performance buffer
-  int piece = 0;              // index of the continuous piece it belongs to
+  int piece = 0;              // index into Front::pieces
   Eigen::VectorXd embedding;  // d - 1 coordinates in [0, 1]: the angles of its ray over pi / 2
+  // How much further from the ideal it is than the best found in its cell, e_A of §7.5.4: at most
+  // delta_B, in scaled performance.
+  double approximation_error = 0;
+  // To the design of that neighbour along the front which is furthest away: Euclidean, in unit
+  // coordinates. Large where the design jumps though the performance does not.
+  double jump = 0;
+};
+
+// A continuous piece of the front: designs x = origin + directions t, t in units of the parameters'
+// ranges.
+struct FrontPiece {
+  Eigen::VectorXd origin;      // D
+  Eigen::MatrixXd directions;  // D x k, k <= d - 1; none where the points are on no affine subspace
+  int points = 0;
 };
 
 struct Front {
   std::vector<FrontPoint> points;  // by embedding (first coordinate, then second)
-  int pieces = 0;
-  Scaling scaling;  // of the buffer the cells refer to
+  std::vector<FrontPiece> pieces;  // in the order in which they appear along the points
+  Scaling scaling;                 // of the buffer the cells refer to
 };
 
-// Takes the best candidate of each cell and drops the dominated ones (§7.5.5). Each point is
-// labelled with the affine piece that explains most of the front among those that pass within
-// `tolerance` of its design (greedily, largest piece first); points on no piece are joined to their
-// neighbours along the front where the designs are within `joining` of each other, else they begin
-// a piece of their own. Both distances are Euclidean in unit coordinates.
+// Drops the cells whose best candidate is dominated (§7.5.5) and chooses of each other cell the
+// candidate that makes for few and large pieces (front_labeling.h). Points on no piece are joined
+// to their neighbours along the front where the designs are within `joining` of each other,
+// Euclidean in unit coordinates, else they begin a piece of their own.
 Front BuildFront(const DesignSpace& space, const Archive& archive, const PerformanceBuffer& buffer,
-                 const std::vector<AffinePiece>& pieces, double tolerance = 0.02,
-                 double joining = 0.15);
+                 const std::vector<AffinePiece>& pieces, double joining = 0.15);
 
 // The point nearest to a position of the embedding. INVALID_ARGUMENT (field "embedding") when it
 // has not d - 1 coordinates in [0, 1]; FAILED_PRECONDITION when the front is empty.

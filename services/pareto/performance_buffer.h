@@ -62,6 +62,7 @@ class PerformanceBuffer {
   void Rebuild(const Archive& archive, const Scaling& scaling);
 
   const Scaling& scaling() const { return scaling_; }
+  double tolerance() const { return options_.tolerance; }
 
   // Occupied cells in ascending order, each with its candidates, nearest first.
   const std::map<CellId, std::vector<Candidate>>& cells() const { return cells_; }

@@ -204,7 +204,7 @@ TEST(DiscoveryTest, FrontPointsAreEvaluatedNonDominatedAndWithinBounds) {
     EXPECT_GE(point.embedding.minCoeff(), 0);
     EXPECT_LE(point.embedding.maxCoeff(), 1);
     EXPECT_GE(point.piece, 0);
-    EXPECT_LT(point.piece, front.pieces);
+    EXPECT_LT(static_cast<std::size_t>(point.piece), front.pieces.size());
   }
 }
 

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 
 namespace mortise::pareto {
@@ -29,7 +30,7 @@ Front Line() {
 TEST(FrontTest, DropsDominatedPointsAndLabelsPiecesInOrder) {
   const Front front = Line();
   ASSERT_EQ(front.points.size(), 21u);
-  EXPECT_EQ(front.pieces, 2);
+  ASSERT_EQ(front.pieces.size(), 2u);
   EXPECT_EQ(front.points.front().piece, 0);
   EXPECT_EQ(front.points.back().piece, 1);
   double previous = -1;
@@ -37,6 +38,51 @@ TEST(FrontTest, DropsDominatedPointsAndLabelsPiecesInOrder) {
     EXPECT_GT(point.embedding[0], previous);
     previous = point.embedding[0];
   }
+}
+
+TEST(FrontTest, TellsWhatSubspaceAPieceIsAndWhereDesignsJump) {
+  const Front front = Line();
+  for (const FrontPoint& point : front.points) {
+    const FrontPiece& piece = front.pieces[point.piece];
+    ASSERT_EQ(piece.directions.cols(), 1);
+    const VectorXd offset = point.x - piece.origin;
+    const VectorXd along = piece.directions.col(0);
+    EXPECT_NEAR((offset - along * along.dot(offset) / along.squaredNorm()).norm(), 0, 1e-9);
+    EXPECT_EQ(point.approximation_error, 0);
+    // Neighbours are a twentieth apart but where the second parameter jumps from 0 to 1.
+    const bool at_jump = point.x[0] == 4.5 || point.x[0] == 5;
+    EXPECT_NEAR(point.jump, at_jump ? std::hypot(0.05, 1) : 0.05, 1e-9) << point.x.transpose();
+  }
+  EXPECT_EQ(front.pieces[0].points + front.pieces[1].points, 21);
+}
+
+// Two designs for each trade-off: one on a line through design space, the other, better by less
+// than the buffer tolerates, now here, now there.
+TEST(FrontTest, PrefersAContinuousPieceToSlightlyBetterDesignsAllOver) {
+  const DesignSpace space{VectorXd::Zero(2), VectorXd::Ones(2)};
+  Archive archive;
+  for (int i = 0; i <= 20; ++i) {
+    const double t = i / 20.0;
+    archive.Add({Eigen::Vector2d(t, 0.3), true, Eigen::Vector2d(t, 1 - t), {}, {}});
+    if (i > 0 && i < 20) {
+      const VectorXd better = 0.996 * Eigen::Vector2d(t, 1 - t);
+      archive.Add({Eigen::Vector2d(t, i % 2 == 0 ? 0.8 : 0.9), true, better, {}, {}});
+    }
+  }
+  PerformanceBuffer buffer({}, 2);
+  buffer.Rebuild(archive, archive.CurrentScaling());
+  const AffinePiece line{0, Eigen::Vector2d(0.5, 0.3), Eigen::Vector2d(1, 0)};
+  const AffinePiece upper{0, Eigen::Vector2d(0.5, 0.8), Eigen::Vector2d(1, 0)};
+  const AffinePiece uppermost{0, Eigen::Vector2d(0.5, 0.9), Eigen::Vector2d(1, 0)};
+  const Front front = BuildFront(space, archive, buffer, {upper, line, line, uppermost});
+  ASSERT_EQ(front.points.size(), 21u);
+  EXPECT_EQ(front.pieces.size(), 1u);
+  for (const FrontPoint& point : front.points) {
+    EXPECT_EQ(point.x[1], 0.3);
+    EXPECT_LE(point.approximation_error, buffer.tolerance());
+    EXPECT_LE(point.jump, 0.05 + 1e-9);
+  }
+  EXPECT_GT(front.points[10].approximation_error, 0);
 }
 
 TEST(FrontTest, PicksTheNearest) {

@@ -1,0 +1,40 @@
+// Which candidate stands for each cell of a front, and which affine piece it lies on (§7.5.4):
+// few large pieces rather than the very best of each cell.
+//
+// The unary cost of a piece in a cell is e_A / delta_B, by how much its best candidate there is
+// further from the ideal than the cell's best over what the buffer tolerates; neighbours on
+// different pieces cost 1 (alpha_expansion.h).
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+#include "services/pareto/archive.h"
+#include "services/pareto/patch_sampling.h"
+#include "services/pareto/performance_buffer.h"
+
+namespace mortise::pareto {
+
+// What stands for a cell.
+struct CellChoice {
+  std::size_t entry = 0;           // of the archive
+  int piece = -1;                  // index of the piece it lies on; -1: on none
+  double approximation_error = 0;  // e_A, scaled performance
+};
+
+// Pairs of positions that are near each other, each once. On a line (rows == 1) they ascend, and
+// each has the next two to either side; else each has the six nearest.
+std::vector<std::pair<int, int>> NeighboursAlong(const Eigen::MatrixXd& embedding);
+
+// A choice for each cell. `cells`: candidates of each, nearest first, not empty; `neighbours`:
+// pairs of cells; `buffer_tolerance`: delta_B. A candidate lies on a piece if its design is within
+// `tolerance` of it, Euclidean in unit coordinates. What would be a piece of one cell is none, and
+// that cell's choice its best.
+std::vector<CellChoice> ChoosePieces(
+    const Archive& archive, const std::vector<std::vector<PerformanceBuffer::Candidate>>& cells,
+    const std::vector<std::pair<int, int>>& neighbours, const std::vector<AffinePiece>& pieces,
+    double buffer_tolerance, double tolerance = 0.02);
+
+}  // namespace mortise::pareto
