@@ -43,6 +43,9 @@ class Archive {
   // Needs one feasible entry.
   Scaling CurrentScaling() const;
 
+  // From the ideal to the worst of all feasible entries, d; 0 where nothing differs.
+  Eigen::VectorXd WholeRange() const { return worst_ - ideal_; }
+
   // Up to `count` feasible entries nearest to `u` (Euclidean in unit coordinates), nearest first.
   std::vector<std::size_t> Nearest(const Eigen::VectorXd& u, std::size_t count) const;
 

@@ -14,10 +14,16 @@
 namespace mortise::pareto {
 namespace {
 
-constexpr double kReference = 1.1;     // of the running hypervolume, in scaled performance
-constexpr int kBarrenTracks = 4;       // tracks without a new point before a sample is forced
-constexpr int kExhaustedTracks = 200;  // and before the design space counts as exhausted
-constexpr double kSamePiece = 0.01;    // pieces whose centres are this near are the same
+constexpr double kReference = 1.1;       // of the running hypervolume, in scaled performance
+constexpr int kBarrenTracks = 4;         // tracks without a new point before a sample is forced
+constexpr int kExhaustedTracks = 200;    // and before the design space counts as exhausted
+constexpr std::size_t kPopulation = 30;  // for each metric but one
+constexpr int kChildren = 8;             // of a track
+constexpr int kProbedPatches = 4;
+constexpr int kProbes = 20;  // of a patch
+constexpr std::int64_t kProbedBudget = 200;
+constexpr std::int64_t kExploringBudget = 30;   // evaluations a parameter
+constexpr double kSamePiece = 0.01;             // pieces whose centres are this near are the same
 constexpr std::int64_t kSecondLookBudget = 20;  // evaluations a parameter
 constexpr std::int64_t kBudgetLimit = 10'000'000;
 
@@ -47,6 +53,7 @@ TrackScheduler::Options SchedulingOptions(const Discovery::Options& options, Eig
       scheduling.optimization.tolerance, std::max(Spacing(options.evaluations, d) / 30, 1e-4));
   if (options.evaluations >= kSecondLookBudget * size)
     scheduling.second_look = static_cast<std::size_t>(InitialSamples(options, size));
+  scheduling.explores = options.evaluations >= kExploringBudget * size;
   return scheduling;
 }
 
@@ -125,6 +132,8 @@ Discovery::Discovery(const DesignSpace& space, Eigen::Index metric_count, const 
       options_(options),
       buffer_(BufferOptions(options, metric_count), metric_count),
       scheduler_(SchedulingOptions(options, box_.size(), metric_count), options.seed),
+      population_(kPopulation *
+                  static_cast<std::size_t>(std::max<Eigen::Index>(metric_count - 1, 1))),
       random_(options.seed ^ 0x5eedULL),
       initial_samples_(InitialSamples(options, box_.size())),
       spacing_(Spacing(options.evaluations, metric_count)) {
@@ -208,32 +217,37 @@ void Discovery::CommitNext() {
   const auto first = pending_.find(committed_++);
   const Pending pending = std::move(first->second);
   pending_.erase(first);
+  const std::vector<std::size_t> before = archive_.non_dominated();
   const std::size_t entry = archive_.Add(EntryOf(pending));
+  if (archive_[entry].feasible) population_.Offer(archive_, entry);
   evaluated_.emplace(Key(pending.u), entry);
-  const double gain = Absorb(entry);
+  const double gain = Absorb(entry, before);
   const auto track = tracks_.find(pending.track);
   if (track == tracks_.end()) return;
   track->second.gain += gain;
   ++track->second.evaluations;
-  track->second.source->Tell(archive_, entry);
+  // Results are committed in the order of their proposals.
+  *std::ranges::find_if(track->second.asked, [](const auto& told) { return !told; }) = entry;
+  TellInOrder(track->second);
   RetireFinished();
 }
 
-double Discovery::DominatedVolume() const {
+double Discovery::DominatedVolume(const std::vector<std::size_t>& entries) const {
   std::vector<Eigen::VectorXd> points;
-  for (const std::size_t index : archive_.non_dominated())
+  for (const std::size_t index : entries)
     points.push_back(buffer_.scaling().Apply(archive_[index].metrics));
   return Hypervolume(points, Eigen::VectorXd::Constant(metric_count_, kReference));
 }
 
-// Puts an entry into the buffer; returns the hypervolume gained.
-double Discovery::Absorb(std::size_t entry) {
+// Puts an entry into the buffer; returns the hypervolume gained over what was not dominated before,
+// in the scaling that holds afterwards.
+double Discovery::Absorb(std::size_t entry, const std::vector<std::size_t>& non_dominated_before) {
   if (!archive_[entry].feasible) return 0;
   const Scaling scaling = archive_.CurrentScaling();
   if (buffer_.NeedsRebuild(scaling)) {
     buffer_.Rebuild(archive_, scaling);
-    const double before = hypervolume_;
-    hypervolume_ = DominatedVolume();
+    const double before = DominatedVolume(non_dominated_before);
+    hypervolume_ = DominatedVolume(archive_.non_dominated());
     progress_mark_ = 0;  // another scale: progress is counted anew
     tracks_since_progress_ = 0;
     return std::max(0.0, hypervolume_ - before);
@@ -241,7 +255,7 @@ double Discovery::Absorb(std::size_t entry) {
   buffer_.Insert(entry, buffer_.scaling().Apply(archive_[entry].metrics));
   if (archive_.non_dominated().back() != entry) return 0;
   const double before = hypervolume_;
-  hypervolume_ = DominatedVolume();
+  hypervolume_ = DominatedVolume(archive_.non_dominated());
   return hypervolume_ - before;
 }
 
@@ -290,14 +304,25 @@ std::optional<Eigen::VectorXd> Discovery::AskTracks(std::int64_t& track) {
       const Eigen::VectorXd possible = box_.ToUnit(box_.FromUnit(*u));
       const auto known = evaluated_.find(Key(possible));
       if (known == evaluated_.end()) {
+        at->second.asked.emplace_back();
         track = at->first;
         return possible;
       }
-      at->second.source->Tell(archive_, known->second);
+      at->second.asked.emplace_back(known->second);
+      TellInOrder(at->second);
     }
   }
   RetireFinished();
   return std::nullopt;
+}
+
+// What is known of the points of a track, as far as those asked for before them are known.
+void Discovery::TellInOrder(Track& track) {
+  while (!track.asked.empty() && track.asked.front()) {
+    const std::size_t entry = *track.asked.front();
+    track.asked.pop_front();
+    track.source->Tell(archive_, entry);
+  }
 }
 
 void Discovery::RetireFinished() {
@@ -318,6 +343,7 @@ void Discovery::Retire(const Track& track) {
     if (track.patch->piece().directions.cols() > 0) pieces_.push_back(track.patch->piece());
     return;
   }
+  if (track.optimization == nullptr) return;  // children
   if (track.evaluations > 0) ++optimizations_;
   if (hypervolume_ > progress_mark_ * (1 + options_.delta_i)) {
     progress_mark_ = hypervolume_;
@@ -339,6 +365,11 @@ void Discovery::Retire(const Track& track) {
   PatchSampling::Options options;
   options.spacing = std::max(spacing_, Spacing(committed_, metric_count_));
   options.tolerance = options_.delta_b;
+  // A small budget has other use for them.
+  if (options_.evaluations >= kProbedBudget && probed_patches_ < kProbedPatches) {
+    ++probed_patches_;
+    options.probes = kProbes;
+  }
   auto patch = std::make_unique<PatchSampling>(options, buffer_.scaling(), *best);
   PatchSampling* const view = patch.get();
   tracks_[next_track_++] = {std::move(patch), nullptr, view, track.kind, 0, 0};
@@ -346,7 +377,26 @@ void Discovery::Retire(const Track& track) {
 }
 
 void Discovery::StartTrack(bool force_sample) {
+  if (next_track_ == 0) {
+    const Eigen::MatrixXd& jacobian = archive_[archive_.non_dominated().front()].jacobian;
+    if (jacobian.size() > 0 && jacobian.allFinite()) {
+      scheduler_.UseGradients(static_cast<std::size_t>(initial_samples_));
+    }
+  }
   TrackScheduler::Track next = scheduler_.Next(archive_, buffer_, force_sample);
+  if (next.kind == TrackKind::kBreed) {
+    tracks_[next_track_++] = {std::make_unique<Breeding>(archive_, population_, kChildren, random_),
+                              nullptr,
+                              nullptr,
+                              next.kind,
+                              0,
+                              0};
+    return;
+  }
+  if (next.other != nullptr) {
+    tracks_[next_track_++] = {std::move(next.other), nullptr, nullptr, next.kind, 0, 0};
+    return;
+  }
   LocalOptimization* const view = next.optimization.get();
   tracks_[next_track_++] = {std::move(next.optimization), view, nullptr, next.kind, 0, 0};
 }

@@ -16,6 +16,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <memory>
 #include <optional>
@@ -30,6 +31,7 @@
 #include "services/pareto/front.h"
 #include "services/pareto/patch_sampling.h"
 #include "services/pareto/performance_buffer.h"
+#include "services/pareto/population.h"
 #include "services/pareto/track_scheduler.h"
 
 namespace mortise::pareto {
@@ -104,6 +106,7 @@ class Discovery {
     TrackKind kind = TrackKind::kOpening;
     double gain = 0;
     int evaluations = 0;
+    std::deque<std::optional<std::size_t>> asked = {};  // entries of its points; none: under way
   };
 
   struct Pending {
@@ -118,16 +121,17 @@ class Discovery {
   bool CommitUpTo(std::int64_t count);
   void CommitNext();
   ArchiveEntry EntryOf(const Pending& pending);
-  double Absorb(std::size_t entry);
+  double Absorb(std::size_t entry, const std::vector<std::size_t>& non_dominated_before);
   Eigen::VectorXd InitialDesign();
   Eigen::VectorXd DesignAt(const Eigen::VectorXd& u) const;
   Eigen::VectorXd UnitOf(const Eigen::VectorXd& x) const;
   std::optional<Eigen::VectorXd> NextPoint(std::int64_t& track);
   std::optional<Eigen::VectorXd> AskTracks(std::int64_t& track);
+  void TellInOrder(Track& track);
   void RetireFinished();
   void Retire(const Track& track);
   void StartTrack(bool force_sample);
-  double DominatedVolume() const;
+  double DominatedVolume(const std::vector<std::size_t>& entries) const;
 
   DesignSpace space_;
   std::vector<Eigen::Index> free_;  // the parameters that can vary, which is all the search sees
@@ -137,6 +141,7 @@ class Discovery {
   Archive archive_;
   PerformanceBuffer buffer_;
   TrackScheduler scheduler_;
+  Population population_;
   Random random_;
   std::int64_t initial_samples_;
   std::vector<Eigen::VectorXd> initial_designs_;  // unit coordinates
@@ -153,6 +158,7 @@ class Discovery {
   FailureTally failures_;
   std::int64_t optimizations_ = 0;
   std::int64_t expansions_ = 0;
+  int probed_patches_ = 0;
   double hypervolume_ = 0;    // in the scaling of the buffer, reference 1.1
   double progress_mark_ = 0;  // hypervolume when progress was last made
   int tracks_since_progress_ = 0;

@@ -4,12 +4,15 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace mortise::pareto {
 namespace {
 
 constexpr int kBisectionDepth = 6;
+constexpr double kNoWeight = 1e-3;  // of a metric, out of 1 for all
 constexpr double kModelRadius = 0.1;
+constexpr double kFar = 1e4;              // steps, more than any piece has
 constexpr std::size_t kNodeLimit = 5000;  // a patch whose nodes are all covered ends somewhere
 
 // The largest s in [0, 1] for which centre + s offset stays within the unit box.
@@ -20,6 +23,16 @@ double Reach(const Eigen::VectorXd& centre, const Eigen::VectorXd& offset) {
     if (offset[i] < -1e-15) reach = std::min(reach, centre[i] / -offset[i]);
   }
   return std::max(reach, 0.0);
+}
+
+// Whether a metric that weighs nothing could still be improved, at first order, where the others
+// do not change: as on a whole face on which one metric is at its best.
+bool IsOnlyWeaklyOptimal(const KktPoint& kkt, const Eigen::MatrixXd& jacobian) {
+  for (Eigen::Index i = 0; i < kkt.alpha.size(); ++i) {
+    const double slope = jacobian(i, kkt.free).norm();
+    if (kkt.alpha[i] < kNoWeight && slope > 0.1 * jacobian.row(i).norm() && slope > 0) return true;
+  }
+  return false;
 }
 
 // Drops directions along which a metric gains at first order, none loses, and the curvature of the
@@ -56,7 +69,7 @@ void PatchSampling::Start(Archive& archive) {
   kkt_ = RecoverDuals(J, u);
   const double limit =
       model_->exact_gradients ? options_.exact_critical_residual : options_.critical_residual;
-  if (kkt_.free.empty() || kkt_.residual > limit) {
+  if (kkt_.free.empty() || kkt_.residual > limit || IsOnlyWeaklyOptimal(kkt_, J)) {
     finished_ = true;
     return;
   }
@@ -92,17 +105,44 @@ void PatchSampling::Open(const Archive& archive) {
   }
   const Node origin(static_cast<std::size_t>(k), 0);
   seen_.insert(origin);
-  Expand(origin);
+  Expand(origin, false);
   if (k == 1) Keep(archive, 0, piece_.entry, 0);
 }
 
-void PatchSampling::Expand(const Node& node) {
+void PatchSampling::Expand(const Node& node, bool beyond) {
   if (seen_.size() > kNodeLimit) return;
   for (std::size_t i = 0; i < node.size(); ++i) {
     for (const int sign : {+1, -1}) {
       Node next = node;
       next[i] += sign;
-      if (seen_.insert(next).second) frontier_.push_back(next);
+      if (seen_.insert(next).second) frontier_.push_back({next, beyond});
+    }
+  }
+}
+
+// Evenly along each direction, both ways, up to the bounds; and along their diagonals.
+void PatchSampling::QueueProbes() {
+  std::vector<Node> ways;
+  const auto k = static_cast<std::size_t>(steps_.size());
+  Node way(k, -1);
+  while (true) {
+    if (std::ranges::any_of(way, [](int i) { return i != 0; })) ways.push_back(way);
+    std::size_t i = 0;
+    while (i < k && ++way[i] == 2) way[i++] = -1;
+    if (i == k) break;
+  }
+  const auto each =
+      std::max<std::size_t>(1, static_cast<std::size_t>(options_.probes) / ways.size());
+  for (const Node& along : ways) {
+    Eigen::VectorXd t(steps_.size());
+    for (std::size_t i = 0; i < k; ++i) t[i] = along[i] * steps_[i];
+    const Eigen::VectorXd step = piece_.directions * t;
+    const double nodes = std::floor(kFar * Reach(piece_.centre, kFar * step)) + 1;
+    for (std::size_t n = 1; n <= each; ++n) {
+      const double share = (static_cast<double>(n) - 0.5) / static_cast<double>(each);
+      Node probe = along;
+      for (int& i : probe) i *= std::max(1, static_cast<int>(std::lround(share * nodes)));
+      if (seen_.insert(probe).second) frontier_.push_back({probe, true});
     }
   }
 }
@@ -142,32 +182,42 @@ std::optional<Eigen::VectorXd> PatchSampling::Ask(Archive& archive) {
     hessian_coordinates_.pop_front();
     Eigen::VectorXd point = piece_.centre;
     point[i] += point[i] < 0.5 ? options_.difference : -options_.difference;
-    asked_.push_back({Request::Kind::kHessian, i, {}, 0, 0});
+    asked_.push_back({Request::Kind::kHessian, i, {}, false, 0, 0});
     return point;
   }
   if (hessian_pending_ > 0) return std::nullopt;
-  while (!frontier_.empty() && evaluations_ < options_.evaluations) {
-    const Node node = frontier_.front();
-    frontier_.pop_front();
-    double parameter = 0;
-    const std::optional<Eigen::VectorXd> point = NodePoint(node, &parameter);
-    if (!point) continue;
-    if (Covered(archive, model_->Predict(*point))) {
-      Expand(node);
-      continue;
-    }
-    ++evaluations_;
-    asked_.push_back({Request::Kind::kNode, 0, node, parameter, 0});
-    return point;
-  }
+  if (std::optional<Eigen::VectorXd> point = AskNode(archive)) return point;
   if (!bisections_.empty() && evaluations_ < options_.evaluations) {
     const Bisection next = bisections_.front();
     bisections_.pop_front();
     ++evaluations_;
-    asked_.push_back({Request::Kind::kBisection, 0, {}, next.parameter, next.depth});
+    asked_.push_back({Request::Kind::kBisection, 0, {}, false, next.parameter, next.depth});
     return (piece_.centre + next.parameter * piece_.directions.col(0)).cwiseMax(0.0).cwiseMin(1.0);
   }
-  if (asked_.empty()) finished_ = true;
+  if (!asked_.empty()) return std::nullopt;
+  if (options_.probes > 0 && !std::exchange(probed_, true)) {
+    QueueProbes();
+    return Ask(archive);
+  }
+  finished_ = true;
+  return std::nullopt;
+}
+
+std::optional<Eigen::VectorXd> PatchSampling::AskNode(const Archive& archive) {
+  while (!frontier_.empty() && evaluations_ < options_.evaluations) {
+    const auto [node, beyond] = frontier_.front();
+    frontier_.pop_front();
+    double parameter = 0;
+    const std::optional<Eigen::VectorXd> point = NodePoint(node, &parameter);
+    if (!point) continue;
+    if (!beyond && Covered(archive, model_->Predict(*point))) {
+      Expand(node, false);
+      continue;
+    }
+    ++evaluations_;
+    asked_.push_back({Request::Kind::kNode, 0, node, beyond, parameter, 0});
+    return point;
+  }
   return std::nullopt;
 }
 
@@ -187,7 +237,7 @@ void PatchSampling::Tell(Archive& archive, std::size_t entry) {
   }
   if (!told.feasible || archive.ClearlyDominated(told.metrics, scaling_, options_.tolerance))
     return;
-  if (request.kind == Request::Kind::kNode) Expand(request.node);
+  if (request.kind == Request::Kind::kNode) Expand(request.node, request.beyond);
   if (steps_.size() == 1) Keep(archive, request.parameter, entry, request.depth);
 }
 

@@ -8,7 +8,10 @@
 //     are hit exactly);
 //   - a node whose predicted performance is already covered by a known point as good is passed
 //     without an evaluation;
-//   - for d = 2, two neighbours that turn out further apart than expected are bisected.
+//   - for d = 2, two neighbours that turn out further apart than expected are bisected;
+//   - at last a few nodes beyond are probed, up to the bounds, since a front may go on where a
+//     stretch of the same piece is dominated: ZDT3's comes back four times. The walk goes on from
+//     those that no known point clearly dominates.
 #pragma once
 
 #include <Eigen/Core>
@@ -38,6 +41,7 @@ class PatchSampling : public PointSource {
     double spacing = 0.05;    // wanted distance of neighbours in scaled performance
     double tolerance = 1e-2;  // delta_B: how much dominance ends a stretch, scaled performance
     int evaluations = 200;    // at most
+    int probes = 0;           // beyond where the walk ended
     double critical_residual = 0.3;        // KKT residual up to which a design counts as critical
     double exact_critical_residual = 0.1;  // the same with exact gradients
     double difference = 1e-4;              // step of the Hessian's differences of offered gradients
@@ -56,11 +60,17 @@ class PatchSampling : public PointSource {
  private:
   using Node = std::vector<int>;
 
+  struct Reached {
+    Node node;
+    bool beyond = false;  // from a probe: nothing is known about it
+  };
+
   // What an outstanding point is for.
   struct Request {
     enum class Kind { kHessian, kNode, kBisection } kind;
     Eigen::Index coordinate = 0;  // kHessian
     Node node;                    // kNode
+    bool beyond = false;          // kNode
     double parameter = 0;         // t, for d = 2
     int depth = 0;                // kBisection
   };
@@ -68,7 +78,9 @@ class PatchSampling : public PointSource {
   void Start(Archive& archive);
   void FinishHessian(const Archive& archive);
   void Open(const Archive& archive);
-  void Expand(const Node& node);
+  void Expand(const Node& node, bool beyond);
+  void QueueProbes();
+  std::optional<Eigen::VectorXd> AskNode(const Archive& archive);
   std::optional<Eigen::VectorXd> NodePoint(const Node& node, double* parameter) const;
   bool Covered(const Archive& archive, const Eigen::VectorXd& predicted) const;
   void Keep(const Archive& archive, double parameter, std::size_t entry, int depth);
@@ -84,7 +96,8 @@ class PatchSampling : public PointSource {
   Eigen::VectorXd steps_;  // lattice spacing along each direction
   std::deque<Eigen::Index> hessian_coordinates_;
   int hessian_pending_ = 0;
-  std::deque<Node> frontier_;
+  std::deque<Reached> frontier_;
+  bool probed_ = false;
   std::set<Node> seen_;
   std::map<double, std::size_t> line_;  // d = 2: parameter to entry of the points kept
   struct Bisection {

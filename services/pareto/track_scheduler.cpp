@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "services/pareto/coordinate_search.h"
 #include "services/pareto/stochastic_sampling.h"
 
 namespace mortise::pareto {
@@ -15,6 +16,10 @@ using Target = LocalOptimization::Target;
 
 constexpr double kMemory = 0.9;  // weight of the past in what a way of sampling has brought
 constexpr int kCoarseCells = 64;
+constexpr int kSweepValues = 8;
+// How much less other metrics count where one is looked for by itself: enough to choose among
+// designs that are equal in it.
+constexpr double kUnimportance = 3;
 
 Target Toward(const VectorXd& from, const VectorXd& direction, double reach) {
   return {from + reach * direction, direction, reach};
@@ -29,13 +34,17 @@ VectorXd Diagonal(Eigen::Index d) {
 TrackScheduler::Track TrackScheduler::Next(const Archive& archive, const PerformanceBuffer& buffer,
                                            bool force_sample) {
   const Eigen::Index d = buffer.scaling().ideal.size();
-  if (opened_ <= LastOpening(d)) return OpeningTrack(archive, buffer.scaling());
+  if (opened_ <= LastOpening(d)) return OpeningTrack(archive);
   if (force_sample) return SampleTrack(archive, buffer);
   switch (ChooseKind()) {
     case TrackKind::kGap:
       return d == 2 ? PlanarGapTrack(archive, buffer) : GapTrack(archive, buffer);
     case TrackKind::kRefine:
       return RefineTrack(archive, buffer);
+    case TrackKind::kBreed:
+      return {TrackKind::kBreed, nullptr, nullptr};
+    case TrackKind::kSweep:
+      return SweepTrack(archive, buffer);
     default:
       return SampleTrack(archive, buffer);
   }
@@ -46,30 +55,35 @@ void TrackScheduler::Report(TrackKind kind, double gain, int evaluations) {
   const auto i = static_cast<std::size_t>(kind);
   gain_[i] = kMemory * gain_[i] + gain;
   spent_[i] = kMemory * spent_[i] + evaluations;
-  const std::array<double, 3> shares = Shares();
-  for (std::size_t k = 0; k < 3; ++k) balance_[k] += shares[k] * evaluations;
+  const std::array<double, kWays> shares = Shares();
+  for (std::size_t k = 0; k < kWays; ++k) balance_[k] += shares[k] * evaluations;
   balance_[i] -= evaluations;
 }
 
-std::array<double, 3> TrackScheduler::Shares() const {
-  std::array<double, 3> rate{};
+std::array<double, TrackScheduler::kWays> TrackScheduler::Shares() const {
+  std::array<double, kWays> rate{};
   double total = 0;
-  for (std::size_t i = 0; i < 3; ++i) {
+  const std::size_t ways = options_.explores ? kWays : kLocalWays;
+  const double least = options_.least_share / static_cast<double>(ways);
+  for (std::size_t i = 0; i < ways; ++i) {
     rate[i] = (gain_[i] + 1e-6) / (spent_[i] + 1);
     total += rate[i];
   }
-  for (double& share : rate)
-    share = options_.least_share + (1 - 3 * options_.least_share) * share / total;
+  const double rest = 1 - options_.least_share;
+  for (std::size_t i = 0; i < ways; ++i) {
+    rate[i] = least + rest * rate[i] / total;
+  }
   return rate;
 }
 
 // The way that is owed most. Choosing it costs something at once, so that tracks that start side by
 // side differ.
 TrackKind TrackScheduler::ChooseKind() {
-  const auto most = std::max_element(balance_.begin(), balance_.end());
+  const auto end = options_.explores ? balance_.end() : balance_.begin() + kLocalWays;
+  const auto most = std::max_element(balance_.begin(), end);
   const auto kind = static_cast<TrackKind>(most - balance_.begin());
-  const std::array<double, 3> shares = Shares();
-  for (std::size_t k = 0; k < 3; ++k) balance_[k] += shares[k];
+  const std::array<double, kWays> shares = Shares();
+  for (std::size_t k = 0; k < kWays; ++k) balance_[k] += shares[k];
   *most -= 1;
   return kind;
 }
@@ -99,9 +113,17 @@ std::size_t TrackScheduler::OpeningStart(const Archive& archive, const Scaling& 
 }
 
 // The middle first, then each metric by itself; each from the best entry known for it.
-TrackScheduler::Track TrackScheduler::OpeningTrack(const Archive& archive, const Scaling& scaling) {
-  const Eigen::Index d = scaling.ideal.size();
+TrackScheduler::Track TrackScheduler::OpeningTrack(const Archive& archive) {
+  const Eigen::Index d = archive.WholeRange().size();
   const Eigen::Index metric = opened_ == 0 ? -1 : (opened_ - 1) % d;
+  Scaling scaling = archive.CurrentScaling();
+  if (options_.explores || has_gradients_) {
+    // A few trade-offs in one corner would tell a range of next to nothing.
+    scaling.range = archive.WholeRange().cwiseMax(1e-3 * scaling.range);
+    for (Eigen::Index other = 0; metric >= 0 && other < d; ++other) {
+      if (other != metric) scaling.range[other] *= kUnimportance;
+    }
+  }
   const bool second = opened_ > d;
   std::vector<std::size_t> candidates;
   for (std::size_t entry = 0; second && entry < std::min(options_.second_look, archive.size());
@@ -124,8 +146,9 @@ TrackScheduler::Track TrackScheduler::OpeningTrack(const Archive& archive, const
     reach = 5;
   }
   ++opened_;
-  return {TrackKind::kOpening, std::make_unique<LocalOptimization>(
-                                   options, scaling, Toward(y, direction, reach), start)};
+  return {TrackKind::kOpening,
+          std::make_unique<LocalOptimization>(options, scaling, Toward(y, direction, reach), start),
+          nullptr};
 }
 
 TrackScheduler::Track TrackScheduler::PlanarGapTrack(const Archive& archive,
@@ -158,7 +181,8 @@ TrackScheduler::Track TrackScheduler::PlanarGapTrack(const Archive& archive,
   const std::size_t start = front[widest + random_.Index(2)].second;
   return {TrackKind::kGap,
           std::make_unique<LocalOptimization>(options_.optimization, scaling,
-                                              Toward(middle, normal, reach), start)};
+                                              Toward(middle, normal, reach), start),
+          nullptr};
 }
 
 // For d > 2: of some random rays near known trade-offs, the one farthest from any of them.
@@ -195,9 +219,11 @@ TrackScheduler::Track TrackScheduler::GapTrack(const Archive& archive,
   ++TriesAt(buffer, chosen);
   const VectorXd aim = chosen * front[start].norm();
   const double reach = options_.delta_s * std::max(hole, 0.05) * std::max(front[start].norm(), 0.1);
-  return {TrackKind::kGap, std::make_unique<LocalOptimization>(options_.optimization, scaling,
-                                                               Toward(aim, -chosen, reach),
-                                                               archive.non_dominated()[start])};
+  return {TrackKind::kGap,
+          std::make_unique<LocalOptimization>(options_.optimization, scaling,
+                                              Toward(aim, -chosen, reach),
+                                              archive.non_dominated()[start]),
+          nullptr};
 }
 
 std::size_t TrackScheduler::DrawFrontEntry(const Archive& archive,
@@ -223,7 +249,20 @@ TrackScheduler::Track TrackScheduler::RefineTrack(const Archive& archive,
   const double reach = 0.5 * options_.delta_s * std::max(y.norm(), 0.1);
   return {TrackKind::kRefine,
           std::make_unique<LocalOptimization>(options_.optimization, buffer.scaling(),
-                                              Toward(y, direction, reach), start)};
+                                              Toward(y, direction, reach), start),
+          nullptr};
+}
+
+TrackScheduler::Track TrackScheduler::SweepTrack(const Archive& archive,
+                                                 const PerformanceBuffer& buffer) {
+  const std::size_t start = DrawFrontEntry(archive, buffer);
+  const VectorXd y = buffer.scaling().Apply(archive[start].metrics);
+  const auto parameter =
+      static_cast<Eigen::Index>(random_.Index(static_cast<std::size_t>(archive[start].u.size())));
+  const Target target = Toward(y, Diagonal(y.size()), options_.delta_s * std::max(y.norm(), 0.1));
+  return {TrackKind::kSweep, nullptr,
+          std::make_unique<CoordinateSearch>(archive, buffer.scaling(), target, start, parameter,
+                                             random_.Uniform() < 0.5 ? kSweepValues : 0, random_)};
 }
 
 TrackScheduler::Track TrackScheduler::SampleTrack(const Archive& archive,
@@ -242,7 +281,8 @@ TrackScheduler::Track TrackScheduler::SampleTrack(const Archive& archive,
   options.evaluations = static_cast<int>(8 + archive[near].u.size());
   return {TrackKind::kSample,
           std::make_unique<LocalOptimization>(
-              options, buffer.scaling(), Toward(ray * size, -ray, options_.delta_s * size), start)};
+              options, buffer.scaling(), Toward(ray * size, -ray, options_.delta_s * size), start),
+          nullptr};
 }
 
 }  // namespace mortise::pareto

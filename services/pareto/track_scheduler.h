@@ -1,14 +1,17 @@
 // Chooses where the next local optimisation starts and what it aims at (§7.5.2).
 //
 // First the middle of the front and each metric's own optimum, so that the scaling of performance
-// is soon about right. Then three ways of spending an evaluation take turns:
+// is soon about right. Then five ways of spending an evaluation take turns:
 //   - gap: aim into the widest hole between known trade-offs, starting from one beside it, which
 //     costs nothing (the neighbouring-cell direction of the thesis, with the cell chosen by need);
 //   - refine: push a known trade-off straight down, along the normal of the front there;
 //   - sample: the thesis's stochastic sample x_s = x_j + 2^(-delta) d with the direction of a cell
 //     within delta_N of its own, which is what leaves local minima.
+//   - breed: children of the best designs so far (population.h), which is what gets through very
+//     many local optima;
+//   - sweep: along one parameter of a known trade-off (coordinate_search.h).
 // Each gets a share of the evaluations in proportion to the hypervolume that it has lately brought
-// per evaluation, none less than `least_share`.
+// per evaluation, none less than its part of `least_share`.
 #pragma once
 
 #include <Eigen/Core>
@@ -24,15 +27,18 @@
 
 namespace mortise::pareto {
 
-enum class TrackKind { kGap = 0, kRefine = 1, kSample = 2, kOpening = 3 };
+enum class TrackKind { kGap = 0, kRefine = 1, kSample = 2, kBreed = 3, kSweep = 4, kOpening = 5 };
 
 class TrackScheduler {
+  static constexpr std::size_t kWays = 5, kLocalWays = 3;
+
  public:
   struct Options {
     double delta_s = 0.3;       // distance of the reference point, relative to |y|
     double delta_p = 10;        // exponent range of the perturbation
     double delta_n = 0.2;       // neighbourhood of a cell, in parts of each angle
-    double least_share = 0.15;  // of each way
+    double least_share = 0.25;  // of all ways together, in equal parts
+    bool explores = true;       // whether children and sweeps have a share
     // Entries (the first so many of the archive) from which each metric's optimum is looked for a
     // second time, independently of what is known by then: the first time may end in a corner where
     // all slopes vanish. 0: no second time.
@@ -43,9 +49,17 @@ class TrackScheduler {
   struct Track {
     TrackKind kind = TrackKind::kOpening;
     std::unique_ptr<LocalOptimization> optimization;
+    std::unique_ptr<PointSource> other;  // of kSweep; of kBreed none: the caller's population does
   };
 
   TrackScheduler(const Options& options, std::uint64_t seed) : options_(options), random_(seed) {}
+
+  // Where all gradients are offered: looks for each metric's optimum a second time whatever the
+  // budget, see Options::second_look.
+  void UseGradients(std::size_t entries) {
+    options_.second_look = entries;
+    has_gradients_ = true;
+  }
 
   // The next track. `buffer` has been built and holds a feasible entry of `archive`. With
   // `force_sample` a stochastic sample, which always asks for a new point.
@@ -66,12 +80,13 @@ class TrackScheduler {
   }
   std::size_t OpeningStart(const Archive& archive, const Scaling& scaling, Eigen::Index metric,
                            const std::vector<std::size_t>& candidates) const;
-  Track OpeningTrack(const Archive& archive, const Scaling& scaling);
+  Track OpeningTrack(const Archive& archive);
   Track GapTrack(const Archive& archive, const PerformanceBuffer& buffer);
   Track PlanarGapTrack(const Archive& archive, const PerformanceBuffer& buffer);
   Track RefineTrack(const Archive& archive, const PerformanceBuffer& buffer);
+  Track SweepTrack(const Archive& archive, const PerformanceBuffer& buffer);
   Track SampleTrack(const Archive& archive, const PerformanceBuffer& buffer);
-  std::array<double, 3> Shares() const;
+  std::array<double, kWays> Shares() const;
   TrackKind ChooseKind();
   std::size_t DrawFrontEntry(const Archive& archive, const PerformanceBuffer& buffer);
   int& TriesAt(const PerformanceBuffer& buffer, const Eigen::VectorXd& scaled);
@@ -79,10 +94,11 @@ class TrackScheduler {
   Options options_;
   Random random_;
   int opened_ = 0;
+  bool has_gradients_ = false;
   std::map<std::int64_t, int> tries_;  // by coarse cell
-  std::array<double, 3> gain_{};
-  std::array<double, 3> spent_{};
-  std::array<double, 3> balance_{};  // evaluations each way is owed
+  std::array<double, kWays> gain_{};
+  std::array<double, kWays> spent_{};
+  std::array<double, kWays> balance_{};  // evaluations each way is owed
 };
 
 }  // namespace mortise::pareto
