@@ -8,6 +8,7 @@
 #include "absl/memory/memory.h"
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "services/pareto/coordinate_descent.h"
 #include "services/pareto/hypervolume.h"
 #include "services/pareto/stochastic_sampling.h"
 
@@ -23,6 +24,8 @@ constexpr int kProbedPatches = 4;
 constexpr int kProbes = 20;  // of a patch
 constexpr std::int64_t kProbedBudget = 200;
 constexpr std::int64_t kExploringBudget = 30;   // evaluations a parameter
+constexpr std::int64_t kDescentBudget = 60;     // evaluations a parameter
+constexpr double kDescentShare = 0.25;          // of the budget
 constexpr double kSamePiece = 0.01;             // pieces whose centres are this near are the same
 constexpr std::int64_t kSecondLookBudget = 20;  // evaluations a parameter
 constexpr std::int64_t kBudgetLimit = 10'000'000;
@@ -287,7 +290,7 @@ std::optional<Eigen::VectorXd> Discovery::NextPoint(std::int64_t& track) {
     const bool opening = std::any_of(tracks_.begin(), tracks_.end(), [](const auto& entry) {
       return entry.second.kind == TrackKind::kOpening;
     });
-    if (opening && scheduler_.AwaitsOpening(metric_count_) && !pending_.empty())
+    if (opening && (descending_ || scheduler_.AwaitsOpening(metric_count_)) && !pending_.empty())
       return std::nullopt;
     StartTrack(barren >= kBarrenTracks);
   }
@@ -343,7 +346,8 @@ void Discovery::Retire(const Track& track) {
     if (track.patch->piece().directions.cols() > 0) pieces_.push_back(track.patch->piece());
     return;
   }
-  if (track.optimization == nullptr) return;  // children
+  if (track.kind == TrackKind::kOpening) descending_ = false;
+  if (track.optimization == nullptr) return;  // children, say
   if (track.evaluations > 0) ++optimizations_;
   if (hypervolume_ > progress_mark_ * (1 + options_.delta_i)) {
     progress_mark_ = hypervolume_;
@@ -376,12 +380,32 @@ void Discovery::Retire(const Track& track) {
   ++expansions_;
 }
 
+// From the design nearest to the ideal.
+std::unique_ptr<PointSource> Discovery::MakeDescent() {
+  CoordinateDescent::Options descent;
+  const auto size = static_cast<double>(box_.size());
+  const double share = kDescentShare * static_cast<double>(options_.evaluations);
+  descent.evaluations = static_cast<int>(share);
+  descent.lines = std::max(1, options_.window / 2);
+  descent.line.values = static_cast<int>(std::clamp(0.5 * share / size, 8.0, 64.0));
+  const Scaling scaling = archive_.CurrentScaling();
+  const std::size_t start = *std::ranges::min_element(
+      archive_.non_dominated(), {},
+      [&](std::size_t entry) { return scaling.Apply(archive_[entry].metrics).norm(); });
+  return std::make_unique<CoordinateDescent>(descent, archive_, start, random_);
+}
+
 void Discovery::StartTrack(bool force_sample) {
   if (next_track_ == 0) {
     const Eigen::MatrixXd& jacobian = archive_[archive_.non_dominated().front()].jacobian;
     if (jacobian.size() > 0 && jacobian.allFinite()) {
       scheduler_.UseGradients(static_cast<std::size_t>(initial_samples_));
     }
+  }
+  if (next_track_ == 0 && options_.evaluations >= kDescentBudget * box_.size()) {
+    descending_ = true;
+    tracks_[next_track_++] = {MakeDescent(), nullptr, nullptr, TrackKind::kOpening, 0, 0};
+    return;
   }
   TrackScheduler::Track next = scheduler_.Next(archive_, buffer_, force_sample);
   if (next.kind == TrackKind::kBreed) {

@@ -130,6 +130,7 @@ class Discovery {
   void TellInOrder(Track& track);
   void RetireFinished();
   void Retire(const Track& track);
+  std::unique_ptr<PointSource> MakeDescent();
   void StartTrack(bool force_sample);
   double DominatedVolume(const std::vector<std::size_t>& entries) const;
 
@@ -159,6 +160,7 @@ class Discovery {
   std::int64_t optimizations_ = 0;
   std::int64_t expansions_ = 0;
   int probed_patches_ = 0;
+  bool descending_ = false;   // along one parameter after the other, before anything else
   double hypervolume_ = 0;    // in the scaling of the buffer, reference 1.1
   double progress_mark_ = 0;  // hypervolume when progress was last made
   int tracks_since_progress_ = 0;

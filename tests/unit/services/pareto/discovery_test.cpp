@@ -57,6 +57,14 @@ TEST(DiscoveryTest, FindsZdt1AndZdt2WithGradients) {
   }
 }
 
+// With 20^9 and 10^5 local fronts.
+TEST(DiscoveryTest, LeavesLocalOptimaHoweverMany) {
+  for (const std::uint64_t seed : {1, 2}) {
+    EXPECT_GT(Share("ZDT4", 10, 6000, false, seed), 0.95) << seed;
+    EXPECT_GT(Share("DTLZ1", 7, 4000, false, seed), 0.9) << seed;
+  }
+}
+
 // A table as the demo has it: length, width, height, and the sizes of legs,
 // apron and top. Mass with its gradient, deflection of a plate on rails (closed
 // form) without.

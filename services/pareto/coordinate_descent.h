@@ -1,0 +1,75 @@
+// Looks along the parameters one by one, each over its whole range (line_minimum.h), and goes on
+// from what is best: the beginning of a search with evaluations to spare.
+//
+// Where metrics are nearly sums over parameters, or some function of such a sum, however many local
+// optima each term has, this leads to the best of them in some dozens of evaluations a parameter.
+// What searches in all directions at once meets the product of those optima. Where parameters act
+// together it is a walk downhill along the axes, and ends when that brings little.
+//
+// Some parameters are looked along side by side, from the same design; then all that has been found
+// is put together, which is right where they do not act together, and tried beside the best of
+// them. Parameters come in random order. What counts is about the distance to a point below the
+// ideal one, so any metric may gain.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <deque>
+#include <optional>
+#include <vector>
+
+#include "services/pareto/archive.h"
+#include "services/pareto/line_minimum.h"
+#include "services/pareto/point_source.h"
+#include "services/pareto/random.h"
+
+namespace mortise::pareto {
+
+class CoordinateDescent : public PointSource {
+ public:
+  struct Options {
+    int evaluations = 1000;  // at most, but for those of lines that have begun
+    int lines = 4;           // side by side
+    double progress = 0.02;  // in a pass over all parameters, in ranges, that is worth another one
+    LineMinimum::Options line;
+  };
+
+  // From a feasible entry.
+  CoordinateDescent(const Options& options, const Archive& archive, std::size_t start,
+                    Random& random);
+
+  std::optional<Eigen::VectorXd> Ask(Archive& archive) override;
+  void Tell(Archive& archive, std::size_t entry) override;
+  bool Finished() const override { return finished_; }
+
+ private:
+  struct Line {
+    Eigen::Index parameter;
+    LineMinimum minimum;
+    std::size_t best;  // entry
+  };
+  struct Asked {
+    std::size_t line;  // in `lines_`, or their number for what was put together
+    double point = 0;
+  };
+
+  double BadnessOf(const Archive& archive, std::size_t entry) const;
+  void BeginPass(const Archive& archive);
+  void BeginLines(const Archive& archive);
+  void EndLines(const Archive& archive);
+
+  const Options options_;
+  Random random_;
+  std::size_t best_;
+  std::size_t best_of_last_pass_;
+  Scaling scaling_;  // while these lines are looked along
+  std::vector<Eigen::Index> order_;
+  std::size_t next_ = 0;  // in `order_`
+  std::vector<Line> lines_;
+  std::optional<Eigen::VectorXd> together_;
+  std::deque<Asked> asked_;
+  int evaluations_ = 0;
+  bool finished_ = false;
+};
+
+}  // namespace mortise::pareto

@@ -1,0 +1,58 @@
+// The least value of a function of one variable on [0, 1] that may have many local minima, as ask
+// and tell, several points at once.
+//
+// First a few points that cover the range, its ends among them. If parabolas through neighbours
+// tell what was found between them, that is all; if not, the function ripples, and gaps are halved
+// until they do, or up to a limit. Then parabolas lead down from the best few points that are
+// better than their neighbours, fewer each time.
+#pragma once
+
+#include <deque>
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "services/pareto/random.h"
+
+namespace mortise::pareto {
+
+class LineMinimum {
+ public:
+  struct Options {
+    int values = 64;          // of a function that ripples, to cover it, roughly
+    double roughness = 0.03;  // mean deviation from parabolas, over the range, of a ripple
+    double tolerance = 1e-5;  // of the range of values, where parabolas end
+  };
+
+  // With a value that is known already.
+  LineMinimum(const Options& options, double known, double value, Random& random);
+
+  // The next point; nullopt while it waits, or once finished.
+  std::optional<double> Ask();
+
+  // What was found there, or where it came to lie; infinite where there is no value.
+  void Tell(double point, double value);
+
+  bool Finished() const { return finished_; }
+
+ private:
+  void NextStage();
+  void QueueHalves();
+  bool Ripples() const;
+  void QueueVertices(std::size_t valleys);
+  std::optional<double> VertexAt(double point) const;
+  double Least() const;
+  double Most() const;
+
+  Options options_;
+  Random random_;
+  std::map<double, double> values_;  // by point
+  bool covering_ = true;             // else leading down
+  double least_ = 0;                 // when the present round of parabolas began
+  int rounds_ = 0;                   // of parabolas
+  std::deque<double> queue_;
+  int outstanding_ = 0;
+  bool finished_ = false;
+};
+
+}  // namespace mortise::pareto
