@@ -2,6 +2,7 @@
 #include "services/pareto/benchmark_problems.h"
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -9,6 +10,7 @@
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "common/base/errors.h"
 #include "services/pareto/hypervolume.h"
 #include "services/pareto/random.h"
@@ -21,16 +23,11 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using Dual = Eigen::AutoDiffScalar<VectorXd>;
 constexpr double kPi = std::numbers::pi;
+// Against (-14, 1): of a grid of 0.008, refined by random steps until six digits stood still.
+constexpr double kKursaweHypervolume = 37.3494;
 
 template <typename T>
 using Vector = std::vector<T>;
-
-template <typename T>
-T SumFrom(const Vector<T>& x, std::size_t first) {
-  T sum = x[first];
-  for (std::size_t i = first + 1; i < x.size(); ++i) sum += x[i];
-  return sum;
-}
 
 double Root(double value) { return std::sqrt(value); }
 
@@ -43,26 +40,71 @@ Dual Root(const Dual& value) {
   return root;
 }
 
+// Distance parameters, measured from where the best of them is.
+struct Distances {
+  std::size_t first = 1;  // of the parameters
+  VectorXd best;          // of those
+  MatrixXd rotation;      // empty: none
+
+  template <typename T>
+  Vector<T> operator()(const Vector<T>& x) const {
+    Vector<T> y;
+    for (std::size_t i = first; i < x.size(); ++i)
+      y.push_back(T(x[i] - best[static_cast<Index>(i - first)]));
+    if (rotation.size() == 0) return y;
+    Vector<T> turned;
+    for (Index i = 0; i < rotation.rows(); ++i) {
+      T sum = T(y[0] * rotation(i, 0));
+      for (Index j = 1; j < rotation.cols(); ++j)
+        sum += T(y[static_cast<std::size_t>(j)] * rotation(i, j));
+      turned.push_back(sum);
+    }
+    return turned;
+  }
+};
+
+template <typename T>
+T SizeOf(const T& value) {
+  using std::abs;
+  return T(abs(value));
+}
+
+template <typename T>
+T Sum(const Vector<T>& values) {
+  T sum = values[0];
+  for (std::size_t i = 1; i < values.size(); ++i) sum += values[i];
+  return sum;
+}
+
+template <typename T>
+T SumOfSizes(const Vector<T>& values) {
+  Vector<T> sizes;
+  for (const T& value : values) sizes.push_back(SizeOf(value));
+  return Sum(sizes);
+}
+
 struct Zdt {
   int number;
+  Distances distances;
 
   template <typename T>
   Vector<T> operator()(const Vector<T>& x) const {
     using std::cos, std::exp, std::pow, std::sin;
     const auto rest = static_cast<double>(x.size() - 1);
+    const Vector<T> y = distances(x);
     if (number == 4) {
       T g = T(x[0] * 0.0 + (1 + 10 * rest));
-      for (std::size_t i = 1; i < x.size(); ++i)
-        g += T(x[i] * x[i]) - T(T(cos(T(x[i] * (4 * kPi)))) * 10.0);
+      for (const T& each : y) g += T(each * each) - T(T(cos(T(each * (4 * kPi)))) * 10.0);
       return {x[0], T(g - Root(T(x[0] * g)))};
     }
+    const T mean = T(SumOfSizes(y) / rest);
     if (number == 6) {
-      const T g = T(T(pow(T(SumFrom(x, 1) / rest), 0.25)) * 9.0 + 1.0);
+      const T g = T(Root(Root(mean)) * 9.0 + 1.0);
       const T wave = T(sin(T(x[0] * (6 * kPi))));
       const T f = T(T(T(exp(T(x[0] * -4.0))) * T(pow(wave, 6))) * -1.0 + 1.0);
       return {f, T(g - T(T(f * f) / g))};
     }
-    const T g = T(SumFrom(x, 1) * (9 / rest) + 1.0);
+    const T g = T(mean * 9.0 + 1.0);
     const T ratio = T(x[0] / g);
     if (number == 1) return {x[0], T(g - T(Root(T(x[0] * g))))};
     if (number == 2) return {x[0], T(g - T(x[0] * ratio))};
@@ -72,27 +114,59 @@ struct Zdt {
 
 struct Dtlz {
   int number;
+  Distances distances;
 
   template <typename T>
   Vector<T> operator()(const Vector<T>& x) const {
-    using std::cos, std::sin;
-    T g = T(x[0] * 0.0);
-    for (std::size_t i = 2; i < x.size(); ++i) {
-      const T y = T(x[i] - 0.5);
-      g += T(y * y);
-      if (number != 2) g += T(T(T(cos(T(y * (20 * kPi)))) * -1.0) + 1.0);
-    }
-    if (number != 2) g = T(g * 100.0);
-    const T scale = T(g + 1.0);
+    if (number == 7) return Disconnected(x);
+    const T scale = T(Distance(x) + 1.0);
     if (number == 1) {
       const T half = T(scale * 0.5);
       const T a = T(half * x[0]);
       return {T(a * x[1]), T(a - T(a * x[1])), T(half - a)};
     }
-    const T theta = T(x[0] * (kPi / 2));
-    const T phi = T(x[1] * (kPi / 2));
+    return OnSphere(x, scale);
+  }
+
+  template <typename T>
+  T Distance(const Vector<T>& x) const {
+    using std::cos, std::pow;
+    T g = T(x[0] * 0.0);
+    for (const T& y : distances(x)) {
+      if (number == 6) {
+        const T size = SizeOf(y);
+        if (size > 0) g += T(pow(size, 0.1));  // at 0 the slope is infinite
+        continue;
+      }
+      g += T(y * y);
+      if (number == 1 || number == 3) g += T(T(T(cos(T(y * (20 * kPi)))) * -1.0) + 1.0);
+    }
+    return number == 1 || number == 3 ? T(g * 100.0) : g;
+  }
+
+  template <typename T>
+  Vector<T> OnSphere(const Vector<T>& x, const T& scale) const {
+    using std::cos, std::pow, std::sin;
+    T theta = T(x[0] * (kPi / 2)), phi = T(x[1] * (kPi / 2));
+    if (number == 4) {
+      theta = T(T(pow(x[0], 100)) * (kPi / 2));
+      phi = T(T(pow(x[1], 100)) * (kPi / 2));
+    } else if (number >= 5) {
+      // One curve as the distance vanishes.
+      phi = T(T(T(T(scale - 1.0) * x[1]) * 2.0 + 1.0) / scale) * (kPi / 4);
+    }
     const T ring = T(scale * T(cos(theta)));
     return {T(ring * T(cos(phi))), T(ring * T(sin(phi))), T(scale * T(sin(theta)))};
+  }
+
+  template <typename T>
+  Vector<T> Disconnected(const Vector<T>& x) const {
+    using std::sin;
+    const Vector<T> y = distances(x);
+    const T g = T(SumOfSizes(y) * (9.0 / static_cast<double>(y.size())) + 1.0);
+    T last = T(T(g + 1.0) * 3.0);
+    for (std::size_t i = 0; i < 2; ++i) last -= T(x[i] * T(T(sin(T(x[i] * (3 * kPi)))) + 1.0));
+    return {x[0], x[1], last};
   }
 };
 
@@ -189,62 +263,126 @@ double ZdtHypervolume(int number) {
   return Hypervolume(front, VectorXd::Constant(2, kReference));
 }
 
-BenchmarkProblem MakeZdt(int number, int dimensions) {
-  BenchmarkProblem problem{
-      absl::StrCat("ZDT", number), Box(dimensions, 0, 1),      2,
-      Evaluating(Zdt{number}),     VectorXd::Constant(2, 1.1), ZdtHypervolume(number)};
-  if (number == 4) {
-    problem.space.lower.tail(dimensions - 1).setConstant(-5);
-    problem.space.upper.tail(dimensions - 1).setConstant(5);
+// The published optimum of every distance parameter is `best`.
+Distances MakeDistances(const DesignSpace& space, std::size_t first, double best,
+                        const BenchmarkVariant& variant) {
+  const Index count = space.size() - static_cast<Index>(first);
+  Distances distances{first, VectorXd::Constant(count, best), {}};
+  Random random(variant.instance);
+  if (variant.shifted) {
+    for (Index i = 0; i < count; ++i) {
+      const Index at = i + static_cast<Index>(first);
+      distances.best[i] =
+          space.lower[at] + (0.3 + 0.4 * random.Uniform()) * (space.upper[at] - space.lower[at]);
+    }
   }
-  return problem;
+  if (!variant.rotated) return distances;
+  MatrixXd columns(count, count);
+  for (Index i = 0; i < count; ++i) columns.col(i) = random.UnitVector(count);
+  distances.rotation = columns.householderQr().householderQ() * MatrixXd::Identity(count, count);
+  return distances;
 }
 
-BenchmarkProblem MakeDtlz(int number, int dimensions) {
-  const double reference = number == 1 ? 0.55 : 1.1;
-  const double below = number == 1 ? 0.125 / 6 : kPi / 6;  // under the true front
-  return {absl::StrCat("DTLZ", number),
-          Box(dimensions, 0, 1),
+std::string VariantName(const std::string& name, const BenchmarkVariant& variant) {
+  return absl::StrCat(variant.rotated ? "rotated " : "", variant.shifted ? "shifted " : "", name);
+}
+
+BenchmarkProblem MakeZdt(int number, int dimensions, const BenchmarkVariant& variant) {
+  DesignSpace space = Box(dimensions, 0, 1);
+  if (number == 4) {
+    space.lower.tail(dimensions - 1).setConstant(-5);
+    space.upper.tail(dimensions - 1).setConstant(5);
+  }
+  const Zdt formula{number, MakeDistances(space, 1, 0, variant)};
+  return {VariantName(absl::StrCat("ZDT", number), variant),
+          space,
+          2,
+          Evaluating(formula),
+          VectorXd::Constant(2, 1.1),
+          ZdtHypervolume(number)};
+}
+
+// Below the reference point, but for what is under the true front.
+double DtlzHypervolume(int number, const VectorXd& reference) {
+  const double r = reference[0];
+  if (number == 1) return r * r * r - 0.125 / 6;
+  if (number <= 4) return r * r * r - kPi / 6;
+  if (number <= 6)  // over slices of the third metric, f1 = f2 = sqrt((1 - f3^2) / 2)
+    return r * r - r * kPi / (2 * std::sqrt(2.0)) + 1.0 / 3 + (r - 1) * r * r;
+  // f3 = 6 - M(f1) - M(f2) along the front, with M the greatest f (1 + sin(3 pi f)) up to there.
+  constexpr int kSteps = 100'000;
+  double most = 0, integral = 0;
+  for (int i = 0; i < kSteps; ++i) {
+    const double f = (i + 0.5) / kSteps;
+    most = std::max(most, f * (1 + std::sin(3 * kPi * f)));
+    integral += most / kSteps;
+  }
+  integral += (r - 1) * most;
+  return r * r * (reference[2] - 6) + 2 * r * integral;
+}
+
+BenchmarkProblem MakeDtlz(int number, int dimensions, const BenchmarkVariant& variant) {
+  const DesignSpace space = Box(dimensions, 0, 1);
+  VectorXd reference = VectorXd::Constant(3, number == 1 ? 0.55 : 1.1);
+  if (number == 7) reference[2] = 6.6;
+  const Dtlz formula{number, MakeDistances(space, 2, number >= 6 ? 0 : 0.5, variant)};
+  return {VariantName(absl::StrCat("DTLZ", number), variant),
+          space,
           3,
-          Evaluating(Dtlz{number}),
-          VectorXd::Constant(3, reference),
-          reference * reference * reference - below};
+          Evaluating(formula),
+          reference,
+          DtlzHypervolume(number, reference)};
 }
 
 }  // namespace
 
 std::vector<std::string> BenchmarkNames() {
-  return {"ZDT1", "ZDT2", "ZDT3", "ZDT4", "ZDT6", "DTLZ1", "DTLZ2", "DTLZ3", "Kursawe", "Fourier"};
+  return {"ZDT1",  "ZDT2",  "ZDT3",  "ZDT4",  "ZDT6",  "DTLZ1",   "DTLZ2",
+          "DTLZ3", "DTLZ4", "DTLZ5", "DTLZ6", "DTLZ7", "Kursawe", "Fourier"};
+}
+
+int PublishedDimensions(const std::string& name) {
+  const std::string lower = absl::AsciiStrToLower(name);
+  if (lower == "zdt4" || lower == "zdt6") return 10;
+  if (lower.starts_with("zdt")) return 30;
+  if (lower == "dtlz1") return 7;
+  if (lower == "dtlz7") return 22;
+  if (lower.starts_with("dtlz")) return 12;
+  return lower == "kursawe" || lower == "fourier" ? 3 : 0;
 }
 
 absl::StatusOr<BenchmarkProblem> MakeBenchmarkProblem(const std::string& name, int dimensions,
-                                                      std::uint64_t seed) {
+                                                      const BenchmarkVariant& variant) {
   const std::string lower = absl::AsciiStrToLower(name);
   if (dimensions < 1 || dimensions > 512)
     return InvalidField("dimensions", "must lie between 1 and 512");
   for (const int number : {1, 2, 3, 4, 6}) {
     if (lower != absl::StrCat("zdt", number)) continue;
     if (dimensions < 2) return InvalidField("dimensions", "ZDT problems need at least 2");
-    return MakeZdt(number, dimensions);
+    return MakeZdt(number, dimensions, variant);
   }
-  for (const int number : {1, 2, 3}) {
+  for (int number = 1; number <= 7; ++number) {
     if (lower != absl::StrCat("dtlz", number)) continue;
     if (dimensions < 3) return InvalidField("dimensions", "DTLZ problems need at least 3");
-    return MakeDtlz(number, dimensions);
+    return MakeDtlz(number, dimensions, variant);
   }
+  if (PublishedDimensions(lower) == 0 || lower.starts_with("zdt") || lower.starts_with("dtlz"))
+    return InvalidField("name", absl::StrCat("no benchmark problem '", name, "'; there are ",
+                                             absl::StrJoin(BenchmarkNames(), ", ")));
+  if (variant.shifted || variant.rotated)
+    return InvalidField("variant", "only ZDT and DTLZ problems can be shifted or rotated");
   if (lower == "kursawe") {
     if (dimensions != 3) return InvalidField("dimensions", "Kursawe's problem has 3");
     return BenchmarkProblem{
-        "Kursawe", Box(3, -5, 5), 2, Evaluating(Kursawe{}), Eigen::Vector2d(-14, 1), 0};
+        "Kursawe",          Box(3, -5, 5), 2, Evaluating(Kursawe{}), Eigen::Vector2d(-14, 1),
+        kKursaweHypervolume};
   }
-  if (lower == "fourier")
-    return BenchmarkProblem{"Fourier",
-                            Box(dimensions, 0, 2 * kPi),
-                            2,
-                            Evaluating(Fourier(dimensions, 2, seed)),
-                            Eigen::Vector2d(2.0 * dimensions, 2.0 * dimensions),
-                            0};
-  return InvalidField("name", absl::StrCat("no benchmark problem '", name, "'"));
+  return BenchmarkProblem{"Fourier",
+                          Box(dimensions, 0, 2 * kPi),
+                          2,
+                          Evaluating(Fourier(dimensions, 2, variant.instance)),
+                          Eigen::Vector2d(2.0 * dimensions, 2.0 * dimensions),
+                          0};
 }
 
 }  // namespace mortise::pareto

@@ -21,13 +21,26 @@ struct BenchmarkProblem {
   double hypervolume = 0;     // of the true front against `reference`; 0 where it is not known
 };
 
-// ZDT1, 2, 3, 4, 6 (Zitzler, Deb, Thiele 2000; D >= 2), DTLZ1, 2, 3 (Deb et al. 2002; three
-// metrics, D >= 3), Kursawe (1991; D = 3), and Fourier (Eq. 7.7 with K = 3; two metrics,
-// coefficients from `seed`, x in [0, 2 pi]^D). Names are as written here, in any case.
-// INVALID_ARGUMENT naming "name" or "dimensions".
+// How a problem differs from the published one. Its distance parameters (ZDT: all but the first;
+// DTLZ: all but the first two) become y = R (x - s), measured from where the best of them is, so
+// that the true front stays what it was, but no optimum lies on a bound, and none can be found
+// parameter by parameter. Terms that are not even count |y|.
+struct BenchmarkVariant {
+  bool shifted = false;        // the best of each is somewhere in the middle 40 % of its range
+  bool rotated = false;        // R is a random rotation
+  std::uint64_t instance = 1;  // seeds s, R, and Fourier's coefficients
+};
+
+// ZDT1, 2, 3, 4, 6 (Zitzler, Deb, Thiele 2000; D >= 2), DTLZ1 to 7 (Deb, Thiele, Laumanns, Zitzler
+// 2002; three metrics, D >= 3), Kursawe (1991; D = 3), and Fourier (Eq. 7.7 with K = 3; two
+// metrics, x in [0, 2 pi]^D). Names are as written here, in any case. INVALID_ARGUMENT naming
+// "name", "dimensions" or, for Kursawe and Fourier, "variant".
 absl::StatusOr<BenchmarkProblem> MakeBenchmarkProblem(const std::string& name, int dimensions,
-                                                      std::uint64_t seed = 1);
+                                                      const BenchmarkVariant& variant = {});
 
 std::vector<std::string> BenchmarkNames();
+
+// The number of parameters the problem was published with; 0 for an unknown name.
+int PublishedDimensions(const std::string& name);
 
 }  // namespace mortise::pareto

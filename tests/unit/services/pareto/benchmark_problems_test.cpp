@@ -4,23 +4,36 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
+#include <vector>
 
+#include "services/pareto/hypervolume.h"
 #include "services/pareto/random.h"
 
 namespace mortise::pareto {
 namespace {
 
-int DimensionsOf(const std::string& name) { return name == "Kursawe" || name == "Fourier" ? 3 : 7; }
+std::vector<BenchmarkProblem> AllProblems() {
+  std::vector<BenchmarkProblem> problems;
+  for (const std::string& name : BenchmarkNames()) {
+    const int dimensions = std::min(7, PublishedDimensions(name));
+    problems.push_back(*MakeBenchmarkProblem(name, dimensions));
+    if (name == "Kursawe" || name == "Fourier") continue;
+    for (const auto& [shifted, rotated] :
+         {std::pair(true, false), std::pair(false, true), std::pair(true, true)})
+      problems.push_back(*MakeBenchmarkProblem(name, dimensions, {shifted, rotated, 3}));
+  }
+  return problems;
+}
 
 TEST(BenchmarkProblemsTest, GradientsAgreeWithDifferences) {
-  for (const std::string& name : BenchmarkNames()) {
-    const BenchmarkProblem problem = *MakeBenchmarkProblem(name, DimensionsOf(name));
+  for (const BenchmarkProblem& problem : AllProblems()) {
     Random random(2);
     Eigen::VectorXd u(problem.space.size());
     for (double& value : u) value = 0.1 + 0.8 * random.Uniform();
     const Eigen::VectorXd x = problem.space.FromUnit(u);
     const Evaluation exact = problem.evaluate(x, true);
-    EXPECT_EQ(exact.metrics, problem.evaluate(x, false).metrics) << name;
+    EXPECT_EQ(exact.metrics, problem.evaluate(x, false).metrics) << problem.name;
     for (Eigen::Index i = 0; i < x.size(); ++i) {
       Eigen::VectorXd up = x, down = x;
       up[i] += 1e-6;
@@ -28,9 +41,78 @@ TEST(BenchmarkProblemsTest, GradientsAgreeWithDifferences) {
       const Eigen::VectorXd slope =
           (problem.evaluate(up, false).metrics - problem.evaluate(down, false).metrics) / 2e-6;
       const double size = std::max(1.0, exact.jacobian.col(i).norm());
-      EXPECT_LT((slope - exact.jacobian.col(i)).norm() / size, 1e-5) << name << " " << i;
+      EXPECT_LT((slope - exact.jacobian.col(i)).norm() / size, 1e-5) << problem.name << " " << i;
     }
   }
+}
+
+// The hypervolume of designs whose distance parameters are at their best, `steps` along each
+// position parameter.
+double HypervolumeOfOptima(const BenchmarkProblem& problem, Eigen::Index positions, double best,
+                           int steps) {
+  std::vector<Eigen::VectorXd> points;
+  Eigen::VectorXd x = Eigen::VectorXd::Constant(problem.space.size(), best);
+  for (int i = 0; i <= steps; ++i) {
+    x[0] = static_cast<double>(i) / steps;
+    for (int j = 0; j <= (positions == 2 ? steps : 0); ++j) {
+      if (positions == 2) x[1] = static_cast<double>(j) / steps;
+      points.push_back(problem.evaluate(x, false).metrics);
+    }
+  }
+  return Hypervolume(points, problem.reference);
+}
+
+TEST(BenchmarkProblemsTest, TrueHypervolumesAreThoseOfTheirOptima) {
+  for (const char* name : {"ZDT1", "ZDT2", "ZDT3", "ZDT4", "ZDT6"}) {
+    const BenchmarkProblem problem = *MakeBenchmarkProblem(name, 4);
+    const double sampled = HypervolumeOfOptima(problem, 1, 0, 5000);
+    EXPECT_NEAR(sampled, problem.hypervolume, 1e-3) << name;
+    EXPECT_LE(sampled, problem.hypervolume * (1 + 1e-6)) << name;
+  }
+  for (const char* name : {"DTLZ1", "DTLZ2", "DTLZ3", "DTLZ5", "DTLZ6", "DTLZ7"}) {
+    const BenchmarkProblem problem = *MakeBenchmarkProblem(name, 5);
+    const double best = name == std::string("DTLZ6") || name == std::string("DTLZ7") ? 0 : 0.5;
+    const double sampled = HypervolumeOfOptima(problem, 2, best, 80);
+    EXPECT_NEAR(sampled, problem.hypervolume, 0.025 * problem.hypervolume) << name;
+    EXPECT_LE(sampled, problem.hypervolume * (1 + 1e-6)) << name;
+  }
+  EXPECT_EQ(MakeBenchmarkProblem("DTLZ4", 5)->hypervolume,
+            MakeBenchmarkProblem("DTLZ2", 5)->hypervolume);
+}
+
+TEST(BenchmarkProblemsTest, VariantsKeepTheFrontAndMoveTheOptima) {
+  for (const std::string& name : BenchmarkNames()) {
+    if (name == "Kursawe" || name == "Fourier") continue;
+    const BenchmarkProblem plain = *MakeBenchmarkProblem(name, 6);
+    const BenchmarkProblem rotated = *MakeBenchmarkProblem(name, 6, {false, true, 5});
+    const BenchmarkProblem both = *MakeBenchmarkProblem(name, 6, {true, true, 5});
+    EXPECT_EQ(rotated.hypervolume, plain.hypervolume);
+    EXPECT_EQ(both.name, "rotated shifted " + name);
+    // A rotation about the published optimum leaves that where it is.
+    const bool middle = name.starts_with("DTLZ") && name < "DTLZ6";
+    Eigen::VectorXd x = Eigen::VectorXd::Constant(6, middle ? 0.5 : 0.0);
+    x.head(2) << 0.3, name.starts_with("ZDT") ? 0 : 0.6;
+    const Eigen::VectorXd optimum = plain.evaluate(x, false).metrics;
+    EXPECT_LT((rotated.evaluate(x, false).metrics - optimum).norm(), 1e-9) << name;
+    // It is no optimum of the shifted one, nor is any bound.
+    EXPECT_GT((both.evaluate(x, false).metrics - optimum).norm(), 1e-3) << name;
+    x.tail(4) = both.space.lower.tail(4);
+    EXPECT_GT((both.evaluate(x, false).metrics - optimum).norm(), 1e-3) << name;
+    // Another instance is another problem.
+    const BenchmarkProblem other = *MakeBenchmarkProblem(name, 6, {true, true, 6});
+    EXPECT_NE(other.evaluate(x, false).metrics, both.evaluate(x, false).metrics) << name;
+  }
+}
+
+// Where metrics count the squares of the distances, a rotation changes nothing.
+TEST(BenchmarkProblemsTest, RotationsKeepLengths) {
+  Random random(4);
+  Eigen::VectorXd x(8);
+  for (double& value : x) value = random.Uniform();
+  EXPECT_LT((MakeBenchmarkProblem("DTLZ2", 8)->evaluate(x, false).metrics -
+             MakeBenchmarkProblem("DTLZ2", 8, {false, true, 2})->evaluate(x, false).metrics)
+                .norm(),
+            1e-12);
 }
 
 TEST(BenchmarkProblemsTest, HaveTheirPublishedOptima) {
@@ -52,6 +134,10 @@ TEST(BenchmarkProblemsTest, RefusesWhatDoesNotExist) {
   EXPECT_TRUE(absl::IsInvalidArgument(MakeBenchmarkProblem("ZDT1", 1).status()));
   EXPECT_TRUE(absl::IsInvalidArgument(MakeBenchmarkProblem("Kursawe", 4).status()));
   EXPECT_TRUE(absl::IsInvalidArgument(MakeBenchmarkProblem("ZDT1", -3).status()));
+  EXPECT_TRUE(absl::IsInvalidArgument(MakeBenchmarkProblem("DTLZ8", 12).status()));
+  EXPECT_TRUE(absl::IsInvalidArgument(MakeBenchmarkProblem("", 12).status()));
+  EXPECT_TRUE(absl::IsInvalidArgument(MakeBenchmarkProblem("Kursawe", 3, {true, false}).status()));
+  EXPECT_EQ(PublishedDimensions("Rosenbrock"), 0);
 }
 
 }  // namespace
