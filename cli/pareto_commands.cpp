@@ -304,6 +304,7 @@ void AddParetoCommands(CLI::App& app, Session& session) {
       return sources.Name(Pick(*pick_options, s, o));
     };
   });
+  AddParetoBenchmarkCommand(*pareto, session);
   // Last: commands would inherit it.
   pareto->footer("Example: mortise pareto run table --minimize mass --minimize max_displacement");
 }

@@ -34,13 +34,14 @@ struct Session {
 };
 
 // Each adds its subcommands to `app`; `session` outlives the parsing.
-void AddHouseCommands(CLI::App& app, Session& session);      // up, down, status, keys
-void AddCallCommand(CLI::App& app, Session& session);        // call, health
-void AddAssemblyCommands(CLI::App& app, Session& session);   // assembly import|list|show|delete …
-void AddCatalogCommands(CLI::App& app, Session& session);    // catalog import|list|show|delete …
-void AddAnalyzeCommand(CLI::App& app, Session& session);     // analyze
-void AddParetoCommands(CLI::App& app, Session& session);     // pareto run|show|pick
-void AddPlanCommand(CLI::App& app, Session& session);        // plan
+void AddHouseCommands(CLI::App& app, Session& session);     // up, down, status, keys
+void AddCallCommand(CLI::App& app, Session& session);       // call, health
+void AddAssemblyCommands(CLI::App& app, Session& session);  // assembly import|list|show|delete …
+void AddCatalogCommands(CLI::App& app, Session& session);   // catalog import|list|show|delete …
+void AddAnalyzeCommand(CLI::App& app, Session& session);    // analyze
+void AddParetoCommands(CLI::App& app, Session& session);    // pareto run|show|pick|benchmark
+void AddParetoBenchmarkCommand(CLI::App& pareto, Session& session);  // of those
+void AddPlanCommand(CLI::App& app, Session& session);                // plan
 void AddFabCommands(CLI::App& app, Session& session);        // fab release|watch|show|hold|resume
 void AddEventsCommand(CLI::App& app, Session& session);      // events
 void AddDemoCommand(CLI::App& app, Session& session);        // demo

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <thread>
@@ -271,6 +272,7 @@ TEST(CommandLine, EveryCommandHasHelpAndMistakesAreExplained) {
                                              {"pareto", "run"},
                                              {"pareto", "show"},
                                              {"pareto", "pick"},
+                                             {"pareto", "benchmark"},
                                              {"plan"},
                                              {"fab"},
                                              {"fab", "release"},
@@ -320,6 +322,45 @@ TEST(CommandLine, WithoutAHouseSaysHowToStartOne) {
   const CommandResult result = Mortise({"--house", "/nonexistent", "catalog", "list"});
   EXPECT_EQ(result.exit_code, 1);
   EXPECT_THAT(result.error, HasSubstr("mortise up"));
+}
+
+// Every point holds what its parameters give by the published formula.
+TEST(CommandLine, BenchmarksPrintEveryPointThatNoneDominates) {
+  const std::vector<std::string> run = {"pareto", "benchmark", "zdt1",   "--dims",        "6",
+                                        "--seed", "3",         "--json", "--evaluations", "150"};
+  const CommandResult result = Mortise(run);
+  ASSERT_EQ(result.exit_code, 0) << result.error;
+  const Json document = Json::parse(result.out);
+  EXPECT_EQ(document["problem"], "ZDT1");
+  EXPECT_EQ(document["evaluations"], 150);
+  EXPECT_NEAR(document["share"].get<double>(),
+              document["hypervolume"].get<double>() / document["true_hypervolume"].get<double>(),
+              1e-12);
+  ASSERT_GE(document["points"].size(), 10u);
+  for (const Json& point : document["points"]) {
+    const auto x = point["parameters"].get<std::vector<double>>();
+    ASSERT_EQ(x.size(), 6u);
+    double g = 1;
+    for (std::size_t i = 1; i < x.size(); ++i) g += 9 * x[i] / 5;
+    EXPECT_DOUBLE_EQ(point["metrics"][0].get<double>(), x[0]);
+    EXPECT_NEAR(point["metrics"][1].get<double>(), g * (1 - std::sqrt(x[0] / g)), 1e-12 * g);
+  }
+  EXPECT_EQ(Json::parse(Mortise(run).out)["points"], document["points"]) << "the same seed";
+}
+
+TEST(CommandLine, BenchmarksSayWhatIsWrong) {
+  const auto fault = [](std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), {"--json", "pareto", "benchmark"});
+    const CommandResult result = Mortise(arguments);
+    EXPECT_EQ(result.exit_code, 1);
+    return Json::parse(result.out)["error"]["field"].get<std::string>();
+  };
+  EXPECT_EQ(fault({"ZDT5"}), "name");
+  EXPECT_EQ(fault({"ZDT1", "--dims", "1"}), "--dims");
+  EXPECT_EQ(fault({"ZDT1", "--dims", "1000"}), "--dims");
+  EXPECT_EQ(fault({"ZDT1", "--evaluations", "-5"}), "--evaluations");
+  EXPECT_EQ(fault({"ZDT1", "--window", "0"}), "--window");
+  EXPECT_EQ(fault({"Kursawe", "--rotated"}), "--rotated");
 }
 
 TEST(Completion, IsAScriptThatBashAccepts) {
