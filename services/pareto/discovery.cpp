@@ -23,10 +23,11 @@ constexpr int kChildren = 8;             // of a track
 constexpr int kProbedPatches = 4;
 constexpr int kProbes = 20;  // of a patch
 constexpr std::int64_t kProbedBudget = 200;
-constexpr std::int64_t kExploringBudget = 30;   // evaluations a parameter
-constexpr std::int64_t kDescentBudget = 60;     // evaluations a parameter
-constexpr double kDescentShare = 0.25;          // of the budget
-constexpr double kSamePiece = 0.01;             // pieces whose centres are this near are the same
+constexpr std::int64_t kExploringBudget = 30;  // evaluations a parameter
+constexpr std::int64_t kDescentBudget = 60;    // evaluations a parameter
+constexpr double kDescentShare = 0.25;         // of the budget
+constexpr double kMeasuredShare = 0.1;         // of the budget, for slopes of pieces by differences
+constexpr double kSamePiece = 0.01;            // pieces whose centres are this near are the same
 constexpr std::int64_t kSecondLookBudget = 20;  // evaluations a parameter
 constexpr std::int64_t kBudgetLimit = 10'000'000;
 
@@ -343,6 +344,7 @@ void Discovery::RetireFinished() {
 void Discovery::Retire(const Track& track) {
   scheduler_.Report(track.kind, track.gain, track.evaluations);
   if (track.patch != nullptr) {
+    measured_ += track.patch->measurements();
     if (track.patch->piece().directions.cols() > 0) pieces_.push_back(track.patch->piece());
     return;
   }
@@ -374,6 +376,9 @@ void Discovery::Retire(const Track& track) {
     ++probed_patches_;
     options.probes = kProbes;
   }
+  const std::int64_t measuring = DifferenceModel::Evaluations(box_.size());
+  options.measures = static_cast<double>(measured_ + measuring) <=
+                     kMeasuredShare * static_cast<double>(options_.evaluations);
   auto patch = std::make_unique<PatchSampling>(options, buffer_.scaling(), *best);
   PatchSampling* const view = patch.get();
   tracks_[next_track_++] = {std::move(patch), nullptr, view, track.kind, 0, 0};

@@ -160,9 +160,10 @@ class Discovery {
   std::int64_t optimizations_ = 0;
   std::int64_t expansions_ = 0;
   int probed_patches_ = 0;
-  bool descending_ = false;   // along one parameter after the other, before anything else
-  double hypervolume_ = 0;    // in the scaling of the buffer, reference 1.1
-  double progress_mark_ = 0;  // hypervolume when progress was last made
+  std::int64_t measured_ = 0;  // evaluations for slopes of pieces by differences
+  bool descending_ = false;    // along one parameter after the other, before anything else
+  double hypervolume_ = 0;     // in the scaling of the buffer, reference 1.1
+  double progress_mark_ = 0;   // hypervolume when progress was last made
   int tracks_since_progress_ = 0;
   StopReason stop_ = StopReason::kRunning;
   std::string message_;

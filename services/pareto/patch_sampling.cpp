@@ -6,6 +6,8 @@
 #include <limits>
 #include <utility>
 
+#include "services/pareto/bounded_quadratic.h"
+
 namespace mortise::pareto {
 namespace {
 
@@ -67,9 +69,7 @@ void PatchSampling::Start(Archive& archive) {
   model_ = FitQuadraticModel(archive, piece_.entry, kModelRadius, archive.PriorJacobian(u));
   const Eigen::MatrixXd J = scaling_.range.cwiseInverse().asDiagonal() * model_->jacobian;
   kkt_ = RecoverDuals(J, u);
-  const double limit =
-      model_->exact_gradients ? options_.exact_critical_residual : options_.critical_residual;
-  if (kkt_.free.empty() || kkt_.residual > limit || IsOnlyWeaklyOptimal(kkt_, J)) {
+  if (!IsCritical(J)) {
     finished_ = true;
     return;
   }
@@ -77,9 +77,60 @@ void PatchSampling::Start(Archive& archive) {
   if (model_->exact_gradients && static_cast<Eigen::Index>(kkt_.free.size()) > d - 1) {
     hessian_coordinates_.assign(kkt_.free.begin(), kkt_.free.end());
     hessian_pending_ = static_cast<int>(kkt_.free.size());
+  } else if (options_.measures && !model_->exact_gradients) {
+    measurement_.emplace(*model_, kkt_.free, options_.measured_step);
   } else {
     Open(archive);
   }
+}
+
+bool PatchSampling::IsCritical(const Eigen::MatrixXd& jacobian) const {
+  const double limit =
+      model_->exact_gradients ? options_.exact_critical_residual : options_.critical_residual;
+  return !kkt_.free.empty() && kkt_.residual <= limit && !IsOnlyWeaklyOptimal(kkt_, jacobian);
+}
+
+// Where the metrics, weighted by the duals, are least within the steps of the measurement.
+std::optional<Eigen::VectorXd> PatchSampling::BetterCentre() const {
+  const Eigen::VectorXd weights = kkt_.alpha.cwiseQuotient(scaling_.range);
+  const Eigen::VectorXd& u = piece_.centre;
+  Eigen::VectorXd lower = Eigen::VectorXd::Zero(u.size()), upper = lower;
+  for (const Eigen::Index i : kkt_.free) {
+    lower[i] = std::max(-u[i], -2 * options_.measured_step);
+    upper[i] = std::min(1 - u[i], 2 * options_.measured_step);
+  }
+  const Eigen::VectorXd p = MinimizeBoundedQuadratic(
+      model_->jacobian.transpose() * weights, model_->WeightedHessian(weights), lower, upper);
+  if (!p.allFinite() || p.lpNorm<Eigen::Infinity>() < 1e-6) return std::nullopt;
+  return (u + p).cwiseMax(0.0).cwiseMin(1.0);
+}
+
+void PatchSampling::FinishMeasurement(const Archive& archive) {
+  model_ = measurement_->Measured();
+  const Eigen::MatrixXd J = scaling_.range.cwiseInverse().asDiagonal() * model_->jacobian;
+  kkt_ = RecoverDuals(J, piece_.centre);
+  if (!IsCritical(J)) {
+    finished_ = true;
+    return;
+  }
+  better_centre_ = BetterCentre();
+  if (!better_centre_) Open(archive);
+}
+
+// To an entry nearby, if the weighted metrics are better there.
+void PatchSampling::MoveCentre(const Archive& archive, std::size_t entry) {
+  const ArchiveEntry& told = archive[entry];
+  const Eigen::VectorXd weights = kkt_.alpha.cwiseQuotient(scaling_.range);
+  if (told.feasible && weights.dot(told.metrics - model_->value) < 0) {
+    const Eigen::VectorXd p = told.u - piece_.centre;
+    for (Eigen::Index i = 0; i < model_->value.size(); ++i)
+      model_->jacobian.row(i) += (model_->hessians[static_cast<std::size_t>(i)] * p).transpose();
+    model_->centre = piece_.centre = told.u;
+    model_->value = told.metrics;
+    piece_.entry = entry;
+    kkt_ = RecoverDuals(scaling_.range.cwiseInverse().asDiagonal() * model_->jacobian, told.u);
+  }
+  Open(archive);
 }
 
 void PatchSampling::FinishHessian(const Archive& archive) {
@@ -177,6 +228,17 @@ bool PatchSampling::Covered(const Archive& archive, const Eigen::VectorXd& predi
 std::optional<Eigen::VectorXd> PatchSampling::Ask(Archive& archive) {
   if (!started_) Start(archive);
   if (finished_) return std::nullopt;
+  if (measurement_ && !measurement_->Finished()) {
+    const std::optional<Eigen::VectorXd> point = measurement_->Ask();
+    if (point) asked_.push_back({Request::Kind::kMeasurement, 0, {}, false, 0, 0});
+    return point;
+  }
+  if (better_centre_) {
+    asked_.push_back({Request::Kind::kCentre, 0, {}, false, 0, 0});
+    return std::exchange(better_centre_, std::nullopt);
+  }
+  if (steps_.size() == 0 && hessian_coordinates_.empty() && hessian_pending_ == 0)
+    return std::nullopt;
   if (!hessian_coordinates_.empty()) {
     const Eigen::Index i = hessian_coordinates_.front();
     hessian_coordinates_.pop_front();
@@ -225,6 +287,12 @@ void PatchSampling::Tell(Archive& archive, std::size_t entry) {
   const Request request = asked_.front();
   asked_.pop_front();
   const ArchiveEntry& told = archive[entry];
+  if (request.kind == Request::Kind::kMeasurement) {
+    measurement_->Tell(told.feasible ? std::optional(told.metrics) : std::nullopt);
+    if (measurement_->Finished()) FinishMeasurement(archive);
+    return;
+  }
+  if (request.kind == Request::Kind::kCentre) return MoveCentre(archive, entry);
   if (request.kind == Request::Kind::kHessian) {
     if (told.feasible && told.jacobian.size() > 0 && told.jacobian.allFinite()) {
       const double h = told.u[request.coordinate] - piece_.centre[request.coordinate];

@@ -22,6 +22,7 @@
 #include <vector>
 
 #include "services/pareto/archive.h"
+#include "services/pareto/difference_model.h"
 #include "services/pareto/first_order_expansion.h"
 #include "services/pareto/point_source.h"
 #include "services/pareto/quadratic_model.h"
@@ -42,6 +43,10 @@ class PatchSampling : public PointSource {
     double tolerance = 1e-2;  // delta_B: how much dominance ends a stretch, scaled performance
     int evaluations = 200;    // at most
     int probes = 0;           // beyond where the walk ended
+    // Whether slopes and curvature that are not offered are measured by differences first, and the
+    // centre brought to where they say that it is best.
+    bool measures = false;
+    double measured_step = 0.02;           // of unit coordinates
     double critical_residual = 0.3;        // KKT residual up to which a design counts as critical
     double exact_critical_residual = 0.1;  // the same with exact gradients
     double difference = 1e-4;              // step of the Hessian's differences of offered gradients
@@ -57,6 +62,9 @@ class PatchSampling : public PointSource {
   // not critical, or the metrics agree.
   const AffinePiece& piece() const { return piece_; }
 
+  // How many evaluations went into slopes and curvature by differences.
+  Eigen::Index measurements() const { return measurement_ ? measurement_->evaluations() : 0; }
+
  private:
   using Node = std::vector<int>;
 
@@ -67,7 +75,7 @@ class PatchSampling : public PointSource {
 
   // What an outstanding point is for.
   struct Request {
-    enum class Kind { kHessian, kNode, kBisection } kind;
+    enum class Kind { kMeasurement, kCentre, kHessian, kNode, kBisection } kind;
     Eigen::Index coordinate = 0;  // kHessian
     Node node;                    // kNode
     bool beyond = false;          // kNode
@@ -76,6 +84,10 @@ class PatchSampling : public PointSource {
   };
 
   void Start(Archive& archive);
+  bool IsCritical(const Eigen::MatrixXd& jacobian) const;
+  std::optional<Eigen::VectorXd> BetterCentre() const;
+  void FinishMeasurement(const Archive& archive);
+  void MoveCentre(const Archive& archive, std::size_t entry);
   void FinishHessian(const Archive& archive);
   void Open(const Archive& archive);
   void Expand(const Node& node, bool beyond);
@@ -92,6 +104,8 @@ class PatchSampling : public PointSource {
   bool finished_ = false;
   int evaluations_ = 0;
   std::optional<QuadraticModel> model_;
+  std::optional<DifferenceModel> measurement_;
+  std::optional<Eigen::VectorXd> better_centre_;  // to be asked for
   KktPoint kkt_;
   Eigen::VectorXd steps_;  // lattice spacing along each direction
   std::deque<Eigen::Index> hessian_coordinates_;

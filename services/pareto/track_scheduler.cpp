@@ -16,6 +16,7 @@ using Target = LocalOptimization::Target;
 
 constexpr double kMemory = 0.9;  // weight of the past in what a way of sampling has brought
 constexpr int kCoarseCells = 64;
+constexpr std::size_t kBridges = 8;  // of a track
 constexpr int kSweepValues = 8;
 // How much less other metrics count where one is looked for by itself: enough to choose among
 // designs that are equal in it.
@@ -41,6 +42,8 @@ TrackScheduler::Track TrackScheduler::Next(const Archive& archive, const Perform
       return d == 2 ? PlanarGapTrack(archive, buffer) : GapTrack(archive, buffer);
     case TrackKind::kRefine:
       return RefineTrack(archive, buffer);
+    case TrackKind::kBridge:
+      return BridgeTrack(archive, buffer);
     case TrackKind::kBreed:
       return {TrackKind::kBreed, nullptr, nullptr};
     case TrackKind::kSweep:
@@ -251,6 +254,13 @@ TrackScheduler::Track TrackScheduler::RefineTrack(const Archive& archive,
           std::make_unique<LocalOptimization>(options_.optimization, buffer.scaling(),
                                               Toward(y, direction, reach), start),
           nullptr};
+}
+
+TrackScheduler::Track TrackScheduler::BridgeTrack(const Archive& archive,
+                                                  const PerformanceBuffer& buffer) {
+  return {
+      TrackKind::kBridge, nullptr,
+      std::make_unique<PointList>(bridging_.Next(archive, buffer.scaling(), kBridges, random_))};
 }
 
 TrackScheduler::Track TrackScheduler::SweepTrack(const Archive& archive,

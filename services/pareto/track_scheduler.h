@@ -1,12 +1,13 @@
 // Chooses where the next local optimisation starts and what it aims at (§7.5.2).
 //
 // First the middle of the front and each metric's own optimum, so that the scaling of performance
-// is soon about right. Then five ways of spending an evaluation take turns:
+// is soon about right. Then six ways of spending an evaluation take turns:
 //   - gap: aim into the widest hole between known trade-offs, starting from one beside it, which
 //     costs nothing (the neighbouring-cell direction of the thesis, with the cell chosen by need);
 //   - refine: push a known trade-off straight down, along the normal of the front there;
 //   - sample: the thesis's stochastic sample x_s = x_j + 2^(-delta) d with the direction of a cell
-//     within delta_N of its own, which is what leaves local minima.
+//     within delta_N of its own, which is what leaves local minima;
+//   - bridge: designs between those of neighbouring trade-offs (front_bridging.h);
 //   - breed: children of the best designs so far (population.h), which is what gets through very
 //     many local optima;
 //   - sweep: along one parameter of a known trade-off (coordinate_search.h).
@@ -21,16 +22,25 @@
 #include <memory>
 #include <vector>
 
+#include "services/pareto/front_bridging.h"
 #include "services/pareto/local_optimization.h"
 #include "services/pareto/performance_buffer.h"
 #include "services/pareto/random.h"
 
 namespace mortise::pareto {
 
-enum class TrackKind { kGap = 0, kRefine = 1, kSample = 2, kBreed = 3, kSweep = 4, kOpening = 5 };
+enum class TrackKind {
+  kGap = 0,
+  kRefine = 1,
+  kSample = 2,
+  kBridge = 3,
+  kBreed = 4,
+  kSweep = 5,
+  kOpening = 6
+};
 
 class TrackScheduler {
-  static constexpr std::size_t kWays = 5, kLocalWays = 3;
+  static constexpr std::size_t kWays = 6, kLocalWays = 4;
 
  public:
   struct Options {
@@ -49,7 +59,8 @@ class TrackScheduler {
   struct Track {
     TrackKind kind = TrackKind::kOpening;
     std::unique_ptr<LocalOptimization> optimization;
-    std::unique_ptr<PointSource> other;  // of kSweep; of kBreed none: the caller's population does
+    std::unique_ptr<PointSource>
+        other;  // of kBridge, kSweep; of kBreed none: the caller's population does
   };
 
   TrackScheduler(const Options& options, std::uint64_t seed) : options_(options), random_(seed) {}
@@ -84,6 +95,7 @@ class TrackScheduler {
   Track GapTrack(const Archive& archive, const PerformanceBuffer& buffer);
   Track PlanarGapTrack(const Archive& archive, const PerformanceBuffer& buffer);
   Track RefineTrack(const Archive& archive, const PerformanceBuffer& buffer);
+  Track BridgeTrack(const Archive& archive, const PerformanceBuffer& buffer);
   Track SweepTrack(const Archive& archive, const PerformanceBuffer& buffer);
   Track SampleTrack(const Archive& archive, const PerformanceBuffer& buffer);
   std::array<double, kWays> Shares() const;
@@ -93,6 +105,7 @@ class TrackScheduler {
 
   Options options_;
   Random random_;
+  FrontBridging bridging_;
   int opened_ = 0;
   bool has_gradients_ = false;
   std::map<std::int64_t, int> tries_;  // by coarse cell
