@@ -50,7 +50,7 @@ void CoordinateDescent::BeginLines(const Archive& archive) {
 std::optional<Eigen::VectorXd> CoordinateDescent::Ask(Archive& archive) {
   if (finished_) return std::nullopt;
   if (together_) {
-    asked_.push_back({lines_.size()});
+    asked_.push_back(lines_.size());
     ++evaluations_;
     return *std::exchange(together_, std::nullopt);
   }
@@ -59,7 +59,7 @@ std::optional<Eigen::VectorXd> CoordinateDescent::Ask(Archive& archive) {
     if (!point) continue;
     Eigen::VectorXd u = archive[best_].u;
     u[lines_[i].parameter] = *point;
-    asked_.push_back({i, *point});
+    asked_.push_back(i);
     ++evaluations_;
     return u;
   }
@@ -67,16 +67,16 @@ std::optional<Eigen::VectorXd> CoordinateDescent::Ask(Archive& archive) {
 }
 
 void CoordinateDescent::Tell(Archive& archive, std::size_t entry) {
-  const Asked asked = asked_.front();
+  const std::size_t asked = asked_.front();
   asked_.pop_front();
   const double badness = BadnessOf(archive, entry);
-  if (asked.line == lines_.size()) {
+  if (asked == lines_.size()) {
     if (badness < BadnessOf(archive, best_)) best_ = entry;
     EndLines(archive);
     return;
   }
-  Line& line = lines_[asked.line];
-  line.minimum.Tell(asked.point, badness);
+  Line& line = lines_[asked];
+  line.minimum.Tell(archive[entry].u[line.parameter], badness);
   if (badness < BadnessOf(archive, line.best)) line.best = entry;
   if (!std::ranges::all_of(lines_, [](const Line& each) { return each.minimum.Finished(); }))
     return;

@@ -48,10 +48,6 @@ class CoordinateDescent : public PointSource {
     LineMinimum minimum;
     std::size_t best;  // entry
   };
-  struct Asked {
-    std::size_t line;  // in `lines_`, or their number for what was put together
-    double point = 0;
-  };
 
   double BadnessOf(const Archive& archive, std::size_t entry) const;
   void BeginPass(const Archive& archive);
@@ -67,7 +63,7 @@ class CoordinateDescent : public PointSource {
   std::size_t next_ = 0;  // in `order_`
   std::vector<Line> lines_;
   std::optional<Eigen::VectorXd> together_;
-  std::deque<Asked> asked_;
+  std::deque<std::size_t> asked_;  // in `lines_`, or their number for what was put together
   int evaluations_ = 0;
   bool finished_ = false;
 };

@@ -24,8 +24,9 @@ constexpr int kProbedPatches = 4;
 constexpr int kProbes = 20;  // of a patch
 constexpr std::int64_t kProbedBudget = 200;
 constexpr std::int64_t kExploringBudget = 30;  // evaluations a parameter
-constexpr std::int64_t kDescentBudget = 60;    // evaluations a parameter
 constexpr double kDescentShare = 0.25;         // of the budget
+constexpr std::int64_t kLargestPatch = 4;      // a quarter of the budget
+constexpr std::int64_t kMeasuringBudget = 60;  // evaluations a parameter
 constexpr double kMeasuredShare = 0.1;         // of the budget, for slopes of pieces by differences
 constexpr double kSamePiece = 0.01;            // pieces whose centres are this near are the same
 constexpr std::int64_t kSecondLookBudget = 20;  // evaluations a parameter
@@ -371,18 +372,26 @@ void Discovery::Retire(const Track& track) {
   PatchSampling::Options options;
   options.spacing = std::max(spacing_, Spacing(committed_, metric_count_));
   options.tolerance = options_.delta_b;
+  options.evaluations = static_cast<int>(
+      std::max<std::int64_t>(options.evaluations, options_.evaluations / kLargestPatch));
   // A small budget has other use for them.
   if (options_.evaluations >= kProbedBudget && probed_patches_ < kProbedPatches) {
     ++probed_patches_;
     options.probes = kProbes;
   }
-  const std::int64_t measuring = DifferenceModel::Evaluations(box_.size());
-  options.measures = static_cast<double>(measured_ + measuring) <=
-                     kMeasuredShare * static_cast<double>(options_.evaluations);
+  options.measures = MayMeasure();
   auto patch = std::make_unique<PatchSampling>(options, buffer_.scaling(), *best);
   PatchSampling* const view = patch.get();
   tracks_[next_track_++] = {std::move(patch), nullptr, view, track.kind, 0, 0};
   ++expansions_;
+}
+
+// Whether a piece's slopes may be measured: differences need values as small as they like.
+bool Discovery::MayMeasure() const {
+  if (options_.evaluations < kMeasuringBudget * box_.size() || (box_.step.array() > 0).any())
+    return false;
+  const std::int64_t all = measured_ + DifferenceModel::Evaluations(box_.size());
+  return static_cast<double>(all) <= kMeasuredShare * static_cast<double>(options_.evaluations);
 }
 
 // From the design nearest to the ideal.
@@ -392,7 +401,7 @@ std::unique_ptr<PointSource> Discovery::MakeDescent() {
   const double share = kDescentShare * static_cast<double>(options_.evaluations);
   descent.evaluations = static_cast<int>(share);
   descent.lines = std::max(1, options_.window / 2);
-  descent.line.values = static_cast<int>(std::clamp(0.5 * share / size, 8.0, 64.0));
+  descent.line.values = static_cast<int>(std::clamp(0.5 * share / size, 4.0, 64.0));
   const Scaling scaling = archive_.CurrentScaling();
   const std::size_t start = *std::ranges::min_element(
       archive_.non_dominated(), {},
@@ -407,7 +416,7 @@ void Discovery::StartTrack(bool force_sample) {
       scheduler_.UseGradients(static_cast<std::size_t>(initial_samples_));
     }
   }
-  if (next_track_ == 0 && options_.evaluations >= kDescentBudget * box_.size()) {
+  if (next_track_ == 0 && options_.evaluations >= kExploringBudget * box_.size()) {
     descending_ = true;
     tracks_[next_track_++] = {MakeDescent(), nullptr, nullptr, TrackKind::kOpening, 0, 0};
     return;

@@ -130,6 +130,7 @@ class Discovery {
   void TellInOrder(Track& track);
   void RetireFinished();
   void Retire(const Track& track);
+  bool MayMeasure() const;
   std::unique_ptr<PointSource> MakeDescent();
   void StartTrack(bool force_sample);
   double DominatedVolume(const std::vector<std::size_t>& entries) const;

@@ -12,7 +12,7 @@
 namespace mortise::pareto {
 namespace {
 
-constexpr int kFirstGaps = 7;         // between the points that cover the range at first
+constexpr int kFirstPoints = 8;       // that cover the range at first, at most
 constexpr std::size_t kValleys = 16;  // that parabolas lead down from at first
 constexpr int kRounds = 8;            // of parabolas, at most
 constexpr double kLeastGap = 1e-7;    // between points
@@ -31,9 +31,10 @@ double ParabolaAt(double x, const Point& a, const Point& b, const Point& c) {
 
 LineMinimum::LineMinimum(const Options& options, double known, double value, Random& random)
     : options_(options), random_(random.Next()), values_{{known, value}} {
+  const int gaps = std::clamp(options.values, 3, kFirstPoints) - 1;
   queue_.push_back(0);
-  for (int gap = 1; gap < kFirstGaps; ++gap)
-    queue_.push_back((gap + 0.6 * (random_.Uniform() - 0.5)) / kFirstGaps);
+  for (int gap = 1; gap < gaps; ++gap)
+    queue_.push_back((gap + 0.6 * (random_.Uniform() - 0.5)) / gaps);
   queue_.push_back(1);
 }
 

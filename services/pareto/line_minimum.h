@@ -19,7 +19,7 @@ namespace mortise::pareto {
 class LineMinimum {
  public:
   struct Options {
-    int values = 64;          // of a function that ripples, to cover it, roughly
+    int values = 64;          // that cover a function that ripples, roughly; at least 3
     double roughness = 0.03;  // mean deviation from parabolas, over the range, of a ripple
     double tolerance = 1e-5;  // of the range of values, where parabolas end
   };

@@ -40,7 +40,7 @@ enum class TrackKind {
 };
 
 class TrackScheduler {
-  static constexpr std::size_t kWays = 6, kLocalWays = 4;
+  static constexpr std::size_t kWays = 6, kLocalWays = 3;
 
  public:
   struct Options {
@@ -48,7 +48,7 @@ class TrackScheduler {
     double delta_p = 10;        // exponent range of the perturbation
     double delta_n = 0.2;       // neighbourhood of a cell, in parts of each angle
     double least_share = 0.25;  // of all ways together, in equal parts
-    bool explores = true;       // whether children and sweeps have a share
+    bool explores = true;       // whether bridges, children and sweeps have a share
     // Entries (the first so many of the archive) from which each metric's optimum is looked for a
     // second time, independently of what is known by then: the first time may end in a corner where
     // all slopes vanish. 0: no second time.

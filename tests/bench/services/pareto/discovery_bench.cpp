@@ -3,15 +3,15 @@
 //
 // Counters: `share` is the archive's hypervolume over the true one, `random` the same for uniform
 // random designs, `microseconds` the time of discovery itself for one evaluation (the evaluator's
-// subtracted). Arguments: problem (index into BenchmarkNames), D, evaluations, gradients.
+// subtracted). Arguments: problem (index into BenchmarkNames), D, evaluations, and 1 with gradients
+// or 2 for a rotated and shifted problem, another one each run.
 #include <benchmark/benchmark.h>
 
-#include <chrono>
 #include <string>
 #include <vector>
 
-#include "services/pareto/benchmark_problems.h"
-#include "services/pareto/discovery.h"
+#include "services/pareto/archive.h"
+#include "services/pareto/benchmark_run.h"
 #include "services/pareto/hypervolume.h"
 #include "services/pareto/random.h"
 
@@ -36,33 +36,30 @@ double RandomShare(const BenchmarkProblem& problem, std::int64_t evaluations) {
 
 void BM_Discovery(benchmark::State& state) {
   const std::string name = BenchmarkNames()[static_cast<std::size_t>(state.range(0))];
-  const BenchmarkProblem problem = *MakeBenchmarkProblem(name, static_cast<int>(state.range(1)));
-  Discovery::Options options;
-  options.evaluations = state.range(2);
-  options.stall_tracks = 0;
-  double share = 0, microseconds = 0;
+  const bool gradients = state.range(3) == 1, turned = state.range(3) == 2;
+  double share = 0, microseconds = 0, random = 0;
   std::int64_t runs = 0;
   for (auto _ : state) {
-    options.seed = static_cast<std::uint64_t>(++runs);
-    auto discovery = *Discovery::Create(problem.space, problem.metric_count, options);
-    const auto start = std::chrono::steady_clock::now();
-    while (!discovery->Finished()) {
-      const auto proposal = discovery->Ask();
-      if (!proposal) continue;
-      (void)discovery->Tell(proposal->number, problem.evaluate(proposal->x, state.range(3) != 0));
-    }
-    const std::chrono::duration<double, std::micro> took = std::chrono::steady_clock::now() - start;
-    microseconds += took.count() / static_cast<double>(options.evaluations);
-    std::vector<Eigen::VectorXd> points;
-    for (const std::size_t i : discovery->archive().non_dominated())
-      points.push_back(discovery->archive()[i].metrics);
-    share += Hypervolume(points, problem.reference);
+    ++runs;
+    const auto seed = static_cast<std::uint64_t>(runs);
+    const BenchmarkProblem problem =
+        *MakeBenchmarkProblem(name, static_cast<int>(state.range(1)), {turned, turned, seed});
+    const double truth = problem.hypervolume > 0 ? problem.hypervolume : 1;
+    Discovery::Options options;
+    options.evaluations = state.range(2);
+    options.stall_tracks = 0;
+    options.seed = seed;
+    const BenchmarkResult result = *RunBenchmark(problem, options, gradients);
+    microseconds += 1e6 * result.own_seconds / static_cast<double>(result.evaluations);
+    share += result.hypervolume / truth;
+    state.PauseTiming();
+    random += RandomShare(problem, options.evaluations) / truth;
+    state.ResumeTiming();
   }
-  const double truth = problem.hypervolume > 0 ? problem.hypervolume : 1;
-  state.counters["share"] = share / static_cast<double>(runs) / truth;
-  state.counters["random"] = RandomShare(problem, options.evaluations) / truth;
+  state.counters["share"] = share / static_cast<double>(runs);
+  state.counters["random"] = random / static_cast<double>(runs);
   state.counters["microseconds"] = microseconds / static_cast<double>(runs);
-  state.SetLabel(name + (state.range(3) != 0 ? " gradients" : " values"));
+  state.SetLabel(name + (gradients ? " gradients" : turned ? " rotated shifted" : ""));
 }
 
 BENCHMARK(BM_Discovery)
@@ -80,10 +77,13 @@ BENCHMARK(BM_Discovery)
     ->Args({6, 12, 1000, 0})
     ->Args({6, 12, 3000, 0})
     ->Args({7, 12, 3000, 0})
-    ->Args({8, 3, 300, 0})
-    ->Args({8, 3, 1000, 0})
-    ->Args({9, 3, 300, 0})
-    ->Args({9, 3, 300, 1});
+    ->Args({11, 22, 1000, 0})
+    ->Args({12, 3, 1000, 0})
+    ->Args({13, 3, 300, 0})
+    ->Args({13, 3, 300, 1})
+    ->Args({0, 30, 3000, 2})
+    ->Args({6, 12, 3000, 2})
+    ->Args({11, 22, 3000, 2});
 
 }  // namespace
 }  // namespace mortise::pareto
