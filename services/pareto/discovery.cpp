@@ -10,6 +10,7 @@
 #include "common/base/errors.h"
 #include "services/pareto/coordinate_descent.h"
 #include "services/pareto/hypervolume.h"
+#include "services/pareto/outlier_repair.h"
 #include "services/pareto/stochastic_sampling.h"
 
 namespace mortise::pareto {
@@ -29,6 +30,8 @@ constexpr std::int64_t kLargestPatch = 4;      // a quarter of the budget
 constexpr std::int64_t kMeasuringBudget = 60;  // evaluations a parameter
 constexpr double kMeasuredShare = 0.1;         // of the budget, for slopes of pieces by differences
 constexpr double kSamePiece = 0.01;            // pieces whose centres are this near are the same
+constexpr double kRepairShare = 0.05;          // of the budget, at its end
+constexpr int kRepairs = 3;
 constexpr std::int64_t kSecondLookBudget = 20;  // evaluations a parameter
 constexpr std::int64_t kBudgetLimit = 10'000'000;
 
@@ -283,6 +286,7 @@ Eigen::VectorXd Discovery::InitialDesign() {
 std::optional<Eigen::VectorXd> Discovery::NextPoint(std::int64_t& track) {
   track = -1;
   if (proposed_ < initial_samples_ || archive_.feasible_count() == 0) return InitialDesign();
+  StartRepair();
   for (int barren = 0; barren < kExhaustedTracks; ++barren) {
     const std::int64_t newest = next_track_;
     const std::optional<Eigen::VectorXd> u = AskTracks(track);
@@ -394,6 +398,9 @@ bool Discovery::MayMeasure() const {
   return static_cast<double>(all) <= kMeasuredShare * static_cast<double>(options_.evaluations);
 }
 
+// Whether the budget allows for more than local optimisations and what follows from them.
+bool Discovery::Explores() const { return options_.evaluations >= kExploringBudget * box_.size(); }
+
 // From the design nearest to the ideal.
 std::unique_ptr<PointSource> Discovery::MakeDescent() {
   CoordinateDescent::Options descent;
@@ -416,7 +423,7 @@ void Discovery::StartTrack(bool force_sample) {
       scheduler_.UseGradients(static_cast<std::size_t>(initial_samples_));
     }
   }
-  if (next_track_ == 0 && options_.evaluations >= kExploringBudget * box_.size()) {
+  if (next_track_ == 0 && Explores()) {
     descending_ = true;
     tracks_[next_track_++] = {MakeDescent(), nullptr, nullptr, TrackKind::kOpening, 0, 0};
     return;
@@ -437,6 +444,26 @@ void Discovery::StartTrack(bool force_sample) {
   }
   LocalOptimization* const view = next.optimization.get();
   tracks_[next_track_++] = {std::move(next.optimization), view, nullptr, next.kind, 0, 0};
+}
+
+// Towards the end of the budget, one round after the other.
+void Discovery::StartRepair() {
+  const std::int64_t left = options_.evaluations - proposed_;
+  const auto share =
+      static_cast<std::int64_t>(kRepairShare * static_cast<double>(options_.evaluations));
+  if (!Explores() || left > std::max<std::int64_t>(options_.window, share) ||
+      repairs_ == kRepairs || tracks_.contains(repair_track_))
+    return;
+  ++repairs_;
+  repair_track_ = -1 - repairs_;  // before all others
+  tracks_[repair_track_] = {
+      std::make_unique<PointList>(
+          RepairedOutliers(archive_, archive_.CurrentScaling(), static_cast<std::size_t>(left))),
+      nullptr,
+      nullptr,
+      TrackKind::kBridge,
+      0,
+      0};
 }
 
 void Discovery::Stop(StopReason reason, std::string message) {

@@ -131,8 +131,10 @@ class Discovery {
   void RetireFinished();
   void Retire(const Track& track);
   bool MayMeasure() const;
+  bool Explores() const;
   std::unique_ptr<PointSource> MakeDescent();
   void StartTrack(bool force_sample);
+  void StartRepair();
   double DominatedVolume(const std::vector<std::size_t>& entries) const;
 
   DesignSpace space_;
@@ -161,10 +163,12 @@ class Discovery {
   std::int64_t optimizations_ = 0;
   std::int64_t expansions_ = 0;
   int probed_patches_ = 0;
-  std::int64_t measured_ = 0;  // evaluations for slopes of pieces by differences
-  bool descending_ = false;    // along one parameter after the other, before anything else
-  double hypervolume_ = 0;     // in the scaling of the buffer, reference 1.1
-  double progress_mark_ = 0;   // hypervolume when progress was last made
+  std::int64_t measured_ = 0;       // evaluations for slopes of pieces by differences
+  bool descending_ = false;         // along one parameter after the other, before anything else
+  int repairs_ = 0;                 // rounds of them
+  std::int64_t repair_track_ = -1;  // of the last round
+  double hypervolume_ = 0;          // in the scaling of the buffer, reference 1.1
+  double progress_mark_ = 0;        // hypervolume when progress was last made
   int tracks_since_progress_ = 0;
   StopReason stop_ = StopReason::kRunning;
   std::string message_;
