@@ -1,4 +1,4 @@
-// mortise pareto run|show|pick: trade-offs.
+// mortise pareto run|show: trade-offs.
 #include <grpcpp/grpcpp.h>
 
 #include <CLI/CLI.hpp>
@@ -6,7 +6,6 @@
 #include <memory>
 
 #include "absl/strings/match.h"
-#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_split.h"
@@ -34,11 +33,6 @@ struct RunOptions {
   int evaluations = 0;
   std::int64_t seed = 1;
   std::filesystem::path out;
-};
-
-struct PickOptions {
-  std::string front;
-  std::string at;
 };
 
 bool IsFile(const RunOptions& options) { return absl::EndsWith(options.subject, ".json"); }
@@ -213,42 +207,6 @@ absl::Status Run(const RunOptions& options, FieldSources& sources, Session& sess
   return Show(front.name(), options.out, session, output);
 }
 
-absl::Status Pick(const PickOptions& options, Session& session, Output& output) {
-  v1::PickPointRequest request;
-  request.set_name(ResourceName("fronts", options.front));
-  const std::size_t split = options.at.find('=');
-  if (split != std::string::npos) {
-    MORTISE_ASSIGN_OR_RETURN(const double value,
-                             ParseQuantity(options.at.substr(split + 1), "--at"));
-    request.mutable_metric()->set_name(options.at.substr(0, split));
-    request.mutable_metric()->set_value(value);
-  } else {
-    for (absl::string_view coordinate : absl::StrSplit(options.at, ',')) {
-      double value = 0;
-      if (!absl::SimpleAtod(coordinate, &value)) {
-        return InvalidField("--at",
-                            absl::StrCat("'", options.at, "' is neither METRIC=VALUE nor numbers"));
-      }
-      request.add_embedding(value);
-    }
-  }
-  MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
-  const auto stub = v1::ParetoService::NewStub(client->channel());
-  v1::PickPointResponse response;
-  MORTISE_RETURN_IF_ERROR(client->Call([&](grpc::ClientContext& context) {
-    return rpc::FromGrpc(stub->PickPoint(&context, request, &response));
-  }));
-  std::vector<std::vector<std::string>> rows;
-  for (const v1::Metric& metric : response.metrics())
-    rows.push_back({metric.name(), MetricText(metric)});
-  for (const v1::ParameterValue& value : response.parameters()) {
-    rows.push_back({value.name(), absl::StrFormat("%.6g", value.value())});
-  }
-  output.Table({"name", "value"}, rows);
-  output.DocumentOf(response);
-  return absl::OkStatus();
-}
-
 }  // namespace
 
 void AddParetoCommands(CLI::App& app, Session& session) {
@@ -290,20 +248,7 @@ void AddParetoCommands(CLI::App& app, Session& session) {
     session.command = [name, out](Session& s, Output& o) { return Show(*name, *out, s, o); };
   });
 
-  auto pick_options = std::make_shared<PickOptions>();
-  CLI::App* pick = pareto->add_subcommand("pick", "The point of a front at a place");
-  pick->add_option("front", pick_options->front, "Front")->required();
-  pick->add_option("--at", pick_options->at, "METRIC=VALUE, or coordinates 0 to 1 of the embedding")
-      ->required();
-  pick->footer("Example: mortise pareto pick fronts/0198c1 --at max_displacement=1.5mm");
-  pick->callback([&session, pick_options] {
-    session.command = [pick_options](Session& s, Output& o) {
-      FieldSources sources;
-      sources.Add("embedding", "--at");
-      sources.Add("metric", "--at");
-      return sources.Name(Pick(*pick_options, s, o));
-    };
-  });
+  AddParetoExploreCommands(*pareto, session);
   AddParetoBenchmarkCommand(*pareto, session);
   // Last: commands would inherit it.
   pareto->footer("Example: mortise pareto run table --minimize mass --minimize max_displacement");

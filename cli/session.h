@@ -41,6 +41,7 @@ void AddCatalogCommands(CLI::App& app, Session& session);   // catalog import|li
 void AddAnalyzeCommand(CLI::App& app, Session& session);    // analyze
 void AddParetoCommands(CLI::App& app, Session& session);    // pareto run|show|pick|benchmark
 void AddParetoBenchmarkCommand(CLI::App& pareto, Session& session);  // of those
+void AddParetoExploreCommands(CLI::App& pareto, Session& session);   // of those
 void AddPlanCommand(CLI::App& app, Session& session);                // plan
 void AddFabCommands(CLI::App& app, Session& session);        // fab release|watch|show|hold|resume
 void AddEventsCommand(CLI::App& app, Session& session);      // events

@@ -201,6 +201,8 @@ v1::Front MakeFront(const DiscoveryProblem& problem, const Discovery& discovery)
     message.add_metric_names(objective.metric);
     message.add_metric_units(objective.unit);
   }
+  message.mutable_parameter_minima()->Add(problem.space.lower.begin(), problem.space.lower.end());
+  message.mutable_parameter_maxima()->Add(problem.space.upper.begin(), problem.space.upper.end());
   const Eigen::VectorXd signs = problem.Signs();
   const Front front = discovery.front();
   for (const FrontPoint& point : front.points) {

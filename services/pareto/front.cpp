@@ -1,12 +1,10 @@
-// Extraction, labelling and picking of fronts.
+// Extraction and labelling of fronts.
 #include "services/pareto/front.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "absl/strings/str_cat.h"
-#include "common/base/errors.h"
 #include "services/pareto/front_labeling.h"
 #include "services/pareto/non_dominated.h"
 
@@ -125,10 +123,6 @@ std::vector<Labelled> ChoosePoints(const DesignSpace& space, const Archive& arch
   return chosen;
 }
 
-absl::Status EmptyFront() {
-  return PreconditionFailed("FRONT_EMPTY", "the front has no points: every evaluation failed");
-}
-
 }  // namespace
 
 Front BuildFront(const DesignSpace& space, const Archive& archive, const PerformanceBuffer& buffer,
@@ -163,32 +157,6 @@ Front BuildFront(const DesignSpace& space, const Archive& archive, const Perform
   }
   MeasureJumps(designs, front);
   return front;
-}
-
-absl::StatusOr<FrontPoint> PickAtEmbedding(const Front& front, const Eigen::VectorXd& position) {
-  if (front.points.empty()) return EmptyFront();
-  const Eigen::Index size = front.points.front().embedding.size();
-  if (position.size() != size)
-    return InvalidField("embedding",
-                        absl::StrCat(size, " coordinates are needed, not ", position.size()));
-  for (Eigen::Index i = 0; i < size; ++i)
-    if (!(position[i] >= 0 && position[i] <= 1))
-      return InvalidField(absl::StrCat("embedding[", i, "]"), "must lie between 0 and 1");
-  return *std::min_element(
-      front.points.begin(), front.points.end(), [&](const FrontPoint& a, const FrontPoint& b) {
-        return (a.embedding - position).norm() < (b.embedding - position).norm();
-      });
-}
-
-absl::StatusOr<FrontPoint> PickAtMetric(const Front& front, Eigen::Index index, double value) {
-  if (front.points.empty()) return EmptyFront();
-  if (index < 0 || index >= front.points.front().metrics.size())
-    return InvalidField("metric.name", "the front has no such metric");
-  if (!std::isfinite(value)) return InvalidField("metric.value", "must be a finite number");
-  return *std::min_element(
-      front.points.begin(), front.points.end(), [&](const FrontPoint& a, const FrontPoint& b) {
-        return std::abs(a.metrics[index] - value) < std::abs(b.metrics[index] - value);
-      });
 }
 
 }  // namespace mortise::pareto

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "absl/status/statusor.h"
 #include "services/pareto/archive.h"
 #include "services/pareto/evaluation.h"
 #include "services/pareto/patch_sampling.h"
@@ -48,13 +47,5 @@ struct Front {
 // Euclidean in unit coordinates, else they begin a piece of their own.
 Front BuildFront(const DesignSpace& space, const Archive& archive, const PerformanceBuffer& buffer,
                  const std::vector<AffinePiece>& pieces, double joining = 0.15);
-
-// The point nearest to a position of the embedding. INVALID_ARGUMENT (field "embedding") when it
-// has not d - 1 coordinates in [0, 1]; FAILED_PRECONDITION when the front is empty.
-absl::StatusOr<FrontPoint> PickAtEmbedding(const Front& front, const Eigen::VectorXd& position);
-
-// The point whose metric `index` is nearest to `value`. INVALID_ARGUMENT (field "metric") for an
-// unknown metric or a value that is not finite; FAILED_PRECONDITION when the front is empty.
-absl::StatusOr<FrontPoint> PickAtMetric(const Front& front, Eigen::Index index, double value);
 
 }  // namespace mortise::pareto

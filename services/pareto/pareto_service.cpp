@@ -17,8 +17,9 @@
 #include "mortise/v1/pareto.grpc.pb.h"
 #include "services/pareto/discovery_operation.h"
 #include "services/pareto/discovery_problem.h"
-#include "services/pareto/front.h"
+#include "services/pareto/front_cache.h"
 #include "services/pareto/front_files.h"
+#include "services/pareto/front_queries.h"
 #include "services/pareto/remote_evaluator.h"
 
 namespace mortise::pareto {
@@ -26,56 +27,7 @@ namespace {
 
 constexpr int kDefaultPage = 100;
 constexpr int kLargestPage = 1000;
-
-// What picking needs of a front.
-Front ToPickable(const v1::Front& message) {
-  Front front;
-  for (const v1::FrontPoint& from : message.points()) {
-    FrontPoint point;
-    point.x = Eigen::VectorXd::Map(from.parameters().data(), from.parameters_size());
-    point.metrics = Eigen::VectorXd::Map(from.metrics().data(), from.metrics_size());
-    point.embedding = Eigen::VectorXd::Map(from.embedding().data(), from.embedding_size());
-    point.cell = static_cast<std::int64_t>(front.points.size());  // its index in the message
-    front.points.push_back(std::move(point));
-  }
-  return front;
-}
-
-absl::StatusOr<FrontPoint> Pick(const v1::Front& message, const v1::PickPointRequest& asked) {
-  const Front front = ToPickable(message);
-  if (asked.has_metric() == (asked.embedding_size() > 0))
-    return InvalidField("embedding", "give either a position of the embedding or a metric");
-  if (asked.embedding_size() > 0)
-    return PickAtEmbedding(front,
-                           Eigen::VectorXd::Map(asked.embedding().data(), asked.embedding_size()));
-  for (int i = 0; i < message.metric_names_size(); ++i) {
-    if (message.metric_names(i) != asked.metric().name()) continue;
-    if (!asked.metric().unit().empty() && asked.metric().unit() != message.metric_units(i))
-      return InvalidField("metric.unit",
-                          absl::StrCat("the front's unit of '", message.metric_names(i), "' is '",
-                                       message.metric_units(i), "'"));
-    return PickAtMetric(front, i, asked.metric().value());
-  }
-  return InvalidField("metric.name",
-                      absl::StrCat("the front has no metric '", asked.metric().name(), "'"));
-}
-
-v1::PickPointResponse MakePick(const v1::Front& front, const v1::FrontPoint& point) {
-  v1::PickPointResponse response;
-  *response.mutable_point() = point;
-  for (int i = 0; i < front.parameter_names_size(); ++i) {
-    v1::ParameterValue& parameter = *response.add_parameters();
-    parameter.set_name(front.parameter_names(i));
-    parameter.set_value(point.parameters(i));
-  }
-  for (int i = 0; i < front.metric_names_size(); ++i) {
-    v1::Metric& metric = *response.add_metrics();
-    metric.set_name(front.metric_names(i));
-    metric.set_unit(front.metric_units(i));
-    metric.set_value(point.metrics(i));
-  }
-  return response;
-}
+constexpr std::size_t kCachedFronts = 32;
 
 class ParetoAdapter : public v1::ParetoService::CallbackService {
  public:
@@ -130,9 +82,20 @@ class ParetoAdapter : public v1::ParetoService::CallbackService {
         "PickPoint", context, request, response,
         [this](const rpc::Call&,
                const v1::PickPointRequest& asked) -> absl::StatusOr<v1::PickPointResponse> {
-          MORTISE_ASSIGN_OR_RETURN(const v1::Front front, FindFront(asked.name()));
-          MORTISE_ASSIGN_OR_RETURN(const FrontPoint point, Pick(front, asked));
-          return MakePick(front, front.points(static_cast<int>(point.cell)));
+          MORTISE_ASSIGN_OR_RETURN(const auto front, OpenedFront(asked.name()));
+          return Pick(*front, asked);
+        });
+  }
+
+  grpc::ServerUnaryReactor* RestrictFront(grpc::CallbackServerContext* context,
+                                          const v1::RestrictFrontRequest* request,
+                                          v1::RestrictFrontResponse* response) override {
+    return endpoint_.Query(
+        "RestrictFront", context, request, response,
+        [this](const rpc::Call&,
+               const v1::RestrictFrontRequest& asked) -> absl::StatusOr<v1::RestrictFrontResponse> {
+          MORTISE_ASSIGN_OR_RETURN(const auto front, OpenedFront(asked.name()));
+          return Restrict(*front, asked);
         });
   }
 
@@ -175,6 +138,10 @@ class ParetoAdapter : public v1::ParetoService::CallbackService {
           return absl::OkStatus();
         }));
     return front;
+  }
+
+  absl::StatusOr<std::shared_ptr<const OpenFront>> OpenedFront(const std::string& name) {
+    return cache_.Find(name, [&] { return FindFront(name); });
   }
 
   absl::StatusOr<v1::ListFrontsResponse> List(const v1::ListFrontsRequest& asked) {
@@ -231,6 +198,7 @@ class ParetoAdapter : public v1::ParetoService::CallbackService {
 
   rpc::ServiceEnvironment& environment_;
   rpc::Endpoint endpoint_;
+  FrontCache cache_{kCachedFronts};
 };
 
 }  // namespace

@@ -166,7 +166,11 @@ constexpr Example kExamples[] = {
      Outcome::kChanges},
     {"ParetoService/GetFront", "name: '{front}'"},
     {"ParetoService/ListFronts", "page_size: 10"},
-    {"ParetoService/PickPoint", "name: '{front}' metric { name: 'mass' unit: 'kg' value: 20 }"},
+    {"ParetoService/PickPoint",
+     "name: '{front}' metric { name: 'mass' unit: 'kg' value: 20 } improve: 'mass' steps: 2"},
+    {"ParetoService/RestrictFront",
+     "name: '{front}' limits { name: 'mass' minimum: 1 maximum: 30 } limits { name: 'height' "
+     "minimum: 0.1 }"},
     {"ParetoService/ExportFront", "name: '{front}' format: CSV"},
     {"FabPlannerService/CreatePlan",
      "request_id: 'bad-8' template: 'templates/table' template_revision: 1 quantity: 1 "

@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <condition_variable>
 #include <functional>
 #include <limits>
@@ -224,6 +225,11 @@ class ParetoServiceTest : public ::testing::Test {
     return fronts_->DiscoverFront(&context, request, &operation).error_code();
   }
 
+  grpc::Status Asked(const v1::PickPointRequest& request, v1::PickPointResponse& response) {
+    grpc::ClientContext context;
+    return fronts_->PickPoint(&context, request, &response);
+  }
+
   Zdt1Evaluator evaluator_;
   std::unique_ptr<grpc::Server> server_;
   std::unique_ptr<testing::ServiceUnderTest> pareto_;
@@ -250,10 +256,10 @@ TEST_F(ParetoServiceTest, DiscoversPicksListsAndExports) {
   pick.mutable_metric()->set_name("mass");
   pick.mutable_metric()->set_value(0.25);
   v1::PickPointResponse picked;
-  grpc::ClientContext context;
-  ASSERT_TRUE(fronts_->PickPoint(&context, pick, &picked).ok());
+  ASSERT_TRUE(Asked(pick, picked).ok());
   EXPECT_NEAR(picked.metrics(0).value(), 0.25, 0.1);
   EXPECT_EQ(picked.parameters_size(), kDimensions);
+  EXPECT_EQ(front.points(picked.index()).metrics(0), picked.metrics(0).value());
 
   v1::ListFrontsResponse listed;
   grpc::ClientContext list_context;
@@ -267,6 +273,95 @@ TEST_F(ParetoServiceTest, DiscoversPicksListsAndExports) {
   EXPECT_EQ(csv.rfind("x0,x1,x2,x3,x4,mass (kg),gain (kg),piece", 0), 0u);
   EXPECT_NE(Export(front.name(), v1::ExportFrontRequest::SVG).find("<svg"), std::string::npos);
   EXPECT_EQ(Export(front.name(), v1::ExportFrontRequest::JSON).front(), '{');
+}
+
+TEST_F(ParetoServiceTest, ExploresAFront) {
+  const v1::Front front = FrontOf(Wait(Discover(Request(200)).name()));
+  const int middle = front.points_size() / 2;
+  v1::PickPointRequest pick;
+  pick.set_name(front.name());
+  pick.set_index(middle);
+  v1::PickPointResponse here;
+  ASSERT_TRUE(Asked(pick, here).ok());
+  EXPECT_EQ(here.index(), middle);
+  EXPECT_EQ(here.neighbours_size(), 2);
+  EXPECT_EQ(here.path_size(), 0);
+  ASSERT_EQ(here.improvements_size(), 2);
+  // ZDT1's front is traded by its first parameter alone: gain = sqrt(mass) - 1 there.
+  const v1::FrontImprovement& lighter = here.improvements(0);
+  EXPECT_EQ(lighter.metric(), "mass");
+  EXPECT_EQ(lighter.metrics(0).value(), -1);
+  EXPECT_EQ(lighter.parameters(0).name(), "x0");
+  EXPECT_GT(lighter.parameters(0).share(), 0.9);
+  EXPECT_NEAR(lighter.parameters(0).value(), -1, 0.1);
+  const double slope = 0.5 / std::sqrt(here.metrics(0).value());
+  EXPECT_NEAR(lighter.metrics(1).value(), -slope, 0.2 * slope);
+
+  pick.set_improve("gain");
+  pick.set_steps(3);
+  v1::PickPointResponse walked;
+  ASSERT_TRUE(Asked(pick, walked).ok());
+  EXPECT_EQ(walked.path_size(), 3);
+  EXPECT_EQ(walked.path(2), walked.index());
+  EXPECT_GT(walked.metrics(1).value(), here.metrics(1).value()) << "gain is maximised";
+
+  v1::RestrictFrontRequest light_ones;
+  light_ones.set_name(front.name());
+  v1::FrontLimit& limit = *light_ones.add_limits();
+  limit.set_name("mass");
+  limit.set_maximum(0.5);
+  v1::RestrictFrontResponse rest;
+  grpc::ClientContext context;
+  ASSERT_TRUE(fronts_->RestrictFront(&context, light_ones, &rest).ok());
+  int light = 0;
+  for (const v1::FrontPoint& point : front.points()) light += point.metrics(0) <= 0.5;
+  EXPECT_EQ(rest.points_size(), light);
+  EXPECT_LE(rest.metrics(0).maximum(), 0.5);
+  EXPECT_EQ(rest.parameters_size(), kDimensions);
+  ASSERT_EQ(rest.conflicts_size(), 1);
+  EXPECT_LT(rest.conflicts(0).correlation(), -0.8);
+}
+
+TEST_F(ParetoServiceTest, RefusesBadQuestionsAboutAFront) {
+  const v1::Front front = FrontOf(Wait(Discover(Request(60)).name()));
+  const auto refused = [&](auto change) {
+    v1::PickPointRequest pick;
+    pick.set_name(front.name());
+    pick.set_index(0);
+    change(pick);
+    v1::PickPointResponse response;
+    return Asked(pick, response).error_code();
+  };
+  using Pick = v1::PickPointRequest;
+  EXPECT_EQ(refused([](Pick&) {}), grpc::StatusCode::OK);
+  const auto invalid = grpc::StatusCode::INVALID_ARGUMENT;
+  EXPECT_EQ(refused([](Pick& p) { p.clear_index(); }), invalid);
+  EXPECT_EQ(refused([](Pick& p) { p.set_index(100'000); }), invalid);
+  EXPECT_EQ(refused([](Pick& p) { p.add_embedding(0.5); }), invalid);
+  EXPECT_EQ(refused([](Pick& p) { p.set_steps(2); }), invalid);
+  EXPECT_EQ(refused([](Pick& p) { p.set_improve("beauty"); }), invalid);
+  EXPECT_EQ(refused([](Pick& p) {
+              p.set_improve("mass");
+              p.set_steps(-1);
+            }),
+            invalid);
+  EXPECT_EQ(refused([](Pick& p) { p.set_name("fronts/absent"); }), grpc::StatusCode::NOT_FOUND);
+
+  const auto restricted = [&](const std::string& name, double minimum, double maximum) {
+    v1::RestrictFrontRequest request;
+    request.set_name(front.name());
+    v1::FrontLimit& limit = *request.add_limits();
+    limit.set_name(name);
+    limit.set_minimum(minimum);
+    limit.set_maximum(maximum);
+    v1::RestrictFrontResponse response;
+    grpc::ClientContext context;
+    return fronts_->RestrictFront(&context, request, &response).error_code();
+  };
+  EXPECT_EQ(restricted("mass", 5, 6), grpc::StatusCode::OK) << "nothing may remain";
+  EXPECT_EQ(restricted("beauty", 0, 1), invalid);
+  EXPECT_EQ(restricted("mass", 1, 0), invalid);
+  EXPECT_EQ(restricted("x0", 0, std::numeric_limits<double>::quiet_NaN()), invalid);
 }
 
 TEST_F(ParetoServiceTest, SaysWhyDesignsFailed) {

@@ -1,10 +1,9 @@
-// Picking from fronts and labelling their pieces.
+// Extracting fronts and labelling their pieces.
 #include "services/pareto/front.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 
 namespace mortise::pareto {
 namespace {
@@ -83,24 +82,6 @@ TEST(FrontTest, PrefersAContinuousPieceToSlightlyBetterDesignsAllOver) {
     EXPECT_LE(point.jump, 0.05 + 1e-9);
   }
   EXPECT_GT(front.points[10].approximation_error, 0);
-}
-
-TEST(FrontTest, PicksTheNearest) {
-  const Front front = Line();
-  EXPECT_EQ(PickAtMetric(front, 0, 7.2)->metrics[0], 7);
-  EXPECT_EQ(PickAtMetric(front, 1, 100)->metrics[1], 20);
-  EXPECT_EQ(PickAtEmbedding(front, VectorXd::Constant(1, 0))->metrics[1], 0);
-  EXPECT_EQ(PickAtEmbedding(front, VectorXd::Constant(1, 0.5))->metrics[0], 10);
-}
-
-TEST(FrontTest, RefusesBadPositions) {
-  const Front front = Line();
-  EXPECT_TRUE(absl::IsInvalidArgument(PickAtEmbedding(front, VectorXd::Zero(2)).status()));
-  EXPECT_TRUE(absl::IsInvalidArgument(PickAtEmbedding(front, VectorXd::Constant(1, 2)).status()));
-  EXPECT_TRUE(absl::IsInvalidArgument(PickAtMetric(front, 2, 0).status()));
-  const double nan = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_TRUE(absl::IsInvalidArgument(PickAtMetric(front, 0, nan).status()));
-  EXPECT_TRUE(absl::IsFailedPrecondition(PickAtMetric(Front(), 0, 1).status()));
 }
 
 }  // namespace
