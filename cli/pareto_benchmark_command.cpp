@@ -47,6 +47,7 @@ Json DocumentOf(const BenchmarkOptions& options, const pareto::BenchmarkProblem&
   document["shifted"] = options.variant.shifted;
   document["rotated"] = options.variant.rotated;
   document["evaluations"] = result.evaluations;
+  document["violating_evaluations"] = result.summary.violating;
   document["own_seconds_per_evaluation"] =
       result.own_seconds / static_cast<double>(std::max<std::int64_t>(1, result.evaluations));
   document["stop_reason"] = pareto::StopReasonName(result.summary.stop_reason);
@@ -144,6 +145,10 @@ void AddParetoBenchmarkCommand(CLI::App& pareto, Session& session) {
       ->add_option("--instance", options->variant.instance,
                    "Which shift and rotation; for Fourier, which coefficients")
       ->capture_default_str();
+  benchmark
+      ->add_option("--metrics", options->variant.metrics,
+                   "Number of metrics of the Fourier problem, 2 or 3; 2 if not given")
+      ->check(CLI::PositiveNumber);
   benchmark->footer(
       "Example: mortise pareto benchmark ZDT3 --dims 15 --evaluations 300 --gradients");
   benchmark->callback([&session, options] {
@@ -153,6 +158,7 @@ void AddParetoBenchmarkCommand(CLI::App& pareto, Session& session) {
       sources.Add("dimensions", "--dims");
       sources.Add("evaluations", "--evaluations");
       sources.Add("window", "--window");
+      sources.Add("metrics", "--metrics");
       sources.Add("variant", options->variant.rotated ? "--rotated" : "--shifted");
       return sources.Name(Run(*options, output));
     };

@@ -30,6 +30,7 @@ struct RunOptions {
   MetricDefinitionFlags own;
   std::vector<std::string> fix;
   std::vector<std::string> range;
+  std::vector<std::string> constrain;
   int evaluations = 0;
   std::int64_t seed = 1;
   std::filesystem::path out;
@@ -64,6 +65,21 @@ absl::Status AddBounds(const RunOptions& options, v1::DiscoverySpecification& sp
     MORTISE_ASSIGN_OR_RETURN(const double low, ParseQuantity(ends[0], "--range " + halves[0]));
     MORTISE_ASSIGN_OR_RETURN(const double high, ParseQuantity(ends[1], "--range " + halves[0]));
     add(halves[0], low, high);
+  }
+  return absl::OkStatus();
+}
+
+absl::Status AddConstraints(const RunOptions& options, v1::DiscoverySpecification& specification,
+                            FieldSources& sources) {
+  if (options.constrain.empty()) return absl::OkStatus();
+  sources.AddEach("specification.constraints", "--constrain", options.constrain,
+                  specification.constraints_size());
+  for (const std::string& text : options.constrain) {
+    MORTISE_ASSIGN_OR_RETURN(const NamedRange range, ParseRange(text, "--constrain"));
+    auto& constraint = *specification.add_constraints();
+    constraint.set_metric(range.name);
+    if (range.low) constraint.set_minimum(*range.low);
+    if (range.high) constraint.set_maximum(*range.high);
   }
   return absl::OkStatus();
 }
@@ -110,6 +126,7 @@ absl::StatusOr<v1::DiscoverySpecification> Specification(const RunOptions& optio
     sources.Add("specification.evaluations", "--evaluations");
   }
   MORTISE_RETURN_IF_ERROR(AddBounds(options, specification, sources));
+  MORTISE_RETURN_IF_ERROR(AddConstraints(options, specification, sources));
   return specification;
 }
 
@@ -138,25 +155,28 @@ std::string DesignText(const v1::Front& front, const v1::EvaluationFailure& fail
 }
 
 void PrintFront(const v1::Front& front, const Output& output) {
-  output.Line(absl::StrFormat("%s: %d points in %d pieces, %d evaluations (%d failed), %s",
+  std::string beyond;
+  if (front.violating_evaluations() > 0)
+    beyond = absl::StrCat(", ", front.violating_evaluations(), " beyond constraints");
+  output.Line(absl::StrFormat("%s: %d points in %d pieces, %d evaluations (%d failed%s), %s",
                               front.name(), front.point_count(), front.pieces(),
-                              front.evaluations(), front.failed_evaluations(),
+                              front.evaluations(), front.failed_evaluations(), beyond,
                               front.stop_reason()));
   for (const v1::EvaluationFailure& failure : front.failures()) {
     output.Line(absl::StrFormat("  %d failed with %s, such as at %s: %s", failure.count(),
                                 failure.reason(), DesignText(front, failure), failure.message()));
   }
   std::vector<std::string> titles(front.metric_names().begin(), front.metric_names().end());
+  for (const auto& constraint : front.specification().constraints())
+    titles.push_back(constraint.metric());
   titles.insert(titles.end(), front.parameter_names().begin(), front.parameter_names().end());
   std::vector<std::vector<std::string>> rows;
   for (const v1::FrontPoint& point : front.points()) {
     std::vector<std::string>& row = rows.emplace_back();
-    for (int i = 0; i < point.metrics_size(); ++i) {
-      v1::Metric metric;
-      metric.set_unit(front.metric_units(i));
-      metric.set_value(point.metrics(i));
-      row.push_back(MetricText(metric));
-    }
+    for (int i = 0; i < point.metrics_size(); ++i)
+      row.push_back(MetricText(MetricOf(front.metric_units(i), point.metrics(i))));
+    for (int i = 0; i < point.constraint_metrics_size(); ++i)
+      row.push_back(MetricText(MetricOf(front.constraint_units(i), point.constraint_metrics(i))));
     for (const double parameter : point.parameters())
       row.push_back(absl::StrFormat("%.4g", parameter));
   }
@@ -223,6 +243,8 @@ void AddParetoCommands(CLI::App& app, Session& session) {
                   "A point that --define speaks of, \"NAME = X, Y, Z\" (metres)");
   run->add_option("--fix", run_options->fix, "NAME=VALUE: keep a parameter");
   run->add_option("--range", run_options->range, "NAME=LOW:HIGH: narrow a parameter");
+  run->add_option("--constrain", run_options->constrain,
+                  "METRIC=LOW:HIGH, METRIC=LOW: or METRIC=:HIGH: what designs must keep to");
   run->add_option("--evaluations", run_options->evaluations, "Budget of evaluations")
       ->check(CLI::PositiveNumber);
   run->add_option("--seed", run_options->seed, "Same seed, same front")->capture_default_str();

@@ -41,7 +41,7 @@ struct RestrictOptions {
 absl::Status AddPlace(const std::string& at, v1::PickPointRequest& request) {
   const std::size_t split = at.find('=');
   if (split != std::string::npos) {
-    MORTISE_ASSIGN_OR_RETURN(const double value, ParseQuantity(at.substr(split + 1), "--at"));
+    MORTISE_ASSIGN_OR_RETURN(const double value, ParseMetricValue(at.substr(split + 1), "--at"));
     request.mutable_metric()->set_name(at.substr(0, split));
     request.mutable_metric()->set_value(value);
     return absl::OkStatus();
@@ -126,26 +126,12 @@ absl::Status Pick(const PickOptions& options, Session& session, Output& output) 
   return absl::OkStatus();
 }
 
-// NAME=LOW:HIGH, either end may be missing.
-absl::Status AddLimit(const std::string& range, v1::RestrictFrontRequest& request) {
-  const std::vector<std::string> halves = absl::StrSplit(range, '=');
-  const std::vector<std::string> ends =
-      halves.size() == 2 ? absl::StrSplit(halves[1], ':') : std::vector<std::string>();
-  if (ends.size() != 2 || (ends[0].empty() && ends[1].empty()))
-    return InvalidField(
-        "--range",
-        absl::StrCat("'", range, "' is not of the form NAME=LOW:HIGH, NAME=LOW: or NAME=:HIGH"));
+absl::Status AddLimit(const std::string& text, v1::RestrictFrontRequest& request) {
+  MORTISE_ASSIGN_OR_RETURN(const NamedRange range, ParseRange(text, "--range"));
   v1::FrontLimit& limit = *request.add_limits();
-  limit.set_name(halves[0]);
-  const std::string field = absl::StrCat("--range ", halves[0]);
-  if (!ends[0].empty()) {
-    MORTISE_ASSIGN_OR_RETURN(const double low, ParseQuantity(ends[0], field));
-    limit.set_minimum(low);
-  }
-  if (!ends[1].empty()) {
-    MORTISE_ASSIGN_OR_RETURN(const double high, ParseQuantity(ends[1], field));
-    limit.set_maximum(high);
-  }
+  limit.set_name(range.name);
+  if (range.low) limit.set_minimum(*range.low);
+  if (range.high) limit.set_maximum(*range.high);
   return absl::OkStatus();
 }
 
@@ -153,11 +139,12 @@ void PrintPart(const v1::RestrictFrontResponse& response, const Output& output) 
   output.Line(
       absl::StrFormat("%d points in %d pieces remain", response.points_size(), response.pieces()));
   std::vector<std::vector<std::string>> rows;
-  for (const auto* ranges : {&response.metrics(), &response.parameters()}) {
-    for (const v1::RestrictFrontResponse::Range& range : *ranges)
-      rows.push_back({range.name(), absl::StrFormat("%.6g", range.minimum()),
-                      absl::StrFormat("%.6g", range.maximum())});
-  }
+  for (const v1::RestrictFrontResponse::Range& range : response.metrics())
+    rows.push_back({range.name(), MetricText(MetricOf(range.unit(), range.minimum())),
+                    MetricText(MetricOf(range.unit(), range.maximum()))});
+  for (const v1::RestrictFrontResponse::Range& range : response.parameters())
+    rows.push_back({range.name(), absl::StrFormat("%.6g", range.minimum()),
+                    absl::StrFormat("%.6g", range.maximum())});
   if (!rows.empty()) output.Table({"name", "from", "to"}, rows);
   for (const v1::RestrictFrontResponse::Conflict& conflict : response.conflicts())
     output.Line(absl::StrFormat("%s and %s: correlation %.2f", conflict.first(), conflict.second(),

@@ -11,7 +11,9 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
+#include "absl/types/span.h"
 #include "common/base/digest.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
@@ -23,19 +25,63 @@ namespace {
 
 constexpr double kLeastInMegapascal = 1e4;  // Pa
 
-}  // namespace
+struct Unit {
+  absl::string_view name;
+  double size;  // SI
+};
 
-absl::StatusOr<double> ParseQuantity(const std::string& text, const std::string& field) {
+constexpr Unit kLengths[] = {{"m", 1}, {"cm", 10 * kMillimetre}, {"mm", kMillimetre}};
+constexpr Unit kMetricUnits[] = {
+    {"m", 1},     {"cm", 10 * kMillimetre}, {"mm", kMillimetre}, {"kg", 1}, {"g", 1e-3}, {"Pa", 1},
+    {"kPa", 1e3}, {"MPa", kMegapascal},     {"GPa", 1e9},        {"N", 1},  {"kN", 1e3}, {"Hz", 1},
+    {"kHz", 1e3}};
+
+absl::StatusOr<double> ParseWithUnit(const std::string& text, const std::string& field,
+                                     absl::Span<const Unit> units) {
   char* end = nullptr;
   const double number = std::strtod(text.c_str(), &end);
-  const absl::string_view unit = absl::StripAsciiWhitespace(end);
+  const absl::string_view name = absl::StripAsciiWhitespace(end);
   if (end == text.c_str() || !std::isfinite(number)) {
     return InvalidField(field, absl::StrCat("'", text, "' is not a number"));
   }
-  if (unit.empty() || unit == "m") return number;
-  if (unit == "mm") return number * kMillimetre;
-  if (unit == "cm") return number * 10 * kMillimetre;
-  return InvalidField(field, absl::StrCat("'", unit, "' is not a unit known here: m, cm, mm"));
+  if (name.empty()) return number;
+  for (const Unit& unit : units) {
+    if (unit.name == name) return number * unit.size;
+  }
+  return InvalidField(
+      field, absl::StrCat("'", name, "' is not a unit known here: ",
+                          absl::StrJoin(units, ", ", [](std::string* out, const Unit& unit) {
+                            absl::StrAppend(out, unit.name);
+                          })));
+}
+
+}  // namespace
+
+absl::StatusOr<double> ParseQuantity(const std::string& text, const std::string& field) {
+  return ParseWithUnit(text, field, kLengths);
+}
+
+absl::StatusOr<double> ParseMetricValue(const std::string& text, const std::string& field) {
+  return ParseWithUnit(text, field, kMetricUnits);
+}
+
+absl::StatusOr<NamedRange> ParseRange(const std::string& text, const std::string& option) {
+  const std::vector<std::string> halves = absl::StrSplit(text, '=');
+  const std::vector<std::string> ends =
+      halves.size() == 2 ? absl::StrSplit(halves[1], ':') : std::vector<std::string>();
+  if (ends.size() != 2 || halves[0].empty() || (ends[0].empty() && ends[1].empty()))
+    return InvalidField(
+        option,
+        absl::StrCat("'", text, "' is not of the form NAME=LOW:HIGH, NAME=LOW: or NAME=:HIGH"));
+  NamedRange range{halves[0], std::nullopt, std::nullopt};
+  const std::string field = absl::StrCat(option, " ", range.name);
+  if (!ends[0].empty()) {
+    MORTISE_ASSIGN_OR_RETURN(range.low, ParseMetricValue(ends[0], field));
+  }
+  if (!ends[1].empty()) {
+    MORTISE_ASSIGN_OR_RETURN(range.high, ParseMetricValue(ends[1], field));
+  }
+  return range;
 }
 
 absl::StatusOr<v1::Vector3> ParseVector(const std::string& text, const std::string& field) {
@@ -78,6 +124,13 @@ std::string ResourceName(const std::string& collection, const std::string& name)
 }
 
 std::string Millimetres(double metres) { return absl::StrFormat("%.6g mm", metres / kMillimetre); }
+
+v1::Metric MetricOf(const std::string& unit, double value) {
+  v1::Metric metric;
+  metric.set_unit(unit);
+  metric.set_value(value);
+  return metric;
+}
 
 std::string MetricText(const v1::Metric& metric) {
   if (metric.unit() == "m") return absl::StrFormat("%.4g mm", metric.value() / kMillimetre);

@@ -7,6 +7,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,21 @@ namespace mortise::cli {
 // INVALID_ARGUMENT naming `field`.
 absl::StatusOr<double> ParseQuantity(const std::string& text, const std::string& field);
 
+// The same of a metric: with a length, a mass (kg, g), a pressure (Pa, kPa, MPa, GPa), a force (N,
+// kN) or a frequency (Hz, kHz) as unit, in SI.
+absl::StatusOr<double> ParseMetricValue(const std::string& text, const std::string& field);
+
+// What a metric or parameter shall keep to; either end may be missing, not both.
+struct NamedRange {
+  std::string name;
+  std::optional<double> low;
+  std::optional<double> high;
+};
+
+// "NAME=LOW:HIGH", "NAME=LOW:" or "NAME=:HIGH", the ends as values of metrics. INVALID_ARGUMENT
+// naming `option`.
+absl::StatusOr<NamedRange> ParseRange(const std::string& text, const std::string& option);
+
 // "X, Y, Z", in SI. INVALID_ARGUMENT naming `field`.
 absl::StatusOr<v1::Vector3> ParseVector(const std::string& text, const std::string& field);
 
@@ -37,6 +53,8 @@ std::string ResourceName(const std::string& collection, const std::string& name)
 
 // A length for people, in millimetres with its unit.
 std::string Millimetres(double metres);
+
+v1::Metric MetricOf(const std::string& unit, double value);
 
 // A metric for people: lengths in mm, stresses in MPa (Pa where they are small), the rest in SI.
 std::string MetricText(const v1::Metric& metric);

@@ -9,15 +9,22 @@
 
 namespace mortise::pareto {
 
+using Eigen::VectorXd;
+
 std::size_t Archive::Add(ArchiveEntry entry) {
   const std::size_t index = entries_.size();
   entries_.push_back(std::move(entry));
-  const ArchiveEntry& added = entries_.back();
-  if (!added.feasible) return index;
-  ++feasible_count_;
-  if (feasible_count_ == 1) ideal_ = worst_ = added.metrics;
+  ArchiveEntry& added = entries_.back();
+  added.feasible = added.evaluated && (added.constraints.array() <= 0).all();
+  if (!added.evaluated) return index;
+  if (++evaluated_count_ == 1) constraint_sizes_ = VectorXd::Zero(added.constraints.size());
+  constraint_sizes_ = constraint_sizes_.cwiseMax(added.constraints.cwiseAbs()).eval();
+  if (!added.feasible && feasible_count_ > 0) return index;
+  if (added.feasible) ++feasible_count_;
+  if (evaluated_count_ == 1 || feasible_count_ == 1) ideal_ = worst_ = added.metrics;
   ideal_ = ideal_.cwiseMin(added.metrics).eval();
   worst_ = worst_.cwiseMax(added.metrics).eval();
+  if (!added.feasible) return index;
   const bool covered =
       std::any_of(non_dominated_.begin(), non_dominated_.end(), [&](std::size_t other) {
         return entries_[other].metrics == added.metrics ||
@@ -32,7 +39,7 @@ std::size_t Archive::Add(ArchiveEntry entry) {
 }
 
 Scaling Archive::CurrentScaling() const {
-  Eigen::VectorXd nadir = ideal_;
+  VectorXd nadir = ideal_;
   for (const std::size_t index : non_dominated_) nadir = nadir.cwiseMax(entries_[index].metrics);
   Scaling scaling{ideal_, nadir - ideal_};
   for (Eigen::Index i = 0; i < scaling.range.size(); ++i) {
@@ -45,11 +52,23 @@ Scaling Archive::CurrentScaling() const {
   return scaling;
 }
 
-std::vector<std::size_t> Archive::Nearest(const Eigen::VectorXd& u, std::size_t count) const {
+VectorXd Archive::ConstraintSizes() const {
+  return (constraint_sizes_.array() > 0).select(constraint_sizes_, 1.0);
+}
+
+double Archive::Violation(std::size_t entry) const {
+  const VectorXd& constraints = entries_[entry].constraints;
+  double sum = 0;
+  for (Eigen::Index j = 0; j < constraints.size(); ++j)
+    if (constraints[j] > 0) sum += std::pow(constraints[j] / constraint_sizes_[j], 2);
+  return std::sqrt(sum);
+}
+
+std::vector<std::size_t> Archive::Nearest(const VectorXd& u, std::size_t count) const {
   std::vector<std::pair<double, std::size_t>> distances;
   distances.reserve(entries_.size());
   for (std::size_t i = 0; i < entries_.size(); ++i)
-    if (entries_[i].feasible) distances.emplace_back((entries_[i].u - u).squaredNorm(), i);
+    if (entries_[i].evaluated) distances.emplace_back((entries_[i].u - u).squaredNorm(), i);
   count = std::min(count, distances.size());
   std::partial_sort(distances.begin(), distances.begin() + static_cast<std::ptrdiff_t>(count),
                     distances.end());
@@ -58,23 +77,42 @@ std::vector<std::size_t> Archive::Nearest(const Eigen::VectorXd& u, std::size_t 
   return nearest;
 }
 
-void Archive::Remember(std::size_t entry, Eigen::MatrixXd jacobian) {
-  if (entries_[entry].jacobian_estimate.size() == 0) remembered_.push_back(entry);
-  entries_[entry].jacobian_estimate = std::move(jacobian);
+void Archive::Keep(std::size_t entry, Estimate estimate, Eigen::MatrixXd jacobian,
+                   std::vector<std::size_t>& kept) {
+  if ((entries_[entry].*estimate).size() == 0) kept.push_back(entry);
+  entries_[entry].*estimate = std::move(jacobian);
 }
 
-Eigen::MatrixXd Archive::PriorJacobian(const Eigen::VectorXd& u) const {
+Eigen::MatrixXd Archive::NearestOf(const std::vector<std::size_t>& kept, Estimate estimate,
+                                   const VectorXd& u) const {
   const auto nearest =
-      std::min_element(remembered_.begin(), remembered_.end(), [&](std::size_t a, std::size_t b) {
+      std::min_element(kept.begin(), kept.end(), [&](std::size_t a, std::size_t b) {
         return (entries_[a].u - u).squaredNorm() < (entries_[b].u - u).squaredNorm();
       });
-  return nearest == remembered_.end() ? Eigen::MatrixXd() : entries_[*nearest].jacobian_estimate;
+  return nearest == kept.end() ? Eigen::MatrixXd() : entries_[*nearest].*estimate;
 }
 
-bool Archive::ClearlyDominated(const Eigen::VectorXd& metrics, const Scaling& scaling,
+void Archive::Remember(std::size_t entry, Eigen::MatrixXd jacobian) {
+  Keep(entry, &ArchiveEntry::jacobian_estimate, std::move(jacobian), remembered_);
+}
+
+void Archive::RememberConstraints(std::size_t entry, Eigen::MatrixXd jacobian) {
+  Keep(entry, &ArchiveEntry::constraint_jacobian_estimate, std::move(jacobian),
+       remembered_constraints_);
+}
+
+Eigen::MatrixXd Archive::PriorJacobian(const VectorXd& u) const {
+  return NearestOf(remembered_, &ArchiveEntry::jacobian_estimate, u);
+}
+
+Eigen::MatrixXd Archive::PriorConstraintJacobian(const VectorXd& u) const {
+  return NearestOf(remembered_constraints_, &ArchiveEntry::constraint_jacobian_estimate, u);
+}
+
+bool Archive::ClearlyDominated(const VectorXd& metrics, const Scaling& scaling,
                                double margin) const {
   return std::any_of(non_dominated_.begin(), non_dominated_.end(), [&](std::size_t other) {
-    const Eigen::VectorXd worse = (metrics - entries_[other].metrics).cwiseQuotient(scaling.range);
+    const VectorXd worse = (metrics - entries_[other].metrics).cwiseQuotient(scaling.range);
     return worse.minCoeff() >= margin || (worse.minCoeff() >= 0 && worse.maxCoeff() > 3 * margin);
   });
 }

@@ -8,11 +8,15 @@
 namespace mortise::pareto {
 
 struct ArchiveEntry {
-  Eigen::VectorXd u;  // D, unit coordinates
-  bool feasible = false;
-  Eigen::VectorXd metrics;   // d, raw units; empty when infeasible
+  Eigen::VectorXd u;         // D, unit coordinates
+  bool evaluated = false;    // metrics and constraints are known
+  Eigen::VectorXd metrics;   // d, raw units; empty when not evaluated
   Eigen::MatrixXd jacobian;  // d x D, dF/du; empty when none; a row of NaN: none for that metric
   Eigen::MatrixXd jacobian_estimate;  // d x D, the last model's here; empty when none was made
+  Eigen::VectorXd constraints = {};   // m, raw units, met where <= 0
+  Eigen::MatrixXd constraint_jacobian = {};           // m x D, as `jacobian`
+  Eigen::MatrixXd constraint_jacobian_estimate = {};  // m x D, as `jacobian_estimate`
+  bool feasible = false;  // evaluated, and all constraints met; by the archive
 };
 
 // Affine map of performance space that makes metrics comparable (§7.6 rescales to [0, 1]^d): the
@@ -34,26 +38,37 @@ class Archive {
 
   const ArchiveEntry& operator[](std::size_t index) const { return entries_[index]; }
   std::size_t size() const { return entries_.size(); }
+  std::size_t evaluated_count() const { return evaluated_count_; }
   std::size_t feasible_count() const { return feasible_count_; }
 
   // Indices of the feasible entries that no entry dominates, in order of arrival.
   const std::vector<std::size_t>& non_dominated() const { return non_dominated_; }
 
   // From the present ideal (over all feasible entries) and nadir (over the non-dominated ones).
-  // Needs one feasible entry.
+  // While none is feasible, from a tenth of the range of the evaluated ones, of which it needs one.
   Scaling CurrentScaling() const;
+
+  // The largest size of each constraint seen, m; 1 where all were 0.
+  Eigen::VectorXd ConstraintSizes() const;
+
+  // How far an evaluated entry is from meeting all constraints, each in units of its size: 0 if it
+  // meets them.
+  double Violation(std::size_t entry) const;
 
   // From the ideal to the worst of all feasible entries, d; 0 where nothing differs.
   Eigen::VectorXd WholeRange() const { return worst_ - ideal_; }
 
-  // Up to `count` feasible entries nearest to `u` (Euclidean in unit coordinates), nearest first.
+  // Up to `count` evaluated entries nearest to `u` (Euclidean in unit coordinates), nearest first.
   std::vector<std::size_t> Nearest(const Eigen::VectorXd& u, std::size_t count) const;
 
-  // Keeps the Jacobian that a model found at an entry, as prior for models nearby.
+  // Keeps the Jacobian that a model of metrics, or of constraints, found at an entry, as prior for
+  // models nearby.
   void Remember(std::size_t entry, Eigen::MatrixXd jacobian);
+  void RememberConstraints(std::size_t entry, Eigen::MatrixXd jacobian);
 
   // The Jacobian kept nearest to `u`; empty when none is kept.
   Eigen::MatrixXd PriorJacobian(const Eigen::VectorXd& u) const;
+  Eigen::MatrixXd PriorConstraintJacobian(const Eigen::VectorXd& u) const;
 
   // Whether some entry is better by `margin` (in scaled metrics) in every metric, or as good in
   // every one and better by three times that in one: the tolerant form of dominance that decides
@@ -63,11 +78,20 @@ class Archive {
 
  private:
   std::vector<ArchiveEntry> entries_;
+  std::size_t evaluated_count_ = 0;
   std::size_t feasible_count_ = 0;
   std::vector<std::size_t> non_dominated_;
-  std::vector<std::size_t> remembered_;  // entries with a jacobian_estimate
+  using Estimate = Eigen::MatrixXd ArchiveEntry::*;
+  void Keep(std::size_t entry, Estimate estimate, Eigen::MatrixXd jacobian,
+            std::vector<std::size_t>& kept);
+  Eigen::MatrixXd NearestOf(const std::vector<std::size_t>& kept, Estimate estimate,
+                            const Eigen::VectorXd& u) const;
+
+  std::vector<std::size_t> remembered_;              // entries with a jacobian_estimate
+  std::vector<std::size_t> remembered_constraints_;  // with a constraint_jacobian_estimate
   Eigen::VectorXd ideal_;
-  Eigen::VectorXd worst_;  // over all feasible entries
+  Eigen::VectorXd worst_;  // over all feasible entries, or evaluated ones while there are none
+  Eigen::VectorXd constraint_sizes_;  // largest seen
 };
 
 }  // namespace mortise::pareto

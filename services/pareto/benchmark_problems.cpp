@@ -217,27 +217,83 @@ struct Fourier {
   }
 };
 
+// Two metrics, then g1 <= 0 and g2 <= 0.
+struct Bnh {
+  template <typename T>
+  Vector<T> operator()(const Vector<T>& x) const {
+    const T a = x[0], b = x[1];
+    return {T(4.0 * a * a + 4.0 * b * b), T((a - 5.0) * (a - 5.0) + (b - 5.0) * (b - 5.0)),
+            T((a - 5.0) * (a - 5.0) + b * b - 25.0),
+            T(7.7 - (a - 8.0) * (a - 8.0) - (b + 3.0) * (b + 3.0))};
+  }
+};
+
+struct Srn {
+  template <typename T>
+  Vector<T> operator()(const Vector<T>& x) const {
+    const T a = x[0], b = x[1];
+    return {T(2.0 + (a - 2.0) * (a - 2.0) + (b - 1.0) * (b - 1.0)),
+            T(9.0 * a - (b - 1.0) * (b - 1.0)), T(a * a + b * b - 225.0), T(a - 3.0 * b + 10.0)};
+  }
+};
+
+struct Tnk {
+  template <typename T>
+  Vector<T> operator()(const Vector<T>& x) const {
+    using std::atan2;
+    using std::cos;
+    const T a = x[0], b = x[1];
+    return {a, b, T(1.0 + 0.1 * cos(T(16.0 * atan2(a, b))) - a * a - b * b),
+            T((a - 0.5) * (a - 0.5) + (b - 0.5) * (b - 0.5) - 0.5)};
+  }
+};
+
+struct Osy {
+  template <typename T>
+  Vector<T> operator()(const Vector<T>& x) const {
+    const auto square = [](const T& t) { return T(t * t); };
+    T squares = T(x[0] * 0.0);
+    for (const T& t : x) squares += square(t);
+    return {T(-25.0 * square(x[0] - 2.0) - square(x[1] - 2.0) - square(x[2] - 1.0) -
+              square(x[3] - 4.0) - square(x[4] - 1.0)),
+            squares,
+            T(2.0 - x[0] - x[1]),
+            T(x[0] + x[1] - 6.0),
+            T(x[1] - x[0] - 2.0),
+            T(x[0] - 3.0 * x[1] - 2.0),
+            T(square(x[2] - 3.0) + x[3] - 4.0),
+            T(4.0 - square(x[4] - 3.0) - x[5])};
+  }
+};
+
+// `formula` gives d metrics, and then constraints.
 template <typename Formula>
-std::function<Evaluation(const VectorXd&, bool)> Evaluating(Formula formula) {
-  return [formula](const VectorXd& x, bool gradients) {
+std::function<Evaluation(const VectorXd&, bool)> Evaluating(Formula formula, Index d) {
+  return [formula, d](const VectorXd& x, bool gradients) {
     Evaluation evaluation;
     evaluation.x = x;
-    evaluation.status = EvaluationStatus::kFeasible;
+    evaluation.status = EvaluationStatus::kEvaluated;
     if (!gradients) {
-      const auto metrics = formula(Vector<double>(x.begin(), x.end()));
-      evaluation.metrics = VectorXd::Map(metrics.data(), static_cast<Index>(metrics.size()));
+      const auto values = formula(Vector<double>(x.begin(), x.end()));
+      const VectorXd all = VectorXd::Map(values.data(), static_cast<Index>(values.size()));
+      evaluation.metrics = all.head(d);
+      evaluation.constraints = all.tail(all.size() - d);
       return evaluation;
     }
     Vector<Dual> duals;
     for (Index i = 0; i < x.size(); ++i) duals.emplace_back(x[i], x.size(), i);
-    const Vector<Dual> metrics = formula(duals);
-    const auto d = static_cast<Index>(metrics.size());
-    evaluation.metrics.resize(d);
-    evaluation.jacobian.resize(d, x.size());
-    for (Index j = 0; j < d; ++j) {
-      evaluation.metrics[j] = metrics[static_cast<std::size_t>(j)].value();
-      evaluation.jacobian.row(j) = metrics[static_cast<std::size_t>(j)].derivatives().transpose();
+    const Vector<Dual> values = formula(duals);
+    const auto count = static_cast<Index>(values.size());
+    VectorXd all(count);
+    MatrixXd jacobian(count, x.size());
+    for (Index j = 0; j < count; ++j) {
+      all[j] = values[static_cast<std::size_t>(j)].value();
+      jacobian.row(j) = values[static_cast<std::size_t>(j)].derivatives().transpose();
     }
+    evaluation.metrics = all.head(d);
+    evaluation.jacobian = jacobian.topRows(d);
+    evaluation.constraints = all.tail(count - d);
+    if (count > d) evaluation.constraint_jacobian = jacobian.bottomRows(count - d);
     return evaluation;
   };
 }
@@ -297,7 +353,8 @@ BenchmarkProblem MakeZdt(int number, int dimensions, const BenchmarkVariant& var
   return {VariantName(absl::StrCat("ZDT", number), variant),
           space,
           2,
-          Evaluating(formula),
+          0,
+          Evaluating(formula, 2),
           VectorXd::Constant(2, 1.1),
           ZdtHypervolume(number)};
 }
@@ -329,16 +386,113 @@ BenchmarkProblem MakeDtlz(int number, int dimensions, const BenchmarkVariant& va
   return {VariantName(absl::StrCat("DTLZ", number), variant),
           space,
           3,
-          Evaluating(formula),
+          0,
+          Evaluating(formula, 3),
           reference,
           DtlzHypervolume(number, reference)};
+}
+
+absl::StatusOr<BenchmarkProblem> MakeFourier(int dimensions, const BenchmarkVariant& variant) {
+  const int metrics = variant.metrics == 0 ? 2 : variant.metrics;
+  if (metrics < 2 || metrics > 3) return InvalidField("metrics", "must be 2 or 3");
+  return BenchmarkProblem{"Fourier",
+                          Box(dimensions, 0, 2 * kPi),
+                          metrics,
+                          0,
+                          Evaluating(Fourier(dimensions, metrics, variant.instance), metrics),
+                          VectorXd::Constant(metrics, 2.0 * dimensions),
+                          0};
+}
+
+// The hypervolume of a front of two metrics that consists of curves of designs.
+template <typename Formula>
+double HypervolumeOf(const std::vector<std::function<Vector<double>(double)>>& curves,
+                     const Formula& formula, const VectorXd& reference) {
+  constexpr int kSteps = 30'000;
+  std::vector<VectorXd> front;
+  for (const auto& curve : curves) {
+    for (int i = 0; i <= kSteps; ++i) {
+      const Vector<double> values = formula(curve(static_cast<double>(i) / kSteps));
+      const bool feasible =
+          std::all_of(values.begin() + 2, values.end(), [](double g) { return g <= 1e-9; });
+      if (feasible) front.push_back(Eigen::Vector2d(values[0], values[1]));
+    }
+  }
+  return Hypervolume(front, reference);
+}
+
+BenchmarkProblem MakeBnh() {
+  const Eigen::Vector2d reference(140, 50);
+  const double hypervolume = HypervolumeOf({[](double t) {
+                                              return Vector<double>{3 * t, 3 * t};
+                                            },
+                                            [](double t) {
+                                              return Vector<double>{3 + 2 * t, 3};
+                                            }},
+                                           Bnh{}, reference);
+  return {"BNH",
+          {Eigen::Vector2d::Zero(), Eigen::Vector2d(5, 3)},
+          2,
+          2,
+          Evaluating(Bnh{}, 2),
+          reference,
+          hypervolume};
+}
+
+// Along the second constraint from where f1 is least, between both constraints where x1 = -2.5, and
+// along the first to where f2 is least.
+BenchmarkProblem MakeSrn() {
+  const Eigen::Vector2d reference(250, 50);
+  const double top = std::sqrt(225 - 2.5 * 2.5);
+  const double hypervolume = HypervolumeOf({[](double t) {
+                                              const double x = 1.1 - 3.6 * t;
+                                              return Vector<double>{x, (x + 10) / 3};
+                                            },
+                                            [top](double t) {
+                                              return Vector<double>{-2.5, 2.5 + t * (top - 2.5)};
+                                            },
+                                            [](double t) {
+                                              const double x = -2.5 - 3 * t;
+                                              return Vector<double>{x, std::sqrt(225 - x * x)};
+                                            }},
+                                           Srn{}, reference);
+  return {"SRN", Box(2, -20, 20), 2, 2, Evaluating(Srn{}, 2), reference, hypervolume};
+}
+
+// Along the boundary of the first constraint, r^2 = 1 + cos(16 angle) / 10.
+BenchmarkProblem MakeTnk() {
+  const Eigen::Vector2d reference(1.2, 1.2);
+  const double hypervolume = HypervolumeOf(
+      {[](double t) {
+        const double angle = t * kPi / 2, r = std::sqrt(1 + 0.1 * std::cos(16 * angle));
+        return Vector<double>{r * std::sin(angle), r * std::cos(angle)};
+      }},
+      Tnk{}, reference);
+  return {"TNK", Box(2, 0, kPi), 2, 2, Evaluating(Tnk{}, 2), reference, hypervolume};
+}
+
+// Five stretches, each with one parameter between what constraints and bounds allow (Deb 2001);
+// those of the third and fifth parameter over all of their ranges.
+BenchmarkProblem MakeOsy() {
+  const Eigen::Vector2d reference(0, 80);
+  const double hypervolume =
+      HypervolumeOf({[](double t) { return Vector<double>{5, 1, 1 + 4 * t, 0, 5, 0}; },
+                     [](double t) { return Vector<double>{5, 1, 1 + 4 * t, 0, 1, 0}; },
+                     [](double t) { return Vector<double>{2 + 3 * t, t, 1, 0, 1, 0}; },
+                     [](double t) { return Vector<double>{0, 2, 1 + 4 * t, 0, 1, 0}; },
+                     [](double t) { return Vector<double>{2 * t, 2 - 2 * t, 1, 0, 1, 0}; }},
+                    Osy{}, reference);
+  VectorXd lower(6), upper(6);
+  lower << 0, 0, 1, 0, 1, 0;
+  upper << 10, 10, 5, 6, 5, 10;
+  return {"OSY", {lower, upper}, 2, 6, Evaluating(Osy{}, 2), reference, hypervolume};
 }
 
 }  // namespace
 
 std::vector<std::string> BenchmarkNames() {
-  return {"ZDT1",  "ZDT2",  "ZDT3",  "ZDT4",  "ZDT6",  "DTLZ1",   "DTLZ2",
-          "DTLZ3", "DTLZ4", "DTLZ5", "DTLZ6", "DTLZ7", "Kursawe", "Fourier"};
+  return {"ZDT1",  "ZDT2",  "ZDT3",  "ZDT4",    "ZDT6",    "DTLZ1", "DTLZ2", "DTLZ3", "DTLZ4",
+          "DTLZ5", "DTLZ6", "DTLZ7", "Kursawe", "Fourier", "BNH",   "SRN",   "TNK",   "OSY"};
 }
 
 int PublishedDimensions(const std::string& name) {
@@ -348,6 +502,8 @@ int PublishedDimensions(const std::string& name) {
   if (lower == "dtlz1") return 7;
   if (lower == "dtlz7") return 22;
   if (lower.starts_with("dtlz")) return 12;
+  if (lower == "bnh" || lower == "srn" || lower == "tnk") return 2;
+  if (lower == "osy") return 6;
   return lower == "kursawe" || lower == "fourier" ? 3 : 0;
 }
 
@@ -356,6 +512,8 @@ absl::StatusOr<BenchmarkProblem> MakeBenchmarkProblem(const std::string& name, i
   const std::string lower = absl::AsciiStrToLower(name);
   if (dimensions < 1 || dimensions > 512)
     return InvalidField("dimensions", "must lie between 1 and 512");
+  if (variant.metrics != 0 && lower != "fourier")
+    return InvalidField("metrics", "can be chosen for the Fourier problem only");
   for (const int number : {1, 2, 3, 4, 6}) {
     if (lower != absl::StrCat("zdt", number)) continue;
     if (dimensions < 2) return InvalidField("dimensions", "ZDT problems need at least 2");
@@ -371,18 +529,16 @@ absl::StatusOr<BenchmarkProblem> MakeBenchmarkProblem(const std::string& name, i
                                              absl::StrJoin(BenchmarkNames(), ", ")));
   if (variant.shifted || variant.rotated)
     return InvalidField("variant", "only ZDT and DTLZ problems can be shifted or rotated");
-  if (lower == "kursawe") {
-    if (dimensions != 3) return InvalidField("dimensions", "Kursawe's problem has 3");
-    return BenchmarkProblem{
-        "Kursawe",          Box(3, -5, 5), 2, Evaluating(Kursawe{}), Eigen::Vector2d(-14, 1),
-        kKursaweHypervolume};
-  }
-  return BenchmarkProblem{"Fourier",
-                          Box(dimensions, 0, 2 * kPi),
-                          2,
-                          Evaluating(Fourier(dimensions, 2, variant.instance)),
-                          Eigen::Vector2d(2.0 * dimensions, 2.0 * dimensions),
-                          0};
+  if (lower == "fourier") return MakeFourier(dimensions, variant);
+  if (dimensions != PublishedDimensions(lower))
+    return InvalidField("dimensions", absl::StrCat(name, " has ", PublishedDimensions(lower)));
+  if (lower == "bnh") return MakeBnh();
+  if (lower == "srn") return MakeSrn();
+  if (lower == "tnk") return MakeTnk();
+  if (lower == "osy") return MakeOsy();
+  return BenchmarkProblem{
+      "Kursawe",          Box(3, -5, 5), 2, 0, Evaluating(Kursawe{}, 2), Eigen::Vector2d(-14, 1),
+      kKursaweHypervolume};
 }
 
 }  // namespace mortise::pareto

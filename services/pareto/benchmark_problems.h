@@ -15,6 +15,7 @@ struct BenchmarkProblem {
   std::string name;
   DesignSpace space;
   Eigen::Index metric_count = 2;
+  int constraint_count = 0;
   // The metrics of a design, with their Jacobian if asked for.
   std::function<Evaluation(const Eigen::VectorXd& x, bool gradients)> evaluate;
   Eigen::VectorXd reference;  // d, for the hypervolume
@@ -29,12 +30,15 @@ struct BenchmarkVariant {
   bool shifted = false;        // the best of each is somewhere in the middle 40 % of its range
   bool rotated = false;        // R is a random rotation
   std::uint64_t instance = 1;  // seeds s, R, and Fourier's coefficients
+  int metrics = 0;             // 2 or 3 where the problem leaves it open (Fourier); 0: as published
 };
 
 // ZDT1, 2, 3, 4, 6 (Zitzler, Deb, Thiele 2000; D >= 2), DTLZ1 to 7 (Deb, Thiele, Laumanns, Zitzler
-// 2002; three metrics, D >= 3), Kursawe (1991; D = 3), and Fourier (Eq. 7.7 with K = 3; two
-// metrics, x in [0, 2 pi]^D). Names are as written here, in any case. INVALID_ARGUMENT naming
-// "name", "dimensions" or, for Kursawe and Fourier, "variant".
+// 2002; three metrics, D >= 3), Kursawe (1991; D = 3), and Fourier (Eq. 7.7 with K = 3; two or
+// three metrics, x in [0, 2 pi]^D). With constraints: BNH (Binh, Korn 1997; D = 2), SRN (Srinivas,
+// Deb 1994; D = 2), TNK (Tanaka and others 1995; D = 2) and OSY (Osyczka, Kundu 1995; D = 6). Names
+// are as written here, in any case. INVALID_ARGUMENT naming "name", "dimensions", "metrics" or, for
+// those that are not ZDT or DTLZ, "variant".
 absl::StatusOr<BenchmarkProblem> MakeBenchmarkProblem(const std::string& name, int dimensions,
                                                       const BenchmarkVariant& variant = {});
 

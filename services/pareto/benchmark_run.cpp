@@ -26,8 +26,10 @@ absl::StatusOr<BenchmarkResult> RunBenchmark(
     const BenchmarkProblem& problem, const Discovery::Options& options, bool gradients,
     const std::function<void(const Discovery::Summary&)>& progress,
     const std::function<bool()>& cancelled) {
+  Discovery::Options constrained = options;
+  constrained.constraints = problem.constraint_count;
   MORTISE_ASSIGN_OR_RETURN(const auto discovery,
-                           Discovery::Create(problem.space, problem.metric_count, options));
+                           Discovery::Create(problem.space, problem.metric_count, constrained));
   BenchmarkResult result;
   std::vector<Eigen::VectorXd> designs;
   double evaluating = 0;

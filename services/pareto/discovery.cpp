@@ -33,6 +33,9 @@ constexpr double kSamePiece = 0.01;            // pieces whose centres are this 
 constexpr double kRepairShare = 0.05;          // of the budget, at its end
 constexpr int kRepairs = 3;
 constexpr std::int64_t kSecondLookBudget = 20;  // evaluations a parameter
+constexpr int kMostConstraints = 64;
+constexpr std::int64_t kConstrainedSamples = 20;  // more: what is allowed may be in several parts
+constexpr int kRestorationSteps = 20;             // of a design that violates constraints, at most
 constexpr std::int64_t kBudgetLimit = 10'000'000;
 
 PerformanceBuffer::Options BufferOptions(const Discovery::Options& options, Eigen::Index d) {
@@ -50,7 +53,8 @@ double Spacing(std::int64_t evaluations, Eigen::Index d) {
 }
 
 std::int64_t InitialSamples(const Discovery::Options& options, Eigen::Index size) {
-  const std::int64_t wanted = options.initial_samples > 0 ? options.initial_samples : size + 3;
+  std::int64_t wanted = options.initial_samples;
+  if (wanted == 0) wanted = size + 3 + (options.constraints > 0 ? kConstrainedSamples : 0);
   return std::clamp<std::int64_t>(wanted, 1, std::max<std::int64_t>(1, options.evaluations / 4));
 }
 
@@ -74,6 +78,8 @@ absl::Status CheckOptions(const Discovery::Options& options, Eigen::Index metric
     return InvalidField("window", "must lie between 1 and 4096");
   if (options.cells_per_angle < 0 || options.cells_per_angle > 10'000)
     return InvalidField("cells", "must lie between 1 and 10000, or be 0 for the default");
+  if (options.constraints < 0 || options.constraints > kMostConstraints)
+    return InvalidField("constraints", absl::StrCat("at most ", kMostConstraints, " are possible"));
   if (options.initial_samples < 0) return InvalidField("initial_samples", "must not be negative");
   return absl::OkStatus();
 }
@@ -98,7 +104,7 @@ DesignSpace Restrict(const DesignSpace& space, const std::vector<Eigen::Index>& 
 Evaluation NotFinite(const Evaluation& result) {
   Evaluation failed;
   failed.x = result.x;
-  failed.message = result.message.empty() ? "a metric is not finite" : result.message;
+  failed.message = result.message.empty() ? "a metric or constraint is not finite" : result.message;
   failed.reason = "NOT_FINITE";
   failed.code = absl::StatusCode::kInternal;
   return failed;
@@ -183,7 +189,15 @@ absl::Status Discovery::Tell(std::int64_t number, Evaluation evaluation) {
     return InvalidField("number", absl::StrCat("no result is awaited for proposal ", number));
   if (evaluation.x != at->second.x)
     return InvalidField("x", absl::StrCat("not the design of proposal ", number));
-  if (evaluation.status == EvaluationStatus::kFeasible) {
+  if (evaluation.status == EvaluationStatus::kEvaluated) {
+    if (evaluation.constraints.size() != options_.constraints)
+      return InvalidField("constraints", absl::StrCat(options_.constraints, " are needed, not ",
+                                                      evaluation.constraints.size()));
+    if (evaluation.constraint_jacobian.size() > 0 &&
+        (evaluation.constraint_jacobian.rows() != options_.constraints ||
+         evaluation.constraint_jacobian.cols() != space_.size()))
+      return InvalidField("constraint_jacobian",
+                          "must have a row a constraint and a column a parameter");
     if (evaluation.metrics.size() != metric_count_)
       return InvalidField(
           "metrics", absl::StrCat(metric_count_, " are needed, not ", evaluation.metrics.size()));
@@ -208,16 +222,21 @@ ArchiveEntry Discovery::EntryOf(const Pending& pending) {
   const Evaluation& result = *pending.result;
   ArchiveEntry entry;
   entry.u = pending.u;
-  entry.feasible = result.status == EvaluationStatus::kFeasible && result.metrics.allFinite();
-  if (!entry.feasible) {
+  entry.evaluated = result.status == EvaluationStatus::kEvaluated && result.metrics.allFinite() &&
+                    result.constraints.allFinite();
+  if (!entry.evaluated) {
     ++failed_;
     failures_.Add(result.status == EvaluationStatus::kFailed ? result : NotFinite(result));
     if (message_.empty() && !result.message.empty()) message_ = result.message;
     return entry;
   }
   entry.metrics = result.metrics;
+  entry.constraints = result.constraints;
+  const Eigen::VectorXd sides = box_.upper - box_.lower;
   if (result.jacobian.size() > 0)
-    entry.jacobian = result.jacobian(Eigen::all, free_) * (box_.upper - box_.lower).asDiagonal();
+    entry.jacobian = result.jacobian(Eigen::all, free_) * sides.asDiagonal();
+  if (result.constraint_jacobian.size() > 0)
+    entry.constraint_jacobian = result.constraint_jacobian(Eigen::all, free_) * sides.asDiagonal();
   return entry;
 }
 
@@ -285,7 +304,14 @@ Eigen::VectorXd Discovery::InitialDesign() {
 
 std::optional<Eigen::VectorXd> Discovery::NextPoint(std::int64_t& track) {
   track = -1;
-  if (proposed_ < initial_samples_ || archive_.feasible_count() == 0) return InitialDesign();
+  if (proposed_ < initial_samples_ || archive_.evaluated_count() == 0) return InitialDesign();
+  if (archive_.feasible_count() == 0) {
+    do {
+      const std::optional<Eigen::VectorXd> u = AskTracks(track);
+      if (u || stop_ != StopReason::kRunning) return u;
+    } while (StartRestoration());
+    return tracks_.empty() ? std::optional(InitialDesign()) : std::nullopt;
+  }
   StartRepair();
   for (int barren = 0; barren < kExhaustedTracks; ++barren) {
     const std::int64_t newest = next_track_;
@@ -356,6 +382,7 @@ void Discovery::Retire(const Track& track) {
   if (track.kind == TrackKind::kOpening) descending_ = false;
   if (track.optimization == nullptr) return;  // children, say
   if (track.evaluations > 0) ++optimizations_;
+  if (archive_.feasible_count() == 0) return;
   if (hypervolume_ > progress_mark_ * (1 + options_.delta_i)) {
     progress_mark_ = hypervolume_;
     tracks_since_progress_ = 0;
@@ -365,7 +392,7 @@ void Discovery::Retire(const Track& track) {
     return;
   }
   const std::optional<std::size_t> best = track.optimization->best();
-  if (!best ||
+  if (!best || !archive_[*best].feasible ||
       archive_.ClearlyDominated(archive_[*best].metrics, buffer_.scaling(), options_.delta_b))
     return;
   const Eigen::VectorXd& u = archive_[*best].u;
@@ -417,13 +444,13 @@ std::unique_ptr<PointSource> Discovery::MakeDescent() {
 }
 
 void Discovery::StartTrack(bool force_sample) {
-  if (next_track_ == 0) {
+  if (!opened_) {
     const Eigen::MatrixXd& jacobian = archive_[archive_.non_dominated().front()].jacobian;
     if (jacobian.size() > 0 && jacobian.allFinite()) {
       scheduler_.UseGradients(static_cast<std::size_t>(initial_samples_));
     }
   }
-  if (next_track_ == 0 && Explores()) {
+  if (!std::exchange(opened_, true) && Explores()) {
     descending_ = true;
     tracks_[next_track_++] = {MakeDescent(), nullptr, nullptr, TrackKind::kOpening, 0, 0};
     return;
@@ -444,6 +471,37 @@ void Discovery::StartTrack(bool force_sample) {
   }
   LocalOptimization* const view = next.optimization.get();
   tracks_[next_track_++] = {std::move(next.optimization), view, nullptr, next.kind, 0, 0};
+}
+
+// While nothing meets the constraints: from the design that is nearest to that and was not tried
+// yet. False where there is none, or enough are under way.
+bool Discovery::StartRestoration() {
+  // The first one alone: the others go by the slopes that it measures.
+  const int most = restored_from_.size() == 1 ? 1 : std::max(1, options_.window / 2);
+  if (static_cast<int>(tracks_.size()) >= most) return false;
+  std::optional<std::size_t> start;
+  for (std::size_t entry = 0; entry < archive_.size(); ++entry) {
+    if (!archive_[entry].evaluated || restored_from_.contains(entry)) continue;
+    if (!start || archive_.Violation(entry) < archive_.Violation(*start)) start = entry;
+  }
+  if (!start) return false;
+  restored_from_.insert(*start);
+  LocalOptimization::Options local = options_.scheduling.optimization;
+  local.join = false;
+  local.evaluations = kRestorationSteps;
+  if (restored_from_.size() == 1 && options_.evaluations >= kSecondLookBudget * box_.size()) {
+    local.differences = true;
+    local.evaluations += static_cast<int>(box_.size());
+  }
+  const Eigen::VectorXd direction = Eigen::VectorXd::Constant(metric_count_, -1).normalized();
+  const Scaling scaling = archive_.CurrentScaling();
+  const double reach = options_.scheduling.delta_s;
+  const LocalOptimization::Target target{
+      scaling.Apply(archive_[*start].metrics) + reach * direction, direction, reach};
+  auto restoration = std::make_unique<LocalOptimization>(local, scaling, target, *start);
+  LocalOptimization* const view = restoration.get();
+  tracks_[next_track_++] = {std::move(restoration), view, nullptr, TrackKind::kSample, 0, 0};
+  return true;
 }
 
 // Towards the end of the budget, one round after the other.
@@ -480,6 +538,8 @@ Discovery::Summary Discovery::summary() const {
   summary.message = message_;
   summary.evaluations = committed_;
   summary.failed = failed_;
+  summary.violating =
+      static_cast<std::int64_t>(archive_.evaluated_count() - archive_.feasible_count());
   summary.failures = failures_.failures();
   summary.optimizations = optimizations_;
   summary.expansions = expansions_;

@@ -43,8 +43,9 @@ class Discovery {
     std::uint64_t seed = 1;
     int window = 8;           // evaluations under way at once, 1 to 4096; part of what is computed
     int cells_per_angle = 0;  // of the buffer, up to 10,000; 0: 1000 for d = 2, 100 for 3, 16 above
-    int initial_samples = 0;  // space-filling designs at the start; 0: D + 3, at most a quarter of
-                              // the budget
+    int constraints = 0;      // m, told with each evaluation, 0 to 64
+    int initial_samples = 0;  // space-filling designs at the start; 0: D + 3, with constraints D +
+                              // 23, at most a quarter of the budget
     double delta_b = 1e-2;    // tolerance of the buffer, scaled performance
     double delta_i = 1e-4;    // improvement of hypervolume (relative) that counts as progress
     int stall_tracks = 300;   // optimisations in a row without progress that end it; 0: never
@@ -58,6 +59,7 @@ class Discovery {
     std::string message;                 // why, for people
     std::int64_t evaluations = 0;        // committed
     std::int64_t failed = 0;             // of those
+    std::int64_t violating = 0;          // of those, evaluated but not within all constraints
     std::vector<FailureCount> failures;  // what they failed for; the counts add up to `failed`
     std::int64_t optimizations = 0;
     std::int64_t expansions = 0;
@@ -80,8 +82,8 @@ class Discovery {
   std::optional<Proposal> Ask();
 
   // The result of proposal `number`, in any order. INVALID_ARGUMENT for a number that is not
-  // awaited, another design than proposed, or metrics of the wrong count; a feasible evaluation
-  // with metrics that are not finite counts as failed.
+  // awaited, another design than proposed, or metrics or constraints of the wrong count; an
+  // evaluation with metrics or constraints that are not finite counts as failed.
   absl::Status Tell(std::int64_t number, Evaluation evaluation);
 
   // Stops with what has been found. Results that were told but not committed are kept.
@@ -134,6 +136,7 @@ class Discovery {
   bool Explores() const;
   std::unique_ptr<PointSource> MakeDescent();
   void StartTrack(bool force_sample);
+  bool StartRestoration();
   void StartRepair();
   double DominatedVolume(const std::vector<std::size_t>& entries) const;
 
@@ -159,6 +162,8 @@ class Discovery {
   std::int64_t committed_ = 0;
   std::int64_t barrier_ = 0;  // results that must be committed before the next proposal
   std::int64_t failed_ = 0;
+  bool opened_ = false;                  // a track for the front has begun
+  std::set<std::size_t> restored_from_;  // entries
   FailureTally failures_;
   std::int64_t optimizations_ = 0;
   std::int64_t expansions_ = 0;

@@ -10,8 +10,10 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little);
 
-constexpr std::string_view kMagic = "MPC2";
-constexpr std::string_view kMagicWithoutReasons = "MPC1";  // of discoveries begun before
+constexpr std::string_view kMagic = "MPC3";
+// Of discoveries begun before: what they lack is what came later.
+constexpr std::string_view kMagicWithoutConstraints = "MPC2";
+constexpr std::string_view kMagicWithoutReasons = "MPC1";
 constexpr std::uint64_t kSizeLimit = 1 << 24;
 constexpr auto kLastCode = static_cast<std::int32_t>(absl::StatusCode::kUnauthenticated);
 
@@ -86,20 +88,42 @@ bool ReadReason(Reader& reader, Evaluation& evaluation) {
   return true;
 }
 
-bool ReadResult(Reader& reader, bool with_reason, std::int64_t& number, Evaluation& evaluation) {
-  std::uint8_t feasible = 0;
-  Eigen::VectorXd jacobian;
-  if (!reader.Read(number) || !reader.Read(feasible) || feasible > 1 || number < 0 ||
-      !reader.ReadVector(evaluation.x) || !reader.ReadVector(evaluation.metrics) ||
-      !reader.ReadVector(jacobian) || !reader.ReadText(evaluation.message) ||
-      (with_reason && !ReadReason(reader, evaluation)))
-    return false;
-  evaluation.status = feasible != 0 ? EvaluationStatus::kFeasible : EvaluationStatus::kFailed;
-  if (jacobian.size() == 0) return true;
-  if (jacobian.size() != evaluation.metrics.size() * evaluation.x.size()) return false;
-  evaluation.jacobian = Eigen::Map<const Eigen::MatrixXd>(
-      jacobian.data(), evaluation.metrics.size(), evaluation.x.size());
+// A matrix with a column a parameter; empty where none was offered.
+bool ReadJacobian(Reader& reader, Eigen::Index rows, Eigen::Index columns,
+                  Eigen::MatrixXd& jacobian) {
+  Eigen::VectorXd values;
+  if (!reader.ReadVector(values)) return false;
+  if (values.size() == 0) return true;
+  if (values.size() != rows * columns) return false;
+  jacobian = Eigen::Map<const Eigen::MatrixXd>(values.data(), rows, columns);
   return true;
+}
+
+bool ReadConstraints(Reader& reader, Evaluation& evaluation) {
+  return reader.ReadVector(evaluation.constraints) &&
+         ReadJacobian(reader, evaluation.constraints.size(), evaluation.x.size(),
+                      evaluation.constraint_jacobian);
+}
+
+bool ReadResult(Reader& reader, std::string_view magic, std::int64_t& number,
+                Evaluation& evaluation) {
+  std::uint8_t evaluated = 0;
+  if (!reader.Read(number) || !reader.Read(evaluated) || evaluated > 1 || number < 0 ||
+      !reader.ReadVector(evaluation.x) || !reader.ReadVector(evaluation.metrics) ||
+      !ReadJacobian(reader, evaluation.metrics.size(), evaluation.x.size(), evaluation.jacobian) ||
+      !reader.ReadText(evaluation.message))
+    return false;
+  evaluation.status = evaluated != 0 ? EvaluationStatus::kEvaluated : EvaluationStatus::kFailed;
+  if (magic == kMagicWithoutReasons) return true;
+  if (!ReadReason(reader, evaluation)) return false;
+  return magic == kMagicWithoutConstraints || ReadConstraints(reader, evaluation);
+}
+
+// Which of the known ones it begins with; empty if it is none.
+std::string_view ReadMagic(Reader& reader) {
+  for (const std::string_view known : {kMagic, kMagicWithoutConstraints, kMagicWithoutReasons})
+    if (reader.Skip(known)) return known;
+  return {};
 }
 
 }  // namespace
@@ -109,7 +133,7 @@ std::string Serialize(const DiscoveryCheckpoint& checkpoint) {
   Append<std::uint64_t>(bytes, checkpoint.results.size());
   for (const auto& [number, evaluation] : checkpoint.results) {
     Append(bytes, number);
-    Append<std::uint8_t>(bytes, evaluation.status == EvaluationStatus::kFeasible ? 1 : 0);
+    Append<std::uint8_t>(bytes, evaluation.status == EvaluationStatus::kEvaluated ? 1 : 0);
     AppendVector(bytes, evaluation.x);
     AppendVector(bytes, evaluation.metrics);
     AppendVector(bytes, evaluation.jacobian.reshaped());
@@ -118,6 +142,8 @@ std::string Serialize(const DiscoveryCheckpoint& checkpoint) {
     Append(bytes, static_cast<std::int32_t>(evaluation.code));
     Append<std::uint64_t>(bytes, evaluation.reason.size());
     bytes += evaluation.reason;
+    AppendVector(bytes, evaluation.constraints);
+    AppendVector(bytes, evaluation.constraint_jacobian.reshaped());
   }
   return bytes;
 }
@@ -127,13 +153,13 @@ absl::StatusOr<DiscoveryCheckpoint> ParseCheckpoint(std::string_view bytes) {
   Reader reader(bytes);
   while (!reader.AtEnd()) {
     std::uint64_t count = 0;
-    const bool with_reason = reader.Skip(kMagic);
-    if ((!with_reason && !reader.Skip(kMagicWithoutReasons)) || !reader.Read(count))
+    const std::string_view magic = ReadMagic(reader);
+    if (magic.empty() || !reader.Read(count))
       return absl::DataLossError("not a checkpoint of a discovery");
     for (std::uint64_t i = 0; i < count; ++i) {
       std::int64_t number = 0;
       Evaluation evaluation;
-      if (!ReadResult(reader, with_reason, number, evaluation))
+      if (!ReadResult(reader, magic, number, evaluation))
         return absl::DataLossError(absl::StrCat("result ", i, " of the checkpoint is damaged"));
       checkpoint.results.insert_or_assign(number, std::move(evaluation));
     }

@@ -129,6 +129,8 @@ class DiscoveryRun {
                           summary.cells_covered, summary.failed);
       if (summary.failed > 0)
         absl::StrAppend(&progress.message, " (", CountsByReason(summary.failures), ")");
+      if (summary.violating > 0)
+        absl::StrAppend(&progress.message, ", ", summary.violating, " beyond constraints");
       context_.ReportProgress(progress);
     };
     options.checkpoint = [this](const std::vector<std::pair<std::int64_t, Evaluation>>& batch) {
@@ -177,9 +179,9 @@ class DiscoveryRun {
       if (!operation.cancel_requested) return absl::CancelledError("interrupted");
     }
     const Discovery::Summary summary = discovery.summary();
-    if (!stopped && summary.failed == summary.evaluations) {
+    if (!stopped && summary.failed + summary.violating == summary.evaluations) {
       MORTISE_RETURN_IF_ERROR(ForgetResults());
-      return NoFeasibleDesign(specification_.subject(), summary);
+      return NoFeasibleDesign(specification_.subject(), problem, discovery);
     }
     v1::Front front = MakeFront(problem, discovery);
     front.set_name(absl::StrCat("fronts/", id_));

@@ -2,10 +2,12 @@
 #include "services/pareto/discovery_problem.h"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "common/base/errors.h"
 #include "common/parametric/evaluation_settings.h"
 #include "mortise/v1/evaluator.pb.h"
@@ -19,6 +21,7 @@ constexpr int kLeastEvaluations = 10;
 constexpr int kMostEvaluations = 1'000'000;
 constexpr int kMostCells = 10'000;
 constexpr int kMostWindow = 256;
+constexpr int kMostConstraints = 32;
 
 absl::Status ApplyBounds(const v1::DiscoverySpecification& specification,
                          DiscoveryProblem& problem) {
@@ -45,20 +48,93 @@ absl::Status ApplyBounds(const v1::DiscoverySpecification& specification,
   return absl::OkStatus();
 }
 
+absl::StatusOr<const v1::DesignSpace::MetricDescription*> Offered(const v1::DesignSpace& described,
+                                                                  const std::string& name,
+                                                                  const std::string& field) {
+  const auto metric = std::find_if(described.metrics().begin(), described.metrics().end(),
+                                   [&](const auto& offered) { return offered.name() == name; });
+  if (metric != described.metrics().end()) return &*metric;
+  return InvalidField(field, absl::StrCat("the subject has no metric '", name, "'"));
+}
+
 absl::Status AddObjectives(const v1::DiscoverySpecification& specification,
                            const v1::DesignSpace& described, DiscoveryProblem& problem) {
   for (int k = 0; k < specification.objectives_size(); ++k) {
     const auto& asked = specification.objectives(k);
-    const auto metric =
-        std::find_if(described.metrics().begin(), described.metrics().end(),
-                     [&](const auto& offered) { return offered.name() == asked.metric(); });
-    if (metric == described.metrics().end())
-      return InvalidField(absl::StrCat("specification.objectives[", k, "].metric"),
-                          absl::StrCat("the subject has no metric '", asked.metric(), "'"));
+    MORTISE_ASSIGN_OR_RETURN(const auto* const metric,
+                             Offered(described, asked.metric(),
+                                     absl::StrCat("specification.objectives[", k, "].metric")));
     problem.objectives.push_back(
         {metric->name(), metric->unit(), asked.maximize(), metric->offers_gradient()});
   }
   return absl::OkStatus();
+}
+
+absl::Status AddConstraints(const v1::DiscoverySpecification& specification,
+                            const v1::DesignSpace& described, DiscoveryProblem& problem) {
+  for (int k = 0; k < specification.constraints_size(); ++k) {
+    const auto& asked = specification.constraints(k);
+    MORTISE_ASSIGN_OR_RETURN(const auto* const metric,
+                             Offered(described, asked.metric(),
+                                     absl::StrCat("specification.constraints[", k, "].metric")));
+    Constraint constraint{metric->name(), metric->unit(), std::nullopt, std::nullopt};
+    if (asked.has_minimum()) constraint.minimum = asked.minimum();
+    if (asked.has_maximum()) constraint.maximum = asked.maximum();
+    problem.options.constraints += constraint.rows();
+    problem.constraints.push_back(std::move(constraint));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status CheckConstraints(const v1::DiscoverySpecification& specification) {
+  if (specification.constraints_size() > kMostConstraints)
+    return InvalidField("specification.constraints",
+                        absl::StrCat("at most ", kMostConstraints, " are possible, not ",
+                                     specification.constraints_size()));
+  std::set<std::string> names;
+  for (int k = 0; k < specification.constraints_size(); ++k) {
+    const auto& constraint = specification.constraints(k);
+    const std::string field = absl::StrCat("specification.constraints[", k, "]");
+    if (!names.insert(constraint.metric()).second)
+      return InvalidField(absl::StrCat(field, ".metric"), "is given twice");
+    if (!constraint.has_minimum() && !constraint.has_maximum())
+      return InvalidField(absl::StrCat(field, ".maximum"), "a minimum or a maximum is needed");
+    if (!std::isfinite(constraint.minimum()))
+      return InvalidField(absl::StrCat(field, ".minimum"), "must be a finite number");
+    if (!std::isfinite(constraint.maximum()))
+      return InvalidField(absl::StrCat(field, ".maximum"), "must be a finite number");
+    if (constraint.has_minimum() && constraint.has_maximum() &&
+        constraint.minimum() > constraint.maximum())
+      return InvalidField(absl::StrCat(field, ".maximum"), "lies below the minimum");
+  }
+  return absl::OkStatus();
+}
+
+// "max_stress is 7.1e+06, not at most 5e+06".
+std::string Missed(const Constraint& constraint, double value) {
+  const bool below = constraint.minimum && value < *constraint.minimum;
+  return absl::StrCat(constraint.metric, " is ", value, constraint.unit.empty() ? "" : " ",
+                      constraint.unit, ", not at ", below ? "least " : "most ",
+                      below ? *constraint.minimum : *constraint.maximum);
+}
+
+// Of the design that misses the constraints by least.
+std::string NearestDesign(const DiscoveryProblem& problem, const Archive& archive) {
+  std::size_t nearest = archive.size();
+  for (std::size_t entry = 0; entry < archive.size(); ++entry) {
+    if (!archive[entry].evaluated) continue;
+    if (nearest == archive.size() || archive.Violation(entry) < archive.Violation(nearest))
+      nearest = entry;
+  }
+  const Eigen::VectorXd& rows = archive[nearest].constraints;
+  std::vector<std::string> missed;
+  Eigen::Index row = 0;
+  for (const Constraint& constraint : problem.constraints) {
+    const bool met = (rows.segment(row, constraint.rows()).array() <= 0).all();
+    if (!met) missed.push_back(Missed(constraint, constraint.ValueOf(rows[row])));
+    row += constraint.rows();
+  }
+  return absl::StrJoin(missed, "; ");
 }
 
 // Reasons that are FAILED_PRECONDITION, but may hold for some designs of a subject only, and be
@@ -88,6 +164,13 @@ absl::Status CheckCount(std::int64_t value, std::int64_t least, std::int64_t mos
 
 }  // namespace
 
+void Constraint::AppendTo(double value, std::vector<double>& rows) const {
+  if (maximum) rows.push_back(value - *maximum);
+  if (minimum) rows.push_back(*minimum - value);
+}
+
+double Constraint::ValueOf(double row) const { return maximum ? row + *maximum : *minimum - row; }
+
 Eigen::VectorXd DiscoveryProblem::Signs() const {
   Eigen::VectorXd signs(static_cast<Eigen::Index>(objectives.size()));
   for (Eigen::Index i = 0; i < signs.size(); ++i)
@@ -113,6 +196,7 @@ absl::Status CheckSpecification(const v1::DiscoverySpecification& specification)
     if (!names.insert(specification.objectives(k).metric()).second)
       return InvalidField(absl::StrCat("specification.objectives[", k, "].metric"),
                           "is given twice");
+  MORTISE_RETURN_IF_ERROR(CheckConstraints(specification));
   MORTISE_RETURN_IF_ERROR(
       UnderField("specification", parametric::CheckMeshSettings(specification.mesh())));
   MORTISE_RETURN_IF_ERROR(
@@ -156,6 +240,7 @@ absl::StatusOr<DiscoveryProblem> MakeProblem(const v1::DiscoverySpecification& s
   }
   MORTISE_RETURN_IF_ERROR(ApplyBounds(specification, problem));
   MORTISE_RETURN_IF_ERROR(AddObjectives(specification, described, problem));
+  MORTISE_RETURN_IF_ERROR(AddConstraints(specification, described, problem));
   problem.options.evaluations = specification.evaluations();
   problem.options.seed = static_cast<std::uint64_t>(specification.seed());
   problem.options.cells_per_angle = specification.cells();
@@ -163,12 +248,19 @@ absl::StatusOr<DiscoveryProblem> MakeProblem(const v1::DiscoverySpecification& s
   return problem;
 }
 
-absl::Status NoFeasibleDesign(const std::string& subject, const Discovery::Summary& summary) {
+absl::Status NoFeasibleDesign(const std::string& subject, const DiscoveryProblem& problem,
+                              const Discovery& discovery) {
+  const Discovery::Summary summary = discovery.summary();
+  std::string reasons;
+  if (summary.violating > 0)
+    reasons = absl::StrCat(" meets all constraints; the nearest does not because ",
+                           NearestDesign(problem, discovery.archive()));
+  if (summary.failed > 0)
+    absl::StrAppend(&reasons, reasons.empty() ? " could be evaluated: " : "; others failed: ",
+                    CountsWithExamples(summary.failures));
   return PreconditionFailed(
       "NO_FEASIBLE_DESIGN",
-      absl::StrCat("none of ", summary.evaluations, " designs of ", subject,
-                   " could be evaluated: ", CountsWithExamples(summary.failures)),
-      subject);
+      absl::StrCat("none of ", summary.evaluations, " designs of ", subject, reasons), subject);
 }
 
 bool MayLackSomething(const Discovery& discovery, const Discovery::Summary& summary) {
@@ -201,6 +293,8 @@ v1::Front MakeFront(const DiscoveryProblem& problem, const Discovery& discovery)
     message.add_metric_names(objective.metric);
     message.add_metric_units(objective.unit);
   }
+  for (const Constraint& constraint : problem.constraints)
+    message.add_constraint_units(constraint.unit);
   message.mutable_parameter_minima()->Add(problem.space.lower.begin(), problem.space.lower.end());
   message.mutable_parameter_maxima()->Add(problem.space.upper.begin(), problem.space.upper.end());
   const Eigen::VectorXd signs = problem.Signs();
@@ -215,6 +309,11 @@ v1::Front MakeFront(const DiscoveryProblem& problem, const Discovery& discovery)
     to.mutable_embedding()->Add(point.embedding.begin(), point.embedding.end());
     to.set_approximation_error(point.approximation_error);
     to.set_jump(point.jump);
+    Eigen::Index row = 0;
+    for (const Constraint& constraint : problem.constraints) {
+      to.add_constraint_metrics(constraint.ValueOf(point.constraints[row]));
+      row += constraint.rows();
+    }
   }
   for (const FrontPiece& piece : front.pieces) {
     v1::FrontPiece& to = *message.add_affine_pieces();
@@ -228,6 +327,7 @@ v1::Front MakeFront(const DiscoveryProblem& problem, const Discovery& discovery)
   message.set_pieces(static_cast<int>(front.pieces.size()));
   message.set_evaluations(summary.evaluations);
   message.set_failed_evaluations(summary.failed);
+  message.set_violating_evaluations(summary.violating);
   for (const FailureCount& failure : summary.failures) {
     v1::EvaluationFailure& to = *message.add_failures();
     to.set_reason(failure.reason);

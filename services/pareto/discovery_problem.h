@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,11 +25,26 @@ struct Objective {
   bool offers_gradient = false;
 };
 
+// minimum <= metric <= maximum, of which at least one is given.
+struct Constraint {
+  std::string metric;
+  std::string unit;
+  std::optional<double> minimum;
+  std::optional<double> maximum;
+
+  // A metric's value as discovery sees it: one g <= 0 for each limit.
+  void AppendTo(double value, std::vector<double>& rows) const;
+  // The value that the first of its rows stands for.
+  double ValueOf(double row) const;
+  int rows() const { return (minimum ? 1 : 0) + (maximum ? 1 : 0); }
+};
+
 struct DiscoveryProblem {
   DesignSpace space;  // in the order of parameter_names, bounds narrowed as asked
   std::vector<std::string> parameter_names;
   Eigen::VectorXd default_design;     // the subject's own, whatever the bounds asked for
   std::vector<Objective> objectives;  // 2 or 3
+  std::vector<Constraint> constraints;
   Discovery::Options options;
 
   // +1 for a metric to minimise, -1 to maximise: discovery minimises sign * metric. d.
@@ -48,8 +64,9 @@ absl::StatusOr<DiscoveryProblem> MakeProblem(const v1::DiscoverySpecification& s
                                              const v1::DesignSpace& described);
 
 // Why no front can come of it: FAILED_PRECONDITION naming the subject, with what its evaluations
-// failed for.
-absl::Status NoFeasibleDesign(const std::string& subject, const Discovery::Summary& summary);
+// failed for and, if some did not, how far the nearest is from the constraints.
+absl::Status NoFeasibleDesign(const std::string& subject, const DiscoveryProblem& problem,
+                              const Discovery& discovery);
 
 // Whether all evaluations so far, at least those of the space-filling samples, failed, and several
 // in the same words for what the subject may lack (FAILED_PRECONDITION, NOT_FOUND, UNIMPLEMENTED).

@@ -1,8 +1,8 @@
 // What Pareto discovery knows about physics: a box of designs, and metrics that somebody evaluates.
 //
-// Notation of all files here: D parameters, d metrics (all to be minimised), x in R^D a design in
-// SI units, u in [0, 1]^D the same design in unit coordinates of its box, F(x) in R^d its
-// performance.
+// Notation of all files here: D parameters, d metrics (all to be minimised), m constraints (g <=
+// 0), x in R^D a design in SI units, u in [0, 1]^D the same design in unit coordinates of its box,
+// F(x) in R^d its performance.
 #pragma once
 
 #include <Eigen/Core>
@@ -35,8 +35,8 @@ struct DesignSpace {
 absl::Status Validate(const DesignSpace& space, Eigen::Index limit = 512);
 
 enum class EvaluationStatus {
-  kFeasible,  // metrics are valid
-  kFailed,    // this design cannot be built or analysed; counted, never fatal
+  kEvaluated,  // metrics and constraints are valid, whether or not the constraints are met
+  kFailed,     // this design cannot be built or analysed; counted, never fatal
 };
 
 // The answer for one design.
@@ -46,6 +46,8 @@ struct Evaluation {
   Eigen::VectorXd metrics;   // d; empty when failed
   Eigen::MatrixXd jacobian;  // d x D, dF/dx; empty when no gradients are offered. A row of NaN:
                              // none offered for that metric.
+  Eigen::VectorXd constraints = {};          // m, met where <= 0; empty when failed
+  Eigen::MatrixXd constraint_jacobian = {};  // m x D, as `jacobian`
   // Why it failed: for people, and as the evaluator's constant ("RIGID_MOTION") and code.
   std::string message = {};
   std::string reason = {};

@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
+#include <vector>
 
 namespace mortise::pareto {
 namespace {
@@ -51,18 +53,57 @@ double Conflict(const MatrixXd& J, Index i, double u) {
   return slope.minCoeff() < 0 ? slope.norm() : 0.0;
 }
 
-void Solve(const MatrixXd& J, KktPoint& kkt) {
+// An orthonormal basis of the vectors that the rows of A take to 0.
+MatrixXd NullSpace(const MatrixXd& A) {
+  const Index n = A.cols();
+  if (A.rows() == 0) return MatrixXd::Identity(n, n);
+  const Eigen::JacobiSVD<MatrixXd> svd(A, Eigen::ComputeFullV);
+  const VectorXd& sizes = svd.singularValues();
+  Index rank = 0;
+  while (rank < sizes.size() && sizes[rank] > 1e-9 * std::max(sizes[0], 1e-300)) ++rank;
+  return svd.matrixV().rightCols(n - rank);
+}
+
+// Multipliers for the active constraints, and alpha; whether none is negative. The one that is most
+// so is released.
+bool SolveActive(const MatrixXd& J, const MatrixXd& normals, std::vector<Index>& active,
+                 KktPoint& kkt) {
   const MatrixXd free_part = J(Eigen::all, kkt.free);
-  kkt.alpha = LeastNormOnSimplex(free_part * free_part.transpose());
+  const MatrixXd A = normals(active, kkt.free);
+  kkt.tangent = NullSpace(A);
+  const MatrixXd reduced = free_part * kkt.tangent;
+  kkt.alpha = LeastNormOnSimplex(reduced * reduced.transpose());
   const double size = kkt.alpha.dot(free_part.rowwise().norm());
-  kkt.residual = size > 0 ? (free_part.transpose() * kkt.alpha).norm() / size : 0.0;
+  kkt.residual = size > 0 ? (reduced.transpose() * kkt.alpha).norm() / size : 0.0;
+  kkt.mu = VectorXd::Zero(normals.rows());
+  if (active.empty()) return true;
+  const VectorXd mu =
+      A.transpose().completeOrthogonalDecomposition().solve(-(free_part.transpose() * kkt.alpha));
+  Index least = 0;
+  const double most_negative = mu.minCoeff(&least);
+  const bool stuck = kkt.tangent.cols() == 0;
+  if (most_negative < 0 || stuck) {
+    active.erase(active.begin() + least);
+    return false;
+  }
+  for (std::size_t k = 0; k < active.size(); ++k) kkt.mu[active[k]] = mu[static_cast<Index>(k)];
+  return true;
+}
+
+void Solve(const MatrixXd& J, const MatrixXd& normals, KktPoint& kkt) {
+  std::vector<Index> active(static_cast<std::size_t>(normals.rows()));
+  std::iota(active.begin(), active.end(), Index{0});
+  while (!SolveActive(J, normals, active, kkt)) {
+  }
 }
 
 }  // namespace
 
-KktPoint RecoverDuals(const MatrixXd& jacobian, const VectorXd& u, double bound_tolerance) {
+KktPoint RecoverDuals(const MatrixXd& jacobian, const VectorXd& u, const MatrixXd& normals,
+                      double bound_tolerance) {
   const Index D = u.size();
   const Index d = jacobian.rows();
+  const MatrixXd constraints = normals.rows() > 0 ? normals : MatrixXd(0, D);
   std::vector<bool> is_free(static_cast<std::size_t>(D));
   for (Index i = 0; i < D; ++i)
     is_free[static_cast<std::size_t>(i)] = u[i] > bound_tolerance && u[i] < 1 - bound_tolerance;
@@ -92,11 +133,12 @@ KktPoint RecoverDuals(const MatrixXd& jacobian, const VectorXd& u, double bound_
   if (kkt.free.empty()) {
     kkt.alpha = VectorXd::Constant(d, 1.0 / static_cast<double>(d));
     kkt.residual = 0;
+    kkt.mu = VectorXd::Zero(normals.rows());
     return kkt;
   }
   for (Index round = 0; round <= D; ++round) {
-    Solve(jacobian, kkt);
-    const VectorXd slope = jacobian.transpose() * kkt.alpha;
+    Solve(jacobian, constraints, kkt);
+    const VectorXd slope = jacobian.transpose() * kkt.alpha + constraints.transpose() * kkt.mu;
     const double small = 1e-3 * kkt.alpha.dot(jacobian.rowwise().norm());
     Index worst = -1;
     double least = -small;
@@ -121,10 +163,11 @@ MatrixXd ExpansionDirections(const KktPoint& kkt, const MatrixXd& jacobian,
                              const MatrixXd& hessian) {
   const Index D = jacobian.cols();
   const auto free_count = static_cast<Index>(kkt.free.size());
-  const Index wanted = std::min(jacobian.rows() - 1, free_count);
+  if (free_count == 0) return MatrixXd(D, 0);
+  const Index wanted = std::min(jacobian.rows() - 1, kkt.tangent.cols());
   if (wanted <= 0) return MatrixXd(D, 0);
-  const MatrixXd J = jacobian(Eigen::all, kkt.free);
-  const MatrixXd H = hessian(kkt.free, kkt.free);
+  const MatrixXd J = jacobian(Eigen::all, kkt.free) * kkt.tangent;
+  const MatrixXd H = kkt.tangent.transpose() * hessian(kkt.free, kkt.free) * kkt.tangent;
   const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(0.5 * (H + H.transpose()));
   const VectorXd magnitudes = eigen.eigenvalues().cwiseAbs();
   const double floor = std::max(1e-3 * magnitudes.maxCoeff(), 1e-12 * J.norm());
@@ -138,8 +181,7 @@ MatrixXd ExpansionDirections(const KktPoint& kkt, const MatrixXd& jacobian,
   Index found = 0;
   for (Index k = 0; k < wanted; ++k) {
     if (!(svd.singularValues()[k] > 1e-9 * svd.singularValues()[0])) break;
-    for (Index i = 0; i < free_count; ++i)
-      directions(kkt.free[static_cast<std::size_t>(i)], k) = svd.matrixU()(i, k);
+    directions(kkt.free, k) = kkt.tangent * svd.matrixU().col(k);
     ++found;
   }
   return directions.leftCols(found);

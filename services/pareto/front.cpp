@@ -114,6 +114,7 @@ std::vector<Labelled> ChoosePoints(const DesignSpace& space, const Archive& arch
     const Eigen::VectorXd& metrics = archive[entry].metrics;
     chosen.push_back({{.x = space.FromUnit(archive[entry].u),
                        .metrics = metrics,
+                       .constraints = archive[entry].constraints,
                        .cell = ids[order[i].second],
                        .embedding = Embed(buffer.scaling().Apply(metrics)),
                        .approximation_error = error},

@@ -14,10 +14,11 @@ namespace mortise::pareto {
 
 // A trade-off. Every one has truly been evaluated.
 struct FrontPoint {
-  Eigen::VectorXd x;          // D, within the bounds
-  Eigen::VectorXd metrics;    // d
-  std::int64_t cell = 0;      // of the performance buffer
-  int piece = 0;              // index into Front::pieces
+  Eigen::VectorXd x;                 // D, within the bounds
+  Eigen::VectorXd metrics;           // d
+  Eigen::VectorXd constraints = {};  // m, all <= 0
+  std::int64_t cell = 0;             // of the performance buffer
+  int piece = 0;                     // index into Front::pieces
   Eigen::VectorXd embedding;  // d - 1 coordinates in [0, 1]: the angles of its ray over pi / 2
   // How much further from the ideal it is than the best found in its cell, e_A of §7.5.4: at most
   // delta_B, in scaled performance.

@@ -26,10 +26,16 @@ std::string Quoted(const std::string& text) {
   return quoted + "\"";
 }
 
+std::string Label(const std::string& name, const std::string& unit) {
+  return unit.empty() ? name : absl::StrCat(name, " (", unit, ")");
+}
+
 std::string MetricLabel(const v1::Front& front, int index) {
-  const std::string& unit = front.metric_units(index);
-  return unit.empty() ? front.metric_names(index)
-                      : absl::StrCat(front.metric_names(index), " (", unit, ")");
+  return Label(front.metric_names(index), front.metric_units(index));
+}
+
+std::string ConstraintLabel(const v1::Front& front, int index) {
+  return Label(front.specification().constraints(index).metric(), front.constraint_units(index));
 }
 
 }  // namespace
@@ -39,10 +45,14 @@ std::string FrontAsCsv(const v1::Front& front) {
   for (const std::string& name : front.parameter_names()) absl::StrAppend(&csv, Quoted(name), ",");
   for (int i = 0; i < front.metric_names_size(); ++i)
     absl::StrAppend(&csv, Quoted(MetricLabel(front, i)), ",");
+  for (int i = 0; i < front.specification().constraints_size(); ++i)
+    absl::StrAppend(&csv, Quoted(ConstraintLabel(front, i)), ",");
   csv += "piece\r\n";
   for (const v1::FrontPoint& point : front.points()) {
     for (const double value : point.parameters()) absl::StrAppendFormat(&csv, "%.17g,", value);
     for (const double value : point.metrics()) absl::StrAppendFormat(&csv, "%.17g,", value);
+    for (const double value : point.constraint_metrics())
+      absl::StrAppendFormat(&csv, "%.17g,", value);
     absl::StrAppend(&csv, point.piece(), "\r\n");
   }
   return csv;

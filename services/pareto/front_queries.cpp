@@ -191,6 +191,8 @@ absl::StatusOr<v1::RestrictFrontResponse> Restrict(const OpenFront& front,
   response.set_pieces(part.pieces);
   AddRanges(front.message.metric_names(), part.least_metrics, part.most_metrics,
             *response.mutable_metrics());
+  for (int i = 0; i < response.metrics_size(); ++i)
+    response.mutable_metrics(i)->set_unit(front.message.metric_units(i));
   AddRanges(front.message.parameter_names(), part.least_parameters, part.most_parameters,
             *response.mutable_parameters());
   for (const MetricConflict& found : part.conflicts) {

@@ -3,6 +3,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <limits>
 
 #include "services/pareto/bounded_quadratic.h"
 
@@ -12,9 +13,9 @@ namespace {
 constexpr int kFailureLimit = 5;
 constexpr int kTightenLimit = 8;
 
-bool OffersEveryGradient(const ArchiveEntry& entry) {
-  if (entry.jacobian.size() == 0) return false;
-  return !entry.jacobian.array().isNaN().rowwise().all().any();
+// Whether the evaluator offered all rows.
+bool OffersEvery(const Eigen::MatrixXd& jacobian) {
+  return jacobian.size() > 0 && !jacobian.array().isNaN().rowwise().all().any();
 }
 
 }  // namespace
@@ -50,7 +51,7 @@ std::optional<Eigen::VectorXd> LocalOptimization::Ask(Archive& archive) {
     return std::nullopt;
   }
   if (queue_.empty()) {
-    if (options_.differences && !OffersEveryGradient(archive[*best_])) {
+    if (options_.differences && !OffersEvery(archive[*best_].jacobian)) {
       options_.differences = false;
       QueueDifferences(archive);
     } else {
@@ -77,8 +78,43 @@ void LocalOptimization::QueueDifferences(const Archive& archive) {
   waiting_ = Waiting::kDifferences;
 }
 
+LocalOptimization::Merit LocalOptimization::MeritOf(const Archive& archive,
+                                                    std::size_t entry) const {
+  return {archive.Violation(entry), Residual(archive, entry).norm()};
+}
+
+// `entry` may have failed.
+bool LocalOptimization::IsBetter(const Archive& archive, std::size_t entry,
+                                 std::size_t than) const {
+  if (!archive[entry].evaluated) return false;
+  const Merit one = MeritOf(archive, entry), other = MeritOf(archive, than);
+  return one.violation != other.violation ? one.violation < other.violation
+                                          : one.distance < other.distance;
+}
+
+// The models of all constraints around the best point, each in units of its size, raised by their
+// margins.
+std::vector<QuadraticFunction> LocalOptimization::ConstraintsAt(Archive& archive) {
+  const Eigen::VectorXd sizes = archive.ConstraintSizes();
+  if (sizes.size() == 0) return {};
+  if (margins_.size() == 0) margins_ = Eigen::VectorXd::Zero(sizes.size());
+  const Eigen::VectorXd u = archive[*best_].u;
+  const QuadraticModel model =
+      FitConstraintModel(archive, *best_, radius_, archive.PriorConstraintJacobian(u));
+  archive.RememberConstraints(*best_, model.jacobian);
+  std::vector<QuadraticFunction> constraints = ConstraintsAround(model, u, sizes);
+  for (std::size_t j = 0; j < constraints.size(); ++j) {
+    double& margin = margins_[static_cast<Eigen::Index>(j)];
+    // What there is to spare can be halved each time.
+    if (constraints[j].value <= 0) margin = std::min(margin, -0.5 * constraints[j].value);
+    constraints[j].value += margin;
+  }
+  return constraints;
+}
+
 void LocalOptimization::JoinTheBest(const Archive& archive) {
-  double least = Residual(archive, *best_).norm() - options_.tolerance;
+  double least = archive[*best_].feasible ? Residual(archive, *best_).norm() - options_.tolerance
+                                          : std::numeric_limits<double>::infinity();
   for (const std::size_t other : archive.non_dominated()) {
     const double distance = Residual(archive, other).norm();
     if (distance >= least) continue;
@@ -90,6 +126,7 @@ void LocalOptimization::JoinTheBest(const Archive& archive) {
 
 std::optional<Eigen::VectorXd> LocalOptimization::NextPoint(Archive& archive) {
   if (options_.join) JoinTheBest(archive);
+  if (!archive[*best_].feasible) return RestoringPoint(archive);
   const Eigen::VectorXd u = archive[*best_].u;
   const Eigen::MatrixXd prior = archive.PriorJacobian(u);
   const QuadraticModel model = FitQuadraticModel(archive, *best_, radius_, prior);
@@ -99,17 +136,19 @@ std::optional<Eigen::VectorXd> LocalOptimization::NextPoint(Archive& archive) {
   const Eigen::VectorXd g = J.transpose() * r;
   const Eigen::MatrixXd B =
       J.transpose() * J + model.WeightedHessian(r.cwiseQuotient(scaling_.range));
-  const Eigen::VectorXd lower = (-u).cwiseMax(-radius_);
-  const Eigen::VectorXd upper = (Eigen::VectorXd::Ones(u.size()) - u).cwiseMin(radius_);
-  const Eigen::VectorXd p = MinimizeBoundedQuadratic(g, B, lower, upper);
-  predicted_decrease_ = -(g.dot(p) + 0.5 * p.dot(B * p));
-  step_length_ = p.lpNorm<Eigen::Infinity>();
+  const Eigen::VectorXd lower = LeastStep(archive), upper = MostStep(archive);
+  constraints_ = ConstraintsAt(archive);
+  stepped_ = MinimizeBoundedQuadratic(g, B, lower, upper);
+  if (Violation(constraints_, stepped_) > 0)
+    stepped_ = MinimizeWithin({0, g, B}, constraints_, lower, upper);
+  predicted_decrease_ = -(g.dot(stepped_) + 0.5 * stepped_.dot(B * stepped_));
+  step_length_ = stepped_.lpNorm<Eigen::Infinity>();
 
   const bool small = predicted_decrease_ <= options_.tolerance * r.norm() || step_length_ < 1e-9;
   // What is believed of slopes nearby is trusted until steps fail.
   const bool doubtful = failures_ >= 2 || (small && prior.size() == 0);
   if (doubtful && !model.exact_gradients) {
-    const std::optional<Eigen::VectorXd> geometry = GeometryPoint(archive, model, g);
+    const std::optional<Eigen::VectorXd> geometry = GeometryPoint(archive, g);
     if (geometry) {
       waiting_ = Waiting::kGeometry;
       return geometry;
@@ -120,35 +159,68 @@ std::optional<Eigen::VectorXd> LocalOptimization::NextPoint(Archive& archive) {
     return std::nullopt;
   }
   waiting_ = Waiting::kStep;
-  return (u + p).cwiseMax(0.0).cwiseMin(1.0);
+  return (u + stepped_).cwiseMax(0.0).cwiseMin(1.0);
+}
+
+// Where the constraints that the best point violates are met, as far as their models tell.
+std::optional<Eigen::VectorXd> LocalOptimization::RestoringPoint(Archive& archive) {
+  constraints_ = ConstraintsAt(archive);
+  stepped_ = ReduceViolation(constraints_, LeastStep(archive), MostStep(archive));
+  predicted_decrease_ = Violation(constraints_, Eigen::VectorXd::Zero(stepped_.size())) -
+                        Violation(constraints_, stepped_);
+  step_length_ = stepped_.lpNorm<Eigen::Infinity>();
+  const bool exact = OffersEvery(archive[*best_].constraint_jacobian);
+  if (failures_ >= 2 && !exact) {
+    Eigen::VectorXd slope = Eigen::VectorXd::Zero(stepped_.size());
+    for (const QuadraticFunction& constraint : constraints_)
+      slope += std::max(0.0, constraint.value) * constraint.gradient;
+    if (const std::optional<Eigen::VectorXd> geometry = GeometryPoint(archive, slope)) {
+      waiting_ = Waiting::kGeometry;
+      return geometry;
+    }
+  }
+  if (!(predicted_decrease_ > 0) || step_length_ < 1e-9) {
+    stop_ = StopReason::kStalled;
+    return std::nullopt;
+  }
+  waiting_ = Waiting::kStep;
+  return (archive[*best_].u + stepped_).cwiseMax(0.0).cwiseMin(1.0);
+}
+
+Eigen::VectorXd LocalOptimization::LeastStep(const Archive& archive) const {
+  return (-archive[*best_].u).cwiseMax(-radius_);
+}
+
+Eigen::VectorXd LocalOptimization::MostStep(const Archive& archive) const {
+  return (1 - archive[*best_].u.array()).matrix().cwiseMin(radius_);
 }
 
 std::optional<Eigen::VectorXd> LocalOptimization::GeometryPoint(const Archive& archive,
-                                                                const QuadraticModel& model,
                                                                 const Eigen::VectorXd& gradient) {
-  const Eigen::Index D = model.centre.size();
+  const Eigen::VectorXd& centre = archive[*best_].u;
+  const Eigen::Index D = centre.size();
   if (geometry_points_ >= D / 2 + 2) return std::nullopt;
   const double reach = std::max(radius_, 0.02);
   Eigen::MatrixXd spread = Eigen::MatrixXd::Zero(D, D);
   for (const std::size_t other :
        SpreadNeighbours(archive, *best_, static_cast<std::size_t>(2 * D + 4))) {
-    const Eigen::VectorXd s = (archive[other].u - model.centre) / reach;
+    const Eigen::VectorXd s = (archive[other].u - centre) / reach;
     if (s.norm() > 6) break;
     spread += s * s.transpose() / std::max(1.0, s.squaredNorm());
   }
   // A parameter at a bound that every descent would push further out needs no more looks.
   for (Eigen::Index i = 0; i < D; ++i)
-    if ((model.centre[i] <= 0 && gradient[i] > 0) || (model.centre[i] >= 1 && gradient[i] < 0))
+    if ((centre[i] <= 0 && gradient[i] > 0) || (centre[i] >= 1 && gradient[i] < 0))
       spread(i, i) += 1;
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(spread);
   if (eigen.eigenvalues()[0] > 0.02) return std::nullopt;
   Eigen::VectorXd v = eigen.eigenvectors().col(0);
   if (v.dot(gradient) > 0) v = -v;
-  Eigen::VectorXd point = (model.centre + reach * v).cwiseMax(0.0).cwiseMin(1.0);
-  if ((point - model.centre).norm() < 0.3 * reach)
-    point = (model.centre - reach * v).cwiseMax(0.0).cwiseMin(1.0);
+  Eigen::VectorXd point = (centre + reach * v).cwiseMax(0.0).cwiseMin(1.0);
+  if ((point - centre).norm() < 0.3 * reach)
+    point = (centre - reach * v).cwiseMax(0.0).cwiseMin(1.0);
   ++geometry_points_;
-  if ((point - model.centre).norm() < 0.1 * reach) return std::nullopt;
+  if ((point - centre).norm() < 0.1 * reach) return std::nullopt;
   return point;
 }
 
@@ -158,7 +230,7 @@ void LocalOptimization::Tell(Archive& archive, std::size_t entry) {
     case Waiting::kNothing:
       break;
     case Waiting::kStart:
-      if (archive[entry].feasible) {
+      if (archive[entry].evaluated) {
         best_ = entry;
       } else {
         stop_ = StopReason::kStartFailed;
@@ -166,9 +238,7 @@ void LocalOptimization::Tell(Archive& archive, std::size_t entry) {
       break;
     case Waiting::kDifferences:
     case Waiting::kGeometry:
-      if (archive[entry].feasible &&
-          Residual(archive, entry).norm() < Residual(archive, *best_).norm())
-        best_ = entry;
+      if (IsBetter(archive, entry, *best_)) best_ = entry;
       break;
     case Waiting::kStep:
       Judge(archive, entry);
@@ -177,14 +247,34 @@ void LocalOptimization::Tell(Archive& archive, std::size_t entry) {
   if (stop_ == StopReason::kNone) TightenTarget(archive);
 }
 
-void LocalOptimization::Judge(const Archive& archive, std::size_t entry) {
-  double ratio = -1;
-  if (archive[entry].feasible) {
-    const double before = 0.5 * Residual(archive, *best_).squaredNorm();
-    const double after = 0.5 * Residual(archive, entry).squaredNorm();
-    ratio = (before - after) / predicted_decrease_;
-    if (after < before) best_ = entry;
+// Of the actual to the predicted decrease by the last step; below 0 where that failed.
+double LocalOptimization::RatioOf(const Archive& archive, std::size_t entry) const {
+  const ArchiveEntry& told = archive[entry];
+  if (!told.evaluated) return -1;
+  if (!archive[*best_].feasible)
+    return (archive.Violation(*best_) - archive.Violation(entry)) / predicted_decrease_;
+  if (!told.feasible) return -1;
+  const double before = 0.5 * Residual(archive, *best_).squaredNorm();
+  const double after = 0.5 * Residual(archive, entry).squaredNorm();
+  return (before - after) / predicted_decrease_;
+}
+
+// A constraint that was violated by more than its model said is kept away from by as much again;
+// half of that from each time that it is met.
+void LocalOptimization::LearnMargins(const Archive& archive, std::size_t entry) {
+  if (constraints_.empty() || !archive[entry].evaluated) return;
+  const Eigen::VectorXd actual =
+      archive[entry].constraints.cwiseQuotient(archive.ConstraintSizes());
+  for (Eigen::Index j = 0; j < margins_.size(); ++j) {
+    const double predicted = constraints_[static_cast<std::size_t>(j)](stepped_) - margins_[j];
+    margins_[j] = actual[j] > 0 ? std::max(2 * (actual[j] - predicted), 0.0) : 0.5 * margins_[j];
   }
+}
+
+void LocalOptimization::Judge(const Archive& archive, std::size_t entry) {
+  LearnMargins(archive, entry);
+  const double ratio = RatioOf(archive, entry);
+  if (IsBetter(archive, entry, *best_)) best_ = entry;
   if (ratio > 0.7) {
     radius_ = std::clamp(2 * step_length_, radius_, 1.0);
   } else if (ratio < 0.25) {
@@ -195,7 +285,7 @@ void LocalOptimization::Judge(const Archive& archive, std::size_t entry) {
 }
 
 void LocalOptimization::TightenTarget(const Archive& archive) {
-  if (tightened_ >= kTightenLimit) return;
+  if (tightened_ >= kTightenLimit || !archive[*best_].feasible) return;
   const Eigen::VectorXd r = Residual(archive, *best_);
   if (r.norm() > 0.2 * target_.reach && r.maxCoeff() > 0.2 * target_.reach) return;
   // Each time twice as far: where the front really is may be many ranges of the first samples away.

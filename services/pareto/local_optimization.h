@@ -16,6 +16,10 @@
 // followed by one along the direction they miss. Finite differences are made only where nothing is
 // known.
 //
+// With constraints a step minimises the same within their quadratic models, less what these have
+// lately been wrong by (constrained_quadratic.h). A design that violates constraints is first led
+// to where it meets them, and none that violates any is ever preferred to one that does not.
+//
 // A z that turns out to be in reach was not utopian: it is moved on along its direction and the
 // search continues.
 #pragma once
@@ -23,8 +27,10 @@
 #include <Eigen/Core>
 #include <deque>
 #include <optional>
+#include <vector>
 
 #include "services/pareto/archive.h"
+#include "services/pareto/constrained_quadratic.h"
 #include "services/pareto/point_source.h"
 #include "services/pareto/quadratic_model.h"
 
@@ -63,7 +69,7 @@ class LocalOptimization : public PointSource {
 
   StopReason stop_reason() const { return stop_; }
 
-  // The best entry so far; nullopt when the start failed.
+  // The best entry so far, which may violate constraints; nullopt when the start failed.
   std::optional<std::size_t> best() const { return best_; }
 
   int evaluations() const { return evaluations_; }
@@ -71,11 +77,25 @@ class LocalOptimization : public PointSource {
  private:
   enum class Waiting { kNothing, kStart, kDifferences, kStep, kGeometry };
 
+  // How good a point is: first what it violates, then how far it is from the target.
+  struct Merit {
+    double violation = 0;
+    double distance = 0;
+  };
+
+  Merit MeritOf(const Archive& archive, std::size_t entry) const;
+  bool IsBetter(const Archive& archive, std::size_t entry, std::size_t than) const;
+  std::vector<QuadraticFunction> ConstraintsAt(Archive& archive);
+  void LearnMargins(const Archive& archive, std::size_t entry);
+  double RatioOf(const Archive& archive, std::size_t entry) const;
+  Eigen::VectorXd LeastStep(const Archive& archive) const;
+  Eigen::VectorXd MostStep(const Archive& archive) const;
   Eigen::VectorXd Residual(const Archive& archive, std::size_t entry) const;
   std::optional<Eigen::VectorXd> NextPoint(Archive& archive);
-  std::optional<Eigen::VectorXd> GeometryPoint(const Archive& archive, const QuadraticModel& model,
+  std::optional<Eigen::VectorXd> GeometryPoint(const Archive& archive,
                                                const Eigen::VectorXd& gradient);
   void JoinTheBest(const Archive& archive);
+  std::optional<Eigen::VectorXd> RestoringPoint(Archive& archive);
   void QueueDifferences(const Archive& archive);
   void Judge(const Archive& archive, std::size_t entry);
   void TightenTarget(const Archive& archive);
@@ -93,7 +113,10 @@ class LocalOptimization : public PointSource {
   int geometry_points_ = 0;  // spent on directions that were missing
   int tightened_ = 0;
   double radius_;
-  double predicted_decrease_ = 0;
+  double predicted_decrease_ = 0;  // of the squared distance over 2, or of the violation
+  std::vector<QuadraticFunction> constraints_;  // modelled for the step under way, with margins
+  Eigen::VectorXd stepped_;                     // that step
+  Eigen::VectorXd margins_;                     // m, in units of each constraint's size
   double step_length_ = 0;
   StopReason stop_ = StopReason::kNone;
 };

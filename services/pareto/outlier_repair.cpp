@@ -11,7 +11,7 @@ namespace {
 using Eigen::VectorXd;
 
 constexpr double kLeastDeviation = 0.0005;  // unit coordinates
-constexpr double kOutlying = 4;            // interquartile ranges
+constexpr double kOutlying = 4;             // interquartile ranges
 
 struct Repair {
   double deviation = 0;  // the largest of its parameters, unit coordinates

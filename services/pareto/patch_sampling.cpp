@@ -14,8 +14,11 @@ namespace {
 constexpr int kBisectionDepth = 6;
 constexpr double kNoWeight = 1e-3;  // of a metric, out of 1 for all
 constexpr double kModelRadius = 0.1;
-constexpr double kFar = 1e4;              // steps, more than any piece has
-constexpr std::size_t kNodeLimit = 5000;  // a patch whose nodes are all covered ends somewhere
+constexpr double kActiveDistance = 0.02;     // from a constraint, unit coordinates
+constexpr double kWidestMargin = 0.05;       // from a constraint, in units of its size
+constexpr double kLongestCorrection = 0.25;  // of each unit coordinate
+constexpr double kFar = 1e4;                 // steps, more than any piece has
+constexpr std::size_t kNodeLimit = 5000;     // a patch whose nodes are all covered ends somewhere
 
 // The largest s in [0, 1] for which centre + s offset stays within the unit box.
 double Reach(const Eigen::VectorXd& centre, const Eigen::VectorXd& offset) {
@@ -31,7 +34,7 @@ double Reach(const Eigen::VectorXd& centre, const Eigen::VectorXd& offset) {
 // do not change: as on a whole face on which one metric is at its best.
 bool IsOnlyWeaklyOptimal(const KktPoint& kkt, const Eigen::MatrixXd& jacobian) {
   for (Eigen::Index i = 0; i < kkt.alpha.size(); ++i) {
-    const double slope = jacobian(i, kkt.free).norm();
+    const double slope = (jacobian(i, kkt.free) * kkt.tangent).norm();
     if (kkt.alpha[i] < kNoWeight && slope > 0.1 * jacobian.row(i).norm() && slope > 0) return true;
   }
   return false;
@@ -68,7 +71,7 @@ void PatchSampling::Start(Archive& archive) {
   piece_.directions = Eigen::MatrixXd(u.size(), 0);
   model_ = FitQuadraticModel(archive, piece_.entry, kModelRadius, archive.PriorJacobian(u));
   const Eigen::MatrixXd J = scaling_.range.cwiseInverse().asDiagonal() * model_->jacobian;
-  kkt_ = RecoverDuals(J, u);
+  RecoverDualsAt(archive, piece_.entry);
   if (!IsCritical(J)) {
     finished_ = true;
     return;
@@ -82,6 +85,49 @@ void PatchSampling::Start(Archive& archive) {
   } else {
     Open(archive);
   }
+}
+
+// At an entry that the model is of.
+void PatchSampling::RecoverDualsAt(const Archive& archive, std::size_t entry) {
+  const Eigen::VectorXd& u = archive[entry].u;
+  const Eigen::MatrixXd J = scaling_.range.cwiseInverse().asDiagonal() * model_->jacobian;
+  constraint_hessian_ = Eigen::MatrixXd::Zero(u.size(), u.size());
+  std::vector<QuadraticFunction> active;
+  if (archive[entry].constraints.size() > 0) {
+    active = ConstraintsAround(
+        FitConstraintModel(archive, entry, kModelRadius, archive.PriorConstraintJacobian(u)), u,
+        archive.ConstraintSizes());
+    std::erase_if(active, [](const QuadraticFunction& constraint) {
+      return constraint.value < -kActiveDistance * constraint.gradient.norm();
+    });
+  }
+  Eigen::MatrixXd normals(static_cast<Eigen::Index>(active.size()), u.size());
+  for (std::size_t k = 0; k < active.size(); ++k)
+    normals.row(static_cast<Eigen::Index>(k)) = active[k].gradient.transpose();
+  kkt_ = RecoverDuals(J, u, normals);
+  for (std::size_t k = 0; k < active.size(); ++k)
+    constraint_hessian_ += kkt_.mu[static_cast<Eigen::Index>(k)] * active[k].hessian;
+}
+
+// `point`, or one nearby that meets the constraints as far as is known at `parent`.
+Eigen::VectorXd PatchSampling::WithinConstraints(const Archive& archive,
+                                                 const Eigen::VectorXd& point,
+                                                 std::size_t parent) const {
+  if (archive[parent].constraints.size() == 0) return point;
+  std::vector<QuadraticFunction> constraints =
+      ConstraintsAround(FitConstraintModel(archive, parent, kModelRadius,
+                                           archive.PriorConstraintJacobian(archive[parent].u)),
+                        point, archive.ConstraintSizes());
+  for (QuadraticFunction& constraint : constraints) constraint.value += margin_;
+  if (!(Violation(constraints, Eigen::VectorXd::Zero(point.size())) > 0)) return point;
+  const Eigen::VectorXd lower = (-point).cwiseMax(-kLongestCorrection);
+  const Eigen::VectorXd upper = (1 - point.array()).matrix().cwiseMin(kLongestCorrection);
+  return (point + ReduceViolation(constraints, lower, upper)).cwiseMax(0.0).cwiseMin(1.0);
+}
+
+void PatchSampling::LearnMargin(const Archive& archive, std::size_t entry) {
+  const Eigen::VectorXd above = archive[entry].constraints.cwiseQuotient(archive.ConstraintSizes());
+  margin_ = std::max(margin_, std::min(2 * above.maxCoeff(), kWidestMargin));
 }
 
 bool PatchSampling::IsCritical(const Eigen::MatrixXd& jacobian) const {
@@ -108,12 +154,13 @@ std::optional<Eigen::VectorXd> PatchSampling::BetterCentre() const {
 void PatchSampling::FinishMeasurement(const Archive& archive) {
   model_ = measurement_->Measured();
   const Eigen::MatrixXd J = scaling_.range.cwiseInverse().asDiagonal() * model_->jacobian;
-  kkt_ = RecoverDuals(J, piece_.centre);
+  RecoverDualsAt(archive, piece_.entry);
   if (!IsCritical(J)) {
     finished_ = true;
     return;
   }
-  better_centre_ = BetterCentre();
+  // Where constraints hold it, the metrics alone do not say what is better.
+  if (!(kkt_.mu.array() > 0).any()) better_centre_ = BetterCentre();
   if (!better_centre_) Open(archive);
 }
 
@@ -128,7 +175,7 @@ void PatchSampling::MoveCentre(const Archive& archive, std::size_t entry) {
     model_->centre = piece_.centre = told.u;
     model_->value = told.metrics;
     piece_.entry = entry;
-    kkt_ = RecoverDuals(scaling_.range.cwiseInverse().asDiagonal() * model_->jacobian, told.u);
+    RecoverDualsAt(archive, entry);
   }
   Open(archive);
 }
@@ -142,7 +189,8 @@ void PatchSampling::FinishHessian(const Archive& archive) {
 void PatchSampling::Open(const Archive& archive) {
   const Eigen::MatrixXd scale = scaling_.range.cwiseInverse().asDiagonal();
   const Eigen::MatrixXd J = scale * model_->jacobian;
-  const Eigen::MatrixXd H = model_->WeightedHessian(kkt_.alpha.cwiseQuotient(scaling_.range));
+  const Eigen::MatrixXd H =
+      model_->WeightedHessian(kkt_.alpha.cwiseQuotient(scaling_.range)) + constraint_hessian_;
   piece_.directions = WithoutFreeGains(ExpansionDirections(kkt_, J, H), J, H);
   const Eigen::Index k = piece_.directions.cols();
   if (k == 0) {
@@ -156,17 +204,18 @@ void PatchSampling::Open(const Archive& archive) {
   }
   const Node origin(static_cast<std::size_t>(k), 0);
   seen_.insert(origin);
-  Expand(origin, false);
+  Expand({origin, false, piece_.entry});
   if (k == 1) Keep(archive, 0, piece_.entry, 0);
 }
 
-void PatchSampling::Expand(const Node& node, bool beyond) {
+// To the neighbours of a node.
+void PatchSampling::Expand(const Reached& from) {
   if (seen_.size() > kNodeLimit) return;
-  for (std::size_t i = 0; i < node.size(); ++i) {
+  for (std::size_t i = 0; i < from.node.size(); ++i) {
     for (const int sign : {+1, -1}) {
-      Node next = node;
+      Node next = from.node;
       next[i] += sign;
-      if (seen_.insert(next).second) frontier_.push_back({next, beyond});
+      if (seen_.insert(next).second) frontier_.push_back({next, from.beyond, from.parent});
     }
   }
 }
@@ -193,7 +242,7 @@ void PatchSampling::QueueProbes() {
       const double share = (static_cast<double>(n) - 0.5) / static_cast<double>(each);
       Node probe = along;
       for (int& i : probe) i *= std::max(1, static_cast<int>(std::lround(share * nodes)));
-      if (seen_.insert(probe).second) frontier_.push_back({probe, true});
+      if (seen_.insert(probe).second) frontier_.push_back({probe, true, piece_.entry});
     }
   }
 }
@@ -230,11 +279,11 @@ std::optional<Eigen::VectorXd> PatchSampling::Ask(Archive& archive) {
   if (finished_) return std::nullopt;
   if (measurement_ && !measurement_->Finished()) {
     const std::optional<Eigen::VectorXd> point = measurement_->Ask();
-    if (point) asked_.push_back({Request::Kind::kMeasurement, 0, {}, false, 0, 0});
+    if (point) asked_.push_back({Request::Kind::kMeasurement, 0, {}, 0, 0});
     return point;
   }
   if (better_centre_) {
-    asked_.push_back({Request::Kind::kCentre, 0, {}, false, 0, 0});
+    asked_.push_back({Request::Kind::kCentre, 0, {}, 0, 0});
     return std::exchange(better_centre_, std::nullopt);
   }
   if (steps_.size() == 0 && hessian_coordinates_.empty() && hessian_pending_ == 0)
@@ -244,7 +293,7 @@ std::optional<Eigen::VectorXd> PatchSampling::Ask(Archive& archive) {
     hessian_coordinates_.pop_front();
     Eigen::VectorXd point = piece_.centre;
     point[i] += point[i] < 0.5 ? options_.difference : -options_.difference;
-    asked_.push_back({Request::Kind::kHessian, i, {}, false, 0, 0});
+    asked_.push_back({Request::Kind::kHessian, i, {}, 0, 0});
     return point;
   }
   if (hessian_pending_ > 0) return std::nullopt;
@@ -253,8 +302,10 @@ std::optional<Eigen::VectorXd> PatchSampling::Ask(Archive& archive) {
     const Bisection next = bisections_.front();
     bisections_.pop_front();
     ++evaluations_;
-    asked_.push_back({Request::Kind::kBisection, 0, {}, false, next.parameter, next.depth});
-    return (piece_.centre + next.parameter * piece_.directions.col(0)).cwiseMax(0.0).cwiseMin(1.0);
+    asked_.push_back({Request::Kind::kBisection, 0, {}, next.parameter, next.depth});
+    const Eigen::VectorXd point =
+        (piece_.centre + next.parameter * piece_.directions.col(0)).cwiseMax(0.0).cwiseMin(1.0);
+    return WithinConstraints(archive, point, line_.lower_bound(next.parameter)->second);
   }
   if (!asked_.empty()) return std::nullopt;
   if (options_.probes > 0 && !std::exchange(probed_, true)) {
@@ -267,18 +318,19 @@ std::optional<Eigen::VectorXd> PatchSampling::Ask(Archive& archive) {
 
 std::optional<Eigen::VectorXd> PatchSampling::AskNode(const Archive& archive) {
   while (!frontier_.empty() && evaluations_ < options_.evaluations) {
-    const auto [node, beyond] = frontier_.front();
+    const Reached reached = frontier_.front();
     frontier_.pop_front();
     double parameter = 0;
-    const std::optional<Eigen::VectorXd> point = NodePoint(node, &parameter);
+    const std::optional<Eigen::VectorXd> point = NodePoint(reached.node, &parameter);
     if (!point) continue;
-    if (!beyond && Covered(archive, model_->Predict(*point))) {
-      Expand(node, false);
+    const Eigen::VectorXd possible = WithinConstraints(archive, *point, reached.parent);
+    if (!reached.beyond && Covered(archive, model_->Predict(possible))) {
+      Expand(reached);
       continue;
     }
     ++evaluations_;
-    asked_.push_back({Request::Kind::kNode, 0, node, beyond, parameter, 0});
-    return point;
+    asked_.push_back({Request::Kind::kNode, 0, reached, parameter, 0});
+    return possible;
   }
   return std::nullopt;
 }
@@ -288,13 +340,13 @@ void PatchSampling::Tell(Archive& archive, std::size_t entry) {
   asked_.pop_front();
   const ArchiveEntry& told = archive[entry];
   if (request.kind == Request::Kind::kMeasurement) {
-    measurement_->Tell(told.feasible ? std::optional(told.metrics) : std::nullopt);
+    measurement_->Tell(told.evaluated ? std::optional(told.metrics) : std::nullopt);
     if (measurement_->Finished()) FinishMeasurement(archive);
     return;
   }
   if (request.kind == Request::Kind::kCentre) return MoveCentre(archive, entry);
   if (request.kind == Request::Kind::kHessian) {
-    if (told.feasible && told.jacobian.size() > 0 && told.jacobian.allFinite()) {
+    if (told.evaluated && told.jacobian.size() > 0 && told.jacobian.allFinite()) {
       const double h = told.u[request.coordinate] - piece_.centre[request.coordinate];
       for (Eigen::Index i = 0; std::abs(h) > 0 && i < told.metrics.size(); ++i)
         model_->hessians[static_cast<std::size_t>(i)].col(request.coordinate) =
@@ -303,9 +355,18 @@ void PatchSampling::Tell(Archive& archive, std::size_t entry) {
     if (--hessian_pending_ == 0) FinishHessian(archive);
     return;
   }
+  const bool stepped = request.kind == Request::Kind::kNode && !request.reached.beyond;
+  if (stepped && told.evaluated && !told.feasible) {
+    LearnMargin(archive, entry);
+    if (!request.reached.again) {
+      frontier_.push_front(request.reached);
+      frontier_.front().again = true;
+    }
+  }
   if (!told.feasible || archive.ClearlyDominated(told.metrics, scaling_, options_.tolerance))
     return;
-  if (request.kind == Request::Kind::kNode) Expand(request.node, request.beyond);
+  if (request.kind == Request::Kind::kNode)
+    Expand({request.reached.node, request.reached.beyond, entry});
   if (steps_.size() == 1) Keep(archive, request.parameter, entry, request.depth);
 }
 

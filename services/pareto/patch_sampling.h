@@ -12,6 +12,9 @@
 //   - at last a few nodes beyond are probed, up to the bounds, since a front may go on where a
 //     stretch of the same piece is dominated: ZDT3's comes back four times. The walk goes on from
 //     those that no known point clearly dominates.
+// Where constraints hold the front they may be curved, which the piece is not: nodes are brought to
+// where the models of the constraints at the neighbour that they were reached from say that these
+// are met, and one that violates some nevertheless is tried once more, further from them.
 #pragma once
 
 #include <Eigen/Core>
@@ -70,15 +73,16 @@ class PatchSampling : public PointSource {
 
   struct Reached {
     Node node;
-    bool beyond = false;  // from a probe: nothing is known about it
+    bool beyond = false;     // from a probe: nothing is known about it
+    std::size_t parent = 0;  // entry of the evaluated neighbour
+    bool again = false;      // it violated constraints once
   };
 
   // What an outstanding point is for.
   struct Request {
     enum class Kind { kMeasurement, kCentre, kHessian, kNode, kBisection } kind;
     Eigen::Index coordinate = 0;  // kHessian
-    Node node;                    // kNode
-    bool beyond = false;          // kNode
+    Reached reached = {};         // kNode
     double parameter = 0;         // t, for d = 2
     int depth = 0;                // kBisection
   };
@@ -90,7 +94,11 @@ class PatchSampling : public PointSource {
   void MoveCentre(const Archive& archive, std::size_t entry);
   void FinishHessian(const Archive& archive);
   void Open(const Archive& archive);
-  void Expand(const Node& node, bool beyond);
+  void RecoverDualsAt(const Archive& archive, std::size_t entry);
+  Eigen::VectorXd WithinConstraints(const Archive& archive, const Eigen::VectorXd& point,
+                                    std::size_t parent) const;
+  void LearnMargin(const Archive& archive, std::size_t entry);
+  void Expand(const Reached& from);
   void QueueProbes();
   std::optional<Eigen::VectorXd> AskNode(const Archive& archive);
   std::optional<Eigen::VectorXd> NodePoint(const Node& node, double* parameter) const;
@@ -107,7 +115,9 @@ class PatchSampling : public PointSource {
   std::optional<DifferenceModel> measurement_;
   std::optional<Eigen::VectorXd> better_centre_;  // to be asked for
   KktPoint kkt_;
-  Eigen::VectorXd steps_;  // lattice spacing along each direction
+  Eigen::MatrixXd constraint_hessian_;  // sum_k mu_k H_gk, D x D
+  double margin_ = 0;                   // kept from constraints, each in units of its size
+  Eigen::VectorXd steps_;               // lattice spacing along each direction
   std::deque<Eigen::Index> hessian_coordinates_;
   int hessian_pending_ = 0;
   std::deque<Reached> frontier_;

@@ -15,8 +15,17 @@ constexpr double kInterpolation = 1e-9;   // slack of near neighbours: all but i
 constexpr double kCubicSlack = 0.03;      // growth of the slack: what third derivatives may do
 constexpr double kThinning = 0.3;         // least distance between neighbours over that to c
 
-bool OffersGradient(const ArchiveEntry& entry, Index metric) {
-  return entry.jacobian.rows() > metric && !entry.jacobian.row(metric).array().isNaN().all();
+// What is modelled: metrics or constraints.
+struct Quantities {
+  Eigen::VectorXd ArchiveEntry::*values;
+  Eigen::MatrixXd ArchiveEntry::*jacobian;
+};
+
+constexpr Quantities kMetrics{&ArchiveEntry::metrics, &ArchiveEntry::jacobian};
+constexpr Quantities kConstraints{&ArchiveEntry::constraints, &ArchiveEntry::constraint_jacobian};
+
+bool OffersGradient(const Eigen::MatrixXd& jacobian, Index row) {
+  return jacobian.rows() > row && !jacobian.row(row).array().isNaN().all();
 }
 
 // Adds to the model of each metric in `metrics` the kernel expansion with slope weight `a`.
@@ -49,19 +58,18 @@ double Sparsity(const Archive& archive, std::size_t centre,
 // Powell's symmetric update of a Hessian by offered gradients, from the farthest neighbour to the
 // nearest: H becomes the nearest matrix (Frobenius) with H s = grad f(c + s) - grad f(c).
 void UpdateBySecants(const Archive& archive, const ArchiveEntry& centre,
-                     const std::vector<std::size_t>& neighbours, double scale, Index metric,
-                     QuadraticModel& model) {
-  Eigen::MatrixXd& H = model.hessians[static_cast<std::size_t>(metric)];
+                     const std::vector<std::size_t>& neighbours, double scale,
+                     const Quantities& modelled, Index row, QuadraticModel& model) {
+  Eigen::MatrixXd& H = model.hessians[static_cast<std::size_t>(row)];
+  const Eigen::MatrixXd& here = centre.*modelled.jacobian;
   for (auto at = neighbours.rbegin(); at != neighbours.rend(); ++at) {
-    const ArchiveEntry& other = archive[*at];
-    if (!OffersGradient(other, metric) || !other.jacobian.row(metric).allFinite() ||
-        !centre.jacobian.row(metric).allFinite())
+    const Eigen::MatrixXd& there = archive[*at].*modelled.jacobian;
+    if (!OffersGradient(there, row) || !there.row(row).allFinite() || !here.row(row).allFinite())
       continue;
-    const Eigen::VectorXd s = other.u - centre.u;
+    const Eigen::VectorXd s = archive[*at].u - centre.u;
     const double square = s.squaredNorm();
     const double trust = 1 / (1 + 0.1 * square / (scale * scale));
-    const Eigen::VectorXd miss =
-        trust * ((other.jacobian.row(metric) - centre.jacobian.row(metric)).transpose() - H * s);
+    const Eigen::VectorXd miss = trust * ((there.row(row) - here.row(row)).transpose() - H * s);
     H += (miss * s.transpose() + s * miss.transpose()) / square -
          (s.dot(miss) / (square * square)) * s * s.transpose();
   }
@@ -104,22 +112,26 @@ std::vector<std::size_t> SpreadNeighbours(const Archive& archive, std::size_t ce
   return kept;
 }
 
-QuadraticModel FitQuadraticModel(const Archive& archive, std::size_t centre, double radius,
-                                 const Eigen::MatrixXd& prior) {
+namespace {
+
+QuadraticModel Fit(const Archive& archive, std::size_t centre, double radius,
+                   const Eigen::MatrixXd& prior, const Quantities& modelled) {
   const ArchiveEntry& entry = archive[centre];
+  const Eigen::VectorXd& values = entry.*modelled.values;
+  const Eigen::MatrixXd& jacobian = entry.*modelled.jacobian;
   const Index D = entry.u.size();
-  const Index d = entry.metrics.size();
+  const Index d = values.size();
   QuadraticModel model;
   model.centre = entry.u;
-  model.value = entry.metrics;
+  model.value = values;
   model.jacobian = prior.size() > 0 ? prior : Eigen::MatrixXd::Zero(d, D);
   model.hessians.assign(static_cast<std::size_t>(d), Eigen::MatrixXd::Zero(D, D));
   std::vector<Index> offered, secant;
   for (Index i = 0; i < d; ++i) {
-    if (OffersGradient(entry, i)) {
+    if (OffersGradient(jacobian, i)) {
       // A slope may be infinite at a bound (a square root at 0): the prior stands in for it.
       for (Index j = 0; j < D; ++j)
-        if (std::isfinite(entry.jacobian(i, j))) model.jacobian(i, j) = entry.jacobian(i, j);
+        if (std::isfinite(jacobian(i, j))) model.jacobian(i, j) = jacobian(i, j);
       offered.push_back(i);
     } else {
       secant.push_back(i);
@@ -136,15 +148,42 @@ QuadraticModel FitQuadraticModel(const Archive& archive, std::size_t centre, dou
   for (Index k = 0; k < m; ++k) {
     const ArchiveEntry& other = archive[neighbours[static_cast<std::size_t>(k)]];
     t.col(k) = (other.u - entry.u) / scale;
-    residuals.col(k) = other.metrics - entry.metrics - model.jacobian * (other.u - entry.u);
+    residuals.col(k) = other.*modelled.values - values - model.jacobian * (other.u - entry.u);
   }
   const Eigen::VectorXd distances = t.colwise().norm();
   const Eigen::VectorXd slack =
       distances.unaryExpr([](double r) { return kInterpolation + kCubicSlack * std::pow(r, 6); });
   FitKernels(t, residuals, slack, 1.0, scale, secant, model);
   FitKernels(t, residuals, slack, 0.0, scale, offered, model);
-  for (const Index i : offered) UpdateBySecants(archive, entry, neighbours, scale, i, model);
+  for (const Index i : offered)
+    UpdateBySecants(archive, entry, neighbours, scale, modelled, i, model);
   return model;
+}
+
+}  // namespace
+
+QuadraticModel FitQuadraticModel(const Archive& archive, std::size_t centre, double radius,
+                                 const Eigen::MatrixXd& prior) {
+  return Fit(archive, centre, radius, prior, kMetrics);
+}
+
+QuadraticModel FitConstraintModel(const Archive& archive, std::size_t centre, double radius,
+                                  const Eigen::MatrixXd& prior) {
+  return Fit(archive, centre, radius, prior, kConstraints);
+}
+
+std::vector<QuadraticFunction> ConstraintsAround(const QuadraticModel& model,
+                                                 const Eigen::VectorXd& u,
+                                                 const Eigen::VectorXd& sizes) {
+  const Eigen::VectorXd values = model.Predict(u), offset = u - model.centre;
+  std::vector<QuadraticFunction> constraints;
+  for (Index j = 0; j < sizes.size(); ++j) {
+    const Eigen::MatrixXd& hessian = model.hessians[static_cast<std::size_t>(j)];
+    constraints.push_back({values[j] / sizes[j],
+                           (model.jacobian.row(j).transpose() + hessian * offset) / sizes[j],
+                           hessian / sizes[j]});
+  }
+  return constraints;
 }
 
 }  // namespace mortise::pareto

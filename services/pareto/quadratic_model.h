@@ -21,6 +21,7 @@
 #include <vector>
 
 #include "services/pareto/archive.h"
+#include "services/pareto/constrained_quadratic.h"
 
 namespace mortise::pareto {
 
@@ -38,10 +39,20 @@ struct QuadraticModel {
   Eigen::MatrixXd WeightedHessian(const Eigen::VectorXd& weights) const;
 };
 
-// Fits a model around entry `centre` (feasible) of the archive for the region |s| <= `radius`.
+// Fits a model around entry `centre` (evaluated) of the archive for the region |s| <= `radius`.
 // `prior` (d x D, may be empty: zero) is the believed Jacobian.
 QuadraticModel FitQuadraticModel(const Archive& archive, std::size_t centre, double radius,
                                  const Eigen::MatrixXd& prior);
+
+// The same of the constraints (m in the place of d).
+QuadraticModel FitConstraintModel(const Archive& archive, std::size_t centre, double radius,
+                                  const Eigen::MatrixXd& prior);
+
+// A model of constraints as functions of how far a design is from `u`, each in units of its size
+// (`sizes`, m).
+std::vector<QuadraticFunction> ConstraintsAround(const QuadraticModel& model,
+                                                 const Eigen::VectorXd& u,
+                                                 const Eigen::VectorXd& sizes);
 
 // The neighbours such a fit uses, nearest first: dense clusters and rows of samples are thinned so
 // that those that remain look at `centre` from many sides and distances.

@@ -7,6 +7,9 @@
 #include <algorithm>
 #include <chrono>
 #include <limits>
+#include <optional>
+#include <set>
+#include <string>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -50,6 +53,37 @@ struct RemoteEvaluator::Batch {
 
 namespace {
 
+// NaN if it was left out.
+double ValueOf(const v1::EvaluationResult& result, const std::string& metric) {
+  double value = std::numeric_limits<double>::quiet_NaN();
+  for (const v1::Metric& given : result.metrics())
+    if (given.name() == metric) value = given.value();
+  return value;
+}
+
+absl::StatusOr<std::optional<Eigen::RowVectorXd>> GradientOf(const v1::EvaluationResult& result,
+                                                             const std::string& metric,
+                                                             Eigen::Index size) {
+  std::optional<Eigen::RowVectorXd> found;
+  for (const v1::Gradient& gradient : result.gradients()) {
+    if (gradient.metric() != metric) continue;
+    if (gradient.values_size() != size)
+      return absl::InternalError(absl::StrCat("the evaluator's gradient of '", metric, "' has ",
+                                              gradient.values_size(), " values"));
+    found = Eigen::RowVectorXd::Map(gradient.values().data(), gradient.values_size());
+  }
+  return found;
+}
+
+// Rows that are never set stay NaN.
+void SetRow(const Eigen::RowVectorXd& gradient, Eigen::Index row, Eigen::Index rows,
+            Eigen::MatrixXd& jacobian) {
+  if (jacobian.size() == 0)
+    jacobian =
+        Eigen::MatrixXd::Constant(rows, gradient.size(), std::numeric_limits<double>::quiet_NaN());
+  jacobian.row(row) = gradient;
+}
+
 absl::Status ReadResult(const v1::EvaluationResult& result, const DiscoveryProblem& problem,
                         Evaluation& evaluation) {
   if (result.has_error()) {
@@ -60,27 +94,32 @@ absl::Status ReadResult(const v1::EvaluationResult& result, const DiscoveryProbl
     evaluation.code = error.code();
     return absl::OkStatus();
   }
+  const auto d = static_cast<Eigen::Index>(problem.objectives.size());
+  evaluation.status = EvaluationStatus::kEvaluated;
+  evaluation.metrics.resize(d);
   const Eigen::VectorXd signs = problem.Signs();
-  const Eigen::Index d = signs.size();
-  evaluation.status = EvaluationStatus::kFeasible;
-  evaluation.metrics = Eigen::VectorXd::Constant(d, std::numeric_limits<double>::quiet_NaN());
   for (Eigen::Index i = 0; i < d; ++i) {
     const std::string& name = problem.objectives[static_cast<std::size_t>(i)].metric;
-    for (const v1::Metric& metric : result.metrics())
-      if (metric.name() == name) evaluation.metrics[i] = signs[i] * metric.value();
-    for (const v1::Gradient& gradient : result.gradients()) {
-      if (gradient.metric() != name) continue;
-      if (gradient.values_size() != problem.space.size())
-        return absl::InternalError(absl::StrCat("the evaluator's gradient of '", name, "' has ",
-                                                gradient.values_size(), " values"));
-      if (evaluation.jacobian.size() == 0)
-        evaluation.jacobian = Eigen::MatrixXd::Constant(d, problem.space.size(),
-                                                        std::numeric_limits<double>::quiet_NaN());
-      evaluation.jacobian.row(i) =
-          signs[i] * Eigen::RowVectorXd::Map(gradient.values().data(), gradient.values_size());
-    }
+    evaluation.metrics[i] = signs[i] * ValueOf(result, name);
+    MORTISE_ASSIGN_OR_RETURN(const std::optional<Eigen::RowVectorXd> gradient,
+                             GradientOf(result, name, problem.space.size()));
+    if (gradient) SetRow(signs[i] * *gradient, i, d, evaluation.jacobian);
   }
-  if (!evaluation.metrics.allFinite())
+  std::vector<double> rows;
+  for (const Constraint& constraint : problem.constraints) {
+    const auto first = static_cast<Eigen::Index>(rows.size());
+    constraint.AppendTo(ValueOf(result, constraint.metric), rows);
+    MORTISE_ASSIGN_OR_RETURN(const std::optional<Eigen::RowVectorXd> gradient,
+                             GradientOf(result, constraint.metric, problem.space.size()));
+    if (!gradient) continue;
+    const Eigen::Index m = problem.options.constraints;
+    if (constraint.maximum) SetRow(*gradient, first, m, evaluation.constraint_jacobian);
+    if (constraint.minimum)
+      SetRow(-*gradient, first + constraint.rows() - 1, m, evaluation.constraint_jacobian);
+  }
+  evaluation.constraints =
+      Eigen::VectorXd::Map(rows.data(), static_cast<Eigen::Index>(rows.size()));
+  if (!evaluation.metrics.allFinite() || !evaluation.constraints.allFinite())
     evaluation.message = "the evaluator left out a metric, or gave one that is not finite";
   return absl::OkStatus();
 }
@@ -118,7 +157,11 @@ absl::Status RemoteEvaluator::CallOnce(Batch& batch) {
   v1::EvaluateBatchRequest request;
   request.set_subject(specification_->subject());
   request.set_revision(specification_->revision());
-  for (const Objective& objective : problem_.objectives) request.add_metrics(objective.metric);
+  std::set<std::string> metrics;
+  for (const Objective& objective : problem_.objectives)
+    if (metrics.insert(objective.metric).second) request.add_metrics(objective.metric);
+  for (const Constraint& constraint : problem_.constraints)
+    if (metrics.insert(constraint.metric).second) request.add_metrics(constraint.metric);
   request.set_gradients(problem_.AnyGradient());
   if (specification_->has_mesh()) *request.mutable_mesh() = specification_->mesh();
   if (specification_->has_airflow()) *request.mutable_airflow() = specification_->airflow();

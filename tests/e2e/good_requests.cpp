@@ -220,7 +220,8 @@ constexpr char kDiscovery[] =
     "bounds { parameter: 'length' minimum: 1.2 maximum: 1.5 } evaluations: 10 seed: 1 "
     "mesh { element_size: 0.3 linear: true } "
     "metric_definitions { expressions { name: 'slender' unit: '1' expression: 'length / width' } } "
-    "airflow { wind { x: -10 } temperature: 300 pressure: 1e5 cells: 2000 }";
+    "airflow { wind { x: -10 } temperature: 300 pressure: 1e5 cells: 2000 } "
+    "constraints { metric: 'slender' minimum: 1 maximum: 10 }";
 
 [[noreturn]] void Fail(const std::string& what) {
   std::fprintf(stderr, "the requests cannot be made: %s\n", what.c_str());

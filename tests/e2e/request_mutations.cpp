@@ -41,6 +41,7 @@ const std::set<std::string>& AnyNumber() {
       "mortise.v1.Metric.value",
       "mortise.v1.DesignPoint.parameters",
       "mortise.v1.DiscoverySpecification.Bound.minimum",
+      "mortise.v1.DiscoverySpecification.Constraint.minimum",
       "mortise.v1.FrontLimit.minimum",
       "mortise.v1.ProminentPlane.position",
       "mortise.v1.RestPose.amount",

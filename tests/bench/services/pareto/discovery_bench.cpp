@@ -25,7 +25,7 @@ double RandomShare(const BenchmarkProblem& problem, std::int64_t evaluations) {
     ArchiveEntry entry;
     entry.u.resize(problem.space.size());
     for (double& value : entry.u) value = random.Uniform();
-    entry.feasible = true;
+    entry.evaluated = true;
     entry.metrics = problem.evaluate(problem.space.FromUnit(entry.u), false).metrics;
     archive.Add(std::move(entry));
   }

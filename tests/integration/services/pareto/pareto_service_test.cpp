@@ -10,6 +10,8 @@
 #include <functional>
 #include <limits>
 #include <mutex>
+#include <optional>
+#include <string>
 
 #include "common/base/errors.h"
 #include "common/base/identifiers.h"
@@ -27,8 +29,8 @@ using std::chrono::steady_clock;
 
 constexpr int kDimensions = 5;
 
-// Serves ZDT1 with its second metric negated as "gain", to be made large. Can be held up after a
-// number of evaluations.
+// Serves ZDT1 with its second metric negated as "gain", to be made large, and a third, "stress" =
+// 10 (0.7 - x0). Can be held up after a number of evaluations.
 class Zdt1Evaluator : public v1::EvaluatorService::Service {
  public:
   grpc::Status DescribeDesignSpace(grpc::ServerContext*,
@@ -43,7 +45,7 @@ class Zdt1Evaluator : public v1::EvaluatorService::Service {
       parameter.set_name("x" + std::to_string(i));
       parameter.set_maximum(1);
     }
-    for (const char* name : {"mass", "gain"}) {
+    for (const char* name : {"mass", "gain", "stress"}) {
       auto& metric = *response->add_metrics();
       metric.set_name(name);
       metric.set_unit("kg");
@@ -67,7 +69,9 @@ class Zdt1Evaluator : public v1::EvaluatorService::Service {
           auto& metric = *result.add_metrics();
           metric.set_name(name);
           metric.set_unit("kg");
-          metric.set_value(name == "mass" ? evaluation.metrics[0] : -evaluation.metrics[1]);
+          metric.set_value(name == "mass"   ? evaluation.metrics[0]
+                           : name == "gain" ? -evaluation.metrics[1]
+                                            : 10 * (0.7 - x[0]));
         }
       }
       writer->Write(result);
@@ -317,9 +321,57 @@ TEST_F(ParetoServiceTest, ExploresAFront) {
   for (const v1::FrontPoint& point : front.points()) light += point.metrics(0) <= 0.5;
   EXPECT_EQ(rest.points_size(), light);
   EXPECT_LE(rest.metrics(0).maximum(), 0.5);
+  EXPECT_EQ(rest.metrics(0).unit(), "kg");
   EXPECT_EQ(rest.parameters_size(), kDimensions);
   ASSERT_EQ(rest.conflicts_size(), 1);
   EXPECT_LT(rest.conflicts(0).correlation(), -0.8);
+}
+
+TEST_F(ParetoServiceTest, KeepsToConstraints) {
+  v1::DiscoverFrontRequest request = Request(150);
+  auto& stress = *request.mutable_specification()->add_constraints();
+  stress.set_metric("stress");
+  stress.set_maximum(3);
+  auto& gain = *request.mutable_specification()->add_constraints();
+  gain.set_metric("gain");
+  gain.set_minimum(-4);
+  gain.set_maximum(-0.2);
+  const v1::Front front = FrontOf(Wait(Discover(request).name()));
+  ASSERT_GT(front.points_size(), 5);
+  EXPECT_GT(front.violating_evaluations(), 0);
+  ASSERT_EQ(front.constraint_units_size(), 2);
+  double least = 1, most_gain = -4;
+  for (const v1::FrontPoint& point : front.points()) {
+    ASSERT_EQ(point.constraint_metrics_size(), 2);
+    EXPECT_LE(10 * (0.7 - point.parameters(0)), 3);
+    EXPECT_NEAR(point.constraint_metrics(0), 10 * (0.7 - point.parameters(0)), 1e-12);
+    EXPECT_NEAR(point.constraint_metrics(1), point.metrics(1), 1e-12);
+    EXPECT_LE(point.metrics(1), -0.2);
+    least = std::min(least, point.parameters(0));
+    most_gain = std::max(most_gain, point.metrics(1));
+  }
+  // Up to both limits: x0 = 0.4, and gain -0.2 at x0 = 0.64.
+  EXPECT_LT(least, 0.41);
+  EXPECT_GT(most_gain, -0.21);
+
+  const std::string csv = Export(front.name(), v1::ExportFrontRequest::CSV);
+  EXPECT_NE(csv.find("gain (kg),stress (kg),gain (kg),piece"), std::string::npos) << csv;
+}
+
+TEST_F(ParetoServiceTest, SaysWhatContradictoryConstraintsMiss) {
+  v1::DiscoverFrontRequest request = Request(40);
+  auto& stress = *request.mutable_specification()->add_constraints();
+  stress.set_metric("stress");
+  stress.set_maximum(-4);
+  const v1::Operation ended = Wait(Discover(request).name());
+  ASSERT_EQ(ended.state(), v1::Operation::FAILED);
+  const absl::Status error = rpc::FromProto(ended.error());
+  EXPECT_TRUE(absl::IsFailedPrecondition(error));
+  EXPECT_EQ(DetailOf(error).reason, "NO_FEASIBLE_DESIGN");
+  EXPECT_NE(error.message().find("meets all constraints; the nearest does not because stress is "),
+            std::string::npos)
+      << error;
+  EXPECT_NE(error.message().find("not at most -4"), std::string::npos) << error;
 }
 
 TEST_F(ParetoServiceTest, RefusesBadQuestionsAboutAFront) {
@@ -505,6 +557,25 @@ TEST_F(ParetoServiceTest, RefusesBadInput) {
   EXPECT_EQ(Refusal(bounded("x0", 0.8, 0.2)), grpc::StatusCode::INVALID_ARGUMENT);
   EXPECT_EQ(Refusal(bounded("x0", -1, 1)), grpc::StatusCode::INVALID_ARGUMENT);
   EXPECT_EQ(Refusal(bounded("y", 0, 1)), grpc::StatusCode::INVALID_ARGUMENT);
+
+  const auto constrained = [](const std::string& metric, std::optional<double> minimum,
+                              std::optional<double> maximum) {
+    return [=](Specification& s) {
+      auto& constraint = *s.add_constraints();
+      constraint.set_metric(metric);
+      if (minimum) constraint.set_minimum(*minimum);
+      if (maximum) constraint.set_maximum(*maximum);
+    };
+  };
+  EXPECT_EQ(Refusal(constrained("beauty", {}, 1)), grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_EQ(Refusal(constrained("stress", {}, {})), grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_EQ(Refusal(constrained("stress", 2, 1)), grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_EQ(Refusal(constrained("stress", {}, nan)), grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_EQ(Refusal([&](Specification& s) {
+              constrained("stress", {}, 1)(s);
+              constrained("stress", 0, {})(s);
+            }),
+            grpc::StatusCode::INVALID_ARGUMENT);
 
   grpc::ClientContext context;
   v1::GetFrontRequest absent;

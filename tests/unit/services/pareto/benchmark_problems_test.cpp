@@ -13,17 +13,29 @@
 namespace mortise::pareto {
 namespace {
 
+bool HasVariants(const std::string& name) {
+  return name.starts_with("ZDT") || name.starts_with("DTLZ");
+}
+
 std::vector<BenchmarkProblem> AllProblems() {
   std::vector<BenchmarkProblem> problems;
   for (const std::string& name : BenchmarkNames()) {
     const int dimensions = std::min(7, PublishedDimensions(name));
     problems.push_back(*MakeBenchmarkProblem(name, dimensions));
-    if (name == "Kursawe" || name == "Fourier") continue;
+    if (!HasVariants(name)) continue;
     for (const auto& [shifted, rotated] :
          {std::pair(true, false), std::pair(false, true), std::pair(true, true)})
       problems.push_back(*MakeBenchmarkProblem(name, dimensions, {shifted, rotated, 3}));
   }
+  problems.push_back(*MakeBenchmarkProblem("Fourier", 4, {.instance = 2, .metrics = 3}));
   return problems;
+}
+
+// Metrics, then constraints.
+Eigen::VectorXd Values(const Evaluation& evaluation) {
+  Eigen::VectorXd values(evaluation.metrics.size() + evaluation.constraints.size());
+  values << evaluation.metrics, evaluation.constraints;
+  return values;
 }
 
 TEST(BenchmarkProblemsTest, GradientsAgreeWithDifferences) {
@@ -33,15 +45,21 @@ TEST(BenchmarkProblemsTest, GradientsAgreeWithDifferences) {
     for (double& value : u) value = 0.1 + 0.8 * random.Uniform();
     const Eigen::VectorXd x = problem.space.FromUnit(u);
     const Evaluation exact = problem.evaluate(x, true);
-    EXPECT_EQ(exact.metrics, problem.evaluate(x, false).metrics) << problem.name;
+    EXPECT_EQ(Values(exact), Values(problem.evaluate(x, false))) << problem.name;
+    EXPECT_EQ(exact.metrics.size(), problem.metric_count);
+    EXPECT_EQ(exact.constraints.size(), problem.constraint_count);
+    Eigen::MatrixXd jacobian(problem.metric_count + problem.constraint_count, x.size());
+    jacobian.topRows(problem.metric_count) = exact.jacobian;
+    if (problem.constraint_count > 0)
+      jacobian.bottomRows(problem.constraint_count) = exact.constraint_jacobian;
     for (Eigen::Index i = 0; i < x.size(); ++i) {
       Eigen::VectorXd up = x, down = x;
       up[i] += 1e-6;
       down[i] -= 1e-6;
       const Eigen::VectorXd slope =
-          (problem.evaluate(up, false).metrics - problem.evaluate(down, false).metrics) / 2e-6;
-      const double size = std::max(1.0, exact.jacobian.col(i).norm());
-      EXPECT_LT((slope - exact.jacobian.col(i)).norm() / size, 1e-5) << problem.name << " " << i;
+          (Values(problem.evaluate(up, false)) - Values(problem.evaluate(down, false))) / 2e-6;
+      const double size = std::max(1.0, jacobian.col(i).norm());
+      EXPECT_LT((slope - jacobian.col(i)).norm() / size, 1e-5) << problem.name << " " << i;
     }
   }
 }
@@ -82,7 +100,7 @@ TEST(BenchmarkProblemsTest, TrueHypervolumesAreThoseOfTheirOptima) {
 
 TEST(BenchmarkProblemsTest, VariantsKeepTheFrontAndMoveTheOptima) {
   for (const std::string& name : BenchmarkNames()) {
-    if (name == "Kursawe" || name == "Fourier") continue;
+    if (!HasVariants(name)) continue;
     const BenchmarkProblem plain = *MakeBenchmarkProblem(name, 6);
     const BenchmarkProblem rotated = *MakeBenchmarkProblem(name, 6, {false, true, 5});
     const BenchmarkProblem both = *MakeBenchmarkProblem(name, 6, {true, true, 5});
@@ -129,6 +147,41 @@ TEST(BenchmarkProblemsTest, HaveTheirPublishedOptima) {
   EXPECT_NEAR(MakeBenchmarkProblem("Kursawe", 3)->evaluate(x, false).metrics[0], -20, 1e-12);
 }
 
+TEST(BenchmarkProblemsTest, ConstraintsHoldThePublishedOptima) {
+  const auto at = [](const char* name, const Eigen::VectorXd& x) {
+    return MakeBenchmarkProblem(name, static_cast<int>(x.size()))->evaluate(x, false);
+  };
+  EXPECT_EQ(at("BNH", Eigen::Vector2d(5, 3)).metrics, Eigen::Vector2d(136, 4));
+  EXPECT_EQ(at("BNH", Eigen::Vector2d(0, 0)).constraints[0], 0);
+  const Evaluation srn = at("SRN", Eigen::Vector2d(-2.5, 2.5));
+  EXPECT_EQ(srn.metrics, Eigen::Vector2d(24.5, -24.75));
+  EXPECT_NEAR(srn.constraints[1], 0, 1e-12);
+  EXPECT_NEAR(at("TNK", Eigen::Vector2d(std::sqrt(1.1), 0)).constraints[0], 0, 1e-12);
+  Eigen::VectorXd x(6);
+  x << 5, 1, 5, 0, 5, 0;
+  const Evaluation osy = at("OSY", x);
+  EXPECT_EQ(osy.metrics, Eigen::Vector2d(-274, 76));
+  EXPECT_LE(osy.constraints.maxCoeff(), 0);
+}
+
+// Of all designs on a grid.
+TEST(BenchmarkProblemsTest, TrueHypervolumesUnderConstraintsAreThoseOfAGrid) {
+  constexpr int kSteps = 700;
+  for (const char* name : {"BNH", "SRN", "TNK"}) {
+    const BenchmarkProblem problem = *MakeBenchmarkProblem(name, 2);
+    std::vector<Eigen::VectorXd> points;
+    for (int i = 0; i <= kSteps; ++i)
+      for (int j = 0; j <= kSteps; ++j) {
+        const Evaluation found =
+            problem.evaluate(problem.space.FromUnit(Eigen::Vector2d(i, j) / kSteps), false);
+        if (found.constraints.maxCoeff() <= 0) points.push_back(found.metrics);
+      }
+    const double sampled = Hypervolume(points, problem.reference);
+    EXPECT_LE(sampled, problem.hypervolume * (1 + 1e-6)) << name;
+    EXPECT_GT(sampled, problem.hypervolume * 0.985) << name;
+  }
+}
+
 TEST(BenchmarkProblemsTest, RefusesWhatDoesNotExist) {
   EXPECT_TRUE(absl::IsInvalidArgument(MakeBenchmarkProblem("ZDT5", 10).status()));
   EXPECT_TRUE(absl::IsInvalidArgument(MakeBenchmarkProblem("ZDT1", 1).status()));
@@ -137,6 +190,9 @@ TEST(BenchmarkProblemsTest, RefusesWhatDoesNotExist) {
   EXPECT_TRUE(absl::IsInvalidArgument(MakeBenchmarkProblem("DTLZ8", 12).status()));
   EXPECT_TRUE(absl::IsInvalidArgument(MakeBenchmarkProblem("", 12).status()));
   EXPECT_TRUE(absl::IsInvalidArgument(MakeBenchmarkProblem("Kursawe", 3, {true, false}).status()));
+  EXPECT_TRUE(absl::IsInvalidArgument(MakeBenchmarkProblem("OSY", 5).status()));
+  EXPECT_TRUE(absl::IsInvalidArgument(MakeBenchmarkProblem("ZDT1", 5, {.metrics = 3}).status()));
+  EXPECT_TRUE(absl::IsInvalidArgument(MakeBenchmarkProblem("Fourier", 5, {.metrics = 4}).status()));
   EXPECT_EQ(PublishedDimensions("Rosenbrock"), 0);
 }
 

@@ -24,7 +24,7 @@ Descent Descend(const std::function<double(const VectorXd&)>& g, const VectorXd&
   Random random(seed);
   const auto entry_of = [&](const VectorXd& u) {
     ArchiveEntry entry{u, g(u) >= 0, {}, {}, {}};
-    if (entry.feasible) entry.metrics = Eigen::Vector2d(u[0], (1 + g(u)) * (2 - u[0]));
+    if (entry.evaluated) entry.metrics = Eigen::Vector2d(u[0], (1 + g(u)) * (2 - u[0]));
     return entry;
   };
   CoordinateDescent::Options options;

@@ -157,9 +157,11 @@ TEST(CheckpointTest, RoundTripsBitForBit) {
   DiscoveryCheckpoint checkpoint;
   Evaluation evaluation;
   evaluation.x = Eigen::Vector2d(0.1, -1e-300);
-  evaluation.status = EvaluationStatus::kFeasible;
+  evaluation.status = EvaluationStatus::kEvaluated;
   evaluation.metrics = Eigen::Vector3d(1, 2, 3);
   evaluation.jacobian = Eigen::MatrixXd::Random(3, 2);
+  evaluation.constraints = Eigen::Vector2d(-1, 1e9);
+  evaluation.constraint_jacobian = Eigen::MatrixXd::Random(2, 2);
   checkpoint.results[4] = evaluation;
   evaluation = {};
   evaluation.x = Eigen::Vector2d(1, 2);
@@ -171,11 +173,17 @@ TEST(CheckpointTest, RoundTripsBitForBit) {
   ASSERT_TRUE(parsed.ok());
   ASSERT_EQ(parsed->results.size(), 2u);
   EXPECT_EQ(parsed->results.at(4).jacobian, checkpoint.results.at(4).jacobian);
+  EXPECT_EQ(parsed->results.at(4).constraints, checkpoint.results.at(4).constraints);
+  EXPECT_EQ(parsed->results.at(4).constraint_jacobian,
+            checkpoint.results.at(4).constraint_jacobian);
   EXPECT_EQ(parsed->results.at(9).message, "no such solid");
   EXPECT_EQ(parsed->results.at(9).status, EvaluationStatus::kFailed);
   EXPECT_EQ(parsed->results.at(9).reason, "FEATURE_FAILED");
   EXPECT_EQ(parsed->results.at(9).code, absl::StatusCode::kFailedPrecondition);
 }
+
+constexpr std::size_t kEmptyConstraints = 2 * sizeof(std::uint64_t);
+constexpr std::size_t kEmptyReason = sizeof(std::int32_t) + sizeof(std::uint64_t);
 
 TEST(CheckpointTest, ReadsWhatWasWrittenBeforeFailuresHadReasons) {
   Evaluation failed;
@@ -185,11 +193,25 @@ TEST(CheckpointTest, ReadsWhatWasWrittenBeforeFailuresHadReasons) {
   checkpoint.results[3] = failed;
   std::string old = Serialize(checkpoint);
   old.replace(0, 4, "MPC1");
-  old.resize(old.size() - sizeof(std::int32_t) - sizeof(std::uint64_t));  // code, empty reason
+  old.resize(old.size() - kEmptyReason - kEmptyConstraints);
   const auto parsed = ParseCheckpoint(old + Serialize(checkpoint));
   ASSERT_TRUE(parsed.ok()) << parsed.status();
   EXPECT_EQ(parsed->results.at(3).message, "cannot be built");
   EXPECT_TRUE(ParseCheckpoint(old).ok());
+}
+
+TEST(CheckpointTest, ReadsWhatWasWrittenBeforeThereWereConstraints) {
+  Evaluation failed;
+  failed.x = Eigen::VectorXd::Constant(1, 2.5);
+  failed.reason = "RIGID_MOTION";
+  DiscoveryCheckpoint checkpoint;
+  checkpoint.results[3] = failed;
+  std::string old = Serialize(checkpoint);
+  old.replace(0, 4, "MPC2");
+  old.resize(old.size() - kEmptyConstraints);
+  const auto parsed = ParseCheckpoint(old);
+  ASSERT_TRUE(parsed.ok()) << parsed.status();
+  EXPECT_EQ(parsed->results.at(3).reason, "RIGID_MOTION");
 }
 
 TEST(CheckpointTest, RefusesDamage) {

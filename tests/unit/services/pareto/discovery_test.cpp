@@ -73,7 +73,7 @@ Evaluation Table(const VectorXd& x) {
   const double density = 700, modulus = 10e9, load = 1000, rail = 0.02;
   Evaluation evaluation;
   evaluation.x = x;
-  evaluation.status = EvaluationStatus::kFeasible;
+  evaluation.status = EvaluationStatus::kEvaluated;
   const double mass = density * (length * width * top + 4 * leg * leg * height +
                                  2 * rail * apron * (length + width));
   const double bending = width * std::pow(top, 3) / 12 + rail * std::pow(apron, 3) / 6;
@@ -193,7 +193,8 @@ TEST(DiscoveryTest, FindsMostOfKursawesFront) {
     std::vector<VectorXd> points;
     for (const FrontPoint& point : discovery->front().points) points.push_back(point.metrics);
     EXPECT_GT(Hypervolume(points, problem.reference), 0.5 * problem.hypervolume) << "seed " << seed;
-    EXPECT_LT(Hypervolume(points, problem.reference), 1.001 * problem.hypervolume) << "seed " << seed;
+    EXPECT_LT(Hypervolume(points, problem.reference), 1.001 * problem.hypervolume)
+        << "seed " << seed;
   }
 }
 
@@ -258,7 +259,7 @@ TEST(DiscoveryTest, CopesWithConstantEqualAndSingleMetricsAndFixedParameters) {
     const auto discovery = Complete(space, 2, options, [&](const VectorXd& x) {
       Evaluation evaluation;
       evaluation.x = x;
-      evaluation.status = EvaluationStatus::kFeasible;
+      evaluation.status = EvaluationStatus::kEvaluated;
       EXPECT_EQ(x[1], 3);
       const double f = x[0] * x[0];
       evaluation.metrics = shape == 0   ? Eigen::Vector2d(1, 1)
@@ -283,7 +284,7 @@ TEST(DiscoveryTest, SetsOnlyWhatAWorkshopCanSet) {
     for (const double value : x) EXPECT_NEAR(std::round(value / 0.3) * 0.3, value, 1e-12);
     Evaluation evaluation;
     evaluation.x = x;
-    evaluation.status = EvaluationStatus::kFeasible;
+    evaluation.status = EvaluationStatus::kEvaluated;
     evaluation.metrics = Eigen::Vector2d(x[0] + x[1], 2 - x[0]);
     return evaluation;
   });
@@ -317,7 +318,7 @@ TEST(DiscoveryTest, RefusesResultsThatDoNotBelong) {
   ASSERT_TRUE(proposal);
   Evaluation evaluation;
   evaluation.x = proposal->x;
-  evaluation.status = EvaluationStatus::kFeasible;
+  evaluation.status = EvaluationStatus::kEvaluated;
   evaluation.metrics = VectorXd::Ones(3);
   EXPECT_TRUE(absl::IsInvalidArgument(discovery->Tell(0, evaluation)));
   evaluation.metrics = VectorXd::Ones(2);

@@ -51,6 +51,31 @@ TEST(ExpansionTest, HoldsActiveBoundsWithNonNegativeMultipliers) {
   EXPECT_EQ(v(2, 0), 0);
 }
 
+TEST(ExpansionTest, FollowsAnActiveConstraintWithItsMultiplier) {
+  // The squared distances to (1, 0, 0) and (0, 1, 0) under u1 + u2 + u3 <= 0.4: the Pareto set is
+  // the segment between the projections onto the plane.
+  const VectorXd u = Eigen::Vector3d(0.3, 0.3, -0.2);
+  const VectorXd a = Eigen::Vector3d(1, 0, 0), b = Eigen::Vector3d(0, 1, 0);
+  MatrixXd J(2, 3);
+  J << 2 * (u - a).transpose(), 2 * (u - b).transpose();
+  const KktPoint kkt = RecoverDuals(J, VectorXd::Constant(3, 0.5), Eigen::RowVector3d(1, 1, 1));
+  EXPECT_NEAR(kkt.alpha[0], 0.5, 1e-9);
+  EXPECT_LT(kkt.residual, 1e-9);
+  EXPECT_NEAR(kkt.mu[0], 0.4, 1e-9);  // alpha J + mu n = 0
+  const MatrixXd v = ExpansionDirections(kkt, J, 2 * MatrixXd::Identity(3, 3));
+  ASSERT_EQ(v.cols(), 1);
+  EXPECT_NEAR(std::abs(v.col(0).dot((b - a).normalized())), 1, 1e-9);
+}
+
+TEST(ExpansionTest, ReleasesAConstraintThatOnlyPullsBack) {
+  MatrixXd J(2, 2);
+  J << 1, 0, -0.5, 0.2;
+  const KktPoint kkt = RecoverDuals(J, VectorXd::Constant(2, 0.5), Eigen::RowVector2d(0, 1));
+  EXPECT_EQ(kkt.mu[0], 0);
+  EXPECT_EQ(kkt.tangent.cols(), 2);
+  EXPECT_GT(RecoverDuals(J, VectorXd::Constant(2, 0.5), Eigen::RowVector2d(0, -1)).mu[0], 0.1);
+}
+
 TEST(ExpansionTest, FreesTheBoundAlongWhichACornerContinues) {
   MatrixXd J(2, 2);
   J << 1, 1, -3, 1;

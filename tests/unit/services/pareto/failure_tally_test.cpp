@@ -60,7 +60,7 @@ TEST(FailureTallyTest, DiscoveriesKeepWhyDesignsFailed) {
     Evaluation evaluation = Failed("TOO_WIDE", "too wide");
     evaluation.x = proposal->x;
     if (proposal->x[0] < 0.7) {
-      evaluation.status = EvaluationStatus::kFeasible;
+      evaluation.status = EvaluationStatus::kEvaluated;
       evaluation.metrics = Eigen::Vector2d(proposal->x[0], 1 - proposal->x[0]);
       if (proposal->x[1] > 0.8) evaluation.metrics[0] = INFINITY;
     }

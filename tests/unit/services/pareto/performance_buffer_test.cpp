@@ -16,8 +16,8 @@ Archive RandomArchive(int count, Eigen::Index d, std::uint64_t seed) {
   for (int i = 0; i < count; ++i) {
     ArchiveEntry entry;
     entry.u = VectorXd::Constant(1, random.Uniform());
-    entry.feasible = random.Uniform() > 0.1;
-    if (entry.feasible) entry.metrics = random.UnitVector(d).cwiseAbs() * (1 + random.Uniform());
+    entry.evaluated = random.Uniform() > 0.1;
+    if (entry.evaluated) entry.metrics = random.UnitVector(d).cwiseAbs() * (1 + random.Uniform());
     archive.Add(entry);
   }
   return archive;
