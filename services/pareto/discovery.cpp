@@ -9,6 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "services/pareto/coordinate_descent.h"
+#include "services/pareto/front_polishing.h"
 #include "services/pareto/hypervolume.h"
 #include "services/pareto/outlier_repair.h"
 #include "services/pareto/stochastic_sampling.h"
@@ -31,7 +32,10 @@ constexpr std::int64_t kMeasuringBudget = 60;  // evaluations a parameter
 constexpr double kMeasuredShare = 0.1;         // of the budget, for slopes of pieces by differences
 constexpr double kSamePiece = 0.01;            // pieces whose centres are this near are the same
 constexpr double kRepairShare = 0.05;          // of the budget, at its end
-constexpr int kRepairs = 3;
+constexpr double kPolishShare = 0.12;          // the same of a budget that is
+constexpr std::int64_t kPolishBudget = 1000;   // so many evaluations a parameter
+constexpr int kRepairs = 6;
+constexpr std::size_t kPolishedFirst = 32;
 constexpr std::int64_t kSecondLookBudget = 20;  // evaluations a parameter
 constexpr int kMostConstraints = 64;
 constexpr std::int64_t kConstrainedSamples = 20;  // more: what is allowed may be in several parts
@@ -504,24 +508,42 @@ bool Discovery::StartRestoration() {
   return true;
 }
 
-// Towards the end of the budget, one round after the other.
+// Whether at least a quarter of what the last round polished is now among the trade-offs.
+bool Discovery::PolishingPays() const {
+  const std::vector<std::size_t>& front = archive_.non_dominated();
+  std::size_t kept = 0;
+  for (const Eigen::VectorXd& u : polished_) {
+    const auto known = evaluated_.find(Key(box_.ToUnit(box_.FromUnit(u))));
+    if (known != evaluated_.end() && std::ranges::find(front, known->second) != front.end()) ++kept;
+  }
+  return 4 * kept >= polished_.size();
+}
+
+// Towards the end of the budget, one round after the other. The first polishes a few designs only,
+// to see whether that works: models do not see very many local optima, or noise.
 void Discovery::StartRepair() {
   const std::int64_t left = options_.evaluations - proposed_;
-  const auto share =
-      static_cast<std::int64_t>(kRepairShare * static_cast<double>(options_.evaluations));
+  const bool ample = options_.evaluations >= kPolishBudget * box_.size();
+  const auto share = static_cast<std::int64_t>((ample ? kPolishShare : kRepairShare) *
+                                               static_cast<double>(options_.evaluations));
   if (!Explores() || left > std::max<std::int64_t>(options_.window, share) ||
       repairs_ == kRepairs || tracks_.contains(repair_track_))
     return;
+  const std::size_t most = static_cast<std::size_t>(left), some = most * 3 / 5;
+  const std::size_t wanted = repairs_ == 0     ? std::min(kPolishedFirst, some)
+                             : PolishingPays() ? some
+                                               : 0;
   ++repairs_;
   repair_track_ = -1 - repairs_;  // before all others
+  const Scaling scaling = archive_.CurrentScaling();
+  std::vector<Eigen::VectorXd> points = RepairedOutliers(archive_, scaling, most);
+  // Cells are those of the front at the end.
+  PerformanceBuffer cells(BufferOptions(options_, metric_count_), metric_count_);
+  cells.Rebuild(archive_, scaling);
+  polished_ = PolishedFront(archive_, cells, std::min(most - points.size(), wanted));
+  points.insert(points.end(), polished_.begin(), polished_.end());
   tracks_[repair_track_] = {
-      std::make_unique<PointList>(
-          RepairedOutliers(archive_, archive_.CurrentScaling(), static_cast<std::size_t>(left))),
-      nullptr,
-      nullptr,
-      TrackKind::kBridge,
-      0,
-      0};
+      std::make_unique<PointList>(std::move(points)), nullptr, nullptr, TrackKind::kBridge, 0, 0};
 }
 
 void Discovery::Stop(StopReason reason, std::string message) {

@@ -137,6 +137,7 @@ class Discovery {
   std::unique_ptr<PointSource> MakeDescent();
   void StartTrack(bool force_sample);
   bool StartRestoration();
+  bool PolishingPays() const;
   void StartRepair();
   double DominatedVolume(const std::vector<std::size_t>& entries) const;
 
@@ -172,8 +173,9 @@ class Discovery {
   bool descending_ = false;         // along one parameter after the other, before anything else
   int repairs_ = 0;                 // rounds of them
   std::int64_t repair_track_ = -1;  // of the last round
-  double hypervolume_ = 0;          // in the scaling of the buffer, reference 1.1
-  double progress_mark_ = 0;        // hypervolume when progress was last made
+  std::vector<Eigen::VectorXd> polished_;  // by the last round
+  double hypervolume_ = 0;                 // in the scaling of the buffer, reference 1.1
+  double progress_mark_ = 0;               // hypervolume when progress was last made
   int tracks_since_progress_ = 0;
   StopReason stop_ = StopReason::kRunning;
   std::string message_;

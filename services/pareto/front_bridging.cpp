@@ -13,8 +13,8 @@ constexpr std::size_t kSources = 24;  // trade-offs looked at, at random
 
 struct Candidate {
   double hole = 0;  // squared distance to the nearest trade-off, scaled performance
-  std::tuple<std::size_t, std::size_t, bool> bridge;
-  VectorXd u;
+  std::tuple<std::size_t, std::size_t, bool> pair;
+  Bridge bridge;
 };
 
 // The distances from `y` to all of `front`, with their indices, the nearest `count` first.
@@ -38,8 +38,8 @@ double HoleAt(const VectorXd& y, const std::vector<VectorXd>& front) {
 
 }  // namespace
 
-std::vector<VectorXd> FrontBridging::Next(const Archive& archive, const Scaling& scaling,
-                                          std::size_t count, Random& random) {
+std::vector<Bridge> FrontBridging::Next(const Archive& archive, const Scaling& scaling,
+                                        std::size_t count, Random& random) {
   const std::vector<std::size_t>& entries = archive.non_dominated();
   std::vector<VectorXd> front;
   for (const std::size_t entry : entries) front.push_back(scaling.Apply(archive[entry].metrics));
@@ -53,19 +53,21 @@ std::vector<VectorXd> FrontBridging::Next(const Archive& archive, const Scaling&
       const VectorXd between = 0.5 * (front[a] + front[b]),
                      beyond = 1.5 * front[a] - 0.5 * front[b];
       const auto [first, second] = std::minmax(entries[a], entries[b]);
-      candidates.push_back({HoleAt(between, front), {first, second, false}, 0.5 * (from + to)});
+      const double length = 0.5 * (from - to).norm();
+      candidates.push_back(
+          {HoleAt(between, front), {first, second, false}, {0.5 * (from + to), length}});
       candidates.push_back({HoleAt(beyond, front),
                             {entries[a], entries[b], true},
-                            (1.5 * from - 0.5 * to).cwiseMax(0.0).cwiseMin(1.0)});
+                            {(1.5 * from - 0.5 * to).cwiseMax(0.0).cwiseMin(1.0), length}});
     }
   }
   std::ranges::stable_sort(candidates, std::greater<>{}, &Candidate::hole);
-  std::vector<VectorXd> points;
+  std::vector<Bridge> bridges;
   for (const Candidate& candidate : candidates) {
-    if (points.size() == count) break;
-    if (tried_.insert(candidate.bridge).second) points.push_back(candidate.u);
+    if (bridges.size() == count) break;
+    if (tried_.insert(candidate.pair).second) bridges.push_back(candidate.bridge);
   }
-  return points;
+  return bridges;
 }
 
 std::optional<VectorXd> PointList::Ask(Archive&) {

@@ -19,19 +19,24 @@
 
 namespace mortise::pareto {
 
+struct Bridge {
+  Eigen::VectorXd u;  // D, unit coordinates
+  double length = 0;  // to the nearer of the two designs
+};
+
 class FrontBridging {
  public:
-  // Up to `count` designs, in unit coordinates, where the front has its widest holes: of some
+  // Up to `count` designs where the front has its widest holes: of some
   // random trade-offs, half way to one of the nearest or as far again beyond it. No pair is tried
   // twice. O(n) for n non-dominated entries.
-  std::vector<Eigen::VectorXd> Next(const Archive& archive, const Scaling& scaling,
-                                    std::size_t count, Random& random);
+  std::vector<Bridge> Next(const Archive& archive, const Scaling& scaling, std::size_t count,
+                           Random& random);
 
  private:
   // Two entries, and whether it was beyond the first, away from the second.
-  using Bridge = std::tuple<std::size_t, std::size_t, bool>;
+  using Pair = std::tuple<std::size_t, std::size_t, bool>;
 
-  std::set<Bridge> tried_;
+  std::set<Pair> tried_;
 };
 
 // Points that are known from the start, asked for at once.

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "services/pareto/coordinate_search.h"
+#include "services/pareto/front_polishing.h"
 #include "services/pareto/stochastic_sampling.h"
 
 namespace mortise::pareto {
@@ -48,6 +49,8 @@ TrackScheduler::Track TrackScheduler::Next(const Archive& archive, const Perform
       return {TrackKind::kBreed, nullptr, nullptr};
     case TrackKind::kSweep:
       return SweepTrack(archive, buffer);
+    case TrackKind::kPolish:
+      return PolishTrack(archive, buffer);
     default:
       return SampleTrack(archive, buffer);
   }
@@ -258,9 +261,18 @@ TrackScheduler::Track TrackScheduler::RefineTrack(const Archive& archive,
 
 TrackScheduler::Track TrackScheduler::BridgeTrack(const Archive& archive,
                                                   const PerformanceBuffer& buffer) {
-  return {
-      TrackKind::kBridge, nullptr,
-      std::make_unique<PointList>(bridging_.Next(archive, buffer.scaling(), kBridges, random_))};
+  std::vector<VectorXd> points;
+  for (Bridge& bridge : bridging_.Next(archive, buffer.scaling(), kBridges, random_))
+    points.push_back(std::move(bridge.u));
+  return {TrackKind::kBridge, nullptr, std::make_unique<PointList>(std::move(points))};
+}
+
+TrackScheduler::Track TrackScheduler::PolishTrack(const Archive& archive,
+                                                  const PerformanceBuffer& buffer) {
+  std::vector<VectorXd> points;
+  for (const Bridge& bridge : bridging_.Next(archive, buffer.scaling(), kBridges, random_))
+    points.push_back(Polished(archive, buffer.scaling(), bridge.u, bridge.length).u);
+  return {TrackKind::kPolish, nullptr, std::make_unique<PointList>(std::move(points))};
 }
 
 TrackScheduler::Track TrackScheduler::SweepTrack(const Archive& archive,

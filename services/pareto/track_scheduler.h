@@ -1,13 +1,14 @@
 // Chooses where the next local optimisation starts and what it aims at (§7.5.2).
 //
 // First the middle of the front and each metric's own optimum, so that the scaling of performance
-// is soon about right. Then six ways of spending an evaluation take turns:
+// is soon about right. Then seven ways of spending an evaluation take turns:
 //   - gap: aim into the widest hole between known trade-offs, starting from one beside it, which
 //     costs nothing (the neighbouring-cell direction of the thesis, with the cell chosen by need);
 //   - refine: push a known trade-off straight down, along the normal of the front there;
 //   - sample: the thesis's stochastic sample x_s = x_j + 2^(-delta) d with the direction of a cell
 //     within delta_N of its own, which is what leaves local minima;
 //   - bridge: designs between those of neighbouring trade-offs (front_bridging.h);
+//   - polish: the same, pushed on to the front as far as models tell (front_polishing.h);
 //   - breed: children of the best designs so far (population.h), which is what gets through very
 //     many local optima;
 //   - sweep: along one parameter of a known trade-off (coordinate_search.h).
@@ -36,11 +37,12 @@ enum class TrackKind {
   kBridge = 3,
   kBreed = 4,
   kSweep = 5,
-  kOpening = 6
+  kPolish = 6,
+  kOpening = 7
 };
 
 class TrackScheduler {
-  static constexpr std::size_t kWays = 6, kLocalWays = 3;
+  static constexpr std::size_t kWays = 7, kLocalWays = 3;
 
  public:
   struct Options {
@@ -60,7 +62,7 @@ class TrackScheduler {
     TrackKind kind = TrackKind::kOpening;
     std::unique_ptr<LocalOptimization> optimization;
     std::unique_ptr<PointSource>
-        other;  // of kBridge, kSweep; of kBreed none: the caller's population does
+        other;  // of kBridge, kSweep, kPolish; of kBreed none: the caller's population does
   };
 
   TrackScheduler(const Options& options, std::uint64_t seed) : options_(options), random_(seed) {}
@@ -96,6 +98,7 @@ class TrackScheduler {
   Track PlanarGapTrack(const Archive& archive, const PerformanceBuffer& buffer);
   Track RefineTrack(const Archive& archive, const PerformanceBuffer& buffer);
   Track BridgeTrack(const Archive& archive, const PerformanceBuffer& buffer);
+  Track PolishTrack(const Archive& archive, const PerformanceBuffer& buffer);
   Track SweepTrack(const Archive& archive, const PerformanceBuffer& buffer);
   Track SampleTrack(const Archive& archive, const PerformanceBuffer& buffer);
   std::array<double, kWays> Shares() const;

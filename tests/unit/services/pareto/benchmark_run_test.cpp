@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Cholesky>
+#include <cmath>
+
+#include "services/pareto/first_order_expansion.h"
 #include "services/pareto/non_dominated.h"
 
 namespace mortise::pareto {
@@ -28,6 +32,52 @@ TEST(BenchmarkRun, GivesEveryDesignThatNoneDominates) {
     for (const BenchmarkPoint& other : result->non_dominated)
       EXPECT_FALSE(Dominates(other.metrics, point.metrics));
   }
+}
+
+// How far a design of the scaled problem is from the front, to second order: half of what a Newton
+// step towards it would gain along the normal (Eq. 7.8).
+double DistanceToFront(const BenchmarkProblem& problem, const Eigen::VectorXd& x,
+                       const Eigen::VectorXd& range) {
+  const auto jacobian_at = [&](const Eigen::VectorXd& at) -> Eigen::MatrixXd {
+    return range.cwiseInverse().asDiagonal() * problem.evaluate(at, true).jacobian;
+  };
+  const Eigen::VectorXd u =
+      (x - problem.space.lower).cwiseQuotient(problem.space.upper - problem.space.lower);
+  const Eigen::MatrixXd jacobian = jacobian_at(x);
+  const KktPoint kkt = RecoverDuals(jacobian, u);
+  const Eigen::VectorXd weights = kkt.alpha.normalized();
+  Eigen::MatrixXd hessian(x.size(), x.size());
+  for (Eigen::Index i = 0; i < x.size(); ++i) {
+    Eigen::VectorXd up = x, down = x;
+    up[i] += 1e-5;
+    down[i] -= 1e-5;
+    hessian.col(i) = (jacobian_at(up) - jacobian_at(down)).transpose() * weights / 2e-5;
+  }
+  const Eigen::VectorXd slope = (jacobian.transpose() * weights)(kkt.free);
+  const Eigen::MatrixXd curvature = hessian(kkt.free, kkt.free);
+  return 0.5 * slope.dot(curvature.ldlt().solve(slope));
+}
+
+// The thesis's measure of its Figure 7-9: 97 % of points below 1e-5.
+TEST(BenchmarkRun, PutsThePointsOfTheFourierFrontOnIt) {
+  const BenchmarkProblem problem = *MakeBenchmarkProblem("Fourier", 3, {.instance = 3});
+  Discovery::Options options;
+  options.evaluations = 3000;
+  options.seed = 3;
+  options.stall_tracks = 0;
+  const auto result = RunBenchmark(problem, options, false);
+  ASSERT_TRUE(result.ok());
+  const std::vector<FrontPoint>& points = result->front.points;
+  ASSERT_GT(points.size(), 200u);
+  Eigen::VectorXd least = points.front().metrics, most = least;
+  for (const FrontPoint& point : points) {
+    least = least.cwiseMin(point.metrics).eval();
+    most = most.cwiseMax(point.metrics).eval();
+  }
+  std::size_t close = 0;
+  for (const FrontPoint& point : points)
+    close += std::abs(DistanceToFront(problem, point.x, most - least)) < 1e-5 ? 1 : 0;
+  EXPECT_GT(static_cast<double>(close), 0.9 * static_cast<double>(points.size()));
 }
 
 TEST(BenchmarkRun, IsTheSameForTheSameSeed) {

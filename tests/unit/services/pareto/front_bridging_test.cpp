@@ -25,17 +25,18 @@ TEST(FrontBridging, StaysOnAFlatPieceAndWithinTheBox) {
   for (const double along : {0.1, 0.2, 0.5, 0.9}) archive.Add(EntryAt(along, 0.3));
   FrontBridging bridging;
   Random random(1);
-  const std::vector<VectorXd> points = bridging.Next(archive, kScaling, 6, random);
-  ASSERT_FALSE(points.empty());
-  EXPECT_LE(points.size(), 6u);
-  for (const VectorXd& u : points) {
-    EXPECT_NEAR(u[1], 0.3, 1e-12);
-    EXPECT_GE(u.minCoeff(), 0);
-    EXPECT_LE(u.maxCoeff(), 1);
+  const std::vector<Bridge> bridges = bridging.Next(archive, kScaling, 6, random);
+  ASSERT_FALSE(bridges.empty());
+  EXPECT_LE(bridges.size(), 6u);
+  for (const Bridge& bridge : bridges) {
+    EXPECT_NEAR(bridge.u[1], 0.3, 1e-12);
+    EXPECT_GE(bridge.u.minCoeff(), 0);
+    EXPECT_LE(bridge.u.maxCoeff(), 1);
   }
-  const bool widest = std::ranges::any_of(
-      points, [](const VectorXd& u) { return std::abs(u[0] - 0.7) < 1e-12; });
-  EXPECT_TRUE(widest) << "the middle of the widest hole";
+  const auto widest = std::ranges::find_if(
+      bridges, [](const Bridge& bridge) { return std::abs(bridge.u[0] - 0.7) < 1e-12; });
+  ASSERT_NE(widest, bridges.end()) << "the middle of the widest hole";
+  EXPECT_NEAR(widest->length, 0.2, 1e-12);
 }
 
 TEST(FrontBridging, FillsTheFront) {
@@ -45,8 +46,8 @@ TEST(FrontBridging, FillsTheFront) {
   FrontBridging bridging;
   Random random(1);
   for (int round = 0; round < 30; ++round) {
-    for (const VectorXd& u : bridging.Next(archive, kScaling, 8, random))
-      archive.Add(EntryAt(u[0], u[1]));
+    for (const Bridge& bridge : bridging.Next(archive, kScaling, 8, random))
+      archive.Add(EntryAt(bridge.u[0], bridge.u[1]));
   }
   double widest = 0, last = 0;
   std::vector<double> along = {1};
