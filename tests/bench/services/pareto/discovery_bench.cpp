@@ -26,7 +26,9 @@ double RandomShare(const BenchmarkProblem& problem, std::int64_t evaluations) {
     entry.u.resize(problem.space.size());
     for (double& value : entry.u) value = random.Uniform();
     entry.evaluated = true;
-    entry.metrics = problem.evaluate(problem.space.FromUnit(entry.u), false).metrics;
+    const Evaluation evaluation = problem.evaluate(problem.space.FromUnit(entry.u), false);
+    entry.metrics = evaluation.metrics;
+    entry.constraints = evaluation.constraints;
     archive.Add(std::move(entry));
   }
   std::vector<Eigen::VectorXd> points;
@@ -81,6 +83,10 @@ BENCHMARK(BM_Discovery)
     ->Args({12, 3, 1000, 0})
     ->Args({13, 3, 300, 0})
     ->Args({13, 3, 300, 1})
+    ->Args({14, 2, 400, 0})
+    ->Args({15, 2, 400, 0})
+    ->Args({16, 2, 1000, 0})
+    ->Args({17, 6, 1000, 0})
     ->Args({0, 30, 3000, 2})
     ->Args({6, 12, 3000, 2})
     ->Args({11, 22, 3000, 2});
