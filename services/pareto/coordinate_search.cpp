@@ -21,10 +21,11 @@ CoordinateSearch::CoordinateSearch(const Archive& archive, const Scaling& scalin
     : scaling_(scaling), z_(target.z), start_(archive[start].u), parameter_(parameter) {
   best_ = {start_[parameter], DistanceOf(archive, start)};
   for (int i = 0; i < values; ++i) {
-    // By turns anywhere and at an exponentially scaled distance.
+    // By turns anywhere, a bound first, and at an exponentially scaled distance.
     const double side = random.Uniform() < 0.5 ? -1 : 1;
     const double near = best_.value + side * std::exp2(-kNearness * random.Uniform());
-    const double anywhere = (i / 2 + random.Uniform()) / ((values + 1) / 2);
+    const double drawn = random.Uniform();
+    const double anywhere = i == 0 ? std::round(drawn) : (i / 2 + drawn) / ((values + 1) / 2);
     queue_.push_back(i % 2 == 0 ? anywhere : std::clamp(near, 0.0, 1.0));
   }
   improved_ = values == 0;

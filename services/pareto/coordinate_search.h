@@ -5,7 +5,8 @@
 // the optima multiply, and these do not. Where parameters act together it brings little, and gets
 // little of the budget.
 //
-// Some values of the parameter are tried side by side, half of them anywhere, half near the start.
+// Some values of the parameter are tried side by side, half of them anywhere (one of them a
+// bound: between there and here may be what is not allowed, or worse), half near the start.
 // If the best of them comes nearer to the target than the start, parabolas through three points
 // follow it down, in nine evaluations at most. With no values to try,
 // that is all.

@@ -74,6 +74,29 @@ TEST(CoordinateSearch, LooksAnywhereAndThenNearby) {
   EXPECT_GE(found, 10);
 }
 
+// What is best is a bound, and all between is worse than where the search begins.
+TEST(CoordinateSearch, FindsTheBestAtABound) {
+  Random random(2);
+  int found = 0;
+  for (int round = 0; round < 20; ++round) {
+    const auto metrics = [](const VectorXd& u) -> VectorXd {
+      return VectorXd::Constant(2, u[0] >= 1 ? 0.5 : 1 + u[0]);
+    };
+    Archive archive;
+    const VectorXd from = VectorXd::Constant(1, 0.1);
+    const std::size_t entry = archive.Add({from, true, metrics(from), {}, {}});
+    const Scaling scaling{VectorXd::Zero(2), VectorXd::Ones(2)};
+    CoordinateSearch search(archive, scaling, {VectorXd::Zero(2), {}, 1}, entry, 0, 8, random);
+    bool reached = false;
+    while (const auto u = search.Ask(archive)) {
+      reached = reached || (*u)[0] == 1;
+      search.Tell(archive, archive.Add({*u, true, metrics(*u), {}, {}}));
+    }
+    found += reached ? 1 : 0;
+  }
+  EXPECT_GE(found, 5);
+}
+
 TEST(CoordinateSearch, LeavesLocalOptima) {
   int left = 0;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
