@@ -8,7 +8,6 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "absl/strings/str_split.h"
 #include "cli/field_sources.h"
 #include "cli/json_input.h"
 #include "cli/metric_definitions.h"
@@ -54,17 +53,11 @@ absl::Status AddBounds(const RunOptions& options, v1::DiscoverySpecification& sp
   };
   MORTISE_ASSIGN_OR_RETURN(const auto fixed, ParseParameters(options.fix));
   for (const v1::ParameterValue& value : fixed) add(value.name(), value.value(), value.value());
-  for (const std::string& range : options.range) {
-    const std::vector<std::string> halves = absl::StrSplit(range, '=');
-    const std::vector<std::string> ends =
-        halves.size() == 2 ? absl::StrSplit(halves[1], ':') : std::vector<std::string>();
-    if (ends.size() != 2) {
-      return InvalidField("--range",
-                          absl::StrCat("'", range, "' is not of the form NAME=LOW:HIGH"));
-    }
-    MORTISE_ASSIGN_OR_RETURN(const double low, ParseQuantity(ends[0], "--range " + halves[0]));
-    MORTISE_ASSIGN_OR_RETURN(const double high, ParseQuantity(ends[1], "--range " + halves[0]));
-    add(halves[0], low, high);
+  for (const std::string& text : options.range) {
+    MORTISE_ASSIGN_OR_RETURN(const NamedRange range, ParseRange(text, "--range", ParseQuantity));
+    if (!range.low || !range.high)
+      return InvalidField("--range", absl::StrCat("'", text, "' is not of the form NAME=LOW:HIGH"));
+    add(range.name, *range.low, *range.high);
   }
   return absl::OkStatus();
 }

@@ -65,7 +65,8 @@ absl::StatusOr<double> ParseMetricValue(const std::string& text, const std::stri
   return ParseWithUnit(text, field, kMetricUnits);
 }
 
-absl::StatusOr<NamedRange> ParseRange(const std::string& text, const std::string& option) {
+absl::StatusOr<NamedRange> ParseRange(const std::string& text, const std::string& option,
+                                      ValueParser& parse) {
   const std::vector<std::string> halves = absl::StrSplit(text, '=');
   const std::vector<std::string> ends =
       halves.size() == 2 ? absl::StrSplit(halves[1], ':') : std::vector<std::string>();
@@ -76,10 +77,10 @@ absl::StatusOr<NamedRange> ParseRange(const std::string& text, const std::string
   NamedRange range{halves[0], std::nullopt, std::nullopt};
   const std::string field = absl::StrCat(option, " ", range.name);
   if (!ends[0].empty()) {
-    MORTISE_ASSIGN_OR_RETURN(range.low, ParseMetricValue(ends[0], field));
+    MORTISE_ASSIGN_OR_RETURN(range.low, parse(ends[0], field));
   }
   if (!ends[1].empty()) {
-    MORTISE_ASSIGN_OR_RETURN(range.high, ParseMetricValue(ends[1], field));
+    MORTISE_ASSIGN_OR_RETURN(range.high, parse(ends[1], field));
   }
   return range;
 }

@@ -37,9 +37,12 @@ struct NamedRange {
   std::optional<double> high;
 };
 
-// "NAME=LOW:HIGH", "NAME=LOW:" or "NAME=:HIGH", the ends as values of metrics. INVALID_ARGUMENT
+using ValueParser = absl::StatusOr<double>(const std::string& text, const std::string& field);
+
+// "NAME=LOW:HIGH", "NAME=LOW:" or "NAME=:HIGH", the ends as `parse` reads them. INVALID_ARGUMENT
 // naming `option`.
-absl::StatusOr<NamedRange> ParseRange(const std::string& text, const std::string& option);
+absl::StatusOr<NamedRange> ParseRange(const std::string& text, const std::string& option,
+                                      ValueParser& parse = ParseMetricValue);
 
 // "X, Y, Z", in SI. INVALID_ARGUMENT naming `field`.
 absl::StatusOr<v1::Vector3> ParseVector(const std::string& text, const std::string& field);
