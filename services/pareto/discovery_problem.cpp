@@ -77,7 +77,8 @@ absl::Status AddConstraints(const v1::DiscoverySpecification& specification,
     MORTISE_ASSIGN_OR_RETURN(const auto* const metric,
                              Offered(described, asked.metric(),
                                      absl::StrCat("specification.constraints[", k, "].metric")));
-    Constraint constraint{metric->name(), metric->unit(), std::nullopt, std::nullopt};
+    Constraint constraint{metric->name(), metric->unit(), std::nullopt, std::nullopt,
+                          metric->offers_gradient()};
     if (asked.has_minimum()) constraint.minimum = asked.minimum();
     if (asked.has_maximum()) constraint.maximum = asked.maximum();
     problem.options.constraints += constraint.rows();
@@ -179,8 +180,8 @@ Eigen::VectorXd DiscoveryProblem::Signs() const {
 }
 
 bool DiscoveryProblem::AnyGradient() const {
-  return std::any_of(objectives.begin(), objectives.end(),
-                     [](const Objective& objective) { return objective.offers_gradient; });
+  return std::ranges::any_of(objectives, &Objective::offers_gradient) ||
+         std::ranges::any_of(constraints, &Constraint::offers_gradient);
 }
 
 absl::Status CheckSpecification(const v1::DiscoverySpecification& specification) {

@@ -31,6 +31,7 @@ struct Constraint {
   std::string unit;
   std::optional<double> minimum;
   std::optional<double> maximum;
+  bool offers_gradient = false;
 
   // A metric's value as discovery sees it: one g <= 0 for each limit.
   void AppendTo(double value, std::vector<double>& rows) const;
