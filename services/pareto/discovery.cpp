@@ -42,14 +42,6 @@ constexpr std::int64_t kConstrainedSamples = 20;  // more: what is allowed may b
 constexpr int kRestorationSteps = 20;             // of a design that violates constraints, at most
 constexpr std::int64_t kBudgetLimit = 10'000'000;
 
-PerformanceBuffer::Options BufferOptions(const Discovery::Options& options, Eigen::Index d) {
-  PerformanceBuffer::Options buffer;
-  buffer.tolerance = options.delta_b;
-  buffer.cells_per_angle = options.cells_per_angle;
-  if (buffer.cells_per_angle == 0) buffer.cells_per_angle = d <= 2 ? 1000 : d == 3 ? 100 : 16;
-  return buffer;
-}
-
 double Spacing(std::int64_t evaluations, Eigen::Index d) {
   const double share = 6.0 / static_cast<double>(evaluations);
   const auto dimensions = static_cast<double>(std::max<Eigen::Index>(d - 1, 1));
@@ -104,21 +96,11 @@ DesignSpace Restrict(const DesignSpace& space, const std::vector<Eigen::Index>& 
   return part;
 }
 
-// An answer without numbers, as a failure.
-Evaluation NotFinite(const Evaluation& result) {
-  Evaluation failed;
-  failed.x = result.x;
-  failed.message = result.message.empty() ? "a metric or constraint is not finite" : result.message;
-  failed.reason = "NOT_FINITE";
-  failed.code = absl::StatusCode::kInternal;
-  return failed;
-}
-
 std::vector<double> Key(const Eigen::VectorXd& u) { return {u.begin(), u.end()}; }
 
 }  // namespace
 
-const char* StopReasonName(Discovery::StopReason reason) {
+const char* StopReasonName(AskTell::StopReason reason) {
   switch (reason) {
     case Discovery::StopReason::kRunning:
       return "RUNNING";
@@ -132,6 +114,14 @@ const char* StopReasonName(Discovery::StopReason reason) {
       return "EVALUATOR_LOST";
   }
   return "RUNNING";
+}
+
+PerformanceBuffer::Options Discovery::BufferOptions(const Options& options, Eigen::Index d) {
+  PerformanceBuffer::Options buffer;
+  buffer.tolerance = options.delta_b;
+  buffer.cells_per_angle = options.cells_per_angle;
+  if (buffer.cells_per_angle == 0) buffer.cells_per_angle = d <= 2 ? 1000 : d == 3 ? 100 : 16;
+  return buffer;
 }
 
 absl::StatusOr<std::unique_ptr<Discovery>> Discovery::Create(const DesignSpace& space,
@@ -169,6 +159,8 @@ std::optional<Discovery::Proposal> Discovery::Ask() {
   const std::int64_t needed =
       std::max({std::int64_t{0}, proposed_ - options_.window + 1, barrier_});
   if (!CommitUpTo(needed) || stop_ != StopReason::kRunning) return std::nullopt;
+  if (options_.uses_all_told) CommitUpTo(proposed_);
+  if (stop_ != StopReason::kRunning) return std::nullopt;
 
   std::int64_t track = -1;
   const std::optional<Eigen::VectorXd> u = NextPoint(track);
@@ -193,22 +185,8 @@ absl::Status Discovery::Tell(std::int64_t number, Evaluation evaluation) {
     return InvalidField("number", absl::StrCat("no result is awaited for proposal ", number));
   if (evaluation.x != at->second.x)
     return InvalidField("x", absl::StrCat("not the design of proposal ", number));
-  if (evaluation.status == EvaluationStatus::kEvaluated) {
-    if (evaluation.constraints.size() != options_.constraints)
-      return InvalidField("constraints", absl::StrCat(options_.constraints, " are needed, not ",
-                                                      evaluation.constraints.size()));
-    if (evaluation.constraint_jacobian.size() > 0 &&
-        (evaluation.constraint_jacobian.rows() != options_.constraints ||
-         evaluation.constraint_jacobian.cols() != space_.size()))
-      return InvalidField("constraint_jacobian",
-                          "must have a row a constraint and a column a parameter");
-    if (evaluation.metrics.size() != metric_count_)
-      return InvalidField(
-          "metrics", absl::StrCat(metric_count_, " are needed, not ", evaluation.metrics.size()));
-    if (evaluation.jacobian.size() > 0 && (evaluation.jacobian.rows() != metric_count_ ||
-                                           evaluation.jacobian.cols() != space_.size()))
-      return InvalidField("jacobian", "must have a row a metric and a column a parameter");
-  }
+  MORTISE_RETURN_IF_ERROR(
+      CheckAnswer(evaluation, space_.size(), metric_count_, options_.constraints));
   at->second.result = std::move(evaluation);
   return absl::OkStatus();
 }
@@ -222,18 +200,12 @@ bool Discovery::CommitUpTo(std::int64_t count) {
   return true;
 }
 
-ArchiveEntry Discovery::EntryOf(const Pending& pending) {
+ArchiveEntry Discovery::EntryOf(const Pending& pending) const {
   const Evaluation& result = *pending.result;
   ArchiveEntry entry;
   entry.u = pending.u;
-  entry.evaluated = result.status == EvaluationStatus::kEvaluated && result.metrics.allFinite() &&
-                    result.constraints.allFinite();
-  if (!entry.evaluated) {
-    ++failed_;
-    failures_.Add(result.status == EvaluationStatus::kFailed ? result : NotFinite(result));
-    if (message_.empty() && !result.message.empty()) message_ = result.message;
-    return entry;
-  }
+  entry.evaluated = IsUsable(result);
+  if (!entry.evaluated) return entry;
   entry.metrics = result.metrics;
   entry.constraints = result.constraints;
   const Eigen::VectorXd sides = box_.upper - box_.lower;
@@ -244,15 +216,38 @@ ArchiveEntry Discovery::EntryOf(const Pending& pending) {
   return entry;
 }
 
+// Into the archive and all that goes by it; returns the hypervolume gained.
+double Discovery::Admit(const Pending& pending, std::size_t& entry) {
+  const std::vector<std::size_t> before = archive_.non_dominated();
+  entry = archive_.Add(EntryOf(pending));
+  if (archive_[entry].feasible) population_.Offer(archive_, entry);
+  evaluated_.emplace(Key(pending.u), entry);
+  return Absorb(entry, before);
+}
+
+absl::Status Discovery::Learn(const Evaluation& evaluation) {
+  if (evaluation.x.size() != space_.size())
+    return InvalidField("x", absl::StrCat("must have ", space_.size(), " parameters"));
+  MORTISE_RETURN_IF_ERROR(
+      CheckAnswer(evaluation, space_.size(), metric_count_, options_.constraints));
+  if (proposed_ == 0) initial_samples_ = std::max<std::int64_t>(0, initial_samples_ - 1);
+  std::size_t entry = 0;
+  Admit({UnitOf(evaluation.x), evaluation.x, -1, evaluation}, entry);
+  if (archive_[entry].evaluated && !archive_[entry].feasible) ++learnt_violating_;
+  return absl::OkStatus();
+}
+
 void Discovery::CommitNext() {
   const auto first = pending_.find(committed_++);
   const Pending pending = std::move(first->second);
   pending_.erase(first);
-  const std::vector<std::size_t> before = archive_.non_dominated();
-  const std::size_t entry = archive_.Add(EntryOf(pending));
-  if (archive_[entry].feasible) population_.Offer(archive_, entry);
-  evaluated_.emplace(Key(pending.u), entry);
-  const double gain = Absorb(entry, before);
+  if (!IsUsable(*pending.result)) {
+    ++failed_;
+    failures_.Add(*pending.result);
+    if (message_.empty()) message_ = pending.result->message;
+  }
+  std::size_t entry = 0;
+  const double gain = Admit(pending, entry);
   const auto track = tracks_.find(pending.track);
   if (track == tracks_.end()) return;
   track->second.gain += gain;
@@ -561,7 +556,8 @@ Discovery::Summary Discovery::summary() const {
   summary.evaluations = committed_;
   summary.failed = failed_;
   summary.violating =
-      static_cast<std::int64_t>(archive_.evaluated_count() - archive_.feasible_count());
+      static_cast<std::int64_t>(archive_.evaluated_count() - archive_.feasible_count()) -
+      learnt_violating_;
   summary.failures = failures_.failures();
   summary.optimizations = optimizations_;
   summary.expansions = expansions_;

@@ -26,6 +26,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "services/pareto/archive.h"
+#include "services/pareto/ask_tell.h"
 #include "services/pareto/evaluation.h"
 #include "services/pareto/failure_tally.h"
 #include "services/pareto/front.h"
@@ -36,7 +37,7 @@
 
 namespace mortise::pareto {
 
-class Discovery {
+class Discovery : public AskTell {
  public:
   struct Options {
     std::int64_t evaluations = 1000;  // budget, 1 to 10,000,000
@@ -49,27 +50,10 @@ class Discovery {
     double delta_b = 1e-2;    // tolerance of the buffer, scaled performance
     double delta_i = 1e-4;    // improvement of hypervolume (relative) that counts as progress
     int stall_tracks = 300;   // optimisations in a row without progress that end it; 0: never
+    // Whether proposals go by every result told so far rather than by those that the window makes
+    // sure of. For a caller that tells at times which depend on nothing but seed and answers.
+    bool uses_all_told = false;
     TrackScheduler::Options scheduling;
-  };
-
-  enum class StopReason { kRunning, kBudget, kConverged, kCancelled, kEvaluatorLost };
-
-  struct Summary {
-    StopReason stop_reason = StopReason::kRunning;
-    std::string message;                 // why, for people
-    std::int64_t evaluations = 0;        // committed
-    std::int64_t failed = 0;             // of those
-    std::int64_t violating = 0;          // of those, evaluated but not within all constraints
-    std::vector<FailureCount> failures;  // what they failed for; the counts add up to `failed`
-    std::int64_t optimizations = 0;
-    std::int64_t expansions = 0;
-    std::int64_t cells_covered = 0;  // of the buffer
-    double hypervolume = 0;          // dominated share of the box from ideal to nadir
-  };
-
-  struct Proposal {
-    std::int64_t number = 0;
-    Eigen::VectorXd x;  // D, within the bounds
   };
 
   // `metric_count` d of 1 to 6, all minimised. INVALID_ARGUMENT naming the field at fault
@@ -78,27 +62,28 @@ class Discovery {
                                                            Eigen::Index metric_count,
                                                            const Options& options);
 
-  // The next design to evaluate; nullopt while results are needed first, or once finished.
-  std::optional<Proposal> Ask();
+  // What the buffer of a discovery of d metrics is made with.
+  static PerformanceBuffer::Options BufferOptions(const Options& options, Eigen::Index d);
 
-  // The result of proposal `number`, in any order. INVALID_ARGUMENT for a number that is not
-  // awaited, another design than proposed, or metrics or constraints of the wrong count; an
-  // evaluation with metrics or constraints that are not finite counts as failed.
-  absl::Status Tell(std::int64_t number, Evaluation evaluation);
+  std::optional<Proposal> Ask() override;
+  absl::Status Tell(std::int64_t number, Evaluation evaluation) override;
+  void Stop(StopReason reason, std::string message) override;
+  bool Finished() const override { return stop_ != StopReason::kRunning; }
+  Summary summary() const override;
+  Front front() const override;
 
-  // Stops with what has been found. Results that were told but not committed are kept.
-  void Stop(StopReason reason, std::string message);
-
-  // Whether Ask will give nothing more and every result has been committed.
-  bool Finished() const { return stop_ != StopReason::kRunning; }
-
-  Summary summary() const;
-  Front front() const;
+  // An evaluation that was made elsewhere, of a design within the bounds: from now on it is known,
+  // as if it had been proposed. It takes no number and nothing of the budget, and the summary does
+  // not count it; before the first proposal it takes the place of one of the space-filling designs.
+  // INVALID_ARGUMENT as Tell. (Entries of the archive then have other numbers than proposals.)
+  absl::Status Learn(const Evaluation& evaluation);
 
   const DesignSpace& space() const { return space_; }
-  const Archive& archive() const { return archive_; }
+  const Archive& archive() const override { return archive_; }
   std::int64_t proposed() const { return proposed_; }
-  std::int64_t initial_samples() const { return initial_samples_; }
+  std::int64_t initial_samples() const override { return initial_samples_; }
+  // Affine pieces followed so far, in unit coordinates of the parameters that can vary.
+  const std::vector<AffinePiece>& pieces() const { return pieces_; }
 
  private:
   struct Track {
@@ -122,7 +107,8 @@ class Discovery {
 
   bool CommitUpTo(std::int64_t count);
   void CommitNext();
-  ArchiveEntry EntryOf(const Pending& pending);
+  ArchiveEntry EntryOf(const Pending& pending) const;
+  double Admit(const Pending& pending, std::size_t& entry);
   double Absorb(std::size_t entry, const std::vector<std::size_t>& non_dominated_before);
   Eigen::VectorXd InitialDesign();
   Eigen::VectorXd DesignAt(const Eigen::VectorXd& u) const;
@@ -163,6 +149,7 @@ class Discovery {
   std::int64_t committed_ = 0;
   std::int64_t barrier_ = 0;  // results that must be committed before the next proposal
   std::int64_t failed_ = 0;
+  std::int64_t learnt_violating_ = 0;    // evaluations made elsewhere, beyond constraints
   bool opened_ = false;                  // a track for the front has begun
   std::set<std::size_t> restored_from_;  // entries
   FailureTally failures_;
@@ -180,8 +167,5 @@ class Discovery {
   StopReason stop_ = StopReason::kRunning;
   std::string message_;
 };
-
-// "BUDGET", "CONVERGED", "CANCELLED", "EVALUATOR_LOST" or "RUNNING".
-const char* StopReasonName(Discovery::StopReason reason);
 
 }  // namespace mortise::pareto

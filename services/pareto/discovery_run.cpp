@@ -44,9 +44,9 @@ class Mailbox {
 };
 
 absl::StatusOr<Numbered> EvaluateBatch(Evaluator& evaluator,
-                                       const std::vector<Discovery::Proposal>& batch) {
+                                       const std::vector<AskTell::Proposal>& batch) {
   std::vector<Eigen::VectorXd> designs;
-  for (const Discovery::Proposal& proposal : batch) designs.push_back(proposal.x);
+  for (const AskTell::Proposal& proposal : batch) designs.push_back(proposal.x);
   MORTISE_ASSIGN_OR_RETURN(std::vector<Evaluation> results, evaluator.Evaluate(designs));
   if (results.size() != batch.size())
     return absl::InternalError(
@@ -59,7 +59,7 @@ absl::StatusOr<Numbered> EvaluateBatch(Evaluator& evaluator,
 
 class Loop {
  public:
-  Loop(Discovery& discovery, Evaluator& evaluator, const RunOptions& options,
+  Loop(AskTell& discovery, Evaluator& evaluator, const RunOptions& options,
        const std::map<std::int64_t, Evaluation>& known)
       : discovery_(discovery),
         evaluator_(evaluator),
@@ -77,7 +77,7 @@ class Loop {
   absl::Status RunToItsEnd() {
     while (true) {
       if (!discovery_.Finished() && options_.cancelled && options_.cancelled()) {
-        discovery_.Stop(Discovery::StopReason::kCancelled, "cancelled");
+        discovery_.Stop(AskTell::StopReason::kCancelled, "cancelled");
         evaluator_.Interrupt();
       }
       MORTISE_RETURN_IF_ERROR(Keep(FillLanes()));
@@ -108,15 +108,15 @@ class Loop {
   // A failure ends the discovery, which keeps what it found.
   absl::Status Keep(absl::Status status) {
     if (!status.ok())
-      discovery_.Stop(Discovery::StopReason::kEvaluatorLost, std::string(status.message()));
+      discovery_.Stop(AskTell::StopReason::kEvaluatorLost, std::string(status.message()));
     return status;
   }
 
   absl::Status FillLanes() {
     while (!discovery_.Finished() && under_way_ < std::max(1, options_.lanes)) {
-      std::vector<Discovery::Proposal> batch;
+      std::vector<AskTell::Proposal> batch;
       while (static_cast<int>(batch.size()) < std::max(1, options_.batch_size)) {
-        std::optional<Discovery::Proposal> proposal = discovery_.Ask();
+        std::optional<AskTell::Proposal> proposal = discovery_.Ask();
         if (!proposal) break;
         const auto known = known_.find(proposal->number);
         if (known != known_.end()) {
@@ -143,14 +143,14 @@ class Loop {
     for (auto& [number, evaluation] : *batch)
       MORTISE_RETURN_IF_ERROR(discovery_.Tell(number, std::move(evaluation)));
     if (options_.progress || options_.judge) {
-      const Discovery::Summary summary = discovery_.summary();
+      const AskTell::Summary summary = discovery_.summary();
       if (options_.progress) options_.progress(summary);
       if (options_.judge) MORTISE_RETURN_IF_ERROR(options_.judge(summary));
     }
     return absl::OkStatus();
   }
 
-  Discovery& discovery_;
+  AskTell& discovery_;
   Evaluator& evaluator_;
   const RunOptions& options_;
   const std::map<std::int64_t, Evaluation>& known_;
@@ -162,7 +162,7 @@ class Loop {
 
 }  // namespace
 
-absl::Status Run(Discovery& discovery, Evaluator& evaluator, const RunOptions& options,
+absl::Status Run(AskTell& discovery, Evaluator& evaluator, const RunOptions& options,
                  const std::map<std::int64_t, Evaluation>& known) {
   return Loop(discovery, evaluator, options, known).Run();
 }

@@ -1,14 +1,17 @@
 // Drives a discovery with an evaluator: batches, workers, progress, cancelling, checkpoints.
 #pragma once
 
+#include <cstdint>
 #include <functional>
+#include <map>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "services/pareto/discovery.h"
+#include "services/pareto/ask_tell.h"
 #include "services/pareto/evaluation.h"
 
 namespace mortise::pareto {
@@ -17,9 +20,9 @@ struct RunOptions {
   int batch_size = 1;  // designs in one call of the evaluator, at most
   int lanes = 1;  // calls under way at once. Neither changes the front, only the time it takes.
   std::function<bool()> cancelled;  // asked ten times a second; true: stop with what was found
-  std::function<void(const Discovery::Summary&)> progress;  // after each batch
+  std::function<void(const AskTell::Summary&)> progress;  // after each batch
   // After each batch. A non-OK status, which says why the whole subject is at fault, ends the run.
-  std::function<absl::Status(const Discovery::Summary&)> judge;
+  std::function<absl::Status(const AskTell::Summary&)> judge;
   // After each batch, its results with their proposal numbers, before anything else happens with
   // them. A non-OK status stops the run as if the evaluator were lost.
   std::function<absl::Status(const std::vector<std::pair<std::int64_t, Evaluation>>&)> checkpoint;
@@ -29,7 +32,7 @@ struct RunOptions {
 // are already known (from an interrupted run) are taken from `known` before the evaluator is asked.
 // Returns the evaluator's failure, if that is what stopped it (the discovery then keeps what it
 // found); DATA_LOSS if `known` belongs to another discovery.
-absl::Status Run(Discovery& discovery, Evaluator& evaluator, const RunOptions& options,
+absl::Status Run(AskTell& discovery, Evaluator& evaluator, const RunOptions& options,
                  const std::map<std::int64_t, Evaluation>& known = {});
 
 // The state of an interrupted discovery: since proposals depend only on the options and on earlier

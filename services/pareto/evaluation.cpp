@@ -65,4 +65,29 @@ absl::Status Validate(const DesignSpace& space, Eigen::Index limit) {
   return absl::OkStatus();
 }
 
+bool IsUsable(const Evaluation& evaluation) {
+  return evaluation.status == EvaluationStatus::kEvaluated && evaluation.metrics.allFinite() &&
+         evaluation.constraints.allFinite();
+}
+
+absl::Status CheckAnswer(const Evaluation& evaluation, Eigen::Index parameters,
+                         Eigen::Index metrics, Eigen::Index constraints) {
+  if (evaluation.status != EvaluationStatus::kEvaluated) return absl::OkStatus();
+  if (evaluation.constraints.size() != constraints)
+    return InvalidField("constraints", absl::StrCat(constraints, " are needed, not ",
+                                                    evaluation.constraints.size()));
+  if (evaluation.constraint_jacobian.size() > 0 &&
+      (evaluation.constraint_jacobian.rows() != constraints ||
+       evaluation.constraint_jacobian.cols() != parameters))
+    return InvalidField("constraint_jacobian",
+                        "must have a row a constraint and a column a parameter");
+  if (evaluation.metrics.size() != metrics)
+    return InvalidField("metrics",
+                        absl::StrCat(metrics, " are needed, not ", evaluation.metrics.size()));
+  if (evaluation.jacobian.size() > 0 &&
+      (evaluation.jacobian.rows() != metrics || evaluation.jacobian.cols() != parameters))
+    return InvalidField("jacobian", "must have a row a metric and a column a parameter");
+  return absl::OkStatus();
+}
+
 }  // namespace mortise::pareto

@@ -54,6 +54,15 @@ struct Evaluation {
   absl::StatusCode code = absl::StatusCode::kUnknown;
 };
 
+// Whether it has metrics and constraints to go by: evaluated, and all of them finite.
+bool IsUsable(const Evaluation& evaluation);
+
+// INVALID_ARGUMENT naming "metrics", "constraints", "jacobian" or "constraint_jacobian" where an
+// evaluation has another count of them than `metrics` d, `constraints` m and `parameters` D ask
+// for. What failed need have none.
+absl::Status CheckAnswer(const Evaluation& evaluation, Eigen::Index parameters,
+                         Eigen::Index metrics, Eigen::Index constraints);
+
 // Evaluates designs in batches.
 class Evaluator {
  public:

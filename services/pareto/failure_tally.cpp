@@ -39,13 +39,25 @@ std::string WithoutNumbers(const std::string& text) {
   return rest;
 }
 
+// An answer without numbers, as a failure.
+Evaluation NotFinite(const Evaluation& result) {
+  Evaluation failed;
+  failed.x = result.x;
+  failed.message = result.message.empty() ? "a metric or constraint is not finite" : result.message;
+  failed.reason = "NOT_FINITE";
+  failed.code = absl::StatusCode::kInternal;
+  return failed;
+}
+
 std::string ReasonOf(const Evaluation& failed) {
   return failed.reason.empty() ? absl::StatusCodeToString(failed.code) : failed.reason;
 }
 
 }  // namespace
 
-void FailureTally::Add(const Evaluation& failed) {
+void FailureTally::Add(const Evaluation& evaluation) {
+  const Evaluation failed =
+      evaluation.status == EvaluationStatus::kFailed ? evaluation : NotFinite(evaluation);
   std::string reason = ReasonOf(failed);
   std::string key = absl::StrCat(reason, " ", WithoutNumbers(failed.message));
   auto at = std::find(keys_.begin(), keys_.end(), key);

@@ -26,7 +26,8 @@ struct FailureCount {
 // most 16 kinds are told apart; what comes after them counts with the last kind, "OTHER".
 class FailureTally {
  public:
-  void Add(const Evaluation& failed);
+  // A failure, or an evaluation whose numbers are not finite ("NOT_FINITE").
+  void Add(const Evaluation& evaluation);
 
   // In the order in which they first came.
   const std::vector<FailureCount>& failures() const { return failures_; }
