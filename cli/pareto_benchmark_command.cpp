@@ -26,6 +26,7 @@ struct BenchmarkOptions {
   std::uint64_t seed = 1;
   int window = 8;
   bool gradients = false;
+  bool rounded = false;  // choices and whole numbers, as parameters like others
   pareto::BenchmarkVariant variant;
 };
 
@@ -55,6 +56,9 @@ Json DocumentOf(const BenchmarkOptions& options, const pareto::BenchmarkProblem&
   document["hypervolume"] = result.hypervolume;
   document["true_hypervolume"] = KnownOrNull(problem.hypervolume, known);
   document["share"] = KnownOrNull(result.hypervolume / problem.hypervolume, known);
+  document["combinations"] = result.summary.combinations;
+  document["combinations_tried"] = result.summary.combinations_tried;
+  document["combinations_given_up"] = result.summary.combinations_pruned;
   document["cells_covered"] = result.summary.cells_covered;
   document["pieces"] = result.front.pieces.size();
   document["parameter_lower"] = Numbers(problem.space.lower);
@@ -99,8 +103,9 @@ absl::Status Run(const BenchmarkOptions& options, Output& output) {
   const int dimensions =
       options.dimensions != 0 ? options.dimensions : pareto::PublishedDimensions(options.name);
   MORTISE_ASSIGN_OR_RETURN(
-      const pareto::BenchmarkProblem problem,
+      pareto::BenchmarkProblem problem,
       pareto::MakeBenchmarkProblem(options.name, std::max(1, dimensions), options.variant));
+  problem.rounded = options.rounded;
   pareto::Discovery::Options discovery;
   discovery.evaluations = options.evaluations;
   discovery.seed = options.seed;
@@ -139,6 +144,8 @@ void AddParetoBenchmarkCommand(CLI::App& pareto, Session& session) {
   benchmark->add_option("--window", options->window, "Evaluations under way at once")
       ->capture_default_str();
   benchmark->add_flag("--gradients", options->gradients, "The problem offers its gradients");
+  benchmark->add_flag("--rounded", options->rounded,
+                      "Choices and whole numbers as parameters like others, to compare");
   benchmark->add_flag("--shifted", options->variant.shifted, "No optimum on a bound");
   benchmark->add_flag("--rotated", options->variant.rotated, "No optimum along an axis");
   benchmark

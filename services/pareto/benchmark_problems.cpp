@@ -6,13 +6,14 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <unsupported/Eigen/AutoDiff>
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "common/base/errors.h"
+#include "services/pareto/benchmark_formula.h"
 #include "services/pareto/hypervolume.h"
+#include "services/pareto/mixed_problems.h"
 #include "services/pareto/random.h"
 
 namespace mortise::pareto {
@@ -21,24 +22,9 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-using Dual = Eigen::AutoDiffScalar<VectorXd>;
 constexpr double kPi = std::numbers::pi;
 // Against (-14, 1): of a grid of 0.008, refined by random steps until six digits stood still.
 constexpr double kKursaweHypervolume = 37.3494;
-
-template <typename T>
-using Vector = std::vector<T>;
-
-double Root(double value) { return std::sqrt(value); }
-
-// The slope of the root is infinite at 0, but only along coordinates that move its argument.
-Dual Root(const Dual& value) {
-  if (value.value() > 0) return Dual(sqrt(value));
-  Dual root(0, value.derivatives());
-  for (double& slope : root.derivatives())
-    if (slope != 0) slope = std::copysign(std::numeric_limits<double>::infinity(), slope);
-  return root;
-}
 
 // Distance parameters, measured from where the best of them is.
 struct Distances {
@@ -266,38 +252,6 @@ struct Osy {
   }
 };
 
-// `formula` gives d metrics, and then constraints.
-template <typename Formula>
-std::function<Evaluation(const VectorXd&, bool)> Evaluating(Formula formula, Index d) {
-  return [formula, d](const VectorXd& x, bool gradients) {
-    Evaluation evaluation;
-    evaluation.x = x;
-    evaluation.status = EvaluationStatus::kEvaluated;
-    if (!gradients) {
-      const auto values = formula(Vector<double>(x.begin(), x.end()));
-      const VectorXd all = VectorXd::Map(values.data(), static_cast<Index>(values.size()));
-      evaluation.metrics = all.head(d);
-      evaluation.constraints = all.tail(all.size() - d);
-      return evaluation;
-    }
-    Vector<Dual> duals;
-    for (Index i = 0; i < x.size(); ++i) duals.emplace_back(x[i], x.size(), i);
-    const Vector<Dual> values = formula(duals);
-    const auto count = static_cast<Index>(values.size());
-    VectorXd all(count);
-    MatrixXd jacobian(count, x.size());
-    for (Index j = 0; j < count; ++j) {
-      all[j] = values[static_cast<std::size_t>(j)].value();
-      jacobian.row(j) = values[static_cast<std::size_t>(j)].derivatives().transpose();
-    }
-    evaluation.metrics = all.head(d);
-    evaluation.jacobian = jacobian.topRows(d);
-    evaluation.constraints = all.tail(count - d);
-    if (count > d) evaluation.constraint_jacobian = jacobian.bottomRows(count - d);
-    return evaluation;
-  };
-}
-
 DesignSpace Box(int dimensions, double lower, double upper) {
   return {VectorXd::Constant(dimensions, lower), VectorXd::Constant(dimensions, upper)};
 }
@@ -491,8 +445,11 @@ BenchmarkProblem MakeOsy() {
 }  // namespace
 
 std::vector<std::string> BenchmarkNames() {
-  return {"ZDT1",  "ZDT2",  "ZDT3",  "ZDT4",    "ZDT6",    "DTLZ1", "DTLZ2", "DTLZ3", "DTLZ4",
-          "DTLZ5", "DTLZ6", "DTLZ7", "Kursawe", "Fourier", "BNH",   "SRN",   "TNK",   "OSY"};
+  std::vector<std::string> names = {"ZDT1",    "ZDT2",    "ZDT3",  "ZDT4",  "ZDT6",  "DTLZ1",
+                                    "DTLZ2",   "DTLZ3",   "DTLZ4", "DTLZ5", "DTLZ6", "DTLZ7",
+                                    "Kursawe", "Fourier", "BNH",   "SRN",   "TNK",   "OSY"};
+  for (const std::string& mixed : MixedNames()) names.push_back(mixed);
+  return names;
 }
 
 int PublishedDimensions(const std::string& name) {
@@ -504,7 +461,7 @@ int PublishedDimensions(const std::string& name) {
   if (lower.starts_with("dtlz")) return 12;
   if (lower == "bnh" || lower == "srn" || lower == "tnk") return 2;
   if (lower == "osy") return 6;
-  return lower == "kursawe" || lower == "fourier" ? 3 : 0;
+  return lower == "kursawe" || lower == "fourier" ? 3 : MixedDimensions(lower);
 }
 
 absl::StatusOr<BenchmarkProblem> MakeBenchmarkProblem(const std::string& name, int dimensions,
@@ -530,6 +487,7 @@ absl::StatusOr<BenchmarkProblem> MakeBenchmarkProblem(const std::string& name, i
   if (variant.shifted || variant.rotated)
     return InvalidField("variant", "only ZDT and DTLZ problems can be shifted or rotated");
   if (lower == "fourier") return MakeFourier(dimensions, variant);
+  if (MixedDimensions(lower) > 0) return MakeMixedProblem(name, dimensions);
   if (dimensions != PublishedDimensions(lower))
     return InvalidField("dimensions", absl::StrCat(name, " has ", PublishedDimensions(lower)));
   if (lower == "bnh") return MakeBnh();

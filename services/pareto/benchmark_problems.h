@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "services/pareto/combinations.h"
 #include "services/pareto/evaluation.h"
 
 namespace mortise::pareto {
@@ -20,6 +21,9 @@ struct BenchmarkProblem {
   std::function<Evaluation(const Eigen::VectorXd& x, bool gradients)> evaluate;
   Eigen::VectorXd reference;  // d, for the hypervolume
   double hypervolume = 0;     // of the true front against `reference`; 0 where it is not known
+  std::vector<DiscreteParameter> choices = {};
+  // Whether choices and whole numbers are parameters like others, rounded: to compare with.
+  bool rounded = false;
 };
 
 // How a problem differs from the published one. Its distance parameters (ZDT: all but the first;
@@ -36,9 +40,10 @@ struct BenchmarkVariant {
 // ZDT1, 2, 3, 4, 6 (Zitzler, Deb, Thiele 2000; D >= 2), DTLZ1 to 7 (Deb, Thiele, Laumanns, Zitzler
 // 2002; three metrics, D >= 3), Kursawe (1991; D = 3), and Fourier (Eq. 7.7 with K = 3; two or
 // three metrics, x in [0, 2 pi]^D). With constraints: BNH (Binh, Korn 1997; D = 2), SRN (Srinivas,
-// Deb 1994; D = 2), TNK (Tanaka and others 1995; D = 2) and OSY (Osyczka, Kundu 1995; D = 6). Names
-// are as written here, in any case. INVALID_ARGUMENT naming "name", "dimensions", "metrics" or, for
-// those that are not ZDT or DTLZ, "variant".
+// Deb 1994; D = 2), TNK (Tanaka and others 1995; D = 2) and OSY (Osyczka, Kundu 1995; D = 6). With
+// choices and whole numbers those of mixed_problems.h. Names are as written here, in any case.
+// INVALID_ARGUMENT naming "name", "dimensions", "metrics" or, for those that are not ZDT or DTLZ,
+// "variant".
 absl::StatusOr<BenchmarkProblem> MakeBenchmarkProblem(const std::string& name, int dimensions,
                                                       const BenchmarkVariant& variant = {});
 

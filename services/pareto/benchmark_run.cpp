@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "common/base/errors.h"
+#include "services/pareto/combined_discovery.h"
 #include "services/pareto/hypervolume.h"
 
 namespace mortise::pareto {
@@ -28,8 +29,11 @@ absl::StatusOr<BenchmarkResult> RunBenchmark(
     const std::function<bool()>& cancelled) {
   Discovery::Options constrained = options;
   constrained.constraints = problem.constraint_count;
-  MORTISE_ASSIGN_OR_RETURN(const auto discovery,
-                           Discovery::Create(problem.space, problem.metric_count, constrained));
+  std::vector<DiscreteParameter> discrete;
+  if (!problem.rounded)
+    discrete = WithWholeNumbers(problem.space, problem.choices, options.evaluations);
+  MORTISE_ASSIGN_OR_RETURN(const auto discovery, MakeDiscovery(problem.space, discrete,
+                                                               problem.metric_count, constrained));
   BenchmarkResult result;
   std::vector<Eigen::VectorXd> designs;
   double evaluating = 0;

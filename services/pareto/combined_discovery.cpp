@@ -1,0 +1,252 @@
+// The window of proposals and results over all combinations, and what is kept of them.
+#include "services/pareto/combined_discovery.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "absl/memory/memory.h"
+#include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
+#include "services/pareto/hypervolume.h"
+#include "services/pareto/stochastic_sampling.h"
+
+namespace mortise::pareto {
+namespace {
+
+constexpr double kReference = 1.1;           // of the running hypervolume, in scaled performance
+constexpr double kLately = 100;              // evaluations
+constexpr double kOpeningShare = 0.35;       // of the budget
+constexpr double kSpaceFillingShare = 0.15;  // the same for the space-filling designs
+constexpr double kTransplantShare = 0.1;     // and for the first transplants
+constexpr std::int64_t kMostTransplants = 3;
+
+std::vector<double> Key(const Eigen::VectorXd& x) { return {x.begin(), x.end()}; }
+
+}  // namespace
+
+absl::StatusOr<std::unique_ptr<CombinedDiscovery>> CombinedDiscovery::Create(
+    const DesignSpace& space, const std::vector<DiscreteParameter>& discrete,
+    Eigen::Index metric_count, const Discovery::Options& options) {
+  MORTISE_RETURN_IF_ERROR(pareto::Validate(space));
+  MORTISE_RETURN_IF_ERROR(pareto::Validate(discrete, space));
+  // What it says of the options holds for each combination.
+  MORTISE_RETURN_IF_ERROR(Discovery::Create(space, metric_count, options).status());
+  return absl::WrapUnique(new CombinedDiscovery(space, discrete, metric_count, options));
+}
+
+CombinedDiscovery::CombinedDiscovery(const DesignSpace& space,
+                                     const std::vector<DiscreteParameter>& discrete,
+                                     Eigen::Index metric_count, const Discovery::Options& options)
+    : space_(space),
+      combinations_(space, discrete),
+      others_(OtherParameters(space, discrete)),
+      metric_count_(metric_count),
+      options_(options),
+      random_(options.seed ^ 0xc0b1ULL),
+      buffer_(Discovery::BufferOptions(options, metric_count), metric_count) {
+  MakeOpening();
+}
+
+// How many combinations are opened, with how many designs, and which.
+void CombinedDiscovery::MakeOpening() {
+  const auto size = static_cast<std::int64_t>(others_.size());
+  const auto budget = static_cast<double>(options_.evaluations);
+  const auto all = static_cast<double>(combinations_.count());
+  std::int64_t samples = 1;
+  if (size > 0) {
+    samples = std::clamp<std::int64_t>(static_cast<std::int64_t>(kSpaceFillingShare * budget / all),
+                                       1, (size + 4) / 2);
+    transplants_ = static_cast<std::size_t>(std::clamp<std::int64_t>(
+        static_cast<std::int64_t>(kTransplantShare * budget / all), 1, kMostTransplants));
+  }
+  const std::int64_t least = samples + static_cast<std::int64_t>(transplants_);
+  std::int64_t opened = static_cast<std::int64_t>(kOpeningShare * budget) / least;
+  if (size == 0 && all <= budget) opened = combinations_.count();
+  opened = std::clamp<std::int64_t>(opened, 1, combinations_.count());
+  opening_evaluations_ = least;
+  memory_ = 1 - 1 / std::max(kLately, 2.0 * static_cast<double>(opened));
+  for (const Combination& combination : combinations_.SpaceFilling(opened, random_))
+    AddMember(combination);
+  const std::vector<Eigen::VectorXd> designs = LatinHypercube(opened * samples, size, random_);
+  for (std::size_t i = 0; i < designs.size(); ++i) {
+    const std::size_t member = i % members_.size();
+    const DesignSpace& fixed = members_[member].space;
+    Eigen::VectorXd u = Eigen::VectorXd::Zero(fixed.size());
+    u(others_) = designs[i];
+    opening_.push_back({member, {fixed.FromUnit(u)}});
+  }
+}
+
+std::size_t CombinedDiscovery::AddMember(const Combination& combination) {
+  Discovery::Options options = options_;
+  options.seed = Random(options_.seed + 0x9e37ULL * (members_.size() + 1)).Next();
+  const DesignSpace space = combinations_.SpaceOf(combination);
+  members_.push_back(
+      {.combination = combination,
+       .space = space,
+       .search = std::make_unique<CombinationSearch>(space, metric_count_, options)});
+  index_.emplace(combination, members_.size() - 1);
+  return members_.size() - 1;
+}
+
+std::int64_t CombinedDiscovery::initial_samples() const {
+  return std::min(static_cast<std::int64_t>(opening_.size()),
+                  static_cast<std::int64_t>(members_.size() + others_.size() + 3));
+}
+
+std::optional<CombinedDiscovery::Proposal> CombinedDiscovery::Ask() {
+  if (stop_ != StopReason::kRunning) return std::nullopt;
+  const bool is_complete = others_.empty() && proposed_ == combinations_.count();
+  if (proposed_ >= options_.evaluations || is_complete) {
+    if (!CommitUpTo(proposed_) || stop_ != StopReason::kRunning) return std::nullopt;
+    if (is_complete)
+      Stop(StopReason::kConverged, absl::StrCat("all ", proposed_, " designs were evaluated"));
+    else
+      Stop(StopReason::kBudget, absl::StrCat("all ", proposed_, " evaluations were made"));
+    return std::nullopt;
+  }
+  if (proposed_ == static_cast<std::int64_t>(opening_.size()))
+    barrier_ = std::max(barrier_, proposed_);
+  const std::int64_t needed =
+      std::max({std::int64_t{0}, proposed_ - options_.window + 1, barrier_});
+  if (!CommitUpTo(needed) || stop_ != StopReason::kRunning) return std::nullopt;
+  std::optional<Next> next = NextDesign();
+  if (!next) {
+    // What is under way may open new ways; if nothing is, there are none.
+    if (committed_ == proposed_) {
+      Stop(StopReason::kConverged, "every design that the method would try has been evaluated");
+      return std::nullopt;
+    }
+    barrier_ = proposed_;
+    return Ask();
+  }
+  Proposal proposal{proposed_++, next->design.x};
+  ++members_[next->member].proposed;
+  designs_.insert(Key(proposal.x));
+  pending_[proposal.number] = {next->member, std::move(next->design), std::nullopt};
+  return proposal;
+}
+
+absl::Status CombinedDiscovery::Tell(std::int64_t number, Evaluation evaluation) {
+  const auto at = pending_.find(number);
+  if (at == pending_.end() || at->second.result)
+    return InvalidField("number", absl::StrCat("no result is awaited for proposal ", number));
+  if (evaluation.x != at->second.design.x)
+    return InvalidField("x", absl::StrCat("not the design of proposal ", number));
+  MORTISE_RETURN_IF_ERROR(
+      CheckAnswer(evaluation, space_.size(), metric_count_, options_.constraints));
+  at->second.result = std::move(evaluation);
+  return absl::OkStatus();
+}
+
+bool CombinedDiscovery::CommitUpTo(std::int64_t count) {
+  while (committed_ < count && stop_ == StopReason::kRunning) {
+    const auto first = pending_.find(committed_);
+    if (first == pending_.end() || !first->second.result) return false;
+    CommitNext();
+  }
+  return true;
+}
+
+void CombinedDiscovery::CommitNext() {
+  const auto first = pending_.find(committed_++);
+  Pending pending = std::move(first->second);
+  pending_.erase(first);
+  Evaluation& result = *pending.result;
+  const std::vector<std::size_t> before = archive_.non_dominated();
+  ArchiveEntry added;
+  added.u = space_.ToUnit(result.x);
+  added.evaluated = IsUsable(result);
+  if (added.evaluated) {
+    added.metrics = result.metrics;
+    added.constraints = result.constraints;
+  } else {
+    ++failed_;
+    failures_.Add(result);
+    if (message_.empty()) message_ = result.message;
+  }
+  const std::size_t entry = archive_.Add(std::move(added));
+  member_of_.push_back(pending.member);
+  const double gain = Absorb(entry, before);
+  gains_.push_back(gain);
+  for (Member& each : members_) each.spent *= memory_;
+  Member& member = members_[pending.member];
+  member.entries.push_back(entry);
+  member.spent += 1;
+  member.search->Tell(pending.design.number, std::move(result));
+  if (gain > 0) member.gap = std::min(member.gap, 0.0);
+  if (member.stage == Stage::kPruned && !IsHopeless(member)) member.stage = Stage::kSearching;
+}
+
+double CombinedDiscovery::DominatedVolume(const std::vector<std::size_t>& entries) const {
+  std::vector<Eigen::VectorXd> points;
+  for (const std::size_t index : entries)
+    points.push_back(buffer_.scaling().Apply(archive_[index].metrics));
+  return Hypervolume(points, Eigen::VectorXd::Constant(metric_count_, kReference));
+}
+
+// Puts an entry into the buffer; returns the hypervolume gained, in the scaling that holds
+// afterwards.
+double CombinedDiscovery::Absorb(std::size_t entry, const std::vector<std::size_t>& before) {
+  if (!archive_[entry].feasible) return 0;
+  const Scaling scaling = archive_.CurrentScaling();
+  const double known = hypervolume_;
+  if (buffer_.NeedsRebuild(scaling)) {
+    buffer_.Rebuild(archive_, scaling);
+    hypervolume_ = DominatedVolume(archive_.non_dominated());
+    return std::max(0.0, hypervolume_ - DominatedVolume(before));
+  }
+  buffer_.Insert(entry, buffer_.scaling().Apply(archive_[entry].metrics));
+  if (archive_.non_dominated().back() != entry) return 0;
+  hypervolume_ = DominatedVolume(archive_.non_dominated());
+  return hypervolume_ - known;
+}
+
+void CombinedDiscovery::Stop(StopReason reason, std::string message) {
+  if (stop_ != StopReason::kRunning) return;
+  CommitUpTo(proposed_);
+  stop_ = reason;
+  message_ = std::move(message);
+  if (archive_.feasible_count() > 0) buffer_.Rebuild(archive_, archive_.CurrentScaling());
+}
+
+CombinedDiscovery::Summary CombinedDiscovery::summary() const {
+  Summary summary;
+  summary.stop_reason = stop_;
+  summary.message = message_;
+  summary.evaluations = committed_;
+  summary.failed = failed_;
+  summary.violating =
+      static_cast<std::int64_t>(archive_.evaluated_count() - archive_.feasible_count());
+  summary.failures = failures_.failures();
+  summary.cells_covered = static_cast<std::int64_t>(buffer_.cells().size());
+  summary.combinations = combinations_.count();
+  summary.combinations_tried = 0;
+  for (const Member& member : members_) {
+    if (!member.entries.empty()) ++summary.combinations_tried;
+    if (member.stage == Stage::kPruned) ++summary.combinations_pruned;
+    summary.optimizations += member.search->Optimizations();
+    summary.expansions += member.search->Expansions();
+  }
+  if (archive_.feasible_count() > 0) {
+    const Scaling scaling = archive_.CurrentScaling();
+    std::vector<Eigen::VectorXd> points;
+    for (const std::size_t index : archive_.non_dominated())
+      points.push_back(scaling.Apply(archive_[index].metrics));
+    summary.hypervolume = Hypervolume(points, Eigen::VectorXd::Ones(metric_count_));
+  }
+  return summary;
+}
+
+absl::StatusOr<std::unique_ptr<AskTell>> MakeDiscovery(
+    const DesignSpace& space, const std::vector<DiscreteParameter>& discrete,
+    Eigen::Index metric_count, const Discovery::Options& options) {
+  MORTISE_RETURN_IF_ERROR(pareto::Validate(discrete, space));
+  const CombinationSpace combinations(space, discrete);
+  if (combinations.count() > 1)
+    return CombinedDiscovery::Create(space, discrete, metric_count, options);
+  return Discovery::Create(combinations.SpaceOf(combinations.At(0)), metric_count, options);
+}
+
+}  // namespace mortise::pareto
