@@ -4,10 +4,12 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <memory>
+#include <utility>
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "absl/strings/str_split.h"
 #include "cli/field_sources.h"
 #include "cli/json_input.h"
 #include "cli/metric_definitions.h"
@@ -28,6 +30,7 @@ struct RunOptions {
   std::vector<std::string> maximize;
   MetricDefinitionFlags own;
   std::vector<std::string> fix;
+  std::vector<std::string> allow;
   std::vector<std::string> range;
   std::vector<std::string> constrain;
   int evaluations = 0;
@@ -37,29 +40,62 @@ struct RunOptions {
 
 bool IsFile(const RunOptions& options) { return absl::EndsWith(options.subject, ".json"); }
 
+using Bound = v1::DiscoverySpecification::Bound;
+
+// "NAME=VALUE" as the name of a choice: one that is no number.
+absl::StatusOr<std::pair<std::string, std::string>> SplitAssignment(const std::string& text,
+                                                                    const std::string& option) {
+  const std::size_t split = text.find('=');
+  if (split == std::string::npos || split == 0 || split + 1 == text.size())
+    return InvalidField(option, absl::StrCat("'", text, "' is not of the form NAME=VALUE"));
+  return std::pair(text.substr(0, split), text.substr(split + 1));
+}
+
+// A number, or the name of a choice.
+absl::Status AddFixed(const std::string& text, Bound& bound) {
+  MORTISE_ASSIGN_OR_RETURN(const auto assigned, SplitAssignment(text, "--fix"));
+  bound.set_parameter(assigned.first);
+  const absl::StatusOr<double> number = ParseQuantity(assigned.second, "--fix");
+  if (!number.ok()) {
+    bound.add_choices(assigned.second);
+    return absl::OkStatus();
+  }
+  bound.set_minimum(*number);
+  bound.set_maximum(*number);
+  return absl::OkStatus();
+}
+
+absl::Status AddAllowed(const std::string& text, Bound& bound) {
+  MORTISE_ASSIGN_OR_RETURN(const auto assigned, SplitAssignment(text, "--allow"));
+  bound.set_parameter(assigned.first);
+  for (const absl::string_view name : absl::StrSplit(assigned.second, ','))
+    bound.add_choices(std::string(name));
+  return absl::OkStatus();
+}
+
+absl::Status AddRange(const std::string& text, Bound& bound) {
+  MORTISE_ASSIGN_OR_RETURN(const NamedRange range, ParseRange(text, "--range", ParseQuantity));
+  if (!range.low || !range.high)
+    return InvalidField("--range", absl::StrCat("'", text, "' is not of the form NAME=LOW:HIGH"));
+  bound.set_parameter(range.name);
+  bound.set_minimum(*range.low);
+  bound.set_maximum(*range.high);
+  return absl::OkStatus();
+}
+
 absl::Status AddBounds(const RunOptions& options, v1::DiscoverySpecification& specification,
                        FieldSources& sources) {
-  const int first = specification.bounds_size();
-  if (!options.fix.empty()) sources.AddEach("specification.bounds", "--fix", options.fix, first);
-  if (!options.range.empty()) {
-    sources.AddEach("specification.bounds", "--range", options.range,
-                    first + static_cast<int>(options.fix.size()));
-  }
-  const auto add = [&specification](const std::string& name, double low, double high) {
-    auto* bound = specification.add_bounds();
-    bound->set_parameter(name);
-    bound->set_minimum(low);
-    bound->set_maximum(high);
+  const auto add_each = [&](const std::string& option, const std::vector<std::string>& texts,
+                            absl::Status (*add)(const std::string&, Bound&)) {
+    if (!texts.empty())
+      sources.AddEach("specification.bounds", option, texts, specification.bounds_size());
+    for (const std::string& text : texts)
+      MORTISE_RETURN_IF_ERROR(add(text, *specification.add_bounds()));
+    return absl::OkStatus();
   };
-  MORTISE_ASSIGN_OR_RETURN(const auto fixed, ParseParameters(options.fix));
-  for (const v1::ParameterValue& value : fixed) add(value.name(), value.value(), value.value());
-  for (const std::string& text : options.range) {
-    MORTISE_ASSIGN_OR_RETURN(const NamedRange range, ParseRange(text, "--range", ParseQuantity));
-    if (!range.low || !range.high)
-      return InvalidField("--range", absl::StrCat("'", text, "' is not of the form NAME=LOW:HIGH"));
-    add(range.name, *range.low, *range.high);
-  }
-  return absl::OkStatus();
+  MORTISE_RETURN_IF_ERROR(add_each("--fix", options.fix, AddFixed));
+  MORTISE_RETURN_IF_ERROR(add_each("--allow", options.allow, AddAllowed));
+  return add_each("--range", options.range, AddRange);
 }
 
 absl::Status AddConstraints(const RunOptions& options, v1::DiscoverySpecification& specification,
@@ -136,13 +172,23 @@ absl::Status Export(v1::ParetoService::Stub& stub, const GatewayClient& client,
   return absl::OkStatus();
 }
 
+// The name of a choice's value, or a number.
+std::string ParameterText(const v1::Front& front, int parameter, double value) {
+  const int known = parameter < front.parameter_choices_size()
+                        ? front.parameter_choices(parameter).names_size()
+                        : 0;
+  if (value >= 0 && value < known)
+    return front.parameter_choices(parameter).names(static_cast<int>(value));
+  return absl::StrFormat("%.4g", value);
+}
+
 // "width 0.4, height 0.72".
 std::string DesignText(const v1::Front& front, const v1::EvaluationFailure& failure) {
   std::string text;
   const int known = std::min(front.parameter_names_size(), failure.parameters_size());
   for (int i = 0; i < known; ++i) {
-    absl::StrAppendFormat(&text, "%s%s %.4g", i == 0 ? "" : ", ", front.parameter_names(i),
-                          failure.parameters(i));
+    absl::StrAppend(&text, i == 0 ? "" : ", ", front.parameter_names(i), " ",
+                    ParameterText(front, i, failure.parameters(i)));
   }
   return text;
 }
@@ -155,6 +201,11 @@ void PrintFront(const v1::Front& front, const Output& output) {
                               front.name(), front.point_count(), front.pieces(),
                               front.evaluations(), front.failed_evaluations(), beyond,
                               front.stop_reason()));
+  const v1::FrontCombinations& combinations = front.combinations();
+  if (combinations.possible() > 1)
+    output.Line(
+        absl::StrFormat("  %d of %d combinations of choices and whole numbers tried, %d given up",
+                        combinations.tried(), combinations.possible(), combinations.given_up()));
   for (const v1::EvaluationFailure& failure : front.failures()) {
     output.Line(absl::StrFormat("  %d failed with %s, such as at %s: %s", failure.count(),
                                 failure.reason(), DesignText(front, failure), failure.message()));
@@ -170,8 +221,8 @@ void PrintFront(const v1::Front& front, const Output& output) {
       row.push_back(MetricText(MetricOf(front.metric_units(i), point.metrics(i))));
     for (int i = 0; i < point.constraint_metrics_size(); ++i)
       row.push_back(MetricText(MetricOf(front.constraint_units(i), point.constraint_metrics(i))));
-    for (const double parameter : point.parameters())
-      row.push_back(absl::StrFormat("%.4g", parameter));
+    for (int i = 0; i < point.parameters_size(); ++i)
+      row.push_back(ParameterText(front, i, point.parameters(i)));
   }
   output.Table(titles, rows);
 }
@@ -234,7 +285,8 @@ void AddParetoCommands(CLI::App& app, Session& session) {
                   "A metric of your own, \"NAME [UNIT] = EXPRESSION\"");
   run->add_option("--point", run_options->own.point,
                   "A point that --define speaks of, \"NAME = X, Y, Z\" (metres)");
-  run->add_option("--fix", run_options->fix, "NAME=VALUE: keep a parameter");
+  run->add_option("--fix", run_options->fix, "NAME=VALUE: keep a parameter; of a choice its name");
+  run->add_option("--allow", run_options->allow, "NAME=CHOICE,CHOICE: leave a choice only some");
   run->add_option("--range", run_options->range, "NAME=LOW:HIGH: narrow a parameter");
   run->add_option("--constrain", run_options->constrain,
                   "METRIC=LOW:HIGH, METRIC=LOW: or METRIC=:HIGH: what designs must keep to");
@@ -263,6 +315,7 @@ void AddParetoCommands(CLI::App& app, Session& session) {
     session.command = [name, out](Session& s, Output& o) { return Show(*name, *out, s, o); };
   });
 
+  AddParetoDescribeCommand(*pareto, session);
   AddParetoExploreCommands(*pareto, session);
   AddParetoBenchmarkCommand(*pareto, session);
   // Last: commands would inherit it.

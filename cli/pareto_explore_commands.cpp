@@ -93,8 +93,13 @@ void PrintPick(const v1::PickPointResponse& response, const Output& output) {
   std::vector<std::vector<std::string>> rows;
   for (const v1::Metric& metric : response.metrics())
     rows.push_back({metric.name(), MetricText(metric)});
-  for (const v1::ParameterValue& value : response.parameters())
-    rows.push_back({value.name(), absl::StrFormat("%.6g", value.value())});
+  for (int i = 0; i < response.parameters_size(); ++i) {
+    const v1::ParameterValue& value = response.parameters(i);
+    const bool is_choice =
+        i < response.point().choices_size() && !response.point().choices(i).empty();
+    rows.push_back({value.name(), is_choice ? response.point().choices(i)
+                                            : absl::StrFormat("%.6g", value.value())});
+  }
   output.Table({"name", "value"}, rows);
   output.Line(absl::StrCat("Point ", response.index(), " on piece ", response.point().piece(),
                            ", next to ", absl::StrJoin(response.neighbours(), ", ")));

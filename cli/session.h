@@ -39,8 +39,9 @@ void AddCallCommand(CLI::App& app, Session& session);       // call, health
 void AddAssemblyCommands(CLI::App& app, Session& session);  // assembly import|list|show|delete …
 void AddCatalogCommands(CLI::App& app, Session& session);   // catalog import|list|show|delete …
 void AddAnalyzeCommand(CLI::App& app, Session& session);    // analyze
-void AddParetoCommands(CLI::App& app, Session& session);    // pareto run|show|pick|benchmark
+void AddParetoCommands(CLI::App& app, Session& session);    // pareto run|show|describe|pick|benchmark
 void AddParetoBenchmarkCommand(CLI::App& pareto, Session& session);  // of those
+void AddParetoDescribeCommand(CLI::App& pareto, Session& session);   // of those
 void AddParetoExploreCommands(CLI::App& pareto, Session& session);   // of those
 void AddPlanCommand(CLI::App& app, Session& session);                // plan
 void AddFabCommands(CLI::App& app, Session& session);        // fab release|watch|show|hold|resume

@@ -6,12 +6,14 @@ NAME = "evaluators/spring"
 SPACE = evaluator_pb2.DesignSpace(
     parameters=[dict(name="wire", unit="m", minimum=1e-3, maximum=5e-3, default_value=3e-3),
                 dict(name="diameter", unit="m", minimum=0.02, maximum=0.06, default_value=0.03),
-                dict(name="turns", unit="1", minimum=3, maximum=20, default_value=8)],
+                dict(name="turns", unit="1", minimum=3, maximum=10, default_value=8, step=1),
+                dict(name="material", unit="1", maximum=1, step=1, choices=["steel", "titanium"])],
     metrics=[dict(name="mass", unit="kg"), dict(name="stiffness", unit="N/m")])
 
-def evaluate(wire, diameter, turns):  # a helical spring of steel; your solver goes here
+def evaluate(wire, diameter, turns, material):  # a helical spring; your solver goes here
+    density, modulus = [(7850, 80e9), (4430, 44e9)][int(material)]
     volume = math.pi * wire**2 / 4 * math.pi * diameter * turns
-    return {"mass": 7850 * volume, "stiffness": 80e9 * wire**4 / (8 * diameter**3 * turns)}
+    return {"mass": density * volume, "stiffness": modulus * wire**4 / (8 * diameter**3 * turns)}
 
 def result_of(task):
     try:

@@ -17,6 +17,7 @@
 #include "common/store/store.h"
 #include "mortise/v1/evaluator.pb.h"
 #include "mortise/v1/pareto.pb.h"
+#include "services/pareto/combined_discovery.h"
 #include "services/pareto/discovery_problem.h"
 #include "services/pareto/discovery_run.h"
 #include "services/pareto/remote_evaluator.h"
@@ -53,13 +54,13 @@ class DiscoveryRun {
                              MakeProblem(specification_, *described));
     MORTISE_ASSIGN_OR_RETURN(
         auto discovery,
-        Discovery::Create(problem.space, static_cast<Eigen::Index>(problem.objectives.size()),
-                          problem.options));
+        MakeDiscovery(problem.space, problem.discrete,
+                      static_cast<Eigen::Index>(problem.objectives.size()), problem.options));
     MORTISE_ASSIGN_OR_RETURN(const auto known, LoadResults());
     RemoteEvaluator evaluator(channel, specification_, problem,
                               [this](absl::Duration timeout) { return MakeOrigin(timeout); }, {});
     RunOptions options = MakeRunOptions(problem);
-    options.judge = [&](const Discovery::Summary& summary) {
+    options.judge = [&](const AskTell::Summary& summary) {
       const absl::Status verdict = Judge(channel, problem, *discovery, summary);
       if (!verdict.ok()) evaluator.Interrupt();
       return verdict;
@@ -118,7 +119,7 @@ class DiscoveryRun {
     options.batch_size = (problem.options.window + options.lanes - 1) / options.lanes;
     options.cancelled = [this] { return context_.Cancelled(); };
     options.progress = [this,
-                        total = problem.options.evaluations](const Discovery::Summary& summary) {
+                        total = problem.options.evaluations](const AskTell::Summary& summary) {
       jobs::Progress progress;
       progress.done = summary.evaluations;
       progress.total = total;
@@ -131,6 +132,10 @@ class DiscoveryRun {
         absl::StrAppend(&progress.message, " (", CountsByReason(summary.failures), ")");
       if (summary.violating > 0)
         absl::StrAppend(&progress.message, ", ", summary.violating, " beyond constraints");
+      if (summary.combinations > 1)
+        absl::StrAppend(&progress.message, ", ", summary.combinations_tried, " of ",
+                        summary.combinations, " combinations tried, ", summary.combinations_pruned,
+                        " given up");
       context_.ReportProgress(progress);
     };
     options.checkpoint = [this](const std::vector<std::pair<std::int64_t, Evaluation>>& batch) {
@@ -146,7 +151,7 @@ class DiscoveryRun {
 
   // Ends a discovery in which every design must fail, as all have so far.
   absl::Status Judge(const std::shared_ptr<grpc::Channel>& channel, const DiscoveryProblem& problem,
-                     const Discovery& discovery, const Discovery::Summary& summary) {
+                     const AskTell& discovery, const AskTell::Summary& summary) {
     if (!MayLackSomething(discovery, summary)) return absl::OkStatus();
     if (!default_design_) TryDefault(channel, problem);
     if (!default_design_) return absl::OkStatus();
@@ -170,15 +175,15 @@ class DiscoveryRun {
         [this](store::Transaction& transaction) { return DropResults(transaction); });
   }
 
-  absl::StatusOr<std::string> Finish(const DiscoveryProblem& problem, const Discovery& discovery) {
-    const bool stopped = discovery.summary().stop_reason == Discovery::StopReason::kCancelled;
+  absl::StatusOr<std::string> Finish(const DiscoveryProblem& problem, const AskTell& discovery) {
+    const bool stopped = discovery.summary().stop_reason == AskTell::StopReason::kCancelled;
     if (stopped) {
       // A shutdown, or a takeover, leaves the work to the next run.
       MORTISE_ASSIGN_OR_RETURN(const jobs::Operation operation,
                                environment_.operations->Get(context_.name()));
       if (!operation.cancel_requested) return absl::CancelledError("interrupted");
     }
-    const Discovery::Summary summary = discovery.summary();
+    const AskTell::Summary summary = discovery.summary();
     if (!stopped && summary.failed + summary.violating == summary.evaluations) {
       MORTISE_RETURN_IF_ERROR(ForgetResults());
       return NoFeasibleDesign(specification_.subject(), problem, discovery);

@@ -23,10 +23,66 @@ constexpr int kMostCells = 10'000;
 constexpr int kMostWindow = 256;
 constexpr int kMostConstraints = 32;
 
+using Bound = v1::DiscoverySpecification::Bound;
+
+absl::Status NarrowRange(const Bound& bound, const std::string& field, Eigen::Index i,
+                         DesignSpace& space) {
+  if (!bound.choices().empty())
+    return InvalidField(field + ".choices",
+                        absl::StrCat("'", bound.parameter(), "' is a number, not a choice"));
+  if (bound.minimum() < space.lower[i])
+    return InvalidField(
+        absl::StrCat(field, ".minimum"),
+        absl::StrCat("lies below ", space.lower[i], ", the least value of the design space"));
+  if (bound.maximum() > space.upper[i])
+    return InvalidField(
+        absl::StrCat(field, ".maximum"),
+        absl::StrCat("lies above ", space.upper[i], ", the greatest value of the design space"));
+  space.lower[i] = bound.minimum();
+  space.upper[i] = bound.maximum();
+  return absl::OkStatus();
+}
+
+// Which of the choices `names` a bound allows, ascending.
+absl::StatusOr<std::vector<double>> AllowedChoices(const Bound& bound, const std::string& field,
+                                                   const std::vector<std::string>& names) {
+  const std::string listed = absl::StrJoin(names, ", ");
+  const auto count = static_cast<double>(names.size());
+  if (bound.choices().empty()) {
+    if (bound.minimum() < bound.maximum())
+      return InvalidField(field + ".maximum", absl::StrCat("'", bound.parameter(),
+                                                           "' is a choice, without a range: fix it "
+                                                           "to one of, or allow some of, ",
+                                                           listed));
+    if (bound.minimum() == std::round(bound.minimum()) && bound.minimum() >= 0 &&
+        bound.minimum() < count)
+      return std::vector<double>{bound.minimum()};
+    return InvalidField(field + ".minimum", absl::StrCat("must be the number of a choice, 0 to ",
+                                                         count - 1, "; they are ", listed));
+  }
+  if (bound.minimum() != 0 || bound.maximum() != 0)
+    return InvalidField(field + (bound.minimum() != 0 ? ".minimum" : ".maximum"),
+                        "must be left out where choices are named");
+  std::vector<double> allowed;
+  for (int k = 0; k < bound.choices_size(); ++k) {
+    const auto at = std::ranges::find(names, bound.choices(k));
+    const std::string place = absl::StrCat(field, ".choices[", k, "]");
+    if (at == names.end())
+      return InvalidField(place, absl::StrCat("'", bound.choices(k), "' is no choice of '",
+                                              bound.parameter(), "'; there are ", listed));
+    const auto value = static_cast<double>(at - names.begin());
+    if (std::ranges::find(allowed, value) != allowed.end())
+      return InvalidField(place, "is given twice");
+    allowed.push_back(value);
+  }
+  std::ranges::sort(allowed);
+  return allowed;
+}
+
 absl::Status ApplyBounds(const v1::DiscoverySpecification& specification,
                          DiscoveryProblem& problem) {
   for (int k = 0; k < specification.bounds_size(); ++k) {
-    const auto& bound = specification.bounds(k);
+    const Bound& bound = specification.bounds(k);
     const std::string field = absl::StrCat("specification.bounds[", k, "]");
     const auto name = std::find(problem.parameter_names.begin(), problem.parameter_names.end(),
                                 bound.parameter());
@@ -34,16 +90,16 @@ absl::Status ApplyBounds(const v1::DiscoverySpecification& specification,
       return InvalidField(absl::StrCat(field, ".parameter"),
                           absl::StrCat("no parameter '", bound.parameter(), "'"));
     const Eigen::Index i = name - problem.parameter_names.begin();
-    if (bound.minimum() < problem.space.lower[i])
-      return InvalidField(absl::StrCat(field, ".minimum"),
-                          absl::StrCat("lies below ", problem.space.lower[i],
-                                       ", the least value of the design space"));
-    if (bound.maximum() > problem.space.upper[i])
-      return InvalidField(absl::StrCat(field, ".maximum"),
-                          absl::StrCat("lies above ", problem.space.upper[i],
-                                       ", the greatest value of the design space"));
-    problem.space.lower[i] = bound.minimum();
-    problem.space.upper[i] = bound.maximum();
+    const std::vector<std::string>& choices = problem.choices[static_cast<std::size_t>(i)];
+    if (choices.empty()) {
+      MORTISE_RETURN_IF_ERROR(NarrowRange(bound, field, i, problem.space));
+      continue;
+    }
+    MORTISE_ASSIGN_OR_RETURN(std::vector<double> allowed, AllowedChoices(bound, field, choices));
+    problem.space.lower[i] = allowed.front();
+    problem.space.upper[i] = allowed.back();
+    std::ranges::find(problem.discrete, i, &DiscreteParameter::parameter)->values =
+        std::move(allowed);
   }
   return absl::OkStatus();
 }
@@ -229,6 +285,11 @@ absl::StatusOr<DiscoveryProblem> MakeProblem(const v1::DiscoverySpecification& s
     problem.space.lower[i] = parameter.minimum();
     problem.space.upper[i] = parameter.maximum();
     problem.space.step[i] = parameter.step();
+    problem.choices.emplace_back(parameter.choices().begin(), parameter.choices().end());
+    if (parameter.choices().empty()) continue;
+    DiscreteParameter& choice = problem.discrete.emplace_back();
+    choice.parameter = i;
+    for (int value = 0; value < parameter.choices_size(); ++value) choice.values.push_back(value);
   }
   const absl::Status usable = Validate(problem.space);
   if (!usable.ok())
@@ -242,6 +303,8 @@ absl::StatusOr<DiscoveryProblem> MakeProblem(const v1::DiscoverySpecification& s
   MORTISE_RETURN_IF_ERROR(ApplyBounds(specification, problem));
   MORTISE_RETURN_IF_ERROR(AddObjectives(specification, described, problem));
   MORTISE_RETURN_IF_ERROR(AddConstraints(specification, described, problem));
+  problem.discrete =
+      WithWholeNumbers(problem.space, std::move(problem.discrete), specification.evaluations());
   problem.options.evaluations = specification.evaluations();
   problem.options.seed = static_cast<std::uint64_t>(specification.seed());
   problem.options.cells_per_angle = specification.cells();
@@ -250,8 +313,8 @@ absl::StatusOr<DiscoveryProblem> MakeProblem(const v1::DiscoverySpecification& s
 }
 
 absl::Status NoFeasibleDesign(const std::string& subject, const DiscoveryProblem& problem,
-                              const Discovery& discovery) {
-  const Discovery::Summary summary = discovery.summary();
+                              const AskTell& discovery) {
+  const AskTell::Summary summary = discovery.summary();
   std::string reasons;
   if (summary.violating > 0)
     reasons = absl::StrCat(" meets all constraints; the nearest does not because ",
@@ -264,13 +327,13 @@ absl::Status NoFeasibleDesign(const std::string& subject, const DiscoveryProblem
       absl::StrCat("none of ", summary.evaluations, " designs of ", subject, reasons), subject);
 }
 
-bool MayLackSomething(const Discovery& discovery, const Discovery::Summary& summary) {
+bool MayLackSomething(const AskTell& discovery, const AskTell::Summary& summary) {
   return summary.evaluations >= discovery.initial_samples() &&
          summary.failed == summary.evaluations &&
          std::any_of(summary.failures.begin(), summary.failures.end(), IsOfSubject);
 }
 
-absl::Status JudgeSubject(const std::string& subject, const Discovery::Summary& summary,
+absl::Status JudgeSubject(const std::string& subject, const AskTell::Summary& summary,
                           const Evaluation& default_design) {
   if (default_design.status != EvaluationStatus::kFailed) return absl::OkStatus();
   const auto shared = std::find_if(
@@ -287,7 +350,33 @@ absl::Status JudgeSubject(const std::string& subject, const Discovery::Summary& 
       subject);
 }
 
-v1::Front MakeFront(const DiscoveryProblem& problem, const Discovery& discovery) {
+namespace {
+
+bool AnyChoice(const DiscoveryProblem& problem) {
+  return std::ranges::any_of(problem.choices, [](const auto& names) { return !names.empty(); });
+}
+
+// Empty for a number.
+std::string ChoiceOf(const DiscoveryProblem& problem, const Eigen::VectorXd& x, Eigen::Index i) {
+  const std::vector<std::string>& names = problem.choices[static_cast<std::size_t>(i)];
+  return names.empty() ? "" : names[static_cast<std::size_t>(std::lround(x[i]))];
+}
+
+void AddCombinations(const DiscoveryProblem& problem, const AskTell::Summary& summary,
+                     v1::Front& message) {
+  if (AnyChoice(problem)) {
+    for (const std::vector<std::string>& names : problem.choices)
+      message.add_parameter_choices()->mutable_names()->Add(names.begin(), names.end());
+  }
+  v1::FrontCombinations& combinations = *message.mutable_combinations();
+  combinations.set_possible(summary.combinations);
+  combinations.set_tried(summary.combinations_tried);
+  combinations.set_given_up(summary.combinations_pruned);
+}
+
+}  // namespace
+
+v1::Front MakeFront(const DiscoveryProblem& problem, const AskTell& discovery) {
   v1::Front message;
   for (const std::string& name : problem.parameter_names) message.add_parameter_names(name);
   for (const Objective& objective : problem.objectives) {
@@ -305,6 +394,8 @@ v1::Front MakeFront(const DiscoveryProblem& problem, const Discovery& discovery)
     const Eigen::VectorXd metrics = point.metrics.cwiseProduct(signs);
     to.mutable_parameters()->Add(point.x.begin(), point.x.end());
     to.mutable_metrics()->Add(metrics.begin(), metrics.end());
+    for (Eigen::Index i = 0; AnyChoice(problem) && i < point.x.size(); ++i)
+      to.add_choices(ChoiceOf(problem, point.x, i));
     to.set_cell(static_cast<int>(point.cell));
     to.set_piece(point.piece);
     to.mutable_embedding()->Add(point.embedding.begin(), point.embedding.end());
@@ -324,7 +415,8 @@ v1::Front MakeFront(const DiscoveryProblem& problem, const Discovery& discovery)
     }
     to.set_points(piece.points);
   }
-  const Discovery::Summary summary = discovery.summary();
+  const AskTell::Summary summary = discovery.summary();
+  AddCombinations(problem, summary, message);
   message.set_pieces(static_cast<int>(front.pieces.size()));
   message.set_evaluations(summary.evaluations);
   message.set_failed_evaluations(summary.failed);

@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "services/pareto/ask_tell.h"
+#include "services/pareto/combinations.h"
 #include "services/pareto/discovery.h"
 #include "services/pareto/evaluation.h"
 
@@ -43,8 +45,11 @@ struct Constraint {
 struct DiscoveryProblem {
   DesignSpace space;  // in the order of parameter_names, bounds narrowed as asked
   std::vector<std::string> parameter_names;
-  Eigen::VectorXd default_design;     // the subject's own, whatever the bounds asked for
-  std::vector<Objective> objectives;  // 2 or 3
+  // Of each parameter the names of its values 0, 1, ...; none of a number.
+  std::vector<std::vector<std::string>> choices;
+  std::vector<DiscreteParameter> discrete;  // choices, and whole numbers of few values
+  Eigen::VectorXd default_design;           // the subject's own, whatever the bounds asked for
+  std::vector<Objective> objectives;        // 2 or 3
   std::vector<Constraint> constraints;
   Discovery::Options options;
 
@@ -60,26 +65,27 @@ absl::Status CheckSpecification(const v1::DiscoverySpecification& specification)
 // The problem for a subject as its evaluator describes it. INVALID_ARGUMENT naming the field at
 // fault
 // ("specification.objectives[1].metric" for an unknown metric, "specification.bounds[0].minimum"
-// for one outside the design space, "specification.subject" for a design space that is unusable).
+// for one outside the design space, "specification.bounds[0].choices[1]" for an unknown choice,
+// "specification.subject" for a design space that is unusable).
 absl::StatusOr<DiscoveryProblem> MakeProblem(const v1::DiscoverySpecification& specification,
                                              const v1::DesignSpace& described);
 
 // Why no front can come of it: FAILED_PRECONDITION naming the subject, with what its evaluations
 // failed for and, if some did not, how far the nearest is from the constraints.
 absl::Status NoFeasibleDesign(const std::string& subject, const DiscoveryProblem& problem,
-                              const Discovery& discovery);
+                              const AskTell& discovery);
 
 // Whether all evaluations so far, at least those of the space-filling samples, failed, and several
 // in the same words for what the subject may lack (FAILED_PRECONDITION, NOT_FOUND, UNIMPLEMENTED).
-bool MayLackSomething(const Discovery& discovery, const Discovery::Summary& summary);
+bool MayLackSomething(const AskTell& discovery, const AskTell::Summary& summary);
 
 // If the default design lacks what several of those in `summary`, which all failed, lack in the
 // same words: FAILED_PRECONDITION, SUBJECT_UNUSABLE, naming the subject and what that is. OK
 // otherwise. Others may have failed before that was looked at, over dimensions that conflict, say.
-absl::Status JudgeSubject(const std::string& subject, const Discovery::Summary& summary,
+absl::Status JudgeSubject(const std::string& subject, const AskTell::Summary& summary,
                           const Evaluation& default_design);
 
 // What was found, as a message without name, specification and time.
-v1::Front MakeFront(const DiscoveryProblem& problem, const Discovery& discovery);
+v1::Front MakeFront(const DiscoveryProblem& problem, const AskTell& discovery);
 
 }  // namespace mortise::pareto

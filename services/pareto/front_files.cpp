@@ -38,18 +38,30 @@ std::string ConstraintLabel(const v1::Front& front, int index) {
   return Label(front.specification().constraints(index).metric(), front.constraint_units(index));
 }
 
+bool IsChoice(const v1::Front& front, int parameter) {
+  return parameter < front.parameter_choices_size() &&
+         !front.parameter_choices(parameter).names().empty();
+}
+
 }  // namespace
 
 std::string FrontAsCsv(const v1::Front& front) {
   std::string csv;
-  for (const std::string& name : front.parameter_names()) absl::StrAppend(&csv, Quoted(name), ",");
+  for (int i = 0; i < front.parameter_names_size(); ++i) {
+    const std::string& name = front.parameter_names(i);
+    absl::StrAppend(&csv, Quoted(name), ",");
+    if (IsChoice(front, i)) absl::StrAppend(&csv, Quoted(Label(name, "choice")), ",");
+  }
   for (int i = 0; i < front.metric_names_size(); ++i)
     absl::StrAppend(&csv, Quoted(MetricLabel(front, i)), ",");
   for (int i = 0; i < front.specification().constraints_size(); ++i)
     absl::StrAppend(&csv, Quoted(ConstraintLabel(front, i)), ",");
   csv += "piece\r\n";
   for (const v1::FrontPoint& point : front.points()) {
-    for (const double value : point.parameters()) absl::StrAppendFormat(&csv, "%.17g,", value);
+    for (int i = 0; i < point.parameters_size(); ++i) {
+      absl::StrAppendFormat(&csv, "%.17g,", point.parameters(i));
+      if (IsChoice(front, i)) absl::StrAppend(&csv, Quoted(point.choices(i)), ",");
+    }
     for (const double value : point.metrics()) absl::StrAppendFormat(&csv, "%.17g,", value);
     for (const double value : point.constraint_metrics())
       absl::StrAppendFormat(&csv, "%.17g,", value);

@@ -39,7 +39,8 @@ std::vector<DifferenceStencil> StencilsAround(const v1::DesignSpace& space,
     const double above = space.parameters(k).maximum() - point.parameters(k);
     const double distance = step * (below + above);
     DifferenceStencil& stencil = stencils.emplace_back();
-    if (!(distance > 0)) continue;
+    // Nothing lies between two choices.
+    if (!(distance > 0) || !space.parameters(k).choices().empty()) continue;
     if (below >= distance && above >= distance) {
       stencil.offsets = {-distance, distance};
     } else if (above > below) {

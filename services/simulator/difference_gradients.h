@@ -15,7 +15,7 @@ namespace mortise::simulator {
 absl::Status CheckDifferences(const v1::EvaluateBatchRequest& asked, int parameters);
 
 // What is added to a parameter for two more designs: in its unit, neither of them 0. Both are 0 for
-// a parameter that has no range.
+// a parameter that has no range, or is a choice.
 struct DifferenceStencil {
   std::array<double, 2> offsets = {};
 

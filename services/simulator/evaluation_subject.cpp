@@ -1,5 +1,6 @@
 #include "services/simulator/evaluation_subject.h"
 
+#include <cmath>
 #include <memory>
 
 #include "absl/strings/str_cat.h"
@@ -147,7 +148,15 @@ absl::Status CheckPoint(const v1::DesignSpace& space, const v1::DesignPoint& poi
     const v1::DesignSpace::DesignParameter& parameter = space.parameters(k);
     const double slack = 1e-9 * (parameter.maximum() - parameter.minimum());
     const double value = point.parameters(k);
-    if (value >= parameter.minimum() - slack && value <= parameter.maximum() + slack) continue;
+    const bool is_within =
+        value >= parameter.minimum() - slack && value <= parameter.maximum() + slack;
+    if (is_within && (parameter.choices().empty() || value == std::round(value))) continue;
+    if (!parameter.choices().empty()) {
+      return InvalidField(absl::StrCat(field, ".parameters[", k, "]"),
+                          absl::StrCat(parameter.name(), " must be the number of a choice, 0 to ",
+                                       parameter.choices_size() - 1, ": ",
+                                       absl::StrJoin(parameter.choices(), ", ")));
+    }
     return InvalidField(absl::StrCat(field, ".parameters[", k, "]"),
                         absl::StrCat(parameter.name(), " must be within ", parameter.minimum(),
                                      " to ", parameter.maximum()));

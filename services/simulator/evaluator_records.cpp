@@ -1,5 +1,6 @@
 #include "services/simulator/evaluator_records.h"
 
+#include <cmath>
 #include <set>
 
 #include "absl/strings/match.h"
@@ -24,6 +25,8 @@ constexpr std::size_t kLongestTitle = 200;
 constexpr std::size_t kLongestVersion = 100;
 constexpr std::size_t kLongestUnit = 50;
 constexpr std::size_t kLongestDescription = 1000;
+constexpr int kMostChoices = 1000;
+constexpr std::size_t kLongestChoice = 100;
 constexpr int kPage = 1000;
 
 absl::Status CheckLength(const std::string& text, std::size_t longest, const std::string& field) {
@@ -40,9 +43,37 @@ absl::Status CheckName(const std::string& name, const std::string& field,
   return InvalidField(field, absl::StrCat("'", name, "' is there twice"));
 }
 
+absl::Status CheckChoices(const v1::DesignSpace::DesignParameter& parameter,
+                          const std::string& field) {
+  if (parameter.choices_size() < 2 || parameter.choices_size() > kMostChoices) {
+    return InvalidField(field + ".choices", absl::StrCat("must be 2 to ", kMostChoices));
+  }
+  std::set<std::string> names;
+  for (int i = 0; i < parameter.choices_size(); ++i) {
+    const std::string& name = parameter.choices(i);
+    const std::string place = absl::StrCat(field, ".choices[", i, "]");
+    MORTISE_RETURN_IF_ERROR(CheckLength(name, kLongestChoice, place));
+    if (name.empty()) return InvalidField(place, "must not be empty");
+    if (absl::StrContains(name, ',')) return InvalidField(place, "must not have a comma");
+    if (!names.insert(name).second) {
+      return InvalidField(place, absl::StrCat("'", name, "' is there twice"));
+    }
+  }
+  if (parameter.minimum() != 0) return InvalidField(field + ".minimum", "must be 0 of a choice");
+  if (parameter.maximum() != parameter.choices_size() - 1) {
+    return InvalidField(field + ".maximum",
+                        absl::StrCat("must be ", parameter.choices_size() - 1, " of a choice of ",
+                                     parameter.choices_size()));
+  }
+  if (parameter.step() != 1) return InvalidField(field + ".step", "must be 1 of a choice");
+  if (parameter.default_value() == std::round(parameter.default_value())) return absl::OkStatus();
+  return InvalidField(field + ".default_value", "must be the number of a choice");
+}
+
 absl::Status CheckParameter(const v1::DesignSpace::DesignParameter& parameter,
                             const std::string& field) {
   MORTISE_RETURN_IF_ERROR(CheckLength(parameter.unit(), kLongestUnit, field + ".unit"));
+  if (!parameter.choices().empty()) MORTISE_RETURN_IF_ERROR(CheckChoices(parameter, field));
   if (parameter.minimum() >= parameter.maximum()) {
     return InvalidField(field + ".maximum", "must be above minimum");
   }

@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "absl/strings/str_replace.h"
 #include "common/base/files.h"
@@ -57,24 +58,55 @@ TEST(CustomersEvaluator, IsExploredThroughTheGateway) {
     };
     CommandResult run;
     for (int i = 0; i < 100; ++i) {
-      run = ask({"pareto", "run", "evaluators/spring", "--evaluations", "200", "--minimize", "mass",
+      run = ask({"pareto", "run", "evaluators/spring", "--evaluations", "400", "--minimize", "mass",
                  "--maximize", "stiffness"});
       if (run.error.find("NOT_FOUND") == std::string::npos) break;
     }
     ASSERT_EQ(run.exit_code, 0) << run.error << ReadFile(folder / "spring.log").value_or("");
     const Json front = Json::parse(run.out, nullptr, false);
     ASSERT_FALSE(front.is_discarded()) << run.out;
-    ASSERT_EQ(front["parameter_names"], (std::vector<std::string>{"wire", "diameter", "turns"}));
+    ASSERT_EQ(front["parameter_names"],
+              (std::vector<std::string>{"wire", "diameter", "turns", "material"}));
+    ASSERT_EQ(front["parameter_choices"][3]["names"],
+              (std::vector<std::string>{"steel", "titanium"}));
+    EXPECT_EQ(front["combinations"]["possible"], "16") << "8 numbers of turns of 2 materials";
     ASSERT_GE(front["points"].size(), 10u);
+    std::set<std::string> materials;
     for (const Json& point : front["points"]) {
-      const double wire = point["parameters"][0];
-      // The fewest turns and the narrowest are both lightest and stiffest: only the wire is traded.
-      EXPECT_NEAR(point["parameters"][1].get<double>(), 0.02, 2e-4);
-      EXPECT_NEAR(point["parameters"][2].get<double>(), 3, 0.03);
-      const double turns = point["parameters"][2], diameter = point["parameters"][1];
-      const double stiffness = 80e9 * std::pow(wire, 4) / (8 * std::pow(diameter, 3) * turns);
+      const double wire = point["parameters"][0], diameter = point["parameters"][1];
+      // The fewest turns and the narrowest are both lightest and stiffest: only the wire and the
+      // material are traded.
+      EXPECT_NEAR(diameter, 0.02, 2e-4);
+      EXPECT_EQ(point["parameters"][2], 3);
+      const std::string material = point["choices"][3];
+      materials.insert(material);
+      EXPECT_EQ(point["parameters"][3], material == "steel" ? 0 : 1);
+      const double modulus = material == "steel" ? 80e9 : 44e9;
+      const double stiffness = modulus * std::pow(wire, 4) / (8 * std::pow(diameter, 3) * 3);
       EXPECT_NEAR(point["metrics"][1].get<double>(), stiffness, 1e-9 * stiffness);
     }
+    // Titanium is lighter as far as its thickest wire is stiff.
+    EXPECT_EQ(materials, (std::set<std::string>{"steel", "titanium"}));
+
+    const Json described = Json::parse(ask({"pareto", "describe", "evaluators/spring"}).out);
+    EXPECT_EQ(described["parameters"][3]["choices"][1], "titanium");
+    const auto run_with = [&](const std::string& option, const std::string& value) {
+      return ask({"pareto", "run", "evaluators/spring", "--evaluations", "40", "--minimize", "mass",
+                  "--maximize", "stiffness", option, value});
+    };
+    const Json steel = Json::parse(run_with("--fix", "material=steel").out, nullptr, false);
+    ASSERT_FALSE(steel.is_discarded());
+    for (const Json& point : steel["points"]) EXPECT_EQ(point["choices"][3], "steel");
+    const CommandResult unknown = run_with("--fix", "material=oak");
+    EXPECT_NE(unknown.exit_code, 0);
+    EXPECT_THAT(unknown.error + unknown.out, testing::HasSubstr("steel, titanium"));
+    const CommandResult ranged = run_with("--range", "material=0:1");
+    EXPECT_NE(ranged.exit_code, 0);
+    EXPECT_THAT(ranged.error + ranged.out, testing::HasSubstr("is a choice"));
+    const Json titanium = Json::parse(run_with("--allow", "material=titanium").out, nullptr, false);
+    ASSERT_FALSE(titanium.is_discarded());
+    for (const Json& point : titanium["points"]) EXPECT_EQ(point["choices"][3], "titanium");
+    EXPECT_NE(run_with("--allow", "turns=3,4").exit_code, 0) << "a number";
   }
   std::filesystem::remove_all(folder);
 }

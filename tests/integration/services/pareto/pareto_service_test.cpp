@@ -36,7 +36,7 @@ class Zdt1Evaluator : public v1::EvaluatorService::Service {
   grpc::Status DescribeDesignSpace(grpc::ServerContext*,
                                    const v1::DescribeDesignSpaceRequest* request,
                                    v1::DesignSpace* response) override {
-    if (request->subject() != "templates/zdt1")
+    if (request->subject() != "templates/zdt1" && request->subject() != "evaluators/mixed")
       return {grpc::StatusCode::NOT_FOUND, "no such template"};
     response->set_subject(request->subject());
     response->set_revision(3);
@@ -44,6 +44,18 @@ class Zdt1Evaluator : public v1::EvaluatorService::Service {
       auto& parameter = *response->add_parameters();
       parameter.set_name("x" + std::to_string(i));
       parameter.set_maximum(1);
+    }
+    if (request->subject() == "evaluators/mixed") {
+      // Only the second material and two ribs leave all of the front.
+      auto& material = *response->mutable_parameters(3);
+      for (const char* name : {"oak", "birch", "steel"}) material.add_choices(name);
+      material.set_maximum(2);
+      material.set_step(1);
+      auto& ribs = *response->mutable_parameters(4);
+      ribs.set_minimum(1);
+      ribs.set_maximum(3);
+      ribs.set_default_value(1);
+      ribs.set_step(1);
     }
     for (const char* name : {"mass", "gain", "stress"}) {
       auto& metric = *response->add_metrics();
@@ -58,7 +70,12 @@ class Zdt1Evaluator : public v1::EvaluatorService::Service {
     for (int k = 0; k < request->points_size(); ++k) {
       if (!Admit(*context)) return {grpc::StatusCode::CANCELLED, "cancelled"};
       const auto& parameters = request->points(k).parameters();
-      const Eigen::VectorXd x = Eigen::VectorXd::Map(parameters.data(), parameters.size());
+      Eigen::VectorXd x = Eigen::VectorXd::Map(parameters.data(), parameters.size());
+      if (request->subject() == "evaluators/mixed") {
+        whole_ = whole_ && x.tail(2) == x.tail(2).array().round().matrix();
+        x[3] = 0.3 * std::abs(x[3] - 1);
+        x[4] = 0.2 * std::abs(x[4] - 2);
+      }
       v1::EvaluationResult result;
       result.set_index(k);
       if (const absl::Status fault = FaultOf(x); !fault.ok()) {
@@ -101,6 +118,8 @@ class Zdt1Evaluator : public v1::EvaluatorService::Service {
     fails_from_ = least;
     fault_ = fault;
   }
+  // Whether choices and whole numbers were whole.
+  bool whole() const { return whole_; }
   int evaluations() {
     const std::lock_guard lock(mutex_);
     return evaluations_;
@@ -127,6 +146,7 @@ class Zdt1Evaluator : public v1::EvaluatorService::Service {
   const BenchmarkProblem problem_ = *MakeBenchmarkProblem("ZDT1", kDimensions);
   std::mutex mutex_;
   std::condition_variable changed_;
+  std::atomic<bool> whole_ = true;
   int evaluations_ = 0;
   int limit_ = std::numeric_limits<int>::max();
   double conflicts_from_ = 0.9;
@@ -488,6 +508,68 @@ TEST_F(ParetoServiceTest, SpendsItsBudgetOnDesignsThatFailForThemselves) {
   EXPECT_EQ(DetailOf(error).reason, "NO_FEASIBLE_DESIGN");
   EXPECT_NE(error.message().find("40 FIELD_INVALID, such as"), std::string::npos) << error;
   EXPECT_EQ(evaluator_.evaluations(), 40);
+}
+
+TEST_F(ParetoServiceTest, MergesFrontsOfChoicesAndWholeNumbers) {
+  v1::DiscoverFrontRequest request = Request(300);
+  request.mutable_specification()->set_subject("evaluators/mixed");
+  const v1::Operation operation = Wait(Discover(request).name());
+  EXPECT_NE(operation.progress().message().find("9 of 9 combinations tried"), std::string::npos)
+      << operation.progress().message();
+  const v1::Front front = FrontOf(operation);
+  EXPECT_TRUE(evaluator_.whole());
+  EXPECT_EQ(front.combinations().possible(), 9);
+  ASSERT_EQ(front.parameter_choices_size(), kDimensions);
+  EXPECT_EQ(front.parameter_choices(0).names_size(), 0);
+  EXPECT_EQ(front.parameter_choices(3).names(2), "steel");
+  ASSERT_GT(front.points_size(), 10);
+  int birch = 0;
+  for (const v1::FrontPoint& point : front.points()) {
+    ASSERT_EQ(point.choices_size(), kDimensions);
+    EXPECT_EQ(point.choices(0), "");
+    EXPECT_EQ(point.choices(3),
+              front.parameter_choices(3).names(static_cast<int>(point.parameters(3))));
+    birch += point.choices(3) == "birch" && point.parameters(4) == 2;
+  }
+  EXPECT_GT(2 * birch, front.points_size());
+  const std::string csv = Export(front.name(), v1::ExportFrontRequest::CSV);
+  EXPECT_EQ(csv.rfind("x0,x1,x2,x3,x3 (choice),x4,mass (kg)", 0), 0u) << csv.substr(0, 60);
+  EXPECT_NE(csv.find(",1,birch,2,"), std::string::npos);
+
+  auto& bound = *request.mutable_specification()->add_bounds();
+  request.set_request_id(NewIdentifier());
+  bound.set_parameter("x3");
+  bound.add_choices("steel");
+  bound.add_choices("oak");
+  const v1::Front allowed = FrontOf(Wait(Discover(request).name()));
+  EXPECT_EQ(allowed.combinations().possible(), 6);
+  for (const v1::FrontPoint& point : allowed.points()) EXPECT_NE(point.choices(3), "birch");
+}
+
+TEST_F(ParetoServiceTest, RefusesChoicesThatAreNone) {
+  const auto refused = [&](const std::string& parameter, double minimum, double maximum,
+                           const std::vector<std::string>& choices) {
+    v1::DiscoverFrontRequest request = Request(100);
+    request.mutable_specification()->set_subject("evaluators/mixed");
+    auto& bound = *request.mutable_specification()->add_bounds();
+    bound.set_parameter(parameter);
+    bound.set_minimum(minimum);
+    bound.set_maximum(maximum);
+    bound.mutable_choices()->Add(choices.begin(), choices.end());
+    grpc::ClientContext context;
+    v1::Operation operation;
+    const grpc::Status status = fronts_->DiscoverFront(&context, request, &operation);
+    return DetailOf(rpc::FromGrpc(status)).field;
+  };
+  const std::string field = "specification.bounds[0]";
+  EXPECT_EQ(refused("x3", 0, 0, {"oak", "teak"}), field + ".choices[1]");
+  EXPECT_EQ(refused("x3", 0, 0, {"oak", "oak"}), field + ".choices[1]");
+  EXPECT_EQ(refused("x3", 0, 1, {}), field + ".maximum") << "no range";
+  EXPECT_EQ(refused("x3", 3, 3, {}), field + ".minimum");
+  EXPECT_EQ(refused("x3", 0.5, 0.5, {}), field + ".minimum");
+  EXPECT_EQ(refused("x3", 0, 1, {"oak"}), field + ".maximum");
+  EXPECT_EQ(refused("x0", 0, 0, {"oak"}), field + ".choices") << "a number";
+  EXPECT_EQ(evaluator_.evaluations(), 0);
 }
 
 TEST_F(ParetoServiceTest, SurvivesKillNineWithTheSameFront) {

@@ -87,7 +87,7 @@ TEST_F(EvaluatorPageTest, ThePythonEvaluatorWorksWhileItsWorkersAreKilled) {
   request.add_metrics("stiffness");
   for (int i = 0; i < 60; ++i) {
     v1::DesignPoint& point = *request.add_points();
-    for (const double value : {0.002 + 4e-5 * i, 0.03, 8.0}) point.add_parameters(value);
+    for (const double value : {0.002 + 4e-5 * i, 0.03, 8.0, 0.0}) point.add_parameters(value);
   }
   const auto stub = v1::EvaluatorService::NewStub(service_.channel());
   grpc::ClientContext context;

@@ -448,6 +448,22 @@ TEST_F(EvaluatorTest, BadInputIsNamed) {
             "evaluator.space.parameters[0].default_value");
   EXPECT_EQ(field([&](auto& e) { space(e)->mutable_parameters(0)->set_step(-1); }),
             "evaluator.space.parameters[0].step");
+  const auto choice = [&](const std::vector<std::string>& names, double maximum, double step) {
+    return field([&](auto& e) {
+      auto& parameter = *space(e)->mutable_parameters(0);
+      parameter.mutable_choices()->Add(names.begin(), names.end());
+      parameter.set_minimum(0);
+      parameter.set_maximum(maximum);
+      parameter.set_step(step);
+      parameter.set_default_value(0);
+    });
+  };
+  EXPECT_EQ(choice({"oak"}, 0, 1), "evaluator.space.parameters[0].choices");
+  EXPECT_EQ(choice({"oak", "oak"}, 1, 1), "evaluator.space.parameters[0].choices[1]");
+  EXPECT_EQ(choice({"oak", ""}, 1, 1), "evaluator.space.parameters[0].choices[1]");
+  EXPECT_EQ(choice({"oak, dry", "ash"}, 1, 1), "evaluator.space.parameters[0].choices[0]");
+  EXPECT_EQ(choice({"oak", "ash"}, 2, 1), "evaluator.space.parameters[0].maximum");
+  EXPECT_EQ(choice({"oak", "ash"}, 1, 0), "evaluator.space.parameters[0].step");
   ASSERT_TRUE(Create(Beam()).ok());
   EXPECT_EQ(DetailOf(Evaluate(Batch(1, {"mass", "beauty"})).status()).field, "metrics[1]");
   const absl::StatusOr<Results> outside = [&] {
