@@ -35,10 +35,15 @@ constexpr std::size_t kTransplantedAtOnce = 4;
 constexpr double kKnown = 0.7;         // of a gap that was found
 constexpr double kTriedBefore = 0.03;  // scaled performance that each transplant before counts
 
-// How much `y` would have to improve in every metric to be dominated by none of `front`.
+// How far `y` is behind `front`: by how much some point of that is better in every metric, or a
+// third of by how much in one if it is worse in none (as Archive::ClearlyDominated); 0 or less
+// where `y` is not dominated.
 double Gap(const Eigen::VectorXd& y, const std::vector<Eigen::VectorXd>& front) {
   double gap = -kNowhere;
-  for (const Eigen::VectorXd& point : front) gap = std::max(gap, (y - point).minCoeff());
+  for (const Eigen::VectorXd& point : front) {
+    const double least = (y - point).minCoeff();
+    gap = std::max(gap, least < 0 ? least : std::max(least, (y - point).maxCoeff() / 3));
+  }
   return gap;
 }
 
