@@ -26,6 +26,11 @@ constexpr int kProbedPatches = 4;
 constexpr int kProbes = 20;  // of a patch
 constexpr std::int64_t kProbedBudget = 200;
 constexpr std::int64_t kExploringBudget = 30;  // evaluations a parameter
+constexpr std::int64_t kSurrogateBudget = 30;  // evaluations a parameter, at most, or
+constexpr std::int64_t kAlwaysScarce = 300;    // so many, however few parameters there are,
+constexpr std::int64_t kSurrogateLimit = 999;  // and no more than these
+constexpr Eigen::Index kSurrogateParameters = 40;
+constexpr double kSurrogateShare = 0.8;        // of the evaluations after the initial samples
 constexpr double kDescentShare = 0.25;         // of the budget
 constexpr std::int64_t kLargestPatch = 4;      // a quarter of the budget
 constexpr std::int64_t kMeasuringBudget = 60;  // evaluations a parameter
@@ -152,6 +157,7 @@ Discovery::Discovery(const DesignSpace& space, Eigen::Index metric_count, const 
       scheduler_(SchedulingOptions(options, box_.size(), metric_count), options.seed),
       population_(kPopulation *
                   static_cast<std::size_t>(std::max<Eigen::Index>(metric_count - 1, 1))),
+      surrogate_({}, box_, options.seed ^ 0x57a7eULL),
       random_(options.seed ^ 0x5eedULL),
       initial_samples_(InitialSamples(options, box_.size())),
       spacing_(Spacing(options.evaluations, metric_count)) {
@@ -316,6 +322,8 @@ std::optional<Eigen::VectorXd> Discovery::NextPoint(std::int64_t& track) {
     } while (StartRestoration());
     return tracks_.empty() ? std::optional(InitialDesign()) : std::nullopt;
   }
+  if (SurrogateIsDue())
+    if (const std::optional<Eigen::VectorXd> u = AskSurrogate(track)) return u;
   StartRepair();
   for (int barren = 0; barren < kExhaustedTracks; ++barren) {
     const std::int64_t newest = next_track_;
@@ -327,7 +335,7 @@ std::optional<Eigen::VectorXd> Discovery::NextPoint(std::int64_t& track) {
       return entry.second.kind == TrackKind::kOpening;
     });
     if (opening && (descending_ || scheduler_.AwaitsOpening(metric_count_)) && !pending_.empty())
-      return std::nullopt;
+      return UsesSurrogate() ? AskSurrogate(track) : std::nullopt;
     StartTrack(barren >= kBarrenTracks);
   }
   return std::nullopt;
@@ -336,22 +344,27 @@ std::optional<Eigen::VectorXd> Discovery::NextPoint(std::int64_t& track) {
 // The next point of the oldest track that has one. Designs that have been evaluated before are
 // answered from the archive.
 std::optional<Eigen::VectorXd> Discovery::AskTracks(std::int64_t& track) {
-  for (auto at = tracks_.begin(); at != tracks_.end(); ++at) {
-    while (true) {
-      const std::optional<Eigen::VectorXd> u = at->second.source->Ask(archive_);
-      if (!u) break;
-      const Eigen::VectorXd possible = box_.ToUnit(box_.FromUnit(*u));
-      const auto known = evaluated_.find(Key(possible));
-      if (known == evaluated_.end()) {
-        at->second.asked.emplace_back();
-        track = at->first;
-        return possible;
-      }
-      at->second.asked.emplace_back(known->second);
-      TellInOrder(at->second);
-    }
+  for (auto& [id, asked] : tracks_) {
+    track = id;
+    const std::optional<Eigen::VectorXd> u = AskTrack(asked);
+    if (u) return u;
   }
+  track = -1;
   RetireFinished();
+  return std::nullopt;
+}
+
+std::optional<Eigen::VectorXd> Discovery::AskTrack(Track& track) {
+  while (const std::optional<Eigen::VectorXd> u = track.source->Ask(archive_)) {
+    const Eigen::VectorXd possible = box_.ToUnit(box_.FromUnit(*u));
+    const auto known = evaluated_.find(Key(possible));
+    if (known == evaluated_.end()) {
+      track.asked.emplace_back();
+      return possible;
+    }
+    track.asked.emplace_back(known->second);
+    TellInOrder(track);
+  }
   return std::nullopt;
 }
 
@@ -449,10 +462,7 @@ std::unique_ptr<PointSource> Discovery::MakeDescent() {
 
 void Discovery::StartTrack(bool force_sample) {
   if (!opened_) {
-    const Eigen::MatrixXd& jacobian = archive_[archive_.non_dominated().front()].jacobian;
-    if (jacobian.size() > 0 && jacobian.allFinite()) {
-      scheduler_.UseGradients(static_cast<std::size_t>(initial_samples_));
-    }
+    if (OffersGradients()) scheduler_.UseGradients(static_cast<std::size_t>(initial_samples_));
   }
   if (!std::exchange(opened_, true) && Explores()) {
     descending_ = true;
@@ -475,6 +485,36 @@ void Discovery::StartTrack(bool force_sample) {
   }
   LocalOptimization* const view = next.optimization.get();
   tracks_[next_track_++] = {std::move(next.optimization), view, nullptr, next.kind, 0, 0};
+}
+
+bool Discovery::OffersGradients() const {
+  const Eigen::MatrixXd& jacobian = archive_[archive_.non_dominated().front()].jacobian;
+  return jacobian.size() > 0 && jacobian.allFinite();
+}
+
+// Automatically where evaluations are so few that each is worth some thought. With gradients local
+// models need no other.
+bool Discovery::UsesSurrogate() const {
+  if (options_.surrogate != Surrogate::kAutomatic) return options_.surrogate == Surrogate::kAlways;
+  const std::int64_t scarce = std::max(kSurrogateBudget * box_.size(), kAlwaysScarce);
+  return box_.size() <= kSurrogateParameters &&
+         options_.evaluations <= std::min(kSurrogateLimit, scarce) && !OffersGradients();
+}
+
+// Whether the next evaluation is the surrogate's.
+bool Discovery::SurrogateIsDue() const {
+  const auto searched = static_cast<double>(proposed_ - initial_samples_);
+  return static_cast<double>(surrogate_proposals_) <= kSurrogateShare * searched && UsesSurrogate();
+}
+
+std::optional<Eigen::VectorXd> Discovery::AskSurrogate(std::int64_t& track) {
+  std::vector<Eigen::VectorXd> under_way;
+  for (const auto& [number, pending] : pending_) under_way.push_back(pending.u);
+  track = next_track_++;
+  Track& proposal = tracks_[track] = {
+      surrogate_.Next(archive_, under_way), nullptr, nullptr, TrackKind::kSurrogate, 0, 0};
+  ++surrogate_proposals_;
+  return AskTrack(proposal);
 }
 
 // While nothing meets the constraints: from the design that is nearest to that and was not tried
@@ -573,6 +613,7 @@ Discovery::Summary Discovery::summary() const {
       points.push_back(scaling.Apply(archive_[index].metrics));
     summary.hypervolume = Hypervolume(points, Eigen::VectorXd::Ones(metric_count_));
   }
+  summary.surrogate = surrogate_.quality();
   return summary;
 }
 

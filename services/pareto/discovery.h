@@ -32,12 +32,19 @@
 #include "services/pareto/patch_sampling.h"
 #include "services/pareto/performance_buffer.h"
 #include "services/pareto/population.h"
+#include "services/pareto/surrogate_quality.h"
+#include "services/pareto/surrogate_search.h"
 #include "services/pareto/track_scheduler.h"
 
 namespace mortise::pareto {
 
 class Discovery {
  public:
+  // Whether a surrogate proposes designs (surrogate_search.h), four of five after the space-filling
+  // ones, at some 20 ms to a second each. Automatic: of budgets of up to 30 evaluations a parameter
+  // (or 300 in all), less than 1,000, for up to 40 parameters, unless all gradients are offered.
+  enum class Surrogate { kAutomatic, kAlways, kNever };
+
   struct Options {
     std::int64_t evaluations = 1000;  // budget, 1 to 10,000,000
     std::uint64_t seed = 1;
@@ -49,6 +56,7 @@ class Discovery {
     double delta_b = 1e-2;    // tolerance of the buffer, scaled performance
     double delta_i = 1e-4;    // improvement of hypervolume (relative) that counts as progress
     int stall_tracks = 300;   // optimisations in a row without progress that end it; 0: never
+    Surrogate surrogate = Surrogate::kAutomatic;
     TrackScheduler::Options scheduling;
   };
 
@@ -65,6 +73,7 @@ class Discovery {
     std::int64_t expansions = 0;
     std::int64_t cells_covered = 0;  // of the buffer
     double hypervolume = 0;          // dominated share of the box from ideal to nadir
+    SurrogateQuality surrogate;      // of its proposals, so far
   };
 
   struct Proposal {
@@ -129,6 +138,7 @@ class Discovery {
   Eigen::VectorXd UnitOf(const Eigen::VectorXd& x) const;
   std::optional<Eigen::VectorXd> NextPoint(std::int64_t& track);
   std::optional<Eigen::VectorXd> AskTracks(std::int64_t& track);
+  std::optional<Eigen::VectorXd> AskTrack(Track& track);
   void TellInOrder(Track& track);
   void RetireFinished();
   void Retire(const Track& track);
@@ -136,6 +146,10 @@ class Discovery {
   bool Explores() const;
   std::unique_ptr<PointSource> MakeDescent();
   void StartTrack(bool force_sample);
+  bool OffersGradients() const;
+  bool UsesSurrogate() const;
+  bool SurrogateIsDue() const;
+  std::optional<Eigen::VectorXd> AskSurrogate(std::int64_t& track);
   bool StartRestoration();
   bool PolishingPays() const;
   void StartRepair();
@@ -150,6 +164,7 @@ class Discovery {
   PerformanceBuffer buffer_;
   TrackScheduler scheduler_;
   Population population_;
+  SurrogateSearch surrogate_;
   Random random_;
   std::int64_t initial_samples_;
   std::vector<Eigen::VectorXd> initial_designs_;  // unit coordinates
@@ -168,6 +183,7 @@ class Discovery {
   FailureTally failures_;
   std::int64_t optimizations_ = 0;
   std::int64_t expansions_ = 0;
+  std::int64_t surrogate_proposals_ = 0;
   int probed_patches_ = 0;
   std::int64_t measured_ = 0;       // evaluations for slopes of pieces by differences
   bool descending_ = false;         // along one parameter after the other, before anything else

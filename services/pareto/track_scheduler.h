@@ -38,7 +38,8 @@ enum class TrackKind {
   kBreed = 4,
   kSweep = 5,
   kPolish = 6,
-  kOpening = 7
+  kOpening = 7,
+  kSurrogate = 8  // proposals of a surrogate, which the caller interleaves
 };
 
 class TrackScheduler {

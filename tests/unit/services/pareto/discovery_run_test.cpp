@@ -39,6 +39,7 @@ class RunTest : public testing::Test {
     Discovery::Options options;
     options.evaluations = 200;
     options.seed = 5;
+    options.surrogate = Discovery::Surrogate::kNever;
     return *Discovery::Create(problem_.space, 2, options);
   }
 
