@@ -26,6 +26,7 @@ struct BenchmarkOptions {
   std::uint64_t seed = 1;
   int window = 8;
   bool gradients = false;
+  std::string surrogate = "auto";
   pareto::BenchmarkVariant variant;
 };
 
@@ -34,6 +35,12 @@ std::vector<double> Numbers(const Eigen::VectorXd& vector) {
 }
 
 Json KnownOrNull(double value, bool known) { return known ? Json(value) : Json(nullptr); }
+
+pareto::Discovery::Surrogate SurrogateOf(const std::string& name) {
+  if (name == "always") return pareto::Discovery::Surrogate::kAlways;
+  if (name == "never") return pareto::Discovery::Surrogate::kNever;
+  return pareto::Discovery::Surrogate::kAutomatic;
+}
 
 Json DocumentOf(const BenchmarkOptions& options, const pareto::BenchmarkProblem& problem,
                 const pareto::BenchmarkResult& result) {
@@ -48,6 +55,12 @@ Json DocumentOf(const BenchmarkOptions& options, const pareto::BenchmarkProblem&
   document["rotated"] = options.variant.rotated;
   document["evaluations"] = result.evaluations;
   document["violating_evaluations"] = result.summary.violating;
+  const pareto::SurrogateQuality& surrogate = result.summary.surrogate;
+  const bool foretold = surrogate.predictions > 0;
+  document["surrogate_proposals"] = surrogate.proposals;
+  document["surrogate_within_two_deviations"] =
+      KnownOrNull(surrogate.within_two_deviations, foretold);
+  document["surrogate_median_error"] = KnownOrNull(surrogate.median_error, foretold);
   document["own_seconds_per_evaluation"] =
       result.own_seconds / static_cast<double>(std::max<std::int64_t>(1, result.evaluations));
   document["stop_reason"] = pareto::StopReasonName(result.summary.stop_reason);
@@ -105,6 +118,7 @@ absl::Status Run(const BenchmarkOptions& options, Output& output) {
   discovery.evaluations = options.evaluations;
   discovery.seed = options.seed;
   discovery.window = options.window;
+  discovery.surrogate = SurrogateOf(options.surrogate);
   discovery.stall_tracks = 0;  // all evaluations are to be made
   const auto result = pareto::RunBenchmark(
       problem, discovery, options.gradients, [&](const pareto::Discovery::Summary& summary) {
@@ -139,6 +153,12 @@ void AddParetoBenchmarkCommand(CLI::App& pareto, Session& session) {
   benchmark->add_option("--window", options->window, "Evaluations under way at once")
       ->capture_default_str();
   benchmark->add_flag("--gradients", options->gradients, "The problem offers its gradients");
+  benchmark
+      ->add_option("--surrogate", options->surrogate,
+                   "Whether a surrogate proposes designs: auto (where evaluations are scarce), "
+                   "always or never")
+      ->check(CLI::IsMember({"auto", "always", "never"}))
+      ->capture_default_str();
   benchmark->add_flag("--shifted", options->variant.shifted, "No optimum on a bound");
   benchmark->add_flag("--rotated", options->variant.rotated, "No optimum along an axis");
   benchmark

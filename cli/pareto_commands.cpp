@@ -32,6 +32,7 @@ struct RunOptions {
   std::vector<std::string> constrain;
   int evaluations = 0;
   std::int64_t seed = 1;
+  std::string surrogate;
   std::filesystem::path out;
 };
 
@@ -118,6 +119,12 @@ absl::StatusOr<v1::DiscoverySpecification> Specification(const RunOptions& optio
     specification.set_evaluations(options.evaluations);
     sources.Add("specification.evaluations", "--evaluations");
   }
+  if (!options.surrogate.empty()) {
+    specification.set_surrogate(
+        options.surrogate == "always"  ? v1::DiscoverySpecification::SURROGATE_ALWAYS
+        : options.surrogate == "never" ? v1::DiscoverySpecification::SURROGATE_NEVER
+                                       : v1::DiscoverySpecification::SURROGATE_AUTOMATIC);
+  }
   MORTISE_RETURN_IF_ERROR(AddBounds(options, specification, sources));
   MORTISE_RETURN_IF_ERROR(AddConstraints(options, specification, sources));
   return specification;
@@ -158,6 +165,13 @@ void PrintFront(const v1::Front& front, const Output& output) {
   for (const v1::EvaluationFailure& failure : front.failures()) {
     output.Line(absl::StrFormat("  %d failed with %s, such as at %s: %s", failure.count(),
                                 failure.reason(), DesignText(front, failure), failure.message()));
+  }
+  if (front.surrogate_quality().predictions() > 0) {
+    const v1::SurrogateQuality& quality = front.surrogate_quality();
+    output.Line(absl::StrFormat(
+        "  %d designs proposed by a surrogate: off by %.2g of the front's range in the median, "
+        "%.0f %% within two of its deviations",
+        quality.proposals(), quality.median_error(), 100 * quality.within_two_deviations()));
   }
   std::vector<std::string> titles(front.metric_names().begin(), front.metric_names().end());
   for (const auto& constraint : front.specification().constraints())
@@ -241,6 +255,10 @@ void AddParetoCommands(CLI::App& app, Session& session) {
   run->add_option("--evaluations", run_options->evaluations, "Budget of evaluations")
       ->check(CLI::PositiveNumber);
   run->add_option("--seed", run_options->seed, "Same seed, same front")->capture_default_str();
+  run->add_option("--surrogate", run_options->surrogate,
+                  "Whether a surrogate proposes designs: auto (where evaluations are scarce), "
+                  "always or never")
+      ->check(CLI::IsMember({"auto", "always", "never"}));
   run->add_option("--out", run_options->out, "Folder for front.csv and front.svg");
   run->footer(
       "Example: mortise pareto run table --minimize mass --minimize max_displacement "

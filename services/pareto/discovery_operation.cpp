@@ -131,6 +131,10 @@ class DiscoveryRun {
         absl::StrAppend(&progress.message, " (", CountsByReason(summary.failures), ")");
       if (summary.violating > 0)
         absl::StrAppend(&progress.message, ", ", summary.violating, " beyond constraints");
+      if (summary.surrogate.predictions > 0)
+        absl::StrAppendFormat(
+            &progress.message, ", surrogate off by %.2g of the front (%.0f %% as it expected)",
+            summary.surrogate.median_error, 100 * summary.surrogate.within_two_deviations);
       context_.ReportProgress(progress);
     };
     options.checkpoint = [this](const std::vector<std::pair<std::int64_t, Evaluation>>& batch) {

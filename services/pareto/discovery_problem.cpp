@@ -163,6 +163,17 @@ absl::Status CheckCount(std::int64_t value, std::int64_t least, std::int64_t mos
                       absl::StrCat("must lie between ", least, " and ", most));
 }
 
+Discovery::Surrogate SurrogateOf(v1::DiscoverySpecification::Surrogate surrogate) {
+  switch (surrogate) {
+    case v1::DiscoverySpecification::SURROGATE_ALWAYS:
+      return Discovery::Surrogate::kAlways;
+    case v1::DiscoverySpecification::SURROGATE_NEVER:
+      return Discovery::Surrogate::kNever;
+    default:
+      return Discovery::Surrogate::kAutomatic;
+  }
+}
+
 }  // namespace
 
 void Constraint::AppendTo(double value, std::vector<double>& rows) const {
@@ -214,6 +225,9 @@ absl::Status CheckSpecification(const v1::DiscoverySpecification& specification)
   MORTISE_RETURN_IF_ERROR(
       CheckCount(specification.evaluations(), kLeastEvaluations, kMostEvaluations, "evaluations"));
   MORTISE_RETURN_IF_ERROR(CheckCount(specification.cells(), 0, kMostCells, "cells"));
+  if (!v1::DiscoverySpecification::Surrogate_IsValid(specification.surrogate()))
+    return InvalidField("specification.surrogate",
+                        absl::StrCat(specification.surrogate(), " is none of the known ways"));
   return CheckCount(specification.window(), 0, kMostWindow, "window");
 }
 
@@ -245,6 +259,7 @@ absl::StatusOr<DiscoveryProblem> MakeProblem(const v1::DiscoverySpecification& s
   problem.options.evaluations = specification.evaluations();
   problem.options.seed = static_cast<std::uint64_t>(specification.seed());
   problem.options.cells_per_angle = specification.cells();
+  problem.options.surrogate = SurrogateOf(specification.surrogate());
   if (specification.window() > 0) problem.options.window = specification.window();
   return problem;
 }
@@ -335,6 +350,13 @@ v1::Front MakeFront(const DiscoveryProblem& problem, const Discovery& discovery)
     to.set_count(failure.count);
     to.set_message(failure.message);
     to.mutable_parameters()->Add(failure.x.begin(), failure.x.end());
+  }
+  if (summary.surrogate.proposals > 0) {
+    v1::SurrogateQuality& to = *message.mutable_surrogate_quality();
+    to.set_proposals(summary.surrogate.proposals);
+    to.set_predictions(summary.surrogate.predictions);
+    to.set_within_two_deviations(summary.surrogate.within_two_deviations);
+    to.set_median_error(summary.surrogate.median_error);
   }
   message.set_hypervolume(summary.hypervolume);
   message.set_cells_covered(static_cast<int>(summary.cells_covered));

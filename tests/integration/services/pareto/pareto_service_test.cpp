@@ -166,6 +166,7 @@ class ParetoServiceTest : public ::testing::Test {
     specification.set_subject("templates/zdt1");
     specification.set_evaluations(evaluations);
     specification.set_seed(11);
+    specification.set_surrogate(v1::DiscoverySpecification::SURROGATE_NEVER);
     specification.add_objectives()->set_metric("mass");
     auto& gain = *specification.add_objectives();
     gain.set_metric("gain");
@@ -277,6 +278,28 @@ TEST_F(ParetoServiceTest, DiscoversPicksListsAndExports) {
   EXPECT_EQ(csv.rfind("x0,x1,x2,x3,x4,mass (kg),gain (kg),piece", 0), 0u);
   EXPECT_NE(Export(front.name(), v1::ExportFrontRequest::SVG).find("<svg"), std::string::npos);
   EXPECT_EQ(Export(front.name(), v1::ExportFrontRequest::JSON).front(), '{');
+}
+
+TEST_F(ParetoServiceTest, TellsHowWellItsSurrogateForetold) {
+  v1::DiscoverFrontRequest request = Request(40);
+  request.mutable_specification()->set_surrogate(v1::DiscoverySpecification::SURROGATE_AUTOMATIC);
+  const v1::Operation operation = Wait(Discover(request).name());
+  EXPECT_NE(operation.progress().message().find("surrogate off by"), std::string::npos)
+      << operation.progress().message();
+  const v1::Front front = FrontOf(operation);
+  EXPECT_EQ(front.evaluations(), 40);
+  EXPECT_GT(front.surrogate_quality().proposals(), 15);
+  EXPECT_GT(front.surrogate_quality().predictions(), front.surrogate_quality().proposals());
+  EXPECT_GT(front.surrogate_quality().within_two_deviations(), 0.5);
+  EXPECT_GT(front.surrogate_quality().median_error(), 0);
+
+  request.set_request_id(NewIdentifier());
+  request.mutable_specification()->set_surrogate(v1::DiscoverySpecification::SURROGATE_NEVER);
+  EXPECT_FALSE(FrontOf(Wait(Discover(request).name())).has_surrogate_quality());
+  EXPECT_EQ(Refusal([](auto& specification) {
+              specification.set_surrogate(static_cast<v1::DiscoverySpecification::Surrogate>(9));
+            }),
+            grpc::StatusCode::INVALID_ARGUMENT);
 }
 
 TEST_F(ParetoServiceTest, ExploresAFront) {
