@@ -487,9 +487,10 @@ void Discovery::StartTrack(bool force_sample) {
   tracks_[next_track_++] = {std::move(next.optimization), view, nullptr, next.kind, 0, 0};
 }
 
+// Of all metrics; a slope may be infinite here or there.
 bool Discovery::OffersGradients() const {
   const Eigen::MatrixXd& jacobian = archive_[archive_.non_dominated().front()].jacobian;
-  return jacobian.size() > 0 && jacobian.allFinite();
+  return jacobian.size() > 0 && !jacobian.array().isNaN().rowwise().all().any();
 }
 
 // Automatically where evaluations are so few that each is worth some thought. With gradients local

