@@ -15,7 +15,7 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-std::vector<VectorXd> Front(Index d, int count, std::uint64_t seed) {
+std::vector<VectorXd> RoundFront(Index d, int count, std::uint64_t seed) {
   Random random(seed);
   std::vector<VectorXd> front;
   // On a sphere around (1, ..., 1), bent like a front, and one point that others dominate.
@@ -79,7 +79,7 @@ TEST(ExpectedImprovementTest, OverAnEmptyFrontIsAProduct) {
 
 TEST(ExpectedImprovementTest, WithoutDoubtIsTheImprovement) {
   for (const Index d : {2, 3}) {
-    const std::vector<VectorXd> front = Front(d, 9, 1);
+    const std::vector<VectorXd> front = RoundFront(d, 9, 1);
     const VectorXd reference = VectorXd::Constant(d, 1.1);
     const ExpectedHypervolumeImprovement improvement(front, reference);
     Random random(5);
@@ -94,7 +94,7 @@ TEST(ExpectedImprovementTest, WithoutDoubtIsTheImprovement) {
 
 TEST(ExpectedImprovementTest, EqualsRandomDraws) {
   for (const Index d : {1, 2, 3, 4, 5}) {
-    const std::vector<VectorXd> front = Front(d, 8, 2);
+    const std::vector<VectorXd> front = RoundFront(d, 8, 2);
     const VectorXd reference = VectorXd::Constant(d, 1.1);
     const ExpectedHypervolumeImprovement improvement(front, reference);
     for (const double height : {0.1, 0.5, 0.8}) {
@@ -110,7 +110,7 @@ TEST(ExpectedImprovementTest, EqualsRandomDraws) {
 
 TEST(ExpectedImprovementTest, IsNeverNegativeAndFallsWithDistance) {
   for (const Index d : {2, 3, 5}) {
-    const std::vector<VectorXd> front = Front(d, 12, 4);
+    const std::vector<VectorXd> front = RoundFront(d, 12, 4);
     const ExpectedHypervolumeImprovement improvement(front, VectorXd::Constant(d, 1.1));
     double last = 1e9;
     for (double height = -0.5; height < 3; height += 0.1) {
@@ -125,7 +125,8 @@ TEST(ExpectedImprovementTest, IsNeverNegativeAndFallsWithDistance) {
 
 TEST(ExpectedImprovementTest, GradientsAreItsSlopes) {
   for (const Index d : {1, 2, 3, 4}) {
-    const ExpectedHypervolumeImprovement improvement(Front(d, 7, 6), VectorXd::Constant(d, 1.1));
+    const ExpectedHypervolumeImprovement improvement(RoundFront(d, 7, 6),
+                                                     VectorXd::Constant(d, 1.1));
     const VectorXd means = VectorXd::LinSpaced(d, 0.25, 0.6);
     const VectorXd deviations = VectorXd::LinSpaced(d, 0.1, 0.2);
     const auto value = improvement.WithGradient(means, deviations);

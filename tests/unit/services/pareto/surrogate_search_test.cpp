@@ -21,6 +21,12 @@ VectorXd Metrics(const VectorXd& u) {
   return Eigen::Vector2d((u.array() - 0.25).square().sum(), (u.array() - 0.75).square().sum());
 }
 
+ArchiveEntry FailedAt(const VectorXd& u) {
+  ArchiveEntry entry;
+  entry.u = u;
+  return entry;
+}
+
 using Answer = std::function<ArchiveEntry(const VectorXd& u)>;
 
 ArchiveEntry Answered(const VectorXd& u) {
@@ -102,7 +108,7 @@ TEST(SurrogateModelTest, LearnsConstraintsAndWhatFails) {
   const Answer limited = [](const VectorXd& u) {
     ArchiveEntry entry = Answered(u);
     entry.constraints = Eigen::Vector2d(u[0] - 0.5, -1);  // the second was never violated
-    if (u[1] > 0.6) entry = {.u = u};
+    if (u[1] > 0.6) entry = FailedAt(u);
     return entry;
   };
   const Archive archive = Sampled(2, 60, limited);
@@ -117,9 +123,7 @@ TEST(SurrogateModelTest, LearnsConstraintsAndWhatFails) {
 }
 
 TEST(SurrogateModelTest, TellsTheSlopeOfItsDoubts) {
-  const Answer failing = [](const VectorXd& u) {
-    return u[1] > 0.6 ? ArchiveEntry{.u = u} : Answered(u);
-  };
+  const Answer failing = [](const VectorXd& u) { return u[1] > 0.6 ? FailedAt(u) : Answered(u); };
   SurrogateModel model({});
   model.Learn(Sampled(2, 30, failing));
   const VectorXd u = Eigen::Vector2d(0.4, 0.58);
@@ -154,9 +158,7 @@ TEST(SurrogateSearchTest, ProposesDesignsOfTheFront) {
 
 TEST(SurrogateSearchTest, LeavesAloneWhatFails) {
   const auto fails = [](const VectorXd& u) { return u[0] + u[1] > 1.1; };
-  const Answer failing = [&](const VectorXd& u) {
-    return fails(u) ? ArchiveEntry{.u = u} : Answered(u);
-  };
+  const Answer failing = [&](const VectorXd& u) { return fails(u) ? FailedAt(u) : Answered(u); };
   SurrogateSearch search({}, Box(2), 1);
   const Archive archive = Searched(Sampled(2, 16, failing), 2, 20, failing, search);
   int failed = 0;
