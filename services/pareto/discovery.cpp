@@ -29,6 +29,8 @@ constexpr std::int64_t kExploringBudget = 30;  // evaluations a parameter
 constexpr double kDescentShare = 0.25;         // of the budget
 constexpr std::int64_t kLargestPatch = 4;      // a quarter of the budget
 constexpr std::int64_t kMeasuringBudget = 60;  // evaluations a parameter
+constexpr std::int64_t kEvolvingBudget = 100;  // evaluations a parameter
+constexpr double kInvestment = 0.5;            // of the evaluations while an evolution may pay
 constexpr double kMeasuredShare = 0.1;         // of the budget, for slopes of pieces by differences
 constexpr double kSamePiece = 0.01;            // pieces whose centres are this near are the same
 constexpr double kRepairShare = 0.05;          // of the budget, at its end
@@ -152,6 +154,7 @@ Discovery::Discovery(const DesignSpace& space, Eigen::Index metric_count, const 
       scheduler_(SchedulingOptions(options, box_.size(), metric_count), options.seed),
       population_(kPopulation *
                   static_cast<std::size_t>(std::max<Eigen::Index>(metric_count - 1, 1))),
+      evolution_(options.seed ^ 0xe501ULL),
       random_(options.seed ^ 0x5eedULL),
       initial_samples_(InitialSamples(options, box_.size())),
       spacing_(Spacing(options.evaluations, metric_count)) {
@@ -459,16 +462,16 @@ void Discovery::StartTrack(bool force_sample) {
     tracks_[next_track_++] = {MakeDescent(), nullptr, nullptr, TrackKind::kOpening, 0, 0};
     return;
   }
+  if (options_.evaluations >= kEvolvingBudget * box_.size())
+    scheduler_.Invest(kInvestment * evolution_.Promise());
   TrackScheduler::Track next = scheduler_.Next(archive_, buffer_, force_sample);
-  if (next.kind == TrackKind::kBreed) {
-    tracks_[next_track_++] = {std::make_unique<Breeding>(archive_, population_, kChildren, random_),
-                              nullptr,
-                              nullptr,
-                              next.kind,
-                              0,
-                              0};
-    return;
-  }
+  if (next.kind == TrackKind::kBreed)
+    next.other = std::make_unique<Breeding>(archive_, population_, kChildren, random_);
+  if (next.kind == TrackKind::kEvolve)
+    next.other =
+        std::make_unique<Evolving>(archive_, archive_.CurrentScaling(), kChildren, evolution_);
+  if (next.kind == TrackKind::kTransfer)
+    next.other = std::make_unique<PointList>(evolution_.Transfers(archive_, kChildren));
   if (next.other != nullptr) {
     tracks_[next_track_++] = {std::move(next.other), nullptr, nullptr, next.kind, 0, 0};
     return;

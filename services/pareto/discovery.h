@@ -27,6 +27,7 @@
 #include "absl/status/statusor.h"
 #include "services/pareto/archive.h"
 #include "services/pareto/evaluation.h"
+#include "services/pareto/evolution_search.h"
 #include "services/pareto/failure_tally.h"
 #include "services/pareto/front.h"
 #include "services/pareto/patch_sampling.h"
@@ -150,6 +151,7 @@ class Discovery {
   PerformanceBuffer buffer_;
   TrackScheduler scheduler_;
   Population population_;
+  EvolutionSearch evolution_;
   Random random_;
   std::int64_t initial_samples_;
   std::vector<Eigen::VectorXd> initial_designs_;  // unit coordinates

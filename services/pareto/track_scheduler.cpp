@@ -19,6 +19,7 @@ constexpr double kMemory = 0.9;  // weight of the past in what a way of sampling
 constexpr int kCoarseCells = 64;
 constexpr std::size_t kBridges = 8;  // of a track
 constexpr int kSweepValues = 8;
+constexpr double kTransferShare = 0.2;  // of what is invested in evolution
 // How much less other metrics count where one is looked for by itself: enough to choose among
 // designs that are equal in it.
 constexpr double kUnimportance = 3;
@@ -38,15 +39,18 @@ TrackScheduler::Track TrackScheduler::Next(const Archive& archive, const Perform
   const Eigen::Index d = buffer.scaling().ideal.size();
   if (opened_ <= LastOpening(d)) return OpeningTrack(archive);
   if (force_sample) return SampleTrack(archive, buffer);
-  switch (ChooseKind()) {
+  const TrackKind kind = ChooseKind();
+  switch (kind) {
+    case TrackKind::kBreed:
+    case TrackKind::kEvolve:
+    case TrackKind::kTransfer:
+      return {kind, nullptr, nullptr};
     case TrackKind::kGap:
       return d == 2 ? PlanarGapTrack(archive, buffer) : GapTrack(archive, buffer);
     case TrackKind::kRefine:
       return RefineTrack(archive, buffer);
     case TrackKind::kBridge:
       return BridgeTrack(archive, buffer);
-    case TrackKind::kBreed:
-      return {TrackKind::kBreed, nullptr, nullptr};
     case TrackKind::kSweep:
       return SweepTrack(archive, buffer);
     case TrackKind::kPolish:
@@ -79,6 +83,10 @@ std::array<double, TrackScheduler::kWays> TrackScheduler::Shares() const {
   for (std::size_t i = 0; i < ways; ++i) {
     rate[i] = least + rest * rate[i] / total;
   }
+  if (!options_.explores) return rate;
+  for (std::size_t i = 0; i < ways; ++i) rate[i] *= 1 - investment_;
+  rate[static_cast<std::size_t>(TrackKind::kEvolve)] += (1 - kTransferShare) * investment_;
+  rate[static_cast<std::size_t>(TrackKind::kTransfer)] += kTransferShare * investment_;
   return rate;
 }
 
