@@ -56,16 +56,15 @@ double EvolutionSearch::MeritOf(const Archive& archive, const Scaling& scaling,
 
 // The improvement of hypervolume over the snapshot; below zero, how far it is from adding any.
 double EvolutionSearch::MeritOf(const Scaling& scaling, const VectorXd& metrics) const {
-  const VectorXd y = scaling.Apply(metrics);
+  const VectorXd y = (snapshot_.cols() > 0 ? snapshot_scaling_ : scaling).Apply(metrics);
   const VectorXd reference = VectorXd::Constant(y.size(), kReference);
   double missing = std::max((y - reference).maxCoeff(), 0.0);
-  std::vector<VectorXd> covered;  // of what is between y and the reference
-  for (const VectorXd& known : snapshot_) {
-    const VectorXd p = scaling.Apply(known);
-    missing = std::max(missing, (y - p).minCoeff());
-    covered.push_back(p.cwiseMax(y));
-  }
+  for (Eigen::Index i = 0; i < snapshot_.cols(); ++i)
+    missing = std::max(missing, (y - snapshot_.col(i)).minCoeff());
   if (missing > 0) return -missing;
+  std::vector<VectorXd> covered;  // of what is between y and the reference
+  for (Eigen::Index i = 0; i < snapshot_.cols(); ++i)
+    covered.push_back(snapshot_.col(i).cwiseMax(y));
   return (reference - y).prod() - Hypervolume(covered, reference);
 }
 
@@ -106,9 +105,11 @@ void EvolutionSearch::Begin(const Archive& archive, const Scaling& scaling) {
     start = FirstStart(archive, scaling);
     strategy_.emplace(archive[start].u, kFirstSize);
   } else {
-    snapshot_.clear();
-    for (const std::size_t entry : archive.non_dominated())
-      snapshot_.push_back(archive[entry].metrics);
+    snapshot_scaling_ = scaling;
+    const std::vector<std::size_t>& front = archive.non_dominated();
+    snapshot_.resize(scaling.ideal.size(), static_cast<Eigen::Index>(front.size()));
+    for (std::size_t i = 0; i < front.size(); ++i)
+      snapshot_.col(static_cast<Eigen::Index>(i)) = scaling.Apply(archive[front[i]].metrics);
     start = NextStart(archive, scaling);
     const double size = DistanceToNearestDesign(archive, start);
     strategy_->Restart(archive[start].u, std::clamp(size, kLeastSize, kMostSize));

@@ -64,11 +64,12 @@ class EvolutionSearch {
 
   Random random_;
   std::optional<EvolutionStrategy> strategy_;
-  std::vector<Eigen::VectorXd> snapshot_;  // raw metrics
-  std::vector<std::size_t> bests_;         // entries, of the search under way, the present one last
-  std::vector<std::size_t> generation_;    // entries told
-  std::optional<QuadraticModel> model_;    // around the mean
-  int barren_ = 0;                         // generations without a better one
+  Eigen::MatrixXd snapshot_;  // d x n, scaled by
+  Scaling snapshot_scaling_;
+  std::vector<std::size_t> bests_;       // entries, of the search under way, the present one last
+  std::vector<std::size_t> generation_;  // entries told
+  std::optional<QuadraticModel> model_;  // around the mean
+  int barren_ = 0;                       // generations without a better one
   int searches_ = 0;
   std::set<std::pair<std::size_t, std::size_t>> transferred_;  // trade-off and best
 };
