@@ -17,7 +17,12 @@
 namespace mortise::pareto {
 namespace {
 
-constexpr double kReference = 1.1;       // of the running hypervolume, in scaled performance
+constexpr double kReference = 1.1;         // of the running hypervolume, in scaled performance
+constexpr Eigen::Index kExactMetrics = 4;  // of gains; for more metrics they are bounds from above
+constexpr std::size_t kMostOverlaps = 64;
+constexpr int kRunningSamples = 1 << 12;  // of hypervolumes that progress is measured against
+constexpr int kFinalSamples = 1 << 18;
+constexpr std::int64_t kShownEvery = 16;  // a hypervolume is shown until there are that part more
 constexpr int kBarrenTracks = 4;         // tracks without a new point before a sample is forced
 constexpr int kExhaustedTracks = 200;    // and before the design space counts as exhausted
 constexpr std::size_t kPopulation = 30;  // for each metric but one
@@ -248,11 +253,10 @@ void Discovery::CommitNext() {
   const auto first = pending_.find(committed_++);
   const Pending pending = std::move(first->second);
   pending_.erase(first);
-  const std::vector<std::size_t> before = archive_.non_dominated();
   const std::size_t entry = archive_.Add(EntryOf(pending));
   if (archive_[entry].feasible) population_.Offer(archive_, entry);
   evaluated_.emplace(Key(pending.u), entry);
-  const double gain = Absorb(entry, before);
+  const double gain = Absorb(entry);
   const auto track = tracks_.find(pending.track);
   if (track == tracks_.end()) return;
   track->second.gain += gain;
@@ -263,31 +267,48 @@ void Discovery::CommitNext() {
   RetireFinished();
 }
 
-double Discovery::DominatedVolume(const std::vector<std::size_t>& entries) const {
+double Discovery::DominatedVolume(const Scaling& scaling, double reference, int samples) const {
   std::vector<Eigen::VectorXd> points;
-  for (const std::size_t index : entries)
-    points.push_back(buffer_.scaling().Apply(archive_[index].metrics));
-  return Hypervolume(points, Eigen::VectorXd::Constant(metric_count_, kReference));
+  for (const std::size_t index : archive_.non_dominated())
+    points.push_back(scaling.Apply(archive_[index].metrics));
+  return QuickHypervolume(points, Eigen::VectorXd::Constant(metric_count_, reference), samples);
+}
+
+// The hypervolume that the last entry, which nothing dominates, adds to what was not dominated
+// before; in the scaling of the buffer.
+double Discovery::GainOf(std::size_t entry) const {
+  const Scaling& scaling = buffer_.scaling();
+  const auto front = archive_.non_dominated_metrics();
+  const auto others = front.cols() - 1;
+  const std::vector<std::size_t>& displaced = archive_.displaced();
+  Eigen::MatrixXd before(metric_count_, others + std::ssize(displaced));
+  before.leftCols(others) = front.leftCols(others);
+  for (std::size_t k = 0; k < displaced.size(); ++k)
+    before.col(others + static_cast<Eigen::Index>(k)) = archive_[displaced[k]].metrics;
+  const double volume = HypervolumeContribution(archive_[entry].metrics, before,
+                                                scaling.ideal + kReference * scaling.range,
+                                                metric_count_ <= kExactMetrics ? 0 : kMostOverlaps);
+  return volume / scaling.range.prod();
 }
 
 // Puts an entry into the buffer; returns the hypervolume gained over what was not dominated before,
 // in the scaling that holds afterwards.
-double Discovery::Absorb(std::size_t entry, const std::vector<std::size_t>& non_dominated_before) {
+double Discovery::Absorb(std::size_t entry) {
   if (!archive_[entry].feasible) return 0;
   const Scaling scaling = archive_.CurrentScaling();
+  const bool is_trade_off = archive_.non_dominated().back() == entry;
   if (buffer_.NeedsRebuild(scaling)) {
     buffer_.Rebuild(archive_, scaling);
-    const double before = DominatedVolume(non_dominated_before);
-    hypervolume_ = DominatedVolume(archive_.non_dominated());
+    hypervolume_ = DominatedVolume(scaling, kReference, kRunningSamples);
     progress_mark_ = 0;  // another scale: progress is counted anew
     tracks_since_progress_ = 0;
-    return std::max(0.0, hypervolume_ - before);
+    return is_trade_off ? GainOf(entry) : 0;
   }
   buffer_.Insert(entry, buffer_.scaling().Apply(archive_[entry].metrics));
-  if (archive_.non_dominated().back() != entry) return 0;
-  const double before = hypervolume_;
-  hypervolume_ = DominatedVolume(archive_.non_dominated());
-  return hypervolume_ - before;
+  if (!is_trade_off) return 0;
+  const double gain = GainOf(entry);
+  hypervolume_ += gain;
+  return gain;
 }
 
 Eigen::VectorXd Discovery::DesignAt(const Eigen::VectorXd& u) const {
@@ -550,6 +571,7 @@ void Discovery::Stop(StopReason reason, std::string message) {
   if (stop_ != StopReason::kRunning) return;
   CommitUpTo(proposed_);
   stop_ = reason;
+  shown_.committed = -1;  // to be measured once more, as well as may be
   message_ = std::move(message);
   if (archive_.feasible_count() > 0) buffer_.Rebuild(archive_, archive_.CurrentScaling());
 }
@@ -566,13 +588,12 @@ Discovery::Summary Discovery::summary() const {
   summary.optimizations = optimizations_;
   summary.expansions = expansions_;
   summary.cells_covered = static_cast<std::int64_t>(buffer_.cells().size());
-  if (archive_.feasible_count() > 0) {
-    const Scaling scaling = archive_.CurrentScaling();
-    std::vector<Eigen::VectorXd> points;
-    for (const std::size_t index : archive_.non_dominated())
-      points.push_back(scaling.Apply(archive_[index].metrics));
-    summary.hypervolume = Hypervolume(points, Eigen::VectorXd::Ones(metric_count_));
+  const std::int64_t since = committed_ - shown_.committed;
+  if (archive_.feasible_count() > 0 && since > (Finished() ? 0 : shown_.committed / kShownEvery)) {
+    shown_ = {committed_, DominatedVolume(archive_.CurrentScaling(), 1,
+                                          Finished() ? kFinalSamples : kRunningSamples)};
   }
+  summary.hypervolume = shown_.hypervolume;
   return summary;
 }
 

@@ -265,11 +265,16 @@ std::optional<Eigen::VectorXd> PatchSampling::NodePoint(const Node& node, double
 }
 
 bool PatchSampling::Covered(const Archive& archive, const Eigen::VectorXd& predicted) const {
-  const Eigen::VectorXd y = scaling_.Apply(predicted);
   const double near = 0.5 * options_.spacing;
-  for (const std::size_t other : archive.non_dominated()) {
-    const Eigen::VectorXd gap = y - scaling_.Apply(archive[other].metrics);
-    if (gap.norm() < near && gap.minCoeff() > -options_.tolerance) return true;
+  const auto front = archive.non_dominated_metrics();
+  for (Eigen::Index k = 0; k < front.cols(); ++k) {
+    double squared = 0, least = std::numeric_limits<double>::infinity();
+    for (Eigen::Index i = 0; i < predicted.size() && squared < near * near; ++i) {
+      const double gap = (predicted[i] - front(i, k)) / scaling_.range[i];
+      squared += gap * gap;
+      least = std::min(least, gap);
+    }
+    if (squared < near * near && least > -options_.tolerance) return true;
   }
   return false;
 }
