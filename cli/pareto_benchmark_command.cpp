@@ -96,8 +96,9 @@ void Print(const pareto::BenchmarkProblem& problem, const pareto::BenchmarkResul
 }
 
 absl::Status Run(const BenchmarkOptions& options, Output& output) {
-  const int dimensions =
-      options.dimensions != 0 ? options.dimensions : pareto::PublishedDimensions(options.name);
+  const int dimensions = options.dimensions != 0
+                             ? options.dimensions
+                             : pareto::PublishedDimensions(options.name, options.variant.metrics);
   MORTISE_ASSIGN_OR_RETURN(
       const pareto::BenchmarkProblem problem,
       pareto::MakeBenchmarkProblem(options.name, std::max(1, dimensions), options.variant));
@@ -147,7 +148,7 @@ void AddParetoBenchmarkCommand(CLI::App& pareto, Session& session) {
       ->capture_default_str();
   benchmark
       ->add_option("--metrics", options->variant.metrics,
-                   "Number of metrics of the Fourier problem, 2 or 3; 2 if not given")
+                   "Number of metrics, 2 to 6, of DTLZ (3 if not given) and Fourier (2)")
       ->check(CLI::PositiveNumber);
   benchmark->footer(
       "Example: mortise pareto benchmark ZDT3 --dims 15 --evaluations 300 --gradients");

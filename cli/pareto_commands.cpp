@@ -228,7 +228,8 @@ void AddParetoCommands(CLI::App& app, Session& session) {
   auto run_options = std::make_shared<RunOptions>();
   CLI::App* run = pareto->add_subcommand("run", "Discover the front of a template");
   run->add_option("subject", run_options->subject, "Template, or SPECIFICATION.json")->required();
-  run->add_option("--minimize", run_options->minimize, "Metric to make small; two or three");
+  run->add_option("--minimize", run_options->minimize,
+                  "Metric to make small; two to six, with those to make large");
   run->add_option("--maximize", run_options->maximize, "Metric to make large");
   run->add_option("--define", run_options->own.define,
                   "A metric of your own, \"NAME [UNIT] = EXPRESSION\"");

@@ -23,6 +23,8 @@ constexpr std::size_t kMostOverlaps = 64;
 constexpr int kRunningSamples = 1 << 12;  // of hypervolumes that progress is measured against
 constexpr int kFinalSamples = 1 << 18;
 constexpr std::int64_t kShownEvery = 16;  // a hypervolume is shown until there are that part more
+constexpr double kMostCells = 2e9;        // so that their numbers fit 32 bits
+constexpr std::int64_t kEvaluationsOfCell = 4;  // where the buffer adapts
 constexpr int kBarrenTracks = 4;         // tracks without a new point before a sample is forced
 constexpr int kExhaustedTracks = 200;    // and before the design space counts as exhausted
 constexpr std::size_t kPopulation = 30;  // for each metric but one
@@ -51,14 +53,21 @@ PerformanceBuffer::Options BufferOptions(const Discovery::Options& options, Eige
   PerformanceBuffer::Options buffer;
   buffer.tolerance = options.delta_b;
   buffer.cells_per_angle = options.cells_per_angle;
-  if (buffer.cells_per_angle == 0) buffer.cells_per_angle = d <= 2 ? 1000 : d == 3 ? 100 : 16;
+  if (buffer.cells_per_angle == 0) buffer.cells_per_angle = d <= 2 ? 1000 : d == 3 ? 100 : 64;
+  if (d <= 3) return buffer;
+  const double most = std::pow(kMostCells, 1 / static_cast<double>(d - 1));
+  buffer.cells_per_angle = std::min(buffer.cells_per_angle, static_cast<int>(most));
+  buffer.cell_limit = static_cast<std::size_t>(
+      std::clamp<std::int64_t>(options.evaluations / kEvaluationsOfCell, 50, 4000));
   return buffer;
 }
 
 double Spacing(std::int64_t evaluations, Eigen::Index d) {
   const double share = 6.0 / static_cast<double>(evaluations);
   const auto dimensions = static_cast<double>(std::max<Eigen::Index>(d - 1, 1));
-  return std::clamp(std::pow(share, 1 / dimensions), 0.005, 0.15);
+  // With many metrics a piece of the front is large: its lattice is to have so many nodes all the
+  // same.
+  return std::clamp(std::pow(share, 1 / dimensions), 0.005, d <= 3 ? 0.15 : 0.5);
 }
 
 std::int64_t InitialSamples(const Discovery::Options& options, Eigen::Index size) {

@@ -42,7 +42,9 @@ class Discovery {
     std::int64_t evaluations = 1000;  // budget, 1 to 10,000,000
     std::uint64_t seed = 1;
     int window = 8;  // evaluations under way at once, 1 to 4096; part of what is computed
-    int cells_per_angle = 0;  // of the buffer, up to 10,000; 0: 1000 for d = 2, 100 for 3, 16 above
+    // Of the buffer, up to 10,000; 0: 1000 for d = 2, 100 for 3. Above that it is the finest (0:
+    // 64), and the buffer adapts so that one cell for four evaluations is occupied, 50 to 4,000.
+    int cells_per_angle = 0;
     int constraints = 0;      // m, told with each evaluation, 0 to 64
     int initial_samples = 0;  // space-filling designs at the start; 0: D + 3, with constraints D +
                               // 23, at most a quarter of the budget

@@ -361,6 +361,7 @@ TEST(CommandLine, BenchmarksSayWhatIsWrong) {
   EXPECT_EQ(fault({"ZDT1", "--evaluations", "-5"}), "--evaluations");
   EXPECT_EQ(fault({"ZDT1", "--window", "0"}), "--window");
   EXPECT_EQ(fault({"Kursawe", "--rotated"}), "--rotated");
+  EXPECT_EQ(fault({"DTLZ2", "--metrics", "7"}), "--metrics");
 }
 
 TEST(Completion, IsAScriptThatBashAccepts) {
