@@ -279,6 +279,7 @@ TEST_F(ParetoServiceTest, DiscoversPicksListsAndExports) {
   EXPECT_EQ(csv.rfind("x0,x1,x2,x3,x4,mass (kg),gain (kg),piece", 0), 0u);
   EXPECT_NE(Export(front.name(), v1::ExportFrontRequest::SVG).find("<svg"), std::string::npos);
   EXPECT_EQ(Export(front.name(), v1::ExportFrontRequest::JSON).front(), '{');
+  EXPECT_EQ(Export(front.name(), v1::ExportFrontRequest::PNG).substr(1, 3), "PNG");
 }
 
 TEST_F(ParetoServiceTest, ExploresAFront) {
@@ -356,6 +357,8 @@ TEST_F(ParetoServiceTest, DiscoversFrontsOfFourMetrics) {
   EXPECT_EQ(picked.neighbours_size(), 8);
   pick.add_embedding(0.5);
   EXPECT_EQ(Asked(pick, picked).error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_EQ(Export(front.name(), v1::ExportFrontRequest::PNG).substr(1, 3), "PNG");
+  EXPECT_NE(Export(front.name(), v1::ExportFrontRequest::SVG).find("best cost"), std::string::npos);
 }
 
 TEST_F(ParetoServiceTest, KeepsToConstraints) {
