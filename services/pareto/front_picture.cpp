@@ -223,8 +223,8 @@ void DrawParallelAxes(Drawing& drawing, const Panel& whole, const FrontPicture& 
     Write(drawing, bottom + Vector2d(shift, 15),
           render::ShortNumber(is_small_best ? span.least : span.most, 3), kSmallFont, anchor);
     // Names of neighbours in two rows.
-    const double room =
-        (m == 0 || m + 1 == d ? 1.4 : 1.9) * panel.width / static_cast<double>(d - 1);
+    const double between = panel.width / static_cast<double>(d - 1);
+    const double room = m == 0 || m + 1 == d ? std::abs(shift) + 1.05 * between : 1.8 * between;
     Write(drawing, {top.x() + shift, whole.top + (m % 2 == 0 ? 12 : 30)},
           render::Shortened(LabelOf(front, m), kFont, room), kFont, anchor);
   }

@@ -357,7 +357,7 @@ TEST(CommandLine, BenchmarksOfManyMetricsAreWrittenAsFiles) {
   EXPECT_EQ(document["dims"], 13);
   EXPECT_EQ(document["points"][0]["metrics"].size(), 4u);
   EXPECT_EQ(ReadFile(folder / "front.csv")->rfind("x1,x2,", 0), 0u);
-  EXPECT_NE(ReadFile(folder / "front.svg")->find("best f4"), std::string::npos);
+  EXPECT_NE(ReadFile(folder / "front.svg")->find("best f3"), std::string::npos);
   EXPECT_EQ(ReadFile(folder / "front.png")->substr(1, 3), "PNG");
   std::filesystem::remove_all(folder);
 }

@@ -358,7 +358,8 @@ TEST_F(ParetoServiceTest, DiscoversFrontsOfFourMetrics) {
   pick.add_embedding(0.5);
   EXPECT_EQ(Asked(pick, picked).error_code(), grpc::StatusCode::INVALID_ARGUMENT);
   EXPECT_EQ(Export(front.name(), v1::ExportFrontRequest::PNG).substr(1, 3), "PNG");
-  EXPECT_NE(Export(front.name(), v1::ExportFrontRequest::SVG).find("best cost"), std::string::npos);
+  EXPECT_NE(Export(front.name(), v1::ExportFrontRequest::SVG).find("best stress"),
+            std::string::npos);
 }
 
 TEST_F(ParetoServiceTest, KeepsToConstraints) {
