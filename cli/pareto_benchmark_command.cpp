@@ -1,9 +1,11 @@
 // mortise pareto benchmark: discovery on published problems, in this process. It needs no house.
 #include <CLI/CLI.hpp>
+#include <filesystem>
 #include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
@@ -12,7 +14,10 @@
 #include "cli/field_sources.h"
 #include "cli/session.h"
 #include "common/base/errors.h"
+#include "common/base/files.h"
+#include "mortise/v1/pareto.pb.h"
 #include "services/pareto/benchmark_run.h"
+#include "services/pareto/front_files.h"
 
 namespace mortise::cli {
 namespace {
@@ -26,6 +31,7 @@ struct BenchmarkOptions {
   std::uint64_t seed = 1;
   int window = 8;
   bool gradients = false;
+  std::filesystem::path out;
   pareto::BenchmarkVariant variant;
 };
 
@@ -69,6 +75,13 @@ Json DocumentOf(const BenchmarkOptions& options, const pareto::BenchmarkProblem&
   return document;
 }
 
+// "f1", "f2", ...
+std::vector<std::string> Numbered(const char* letter, Eigen::Index count) {
+  std::vector<std::string> names;
+  for (Eigen::Index i = 0; i < count; ++i) names.push_back(absl::StrCat(letter, i + 1));
+  return names;
+}
+
 void Print(const pareto::BenchmarkProblem& problem, const pareto::BenchmarkResult& result,
            const Output& output) {
   std::string share;
@@ -81,11 +94,8 @@ void Print(const pareto::BenchmarkProblem& problem, const pareto::BenchmarkResul
       result.non_dominated.size(), result.front.pieces.size(),
       1e3 * result.own_seconds /
           static_cast<double>(std::max<std::int64_t>(1, result.evaluations))));
-  std::vector<std::string> titles;
-  for (Eigen::Index i = 0; i < problem.metric_count; ++i)
-    titles.push_back(absl::StrCat("f", i + 1));
-  for (Eigen::Index i = 0; i < problem.space.size(); ++i)
-    titles.push_back(absl::StrCat("x", i + 1));
+  std::vector<std::string> titles = Numbered("f", problem.metric_count);
+  for (std::string& name : Numbered("x", problem.space.size())) titles.push_back(std::move(name));
   std::vector<std::vector<std::string>> rows;
   for (const pareto::BenchmarkPoint& point : result.non_dominated) {
     std::vector<std::string>& row = rows.emplace_back();
@@ -95,9 +105,47 @@ void Print(const pareto::BenchmarkProblem& problem, const pareto::BenchmarkResul
   output.Table(titles, rows);
 }
 
+// The front as the service would give it.
+v1::Front MessageOf(const pareto::BenchmarkProblem& problem,
+                    const pareto::BenchmarkResult& result) {
+  v1::Front message;
+  message.mutable_specification()->set_subject(problem.name);
+  for (const std::string& name : Numbered("x", problem.space.size()))
+    message.add_parameter_names(name);
+  for (const std::string& name : Numbered("f", problem.metric_count)) {
+    message.add_metric_names(name);
+    message.add_metric_units("");
+  }
+  message.mutable_parameter_minima()->Add(problem.space.lower.begin(), problem.space.lower.end());
+  message.mutable_parameter_maxima()->Add(problem.space.upper.begin(), problem.space.upper.end());
+  for (const pareto::FrontPoint& point : result.front.points) {
+    v1::FrontPoint& to = *message.add_points();
+    to.mutable_parameters()->Add(point.x.begin(), point.x.end());
+    to.mutable_metrics()->Add(point.metrics.begin(), point.metrics.end());
+    to.mutable_embedding()->Add(point.embedding.begin(), point.embedding.end());
+    to.set_piece(point.piece);
+    to.set_jump(point.jump);
+  }
+  return message;
+}
+
+absl::Status WriteFiles(const v1::Front& front, const std::filesystem::path& folder,
+                        const Output& output) {
+  MORTISE_ASSIGN_OR_RETURN(const std::string svg, pareto::FrontAsSvg(front));
+  MORTISE_ASSIGN_OR_RETURN(const std::string png, pareto::FrontAsPng(front));
+  const std::pair<const char*, std::string> files[] = {
+      {"front.csv", pareto::FrontAsCsv(front)}, {"front.svg", svg}, {"front.png", png}};
+  for (const auto& [name, bytes] : files) {
+    MORTISE_RETURN_IF_ERROR(WriteFile(folder / name, bytes));
+    output.Line(absl::StrCat("  ", (folder / name).string()));
+  }
+  return absl::OkStatus();
+}
+
 absl::Status Run(const BenchmarkOptions& options, Output& output) {
-  const int dimensions =
-      options.dimensions != 0 ? options.dimensions : pareto::PublishedDimensions(options.name);
+  const int dimensions = options.dimensions != 0
+                             ? options.dimensions
+                             : pareto::PublishedDimensions(options.name, options.variant.metrics);
   MORTISE_ASSIGN_OR_RETURN(
       const pareto::BenchmarkProblem problem,
       pareto::MakeBenchmarkProblem(options.name, std::max(1, dimensions), options.variant));
@@ -116,6 +164,8 @@ absl::Status Run(const BenchmarkOptions& options, Output& output) {
   output.EndProgress();
   MORTISE_RETURN_IF_ERROR(result.status());
   if (output.text()) Print(problem, *result, output);
+  if (!options.out.empty())
+    MORTISE_RETURN_IF_ERROR(WriteFiles(MessageOf(problem, *result), options.out, output));
   output.Document(DocumentOf(options, problem, *result));
   return absl::OkStatus();
 }
@@ -147,8 +197,9 @@ void AddParetoBenchmarkCommand(CLI::App& pareto, Session& session) {
       ->capture_default_str();
   benchmark
       ->add_option("--metrics", options->variant.metrics,
-                   "Number of metrics of the Fourier problem, 2 or 3; 2 if not given")
+                   "Number of metrics, 2 to 6, of DTLZ (3 if not given) and Fourier (2)")
       ->check(CLI::PositiveNumber);
+  benchmark->add_option("--out", options->out, "Folder for front.csv, front.svg and front.png");
   benchmark->footer(
       "Example: mortise pareto benchmark ZDT3 --dims 15 --evaluations 300 --gradients");
   benchmark->callback([&session, options] {

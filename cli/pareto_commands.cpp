@@ -200,6 +200,8 @@ absl::Status Show(const std::string& name, const std::filesystem::path& out, Ses
         Export(*stub, *client, front.name(), Request::CSV, out / "front.csv", output));
     MORTISE_RETURN_IF_ERROR(
         Export(*stub, *client, front.name(), Request::SVG, out / "front.svg", output));
+    MORTISE_RETURN_IF_ERROR(
+        Export(*stub, *client, front.name(), Request::PNG, out / "front.png", output));
   }
   output.DocumentOf(front);
   return absl::OkStatus();
@@ -228,7 +230,8 @@ void AddParetoCommands(CLI::App& app, Session& session) {
   auto run_options = std::make_shared<RunOptions>();
   CLI::App* run = pareto->add_subcommand("run", "Discover the front of a template");
   run->add_option("subject", run_options->subject, "Template, or SPECIFICATION.json")->required();
-  run->add_option("--minimize", run_options->minimize, "Metric to make small; two or three");
+  run->add_option("--minimize", run_options->minimize,
+                  "Metric to make small; two to six, with those to make large");
   run->add_option("--maximize", run_options->maximize, "Metric to make large");
   run->add_option("--define", run_options->own.define,
                   "A metric of your own, \"NAME [UNIT] = EXPRESSION\"");
@@ -241,7 +244,7 @@ void AddParetoCommands(CLI::App& app, Session& session) {
   run->add_option("--evaluations", run_options->evaluations, "Budget of evaluations")
       ->check(CLI::PositiveNumber);
   run->add_option("--seed", run_options->seed, "Same seed, same front")->capture_default_str();
-  run->add_option("--out", run_options->out, "Folder for front.csv and front.svg");
+  run->add_option("--out", run_options->out, "Folder for front.csv, front.svg and front.png");
   run->footer(
       "Example: mortise pareto run table --minimize mass --minimize max_displacement "
       "--fix length=1.4 --evaluations 150");
@@ -257,7 +260,7 @@ void AddParetoCommands(CLI::App& app, Session& session) {
   auto out = std::make_shared<std::filesystem::path>();
   CLI::App* show = pareto->add_subcommand("show", "Print a front");
   show->add_option("front", *name, "Front, such as fronts/0198c1")->required();
-  show->add_option("--out", *out, "Folder for front.csv and front.svg");
+  show->add_option("--out", *out, "Folder for front.csv, front.svg and front.png");
   show->footer("Example: mortise pareto show fronts/0198c1");
   show->callback([&session, name, out] {
     session.command = [name, out](Session& s, Output& o) { return Show(*name, *out, s, o); };

@@ -17,7 +17,14 @@
 namespace mortise::pareto {
 namespace {
 
-constexpr double kReference = 1.1;       // of the running hypervolume, in scaled performance
+constexpr double kReference = 1.1;         // of the running hypervolume, in scaled performance
+constexpr Eigen::Index kExactMetrics = 4;  // of gains; for more metrics they are bounds from above
+constexpr std::size_t kMostOverlaps = 64;
+constexpr int kRunningSamples = 1 << 12;  // of hypervolumes that progress is measured against
+constexpr int kFinalSamples = 1 << 18;
+constexpr std::int64_t kShownEvery = 16;  // a hypervolume is shown until there are that part more
+constexpr double kMostCells = 2e9;        // so that their numbers fit 32 bits
+constexpr std::int64_t kEvaluationsOfCell = 4;  // where the buffer adapts
 constexpr int kBarrenTracks = 4;         // tracks without a new point before a sample is forced
 constexpr int kExhaustedTracks = 200;    // and before the design space counts as exhausted
 constexpr std::size_t kPopulation = 30;  // for each metric but one
@@ -48,14 +55,21 @@ PerformanceBuffer::Options BufferOptions(const Discovery::Options& options, Eige
   PerformanceBuffer::Options buffer;
   buffer.tolerance = options.delta_b;
   buffer.cells_per_angle = options.cells_per_angle;
-  if (buffer.cells_per_angle == 0) buffer.cells_per_angle = d <= 2 ? 1000 : d == 3 ? 100 : 16;
+  if (buffer.cells_per_angle == 0) buffer.cells_per_angle = d <= 2 ? 1000 : d == 3 ? 100 : 64;
+  if (d <= 3) return buffer;
+  const double most = std::pow(kMostCells, 1 / static_cast<double>(d - 1));
+  buffer.cells_per_angle = std::min(buffer.cells_per_angle, static_cast<int>(most));
+  buffer.cell_limit = static_cast<std::size_t>(
+      std::clamp<std::int64_t>(options.evaluations / kEvaluationsOfCell, 50, 4000));
   return buffer;
 }
 
 double Spacing(std::int64_t evaluations, Eigen::Index d) {
   const double share = 6.0 / static_cast<double>(evaluations);
   const auto dimensions = static_cast<double>(std::max<Eigen::Index>(d - 1, 1));
-  return std::clamp(std::pow(share, 1 / dimensions), 0.005, 0.15);
+  // With many metrics a piece of the front is large: its lattice is to have so many nodes all the
+  // same.
+  return std::clamp(std::pow(share, 1 / dimensions), 0.005, d <= 3 ? 0.15 : 0.5);
 }
 
 std::int64_t InitialSamples(const Discovery::Options& options, Eigen::Index size) {
@@ -251,11 +265,10 @@ void Discovery::CommitNext() {
   const auto first = pending_.find(committed_++);
   const Pending pending = std::move(first->second);
   pending_.erase(first);
-  const std::vector<std::size_t> before = archive_.non_dominated();
   const std::size_t entry = archive_.Add(EntryOf(pending));
   if (archive_[entry].feasible) population_.Offer(archive_, entry);
   evaluated_.emplace(Key(pending.u), entry);
-  const double gain = Absorb(entry, before);
+  const double gain = Absorb(entry);
   const auto track = tracks_.find(pending.track);
   if (track == tracks_.end()) return;
   track->second.gain += gain;
@@ -266,31 +279,48 @@ void Discovery::CommitNext() {
   RetireFinished();
 }
 
-double Discovery::DominatedVolume(const std::vector<std::size_t>& entries) const {
+double Discovery::DominatedVolume(const Scaling& scaling, double reference, int samples) const {
   std::vector<Eigen::VectorXd> points;
-  for (const std::size_t index : entries)
-    points.push_back(buffer_.scaling().Apply(archive_[index].metrics));
-  return Hypervolume(points, Eigen::VectorXd::Constant(metric_count_, kReference));
+  for (const std::size_t index : archive_.non_dominated())
+    points.push_back(scaling.Apply(archive_[index].metrics));
+  return QuickHypervolume(points, Eigen::VectorXd::Constant(metric_count_, reference), samples);
+}
+
+// The hypervolume that the last entry, which nothing dominates, adds to what was not dominated
+// before; in the scaling of the buffer.
+double Discovery::GainOf(std::size_t entry) const {
+  const Scaling& scaling = buffer_.scaling();
+  const auto front = archive_.non_dominated_metrics();
+  const auto others = front.cols() - 1;
+  const std::vector<std::size_t>& displaced = archive_.displaced();
+  Eigen::MatrixXd before(metric_count_, others + std::ssize(displaced));
+  before.leftCols(others) = front.leftCols(others);
+  for (std::size_t k = 0; k < displaced.size(); ++k)
+    before.col(others + static_cast<Eigen::Index>(k)) = archive_[displaced[k]].metrics;
+  const double volume = HypervolumeContribution(archive_[entry].metrics, before,
+                                                scaling.ideal + kReference * scaling.range,
+                                                metric_count_ <= kExactMetrics ? 0 : kMostOverlaps);
+  return volume / scaling.range.prod();
 }
 
 // Puts an entry into the buffer; returns the hypervolume gained over what was not dominated before,
 // in the scaling that holds afterwards.
-double Discovery::Absorb(std::size_t entry, const std::vector<std::size_t>& non_dominated_before) {
+double Discovery::Absorb(std::size_t entry) {
   if (!archive_[entry].feasible) return 0;
   const Scaling scaling = archive_.CurrentScaling();
+  const bool is_trade_off = archive_.non_dominated().back() == entry;
   if (buffer_.NeedsRebuild(scaling)) {
     buffer_.Rebuild(archive_, scaling);
-    const double before = DominatedVolume(non_dominated_before);
-    hypervolume_ = DominatedVolume(archive_.non_dominated());
+    hypervolume_ = DominatedVolume(scaling, kReference, kRunningSamples);
     progress_mark_ = 0;  // another scale: progress is counted anew
     tracks_since_progress_ = 0;
-    return std::max(0.0, hypervolume_ - before);
+    return is_trade_off ? GainOf(entry) : 0;
   }
   buffer_.Insert(entry, buffer_.scaling().Apply(archive_[entry].metrics));
-  if (archive_.non_dominated().back() != entry) return 0;
-  const double before = hypervolume_;
-  hypervolume_ = DominatedVolume(archive_.non_dominated());
-  return hypervolume_ - before;
+  if (!is_trade_off) return 0;
+  const double gain = GainOf(entry);
+  hypervolume_ += gain;
+  return gain;
 }
 
 Eigen::VectorXd Discovery::DesignAt(const Eigen::VectorXd& u) const {
@@ -553,6 +583,7 @@ void Discovery::Stop(StopReason reason, std::string message) {
   if (stop_ != StopReason::kRunning) return;
   CommitUpTo(proposed_);
   stop_ = reason;
+  shown_.committed = -1;  // to be measured once more, as well as may be
   message_ = std::move(message);
   if (archive_.feasible_count() > 0) buffer_.Rebuild(archive_, archive_.CurrentScaling());
 }
@@ -569,13 +600,12 @@ Discovery::Summary Discovery::summary() const {
   summary.optimizations = optimizations_;
   summary.expansions = expansions_;
   summary.cells_covered = static_cast<std::int64_t>(buffer_.cells().size());
-  if (archive_.feasible_count() > 0) {
-    const Scaling scaling = archive_.CurrentScaling();
-    std::vector<Eigen::VectorXd> points;
-    for (const std::size_t index : archive_.non_dominated())
-      points.push_back(scaling.Apply(archive_[index].metrics));
-    summary.hypervolume = Hypervolume(points, Eigen::VectorXd::Ones(metric_count_));
+  const std::int64_t since = committed_ - shown_.committed;
+  if (archive_.feasible_count() > 0 && since > (Finished() ? 0 : shown_.committed / kShownEvery)) {
+    shown_ = {committed_, DominatedVolume(archive_.CurrentScaling(), 1,
+                                          Finished() ? kFinalSamples : kRunningSamples)};
   }
+  summary.hypervolume = shown_.hypervolume;
   return summary;
 }
 

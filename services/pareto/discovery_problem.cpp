@@ -13,6 +13,7 @@
 #include "mortise/v1/evaluator.pb.h"
 #include "mortise/v1/pareto.pb.h"
 #include "services/pareto/front.h"
+#include "services/pareto/hypervolume.h"
 
 namespace mortise::pareto {
 namespace {
@@ -189,9 +190,10 @@ absl::Status CheckSpecification(const v1::DiscoverySpecification& specification)
     return InvalidField("specification.subject", "must name what to vary");
   if (specification.revision() < 0)
     return InvalidField("specification.revision", "must be at least 0");
-  if (specification.objectives_size() < 2 || specification.objectives_size() > 3)
-    return InvalidField("specification.objectives",
-                        absl::StrCat("2 or 3 are needed, not ", specification.objectives_size()));
+  if (specification.objectives_size() < 2 || specification.objectives_size() > kMostMetrics)
+    return InvalidField(
+        "specification.objectives",
+        absl::StrCat("2 to ", kMostMetrics, " are needed, not ", specification.objectives_size()));
   std::set<std::string> names;
   for (int k = 0; k < specification.objectives_size(); ++k)
     if (!names.insert(specification.objectives(k).metric()).second)

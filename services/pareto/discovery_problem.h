@@ -44,7 +44,7 @@ struct DiscoveryProblem {
   DesignSpace space;  // in the order of parameter_names, bounds narrowed as asked
   std::vector<std::string> parameter_names;
   Eigen::VectorXd default_design;     // the subject's own, whatever the bounds asked for
-  std::vector<Objective> objectives;  // 2 or 3
+  std::vector<Objective> objectives;  // 2 to 6
   std::vector<Constraint> constraints;
   Discovery::Options options;
 

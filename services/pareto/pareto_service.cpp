@@ -191,8 +191,13 @@ class ParetoAdapter : public v1::ParetoService::CallbackService {
         rpc::StreamBytes(std::move(svg), {absl::StrCat(stem, ".svg"), "image/svg+xml"}, writer);
         return absl::OkStatus();
       }
+      case v1::ExportFrontRequest::PNG: {
+        MORTISE_ASSIGN_OR_RETURN(std::string png, FrontAsPng(front));
+        rpc::StreamBytes(std::move(png), {absl::StrCat(stem, ".png"), "image/png"}, writer);
+        return absl::OkStatus();
+      }
       default:
-        return InvalidField("format", "must be CSV, JSON or SVG");
+        return InvalidField("format", "must be CSV, JSON, SVG or PNG");
     }
   }
 

@@ -8,7 +8,7 @@
 //     are hit exactly);
 //   - a node whose predicted performance is already covered by a known point as good is passed
 //     without an evaluation;
-//   - for d = 2, two neighbours that turn out further apart than expected are bisected;
+//   - for d = 2, neighbours too far apart are bisected; for d > 3, wide holes are filled first;
 //   - at last a few nodes beyond are probed, up to the bounds, since a front may go on where a
 //     stretch of the same piece is dominated: ZDT3's comes back four times. The walk goes on from
 //     those that no known point clearly dominates.
@@ -99,6 +99,7 @@ class PatchSampling : public PointSource {
                                     std::size_t parent) const;
   void LearnMargin(const Archive& archive, std::size_t entry);
   void Expand(const Reached& from);
+  std::vector<Node> WaysOut(std::size_t most) const;
   void QueueProbes();
   std::optional<Eigen::VectorXd> AskNode(const Archive& archive);
   std::optional<Eigen::VectorXd> NodePoint(const Node& node, double* parameter) const;

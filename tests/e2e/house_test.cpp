@@ -348,6 +348,20 @@ TEST(CommandLine, BenchmarksPrintEveryPointThatNoneDominates) {
   EXPECT_EQ(Json::parse(Mortise(run).out)["points"], document["points"]) << "the same seed";
 }
 
+TEST(CommandLine, BenchmarksOfManyMetricsAreWrittenAsFiles) {
+  const auto folder = std::filesystem::temp_directory_path() / ("mortise-" + NewIdentifier());
+  const CommandResult result = Mortise({"--json", "pareto", "benchmark", "DTLZ2", "--metrics", "4",
+                                        "--evaluations", "150", "--out", folder.string()});
+  ASSERT_EQ(result.exit_code, 0) << result.error;
+  const Json document = Json::parse(result.out);
+  EXPECT_EQ(document["dims"], 13);
+  EXPECT_EQ(document["points"][0]["metrics"].size(), 4u);
+  EXPECT_EQ(ReadFile(folder / "front.csv")->rfind("x1,x2,", 0), 0u);
+  EXPECT_NE(ReadFile(folder / "front.svg")->find("best f3"), std::string::npos);
+  EXPECT_EQ(ReadFile(folder / "front.png")->substr(1, 3), "PNG");
+  std::filesystem::remove_all(folder);
+}
+
 TEST(CommandLine, BenchmarksSayWhatIsWrong) {
   const auto fault = [](std::vector<std::string> arguments) {
     arguments.insert(arguments.begin(), {"--json", "pareto", "benchmark"});
@@ -361,6 +375,7 @@ TEST(CommandLine, BenchmarksSayWhatIsWrong) {
   EXPECT_EQ(fault({"ZDT1", "--evaluations", "-5"}), "--evaluations");
   EXPECT_EQ(fault({"ZDT1", "--window", "0"}), "--window");
   EXPECT_EQ(fault({"Kursawe", "--rotated"}), "--rotated");
+  EXPECT_EQ(fault({"DTLZ2", "--metrics", "7"}), "--metrics");
 }
 
 TEST(Completion, IsAScriptThatBashAccepts) {

@@ -3,6 +3,7 @@
 #include <grpcpp/grpcpp.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -29,8 +30,8 @@ using std::chrono::steady_clock;
 
 constexpr int kDimensions = 5;
 
-// Serves ZDT1 with its second metric negated as "gain", to be made large, and a third, "stress" =
-// 10 (0.7 - x0). Can be held up after a number of evaluations.
+// Serves ZDT1 with its second metric negated as "gain", to be made large, a third, "stress" =
+// 10 (0.7 - x0), and a fourth, "cost" = 5 (1 - x1). Can be held up after a number of evaluations.
 class Zdt1Evaluator : public v1::EvaluatorService::Service {
  public:
   grpc::Status DescribeDesignSpace(grpc::ServerContext*,
@@ -45,7 +46,7 @@ class Zdt1Evaluator : public v1::EvaluatorService::Service {
       parameter.set_name("x" + std::to_string(i));
       parameter.set_maximum(1);
     }
-    for (const char* name : {"mass", "gain", "stress"}) {
+    for (const char* name : {"mass", "gain", "stress", "cost"}) {
       auto& metric = *response->add_metrics();
       metric.set_name(name);
       metric.set_unit("kg");
@@ -71,6 +72,7 @@ class Zdt1Evaluator : public v1::EvaluatorService::Service {
           metric.set_unit("kg");
           metric.set_value(name == "mass"   ? evaluation.metrics[0]
                            : name == "gain" ? -evaluation.metrics[1]
+                           : name == "cost" ? 5 * (1 - x[1])
                                             : 10 * (0.7 - x[0]));
         }
       }
@@ -277,6 +279,7 @@ TEST_F(ParetoServiceTest, DiscoversPicksListsAndExports) {
   EXPECT_EQ(csv.rfind("x0,x1,x2,x3,x4,mass (kg),gain (kg),piece", 0), 0u);
   EXPECT_NE(Export(front.name(), v1::ExportFrontRequest::SVG).find("<svg"), std::string::npos);
   EXPECT_EQ(Export(front.name(), v1::ExportFrontRequest::JSON).front(), '{');
+  EXPECT_EQ(Export(front.name(), v1::ExportFrontRequest::PNG).substr(1, 3), "PNG");
 }
 
 TEST_F(ParetoServiceTest, ExploresAFront) {
@@ -325,6 +328,38 @@ TEST_F(ParetoServiceTest, ExploresAFront) {
   EXPECT_EQ(rest.parameters_size(), kDimensions);
   ASSERT_EQ(rest.conflicts_size(), 1);
   EXPECT_LT(rest.conflicts(0).correlation(), -0.8);
+}
+
+TEST_F(ParetoServiceTest, DiscoversFrontsOfFourMetrics) {
+  v1::DiscoverFrontRequest request = Request(300);
+  for (const char* metric : {"stress", "cost"})
+    request.mutable_specification()->add_objectives()->set_metric(metric);
+  const v1::Operation operation = Wait(Discover(request).name());
+  ASSERT_EQ(operation.state(), v1::Operation::SUCCEEDED) << operation.ShortDebugString();
+  const v1::Front front = FrontOf(operation);
+  EXPECT_EQ(front.metric_names_size(), 4);
+  ASSERT_GT(front.points_size(), 20);
+  double cheapest = 5;
+  for (const v1::FrontPoint& point : front.points()) {
+    ASSERT_EQ(point.metrics_size(), 4);
+    ASSERT_EQ(point.embedding_size(), 3);
+    cheapest = std::min(cheapest, point.metrics(3));
+  }
+  EXPECT_LT(cheapest, 0.7);  // 0.5 is possible
+  EXPECT_LE(front.cells_covered(), 75);
+
+  v1::PickPointRequest pick;
+  pick.set_name(front.name());
+  for (int i = 0; i < 3; ++i) pick.add_embedding(0.5);
+  v1::PickPointResponse picked;
+  ASSERT_TRUE(Asked(pick, picked).ok());
+  EXPECT_EQ(picked.metrics_size(), 4);
+  EXPECT_EQ(picked.neighbours_size(), 8);
+  pick.add_embedding(0.5);
+  EXPECT_EQ(Asked(pick, picked).error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_EQ(Export(front.name(), v1::ExportFrontRequest::PNG).substr(1, 3), "PNG");
+  EXPECT_NE(Export(front.name(), v1::ExportFrontRequest::SVG).find("best stress"),
+            std::string::npos);
 }
 
 TEST_F(ParetoServiceTest, KeepsToConstraints) {
