@@ -24,6 +24,7 @@ constexpr std::size_t kPopulation = 30;  // for each metric but one
 constexpr int kChildren = 8;             // of a track
 constexpr int kProbedPatches = 4;
 constexpr int kProbes = 20;  // of a patch
+constexpr int kMostAhead = 3;
 constexpr std::int64_t kProbedBudget = 200;
 constexpr std::int64_t kExploringBudget = 30;  // evaluations a parameter
 constexpr double kDescentShare = 0.25;         // of the budget
@@ -415,6 +416,7 @@ void Discovery::Retire(const Track& track) {
     options.probes = kProbes;
   }
   options.measures = MayMeasure();
+  options.ahead = std::min(kMostAhead, (options_.window - 1) / 2);
   auto patch = std::make_unique<PatchSampling>(options, buffer_.scaling(), *best);
   PatchSampling* const view = patch.get();
   tracks_[next_track_++] = {std::move(patch), nullptr, view, track.kind, 0, 0};
