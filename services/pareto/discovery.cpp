@@ -60,7 +60,9 @@ double Spacing(std::int64_t evaluations, Eigen::Index d) {
 std::int64_t InitialSamples(const Discovery::Options& options, Eigen::Index size) {
   std::int64_t wanted = options.initial_samples;
   if (wanted == 0) wanted = size + 3 + (options.constraints > 0 ? kConstrainedSamples : 0);
-  return std::clamp<std::int64_t>(wanted, 1, std::max<std::int64_t>(1, options.evaluations / 4));
+  const std::int64_t given = options.initial_designs.cols();
+  return given +
+         std::clamp<std::int64_t>(wanted, 1, std::max<std::int64_t>(1, options.evaluations / 4));
 }
 
 TrackScheduler::Options SchedulingOptions(const Discovery::Options& options, Eigen::Index size,
@@ -70,8 +72,24 @@ TrackScheduler::Options SchedulingOptions(const Discovery::Options& options, Eig
       scheduling.optimization.tolerance, std::max(Spacing(options.evaluations, d) / 30, 1e-4));
   if (options.evaluations >= kSecondLookBudget * size)
     scheduling.second_look = static_cast<std::size_t>(InitialSamples(options, size));
+  scheduling.given = static_cast<std::size_t>(options.initial_designs.cols());
   scheduling.explores = options.evaluations >= kExploringBudget * size;
   return scheduling;
+}
+
+absl::Status CheckInitialDesigns(const DesignSpace& space, const Discovery::Options& options) {
+  const Eigen::MatrixXd& designs = options.initial_designs;
+  if (designs.cols() == 0) return absl::OkStatus();
+  if (designs.cols() >= options.evaluations)
+    return InvalidField("initial_designs", absl::StrCat(designs.cols(), " are as many as the ",
+                                                        options.evaluations, " evaluations"));
+  if (designs.rows() != space.size())
+    return InvalidField("initial_designs",
+                        absl::StrCat("need ", space.size(), " parameters, not ", designs.rows()));
+  for (Eigen::Index i = 0; i < designs.cols(); ++i)
+    if (designs.col(i) != space.Nearest(designs.col(i)))
+      return InvalidField(absl::StrCat("initial_designs[", i, "]"), "is not in the design space");
+  return absl::OkStatus();
 }
 
 absl::Status CheckOptions(const Discovery::Options& options, Eigen::Index metric_count) {
@@ -140,6 +158,7 @@ absl::StatusOr<std::unique_ptr<Discovery>> Discovery::Create(const DesignSpace& 
                                                              const Options& options) {
   MORTISE_RETURN_IF_ERROR(Validate(space));
   MORTISE_RETURN_IF_ERROR(CheckOptions(options, metric_count));
+  MORTISE_RETURN_IF_ERROR(CheckInitialDesigns(space, options));
   return absl::WrapUnique(new Discovery(space, metric_count, options));
 }
 
@@ -156,7 +175,7 @@ Discovery::Discovery(const DesignSpace& space, Eigen::Index metric_count, const 
       random_(options.seed ^ 0x5eedULL),
       initial_samples_(InitialSamples(options, box_.size())),
       spacing_(Spacing(options.evaluations, metric_count)) {
-  initial_designs_ = LatinHypercube(initial_samples_, box_.size(), random_);
+  space_filling_ = LatinHypercube(initial_samples_ - given(), box_.size(), random_);
 }
 
 std::optional<Discovery::Proposal> Discovery::Ask() {
@@ -183,7 +202,11 @@ std::optional<Discovery::Proposal> Discovery::Ask() {
     barrier_ = proposed_;
     return Ask();
   }
-  Proposal proposal{proposed_++, DesignAt(*u)};
+  // Designs that were given are asked for bit for bit: the evaluator may know them.
+  Proposal proposal{proposed_, proposed_ < given()
+                                   ? Eigen::VectorXd(options_.initial_designs.col(proposed_))
+                                   : DesignAt(*u)};
+  ++proposed_;
   pending_[proposal.number] = {UnitOf(proposal.x), proposal.x, track, std::nullopt};
   return proposal;
 }
@@ -251,6 +274,7 @@ void Discovery::CommitNext() {
   pending_.erase(first);
   const std::vector<std::size_t> before = archive_.non_dominated();
   const std::size_t entry = archive_.Add(EntryOf(pending));
+  designs_.push_back(pending.x);
   if (archive_[entry].feasible) population_.Offer(archive_, entry);
   evaluated_.emplace(Key(pending.u), entry);
   const double gain = Absorb(entry, before);
@@ -299,9 +323,11 @@ Eigen::VectorXd Discovery::DesignAt(const Eigen::VectorXd& u) const {
 
 Eigen::VectorXd Discovery::UnitOf(const Eigen::VectorXd& x) const { return box_.ToUnit(x(free_)); }
 
-// From the Latin hypercube; uniformly at random while nothing feasible has been found.
+// Those given, then the Latin hypercube; uniformly at random while nothing feasible has been found.
 Eigen::VectorXd Discovery::InitialDesign() {
-  if (proposed_ < initial_samples_) return initial_designs_[static_cast<std::size_t>(proposed_)];
+  if (proposed_ < given()) return UnitOf(options_.initial_designs.col(proposed_));
+  if (proposed_ < initial_samples_)
+    return space_filling_[static_cast<std::size_t>(proposed_ - given())];
   Eigen::VectorXd u(box_.size());
   for (double& value : u) value = random_.Uniform();
   return u;
@@ -434,7 +460,8 @@ bool Discovery::MayMeasure() const {
 // Whether the budget allows for more than local optimisations and what follows from them.
 bool Discovery::Explores() const { return options_.evaluations >= kExploringBudget * box_.size(); }
 
-// From the design nearest to the ideal.
+// From the design nearest to the ideal; of the space-filling ones where others were given, since
+// those may all be in a valley that was the best before.
 std::unique_ptr<PointSource> Discovery::MakeDescent() {
   CoordinateDescent::Options descent;
   const auto size = static_cast<double>(box_.size());
@@ -443,9 +470,14 @@ std::unique_ptr<PointSource> Discovery::MakeDescent() {
   descent.lines = std::max(1, options_.window / 2);
   descent.line.values = static_cast<int>(std::clamp(0.5 * share / size, 4.0, 64.0));
   const Scaling scaling = archive_.CurrentScaling();
-  const std::size_t start = *std::ranges::min_element(
-      archive_.non_dominated(), {},
-      [&](std::size_t entry) { return scaling.Apply(archive_[entry].metrics).norm(); });
+  std::vector<std::size_t> candidates;
+  for (auto entry = static_cast<std::size_t>(given());
+       given() > 0 && entry < static_cast<std::size_t>(initial_samples_); ++entry)
+    if (archive_[entry].feasible) candidates.push_back(entry);
+  if (candidates.empty()) candidates = archive_.non_dominated();
+  const std::size_t start = *std::ranges::min_element(candidates, {}, [&](std::size_t entry) {
+    return scaling.Apply(archive_[entry].metrics).norm();
+  });
   return std::make_unique<CoordinateDescent>(descent, archive_, start, random_);
 }
 
@@ -581,9 +613,7 @@ Discovery::Summary Discovery::summary() const {
 Front Discovery::front() const {
   Front front = BuildFront(box_, archive_, buffer_, pieces_);
   for (FrontPoint& point : front.points) {
-    Eigen::VectorXd x = space_.lower;
-    x(free_) = point.x;
-    point.x = std::move(x);
+    point.x = designs_[point.entry];
   }
   for (FrontPiece& piece : front.pieces) {
     Eigen::VectorXd origin = space_.lower;

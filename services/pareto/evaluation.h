@@ -28,6 +28,9 @@ struct DesignSpace {
   // value that can be set, and hits a bound that can be set exactly for u = 0 or 1.
   Eigen::VectorXd FromUnit(const Eigen::VectorXd& u) const;
   Eigen::VectorXd ToUnit(const Eigen::VectorXd& x) const;
+
+  // The nearest design within the box that can be set; x itself, bit for bit, if it is one.
+  Eigen::VectorXd Nearest(const Eigen::VectorXd& x) const;
 };
 
 // INVALID_ARGUMENT naming parameters[i].lower or .upper when a bound is not finite or they are
