@@ -218,6 +218,8 @@ absl::Status Discovery::Tell(std::int64_t number, Evaluation evaluation) {
   if (evaluation.x != at->second.x)
     return InvalidField("x", absl::StrCat("not the design of proposal ", number));
   if (evaluation.status == EvaluationStatus::kEvaluated) {
+    if (evaluation.deviations.size() != 0 && evaluation.deviations.size() != metric_count_)
+      return InvalidField("deviations", "must be as many as metrics");
     if (evaluation.constraints.size() != options_.constraints)
       return InvalidField("constraints", absl::StrCat(options_.constraints, " are needed, not ",
                                                       evaluation.constraints.size()));
@@ -275,6 +277,7 @@ void Discovery::CommitNext() {
   const std::vector<std::size_t> before = archive_.non_dominated();
   const std::size_t entry = archive_.Add(EntryOf(pending));
   designs_.push_back(pending.x);
+  deviations_.push_back(pending.result->deviations);
   if (archive_[entry].feasible) population_.Offer(archive_, entry);
   evaluated_.emplace(Key(pending.u), entry);
   const double gain = Absorb(entry, before);
@@ -614,6 +617,7 @@ Front Discovery::front() const {
   Front front = BuildFront(box_, archive_, buffer_, pieces_);
   for (FrontPoint& point : front.points) {
     point.x = designs_[point.entry];
+    point.deviations = deviations_[point.entry];
   }
   for (FrontPiece& piece : front.pieces) {
     Eigen::VectorXd origin = space_.lower;

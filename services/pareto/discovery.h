@@ -163,7 +163,8 @@ class Discovery {
   std::int64_t next_track_ = 0;
   std::map<std::int64_t, Pending> pending_;               // proposed, not committed
   std::map<std::vector<double>, std::size_t> evaluated_;  // design to entry: never twice
-  std::vector<Eigen::VectorXd> designs_;  // of each entry, bit for bit as evaluated
+  std::vector<Eigen::VectorXd> designs_;                  // of each entry, bit for bit as evaluated
+  std::vector<Eigen::VectorXd> deviations_;               // of each entry
   std::vector<AffinePiece> pieces_;
   std::int64_t proposed_ = 0;
   std::int64_t committed_ = 0;

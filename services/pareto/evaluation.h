@@ -51,6 +51,8 @@ struct Evaluation {
                              // none offered for that metric.
   Eigen::VectorXd constraints = {};          // m, met where <= 0; empty when failed
   Eigen::MatrixXd constraint_jacobian = {};  // m x D, as `jacobian`
+  // d, standard deviation of each metric over the tolerances (robust_evaluator.h); empty without.
+  Eigen::VectorXd deviations = {};
   // Why it failed: for people, and as the evaluator's constant ("RIGID_MOTION") and code.
   std::string message = {};
   std::string reason = {};
