@@ -30,6 +30,9 @@ struct RunOptions {
   std::vector<std::string> fix;
   std::vector<std::string> range;
   std::vector<std::string> constrain;
+  std::vector<std::string> start_from;
+  std::vector<std::string> tolerance;
+  double deviations = 0;
   int evaluations = 0;
   std::int64_t seed = 1;
   std::filesystem::path out;
@@ -77,6 +80,33 @@ absl::Status AddConstraints(const RunOptions& options, v1::DiscoverySpecificatio
   return absl::OkStatus();
 }
 
+// "NAME=LIMIT", or "NAME=DEVIATION:normal".
+absl::Status AddTolerances(const RunOptions& options, v1::DiscoverySpecification& specification,
+                           FieldSources& sources) {
+  if (options.tolerance.empty()) return absl::OkStatus();
+  sources.AddEach("specification.tolerances", "--tolerance", options.tolerance,
+                  specification.tolerances_size());
+  for (const std::string& text : options.tolerance) {
+    const std::size_t equals = text.find('='), colon = text.find(':');
+    const std::string kind = colon == std::string::npos ? "" : text.substr(colon + 1);
+    if (equals == std::string::npos || equals == 0 ||
+        (colon != std::string::npos && kind != "normal"))
+      return InvalidField("--tolerance", absl::StrCat("'", text,
+                                                      "' is not of the form NAME=VALUE or "
+                                                      "NAME=VALUE:normal"));
+    auto& tolerance = *specification.add_tolerances();
+    tolerance.set_parameter(text.substr(0, equals));
+    MORTISE_ASSIGN_OR_RETURN(
+        const double deviation,
+        ParseQuantity(text.substr(equals + 1, std::min(colon, text.size()) - equals - 1),
+                      "--tolerance"));
+    tolerance.set_deviation(deviation);
+    using Tolerance = v1::DiscoverySpecification::Tolerance;
+    tolerance.set_distribution(kind.empty() ? Tolerance::UNIFORM : Tolerance::NORMAL);
+  }
+  return absl::OkStatus();
+}
+
 // `sources` learns what gave which field.
 absl::StatusOr<v1::DiscoverySpecification> Specification(const RunOptions& options,
                                                          FieldSources& sources) {
@@ -120,6 +150,16 @@ absl::StatusOr<v1::DiscoverySpecification> Specification(const RunOptions& optio
   }
   MORTISE_RETURN_IF_ERROR(AddBounds(options, specification, sources));
   MORTISE_RETURN_IF_ERROR(AddConstraints(options, specification, sources));
+  MORTISE_RETURN_IF_ERROR(AddTolerances(options, specification, sources));
+  if (options.deviations != 0) {
+    specification.set_deviations(options.deviations);
+    sources.Add("specification.deviations", "--deviations");
+  }
+  if (!options.start_from.empty())
+    sources.AddEach("specification.start_from", "--start-from", options.start_from,
+                    specification.start_from_size());
+  for (const std::string& front : options.start_from)
+    specification.add_start_from(ResourceName("fronts", front));
   return specification;
 }
 
@@ -155,11 +195,20 @@ void PrintFront(const v1::Front& front, const Output& output) {
                               front.name(), front.point_count(), front.pieces(),
                               front.evaluations(), front.failed_evaluations(), beyond,
                               front.stop_reason()));
+  if (front.subject_evaluations() > front.evaluations())
+    output.Line(absl::StrFormat(
+        "  %d designs, %d evaluations: metrics are means over the "
+        "tolerances, worse by %g deviations",
+        front.evaluations(), front.subject_evaluations(), front.specification().deviations()));
+  for (const std::string& remark : front.remarks()) output.Line(absl::StrCat("  ", remark));
   for (const v1::EvaluationFailure& failure : front.failures()) {
     output.Line(absl::StrFormat("  %d failed with %s, such as at %s: %s", failure.count(),
                                 failure.reason(), DesignText(front, failure), failure.message()));
   }
   std::vector<std::string> titles(front.metric_names().begin(), front.metric_names().end());
+  const bool robust = front.specification().tolerances_size() > 0;
+  for (int i = 0; robust && i < front.metric_names_size(); ++i)
+    titles.push_back(absl::StrCat("deviation of ", front.metric_names(i)));
   for (const auto& constraint : front.specification().constraints())
     titles.push_back(constraint.metric());
   titles.insert(titles.end(), front.parameter_names().begin(), front.parameter_names().end());
@@ -168,6 +217,8 @@ void PrintFront(const v1::Front& front, const Output& output) {
     std::vector<std::string>& row = rows.emplace_back();
     for (int i = 0; i < point.metrics_size(); ++i)
       row.push_back(MetricText(MetricOf(front.metric_units(i), point.metrics(i))));
+    for (int i = 0; i < point.metric_deviations_size(); ++i)
+      row.push_back(MetricText(MetricOf(front.metric_units(i), point.metric_deviations(i))));
     for (int i = 0; i < point.constraint_metrics_size(); ++i)
       row.push_back(MetricText(MetricOf(front.constraint_units(i), point.constraint_metrics(i))));
     for (const double parameter : point.parameters())
@@ -241,6 +292,14 @@ void AddParetoCommands(CLI::App& app, Session& session) {
   run->add_option("--range", run_options->range, "NAME=LOW:HIGH: narrow a parameter");
   run->add_option("--constrain", run_options->constrain,
                   "METRIC=LOW:HIGH, METRIC=LOW: or METRIC=:HIGH: what designs must keep to");
+  run->add_option("--start-from", run_options->start_from,
+                  "Earlier front, whose designs are evaluated first");
+  run->add_option(
+      "--tolerance", run_options->tolerance,
+      "NAME=VALUE: what is built may be off by so much either way; NAME=VALUE:normal: by "
+      "such a standard deviation");
+  run->add_option("--deviations", run_options->deviations,
+                  "How many standard deviations over the tolerances make each metric worse");
   run->add_option("--evaluations", run_options->evaluations, "Budget of evaluations")
       ->check(CLI::PositiveNumber);
   run->add_option("--seed", run_options->seed, "Same seed, same front")->capture_default_str();

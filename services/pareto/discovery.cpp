@@ -31,6 +31,7 @@ constexpr std::size_t kPopulation = 30;  // for each metric but one
 constexpr int kChildren = 8;             // of a track
 constexpr int kProbedPatches = 4;
 constexpr int kProbes = 20;  // of a patch
+constexpr int kMostAhead = 3;
 constexpr std::int64_t kProbedBudget = 200;
 constexpr std::int64_t kExploringBudget = 30;  // evaluations a parameter
 constexpr double kDescentShare = 0.25;         // of the budget
@@ -75,7 +76,9 @@ double Spacing(std::int64_t evaluations, Eigen::Index d) {
 std::int64_t InitialSamples(const Discovery::Options& options, Eigen::Index size) {
   std::int64_t wanted = options.initial_samples;
   if (wanted == 0) wanted = size + 3 + (options.constraints > 0 ? kConstrainedSamples : 0);
-  return std::clamp<std::int64_t>(wanted, 1, std::max<std::int64_t>(1, options.evaluations / 4));
+  const std::int64_t given = options.initial_designs.cols();
+  return given +
+         std::clamp<std::int64_t>(wanted, 1, std::max<std::int64_t>(1, options.evaluations / 4));
 }
 
 TrackScheduler::Options SchedulingOptions(const Discovery::Options& options, Eigen::Index size,
@@ -85,8 +88,24 @@ TrackScheduler::Options SchedulingOptions(const Discovery::Options& options, Eig
       scheduling.optimization.tolerance, std::max(Spacing(options.evaluations, d) / 30, 1e-4));
   if (options.evaluations >= kSecondLookBudget * size)
     scheduling.second_look = static_cast<std::size_t>(InitialSamples(options, size));
+  scheduling.given = static_cast<std::size_t>(options.initial_designs.cols());
   scheduling.explores = options.evaluations >= kExploringBudget * size;
   return scheduling;
+}
+
+absl::Status CheckInitialDesigns(const DesignSpace& space, const Discovery::Options& options) {
+  const Eigen::MatrixXd& designs = options.initial_designs;
+  if (designs.cols() == 0) return absl::OkStatus();
+  if (designs.cols() >= options.evaluations)
+    return InvalidField("initial_designs", absl::StrCat(designs.cols(), " are as many as the ",
+                                                        options.evaluations, " evaluations"));
+  if (designs.rows() != space.size())
+    return InvalidField("initial_designs",
+                        absl::StrCat("need ", space.size(), " parameters, not ", designs.rows()));
+  for (Eigen::Index i = 0; i < designs.cols(); ++i)
+    if (designs.col(i) != space.Nearest(designs.col(i)))
+      return InvalidField(absl::StrCat("initial_designs[", i, "]"), "is not in the design space");
+  return absl::OkStatus();
 }
 
 absl::Status CheckOptions(const Discovery::Options& options, Eigen::Index metric_count) {
@@ -155,6 +174,7 @@ absl::StatusOr<std::unique_ptr<Discovery>> Discovery::Create(const DesignSpace& 
                                                              const Options& options) {
   MORTISE_RETURN_IF_ERROR(Validate(space));
   MORTISE_RETURN_IF_ERROR(CheckOptions(options, metric_count));
+  MORTISE_RETURN_IF_ERROR(CheckInitialDesigns(space, options));
   return absl::WrapUnique(new Discovery(space, metric_count, options));
 }
 
@@ -172,7 +192,7 @@ Discovery::Discovery(const DesignSpace& space, Eigen::Index metric_count, const 
       random_(options.seed ^ 0x5eedULL),
       initial_samples_(InitialSamples(options, box_.size())),
       spacing_(Spacing(options.evaluations, metric_count)) {
-  initial_designs_ = LatinHypercube(initial_samples_, box_.size(), random_);
+  space_filling_ = LatinHypercube(initial_samples_ - given(), box_.size(), random_);
 }
 
 std::optional<Discovery::Proposal> Discovery::Ask() {
@@ -199,7 +219,11 @@ std::optional<Discovery::Proposal> Discovery::Ask() {
     barrier_ = proposed_;
     return Ask();
   }
-  Proposal proposal{proposed_++, DesignAt(*u)};
+  // Designs that were given are asked for bit for bit: the evaluator may know them.
+  Proposal proposal{proposed_, proposed_ < given()
+                                   ? Eigen::VectorXd(options_.initial_designs.col(proposed_))
+                                   : DesignAt(*u)};
+  ++proposed_;
   pending_[proposal.number] = {UnitOf(proposal.x), proposal.x, track, std::nullopt};
   return proposal;
 }
@@ -211,6 +235,8 @@ absl::Status Discovery::Tell(std::int64_t number, Evaluation evaluation) {
   if (evaluation.x != at->second.x)
     return InvalidField("x", absl::StrCat("not the design of proposal ", number));
   if (evaluation.status == EvaluationStatus::kEvaluated) {
+    if (evaluation.deviations.size() != 0 && evaluation.deviations.size() != metric_count_)
+      return InvalidField("deviations", "must be as many as metrics");
     if (evaluation.constraints.size() != options_.constraints)
       return InvalidField("constraints", absl::StrCat(options_.constraints, " are needed, not ",
                                                       evaluation.constraints.size()));
@@ -266,6 +292,8 @@ void Discovery::CommitNext() {
   const Pending pending = std::move(first->second);
   pending_.erase(first);
   const std::size_t entry = archive_.Add(EntryOf(pending));
+  designs_.push_back(pending.x);
+  deviations_.push_back(pending.result->deviations);
   if (archive_[entry].feasible) population_.Offer(archive_, entry);
   evaluated_.emplace(Key(pending.u), entry);
   const double gain = Absorb(entry);
@@ -331,9 +359,11 @@ Eigen::VectorXd Discovery::DesignAt(const Eigen::VectorXd& u) const {
 
 Eigen::VectorXd Discovery::UnitOf(const Eigen::VectorXd& x) const { return box_.ToUnit(x(free_)); }
 
-// From the Latin hypercube; uniformly at random while nothing feasible has been found.
+// Those given, then the Latin hypercube; uniformly at random while nothing feasible has been found.
 Eigen::VectorXd Discovery::InitialDesign() {
-  if (proposed_ < initial_samples_) return initial_designs_[static_cast<std::size_t>(proposed_)];
+  if (proposed_ < given()) return UnitOf(options_.initial_designs.col(proposed_));
+  if (proposed_ < initial_samples_)
+    return space_filling_[static_cast<std::size_t>(proposed_ - given())];
   Eigen::VectorXd u(box_.size());
   for (double& value : u) value = random_.Uniform();
   return u;
@@ -448,6 +478,7 @@ void Discovery::Retire(const Track& track) {
     options.probes = kProbes;
   }
   options.measures = MayMeasure();
+  options.ahead = std::min(kMostAhead, (options_.window - 1) / 2);
   auto patch = std::make_unique<PatchSampling>(options, buffer_.scaling(), *best);
   PatchSampling* const view = patch.get();
   tracks_[next_track_++] = {std::move(patch), nullptr, view, track.kind, 0, 0};
@@ -465,7 +496,8 @@ bool Discovery::MayMeasure() const {
 // Whether the budget allows for more than local optimisations and what follows from them.
 bool Discovery::Explores() const { return options_.evaluations >= kExploringBudget * box_.size(); }
 
-// From the design nearest to the ideal.
+// From the design nearest to the ideal; of the space-filling ones where others were given, since
+// those may all be in a valley that was the best before.
 std::unique_ptr<PointSource> Discovery::MakeDescent() {
   CoordinateDescent::Options descent;
   const auto size = static_cast<double>(box_.size());
@@ -474,9 +506,14 @@ std::unique_ptr<PointSource> Discovery::MakeDescent() {
   descent.lines = std::max(1, options_.window / 2);
   descent.line.values = static_cast<int>(std::clamp(0.5 * share / size, 4.0, 64.0));
   const Scaling scaling = archive_.CurrentScaling();
-  const std::size_t start = *std::ranges::min_element(
-      archive_.non_dominated(), {},
-      [&](std::size_t entry) { return scaling.Apply(archive_[entry].metrics).norm(); });
+  std::vector<std::size_t> candidates;
+  for (auto entry = static_cast<std::size_t>(given());
+       given() > 0 && entry < static_cast<std::size_t>(initial_samples_); ++entry)
+    if (archive_[entry].feasible) candidates.push_back(entry);
+  if (candidates.empty()) candidates = archive_.non_dominated();
+  const std::size_t start = *std::ranges::min_element(candidates, {}, [&](std::size_t entry) {
+    return scaling.Apply(archive_[entry].metrics).norm();
+  });
   return std::make_unique<CoordinateDescent>(descent, archive_, start, random_);
 }
 
@@ -612,9 +649,8 @@ Discovery::Summary Discovery::summary() const {
 Front Discovery::front() const {
   Front front = BuildFront(box_, archive_, buffer_, pieces_);
   for (FrontPoint& point : front.points) {
-    Eigen::VectorXd x = space_.lower;
-    x(free_) = point.x;
-    point.x = std::move(x);
+    point.x = designs_[point.entry];
+    point.deviations = deviations_[point.entry];
   }
   for (FrontPiece& piece : front.pieces) {
     Eigen::VectorXd origin = space_.lower;

@@ -49,9 +49,12 @@ class Discovery {
     int constraints = 0;      // m, told with each evaluation, 0 to 64
     int initial_samples = 0;  // space-filling designs at the start; 0: D + 3, with constraints D +
                               // 23, at most a quarter of the budget
-    double delta_b = 1e-2;    // tolerance of the buffer, scaled performance
-    double delta_i = 1e-4;    // improvement of hypervolume (relative) that counts as progress
-    int stall_tracks = 300;   // optimisations in a row without progress that end it; 0: never
+    // D x n, designs of the space to evaluate before any other, fewer than `evaluations`; see
+    // warm_start.h.
+    Eigen::MatrixXd initial_designs = {};
+    double delta_b = 1e-2;   // tolerance of the buffer, scaled performance
+    double delta_i = 1e-4;   // improvement of hypervolume (relative) that counts as progress
+    int stall_tracks = 300;  // optimisations in a row without progress that end it; 0: never
     TrackScheduler::Options scheduling;
   };
 
@@ -104,6 +107,7 @@ class Discovery {
   const DesignSpace& space() const { return space_; }
   const Archive& archive() const { return archive_; }
   std::int64_t proposed() const { return proposed_; }
+  // Designs evaluated before the search begins: those given and those that fill the space.
   std::int64_t initial_samples() const { return initial_samples_; }
 
  private:
@@ -132,6 +136,7 @@ class Discovery {
   double Absorb(std::size_t entry);
   double GainOf(std::size_t entry) const;
   Eigen::VectorXd InitialDesign();
+  std::int64_t given() const { return options_.initial_designs.cols(); }
   Eigen::VectorXd DesignAt(const Eigen::VectorXd& u) const;
   Eigen::VectorXd UnitOf(const Eigen::VectorXd& x) const;
   std::optional<Eigen::VectorXd> NextPoint(std::int64_t& track);
@@ -160,12 +165,14 @@ class Discovery {
   EvolutionSearch evolution_;
   Random random_;
   std::int64_t initial_samples_;
-  std::vector<Eigen::VectorXd> initial_designs_;  // unit coordinates
+  std::vector<Eigen::VectorXd> space_filling_;  // unit coordinates
   double spacing_;  // wanted distance of trade-offs along patches, for the budget
   std::map<std::int64_t, Track> tracks_;  // by age
   std::int64_t next_track_ = 0;
   std::map<std::int64_t, Pending> pending_;               // proposed, not committed
   std::map<std::vector<double>, std::size_t> evaluated_;  // design to entry: never twice
+  std::vector<Eigen::VectorXd> designs_;                  // of each entry, bit for bit as evaluated
+  std::vector<Eigen::VectorXd> deviations_;               // of each entry
   std::vector<AffinePiece> pieces_;
   std::int64_t proposed_ = 0;
   std::int64_t committed_ = 0;

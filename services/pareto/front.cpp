@@ -108,7 +108,8 @@ std::vector<Labelled> ChoosePoints(const DesignSpace& space, const Archive& arch
                        .constraints = archive[entry].constraints,
                        .cell = ids[order[i].second],
                        .embedding = Embed(buffer.scaling().Apply(metrics)),
-                       .approximation_error = error},
+                       .approximation_error = error,
+                       .entry = entry},
                       entry,
                       piece});
   }

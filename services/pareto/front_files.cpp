@@ -85,12 +85,21 @@ std::string FrontAsCsv(const v1::Front& front) {
     absl::StrAppend(&csv, Quoted(MetricLabel(front, i)), ",");
   for (int i = 0; i < front.specification().constraints_size(); ++i)
     absl::StrAppend(&csv, Quoted(ConstraintLabel(front, i)), ",");
+  const bool robust = front.specification().tolerances_size() > 0;
+  for (int i = 0; robust && i < front.metric_names_size(); ++i) {
+    const std::string &name = front.metric_names(i), &unit = front.metric_units(i);
+    absl::StrAppend(&csv, Quoted(Label(absl::StrCat("mean ", name), unit)), ",",
+                    Quoted(Label(absl::StrCat("deviation of ", name), unit)), ",");
+  }
   csv += "piece\r\n";
   for (const v1::FrontPoint& point : front.points()) {
     for (const double value : point.parameters()) absl::StrAppendFormat(&csv, "%.17g,", value);
     for (const double value : point.metrics()) absl::StrAppendFormat(&csv, "%.17g,", value);
     for (const double value : point.constraint_metrics())
       absl::StrAppendFormat(&csv, "%.17g,", value);
+    for (int i = 0; robust && i < point.metric_means_size(); ++i)
+      absl::StrAppendFormat(&csv, "%.17g,%.17g,", point.metric_means(i),
+                            point.metric_deviations(i));
     absl::StrAppend(&csv, point.piece(), "\r\n");
   }
   return csv;

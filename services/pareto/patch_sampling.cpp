@@ -337,6 +337,7 @@ std::optional<Eigen::VectorXd> PatchSampling::Ask(Archive& archive) {
         (piece_.centre + next.parameter * piece_.directions.col(0)).cwiseMax(0.0).cwiseMin(1.0);
     return WithinConstraints(archive, point, line_.lower_bound(next.parameter)->second);
   }
+  if (std::optional<Eigen::VectorXd> point = AskAhead(archive)) return point;
   if (!asked_.empty()) return std::nullopt;
   if (options_.probes > 0 && !std::exchange(probed_, true)) {
     QueueProbes();
@@ -368,16 +369,39 @@ std::optional<Eigen::VectorXd> PatchSampling::AskNode(const Archive& archive) {
     const Reached reached = frontier_.front();
     frontier_.pop_front();
     double parameter = 0;
+    if (!reached.beyond) WalkOf(reached.node).asked = std::abs(reached.node[0]);
     const std::optional<Eigen::VectorXd> point = NodePoint(reached.node, &parameter);
-    if (!point) continue;
+    if (!point) {
+      WalkOf(reached.node).ended = true;
+      continue;
+    }
     const Eigen::VectorXd possible = WithinConstraints(archive, *point, reached.parent);
     if (!reached.beyond && Covered(archive, model_->Predict(possible))) {
+      WalkOf(reached.node).held = std::abs(reached.node[0]);
       Expand(reached);
       continue;
     }
     ++evaluations_;
     asked_.push_back({Request::Kind::kNode, 0, reached, parameter, 0});
     return possible;
+  }
+  return std::nullopt;
+}
+
+PatchSampling::Walk& PatchSampling::WalkOf(const Node& node) { return walks_[node[0] > 0 ? 1 : 0]; }
+
+// While all that is known to hold has been asked for.
+std::optional<Eigen::VectorXd> PatchSampling::AskAhead(const Archive& archive) {
+  if (steps_.size() != 1 || asked_.empty() || archive[piece_.entry].constraints.size() > 0)
+    return std::nullopt;
+  for (const int sign : {+1, -1}) {
+    const Walk& walk = walks_[sign > 0 ? 1 : 0];
+    const int lead = walk.asked - walk.held;
+    if (walk.ended || walk.asked == 0 || lead > std::min(options_.ahead, walk.held / 2)) continue;
+    const Node next{sign * (walk.asked + 1)};
+    if (!seen_.insert(next).second) continue;
+    frontier_.push_back({next, false, piece_.entry});
+    if (std::optional<Eigen::VectorXd> point = AskNode(archive)) return point;
   }
   return std::nullopt;
 }
@@ -410,8 +434,14 @@ void PatchSampling::Tell(Archive& archive, std::size_t entry) {
       frontier_.front().again = true;
     }
   }
-  if (!told.feasible || archive.ClearlyDominated(told.metrics, scaling_, options_.tolerance))
-    return;
+  const bool holds =
+      told.feasible && !archive.ClearlyDominated(told.metrics, scaling_, options_.tolerance);
+  if (stepped && steps_.size() == 1) {
+    Walk& walk = WalkOf(request.reached.node);
+    if (holds) walk.held = std::max(walk.held, std::abs(request.reached.node[0]));
+    walk.ended = walk.ended || !holds;
+  }
+  if (!holds) return;
   if (request.kind == Request::Kind::kNode)
     Expand({request.reached.node, request.reached.beyond, entry});
   if (steps_.size() == 1) Keep(archive, request.parameter, entry, request.depth);

@@ -141,8 +141,8 @@ TrackScheduler::Track TrackScheduler::OpeningTrack(const Archive& archive) {
   }
   const bool second = opened_ > d;
   std::vector<std::size_t> candidates;
-  for (std::size_t entry = 0; second && entry < std::min(options_.second_look, archive.size());
-       ++entry)
+  for (std::size_t entry = options_.given;
+       second && entry < std::min(options_.second_look, archive.size()); ++entry)
     if (archive[entry].feasible) candidates.push_back(entry);
   if (candidates.empty()) candidates = archive.non_dominated();
   const std::size_t start = OpeningStart(archive, scaling, metric, candidates);

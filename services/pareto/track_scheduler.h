@@ -59,6 +59,7 @@ class TrackScheduler {
     // second time, independently of what is known by then: the first time may end in a corner where
     // all slopes vanish. 0: no second time.
     std::size_t second_look = 0;
+    std::size_t given = 0;  // the first so many of these are not looked at: they are of a front
     LocalOptimization::Options optimization;
   };
 
