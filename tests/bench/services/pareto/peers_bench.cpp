@@ -15,6 +15,7 @@
 #include <string>
 #include <vector>
 
+#include "absl/status/statusor.h"
 #include "absl/strings/ascii.h"
 #include "absl/strings/match.h"
 #include "absl/strings/numbers.h"
@@ -22,6 +23,7 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
+#include "common/base/errors.h"
 #include "services/pareto/benchmark_run.h"
 #include "services/pareto/hypervolume.h"
 #include "services/pareto/piece_evaluation.h"
@@ -113,11 +115,15 @@ void RunOurs(const BenchmarkProblem& problem, std::uint64_t seed, Row& row) {
   row.dense.push_back(Share(pieces.metrics, problem));
 }
 
+// The instance of a row's problem that goes with a seed.
+absl::StatusOr<BenchmarkProblem> ProblemOf(const Row& row, std::uint64_t seed) {
+  return MakeBenchmarkProblem(row.problem, row.dimensions,
+                              {row.turned, row.turned, row.turned ? seed : 1});
+}
+
 // Adds a seed to the rows of a problem, which differ in their evaluations.
 void RunSeed(const Selection& selection, std::uint64_t seed, std::vector<Row>& rows) {
-  const Row& first = rows.front();
-  const BenchmarkProblem problem = *MakeBenchmarkProblem(
-      first.problem, first.dimensions, {first.turned, first.turned, first.turned ? seed : 1});
+  const BenchmarkProblem problem = *ProblemOf(rows.front(), seed);
   if (!selection.ours_only && selection.peers_file.empty()) {
     const std::vector<Peer> peers = Peers(selection.populations);
     const std::int64_t most = std::ranges::max(rows, {}, &Row::evaluations).evaluations;
@@ -218,7 +224,7 @@ Json DocumentOf(const Row& row) {
   return document;
 }
 
-void Run(const Selection& selection) {
+absl::Status Run(const Selection& selection) {
   Json document = Json::array();
   std::map<std::string, int> verdicts;
   if (!selection.csv && !selection.json)
@@ -229,6 +235,7 @@ void Run(const Selection& selection) {
     for (const std::string& problem : selection.problems) {
       std::vector<Row> rows = RowsOf(selection, problem, variant == "turned");
       if (rows.empty()) continue;
+      MORTISE_RETURN_IF_ERROR(ProblemOf(rows.front(), 1).status());
       for (int seed = 1; seed <= selection.seeds; ++seed)
         RunSeed(selection, static_cast<std::uint64_t>(seed), rows);
       for (Row& row : rows) {
@@ -246,6 +253,7 @@ void Run(const Selection& selection) {
   if (!selection.json && !selection.csv && !selection.ours_only && !selection.peers_only)
     std::cout << absl::StrFormat("above %d, within %.3f %d, below %d\n", verdicts["above"], kMargin,
                                  verdicts["within"], verdicts["below"]);
+  return absl::OkStatus();
 }
 
 }  // namespace
@@ -264,7 +272,10 @@ int main(int argc, char** argv) {
   app.add_option("--variant", selection.variants, "published, or turned: shifted and rotated")
       ->check(CLI::IsMember({"published", "turned"}));
   app.add_option("--population", selection.populations, "Of the peers, multiples of 4")
-      ->check(CLI::Range(8, 100000));
+      ->check(CLI::Range(8, 100000))
+      ->check([](const std::string& size) {
+        return std::stoi(size) % 4 == 0 ? "" : size + " is no multiple of 4";
+      });
   app.add_option("--peers-from", selection.peers_file,
                  "What `--peers-only --csv` has printed, instead of running them again")
       ->check(CLI::ExistingFile);
@@ -279,6 +290,7 @@ int main(int argc, char** argv) {
     if (budgets->empty()) selection.budgets = {300, 1000, 3000, 6000, 10000, 30000};
     if (seeds->empty()) selection.seeds = 11;
   }
-  mortise::pareto::Run(selection);
-  return 0;
+  const absl::Status status = mortise::pareto::Run(selection);
+  if (!status.ok()) std::cerr << status.message() << "\n";
+  return status.ok() ? 0 : 1;
 }
