@@ -50,11 +50,15 @@ void ForEachOfGrid(const BenchmarkProblem& problem, int steps,
   }
 }
 
-// From the best of each metric to the worst that these have.
+// From the best of each metric to the worst that these have, or a part of all the grid's range
+// where that is more: the front may be shorter than the grid is fine.
 Scaling CornersOf(const BenchmarkProblem& problem, int steps) {
+  constexpr double kLeastPart = 0.05;
   const Index d = problem.metric_count;
   std::vector<VectorXd> best(static_cast<std::size_t>(d));
+  VectorXd worst;
   ForEachOfGrid(problem, steps, [&](const GridPoint& point) {
+    worst = worst.size() == 0 ? point.metrics : VectorXd(worst.cwiseMax(point.metrics));
     for (Index j = 0; j < d; ++j) {
       VectorXd& of_metric = best[static_cast<std::size_t>(j)];
       if (of_metric.size() == 0 || point.metrics[j] < of_metric[j]) of_metric = point.metrics;
@@ -65,7 +69,7 @@ Scaling CornersOf(const BenchmarkProblem& problem, int steps) {
     ideal = ideal.cwiseMin(metrics).eval();
     nadir = nadir.cwiseMax(metrics).eval();
   }
-  return {ideal, nadir - ideal};
+  return {ideal, (nadir - ideal).cwiseMax(kLeastPart * (worst - ideal))};
 }
 
 // The optimisation of Eq. 7.8 again and again, as one reaches no further than its reference point.
