@@ -19,7 +19,7 @@ using Eigen::Index;
 using Eigen::VectorXd;
 
 constexpr std::size_t kCandidates = 4;  // of each cell, to optimise from
-constexpr int kRounds = 5;              // of filling gaps
+constexpr int kRounds = 12;             // of filling gaps
 constexpr double kJoining = 0.1;  // designs nearer than this are one stretch; unit coordinates
 
 // The angles of the ray from the ideal.
@@ -50,38 +50,59 @@ void ForEachOfGrid(const BenchmarkProblem& problem, int steps,
   }
 }
 
-// From the best of each metric to the worst that these have, or a part of all the grid's range
-// where that is more: the front may be shorter than the grid is fine.
-Scaling CornersOf(const BenchmarkProblem& problem, int steps) {
-  constexpr double kLeastPart = 0.05;
-  const Index d = problem.metric_count;
-  std::vector<VectorXd> best(static_cast<std::size_t>(d));
-  VectorXd worst;
-  ForEachOfGrid(problem, steps, [&](const GridPoint& point) {
-    worst = worst.size() == 0 ? point.metrics : VectorXd(worst.cwiseMax(point.metrics));
-    for (Index j = 0; j < d; ++j) {
-      VectorXd& of_metric = best[static_cast<std::size_t>(j)];
-      if (of_metric.size() == 0 || point.metrics[j] < of_metric[j]) of_metric = point.metrics;
-    }
-  });
-  VectorXd ideal = best.front(), nadir = best.front();
-  for (const VectorXd& metrics : best) {
-    ideal = ideal.cwiseMin(metrics).eval();
-    nadir = nadir.cwiseMax(metrics).eval();
-  }
-  return {ideal, (nadir - ideal).cwiseMax(kLeastPart * (worst - ideal))};
-}
-
 // The optimisation of Eq. 7.8 again and again, as one reaches no further than its reference point.
 PushedDesign PushToFront(const BenchmarkProblem& problem, const Scaling& scaling,
                          const VectorXd& u) {
   constexpr double kReach = 0.1, kArrived = 1e-9;
   PushedDesign pushed{problem.space.FromUnit(u), {}, 1};
-  for (int round = 0; round < 20 && pushed.error > kArrived; ++round)
+  double reach = kReach;
+  for (int round = 0; round < 30 && pushed.error > kArrived; ++round) {
     pushed = PushAlongNormal(
         problem.space, scaling, [&](const VectorXd& x) { return problem.evaluate(x, true); },
-        pushed.x, kReach);
+        pushed.x, reach);
+    reach = pushed.error > 0.9 * reach ? 2 * reach : kReach;
+  }
   return pushed;
+}
+
+// The best of each metric by itself, from the best of the grid.
+std::vector<PushedDesign> BestOfEach(const BenchmarkProblem& problem, int steps) {
+  const Index d = problem.metric_count;
+  std::vector<GridPoint> best(static_cast<std::size_t>(d));
+  VectorXd worst;
+  ForEachOfGrid(problem, steps, [&](const GridPoint& point) {
+    worst = worst.size() == 0 ? point.metrics : VectorXd(worst.cwiseMax(point.metrics));
+    for (Index j = 0; j < d; ++j) {
+      GridPoint& of_metric = best[static_cast<std::size_t>(j)];
+      if (of_metric.u.size() == 0 || point.metrics[j] < of_metric.metrics[j]) of_metric = point;
+    }
+  });
+  std::vector<PushedDesign> found;
+  for (Index j = 0; j < d; ++j) {
+    BenchmarkProblem alone = problem;
+    alone.metric_count = 1;
+    alone.evaluate = [&problem, j](const VectorXd& x, bool gradients) {
+      Evaluation evaluation = problem.evaluate(x, gradients);
+      evaluation.metrics = evaluation.metrics.segment(j, 1).eval();
+      if (gradients) evaluation.jacobian = evaluation.jacobian.row(j).eval();
+      return evaluation;
+    };
+    const GridPoint& start = best[static_cast<std::size_t>(j)];
+    const Scaling scaling{start.metrics.segment(j, 1), (worst - start.metrics).segment(j, 1)};
+    found.push_back(PushToFront(alone, scaling, start.u));
+    found.back().metrics = problem.evaluate(found.back().x, false).metrics;
+  }
+  return found;
+}
+
+// From the best of each metric to the worst that these have.
+Scaling CornersOf(const std::vector<PushedDesign>& best) {
+  VectorXd ideal = best.front().metrics, nadir = ideal;
+  for (const PushedDesign& each : best) {
+    ideal = ideal.cwiseMin(each.metrics).eval();
+    nadir = nadir.cwiseMax(each.metrics).eval();
+  }
+  return {ideal, (nadir - ideal).cwiseMax(1e-12)};
 }
 
 std::vector<std::size_t> OrderAlong(const std::vector<VectorXd>& performance) {
@@ -117,9 +138,10 @@ void Rescale(Scaling& scaling, std::vector<VectorXd>& performance) {
     least = least.cwiseMin(each).eval();
     most = most.cwiseMax(each).eval();
   }
-  for (VectorXd& each : performance) each = (each - least).cwiseQuotient(most - least).eval();
+  for (VectorXd& each : performance)
+    each = (each - least).cwiseQuotient((most - least).cwiseMax(1e-12)).eval();
   scaling.ideal += scaling.range.cwiseProduct(least);
-  scaling.range = scaling.range.cwiseProduct(most - least).eval();
+  scaling.range = scaling.range.cwiseProduct((most - least).cwiseMax(1e-12)).eval();
 }
 
 // Adds what optimisations from designs find, and keeps what nothing dominates, along the front.
@@ -176,7 +198,8 @@ std::vector<VectorXd> WithinGaps(const BruteForceFront& front) {
 
 BruteForceFront FindByBruteForce(const BenchmarkProblem& problem, int steps) {
   BruteForceFront front;
-  front.scaling = CornersOf(problem, steps);
+  const std::vector<PushedDesign> corners = BestOfEach(problem, steps);
+  front.scaling = CornersOf(corners);
   const int cells = problem.metric_count == 2 ? 1000 : 60;
   std::map<std::vector<int>, std::multimap<double, VectorXd>> best;
   ForEachOfGrid(problem, steps, [&](const GridPoint& point) {
@@ -188,6 +211,10 @@ BruteForceFront FindByBruteForce(const BenchmarkProblem& problem, int steps) {
     if (kept.size() > kCandidates) kept.erase(std::prev(kept.end()));
   });
   std::vector<VectorXd> starts;
+  for (const PushedDesign& corner : corners) {
+    front.designs.push_back(problem.space.ToUnit(corner.x));
+    front.performance.push_back(front.scaling.Apply(corner.metrics));
+  }
   for (const auto& [cell, kept] : best)
     for (const auto& [distance, u] : kept) starts.push_back(u);
   for (int round = 0; round < kRounds && !starts.empty(); ++round) {
