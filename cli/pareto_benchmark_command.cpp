@@ -1,9 +1,13 @@
 // mortise pareto benchmark: discovery on published problems, in this process. It needs no house.
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <filesystem>
 #include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -17,7 +21,10 @@
 #include "common/base/files.h"
 #include "mortise/v1/pareto.pb.h"
 #include "services/pareto/benchmark_run.h"
+#include "services/pareto/front_error.h"
 #include "services/pareto/front_files.h"
+#include "services/pareto/hypervolume.h"
+#include "services/pareto/piece_evaluation.h"
 
 namespace mortise::cli {
 namespace {
@@ -32,7 +39,57 @@ struct BenchmarkOptions {
   int window = 8;
   bool gradients = false;
   std::filesystem::path out;
+  bool dense = false;
+  bool front_error = false;
   pareto::BenchmarkVariant variant;
+};
+
+// What the pieces of the front say between their points.
+struct DenseResult {
+  std::int64_t evaluations = 0;
+  double hypervolume = 0;
+};
+
+DenseResult EvaluateDensely(const pareto::BenchmarkProblem& problem, const pareto::Front& front) {
+  const pareto::PieceEvaluation pieces = pareto::EvaluatePieces(
+      problem.space, front, [&](const Eigen::VectorXd& x) { return problem.evaluate(x, false); });
+  return {pieces.evaluations, pareto::Hypervolume(pieces.metrics, problem.reference)};
+}
+
+// How far the points of the front are from the true one.
+struct ErrorResult {
+  static constexpr int kDecades = 9;
+  std::array<int, kDecades> decades{};  // below 1e-10, from there below 1e-9, ..., 1e-3 or more
+  int points = 0;                       // whose error could be measured
+  int below = 0;                        // 1e-5
+  double worst = 0;
+};
+
+ErrorResult MeasureErrors(const pareto::BenchmarkProblem& problem, const pareto::Front& front) {
+  ErrorResult result;
+  for (const double error :
+       pareto::FrontErrors(problem.space, front,
+                           [&](const Eigen::VectorXd& x) { return problem.evaluate(x, true); })) {
+    if (std::isnan(error)) continue;
+    ++result.points;
+    result.below += error < 1e-5 ? 1 : 0;
+    result.worst = std::max(result.worst, error);
+    const double decade =
+        std::floor(std::log10(std::max(error, 1e-11))) + ErrorResult::kDecades + 2;
+    ++result
+          .decades[static_cast<std::size_t>(std::clamp(decade, 0.0, ErrorResult::kDecades - 1.0))];
+  }
+  return result;
+}
+
+double ShareBelow(const ErrorResult& errors) {
+  return static_cast<double>(errors.below) / std::max(1, errors.points);
+}
+
+struct Measured {
+  pareto::BenchmarkResult discovery;
+  std::optional<DenseResult> dense;
+  std::optional<ErrorResult> errors;
 };
 
 std::vector<double> Numbers(const Eigen::VectorXd& vector) {
@@ -42,7 +99,8 @@ std::vector<double> Numbers(const Eigen::VectorXd& vector) {
 Json KnownOrNull(double value, bool known) { return known ? Json(value) : Json(nullptr); }
 
 Json DocumentOf(const BenchmarkOptions& options, const pareto::BenchmarkProblem& problem,
-                const pareto::BenchmarkResult& result) {
+                const Measured& measured) {
+  const pareto::BenchmarkResult& result = measured.discovery;
   const bool known = problem.hypervolume > 0;
   Json document;
   document["problem"] = problem.name;
@@ -61,6 +119,17 @@ Json DocumentOf(const BenchmarkOptions& options, const pareto::BenchmarkProblem&
   document["hypervolume"] = result.hypervolume;
   document["true_hypervolume"] = KnownOrNull(problem.hypervolume, known);
   document["share"] = KnownOrNull(result.hypervolume / problem.hypervolume, known);
+  if (measured.dense) {
+    document["dense_evaluations"] = measured.dense->evaluations;
+    document["dense_hypervolume"] = measured.dense->hypervolume;
+    document["dense_share"] = KnownOrNull(measured.dense->hypervolume / problem.hypervolume, known);
+  }
+  if (measured.errors) {
+    document["front_error_points"] = measured.errors->points;
+    document["front_error_share_below_1e_5"] = ShareBelow(*measured.errors);
+    document["front_error_worst"] = measured.errors->worst;
+    document["front_error_decades"] = measured.errors->decades;
+  }
   document["cells_covered"] = result.summary.cells_covered;
   document["pieces"] = result.front.pieces.size();
   document["parameter_lower"] = Numbers(problem.space.lower);
@@ -70,6 +139,7 @@ Json DocumentOf(const BenchmarkOptions& options, const pareto::BenchmarkProblem&
     Json entry;
     entry["metrics"] = Numbers(point.metrics);
     entry["parameters"] = Numbers(point.x);
+    if (problem.constraint_count > 0) entry["constraints"] = Numbers(point.constraints);
     document["points"].push_back(std::move(entry));
   }
   return document;
@@ -82,8 +152,25 @@ std::vector<std::string> Numbered(const char* letter, Eigen::Index count) {
   return names;
 }
 
-void Print(const pareto::BenchmarkProblem& problem, const pareto::BenchmarkResult& result,
+void PrintMeasures(const pareto::BenchmarkProblem& problem, const Measured& measured,
+                   const Output& output) {
+  if (measured.dense) {
+    std::string share;
+    if (problem.hypervolume > 0)
+      share = absl::StrFormat(", %.4f of the true one",
+                              measured.dense->hypervolume / problem.hypervolume);
+    output.Line(absl::StrFormat("Its pieces, densely: %d more evaluations, hypervolume %.6g%s",
+                                measured.dense->evaluations, measured.dense->hypervolume, share));
+  }
+  if (measured.errors)
+    output.Line(absl::StrFormat(
+        "Distance of its points from the true front: %.1f %% of %d below 1e-5, at most %.2g",
+        100 * ShareBelow(*measured.errors), measured.errors->points, measured.errors->worst));
+}
+
+void Print(const pareto::BenchmarkProblem& problem, const Measured& measured,
            const Output& output) {
+  const pareto::BenchmarkResult& result = measured.discovery;
   std::string share;
   if (problem.hypervolume > 0)
     share = absl::StrFormat(", %.4f of the true one", result.hypervolume / problem.hypervolume);
@@ -94,6 +181,7 @@ void Print(const pareto::BenchmarkProblem& problem, const pareto::BenchmarkResul
       result.non_dominated.size(), result.front.pieces.size(),
       1e3 * result.own_seconds /
           static_cast<double>(std::max<std::int64_t>(1, result.evaluations))));
+  PrintMeasures(problem, measured, output);
   std::vector<std::string> titles = Numbered("f", problem.metric_count);
   for (std::string& name : Numbered("x", problem.space.size())) titles.push_back(std::move(name));
   std::vector<std::vector<std::string>> rows;
@@ -149,12 +237,14 @@ absl::Status Run(const BenchmarkOptions& options, Output& output) {
   MORTISE_ASSIGN_OR_RETURN(
       const pareto::BenchmarkProblem problem,
       pareto::MakeBenchmarkProblem(options.name, std::max(1, dimensions), options.variant));
+  if (options.front_error && problem.constraint_count > 0)
+    return InvalidField("front_error", "is for problems without constraints");
   pareto::Discovery::Options discovery;
   discovery.evaluations = options.evaluations;
   discovery.seed = options.seed;
   discovery.window = options.window;
   discovery.stall_tracks = 0;  // all evaluations are to be made
-  const auto result = pareto::RunBenchmark(
+  auto result = pareto::RunBenchmark(
       problem, discovery, options.gradients, [&](const pareto::Discovery::Summary& summary) {
         output.Progress(static_cast<long>(summary.evaluations),
                         static_cast<long>(options.evaluations),
@@ -163,10 +253,14 @@ absl::Status Run(const BenchmarkOptions& options, Output& output) {
       });
   output.EndProgress();
   MORTISE_RETURN_IF_ERROR(result.status());
-  if (output.text()) Print(problem, *result, output);
+  Measured measured{std::move(*result), {}, {}};
+  if (options.dense) measured.dense = EvaluateDensely(problem, measured.discovery.front);
+  if (options.front_error) measured.errors = MeasureErrors(problem, measured.discovery.front);
+  if (output.text()) Print(problem, measured, output);
   if (!options.out.empty())
-    MORTISE_RETURN_IF_ERROR(WriteFiles(MessageOf(problem, *result), options.out, output));
-  output.Document(DocumentOf(options, problem, *result));
+    MORTISE_RETURN_IF_ERROR(
+        WriteFiles(MessageOf(problem, measured.discovery), options.out, output));
+  output.Document(DocumentOf(options, problem, measured));
   return absl::OkStatus();
 }
 
@@ -189,6 +283,10 @@ void AddParetoBenchmarkCommand(CLI::App& pareto, Session& session) {
   benchmark->add_option("--window", options->window, "Evaluations under way at once")
       ->capture_default_str();
   benchmark->add_flag("--gradients", options->gradients, "The problem offers its gradients");
+  benchmark->add_flag("--dense", options->dense,
+                      "Evaluate the pieces of the front densely, uncounted");
+  benchmark->add_flag("--front-error", options->front_error,
+                      "Measure how far the points of the front are from the true one, uncounted");
   benchmark->add_flag("--shifted", options->variant.shifted, "No optimum on a bound");
   benchmark->add_flag("--rotated", options->variant.rotated, "No optimum along an axis");
   benchmark
@@ -210,6 +308,7 @@ void AddParetoBenchmarkCommand(CLI::App& pareto, Session& session) {
       sources.Add("evaluations", "--evaluations");
       sources.Add("window", "--window");
       sources.Add("metrics", "--metrics");
+      sources.Add("front_error", "--front-error");
       sources.Add("variant", options->variant.rotated ? "--rotated" : "--shifted");
       return sources.Name(Run(*options, output));
     };

@@ -56,7 +56,7 @@ absl::StatusOr<BenchmarkResult> RunBenchmark(
   for (const std::size_t entry : discovery->archive().non_dominated()) {
     const ArchiveEntry& found = discovery->archive()[entry];
     // Entries have the numbers of their proposals.
-    result.non_dominated.push_back({designs[entry], found.metrics});
+    result.non_dominated.push_back({designs[entry], found.metrics, found.constraints});
     points.push_back(found.metrics);
   }
   std::ranges::sort(result.non_dominated, {}, [](const BenchmarkPoint& point) {
