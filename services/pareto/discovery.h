@@ -27,6 +27,7 @@
 #include "absl/status/statusor.h"
 #include "services/pareto/archive.h"
 #include "services/pareto/evaluation.h"
+#include "services/pareto/evolution_search.h"
 #include "services/pareto/failure_tally.h"
 #include "services/pareto/front.h"
 #include "services/pareto/patch_sampling.h"
@@ -48,15 +49,20 @@ class Discovery {
   struct Options {
     std::int64_t evaluations = 1000;  // budget, 1 to 10,000,000
     std::uint64_t seed = 1;
-    int window = 8;           // evaluations under way at once, 1 to 4096; part of what is computed
-    int cells_per_angle = 0;  // of the buffer, up to 10,000; 0: 1000 for d = 2, 100 for 3, 16 above
+    int window = 8;  // evaluations under way at once, 1 to 4096; part of what is computed
+    // Of the buffer, up to 10,000; 0: 1000 for d = 2, 100 for 3. Above that it is the finest (0:
+    // 64), and the buffer adapts so that one cell for four evaluations is occupied, 50 to 4,000.
+    int cells_per_angle = 0;
     int constraints = 0;      // m, told with each evaluation, 0 to 64
     int initial_samples = 0;  // space-filling designs at the start; 0: D + 3, with constraints D +
                               // 23, at most a quarter of the budget
-    double delta_b = 1e-2;    // tolerance of the buffer, scaled performance
-    double delta_i = 1e-4;    // improvement of hypervolume (relative) that counts as progress
-    int stall_tracks = 300;   // optimisations in a row without progress that end it; 0: never
     Surrogate surrogate = Surrogate::kAutomatic;
+    // D x n, designs of the space to evaluate before any other, fewer than `evaluations`; see
+    // warm_start.h.
+    Eigen::MatrixXd initial_designs = {};
+    double delta_b = 1e-2;   // tolerance of the buffer, scaled performance
+    double delta_i = 1e-4;   // improvement of hypervolume (relative) that counts as progress
+    int stall_tracks = 300;  // optimisations in a row without progress that end it; 0: never
     TrackScheduler::Options scheduling;
   };
 
@@ -72,8 +78,11 @@ class Discovery {
     std::int64_t optimizations = 0;
     std::int64_t expansions = 0;
     std::int64_t cells_covered = 0;  // of the buffer
-    double hypervolume = 0;          // dominated share of the box from ideal to nadir
-    SurrogateQuality surrogate;      // of its proposals, so far
+    // Dominated share of the box from ideal to nadir. While running it is that of up to a
+    // sixteenth of the evaluations ago, and for d > 3 from samples, good to about a hundredth; at
+    // the end as QuickHypervolume.
+    double hypervolume = 0;
+    SurrogateQuality surrogate;  // of its proposals, so far
   };
 
   struct Proposal {
@@ -107,6 +116,7 @@ class Discovery {
   const DesignSpace& space() const { return space_; }
   const Archive& archive() const { return archive_; }
   std::int64_t proposed() const { return proposed_; }
+  // Designs evaluated before the search begins: those given and those that fill the space.
   std::int64_t initial_samples() const { return initial_samples_; }
 
  private:
@@ -132,8 +142,10 @@ class Discovery {
   bool CommitUpTo(std::int64_t count);
   void CommitNext();
   ArchiveEntry EntryOf(const Pending& pending);
-  double Absorb(std::size_t entry, const std::vector<std::size_t>& non_dominated_before);
+  double Absorb(std::size_t entry);
+  double GainOf(std::size_t entry) const;
   Eigen::VectorXd InitialDesign();
+  std::int64_t given() const { return options_.initial_designs.cols(); }
   Eigen::VectorXd DesignAt(const Eigen::VectorXd& u) const;
   Eigen::VectorXd UnitOf(const Eigen::VectorXd& x) const;
   std::optional<Eigen::VectorXd> NextPoint(std::int64_t& track);
@@ -153,7 +165,7 @@ class Discovery {
   bool StartRestoration();
   bool PolishingPays() const;
   void StartRepair();
-  double DominatedVolume(const std::vector<std::size_t>& entries) const;
+  double DominatedVolume(const Scaling& scaling, double reference, int samples) const;
 
   DesignSpace space_;
   std::vector<Eigen::Index> free_;  // the parameters that can vary, which is all the search sees
@@ -165,14 +177,17 @@ class Discovery {
   TrackScheduler scheduler_;
   Population population_;
   SurrogateSearch surrogate_;
+  EvolutionSearch evolution_;
   Random random_;
   std::int64_t initial_samples_;
-  std::vector<Eigen::VectorXd> initial_designs_;  // unit coordinates
+  std::vector<Eigen::VectorXd> space_filling_;  // unit coordinates
   double spacing_;  // wanted distance of trade-offs along patches, for the budget
   std::map<std::int64_t, Track> tracks_;  // by age
   std::int64_t next_track_ = 0;
   std::map<std::int64_t, Pending> pending_;               // proposed, not committed
   std::map<std::vector<double>, std::size_t> evaluated_;  // design to entry: never twice
+  std::vector<Eigen::VectorXd> designs_;                  // of each entry, bit for bit as evaluated
+  std::vector<Eigen::VectorXd> deviations_;               // of each entry
   std::vector<AffinePiece> pieces_;
   std::int64_t proposed_ = 0;
   std::int64_t committed_ = 0;
@@ -191,7 +206,12 @@ class Discovery {
   std::int64_t repair_track_ = -1;  // of the last round
   std::vector<Eigen::VectorXd> polished_;  // by the last round
   double hypervolume_ = 0;                 // in the scaling of the buffer, reference 1.1
-  double progress_mark_ = 0;               // hypervolume when progress was last made
+  struct Shown {
+    std::int64_t committed = 0;
+    double hypervolume = 0;
+  };
+  mutable Shown shown_;       // by summary()
+  double progress_mark_ = 0;  // hypervolume when progress was last made
   int tracks_since_progress_ = 0;
   StopReason stop_ = StopReason::kRunning;
   std::string message_;

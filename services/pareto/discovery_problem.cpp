@@ -13,6 +13,8 @@
 #include "mortise/v1/evaluator.pb.h"
 #include "mortise/v1/pareto.pb.h"
 #include "services/pareto/front.h"
+#include "services/pareto/front_remarks.h"
+#include "services/pareto/hypervolume.h"
 
 namespace mortise::pareto {
 namespace {
@@ -22,6 +24,9 @@ constexpr int kMostEvaluations = 1'000'000;
 constexpr int kMostCells = 10'000;
 constexpr int kMostWindow = 256;
 constexpr int kMostConstraints = 32;
+constexpr int kMostEarlierFronts = 16;
+constexpr int kMostTolerances = 30;       // that a call of the evaluator has room for
+constexpr int kToleranceEvaluations = 8;  // tolerances; with more, gradients do if they are offered
 
 absl::Status ApplyBounds(const v1::DiscoverySpecification& specification,
                          DiscoveryProblem& problem) {
@@ -84,6 +89,52 @@ absl::Status AddConstraints(const v1::DiscoverySpecification& specification,
     problem.options.constraints += constraint.rows();
     problem.constraints.push_back(std::move(constraint));
   }
+  return absl::OkStatus();
+}
+
+// Needs the objectives, the constraints and the whole design space.
+absl::Status AddTolerances(const v1::DiscoverySpecification& specification,
+                           DiscoveryProblem& problem) {
+  Robustness& robustness = problem.robustness;
+  robustness.range = {problem.space.lower, problem.space.upper};
+  robustness.deviations = specification.deviations();
+  for (int k = 0; k < specification.tolerances_size(); ++k) {
+    const auto& asked = specification.tolerances(k);
+    const auto name = std::ranges::find(problem.parameter_names, asked.parameter());
+    if (name == problem.parameter_names.end())
+      return InvalidField(absl::StrCat("specification.tolerances[", k, "].parameter"),
+                          absl::StrCat("no parameter '", asked.parameter(), "'"));
+    const bool normal = asked.distribution() == v1::DiscoverySpecification::Tolerance::NORMAL;
+    robustness.tolerances.push_back(
+        {name - problem.parameter_names.begin(), *name, asked.deviation(),
+         normal ? Tolerance::Distribution::kNormal : Tolerance::Distribution::kUniform});
+  }
+  MORTISE_RETURN_IF_ERROR(UnderField("specification", Validate(robustness)));
+  robustness.first_order =
+      specification.tolerances_size() > kToleranceEvaluations && problem.AllGradients();
+  return absl::OkStatus();
+}
+
+// Of designs, where the specification counts the subject's evaluations.
+absl::Status SetBudget(const v1::DiscoverySpecification& specification, DiscoveryProblem& problem) {
+  const int each = problem.robustness.EvaluationsPerDesign();
+  problem.options.evaluations = specification.evaluations() / each;
+  if (problem.options.evaluations >= kLeastEvaluations) return absl::OkStatus();
+  return InvalidField("specification.evaluations",
+                      absl::StrCat("at least ", kLeastEvaluations * each,
+                                   " are needed: with these tolerances a design takes ", each));
+}
+
+absl::Status CheckTolerances(const v1::DiscoverySpecification& specification) {
+  if (specification.tolerances_size() > kMostTolerances)
+    return InvalidField("specification.tolerances",
+                        absl::StrCat("at most ", kMostTolerances, " are possible, not ",
+                                     specification.tolerances_size()));
+  for (int k = 0; k < specification.tolerances_size(); ++k)
+    if (!v1::DiscoverySpecification::Tolerance::Distribution_IsValid(
+            specification.tolerances(k).distribution()))
+      return InvalidField(absl::StrCat("specification.tolerances[", k, "].distribution"),
+                          "must be UNIFORM or NORMAL");
   return absl::OkStatus();
 }
 
@@ -156,6 +207,12 @@ bool IsOfSubject(const FailureCount& failure) {
           failure.code == absl::StatusCode::kUnimplemented);
 }
 
+std::vector<std::string> Names(const std::vector<Objective>& objectives) {
+  std::vector<std::string> names;
+  for (const Objective& objective : objectives) names.push_back(objective.metric);
+  return names;
+}
+
 absl::Status CheckCount(std::int64_t value, std::int64_t least, std::int64_t most,
                         const std::string& field) {
   if (value >= least && value <= most) return absl::OkStatus();
@@ -195,24 +252,39 @@ bool DiscoveryProblem::AnyGradient() const {
          std::ranges::any_of(constraints, &Constraint::offers_gradient);
 }
 
+bool DiscoveryProblem::AllGradients() const {
+  return std::ranges::all_of(objectives, &Objective::offers_gradient) &&
+         std::ranges::all_of(constraints, &Constraint::offers_gradient);
+}
+
 absl::Status CheckSpecification(const v1::DiscoverySpecification& specification) {
   if (specification.subject().empty())
     return InvalidField("specification.subject", "must name what to vary");
   if (specification.revision() < 0)
     return InvalidField("specification.revision", "must be at least 0");
-  if (specification.objectives_size() < 2 || specification.objectives_size() > 3)
-    return InvalidField("specification.objectives",
-                        absl::StrCat("2 or 3 are needed, not ", specification.objectives_size()));
+  if (specification.objectives_size() < 2 || specification.objectives_size() > kMostMetrics)
+    return InvalidField(
+        "specification.objectives",
+        absl::StrCat("2 to ", kMostMetrics, " are needed, not ", specification.objectives_size()));
   std::set<std::string> names;
   for (int k = 0; k < specification.objectives_size(); ++k)
     if (!names.insert(specification.objectives(k).metric()).second)
       return InvalidField(absl::StrCat("specification.objectives[", k, "].metric"),
                           "is given twice");
   MORTISE_RETURN_IF_ERROR(CheckConstraints(specification));
+  MORTISE_RETURN_IF_ERROR(CheckTolerances(specification));
   MORTISE_RETURN_IF_ERROR(
       UnderField("specification", parametric::CheckMeshSettings(specification.mesh())));
   MORTISE_RETURN_IF_ERROR(
       UnderField("specification", parametric::ReadAirflow(specification.airflow()).status()));
+  names.clear();
+  if (specification.start_from_size() > kMostEarlierFronts)
+    return InvalidField("specification.start_from",
+                        absl::StrCat("at most ", kMostEarlierFronts, " are possible, not ",
+                                     specification.start_from_size()));
+  for (int k = 0; k < specification.start_from_size(); ++k)
+    if (!names.insert(specification.start_from(k)).second)
+      return InvalidField(absl::StrCat("specification.start_from[", k, "]"), "is given twice");
   names.clear();
   for (int k = 0; k < specification.bounds_size(); ++k) {
     const auto& bound = specification.bounds(k);
@@ -253,10 +325,11 @@ absl::StatusOr<DiscoveryProblem> MakeProblem(const v1::DiscoverySpecification& s
     const double value = described.parameters(static_cast<int>(i)).default_value();
     problem.default_design[i] = std::clamp(value, problem.space.lower[i], problem.space.upper[i]);
   }
-  MORTISE_RETURN_IF_ERROR(ApplyBounds(specification, problem));
   MORTISE_RETURN_IF_ERROR(AddObjectives(specification, described, problem));
   MORTISE_RETURN_IF_ERROR(AddConstraints(specification, described, problem));
-  problem.options.evaluations = specification.evaluations();
+  MORTISE_RETURN_IF_ERROR(AddTolerances(specification, problem));
+  MORTISE_RETURN_IF_ERROR(ApplyBounds(specification, problem));
+  MORTISE_RETURN_IF_ERROR(SetBudget(specification, problem));
   problem.options.seed = static_cast<std::uint64_t>(specification.seed());
   problem.options.cells_per_angle = specification.cells();
   problem.options.surrogate = SurrogateOf(specification.surrogate());
@@ -325,6 +398,12 @@ v1::Front MakeFront(const DiscoveryProblem& problem, const Discovery& discovery)
     to.mutable_embedding()->Add(point.embedding.begin(), point.embedding.end());
     to.set_approximation_error(point.approximation_error);
     to.set_jump(point.jump);
+    if (!problem.robustness.tolerances.empty()) {
+      const Eigen::VectorXd means =
+          signs.cwiseProduct(point.metrics - problem.robustness.deviations * point.deviations);
+      to.mutable_metric_deviations()->Add(point.deviations.begin(), point.deviations.end());
+      to.mutable_metric_means()->Add(means.begin(), means.end());
+    }
     Eigen::Index row = 0;
     for (const Constraint& constraint : problem.constraints) {
       to.add_constraint_metrics(constraint.ValueOf(point.constraints[row]));
@@ -342,6 +421,7 @@ v1::Front MakeFront(const DiscoveryProblem& problem, const Discovery& discovery)
   const Discovery::Summary summary = discovery.summary();
   message.set_pieces(static_cast<int>(front.pieces.size()));
   message.set_evaluations(summary.evaluations);
+  message.set_subject_evaluations(summary.evaluations * problem.robustness.EvaluationsPerDesign());
   message.set_failed_evaluations(summary.failed);
   message.set_violating_evaluations(summary.violating);
   for (const FailureCount& failure : summary.failures) {
@@ -362,6 +442,11 @@ v1::Front MakeFront(const DiscoveryProblem& problem, const Discovery& discovery)
   message.set_cells_covered(static_cast<int>(summary.cells_covered));
   message.set_stop_reason(StopReasonName(summary.stop_reason));
   message.set_point_count(static_cast<int>(front.points.size()));
+  for (std::string& remark : FrontRemarks(discovery.archive(), front, Names(problem.objectives)))
+    message.add_remarks(std::move(remark));
+  if (problem.robustness.first_order)
+    message.add_remarks(
+        "deviations are to first order, from gradients, and means those of designs");
   return message;
 }
 

@@ -9,6 +9,7 @@
 #include "absl/status/statusor.h"
 #include "services/pareto/discovery.h"
 #include "services/pareto/evaluation.h"
+#include "services/pareto/robust_evaluator.h"
 
 namespace mortise::v1 {
 class DesignSpace;
@@ -44,13 +45,15 @@ struct DiscoveryProblem {
   DesignSpace space;  // in the order of parameter_names, bounds narrowed as asked
   std::vector<std::string> parameter_names;
   Eigen::VectorXd default_design;     // the subject's own, whatever the bounds asked for
-  std::vector<Objective> objectives;  // 2 or 3
+  std::vector<Objective> objectives;  // 2 to 6
   std::vector<Constraint> constraints;
-  Discovery::Options options;
+  Robustness robustness;       // without tolerances where metrics count as they are
+  Discovery::Options options;  // `evaluations` are designs
 
   // +1 for a metric to minimise, -1 to maximise: discovery minimises sign * metric. d.
   Eigen::VectorXd Signs() const;
   bool AnyGradient() const;
+  bool AllGradients() const;
 };
 
 // Checks what needs no evaluator: counts, ranges, names given twice. INVALID_ARGUMENT naming the
