@@ -67,7 +67,9 @@ double LineMinimum::Most() const {
 // Leaves the queue empty when nothing is left to try.
 void LineMinimum::NextStage() {
   if (covering_) {
-    if (static_cast<int>(values_.size()) < options_.values && Ripples()) QueueHalves();
+    // Where values are rounded, what lies between two of them may have been answered before.
+    const bool has_grown = values_.size() > std::exchange(covered_, values_.size());
+    if (has_grown && static_cast<int>(values_.size()) < options_.values && Ripples()) QueueHalves();
     if (!queue_.empty()) return;
     covering_ = false;
     rippled_ = values_.size() > kManyValues;

@@ -51,9 +51,10 @@ class LineMinimum {
   Random random_;
   std::map<double, double> values_;  // by point
   bool rippled_ = false;
-  bool covering_ = true;  // else leading down
-  double least_ = 0;      // when the present round of parabolas began
-  int rounds_ = 0;        // of parabolas
+  bool covering_ = true;     // else leading down
+  std::size_t covered_ = 0;  // points known when it last looked for ripples
+  double least_ = 0;         // when the present round of parabolas began
+  int rounds_ = 0;           // of parabolas
   std::deque<double> queue_;
   int outstanding_ = 0;
   bool finished_ = false;

@@ -105,5 +105,20 @@ TEST(LineMinimum, KeepsToItsLimit) {
   EXPECT_LE(evaluations, 2 * 16 + 16 + 8 + 4 + 2 + 4);
 }
 
+// What is asked between two values that can be set is answered at one of them, again and again.
+TEST(LineMinimum, EndsWhereValuesAreRounded) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    Random random(seed);
+    LineMinimum line({.values = 64}, 0, 0, random);
+    int asked = 0;
+    while (const auto point = line.Ask()) {
+      ASSERT_LT(++asked, 200);
+      const double rounded = std::round(10 * *point) / 10;
+      line.Tell(rounded, std::fmod(10 * rounded, 2) + rounded);
+    }
+    EXPECT_TRUE(line.Finished());
+  }
+}
+
 }  // namespace
 }  // namespace mortise::pareto
