@@ -33,8 +33,12 @@ struct RunOptions {
   std::vector<std::string> allow;
   std::vector<std::string> range;
   std::vector<std::string> constrain;
+  std::vector<std::string> start_from;
+  std::vector<std::string> tolerance;
+  double deviations = 0;
   int evaluations = 0;
   std::int64_t seed = 1;
+  std::string surrogate;
   std::filesystem::path out;
 };
 
@@ -113,6 +117,33 @@ absl::Status AddConstraints(const RunOptions& options, v1::DiscoverySpecificatio
   return absl::OkStatus();
 }
 
+// "NAME=LIMIT", or "NAME=DEVIATION:normal".
+absl::Status AddTolerances(const RunOptions& options, v1::DiscoverySpecification& specification,
+                           FieldSources& sources) {
+  if (options.tolerance.empty()) return absl::OkStatus();
+  sources.AddEach("specification.tolerances", "--tolerance", options.tolerance,
+                  specification.tolerances_size());
+  for (const std::string& text : options.tolerance) {
+    const std::size_t equals = text.find('='), colon = text.find(':');
+    const std::string kind = colon == std::string::npos ? "" : text.substr(colon + 1);
+    if (equals == std::string::npos || equals == 0 ||
+        (colon != std::string::npos && kind != "normal"))
+      return InvalidField("--tolerance", absl::StrCat("'", text,
+                                                      "' is not of the form NAME=VALUE or "
+                                                      "NAME=VALUE:normal"));
+    auto& tolerance = *specification.add_tolerances();
+    tolerance.set_parameter(text.substr(0, equals));
+    MORTISE_ASSIGN_OR_RETURN(
+        const double deviation,
+        ParseQuantity(text.substr(equals + 1, std::min(colon, text.size()) - equals - 1),
+                      "--tolerance"));
+    tolerance.set_deviation(deviation);
+    using Tolerance = v1::DiscoverySpecification::Tolerance;
+    tolerance.set_distribution(kind.empty() ? Tolerance::UNIFORM : Tolerance::NORMAL);
+  }
+  return absl::OkStatus();
+}
+
 // `sources` learns what gave which field.
 absl::StatusOr<v1::DiscoverySpecification> Specification(const RunOptions& options,
                                                          FieldSources& sources) {
@@ -154,8 +185,24 @@ absl::StatusOr<v1::DiscoverySpecification> Specification(const RunOptions& optio
     specification.set_evaluations(options.evaluations);
     sources.Add("specification.evaluations", "--evaluations");
   }
+  if (!options.surrogate.empty()) {
+    specification.set_surrogate(
+        options.surrogate == "always"  ? v1::DiscoverySpecification::SURROGATE_ALWAYS
+        : options.surrogate == "never" ? v1::DiscoverySpecification::SURROGATE_NEVER
+                                       : v1::DiscoverySpecification::SURROGATE_AUTOMATIC);
+  }
   MORTISE_RETURN_IF_ERROR(AddBounds(options, specification, sources));
   MORTISE_RETURN_IF_ERROR(AddConstraints(options, specification, sources));
+  MORTISE_RETURN_IF_ERROR(AddTolerances(options, specification, sources));
+  if (options.deviations != 0) {
+    specification.set_deviations(options.deviations);
+    sources.Add("specification.deviations", "--deviations");
+  }
+  if (!options.start_from.empty())
+    sources.AddEach("specification.start_from", "--start-from", options.start_from,
+                    specification.start_from_size());
+  for (const std::string& front : options.start_from)
+    specification.add_start_from(ResourceName("fronts", front));
   return specification;
 }
 
@@ -206,11 +253,27 @@ void PrintFront(const v1::Front& front, const Output& output) {
     output.Line(
         absl::StrFormat("  %d of %d combinations of choices and whole numbers tried, %d given up",
                         combinations.tried(), combinations.possible(), combinations.given_up()));
+  if (front.subject_evaluations() > front.evaluations())
+    output.Line(absl::StrFormat(
+        "  %d designs, %d evaluations: metrics are means over the "
+        "tolerances, worse by %g deviations",
+        front.evaluations(), front.subject_evaluations(), front.specification().deviations()));
+  for (const std::string& remark : front.remarks()) output.Line(absl::StrCat("  ", remark));
   for (const v1::EvaluationFailure& failure : front.failures()) {
     output.Line(absl::StrFormat("  %d failed with %s, such as at %s: %s", failure.count(),
                                 failure.reason(), DesignText(front, failure), failure.message()));
   }
+  if (front.surrogate_quality().predictions() > 0) {
+    const v1::SurrogateQuality& quality = front.surrogate_quality();
+    output.Line(absl::StrFormat(
+        "  %d designs proposed by a surrogate: off by %.2g of the front's range in the median, "
+        "%.0f %% within two of its deviations",
+        quality.proposals(), quality.median_error(), 100 * quality.within_two_deviations()));
+  }
   std::vector<std::string> titles(front.metric_names().begin(), front.metric_names().end());
+  const bool robust = front.specification().tolerances_size() > 0;
+  for (int i = 0; robust && i < front.metric_names_size(); ++i)
+    titles.push_back(absl::StrCat("deviation of ", front.metric_names(i)));
   for (const auto& constraint : front.specification().constraints())
     titles.push_back(constraint.metric());
   titles.insert(titles.end(), front.parameter_names().begin(), front.parameter_names().end());
@@ -219,6 +282,8 @@ void PrintFront(const v1::Front& front, const Output& output) {
     std::vector<std::string>& row = rows.emplace_back();
     for (int i = 0; i < point.metrics_size(); ++i)
       row.push_back(MetricText(MetricOf(front.metric_units(i), point.metrics(i))));
+    for (int i = 0; i < point.metric_deviations_size(); ++i)
+      row.push_back(MetricText(MetricOf(front.metric_units(i), point.metric_deviations(i))));
     for (int i = 0; i < point.constraint_metrics_size(); ++i)
       row.push_back(MetricText(MetricOf(front.constraint_units(i), point.constraint_metrics(i))));
     for (int i = 0; i < point.parameters_size(); ++i)
@@ -251,6 +316,8 @@ absl::Status Show(const std::string& name, const std::filesystem::path& out, Ses
         Export(*stub, *client, front.name(), Request::CSV, out / "front.csv", output));
     MORTISE_RETURN_IF_ERROR(
         Export(*stub, *client, front.name(), Request::SVG, out / "front.svg", output));
+    MORTISE_RETURN_IF_ERROR(
+        Export(*stub, *client, front.name(), Request::PNG, out / "front.png", output));
   }
   output.DocumentOf(front);
   return absl::OkStatus();
@@ -279,7 +346,8 @@ void AddParetoCommands(CLI::App& app, Session& session) {
   auto run_options = std::make_shared<RunOptions>();
   CLI::App* run = pareto->add_subcommand("run", "Discover the front of a template");
   run->add_option("subject", run_options->subject, "Template, or SPECIFICATION.json")->required();
-  run->add_option("--minimize", run_options->minimize, "Metric to make small; two or three");
+  run->add_option("--minimize", run_options->minimize,
+                  "Metric to make small; two to six, with those to make large");
   run->add_option("--maximize", run_options->maximize, "Metric to make large");
   run->add_option("--define", run_options->own.define,
                   "A metric of your own, \"NAME [UNIT] = EXPRESSION\"");
@@ -290,10 +358,22 @@ void AddParetoCommands(CLI::App& app, Session& session) {
   run->add_option("--range", run_options->range, "NAME=LOW:HIGH: narrow a parameter");
   run->add_option("--constrain", run_options->constrain,
                   "METRIC=LOW:HIGH, METRIC=LOW: or METRIC=:HIGH: what designs must keep to");
+  run->add_option("--start-from", run_options->start_from,
+                  "Earlier front, whose designs are evaluated first");
+  run->add_option(
+      "--tolerance", run_options->tolerance,
+      "NAME=VALUE: what is built may be off by so much either way; NAME=VALUE:normal: by "
+      "such a standard deviation");
+  run->add_option("--deviations", run_options->deviations,
+                  "How many standard deviations over the tolerances make each metric worse");
   run->add_option("--evaluations", run_options->evaluations, "Budget of evaluations")
       ->check(CLI::PositiveNumber);
   run->add_option("--seed", run_options->seed, "Same seed, same front")->capture_default_str();
-  run->add_option("--out", run_options->out, "Folder for front.csv and front.svg");
+  run->add_option("--surrogate", run_options->surrogate,
+                  "Whether a surrogate proposes designs: auto (where evaluations are scarce), "
+                  "always or never")
+      ->check(CLI::IsMember({"auto", "always", "never"}));
+  run->add_option("--out", run_options->out, "Folder for front.csv, front.svg and front.png");
   run->footer(
       "Example: mortise pareto run table --minimize mass --minimize max_displacement "
       "--fix length=1.4 --evaluations 150");
@@ -309,7 +389,7 @@ void AddParetoCommands(CLI::App& app, Session& session) {
   auto out = std::make_shared<std::filesystem::path>();
   CLI::App* show = pareto->add_subcommand("show", "Print a front");
   show->add_option("front", *name, "Front, such as fronts/0198c1")->required();
-  show->add_option("--out", *out, "Folder for front.csv and front.svg");
+  show->add_option("--out", *out, "Folder for front.csv, front.svg and front.png");
   show->footer("Example: mortise pareto show fronts/0198c1");
   show->callback([&session, name, out] {
     session.command = [name, out](Session& s, Output& o) { return Show(*name, *out, s, o); };

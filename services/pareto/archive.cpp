@@ -3,9 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
-
-#include "services/pareto/non_dominated.h"
 
 namespace mortise::pareto {
 
@@ -13,6 +12,8 @@ using Eigen::VectorXd;
 
 std::size_t Archive::Add(ArchiveEntry entry) {
   const std::size_t index = entries_.size();
+  displaced_.clear();
+  designs_.insert(designs_.end(), entry.u.begin(), entry.u.end());
   entries_.push_back(std::move(entry));
   ArchiveEntry& added = entries_.back();
   added.feasible = added.evaluated && (added.constraints.array() <= 0).all();
@@ -24,23 +25,42 @@ std::size_t Archive::Add(ArchiveEntry entry) {
   if (evaluated_count_ == 1 || feasible_count_ == 1) ideal_ = worst_ = added.metrics;
   ideal_ = ideal_.cwiseMin(added.metrics).eval();
   worst_ = worst_.cwiseMax(added.metrics).eval();
-  if (!added.feasible) return index;
-  const bool covered =
-      std::any_of(non_dominated_.begin(), non_dominated_.end(), [&](std::size_t other) {
-        return entries_[other].metrics == added.metrics ||
-               Dominates(entries_[other].metrics, added.metrics);
-      });
-  if (covered) return index;
-  std::erase_if(non_dominated_, [&](std::size_t other) {
-    return Dominates(added.metrics, entries_[other].metrics);
-  });
-  non_dominated_.push_back(index);
+  if (added.feasible) AddToFront(index);
   return index;
 }
 
+void Archive::AddToFront(std::size_t entry) {
+  const VectorXd& metrics = entries_[entry].metrics;
+  const auto d = static_cast<std::size_t>(metrics.size());
+  const auto is_no_better = [d](const double* a, const double* b) {
+    for (std::size_t i = 0; i < d; ++i)
+      if (a[i] < b[i]) return false;
+    return true;
+  };
+  // Equal to one of them, or dominated by it.
+  for (std::size_t k = 0; k < non_dominated_.size(); ++k)
+    if (is_no_better(metrics.data(), &front_[k * d])) return;
+  std::size_t kept = 0;
+  for (std::size_t k = 0; k < non_dominated_.size(); ++k) {
+    if (is_no_better(&front_[k * d], metrics.data())) {
+      displaced_.push_back(non_dominated_[k]);
+      continue;
+    }
+    if (kept != k) {
+      non_dominated_[kept] = non_dominated_[k];
+      std::copy_n(&front_[k * d], d, &front_[kept * d]);
+    }
+    ++kept;
+  }
+  non_dominated_.resize(kept);
+  front_.resize(kept * d);
+  non_dominated_.push_back(entry);
+  front_.insert(front_.end(), metrics.begin(), metrics.end());
+}
+
 Scaling Archive::CurrentScaling() const {
-  VectorXd nadir = ideal_;
-  for (const std::size_t index : non_dominated_) nadir = nadir.cwiseMax(entries_[index].metrics);
+  const VectorXd nadir =
+      non_dominated_.empty() ? ideal_ : VectorXd(non_dominated_metrics().rowwise().maxCoeff());
   Scaling scaling{ideal_, nadir - ideal_};
   for (Eigen::Index i = 0; i < scaling.range.size(); ++i) {
     // A front that is still one point (or one by nature) has no range of its own.
@@ -67,8 +87,12 @@ double Archive::Violation(std::size_t entry) const {
 std::vector<std::size_t> Archive::Nearest(const VectorXd& u, std::size_t count) const {
   std::vector<std::pair<double, std::size_t>> distances;
   distances.reserve(entries_.size());
-  for (std::size_t i = 0; i < entries_.size(); ++i)
-    if (entries_[i].evaluated) distances.emplace_back((entries_[i].u - u).squaredNorm(), i);
+  const Eigen::Map<const Eigen::MatrixXd> designs(designs_.data(), u.size(),
+                                                  static_cast<Eigen::Index>(entries_.size()));
+  for (std::size_t i = 0; i < entries_.size(); ++i) {
+    if (!entries_[i].evaluated) continue;
+    distances.emplace_back((designs.col(static_cast<Eigen::Index>(i)) - u).squaredNorm(), i);
+  }
   count = std::min(count, distances.size());
   std::partial_sort(distances.begin(), distances.begin() + static_cast<std::ptrdiff_t>(count),
                     distances.end());
@@ -109,12 +133,27 @@ Eigen::MatrixXd Archive::PriorConstraintJacobian(const VectorXd& u) const {
   return NearestOf(remembered_constraints_, &ArchiveEntry::constraint_jacobian_estimate, u);
 }
 
+Eigen::MatrixXd ScaledFront(const Archive& archive, const Scaling& scaling) {
+  Eigen::MatrixXd front = archive.non_dominated_metrics().colwise() - scaling.ideal;
+  front.array().colwise() /= scaling.range.array();
+  return front;
+}
+
 bool Archive::ClearlyDominated(const VectorXd& metrics, const Scaling& scaling,
                                double margin) const {
-  return std::any_of(non_dominated_.begin(), non_dominated_.end(), [&](std::size_t other) {
-    const VectorXd worse = (metrics - entries_[other].metrics).cwiseQuotient(scaling.range);
-    return worse.minCoeff() >= margin || (worse.minCoeff() >= 0 && worse.maxCoeff() > 3 * margin);
-  });
+  const auto d = static_cast<std::size_t>(metrics.size());
+  for (std::size_t k = 0; k < non_dominated_.size(); ++k) {
+    const double* const other = &front_[k * d];
+    double least = std::numeric_limits<double>::infinity(), most = -least;
+    for (std::size_t i = 0; i < d && least >= 0; ++i) {
+      const auto metric = static_cast<Eigen::Index>(i);
+      const double worse = (metrics[metric] - other[i]) / scaling.range[metric];
+      least = std::min(least, worse);
+      most = std::max(most, worse);
+    }
+    if (least >= margin || (least >= 0 && most > 3 * margin)) return true;
+  }
+  return false;
 }
 
 }  // namespace mortise::pareto

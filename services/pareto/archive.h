@@ -44,6 +44,15 @@ class Archive {
   // Indices of the feasible entries that no entry dominates, in order of arrival.
   const std::vector<std::size_t>& non_dominated() const { return non_dominated_; }
 
+  // Their metrics, d x n, raw units, a column each in the same order. Valid until the next Add.
+  Eigen::Map<const Eigen::MatrixXd> non_dominated_metrics() const {
+    return Eigen::Map<const Eigen::MatrixXd>(front_.data(), ideal_.size(),
+                                             static_cast<Eigen::Index>(non_dominated_.size()));
+  }
+
+  // Those that were not dominated before the last Add, and are since.
+  const std::vector<std::size_t>& displaced() const { return displaced_; }
+
   // From the present ideal (over all feasible entries) and nadir (over the non-dominated ones).
   // While none is feasible, from a tenth of the range of the evaluated ones, of which it needs one.
   Scaling CurrentScaling() const;
@@ -80,8 +89,14 @@ class Archive {
   std::vector<ArchiveEntry> entries_;
   std::size_t evaluated_count_ = 0;
   std::size_t feasible_count_ = 0;
+  // Scans over all entries, or all that are not dominated, read what they compare from one piece of
+  // memory: from each entry's own it takes several times as long.
+  std::vector<double> designs_;  // u of each entry, one after the other
   std::vector<std::size_t> non_dominated_;
+  std::vector<double> front_;  // metrics of those, one after the other
+  std::vector<std::size_t> displaced_;
   using Estimate = Eigen::MatrixXd ArchiveEntry::*;
+  void AddToFront(std::size_t entry);
   void Keep(std::size_t entry, Estimate estimate, Eigen::MatrixXd jacobian,
             std::vector<std::size_t>& kept);
   Eigen::MatrixXd NearestOf(const std::vector<std::size_t>& kept, Estimate estimate,
@@ -93,5 +108,8 @@ class Archive {
   Eigen::VectorXd worst_;  // over all feasible entries, or evaluated ones while there are none
   Eigen::VectorXd constraint_sizes_;  // largest seen
 };
+
+// The scaled metrics of the entries that none dominates, d x n, in their order.
+Eigen::MatrixXd ScaledFront(const Archive& archive, const Scaling& scaling);
 
 }  // namespace mortise::pareto

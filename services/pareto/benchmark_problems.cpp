@@ -100,18 +100,15 @@ struct Zdt {
 
 struct Dtlz {
   int number;
+  std::size_t metrics;
   Distances distances;
 
   template <typename T>
   Vector<T> operator()(const Vector<T>& x) const {
     if (number == 7) return Disconnected(x);
     const T scale = T(Distance(x) + 1.0);
-    if (number == 1) {
-      const T half = T(scale * 0.5);
-      const T a = T(half * x[0]);
-      return {T(a * x[1]), T(a - T(a * x[1])), T(half - a)};
-    }
-    return OnSphere(x, scale);
+    if (number == 1) return OnSimplex(x, T(scale * 0.5));
+    return OnSphere(scale, Angles(x, scale));
   }
 
   template <typename T>
@@ -131,18 +128,46 @@ struct Dtlz {
   }
 
   template <typename T>
-  Vector<T> OnSphere(const Vector<T>& x, const T& scale) const {
-    using std::cos, std::pow, std::sin;
-    T theta = T(x[0] * (kPi / 2)), phi = T(x[1] * (kPi / 2));
-    if (number == 4) {
-      theta = T(T(pow(x[0], 100)) * (kPi / 2));
-      phi = T(T(pow(x[1], 100)) * (kPi / 2));
-    } else if (number >= 5) {
-      // One curve as the distance vanishes.
-      phi = T(T(T(T(scale - 1.0) * x[1]) * 2.0 + 1.0) / scale) * (kPi / 4);
+  Vector<T> OnSimplex(const Vector<T>& x, const T& half) const {
+    Vector<T> f(metrics, half);
+    T product = half;
+    for (std::size_t i = 0; i + 1 < metrics; ++i) {
+      const T next = T(product * x[i]);
+      f[metrics - 1 - i] = T(product - next);
+      product = next;
     }
-    const T ring = T(scale * T(cos(theta)));
-    return {T(ring * T(cos(phi))), T(ring * T(sin(phi))), T(scale * T(sin(theta)))};
+    f[0] = product;
+    return f;
+  }
+
+  template <typename T>
+  Vector<T> Angles(const Vector<T>& x, const T& scale) const {
+    using std::pow;
+    Vector<T> angles;
+    for (std::size_t i = 0; i + 1 < metrics; ++i) {
+      if (number == 4) {
+        angles.push_back(T(T(pow(x[i], 100)) * (kPi / 2)));
+      } else if (number >= 5 && i > 0) {
+        // One curve as the distance vanishes.
+        angles.push_back(T(T(T(T(T(scale - 1.0) * x[i]) * 2.0 + 1.0) / scale) * (kPi / 4)));
+      } else {
+        angles.push_back(T(x[i] * (kPi / 2)));
+      }
+    }
+    return angles;
+  }
+
+  template <typename T>
+  Vector<T> OnSphere(const T& scale, const Vector<T>& angles) const {
+    using std::cos, std::sin;
+    Vector<T> f(metrics, scale);
+    T ring = scale;
+    for (std::size_t i = 0; i + 1 < metrics; ++i) {
+      f[metrics - 1 - i] = T(ring * T(sin(angles[i])));
+      ring = T(ring * T(cos(angles[i])));
+    }
+    f[0] = ring;
+    return f;
   }
 
   template <typename T>
@@ -150,9 +175,14 @@ struct Dtlz {
     using std::sin;
     const Vector<T> y = distances(x);
     const T g = T(SumOfSizes(y) * (9.0 / static_cast<double>(y.size())) + 1.0);
-    T last = T(T(g + 1.0) * 3.0);
-    for (std::size_t i = 0; i < 2; ++i) last -= T(x[i] * T(T(sin(T(x[i] * (3 * kPi)))) + 1.0));
-    return {x[0], x[1], last};
+    T last = T(T(g + 1.0) * static_cast<double>(metrics));
+    Vector<T> f;
+    for (std::size_t i = 0; i + 1 < metrics; ++i) {
+      last -= T(x[i] * T(T(sin(T(x[i] * (3 * kPi)))) + 1.0));
+      f.push_back(x[i]);
+    }
+    f.push_back(last);
+    return f;
   }
 };
 
@@ -315,12 +345,17 @@ BenchmarkProblem MakeZdt(int number, int dimensions, const BenchmarkVariant& var
 
 // Below the reference point, but for what is under the true front.
 double DtlzHypervolume(int number, const VectorXd& reference) {
-  const double r = reference[0];
-  if (number == 1) return r * r * r - 0.125 / 6;
-  if (number <= 4) return r * r * r - kPi / 6;
-  if (number <= 6)  // over slices of the third metric, f1 = f2 = sqrt((1 - f3^2) / 2)
+  const auto d = static_cast<int>(reference.size());
+  const double r = reference[0], box = std::pow(r, d);
+  const double half = 0.5 * d;
+  if (number == 1) return box - std::pow(0.5, d) / std::tgamma(d + 1.0);
+  if (number <= 4 || (number <= 6 && d == 2))  // a ball's part where all are positive
+    return box - std::pow(kPi, half) / std::tgamma(half + 1) / std::pow(2.0, d);
+  if (number <= 6 && d == 3)  // over slices of the third metric, f1 = f2 = sqrt((1 - f3^2) / 2)
     return r * r - r * kPi / (2 * std::sqrt(2.0)) + 1.0 / 3 + (r - 1) * r * r;
-  // f3 = 6 - M(f1) - M(f2) along the front, with M the greatest f (1 + sin(3 pi f)) up to there.
+  if (number <= 6) return 0;  // more than the curve is optimal
+  // The last metric is 2 d - M(f1) - M(f2) - ... along the front, with M the greatest
+  // f (1 + sin(3 pi f)) up to there.
   constexpr int kSteps = 100'000;
   double most = 0, integral = 0;
   for (int i = 0; i < kSteps; ++i) {
@@ -329,26 +364,32 @@ double DtlzHypervolume(int number, const VectorXd& reference) {
     integral += most / kSteps;
   }
   integral += (r - 1) * most;
-  return r * r * (reference[2] - 6) + 2 * r * integral;
+  return std::pow(r, d - 1) * (reference[d - 1] - 2 * d) + (d - 1) * std::pow(r, d - 2) * integral;
 }
 
-BenchmarkProblem MakeDtlz(int number, int dimensions, const BenchmarkVariant& variant) {
+absl::StatusOr<BenchmarkProblem> MakeDtlz(int number, int dimensions,
+                                          const BenchmarkVariant& variant) {
+  const int metrics = variant.metrics == 0 ? 3 : variant.metrics;
+  if (dimensions < metrics)
+    return InvalidField("dimensions", absl::StrCat("DTLZ problems of ", metrics,
+                                                   " metrics need at least ", metrics));
   const DesignSpace space = Box(dimensions, 0, 1);
-  VectorXd reference = VectorXd::Constant(3, number == 1 ? 0.55 : 1.1);
-  if (number == 7) reference[2] = 6.6;
-  const Dtlz formula{number, MakeDistances(space, 2, number >= 6 ? 0 : 0.5, variant)};
-  return {VariantName(absl::StrCat("DTLZ", number), variant),
-          space,
-          3,
-          0,
-          Evaluating(formula, 3),
-          reference,
-          DtlzHypervolume(number, reference)};
+  VectorXd reference = VectorXd::Constant(metrics, number == 1 ? 0.55 : 1.1);
+  if (number == 7) reference[metrics - 1] = 2.2 * metrics;
+  const auto position = static_cast<std::size_t>(metrics - 1);
+  const Dtlz formula{number, static_cast<std::size_t>(metrics),
+                     MakeDistances(space, position, number >= 6 ? 0 : 0.5, variant)};
+  return BenchmarkProblem{VariantName(absl::StrCat("DTLZ", number), variant),
+                          space,
+                          metrics,
+                          0,
+                          Evaluating(formula, metrics),
+                          reference,
+                          DtlzHypervolume(number, reference)};
 }
 
 absl::StatusOr<BenchmarkProblem> MakeFourier(int dimensions, const BenchmarkVariant& variant) {
   const int metrics = variant.metrics == 0 ? 2 : variant.metrics;
-  if (metrics < 2 || metrics > 3) return InvalidField("metrics", "must be 2 or 3");
   return BenchmarkProblem{"Fourier",
                           Box(dimensions, 0, 2 * kPi),
                           metrics,
@@ -452,13 +493,14 @@ std::vector<std::string> BenchmarkNames() {
   return names;
 }
 
-int PublishedDimensions(const std::string& name) {
+int PublishedDimensions(const std::string& name, int metrics) {
   const std::string lower = absl::AsciiStrToLower(name);
+  const int position = (metrics == 0 ? 3 : metrics) - 1;  // parameters of DTLZ
   if (lower == "zdt4" || lower == "zdt6") return 10;
   if (lower.starts_with("zdt")) return 30;
-  if (lower == "dtlz1") return 7;
-  if (lower == "dtlz7") return 22;
-  if (lower.starts_with("dtlz")) return 12;
+  if (lower == "dtlz1") return position + 5;
+  if (lower == "dtlz7") return position + 20;
+  if (lower.starts_with("dtlz")) return position + 10;
   if (lower == "bnh" || lower == "srn" || lower == "tnk") return 2;
   if (lower == "osy") return 6;
   return lower == "kursawe" || lower == "fourier" ? 3 : MixedDimensions(lower);
@@ -469,8 +511,10 @@ absl::StatusOr<BenchmarkProblem> MakeBenchmarkProblem(const std::string& name, i
   const std::string lower = absl::AsciiStrToLower(name);
   if (dimensions < 1 || dimensions > 512)
     return InvalidField("dimensions", "must lie between 1 and 512");
-  if (variant.metrics != 0 && lower != "fourier")
-    return InvalidField("metrics", "can be chosen for the Fourier problem only");
+  if (variant.metrics != 0 && lower != "fourier" && !lower.starts_with("dtlz"))
+    return InvalidField("metrics", "can be chosen for DTLZ and Fourier problems only");
+  if (variant.metrics != 0 && (variant.metrics < 2 || variant.metrics > kMostMetrics))
+    return InvalidField("metrics", absl::StrCat("must lie between 2 and ", kMostMetrics));
   for (const int number : {1, 2, 3, 4, 6}) {
     if (lower != absl::StrCat("zdt", number)) continue;
     if (dimensions < 2) return InvalidField("dimensions", "ZDT problems need at least 2");
@@ -478,7 +522,6 @@ absl::StatusOr<BenchmarkProblem> MakeBenchmarkProblem(const std::string& name, i
   }
   for (int number = 1; number <= 7; ++number) {
     if (lower != absl::StrCat("dtlz", number)) continue;
-    if (dimensions < 3) return InvalidField("dimensions", "DTLZ problems need at least 3");
     return MakeDtlz(number, dimensions, variant);
   }
   if (PublishedDimensions(lower) == 0 || lower.starts_with("zdt") || lower.starts_with("dtlz"))

@@ -27,19 +27,19 @@ struct BenchmarkProblem {
 };
 
 // How a problem differs from the published one. Its distance parameters (ZDT: all but the first;
-// DTLZ: all but the first two) become y = R (x - s), measured from where the best of them is, so
+// DTLZ: all but the first d - 1) become y = R (x - s), measured from where the best of them is, so
 // that the true front stays what it was, but no optimum lies on a bound, and none can be found
 // parameter by parameter. Terms that are not even count |y|.
 struct BenchmarkVariant {
   bool shifted = false;        // the best of each is somewhere in the middle 40 % of its range
   bool rotated = false;        // R is a random rotation
   std::uint64_t instance = 1;  // seeds s, R, and Fourier's coefficients
-  int metrics = 0;             // 2 or 3 where the problem leaves it open (Fourier); 0: as published
+  int metrics = 0;  // d, 2 to 6, where the problem leaves it open (DTLZ: 3; Fourier: 2, if 0)
 };
 
 // ZDT1, 2, 3, 4, 6 (Zitzler, Deb, Thiele 2000; D >= 2), DTLZ1 to 7 (Deb, Thiele, Laumanns, Zitzler
-// 2002; three metrics, D >= 3), Kursawe (1991; D = 3), and Fourier (Eq. 7.7 with K = 3; two or
-// three metrics, x in [0, 2 pi]^D). With constraints: BNH (Binh, Korn 1997; D = 2), SRN (Srinivas,
+// 2002; two to six metrics, D >= d), Kursawe (1991; D = 3), and Fourier (Eq. 7.7 with K = 3; two to
+// six metrics, x in [0, 2 pi]^D). With constraints: BNH (Binh, Korn 1997; D = 2), SRN (Srinivas,
 // Deb 1994; D = 2), TNK (Tanaka and others 1995; D = 2) and OSY (Osyczka, Kundu 1995; D = 6). With
 // choices and whole numbers those of mixed_problems.h. Names are as written here, in any case.
 // INVALID_ARGUMENT naming "name", "dimensions", "metrics" or, for those that are not ZDT or DTLZ,
@@ -49,7 +49,8 @@ absl::StatusOr<BenchmarkProblem> MakeBenchmarkProblem(const std::string& name, i
 
 std::vector<std::string> BenchmarkNames();
 
-// The number of parameters the problem was published with; 0 for an unknown name.
-int PublishedDimensions(const std::string& name);
+// The number of parameters the problem was published with, for so many metrics (0: as published);
+// 0 for an unknown name.
+int PublishedDimensions(const std::string& name, int metrics = 0);
 
 }  // namespace mortise::pareto

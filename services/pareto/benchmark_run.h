@@ -13,8 +13,9 @@
 namespace mortise::pareto {
 
 struct BenchmarkPoint {
-  Eigen::VectorXd x;        // D
-  Eigen::VectorXd metrics;  // d
+  Eigen::VectorXd x;            // D
+  Eigen::VectorXd metrics;      // d
+  Eigen::VectorXd constraints;  // m, all <= 0
 };
 
 struct BenchmarkResult {

@@ -43,6 +43,7 @@ std::optional<CombinationSearch::Design> CombinationSearch::Ask() {
   pieces_ = Pieces();
   optimizations_ = Optimizations();
   expansions_ = Expansions();
+  surrogates_ = Surrogates();
   discovery_.reset();
   return std::nullopt;
 }
@@ -77,6 +78,12 @@ std::int64_t CombinationSearch::Optimizations() const {
 
 std::int64_t CombinationSearch::Expansions() const {
   return expansions_ + (discovery_ ? discovery_->summary().expansions : 0);
+}
+
+SurrogateTally CombinationSearch::Surrogates() const {
+  SurrogateTally surrogates = surrogates_;
+  if (discovery_) surrogates.Add(discovery_->surrogate_tally());
+  return surrogates;
 }
 
 }  // namespace mortise::pareto

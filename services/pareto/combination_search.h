@@ -13,6 +13,7 @@
 #include "services/pareto/discovery.h"
 #include "services/pareto/evaluation.h"
 #include "services/pareto/patch_sampling.h"
+#include "services/pareto/surrogate_quality.h"
 
 namespace mortise::pareto {
 
@@ -24,7 +25,7 @@ class CombinationSearch {
   };
 
   // `space`: with the discrete parameters fixed. `options`: of each discovery, but for budget and
-  // seed, which begins a sequence of them. They have been checked.
+  // seed, which begins a sequence of them, and without initial designs. They have been checked.
   CombinationSearch(const DesignSpace& space, Eigen::Index metric_count,
                     const Discovery::Options& options);
 
@@ -55,6 +56,7 @@ class CombinationSearch {
   std::vector<AffinePiece> Pieces() const;
   std::int64_t Optimizations() const;
   std::int64_t Expansions() const;
+  SurrogateTally Surrogates() const;
 
  private:
   void Begin();
@@ -73,6 +75,7 @@ class CombinationSearch {
   std::vector<AffinePiece> pieces_;
   std::int64_t optimizations_ = 0;
   std::int64_t expansions_ = 0;
+  SurrogateTally surrogates_;
 };
 
 }  // namespace mortise::pareto

@@ -109,6 +109,16 @@ Combination CombinationSpace::At(std::int64_t number) const {
   return combination;
 }
 
+std::optional<Combination> CombinationSpace::Of(const Eigen::VectorXd& x) const {
+  Combination combination;
+  for (const DiscreteParameter& each : discrete_) {
+    const auto at = std::ranges::find(each.values, x[each.parameter]);
+    if (at == each.values.end()) return std::nullopt;
+    combination.push_back(static_cast<int>(at - each.values.begin()));
+  }
+  return combination;
+}
+
 DesignSpace CombinationSpace::SpaceOf(const Combination& combination) const {
   DesignSpace space = space_;
   for (std::size_t k = 0; k < discrete_.size(); ++k) {

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "absl/status/status.h"
@@ -47,6 +48,9 @@ class CombinationSpace {
 
   // By number, 0 <= number < count(), the last parameter varying fastest.
   Combination At(std::int64_t number) const;
+
+  // That of a design; nullopt where one of its discrete parameters has none of its values.
+  std::optional<Combination> Of(const Eigen::VectorXd& x) const;
 
   // The designs of one: its discrete parameters fixed.
   DesignSpace SpaceOf(const Combination& combination) const;

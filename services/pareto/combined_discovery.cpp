@@ -10,6 +10,7 @@
 #include "common/base/errors.h"
 #include "services/pareto/hypervolume.h"
 #include "services/pareto/stochastic_sampling.h"
+#include "services/pareto/surrogate_quality.h"
 
 namespace mortise::pareto {
 namespace {
@@ -20,6 +21,11 @@ constexpr double kOpeningShare = 0.35;       // of the budget
 constexpr double kSpaceFillingShare = 0.15;  // the same for the space-filling designs
 constexpr double kTransplantShare = 0.1;     // and for the first transplants
 constexpr std::int64_t kMostTransplants = 3;
+constexpr Eigen::Index kExactMetrics = 4;  // of gains, see discovery.cpp
+constexpr std::size_t kMostOverlaps = 64;
+constexpr int kRunningSamples = 1 << 12;  // of hypervolumes of more than three metrics
+constexpr int kFinalSamples = 1 << 18;
+constexpr std::int64_t kShownEvery = 16;  // a hypervolume is shown until there are that part more
 
 std::vector<double> Key(const Eigen::VectorXd& x) { return {x.begin(), x.end()}; }
 
@@ -32,6 +38,11 @@ absl::StatusOr<std::unique_ptr<CombinedDiscovery>> CombinedDiscovery::Create(
   MORTISE_RETURN_IF_ERROR(pareto::Validate(discrete, space));
   // What it says of the options holds for each combination.
   MORTISE_RETURN_IF_ERROR(Discovery::Create(space, metric_count, options).status());
+  const CombinationSpace combinations(space, discrete);
+  for (Eigen::Index i = 0; i < options.initial_designs.cols(); ++i)
+    if (!combinations.Of(options.initial_designs.col(i)))
+      return InvalidField(absl::StrCat("initial_designs[", i, "]"),
+                          "has a discrete parameter at none of its values");
   return absl::WrapUnique(new CombinedDiscovery(space, discrete, metric_count, options));
 }
 
@@ -45,7 +56,27 @@ CombinedDiscovery::CombinedDiscovery(const DesignSpace& space,
       options_(options),
       random_(options.seed ^ 0xc0b1ULL),
       buffer_(Discovery::BufferOptions(options, metric_count), metric_count) {
+  if (options_.surrogate == Discovery::Surrogate::kAutomatic)
+    options_.surrogate = Discovery::Surrogate::kNever;
   MakeOpening();
+  OpenGiven();
+}
+
+// Puts the designs that were given before the others. Where there is one design of each
+// combination, it is opened with that alone.
+void CombinedDiscovery::OpenGiven() {
+  std::vector<Next> given;
+  std::set<std::size_t> members;
+  for (const auto& x : options_.initial_designs.colwise()) {
+    const Combination combination = *combinations_.Of(x);
+    const auto known = index_.find(combination);
+    const std::size_t member = known == index_.end() ? AddMember(combination) : known->second;
+    if (!members.insert(member).second && others_.empty()) continue;
+    given.push_back({member, {x}});
+  }
+  for (Next& next : opening_)
+    if (!others_.empty() || !members.contains(next.member)) given.push_back(std::move(next));
+  opening_ = std::move(given);
 }
 
 // How many combinations are opened, with how many designs, and which.
@@ -81,6 +112,7 @@ void CombinedDiscovery::MakeOpening() {
 std::size_t CombinedDiscovery::AddMember(const Combination& combination) {
   Discovery::Options options = options_;
   options.seed = Random(options_.seed + 0x9e37ULL * (members_.size() + 1)).Next();
+  options.initial_designs = {};
   const DesignSpace space = combinations_.SpaceOf(combination);
   members_.push_back(
       {.combination = combination,
@@ -92,7 +124,8 @@ std::size_t CombinedDiscovery::AddMember(const Combination& combination) {
 
 std::int64_t CombinedDiscovery::initial_samples() const {
   return std::min(static_cast<std::int64_t>(opening_.size()),
-                  static_cast<std::int64_t>(members_.size() + others_.size() + 3));
+                  static_cast<std::int64_t>(members_.size() + others_.size() + 3) +
+                      options_.initial_designs.cols());
 }
 
 std::optional<CombinedDiscovery::Proposal> CombinedDiscovery::Ask() {
@@ -154,7 +187,6 @@ void CombinedDiscovery::CommitNext() {
   Pending pending = std::move(first->second);
   pending_.erase(first);
   Evaluation& result = *pending.result;
-  const std::vector<std::size_t> before = archive_.non_dominated();
   ArchiveEntry added;
   added.u = space_.ToUnit(result.x);
   added.evaluated = IsUsable(result);
@@ -168,7 +200,9 @@ void CombinedDiscovery::CommitNext() {
   }
   const std::size_t entry = archive_.Add(std::move(added));
   member_of_.push_back(pending.member);
-  const double gain = Absorb(entry, before);
+  evaluated_.push_back(result.x);
+  deviations_.push_back(result.deviations);
+  const double gain = Absorb(entry);
   gains_.push_back(gain);
   for (Member& each : members_) each.spent *= memory_;
   Member& member = members_[pending.member];
@@ -179,28 +213,33 @@ void CombinedDiscovery::CommitNext() {
   if (member.stage == Stage::kPruned && !IsHopeless(member)) member.stage = Stage::kSearching;
 }
 
-double CombinedDiscovery::DominatedVolume(const std::vector<std::size_t>& entries) const {
-  std::vector<Eigen::VectorXd> points;
-  for (const std::size_t index : entries)
-    points.push_back(buffer_.scaling().Apply(archive_[index].metrics));
-  return Hypervolume(points, Eigen::VectorXd::Constant(metric_count_, kReference));
+// The hypervolume that the last entry, which nothing dominates, adds to what was not dominated
+// before; in the scaling of the buffer.
+double CombinedDiscovery::GainOf(std::size_t entry) const {
+  const Scaling& scaling = buffer_.scaling();
+  const auto front = archive_.non_dominated_metrics();
+  const auto others = front.cols() - 1;
+  const std::vector<std::size_t>& displaced = archive_.displaced();
+  Eigen::MatrixXd before(metric_count_, others + std::ssize(displaced));
+  before.leftCols(others) = front.leftCols(others);
+  for (std::size_t k = 0; k < displaced.size(); ++k)
+    before.col(others + static_cast<Eigen::Index>(k)) = archive_[displaced[k]].metrics;
+  const double volume = HypervolumeContribution(archive_[entry].metrics, before,
+                                                scaling.ideal + kReference * scaling.range,
+                                                metric_count_ <= kExactMetrics ? 0 : kMostOverlaps);
+  return volume / scaling.range.prod();
 }
 
 // Puts an entry into the buffer; returns the hypervolume gained, in the scaling that holds
 // afterwards.
-double CombinedDiscovery::Absorb(std::size_t entry, const std::vector<std::size_t>& before) {
+double CombinedDiscovery::Absorb(std::size_t entry) {
   if (!archive_[entry].feasible) return 0;
   const Scaling scaling = archive_.CurrentScaling();
-  const double known = hypervolume_;
-  if (buffer_.NeedsRebuild(scaling)) {
+  if (buffer_.NeedsRebuild(scaling))
     buffer_.Rebuild(archive_, scaling);
-    hypervolume_ = DominatedVolume(archive_.non_dominated());
-    return std::max(0.0, hypervolume_ - DominatedVolume(before));
-  }
-  buffer_.Insert(entry, buffer_.scaling().Apply(archive_[entry].metrics));
-  if (archive_.non_dominated().back() != entry) return 0;
-  hypervolume_ = DominatedVolume(archive_.non_dominated());
-  return hypervolume_ - known;
+  else
+    buffer_.Insert(entry, buffer_.scaling().Apply(archive_[entry].metrics));
+  return archive_.non_dominated().back() == entry ? GainOf(entry) : 0;
 }
 
 void CombinedDiscovery::Stop(StopReason reason, std::string message) {
@@ -223,19 +262,25 @@ CombinedDiscovery::Summary CombinedDiscovery::summary() const {
   summary.cells_covered = static_cast<std::int64_t>(buffer_.cells().size());
   summary.combinations = combinations_.count();
   summary.combinations_tried = 0;
+  SurrogateTally surrogates;
   for (const Member& member : members_) {
     if (!member.entries.empty()) ++summary.combinations_tried;
     if (member.stage == Stage::kPruned) ++summary.combinations_pruned;
     summary.optimizations += member.search->Optimizations();
     summary.expansions += member.search->Expansions();
+    surrogates.Add(member.search->Surrogates());
   }
-  if (archive_.feasible_count() > 0) {
+  summary.surrogate = surrogates.quality();
+  const std::int64_t since = committed_ - shown_.committed;
+  if (archive_.feasible_count() > 0 && since > (Finished() ? 0 : shown_.committed / kShownEvery)) {
     const Scaling scaling = archive_.CurrentScaling();
     std::vector<Eigen::VectorXd> points;
     for (const std::size_t index : archive_.non_dominated())
       points.push_back(scaling.Apply(archive_[index].metrics));
-    summary.hypervolume = Hypervolume(points, Eigen::VectorXd::Ones(metric_count_));
+    shown_ = {committed_, QuickHypervolume(points, Eigen::VectorXd::Ones(metric_count_),
+                                           Finished() ? kFinalSamples : kRunningSamples)};
   }
+  summary.hypervolume = shown_.hypervolume;
   return summary;
 }
 

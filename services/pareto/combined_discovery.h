@@ -22,7 +22,10 @@
 // transplants of what is the front by then. Whatever comes near enough goes on; so does all where
 // nothing else is left to do.
 //
-// The window, numbers and determinism are those of discovery.h.
+// Designs to begin with come before all that, each for the combination that it is of.
+//
+// The window, numbers and determinism are those of discovery.h. A surrogate takes part only where
+// it always does: each combination is told of too little for long.
 #pragma once
 
 #include <Eigen/Core>
@@ -53,7 +56,8 @@ namespace mortise::pareto {
 class CombinedDiscovery : public AskTell {
  public:
   // `discrete`: parameters of `space` that take each of their values by itself, of which there are
-  // two combinations or more. INVALID_ARGUMENT as Discovery::Create and Validate of `discrete`.
+  // two combinations or more. INVALID_ARGUMENT as Discovery::Create and Validate of `discrete`, and
+  // "initial_designs[i]" for one of no combination.
   static absl::StatusOr<std::unique_ptr<CombinedDiscovery>> Create(
       const DesignSpace& space, const std::vector<DiscreteParameter>& discrete,
       Eigen::Index metric_count, const Discovery::Options& options);
@@ -101,12 +105,13 @@ class CombinedDiscovery : public AskTell {
   CombinedDiscovery(const DesignSpace& space, const std::vector<DiscreteParameter>& discrete,
                     Eigen::Index metric_count, const Discovery::Options& options);
 
+  void OpenGiven();
   void MakeOpening();
   std::size_t AddMember(const Combination& combination);
   bool CommitUpTo(std::int64_t count);
   void CommitNext();
-  double Absorb(std::size_t entry, const std::vector<std::size_t>& before);
-  double DominatedVolume(const std::vector<std::size_t>& entries) const;
+  double Absorb(std::size_t entry);
+  double GainOf(std::size_t entry) const;
 
   std::optional<Next> NextDesign();
   std::optional<Next> AskShared();
@@ -137,13 +142,14 @@ class CombinedDiscovery : public AskTell {
   Discovery::Options options_;
   Random random_;
   Archive archive_;
-  std::vector<std::size_t> member_of_;  // of each entry
-  std::vector<double> gains_;           // hypervolume that each entry brought when it came
+  std::vector<std::size_t> member_of_;       // of each entry
+  std::vector<Eigen::VectorXd> evaluated_;   // of each entry, bit for bit as evaluated
+  std::vector<Eigen::VectorXd> deviations_;  // of each entry
+  std::vector<double> gains_;                // hypervolume that each entry brought when it came
   PerformanceBuffer buffer_;
-  double hypervolume_ = 0;  // in the scaling of the buffer, reference 1.1
   std::vector<Member> members_;
   std::map<Combination, std::size_t> index_;
-  std::vector<Next> opening_;             // the space-filling designs
+  std::vector<Next> opening_;             // the designs given and the space-filling ones
   std::deque<std::size_t> to_open_;       // members, in order
   std::deque<std::size_t> looks_;         // members that have another look
   std::size_t transplants_ = 0;           // of an opening
@@ -161,6 +167,11 @@ class CombinedDiscovery : public AskTell {
   std::int64_t barrier_ = 0;
   std::int64_t failed_ = 0;
   FailureTally failures_;
+  struct Shown {
+    std::int64_t committed = 0;
+    double hypervolume = 0;
+  };
+  mutable Shown shown_;  // by summary()
   StopReason stop_ = StopReason::kRunning;
   std::string message_;
 };

@@ -64,7 +64,10 @@ Front CombinedDiscovery::front() const {
     whole(others_) = x.head(size);
     return whole;
   };
-  for (FrontPoint& point : front.points) point.x = restored(point.x);
+  for (FrontPoint& point : front.points) {
+    point.x = evaluated_[point.entry];
+    point.deviations = deviations_[point.entry];
+  }
   for (FrontPiece& piece : front.pieces) {
     piece.origin = restored(piece.origin);
     Eigen::MatrixXd directions = Eigen::MatrixXd::Zero(space_.size(), piece.directions.cols());

@@ -31,6 +31,7 @@ void CoordinateDescent::BeginPass(const Archive& archive) {
   for (std::size_t i = order_.size(); i > 1; --i)
     std::swap(order_[i - 1], order_[random_.Index(i)]);
   next_ = 0;
+  rippled_ = 0;
   best_of_last_pass_ = best_;
   BeginLines(archive);
 }
@@ -89,14 +90,17 @@ void CoordinateDescent::Tell(Archive& archive, std::size_t entry) {
 }
 
 void CoordinateDescent::EndLines(const Archive& archive) {
+  rippled_ +=
+      std::ranges::count_if(lines_, [](const Line& each) { return each.minimum.rippled(); });
   if (evaluations_ >= options_.evaluations) {
     finished_ = true;
   } else if (next_ < order_.size()) {
     BeginLines(archive);
   } else {
     scaling_ = archive.CurrentScaling();
-    finished_ =
+    const bool still =
         BadnessOf(archive, best_) > BadnessOf(archive, best_of_last_pass_) - options_.progress;
+    finished_ = still || 2 * rippled_ < static_cast<std::ptrdiff_t>(order_.size());
     if (!finished_) BeginPass(archive);
   }
 }

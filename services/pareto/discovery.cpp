@@ -17,18 +17,33 @@
 namespace mortise::pareto {
 namespace {
 
-constexpr double kReference = 1.1;       // of the running hypervolume, in scaled performance
+constexpr double kReference = 1.1;         // of the running hypervolume, in scaled performance
+constexpr Eigen::Index kExactMetrics = 4;  // of gains; for more metrics they are bounds from above
+constexpr std::size_t kMostOverlaps = 64;
+constexpr int kRunningSamples = 1 << 12;  // of hypervolumes that progress is measured against
+constexpr int kFinalSamples = 1 << 18;
+constexpr std::int64_t kShownEvery = 16;  // a hypervolume is shown until there are that part more
+constexpr double kMostCells = 2e9;        // so that their numbers fit 32 bits
+constexpr std::int64_t kEvaluationsOfCell = 4;  // where the buffer adapts
 constexpr int kBarrenTracks = 4;         // tracks without a new point before a sample is forced
 constexpr int kExhaustedTracks = 200;    // and before the design space counts as exhausted
 constexpr std::size_t kPopulation = 30;  // for each metric but one
 constexpr int kChildren = 8;             // of a track
 constexpr int kProbedPatches = 4;
 constexpr int kProbes = 20;  // of a patch
+constexpr int kMostAhead = 3;
 constexpr std::int64_t kProbedBudget = 200;
 constexpr std::int64_t kExploringBudget = 30;  // evaluations a parameter
+constexpr std::int64_t kSurrogateBudget = 30;  // evaluations a parameter, at most, or
+constexpr std::int64_t kAlwaysScarce = 300;    // so many, however few parameters there are,
+constexpr std::int64_t kSurrogateLimit = 999;  // and no more than these
+constexpr Eigen::Index kSurrogateParameters = 40;
+constexpr double kSurrogateShare = 0.8;        // of the evaluations after the initial samples
 constexpr double kDescentShare = 0.25;         // of the budget
 constexpr std::int64_t kLargestPatch = 4;      // a quarter of the budget
 constexpr std::int64_t kMeasuringBudget = 60;  // evaluations a parameter
+constexpr std::int64_t kEvolvingBudget = 100;  // evaluations a parameter
+constexpr double kInvestment = 0.5;            // of the evaluations while an evolution may pay
 constexpr double kMeasuredShare = 0.1;         // of the budget, for slopes of pieces by differences
 constexpr double kSamePiece = 0.01;            // pieces whose centres are this near are the same
 constexpr double kRepairShare = 0.05;          // of the budget, at its end
@@ -45,13 +60,17 @@ constexpr std::int64_t kBudgetLimit = 10'000'000;
 double Spacing(std::int64_t evaluations, Eigen::Index d) {
   const double share = 6.0 / static_cast<double>(evaluations);
   const auto dimensions = static_cast<double>(std::max<Eigen::Index>(d - 1, 1));
-  return std::clamp(std::pow(share, 1 / dimensions), 0.005, 0.15);
+  // With many metrics a piece of the front is large: its lattice is to have so many nodes all the
+  // same.
+  return std::clamp(std::pow(share, 1 / dimensions), 0.005, d <= 3 ? 0.15 : 0.5);
 }
 
 std::int64_t InitialSamples(const Discovery::Options& options, Eigen::Index size) {
   std::int64_t wanted = options.initial_samples;
   if (wanted == 0) wanted = size + 3 + (options.constraints > 0 ? kConstrainedSamples : 0);
-  return std::clamp<std::int64_t>(wanted, 1, std::max<std::int64_t>(1, options.evaluations / 4));
+  const std::int64_t given = options.initial_designs.cols();
+  return given +
+         std::clamp<std::int64_t>(wanted, 1, std::max<std::int64_t>(1, options.evaluations / 4));
 }
 
 TrackScheduler::Options SchedulingOptions(const Discovery::Options& options, Eigen::Index size,
@@ -61,8 +80,24 @@ TrackScheduler::Options SchedulingOptions(const Discovery::Options& options, Eig
       scheduling.optimization.tolerance, std::max(Spacing(options.evaluations, d) / 30, 1e-4));
   if (options.evaluations >= kSecondLookBudget * size)
     scheduling.second_look = static_cast<std::size_t>(InitialSamples(options, size));
+  scheduling.given = static_cast<std::size_t>(options.initial_designs.cols());
   scheduling.explores = options.evaluations >= kExploringBudget * size;
   return scheduling;
+}
+
+absl::Status CheckInitialDesigns(const DesignSpace& space, const Discovery::Options& options) {
+  const Eigen::MatrixXd& designs = options.initial_designs;
+  if (designs.cols() == 0) return absl::OkStatus();
+  if (designs.cols() >= options.evaluations)
+    return InvalidField("initial_designs", absl::StrCat(designs.cols(), " are as many as the ",
+                                                        options.evaluations, " evaluations"));
+  if (designs.rows() != space.size())
+    return InvalidField("initial_designs",
+                        absl::StrCat("need ", space.size(), " parameters, not ", designs.rows()));
+  for (Eigen::Index i = 0; i < designs.cols(); ++i)
+    if (designs.col(i) != space.Nearest(designs.col(i)))
+      return InvalidField(absl::StrCat("initial_designs[", i, "]"), "is not in the design space");
+  return absl::OkStatus();
 }
 
 absl::Status CheckOptions(const Discovery::Options& options, Eigen::Index metric_count) {
@@ -120,7 +155,12 @@ PerformanceBuffer::Options Discovery::BufferOptions(const Options& options, Eige
   PerformanceBuffer::Options buffer;
   buffer.tolerance = options.delta_b;
   buffer.cells_per_angle = options.cells_per_angle;
-  if (buffer.cells_per_angle == 0) buffer.cells_per_angle = d <= 2 ? 1000 : d == 3 ? 100 : 16;
+  if (buffer.cells_per_angle == 0) buffer.cells_per_angle = d <= 2 ? 1000 : d == 3 ? 100 : 64;
+  if (d <= 3) return buffer;
+  const double most = std::pow(kMostCells, 1 / static_cast<double>(d - 1));
+  buffer.cells_per_angle = std::min(buffer.cells_per_angle, static_cast<int>(most));
+  buffer.cell_limit = static_cast<std::size_t>(
+      std::clamp<std::int64_t>(options.evaluations / kEvaluationsOfCell, 50, 4000));
   return buffer;
 }
 
@@ -129,6 +169,7 @@ absl::StatusOr<std::unique_ptr<Discovery>> Discovery::Create(const DesignSpace& 
                                                              const Options& options) {
   MORTISE_RETURN_IF_ERROR(Validate(space));
   MORTISE_RETURN_IF_ERROR(CheckOptions(options, metric_count));
+  MORTISE_RETURN_IF_ERROR(CheckInitialDesigns(space, options));
   return absl::WrapUnique(new Discovery(space, metric_count, options));
 }
 
@@ -142,10 +183,12 @@ Discovery::Discovery(const DesignSpace& space, Eigen::Index metric_count, const 
       scheduler_(SchedulingOptions(options, box_.size(), metric_count), options.seed),
       population_(kPopulation *
                   static_cast<std::size_t>(std::max<Eigen::Index>(metric_count - 1, 1))),
+      surrogate_({}, box_, options.seed ^ 0x57a7eULL),
+      evolution_(options.seed ^ 0xe501ULL),
       random_(options.seed ^ 0x5eedULL),
       initial_samples_(InitialSamples(options, box_.size())),
       spacing_(Spacing(options.evaluations, metric_count)) {
-  initial_designs_ = LatinHypercube(initial_samples_, box_.size(), random_);
+  space_filling_ = LatinHypercube(initial_samples_ - given(), box_.size(), random_);
 }
 
 std::optional<Discovery::Proposal> Discovery::Ask() {
@@ -174,7 +217,11 @@ std::optional<Discovery::Proposal> Discovery::Ask() {
     barrier_ = proposed_;
     return Ask();
   }
-  Proposal proposal{proposed_++, DesignAt(*u)};
+  // Designs that were given are asked for bit for bit: the evaluator may know them.
+  Proposal proposal{proposed_, proposed_ < given()
+                                   ? Eigen::VectorXd(options_.initial_designs.col(proposed_))
+                                   : DesignAt(*u)};
+  ++proposed_;
   pending_[proposal.number] = {UnitOf(proposal.x), proposal.x, track, std::nullopt};
   return proposal;
 }
@@ -218,11 +265,12 @@ ArchiveEntry Discovery::EntryOf(const Pending& pending) const {
 
 // Into the archive and all that goes by it; returns the hypervolume gained.
 double Discovery::Admit(const Pending& pending, std::size_t& entry) {
-  const std::vector<std::size_t> before = archive_.non_dominated();
   entry = archive_.Add(EntryOf(pending));
+  designs_.push_back(pending.x);
+  deviations_.push_back(pending.result->deviations);
   if (archive_[entry].feasible) population_.Offer(archive_, entry);
   evaluated_.emplace(Key(pending.u), entry);
-  return Absorb(entry, before);
+  return Absorb(entry);
 }
 
 absl::Status Discovery::Learn(const Evaluation& evaluation) {
@@ -230,7 +278,7 @@ absl::Status Discovery::Learn(const Evaluation& evaluation) {
     return InvalidField("x", absl::StrCat("must have ", space_.size(), " parameters"));
   MORTISE_RETURN_IF_ERROR(
       CheckAnswer(evaluation, space_.size(), metric_count_, options_.constraints));
-  if (proposed_ == 0) initial_samples_ = std::max<std::int64_t>(0, initial_samples_ - 1);
+  if (proposed_ == 0) initial_samples_ = std::max(given(), initial_samples_ - 1);
   std::size_t entry = 0;
   Admit({UnitOf(evaluation.x), evaluation.x, -1, evaluation}, entry);
   if (archive_[entry].evaluated && !archive_[entry].feasible) ++learnt_violating_;
@@ -258,31 +306,48 @@ void Discovery::CommitNext() {
   RetireFinished();
 }
 
-double Discovery::DominatedVolume(const std::vector<std::size_t>& entries) const {
+double Discovery::DominatedVolume(const Scaling& scaling, double reference, int samples) const {
   std::vector<Eigen::VectorXd> points;
-  for (const std::size_t index : entries)
-    points.push_back(buffer_.scaling().Apply(archive_[index].metrics));
-  return Hypervolume(points, Eigen::VectorXd::Constant(metric_count_, kReference));
+  for (const std::size_t index : archive_.non_dominated())
+    points.push_back(scaling.Apply(archive_[index].metrics));
+  return QuickHypervolume(points, Eigen::VectorXd::Constant(metric_count_, reference), samples);
+}
+
+// The hypervolume that the last entry, which nothing dominates, adds to what was not dominated
+// before; in the scaling of the buffer.
+double Discovery::GainOf(std::size_t entry) const {
+  const Scaling& scaling = buffer_.scaling();
+  const auto front = archive_.non_dominated_metrics();
+  const auto others = front.cols() - 1;
+  const std::vector<std::size_t>& displaced = archive_.displaced();
+  Eigen::MatrixXd before(metric_count_, others + std::ssize(displaced));
+  before.leftCols(others) = front.leftCols(others);
+  for (std::size_t k = 0; k < displaced.size(); ++k)
+    before.col(others + static_cast<Eigen::Index>(k)) = archive_[displaced[k]].metrics;
+  const double volume = HypervolumeContribution(archive_[entry].metrics, before,
+                                                scaling.ideal + kReference * scaling.range,
+                                                metric_count_ <= kExactMetrics ? 0 : kMostOverlaps);
+  return volume / scaling.range.prod();
 }
 
 // Puts an entry into the buffer; returns the hypervolume gained over what was not dominated before,
 // in the scaling that holds afterwards.
-double Discovery::Absorb(std::size_t entry, const std::vector<std::size_t>& non_dominated_before) {
+double Discovery::Absorb(std::size_t entry) {
   if (!archive_[entry].feasible) return 0;
   const Scaling scaling = archive_.CurrentScaling();
+  const bool is_trade_off = archive_.non_dominated().back() == entry;
   if (buffer_.NeedsRebuild(scaling)) {
     buffer_.Rebuild(archive_, scaling);
-    const double before = DominatedVolume(non_dominated_before);
-    hypervolume_ = DominatedVolume(archive_.non_dominated());
+    hypervolume_ = DominatedVolume(scaling, kReference, kRunningSamples);
     progress_mark_ = 0;  // another scale: progress is counted anew
     tracks_since_progress_ = 0;
-    return std::max(0.0, hypervolume_ - before);
+    return is_trade_off ? GainOf(entry) : 0;
   }
   buffer_.Insert(entry, buffer_.scaling().Apply(archive_[entry].metrics));
-  if (archive_.non_dominated().back() != entry) return 0;
-  const double before = hypervolume_;
-  hypervolume_ = DominatedVolume(archive_.non_dominated());
-  return hypervolume_ - before;
+  if (!is_trade_off) return 0;
+  const double gain = GainOf(entry);
+  hypervolume_ += gain;
+  return gain;
 }
 
 Eigen::VectorXd Discovery::DesignAt(const Eigen::VectorXd& u) const {
@@ -293,9 +358,11 @@ Eigen::VectorXd Discovery::DesignAt(const Eigen::VectorXd& u) const {
 
 Eigen::VectorXd Discovery::UnitOf(const Eigen::VectorXd& x) const { return box_.ToUnit(x(free_)); }
 
-// From the Latin hypercube; uniformly at random while nothing feasible has been found.
+// Those given, then the Latin hypercube; uniformly at random while nothing feasible has been found.
 Eigen::VectorXd Discovery::InitialDesign() {
-  if (proposed_ < initial_samples_) return initial_designs_[static_cast<std::size_t>(proposed_)];
+  if (proposed_ < given()) return UnitOf(options_.initial_designs.col(proposed_));
+  if (proposed_ < initial_samples_)
+    return space_filling_[static_cast<std::size_t>(proposed_ - given())];
   Eigen::VectorXd u(box_.size());
   for (double& value : u) value = random_.Uniform();
   return u;
@@ -311,6 +378,8 @@ std::optional<Eigen::VectorXd> Discovery::NextPoint(std::int64_t& track) {
     } while (StartRestoration());
     return tracks_.empty() ? std::optional(InitialDesign()) : std::nullopt;
   }
+  if (SurrogateIsDue())
+    if (const std::optional<Eigen::VectorXd> u = AskSurrogate(track)) return u;
   StartRepair();
   for (int barren = 0; barren < kExhaustedTracks; ++barren) {
     const std::int64_t newest = next_track_;
@@ -322,7 +391,7 @@ std::optional<Eigen::VectorXd> Discovery::NextPoint(std::int64_t& track) {
       return entry.second.kind == TrackKind::kOpening;
     });
     if (opening && (descending_ || scheduler_.AwaitsOpening(metric_count_)) && !pending_.empty())
-      return std::nullopt;
+      return UsesSurrogate() ? AskSurrogate(track) : std::nullopt;
     StartTrack(barren >= kBarrenTracks);
   }
   return std::nullopt;
@@ -331,22 +400,27 @@ std::optional<Eigen::VectorXd> Discovery::NextPoint(std::int64_t& track) {
 // The next point of the oldest track that has one. Designs that have been evaluated before are
 // answered from the archive.
 std::optional<Eigen::VectorXd> Discovery::AskTracks(std::int64_t& track) {
-  for (auto at = tracks_.begin(); at != tracks_.end(); ++at) {
-    while (true) {
-      const std::optional<Eigen::VectorXd> u = at->second.source->Ask(archive_);
-      if (!u) break;
-      const Eigen::VectorXd possible = box_.ToUnit(box_.FromUnit(*u));
-      const auto known = evaluated_.find(Key(possible));
-      if (known == evaluated_.end()) {
-        at->second.asked.emplace_back();
-        track = at->first;
-        return possible;
-      }
-      at->second.asked.emplace_back(known->second);
-      TellInOrder(at->second);
-    }
+  for (auto& [id, asked] : tracks_) {
+    track = id;
+    const std::optional<Eigen::VectorXd> u = AskTrack(asked);
+    if (u) return u;
   }
+  track = -1;
   RetireFinished();
+  return std::nullopt;
+}
+
+std::optional<Eigen::VectorXd> Discovery::AskTrack(Track& track) {
+  while (const std::optional<Eigen::VectorXd> u = track.source->Ask(archive_)) {
+    const Eigen::VectorXd possible = box_.ToUnit(box_.FromUnit(*u));
+    const auto known = evaluated_.find(Key(possible));
+    if (known == evaluated_.end()) {
+      track.asked.emplace_back();
+      return possible;
+    }
+    track.asked.emplace_back(known->second);
+    TellInOrder(track);
+  }
   return std::nullopt;
 }
 
@@ -410,6 +484,7 @@ void Discovery::Retire(const Track& track) {
     options.probes = kProbes;
   }
   options.measures = MayMeasure();
+  options.ahead = std::min(kMostAhead, (options_.window - 1) / 2);
   auto patch = std::make_unique<PatchSampling>(options, buffer_.scaling(), *best);
   PatchSampling* const view = patch.get();
   tracks_[next_track_++] = {std::move(patch), nullptr, view, track.kind, 0, 0};
@@ -427,7 +502,8 @@ bool Discovery::MayMeasure() const {
 // Whether the budget allows for more than local optimisations and what follows from them.
 bool Discovery::Explores() const { return options_.evaluations >= kExploringBudget * box_.size(); }
 
-// From the design nearest to the ideal.
+// From the design nearest to the ideal; of the space-filling ones where others were given, since
+// those may all be in a valley that was the best before.
 std::unique_ptr<PointSource> Discovery::MakeDescent() {
   CoordinateDescent::Options descent;
   const auto size = static_cast<double>(box_.size());
@@ -436,40 +512,73 @@ std::unique_ptr<PointSource> Discovery::MakeDescent() {
   descent.lines = std::max(1, options_.window / 2);
   descent.line.values = static_cast<int>(std::clamp(0.5 * share / size, 4.0, 64.0));
   const Scaling scaling = archive_.CurrentScaling();
-  const std::size_t start = *std::ranges::min_element(
-      archive_.non_dominated(), {},
-      [&](std::size_t entry) { return scaling.Apply(archive_[entry].metrics).norm(); });
+  std::vector<std::size_t> candidates;
+  for (auto entry = static_cast<std::size_t>(given());
+       given() > 0 && entry < static_cast<std::size_t>(initial_samples_); ++entry)
+    if (archive_[entry].feasible) candidates.push_back(entry);
+  if (candidates.empty()) candidates = archive_.non_dominated();
+  const std::size_t start = *std::ranges::min_element(candidates, {}, [&](std::size_t entry) {
+    return scaling.Apply(archive_[entry].metrics).norm();
+  });
   return std::make_unique<CoordinateDescent>(descent, archive_, start, random_);
 }
 
 void Discovery::StartTrack(bool force_sample) {
   if (!opened_) {
-    const Eigen::MatrixXd& jacobian = archive_[archive_.non_dominated().front()].jacobian;
-    if (jacobian.size() > 0 && jacobian.allFinite()) {
-      scheduler_.UseGradients(static_cast<std::size_t>(initial_samples_));
-    }
+    if (OffersGradients()) scheduler_.UseGradients(static_cast<std::size_t>(initial_samples_));
   }
   if (!std::exchange(opened_, true) && Explores()) {
     descending_ = true;
     tracks_[next_track_++] = {MakeDescent(), nullptr, nullptr, TrackKind::kOpening, 0, 0};
     return;
   }
+  if (options_.evaluations >= kEvolvingBudget * box_.size())
+    scheduler_.Invest(kInvestment * evolution_.Promise());
   TrackScheduler::Track next = scheduler_.Next(archive_, buffer_, force_sample);
-  if (next.kind == TrackKind::kBreed) {
-    tracks_[next_track_++] = {std::make_unique<Breeding>(archive_, population_, kChildren, random_),
-                              nullptr,
-                              nullptr,
-                              next.kind,
-                              0,
-                              0};
-    return;
-  }
+  if (next.kind == TrackKind::kBreed)
+    next.other = std::make_unique<Breeding>(archive_, population_, kChildren, random_);
+  if (next.kind == TrackKind::kEvolve)
+    next.other =
+        std::make_unique<Evolving>(archive_, archive_.CurrentScaling(), kChildren, evolution_);
+  if (next.kind == TrackKind::kTransfer)
+    next.other = std::make_unique<PointList>(evolution_.Transfers(archive_, kChildren));
   if (next.other != nullptr) {
     tracks_[next_track_++] = {std::move(next.other), nullptr, nullptr, next.kind, 0, 0};
     return;
   }
   LocalOptimization* const view = next.optimization.get();
   tracks_[next_track_++] = {std::move(next.optimization), view, nullptr, next.kind, 0, 0};
+}
+
+// Of all metrics; a slope may be infinite here or there.
+bool Discovery::OffersGradients() const {
+  const Eigen::MatrixXd& jacobian = archive_[archive_.non_dominated().front()].jacobian;
+  return jacobian.size() > 0 && !jacobian.array().isNaN().rowwise().all().any();
+}
+
+// Automatically where evaluations are so few that each is worth some thought. With gradients local
+// models need no other.
+bool Discovery::UsesSurrogate() const {
+  if (options_.surrogate != Surrogate::kAutomatic) return options_.surrogate == Surrogate::kAlways;
+  const std::int64_t scarce = std::max(kSurrogateBudget * box_.size(), kAlwaysScarce);
+  return box_.size() <= kSurrogateParameters &&
+         options_.evaluations <= std::min(kSurrogateLimit, scarce) && !OffersGradients();
+}
+
+// Whether the next evaluation is the surrogate's.
+bool Discovery::SurrogateIsDue() const {
+  const auto searched = static_cast<double>(proposed_ - initial_samples_);
+  return static_cast<double>(surrogate_proposals_) <= kSurrogateShare * searched && UsesSurrogate();
+}
+
+std::optional<Eigen::VectorXd> Discovery::AskSurrogate(std::int64_t& track) {
+  std::vector<Eigen::VectorXd> under_way;
+  for (const auto& [number, pending] : pending_) under_way.push_back(pending.u);
+  track = next_track_++;
+  Track& proposal = tracks_[track] = {
+      surrogate_.Next(archive_, under_way), nullptr, nullptr, TrackKind::kSurrogate, 0, 0};
+  ++surrogate_proposals_;
+  return AskTrack(proposal);
 }
 
 // While nothing meets the constraints: from the design that is nearest to that and was not tried
@@ -545,6 +654,7 @@ void Discovery::Stop(StopReason reason, std::string message) {
   if (stop_ != StopReason::kRunning) return;
   CommitUpTo(proposed_);
   stop_ = reason;
+  shown_.committed = -1;  // to be measured once more, as well as may be
   message_ = std::move(message);
   if (archive_.feasible_count() > 0) buffer_.Rebuild(archive_, archive_.CurrentScaling());
 }
@@ -562,22 +672,21 @@ Discovery::Summary Discovery::summary() const {
   summary.optimizations = optimizations_;
   summary.expansions = expansions_;
   summary.cells_covered = static_cast<std::int64_t>(buffer_.cells().size());
-  if (archive_.feasible_count() > 0) {
-    const Scaling scaling = archive_.CurrentScaling();
-    std::vector<Eigen::VectorXd> points;
-    for (const std::size_t index : archive_.non_dominated())
-      points.push_back(scaling.Apply(archive_[index].metrics));
-    summary.hypervolume = Hypervolume(points, Eigen::VectorXd::Ones(metric_count_));
+  const std::int64_t since = committed_ - shown_.committed;
+  if (archive_.feasible_count() > 0 && since > (Finished() ? 0 : shown_.committed / kShownEvery)) {
+    shown_ = {committed_, DominatedVolume(archive_.CurrentScaling(), 1,
+                                          Finished() ? kFinalSamples : kRunningSamples)};
   }
+  summary.surrogate = surrogate_.quality();
+  summary.hypervolume = shown_.hypervolume;
   return summary;
 }
 
 Front Discovery::front() const {
   Front front = BuildFront(box_, archive_, buffer_, pieces_);
   for (FrontPoint& point : front.points) {
-    Eigen::VectorXd x = space_.lower;
-    x(free_) = point.x;
-    point.x = std::move(x);
+    point.x = designs_[point.entry];
+    point.deviations = deviations_[point.entry];
   }
   for (FrontPiece& piece : front.pieces) {
     Eigen::VectorXd origin = space_.lower;

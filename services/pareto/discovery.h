@@ -28,28 +28,42 @@
 #include "services/pareto/archive.h"
 #include "services/pareto/ask_tell.h"
 #include "services/pareto/evaluation.h"
+#include "services/pareto/evolution_search.h"
 #include "services/pareto/failure_tally.h"
 #include "services/pareto/front.h"
 #include "services/pareto/patch_sampling.h"
 #include "services/pareto/performance_buffer.h"
 #include "services/pareto/population.h"
+#include "services/pareto/surrogate_quality.h"
+#include "services/pareto/surrogate_search.h"
 #include "services/pareto/track_scheduler.h"
 
 namespace mortise::pareto {
 
 class Discovery : public AskTell {
  public:
+  // Whether a surrogate proposes designs (surrogate_search.h), four of five after the space-filling
+  // ones, at some 20 ms to a second each. Automatic: of budgets of up to 30 evaluations a parameter
+  // (or 300 in all), less than 1,000, for up to 40 parameters, unless all gradients are offered.
+  enum class Surrogate { kAutomatic, kAlways, kNever };
+
   struct Options {
     std::int64_t evaluations = 1000;  // budget, 1 to 10,000,000
     std::uint64_t seed = 1;
-    int window = 8;           // evaluations under way at once, 1 to 4096; part of what is computed
-    int cells_per_angle = 0;  // of the buffer, up to 10,000; 0: 1000 for d = 2, 100 for 3, 16 above
+    int window = 8;  // evaluations under way at once, 1 to 4096; part of what is computed
+    // Of the buffer, up to 10,000; 0: 1000 for d = 2, 100 for 3. Above that it is the finest (0:
+    // 64), and the buffer adapts so that one cell for four evaluations is occupied, 50 to 4,000.
+    int cells_per_angle = 0;
     int constraints = 0;      // m, told with each evaluation, 0 to 64
     int initial_samples = 0;  // space-filling designs at the start; 0: D + 3, with constraints D +
                               // 23, at most a quarter of the budget
-    double delta_b = 1e-2;    // tolerance of the buffer, scaled performance
-    double delta_i = 1e-4;    // improvement of hypervolume (relative) that counts as progress
-    int stall_tracks = 300;   // optimisations in a row without progress that end it; 0: never
+    Surrogate surrogate = Surrogate::kAutomatic;
+    // D x n, designs of the space to evaluate before any other, fewer than `evaluations`; see
+    // warm_start.h.
+    Eigen::MatrixXd initial_designs = {};
+    double delta_b = 1e-2;   // tolerance of the buffer, scaled performance
+    double delta_i = 1e-4;   // improvement of hypervolume (relative) that counts as progress
+    int stall_tracks = 300;  // optimisations in a row without progress that end it; 0: never
     // Whether proposals go by every result told so far rather than by those that the window makes
     // sure of. For a caller that tells at times which depend on nothing but seed and answers.
     bool uses_all_told = false;
@@ -81,9 +95,11 @@ class Discovery : public AskTell {
   const DesignSpace& space() const { return space_; }
   const Archive& archive() const override { return archive_; }
   std::int64_t proposed() const { return proposed_; }
+  // Designs evaluated before the search begins: those given and those that fill the space.
   std::int64_t initial_samples() const override { return initial_samples_; }
   // Affine pieces followed so far, in unit coordinates of the parameters that can vary.
   const std::vector<AffinePiece>& pieces() const { return pieces_; }
+  const SurrogateTally& surrogate_tally() const { return surrogate_.tally(); }
 
  private:
   struct Track {
@@ -109,12 +125,15 @@ class Discovery : public AskTell {
   void CommitNext();
   ArchiveEntry EntryOf(const Pending& pending) const;
   double Admit(const Pending& pending, std::size_t& entry);
-  double Absorb(std::size_t entry, const std::vector<std::size_t>& non_dominated_before);
+  double Absorb(std::size_t entry);
+  double GainOf(std::size_t entry) const;
   Eigen::VectorXd InitialDesign();
+  std::int64_t given() const { return options_.initial_designs.cols(); }
   Eigen::VectorXd DesignAt(const Eigen::VectorXd& u) const;
   Eigen::VectorXd UnitOf(const Eigen::VectorXd& x) const;
   std::optional<Eigen::VectorXd> NextPoint(std::int64_t& track);
   std::optional<Eigen::VectorXd> AskTracks(std::int64_t& track);
+  std::optional<Eigen::VectorXd> AskTrack(Track& track);
   void TellInOrder(Track& track);
   void RetireFinished();
   void Retire(const Track& track);
@@ -122,10 +141,14 @@ class Discovery : public AskTell {
   bool Explores() const;
   std::unique_ptr<PointSource> MakeDescent();
   void StartTrack(bool force_sample);
+  bool OffersGradients() const;
+  bool UsesSurrogate() const;
+  bool SurrogateIsDue() const;
+  std::optional<Eigen::VectorXd> AskSurrogate(std::int64_t& track);
   bool StartRestoration();
   bool PolishingPays() const;
   void StartRepair();
-  double DominatedVolume(const std::vector<std::size_t>& entries) const;
+  double DominatedVolume(const Scaling& scaling, double reference, int samples) const;
 
   DesignSpace space_;
   std::vector<Eigen::Index> free_;  // the parameters that can vary, which is all the search sees
@@ -136,14 +159,18 @@ class Discovery : public AskTell {
   PerformanceBuffer buffer_;
   TrackScheduler scheduler_;
   Population population_;
+  SurrogateSearch surrogate_;
+  EvolutionSearch evolution_;
   Random random_;
   std::int64_t initial_samples_;
-  std::vector<Eigen::VectorXd> initial_designs_;  // unit coordinates
+  std::vector<Eigen::VectorXd> space_filling_;  // unit coordinates
   double spacing_;  // wanted distance of trade-offs along patches, for the budget
   std::map<std::int64_t, Track> tracks_;  // by age
   std::int64_t next_track_ = 0;
   std::map<std::int64_t, Pending> pending_;               // proposed, not committed
   std::map<std::vector<double>, std::size_t> evaluated_;  // design to entry: never twice
+  std::vector<Eigen::VectorXd> designs_;                  // of each entry, bit for bit as evaluated
+  std::vector<Eigen::VectorXd> deviations_;               // of each entry
   std::vector<AffinePiece> pieces_;
   std::int64_t proposed_ = 0;
   std::int64_t committed_ = 0;
@@ -155,6 +182,7 @@ class Discovery : public AskTell {
   FailureTally failures_;
   std::int64_t optimizations_ = 0;
   std::int64_t expansions_ = 0;
+  std::int64_t surrogate_proposals_ = 0;
   int probed_patches_ = 0;
   std::int64_t measured_ = 0;       // evaluations for slopes of pieces by differences
   bool descending_ = false;         // along one parameter after the other, before anything else
@@ -162,7 +190,12 @@ class Discovery : public AskTell {
   std::int64_t repair_track_ = -1;  // of the last round
   std::vector<Eigen::VectorXd> polished_;  // by the last round
   double hypervolume_ = 0;                 // in the scaling of the buffer, reference 1.1
-  double progress_mark_ = 0;               // hypervolume when progress was last made
+  struct Shown {
+    std::int64_t committed = 0;
+    double hypervolume = 0;
+  };
+  mutable Shown shown_;       // by summary()
+  double progress_mark_ = 0;  // hypervolume when progress was last made
   int tracks_since_progress_ = 0;
   StopReason stop_ = StopReason::kRunning;
   std::string message_;

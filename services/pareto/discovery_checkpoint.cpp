@@ -10,8 +10,9 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little);
 
-constexpr std::string_view kMagic = "MPC3";
+constexpr std::string_view kMagic = "MPC4";
 // Of discoveries begun before: what they lack is what came later.
+constexpr std::string_view kMagicWithoutDeviations = "MPC3";
 constexpr std::string_view kMagicWithoutConstraints = "MPC2";
 constexpr std::string_view kMagicWithoutReasons = "MPC1";
 constexpr std::uint64_t kSizeLimit = 1 << 24;
@@ -116,12 +117,15 @@ bool ReadResult(Reader& reader, std::string_view magic, std::int64_t& number,
   evaluation.status = evaluated != 0 ? EvaluationStatus::kEvaluated : EvaluationStatus::kFailed;
   if (magic == kMagicWithoutReasons) return true;
   if (!ReadReason(reader, evaluation)) return false;
-  return magic == kMagicWithoutConstraints || ReadConstraints(reader, evaluation);
+  if (magic == kMagicWithoutConstraints) return true;
+  if (!ReadConstraints(reader, evaluation)) return false;
+  return magic == kMagicWithoutDeviations || reader.ReadVector(evaluation.deviations);
 }
 
 // Which of the known ones it begins with; empty if it is none.
 std::string_view ReadMagic(Reader& reader) {
-  for (const std::string_view known : {kMagic, kMagicWithoutConstraints, kMagicWithoutReasons})
+  for (const std::string_view known :
+       {kMagic, kMagicWithoutDeviations, kMagicWithoutConstraints, kMagicWithoutReasons})
     if (reader.Skip(known)) return known;
   return {};
 }
@@ -144,6 +148,7 @@ std::string Serialize(const DiscoveryCheckpoint& checkpoint) {
     bytes += evaluation.reason;
     AppendVector(bytes, evaluation.constraints);
     AppendVector(bytes, evaluation.constraint_jacobian.reshaped());
+    AppendVector(bytes, evaluation.deviations);
   }
   return bytes;
 }

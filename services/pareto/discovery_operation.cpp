@@ -2,6 +2,7 @@
 #include "services/pareto/discovery_operation.h"
 
 #include <algorithm>
+#include <chrono>
 #include <map>
 #include <memory>
 #include <optional>
@@ -20,7 +21,9 @@
 #include "services/pareto/combined_discovery.h"
 #include "services/pareto/discovery_problem.h"
 #include "services/pareto/discovery_run.h"
+#include "services/pareto/discovery_start.h"
 #include "services/pareto/remote_evaluator.h"
+#include "services/pareto/robust_evaluator.h"
 
 namespace mortise::pareto {
 namespace {
@@ -50,8 +53,9 @@ class DiscoveryRun {
     MORTISE_ASSIGN_OR_RETURN(
         auto described,
         DescribeDesignSpace(channel, specification_, MakeOrigin(kDescribePatience), retry));
-    MORTISE_ASSIGN_OR_RETURN(const DiscoveryProblem problem,
-                             MakeProblem(specification_, *described));
+    MORTISE_ASSIGN_OR_RETURN(DiscoveryProblem problem, MakeProblem(specification_, *described));
+    MORTISE_RETURN_IF_ERROR(LoadStart());
+    problem.options.initial_designs = DesignsOf(start_);
     MORTISE_ASSIGN_OR_RETURN(
         auto discovery,
         MakeDiscovery(problem.space, problem.discrete,
@@ -59,13 +63,18 @@ class DiscoveryRun {
     MORTISE_ASSIGN_OR_RETURN(const auto known, LoadResults());
     RemoteEvaluator evaluator(channel, specification_, problem,
                               [this](absl::Duration timeout) { return MakeOrigin(timeout); }, {});
+    RobustEvaluator robust(evaluator, problem.robustness);
     RunOptions options = MakeRunOptions(problem);
+    bool useless = false;
     options.judge = [&](const AskTell::Summary& summary) {
       const absl::Status verdict = Judge(channel, problem, *discovery, summary);
-      if (!verdict.ok()) evaluator.Interrupt();
+      useless = !verdict.ok();
+      if (useless) evaluator.Interrupt();
       return verdict;
     };
-    MORTISE_RETURN_IF_ERROR(pareto::Run(*discovery, evaluator, options, known));
+    const absl::Status ended = pareto::Run(*discovery, robust, options, known);
+    if (useless) return ended;
+    if (!ended.ok()) return KeepLost(ended, problem, *discovery);
     return Finish(problem, *discovery);
   }
 
@@ -90,6 +99,17 @@ class DiscoveryRun {
           return absl::OkStatus();
         }));
     return packed;
+  }
+
+  // The designs settled when the discovery was asked for.
+  absl::Status LoadStart() {
+    if (specification_.start_from().empty()) return absl::OkStatus();
+    return environment_.store->Read([&](store::ReadTransaction& transaction) -> absl::Status {
+      MORTISE_ASSIGN_OR_RETURN(const auto record, transaction.Get(kStartKind, id_));
+      if (!start_.ParseFromString(record.payload))
+        return absl::InternalError("the stored designs to start from cannot be read");
+      return absl::OkStatus();
+    });
   }
 
   std::string ResultPrefix() const { return absl::StrCat(id_, "/"); }
@@ -118,24 +138,42 @@ class DiscoveryRun {
     options.lanes = std::clamp(problem.options.window, 1, kMostLanes);
     options.batch_size = (problem.options.window + options.lanes - 1) / options.lanes;
     options.cancelled = [this] { return context_.Cancelled(); };
-    options.progress = [this,
-                        total = problem.options.evaluations](const AskTell::Summary& summary) {
-      jobs::Progress progress;
-      progress.done = summary.evaluations;
-      progress.total = total;
-      progress.best_so_far = summary.hypervolume;
-      progress.has_best = summary.cells_covered > 0;
-      progress.message =
-          absl::StrFormat("hypervolume %.4f, %d cells covered, %d failed", summary.hypervolume,
-                          summary.cells_covered, summary.failed);
-      if (summary.failed > 0)
-        absl::StrAppend(&progress.message, " (", CountsByReason(summary.failures), ")");
-      if (summary.violating > 0)
-        absl::StrAppend(&progress.message, ", ", summary.violating, " beyond constraints");
-      if (summary.combinations > 1)
-        absl::StrAppend(&progress.message, ", ", summary.combinations_tried, " of ",
-                        summary.combinations, " combinations tried, ", summary.combinations_pruned,
-                        " given up");
+    options.progress =
+        [this, total = problem.options.evaluations,
+         each = problem.robustness.EvaluationsPerDesign()](const AskTell::Summary& summary) {
+          jobs::Progress progress;
+          progress.done = summary.evaluations * each;
+          progress.total = total * each;
+          progress.best_so_far = summary.hypervolume;
+          progress.has_best = summary.cells_covered > 0;
+          progress.message =
+              absl::StrFormat("hypervolume %.4f, %d cells covered, %d failed", summary.hypervolume,
+                              summary.cells_covered, summary.failed);
+          if (summary.failed > 0)
+            absl::StrAppend(&progress.message, " (", CountsByReason(summary.failures), ")");
+          if (summary.violating > 0)
+            absl::StrAppend(&progress.message, ", ", summary.violating, " beyond constraints");
+          if (summary.combinations > 1)
+            absl::StrAppend(&progress.message, ", ", summary.combinations_tried, " of ",
+                            summary.combinations, " combinations tried, ",
+                            summary.combinations_pruned, " given up");
+          if (summary.surrogate.predictions > 0)
+            absl::StrAppendFormat(
+                &progress.message, ", surrogate off by %.2g of the front (%.0f %% as it expected)",
+                summary.surrogate.median_error, 100 * summary.surrogate.within_two_deviations);
+          if (each > 1)
+            absl::StrAppend(&progress.message, "; ", summary.evaluations, " designs of ", each,
+                            " evaluations");
+          progress_ = progress;
+          context_.ReportProgress(progress);
+        };
+    options.waiting = [this](std::chrono::seconds waited, int calls) {
+      jobs::Progress progress = progress_;
+      progress.message = absl::StrCat(
+          "waiting for ", specification_.subject(), ": no answer for ", waited.count(), " s to ",
+          calls, calls == 1 ? " call" : " calls", "; its workers may be busy or not running");
+      if (!progress_.message.empty())
+        absl::StrAppend(&progress.message, "; until then ", progress_.message);
       context_.ReportProgress(progress);
     };
     options.checkpoint = [this](const std::vector<std::pair<std::int64_t, Evaluation>>& batch) {
@@ -188,15 +226,37 @@ class DiscoveryRun {
       MORTISE_RETURN_IF_ERROR(ForgetResults());
       return NoFeasibleDesign(specification_.subject(), problem, discovery);
     }
-    v1::Front front = MakeFront(problem, discovery);
-    front.set_name(absl::StrCat("fronts/", id_));
-    *front.mutable_specification() = specification_;
-    MORTISE_RETURN_IF_ERROR(Store(front));
-    front.clear_points();
-    const std::string packed = rpc::PackResult(front);
+    MORTISE_ASSIGN_OR_RETURN(const std::string packed, StoreFront(problem, discovery));
     if (!stopped) return packed;
     context_.KeepResult(packed);
     return absl::CancelledError("cancelled; the front holds the best so far");
+  }
+
+  // After the evaluator was lost: the failure, with where to find what there is.
+  absl::Status KeepLost(const absl::Status& lost, const DiscoveryProblem& problem,
+                        const AskTell& discovery) {
+    const AskTell::Summary summary = discovery.summary();
+    if (absl::IsCancelled(lost) || absl::IsAborted(lost) ||
+        summary.failed + summary.violating == summary.evaluations)
+      return lost;
+    MORTISE_RETURN_IF_ERROR(StoreFront(problem, discovery).status());
+    return WithDetail(absl::Status(lost.code(), absl::StrCat(lost.message(), "; fronts/", id_,
+                                                             " keeps what was found from ",
+                                                             summary.evaluations, " designs")),
+                      DetailOf(lost));
+  }
+
+  // The result, packed.
+  absl::StatusOr<std::string> StoreFront(const DiscoveryProblem& problem,
+                                         const AskTell& discovery) {
+    v1::Front front = MakeFront(problem, discovery);
+    front.set_name(absl::StrCat("fronts/", id_));
+    *front.mutable_specification() = specification_;
+    for (std::string& remark : ChangedAnswers(start_, problem, discovery.archive()))
+      front.add_remarks(std::move(remark));
+    MORTISE_RETURN_IF_ERROR(Store(front));
+    front.clear_points();
+    return rpc::PackResult(front);
   }
 
   absl::Status Store(v1::Front& front) {
@@ -213,6 +273,8 @@ class DiscoveryRun {
   }
 
   absl::Status DropResults(store::Transaction& transaction) {
+    if (!specification_.start_from().empty())
+      MORTISE_RETURN_IF_ERROR(transaction.Delete(kStartKind, id_));
     store::ListOptions list;
     list.key_prefix = ResultPrefix();
     list.limit = kPage;
@@ -228,6 +290,8 @@ class DiscoveryRun {
   jobs::OperationContext& context_;
   std::string id_;
   v1::DiscoverySpecification specification_;
+  v1::Front start_;                           // the designs it starts from, see discovery_start.h
+  jobs::Progress progress_;                   // told last
   std::optional<Evaluation> default_design_;  // what became of it, once it was tried
 };
 

@@ -13,6 +13,8 @@
 #include "mortise/v1/evaluator.pb.h"
 #include "mortise/v1/pareto.pb.h"
 #include "services/pareto/front.h"
+#include "services/pareto/front_remarks.h"
+#include "services/pareto/hypervolume.h"
 
 namespace mortise::pareto {
 namespace {
@@ -22,6 +24,9 @@ constexpr int kMostEvaluations = 1'000'000;
 constexpr int kMostCells = 10'000;
 constexpr int kMostWindow = 256;
 constexpr int kMostConstraints = 32;
+constexpr int kMostEarlierFronts = 16;
+constexpr int kMostTolerances = 30;       // that a call of the evaluator has room for
+constexpr int kToleranceEvaluations = 8;  // tolerances; with more, gradients do if they are offered
 
 using Bound = v1::DiscoverySpecification::Bound;
 
@@ -143,6 +148,67 @@ absl::Status AddConstraints(const v1::DiscoverySpecification& specification,
   return absl::OkStatus();
 }
 
+// Only numbers that can be anything between two values vary about one.
+absl::Status CheckCanVary(const DiscoveryProblem& problem, Eigen::Index i,
+                          const std::string& field) {
+  const std::string& name = problem.parameter_names[static_cast<std::size_t>(i)];
+  if (!problem.choices[static_cast<std::size_t>(i)].empty())
+    return InvalidField(field, absl::StrCat("'", name, "' is a choice, which has no tolerance"));
+  const bool whole =
+      problem.space.step[i] == 1 && problem.space.lower[i] == std::round(problem.space.lower[i]);
+  if (whole)
+    return InvalidField(field,
+                        absl::StrCat("'", name, "' is a whole number, which has no tolerance"));
+  return absl::OkStatus();
+}
+
+// Needs the objectives, the constraints and the whole design space.
+absl::Status AddTolerances(const v1::DiscoverySpecification& specification,
+                           DiscoveryProblem& problem) {
+  Robustness& robustness = problem.robustness;
+  robustness.range = {problem.space.lower, problem.space.upper};
+  robustness.deviations = specification.deviations();
+  for (int k = 0; k < specification.tolerances_size(); ++k) {
+    const auto& asked = specification.tolerances(k);
+    const std::string field = absl::StrCat("specification.tolerances[", k, "].parameter");
+    const auto name = std::ranges::find(problem.parameter_names, asked.parameter());
+    if (name == problem.parameter_names.end())
+      return InvalidField(field, absl::StrCat("no parameter '", asked.parameter(), "'"));
+    MORTISE_RETURN_IF_ERROR(CheckCanVary(problem, name - problem.parameter_names.begin(), field));
+    const bool normal = asked.distribution() == v1::DiscoverySpecification::Tolerance::NORMAL;
+    robustness.tolerances.push_back(
+        {name - problem.parameter_names.begin(), *name, asked.deviation(),
+         normal ? Tolerance::Distribution::kNormal : Tolerance::Distribution::kUniform});
+  }
+  MORTISE_RETURN_IF_ERROR(UnderField("specification", Validate(robustness)));
+  robustness.first_order =
+      specification.tolerances_size() > kToleranceEvaluations && problem.AllGradients();
+  return absl::OkStatus();
+}
+
+// Of designs, where the specification counts the subject's evaluations.
+absl::Status SetBudget(const v1::DiscoverySpecification& specification, DiscoveryProblem& problem) {
+  const int each = problem.robustness.EvaluationsPerDesign();
+  problem.options.evaluations = specification.evaluations() / each;
+  if (problem.options.evaluations >= kLeastEvaluations) return absl::OkStatus();
+  return InvalidField("specification.evaluations",
+                      absl::StrCat("at least ", kLeastEvaluations * each,
+                                   " are needed: with these tolerances a design takes ", each));
+}
+
+absl::Status CheckTolerances(const v1::DiscoverySpecification& specification) {
+  if (specification.tolerances_size() > kMostTolerances)
+    return InvalidField("specification.tolerances",
+                        absl::StrCat("at most ", kMostTolerances, " are possible, not ",
+                                     specification.tolerances_size()));
+  for (int k = 0; k < specification.tolerances_size(); ++k)
+    if (!v1::DiscoverySpecification::Tolerance::Distribution_IsValid(
+            specification.tolerances(k).distribution()))
+      return InvalidField(absl::StrCat("specification.tolerances[", k, "].distribution"),
+                          "must be UNIFORM or NORMAL");
+  return absl::OkStatus();
+}
+
 absl::Status CheckConstraints(const v1::DiscoverySpecification& specification) {
   if (specification.constraints_size() > kMostConstraints)
     return InvalidField("specification.constraints",
@@ -212,11 +278,28 @@ bool IsOfSubject(const FailureCount& failure) {
           failure.code == absl::StatusCode::kUnimplemented);
 }
 
+std::vector<std::string> Names(const std::vector<Objective>& objectives) {
+  std::vector<std::string> names;
+  for (const Objective& objective : objectives) names.push_back(objective.metric);
+  return names;
+}
+
 absl::Status CheckCount(std::int64_t value, std::int64_t least, std::int64_t most,
                         const std::string& field) {
   if (value >= least && value <= most) return absl::OkStatus();
   return InvalidField(absl::StrCat("specification.", field),
                       absl::StrCat("must lie between ", least, " and ", most));
+}
+
+Discovery::Surrogate SurrogateOf(v1::DiscoverySpecification::Surrogate surrogate) {
+  switch (surrogate) {
+    case v1::DiscoverySpecification::SURROGATE_ALWAYS:
+      return Discovery::Surrogate::kAlways;
+    case v1::DiscoverySpecification::SURROGATE_NEVER:
+      return Discovery::Surrogate::kNever;
+    default:
+      return Discovery::Surrogate::kAutomatic;
+  }
 }
 
 }  // namespace
@@ -240,24 +323,39 @@ bool DiscoveryProblem::AnyGradient() const {
          std::ranges::any_of(constraints, &Constraint::offers_gradient);
 }
 
+bool DiscoveryProblem::AllGradients() const {
+  return std::ranges::all_of(objectives, &Objective::offers_gradient) &&
+         std::ranges::all_of(constraints, &Constraint::offers_gradient);
+}
+
 absl::Status CheckSpecification(const v1::DiscoverySpecification& specification) {
   if (specification.subject().empty())
     return InvalidField("specification.subject", "must name what to vary");
   if (specification.revision() < 0)
     return InvalidField("specification.revision", "must be at least 0");
-  if (specification.objectives_size() < 2 || specification.objectives_size() > 3)
-    return InvalidField("specification.objectives",
-                        absl::StrCat("2 or 3 are needed, not ", specification.objectives_size()));
+  if (specification.objectives_size() < 2 || specification.objectives_size() > kMostMetrics)
+    return InvalidField(
+        "specification.objectives",
+        absl::StrCat("2 to ", kMostMetrics, " are needed, not ", specification.objectives_size()));
   std::set<std::string> names;
   for (int k = 0; k < specification.objectives_size(); ++k)
     if (!names.insert(specification.objectives(k).metric()).second)
       return InvalidField(absl::StrCat("specification.objectives[", k, "].metric"),
                           "is given twice");
   MORTISE_RETURN_IF_ERROR(CheckConstraints(specification));
+  MORTISE_RETURN_IF_ERROR(CheckTolerances(specification));
   MORTISE_RETURN_IF_ERROR(
       UnderField("specification", parametric::CheckMeshSettings(specification.mesh())));
   MORTISE_RETURN_IF_ERROR(
       UnderField("specification", parametric::ReadAirflow(specification.airflow()).status()));
+  names.clear();
+  if (specification.start_from_size() > kMostEarlierFronts)
+    return InvalidField("specification.start_from",
+                        absl::StrCat("at most ", kMostEarlierFronts, " are possible, not ",
+                                     specification.start_from_size()));
+  for (int k = 0; k < specification.start_from_size(); ++k)
+    if (!names.insert(specification.start_from(k)).second)
+      return InvalidField(absl::StrCat("specification.start_from[", k, "]"), "is given twice");
   names.clear();
   for (int k = 0; k < specification.bounds_size(); ++k) {
     const auto& bound = specification.bounds(k);
@@ -270,6 +368,9 @@ absl::Status CheckSpecification(const v1::DiscoverySpecification& specification)
   MORTISE_RETURN_IF_ERROR(
       CheckCount(specification.evaluations(), kLeastEvaluations, kMostEvaluations, "evaluations"));
   MORTISE_RETURN_IF_ERROR(CheckCount(specification.cells(), 0, kMostCells, "cells"));
+  if (!v1::DiscoverySpecification::Surrogate_IsValid(specification.surrogate()))
+    return InvalidField("specification.surrogate",
+                        absl::StrCat(specification.surrogate(), " is none of the known ways"));
   return CheckCount(specification.window(), 0, kMostWindow, "window");
 }
 
@@ -300,14 +401,16 @@ absl::StatusOr<DiscoveryProblem> MakeProblem(const v1::DiscoverySpecification& s
     const double value = described.parameters(static_cast<int>(i)).default_value();
     problem.default_design[i] = std::clamp(value, problem.space.lower[i], problem.space.upper[i]);
   }
-  MORTISE_RETURN_IF_ERROR(ApplyBounds(specification, problem));
   MORTISE_RETURN_IF_ERROR(AddObjectives(specification, described, problem));
   MORTISE_RETURN_IF_ERROR(AddConstraints(specification, described, problem));
+  MORTISE_RETURN_IF_ERROR(AddTolerances(specification, problem));
+  MORTISE_RETURN_IF_ERROR(ApplyBounds(specification, problem));
+  MORTISE_RETURN_IF_ERROR(SetBudget(specification, problem));
   problem.discrete =
-      WithWholeNumbers(problem.space, std::move(problem.discrete), specification.evaluations());
-  problem.options.evaluations = specification.evaluations();
+      WithWholeNumbers(problem.space, std::move(problem.discrete), problem.options.evaluations);
   problem.options.seed = static_cast<std::uint64_t>(specification.seed());
   problem.options.cells_per_angle = specification.cells();
+  problem.options.surrogate = SurrogateOf(specification.surrogate());
   if (specification.window() > 0) problem.options.window = specification.window();
   return problem;
 }
@@ -401,6 +504,12 @@ v1::Front MakeFront(const DiscoveryProblem& problem, const AskTell& discovery) {
     to.mutable_embedding()->Add(point.embedding.begin(), point.embedding.end());
     to.set_approximation_error(point.approximation_error);
     to.set_jump(point.jump);
+    if (!problem.robustness.tolerances.empty()) {
+      const Eigen::VectorXd means =
+          signs.cwiseProduct(point.metrics - problem.robustness.deviations * point.deviations);
+      to.mutable_metric_deviations()->Add(point.deviations.begin(), point.deviations.end());
+      to.mutable_metric_means()->Add(means.begin(), means.end());
+    }
     Eigen::Index row = 0;
     for (const Constraint& constraint : problem.constraints) {
       to.add_constraint_metrics(constraint.ValueOf(point.constraints[row]));
@@ -419,6 +528,7 @@ v1::Front MakeFront(const DiscoveryProblem& problem, const AskTell& discovery) {
   AddCombinations(problem, summary, message);
   message.set_pieces(static_cast<int>(front.pieces.size()));
   message.set_evaluations(summary.evaluations);
+  message.set_subject_evaluations(summary.evaluations * problem.robustness.EvaluationsPerDesign());
   message.set_failed_evaluations(summary.failed);
   message.set_violating_evaluations(summary.violating);
   for (const FailureCount& failure : summary.failures) {
@@ -428,10 +538,22 @@ v1::Front MakeFront(const DiscoveryProblem& problem, const AskTell& discovery) {
     to.set_message(failure.message);
     to.mutable_parameters()->Add(failure.x.begin(), failure.x.end());
   }
+  if (summary.surrogate.proposals > 0) {
+    v1::SurrogateQuality& to = *message.mutable_surrogate_quality();
+    to.set_proposals(summary.surrogate.proposals);
+    to.set_predictions(summary.surrogate.predictions);
+    to.set_within_two_deviations(summary.surrogate.within_two_deviations);
+    to.set_median_error(summary.surrogate.median_error);
+  }
   message.set_hypervolume(summary.hypervolume);
   message.set_cells_covered(static_cast<int>(summary.cells_covered));
   message.set_stop_reason(StopReasonName(summary.stop_reason));
   message.set_point_count(static_cast<int>(front.points.size()));
+  for (std::string& remark : FrontRemarks(discovery.archive(), front, Names(problem.objectives)))
+    message.add_remarks(std::move(remark));
+  if (problem.robustness.first_order)
+    message.add_remarks(
+        "deviations are to first order, from gradients, and means those of designs");
   return message;
 }
 

@@ -11,6 +11,7 @@
 #include "services/pareto/combinations.h"
 #include "services/pareto/discovery.h"
 #include "services/pareto/evaluation.h"
+#include "services/pareto/robust_evaluator.h"
 
 namespace mortise::v1 {
 class DesignSpace;
@@ -49,13 +50,15 @@ struct DiscoveryProblem {
   std::vector<std::vector<std::string>> choices;
   std::vector<DiscreteParameter> discrete;  // choices, and whole numbers of few values
   Eigen::VectorXd default_design;           // the subject's own, whatever the bounds asked for
-  std::vector<Objective> objectives;        // 2 or 3
+  std::vector<Objective> objectives;        // 2 to 6
   std::vector<Constraint> constraints;
-  Discovery::Options options;
+  Robustness robustness;       // without tolerances where metrics count as they are
+  Discovery::Options options;  // `evaluations` are designs
 
   // +1 for a metric to minimise, -1 to maximise: discovery minimises sign * metric. d.
   Eigen::VectorXd Signs() const;
   bool AnyGradient() const;
+  bool AllGradients() const;
 };
 
 // Checks what needs no evaluator: counts, ranges, names given twice. INVALID_ARGUMENT naming the

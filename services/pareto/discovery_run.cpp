@@ -17,6 +17,7 @@ namespace {
 
 constexpr std::chrono::milliseconds kCancelPoll{100};
 
+using Clock = std::chrono::steady_clock;
 using Numbered = std::vector<std::pair<std::int64_t, Evaluation>>;
 
 // Finished batches, handed from the lanes to the thread that runs the discovery.
@@ -84,6 +85,19 @@ class Loop {
       if (under_way_ == 0) return absl::OkStatus();
       std::optional<absl::StatusOr<Numbered>> batch = mailbox_.Take(kCancelPoll);
       if (batch) MORTISE_RETURN_IF_ERROR(Keep(Receive(*std::move(batch))));
+      TellOfWaiting(batch.has_value());
+    }
+  }
+
+  void TellOfWaiting(bool answered) {
+    const Clock::time_point now = Clock::now();
+    if (answered) {
+      answered_ = now;
+      told_ = now;
+    } else if (options_.waiting && now - told_ >= options_.quiet && !discovery_.Finished()) {
+      told_ = now;
+      options_.waiting(std::chrono::duration_cast<std::chrono::seconds>(now - answered_),
+                       under_way_);
     }
   }
 
@@ -156,6 +170,8 @@ class Loop {
   const std::map<std::int64_t, Evaluation>& known_;
   Mailbox mailbox_;
   int under_way_ = 0;
+  Clock::time_point answered_ = Clock::now();  // last
+  Clock::time_point told_ = answered_;         // of waiting, or answered
   bool can_keep_ = true;
   ThreadPool lanes_;  // last: joined before the mailbox goes
 };

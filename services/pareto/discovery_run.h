@@ -1,6 +1,7 @@
 // Drives a discovery with an evaluator: batches, workers, progress, cancelling, checkpoints.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -21,6 +22,10 @@ struct RunOptions {
   int lanes = 1;  // calls under way at once. Neither changes the front, only the time it takes.
   std::function<bool()> cancelled;  // asked ten times a second; true: stop with what was found
   std::function<void(const AskTell::Summary&)> progress;  // after each batch
+  // Each time that no answer has come for `quiet`: for how long there has been none, to how many
+  // calls.
+  std::function<void(std::chrono::seconds, int calls)> waiting;
+  std::chrono::milliseconds quiet{10'000};
   // After each batch. A non-OK status, which says why the whole subject is at fault, ends the run.
   std::function<absl::Status(const AskTell::Summary&)> judge;
   // After each batch, its results with their proposal numbers, before anything else happens with

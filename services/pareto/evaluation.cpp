@@ -38,6 +38,17 @@ Eigen::VectorXd DesignSpace::ToUnit(const Eigen::VectorXd& x) const {
   return u;
 }
 
+Eigen::VectorXd DesignSpace::Nearest(const Eigen::VectorXd& x) const {
+  const Eigen::VectorXd set = FromUnit(ToUnit(x));
+  Eigen::VectorXd nearest = x.cwiseMax(lower).cwiseMin(upper);
+  for (Eigen::Index i = 0; i < size(); ++i) {
+    // A value that rounding alone keeps off its step counts as set.
+    const bool free = step.size() == 0 || !(step[i] > 0);
+    if (!free && std::abs(nearest[i] - set[i]) > 1e-9 * step[i]) nearest[i] = set[i];
+  }
+  return nearest;
+}
+
 absl::Status Validate(const DesignSpace& space, Eigen::Index limit) {
   if (space.size() == 0) return InvalidField("parameters", "at least one parameter is needed");
   if (space.size() > limit)
@@ -84,6 +95,8 @@ absl::Status CheckAnswer(const Evaluation& evaluation, Eigen::Index parameters,
   if (evaluation.metrics.size() != metrics)
     return InvalidField("metrics",
                         absl::StrCat(metrics, " are needed, not ", evaluation.metrics.size()));
+  if (evaluation.deviations.size() != 0 && evaluation.deviations.size() != metrics)
+    return InvalidField("deviations", "must be as many as metrics");
   if (evaluation.jacobian.size() > 0 &&
       (evaluation.jacobian.rows() != metrics || evaluation.jacobian.cols() != parameters))
     return InvalidField("jacobian", "must have a row a metric and a column a parameter");

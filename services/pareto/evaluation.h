@@ -28,6 +28,9 @@ struct DesignSpace {
   // value that can be set, and hits a bound that can be set exactly for u = 0 or 1.
   Eigen::VectorXd FromUnit(const Eigen::VectorXd& u) const;
   Eigen::VectorXd ToUnit(const Eigen::VectorXd& x) const;
+
+  // The nearest design within the box that can be set; x itself, bit for bit, if it is one.
+  Eigen::VectorXd Nearest(const Eigen::VectorXd& x) const;
 };
 
 // INVALID_ARGUMENT naming parameters[i].lower or .upper when a bound is not finite or they are
@@ -48,6 +51,8 @@ struct Evaluation {
                              // none offered for that metric.
   Eigen::VectorXd constraints = {};          // m, met where <= 0; empty when failed
   Eigen::MatrixXd constraint_jacobian = {};  // m x D, as `jacobian`
+  // d, standard deviation of each metric over the tolerances (robust_evaluator.h); empty without.
+  Eigen::VectorXd deviations = {};
   // Why it failed: for people, and as the evaluator's constant ("RIGID_MOTION") and code.
   std::string message = {};
   std::string reason = {};
@@ -57,9 +62,9 @@ struct Evaluation {
 // Whether it has metrics and constraints to go by: evaluated, and all of them finite.
 bool IsUsable(const Evaluation& evaluation);
 
-// INVALID_ARGUMENT naming "metrics", "constraints", "jacobian" or "constraint_jacobian" where an
-// evaluation has another count of them than `metrics` d, `constraints` m and `parameters` D ask
-// for. What failed need have none.
+// INVALID_ARGUMENT naming "metrics", "deviations", "constraints", "jacobian" or
+// "constraint_jacobian" where an evaluation has another count of them than `metrics` d,
+// `constraints` m and `parameters` D ask for. What failed need have none.
 absl::Status CheckAnswer(const Evaluation& evaluation, Eigen::Index parameters,
                          Eigen::Index metrics, Eigen::Index constraints);
 

@@ -2,22 +2,13 @@
 #include "services/pareto/front.h"
 
 #include <algorithm>
-#include <cmath>
-#include <numbers>
 
+#include "services/pareto/embedding.h"
 #include "services/pareto/front_labeling.h"
 #include "services/pareto/non_dominated.h"
 
 namespace mortise::pareto {
 namespace {
-
-Eigen::VectorXd Embed(const Eigen::VectorXd& scaled) {
-  const Eigen::VectorXd y = scaled.cwiseMax(0.0);
-  Eigen::VectorXd embedding(y.size() - 1);
-  for (Eigen::Index k = 0; k < embedding.size(); ++k)
-    embedding[k] = std::atan2(y.tail(y.size() - 1 - k).norm(), y[k]) / (std::numbers::pi / 2);
-  return embedding;
-}
 
 // Points on no piece: the label of the nearest earlier point within `joining`, else a new one.
 void LabelTheRest(const std::vector<Eigen::VectorXd>& designs, double joining,
@@ -117,7 +108,8 @@ std::vector<Labelled> ChoosePoints(const DesignSpace& space, const Archive& arch
                        .constraints = archive[entry].constraints,
                        .cell = ids[order[i].second],
                        .embedding = Embed(buffer.scaling().Apply(metrics)),
-                       .approximation_error = error},
+                       .approximation_error = error,
+                       .entry = entry},
                       entry,
                       piece});
   }

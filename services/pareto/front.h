@@ -26,6 +26,8 @@ struct FrontPoint {
   // To the design of that neighbour along the front which is furthest away: Euclidean, in unit
   // coordinates. Large where the design jumps though the performance does not.
   double jump = 0;
+  std::size_t entry = 0;            // of the archive
+  Eigen::VectorXd deviations = {};  // d, as Evaluation::deviations
 };
 
 // A continuous piece of the front: designs x = origin + directions t, t in units of the parameters'

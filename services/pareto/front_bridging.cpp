@@ -7,9 +7,11 @@
 namespace mortise::pareto {
 namespace {
 
+using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr std::size_t kSources = 24;  // trade-offs looked at, at random
+constexpr std::size_t kSources = 24;         // trade-offs looked at, at random
+constexpr Eigen::Index kMostNeighbours = 6;  // of each
 
 struct Candidate {
   double hole = 0;  // squared distance to the nearest trade-off, scaled performance
@@ -17,14 +19,15 @@ struct Candidate {
   Bridge bridge;
 };
 
-// The distances from `y` to all of `front`, with their indices, the nearest `count` first.
-std::vector<std::pair<double, std::size_t>> NearestTo(const VectorXd& y,
-                                                      const std::vector<VectorXd>& front,
+// The squared distances from `y` to columns of `front`, with their indices, the nearest `count`
+// first.
+std::vector<std::pair<double, std::size_t>> NearestTo(const VectorXd& y, const MatrixXd& front,
                                                       std::size_t count) {
+  const Eigen::RowVectorXd distances = (front.colwise() - y).colwise().squaredNorm();
   std::vector<std::pair<double, std::size_t>> nearest;
-  nearest.reserve(front.size());
-  for (std::size_t i = 0; i < front.size(); ++i)
-    nearest.emplace_back((front[i] - y).squaredNorm(), i);
+  nearest.reserve(static_cast<std::size_t>(distances.size()));
+  for (Eigen::Index i = 0; i < distances.size(); ++i)
+    nearest.emplace_back(distances[i], static_cast<std::size_t>(i));
   count = std::min(count, nearest.size());
   std::partial_sort(nearest.begin(), nearest.begin() + static_cast<std::ptrdiff_t>(count),
                     nearest.end());
@@ -32,8 +35,8 @@ std::vector<std::pair<double, std::size_t>> NearestTo(const VectorXd& y,
   return nearest;
 }
 
-double HoleAt(const VectorXd& y, const std::vector<VectorXd>& front) {
-  return NearestTo(y, front, 1).front().first;
+double HoleAt(const VectorXd& y, const MatrixXd& front) {
+  return (front.colwise() - y).colwise().squaredNorm().minCoeff();
 }
 
 }  // namespace
@@ -41,17 +44,18 @@ double HoleAt(const VectorXd& y, const std::vector<VectorXd>& front) {
 std::vector<Bridge> FrontBridging::Next(const Archive& archive, const Scaling& scaling,
                                         std::size_t count, Random& random) {
   const std::vector<std::size_t>& entries = archive.non_dominated();
-  std::vector<VectorXd> front;
-  for (const std::size_t entry : entries) front.push_back(scaling.Apply(archive[entry].metrics));
-  const auto neighbours = static_cast<std::size_t>(2 * (scaling.ideal.size() - 1));
+  const MatrixXd front = ScaledFront(archive, scaling);
+  const auto neighbours = static_cast<std::size_t>(
+      std::min<Eigen::Index>(2 * (scaling.ideal.size() - 1), kMostNeighbours));
   std::vector<Candidate> candidates;
-  for (std::size_t n = 0; n < kSources && front.size() > 1; ++n) {
-    const std::size_t a = random.Index(front.size());
-    for (const auto& [squared, b] : NearestTo(front[a], front, neighbours + 1)) {
+  for (std::size_t n = 0; n < kSources && entries.size() > 1; ++n) {
+    const std::size_t a = random.Index(entries.size());
+    const VectorXd here = front.col(static_cast<Eigen::Index>(a));
+    for (const auto& [squared, b] : NearestTo(here, front, neighbours + 1)) {
       if (a == b) continue;
+      const VectorXd there = front.col(static_cast<Eigen::Index>(b));
       const VectorXd &from = archive[entries[a]].u, &to = archive[entries[b]].u;
-      const VectorXd between = 0.5 * (front[a] + front[b]),
-                     beyond = 1.5 * front[a] - 0.5 * front[b];
+      const VectorXd between = 0.5 * (here + there), beyond = 1.5 * here - 0.5 * there;
       const auto [first, second] = std::minmax(entries[a], entries[b]);
       const double length = 0.5 * (from - to).norm();
       candidates.push_back(

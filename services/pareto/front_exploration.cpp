@@ -8,6 +8,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "services/pareto/embedding.h"
 
 namespace mortise::pareto {
 namespace {
@@ -16,7 +17,6 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr int kNearest = 6;     // neighbours where the front is no line
 constexpr int kFitted = 6;      // points of a local frame, for each of its dimensions
 constexpr double kFlat = 1e-6;  // of the largest singular value: no direction of the front
 constexpr double kLeastVariation = 1e-3;  // of a metric along the front, in scaled performance
@@ -97,6 +97,7 @@ int DifferentOnes(std::vector<int> values) {
 
 FrontExploration::FrontExploration(FrontPoints points) : points_(std::move(points)) {
   if (size() == 0) return;
+  rays_ = RaysAt(points_.embedding);
   scaled_ = points_.signs.asDiagonal() * points_.metrics;
   const VectorXd best = scaled_.rowwise().minCoeff(), worst = scaled_.rowwise().maxCoeff();
   metric_ranges_ = (worst.array() > best.array()).select(worst - best, 1.0);
@@ -112,7 +113,7 @@ absl::StatusOr<int> FrontExploration::AtEmbedding(const VectorXd& position) cons
   for (Index i = 0; i < needed; ++i)
     if (!(position[i] >= 0 && position[i] <= 1))
       return InvalidField(absl::StrCat("embedding[", i, "]"), "must lie between 0 and 1");
-  return NearestColumn(points_.embedding, position);
+  return NearestColumn(rays_, RaysAt(position));
 }
 
 absl::StatusOr<int> FrontExploration::AtMetric(Index metric, double value) const {
@@ -137,11 +138,11 @@ std::vector<int> FrontExploration::NeighboursOf(int point) const {
     if (point + 1 < size()) neighbours.push_back(point + 1);
     return neighbours;
   }
-  const VectorXd here = points_.embedding.col(point);
+  const VectorXd here = rays_.col(point);
   std::vector<std::pair<double, int>> distances;
   for (int i = 0; i < size(); ++i)
-    if (i != point) distances.emplace_back((points_.embedding.col(i) - here).squaredNorm(), i);
-  neighbours = FirstOf(std::move(distances), kNearest);
+    if (i != point) distances.emplace_back((rays_.col(i) - here).squaredNorm(), i);
+  neighbours = FirstOf(std::move(distances), NeighboursOnFront(rays_.rows()));
   std::ranges::sort(neighbours);
   return neighbours;
 }

@@ -70,8 +70,9 @@ class FrontExploration {
  public:
   explicit FrontExploration(FrontPoints points);
 
-  // The point nearest to a position of the embedding. INVALID_ARGUMENT (field "embedding") when it
-  // has not d - 1 coordinates in [0, 1]; FAILED_PRECONDITION when the front is empty.
+  // The point nearest to a position of the embedding, by the angle between their rays.
+  // INVALID_ARGUMENT (field "embedding") when it has not d - 1 coordinates in [0, 1];
+  // FAILED_PRECONDITION when the front is empty.
   absl::StatusOr<int> AtEmbedding(const Eigen::VectorXd& position) const;
 
   // The point whose metric `metric` is nearest to `value`. INVALID_ARGUMENT (field "metric") for an
@@ -81,8 +82,8 @@ class FrontExploration {
   // The point itself. INVALID_ARGUMENT (field "index") when there is none of that index.
   absl::StatusOr<int> At(int point) const;
 
-  // The points next to one: before and after it for d = 2, the six nearest in the embedding for
-  // more, ascending.
+  // The points next to one, ascending: before and after it for d = 2, for more those with the
+  // nearest rays, six for d = 3 and two more for each further metric.
   std::vector<int> NeighboursOf(int point) const;
 
   // Up to `steps` times from a point to the neighbour that improves `metric` the most for the
@@ -104,6 +105,7 @@ class FrontExploration {
   std::vector<MetricConflict> ConflictsAmong(const std::vector<int>& points) const;
 
   FrontPoints points_;
+  Eigen::MatrixXd rays_;           // d x n, from the ideal
   Eigen::VectorXd metric_ranges_;  // d, along the front; 1 where nothing varies
   Eigen::MatrixXd scaled_;         // d x n, 0 is best and 1 worst along the front
 };

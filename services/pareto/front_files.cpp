@@ -1,20 +1,19 @@
-// CSV, JSON and SVG of fronts.
+// CSV, JSON, SVG and PNG of fronts.
 #include "services/pareto/front_files.h"
 
 #include <google/protobuf/util/json_util.h>
 
-#include <vector>
+#include <algorithm>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "common/base/errors.h"
-#include "common/render/svg_plot.h"
+#include "common/render/drawing.h"
 #include "mortise/v1/pareto.pb.h"
+#include "services/pareto/front_picture.h"
 
 namespace mortise::pareto {
 namespace {
-
-constexpr int kListedPieces = 12;
 
 std::string Quoted(const std::string& text) {
   if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
@@ -43,6 +42,45 @@ bool IsChoice(const v1::Front& front, int parameter) {
          !front.parameter_choices(parameter).names().empty();
 }
 
+Eigen::VectorXd Numbers(const google::protobuf::RepeatedField<double>& values) {
+  return Eigen::VectorXd::Map(values.data(), values.size());
+}
+
+absl::StatusOr<render::Drawing> Drawn(const v1::Front& front) {
+  if (front.points().empty())
+    return PreconditionFailed("FRONT_EMPTY", "the front has no points to draw", front.name());
+  const Eigen::Index count = front.points_size(), D = front.parameter_names_size(),
+                     d = front.metric_names_size();
+  FrontPicture picture;
+  picture.title = absl::StrCat("Trade-offs of ", front.specification().subject());
+  picture.parameter_names.assign(front.parameter_names().begin(), front.parameter_names().end());
+  picture.metric_names.assign(front.metric_names().begin(), front.metric_names().end());
+  picture.metric_units.assign(front.metric_units().begin(), front.metric_units().end());
+  picture.metric_units.resize(picture.metric_names.size());
+  picture.parameters.resize(D, count);
+  picture.metrics.resize(d, count);
+  picture.embedding.resize(d - 1, count);
+  picture.jump.resize(count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const v1::FrontPoint& point = front.points(static_cast<int>(i));
+    picture.parameters.col(i) = Numbers(point.parameters());
+    picture.metrics.col(i) = Numbers(point.metrics());
+    picture.embedding.col(i) = Numbers(point.embedding());
+    picture.piece.push_back(point.piece());
+    picture.jump[i] = point.jump();
+  }
+  // Fronts of old do not say how far parameters could be varied.
+  picture.parameter_ranges =
+      front.parameter_maxima_size() == D
+          ? Eigen::VectorXd(Numbers(front.parameter_maxima()) - Numbers(front.parameter_minima()))
+          : Eigen::VectorXd(picture.parameters.rowwise().maxCoeff() -
+                            picture.parameters.rowwise().minCoeff());
+  picture.signs = Eigen::VectorXd::Ones(d);
+  for (int k = 0; k < std::min<int>(front.specification().objectives_size(), d); ++k)
+    if (front.specification().objectives(k).maximize()) picture.signs[k] = -1;
+  return DrawFront(picture);
+}
+
 }  // namespace
 
 std::string FrontAsCsv(const v1::Front& front) {
@@ -56,6 +94,12 @@ std::string FrontAsCsv(const v1::Front& front) {
     absl::StrAppend(&csv, Quoted(MetricLabel(front, i)), ",");
   for (int i = 0; i < front.specification().constraints_size(); ++i)
     absl::StrAppend(&csv, Quoted(ConstraintLabel(front, i)), ",");
+  const bool robust = front.specification().tolerances_size() > 0;
+  for (int i = 0; robust && i < front.metric_names_size(); ++i) {
+    const std::string &name = front.metric_names(i), &unit = front.metric_units(i);
+    absl::StrAppend(&csv, Quoted(Label(absl::StrCat("mean ", name), unit)), ",",
+                    Quoted(Label(absl::StrCat("deviation of ", name), unit)), ",");
+  }
   csv += "piece\r\n";
   for (const v1::FrontPoint& point : front.points()) {
     for (int i = 0; i < point.parameters_size(); ++i) {
@@ -65,6 +109,9 @@ std::string FrontAsCsv(const v1::Front& front) {
     for (const double value : point.metrics()) absl::StrAppendFormat(&csv, "%.17g,", value);
     for (const double value : point.constraint_metrics())
       absl::StrAppendFormat(&csv, "%.17g,", value);
+    for (int i = 0; robust && i < point.metric_means_size(); ++i)
+      absl::StrAppendFormat(&csv, "%.17g,%.17g,", point.metric_means(i),
+                            point.metric_deviations(i));
     absl::StrAppend(&csv, point.piece(), "\r\n");
   }
   return csv;
@@ -81,26 +128,14 @@ absl::StatusOr<std::string> FrontAsJson(const v1::Front& front) {
 }
 
 absl::StatusOr<std::string> FrontAsSvg(const v1::Front& front) {
-  if (front.points().empty())
-    return PreconditionFailed("FRONT_EMPTY", "the front has no points to draw", front.name());
-  std::vector<std::vector<Eigen::Vector2d>> pieces(
-      static_cast<std::size_t>(std::max(front.pieces(), 1)));
-  for (const v1::FrontPoint& point : front.points())
-    pieces[static_cast<std::size_t>(point.piece()) % pieces.size()].emplace_back(point.metrics(0),
-                                                                                 point.metrics(1));
-  render::Plot plot;
-  plot.title = absl::StrCat("Trade-offs of ", front.specification().subject());
-  plot.x_label = MetricLabel(front, 0);
-  plot.y_label = MetricLabel(front, 1);
-  for (std::size_t k = 0; k < pieces.size(); ++k) {
-    render::Series series;
-    if (pieces.size() > 1 && k < kListedPieces) series.name = absl::StrCat("piece ", k);
-    series.points.resize(2, static_cast<Eigen::Index>(pieces[k].size()));
-    for (std::size_t i = 0; i < pieces[k].size(); ++i)
-      series.points.col(static_cast<Eigen::Index>(i)) = pieces[k][i];
-    plot.series.push_back(std::move(series));
-  }
-  return render::PlotSvg(plot);
+  MORTISE_ASSIGN_OR_RETURN(const render::Drawing drawing, Drawn(front));
+  return render::DrawingSvg(drawing);
+}
+
+absl::StatusOr<std::string> FrontAsPng(const v1::Front& front) {
+  MORTISE_ASSIGN_OR_RETURN(const render::Drawing drawing, Drawn(front));
+  MORTISE_ASSIGN_OR_RETURN(const render::Image image, render::DrawingImage(drawing));
+  return render::EncodePng(image);
 }
 
 }  // namespace mortise::pareto

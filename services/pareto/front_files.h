@@ -18,8 +18,8 @@ std::string FrontAsCsv(const v1::Front& front);
 // The Front message as JSON, as the API gives it.
 absl::StatusOr<std::string> FrontAsJson(const v1::Front& front);
 
-// The first metric to the right and the second upwards, a colour for each piece (at most twelve are
-// listed). FAILED_PRECONDITION for a front without points.
+// The picture of front_picture.h. FAILED_PRECONDITION for a front without points.
 absl::StatusOr<std::string> FrontAsSvg(const v1::Front& front);
+absl::StatusOr<std::string> FrontAsPng(const v1::Front& front);
 
 }  // namespace mortise::pareto

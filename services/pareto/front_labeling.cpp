@@ -6,11 +6,11 @@
 #include <set>
 
 #include "services/pareto/alpha_expansion.h"
+#include "services/pareto/embedding.h"
 
 namespace mortise::pareto {
 namespace {
 
-constexpr int kNearest = 6;
 constexpr double kSameDirections = 0.02;  // sine of the angle between pieces that are one
 
 Eigen::MatrixXd OutsideOf(const AffinePiece& piece, const Eigen::MatrixXd& vectors) {
@@ -69,12 +69,13 @@ std::vector<std::pair<int, int>> NeighboursAlong(const Eigen::MatrixXd& embeddin
     }
     return {pairs.begin(), pairs.end()};
   }
+  const Eigen::MatrixXd rays = RaysAt(embedding);
+  const int wanted = NeighboursOnFront(embedding.rows() + 1);
   for (int i = 0; i < count; ++i) {
-    const Eigen::VectorXd distance =
-        (embedding.colwise() - embedding.col(i)).colwise().squaredNorm();
+    const Eigen::VectorXd distance = (rays.colwise() - rays.col(i)).colwise().squaredNorm();
     std::vector<int> order(count);
     std::iota(order.begin(), order.end(), 0);
-    const int nearest = std::min(kNearest + 1, count);  // with itself
+    const int nearest = std::min(wanted + 1, count);  // with itself
     std::partial_sort(order.begin(), order.begin() + nearest, order.end(), [&](int a, int b) {
       return std::pair(distance[a], a) < std::pair(distance[b], b);
     });

@@ -24,8 +24,9 @@ struct CellChoice {
   double approximation_error = 0;  // e_A, scaled performance
 };
 
-// Pairs of positions that are near each other, each once. On a line (rows == 1) they ascend, and
-// each has the next two to either side; else each has the six nearest.
+// Pairs of positions of an embedding (embedding.h; d - 1 x n) that are near each other, each once.
+// On a line (d = 2) they ascend, and each has the next two to either side; else each has those
+// whose rays are nearest, as many as NeighboursOnFront says.
 std::vector<std::pair<int, int>> NeighboursAlong(const Eigen::MatrixXd& embedding);
 
 // A choice for each cell. `cells`: candidates of each, nearest first, not empty; `neighbours`:

@@ -12,10 +12,11 @@
 namespace mortise::pareto {
 namespace {
 
-constexpr int kFirstPoints = 8;       // that cover the range at first, at most
-constexpr std::size_t kValleys = 16;  // that parabolas lead down from at first
-constexpr int kRounds = 8;            // of parabolas, at most
-constexpr double kLeastGap = 1e-7;    // between points
+constexpr std::size_t kManyValues = 20;  // of a function that ripples
+constexpr int kFirstPoints = 8;          // that cover the range at first, at most
+constexpr std::size_t kValleys = 16;     // that parabolas lead down from at first
+constexpr int kRounds = 8;               // of parabolas, at most
+constexpr double kLeastGap = 1e-7;       // between points
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 using Point = std::pair<double, double>;
@@ -71,6 +72,7 @@ void LineMinimum::NextStage() {
     if (has_grown && static_cast<int>(values_.size()) < options_.values && Ripples()) QueueHalves();
     if (!queue_.empty()) return;
     covering_ = false;
+    rippled_ = values_.size() > kManyValues;
   }
   const double least = Least();
   const std::size_t valleys = std::max<std::size_t>(1, kValleys >> rounds_);

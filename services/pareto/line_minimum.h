@@ -35,6 +35,9 @@ class LineMinimum {
 
   bool Finished() const { return finished_; }
 
+  // Whether parabolas told what lies between neighbours only after many values, or never.
+  bool rippled() const { return rippled_; }
+
  private:
   void NextStage();
   void QueueHalves();
@@ -47,10 +50,11 @@ class LineMinimum {
   Options options_;
   Random random_;
   std::map<double, double> values_;  // by point
-  bool covering_ = true;             // else leading down
-  std::size_t covered_ = 0;          // points known when it last looked for ripples
-  double least_ = 0;                 // when the present round of parabolas began
-  int rounds_ = 0;                   // of parabolas
+  bool rippled_ = false;
+  bool covering_ = true;     // else leading down
+  std::size_t covered_ = 0;  // points known when it last looked for ripples
+  double least_ = 0;         // when the present round of parabolas began
+  int rounds_ = 0;           // of parabolas
   std::deque<double> queue_;
   int outstanding_ = 0;
   bool finished_ = false;

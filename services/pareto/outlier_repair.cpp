@@ -18,12 +18,14 @@ struct Repair {
   VectorXd u;
 };
 
-std::vector<std::size_t> NeighboursOf(std::size_t point, const std::vector<VectorXd>& front,
+std::vector<std::size_t> NeighboursOf(std::size_t point, const Eigen::MatrixXd& front,
                                       std::size_t count) {
+  const Eigen::RowVectorXd distances =
+      (front.colwise() - front.col(static_cast<Eigen::Index>(point))).colwise().squaredNorm();
   std::vector<std::pair<double, std::size_t>> nearest;
-  nearest.reserve(front.size());
-  for (std::size_t i = 0; i < front.size(); ++i)
-    if (i != point) nearest.emplace_back((front[i] - front[point]).squaredNorm(), i);
+  nearest.reserve(static_cast<std::size_t>(distances.size()));
+  for (std::size_t i = 0; i < static_cast<std::size_t>(distances.size()); ++i)
+    if (i != point) nearest.emplace_back(distances[static_cast<Eigen::Index>(i)], i);
   std::partial_sort(nearest.begin(), nearest.begin() + static_cast<std::ptrdiff_t>(count),
                     nearest.end());
   std::vector<std::size_t> neighbours;
@@ -61,8 +63,7 @@ std::vector<VectorXd> RepairedOutliers(const Archive& archive, const Scaling& sc
   const std::vector<std::size_t>& entries = archive.non_dominated();
   const auto neighbours = static_cast<std::size_t>(6 + 4 * (scaling.ideal.size() - 2));
   if (scaling.ideal.size() < 2 || entries.size() <= neighbours) return {};
-  std::vector<VectorXd> front;
-  for (const std::size_t entry : entries) front.push_back(scaling.Apply(archive[entry].metrics));
+  const Eigen::MatrixXd front = ScaledFront(archive, scaling);
   std::vector<Repair> repairs;
   for (std::size_t point = 0; point < entries.size(); ++point) {
     std::vector<VectorXd> designs;

@@ -3,6 +3,7 @@
 
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
@@ -17,6 +18,7 @@
 #include "mortise/v1/pareto.grpc.pb.h"
 #include "services/pareto/discovery_operation.h"
 #include "services/pareto/discovery_problem.h"
+#include "services/pareto/discovery_start.h"
 #include "services/pareto/front_cache.h"
 #include "services/pareto/front_files.h"
 #include "services/pareto/front_queries.h"
@@ -43,17 +45,21 @@ class ParetoAdapter : public v1::ParetoService::CallbackService {
         [this](const rpc::Call& call, const v1::DiscoverFrontRequest& asked) {
           return Settle(call, asked.specification());
         },
-        [this](const rpc::Call& call, const v1::DiscoverFrontRequest&,
-               v1::DiscoverySpecification& specification,
+        [this](const rpc::Call& call, const v1::DiscoverFrontRequest&, SettledDiscovery& settled,
                store::Transaction& transaction) -> absl::StatusOr<v1::Operation> {
           jobs::NewOperation operation;
           operation.kind = kDiscoveryKind;
-          operation.request = specification.SerializeAsString();
-          operation.subject = specification.subject();
+          operation.request = settled.specification.SerializeAsString();
+          operation.subject = settled.specification.subject();
           operation.request_id = call.identity().request_id;
           operation.creator = call.identity().subject;
           MORTISE_ASSIGN_OR_RETURN(const jobs::Operation started,
                                    environment_.operations->Start(transaction, operation));
+          if (!settled.start.points().empty()) {
+            const std::string id = started.name.substr(started.name.rfind('/') + 1);
+            MORTISE_RETURN_IF_ERROR(
+                transaction.Put(kStartKind, id, settled.start.SerializeAsString()).status());
+          }
           return rpc::ToProto(started);
         });
   }
@@ -110,8 +116,13 @@ class ParetoAdapter : public v1::ParetoService::CallbackService {
   }
 
  private:
-  absl::StatusOr<v1::DiscoverySpecification> Settle(
-      const rpc::Call& call, const v1::DiscoverySpecification& specification) {
+  struct SettledDiscovery {
+    v1::DiscoverySpecification specification;
+    v1::Front start;  // see SettleStart; without points if it starts from nothing
+  };
+
+  absl::StatusOr<SettledDiscovery> Settle(const rpc::Call& call,
+                                          const v1::DiscoverySpecification& specification) {
     MORTISE_RETURN_IF_ERROR(CheckSpecification(specification));
     MORTISE_ASSIGN_OR_RETURN(auto channel, environment_.peers->Channel(kEvaluatorPeer));
     auto described = DescribeDesignSpace(channel, specification, rpc::ForwardedFrom(call), {});
@@ -119,14 +130,23 @@ class ParetoAdapter : public v1::ParetoService::CallbackService {
       const bool named = absl::IsInvalidArgument(described.status());
       return named ? UnderField("specification", described.status()) : described.status();
     }
-    MORTISE_RETURN_IF_ERROR(MakeProblem(specification, **described).status());
-    v1::DiscoverySpecification settled = specification;
-    settled.set_revision((*described)->revision());
+    MORTISE_ASSIGN_OR_RETURN(const DiscoveryProblem problem,
+                             MakeProblem(specification, **described));
+    SettledDiscovery settled{specification, {}};
+    settled.specification.set_revision((*described)->revision());
+    std::vector<v1::Front> fronts;
+    for (int i = 0; i < specification.start_from_size(); ++i) {
+      MORTISE_ASSIGN_OR_RETURN(v1::Front front,
+                               FindFront(specification.start_from(i),
+                                         absl::StrCat("specification.start_from[", i, "]")));
+      fronts.push_back(std::move(front));
+    }
+    MORTISE_ASSIGN_OR_RETURN(settled.start, SettleStart(settled.specification, problem, fronts));
     return settled;
   }
 
-  absl::StatusOr<v1::Front> FindFront(const std::string& name) {
-    MORTISE_ASSIGN_OR_RETURN(const std::string id, ParseResourceName(name, "fronts", "name"));
+  absl::StatusOr<v1::Front> FindFront(const std::string& name, const std::string& field = "name") {
+    MORTISE_ASSIGN_OR_RETURN(const std::string id, ParseResourceName(name, "fronts", field));
     v1::Front front;
     MORTISE_RETURN_IF_ERROR(
         environment_.store->Read([&](store::ReadTransaction& transaction) -> absl::Status {
@@ -191,8 +211,13 @@ class ParetoAdapter : public v1::ParetoService::CallbackService {
         rpc::StreamBytes(std::move(svg), {absl::StrCat(stem, ".svg"), "image/svg+xml"}, writer);
         return absl::OkStatus();
       }
+      case v1::ExportFrontRequest::PNG: {
+        MORTISE_ASSIGN_OR_RETURN(std::string png, FrontAsPng(front));
+        rpc::StreamBytes(std::move(png), {absl::StrCat(stem, ".png"), "image/png"}, writer);
+        return absl::OkStatus();
+      }
       default:
-        return InvalidField("format", "must be CSV, JSON or SVG");
+        return InvalidField("format", "must be CSV, JSON, SVG or PNG");
     }
   }
 

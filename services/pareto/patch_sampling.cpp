@@ -14,11 +14,13 @@ namespace {
 constexpr int kBisectionDepth = 6;
 constexpr double kNoWeight = 1e-3;  // of a metric, out of 1 for all
 constexpr double kModelRadius = 0.1;
-constexpr double kActiveDistance = 0.02;     // from a constraint, unit coordinates
-constexpr double kWidestMargin = 0.05;       // from a constraint, in units of its size
-constexpr double kLongestCorrection = 0.25;  // of each unit coordinate
-constexpr double kFar = 1e4;                 // steps, more than any piece has
-constexpr std::size_t kNodeLimit = 5000;     // a patch whose nodes are all covered ends somewhere
+constexpr double kActiveDistance = 0.02;      // from a constraint, unit coordinates
+constexpr double kWidestMargin = 0.05;        // from a constraint, in units of its size
+constexpr double kLongestCorrection = 0.25;   // of each unit coordinate
+constexpr Eigen::Index kLargeDimensions = 3;  // of a piece that has most of its nodes far out
+constexpr std::size_t kLookedAt = 16;         // nodes, before one is chosen there
+constexpr double kFar = 1e4;                  // steps, more than any piece has
+constexpr std::size_t kNodeLimit = 5000;      // a patch whose nodes are all covered ends somewhere
 
 // The largest s in [0, 1] for which centre + s offset stays within the unit box.
 double Reach(const Eigen::VectorXd& centre, const Eigen::VectorXd& offset) {
@@ -55,6 +57,20 @@ Eigen::MatrixXd WithoutFreeGains(const Eigen::MatrixXd& directions, const Eigen:
     kept.col(kept.cols() - 1) = v;
   }
   return kept;
+}
+
+// From predicted metrics to the nearest known trade-off, in scaled performance.
+double SquaredHole(const Archive& archive, const Scaling& scaling,
+                   const Eigen::VectorXd& predicted) {
+  const auto front = archive.non_dominated_metrics();
+  double least = std::numeric_limits<double>::infinity();
+  for (Eigen::Index k = 0; k < front.cols(); ++k) {
+    double squared = 0;
+    for (Eigen::Index i = 0; i < predicted.size(); ++i)
+      squared += std::pow((predicted[i] - front(i, k)) / scaling.range[i], 2);
+    least = std::min(least, squared);
+  }
+  return least;
 }
 
 }  // namespace
@@ -220,17 +236,26 @@ void PatchSampling::Expand(const Reached& from) {
   }
 }
 
-// Evenly along each direction, both ways, up to the bounds; and along their diagonals.
-void PatchSampling::QueueProbes() {
-  std::vector<Node> ways;
+// Along each direction, both ways; and along their diagonals, if that makes no more than `most`.
+std::vector<PatchSampling::Node> PatchSampling::WaysOut(std::size_t most) const {
   const auto k = static_cast<std::size_t>(steps_.size());
+  const bool diagonally = std::pow(3, k) - 1 <= static_cast<double>(most);
+  std::vector<Node> ways;
   Node way(k, -1);
   while (true) {
-    if (std::ranges::any_of(way, [](int i) { return i != 0; })) ways.push_back(way);
+    const auto moves = std::ranges::count_if(way, [](int i) { return i != 0; });
+    if (moves == 1 || (moves > 1 && diagonally)) ways.push_back(way);
     std::size_t i = 0;
     while (i < k && ++way[i] == 2) way[i++] = -1;
     if (i == k) break;
   }
+  return ways;
+}
+
+// Evenly along each way out, up to the bounds.
+void PatchSampling::QueueProbes() {
+  const std::vector<Node> ways = WaysOut(static_cast<std::size_t>(options_.probes));
+  const auto k = static_cast<std::size_t>(steps_.size());
   const auto each =
       std::max<std::size_t>(1, static_cast<std::size_t>(options_.probes) / ways.size());
   for (const Node& along : ways) {
@@ -265,11 +290,16 @@ std::optional<Eigen::VectorXd> PatchSampling::NodePoint(const Node& node, double
 }
 
 bool PatchSampling::Covered(const Archive& archive, const Eigen::VectorXd& predicted) const {
-  const Eigen::VectorXd y = scaling_.Apply(predicted);
   const double near = 0.5 * options_.spacing;
-  for (const std::size_t other : archive.non_dominated()) {
-    const Eigen::VectorXd gap = y - scaling_.Apply(archive[other].metrics);
-    if (gap.norm() < near && gap.minCoeff() > -options_.tolerance) return true;
+  const auto front = archive.non_dominated_metrics();
+  for (Eigen::Index k = 0; k < front.cols(); ++k) {
+    double squared = 0, least = std::numeric_limits<double>::infinity();
+    for (Eigen::Index i = 0; i < predicted.size() && squared < near * near; ++i) {
+      const double gap = (predicted[i] - front(i, k)) / scaling_.range[i];
+      squared += gap * gap;
+      least = std::min(least, gap);
+    }
+    if (squared < near * near && least > -options_.tolerance) return true;
   }
   return false;
 }
@@ -307,6 +337,7 @@ std::optional<Eigen::VectorXd> PatchSampling::Ask(Archive& archive) {
         (piece_.centre + next.parameter * piece_.directions.col(0)).cwiseMax(0.0).cwiseMin(1.0);
     return WithinConstraints(archive, point, line_.lower_bound(next.parameter)->second);
   }
+  if (std::optional<Eigen::VectorXd> point = AskAhead(archive)) return point;
   if (!asked_.empty()) return std::nullopt;
   if (options_.probes > 0 && !std::exchange(probed_, true)) {
     QueueProbes();
@@ -317,20 +348,60 @@ std::optional<Eigen::VectorXd> PatchSampling::Ask(Archive& archive) {
 }
 
 std::optional<Eigen::VectorXd> PatchSampling::AskNode(const Archive& archive) {
+  const auto hole_at = [&](const Reached& reached) {
+    double parameter = 0;
+    const std::optional<Eigen::VectorXd> point = NodePoint(reached.node, &parameter);
+    return point ? SquaredHole(archive, scaling_, model_->Predict(*point)) : 0.0;
+  };
   while (!frontier_.empty() && evaluations_ < options_.evaluations) {
+    if (steps_.size() >= kLargeDimensions && !frontier_.front().again) {
+      const std::size_t step = std::max<std::size_t>(1, frontier_.size() / kLookedAt);
+      std::size_t widest = 0;
+      double most = -1;
+      for (std::size_t i = 0; i < frontier_.size(); i += step) {
+        const double hole = hole_at(frontier_[i]);
+        if (hole <= most) continue;
+        most = hole;
+        widest = i;
+      }
+      std::swap(frontier_.front(), frontier_[widest]);
+    }
     const Reached reached = frontier_.front();
     frontier_.pop_front();
     double parameter = 0;
+    if (!reached.beyond) WalkOf(reached.node).asked = std::abs(reached.node[0]);
     const std::optional<Eigen::VectorXd> point = NodePoint(reached.node, &parameter);
-    if (!point) continue;
+    if (!point) {
+      WalkOf(reached.node).ended = true;
+      continue;
+    }
     const Eigen::VectorXd possible = WithinConstraints(archive, *point, reached.parent);
     if (!reached.beyond && Covered(archive, model_->Predict(possible))) {
+      WalkOf(reached.node).held = std::abs(reached.node[0]);
       Expand(reached);
       continue;
     }
     ++evaluations_;
     asked_.push_back({Request::Kind::kNode, 0, reached, parameter, 0});
     return possible;
+  }
+  return std::nullopt;
+}
+
+PatchSampling::Walk& PatchSampling::WalkOf(const Node& node) { return walks_[node[0] > 0 ? 1 : 0]; }
+
+// While all that is known to hold has been asked for.
+std::optional<Eigen::VectorXd> PatchSampling::AskAhead(const Archive& archive) {
+  if (steps_.size() != 1 || asked_.empty() || archive[piece_.entry].constraints.size() > 0)
+    return std::nullopt;
+  for (const int sign : {+1, -1}) {
+    const Walk& walk = walks_[sign > 0 ? 1 : 0];
+    const int lead = walk.asked - walk.held;
+    if (walk.ended || walk.asked == 0 || lead > std::min(options_.ahead, walk.held / 2)) continue;
+    const Node next{sign * (walk.asked + 1)};
+    if (!seen_.insert(next).second) continue;
+    frontier_.push_back({next, false, piece_.entry});
+    if (std::optional<Eigen::VectorXd> point = AskNode(archive)) return point;
   }
   return std::nullopt;
 }
@@ -363,8 +434,14 @@ void PatchSampling::Tell(Archive& archive, std::size_t entry) {
       frontier_.front().again = true;
     }
   }
-  if (!told.feasible || archive.ClearlyDominated(told.metrics, scaling_, options_.tolerance))
-    return;
+  const bool holds =
+      told.feasible && !archive.ClearlyDominated(told.metrics, scaling_, options_.tolerance);
+  if (stepped && steps_.size() == 1) {
+    Walk& walk = WalkOf(request.reached.node);
+    if (holds) walk.held = std::max(walk.held, std::abs(request.reached.node[0]));
+    walk.ended = walk.ended || !holds;
+  }
+  if (!holds) return;
   if (request.kind == Request::Kind::kNode)
     Expand({request.reached.node, request.reached.beyond, entry});
   if (steps_.size() == 1) Keep(archive, request.parameter, entry, request.depth);

@@ -8,7 +8,10 @@
 //     are hit exactly);
 //   - a node whose predicted performance is already covered by a known point as good is passed
 //     without an evaluation;
-//   - for d = 2, two neighbours that turn out further apart than expected are bisected;
+//   - for d = 2 the walk goes a few nodes ahead of what has been answered, but no more than half as
+//     many as have held so far on that side: the workers need not wait for each other, and little
+//     is lost where the stretch ends;
+//   - for d = 2, neighbours too far apart are bisected; for d > 3, wide holes are filled first;
 //   - at last a few nodes beyond are probed, up to the bounds, since a front may go on where a
 //     stretch of the same piece is dominated: ZDT3's comes back four times. The walk goes on from
 //     those that no known point clearly dominates.
@@ -18,6 +21,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <deque>
 #include <map>
 #include <optional>
@@ -46,6 +50,7 @@ class PatchSampling : public PointSource {
     double tolerance = 1e-2;  // delta_B: how much dominance ends a stretch, scaled performance
     int evaluations = 200;    // at most
     int probes = 0;           // beyond where the walk ended
+    int ahead = 0;            // nodes asked for before their inner neighbour is known, each way
     // Whether slopes and curvature that are not offered are measured by differences first, and the
     // centre brought to where they say that it is best.
     bool measures = false;
@@ -99,8 +104,10 @@ class PatchSampling : public PointSource {
                                     std::size_t parent) const;
   void LearnMargin(const Archive& archive, std::size_t entry);
   void Expand(const Reached& from);
+  std::vector<Node> WaysOut(std::size_t most) const;
   void QueueProbes();
   std::optional<Eigen::VectorXd> AskNode(const Archive& archive);
+  std::optional<Eigen::VectorXd> AskAhead(const Archive& archive);
   std::optional<Eigen::VectorXd> NodePoint(const Node& node, double* parameter) const;
   bool Covered(const Archive& archive, const Eigen::VectorXd& predicted) const;
   void Keep(const Archive& archive, double parameter, std::size_t entry, int depth);
@@ -121,6 +128,15 @@ class PatchSampling : public PointSource {
   std::deque<Eigen::Index> hessian_coordinates_;
   int hessian_pending_ = 0;
   std::deque<Reached> frontier_;
+  // For d = 2, each way: the last node that held, the last asked for or passed, and whether one did
+  // not hold.
+  struct Walk {
+    int held = 0;
+    int asked = 0;
+    bool ended = false;
+  };
+  Walk& WalkOf(const Node& node);
+  std::array<Walk, 2> walks_;
   bool probed_ = false;
   std::set<Node> seen_;
   std::map<double, std::size_t> line_;  // d = 2: parameter to entry of the points kept

@@ -6,10 +6,19 @@
 #include <numbers>
 
 namespace mortise::pareto {
+namespace {
+
+constexpr int kLeastCells = 3;  // per angle, of a buffer that can become coarser
+
+}  // namespace
 
 PerformanceBuffer::PerformanceBuffer(const Options& options, Eigen::Index metric_count)
-    : options_(options), metric_count_(metric_count), cell_count_(1) {
-  for (Eigen::Index k = 0; k + 1 < metric_count; ++k) cell_count_ *= options_.cells_per_angle;
+    : options_(options), metric_count_(metric_count), cells_per_angle_(options.cells_per_angle) {}
+
+PerformanceBuffer::CellId PerformanceBuffer::CellCount() const {
+  CellId count = 1;
+  for (Eigen::Index k = 0; k + 1 < metric_count_; ++k) count *= cells_per_angle_;
+  return count;
 }
 
 PerformanceBuffer::CellId PerformanceBuffer::CellOf(const Eigen::VectorXd& scaled) const {
@@ -17,10 +26,9 @@ PerformanceBuffer::CellId PerformanceBuffer::CellOf(const Eigen::VectorXd& scale
   CellId cell = 0;
   for (Eigen::Index k = 0; k + 1 < metric_count_; ++k) {
     const double angle = std::atan2(y.tail(metric_count_ - 1 - k).norm(), y[k]);
-    const auto part = static_cast<CellId>(angle / (std::numbers::pi / 2) *
-                                          static_cast<double>(options_.cells_per_angle));
-    cell =
-        cell * options_.cells_per_angle + std::clamp<CellId>(part, 0, options_.cells_per_angle - 1);
+    const auto part =
+        static_cast<CellId>(angle / (std::numbers::pi / 2) * static_cast<double>(cells_per_angle_));
+    cell = cell * cells_per_angle_ + std::clamp<CellId>(part, 0, cells_per_angle_ - 1);
   }
   return cell;
 }
@@ -29,9 +37,9 @@ Eigen::VectorXd PerformanceBuffer::DirectionOf(CellId cell) const {
   Eigen::VectorXd direction(metric_count_);
   std::vector<double> angles(static_cast<std::size_t>(metric_count_ - 1));
   for (auto angle = angles.rbegin(); angle != angles.rend(); ++angle) {
-    *angle = (static_cast<double>(cell % options_.cells_per_angle) + 0.5) /
-             static_cast<double>(options_.cells_per_angle) * std::numbers::pi / 2;
-    cell /= options_.cells_per_angle;
+    *angle = (static_cast<double>(cell % cells_per_angle_) + 0.5) /
+             static_cast<double>(cells_per_angle_) * std::numbers::pi / 2;
+    cell /= cells_per_angle_;
   }
   double rest = 1;
   for (Eigen::Index k = 0; k + 1 < metric_count_; ++k) {
@@ -63,6 +71,7 @@ bool PerformanceBuffer::Insert(std::size_t entry, const Eigen::VectorXd& scaled,
 
 bool PerformanceBuffer::NeedsRebuild(const Scaling& current) const {
   if (scaling_.ideal.size() == 0) return true;
+  if (MayCoarsen() && cells_.size() > 2 * options_.cell_limit) return true;
   const Eigen::VectorXd ideal_shift = (current.ideal - scaling_.ideal).cwiseAbs();
   const Eigen::VectorXd nadir_shift =
       (current.ideal + current.range - scaling_.ideal - scaling_.range).cwiseAbs();
@@ -72,6 +81,19 @@ bool PerformanceBuffer::NeedsRebuild(const Scaling& current) const {
 
 void PerformanceBuffer::Rebuild(const Archive& archive, const Scaling& scaling) {
   scaling_ = scaling;
+  cells_per_angle_ = options_.cells_per_angle;
+  Refill(archive);
+  while (MayCoarsen() && cells_.size() > options_.cell_limit) {
+    cells_per_angle_ = cells_per_angle_ * 3 / 4;
+    Refill(archive);
+  }
+}
+
+bool PerformanceBuffer::MayCoarsen() const {
+  return options_.cell_limit > 0 && cells_per_angle_ >= kLeastCells;
+}
+
+void PerformanceBuffer::Refill(const Archive& archive) {
   cells_.clear();
   for (std::size_t i = 0; i < archive.size(); ++i)
     if (archive[i].feasible) Insert(i, scaling_.Apply(archive[i].metrics));

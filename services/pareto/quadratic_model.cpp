@@ -11,9 +11,10 @@ namespace {
 using Eigen::Index;
 
 constexpr double kCurvatureWeight = 0.1;  // b for a = 1: curvature is believed in less than slope
-constexpr double kInterpolation = 1e-9;   // slack of near neighbours: all but interpolated
-constexpr double kCubicSlack = 0.03;      // growth of the slack: what third derivatives may do
-constexpr double kThinning = 0.3;         // least distance between neighbours over that to c
+constexpr double kMeanCurvatureWeight = 0.1;  // c: of what all directions share
+constexpr double kInterpolation = 1e-9;       // slack of near neighbours: all but interpolated
+constexpr double kCubicSlack = 0.03;          // growth of the slack: what third derivatives may do
+constexpr double kThinning = 0.3;             // least distance between neighbours over that to c
 
 // What is modelled: metrics or constraints.
 struct Quantities {
@@ -34,7 +35,9 @@ void FitKernels(const Eigen::MatrixXd& t, const Eigen::MatrixXd& residuals,
                 const std::vector<Index>& metrics, QuadraticModel& model) {
   if (metrics.empty() || t.cols() == 0) return;
   const Eigen::MatrixXd dots = t.transpose() * t;
-  Eigen::MatrixXd kernel = a * dots + kCurvatureWeight * dots.cwiseAbs2();
+  const Eigen::VectorXd squares = dots.diagonal();
+  Eigen::MatrixXd kernel = a * dots + kCurvatureWeight * dots.cwiseAbs2() +
+                           kMeanCurvatureWeight * squares * squares.transpose();
   kernel.diagonal() += slack;
   const Eigen::LDLT<Eigen::MatrixXd> factors(kernel);
   for (const Index i : metrics) {
@@ -43,6 +46,8 @@ void FitKernels(const Eigen::MatrixXd& t, const Eigen::MatrixXd& residuals,
     model.jacobian.row(i) += (a / radius) * (t * weights).transpose();
     model.hessians[static_cast<std::size_t>(i)] =
         (2 * kCurvatureWeight / (radius * radius)) * t * weights.asDiagonal() * t.transpose();
+    model.hessians[static_cast<std::size_t>(i)].diagonal().array() +=
+        2 * kMeanCurvatureWeight / (radius * radius) * squares.dot(weights);
   }
 }
 

@@ -19,13 +19,15 @@ std::size_t Random::Index(std::size_t count) {
   return static_cast<std::size_t>(Uniform() * static_cast<double>(count));
 }
 
+double Random::Normal() {  // Box-Muller
+  const double radius = std::sqrt(-2 * std::log(1 - Uniform()));
+  return radius * std::cos(2 * std::numbers::pi * Uniform());
+}
+
 Eigen::VectorXd Random::UnitVector(Eigen::Index size) {
   Eigen::VectorXd v(size);
   do {
-    for (Eigen::Index i = 0; i < size; ++i) {  // Box-Muller
-      const double radius = std::sqrt(-2 * std::log(1 - Uniform()));
-      v[i] = radius * std::cos(2 * std::numbers::pi * Uniform());
-    }
+    for (double& value : v) value = Normal();
   } while (v.norm() < 1e-12);
   return v.normalized();
 }

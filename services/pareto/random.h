@@ -20,6 +20,9 @@ class Random {
   // Uniform in 0 .. count-1; count > 0.
   std::size_t Index(std::size_t count);
 
+  // Of the standard normal distribution.
+  double Normal();
+
   // Uniform on the unit sphere of R^size: both signs in every coordinate.
   Eigen::VectorXd UnitVector(Eigen::Index size);
 

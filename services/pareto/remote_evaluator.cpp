@@ -208,12 +208,15 @@ absl::Status RemoteEvaluator::CallOnce(Batch& batch) {
 absl::StatusOr<std::vector<Evaluation>> RemoteEvaluator::Evaluate(
     const std::vector<Eigen::VectorXd>& designs) {
   Batch batch(designs);
-  const absl::Time end = absl::Now() + options_.patience;
+  absl::Time end = absl::Now() + options_.patience;
   absl::Duration delay = kFirstDelay;
   while (true) {
     const absl::Status status = CallOnce(batch);
     if (status.ok()) return std::move(batch.results);
-    if (!WorthRepeating(status) || absl::Now() > end) return status;
+    if (!WorthRepeating(status)) return status;
+    // A call that took too long was not lost: who computes may be slow, or come later.
+    if (absl::IsDeadlineExceeded(status)) end = absl::Now() + options_.patience;
+    if (absl::Now() >= end) return status;
     if (!PauseBefore(delay)) return absl::CancelledError("interrupted");
     delay = std::min(2 * delay, kLongestDelay);
   }

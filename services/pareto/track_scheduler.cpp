@@ -15,10 +15,11 @@ namespace {
 using Eigen::VectorXd;
 using Target = LocalOptimization::Target;
 
-constexpr double kMemory = 0.9;  // weight of the past in what a way of sampling has brought
-constexpr int kCoarseCells = 64;
-constexpr std::size_t kBridges = 8;  // of a track
+constexpr double kMemory = 0.9;        // weight of the past in what a way of sampling has brought
+constexpr double kCoarseCells = 4096;  // about, in which tries are counted, for d > 2
+constexpr std::size_t kBridges = 8;    // of a track
 constexpr int kSweepValues = 8;
+constexpr double kTransferShare = 0.2;  // of what is invested in evolution
 // How much less other metrics count where one is looked for by itself: enough to choose among
 // designs that are equal in it.
 constexpr double kUnimportance = 3;
@@ -38,15 +39,18 @@ TrackScheduler::Track TrackScheduler::Next(const Archive& archive, const Perform
   const Eigen::Index d = buffer.scaling().ideal.size();
   if (opened_ <= LastOpening(d)) return OpeningTrack(archive);
   if (force_sample) return SampleTrack(archive, buffer);
-  switch (ChooseKind()) {
+  const TrackKind kind = ChooseKind();
+  switch (kind) {
+    case TrackKind::kBreed:
+    case TrackKind::kEvolve:
+    case TrackKind::kTransfer:
+      return {kind, nullptr, nullptr};
     case TrackKind::kGap:
       return d == 2 ? PlanarGapTrack(archive, buffer) : GapTrack(archive, buffer);
     case TrackKind::kRefine:
       return RefineTrack(archive, buffer);
     case TrackKind::kBridge:
       return BridgeTrack(archive, buffer);
-    case TrackKind::kBreed:
-      return {TrackKind::kBreed, nullptr, nullptr};
     case TrackKind::kSweep:
       return SweepTrack(archive, buffer);
     case TrackKind::kPolish:
@@ -57,7 +61,7 @@ TrackScheduler::Track TrackScheduler::Next(const Archive& archive, const Perform
 }
 
 void TrackScheduler::Report(TrackKind kind, double gain, int evaluations) {
-  if (kind == TrackKind::kOpening || evaluations == 0) return;
+  if (kind == TrackKind::kOpening || kind == TrackKind::kSurrogate || evaluations == 0) return;
   const auto i = static_cast<std::size_t>(kind);
   gain_[i] = kMemory * gain_[i] + gain;
   spent_[i] = kMemory * spent_[i] + evaluations;
@@ -79,6 +83,10 @@ std::array<double, TrackScheduler::kWays> TrackScheduler::Shares() const {
   for (std::size_t i = 0; i < ways; ++i) {
     rate[i] = least + rest * rate[i] / total;
   }
+  if (!options_.explores) return rate;
+  for (std::size_t i = 0; i < ways; ++i) rate[i] *= 1 - investment_;
+  rate[static_cast<std::size_t>(TrackKind::kEvolve)] += (1 - kTransferShare) * investment_;
+  rate[static_cast<std::size_t>(TrackKind::kTransfer)] += kTransferShare * investment_;
   return rate;
 }
 
@@ -96,8 +104,9 @@ TrackKind TrackScheduler::ChooseKind() {
 
 int& TrackScheduler::TriesAt(const PerformanceBuffer& buffer, const VectorXd& scaled) {
   PerformanceBuffer::Options coarse;
-  coarse.cells_per_angle = kCoarseCells;
   const Eigen::Index d = buffer.scaling().ideal.size();
+  const auto angles = static_cast<double>(std::max<Eigen::Index>(d - 1, 2));
+  coarse.cells_per_angle = static_cast<int>(std::lround(std::pow(kCoarseCells, 1 / angles)));
   return tries_[PerformanceBuffer(coarse, d).CellOf(scaled)];
 }
 
@@ -132,8 +141,8 @@ TrackScheduler::Track TrackScheduler::OpeningTrack(const Archive& archive) {
   }
   const bool second = opened_ > d;
   std::vector<std::size_t> candidates;
-  for (std::size_t entry = 0; second && entry < std::min(options_.second_look, archive.size());
-       ++entry)
+  for (std::size_t entry = options_.given;
+       second && entry < std::min(options_.second_look, archive.size()); ++entry)
     if (archive[entry].feasible) candidates.push_back(entry);
   if (candidates.empty()) candidates = archive.non_dominated();
   const std::size_t start = OpeningStart(archive, scaling, metric, candidates);
@@ -151,10 +160,15 @@ TrackScheduler::Track TrackScheduler::OpeningTrack(const Archive& archive) {
     direction.normalize();
     reach = 5;
   }
+  // Of many metrics all but one can be at their best where that is nearest to the ideal: a corner
+  // of the front that only a target in the middle leads out of.
+  const bool is_corner_likely = metric < 0 && d > 3;
+  const VectorXd from = is_corner_likely ? VectorXd(-y.norm() * direction) : y;
   ++opened_;
-  return {TrackKind::kOpening,
-          std::make_unique<LocalOptimization>(options, scaling, Toward(y, direction, reach), start),
-          nullptr};
+  return {
+      TrackKind::kOpening,
+      std::make_unique<LocalOptimization>(options, scaling, Toward(from, direction, reach), start),
+      nullptr};
 }
 
 TrackScheduler::Track TrackScheduler::PlanarGapTrack(const Archive& archive,
@@ -196,24 +210,18 @@ TrackScheduler::Track TrackScheduler::GapTrack(const Archive& archive,
                                                const PerformanceBuffer& buffer) {
   const Scaling& scaling = buffer.scaling();
   const Eigen::Index d = scaling.ideal.size();
-  std::vector<VectorXd> front;
-  for (const std::size_t entry : archive.non_dominated())
-    front.push_back(scaling.Apply(archive[entry].metrics));
+  Eigen::MatrixXd rays = ScaledFront(archive, scaling);
+  const Eigen::RowVectorXd sizes = rays.colwise().norm().cwiseMax(1e-300);
+  rays.array().rowwise() /= sizes.array();
   VectorXd chosen;
-  std::size_t start = 0;
+  Eigen::Index start = 0;
   double most = -1;
   double hole = 0;
   for (int trial = 0; trial < 32; ++trial) {
     const VectorXd ray = random_.UnitVector(d).cwiseAbs();
-    double least = std::numeric_limits<double>::infinity();
-    std::size_t nearest = 0;
-    for (std::size_t i = 0; i < front.size(); ++i) {
-      const double distance = (front[i].normalized() - ray).norm();
-      if (distance < least) {
-        least = distance;
-        nearest = i;
-      }
-    }
+    Eigen::Index nearest = 0;
+    const double least =
+        std::sqrt((rays.colwise() - ray).colwise().squaredNorm().minCoeff(&nearest));
     const double need = least * std::exp2(-TriesAt(buffer, ray));
     if (need > most) {
       most = need;
@@ -223,12 +231,12 @@ TrackScheduler::Track TrackScheduler::GapTrack(const Archive& archive,
     }
   }
   ++TriesAt(buffer, chosen);
-  const VectorXd aim = chosen * front[start].norm();
-  const double reach = options_.delta_s * std::max(hole, 0.05) * std::max(front[start].norm(), 0.1);
+  const std::size_t entry = archive.non_dominated()[static_cast<std::size_t>(start)];
+  const double size = scaling.Apply(archive[entry].metrics).norm();
+  const double reach = options_.delta_s * std::max(hole, 0.05) * std::max(size, 0.1);
   return {TrackKind::kGap,
           std::make_unique<LocalOptimization>(options_.optimization, scaling,
-                                              Toward(aim, -chosen, reach),
-                                              archive.non_dominated()[start]),
+                                              Toward(chosen * size, -chosen, reach), entry),
           nullptr};
 }
 

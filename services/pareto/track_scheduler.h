@@ -1,7 +1,7 @@
 // Chooses where the next local optimisation starts and what it aims at (§7.5.2).
 //
 // First the middle of the front and each metric's own optimum, so that the scaling of performance
-// is soon about right. Then seven ways of spending an evaluation take turns:
+// is soon about right. Then nine ways of spending an evaluation take turns:
 //   - gap: aim into the widest hole between known trade-offs, starting from one beside it, which
 //     costs nothing (the neighbouring-cell direction of the thesis, with the cell chosen by need);
 //   - refine: push a known trade-off straight down, along the normal of the front there;
@@ -11,7 +11,9 @@
 //   - polish: the same, pushed on to the front as far as models tell (front_polishing.h);
 //   - breed: children of the best designs so far (population.h), which is what gets through very
 //     many local optima;
-//   - sweep: along one parameter of a known trade-off (coordinate_search.h).
+//   - sweep: along one parameter of a known trade-off (coordinate_search.h);
+//   - evolve: samples of a Gaussian that learns how metrics fall (evolution_search.h);
+//   - transfer: the step that evolution took from one trade-off, taken from others.
 // Each gets a share of the evaluations in proportion to the hypervolume that it has lately brought
 // per evaluation, none less than its part of `least_share`.
 #pragma once
@@ -38,11 +40,14 @@ enum class TrackKind {
   kBreed = 4,
   kSweep = 5,
   kPolish = 6,
-  kOpening = 7
+  kEvolve = 7,
+  kTransfer = 8,
+  kOpening = 9,
+  kSurrogate = 10  // proposals of a surrogate, which the caller interleaves
 };
 
 class TrackScheduler {
-  static constexpr std::size_t kWays = 7, kLocalWays = 3;
+  static constexpr std::size_t kWays = 9, kLocalWays = 3;
 
  public:
   struct Options {
@@ -55,6 +60,7 @@ class TrackScheduler {
     // second time, independently of what is known by then: the first time may end in a corner where
     // all slopes vanish. 0: no second time.
     std::size_t second_look = 0;
+    std::size_t given = 0;  // the first so many of these are not looked at: they are of a front
     LocalOptimization::Options optimization;
   };
 
@@ -62,7 +68,7 @@ class TrackScheduler {
     TrackKind kind = TrackKind::kOpening;
     std::unique_ptr<LocalOptimization> optimization;
     std::unique_ptr<PointSource>
-        other;  // of kBridge, kSweep, kPolish; of kBreed none: the caller's population does
+        other;  // of kBridge, kSweep, kPolish; those of kBreed, kEvolve, kTransfer are the caller's
   };
 
   TrackScheduler(const Options& options, std::uint64_t seed) : options_(options), random_(seed) {}
@@ -80,6 +86,10 @@ class TrackScheduler {
 
   // What a track (with the expansion after it) brought: hypervolume gained for evaluations spent.
   void Report(TrackKind kind, double gain, int evaluations);
+
+  // The part of the evaluations that evolution gets before what it brought is counted: its first
+  // search brings nothing until it has learnt how metrics fall.
+  void Invest(double part) { investment_ = part; }
 
   // Whether an opening track that is under way should end before Next is called again: the middle
   // of the front comes first, then each metric's optimum side by side, then the rest.
@@ -111,6 +121,7 @@ class TrackScheduler {
   FrontBridging bridging_;
   int opened_ = 0;
   bool has_gradients_ = false;
+  double investment_ = 0;
   std::map<std::int64_t, int> tries_;  // by coarse cell
   std::array<double, kWays> gain_{};
   std::array<double, kWays> spent_{};

@@ -2,10 +2,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <numeric>
 #include <thread>
 
 #include "cli/state_folder.h"
@@ -348,6 +350,59 @@ TEST(CommandLine, BenchmarksPrintEveryPointThatNoneDominates) {
   EXPECT_EQ(Json::parse(Mortise(run).out)["points"], document["points"]) << "the same seed";
 }
 
+TEST(CommandLine, BenchmarksOfManyMetricsAreWrittenAsFiles) {
+  const auto folder = std::filesystem::temp_directory_path() / ("mortise-" + NewIdentifier());
+  const CommandResult result = Mortise({"--json", "pareto", "benchmark", "DTLZ2", "--metrics", "4",
+                                        "--evaluations", "150", "--out", folder.string()});
+  ASSERT_EQ(result.exit_code, 0) << result.error;
+  const Json document = Json::parse(result.out);
+  EXPECT_EQ(document["dims"], 13);
+  EXPECT_EQ(document["points"][0]["metrics"].size(), 4u);
+  EXPECT_EQ(ReadFile(folder / "front.csv")->rfind("x1,x2,", 0), 0u);
+  EXPECT_NE(ReadFile(folder / "front.svg")->find("best f3"), std::string::npos);
+  EXPECT_EQ(ReadFile(folder / "front.png")->substr(1, 3), "PNG");
+  std::filesystem::remove_all(folder);
+}
+
+TEST(CommandLine, BenchmarksJudgePiecesAndPoints) {
+  const CommandResult affine = Mortise({"pareto", "benchmark", "ZDT1", "--dims", "30",
+                                        "--evaluations", "60", "--gradients", "--dense", "--json"});
+  ASSERT_EQ(affine.exit_code, 0) << affine.error;
+  const Json dense = Json::parse(affine.out);
+  EXPECT_EQ(dense["evaluations"], 60);
+  EXPECT_GT(dense["dense_evaluations"], 100);
+  EXPECT_GT(dense["dense_share"], dense["share"]);
+  EXPECT_GT(dense["dense_share"], 0.999);
+  EXPECT_FALSE(dense.contains("front_error_worst"));
+  const CommandResult waves = Mortise(
+      {"pareto", "benchmark", "Fourier", "--evaluations", "600", "--front-error", "--json"});
+  ASSERT_EQ(waves.exit_code, 0) << waves.error;
+  const Json error = Json::parse(waves.out);
+  const auto decades = error["front_error_decades"].get<std::vector<int>>();
+  const auto points = error["front_error_points"].get<double>();
+  EXPECT_EQ(std::accumulate(decades.begin(), decades.end(), 0), points);
+  EXPECT_NEAR(error["front_error_share_below_1e_5"],
+              std::accumulate(decades.begin(), decades.begin() + 6, 0) / points, 1e-12);
+  EXPECT_GT(error["front_error_worst"], 0);
+  EXPECT_FALSE(error.contains("dense_share"));
+}
+
+TEST(CommandLine, BenchmarksSayWhatConstraintsAre) {
+  const CommandResult result =
+      Mortise({"pareto", "benchmark", "BNH", "--evaluations", "100", "--json"});
+  ASSERT_EQ(result.exit_code, 0) << result.error;
+  const Json document = Json::parse(result.out);
+  ASSERT_GE(document["points"].size(), 5u);
+  for (const Json& point : document["points"]) {
+    const auto x = point["parameters"].get<std::vector<double>>();
+    const auto g = point["constraints"].get<std::vector<double>>();
+    ASSERT_EQ(g.size(), 2u);
+    EXPECT_NEAR(g[0], (x[0] - 5) * (x[0] - 5) + x[1] * x[1] - 25, 1e-9);
+    EXPECT_NEAR(g[1], 7.7 - (x[0] - 8) * (x[0] - 8) - (x[1] + 3) * (x[1] + 3), 1e-9);
+    EXPECT_LE(std::max(g[0], g[1]), 0);
+  }
+}
+
 TEST(CommandLine, BenchmarksSayWhatIsWrong) {
   const auto fault = [](std::vector<std::string> arguments) {
     arguments.insert(arguments.begin(), {"--json", "pareto", "benchmark"});
@@ -361,6 +416,8 @@ TEST(CommandLine, BenchmarksSayWhatIsWrong) {
   EXPECT_EQ(fault({"ZDT1", "--evaluations", "-5"}), "--evaluations");
   EXPECT_EQ(fault({"ZDT1", "--window", "0"}), "--window");
   EXPECT_EQ(fault({"Kursawe", "--rotated"}), "--rotated");
+  EXPECT_EQ(fault({"DTLZ2", "--metrics", "7"}), "--metrics");
+  EXPECT_EQ(fault({"BNH", "--front-error"}), "--front-error");
 }
 
 TEST(Completion, IsAScriptThatBashAccepts) {

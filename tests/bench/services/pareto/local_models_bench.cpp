@@ -1,11 +1,13 @@
 // What discovery spends on a design by itself, without evaluating anything: a local model, a step
-// within the models of constraints, and polishing. Argument: parameters; 1,000 entries.
+// within the models of constraints, polishing, and a sample of an evolution search. Argument:
+// parameters; 1,000 entries.
 #include <benchmark/benchmark.h>
 
 #include <cmath>
 
 #include "services/pareto/archive.h"
 #include "services/pareto/constrained_quadratic.h"
+#include "services/pareto/evolution_search.h"
 #include "services/pareto/front_polishing.h"
 #include "services/pareto/quadratic_model.h"
 #include "services/pareto/random.h"
@@ -75,9 +77,23 @@ void Sizes(benchmark::internal::Benchmark* bench) {
   bench->Unit(benchmark::kMicrosecond)->Arg(3)->Arg(12)->Arg(30);
 }
 
+// With learning from it, whatever the metrics.
+void BM_EvolutionSample(benchmark::State& state) {
+  const Archive archive = NearAFront(state.range(0));
+  const Scaling scaling = archive.CurrentScaling();
+  EvolutionSearch search(5);
+  std::size_t entry = 0;
+  for (auto _ : state) {
+    entry = (entry + 37) % kEntries;
+    const EvolutionSearch::Sample sample = search.Next(archive, scaling);
+    search.Tell(archive, scaling, sample.search, entry);
+  }
+}
+
 BENCHMARK(BM_FitQuadraticModel)->Apply(Sizes);
 BENCHMARK(BM_StepWithinConstraints)->Apply(Sizes);
 BENCHMARK(BM_Polish)->Apply(Sizes);
+BENCHMARK(BM_EvolutionSample)->Apply(Sizes);
 
 }  // namespace
 }  // namespace mortise::pareto

@@ -3,6 +3,7 @@
 #include <grpcpp/grpcpp.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -11,7 +12,10 @@
 #include <limits>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "common/base/errors.h"
 #include "common/base/identifiers.h"
@@ -29,8 +33,9 @@ using std::chrono::steady_clock;
 
 constexpr int kDimensions = 5;
 
-// Serves ZDT1 with its second metric negated as "gain", to be made large, and a third, "stress" =
-// 10 (0.7 - x0). Can be held up after a number of evaluations.
+// Serves ZDT1 with its second metric negated as "gain", to be made large, a third, "stress" =
+// 10 (0.7 - x0), "cost" = 5 (1 - x1), and "weight", which is nine times the first. Can be held up
+// after a number of evaluations, and answer in ways that it should not.
 class Zdt1Evaluator : public v1::EvaluatorService::Service {
  public:
   grpc::Status DescribeDesignSpace(grpc::ServerContext*,
@@ -57,7 +62,7 @@ class Zdt1Evaluator : public v1::EvaluatorService::Service {
       ribs.set_default_value(1);
       ribs.set_step(1);
     }
-    for (const char* name : {"mass", "gain", "stress"}) {
+    for (const char* name : {"mass", "gain", "stress", "cost", "weight"}) {
       auto& metric = *response->add_metrics();
       metric.set_name(name);
       metric.set_unit("kg");
@@ -69,6 +74,7 @@ class Zdt1Evaluator : public v1::EvaluatorService::Service {
                              grpc::ServerWriter<v1::EvaluationResult>* writer) override {
     for (int k = 0; k < request->points_size(); ++k) {
       if (!Admit(*context)) return {grpc::StatusCode::CANCELLED, "cancelled"};
+      if (lost_) return {grpc::StatusCode::INTERNAL, "the solver's licence has run out"};
       const auto& parameters = request->points(k).parameters();
       Eigen::VectorXd x = Eigen::VectorXd::Map(parameters.data(), parameters.size());
       if (request->subject() == "evaluators/mixed") {
@@ -77,20 +83,24 @@ class Zdt1Evaluator : public v1::EvaluatorService::Service {
         x[4] = 0.2 * std::abs(x[4] - 2);
       }
       v1::EvaluationResult result;
-      result.set_index(k);
+      result.set_index(misnumbers_ ? 1000 : k);
       if (const absl::Status fault = FaultOf(x); !fault.ok()) {
         *result.mutable_error() = rpc::ToProto(fault);
       } else {
         const Evaluation evaluation = problem_.evaluate(x, false);
         for (const std::string& name : request->metrics()) {
+          if (name == left_out_) continue;
           auto& metric = *result.add_metrics();
           metric.set_name(name);
           metric.set_unit("kg");
-          metric.set_value(name == "mass"   ? evaluation.metrics[0]
-                           : name == "gain" ? -evaluation.metrics[1]
-                                            : 10 * (0.7 - x[0]));
+          metric.set_value(name == "mass"     ? evaluation.metrics[0] + drift_
+                           : name == "weight" ? 9 * evaluation.metrics[0]
+                           : name == "gain"   ? -evaluation.metrics[1]
+                           : name == "cost"   ? 5 * (1 - x[1])
+                                              : 10 * (0.7 - x[0]));
         }
       }
+      Note(x);
       writer->Write(result);
     }
     return grpc::Status::OK;
@@ -120,6 +130,17 @@ class Zdt1Evaluator : public v1::EvaluatorService::Service {
   }
   // Whether choices and whole numbers were whole.
   bool whole() const { return whole_; }
+  // The designs evaluated since the last call.
+  std::vector<Eigen::VectorXd> TakeEvaluated() {
+    const std::lock_guard lock(mutex_);
+    return std::exchange(evaluated_, {});
+  }
+
+  std::atomic<bool> lost_ = false;        // every call fails
+  std::atomic<bool> misnumbers_ = false;  // answers are of designs that were not asked for
+  std::atomic<double> drift_ = 0;         // of "mass"
+  std::string left_out_;                  // a metric; set before it is asked
+
   int evaluations() {
     const std::lock_guard lock(mutex_);
     return evaluations_;
@@ -130,6 +151,11 @@ class Zdt1Evaluator : public v1::EvaluatorService::Service {
     const std::lock_guard lock(mutex_);
     if (x[1] > conflicts_from_) return InvalidField("points", "cannot be built");
     return x[0] >= fails_from_ ? fault_ : absl::OkStatus();
+  }
+
+  void Note(const Eigen::VectorXd& x) {
+    const std::lock_guard lock(mutex_);
+    evaluated_.push_back(x);
   }
 
   bool Admit(grpc::ServerContext& context) {
@@ -147,6 +173,7 @@ class Zdt1Evaluator : public v1::EvaluatorService::Service {
   std::mutex mutex_;
   std::condition_variable changed_;
   std::atomic<bool> whole_ = true;
+  std::vector<Eigen::VectorXd> evaluated_;
   int evaluations_ = 0;
   int limit_ = std::numeric_limits<int>::max();
   double conflicts_from_ = 0.9;
@@ -186,6 +213,7 @@ class ParetoServiceTest : public ::testing::Test {
     specification.set_subject("templates/zdt1");
     specification.set_evaluations(evaluations);
     specification.set_seed(11);
+    specification.set_surrogate(v1::DiscoverySpecification::SURROGATE_NEVER);
     specification.add_objectives()->set_metric("mass");
     auto& gain = *specification.add_objectives();
     gain.set_metric("gain");
@@ -297,6 +325,29 @@ TEST_F(ParetoServiceTest, DiscoversPicksListsAndExports) {
   EXPECT_EQ(csv.rfind("x0,x1,x2,x3,x4,mass (kg),gain (kg),piece", 0), 0u);
   EXPECT_NE(Export(front.name(), v1::ExportFrontRequest::SVG).find("<svg"), std::string::npos);
   EXPECT_EQ(Export(front.name(), v1::ExportFrontRequest::JSON).front(), '{');
+  EXPECT_EQ(Export(front.name(), v1::ExportFrontRequest::PNG).substr(1, 3), "PNG");
+}
+
+TEST_F(ParetoServiceTest, TellsHowWellItsSurrogateForetold) {
+  v1::DiscoverFrontRequest request = Request(40);
+  request.mutable_specification()->set_surrogate(v1::DiscoverySpecification::SURROGATE_AUTOMATIC);
+  const v1::Operation operation = Wait(Discover(request).name());
+  EXPECT_NE(operation.progress().message().find("surrogate off by"), std::string::npos)
+      << operation.progress().message();
+  const v1::Front front = FrontOf(operation);
+  EXPECT_EQ(front.evaluations(), 40);
+  EXPECT_GT(front.surrogate_quality().proposals(), 15);
+  EXPECT_GT(front.surrogate_quality().predictions(), front.surrogate_quality().proposals());
+  EXPECT_GT(front.surrogate_quality().within_two_deviations(), 0.5);
+  EXPECT_GT(front.surrogate_quality().median_error(), 0);
+
+  request.set_request_id(NewIdentifier());
+  request.mutable_specification()->set_surrogate(v1::DiscoverySpecification::SURROGATE_NEVER);
+  EXPECT_FALSE(FrontOf(Wait(Discover(request).name())).has_surrogate_quality());
+  EXPECT_EQ(Refusal([](auto& specification) {
+              specification.set_surrogate(static_cast<v1::DiscoverySpecification::Surrogate>(9));
+            }),
+            grpc::StatusCode::INVALID_ARGUMENT);
 }
 
 TEST_F(ParetoServiceTest, ExploresAFront) {
@@ -345,6 +396,38 @@ TEST_F(ParetoServiceTest, ExploresAFront) {
   EXPECT_EQ(rest.parameters_size(), kDimensions);
   ASSERT_EQ(rest.conflicts_size(), 1);
   EXPECT_LT(rest.conflicts(0).correlation(), -0.8);
+}
+
+TEST_F(ParetoServiceTest, DiscoversFrontsOfFourMetrics) {
+  v1::DiscoverFrontRequest request = Request(300);
+  for (const char* metric : {"stress", "cost"})
+    request.mutable_specification()->add_objectives()->set_metric(metric);
+  const v1::Operation operation = Wait(Discover(request).name());
+  ASSERT_EQ(operation.state(), v1::Operation::SUCCEEDED) << operation.ShortDebugString();
+  const v1::Front front = FrontOf(operation);
+  EXPECT_EQ(front.metric_names_size(), 4);
+  ASSERT_GT(front.points_size(), 20);
+  double cheapest = 5;
+  for (const v1::FrontPoint& point : front.points()) {
+    ASSERT_EQ(point.metrics_size(), 4);
+    ASSERT_EQ(point.embedding_size(), 3);
+    cheapest = std::min(cheapest, point.metrics(3));
+  }
+  EXPECT_LT(cheapest, 0.7);  // 0.5 is possible
+  EXPECT_LE(front.cells_covered(), 75);
+
+  v1::PickPointRequest pick;
+  pick.set_name(front.name());
+  for (int i = 0; i < 3; ++i) pick.add_embedding(0.5);
+  v1::PickPointResponse picked;
+  ASSERT_TRUE(Asked(pick, picked).ok());
+  EXPECT_EQ(picked.metrics_size(), 4);
+  EXPECT_EQ(picked.neighbours_size(), 8);
+  pick.add_embedding(0.5);
+  EXPECT_EQ(Asked(pick, picked).error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_EQ(Export(front.name(), v1::ExportFrontRequest::PNG).substr(1, 3), "PNG");
+  EXPECT_NE(Export(front.name(), v1::ExportFrontRequest::SVG).find("best stress"),
+            std::string::npos);
 }
 
 TEST_F(ParetoServiceTest, KeepsToConstraints) {
@@ -544,6 +627,32 @@ TEST_F(ParetoServiceTest, MergesFrontsOfChoicesAndWholeNumbers) {
   const v1::Front allowed = FrontOf(Wait(Discover(request).name()));
   EXPECT_EQ(allowed.combinations().possible(), 6);
   for (const v1::FrontPoint& point : allowed.points()) EXPECT_NE(point.choices(3), "birch");
+
+  // From the front before, whose choice is no longer allowed in most designs.
+  request.set_request_id(NewIdentifier());
+  request.mutable_specification()->add_start_from(front.name());
+  request.mutable_specification()->add_start_from(allowed.name());
+  const v1::Front again = FrontOf(Wait(Discover(request).name()));
+  EXPECT_EQ(again.remarks_size(), 0) << again.remarks(0);
+  EXPECT_GT(again.points_size(), 0);
+  for (const v1::FrontPoint& point : again.points()) EXPECT_NE(point.choices(3), "birch");
+}
+
+TEST_F(ParetoServiceTest, RefusesTolerancesOfChoicesAndWholeNumbers) {
+  const auto refused = [&](const std::string& parameter) {
+    v1::DiscoverFrontRequest request = Request(100);
+    request.mutable_specification()->set_subject("evaluators/mixed");
+    auto& tolerance = *request.mutable_specification()->add_tolerances();
+    tolerance.set_parameter(parameter);
+    tolerance.set_deviation(0.1);
+    grpc::ClientContext context;
+    v1::Operation operation;
+    const grpc::Status status = fronts_->DiscoverFront(&context, request, &operation);
+    return DetailOf(rpc::FromGrpc(status)).field;
+  };
+  EXPECT_EQ(refused("x3"), "specification.tolerances[0].parameter");
+  EXPECT_EQ(refused("x4"), "specification.tolerances[0].parameter");
+  EXPECT_EQ(refused("x0"), "");
 }
 
 TEST_F(ParetoServiceTest, RefusesChoicesThatAreNone) {
@@ -610,6 +719,149 @@ TEST_F(ParetoServiceTest, CancelKeepsTheBestSoFar) {
   EXPECT_LT(front.evaluations(), 100);
 }
 
+TEST_F(ParetoServiceTest, StartsFromAnEarlierFront) {
+  const v1::Front before = FrontOf(Wait(Discover(Request(200)).name()));
+  evaluator_.TakeEvaluated();
+  v1::DiscoverFrontRequest request = Request(80);
+  request.mutable_specification()->add_start_from(before.name());
+  auto& bound = *request.mutable_specification()->add_bounds();
+  bound.set_parameter("x0");
+  bound.set_maximum(0.6);
+  const v1::Front front = FrontOf(Wait(Discover(request).name()));
+  EXPECT_EQ(front.specification().start_from(0), before.name());
+  EXPECT_EQ(front.remarks_size(), 0) << front.remarks(0);
+  EXPECT_GT(front.hypervolume(), 0.6);
+  // The first ten are of that front, within the new bound; the other way round within the window.
+  std::set<std::vector<double>> known;
+  for (const v1::FrontPoint& point : before.points()) {
+    std::vector<double> x(point.parameters().begin(), point.parameters().end());
+    x[0] = std::min(x[0], 0.6);
+    known.insert(x);
+  }
+  const std::vector<Eigen::VectorXd> evaluated = evaluator_.TakeEvaluated();
+  int repeated = 0;
+  for (std::size_t i = 0; i < 18; ++i)
+    repeated += known.contains({evaluated[i].begin(), evaluated[i].end()}) ? 1 : 0;
+  EXPECT_EQ(repeated, 10);
+
+  // Killed in the middle it goes on to the same front.
+  evaluator_.HoldAfter(40);
+  request.set_request_id(NewIdentifier());
+  const v1::Operation started = Discover(request);
+  evaluator_.WaitUntilHeld();
+  pareto_->Kill();
+  evaluator_.Release();
+  pareto_->Start();
+  Connect();
+  const v1::Front resumed = FrontOf(Wait(started.name()));
+  ASSERT_EQ(resumed.points_size(), front.points_size());
+  for (int i = 0; i < front.points_size(); ++i)
+    EXPECT_EQ(resumed.points(i).SerializeAsString(), front.points(i).SerializeAsString());
+
+  request.mutable_specification()->set_start_from(0, "fronts/absent");
+  v1::Operation operation;
+  grpc::ClientContext absent;
+  request.set_request_id(NewIdentifier());
+  const grpc::Status missing = fronts_->DiscoverFront(&absent, request, &operation);
+  EXPECT_EQ(missing.error_code(), grpc::StatusCode::NOT_FOUND);
+  EXPECT_NE(missing.error_message().find("fronts/absent"), std::string::npos);
+  for (const std::vector<std::string>& names :
+       std::vector<std::vector<std::string>>{{"absent"}, {before.name(), before.name()}}) {
+    grpc::ClientContext context;
+    request.mutable_specification()->mutable_start_from()->Assign(names.begin(), names.end());
+    request.set_request_id(NewIdentifier());
+    EXPECT_EQ(fronts_->DiscoverFront(&context, request, &operation).error_code(),
+              grpc::StatusCode::INVALID_ARGUMENT);
+  }
+}
+
+TEST_F(ParetoServiceTest, SaysThatAnEvaluatorChangedItsAnswers) {
+  const v1::Front before = FrontOf(Wait(Discover(Request(60)).name()));
+  evaluator_.drift_ = 0.01;
+  v1::DiscoverFrontRequest request = Request(60);
+  request.mutable_specification()->add_start_from(before.name());
+  const v1::Front front = FrontOf(Wait(Discover(request).name()));
+  ASSERT_EQ(front.remarks_size(), 1);
+  EXPECT_NE(front.remarks(0).find("changed its answers: 'mass'"), std::string::npos)
+      << front.remarks(0);
+}
+
+TEST_F(ParetoServiceTest, CountsOnTolerances) {
+  v1::DiscoverFrontRequest request = Request(300);
+  auto& tolerance = *request.mutable_specification()->add_tolerances();
+  tolerance.set_parameter("x0");
+  tolerance.set_deviation(0.03);
+  request.mutable_specification()->set_deviations(2);
+  const int before = evaluator_.evaluations();
+  const v1::Operation operation = Wait(Discover(request).name());
+  ASSERT_EQ(operation.state(), v1::Operation::SUCCEEDED) << operation.ShortDebugString();
+  EXPECT_EQ(operation.progress().total(), 300);
+  const v1::Front front = FrontOf(operation);
+  EXPECT_EQ(front.evaluations(), 100);
+  EXPECT_EQ(front.subject_evaluations(), 300);
+  EXPECT_EQ(evaluator_.evaluations() - before, 300);
+  ASSERT_GT(front.points_size(), 5);
+  const double deviation = 0.03 / std::sqrt(3);
+  for (const v1::FrontPoint& point : front.points()) {
+    ASSERT_EQ(point.metric_means_size(), 2);
+    EXPECT_NEAR(point.metric_means(0), point.parameters(0), 1e-9);
+    EXPECT_NEAR(point.metric_deviations(0), deviation, 1e-9);
+    EXPECT_NEAR(point.metrics(0), point.parameters(0) + 2 * deviation, 1e-9);
+    // The gain is to be large: what is robust is less than its mean.
+    EXPECT_NEAR(point.metrics(1), point.metric_means(1) - 2 * point.metric_deviations(1), 1e-9);
+  }
+  const std::string csv = Export(front.name(), v1::ExportFrontRequest::CSV);
+  EXPECT_NE(csv.find("mean mass (kg),deviation of mass (kg)"), std::string::npos) << csv;
+}
+
+TEST_F(ParetoServiceTest, SaysThatMetricsDoNotConflict) {
+  v1::DiscoverFrontRequest request = Request(60);
+  request.mutable_specification()->mutable_objectives(1)->set_metric("weight");
+  request.mutable_specification()->mutable_objectives(1)->set_maximize(false);
+  const v1::Front front = FrontOf(Wait(Discover(request).name()));
+  EXPECT_EQ(front.points_size(), 1);
+  ASSERT_GT(front.remarks_size(), 0);
+  EXPECT_NE(front.remarks(0).find("'mass' and 'weight'"), std::string::npos) << front.remarks(0);
+}
+
+TEST_F(ParetoServiceTest, KeepsWhatWasFoundWhenTheEvaluatorIsLost) {
+  for (std::atomic<bool>* fault : {&evaluator_.lost_, &evaluator_.misnumbers_}) {
+    evaluator_.HoldAfter(60);
+    const v1::Operation started = Discover(Request(5000));
+    evaluator_.WaitUntilHeld();
+    *fault = true;
+    evaluator_.Release();
+    const v1::Operation operation = Wait(started.name());
+    *fault = false;
+    ASSERT_EQ(operation.state(), v1::Operation::FAILED) << operation.ShortDebugString();
+    EXPECT_EQ(operation.error().code(), static_cast<int>(absl::StatusCode::kInternal));
+    const std::string& message = operation.error().message();
+    const char* const why = fault == &evaluator_.lost_ ? "licence" : "was not asked for";
+    EXPECT_NE(message.find(why), std::string::npos) << message;
+    const std::size_t at = message.find("fronts/");
+    ASSERT_NE(at, std::string::npos) << message;
+    v1::GetFrontRequest get;
+    get.set_name(message.substr(at, message.find(' ', at) - at));
+    grpc::ClientContext context;
+    v1::Front front;
+    ASSERT_TRUE(fronts_->GetFront(&context, get, &front).ok()) << get.name();
+    EXPECT_EQ(front.stop_reason(), "EVALUATOR_LOST");
+    EXPECT_GT(front.points_size(), 0);
+    EXPECT_GE(front.evaluations(), 50);
+  }
+}
+
+TEST_F(ParetoServiceTest, SaysThatAMetricIsMissing) {
+  evaluator_.left_out_ = "gain";
+  const v1::Operation operation = Wait(Discover(Request(40)).name());
+  ASSERT_EQ(operation.state(), v1::Operation::FAILED);
+  const absl::Status error = rpc::FromProto(operation.error());
+  EXPECT_EQ(DetailOf(error).reason, "NO_FEASIBLE_DESIGN");
+  EXPECT_NE(error.message().find(" NOT_FINITE, such as: the evaluator left out a metric"),
+            std::string::npos)
+      << error;
+}
+
 TEST_F(ParetoServiceTest, RefusesBadInput) {
   using Specification = v1::DiscoverySpecification;
   const double nan = std::numeric_limits<double>::quiet_NaN();
@@ -658,6 +910,32 @@ TEST_F(ParetoServiceTest, RefusesBadInput) {
               constrained("stress", 0, {})(s);
             }),
             grpc::StatusCode::INVALID_ARGUMENT);
+
+  const auto toleranced = [](const std::string& name, double deviation, double deviations) {
+    return [=](Specification& s) {
+      auto& tolerance = *s.add_tolerances();
+      tolerance.set_parameter(name);
+      tolerance.set_deviation(deviation);
+      s.set_deviations(deviations);
+    };
+  };
+  EXPECT_EQ(Refusal(toleranced("y", 0.01, 1)), grpc::StatusCode::INVALID_ARGUMENT);
+  for (const double bad : {0.0, -0.01, nan, 0.9})
+    EXPECT_EQ(Refusal(toleranced("x0", bad, 1)), grpc::StatusCode::INVALID_ARGUMENT) << bad;
+  for (const double bad : {-1.0, nan, 101.0})
+    EXPECT_EQ(Refusal(toleranced("x0", 0.01, bad)), grpc::StatusCode::INVALID_ARGUMENT) << bad;
+  EXPECT_EQ(Refusal([](Specification& s) { s.set_deviations(3); }),
+            grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_EQ(Refusal([&](Specification& s) {
+              toleranced("x0", 0.01, 1)(s);
+              toleranced("x0", 0.02, 1)(s);
+            }),
+            grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_EQ(Refusal([&](Specification& s) {
+              for (const char* name : {"x0", "x1", "x2"}) toleranced(name, 0.01, 1)(s);
+            }),
+            grpc::StatusCode::INVALID_ARGUMENT)
+      << "fifty evaluations are seven designs";
 
   grpc::ClientContext context;
   v1::GetFrontRequest absent;

@@ -151,6 +151,45 @@ TEST(BenchmarkProblemsTest, HaveTheirPublishedOptima) {
   EXPECT_NEAR(MakeBenchmarkProblem("Kursawe", 3)->evaluate(x, false).metrics[0], -20, 1e-12);
 }
 
+// Random optima, and random designs, are beyond the true front; the simplex and the sphere hold the
+// optima of any number of metrics.
+TEST(BenchmarkProblemsTest, ManyMetricsHaveTheirPublishedOptima) {
+  Random random(12);
+  for (const int d : {2, 4, 5, 6}) {
+    for (const char* name : {"DTLZ1", "DTLZ2", "DTLZ3", "DTLZ4"}) {
+      const int dimensions = PublishedDimensions(name, d);
+      const BenchmarkProblem problem = *MakeBenchmarkProblem(name, dimensions, {.metrics = d});
+      ASSERT_EQ(problem.metric_count, d);
+      std::vector<Eigen::VectorXd> optima;
+      for (int i = 0; i < 200; ++i) {
+        Eigen::VectorXd x = Eigen::VectorXd::Constant(dimensions, 0.5);
+        for (double& value : x.head(d - 1)) value = random.Uniform();
+        optima.push_back(problem.evaluate(x, false).metrics);
+        const double size = name[4] == '1' ? 2 * optima.back().sum() : optima.back().norm();
+        EXPECT_NEAR(size, 1, 1e-12) << name;
+      }
+      const double found = Hypervolume(optima, problem.reference);
+      EXPECT_LT(found, problem.hypervolume) << name << " " << d;
+      const double least = name[4] == '4' ? 0 : 0.6;  // uniform parameters gather in its corners
+      EXPECT_GT(found, least * problem.hypervolume) << name << " " << d;
+    }
+  }
+}
+
+TEST(BenchmarkProblemsTest, TrueHypervolumeOfDisconnectedFrontsOfFourMetrics) {
+  const BenchmarkProblem problem = *MakeBenchmarkProblem("DTLZ7", 5, {.metrics = 4});
+  constexpr int kSteps = 40;
+  std::vector<Eigen::VectorXd> optima;
+  for (int i = 0; i < kSteps * kSteps * kSteps; ++i) {
+    Eigen::VectorXd x = Eigen::VectorXd::Zero(5);
+    x.head(3) << i % kSteps, i / kSteps % kSteps, i / kSteps / kSteps;
+    x.head(3) *= 0.86 / (kSteps - 1);  // the front ends there
+    optima.push_back(problem.evaluate(x, false).metrics);
+  }
+  const double sampled = SampledHypervolume(optima, problem.reference, 1 << 12);
+  EXPECT_NEAR(sampled, problem.hypervolume, 0.02 * problem.hypervolume);
+}
+
 TEST(BenchmarkProblemsTest, ConstraintsHoldThePublishedOptima) {
   const auto at = [](const char* name, const Eigen::VectorXd& x) {
     return MakeBenchmarkProblem(name, static_cast<int>(x.size()))->evaluate(x, false);
@@ -196,7 +235,9 @@ TEST(BenchmarkProblemsTest, RefusesWhatDoesNotExist) {
   EXPECT_TRUE(absl::IsInvalidArgument(MakeBenchmarkProblem("Kursawe", 3, {true, false}).status()));
   EXPECT_TRUE(absl::IsInvalidArgument(MakeBenchmarkProblem("OSY", 5).status()));
   EXPECT_TRUE(absl::IsInvalidArgument(MakeBenchmarkProblem("ZDT1", 5, {.metrics = 3}).status()));
-  EXPECT_TRUE(absl::IsInvalidArgument(MakeBenchmarkProblem("Fourier", 5, {.metrics = 4}).status()));
+  EXPECT_TRUE(absl::IsInvalidArgument(MakeBenchmarkProblem("Fourier", 5, {.metrics = 7}).status()));
+  EXPECT_TRUE(absl::IsInvalidArgument(MakeBenchmarkProblem("DTLZ2", 5, {.metrics = 1}).status()));
+  EXPECT_TRUE(absl::IsInvalidArgument(MakeBenchmarkProblem("DTLZ2", 4, {.metrics = 5}).status()));
   EXPECT_EQ(PublishedDimensions("Rosenbrock"), 0);
 }
 

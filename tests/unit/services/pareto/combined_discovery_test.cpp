@@ -261,6 +261,41 @@ TEST(CombinedDiscovery, KeepsToConstraintsOfSomeCombinationsOnly) {
   EXPECT_GT(discovery->summary().violating, 0);
 }
 
+TEST(CombinedDiscovery, BeginsWithTheDesignsGiven) {
+  Discovery::Options options = Budget(60);
+  options.initial_designs.resize(3, 3);
+  options.initial_designs.col(0) = Eigen::Vector3d(1, 0.2, 0.5);
+  options.initial_designs.col(1) = Eigen::Vector3d(0, 0.7, 0.3);
+  options.initial_designs.col(2) = Eigen::Vector3d(1, 0.9, 0.1);
+  std::vector<VectorXd> asked;
+  const auto discovery =
+      Complete(*MakeDiscovery(ChoiceOfThree(), kThree, 2, options), [&](const VectorXd& x) {
+        asked.push_back(x);
+        return OfThree(x);
+      });
+  EXPECT_EQ(discovery->summary().evaluations, 60);
+  EXPECT_EQ(discovery->summary().combinations_tried, 3);
+  for (Eigen::Index i = 0; i < 3; ++i)
+    EXPECT_EQ(asked[static_cast<std::size_t>(i)], options.initial_designs.col(i));
+
+  // Where there is one design of each combination, none is evaluated twice.
+  const DesignSpace whole{Vector2d(0, 0), Vector2d(2, 3), Vector2d(1, 1)};
+  options.initial_designs = Vector2d(1, 2);
+  std::set<std::vector<double>> designs;
+  const auto all = Complete(*MakeDiscovery(whole, {{0, {0, 1, 2}}, {1, {0, 1, 2, 3}}}, 2, options),
+                            [&](const VectorXd& x) {
+                              EXPECT_TRUE(designs.empty() ? x == Vector2d(1, 2) : true);
+                              designs.emplace(x.begin(), x.end());
+                              return Evaluated(x, Vector2d(x[0], x[1] - x[0]));
+                            });
+  EXPECT_EQ(designs.size(), 12u);
+  EXPECT_EQ(all->summary().evaluations, 12);
+
+  options.initial_designs = Eigen::Vector3d(1, 0.2, 0.5);
+  const auto refused = MakeDiscovery(ChoiceOfThree(), {{0, {0, 2}}}, 2, options);
+  EXPECT_EQ(DetailOf(refused.status()).field, "initial_designs[0]") << refused.status();
+}
+
 TEST(CombinedDiscovery, StopsWithWhatItHas) {
   const auto discovery = *MakeDiscovery(ChoiceOfThree(), kThree, 2, Budget(200));
   for (int k = 0; k < 50; ++k) {

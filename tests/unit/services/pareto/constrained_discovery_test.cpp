@@ -22,6 +22,7 @@ BenchmarkResult Benchmark(const std::string& name, std::int64_t evaluations, std
   options.evaluations = evaluations;
   options.seed = seed;
   options.stall_tracks = 0;
+  options.surrogate = Discovery::Surrogate::kNever;
   const BenchmarkProblem problem = *MakeBenchmarkProblem(name, PublishedDimensions(name));
   return *RunBenchmark(problem, options, gradients);
 }
@@ -76,6 +77,7 @@ std::unique_ptr<Discovery> Discovered(int dimensions, std::int64_t evaluations, 
   Discovery::Options options;
   options.evaluations = evaluations;
   options.constraints = constraints;
+  options.surrogate = Discovery::Surrogate::kNever;
   auto discovery =
       *Discovery::Create({VectorXd::Zero(dimensions), VectorXd::Ones(dimensions)}, 2, options);
   while (!discovery->Finished()) {

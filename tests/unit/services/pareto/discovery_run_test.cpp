@@ -4,8 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <condition_variable>
+#include <mutex>
 
+#include "common/base/errors.h"
 #include "services/pareto/benchmark_problems.h"
+#include "services/pareto/robust_evaluator.h"
 
 namespace mortise::pareto {
 namespace {
@@ -39,6 +43,7 @@ class RunTest : public testing::Test {
     Discovery::Options options;
     options.evaluations = 200;
     options.seed = 5;
+    options.surrogate = Discovery::Surrogate::kNever;
     return *Discovery::Create(problem_.space, 2, options);
   }
 
@@ -118,6 +123,128 @@ TEST_F(RunTest, CancelKeepsTheBestSoFar) {
   EXPECT_FALSE(discovery->front().points.empty());
 }
 
+TEST_F(RunTest, GivesTheSameFrontWhateverOrderAnswersComeIn) {
+  const Front reference = Reference();
+  for (const std::size_t workers : {2, 5, 8}) {
+    auto discovery = Make();
+    std::vector<Discovery::Proposal> under_way;
+    while (!discovery->Finished()) {
+      while (under_way.size() < workers) {
+        const auto proposal = discovery->Ask();
+        if (!proposal) break;
+        under_way.push_back(*proposal);
+      }
+      if (under_way.empty()) continue;  // that was the end
+      // The latest is always the first to be answered.
+      const Discovery::Proposal latest = under_way.back();
+      under_way.pop_back();
+      ASSERT_TRUE(discovery->Tell(latest.number, problem_.evaluate(latest.x, false)).ok());
+    }
+    ExpectSame(reference, discovery->front());
+  }
+}
+
+// A call that never ends until it is interrupted.
+class StuckEvaluator : public ProblemEvaluator {
+ public:
+  using ProblemEvaluator::ProblemEvaluator;
+
+  absl::StatusOr<std::vector<Evaluation>> Evaluate(
+      const std::vector<Eigen::VectorXd>& designs) override {
+    if (calls() < 50) return ProblemEvaluator::Evaluate(designs);
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [this] { return interrupted_; });
+    return absl::CancelledError("interrupted");
+  }
+
+  void Interrupt() override {
+    const std::lock_guard lock(mutex_);
+    interrupted_ = true;
+    changed_.notify_all();
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  bool interrupted_ = false;
+};
+
+TEST_F(RunTest, SaysThatItWaitsAndKeepsWhatWasFoundWhenCancelled) {
+  auto discovery = Make();
+  StuckEvaluator evaluator(problem_);
+  int told = 0, calls = 0;
+  RunOptions options;
+  options.lanes = 4;
+  options.quiet = std::chrono::milliseconds(1);
+  options.waiting = [&](std::chrono::seconds, int under_way) {
+    ++told;
+    calls = under_way;
+  };
+  options.cancelled = [&] { return told > 0; };
+  ASSERT_TRUE(pareto::Run(*discovery, evaluator, options).ok());
+  EXPECT_EQ(told, 1);
+  EXPECT_GE(calls, 1);
+  EXPECT_EQ(discovery->summary().stop_reason, Discovery::StopReason::kCancelled);
+  EXPECT_FALSE(discovery->front().points.empty());
+}
+
+TEST_F(RunTest, SaysThatAnEvaluatorAnsweredTheWrongCount) {
+  class Short : public ProblemEvaluator {
+   public:
+    using ProblemEvaluator::ProblemEvaluator;
+    absl::StatusOr<std::vector<Evaluation>> Evaluate(
+        const std::vector<Eigen::VectorXd>& designs) override {
+      auto results = ProblemEvaluator::Evaluate(designs);
+      if (calls() > 60) results->pop_back();
+      return results;
+    }
+  } evaluator(problem_);
+  auto discovery = Make();
+  const absl::Status status = pareto::Run(*discovery, evaluator, {});
+  EXPECT_EQ(status.message(), "the evaluator answered 0 of 1 designs");
+  EXPECT_EQ(discovery->summary().stop_reason, Discovery::StopReason::kEvaluatorLost);
+  EXPECT_FALSE(discovery->front().points.empty());
+}
+
+TEST_F(RunTest, SaysThatAnEvaluatorGaveTheWrongNumberOfMetrics) {
+  class Odd : public ProblemEvaluator {
+   public:
+    using ProblemEvaluator::ProblemEvaluator;
+    absl::StatusOr<std::vector<Evaluation>> Evaluate(
+        const std::vector<Eigen::VectorXd>& designs) override {
+      auto results = ProblemEvaluator::Evaluate(designs);
+      if (calls() > 60) results->front().metrics.conservativeResize(1);
+      return results;
+    }
+  } evaluator(problem_);
+  auto discovery = Make();
+  const absl::Status status = pareto::Run(*discovery, evaluator, {});
+  EXPECT_EQ(DetailOf(status).field, "metrics");
+  EXPECT_EQ(status.message(), "metrics: 2 are needed, not 1");
+  EXPECT_FALSE(discovery->front().points.empty());
+}
+
+TEST_F(RunTest, ResumesWithTolerancesToTheSameFront) {
+  Robustness robustness{{{1, "y", 0.2, Tolerance::Distribution::kNormal}}, 1, problem_.space};
+  ProblemEvaluator inner(problem_);
+  RobustEvaluator evaluator(inner, robustness);
+  std::string saved;
+  RunOptions options;
+  options.checkpoint = [&](const Numbered& batch) {
+    DiscoveryCheckpoint part;
+    part.results.insert(batch.begin(), batch.end());
+    if (part.results.begin()->first < 90) saved += Serialize(part);
+    return absl::OkStatus();
+  };
+  auto first = Make();
+  ASSERT_TRUE(pareto::Run(*first, evaluator, options).ok());
+  auto second = Make();
+  ASSERT_TRUE(pareto::Run(*second, evaluator, {}, ParseCheckpoint(saved)->results).ok());
+  ExpectSame(first->front(), second->front());
+  for (std::size_t i = 0; i < first->front().points.size(); ++i)
+    EXPECT_EQ(first->front().points[i].deviations, second->front().points[i].deviations);
+}
+
 TEST_F(RunTest, ReportsProgress) {
   auto discovery = Make();
   ProblemEvaluator evaluator(problem_);
@@ -162,6 +289,7 @@ TEST(CheckpointTest, RoundTripsBitForBit) {
   evaluation.jacobian = Eigen::MatrixXd::Random(3, 2);
   evaluation.constraints = Eigen::Vector2d(-1, 1e9);
   evaluation.constraint_jacobian = Eigen::MatrixXd::Random(2, 2);
+  evaluation.deviations = Eigen::Vector3d(0.1, 0, 7);
   checkpoint.results[4] = evaluation;
   evaluation = {};
   evaluation.x = Eigen::Vector2d(1, 2);
@@ -176,13 +304,15 @@ TEST(CheckpointTest, RoundTripsBitForBit) {
   EXPECT_EQ(parsed->results.at(4).constraints, checkpoint.results.at(4).constraints);
   EXPECT_EQ(parsed->results.at(4).constraint_jacobian,
             checkpoint.results.at(4).constraint_jacobian);
+  EXPECT_EQ(parsed->results.at(4).deviations, checkpoint.results.at(4).deviations);
   EXPECT_EQ(parsed->results.at(9).message, "no such solid");
   EXPECT_EQ(parsed->results.at(9).status, EvaluationStatus::kFailed);
   EXPECT_EQ(parsed->results.at(9).reason, "FEATURE_FAILED");
   EXPECT_EQ(parsed->results.at(9).code, absl::StatusCode::kFailedPrecondition);
 }
 
-constexpr std::size_t kEmptyConstraints = 2 * sizeof(std::uint64_t);
+constexpr std::size_t kEmptyDeviations = sizeof(std::uint64_t);
+constexpr std::size_t kEmptyConstraints = 2 * sizeof(std::uint64_t) + kEmptyDeviations;
 constexpr std::size_t kEmptyReason = sizeof(std::int32_t) + sizeof(std::uint64_t);
 
 TEST(CheckpointTest, ReadsWhatWasWrittenBeforeFailuresHadReasons) {
@@ -209,6 +339,20 @@ TEST(CheckpointTest, ReadsWhatWasWrittenBeforeThereWereConstraints) {
   std::string old = Serialize(checkpoint);
   old.replace(0, 4, "MPC2");
   old.resize(old.size() - kEmptyConstraints);
+  const auto parsed = ParseCheckpoint(old);
+  ASSERT_TRUE(parsed.ok()) << parsed.status();
+  EXPECT_EQ(parsed->results.at(3).reason, "RIGID_MOTION");
+}
+
+TEST(CheckpointTest, ReadsWhatWasWrittenBeforeThereWereTolerances) {
+  Evaluation failed;
+  failed.x = Eigen::VectorXd::Constant(1, 2.5);
+  failed.reason = "RIGID_MOTION";
+  DiscoveryCheckpoint checkpoint;
+  checkpoint.results[3] = failed;
+  std::string old = Serialize(checkpoint);
+  old.replace(0, 4, "MPC3");
+  old.resize(old.size() - kEmptyDeviations);
   const auto parsed = ParseCheckpoint(old);
   ASSERT_TRUE(parsed.ok()) << parsed.status();
   EXPECT_EQ(parsed->results.at(3).reason, "RIGID_MOTION");

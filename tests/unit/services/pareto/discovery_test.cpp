@@ -128,9 +128,11 @@ struct Coverage {
 
 class TableTest : public testing::Test {
  protected:
-  Coverage Cover(std::int64_t evaluations, std::uint64_t seed, double roughness) const {
+  Coverage Cover(std::int64_t evaluations, std::uint64_t seed, double roughness,
+                 Discovery::Surrogate surrogate = Discovery::Surrogate::kNever) const {
     Discovery::Options options;
     options.evaluations = evaluations;
+    options.surrogate = surrogate;
     options.window = 4;
     options.seed = seed;
     const auto discovery = Complete(TableSpace(), 2, options, [&](const VectorXd& x) {
@@ -169,6 +171,14 @@ TEST_F(TableTest, SpreadsOverTheTradeOffsIn150Evaluations) {
       EXPECT_LT(coverage.widest_gap, 0.2) << "seed " << seed << " roughness " << roughness;
       EXPECT_GE(coverage.points, 40u) << "seed " << seed << " roughness " << roughness;
     }
+}
+
+TEST_F(TableTest, ReachesTheFrontWithASurrogateInAThirdOfThem) {
+  for (const double roughness : {0.0, 0.01}) {
+    const Coverage coverage = Cover(50, 1, roughness, Discovery::Surrogate::kAutomatic);
+    EXPECT_GT(coverage.share, 0.97) << "roughness " << roughness;
+    EXPECT_GE(coverage.points, 12u) << "roughness " << roughness;
+  }
 }
 
 TEST_F(TableTest, GivesASensibleFrontInAFewEvaluations) {
@@ -219,6 +229,7 @@ TEST(DiscoveryTest, FrontPointsAreEvaluatedNonDominatedAndWithinBounds) {
 TEST(DiscoveryTest, CountsFailingEvaluationsAndGoesOn) {
   const BenchmarkProblem problem = *MakeBenchmarkProblem("ZDT1", 5);
   Discovery::Options options;
+  options.surrogate = Discovery::Surrogate::kNever;
   options.evaluations = 300;
   std::int64_t failed = 0;
   const auto discovery = Complete(problem.space, 2, options, [&](const VectorXd& x) {

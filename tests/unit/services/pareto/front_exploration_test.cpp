@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "services/pareto/embedding.h"
+
 namespace mortise::pareto {
 namespace {
 
@@ -44,7 +46,7 @@ FrontPoints Plane(int side = 20) {
       const double a = static_cast<double>(i) / side, b = static_cast<double>(k) / side;
       points.parameters.col(column) << a, b;
       points.metrics.col(column) << a, b, 1 - a - b;
-      points.embedding.col(column) << a, b;
+      points.embedding.col(column) = Embed(points.metrics.col(column));
       points.piece.push_back(0);
     }
   }

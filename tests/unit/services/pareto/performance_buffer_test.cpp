@@ -23,6 +23,48 @@ Archive RandomArchive(int count, Eigen::Index d, std::uint64_t seed) {
   return archive;
 }
 
+// Cells per angle follow from how many cells that makes.
+TEST(PerformanceBuffer, BecomesCoarserUntilCellsAreFewEnough) {
+  PerformanceBuffer::Options options;
+  options.cells_per_angle = 64;
+  options.cell_limit = 150;
+  const Archive archive = RandomArchive(2000, 5, 4);
+  PerformanceBuffer buffer(options, 5);
+  buffer.Rebuild(archive, archive.CurrentScaling());
+  EXPECT_LE(buffer.cells().size(), 150u);
+  EXPECT_GT(buffer.cells().size(), 30u);
+  EXPECT_LT(buffer.cells_per_angle(), 64);
+  // As few entries make few cells, they stay fine.
+  const Archive small = RandomArchive(40, 5, 4);
+  buffer.Rebuild(small, small.CurrentScaling());
+  EXPECT_EQ(buffer.cells_per_angle(), 64);
+}
+
+TEST(PerformanceBuffer, IsToBeRebuiltWhenCellsBecomeTooMany) {
+  PerformanceBuffer::Options options;
+  options.cells_per_angle = 64;
+  options.cell_limit = 20;
+  Archive archive = RandomArchive(15, 4, 4);
+  PerformanceBuffer buffer(options, 4);
+  const Scaling scaling{VectorXd::Zero(4), VectorXd::Ones(4)};
+  buffer.Rebuild(archive, scaling);
+  Random random(5);
+  int inserted = 0;
+  while (!buffer.NeedsRebuild(scaling) && inserted < 1000) {
+    ArchiveEntry entry;
+    entry.u = VectorXd::Zero(1);
+    entry.evaluated = true;
+    entry.metrics = random.UnitVector(4).cwiseAbs();
+    buffer.Insert(archive.Add(entry), entry.metrics);
+    ++inserted;
+  }
+  EXPECT_LT(inserted, 100);
+  EXPECT_EQ(buffer.cells().size(), 41u);
+  buffer.Rebuild(archive, scaling);
+  EXPECT_LE(buffer.cells().size(), 20u);
+  EXPECT_FALSE(buffer.NeedsRebuild(scaling));
+}
+
 class BufferTest : public testing::TestWithParam<int> {};
 
 TEST_P(BufferTest, HoldsItsInvariants) {

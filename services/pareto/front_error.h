@@ -1,0 +1,35 @@
+// How far designs are from the true front, by trying to push them further (Eq. 7.8).
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <vector>
+
+#include "services/pareto/front.h"
+
+namespace mortise::pareto {
+
+// A design after a local optimisation from it, min |F(x) - (F(x_j) + delta_N d_N)| over the box,
+// with d_N the normal of the front at F(x_j), towards the ideal, from the dual variables there.
+struct PushedDesign {
+  Eigen::VectorXd x;        // D
+  Eigen::VectorXd metrics;  // d
+  // By how much it has come nearer to the reference point, in scaled performance: what its distance
+  // from the front was, or delta_N where that was more. (Along the front it may slide, which is no
+  // error.) NaN where the design has no gradients.
+  double error = 0;
+};
+
+// `evaluate` gives metrics with their Jacobian; there are no constraints, and `step` of the space
+// is ignored. Newton's method within a trust region, its Hessian by differences of gradients: 2 D
+// evaluations an iteration, some five iterations near a smooth front.
+PushedDesign PushAlongNormal(const DesignSpace& space, const Scaling& scaling,
+                             const std::function<Evaluation(const Eigen::VectorXd& x)>& evaluate,
+                             const Eigen::VectorXd& x, double delta_n = 1e-2);
+
+// The errors of a front's points, in their order.
+std::vector<double> FrontErrors(const DesignSpace& space, const Front& front,
+                                const std::function<Evaluation(const Eigen::VectorXd& x)>& evaluate,
+                                double delta_n = 1e-2);
+
+}  // namespace mortise::pareto

@@ -1,0 +1,17 @@
+// What is unusual about a front, said for people.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "services/pareto/archive.h"
+#include "services/pareto/front.h"
+
+namespace mortise::pareto {
+
+// That a metric is the same for all designs, or that one design is the best in all metrics, so that
+// there is nothing to trade. `names` are the metrics'.
+std::vector<std::string> FrontRemarks(const Archive& archive, const Front& front,
+                                      const std::vector<std::string>& names);
+
+}  // namespace mortise::pareto
