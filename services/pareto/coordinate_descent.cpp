@@ -9,7 +9,8 @@
 namespace mortise::pareto {
 namespace {
 
-constexpr int kPasses = 2;  // where lines do not ripple
+constexpr int kPasses = 2;  // where lines do not ripple, if they have at least
+constexpr int kFine = 8;    // so many values
 
 }  // namespace
 
@@ -106,7 +107,8 @@ void CoordinateDescent::EndLines(const Archive& archive) {
     const bool still =
         BadnessOf(archive, best_) > BadnessOf(archive, best_of_last_pass_) - options_.progress;
     const bool ripples = 2 * rippled_ >= static_cast<std::ptrdiff_t>(order_.size());
-    finished_ = still || (++passes_ >= kPasses && !ripples);
+    const int passes = options_.line.values < kFine ? 1 : kPasses;
+    finished_ = still || (++passes_ >= passes && !ripples);
     if (!finished_) BeginPass(archive);
   }
 }

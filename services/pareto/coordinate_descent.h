@@ -5,8 +5,8 @@
 // optima each term has, this leads to the best of them in some dozens of evaluations a parameter.
 // What searches in all directions at once meets the product of those optima. Where parameters act
 // together it is a walk downhill along the axes, for which there are better ways: more than two
-// passes over the parameters are made only where metrics ripple along most of them, and none after
-// one that brought little.
+// passes over the parameters (one, with few values for each) are made only where metrics ripple
+// along most of them, and none after one that brought little.
 //
 // Some parameters are looked along side by side, from the same design; then all that has been found
 // is put together, which is right where they do not act together, and tried beside the best of
