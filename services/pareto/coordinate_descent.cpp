@@ -7,6 +7,12 @@
 #include <utility>
 
 namespace mortise::pareto {
+namespace {
+
+constexpr int kPasses = 2;  // where lines do not ripple, if they have at least
+constexpr int kFine = 8;    // so many values
+
+}  // namespace
 
 CoordinateDescent::CoordinateDescent(const Options& options, const Archive& archive,
                                      std::size_t start, Random& random)
@@ -100,7 +106,9 @@ void CoordinateDescent::EndLines(const Archive& archive) {
     scaling_ = archive.CurrentScaling();
     const bool still =
         BadnessOf(archive, best_) > BadnessOf(archive, best_of_last_pass_) - options_.progress;
-    finished_ = still || 2 * rippled_ < static_cast<std::ptrdiff_t>(order_.size());
+    const bool ripples = 2 * rippled_ >= static_cast<std::ptrdiff_t>(order_.size());
+    const int passes = options_.line.values < kFine ? 1 : kPasses;
+    finished_ = still || (++passes_ >= passes && !ripples);
     if (!finished_) BeginPass(archive);
   }
 }

@@ -4,8 +4,9 @@
 // Where metrics are nearly sums over parameters, or some function of such a sum, however many local
 // optima each term has, this leads to the best of them in some dozens of evaluations a parameter.
 // What searches in all directions at once meets the product of those optima. Where parameters act
-// together it is a walk downhill along the axes, for which there are better ways: another pass over
-// the parameters is made only where metrics ripple along most of them, and the last brought much.
+// together it is a walk downhill along the axes, for which there are better ways: more than two
+// passes over the parameters (one, with few values for each) are made only where metrics ripple
+// along most of them, and none after one that brought little.
 //
 // Some parameters are looked along side by side, from the same design; then all that has been found
 // is put together, which is right where they do not act together, and tried beside the best of
@@ -67,6 +68,7 @@ class CoordinateDescent : public PointSource {
   std::optional<Eigen::VectorXd> together_;
   std::deque<std::size_t> asked_;  // in `lines_`, or their number for what was put together
   int evaluations_ = 0;
+  int passes_ = 0;
   bool finished_ = false;
 };
 

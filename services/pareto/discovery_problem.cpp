@@ -201,11 +201,14 @@ absl::Status CheckTolerances(const v1::DiscoverySpecification& specification) {
     return InvalidField("specification.tolerances",
                         absl::StrCat("at most ", kMostTolerances, " are possible, not ",
                                      specification.tolerances_size()));
-  for (int k = 0; k < specification.tolerances_size(); ++k)
-    if (!v1::DiscoverySpecification::Tolerance::Distribution_IsValid(
-            specification.tolerances(k).distribution()))
-      return InvalidField(absl::StrCat("specification.tolerances[", k, "].distribution"),
-                          "must be UNIFORM or NORMAL");
+  for (int k = 0; k < specification.tolerances_size(); ++k) {
+    const auto& tolerance = specification.tolerances(k);
+    const std::string field = absl::StrCat("specification.tolerances[", k, "]");
+    if (!(tolerance.deviation() > 0 && std::isfinite(tolerance.deviation())))
+      return InvalidField(absl::StrCat(field, ".deviation"), "must be a finite number above 0");
+    if (!v1::DiscoverySpecification::Tolerance::Distribution_IsValid(tolerance.distribution()))
+      return InvalidField(absl::StrCat(field, ".distribution"), "must be UNIFORM or NORMAL");
+  }
   return absl::OkStatus();
 }
 

@@ -128,11 +128,9 @@ struct Coverage {
 
 class TableTest : public testing::Test {
  protected:
-  Coverage Cover(std::int64_t evaluations, std::uint64_t seed, double roughness,
-                 Discovery::Surrogate surrogate = Discovery::Surrogate::kNever) const {
+  Coverage Cover(std::int64_t evaluations, std::uint64_t seed, double roughness) const {
     Discovery::Options options;
     options.evaluations = evaluations;
-    options.surrogate = surrogate;
     options.window = 4;
     options.seed = seed;
     const auto discovery = Complete(TableSpace(), 2, options, [&](const VectorXd& x) {
@@ -167,15 +165,16 @@ TEST_F(TableTest, SpreadsOverTheTradeOffsIn150Evaluations) {
   for (const double roughness : {0.0, 0.01})
     for (const std::uint64_t seed : {1, 2, 3, 4}) {
       const Coverage coverage = Cover(150, seed, roughness);
-      EXPECT_GT(coverage.share, 0.95) << "seed " << seed << " roughness " << roughness;
+      EXPECT_GT(coverage.share, 0.985) << "seed " << seed << " roughness " << roughness;
       EXPECT_LT(coverage.widest_gap, 0.2) << "seed " << seed << " roughness " << roughness;
-      EXPECT_GE(coverage.points, 40u) << "seed " << seed << " roughness " << roughness;
+      EXPECT_GE(coverage.points, roughness > 0 ? 35u : 40u)
+          << "seed " << seed << " roughness " << roughness;
     }
 }
 
 TEST_F(TableTest, ReachesTheFrontWithASurrogateInAThirdOfThem) {
   for (const double roughness : {0.0, 0.01}) {
-    const Coverage coverage = Cover(50, 1, roughness, Discovery::Surrogate::kAutomatic);
+    const Coverage coverage = Cover(50, 1, roughness);
     EXPECT_GT(coverage.share, 0.97) << "roughness " << roughness;
     EXPECT_GE(coverage.points, 12u) << "roughness " << roughness;
   }

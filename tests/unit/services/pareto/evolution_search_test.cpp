@@ -13,7 +13,7 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::VectorXd;
 
-constexpr Eigen::Index kParameters = 6;
+constexpr Eigen::Index kKinkedParameters = 6;
 
 // A front along the first parameter where all others are 0.4, away from which both metrics rise
 // with kinks that are turned against the parameters.
@@ -26,7 +26,7 @@ Vector2d Kinked(const VectorXd& u) {
   return {u[0] * u[0] + distance, (1 - u[0]) * (1 - u[0]) + distance};
 }
 
-std::size_t Add(Archive& archive, const VectorXd& u) {
+std::size_t AddKinked(Archive& archive, const VectorXd& u) {
   return archive.Add({u, true, Kinked(u), {}, {}});
 }
 
@@ -34,19 +34,19 @@ Archive FarFromTheFront() {
   Archive archive;
   Random random(1);
   for (int n = 0; n < 12; ++n) {
-    VectorXd u(kParameters);
+    VectorXd u(kKinkedParameters);
     for (double& value : u) value = random.Uniform();
-    Add(archive, u);
+    AddKinked(archive, u);
   }
   return archive;
 }
 
 // The distance to the front where the search has come to.
-double Search(Archive& archive, EvolutionSearch& search, int evaluations) {
+double Advance(Archive& archive, EvolutionSearch& search, int evaluations) {
   double least = 1e9;
   for (int n = 0; n < evaluations; ++n) {
     const auto sample = search.Next(archive, archive.CurrentScaling());
-    const std::size_t entry = Add(archive, sample.u);
+    const std::size_t entry = AddKinked(archive, sample.u);
     search.Tell(archive, archive.CurrentScaling(), sample.search, entry);
     const double excess = Kinked(sample.u)[0] - sample.u[0] * sample.u[0];
     least = std::min(least, excess);
@@ -59,14 +59,14 @@ TEST(EvolutionSearch, GoesDownWhereMetricsHaveKinks) {
     Archive archive = FarFromTheFront();
     EvolutionSearch search(seed);
     EXPECT_EQ(search.Promise(), 1);
-    EXPECT_LT(Search(archive, search, 800), 0.01);
+    EXPECT_LT(Advance(archive, search, 800), 0.01);
   }
 }
 
 TEST(EvolutionSearch, IsTheSameForASeed) {
   Archive one = FarFromTheFront(), other = FarFromTheFront();
   EvolutionSearch first(7), second(7);
-  EXPECT_EQ(Search(one, first, 300), Search(other, second, 300));
+  EXPECT_EQ(Advance(one, first, 300), Advance(other, second, 300));
   EXPECT_EQ(one[one.size() - 1].u, other[other.size() - 1].u);
 }
 
@@ -79,9 +79,9 @@ TEST(EvolutionSearch, AddsToTheFrontOnceTheFirstSearchIsOver) {
       points.push_back(archive[entry].metrics);
     return Hypervolume(points, Vector2d(1.5, 1.5));
   };
-  while (search.Promise() > 0) Search(archive, search, 20);
+  while (search.Promise() > 0) Advance(archive, search, 20);
   const double first = dominated();
-  Search(archive, search, 1500);
+  Advance(archive, search, 1500);
   EXPECT_GT(dominated(), first + 0.01);
 }
 
@@ -112,15 +112,15 @@ TEST(EvolutionSearch, IgnoresFailuresAndWhatViolatesConstraints) {
 TEST(EvolutionSearch, TransfersWhatItGainedToOtherTradeOffs) {
   Archive archive;
   const auto at = [](double first, double others) {
-    VectorXd u = VectorXd::Constant(kParameters, others);
+    VectorXd u = VectorXd::Constant(kKinkedParameters, others);
     u[0] = first;
     return u;
   };
-  const std::size_t left = Add(archive, at(0, 0.7)), right = Add(archive, at(1, 0.7));
-  Add(archive, at(0.5, 0.7));
+  const std::size_t left = AddKinked(archive, at(0, 0.7)), right = AddKinked(archive, at(1, 0.7));
+  AddKinked(archive, at(0.5, 0.7));
   EvolutionSearch search(1);
   EXPECT_TRUE(search.Transfers(archive, 8).empty()) << "nothing gained yet";
-  Search(archive, search, 300);
+  Advance(archive, search, 300);
   const double before = std::min(archive[left].metrics[1], archive[right].metrics[0]);
   double best = 1e9;
   for (const VectorXd& u : search.Transfers(archive, 8)) {

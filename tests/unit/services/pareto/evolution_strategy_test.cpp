@@ -20,8 +20,8 @@ MatrixXd RandomRotation(Eigen::Index size, Random& random) {
 }
 
 // The least value seen within `generations`.
-double Minimize(EvolutionStrategy& strategy, Random& random, int generations,
-                const std::function<double(const VectorXd&)>& function) {
+double MinimizeBy(EvolutionStrategy& strategy, Random& random, int generations,
+                  const std::function<double(const VectorXd&)>& function) {
   double least = function(strategy.mean());
   for (int generation = 0; generation < generations; ++generation) {
     std::vector<VectorXd> samples;
@@ -50,7 +50,7 @@ TEST(EvolutionStrategy, ConvergesOnASphere) {
     Random random(seed);
     EvolutionStrategy strategy(VectorXd::Constant(10, 0.2), 0.1);
     const auto sphere = [](const VectorXd& u) { return (u.array() - 0.6).matrix().squaredNorm(); };
-    EXPECT_LT(Minimize(strategy, random, 200, sphere), 1e-10);
+    EXPECT_LT(MinimizeBy(strategy, random, 200, sphere), 1e-10);
   }
 }
 
@@ -64,7 +64,7 @@ TEST(EvolutionStrategy, LearnsTheShapeOfATurnedEllipsoid) {
     return axes.cwiseProduct(rotation * (u.array() - 0.45).matrix()).squaredNorm();
   };
   EvolutionStrategy strategy(VectorXd::Constant(size, 0.3), 0.1);
-  EXPECT_LT(Minimize(strategy, random, 600, ellipsoid), 1e-8);
+  EXPECT_LT(MinimizeBy(strategy, random, 600, ellipsoid), 1e-8);
 }
 
 // What it sees is an order: the logarithm of what it minimises makes no difference.
@@ -73,15 +73,15 @@ TEST(EvolutionStrategy, DependsOnTheOrderOfSamplesOnly) {
   const auto squeezed = [&](const VectorXd& u) { return std::log(kinked(u)); };
   Random random(3), again(3);
   EvolutionStrategy one(VectorXd::Constant(4, 0.7), 0.1), other = one;
-  const double least = Minimize(one, random, 60, kinked);
-  EXPECT_NEAR(std::log(least), Minimize(other, again, 60, squeezed), 1e-12);
+  const double least = MinimizeBy(one, random, 60, kinked);
+  EXPECT_NEAR(std::log(least), MinimizeBy(other, again, 60, squeezed), 1e-12);
   EXPECT_EQ(one.mean(), other.mean());
 }
 
 TEST(EvolutionStrategy, GoesOnFromAnotherMeanWithTheSizeAskedFor) {
   Random random(5);
   EvolutionStrategy strategy(VectorXd::Constant(3, 0.5), 0.1);
-  Minimize(strategy, random, 40, [](const VectorXd& u) {
+  MinimizeBy(strategy, random, 40, [](const VectorXd& u) {
     return std::abs(u[0] - 0.2) + 100 * std::abs(u[1] - 0.2) + std::abs(u[2] - 0.3);
   });
   const VectorXd elsewhere = VectorXd::Constant(3, 0.8);

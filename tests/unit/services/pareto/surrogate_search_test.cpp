@@ -44,7 +44,7 @@ Archive Sampled(Index D, int count, const Answer& answer = Answered) {
   return archive;
 }
 
-DesignSpace Box(Index D) { return {VectorXd::Zero(D), VectorXd::Ones(D)}; }
+DesignSpace UnitBox(Index D) { return {VectorXd::Zero(D), VectorXd::Ones(D)}; }
 
 VectorXd Propose(SurrogateSearch& search, Archive& archive,
                  const std::vector<VectorXd>& under_way = {}) {
@@ -139,7 +139,7 @@ TEST(SurrogateModelTest, TellsTheSlopeOfItsDoubts) {
 }
 
 TEST(SurrogateSearchTest, ProposesDesignsOfTheFront) {
-  SurrogateSearch search({}, Box(4), 1);
+  SurrogateSearch search({}, UnitBox(4), 1);
   const Archive archive = Searched(Sampled(4, 12), 4, 20, Answered, search);
   // On the line between the two places all parameters are the same.
   int on_front = 0;
@@ -159,7 +159,7 @@ TEST(SurrogateSearchTest, ProposesDesignsOfTheFront) {
 TEST(SurrogateSearchTest, LeavesAloneWhatFails) {
   const auto fails = [](const VectorXd& u) { return u[0] + u[1] > 1.1; };
   const Answer failing = [&](const VectorXd& u) { return fails(u) ? FailedAt(u) : Answered(u); };
-  SurrogateSearch search({}, Box(2), 1);
+  SurrogateSearch search({}, UnitBox(2), 1);
   const Archive archive = Searched(Sampled(2, 16, failing), 2, 20, failing, search);
   int failed = 0;
   for (std::size_t entry = 16; entry < archive.size(); ++entry)
@@ -170,7 +170,7 @@ TEST(SurrogateSearchTest, LeavesAloneWhatFails) {
 
 TEST(SurrogateSearchTest, ProposesSomethingElseWhileAProposalIsUnderWay) {
   Archive archive = Sampled(3, 15);
-  SurrogateSearch search({}, Box(3), 1);
+  SurrogateSearch search({}, UnitBox(3), 1);
   std::vector<VectorXd> under_way;
   for (int k = 0; k < 5; ++k) {
     const VectorXd u = Propose(search, archive, under_way);
@@ -181,12 +181,12 @@ TEST(SurrogateSearchTest, ProposesSomethingElseWhileAProposalIsUnderWay) {
 
 TEST(SurrogateSearchTest, ASeedGivesTheSameProposals) {
   Archive archive = Sampled(3, 15);
-  SurrogateSearch one({}, Box(3), 7), other({}, Box(3), 7);
+  SurrogateSearch one({}, UnitBox(3), 7), other({}, UnitBox(3), 7);
   for (int k = 0; k < 2; ++k) EXPECT_EQ(Propose(one, archive), Propose(other, archive));
 }
 
 TEST(SurrogateSearchTest, ProposesWhatCanBeSetAndNothingTwice) {
-  DesignSpace box = Box(2);
+  DesignSpace box = UnitBox(2);
   box.step = VectorXd::Constant(2, 0.5);
   Archive archive;
   archive.Add(Answered(Eigen::Vector2d(0, 0)));
