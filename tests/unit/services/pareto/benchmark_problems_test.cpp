@@ -44,7 +44,11 @@ TEST(BenchmarkProblemsTest, GradientsAgreeWithDifferences) {
     Random random(2);
     Eigen::VectorXd u(problem.space.size());
     for (double& value : u) value = 0.1 + 0.8 * random.Uniform();
-    const Eigen::VectorXd x = problem.space.FromUnit(u);
+    // Between the steps: where two whole numbers are the same, the larger of them has a kink.
+    Eigen::VectorXd x = problem.space.lower +
+                        u.cwiseProduct(problem.space.upper - problem.space.lower);
+    for (const DiscreteParameter& choice : problem.choices)
+      x[choice.parameter] = problem.space.FromUnit(u)[choice.parameter];
     const Evaluation exact = problem.evaluate(x, true);
     EXPECT_EQ(Values(exact), Values(problem.evaluate(x, false))) << problem.name;
     EXPECT_EQ(exact.metrics.size(), problem.metric_count);
