@@ -39,6 +39,7 @@ constexpr std::int64_t kAlwaysScarce = 300;    // so many, however few parameter
 constexpr std::int64_t kSurrogateLimit = 999;  // and no more than these
 constexpr Eigen::Index kSurrogateParameters = 40;
 constexpr double kSurrogateShare = 0.8;        // of the evaluations after the initial samples
+constexpr double kIdleShare = 0.28;            // of the budget, see AwaitsOpening
 constexpr double kDescentShare = 0.25;         // of the budget
 constexpr std::int64_t kLargestPatch = 4;      // a quarter of the budget
 constexpr std::int64_t kMeasuringBudget = 60;  // evaluations a parameter
@@ -214,6 +215,7 @@ std::optional<Discovery::Proposal> Discovery::Ask() {
       Stop(StopReason::kConverged, "every design that the method would try has been evaluated");
       return std::nullopt;
     }
+    idle_ += options_.window - std::ssize(pending_);
     barrier_ = proposed_;
     return Ask();
   }
@@ -386,15 +388,25 @@ std::optional<Eigen::VectorXd> Discovery::NextPoint(std::int64_t& track) {
     const std::optional<Eigen::VectorXd> u = AskTracks(track);
     if (u || stop_ != StopReason::kRunning) return u;
     if (next_track_ != newest) continue;  // an expansion has begun
-    // The opening tracks share what they learn; others would start from designs that are far off.
-    const bool opening = std::any_of(tracks_.begin(), tracks_.end(), [](const auto& entry) {
-      return entry.second.kind == TrackKind::kOpening;
-    });
-    if (opening && (descending_ || scheduler_.AwaitsOpening(metric_count_)) && !pending_.empty())
+    if (AwaitsOpening() && !pending_.empty())
       return UsesSurrogate() ? AskSurrogate(track) : std::nullopt;
     StartTrack(barren >= kBarrenTracks);
   }
   return std::nullopt;
+}
+
+// Whether to wait for what is under way rather than to begin something else: the opening tracks
+// share what they learn, and others would start from designs that are far off. A piece of more than
+// one direction is worth waiting for as well; along a single one the front is found in any case.
+bool Discovery::AwaitsOpening() const {
+  if (descending_) return true;
+  if (static_cast<double>(idle_) >= kIdleShare * static_cast<double>(options_.evaluations) ||
+      !scheduler_.AwaitsOpening(metric_count_))
+    return false;
+  return std::any_of(tracks_.begin(), tracks_.end(), [&](const auto& entry) {
+    const Track& track = entry.second;
+    return track.kind == TrackKind::kOpening && (track.patch == nullptr || metric_count_ > 2);
+  });
 }
 
 // The next point of the oldest track that has one. Designs that have been evaluated before are

@@ -132,6 +132,7 @@ class Discovery : public AskTell {
   Eigen::VectorXd DesignAt(const Eigen::VectorXd& u) const;
   Eigen::VectorXd UnitOf(const Eigen::VectorXd& x) const;
   std::optional<Eigen::VectorXd> NextPoint(std::int64_t& track);
+  bool AwaitsOpening() const;
   std::optional<Eigen::VectorXd> AskTracks(std::int64_t& track);
   std::optional<Eigen::VectorXd> AskTrack(Track& track);
   void TellInOrder(Track& track);
@@ -174,6 +175,7 @@ class Discovery : public AskTell {
   std::vector<AffinePiece> pieces_;
   std::int64_t proposed_ = 0;
   std::int64_t committed_ = 0;
+  std::int64_t idle_ = 0;     // evaluations that there was room for while results were waited for
   std::int64_t barrier_ = 0;  // results that must be committed before the next proposal
   std::int64_t failed_ = 0;
   std::int64_t learnt_violating_ = 0;    // evaluations made elsewhere, beyond constraints

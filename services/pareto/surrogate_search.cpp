@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <optional>
 #include <type_traits>
 #include <utility>
@@ -199,18 +198,20 @@ VectorXd SurrogateSearch::MayBeBest(const Archive& archive, const MatrixXd& cand
     }
     return value;
   };
-  VectorXd best;
-  double most = -std::numeric_limits<double>::infinity();
-  const auto offer = [&](const VectorXd& u) {
-    VectorXd gradient;
-    const double value = goodness(u, gradient);
-    if (best.size() > 0 && !(value > most)) return;
-    most = value;
-    best = u;
-  };
-  for (const std::size_t entry : archive.non_dominated()) offer(archive[entry].u);
-  for (const auto& candidate : candidates.colwise()) offer(candidate);
-  return Ascend(goodness, best, options_.steps);
+  const std::vector<std::size_t>& front = archive.non_dominated();
+  MatrixXd starts(candidates.rows(), std::ssize(front) + candidates.cols());
+  for (std::size_t k = 0; k < front.size(); ++k)
+    starts.col(static_cast<Index>(k)) = archive[front[k]].u;
+  starts.rightCols(candidates.cols()) = candidates;
+  const SurrogateModel::Beliefs beliefs = model_.AtAll(starts);
+  VectorXd values = beliefs.log_feasibilities;
+  for (Index k = 0; k < weights.size(); ++k) {
+    const auto& metric = beliefs.metrics[static_cast<std::size_t>(k)];
+    values -= weights[k] * (metric.means - kOptimism * metric.deviations);
+  }
+  Index best = 0;
+  values.maxCoeff(&best);
+  return Ascend(goodness, starts.col(best), options_.steps);
 }
 
 VectorXd SurrogateSearch::Reference(const Archive& archive, const MatrixXd& candidates) const {
