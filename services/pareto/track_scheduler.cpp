@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "services/pareto/coordinate_search.h"
+#include "services/pareto/front_alignment.h"
 #include "services/pareto/front_polishing.h"
 #include "services/pareto/stochastic_sampling.h"
 
@@ -18,8 +19,10 @@ using Target = LocalOptimization::Target;
 constexpr double kMemory = 0.9;        // weight of the past in what a way of sampling has brought
 constexpr double kCoarseCells = 4096;  // about, in which tries are counted, for d > 2
 constexpr std::size_t kBridges = 8;    // of a track
+constexpr std::size_t kAligned = 8;    // the same
 constexpr int kSweepValues = 8;
-constexpr double kTransferShare = 0.2;  // of what is invested in evolution
+constexpr double kTransferShare = 0.1;  // of what is invested in evolution
+constexpr double kAlignShare = 0.12;    // the same
 // How much less other metrics count where one is looked for by itself: enough to choose among
 // designs that are equal in it.
 constexpr double kUnimportance = 3;
@@ -55,6 +58,8 @@ TrackScheduler::Track TrackScheduler::Next(const Archive& archive, const Perform
       return SweepTrack(archive, buffer);
     case TrackKind::kPolish:
       return PolishTrack(archive, buffer);
+    case TrackKind::kAlign:
+      return AlignTrack(archive, buffer);
     default:
       return SampleTrack(archive, buffer);
   }
@@ -85,7 +90,9 @@ std::array<double, TrackScheduler::kWays> TrackScheduler::Shares() const {
   }
   if (!options_.explores) return rate;
   for (std::size_t i = 0; i < ways; ++i) rate[i] *= 1 - investment_;
-  rate[static_cast<std::size_t>(TrackKind::kEvolve)] += (1 - kTransferShare) * investment_;
+  rate[static_cast<std::size_t>(TrackKind::kEvolve)] +=
+      (1 - kTransferShare - kAlignShare) * investment_;
+  rate[static_cast<std::size_t>(TrackKind::kAlign)] += kAlignShare * investment_;
   rate[static_cast<std::size_t>(TrackKind::kTransfer)] += kTransferShare * investment_;
   return rate;
 }
@@ -281,6 +288,13 @@ TrackScheduler::Track TrackScheduler::PolishTrack(const Archive& archive,
   for (const Bridge& bridge : bridging_.Next(archive, buffer.scaling(), kBridges, random_))
     points.push_back(Polished(archive, buffer.scaling(), bridge.u, bridge.length).u);
   return {TrackKind::kPolish, nullptr, std::make_unique<PointList>(std::move(points))};
+}
+
+TrackScheduler::Track TrackScheduler::AlignTrack(const Archive& archive,
+                                                 const PerformanceBuffer& buffer) {
+  return {
+      TrackKind::kAlign, nullptr,
+      std::make_unique<PointList>(AlignedDesigns(archive, buffer.scaling(), kAligned, random_))};
 }
 
 TrackScheduler::Track TrackScheduler::SweepTrack(const Archive& archive,

@@ -1,7 +1,7 @@
 // Chooses where the next local optimisation starts and what it aims at (§7.5.2).
 //
 // First the middle of the front and each metric's own optimum, so that the scaling of performance
-// is soon about right. Then nine ways of spending an evaluation take turns:
+// is soon about right. Then ten ways of spending an evaluation take turns:
 //   - gap: aim into the widest hole between known trade-offs, starting from one beside it, which
 //     costs nothing (the neighbouring-cell direction of the thesis, with the cell chosen by need);
 //   - refine: push a known trade-off straight down, along the normal of the front there;
@@ -13,7 +13,8 @@
 //     many local optima;
 //   - sweep: along one parameter of a known trade-off (coordinate_search.h);
 //   - evolve: samples of a Gaussian that learns how metrics fall (evolution_search.h);
-//   - transfer: the step that evolution took from one trade-off, taken from others.
+//   - transfer: the step that evolution took from one trade-off, taken from others;
+//   - align: trade-offs moved on to the subspace of another one (front_alignment.h).
 // Each gets a share of the evaluations in proportion to the hypervolume that it has lately brought
 // per evaluation, none less than its part of `least_share`.
 #pragma once
@@ -42,12 +43,13 @@ enum class TrackKind {
   kPolish = 6,
   kEvolve = 7,
   kTransfer = 8,
-  kOpening = 9,
-  kSurrogate = 10  // proposals of a surrogate, which the caller interleaves
+  kAlign = 9,
+  kOpening = 10,
+  kSurrogate = 11  // proposals of a surrogate, which the caller interleaves
 };
 
 class TrackScheduler {
-  static constexpr std::size_t kWays = 9, kLocalWays = 3;
+  static constexpr std::size_t kWays = 10, kLocalWays = 3;
 
  public:
   struct Options {
@@ -67,8 +69,8 @@ class TrackScheduler {
   struct Track {
     TrackKind kind = TrackKind::kOpening;
     std::unique_ptr<LocalOptimization> optimization;
-    std::unique_ptr<PointSource>
-        other;  // of kBridge, kSweep, kPolish; those of kBreed, kEvolve, kTransfer are the caller's
+    std::unique_ptr<PointSource> other;  // of kBridge, kSweep, kPolish, kAlign; those of kBreed,
+                                         // kEvolve, kTransfer are the caller's
   };
 
   TrackScheduler(const Options& options, std::uint64_t seed) : options_(options), random_(seed) {}
@@ -110,6 +112,7 @@ class TrackScheduler {
   Track BridgeTrack(const Archive& archive, const PerformanceBuffer& buffer);
   Track PolishTrack(const Archive& archive, const PerformanceBuffer& buffer);
   Track SweepTrack(const Archive& archive, const PerformanceBuffer& buffer);
+  Track AlignTrack(const Archive& archive, const PerformanceBuffer& buffer);
   Track SampleTrack(const Archive& archive, const PerformanceBuffer& buffer);
   std::array<double, kWays> Shares() const;
   TrackKind ChooseKind();

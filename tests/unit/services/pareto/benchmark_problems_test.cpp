@@ -45,8 +45,8 @@ TEST(BenchmarkProblemsTest, GradientsAgreeWithDifferences) {
     Eigen::VectorXd u(problem.space.size());
     for (double& value : u) value = 0.1 + 0.8 * random.Uniform();
     // Between the steps: where two whole numbers are the same, the larger of them has a kink.
-    Eigen::VectorXd x = problem.space.lower +
-                        u.cwiseProduct(problem.space.upper - problem.space.lower);
+    Eigen::VectorXd x =
+        problem.space.lower + u.cwiseProduct(problem.space.upper - problem.space.lower);
     for (const DiscreteParameter& choice : problem.choices)
       x[choice.parameter] = problem.space.FromUnit(u)[choice.parameter];
     const Evaluation exact = problem.evaluate(x, true);

@@ -1,0 +1,41 @@
+// Designs of trade-offs moved on to the affine subspace through another one.
+//
+// Along a piece of the front designs differ in few directions (§7.5.4): those in which they change
+// with the metrics. In all others the best values are much the same for all of them. So where one
+// trade-off has come nearer to the front than the others, what is best about it can be had for all
+// of them: the others' positions along those directions, everything else as the one has it.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <vector>
+
+#include "services/pareto/archive.h"
+#include "services/pareto/random.h"
+
+namespace mortise::pareto {
+
+// How the designs of the trade-offs change with their metrics: their linear regression, in unit
+// coordinates, on all metrics but the last.
+class FrontTrend {
+ public:
+  // Of n trade-offs, n >= 2, of two metrics or more. O(n D d).
+  FrontTrend(const Archive& archive, const Scaling& scaling);
+
+  // An orthonormal basis of the directions in which designs change (D x r, r < d), without the
+  // parameters of which the regression explains no more than `share` of the variance.
+  Eigen::MatrixXd Directions(double share) const;
+
+ private:
+  Eigen::MatrixXd slopes_;     // D x (d - 1)
+  Eigen::VectorXd explained_;  // D, shares of the variance
+};
+
+// `count` designs within the box: each has the position of a trade-off, or every other time of a
+// place on the line through two of them, and is otherwise as one of the quarter of trade-offs that
+// was found latest. Which ones, and the share that makes a direction, is drawn for each. None while
+// there are fewer trade-offs than twice the metrics, or for a single metric.
+std::vector<Eigen::VectorXd> AlignedDesigns(const Archive& archive, const Scaling& scaling,
+                                            std::size_t count, Random& random);
+
+}  // namespace mortise::pareto
