@@ -136,6 +136,11 @@ absl::StatusOr<Dual> MetricExpressions::At(int index, const Eigen::VectorXd& q, 
   return *known[static_cast<std::size_t>(index)];
 }
 
+bool MetricExpressions::HasPoint(const std::string& name) const {
+  return std::any_of(points_.begin(), points_.end(),
+                     [&name](const Point& point) { return point.name == name; });
+}
+
 absl::StatusOr<std::optional<MetricExpressions::PlacedPoint>> MetricExpressions::PointAt(
     const std::string& name, const Eigen::VectorXd& q) const {
   for (const Point& point : points_) {

@@ -92,6 +92,8 @@ class MetricExpressions {
     Eigen::Vector3d position;   // m
     Eigen::Matrix3Xd velocity;  // 3 × parameters, m per unit of the parameter
   };
+  // Whether there is a point of this name.
+  bool HasPoint(const std::string& name) const;
   // The point of this name at `q`; nothing if there is none. INVALID_ARGUMENT naming a coordinate
   // that cannot be computed.
   absl::StatusOr<std::optional<PlacedPoint>> PointAt(const std::string& name,

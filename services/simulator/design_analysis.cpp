@@ -262,6 +262,12 @@ absl::StatusOr<ModalSolution> Vibrate(const DesignModel& model, const mesh::Tetr
   return vibration;
 }
 
+// Points are where their coordinates say, whatever the shape.
+bool OfPointsAlone(const parametric::MetricCall& call, const parametric::MetricExpressions& own) {
+  return std::all_of(call.places.begin(), call.places.end(),
+                     [&own](const std::string& place) { return own.HasPoint(place); });
+}
+
 }  // namespace
 
 const std::vector<MetricDescription>& OfferedMetrics() {
@@ -325,7 +331,7 @@ MetricDemands DemandsOf(const std::vector<std::string>& metrics,
     using Source = parametric::MetricFunctionSource;
     demands.loads = demands.loads || call.function->source == Source::kLoads;
     demands.heat = demands.heat || call.function->source == Source::kHeat;
-    demands.surface = true;
+    demands.surface = demands.surface || !OfPointsAlone(call, own);
   }
   demands.surface =
       demands.surface || demands.loads || demands.heat || demands.modes || demands.airflow;

@@ -16,7 +16,7 @@ struct ManualCommand {
 // A fenced block whose info string begins with "sh".
 struct ManualBlock {
   std::string document;  // "docs/gateway.md"
-  std::string mark;      // what stands behind "sh": "", "not-run", "secure-house"
+  std::string mark;      // what stands behind "sh": "", "not-run", "costly", "secure-house"
   std::string text;      // as it stands there
   std::vector<ManualCommand> commands;
 

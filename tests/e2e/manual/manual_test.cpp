@@ -4,6 +4,7 @@
 //   mortise up              with --dry-run
 //   mortise-SERVICE …       until it serves, on free ports
 //   blocks ```sh not-run    every flag is one that the program's --help lists
+//   blocks ```sh costly     with few evaluations instead of as many as they say
 //   blocks ```sh secure-…   by secure_house_test
 //   blocks ```sh evaluators by evaluator_page_test
 //   blocks ```sh slurm      by slurm_workers_test
@@ -86,6 +87,12 @@ class Manual : public ::testing::Test {
     }
   }
 
+  // The fewest that there are: that the command does what it says shows with them too.
+  static std::string WithFewEvaluations(const std::string& command) {
+    static const std::regex budget("--evaluations [0-9]+");
+    return std::regex_replace(command, budget, "--evaluations 10");
+  }
+
   // Starts a server or a worker and waits until it says that it serves, or works.
   static void CheckServer(const std::string& place, const std::string& command) {
     static const std::regex listener("(--grpc|--http|--listen) 127\\.0\\.0\\.1:[0-9]+");
@@ -107,6 +114,7 @@ class Manual : public ::testing::Test {
     std::string text = command.text;
     if (absl::StartsWith(text, "build/release/bin/")) text = text.substr(18);
     if (block.mark == "not-run") return CheckFlags(place, text);
+    if (block.mark == "costly") text = WithFewEvaluations(text);
     if (absl::StartsWith(text, "export PATH=")) return;
     if (absl::StartsWith(text, "./dev up")) return CheckUp(place, text.substr(8));
     if (absl::StartsWith(text, "./dev ")) return CheckDev(place, text);
@@ -132,7 +140,7 @@ TEST_F(Manual, EveryCommandDoesWhatItSays) {
     StandIns stand_ins(folder_ / ".mortise");
     for (const ManualBlock& block : ReadManual(document)) {
       if (kRunElsewhere.count(block.mark) > 0) continue;
-      EXPECT_THAT(block.mark, ::testing::AnyOf("", "not-run")) << document;
+      EXPECT_THAT(block.mark, ::testing::AnyOf("", "not-run", "costly")) << document;
       for (const ManualCommand& command : block.commands) {
         Check(block, command, stand_ins);
         ++checked;

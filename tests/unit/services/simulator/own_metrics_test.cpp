@@ -179,6 +179,19 @@ TEST(OwnMetrics, WithoutPhysicsNeedNoMeshAndNoSupports) {
   EXPECT_FALSE(analysis->mesh.has_value());
 }
 
+TEST(OwnMetrics, OfPointsNeedNoSurface) {
+  CompiledTemplate lamp = Compiled(templates::ShippedTemplate("templates/lamp"));
+  auto own = OwnMetricsOf(lamp, {});
+  ASSERT_TRUE(own.ok()) << own.status();
+  EXPECT_FALSE(DemandsOf({"mass", "off_centre", "focus_distance"}, *own).surface);
+  v1::MetricDefinitions asked;
+  ASSERT_TRUE(google::protobuf::TextFormat::ParseFromString(
+      Metric("m", "distance('light_1', 'beam_1.half.socket')"), &asked));
+  own = OwnMetricsOf(lamp, asked);
+  ASSERT_TRUE(own.ok()) << own.status();
+  EXPECT_TRUE(DemandsOf({"m0"}, *own).surface);
+}
+
 TEST(OwnMetrics, TellWhatIsWrongWithTheirName) {
   const CompiledTemplate bar = Compiled(PulledBars().at("parts"));
   const auto expect = [&bar](const std::string& definitions, absl::StatusCode code,
@@ -230,11 +243,14 @@ TEST(OwnMetrics, OfTheThesisShip) {
   EXPECT_NEAR(ValueOf(wrench, 0) * ValueOf(wrench, 4), 30, 1e-9);
   EXPECT_NEAR(ValueOf(wrench, 1) / ValueOf(wrench, 2), ValueOf(wrench, 0) / 250, 1e-9);
   EXPECT_NEAR(ValueOf(wrench, 3), 250, 0.01);
-  const auto lamp = Analyze(Compiled(templates::ShippedTemplate("templates/lamp")), "",
-                            {"focus_distance", "off_centre", "center_of_mass_x"});
+  const auto lamp = Analyze(Compiled(templates::ShippedTemplate("templates/lamp")),
+                            Metric("m", "distance('light_3', 'beam_3.half.socket')", "aside"),
+                            {"focus_distance", "off_centre", "center_of_mass_x", "aside"});
   EXPECT_GT(ValueOf(lamp, 0), 0.3);
   EXPECT_LT(ValueOf(lamp, 0), 1.5);
   EXPECT_GE(ValueOf(lamp, 1), std::abs(ValueOf(lamp, 2)));
+  // The socket's centroid is that of its triangles, here of a polygon of a dozen unequal sides.
+  EXPECT_NEAR(ValueOf(lamp, 3), 0, 1e-4 * 0.28);
   EXPECT_FALSE(lamp->mesh.has_value());
   const auto drum = Analyze(Compiled(templates::ShippedTemplate("templates/drum-brake")), "",
                             {"rim_heat_dissipation", "heat_dissipation"}, 0.02, false);
