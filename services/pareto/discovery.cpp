@@ -39,7 +39,8 @@ constexpr std::int64_t kAlwaysScarce = 300;    // so many, however few parameter
 constexpr std::int64_t kSurrogateLimit = 999;  // and no more than these
 constexpr Eigen::Index kSurrogateParameters = 40;
 constexpr double kSurrogateShare = 0.8;        // of the evaluations after the initial samples
-constexpr double kIdleShare = 0.28;            // of the budget, see AwaitsOpening
+constexpr double kIdleShare = 0.28;            // of the budget, see AwaitsOpening; at least
+constexpr double kLeastIdle = 100;             // evaluations
 constexpr double kDescentShare = 0.25;         // of the budget
 constexpr std::int64_t kLargestPatch = 4;      // a quarter of the budget
 constexpr std::int64_t kMeasuringBudget = 60;  // evaluations a parameter
@@ -396,16 +397,19 @@ std::optional<Eigen::VectorXd> Discovery::NextPoint(std::int64_t& track) {
 }
 
 // Whether to wait for what is under way rather than to begin something else: the opening tracks
-// share what they learn, and others would start from designs that are far off. A piece of more than
-// one direction is worth waiting for as well; along a single one the front is found in any case.
+// share what they learn, and others would start from designs that are far off. When workers have
+// been idle for some time, a piece along a single direction is no longer waited for, and after more
+// of it nothing.
 bool Discovery::AwaitsOpening() const {
   if (descending_) return true;
-  if (static_cast<double>(idle_) >= kIdleShare * static_cast<double>(options_.evaluations) ||
-      !scheduler_.AwaitsOpening(metric_count_))
+  if (!scheduler_.AwaitsOpening(metric_count_)) return false;
+  const auto idle = static_cast<double>(idle_);
+  const bool is_patient = idle < kLeastIdle || metric_count_ > 2;
+  if (idle >= std::max(kLeastIdle, kIdleShare * static_cast<double>(options_.evaluations)))
     return false;
   return std::any_of(tracks_.begin(), tracks_.end(), [&](const auto& entry) {
     const Track& track = entry.second;
-    return track.kind == TrackKind::kOpening && (track.patch == nullptr || metric_count_ > 2);
+    return track.kind == TrackKind::kOpening && (track.patch == nullptr || is_patient);
   });
 }
 
