@@ -14,6 +14,7 @@ std::size_t Archive::Add(ArchiveEntry entry) {
   const std::size_t index = entries_.size();
   displaced_.clear();
   designs_.insert(designs_.end(), entry.u.begin(), entry.u.end());
+  if (lengths_.size() == 0) lengths_ = VectorXd::Ones(entry.u.size());
   entries_.push_back(std::move(entry));
   ArchiveEntry& added = entries_.back();
   added.feasible = added.evaluated && (added.constraints.array() <= 0).all();
@@ -89,9 +90,11 @@ std::vector<std::size_t> Archive::Nearest(const VectorXd& u, std::size_t count) 
   distances.reserve(entries_.size());
   const Eigen::Map<const Eigen::MatrixXd> designs(designs_.data(), u.size(),
                                                   static_cast<Eigen::Index>(entries_.size()));
+  const VectorXd weights = lengths_.cwiseInverse();
   for (std::size_t i = 0; i < entries_.size(); ++i) {
     if (!entries_[i].evaluated) continue;
-    distances.emplace_back((designs.col(static_cast<Eigen::Index>(i)) - u).squaredNorm(), i);
+    distances.emplace_back(
+        (designs.col(static_cast<Eigen::Index>(i)) - u).cwiseProduct(weights).squaredNorm(), i);
   }
   count = std::min(count, distances.size());
   std::partial_sort(distances.begin(), distances.begin() + static_cast<std::ptrdiff_t>(count),
@@ -154,6 +157,10 @@ bool Archive::ClearlyDominated(const VectorXd& metrics, const Scaling& scaling,
     if (least >= margin || (least >= 0 && most > 3 * margin)) return true;
   }
   return false;
+}
+
+bool OffersEvery(const Eigen::MatrixXd& jacobian) {
+  return jacobian.size() > 0 && !jacobian.array().isNaN().rowwise().all().any();
 }
 
 }  // namespace mortise::pareto

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <utility>
 #include <vector>
 
 namespace mortise::pareto {
@@ -67,7 +68,12 @@ class Archive {
   // From the ideal to the worst of all feasible entries, d; 0 where nothing differs.
   Eigen::VectorXd WholeRange() const { return worst_ - ideal_; }
 
-  // Up to `count` evaluated entries nearest to `u` (Euclidean in unit coordinates), nearest first.
+  // How far designs may differ in each parameter (D) and still tell of each other, relative to the
+  // others: 1 until UseLengths says otherwise. Distances between designs are in these lengths.
+  const Eigen::VectorXd& lengths() const { return lengths_; }
+  void UseLengths(Eigen::VectorXd lengths) { lengths_ = std::move(lengths); }
+
+  // Up to `count` evaluated entries nearest to `u`, nearest first.
   std::vector<std::size_t> Nearest(const Eigen::VectorXd& u, std::size_t count) const;
 
   // Keeps the Jacobian that a model of metrics, or of constraints, found at an entry, as prior for
@@ -92,6 +98,7 @@ class Archive {
   // Scans over all entries, or all that are not dominated, read what they compare from one piece of
   // memory: from each entry's own it takes several times as long.
   std::vector<double> designs_;  // u of each entry, one after the other
+  Eigen::VectorXd lengths_;      // D, once there is an entry
   std::vector<std::size_t> non_dominated_;
   std::vector<double> front_;  // metrics of those, one after the other
   std::vector<std::size_t> displaced_;
@@ -108,6 +115,9 @@ class Archive {
   Eigen::VectorXd worst_;  // over all feasible entries, or evaluated ones while there are none
   Eigen::VectorXd constraint_sizes_;  // largest seen
 };
+
+// Whether the evaluator offered the gradient of every row, of metrics or of constraints.
+bool OffersEvery(const Eigen::MatrixXd& jacobian);
 
 // The scaled metrics of the entries that none dominates, d x n, in their order.
 Eigen::MatrixXd ScaledFront(const Archive& archive, const Scaling& scaling);

@@ -10,8 +10,10 @@
 #include "common/base/errors.h"
 #include "services/pareto/coordinate_descent.h"
 #include "services/pareto/front_polishing.h"
+#include "services/pareto/front_traverse.h"
 #include "services/pareto/hypervolume.h"
 #include "services/pareto/outlier_repair.h"
+#include "services/pareto/parameter_lines.h"
 #include "services/pareto/stochastic_sampling.h"
 
 namespace mortise::pareto {
@@ -32,6 +34,7 @@ constexpr int kChildren = 8;             // of a track
 constexpr int kProbedPatches = 4;
 constexpr int kProbes = 20;  // of a patch
 constexpr int kMostAhead = 3;
+constexpr double kLeastTrade = 0.1;  // in ranges of the front
 constexpr std::int64_t kProbedBudget = 200;
 constexpr std::int64_t kExploringBudget = 30;  // evaluations a parameter
 constexpr std::int64_t kSurrogateBudget = 30;  // evaluations a parameter, at most, or
@@ -468,8 +471,12 @@ void Discovery::Retire(const Track& track) {
     if (track.patch->piece().directions.cols() > 0) pieces_.push_back(track.patch->piece());
     return;
   }
-  if (track.kind == TrackKind::kOpening) descending_ = false;
-  if (track.optimization == nullptr) return;  // children, say
+  if (track.optimization == nullptr) {
+    if (track.kind != TrackKind::kOpening) return;  // children, say
+    LearnFromLines();
+    if (std::exchange(descending_, false)) TraverseFromMiddle();
+    return;
+  }
   if (track.evaluations > 0) ++optimizations_;
   if (archive_.feasible_count() == 0) return;
   if (hypervolume_ > progress_mark_ * (1 + options_.delta_i)) {
@@ -484,6 +491,7 @@ void Discovery::Retire(const Track& track) {
   if (!best || !archive_[*best].feasible ||
       archive_.ClearlyDominated(archive_[*best].metrics, buffer_.scaling(), options_.delta_b))
     return;
+  if (track.kind == TrackKind::kOpening) StartTraverses(*best);
   const Eigen::VectorXd& u = archive_[*best].u;
   if (std::any_of(pieces_.begin(), pieces_.end(), [&](const AffinePiece& piece) {
         return (piece.centre - u).lpNorm<Eigen::Infinity>() < kSamePiece;
@@ -505,6 +513,38 @@ void Discovery::Retire(const Track& track) {
   PatchSampling* const view = patch.get();
   tracks_[next_track_++] = {std::move(patch), nullptr, view, track.kind, 0, 0};
   ++expansions_;
+}
+
+// What designs of the descent and of traverses that differ in a single parameter tell of it.
+void Discovery::LearnFromLines() {
+  const Scaling scaling = archive_.CurrentScaling();
+  const std::vector<ParameterLine> lines = ParameterLines(archive_);
+  archive_.UseLengths(RelativeLengths(archive_, lines, scaling));
+  trading_ = TradingParameters(archive_, lines, scaling,
+                               static_cast<std::size_t>(metric_count_ - 1), kLeastTrade);
+}
+
+// From the trade-off nearest to the ideal.
+void Discovery::TraverseFromMiddle() {
+  if (archive_.feasible_count() == 0) return;
+  const Scaling scaling = archive_.CurrentScaling();
+  StartTraverses(*std::ranges::min_element(archive_.non_dominated(), {}, [&](std::size_t entry) {
+    return scaling.Apply(archive_[entry].metrics).norm();
+  }));
+}
+
+// Along the parameters that trade metrics off. Pieces by gradients are exact and need no help.
+void Discovery::StartTraverses(std::size_t entry) {
+  if (OffersEvery(archive_[entry].jacobian)) return;
+  for (const Eigen::Index parameter : trading_) {
+    tracks_[next_track_++] = {std::make_unique<FrontTraverse>(FrontTraverse::Options{}, archive_,
+                                                              buffer_.scaling(), entry, parameter),
+                              nullptr,
+                              nullptr,
+                              TrackKind::kOpening,
+                              0,
+                              0};
+  }
 }
 
 // Whether a piece's slopes may be measured: differences need values as small as they like.

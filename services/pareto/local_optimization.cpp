@@ -13,11 +13,6 @@ namespace {
 constexpr int kFailureLimit = 5;
 constexpr int kTightenLimit = 8;
 
-// Whether the evaluator offered all rows.
-bool OffersEvery(const Eigen::MatrixXd& jacobian) {
-  return jacobian.size() > 0 && !jacobian.array().isNaN().rowwise().all().any();
-}
-
 }  // namespace
 
 LocalOptimization::LocalOptimization(const Options& options, const Scaling& scaling,
@@ -69,10 +64,10 @@ std::optional<Eigen::VectorXd> LocalOptimization::Ask(Archive& archive) {
 
 void LocalOptimization::QueueDifferences(const Archive& archive) {
   const Eigen::VectorXd& u = archive[*best_].u;
-  const double step = 0.5 * options_.initial_radius;
+  const Eigen::VectorXd steps = 0.5 * options_.initial_radius * archive.lengths();
   for (Eigen::Index i = 0; i < u.size(); ++i) {
     Eigen::VectorXd point = u;
-    point[i] += u[i] < 0.5 ? step : -step;
+    point[i] += u[i] < 0.5 ? steps[i] : -steps[i];
     queue_.push_back(point);
   }
   waiting_ = Waiting::kDifferences;
@@ -142,7 +137,7 @@ std::optional<Eigen::VectorXd> LocalOptimization::NextPoint(Archive& archive) {
   if (Violation(constraints_, stepped_) > 0)
     stepped_ = MinimizeWithin({0, g, B}, constraints_, lower, upper);
   predicted_decrease_ = -(g.dot(stepped_) + 0.5 * stepped_.dot(B * stepped_));
-  step_length_ = stepped_.lpNorm<Eigen::Infinity>();
+  step_length_ = stepped_.cwiseQuotient(archive.lengths()).lpNorm<Eigen::Infinity>();
 
   const bool small = predicted_decrease_ <= options_.tolerance * r.norm() || step_length_ < 1e-9;
   // What is believed of slopes nearby is trusted until steps fail.
@@ -168,7 +163,7 @@ std::optional<Eigen::VectorXd> LocalOptimization::RestoringPoint(Archive& archiv
   stepped_ = ReduceViolation(constraints_, LeastStep(archive), MostStep(archive));
   predicted_decrease_ = Violation(constraints_, Eigen::VectorXd::Zero(stepped_.size())) -
                         Violation(constraints_, stepped_);
-  step_length_ = stepped_.lpNorm<Eigen::Infinity>();
+  step_length_ = stepped_.cwiseQuotient(archive.lengths()).lpNorm<Eigen::Infinity>();
   const bool exact = OffersEvery(archive[*best_].constraint_jacobian);
   if (failures_ >= 2 && !exact) {
     Eigen::VectorXd slope = Eigen::VectorXd::Zero(stepped_.size());
@@ -188,11 +183,11 @@ std::optional<Eigen::VectorXd> LocalOptimization::RestoringPoint(Archive& archiv
 }
 
 Eigen::VectorXd LocalOptimization::LeastStep(const Archive& archive) const {
-  return (-archive[*best_].u).cwiseMax(-radius_);
+  return (-archive[*best_].u).cwiseMax(-radius_ * archive.lengths());
 }
 
 Eigen::VectorXd LocalOptimization::MostStep(const Archive& archive) const {
-  return (1 - archive[*best_].u.array()).matrix().cwiseMin(radius_);
+  return (1 - archive[*best_].u.array()).matrix().cwiseMin(radius_ * archive.lengths());
 }
 
 std::optional<Eigen::VectorXd> LocalOptimization::GeometryPoint(const Archive& archive,
@@ -201,10 +196,11 @@ std::optional<Eigen::VectorXd> LocalOptimization::GeometryPoint(const Archive& a
   const Eigen::Index D = centre.size();
   if (geometry_points_ >= D / 2 + 2) return std::nullopt;
   const double reach = std::max(radius_, 0.02);
+  const Eigen::VectorXd reaches = reach * archive.lengths();
   Eigen::MatrixXd spread = Eigen::MatrixXd::Zero(D, D);
   for (const std::size_t other :
        SpreadNeighbours(archive, *best_, static_cast<std::size_t>(2 * D + 4))) {
-    const Eigen::VectorXd s = (archive[other].u - centre) / reach;
+    const Eigen::VectorXd s = (archive[other].u - centre).cwiseQuotient(reaches);
     if (s.norm() > 6) break;
     spread += s * s.transpose() / std::max(1.0, s.squaredNorm());
   }
@@ -214,13 +210,16 @@ std::optional<Eigen::VectorXd> LocalOptimization::GeometryPoint(const Archive& a
       spread(i, i) += 1;
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(spread);
   if (eigen.eigenvalues()[0] > 0.02) return std::nullopt;
-  Eigen::VectorXd v = eigen.eigenvectors().col(0);
-  if (v.dot(gradient) > 0) v = -v;
-  Eigen::VectorXd point = (centre + reach * v).cwiseMax(0.0).cwiseMin(1.0);
-  if ((point - centre).norm() < 0.3 * reach)
-    point = (centre - reach * v).cwiseMax(0.0).cwiseMin(1.0);
+  const Eigen::VectorXd v = eigen.eigenvectors().col(0);
+  const Eigen::VectorXd offset =
+      reaches.cwiseProduct(v.dot(reaches.cwiseProduct(gradient)) > 0 ? -v : v);
+  const auto length_to = [&](const Eigen::VectorXd& point) {
+    return (point - centre).cwiseQuotient(reaches).norm();
+  };
+  Eigen::VectorXd point = (centre + offset).cwiseMax(0.0).cwiseMin(1.0);
+  if (length_to(point) < 0.3) point = (centre - offset).cwiseMax(0.0).cwiseMin(1.0);
   ++geometry_points_;
-  if ((point - centre).norm() < 0.1 * reach) return std::nullopt;
+  if (length_to(point) < 0.1) return std::nullopt;
   return point;
 }
 

@@ -29,9 +29,10 @@ bool OffersGradient(const Eigen::MatrixXd& jacobian, Index row) {
   return jacobian.rows() > row && !jacobian.row(row).array().isNaN().all();
 }
 
-// Adds to the model of each metric in `metrics` the kernel expansion with slope weight `a`.
+// Adds to the model of each metric in `metrics` the kernel expansion with slope weight `a`. `radii`
+// (D) are the lengths by which t was divided.
 void FitKernels(const Eigen::MatrixXd& t, const Eigen::MatrixXd& residuals,
-                const Eigen::VectorXd& slack, double a, double radius,
+                const Eigen::VectorXd& slack, double a, const Eigen::VectorXd& radii,
                 const std::vector<Index>& metrics, QuadraticModel& model) {
   if (metrics.empty() || t.cols() == 0) return;
   const Eigen::MatrixXd dots = t.transpose() * t;
@@ -40,15 +41,20 @@ void FitKernels(const Eigen::MatrixXd& t, const Eigen::MatrixXd& residuals,
                            kMeanCurvatureWeight * squares * squares.transpose();
   kernel.diagonal() += slack;
   const Eigen::LDLT<Eigen::MatrixXd> factors(kernel);
+  const Eigen::VectorXd per_radius = radii.cwiseInverse();
   for (const Index i : metrics) {
     const Eigen::VectorXd weights = factors.solve(residuals.row(i).transpose());
     if (!weights.allFinite()) continue;
-    model.jacobian.row(i) += (a / radius) * (t * weights).transpose();
-    model.hessians[static_cast<std::size_t>(i)] =
-        (2 * kCurvatureWeight / (radius * radius)) * t * weights.asDiagonal() * t.transpose();
-    model.hessians[static_cast<std::size_t>(i)].diagonal().array() +=
-        2 * kMeanCurvatureWeight / (radius * radius) * squares.dot(weights);
+    model.jacobian.row(i) += a * (t * weights).cwiseQuotient(radii).transpose();
+    Eigen::MatrixXd& hessian = model.hessians[static_cast<std::size_t>(i)];
+    hessian = (2 * kCurvatureWeight) * t * weights.asDiagonal() * t.transpose();
+    hessian.diagonal().array() += 2 * kMeanCurvatureWeight * squares.dot(weights);
+    hessian = (per_radius.asDiagonal() * hessian * per_radius.asDiagonal()).eval();
   }
+}
+
+double Distance(const Archive& archive, const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+  return (a - b).cwiseQuotient(archive.lengths()).norm();
 }
 
 // The distance within which the neighbours can tell slopes: half that of neighbour number D.
@@ -57,7 +63,7 @@ double Sparsity(const Archive& archive, std::size_t centre,
   if (neighbours.empty()) return 0;
   const auto D = static_cast<std::size_t>(archive[centre].u.size());
   const std::size_t last = neighbours[std::min(neighbours.size(), D) - 1];
-  return 0.5 * (archive[last].u - archive[centre].u).norm();
+  return 0.5 * Distance(archive, archive[last].u, archive[centre].u);
 }
 
 // Powell's symmetric update of a Hessian by offered gradients, from the farthest neighbour to the
@@ -104,11 +110,11 @@ std::vector<std::size_t> SpreadNeighbours(const Archive& archive, std::size_t ce
   for (const std::size_t candidate : archive.Nearest(c, 4 * count)) {
     if (candidate == centre) continue;
     const Eigen::VectorXd& u = archive[candidate].u;
-    const double reach = (u - c).norm();
+    const double reach = Distance(archive, u, c);
     if (reach < 1e-12) continue;
     const double least = kThinning * reach;
     const bool crowded = std::any_of(kept.begin(), kept.end(), [&](std::size_t other) {
-      return (archive[other].u - u).squaredNorm() < least * least;
+      return Distance(archive, archive[other].u, u) < least;
     });
     if (crowded) continue;
     kept.push_back(candidate);
@@ -147,19 +153,20 @@ QuadraticModel Fit(const Archive& archive, std::size_t centre, double radius,
   const auto limit = static_cast<std::size_t>(std::min<Index>(2 * D + 10, 60));
   const std::vector<std::size_t> neighbours = SpreadNeighbours(archive, centre, limit);
   const double scale = std::max(radius, Sparsity(archive, centre, neighbours));
+  const Eigen::VectorXd radii = scale * archive.lengths();
   const auto m = static_cast<Index>(neighbours.size());
   Eigen::MatrixXd t(D, m);
   Eigen::MatrixXd residuals(d, m);
   for (Index k = 0; k < m; ++k) {
     const ArchiveEntry& other = archive[neighbours[static_cast<std::size_t>(k)]];
-    t.col(k) = (other.u - entry.u) / scale;
+    t.col(k) = (other.u - entry.u).cwiseQuotient(radii);
     residuals.col(k) = other.*modelled.values - values - model.jacobian * (other.u - entry.u);
   }
   const Eigen::VectorXd distances = t.colwise().norm();
   const Eigen::VectorXd slack =
       distances.unaryExpr([](double r) { return kInterpolation + kCubicSlack * std::pow(r, 6); });
-  FitKernels(t, residuals, slack, 1.0, scale, secant, model);
-  FitKernels(t, residuals, slack, 0.0, scale, offered, model);
+  FitKernels(t, residuals, slack, 1.0, radii, secant, model);
+  FitKernels(t, residuals, slack, 0.0, radii, offered, model);
   for (const Index i : offered)
     UpdateBySecants(archive, entry, neighbours, scale, modelled, i, model);
   return model;

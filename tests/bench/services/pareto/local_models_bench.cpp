@@ -1,6 +1,6 @@
 // What discovery spends on a design by itself, without evaluating anything: a local model, a step
-// within the models of constraints, polishing, and a sample of an evolution search. Argument:
-// parameters; 1,000 entries.
+// within the models of constraints, polishing, a sample of an evolution search, and what lines tell
+// of parameters. Argument: parameters; 1,000 entries.
 #include <benchmark/benchmark.h>
 
 #include <cmath>
@@ -9,6 +9,7 @@
 #include "services/pareto/constrained_quadratic.h"
 #include "services/pareto/evolution_search.h"
 #include "services/pareto/front_polishing.h"
+#include "services/pareto/parameter_lines.h"
 #include "services/pareto/quadratic_model.h"
 #include "services/pareto/random.h"
 
@@ -73,6 +74,23 @@ void BM_Polish(benchmark::State& state) {
   }
 }
 
+// A tenth of the entries are on lines.
+void BM_LearnFromLines(benchmark::State& state) {
+  Archive archive = NearAFront(state.range(0));
+  for (int k = 0; k < kEntries / 10; ++k) {
+    ArchiveEntry entry = archive[0];
+    entry.u[k / 5 % state.range(0)] = 0.2 * (k % 5);
+    entry.metrics += Eigen::Vector2d(0.01 * k, -0.01 * k);
+    archive.Add(std::move(entry));
+  }
+  const Scaling scaling = archive.CurrentScaling();
+  for (auto _ : state) {
+    const std::vector<ParameterLine> lines = ParameterLines(archive);
+    benchmark::DoNotOptimize(RelativeLengths(archive, lines, scaling));
+    benchmark::DoNotOptimize(TradingParameters(archive, lines, scaling, 2, 0.1));
+  }
+}
+
 void Sizes(benchmark::internal::Benchmark* bench) {
   bench->Unit(benchmark::kMicrosecond)->Arg(3)->Arg(12)->Arg(30);
 }
@@ -94,6 +112,7 @@ BENCHMARK(BM_FitQuadraticModel)->Apply(Sizes);
 BENCHMARK(BM_StepWithinConstraints)->Apply(Sizes);
 BENCHMARK(BM_Polish)->Apply(Sizes);
 BENCHMARK(BM_EvolutionSample)->Apply(Sizes);
+BENCHMARK(BM_LearnFromLines)->Apply(Sizes);
 
 }  // namespace
 }  // namespace mortise::pareto

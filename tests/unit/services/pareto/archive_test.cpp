@@ -89,5 +89,16 @@ TEST(Archive, TellsWhatIsClearlyDominated) {
   EXPECT_FALSE(dominated(1, 1));
 }
 
+TEST(Archive, MeasuresDistancesInLengths) {
+  Archive archive;
+  archive.Add({Eigen::Vector2d(0.2, 0), true, Eigen::Vector2d(0, 1), {}, {}});
+  archive.Add({Eigen::Vector2d(0, 0.3), true, Eigen::Vector2d(1, 0), {}, {}});
+  const VectorXd origin = VectorXd::Zero(2);
+  EXPECT_EQ(archive.lengths(), VectorXd::Ones(2));
+  EXPECT_EQ(archive.Nearest(origin, 2), (std::vector<std::size_t>{0, 1}));
+  archive.UseLengths(Eigen::Vector2d(0.5, 1));
+  EXPECT_EQ(archive.Nearest(origin, 2), (std::vector<std::size_t>{1, 0}));
+}
+
 }  // namespace
 }  // namespace mortise::pareto

@@ -1,0 +1,38 @@
+// What designs that differ in one parameter alone tell of it.
+//
+// A *line* is of four evaluated designs or more, all feasible, that are alike but for one
+// parameter. Looking along the parameters one by one (coordinate_descent.h) leaves some behind.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <vector>
+
+#include "services/pareto/archive.h"
+
+namespace mortise::pareto {
+
+struct ParameterLine {
+  Eigen::Index parameter = 0;
+  std::vector<std::size_t> entries;  // of the archive, ascending in the parameter
+};
+
+// All lines of an archive. O(n D log n) for n entries.
+std::vector<ParameterLine> ParameterLines(const Archive& archive);
+
+// The parameters that trade metrics off, strongest first, `most` at most. A parameter's strength is
+// the second largest range of a metric, in units of `scaling`, among those of one of its lines that
+// do not dominate each other; below `least` it does not count.
+std::vector<Eigen::Index> TradingParameters(const Archive& archive,
+                                            const std::vector<ParameterLine>& lines,
+                                            const Scaling& scaling, std::size_t most, double least);
+
+// How far designs may differ in each parameter (D) for metrics to change by about as much that no
+// parabola explains, relative to the parameter with the longest such length: 1 but for parameters
+// along which metrics ripple, whose length is half of that or less. By the median distance of
+// values from parabolas through their neighbours on a line. A metric counts that ranges over a
+// tenth of `scaling` on the line.
+Eigen::VectorXd RelativeLengths(const Archive& archive, const std::vector<ParameterLine>& lines,
+                                const Scaling& scaling);
+
+}  // namespace mortise::pareto
