@@ -20,7 +20,9 @@ constexpr double kLongestCorrection = 0.25;   // of each unit coordinate
 constexpr Eigen::Index kLargeDimensions = 3;  // of a piece that has most of its nodes far out
 constexpr std::size_t kLookedAt = 16;         // nodes, before one is chosen there
 constexpr double kFar = 1e4;                  // steps, more than any piece has
-constexpr std::size_t kNodeLimit = 5000;      // a patch whose nodes are all covered ends somewhere
+constexpr int kMostRedundant = 20;            // nodes, and a quarter of the evaluations
+constexpr int kRedundantShare = 4;
+constexpr std::size_t kNodeLimit = 5000;  // a patch whose nodes are all covered ends somewhere
 
 // The largest s in [0, 1] for which centre + s offset stays within the unit box.
 double Reach(const Eigen::VectorXd& centre, const Eigen::VectorXd& offset) {
@@ -289,13 +291,16 @@ std::optional<Eigen::VectorXd> PatchSampling::NodePoint(const Node& node, double
   return (piece_.centre + reach * offset).cwiseMax(0.0).cwiseMin(1.0);
 }
 
-bool PatchSampling::Covered(const Archive& archive, const Eigen::VectorXd& predicted) const {
+// By a trade-off other than `but`.
+bool PatchSampling::Covered(const Archive& archive, const Eigen::VectorXd& metrics,
+                            std::optional<std::size_t> but) const {
   const double near = 0.5 * options_.spacing;
   const auto front = archive.non_dominated_metrics();
   for (Eigen::Index k = 0; k < front.cols(); ++k) {
+    if (archive.non_dominated()[static_cast<std::size_t>(k)] == but) continue;
     double squared = 0, least = std::numeric_limits<double>::infinity();
-    for (Eigen::Index i = 0; i < predicted.size() && squared < near * near; ++i) {
-      const double gap = (predicted[i] - front(i, k)) / scaling_.range[i];
+    for (Eigen::Index i = 0; i < metrics.size() && squared < near * near; ++i) {
+      const double gap = (metrics[i] - front(i, k)) / scaling_.range[i];
       squared += gap * gap;
       least = std::min(least, gap);
     }
@@ -376,7 +381,7 @@ std::optional<Eigen::VectorXd> PatchSampling::AskNode(const Archive& archive) {
       continue;
     }
     const Eigen::VectorXd possible = WithinConstraints(archive, *point, reached.parent);
-    if (!reached.beyond && Covered(archive, model_->Predict(possible))) {
+    if (!reached.beyond && Covered(archive, model_->Predict(possible), std::nullopt)) {
       WalkOf(reached.node).held = std::abs(reached.node[0]);
       Expand(reached);
       continue;
@@ -440,6 +445,11 @@ void PatchSampling::Tell(Archive& archive, std::size_t entry) {
     Walk& walk = WalkOf(request.reached.node);
     if (holds) walk.held = std::max(walk.held, std::abs(request.reached.node[0]));
     walk.ended = walk.ended || !holds;
+  }
+  if (stepped && holds && Covered(archive, told.metrics, entry)) ++redundant_;
+  if (redundant_ > kMostRedundant + evaluations_ / kRedundantShare) {
+    frontier_.clear();
+    return;
   }
   if (!holds) return;
   if (request.kind == Request::Kind::kNode)

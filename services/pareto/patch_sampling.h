@@ -7,7 +7,8 @@
 //     the walk stops at the first dominated stretch and at the bounds of the design space (which
 //     are hit exactly);
 //   - a node whose predicted performance is already covered by a known point as good is passed
-//     without an evaluation;
+//     without an evaluation; where many turn out after one to be where the front was known already,
+//     as metrics stand still along the piece or the prediction is bad, the walk ends;
 //   - for d = 2 the walk goes a few nodes ahead of what has been answered, but no more than half as
 //     many as have held so far on that side: the workers need not wait for each other, and little
 //     is lost where the stretch ends;
@@ -109,7 +110,8 @@ class PatchSampling : public PointSource {
   std::optional<Eigen::VectorXd> AskNode(const Archive& archive);
   std::optional<Eigen::VectorXd> AskAhead(const Archive& archive);
   std::optional<Eigen::VectorXd> NodePoint(const Node& node, double* parameter) const;
-  bool Covered(const Archive& archive, const Eigen::VectorXd& predicted) const;
+  bool Covered(const Archive& archive, const Eigen::VectorXd& metrics,
+               std::optional<std::size_t> but) const;
   void Keep(const Archive& archive, double parameter, std::size_t entry, int depth);
 
   Options options_;
@@ -118,6 +120,7 @@ class PatchSampling : public PointSource {
   bool started_ = false;
   bool finished_ = false;
   int evaluations_ = 0;
+  int redundant_ = 0;  // nodes that turned out to be where the front was known already
   std::optional<QuadraticModel> model_;
   std::optional<DifferenceModel> measurement_;
   std::optional<Eigen::VectorXd> better_centre_;  // to be asked for
