@@ -520,8 +520,7 @@ void Discovery::LearnFromLines() {
   const Scaling scaling = archive_.CurrentScaling();
   const std::vector<ParameterLine> lines = ParameterLines(archive_);
   archive_.UseLengths(RelativeLengths(archive_, lines, scaling));
-  trading_ = TradingParameters(archive_, lines, scaling,
-                               static_cast<std::size_t>(metric_count_ - 1), kLeastTrade);
+  trading_ = TradingParameters(archive_, lines, scaling, kLeastTrade);
 }
 
 // From the trade-off nearest to the ideal.
@@ -533,10 +532,15 @@ void Discovery::TraverseFromMiddle() {
   }));
 }
 
-// Along the parameters that trade metrics off. Pieces by gradients are exact and need no help.
+// Along the parameters that trade metrics off, in turns, as many as a front of so many metrics has
+// dimensions. Pieces by gradients are exact and need no help.
 void Discovery::StartTraverses(std::size_t entry) {
   if (OffersEvery(archive_[entry].jacobian)) return;
-  for (const Eigen::Index parameter : trading_) {
+  std::vector<Eigen::Index> parameters = trading_;
+  std::ranges::stable_sort(parameters, {}, [&](Eigen::Index i) { return traversed_[i]; });
+  parameters.resize(std::min(parameters.size(), static_cast<std::size_t>(metric_count_ - 1)));
+  for (const Eigen::Index parameter : parameters) {
+    ++traversed_[parameter];
     tracks_[next_track_++] = {std::make_unique<FrontTraverse>(FrontTraverse::Options{}, archive_,
                                                               buffer_.scaling(), entry, parameter),
                               nullptr,

@@ -189,11 +189,12 @@ class Discovery : public AskTell {
   std::int64_t expansions_ = 0;
   std::int64_t surrogate_proposals_ = 0;
   int probed_patches_ = 0;
-  std::int64_t measured_ = 0;          // evaluations for slopes of pieces by differences
-  std::vector<Eigen::Index> trading_;  // parameters, see LearnFromLines
-  bool descending_ = false;            // along one parameter after the other, before anything else
-  int repairs_ = 0;                    // rounds of them
-  std::int64_t repair_track_ = -1;     // of the last round
+  std::int64_t measured_ = 0;              // evaluations for slopes of pieces by differences
+  std::vector<Eigen::Index> trading_;      // parameters, see LearnFromLines
+  std::map<Eigen::Index, int> traversed_;  // how often, by parameter
+  bool descending_ = false;         // along one parameter after the other, before anything else
+  int repairs_ = 0;                 // rounds of them
+  std::int64_t repair_track_ = -1;  // of the last round
   std::vector<Eigen::VectorXd> polished_;  // by the last round
   double hypervolume_ = 0;                 // in the scaling of the buffer, reference 1.1
   struct Shown {

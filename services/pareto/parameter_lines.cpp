@@ -111,7 +111,7 @@ std::vector<ParameterLine> ParameterLines(const Archive& archive) {
 
 std::vector<Index> TradingParameters(const Archive& archive,
                                      const std::vector<ParameterLine>& lines,
-                                     const Scaling& scaling, std::size_t most, double least) {
+                                     const Scaling& scaling, double least) {
   if (scaling.ideal.size() < 2) return {};
   std::map<Index, double> strengths;
   for (const ParameterLine& line : lines) {
@@ -123,8 +123,7 @@ std::vector<Index> TradingParameters(const Archive& archive,
     if (strength >= least) found.emplace_back(-strength, parameter);
   std::ranges::sort(found);
   std::vector<Index> parameters;
-  for (std::size_t k = 0; k < std::min(most, found.size()); ++k)
-    parameters.push_back(found[k].second);
+  for (const auto& [strength, parameter] : found) parameters.push_back(parameter);
   return parameters;
 }
 

@@ -87,7 +87,7 @@ void BM_LearnFromLines(benchmark::State& state) {
   for (auto _ : state) {
     const std::vector<ParameterLine> lines = ParameterLines(archive);
     benchmark::DoNotOptimize(RelativeLengths(archive, lines, scaling));
-    benchmark::DoNotOptimize(TradingParameters(archive, lines, scaling, 2, 0.1));
+    benchmark::DoNotOptimize(TradingParameters(archive, lines, scaling, 0.1));
   }
 }
 

@@ -77,9 +77,8 @@ TEST(TradingParameters, AreThoseThatMakeOneMetricBetterAndAnotherWorse) {
   for (Eigen::Index i = 0; i < 3; ++i)
     AddLine(archive, Eigen::Vector3d(0.31, 0.62, 0.13), i, 5, Trading);
   const std::vector<ParameterLine> lines = ParameterLines(archive);
-  EXPECT_EQ(TradingParameters(archive, lines, kLineScaling, 3, 0.1), std::vector<Eigen::Index>{0});
-  EXPECT_TRUE(TradingParameters(archive, lines, kLineScaling, 0, 0.1).empty());
-  EXPECT_TRUE(TradingParameters(archive, lines, kLineScaling, 3, 1.5).empty());
+  EXPECT_EQ(TradingParameters(archive, lines, kLineScaling, 0.1), std::vector<Eigen::Index>{0});
+  EXPECT_TRUE(TradingParameters(archive, lines, kLineScaling, 1.5).empty());
 }
 
 TEST(TradingParameters, ComeStrongestFirst) {
@@ -90,8 +89,8 @@ TEST(TradingParameters, ComeStrongestFirst) {
   for (Eigen::Index i = 0; i < 3; ++i)
     AddLine(archive, Eigen::Vector3d(0.31, 0.62, 0.13), i, 5, metrics);
   const Scaling scaling{VectorXd::Zero(3), VectorXd::Ones(3)};
-  EXPECT_EQ(TradingParameters(archive, ParameterLines(archive), scaling, 2, 0.1),
-            (std::vector<Eigen::Index>{0, 1}));
+  EXPECT_EQ(TradingParameters(archive, ParameterLines(archive), scaling, 0.1),
+            (std::vector<Eigen::Index>{0, 1, 2}));
 }
 
 TEST(RelativeLengths, AreShortWhereMetricsRippleWhateverTheirRange) {
