@@ -26,6 +26,7 @@ constexpr double kAlignShare = 0.12;    // the same
 // How much less other metrics count where one is looked for by itself: enough to choose among
 // designs that are equal in it.
 constexpr double kUnimportance = 3;
+constexpr double kFarAway = 5;  // reach of what is to be as good as it can, in ranges
 
 Target Toward(const VectorXd& from, const VectorXd& direction, double reach) {
   return {from + reach * direction, direction, reach};
@@ -49,6 +50,7 @@ TrackScheduler::Track TrackScheduler::Next(const Archive& archive, const Perform
     case TrackKind::kTransfer:
       return {kind, nullptr, nullptr};
     case TrackKind::kGap:
+      if (archive.non_dominated().size() == 1) return ElsewhereTrack(archive);
       return d == 2 ? PlanarGapTrack(archive, buffer) : GapTrack(archive, buffer);
     case TrackKind::kRefine:
       return RefineTrack(archive, buffer);
@@ -165,7 +167,7 @@ TrackScheduler::Track TrackScheduler::OpeningTrack(const Archive& archive) {
     direction = VectorXd::Constant(d, -0.05);  // the other metrics weigh little, but weigh
     direction[metric] = -1;
     direction.normalize();
-    reach = 5;
+    reach = kFarAway;
   }
   // Of many metrics all but one can be at their best where that is nearest to the ideal: a corner
   // of the front that only a target in the middle leads out of.
@@ -178,6 +180,25 @@ TrackScheduler::Track TrackScheduler::OpeningTrack(const Archive& archive) {
       nullptr};
 }
 
+// A front of one design: either metrics agree, or nothing leads on from there, as at a stationary
+// point of a metric that is best elsewhere. Improves a metric of any other design, where that is.
+TrackScheduler::Track TrackScheduler::ElsewhereTrack(const Archive& archive) {
+  Scaling scaling = archive.CurrentScaling();
+  scaling.range = archive.WholeRange().cwiseMax(1e-3 * scaling.range);
+  std::vector<std::size_t> candidates;
+  for (std::size_t entry = 0; entry < archive.size(); ++entry)
+    if (archive[entry].feasible) candidates.push_back(entry);
+  const std::size_t start = candidates[random_.Index(candidates.size())];
+  const Eigen::Index d = scaling.ideal.size();
+  const auto metric = static_cast<Eigen::Index>(random_.Index(static_cast<std::size_t>(d)));
+  return {TrackKind::kGap,
+          std::make_unique<LocalOptimization>(
+              options_.optimization, scaling,
+              Toward(scaling.Apply(archive[start].metrics), -VectorXd::Unit(d, metric), kFarAway),
+              start),
+          nullptr};
+}
+
 TrackScheduler::Track TrackScheduler::PlanarGapTrack(const Archive& archive,
                                                      const PerformanceBuffer& buffer) {
   const Scaling& scaling = buffer.scaling();
@@ -186,7 +207,6 @@ TrackScheduler::Track TrackScheduler::PlanarGapTrack(const Archive& archive,
     front.emplace_back(scaling.Apply(archive[entry].metrics), entry);
   std::sort(front.begin(), front.end(),
             [](const auto& a, const auto& b) { return a.first[0] < b.first[0]; });
-  if (front.size() < 2) return RefineTrack(archive, buffer);
   std::size_t widest = 0;
   double most = -1;
   for (std::size_t i = 0; i + 1 < front.size(); ++i) {

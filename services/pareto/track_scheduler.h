@@ -107,6 +107,7 @@ class TrackScheduler {
                            const std::vector<std::size_t>& candidates) const;
   Track OpeningTrack(const Archive& archive);
   Track GapTrack(const Archive& archive, const PerformanceBuffer& buffer);
+  Track ElsewhereTrack(const Archive& archive);
   Track PlanarGapTrack(const Archive& archive, const PerformanceBuffer& buffer);
   Track RefineTrack(const Archive& archive, const PerformanceBuffer& buffer);
   Track BridgeTrack(const Archive& archive, const PerformanceBuffer& buffer);
