@@ -468,7 +468,11 @@ void Discovery::Retire(const Track& track) {
   scheduler_.Report(track.kind, track.gain, track.evaluations);
   if (track.patch != nullptr) {
     measured_ += track.patch->measurements();
-    if (track.patch->piece().directions.cols() > 0) pieces_.push_back(track.patch->piece());
+    if (track.patch->piece().directions.cols() > 0) {
+      pieces_.push_back(track.patch->piece());
+    } else if (track.patch->probes()) {
+      --probed_patches_;
+    }
     return;
   }
   if (track.optimization == nullptr) {

@@ -71,6 +71,9 @@ class PatchSampling : public PointSource {
   // not critical, or the metrics agree.
   const AffinePiece& piece() const { return piece_; }
 
+  // Whether it looks beyond where the walk ends.
+  bool probes() const { return options_.probes > 0; }
+
   // How many evaluations went into slopes and curvature by differences.
   Eigen::Index measurements() const { return measurement_ ? measurement_->evaluations() : 0; }
 
