@@ -34,6 +34,8 @@ constexpr int kChildren = 8;             // of a track
 constexpr int kProbedPatches = 4;
 constexpr int kProbes = 20;  // of a patch
 constexpr int kMostAhead = 3;
+constexpr double kTraverseShare = 0.2;  // of the budget
+constexpr double kSameTraverse = 1e-6;
 constexpr double kLeastTrade = 0.1;  // in ranges of the front
 constexpr std::int64_t kProbedBudget = 200;
 constexpr std::int64_t kExploringBudget = 30;  // evaluations a parameter
@@ -477,7 +479,7 @@ void Discovery::Retire(const Track& track) {
   }
   if (track.optimization == nullptr) {
     if (track.kind != TrackKind::kOpening) return;  // children, say
-    LearnFromLines();
+    if (track.evaluations > 0) LearnFromLines();
     if (std::exchange(descending_, false)) TraverseFromMiddle();
     return;
   }
@@ -519,11 +521,15 @@ void Discovery::Retire(const Track& track) {
   ++expansions_;
 }
 
-// What designs of the descent and of traverses that differ in a single parameter tell of it.
+// What designs that differ in a single parameter tell of it: mostly those of the descent and of
+// traverses. Where a workshop can only set some values, steps stay long enough to reach the next.
 void Discovery::LearnFromLines() {
   const Scaling scaling = archive_.CurrentScaling();
   const std::vector<ParameterLine> lines = ParameterLines(archive_);
-  archive_.UseLengths(RelativeLengths(archive_, lines, scaling));
+  Eigen::VectorXd lengths = RelativeLengths(archive_, lines, scaling);
+  for (Eigen::Index i = 0; i < box_.step.size(); ++i)
+    if (box_.step[i] > 0) lengths[i] = 1;
+  archive_.UseLengths(std::move(lengths));
   trading_ = TradingParameters(archive_, lines, scaling, kLeastTrade);
 }
 
@@ -544,14 +550,24 @@ void Discovery::StartTraverses(std::size_t entry) {
   std::ranges::stable_sort(parameters, {}, [&](Eigen::Index i) { return traversed_[i]; });
   parameters.resize(std::min(parameters.size(), static_cast<std::size_t>(metric_count_ - 1)));
   for (const Eigen::Index parameter : parameters) {
+    const FrontTraverse::Options options;
+    const auto spent = static_cast<double>(traverses_.size() + 1) * options.evaluations;
+    if (spent > kTraverseShare * static_cast<double>(options_.evaluations)) return;
     ++traversed_[parameter];
-    tracks_[next_track_++] = {std::make_unique<FrontTraverse>(FrontTraverse::Options{}, archive_,
-                                                              buffer_.scaling(), entry, parameter),
-                              nullptr,
-                              nullptr,
-                              TrackKind::kOpening,
-                              0,
-                              0};
+    const bool is_known = std::ranges::any_of(traverses_, [&](const auto& earlier) {
+      Eigen::VectorXd apart = earlier.second - archive_[entry].u;
+      apart[parameter] = 0;
+      return earlier.first == parameter && apart.lpNorm<Eigen::Infinity>() < kSameTraverse;
+    });
+    if (is_known) continue;
+    traverses_.emplace_back(parameter, archive_[entry].u);
+    tracks_[next_track_++] = {
+        std::make_unique<FrontTraverse>(options, archive_, buffer_.scaling(), entry, parameter),
+        nullptr,
+        nullptr,
+        TrackKind::kOpening,
+        0,
+        0};
   }
 }
 
@@ -616,8 +632,7 @@ void Discovery::StartTrack(bool force_sample) {
 
 // Of all metrics; a slope may be infinite here or there.
 bool Discovery::OffersGradients() const {
-  const Eigen::MatrixXd& jacobian = archive_[archive_.non_dominated().front()].jacobian;
-  return jacobian.size() > 0 && !jacobian.array().isNaN().rowwise().all().any();
+  return OffersEvery(archive_[archive_.non_dominated().front()].jacobian);
 }
 
 // Automatically where evaluations are so few that each is worth some thought. With gradients local

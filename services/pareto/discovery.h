@@ -189,9 +189,10 @@ class Discovery : public AskTell {
   std::int64_t expansions_ = 0;
   std::int64_t surrogate_proposals_ = 0;
   int probed_patches_ = 0;
-  std::int64_t measured_ = 0;              // evaluations for slopes of pieces by differences
-  std::vector<Eigen::Index> trading_;      // parameters, see LearnFromLines
-  std::map<Eigen::Index, int> traversed_;  // how often, by parameter
+  std::int64_t measured_ = 0;          // evaluations for slopes of pieces by differences
+  std::vector<Eigen::Index> trading_;  // parameters, see LearnFromLines
+  std::vector<std::pair<Eigen::Index, Eigen::VectorXd>> traverses_;  // parameters and starts
+  std::map<Eigen::Index, int> traversed_;                            // how often, by parameter
   bool descending_ = false;         // along one parameter after the other, before anything else
   int repairs_ = 0;                 // rounds of them
   std::int64_t repair_track_ = -1;  // of the last round

@@ -28,6 +28,7 @@ std::optional<Eigen::VectorXd> FrontTraverse::Ask(Archive&) {
   if (queue_.empty()) return std::nullopt;
   Eigen::VectorXd u = start_;
   u[parameter_] = queue_.front();
+  tried_.insert(queue_.front());
   queue_.pop_front();
   ++outstanding_;
   ++evaluations_;
@@ -46,12 +47,15 @@ void FrontTraverse::QueueGaps(const Archive& archive) {
   };
   std::vector<std::pair<double, double>> gaps;  // how wide, and the middle
   for (auto a = line_.begin(), b = std::next(a); b != line_.end(); a = b++) {
-    if (b->first - a->first < kLeastGap || (is_dominated(a->second) && is_dominated(b->second)))
+    const double middle = 0.5 * (a->first + b->first);
+    // A middle that failed, or that a workshop cannot set, brings nothing the second time either.
+    if (b->first - a->first < kLeastGap || tried_.contains(middle) ||
+        (is_dominated(a->second) && is_dominated(b->second)))
       continue;
     const double width =
         (scaling_.Apply(archive[a->second].metrics) - scaling_.Apply(archive[b->second].metrics))
             .norm();
-    if (width > options_.spacing) gaps.emplace_back(width, 0.5 * (a->first + b->first));
+    if (width > options_.spacing) gaps.emplace_back(width, middle);
   }
   std::ranges::sort(gaps, std::greater());
   const int most = std::min(kGaps, options_.evaluations - evaluations_);

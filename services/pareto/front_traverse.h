@@ -12,6 +12,7 @@
 #include <deque>
 #include <map>
 #include <optional>
+#include <set>
 
 #include "services/pareto/archive.h"
 #include "services/pareto/point_source.h"
@@ -23,7 +24,7 @@ namespace mortise::pareto {
 class FrontTraverse : public PointSource {
  public:
   struct Options {
-    int evaluations = 16;    // at most, 8 at least
+    int evaluations = 16;    // at most, or 8
     double spacing = 0.05;   // of neighbours, scaled performance, where gaps end
     double tolerance = 0.1;  // of dominance, scaled performance
   };
@@ -45,6 +46,7 @@ class FrontTraverse : public PointSource {
   Eigen::Index parameter_;
   std::map<double, std::size_t> line_;  // value to entry, of feasible designs
   std::deque<double> queue_;
+  std::set<double> tried_;
   int outstanding_ = 0;
   int evaluations_ = 0;
 };

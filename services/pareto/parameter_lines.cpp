@@ -21,6 +21,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr std::size_t kLeastLine = 4;
+constexpr double kLeastGap = 0.01;      // between neighbours on a line
 constexpr double kCountedRange = 0.1;   // of a metric on a line
 constexpr double kSmooth = 0.1;         // deviation from parabolas, in ranges, at kSmoothGap
 constexpr double kSmoothGap = 0.25;     // between neighbours
@@ -65,19 +66,20 @@ double Strength(const MatrixXd& metrics) {
 double LengthAlong(const std::vector<double>& at, const VectorXd& values) {
   const Index count = values.size();
   const double range = values.maxCoeff() - values.minCoeff();
-  std::vector<double> missed;
+  std::vector<double> lengths;
   for (Index i = 1; i + 2 < count; ++i) {
     const auto x = [&](Index k) { return at[static_cast<std::size_t>(k)]; };
     const double ab = (values[i + 1] - values[i - 1]) / (x(i + 1) - x(i - 1));
     const double bc = (values[i + 2] - values[i + 1]) / (x(i + 2) - x(i + 1));
     const double curvature = (bc - ab) / (x(i + 2) - x(i - 1));
     const double told = values[i - 1] + (x(i) - x(i - 1)) * (ab + curvature * (x(i) - x(i + 1)));
-    missed.push_back(std::min(std::abs(values[i] - told) / range, 1.0));
+    const double missed = std::clamp(std::abs(values[i] - told) / range, 1e-12, 1.0);
+    const double gap = (x(i + 2) - x(i - 1)) / 3;
+    lengths.push_back(gap / kSmoothGap * std::cbrt(kSmooth / missed));
   }
-  const auto middle = missed.begin() + std::ssize(missed) / 2;
-  std::ranges::nth_element(missed, middle);
-  const double gap = (at.back() - at.front()) / static_cast<double>(count - 1);
-  return gap / kSmoothGap * std::cbrt(kSmooth / std::max(*middle, 1e-12));
+  const auto middle = lengths.begin() + std::ssize(lengths) / 2;
+  std::ranges::nth_element(lengths, middle);
+  return *middle;
 }
 
 }  // namespace
@@ -90,20 +92,25 @@ std::vector<ParameterLine> ParameterLines(const Archive& archive) {
   for (std::size_t entry = 0; entry < archive.size(); ++entry)
     for (Index i = 0; i < size; ++i) whole[entry] += HashOf(i, archive[entry].u[i]);
   for (Index i = 0; i < size; ++i) {
-    std::map<std::uint64_t, std::vector<std::size_t>> alike;
+    std::vector<std::pair<std::uint64_t, std::size_t>> alike;  // but for parameter i, by hash
     for (std::size_t entry = 0; entry < archive.size(); ++entry)
       if (archive[entry].feasible)
-        alike[whole[entry] - HashOf(i, archive[entry].u[i])].push_back(entry);
-    for (auto& [hash, entries] : alike) {
-      std::erase_if(entries, [&, first = entries.front()](std::size_t entry) {
-        return !AreAlikeBut(i, archive[entry].u, archive[first].u);
-      });
+        alike.emplace_back(whole[entry] - HashOf(i, archive[entry].u[i]), entry);
+    std::ranges::sort(alike);
+    for (auto first = alike.begin(), end = first; first != alike.end(); first = end) {
+      end = std::find_if(first, alike.end(),
+                         [&](const auto& each) { return each.first != first->first; });
+      if (end - first < static_cast<std::ptrdiff_t>(kLeastLine)) continue;
+      std::vector<std::size_t> entries;
+      for (const auto& [hash, entry] : std::ranges::subrange(first, end))
+        if (AreAlikeBut(i, archive[entry].u, archive[first->second].u)) entries.push_back(entry);
       const auto value = [&](std::size_t entry) { return archive[entry].u[i]; };
       std::ranges::stable_sort(entries, {}, value);
-      const auto repeated = std::ranges::unique(entries, {}, value);
-      entries.erase(repeated.begin(), repeated.end());
-      if (entries.size() < kLeastLine) continue;
-      lines.push_back({i, std::move(entries)});
+      std::vector<std::size_t> spaced;
+      for (const std::size_t entry : entries)
+        if (spaced.empty() || value(entry) - value(spaced.back()) >= kLeastGap)
+          spaced.push_back(entry);
+      if (spaced.size() >= kLeastLine) lines.push_back({i, std::move(spaced)});
     }
   }
   return lines;

@@ -1,7 +1,8 @@
 // What designs that differ in one parameter alone tell of it.
 //
 // A *line* is of four evaluated designs or more, all feasible, that are alike but for one
-// parameter. Looking along the parameters one by one (coordinate_descent.h) leaves some behind.
+// parameter, in which neighbours are a hundredth of its range apart or more. Looking along the
+// parameters one by one (coordinate_descent.h) leaves some behind.
 #pragma once
 
 #include <Eigen/Core>
@@ -29,9 +30,9 @@ std::vector<Eigen::Index> TradingParameters(const Archive& archive,
 
 // How far designs may differ in each parameter (D) for metrics to change by about as much that no
 // parabola explains, relative to the parameter with the longest such length: 1 but for parameters
-// along which metrics ripple, whose length is half of that or less. By the median distance of
-// values from parabolas through their neighbours on a line. A metric counts that ranges over a
-// tenth of `scaling` on the line.
+// along which metrics ripple, whose length is half of that or less (0.05 at least). By how far
+// values are from parabolas through their neighbours on a line, in the median. A metric counts that
+// ranges over a tenth of `scaling` on the line. A parameter that no line tells of has 1.
 Eigen::VectorXd RelativeLengths(const Archive& archive, const std::vector<ParameterLine>& lines,
                                 const Scaling& scaling);
 

@@ -446,15 +446,23 @@ void PatchSampling::Tell(Archive& archive, std::size_t entry) {
     if (holds) walk.held = std::max(walk.held, std::abs(request.reached.node[0]));
     walk.ended = walk.ended || !holds;
   }
-  if (stepped && holds && Covered(archive, told.metrics, entry)) ++redundant_;
-  if (redundant_ > kMostRedundant + evaluations_ / kRedundantShare) {
-    frontier_.clear();
-    return;
+  if (stepped && holds && Covered(archive, told.metrics, entry)) {
+    ++redundant_;
+    if (redundant_ > kMostRedundant + evaluations_ / kRedundantShare) EndWalk();
   }
-  if (!holds) return;
+  if (!holds || (stepped && walk_over_)) return;
   if (request.kind == Request::Kind::kNode)
     Expand({request.reached.node, request.reached.beyond, entry});
   if (steps_.size() == 1) Keep(archive, request.parameter, entry, request.depth);
+}
+
+// Nor is it worth looking beyond.
+void PatchSampling::EndWalk() {
+  walk_over_ = true;
+  probed_ = true;
+  frontier_.clear();
+  bisections_.clear();
+  for (Walk& walk : walks_) walk.ended = true;
 }
 
 void PatchSampling::Keep(const Archive& archive, double parameter, std::size_t entry, int depth) {

@@ -8,7 +8,8 @@
 //     are hit exactly);
 //   - a node whose predicted performance is already covered by a known point as good is passed
 //     without an evaluation; where many turn out after one to be where the front was known already,
-//     as metrics stand still along the piece or the prediction is bad, the walk ends;
+//     as metrics stand still along the piece or the prediction is bad, the walk ends, and nothing
+//     beyond is probed;
 //   - for d = 2 the walk goes a few nodes ahead of what has been answered, but no more than half as
 //     many as have held so far on that side: the workers need not wait for each other, and little
 //     is lost where the stretch ends;
@@ -110,6 +111,7 @@ class PatchSampling : public PointSource {
   void Expand(const Reached& from);
   std::vector<Node> WaysOut(std::size_t most) const;
   void QueueProbes();
+  void EndWalk();
   std::optional<Eigen::VectorXd> AskNode(const Archive& archive);
   std::optional<Eigen::VectorXd> AskAhead(const Archive& archive);
   std::optional<Eigen::VectorXd> NodePoint(const Node& node, double* parameter) const;
@@ -124,6 +126,7 @@ class PatchSampling : public PointSource {
   bool finished_ = false;
   int evaluations_ = 0;
   int redundant_ = 0;  // nodes that turned out to be where the front was known already
+  bool walk_over_ = false;
   std::optional<QuadraticModel> model_;
   std::optional<DifferenceModel> measurement_;
   std::optional<Eigen::VectorXd> better_centre_;  // to be asked for

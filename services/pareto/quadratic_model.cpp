@@ -69,7 +69,7 @@ double Sparsity(const Archive& archive, std::size_t centre,
 // Powell's symmetric update of a Hessian by offered gradients, from the farthest neighbour to the
 // nearest: H becomes the nearest matrix (Frobenius) with H s = grad f(c + s) - grad f(c).
 void UpdateBySecants(const Archive& archive, const ArchiveEntry& centre,
-                     const std::vector<std::size_t>& neighbours, double scale,
+                     const std::vector<std::size_t>& neighbours, const Eigen::VectorXd& radii,
                      const Quantities& modelled, Index row, QuadraticModel& model) {
   Eigen::MatrixXd& H = model.hessians[static_cast<std::size_t>(row)];
   const Eigen::MatrixXd& here = centre.*modelled.jacobian;
@@ -79,7 +79,7 @@ void UpdateBySecants(const Archive& archive, const ArchiveEntry& centre,
       continue;
     const Eigen::VectorXd s = archive[*at].u - centre.u;
     const double square = s.squaredNorm();
-    const double trust = 1 / (1 + 0.1 * square / (scale * scale));
+    const double trust = 1 / (1 + 0.1 * s.cwiseQuotient(radii).squaredNorm());
     const Eigen::VectorXd miss = trust * ((there.row(row) - here.row(row)).transpose() - H * s);
     H += (miss * s.transpose() + s * miss.transpose()) / square -
          (s.dot(miss) / (square * square)) * s * s.transpose();
@@ -168,7 +168,7 @@ QuadraticModel Fit(const Archive& archive, std::size_t centre, double radius,
   FitKernels(t, residuals, slack, 1.0, radii, secant, model);
   FitKernels(t, residuals, slack, 0.0, radii, offered, model);
   for (const Index i : offered)
-    UpdateBySecants(archive, entry, neighbours, scale, modelled, i, model);
+    UpdateBySecants(archive, entry, neighbours, radii, modelled, i, model);
   return model;
 }
 

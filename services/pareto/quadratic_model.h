@@ -6,10 +6,11 @@
 //
 //   R^2 |g - g0|^2 / a  +  R^4 |H|_F^2 / (4 b)  +  sum_k e_k^2 / n_k,   e_k = q(s_k) - f(c + s_k),
 //
-// with R the radius of interest, g0 a prior gradient, n_k a slack that grows with the
-// sixth power of the neighbour's distance, the square of what third derivatives may do. This is
-// Broyden's least-change secant condition for many secants at once, with the curvature they reveal
-// (Powell's least-Frobenius-norm models). Its solution is a sum of kernels: with t = s/R,  q = f(c)
+// with R the radius of interest, lengths of the archive (archive.h) for units, g0 a prior gradient,
+// n_k a slack that grows with the sixth power of the neighbour's distance, the square of what third
+// derivatives may do. This is Broyden's least-change secant condition for many secants at once,
+// with the curvature they reveal (Powell's least-Frobenius-norm models). Its solution is a sum of
+// kernels: with t = s/R,  q = f(c)
 // + g0.s + sum_k w_k (a t.t_k + b (t.t_k)^2), and the weights w solve one small symmetric positive
 // definite system, shared by all metrics.
 //
@@ -39,7 +40,8 @@ struct QuadraticModel {
   Eigen::MatrixXd WeightedHessian(const Eigen::VectorXd& weights) const;
 };
 
-// Fits a model around entry `centre` (evaluated) of the archive for the region |s| <= `radius`.
+// Fits a model around entry `centre` (evaluated) of the archive for the region |s| <= `radius`,
+// in the lengths of the archive.
 // `prior` (d x D, may be empty: zero) is the believed Jacobian.
 QuadraticModel FitQuadraticModel(const Archive& archive, std::size_t centre, double radius,
                                  const Eigen::MatrixXd& prior);

@@ -50,7 +50,7 @@ TrackScheduler::Track TrackScheduler::Next(const Archive& archive, const Perform
     case TrackKind::kTransfer:
       return {kind, nullptr, nullptr};
     case TrackKind::kGap:
-      if (archive.non_dominated().size() == 1) return ElsewhereTrack(archive);
+      if (d > 1 && archive.non_dominated().size() == 1) return ElsewhereTrack(archive, buffer);
       return d == 2 ? PlanarGapTrack(archive, buffer) : GapTrack(archive, buffer);
     case TrackKind::kRefine:
       return RefineTrack(archive, buffer);
@@ -182,18 +182,23 @@ TrackScheduler::Track TrackScheduler::OpeningTrack(const Archive& archive) {
 
 // A front of one design: either metrics agree, or nothing leads on from there, as at a stationary
 // point of a metric that is best elsewhere. Improves a metric of any other design, where that is.
-TrackScheduler::Track TrackScheduler::ElsewhereTrack(const Archive& archive) {
+TrackScheduler::Track TrackScheduler::ElsewhereTrack(const Archive& archive,
+                                                     const PerformanceBuffer& buffer) {
   Scaling scaling = archive.CurrentScaling();
   scaling.range = archive.WholeRange().cwiseMax(1e-3 * scaling.range);
   std::vector<std::size_t> candidates;
   for (std::size_t entry = 0; entry < archive.size(); ++entry)
-    if (archive[entry].feasible) candidates.push_back(entry);
+    if (archive[entry].feasible && entry != archive.non_dominated().front())
+      candidates.push_back(entry);
+  if (candidates.empty()) return RefineTrack(archive, buffer);
+  LocalOptimization::Options options = options_.optimization;
+  options.join = false;
   const std::size_t start = candidates[random_.Index(candidates.size())];
   const Eigen::Index d = scaling.ideal.size();
   const auto metric = static_cast<Eigen::Index>(random_.Index(static_cast<std::size_t>(d)));
   return {TrackKind::kGap,
           std::make_unique<LocalOptimization>(
-              options_.optimization, scaling,
+              options, scaling,
               Toward(scaling.Apply(archive[start].metrics), -VectorXd::Unit(d, metric), kFarAway),
               start),
           nullptr};

@@ -4,6 +4,7 @@
 // is soon about right. Then ten ways of spending an evaluation take turns:
 //   - gap: aim into the widest hole between known trade-offs, starting from one beside it, which
 //     costs nothing (the neighbouring-cell direction of the thesis, with the cell chosen by need);
+//     where one design dominates all others, from any of those towards the best of a metric;
 //   - refine: push a known trade-off straight down, along the normal of the front there;
 //   - sample: the thesis's stochastic sample x_s = x_j + 2^(-delta) d with the direction of a cell
 //     within delta_N of its own, which is what leaves local minima;
@@ -107,7 +108,7 @@ class TrackScheduler {
                            const std::vector<std::size_t>& candidates) const;
   Track OpeningTrack(const Archive& archive);
   Track GapTrack(const Archive& archive, const PerformanceBuffer& buffer);
-  Track ElsewhereTrack(const Archive& archive);
+  Track ElsewhereTrack(const Archive& archive, const PerformanceBuffer& buffer);
   Track PlanarGapTrack(const Archive& archive, const PerformanceBuffer& buffer);
   Track RefineTrack(const Archive& archive, const PerformanceBuffer& buffer);
   Track BridgeTrack(const Archive& archive, const PerformanceBuffer& buffer);

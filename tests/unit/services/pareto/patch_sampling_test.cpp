@@ -30,16 +30,16 @@ ArchiveEntry EntryWithGradients(const SurfaceMetrics& metrics, const VectorXd& u
 
 // Runs a walk from `centre` to its end; how many designs it asked for.
 int WalkPiece(Archive& archive, const SurfaceMetrics& metrics, const VectorXd& centre,
-              int evaluations) {
+              const PatchSampling::Options& options) {
   const std::size_t entry = archive.Add(EntryWithGradients(metrics, centre));
   const Eigen::Index d = archive[entry].metrics.size();
-  PatchSampling::Options options;
-  options.evaluations = evaluations;
   PatchSampling patch(options, {VectorXd::Zero(d), VectorXd::Ones(d)}, entry);
   int asked = 0;
   while (!patch.Finished()) {
     const auto u = patch.Ask(archive);
-    if (!u) continue;
+    if (!u && patch.Finished()) break;
+    if (!u) ADD_FAILURE() << "waits for nothing";
+    if (!u) break;
     EXPECT_GE(u->minCoeff(), 0);
     EXPECT_LE(u->maxCoeff(), 1);
     ++asked;
@@ -62,7 +62,8 @@ SurfaceMetrics PowerSphere(double power) {
 
 TEST(PatchSampling, CoversAPieceUpToTheBounds) {
   Archive archive;
-  const int asked = WalkPiece(archive, PowerSphere(1), Eigen::Vector3d(0.45, 0.4, 0.5), 2000);
+  const int asked =
+      WalkPiece(archive, PowerSphere(1), Eigen::Vector3d(0.45, 0.4, 0.5), {.evaluations = 2000});
   EXPECT_LT(asked, 2000) << "it ends by itself";
   for (double a = 0; a <= 1; a += 0.1) {
     for (double b = 0; b <= 1; b += 0.1) {
@@ -78,9 +79,23 @@ TEST(PatchSampling, CoversAPieceUpToTheBounds) {
 // To a high power almost all designs are as good as the same one.
 TEST(PatchSampling, EndsWhereMetricsStandStillAlongThePiece) {
   Archive archive;
-  const int asked = WalkPiece(archive, PowerSphere(100), Eigen::Vector3d(0.995, 0.995, 0.5), 5000);
+  const int asked = WalkPiece(archive, PowerSphere(100), Eigen::Vector3d(0.995, 0.995, 0.5),
+                              {.evaluations = 5000});
   EXPECT_LT(asked, 500);
   EXPECT_GT(archive.non_dominated().size(), 50u);
+}
+
+// The same of two metrics, where the walk goes ahead of what it knows and looks beyond its end.
+TEST(PatchSampling, EndsAheadOfWhatItKnowsToo) {
+  const auto metrics = [](const VectorXd& u) -> VectorXd {
+    const double angle = std::numbers::pi / 2 * std::pow(u[0], 400);
+    return (1 + std::pow(u[1] - 0.5, 2)) * Eigen::Vector2d(std::cos(angle), std::sin(angle));
+  };
+  Archive archive;
+  const int asked = WalkPiece(archive, metrics, Eigen::Vector2d(0.9985, 0.5),
+                              {.evaluations = 2000, .probes = 20, .ahead = 3});
+  EXPECT_LT(asked, 150);
+  EXPECT_GT(archive.non_dominated().size(), 3u);
 }
 
 }  // namespace
