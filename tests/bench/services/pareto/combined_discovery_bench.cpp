@@ -60,3 +60,5 @@ BENCHMARK(BM_Combinations)
 
 }  // namespace
 }  // namespace mortise::pareto
+
+BENCHMARK_MAIN();

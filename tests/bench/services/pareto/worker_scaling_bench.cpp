@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "services/pareto/benchmark_problems.h"
+#include "services/pareto/discovery.h"
 #include "services/pareto/discovery_run.h"
 #include "services/pareto/hypervolume.h"
 #include "services/pareto/random.h"
