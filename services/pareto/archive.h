@@ -69,7 +69,8 @@ class Archive {
   Eigen::VectorXd WholeRange() const { return worst_ - ideal_; }
 
   // How far designs may differ in each parameter (D) and still tell of each other, relative to the
-  // others: 1 until UseLengths says otherwise. Distances between designs are in these lengths.
+  // others: 1 until UseLengths says otherwise. What Nearest and local models call near is in these
+  // lengths; prior Jacobians come from what is nearest in unit coordinates.
   const Eigen::VectorXd& lengths() const { return lengths_; }
   void UseLengths(Eigen::VectorXd lengths) { lengths_ = std::move(lengths); }
 

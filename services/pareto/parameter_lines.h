@@ -21,9 +21,9 @@ struct ParameterLine {
 // All lines of an archive. O(n D log n) for n entries.
 std::vector<ParameterLine> ParameterLines(const Archive& archive);
 
-// The parameters that trade metrics off, strongest first. A parameter's strength is
-// the second largest range of a metric, in units of `scaling`, among those of one of its lines that
-// do not dominate each other; below `least` it does not count.
+// The parameters that trade metrics off, strongest first. A parameter's strength is the second
+// largest range of a metric, in units of `scaling`, among those of one of its lines that do not
+// dominate each other; below `least` it does not count.
 std::vector<Eigen::Index> TradingParameters(const Archive& archive,
                                             const std::vector<ParameterLine>& lines,
                                             const Scaling& scaling, double least);
