@@ -5,7 +5,6 @@
 
 #include "services/pareto/embedding.h"
 #include "services/pareto/front_labeling.h"
-#include "services/pareto/non_dominated.h"
 
 namespace mortise::pareto {
 namespace {
@@ -73,21 +72,16 @@ struct Labelled {
   int piece = -1;
 };
 
-// A point for each cell whose best is not dominated, with the affine piece it lies on.
+// A point for each cell that the front passes through, with the affine piece it lies on.
 std::vector<Labelled> ChoosePoints(const DesignSpace& space, const Archive& archive,
                                    const PerformanceBuffer& buffer,
                                    const std::vector<AffinePiece>& pieces) {
-  std::vector<PerformanceBuffer::CellId> ids;
-  std::vector<std::vector<PerformanceBuffer::Candidate>> found;
-  std::vector<Eigen::VectorXd> best;
-  for (const auto& [id, candidates] : buffer.cells()) {
-    ids.push_back(id);
-    found.push_back(candidates);
-    best.push_back(archive[candidates.front().entry].metrics);
-  }
-  const std::vector<std::size_t> kept = NonDominated(best);
+  const auto found = CellsOfFront(archive, buffer);
   std::vector<std::pair<Eigen::VectorXd, std::size_t>> order;  // embedding, cell
-  for (const std::size_t i : kept) order.emplace_back(Embed(buffer.scaling().Apply(best[i])), i);
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    const Eigen::VectorXd& best = archive[found[i].second.front().entry].metrics;
+    order.emplace_back(Embed(buffer.scaling().Apply(best)), i);
+  }
   std::ranges::stable_sort(order, [](const auto& a, const auto& b) {
     return std::ranges::lexicographical_compare(a.first, b.first);
   });
@@ -95,7 +89,7 @@ std::vector<Labelled> ChoosePoints(const DesignSpace& space, const Archive& arch
   std::vector<std::vector<PerformanceBuffer::Candidate>> cells;
   for (const auto& [embedding, i] : order) {
     embeddings.push_back(embedding);
-    cells.push_back(found[i]);
+    cells.push_back(found[i].second);
   }
   const std::vector<CellChoice> choices = ChoosePieces(
       archive, cells, NeighboursAlong(Columns(embeddings)), pieces, buffer.tolerance());
@@ -106,7 +100,7 @@ std::vector<Labelled> ChoosePoints(const DesignSpace& space, const Archive& arch
     chosen.push_back({{.x = space.FromUnit(archive[entry].u),
                        .metrics = metrics,
                        .constraints = archive[entry].constraints,
-                       .cell = ids[order[i].second],
+                       .cell = found[order[i].second].first,
                        .embedding = Embed(buffer.scaling().Apply(metrics)),
                        .approximation_error = error,
                        .entry = entry},

@@ -44,8 +44,8 @@ struct Front {
   Scaling scaling;                 // of the buffer the cells refer to
 };
 
-// Drops the cells whose best candidate is dominated (§7.5.5) and chooses of each other cell the
-// candidate that makes for few and large pieces (front_labeling.h). Points on no piece are joined
+// Chooses of each cell that the front passes through (CellsOfFront) the candidate that makes for
+// few and large pieces (front_labeling.h). Points on no piece are joined
 // to their neighbours along the front where the designs are within `joining` of each other,
 // Euclidean in unit coordinates, else they begin a piece of their own.
 Front BuildFront(const DesignSpace& space, const Archive& archive, const PerformanceBuffer& buffer,

@@ -99,4 +99,18 @@ void PerformanceBuffer::Refill(const Archive& archive) {
     if (archive[i].feasible) Insert(i, scaling_.Apply(archive[i].metrics));
 }
 
+std::vector<std::pair<PerformanceBuffer::CellId, std::vector<PerformanceBuffer::Candidate>>>
+CellsOfFront(const Archive& archive, const PerformanceBuffer& buffer) {
+  std::vector<bool> is_trade_off(archive.size(), false);
+  for (const std::size_t entry : archive.non_dominated()) is_trade_off[entry] = true;
+  std::vector<std::pair<PerformanceBuffer::CellId, std::vector<PerformanceBuffer::Candidate>>>
+      cells;
+  for (const auto& [cell, candidates] : buffer.cells()) {
+    const auto best = std::ranges::find_if(
+        candidates, [&](const auto& candidate) { return is_trade_off[candidate.entry]; });
+    if (best != candidates.end()) cells.push_back({cell, {best, candidates.end()}});
+  }
+  return cells;
+}
+
 }  // namespace mortise::pareto

@@ -22,6 +22,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <utility>
 #include <vector>
 
 #include "services/pareto/archive.h"
@@ -87,5 +88,11 @@ class PerformanceBuffer {
   Scaling scaling_;
   std::map<CellId, std::vector<Candidate>> cells_;
 };
+
+// The cells through which the front passes (§7.5.5), ascending, each with its candidates from the
+// nearest on that no entry of the archive dominates. A cell's nearest candidate may be dominated by
+// a design of the next cell without that one being its own cell's nearest. O(n) for n entries.
+std::vector<std::pair<PerformanceBuffer::CellId, std::vector<PerformanceBuffer::Candidate>>>
+CellsOfFront(const Archive& archive, const PerformanceBuffer& buffer);
 
 }  // namespace mortise::pareto

@@ -55,6 +55,29 @@ TEST(FrontTest, TellsWhatSubspaceAPieceIsAndWhereDesignsJump) {
   EXPECT_EQ(front.pieces[0].points + front.pieces[1].points, 21);
 }
 
+// The nearest to the ideal of its cell is dominated by a design of the next cell, which is not the
+// nearest of its own.
+TEST(FrontTest, DropsWhatIsDominatedFromAnotherCell) {
+  const DesignSpace space{VectorXd::Zero(1), VectorXd::Ones(1)};
+  Archive archive;
+  const auto add = [&](double y1, double y2) {
+    const double u = 0.01 * static_cast<double>(archive.size());
+    archive.Add({VectorXd::Constant(1, u), true, Eigen::Vector2d(y1, y2), {}, {}});
+  };
+  add(0, 1);
+  add(1, 0);
+  const double boundary = std::tan(std::acos(-1) / 8);  // of the two cells, y2 / y1
+  add(0.6, 0.6 * boundary + 0.001);                     // dominated, alone in the upper cell
+  add(0.599, 0.599 * boundary - 0.001);                 // by this
+  add(0.62, 0.05);                                      // the nearest of the lower cell
+  PerformanceBuffer buffer({.cells_per_angle = 4}, 2);
+  buffer.Rebuild(archive, archive.CurrentScaling());
+  const Front front = BuildFront(space, archive, buffer, {});
+  ASSERT_EQ(front.points.size(), 2u);
+  EXPECT_EQ(front.points[0].entry, 4u);
+  EXPECT_EQ(front.points[1].entry, 0u);
+}
+
 // Two designs for each trade-off: one on a line through design space, the other, better by less
 // than the buffer tolerates, now here, now there.
 TEST(FrontTest, PrefersAContinuousPieceToSlightlyBetterDesignsAllOver) {
