@@ -9,10 +9,8 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "services/pareto/coordinate_descent.h"
-#include "services/pareto/front_polishing.h"
 #include "services/pareto/front_traverse.h"
 #include "services/pareto/hypervolume.h"
-#include "services/pareto/outlier_repair.h"
 #include "services/pareto/parameter_lines.h"
 #include "services/pareto/stochastic_sampling.h"
 
@@ -53,12 +51,9 @@ constexpr std::int64_t kEvolvingBudget = 100;  // evaluations a parameter
 constexpr double kInvestment = 0.5;            // of the evaluations while an evolution may pay
 constexpr double kMeasuredShare = 0.1;         // of the budget, for slopes of pieces by differences
 constexpr double kSamePiece = 0.01;            // pieces whose centres are this near are the same
-constexpr double kRepairShare = 0.05;          // of the budget, at its end
-constexpr double kPolishShare = 0.12;          // the same of a budget that is
-constexpr std::int64_t kPolishBudget = 1000;   // so many evaluations a parameter
-constexpr int kRepairs = 6;
-constexpr std::size_t kPolishedFirst = 32;
 constexpr std::int64_t kSecondLookBudget = 20;  // evaluations a parameter
+constexpr std::int64_t kAmpleBudget = 500;  // evaluations a parameter and dimension of the front
+constexpr std::int64_t kFinishingTrack = -2;
 constexpr int kMostConstraints = 64;
 constexpr std::int64_t kConstrainedSamples = 20;  // more: what is allowed may be in several parts
 constexpr int kRestorationSteps = 20;             // of a design that violates constraints, at most
@@ -138,6 +133,14 @@ DesignSpace Restrict(const DesignSpace& space, const std::vector<Eigen::Index>& 
   return part;
 }
 
+FrontFinishing::Options FinishingOptions(const Discovery::Options& options, Eigen::Index size,
+                                         Eigen::Index d) {
+  return {.evaluations = options.evaluations,
+          .is_ample = options.evaluations >= kAmpleBudget * size * std::max<Eigen::Index>(1, d - 1),
+          .window = options.window,
+          .cells = Discovery::BufferOptions(options, d)};
+}
+
 std::vector<double> Key(const Eigen::VectorXd& u) { return {u.begin(), u.end()}; }
 
 }  // namespace
@@ -192,6 +195,7 @@ Discovery::Discovery(const DesignSpace& space, Eigen::Index metric_count, const 
                   static_cast<std::size_t>(std::max<Eigen::Index>(metric_count - 1, 1))),
       surrogate_({}, box_, options.seed ^ 0x57a7eULL),
       evolution_(options.seed ^ 0xe501ULL),
+      finishing_(FinishingOptions(options, box_.size(), metric_count)),
       random_(options.seed ^ 0x5eedULL),
       initial_samples_(InitialSamples(options, box_.size())),
       spacing_(Spacing(options.evaluations, metric_count)) {
@@ -381,22 +385,23 @@ std::optional<Eigen::VectorXd> Discovery::NextPoint(std::int64_t& track) {
   if (proposed_ < initial_samples_ || archive_.evaluated_count() == 0) return InitialDesign();
   if (archive_.feasible_count() == 0) {
     do {
-      const std::optional<Eigen::VectorXd> u = AskTracks(track);
+      const std::optional<Eigen::VectorXd> u = AskTracks(track, false);
       if (u || stop_ != StopReason::kRunning) return u;
     } while (StartRestoration());
     return tracks_.empty() ? std::optional(InitialDesign()) : std::nullopt;
   }
   if (SurrogateIsDue())
     if (const std::optional<Eigen::VectorXd> u = AskSurrogate(track)) return u;
-  StartRepair();
+  if (Explores()) StartFinishing();
   for (int barren = 0; barren < kExhaustedTracks; ++barren) {
     const std::int64_t newest = next_track_;
-    const std::optional<Eigen::VectorXd> u = AskTracks(track);
+    const bool polishes = barren < kBarrenTracks && finishing_.PolishesOnly(Left());
+    const std::optional<Eigen::VectorXd> u = AskTracks(track, polishes);
     if (u || stop_ != StopReason::kRunning) return u;
     if (next_track_ != newest) continue;  // an expansion has begun
     if (AwaitsOpening() && !pending_.empty())
       return UsesSurrogate() ? AskSurrogate(track) : std::nullopt;
-    StartTrack(barren >= kBarrenTracks);
+    StartTrack(barren >= kBarrenTracks, polishes);
   }
   return std::nullopt;
 }
@@ -419,9 +424,10 @@ bool Discovery::AwaitsOpening() const {
 }
 
 // The next point of the oldest track that has one. Designs that have been evaluated before are
-// answered from the archive.
-std::optional<Eigen::VectorXd> Discovery::AskTracks(std::int64_t& track) {
+// answered from the archive. With `polishes` of those alone that polish.
+std::optional<Eigen::VectorXd> Discovery::AskTracks(std::int64_t& track, bool polishes) {
   for (auto& [id, asked] : tracks_) {
+    if (polishes && id != kFinishingTrack && asked.kind != TrackKind::kPolish) continue;
     track = id;
     const std::optional<Eigen::VectorXd> u = AskTrack(asked);
     if (u) return u;
@@ -603,7 +609,13 @@ std::unique_ptr<PointSource> Discovery::MakeDescent() {
   return std::make_unique<CoordinateDescent>(descent, archive_, start, random_);
 }
 
-void Discovery::StartTrack(bool force_sample) {
+// Before all others.
+void Discovery::StartFinishing() {
+  if (std::unique_ptr<PointSource> round = finishing_.NextRound(archive_, Left()))
+    tracks_[kFinishingTrack] = {std::move(round), nullptr, nullptr, TrackKind::kBridge, 0, 0};
+}
+
+void Discovery::StartTrack(bool force_sample, bool polishes) {
   if (!opened_) {
     if (OffersGradients()) scheduler_.UseGradients(static_cast<std::size_t>(initial_samples_));
   }
@@ -614,7 +626,8 @@ void Discovery::StartTrack(bool force_sample) {
   }
   if (options_.evaluations >= kEvolvingBudget * box_.size())
     scheduler_.Invest(kInvestment * evolution_.Promise());
-  TrackScheduler::Track next = scheduler_.Next(archive_, buffer_, force_sample);
+  TrackScheduler::Track next = polishes ? scheduler_.Polish(archive_, buffer_)
+                                        : scheduler_.Next(archive_, buffer_, force_sample);
   if (next.kind == TrackKind::kBreed)
     next.other = std::make_unique<Breeding>(archive_, population_, kChildren, random_);
   if (next.kind == TrackKind::kEvolve)
@@ -689,44 +702,6 @@ bool Discovery::StartRestoration() {
   LocalOptimization* const view = restoration.get();
   tracks_[next_track_++] = {std::move(restoration), view, nullptr, TrackKind::kSample, 0, 0};
   return true;
-}
-
-// Whether at least a quarter of what the last round polished is now among the trade-offs.
-bool Discovery::PolishingPays() const {
-  const std::vector<std::size_t>& front = archive_.non_dominated();
-  std::size_t kept = 0;
-  for (const Eigen::VectorXd& u : polished_) {
-    const auto known = evaluated_.find(Key(box_.ToUnit(box_.FromUnit(u))));
-    if (known != evaluated_.end() && std::ranges::find(front, known->second) != front.end()) ++kept;
-  }
-  return 4 * kept >= polished_.size();
-}
-
-// Towards the end of the budget, one round after the other. The first polishes a few designs only,
-// to see whether that works: models do not see very many local optima, or noise.
-void Discovery::StartRepair() {
-  const std::int64_t left = options_.evaluations - proposed_;
-  const bool ample = options_.evaluations >= kPolishBudget * box_.size();
-  const auto share = static_cast<std::int64_t>((ample ? kPolishShare : kRepairShare) *
-                                               static_cast<double>(options_.evaluations));
-  if (!Explores() || left > std::max<std::int64_t>(options_.window, share) ||
-      repairs_ == kRepairs || tracks_.contains(repair_track_))
-    return;
-  const std::size_t most = static_cast<std::size_t>(left), some = most * 3 / 5;
-  const std::size_t wanted = repairs_ == 0     ? std::min(kPolishedFirst, some)
-                             : PolishingPays() ? some
-                                               : 0;
-  ++repairs_;
-  repair_track_ = -1 - repairs_;  // before all others
-  const Scaling scaling = archive_.CurrentScaling();
-  std::vector<Eigen::VectorXd> points = RepairedOutliers(archive_, scaling, most);
-  // Cells are those of the front at the end.
-  PerformanceBuffer cells(BufferOptions(options_, metric_count_), metric_count_);
-  cells.Rebuild(archive_, scaling);
-  polished_ = PolishedFront(archive_, cells, std::min(most - points.size(), wanted));
-  points.insert(points.end(), polished_.begin(), polished_.end());
-  tracks_[repair_track_] = {
-      std::make_unique<PointList>(std::move(points)), nullptr, nullptr, TrackKind::kBridge, 0, 0};
 }
 
 void Discovery::Stop(StopReason reason, std::string message) {

@@ -31,6 +31,7 @@
 #include "services/pareto/evolution_search.h"
 #include "services/pareto/failure_tally.h"
 #include "services/pareto/front.h"
+#include "services/pareto/front_finishing.h"
 #include "services/pareto/patch_sampling.h"
 #include "services/pareto/performance_buffer.h"
 #include "services/pareto/population.h"
@@ -128,12 +129,13 @@ class Discovery : public AskTell {
   double Absorb(std::size_t entry);
   double GainOf(std::size_t entry) const;
   Eigen::VectorXd InitialDesign();
+  std::int64_t Left() const { return options_.evaluations - proposed_; }
   std::int64_t given() const { return options_.initial_designs.cols(); }
   Eigen::VectorXd DesignAt(const Eigen::VectorXd& u) const;
   Eigen::VectorXd UnitOf(const Eigen::VectorXd& x) const;
   std::optional<Eigen::VectorXd> NextPoint(std::int64_t& track);
   bool AwaitsOpening() const;
-  std::optional<Eigen::VectorXd> AskTracks(std::int64_t& track);
+  std::optional<Eigen::VectorXd> AskTracks(std::int64_t& track, bool polishes);
   std::optional<Eigen::VectorXd> AskTrack(Track& track);
   void TellInOrder(Track& track);
   void RetireFinished();
@@ -144,14 +146,13 @@ class Discovery : public AskTell {
   bool MayMeasure() const;
   bool Explores() const;
   std::unique_ptr<PointSource> MakeDescent();
-  void StartTrack(bool force_sample);
+  void StartTrack(bool force_sample, bool polishes);
   bool OffersGradients() const;
   bool UsesSurrogate() const;
   bool SurrogateIsDue() const;
   std::optional<Eigen::VectorXd> AskSurrogate(std::int64_t& track);
   bool StartRestoration();
-  bool PolishingPays() const;
-  void StartRepair();
+  void StartFinishing();
   double DominatedVolume(const Scaling& scaling, double reference, int samples) const;
 
   DesignSpace space_;
@@ -165,6 +166,7 @@ class Discovery : public AskTell {
   Population population_;
   SurrogateSearch surrogate_;
   EvolutionSearch evolution_;
+  FrontFinishing finishing_;
   Random random_;
   std::int64_t initial_samples_;
   std::vector<Eigen::VectorXd> space_filling_;  // unit coordinates
@@ -193,11 +195,8 @@ class Discovery : public AskTell {
   std::vector<Eigen::Index> trading_;  // parameters, see LearnFromLines
   std::vector<std::pair<Eigen::Index, Eigen::VectorXd>> traverses_;  // parameters and starts
   std::map<Eigen::Index, int> traversed_;                            // how often, by parameter
-  bool descending_ = false;         // along one parameter after the other, before anything else
-  int repairs_ = 0;                 // rounds of them
-  std::int64_t repair_track_ = -1;  // of the last round
-  std::vector<Eigen::VectorXd> polished_;  // by the last round
-  double hypervolume_ = 0;                 // in the scaling of the buffer, reference 1.1
+  bool descending_ = false;  // along one parameter after the other, before anything else
+  double hypervolume_ = 0;   // in the scaling of the buffer, reference 1.1
   struct Shown {
     std::int64_t committed = 0;
     double hypervolume = 0;

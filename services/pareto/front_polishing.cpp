@@ -1,8 +1,11 @@
 #include "services/pareto/front_polishing.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
+#include <iterator>
+#include <set>
 #include <utility>
 
 #include "services/pareto/bounded_quadratic.h"
@@ -18,9 +21,15 @@ using Eigen::VectorXd;
 
 constexpr double kBeyond = 1e-2;      // delta_N: how far beyond the front the target is
 constexpr double kLeastReach = 1e-3;  // where there are no neighbours
-constexpr double kFrontReach = 3;  // of designs of the front, over the distance to their neighbours
 constexpr std::size_t kLookedAt = 4;  // designs, for each that is wanted
-constexpr double kLeastGain = 2e-6;   // of them: the thesis asks for errors below 1e-5
+constexpr int kIterations = 8;
+constexpr int kHalvings = 4;
+constexpr double kLeastProgress = 1e-9;  // of an iteration, scaled performance
+constexpr double kAside = 0.2;           // of the way back to the ray, or the normal
+constexpr int kForgotten = 3;            // rounds after which a design is looked at again
+// How far a design of the front is moved, over the distance to its neighbours, at each try.
+constexpr std::array<double, 3> kFrontReach = {3, 10, 1};
+constexpr double kLeastGain = 2e-6;  // of them: the thesis asks for errors below 1e-5
 
 // The constraints as functions of a step from `u`; none where there are none.
 std::vector<QuadraticFunction> ConstraintsNear(const Archive& archive, std::size_t near,
@@ -31,15 +40,17 @@ std::vector<QuadraticFunction> ConstraintsNear(const Archive& archive, std::size
       archive.ConstraintSizes());
 }
 
-// How far to slide along `directions` of the front (D x k) so that performance `from` comes to lie
-// on the ray from the ideal through `aim`. `jacobian` (d x D) is scaled.
-VectorXd BackToRay(const VectorXd& aim, const VectorXd& from, const MatrixXd& jacobian,
-                   const MatrixXd& directions) {
-  const VectorXd ray = aim.normalized();
-  if (directions.cols() == 0 || !(ray.norm() > 0)) return VectorXd::Zero(jacobian.cols());
+// How far to slide along `directions` of the front (D x k), after performance changed by `moved`,
+// so that the change goes along the unit vector `line`; metrics that `free` has a 1 for may get
+// better than that. `jacobian` (d x D) is scaled.
+VectorXd BackToLine(const VectorXd& moved, const VectorXd& line, const VectorXd& free,
+                    const MatrixXd& jacobian, const MatrixXd& directions) {
+  if (directions.cols() == 0) return VectorXd::Zero(jacobian.cols());
+  const VectorXd held = line.cwiseProduct(VectorXd::Ones(line.size()) - free);
+  const VectorXd excess = moved - line * (held.dot(moved) / held.squaredNorm());
+  const VectorXd off = (free.array() > 0).select(excess.cwiseMax(0.0), excess);
   const MatrixXd slopes = jacobian * directions;
-  const MatrixXd across = slopes - ray * (ray.transpose() * slopes);
-  const VectorXd off = from - ray * ray.dot(from);
+  const MatrixXd across = slopes - line * (line.transpose() * slopes);
   return -directions * across.completeOrthogonalDecomposition().solve(off);
 }
 
@@ -58,69 +69,196 @@ double DistanceToNeighbour(const Archive& archive, const VectorXd& u,
   return std::sqrt(squares[rank]);
 }
 
+// Of many, some from everywhere: at most `most`.
+std::vector<std::size_t> Some(const std::vector<std::size_t>& entries, std::size_t most) {
+  std::vector<std::size_t> some;
+  const std::size_t every = entries.size() / std::max<std::size_t>(1, most) + 1;
+  for (std::size_t i = 0; most > 0 && i < entries.size(); i += every) some.push_back(entries[i]);
+  return some;
+}
+
+// What is known around `u`, in scaled performance.
+class Surroundings {
+ public:
+  Surroundings(const Archive& archive, const Scaling& scaling, const VectorXd& u, double reach)
+      : scaling_(scaling), u_(u) {
+    const std::size_t near = archive.Nearest(u, 1).front();
+    const double radius = 2 * reach;
+    model_ = FitQuadraticModel(archive, near, radius, archive.PriorJacobian(u));
+    jacobian_ = model_.jacobian;
+    for (Eigen::Index i = 0; i < jacobian_.rows(); ++i)
+      jacobian_.row(i) +=
+          (model_.hessians[static_cast<std::size_t>(i)] * (u - model_.centre)).transpose();
+    jacobian_ = (scaling.range.cwiseInverse().asDiagonal() * jacobian_).eval();
+    kkt_ = RecoverDuals(jacobian_, u);
+    constraints_ = ConstraintsNear(archive, near, u, radius);
+    lower_ = (-u).cwiseMax(-reach);
+    upper_ = (1 - u.array()).matrix().cwiseMin(reach);
+    for (Eigen::Index i = 0; i < u.size(); ++i)
+      if (u[i] <= 0 || u[i] >= 1) lower_[i] = upper_[i] = 0;
+  }
+
+  const KktPoint& kkt() const { return kkt_; }
+  VectorXd Normal() const { return kkt_.alpha.normalized(); }
+
+  VectorXd Performance() const { return scaling_.Apply(model_.Predict(u_)); }
+
+  // Of performance.
+  VectorXd ChangeBy(const VectorXd& step) const {
+    return scaling_.Apply(model_.Predict(u_ + step)) - Performance();
+  }
+
+  // How much nearer a step comes to where StepBeyond goes.
+  double GainOf(const VectorXd& step, const VectorXd& counted) const {
+    return kBeyond - counted.cwiseProduct(ChangeBy(step) + kBeyond * Normal()).norm();
+  }
+
+  // Towards kBeyond behind the front, where those metrics count that `counted` (d) has a 1 for:
+  // Newton's method on the models.
+  VectorXd StepBeyond(const VectorXd& counted) const {
+    VectorXd step = VectorXd::Zero(u_.size());
+    double gain = 0;
+    for (int iteration = 0; iteration < kIterations; ++iteration) {
+      const QuadraticFunction distance = DistanceAround(step, counted);
+      VectorXd more = MinimizeBoundedQuadratic(distance.gradient, distance.hessian, lower_ - step,
+                                               upper_ - step);
+      if (!MayTake(step + more)) return WithinConstraints(counted);
+      double further = GainOf(step + more, counted);
+      // The squared distance is a quadratic near by only.
+      for (int halving = 0; halving < kHalvings && !(further >= gain); ++halving) {
+        more *= 0.25;
+        further = GainOf(step + more, counted);
+      }
+      if (!(further >= gain)) break;
+      step += more;
+      if (further < gain + kLeastProgress) break;
+      gain = further;
+    }
+    return step;
+  }
+
+  // Along the front, from `step` back to the line through `u` along `line`, see BackToLine; `step`
+  // where constraints are in the way.
+  VectorXd SlideBack(const VectorXd& step, const VectorXd& line, const VectorXd& free) const {
+    const MatrixXd hessian = model_.WeightedHessian(kkt_.alpha.cwiseQuotient(scaling_.range));
+    const VectorXd slide = BackToLine(ChangeBy(step), line, free, jacobian_,
+                                      ExpansionDirections(kkt_, jacobian_, hessian));
+    const VectorXd slid = (step + slide).cwiseMax(lower_).cwiseMin(upper_);
+    return MayTake(step) && MayTake(slid) ? slid : step;
+  }
+
+ private:
+  // Half the squared distance to where StepBeyond goes, around `step`.
+  QuadraticFunction DistanceAround(const VectorXd& step, const VectorXd& counted) const {
+    MatrixXd jacobian = model_.jacobian;
+    for (Eigen::Index i = 0; i < jacobian.rows(); ++i)
+      jacobian.row(i) +=
+          (model_.hessians[static_cast<std::size_t>(i)] * (u_ + step - model_.centre)).transpose();
+    jacobian = (scaling_.range.cwiseInverse().asDiagonal() * jacobian).eval();
+    const VectorXd residual = counted.cwiseProduct(ChangeBy(step) + kBeyond * Normal());
+    return {0, jacobian.transpose() * residual,
+            jacobian.transpose() * counted.asDiagonal() * jacobian +
+                model_.WeightedHessian(residual.cwiseQuotient(scaling_.range))};
+  }
+
+  VectorXd WithinConstraints(const VectorXd& counted) const {
+    return MinimizeWithin(DistanceAround(VectorXd::Zero(u_.size()), counted), constraints_, lower_,
+                          upper_);
+  }
+
+  bool MayTake(const VectorXd& step) const { return !(Violation(constraints_, step) > 0); }
+
+  const Scaling& scaling_;
+  VectorXd u_;
+  QuadraticModel model_;
+  MatrixXd jacobian_;  // d x D at u
+  KktPoint kkt_;
+  std::vector<QuadraticFunction> constraints_;
+  VectorXd lower_, upper_;  // of steps
+};
+
 }  // namespace
 
 PolishedDesign Polished(const Archive& archive, const Scaling& scaling, const VectorXd& u,
                         double reach) {
-  const std::size_t near = archive.Nearest(u, 1).front();
-  const double radius = 2 * reach;
-  const QuadraticModel model = FitQuadraticModel(archive, near, radius, archive.PriorJacobian(u));
-  MatrixXd jacobian = model.jacobian;
-  for (Eigen::Index i = 0; i < jacobian.rows(); ++i)
-    jacobian.row(i) +=
-        (model.hessians[static_cast<std::size_t>(i)] * (u - model.centre)).transpose();
-  jacobian = (scaling.range.cwiseInverse().asDiagonal() * jacobian).eval();
-  const KktPoint kkt = RecoverDuals(jacobian, u);
-  if (kkt.free.empty()) return {u, 0};
-  const VectorXd normal = kkt.alpha.normalized();
-  const VectorXd residual = kBeyond * normal;
-  const QuadraticFunction objective{
-      0, jacobian.transpose() * residual,
-      jacobian.transpose() * jacobian +
-          model.WeightedHessian(residual.cwiseQuotient(scaling.range))};
-  VectorXd lower = (-u).cwiseMax(-reach), upper = (1 - u.array()).matrix().cwiseMin(reach);
-  for (Eigen::Index i = 0; i < u.size(); ++i)
-    if (u[i] <= 0 || u[i] >= 1) lower[i] = upper[i] = 0;
-  const std::vector<QuadraticFunction> constraints = ConstraintsNear(archive, near, u, radius);
-  VectorXd step = MinimizeBoundedQuadratic(objective.gradient, objective.hessian, lower, upper);
-  if (Violation(constraints, step) > 0) {
-    step = MinimizeWithin(objective, constraints, lower, upper);
-  } else {
-    const VectorXd aim = scaling.Apply(model.Predict(u));
-    const MatrixXd hessian = model.WeightedHessian(kkt.alpha.cwiseQuotient(scaling.range));
-    const VectorXd slide = BackToRay(aim, scaling.Apply(model.Predict(u + step)), jacobian,
-                                     ExpansionDirections(kkt, jacobian, hessian));
-    const VectorXd slid = (step + slide).cwiseMax(lower).cwiseMin(upper);
-    if (!(Violation(constraints, slid) > 0)) step = slid;
+  const Surroundings here(archive, scaling, u, reach);
+  if (here.kkt().free.empty()) return {u, 0};
+  const VectorXd normal = here.Normal();
+  const VectorXd all = VectorXd::Ones(normal.size());
+  VectorXd step = here.StepBeyond(all);
+  double gain = here.GainOf(step, all);
+  VectorXd free = VectorXd::Zero(normal.size());
+  if (normal.minCoeff() <= 0) {
+    // Metrics without weight that get better may do so as far as they like.
+    free = (normal.array() <= 0 && here.ChangeBy(step).array() < 0).cast<double>();
+    const VectorXd further = here.StepBeyond(all - free);
+    const double further_gain = here.GainOf(further, all - free);
+    if (further_gain > gain && free.dot(here.ChangeBy(further).cwiseMax(0.0)) == 0) {
+      step = further;
+      gain = further_gain;
+    }
   }
-  if (!step.allFinite()) return {u, 0};
-  const VectorXd change = model.Predict(u + step) - model.Predict(u);
-  return {(u + step).cwiseMax(0.0).cwiseMin(1.0), -normal.dot(change.cwiseQuotient(scaling.range))};
+  // A little to the better side in all metrics, so that the new design is better than u in all.
+  const VectorXd line = normal + kAside * all;
+  step = here.SlideBack(step, line.normalized(), free);
+  if (!step.allFinite() || !std::isfinite(gain)) return {u, 0};
+  return {(u + step).cwiseMax(0.0).cwiseMin(1.0), gain};
 }
 
-std::vector<VectorXd> PolishedFront(const Archive& archive, const PerformanceBuffer& buffer,
-                                    std::size_t count) {
-  std::vector<std::size_t> front;
-  for (const auto& [cell, candidates] : buffer.cells()) {
-    const std::size_t best = candidates.front().entry;
-    if (!archive.ClearlyDominated(archive[best].metrics, buffer.scaling(), kLeastGain))
-      front.push_back(best);
-  }
-  // Of many, some from everywhere: models take time.
-  const std::size_t every = std::max<std::size_t>(1, front.size() / (kLookedAt * count + 1));
+std::vector<VectorXd> FrontPolishing::Next(const Archive& archive, const PerformanceBuffer& buffer,
+                                           std::size_t count, double least_gain) {
+  ++rounds_;
+  std::vector<std::size_t> best;
+  for (const auto& [cell, candidates] : CellsOfFront(archive, buffer))
+    best.push_back(candidates.front().entry);
   const auto neighbours = static_cast<std::size_t>(2 * buffer.scaling().ideal.size());
-  std::vector<PolishedDesign> polished;
-  for (std::size_t i = 0; i < front.size(); i += every) {
-    const VectorXd& u = archive[front[i]].u;
-    const double reach = kFrontReach * DistanceToNeighbour(archive, u, front, neighbours);
+  std::vector<std::pair<PolishedDesign, std::size_t>> polished;
+  for (const std::size_t entry : LookedAt(archive, best, kLookedAt * count, least_gain)) {
+    const VectorXd& u = archive[entry].u;
+    Tries& tries = tries_[entry];
+    const double reach =
+        kFrontReach[tries.count] * DistanceToNeighbour(archive, u, best, neighbours);
     PolishedDesign design = Polished(archive, buffer.scaling(), u, reach);
-    if (design.gain > kLeastGain) polished.push_back(std::move(design));
+    tries.gain = design.gain;
+    tries.round = rounds_;
+    if (design.gain > least_gain) polished.emplace_back(std::move(design), entry);
   }
-  std::ranges::stable_sort(polished, std::greater<>{}, &PolishedDesign::gain);
+  const std::set<std::size_t> is_best(best.begin(), best.end());
+  std::ranges::stable_sort(polished, std::greater<>{}, [&](const auto& each) {
+    return std::pair(is_best.contains(each.second), each.first.gain);
+  });
   std::vector<VectorXd> designs;
-  for (std::size_t i = 0; i < std::min(count, polished.size()); ++i)
-    designs.push_back(std::move(polished[i].u));
+  for (std::size_t i = 0; i < std::min(count, polished.size()); ++i) {
+    ++tries_[polished[i].second].count;
+    designs.push_back(std::move(polished[i].first.u));
+  }
   return designs;
+}
+
+// At most `most`: of `best`, then of the other trade-offs, those that were not looked at yet, then
+// those that were.
+std::vector<std::size_t> FrontPolishing::LookedAt(const Archive& archive,
+                                                  const std::vector<std::size_t>& best,
+                                                  std::size_t most, double least_gain) const {
+  const std::set<std::size_t> is_best(best.begin(), best.end());
+  std::array<std::vector<std::size_t>, 4> groups;
+  const auto group = [&](std::size_t entry, std::size_t first) {
+    const auto tries = tries_.find(entry);
+    if (tries == tries_.end()) {
+      groups[first].push_back(entry);
+    } else if (tries->second.count < kFrontReach.size() &&
+               (tries->second.gain > least_gain || rounds_ - tries->second.round >= kForgotten)) {
+      groups[first + 1].push_back(entry);
+    }
+  };
+  for (const std::size_t entry : best) group(entry, 0);
+  for (const std::size_t entry : archive.non_dominated())
+    if (!is_best.contains(entry)) group(entry, 2);
+  std::vector<std::size_t> entries;
+  for (const std::vector<std::size_t>& each : groups)
+    std::ranges::copy(Some(each, most - std::min(most, entries.size())),
+                      std::back_inserter(entries));
+  return entries;
 }
 
 }  // namespace mortise::pareto

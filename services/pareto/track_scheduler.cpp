@@ -59,7 +59,7 @@ TrackScheduler::Track TrackScheduler::Next(const Archive& archive, const Perform
     case TrackKind::kSweep:
       return SweepTrack(archive, buffer);
     case TrackKind::kPolish:
-      return PolishTrack(archive, buffer);
+      return Polish(archive, buffer);
     case TrackKind::kAlign:
       return AlignTrack(archive, buffer);
     default:
@@ -307,8 +307,8 @@ TrackScheduler::Track TrackScheduler::BridgeTrack(const Archive& archive,
   return {TrackKind::kBridge, nullptr, std::make_unique<PointList>(std::move(points))};
 }
 
-TrackScheduler::Track TrackScheduler::PolishTrack(const Archive& archive,
-                                                  const PerformanceBuffer& buffer) {
+TrackScheduler::Track TrackScheduler::Polish(const Archive& archive,
+                                             const PerformanceBuffer& buffer) {
   std::vector<VectorXd> points;
   for (const Bridge& bridge : bridging_.Next(archive, buffer.scaling(), kBridges, random_))
     points.push_back(Polished(archive, buffer.scaling(), bridge.u, bridge.length).u);

@@ -87,6 +87,9 @@ class TrackScheduler {
   // `force_sample` a stochastic sample, which always asks for a new point.
   Track Next(const Archive& archive, const PerformanceBuffer& buffer, bool force_sample);
 
+  // The same, of kPolish.
+  Track Polish(const Archive& archive, const PerformanceBuffer& buffer);
+
   // What a track (with the expansion after it) brought: hypervolume gained for evaluations spent.
   void Report(TrackKind kind, double gain, int evaluations);
 
@@ -112,7 +115,6 @@ class TrackScheduler {
   Track PlanarGapTrack(const Archive& archive, const PerformanceBuffer& buffer);
   Track RefineTrack(const Archive& archive, const PerformanceBuffer& buffer);
   Track BridgeTrack(const Archive& archive, const PerformanceBuffer& buffer);
-  Track PolishTrack(const Archive& archive, const PerformanceBuffer& buffer);
   Track SweepTrack(const Archive& archive, const PerformanceBuffer& buffer);
   Track AlignTrack(const Archive& archive, const PerformanceBuffer& buffer);
   Track SampleTrack(const Archive& archive, const PerformanceBuffer& buffer);

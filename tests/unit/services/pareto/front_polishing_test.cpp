@@ -95,7 +95,7 @@ TEST(FrontPolishing, TakesThoseOfAFrontThatGain) {
   const Archive archive = AroundCurve(60, 0.005);
   PerformanceBuffer buffer({.cells_per_angle = 100}, 2);
   buffer.Rebuild(archive, archive.CurrentScaling());
-  const std::vector<VectorXd> few = PolishedFront(archive, buffer, 5);
+  const std::vector<VectorXd> few = FrontPolishing().Next(archive, buffer, 5);
   EXPECT_EQ(few.size(), 5u);
   int better = 0;
   for (const VectorXd& u : few) {
@@ -103,7 +103,49 @@ TEST(FrontPolishing, TakesThoseOfAFrontThatGain) {
     better += archive.ClearlyDominated(MetricsOf(u), buffer.scaling(), 0) ? 0 : 1;
   }
   EXPECT_GE(better, 4) << "what none dominates";
-  EXPECT_TRUE(PolishedFront(archive, buffer, 0).empty());
+  EXPECT_TRUE(FrontPolishing().Next(archive, buffer, 0).empty());
+}
+
+TEST(FrontPolishing, EndsWhereNothingGainsAnyMore) {
+  Archive archive = AroundCurve(60, 0.005);
+  FrontPolishing polishing;
+  std::size_t asked = 0, last = 0;
+  for (int round = 0; round < 20; ++round) {
+    PerformanceBuffer buffer({.cells_per_angle = 100}, 2);
+    buffer.Rebuild(archive, archive.CurrentScaling());
+    const std::vector<VectorXd> designs = polishing.Next(archive, buffer, 1000);
+    for (const VectorXd& u : designs) archive.Add({u, true, MetricsOf(u), {}, {}});
+    last = designs.size();
+    asked += last;
+  }
+  EXPECT_GT(asked, 30u);
+  EXPECT_EQ(last, 0u);
+}
+
+// |u - a_i|^2 for three corners a_i of a triangle in the plane u3 = 0.5: the front is the triangle.
+VectorXd ThreeMetrics(const VectorXd& u) {
+  const Eigen::Vector3d a(0.2, 0.2, 0.5), b(0.8, 0.2, 0.5), c(0.5, 0.8, 0.5);
+  return Eigen::Vector3d((u - a).squaredNorm(), (u - b).squaredNorm(), (u - c).squaredNorm());
+}
+
+// Where a metric has no weight: below the edge of the triangle from a to b.
+TEST(FrontPolishing, ReachesTheEdgeOfTheFrontFromOutside) {
+  Random random(2);
+  Archive archive;
+  for (int i = 0; i < 400; ++i) {
+    const VectorXd u = Eigen::Vector3d(0.2 + 0.6 * random.Uniform(), 0.1 + 0.2 * random.Uniform(),
+                                       0.4 + 0.2 * random.Uniform());
+    archive.Add({u, true, ThreeMetrics(u), {}, {}});
+  }
+  const Scaling scaling = archive.CurrentScaling();
+  for (const double t : {0.35, 0.5, 0.61}) {
+    const VectorXd u = Eigen::Vector3d(t, 0.17, 0.51);
+    const PolishedDesign polished = Polished(archive, scaling, u, 0.05);
+    EXPECT_NEAR(polished.u[1], 0.2, 0.004) << t;
+    EXPECT_NEAR(polished.u[2], 0.5, 0.006) << t;
+    EXPECT_GT(polished.gain, 0);
+    EXPECT_TRUE((ThreeMetrics(polished.u).array() < ThreeMetrics(u).array()).all()) << t;
+  }
 }
 
 }  // namespace

@@ -1,0 +1,67 @@
+// What the end of a budget goes to: rounds that bring what is nearly on the front on to it.
+//
+// A search leaves many designs that are trade-offs only because nothing has dominated them yet.
+// Models of all that has been evaluated tell where the front is far better than any of its steps
+// did. So towards the end there are rounds, one after the other, of two kinds of designs: odd ones
+// out put back in line (outlier_repair.h), and trade-offs pushed on to the front
+// (front_polishing.h), the best of each cell first.
+//
+// The first round polishes a few only, to see whether that pays: models do not see very many local
+// optima, or noise. It does where at least a quarter of what was polished last are trade-offs. With
+// an ample budget it is tried early, and if it pays the second round polishes what there is; the
+// others follow as what is left halves, since other ways go on to find designs that are nearly on
+// the front. The very last evaluations of an ample budget are for polishing alone.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "services/pareto/archive.h"
+#include "services/pareto/front_polishing.h"
+#include "services/pareto/performance_buffer.h"
+#include "services/pareto/point_source.h"
+
+namespace mortise::pareto {
+
+class FrontFinishing {
+ public:
+  struct Options {
+    std::int64_t evaluations = 0;  // the whole budget
+    bool is_ample = false;         // enough to know all of the front as well as models can tell it
+    int window = 8;                // evaluations under way at once
+    PerformanceBuffer::Options cells;
+  };
+
+  explicit FrontFinishing(const Options& options) : options_(options) {}
+
+  // The next round, if one is due when `left` evaluations are left and the last one has ended; else
+  // none. A round is to be told all before it is destroyed. A few model fits for each design of it.
+  std::unique_ptr<PointSource> NextRound(const Archive& archive, std::int64_t left);
+
+  // Whether the `left` evaluations are for polishing alone, so that nothing is added any more that
+  // is nearly on the front only.
+  bool PolishesOnly(std::int64_t left) const;
+
+ private:
+  // What came of a round, which outlives its source.
+  struct Outcome {
+    std::size_t polished = 0;
+    std::size_t kept = 0;  // of these, trade-offs when they were told
+    bool has_ended = true;
+  };
+  class Round;
+
+  bool Pays() const { return 4 * outcome_->kept >= outcome_->polished; }
+  bool IsDue(std::int64_t left) const;
+  double ShareLeft() const;
+
+  Options options_;
+  FrontPolishing polishing_;
+  int rounds_ = 0;
+  std::shared_ptr<Outcome> outcome_ = std::make_shared<Outcome>();  // of the last round
+};
+
+}  // namespace mortise::pareto
