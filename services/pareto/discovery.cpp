@@ -486,7 +486,10 @@ void Discovery::Retire(const Track& track) {
   if (track.optimization == nullptr) {
     if (track.kind != TrackKind::kOpening) return;  // children, say
     if (track.evaluations > 0) LearnFromLines();
-    if (std::exchange(descending_, false)) TraverseFromMiddle();
+    if (std::exchange(descending_, false)) {
+      TryLeastAlongLines();
+      TraverseFromMiddle();
+    }
     return;
   }
   if (track.evaluations > 0) ++optimizations_;
@@ -537,6 +540,18 @@ void Discovery::LearnFromLines() {
     if (box_.step[i] > 0) lengths[i] = 1;
   archive_.UseLengths(std::move(lengths));
   trading_ = TradingParameters(archive_, lines, scaling, kLeastTrade);
+}
+
+// Before each metric's optimum is looked for, which begins from the best known.
+void Discovery::TryLeastAlongLines() {
+  if (archive_.feasible_count() == 0) return;
+  tracks_[next_track_++] = {
+      std::make_unique<PointList>(LeastAlongLines(archive_, ParameterLines(archive_))),
+      nullptr,
+      nullptr,
+      TrackKind::kOpening,
+      0,
+      0};
 }
 
 // From the trade-off nearest to the ideal.

@@ -141,6 +141,7 @@ class Discovery : public AskTell {
   void RetireFinished();
   void Retire(const Track& track);
   void LearnFromLines();
+  void TryLeastAlongLines();
   void TraverseFromMiddle();
   void StartTraverses(std::size_t entry);
   bool MayMeasure() const;

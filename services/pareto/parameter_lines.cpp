@@ -154,4 +154,23 @@ VectorXd RelativeLengths(const Archive& archive, const std::vector<ParameterLine
   return (lengths.array() > kCountedLength).select(1.0, lengths.array()).cwiseMax(kShortest);
 }
 
+std::vector<VectorXd> LeastAlongLines(const Archive& archive,
+                                      const std::vector<ParameterLine>& lines) {
+  std::map<Index, const ParameterLine*> longest;
+  for (const ParameterLine& line : lines) {
+    const ParameterLine*& other = longest[line.parameter];
+    if (other == nullptr || other->entries.size() < line.entries.size()) other = &line;
+  }
+  std::vector<VectorXd> designs;
+  if (lines.empty()) return designs;
+  for (Index metric = 0; metric < archive.WholeRange().size(); ++metric) {
+    const auto value = [&](std::size_t entry) { return archive[entry].metrics[metric]; };
+    VectorXd& u = designs.emplace_back(
+        archive[*std::ranges::min_element(archive.non_dominated(), {}, value)].u);
+    for (const auto& [parameter, line] : longest)
+      u[parameter] = archive[*std::ranges::min_element(line->entries, {}, value)].u[parameter];
+  }
+  return designs;
+}
+
 }  // namespace mortise::pareto

@@ -129,5 +129,30 @@ TEST(RelativeLengths, AreAllTheSameForSmoothMetricsAndWithoutLines) {
   EXPECT_EQ(RelativeLengths(archive, ParameterLines(archive), kLineScaling), VectorXd::Ones(3));
 }
 
+// Both metrics are sums over parameters with several optima each; the best of the second are
+// elsewhere.
+TEST(ParameterLines, PutTogetherWhatIsLeastForEachMetric) {
+  const auto metrics = [](const VectorXd& u) {
+    const auto term = [](double value, double best) {
+      return std::pow(value - best, 2) - 0.3 * std::cos(14 * (value - best));
+    };
+    Eigen::Vector2d sums = Eigen::Vector2d::Zero();
+    for (const double value : u) sums += Eigen::Vector2d(term(value, 0.2), term(value, 0.75));
+    return VectorXd(sums);
+  };
+  Archive archive;
+  const VectorXd base = Eigen::Vector3d(0.43, 0.51, 0.36);
+  AddLine(archive, base, 0, 41, metrics);
+  AddLine(archive, base, 2, 41, metrics);
+  const std::vector<VectorXd> designs = LeastAlongLines(archive, ParameterLines(archive));
+  ASSERT_EQ(designs.size(), 2u);
+  EXPECT_NEAR(designs[0][0], 0.2, 0.0126);
+  EXPECT_NEAR(designs[0][2], 0.2, 0.0126);
+  EXPECT_NEAR(designs[1][0], 0.75, 0.0126);
+  EXPECT_NEAR(designs[1][2], 0.75, 0.0126);
+  EXPECT_EQ(designs[0][1], 0.51) << "no line tells of it";
+  EXPECT_TRUE(LeastAlongLines(archive, {}).empty());
+}
+
 }  // namespace
 }  // namespace mortise::pareto
