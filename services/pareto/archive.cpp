@@ -19,6 +19,7 @@ std::size_t Archive::Add(ArchiveEntry entry) {
   ArchiveEntry& added = entries_.back();
   added.feasible = added.evaluated && (added.constraints.array() <= 0).all();
   if (!added.evaluated) return index;
+  evaluated_.Add(index, Designs());
   if (++evaluated_count_ == 1) constraint_sizes_ = VectorXd::Zero(added.constraints.size());
   constraint_sizes_ = constraint_sizes_.cwiseMax(added.constraints.cwiseAbs()).eval();
   if (!added.feasible && feasible_count_ > 0) return index;
@@ -85,38 +86,24 @@ double Archive::Violation(std::size_t entry) const {
   return std::sqrt(sum);
 }
 
+NearestDesigns::Designs Archive::Designs() const {
+  return {designs_.data(), lengths_.size(), std::ssize(entries_)};
+}
+
 std::vector<std::size_t> Archive::Nearest(const VectorXd& u, std::size_t count) const {
-  std::vector<std::pair<double, std::size_t>> distances;
-  distances.reserve(entries_.size());
-  const Eigen::Map<const Eigen::MatrixXd> designs(designs_.data(), u.size(),
-                                                  static_cast<Eigen::Index>(entries_.size()));
-  const VectorXd weights = lengths_.cwiseInverse();
-  for (std::size_t i = 0; i < entries_.size(); ++i) {
-    if (!entries_[i].evaluated) continue;
-    distances.emplace_back(
-        (designs.col(static_cast<Eigen::Index>(i)) - u).cwiseProduct(weights).squaredNorm(), i);
-  }
-  count = std::min(count, distances.size());
-  std::partial_sort(distances.begin(), distances.begin() + static_cast<std::ptrdiff_t>(count),
-                    distances.end());
-  std::vector<std::size_t> nearest(count);
-  for (std::size_t i = 0; i < count; ++i) nearest[i] = distances[i].second;
-  return nearest;
+  return evaluated_.Nearest(u, lengths_.cwiseInverse(), count, Designs());
 }
 
 void Archive::Keep(std::size_t entry, Estimate estimate, Eigen::MatrixXd jacobian,
-                   std::vector<std::size_t>& kept) {
-  if ((entries_[entry].*estimate).size() == 0) kept.push_back(entry);
+                   NearestDesigns& kept) {
+  if ((entries_[entry].*estimate).size() == 0) kept.Add(entry, Designs());
   entries_[entry].*estimate = std::move(jacobian);
 }
 
-Eigen::MatrixXd Archive::NearestOf(const std::vector<std::size_t>& kept, Estimate estimate,
+Eigen::MatrixXd Archive::NearestOf(const NearestDesigns& kept, Estimate estimate,
                                    const VectorXd& u) const {
-  const auto nearest =
-      std::min_element(kept.begin(), kept.end(), [&](std::size_t a, std::size_t b) {
-        return (entries_[a].u - u).squaredNorm() < (entries_[b].u - u).squaredNorm();
-      });
-  return nearest == kept.end() ? Eigen::MatrixXd() : entries_[*nearest].*estimate;
+  const std::vector<std::size_t> nearest = kept.Nearest(u, VectorXd::Ones(u.size()), 1, Designs());
+  return nearest.empty() ? Eigen::MatrixXd() : entries_[nearest.front()].*estimate;
 }
 
 void Archive::Remember(std::size_t entry, Eigen::MatrixXd jacobian) {

@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "services/pareto/nearest_designs.h"
+
 namespace mortise::pareto {
 
 struct ArchiveEntry {
@@ -105,13 +107,14 @@ class Archive {
   std::vector<std::size_t> displaced_;
   using Estimate = Eigen::MatrixXd ArchiveEntry::*;
   void AddToFront(std::size_t entry);
-  void Keep(std::size_t entry, Estimate estimate, Eigen::MatrixXd jacobian,
-            std::vector<std::size_t>& kept);
-  Eigen::MatrixXd NearestOf(const std::vector<std::size_t>& kept, Estimate estimate,
+  void Keep(std::size_t entry, Estimate estimate, Eigen::MatrixXd jacobian, NearestDesigns& kept);
+  Eigen::MatrixXd NearestOf(const NearestDesigns& kept, Estimate estimate,
                             const Eigen::VectorXd& u) const;
+  NearestDesigns::Designs Designs() const;
 
-  std::vector<std::size_t> remembered_;              // entries with a jacobian_estimate
-  std::vector<std::size_t> remembered_constraints_;  // with a constraint_jacobian_estimate
+  NearestDesigns evaluated_;
+  NearestDesigns remembered_;              // entries with a jacobian_estimate
+  NearestDesigns remembered_constraints_;  // with a constraint_jacobian_estimate
   Eigen::VectorXd ideal_;
   Eigen::VectorXd worst_;  // over all feasible entries, or evaluated ones while there are none
   Eigen::VectorXd constraint_sizes_;  // largest seen
