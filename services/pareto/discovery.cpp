@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <string_view>
 #include <utility>
 
 #include "absl/memory/memory.h"
@@ -141,7 +143,11 @@ FrontFinishing::Options FinishingOptions(const Discovery::Options& options, Eige
           .cells = Discovery::BufferOptions(options, d)};
 }
 
-std::vector<double> Key(const Eigen::VectorXd& u) { return {u.begin(), u.end()}; }
+std::size_t HashOf(const Eigen::VectorXd& u) {
+  const Eigen::VectorXd one_zero = u.array() + 0.0;
+  return std::hash<std::string_view>()(
+      {reinterpret_cast<const char*>(one_zero.data()), sizeof(double) * one_zero.size()});
+}
 
 }  // namespace
 
@@ -278,10 +284,10 @@ ArchiveEntry Discovery::EntryOf(const Pending& pending) const {
 // Into the archive and all that goes by it; returns the hypervolume gained.
 double Discovery::Admit(const Pending& pending, std::size_t& entry) {
   entry = archive_.Add(EntryOf(pending));
-  designs_.push_back(pending.x);
+  if (pending.x != DesignAt(pending.u)) designs_.emplace(entry, pending.x);
   deviations_.push_back(pending.result->deviations);
   if (archive_[entry].feasible) population_.Offer(archive_, entry);
-  evaluated_.emplace(Key(pending.u), entry);
+  evaluated_.emplace(HashOf(pending.u), entry);
   return Absorb(entry);
 }
 
@@ -368,6 +374,14 @@ Eigen::VectorXd Discovery::DesignAt(const Eigen::VectorXd& u) const {
   return x;
 }
 
+// Of the entry that has been evaluated there.
+std::optional<std::size_t> Discovery::EvaluatedAt(const Eigen::VectorXd& u) const {
+  const auto [first, last] = evaluated_.equal_range(HashOf(u));
+  const auto known =
+      std::find_if(first, last, [&](const auto& each) { return archive_[each.second].u == u; });
+  return known == last ? std::nullopt : std::optional(known->second);
+}
+
 Eigen::VectorXd Discovery::UnitOf(const Eigen::VectorXd& x) const { return box_.ToUnit(x(free_)); }
 
 // Those given, then the Latin hypercube; uniformly at random while nothing feasible has been found.
@@ -440,12 +454,12 @@ std::optional<Eigen::VectorXd> Discovery::AskTracks(std::int64_t& track, bool po
 std::optional<Eigen::VectorXd> Discovery::AskTrack(Track& track) {
   while (const std::optional<Eigen::VectorXd> u = track.source->Ask(archive_)) {
     const Eigen::VectorXd possible = box_.ToUnit(box_.FromUnit(*u));
-    const auto known = evaluated_.find(Key(possible));
-    if (known == evaluated_.end()) {
+    const std::optional<std::size_t> known = EvaluatedAt(possible);
+    if (!known) {
       track.asked.emplace_back();
       return possible;
     }
-    track.asked.emplace_back(known->second);
+    track.asked.emplace_back(*known);
     TellInOrder(track);
   }
   return std::nullopt;
@@ -754,7 +768,8 @@ Discovery::Summary Discovery::summary() const {
 Front Discovery::front() const {
   Front front = BuildFront(box_, archive_, buffer_, pieces_);
   for (FrontPoint& point : front.points) {
-    point.x = designs_[point.entry];
+    const auto exact = designs_.find(point.entry);
+    point.x = exact == designs_.end() ? DesignAt(archive_[point.entry].u) : exact->second;
     point.deviations = deviations_[point.entry];
   }
   for (FrontPiece& piece : front.pieces) {

@@ -21,6 +21,7 @@
 #include <memory>
 #include <optional>
 #include <set>
+#include <unordered_map>
 #include <vector>
 
 #include "absl/status/status.h"
@@ -125,6 +126,7 @@ class Discovery : public AskTell {
   bool CommitUpTo(std::int64_t count);
   void CommitNext();
   ArchiveEntry EntryOf(const Pending& pending) const;
+  std::optional<std::size_t> EvaluatedAt(const Eigen::VectorXd& u) const;
   double Admit(const Pending& pending, std::size_t& entry);
   double Absorb(std::size_t entry);
   double GainOf(std::size_t entry) const;
@@ -174,10 +176,11 @@ class Discovery : public AskTell {
   double spacing_;  // wanted distance of trade-offs along patches, for the budget
   std::map<std::int64_t, Track> tracks_;  // by age
   std::int64_t next_track_ = 0;
-  std::map<std::int64_t, Pending> pending_;               // proposed, not committed
-  std::map<std::vector<double>, std::size_t> evaluated_;  // design to entry: never twice
-  std::vector<Eigen::VectorXd> designs_;                  // of each entry, bit for bit as evaluated
-  std::vector<Eigen::VectorXd> deviations_;               // of each entry
+  std::map<std::int64_t, Pending> pending_;                      // proposed, not committed
+  std::unordered_multimap<std::size_t, std::size_t> evaluated_;  // hash of u to entry: never twice
+  // Of entries whose design is, to the last bit, another one than that of their unit coordinates.
+  std::unordered_map<std::size_t, Eigen::VectorXd> designs_;
+  std::vector<Eigen::VectorXd> deviations_;  // of each entry
   std::vector<AffinePiece> pieces_;
   std::int64_t proposed_ = 0;
   std::int64_t committed_ = 0;
