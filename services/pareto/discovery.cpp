@@ -44,8 +44,8 @@ constexpr std::int64_t kAlwaysScarce = 300;    // so many, however few parameter
 constexpr std::int64_t kSurrogateLimit = 999;  // and no more than these
 constexpr Eigen::Index kSurrogateParameters = 40;
 constexpr double kSurrogateShare = 0.8;        // of the evaluations after the initial samples
-constexpr double kIdleShare = 0.28;            // of the budget, see AwaitsOpening; at least
-constexpr double kLeastIdle = 100;             // evaluations
+constexpr double kIdleShare = 0.26;            // of the budget, see AwaitsOpening; at least
+constexpr double kLeastIdle = 78;              // evaluations
 constexpr double kDescentShare = 0.25;         // of the budget
 constexpr std::int64_t kLargestPatch = 4;      // a quarter of the budget
 constexpr std::int64_t kMeasuringBudget = 60;  // evaluations a parameter
@@ -624,7 +624,7 @@ std::unique_ptr<PointSource> Discovery::MakeDescent() {
   const auto size = static_cast<double>(box_.size());
   const double share = kDescentShare * static_cast<double>(options_.evaluations);
   descent.evaluations = static_cast<int>(share);
-  descent.lines = std::max(1, options_.window / 2);
+  descent.lines = std::max(1, 3 * options_.window / 4);
   descent.line.values = static_cast<int>(std::clamp(0.5 * share / size, 4.0, 64.0));
   const Scaling scaling = archive_.CurrentScaling();
   std::vector<std::size_t> candidates;
