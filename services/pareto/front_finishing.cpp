@@ -20,7 +20,9 @@ constexpr int kMostRounds = 12;
 constexpr int kOutlierRounds = 3;  // of these, where polishing pays
 constexpr std::size_t kTrial = 32;
 constexpr std::int64_t kLastPart = 50;  // a fiftieth of the budget, for polishing alone,
-constexpr double kLastGain = 1e-9;      // of whatever gains anything
+constexpr std::int64_t kPause = 16;
+constexpr double kLastGain = 1e-9;      // of whatever gains anything,
+constexpr double kMostLastGain = 1e-4;  // at the very end of what models know exactly
 
 }  // namespace
 
@@ -59,7 +61,11 @@ double FrontFinishing::ShareLeft() const {
 
 bool FrontFinishing::IsDue(std::int64_t left) const {
   if (!outcome_->has_ended) return false;
-  if (PolishesOnly(left)) return true;
+  if (PolishesOnly(left)) {
+    // Now and then: a round that finds nothing to do has looked at everything.
+    const std::int64_t pause = std::max<std::int64_t>(options_.window, last_left_ / kPause);
+    return left <= last_left_ - pause;
+  }
   if (rounds_ >= kMostRounds) return false;
   const double share = ShareLeft() * static_cast<double>(options_.evaluations);
   return left <= std::max<std::int64_t>(options_.window, static_cast<std::int64_t>(share));
@@ -74,7 +80,10 @@ std::unique_ptr<PointSource> FrontFinishing::NextRound(const Archive& archive, s
   if (!IsDue(left)) return nullptr;
   const bool is_trial = rounds_ == 0 || !Pays();
   const auto most = static_cast<std::size_t>(left);
-  const std::size_t some = most * 3 / 5;  // the rest for what that brings, and was under way
+  // Nothing comes after the last round that could mend what goes wrong in it. Of the others the
+  // rest is for what they bring, and what was under way.
+  const bool is_last = PolishesOnly(left) && left <= 2 * options_.window;
+  const std::size_t some = is_last ? most : std::max<std::size_t>(1, most * 3 / 5);
   // What is put back in line is not quite on the front, which is the last thing to see to.
   const std::size_t outliers = is_trial || rounds_ < kOutlierRounds ? (most + 1) / 2 : 0;
   const Scaling scaling = archive.CurrentScaling();
@@ -83,15 +92,16 @@ std::unique_ptr<PointSource> FrontFinishing::NextRound(const Archive& archive, s
   // Cells are those of the front at the end.
   PerformanceBuffer cells(options_.cells, scaling.ideal.size());
   cells.Rebuild(archive, scaling);
-  const std::size_t wanted =
-      std::min(most - repaired, is_trial ? std::min(kTrial, some) : std::max<std::size_t>(some, 1));
-  std::vector<Eigen::VectorXd> polished = PolishesOnly(left)
-                                              ? polishing_.Next(archive, cells, wanted, kLastGain)
-                                              : polishing_.Next(archive, cells, wanted);
+  const std::size_t wanted = std::min(most - repaired, is_trial ? std::min(kTrial, some) : some);
+  FrontPolishing::Gains gains;
+  if (PolishesOnly(left)) gains.least = kLastGain;
+  if (is_last) gains.most = kMostLastGain;
+  std::vector<Eigen::VectorXd> polished = polishing_.Next(archive, cells, wanted, gains);
   outcome_ = std::make_shared<Outcome>();
   outcome_->polished = polished.size();
   std::ranges::move(polished, std::back_inserter(points));
   ++rounds_;
+  last_left_ = left;
   return std::make_unique<Round>(std::move(points), repaired, outcome_);
 }
 

@@ -61,6 +61,7 @@ class FrontFinishing {
   Options options_;
   FrontPolishing polishing_;
   int rounds_ = 0;
+  std::int64_t last_left_ = 0;                                      // when the last round began
   std::shared_ptr<Outcome> outcome_ = std::make_shared<Outcome>();  // of the last round
 };
 

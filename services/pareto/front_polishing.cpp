@@ -206,14 +206,14 @@ PolishedDesign Polished(const Archive& archive, const Scaling& scaling, const Ve
 }
 
 std::vector<VectorXd> FrontPolishing::Next(const Archive& archive, const PerformanceBuffer& buffer,
-                                           std::size_t count, double least_gain) {
+                                           std::size_t count, const Gains& gains) {
   ++rounds_;
   std::vector<std::size_t> best;
   for (const auto& [cell, candidates] : CellsOfFront(archive, buffer))
     best.push_back(candidates.front().entry);
   const auto neighbours = static_cast<std::size_t>(2 * buffer.scaling().ideal.size());
   std::vector<std::pair<PolishedDesign, std::size_t>> polished;
-  for (const std::size_t entry : LookedAt(archive, best, kLookedAt * count, least_gain)) {
+  for (const std::size_t entry : LookedAt(archive, best, kLookedAt * count, gains.least)) {
     const VectorXd& u = archive[entry].u;
     Tries& tries = tries_[entry];
     const double reach =
@@ -221,7 +221,8 @@ std::vector<VectorXd> FrontPolishing::Next(const Archive& archive, const Perform
     PolishedDesign design = Polished(archive, buffer.scaling(), u, reach);
     tries.gain = design.gain;
     tries.round = rounds_;
-    if (design.gain > least_gain) polished.emplace_back(std::move(design), entry);
+    if (design.gain > gains.least && design.gain <= gains.most)
+      polished.emplace_back(std::move(design), entry);
   }
   const std::set<std::size_t> is_best(best.begin(), best.end());
   std::ranges::stable_sort(polished, std::greater<>{}, [&](const auto& each) {

@@ -19,6 +19,7 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <limits>
 #include <map>
 #include <vector>
 
@@ -39,18 +40,22 @@ PolishedDesign Polished(const Archive& archive, const Scaling& scaling, const Ei
 // Polishes trade-offs, round after round.
 class FrontPolishing {
  public:
-  // Trade-offs that gain more than `least_gain` by it, at most `count`: the best of each cell of
-  // `buffer`, those that gain most first, then others, the same. Some four for each that is wanted
-  // are looked at. What gains no more than that is looked at again only some rounds
+  // What designs that are polished are to gain, in scaled performance. The thesis asks for errors
+  // below 1e-5.
+  struct Gains {
+    double least = 2e-6;
+    double most = std::numeric_limits<double>::infinity();
+  };
+
+  // Trade-offs that gain so much by it, at most `count`: the best of each cell of `buffer`, those
+  // that gain most first, then others, the same. Some four for each that is wanted are looked at.
+  // What gains no more than the least is looked at again only some rounds
   // later, and what still is a trade-off after it was polished three times never. O(n) for n
   // trade-offs, and a Polished for each that is looked at.
   std::vector<Eigen::VectorXd> Next(const Archive& archive, const PerformanceBuffer& buffer,
-                                    std::size_t count, double least_gain = kLeastGain);
+                                    std::size_t count, const Gains& gains);
 
  private:
-  // The thesis asks for errors below 1e-5.
-  static constexpr double kLeastGain = 2e-6;
-
   struct Tries {
     std::size_t count = 0;  // how often it was polished
     double gain = 0;        // as foretold last,

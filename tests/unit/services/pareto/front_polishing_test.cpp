@@ -95,7 +95,7 @@ TEST(FrontPolishing, TakesThoseOfAFrontThatGain) {
   const Archive archive = AroundCurve(60, 0.005);
   PerformanceBuffer buffer({.cells_per_angle = 100}, 2);
   buffer.Rebuild(archive, archive.CurrentScaling());
-  const std::vector<VectorXd> few = FrontPolishing().Next(archive, buffer, 5);
+  const std::vector<VectorXd> few = FrontPolishing().Next(archive, buffer, 5, {});
   EXPECT_EQ(few.size(), 5u);
   int better = 0;
   for (const VectorXd& u : few) {
@@ -103,7 +103,7 @@ TEST(FrontPolishing, TakesThoseOfAFrontThatGain) {
     better += archive.ClearlyDominated(MetricsOf(u), buffer.scaling(), 0) ? 0 : 1;
   }
   EXPECT_GE(better, 4) << "what none dominates";
-  EXPECT_TRUE(FrontPolishing().Next(archive, buffer, 0).empty());
+  EXPECT_TRUE(FrontPolishing().Next(archive, buffer, 0, {}).empty());
 }
 
 TEST(FrontPolishing, EndsWhereNothingGainsAnyMore) {
@@ -113,7 +113,7 @@ TEST(FrontPolishing, EndsWhereNothingGainsAnyMore) {
   for (int round = 0; round < 20; ++round) {
     PerformanceBuffer buffer({.cells_per_angle = 100}, 2);
     buffer.Rebuild(archive, archive.CurrentScaling());
-    const std::vector<VectorXd> designs = polishing.Next(archive, buffer, 1000);
+    const std::vector<VectorXd> designs = polishing.Next(archive, buffer, 1000, {});
     for (const VectorXd& u : designs) archive.Add({u, true, MetricsOf(u), {}, {}});
     last = designs.size();
     asked += last;
