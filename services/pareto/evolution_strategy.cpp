@@ -11,6 +11,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
+constexpr double kLeastSquare = 1e-20;      // of a sample, over that of a usual one
 constexpr double kLeastEigenvalue = 1e-14;  // of C, over the largest
 
 // Into [0, 1], mirrored at the bounds.
@@ -82,7 +83,9 @@ void EvolutionStrategy::Learn(const std::vector<VectorXd>& ranked) {
   VectorXd weights = weights_;
   for (Index i = 0; i < steps.cols(); ++i) {
     if (weights[i] >= 0) continue;
-    weights[i] *= n / scale.cwiseProduct(axes_.transpose() * steps.col(i)).squaredNorm();
+    // A sample on the mean, where values can only be set in steps, tells nothing.
+    const double square = scale.cwiseProduct(axes_.transpose() * steps.col(i)).squaredNorm();
+    weights[i] = square > kLeastSquare ? weights[i] * n / square : 0;
   }
   const double lost = steady ? 0 : path_rate_ * (2 - path_rate_);
   covariance_ *= 1 + rank_one_rate_ * lost - rank_one_rate_ - rank_mu_rate_ * weights_.sum();
