@@ -43,7 +43,8 @@ Front CombinedDiscovery::front() const {
   Archive archive;
   for (std::size_t entry = 0; entry < archive_.size(); ++entry) {
     ArchiveEntry copy = archive_[entry];
-    if (is_candidate[entry]) copy.u = embedded(OthersOf(entry), member_of_[entry]);
+    copy.u = is_candidate[entry] ? embedded(OthersOf(entry), member_of_[entry])
+                                 : Eigen::VectorXd(Eigen::VectorXd::Zero(width));
     archive.Add(std::move(copy));
   }
   std::vector<AffinePiece> pieces;
