@@ -101,14 +101,21 @@ void PerformanceBuffer::Refill(const Archive& archive) {
 
 std::vector<std::pair<PerformanceBuffer::CellId, std::vector<PerformanceBuffer::Candidate>>>
 CellsOfFront(const Archive& archive, const PerformanceBuffer& buffer) {
-  std::vector<bool> is_trade_off(archive.size(), false);
-  for (const std::size_t entry : archive.non_dominated()) is_trade_off[entry] = true;
-  std::vector<std::pair<PerformanceBuffer::CellId, std::vector<PerformanceBuffer::Candidate>>>
-      cells;
-  for (const auto& [cell, candidates] : buffer.cells()) {
-    const auto best = std::ranges::find_if(
-        candidates, [&](const auto& candidate) { return is_trade_off[candidate.entry]; });
-    if (best != candidates.end()) cells.push_back({cell, {best, candidates.end()}});
+  using Candidate = PerformanceBuffer::Candidate;
+  std::map<PerformanceBuffer::CellId, Candidate> nearest;
+  for (const std::size_t entry : archive.non_dominated()) {
+    const Eigen::VectorXd scaled = buffer.scaling().Apply(archive[entry].metrics);
+    const Candidate candidate{entry, scaled.cwiseMax(0.0).norm()};
+    Candidate& known = nearest.try_emplace(buffer.CellOf(scaled), candidate).first->second;
+    if (candidate.distance < known.distance) known = candidate;
+  }
+  std::vector<std::pair<PerformanceBuffer::CellId, std::vector<Candidate>>> cells;
+  for (const auto& [cell, best] : nearest) {
+    std::vector<Candidate>& candidates = cells.emplace_back(cell, std::vector{best}).second;
+    const auto kept = buffer.cells().find(cell);
+    if (kept == buffer.cells().end()) continue;
+    const auto at = std::ranges::find(kept->second, best.entry, &Candidate::entry);
+    if (at != kept->second.end()) candidates.assign(at, kept->second.end());
   }
   return cells;
 }

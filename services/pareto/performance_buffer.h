@@ -89,9 +89,10 @@ class PerformanceBuffer {
   std::map<CellId, std::vector<Candidate>> cells_;
 };
 
-// The cells through which the front passes (§7.5.5), ascending, each with its candidates from the
-// nearest on that no entry of the archive dominates. A cell's nearest candidate may be dominated by
-// a design of the next cell without that one being its own cell's nearest. O(n) for n entries.
+// The cells through which the front passes (§7.5.5), ascending: those with an entry that none of the
+// archive dominates. Each has the nearest of these, then the candidates behind it, which may be
+// dominated. What is nearer is left out, as a design of another cell dominates it. O(n log n) for n
+// trade-offs.
 std::vector<std::pair<PerformanceBuffer::CellId, std::vector<PerformanceBuffer::Candidate>>>
 CellsOfFront(const Archive& archive, const PerformanceBuffer& buffer);
 

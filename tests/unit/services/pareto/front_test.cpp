@@ -70,12 +70,14 @@ TEST(FrontTest, DropsWhatIsDominatedFromAnotherCell) {
   add(0.6, 0.6 * boundary + 0.001);                     // dominated, alone in the upper cell
   add(0.599, 0.599 * boundary - 0.001);                 // by this
   add(0.62, 0.05);                                      // the nearest of the lower cell
+  add(0.48, 0.46);                                      // of the upper cell, behind the dominated
   PerformanceBuffer buffer({.cells_per_angle = 4}, 2);
   buffer.Rebuild(archive, archive.CurrentScaling());
   const Front front = BuildFront(space, archive, buffer, {});
-  ASSERT_EQ(front.points.size(), 2u);
+  ASSERT_EQ(front.points.size(), 3u);
   EXPECT_EQ(front.points[0].entry, 4u);
-  EXPECT_EQ(front.points[1].entry, 0u);
+  EXPECT_EQ(front.points[1].entry, 5u);
+  EXPECT_EQ(front.points[2].entry, 0u);
 }
 
 // Two designs for each trade-off: one on a line through design space, the other, better by less
