@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <iterator>
 
 namespace mortise::pareto {
 
@@ -9,8 +10,7 @@ using Eigen::Index;
 using Eigen::VectorXd;
 
 void NearestDesigns::Add(std::size_t number, const Designs& designs) {
-  const std::pair entry(designs(parameter_, static_cast<Index>(number)), number);
-  order_.insert(std::ranges::upper_bound(order_, entry), entry);
+  order_.emplace(designs(parameter_, static_cast<Index>(number)), number);
   if (std::has_single_bit(order_.size())) SortBySpread(designs);
 }
 
@@ -25,8 +25,10 @@ void NearestDesigns::SortBySpread(const Designs& designs) {
   spread.maxCoeff(&widest);
   if (widest == parameter_) return;
   parameter_ = widest;
-  for (auto& [value, number] : order_) value = designs(widest, static_cast<Index>(number));
-  std::ranges::sort(order_);
+  std::vector<std::pair<double, std::size_t>> order;
+  for (const auto& [value, number] : order_)
+    order.emplace_back(designs(widest, static_cast<Index>(number)), number);
+  order_ = {order.begin(), order.end()};
 }
 
 std::vector<std::size_t> NearestDesigns::Nearest(const VectorXd& u, const VectorXd& weights,
@@ -35,11 +37,12 @@ std::vector<std::size_t> NearestDesigns::Nearest(const VectorXd& u, const Vector
   count = std::min(count, order_.size());
   if (count == 0) return {};
   const double from = u[parameter_], weight = weights[parameter_];
-  auto above = std::ranges::lower_bound(order_, std::pair(from, std::size_t{0}));
+  auto above = order_.lower_bound({from, 0});
   auto below = above;  // the one before it is next
   while (below != order_.begin() || above != order_.end()) {
-    const bool goes_up = below == order_.begin() ||
-                         (above != order_.end() && above->first - from < from - (below - 1)->first);
+    const bool goes_up =
+        below == order_.begin() ||
+        (above != order_.end() && above->first - from < from - std::prev(below)->first);
     const auto& [value, number] = goes_up ? *above++ : *--below;
     const double apart = (value - from) * weight;
     if (nearest.size() == count && apart * apart > nearest.front().first) break;

@@ -11,6 +11,8 @@
 #include <utility>
 #include <vector>
 
+#include "absl/container/btree_set.h"
+
 namespace mortise::pareto {
 
 class NearestDesigns {
@@ -18,8 +20,8 @@ class NearestDesigns {
   // The designs by number; the sets are of some of them. D x n, valid during a call.
   using Designs = Eigen::Map<const Eigen::MatrixXd>;
 
-  // Adds design number `number`, a column of `designs`. O(n) moves of 16 bytes, and now and then
-  // O(n D + n log n) to choose another parameter to sort by.
+  // Adds design number `number`, a column of `designs`. O(log n), and now and then O(n D + n log n)
+  // to choose another parameter to sort by.
   void Add(std::size_t number, const Designs& designs);
 
   // The numbers of up to `count` designs nearest to `u`, nearest first, of equally near ones those
@@ -33,8 +35,8 @@ class NearestDesigns {
  private:
   void SortBySpread(const Designs& designs);
 
-  Eigen::Index parameter_ = 0;                         // they are sorted by
-  std::vector<std::pair<double, std::size_t>> order_;  // its values, and numbers
+  Eigen::Index parameter_ = 0;                             // they are sorted by
+  absl::btree_set<std::pair<double, std::size_t>> order_;  // its values, and numbers
 };
 
 }  // namespace mortise::pareto

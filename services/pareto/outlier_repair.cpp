@@ -5,6 +5,8 @@
 #include <functional>
 #include <utility>
 
+#include "services/pareto/nearest_designs.h"
+
 namespace mortise::pareto {
 namespace {
 
@@ -17,21 +19,6 @@ struct Repair {
   double deviation = 0;  // the largest of its parameters, unit coordinates
   VectorXd u;
 };
-
-std::vector<std::size_t> NeighboursOf(std::size_t point, const Eigen::MatrixXd& front,
-                                      std::size_t count) {
-  const Eigen::RowVectorXd distances =
-      (front.colwise() - front.col(static_cast<Eigen::Index>(point))).colwise().squaredNorm();
-  std::vector<std::pair<double, std::size_t>> nearest;
-  nearest.reserve(static_cast<std::size_t>(distances.size()));
-  for (std::size_t i = 0; i < static_cast<std::size_t>(distances.size()); ++i)
-    if (i != point) nearest.emplace_back(distances[static_cast<Eigen::Index>(i)], i);
-  std::partial_sort(nearest.begin(), nearest.begin() + static_cast<std::ptrdiff_t>(count),
-                    nearest.end());
-  std::vector<std::size_t> neighbours;
-  for (std::size_t i = 0; i < count; ++i) neighbours.push_back(nearest[i].second);
-  return neighbours;
-}
 
 // Of an even number of values.
 double Median(const std::vector<double>& sorted) {
@@ -62,13 +49,18 @@ std::vector<VectorXd> RepairedOutliers(const Archive& archive, const Scaling& sc
                                        std::size_t count) {
   const std::vector<std::size_t>& entries = archive.non_dominated();
   const auto neighbours = static_cast<std::size_t>(6 + 4 * (scaling.ideal.size() - 2));
-  if (scaling.ideal.size() < 2 || entries.size() <= neighbours) return {};
+  if (count == 0 || scaling.ideal.size() < 2 || entries.size() <= neighbours) return {};
   const Eigen::MatrixXd front = ScaledFront(archive, scaling);
+  const NearestDesigns::Designs points(front.data(), front.rows(), front.cols());
+  NearestDesigns nearest;
+  for (std::size_t point = 0; point < entries.size(); ++point) nearest.Add(point, points);
+  const VectorXd all = VectorXd::Ones(front.rows());
   std::vector<Repair> repairs;
   for (std::size_t point = 0; point < entries.size(); ++point) {
     std::vector<VectorXd> designs;
-    for (const std::size_t near : NeighboursOf(point, front, neighbours))
-      designs.push_back(archive[entries[near]].u);
+    const VectorXd y = front.col(static_cast<Eigen::Index>(point));
+    for (const std::size_t near : nearest.Nearest(y, all, neighbours + 1, points))
+      if (near != point) designs.push_back(archive[entries[near]].u);
     Repair repair = RepairOf(archive[entries[point]].u, designs);
     if (repair.deviation > 0) repairs.push_back(std::move(repair));
   }

@@ -18,7 +18,8 @@ namespace mortise::pareto {
 // archive with each parameter that differs from the median of their neighbours' by more than 0.0005
 // and four times the neighbours' interquartile range set to that median. Neighbours are the six
 // trade-offs nearest in scaled performance for d = 2, four more for each further metric; no
-// designs where there are fewer. O(n^2) for n trade-offs.
+// designs where there are fewer. O(n^2) at worst for n trade-offs, mostly a small
+// part of it.
 std::vector<Eigen::VectorXd> RepairedOutliers(const Archive& archive, const Scaling& scaling,
                                               std::size_t count);
 
