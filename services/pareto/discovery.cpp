@@ -54,8 +54,8 @@ constexpr double kInvestment = 0.5;            // of the evaluations while an ev
 constexpr double kMeasuredShare = 0.1;         // of the budget, for slopes of pieces by differences
 constexpr double kSamePiece = 0.01;            // pieces whose centres are this near are the same
 constexpr std::int64_t kSecondLookBudget = 20;  // evaluations a parameter
-constexpr std::int64_t kAmpleBudget = 500;  // evaluations a parameter and dimension of the front
-constexpr std::int64_t kFinishingTrack = -2;
+constexpr std::int64_t kAmpleBudget = 500;    // evaluations a parameter and dimension of the front
+constexpr std::int64_t kFinishingTrack = -2;  // before all others, and no initial sample
 constexpr int kMostConstraints = 64;
 constexpr std::int64_t kConstrainedSamples = 20;  // more: what is allowed may be in several parts
 constexpr int kRestorationSteps = 20;             // of a design that violates constraints, at most
@@ -287,7 +287,7 @@ double Discovery::Admit(const Pending& pending, std::size_t& entry) {
   if (pending.x != DesignAt(pending.u)) designs_.emplace(entry, pending.x);
   deviations_.push_back(pending.result->deviations);
   if (archive_[entry].feasible) population_.Offer(archive_, entry);
-  evaluated_.emplace(HashOf(pending.u), entry);
+  if (!EvaluatedAt(pending.u)) evaluated_.emplace(HashOf(pending.u), entry);
   return Absorb(entry);
 }
 
@@ -304,7 +304,8 @@ absl::Status Discovery::Learn(const Evaluation& evaluation) {
 }
 
 void Discovery::CommitNext() {
-  const auto first = pending_.find(committed_++);
+  const std::int64_t number = committed_++;
+  const auto first = pending_.find(number);
   const Pending pending = std::move(first->second);
   pending_.erase(first);
   if (!IsUsable(*pending.result)) {
@@ -315,13 +316,25 @@ void Discovery::CommitNext() {
   std::size_t entry = 0;
   const double gain = Admit(pending, entry);
   const auto track = tracks_.find(pending.track);
-  if (track == tracks_.end()) return;
-  track->second.gain += gain;
-  ++track->second.evaluations;
-  // Results are committed in the order of their proposals.
-  *std::ranges::find_if(track->second.asked, [](const auto& told) { return !told; }) = entry;
-  TellInOrder(track->second);
-  RetireFinished();
+  if (track != tracks_.end()) {
+    track->second.gain += gain;
+    ++track->second.evaluations;
+  }
+  Answer(number, entry);
+}
+
+// To all tracks that have asked for the design of a proposal.
+void Discovery::Answer(std::int64_t number, std::size_t entry) {
+  bool was_asked = false;
+  for (auto& [id, track] : tracks_) {
+    for (Asked& asked : track.asked) {
+      if (asked.number != number) continue;
+      asked.entry = entry;
+      was_asked = true;
+    }
+    TellInOrder(track);
+  }
+  if (was_asked) RetireFinished();
 }
 
 double Discovery::DominatedVolume(const Scaling& scaling, double reference, int samples) const {
@@ -382,6 +395,13 @@ std::optional<std::size_t> Discovery::EvaluatedAt(const Eigen::VectorXd& u) cons
   return known == last ? std::nullopt : std::optional(known->second);
 }
 
+// The number of the proposal under way with that design.
+std::optional<std::int64_t> Discovery::UnderWayAt(const Eigen::VectorXd& u) const {
+  const auto at =
+      std::ranges::find_if(pending_, [&](const auto& each) { return each.second.u == u; });
+  return at == pending_.end() ? std::nullopt : std::optional(at->first);
+}
+
 Eigen::VectorXd Discovery::UnitOf(const Eigen::VectorXd& x) const { return box_.ToUnit(x(free_)); }
 
 // Those given, then the Latin hypercube; uniformly at random while nothing feasible has been found.
@@ -404,7 +424,7 @@ std::optional<Eigen::VectorXd> Discovery::NextPoint(std::int64_t& track) {
     } while (StartRestoration());
     return tracks_.empty() ? std::optional(InitialDesign()) : std::nullopt;
   }
-  if (SurrogateIsDue())
+  if (SurrogateIsDue() && !finishing_.PolishesOnly(Left()))
     if (const std::optional<Eigen::VectorXd> u = AskSurrogate(track)) return u;
   if (Explores()) StartFinishing();
   for (int barren = 0; barren < kExhaustedTracks; ++barren) {
@@ -415,6 +435,8 @@ std::optional<Eigen::VectorXd> Discovery::NextPoint(std::int64_t& track) {
     if (next_track_ != newest) continue;  // an expansion has begun
     if (AwaitsOpening() && !pending_.empty())
       return UsesSurrogate() ? AskSurrogate(track) : std::nullopt;
+    // What is polished next depends on what came of this.
+    if (polishes && tracks_.contains(kFinishingTrack)) return std::nullopt;
     StartTrack(barren >= kBarrenTracks, polishes);
   }
   return std::nullopt;
@@ -453,22 +475,24 @@ std::optional<Eigen::VectorXd> Discovery::AskTracks(std::int64_t& track, bool po
 
 std::optional<Eigen::VectorXd> Discovery::AskTrack(Track& track) {
   while (const std::optional<Eigen::VectorXd> u = track.source->Ask(archive_)) {
-    const Eigen::VectorXd possible = box_.ToUnit(box_.FromUnit(*u));
-    const std::optional<std::size_t> known = EvaluatedAt(possible);
-    if (!known) {
-      track.asked.emplace_back();
-      return possible;
+    const Eigen::VectorXd possible = UnitOf(DesignAt(*u));
+    if (const std::optional<std::size_t> known = EvaluatedAt(possible)) {
+      track.asked.push_back({.entry = known});
+      TellInOrder(track);
+    } else if (const std::optional<std::int64_t> number = UnderWayAt(possible)) {
+      track.asked.push_back({.number = *number});
+    } else {
+      track.asked.push_back({.number = proposed_});
+      return u;
     }
-    track.asked.emplace_back(*known);
-    TellInOrder(track);
   }
   return std::nullopt;
 }
 
 // What is known of the points of a track, as far as those asked for before them are known.
 void Discovery::TellInOrder(Track& track) {
-  while (!track.asked.empty() && track.asked.front()) {
-    const std::size_t entry = *track.asked.front();
+  while (!track.asked.empty() && track.asked.front().entry) {
+    const std::size_t entry = *track.asked.front().entry;
     track.asked.pop_front();
     track.source->Tell(archive_, entry);
   }
@@ -641,7 +665,7 @@ std::unique_ptr<PointSource> Discovery::MakeDescent() {
 // Before all others.
 void Discovery::StartFinishing() {
   if (std::unique_ptr<PointSource> round = finishing_.NextRound(archive_, Left()))
-    tracks_[kFinishingTrack] = {std::move(round), nullptr, nullptr, TrackKind::kBridge, 0, 0};
+    tracks_[kFinishingTrack] = {std::move(round), nullptr, nullptr, TrackKind::kFinishing, 0, 0};
 }
 
 void Discovery::StartTrack(bool force_sample, bool polishes) {

@@ -104,6 +104,12 @@ class Discovery : public AskTell {
   const SurrogateTally& surrogate_tally() const { return surrogate_.tally(); }
 
  private:
+  // A point of a track.
+  struct Asked {
+    std::int64_t number = -1;  // of the proposal that answers it, while that is under way
+    std::optional<std::size_t> entry = {};
+  };
+
   struct Track {
     std::unique_ptr<PointSource> source;
     LocalOptimization* optimization = nullptr;  // the source, if it is one
@@ -111,7 +117,7 @@ class Discovery : public AskTell {
     TrackKind kind = TrackKind::kOpening;
     double gain = 0;
     int evaluations = 0;
-    std::deque<std::optional<std::size_t>> asked = {};  // entries of its points; none: under way
+    std::deque<Asked> asked = {};
   };
 
   struct Pending {
@@ -139,6 +145,8 @@ class Discovery : public AskTell {
   bool AwaitsOpening() const;
   std::optional<Eigen::VectorXd> AskTracks(std::int64_t& track, bool polishes);
   std::optional<Eigen::VectorXd> AskTrack(Track& track);
+  void Answer(std::int64_t number, std::size_t entry);
+  std::optional<std::int64_t> UnderWayAt(const Eigen::VectorXd& u) const;
   void TellInOrder(Track& track);
   void RetireFinished();
   void Retire(const Track& track);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <optional>
 #include <utility>
 
@@ -12,25 +13,28 @@ namespace mortise::pareto {
 namespace {
 
 constexpr double kScarceShare = 0.05;  // of a budget that is not ample, left at the first round
-constexpr double kTrialShare = 0.45;   // of an ample one, at the first two
-constexpr double kLateShare = 0.12;    // at the third,
-constexpr double kPayingShare = 0.2;   // if polishing pays
-constexpr int kEarlyRounds = 2;
+constexpr double kEarlyShare = 0.45;   // of an ample one, and at the second if polishing pays,
+constexpr double kPayingShare = 0.2;   // at the third,
+constexpr double kTrialShare = 0.12;   // at the second if it does not
 constexpr int kMostRounds = 12;
 constexpr int kOutlierRounds = 3;  // of these, where polishing pays
 constexpr std::size_t kTrial = 32;
 constexpr std::int64_t kLastPart = 50;  // a fiftieth of the budget, for polishing alone,
 constexpr std::int64_t kPause = 16;
 constexpr double kLastGain = 1e-9;      // of whatever gains anything,
-constexpr double kMostLastGain = 1e-4;  // at the very end of what models know exactly
+constexpr double kMostLastGain = 1e-3;  // at the very end of what models know exactly
 
 }  // namespace
 
 // Designs put back in line, then polished ones.
 class FrontFinishing::Round : public PointSource {
  public:
-  Round(std::vector<Eigen::VectorXd> points, std::size_t repaired, std::shared_ptr<Outcome> outcome)
-      : list_(std::move(points)), repaired_(repaired), outcome_(std::move(outcome)) {
+  Round(const Archive& archive, std::vector<Eigen::VectorXd> points, std::size_t repaired,
+        std::shared_ptr<Outcome> outcome)
+      : list_(std::move(points)),
+        known_(archive.size()),
+        repaired_(repaired),
+        outcome_(std::move(outcome)) {
     outcome_->has_ended = list_.Finished();
   }
 
@@ -38,37 +42,47 @@ class FrontFinishing::Round : public PointSource {
 
   void Tell(Archive& archive, std::size_t entry) override {
     list_.Tell(archive, entry);
-    const std::vector<std::size_t>& front = archive.non_dominated();
-    if (told_++ >= repaired_ && std::ranges::find(front, entry) != front.end()) ++outcome_->kept;
     outcome_->has_ended = list_.Finished();
+    // Where values can only be set in steps, a polished design may be what it came from.
+    if (told_++ < repaired_ || entry < known_) return;
+    const std::vector<std::size_t>& front = archive.non_dominated();
+    ++outcome_->polished;
+    if (std::ranges::find(front, entry) != front.end()) ++outcome_->kept;
   }
 
   bool Finished() const override { return list_.Finished(); }
 
  private:
   PointList list_;
+  std::size_t known_;  // entries when it began
   std::size_t repaired_;
   std::size_t told_ = 0;
   std::shared_ptr<Outcome> outcome_;
 };
 
+bool FrontFinishing::Pays() const {
+  return outcome_->polished > 0 ? 4 * outcome_->kept >= outcome_->polished : paid_;
+}
+
 // What part of the budget is left when the next round begins.
 double FrontFinishing::ShareLeft() const {
   if (!options_.is_ample) return std::ldexp(kScarceShare, -rounds_);
-  if (rounds_ == 0 || (rounds_ < kEarlyRounds && Pays())) return kTrialShare;
-  return std::ldexp(Pays() ? kPayingShare : kLateShare, -std::max(0, rounds_ - kEarlyRounds));
+  if (rounds_ == 0) return kEarlyShare;
+  if (!Pays()) return std::ldexp(kTrialShare, 1 - rounds_);
+  return rounds_ == 1 ? kEarlyShare : std::ldexp(kPayingShare, 2 - rounds_);
 }
 
 bool FrontFinishing::IsDue(std::int64_t left) const {
   if (!outcome_->has_ended) return false;
   if (PolishesOnly(left)) {
-    // Now and then: a round that finds nothing to do has looked at everything.
-    const std::int64_t pause = std::max<std::int64_t>(options_.window, last_left_ / kPause);
-    return left <= last_left_ - pause;
+    // Each looks at all of the front, which takes time.
+    if (outcome_->polished == 0) return left <= last_left_ / 2;
+    return left <= last_left_ - std::max<std::int64_t>(options_.window, last_left_ / kPause);
   }
   if (rounds_ >= kMostRounds) return false;
-  const double share = ShareLeft() * static_cast<double>(options_.evaluations);
-  return left <= std::max<std::int64_t>(options_.window, static_cast<std::int64_t>(share));
+  const auto share =
+      static_cast<std::int64_t>(ShareLeft() * static_cast<double>(options_.evaluations));
+  return left <= (rounds_ == 0 ? std::max<std::int64_t>(options_.window, share) : share);
 }
 
 bool FrontFinishing::PolishesOnly(std::int64_t left) const {
@@ -97,12 +111,12 @@ std::unique_ptr<PointSource> FrontFinishing::NextRound(const Archive& archive, s
   if (PolishesOnly(left)) gains.least = kLastGain;
   if (is_last) gains.most = kMostLastGain;
   std::vector<Eigen::VectorXd> polished = polishing_.Next(archive, cells, wanted, gains);
+  paid_ = Pays();
   outcome_ = std::make_shared<Outcome>();
-  outcome_->polished = polished.size();
   std::ranges::move(polished, std::back_inserter(points));
   ++rounds_;
   last_left_ = left;
-  return std::make_unique<Round>(std::move(points), repaired, outcome_);
+  return std::make_unique<Round>(archive, std::move(points), repaired, outcome_);
 }
 
 }  // namespace mortise::pareto

@@ -7,10 +7,11 @@
 // (front_polishing.h), the best of each cell first.
 //
 // The first round polishes a few only, to see whether that pays: models do not see very many local
-// optima, or noise. It does where at least a quarter of what was polished last are trade-offs. With
-// an ample budget it is tried early, and if it pays the second round polishes what there is; the
-// others follow as what is left halves, since other ways go on to find designs that are nearly on
-// the front. The very last evaluations of an ample budget are for polishing alone.
+// optima, or noise. It does where at least a quarter of what was polished last are trade-offs. As
+// long as it does not, rounds stay trials. With an ample budget the first trial is early, and if it
+// pays the second round polishes what there is; the others follow as what is left halves, since
+// other ways go on to find designs that are nearly on the front. If polishing pays, the very last
+// evaluations of an ample budget are for that alone.
 #pragma once
 
 #include <Eigen/Core>
@@ -48,20 +49,21 @@ class FrontFinishing {
  private:
   // What came of a round, which outlives its source.
   struct Outcome {
-    std::size_t polished = 0;
-    std::size_t kept = 0;  // of these, trade-offs when they were told
+    std::size_t polished = 0;  // designs that were not known before
+    std::size_t kept = 0;      // of these, trade-offs when they were told
     bool has_ended = true;
   };
   class Round;
 
-  bool Pays() const { return 4 * outcome_->kept >= outcome_->polished; }
+  bool Pays() const;
   bool IsDue(std::int64_t left) const;
   double ShareLeft() const;
 
   Options options_;
   FrontPolishing polishing_;
   int rounds_ = 0;
-  std::int64_t last_left_ = 0;                                      // when the last round began
+  std::int64_t last_left_ = 0;  // when the last round began
+  bool paid_ = false;           // in the last round before this one that polished anything
   std::shared_ptr<Outcome> outcome_ = std::make_shared<Outcome>();  // of the last round
 };
 

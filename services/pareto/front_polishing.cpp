@@ -23,13 +23,12 @@ constexpr double kBeyond = 1e-2;      // delta_N: how far beyond the front the t
 constexpr double kLeastReach = 1e-3;  // where there are no neighbours
 constexpr std::size_t kLookedAt = 4;  // designs, for each that is wanted
 constexpr int kIterations = 8;
-constexpr int kHalvings = 4;
+constexpr int kShortenings = 4;
 constexpr double kLeastProgress = 1e-9;  // of an iteration, scaled performance
-constexpr double kAside = 0.2;           // of the way back to the ray, or the normal
+constexpr double kAside = 0.2;           // of all metrics, beside the normal
 constexpr int kForgotten = 3;            // rounds after which a design is looked at again
 // How far a design of the front is moved, over the distance to its neighbours, at each try.
 constexpr std::array<double, 3> kFrontReach = {3, 10, 1};
-constexpr double kLeastGain = 2e-6;  // of them: the thesis asks for errors below 1e-5
 
 // The constraints as functions of a step from `u`; none where there are none.
 std::vector<QuadraticFunction> ConstraintsNear(const Archive& archive, std::size_t near,
@@ -72,7 +71,8 @@ double DistanceToNeighbour(const Archive& archive, const VectorXd& u,
 // Of many, some from everywhere: at most `most`.
 std::vector<std::size_t> Some(const std::vector<std::size_t>& entries, std::size_t most) {
   std::vector<std::size_t> some;
-  const std::size_t every = entries.size() / std::max<std::size_t>(1, most) + 1;
+  const std::size_t every =
+      std::max<std::size_t>(1, (entries.size() + most - 1) / std::max<std::size_t>(1, most));
   for (std::size_t i = 0; most > 0 && i < entries.size(); i += every) some.push_back(entries[i]);
   return some;
 }
@@ -125,7 +125,7 @@ class Surroundings {
       if (!MayTake(step + more)) return WithinConstraints(counted);
       double further = GainOf(step + more, counted);
       // The squared distance is a quadratic near by only.
-      for (int halving = 0; halving < kHalvings && !(further >= gain); ++halving) {
+      for (int shortening = 0; shortening < kShortenings && !(further >= gain); ++shortening) {
         more *= 0.25;
         further = GainOf(step + more, counted);
       }

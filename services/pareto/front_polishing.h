@@ -7,10 +7,10 @@
 //
 //   min over p of |y(u + p) - (y(u) - delta_N alpha / |alpha|)|^2,   y the scaled performance,
 //
-// and then back along the front to the ray from the ideal through y(u), so that it stays in its
-// cell of the performance buffer and takes the place of u. At the edge of the front, where alpha
-// has zeros, it goes back to the normal instead, as far as the other metrics are concerned, so that
-// it is better than u in those.
+// and then back along the front to the line through y(u) that the normal and a little of all
+// metrics make, so that the new design is better than u in all of them and takes its place. At the
+// edge of the front alpha has zeros: metrics of which u may have less without any of the others
+// having more. They may get better than on that line, as far as they like.
 //
 // The models are good where the front is well sampled, so that the step costs one evaluation and
 // takes the error of half way between two designs from the square of their distance to about its
@@ -30,7 +30,7 @@ namespace mortise::pareto {
 
 struct PolishedDesign {
   Eigen::VectorXd u;  // D, within the unit box; bounds that the design was on are kept
-  double gain = 0;    // how much nearer to that point it came, as predicted; scaled performance
+  double gain = 0;    // how much nearer to that point p brings it, as foretold; scaled performance
 };
 
 // `u` moved by p, no coordinate by more than `reach`. Needs an evaluated entry. O(D^3).

@@ -36,9 +36,10 @@ std::vector<Eigen::Index> TradingParameters(const Archive& archive,
 Eigen::VectorXd RelativeLengths(const Archive& archive, const std::vector<ParameterLine>& lines,
                                 const Scaling& scaling);
 
-// A design for each metric: every parameter where that metric is least on the parameter's longest
-// line, or as the best entry has it that is on none. For metrics that are sums over parameters, or
-// a function of such a sum, it is in the valley of their optimum, however many others there are.
+// A design for each metric: every parameter where that metric is least on that of the parameter's
+// lines which has most designs, or as the best entry has it that is on none; nothing without lines.
+// For metrics that are sums over parameters, or a function of such a sum, it is in the valley of
+// their optimum, however many others there are.
 std::vector<Eigen::VectorXd> LeastAlongLines(const Archive& archive,
                                              const std::vector<ParameterLine>& lines);
 

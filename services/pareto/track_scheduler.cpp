@@ -68,7 +68,7 @@ TrackScheduler::Track TrackScheduler::Next(const Archive& archive, const Perform
 }
 
 void TrackScheduler::Report(TrackKind kind, double gain, int evaluations) {
-  if (kind == TrackKind::kOpening || kind == TrackKind::kSurrogate || evaluations == 0) return;
+  if (static_cast<std::size_t>(kind) >= kWays || evaluations == 0) return;
   const auto i = static_cast<std::size_t>(kind);
   gain_[i] = kMemory * gain_[i] + gain;
   spent_[i] = kMemory * spent_[i] + evaluations;

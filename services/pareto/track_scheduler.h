@@ -46,7 +46,8 @@ enum class TrackKind {
   kTransfer = 8,
   kAlign = 9,
   kOpening = 10,
-  kSurrogate = 11  // proposals of a surrogate, which the caller interleaves
+  kSurrogate = 11,  // proposals of a surrogate, which the caller interleaves
+  kFinishing = 12   // rounds at the end, the same
 };
 
 class TrackScheduler {

@@ -4,8 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <deque>
 #include <functional>
 #include <limits>
+#include <set>
+#include <vector>
 
 #include "services/pareto/discovery_run.h"
 #include "services/pareto/front_remarks.h"
@@ -135,6 +138,38 @@ TEST(DegenerateDiscoveryTest, EndsWhereEveryParameterIsFixed) {
   }
   EXPECT_LE(asked, 50);
   EXPECT_EQ(discovery->front().points.size(), 1u);
+}
+
+// Values that can only be set in coarse steps, and far more evaluations than the front needs. The
+// bounds are such that unit coordinates do not give designs back to the last bit.
+TEST(DegenerateDiscoveryTest, EvaluatesNoDesignTwiceWhereValuesHaveSteps) {
+  DesignSpace space{VectorXd::Constant(2, 0.3), VectorXd::Constant(2, 1.7)};
+  space.step = VectorXd::Constant(2, 0.0175);
+  for (const std::uint64_t seed : {1, 2}) {
+    Discovery::Options options;
+    options.evaluations = 1000;
+    options.seed = seed;
+    options.stall_tracks = 0;
+    auto discovery = *Discovery::Create(space, 2, options);
+    std::set<std::vector<double>> known;
+    std::deque<Discovery::Proposal> under_way;
+    while (!discovery->Finished()) {
+      while (auto proposal = discovery->Ask()) under_way.push_back(*std::move(proposal));
+      if (under_way.empty()) break;
+      const Discovery::Proposal proposal = under_way.front();
+      under_way.pop_front();
+      EXPECT_TRUE(known.insert({proposal.x.begin(), proposal.x.end()}).second);
+      Evaluation evaluation;
+      evaluation.x = proposal.x;
+      evaluation.status = EvaluationStatus::kEvaluated;
+      const VectorXd& x = proposal.x;
+      evaluation.metrics = Eigen::Vector2d(std::pow(x[0] - 0.6, 2) + std::pow(x[1] - 1, 2),
+                                           std::pow(x[0] - 1.4, 2) + std::pow(x[1] - 1.2, 2));
+      ASSERT_TRUE(discovery->Tell(proposal.number, std::move(evaluation)).ok());
+    }
+    EXPECT_TRUE(discovery->Finished());
+    EXPECT_GT(known.size(), 800u);
+  }
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <functional>
 #include <vector>
 
+#include "services/pareto/outlier_repair.h"
 #include "services/pareto/random.h"
 
 namespace mortise::pareto {
@@ -72,10 +73,11 @@ TEST(FrontFinishing, WaitsForTheEndOfARound) {
 
 TEST(FrontFinishing, PolishesEverythingOnceThatHasShownToPay) {
   Archive archive = NearFront(300, SmoothMetrics);
+  const std::size_t outliers = RepairedOutliers(archive, archive.CurrentScaling(), 225).size();
   FrontFinishing finishing(Budget(1000, true));
   std::int64_t left = 450;
   const int trial = EvaluateAll(*finishing.NextRound(archive, left), archive, SmoothMetrics);
-  EXPECT_LE(trial, 32 + 225);
+  EXPECT_LE(trial, 32 + static_cast<int>(outliers));
   left -= trial;
   const std::unique_ptr<PointSource> second = finishing.NextRound(archive, left);
   ASSERT_NE(second, nullptr) << "early, as polishing pays";
@@ -96,10 +98,33 @@ TEST(FrontFinishing, StaysWithTrialsWhereModelsAreOfNoUse) {
   };
   Archive archive = NearFront(300, rough);
   FrontFinishing finishing(Budget(2000, true));
-  const int trial = EvaluateAll(*finishing.NextRound(archive, 900), archive, rough);
-  EXPECT_EQ(finishing.NextRound(archive, 900 - trial), nullptr) << "not early";
-  const std::unique_ptr<PointSource> later = finishing.NextRound(archive, 240);
-  ASSERT_NE(later, nullptr);
+  const auto round = [&](std::int64_t left) -> int {
+    const auto outliers = RepairedOutliers(archive, archive.CurrentScaling(), left / 2);
+    const std::unique_ptr<PointSource> next = finishing.NextRound(archive, left);
+    if (next == nullptr) return -1;
+    return EvaluateAll(*next, archive, rough) - static_cast<int>(outliers.size());
+  };
+  EXPECT_LE(round(900), 32);
+  EXPECT_EQ(round(800), -1) << "not early";
+  for (const std::int64_t left : {240, 120, 60, 30}) {
+    const int polished = round(left);
+    EXPECT_NE(polished, -1) << left;
+    EXPECT_LE(polished, 32) << left;
+    EXPECT_EQ(round(left - 1), -1) << "only once that has halved";
+  }
+  EXPECT_FALSE(finishing.PolishesOnly(10));
+}
+
+// A design that was known is neither polished nor kept.
+TEST(FrontFinishing, DoesNotPayWhereNothingNewComesOfIt) {
+  Archive archive = NearFront(300, SmoothMetrics);
+  FrontFinishing finishing(Budget(1000, true));
+  for (const std::int64_t left : {450, 120, 60, 30}) {
+    const std::unique_ptr<PointSource> round = finishing.NextRound(archive, left);
+    ASSERT_NE(round, nullptr) << left;
+    while (round->Ask(archive)) round->Tell(archive, 7);
+    EXPECT_EQ(finishing.NextRound(archive, left - 1), nullptr) << left;
+  }
   EXPECT_FALSE(finishing.PolishesOnly(10));
 }
 
