@@ -14,8 +14,8 @@ namespace {
 
 constexpr double kScarceShare = 0.05;  // of a budget that is not ample, left at the first round
 constexpr double kEarlyShare = 0.45;   // of an ample one, and at the second if polishing pays,
-constexpr double kPayingShare = 0.2;   // at the third,
-constexpr double kTrialShare = 0.12;   // at the second if it does not
+constexpr double kPayingShare = 0.2;   // at the third, if it does
+constexpr double kAgain = 2.0 / 3;     // of what was left at the last trial, at the next one
 constexpr int kMostRounds = 12;
 constexpr int kOutlierRounds = 3;  // of these, where polishing pays
 constexpr std::size_t kTrial = 32;
@@ -67,8 +67,7 @@ bool FrontFinishing::Pays() const {
 // What part of the budget is left when the next round begins.
 double FrontFinishing::ShareLeft() const {
   if (!options_.is_ample) return std::ldexp(kScarceShare, -rounds_);
-  if (rounds_ == 0) return kEarlyShare;
-  if (!Pays()) return std::ldexp(kTrialShare, 1 - rounds_);
+  if (!Pays()) return kEarlyShare * std::pow(kAgain, rounds_);
   return rounds_ == 1 ? kEarlyShare : std::ldexp(kPayingShare, 2 - rounds_);
 }
 
@@ -80,8 +79,7 @@ bool FrontFinishing::IsDue(std::int64_t left) const {
     return left <= last_left_ - std::max<std::int64_t>(options_.window, last_left_ / kPause);
   }
   if (rounds_ >= kMostRounds) return false;
-  const auto share =
-      static_cast<std::int64_t>(ShareLeft() * static_cast<double>(options_.evaluations));
+  const std::int64_t share = std::llround(ShareLeft() * static_cast<double>(options_.evaluations));
   return left <= (rounds_ == 0 ? std::max<std::int64_t>(options_.window, share) : share);
 }
 
@@ -107,10 +105,10 @@ std::unique_ptr<PointSource> FrontFinishing::NextRound(const Archive& archive, s
   PerformanceBuffer cells(options_.cells, scaling.ideal.size());
   cells.Rebuild(archive, scaling);
   const std::size_t wanted = std::min(most - repaired, is_trial ? std::min(kTrial, some) : some);
-  FrontPolishing::Gains gains;
-  if (PolishesOnly(left)) gains.least = kLastGain;
-  if (is_last) gains.most = kMostLastGain;
-  std::vector<Eigen::VectorXd> polished = polishing_.Next(archive, cells, wanted, gains);
+  FrontPolishing::Choice choice{.typical = is_trial && options_.is_ample};
+  if (PolishesOnly(left)) choice.least = kLastGain;
+  if (is_last) choice.most = kMostLastGain;
+  std::vector<Eigen::VectorXd> polished = polishing_.Next(archive, cells, wanted, choice);
   paid_ = Pays();
   outcome_ = std::make_shared<Outcome>();
   std::ranges::move(polished, std::back_inserter(points));

@@ -206,14 +206,14 @@ PolishedDesign Polished(const Archive& archive, const Scaling& scaling, const Ve
 }
 
 std::vector<VectorXd> FrontPolishing::Next(const Archive& archive, const PerformanceBuffer& buffer,
-                                           std::size_t count, const Gains& gains) {
+                                           std::size_t count, const Choice& choice) {
   ++rounds_;
   std::vector<std::size_t> best;
   for (const auto& [cell, candidates] : CellsOfFront(archive, buffer))
     best.push_back(candidates.front().entry);
   const auto neighbours = static_cast<std::size_t>(2 * buffer.scaling().ideal.size());
   std::vector<std::pair<PolishedDesign, std::size_t>> polished;
-  for (const std::size_t entry : LookedAt(archive, best, kLookedAt * count, gains.least)) {
+  for (const std::size_t entry : LookedAt(archive, best, kLookedAt * count, choice.least)) {
     const VectorXd& u = archive[entry].u;
     Tries& tries = tries_[entry];
     const double reach =
@@ -221,17 +221,19 @@ std::vector<VectorXd> FrontPolishing::Next(const Archive& archive, const Perform
     PolishedDesign design = Polished(archive, buffer.scaling(), u, reach);
     tries.gain = design.gain;
     tries.round = rounds_;
-    if (design.gain > gains.least && design.gain <= gains.most)
+    if (design.gain > choice.least && design.gain <= choice.most)
       polished.emplace_back(std::move(design), entry);
   }
   const std::set<std::size_t> is_best(best.begin(), best.end());
   std::ranges::stable_sort(polished, std::greater<>{}, [&](const auto& each) {
     return std::pair(is_best.contains(each.second), each.first.gain);
   });
+  const std::size_t taken = std::min(count, polished.size());
   std::vector<VectorXd> designs;
-  for (std::size_t i = 0; i < std::min(count, polished.size()); ++i) {
-    ++tries_[polished[i].second].count;
-    designs.push_back(std::move(polished[i].first.u));
+  for (std::size_t i = 0; i < taken; ++i) {
+    auto& [design, entry] = polished[choice.typical ? i * polished.size() / taken : i];
+    ++tries_[entry].count;
+    designs.push_back(std::move(design.u));
   }
   return designs;
 }

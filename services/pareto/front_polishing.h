@@ -40,11 +40,12 @@ PolishedDesign Polished(const Archive& archive, const Scaling& scaling, const Ei
 // Polishes trade-offs, round after round.
 class FrontPolishing {
  public:
-  // What designs that are polished are to gain, in scaled performance. The thesis asks for errors
-  // below 1e-5.
-  struct Gains {
+  // Which trade-offs are polished, by what they gain, in scaled performance. The thesis asks for
+  // errors below 1e-5.
+  struct Choice {
     double least = 2e-6;
     double most = std::numeric_limits<double>::infinity();
+    bool typical = false;  // some of all that gain, rather than those that gain most
   };
 
   // Trade-offs that gain so much by it, at most `count`: the best of each cell of `buffer`, those
@@ -53,7 +54,7 @@ class FrontPolishing {
   // later, and what still is a trade-off after it was polished three times never. O(n) for n
   // trade-offs, and a Polished for each that is looked at.
   std::vector<Eigen::VectorXd> Next(const Archive& archive, const PerformanceBuffer& buffer,
-                                    std::size_t count, const Gains& gains);
+                                    std::size_t count, const Choice& choice);
 
  private:
   struct Tries {

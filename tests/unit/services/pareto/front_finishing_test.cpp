@@ -105,12 +105,11 @@ TEST(FrontFinishing, StaysWithTrialsWhereModelsAreOfNoUse) {
     return EvaluateAll(*next, archive, rough) - static_cast<int>(outliers.size());
   };
   EXPECT_LE(round(900), 32);
-  EXPECT_EQ(round(800), -1) << "not early";
-  for (const std::int64_t left : {240, 120, 60, 30}) {
+  for (const std::int64_t left : {600, 400, 267, 178}) {
+    EXPECT_EQ(round(left + 1), -1) << "only once a third of what was left is spent";
     const int polished = round(left);
     EXPECT_NE(polished, -1) << left;
     EXPECT_LE(polished, 32) << left;
-    EXPECT_EQ(round(left - 1), -1) << "only once that has halved";
   }
   EXPECT_FALSE(finishing.PolishesOnly(10));
 }
@@ -119,7 +118,7 @@ TEST(FrontFinishing, StaysWithTrialsWhereModelsAreOfNoUse) {
 TEST(FrontFinishing, DoesNotPayWhereNothingNewComesOfIt) {
   Archive archive = NearFront(300, SmoothMetrics);
   FrontFinishing finishing(Budget(1000, true));
-  for (const std::int64_t left : {450, 120, 60, 30}) {
+  for (const std::int64_t left : {450, 300, 200, 133}) {
     const std::unique_ptr<PointSource> round = finishing.NextRound(archive, left);
     ASSERT_NE(round, nullptr) << left;
     while (round->Ask(archive)) round->Tell(archive, 7);
