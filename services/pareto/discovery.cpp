@@ -138,7 +138,8 @@ DesignSpace Restrict(const DesignSpace& space, const std::vector<Eigen::Index>& 
 FrontFinishing::Options FinishingOptions(const Discovery::Options& options, Eigen::Index size,
                                          Eigen::Index d) {
   return {.evaluations = options.evaluations,
-          .is_ample = options.evaluations >= kAmpleBudget * size * std::max<Eigen::Index>(1, d - 1),
+          .is_ample = options.constraints == 0 &&
+                      options.evaluations >= kAmpleBudget * size * std::max<Eigen::Index>(1, d - 1),
           .window = options.window,
           .cells = Discovery::BufferOptions(options, d)};
 }
@@ -648,7 +649,9 @@ std::unique_ptr<PointSource> Discovery::MakeDescent() {
   const auto size = static_cast<double>(box_.size());
   const double share = kDescentShare * static_cast<double>(options_.evaluations);
   descent.evaluations = static_cast<int>(share);
-  descent.lines = std::max(1, 3 * options_.window / 4);
+  // Where constraints hold, what is best along each may not be put together.
+  descent.lines =
+      std::max(1, options_.constraints > 0 ? options_.window / 2 : 3 * options_.window / 4);
   descent.line.values = static_cast<int>(std::clamp(0.5 * share / size, 4.0, 64.0));
   const Scaling scaling = archive_.CurrentScaling();
   std::vector<std::size_t> candidates;
