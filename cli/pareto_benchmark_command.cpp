@@ -265,10 +265,10 @@ absl::Status Run(const BenchmarkOptions& options, Output& output) {
   discovery.stall_tracks = 0;  // all evaluations are to be made
   auto result = pareto::RunBenchmark(
       problem, discovery, options.gradients, [&](const pareto::Discovery::Summary& summary) {
-        output.Progress(static_cast<long>(summary.evaluations),
-                        static_cast<long>(options.evaluations),
-                        absl::StrFormat("hypervolume %.4f, %d cells covered", summary.hypervolume,
-                                        summary.cells_covered));
+        output.Progress(
+            static_cast<long>(summary.evaluations), static_cast<long>(options.evaluations),
+            absl::StrFormat("hypervolume %.4f, %d cells covered, %d pieces followed",
+                            summary.hypervolume, summary.cells_covered, summary.pieces));
       });
   output.EndProgress();
   MORTISE_RETURN_IF_ERROR(result.status());

@@ -34,6 +34,7 @@ class AskTell {
     std::vector<FailureCount> failures;  // what they failed for; the counts add up to `failed`
     std::int64_t optimizations = 0;
     std::int64_t expansions = 0;
+    std::int64_t pieces = 0;         // affine ones followed so far; the front has fewer
     std::int64_t cells_covered = 0;  // of the buffer
     // Dominated share of the box from ideal to nadir. While running it is that of up to a
     // sixteenth of the evaluations ago, and for d > 3 from samples, good to about a hundredth; at

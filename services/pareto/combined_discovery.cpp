@@ -268,6 +268,7 @@ CombinedDiscovery::Summary CombinedDiscovery::summary() const {
     if (member.stage == Stage::kPruned) ++summary.combinations_pruned;
     summary.optimizations += member.search->Optimizations();
     summary.expansions += member.search->Expansions();
+    summary.pieces += std::ssize(member.search->Pieces());
     surrogates.Add(member.search->Surrogates());
   }
   summary.surrogate = surrogates.quality();

@@ -781,6 +781,7 @@ Discovery::Summary Discovery::summary() const {
   summary.failures = failures_.failures();
   summary.optimizations = optimizations_;
   summary.expansions = expansions_;
+  summary.pieces = std::ssize(pieces_);
   summary.cells_covered = static_cast<std::int64_t>(buffer_.cells().size());
   const std::int64_t since = committed_ - shown_.committed;
   if (archive_.feasible_count() > 0 && since > (Finished() ? 0 : shown_.committed / kShownEvery)) {

@@ -146,9 +146,9 @@ class DiscoveryRun {
           progress.total = total * each;
           progress.best_so_far = summary.hypervolume;
           progress.has_best = summary.cells_covered > 0;
-          progress.message =
-              absl::StrFormat("hypervolume %.4f, %d cells covered, %d failed", summary.hypervolume,
-                              summary.cells_covered, summary.failed);
+          progress.message = absl::StrFormat(
+              "hypervolume %.4f, %d cells covered, %d pieces followed, %d failed",
+              summary.hypervolume, summary.cells_covered, summary.pieces, summary.failed);
           if (summary.failed > 0)
             absl::StrAppend(&progress.message, " (", CountsByReason(summary.failures), ")");
           if (summary.violating > 0)

@@ -103,6 +103,22 @@ TEST(BenchmarkRun, PutsThePointsOfAFourierFrontOfThreeMetricsOnIt) {
   EXPECT_GT(static_cast<double>(close), 0.97 * static_cast<double>(errors.size()));
 }
 
+TEST(BenchmarkRun, TellsOfWhatItFindsOnTheWay) {
+  const BenchmarkProblem problem = *MakeBenchmarkProblem("ZDT1", 5);
+  Discovery::Options options;
+  options.evaluations = 400;
+  Discovery::Summary last;
+  const auto result = RunBenchmark(problem, options, false, [&](const Discovery::Summary& now) {
+    EXPECT_GE(now.evaluations, last.evaluations);
+    EXPECT_GE(now.pieces, last.pieces);
+    last = now;
+  });
+  ASSERT_TRUE(result.ok());
+  EXPECT_GE(last.pieces, 1);
+  EXPECT_GT(last.cells_covered, 50);
+  EXPECT_GT(last.hypervolume, 0.5);
+}
+
 TEST(BenchmarkRun, IsTheSameForTheSameSeed) {
   const BenchmarkProblem problem = *MakeBenchmarkProblem("DTLZ2", 5);
   Discovery::Options options;
