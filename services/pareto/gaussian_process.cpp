@@ -56,28 +56,40 @@ struct Covariance {
   MatrixXd Sum() const { return (process + linear).array() + kOffsetVariance; }
 };
 
-Covariance CovarianceOf(const MatrixXd& a, const MatrixXd& b, const VectorXd& hyperparameters) {
-  const Index D = a.rows();
-  const VectorXd scale = (-hyperparameters.head(D).array()).exp();
-  const double signal = std::exp(hyperparameters[D]);
+// The distances a of all points of `a` (columns) from all of `b` (rows, columns).
+Eigen::ArrayXXd ScaledDistances(const MatrixXd& a, const MatrixXd& b,
+                                const VectorXd& hyperparameters) {
+  const VectorXd scale = (-hyperparameters.head(a.rows()).array()).exp();
   const MatrixXd x = scale.asDiagonal() * (a.array() - 0.5).matrix();
   const MatrixXd y = scale.asDiagonal() * (b.array() - 0.5).matrix();
-  const VectorXd y_squares = y.colwise().squaredNorm().transpose();
   MatrixXd squares = -2 * x.transpose() * y;
   squares.colwise() += VectorXd(x.colwise().squaredNorm().transpose());
-  squares.rowwise() += y_squares.transpose();
-  Covariance covariance{MatrixXd(squares.rows(), squares.cols()),
-                        MatrixXd(squares.rows(), squares.cols()), MatrixXd()};
-  for (Index j = 0; j < squares.cols(); ++j)
-    for (Index i = 0; i < squares.rows(); ++i) {
-      const double t = std::sqrt(5 * std::max(0.0, squares(i, j)));
-      const double decay = signal * std::exp(-t);
-      covariance.process(i, j) = (1 + t + t * t / 3) * decay;
-      covariance.slope(i, j) = 5.0 / 3 * (1 + t) * decay;
-    }
+  squares.rowwise() += y.colwise().squaredNorm();
+  return (5 * squares.array().max(0.0)).sqrt();
+}
+
+Covariance CovarianceOf(const MatrixXd& a, const MatrixXd& b, const VectorXd& hyperparameters) {
+  const Index D = a.rows();
+  const Eigen::ArrayXXd t = ScaledDistances(a, b, hyperparameters);
+  const Eigen::ArrayXXd decay = std::exp(hyperparameters[D]) * (-t).exp();
+  Covariance covariance;
+  covariance.process = (1 + t + t.square() / 3) * decay;
+  covariance.slope = 5.0 / 3 * (1 + t) * decay;
   covariance.linear = std::exp(hyperparameters[D + 1]) * (a.array() - 0.5).matrix().transpose() *
                       (b.array() - 0.5).matrix();
   return covariance;
+}
+
+// The sum alone, of many points.
+MatrixXd CovarianceSum(const MatrixXd& a, const MatrixXd& b, const VectorXd& hyperparameters) {
+  const Index D = a.rows();
+  const Eigen::ArrayXXd t = ScaledDistances(a, b, hyperparameters);
+  MatrixXd sum =
+      (std::exp(hyperparameters[D]) * (1 + t + t.square() / 3) * (-t).exp() + kOffsetVariance)
+          .matrix();
+  sum.noalias() += std::exp(hyperparameters[D + 1]) * (a.array() - 0.5).matrix().transpose() *
+                   (b.array() - 0.5).matrix();
+  return sum;
 }
 
 // Of the believed function at u itself, its variance before anything is seen.
@@ -274,7 +286,7 @@ GaussianProcess::Prediction GaussianProcess::Predict(const VectorXd& u) const {
 }
 
 GaussianProcess::Predictions GaussianProcess::PredictAll(const MatrixXd& points) const {
-  MatrixXd covariance = CovarianceOf(points_, points, hyperparameters_).Sum();
+  MatrixXd covariance = CovarianceSum(points_, points, hyperparameters_);
   Predictions predictions;
   predictions.means = (unit_ * covariance.transpose() * weights_).array() + offset_;
   factor_.triangularView<Eigen::Lower>().solveInPlace(covariance);
