@@ -10,10 +10,7 @@
 #include "absl/memory/memory.h"
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
-#include "services/pareto/coordinate_descent.h"
-#include "services/pareto/front_traverse.h"
 #include "services/pareto/hypervolume.h"
-#include "services/pareto/parameter_lines.h"
 #include "services/pareto/stochastic_sampling.h"
 
 namespace mortise::pareto {
@@ -34,9 +31,6 @@ constexpr int kChildren = 8;             // of a track
 constexpr int kProbedPatches = 4;
 constexpr int kProbes = 20;  // of a patch
 constexpr int kMostAhead = 3;
-constexpr double kTraverseShare = 0.2;  // of the budget
-constexpr double kSameTraverse = 1e-6;
-constexpr double kLeastTrade = 0.1;  // in ranges of the front
 constexpr std::int64_t kProbedBudget = 200;
 constexpr std::int64_t kExploringBudget = 30;  // evaluations a parameter
 constexpr std::int64_t kSurrogateBudget = 30;  // evaluations a parameter, at most, or
@@ -44,9 +38,6 @@ constexpr std::int64_t kAlwaysScarce = 300;    // so many, however few parameter
 constexpr std::int64_t kSurrogateLimit = 999;  // and no more than these
 constexpr Eigen::Index kSurrogateParameters = 40;
 constexpr double kSurrogateShare = 0.8;        // of the evaluations after the initial samples
-constexpr double kIdleShare = 0.26;            // of the budget, see AwaitsOpening; at least
-constexpr double kLeastIdle = 78;              // evaluations
-constexpr double kDescentShare = 0.25;         // of the budget
 constexpr std::int64_t kLargestPatch = 4;      // a quarter of the budget
 constexpr std::int64_t kMeasuringBudget = 60;  // evaluations a parameter
 constexpr std::int64_t kEvolvingBudget = 100;  // evaluations a parameter
@@ -443,23 +434,6 @@ std::optional<Eigen::VectorXd> Discovery::NextPoint(std::int64_t& track) {
   return std::nullopt;
 }
 
-// Whether to wait for what is under way rather than to begin something else: the opening tracks
-// share what they learn, and others would start from designs that are far off. When workers have
-// been idle for some time, a piece along a single direction is no longer waited for, and after more
-// of it nothing.
-bool Discovery::AwaitsOpening() const {
-  if (descending_) return true;
-  if (!scheduler_.AwaitsOpening(metric_count_)) return false;
-  const auto idle = static_cast<double>(idle_);
-  const bool is_patient = idle < kLeastIdle || metric_count_ > 2;
-  if (idle >= std::max(kLeastIdle, kIdleShare * static_cast<double>(options_.evaluations)))
-    return false;
-  return std::any_of(tracks_.begin(), tracks_.end(), [&](const auto& entry) {
-    const Track& track = entry.second;
-    return track.kind == TrackKind::kOpening && (track.patch == nullptr || is_patient);
-  });
-}
-
 // The next point of the oldest track that has one. Designs that have been evaluated before are
 // answered from the archive. With `polishes` of those alone that polish.
 std::optional<Eigen::VectorXd> Discovery::AskTracks(std::int64_t& track, bool polishes) {
@@ -569,68 +543,6 @@ void Discovery::Retire(const Track& track) {
   ++expansions_;
 }
 
-// What designs that differ in a single parameter tell of it: mostly those of the descent and of
-// traverses. Where a workshop can only set some values, steps stay long enough to reach the next.
-void Discovery::LearnFromLines() {
-  const Scaling scaling = archive_.CurrentScaling();
-  const std::vector<ParameterLine> lines = ParameterLines(archive_);
-  Eigen::VectorXd lengths = RelativeLengths(archive_, lines, scaling);
-  for (Eigen::Index i = 0; i < box_.step.size(); ++i)
-    if (box_.step[i] > 0) lengths[i] = 1;
-  archive_.UseLengths(std::move(lengths));
-  trading_ = TradingParameters(archive_, lines, scaling, kLeastTrade);
-}
-
-// Before each metric's optimum is looked for, which begins from the best known.
-void Discovery::TryLeastAlongLines() {
-  if (archive_.feasible_count() == 0) return;
-  tracks_[next_track_++] = {
-      std::make_unique<PointList>(LeastAlongLines(archive_, ParameterLines(archive_))),
-      nullptr,
-      nullptr,
-      TrackKind::kOpening,
-      0,
-      0};
-}
-
-// From the trade-off nearest to the ideal.
-void Discovery::TraverseFromMiddle() {
-  if (archive_.feasible_count() == 0) return;
-  const Scaling scaling = archive_.CurrentScaling();
-  StartTraverses(*std::ranges::min_element(archive_.non_dominated(), {}, [&](std::size_t entry) {
-    return scaling.Apply(archive_[entry].metrics).norm();
-  }));
-}
-
-// Along the parameters that trade metrics off, in turns, as many as a front of so many metrics has
-// dimensions. Pieces by gradients are exact and need no help.
-void Discovery::StartTraverses(std::size_t entry) {
-  if (OffersEvery(archive_[entry].jacobian)) return;
-  std::vector<Eigen::Index> parameters = trading_;
-  std::ranges::stable_sort(parameters, {}, [&](Eigen::Index i) { return traversed_[i]; });
-  parameters.resize(std::min(parameters.size(), static_cast<std::size_t>(metric_count_ - 1)));
-  for (const Eigen::Index parameter : parameters) {
-    const FrontTraverse::Options options;
-    const auto spent = static_cast<double>(traverses_.size() + 1) * options.evaluations;
-    if (spent > kTraverseShare * static_cast<double>(options_.evaluations)) return;
-    ++traversed_[parameter];
-    const bool is_known = std::ranges::any_of(traverses_, [&](const auto& earlier) {
-      Eigen::VectorXd apart = earlier.second - archive_[entry].u;
-      apart[parameter] = 0;
-      return earlier.first == parameter && apart.lpNorm<Eigen::Infinity>() < kSameTraverse;
-    });
-    if (is_known) continue;
-    traverses_.emplace_back(parameter, archive_[entry].u);
-    tracks_[next_track_++] = {
-        std::make_unique<FrontTraverse>(options, archive_, buffer_.scaling(), entry, parameter),
-        nullptr,
-        nullptr,
-        TrackKind::kOpening,
-        0,
-        0};
-  }
-}
-
 // Whether a piece's slopes may be measured: differences need values as small as they like.
 bool Discovery::MayMeasure() const {
   if (options_.evaluations < kMeasuringBudget * box_.size() || (box_.step.array() > 0).any())
@@ -641,29 +553,6 @@ bool Discovery::MayMeasure() const {
 
 // Whether the budget allows for more than local optimisations and what follows from them.
 bool Discovery::Explores() const { return options_.evaluations >= kExploringBudget * box_.size(); }
-
-// From the design nearest to the ideal; of the space-filling ones where others were given, since
-// those may all be in a valley that was the best before.
-std::unique_ptr<PointSource> Discovery::MakeDescent() {
-  CoordinateDescent::Options descent;
-  const auto size = static_cast<double>(box_.size());
-  const double share = kDescentShare * static_cast<double>(options_.evaluations);
-  descent.evaluations = static_cast<int>(share);
-  // Where constraints hold, what is best along each may not be put together.
-  descent.lines =
-      std::max(1, options_.constraints > 0 ? options_.window / 2 : 3 * options_.window / 4);
-  descent.line.values = static_cast<int>(std::clamp(0.5 * share / size, 4.0, 64.0));
-  const Scaling scaling = archive_.CurrentScaling();
-  std::vector<std::size_t> candidates;
-  for (auto entry = static_cast<std::size_t>(given());
-       given() > 0 && entry < static_cast<std::size_t>(initial_samples_); ++entry)
-    if (archive_[entry].feasible) candidates.push_back(entry);
-  if (candidates.empty()) candidates = archive_.non_dominated();
-  const std::size_t start = *std::ranges::min_element(candidates, {}, [&](std::size_t entry) {
-    return scaling.Apply(archive_[entry].metrics).norm();
-  });
-  return std::make_unique<CoordinateDescent>(descent, archive_, start, random_);
-}
 
 // Before all others.
 void Discovery::StartFinishing() {
