@@ -89,8 +89,8 @@ class PerformanceBuffer {
   std::map<CellId, std::vector<Candidate>> cells_;
 };
 
-// The cells through which the front passes (§7.5.5), ascending: those with an entry that none of the
-// archive dominates. Each has the nearest of these, then the candidates behind it, which may be
+// The cells through which the front passes (§7.5.5), ascending: those with an entry that none of
+// the archive dominates. Each has the nearest of these, then the candidates behind it, which may be
 // dominated. What is nearer is left out, as a design of another cell dominates it. O(n log n) for n
 // trade-offs.
 std::vector<std::pair<PerformanceBuffer::CellId, std::vector<PerformanceBuffer::Candidate>>>
