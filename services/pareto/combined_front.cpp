@@ -10,6 +10,7 @@
 
 #include "services/pareto/combined_discovery.h"
 #include "services/pareto/front.h"
+#include "services/pareto/front_places.h"
 
 namespace mortise::pareto {
 namespace {
@@ -22,8 +23,8 @@ Front CombinedDiscovery::front() const {
   const auto size = static_cast<Eigen::Index>(others_.size());
   std::map<std::size_t, Eigen::Index> column;  // of each member with a candidate
   std::vector<bool> is_candidate(archive_.size(), false);
-  for (const auto& [cell, candidates] : buffer_.cells())
-    for (const PerformanceBuffer::Candidate& candidate : candidates) {
+  for (const FrontPlace& place : PlacesOfFront(archive_, buffer_))
+    for (const PerformanceBuffer::Candidate& candidate : place.candidates) {
       is_candidate[candidate.entry] = true;
       column.emplace(member_of_[candidate.entry], 0);
     }

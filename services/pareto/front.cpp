@@ -5,6 +5,7 @@
 
 #include "services/pareto/embedding.h"
 #include "services/pareto/front_labeling.h"
+#include "services/pareto/front_places.h"
 
 namespace mortise::pareto {
 namespace {
@@ -72,27 +73,28 @@ struct Labelled {
   int piece = -1;
 };
 
-// A point for each cell that the front passes through, with the affine piece it lies on.
+// A point for each place along the front, with the affine piece it lies on.
 std::vector<Labelled> ChoosePoints(const DesignSpace& space, const Archive& archive,
                                    const PerformanceBuffer& buffer,
                                    const std::vector<AffinePiece>& pieces) {
-  const auto found = CellsOfFront(archive, buffer);
-  std::vector<std::pair<Eigen::VectorXd, std::size_t>> order;  // embedding, cell
+  const std::vector<FrontPlace> found = PlacesOfFront(archive, buffer);
+  std::vector<std::pair<Eigen::VectorXd, std::size_t>> order;  // embedding, place
   for (std::size_t i = 0; i < found.size(); ++i) {
-    const Eigen::VectorXd& best = archive[found[i].second.front().entry].metrics;
+    const Eigen::VectorXd& best = archive[found[i].candidates.front().entry].metrics;
     order.emplace_back(Embed(buffer.scaling().Apply(best)), i);
   }
   std::ranges::stable_sort(order, [](const auto& a, const auto& b) {
     return std::ranges::lexicographical_compare(a.first, b.first);
   });
   std::vector<Eigen::VectorXd> embeddings;
-  std::vector<std::vector<PerformanceBuffer::Candidate>> cells;
+  std::vector<std::vector<PerformanceBuffer::Candidate>> places;
   for (const auto& [embedding, i] : order) {
     embeddings.push_back(embedding);
-    cells.push_back(found[i].second);
+    places.push_back(found[i].candidates);
   }
-  const std::vector<CellChoice> choices = ChoosePieces(
-      archive, cells, NeighboursAlong(Columns(embeddings)), pieces, buffer.tolerance());
+  const std::vector<PlaceChoice> choices =
+      ChoosePieces(archive, buffer.scaling(), places, NeighboursAlong(Columns(embeddings)), pieces,
+                   buffer.tolerance());
   std::vector<Labelled> chosen;
   for (std::size_t i = 0; i < choices.size(); ++i) {
     const auto& [entry, piece, error] = choices[i];
@@ -100,7 +102,7 @@ std::vector<Labelled> ChoosePoints(const DesignSpace& space, const Archive& arch
     chosen.push_back({{.x = space.FromUnit(archive[entry].u),
                        .metrics = metrics,
                        .constraints = archive[entry].constraints,
-                       .cell = found[order[i].second].first,
+                       .cell = found[order[i].second].cell,
                        .embedding = Embed(buffer.scaling().Apply(metrics)),
                        .approximation_error = error,
                        .entry = entry},

@@ -44,10 +44,15 @@ struct Front {
   Scaling scaling;                 // of the buffer the cells refer to
 };
 
-// Chooses of each cell that the front passes through (CellsOfFront) the candidate that makes for
-// few and large pieces (front_labeling.h). Points on no piece are joined
-// to their neighbours along the front where the designs are within `joining` of each other,
-// Euclidean in unit coordinates, else they begin a piece of their own.
+// Chooses of each place along the front (front_places.h) the candidate that makes for few and large
+// pieces (front_labeling.h). Points on no piece are joined to their neighbours along the front
+// where the designs are within `joining` of each other, Euclidean in unit coordinates, else they
+// begin a piece of their own.
+//
+// Whatever the pieces, the front reaches as far as what has been evaluated: for each metric its
+// least and its greatest value are those of all feasible entries that none dominates, to the last
+// bit. And no entry is better than a point by delta_B in every metric, or as good in each and
+// better by 3 delta_B in one, in scaled performance.
 Front BuildFront(const DesignSpace& space, const Archive& archive, const PerformanceBuffer& buffer,
                  const std::vector<AffinePiece>& pieces, double joining = 0.15);
 

@@ -184,6 +184,8 @@ std::vector<Improvement> FrontExploration::ImprovementsAt(int point) const {
       FitFrame(scaled_(Eigen::all, fitted), points_.parameters(Eigen::all, fitted));
   std::vector<Improvement> improvements;
   for (Index metric = 0; metric < d; ++metric) {
+    // At its end a front goes no further, though its frame would.
+    if (!(scaled_(metric, point) > 0)) continue;
     const VectorXd fastest = -frame.metrics.row(metric).transpose();
     const double gain = fastest.squaredNorm();  // of the metric, for walking by `fastest`
     if (!(std::sqrt(gain) > kLeastVariation)) continue;

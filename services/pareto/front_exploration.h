@@ -90,8 +90,8 @@ class FrontExploration {
   // distance; fewer where no neighbour improves it. Returns the points visited after the first.
   std::vector<int> Walk(int point, Eigen::Index metric, int steps) const;
 
-  // What improving costs at a point, for each metric that varies there; none where the point is
-  // alone on its piece.
+  // What improving costs at a point, for each metric that varies there and of which the front has
+  // something better; none where the point is alone on its piece.
   std::vector<Improvement> ImprovementsAt(int point) const;
 
   // What remains when all `limits`, whose indices exist, must be met.

@@ -37,26 +37,47 @@ std::vector<int> DifferentPieces(const std::vector<AffinePiece>& pieces, double 
   return different;
 }
 
-// A candidate that may stand for a cell.
+// A candidate that may stand for a place.
 struct Option {
   int piece = 0;
   PerformanceBuffer::Candidate candidate;
 };
 
-// Of each piece that passes the cell the nearest candidate to the ideal.
-std::vector<Option> OptionsOf(const Archive& archive,
-                              const std::vector<PerformanceBuffer::Candidate>& cell,
-                              const std::vector<AffinePiece>& pieces,
-                              const std::vector<int>& different, double tolerance) {
-  std::vector<Option> options;
-  for (const int p : different) {
-    const auto on_piece = std::ranges::find_if(cell, [&](const auto& candidate) {
-      return LiesOn(pieces[p], archive[candidate.entry].u, tolerance);
-    });
-    if (on_piece != cell.end()) options.push_back({p, *on_piece});
+// Finds out which pieces pass a place, and with which candidate.
+class Options {
+ public:
+  Options(const Archive& archive, const Scaling& scaling, const std::vector<AffinePiece>& pieces,
+          double buffer_tolerance, double tolerance)
+      : archive_(archive),
+        scaling_(scaling),
+        pieces_(pieces),
+        different_(DifferentPieces(pieces, tolerance)),
+        buffer_tolerance_(buffer_tolerance),
+        tolerance_(tolerance) {}
+
+  // Of each piece that passes the place the nearest candidate to the ideal.
+  std::vector<Option> At(const std::vector<PerformanceBuffer::Candidate>& place) const {
+    std::vector<Option> options;
+    for (const int p : different_) {
+      const auto on_piece = std::ranges::find_if(place, [&](const auto& candidate) {
+        return LiesOn(pieces_[p], archive_[candidate.entry].u, tolerance_) &&
+               (candidate.entry == place.front().entry ||
+                !archive_.ClearlyDominated(archive_[candidate.entry].metrics, scaling_,
+                                           buffer_tolerance_));
+      });
+      if (on_piece != place.end()) options.push_back({p, *on_piece});
+    }
+    return options;
   }
-  return options;
-}
+
+ private:
+  const Archive& archive_;
+  const Scaling& scaling_;
+  const std::vector<AffinePiece>& pieces_;
+  const std::vector<int> different_;
+  const double buffer_tolerance_;
+  const double tolerance_;
+};
 
 }  // namespace
 
@@ -86,28 +107,30 @@ std::vector<std::pair<int, int>> NeighboursAlong(const Eigen::MatrixXd& embeddin
   return {pairs.begin(), pairs.end()};
 }
 
-std::vector<CellChoice> ChoosePieces(
-    const Archive& archive, const std::vector<std::vector<PerformanceBuffer::Candidate>>& cells,
+std::vector<PlaceChoice> ChoosePieces(
+    const Archive& archive, const Scaling& scaling,
+    const std::vector<std::vector<PerformanceBuffer::Candidate>>& places,
     const std::vector<std::pair<int, int>>& neighbours, const std::vector<AffinePiece>& pieces,
     double buffer_tolerance, double tolerance) {
-  std::vector<CellChoice> choices;
-  for (const auto& cell : cells) choices.push_back({.entry = cell.front().entry});
-  const std::vector<int> different = DifferentPieces(pieces, tolerance);
+  std::vector<PlaceChoice> choices;
+  for (const auto& place : places) choices.push_back({.entry = place.front().entry});
+  const Options passing(archive, scaling, pieces, buffer_tolerance, tolerance);
   LabelingProblem problem;
   problem.labels = static_cast<int>(pieces.size());
-  std::vector<int> sites;  // cells that some piece passes
-  std::vector<int> site_of(cells.size(), -1);
+  std::vector<int> sites;  // places that some piece passes
+  std::vector<int> site_of(places.size(), -1);
   std::vector<std::vector<Option>> options;  // of each site
-  for (std::size_t j = 0; j < cells.size(); ++j) {
-    std::vector<Option> of_cell = OptionsOf(archive, cells[j], pieces, different, tolerance);
-    if (of_cell.empty()) continue;
+  for (std::size_t j = 0; j < places.size(); ++j) {
+    std::vector<Option> of_place = passing.At(places[j]);
+    if (of_place.empty()) continue;
     site_of[j] = static_cast<int>(sites.size());
     sites.push_back(static_cast<int>(j));
     std::vector<LabelCost>& costs = problem.candidates.emplace_back();
-    for (const auto& [piece, candidate] : of_cell) {
-      costs.push_back({piece, (candidate.distance - cells[j].front().distance) / buffer_tolerance});
+    for (const auto& [piece, candidate] : of_place) {
+      costs.push_back(
+          {piece, (candidate.distance - places[j].front().distance) / buffer_tolerance});
     }
-    options.push_back(std::move(of_cell));
+    options.push_back(std::move(of_place));
   }
   for (const auto& [j, k] : neighbours) {
     if (site_of[j] >= 0 && site_of[k] >= 0) problem.neighbours.emplace_back(site_of[j], site_of[k]);
@@ -119,9 +142,9 @@ std::vector<CellChoice> ChoosePieces(
   for (std::size_t s = 0; s < sites.size(); ++s) {
     if (sizes[labels[s]] < 2) continue;
     const auto option = std::ranges::find(options[s], labels[s], &Option::piece);
-    const std::size_t cell = sites[s];
-    choices[cell] = {option->candidate.entry, labels[s],
-                     option->candidate.distance - cells[cell].front().distance};
+    const std::size_t place = sites[s];
+    choices[place] = {option->candidate.entry, labels[s],
+                      option->candidate.distance - places[place].front().distance};
   }
   return choices;
 }

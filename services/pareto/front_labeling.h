@@ -1,9 +1,9 @@
-// Which candidate stands for each cell of a front, and which affine piece it lies on (§7.5.4):
-// few large pieces rather than the very best of each cell.
+// Which candidate stands for each place along a front (front_places.h), and which affine piece it
+// lies on (§7.5.4): few large pieces rather than the very best of each place.
 //
-// The unary cost of a piece in a cell is e_A / delta_B, by how much its best candidate there is
-// further from the ideal than the cell's best over what the buffer tolerates; neighbours on
-// different pieces cost 1 (alpha_expansion.h).
+// The unary cost of a piece at a place is e_A / delta_B, by how much its best candidate there is
+// further from the ideal than the first over what the buffer tolerates; neighbours on different
+// pieces cost 1 (alpha_expansion.h).
 #pragma once
 
 #include <Eigen/Core>
@@ -17,8 +17,8 @@
 
 namespace mortise::pareto {
 
-// What stands for a cell.
-struct CellChoice {
+// What stands for a place.
+struct PlaceChoice {
   std::size_t entry = 0;           // of the archive
   int piece = -1;                  // index of the piece it lies on; -1: on none
   double approximation_error = 0;  // e_A, scaled performance
@@ -29,12 +29,15 @@ struct CellChoice {
 // whose rays are nearest, as many as NeighboursOnFront says.
 std::vector<std::pair<int, int>> NeighboursAlong(const Eigen::MatrixXd& embedding);
 
-// A choice for each cell. `cells`: candidates of each, nearest first, not empty; `neighbours`:
-// pairs of cells; `buffer_tolerance`: delta_B. A candidate lies on a piece if its design is within
-// `tolerance` of it, Euclidean in unit coordinates. What would be a piece of one cell is none, and
-// that cell's choice its best.
-std::vector<CellChoice> ChoosePieces(
-    const Archive& archive, const std::vector<std::vector<PerformanceBuffer::Candidate>>& cells,
+// A choice for each place. `places`: candidates of each, nearest first, not empty; the first is
+// not dominated. `neighbours`: pairs of places; `buffer_tolerance`: delta_B. A candidate lies on a
+// piece if its design is within `tolerance` of it, Euclidean in unit coordinates. None that is
+// clearly dominated (Archive::ClearlyDominated, by delta_B) is chosen: in a wide cell it may be
+// hardly further from the ideal than the first, and still be plainly worse than something else.
+// What would be a piece of one place is none, and that place's choice its first.
+std::vector<PlaceChoice> ChoosePieces(
+    const Archive& archive, const Scaling& scaling,
+    const std::vector<std::vector<PerformanceBuffer::Candidate>>& places,
     const std::vector<std::pair<int, int>>& neighbours, const std::vector<AffinePiece>& pieces,
     double buffer_tolerance, double tolerance = 0.02);
 

@@ -11,6 +11,7 @@
 #include "services/pareto/bounded_quadratic.h"
 #include "services/pareto/constrained_quadratic.h"
 #include "services/pareto/first_order_expansion.h"
+#include "services/pareto/front_places.h"
 #include "services/pareto/quadratic_model.h"
 
 namespace mortise::pareto {
@@ -177,6 +178,16 @@ class Surroundings {
   VectorXd lower_, upper_;  // of steps
 };
 
+// Of each cell the trade-off that is nearest to the ideal. With further ones, where the front runs
+// along the rays, rounds of polishing would not come to an end.
+std::vector<std::size_t> NearestOfCells(const std::vector<FrontPlace>& places) {
+  std::vector<std::size_t> nearest;
+  for (std::size_t i = 0; i < places.size(); ++i)
+    if (i == 0 || places[i].cell != places[i - 1].cell)
+      nearest.push_back(places[i].candidates.front().entry);
+  return nearest;
+}
+
 }  // namespace
 
 PolishedDesign Polished(const Archive& archive, const Scaling& scaling, const VectorXd& u,
@@ -208,9 +219,7 @@ PolishedDesign Polished(const Archive& archive, const Scaling& scaling, const Ve
 std::vector<VectorXd> FrontPolishing::Next(const Archive& archive, const PerformanceBuffer& buffer,
                                            std::size_t count, const Choice& choice) {
   ++rounds_;
-  std::vector<std::size_t> best;
-  for (const auto& [cell, candidates] : CellsOfFront(archive, buffer))
-    best.push_back(candidates.front().entry);
+  const std::vector<std::size_t> best = NearestOfCells(PlacesOfFront(archive, buffer));
   const auto neighbours = static_cast<std::size_t>(2 * buffer.scaling().ideal.size());
   std::vector<std::pair<PolishedDesign, std::size_t>> polished;
   for (const std::size_t entry : LookedAt(archive, best, kLookedAt * count, choice.least)) {

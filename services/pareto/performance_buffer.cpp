@@ -99,25 +99,4 @@ void PerformanceBuffer::Refill(const Archive& archive) {
     if (archive[i].feasible) Insert(i, scaling_.Apply(archive[i].metrics));
 }
 
-std::vector<std::pair<PerformanceBuffer::CellId, std::vector<PerformanceBuffer::Candidate>>>
-CellsOfFront(const Archive& archive, const PerformanceBuffer& buffer) {
-  using Candidate = PerformanceBuffer::Candidate;
-  std::map<PerformanceBuffer::CellId, Candidate> nearest;
-  for (const std::size_t entry : archive.non_dominated()) {
-    const Eigen::VectorXd scaled = buffer.scaling().Apply(archive[entry].metrics);
-    const Candidate candidate{entry, scaled.cwiseMax(0.0).norm()};
-    Candidate& known = nearest.try_emplace(buffer.CellOf(scaled), candidate).first->second;
-    if (candidate.distance < known.distance) known = candidate;
-  }
-  std::vector<std::pair<PerformanceBuffer::CellId, std::vector<Candidate>>> cells;
-  for (const auto& [cell, best] : nearest) {
-    std::vector<Candidate>& candidates = cells.emplace_back(cell, std::vector{best}).second;
-    const auto kept = buffer.cells().find(cell);
-    if (kept == buffer.cells().end()) continue;
-    const auto at = std::ranges::find(kept->second, best.entry, &Candidate::entry);
-    if (at != kept->second.end()) candidates.assign(at, kept->second.end());
-  }
-  return cells;
-}
-
 }  // namespace mortise::pareto

@@ -22,7 +22,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
-#include <utility>
 #include <vector>
 
 #include "services/pareto/archive.h"
@@ -57,6 +56,9 @@ class PerformanceBuffer {
   // n, at present.
   int cells_per_angle() const { return cells_per_angle_; }
 
+  // d.
+  Eigen::Index metric_count() const { return metric_count_; }
+
   // n^(d-1).
   CellId CellCount() const;
 
@@ -88,12 +90,5 @@ class PerformanceBuffer {
   Scaling scaling_;
   std::map<CellId, std::vector<Candidate>> cells_;
 };
-
-// The cells through which the front passes (§7.5.5), ascending: those with an entry that none of
-// the archive dominates. Each has the nearest of these, then the candidates behind it, which may be
-// dominated. What is nearer is left out, as a design of another cell dominates it. O(n log n) for n
-// trade-offs.
-std::vector<std::pair<PerformanceBuffer::CellId, std::vector<PerformanceBuffer::Candidate>>>
-CellsOfFront(const Archive& archive, const PerformanceBuffer& buffer);
 
 }  // namespace mortise::pareto

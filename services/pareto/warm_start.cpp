@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <limits>
 #include <set>
+#include <utility>
 
 namespace mortise::pareto {
 namespace {
@@ -35,9 +36,13 @@ std::vector<Eigen::Index> SpreadOrder(const MatrixXd& metrics, Eigen::Index most
         (scaled.colwise() - scaled.col(chosen)).colwise().squaredNorm().transpose());
     distance[chosen] = -1;  // never again
   };
+  const VectorXd sums = scaled.colwise().sum();
   for (Eigen::Index metric = 0; metric < scaled.rows(); ++metric) {
+    // Of several that are the best in it, one that no other of them dominates.
     Eigen::Index best = 0;
-    scaled.row(metric).minCoeff(&best);
+    for (Eigen::Index i = 1; i < scaled.cols(); ++i)
+      if (std::pair(scaled(metric, i), sums[i]) < std::pair(scaled(metric, best), sums[best]))
+        best = i;
     if (distance[best] >= 0) take(best);
   }
   while (static_cast<Eigen::Index>(order.size()) < std::min(most, scaled.cols())) {

@@ -14,6 +14,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -863,6 +864,39 @@ TEST_F(ParetoServiceTest, SaysThatAMetricIsMissing) {
   EXPECT_NE(error.message().find(" NOT_FINITE, such as: the evaluator left out a metric"),
             std::string::npos)
       << error;
+}
+
+// The designs at the ends, as they were evaluated, can be picked, and limits reach up to them.
+TEST_F(ParetoServiceTest, FrontsReachTheBestThatWasEvaluated) {
+  const v1::Front front = FrontOf(Wait(Discover(Request(200)).name()));
+  double best_mass = 1e9, best_gain = -1e9;
+  for (const Eigen::VectorXd& x : evaluator_.TakeEvaluated()) {
+    const Evaluation evaluation = MakeBenchmarkProblem("ZDT1", kDimensions)->evaluate(x, false);
+    best_mass = std::min(best_mass, evaluation.metrics[0]);
+    best_gain = std::max(best_gain, -evaluation.metrics[1]);
+  }
+  for (const auto& [place, metric, best] :
+       std::vector<std::tuple<double, int, double>>{{1, 0, best_mass}, {0, 1, best_gain}}) {
+    v1::PickPointRequest pick;
+    pick.set_name(front.name());
+    pick.add_embedding(place);
+    v1::PickPointResponse picked;
+    ASSERT_TRUE(Asked(pick, picked).ok());
+    EXPECT_EQ(picked.metrics(metric).value(), best);
+    for (const v1::FrontImprovement& improvement : picked.improvements())
+      EXPECT_NE(improvement.metric(), front.metric_names(metric)) << "nothing is better";
+    v1::RestrictFrontRequest request;
+    request.set_name(front.name());
+    v1::FrontLimit& limit = *request.add_limits();
+    limit.set_name(front.metric_names(metric));
+    if (metric == 0) limit.set_maximum(best);
+    if (metric == 1) limit.set_minimum(best);
+    grpc::ClientContext context;
+    v1::RestrictFrontResponse rest;
+    ASSERT_TRUE(fronts_->RestrictFront(&context, request, &rest).ok());
+    ASSERT_EQ(rest.points_size(), 1);
+    EXPECT_EQ(rest.points(0), picked.index());
+  }
 }
 
 TEST_F(ParetoServiceTest, RefusesBadInput) {

@@ -56,7 +56,8 @@ TEST(FrontTest, TellsWhatSubspaceAPieceIsAndWhereDesignsJump) {
 }
 
 // The nearest to the ideal of its cell is dominated by a design of the next cell, which is not the
-// nearest of its own.
+// nearest of its own. The ends are there, though the lower one is not the nearest of its cell
+// either.
 TEST(FrontTest, DropsWhatIsDominatedFromAnotherCell) {
   const DesignSpace space{VectorXd::Zero(1), VectorXd::Ones(1)};
   Archive archive;
@@ -74,10 +75,11 @@ TEST(FrontTest, DropsWhatIsDominatedFromAnotherCell) {
   PerformanceBuffer buffer({.cells_per_angle = 4}, 2);
   buffer.Rebuild(archive, archive.CurrentScaling());
   const Front front = BuildFront(space, archive, buffer, {});
-  ASSERT_EQ(front.points.size(), 3u);
-  EXPECT_EQ(front.points[0].entry, 4u);
-  EXPECT_EQ(front.points[1].entry, 5u);
-  EXPECT_EQ(front.points[2].entry, 0u);
+  ASSERT_EQ(front.points.size(), 4u);
+  EXPECT_EQ(front.points[0].entry, 1u);
+  EXPECT_EQ(front.points[1].entry, 4u);
+  EXPECT_EQ(front.points[2].entry, 5u);
+  EXPECT_EQ(front.points[3].entry, 0u);
 }
 
 // Two designs for each trade-off: one on a line through design space, the other, better by less

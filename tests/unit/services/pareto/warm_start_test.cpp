@@ -68,6 +68,15 @@ TEST(WarmStartTest, GivesEachFrontItsPart) {
   EXPECT_EQ((designs.row(1).array() == 0.25).count(), 10);
 }
 
+// The second and the third are equally good in the first metric; only the third is not dominated.
+TEST(WarmStartTest, TakesTheEndThatNoneDominates) {
+  EarlierFront front;
+  front.designs = MatrixXd{{0.1, 0.2, 0.3, 0.4}, {0, 0, 0, 0}};
+  front.metrics = MatrixXd{{2, 1, 1, 3}, {2, 5, 4, 1}};
+  const MatrixXd designs = StartDesigns(UnitSquare(), {front}, 2);
+  EXPECT_EQ(designs, (MatrixXd{{0.3, 0.4}, {0, 0}}));
+}
+
 TEST(WarmStartTest, LeavesMostOfTheBudget) {
   EXPECT_EQ(MostStartDesigns(10'000, 2), 24);
   EXPECT_EQ(MostStartDesigns(10'000, 3), 96);
