@@ -143,6 +143,7 @@ absl::Status AddLimit(const std::string& text, v1::RestrictFrontRequest& request
 void PrintPart(const v1::RestrictFrontResponse& response, const Output& output) {
   output.Line(
       absl::StrFormat("%d points in %d pieces remain", response.points_size(), response.pieces()));
+  for (const std::string& remark : response.remarks()) output.Line(remark);
   std::vector<std::vector<std::string>> rows;
   for (const v1::RestrictFrontResponse::Range& range : response.metrics())
     rows.push_back({range.name(), MetricText(MetricOf(range.unit(), range.minimum())),

@@ -23,7 +23,6 @@ constexpr int kLeastEvaluations = 10;
 constexpr int kMostEvaluations = 1'000'000;
 constexpr int kMostCells = 10'000;
 constexpr int kMostWindow = 256;
-constexpr int kMostConstraints = 32;
 constexpr int kMostEarlierFronts = 16;
 constexpr int kMostTolerances = 30;       // that a call of the evaluator has room for
 constexpr int kToleranceEvaluations = 8;  // tolerances; with more, gradients do if they are offered
@@ -142,6 +141,7 @@ absl::Status AddConstraints(const v1::DiscoverySpecification& specification,
                           metric->offers_gradient()};
     if (asked.has_minimum()) constraint.minimum = asked.minimum();
     if (asked.has_maximum()) constraint.maximum = asked.maximum();
+    constraint.WidenSingleValue();
     problem.options.constraints += constraint.rows();
     problem.constraints.push_back(std::move(constraint));
   }
@@ -212,57 +212,6 @@ absl::Status CheckTolerances(const v1::DiscoverySpecification& specification) {
   return absl::OkStatus();
 }
 
-absl::Status CheckConstraints(const v1::DiscoverySpecification& specification) {
-  if (specification.constraints_size() > kMostConstraints)
-    return InvalidField("specification.constraints",
-                        absl::StrCat("at most ", kMostConstraints, " are possible, not ",
-                                     specification.constraints_size()));
-  std::set<std::string> names;
-  for (int k = 0; k < specification.constraints_size(); ++k) {
-    const auto& constraint = specification.constraints(k);
-    const std::string field = absl::StrCat("specification.constraints[", k, "]");
-    if (!names.insert(constraint.metric()).second)
-      return InvalidField(absl::StrCat(field, ".metric"), "is given twice");
-    if (!constraint.has_minimum() && !constraint.has_maximum())
-      return InvalidField(absl::StrCat(field, ".maximum"), "a minimum or a maximum is needed");
-    if (!std::isfinite(constraint.minimum()))
-      return InvalidField(absl::StrCat(field, ".minimum"), "must be a finite number");
-    if (!std::isfinite(constraint.maximum()))
-      return InvalidField(absl::StrCat(field, ".maximum"), "must be a finite number");
-    if (constraint.has_minimum() && constraint.has_maximum() &&
-        constraint.minimum() > constraint.maximum())
-      return InvalidField(absl::StrCat(field, ".maximum"), "lies below the minimum");
-  }
-  return absl::OkStatus();
-}
-
-// "max_stress is 7.1e+06, not at most 5e+06".
-std::string Missed(const Constraint& constraint, double value) {
-  const bool below = constraint.minimum && value < *constraint.minimum;
-  return absl::StrCat(constraint.metric, " is ", value, constraint.unit.empty() ? "" : " ",
-                      constraint.unit, ", not at ", below ? "least " : "most ",
-                      below ? *constraint.minimum : *constraint.maximum);
-}
-
-// Of the design that misses the constraints by least.
-std::string NearestDesign(const DiscoveryProblem& problem, const Archive& archive) {
-  std::size_t nearest = archive.size();
-  for (std::size_t entry = 0; entry < archive.size(); ++entry) {
-    if (!archive[entry].evaluated) continue;
-    if (nearest == archive.size() || archive.Violation(entry) < archive.Violation(nearest))
-      nearest = entry;
-  }
-  const Eigen::VectorXd& rows = archive[nearest].constraints;
-  std::vector<std::string> missed;
-  Eigen::Index row = 0;
-  for (const Constraint& constraint : problem.constraints) {
-    const bool met = (rows.segment(row, constraint.rows()).array() <= 0).all();
-    if (!met) missed.push_back(Missed(constraint, constraint.ValueOf(rows[row])));
-    row += constraint.rows();
-  }
-  return absl::StrJoin(missed, "; ");
-}
-
 // Reasons that are FAILED_PRECONDITION, but may hold for some designs of a subject only, and be
 // given in the same words for many.
 bool IsOfDesign(const std::string& reason) {
@@ -306,13 +255,6 @@ Discovery::Surrogate SurrogateOf(v1::DiscoverySpecification::Surrogate surrogate
 }
 
 }  // namespace
-
-void Constraint::AppendTo(double value, std::vector<double>& rows) const {
-  if (maximum) rows.push_back(value - *maximum);
-  if (minimum) rows.push_back(*minimum - value);
-}
-
-double Constraint::ValueOf(double row) const { return maximum ? row + *maximum : *minimum - row; }
 
 Eigen::VectorXd DiscoveryProblem::Signs() const {
   Eigen::VectorXd signs(static_cast<Eigen::Index>(objectives.size()));
@@ -424,7 +366,7 @@ absl::Status NoFeasibleDesign(const std::string& subject, const DiscoveryProblem
   std::string reasons;
   if (summary.violating > 0)
     reasons = absl::StrCat(" meets all constraints; the nearest does not because ",
-                           NearestDesign(problem, discovery.archive()));
+                           MissedByNearest(problem.constraints, discovery.archive()));
   if (summary.failed > 0)
     absl::StrAppend(&reasons, reasons.empty() ? " could be evaluated: " : "; others failed: ",
                     CountsWithExamples(summary.failures));
@@ -553,6 +495,8 @@ v1::Front MakeFront(const DiscoveryProblem& problem, const AskTell& discovery) {
   message.set_stop_reason(StopReasonName(summary.stop_reason));
   message.set_point_count(static_cast<int>(front.points.size()));
   for (std::string& remark : FrontRemarks(discovery.archive(), front, Names(problem.objectives)))
+    message.add_remarks(std::move(remark));
+  for (std::string& remark : BandRemarks(problem.constraints))
     message.add_remarks(std::move(remark));
   if (problem.robustness.first_order)
     message.add_remarks(

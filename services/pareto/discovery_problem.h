@@ -2,7 +2,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,6 +9,7 @@
 #include "services/pareto/ask_tell.h"
 #include "services/pareto/combinations.h"
 #include "services/pareto/discovery.h"
+#include "services/pareto/discovery_constraints.h"
 #include "services/pareto/evaluation.h"
 #include "services/pareto/robust_evaluator.h"
 
@@ -26,21 +26,6 @@ struct Objective {
   std::string unit;
   bool maximize = false;
   bool offers_gradient = false;
-};
-
-// minimum <= metric <= maximum, of which at least one is given.
-struct Constraint {
-  std::string metric;
-  std::string unit;
-  std::optional<double> minimum;
-  std::optional<double> maximum;
-  bool offers_gradient = false;
-
-  // A metric's value as discovery sees it: one g <= 0 for each limit.
-  void AppendTo(double value, std::vector<double>& rows) const;
-  // The value that the first of its rows stands for.
-  double ValueOf(double row) const;
-  int rows() const { return (minimum ? 1 : 0) + (maximum ? 1 : 0); }
 };
 
 struct DiscoveryProblem {

@@ -8,6 +8,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "services/pareto/front_limits.h"
 
 namespace mortise::pareto {
 namespace {
@@ -116,27 +117,6 @@ void AddImprovement(const v1::Front& front, const Improvement& improvement,
   }
 }
 
-absl::StatusOr<FrontLimit> ToLimit(const v1::Front& front, const v1::FrontLimit& message,
-                                   const std::string& field) {
-  FrontLimit limit;
-  limit.index = IndexOf(message.name(), front.metric_names());
-  limit.of_metric = limit.index >= 0;
-  if (!limit.of_metric) limit.index = IndexOf(message.name(), front.parameter_names());
-  if (limit.index < 0)
-    return InvalidField(
-        absl::StrCat(field, ".name"),
-        absl::StrCat("the front has no metric or parameter '", message.name(), "'"));
-  if (message.has_minimum()) limit.minimum = message.minimum();
-  if (message.has_maximum()) limit.maximum = message.maximum();
-  if (!std::isfinite(limit.minimum.value_or(0)))
-    return InvalidField(absl::StrCat(field, ".minimum"), "must be a finite number");
-  if (!std::isfinite(limit.maximum.value_or(0)))
-    return InvalidField(absl::StrCat(field, ".maximum"), "must be a finite number");
-  if (limit.minimum && limit.maximum && *limit.minimum > *limit.maximum)
-    return InvalidField(absl::StrCat(field, ".maximum"), "must not be below the minimum");
-  return limit;
-}
-
 void AddRanges(const google::protobuf::RepeatedPtrField<std::string>& names, const VectorXd& least,
                const VectorXd& most,
                google::protobuf::RepeatedPtrField<v1::RestrictFrontResponse::Range>& ranges) {
@@ -179,14 +159,19 @@ absl::StatusOr<v1::PickPointResponse> Pick(const OpenFront& front,
 
 absl::StatusOr<v1::RestrictFrontResponse> Restrict(const OpenFront& front,
                                                    const v1::RestrictFrontRequest& request) {
-  std::vector<FrontLimit> limits;
-  for (int i = 0; i < request.limits_size(); ++i) {
-    MORTISE_ASSIGN_OR_RETURN(const FrontLimit limit, ToLimit(front.message, request.limits(i),
-                                                             absl::StrCat("limits[", i, "]")));
-    limits.push_back(limit);
-  }
-  const FrontPart part = front.exploration.Within(limits);
+  MORTISE_ASSIGN_OR_RETURN(FrontLimits read, ReadLimits(front.message, front.exploration, request));
+  const FrontPart part = front.exploration.Within(read.limits);
   v1::RestrictFrontResponse response;
+  for (std::size_t i = 0; i < read.limits.size(); ++i) {
+    v1::FrontLimit& kept = *response.add_limits();
+    kept = request.limits(static_cast<int>(i));
+    if (read.limits[i].minimum) kept.set_minimum(*read.limits[i].minimum);
+    if (read.limits[i].maximum) kept.set_maximum(*read.limits[i].maximum);
+  }
+  if (part.points.empty())
+    for (std::string& why : WhyNothingRemains(front.message, front.exploration, read.limits))
+      read.remarks.push_back(std::move(why));
+  response.mutable_remarks()->Add(read.remarks.begin(), read.remarks.end());
   response.mutable_points()->Add(part.points.begin(), part.points.end());
   response.set_pieces(part.pieces);
   AddRanges(front.message.metric_names(), part.least_metrics, part.most_metrics,

@@ -866,6 +866,32 @@ TEST_F(ParetoServiceTest, SaysThatAMetricIsMissing) {
       << error;
 }
 
+// "stress" is 10 (0.7 - x0) and "cost" 5 (1 - x1).
+TEST_F(ParetoServiceTest, ASingleValueOfAConstraintIsABandThatIsStated) {
+  v1::DiscoverFrontRequest request = Request(200);
+  auto& constraint = *request.mutable_specification()->add_constraints();
+  constraint.set_metric("cost");
+  constraint.set_minimum(2.5);
+  constraint.set_maximum(2.5);
+  const v1::Front front = FrontOf(Wait(Discover(request).name()));
+  EXPECT_GT(front.points_size(), 10);
+  for (const v1::FrontPoint& point : front.points())
+    EXPECT_NEAR(point.constraint_metrics(0), 2.5, 0.00125 + 1e-12);
+  ASSERT_EQ(front.remarks_size(), 1);
+  EXPECT_NE(front.remarks(0).find("2.49875 to 2.50125"), std::string::npos) << front.remarks(0);
+
+  for (const auto& [minimum, maximum] :
+       std::vector<std::pair<double, double>>{{0, 0}, {2.5, 2.5000001}}) {
+    EXPECT_EQ(Refusal([&, minimum = minimum, maximum = maximum](v1::DiscoverySpecification& s) {
+                auto& narrow = *s.add_constraints();
+                narrow.set_metric("cost");
+                narrow.set_minimum(minimum);
+                narrow.set_maximum(maximum);
+              }),
+              grpc::StatusCode::INVALID_ARGUMENT);
+  }
+}
+
 // The designs at the ends, as they were evaluated, can be picked, and limits reach up to them.
 TEST_F(ParetoServiceTest, FrontsReachTheBestThatWasEvaluated) {
   const v1::Front front = FrontOf(Wait(Discover(Request(200)).name()));
