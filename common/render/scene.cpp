@@ -203,12 +203,13 @@ void DrawColorBar(const ColorBar& bar, const Layout& layout, const RenderOptions
     for (int x = 0; x < static_cast<int>(kBarWidth) + 5; ++x) image.Set(left + x, y, kInk);
   };
   const double span = bar.maximum - bar.minimum;
-  for (const double tick : NiceTicks(bar.minimum, bar.maximum, 6)) {
-    const double share = span > 0 ? (tick - bar.minimum) / span : 0;
+  const std::vector<double> ticks = NiceTicks(bar.minimum, bar.maximum, 6);
+  const std::vector<std::string> texts = ShortNumbers(ticks, 3);
+  for (std::size_t i = 0; i < ticks.size(); ++i) {
+    const double share = span > 0 ? (ticks[i] - bar.minimum) / span : 0;
     const int y = top + static_cast<int>(std::lround((1 - share) * (rows - 1)));
     line(y);
-    DrawText(image, left + kBarWidth + 9, y - 0.5 * kTextHeight, kTextHeight, kInk,
-             ShortNumber(tick, 3));
+    DrawText(image, left + kBarWidth + 9, y - 0.5 * kTextHeight, kTextHeight, kInk, texts[i]);
   }
   DrawText(image, left, top - 2.2 * kTextHeight, kTextHeight, kInk, bar.title);
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <set>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
@@ -111,21 +112,22 @@ std::string Text(double x, double y, const char* anchor, const std::string& text
 
 std::string DrawAxes(const Plot& plot, const Axis& x, const Axis& y) {
   std::string svg;
-  for (const double tick : x.ticks) {
-    const double p = x.Pixel(tick);
+  const std::vector<std::string> x_texts = ShortNumbers(x.ticks), y_texts = ShortNumbers(y.ticks);
+  for (std::size_t i = 0; i < x.ticks.size(); ++i) {
+    const double p = x.Pixel(x.ticks[i]);
     absl::StrAppendFormat(&svg,
                           "<line x1=\"%.2f\" y1=\"%.2f\" x2=\"%.2f\" y2=\"%.2f\" "
                           "stroke=\"#e3e5e9\"/>\n",
                           p, y.first_pixel, p, y.last_pixel);
-    svg += Text(p, y.first_pixel + 19, "middle", ShortNumber(tick));
+    svg += Text(p, y.first_pixel + 19, "middle", x_texts[i]);
   }
-  for (const double tick : y.ticks) {
-    const double p = y.Pixel(tick);
+  for (std::size_t i = 0; i < y.ticks.size(); ++i) {
+    const double p = y.Pixel(y.ticks[i]);
     absl::StrAppendFormat(&svg,
                           "<line x1=\"%.2f\" y1=\"%.2f\" x2=\"%.2f\" y2=\"%.2f\" "
                           "stroke=\"#e3e5e9\"/>\n",
                           x.first_pixel, p, x.last_pixel, p);
-    svg += Text(x.first_pixel - 8, p + 4.5, "end", ShortNumber(tick));
+    svg += Text(x.first_pixel - 8, p + 4.5, "end", y_texts[i]);
   }
   absl::StrAppendFormat(&svg,
                         "<path d=\"M%.2f %.2f V%.2f H%.2f\" fill=\"none\" stroke=\"#3a3f4a\"/>\n",
@@ -248,6 +250,18 @@ std::string ShortNumber(double value, int digits) {
     if (mantissa.back() == '.') mantissa.pop_back();
   }
   return absl::StrCat(mantissa, "e", std::atoi(number.c_str() + e + 1));
+}
+
+std::vector<std::string> ShortNumbers(const std::vector<double>& values, int digits) {
+  constexpr int kMostDigits = 15;
+  const std::size_t different = std::set<double>(values.begin(), values.end()).size();
+  std::vector<std::string> texts;
+  do {
+    texts.clear();
+    for (const double value : values) texts.push_back(ShortNumber(value, digits));
+  } while (std::set<std::string>(texts.begin(), texts.end()).size() < different &&
+           ++digits <= kMostDigits);
+  return texts;
 }
 
 absl::StatusOr<std::string> PlotSvg(const Plot& plot) {

@@ -49,4 +49,8 @@ std::vector<double> NiceTicks(double minimum, double maximum, int count);
 // A number as an axis writes it: at most `digits` significant digits, "1.2e6" outside 1e-4 to 1e6.
 std::string ShortNumber(double value, int digits = 4);
 
+// The numbers of one axis: as ShortNumber, in as many more digits as it takes for different ones to
+// be written differently. On a narrow range both ends would look alike.
+std::vector<std::string> ShortNumbers(const std::vector<double>& values, int digits = 4);
+
 }  // namespace mortise::render

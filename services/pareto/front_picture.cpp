@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <set>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -60,6 +61,8 @@ struct Span {
   }
 
   double Share(double value) const { return (value - least) / (most - least); }
+  // Of the least and of the most.
+  std::vector<std::string> Ends() const { return render::ShortNumbers({least, most}, 3); }
 };
 
 void Write(Drawing& drawing, const Vector2d& at, const std::string& text, double size = kFont,
@@ -125,17 +128,20 @@ void DrawScatter(Drawing& drawing, const Panel& whole, const MatrixXd& values,
   const auto place = [&](double a, double b) {
     return panel.At(0.03 + 0.94 * x.Share(a), 0.03 + 0.94 * y.Share(b));
   };
-  for (const double tick : render::NiceTicks(x.least, x.most, 4)) {
-    const double at = place(tick, y.least).x();
+  const std::vector<double> x_ticks = render::NiceTicks(x.least, x.most, 4);
+  const std::vector<std::string> x_texts = render::ShortNumbers(x_ticks);
+  for (std::size_t i = 0; i < x_ticks.size(); ++i) {
+    const double at = place(x_ticks[i], y.least).x();
     drawing.Add(Drawing::Line{{{at, panel.top}, {at, panel.top + panel.height}}, kGrid, 1});
-    Write(drawing, {at, panel.top + panel.height + 16}, render::ShortNumber(tick), kSmallFont,
+    Write(drawing, {at, panel.top + panel.height + 16}, x_texts[i], kSmallFont,
           Drawing::Anchor::kMiddle);
   }
-  for (const double tick : render::NiceTicks(y.least, y.most, 5)) {
-    const double at = place(x.least, tick).y();
+  const std::vector<double> y_ticks = render::NiceTicks(y.least, y.most, 5);
+  const std::vector<std::string> y_texts = render::ShortNumbers(y_ticks);
+  for (std::size_t i = 0; i < y_ticks.size(); ++i) {
+    const double at = place(x.least, y_ticks[i]).y();
     drawing.Add(Drawing::Line{{{panel.left, at}, {panel.left + panel.width, at}}, kGrid, 1});
-    Write(drawing, {panel.left - 6, at + 4}, render::ShortNumber(tick), kSmallFont,
-          Drawing::Anchor::kEnd);
+    Write(drawing, {panel.left - 6, at + 4}, y_texts[i], kSmallFont, Drawing::Anchor::kEnd);
   }
   drawing.Add(Drawing::Line{{panel.At(0, 1), panel.At(0, 0), panel.At(1, 0)}, kInk, 1});
   Write(drawing, {whole.left, whole.top + 12}, render::Shortened(y_label, kFont, whole.width));
@@ -163,15 +169,15 @@ void DrawBox(Drawing& drawing, const Panel& whole, const MatrixXd& values,
   drawing.Add(
       Drawing::Line{{place(0, 1, 1), place(0, 1, 0), place(1, 1, 0), place(1, 0, 0)}, kInk, 1});
   const Span x(values.row(0)), y(values.row(1)), z(values.row(2));
-  const auto number = [&](const Vector2d& at, double value, Drawing::Anchor anchor) {
-    Write(drawing, at, render::ShortNumber(value, 3), kSmallFont, anchor);
+  const auto number = [&](const Vector2d& at, const std::string& text, Drawing::Anchor anchor) {
+    Write(drawing, at, text, kSmallFont, anchor);
   };
-  number(place(0, 1, 0) + Vector2d(2, 17), x.least, Drawing::Anchor::kEnd);
-  number(place(1, 1, 0) + Vector2d(-12, 11), x.most, Drawing::Anchor::kEnd);
-  number(place(1, 0, 0) + Vector2d(-2, 17), y.least, Drawing::Anchor::kStart);
-  number(place(1, 1, 0) + Vector2d(12, 11), y.most, Drawing::Anchor::kStart);
-  number(place(0, 1, 0) + Vector2d(-5, 0), z.least, Drawing::Anchor::kEnd);
-  number(place(0, 1, 1) + Vector2d(-5, 4), z.most, Drawing::Anchor::kEnd);
+  number(place(0, 1, 0) + Vector2d(2, 17), x.Ends()[0], Drawing::Anchor::kEnd);
+  number(place(1, 1, 0) + Vector2d(-12, 11), x.Ends()[1], Drawing::Anchor::kEnd);
+  number(place(1, 0, 0) + Vector2d(-2, 17), y.Ends()[0], Drawing::Anchor::kStart);
+  number(place(1, 1, 0) + Vector2d(12, 11), y.Ends()[1], Drawing::Anchor::kStart);
+  number(place(0, 1, 0) + Vector2d(-5, 0), z.Ends()[0], Drawing::Anchor::kEnd);
+  number(place(0, 1, 1) + Vector2d(-5, 4), z.Ends()[1], Drawing::Anchor::kEnd);
   const double room = 0.49 * whole.width;
   Write(drawing, {whole.left, whole.top + whole.height - 4},
         render::Shortened(labels[0], kFont, room));
@@ -202,8 +208,16 @@ void DrawParallelAxes(Drawing& drawing, const Panel& whole, const FrontPicture& 
     const double share = spans[static_cast<std::size_t>(m)].Share(value);
     return front.signs[m] > 0 ? share : 1 - share;
   };
+  // Of many points some, and the best and the worst of each metric.
   const Index step = std::max<Index>(1, (count + kDrawnLines - 1) / kDrawnLines);
-  for (Index i = 0; i < count; i += step) {
+  std::set<Index> drawn;
+  for (Index i = 0; i < count; i += step) drawn.insert(i);
+  for (Index m = 0; m < d; ++m) {
+    const auto [least, most] =
+        std::ranges::minmax(InOrder(count), {}, [&](Index i) { return front.metrics(m, i); });
+    drawn.insert({least, most});
+  }
+  for (const Index i : drawn) {
     Drawing::Line line{{}, colours.of_points[static_cast<std::size_t>(i)], 0.7};
     for (Index m = 0; m < d; ++m)
       line.points.push_back(panel.At(across(m), height(m, front.metrics(m, i))));
@@ -218,10 +232,9 @@ void DrawParallelAxes(Drawing& drawing, const Panel& whole, const FrontPicture& 
                                                 : Drawing::Anchor::kMiddle;
     const double shift = m == 0 ? -24 : m + 1 == d ? 24 : 0;
     const Vector2d top = panel.At(across(m), 1), bottom = panel.At(across(m), 0);
-    Write(drawing, top + Vector2d(shift, -6),
-          render::ShortNumber(is_small_best ? span.most : span.least, 3), kSmallFont, anchor);
-    Write(drawing, bottom + Vector2d(shift, 15),
-          render::ShortNumber(is_small_best ? span.least : span.most, 3), kSmallFont, anchor);
+    const std::vector<std::string> ends = span.Ends();
+    Write(drawing, top + Vector2d(shift, -6), ends[is_small_best ? 1 : 0], kSmallFont, anchor);
+    Write(drawing, bottom + Vector2d(shift, 15), ends[is_small_best ? 0 : 1], kSmallFont, anchor);
     // Names of neighbours in two rows.
     const double between = panel.width / static_cast<double>(d - 1);
     const double room = m == 0 || m + 1 == d ? std::abs(shift) + 1.05 * between : 1.8 * between;

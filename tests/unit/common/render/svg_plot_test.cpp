@@ -34,6 +34,15 @@ TEST(Numbers, AreShort) {
   EXPECT_EQ(ShortNumber(2e-7), "2e-7");
 }
 
+TEST(Numbers, OfOneAxisDiffer) {
+  using Texts = std::vector<std::string>;
+  EXPECT_EQ(ShortNumbers({0, 0.5, 1}), (Texts{"0", "0.5", "1"}));
+  EXPECT_EQ(ShortNumbers({293.15, 293.4}, 3), (Texts{"293.1", "293.4"}));
+  EXPECT_EQ(ShortNumbers({1e7, 1e7 + 1}, 3), (Texts{"1e7", "1.0000001e7"}));
+  EXPECT_EQ(ShortNumbers({2, 2}, 3), (Texts{"2", "2"}));
+  EXPECT_TRUE(ShortNumbers({}).empty());
+}
+
 Plot Front() {
   Plot plot;
   plot.title = "Table: mass against deflection";

@@ -115,6 +115,46 @@ TEST(FrontPicture, MakesDesignsThatJumpDark) {
   EXPECT_EQ(dark, 3);
 }
 
+// Metrics between 293.3 and 293.5, all of which are 293 in three digits.
+TEST(FrontPicture, WritesTheEndsOfNarrowRangesApart) {
+  for (const Eigen::Index d : {2, 3, 4}) {
+    FrontPicture front = RandomFront(d, 4, 60, 1);
+    for (Eigen::Index m = 0; m < d; ++m)
+      front.metrics.row(m) = (293.4 + 1e-6 * front.metrics.row(m).array()).eval();
+    const Drawing drawing = DrawFront(front);
+    Eigen::Index numbers = 0;
+    for (const Drawing::Text& text : drawing.texts()) {
+      if (text.text.starts_with("29")) ++numbers;
+      EXPECT_NE(text.text, "293") << d;
+    }
+    EXPECT_GE(numbers, 2 * d) << d;
+  }
+}
+
+// Of more points than there is room for lines the ends are drawn, whichever they are.
+TEST(FrontPicture, DrawsTheBestOfEachMetricOfMany) {
+  FrontPicture front = RandomFront(4, 4, 1001, 1);
+  const auto lines = [&] {
+    std::size_t count = 0;
+    const Drawing drawing = DrawFront(front);
+    for (const auto& mark : drawing.marks()) {
+      const auto* const line = std::get_if<Drawing::Line>(&mark);
+      if (line != nullptr && line->points.size() == 4 && line->width == 0.7) ++count;
+    }
+    return count;
+  };
+  // Every fifth is drawn. With all ends among these there are no others.
+  for (Eigen::Index m = 0; m < 4; ++m) {
+    front.metrics(m, 0) = 2e5;
+    front.metrics(m, 5) = -2e5;
+  }
+  EXPECT_EQ(lines(), 201u);
+  front.metrics(2, 998) = 3e5;
+  EXPECT_EQ(lines(), 202u);
+  front.metrics(0, 1) = -3e5;
+  EXPECT_EQ(lines(), 203u);
+}
+
 TEST(FrontPicture, DrawsFrontsOfOnePoint) {
   for (const Eigen::Index d : {2, 3, 5}) {
     FrontPicture front = RandomFront(d, 4, 1, 1);
