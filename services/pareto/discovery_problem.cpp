@@ -216,7 +216,7 @@ absl::Status CheckTolerances(const v1::DiscoverySpecification& specification) {
 // given in the same words for many.
 bool IsOfDesign(const std::string& reason) {
   for (const char* known :
-       {"RIGID_MOTION", "SINGULAR", "NOT_CONVERGED", "NOT_BONDED", "QUARANTINED"}) {
+       {"RIGID_MOTION", "SINGULAR", "NOT_CONVERGED", "NOT_BONDED", "NOT_FINITE", "QUARANTINED"}) {
     if (reason == known) return true;
   }
   return false;

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <limits>
 #include <optional>
 #include <set>
@@ -13,6 +14,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "common/base/errors.h"
 #include "common/rpc/status_mapping.h"
 #include "mortise/v1/evaluator.grpc.pb.h"
@@ -84,6 +86,18 @@ void SetRow(const Eigen::RowVectorXd& gradient, Eigen::Index row, Eigen::Index r
   jacobian.row(row) = gradient;
 }
 
+// Which of the metrics that the problem asks for are not there as finite numbers; empty if all are.
+std::string WhatIsMissing(const v1::EvaluationResult& result, const DiscoveryProblem& problem) {
+  std::set<std::string> missing;
+  for (const Objective& objective : problem.objectives) missing.insert(objective.metric);
+  for (const Constraint& constraint : problem.constraints) missing.insert(constraint.metric);
+  std::erase_if(missing,
+                [&](const std::string& metric) { return std::isfinite(ValueOf(result, metric)); });
+  if (missing.empty()) return "";
+  return absl::StrCat("the evaluator left out a metric, or gave one that is not finite: ",
+                      absl::StrJoin(missing, ", "));
+}
+
 absl::Status ReadResult(const v1::EvaluationResult& result, const DiscoveryProblem& problem,
                         Evaluation& evaluation) {
   if (result.has_error()) {
@@ -119,8 +133,7 @@ absl::Status ReadResult(const v1::EvaluationResult& result, const DiscoveryProbl
   }
   evaluation.constraints =
       Eigen::VectorXd::Map(rows.data(), static_cast<Eigen::Index>(rows.size()));
-  if (!evaluation.metrics.allFinite() || !evaluation.constraints.allFinite())
-    evaluation.message = "the evaluator left out a metric, or gave one that is not finite";
+  evaluation.message = WhatIsMissing(result, problem);
   return absl::OkStatus();
 }
 

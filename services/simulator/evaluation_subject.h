@@ -43,4 +43,8 @@ absl::Status CheckPoint(const v1::DesignSpace& space, const v1::DesignPoint& poi
 absl::Status CompleteResult(const v1::Task& task, const v1::DesignSpace& space,
                             v1::EvaluationResult& result);
 
+// Which numbers of a result are NaN or infinite, for people: "mass", "the gradient of mass, the
+// gradient of cost". Empty if all are finite.
+std::string WhatIsNotFinite(const v1::EvaluationResult& result);
+
 }  // namespace mortise::simulator

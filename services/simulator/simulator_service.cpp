@@ -139,10 +139,16 @@ class SimulatorAdapter final : public v1::SimulatorService::CallbackService {
   grpc::ServerUnaryReactor* ReportTask(grpc::CallbackServerContext* context,
                                        const v1::ReportTaskRequest* request,
                                        v1::ReportTaskResponse* response) override {
-    return endpoint_.Query("ReportTask", context, request, response,
-                           [this](const rpc::Call&, const v1::ReportTaskRequest& asked) {
-                             return simulator::ReportTask(*core_, *blobs_, asked);
-                           });
+    const auto report = [this](const rpc::Call&, const v1::ReportTaskRequest& asked) {
+      return simulator::ReportTask(*core_, *blobs_, asked);
+    };
+    // A report is read even where its numbers are not finite: whoever waits for the task shall hear
+    // of it at once, not when the worker's lease has run out.
+    return endpoint_.Query(
+        "ReportTask", context, request, response, report,
+        [report](const rpc::Call& call, const v1::ReportTaskRequest& asked) -> absl::Status {
+          return report(call, asked).status();
+        });
   }
 
   grpc::ServerReadReactor<v1::Chunk>* UploadBlob(grpc::CallbackServerContext* context,

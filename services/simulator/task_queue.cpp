@@ -10,6 +10,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/base/identifiers.h"
+#include "common/rpc/message_check.h"
 #include "common/rpc/status_mapping.h"
 #include "services/simulator/evaluation_subject.h"
 #include "services/simulator/evaluator_records.h"
@@ -68,6 +69,17 @@ absl::Status CheckAttempt(int attempt, const std::string& field) {
   return InvalidField(field, "must be at least 1, as leased");
 }
 
+// What becomes of a task whose result has the fault.
+absl::Status FailureFrom(const v1::EvaluationResult& result, const absl::Status& fault) {
+  const std::string field = DetailOf(fault).field;
+  const std::string what = WhatIsNotFinite(result);
+  if (!what.empty())
+    return PreconditionFailed("NOT_FINITE", absl::StrCat("not a finite number: ", what), field);
+  return PreconditionFailed(
+      "RESULT_UNUSABLE", absl::StrCat("what the worker reports cannot be used: ", fault.message()),
+      field);
+}
+
 // What a worker says of its attempt, on the way into the store.
 class Report {
  public:
@@ -79,8 +91,9 @@ class Report {
         blobs_(blobs),
         lent_tasks_(lent_tasks) {}
 
-  // Becomes the task's end, or its next try; the task as it is then. What cannot be used ends the
-  // task too: sent again it would be no better, and whoever waits should hear of it.
+  // Becomes the task's end, or its next try; the task as it is then. What cannot be used, numbers
+  // that are not finite say, ends the task too: sent again it would be no better, and whoever waits
+  // should hear of it.
   absl::StatusOr<store::Task> Settle(store::Transaction& transaction) {
     v1::ReportTaskRequest report = asked_;
     MORTISE_RETURN_IF_ERROR(FindFault(transaction, report));
@@ -99,10 +112,7 @@ class Report {
   absl::Status SettleFailure(store::Transaction& transaction) const {
     const int64_t attempt = asked_.task().attempt();
     if (!fault_.ok()) {
-      const absl::Status failure = PreconditionFailed(
-          "RESULT_UNUSABLE",
-          absl::StrCat("what the worker reports cannot be used: ", fault_.message()),
-          DetailOf(fault_).field);
+      const absl::Status failure = FailureFrom(asked_.result(), fault_);
       return transaction.FailTask(queue_, key_, attempt, EncodeError(failure), false);
     }
     const absl::Status failure = rpc::FromProto(asked_.result().error());
@@ -122,6 +132,8 @@ class Report {
       }
       return absl::OkStatus();
     }
+    fault_ = rpc::CheckMessage(report);
+    if (!fault_.ok()) return absl::OkStatus();
     for (int i = 0; i < report.analysis().artifacts_size(); ++i) {
       if (blobs_.Size(report.analysis().artifacts(i).sha256()).ok()) continue;
       fault_ =

@@ -24,7 +24,9 @@ absl::Status LeaseTasks(SimulatorCore& core, const rpc::Call& call,
 absl::StatusOr<v1::RenewLeasesResponse> RenewLeases(SimulatorCore& core,
                                                     const v1::RenewLeasesRequest& asked);
 
-// What a worker says of its attempt becomes the task's end, or its next try.
+// What a worker says of its attempt becomes the task's end, or its next try. It may hold numbers
+// that are not finite: then the task has failed with NOT_FINITE, and the report is INVALID_ARGUMENT
+// with their fields.
 absl::StatusOr<v1::ReportTaskResponse> ReportTask(SimulatorCore& core, store::BlobFolder& blobs,
                                                   const v1::ReportTaskRequest& asked);
 

@@ -3,16 +3,19 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <thread>
 
 #include "absl/strings/str_replace.h"
 #include "common/base/files.h"
 #include "common/base/identifiers.h"
 #include "tests/e2e/command.h"
+#include "tests/e2e/http_post.h"
 #include "tests/e2e/running_house.h"
 
 namespace mortise::e2e {
@@ -109,6 +112,55 @@ TEST(CustomersEvaluator, IsExploredThroughTheGateway) {
     EXPECT_NE(run_with("--allow", "turns=3,4").exit_code, 0) << "a number";
   }
   std::filesystem::remove_all(folder);
+}
+
+// Through the JSON door, where NaN is a string. What waits is told from the first report of each
+// design, long before leases of a minute run out.
+TEST(CustomersEvaluator, MayReportNaN) {
+  const RunningHouse house;
+  ASSERT_TRUE(house.Serving()) << house.Log();
+  const auto send = [&house](const std::string& method, const Json& body) {
+    return Post(house.HttpAddress(), "/mortise.v1." + method, "application/json", body.dump());
+  };
+  const Json width = {{"name", "width"}, {"maximum", 1}};
+  const Json space = {{"parameters", {width}},
+                      {"metrics", {{{"name", "mass"}}, {{"name", "cost"}}}}};
+  const Json evaluator = {{"name", "evaluators/useless"}, {"version", "1"}, {"space", space}};
+  const HttpAnswer created = send("EvaluatorService/CreateEvaluator",
+                                  {{"requestId", NewIdentifier()}, {"evaluator", evaluator}});
+  ASSERT_EQ(created.status, 200) << created.body;
+  CommandResult run;
+  std::atomic<bool> ended = false;
+  std::thread asking([&] {
+    run = Mortise({"--gateway", house.GrpcAddress(), "pareto", "run", "evaluators/useless",
+                   "--minimize", "mass", "--minimize", "cost", "--evaluations", "12"});
+    ended = true;
+  });
+  int reports = 0;
+  while (!ended) {
+    const HttpAnswer leased =
+        send("SimulatorService/LeaseTasks", {{"evaluator", "evaluators/useless"},
+                                             {"worker", "useless"},
+                                             {"limit", 4},
+                                             {"leaseSeconds", 60},
+                                             {"waitSeconds", 1}});
+    const Json tasks = Json::parse(leased.body, nullptr, false).value("tasks", Json::array());
+    for (const Json& task : tasks) {
+      EXPECT_EQ(task["attempt"], 1);
+      const Json metrics = {
+          {{"name", "mass"}, {"value", 1}},
+          {{"name", "cost"}, {"value", ++reports % 2 == 0 ? "NaN" : "-Infinity"}}};
+      const HttpAnswer told = send(
+          "SimulatorService/ReportTask",
+          {{"task", {{"name", task["name"]}, {"attempt", 1}}}, {"result", {{"metrics", metrics}}}});
+      EXPECT_EQ(told.status, 400);
+      EXPECT_THAT(told.body, testing::HasSubstr("result.metrics[1].value"));
+    }
+  }
+  asking.join();
+  EXPECT_EQ(reports, 12);
+  EXPECT_NE(run.exit_code, 0);
+  EXPECT_THAT(run.error, testing::HasSubstr("12 NOT_FINITE, such as: not a finite number: cost"));
 }
 
 }  // namespace

@@ -99,6 +99,7 @@ class Zdt1Evaluator : public v1::EvaluatorService::Service {
                            : name == "gain"   ? -evaluation.metrics[1]
                            : name == "cost"   ? 5 * (1 - x[1])
                                               : 10 * (0.7 - x[0]));
+          if (name == useless_) metric.set_value(std::numeric_limits<double>::quiet_NaN());
         }
       }
       Note(x);
@@ -141,6 +142,7 @@ class Zdt1Evaluator : public v1::EvaluatorService::Service {
   std::atomic<bool> misnumbers_ = false;  // answers are of designs that were not asked for
   std::atomic<double> drift_ = 0;         // of "mass"
   std::string left_out_;                  // a metric; set before it is asked
+  std::string useless_;                   // a metric that is NaN; set before it is asked
 
   int evaluations() {
     const std::lock_guard lock(mutex_);
@@ -862,6 +864,40 @@ TEST_F(ParetoServiceTest, SaysThatAMetricIsMissing) {
   const absl::Status error = rpc::FromProto(operation.error());
   EXPECT_EQ(DetailOf(error).reason, "NO_FEASIBLE_DESIGN");
   EXPECT_NE(error.message().find(" NOT_FINITE, such as: the evaluator left out a metric"),
+            std::string::npos)
+      << error;
+}
+
+TEST_F(ParetoServiceTest, SaysWhichMetricIsNotFinite) {
+  evaluator_.useless_ = "gain";
+  const v1::Operation operation = Wait(Discover(Request(40)).name());
+  ASSERT_EQ(operation.state(), v1::Operation::FAILED);
+  const absl::Status error = rpc::FromProto(operation.error());
+  EXPECT_EQ(DetailOf(error).reason, "NO_FEASIBLE_DESIGN");
+  EXPECT_NE(error.message().find("NOT_FINITE, such as: the evaluator left out"), std::string::npos)
+      << error;
+  EXPECT_NE(error.message().find("not finite: gain"), std::string::npos) << error;
+}
+
+// As the simulator tells of designs for which a customer's evaluator reported NaN.
+TEST_F(ParetoServiceTest, CountsDesignsThatWereNotFinite) {
+  evaluator_.FailFrom(
+      0.5, PreconditionFailed("NOT_FINITE", "not a finite number: gain", "result.metrics[1]"));
+  const v1::Front front = FrontOf(Wait(Discover(Request(60)).name()));
+  ASSERT_GT(front.failures_size(), 0);
+  std::int64_t count = 0;
+  for (const v1::EvaluationFailure& failure : front.failures())
+    if (failure.reason() == "NOT_FINITE") {
+      count += failure.count();
+      EXPECT_EQ(failure.message(), "not a finite number: gain");
+    }
+  EXPECT_GT(count, 0);
+  evaluator_.FailFrom(
+      0, PreconditionFailed("NOT_FINITE", "not a finite number: gain", "result.metrics[1]"));
+  const v1::Operation operation = Wait(Discover(Request(40)).name());
+  const absl::Status error = rpc::FromProto(operation.error());
+  EXPECT_EQ(DetailOf(error).reason, "NO_FEASIBLE_DESIGN") << error;
+  EXPECT_NE(error.message().find("NOT_FINITE, such as: not a finite number: gain"),
             std::string::npos)
       << error;
 }

@@ -3,6 +3,7 @@
 #include <google/protobuf/text_format.h>
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <limits>
 #include <map>
 #include <thread>
@@ -262,20 +263,62 @@ TEST_F(EvaluatorTest, ResultsThatCannotBeUsedFailTheirTaskAndSayWhy) {
   }
 }
 
+// Whoever waits hears of it at once, from the first report: nothing is tried again.
 TEST_F(EvaluatorTest, NumbersMustBeFinite) {
   ASSERT_TRUE(Create(Beam()).ok());
-  const absl::Status outcome = OutcomeOf(Batch(1, {"mass"}), [&] {
-    const v1::Task task = LeaseOne();
-    v1::EvaluationResult result = Answer(task);
-    result.mutable_metrics(0)->set_value(std::numeric_limits<double>::quiet_NaN());
-    const absl::Status refused = Report(task, result);
-    EXPECT_EQ(DetailOf(refused).field, "result.metrics[0].value");
-    // The task is still the worker's, which had better say so.
-    EXPECT_TRUE(
-        Report(task, Error(absl::StatusCode::kInvalidArgument, std::string(refused.message())))
-            .ok());
-  });
-  EXPECT_THAT(std::string(outcome.message()), HasSubstr("finite"));
+  struct Fault {
+    std::string field;
+    std::string named;
+    std::function<void(v1::EvaluationResult&)> make;
+  };
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const std::vector<Fault> faults = {
+      {"result.metrics[0].value", "not a finite number: mass",
+       [](auto& result) {
+         result.mutable_metrics(0)->set_value(std::numeric_limits<double>::quiet_NaN());
+       }},
+      {"result.metrics[1].value", "not a finite number: cost",
+       [](auto& result) { result.mutable_metrics(1)->set_value(kInfinity); }},
+      {"result.metrics[0].value", "not a finite number: mass, cost",
+       [](auto& result) {
+         for (v1::Metric& metric : *result.mutable_metrics()) metric.set_value(-kInfinity);
+       }},
+      {"result.gradients[0].values[1]", "not a finite number: the gradient of mass",
+       [](auto& result) {
+         result.mutable_gradients(0)->set_values(1, std::numeric_limits<double>::quiet_NaN());
+       }},
+  };
+  v1::EvaluateBatchRequest batch = Batch(1, {"mass", "cost"});
+  batch.set_gradients(true);
+  for (std::size_t i = 0; i < faults.size(); ++i) {
+    batch.mutable_points(0)->set_parameters(0, 1 + 0.1 * static_cast<double>(i));
+    const absl::Status outcome = OutcomeOf(batch, [&] {
+      const v1::Task task = LeaseOne();
+      EXPECT_EQ(task.attempt(), 1);
+      v1::EvaluationResult result = Answer(task);
+      v1::Gradient& gradient = *result.add_gradients();
+      gradient.set_metric("mass");
+      gradient.add_values(10);
+      gradient.add_values(0);
+      faults[i].make(result);
+      const absl::Status refused = Report(task, result);
+      EXPECT_TRUE(absl::IsInvalidArgument(refused)) << refused;
+      EXPECT_EQ(DetailOf(refused).field, faults[i].field);
+      // Saying it again changes nothing.
+      EXPECT_EQ(Report(task, result), refused);
+    });
+    EXPECT_TRUE(absl::IsFailedPrecondition(outcome)) << outcome;
+    EXPECT_EQ(DetailOf(outcome).reason, "NOT_FINITE");
+    EXPECT_EQ(DetailOf(outcome).field, faults[i].field);
+    EXPECT_THAT(std::string(outcome.message()), HasSubstr(faults[i].named));
+  }
+  // A report of a task that nobody has is refused for its numbers, too, and changes nothing.
+  v1::Task none;
+  none.set_name("tasks/none");
+  none.set_attempt(1);
+  v1::EvaluationResult result;
+  result.add_metrics()->set_value(kInfinity);
+  EXPECT_EQ(DetailOf(Report(none, result)).field, "result.metrics[0].value");
 }
 
 TEST_F(EvaluatorTest, WorkersThatGiveUpFailOrDieAreReplaced) {
