@@ -13,6 +13,7 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -29,7 +30,9 @@ namespace mortise::cad {
 namespace {
 
 constexpr rlim_t kMaxMemory = rlim_t{4} << 30;  // bytes of addresses
-constexpr rlim_t kMaxSeconds = 600;             // of processor time
+// Of processor time: for none of the designs that ship does the kernel take a twentieth of this.
+constexpr rlim_t kMaxSeconds = 6;
+constexpr rlim_t kMaxSecondsPerMebibyte = 20;
 
 // What the child writes, a line each: any number of faults, then one of the others. A line begins
 // with what it is.
@@ -79,16 +82,25 @@ void WriteLine(int descriptor, std::string_view kind, std::string text) {
   }
 }
 
-// So that a child does not outlast a parent that was killed, nor fill the machine.
-void LimitResources() {
+rlim_t SecondsFor(std::size_t bytes) {
+  return kMaxSeconds + kMaxSecondsPerMebibyte * (bytes >> 10) / 1024;
+}
+
+// So that a child does not fill the machine.
+void LimitMemory() {
 #ifndef __SANITIZE_ADDRESS__  // which reserves addresses without end
   const rlimit memory = {kMaxMemory, kMaxMemory};
   ::setrlimit(RLIMIT_AS, &memory);
 #endif
-  const rlimit time = {kMaxSeconds, kMaxSeconds};
-  ::setrlimit(RLIMIT_CPU, &time);
   const rlimit core = {0, 0};
   ::setrlimit(RLIMIT_CORE, &core);
+}
+
+// So that a child does not outlast a parent that was killed, nor what is worth waiting for. Of
+// processor time, so that a file is not refused because the machine is busy.
+void LimitTime(std::size_t bytes) {
+  const rlimit time = {SecondsFor(bytes), SecondsFor(bytes) + 1};
+  ::setrlimit(RLIMIT_CPU, &time);
 }
 
 // ---- The parent ---------------------------------------------------------------------------------
@@ -131,6 +143,16 @@ class Child {
     ::kill(pid_, SIGKILL);
     while (::waitpid(pid_, nullptr, 0) < 0 && errno == EINTR) {
     }
+  }
+
+  // Once the child has closed its end: whether it was ended because its time was up.
+  bool WasTooSlow() {
+    int status = 0;
+    while (::waitpid(pid_, &status, 0) < 0) {
+      if (errno != EINTR) return false;
+    }
+    pid_ = -1;
+    return WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU;
   }
 
   // All that the child says to `bytes` until it ends, or the time is up (`in_time` false then).
@@ -185,9 +207,9 @@ bool TakePrefix(std::string_view& text, std::string_view prefix) {
   return true;
 }
 
-absl::StatusOr<StepAssembly> Understand(const std::string& answer, bool in_time,
-                                        std::chrono::seconds limit) {
-  std::string faults;
+// What the child said in the end; nothing if it said no more than faults, which go to `faults`.
+std::optional<absl::StatusOr<StepAssembly>> Understand(const std::string& answer,
+                                                       std::string& faults) {
   for (const absl::string_view piece : absl::StrSplit(answer, '\n')) {
     std::string_view line(piece.data(), piece.size());
     if (TakePrefix(line, kFault)) {
@@ -198,22 +220,21 @@ absl::StatusOr<StepAssembly> Understand(const std::string& answer, bool in_time,
                           absl::StrCat(absl::string_view(line.data(), line.size()), faults));
     } else if (TakePrefix(line, kTooLarge)) {
       return TooLarge("step", line);
-    } else if (in_time && TakePrefix(line, kAssembly)) {
+    } else if (TakePrefix(line, kAssembly)) {
       return StepAssemblyFromJson(line);
     }
   }
-  return InvalidField(
-      "step", absl::StrCat(in_time ? "is damaged: the CAD kernel fails over it"
-                                   : absl::StrCat("cannot be read within ", limit.count(), " s"),
-                           faults));
+  return std::nullopt;
 }
 
 }  // namespace
 
 int RunStepChild() {
-  LimitResources();
+  LimitMemory();
+  const std::string bytes = ReadAll(STDIN_FILENO);
+  LimitTime(bytes.size());
   const absl::StatusOr<StepAssembly> read =
-      ReadStep(ReadAll(STDIN_FILENO), [](const std::vector<std::string>& faults) {
+      ReadStep(bytes, [](const std::vector<std::string>& faults) {
         for (const std::string& fault : faults) WriteLine(STDOUT_FILENO, kFault, fault);
       });
   if (read.ok()) {
@@ -236,7 +257,16 @@ absl::StatusOr<StepAssembly> ReadStepInChild(std::string_view bytes,
   MORTISE_ASSIGN_OR_RETURN(Child child, Child::Start(options.program));
   bool in_time = true;
   const std::string answer = child.Converse(bytes, options.time_limit, in_time);
-  return Understand(answer, in_time, options.time_limit);
+  std::string faults;
+  auto understood = Understand(answer, faults);
+  if (in_time && understood) return *std::move(understood);
+  const bool is_slow = in_time && child.WasTooSlow();
+  const auto limit =
+      is_slow ? static_cast<long>(SecondsFor(bytes.size())) : options.time_limit.count();
+  return InvalidField(
+      "step", absl::StrCat(is_slow || !in_time ? absl::StrCat("cannot be read within ", limit, " s")
+                                               : "is damaged: the CAD kernel fails over it",
+                           faults));
 }
 
 }  // namespace mortise::cad

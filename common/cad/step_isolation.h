@@ -26,7 +26,8 @@ struct StepChildOptions {
 };
 
 // As ReadStep, without the solids. INVALID_ARGUMENT, "step", too for a file over which the kernel
-// crashes or that takes it longer than the limit, with the entities at fault if any are known;
+// crashes or that takes it longer than the limit, or more than 6 s of processor time and 20 s for
+// each MiB of the file, with the entities at fault if any are known;
 // INTERNAL if the child cannot be started. Any number may run at once.
 absl::StatusOr<StepAssembly> ReadStepInChild(std::string_view bytes,
                                              const StepChildOptions& options = {});
