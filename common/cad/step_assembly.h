@@ -18,6 +18,10 @@ struct StepProduct {
   // In the product's own frame, m. Absent in what was read by another process.
   std::optional<Solid> solid;
   std::optional<Eigen::Vector3d> color;  // linear red, green, blue in 0 … 1
+  // How it differs from what the file has under this name, of whose occurrences some may be scaled
+  // or mirrored: each such is a product of its own.
+  double scale = 1;
+  bool is_mirrored = false;
 };
 
 // A sub-assembly where it stands: one that is used twice is two groups.
@@ -37,6 +41,7 @@ struct StepPart {
   // Measured when read.
   std::string drawn_name;  // as in the file, where several parts may have it
   double volume = 0;       // m³
+  int faces = 0;
   // m, the smallest box along the axes of the assembly's frame that holds the part.
   Eigen::Vector3d minimum = Eigen::Vector3d::Zero();
   Eigen::Vector3d maximum = Eigen::Vector3d::Zero();

@@ -95,7 +95,8 @@ StepAssembly Parse(const Json& json) {
         {group.at("name"), group.at("parent"), PlacementFrom(group.at("placement"))});
   }
   for (const Json& product : json.at("products")) {
-    assembly.products.push_back({product.at("name"), std::nullopt, ColorFrom(product.at("color"))});
+    assembly.products.push_back({product.at("name"), std::nullopt, ColorFrom(product.at("color")),
+                                 product.at("scale"), product.at("is_mirrored")});
   }
   for (const Json& entry : json.at("parts")) {
     StepPart part;
@@ -106,6 +107,7 @@ StepAssembly Parse(const Json& json) {
     part.placement = PlacementFrom(entry.at("placement"));
     part.color = ColorFrom(entry.at("color"));
     part.volume = entry.at("volume");
+    part.faces = entry.at("faces");
     part.minimum = VectorFrom(entry.at("minimum"));
     part.maximum = VectorFrom(entry.at("maximum"));
     part.is_box = entry.at("is_box");
@@ -135,7 +137,10 @@ std::string ToJson(const StepAssembly& assembly) {
                               {"placement", ToNumbers(group.placement)}});
   }
   for (const StepProduct& product : assembly.products) {
-    json["products"].push_back({{"name", product.name}, {"color", ToNumbers(product.color)}});
+    json["products"].push_back({{"name", product.name},
+                                {"color", ToNumbers(product.color)},
+                                {"scale", product.scale},
+                                {"is_mirrored", product.is_mirrored}});
   }
   for (const StepPart& part : assembly.parts) {
     json["parts"].push_back({{"name", part.name},
@@ -145,6 +150,7 @@ std::string ToJson(const StepAssembly& assembly) {
                              {"placement", ToNumbers(part.placement)},
                              {"color", ToNumbers(part.color)},
                              {"volume", part.volume},
+                             {"faces", part.faces},
                              {"minimum", ToNumbers(part.minimum)},
                              {"maximum", ToNumbers(part.maximum)},
                              {"is_box", part.is_box},

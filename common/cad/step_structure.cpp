@@ -128,15 +128,6 @@ class Counter {
   std::string cycle_;
 };
 
-std::string NameOf(const Handle(StepBasic_ProductDefinition) & definition) {
-  if (definition->Formation().IsNull() || definition->Formation()->OfProduct().IsNull()) return "";
-  const Handle(StepBasic_Product) product = definition->Formation()->OfProduct();
-  if (!product->Name().IsNull() && product->Name()->Length() > 0) {
-    return product->Name()->ToCString();
-  }
-  return product->Id().IsNull() ? "" : product->Id()->ToCString();
-}
-
 Composition Products(const Handle(StepData_StepModel) & model) {
   Composition products;
   for (int i = 1; i <= model->NbEntities(); ++i) {
@@ -145,8 +136,8 @@ Composition Products(const Handle(StepData_StepModel) & model) {
     const Handle(StepBasic_ProductDefinition) whole = usage->RelatingProductDefinition();
     const Handle(StepBasic_ProductDefinition) part = usage->RelatedProductDefinition();
     if (whole.IsNull() || part.IsNull()) continue;
-    const int from = products.Find(whole.get(), [&] { return NameOf(whole); });
-    const int to = products.Find(part.get(), [&] { return NameOf(part); });
+    const int from = products.Find(whole.get(), [&] { return ProductName(whole); });
+    const int to = products.Find(part.get(), [&] { return ProductName(part); });
     products.components[static_cast<std::size_t>(from)].push_back(to);
   }
   return products;
@@ -216,6 +207,18 @@ std::string InPlainWords(std::string_view found) {
 }
 
 }  // namespace
+
+std::string ProductName(const Handle(StepBasic_ProductDefinition) & definition) {
+  if (definition.IsNull() || definition->Formation().IsNull() ||
+      definition->Formation()->OfProduct().IsNull()) {
+    return "";
+  }
+  const Handle(StepBasic_Product) product = definition->Formation()->OfProduct();
+  if (!product->Name().IsNull() && product->Name()->Length() > 0) {
+    return product->Name()->ToCString();
+  }
+  return product->Id().IsNull() ? "" : product->Id()->ToCString();
+}
 
 std::vector<std::string> EntityFaults(STEPCAFControl_Reader& reader) {
   const Handle(StepData_StepModel) model = ModelOf(reader);

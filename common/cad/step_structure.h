@@ -2,6 +2,7 @@
 #pragma once
 
 #include <STEPCAFControl_Reader.hxx>
+#include <StepBasic_ProductDefinition.hxx>
 #include <StepData_StepModel.hxx>
 #include <string>
 #include <vector>
@@ -11,6 +12,9 @@
 namespace mortise::cad {
 
 inline constexpr int kMaxStepParts = 2000;  // as many as an assembly may have
+
+// The name of the product that is defined, or else its id; empty if it has neither.
+std::string ProductName(const Handle(StepBasic_ProductDefinition) & definition);
 
 // What entities of the file are wrong, "#12: …", at most 20 of them; or, if there are any of types
 // that the kernel does not know, which types. The kernel may read the rest, or fall over them.

@@ -1,0 +1,20 @@
+// Collects what stands in a document that was read from a STEP file. Private to this folder: it
+// brings Open CASCADE.
+#pragma once
+
+#include <TDocStd_Document.hxx>
+
+#include "absl/status/status.h"
+#include "common/cad/step_assembly.h"
+#include "common/cad/step_operators.h"
+#include "common/cad/step_places.h"
+
+namespace mortise::cad {
+
+// Adds groups, products, parts, shapes, leaves and notes of the document's tree to `assembly`, all
+// but distinct names (NameAll). What stands mirrored becomes a product of its own, unless it is its
+// own mirror image. INVALID_ARGUMENT, RESOURCE_EXHAUSTED, "step".
+absl::Status CollectParts(const Handle(TDocStd_Document) & document, const StepOperators& operators,
+                          const StepPlaces& places, StepAssembly& assembly);
+
+}  // namespace mortise::cad
