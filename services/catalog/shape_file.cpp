@@ -32,8 +32,10 @@ absl::StatusOr<v1::Shape> ReadShape(const v1::ImportShapeRequest& asked) {
   if (asked.format() == v1::ImportShapeRequest::STEP) {
     const absl::StatusOr<cad::StepAssembly> drawing = cad::ReadStepInChild(*bytes);
     if (!drawing.ok()) return OfFile(drawing.status());
-    MORTISE_ASSIGN_OR_RETURN(const mesh::DrawnShape shape, ShapeOfStep(*drawing));
-    return NamedShape(shape);
+    MORTISE_ASSIGN_OR_RETURN(const mesh::DrawnShape drawn, ShapeOfStep(*drawing));
+    v1::Shape shape = NamedShape(drawn);
+    shape.mutable_notes()->Assign(drawing->notes.begin(), drawing->notes.end());
+    return shape;
   }
   if (asked.format() == v1::ImportShapeRequest::STL) {
     const absl::StatusOr<ImportedShape> imported = ShapeOfStl(*bytes);
