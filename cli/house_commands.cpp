@@ -199,6 +199,10 @@ void AddHouseCommands(CLI::App& app, Session& session) {
                  "Public keys of bearer tokens: JSON Web Key Set or PEM");
   up->add_option("--bridge-token-file", options->bridge_token_file,
                  "Bearer token of an operator, for the bridge of --virtual-cell");
+  up->add_option("--log-megabytes", options->log_megabytes,
+                 "Size at which a process begins a new log file; five older ones are kept")
+      ->check(PositiveFinite())
+      ->capture_default_str();
   up->add_flag("--dry-run", *dry_run, "Only print what would be started");
   up->footer("Example: mortise up --insecure-development");
   up->callback([&session, options, dry_run] {

@@ -51,7 +51,9 @@ absl::Status Launcher::StartChild(std::size_t index) {
   Child& child = children_[index];
   std::error_code ignored;
   if (!process.port_file.empty()) std::filesystem::remove(process.port_file, ignored);
-  std::vector<std::string> environment;
+  std::vector<std::string> environment = {
+      absl::StrCat("MORTISE_LOG_FILE=", LogOf(index).string()),
+      absl::StrCat("MORTISE_LOG_MEGABYTES=", options_.log_megabytes)};
   // Workers share the cores; each solves on one of them.
   if (process.address.empty()) environment.push_back("OPENBLAS_NUM_THREADS=1");
   MORTISE_ASSIGN_OR_RETURN(child.pid, StartProcess(process.command, LogOf(index), environment));

@@ -1,11 +1,16 @@
 #include "common/base/logging.h"
 
-#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/sinks/base_sink.h>
 #include <spdlog/spdlog.h>
 
+#include <cstdio>
 #include <memory>
+#include <mutex>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <utility>
+
+#include "common/base/log_rotation.h"
 
 namespace mortise {
 namespace {
@@ -26,11 +31,28 @@ spdlog::level::level_enum SpdlogLevel(LogLevel level) {
   return spdlog::level::info;
 }
 
+// Standard error, in files of a limited size where that is asked for.
+class StandardError final : public spdlog::sinks::base_sink<std::mutex> {
+ public:
+  StandardError() : rotation_(LogRotation::FromEnvironment()) {}
+
+ private:
+  void sink_it_(const spdlog::details::log_msg& message) override {
+    spdlog::memory_buf_t line;
+    formatter_->format(message, line);
+    std::fwrite(line.data(), 1, line.size(), stderr);
+    if (rotation_) rotation_->BeginNewFileIfFull();
+  }
+  void flush_() override { std::fflush(stderr); }
+
+  const std::optional<LogRotation> rotation_;
+};
+
 }  // namespace
 
 void ConfigureLogging(std::string_view service, LogLevel level) {
-  auto logger = std::make_shared<spdlog::logger>(std::string(service),
-                                                 std::make_shared<spdlog::sinks::stderr_sink_mt>());
+  auto logger =
+      std::make_shared<spdlog::logger>(std::string(service), std::make_shared<StandardError>());
   logger->set_pattern(R"({"time":"%Y-%m-%dT%H:%M:%S.%fZ","level":"%l","service":"%n",%v})",
                       spdlog::pattern_time_type::utc);
   logger->set_level(SpdlogLevel(level));

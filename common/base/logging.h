@@ -1,5 +1,6 @@
 // Structured logs: one JSON object a line on standard error, each with time, level, service, trace
-// id and named fields, so that one request can be followed across processes.
+// id and named fields, so that one request can be followed across processes. Where the environment
+// names the file that standard error goes to, it is kept from growing without end (log_rotation.h).
 #pragma once
 
 #include <initializer_list>

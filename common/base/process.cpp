@@ -6,6 +6,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
@@ -25,6 +26,13 @@ std::vector<char*> Pointers(std::vector<std::string>& strings) {
   for (std::string& string : strings) pointers.push_back(string.data());
   pointers.push_back(nullptr);
   return pointers;
+}
+
+// Whether a variable of the same name is among `entries`.
+bool IsSetIn(const std::vector<std::string>& entries, const std::string& entry) {
+  const std::string name = entry.substr(0, entry.find('=') + 1);
+  return std::any_of(entries.begin(), entries.end(),
+                     [&](const std::string& other) { return other.starts_with(name); });
 }
 
 }  // namespace
@@ -54,7 +62,9 @@ absl::StatusOr<pid_t> StartProcess(const std::vector<std::string>& command,
   // Everything the child needs is made before the fork: after it only system calls are safe.
   std::vector<std::string> arguments = command;
   std::vector<std::string> variables;
-  for (char** entry = environ; *entry != nullptr; ++entry) variables.emplace_back(*entry);
+  for (char** entry = environ; *entry != nullptr; ++entry) {
+    if (!IsSetIn(environment, *entry)) variables.emplace_back(*entry);
+  }
   variables.insert(variables.end(), environment.begin(), environment.end());
   const std::vector<char*> argv = Pointers(arguments);
   const std::vector<char*> envp = Pointers(variables);

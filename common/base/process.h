@@ -25,8 +25,9 @@ struct ProcessEnd {
 std::filesystem::path FindProgram(const std::string& program);
 
 // Starts `command` (program and arguments) with standard output and error appended to `log`, the
-// environment entries `environment` ("NAME=value") added to this process's. The child gets SIGTERM
-// when the thread that started it dies, so that a killed parent leaves no orphans.
+// environment entries `environment` ("NAME=value") in place of, or beside, this process's. The
+// child gets SIGTERM when the thread that started it dies, so that a killed parent leaves no
+// orphans.
 absl::StatusOr<pid_t> StartProcess(const std::vector<std::string>& command,
                                    const std::filesystem::path& log,
                                    const std::vector<std::string>& environment = {});

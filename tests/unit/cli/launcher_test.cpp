@@ -47,6 +47,24 @@ class LauncherTest : public testing::Test {
   absl::Status status_;
 };
 
+// Each process keeps its own log from growing without end.
+TEST_F(LauncherTest, TellsEachProcessItsLogFile) {
+  options_.log_megabytes = 2.5;
+  const std::filesystem::path file = options_.state / "ports" / "one";
+  HousePlan plan;
+  plan.processes = {
+      {"one",
+       {"/bin/sh", "-c",
+        "echo $MORTISE_LOG_FILE $MORTISE_LOG_MEGABYTES > " + file.string() + ".new; mv " +
+            file.string() + ".new " + file.string() + "; exec sleep 1000"},
+       "x",
+       file}};
+  Launcher launcher(options_, std::move(plan), [](const RunningHouse&) {});
+  ASSERT_TRUE(launcher.Start().ok());
+  ASSERT_TRUE(SuperviseUntil(launcher, [&] { return launcher.Serving(); })) << status_;
+  EXPECT_EQ(ReadFile(file).value_or(""), (options_.state / "logs" / "one.log").string() + " 2.5\n");
+}
+
 TEST_F(LauncherTest, StartsEverythingAndStopsEverything) {
   HousePlan plan;
   plan.processes = {Serving("one"), Serving("two")};
