@@ -9,8 +9,6 @@ namespace {
 
 using Json = nlohmann::json;
 
-absl::Status BadToken() { return InvalidField("page_token", "is not a token of this list"); }
-
 }  // namespace
 
 absl::StatusOr<MergePosition> ParseMergeToken(std::string_view text,
@@ -22,18 +20,18 @@ absl::StatusOr<MergePosition> ParseMergeToken(std::string_view text,
   }
   std::string decoded;
   if (!absl::WebSafeBase64Unescape(absl::string_view(text.data(), text.size()), &decoded)) {
-    return BadToken();
+    return resources::NotAPageToken();
   }
   const Json json = Json::parse(decoded, nullptr, false);
-  if (!json.is_object()) return BadToken();
+  if (!json.is_object()) return resources::NotAPageToken();
   for (const auto& [name, entry] : json.items()) {
     const bool known = std::find(sources.begin(), sources.end(), name) != sources.end();
     if (!known || !entry.is_array() || entry.size() != 3 || !entry[0].is_string() ||
         !entry[1].is_number_integer() || !entry[2].is_string()) {
-      return BadToken();
+      return resources::NotAPageToken();
     }
     const auto skip = entry[1].get<int64_t>();
-    if (skip < 0 || skip >= kMaximalMergedPage) return BadToken();
+    if (skip < 0 || skip >= resources::kLargestPageSize) return resources::NotAPageToken();
     position[name] = {entry[0].get<std::string>(), static_cast<int>(skip),
                       entry[2].get<std::string>()};
   }

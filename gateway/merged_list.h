@@ -11,6 +11,7 @@
 
 #include "absl/status/statusor.h"
 #include "common/base/errors.h"
+#include "common/resources/page_rule.h"
 
 namespace mortise::gateway {
 
@@ -33,8 +34,6 @@ absl::StatusOr<MergePosition> ParseMergeToken(std::string_view text,
                                               const std::vector<std::string>& sources);
 std::string FormatMergeToken(const MergePosition& position);
 
-inline constexpr int kMaximalMergedPage = 1000;
-
 template <class Item>
 struct ListPage {
   std::vector<Item> items;
@@ -43,14 +42,16 @@ struct ListPage {
 
 // The next page of the merged list. `fetch(source, page_size, page_token)` gives a page of a
 // source, whose items are in the order of `before(a, b)`; failures end it. `identify(item)` gives a
-// text that no other item of its source has, not empty, and that stays the same. Items of one
+// text that no other item of its source has, not empty, and that stays the same; `size_of(item)`
+// its bytes, for the page to end where all pages do (common/resources/page_rule.h). Items of one
 // source keep their order, and none is lost or repeated between pages, also where a source gets new
 // items at its front meanwhile: those that would stand before what was given are left out. No item
 // may go away while the list is read.
-template <class Item, class Fetch, class Before, class Identify>
+template <class Item, class Fetch, class Before, class Identify, class SizeOf>
 absl::StatusOr<ListPage<Item>> MergeLists(const std::vector<std::string>& sources, int page_size,
                                           const std::string& page_token, const Fetch& fetch,
-                                          const Before& before, const Identify& identify) {
+                                          const Before& before, const Identify& identify,
+                                          const SizeOf& size_of) {
   struct Read {
     std::string name;
     ListPage<Item> page;
@@ -58,16 +59,14 @@ absl::StatusOr<ListPage<Item>> MergeLists(const std::vector<std::string>& source
     std::size_t used = 0;
     bool found_last = true;  // else all of the page came in front of what was used up
   };
-  if (page_size < 0 || page_size > kMaximalMergedPage) {
-    return InvalidField("page_size", "must be between 0 and " + std::to_string(kMaximalMergedPage));
-  }
-  const auto wanted = static_cast<std::size_t>(page_size == 0 ? 100 : page_size);
+  MORTISE_ASSIGN_OR_RETURN(const resources::PageQuery query,
+                           resources::ReadPageQuery(page_size, page_token));
   MORTISE_ASSIGN_OR_RETURN(const MergePosition start, ParseMergeToken(page_token, sources));
   std::vector<Read> reads;
   for (const auto& [name, position] : start) {
     Read read{name, {}, position};
     // Sources bound their pages as this list does; what they cannot give makes this page shorter.
-    const int asked = std::min(static_cast<int>(wanted) + position.skip, kMaximalMergedPage);
+    const int asked = std::min(query.size + position.skip, resources::kLargestPageSize);
     MORTISE_ASSIGN_OR_RETURN(read.page, fetch(name, asked, position.token));
     if (!position.last.empty()) {
       const auto& items = read.page.items;
@@ -81,7 +80,8 @@ absl::StatusOr<ListPage<Item>> MergeLists(const std::vector<std::string>& source
   }
   ListPage<Item> merged;
   std::map<std::string, std::string> last;  // identity of the last item given, by source
-  while (merged.items.size() < wanted) {
+  resources::PageRoom room(query.size);
+  while (true) {
     Read* best = nullptr;
     bool exhausted = false;
     for (Read& read : reads) {
@@ -94,6 +94,7 @@ absl::StatusOr<ListPage<Item>> MergeLists(const std::vector<std::string>& source
     }
     // What the exhausted source has on its next page might come first.
     if (best == nullptr || exhausted) break;
+    if (!room.Take(size_of(best->page.items[best->used]))) break;
     last[best->name] = identify(best->page.items[best->used]);
     merged.items.push_back(std::move(best->page.items[best->used++]));
   }

@@ -23,6 +23,11 @@ int64_t Micros(const google::protobuf::Timestamp& time) {
   return google::protobuf::util::TimeUtil::TimestampToMicroseconds(time);
 }
 
+template <class Message>
+std::size_t SizeOf(const Message& message) {
+  return message.ByteSizeLong();
+}
+
 // A service that restarts is waited for; one that stays away makes the list fail, because a list
 // with a part missing would look complete.
 rpc::RetryOptions Patience() {
@@ -69,7 +74,7 @@ class MergedOperations final : public v1::OperationService::CallbackService {
     const auto fetch = [&](const std::string& service, int page_size,
                            const std::string& token) -> absl::StatusOr<ListPage<v1::Operation>> {
       v1::OperationService::Stub stub(environment_.upstreams->Channel(service));
-      v1::ListOperationsRequest request;
+      v1::ListOperationsRequest request = asked;
       request.set_page_size(page_size);
       request.set_page_token(token);
       MORTISE_ASSIGN_OR_RETURN(
@@ -84,10 +89,11 @@ class MergedOperations final : public v1::OperationService::CallbackService {
     const auto newer = [](const v1::Operation& a, const v1::Operation& b) {
       return Micros(a.create_time()) > Micros(b.create_time());
     };
-    MORTISE_ASSIGN_OR_RETURN(
-        ListPage<v1::Operation> merged,
-        MergeLists<v1::Operation>(sources, asked.page_size(), asked.page_token(), fetch, newer,
-                                  [](const v1::Operation& operation) { return operation.name(); }));
+    MORTISE_ASSIGN_OR_RETURN(ListPage<v1::Operation> merged,
+                             MergeLists<v1::Operation>(
+                                 sources, asked.page_size(), asked.page_token(), fetch, newer,
+                                 [](const v1::Operation& operation) { return operation.name(); },
+                                 SizeOf<v1::Operation>));
     v1::ListOperationsResponse response;
     for (v1::Operation& item : merged.items) *response.add_operations() = std::move(item);
     response.set_next_page_token(merged.next_page_token);
@@ -118,9 +124,10 @@ class MergedAudit final : public v1::AuditService::CallbackService {
   absl::StatusOr<Page> Fetch(const rpc::Call& call, const std::string& service, int page_size,
                              const std::string& token) const {
     if (service == kGateway) {
-      MORTISE_ASSIGN_OR_RETURN(rpc::AuditPage own,
-                               rpc::ListAudit(*environment_.store, page_size, token));
-      return Page{std::move(own.records), std::move(own.next_page_token)};
+      MORTISE_ASSIGN_OR_RETURN(const resources::PageQuery query,
+                               resources::ReadPageQuery(page_size, token));
+      MORTISE_ASSIGN_OR_RETURN(auto own, rpc::ListAudit(*environment_.store, query));
+      return Page{std::move(own.entries), std::move(own.next_page_token)};
     }
     v1::AuditService::Stub stub(environment_.upstreams->Channel(service));
     v1::ListAuditRecordsRequest request;
@@ -145,10 +152,11 @@ class MergedAudit final : public v1::AuditService::CallbackService {
       return Micros(a.time()) > Micros(b.time());
     };
     MORTISE_ASSIGN_OR_RETURN(
-        Page merged, MergeLists<v1::AuditRecord>(sources, asked.page_size(), asked.page_token(),
-                                                 fetch, newer, [](const v1::AuditRecord& record) {
-                                                   return Sha256Hex(record.SerializeAsString());
-                                                 }));
+        Page merged,
+        MergeLists<v1::AuditRecord>(
+            sources, asked.page_size(), asked.page_token(), fetch, newer,
+            [](const v1::AuditRecord& record) { return Sha256Hex(record.SerializeAsString()); },
+            SizeOf<v1::AuditRecord>));
     v1::ListAuditRecordsResponse response;
     for (v1::AuditRecord& item : merged.items) *response.add_records() = std::move(item);
     response.set_next_page_token(merged.next_page_token);

@@ -1,6 +1,9 @@
 #include "gateway/webhook_records.h"
 
+#include <google/protobuf/util/time_util.h>
+
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
@@ -13,6 +16,7 @@ namespace mortise::gateway {
 namespace {
 
 using Json = nlohmann::json;
+using LetterMessage = v1::ListDeadLettersResponse::DeadLetter;
 
 constexpr char kWebhooks[] = "webhooks";
 constexpr char kDeadLetters[] = "webhook-dead-letters";
@@ -31,15 +35,18 @@ std::string LetterKey(const std::string& webhook, const std::string& stream, int
   return absl::StrFormat("%s/%s/%019d", webhook, stream, number);
 }
 
-DeadLetter ParseLetter(const store::Record& record) {
-  DeadLetter letter;
+absl::StatusOr<LetterMessage> ParseLetter(const store::Record& record) {
   const Json json = Json::parse(record.payload, nullptr, false);
-  if (!json.is_object()) return letter;
-  letter.stream = json.value("stream", "");
-  letter.number = json.value("number", int64_t{0});
-  letter.tries = json.value("tries", 0);
-  letter.error = json.value("error", "");
-  letter.give_up_time = absl::FromUnixMicros(json.value("time", int64_t{0}));
+  if (!json.is_object()) {
+    return StorageFailed("webhook-dead-letters/" + record.key, "the record is damaged");
+  }
+  LetterMessage letter;
+  letter.set_stream(json.value("stream", ""));
+  letter.set_number(json.value("number", int64_t{0}));
+  letter.set_tries(json.value("tries", 0));
+  letter.set_error(json.value("error", ""));
+  *letter.mutable_give_up_time() =
+      google::protobuf::util::TimeUtil::MicrosecondsToTimestamp(json.value("time", int64_t{0}));
   return letter;
 }
 
@@ -87,6 +94,11 @@ absl::StatusOr<std::vector<v1::Webhook>> ListWebhooks(store::ReadTransaction& tr
   return webhooks;
 }
 
+absl::StatusOr<resources::Page<v1::Webhook>> PageOfWebhooks(store::ReadTransaction& transaction,
+                                                            const resources::PageQuery& query) {
+  return resources::ReadPage<v1::Webhook>(transaction, {.kind = kWebhooks}, query);
+}
+
 absl::Status PutWebhook(store::Transaction& transaction, const v1::Webhook& webhook) {
   MORTISE_ASSIGN_OR_RETURN(const std::string id, WebhookId(webhook.name()));
   return transaction.Put(kWebhooks, id, webhook.SerializeAsString()).status();
@@ -113,19 +125,14 @@ absl::Status PutDeadLetter(store::Transaction& transaction, const std::string& w
       .status();
 }
 
-absl::StatusOr<std::vector<DeadLetter>> ListDeadLetters(store::ReadTransaction& transaction,
-                                                        const std::string& webhook,
-                                                        const std::string& after, int limit,
-                                                        std::string& next) {
-  store::ListOptions options;
-  options.key_prefix = webhook + "/";
-  options.after_key = after;
-  options.limit = limit;
-  MORTISE_ASSIGN_OR_RETURN(const auto records, transaction.List(kDeadLetters, options));
-  std::vector<DeadLetter> letters;
-  for (const store::Record& record : records) letters.push_back(ParseLetter(record));
-  next = records.size() == static_cast<std::size_t>(limit) ? records.back().key : "";
-  return letters;
+absl::StatusOr<resources::Page<LetterMessage>> PageOfDeadLetters(
+    store::ReadTransaction& transaction, const std::string& webhook,
+    const resources::PageQuery& query) {
+  return resources::ReadPage<LetterMessage>(
+      transaction, {.kind = kDeadLetters, .key_prefix = webhook + "/"}, query,
+      [](const store::Record& record) -> absl::StatusOr<std::optional<LetterMessage>> {
+        return ParseLetter(record);
+      });
 }
 
 absl::Status ForgetDeadLetters(store::Transaction& transaction, const std::string& webhook,

@@ -9,14 +9,8 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
-
-namespace mortise::store {
-class ReadTransaction;
-class Transaction;
-}  // namespace mortise::store
-namespace mortise::v1 {
-class Webhook;
-}
+#include "common/resources/record_page.h"
+#include "mortise/v1/gateway.pb.h"
 
 namespace mortise::gateway {
 
@@ -40,6 +34,10 @@ absl::StatusOr<v1::Webhook> GetWebhook(store::ReadTransaction& transaction,
 absl::StatusOr<std::vector<v1::Webhook>> ListWebhooks(store::ReadTransaction& transaction,
                                                       const std::string& after_id, int limit);
 
+// A page of them.
+absl::StatusOr<resources::Page<v1::Webhook>> PageOfWebhooks(store::ReadTransaction& transaction,
+                                                            const resources::PageQuery& query);
+
 absl::Status PutWebhook(store::Transaction& transaction, const v1::Webhook& webhook);
 
 // With its dead letters.
@@ -48,12 +46,10 @@ absl::Status DeleteWebhook(store::Transaction& transaction, const std::string& n
 absl::Status PutDeadLetter(store::Transaction& transaction, const std::string& webhook,
                            const DeadLetter& letter);
 
-// Dead letters of a webhook by stream and number, after the key `after` (empty: from the first);
-// `next` becomes the key to go on from, empty at the end.
-absl::StatusOr<std::vector<DeadLetter>> ListDeadLetters(store::ReadTransaction& transaction,
-                                                        const std::string& webhook,
-                                                        const std::string& after, int limit,
-                                                        std::string& next);
+// A page of the dead letters of a webhook, by stream and number.
+absl::StatusOr<resources::Page<v1::ListDeadLettersResponse::DeadLetter>> PageOfDeadLetters(
+    store::ReadTransaction& transaction, const std::string& webhook,
+    const resources::PageQuery& query);
 
 // Forgets the dead letters of a stream numbered after `after_number`: they are delivered again.
 absl::Status ForgetDeadLetters(store::Transaction& transaction, const std::string& webhook,

@@ -22,23 +22,7 @@ namespace {
 
 using google::protobuf::util::TimeUtil;
 
-constexpr int kDefaultPage = 100;
-constexpr int kLargestPage = 1000;
 constexpr int kLargestList = 100;  // of streams or type prefixes in one subscription
-
-absl::StatusOr<int> PageSize(int asked) {
-  if (asked < 0 || asked > kLargestPage) return InvalidField("page_size", "must be 0 to 1000");
-  return asked == 0 ? kDefaultPage : asked;
-}
-
-// A token is the key of a dead letter: names, digits and slashes.
-absl::Status CheckLetterToken(const std::string& token) {
-  constexpr std::size_t kLongest = 200;
-  const bool printable =
-      std::all_of(token.begin(), token.end(), [](char c) { return c > ' ' && c < 127; });
-  if (printable && token.size() <= kLongest) return absl::OkStatus();
-  return InvalidField("page_token", "is not one that this method gave");
-}
 
 // Unguessable: 32 random bytes.
 absl::StatusOr<std::string> NewSecret() {
@@ -167,26 +151,18 @@ class WebhookAdapter final : public v1::WebhookService::CallbackService {
   }
 
   absl::StatusOr<v1::ListWebhooksResponse> List(const v1::ListWebhooksRequest& asked) const {
-    MORTISE_ASSIGN_OR_RETURN(const int page_size, PageSize(asked.page_size()));
-    if (!asked.page_token().empty() && !IsResourceId(asked.page_token())) {
-      return InvalidField("page_token", "is not one that this method gave");
-    }
-    v1::ListWebhooksResponse response;
+    MORTISE_ASSIGN_OR_RETURN(const resources::PageQuery query, resources::ReadPageQuery(asked));
+    resources::Page<v1::Webhook> page;
     MORTISE_RETURN_IF_ERROR(
         environment_.store->Read([&](store::ReadTransaction& transaction) -> absl::Status {
-          response.Clear();
-          MORTISE_ASSIGN_OR_RETURN(
-              auto webhooks, gateway::ListWebhooks(transaction, asked.page_token(), page_size));
-          for (v1::Webhook& webhook : webhooks) {
-            *response.add_webhooks() = WithoutSecret(std::move(webhook));
-          }
+          MORTISE_ASSIGN_OR_RETURN(page, gateway::PageOfWebhooks(transaction, query));
           return absl::OkStatus();
         }));
-    if (response.webhooks_size() == page_size) {
-      MORTISE_ASSIGN_OR_RETURN(const std::string last,
-                               WebhookId(response.webhooks(page_size - 1).name()));
-      response.set_next_page_token(last);
+    v1::ListWebhooksResponse response;
+    for (v1::Webhook& webhook : page.entries) {
+      *response.add_webhooks() = WithoutSecret(std::move(webhook));
     }
+    response.set_next_page_token(page.next_page_token);
     return response;
   }
 
@@ -214,28 +190,18 @@ class WebhookAdapter final : public v1::WebhookService::CallbackService {
 
   absl::StatusOr<v1::ListDeadLettersResponse> ListLetters(
       const v1::ListDeadLettersRequest& asked) const {
-    MORTISE_ASSIGN_OR_RETURN(const int page_size, PageSize(asked.page_size()));
-    MORTISE_RETURN_IF_ERROR(CheckLetterToken(asked.page_token()));
-    v1::ListDeadLettersResponse response;
+    MORTISE_ASSIGN_OR_RETURN(const resources::PageQuery query, resources::ReadPageQuery(asked));
+    resources::Page<v1::ListDeadLettersResponse::DeadLetter> page;
     MORTISE_RETURN_IF_ERROR(
         environment_.store->Read([&](store::ReadTransaction& transaction) -> absl::Status {
-          response.Clear();
           MORTISE_RETURN_IF_ERROR(gateway::GetWebhook(transaction, asked.name()).status());
-          MORTISE_ASSIGN_OR_RETURN(
-              const auto letters,
-              gateway::ListDeadLetters(transaction, asked.name(), asked.page_token(), page_size,
-                                       *response.mutable_next_page_token()));
-          for (const DeadLetter& letter : letters) {
-            auto& proto = *response.add_dead_letters();
-            proto.set_stream(letter.stream);
-            proto.set_number(letter.number);
-            proto.set_tries(letter.tries);
-            proto.set_error(letter.error);
-            *proto.mutable_give_up_time() =
-                TimeUtil::MicrosecondsToTimestamp(absl::ToUnixMicros(letter.give_up_time));
-          }
+          MORTISE_ASSIGN_OR_RETURN(page,
+                                   gateway::PageOfDeadLetters(transaction, asked.name(), query));
           return absl::OkStatus();
         }));
+    v1::ListDeadLettersResponse response;
+    for (auto& letter : page.entries) *response.add_dead_letters() = std::move(letter);
+    response.set_next_page_token(page.next_page_token);
     return response;
   }
 

@@ -1,5 +1,6 @@
 #include "common/jobs/operation_records.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -16,6 +17,7 @@ constexpr std::string_view kStates = "operations";
 constexpr std::string_view kRequests = "operation-requests";
 constexpr std::string_view kResults = "operation-results";
 constexpr std::string_view kCheckpoints = "operation-checkpoints";
+constexpr int kVisitedAtOnce = 100;  // states, which are small
 
 // Text of libraries may not be UTF-8; what is not becomes a replacement character.
 std::string Dump(const json& value) {
@@ -85,6 +87,14 @@ std::string DescribeAsJson(const Operation& operation) {
 
 absl::StatusOr<std::string> BytesOrNone(absl::StatusOr<store::Record> record) {
   if (record.ok()) return std::move(record->payload);
+bool Passes(const Operation& operation, const OperationFilter& filter) {
+  const bool in_state =
+      filter.states.empty() ||
+      std::find(filter.states.begin(), filter.states.end(), operation.state) != filter.states.end();
+  return in_state && (filter.kind.empty() || filter.kind == operation.kind) &&
+         (filter.subject.empty() || filter.subject == operation.subject);
+}
+
   if (absl::IsNotFound(record.status())) return std::string();
   return record.status();
 }
@@ -198,6 +208,25 @@ absl::StatusOr<std::vector<Operation>> OperationRecords::List(store::ReadTransac
 absl::Status OperationRecords::Save(store::Transaction& transaction, std::string_view event,
                                     Operation* operation) {
   MORTISE_ASSIGN_OR_RETURN(const std::string id, IdOf(operation->name));
+absl::Status OperationRecords::Visit(store::ReadTransaction& transaction, std::string_view after_id,
+                                     const OperationFilter& filter,
+                                     const std::function<bool(const Operation&)>& visit) {
+  store::ListOptions options{
+      .after_key = std::string(after_id), .limit = kVisitedAtOnce, .descending = true};
+  while (true) {
+    MORTISE_ASSIGN_OR_RETURN(const std::vector<store::Record> records,
+                             transaction.List(kStates, options));
+    for (const store::Record& record : records) {
+      MORTISE_ASSIGN_OR_RETURN(Operation operation, OperationOf(record));
+      if (!Passes(operation, filter)) continue;
+      MORTISE_RETURN_IF_ERROR(LoadBytes(transaction, record.key, &operation));
+      if (!visit(operation)) return absl::OkStatus();
+    }
+    if (static_cast<int>(records.size()) < options.limit) return absl::OkStatus();
+    options.after_key = records.back().key;
+  }
+}
+
   MORTISE_ASSIGN_OR_RETURN(operation->revision,
                            transaction.Put(kStates, id, StateJson(*operation)));
   operation->updated_at = transaction.Now();

@@ -1,6 +1,7 @@
 // Operations as they lie in the store: a small JSON record that changes, and its bytes beside it.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -33,6 +34,11 @@ class OperationRecords {
   // Newest first.
   absl::StatusOr<std::vector<Operation>> List(store::ReadTransaction& transaction,
                                               std::string_view after_id, int limit);
+
+  // Newest first, one by one, until `visit` returns false.
+  absl::Status Visit(store::ReadTransaction& transaction, std::string_view after_id,
+                     const OperationFilter& filter,
+                     const std::function<bool(const Operation&)>& visit);
 
   // Writes the state, sets operation->revision and appends the event operation.<event> (none if
   // empty).

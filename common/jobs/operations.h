@@ -71,6 +71,14 @@ struct NewOperation {
   std::string request_id = {};
   std::string creator = {};
 };
+  std::string method = {};
+};
+
+// Which operations to visit; what is empty excludes none.
+struct OperationFilter {
+  std::vector<OperationState> states = {};
+  std::string kind = {};
+  std::string subject = {};
 
 // The handler's side of a running operation. All calls are thread safe.
 class OperationContext {
@@ -173,6 +181,12 @@ class Operations {
   virtual absl::StatusOr<std::vector<Operation>> List(std::string_view after_name, int limit) = 0;
 
   // Asks an operation to stop; a pending one is cancelled at once. Returns it as it then is. No
+  // Shows `visit` those that pass the filter, newest first, beyond the operation named
+  // `after_name`, until it returns false. They come one by one, as results may be large. `visit`
+  // must not use the Operations.
+  virtual absl::Status Visit(std::string_view after_name, const OperationFilter& filter,
+                             const std::function<bool(const Operation&)>& visit) = 0;
+
   // effect on a finished one.
   virtual absl::StatusOr<Operation> Cancel(std::string_view name) = 0;
 

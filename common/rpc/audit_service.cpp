@@ -3,16 +3,13 @@
 #include <utility>
 
 #include "common/base/errors.h"
-#include "common/base/identifiers.h"
+#include "common/resources/page_rule.h"
 #include "common/rpc/handler.h"
 #include "common/rpc/mutation_log.h"
 #include "mortise/v1/audit.grpc.pb.h"
 
 namespace mortise::rpc {
 namespace {
-
-constexpr int kDefaultPage = 100;
-constexpr int kLargestPage = 1000;
 
 class AuditAdapter : public v1::AuditService::CallbackService {
  public:
@@ -31,19 +28,11 @@ class AuditAdapter : public v1::AuditService::CallbackService {
 
  private:
   absl::StatusOr<v1::ListAuditRecordsResponse> List(const v1::ListAuditRecordsRequest& asked) {
-    if (asked.page_size() < 0 || asked.page_size() > kLargestPage) {
-      return InvalidField("page_size", "must be 0 to 1000");
-    }
-    if (!asked.page_token().empty() && !IsResourceId(asked.page_token())) {
-      return InvalidField("page_token", "is not one that this method gave");
-    }
+    MORTISE_ASSIGN_OR_RETURN(const resources::PageQuery query, resources::ReadPageQuery(asked));
     v1::ListAuditRecordsResponse response;
     if (!asked.service().empty() && asked.service() != service_) return response;
-    MORTISE_ASSIGN_OR_RETURN(
-        AuditPage page,
-        ListAudit(*store_, asked.page_size() == 0 ? kDefaultPage : asked.page_size(),
-                  asked.page_token()));
-    for (v1::AuditRecord& record : page.records) *response.add_records() = std::move(record);
+    MORTISE_ASSIGN_OR_RETURN(auto page, ListAudit(*store_, query));
+    for (v1::AuditRecord& record : page.entries) *response.add_records() = std::move(record);
     response.set_next_page_token(page.next_page_token);
     return response;
   }

@@ -9,6 +9,7 @@
 
 #include "absl/strings/match.h"
 #include "common/base/errors.h"
+#include "common/resources/page_rule.h"
 #include "common/rpc/handler.h"
 #include "common/store/store.h"
 #include "mortise/v1/events.grpc.pb.h"
@@ -20,8 +21,6 @@ constexpr int kMostTypes = 100;  // each is compared with every event
 constexpr int kDefaultLimit = 1000;
 constexpr int kLargestLimit = 10000;
 constexpr int kFollowBatch = 500;
-// An answer stays below the message limit, whatever is in the events.
-constexpr std::size_t kLargestAnswer = 3 * 1024 * 1024;
 // How soon a follower sees events that another replica numbered.
 constexpr absl::Duration kPollInterval = absl::Seconds(1);
 
@@ -157,16 +156,16 @@ class EventAdapter : public v1::EventService::CallbackService {
     }
     const int limit = asked.limit() == 0 ? kDefaultLimit : asked.limit();
     v1::ReadEventsResponse response;
-    std::size_t bytes = 0;
     MORTISE_RETURN_IF_ERROR(store_->Read([&](store::ReadTransaction& read) -> absl::Status {
+      response.Clear();
+      resources::PageRoom room(limit);
       MORTISE_ASSIGN_OR_RETURN(const int64_t latest, read.LatestEventNumber());
       response.set_latest_number(latest);
       MORTISE_ASSIGN_OR_RETURN(const std::vector<store::NumberedEvent> events,
                                read.ReadEvents(asked.after_number(), limit));
       for (const store::NumberedEvent& event : events) {
         v1::Event proto = EventProto(event, stream_);
-        bytes += proto.ByteSizeLong();
-        if (bytes > kLargestAnswer && response.events_size() > 0) break;
+        if (!room.Take(proto.ByteSizeLong())) break;
         *response.add_events() = std::move(proto);
       }
       return absl::OkStatus();

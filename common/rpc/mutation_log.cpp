@@ -137,22 +137,14 @@ absl::StatusOr<int> ForgetOldAnswers(store::Store& store) {
   }
 }
 
-absl::StatusOr<AuditPage> ListAudit(store::Store& store, int page_size,
-                                    const std::string& page_token) {
-  AuditPage page;
-  std::vector<store::Record> records;
+absl::StatusOr<resources::Page<v1::AuditRecord>> ListAudit(store::Store& store,
+                                                           const resources::PageQuery& query) {
+  resources::Page<v1::AuditRecord> page;
   MORTISE_RETURN_IF_ERROR(store.Read([&](store::ReadTransaction& transaction) -> absl::Status {
-    MORTISE_ASSIGN_OR_RETURN(
-        records, transaction.List(
-                     kAudit, {.after_key = page_token, .limit = page_size, .descending = true}));
+    MORTISE_ASSIGN_OR_RETURN(page, resources::ReadPage<v1::AuditRecord>(
+                                       transaction, {.kind = kAudit, .newest_first = true}, query));
     return absl::OkStatus();
   }));
-  for (const store::Record& record : records) {
-    if (!page.records.emplace_back().ParseFromString(record.payload)) {
-      return absl::DataLossError(absl::StrCat("audit record ", record.key, " is damaged"));
-    }
-  }
-  if (static_cast<int>(records.size()) == page_size) page.next_page_token = records.back().key;
   return page;
 }
 

@@ -10,16 +10,12 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
+#include "common/resources/record_page.h"
 #include "common/rpc/call_state.h"
 
 namespace google::protobuf {
 class Message;
 }
-namespace mortise::store {
-class ReadTransaction;
-class Store;
-class Transaction;
-}  // namespace mortise::store
 namespace mortise::v1 {
 class AuditRecord;
 }
@@ -55,12 +51,8 @@ absl::Status RecordMutation(store::Transaction& transaction, std::string_view se
 // Forgets answers older than kAnswerRetention; returns how many.
 absl::StatusOr<int> ForgetOldAnswers(store::Store& store);
 
-// Audit records, newest first, after the page token (empty: from the newest).
-struct AuditPage {
-  std::vector<v1::AuditRecord> records;
-  std::string next_page_token;
-};
-absl::StatusOr<AuditPage> ListAudit(store::Store& store, int page_size,
-                                    const std::string& page_token);
+// A page of audit records, newest first.
+absl::StatusOr<resources::Page<v1::AuditRecord>> ListAudit(store::Store& store,
+                                                           const resources::PageQuery& query);
 
 }  // namespace mortise::rpc

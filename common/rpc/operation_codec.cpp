@@ -4,12 +4,24 @@
 #include <google/protobuf/message.h>
 #include <google/protobuf/util/time_util.h>
 
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
+#include "common/rpc/call.h"
 #include "common/rpc/status_mapping.h"
 #include "google/rpc/status.pb.h"
 #include "mortise/v1/operations.pb.h"
 
 namespace mortise::rpc {
 namespace {
+
+constexpr jobs::OperationState kStates[] = {
+    jobs::OperationState::kPending, jobs::OperationState::kRunning,
+    jobs::OperationState::kSucceeded, jobs::OperationState::kFailed,
+    jobs::OperationState::kCancelled};
 
 v1::Operation::State StateOf(jobs::OperationState state) {
   switch (state) {
@@ -61,3 +73,18 @@ v1::Operation ToProto(const jobs::Operation& operation) {
 }
 
 }  // namespace mortise::rpc
+absl::StatusOr<std::vector<jobs::OperationState>> StatesFrom(
+    const google::protobuf::RepeatedField<int>& states) {
+  std::vector<jobs::OperationState> found;
+  for (int i = 0; i < states.size(); ++i) {
+    const auto* const known =
+        std::find_if(std::begin(kStates), std::end(kStates),
+                     [&](jobs::OperationState state) { return StateOf(state) == states[i]; });
+    if (known == std::end(kStates)) {
+      return InvalidField(absl::StrCat("states[", i, "]"), "must be a state of operations");
+    }
+    found.push_back(*known);
+  }
+  return found;
+}
+

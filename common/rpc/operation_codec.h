@@ -1,8 +1,12 @@
 // Operations of common/jobs as mortise.v1.Operation.
 #pragma once
 
-#include <string>
+#include <google/protobuf/repeated_field.h>
 
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
 #include "common/jobs/operations.h"
 
 namespace google::protobuf {
@@ -21,3 +25,7 @@ std::string PackResult(const google::protobuf::Message& result);
 v1::Operation ToProto(const jobs::Operation& operation);
 
 }  // namespace mortise::rpc
+// The states of common/jobs that `states` names; INVALID_ARGUMENT naming the entry that is none.
+absl::StatusOr<std::vector<jobs::OperationState>> StatesFrom(
+    const google::protobuf::RepeatedField<int>& states);
+

@@ -7,14 +7,14 @@
 #include "common/base/errors.h"
 #include "common/jobs/operations.h"
 #include "common/rpc/handler.h"
+#include "common/resources/page_rule.h"
+#include "common/rpc/call_state.h"
 #include "common/rpc/operation_codec.h"
 #include "mortise/v1/operations.grpc.pb.h"
 
 namespace mortise::rpc {
 namespace {
 
-constexpr int kDefaultPage = 100;
-constexpr int kLargestPage = 1000;
 constexpr double kDefaultWait = 60;    // s
 constexpr double kLongestWait = 3600;  // s
 // How long before the caller's deadline a wait answers, so that the answer still arrives.
@@ -92,25 +92,28 @@ class OperationAdapter : public v1::OperationService::CallbackService {
 
   // The page token is the name of the last operation on the page before.
   absl::StatusOr<v1::ListOperationsResponse> List(const v1::ListOperationsRequest& asked) {
-    if (asked.page_size() < 0 || asked.page_size() > kLargestPage) {
-      return InvalidField("page_size", "must be 0 to 1000");
-    }
-    const std::size_t size = asked.page_size() == 0 ? kDefaultPage : asked.page_size();
+    MORTISE_ASSIGN_OR_RETURN(const resources::PageQuery query, resources::ReadPageQuery(asked));
+    MORTISE_ASSIGN_OR_RETURN(std::vector<jobs::OperationState> states, StatesFrom(asked.states()));
+    const jobs::OperationFilter filter{
+        .states = std::move(states), .kind = asked.kind(), .subject = asked.subject()};
     v1::ListOperationsResponse response;
     if (!asked.service().empty() && asked.service() != dispatcher_->options().service) {
       return response;
     }
-    // One more than asked for tells whether there is another page.
-    absl::StatusOr<std::vector<jobs::Operation>> newest =
-        operations_->List(asked.page_token(), static_cast<int>(size) + 1);
-    if (absl::IsInvalidArgument(newest.status())) {
-      return InvalidField("page_token", "is not one that this method gave");
-    }
-    MORTISE_RETURN_IF_ERROR(newest.status());
-    for (std::size_t i = 0; i < std::min(size, newest->size()); ++i) {
-      *response.add_operations() = ToProto((*newest)[i]);
-    }
-    if (newest->size() > size) response.set_next_page_token((*newest)[size - 1].name);
+    resources::PageRoom room(query.size);
+    const absl::Status visited =
+        operations_->Visit(query.after, filter, [&](const jobs::Operation& operation) {
+          v1::Operation proto = ToProto(operation);
+          if (asked.omit_results()) proto.clear_result();
+          if (room.Take(proto.ByteSizeLong())) {
+            *response.add_operations() = std::move(proto);
+            return true;
+          }
+          response.set_next_page_token(response.operations().rbegin()->name());
+          return false;
+        });
+    if (absl::IsInvalidArgument(visited)) return resources::NotAPageToken();
+    MORTISE_RETURN_IF_ERROR(visited);
     return response;
   }
 

@@ -51,9 +51,9 @@ absl::StatusOr<Page<v1::Assembly>> ListAssemblies(store::ReadTransaction& transa
   const absl::StatusOr<WordFilter> words = WordFilter::Create(request.text());
   MORTISE_RETURN_IF_ERROR(Together(
       Together(CheckFilterName(transaction, kItems, request.item(), "item"), words.status()),
-      PageOptions(request.page_size(), request.page_token()).status()));
+      resources::ReadPageQuery(request).status()));
   return ReadPage<v1::Assembly>(
-      transaction, kAssemblies, request.page_size(), request.page_token(),
+      transaction, kAssemblies, request,
       [&](const store::Record& record) -> absl::StatusOr<std::optional<v1::Assembly>> {
         MORTISE_ASSIGN_OR_RETURN(v1::AssemblyBundle bundle, BundleOf(record));
         v1::Assembly& summary = *bundle.mutable_assembly();

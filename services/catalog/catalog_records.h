@@ -11,18 +11,14 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "common/parametric/template_validation.h"
+#include "common/resources/record_page.h"
 #include "common/store/store.h"
 #include "common/templates/template_codec.h"
 #include "mortise/v1/catalog.pb.h"
 
 namespace mortise::catalog {
 
-// One page of a List method.
-template <typename Message>
-struct Page {
-  std::vector<Message> entries;
-  std::string next_page_token;  // empty on the last page
-};
+using resources::Page;
 
 // ---- Materials and items -----------------------------------------------------------------------
 

@@ -77,10 +77,9 @@ absl::StatusOr<v1::Item> GetItem(store::ReadTransaction& transaction, const std:
 absl::StatusOr<Page<v1::Item>> ListItems(store::ReadTransaction& transaction,
                                          const v1::ListItemsRequest& request) {
   const absl::StatusOr<ItemFilter> filter = ItemFilter::Create(transaction, request);
-  MORTISE_RETURN_IF_ERROR(
-      Together(filter.status(), PageOptions(request.page_size(), request.page_token()).status()));
+  MORTISE_RETURN_IF_ERROR(Together(filter.status(), resources::ReadPageQuery(request).status()));
   return ReadPage<v1::Item>(
-      transaction, kItems, request.page_size(), request.page_token(),
+      transaction, kItems, request,
       [&filter](const store::Record& record) -> absl::StatusOr<std::optional<v1::Item>> {
         MORTISE_ASSIGN_OR_RETURN(v1::Item item, ItemOf(record));
         if (!filter->Takes(item)) return std::nullopt;

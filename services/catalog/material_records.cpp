@@ -80,10 +80,9 @@ absl::StatusOr<v1::Material> GetMaterial(store::ReadTransaction& transaction,
 absl::StatusOr<Page<v1::Material>> ListMaterials(store::ReadTransaction& transaction,
                                                  const v1::ListMaterialsRequest& request) {
   const absl::StatusOr<WordFilter> words = WordFilter::Create(request.text());
-  MORTISE_RETURN_IF_ERROR(
-      Together(words.status(), PageOptions(request.page_size(), request.page_token()).status()));
+  MORTISE_RETURN_IF_ERROR(Together(words.status(), resources::ReadPageQuery(request).status()));
   return ReadPage<v1::Material>(
-      transaction, kMaterials, request.page_size(), request.page_token(),
+      transaction, kMaterials, request,
       [&](const store::Record& record) -> absl::StatusOr<std::optional<v1::Material>> {
         MORTISE_ASSIGN_OR_RETURN(v1::Material material, MaterialOf(record));
         if (!Gives(material, request.elasticity())) return std::nullopt;

@@ -10,9 +10,6 @@
 
 namespace mortise::catalog {
 
-constexpr int kDefaultPageSize = 100;
-constexpr int kMaxPageSize = 1000;
-
 absl::StatusOr<store::Record> GetRecord(store::ReadTransaction& transaction, const char* kind,
                                         const std::string& name, int64_t revision) {
   const absl::StatusOr<std::string> id = ParseResourceName(name, kind, "name");
@@ -33,21 +30,6 @@ absl::StatusOr<store::Record> GetRecordOrNone(store::ReadTransaction& transactio
   if (absl::IsNotFound(record.status())) return store::Record{};
   if (!record.ok()) return UnderField(field, record.status());
   return record;
-}
-
-absl::StatusOr<store::ListOptions> PageOptions(int page_size, const std::string& page_token) {
-  std::vector<FieldViolation> violations;
-  if (page_size < 0 || page_size > kMaxPageSize) {
-    violations.push_back({"page_size", absl::StrCat("must be 0 to ", kMaxPageSize)});
-  }
-  if (!page_token.empty() && !IsResourceId(page_token)) {
-    violations.push_back({"page_token", "is not one that this method gave"});
-  }
-  if (!violations.empty()) return InvalidFields(violations);
-  store::ListOptions options;
-  options.after_key = page_token;
-  options.limit = page_size == 0 ? kDefaultPageSize : page_size;
-  return options;
 }
 
 absl::StatusOr<int64_t> PutNew(store::Transaction& transaction, const char* kind,

@@ -29,10 +29,6 @@ absl::StatusOr<store::Record> GetRecord(store::ReadTransaction& transaction, con
 absl::StatusOr<store::Record> GetRecordOrNone(store::ReadTransaction& transaction, const char* kind,
                                               const std::string& name, const std::string& field);
 
-// Where a page begins, and as its limit how many entries it has at most. INVALID_ARGUMENT naming
-// page_size or page_token.
-absl::StatusOr<store::ListOptions> PageOptions(int page_size, const std::string& page_token);
-
 // Writes a record that must not exist yet. ALREADY_EXISTS naming it.
 absl::StatusOr<int64_t> PutNew(store::Transaction& transaction, const char* kind,
                                const std::string& name, const std::string& payload);

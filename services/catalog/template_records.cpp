@@ -83,9 +83,9 @@ absl::StatusOr<Page<v1::Template>> ListTemplates(store::ReadTransaction& transac
   const absl::StatusOr<WordFilter> words = WordFilter::Create(request.text());
   MORTISE_RETURN_IF_ERROR(Together(
       Together(CheckFilterName(transaction, kItems, request.item(), "item"), words.status()),
-      PageOptions(request.page_size(), request.page_token()).status()));
+      resources::ReadPageQuery(request).status()));
   return ReadPage<v1::Template>(
-      transaction, kTemplates, request.page_size(), request.page_token(),
+      transaction, kTemplates, request,
       [&](const store::Record& record) -> absl::StatusOr<std::optional<v1::Template>> {
         MORTISE_ASSIGN_OR_RETURN(v1::TemplateBundle bundle, BundleOf(record));
         const v1::Template& message = bundle.template_();

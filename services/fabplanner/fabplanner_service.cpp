@@ -9,6 +9,7 @@
 #include "common/base/identifiers.h"
 #include "common/base/logging.h"
 #include "common/jobs/operations.h"
+#include "common/resources/record_page.h"
 #include "common/rpc/channel.h"
 #include "common/rpc/chunk_stream.h"
 #include "common/rpc/handler.h"
@@ -30,28 +31,17 @@ constexpr int kBridgeQueue = 20000;
 // Operations that wait for machines hold a thread each; some must be left for planning.
 constexpr int kThreadsForPlanning = 2;
 
-// A page of records from the newest down; `next` is the token of the following page.
-struct Page {
-  std::vector<store::Record> records;
-  std::string next;
-};
-
-absl::StatusOr<Page> ListNewestFirst(store::Store& store, const char* kind, int page_size,
-                                     const std::string& page_token) {
-  if (page_size < 0 || page_size > 1000) return InvalidField("page_size", "must be 0 to 1000");
-  if (!page_token.empty() && !IsResourceId(page_token)) {
-    return InvalidField("page_token", "is not one that this method gave");
-  }
-  store::ListOptions options;
-  options.after_key = page_token;
-  options.limit = page_size == 0 ? 100 : page_size;
-  options.descending = true;
-  Page page;
+// The page of a List request, from the newest record down.
+template <typename Message, typename Request>
+absl::StatusOr<resources::Page<Message>> ListNewestFirst(store::Store& store, const char* kind,
+                                                         const Request& asked) {
+  MORTISE_ASSIGN_OR_RETURN(const resources::PageQuery query, resources::ReadPageQuery(asked));
+  resources::Page<Message> page;
   MORTISE_RETURN_IF_ERROR(store.Read([&](store::ReadTransaction& transaction) -> absl::Status {
-    MORTISE_ASSIGN_OR_RETURN(page.records, transaction.List(kind, options));
+    MORTISE_ASSIGN_OR_RETURN(page, resources::ReadPage<Message>(
+                                       transaction, {.kind = kind, .newest_first = true}, query));
     return absl::OkStatus();
   }));
-  if (static_cast<int>(page.records.size()) == options.limit) page.next = page.records.back().key;
   return page;
 }
 
@@ -153,16 +143,11 @@ class FabPlannerAdapter final : public v1::FabPlannerService::CallbackService {
         "ListPlans", context, request, response,
         [this](const rpc::Call&,
                const v1::ListPlansRequest& asked) -> absl::StatusOr<v1::ListPlansResponse> {
-          MORTISE_ASSIGN_OR_RETURN(
-              const Page page,
-              ListNewestFirst(*store_, kPlanSummaryKind, asked.page_size(), asked.page_token()));
+          MORTISE_ASSIGN_OR_RETURN(auto page,
+                                   ListNewestFirst<v1::Plan>(*store_, kPlanSummaryKind, asked));
           v1::ListPlansResponse answer;
-          for (const store::Record& record : page.records) {
-            if (!answer.add_plans()->ParseFromString(record.payload)) {
-              return StorageFailed(record.key, "the plan is not readable");
-            }
-          }
-          answer.set_next_page_token(page.next);
+          for (v1::Plan& plan : page.entries) *answer.add_plans() = std::move(plan);
+          answer.set_next_page_token(page.next_page_token);
           return answer;
         });
   }
@@ -221,22 +206,17 @@ class FabPlannerAdapter final : public v1::FabPlannerService::CallbackService {
   grpc::ServerUnaryReactor* ListWorkOrders(grpc::CallbackServerContext* context,
                                            const v1::ListWorkOrdersRequest* request,
                                            v1::ListWorkOrdersResponse* response) override {
-    return endpoint_.Query(
-        "ListWorkOrders", context, request, response,
-        [this](const rpc::Call&, const v1::ListWorkOrdersRequest& asked)
-            -> absl::StatusOr<v1::ListWorkOrdersResponse> {
-          MORTISE_ASSIGN_OR_RETURN(
-              const Page page,
-              ListNewestFirst(*store_, kOrderKind, asked.page_size(), asked.page_token()));
-          v1::ListWorkOrdersResponse answer;
-          for (const store::Record& record : page.records) {
-            if (!answer.add_work_orders()->ParseFromString(record.payload)) {
-              return StorageFailed(record.key, "the work order is not readable");
-            }
-          }
-          answer.set_next_page_token(page.next);
-          return answer;
-        });
+    return endpoint_.Query("ListWorkOrders", context, request, response,
+                           [this](const rpc::Call&, const v1::ListWorkOrdersRequest& asked)
+                               -> absl::StatusOr<v1::ListWorkOrdersResponse> {
+                             MORTISE_ASSIGN_OR_RETURN(auto page, ListNewestFirst<v1::WorkOrder>(
+                                                                     *store_, kOrderKind, asked));
+                             v1::ListWorkOrdersResponse answer;
+                             for (v1::WorkOrder& order : page.entries)
+                               *answer.add_work_orders() = std::move(order);
+                             answer.set_next_page_token(page.next_page_token);
+                             return answer;
+                           });
   }
 
   grpc::ServerUnaryReactor* HoldWorkOrder(grpc::CallbackServerContext* context,

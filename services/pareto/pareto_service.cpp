@@ -9,6 +9,7 @@
 #include "common/base/errors.h"
 #include "common/base/identifiers.h"
 #include "common/jobs/operations.h"
+#include "common/resources/record_page.h"
 #include "common/rpc/channel.h"
 #include "common/rpc/chunk_stream.h"
 #include "common/rpc/handler.h"
@@ -27,9 +28,14 @@
 namespace mortise::pareto {
 namespace {
 
-constexpr int kDefaultPage = 100;
-constexpr int kLargestPage = 1000;
 constexpr std::size_t kCachedFronts = 32;
+
+// A front as lists show it: without its points.
+absl::StatusOr<std::optional<v1::Front>> Summary(const store::Record& record) {
+  MORTISE_ASSIGN_OR_RETURN(v1::Front front, resources::ParseRecord<v1::Front>(kFrontKind, record));
+  front.clear_points();
+  return front;
+}
 
 class ParetoAdapter : public v1::ParetoService::CallbackService {
  public:
@@ -153,8 +159,7 @@ class ParetoAdapter : public v1::ParetoService::CallbackService {
           const auto record = transaction.Get(kFrontKind, id);
           if (absl::IsNotFound(record.status())) return ResourceNotFound(name);
           MORTISE_RETURN_IF_ERROR(record.status());
-          if (!front.ParseFromString(record->payload))
-            return absl::InternalError("the stored front cannot be read");
+          MORTISE_ASSIGN_OR_RETURN(front, resources::ParseRecord<v1::Front>(kFrontKind, *record));
           return absl::OkStatus();
         }));
     return front;
@@ -165,27 +170,17 @@ class ParetoAdapter : public v1::ParetoService::CallbackService {
   }
 
   absl::StatusOr<v1::ListFrontsResponse> List(const v1::ListFrontsRequest& asked) {
-    if (asked.page_size() < 0 || asked.page_size() > kLargestPage)
-      return InvalidField("page_size", absl::StrCat("must lie between 1 and ", kLargestPage));
-    if (!asked.page_token().empty() && !IsResourceId(asked.page_token()))
-      return InvalidField("page_token", "is not one that ListFronts gave");
-    store::ListOptions options;
-    options.after_key = asked.page_token();
-    options.limit = asked.page_size() > 0 ? asked.page_size() : kDefaultPage;
-    options.descending = true;
-    v1::ListFrontsResponse response;
+    MORTISE_ASSIGN_OR_RETURN(const resources::PageQuery query, resources::ReadPageQuery(asked));
+    resources::Page<v1::Front> page;
     MORTISE_RETURN_IF_ERROR(
         environment_.store->Read([&](store::ReadTransaction& transaction) -> absl::Status {
-          response.Clear();
-          MORTISE_ASSIGN_OR_RETURN(const auto records, transaction.List(kFrontKind, options));
-          for (const store::Record& record : records) {
-            v1::Front& front = *response.add_fronts();
-            if (!front.ParseFromString(record.payload))
-              return absl::InternalError("a stored front cannot be read");
-            front.clear_points();
-          }
-          if (static_cast<int>(records.size()) == options.limit)
-            response.set_next_page_token(records.back().key);
+          MORTISE_ASSIGN_OR_RETURN(
+              page, resources::ReadPage<v1::Front>(
+                        transaction, {.kind = kFrontKind, .newest_first = true}, query,
+                        [](const store::Record& record) { return Summary(record); }));
+    v1::ListFrontsResponse response;
+    for (v1::Front& front : page.entries) *response.add_fronts() = std::move(front);
+    response.set_next_page_token(page.next_page_token);
           return absl::OkStatus();
         }));
     return response;

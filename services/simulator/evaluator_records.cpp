@@ -9,8 +9,8 @@
 #include "common/base/errors.h"
 #include "common/base/identifiers.h"
 #include "common/parametric/identifier.h"
+#include "common/resources/record_page.h"
 #include "services/simulator/evaluation_tasks.h"
-#include "services/simulator/page_size.h"
 
 namespace mortise::simulator {
 namespace {
@@ -194,23 +194,12 @@ absl::StatusOr<v1::Evaluator> GetEvaluator(store::ReadTransaction& transaction,
 
 absl::StatusOr<v1::ListEvaluatorsResponse> ListEvaluators(store::ReadTransaction& transaction,
                                                           const v1::ListEvaluatorsRequest& asked) {
-  MORTISE_ASSIGN_OR_RETURN(const int size, PageSize(asked.page_size()));
-  if (!asked.page_token().empty() && !IsResourceId(asked.page_token())) {
-    return InvalidField("page_token", "is not one that this method gave");
-  }
+  MORTISE_ASSIGN_OR_RETURN(const resources::PageQuery query, resources::ReadPageQuery(asked));
   MORTISE_ASSIGN_OR_RETURN(
-      const auto records,
-      transaction.List(kEvaluatorKind, {.after_key = asked.page_token(), .limit = size}));
+      auto page, resources::ReadPage<v1::Evaluator>(transaction, {.kind = kEvaluatorKind}, query));
   v1::ListEvaluatorsResponse response;
-  std::size_t bytes = 0;
-  for (const store::Record& record : records) {
-    MORTISE_ASSIGN_OR_RETURN(*response.add_evaluators(), Parse(record));
-    bytes += record.payload.size();
-    if (bytes < kPageBytes) continue;
-    response.set_next_page_token(record.key);
-    return response;
-  }
-  if (static_cast<int>(records.size()) == size) response.set_next_page_token(records.back().key);
+  for (v1::Evaluator& evaluator : page.entries) *response.add_evaluators() = std::move(evaluator);
+  response.set_next_page_token(page.next_page_token);
   return response;
 }
 

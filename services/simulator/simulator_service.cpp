@@ -3,6 +3,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/base/identifiers.h"
+#include "common/resources/record_page.h"
 #include "common/rpc/chunk_stream.h"
 #include "common/rpc/handler.h"
 #include "common/store/blob_upkeep.h"
@@ -11,7 +12,6 @@
 #include "services/simulator/evaluator_service.h"
 #include "services/simulator/file_upkeep.h"
 #include "services/simulator/mesh_case.h"
-#include "services/simulator/page_size.h"
 #include "services/simulator/simulator_core.h"
 #include "services/simulator/task_queue.h"
 
@@ -203,30 +203,17 @@ class SimulatorAdapter final : public v1::SimulatorService::CallbackService {
   }
 
   absl::StatusOr<v1::ListAnalysesResponse> List(const v1::ListAnalysesRequest& asked) {
-    MORTISE_ASSIGN_OR_RETURN(const int size, PageSize(asked.page_size()));
-    if (!asked.page_token().empty() && !IsResourceId(asked.page_token())) {
-      return InvalidField("page_token", "is not one that this method gave");
-    }
-    v1::ListAnalysesResponse response;
+    MORTISE_ASSIGN_OR_RETURN(const resources::PageQuery query, resources::ReadPageQuery(asked));
+    resources::Page<v1::Analysis> page;
     MORTISE_RETURN_IF_ERROR(store_->Read([&](store::ReadTransaction& read) -> absl::Status {
-      response.Clear();
-      MORTISE_ASSIGN_OR_RETURN(
-          const auto records,
-          read.List(kAnalysisKind,
-                    {.after_key = asked.page_token(), .limit = size, .descending = true}));
-      std::size_t bytes = 0;
-      for (const store::Record& record : records) {
-        response.add_analyses()->ParseFromString(record.payload);
-        bytes += record.payload.size();
-        if (bytes < kPageBytes) continue;
-        response.set_next_page_token(record.key);
-        return absl::OkStatus();
-      }
-      if (static_cast<int>(records.size()) == size) {
-        response.set_next_page_token(records.back().key);
-      }
+      MORTISE_ASSIGN_OR_RETURN(page,
+                               resources::ReadPage<v1::Analysis>(
+                                   read, {.kind = kAnalysisKind, .newest_first = true}, query));
       return absl::OkStatus();
     }));
+    v1::ListAnalysesResponse response;
+    for (v1::Analysis& analysis : page.entries) *response.add_analyses() = std::move(analysis);
+    response.set_next_page_token(page.next_page_token);
     return response;
   }
 

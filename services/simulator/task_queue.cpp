@@ -10,11 +10,11 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/base/identifiers.h"
+#include "common/resources/page_rule.h"
 #include "common/rpc/message_check.h"
 #include "common/rpc/status_mapping.h"
 #include "services/simulator/evaluation_subject.h"
 #include "services/simulator/evaluator_records.h"
-#include "services/simulator/page_size.h"
 #include "services/simulator/simulator_core.h"
 #include "services/simulator/task_codec.h"
 #include "services/simulator/task_progress.h"
@@ -24,6 +24,7 @@ namespace {
 
 constexpr std::size_t kLongestTaskKey = 128;
 constexpr int kMostRenewals = 1000;  // leases in one call
+constexpr int kListedAtOnce = 100;   // tasks read from the store at a time; some are large
 
 // `seconds`, or `otherwise` for 0; INVALID_ARGUMENT naming `field` outside the range.
 absl::StatusOr<absl::Duration> Seconds(double seconds, double otherwise, double minimum,
@@ -78,6 +79,15 @@ absl::Status FailureFrom(const v1::EvaluationResult& result, const absl::Status&
   return PreconditionFailed(
       "RESULT_UNUSABLE", absl::StrCat("what the worker reports cannot be used: ", fault.message()),
       field);
+}
+
+v1::ListTasksResponse::TaskAndError EntryOf(const store::Task& task) {
+  v1::ListTasksResponse::TaskAndError entry;
+  *entry.mutable_task() = ToProto(task);
+  if (const absl::Status error = TaskError(task); IsFinished(task) && !error.ok()) {
+    *entry.mutable_error() = rpc::ToProto(error);
+  }
+  return entry;
 }
 
 // What a worker says of its attempt, on the way into the store.
@@ -294,39 +304,32 @@ absl::StatusOr<v1::ListTasksResponse> ListTasks(SimulatorCore& core,
                                                 const v1::ListTasksRequest& asked) {
   MORTISE_ASSIGN_OR_RETURN(const std::string queue,
                            KnownQueueName(*core.store(), asked.evaluator()));
-  MORTISE_ASSIGN_OR_RETURN(const std::size_t size, PageSize(asked.page_size()));
-  if (!asked.page_token().empty() && !IsTaskKey(asked.page_token())) {
-    return InvalidField("page_token", "is not one that this method gave");
-  }
+  MORTISE_ASSIGN_OR_RETURN(const resources::PageQuery query, resources::ReadPageQuery(asked));
   v1::ListTasksResponse response;
   MORTISE_RETURN_IF_ERROR(core.store()->Read([&](store::ReadTransaction& read) -> absl::Status {
     response.Clear();
-    std::string after = asked.page_token();
-    std::size_t bytes = 0;
-    // The store lists by key; states are picked out here, page by page.
-    while (static_cast<std::size_t>(response.tasks_size()) < size) {
+    resources::PageRoom room(query.size);
+    std::string after = query.after;
+    std::string last;
+    // The store lists by key; states are picked out here, some tasks at a time.
+    while (true) {
       MORTISE_ASSIGN_OR_RETURN(const auto tasks,
-                               read.ListTasks(queue, {.after_key = after, .limit = 1000}));
+                               read.ListTasks(queue, {.after_key = after, .limit = kListedAtOnce}));
       for (const store::Task& task : tasks) {
-        after = task.key;
-        const v1::Task message = ToProto(task);
-        if (asked.state() != v1::TASK_STATE_UNSPECIFIED && message.state() != asked.state()) {
-          continue;
-        }
-        auto* entry = response.add_tasks();
-        *entry->mutable_task() = message;
-        if (const absl::Status error = TaskError(task); IsFinished(task) && !error.ok()) {
-          *entry->mutable_error() = rpc::ToProto(error);
-        }
-        bytes += entry->ByteSizeLong();
-        if (static_cast<std::size_t>(response.tasks_size()) == size || bytes >= kPageBytes) {
-          response.set_next_page_token(after);
+        v1::ListTasksResponse::TaskAndError entry = EntryOf(task);
+        const bool is_wanted =
+            asked.state() == v1::TASK_STATE_UNSPECIFIED || entry.task().state() == asked.state();
+        if (!is_wanted) continue;
+        if (!room.Take(entry.ByteSizeLong())) {
+          response.set_next_page_token(last);
           return absl::OkStatus();
         }
+        last = task.key;
+        *response.add_tasks() = std::move(entry);
       }
-      if (tasks.size() < 1000) return absl::OkStatus();
+      if (static_cast<int>(tasks.size()) < kListedAtOnce) return absl::OkStatus();
+      after = tasks.back().key;
     }
-    return absl::OkStatus();
   }));
   return response;
 }

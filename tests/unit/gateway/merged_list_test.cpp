@@ -11,7 +11,8 @@ namespace {
 struct Item {
   std::string source;
   int time = 0;
-  int number = 0;  // in its source, for items of the same time
+  int number = 0;         // in its source, for items of the same time
+  std::size_t bytes = 1;  // that it takes on a page
   bool operator==(const Item& other) const {
     return source == other.source && number == other.number;
   }
@@ -38,6 +39,8 @@ auto Fetcher(const Lists& lists, int largest) {
 bool Newer(const Item& a, const Item& b) { return a.time > b.time; }
 
 std::string Identify(const Item& item) { return std::to_string(item.number); }
+
+std::size_t SizeOf(const Item& item) { return item.bytes; }
 
 // Pages as services make them: a token names the item before the page, and new items stand in
 // front.
@@ -79,8 +82,8 @@ TEST(MergedList, GivesEveryItemOnceInOrder) {
     std::string token;
     int pages = 0;
     do {
-      const auto page =
-          MergeLists<Item>(sources, page_size, token, Fetcher(lists, largest), Newer, Identify);
+      const auto page = MergeLists<Item>(sources, page_size, token, Fetcher(lists, largest), Newer,
+                                         Identify, SizeOf);
       ASSERT_TRUE(page.ok()) << page.status();
       ASSERT_LE(page->items.size(), static_cast<std::size_t>(page_size));
       seen.insert(seen.end(), page->items.begin(), page->items.end());
@@ -106,14 +109,14 @@ TEST(MergedList, GivesTheLargestPagesAndAsksSourcesForNoLarger) {
   }
   const auto whole = Fetcher(lists, 5000);
   const auto fetch = [&](const std::string& source, int page_size, const std::string& token) {
-    EXPECT_LE(page_size, kMaximalMergedPage);
+    EXPECT_LE(page_size, resources::kLargestPageSize);
     return whole(source, page_size, token);
   };
   std::vector<Item> seen;
   std::string token;
   do {
-    const auto page =
-        MergeLists<Item>({"a", "b"}, kMaximalMergedPage, token, fetch, Newer, Identify);
+    const auto page = MergeLists<Item>({"a", "b"}, resources::kLargestPageSize, token, fetch, Newer,
+                                       Identify, SizeOf);
     ASSERT_TRUE(page.ok()) << page.status();
     seen.insert(seen.end(), page->items.begin(), page->items.end());
     token = page->next_page_token;
@@ -141,8 +144,8 @@ TEST(MergedList, RepeatsNothingWhenItemsArriveMeanwhile) {
     std::string token;
     int pages = 0;
     do {
-      const auto page =
-          MergeLists<Item>({"a", "b"}, page_size, token, NewestFirst(lists), Newer, Identify);
+      const auto page = MergeLists<Item>({"a", "b"}, page_size, token, NewestFirst(lists), Newer,
+                                         Identify, SizeOf);
       ASSERT_TRUE(page.ok()) << page.status();
       seen.insert(seen.end(), page->items.begin(), page->items.end());
       token = page->next_page_token;
@@ -159,27 +162,55 @@ TEST(MergedList, RepeatsNothingWhenItemsArriveMeanwhile) {
   }
 }
 
+// Each source keeps below the limit by itself; all of them together must, too.
+TEST(MergedList, EndsBeforeItIsTooLarge) {
+  constexpr std::size_t kClientTakes = 4 << 20;  // bytes
+  std::mt19937 random(5);
+  Lists lists;
+  for (int i = 0; i < 300; ++i) {
+    const std::string source = i % 3 == 0 ? "a" : i % 3 == 1 ? "b" : "c";
+    lists[source].push_back({source, 300 - i, i, 1000 + random() % 300000});
+  }
+  lists["a"][20].bytes = 3'900'000;  // fits alone
+  std::vector<Item> seen;
+  std::string token;
+  int pages = 0;
+  do {
+    const auto page =
+        MergeLists<Item>({"a", "b", "c"}, 0, token, Fetcher(lists, 40), Newer, Identify, SizeOf);
+    ASSERT_TRUE(page.ok()) << page.status();
+    std::size_t bytes = 0;
+    for (const Item& item : page->items) bytes += item.bytes;
+    EXPECT_LT(bytes, kClientTakes);
+    seen.insert(seen.end(), page->items.begin(), page->items.end());
+    token = page->next_page_token;
+    ASSERT_LT(++pages, 500) << "the list does not end";
+  } while (!token.empty());
+  EXPECT_EQ(seen.size(), 300u);
+  EXPECT_TRUE(std::is_sorted(seen.begin(), seen.end(), Newer));
+}
+
 TEST(MergedList, RefusesForeignTokensAndSizes) {
   const Lists lists = {{"a", {}}};
   const auto fetch = Fetcher(lists, 10);
   for (const char* token : {"x", "!!", "e30x", "W10"}) {
-    EXPECT_FALSE(MergeLists<Item>({"a"}, 10, token, fetch, Newer, Identify).ok()) << token;
+    EXPECT_FALSE(MergeLists<Item>({"a"}, 10, token, fetch, Newer, Identify, SizeOf).ok()) << token;
   }
-  EXPECT_FALSE(
-      MergeLists<Item>({"a"}, 10, FormatMergeToken({{"b", {"", 0, ""}}}), fetch, Newer, Identify)
-          .ok());
-  EXPECT_FALSE(
-      MergeLists<Item>({"a"}, 10, FormatMergeToken({{"a", {"", -1, ""}}}), fetch, Newer, Identify)
-          .ok());
-  EXPECT_FALSE(MergeLists<Item>({"a"}, -1, "", fetch, Newer, Identify).ok());
-  EXPECT_FALSE(MergeLists<Item>({"a"}, 1001, "", fetch, Newer, Identify).ok());
+  EXPECT_FALSE(MergeLists<Item>({"a"}, 10, FormatMergeToken({{"b", {"", 0, ""}}}), fetch, Newer,
+                                Identify, SizeOf)
+                   .ok());
+  EXPECT_FALSE(MergeLists<Item>({"a"}, 10, FormatMergeToken({{"a", {"", -1, ""}}}), fetch, Newer,
+                                Identify, SizeOf)
+                   .ok());
+  EXPECT_FALSE(MergeLists<Item>({"a"}, -1, "", fetch, Newer, Identify, SizeOf).ok());
+  EXPECT_FALSE(MergeLists<Item>({"a"}, 1001, "", fetch, Newer, Identify, SizeOf).ok());
 }
 
 TEST(MergedList, FailsWhenASourceDoes) {
   const auto fetch = [](const std::string&, int, const std::string&) {
     return absl::StatusOr<ListPage<Item>>(absl::UnavailableError("away"));
   };
-  EXPECT_EQ(MergeLists<Item>({"a"}, 10, "", fetch, Newer, Identify).status().code(),
+  EXPECT_EQ(MergeLists<Item>({"a"}, 10, "", fetch, Newer, Identify, SizeOf).status().code(),
             absl::StatusCode::kUnavailable);
 }
 

@@ -522,6 +522,35 @@ TEST_P(OperationsTest, ListsNewestFirstByPages) {
   EXPECT_EQ(rest->at(2).name, names[0]);
 }
 
+TEST_P(OperationsTest, VisitsOneByOneWhatPassesTheFilter) {
+  auto operations = Create(Options(), "quick", [](OperationContext& context) {
+    if (context.request() == "fail") return absl::StatusOr<std::string>(absl::InternalError("x"));
+    return absl::StatusOr<std::string>(context.request());
+  });
+  std::vector<std::string> names;
+  for (int i = 0; i < 150; ++i) {
+    names.push_back(Start(operations.get(), "quick", i % 3 == 0 ? "fail" : "done"));
+  }
+  for (const std::string& name : names) WaitFor(operations.get(), name);
+  std::sort(names.begin(), names.end(), std::greater<>());
+  const auto visited = [&](const OperationFilter& filter, std::size_t most,
+                           const std::string& after = "") {
+    std::vector<std::string> seen;
+    EXPECT_OK(operations->Visit(after, filter, [&](const Operation& operation) {
+      seen.push_back(operation.name);
+      return seen.size() < most;
+    }));
+    return seen;
+  };
+  EXPECT_EQ(visited({}, 1000), names);
+  EXPECT_EQ(visited({}, 2, names[99]), (std::vector<std::string>{names[100], names[101]}));
+  EXPECT_EQ(visited({.states = {OperationState::kFailed}}, 1000).size(), 50u);
+  EXPECT_EQ(visited({.states = {OperationState::kFailed, OperationState::kSucceeded}}, 1000),
+            names);
+  EXPECT_TRUE(visited({.kind = "other"}, 1000).empty());
+  EXPECT_TRUE(visited({.subject = "other"}, 1000).empty());
+}
+
 TEST_P(OperationsTest, BadInputNamesTheField) {
   auto operations = Create(Options(), "known", RunUntilStopped);
   const auto field = [](const absl::Status& status) {

@@ -50,7 +50,7 @@ class MutationTest : public ProbeServerTest {
         .ok();
   }
 
-  std::vector<v1::AuditRecord> Audit() { return rpc::ListAudit(*store_, 100, "")->records; }
+  std::vector<v1::AuditRecord> Audit() { return rpc::ListAudit(*store_, {})->entries; }
 
   std::atomic<int> runs_ = 0;
   std::atomic<int> prepared_ = 0;
@@ -130,14 +130,14 @@ TEST_F(MutationTest, AFailureLeavesNothing) {
 
 TEST_F(MutationTest, AuditListsNewestFirstInPages) {
   for (int i = 0; i < 5; ++i) ASSERT_OK(Keep(Request("r-" + std::to_string(i), "x")));
-  const auto first = rpc::ListAudit(*store_, 3, "");
+  const auto first = rpc::ListAudit(*store_, {.size = 3, .after = ""});
   ASSERT_OK(first);
-  ASSERT_EQ(first->records.size(), 3u);
-  EXPECT_EQ(first->records[0].request_id(), "r-4");
-  EXPECT_EQ(first->records[2].request_id(), "r-2");
-  const auto second = rpc::ListAudit(*store_, 3, first->next_page_token);
-  ASSERT_EQ(second->records.size(), 2u);
-  EXPECT_EQ(second->records[1].request_id(), "r-0");
+  ASSERT_EQ(first->entries.size(), 3u);
+  EXPECT_EQ(first->entries[0].request_id(), "r-4");
+  EXPECT_EQ(first->entries[2].request_id(), "r-2");
+  const auto second = rpc::ListAudit(*store_, {.size = 3, .after = first->next_page_token});
+  ASSERT_EQ(second->entries.size(), 2u);
+  EXPECT_EQ(second->entries[1].request_id(), "r-0");
   EXPECT_EQ(second->next_page_token, "");
 }
 

@@ -122,12 +122,17 @@ class RunningServiceTest : public ::testing::Test {
                      As(rpc::Role::kViewer));
   }
 
-  absl::StatusOr<v1::Operation> Cancel(const std::string& id, const std::string& name) {
+  absl::StatusOr<v1::Operation> Cancel(const std::string& id, const std::string& name,
+                                       rpc::Role role = rpc::Role::kOperator) {
     v1::CancelOperationRequest request;
     request.set_request_id(id);
     request.set_name(name);
-    return CallUnary(*operations_, &v1::OperationService::Stub::CancelOperation, request,
-                     As(rpc::Role::kDesigner));
+    return CallUnary(*operations_, &v1::OperationService::Stub::CancelOperation, request, As(role));
+  }
+
+  absl::StatusOr<v1::ListOperationsResponse> List(const v1::ListOperationsRequest& request) {
+    return CallUnary(*operations_, &v1::OperationService::Stub::ListOperations, request,
+                     As(rpc::Role::kViewer));
   }
 
   // Events from the first on, until one of `type`.
@@ -285,6 +290,66 @@ TEST_F(RunningServiceTest, EventsAreFollowedInOrder) {
   read.set_stream("other");
   EXPECT_EQ(DetailOf(CallUnary(*events_, &v1::EventService::Stub::ReadEvents, read,
                                As(rpc::Role::kViewer))
+// gRPC's clients take 4 MiB: a page of large operations is shorter than was asked for.
+TEST_F(RunningServiceTest, APageOfLargeOperationsFitsIntoAMessage) {
+  constexpr int kOperations = 12;
+  Release();
+  std::vector<std::string> names;
+  for (int i = 0; i < kOperations; ++i) {
+    names.push_back(Begin("r-" + std::to_string(i), std::string(900'000, 'x')).name());
+    ASSERT_OK(Wait(names.back()));
+  }
+  v1::ListOperationsRequest request;
+  std::vector<std::string> listed;
+  int pages = 0;
+  do {
+    const auto page = List(request);
+    ASSERT_OK(page);
+    EXPECT_LT(page->ByteSizeLong(), std::size_t{4} << 20);
+    for (const v1::Operation& operation : page->operations()) {
+      listed.push_back(operation.name());
+      EXPECT_TRUE(operation.has_result());
+    }
+    request.set_page_token(page->next_page_token());
+    ASSERT_LE(++pages, kOperations);
+  } while (!request.page_token().empty());
+  EXPECT_EQ(listed, std::vector<std::string>(names.rbegin(), names.rend()));
+  EXPECT_GT(pages, 1);
+  request.set_omit_results(true);
+  const auto without = List(request);
+  ASSERT_OK(without);
+  EXPECT_EQ(without->operations_size(), kOperations);
+  EXPECT_FALSE(without->operations(0).has_result());
+}
+
+TEST_F(RunningServiceTest, ListsOnlyWhatPassesTheFilters) {
+  const std::string running = Begin("r-1", "x").name();
+  const std::string failed = Begin("r-2", "fail").name();
+  ASSERT_OK(Wait(failed));
+  const auto names = [&](const v1::ListOperationsRequest& request) {
+    std::vector<std::string> found;
+    const auto page = List(request);
+    EXPECT_OK(page);
+    for (const v1::Operation& operation : page->operations()) found.push_back(operation.name());
+    return found;
+  };
+  v1::ListOperationsRequest request;
+  request.add_states(v1::Operation::FAILED);
+  EXPECT_EQ(names(request), std::vector<std::string>{failed});
+  request.set_states(0, v1::Operation::PENDING);
+  request.add_states(v1::Operation::RUNNING);
+  EXPECT_EQ(names(request), std::vector<std::string>{running});
+  request.set_kind("probe.other");
+  EXPECT_TRUE(names(request).empty());
+  request.Clear();
+  request.set_subject("things/a");
+  EXPECT_EQ(names(request), (std::vector<std::string>{failed, running}));
+  request.set_subject("things/b");
+  EXPECT_TRUE(names(request).empty());
+  request.add_states(v1::Operation::STATE_UNSPECIFIED);
+  EXPECT_EQ(DetailOf(List(request).status()).field, "states[0]");
+}
+
                          .status())
                 .field,
             "stream");
