@@ -58,6 +58,7 @@ std::string StateJson(const Operation& operation) {
                {"subject", operation.subject},
                {"request_id", operation.request_id},
                {"creator", operation.creator},
+               {"method", operation.method},
                {"state", static_cast<int>(operation.state)},
                {"cancel_requested", operation.cancel_requested},
                {"progress", JsonOf(operation.progress)},
@@ -70,6 +71,7 @@ void ReadStateJson(const std::string& text, Operation* operation) {
   operation->subject = value.at("subject");
   operation->request_id = value.at("request_id");
   operation->creator = value.at("creator");
+  operation->method = value.value("method", "");  // earlier versions did not keep it
   operation->state = static_cast<OperationState>(value.at("state").get<int>());
   operation->cancel_requested = value.at("cancel_requested");
   operation->progress = ProgressOf(value.at("progress"));
@@ -85,8 +87,6 @@ std::string DescribeAsJson(const Operation& operation) {
   return Dump(value);
 }
 
-absl::StatusOr<std::string> BytesOrNone(absl::StatusOr<store::Record> record) {
-  if (record.ok()) return std::move(record->payload);
 bool Passes(const Operation& operation, const OperationFilter& filter) {
   const bool in_state =
       filter.states.empty() ||
@@ -95,6 +95,8 @@ bool Passes(const Operation& operation, const OperationFilter& filter) {
          (filter.subject.empty() || filter.subject == operation.subject);
 }
 
+absl::StatusOr<std::string> BytesOrNone(absl::StatusOr<store::Record> record) {
+  if (record.ok()) return std::move(record->payload);
   if (absl::IsNotFound(record.status())) return std::string();
   return record.status();
 }
@@ -146,6 +148,7 @@ absl::StatusOr<Operation> OperationRecords::Create(store::Transaction& transacti
                       .subject = request.subject,
                       .request_id = request.request_id,
                       .creator = request.creator,
+                      .method = request.method,
                       .request = request.request,
                       .created_at = transaction.Now()};
   MORTISE_RETURN_IF_ERROR(
@@ -205,9 +208,6 @@ absl::StatusOr<std::vector<Operation>> OperationRecords::List(store::ReadTransac
   return operations;
 }
 
-absl::Status OperationRecords::Save(store::Transaction& transaction, std::string_view event,
-                                    Operation* operation) {
-  MORTISE_ASSIGN_OR_RETURN(const std::string id, IdOf(operation->name));
 absl::Status OperationRecords::Visit(store::ReadTransaction& transaction, std::string_view after_id,
                                      const OperationFilter& filter,
                                      const std::function<bool(const Operation&)>& visit) {
@@ -227,6 +227,9 @@ absl::Status OperationRecords::Visit(store::ReadTransaction& transaction, std::s
   }
 }
 
+absl::Status OperationRecords::Save(store::Transaction& transaction, std::string_view event,
+                                    Operation* operation) {
+  MORTISE_ASSIGN_OR_RETURN(const std::string id, IdOf(operation->name));
   MORTISE_ASSIGN_OR_RETURN(operation->revision,
                            transaction.Put(kStates, id, StateJson(*operation)));
   operation->updated_at = transaction.Now();

@@ -52,6 +52,7 @@ struct Operation {
   std::string subject = {};     // resource name it works on
   std::string request_id = {};  // of the request that started it; also its trace id
   std::string creator = {};     // who asked for it
+  std::string method = {};      // that was called to start it
   OperationState state = OperationState::kPending;
   bool cancel_requested = false;
   Progress progress = {};
@@ -70,7 +71,6 @@ struct NewOperation {
   std::string subject = {};
   std::string request_id = {};
   std::string creator = {};
-};
   std::string method = {};
 };
 
@@ -79,6 +79,7 @@ struct OperationFilter {
   std::vector<OperationState> states = {};
   std::string kind = {};
   std::string subject = {};
+};
 
 // The handler's side of a running operation. All calls are thread safe.
 class OperationContext {
@@ -180,13 +181,13 @@ class Operations {
   // the newest).
   virtual absl::StatusOr<std::vector<Operation>> List(std::string_view after_name, int limit) = 0;
 
-  // Asks an operation to stop; a pending one is cancelled at once. Returns it as it then is. No
   // Shows `visit` those that pass the filter, newest first, beyond the operation named
   // `after_name`, until it returns false. They come one by one, as results may be large. `visit`
   // must not use the Operations.
   virtual absl::Status Visit(std::string_view after_name, const OperationFilter& filter,
                              const std::function<bool(const Operation&)>& visit) = 0;
 
+  // Asks an operation to stop; a pending one is cancelled at once. Returns it as it then is. No
   // effect on a finished one.
   virtual absl::StatusOr<Operation> Cancel(std::string_view name) = 0;
 

@@ -45,6 +45,16 @@ google::protobuf::Timestamp Timestamp(absl::Time time) {
 
 }  // namespace
 
+jobs::NewOperation OperationOf(const Call& call, const std::string& kind,
+                               const std::string& subject, std::string request) {
+  return {.kind = kind,
+          .request = std::move(request),
+          .subject = subject,
+          .request_id = call.identity().request_id,
+          .creator = call.identity().subject,
+          .method = call.method()};
+}
+
 std::string PackResult(const google::protobuf::Message& result) {
   google::protobuf::Any any;
   any.PackFrom(result);
@@ -57,6 +67,8 @@ v1::Operation ToProto(const jobs::Operation& operation) {
   proto.set_kind(operation.kind);
   proto.set_subject(operation.subject);
   proto.set_creator(operation.creator);
+  proto.set_method(operation.method);
+  proto.set_cancel_requested(operation.cancel_requested);
   proto.set_state(StateOf(operation.state));
   v1::Progress* progress = proto.mutable_progress();
   progress->set_done(operation.progress.done);
@@ -72,7 +84,6 @@ v1::Operation ToProto(const jobs::Operation& operation) {
   return proto;
 }
 
-}  // namespace mortise::rpc
 absl::StatusOr<std::vector<jobs::OperationState>> StatesFrom(
     const google::protobuf::RepeatedField<int>& states) {
   std::vector<jobs::OperationState> found;
@@ -88,3 +99,4 @@ absl::StatusOr<std::vector<jobs::OperationState>> StatesFrom(
   return found;
 }
 
+}  // namespace mortise::rpc

@@ -4,11 +4,12 @@
 #include <mutex>
 #include <vector>
 
+#include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/jobs/operations.h"
-#include "common/rpc/handler.h"
 #include "common/resources/page_rule.h"
 #include "common/rpc/call_state.h"
+#include "common/rpc/handler.h"
 #include "common/rpc/operation_codec.h"
 #include "mortise/v1/operations.grpc.pb.h"
 
@@ -19,6 +20,30 @@ constexpr double kDefaultWait = 60;    // s
 constexpr double kLongestWait = 3600;  // s
 // How long before the caller's deadline a wait answers, so that the answer still arrives.
 constexpr absl::Duration kAnswerTime = absl::Milliseconds(100);
+
+// Of operations that were started before their methods were kept: as much as any of these needed.
+constexpr Role kRoleOfUnknownMethod = Role::kOperator;
+
+// The role of the method that started an operation, as the proto says.
+Role RoleToStart(const jobs::Operation& operation) {
+  const std::string& method = operation.method;
+  const std::size_t slash = method.find('/');
+  if (slash == std::string::npos) return kRoleOfUnknownMethod;
+  const MethodInfo starter = FindMethod(method.substr(0, slash), method.substr(slash + 1));
+  return starter.usable.ok() ? starter.role : kRoleOfUnknownMethod;
+}
+
+// PERMISSION_DENIED naming the method that started it, where that takes more than `role`.
+absl::Status CheckMayStop(Role role, const jobs::Operation& operation) {
+  const Role needed = RoleToStart(operation);
+  if (role >= needed) return absl::OkStatus();
+  const std::string starter =
+      operation.method.empty() ? "an earlier version of Mortise" : operation.method;
+  return WithDetail(
+      absl::PermissionDeniedError(absl::StrCat("cancelling what ", starter,
+                                               " started needs the role '", RoleName(needed), "'")),
+      {"ROLE_REQUIRED", operation.method.empty() ? operation.name : operation.method});
+}
 
 // Holds a watch until the wait it serves is over.
 struct Waiting {
@@ -55,10 +80,8 @@ class OperationAdapter : public v1::OperationService::CallbackService {
     // Cancelling has a transaction of its own; it may be repeated, so it goes first.
     return endpoint_.PreparedMutation(
         "CancelOperation", context, request, response,
-        [this](const Call&,
-               const v1::CancelOperationRequest& asked) -> absl::StatusOr<v1::Operation> {
-          MORTISE_ASSIGN_OR_RETURN(jobs::Operation operation, operations_->Cancel(asked.name()));
-          return ToProto(operation);
+        [this](const Call& call, const v1::CancelOperationRequest& asked) {
+          return Cancel(call, asked.name());
         },
         [](const Call&, const v1::CancelOperationRequest&, const v1::Operation& operation,
            store::Transaction&) -> absl::StatusOr<v1::Operation> { return operation; });
@@ -87,6 +110,14 @@ class OperationAdapter : public v1::OperationService::CallbackService {
  private:
   absl::StatusOr<v1::Operation> Find(const std::string& name) {
     MORTISE_ASSIGN_OR_RETURN(jobs::Operation operation, operations_->Get(name));
+    return ToProto(operation);
+  }
+
+  // Who may not start an operation may not stop it either.
+  absl::StatusOr<v1::Operation> Cancel(const Call& call, const std::string& name) {
+    MORTISE_ASSIGN_OR_RETURN(const jobs::Operation present, operations_->Get(name));
+    MORTISE_RETURN_IF_ERROR(CheckMayStop(call.identity().role, present));
+    MORTISE_ASSIGN_OR_RETURN(const jobs::Operation operation, operations_->Cancel(name));
     return ToProto(operation);
   }
 

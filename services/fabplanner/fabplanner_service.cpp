@@ -118,11 +118,9 @@ class FabPlannerAdapter final : public v1::FabPlannerService::CallbackService {
                store::Transaction& transaction) -> absl::StatusOr<v1::Operation> {
           MORTISE_ASSIGN_OR_RETURN(
               const jobs::Operation operation,
-              operations_->Start(transaction, {.kind = kPlanOperation,
-                                               .request = asked.SerializeAsString(),
-                                               .subject = asked.template_(),
-                                               .request_id = call.identity().request_id,
-                                               .creator = call.identity().subject}));
+              operations_->Start(transaction,
+                                 rpc::OperationOf(call, kPlanOperation, asked.template_(),
+                                                  asked.SerializeAsString())));
           return rpc::ToProto(operation);
         });
   }

@@ -82,12 +82,10 @@ absl::StatusOr<jobs::Operation> ReleaseOrder(const rpc::Call& call,
     return TooLarge(absl::StrCat("a work order of ", cuts.size(), " cuts"),
                     absl::StrCat(kMostMessageBytes, " bytes; plan fewer copies at a time"));
   }
-  MORTISE_ASSIGN_OR_RETURN(jobs::Operation operation,
-                           operations.Start(transaction, {.kind = kWorkOrderOperation,
-                                                          .request = order.name(),
-                                                          .subject = order.name(),
-                                                          .request_id = call.identity().request_id,
-                                                          .creator = call.identity().subject}));
+  MORTISE_ASSIGN_OR_RETURN(
+      jobs::Operation operation,
+      operations.Start(transaction,
+                       rpc::OperationOf(call, kWorkOrderOperation, order.name(), order.name())));
   order.set_operation(operation.name);
   MORTISE_RETURN_IF_ERROR(PutOrder(transaction, order));
   MORTISE_RETURN_IF_ERROR(AppendOrderEvent(transaction, order));

@@ -53,14 +53,12 @@ class ParetoAdapter : public v1::ParetoService::CallbackService {
         },
         [this](const rpc::Call& call, const v1::DiscoverFrontRequest&, SettledDiscovery& settled,
                store::Transaction& transaction) -> absl::StatusOr<v1::Operation> {
-          jobs::NewOperation operation;
-          operation.kind = kDiscoveryKind;
-          operation.request = settled.specification.SerializeAsString();
-          operation.subject = settled.specification.subject();
-          operation.request_id = call.identity().request_id;
-          operation.creator = call.identity().subject;
-          MORTISE_ASSIGN_OR_RETURN(const jobs::Operation started,
-                                   environment_.operations->Start(transaction, operation));
+          MORTISE_ASSIGN_OR_RETURN(
+              const jobs::Operation started,
+              environment_.operations->Start(
+                  transaction,
+                  rpc::OperationOf(call, kDiscoveryKind, settled.specification.subject(),
+                                   settled.specification.SerializeAsString())));
           if (!settled.start.points().empty()) {
             const std::string id = started.name.substr(started.name.rfind('/') + 1);
             MORTISE_RETURN_IF_ERROR(
@@ -178,11 +176,11 @@ class ParetoAdapter : public v1::ParetoService::CallbackService {
               page, resources::ReadPage<v1::Front>(
                         transaction, {.kind = kFrontKind, .newest_first = true}, query,
                         [](const store::Record& record) { return Summary(record); }));
+          return absl::OkStatus();
+        }));
     v1::ListFrontsResponse response;
     for (v1::Front& front : page.entries) *response.add_fronts() = std::move(front);
     response.set_next_page_token(page.next_page_token);
-          return absl::OkStatus();
-        }));
     return response;
   }
 

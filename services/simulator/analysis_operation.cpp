@@ -280,14 +280,12 @@ absl::StatusOr<v1::Task> PrepareMeshAnalysis(SimulatorCore& core,
 }
 
 absl::StatusOr<v1::Operation> StartAnalysis(jobs::Operations& operations, const v1::Task& task,
-                                            const rpc::Identity& caller,
+                                            const rpc::Call& call,
                                             store::Transaction& transaction) {
-  MORTISE_ASSIGN_OR_RETURN(const jobs::Operation operation,
-                           operations.Start(transaction, {.kind = kOperationKind,
-                                                          .request = task.SerializeAsString(),
-                                                          .subject = task.subject(),
-                                                          .request_id = caller.request_id,
-                                                          .creator = caller.subject}));
+  MORTISE_ASSIGN_OR_RETURN(
+      const jobs::Operation operation,
+      operations.Start(transaction, rpc::OperationOf(call, kOperationKind, task.subject(),
+                                                     task.SerializeAsString())));
   return rpc::ToProto(operation);
 }
 

@@ -40,8 +40,7 @@ absl::StatusOr<v1::Task> PrepareMeshAnalysis(SimulatorCore& core,
 
 // Starts the operation in the caller's transaction.
 absl::StatusOr<v1::Operation> StartAnalysis(jobs::Operations& operations, const v1::Task& task,
-                                            const rpc::Identity& caller,
-                                            store::Transaction& transaction);
+                                            const rpc::Call& call, store::Transaction& transaction);
 
 // Names the handler: it queues the task, waits for a worker, and keeps the Analysis.
 void RegisterAnalysis(jobs::Operations& operations, const std::shared_ptr<SimulatorCore>& core);

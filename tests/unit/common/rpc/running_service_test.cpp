@@ -32,13 +32,11 @@ class RunningServiceTest : public ::testing::Test {
     gateway_ = *rpc::IdentitySigner::Load(folder_.path() / "keys", "gateway");
     handlers_.begin = [this](const rpc::Call& call, const KeepRequest& request,
                              store::Transaction& transaction) -> absl::StatusOr<v1::Operation> {
+      jobs::NewOperation wanted =
+          rpc::OperationOf(call, "probe.work", "things/" + request.name(), request.value());
+      if (!keeps_methods_) wanted.method.clear();
       MORTISE_ASSIGN_OR_RETURN(jobs::Operation operation,
-                               service_->environment().operations->Start(
-                                   transaction, {.kind = "probe.work",
-                                                 .request = request.value(),
-                                                 .subject = "things/" + request.name(),
-                                                 .request_id = call.identity().request_id,
-                                                 .creator = call.identity().subject}));
+                               service_->environment().operations->Start(transaction, wanted));
       return rpc::ToProto(operation);
     };
     Start();
@@ -156,6 +154,7 @@ class RunningServiceTest : public ::testing::Test {
   std::mutex mutex_;
   std::condition_variable_any changed_;
   bool released_ = false;
+  bool keeps_methods_ = true;  // as versions do that keep which method started an operation
   std::unique_ptr<rpc::IdentitySigner> gateway_;
   std::unique_ptr<rpc::RunningService> service_;
   std::unique_ptr<ProbeService::Stub> probe_;
@@ -203,6 +202,34 @@ TEST_F(RunningServiceTest, AnOperationIsCancelled) {
   const auto done = Wait(name);
   ASSERT_OK(done);
   EXPECT_EQ(done->state(), v1::Operation::CANCELLED);
+}
+
+// Beginning takes an operator: so does stopping what was begun.
+TEST_F(RunningServiceTest, CancellingTakesTheRoleOfWhatStartedIt) {
+  const v1::Operation begun = Begin("r-1", "x");
+  EXPECT_EQ(begun.method(), "mortise.testing.ProbeService/Begin");
+  const absl::Status refused = Cancel("c-1", begun.name(), rpc::Role::kDesigner).status();
+  EXPECT_EQ(refused.code(), absl::StatusCode::kPermissionDenied) << refused;
+  EXPECT_EQ(DetailOf(refused).reason, "ROLE_REQUIRED");
+  EXPECT_EQ(DetailOf(refused).field, begun.method());
+  const auto running = Wait(begun.name(), 0.05);
+  ASSERT_OK(running);
+  EXPECT_FALSE(running->cancel_requested());
+  EXPECT_NE(running->state(), v1::Operation::CANCELLED);
+  const auto stopping = Cancel("c-2", begun.name(), rpc::Role::kOperator);
+  ASSERT_OK(stopping);
+  EXPECT_TRUE(stopping->cancel_requested());
+  EXPECT_EQ(Wait(begun.name())->state(), v1::Operation::CANCELLED);
+}
+
+// Which role the method of an earlier version needed is not known: the most that any did.
+TEST_F(RunningServiceTest, CancellingWhatAnEarlierVersionStartedTakesAnOperator) {
+  keeps_methods_ = false;
+  const v1::Operation begun = Begin("r-1", "x");
+  EXPECT_EQ(begun.method(), "");
+  EXPECT_EQ(Cancel("c-1", begun.name(), rpc::Role::kDesigner).status().code(),
+            absl::StatusCode::kPermissionDenied);
+  EXPECT_OK(Cancel("c-2", begun.name(), rpc::Role::kOperator));
 }
 
 TEST_F(RunningServiceTest, AWatchSeesTheEnd) {
@@ -263,33 +290,6 @@ TEST_F(RunningServiceTest, ListsOperationsNewestFirst) {
             "page_token");
 }
 
-TEST_F(RunningServiceTest, EventsAreFollowedInOrder) {
-  Release();
-  const std::string name = Begin("r-1", "x").name();
-  const std::vector<v1::Event> events = FollowUntil("operation.succeeded");
-  ASSERT_FALSE(events.empty());
-  for (std::size_t i = 0; i < events.size(); ++i) {
-    EXPECT_EQ(events[i].number(), static_cast<int64_t>(i) + 1);
-    EXPECT_EQ(events[i].stream(), "probe");
-  }
-  EXPECT_EQ(events.back().subject(), name);
-  EXPECT_EQ(events.back().trace_id(), "trace-9");
-  EXPECT_EQ(events.back().data().front(), '{');
-
-  v1::FollowEventsRequest only_ends;
-  only_ends.add_type_prefixes("operation.succ");
-  EXPECT_EQ(FollowUntil("operation.succeeded", only_ends).size(), 1u);
-  v1::ReadEventsRequest read;
-  read.set_stream("probe");
-  read.set_after_number(1);
-  const auto page =
-      CallUnary(*events_, &v1::EventService::Stub::ReadEvents, read, As(rpc::Role::kViewer));
-  ASSERT_OK(page);
-  EXPECT_EQ(page->events(0).number(), 2);
-  EXPECT_GE(page->latest_number(), static_cast<int64_t>(events.size()));
-  read.set_stream("other");
-  EXPECT_EQ(DetailOf(CallUnary(*events_, &v1::EventService::Stub::ReadEvents, read,
-                               As(rpc::Role::kViewer))
 // gRPC's clients take 4 MiB: a page of large operations is shorter than was asked for.
 TEST_F(RunningServiceTest, APageOfLargeOperationsFitsIntoAMessage) {
   constexpr int kOperations = 12;
@@ -350,6 +350,33 @@ TEST_F(RunningServiceTest, ListsOnlyWhatPassesTheFilters) {
   EXPECT_EQ(DetailOf(List(request).status()).field, "states[0]");
 }
 
+TEST_F(RunningServiceTest, EventsAreFollowedInOrder) {
+  Release();
+  const std::string name = Begin("r-1", "x").name();
+  const std::vector<v1::Event> events = FollowUntil("operation.succeeded");
+  ASSERT_FALSE(events.empty());
+  for (std::size_t i = 0; i < events.size(); ++i) {
+    EXPECT_EQ(events[i].number(), static_cast<int64_t>(i) + 1);
+    EXPECT_EQ(events[i].stream(), "probe");
+  }
+  EXPECT_EQ(events.back().subject(), name);
+  EXPECT_EQ(events.back().trace_id(), "trace-9");
+  EXPECT_EQ(events.back().data().front(), '{');
+
+  v1::FollowEventsRequest only_ends;
+  only_ends.add_type_prefixes("operation.succ");
+  EXPECT_EQ(FollowUntil("operation.succeeded", only_ends).size(), 1u);
+  v1::ReadEventsRequest read;
+  read.set_stream("probe");
+  read.set_after_number(1);
+  const auto page =
+      CallUnary(*events_, &v1::EventService::Stub::ReadEvents, read, As(rpc::Role::kViewer));
+  ASSERT_OK(page);
+  EXPECT_EQ(page->events(0).number(), 2);
+  EXPECT_GE(page->latest_number(), static_cast<int64_t>(events.size()));
+  read.set_stream("other");
+  EXPECT_EQ(DetailOf(CallUnary(*events_, &v1::EventService::Stub::ReadEvents, read,
+                               As(rpc::Role::kViewer))
                          .status())
                 .field,
             "stream");
