@@ -5,6 +5,7 @@
 
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <stop_token>
 #include <utility>
 #include <vector>
 
@@ -146,6 +147,8 @@ absl::StatusOr<std::string> PlanOperation::Export(const v1::ExportDesignRequest&
   const absl::Status status = rpc::CallWithRetry(
       rpc::OwnOrigin(signer_, rpc::Role::kViewer, CurrentTraceId(), kCatalogTimeout), retry,
       [&](grpc::ClientContext* call) {
+        // A plan that is cancelled does not wait for a large design to be written.
+        const std::stop_callback stopping(context.stop_token(), [call] { call->TryCancel(); });
         bytes.clear();
         const auto chunks = catalog->ExportDesign(call, request);
         for (v1::Chunk chunk; !too_large && chunks->Read(&chunk);) {

@@ -11,6 +11,7 @@
 #include "common/rpc/status_mapping.h"
 #include "services/simulator/difference_gradients.h"
 #include "services/simulator/evaluation_tasks.h"
+#include "services/simulator/evaluator_records.h"
 #include "services/simulator/result_key.h"
 
 namespace mortise::simulator {
@@ -153,10 +154,15 @@ void EvaluationBatch::Abandon() {
     const std::lock_guard lock(mutex_);
     is_abandoned_ = true;
     waiting.swap(waiting_);
+    if (remaining_ == 0) return;  // all were answered
   }
+  std::vector<std::string> given_up;
   for (const auto& [key, ticket] : waiting) {
-    if (core_->waiters().Remove(key, ticket)) core_->CancelIfQueued(key);
+    if (!core_->waiters().Remove(key, ticket)) continue;
+    core_->CancelIfQueued(key);
+    given_up.push_back(key);
   }
+  core_->CancelUnlessWantedAgain(std::move(given_up));
 }
 
 void EvaluationBatch::Enqueue(std::vector<Queued> queued) {
@@ -176,8 +182,8 @@ void EvaluationBatch::EnqueueSome(std::vector<Queued> queued) {
     tasks.push_back({.key = key, .payload = evaluation.task.SerializeAsString()});
     // Waits before it asks, so that a result that comes in between is not missed.
     const int64_t ticket = core_->waiters().Add(
-        key, [self = shared_from_this(), receive = std::move(evaluation.receive)](
-                 const store::Task& task, bool known) { receive(self->ResultOf(task, known)); });
+        key, [self = shared_from_this(), wanted = Queued{key, std::move(evaluation)}](
+                 const store::Task& task, bool known) { self->Receive(task, known, wanted); });
     waiting.push_back({std::move(key), ticket});
   }
   EnqueueNow(tasks);
@@ -205,6 +211,14 @@ void EvaluationBatch::EnqueueNow(const std::vector<WantedTask>& tasks) {
       core_->waiters().Notify(*finished, known_before);
     }
   }
+}
+
+// Whom a shared task was cancelled for, perhaps on another replica, is not this stream.
+void EvaluationBatch::Receive(const store::Task& task, bool known, const Queued& wanted) {
+  const bool again =
+      task.state == store::TaskState::kCancelled && !IsEvaluatorName(QueueOf(task.key));
+  if (again && !IsAbandoned()) return Enqueue({wanted});
+  wanted.evaluation.receive(ResultOf(task, known));
 }
 
 // What a finished task gave.

@@ -38,8 +38,8 @@ class EvaluationBatch : public std::enable_shared_from_this<EvaluationBatch> {
   // Sends the result of a point.
   void Send(const v1::EvaluationResult& result);
 
-  // Nobody reads any more: what only this stream wanted need not be begun. What is under way is
-  // finished and kept: streams break off and are asked for again.
+  // Nobody reads any more: what only this stream wanted is not begun, and what is under way is
+  // stopped, unless it is asked for again within a moment, as after a restart.
   void Abandon();
 
  private:
@@ -55,6 +55,7 @@ class EvaluationBatch : public std::enable_shared_from_this<EvaluationBatch> {
   void Enqueue(std::vector<Queued> queued);
   void EnqueueSome(std::vector<Queued> queued);
   void EnqueueNow(const std::vector<WantedTask>& tasks);
+  void Receive(const store::Task& task, bool known, const Queued& wanted);
   v1::EvaluationResult ResultOf(const store::Task& task, bool cached);
   bool IsAbandoned() const;
 

@@ -23,6 +23,10 @@ namespace {
 constexpr absl::Duration kLookInterval = absl::Milliseconds(250);
 constexpr std::size_t kKeysInOneLook = 256;
 
+// How long the tasks of a stream that broke off are kept for who asks for them again: a service
+// that restarts takes a second or two.
+constexpr absl::Duration kTimeToAskAgain = absl::Seconds(3);
+
 }  // namespace
 
 SimulatorCore::SimulatorCore(const rpc::ServiceEnvironment& environment)
@@ -74,6 +78,15 @@ absl::StatusOr<std::vector<FoundTask>> SimulatorCore::Enqueue(
 void SimulatorCore::CancelIfQueued(const std::string& key) { Cancel(key, false); }
 
 void SimulatorCore::CancelUnfinished(const std::string& key) { Cancel(key, true); }
+
+void SimulatorCore::CancelUnlessWantedAgain(std::vector<std::string> keys) {
+  if (keys.empty()) return;
+  dispatcher_->SubmitAfter(kTimeToAskAgain, [weak = weak_from_this(), keys = std::move(keys)] {
+    const auto core = weak.lock();
+    if (core == nullptr) return;
+    for (const std::string& key : keys) core->CancelUnfinished(key);
+  });
+}
 
 void SimulatorCore::Cancel(const std::string& key, bool even_if_leased) {
   const std::string queue = QueueOf(key);

@@ -51,6 +51,10 @@ class SimulatorCore : public std::enable_shared_from_this<SimulatorCore> {
   // it when it next renews its lease.
   void CancelUnfinished(const std::string& key);
 
+  // Does that to those that nobody has begun to wait for again after a moment: streams that break
+  // off with a restart are asked for again, those of cancelled work are not.
+  void CancelUnlessWantedAgain(std::vector<std::string> keys);
+
   // Leases tasks, puts aside poisonous ones and tells those who wait for them. NOT_FOUND for the
   // queue of an evaluator that is not registered.
   absl::StatusOr<std::vector<store::Task>> Lease(const std::string& queue,

@@ -33,6 +33,9 @@ constexpr absl::Duration kReportPatience = absl::Minutes(2);
 // How soon a worker notices that a task was cancelled, and tells how far it is.
 constexpr absl::Duration kLookForCancel = absl::Seconds(2);
 
+// How long work may take to stop that nobody wants any more.
+constexpr absl::Duration kTimeToStop = absl::Seconds(3);
+
 // Tasks that take less than this together are leased ahead, so that a worker need not ask for each.
 constexpr absl::Duration kAhead = absl::Milliseconds(250);
 constexpr int kMostAhead = 4;
@@ -166,7 +169,8 @@ class LeaseKeeper {
         lock.unlock();
         // Told before the work has stopped, which may take long: the sooner others begin with it.
         Drop();
-        return GiveBack(options_, stub_, task_);
+        GiveBack(options_, stub_, task_);
+        return AwaitStop();
       }
       if (now >= empty_reserve_at_) {
         empty_reserve_at_ = Clock::time_point::max();
@@ -181,10 +185,20 @@ class LeaseKeeper {
       }
       lock.unlock();
       if (now > end) stop_.request_stop();
-      if (!Renew()) return;
+      if (!Renew()) return AwaitStop();
       renewal = Clock::now() + interval_;
       lock.lock();
     }
+  }
+
+  // After the task was lost: work that does not stop by itself is broken off.
+  void AwaitStop() {
+    std::unique_lock lock(mutex_);
+    const bool stopped =
+        changed_.wait_for(lock, absl::ToChronoNanoseconds(kTimeToStop), [this] { return done_; });
+    if (stopped || !options_.break_off) return;
+    Log(LogLevel::kInfo, "breaking off, as a dropped task does not stop", {{"task", task_.name()}});
+    options_.break_off();
   }
 
   // False once the task is lost.

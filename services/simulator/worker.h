@@ -2,6 +2,7 @@
 // reports each with the attempt number it was lent under.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <stop_token>
 #include <string>
@@ -22,14 +23,19 @@ struct WorkerOptions {
   absl::Duration patience = absl::Seconds(2);     // for a task, in one call
   int threads = 1;                                // that solve one task
   double memory_limit = 8e9;                      // bytes of one task
+
+  // Ends the process, or starts it anew, with all that it does now. Called where work that nobody
+  // wants any more has not stopped: what a library does in one call cannot be stopped. Unset: the
+  // worker waits for it.
+  std::function<void()> break_off = {};
 };
 
 // Works until a stop is requested. The task at hand is still finished and reported if that takes no
 // longer than the drain time; else it is given back, unharmed and at once, so that others may have
-// it, and dropped here at its next step. A task that is cancelled, or was lent to another
-// meanwhile, is dropped at its next step; one that takes longer than the limit fails there,
-// RESOURCE_EXHAUSTED, TIME_LIMIT. A worker holds no state that matters; when it dies its leases run
-// out and others take the tasks.
+// it, and dropped here. A task that is cancelled, or was lent to another meanwhile, is dropped,
+// too: at its next step, or after three seconds with `break_off`. One that takes longer than the
+// limit fails at its next step, RESOURCE_EXHAUSTED, TIME_LIMIT. A worker holds no state that
+// matters; when it dies its leases run out and others take the tasks.
 void RunWorker(const WorkerOptions& options, const std::stop_token& stop);
 
 // `mortise-simulator --worker`: flags, signals, RunWorker. Returns the exit code.

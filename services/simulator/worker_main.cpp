@@ -1,11 +1,15 @@
 // The main program of a worker process.
+#include <linux/close_range.h>
 #include <semaphore.h>
 #include <signal.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <atomic>
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
 #include <thread>
 
 #include "absl/strings/str_cat.h"
@@ -107,8 +111,17 @@ void AwaitEndingSignal() {
   }
 }
 
+// This program from its beginning, in the place and under the id of this process, so that whoever
+// supervises it (a launcher, Slurm, Kubernetes) sees no end.
+void BeginAnew(char** argv) {
+  ::close_range(3, ~0U, CLOSE_RANGE_CLOEXEC);  // connections and files
+  ::execv("/proc/self/exe", argv);
+  Log(LogLevel::kError, "the worker cannot begin anew", {{"error", std::strerror(errno)}});
+  ::_exit(1);
+}
+
 // Ends when TakeEndingSignals has seen one.
-absl::Status Run(const rpc::ServiceOptions& options, const WorkerFlags& flags) {
+absl::Status Run(const rpc::ServiceOptions& options, const WorkerFlags& flags, char** argv) {
   MORTISE_RETURN_IF_ERROR(CheckAccess(options, flags));
   WorkerOptions worker;
   worker.name = flags.name.empty() ? absl::StrCat("worker-", NewIdentifier()) : flags.name;
@@ -116,6 +129,8 @@ absl::Status Run(const rpc::ServiceOptions& options, const WorkerFlags& flags) {
   worker.threads = flags.threads;
   worker.time_limit = absl::Seconds(flags.time_limit);
   worker.drain_time = options.drain_time;
+  std::atomic<bool> ending = false;
+  worker.break_off = [&ending, argv] { ending ? ::_exit(0) : BeginAnew(argv); };
   const double wanted = 1e9 * flags.memory_limit;
   worker.memory_limit = std::min(wanted, PhysicalMemory(wanted));
   MORTISE_ASSIGN_OR_RETURN(worker.simulator, ChannelTo(options, flags, "simulator"));
@@ -128,6 +143,7 @@ absl::Status Run(const rpc::ServiceOptions& options, const WorkerFlags& flags) {
   Log(LogLevel::kInfo, "working", {{"worker", worker.name}});
   std::jthread work([&](const std::stop_token& stop) { RunWorker(worker, stop); });
   AwaitEndingSignal();
+  ending = true;
   Log(LogLevel::kInfo, "asked to end, once the task at hand is finished or given back", {});
   work.request_stop();
   work.join();
@@ -157,7 +173,7 @@ int WorkerMain(int argc, char** argv) {
 
   TakeEndingSignals();
   signal(SIGPIPE, SIG_IGN);
-  if (const absl::Status status = Run(*options, flags); !status.ok()) {
+  if (const absl::Status status = Run(*options, flags, argv); !status.ok()) {
     return fail(status, 1);
   }
   return 0;
