@@ -40,6 +40,7 @@ struct AnalyzeOptions {
   int air_cells = 0;           // likewise
   std::filesystem::path mesh;  // with it, `subject` is the file of a case
   std::filesystem::path out;
+  bool detach = false;
 };
 
 v1::SolverKind SolverOf(const AnalyzeOptions& options) {
@@ -91,9 +92,11 @@ absl::Status AnalyzeMesh(const AnalyzeOptions& options, Session& session, Output
   }
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   const auto stub = v1::SimulatorService::NewStub(client->channel());
-  MORTISE_ASSIGN_OR_RETURN(
-      const v1::Analysis analysis,
-      AnalyzeMeshFiles(options.subject, options.mesh, SolverOf(options), *stub, *client, output));
+  MORTISE_ASSIGN_OR_RETURN(const std::optional<v1::Analysis> done,
+                           AnalyzeMeshFiles({options.subject, options.mesh, SolverOf(options)},
+                                            session.Work(options.detach), *stub, *client, output));
+  if (!done) return absl::OkStatus();
+  const v1::Analysis& analysis = *done;
   PrintMeshAnalysis(analysis, output);
   if (!options.out.empty()) {
     MORTISE_RETURN_IF_ERROR(DownloadArtifacts(analysis, options.out, *stub, *client, output));
@@ -209,12 +212,16 @@ absl::Status Analyze(const AnalyzeOptions& options, Session& session, Output& ou
   }
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   const auto stub = v1::SimulatorService::NewStub(client->channel());
-  v1::Operation operation;
-  MORTISE_RETURN_IF_ERROR(client->Call([&](grpc::ClientContext& context) {
-    return rpc::FromGrpc(stub->AnalyzeDesign(&context, request, &operation));
-  }));
-  MORTISE_ASSIGN_OR_RETURN(const v1::Analysis analysis,
-                           FollowTo<v1::Analysis>(*client, operation, output));
+  MORTISE_ASSIGN_OR_RETURN(
+      const std::optional<v1::Analysis> done,
+      RunTo<v1::Analysis>(
+          *client, session.Work(options.detach),
+          [&](grpc::ClientContext& context, v1::Operation* operation) {
+            return rpc::FromGrpc(stub->AnalyzeDesign(&context, request, operation));
+          },
+          output));
+  if (!done) return absl::OkStatus();
+  const v1::Analysis& analysis = *done;
   output.Line(analysis.elements() == 0
                   ? analysis.name()
                   : absl::StrCat(analysis.name(), ": ", analysis.elements(), " elements, ",
@@ -281,6 +288,10 @@ void AddAnalyzeCommand(CLI::App& app, Session& session) {
                       "Mesh of the case: Gmsh (MSH 2.2, 4.1), Abaqus or CalculiX (.inp)");
   analyze->add_option("--out", options->out,
                       "Folder for pictures (PNG), fields (VTU) and probes (CSV)");
+  AddDetach(*analyze, options->detach)
+      ->excludes("--out")
+      ->excludes("--metric")
+      ->excludes("--define");
   analyze->footer(
       "Example: mortise analyze table --set length=1500mm --out out/table\n"
       "Example: mortise analyze table --metric mass --metric max_displacement --gradients\n"

@@ -29,6 +29,7 @@ void BuildCommandLine(CLI::App& app, Session& session) {
   AddParetoCommands(app, session);
   AddPlanCommand(app, session);
   AddFabCommands(app, session);
+  AddOperationCommands(app, session);
   AddEventsCommand(app, session);
   AddCallCommand(app, session);
   AddCompletionCommand(app, session);

@@ -1,9 +1,11 @@
 // mortise demo: the main job from a parametric table to cut parts, as a row of commands that anyone
 // can type after it.
 #include <signal.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <memory>
@@ -14,6 +16,7 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "cli/command_line.h"
+#include "cli/ending_signals.h"
 #include "cli/flag_checks.h"
 #include "cli/session.h"
 #include "cli/state_folder.h"
@@ -37,10 +40,32 @@ struct DemoOptions {
   double time_scale = 30;
 };
 
+// What asks the demo to end, also between the commands it runs: its house ends with it.
+class Asked {
+ public:
+  explicit Asked(Output& output)
+      : signals_([this, &output](int signal, int count) {
+          signal_ = signal;
+          if (count == 1) return;
+          output.Failure(status());
+          ::_exit(128 + signal);  // the house gets SIGTERM as its parent ends
+        }) {}
+
+  absl::Status status() const {
+    if (signal_ == 0) return absl::OkStatus();
+    return Interrupted(signal_, "the demo was stopped, and its house with all that ran in it");
+  }
+
+ private:
+  std::atomic<int> signal_ = 0;
+  EndingSignals signals_;  // last: gone before what it sets
+};
+
 // A house of the demo's own, in a process of its own, stopped when the demo ends.
 class DemoHouse {
  public:
-  static absl::StatusOr<std::unique_ptr<DemoHouse>> Start(const DemoOptions& options) {
+  static absl::StatusOr<std::unique_ptr<DemoHouse>> Start(const DemoOptions& options,
+                                                          const Asked& asked) {
     const std::filesystem::path state = options.out / "house";
     std::error_code ignored;
     const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", ignored);
@@ -57,6 +82,7 @@ class DemoHouse {
     auto house = std::unique_ptr<DemoHouse>(new DemoHouse(pid));
     const Clock::time_point deadline = Clock::now() + kStartPatience;
     while (true) {
+      MORTISE_RETURN_IF_ERROR(asked.status());
       const absl::StatusOr<RunningHouse> running = ReadRunningHouse(state);
       if (running.ok() && !running->processes.empty() &&
           std::all_of(running->processes.begin(), running->processes.end(),
@@ -89,15 +115,22 @@ class DemoHouse {
   RunningHouse running_;
 };
 
+// How its commands are run.
+struct DemoRun {
+  const Session& session;
+  const Asked& asked;
+};
+
 // Runs a command, and again for a while where a service is just starting anew. Not what releases
 // work to machines: whether a lost answer stood for a release, only a person should say.
-absl::Status RunThroughRestarts(const std::vector<std::string>& arguments, const Session& session,
+absl::Status RunThroughRestarts(const std::vector<std::string>& arguments, const DemoRun& run,
                                 Output& output) {
   constexpr std::chrono::seconds kPatience{30};
   constexpr std::chrono::milliseconds kPause{200};
   const auto end = std::chrono::steady_clock::now() + kPatience;
   while (true) {
-    const absl::Status status = RunCommandLine(arguments, session, output);
+    MORTISE_RETURN_IF_ERROR(run.asked.status());
+    const absl::Status status = RunCommandLine(arguments, run.session, output);
     const bool again = absl::IsUnavailable(status) && arguments.front() != "fab" &&
                        std::chrono::steady_clock::now() < end;
     if (!again) return status;
@@ -107,17 +140,17 @@ absl::Status RunThroughRestarts(const std::vector<std::string>& arguments, const
 
 // Shows a command, runs it, and returns the document it made.
 absl::StatusOr<Json> Step(const std::string& what, const std::vector<std::string>& arguments,
-                          const Session& session, const Output& output) {
+                          const DemoRun& run, const Output& output) {
   output.Line(absl::StrCat("\n== ", what, "\n$ mortise ", absl::StrJoin(arguments, " ")));
   Output step(output.text() ? Output::Form::kText : Output::Form::kSilent);
-  MORTISE_RETURN_IF_ERROR(RunThroughRestarts(arguments, session, step));
+  MORTISE_RETURN_IF_ERROR(RunThroughRestarts(arguments, run, step));
   return Json::parse(step.last_document(), nullptr, /*allow_exceptions=*/false);
 }
 
 // The same without a word.
-absl::StatusOr<Json> Ask(const std::vector<std::string>& arguments, const Session& session) {
+absl::StatusOr<Json> Ask(const std::vector<std::string>& arguments, const DemoRun& run) {
   Output silent(Output::Form::kSilent);
-  MORTISE_RETURN_IF_ERROR(RunThroughRestarts(arguments, session, silent));
+  MORTISE_RETURN_IF_ERROR(RunThroughRestarts(arguments, run, silent));
   return Json::parse(silent.last_document(), nullptr, /*allow_exceptions=*/false);
 }
 
@@ -145,8 +178,8 @@ std::vector<std::string> With(std::vector<std::string> first,
 }
 
 // One JSON object a line, as happened, all streams.
-absl::Status WriteEventLog(const std::filesystem::path& path, const Session& session) {
-  MORTISE_ASSIGN_OR_RETURN(Json events, Ask({"events"}, session));
+absl::Status WriteEventLog(const std::filesystem::path& path, const DemoRun& run) {
+  MORTISE_ASSIGN_OR_RETURN(Json events, Ask({"events"}, run));
   std::stable_sort(events.begin(), events.end(), [](const Json& a, const Json& b) {
     return a.value("time", "") < b.value("time", "");
   });
@@ -191,21 +224,23 @@ void Summarise(const DemoOptions& options, const Json& front, const Json& analys
 absl::Status Demo(const DemoOptions& options, Output& output) {
   const Clock::time_point begin = Clock::now();
   const std::filesystem::path out = options.out;
-  MORTISE_ASSIGN_OR_RETURN(const auto house, DemoHouse::Start(options));
+  const Asked asked(output);
+  MORTISE_ASSIGN_OR_RETURN(const auto house, DemoHouse::Start(options, asked));
   Session session;
+  session.house_ends_too = true;
   session.gateway.address = house->running().gateway_grpc;
+  const DemoRun run{session, asked};
   output.Line(absl::StrCat("A house runs on ", (out / "house").string(), ", its gateway on ",
                            session.gateway.address, "."));
 
   // The designer's wish: a table for a given room; what carries it is open.
   const std::vector<std::string> wish = {"--set",       "length=1500mm", "--set",
                                          "width=800mm", "--set",         "height=730mm"};
-  MORTISE_RETURN_IF_ERROR(Step("Customise an expert's table",
-                               With({"catalog", "evaluate", "table"}, wish), session, output)
-                              .status());
   MORTISE_RETURN_IF_ERROR(
-      Step("Check it by finite elements", With({"analyze", "table"}, wish), session, output)
+      Step("Customise an expert's table", With({"catalog", "evaluate", "table"}, wish), run, output)
           .status());
+  MORTISE_RETURN_IF_ERROR(
+      Step("Check it by finite elements", With({"analyze", "table"}, wish), run, output).status());
   MORTISE_ASSIGN_OR_RETURN(
       const Json front,
       Step("Trade mass against deflection",
@@ -213,34 +248,31 @@ absl::Status Demo(const DemoOptions& options, Output& output) {
             "--fix", "length=1500mm", "--fix", "width=800mm", "--fix", "height=730mm",
             "--evaluations", absl::StrCat(options.evaluations), "--seed",
             absl::StrCat(options.seed), "--out", out.string()},
-           session, output));
+           run, output));
   MORTISE_ASSIGN_OR_RETURN(
       const Json picked,
       Step("Pick a trade-off in the middle",
-           {"pareto", "pick", front.at("name").get<std::string>(), "--at", "0.5"}, session,
-           output));
-  MORTISE_ASSIGN_OR_RETURN(const Json design, Ask({"catalog", "show", "table"}, session));
+           {"pareto", "pick", front.at("name").get<std::string>(), "--at", "0.5"}, run, output));
+  MORTISE_ASSIGN_OR_RETURN(const Json design, Ask({"catalog", "show", "table"}, run));
   const std::vector<std::string> chosen = RoundedParameters(picked, design);
   MORTISE_RETURN_IF_ERROR(
       Step("Take it in sizes a workshop can set",
            With({"catalog", "evaluate", "table", "--step", (out / "table.step").string(), "--glb",
                  (out / "table.glb").string()},
                 chosen),
-           session, output)
+           run, output)
           .status());
   MORTISE_ASSIGN_OR_RETURN(
       const Json analysis,
-      Step("Check what was taken", With({"analyze", "table", "--out", out.string()}, chosen),
-           session, output));
-  MORTISE_ASSIGN_OR_RETURN(
-      const Json plan,
-      Step("Plan its fabrication", With({"plan", "table", "--out", out.string()}, chosen), session,
+      Step("Check what was taken", With({"analyze", "table", "--out", out.string()}, chosen), run,
            output));
   MORTISE_ASSIGN_OR_RETURN(
-      const Json order,
-      Step("Cut it on two machines over Modbus",
-           {"fab", "release", plan.at("name").get<std::string>()}, session, output));
-  MORTISE_RETURN_IF_ERROR(WriteEventLog(out / "events.jsonl", session));
+      const Json plan, Step("Plan its fabrication",
+                            With({"plan", "table", "--out", out.string()}, chosen), run, output));
+  MORTISE_ASSIGN_OR_RETURN(
+      const Json order, Step("Cut it on two machines over Modbus",
+                             {"fab", "release", plan.at("name").get<std::string>()}, run, output));
+  MORTISE_RETURN_IF_ERROR(WriteEventLog(out / "events.jsonl", run));
   const double seconds = std::chrono::duration<double>(Clock::now() - begin).count();
   Summarise(options, front, analysis, plan, order, seconds, output);
   return absl::OkStatus();

@@ -40,28 +40,43 @@ void PrintWorkOrder(const v1::WorkOrder& order, const Output& output) {
   output.Table({"machine", "number", "part", "cut", "state", "duration"}, rows);
 }
 
-absl::Status Watch(const v1::Operation& operation, Session& session, Output& output) {
-  MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
-  MORTISE_ASSIGN_OR_RETURN(const v1::WorkOrder order,
-                           FollowTo<v1::WorkOrder>(*client, operation, output));
-  PrintWorkOrder(order, output);
-  output.DocumentOf(order);
-  return absl::OkStatus();
+// Machines never stop because somebody's terminal closes: who leaves learns how to hold them.
+std::string HowOrderGoesOn(const GatewayClient& client, const v1::Operation& operation) {
+  const std::string& command = client.command();
+  const std::string& order = operation.subject();
+  return absl::StrCat(
+      order, " goes on, its machines cut without this command\n  watch it with:   ", command,
+      " fab watch ", order, "\n  hold it with:    ", command, " fab hold ", order,
+      "\n  give it up with: ", command, " operations cancel ", operation.name());
 }
 
-absl::Status Release(const std::string& plan, bool wait, Session& session, Output& output) {
+LongWork CuttingWork(const Session& session, bool detach) {
+  LongWork work = session.Work(detach);
+  if (work.when_left == WhenLeft::kIsCancelled) work.when_left = WhenLeft::kGoesOn;
+  work.how_to_go_on = HowOrderGoesOn;
+  return work;
+}
+
+void PrintCutOrder(const v1::WorkOrder& order, Output& output) {
+  PrintWorkOrder(order, output);
+  output.DocumentOf(order);
+}
+
+absl::Status Release(const std::string& plan, bool detach, Session& session, Output& output) {
   v1::ReleaseWorkOrderRequest request;
   request.set_request_id(NewIdentifier());
   request.set_plan(ResourceName("plans", plan));
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   const auto stub = v1::FabPlannerService::NewStub(client->channel());
-  v1::Operation operation;
-  MORTISE_RETURN_IF_ERROR(client->Call([&](grpc::ClientContext& context) {
-    return rpc::FromGrpc(stub->ReleaseWorkOrder(&context, request, &operation));
-  }));
-  if (wait) return Watch(operation, session, output);
-  output.Line(absl::StrCat("released; follow it with: mortise fab watch ", operation.name()));
-  output.DocumentOf(operation);
+  MORTISE_ASSIGN_OR_RETURN(
+      const std::optional<v1::WorkOrder> order,
+      RunTo<v1::WorkOrder>(
+          *client, CuttingWork(session, detach),
+          [&](grpc::ClientContext& context, v1::Operation* operation) {
+            return rpc::FromGrpc(stub->ReleaseWorkOrder(&context, request, operation));
+          },
+          output));
+  if (order) PrintCutOrder(*order, output);
   return absl::OkStatus();
 }
 
@@ -79,13 +94,20 @@ absl::StatusOr<v1::WorkOrder> GetOrder(const std::string& name, Session& session
 
 // Follows by the name of an operation, or of a work order.
 absl::Status WatchByName(const std::string& name, Session& session, Output& output) {
+  MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   v1::Operation operation;
-  operation.set_name(name);
-  if (!absl::StartsWith(name, "operations/")) {
+  if (absl::StartsWith(name, "operations/")) {
+    MORTISE_ASSIGN_OR_RETURN(operation, GetOperation(*client, name));
+  } else {
     MORTISE_ASSIGN_OR_RETURN(const v1::WorkOrder order, GetOrder(name, session));
     operation.set_name(order.operation());
+    operation.set_subject(order.name());
   }
-  return Watch(operation, session, output);
+  MORTISE_ASSIGN_OR_RETURN(const v1::Operation done,
+                           Follow(*client, CuttingWork(session, false), operation, output));
+  MORTISE_ASSIGN_OR_RETURN(const v1::WorkOrder order, ResultOf<v1::WorkOrder>(done));
+  PrintCutOrder(order, output);
+  return absl::OkStatus();
 }
 
 absl::Status Show(const std::string& name, Session& session, Output& output) {
@@ -131,11 +153,13 @@ void AddFabCommands(CLI::App& app, Session& session) {
   auto detach = std::make_shared<bool>(false);
   CLI::App* release = fab->add_subcommand("release", "Give a plan to the machines and follow it");
   release->add_option("plan", *plan, "Plan, such as plans/0198c1")->required();
-  release->add_flag("--detach", *detach, "Do not follow it");
-  release->footer("Example: mortise fab release plans/0198c1");
+  AddDetach(*release, *detach);
+  release->footer(
+      "Example: mortise fab release plans/0198c1\n"
+      "Ctrl-C leaves the machines cutting; `mortise fab hold` pauses them");
   release->callback([&session, plan, detach] {
     session.command = [plan, detach](Session& s, Output& o) {
-      return Release(*plan, !*detach, s, o);
+      return Release(*plan, *detach, s, o);
     };
   });
 

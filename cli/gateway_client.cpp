@@ -7,8 +7,10 @@
 #include <cstdlib>
 #include <thread>
 
+#include "absl/strings/ascii.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_replace.h"
 #include "absl/strings/strip.h"
 #include "cli/state_folder.h"
 #include "common/base/errors.h"
@@ -56,6 +58,30 @@ bool IsDone(const v1::Operation& operation) {
          operation.state() == v1::Operation::CANCELLED;
 }
 
+// A word for a shell: in quotes where it has characters that mean something there.
+std::string ShellWord(const std::string& text) {
+  const bool is_plain = std::all_of(text.begin(), text.end(), [](char c) {
+    return absl::ascii_isalnum(static_cast<unsigned char>(c)) ||
+           std::string_view("-_./:@,+=").find(c) != std::string_view::npos;
+  });
+  if (is_plain) return text;
+  return absl::StrCat("'", absl::StrReplaceAll(text, {{"'", R"('\'')"}}), "'");
+}
+
+std::string CommandFor(const GatewayOptions& options) {
+  std::string command = "mortise";
+  const auto add = [&](const char* flag, const std::string& value) {
+    if (!value.empty()) absl::StrAppend(&command, " ", flag, " ", ShellWord(value));
+  };
+  add("--gateway", options.address);
+  add("--token-file", options.token_file);
+  add("--authority", options.authority);
+  if (options.state != GatewayOptions().state) add("--house", options.state.string());
+  return command;
+}
+
+}  // namespace
+
 absl::Status ErrorOf(const v1::Operation& operation) {
   if (operation.state() == v1::Operation::CANCELLED) {
     return absl::CancelledError(absl::StrCat(operation.name(), " was cancelled"));
@@ -63,8 +89,6 @@ absl::Status ErrorOf(const v1::Operation& operation) {
   if (operation.state() != v1::Operation::FAILED) return absl::OkStatus();
   return rpc::FromProto(operation.error());
 }
-
-}  // namespace
 
 absl::StatusOr<GatewayClient> GatewayClient::Connect(const GatewayOptions& options) {
   std::string address = options.address.empty() ? Environment("MORTISE_GATEWAY") : options.address;
@@ -90,15 +114,18 @@ absl::StatusOr<GatewayClient> GatewayClient::Connect(const GatewayOptions& optio
   arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, 100);
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 1000);
   GatewayClient client(grpc::CreateCustomChannel(address, credentials, arguments), address,
-                       std::move(token));
+                       std::move(token), CommandFor(options));
   MORTISE_RETURN_IF_ERROR(client.AwaitConnection(std::chrono::duration<double>(options.patience),
                                                  security.authority.empty()));
   return client;
 }
 
 GatewayClient::GatewayClient(std::shared_ptr<grpc::Channel> channel, std::string address,
-                             std::string token)
-    : channel_(std::move(channel)), address_(std::move(address)), token_(std::move(token)) {}
+                             std::string token, std::string command)
+    : channel_(std::move(channel)),
+      address_(std::move(address)),
+      token_(std::move(token)),
+      command_(std::move(command)) {}
 
 absl::Status GatewayClient::AwaitConnection(std::chrono::duration<double> patience,
                                             bool plain_text) const {
@@ -148,7 +175,8 @@ absl::Status GatewayClient::Call(const std::function<absl::Status(grpc::ClientCo
 }
 
 absl::StatusOr<v1::Operation> GatewayClient::Follow(
-    const std::string& operation, const std::function<void(const v1::Operation&)>& changed) const {
+    const std::string& operation, const std::function<void(const v1::Operation&)>& changed,
+    const std::stop_token& stop) const {
   const auto stub = v1::OperationService::NewStub(channel_);
   auto last_answer = std::chrono::steady_clock::now();
   while (true) {
@@ -157,17 +185,17 @@ absl::StatusOr<v1::Operation> GatewayClient::Follow(
     v1::WatchOperationRequest request;
     request.set_name(operation);
     const auto reader = stub->WatchOperation(&context, request);
+    const std::stop_callback stopping(stop, [&context] { context.TryCancel(); });
     v1::Operation now;
     while (reader->Read(&now)) {
       last_answer = std::chrono::steady_clock::now();
       changed(now);
       if (!IsDone(now)) continue;
       context.TryCancel();
-      const absl::Status error = ErrorOf(now);
-      if (error.ok()) return now;
-      return error;
+      return now;
     }
     const grpc::Status status = reader->Finish();
+    if (stop.stop_requested()) return absl::CancelledError("the operation is no longer followed");
     // A service that restarts cuts the stream; its operation goes on.
     const bool may_come_back = status.ok() ||
                                status.error_code() == grpc::StatusCode::UNAVAILABLE ||

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <stop_token>
 #include <string>
 
 #include "absl/status/status.h"
@@ -52,18 +53,28 @@ class GatewayClient {
                     double seconds = 60) const;
 
   // Follows an operation to its end, telling of each change; reconnects to a gateway or service
-  // that restarts. FAILED operations give their error, CANCELLED ones are CANCELLED.
-  absl::StatusOr<v1::Operation> Follow(
-      const std::string& operation, const std::function<void(const v1::Operation&)>& changed) const;
+  // that restarts. Gives the operation as it ended, whatever came of it; CANCELLED if a stop is
+  // requested before.
+  absl::StatusOr<v1::Operation> Follow(const std::string& operation,
+                                       const std::function<void(const v1::Operation&)>& changed,
+                                       const std::stop_token& stop = {}) const;
+
+  // "mortise", with the flags that lead other commands to the same gateway.
+  const std::string& command() const { return command_; }
 
  private:
   absl::Status AwaitConnection(std::chrono::duration<double> patience, bool plain_text) const;
 
-  GatewayClient(std::shared_ptr<grpc::Channel> channel, std::string address, std::string token);
+  GatewayClient(std::shared_ptr<grpc::Channel> channel, std::string address, std::string token,
+                std::string command);
 
   std::shared_ptr<grpc::Channel> channel_;
   std::string address_;
   std::string token_;
+  std::string command_;
 };
+
+// What an operation that has ended failed with: its error, CANCELLED; OK where it succeeded.
+absl::Status ErrorOf(const v1::Operation& operation);
 
 }  // namespace mortise::cli

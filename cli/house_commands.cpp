@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <atomic>
 #include <chrono>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -11,6 +12,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "cli/ending_signals.h"
 #include "cli/flag_checks.h"
 #include "cli/house.h"
 #include "cli/launcher.h"
@@ -31,10 +33,6 @@ using Clock = std::chrono::steady_clock;
 constexpr milliseconds kSuperviseEvery{20};
 constexpr milliseconds kStopPatience{10000};
 constexpr std::chrono::seconds kStartPatience{60};
-
-volatile sig_atomic_t stop_requested = 0;
-
-void RequestStop(int) { stop_requested = 1; }
 
 // Programs stand beside this one; the collection in the source tree or the installed share folder.
 void FillFolders(HouseOptions& options) {
@@ -120,14 +118,16 @@ absl::Status Up(HouseOptions options, bool dry_run, Output& output) {
   MORTISE_ASSIGN_OR_RETURN(const StateFolderLock lock, StateFolderLock::Take(options.state));
   MORTISE_RETURN_IF_ERROR(EnsureKeys(options.state / "keys"));
 
-  stop_requested = 0;
-  ::signal(SIGTERM, RequestStop);
-  ::signal(SIGINT, RequestStop);
+  std::atomic<int> asked = 0;  // how often somebody asked it to stop
+  const EndingSignals signals([&](int, int count) {
+    asked = count;
+    if (count == 1) output.Note("stopping; Ctrl-C again ends the processes at once");
+  });
   const Clock::time_point begin = Clock::now();
   Launcher launcher(options, std::move(plan), [](const RunningHouse&) {});
   MORTISE_RETURN_IF_ERROR(launcher.Start());
   bool announced = false;
-  while (stop_requested == 0) {
+  while (asked == 0) {
     MORTISE_RETURN_IF_ERROR(launcher.Supervise());
     if (!announced && launcher.Serving()) {
       announced = true;
@@ -142,8 +142,8 @@ absl::Status Up(HouseOptions options, bool dry_run, Output& output) {
     }
     std::this_thread::sleep_for(kSuperviseEvery);
   }
-  launcher.Stop(kStopPatience);
-  output.Line("stopped");
+  launcher.Stop(kStopPatience, [&] { return asked > 1; });
+  output.Line("stopped; operations under way go on when the house is started again");
   return absl::OkStatus();
 }
 

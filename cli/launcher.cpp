@@ -137,7 +137,7 @@ void Launcher::Publish() {
   changed_(house_);
 }
 
-void Launcher::Stop(milliseconds patience) {
+void Launcher::Stop(milliseconds patience, const std::function<bool()>& hurry) {
   for (const Child& child : children_) {
     if (child.pid != 0) ::kill(child.pid, SIGTERM);
   }
@@ -151,7 +151,7 @@ void Launcher::Stop(milliseconds patience) {
     return any;
   };
   while (running()) {
-    if (Clock::now() > deadline) {
+    if (hurry() || Clock::now() > deadline) {
       for (const Child& child : children_) {
         if (child.pid != 0) ::kill(child.pid, SIGKILL);
       }

@@ -41,8 +41,10 @@ class Launcher {
   const RunningHouse& house() const { return house_; }
 
   // Asks every process to drain (the gateway first, then the services), kills what has not ended
-  // after `patience`.
-  void Stop(std::chrono::milliseconds patience);
+  // after `patience`, or as soon as `hurry` says so.
+  void Stop(
+      std::chrono::milliseconds patience,
+      const std::function<bool()>& hurry = [] { return false; });
 
  private:
   struct Child {

@@ -61,24 +61,27 @@ std::string Newtons(const v1::Vector3& force) {
 
 }  // namespace
 
-absl::StatusOr<v1::Analysis> AnalyzeMeshFiles(const std::filesystem::path& case_file,
-                                              const std::filesystem::path& mesh_file,
-                                              v1::SolverKind solver,
-                                              v1::SimulatorService::Stub& stub,
-                                              const GatewayClient& client, Output& output) {
+absl::StatusOr<std::optional<v1::Analysis>> AnalyzeMeshFiles(const MeshFiles& files,
+                                                             const LongWork& work,
+                                                             v1::SimulatorService::Stub& stub,
+                                                             const GatewayClient& client,
+                                                             Output& output) {
   FieldSources sources;
-  sources.AddFile("case", case_file.string());
-  sources.Add("mesh_file", mesh_file.string());
+  sources.AddFile("case", files.case_file.string());
+  sources.Add("mesh_file", files.mesh_file.string());
   v1::AnalyzeMeshRequest request;
   request.set_request_id(NewIdentifier());
-  MORTISE_ASSIGN_OR_RETURN(*request.mutable_case_(), ReadCase(case_file));
-  if (solver != v1::SOLVER_KIND_UNSPECIFIED) request.mutable_case_()->set_solver(solver);
-  MORTISE_ASSIGN_OR_RETURN(*request.mutable_mesh_file(), Upload(mesh_file, stub, client));
-  v1::Operation operation;
-  MORTISE_RETURN_IF_ERROR(sources.Name(client.Call([&](grpc::ClientContext& context) {
-    return rpc::FromGrpc(stub.AnalyzeMesh(&context, request, &operation));
-  })));
-  absl::StatusOr<v1::Analysis> analysis = FollowTo<v1::Analysis>(client, operation, output);
+  MORTISE_ASSIGN_OR_RETURN(*request.mutable_case_(), ReadCase(files.case_file));
+  if (files.solver != v1::SOLVER_KIND_UNSPECIFIED) {
+    request.mutable_case_()->set_solver(files.solver);
+  }
+  MORTISE_ASSIGN_OR_RETURN(*request.mutable_mesh_file(), Upload(files.mesh_file, stub, client));
+  absl::StatusOr<std::optional<v1::Analysis>> analysis = RunTo<v1::Analysis>(
+      client, work,
+      [&](grpc::ClientContext& context, v1::Operation* operation) {
+        return rpc::FromGrpc(stub.AnalyzeMesh(&context, request, operation));
+      },
+      output);
   if (!analysis.ok()) return sources.Name(analysis.status());
   return analysis;
 }

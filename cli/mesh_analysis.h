@@ -3,24 +3,33 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "cli/gateway_client.h"
+#include "cli/long_work.h"
 #include "cli/output.h"
 #include "mortise/v1/simulator.grpc.pb.h"
 
 namespace mortise::cli {
 
-// Uploads the mesh, analyses the case, by `solver` instead of the case's own unless it is
-// unspecified, and waits for the result. What is wrong with either is said with the file's name:
-// INVALID_ARGUMENT, also for fields that a case does not have.
-absl::StatusOr<v1::Analysis> AnalyzeMeshFiles(const std::filesystem::path& case_file,
-                                              const std::filesystem::path& mesh_file,
-                                              v1::SolverKind solver,
-                                              v1::SimulatorService::Stub& stub,
-                                              const GatewayClient& client, Output& output);
+// What to analyse.
+struct MeshFiles {
+  std::filesystem::path case_file;
+  std::filesystem::path mesh_file;
+  v1::SolverKind solver;  // instead of the case's own, unless it is unspecified
+};
+
+// Uploads the mesh, analyses the case and waits for the result, unless it is to run detached. What
+// is wrong with either is said with the file's name: INVALID_ARGUMENT, also for fields that a case
+// does not have.
+absl::StatusOr<std::optional<v1::Analysis>> AnalyzeMeshFiles(const MeshFiles& files,
+                                                             const LongWork& work,
+                                                             v1::SimulatorService::Stub& stub,
+                                                             const GatewayClient& client,
+                                                             Output& output);
 
 // Tables of load cases, temperatures and frequencies, and what of the mesh file was not used.
 void PrintMeshAnalysis(const v1::Analysis& analysis, const Output& output);

@@ -10,6 +10,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "cli/ending_signals.h"
 #include "common/base/errors.h"
 #include "common/base/field_violations.h"
 
@@ -74,6 +75,7 @@ void Output::Progress(long done, long total, const std::string& text) {
   } else {
     line = text;
   }
+  const std::lock_guard lock(mutex_);
   if (form_ == Form::kSilent || line == last_progress_) return;
   last_progress_ = line;
   if (terminal) {
@@ -85,22 +87,39 @@ void Output::Progress(long done, long total, const std::string& text) {
   std::fflush(stderr);
 }
 
+void Output::Note(const std::string& text) {
+  if (form_ == Form::kSilent) return;
+  const std::lock_guard lock(mutex_);
+  BreakProgress();
+  std::fprintf(stderr, "%s\n", text.c_str());
+  std::fflush(stderr);
+}
+
 void Output::EndProgress() {
+  const std::lock_guard lock(mutex_);
+  BreakProgress();
+  last_progress_.clear();
+}
+
+void Output::BreakProgress() {
   if (progress_open_) std::fputc('\n', stderr);
   progress_open_ = false;
-  last_progress_.clear();
 }
 
 int Output::Failure(const absl::Status& status) {
   const ErrorDetail detail = DetailOf(status);
-  if (progress_open_) std::fputc('\n', stderr);
+  const std::lock_guard lock(mutex_);
+  BreakProgress();
   const std::string code = absl::StatusCodeToString(status.code());
   nlohmann::ordered_json error = {{"code", code},
                                   {"message", std::string(status.message())},
                                   {"reason", detail.reason},
                                   {"field", detail.field}};
   const std::vector<FieldViolation> violations = ViolationsOf(status);
-  if (violations.empty()) {
+  if (ExitCodeOf(status) > 1) {
+    // No failure: what somebody asked for, with commands to copy.
+    std::fprintf(stderr, "mortise: %s\n", std::string(status.message()).c_str());
+  } else if (violations.empty()) {
     std::fprintf(stderr, "mortise: %s (%s)\n", std::string(status.message()).c_str(), code.c_str());
   } else {
     // The message has them all in one line, and may be cut short.
@@ -111,7 +130,7 @@ int Output::Failure(const absl::Status& status) {
     error["violations"].push_back({{"field", violation.field}, {"message", violation.message}});
   }
   Document({{"error", error}});
-  return 1;
+  return ExitCodeOf(status);
 }
 
 nlohmann::ordered_json ToJson(const google::protobuf::Message& message) {

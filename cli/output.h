@@ -2,6 +2,7 @@
 // output and nothing else there. Progress and errors go to standard error.
 #pragma once
 
+#include <mutex>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
@@ -45,17 +46,23 @@ class Output {
   // `done` of `total` (0: unknown), with a text after it.
   void Progress(long done, long total, const std::string& text);
 
+  // A line on standard error beside the progress: what a person should know while a command works.
+  void Note(const std::string& text);
+
   // Ends the progress bar's line, if one was begun.
   void EndProgress();
 
   // Says what went wrong on standard error; with --json also as the document {"error": {...}}.
-  // Returns the exit code: 1, or 2 for a fault in the command line.
+  // Returns the exit code (ExitCodeOf).
   int Failure(const absl::Status& status);
 
  private:
+  void BreakProgress();
+
   const Form form_;
-  bool progress_open_ = false;
-  std::string last_progress_;
+  std::mutex mutex_;            // of standard error; signals are told of on a thread of their own
+  bool progress_open_ = false;  // guarded by mutex_
+  std::string last_progress_;   // guarded by mutex_
   std::string last_document_;
 };
 

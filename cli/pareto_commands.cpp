@@ -40,6 +40,7 @@ struct RunOptions {
   std::int64_t seed = 1;
   std::string surrogate;
   std::filesystem::path out;
+  bool detach = false;
 };
 
 bool IsFile(const RunOptions& options) { return absl::EndsWith(options.subject, ".json"); }
@@ -330,12 +331,16 @@ absl::Status Run(const RunOptions& options, FieldSources& sources, Session& sess
   MORTISE_ASSIGN_OR_RETURN(*request.mutable_specification(), Specification(options, sources));
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   const auto stub = v1::ParetoService::NewStub(client->channel());
-  v1::Operation operation;
-  MORTISE_RETURN_IF_ERROR(client->Call([&](grpc::ClientContext& context) {
-    return rpc::FromGrpc(stub->DiscoverFront(&context, request, &operation));
-  }));
-  MORTISE_ASSIGN_OR_RETURN(const v1::Front front, FollowTo<v1::Front>(*client, operation, output));
-  return Show(front.name(), options.out, session, output);
+  MORTISE_ASSIGN_OR_RETURN(
+      const std::optional<v1::Front> front,
+      RunTo<v1::Front>(
+          *client, session.Work(options.detach),
+          [&](grpc::ClientContext& context, v1::Operation* operation) {
+            return rpc::FromGrpc(stub->DiscoverFront(&context, request, operation));
+          },
+          output));
+  if (!front) return absl::OkStatus();
+  return Show(front->name(), options.out, session, output);
 }
 
 }  // namespace
@@ -374,6 +379,7 @@ void AddParetoCommands(CLI::App& app, Session& session) {
                   "always or never")
       ->check(CLI::IsMember({"auto", "always", "never"}));
   run->add_option("--out", run_options->out, "Folder for front.csv, front.svg and front.png");
+  AddDetach(*run, run_options->detach)->excludes("--out");
   run->footer(
       "Example: mortise pareto run table --minimize mass --minimize max_displacement "
       "--fix length=1.4 --evaluations 150");

@@ -23,6 +23,7 @@ struct PlanOptions {
   int quantity = 1;
   std::string kerf;
   std::filesystem::path out;
+  bool detach = false;
 };
 
 FieldSources SourcesOf(const PlanOptions& options) {
@@ -76,11 +77,16 @@ absl::Status Plan(const PlanOptions& options, Session& session, Output& output) 
   }
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   const auto stub = v1::FabPlannerService::NewStub(client->channel());
-  v1::Operation operation;
-  MORTISE_RETURN_IF_ERROR(client->Call([&](grpc::ClientContext& context) {
-    return rpc::FromGrpc(stub->CreatePlan(&context, request, &operation));
-  }));
-  MORTISE_ASSIGN_OR_RETURN(const v1::Plan plan, FollowTo<v1::Plan>(*client, operation, output));
+  MORTISE_ASSIGN_OR_RETURN(
+      const std::optional<v1::Plan> made,
+      RunTo<v1::Plan>(
+          *client, session.Work(options.detach),
+          [&](grpc::ClientContext& context, v1::Operation* operation) {
+            return rpc::FromGrpc(stub->CreatePlan(&context, request, operation));
+          },
+          output));
+  if (!made) return absl::OkStatus();
+  const v1::Plan& plan = *made;
   PrintPlan(plan, output);
   for (const v1::Artifact& artifact : plan.artifacts()) {
     if (options.out.empty()) break;
@@ -108,6 +114,7 @@ void AddPlanCommand(CLI::App& app, Session& session) {
   plan->add_option("--quantity", options->quantity, "How many to make")->capture_default_str();
   plan->add_option("--kerf", options->kerf, "Width of a saw cut; 3mm if absent");
   plan->add_option("--out", options->out, "Folder for cut list, bill, layouts and assembly guide");
+  AddDetach(*plan, options->detach)->excludes("--out");
   plan->footer("Example: mortise plan table --set length=1500mm --out out/plan");
   plan->callback([&session, options] {
     session.command = [options](Session& s, Output& output) {

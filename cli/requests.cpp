@@ -184,14 +184,4 @@ absl::Status FaultsToStatus(const std::string& design,
       design);
 }
 
-absl::StatusOr<v1::Operation> FollowWithProgress(const GatewayClient& client,
-                                                 const v1::Operation& operation, Output& output) {
-  absl::StatusOr<v1::Operation> done =
-      client.Follow(operation.name(), [&output](const v1::Operation& now) {
-        output.Progress(now.progress().done(), now.progress().total(), now.progress().message());
-      });
-  output.EndProgress();
-  return done;
-}
-
 }  // namespace mortise::cli

@@ -1,5 +1,5 @@
 // Pieces that several commands share: parameters from the command line, files from streams, and
-// operations followed with a progress bar.
+// lists read page by page.
 #pragma once
 
 #include <grpcpp/client_context.h>
@@ -17,7 +17,6 @@
 #include "cli/output.h"
 #include "common/base/errors.h"
 #include "common/rpc/status_mapping.h"
-#include "mortise/v1/operations.pb.h"
 #include "mortise/v1/types.pb.h"
 
 namespace mortise::cli {
@@ -75,30 +74,9 @@ void Send(const std::string& bytes, grpc::ClientWriter<v1::Chunk>& writer);
 absl::Status FaultsToStatus(const std::string& design,
                             const google::protobuf::RepeatedPtrField<std::string>& faults);
 
-// Follows an operation with a progress bar and takes out its result.
-template <typename Result>
-absl::StatusOr<Result> FollowTo(const GatewayClient& client, const v1::Operation& operation,
-                                Output& output);
-
 // Takes all pages of a list method, one after the other: of what meets the filters of `request`.
 template <typename Request, typename Response, typename Method, typename Take>
 absl::Status ListAll(const GatewayClient& client, Method method, Take take, Request request = {});
-
-// The part of FollowTo that does not depend on the result's type.
-absl::StatusOr<v1::Operation> FollowWithProgress(const GatewayClient& client,
-                                                 const v1::Operation& operation, Output& output);
-
-template <typename Result>
-absl::StatusOr<Result> FollowTo(const GatewayClient& client, const v1::Operation& operation,
-                                Output& output) {
-  absl::StatusOr<v1::Operation> done = FollowWithProgress(client, operation, output);
-  if (!done.ok()) return done.status();
-  Result result;
-  if (!done->result().UnpackTo(&result)) {
-    return absl::InternalError("unexpected result of " + done->name());
-  }
-  return result;
-}
 
 template <typename Request, typename Response, typename Method, typename Take>
 absl::Status ListAll(const GatewayClient& client, Method method, Take take, Request request) {

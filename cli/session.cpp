@@ -11,4 +11,9 @@ absl::StatusOr<GatewayClient*> Session::Client() {
   return &*client_;
 }
 
+LongWork Session::Work(bool detach) const {
+  return {.when_left = house_ends_too ? WhenLeft::kEndsWithHouse : WhenLeft::kIsCancelled,
+          .detach = detach};
+}
+
 }  // namespace mortise::cli

@@ -2,6 +2,7 @@
 // processes.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <signal.h>
 
 #include <filesystem>
 #include <map>
@@ -9,9 +10,13 @@
 #include <set>
 #include <sstream>
 
+#include "absl/time/time.h"
+#include "cli/state_folder.h"
 #include "common/base/files.h"
 #include "common/base/identifiers.h"
+#include "common/base/process.h"
 #include "tests/e2e/command.h"
+#include "tests/support/file_watch.h"
 
 namespace mortise::e2e {
 namespace {
@@ -112,6 +117,27 @@ TEST_F(DemoTest, EventLogIsInOrderWithoutGaps) {
   }
   EXPECT_THAT(types, testing::Contains("operation.succeeded"));
   EXPECT_THAT(types, testing::Contains("cut.finished"));
+}
+
+// Ctrl-C at a terminal reaches the demo only: its house must end with it, and what runs there.
+TEST(InterruptedDemo, EndsItsHouse) {
+  const auto folder = std::filesystem::temp_directory_path() / ("mortise-demo-" + NewIdentifier());
+  std::filesystem::create_directories(folder);
+  const std::string log = (folder / "demo.log").string();
+  BackgroundCommand demo({"demo", "--out", (folder / "out").string()}, log);
+  ASSERT_TRUE(testing::WaitForFiles(
+      folder, [&] { return ReadFile(log).value_or("").find("== Check it") != std::string::npos; },
+      absl::Minutes(1)))
+      << ReadFile(log).value_or("");
+  const auto house = cli::ReadRunningHouse(folder / "out" / "house");
+  ASSERT_TRUE(house.ok()) << house.status();
+  ::kill(demo.pid(), SIGINT);
+  EXPECT_EQ(demo.Wait(), 130) << ReadFile(log).value_or("");
+  EXPECT_FALSE(ProcessExists(house->launcher));
+  for (const cli::RunningProcess& process : house->processes) {
+    EXPECT_FALSE(ProcessExists(process.pid)) << process.name;
+  }
+  std::filesystem::remove_all(folder);
 }
 
 }  // namespace

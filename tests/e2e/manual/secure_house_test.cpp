@@ -181,6 +181,24 @@ TEST_F(SecureHouse, DesignerChecksAndPlansButDoesNotCut) {
   EXPECT_EQ(Refusal("ada", {"fab", "release", NewPlan()}), "PERMISSION_DENIED");
 }
 
+// Who may not release a work order, nor hold it, may not stop it by way of its operation.
+TEST_F(SecureHouse, DesignerDoesNotStopWhatOnlyAnOperatorStarts) {
+  const std::string cutting =
+      Ask("otto", {"fab", "release", NewPlan(), "--detach"})["name"].get<std::string>();
+  const Json refused = Ask("ada", {"operations", "cancel", cutting}, 1)["error"];
+  EXPECT_EQ(refused["code"], "PERMISSION_DENIED");
+  EXPECT_EQ(refused["reason"], "ROLE_REQUIRED");
+  EXPECT_EQ(refused["field"], "mortise.v1.FabPlannerService/ReleaseWorkOrder");
+  EXPECT_FALSE(Ask("vera", {"operations", "show", cutting})["cancel_requested"].get<bool>());
+  EXPECT_EQ(
+      Refusal("ada", {"fab", "hold", Ask("vera", {"operations", "show", cutting})["subject"]}),
+      "PERMISSION_DENIED");
+  Ask("otto", {"operations", "cancel", cutting});
+  const std::string planning = Ask("ada", {"plan", "table", "--detach"})["name"].get<std::string>();
+  EXPECT_EQ(Refusal("vera", {"operations", "cancel", planning}), "PERMISSION_DENIED");
+  Ask("ada", {"operations", "cancel", planning});
+}
+
 TEST_F(SecureHouse, OperatorCutsToTheEndAndOnlyAdminsReadTheAudit) {
   const std::string plan = NewPlan();
   const Json order = Ask("otto", {"fab", "release", plan});
