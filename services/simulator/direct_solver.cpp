@@ -1,9 +1,6 @@
 #include "services/simulator/direct_solver.h"
 
-#include <algorithm>
 #include <chrono>
-#include <cmath>
-#include <limits>
 #include <utility>
 
 #include "common/base/errors.h"
@@ -19,8 +16,10 @@ using Clock = std::chrono::steady_clock;
 constexpr int kRefinements = 1;
 constexpr double kRounding = 4e-15;
 
-// A residual that stays above this is that of a mechanism whose last pivot was rounding.
-constexpr double kUseless = 1e-3;
+// A solution whose energy is less than this share of what its displacements would have if each node
+// moved by itself is a motion without stiffness but for rounding. Sheets a 2000th as thick as long
+// come to 1e-15.
+constexpr double kWithoutEnergy = 1e-16;
 
 double SecondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
@@ -28,8 +27,8 @@ double SecondsSince(Clock::time_point start) {
 
 absl::Status Singular() {
   return PreconditionFailed("SINGULAR",
-                            "the structure is a mechanism: some parts hang together by an edge or "
-                            "a point only, or stiffnesses differ beyond what numbers can hold",
+                            "something is free to move, or stiffnesses differ beyond what numbers "
+                            "can hold",
                             "supports");
 }
 
@@ -57,9 +56,9 @@ class DirectSolver : public LinearSolver {
     if (options_.progress) MORTISE_RETURN_IF_ERROR(options_.progress(0, -1));
     MORTISE_RETURN_IF_ERROR(factor_.Factorize(*matrix));
     matrix_ = std::move(matrix);
-    stiffest_ = 0;
+    stiffness_.resize(pattern_->nodes());
     for (int v = 0; v < pattern_->nodes(); ++v) {
-      stiffest_ = std::max(stiffest_, matrix_->blocks()[pattern_->starts()[v + 1] - 1].trace());
+      stiffness_[v] = matrix_->blocks()[pattern_->starts()[v + 1] - 1].trace();
     }
     const double reciprocal = factor_.summary().reciprocal_condition;
     summary_.condition = reciprocal > 0 ? 1 / reciprocal : 0;
@@ -77,12 +76,10 @@ class DirectSolver : public LinearSolver {
     MORTISE_ASSIGN_OR_RETURN(std::vector<Eigen::Matrix3Xd> solutions, factor_.SolveAll(loads));
     for (int round = 0;; ++round) {
       std::vector<Eigen::Matrix3Xd> rest;
-      double worst = 0;
-      const bool close = FindResiduals(loads, solutions, rest, worst);
-      if (close || round == kRefinements) {
-        if (!(worst < kUseless)) return Singular();
-        break;
-      }
+      bool has_energy = true;
+      const bool close = FindResiduals(loads, solutions, rest, has_energy);
+      if (!has_energy) return Singular();
+      if (close || round == kRefinements) break;
       MORTISE_ASSIGN_OR_RETURN(const std::vector<Eigen::Matrix3Xd> corrections,
                                factor_.SolveAll(rest));
       for (std::size_t i = 0; i < loads.size(); ++i) solutions[i] += corrections[i];
@@ -94,11 +91,11 @@ class DirectSolver : public LinearSolver {
   const SolverSummary& summary() const override { return summary_; }
 
  private:
-  // What the solutions leave of the loads, and the worst relative to its load; true if little
-  // enough for all.
+  // What the solutions leave of the loads; true if little enough for all. `has_energy`: whether all
+  // of them deform something.
   bool FindResiduals(const std::vector<Eigen::Matrix3Xd>& loads,
                      const std::vector<Eigen::Matrix3Xd>& solutions,
-                     std::vector<Eigen::Matrix3Xd>& rest, double& worst) {
+                     std::vector<Eigen::Matrix3Xd>& rest, bool& has_energy) {
     bool close = true;
     for (std::size_t i = 0; i < loads.size(); ++i) {
       Eigen::Matrix3Xd internal;
@@ -106,10 +103,12 @@ class DirectSolver : public LinearSolver {
       rest.push_back((fixed_ == 0).select(loads[i] - internal, 0.0));
       const double load = (fixed_ == 0).select(loads[i], 0.0).norm();
       summary_.residual = load > 0 ? rest.back().norm() / load : 0;
-      worst = std::isfinite(summary_.residual) ? std::max(worst, summary_.residual)
-                                               : std::numeric_limits<double>::infinity();
-      close = close && (summary_.residual <= options_.tolerance ||
-                        rest.back().norm() <= kRounding * stiffest_ * solutions[i].norm());
+      const double energy = (solutions[i].array() * internal.array()).sum();
+      const double alone = solutions[i].colwise().squaredNorm() * stiffness_;
+      has_energy = has_energy && (load == 0 || energy > kWithoutEnergy * alone);
+      close =
+          close && (summary_.residual <= options_.tolerance ||
+                    rest.back().norm() <= kRounding * stiffness_.maxCoeff() * solutions[i].norm());
     }
     return close;
   }
@@ -120,7 +119,7 @@ class DirectSolver : public LinearSolver {
   ThreadTeam team_;
   SparseCholesky factor_;
   std::shared_ptr<const BlockMatrix> matrix_;
-  double stiffest_ = 0;  // the largest trace of a diagonal block
+  Eigen::VectorXd stiffness_;  // traces of the diagonal blocks
   SolverSummary summary_;
 };
 

@@ -5,7 +5,11 @@
 #include <limits>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "common/base/errors.h"
+#include "services/simulator/exact_correction.h"
+#include "services/simulator/free_motions.h"
+#include "services/simulator/internal_forces.h"
 #include "services/simulator/loads.h"
 #include "services/simulator/stiffness.h"
 #include "services/simulator/stress_recovery.h"
@@ -21,9 +25,15 @@ double SecondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-// A direct solution whose residual is above this is refined once: that removes most of the rounding
-// of slender, badly conditioned frames.
-constexpr double kRounding = 1e-13;
+// What a solution is corrected to, in the norm of energy, where rounding has spoilt it.
+constexpr double kWantedError = 1e-10;
+
+// An error beyond which a solution is of no use.
+constexpr double kUseless = 1e-3;
+
+// The relative error that rounding of K leaves in an iterated solution is at most about the share
+// that a unit of rounding, spread over all stiffnesses, has in its energy. Below this it is left.
+constexpr double kNoticeable = 1e-9;
 
 Eigen::VectorXd SafetyFactors(const std::vector<Material>& materials,
                               const Eigen::VectorXd& stress) {
@@ -54,12 +64,13 @@ struct ElasticSystem::State {
     return (constraints.fixed == 0).select(vectors.array(), 0.0).matrix();
   }
 
-  Eigen::Matrix3Xd Multiply(const Eigen::Matrix3Xd& vectors) {
-    Eigen::Matrix3Xd product;
-    stiffness->Multiply(vectors, product, team);
-    return product;
+  // K times displacements along the frames, without the rounding of K.
+  Eigen::Matrix3Xd MultiplyExactly(const Eigen::Matrix3Xd& vectors) {
+    const NodeFrames& frames = constraints.frames;
+    return frames.ToFrames(InternalForces(mesh, materials, frames.ToSpace(vectors), team));
   }
 
+  bool NeedsCorrection(const Eigen::Matrix3Xd& loads, const Eigen::Matrix3Xd& displacement) const;
   absl::StatusOr<Eigen::Matrix3Xd> SolveInFrames(const Eigen::Matrix3Xd& loads);
   absl::StatusOr<Eigen::Matrix3Xd> SolveAtRest(const Eigen::Matrix3Xd& loads);
   void Summarise(ElasticitySolution& solution);
@@ -68,25 +79,48 @@ struct ElasticSystem::State {
 absl::StatusOr<Eigen::Matrix3Xd> ElasticSystem::State::SolveInFrames(
     const Eigen::Matrix3Xd& loads) {
   Eigen::Matrix3Xd rest = loads;
-  if (!constraints.displacement.isZero()) rest -= Multiply(constraints.displacement);
+  if (!constraints.displacement.isZero()) rest -= MultiplyExactly(constraints.displacement);
   MORTISE_ASSIGN_OR_RETURN(const Eigen::Matrix3Xd displacement, SolveAtRest(rest));
   return displacement + constraints.displacement;
 }
 
-absl::StatusOr<Eigen::Matrix3Xd> ElasticSystem::State::SolveAtRest(const Eigen::Matrix3Xd& loads) {
-  MORTISE_ASSIGN_OR_RETURN(Eigen::Matrix3Xd displacement, solver->Solve(loads));
-  if (solver->summary().kind == SolverKind::kDirect && solver->summary().residual > kRounding) {
-    MORTISE_ASSIGN_OR_RETURN(const Eigen::Matrix3Xd correction,
-                             solver->Solve(FreePart(loads - Multiply(displacement))));
-    displacement += correction;
+// A factor's solution costs little to correct, one that is iterated as much as before.
+bool ElasticSystem::State::NeedsCorrection(const Eigen::Matrix3Xd& loads,
+                                           const Eigen::Matrix3Xd& displacement) const {
+  if (displacement.isZero(0)) return false;
+  if (solver->summary().kind == SolverKind::kDirect) return true;
+  double scale = 0;
+  for (int v = 0; v < stiffness->nodes(); ++v) {
+    scale += stiffness->blocks()[stiffness->starts()[v + 1] - 1].trace() *
+             displacement.col(v).squaredNorm();
   }
-  return displacement;
+  const double energy = (loads.array() * displacement.array()).sum();
+  return std::numeric_limits<double>::epsilon() * scale > kNoticeable * energy;
+}
+
+absl::StatusOr<Eigen::Matrix3Xd> ElasticSystem::State::SolveAtRest(const Eigen::Matrix3Xd& loads) {
+  const Eigen::Matrix3Xd free_loads = FreePart(loads);
+  MORTISE_ASSIGN_OR_RETURN(Eigen::Matrix3Xd displacement, solver->Solve(free_loads));
+  if (!NeedsCorrection(free_loads, displacement)) return displacement;
+  const CorrectedSystem exact{
+      [this](const Eigen::Matrix3Xd& x) { return FreePart(MultiplyExactly(x)); },
+      [this](const Eigen::Matrix3Xd& b) { return solver->Solve(b); }};
+  MORTISE_ASSIGN_OR_RETURN(const Correction correction,
+                           CorrectSolution(exact, free_loads, kWantedError, displacement));
+  if (correction.error < kUseless) return displacement;
+  return PreconditionFailed(
+      "SINGULAR",
+      absl::StrFormat("rounding leaves a relative error of %.2g in the solution: stiffnesses or "
+                      "sizes differ beyond what numbers can hold",
+                      correction.error),
+      "materials");
 }
 
 // Reactions, energies and balances of a displacement.
 void ElasticSystem::State::Summarise(ElasticitySolution& solution) {
   const NodeFrames& frames = constraints.frames;
-  const Eigen::Matrix3Xd internal = Multiply(frames.ToFrames(solution.displacement));
+  const Eigen::Matrix3Xd internal =
+      frames.ToFrames(InternalForces(mesh, materials, solution.displacement, team));
   const Eigen::Matrix3Xd unbalanced = internal - frames.ToFrames(solution.load);
   const Eigen::Matrix3Xd free = FreePart(unbalanced);
   solution.reaction = frames.ToSpace(unbalanced - free);

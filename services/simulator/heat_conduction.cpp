@@ -8,7 +8,7 @@
 #include "common/base/errors.h"
 #include "services/simulator/analysis_case.h"
 #include "services/simulator/assembly.h"
-#include "services/simulator/components.h"
+#include "services/simulator/bodies.h"
 #include "services/simulator/shape_functions.h"
 
 namespace mortise::simulator {
@@ -225,29 +225,40 @@ absl::StatusOr<Held> HoldTemperatures(const mesh::TetrahedralMesh& mesh,
 
 absl::Status CheckFreeTemperature(const mesh::TetrahedralMesh& mesh, const HeatCase& heat,
                                   const Held& held) {
-  std::vector<bool> known(mesh.nodes.cols());
-  for (Eigen::Index v = 0; v < mesh.nodes.cols(); ++v) known[v] = held.fixed(kTemperature, v) != 0;
+  MORTISE_RETURN_IF_ERROR(CheckNodesAreUsed(mesh));
+  std::vector<int> convecting;  // triangles
   for (const Convection& convection : heat.convections) {
-    for (const int t : TrianglesOn(mesh, convection.face, true)) {
-      for (Eigen::Index k = 0; k < mesh.face_triangles.rows(); ++k) {
-        known[mesh.face_triangles(k, t)] = true;
-      }
-    }
+    const std::vector<int> triangles = TrianglesOn(mesh, convection.face, true);
+    convecting.insert(convecting.end(), triangles.begin(), triangles.end());
   }
-  for (const Component& component : FindComponents(mesh)) {
-    if (std::any_of(component.nodes.begin(), component.nodes.end(),
-                    [&](int v) { return known[v]; })) {
+  // Through an edge or a point flows no heat: what of it the elements let through becomes less and
+  // less the smaller they are.
+  const std::vector<Body> bodies = FindBodies(mesh);
+  std::vector<const Body*> body_of(mesh.nodes.cols(), nullptr);
+  std::vector<int> bodies_at(mesh.nodes.cols(), 0);
+  for (const Body& body : bodies) {
+    for (const int v : body.nodes) ++bodies_at[v];
+  }
+  for (const Body& body : bodies) {
+    for (const int v : body.nodes) body_of[v] = &body;
+    const auto is_held = [&](int v) { return held.fixed(kTemperature, v) != 0; };
+    const auto is_own_and_held = [&](int v) { return is_held(v) && bodies_at[v] == 1; };
+    const auto is_of_body = [&](int t) {
+      const auto corners = mesh.face_triangles.col(t).head<3>();
+      return std::all_of(corners.begin(), corners.end(),
+                         [&](int v) { return body_of[v] == &body; });
+    };
+    if (std::any_of(body.nodes.begin(), body.nodes.end(), is_own_and_held) ||
+        std::all_of(body.nodes.begin(), body.nodes.end(), is_held) ||
+        std::any_of(convecting.begin(), convecting.end(), is_of_body)) {
       continue;
     }
-    if (component.parts.empty()) {
-      return InvalidField("nodes",
-                          absl::StrCat("node ", component.nodes[0], " belongs to no element"));
-    }
-    return PreconditionFailed("FREE_TEMPERATURE",
-                              absl::StrCat(PartsText(component, mesh),
-                                           " without a fixed temperature or convection: any "
-                                           "temperature would do"),
-                              "temperatures");
+    return PreconditionFailed(
+        "FREE_TEMPERATURE",
+        absl::StrCat(BodyText(body, bodies, mesh),
+                     " without a fixed temperature or convection, and shares no face with a body "
+                     "that has one: any temperature would do"),
+        "temperatures");
   }
   return absl::OkStatus();
 }

@@ -32,9 +32,8 @@ double SecondsSince(Clock::time_point start) {
 
 absl::Status Singular() {
   return PreconditionFailed("SINGULAR",
-                            "the stiffness is not positive definite: some parts hang together by "
-                            "an edge or a point only, or stiffnesses differ beyond what numbers "
-                            "can hold",
+                            "the stiffness is not positive definite: something is free to move, "
+                            "or stiffnesses differ beyond what numbers can hold",
                             "supports");
 }
 

@@ -89,8 +89,9 @@ class LinearSolver {
 
   // Takes a symmetric positive definite matrix on the pattern: a stiffness, or one shifted by a
   // mass. `positions`: 3 × nodes, m, of the mesh it belongs to. FAILED_PRECONDITION, reason
-  // SINGULAR, if the matrix is not positive definite: parts that hang together by a single edge or
-  // point form a hinge.
+  // SINGULAR, if the matrix is not positive definite. One that only rounding makes so, of something
+  // free to move, may pass; loads that move it are refused by Solve. CheckRigidMotion tells
+  // (free_motions.h).
   virtual absl::Status Prepare(std::shared_ptr<const BlockMatrix> matrix,
                                const Eigen::Matrix3Xd& positions) = 0;
 

@@ -268,6 +268,8 @@ class Analyst {
       return WithDetail(solution.status(), {"FIELD_INVALID", "case.modes"});
     }
     MORTISE_RETURN_IF_ERROR(InCase("case", solution.status()));
+    const std::string note = NoteOnRigidMotions(*solution);
+    if (!note.empty()) analysis_.notes.push_back(note);
     for (std::size_t m = 0; m < solution->modes.size(); ++m) {
       const Mode& mode = solution->modes[m];
       if (!std::isfinite(mode.frequency) || !mode.shape.allFinite()) {

@@ -79,6 +79,7 @@ struct MeshAnalysis {
   std::vector<CaseOutcome> cases;
   std::vector<ModeOutcome> modes;
   std::optional<HeatOutcome> heat;
+  std::vector<std::string> notes;  // what one should know
   double seconds = 0;
 };
 

@@ -39,6 +39,7 @@ void Fill(const MeshAnalysis& analysis, const MeshModel& model, v1::Analysis& me
     to.set_rigid(mode.rigid);
   }
   if (analysis.heat) Fill(*analysis.heat, *message.mutable_heat());
+  for (const std::string& note : analysis.notes) message.add_notes(note);
 }
 
 }  // namespace

@@ -6,30 +6,32 @@
 #include <chrono>
 #include <cmath>
 #include <exception>
+#include <optional>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "services/simulator/free_motions.h"
+#include "services/simulator/internal_forces.h"
 #include "services/simulator/stiffness.h"
 #include "services/simulator/supports.h"
 
 namespace mortise::simulator {
 namespace {
 
-// The shift s of K + s M where something is free to move, as a share of the highest frequency
-// squared: large enough to be well above rounding, small enough to leave flexible modes apart.
-constexpr double kShift = 1e-8;
+// Free motions beyond this are more than anybody looks at, and each is as large as the mesh.
+constexpr int kMostMotions = 300;
 
 // A frequency found beside others counts as lower than the highest of them by more than this share.
 constexpr double kLower = 1e-6;
 
 constexpr int kRestarts = 200;
 
-// K, M and what is known of their null space, on the free displacements in one vector.
+// K⁻¹, M and the solutions that are known, on the free displacements in one vector.
 class Vibration {
  public:
-  Vibration(const Eigen::Array3Xi& fixed, const BlockMatrix& mass, SparseCholesky& factor,
-            ThreadTeam& team)
-      : nodes_(fixed.cols()), mass_(mass), factor_(factor), team_(team) {
+  Vibration(const Eigen::Array3Xi& fixed, const BlockMatrix& mass, ThreadTeam& team)
+      : nodes_(fixed.cols()), mass_(mass), team_(team) {
     for (Eigen::Index k = 0; k < fixed.size(); ++k) {
       if (!fixed.data()[k]) free_.push_back(k);
     }
@@ -78,9 +80,31 @@ class Vibration {
     return true;
   }
 
-  Eigen::VectorXd Solve(const Eigen::VectorXd& load) {
+  // All that is known so far moves without deforming. Returns which displacements (3 × nodes),
+  // beside those of supports, must be held so that none of it is free: those that it moves most.
+  Eigen::Array3Xi HoldKnown() {
+    rigid_ = known_.size();
+    Eigen::Array3Xi held = Eigen::Array3Xi::Zero(3, nodes_);
+    Eigen::MatrixXd moved(static_cast<Eigen::Index>(rigid_), size());
+    for (std::size_t k = 0; k < rigid_; ++k) moved.row(k) = known_[k].transpose();
+    for (std::size_t k = 0; k < rigid_; ++k) {
+      Eigen::Index most = 0;
+      moved.colwise().squaredNorm().maxCoeff(&most);
+      held.data()[free_[most]] = 1;
+      const Eigen::VectorXd direction = moved.col(most).normalized();
+      moved -= direction * (direction.transpose() * moved);
+    }
+    return held;
+  }
+
+  // Solves with a factor of K with these displacements held from now on.
+  void Use(SparseCholesky factor) { factor_ = std::move(factor); }
+
+  Eigen::VectorXd Solve(Eigen::VectorXd load) {
     ++solves_;
-    auto solution = factor_.Solve(Expand(load));
+    // A load that would move what is free is balanced by inertia.
+    for (std::size_t k = 0; k < rigid_; ++k) load -= mass_known_[k] * known_[k].dot(load);
+    auto solution = factor_->Solve(Expand(load));
     if (!solution.ok()) {
       status_ = solution.status();
       return Eigen::VectorXd::Zero(size());
@@ -95,10 +119,11 @@ class Vibration {
  private:
   Eigen::Index nodes_;
   const BlockMatrix& mass_;
-  SparseCholesky& factor_;
+  std::optional<SparseCholesky> factor_;
   ThreadTeam& team_;
   std::vector<Eigen::Index> free_;
   std::vector<Eigen::VectorXd> known_, mass_known_;  // M-orthonormal, and M times each
+  std::size_t rigid_ = 0;  // of these, the first ones, which move without deforming
   int solves_ = 0;
   absl::Status status_;
 };
@@ -142,9 +167,13 @@ Eigen::VectorXd StartVector(Eigen::Index size) {
   return start;
 }
 
+absl::Status NotConverged(int count) {
+  return PreconditionFailed("NOT_CONVERGED",
+                            absl::StrCat("not all of ", count, " modes were found"), "count");
+}
+
 // The `count` lowest pairs beside the known vectors.
-absl::StatusOr<std::vector<Pair>> Iterate(Vibration& vibration, int count, double shift,
-                                          double tolerance) {
+absl::StatusOr<std::vector<Pair>> Iterate(Vibration& vibration, int count, double tolerance) {
   const Eigen::Index space = vibration.size() - vibration.known().size();
   const Eigen::Index basis = std::min<Eigen::Index>(space, std::max(2 * count + 1, count + 20));
   SolveOperator solve{vibration};
@@ -152,7 +181,7 @@ absl::StatusOr<std::vector<Pair>> Iterate(Vibration& vibration, int count, doubl
   std::vector<Pair> pairs;
   try {
     Spectra::SymGEigsShiftSolver<SolveOperator, MassOperator, Spectra::GEigsMode::ShiftInvert>
-        solver(solve, mass, count, basis, -shift);
+        solver(solve, mass, count, basis, 0);
     Eigen::VectorXd start = StartVector(vibration.size());
     vibration.Deflate(start);
     solver.init(start.data());
@@ -164,13 +193,12 @@ absl::StatusOr<std::vector<Pair>> Iterate(Vibration& vibration, int count, doubl
       const Eigen::MatrixXd vectors = solver.eigenvectors();
       for (Eigen::Index k = 0; k < values.size(); ++k) pairs.push_back({values[k], vectors.col(k)});
     }
-  } catch (const std::exception& error) {
-    return PreconditionFailed("NOT_CONVERGED", error.what(), "count");
+  } catch (const std::exception&) {
+    // Its words are about its own matrices.
+    MORTISE_RETURN_IF_ERROR(vibration.status());
+    return NotConverged(count);
   }
-  if (static_cast<int>(pairs.size()) < count) {
-    return PreconditionFailed("NOT_CONVERGED",
-                              absl::StrCat("not all of ", count, " modes were found"), "count");
-  }
+  if (static_cast<int>(pairs.size()) < count) return NotConverged(count);
   return pairs;
 }
 
@@ -178,12 +206,11 @@ bool Lower(const Pair& a, const Pair& b) { return a.eigenvalue < b.eigenvalue; }
 
 // Lanczos' method sees one vector of a multiple eigenvalue's space, but for rounding: look again
 // beside what was found.
-absl::StatusOr<std::vector<Pair>> LowestPairs(Vibration& vibration, int count, double shift,
-                                              double tolerance) {
-  MORTISE_ASSIGN_OR_RETURN(std::vector<Pair> pairs, Iterate(vibration, count, shift, tolerance));
+absl::StatusOr<std::vector<Pair>> LowestPairs(Vibration& vibration, int count, double tolerance) {
+  MORTISE_ASSIGN_OR_RETURN(std::vector<Pair> pairs, Iterate(vibration, count, tolerance));
   for (const Pair& pair : pairs) vibration.Know(pair.vector);
   while (vibration.size() - static_cast<Eigen::Index>(vibration.known().size()) > 2) {
-    MORTISE_ASSIGN_OR_RETURN(const std::vector<Pair> more, Iterate(vibration, 1, shift, tolerance));
+    MORTISE_ASSIGN_OR_RETURN(const std::vector<Pair> more, Iterate(vibration, 1, tolerance));
     const double highest = std::max_element(pairs.begin(), pairs.end(), Lower)->eigenvalue;
     if (!(more[0].eigenvalue < (1 - kLower) * highest)) break;
     pairs.push_back(more[0]);
@@ -192,17 +219,6 @@ absl::StatusOr<std::vector<Pair>> LowestPairs(Vibration& vibration, int count, d
   std::sort(pairs.begin(), pairs.end(), Lower);
   pairs.resize(count);
   return pairs;
-}
-
-// Σ of the diagonal of K over that of M, the greatest of any node: about the highest ω².
-double HighestFrequencySquared(const BlockMatrix& stiffness, const BlockMatrix& mass) {
-  double highest = 0;
-  for (int v = 0; v < stiffness.nodes(); ++v) {
-    const int diagonal = stiffness.starts()[v + 1] - 1;
-    const double weight = mass.blocks()[diagonal].trace();
-    if (weight > 0) highest = std::max(highest, stiffness.blocks()[diagonal].trace() / weight);
-  }
-  return highest;
 }
 
 double TotalMass(const BlockMatrix& mass, const NodeFrames& frames, ThreadTeam& team) {
@@ -221,6 +237,7 @@ absl::StatusOr<ModalSolution> FindModes(const mesh::TetrahedralMesh& mesh,
                                         const ModalOptions& options) {
   const auto start = std::chrono::steady_clock::now();
   MORTISE_RETURN_IF_ERROR(CheckMesh(mesh));
+  MORTISE_RETURN_IF_ERROR(CheckNodesAreUsed(mesh));
   MORTISE_RETURN_IF_ERROR(CheckModel(mesh, materials, supports));
   MORTISE_ASSIGN_OR_RETURN(const Constraints constraints, CollectConstraints(mesh, supports));
   const NodeFrames& frames = constraints.frames;
@@ -229,17 +246,13 @@ absl::StatusOr<ModalSolution> FindModes(const mesh::TetrahedralMesh& mesh,
                            AssembleStiffness(mesh, materials, frames, team));
   MORTISE_ASSIGN_OR_RETURN(const BlockMatrix mass,
                            AssembleMass(mesh, materials, frames, stiffness.pattern(), team));
-  const std::vector<Eigen::Matrix3Xd> motions = RigidMotions(mesh, constraints);
-  const double shift = motions.empty() ? 0 : kShift * HighestFrequencySquared(stiffness, mass);
-  BlockMatrix shifted = stiffness;
-  for (std::size_t k = 0; shift > 0 && k < shifted.blocks().size(); ++k) {
-    shifted.blocks()[k] += shift * mass.blocks()[k];
+  const FreeMotions free = FindFreeMotions(mesh, constraints);
+  if (free.count > kMostMotions) {
+    return TooLarge(absl::StrCat("a structure with ", free.count, " free motions"),
+                    absl::StrCat(kMostMotions, " of them"));
   }
-  MORTISE_ASSIGN_OR_RETURN(SparseCholesky factor,
-                           SparseCholesky::Create(shifted, constraints.fixed, options.cholesky));
-
-  Vibration vibration(constraints.fixed, mass, factor, team);
-  for (const Eigen::Matrix3Xd& motion : motions) {
+  Vibration vibration(constraints.fixed, mass, team);
+  for (const Eigen::Matrix3Xd& motion : Displacements(free, mesh)) {
     vibration.Know(vibration.Compress(frames.ToFrames(motion)));
   }
   const Eigen::Index space = vibration.size() - vibration.known().size();
@@ -249,27 +262,45 @@ absl::StatusOr<ModalSolution> FindModes(const mesh::TetrahedralMesh& mesh,
   }
   ModalSolution solution;
   solution.rigid_motions = static_cast<int>(vibration.known().size());
+  if (free.count > 0) solution.rigid_motion = MotionText(free, mesh);
   solution.mass = TotalMass(mass, frames, team);
   for (const Eigen::VectorXd& motion : vibration.known()) {
     solution.modes.push_back({0, true, frames.ToSpace(vibration.Expand(motion)), 0});
   }
+  MORTISE_ASSIGN_OR_RETURN(
+      SparseCholesky factor,
+      SparseCholesky::Create(stiffness, constraints.fixed + vibration.HoldKnown(),
+                             options.cholesky));
+  vibration.Use(std::move(factor));
   MORTISE_ASSIGN_OR_RETURN(const std::vector<Pair> pairs,
-                           LowestPairs(vibration, options.count, shift, options.tolerance));
+                           LowestPairs(vibration, options.count, options.tolerance));
   for (const Pair& pair : pairs) {
-    const Eigen::Matrix3Xd shape = vibration.Expand(pair.vector);
-    const Eigen::VectorXd elastic = vibration.Compress(stiffness.Multiply(shape));
     const Eigen::VectorXd inertia = vibration.MultiplyMass(pair.vector);
     const double scale = std::sqrt(pair.vector.dot(inertia));
     Mode mode;
-    mode.frequency = std::sqrt(std::max(pair.eigenvalue, 0.0)) / (2 * M_PI);
-    mode.shape = frames.ToSpace(shape / scale);
-    mode.residual = (elastic - pair.eigenvalue * inertia).norm() / elastic.norm();
+    mode.shape = frames.ToSpace(vibration.Expand(pair.vector) / scale);
+    const Eigen::VectorXd elastic =
+        scale *
+        vibration.Compress(frames.ToFrames(InternalForces(mesh, materials, mode.shape, team)));
+    // Rayleigh's quotient is as exact as the shape is twice over, and free of the rounding of K.
+    const double squared = pair.vector.dot(elastic) / (scale * scale);
+    mode.frequency = std::sqrt(std::max(squared, 0.0)) / (2 * M_PI);
+    mode.residual = (elastic - squared * inertia).norm() / elastic.norm();
     solution.modes.push_back(std::move(mode));
   }
+  std::stable_sort(solution.modes.begin() + solution.rigid_motions, solution.modes.end(),
+                   [](const Mode& a, const Mode& b) { return a.frequency < b.frequency; });
   solution.solves = vibration.solves();
   solution.seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return solution;
+}
+
+std::string NoteOnRigidMotions(const ModalSolution& solution) {
+  if (solution.rigid_motions == 0) return "";
+  return absl::StrCat(solution.rigid_motions,
+                      solution.rigid_motions == 1 ? " mode at 0 Hz moves" : " modes at 0 Hz move",
+                      " something without deforming it: ", solution.rigid_motion);
 }
 
 }  // namespace mortise::simulator

@@ -309,8 +309,8 @@ absl::Status Multigrid::Prepare(const BlockMatrix& stiffness, const Eigen::Matri
   }
   if (levels == nullptr) {
     return PreconditionFailed("SINGULAR",
-                              "the stiffness is not positive definite: some parts hang together by "
-                              "an edge or a point only, or hardly at all",
+                              "the stiffness is not positive definite: something is free to move, "
+                              "or stiffnesses differ beyond what numbers can hold",
                               "supports");
   }
   hierarchy_->finest = std::move(levels);

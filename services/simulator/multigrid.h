@@ -26,7 +26,7 @@ class Multigrid {
   ~Multigrid();
 
   // Builds the levels for these values; `positions`: 3 × nodes, m. FAILED_PRECONDITION, reason
-  // SINGULAR, if a structure so stiff is a mechanism.
+  // SINGULAR, if the coarsest one is not positive definite: something is free to move.
   absl::Status Prepare(const BlockMatrix& stiffness, const Eigen::Matrix3Xd& positions);
 
   // x ≈ K⁻¹ b (3 · nodes), zero where displacements are prescribed; b must be zero there. A fixed,

@@ -19,18 +19,15 @@ extern "C" void omp_set_max_active_levels(int levels);
 namespace mortise::simulator {
 namespace {
 
-// Below this a pivot is rounding noise: the structure is a mechanism.
-constexpr double kSingular = 1e-14;
-
 constexpr int kNestedDissectionNodes = 30000;
 
 double SecondsSince(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-// While it lives, parallel regions of OpenMP that this thread comes to run on it alone. CHOLMOD wakes
-// four threads for each of many thousand supernodes, whatever the number of cores: it was two to
-// three times as slow, and two workers got into each other's way.
+// While it lives, parallel regions of OpenMP that this thread comes to run on it alone. CHOLMOD
+// wakes four threads for each of many thousand supernodes, whatever the number of cores: it was two
+// to three times as slow, and two workers got into each other's way.
 class OnThisThread {
  public:
   OnThisThread() : levels_(omp_get_max_active_levels()) { omp_set_max_active_levels(0); }
@@ -223,12 +220,11 @@ absl::Status SparseCholesky::Factorize(const BlockMatrix& stiffness) {
     return OutOfMemory();
   }
   summary_.reciprocal_condition = cholmod_rcond(factor_->factor.get(), common);
-  if (common->status != CHOLMOD_OK || !(summary_.reciprocal_condition > kSingular)) {
-    return PreconditionFailed(
-        "SINGULAR",
-        "the structure is a mechanism: some parts hang together by an edge or "
-        "a point only, or stiffnesses differ beyond what numbers can hold",
-        "supports");
+  if (common->status != CHOLMOD_OK || !(summary_.reciprocal_condition > 0)) {
+    return PreconditionFailed("SINGULAR",
+                              "the stiffness is not positive definite: something is free to move, "
+                              "or stiffnesses differ beyond what numbers can hold",
+                              "supports");
   }
   return absl::OkStatus();
 }

@@ -42,8 +42,8 @@ class SparseCholesky {
                                                 const CholeskyOptions& options = {});
 
   // Computes the factor of a matrix on the pattern analysed; again for other values as often as
-  // wanted. FAILED_PRECONDITION, reason SINGULAR, if K is not positive definite: parts that hang
-  // together by a single edge or point form a hinge.
+  // wanted. FAILED_PRECONDITION, reason SINGULAR, if K is not positive definite but for rounding;
+  // what is free to move may leave a last pivot that is only rounding, and goes unnoticed here.
   absl::Status Factorize(const BlockMatrix& stiffness);
 
   // Both.

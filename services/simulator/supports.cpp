@@ -1,6 +1,5 @@
 #include "services/simulator/supports.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -10,78 +9,11 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_format.h"
 #include "common/base/errors.h"
-#include "services/simulator/components.h"
 #include "services/simulator/shape_functions.h"
 
 namespace mortise::simulator {
 namespace {
-
-using RigidMode = Eigen::Matrix<double, 6, 1>;  // translation, rotation about the centre
-
-std::string AxisText(const Eigen::Vector3d& direction) {
-  static constexpr const char* kNames[] = {"x", "y", "z"};
-  for (int k = 0; k < 3; ++k) {
-    if (std::abs(direction[k]) > 0.99) return kNames[k];
-  }
-  return absl::StrFormat("(%.2g, %.2g, %.2g)", direction.x(), direction.y(), direction.z());
-}
-
-std::string MotionText(const RigidMode& mode) {
-  const Eigen::Vector3d shift = mode.head<3>(), turn = mode.tail<3>();
-  if (turn.norm() > 0.3 * shift.norm()) return "rotate about " + AxisText(turn.normalized());
-  return "move along " + AxisText(shift.normalized());
-}
-
-// The motions of a component that the supports leave, in units of its size.
-struct FreeModes {
-  Eigen::Vector3d centre;
-  double size = 1;  // m: a rotation of 1 moves the component's ends by this
-  Eigen::Matrix<double, 6, Eigen::Dynamic> modes;  // orthonormal columns, the freest first
-};
-
-FreeModes FindFreeModes(const Component& component, const mesh::TetrahedralMesh& mesh,
-                        const Constraints& constraints) {
-  FreeModes free;
-  free.centre.setZero();
-  Eigen::AlignedBox3d box;
-  for (const int v : component.nodes) {
-    free.centre += mesh.nodes.col(v) / component.nodes.size();
-    box.extend(mesh.nodes.col(v));
-  }
-  // Rotations are scaled so that they move the component's ends as far as translations do.
-  free.size = std::max(0.5 * box.diagonal().norm(), 1e-300);
-  Eigen::Matrix<double, 6, 6> gram = Eigen::Matrix<double, 6, 6>::Zero();
-  for (const int v : component.nodes) {
-    if ((constraints.fixed.col(v) == 0).all()) continue;
-    const Eigen::Vector3d arm = (mesh.nodes.col(v) - free.centre) / free.size;
-    const int frame = constraints.frames.empty() ? -1 : constraints.frames.index[v];
-    for (int k = 0; k < 3; ++k) {
-      if (!constraints.fixed(k, v)) continue;
-      Eigen::Vector3d direction = Eigen::Vector3d::Unit(k);
-      if (frame >= 0) direction = constraints.frames.axes[frame].col(k);
-      RigidMode row;
-      row << direction, arm.cross(direction);
-      gram += row * row.transpose();
-    }
-  }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> eigen(gram);
-  const double largest = eigen.eigenvalues()[5];
-  int count = 0;
-  while (count < 6 && (largest == 0 || eigen.eigenvalues()[count] < 1e-10 * largest)) ++count;
-  free.modes = eigen.eigenvectors().leftCols(count);
-  return free;
-}
-
-// Whether one of its parts has other pieces, to which nothing connects it.
-bool IsPiece(const Component& component, const std::vector<Component>& components) {
-  return std::any_of(components.begin(), components.end(), [&](const Component& other) {
-    return &other != &component &&
-           std::any_of(component.parts.begin(), component.parts.end(),
-                       [&](int part) { return other.parts.count(part) != 0; });
-  });
-}
 
 // A displacement prescribed along a direction.
 struct Hold {
@@ -235,45 +167,6 @@ absl::StatusOr<Constraints> CollectConstraints(const mesh::TetrahedralMesh& mesh
     }
   }
   return constraints;
-}
-
-absl::Status CheckRigidMotion(const mesh::TetrahedralMesh& mesh, const Constraints& constraints) {
-  const std::vector<Component> components = FindComponents(mesh);
-  for (const Component& component : components) {
-    const FreeModes free = FindFreeModes(component, mesh, constraints);
-    if (free.modes.cols() == 0) continue;
-    if (component.parts.empty()) {
-      return InvalidField("nodes",
-                          absl::StrCat("node ", component.nodes[0], " belongs to no element"));
-    }
-    return PreconditionFailed(
-        "RIGID_MOTION",
-        absl::StrCat(IsPiece(component, components)
-                         ? absl::StrCat("the piece ", PlaceText(component, mesh), " of ")
-                         : "",
-                     PartsText(component, mesh), " free to ", MotionText(free.modes.col(0)),
-                     ": not held by supports or bonded parts"),
-        "supports");
-  }
-  return absl::OkStatus();
-}
-
-std::vector<Eigen::Matrix3Xd> RigidMotions(const mesh::TetrahedralMesh& mesh,
-                                           const Constraints& constraints) {
-  std::vector<Eigen::Matrix3Xd> motions;
-  for (const Component& component : FindComponents(mesh)) {
-    const FreeModes free = FindFreeModes(component, mesh, constraints);
-    for (Eigen::Index m = 0; m < free.modes.cols(); ++m) {
-      const Eigen::Vector3d shift = free.modes.col(m).head<3>(), turn = free.modes.col(m).tail<3>();
-      Eigen::Matrix3Xd motion = Eigen::Matrix3Xd::Zero(3, mesh.nodes.cols());
-      for (const int v : component.nodes) {
-        motion.col(v) =
-            shift + turn.cross(Eigen::Vector3d(mesh.nodes.col(v) - free.centre)) / free.size;
-      }
-      motions.push_back(std::move(motion));
-    }
-  }
-  return motions;
 }
 
 }  // namespace mortise::simulator

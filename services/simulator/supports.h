@@ -1,4 +1,4 @@
-// Which displacements are prescribed, and whether they hold every part.
+// Which displacements are prescribed.
 #pragma once
 
 #include <Eigen/Core>
@@ -21,16 +21,5 @@ struct Constraints {
 // different displacements at the same node.
 absl::StatusOr<Constraints> CollectConstraints(const mesh::TetrahedralMesh& mesh,
                                                const std::vector<Support>& supports);
-
-// FAILED_PRECONDITION, reason RIGID_MOTION, if something can move without deforming, naming the
-// parts and the motion: "part 'leg 3' is free to rotate about z". Each set of connected elements
-// must be held against three translations and three rotations; those possible are the null space of
-// the supports' action on them.
-absl::Status CheckRigidMotion(const mesh::TetrahedralMesh& mesh, const Constraints& constraints);
-
-// The rigid motions that the supports leave: each a displacement of all nodes (3 × nodes, in
-// space), linearly independent; none if everything is held.
-std::vector<Eigen::Matrix3Xd> RigidMotions(const mesh::TetrahedralMesh& mesh,
-                                           const Constraints& constraints);
 
 }  // namespace mortise::simulator

@@ -67,6 +67,8 @@ void FillModes(const ModalSolution& vibration, v1::Analysis& message) {
     to.set_frequency(mode.frequency);
     to.set_rigid(mode.rigid);
   }
+  const std::string note = NoteOnRigidMotions(vibration);
+  if (!note.empty()) message.add_notes(note);
 }
 
 void FillAnalysis(const DesignAnalysis& analysis, const DesignModel& model,
