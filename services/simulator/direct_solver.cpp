@@ -21,6 +21,9 @@ constexpr double kRounding = 4e-15;
 // come to 1e-15.
 constexpr double kWithoutEnergy = 1e-16;
 
+// Of the diagonal, where rounding leaves no factor: some units of rounding.
+constexpr double kStiffening = 4e-15;
+
 double SecondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
@@ -30,6 +33,10 @@ absl::Status Singular() {
                             "something is free to move, or stiffnesses differ beyond what numbers "
                             "can hold",
                             "supports");
+}
+
+absl::Status NotPrepared() {
+  return PreconditionFailed("NOT_PREPARED", "there is no matrix to solve with");
 }
 
 class DirectSolver : public LinearSolver {
@@ -54,7 +61,7 @@ class DirectSolver : public LinearSolver {
     const auto start = Clock::now();
     matrix_ = nullptr;
     if (options_.progress) MORTISE_RETURN_IF_ERROR(options_.progress(0, -1));
-    MORTISE_RETURN_IF_ERROR(factor_.Factorize(*matrix));
+    MORTISE_RETURN_IF_ERROR(Factorize(*matrix));
     matrix_ = std::move(matrix);
     stiffness_.resize(pattern_->nodes());
     for (int v = 0; v < pattern_->nodes(); ++v) {
@@ -68,9 +75,7 @@ class DirectSolver : public LinearSolver {
 
   absl::StatusOr<std::vector<Eigen::Matrix3Xd>> SolveAll(
       const std::vector<Eigen::Matrix3Xd>& loads) override {
-    if (matrix_ == nullptr) {
-      return PreconditionFailed("NOT_PREPARED", "there is no matrix to solve with");
-    }
+    if (matrix_ == nullptr) return NotPrepared();
     MORTISE_RETURN_IF_ERROR(CheckLoads(loads, pattern_->nodes()));
     const auto start = Clock::now();
     MORTISE_ASSIGN_OR_RETURN(std::vector<Eigen::Matrix3Xd> solutions, factor_.SolveAll(loads));
@@ -88,9 +93,27 @@ class DirectSolver : public LinearSolver {
     return solutions;
   }
 
+  absl::StatusOr<Eigen::Matrix3Xd> SolveRoughly(const Eigen::Matrix3Xd& load) override {
+    if (matrix_ == nullptr) return NotPrepared();
+    MORTISE_RETURN_IF_ERROR(CheckLoads({load}, pattern_->nodes()));
+    return factor_.Solve(load);
+  }
+
   const SolverSummary& summary() const override { return summary_; }
 
  private:
+  // Rounding may take the last pivots of a very slender structure below zero. With a little more on
+  // the diagonal there is a factor that is near enough for its solutions to be corrected.
+  absl::Status Factorize(const BlockMatrix& matrix) {
+    absl::Status status = factor_.Factorize(matrix);
+    if (DetailOf(status).reason != "SINGULAR") return status;
+    BlockMatrix stiffer = matrix;
+    for (int v = 0; v < pattern_->nodes(); ++v) {
+      stiffer.blocks()[pattern_->starts()[v + 1] - 1].diagonal() *= 1 + kStiffening;
+    }
+    return factor_.Factorize(stiffer);
+  }
+
   // What the solutions leave of the loads; true if little enough for all. `has_energy`: whether all
   // of them deform something.
   bool FindResiduals(const std::vector<Eigen::Matrix3Xd>& loads,

@@ -59,6 +59,7 @@ struct ElasticSystem::State {
   double assembly_seconds = 0;
   double preparation_seconds = 0;
   Clock::time_point started;  // of the work on the next solution
+  double error = 0;           // of the last one, estimated, in the norm of energy
 
   Eigen::Matrix3Xd FreePart(const Eigen::Matrix3Xd& vectors) const {
     return (constraints.fixed == 0).select(vectors.array(), 0.0).matrix();
@@ -88,7 +89,8 @@ absl::StatusOr<Eigen::Matrix3Xd> ElasticSystem::State::SolveInFrames(
 bool ElasticSystem::State::NeedsCorrection(const Eigen::Matrix3Xd& loads,
                                            const Eigen::Matrix3Xd& displacement) const {
   if (displacement.isZero(0)) return false;
-  if (solver->summary().kind == SolverKind::kDirect) return true;
+  const SolverSummary& summary = solver->summary();
+  if (summary.kind == SolverKind::kDirect || summary.error > kWantedError) return true;
   double scale = 0;
   for (int v = 0; v < stiffness->nodes(); ++v) {
     scale += stiffness->blocks()[stiffness->starts()[v + 1] - 1].trace() *
@@ -101,18 +103,20 @@ bool ElasticSystem::State::NeedsCorrection(const Eigen::Matrix3Xd& loads,
 absl::StatusOr<Eigen::Matrix3Xd> ElasticSystem::State::SolveAtRest(const Eigen::Matrix3Xd& loads) {
   const Eigen::Matrix3Xd free_loads = FreePart(loads);
   MORTISE_ASSIGN_OR_RETURN(Eigen::Matrix3Xd displacement, solver->Solve(free_loads));
+  error = solver->summary().error;
   if (!NeedsCorrection(free_loads, displacement)) return displacement;
   const CorrectedSystem exact{
       [this](const Eigen::Matrix3Xd& x) { return FreePart(MultiplyExactly(x)); },
-      [this](const Eigen::Matrix3Xd& b) { return solver->Solve(b); }};
+      [this](const Eigen::Matrix3Xd& b) { return solver->SolveRoughly(b); }};
   MORTISE_ASSIGN_OR_RETURN(const Correction correction,
                            CorrectSolution(exact, free_loads, kWantedError, displacement));
-  if (correction.error < kUseless) return displacement;
+  error = correction.error;
+  if (error < kUseless) return displacement;
   return PreconditionFailed(
       "SINGULAR",
       absl::StrFormat("rounding leaves a relative error of %.2g in the solution: stiffnesses or "
                       "sizes differ beyond what numbers can hold",
-                      correction.error),
+                      error),
       "materials");
 }
 
@@ -128,6 +132,7 @@ void ElasticSystem::State::Summarise(ElasticitySolution& solution) {
   summary.nodes = static_cast<int>(mesh.nodes.cols());
   summary.elements = static_cast<int>(mesh.tetrahedra.cols());
   summary.solver = solver->summary();
+  summary.solver.error = error;
   summary.total_load = solution.load.rowwise().sum();
   summary.total_reaction = solution.reaction.rowwise().sum();
   const double scale =

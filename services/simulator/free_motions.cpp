@@ -16,9 +16,8 @@
 namespace mortise::simulator {
 namespace {
 
-// Motions of one group of bodies that are found; one is enough to tell of, and nobody looks at the
-// vibration of what has more.
-constexpr int kMostMotions = 300;
+// Enough of them to tell of one.
+constexpr int kMotionsToTell = 60;
 
 // What moves by less than this share of a motion's size stays where it is.
 constexpr double kAtRest = 1e-4;
@@ -45,7 +44,8 @@ std::vector<std::vector<int>> ConnectedBodies(const JoinedBodies& joined) {
   return groups;
 }
 
-NullSpace MotionsOf(const std::vector<int>& bodies, const std::vector<JointEquation>& equations) {
+NullSpace MotionsOf(const std::vector<int>& bodies, const std::vector<JointEquation>& equations,
+                    int most) {
   std::map<int, int> place;
   for (const int b : bodies) place.try_emplace(b, static_cast<int>(place.size()));
   std::vector<Eigen::Triplet<double>> entries;
@@ -60,7 +60,7 @@ NullSpace MotionsOf(const std::vector<int>& bodies, const std::vector<JointEquat
   }
   Eigen::SparseMatrix<double> rows(row, 6 * bodies.size());
   rows.setFromTriplets(entries.begin(), entries.end());
-  return FindNullSpace(rows, kJointTolerance, kMostMotions);
+  return FindNullSpace(rows, kJointTolerance, most);
 }
 
 // The directions, orthonormal, that the columns of `vectors` span.
@@ -150,7 +150,8 @@ std::vector<int> Moving(const MovingBodies& group, const JoinedBodies& joined,
 
 }  // namespace
 
-FreeMotions FindFreeMotions(const mesh::TetrahedralMesh& mesh, const Constraints& constraints) {
+FreeMotions FindFreeMotions(const mesh::TetrahedralMesh& mesh, const Constraints& constraints,
+                            int most) {
   FreeMotions free;
   free.joined = JoinBodies(mesh, constraints);
   std::vector<std::vector<int>> groups = ConnectedBodies(free.joined);
@@ -163,7 +164,7 @@ FreeMotions FindFreeMotions(const mesh::TetrahedralMesh& mesh, const Constraints
     equations[group_of[equation.first]].push_back(equation);
   }
   for (std::size_t g = 0; g < groups.size(); ++g) {
-    NullSpace space = MotionsOf(groups[g], equations[g]);
+    NullSpace space = MotionsOf(groups[g], equations[g], most);
     if (space.dimension == 0) continue;
     free.count += space.dimension;
     const bool is_loose =
@@ -204,12 +205,15 @@ std::string MotionText(const FreeMotions& free, const mesh::TetrahedralMesh& mes
       BodyText(all[group.bodies[moving[0]]], all, mesh), " free to ",
       MotionText(body, motions.middleRows(6 * moving[0], 6)),
       ways > 1 ? absl::StrCat(" and in ", ways - 1, ways > 2 ? " other ways" : " other way") : "",
-      moving.size() > 1 ? absl::StrCat(", and others with it: ", moving.size() - 1) : "");
+      moving.size() > 1
+          ? absl::StrCat(", and ", moving.size() - 1,
+                         moving.size() > 2 ? " other bodies with it" : " other body with it")
+          : "");
 }
 
 absl::Status CheckRigidMotion(const mesh::TetrahedralMesh& mesh, const Constraints& constraints) {
   MORTISE_RETURN_IF_ERROR(CheckNodesAreUsed(mesh));
-  const FreeMotions free = FindFreeMotions(mesh, constraints);
+  const FreeMotions free = FindFreeMotions(mesh, constraints, kMotionsToTell);
   if (free.count == 0) return absl::OkStatus();
   const MovingBodies& group = free.groups.front();
   const bool is_joined = std::any_of(group.bodies.begin(), group.bodies.end(),

@@ -23,7 +23,7 @@ struct MovingBodies {
   int count = 0;            // of independent free motions; at least 1
   bool is_loose = false;    // no support holds any of them
   // A RigidMotion of each body below each other, for each motion: orthonormal. Not all, if there
-  // are very many.
+  // are more than were asked for.
   Eigen::MatrixXd motions;
 };
 
@@ -33,8 +33,12 @@ struct FreeMotions {
   int count = 0;
 };
 
+// Motions of one group of bodies that are found, of all that are counted.
+inline constexpr int kMostMotions = 300;
+
 // What `constraints` leave free. Every node of the mesh has an element.
-FreeMotions FindFreeMotions(const mesh::TetrahedralMesh& mesh, const Constraints& constraints);
+FreeMotions FindFreeMotions(const mesh::TetrahedralMesh& mesh, const Constraints& constraints,
+                            int most = kMostMotions);
 
 // One of them, for people: "part 'leg 3' is free to rotate about z through (20, 0, 0) mm". Of
 // several bodies the fewest that can move by themselves are named.

@@ -18,7 +18,15 @@ using Clock = std::chrono::steady_clock;
 constexpr double kSingularCondition = 1e13;
 
 // Where rounding ends the iteration early, the error must have come down to this at least.
-constexpr double kRoundingError = 1e-6;
+constexpr double kRoundingError = 0.01;
+
+// Rounding has ended it where the error does not halve any more in so many iterations.
+constexpr int kStalled = 200;
+
+// A rough solution has this error, or what it has after so many iterations where rounding leaves
+// more.
+constexpr double kRough = 0.01;
+constexpr int kRoughIterations = 300;
 
 // Iterations after which their number is foreseen, at least.
 constexpr double kFirstLook = 10;
@@ -35,6 +43,10 @@ absl::Status Singular() {
                             "the stiffness is not positive definite: something is free to move, "
                             "or stiffnesses differ beyond what numbers can hold",
                             "supports");
+}
+
+absl::Status NotPrepared() {
+  return PreconditionFailed("NOT_PREPARED", "there is no matrix to solve with");
 }
 
 // Lanczos' tridiagonal matrix from the coefficients of conjugate gradients.
@@ -111,14 +123,12 @@ absl::Status IterativeSolver::Prepare(std::shared_ptr<const BlockMatrix> matrix,
 
 absl::StatusOr<std::vector<Eigen::Matrix3Xd>> IterativeSolver::SolveAll(
     const std::vector<Eigen::Matrix3Xd>& loads) {
-  if (matrix_ == nullptr) {
-    return PreconditionFailed("NOT_PREPARED", "there is no matrix to solve with");
-  }
+  if (matrix_ == nullptr) return NotPrepared();
   MORTISE_RETURN_IF_ERROR(CheckLoads(loads, pattern_->nodes()));
   const auto start = Clock::now();
   std::vector<Eigen::Matrix3Xd> solutions;
   for (const Eigen::Matrix3Xd& load : loads) {
-    MORTISE_ASSIGN_OR_RETURN(Eigen::Matrix3Xd solution, SolveOne(load));
+    MORTISE_ASSIGN_OR_RETURN(Eigen::Matrix3Xd solution, SolveOne(load, options_.tolerance, false));
     solutions.push_back(std::move(solution));
     iterations_before_ += summary_.iterations;
   }
@@ -126,20 +136,32 @@ absl::StatusOr<std::vector<Eigen::Matrix3Xd>> IterativeSolver::SolveAll(
   return solutions;
 }
 
+absl::StatusOr<Eigen::Matrix3Xd> IterativeSolver::SolveRoughly(const Eigen::Matrix3Xd& load) {
+  if (matrix_ == nullptr) return NotPrepared();
+  MORTISE_RETURN_IF_ERROR(CheckLoads({load}, pattern_->nodes()));
+  // What is told is how the load itself was solved.
+  const SolverSummary told = summary_;
+  auto solution = SolveOne(load, kRough, true);
+  iterations_before_ += summary_.iterations;
+  const int iterations = told.iterations + summary_.iterations;
+  if (solution.ok()) summary_ = told;
+  summary_.iterations = iterations;
+  return solution;
+}
+
 void IterativeSolver::WaitForever() { options_.patience = std::numeric_limits<double>::infinity(); }
 
 // Looks after a tenth of the patience, and whenever the iterations have doubled: before, the error
 // says little.
-bool IterativeSolver::IsTooSlow() const {
+bool IterativeSolver::IsTooSlow(double tolerance) const {
   const int done = summary_.iterations;
   if (!std::isfinite(options_.patience)) return false;
   if (iterations_before_ > options_.patience) return true;
   double look = std::max(kFirstLook, options_.patience / 10);
   while (2 * look <= done) look *= 2;
   if (done < look || done - 1 >= look) return false;
-  const double foreseen = summary_.error < 1
-                              ? done * std::log(options_.tolerance) / std::log(summary_.error)
-                              : std::numeric_limits<double>::infinity();
+  const double foreseen = summary_.error < 1 ? done * std::log(tolerance) / std::log(summary_.error)
+                                             : std::numeric_limits<double>::infinity();
   return iterations_before_ + foreseen > options_.patience;
 }
 
@@ -160,7 +182,8 @@ struct IterativeSolver::Iteration {
   double rho = 0;  // residual · corrected
 };
 
-absl::StatusOr<Eigen::Matrix3Xd> IterativeSolver::SolveOne(const Eigen::Matrix3Xd& load) {
+absl::StatusOr<Eigen::Matrix3Xd> IterativeSolver::SolveOne(const Eigen::Matrix3Xd& load,
+                                                           double tolerance, bool is_rough) {
   const int size = static_cast<int>(load.size());
   Iteration now;
   now.load = load.reshaped().array() * free_;
@@ -172,6 +195,8 @@ absl::StatusOr<Eigen::Matrix3Xd> IterativeSolver::SolveOne(const Eigen::Matrix3X
   now.residual = now.load;
   ConditionEstimate estimate;
   double first = 0, last_true = 1;  // residual · corrected at the start; error at the last restart
+  double least = 1;                 // error, when it last halved
+  int halved = 0;                   // the iteration after which it did
   bool fresh = true, restarted = false, exact = true;
   summary_.error = 1;
   while (true) {
@@ -185,21 +210,28 @@ absl::StatusOr<Eigen::Matrix3Xd> IterativeSolver::SolveOne(const Eigen::Matrix3X
     summary_.error = std::sqrt(rho / first);
     if (exact && restarted) {
       const bool rounding = summary_.error < kRoundingError && summary_.error > 0.5 * last_true;
-      if (summary_.error <= options_.tolerance || rounding) break;
+      if (summary_.error <= tolerance || rounding) break;
       last_true = summary_.error;
     }
-    if (summary_.error <= options_.tolerance) {
+    if (summary_.error < 0.5 * least) {
+      least = summary_.error;
+      halved = summary_.iterations;
+    }
+    const bool stalled = summary_.iterations > halved + kStalled && least < kRoundingError;
+    if (stalled && exact) break;
+    if (is_rough && summary_.iterations >= kRoughIterations) break;
+    if (summary_.error <= tolerance || stalled) {
       // The residual carried along may have drifted from the true one, which has the last word.
       MultiplyFree(now.solution, now.image);
       now.residual = now.load - now.image;
       fresh = restarted = exact = true;
       continue;
     }
-    if (summary_.iterations >= options_.maximum_iterations || IsTooSlow()) {
+    if (summary_.iterations >= options_.maximum_iterations || IsTooSlow(tolerance)) {
       return PreconditionFailed(
           "NOT_CONVERGED",
           absl::StrFormat("after %d iterations the relative error is %.2g, not %.2g",
-                          summary_.iterations, summary_.error, options_.tolerance));
+                          summary_.iterations, summary_.error, tolerance));
     }
     const double beta = fresh ? 0 : rho / now.rho;
     now.rho = rho;

@@ -20,6 +20,7 @@ class IterativeSolver : public LinearSolver {
                        const Eigen::Matrix3Xd& positions) override;
   absl::StatusOr<std::vector<Eigen::Matrix3Xd>> SolveAll(
       const std::vector<Eigen::Matrix3Xd>& loads) override;
+  absl::StatusOr<Eigen::Matrix3Xd> SolveRoughly(const Eigen::Matrix3Xd& load) override;
   const SolverSummary& summary() const override { return summary_; }
 
   // Whether the last load ended for want of patience, not of iterations.
@@ -34,8 +35,9 @@ class IterativeSolver : public LinearSolver {
                   const Eigen::Array3Xi& fixed, const NodeFrames& frames,
                   const SolverOptions& options);
 
-  bool IsTooSlow() const;
-  absl::StatusOr<Eigen::Matrix3Xd> SolveOne(const Eigen::Matrix3Xd& load);
+  bool IsTooSlow(double tolerance) const;
+  absl::StatusOr<Eigen::Matrix3Xd> SolveOne(const Eigen::Matrix3Xd& load, double tolerance,
+                                            bool is_rough);
   void MultiplyFree(const Eigen::VectorXd& x, Eigen::VectorXd& y);
   double Dot(const Eigen::VectorXd& a, const Eigen::VectorXd& b);
 

@@ -41,23 +41,34 @@ class FallbackSolver : public LinearSolver {
 
   absl::StatusOr<std::vector<Eigen::Matrix3Xd>> SolveAll(
       const std::vector<Eigen::Matrix3Xd>& loads) override {
-    if (used_ != first_.get()) return used_->SolveAll(loads);
-    auto solutions = first_->SolveAll(loads);
-    if (solutions.ok() || DetailOf(solutions.status()).reason != "NOT_CONVERGED") return solutions;
-    const absl::Status prepared = PrepareSecond();
-    if (absl::IsResourceExhausted(prepared)) {
-      if (!first_->gave_up_early()) return solutions;
-      first_->WaitForever();
-      return first_->SolveAll(loads);
-    }
-    MORTISE_RETURN_IF_ERROR(prepared);
-    used_ = second_.get();
-    return second_->SolveAll(loads);
+    return WithEither<std::vector<Eigen::Matrix3Xd>>(
+        [&](LinearSolver& solver) { return solver.SolveAll(loads); });
+  }
+
+  absl::StatusOr<Eigen::Matrix3Xd> SolveRoughly(const Eigen::Matrix3Xd& load) override {
+    return WithEither<Eigen::Matrix3Xd>(
+        [&](LinearSolver& solver) { return solver.SolveRoughly(load); });
   }
 
   const SolverSummary& summary() const override { return used_->summary(); }
 
  private:
+  template <class Result, class Solve>
+  absl::StatusOr<Result> WithEither(const Solve& solve) {
+    if (used_ != first_.get()) return solve(*used_);
+    absl::StatusOr<Result> result = solve(*first_);
+    if (result.ok() || DetailOf(result.status()).reason != "NOT_CONVERGED") return result;
+    const absl::Status prepared = PrepareSecond();
+    if (absl::IsResourceExhausted(prepared)) {
+      if (!first_->gave_up_early()) return result;
+      first_->WaitForever();
+      return solve(*first_);
+    }
+    MORTISE_RETURN_IF_ERROR(prepared);
+    used_ = second_.get();
+    return solve(*used_);
+  }
+
   absl::Status PrepareSecond() {
     if (second_ == nullptr) {
       MORTISE_ASSIGN_OR_RETURN(second_, make_second_(first_->summary().bytes));

@@ -19,9 +19,6 @@
 namespace mortise::simulator {
 namespace {
 
-// Free motions beyond this are more than anybody looks at, and each is as large as the mesh.
-constexpr int kMostMotions = 300;
-
 // A frequency found beside others counts as lower than the highest of them by more than this share.
 constexpr double kLower = 1e-6;
 

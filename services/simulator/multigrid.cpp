@@ -1,7 +1,9 @@
 #include "services/simulator/multigrid.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <numeric>
 #include <utility>
 #include <vector>
@@ -232,6 +234,31 @@ class CornerTransfer : public Transfer {
   ThreadTeam& team_;
 };
 
+// Whether the mesh is of quadratic elements that are mostly far longer than high, as a sheet has
+// them in one layer. Linear elements on the same corners hardly bend then: stepping down to them
+// hinders more than it helps.
+bool IsOfStretchedElements(const mesh::TetrahedralMesh& mesh) {
+  constexpr double kStretched = 20;  // longest edge over least height
+  constexpr double kShare = 0.1;     // of elements; a mesher leaves a few of these anywhere
+  if (!mesh.IsQuadratic()) return false;
+  Eigen::Index stretched = 0;
+  for (Eigen::Index e = 0; e < mesh.tetrahedra.cols(); ++e) {
+    std::array<Eigen::Vector3d, 4> corner;
+    for (int k = 0; k < 4; ++k) corner[k] = mesh.nodes.col(mesh.tetrahedra(k, e));
+    double longest = 0, widest = 0;  // edge; twice the area of a face
+    for (const auto& [a, b] : mesh::kTetrahedronEdges) {
+      longest = std::max(longest, (corner[b] - corner[a]).norm());
+    }
+    for (const auto& [a, b, c] : mesh::kTetrahedronFaces) {
+      widest = std::max(widest, (corner[b] - corner[a]).cross(corner[c] - corner[a]).norm());
+    }
+    const double volume =  // times six
+        (corner[1] - corner[0]).cross(corner[2] - corner[0]).dot(corner[3] - corner[0]);
+    stretched += longest * widest > kStretched * std::abs(volume);
+  }
+  return static_cast<double>(stretched) > kShare * static_cast<double>(mesh.tetrahedra.cols());
+}
+
 // Moves along and turns about the axes, scaled to the size of the body, of nodes `node`; zero where
 // fixed.
 RigidModes<3> MakeRigidModes(const Eigen::Matrix3Xd& positions, const Eigen::Array3Xi& fixed,
@@ -275,7 +302,7 @@ Multigrid::Multigrid(const mesh::TetrahedralMesh& mesh, const Eigen::Array3Xi& f
       team_(team) {
   topology_->fixed = fixed;
   topology_->frames = frames;
-  topology_->quadratic = mesh.IsQuadratic() && options.corners;
+  topology_->quadratic = mesh.IsQuadratic() && options.corners && !IsOfStretchedElements(mesh);
   if (topology_->quadratic) {
     topology_->corners = FindCorners(mesh, fixed);
   } else {
@@ -327,7 +354,7 @@ int Multigrid::Levels() const { return hierarchy_->finest->Levels(); }
 double Multigrid::EstimateBytes(const mesh::TetrahedralMesh& mesh, const BlockPattern& pattern) {
   const double blocks = pattern.rows().size() + pattern.row_slots().size();
   const double nodes = pattern.nodes();
-  if (mesh.IsQuadratic()) {
+  if (mesh.IsQuadratic() && !IsOfStretchedElements(mesh)) {
     // Corners are an eighth of the nodes and their rows half as long; building takes as much again.
     return blocks * (sizeof(float) * 9 + sizeof(int)) + nodes * 300 + 0.3 * blocks * 76;
   }

@@ -2,7 +2,8 @@
 //
 // Quadratic elements first step down to linear ones on the same corners, whose displacements are
 // among the quadratic ones: a node in the middle of an edge moves by the mean of the edge's ends.
-// From there smoothed aggregation with the six rigid motions (aggregation.h) goes on.
+// From there, or at once where elements are far longer than high, smoothed aggregation with the six
+// rigid motions (aggregation.h) goes on.
 #pragma once
 
 #include <Eigen/Core>

@@ -87,6 +87,21 @@ TEST(RigidMotion, OfALoosePartIsNamed) {
   EXPECT_EQ(status.message().find("base"), std::string::npos) << status;
 }
 
+// A flap whose lower edge lies along the upper edge of the base, and nothing else.
+TEST(RigidMotion, OfAPartOnAHingeIsNamed) {
+  DesignModel model;
+  model.surface =
+      mesh::AssembleBoxes({{"base", {0, 0, 0}, {1, 1, 0.1}}, {"flap", {1, 0, 0.1}, {2, 1, 0.3}}});
+  model.analysis.materials.assign(2, Spruce());
+  model.analysis.supports.push_back({{0, "z_min"}});
+  const absl::Status status = Solve(model);
+  EXPECT_EQ(DetailOf(status).reason, "RIGID_MOTION");
+  EXPECT_NE(status.message().find("part 'flap' is free to rotate about y through (1000, 500, 100)"),
+            std::string::npos)
+      << status;
+  EXPECT_EQ(status.message().find("base"), std::string::npos) << status;
+}
+
 TEST(RigidMotion, SaysWhichWay) {
   DesignModel model;
   model.surface = mesh::AssembleBoxes({{"block", {0, 0, 0}, {1, 0.5, 0.2}}});

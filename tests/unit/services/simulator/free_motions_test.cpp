@@ -13,6 +13,7 @@
 #include "hinged_bodies.h"
 #include "services/simulator/elasticity.h"
 #include "services/simulator/heat_conduction.h"
+#include "services/simulator/null_space.h"
 #include "services/simulator/stiffness.h"
 
 namespace mortise::simulator {
@@ -185,26 +186,38 @@ TEST(FreeMotions, OfAChainOfHingesAreAsMany) {
                 "z through (4000, 4000, 500) mm"));
 }
 
-// So many that their matrix is sparse: bars that hang from each other by points, each held at one
-// end too.
-TEST(FreeMotions, OfVeryManyBodiesAreCountedToo) {
-  const int side = 13;
-  const auto parity = [](const Eigen::Vector3d& p) {
-    const Eigen::Vector3i cell = p.cast<int>();
-    return cell.x() % 2 == 0 && cell.y() % 2 == cell.x() % 2 && cell.z() % 2 == 0;
-  };
-  const auto other = [](const Eigen::Vector3d& p) {
-    const Eigen::Vector3i cell = p.cast<int>();
-    return cell.x() % 2 == 1 && cell.y() % 2 == 1 && cell.z() % 2 == 0;
-  };
-  const mesh::TetrahedralMesh mesh =
-      Cut(Cubes({side, side, 1}, 1, false),
-          [&](const Eigen::Vector3d& p) { return parity(p) || other(p); });
-  const Support held = Held(mesh, [](const Eigen::Vector3d& p) { return p.x() < 1e-9; });
-  const auto constraints = CollectConstraints(mesh, {held});
-  // A checkerboard of 85 cubes that share vertical edges. Its rows shear against each other.
-  const int count = FindFreeMotions(mesh, *constraints).count;
-  EXPECT_EQ(count, CountZeroEigenvalues(mesh, *constraints));
+// A checkerboard of cubes that share vertical edges.
+TEST(FreeMotions, OfManyBodiesAreThoseOfTheirStiffness) {
+  const mesh::TetrahedralMesh mesh = Cut(Cubes({9, 9, 1}, 1, false), [](const Eigen::Vector3d& p) {
+    return (static_cast<int>(p.x()) + static_cast<int>(p.y())) % 2 == 0;
+  });
+  for (const double height : {0.0, 2.0}) {
+    const Support held =
+        Held(mesh, [height](const Eigen::Vector3d& p) { return p.x() < 1e-9 && p.y() < height; });
+    const auto constraints = CollectConstraints(mesh, {held});
+    EXPECT_EQ(FindFreeMotions(mesh, *constraints).count, CountZeroEigenvalues(mesh, *constraints));
+  }
+}
+
+// Three chains of numbers that must be equal to their neighbours.
+TEST(NullSpace, OfASparseMatrixIsFoundToo) {
+  const int length = 300;
+  std::vector<Eigen::Triplet<double>> entries;
+  int rows = 0;
+  for (int k = 0; k + 1 < 3 * length; ++k) {
+    if (k % length == length - 1) continue;
+    entries.emplace_back(rows, k, std::sqrt(0.5));
+    entries.emplace_back(rows++, k + 1, -std::sqrt(0.5));
+  }
+  Eigen::SparseMatrix<double> chains(rows, 3 * length);
+  chains.setFromTriplets(entries.begin(), entries.end());
+  const NullSpace space = FindNullSpace(chains, 1e-5, 10);
+  EXPECT_EQ(space.dimension, 3);
+  ASSERT_EQ(space.basis.cols(), 3);
+  EXPECT_LT((chains * space.basis).norm(), 1e-9);
+  EXPECT_LT((space.basis.transpose() * space.basis - Eigen::Matrix3d::Identity()).norm(), 1e-12);
+  EXPECT_EQ(FindNullSpace(chains, 1e-5, 2).basis.cols(), 2);
+  EXPECT_EQ(FindNullSpace(chains, 1e-5, 2).dimension, 3);
 }
 
 TEST(FreeMotions, EndWhereASharedEdgeIsCurved) {
