@@ -23,7 +23,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-class DemoTest : public testing::Test {
+class DemoTest : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder_ = std::filesystem::temp_directory_path() / ("mortise-demo-" + NewIdentifier());
@@ -115,8 +115,8 @@ TEST_F(DemoTest, EventLogIsInOrderWithoutGaps) {
     EXPECT_EQ(std::stol(event["number"].get<std::string>()), ++latest[stream]) << line;
     types.insert(event["type"].get<std::string>());
   }
-  EXPECT_THAT(types, testing::Contains("operation.succeeded"));
-  EXPECT_THAT(types, testing::Contains("cut.finished"));
+  EXPECT_THAT(types, ::testing::Contains("operation.succeeded"));
+  EXPECT_THAT(types, ::testing::Contains("cut.finished"));
 }
 
 // Ctrl-C at a terminal reaches the demo only: its house must end with it, and what runs there.
