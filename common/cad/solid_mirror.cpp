@@ -43,12 +43,11 @@ std::vector<Feature> Measured(const TopoDS_Shape& solid, TopAbs_ShapeEnum kind, 
   TopExp::MapShapes(solid, kind, found);
   std::vector<Feature> features;
   for (int i = 1; i <= found.Extent(); ++i) {
+    // Edges at the poles of balls have no length, nor a place.
+    if (kind == TopAbs_EDGE && BRep_Tool::Degenerated(TopoDS::Edge(found(i)))) continue;
     GProp_GProps properties;
     measure(found(i), properties);
-    // Edges at the poles of balls have no length, nor a place.
-    if (properties.Mass() > 0) {
-      features.push_back({ToEigen(properties.CentreOfMass()), properties.Mass()});
-    }
+    features.push_back({ToEigen(properties.CentreOfMass()), properties.Mass()});
   }
   return features;
 }

@@ -14,7 +14,7 @@ struct Soundness {
   std::string note;   // what is not quite right with it, for people; empty if nothing is
 };
 
-// A fault is a miss that may change the volume by more than a hundredth, and a solid that the
+// A fault are misses that may change the volume by more than a hundredth, and a solid that the
 // kernel finds invalid; a note is due from a hundred thousandth of the diagonal, and 1 µm. Throws
 // Standard_Failure.
 Soundness SoundnessOf(const TopoDS_Shape& solid);
