@@ -2,7 +2,9 @@
 
 #include <chrono>
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
@@ -71,6 +73,8 @@ struct ElasticSystem::State {
     return frames.ToFrames(InternalForces(mesh, materials, frames.ToSpace(vectors), team));
   }
 
+  absl::StatusOr<Eigen::Matrix3Xd> SolveByAnyMeans(
+      const std::function<absl::StatusOr<Eigen::Matrix3Xd>(LinearSolver&)>& solve);
   bool NeedsCorrection(const Eigen::Matrix3Xd& loads, const Eigen::Matrix3Xd& displacement) const;
   absl::StatusOr<Eigen::Matrix3Xd> SolveInFrames(const Eigen::Matrix3Xd& loads);
   absl::StatusOr<Eigen::Matrix3Xd> SolveAtRest(const Eigen::Matrix3Xd& loads);
@@ -83,6 +87,25 @@ absl::StatusOr<Eigen::Matrix3Xd> ElasticSystem::State::SolveInFrames(
   if (!constraints.displacement.isZero()) rest -= MultiplyExactly(constraints.displacement);
   MORTISE_ASSIGN_OR_RETURN(const Eigen::Matrix3Xd displacement, SolveAtRest(rest));
   return displacement + constraints.displacement;
+}
+
+// Solves by a factor, if that fits into the memory, where an iteration that was asked for does not
+// converge: over sheets of very thin elements it may not.
+absl::StatusOr<Eigen::Matrix3Xd> ElasticSystem::State::SolveByAnyMeans(
+    const std::function<absl::StatusOr<Eigen::Matrix3Xd>(LinearSolver&)>& solve) {
+  absl::StatusOr<Eigen::Matrix3Xd> solution = solve(*solver);
+  if (solution.ok() || DetailOf(solution.status()).reason != "NOT_CONVERGED") return solution;
+  SolverOptions direct = options.solver;
+  direct.kind = SolverKind::kDirect;
+  direct.threads = options.threads;
+  direct.memory_limit -= solver->summary().bytes;
+  auto factor = LinearSolver::Create(mesh, stiffness->pattern(), constraints.fixed,
+                                     constraints.frames, direct);
+  if (absl::IsResourceExhausted(factor.status())) return solution;
+  MORTISE_RETURN_IF_ERROR(factor.status());
+  MORTISE_RETURN_IF_ERROR((*factor)->Prepare(stiffness, mesh.nodes));
+  solver = *std::move(factor);
+  return solve(*solver);
 }
 
 // A factor's solution costs little to correct, one that is iterated as much as before.
@@ -102,12 +125,15 @@ bool ElasticSystem::State::NeedsCorrection(const Eigen::Matrix3Xd& loads,
 
 absl::StatusOr<Eigen::Matrix3Xd> ElasticSystem::State::SolveAtRest(const Eigen::Matrix3Xd& loads) {
   const Eigen::Matrix3Xd free_loads = FreePart(loads);
-  MORTISE_ASSIGN_OR_RETURN(Eigen::Matrix3Xd displacement, solver->Solve(free_loads));
+  MORTISE_ASSIGN_OR_RETURN(Eigen::Matrix3Xd displacement,
+                           SolveByAnyMeans([&](LinearSolver& by) { return by.Solve(free_loads); }));
   error = solver->summary().error;
   if (!NeedsCorrection(free_loads, displacement)) return displacement;
   const CorrectedSystem exact{
       [this](const Eigen::Matrix3Xd& x) { return FreePart(MultiplyExactly(x)); },
-      [this](const Eigen::Matrix3Xd& b) { return solver->SolveRoughly(b); }};
+      [this](const Eigen::Matrix3Xd& b) {
+        return SolveByAnyMeans([&](LinearSolver& by) { return by.SolveRoughly(b); });
+      }};
   MORTISE_ASSIGN_OR_RETURN(const Correction correction,
                            CorrectSolution(exact, free_loads, kWantedError, displacement));
   error = correction.error;

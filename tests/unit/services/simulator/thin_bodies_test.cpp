@@ -62,6 +62,18 @@ TEST_P(ThinBodies, OfLinearElementsAreSolvedToo) {
   EXPECT_LT(solution->summary.imbalance, 1e-6);
 }
 
+TEST(ThinSheet, IsSolvedByAFactorWhereAnIterationDoesNotConverge) {
+  const ThinBody& sheet = kThinBodies[1];
+  const mesh::TetrahedralMesh mesh = MeshOf(sheet, true);
+  ElasticityOptions options;
+  options.solver.kind = SolverKind::kIterative;
+  options.solver.maximum_iterations = 20;
+  const auto solution = SolveElasticity(mesh, EndMoment(sheet), options);
+  ASSERT_TRUE(solution.ok()) << solution.status();
+  EXPECT_EQ(solution->summary.solver.kind, SolverKind::kDirect);
+  EXPECT_LT(ErrorOfBending(sheet, mesh, solution->displacement), 1e-6);
+}
+
 // A rod in space and one that is clamped: six motions without strain, or none, and then the
 // frequencies of Euler's beam, each twice.
 TEST(ThinModes, OfARodAreThoseOfABeam) {
