@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <boost/crc.hpp>
 #include <cmath>
+#include <iterator>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
@@ -122,6 +124,33 @@ std::vector<std::vector<std::uint16_t>> EncodeOutline(std::span<const OutlinePoi
   return pages;
 }
 
+// Whether each register has one of the values that the map gives it.
+absl::Status CheckStatus(std::span<const std::uint16_t> registers) {
+  if (registers[0] != kRegisterMapVersion) {
+    return InvalidField("status[0]", absl::StrCat("register map ", registers[0], ", not 1"));
+  }
+  if (registers[1] != 1 && registers[1] != 2) {
+    return InvalidField("status[1]", absl::StrCat("unknown kind of machine ", registers[1]));
+  }
+  if (!IsPackMlState(registers[7])) {
+    return InvalidField("status[7]", absl::StrCat("unknown PackML state ", registers[7]));
+  }
+  if (registers[8] > 1) {
+    return InvalidField("status[8]",
+                        absl::StrCat("emergency stop is ", registers[8], ", neither 0 nor 1"));
+  }
+  if (registers[9] > static_cast<std::uint16_t>(HoldReason::kRestarted)) {
+    return InvalidField("status[9]", absl::StrCat("unknown hold reason ", registers[9]));
+  }
+  if (registers[14] > static_cast<std::uint16_t>(JobResult::kInterruptedDuring)) {
+    return InvalidField("status[14]", absl::StrCat("unknown result ", registers[14]));
+  }
+  if (registers[15] > 1000) {
+    return InvalidField("status[15]", absl::StrCat("progress is ", registers[15], " of 1000"));
+  }
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 std::array<std::uint16_t, 2> SplitWords(std::uint32_t value) {
@@ -130,6 +159,21 @@ std::array<std::uint16_t, 2> SplitWords(std::uint32_t value) {
 
 std::uint32_t JoinWords(std::uint16_t high, std::uint16_t low) {
   return (static_cast<std::uint32_t>(high) << 16) | low;
+}
+
+bool holding::HasAll(int address, int count) {
+  // First and end of each run of registers.
+  constexpr std::pair<int, int> kRuns[] = {{kControllerHeartbeat, kCommandRequest + 1},
+                                           {kJob, kJob + kJobRegisters},
+                                           {kSequenceNumber, kSequenceNumber + 2},
+                                           {kOutlinePage, kCount}};
+  return count > 0 && std::any_of(std::begin(kRuns), std::end(kRuns), [&](const auto& run) {
+           return run.first <= address && address + count <= run.second;
+         });
+}
+
+std::string MachineKindName(MachineKind kind) {
+  return kind == MachineKind::kChopSaw ? "chop-saw" : "jigsaw";
 }
 
 bool NothingWasCut(JobResult result) {
@@ -267,21 +311,7 @@ absl::StatusOr<MachineStatus> DecodeStatus(std::span<const std::uint16_t> regist
     return InvalidField(
         "status", absl::StrCat("has ", registers.size(), " registers, not ", kStatusRegisters));
   }
-  if (registers[0] != kRegisterMapVersion) {
-    return InvalidField("status[0]", absl::StrCat("register map ", registers[0], ", not 1"));
-  }
-  if (registers[1] != 1 && registers[1] != 2) {
-    return InvalidField("status[1]", absl::StrCat("unknown kind of machine ", registers[1]));
-  }
-  if (!IsPackMlState(registers[7])) {
-    return InvalidField("status[7]", absl::StrCat("unknown PackML state ", registers[7]));
-  }
-  if (registers[9] > static_cast<std::uint16_t>(HoldReason::kRestarted)) {
-    return InvalidField("status[9]", absl::StrCat("unknown hold reason ", registers[9]));
-  }
-  if (registers[14] > static_cast<std::uint16_t>(JobResult::kInterruptedDuring)) {
-    return InvalidField("status[14]", absl::StrCat("unknown result ", registers[14]));
-  }
+  MORTISE_RETURN_IF_ERROR(CheckStatus(registers));
   MachineStatus status;
   status.kind = static_cast<MachineKind>(registers[1]);
   status.identity = Get(registers, 2);
@@ -293,7 +323,7 @@ absl::StatusOr<MachineStatus> DecodeStatus(std::span<const std::uint16_t> regist
   status.accepted = Get(registers, 10);
   status.done = Get(registers, 12);
   status.result = static_cast<JobResult>(registers[14]);
-  status.progress = std::min<int>(registers[15], 1000) / 1000.0;
+  status.progress = registers[15] / 1000.0;
   status.cuts = Get(registers, 16);
   status.heartbeat_timeout = registers[18] / 1000.0;
   status.seconds = Get(registers, 19) / 1000.0;

@@ -27,6 +27,9 @@ inline constexpr int kJob = 16;                 // the job block, kJobRegisters 
 inline constexpr int kSequenceNumber = 56;      // two registers, written last and in one request
 inline constexpr int kOutlinePage = 64;         // page number, then 30 points of two int32
 inline constexpr int kCount = 185;
+
+// Whether the map has all of these registers, without a gap between them.
+bool HasAll(int address, int count);
 }  // namespace holding
 
 // The job block: kind, position and length (µm, uint32 each), number of outline points, outline
@@ -44,6 +47,9 @@ inline constexpr int kStatusRegisters = 22;
 using StatusRegisters = std::array<std::uint16_t, kStatusRegisters>;
 
 enum class MachineKind : std::uint16_t { kChopSaw = 1, kJigsaw = 2 };
+
+// "chop-saw" or "jigsaw".
+std::string MachineKindName(MachineKind kind);
 
 // What became of the last sequence number. Every number that was accepted ends with one of these.
 enum class JobResult : std::uint16_t {

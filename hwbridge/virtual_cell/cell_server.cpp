@@ -1,8 +1,8 @@
 #include "hwbridge/virtual_cell/cell_server.h"
 
-#include <modbus/modbus.h>
+#include <arpa/inet.h>
 #include <netinet/in.h>
-#include <poll.h>
+#include <netinet/tcp.h>
 #include <signal.h>
 #include <sys/signalfd.h>
 #include <sys/socket.h>
@@ -13,41 +13,34 @@
 #include <cerrno>
 #include <chrono>
 #include <cstring>
-#include <thread>
+#include <tuple>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/base/logging.h"
+#include "hwbridge/virtual_cell/modbus_answer.h"
 
 namespace mortise::hwbridge {
 namespace {
 
 constexpr int kTickMilliseconds = 5;
-constexpr int kMaximumClients = 16;
-constexpr int kTcpHeader = 7;  // MBAP header; the function code follows
+constexpr std::size_t kBytesAtOnce = 1024;
+constexpr std::size_t kAnswersWaiting = 16;  // of one connection, before it is not read any more
 
 double MonotonicSeconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-int Word(const std::vector<std::uint8_t>& bytes, std::size_t at) {
-  return (bytes[at] << 8) | bytes[at + 1];
-}
+bool WouldBlock(int error) { return error == EAGAIN || error == EWOULDBLOCK || error == EINTR; }
 
 }  // namespace
-
-void CellServer::ContextDeleter::operator()(modbus_t* context) const { modbus_free(context); }
-
-void CellServer::MappingDeleter::operator()(modbus_mapping_t* mapping) const {
-  modbus_mapping_free(mapping);
-}
 
 CellServer::CellServer(const Options& options, std::vector<std::unique_ptr<Machine>> machines)
     : options_(options), machines_(std::move(machines)) {}
 
 CellServer::~CellServer() {
-  for (const int client : clients_) ::close(client);
+  for (const Connection& connection : connections_) ::close(connection.socket);
   if (listener_ >= 0) ::close(listener_);
 }
 
@@ -60,19 +53,22 @@ absl::StatusOr<std::unique_ptr<CellServer>> CellServer::Listen(
 
 absl::Status CellServer::Open() {
   const std::string peer = absl::StrCat(options_.address, ":", options_.port);
-  context_.reset(modbus_new_tcp(options_.address.c_str(), options_.port));
-  mapping_.reset(modbus_mapping_new(0, 1, holding::kCount, kStatusRegisters));
-  if (!context_ || !mapping_) return PeerUnavailable(peer, modbus_strerror(errno));
-  // libmodbus sleeps this long before it answers with an exception.
-  modbus_set_response_timeout(context_.get(), 0, 1000);
-  listener_ = modbus_tcp_listen(context_.get(), kMaximumClients);
-  if (listener_ < 0) return PeerUnavailable(peer, modbus_strerror(errno));
-  sockaddr_in bound{};
-  socklen_t size = sizeof(bound);
-  if (::getsockname(listener_, reinterpret_cast<sockaddr*>(&bound), &size) != 0) {
-    return PeerUnavailable(peer, std::strerror(errno));
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(static_cast<std::uint16_t>(options_.port));
+  if (::inet_pton(AF_INET, options_.address.c_str(), &address.sin_addr) != 1) {
+    return InvalidField("address", "must be a numeric IPv4 address");
   }
-  port_ = ntohs(bound.sin_port);
+  listener_ = ::socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+  const int yes = 1;
+  socklen_t size = sizeof(address);
+  const bool listens = listener_ >= 0 &&
+                       ::setsockopt(listener_, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof(yes)) == 0 &&
+                       ::bind(listener_, reinterpret_cast<const sockaddr*>(&address), size) == 0 &&
+                       ::listen(listener_, options_.connections) == 0 &&
+                       ::getsockname(listener_, reinterpret_cast<sockaddr*>(&address), &size) == 0;
+  if (!listens) return PeerUnavailable(peer, std::strerror(errno));
+  port_ = ntohs(address.sin_port);
   last_advance_ = MonotonicSeconds();
   return absl::OkStatus();
 }
@@ -86,29 +82,20 @@ void CellServer::AdvanceMachines() {
 
 absl::Status CellServer::Run(int signals) {
   while (true) {
-    std::vector<pollfd> waiting = {{signals, POLLIN, 0}, {listener_, POLLIN, 0}};
-    for (const int client : clients_) waiting.push_back({client, POLLIN, 0});
-    if (::poll(waiting.data(), waiting.size(), kTickMilliseconds) < 0 && errno != EINTR) {
+    std::vector<pollfd> events = {{signals, POLLIN, 0}, {listener_, POLLIN, 0}};
+    for (const Connection& connection : connections_) {
+      // One that does not fetch its answers asks no more.
+      const bool listen = connection.answers.size() < kAnswersWaiting;
+      events.push_back({connection.socket, static_cast<short>(listen ? POLLIN : 0), 0});
+    }
+    if (::poll(events.data(), events.size(), kTickMilliseconds) < 0 && errno != EINTR) {
       return PeerUnavailable("virtual cell", std::strerror(errno));
     }
     AdvanceMachines();
-    if (waiting[0].revents != 0 && !TakeSignal(signals)) return absl::OkStatus();
-    std::vector<int> kept;
-    for (std::size_t i = 2; i < waiting.size(); ++i) {
-      if (waiting[i].revents == 0 || Serve(waiting[i].fd)) {
-        kept.push_back(waiting[i].fd);
-      } else {
-        ::close(waiting[i].fd);
-      }
-    }
-    clients_ = std::move(kept);
-    if (waiting[1].revents != 0) {
-      const int client = ::accept(listener_, nullptr, nullptr);
-      if (client >= 0 && clients_.size() < kMaximumClients)
-        clients_.push_back(client);
-      else if (client >= 0)
-        ::close(client);
-    }
+    if (events[0].revents != 0 && !TakeSignal(signals)) return absl::OkStatus();
+    const double now = MonotonicSeconds();
+    ServeConnections(events, now);
+    if (events[1].revents != 0) Accept(now);
   }
 }
 
@@ -121,82 +108,87 @@ bool CellServer::TakeSignal(int signals) {
   return true;
 }
 
-// Reads one request and answers it. Returns false when the client is gone.
-bool CellServer::Serve(int client) {
-  modbus_set_socket(context_.get(), client);
-  Request request;
-  request.bytes.resize(MODBUS_TCP_MAX_ADU_LENGTH);
-  const int length = modbus_receive(context_.get(), request.bytes.data());
-  if (length < 0) return false;
-  if (length <= kTcpHeader) return true;
-  request.bytes.resize(static_cast<std::size_t>(length));
-  request.unit = request.bytes[kTcpHeader - 1];
-  request.function = request.bytes[kTcpHeader];
-  if (request.unit < 1 || request.unit > static_cast<int>(machines_.size())) {
-    return Reply(request, MODBUS_EXCEPTION_GATEWAY_TARGET);
+// `events` has two more in front of those of the connections.
+void CellServer::ServeConnections(const std::vector<pollfd>& events, double now) {
+  for (std::size_t i = 0; i < connections_.size(); ++i) {
+    Connection& connection = connections_[i];
+    if (events[i + 2].revents != 0) Receive(connection, now);
+    Send(connection, now);
+    if (now - connection.last_request > options_.idle_timeout) connection.closed = true;
   }
-  Machine& machine = *machines_[static_cast<std::size_t>(request.unit - 1)];
-  int exception = 0;
-  switch (request.function) {
-    case MODBUS_FC_READ_DISCRETE_INPUTS:
-    case MODBUS_FC_READ_HOLDING_REGISTERS:
-    case MODBUS_FC_READ_INPUT_REGISTERS:
-      break;
-    case MODBUS_FC_WRITE_SINGLE_REGISTER:
-    case MODBUS_FC_WRITE_MULTIPLE_REGISTERS:
-      exception = WriteRegisters(machine, request);
-      break;
-    default:
-      exception = MODBUS_EXCEPTION_ILLEGAL_FUNCTION;
-  }
-  Publish(machine);
-  return Reply(request, exception);
+  std::erase_if(connections_, [](const Connection& connection) {
+    if (connection.closed) ::close(connection.socket);
+    return connection.closed;
+  });
 }
 
-// Returns the Modbus exception, 0 if the machine took the values.
-int CellServer::WriteRegisters(Machine& machine, const Request& request) {
-  const auto& bytes = request.bytes;
-  constexpr std::size_t kBody = kTcpHeader + 1;
-  if (bytes.size() < kBody + 4) return MODBUS_EXCEPTION_ILLEGAL_DATA_VALUE;
-  const int address = Word(bytes, kBody);
-  std::vector<std::uint16_t> values;
-  if (request.function == MODBUS_FC_WRITE_SINGLE_REGISTER) {
-    values.push_back(static_cast<std::uint16_t>(Word(bytes, kBody + 2)));
+void CellServer::Receive(Connection& connection, double now) {
+  std::array<std::uint8_t, kBytesAtOnce> bytes;
+  const ssize_t count = ::recv(connection.socket, bytes.data(), bytes.size(), 0);
+  if (count <= 0) {
+    connection.closed = count == 0 || !WouldBlock(errno);
+    return;
+  }
+  connection.reader.Add(std::span(bytes).first(static_cast<std::size_t>(count)));
+  while (const auto request = connection.reader.Next()) Take(connection, *request, now);
+  if (connection.reader.broken()) connection.closed = true;
+}
+
+void CellServer::Take(Connection& connection, const ModbusFrame& request, double now) {
+  connection.has_asked = true;
+  connection.last_request = now;
+  ModbusFrame answer{request.transaction, request.unit, {}};
+  if (request.unit < 1 || request.unit > machines_.size()) {
+    answer.pdu = ExceptionAnswer(request.pdu[0], ModbusException::kNoSuchUnit);
   } else {
-    const std::size_t count = static_cast<std::size_t>(Word(bytes, kBody + 2));
-    if (count < 1 || count > MODBUS_MAX_WRITE_REGISTERS || bytes.size() < kBody + 5 + 2 * count ||
-        bytes[kBody + 4] != 2 * count) {
-      return MODBUS_EXCEPTION_ILLEGAL_DATA_VALUE;
-    }
-    for (std::size_t i = 0; i < count; ++i) {
-      values.push_back(static_cast<std::uint16_t>(Word(bytes, kBody + 5 + 2 * i)));
-    }
-  }
-  return static_cast<int>(machine.Write(address, values));
-}
-
-// Lays the machine's registers out for libmodbus to answer from.
-void CellServer::Publish(const Machine& machine) {
-  const auto held = machine.HoldingRegisters();
-  std::copy(held.begin(), held.end(), mapping_->tab_registers);
-  const MachineStatus status = machine.Status();
-  const StatusRegisters registers = EncodeStatus(status);
-  std::copy(registers.begin(), registers.end(), mapping_->tab_input_registers);
-  mapping_->tab_input_bits[0] = status.emergency_stop ? 1 : 0;
-}
-
-bool CellServer::Reply(const Request& request, int exception) {
-  if (options_.delay > 0.0) {
-    std::this_thread::sleep_for(std::chrono::duration<double>(options_.delay));
+    answer.pdu = AnswerTo(request.pdu, *machines_[request.unit - 1]);
   }
   ++answers_;
-  if (options_.drop_response_every > 0 && answers_ % options_.drop_response_every == 0) return true;
-  const int length = static_cast<int>(request.bytes.size());
-  const int sent = exception != 0
-                       ? modbus_reply_exception(context_.get(), request.bytes.data(),
-                                                static_cast<unsigned>(exception))
-                       : modbus_reply(context_.get(), request.bytes.data(), length, mapping_.get());
-  return sent >= 0;
+  if (options_.drop_response_every > 0 && answers_ % options_.drop_response_every == 0) return;
+  connection.answers.push_back({now + options_.delay, EncodeFrame(answer)});
+}
+
+// As much as is due and the peer takes.
+void CellServer::Send(Connection& connection, double now) {
+  while (!connection.closed && !connection.answers.empty()) {
+    Answer& answer = connection.answers.front();
+    if (answer.due > now) return;
+    const ssize_t sent =
+        ::send(connection.socket, answer.bytes.data(), answer.bytes.size(), MSG_NOSIGNAL);
+    if (sent < 0) {
+      connection.closed = !WouldBlock(errno);
+      return;
+    }
+    answer.bytes.erase(answer.bytes.begin(), answer.bytes.begin() + sent);
+    if (!answer.bytes.empty()) return;
+    connection.answers.pop_front();
+  }
+}
+
+void CellServer::Accept(double now) {
+  const int socket = ::accept4(listener_, nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC);
+  if (socket < 0) {
+    if (errno == EMFILE || errno == ENFILE) MakeRoom();
+    return;
+  }
+  if (connections_.size() >= static_cast<std::size_t>(options_.connections)) MakeRoom();
+  const int yes = 1;
+  ::setsockopt(socket, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof(yes));
+  Connection& connection = connections_.emplace_back();
+  connection.socket = socket;
+  connection.last_request = now;
+}
+
+// Closes the connection that is missed least: one that never asked anything, else the one that has
+// asked nothing for the longest time.
+void CellServer::MakeRoom() {
+  const auto idlest = std::min_element(
+      connections_.begin(), connections_.end(), [](const Connection& a, const Connection& b) {
+        return std::tie(a.has_asked, a.last_request) < std::tie(b.has_asked, b.last_request);
+      });
+  if (idlest == connections_.end()) return;
+  ::close(idlest->socket);
+  connections_.erase(idlest);
 }
 
 }  // namespace mortise::hwbridge

@@ -23,10 +23,6 @@ double OutlineLength(std::span<const OutlinePoint> outline) {
   return length;
 }
 
-std::string MachineKindName(MachineKind kind) {
-  return kind == MachineKind::kChopSaw ? "chop-saw" : "jigsaw";
-}
-
 Machine::Machine(const Options& options, std::unique_ptr<MachineMemory> memory)
     : options_(options), memory_(std::move(memory)), outline_(kMaximumOutlinePoints) {}
 
@@ -89,7 +85,7 @@ void Machine::SetEmergencyStop(bool pressed) {
 
 ModbusException Machine::Write(int address, std::span<const std::uint16_t> values) {
   const int end = address + static_cast<int>(values.size());
-  if (address < 0 || values.empty() || end > holding::kCount) {
+  if (!holding::HasAll(address, static_cast<int>(values.size()))) {
     return ModbusException::kIllegalAddress;
   }
   const auto covers = [&](int first) { return address <= first && first < end; };
@@ -100,6 +96,7 @@ ModbusException Machine::Write(int address, std::span<const std::uint16_t> value
     if (address != holding::kOutlinePage) return ModbusException::kIllegalAddress;
     return TakeOutlinePage(values);
   }
+  if (!CanCommand(address, values)) return ModbusException::kIllegalValue;
   if (covers(holding::kControllerHeartbeat) && values[holding::kControllerHeartbeat - address] !=
                                                    registers_[holding::kControllerHeartbeat]) {
     since_heartbeat_ = 0.0;
@@ -111,6 +108,19 @@ ModbusException Machine::Write(int address, std::span<const std::uint16_t> value
   if (!number_high) return ModbusException::kNone;
   return TakeSequenceNumber(
       JoinWords(registers_[holding::kSequenceNumber], registers_[holding::kSequenceNumber + 1]));
+}
+
+// Whether what is written to the command and its request, if that is written at all, is one of the
+// values that the map gives them.
+bool Machine::CanCommand(int address, std::span<const std::uint16_t> values) const {
+  const auto written = [&](int at) {
+    const bool covered = address <= at && at < address + static_cast<int>(values.size());
+    return covered ? values[at - address] : registers_[at];
+  };
+  const std::uint16_t command = written(holding::kCommand);
+  const std::uint16_t request = written(holding::kCommandRequest);
+  const auto last = static_cast<std::uint16_t>(PackMlCommand::kClear);
+  return command <= last && request <= 1 && (request == 0 || command >= 1);
 }
 
 ModbusException Machine::TakeOutlinePage(std::span<const std::uint16_t> values) {
@@ -168,9 +178,7 @@ JobResult Machine::CheckJob(std::uint32_t number, Job& job) const {
 
 void Machine::CarryOutCommand() {
   registers_[holding::kCommandRequest] = 0;
-  const std::uint16_t number = registers_[holding::kCommand];
-  if (number < 1 || number > 9) return;
-  const auto command = static_cast<PackMlCommand>(number);
+  const auto command = static_cast<PackMlCommand>(registers_[holding::kCommand]);
   if (command == PackMlCommand::kClear && emergency_stop_) return;
   const PackMlState next = AfterCommand(state_, command);
   if (next != state_) Enter(next, HoldReason::kCommand);

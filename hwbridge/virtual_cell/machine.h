@@ -25,10 +25,12 @@ namespace mortise::hwbridge {
 // What a write is answered with; the numbers are those of Modbus.
 enum class ModbusException : int {
   kNone = 0,
+  kIllegalFunction = 1,
   kIllegalAddress = 2,
   kIllegalValue = 3,
   kFailure = 4,
   kBusy = 6,
+  kNoSuchUnit = 11,
 };
 
 class Machine {
@@ -65,6 +67,7 @@ class Machine {
  private:
   Machine(const Options& options, std::unique_ptr<MachineMemory> memory);
   absl::Status Boot();
+  bool CanCommand(int address, std::span<const std::uint16_t> values) const;
   ModbusException TakeOutlinePage(std::span<const std::uint16_t> values);
   ModbusException TakeSequenceNumber(std::uint32_t number);
   JobResult CheckJob(std::uint32_t number, Job& job) const;
@@ -98,8 +101,5 @@ class Machine {
 
 // The length of a closed polygon, in metres.
 double OutlineLength(std::span<const OutlinePoint> outline);
-
-// "chop-saw" or "jigsaw".
-std::string MachineKindName(MachineKind kind);
 
 }  // namespace mortise::hwbridge

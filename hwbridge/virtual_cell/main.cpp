@@ -41,6 +41,11 @@ void Describe(CLI::App& app, Settings& settings) {
   app.add_option("--heartbeat-timeout", settings.heartbeat_timeout,
                  "seconds of silence after which a machine holds by itself")
       ->check(CLI::Range(0.01, 60.0));
+  app.add_option("--connections", settings.server.connections, "connections at once")
+      ->check(CLI::Range(1, 1000));
+  app.add_option("--idle-timeout", settings.server.idle_timeout,
+                 "seconds without a request after which a connection is closed")
+      ->check(CLI::Range(0.01, 3600.0));
   app.add_option("--state", settings.state, "start of the file names of the machines' memory");
   app.add_option("--journal", settings.journal,
                  "file of the cuts really made; STATE.cuts by default");
