@@ -66,7 +66,9 @@ Intent IntentFromJson(const Json& json) {
           WholeNumber<std::uint32_t>(json.at("identity")),
           WholeNumber<std::uint32_t>(json.at("boot_epoch")),
           JobResult::kNone,
-          0.0};
+          0.0,
+          false,
+          ""};
 }
 
 Json ReportToJson(const CutReport& report) {
@@ -125,11 +127,15 @@ absl::Status Journal::Replay(const std::string& line) {
       book.highest = std::max(book.highest, WholeNumber<std::uint32_t>(json.at("number")));
       return absl::OkStatus();
     }
+    if (type == "accepted") {
+      return ApplyAcceptance(json.at("machine").get<std::string>(),
+                             WholeNumber<std::uint32_t>(json.at("number")));
+    }
     if (type != "result") return absl::DataLossError(absl::StrCat("unknown record '", type, "'"));
     return ApplyResult(json.at("machine").get<std::string>(),
                        WholeNumber<std::uint32_t>(json.at("number")),
                        static_cast<JobResult>(WholeNumber<std::uint16_t>(json.at("result"))),
-                       json.at("seconds").get<double>());
+                       json.at("seconds").get<double>(), json.value("because", ""));
   } catch (const std::exception& error) {
     return absl::DataLossError(error.what());
   }
@@ -155,12 +161,20 @@ absl::Status Journal::Apply(const Intent& intent) {
   return absl::OkStatus();
 }
 
+absl::Status Journal::ApplyAcceptance(const std::string& machine, std::uint32_t number) {
+  Intent* intent = LatestIntent(machine, number);
+  if (intent == nullptr) return absl::DataLossError("the acceptance has no open intent");
+  intent->accepted = true;
+  return absl::OkStatus();
+}
+
 absl::Status Journal::ApplyResult(const std::string& machine, std::uint32_t number,
-                                  JobResult result, double seconds) {
+                                  JobResult result, double seconds, std::string because) {
   Intent* intent = LatestIntent(machine, number);
   if (intent == nullptr) return absl::DataLossError("the result has no open intent");
   intent->result = result;
   intent->seconds = seconds;
+  intent->because = std::move(because);
   return absl::OkStatus();
 }
 
@@ -226,17 +240,27 @@ absl::Status Journal::AddIntent(const Intent& intent) {
   return Append(Dump(IntentToJson(intent)));
 }
 
-absl::Status Journal::AddResult(std::string_view machine, std::uint32_t number, JobResult result,
-                                double seconds) {
+absl::Status Journal::AddAcceptance(std::string_view machine, std::uint32_t number) {
   const std::lock_guard lock(mutex_);
   if (LatestIntent(machine, number) == nullptr) {
     return ResourceNotFound(absl::StrCat(std::string(machine), " number ", number));
   }
-  return Append(Dump({{"type", "result"},
-                      {"machine", machine},
-                      {"number", number},
-                      {"result", static_cast<std::uint16_t>(result)},
-                      {"seconds", seconds}}));
+  return Append(Dump({{"type", "accepted"}, {"machine", machine}, {"number", number}}));
+}
+
+absl::Status Journal::AddResult(std::string_view machine, std::uint32_t number, JobResult result,
+                                double seconds, std::string_view because) {
+  const std::lock_guard lock(mutex_);
+  if (LatestIntent(machine, number) == nullptr) {
+    return ResourceNotFound(absl::StrCat(std::string(machine), " number ", number));
+  }
+  Json json = {{"type", "result"},
+               {"machine", machine},
+               {"number", number},
+               {"result", static_cast<std::uint16_t>(result)},
+               {"seconds", seconds}};
+  if (!because.empty()) json["because"] = because;
+  return Append(Dump(json));
 }
 
 std::vector<Intent> Journal::Intents(const CutKey& key) const {

@@ -41,6 +41,8 @@ struct Intent {
   std::uint32_t boot_epoch = 0;         // of the machine when the intent was made
   JobResult result = JobResult::kNone;  // kNone while it is open
   double seconds = 0.0;                 // s on the machine's clock
+  bool accepted = false;                // the machine was seen to have taken the number
+  std::string because = {};             // of result kUnknown, for people
 };
 
 enum class CutOutcome { kDone = 1, kRejected = 2, kFailed = 3 };
@@ -70,9 +72,13 @@ class Journal {
 
   absl::Status AddIntent(const Intent& intent);
 
-  // `number` must be that of the latest intent of its cut; NOT_FOUND otherwise.
+  // The machine was seen to have taken the number, which must be that of the latest intent of its
+  // cut; NOT_FOUND otherwise.
+  absl::Status AddAcceptance(std::string_view machine, std::uint32_t number);
+
+  // How the number ended; as AddAcceptance. `because` tells people why the result is kUnknown.
   absl::Status AddResult(std::string_view machine, std::uint32_t number, JobResult result,
-                         double seconds);
+                         double seconds, std::string_view because = "");
 
   // The intents of a cut, in order.
   std::vector<Intent> Intents(const CutKey& key) const;
@@ -118,8 +124,9 @@ class Journal {
   absl::Status Apply(CutOrder order);
   absl::Status Apply(const Intent& intent);
   absl::Status Apply(const CutReport& report);
+  absl::Status ApplyAcceptance(const std::string& machine, std::uint32_t number);
   absl::Status ApplyResult(const std::string& machine, std::uint32_t number, JobResult result,
-                           double seconds);
+                           double seconds, std::string because);
   absl::Status ApplyAcknowledgement(std::int64_t number);
   Intent* LatestIntent(std::string_view machine, std::uint32_t number);
 

@@ -38,7 +38,7 @@ MachineWorker::MachineWorker(const Options& options, MachineLink& link, Journal&
       link_(link),
       journal_(journal),
       clock_(clock),
-      handshake_(options.handshake, link, journal),
+      handshake_(options.handshake, link, journal, clock),
       last_answer_(clock.Now()),
       last_machine_beat_(clock.Now()),
       last_work_(clock.Now()) {
@@ -46,45 +46,88 @@ MachineWorker::MachineWorker(const Options& options, MachineLink& link, Journal&
 }
 
 void MachineWorker::Cycle() {
-  absl::StatusOr<MachineStatus> status = Exchange();
+  const absl::StatusOr<MachineStatus> status = Exchange();
   if (!status.ok()) {
-    NoteSilence(status.status());
+    NoteFailure(status.status());
     return;
   }
   NoteStatus(*status);
-  TakeStep(*status);
+  const std::optional<std::string> contradiction = watch_.Note(*status);
+  if (contradiction) RaiseAlarm(*contradiction);
+  TakeStep(*status, contradiction);
 }
 
+// UNAVAILABLE: the line. Everything else is what the machine says.
 absl::StatusOr<MachineStatus> MachineWorker::Exchange() {
   const std::array<std::uint16_t, 1> beat = {++heartbeat_};
   MORTISE_RETURN_IF_ERROR(link_.Write(holding::kControllerHeartbeat, beat));
   MORTISE_ASSIGN_OR_RETURN(const MachineStatus status, link_.ReadStatus());
-  const double now = clock_.Now();
-  if (status.heartbeat != machine_heartbeat_) {
-    machine_heartbeat_ = status.heartbeat;
-    last_machine_beat_ = now;
-  }
-  if (now - last_machine_beat_ > options_.line_lost_after) {
-    return PeerUnavailable(options_.name, "its heartbeat stands still");
-  }
+  NoteBeat(status);
   if (status.kind != options_.kind) {
-    return PreconditionFailed("WRONG_MACHINE", absl::StrCat(options_.name, " is another machine"));
+    return PreconditionFailed(
+        "WRONG_MACHINE",
+        absl::StrCat("the machine says that it is a ", MachineKindName(status.kind), ", but a ",
+                     MachineKindName(options_.kind), " is expected"));
   }
-  last_answer_ = now;
+  if (status.heartbeat_timeout <= 0.0) {
+    return PreconditionFailed("NO_TIMEOUT",
+                              "the machine's heartbeat timeout is 0: it would not hold by itself");
+  }
+  if (clock_.Now() - last_machine_beat_ > options_.line_lost_after) {
+    return PreconditionFailed("HEARTBEAT_STANDS", "the machine's heartbeat stands still");
+  }
   return status;
 }
 
-void MachineWorker::NoteSilence(const absl::Status& status) {
-  if (clock_.Now() - last_answer_ <= options_.line_lost_after) return;
+void MachineWorker::NoteBeat(const MachineStatus& status) {
+  const double now = clock_.Now();
+  last_answer_ = now;
+  if (!contact_) {
+    contact_ = true;
+    beats_ = false;
+    last_machine_beat_ = now;
+  } else if (status.heartbeat != machine_heartbeat_) {
+    beats_ = true;
+    last_machine_beat_ = now;
+  }
+  machine_heartbeat_ = status.heartbeat;
+}
+
+// A line that fails may be back with the next scan; a machine that cannot be understood is held at
+// once.
+void MachineWorker::NoteFailure(const absl::Status& status) {
+  const std::string text(status.message());
+  const bool refused = DetailOf(status).reason == "MACHINE_REFUSED";
+  if (absl::IsUnavailable(status) || refused) {
+    if (clock_.Now() - last_answer_ <= options_.line_lost_after) return;
+    contact_ = false;
+    LoseLine(absl::StrCat(
+        refused ? "the machine refuses to be read: " : "the line to the machine is lost: ", text));
+    return;
+  }
+  const std::string trouble = absl::IsInvalidArgument(status)
+                                  ? absl::StrCat("the machine's status makes no sense: ", text)
+                                  : text;
+  last_answer_ = clock_.Now();
+  if (absl::IsInvalidArgument(status)) contact_ = false;  // nor did its heartbeat arrive
+  RaiseAlarm(trouble);
+  LoseLine(trouble);
+}
+
+// The first trouble stays until the line stands.
+void MachineWorker::LoseLine(const std::string& trouble) {
+  bool news = false;
   {
     const std::lock_guard lock(mutex_);
-    if (status_) {
-      Log(LogLevel::kWarning, "the line to a machine is lost",
-          {{"machine", options_.name}, {"error", status.ToString()}});
-    }
+    news = line_trouble_.empty();
+    if (news) line_trouble_ = trouble;
     status_.reset();
   }
-  HoldOpenCuts("the line to the machine is lost");
+  if (news) {
+    Log(LogLevel::kWarning, "a machine cannot be worked",
+        {{"machine", options_.name}, {"because", trouble}});
+  }
+  HoldOpenCuts(trouble);
 }
 
 void MachineWorker::NoteStatus(const MachineStatus& status) {
@@ -96,6 +139,7 @@ void MachineWorker::NoteStatus(const MachineStatus& status) {
           {{"machine", options_.name}, {"state", PackMlStateName(status.state)}});
     }
     status_ = status;
+    line_trouble_.clear();
     was_running = running_;
   }
   const bool restarted = boot_epoch_ != 0 && status.boot_epoch != boot_epoch_;
@@ -110,8 +154,16 @@ void MachineWorker::NoteStatus(const MachineStatus& status) {
   }
 }
 
-void MachineWorker::TakeStep(const MachineStatus& status) {
-  for (const CutOrder& order : journal_.OpenCuts(options_.name)) Settle(status, order);
+void MachineWorker::TakeStep(const MachineStatus& status,
+                             const std::optional<std::string>& contradiction) {
+  for (const CutOrder& order : journal_.OpenCuts(options_.name)) {
+    Settle(status, order, contradiction);
+  }
+  if (const std::string alarm = Alarm(); !alarm.empty()) {
+    HoldOpenCuts(alarm);  // those too that came since
+    return;
+  }
+  TakeResume();
   if (journal_.OpenCuts(options_.name).empty()) {
     StopIdleMachine(status);
     return;
@@ -121,7 +173,7 @@ void MachineWorker::TakeStep(const MachineStatus& status) {
   if (!order || IsHeld(order->key.work_order) || !ReadyToCut(status)) return;
   const absl::Status advanced = handshake_.Advance(*order, status);
   if (advanced.ok() || absl::IsUnavailable(advanced)) return;
-  HoldOpenCuts(advanced.ToString());
+  RaiseAlarm(std::string(advanced.message()));
 }
 
 // The cut that the machine was given a number for and that has not ended, held or not: nothing else
@@ -140,18 +192,22 @@ std::optional<CutOrder> MachineWorker::NextCut() const {
 
 // A machine without orders is stopped after a while, not left waiting in Execute.
 void MachineWorker::StopIdleMachine(const MachineStatus& status) {
-  const bool idle = clock_.Now() - last_work_ >= options_.stop_after_idle;
-  if (!idle || status.state != PackMlState::kExecute) return;
+  if (status.state != PackMlState::kExecute) {
+    urging_ = {};
+    return;
+  }
+  if (clock_.Now() - last_work_ < options_.stop_after_idle) return;
   {
     const std::lock_guard lock(mutex_);
     running_ = false;
   }
-  Command(PackMlCommand::kStop);
+  Urge(PackMlCommand::kStop, status);
 }
 
 // Reports the cut if it has ended.
-void MachineWorker::Settle(const MachineStatus& status, const CutOrder& order) {
-  absl::StatusOr<std::optional<CutEnd>> settled = handshake_.Settle(order, status);
+void MachineWorker::Settle(const MachineStatus& status, const CutOrder& order,
+                           const std::optional<std::string>& contradiction) {
+  absl::StatusOr<std::optional<CutEnd>> settled = handshake_.Settle(order, status, contradiction);
   absl::Status failure = settled.status();
   if (settled.ok()) {
     if (!settled->has_value()) return;
@@ -162,25 +218,67 @@ void MachineWorker::Settle(const MachineStatus& status, const CutOrder& order) {
   if (!failure.ok()) HoldOpenCuts(failure.ToString());
 }
 
-// Whether the machine is in Execute; commands it there if not.
+// Whether the machine is in Execute; commands it there if not. A status that does not live, as one
+// that some device between keeps repeating, is not acted on.
 bool MachineWorker::ReadyToCut(const MachineStatus& status) {
-  if (status.emergency_stop) return false;
+  if (status.emergency_stop || !beats_) return false;
   if (status.state == PackMlState::kExecute) {
+    urging_ = {};
     const std::lock_guard lock(mutex_);
     running_ = true;
     return true;
   }
-  if (const auto command = TowardsExecute(status.state)) Command(*command);
+  if (const auto command = TowardsExecute(status.state)) Urge(*command, status);
   return false;
 }
 
-// A command that is lost is given again on the next scan, where the state still asks for it.
+// A command that is lost is given again, where the state still asks for it; but not for ever.
+void MachineWorker::Urge(PackMlCommand command, const MachineStatus& status) {
+  const double now = clock_.Now();
+  const bool same = urging_.count > 0 && urging_.command == command;
+  if (same && now - urging_.last < options_.command_pace) return;
+  if (urging_.count >= options_.commands_in_vain) {
+    RaiseAlarm(absl::StrCat("the machine was given ", urging_.count, " commands in vain, and is ",
+                            PackMlStateName(status.state)));
+    return;
+  }
+  urging_ = {command, urging_.count + 1, now};
+  Command(command);
+}
+
 void MachineWorker::Command(PackMlCommand command) {
   const std::array<std::uint16_t, 2> values = {static_cast<std::uint16_t>(command), 1};
   const absl::Status status = link_.Write(holding::kCommand, values);
   if (status.ok()) return;
   Log(LogLevel::kWarning, "a command to a machine failed",
       {{"machine", options_.name}, {"error", status.ToString()}});
+}
+
+// The first alarm stays: what comes after it may be its consequence.
+void MachineWorker::RaiseAlarm(std::string_view because) {
+  {
+    const std::lock_guard lock(mutex_);
+    running_ = false;
+    if (!alarm_.empty()) return;
+    alarm_ = std::string(because);
+  }
+  Log(LogLevel::kError, "a machine raised the alarm; its cuts are held until somebody has looked",
+      {{"machine", options_.name}, {"because", std::string(because)}});
+  HoldOpenCuts(because);
+}
+
+std::string MachineWorker::Alarm() const {
+  const std::lock_guard lock(mutex_);
+  return alarm_;
+}
+
+void MachineWorker::TakeResume() {
+  {
+    const std::lock_guard lock(mutex_);
+    if (!std::exchange(resumed_, false)) return;
+  }
+  urging_ = {};
+  handshake_.RenewPatience();
 }
 
 void MachineWorker::HoldOpenCuts(std::string_view because) { Hold("", because); }
@@ -203,16 +301,19 @@ void MachineWorker::Hold(std::string_view work_order, std::string_view because) 
 absl::Status MachineWorker::Resume(std::string_view work_order) {
   const std::lock_guard lock(mutex_);
   if (!status_ || status_->emergency_stop) {
-    return PreconditionFailed("LINE_LOST",
-                              absl::StrCat(options_.name,
-                                           " cannot be reached, or its emergency stop is "
-                                           "pressed; its cuts stay held"));
+    const std::string because = status_                 ? "its emergency stop is pressed"
+                                : line_trouble_.empty() ? "it has not answered yet"
+                                                        : line_trouble_;
+    return PreconditionFailed("LINE_LOST", absl::StrCat(options_.name, " cannot go on: ", because,
+                                                        "; its cuts stay held"));
   }
   if (work_order.empty()) {
     held_orders_.clear();
   } else {
     held_orders_.erase(std::string(work_order));
   }
+  alarm_.clear();
+  resumed_ = true;
   Log(LogLevel::kInfo, "cuts are resumed", {{"machine", options_.name}});
   return absl::OkStatus();
 }
@@ -232,8 +333,11 @@ MachineView MachineWorker::View() const {
   view.kind = options_.kind;
   view.online = status_.has_value();
   if (status_) view.state = PackMlStateName(status_->state);
-  view.held = held;
-  if (view.held) view.held_because = held_because_;
+  view.held = held || !alarm_.empty();
+  if (!view.held) return view;
+  view.held_because = !alarm_.empty()          ? alarm_
+                      : !line_trouble_.empty() ? line_trouble_
+                                               : held_because_;
   return view;
 }
 

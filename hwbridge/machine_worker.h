@@ -5,6 +5,11 @@
 // at most one step. Cutting stops ("held") when the line is lost, when the machine restarts, stops
 // or holds, when the emergency stop is pressed, when a cut fails or is refused, and on Hold. What
 // is held goes on only by Resume: the return of the line alone never moves a machine.
+//
+// A machine that says what cannot be (a status of another map, an echo that contradicts itself or
+// the one before, a heartbeat that stands still) or does not do what it is told raises the alarm:
+// it is held with all orders, also with those that come later, until a person has looked and
+// resumes. Nothing is repeated for ever.
 #pragma once
 
 #include <cstdint>
@@ -17,6 +22,7 @@
 #include "absl/status/status.h"
 #include "hwbridge/clock.h"
 #include "hwbridge/command_handshake.h"
+#include "hwbridge/echo.h"
 #include "hwbridge/journal.h"
 #include "hwbridge/machine_link.h"
 
@@ -40,6 +46,8 @@ class MachineWorker {
     MachineKind kind = MachineKind::kChopSaw;
     double line_lost_after = 1.5;  // s without an answer, or with a heartbeat that stands still
     double stop_after_idle = 5.0;  // s without cuts after which the machine is commanded to stop
+    double command_pace = 1.0;     // s between two times the same command
+    int commands_in_vain = 10;  // that do not bring the machine where it shall go, then the alarm
     CommandHandshake::Options handshake;
   };
 
@@ -53,8 +61,8 @@ class MachineWorker {
   // ends. Thread safe, as all below.
   void Hold(std::string_view work_order, std::string_view because);
 
-  // Go on. FAILED_PRECONDITION, reason LINE_LOST, if the machine cannot be reached or its emergency
-  // stop is pressed: then everything stays held.
+  // Go on: a person has looked. FAILED_PRECONDITION, reason LINE_LOST, if the machine cannot be
+  // reached or understood, or its emergency stop is pressed: then everything stays held.
   absl::Status Resume(std::string_view work_order);
 
   MachineView View() const;
@@ -63,15 +71,28 @@ class MachineWorker {
   absl::Status AdoptNumbers();
 
  private:
+  struct Urging {
+    PackMlCommand command = PackMlCommand::kReset;
+    int count = 0;      // commands since the machine was last where it should go
+    double last = 0.0;  // s on the clock
+  };
+
   absl::StatusOr<MachineStatus> Exchange();
-  void NoteSilence(const absl::Status& status);
+  void NoteBeat(const MachineStatus& status);
+  void NoteFailure(const absl::Status& status);
+  void LoseLine(const std::string& trouble);
   void NoteStatus(const MachineStatus& status);
-  void TakeStep(const MachineStatus& status);
+  void TakeStep(const MachineStatus& status, const std::optional<std::string>& contradiction);
   void StopIdleMachine(const MachineStatus& status);
-  void Settle(const MachineStatus& status, const CutOrder& order);
+  void Settle(const MachineStatus& status, const CutOrder& order,
+              const std::optional<std::string>& contradiction);
   std::optional<CutOrder> NextCut() const;
   bool ReadyToCut(const MachineStatus& status);
+  void Urge(PackMlCommand command, const MachineStatus& status);
   void Command(PackMlCommand command);
+  void RaiseAlarm(std::string_view because);
+  std::string Alarm() const;
+  void TakeResume();
   void HoldOpenCuts(std::string_view because);
   bool IsHeld(const std::string& work_order) const;
 
@@ -82,10 +103,14 @@ class MachineWorker {
   CommandHandshake handshake_;
 
   // Of the scanning thread.
+  EchoWatch watch_;
+  Urging urging_;
   std::uint16_t heartbeat_ = 0;
   double last_answer_;
   double last_machine_beat_;
   double last_work_;
+  bool contact_ = false;  // the machine has answered, and was not lost since
+  bool beats_ = false;    // its heartbeat was seen to change since
   std::uint16_t machine_heartbeat_ = 0;
   std::uint32_t boot_epoch_ = 0;  // 0 before the first contact
 
@@ -93,6 +118,9 @@ class MachineWorker {
   bool running_ = false;                 // guarded by mutex_: brought to Execute, cuts are given
   std::set<std::string> held_orders_;    // guarded by mutex_
   std::string held_because_;             // guarded by mutex_
+  std::string alarm_;                    // guarded by mutex_; empty while there is none
+  std::string line_trouble_;             // guarded by mutex_; empty while the line stands
+  bool resumed_ = false;                 // guarded by mutex_: by somebody, since the last scan
   std::optional<MachineStatus> status_;  // guarded by mutex_; none while the line is down
 };
 

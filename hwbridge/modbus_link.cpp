@@ -30,7 +30,9 @@ absl::Status ModbusLink::Connect() {
   const auto whole = static_cast<std::uint32_t>(seconds);
   const auto micro = static_cast<std::uint32_t>((options_.answer_timeout - seconds) * 1e6);
   modbus_set_response_timeout(context.get(), whole, micro);
-  modbus_set_byte_timeout(context.get(), whole, micro);
+  // Without one of its own between bytes, the whole answer has to come in that time: a peer that
+  // dribbles must not keep the scan from the heartbeat.
+  modbus_set_byte_timeout(context.get(), 0, 0);
   if (modbus_set_slave(context.get(), options_.unit) != 0 || modbus_connect(context.get()) != 0) {
     return PeerUnavailable(peer_, modbus_strerror(errno));
   }
