@@ -20,6 +20,7 @@ find_package(NLopt CONFIG REQUIRED)
 find_package(TinyGLTF CONFIG REQUIRED)
 pkg_check_modules(ZeroMQ REQUIRED IMPORTED_TARGET libzmq)
 pkg_check_modules(Modbus REQUIRED IMPORTED_TARGET libmodbus)
+pkg_check_modules(Cares REQUIRED IMPORTED_TARGET libcares)
 pkg_check_modules(Clp REQUIRED IMPORTED_TARGET clp)
 pkg_check_modules(PNG REQUIRED IMPORTED_TARGET libpng)
 

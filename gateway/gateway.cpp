@@ -82,8 +82,9 @@ class House final : public Gateway {
                                                  .subscriber_endpoint = options_.bus_subscribe,
                                                  .security = std::move(broker_security)}));
     StartEvents();
-    delivery_ = WebhookDelivery::Start(options_.webhooks, store_.get(), hub_.get(), contract_.get(),
-                                       &transcoder_);
+    MORTISE_ASSIGN_OR_RETURN(delivery_,
+                             WebhookDelivery::Start(options_.webhooks, store_.get(), hub_.get(),
+                                                    contract_.get(), &transcoder_));
     upstreams_ = std::make_unique<Upstreams>(UpstreamOptions{options_.channels, options_.patience});
     MORTISE_RETURN_IF_ERROR(StartHostedServices());
     for (const auto& [name, address] : options_.services) {
@@ -179,7 +180,6 @@ class House final : public Gateway {
     environment.hub = hub_.get();
     environment.store = store_.get();
     environment.delivery = delivery_.get();
-    environment.webhooks_may_call_loopback = options_.webhooks.client.allow_loopback;
     environment.version = GatewayVersion();
     rpc::ServerHost::Options host;
     host.dispatcher = dispatcher_.get();

@@ -31,7 +31,6 @@ struct HostedEnvironment {
   EventHub* hub = nullptr;
   store::Store* store = nullptr;
   WebhookDelivery* delivery = nullptr;
-  bool webhooks_may_call_loopback = false;
   std::string version;
 };
 

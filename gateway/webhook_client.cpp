@@ -4,8 +4,10 @@
 #include <openssl/ssl.h>
 
 #include <algorithm>
-#include <boost/asio/io_context.hpp>
+#include <boost/asio/associated_executor.hpp>
+#include <boost/asio/executor_work_guard.hpp>
 #include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/post.hpp>
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/ssl.hpp>
 #include <boost/asio/this_coro.hpp>
@@ -13,6 +15,9 @@
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
 #include <boost/beast/ssl.hpp>
+#include <chrono>
+#include <future>
+#include <optional>
 
 #include "absl/strings/escaping.h"
 #include "absl/strings/numbers.h"
@@ -27,33 +32,35 @@ namespace beast = boost::beast;
 namespace http = boost::beast::http;
 using asio::ip::tcp;
 using boost::system::error_code;
+using std::chrono::steady_clock;
 
-constexpr std::size_t kMaximalUrlBytes = 2048;
 constexpr std::size_t kMaximalAnswerBytes = 64 * 1024;
 
 constexpr char kNotAllowed[] = " is at an address that webhooks may not call";
 
 absl::Status Failed(const std::string& what) { return absl::UnavailableError(what); }
 
-const char* UsualPort(bool secure) { return secure ? "443" : "80"; }
-
-bool IsPort(std::string_view text) {
-  constexpr int kLargest = 65535;
-  const bool digits =
-      std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
-  int port = 0;
-  return digits && absl::SimpleAtoi(absl::string_view(text.data(), text.size()), &port) &&
-         port >= 1 && port <= kLargest;
-}
-
 // The host, in brackets if it is an IPv6 address, with its port where that is not the usual one.
 std::string HostHeader(const WebhookUrl& url) {
   const std::string host =
       url.host.find(':') == std::string::npos ? url.host : absl::StrCat("[", url.host, "]");
-  return url.port == UsualPort(url.secure) ? host : absl::StrCat(host, ":", url.port);
+  return url.port == (url.secure ? "443" : "80") ? host : absl::StrCat(host, ":", url.port);
 }
 
-// Sends the request and reads the answer's status.
+// When a step of a delivery must end: in its own time, and within that of the whole delivery.
+class Deadlines {
+ public:
+  explicit Deadlines(absl::Duration whole) : end_(After(whole)) {}
+  steady_clock::time_point For(absl::Duration step) const { return std::min(end_, After(step)); }
+
+ private:
+  static steady_clock::time_point After(absl::Duration time) {
+    return steady_clock::now() + absl::ToChronoMilliseconds(time);
+  }
+  steady_clock::time_point end_;
+};
+
+// Sends the request and reads the answer's status. Of what follows nothing is read.
 template <class Stream>
 asio::awaitable<absl::Status> Exchange(Stream& stream, const WebhookUrl& url,
                                        const HeaderList& headers, const std::string& body) {
@@ -67,9 +74,8 @@ asio::awaitable<absl::Status> Exchange(Stream& stream, const WebhookUrl& url,
   error_code error;
   co_await http::async_write(stream, request, asio::redirect_error(asio::use_awaitable, error));
   if (error) co_return Failed("sending failed: " + error.message());
-  beast::flat_buffer buffer;
-  http::response_parser<http::string_body> parser;
-  parser.body_limit(kMaximalAnswerBytes);
+  beast::flat_buffer buffer(kMaximalAnswerBytes);
+  http::response_parser<http::empty_body> parser;
   co_await http::async_read_header(stream, buffer, parser,
                                    asio::redirect_error(asio::use_awaitable, error));
   if (error) co_return Failed("no answer: " + error.message());
@@ -78,111 +84,30 @@ asio::awaitable<absl::Status> Exchange(Stream& stream, const WebhookUrl& url,
   co_return absl::OkStatus();
 }
 
-asio::awaitable<absl::Status> Connect(beast::tcp_stream& stream, const WebhookUrl& url,
-                                      const WebhookClientOptions& options) {
-  error_code error;
-  tcp::resolver resolver(co_await asio::this_coro::executor);
-  const auto found = co_await resolver.async_resolve(
-      url.host, url.port, asio::redirect_error(asio::use_awaitable, error));
-  if (error) co_return Failed(absl::StrCat(url.host, " is not known: ", error.message()));
-  std::vector<tcp::endpoint> allowed;
-  for (const auto& entry : found) {
-    if (IsAllowedAddress(entry.endpoint().address(), options.allow_loopback)) {
-      allowed.push_back(entry.endpoint());
-    }
+// The addresses of the host. Lambdas are given names before they are awaited: see RunOn in
+// webhook_delivery.cpp.
+asio::awaitable<NameResolver::Addresses> Resolve(NameResolver& resolver, const std::string& host) {
+  if (const auto literal = LiteralAddress(host)) {
+    co_return std::vector<asio::ip::address>{*literal};
   }
-  if (allowed.empty()) {
-    co_return Failed(absl::StrCat(url.host, kNotAllowed));
-  }
-  co_await stream.async_connect(allowed, asio::redirect_error(asio::use_awaitable, error));
-  if (error) co_return Failed(absl::StrCat("cannot connect to ", url.host, ": ", error.message()));
-  co_return absl::OkStatus();
-}
-
-asio::awaitable<absl::Status> PostSecurely(beast::tcp_stream tcp_stream, const WebhookUrl& url,
-                                           const HeaderList& headers, const std::string& body) {
-  error_code error;
-  asio::ssl::context context(asio::ssl::context::tls_client);
-  context.set_default_verify_paths(error);
-  beast::ssl_stream<beast::tcp_stream> stream(std::move(tcp_stream), context);
-  stream.set_verify_mode(asio::ssl::verify_peer, error);
-  stream.set_verify_callback(asio::ssl::host_name_verification(url.host), error);
-  SSL_set_tlsext_host_name(stream.native_handle(), url.host.c_str());
-  co_await stream.async_handshake(asio::ssl::stream_base::client,
-                                  asio::redirect_error(asio::use_awaitable, error));
-  if (error) co_return Failed("TLS failed: " + error.message());
-  co_return co_await Exchange(stream, url, headers, body);
+  std::optional<NameResolver::Addresses> result;
+  auto begin = [&resolver, &host, &result](auto handler) {
+    auto executor = asio::get_associated_executor(handler);
+    auto shared = std::make_shared<decltype(handler)>(std::move(handler));
+    resolver.Resolve(host, [executor, shared, &result, guard = asio::make_work_guard(executor)](
+                               NameResolver::Addresses found) {
+      asio::post(executor, [shared, &result, found = std::move(found)] {
+        result = found;
+        (*shared)(true);
+      });
+    });
+  };
+  co_await asio::async_initiate<const asio::use_awaitable_t<>, void(bool)>(begin,
+                                                                           asio::use_awaitable);
+  co_return std::move(*result);
 }
 
 }  // namespace
-
-absl::StatusOr<WebhookUrl> ParseWebhookUrl(std::string_view url) {
-  if (url.size() > kMaximalUrlBytes) return InvalidField("url", "is too long");
-  if (std::any_of(url.begin(), url.end(), [](char c) { return c <= 0x20 || c >= 0x7f; })) {
-    return InvalidField("url", "may only have printable ASCII characters");
-  }
-  WebhookUrl result;
-  if (url.starts_with("https://")) {
-    result.secure = true;
-    url.remove_prefix(8);
-  } else if (url.starts_with("http://")) {
-    url.remove_prefix(7);
-  } else {
-    return InvalidField("url", "must begin with http:// or https://");
-  }
-  url = url.substr(0, url.find('#'));
-  const auto end = std::min(url.find_first_of("/?"), url.size());
-  std::string_view authority = url.substr(0, end);
-  result.target = std::string(url.substr(end));
-  if (!result.target.starts_with('/')) result.target.insert(0, "/");
-  if (authority.find('@') != std::string_view::npos) {
-    return InvalidField("url", "may not carry a user name or password");
-  }
-  std::string_view port;
-  if (authority.starts_with('[')) {
-    const auto close = authority.find(']');
-    if (close == std::string_view::npos) return InvalidField("url", "has an unfinished address");
-    result.host = std::string(authority.substr(1, close - 1));
-    authority.remove_prefix(close + 1);
-    if (!authority.empty() && authority.front() != ':') return InvalidField("url", "is malformed");
-    port = authority.empty() ? authority : authority.substr(1);
-  } else {
-    const auto colon = authority.find(':');
-    result.host = std::string(authority.substr(0, colon));
-    if (colon != std::string_view::npos) port = authority.substr(colon + 1);
-  }
-  if (result.host.empty()) return InvalidField("url", "names no host");
-  if (!port.empty() && !IsPort(port)) return InvalidField("url", "has a port beyond 1 to 65535");
-  result.port = port.empty() ? UsualPort(result.secure) : std::string(port);
-  return result;
-}
-
-bool IsAllowedAddress(const asio::ip::address& given, bool allow_loopback) {
-  asio::ip::address address = given;
-  if (address.is_v6() && address.to_v6().is_v4_mapped()) {
-    address = asio::ip::make_address_v4(asio::ip::v4_mapped, address.to_v6());
-  }
-  if (address.is_unspecified() || address.is_multicast()) return false;
-  if (address.is_loopback()) return allow_loopback;
-  if (address.is_v6()) return !address.to_v6().is_link_local();
-  const auto number = address.to_v4().to_uint();
-  const bool link_local = number >> 16 == 0xa9fe;
-  const bool this_network = number >> 24 == 0;
-  const bool reserved = number >> 28 == 0xf;
-  return !link_local && !this_network && !reserved;
-}
-
-absl::Status CheckWebhookHost(const WebhookUrl& url, bool allow_loopback) {
-  asio::io_context io;
-  error_code error;
-  const auto found = tcp::resolver(io).resolve(url.host, url.port, error);
-  if (error || found.empty()) return absl::OkStatus();
-  const bool reachable = std::any_of(found.begin(), found.end(), [&](const auto& entry) {
-    return IsAllowedAddress(entry.endpoint().address(), allow_loopback);
-  });
-  if (reachable) return absl::OkStatus();
-  return InvalidField("url", absl::StrCat(url.host, kNotAllowed));
-}
 
 std::string SignWebhook(std::string_view secret, int64_t seconds, std::string_view body) {
   const std::string text = absl::StrCat(seconds, ".", absl::string_view(body.data(), body.size()));
@@ -194,15 +119,114 @@ std::string SignWebhook(std::string_view secret, int64_t seconds, std::string_vi
                       ",v1=", absl::BytesToHexString({reinterpret_cast<const char*>(mac), size}));
 }
 
-asio::awaitable<absl::Status> PostWebhook(const WebhookUrl& url, const HeaderList& headers,
-                                          const std::string& body,
-                                          const WebhookClientOptions& options) {
-  beast::tcp_stream stream(co_await asio::this_coro::executor);
-  stream.expires_after(absl::ToChronoMilliseconds(options.timeout));
-  absl::Status connected = co_await Connect(stream, url, options);
-  if (!connected.ok()) co_return connected;
-  if (url.secure) co_return co_await PostSecurely(std::move(stream), url, headers, body);
-  co_return co_await Exchange(stream, url, headers, body);
+class WebhookClient::Transport {
+ public:
+  Transport(const WebhookClientOptions& options, std::unique_ptr<NameResolver> resolver)
+      : options_(options), resolver_(std::move(resolver)), tls_(asio::ssl::context::tls_client) {
+    error_code ignored;  // without authorities no receiver is trusted, and each delivery says so
+    tls_.set_default_verify_paths(ignored);
+  }
+
+  absl::Status CheckHost(const WebhookUrl& url) {
+    std::vector<asio::ip::address> addresses;
+    if (const auto literal = LiteralAddress(url.host)) {
+      addresses.push_back(*literal);
+    } else {
+      auto promise = std::make_shared<std::promise<NameResolver::Addresses>>();
+      resolver_->Resolve(url.host, [promise](NameResolver::Addresses found) {
+        promise->set_value(std::move(found));
+      });
+      const NameResolver::Addresses found = promise->get_future().get();
+      if (!found.ok()) return absl::OkStatus();
+      addresses = *found;
+    }
+    const bool reachable =
+        std::any_of(addresses.begin(), addresses.end(), [&](const asio::ip::address& address) {
+          return IsAllowedAddress(address, options_.allow_loopback);
+        });
+    if (reachable) return absl::OkStatus();
+    return InvalidField("url", absl::StrCat(url.host, kNotAllowed));
+  }
+
+  asio::awaitable<absl::Status> Post(const WebhookUrl& url, const HeaderList& headers,
+                                     const std::string& body) {
+    const Deadlines deadlines(options_.timeout);
+    const auto found = co_await Resolve(*resolver_, url.host);
+    if (!found.ok()) {
+      co_return Failed(absl::StrCat(url.host, " is not known: ", found.status().message()));
+    }
+    beast::tcp_stream stream(co_await asio::this_coro::executor);
+    const absl::Status connected = co_await Connect(stream, url, *found, deadlines);
+    if (!connected.ok()) co_return connected;
+    if (url.secure)
+      co_return co_await PostSecurely(std::move(stream), url, headers, body, deadlines);
+    stream.expires_at(deadlines.For(options_.timeout));
+    co_return co_await Exchange(stream, url, headers, body);
+  }
+
+ private:
+  // The addresses are looked at here, where they are connected to: what the name meant before, or
+  // means a moment later, does not count.
+  asio::awaitable<absl::Status> Connect(beast::tcp_stream& stream, const WebhookUrl& url,
+                                        const std::vector<asio::ip::address>& addresses,
+                                        const Deadlines& deadlines) {
+    std::uint32_t port = 0;
+    if (!absl::SimpleAtoi(url.port, &port)) co_return Failed("the port cannot be");
+    std::vector<tcp::endpoint> allowed;
+    for (const asio::ip::address& address : addresses) {
+      if (IsAllowedAddress(address, options_.allow_loopback)) {
+        allowed.emplace_back(address, static_cast<std::uint16_t>(port));
+      }
+    }
+    if (allowed.empty()) co_return Failed(absl::StrCat(url.host, kNotAllowed));
+    error_code error;
+    stream.expires_at(deadlines.For(options_.connect_timeout));
+    co_await stream.async_connect(allowed, asio::redirect_error(asio::use_awaitable, error));
+    if (!error) co_return absl::OkStatus();
+    co_return Failed(absl::StrCat("cannot connect to ", url.host, ": ", error.message()));
+  }
+
+  asio::awaitable<absl::Status> PostSecurely(beast::tcp_stream tcp_stream, const WebhookUrl& url,
+                                             const HeaderList& headers, const std::string& body,
+                                             const Deadlines& deadlines) {
+    error_code error;
+    beast::ssl_stream<beast::tcp_stream> stream(std::move(tcp_stream), tls_);
+    stream.set_verify_mode(asio::ssl::verify_peer, error);
+    stream.set_verify_callback(asio::ssl::host_name_verification(url.host), error);
+    SSL_set_tlsext_host_name(stream.native_handle(), url.host.c_str());
+    beast::get_lowest_layer(stream).expires_at(deadlines.For(options_.tls_timeout));
+    co_await stream.async_handshake(asio::ssl::stream_base::client,
+                                    asio::redirect_error(asio::use_awaitable, error));
+    if (error) co_return Failed("TLS failed: " + error.message());
+    beast::get_lowest_layer(stream).expires_at(deadlines.For(options_.timeout));
+    co_return co_await Exchange(stream, url, headers, body);
+  }
+
+  const WebhookClientOptions options_;
+  const std::unique_ptr<NameResolver> resolver_;
+  asio::ssl::context tls_;
+};
+
+WebhookClient::WebhookClient(std::unique_ptr<Transport> transport)
+    : transport_(std::move(transport)) {}
+
+WebhookClient::~WebhookClient() = default;
+
+absl::StatusOr<std::unique_ptr<WebhookClient>> WebhookClient::Create(
+    const WebhookClientOptions& options) {
+  MORTISE_ASSIGN_OR_RETURN(
+      std::unique_ptr<NameResolver> resolver,
+      NameResolver::Start({.timeout = std::min(options.resolve_timeout, options.timeout),
+                           .name_servers = options.name_servers}));
+  return std::unique_ptr<WebhookClient>(
+      new WebhookClient(std::make_unique<Transport>(options, std::move(resolver))));
+}
+
+absl::Status WebhookClient::CheckHost(const WebhookUrl& url) { return transport_->CheckHost(url); }
+
+asio::awaitable<absl::Status> WebhookClient::Post(const WebhookUrl& url, const HeaderList& headers,
+                                                  const std::string& body) {
+  return transport_->Post(url, headers, body);
 }
 
 }  // namespace mortise::gateway

@@ -1,6 +1,7 @@
 #include "gateway/webhook_delivery.h"
 
 #include <google/protobuf/descriptor.h>
+#include <google/protobuf/util/time_util.h>
 
 #include <algorithm>
 #include <boost/asio/associated_executor.hpp>
@@ -24,6 +25,7 @@
 #include "common/base/logging.h"
 #include "common/store/store.h"
 #include "gateway/contract.h"
+#include "gateway/delivery_turns.h"
 #include "gateway/event_codec.h"
 #include "gateway/event_hub.h"
 #include "gateway/transcoder.h"
@@ -72,20 +74,38 @@ bool WantsStream(const v1::Webhook& webhook, const std::string& stream) {
                                                 stream) != webhook.streams().end();
 }
 
+// What the store learns of a lane at once.
+struct Progress {
+  int64_t from = 0;                              // the cursor before
+  int64_t to = 0;                                // and after
+  std::optional<std::string> error = {};         // becomes the webhook's last error
+  std::optional<DeadLetter> letter = {};         // an event that was given up
+  std::optional<v1::Webhook::Retry> retry = {};  // an event that waits for another try
+  absl::Duration pause = absl::ZeroDuration();   // until that try
+};
+
 class Delivery final : public WebhookDelivery {
  public:
-  Delivery(const WebhookDeliveryOptions& options, store::Store* store, EventHub* hub,
-           const Contract* contract, const Transcoder* transcoder)
+  Delivery(const WebhookDeliveryOptions& options, std::unique_ptr<WebhookClient> client,
+           store::Store* store, EventHub* hub, const Contract* contract,
+           const Transcoder* transcoder)
       : options_(options),
         store_(store),
         hub_(hub),
         transcoder_(transcoder),
-        event_type_(*contract->pool().FindMessageTypeByName("mortise.v1.Event")) {
+        event_type_(*contract->pool().FindMessageTypeByName("mortise.v1.Event")),
+        client_(std::move(client)),
+        turns_(options.at_once),
+        failing_turns_(options.at_once_failing) {
+    for (const std::string& stream : hub_->streams()) {
+      readers_[stream] = std::make_unique<asio::thread_pool>(1);
+    }
     thread_ = std::thread([this] { io_.run(); });
     token_ = hub_->OnEvents([this](const std::string& stream) {
       asio::post(strand_, [this, stream] { Wake(stream); });
     });
-    Refresh();
+    asio::co_spawn(
+        strand_, [this] { return StartAll(); }, asio::detached);
   }
 
   ~Delivery() override {
@@ -93,14 +113,20 @@ class Delivery final : public WebhookDelivery {
     io_.stop();
     thread_.join();
     pool_.join();
+    for (const auto& [stream, reader] : readers_) reader->join();
+    client_.reset();  // its resolver still knows the coroutines
   }
 
-  void Refresh() override {
+  void Refresh(const std::string& webhook, const std::string& stream) override {
     asio::co_spawn(
-        strand_, [this] { return StartLanes(); }, asio::detached);
+        strand_, [this, webhook, stream] { return Look(webhook, stream); }, asio::detached);
   }
+
+  absl::Status CheckHost(const WebhookUrl& url) override { return client_->CheckHost(url); }
 
  private:
+  using SteadyTime = std::chrono::steady_clock::time_point;
+
   // One webhook's deliveries of one stream. Lives on the strand.
   struct Lane {
     explicit Lane(const asio::strand<asio::io_context::executor_type>& strand) : wake(strand) {}
@@ -108,109 +134,150 @@ class Delivery final : public WebhookDelivery {
     std::string stream;
     asio::steady_timer wake;
     bool woken = false;
-    int tries = 0;      // of the event that failed last
-    int64_t tried = 0;  // its number
+    bool failing = false;           // the receiver did not take the last event
+    std::optional<SteadyTime> due;  // of the next try, during the pause after a failure
   };
   using LaneKey = std::pair<std::string, std::string>;
 
+  // A pause after a failure is not cut short by further events.
   void Wake(const std::string& stream) {
     for (auto& [key, lane] : lanes_) {
       if (key.second != stream) continue;
       lane->woken = true;
-      // A pause after a failure is not cut short by further events.
-      if (lane->tries == 0) lane->wake.cancel();
+      if (!lane->due) lane->wake.cancel();
     }
   }
 
-  asio::awaitable<void> StartLanes() {
-    auto webhooks = co_await RunOn(pool_, [this] { return LoadAll(); });
+  asio::awaitable<void> StartAll() {
+    const auto load = [this] { return LoadAll(); };
+    const auto webhooks = co_await RunOn(pool_, load);
     if (!webhooks.ok()) {
       Log(LogLevel::kError, "webhooks cannot be read", {{"error", webhooks.status().message()}});
       co_return;
     }
-    for (const v1::Webhook& webhook : *webhooks) {
-      for (const std::string& stream : hub_->streams()) {
-        if (!WantsStream(webhook, stream)) continue;
-        auto& lane = lanes_[{webhook.name(), stream}];
-        if (lane != nullptr) {
-          lane->woken = true;
-          lane->wake.cancel();
-          continue;
-        }
-        lane = std::make_shared<Lane>(strand_);
-        lane->webhook = webhook.name();
-        lane->stream = stream;
-        asio::co_spawn(
-            strand_, [this, lane = lane] { return Run(lane); }, asio::detached);
-      }
+    for (const v1::Webhook& webhook : *webhooks) StartLanes(webhook);
+  }
+
+  // Begins the lanes that the webhook has not, and ends the pauses of those it has.
+  asio::awaitable<void> Look(std::string name, std::string stream) {
+    for (auto& [key, lane] : lanes_) {
+      if (key.first != name || (!stream.empty() && key.second != stream)) continue;
+      lane->woken = true;
+      lane->due.reset();
+      lane->wake.cancel();
     }
+    const auto load = [this, &name] { return Load(name); };
+    const absl::StatusOr<v1::Webhook> webhook = co_await RunOn(pool_, load);
+    if (webhook.ok()) StartLanes(*webhook);
+  }
+
+  void StartLanes(const v1::Webhook& webhook) {
+    for (const std::string& stream : hub_->streams()) {
+      if (!WantsStream(webhook, stream)) continue;
+      auto& lane = lanes_[{webhook.name(), stream}];
+      if (lane != nullptr) continue;
+      lane = std::make_shared<Lane>(strand_);
+      lane->webhook = webhook.name();
+      lane->stream = stream;
+      if (const v1::Webhook::Retry* retry = RetryOf(webhook, stream)) Resume(*lane, *retry);
+      asio::co_spawn(
+          strand_, [this, lane = lane] { return Run(lane); }, asio::detached);
+    }
+  }
+
+  // Goes on with a pause that an earlier process began; no clock that was set makes it longer.
+  void Resume(Lane& lane, const v1::Webhook::Retry& retry) {
+    const absl::Time due = absl::FromUnixMicros(
+        google::protobuf::util::TimeUtil::TimestampToMicroseconds(retry.next_try_time()));
+    const absl::Duration left =
+        std::clamp(due - options_.clock(), absl::ZeroDuration(), 1.1 * options_.longest_pause);
+    lane.due = std::chrono::steady_clock::now() + absl::ToChronoMilliseconds(left);
+    lane.failing = true;
   }
 
   asio::awaitable<void> Run(std::shared_ptr<Lane> lane) {
     for (;;) {
+      while (lane->due && std::chrono::steady_clock::now() < *lane->due) {
+        co_await SleepUntil(*lane, *lane->due);
+      }
+      lane->due.reset();
       lane->woken = false;
       const auto load = [this, &lane] { return Load(lane->webhook); };
       const absl::StatusOr<v1::Webhook> webhook = co_await RunOn(pool_, load);
       if (absl::IsNotFound(webhook.status())) break;
-      std::optional<absl::Duration> pause;
-      if (webhook.ok()) pause = co_await DeliverNext(*lane, *webhook);
-      if (pause == absl::ZeroDuration()) continue;
-      if (pause) {
-        co_await Sleep(*lane, absl::ToChronoMilliseconds(*pause));
-      } else if (!lane->woken) {
-        co_await Sleep(*lane, kLookAgain);
+      const bool more = webhook.ok() && co_await DeliverNext(*lane, *webhook);
+      if (!more && !lane->due && !lane->woken) {
+        co_await SleepUntil(*lane, std::chrono::steady_clock::now() + kLookAgain);
       }
     }
     lanes_.erase({lane->webhook, lane->stream});
   }
 
-  // Delivers the next wanted event, if there is one. Returns how long to pause: after a failure, or
-  // not at all because there may be more; nothing if there are no more events.
-  asio::awaitable<std::optional<absl::Duration>> DeliverNext(Lane& lane,
-                                                             const v1::Webhook& webhook) {
+  // Delivers the next wanted event, if there is one. Returns whether there may be more; after a
+  // failure the lane has a pause.
+  asio::awaitable<bool> DeliverNext(Lane& lane, const v1::Webhook& webhook) {
+    // A service that was never reached has nothing to tell, and would be waited for.
+    if (!hub_->Latest(lane.stream)) co_return false;
     const int64_t cursor = CursorOf(webhook, lane.stream);
     const auto read = [this, &lane, cursor] { return hub_->Read(lane.stream, cursor, kBatch); };
-    const auto events = co_await RunOn(pool_, read);
-    if (!events.ok() || events->empty()) co_return std::nullopt;
+    const auto events = co_await RunOn(*readers_.at(lane.stream), read);
+    if (!events.ok() || events->empty()) co_return false;
     const auto next = std::find_if(events->begin(), events->end(),
                                    [&](const bus::Event& event) { return Wants(webhook, event); });
     if (next == events->end()) {
-      const int64_t last = events->back().number;
-      const auto skip = [this, &lane, cursor, last] {
-        return Commit(lane, cursor, last, std::nullopt, std::nullopt);
-      };
-      (void)co_await RunOn(pool_, skip);
-      co_return absl::ZeroDuration();
+      const Progress skipped{.from = cursor, .to = events->back().number};
+      co_await Commit(lane, skipped);
+      co_return true;
     }
-    const absl::Status delivered = co_await Post(webhook, *next);
-    lane.tries = lane.tried == next->number ? lane.tries + 1 : 1;
-    lane.tried = next->number;
-    const std::string error(delivered.message());
-    if (!delivered.ok() && lane.tries < options_.max_tries) {
-      // Up to the event before it, all that was skipped is done with.
-      const auto note_failure = [this, &lane, cursor, reached = next->number - 1, &error] {
-        return Commit(lane, cursor, reached, error, std::nullopt);
-      };
-      (void)co_await RunOn(pool_, note_failure);
-      co_return Pause(lane.tries);
+    const absl::Status delivered = co_await PostInTurn(lane, webhook, *next);
+    lane.failing = !delivered.ok();
+    Progress progress{.from = cursor, .to = next->number};
+    if (delivered.ok()) {
+      progress.error = "";
+    } else {
+      const v1::Webhook::Retry* retry = RetryOf(webhook, lane.stream);
+      const bool again = retry != nullptr && retry->number() == next->number;
+      NoteFailure(lane, *next, again ? retry->tries() + 1 : 1, delivered, progress);
     }
-    std::optional<DeadLetter> letter;
-    if (!delivered.ok()) {
-      letter = DeadLetter{lane.stream, next->number, lane.tries, error, options_.clock()};
+    const absl::Status committed = co_await Commit(lane, progress);
+    // Where the webhook was set back meanwhile the store is asked again.
+    if (progress.retry && !absl::IsAborted(committed)) {
+      lane.due = std::chrono::steady_clock::now() + absl::ToChronoMilliseconds(progress.pause);
+    }
+    co_return !lane.due;
+  }
+
+  asio::awaitable<absl::Status> PostInTurn(Lane& lane, const v1::Webhook& webhook,
+                                           const bus::Event& event) {
+    Turns& turns = lane.failing ? failing_turns_ : turns_;
+    co_await turns.Take();
+    const absl::Status delivered = co_await Post(webhook, event);
+    turns.Return();
+    co_return delivered;
+  }
+
+  // What becomes of an event after its n-th try has failed: another one later, or a dead letter.
+  void NoteFailure(const Lane& lane, const bus::Event& event, int tries,
+                   const absl::Status& failure, Progress& progress) {
+    progress.error = std::string(failure.message());
+    if (tries >= options_.max_tries) {
+      progress.letter =
+          DeadLetter{lane.stream, event.number, tries, *progress.error, options_.clock()};
       Log(LogLevel::kWarning, "webhook event given up",
           {{"webhook", lane.webhook},
            {"stream", lane.stream},
-           {"number", next->number},
-           {"error", error}});
+           {"number", event.number},
+           {"error", *progress.error}});
+      return;
     }
-    // If that fails, the webhook was set back or ended meanwhile: the store is asked again.
-    const auto commit = [this, &lane, cursor, reached = next->number, &error, &letter] {
-      return Commit(lane, cursor, reached, error, letter);
-    };
-    (void)co_await RunOn(pool_, commit);
-    lane.tries = 0;
-    lane.tried = 0;
-    co_return absl::ZeroDuration();
+    progress.to = event.number - 1;  // up to the event before it, all that was skipped is done with
+    progress.pause = Pause(tries);
+    v1::Webhook::Retry& retry = progress.retry.emplace();
+    retry.set_stream(lane.stream);
+    retry.set_number(event.number);
+    retry.set_tries(tries);
+    *retry.mutable_next_try_time() = google::protobuf::util::TimeUtil::MicrosecondsToTimestamp(
+        absl::ToUnixMicros(options_.clock() + progress.pause));
   }
 
   asio::awaitable<absl::Status> Post(const v1::Webhook& webhook, const bus::Event& event) {
@@ -225,7 +292,7 @@ class Delivery final : public WebhookDelivery {
         {"mortise-event", event.type},
         {"mortise-delivery", absl::StrCat(event.stream, ":", event.number)},
         {"mortise-signature", SignWebhook(webhook.secret(), seconds, *body)}};
-    co_return co_await PostWebhook(*url, headers, *body, options_.client);
+    co_return co_await client_->Post(*url, headers, *body);
   }
 
   absl::Duration Pause(int tries) {
@@ -235,10 +302,15 @@ class Delivery final : public WebhookDelivery {
     return std::min(pause, options_.longest_pause) * extra(random_);
   }
 
-  asio::awaitable<void> Sleep(Lane& lane, std::chrono::milliseconds time) {
+  asio::awaitable<void> SleepUntil(Lane& lane, SteadyTime time) {
     boost::system::error_code ignored;
-    lane.wake.expires_after(time);
+    lane.wake.expires_at(time);
     co_await lane.wake.async_wait(asio::redirect_error(asio::use_awaitable, ignored));
+  }
+
+  asio::awaitable<absl::Status> Commit(const Lane& lane, const Progress& progress) {
+    const auto store = [this, &lane, &progress] { return Store(lane, progress); };
+    co_return co_await RunOn(pool_, store);
   }
 
   // --- On the pool.
@@ -261,19 +333,18 @@ class Delivery final : public WebhookDelivery {
     return webhook;
   }
 
-  // Moves the cursor from `from` to `to`. ABORTED if it was set back meanwhile.
-  absl::Status Commit(const Lane& lane, int64_t from, int64_t to,
-                      const std::optional<std::string>& error,
-                      const std::optional<DeadLetter>& letter) {
+  // ABORTED if the webhook was set back meanwhile.
+  absl::Status Store(const Lane& lane, const Progress& progress) {
     return store_->Transact([&](store::Transaction& transaction) -> absl::Status {
       MORTISE_ASSIGN_OR_RETURN(v1::Webhook webhook, GetWebhook(transaction, lane.webhook));
-      if (CursorOf(webhook, lane.stream) != from) {
+      if (CursorOf(webhook, lane.stream) != progress.from) {
         return absl::AbortedError("the webhook was set back");
       }
-      SetCursor(webhook, lane.stream, to);
-      if (error) webhook.set_last_error(*error);
-      if (letter) {
-        MORTISE_RETURN_IF_ERROR(PutDeadLetter(transaction, lane.webhook, *letter));
+      SetCursor(webhook, lane.stream, progress.to);
+      SetRetry(webhook, lane.stream, progress.retry);
+      if (progress.error) webhook.set_last_error(*progress.error);
+      if (progress.letter) {
+        MORTISE_RETURN_IF_ERROR(PutDeadLetter(transaction, lane.webhook, *progress.letter));
       }
       return PutWebhook(transaction, webhook);
     });
@@ -284,11 +355,16 @@ class Delivery final : public WebhookDelivery {
   EventHub* const hub_;
   const Transcoder* const transcoder_;
   const google::protobuf::Descriptor& event_type_;
+  std::unique_ptr<WebhookClient> client_;
   asio::thread_pool pool_{2};
+  // One thread for each stream, whose service may be slow to say what is no longer kept.
+  std::map<std::string, std::unique_ptr<asio::thread_pool>> readers_;
   asio::io_context io_{1};
   asio::executor_work_guard<asio::io_context::executor_type> work_{io_.get_executor()};
   asio::strand<asio::io_context::executor_type> strand_{io_.get_executor()};
   std::map<LaneKey, std::shared_ptr<Lane>> lanes_;  // on the strand
+  Turns turns_;                                     // on the strand
+  Turns failing_turns_;                             // on the strand
   std::mt19937 random_{std::random_device()()};     // on the strand
   std::shared_ptr<void> token_;
   std::thread thread_;
@@ -296,11 +372,12 @@ class Delivery final : public WebhookDelivery {
 
 }  // namespace
 
-std::unique_ptr<WebhookDelivery> WebhookDelivery::Start(const WebhookDeliveryOptions& options,
-                                                        store::Store* store, EventHub* hub,
-                                                        const Contract* contract,
-                                                        const Transcoder* transcoder) {
-  return std::make_unique<Delivery>(options, store, hub, contract, transcoder);
+absl::StatusOr<std::unique_ptr<WebhookDelivery>> WebhookDelivery::Start(
+    const WebhookDeliveryOptions& options, store::Store* store, EventHub* hub,
+    const Contract* contract, const Transcoder* transcoder) {
+  MORTISE_ASSIGN_OR_RETURN(std::unique_ptr<WebhookClient> client,
+                           WebhookClient::Create(options.client));
+  return std::make_unique<Delivery>(options, std::move(client), store, hub, contract, transcoder);
 }
 
 }  // namespace mortise::gateway

@@ -10,7 +10,6 @@
 #include "common/base/errors.h"
 #include "common/base/identifiers.h"
 #include "common/store/store.h"
-#include "mortise/v1/gateway.pb.h"
 
 namespace mortise::gateway {
 namespace {
@@ -155,6 +154,22 @@ void SetCursor(v1::Webhook& webhook, const std::string& stream, int64_t number) 
   auto& cursor = *webhook.add_cursors();
   cursor.set_stream(stream);
   cursor.set_number(number);
+}
+
+const v1::Webhook::Retry* RetryOf(const v1::Webhook& webhook, const std::string& stream) {
+  for (const v1::Webhook::Retry& retry : webhook.retries()) {
+    if (retry.stream() == stream) return &retry;
+  }
+  return nullptr;
+}
+
+void SetRetry(v1::Webhook& webhook, const std::string& stream,
+              const std::optional<v1::Webhook::Retry>& retry) {
+  auto& retries = *webhook.mutable_retries();
+  for (int i = retries.size() - 1; i >= 0; --i) {
+    if (retries[i].stream() == stream) retries.DeleteSubrange(i, 1);
+  }
+  if (retry) *retries.Add() = *retry;
 }
 
 }  // namespace mortise::gateway

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -58,5 +59,10 @@ absl::Status ForgetDeadLetters(store::Transaction& transaction, const std::strin
 // The cursor of a stream; 0 if there is none.
 int64_t CursorOf(const v1::Webhook& webhook, const std::string& stream);
 void SetCursor(v1::Webhook& webhook, const std::string& stream, int64_t number);
+
+// The event of a stream that waits for another try; null if none does.
+const v1::Webhook::Retry* RetryOf(const v1::Webhook& webhook, const std::string& stream);
+void SetRetry(v1::Webhook& webhook, const std::string& stream,
+              const std::optional<v1::Webhook::Retry>& retry);
 
 }  // namespace mortise::gateway

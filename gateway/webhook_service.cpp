@@ -12,7 +12,7 @@
 #include "common/store/store.h"
 #include "gateway/event_hub.h"
 #include "gateway/hosted_services.h"
-#include "gateway/webhook_client.h"
+#include "gateway/webhook_address.h"
 #include "gateway/webhook_delivery.h"
 #include "gateway/webhook_records.h"
 #include "mortise/v1/gateway.grpc.pb.h"
@@ -54,7 +54,7 @@ class WebhookAdapter final : public v1::WebhookService::CallbackService {
           *webhook.mutable_create_time() =
               TimeUtil::MicrosecondsToTimestamp(absl::ToUnixMicros(transaction.Now()));
           MORTISE_RETURN_IF_ERROR(PutWebhook(transaction, webhook));
-          RefreshAfter(transaction);
+          RefreshAfter(transaction, webhook.name());
           return webhook;
         });
   }
@@ -92,7 +92,7 @@ class WebhookAdapter final : public v1::WebhookService::CallbackService {
         [this](const rpc::Call&, const v1::DeleteWebhookRequest& asked,
                store::Transaction& transaction) -> absl::StatusOr<v1::DeleteWebhookResponse> {
           MORTISE_RETURN_IF_ERROR(gateway::DeleteWebhook(transaction, asked.name()));
-          RefreshAfter(transaction);
+          RefreshAfter(transaction, asked.name());
           return v1::DeleteWebhookResponse();
         });
   }
@@ -129,7 +129,7 @@ class WebhookAdapter final : public v1::WebhookService::CallbackService {
   // The subscription as it will be stored: it begins with what comes from now on.
   absl::StatusOr<v1::Webhook> Draw(const v1::CreateWebhookRequest& asked) const {
     MORTISE_ASSIGN_OR_RETURN(const WebhookUrl url, ParseWebhookUrl(asked.url()));
-    MORTISE_RETURN_IF_ERROR(CheckWebhookHost(url, environment_.webhooks_may_call_loopback));
+    MORTISE_RETURN_IF_ERROR(environment_.delivery->CheckHost(url));
     MORTISE_RETURN_IF_ERROR(CheckStreams(asked.streams()));
     if (asked.type_prefixes_size() > kLargestList) {
       return InvalidField("type_prefixes", "has more than 100 entries");
@@ -181,10 +181,11 @@ class WebhookAdapter final : public v1::WebhookService::CallbackService {
       return InvalidField("after_number", "lies ahead of what was delivered");
     }
     SetCursor(webhook, asked.stream(), asked.after_number());
+    SetRetry(webhook, asked.stream(), std::nullopt);
     MORTISE_RETURN_IF_ERROR(
         ForgetDeadLetters(transaction, asked.name(), asked.stream(), asked.after_number()));
     MORTISE_RETURN_IF_ERROR(PutWebhook(transaction, webhook));
-    RefreshAfter(transaction);
+    RefreshAfter(transaction, asked.name(), asked.stream());
     return WithoutSecret(std::move(webhook));
   }
 
@@ -205,8 +206,11 @@ class WebhookAdapter final : public v1::WebhookService::CallbackService {
     return response;
   }
 
-  void RefreshAfter(store::Transaction& transaction) {
-    transaction.AfterCommit([delivery = environment_.delivery] { delivery->Refresh(); });
+  void RefreshAfter(store::Transaction& transaction, const std::string& webhook,
+                    const std::string& stream = "") {
+    transaction.AfterCommit([delivery = environment_.delivery, webhook, stream] {
+      delivery->Refresh(webhook, stream);
+    });
   }
 
   const HostedEnvironment environment_;

@@ -1,0 +1,417 @@
+// Webhooks of a gateway in front of a real service: in order, signed, tried again, given up, set
+// back; and none waits for another.
+#include <gmock/gmock.h>
+#include <grpcpp/grpcpp.h>
+
+#include <atomic>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/beast/core.hpp>
+#include <boost/beast/http.hpp>
+#include <condition_variable>
+#include <deque>
+#include <map>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <thread>
+
+#include "common/base/errors.h"
+#include "common/rpc/status_mapping.h"
+#include "gateway/webhook_client.h"
+#include "mortise/v1/audit.grpc.pb.h"
+#include "mortise/v1/gateway.grpc.pb.h"
+#include "tests/integration/gateway/events_fixture.h"
+#include "tests/unit/gateway/name_server.h"
+
+namespace mortise::gateway {
+namespace {
+
+using ::testing::HasSubstr;
+using Json = nlohmann::json;
+
+// Takes webhooks' posts and answers with what the test says.
+class Receiver {
+ public:
+  struct Post {
+    std::map<std::string, std::string> headers;
+    std::string body;
+  };
+
+  Receiver() : acceptor_(io_, {boost::asio::ip::make_address("127.0.0.1"), 0}) {
+    thread_ = std::thread([this] { Serve(); });
+  }
+
+  ~Receiver() {
+    stopping_ = true;
+    boost::asio::io_context io;
+    boost::asio::ip::tcp::socket socket(io);
+    boost::system::error_code ignored;
+    socket.connect(acceptor_.local_endpoint(), ignored);
+    thread_.join();
+  }
+
+  std::string url() const {
+    return "http://127.0.0.1:" + std::to_string(acceptor_.local_endpoint().port()) + "/hook?x=1";
+  }
+
+  void AnswerWith(int status) { status_ = status; }
+
+  // The next post; the test fails after ten seconds without one.
+  Post Next() {
+    std::unique_lock lock(mutex_);
+    if (!changed_.wait_for(lock, std::chrono::seconds(10), [this] { return !posts_.empty(); })) {
+      ADD_FAILURE() << "no post came";
+      return {};
+    }
+    Post post = std::move(posts_.front());
+    posts_.pop_front();
+    return post;
+  }
+
+ private:
+  void Serve() {
+    namespace beast = boost::beast;
+    namespace http = boost::beast::http;
+    for (;;) {
+      boost::asio::ip::tcp::socket socket(io_);
+      boost::system::error_code error;
+      acceptor_.accept(socket, error);
+      if (stopping_) return;
+      beast::flat_buffer buffer;
+      http::request<http::string_body> request;
+      http::read(socket, buffer, request, error);
+      if (error) continue;
+      Post post;
+      for (const auto& field : request) {
+        post.headers[std::string(field.name_string())] = std::string(field.value());
+      }
+      post.body = request.body();
+      http::response<http::empty_body> response(static_cast<http::status>(status_.load()), 11);
+      response.prepare_payload();
+      http::write(socket, response, error);
+      std::lock_guard lock(mutex_);
+      posts_.push_back(std::move(post));
+      changed_.notify_all();
+    }
+  }
+
+  boost::asio::io_context io_;
+  boost::asio::ip::tcp::acceptor acceptor_;
+  std::atomic<int> status_{204};
+  std::atomic<bool> stopping_{false};
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<Post> posts_;  // guarded by mutex_
+  std::thread thread_;
+};
+
+class WebhookTest : public EventsTest {
+ protected:
+  v1::Webhook Create(const std::string& url, const std::string& prefix = "") {
+    grpc::ClientContext context;
+    v1::CreateWebhookRequest request;
+    request.set_request_id("create-" + url);
+    request.set_url(url);
+    if (!prefix.empty()) request.add_type_prefixes(prefix);
+    v1::Webhook webhook;
+    const grpc::Status status = Stub()->CreateWebhook(&context, request, &webhook);
+    EXPECT_TRUE(status.ok()) << status.error_message();
+    return webhook;
+  }
+
+  std::unique_ptr<v1::WebhookService::Stub> Stub() { return v1::WebhookService::NewStub(channel_); }
+
+  v1::Webhook Get(const std::string& name) {
+    grpc::ClientContext context;
+    v1::GetWebhookRequest request;
+    request.set_name(name);
+    v1::Webhook webhook;
+    const grpc::Status status = Stub()->GetWebhook(&context, request, &webhook);
+    EXPECT_TRUE(status.ok()) << status.error_message();
+    return webhook;
+  }
+
+  // The webhook once it has an event that waits for another try.
+  v1::Webhook GetFailed(const std::string& name) {
+    v1::Webhook webhook;
+    const absl::Status failed = rpc::CallWithRetry({}, {}, [&](grpc::ClientContext*) {
+      webhook = Get(name);
+      if (webhook.retries_size() > 0) return grpc::Status::OK;
+      return grpc::Status(grpc::StatusCode::UNAVAILABLE, "not yet");
+    });
+    EXPECT_TRUE(failed.ok()) << failed;
+    return webhook;
+  }
+
+  void Delete(const std::string& name) {
+    grpc::ClientContext context;
+    v1::DeleteWebhookRequest request;
+    request.set_request_id("delete-" + name);
+    request.set_name(name);
+    v1::DeleteWebhookResponse response;
+    EXPECT_TRUE(Stub()->DeleteWebhook(&context, request, &response).ok());
+  }
+
+  void Replay(const std::string& name, int64_t after, const std::string& request_id) {
+    grpc::ClientContext context;
+    v1::ReplayWebhookRequest request;
+    request.set_request_id(request_id);
+    request.set_name(name);
+    request.set_stream("catalog");
+    request.set_after_number(after);
+    v1::Webhook replayed;
+    const grpc::Status status = Stub()->ReplayWebhook(&context, request, &replayed);
+    EXPECT_TRUE(status.ok()) << status.error_message();
+  }
+
+  // A gateway with other options, whose address stays over restarts, and the service on its bus.
+  void RestartGateway() {
+    service_.reset();
+    gateway_.reset();
+    gateway_options_.grpc = gateway_port_.address();
+    StartGateway(gateway_options_);
+    StartService();
+    channel_ = grpc::CreateChannel(gateway_->addresses().grpc, grpc::InsecureChannelCredentials());
+    WaitUntilKnown();
+  }
+
+  v1::ListDeadLettersResponse DeadLetters(const std::string& name) {
+    grpc::ClientContext context;
+    v1::ListDeadLettersRequest request;
+    request.set_name(name);
+    v1::ListDeadLettersResponse response;
+    EXPECT_TRUE(Stub()->ListDeadLetters(&context, request, &response).ok());
+    return response;
+  }
+
+  const mortise::testing::ReservedPort gateway_port_;
+  Receiver receiver_;
+};
+
+TEST_F(WebhookTest, WhatIsDoneToOthersEndsNoPause) {
+  gateway_options_.webhooks.first_pause = absl::Hours(1);
+  gateway_options_.webhooks.longest_pause = absl::Hours(1);
+  RestartGateway();
+  receiver_.AnswerWith(503);
+  const v1::Webhook down = Create(receiver_.url());
+  Tell("item.created", "items/a");
+  receiver_.Next();
+  const v1::Webhook failed = GetFailed(down.name());
+  ASSERT_EQ(failed.retries_size(), 1);
+  EXPECT_EQ(failed.retries(0).stream(), "catalog");
+  EXPECT_EQ(failed.retries(0).number(), 1);
+  EXPECT_EQ(failed.retries(0).tries(), 1);
+  Receiver healthy;
+  for (int i = 0; i < 12; ++i) {
+    const v1::Webhook other = Create(healthy.url() + std::to_string(i), "item.");
+    Replay(other.name(), 0, "replay-" + std::to_string(i));
+    EXPECT_EQ(Json::parse(healthy.Next().body)["subject"], "items/a");
+    Delete(other.name());
+  }
+  EXPECT_EQ(Get(down.name()).retries(0).SerializeAsString(), failed.retries(0).SerializeAsString());
+  EXPECT_EQ(DeadLetters(down.name()).dead_letters_size(), 0);
+  // Nor does a restart end it, nor another event.
+  RestartGateway();
+  WaitUntilSeen(1);
+  const v1::Webhook other = Create(healthy.url(), "item.");
+  Tell("item.created", "items/b");
+  EXPECT_EQ(Json::parse(healthy.Next().body)["subject"], "items/b");
+  EXPECT_EQ(Get(down.name()).retries(0).SerializeAsString(), failed.retries(0).SerializeAsString());
+  // It ends where the webhook itself is set back.
+  receiver_.AnswerWith(200);
+  Replay(down.name(), 0, "replay-down");
+  EXPECT_EQ(Json::parse(receiver_.Next().body)["subject"], "items/a");
+  EXPECT_EQ(Json::parse(receiver_.Next().body)["subject"], "items/b");
+}
+
+TEST_F(WebhookTest, TriesAreCountedOverARestart) {
+  gateway_options_.webhooks.first_pause = absl::Hours(1);
+  gateway_options_.webhooks.longest_pause = absl::Hours(1);
+  gateway_options_.webhooks.max_tries = 2;
+  receiver_.AnswerWith(503);
+  RestartGateway();
+  const v1::Webhook webhook = Create(receiver_.url());
+  Tell("item.created", "items/a");
+  receiver_.Next();
+  EXPECT_EQ(GetFailed(webhook.name()).retries(0).tries(), 1);
+  // What was left of the pause is over at once where pauses are shorter now.
+  gateway_options_.webhooks.longest_pause = absl::Milliseconds(1);
+  RestartGateway();
+  EXPECT_EQ(Json::parse(receiver_.Next().body)["subject"], "items/a");
+  receiver_.AnswerWith(200);
+  Tell("item.created", "items/b");
+  EXPECT_EQ(Json::parse(receiver_.Next().body)["subject"], "items/b");
+  const v1::ListDeadLettersResponse letters = DeadLetters(webhook.name());
+  ASSERT_EQ(letters.dead_letters_size(), 1);
+  EXPECT_EQ(letters.dead_letters(0).tries(), 2);
+}
+
+TEST_F(WebhookTest, NamesThatDoNotResolveDelayNobody) {
+  NameServer names;
+  gateway_options_.webhooks.client.name_servers = names.address();
+  gateway_options_.webhooks.client.resolve_timeout = absl::Minutes(1);
+  gateway_options_.webhooks.client.timeout = absl::Minutes(1);
+  RestartGateway();
+  std::set<std::string> dead;
+  for (int i = 0; i < 5; ++i) {
+    const std::string name = "dead-" + std::to_string(i) + ".example";
+    names.Say(name, {"192.0.2.1"});
+    Create("http://" + name + "/");
+    names.KeepSilent(name);
+    dead.insert(name);
+  }
+  names.Say("alive.example", {"127.0.0.1"});
+  std::string url = receiver_.url();
+  Create(url.replace(url.find("127.0.0.1"), 9, "alive.example"));
+  Tell("item.created", "items/a");
+  ASSERT_TRUE(names.WaitUntilAskedInVain(dead));
+  for (const char* subject : {"items/b", "items/c"}) Tell("item.created", subject);
+  for (const char* subject : {"items/a", "items/b", "items/c"}) {
+    EXPECT_EQ(Json::parse(receiver_.Next().body)["subject"], subject);
+  }
+}
+
+// Takes connections and says nothing.
+TEST_F(WebhookTest, ReceiversThatNeverAnswerDelayNobody) {
+  boost::asio::io_context io;
+  boost::asio::ip::tcp::acceptor silent(io, {boost::asio::ip::make_address("127.0.0.1"), 0});
+  const std::string url =
+      "http://127.0.0.1:" + std::to_string(silent.local_endpoint().port()) + "/";
+  gateway_options_.webhooks.client.timeout = absl::Milliseconds(100);
+  gateway_options_.webhooks.max_tries = 100;
+  gateway_options_.webhooks.at_once = 6;
+  gateway_options_.webhooks.at_once_failing = 1;
+  RestartGateway();
+  std::vector<v1::Webhook> slow;
+  for (int i = 0; i < 5; ++i) slow.push_back(Create(url + std::to_string(i)));
+  Create(receiver_.url());
+  Tell("item.created", "items/a");
+  EXPECT_EQ(Json::parse(receiver_.Next().body)["subject"], "items/a");
+  for (const v1::Webhook& webhook : slow) GetFailed(webhook.name());
+  for (int i = 0; i < 20; ++i) {
+    Tell("item.created", "items/" + std::to_string(i));
+    EXPECT_EQ(Json::parse(receiver_.Next().body)["subject"], "items/" + std::to_string(i));
+  }
+}
+
+TEST_F(WebhookTest, PostsSignedEventsInOrder) {
+  Tell("item.created", "items/before");
+  // Known to the gateway before the webhook is made, which begins with what comes after.
+  WaitUntilSeen(1);
+  const v1::Webhook webhook = Create(receiver_.url(), "item.");
+  EXPECT_FALSE(webhook.secret().empty());
+  for (int i = 0; i < 5; ++i) {
+    Tell("item.created", "items/" + std::to_string(i));
+    Tell("design.created", "designs/x");
+  }
+  for (int i = 0; i < 5; ++i) {
+    const Receiver::Post post = receiver_.Next();
+    EXPECT_EQ(Json::parse(post.body)["subject"], "items/" + std::to_string(i));
+    const std::string signature = post.headers.at("mortise-signature");
+    const int64_t seconds = std::stoll(signature.substr(2));
+    EXPECT_EQ(signature, SignWebhook(webhook.secret(), seconds, post.body));
+    EXPECT_EQ(post.headers.at("mortise-event"), "item.created");
+    EXPECT_EQ("http://" + post.headers.at("Host") + "/hook?x=1", receiver_.url());
+  }
+  grpc::ClientContext context;
+  v1::GetWebhookRequest request;
+  request.set_name(webhook.name());
+  v1::Webhook seen;
+  ASSERT_TRUE(Stub()->GetWebhook(&context, request, &seen).ok());
+  EXPECT_EQ(seen.secret(), "") << "told once only";
+}
+
+TEST_F(WebhookTest, IsNotMadeForAnAddressThatItMayNotCall) {
+  gateway_.reset();
+  gateway_options_.webhooks.client.allow_loopback = false;
+  StartGateway(gateway_options_);
+  channel_ = grpc::CreateChannel(gateway_->addresses().grpc, grpc::InsecureChannelCredentials());
+  v1::CreateWebhookRequest request;
+  request.set_request_id("create-refused");
+  request.set_url(receiver_.url());
+  grpc::ClientContext context;
+  v1::Webhook webhook;
+  const absl::Status status = rpc::FromGrpc(Stub()->CreateWebhook(&context, request, &webhook));
+  EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << status;
+  EXPECT_EQ(DetailOf(status).field, "url") << status;
+  grpc::ClientContext listing;
+  v1::ListWebhooksResponse response;
+  ASSERT_TRUE(Stub()->ListWebhooks(&listing, {}, &response).ok());
+  EXPECT_EQ(response.webhooks_size(), 0);
+}
+
+TEST_F(WebhookTest, TriesAgainGivesUpAndReplays) {
+  receiver_.AnswerWith(500);
+  const v1::Webhook webhook = Create(receiver_.url());
+  Tell("item.created", "items/a");
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_EQ(Json::parse(receiver_.Next().body)["subject"], "items/a") << "try " << i;
+  }
+  receiver_.AnswerWith(200);
+  Tell("item.created", "items/b");
+  EXPECT_EQ(Json::parse(receiver_.Next().body)["subject"], "items/b");
+  const v1::ListDeadLettersResponse letters = DeadLetters(webhook.name());
+  ASSERT_EQ(letters.dead_letters_size(), 1);
+  EXPECT_EQ(letters.dead_letters(0).number(), 1);
+  EXPECT_EQ(letters.dead_letters(0).tries(), 3);
+  EXPECT_THAT(letters.dead_letters(0).error(), HasSubstr("500"));
+
+  grpc::ClientContext context;
+  v1::ReplayWebhookRequest request;
+  request.set_request_id("replay-1");
+  request.set_name(webhook.name());
+  request.set_stream("catalog");
+  v1::Webhook replayed;
+  const grpc::Status status = Stub()->ReplayWebhook(&context, request, &replayed);
+  ASSERT_TRUE(status.ok()) << status.error_message();
+  EXPECT_EQ(Json::parse(receiver_.Next().body)["subject"], "items/a");
+  EXPECT_EQ(Json::parse(receiver_.Next().body)["subject"], "items/b");
+  EXPECT_EQ(DeadLetters(webhook.name()).dead_letters_size(), 0);
+}
+
+TEST_F(WebhookTest, GoesOnAfterARestartOfTheGateway) {
+  receiver_.AnswerWith(500);
+  gateway_options_.webhooks.max_tries = 1000;
+  RestartGateway();
+  Create(receiver_.url());
+  Tell("item.created", "items/a");
+  receiver_.Next();
+  gateway_.reset();
+  receiver_.AnswerWith(200);
+  StartGateway(gateway_options_);
+  EXPECT_EQ(Json::parse(receiver_.Next().body)["subject"], "items/a");
+}
+
+TEST_F(WebhookTest, RefusesBadSubscriptionsAndEndsThem) {
+  for (const char* url :
+       {"", "ftp://x/", "http://", "http://user@host/", "https://host:99999999/"}) {
+    grpc::ClientContext context;
+    v1::CreateWebhookRequest request;
+    request.set_request_id(std::string("bad-") + url);
+    request.set_url(url);
+    v1::Webhook webhook;
+    EXPECT_EQ(Stub()->CreateWebhook(&context, request, &webhook).error_code(),
+              grpc::StatusCode::INVALID_ARGUMENT)
+        << url;
+  }
+  const v1::Webhook webhook = Create(receiver_.url());
+  grpc::ClientContext context;
+  v1::DeleteWebhookRequest request;
+  request.set_request_id("delete-1");
+  request.set_name(webhook.name());
+  v1::DeleteWebhookResponse response;
+  EXPECT_TRUE(Stub()->DeleteWebhook(&context, request, &response).ok());
+  grpc::ClientContext audit_context;
+  v1::ListAuditRecordsRequest audit_request;
+  audit_request.set_service("gateway");
+  v1::ListAuditRecordsResponse records;
+  const grpc::Status status = v1::AuditService::NewStub(channel_)->ListAuditRecords(
+      &audit_context, audit_request, &records);
+  ASSERT_TRUE(status.ok()) << status.error_message();
+  ASSERT_EQ(records.records_size(), 2);
+  EXPECT_THAT(records.records(0).method(), HasSubstr("DeleteWebhook"));
+}
+
+}  // namespace
+}  // namespace mortise::gateway
