@@ -96,6 +96,23 @@ TEST(DurableLog, AFullDiskIsAnErrorAndChangesNothing) {
   EXPECT_EQ(DetailOf((*log)->Append("text")).reason, "STORAGE_FAILED");
 }
 
+TEST_F(JournalTest, RemembersWhatTheMachineTookAndWhyNobodyKnows) {
+  const CutOrder cut = Cut(1);
+  {
+    auto journal = Open();
+    ASSERT_TRUE(journal->AddCut(cut).ok());
+    EXPECT_EQ(journal->AddAcceptance("saw", 1).code(), absl::StatusCode::kNotFound);
+    ASSERT_TRUE(journal->AddIntent(MakeIntent(cut.key, 1)).ok());
+    EXPECT_FALSE(journal->Intents(cut.key).back().accepted);
+    ASSERT_TRUE(journal->AddAcceptance("saw", 1).ok());
+    ASSERT_TRUE(journal->AddResult("saw", 1, JobResult::kUnknown, 0.0, "it jumped").ok());
+  }
+  const Intent intent = Open()->Intents(cut.key).back();
+  EXPECT_TRUE(intent.accepted);
+  EXPECT_EQ(intent.result, JobResult::kUnknown);
+  EXPECT_EQ(intent.because, "it jumped");
+}
+
 TEST_F(JournalTest, EverythingSurvivesARestart) {
   {
     auto journal = Open();

@@ -128,8 +128,10 @@ TEST(Registers, StatusOfAnotherMapIsRefusedAndNamed) {
   EXPECT_EQ(field(0, 2), "status[0]");
   EXPECT_EQ(field(1, 3), "status[1]");
   EXPECT_EQ(field(7, 18), "status[7]");
+  EXPECT_EQ(field(8, 2), "status[8]");
   EXPECT_EQ(field(9, 5), "status[9]");
   EXPECT_EQ(field(14, 7), "status[14]");
+  EXPECT_EQ(field(15, 1001), "status[15]");
   EXPECT_FALSE(DecodeStatus(std::span(good).first(5)).ok());
 }
 
