@@ -2,6 +2,7 @@
 
 #include <prometheus/registry.h>
 #include <prometheus/text_serializer.h>
+#include <sys/socket.h>
 
 #include <boost/asio.hpp>
 #include <boost/beast/core.hpp>
@@ -11,8 +12,8 @@
 #include <utility>
 #include <vector>
 
-#include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "common/rpc/connection_acceptor.h"
 
 namespace mortise::rpc {
 namespace {
@@ -24,6 +25,7 @@ using asio::ip::tcp;
 
 constexpr std::chrono::seconds kPatience{10};
 constexpr std::size_t kLongestRequest = 8192;
+constexpr int kMostConnectionsHere = 64;
 
 http::response<http::string_body> Answer(const http::request<http::empty_body>& request,
                                          const std::shared_ptr<prometheus::Registry>& registry) {
@@ -78,45 +80,40 @@ class BeastEndpoint : public MetricsEndpoint {
       : registry_(std::move(registry)) {}
 
   ~BeastEndpoint() override {
+    acceptor_.reset();
     context_.stop();
     if (thread_.joinable()) thread_.join();
   }
 
   absl::Status Begin(const std::string& address) {
-    const std::size_t colon = address.rfind(':');
-    if (colon == std::string::npos) return InvalidField("metrics", "is not of the form HOST:PORT");
-    beast::error_code error;
-    tcp::resolver resolver(context_);
-    const auto found = resolver.resolve(address.substr(0, colon), address.substr(colon + 1),
-                                        tcp::resolver::passive, error);
-    if (error) return PeerUnavailable(address, error.message());
-    const tcp::endpoint endpoint = *found.begin();
-    acceptor_.open(endpoint.protocol(), error);
-    if (!error) acceptor_.set_option(asio::socket_base::reuse_address(true), error);
-    if (!error) acceptor_.bind(endpoint, error);
-    if (!error) acceptor_.listen(asio::socket_base::max_listen_connections, error);
-    if (error) return PeerUnavailable(address, error.message());
-    address_ = absl::StrCat(address.substr(0, colon), ":", acceptor_.local_endpoint().port());
-    Accept();
+    AcceptorOptions acceptor;
+    acceptor.listen = address;
+    acceptor.most_connections = kMostConnectionsHere;
+    acceptor.silence = absl::FromChrono(kPatience);
+    acceptor.take = [this](int descriptor) {
+      asio::post(context_, [this, descriptor] { Serve(descriptor); });
+    };
+    MORTISE_ASSIGN_OR_RETURN(acceptor_, ConnectionAcceptor::Start(std::move(acceptor)));
     thread_ = std::thread([this] { context_.run(); });
     return absl::OkStatus();
   }
 
-  const std::string& address() const override { return address_; }
+  const std::string& address() const override { return acceptor_->address(); }
 
  private:
-  void Accept() {
-    acceptor_.async_accept([this](beast::error_code error, tcp::socket socket) {
-      if (!error) std::make_shared<Connection>(std::move(socket), registry_)->Begin();
-      if (error != asio::error::operation_aborted) Accept();
-    });
+  void Serve(int descriptor) {
+    sockaddr_storage own = {};
+    socklen_t size = sizeof(own);
+    getsockname(descriptor, reinterpret_cast<sockaddr*>(&own), &size);
+    const auto protocol = own.ss_family == AF_INET6 ? tcp::v6() : tcp::v4();
+    std::make_shared<Connection>(tcp::socket(context_, protocol, descriptor), registry_)->Begin();
   }
 
   const std::shared_ptr<prometheus::Registry> registry_;
   asio::io_context context_{1};
-  tcp::acceptor acceptor_{context_};
-  std::string address_;
+  const asio::executor_work_guard<asio::io_context::executor_type> work_{context_.get_executor()};
   std::thread thread_;
+  std::unique_ptr<ConnectionAcceptor> acceptor_;
 };
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "common/base/descriptor_limit.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
 #include "common/base/logging.h"
@@ -221,6 +222,7 @@ int RunService(int argc, char** argv, const ServiceDescription& description,
 
   const sigset_t signals = TakeEndingSignals();
   signal(SIGPIPE, SIG_IGN);
+  RaiseDescriptorLimit();
 
   absl::StatusOr<std::unique_ptr<RunningService>> running =
       RunningService::Start(*options, make_services);

@@ -13,6 +13,7 @@
 #include "absl/synchronization/mutex.h"
 #include "common/base/errors.h"
 #include "common/base/logging.h"
+#include "common/rpc/connection_acceptor.h"
 #include "common/rpc/dispatcher.h"
 #include "common/rpc/metrics_endpoint.h"
 
@@ -29,12 +30,6 @@ absl::Status AddressInUse(const std::string& address) {
                     {"ADDRESS_IN_USE", address});
 }
 
-// `address` with the port that was really bound.
-std::string WithPort(const std::string& address, int port) {
-  if (absl::StartsWith(address, "unix:")) return address;
-  return absl::StrCat(address.substr(0, address.rfind(':')), ":", port);
-}
-
 void PrepareLibrariesOnce() {
   static std::once_flag once;
   std::call_once(once, [] {
@@ -44,17 +39,6 @@ void PrepareLibrariesOnce() {
     grpc::EnableDefaultHealthCheckService(true);
     grpc::reflection::InitProtoReflectionServerBuilderPlugin();
   });
-}
-
-void SetLimits(grpc::ServerBuilder& builder) {
-  builder.SetMaxReceiveMessageSize(kMaxMessageBytes);
-  // Otherwise two servers on one port would share its calls at random.
-  builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
-  builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, 1000);
-  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, 30000);
-  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 10000);
-  builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, 5000);
-  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
 }
 
 class Host : public ServerHost {
@@ -77,15 +61,23 @@ class Host : public ServerHost {
       metrics_address_ = metrics_->address();
     }
     grpc::ServerBuilder builder;
-    SetLimits(builder);
-    int port = 0;
-    builder.AddListeningPort(options_.listen, credentials, &port);
+    SetServerLimits(builder);
+    AcceptorOptions acceptor;
+    acceptor.listen = options_.listen;
+    acceptor.most_connections = options_.most_connections;
+    acceptor.take = TakesConnections(builder, credentials);
+    // A socket file belongs to this machine's own processes.
+    const bool is_file = absl::StartsWith(options_.listen, "unix:");
+    if (is_file) builder.AddListeningPort(options_.listen, credentials);
     for (const auto& service : options_.services) builder.RegisterService(service.get());
     if (options_.configure) options_.configure(builder);
     server_ = builder.BuildAndStart();
-    if (!server_ || port == 0) return AddressInUse(options_.listen);
+    if (!server_) return AddressInUse(options_.listen);
     SetHealth(false);
-    address_ = WithPort(options_.listen, port);
+    address_ = options_.listen;
+    if (is_file) return absl::OkStatus();
+    MORTISE_ASSIGN_OR_RETURN(acceptor_, ConnectionAcceptor::Start(std::move(acceptor)));
+    address_ = acceptor_->address();
     return absl::OkStatus();
   }
 
@@ -102,6 +94,7 @@ class Host : public ServerHost {
         options_.dispatcher->WaitForCalls(deadline);
         deadline = absl::Now() + kLastBytes;
       }
+      if (acceptor_) acceptor_->Stop();
       server_->Shutdown(absl::ToChronoTime(deadline));
       server_->Wait();
       Log(LogLevel::kInfo, "stopped", {{"address", address_}});
@@ -119,6 +112,7 @@ class Host : public ServerHost {
   const Options options_;
   std::unique_ptr<MetricsEndpoint> metrics_;
   std::unique_ptr<grpc::Server> server_;
+  std::unique_ptr<ConnectionAcceptor> acceptor_;
   std::string address_;
   std::string metrics_address_;
   std::once_flag shut_down_;

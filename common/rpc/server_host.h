@@ -11,6 +11,7 @@
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
 #include "common/rpc/channel_security.h"
+#include "common/rpc/server_limits.h"
 
 namespace grpc {
 class Server;
@@ -25,14 +26,13 @@ namespace mortise::rpc {
 
 class Dispatcher;
 
-inline constexpr int kMaxMessageBytes = 4 * 1024 * 1024;
-
 class ServerHost {
  public:
   struct Options {
     std::string listen = "127.0.0.1:0";  // HOST:PORT; port 0 takes a free one
     std::string metrics = {};            // HOST:PORT for /metrics; empty for none
     ChannelSecurity security = {};
+    int most_connections = 0;  // at a time; 0: what the process's limit of descriptors leaves
     absl::Duration drain_time = absl::Seconds(10);
     Dispatcher* dispatcher = nullptr;                     // told when draining begins; may be null
     std::shared_ptr<prometheus::Registry> registry = {};  // what /metrics shows
