@@ -5,6 +5,7 @@
 #include <set>
 
 #include "common/base/errors.h"
+#include "common/rpc/event_service.h"
 #include "common/rpc/handler.h"
 #include "gateway/event_codec.h"
 #include "gateway/event_hub.h"
@@ -22,12 +23,14 @@ constexpr absl::Duration kRetry = absl::Seconds(1);
 // One client that follows streams. Used by one thread at a time.
 class Follower {
  public:
-  Follower(EventHub* hub, const v1::FollowEventsRequest& asked)
+  Follower(EventHub* hub, const v1::FollowEventsRequest& asked,
+           const std::map<std::string, int64_t>& positions)
       : hub_(hub), types_(asked.type_prefixes().begin(), asked.type_prefixes().end()) {
     const auto& named = asked.streams();
     std::vector<std::string> streams(named.begin(), named.end());
     if (streams.empty()) streams = hub->streams();
     for (const std::string& stream : streams) after_[stream] = asked.after_number();
+    for (const auto& [stream, after] : positions) after_[stream] = after;
   }
 
   // The next event, or nothing if there is none now. `look_again` then tells after how long to ask
@@ -102,6 +105,11 @@ class MergedEvents final : public v1::EventService::CallbackService {
   }
 
  private:
+  bool Knows(const std::string& stream) const {
+    const auto& known = hub_->streams();
+    return std::find(known.begin(), known.end(), stream) != known.end();
+  }
+
   absl::StatusOr<v1::ListStreamsResponse> List() const {
     v1::ListStreamsResponse response;
     const std::set<std::string> names(hub_->streams().begin(), hub_->streams().end());
@@ -119,25 +127,28 @@ class MergedEvents final : public v1::EventService::CallbackService {
 
   absl::Status Follow(const v1::FollowEventsRequest& asked,
                       std::shared_ptr<rpc::StreamWriter<v1::Event>> writer) {
-    if (asked.after_number() < -1) return InvalidField("after_number", "must be at least -1");
+    MORTISE_ASSIGN_OR_RETURN(const auto positions, rpc::FollowPositions(asked));
     if (asked.type_prefixes_size() > kMostTypes) {
       return InvalidField("type_prefixes", "has more than 100 entries");
     }
     for (const std::string& stream : asked.streams()) {
-      const auto& known = hub_->streams();
-      if (std::find(known.begin(), known.end(), stream) == known.end()) {
-        return NoSuchStream(stream);
-      }
+      if (!Knows(stream)) return NoSuchStream(stream);
     }
-    const auto follower = std::make_shared<Follower>(hub_, asked);
+    for (const auto& [stream, after] : positions) {
+      if (!Knows(stream)) return NoSuchStream(stream);
+    }
+    const auto follower = std::make_shared<Follower>(hub_, asked, positions);
     const std::weak_ptr<rpc::StreamWriter<v1::Event>> weak = writer;
     writer->Pull([this, follower, weak]() -> absl::StatusOr<std::optional<v1::Event>> {
       std::optional<absl::Duration> look_again;
       std::optional<v1::Event> event = follower->Next(look_again);
       if (!event && look_again) {
-        dispatcher_->SubmitAfter(*look_again, [weak] {
-          if (const auto alive = weak.lock()) alive->Wake();
-        });
+        dispatcher_->SubmitAfter(
+            *look_again,
+            [weak] {
+              if (const auto alive = weak.lock()) alive->Wake();
+            },
+            rpc::Lane::kStreams);
       }
       return event;
     });

@@ -27,6 +27,13 @@ std::string Metadata(const grpc::CallbackServerContext& context, const char* key
   return std::string(found->second.data(), found->second.size());
 }
 
+// Streams that clients send to are calls: a machine's bridge, say, must be heard.
+Lane LaneOf(const v1::Access& access, const google::protobuf::MethodDescriptor& method) {
+  if (access.urgent()) return Lane::kUrgent;
+  const bool streams = method.server_streaming() && !method.client_streaming();
+  return streams || access.waits() ? Lane::kStreams : Lane::kCalls;
+}
+
 bool IsTraceId(const std::string& text) {
   return !text.empty() && text.size() <= kLongestTraceId &&
          std::all_of(text.begin(), text.end(), [](char c) { return c > ' ' && c < 127; });
@@ -73,6 +80,7 @@ MethodInfo FindMethod(std::string_view service, std::string_view method) {
   const v1::Access& access = found->options().GetExtension(v1::access);
   info.role = static_cast<Role>(access.role());
   info.mutates = access.mutates();
+  info.lane = LaneOf(access, *found);
   if (info.role == Role::kNone) info.usable = Undeclared(info.name);
   return info;
 }
@@ -160,7 +168,7 @@ void CallState::Stop() {
     stopped_ = true;
     callbacks = std::exchange(stop_callbacks_, {});
   }
-  for (auto& callback : callbacks) dispatcher_->Submit(std::move(callback));
+  for (auto& callback : callbacks) dispatcher_->Submit(std::move(callback), method_->lane);
 }
 
 void CallState::OnStop(std::function<void()> callback) {
@@ -172,7 +180,7 @@ void CallState::OnStop(std::function<void()> callback) {
       return;
     }
   }
-  dispatcher_->Submit(std::move(callback));
+  dispatcher_->Submit(std::move(callback), method_->lane);
 }
 
 void CallState::End(const absl::Status& status) {

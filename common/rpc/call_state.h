@@ -29,6 +29,7 @@ struct MethodInfo {
   std::string name;  // "mortise.v1.CatalogService/GetItem"
   Role role = Role::kNone;
   bool mutates = false;
+  Lane lane = Lane::kCalls;
   absl::Status usable;  // why every call of it is refused (no rule, unknown to the proto), or OK
 };
 

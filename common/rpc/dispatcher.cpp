@@ -38,7 +38,9 @@ absl::Status ShuttingDown() {
 // Work that waits for its time, on one thread.
 class Timer {
  public:
-  explicit Timer(std::function<void(std::function<void()>)> submit)
+  using Work = std::function<void()>;
+
+  explicit Timer(std::function<void(Work, Lane)> submit)
       : submit_(std::move(submit)), thread_([this] { Run(); }) {}
 
   ~Timer() {
@@ -50,10 +52,10 @@ class Timer {
     thread_.join();
   }
 
-  void Add(absl::Duration delay, std::function<void()> work) {
+  void Add(absl::Duration delay, Work work, Lane lane) {
     {
       std::lock_guard lock(mutex_);
-      waiting_.emplace(absl::Now() + delay, std::move(work));
+      waiting_.emplace(absl::Now() + delay, std::make_pair(std::move(work), lane));
     }
     changed_.notify_all();
   }
@@ -71,18 +73,18 @@ class Timer {
         changed_.wait_until(lock, absl::ToChronoTime(next));
         continue;
       }
-      std::function<void()> work = std::move(waiting_.begin()->second);
+      auto [work, lane] = std::move(waiting_.begin()->second);
       waiting_.erase(waiting_.begin());
       lock.unlock();
-      submit_(std::move(work));
+      submit_(std::move(work), lane);
       lock.lock();
     }
   }
 
-  const std::function<void(std::function<void()>)> submit_;
+  const std::function<void(Work, Lane)> submit_;
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::multimap<absl::Time, std::function<void()>> waiting_;  // guarded by mutex_
+  std::multimap<absl::Time, std::pair<Work, Lane>> waiting_;  // guarded by mutex_
   bool stopping_ = false;                                     // guarded by mutex_
   std::thread thread_;
 };
@@ -92,17 +94,19 @@ class PoolDispatcher : public Dispatcher {
   explicit PoolDispatcher(const DispatcherOptions& options)
       : options_(options),
         metrics_(RequestMetrics::Create(options.registry)),
-        pool_(options.threads),
-        timer_([this](std::function<void()> work) { Submit(std::move(work)); }) {}
+        calls_pool_(options.threads),
+        streams_pool_(options.threads),
+        urgent_pool_(1),
+        timer_([this](std::function<void()> work, Lane lane) { Submit(std::move(work), lane); }) {}
 
   const DispatcherOptions& options() const override { return options_; }
 
-  void Submit(std::function<void()> work) override {
+  void Submit(std::function<void()> work, Lane lane) override {
     {
       std::lock_guard lock(mutex_);
       ++submitted_;
     }
-    pool_.Submit([this, work = std::move(work)]() mutable {
+    PoolOf(lane).Submit([this, work = std::move(work)]() mutable {
       try {
         work();
       } catch (const std::exception& exception) {
@@ -114,8 +118,8 @@ class PoolDispatcher : public Dispatcher {
     });
   }
 
-  void SubmitAfter(absl::Duration delay, std::function<void()> work) override {
-    timer_.Add(delay, std::move(work));
+  void SubmitAfter(absl::Duration delay, std::function<void()> work, Lane lane) override {
+    timer_.Add(delay, std::move(work), lane);
   }
 
   void WaitIdle() override {
@@ -149,9 +153,10 @@ class PoolDispatcher : public Dispatcher {
     bool full = false;
     {
       std::lock_guard lock(mutex_);
-      full = static_cast<int>(calls_.size()) >= options_.max_calls;
+      int& in_flight = in_flight_[call->method().lane];
+      full = in_flight >= options_.max_calls;
       draining = draining_;
-      calls_.insert(call);
+      if (calls_.insert(call).second) ++in_flight;
     }
     metrics_->Begin();
     if (draining) return ShuttingDown();
@@ -163,7 +168,7 @@ class PoolDispatcher : public Dispatcher {
   void End(const std::shared_ptr<CallState>& call, const absl::Status& status) override {
     {
       std::lock_guard lock(mutex_);
-      calls_.erase(call);
+      if (calls_.erase(call) > 0) --in_flight_[call->method().lane];
       if (calls_.empty()) no_calls_.notify_all();
     }
     const absl::Duration time = absl::Now() - call->begun_at();
@@ -178,16 +183,24 @@ class PoolDispatcher : public Dispatcher {
   }
 
  private:
+  ThreadPool& PoolOf(Lane lane) {
+    if (lane == Lane::kUrgent) return urgent_pool_;
+    return lane == Lane::kStreams ? streams_pool_ : calls_pool_;
+  }
+
   const DispatcherOptions options_;
   const std::unique_ptr<RequestMetrics> metrics_;
   mutable std::mutex mutex_;
   std::condition_variable idle_;
   std::condition_variable no_calls_;
   std::set<std::shared_ptr<CallState>> calls_;  // guarded by mutex_
+  std::map<Lane, int> in_flight_;               // of calls_; guarded by mutex_
   bool draining_ = false;                       // guarded by mutex_
   int64_t submitted_ = 0;                       // guarded by mutex_; queued or running
-  ThreadPool pool_;
-  Timer timer_;  // ends before the pool it submits to
+  ThreadPool calls_pool_;
+  ThreadPool streams_pool_;
+  ThreadPool urgent_pool_;
+  Timer timer_;  // ends before the pools it submits to
 };
 
 }  // namespace

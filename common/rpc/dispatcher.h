@@ -25,10 +25,18 @@ namespace mortise::rpc {
 
 class CallState;
 
+// What work stands in line for. Each has threads of its own, so that none waits for another's.
+enum class Lane {
+  kCalls,    // calls that are answered when their work is done
+  kStreams,  // streams to clients, and calls that wait for something to happen
+  kUrgent,   // what must be done at once, whatever the load, such as holding a machine
+};
+
 struct DispatcherOptions {
-  std::string service = {};       // the process, named in audit records
-  int threads = 8;                // that run handlers
-  int max_calls = 10000;          // in flight; more are refused with RESOURCE_EXHAUSTED
+  std::string service = {};  // the process, named in audit records
+  int threads = 8;           // that run handlers of calls; as many run those of streams
+  // In flight in each lane; more are refused with RESOURCE_EXHAUSTED.
+  int max_calls = 10000;
   store::Store* store = nullptr;  // of Mutation; may be null where there is none
   IdentityVerifier* verifier =
       nullptr;  // null: development, every caller is "users/developer", admin
@@ -45,10 +53,11 @@ class Dispatcher {
   virtual const DispatcherOptions& options() const = 0;
 
   // Runs `work` on the handlers' threads. Exceptions are logged.
-  virtual void Submit(std::function<void()> work) = 0;
+  virtual void Submit(std::function<void()> work, Lane lane = Lane::kCalls) = 0;
 
   // Runs `work` on the handlers' threads after `delay`; dropped at destruction.
-  virtual void SubmitAfter(absl::Duration delay, std::function<void()> work) = 0;
+  virtual void SubmitAfter(absl::Duration delay, std::function<void()> work,
+                           Lane lane = Lane::kCalls) = 0;
 
   // Waits until nothing submitted is queued or running.
   virtual void WaitIdle() = 0;

@@ -2,6 +2,7 @@
 
 #include <google/protobuf/util/time_util.h>
 
+#include <algorithm>
 #include <deque>
 #include <map>
 #include <mutex>
@@ -18,6 +19,7 @@ namespace mortise::rpc {
 namespace {
 
 constexpr int kMostTypes = 100;  // each is compared with every event
+constexpr int kMostPositions = 64;
 constexpr int kDefaultLimit = 1000;
 constexpr int kLargestLimit = 10000;
 constexpr int kFollowBatch = 500;
@@ -85,12 +87,15 @@ using EventWriter = std::shared_ptr<StreamWriter<v1::Event>>;
 
 // Wakes the writer again and again, until its stream has ended.
 void WakeRepeatedly(Dispatcher* dispatcher, const std::weak_ptr<StreamWriter<v1::Event>>& writer) {
-  dispatcher->SubmitAfter(kPollInterval, [dispatcher, writer] {
-    const EventWriter alive = writer.lock();
-    if (!alive) return;
-    alive->Wake();
-    WakeRepeatedly(dispatcher, writer);
-  });
+  dispatcher->SubmitAfter(
+      kPollInterval,
+      [dispatcher, writer] {
+        const EventWriter alive = writer.lock();
+        if (!alive) return;
+        alive->Wake();
+        WakeRepeatedly(dispatcher, writer);
+      },
+      Lane::kStreams);
 }
 
 class EventAdapter : public v1::EventService::CallbackService {
@@ -178,14 +183,17 @@ class EventAdapter : public v1::EventService::CallbackService {
       MORTISE_RETURN_IF_ERROR(
           CheckStream(asked.streams(i), ("streams[" + std::to_string(i) + "]").c_str()));
     }
-    if (asked.after_number() < -1) return InvalidField("after_number", "must be at least -1");
+    MORTISE_ASSIGN_OR_RETURN(const auto positions, FollowPositions(asked));
+    for (const auto& [stream, after] : positions) {
+      MORTISE_RETURN_IF_ERROR(CheckStream(stream, "positions"));
+    }
     if (asked.type_prefixes_size() > kMostTypes) {
       return InvalidField("type_prefixes", "has more than 100 entries");
     }
     auto follower = std::make_shared<Follower>();
-    follower->after_number = asked.after_number();
+    follower->after_number = positions.empty() ? asked.after_number() : positions.begin()->second;
     follower->type_prefixes.assign(asked.type_prefixes().begin(), asked.type_prefixes().end());
-    if (asked.after_number() == -1) {
+    if (follower->after_number == -1) {
       MORTISE_RETURN_IF_ERROR(store_->Read([&](store::ReadTransaction& read) -> absl::Status {
         MORTISE_ASSIGN_OR_RETURN(follower->after_number, read.LatestEventNumber());
         return absl::OkStatus();
@@ -229,6 +237,31 @@ class EventAdapter : public v1::EventService::CallbackService {
 };
 
 }  // namespace
+
+absl::StatusOr<std::map<std::string, int64_t>> FollowPositions(
+    const v1::FollowEventsRequest& asked) {
+  if (asked.after_number() < -1) return InvalidField("after_number", "must be at least -1");
+  if (asked.positions_size() > kMostPositions) {
+    return InvalidField("positions", "has more than 64 entries");
+  }
+  std::map<std::string, int64_t> positions;
+  for (int i = 0; i < asked.positions_size(); ++i) {
+    const v1::EventPosition& position = asked.positions(i);
+    const std::string where = "positions[" + std::to_string(i) + "]";
+    if (position.after_number() < -1) {
+      return InvalidField(where + ".after_number", "must be at least -1");
+    }
+    const auto& streams = asked.streams();
+    if (!streams.empty() &&
+        std::find(streams.begin(), streams.end(), position.stream()) == streams.end()) {
+      return InvalidField(where + ".stream", "is not one of the streams followed");
+    }
+    if (!positions.emplace(position.stream(), position.after_number()).second) {
+      return InvalidField(where + ".stream", "is there twice");
+    }
+  }
+  return positions;
+}
 
 std::shared_ptr<EventSignal> EventSignal::Create() { return std::make_shared<Signal>(); }
 

@@ -1,9 +1,13 @@
 // EventService of one service process: its own event stream, over the store's numbered events.
 #pragma once
 
+#include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
+
+#include "absl/status/statusor.h"
 
 namespace grpc {
 class Service;
@@ -11,10 +15,19 @@ class Service;
 namespace mortise::store {
 class Store;
 }
+namespace mortise::v1 {
+class FollowEventsRequest;
+}
 
 namespace mortise::rpc {
 
 class Dispatcher;
+
+// Where a follower begins in the streams that it names a position of; `after_number` holds for the
+// others. INVALID_ARGUMENT naming the field: numbers below -1, more than 64 positions, a stream
+// that is named twice or not followed.
+absl::StatusOr<std::map<std::string, int64_t>> FollowPositions(
+    const v1::FollowEventsRequest& asked);
 
 // Tells followers that there are new numbered events. Thread safe.
 class EventSignal {

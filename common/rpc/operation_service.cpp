@@ -161,7 +161,8 @@ class OperationAdapter : public v1::OperationService::CallbackService {
         auto watch,
         operations_->Watch(asked.name(), [this, respond](const jobs::Operation& operation) {
           if (!jobs::IsFinal(operation.state)) return;
-          dispatcher_->Submit([respond, proto = ToProto(operation)] { respond(proto); });
+          dispatcher_->Submit([respond, proto = ToProto(operation)] { respond(proto); },
+                              Lane::kStreams);
         }));
     {
       std::lock_guard lock(waiting->mutex);
@@ -171,10 +172,12 @@ class OperationAdapter : public v1::OperationService::CallbackService {
     call.OnStop([waiting, answer_now] { answer_now(); });
     const absl::Duration time =
         std::min(absl::Seconds(seconds), call.deadline() - absl::Now() - kAnswerTime);
-    dispatcher_->SubmitAfter(std::max(time, absl::ZeroDuration()),
-                             [still_waiting = std::weak_ptr(waiting), answer_now] {
-                               if (still_waiting.lock()) answer_now();
-                             });
+    dispatcher_->SubmitAfter(
+        std::max(time, absl::ZeroDuration()),
+        [still_waiting = std::weak_ptr(waiting), answer_now] {
+          if (still_waiting.lock()) answer_now();
+        },
+        Lane::kStreams);
     return absl::OkStatus();
   }
 

@@ -97,7 +97,7 @@ class OutgoingStream : public StreamWriter<Response>,
         return;
       }
     }
-    state_->dispatcher()->Submit(std::move(callback));
+    state_->dispatcher()->Submit(std::move(callback), state_->method().lane);
   }
 
   // The wire has taken the message, or broke.
@@ -150,7 +150,8 @@ class OutgoingStream : public StreamWriter<Response>,
     if (next_ && wake_ && !pulling_ && !Closed() && queue_.size() < kReadAhead) {
       pulling_ = true;
       wake_ = false;
-      state_->dispatcher()->Submit([self = this->shared_from_this()] { self->RunNext(); });
+      state_->dispatcher()->Submit([self = this->shared_from_this()] { self->RunNext(); },
+                                   state_->method().lane);
     }
     if (writing_ || held_) return;
     if (broken_) {
@@ -171,7 +172,9 @@ class OutgoingStream : public StreamWriter<Response>,
     std::vector<std::function<void()>> callbacks = std::exchange(end_callbacks_, {});
     const absl::Status status = *end_;
     lock.unlock();
-    for (auto& callback : callbacks) state_->dispatcher()->Submit(std::move(callback));
+    for (auto& callback : callbacks) {
+      state_->dispatcher()->Submit(std::move(callback), state_->method().lane);
+    }
     wire_.finish(status);
   }
 

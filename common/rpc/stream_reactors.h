@@ -106,20 +106,23 @@ class ServerStreamReactor : public grpc::ServerWriteReactor<Response> {
       writer->Finish(begun);
       return reactor;
     }
-    state->dispatcher()->Submit([state, writer, request, options, handler = std::move(handler),
-                                 explanation = std::move(explanation)] {
-      // Keeps the request alive: it goes with the call, which ends only after Release.
-      if (!writer->Hold()) return;
-      const absl::Status status = RunAdmitted(*state, [&]() -> absl::Status {
-        const auto explain = [&] { return explanation(Call(state)); };
-        MORTISE_RETURN_IF_ERROR(state->CheckRequest(
-            *request, explanation ? std::function<absl::Status()>(explain) : nullptr));
-        return handler(Call(state), writer);
-      });
-      if (status.ok() && options.endless) EndWhenDraining(*state, writer);
-      if (!status.ok()) writer->Finish(status);
-      writer->Release();
-    });
+    const Lane lane = state->method().lane;
+    state->dispatcher()->Submit(
+        [state, writer, request, options, handler = std::move(handler),
+         explanation = std::move(explanation)] {
+          // Keeps the request alive: it goes with the call, which ends only after Release.
+          if (!writer->Hold()) return;
+          const absl::Status status = RunAdmitted(*state, [&]() -> absl::Status {
+            const auto explain = [&] { return explanation(Call(state)); };
+            MORTISE_RETURN_IF_ERROR(state->CheckRequest(
+                *request, explanation ? std::function<absl::Status()>(explain) : nullptr));
+            return handler(Call(state), writer);
+          });
+          if (status.ok() && options.endless) EndWhenDraining(*state, writer);
+          if (!status.ok()) writer->Finish(status);
+          writer->Release();
+        },
+        lane);
     return reactor;
   }
 

@@ -69,7 +69,8 @@ UnaryCall* UnaryCall::Start(Dispatcher* dispatcher, const MethodInfo* method,
         } else if (unary->Claim()) {
           unary->Complete(status);
         }
-      });
+      },
+      method->lane);
   return unary.get();
 }
 

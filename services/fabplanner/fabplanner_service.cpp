@@ -285,12 +285,14 @@ class FabPlannerAdapter final : public v1::FabPlannerService::CallbackService {
   void TellFloorAfterCommit(absl::Status (ShopFloor::*tell)(const std::string&),
                             const std::string& order_name, store::Transaction& transaction) {
     transaction.AfterCommit([this, tell, order_name] {
-      dispatcher_->Submit([this, tell, order_name] {
-        const absl::Status status = (floor_.*tell)(order_name);
-        if (status.ok()) return;
-        Log(LogLevel::kWarning, "work order not taken up",
-            {{"work_order", order_name}, {"error", status.message()}});
-      });
+      dispatcher_->Submit(
+          [this, tell, order_name] {
+            const absl::Status status = (floor_.*tell)(order_name);
+            if (status.ok()) return;
+            Log(LogLevel::kWarning, "work order not taken up",
+                {{"work_order", order_name}, {"error", status.message()}});
+          },
+          rpc::Lane::kUrgent);
     });
   }
 

@@ -19,6 +19,7 @@ using ResponseWriter = std::shared_ptr<rpc::StreamWriter<ReadResponse>>;
 // What the methods do. Set before the first call.
 struct ProbeHandlers {
   std::function<absl::StatusOr<ReadResponse>(const rpc::Call&, const ReadRequest&)> read;
+  std::function<absl::StatusOr<ReadResponse>(const rpc::Call&, const ReadRequest&)> hurry;
   std::function<absl::StatusOr<Kept>(const rpc::Call&, const KeepRequest&, store::Transaction&)>
       keep;
   std::function<absl::StatusOr<std::string>(const rpc::Call&, const KeepRequest&)> prepare;
@@ -46,6 +47,11 @@ class ProbeAdapter : public ProbeService::CallbackService {
   grpc::ServerUnaryReactor* Read(grpc::CallbackServerContext* context, const ReadRequest* request,
                                  ReadResponse* response) override {
     return endpoint_.Query("Read", context, request, response, handlers_->read);
+  }
+
+  grpc::ServerUnaryReactor* Hurry(grpc::CallbackServerContext* context, const ReadRequest* request,
+                                  ReadResponse* response) override {
+    return endpoint_.Query("Hurry", context, request, response, handlers_->hurry);
   }
 
   grpc::ServerUnaryReactor* Keep(grpc::CallbackServerContext* context, const KeepRequest* request,
