@@ -9,8 +9,11 @@
 #include <openssl/param_build.h>
 #include <openssl/pem.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
+#include <set>
 
+#include "absl/strings/ascii.h"
 #include "absl/strings/escaping.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
@@ -38,6 +41,8 @@ using EcdsaSignature = std::unique_ptr<ECDSA_SIG, Deleter<ECDSA_SIG_free>>;
 using Bio = std::unique_ptr<BIO, Deleter<BIO_free>>;
 
 constexpr std::size_t kMaximalTokenBytes = 16 * 1024;
+constexpr std::size_t kLongestName = 64;      // of a caller's that is told back
+constexpr double kLatestTime = 253402300799;  // the end of the year 9999
 
 absl::string_view View(std::string_view text) { return {text.data(), text.size()}; }
 
@@ -48,7 +53,10 @@ const unsigned char* Bytes(std::string_view text) {
 // Unpadded base64url only, as RFC 7515 demands.
 std::optional<std::string> FromBase64Url(std::string_view text) {
   std::string decoded;
-  if (text.find('=') != std::string_view::npos) return std::nullopt;
+  const bool plain = std::all_of(text.begin(), text.end(), [](char c) {
+    return absl::ascii_isalnum(static_cast<unsigned char>(c)) || c == '-' || c == '_';
+  });
+  if (!plain) return std::nullopt;
   if (!absl::WebSafeBase64Unescape(View(text), &decoded)) return std::nullopt;
   return decoded;
 }
@@ -153,11 +161,40 @@ absl::StatusOr<EvpKey> KeyFromJwk(const Json& jwk, const std::string& where) {
   return key;
 }
 
-std::optional<absl::Time> TimeClaim(const Json& claims, const char* name) {
-  const auto found = claims.find(name);
-  if (found == claims.end() || !found->is_number()) return std::nullopt;
-  const double seconds = found->get<double>();
-  if (!(seconds > -1e12 && seconds < 1e12)) return std::nullopt;
+// A JSON object that has no member twice, at any depth: of two claims with one name, readers take
+// the one or the other. `part` is what it is called in failures.
+absl::StatusOr<Json> ParseObject(std::string_view text, const std::string& part) {
+  std::vector<std::set<std::string>> names;
+  std::string twice;
+  const auto look = [&](int, Json::parse_event_t event, Json& parsed) {
+    if (event == Json::parse_event_t::object_start) names.emplace_back();
+    if (event == Json::parse_event_t::object_end) names.pop_back();
+    if (event == Json::parse_event_t::key &&
+        !names.back().insert(parsed.get<std::string>()).second) {
+      twice = parsed.get<std::string>();
+    }
+    return true;
+  };
+  const Json object = Json::parse(text, look, false);
+  if (!object.is_object()) return IdentityInvalid("the token's " + part + " is not a JSON object");
+  if (twice.empty()) return object;
+  return IdentityInvalid(
+      absl::StrCat("the token's ", part, " has '", twice.substr(0, kLongestName), "' twice"));
+}
+
+// Seconds since 1970, whole or not (RFC 7519, NumericDate).
+absl::StatusOr<absl::Time> TimeClaim(const Json& claims, const std::string& name) {
+  const Json& claim = claims.at(name);
+  if (!claim.is_number()) {
+    return IdentityInvalid(absl::StrCat("the token's ", name,
+                                        " is not a number of seconds since "
+                                        "1970, as times in tokens are"));
+  }
+  const double seconds = claim.get<double>();
+  if (!(seconds >= 0 && seconds <= kLatestTime)) {
+    return IdentityInvalid(
+        absl::StrCat("the token's ", name, " is no time: not within 1970 and 9999"));
+  }
   return absl::UnixEpoch() + absl::Seconds(seconds);
 }
 
@@ -172,22 +209,34 @@ bool HasAudience(const Json& claims, const std::string& audience) {
   return false;
 }
 
+absl::StatusOr<std::vector<std::string>> RolesOf(const Json& claims) {
+  std::vector<std::string> names;
+  const auto roles = claims.find("roles");
+  if (roles == claims.end()) return names;
+  const bool texts =
+      roles->is_array() &&
+      std::all_of(roles->begin(), roles->end(), [](const Json& role) { return role.is_string(); });
+  if (!texts) return IdentityInvalid("the token's roles are not a list of texts");
+  for (const Json& role : *roles) names.push_back(role.get<std::string>());
+  return names;
+}
+
 absl::StatusOr<TokenClaims> CheckClaims(const Json& claims, const TokenOptions& options,
                                         absl::Time now) {
   TokenClaims result;
+  if (claims.contains("sub") && !claims.at("sub").is_string()) {
+    return IdentityInvalid("the token's sub is not a text");
+  }
   result.subject = StringMember(claims, "sub");
   if (result.subject.empty()) return IdentityInvalid("the token has no subject (sub)");
-  const auto expires_at = TimeClaim(claims, "exp");
-  if (!expires_at) return IdentityInvalid("the token has no expiry (exp)");
-  result.expires_at = *expires_at;
+  if (!claims.contains("exp")) return IdentityInvalid("the token has no expiry (exp)");
+  MORTISE_ASSIGN_OR_RETURN(result.expires_at, TimeClaim(claims, "exp"));
   if (now >= result.expires_at + options.leeway) {
     return IdentityInvalid(absl::StrCat("the token expired at ",
                                         absl::FormatTime(result.expires_at, absl::UTCTimeZone())));
   }
   if (claims.contains("nbf")) {
-    const auto not_before = TimeClaim(claims, "nbf");
-    if (!not_before) return IdentityInvalid("the token's nbf is not a time");
-    result.not_before = *not_before;
+    MORTISE_ASSIGN_OR_RETURN(result.not_before, TimeClaim(claims, "nbf"));
     if (now + options.leeway < result.not_before) {
       return IdentityInvalid("the token is not valid yet (nbf)");
     }
@@ -198,11 +247,7 @@ absl::StatusOr<TokenClaims> CheckClaims(const Json& claims, const TokenOptions& 
   if (!options.audience.empty() && !HasAudience(claims, options.audience)) {
     return IdentityInvalid(absl::StrCat("the token is not for the audience ", options.audience));
   }
-  if (const auto roles = claims.find("roles"); roles != claims.end() && roles->is_array()) {
-    for (const Json& role : *roles) {
-      if (role.is_string()) result.roles.push_back(role.get<std::string>());
-    }
-  }
+  MORTISE_ASSIGN_OR_RETURN(result.roles, RolesOf(claims));
   return result;
 }
 
@@ -309,10 +354,16 @@ absl::StatusOr<TokenClaims> TokenKeys::Verify(std::string_view token, const Toke
   if (!header_text || !claims_text || !signature) {
     return IdentityInvalid("the token is not base64url");
   }
-  const Json header = Json::parse(*header_text, nullptr, false);
-  if (!header.is_object()) return IdentityInvalid("the token's header is not a JSON object");
+  MORTISE_ASSIGN_OR_RETURN(const Json header, ParseObject(*header_text, "header"));
   if (header.contains("crit")) return IdentityInvalid("the token demands an unknown extension");
   const std::string algorithm = StringMember(header, "alg");
+  if (algorithm != "RS256" && algorithm != "ES256" && algorithm != "EdDSA") {
+    return IdentityInvalid(absl::StrCat(
+        algorithm.empty() ? "the token names no algorithm (alg)"
+                          : absl::StrCat("the token's algorithm '",
+                                         algorithm.substr(0, kLongestName), "' is not accepted"),
+        "; RS256, ES256 and EdDSA are"));
+  }
   const std::string key_id = StringMember(header, "kid");
 
   bool verified = false;
@@ -327,8 +378,7 @@ absl::StatusOr<TokenClaims> TokenKeys::Verify(std::string_view token, const Toke
   if (!verified) {
     return IdentityInvalid("the token's signature does not fit any key of this gateway");
   }
-  const Json claims = Json::parse(*claims_text, nullptr, false);
-  if (!claims.is_object()) return IdentityInvalid("the token's claims are not a JSON object");
+  MORTISE_ASSIGN_OR_RETURN(const Json claims, ParseObject(*claims_text, "claims"));
   return CheckClaims(claims, options, now);
 }
 

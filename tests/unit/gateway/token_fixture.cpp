@@ -62,7 +62,11 @@ std::string TokenSigner::Sign(const nlohmann::json& claims, const std::string& k
 
 std::string TokenSigner::SignWithHeader(const nlohmann::json& header,
                                         const nlohmann::json& claims) const {
-  const std::string message = Base64Url(header.dump()) + "." + Base64Url(claims.dump());
+  return SignTexts(header.dump(), claims.dump());
+}
+
+std::string TokenSigner::SignTexts(const std::string& header, const std::string& claims) const {
+  const std::string message = Base64Url(header) + "." + Base64Url(claims);
   const std::shared_ptr<EVP_MD_CTX> context(EVP_MD_CTX_new(), EVP_MD_CTX_free);
   EVP_DigestSignInit(context.get(), nullptr, algorithm_ == "EdDSA" ? nullptr : EVP_sha256(),
                      nullptr, key_.get());

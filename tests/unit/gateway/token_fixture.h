@@ -24,6 +24,9 @@ class TokenSigner {
   // A token with this header and these claims whose signature this key made, whatever `alg` says.
   std::string SignWithHeader(const nlohmann::json& header, const nlohmann::json& claims) const;
 
+  // The same of any texts, which need not be JSON.
+  std::string SignTexts(const std::string& header, const std::string& claims) const;
+
  private:
   std::string algorithm_;
   std::shared_ptr<EVP_PKEY> key_;

@@ -132,6 +132,101 @@ TEST(Token, RefusesWhatIsNoToken) {
   }
 }
 
+// A token signed by a key of ours that is refused all the same, and the words that say why.
+struct RefusedToken {
+  const char* name;
+  std::string header;
+  std::string claims;
+  std::string words;
+};
+
+// Claims with `member` put before those that make a good token.
+std::string With(const std::string& member) {
+  return R"({)" + member + R"(,"sub":"ada","roles":["admin"]})";
+}
+
+std::vector<RefusedToken> RefusedTokens() {
+  const std::string header = R"({"alg":"EdDSA"})";
+  const std::string good = With(R"("exp":1800000600)");
+  return {
+      {"no algorithm", "{}", good, "names no algorithm"},
+      {"algorithm none", R"({"alg":"none"})", good, "'none' is not accepted"},
+      {"algorithm of a secret", R"({"alg":"HS256"})", good, "'HS256' is not accepted"},
+      {"algorithm in another case", R"({"alg":"eddsa"})", good, "'eddsa' is not accepted"},
+      {"algorithms", R"({"alg":["EdDSA"]})", good, "names no algorithm"},
+      {"algorithm of another key", R"({"alg":"RS256"})", good, "does not fit any key"},
+      {"two algorithms", R"({"alg":"none","alg":"EdDSA"})", good, "header has 'alg' twice"},
+      {"extension", R"({"alg":"EdDSA","crit":["x"]})", good, "unknown extension"},
+      {"header is a list", "[]", good, "header is not a JSON object"},
+      {"header is empty", "", good, "header is not a JSON object"},
+      {"claims are a list", header, "[]", "claims is not a JSON object"},
+      {"claims are cut short", header, good.substr(0, 30), "claims is not a JSON object"},
+      {"claims with a comment", header, "/**/" + good, "claims is not a JSON object"},
+      {"two expiries", header, With(R"("exp":1,"exp":1800000600)"), "claims has 'exp' twice"},
+      {"two subjects", header, With(R"("sub":"eve","exp":1800000600)"), "claims has 'sub' twice"},
+      {"two roles", header, With(R"("roles":[],"exp":1800000600)"), "claims has 'roles' twice"},
+      {"two within", header, With(R"("x":{"a":1,"a":2},"exp":1800000600)"), "has 'a' twice"},
+      {"two by escapes", header, With(R"("e\u0078p":1,"exp":1800000600)"), "has 'exp' twice"},
+      {"no expiry", header, With(R"("iat":1)"), "no expiry"},
+      {"expiry as text", header, With(R"("exp":"1800000600")"), "exp is not a number"},
+      {"expiry as list", header, With(R"("exp":[1800000600])"), "exp is not a number"},
+      {"expiry null", header, With(R"("exp":null)"), "exp is not a number"},
+      {"expiry true", header, With(R"("exp":true)"), "exp is not a number"},
+      {"expiry NaN", header, With(R"("exp":NaN)"), "claims is not a JSON object"},
+      {"expiry infinite", header, With(R"("exp":1e999)"), "token's"},
+      {"expiry huge", header, With(R"("exp":1e300)"), "exp is no time"},
+      {"expiry beyond integers", header, With(R"("exp":99999999999999999999)"), "exp is no time"},
+      {"expiry in milliseconds", header, With(R"("exp":1800000600000)"), "exp is no time"},
+      {"expiry negative", header, With(R"("exp":-1)"), "exp is no time"},
+      {"expiry past", header, With(R"("exp":1700000000)"), "expired at"},
+      {"expiry past with a fraction", header, With(R"("exp":1799999969.5)"), "expired at"},
+      {"begin as text", header, With(R"("exp":1800000600,"nbf":"now")"), "nbf is not a number"},
+      {"begin to come", header, With(R"("exp":1800000600,"nbf":1800000100)"), "not valid yet"},
+      {"no subject", header, R"({"exp":1800000600})", "no subject"},
+      {"subject empty", header, R"({"exp":1800000600,"sub":""})", "no subject"},
+      {"subject a number", header, R"({"exp":1800000600,"sub":7})", "sub is not a text"},
+      {"roles as text", header, R"({"exp":1800000600,"sub":"a","roles":"admin"})", "roles are not"},
+      {"roles as object", header, R"({"exp":1800000600,"sub":"a","roles":{}})", "roles are not"},
+      {"role a number", header, R"({"exp":1800000600,"sub":"a","roles":[4]})", "roles are not"},
+  };
+}
+
+TEST(Token, SaysWhatIsWrongWithATokenThatIsSigned) {
+  const TokenSigner signer("EdDSA");
+  const auto keys = TokenKeys::Parse(signer.Pem());
+  for (const RefusedToken& refused : RefusedTokens()) {
+    const absl::Status status =
+        keys->Verify(signer.SignTexts(refused.header, refused.claims), {}, kNow).status();
+    EXPECT_EQ(status.code(), absl::StatusCode::kUnauthenticated) << refused.name;
+    EXPECT_THAT(std::string(status.message()), HasSubstr(refused.words)) << refused.name;
+  }
+}
+
+TEST(Token, TakesTimesWithFractionsAndUnknownClaims) {
+  const TokenSigner signer("EdDSA");
+  const auto keys = TokenKeys::Parse(signer.Pem());
+  for (const char* member :
+       {R"("exp":1800000600)", R"("exp":1800000600.75)", R"("exp":1.8000006e9)",
+        R"("exp":253402300799)", R"("exp":1800000600,"nbf":0)",
+        R"("exp":1800000600,"x":[{"a":1},{"a":1}])", R"("exp":1800000600,"x":{"exp":"never"})"}) {
+    const auto claims =
+        keys->Verify(signer.SignTexts(R"({"alg":"EdDSA"})", With(member)), {}, kNow);
+    EXPECT_TRUE(claims.ok()) << member << ": " << claims.status();
+  }
+}
+
+TEST(Token, RefusesSignaturesThatAreWrittenOtherwise) {
+  const TokenSigner signer("EdDSA");
+  const auto keys = TokenKeys::Parse(signer.Pem());
+  const std::string token = signer.Sign(Claims());
+  ASSERT_TRUE(keys->Verify(token, {}, kNow).ok());
+  for (const std::string& changed :
+       {token + "=", token + " ", token + "\n", token + ".", " " + token,
+        token.substr(0, token.size() - 1) + " " + token.back()}) {
+    EXPECT_FALSE(keys->Verify(changed, {}, kNow).ok()) << changed;
+  }
+}
+
 TEST(Token, ChoosesTheKeyByItsId) {
   const TokenSigner first("EdDSA");
   const TokenSigner second("EdDSA");
