@@ -63,7 +63,7 @@ absl::StatusOr<std::shared_ptr<const Caller>> Admission::Authenticate(
     std::lock_guard lock(mutex_);
     const auto found = verified_.find(key);
     if (found != verified_.end()) {
-      if (now < found->second.expires_at + options_.token.leeway) return found->second.caller;
+      if (now < found->second->expires_at) return found->second;
       verified_.erase(found);
     }
   }
@@ -72,12 +72,13 @@ absl::StatusOr<std::shared_ptr<const Caller>> Admission::Authenticate(
   auto caller = std::make_shared<Caller>();
   caller->subject = SubjectName(claims.subject);
   caller->role = HighestRole(claims.roles);
+  caller->expires_at = claims.expires_at + options_.token.leeway;
   if (!IsSubjectName(caller->subject)) {
     return IdentityInvalid("the token's subject has characters that names may not have");
   }
   std::lock_guard lock(mutex_);
   if (verified_.size() >= kMaximalRememberedTokens) verified_.clear();
-  verified_[std::move(key)] = {caller, claims.expires_at};
+  verified_[std::move(key)] = caller;
   return caller;
 }
 
@@ -108,6 +109,10 @@ std::string Admission::SignedIdentity(const Caller& caller) {
   if (signed_.size() >= kMaximalRememberedIdentities) signed_.clear();
   signed_[std::move(key)] = {identity, now};
   return identity;
+}
+
+absl::Status SeveralTokens() {
+  return IdentityInvalid("there is more than one authorization header");
 }
 
 bool IsRequestId(std::string_view text) {

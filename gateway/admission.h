@@ -24,6 +24,8 @@ namespace mortise::gateway {
 struct Caller {
   std::string subject;  // "users/ada", "services/plm"
   rpc::Role role = rpc::Role::kNone;
+  // When the token is good no more, the allowed difference between clocks included.
+  absl::Time expires_at = absl::InfiniteFuture();
 };
 
 struct AdmissionOptions {
@@ -55,11 +57,6 @@ class Admission {
   std::string SignedIdentity(const Caller& caller);
 
  private:
-  struct Remembered {
-    std::shared_ptr<const Caller> caller;
-    absl::Time expires_at;
-  };
-
   struct Signed {
     std::string identity;
     absl::Time at;
@@ -68,9 +65,14 @@ class Admission {
   AdmissionOptions options_;
   std::shared_ptr<const Caller> developer_;
   std::mutex mutex_;
-  std::unordered_map<std::string, Remembered> verified_;        // by token; guarded by mutex_
+  // By token; guarded by mutex_.
+  std::unordered_map<std::string, std::shared_ptr<const Caller>> verified_;
   std::map<std::pair<std::string, rpc::Role>, Signed> signed_;  // guarded by mutex_
 };
+
+// UNAUTHENTICATED, IDENTITY_INVALID: of two tokens, who looks at the first would know another
+// caller than who looks at the last.
+absl::Status SeveralTokens();
 
 // Whether a client's `x-request-id` is used: 1 to 128 letters, digits, '.', '_' or '-'.
 bool IsRequestId(std::string_view text);

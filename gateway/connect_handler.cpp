@@ -11,8 +11,13 @@ namespace {
 
 namespace asio = boost::asio;
 
+constexpr int kRequestTimeout = 408;
 constexpr int kUnsupportedMediaType = 415;
 constexpr int kVersionNotSupported = 505;
+constexpr char kBodyTooSlow[] = "BODY_TOO_SLOW";
+// Bodies up to this are counted by their connections alone, so that those of usual calls are read
+// however many large ones are under way.
+constexpr uint64_t kSmallBodyBytes = 64 * 1024;
 
 // A call as its HTTP request describes it.
 struct ConnectCall {
@@ -62,22 +67,37 @@ absl::StatusOr<std::vector<std::string>> ReadMessages(const HttpContext& context
   return messages;
 }
 
-absl::Status ReadCall(const HttpContext& context, const MethodRoute& method,
-                      const HttpRequest& request, ConnectCall& call) {
+// All that can be known before the body is read: strangers shall not keep this gateway busy with
+// large bodies.
+absl::StatusOr<std::shared_ptr<const Caller>> ReadCallHead(const HttpContext& context,
+                                                           const MethodRoute& method,
+                                                           const HttpRequest& request,
+                                                           CallHead& head) {
   MORTISE_RETURN_IF_ERROR(CheckHeaders(request));
-  // Before anything is parsed: strangers shall not keep this gateway busy with large bodies.
-  MORTISE_ASSIGN_OR_RETURN(const auto caller,
-                           context.admission->Authenticate(HeaderOf(request, "authorization")));
+  MORTISE_ASSIGN_OR_RETURN(auto caller, CallerOf(context, request));
   MORTISE_RETURN_IF_ERROR(context.admission->Authorize(method, *caller));
   const std::string_view timeout = HeaderOf(request, "connect-timeout-ms");
   if (!timeout.empty()) {
     MORTISE_ASSIGN_OR_RETURN(const absl::Duration duration, ParseTimeout(timeout));
-    call.head.deadline = std::chrono::system_clock::now() + absl::ToChronoMilliseconds(duration);
+    head.deadline = std::chrono::system_clock::now() + absl::ToChronoMilliseconds(duration);
   }
-  MORTISE_ASSIGN_OR_RETURN(call.requests,
-                           ReadMessages(context, method, call.codec, request.body()));
-  call.head.path = method.path;
-  return absl::OkStatus();
+  head.path = method.path;
+  return caller;
+}
+
+// Why a body could not be read; OK for a client that is gone, too, whom nobody can tell.
+absl::Status BodyFailure(HttpReadResult result) {
+  switch (result) {
+    case HttpReadResult::kTooLarge:
+      return TooLarge("the request's body", absl::StrCat(kMaximalBodyBytes, " bytes"));
+    case HttpReadResult::kMalformed:
+      return InvalidField("request", "has a body that is not as its headers say");
+    case HttpReadResult::kTooSlow:
+      return WithDetail(absl::DeadlineExceededError("the request's body came too slowly"),
+                        {kBodyTooSlow, ""});
+    default:
+      return absl::OkStatus();
+  }
 }
 
 absl::StatusOr<std::string> WriteMessage(const HttpContext& context, const MethodRoute& method,
@@ -149,16 +169,39 @@ asio::awaitable<bool> AnswerStream(HttpConnection& connection, const HttpContext
   co_return co_await EndStream(connection, ToConnectError(running->status()), running->trailing());
 }
 
+// What a call takes of what there is for all.
+struct Places {
+  std::unique_ptr<Budget::Share> body;
+  std::unique_ptr<Budget::Share> answer;
+};
+
+// `body_bytes`: nothing if that is not known.
+absl::StatusOr<Places> TakePlaces(const HttpContext& context, const MethodRoute& method,
+                                  const std::string& subject, std::optional<uint64_t> body_bytes) {
+  Places places;
+  const uint64_t bytes = body_bytes.value_or(kMaximalBodyBytes);
+  if (bytes > kMaximalBodyBytes) return BodyFailure(HttpReadResult::kTooLarge);
+  if (bytes > kSmallBodyBytes) {
+    places.body = context.bodies->Take(subject, static_cast<int64_t>(bytes));
+    if (places.body == nullptr) return TooManyAtATime("large bodies");
+  }
+  if (method.kind == CallKind::kStream || method.kind == CallKind::kWait) {
+    places.answer = context.answers->Take(subject, 1);
+    if (places.answer == nullptr) return TooManyAtATime("streams and waiting calls over HTTP");
+  }
+  return places;
+}
+
 // Failures before the call began, in the form that the client's protocol expects.
 asio::awaitable<bool> Refuse(HttpConnection& connection, const ConnectCodec& codec,
-                             const absl::Status& status,
-                             const std::pair<std::string, std::string>& request_id,
-                             bool keep_alive) {
-  HeaderList headers = {request_id};
-  if (!codec.streaming) {
-    co_return co_await WriteError(connection, ToConnectError(status), headers, keep_alive);
+                             const absl::Status& status, bool keep_alive) {
+  if (DetailOf(status).reason == kBodyTooSlow) {
+    co_return co_await WriteErrorAs(kRequestTimeout, connection, ToConnectError(status), {}, false);
   }
-  headers.emplace_back("content-type", ContentTypeOf(codec));
+  if (!codec.streaming) {
+    co_return co_await WriteError(connection, ToConnectError(status), {}, keep_alive);
+  }
+  const HeaderList headers = {{"content-type", std::string(ContentTypeOf(codec))}};
   if (!co_await connection.BeginChunks(200, headers, keep_alive)) co_return false;
   co_return co_await EndStream(connection, ToConnectError(status), {});
 }
@@ -166,14 +209,14 @@ asio::awaitable<bool> Refuse(HttpConnection& connection, const ConnectCodec& cod
 }  // namespace
 
 asio::awaitable<bool> HandleConnect(HttpConnection& connection, const HttpContext& context,
-                                    const MethodRoute& method, const HttpRequest& request) {
+                                    const MethodRoute& method, HttpRequest& request) {
   const bool keep_alive = request.keep_alive();
   const auto codec = ParseContentType(HeaderOf(request, "content-type"));
   if (!codec || codec->streaming != IsStreaming(method)) {
     const char* accepted = IsStreaming(method)
                                ? "application/connect+json, application/connect+proto"
                                : "application/json, application/proto";
-    const HeaderList headers = {RequestIdOf(request), {"accept-post", accepted}};
+    const HeaderList headers = {{"accept-post", accepted}};
     const ConnectError error = ToConnectError(
         InvalidField("content-type", absl::StrCat(method.full_name, " takes ", accepted)));
     co_return co_await WriteErrorAs(kUnsupportedMediaType, connection, error, headers,
@@ -182,7 +225,7 @@ asio::awaitable<bool> HandleConnect(HttpConnection& connection, const HttpContex
   }
   if (method.client_streaming && method.server_streaming) {
     // HTTP/1.1 cannot speak both ways at once; the protocol names this status.
-    const HeaderList headers = {RequestIdOf(request), {"connection", "close"}};
+    const HeaderList headers = {{"connection", "close"}};
     const ConnectError error = {absl::StatusCode::kUnimplemented,
                                 method.full_name + " streams both ways: call it over gRPC",
                                 {}};
@@ -192,25 +235,33 @@ asio::awaitable<bool> HandleConnect(HttpConnection& connection, const HttpContex
   ConnectCall call;
   call.codec = *codec;
   call.head.metadata = MetadataOf(request);
-  const absl::Status status = ReadCall(context, method, request, call);
+  const auto caller = ReadCallHead(context, method, request, call.head);
+  if (!caller.ok()) {
+    co_return co_await Refuse(connection, *codec, caller.status(), keep_alive) && keep_alive;
+  }
+  const auto places = TakePlaces(context, method, (*caller)->subject, connection.BodyBytes());
+  if (!places.ok()) {
+    co_return co_await Refuse(connection, *codec, places.status(), keep_alive) && keep_alive;
+  }
+  const HttpReadResult read = co_await connection.ReadBody(request);
+  if (read != HttpReadResult::kRead) {
+    const absl::Status failure = BodyFailure(read);
+    if (!failure.ok()) co_await Refuse(connection, *codec, failure, false);
+    co_return false;
+  }
+  auto requests = ReadMessages(context, method, *codec, request.body());
+  request.body() = std::string();
+  if (!requests.ok()) {
+    co_return co_await Refuse(connection, *codec, requests.status(), keep_alive) && keep_alive;
+  }
+  call.requests = *std::move(requests);
   bool open = false;
-  if (!status.ok()) {
-    open = co_await Refuse(connection, *codec, status, call.head.metadata.front(), keep_alive);
-  } else if (codec->streaming) {
+  if (codec->streaming) {
     open = co_await AnswerStream(connection, context, method, std::move(call), keep_alive);
   } else {
     open = co_await AnswerUnary(connection, context, method, std::move(call), keep_alive);
   }
   co_return open&& keep_alive;
-}
-
-asio::awaitable<void> RefuseTooLarge(HttpConnection& connection, const HttpRequest& request) {
-  const ConnectCodec codec =
-      ParseContentType(HeaderOf(request, "content-type")).value_or(ConnectCodec{});
-  const absl::Status status =
-      TooLarge("the request's body", absl::StrCat(kMaximalBodyBytes, " bytes"));
-  const auto request_id = RequestIdOf(request);
-  co_await Refuse(connection, codec, status, request_id, false);
 }
 
 }  // namespace mortise::gateway

@@ -39,6 +39,12 @@ void RouteByContent(MethodRoute& route) {
   if (route.routing_field != nullptr) route.service.clear();
 }
 
+CallKind KindOf(const pb::MethodDescriptor& method, const v1::Access& access) {
+  if (access.urgent()) return CallKind::kUrgent;
+  if (method.client_streaming() || method.server_streaming()) return CallKind::kStream;
+  return access.waits() ? CallKind::kWait : CallKind::kCall;
+}
+
 }  // namespace
 
 Contract::Contract()
@@ -84,6 +90,7 @@ void Contract::AddService(const pb::ServiceDescriptor& service, const std::strin
     const v1::Access& access = method.options().GetExtension(v1::access);
     route.role = access.role();
     route.mutates = access.mutates();
+    route.kind = KindOf(method, access);
     route.client_streaming = method.client_streaming();
     route.server_streaming = method.server_streaming();
     route.index = methods_.size();

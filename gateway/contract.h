@@ -27,6 +27,14 @@ enum class Destination {
   kByStream,     // to the service whose stream `routing_field` names
 };
 
+// How long calls of a method stay open, and what they must not stand in the way of.
+enum class CallKind {
+  kCall,    // one answer, when the work is done
+  kWait,    // one answer, when something has happened
+  kStream,  // many messages, for as long as either side likes
+  kUrgent,  // one answer, whatever the load
+};
+
 // One method of the house.
 struct MethodRoute {
   std::string path;       // "/mortise.v1.CatalogService/GetItem"
@@ -37,6 +45,7 @@ struct MethodRoute {
   const google::protobuf::FieldDescriptor* routing_field = nullptr;  // of the request
   int role = 0;          // least mortise.v1.Role a caller needs; 0: nobody may call
   bool mutates = false;  // changes something
+  CallKind kind = CallKind::kCall;
   bool client_streaming = false;
   bool server_streaming = false;
   std::size_t index = 0;  // its place in Contract::methods()

@@ -10,18 +10,22 @@
 #include <nlohmann/json.hpp>
 
 #include "absl/strings/str_cat.h"
+#include "common/base/descriptor_limit.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
 #include "common/base/logging.h"
 #include "common/bus/broker.h"
 #include "common/bus/key_folder.h"
 #include "common/rpc/channel.h"
+#include "common/rpc/connection_acceptor.h"
 #include "common/rpc/dispatcher.h"
 #include "common/rpc/identity.h"
 #include "common/rpc/server_host.h"
 #include "common/store/store.h"
+#include "gateway/budget.h"
 #include "gateway/call_log.h"
 #include "gateway/contract.h"
+#include "gateway/door_health.h"
 #include "gateway/event_codec.h"
 #include "gateway/event_hub.h"
 #include "gateway/grpc_door.h"
@@ -37,6 +41,8 @@ namespace mortise::gateway {
 namespace {
 
 constexpr char kName[] = "gateway";
+// Who connects to the services that the gateway hosts is the gateway alone.
+constexpr int kOwnConnections = 64;
 constexpr absl::Duration kEventCallTime = absl::Seconds(10);
 
 absl::Status CheckOptions(const GatewayOptions& options, const Contract& contract) {
@@ -85,7 +91,10 @@ class House final : public Gateway {
     MORTISE_ASSIGN_OR_RETURN(delivery_,
                              WebhookDelivery::Start(options_.webhooks, store_.get(), hub_.get(),
                                                     contract_.get(), &transcoder_));
-    upstreams_ = std::make_unique<Upstreams>(UpstreamOptions{options_.channels, options_.patience});
+    UpstreamOptions upstreams;
+    upstreams.channels = options_.channels;
+    upstreams.patience = options_.patience;
+    upstreams_ = std::make_unique<Upstreams>(upstreams);
     MORTISE_RETURN_IF_ERROR(StartHostedServices());
     for (const auto& [name, address] : options_.services) {
       MORTISE_RETURN_IF_ERROR(upstreams_->Add(name, address, options_.services_security));
@@ -97,6 +106,7 @@ class House final : public Gateway {
     host_->SetReady();
     grpc_door_->SetReady();
     serving_ = true;
+    health_.Begin({[this] { return grpc_door_->Probe(); }, [this] { return http_door_->Probe(); }});
     return WritePortFile();
   }
 
@@ -183,6 +193,7 @@ class House final : public Gateway {
     environment.version = GatewayVersion();
     rpc::ServerHost::Options host;
     host.dispatcher = dispatcher_.get();
+    host.most_connections = kOwnConnections;
     host.services = {MakeHouseService(environment), MakeMergedOperationService(environment),
                      MakeMergedEventService(environment), MakeMergedAuditService(environment),
                      MakeWebhookService(environment)};
@@ -196,10 +207,42 @@ class House final : public Gateway {
     proxy.contract = contract_.get();
     proxy.upstreams = upstreams_.get();
     proxy.admission = admission_.get();
+    open_calls_ = std::make_unique<OpenCalls>(CallLimits());
+    proxy.open_calls = open_calls_.get();
     proxy.log = call_log_.get();
-    MORTISE_ASSIGN_OR_RETURN(
-        grpc_door_,
-        GrpcDoor::Start({options_.grpc, options_.security, options_.drain_time}, proxy));
+    GrpcDoorOptions grpc;
+    grpc.listen = options_.grpc;
+    grpc.security = options_.security;
+    grpc.drain_time = options_.drain_time;
+    grpc.most_connections = ConnectionsOfDoor();
+    MORTISE_ASSIGN_OR_RETURN(grpc_door_, GrpcDoor::Start(grpc, proxy));
+    return OpenHttpDoor();
+  }
+
+  // Both doors together leave the process what it needs itself.
+  int ConnectionsOfDoor() const {
+    if (options_.most_connections > 0) return options_.most_connections;
+    return std::min(rpc::kMostConnections, ConnectionsWithin(DescriptorLimit()) / 2);
+  }
+
+  OpenCallLimits CallLimits() const {
+    OpenCallLimits limits = options_.open_calls;
+    const auto carried = [&](CallKind kind) { return upstreams_->MostOpen(kind); };
+    const auto cut = [](OpenCallLimits::Limit& limit, int most) {
+      limit.of_service = std::min(limit.of_service, most);
+    };
+    cut(limits.calls, carried(CallKind::kCall));
+    cut(limits.waits, carried(CallKind::kWait) / 2);
+    cut(limits.streams, carried(CallKind::kStream) / 2);
+    cut(limits.urgent, carried(CallKind::kUrgent));
+    return limits;
+  }
+
+  absl::Status OpenHttpDoor() {
+    // Half of the door's connections stay free for calls, whatever streams there are.
+    const int answers = std::max(1, ConnectionsOfDoor() / 2);
+    answers_ = std::make_unique<Budget>(answers, std::max(1, answers / 2));
+    bodies_ = std::make_unique<Budget>(options_.body_bytes, options_.body_bytes / 4);
     local_stub_ = grpc_door_->LocalStub();
     auto context = std::make_shared<HttpContext>();
     context->contract = contract_.get();
@@ -211,11 +254,19 @@ class House final : public Gateway {
     context->metrics = [registry = registry_] {
       return prometheus::TextSerializer().Serialize(registry->Collect());
     };
-    context->serving = [this] { return serving_.load(); };
+    context->open_calls = open_calls_.get();
+    context->bodies = bodies_.get();
+    context->answers = answers_.get();
+    context->loopback_names_only = options_.insecure_development;
+    context->health = [this] {
+      return serving_ ? health_.Now() : absl::UnavailableError("draining");
+    };
     HttpDoorOptions http;
     http.listen = options_.http;
     http.security = options_.security;
     http.threads = options_.http_threads;
+    http.most_connections = ConnectionsOfDoor();
+    http.patience = options_.http_patience;
     MORTISE_ASSIGN_OR_RETURN(http_door_, HttpDoor::Start(http, std::move(context)));
     return absl::OkStatus();
   }
@@ -232,6 +283,7 @@ class House final : public Gateway {
   // Nothing new comes in; endless streams end; calls in hand have their time; then all is closed.
   void Stop() {
     serving_ = false;
+    health_.End();
     if (http_door_) http_door_->BeginDrain();
     if (dispatcher_) dispatcher_->BeginDrain();
     if (grpc_door_) grpc_door_->Shutdown();
@@ -261,6 +313,10 @@ class House final : public Gateway {
   std::unique_ptr<rpc::Dispatcher> dispatcher_;
   std::unique_ptr<rpc::ServerHost> host_;
   std::unique_ptr<CallLog> call_log_;
+  std::unique_ptr<OpenCalls> open_calls_;
+  std::unique_ptr<Budget> answers_;
+  std::unique_ptr<Budget> bodies_;
+  DoorHealth health_;
   std::unique_ptr<GrpcDoor> grpc_door_;
   std::unique_ptr<GenericStub> local_stub_;
   std::unique_ptr<HttpDoor> http_door_;

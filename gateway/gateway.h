@@ -9,6 +9,8 @@
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
 #include "common/rpc/channel_security.h"
+#include "gateway/http_connection.h"
+#include "gateway/open_calls.h"
 #include "gateway/token.h"
 #include "gateway/webhook_delivery.h"
 
@@ -33,6 +35,12 @@ struct GatewayOptions {
   int channels = 2;                            // connections to each service
   absl::Duration patience = absl::Seconds(5);  // with a service that is not there, of calls unsent
   int http_threads = 2;                        // that serve the HTTP door
+  // Connections of clients at a time, for each door; 0: half of what the process's limit of
+  // descriptors leaves.
+  int most_connections = 0;
+  OpenCallLimits open_calls;  // what is more than the services' connections carry is cut
+  int64_t body_bytes = int64_t{256} << 20;  // of large bodies at a time, over HTTP
+  HttpPatience http_patience;
   WebhookDeliveryOptions webhooks;
 };
 

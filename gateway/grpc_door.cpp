@@ -5,16 +5,17 @@
 #include <grpcpp/health_check_service_interface.h>
 #include <grpcpp/impl/server_builder_option.h>
 #include <grpcpp/impl/server_builder_plugin.h>
+#include <grpcpp/resource_quota.h>
 #include <grpcpp/server.h>
 #include <grpcpp/server_builder.h>
 
 #include <algorithm>
 #include <mutex>
 
-#include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "common/base/errors.h"
-#include "common/rpc/server_host.h"
+#include "common/rpc/connection_acceptor.h"
+#include "common/rpc/server_limits.h"
 #include "gateway/wire.h"
 
 namespace mortise::gateway {
@@ -34,15 +35,25 @@ class WithoutReflectionPlugin final : public grpc::ServerBuilderOption {
   }
 };
 
+// Memory that the connections of all clients may take for what has not been passed on yet: when it
+// runs short, gRPC takes less from each, and ends some that are idle.
+constexpr std::size_t kMostBytesUnderWay = 512 << 20;
+
+// Tokens may be long, and what is too much is refused with words by the proxy.
+constexpr int kMostMetadataBytes = 64 * 1024;
+
+// A client whose connection is closed because it made no calls makes a new one for the next.
+constexpr int kIdleMilliseconds = 10 * 60 * 1000;
+
 void SetArguments(grpc::ServerBuilder& builder) {
-  builder.SetMaxReceiveMessageSize(rpc::kMaxMessageBytes);
+  rpc::SetServerLimits(builder, kMostMetadataBytes);
   builder.SetOption(std::make_unique<WithoutReflectionPlugin>());
-  builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
-  builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, 1000);
-  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, 30000);
-  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 10000);
-  builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, 5000);
-  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
+  // The proxy expands what is compressed with gzip; gRPC itself, nothing (rpc::SetServerLimits).
+  builder.SetCompressionAlgorithmSupportStatus(GRPC_COMPRESS_GZIP, true);
+  grpc::ResourceQuota memory("grpc-door");
+  memory.Resize(kMostBytesUnderWay);
+  builder.SetResourceQuota(memory);
+  builder.AddChannelArgument(GRPC_ARG_MAX_CONNECTION_IDLE_MS, kIdleMilliseconds);
   SetFlowControl(
       [&builder](const char* name, int value) { builder.AddChannelArgument(name, value); });
 }
@@ -60,25 +71,25 @@ class Door final : public GrpcDoor {
     grpc::EnableDefaultHealthCheckService(true);
     grpc::ServerBuilder builder;
     SetArguments(builder);
-    int port = 0;
-    builder.AddListeningPort(options_.listen, credentials, &port);
+    rpc::AcceptorOptions acceptor;
+    acceptor.listen = options_.listen;
+    acceptor.most_connections = options_.most_connections;
+    acceptor.take = rpc::TakesConnections(builder, credentials);
     builder.RegisterCallbackGenericService(proxy_.get());
     server_ = builder.BuildAndStart();
-    if (!server_ || port == 0) {
-      return WithDetail(
-          absl::UnavailableError(absl::StrCat("cannot listen on ", options_.listen,
-                                              ": in use, not permitted, or not ours")),
-          {"ADDRESS_IN_USE", options_.listen});
-    }
-    address_ = absl::StrCat(options_.listen.substr(0, options_.listen.rfind(':')), ":", port);
+    if (!server_) return absl::InternalError("gRPC could not start a server");
     server_->GetHealthCheckService()->SetServingStatus(false);
+    MORTISE_ASSIGN_OR_RETURN(acceptor_, rpc::ConnectionAcceptor::Start(std::move(acceptor)));
     return absl::OkStatus();
   }
 
   void SetReady() override { server_->GetHealthCheckService()->SetServingStatus(true); }
 
+  absl::Status Probe() override { return acceptor_->Probe(); }
+
   void Shutdown() override {
     std::call_once(shut_down_, [this] {
+      if (acceptor_) acceptor_->Stop();
       if (!server_) return;
       server_->GetHealthCheckService()->SetServingStatus(false);
       server_->Shutdown(absl::ToChronoTime(absl::Now() + options_.drain_time));
@@ -86,7 +97,7 @@ class Door final : public GrpcDoor {
     });
   }
 
-  const std::string& address() const override { return address_; }
+  const std::string& address() const override { return acceptor_->address(); }
 
   std::unique_ptr<GenericStub> LocalStub() override {
     return std::make_unique<GenericStub>(server_->InProcessChannel(grpc::ChannelArguments()));
@@ -96,7 +107,7 @@ class Door final : public GrpcDoor {
   const GrpcDoorOptions options_;
   const std::unique_ptr<grpc::CallbackGenericService> proxy_;
   std::unique_ptr<grpc::Server> server_;
-  std::string address_;
+  std::unique_ptr<rpc::ConnectionAcceptor> acceptor_;
   std::once_flag shut_down_;
 };
 

@@ -15,6 +15,7 @@ struct GrpcDoorOptions {
   std::string listen = "127.0.0.1:0";  // HOST:PORT; port 0 takes a free one
   rpc::ChannelSecurity security;       // certificate and key; none: plain text, on loopback only
   absl::Duration drain_time = absl::Seconds(10);
+  int most_connections = 0;  // at a time; 0: what the process's limit of descriptors leaves
 };
 
 class GrpcDoor {
@@ -28,6 +29,9 @@ class GrpcDoor {
   virtual ~GrpcDoor() = default;
 
   virtual void SetReady() = 0;
+
+  // Whether a client that connects now would be served (rpc::ConnectionAcceptor::Probe).
+  virtual absl::Status Probe() = 0;
 
   // Health says NOT_SERVING, new calls are refused, those in flight have `drain_time`, what is left
   // is cancelled. Once; blocks.

@@ -5,11 +5,16 @@
 #include <array>
 #include <boost/asio/post.hpp>
 #include <boost/asio/redirect_error.hpp>
+#include <boost/asio/steady_timer.hpp>
 #include <boost/asio/use_awaitable.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
 #include <boost/beast/ssl.hpp>
 #include <chrono>
+#include <limits>
+
+#include "common/base/identifiers.h"
+#include "gateway/admission.h"
 
 namespace mortise::gateway {
 namespace {
@@ -19,18 +24,23 @@ namespace beast = boost::beast;
 namespace http = boost::beast::http;
 using boost::system::error_code;
 
-constexpr std::chrono::seconds kIdleTime(75);
 constexpr std::chrono::seconds kWriteTime(60);
 constexpr std::chrono::seconds kDiscardTime(5);
 constexpr std::size_t kMaximalDiscardedBytes = 64 << 20;
 constexpr std::size_t kMaximalHeaderBytes = 64 * 1024;
+constexpr std::size_t kFirstBytes = 4096;
+// A body that was not wanted is taken nevertheless if it is no larger, which costs less than a new
+// connection.
+constexpr uint64_t kDroppedBytes = 64 * 1024;
+constexpr char kRequestIdHeader[] = "x-request-id";
 constexpr char kServerName[] = "mortise-gateway";
 
 template <class Stream>
 class Connection final : public HttpConnection,
                          public std::enable_shared_from_this<Connection<Stream>> {
  public:
-  explicit Connection(Stream stream) : stream_(std::move(stream)) {
+  Connection(Stream stream, const HttpPatience& patience)
+      : stream_(std::move(stream)), patience_(patience) {
     error_code ignored;
     Socket().set_option(asio::ip::tcp::no_delay(true), ignored);
   }
@@ -46,29 +56,75 @@ class Connection final : public HttpConnection,
     co_return true;
   }
 
-  asio::awaitable<HttpReadResult> Read(HttpRequest& request) override {
+  asio::awaitable<bool> AwaitRequest() override {
+    if (buffer_.size() > 0) co_return true;
     error_code error;
-    http::request_parser<http::string_body> parser;
-    parser.body_limit(kMaximalBodyBytes);
-    parser.header_limit(kMaximalHeaderBytes);
-    Lowest().expires_after(kIdleTime);
-    co_await http::async_read_header(stream_, buffer_, parser,
+    Lowest().expires_after(patience_.idle);
+    const std::size_t size = co_await stream_.async_read_some(
+        buffer_.prepare(kFirstBytes), asio::redirect_error(asio::use_awaitable, error));
+    buffer_.commit(size);
+    co_return !error;
+  }
+
+  asio::awaitable<HttpReadResult> ReadHead(HttpRequest& request) override {
+    request_id_ = NewIdentifier();
+    lost_ = false;
+    parser_.emplace();
+    // How long a body may be is asked when it is wanted.
+    parser_->body_limit(std::numeric_limits<uint64_t>::max());
+    parser_->header_limit(kMaximalHeaderBytes);
+    error_code error;
+    Lowest().expires_after(patience_.head);
+    co_await http::async_read_header(stream_, buffer_, *parser_,
                                      asio::redirect_error(asio::use_awaitable, error));
-    if (!error && beast::iequals(parser.get()[http::field::expect], "100-continue")) {
-      http::response<http::empty_body> go_on(http::status::continue_, parser.get().version());
+    if (error) co_return ResultOf(error);
+    static_cast<HttpRequest::header_type&>(request) = parser_->get().base();
+    const auto given = request[kRequestIdHeader];
+    if (IsRequestId({given.data(), given.size()})) request_id_ = std::string(given);
+    request.set(kRequestIdHeader, request_id_);
+    co_return HttpReadResult::kRead;
+  }
+
+  std::optional<uint64_t> BodyBytes() const override {
+    if (parser_->is_done()) return 0;
+    const auto length = parser_->content_length();
+    return length ? std::optional<uint64_t>(*length) : std::nullopt;
+  }
+
+  asio::awaitable<HttpReadResult> ReadBody(HttpRequest& request) override {
+    lost_ = true;  // unless it comes to its end
+    if (BodyBytes().value_or(0) > kMaximalBodyBytes) co_return HttpReadResult::kTooLarge;
+    parser_->body_limit(kMaximalBodyBytes);
+    error_code error;
+    if (AwaitsLeave()) {
+      http::response<http::empty_body> go_on(http::status::continue_, parser_->get().version());
+      Lowest().expires_after(kWriteTime);
       co_await http::async_write(stream_, go_on, asio::redirect_error(asio::use_awaitable, error));
     }
-    if (!error) {
-      co_await http::async_read(stream_, buffer_, parser,
-                                asio::redirect_error(asio::use_awaitable, error));
+    Lowest().expires_never();
+    const auto limit = std::make_shared<Limit>(stream_.get_executor());
+    const auto begin = std::chrono::steady_clock::now() + patience_.body;
+    std::size_t received = 0;
+    while (!error && !parser_->is_done()) {
+      const std::chrono::microseconds earned(received * 1000000 / patience_.least_rate);
+      Arm(limit, begin + earned);
+      received += co_await http::async_read_some(stream_, buffer_, *parser_,
+                                                 asio::redirect_error(asio::use_awaitable, error));
     }
-    request = parser.release();
-    if (!error) co_return HttpReadResult::kRequest;
-    if (error == http::error::body_limit) co_return HttpReadResult::kTooLarge;
-    const bool end = error == http::error::end_of_stream || error == http::error::partial_message;
-    const bool malformed =
-        error.category() == http::make_error_code(http::error::bad_version).category();
-    co_return malformed && !end ? HttpReadResult::kMalformed : HttpReadResult::kClosed;
+    limit->over = true;
+    limit->timer.cancel();
+    if (limit->passed) co_return HttpReadResult::kTooSlow;
+    if (error) co_return ResultOf(error);
+    lost_ = false;
+    request.body() = std::move(parser_->get().body());
+    co_return HttpReadResult::kRead;
+  }
+
+  asio::awaitable<bool> DropBody() override {
+    if (parser_->is_done()) co_return true;
+    if (lost_ || !MayDropBody()) co_return false;
+    HttpRequest dropped;
+    co_return co_await ReadBody(dropped) == HttpReadResult::kRead;
   }
 
   asio::awaitable<bool> Write(int status, const HeaderList& headers, std::string body,
@@ -77,9 +133,20 @@ class Connection final : public HttpConnection,
     FillHead(response, status, headers, keep_alive);
     response.body() = std::move(body);
     response.prepare_payload();
+    // Beast tells a length of 0, which such an answer must not have (RFC 9110, 8.6).
+    if (response.result() == http::status::no_content) {
+      response.erase(http::field::content_length);
+    }
     error_code error;
     Lowest().expires_after(kWriteTime);
-    co_await http::async_write(stream_, response, asio::redirect_error(asio::use_awaitable, error));
+    if (IsHead()) {
+      http::response_serializer<http::string_body> serializer(response);
+      co_await http::async_write_header(stream_, serializer,
+                                        asio::redirect_error(asio::use_awaitable, error));
+    } else {
+      co_await http::async_write(stream_, response,
+                                 asio::redirect_error(asio::use_awaitable, error));
+    }
     co_return !error;
   }
 
@@ -146,6 +213,54 @@ class Connection final : public HttpConnection,
   }
 
  private:
+  // When a body has taken too long, the read is ended; the connection can still answer.
+  struct Limit {
+    explicit Limit(const asio::any_io_executor& executor) : timer(executor) {}
+    asio::steady_timer timer;
+    bool passed = false;
+    bool over = false;  // the body is there
+  };
+
+  void Arm(const std::shared_ptr<Limit>& limit, std::chrono::steady_clock::time_point end) {
+    limit->timer.expires_at(end);
+    limit->timer.async_wait([self = this->shared_from_this(), limit](const error_code& error) {
+      if (error || limit->over) return;
+      limit->passed = true;
+      error_code ignored;
+      self->Socket().cancel(ignored);
+    });
+  }
+
+  static HttpReadResult ResultOf(const error_code& error) {
+    if (error == http::error::body_limit || error == http::error::header_limit) {
+      return HttpReadResult::kTooLarge;
+    }
+    if (error == http::error::end_of_stream || error == http::error::partial_message) {
+      return HttpReadResult::kClosed;
+    }
+    const bool malformed =
+        error.category() == http::make_error_code(http::error::bad_version).category();
+    return malformed ? HttpReadResult::kMalformed : HttpReadResult::kClosed;
+  }
+
+  // Whether the client sends the body only when it is told to.
+  bool AwaitsLeave() const {
+    return beast::iequals(parser_->get()[http::field::expect], "100-continue");
+  }
+
+  bool MayDropBody() const {
+    return !AwaitsLeave() && BodyBytes().value_or(kDroppedBytes + 1) <= kDroppedBytes;
+  }
+
+  bool IsHead() const {
+    return parser_ && parser_->is_header_done() && parser_->get().method() == http::verb::head;
+  }
+
+  // Whether the client's next request can be found behind this one.
+  bool MayGoOn() const {
+    return parser_ && parser_->is_header_done() && !lost_ && (parser_->is_done() || MayDropBody());
+  }
+
   static constexpr bool kSecure = !std::is_same_v<Stream, beast::tcp_stream>;
 
   auto& Lowest() { return beast::get_lowest_layer(stream_); }
@@ -180,28 +295,37 @@ class Connection final : public HttpConnection,
   }
 
   template <class Response>
-  static void FillHead(Response& response, int status, const HeaderList& headers, bool keep_alive) {
+  void FillHead(Response& response, int status, const HeaderList& headers, bool keep_alive) const {
     response.result(static_cast<unsigned>(status));
     response.set(http::field::server, kServerName);
     for (const auto& [name, value] : headers) response.insert(name, value);
-    response.keep_alive(keep_alive);
+    if (response.find(kRequestIdHeader) == response.end()) {
+      response.set(kRequestIdHeader, request_id_);
+    }
+    response.keep_alive(keep_alive && MayGoOn());
   }
 
   Stream stream_;
+  const HttpPatience patience_;
   beast::flat_buffer buffer_;
+  std::optional<http::request_parser<http::string_body>> parser_;  // of the request in hand
+  bool lost_ = false;  // what the client sends next is the rest of a body
+  std::string request_id_ = NewIdentifier();
   bool watching_ = false;
 };
 
 }  // namespace
 
 std::shared_ptr<HttpConnection> MakeHttpConnection(asio::ip::tcp::socket socket,
-                                                   asio::ssl::context* security) {
+                                                   asio::ssl::context* security,
+                                                   const HttpPatience& patience) {
   if (security == nullptr) {
-    return std::make_shared<Connection<beast::tcp_stream>>(beast::tcp_stream(std::move(socket)));
+    return std::make_shared<Connection<beast::tcp_stream>>(beast::tcp_stream(std::move(socket)),
+                                                           patience);
   }
   using Secure = beast::ssl_stream<beast::tcp_stream>;
   return std::make_shared<Connection<Secure>>(
-      Secure(beast::tcp_stream(std::move(socket)), *security));
+      Secure(beast::tcp_stream(std::move(socket)), *security), patience);
 }
 
 }  // namespace mortise::gateway

@@ -5,8 +5,11 @@
 #include <boost/asio/ssl/context.hpp>
 #include <boost/beast/http/message.hpp>
 #include <boost/beast/http/string_body.hpp>
+#include <chrono>
+#include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -20,8 +23,17 @@ using HttpRequest = boost::beast::http::request<boost::beast::http::string_body>
 
 inline constexpr std::size_t kMaximalBodyBytes = 4 * 1024 * 1024;
 
-// What reading a request came to.
-enum class HttpReadResult { kRequest, kTooLarge, kMalformed, kClosed };
+// How long a client may take, and how much it may have unread.
+struct HttpPatience {
+  std::chrono::milliseconds idle{75000};  // between requests
+  std::chrono::milliseconds head{20000};  // from the first byte of a request to the end of its head
+  // For a body, and in addition a second for every so many bytes that have come.
+  std::chrono::milliseconds body{10000};
+  std::size_t least_rate = 64 * 1024;
+};
+
+// What reading the head of a request, or its body, came to.
+enum class HttpReadResult { kRead, kTooLarge, kTooSlow, kMalformed, kClosed };
 
 // Used by one coroutine, on the connection's own strand, apart from Close.
 class HttpConnection {
@@ -31,11 +43,26 @@ class HttpConnection {
   // TLS handshake, where there is one. False if it failed.
   virtual boost::asio::awaitable<bool> Open() = 0;
 
-  // The next request; its body has at most kMaximalBodyBytes. After kTooLarge and kMalformed the
-  // connection can still answer, and must then be closed.
-  virtual boost::asio::awaitable<HttpReadResult> Read(HttpRequest& request) = 0;
+  // Waits until the client begins a request. False if it left, or was idle for too long.
+  virtual boost::asio::awaitable<bool> AwaitRequest() = 0;
 
-  // A whole answer. False if the client is gone.
+  // The request without its body. Its `x-request-id` is the client's, or one made here; every
+  // answer carries it. After kTooLarge and kMalformed the connection can still answer, and must
+  // then be closed.
+  virtual boost::asio::awaitable<HttpReadResult> ReadHead(HttpRequest& request) = 0;
+
+  // How long the body is; nothing if that is not said beforehand.
+  virtual std::optional<uint64_t> BodyBytes() const = 0;
+
+  // The body, of at most kMaximalBodyBytes. Once. After anything but kRead the connection must be
+  // closed when it has answered.
+  virtual boost::asio::awaitable<HttpReadResult> ReadBody(HttpRequest& request) = 0;
+
+  // When a request has been answered: takes and drops its body if that has not been read. False if
+  // it is too much; answers have then told the client that the connection will be closed.
+  virtual boost::asio::awaitable<bool> DropBody() = 0;
+
+  // A whole answer, of which a HEAD request gets the headers. False if the client is gone.
   virtual boost::asio::awaitable<bool> Write(int status, const HeaderList& headers,
                                              std::string body, bool keep_alive) = 0;
 
@@ -47,8 +74,8 @@ class HttpConnection {
   virtual boost::asio::awaitable<bool> EndChunks() = 0;
 
   // Takes what the client still sends, for a few seconds and megabytes, and drops it. Before
-  // closing after kTooLarge: a connection closed with bytes unread is reset, and the answer lost
-  // with it.
+  // closing while the client sends: a connection closed with bytes unread is reset, and the answer
+  // lost with it.
   virtual boost::asio::awaitable<void> Discard() = 0;
 
   // While an answer is being prepared: calls `gone` if the client goes away. EndWatch before the
@@ -62,6 +89,7 @@ class HttpConnection {
 
 // `security` is null for plain text.
 std::shared_ptr<HttpConnection> MakeHttpConnection(boost::asio::ip::tcp::socket socket,
-                                                   boost::asio::ssl::context* security);
+                                                   boost::asio::ssl::context* security,
+                                                   const HttpPatience& patience);
 
 }  // namespace mortise::gateway

@@ -4,15 +4,19 @@
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/escaping.h"
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
 #include "common/base/identifiers.h"
 #include "common/rpc/status_mapping.h"
 #include "gateway/wire.h"
+#include "google/rpc/status.pb.h"
 
 namespace mortise::gateway {
 namespace {
 
 constexpr char kRequestIdHeader[] = "x-request-id";
+constexpr char kRetrySeconds[] = "1";
 
 // Headers that speak of this HTTP exchange and mean nothing to a service.
 bool IsOfTheExchange(std::string_view name) {
@@ -21,6 +25,18 @@ bool IsOfTheExchange(std::string_view name) {
          name.starts_with("access-control-") || name == "origin" || name == "referer" ||
          name == "expect" || name == "cache-control" || name == "pragma" ||
          name == "last-event-id" || name == "priority" || name == "upgrade-insecure-requests";
+}
+
+// Whether the refusal is for what others do at the moment.
+bool IsForNow(const ConnectError& error) {
+  for (const ErrorDetailBytes& detail : error.details) {
+    google::rpc::ErrorInfo info;
+    if (detail.type == info.GetTypeName() && info.ParseFromString(detail.value) &&
+        absl::StartsWith(info.reason(), "TOO_MANY_")) {
+      return true;
+    }
+  }
+  return false;
 }
 
 }  // namespace
@@ -60,6 +76,27 @@ void AppendMetadata(HeaderList& headers, const HeaderList& metadata, const char*
   }
 }
 
+absl::StatusOr<std::shared_ptr<const Caller>> CallerOf(const HttpContext& context,
+                                                       const HttpRequest& request) {
+  if (request.count(boost::beast::http::field::authorization) > 1) return SeveralTokens();
+  return context.admission->Authenticate(HeaderOf(request, "authorization"));
+}
+
+absl::Status CheckPassedHeaders(const HeaderList& metadata) {
+  PassedMetadata passed;
+  for (const auto& [name, value] : metadata) {
+    if (!IsReservedMetadata(name)) passed.Add(name, value);
+  }
+  return passed.Check("headers");
+}
+
+absl::Status TooManyAtATime(std::string_view what) {
+  const std::string words(what);
+  return WithDetail(
+      absl::ResourceExhaustedError(absl::StrCat("too many ", words, " at a time; try again later")),
+      {"TOO_MANY_CALLS", words});
+}
+
 boost::asio::awaitable<bool> WriteError(HttpConnection& connection, const ConnectError& error,
                                         HeaderList headers, bool keep_alive) {
   const int status = HttpStatusOf(error.code);
@@ -73,6 +110,7 @@ boost::asio::awaitable<bool> WriteErrorAs(int status, HttpConnection& connection
   if (error.code == absl::StatusCode::kUnauthenticated) {
     headers.emplace_back("www-authenticate", "Bearer");
   }
+  if (IsForNow(error)) headers.emplace_back("retry-after", kRetrySeconds);
   co_return co_await connection.Write(status, headers, ErrorJson(error), keep_alive);
 }
 

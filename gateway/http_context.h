@@ -8,9 +8,11 @@
 #include <utility>
 
 #include "gateway/admission.h"
+#include "gateway/budget.h"
 #include "gateway/client_call.h"
 #include "gateway/contract.h"
 #include "gateway/http_connection.h"
+#include "gateway/open_calls.h"
 #include "gateway/transcoder.h"
 
 namespace mortise::gateway {
@@ -20,11 +22,15 @@ struct HttpContext {
   const Contract* contract = nullptr;
   const Transcoder* transcoder = nullptr;
   Admission* admission = nullptr;
-  GenericStub* stub = nullptr;           // of the gRPC door, in this process
+  GenericStub* stub = nullptr;  // of the gRPC door, in this process
+  OpenCalls* open_calls = nullptr;
+  Budget* bodies = nullptr;              // bytes of bodies, by subject
+  Budget* answers = nullptr;             // answers that may take long: streams, and calls that wait
+  bool loopback_names_only = false;      // of `Host`: others are refused
   std::string openapi;                   // the document
   std::string version;                   // of the gateway
   std::function<std::string()> metrics;  // in Prometheus' text format
-  std::function<bool()> serving;         // false while the gateway drains
+  std::function<absl::Status()> health;  // why it does not serve, if it does not
 };
 
 // The value of a header; empty if it is absent.
@@ -32,6 +38,13 @@ std::string_view HeaderOf(const HttpRequest& request, std::string_view name);
 
 // The header "x-request-id" of the answer: the client's own, or one made here.
 std::pair<std::string, std::string> RequestIdOf(const HttpRequest& request);
+
+// Who sends the request; fails as Admission::Authenticate does.
+absl::StatusOr<std::shared_ptr<const Caller>> CallerOf(const HttpContext& context,
+                                                       const HttpRequest& request);
+
+// RESOURCE_EXHAUSTED, METADATA_TOO_LARGE if these headers are more than a service takes.
+absl::Status CheckPassedHeaders(const HeaderList& metadata);
 
 // The headers of a request that become metadata of the call: tokens, the request id (made here if
 // the client gave none) and what is neither reserved nor the protocol's own; `-bin` ones decoded.
@@ -44,7 +57,11 @@ void AppendMetadata(HeaderList& headers, const HeaderList& metadata, const char*
 boost::asio::awaitable<bool> WriteError(HttpConnection& connection, const ConnectError& error,
                                         HeaderList headers, bool keep_alive);
 
-// The same with a status that says more than the code's.
+// RESOURCE_EXHAUSTED, TOO_MANY_CALLS: `what` is too many at a time.
+absl::Status TooManyAtATime(std::string_view what);
+
+// The same with a status that says more than the code's. Where trying again later may help, the
+// answer says so (Retry-After).
 boost::asio::awaitable<bool> WriteErrorAs(int status, HttpConnection& connection,
                                           const ConnectError& error, HeaderList headers,
                                           bool keep_alive);

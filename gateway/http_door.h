@@ -6,6 +6,7 @@
 
 #include "absl/status/statusor.h"
 #include "common/rpc/channel_security.h"
+#include "gateway/http_connection.h"
 
 namespace mortise::gateway {
 
@@ -15,7 +16,8 @@ struct HttpDoorOptions {
   std::string listen = "127.0.0.1:0";  // HOST:PORT; port 0 takes a free one
   rpc::ChannelSecurity security;       // certificate and key; none: plain text
   int threads = 2;                     // that serve all connections
-  int max_connections = 4096;          // more are closed at once
+  int most_connections = 0;  // at a time; 0: what the process's limit of descriptors leaves
+  HttpPatience patience;
 };
 
 class HttpDoor {
@@ -28,8 +30,12 @@ class HttpDoor {
   // Ends every connection.
   virtual ~HttpDoor() = default;
 
-  // Takes no new connections; those that are open are closed after the answer in hand.
+  // Takes no new connections, blocks until that is so; those that are open are closed after the
+  // answer in hand.
   virtual void BeginDrain() = 0;
+
+  // Whether a client that connects now would be served (rpc::ConnectionAcceptor::Probe).
+  virtual absl::Status Probe() = 0;
 
   // The address bound, host:port.
   virtual const std::string& address() const = 0;

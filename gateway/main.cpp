@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "common/base/descriptor_limit.h"
 #include "common/base/logging.h"
 #include "gateway/gateway.h"
 
@@ -68,6 +69,15 @@ void AddFlags(CLI::App& app, GatewayOptions& options, RawFlags& raw) {
       ->check(CLI::Range(1, 64));
   app.add_option("--http-threads", options.http_threads, "Threads of the HTTP door")
       ->check(CLI::Range(1, 64));
+  app.add_option("--connections", options.most_connections,
+                 "Clients of each door at a time; by default what the limit of open files leaves")
+      ->envname("MORTISE_CONNECTIONS")
+      ->check(CLI::Range(1, 1000000));
+  app.add_option("--streams-of-subject", options.open_calls.streams.of_subject,
+                 "Streams that one subject may have open")
+      ->envname("MORTISE_STREAMS_OF_SUBJECT")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1000000));
   app.add_option("--log-level", raw.log_level, "debug, info, warning or error")
       ->envname("MORTISE_LOG_LEVEL")
       ->check(CLI::IsMember({"debug", "info", "warning", "error"}));
@@ -101,6 +111,7 @@ int Run(const GatewayOptions& options) {
   sigaddset(&signals, SIGINT);
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   signal(SIGPIPE, SIG_IGN);
+  mortise::RaiseDescriptorLimit();
 
   auto gateway = Gateway::Start(options);
   if (!gateway.ok()) {

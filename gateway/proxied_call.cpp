@@ -1,5 +1,7 @@
 #include "gateway/proxied_call.h"
 
+#include <algorithm>
+
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/base/identifiers.h"
@@ -33,6 +35,14 @@ bool MayBeUnreadable(const grpc::Status& status) {
   return status.error_code() == grpc::StatusCode::UNIMPLEMENTED && status.error_details().empty();
 }
 
+// When a caller's token is good no more; years away for callers without one.
+std::chrono::system_clock::time_point ExpiryOf(const Caller& caller) {
+  if (caller.expires_at == absl::InfiniteFuture()) {
+    return std::chrono::system_clock::time_point::max();
+  }
+  return absl::ToChronoTime(caller.expires_at);
+}
+
 }  // namespace
 
 ProxiedCall::ProxiedCall(const ProxyOptions& proxy, const MethodRoute* method,
@@ -48,9 +58,24 @@ absl::Status ProxiedCall::Admit() {
   if (method_ == nullptr) {
     return NotBuilt(absl::StrCat("the method ", context_->method()));
   }
+  if (context_->client_metadata().count("authorization") > 1) return SeveralTokens();
   MORTISE_ASSIGN_OR_RETURN(
       caller_, proxy_.admission->Authenticate(Find(context_->client_metadata(), "authorization")));
-  return proxy_.admission->Authorize(*method_, *caller_);
+  MORTISE_RETURN_IF_ERROR(proxy_.admission->Authorize(*method_, *caller_));
+  MORTISE_RETURN_IF_ERROR(CheckMetadata());
+  // The HTTP door counts what it must answer before this call begins.
+  const std::string_view pass = Find(context_->client_metadata(), kCountedMetadata);
+  if (pass == proxy_.open_calls->pass()) return absl::OkStatus();
+  MORTISE_ASSIGN_OR_RETURN(place_, proxy_.open_calls->Enter(method_->kind, caller_->subject));
+  return absl::OkStatus();
+}
+
+absl::Status ProxiedCall::CheckMetadata() const {
+  PassedMetadata passed;
+  for (const auto& [key, value] : context_->client_metadata()) {
+    if (IsPassedOn(View(key), View(value))) passed.Add(View(key), View(value));
+  }
+  return passed.Check("metadata");
 }
 
 GenericStub* ProxiedCall::Prepare(const grpc::ByteBuffer* first, absl::Status& error) {
@@ -62,7 +87,11 @@ GenericStub* ProxiedCall::Prepare(const grpc::ByteBuffer* first, absl::Status& e
     return nullptr;
   }
   service_ = *std::move(service);
-  upstream_.set_deadline(context_->deadline());
+  if (place_ != nullptr) error = place_->EnterService(service_);
+  if (!error.ok()) return nullptr;
+  const bool endless = method_->kind == CallKind::kStream;
+  upstream_.set_deadline(endless ? std::min(context_->deadline(), ExpiryOf(*caller_))
+                                 : context_->deadline());
   for (const auto& [key, value] : context_->client_metadata()) {
     if (!IsPassedOn(View(key), View(value))) continue;
     upstream_.AddMetadata(std::string(View(key)), std::string(View(value)));
@@ -70,10 +99,10 @@ GenericStub* ProxiedCall::Prepare(const grpc::ByteBuffer* first, absl::Status& e
   upstream_.AddMetadata(rpc::kTraceMetadata, request_id_);
   const std::string identity = proxy_.admission->SignedIdentity(*caller_);
   if (!identity.empty()) upstream_.AddMetadata(rpc::kIdentityMetadata, identity);
-  const Upstreams::Connection* connection = proxy_.upstreams->Next(service_);
-  patience_.emplace(connection->channel, upstream_,
+  connection_ = proxy_.upstreams->Take(service_, method_->kind);
+  patience_.emplace(connection_->channel, upstream_,
                     absl::ToChronoMilliseconds(proxy_.upstreams->options().patience));
-  return connection->stub.get();
+  return connection_->stub.get();
 }
 
 void ProxiedCall::CopyInitialMetadata() {
@@ -89,6 +118,9 @@ grpc::Status ProxiedCall::Conclude(const grpc::Status& upstream, const grpc::Byt
     if (!IsPassedOn(View(key), View(value))) continue;
     context_->AddTrailingMetadata(std::string(View(key)), std::string(View(value)));
   }
+  if (ExpiredWith(upstream)) {
+    return rpc::ToGrpc(IdentityInvalid("the token expired, and the stream ends with it"));
+  }
   if (request != nullptr && MayBeUnreadable(upstream) &&
       !proxy_.contract->IsRequest(*method_, ToString(*request))) {
     return rpc::ToGrpc(UnreadableRequest());
@@ -102,6 +134,15 @@ grpc::Status ProxiedCall::Conclude(const grpc::Status& upstream, const grpc::Byt
   return rpc::ToGrpc(PeerUnavailable(
       service_,
       absl::StrCat("the ", service_, " service cannot be reached: ", upstream.error_message())));
+}
+
+// A stream ends with its token by its deadline, which a service may also notice and say so.
+bool ProxiedCall::ExpiredWith(const grpc::Status& upstream) const {
+  const auto now = std::chrono::system_clock::now();
+  const bool ended_for_time = upstream.error_code() == grpc::StatusCode::DEADLINE_EXCEEDED ||
+                              upstream.error_code() == grpc::StatusCode::CANCELLED;
+  return method_->kind == CallKind::kStream && ended_for_time && now >= ExpiryOf(*caller_) &&
+         now < context_->deadline();
 }
 
 void ProxiedCall::Record(const grpc::Status& status) {

@@ -24,12 +24,13 @@ class ProxiedCall {
   ProxiedCall(const ProxiedCall&) = delete;
   ProxiedCall& operator=(const ProxiedCall&) = delete;
 
-  // Checks token and role. The request id is known, and promised to the client, in any case.
+  // Checks token, role, metadata and the number of calls. The request id is known, and promised to
+  // the client, in any case.
   absl::Status Admit();
 
   // Finds the service and fills the context of the call to it: deadline, metadata, identity.
   // `first` is read only where the route depends on the message. Null with `error` set if there is
-  // no such service.
+  // no such service, or it has too many calls.
   GenericStub* Prepare(const grpc::ByteBuffer* first, absl::Status& error);
 
   // Passes what the service sent before its first message on to the client.
@@ -49,12 +50,17 @@ class ProxiedCall {
   grpc::ClientContext& upstream() { return upstream_; }
 
  private:
+  absl::Status CheckMetadata() const;
+  bool ExpiredWith(const grpc::Status& upstream) const;
+
   const ProxyOptions& proxy_;
   const MethodRoute* method_;
   grpc::GenericCallbackServerContext* context_;
   grpc::ClientContext upstream_;
+  std::shared_ptr<const Upstreams::Connection> connection_;
   std::optional<ConnectionPatience> patience_;
   std::shared_ptr<const Caller> caller_;
+  std::unique_ptr<OpenCalls::Place> place_;
   std::string request_id_;
   std::string service_;
   const std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();

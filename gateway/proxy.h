@@ -7,6 +7,10 @@
 // connections this bounds the memory of a stream, however fast one side and slow the other.
 // Deadlines, cancellation, metadata, status and status details pass through in both directions.
 //
+// A stream ends with the token that it was begun with. Calls are counted by kind, subject and
+// service, so that none takes what others need (open_calls.h). Compressed messages are expanded
+// here, within the limit of messages.
+//
 // Methods of OperationService and EventService that name an operation or a stream in their first
 // message go to the service named there.
 #pragma once
@@ -19,6 +23,7 @@
 #include "gateway/admission.h"
 #include "gateway/call_log.h"
 #include "gateway/contract.h"
+#include "gateway/open_calls.h"
 #include "gateway/upstreams.h"
 
 namespace grpc {
@@ -32,6 +37,7 @@ struct ProxyOptions {
   const Contract* contract = nullptr;
   const Upstreams* upstreams = nullptr;
   Admission* admission = nullptr;
+  OpenCalls* open_calls = nullptr;
   CallLog* log = nullptr;
 };
 

@@ -1,6 +1,12 @@
 #include "gateway/query.h"
 
+#include <arpa/inet.h>
+#include <netinet/in.h>
+
+#include <algorithm>
+
 #include "absl/strings/ascii.h"
+#include "absl/strings/match.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
@@ -49,14 +55,55 @@ absl::Status ForEachPart(std::string_view text, char separator, const Part& part
   return absl::OkStatus();
 }
 
+// Cuts "http://host:7780" off the beginning of a target, and returns "host:7780"; a path is left.
+std::string TakeAuthority(std::string_view& target) {
+  for (const absl::string_view scheme : {"http://", "https://"}) {
+    if (!absl::StartsWithIgnoreCase({target.data(), target.size()}, scheme)) continue;
+    const auto begin = scheme.size();
+    const auto end = std::min(target.find_first_of("/?", begin), target.size());
+    std::string authority(target.substr(begin, end - begin));
+    target = end == target.size() ? "/" : target.substr(end);
+    return authority;
+  }
+  return {};
+}
+
+bool IsLoopbackAddress(const std::string& host, bool bracketed) {
+  in_addr four = {};
+  in6_addr six = {};
+  if (bracketed) {
+    return inet_pton(AF_INET6, host.c_str(), &six) == 1 && IN6_IS_ADDR_LOOPBACK(&six);
+  }
+  return inet_pton(AF_INET, host.c_str(), &four) == 1 && ntohl(four.s_addr) >> 24 == 127;
+}
+
+bool IsPort(std::string_view text) {
+  return text.size() <= 5 && std::all_of(text.begin(), text.end(), [](char c) {
+           return absl::ascii_isdigit(static_cast<unsigned char>(c));
+         });
+}
+
 }  // namespace
 
+bool IsLoopbackAuthority(std::string_view authority) {
+  const bool bracketed = authority.starts_with('[');
+  const auto end = bracketed ? authority.find(']') : authority.find(':');
+  if (bracketed && end == std::string_view::npos) return false;
+  const std::string host(bracketed ? authority.substr(1, end - 1) : authority.substr(0, end));
+  std::string_view rest =
+      end == std::string_view::npos ? std::string_view() : authority.substr(end + bracketed);
+  if (!rest.empty() && (rest.front() != ':' || !IsPort(rest.substr(1)))) return false;
+  return (!bracketed && absl::EqualsIgnoreCase(host, "localhost")) ||
+         IsLoopbackAddress(host, bracketed);
+}
+
 absl::StatusOr<Target> ParseTarget(std::string_view target) {
-  if (!target.starts_with('/')) return InvalidField("target", "must begin with '/'");
-  if (target.size() > kMaximalTargetBytes) return InvalidField("target", "is too long");
+  if (target.size() > kMaximalTargetBytes) return InvalidField("target", "is longer than 8 KiB");
   target = target.substr(0, target.find('#'));
-  const auto question = target.find('?');
   Target result;
+  result.authority = TakeAuthority(target);
+  if (!target.starts_with('/')) return InvalidField("target", "must begin with '/'");
+  const auto question = target.find('?');
   MORTISE_ASSIGN_OR_RETURN(result.path, Unescape(target.substr(0, question), false));
   if (question == std::string_view::npos) return result;
   MORTISE_RETURN_IF_ERROR(

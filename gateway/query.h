@@ -13,13 +13,21 @@ namespace mortise::gateway {
 
 // The path and the decoded parameters of a request target ("/events?streams=a,b&after=3").
 struct Target {
+  std::string authority;  // "127.0.0.1:7780" of a target with a scheme; empty for others
   std::string path;
   std::map<std::string, std::string> parameters;  // the last of a name counts
 };
 
-// INVALID_ARGUMENT for a target that does not begin with '/', is longer than 8 KiB, or has a
-// malformed %-escape.
+// A target may also have a scheme and a host, as sent to proxies (RFC 9112, 3.2.2).
+// INVALID_ARGUMENT for one that begins with neither these nor '/', is longer than 8 KiB, or has a
+// malformed
+// %-escape.
 absl::StatusOr<Target> ParseTarget(std::string_view target);
+
+// Whether an authority, as in `Host`, is a name of this machine for itself: localhost, 127.0.0.0/8
+// or [::1], with or without a port. Another name may be of a page that a browser shows, which has
+// had its own name point here to speak for itself (DNS rebinding).
+bool IsLoopbackAuthority(std::string_view authority);
 
 // "a,b,c" as a list; empty parts are left out.
 std::vector<std::string> SplitList(std::string_view text);

@@ -25,20 +25,21 @@ namespace asio = boost::asio;
 
 constexpr std::chrono::seconds kHeartbeat(15);
 constexpr std::size_t kMaximalWaitingMessages = 64;
+constexpr char kGateway[] = "gateway";  // the service that brings all events together
 constexpr char kListStreams[] = "/mortise.v1.EventService/ListStreams";
 constexpr char kFollowEvents[] = "/mortise.v1.EventService/FollowEvents";
 constexpr char kWatchOperation[] = "/mortise.v1.OperationService/WatchOperation";
 
-// Messages of several calls, for one coroutine that also wants to know when nothing comes. All on
-// the connection's strand.
+// Messages of a call, for a coroutine that also wants to know when nothing comes. All on the
+// connection's strand.
 class Feed : public std::enable_shared_from_this<Feed> {
  public:
   explicit Feed(asio::any_io_executor executor)
       : executor_(executor), arrived_(executor), room_(executor) {}
 
-  void Add(std::shared_ptr<ClientCall> call) {
-    calls_.push_back(call);
-    ++reading_;
+  void Begin(std::shared_ptr<ClientCall> call) {
+    call_ = call;
+    reading_ = true;
     auto self = shared_from_this();
     asio::co_spawn(
         executor_, [self, call]() { return self->ReadAll(call); }, asio::detached);
@@ -56,13 +57,13 @@ class Feed : public std::enable_shared_from_this<Feed> {
     co_return message;
   }
 
-  // No more messages will come: every call has ended, or one of them failed.
-  bool ended() const { return messages_.empty() && (reading_ == 0 || error_.has_value()); }
+  // No more messages will come.
+  bool ended() const { return messages_.empty() && !reading_; }
   const std::optional<ConnectError>& error() const { return error_; }
 
   void Cancel() {
     cancelled_ = true;
-    for (const auto& call : calls_) call->Cancel();
+    if (call_) call_->Cancel();
     arrived_.cancel();
     room_.cancel();
   }
@@ -76,8 +77,8 @@ class Feed : public std::enable_shared_from_this<Feed> {
         co_await Wait(room_, std::chrono::hours(24));
       }
     }
-    --reading_;
-    if (!error_) error_ = ToConnectError(call->status());
+    reading_ = false;
+    error_ = ToConnectError(call->status());
     arrived_.cancel();
   }
 
@@ -90,22 +91,21 @@ class Feed : public std::enable_shared_from_this<Feed> {
   asio::any_io_executor executor_;
   asio::steady_timer arrived_;
   asio::steady_timer room_;
-  std::vector<std::shared_ptr<ClientCall>> calls_;
+  std::shared_ptr<ClientCall> call_;
   std::deque<std::string> messages_;
   std::optional<ConnectError> error_;
-  int reading_ = 0;
+  bool reading_ = false;
   bool cancelled_ = false;
 };
 
 // Sends what the feed brings until it ends or the client leaves; `format` makes a message an event.
 template <class Format>
 asio::awaitable<void> SendFeed(HttpConnection& connection, const std::shared_ptr<Feed>& feed,
-                               const std::string& request_id, const Format& format) {
+                               const Format& format) {
   connection.WatchForLeaving([feed] { feed->Cancel(); });
   const HeaderList headers = {{"content-type", "text/event-stream"},
                               {"cache-control", "no-cache"},
-                              {"x-accel-buffering", "no"},
-                              {"x-request-id", request_id}};
+                              {"x-accel-buffering", "no"}};
   bool listening = co_await connection.BeginChunks(200, headers, false);
   // A first comment tells clients, and proxies that wait for a byte, that the stream is open.
   if (listening) listening = co_await connection.WriteChunk(": open\n\n");
@@ -127,10 +127,31 @@ asio::awaitable<void> SendFeed(HttpConnection& connection, const std::shared_ptr
   co_await connection.EndChunks();
 }
 
-absl::Status Admit(const HttpContext& context, const char* path, const HttpRequest& request) {
-  MORTISE_ASSIGN_OR_RETURN(const auto caller,
-                           context.admission->Authenticate(HeaderOf(request, "authorization")));
-  return context.admission->Authorize(*context.contract->Find(path), *caller);
+// What a stream takes of what there is for all. It is counted here and not where the call begins,
+// because what is counted here is not answered with 200 first.
+struct Places {
+  std::unique_ptr<OpenCalls::Place> call;
+  std::unique_ptr<Budget::Share> answer;
+};
+
+// For a caller who may have the stream of a method, which comes from `service`.
+absl::StatusOr<Places> Admit(const HttpContext& context, const char* path,
+                             const std::string& service, const HttpRequest& request) {
+  MORTISE_ASSIGN_OR_RETURN(const auto caller, CallerOf(context, request));
+  MORTISE_RETURN_IF_ERROR(context.admission->Authorize(*context.contract->Find(path), *caller));
+  Places places;
+  MORTISE_ASSIGN_OR_RETURN(places.call,
+                           context.open_calls->Enter(CallKind::kStream, caller->subject));
+  MORTISE_RETURN_IF_ERROR(places.call->EnterService(service));
+  places.answer = context.answers->Take(caller->subject, 1);
+  if (places.answer == nullptr) return TooManyAtATime("streams and waiting calls over HTTP");
+  return places;
+}
+
+// The metadata of a call that has its place.
+HeaderList Counted(const HttpContext& context, HeaderList metadata) {
+  metadata.emplace_back(kCountedMetadata, context.open_calls->pass());
+  return metadata;
 }
 
 // What a client asks of /events.
@@ -188,37 +209,39 @@ absl::StatusOr<EventPosition> FirstPosition(const EventsQuery& query,
 asio::awaitable<bool> HandleEvents(HttpConnection& connection, const HttpContext& context,
                                    const Target& target, const HttpRequest& request) {
   const HeaderList metadata = MetadataOf(request);
-  const HeaderList id = {metadata.front()};
-  absl::Status status = Admit(context, kFollowEvents, request);
+  const auto places = Admit(context, kFollowEvents, kGateway, request);
   const auto query = ReadEventsQuery(target, request);
-  if (status.ok()) status = query.status();
-  if (!status.ok()) co_return co_await WriteError(connection, ToConnectError(status), id, true);
+  const absl::Status status = places.ok() ? query.status() : places.status();
+  if (!status.ok()) co_return co_await WriteError(connection, ToConnectError(status), {}, true);
 
   const auto listing =
       ClientCall::StartUnary(*context.stub, {kListStreams, metadata, std::nullopt}, "");
   const std::optional<std::string> listed = co_await listing->Read();
   if (!listed) {
-    co_return co_await WriteError(connection, *ToConnectError(listing->status()), id, true);
+    co_return co_await WriteError(connection, *ToConnectError(listing->status()), {}, true);
   }
   v1::ListStreamsResponse streams;
   streams.ParseFromString(*listed);
   auto first = FirstPosition(*query, streams);
   if (!first.ok()) {
-    co_return co_await WriteError(connection, ToConnectError(first.status()), id, true);
+    co_return co_await WriteError(connection, ToConnectError(first.status()), {}, true);
   }
   EventPosition position = *std::move(first);
 
-  const auto feed = std::make_shared<Feed>(co_await asio::this_coro::executor);
+  v1::FollowEventsRequest follow;
   for (const auto& [stream, after] : position) {
-    v1::FollowEventsRequest follow;
     follow.add_streams(stream);
-    follow.set_after_number(after);
-    for (const std::string& type : query->types) follow.add_type_prefixes(type);
-    feed->Add(ClientCall::StartStreaming(*context.stub, {kFollowEvents, metadata, std::nullopt},
-                                         {follow.SerializeAsString()}));
+    v1::EventPosition& begin = *follow.add_positions();
+    begin.set_stream(stream);
+    begin.set_after_number(after);
   }
+  for (const std::string& type : query->types) follow.add_type_prefixes(type);
+  const auto feed = std::make_shared<Feed>(co_await asio::this_coro::executor);
+  feed->Begin(ClientCall::StartStreaming(*context.stub,
+                                         {kFollowEvents, Counted(context, metadata), std::nullopt},
+                                         {follow.SerializeAsString()}));
   const auto& type = *context.contract->Find(kFollowEvents)->descriptor->output_type();
-  co_await SendFeed(connection, feed, id.front().second, [&](const std::string& message) {
+  co_await SendFeed(connection, feed, [&](const std::string& message) {
     v1::Event event;
     event.ParseFromString(message);
     position[event.stream()] = event.number();
@@ -232,21 +255,22 @@ asio::awaitable<bool> HandleEvents(HttpConnection& connection, const HttpContext
 asio::awaitable<bool> HandleOperationWatch(HttpConnection& connection, const HttpContext& context,
                                            const std::string& operation,
                                            const HttpRequest& request) {
-  const HeaderList metadata = MetadataOf(request);
-  const HeaderList id = {metadata.front()};
-  if (const absl::Status status = Admit(context, kWatchOperation, request); !status.ok()) {
-    co_return co_await WriteError(connection, ToConnectError(status), id, true);
+  const auto places =
+      Admit(context, kWatchOperation, std::string(ServiceOfOperation(operation)), request);
+  if (!places.ok()) {
+    co_return co_await WriteError(connection, ToConnectError(places.status()), {}, true);
   }
   v1::WatchOperationRequest watch;
   watch.set_name(operation);
   const auto call = ClientCall::StartStreaming(
-      *context.stub, {kWatchOperation, metadata, std::nullopt}, {watch.SerializeAsString()});
+      *context.stub, {kWatchOperation, Counted(context, MetadataOf(request)), std::nullopt},
+      {watch.SerializeAsString()});
   // The first state comes at once, or a failure that deserves an HTTP status.
   const std::optional<std::string> now = co_await call->Read();
   if (!now) {
     const auto error = ToConnectError(call->status());
     co_return co_await WriteError(
-        connection, error.value_or(ToConnectError(ResourceNotFound(operation))), id, true);
+        connection, error.value_or(ToConnectError(ResourceNotFound(operation))), {}, true);
   }
   const auto& type = *context.contract->Find(kWatchOperation)->descriptor->output_type();
   const auto format = [&](const std::string& message) {
@@ -255,8 +279,8 @@ asio::awaitable<bool> HandleOperationWatch(HttpConnection& connection, const Htt
   };
   const auto feed = std::make_shared<Feed>(co_await asio::this_coro::executor);
   feed->Put(*now);
-  feed->Add(call);
-  co_await SendFeed(connection, feed, id.front().second, format);
+  feed->Begin(call);
+  co_await SendFeed(connection, feed, format);
   co_return false;
 }
 

@@ -3,6 +3,7 @@
 
 #include "common/base/errors.h"
 #include "common/rpc/status_mapping.h"
+#include "gateway/inflate.h"
 #include "gateway/proxied_call.h"
 
 namespace mortise::gateway {
@@ -28,8 +29,18 @@ class StreamForward final : public grpc::ServerGenericBidiReactor {
   }
 
   void OnReadDone(bool ok) override {
-    if (client_streaming_) return PassOn(ok);
+    const absl::Status readable = ok ? Inflate(from_client_) : absl::OkStatus();
+    if (client_streaming_) {
+      if (readable.ok()) return PassOn(ok);
+      {
+        std::lock_guard lock(mutex_);
+        refused_ = readable;
+      }
+      call_->Cancel();
+      return PassOn(false);
+    }
     if (!ok) return End(rpc::ToGrpc(InvalidField("request", "the call carries no message")));
+    if (!readable.ok()) return End(rpc::ToGrpc(readable));
     Connect(&from_client_);
   }
 
@@ -103,6 +114,12 @@ class StreamForward final : public grpc::ServerGenericBidiReactor {
   }
 
   void OnServiceDone(const grpc::Status& status) {
+    absl::Status refused;
+    {
+      std::lock_guard lock(mutex_);
+      refused = refused_;
+    }
+    if (!refused.ok()) return End(rpc::ToGrpc(refused));
     End(call_->Conclude(status, client_streaming_ ? nullptr : &from_client_));
   }
 
@@ -151,6 +168,7 @@ class StreamForward final : public grpc::ServerGenericBidiReactor {
   ByteBuffer from_service_;
   grpc::Status status_;
   std::mutex mutex_;
+  absl::Status refused_;          // of a message of the client's; guarded by mutex_
   bool service_over_ = false;     // nothing more goes to the service; guarded by mutex_
   bool passing_on_ = false;       // a write to the service is pending; guarded by mutex_
   bool writer_released_ = false;  // the client's pump gave its hold back; guarded by mutex_

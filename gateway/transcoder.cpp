@@ -85,6 +85,18 @@ absl::Status Refusal(std::vector<FieldViolation> faults) {
   return InvalidFields(faults);
 }
 
+// What would be refused with misleading words: nothing, and marks that some editors put first.
+absl::Status CheckText(std::string_view json) {
+  if (json.find_first_not_of(" \t\r\n") == std::string_view::npos) {
+    return InvalidField("request", "is empty; one without fields is {}");
+  }
+  for (const std::string_view mark : {"\xef\xbb\xbf", "\xff\xfe", "\xfe\xff"}) {
+    if (!json.starts_with(mark)) continue;
+    return InvalidField("request", "begins with a byte-order mark; JSON is UTF-8 without one");
+  }
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 Transcoder::Transcoder(const Contract& contract)
@@ -94,6 +106,7 @@ Transcoder::~Transcoder() = default;
 
 absl::StatusOr<std::string> Transcoder::ToBinary(const pb::Descriptor& type,
                                                  std::string_view json) const {
+  MORTISE_RETURN_IF_ERROR(CheckText(json));
   std::string binary;
   pb::io::ArrayInputStream input(json.data(), static_cast<int>(json.size()));
   pb::io::StringOutputStream output(&binary);

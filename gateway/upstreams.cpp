@@ -4,14 +4,20 @@
 #include <grpcpp/generic/generic_stub.h>
 #include <grpcpp/support/channel_arguments.h>
 
+#include <atomic>
 #include <chrono>
 #include <future>
 
 #include "common/base/errors.h"
+#include "common/rpc/server_limits.h"
 #include "gateway/wire.h"
 
 namespace mortise::gateway {
 namespace {
+
+// Open at a time on one connection: less than a service takes (rpc::kMostStreamsOfConnection), for
+// a call that is over here may not be there yet.
+constexpr int kUsualCalls = rpc::kMostStreamsOfConnection * 4 / 5;
 
 grpc::ChannelArguments Arguments() {
   grpc::ChannelArguments arguments;
@@ -24,15 +30,48 @@ grpc::ChannelArguments Arguments() {
   arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
   // The client decides what is tried again; and without retries nothing needs to be kept for one.
   arguments.SetInt(GRPC_ARG_ENABLE_RETRIES, 0);
+  // No service compresses; what is expanded has no limit.
+  arguments.SetInt(GRPC_COMPRESSION_CHANNEL_ENABLED_ALGORITHMS_BITSET, 1 << GRPC_COMPRESS_NONE);
   SetFlowControl([&arguments](const char* name, int value) { arguments.SetInt(name, value); });
   return arguments;
 }
 
 }  // namespace
 
+// Connections for calls of the same kind.
+struct Upstreams::Lane {
+  struct Counted {
+    Connection connection;
+    std::atomic<int> open{0};  // calls
+  };
+
+  void Fill(int count, const std::string& address,
+            const std::shared_ptr<grpc::ChannelCredentials>& credentials) {
+    for (int i = 0; i < count; ++i) {
+      auto& counted = *connections.emplace_back(std::make_unique<Counted>());
+      counted.connection.channel = grpc::CreateCustomChannel(address, credentials, Arguments());
+      counted.connection.stub = std::make_unique<GenericStub>(counted.connection.channel);
+    }
+  }
+
+  // The first with room, or the one with the fewest calls.
+  std::shared_ptr<const Connection> Take(int room) const {
+    Counted* fewest = connections.front().get();
+    for (const auto& counted : connections) {
+      if (counted->open < fewest->open) fewest = counted.get();
+      if (fewest->open < room) break;
+    }
+    ++fewest->open;
+    return {&fewest->connection, [fewest](const Connection*) { --fewest->open; }};
+  }
+
+  std::vector<std::unique_ptr<Counted>> connections;
+};
+
 struct Upstreams::Service {
-  std::vector<Connection> connections;
-  mutable std::atomic<unsigned> next{0};
+  Lane calls;
+  Lane streams;
+  Lane urgent;
 };
 
 Upstreams::Upstreams(UpstreamOptions options) : options_(std::move(options)) {}
@@ -43,31 +82,36 @@ absl::Status Upstreams::Add(const std::string& name, const std::string& address,
   if (services_.count(name) != 0) return ResourceExists("service " + name);
   MORTISE_ASSIGN_OR_RETURN(const auto credentials, rpc::MakeClientCredentials(address, security));
   auto service = std::make_unique<Service>();
-  for (int i = 0; i < options_.channels; ++i) {
-    Connection& connection = service->connections.emplace_back();
-    connection.channel = grpc::CreateCustomChannel(address, credentials, Arguments());
-    connection.stub = std::make_unique<GenericStub>(connection.channel);
-  }
+  service->calls.Fill(options_.channels, address, credentials);
+  service->streams.Fill(options_.stream_channels, address, credentials);
+  service->urgent.Fill(1, address, credentials);
   services_.emplace(name, std::move(service));
   addresses_.emplace(name, address);
   return absl::OkStatus();
 }
 
-const Upstreams::Connection* Upstreams::Next(std::string_view name) const {
+std::shared_ptr<const Upstreams::Connection> Upstreams::Take(std::string_view name,
+                                                             CallKind kind) const {
   const auto found = services_.find(name);
   if (found == services_.end()) return nullptr;
   const Service& service = *found->second;
-  const unsigned turn = service.next.fetch_add(1, std::memory_order_relaxed);
-  return &service.connections[turn % service.connections.size()];
+  if (kind == CallKind::kCall) return service.calls.Take(0);
+  return kind == CallKind::kUrgent ? service.urgent.Take(0) : service.streams.Take(kUsualCalls);
+}
+
+int Upstreams::MostOpen(CallKind kind) const {
+  if (kind == CallKind::kCall) return kUsualCalls * options_.channels;
+  return kind == CallKind::kUrgent ? kUsualCalls : kUsualCalls * options_.stream_channels;
 }
 
 std::shared_ptr<grpc::Channel> Upstreams::Channel(std::string_view name) const {
   const auto found = services_.find(name);
-  return found == services_.end() ? nullptr : found->second->connections.front().channel;
+  return found == services_.end() ? nullptr
+                                  : found->second->calls.connections.front()->connection.channel;
 }
 
 bool Upstreams::Healthy(std::string_view name, absl::Duration timeout) const {
-  const Connection* connection = Next(name);
+  const auto connection = Take(name, CallKind::kCall);
   if (connection == nullptr) return false;
   grpc::ClientContext context;
   context.set_deadline(std::chrono::system_clock::now() + absl::ToChronoMilliseconds(timeout));

@@ -1,7 +1,6 @@
 // The services behind the gateway: where they are, and the channels to them.
 #pragma once
 
-#include <atomic>
 #include <map>
 #include <memory>
 #include <string>
@@ -12,6 +11,7 @@
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
 #include "common/rpc/channel_security.h"
+#include "gateway/contract.h"
 
 namespace grpc {
 class ByteBuffer;
@@ -25,14 +25,21 @@ namespace mortise::gateway {
 using GenericStub = grpc::TemplatedGenericStub<grpc::ByteBuffer, grpc::ByteBuffer>;
 
 struct UpstreamOptions {
-  // Connections to each service. One HTTP/2 connection is one lock and one socket, so several let
-  // calls on several cores pass side by side.
+  // Connections to each service for calls. One HTTP/2 connection is one lock and one socket, so
+  // several let calls on several cores pass side by side.
   int channels = 2;
+  // Connections to each service for streams and calls that wait. They are used one after the other,
+  // so that most are never made.
+  int stream_channels = 4;
   // How long a call waits for a service that is not there; see ConnectionPatience.
   absl::Duration patience = absl::Seconds(5);
 };
 
 // Filled before the doors open, then only read: thread safe from then on.
+//
+// A service takes so many streams of HTTP/2 a connection; what is begun beyond waits, without a
+// word, until others end. So calls that may stay open for long have connections of their own, as
+// have urgent ones; and none waits if no more are begun than MostOpen says (OpenCalls sees to it).
 class Upstreams {
  public:
   explicit Upstreams(UpstreamOptions options);
@@ -51,8 +58,11 @@ class Upstreams {
     std::unique_ptr<GenericStub> stub;
   };
 
-  // The connection whose turn it is; null for a name that was not added.
-  const Connection* Next(std::string_view name) const;
+  // A connection for one call, which keeps it until it is over; null for a name that was not added.
+  std::shared_ptr<const Connection> Take(std::string_view name, CallKind kind) const;
+
+  // How many calls of a kind may be open to one service, where waits and streams share.
+  int MostOpen(CallKind kind) const;
 
   // One channel of the service, for typed stubs; null for a name that was not added.
   std::shared_ptr<grpc::Channel> Channel(std::string_view name) const;
@@ -66,6 +76,7 @@ class Upstreams {
   bool Healthy(std::string_view name, absl::Duration timeout) const;
 
  private:
+  struct Lane;
   struct Service;
 
   UpstreamOptions options_;

@@ -4,7 +4,11 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 #include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
 
 namespace mortise::gateway {
 
@@ -44,6 +48,30 @@ bool IsLegalMetadata(std::string_view key, std::string_view value) {
   return legal_key && (key.ends_with("-bin") || std::all_of(value.begin(), value.end(), [](char c) {
                          return c >= 0x20 && c <= 0x7e;
                        }));
+}
+
+void PassedMetadata::Add(std::string_view key, std::string_view value) {
+  constexpr std::size_t kOverhead = 32;
+  const std::size_t size = key.size() + value.size() + kOverhead;
+  bytes_ += size;
+  by_key_[std::string(key)] += size;
+}
+
+absl::Status PassedMetadata::Check(std::string_view what) const {
+  if (bytes_ <= kMostMetadataBytes) return absl::OkStatus();
+  std::vector<std::pair<std::size_t, std::string>> largest;
+  for (const auto& [key, size] : by_key_) largest.emplace_back(size, key.substr(0, 64));
+  std::sort(largest.rbegin(), largest.rend());
+  constexpr std::size_t kNamed = 3;
+  std::string names;
+  for (std::size_t i = 0; i < std::min(kNamed, largest.size()); ++i) {
+    absl::StrAppend(&names, i == 0 ? "" : ", ", largest[i].second, " (", largest[i].first, ")");
+  }
+  const std::string words(what);
+  return WithDetail(absl::ResourceExhaustedError(absl::StrCat(
+                        "the ", words, " to be passed on have ", bytes_, " bytes, at most ",
+                        kMostMetadataBytes, " are taken; the largest: ", names)),
+                    {"METADATA_TOO_LARGE", words});
 }
 
 void SetFlowControl(const std::function<void(const char* name, int value)>& set) {

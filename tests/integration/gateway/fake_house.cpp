@@ -129,6 +129,12 @@ struct FakeHouse::Services {
       }
       return grpc::Status::OK;
     }
+
+    grpc::Status HoldWorkOrder(grpc::ServerContext*, const v1::HoldWorkOrderRequest* request,
+                               v1::WorkOrder* order) override {
+      order->set_name(request->name());
+      return grpc::Status::OK;
+    }
   };
 
   Catalog catalog;
@@ -136,10 +142,13 @@ struct FakeHouse::Services {
   FabPlanner fabplanner;
 };
 
-FakeHouse::FakeHouse() : services_(std::make_unique<Services>(*this)) {
+FakeHouse::FakeHouse(int most_streams) : services_(std::make_unique<Services>(*this)) {
   grpc::ServerBuilder builder;
   int port = 0;
   builder.AddListeningPort("127.0.0.1:0", grpc::InsecureServerCredentials(), &port);
+  if (most_streams > 0) {
+    builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, most_streams);
+  }
   builder.RegisterService(&services_->catalog);
   builder.RegisterService(&services_->simulator);
   builder.RegisterService(&services_->fabplanner);

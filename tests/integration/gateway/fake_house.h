@@ -19,10 +19,11 @@ namespace mortise::gateway {
 // ExportDesign: `revision` bytes in chunks of 256 KiB; a name "templates/broken" fails after the
 // first chunk, "templates/endless" goes on until cancelled.
 // UploadBlob answers with the number of bytes. AttachBridge answers each hello with a hold of its
-// name, after a first hold "welcome" that waits for nothing.
+// name, after a first hold "welcome" that waits for nothing. HoldWorkOrder answers at once.
 class FakeHouse {
  public:
-  FakeHouse();
+  // `most_streams` is how many calls one connection may have, as HTTP/2 counts; 0: any number.
+  explicit FakeHouse(int most_streams = 0);
   ~FakeHouse();
 
   const std::string& address() const { return address_; }
@@ -34,8 +35,10 @@ class FakeHouse {
   };
   Counts counts() const;
 
-  // Waits until `count` calls of items/slow have begun, or been cancelled; false after ten seconds.
+  // Waits until `count` calls of items/slow have begun, messages of streams been written, or calls
+  // been cancelled; false after ten seconds.
   bool WaitForSlow(int count) { return WaitFor(&Counts::slow, count); }
+  bool WaitForWritten(int count) { return WaitFor(&Counts::written, count); }
   bool WaitForCancelled(int count) { return WaitFor(&Counts::cancelled, count); }
 
  private:

@@ -9,6 +9,8 @@
 #include <chrono>
 
 #include "absl/strings/ascii.h"
+#include "common/base/files.h"
+#include "common/rpc/identity.h"
 
 namespace mortise::gateway {
 namespace {
@@ -25,7 +27,7 @@ asio::ip::tcp::endpoint Endpoint(const std::string& address) {
 
 template <class Request>
 void Fill(Request& request, const std::map<std::string, std::string>& headers) {
-  request.set(http::field::host, "gateway");
+  request.set(http::field::host, "localhost");
   for (const auto& [name, value] : headers) request.set(name, value);
 }
 
@@ -76,7 +78,7 @@ HttpStream::HttpStream(const std::string& address) : socket_(std::make_unique<So
 HttpStream::HttpStream(const std::string& address, const std::string& target,
                        const std::map<std::string, std::string>& headers)
     : HttpStream(address) {
-  std::string request = "GET " + target + " HTTP/1.1\r\nHost: gateway\r\n";
+  std::string request = "GET " + target + " HTTP/1.1\r\nHost: localhost\r\n";
   for (const auto& [name, value] : headers) request += name + ": " + value + "\r\n";
   Write(request + "\r\n");
 }
@@ -95,8 +97,18 @@ void HttpStream::Write(const std::string& bytes) {
 HttpStream::~HttpStream() = default;
 
 std::string HttpStream::ReadUntil(const std::string& text) {
+  ReadWhile([&] { return read_.find(text) == std::string::npos; });
+  return read_;
+}
+
+std::string HttpStream::ReadBytes(std::size_t count) {
+  ReadWhile([&] { return read_.size() < count; });
+  return read_.substr(0, count);
+}
+
+void HttpStream::ReadWhile(const std::function<bool()>& not_done) {
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(10);
-  while (read_.find(text) == std::string::npos && std::chrono::steady_clock::now() < deadline) {
+  while (not_done() && std::chrono::steady_clock::now() < deadline) {
     char buffer[4096];
     bool done = false;
     socket_->socket.async_read_some(asio::buffer(buffer),
@@ -114,7 +126,6 @@ std::string HttpStream::ReadUntil(const std::string& text) {
       break;
     }
   }
-  return read_;
 }
 
 void HttpStream::Close() { socket_->socket.close(); }
@@ -131,6 +142,17 @@ GatewayOptions GatewayTest::Options() const {
   options.log_calls = false;
   options.drain_time = absl::Seconds(2);
   options.patience = absl::Seconds(1);  // longer than a busy machine takes to connect
+  return options;
+}
+
+GatewayOptions GatewayTest::SecureOptions(const TokenSigner& signer) const {
+  const auto jwks = folder_.path() / "jwks.json";
+  EXPECT_TRUE(rpc::CreateIdentityKey(folder_.path() / "keys", "gateway").ok());
+  EXPECT_TRUE(WriteFile(jwks, nlohmann::json{{"keys", {signer.Jwk("one")}}}.dump()).ok());
+  GatewayOptions options = Options();
+  options.insecure_development = false;
+  options.keys = folder_.path() / "keys";
+  options.jwt_keys = jwks;
   return options;
 }
 

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -10,6 +11,7 @@
 #include "gateway/gateway.h"
 #include "tests/integration/gateway/fake_house.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/unit/gateway/token_fixture.h"
 
 namespace mortise::gateway {
 
@@ -38,12 +40,19 @@ class HttpStream {
   // Reads until `text` has come; everything read so far, or what there is after ten seconds.
   std::string ReadUntil(const std::string& text);
 
+  // The first so many bytes of all that comes; what there is after ten seconds.
+  std::string ReadBytes(std::size_t count);
+
+  // Sends more.
+  void Write(const std::string& bytes);
+
   void Close();
 
  private:
   struct Socket;
+  // Reads until that is done, or ten seconds have passed.
+  void ReadWhile(const std::function<bool()>& not_done);
   explicit HttpStream(const std::string& address);
-  void Write(const std::string& bytes);
   std::unique_ptr<Socket> socket_;
   std::string read_;
 };
@@ -52,6 +61,9 @@ class GatewayTest : public ::testing::Test {
  protected:
   // Options of a gateway in development, in front of the fake house.
   GatewayOptions Options() const;
+
+  // The same without development: only tokens of `signer` open the doors.
+  GatewayOptions SecureOptions(const TokenSigner& signer) const;
 
   void StartGateway(const GatewayOptions& options);
 

@@ -147,7 +147,7 @@ TEST_F(HttpDoorTest, RefusesWhatItCannotSpeak) {
 
 TEST_F(HttpDoorTest, CancelsTheCallWhenTheClientLeaves) {
   auto post = [](const std::string& path, const std::string& type, const std::string& body) {
-    return "POST " + path + " HTTP/1.1\r\nHost: gateway\r\nContent-Type: " + type +
+    return "POST " + path + " HTTP/1.1\r\nHost: localhost\r\nContent-Type: " + type +
            "\r\nContent-Length: " + std::to_string(body.size()) + "\r\n\r\n" + body;
   };
   auto unary = HttpStream::Send(gateway_->addresses().http,

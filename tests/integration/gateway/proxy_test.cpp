@@ -367,16 +367,7 @@ TEST_F(ProxyTest, TellsWhatRuns) {
 class TokenProxyTest : public GatewayTest {
  protected:
   void SetUp() override {
-    ASSERT_TRUE(rpc::CreateIdentityKey(folder_.path() / "keys", "gateway").ok());
-    const auto jwks = folder_.path() / "jwks.json";
-    std::FILE* file = std::fopen(jwks.c_str(), "w");
-    const std::string text = nlohmann::json{{"keys", {signer_.Jwk("one")}}}.dump();
-    std::fwrite(text.data(), 1, text.size(), file);
-    std::fclose(file);
-    GatewayOptions options = Options();
-    options.insecure_development = false;
-    options.keys = folder_.path() / "keys";
-    options.jwt_keys = jwks;
+    GatewayOptions options = SecureOptions(signer_);
     options.token.issuer = "https://id.example";
     StartGateway(options);
     channel_ = grpc::CreateChannel(gateway_->addresses().grpc, grpc::InsecureChannelCredentials());

@@ -27,6 +27,50 @@ TEST(Query, RefusesMalformedTargets) {
   }
 }
 
+TEST(Query, TakesTheHostOfATarget) {
+  const auto target = ParseTarget("http://localhost:7780/a?b=c");
+  ASSERT_TRUE(target.ok()) << target.status();
+  EXPECT_EQ(target->authority, "localhost:7780");
+  EXPECT_EQ(target->path, "/a");
+  EXPECT_EQ(target->parameters.at("b"), "c");
+  EXPECT_EQ(ParseTarget("HTTPS://[::1]")->authority, "[::1]");
+  EXPECT_EQ(ParseTarget("https://[::1]")->path, "/");
+  EXPECT_EQ(ParseTarget("/x")->authority, "");
+}
+
+TEST(Query, KnowsTheNamesOfThisMachineForItself) {
+  for (const char* own : {"localhost", "LocalHost:80", "127.0.0.1", "127.255.0.9:1", "[::1]",
+                          "[::1]:7780", "[0:0:0:0:0:0:0:1]", "localhost:"}) {
+    EXPECT_TRUE(IsLoopbackAuthority(own)) << own;
+  }
+  for (const char* other : {"",
+                            "x",
+                            "gateway",
+                            "evil.example",
+                            "localhost.evil.example",
+                            "127.0.0.1.evil.example",
+                            "127.1",
+                            "0x7f.0.0.1",
+                            "0177.0.0.1",
+                            "2130706433",
+                            "0.0.0.0",
+                            "128.0.0.1",
+                            "[::]",
+                            "[::2]",
+                            "[::1",
+                            "::1",
+                            "[::1]x",
+                            "localhost:x",
+                            "localhost:123456",
+                            "localhost@evil.example",
+                            "user@localhost",
+                            "[localhost]",
+                            "localhost ",
+                            "app.localhost"}) {
+    EXPECT_FALSE(IsLoopbackAuthority(other)) << other;
+  }
+}
+
 TEST(Query, PositionsComeBackAsTheyWere) {
   const EventPosition position = {{"catalog", 12}, {"pareto", 0}};
   EXPECT_EQ(FormatPosition(position), "catalog:12,pareto:0");
