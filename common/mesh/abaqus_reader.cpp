@@ -13,6 +13,7 @@
 #include "common/mesh/abaqus_sets.h"
 #include "common/mesh/abaqus_text.h"
 #include "common/mesh/grouped_mesh_builder.h"
+#include "common/mesh/number_gaps.h"
 
 namespace mortise::mesh {
 namespace {
@@ -25,6 +26,9 @@ using abaqus::Upper;
 
 // Of a line that is split into fields, in bytes; a keyword's with all lines it goes on over.
 constexpr std::size_t kLongestLine = 65'536;
+
+constexpr std::size_t kListedKeywords = 50;  // in a note
+constexpr std::size_t kMostIgnored = 1000;   // of different names
 
 using Owner = GroupedMeshBuilder::Owner;
 using Kind = AbaqusSets::Kind;
@@ -53,36 +57,69 @@ class Reader {
       if (line.empty() || line.starts_with("**")) continue;
       if (line.starts_with('*')) {
         MORTISE_RETURN_IF_ERROR(Finish());
-        MORTISE_ASSIGN_OR_RETURN(const std::string keyword_line, KeywordLine(line.substr(1)));
-        const std::optional<Keyword> keyword = abaqus::ParseKeyword(keyword_line);
-        if (!keyword) return Fault("a keyword is missing after '*'");
-        MORTISE_RETURN_IF_ERROR(Begin(*keyword));
+        keyword_line_ = line;
+        MORTISE_ASSIGN_OR_RETURN(const Keyword keyword, WholeKeyword(line.substr(1)));
+        MORTISE_RETURN_IF_ERROR(Begin(keyword));
       } else {
         MORTISE_RETURN_IF_ERROR(ReadData(line));
       }
     }
     MORTISE_RETURN_IF_ERROR(Finish());
-    if (!ignored_.empty()) {
-      std::string note = "not used:";
-      for (const std::string& keyword : ignored_) {
-        absl::StrAppend(&note, note.ends_with(':') ? " *" : ", *", keyword);
-      }
-      builder_.AddNote(std::move(note));
-    }
+    NoteIgnored();
+    NoteDoubts();
     MORTISE_RETURN_IF_ERROR(sets_.Resolve());
     return builder_.Build();
   }
 
  private:
   enum class Reading : std::uint8_t {
-    kNothing,  // data lines of what is not used
-    kText,     // a heading
+    kNothing,  // data lines of what is not used, or a heading
+    kNoData,   // what has none
     kNodes,
     kElements,
-    kFaceElements,  // triangles that mark faces
-    kMembers,       // of a set or surface
+    kMarks,    // triangles that mark faces, or lines that mark nodes
+    kMembers,  // of a set or surface
     kInstance,
   };
+
+  void NoteIgnored() {
+    if (ignored_.empty()) return;
+    std::string note = "not used:";
+    std::size_t listed = 0;
+    for (const std::string& keyword : ignored_) {
+      if (listed++ == kListedKeywords) break;
+      absl::StrAppend(&note, note.ends_with(':') ? " *" : ", *", keyword);
+    }
+    if (ignored_.size() > kListedKeywords) {
+      absl::StrAppend(&note, " and ", ignored_.size() - kListedKeywords, " more");
+    }
+    builder_.AddNote(std::move(note));
+  }
+
+  // What may be a fault of the file: the format counts nothing, so that a file that lost a line or
+  // its end is one still.
+  void NoteDoubts() {
+    for (const auto& [type, first] : line_types_) {
+      builder_.AddNote(absl::StrCat(places_.Where(first), ": elements of type ", type,
+                                    " only mark their nodes; they carry nothing"));
+    }
+    if (!text_.ends_with('\n') && reading_ != Reading::kNothing && reading_ != Reading::kNoData) {
+      builder_.AddNote("the last line does not end: the file may have been cut off in it");
+    }
+    for (const auto& [kind, numbers] : numbers_of_) {
+      if (std::string gaps = NumberGaps(numbers); !gaps.empty()) {
+        builder_.AddNote(
+            absl::StrCat("the numbers of ", kind, " ", gaps, ": the file may have lost some"));
+      }
+    }
+  }
+
+  void CountElement(std::int64_t number) {
+    const char* const kind = reading_ == Reading::kElements ? "tetrahedra"
+                             : marks_are_lines_             ? "lines"
+                                                            : "triangles";
+    numbers_of_[kind].push_back(number);
+  }
 
   absl::Status Fault(std::string_view message) const { return places_.Fault(place_, message); }
 
@@ -94,17 +131,29 @@ class Reader {
     return line;
   }
 
-  // With the lines it goes on over, each of which ends with a comma but the last.
-  absl::StatusOr<std::string> KeywordLine(std::string_view line) {
-    std::string whole;
+  // The keyword of a line, with the lines that its parameters go on over.
+  absl::StatusOr<Keyword> WholeKeyword(std::string_view line) {
+    std::string whole(line);
+    std::optional<Keyword> keyword = abaqus::ParseKeyword(whole);
     while (true) {
-      if (whole.size() + line.size() > kLongestLine) {
+      if (whole.size() > kLongestLine) {
         return Fault(absl::StrCat("a keyword takes more than ", kLongestLine, " bytes"));
       }
-      whole += line;
-      if (!whole.ends_with(',') || at_ >= text_.size()) return whole;
-      line = Trim(NextLine());
+      if (!whole.ends_with(',')) break;
+      const std::size_t before = at_;
+      std::string_view next;
+      while (at_ < text_.size() && (next.empty() || next.starts_with("**")))
+        next = Trim(NextLine());
+      if (next.empty() || next.starts_with('*') || !keyword ||
+          abaqus::WhatFollows(*keyword, next) == abaqus::Following::kData) {
+        at_ = before;
+        break;
+      }
+      whole += next;
     }
+    if (whole.size() > line.size()) keyword = abaqus::ParseKeyword(whole);
+    if (!keyword) return Fault("a keyword is missing after '*'");
+    return *std::move(keyword);
   }
 
   // What is beside a part, and not in its instance, is the assembly's.
@@ -118,22 +167,24 @@ class Reader {
 
   absl::Status Begin(const Keyword& keyword) {
     const std::string& name = keyword.name;
-    reading_ = Reading::kNothing;
+    reading_ = abaqus::HasNoData(name) ? Reading::kNoData : Reading::kNothing;
     list_ = {.of = Present(), .is_range = keyword.Has("GENERATE")};
     if (name == "INCLUDE") {
       return Fault("*INCLUDE: one file is uploaded; put the included one in its place");
     }
     if (abaqus::ChangesMesh(name)) return Fault(absl::StrCat("*", name, " is not read"));
-    if (name == "NODE") return BeginNodes(keyword.Has("SYSTEM"), keyword.Value("NSET"));
+    if (const std::string unread = abaqus::UnreadParameter(keyword); !unread.empty()) {
+      return Fault(unread);
+    }
+    if (name == "NODE") return BeginNodes(keyword.Value("NSET"));
     if (name == "ELEMENT") return BeginElements(keyword.Value("TYPE"), keyword.Value("ELSET"));
     if (name == "NSET" || name == "ELSET") return BeginSet(keyword);
     if (name == "SURFACE") return BeginSurface(keyword.Value("TYPE"), keyword.Value("NAME"));
     if (name == "PART") return BeginPart(keyword.Value("NAME"));
-    if (name == "INSTANCE") return BeginInstance(keyword.Value("NAME"));
+    if (name == "INSTANCE") return BeginInstance(keyword.Value("NAME"), keyword.Value("PART"));
     if (in_part_ && (name == "ASSEMBLY" || name == "END ASSEMBLY")) return Unended(name);
     if (name == "END PART" || name == "END INSTANCE") in_part_ = false;
-    if (name == "HEADING") reading_ = Reading::kText;
-    if (!abaqus::IsFrame(name) && ignored_.size() < 50) ignored_.insert(name);
+    if (!abaqus::IsFrame(name) && ignored_.size() < kMostIgnored) ignored_.insert(name);
     return absl::OkStatus();
   }
 
@@ -149,17 +200,21 @@ class Reader {
           absl::StrCat("there is a second *PART, ", Quoted(name), "; only one can be read"));
     }
     if (IsFit(name)) builder_.SetPartName(name);
+    part_ = name;
     in_part_ = true;
     return absl::OkStatus();
   }
 
   // May hold the nodes and elements in place of the part, and has them then as its own.
-  absl::Status BeginInstance(const std::string& name) {
+  absl::Status BeginInstance(const std::string& name, const std::string& part) {
     if (has_instance_) {
       return Fault(
           absl::StrCat("there is a second *INSTANCE, ", Quoted(name), "; only one can be read"));
     }
     if (in_part_) return Unended("INSTANCE");
+    if (has_part_ && !part.empty() && Upper(part) != Upper(part_)) {
+      return Fault(absl::StrCat("there is no *PART ", Quoted(part)));
+    }
     if (!has_part_ && IsFit(name)) builder_.SetPartName(name);
     sets_.SetInstance(name);
     in_part_ = has_instance_ = true;
@@ -167,8 +222,7 @@ class Reader {
     return absl::OkStatus();
   }
 
-  absl::Status BeginNodes(bool has_system, const std::string& set) {
-    if (has_system) return Fault("*NODE with SYSTEM is not read; give x, y and z");
+  absl::Status BeginNodes(const std::string& set) {
     reading_ = Reading::kNodes;
     return set.empty() ? absl::OkStatus() : Open(Kind::kNodes, set);
   }
@@ -178,13 +232,16 @@ class Reader {
       return Fault("elements of the assembly itself are not read; they must be in the *PART");
     }
     const std::string type = Upper(given);
-    static const std::map<std::string, int> kFaces{
-        {"CPS3", 3}, {"CPS6", 6}, {"SFM3D3", 3}, {"SFM3D6", 6}};
-    const auto face = kFaces.find(type);
-    if (face != kFaces.end()) {
-      reading_ = Reading::kFaceElements;
-      nodes_of_element_ = face->second;
-      return set.empty() ? absl::OkStatus() : Open(Kind::kFaces, set);
+    static const std::map<std::string, std::pair<Kind, int>> kMarks{
+        {"CPS3", {Kind::kFaces, 3}},   {"CPS6", {Kind::kFaces, 6}}, {"SFM3D3", {Kind::kFaces, 3}},
+        {"SFM3D6", {Kind::kFaces, 6}}, {"T3D2", {Kind::kLines, 2}}, {"T3D3", {Kind::kLines, 3}}};
+    if (const auto mark = kMarks.find(type); mark != kMarks.end()) {
+      reading_ = Reading::kMarks;
+      const auto [kind, nodes] = mark->second;
+      marks_are_lines_ = kind == Kind::kLines;
+      nodes_of_element_ = nodes;
+      if (marks_are_lines_) line_types_.try_emplace(type, place_);
+      return set.empty() ? absl::OkStatus() : Open(kind, set);
     }
     if (type != "C3D4" && type != "C3D10" && type != "C3D10M") {
       const bool is_plain = type.size() <= 16 && std::all_of(type.begin(), type.end(), [](char c) {
@@ -210,7 +267,12 @@ class Reader {
     const std::string name = keyword.Value(keyword.name);
     if (name.empty()) return Fault("a set without a name");
     reading_ = Reading::kMembers;
-    return Open(keyword.name == "NSET" ? Kind::kNodes : Kind::kElements, name);
+    const bool is_of_nodes = keyword.name == "NSET";
+    MORTISE_RETURN_IF_ERROR(Open(is_of_nodes ? Kind::kNodes : Kind::kElements, name));
+    if (!is_of_nodes || !keyword.Has("ELSET")) return absl::OkStatus();
+    reading_ = Reading::kNoData;
+    sets_.AddNodesOf(list_, keyword.Value("ELSET"), keyword_line_);
+    return absl::OkStatus();
   }
 
   absl::Status BeginSurface(const std::string& type, const std::string& name) {
@@ -224,26 +286,37 @@ class Reader {
   }
 
   absl::Status ReadData(std::string_view line) {
-    const bool is_used = reading_ != Reading::kNothing && reading_ != Reading::kText;
-    if (is_used && line.size() > kLongestLine) {
+    if (reading_ != Reading::kNothing && line.size() > kLongestLine) {
       return Fault(absl::StrCat("a line of data is longer than ", kLongestLine, " bytes"));
     }
     switch (reading_) {
       case Reading::kNothing:
-      case Reading::kText:
         return absl::OkStatus();
+      case Reading::kNoData:
+        return Fault("a line of data follows a keyword that has none");
       case Reading::kInstance:
-        return Fault(
-            absl::StrCat("a moved *INSTANCE, ", Quoted(sets_.instance()), ", is not read"));
+        return ReadMove(line);
       case Reading::kNodes:
         return ReadNode(line);
       case Reading::kElements:
-      case Reading::kFaceElements:
+      case Reading::kMarks:
         return ReadElement(line);
       case Reading::kMembers:
         return sets_.AddLine(list_, line);
     }
     return absl::OkStatus();
+  }
+
+  // A line of a move, of up to 3 numbers, or of a turn, of two points and an angle.
+  absl::Status ReadMove(std::string_view line) {
+    const std::vector<std::string_view> fields = Fields(line);
+    const bool is_turn = fields.size() == 7;
+    bool is_still = fields.size() <= 3 || is_turn;
+    for (std::size_t k = is_turn ? 6 : 0; is_still && k < fields.size(); ++k) {
+      is_still = fields[k].empty() || abaqus::Number(fields[k]) == 0.0;
+    }
+    if (is_still) return absl::OkStatus();
+    return Fault(absl::StrCat("a moved *INSTANCE, ", Quoted(sets_.instance()), ", is not read"));
   }
 
   absl::Status ReadNode(std::string_view line) {
@@ -254,7 +327,9 @@ class Reader {
     Eigen::Vector3d position = Eigen::Vector3d::Zero();
     for (std::size_t k = 1; k < fields.size(); ++k) {
       const auto x = fields[k].empty() ? std::optional<double>(0) : abaqus::Number(fields[k]);
-      if (!x) return Fault(absl::StrCat("a coordinate of node ", *number, " is not a number"));
+      if (!x)
+        return Fault(
+            absl::StrCat("a coordinate of node ", *number, " is not finite, or no number"));
       position[static_cast<Eigen::Index>(k) - 1] = *x;
     }
     // The assembly has its own numbers. Its nodes are points of reference: its elements, which
@@ -283,9 +358,10 @@ class Reader {
     }
     if (numbers_.size() < wanted) return absl::OkStatus();
     const std::vector<std::int64_t> numbers = std::exchange(numbers_, {});
-    if (reading_ == Reading::kFaceElements) {
-      return sets_.AddTriangle(list_.set, numbers[0], {numbers[1], numbers[2], numbers[3]},
-                               element_place_);
+    CountElement(numbers[0]);
+    if (reading_ == Reading::kMarks) {
+      return sets_.AddMark(list_.set, numbers[0], std::span(numbers).subspan(1), marks_are_lines_,
+                           element_place_);
     }
     MORTISE_RETURN_IF_ERROR(
         builder_.AddElement(numbers[0], std::span(numbers).subspan(1), element_place_));
@@ -305,15 +381,20 @@ class Reader {
   GroupedMeshBuilder builder_;
   AbaqusSets sets_;
   std::size_t at_ = 0;
-  std::size_t place_ = 0;  // where the present line begins
+  std::size_t place_ = 0;          // where the present line begins
+  std::string_view keyword_line_;  // the first of the present keyword
   Reading reading_ = Reading::kNothing;
   AbaqusSets::List list_;  // its set is also that of nodes and elements
   bool has_part_ = false, has_instance_ = false;
   bool in_part_ = false;  // or in its instance
+  std::string part_;      // its name
   int nodes_of_element_ = 0;
+  bool marks_are_lines_ = false;
   std::vector<std::int64_t> numbers_;  // of an element that goes on
   std::size_t element_place_ = 0;
-  std::set<std::string> ignored_;  // keywords
+  std::set<std::string> ignored_;                                // keywords
+  std::map<std::string, std::size_t> line_types_;                // where each is first
+  std::map<std::string, std::vector<std::int64_t>> numbers_of_;  // by kind of element
 };
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <map>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -23,8 +24,9 @@ class AbaqusSets {
  public:
   using Owner = GroupedMeshBuilder::Owner;
 
-  // What a set is of; a surface of faces of elements is a set of faces.
-  enum class Kind : std::uint8_t { kNodes, kElements, kFaces };
+  // What a set is of; a surface of faces of elements is a set of faces, and so is a set of
+  // triangles. One of lines marks their nodes.
+  enum class Kind : std::uint8_t { kNodes, kElements, kFaces, kLines };
 
   static constexpr int kNoSet = -1;
 
@@ -46,10 +48,10 @@ class AbaqusSets {
   // A node or element that is read into the set, of such, at `place`.
   absl::Status AddMember(int set, std::int64_t number, std::size_t place);
 
-  // A triangle that only marks faces: those of `set`, of faces, if there is one, and of sets of
-  // elements that list its number.
-  absl::Status AddTriangle(int set, std::int64_t number, const std::array<std::int64_t, 3>& corners,
-                           std::size_t place);
+  // An element that only marks: a triangle, of 3 or 6 nodes, faces, and a line, of 2 or 3, its
+  // nodes; those of `set`, of such, if there is one, and of sets of elements that list its number.
+  absl::Status AddMark(int set, std::int64_t number, std::span<const std::int64_t> nodes,
+                       bool is_line, std::size_t place);
 
   // A node of the assembly, which is left out of the whole's sets.
   void AddAssemblyNode(std::int64_t number) { assembly_nodes_.push_back(number); }
@@ -57,12 +59,15 @@ class AbaqusSets {
   // A line of members, without space round it. All sets together have up to ten million.
   absl::Status AddLine(const List& list, std::string_view line);
 
+  // All nodes of the elements of another set, named by the keyword whose line is `line`.
+  void AddNodesOf(const List& list, const std::string& elements, std::string_view line);
+
   // The instance's name: "Part-1-1.Set-1" and "Part-1-1.5" are the part's, wherever they stand.
   void SetInstance(std::string name) { instance_ = std::move(name); }
   const std::string& instance() const { return instance_; }
 
-  // Puts the members of all lines into the builder's groups, in the order of the file, and a note
-  // if nodes were left out. Once everything has been read.
+  // Puts the members of all lines into the builder's groups, in the order of the file, and notes
+  // if nodes were left out or a set seems to have lost some. Once everything has been read.
   absl::Status Resolve();
 
  private:
@@ -72,13 +77,20 @@ class AbaqusSets {
     Owner owner;
     std::size_t place;  // of its first line
     std::vector<std::int64_t> members;
-    int group, face_group;  // the builder's, -1 before it is made
+    int group, face_group, node_group;  // the builder's, -1 before it is made
   };
   struct Entry {
     std::string_view text;  // a member; or a line, of a range or of a surface of element faces
     int set;
     bool is_range;
     Owner of;
+    int elements = -1;  // into named_, of a set of nodes that are those of elements
+  };
+  // The nodes of an element that only marks; the first, or first two, are its corners.
+  struct Mark {
+    std::array<std::int64_t, 6> nodes;
+    int count;
+    bool is_line;
   };
   using Index = std::map<std::pair<Owner, std::string>, int>;  // into sets_, by upper case
 
@@ -90,10 +102,16 @@ class AbaqusSets {
   }
   absl::Status Spend(std::size_t members, std::size_t place);
   absl::Status AddFaceGroup(Set& set, std::size_t place);
+  absl::Status AddNodeGroup(Set& set, std::size_t place);
+  absl::Status AddMarked(Set& set, const Mark& mark, std::size_t place);
   std::pair<std::string_view, Owner> WithoutInstance(std::string_view name, Owner of) const;
   int FindSet(Kind kind, std::string_view name, Owner of, std::size_t place, int except) const;
   absl::Status ResolveMember(const Entry& entry, std::int64_t number, Owner of);
+  void NoteDoubts();
   absl::Status ResolveEntry(const Entry& entry);
+  absl::Status ResolveNodesOf(const Entry& entry);
+  int FindElements(std::string_view name, Owner of, std::size_t place, int except) const;
+  std::span<const std::int64_t> NodesOf(std::int64_t element) const;
   absl::Status ResolveRange(const Entry& entry);
   absl::Status ResolveSurface(const Entry& entry);
 
@@ -102,11 +120,12 @@ class AbaqusSets {
   GroupedMeshBuilder& builder_;
   std::string instance_;
   std::vector<Set> sets_;
-  std::array<Index, 3> index_;  // by kind
+  std::array<Index, 4> index_;  // by kind
   std::vector<Entry> entries_;
+  std::vector<std::string> named_;            // sets of elements
   std::size_t members_ = 0;                   // of all sets, as far as they are known
   std::vector<std::int64_t> assembly_nodes_;  // in the end, ascending
-  std::map<std::int64_t, std::array<std::int64_t, 3>> triangles_;  // that mark faces
+  std::map<std::int64_t, Mark> marks_;        // by number
 };
 
 }  // namespace mortise::mesh

@@ -29,6 +29,7 @@ std::optional<double> Number(std::string_view text);
 struct Keyword {
   std::string name;                               // in upper case, with single spaces
   std::map<std::string, std::string> parameters;  // by names in upper case; without quotes
+  std::string repeated;                           // a parameter that is given twice; or empty
 
   bool Has(const std::string& parameter) const { return parameters.contains(parameter); }
 
@@ -40,10 +41,26 @@ struct Keyword {
 // to 40 letters, digits, '-', '_' and spaces.
 std::optional<Keyword> ParseKeyword(std::string_view line);
 
+// How a line stands to the keyword before it, if that ended in a comma. Abaqus takes any line for
+// more of the keyword then; people leave a comma behind and go on with data.
+enum class Following : std::uint8_t { kParameters, kData };
+
+// Parameters are commas alone, "NAME=…" and the flags that `keyword` has; all else is data. What of
+// it is neither is refused where data is read, so that nothing is lost. `line`: without space round
+// it, and no comment.
+Following WhatFollows(const Keyword& keyword, std::string_view line);
+
+// Why the keyword, one of those that are read, cannot be: a parameter that is not known, that takes
+// from another file, that changes what is meant, or that is there twice. Empty if it can.
+std::string UnreadParameter(const Keyword& keyword);
+
 // Whether it changes the mesh in ways that are not read; to leave it out would give another mesh.
 bool ChangesMesh(const std::string& keyword);
 
 // Whether it only opens or closes what is read.
 bool IsFrame(const std::string& keyword);
+
+// Whether no lines of data can follow it.
+bool HasNoData(const std::string& keyword);
 
 }  // namespace mortise::mesh::abaqus

@@ -46,6 +46,14 @@ class GmshCursor {
     return Line();
   }
 
+  // Nothing more stands in this line of a text file.
+  absl::Status EndLine() {
+    if (!is_text_) return absl::OkStatus();
+    while (at_ < bytes_.size() && IsSpace(bytes_[at_]) && bytes_[at_] != '\n') ++at_;
+    if (at_ == bytes_.size() || bytes_[at_] == '\n') return absl::OkStatus();
+    return Fault("there is more in this line than belongs to it");
+  }
+
   absl::Status SkipTo(std::string_view end) {
     const std::size_t found = bytes_.find(end, at_);
     if (found == std::string_view::npos) {

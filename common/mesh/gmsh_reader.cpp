@@ -5,55 +5,19 @@
 #include <cctype>
 #include <cstdlib>
 #include <limits>
-#include <map>
 #include <set>
 #include <span>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/mesh/gmsh_cursor.h"
+#include "common/mesh/gmsh_element_kinds.h"
+#include "common/mesh/gmsh_groups.h"
 #include "common/mesh/grouped_mesh_builder.h"
 
 namespace mortise::mesh {
 namespace {
-
-struct GmshElementKind {
-  int type;
-  const char* name;
-  int dimension;  // -1: cannot be used
-  int nodes;
-};
-
-constexpr GmshElementKind kKinds[] = {
-    {15, "points", 0, 1},
-    {1, "lines of 2 nodes", 1, 2},
-    {8, "lines of 3 nodes", 1, 3},
-    {2, "triangles of 3 nodes", 2, 3},
-    {9, "triangles of 6 nodes", 2, 6},
-    {4, "tetrahedra of 4 nodes", 3, 4},
-    {11, "tetrahedra of 10 nodes", 3, 10},
-    {3, "quadrangles of 4 nodes", -1, 0},
-    {5, "hexahedra of 8 nodes", -1, 0},
-    {6, "prisms of 6 nodes", -1, 0},
-    {7, "pyramids of 5 nodes", -1, 0},
-    {10, "quadrangles of 9 nodes", -1, 0},
-    {12, "hexahedra of 27 nodes", -1, 0},
-    {13, "prisms of 18 nodes", -1, 0},
-    {14, "pyramids of 14 nodes", -1, 0},
-    {16, "quadrangles of 8 nodes", -1, 0},
-    {17, "hexahedra of 20 nodes", -1, 0},
-    {18, "prisms of 15 nodes", -1, 0},
-    {19, "pyramids of 13 nodes", -1, 0},
-    {21, "triangles of 10 nodes", -1, 0},
-    {29, "tetrahedra of 20 nodes", -1, 0},
-};
-
-// A physical group, or an elementary entity.
-struct Key {
-  int dimension;
-  std::int64_t tag;
-  friend auto operator<=>(const Key&, const Key&) = default;
-};
 
 class Reader {
  public:
@@ -62,14 +26,18 @@ class Reader {
         cursor_(bytes, is_text, places_),
         builder_(places_, is_old ? GroupedMeshBuilder::Repeats::kMerged
                                  : GroupedMeshBuilder::Repeats::kRefused),
+        groups_(places_, builder_),
         is_old_(is_old) {}
 
   absl::StatusOr<GroupedMesh> Read() {
     while (true) {
+      cursor_.SkipSpace();
+      section_place_ = cursor_.at();
       MORTISE_ASSIGN_OR_RETURN(const std::string_view section, cursor_.Section());
       if (section.empty()) break;
       MORTISE_RETURN_IF_ERROR(ReadSection(std::string(section.substr(1))));
     }
+    groups_.AddNotes();
     return builder_.Build();
   }
 
@@ -79,21 +47,33 @@ class Reader {
     if (name == "PartitionedEntities") {
       return cursor_.Fault("partitioned meshes are not read; save it without partitions");
     }
-    const bool is_known = name == "MeshFormat" || name == "PhysicalNames" || name == "Nodes" ||
+    const bool is_nodes = name == "Nodes" || (name == "ParametricNodes" && is_old_);
+    const bool is_known = name == "MeshFormat" || name == "PhysicalNames" || is_nodes ||
                           name == "Elements" || (name == "Entities" && !is_old_);
     if (!is_known) {
       const bool is_word = !name.empty() && name.size() <= 40 &&
                            std::all_of(name.begin(), name.end(),
                                        [](unsigned char c) { return std::isalnum(c) != 0; });
       if (!is_word) return cursor_.Fault("a section has no name");
-      if (name != "Comments") builder_.AddNote(absl::StrCat("$", name, " was not used"));
+      if (name != "Comments") {
+        builder_.AddNote(absl::StrCat(places_.Where(section_place_), ": $", name, " was not used"));
+      }
       return cursor_.SkipTo(end);
     }
     if (name == "MeshFormat") return cursor_.SkipTo(end);  // read by ReadGmsh
-    if (!seen_.insert(name).second) return cursor_.Fault("there is a second $" + name);
+    if (!seen_.insert(is_nodes ? "Nodes" : name).second) {
+      return cursor_.Fault("there is a second $" + name);
+    }
+    // Groups are known by these when elements are read.
+    if ((name == "PhysicalNames" || name == "Entities") && seen_.contains("Elements")) {
+      return cursor_.Fault(absl::StrCat("$", name, " must come before $Elements"));
+    }
     if (name == "PhysicalNames") MORTISE_RETURN_IF_ERROR(ReadNames());
-    if (name == "Entities") MORTISE_RETURN_IF_ERROR(ReadEntities());
-    if (name == "Nodes") MORTISE_RETURN_IF_ERROR(is_old_ ? ReadOldNodes() : ReadNodes());
+    if (name == "Entities") {
+      groups_.BeginEntities();
+      MORTISE_RETURN_IF_ERROR(ReadEntities());
+    }
+    if (is_nodes) MORTISE_RETURN_IF_ERROR(is_old_ ? ReadOldNodes(name != "Nodes") : ReadNodes());
     if (name == "Elements") MORTISE_RETURN_IF_ERROR(is_old_ ? ReadOldElements() : ReadElements());
     return cursor_.Expect(end);
   }
@@ -114,40 +94,9 @@ class Reader {
       if (dimension < 0 || dimension > 3)
         return places_.Fault(place, "the dimension is not 0 to 3");
       const std::string name(line.substr(1, line.size() - 2));
-      names_[{static_cast<int>(dimension), tag}] = name;
-      MORTISE_RETURN_IF_ERROR(AddGroup(static_cast<int>(dimension), name, place).status());
+      MORTISE_RETURN_IF_ERROR(groups_.Name({static_cast<int>(dimension), tag}, name, place));
     }
     return absl::OkStatus();
-  }
-
-  absl::StatusOr<int> AddGroup(int dimension, const std::string& name, std::size_t place) {
-    if (dimension == 3) return builder_.AddElementGroup(name, place);
-    return dimension == 2 ? builder_.AddFaceGroup(name, place) : builder_.AddNodeGroup(name, place);
-  }
-
-  // The builder's group of a physical one.
-  absl::StatusOr<int> GroupOf(const Key& physical, std::size_t place) {
-    const auto done = groups_.find(physical);
-    if (done != groups_.end()) return done->second;
-    const auto known = names_.find(physical);
-    const std::string name = known == names_.end() ? absl::StrCat(physical.tag) : known->second;
-    MORTISE_ASSIGN_OR_RETURN(const int group, AddGroup(physical.dimension, name, place));
-    groups_.emplace(physical, group);
-    return group;
-  }
-
-  // The groups of an entity's elements, each once. Kept, as many blocks may be of one entity.
-  absl::StatusOr<const std::vector<int>*> GroupsOf(const Key& entity, std::size_t place) {
-    const auto [found, is_new] = groups_of_entity_.try_emplace(entity);
-    const auto tags = entity_tags_.find(entity);
-    if (!is_new || tags == entity_tags_.end()) return &found->second;
-    std::set<int> groups;  // two of one name are one
-    for (const std::int64_t tag : tags->second) {
-      MORTISE_ASSIGN_OR_RETURN(const int group, GroupOf({entity.dimension, tag}, place));
-      groups.insert(group);
-    }
-    found->second.assign(groups.begin(), groups.end());
-    return &found->second;
   }
 
   // Negative where the group turns the entity round.
@@ -177,14 +126,13 @@ class Reader {
       MORTISE_RETURN_IF_ERROR(cursor_.Double().status());
     }
     MORTISE_ASSIGN_OR_RETURN(const std::int64_t groups, cursor_.Count(cursor_.is_text() ? 2 : 4));
-    const auto [tags, is_new] = entity_tags_.try_emplace({dimension, tag});
-    if (!is_new) {
+    std::vector<std::int64_t> tags;
+    for (std::int64_t i = 0; i < groups; ++i) {
+      MORTISE_ASSIGN_OR_RETURN(tags.emplace_back(), PhysicalTag());
+    }
+    if (!groups_.AddEntity({dimension, tag}, std::move(tags))) {
       return cursor_.Fault(
           absl::StrCat("there is an entity ", tag, " of dimension ", dimension, " already"));
-    }
-    for (std::int64_t i = 0; i < groups; ++i) {
-      MORTISE_ASSIGN_OR_RETURN(const std::int64_t group, PhysicalTag());
-      tags->second.push_back(group);
     }
     if (dimension == 0) return absl::OkStatus();
     MORTISE_ASSIGN_OR_RETURN(const std::int64_t bounds, cursor_.Count(cursor_.is_text() ? 2 : 4));
@@ -200,13 +148,26 @@ class Reader {
     return builder_.AddNode(number, position, place);
   }
 
-  absl::Status ReadOldNodes() {
+  // Parametric nodes tell besides on which entity they lie, and where on a curve or surface.
+  absl::Status ReadOldNodes(bool is_parametric) {
     MORTISE_ASSIGN_OR_RETURN(const std::int64_t count, OldCount(cursor_.is_text() ? 8 : 28));
     for (std::int64_t i = 0; i < count; ++i) {
       if (cursor_.is_text()) cursor_.SkipSpace();
       const std::size_t place = cursor_.at();
       MORTISE_ASSIGN_OR_RETURN(const std::int64_t number, cursor_.Int());
       MORTISE_RETURN_IF_ERROR(ReadNode(number, place));
+      if (is_parametric) MORTISE_RETURN_IF_ERROR(SkipOldParameters());
+      MORTISE_RETURN_IF_ERROR(cursor_.EndLine());
+    }
+    return absl::OkStatus();
+  }
+
+  absl::Status SkipOldParameters() {
+    MORTISE_ASSIGN_OR_RETURN(const std::int64_t dimension, cursor_.Int());
+    MORTISE_RETURN_IF_ERROR(cursor_.Int().status());  // the entity
+    if (dimension < 0 || dimension > 3) return cursor_.Fault("the dimension is not 0 to 3");
+    for (int k = 0; k < (dimension == 3 ? 0 : dimension); ++k) {
+      MORTISE_RETURN_IF_ERROR(cursor_.Double().status());
     }
     return absl::OkStatus();
   }
@@ -214,14 +175,16 @@ class Reader {
   // A count on a line of its own, text in all files of version 2.
   absl::StatusOr<std::int64_t> OldCount(std::size_t least) {
     MORTISE_ASSIGN_OR_RETURN(const std::int64_t count, cursor_.Parse<std::int64_t>());
-    cursor_.Line();
+    const std::size_t place = cursor_.at();
+    if (!cursor_.Line().empty()) return places_.Fault(place, "a number must be alone in this line");
     return cursor_.CheckCount(count, least);
   }
 
   absl::Status ReadNodes() {
     const std::size_t least = cursor_.is_text() ? 2 : 8;
     MORTISE_ASSIGN_OR_RETURN(const std::int64_t blocks, cursor_.Count(least));
-    for (int k = 0; k < 3; ++k) MORTISE_RETURN_IF_ERROR(cursor_.Size().status());  // totals
+    MORTISE_ASSIGN_OR_RETURN(const std::int64_t total, ReadTotals());
+    std::int64_t done = 0;
     for (std::int64_t b = 0; b < blocks; ++b) {
       MORTISE_ASSIGN_OR_RETURN(const std::int64_t dimension, cursor_.Int());
       MORTISE_RETURN_IF_ERROR(cursor_.Int().status());  // the entity
@@ -234,21 +197,39 @@ class Reader {
         if (cursor_.is_text()) cursor_.SkipSpace();
         places[i] = cursor_.at();
         MORTISE_ASSIGN_OR_RETURN(numbers[i], cursor_.Size());
+        MORTISE_RETURN_IF_ERROR(cursor_.EndLine());
       }
       for (std::int64_t i = 0; i < count; ++i) {
         MORTISE_RETURN_IF_ERROR(ReadNode(numbers[i], places[i]));
         for (std::int64_t k = 0; is_parametric != 0 && k < dimension; ++k) {
           MORTISE_RETURN_IF_ERROR(cursor_.Double().status());
         }
+        MORTISE_RETURN_IF_ERROR(cursor_.EndLine());
       }
+      done += count;
     }
-    return absl::OkStatus();
+    return CheckTotal(done, total, "nodes");
+  }
+
+  // How many nodes or elements all blocks hold together.
+  absl::StatusOr<std::int64_t> ReadTotals() {
+    MORTISE_ASSIGN_OR_RETURN(const std::int64_t total, cursor_.Size());
+    for (int k = 0; k < 2; ++k) MORTISE_RETURN_IF_ERROR(cursor_.Size().status());  // their numbers
+    MORTISE_RETURN_IF_ERROR(cursor_.EndLine());
+    return total;
+  }
+
+  absl::Status CheckTotal(std::int64_t done, std::int64_t total, const char* what) const {
+    if (done == total) return absl::OkStatus();
+    return places_.Fault(section_place_, absl::StrCat("there should be ", total, " ", what,
+                                                      ", and the blocks hold ", done));
   }
 
   absl::Status ReadElements() {
     const std::size_t least = cursor_.is_text() ? 2 : 8;
     MORTISE_ASSIGN_OR_RETURN(const std::int64_t blocks, cursor_.Count(least));
-    for (int k = 0; k < 3; ++k) MORTISE_RETURN_IF_ERROR(cursor_.Size().status());  // totals
+    MORTISE_ASSIGN_OR_RETURN(const std::int64_t total, ReadTotals());
+    std::int64_t done = 0;
     for (std::int64_t b = 0; b < blocks; ++b) {
       MORTISE_ASSIGN_OR_RETURN(const std::int64_t dimension, cursor_.Int());
       MORTISE_ASSIGN_OR_RETURN(const std::int64_t entity, cursor_.Int());
@@ -258,8 +239,9 @@ class Reader {
       MORTISE_ASSIGN_OR_RETURN(const std::int64_t count,
                                cursor_.Count((1 + kind->nodes) * (cursor_.is_text() ? 2 : 8)));
       if (count == 0) continue;
+      done += count;
       MORTISE_ASSIGN_OR_RETURN(const std::vector<int>* groups,
-                               GroupsOf({kind->dimension, entity}, cursor_.at()));
+                               groups_.Of(GmshEntity{kind->dimension, entity}, cursor_.at()));
       for (std::int64_t i = 0; i < count; ++i) {
         if (cursor_.is_text()) cursor_.SkipSpace();
         const std::size_t place = cursor_.at();
@@ -268,10 +250,11 @@ class Reader {
         for (int k = 0; k < kind->nodes; ++k) {
           MORTISE_ASSIGN_OR_RETURN(nodes[k], cursor_.Size());
         }
+        MORTISE_RETURN_IF_ERROR(cursor_.EndLine());
         MORTISE_RETURN_IF_ERROR(AddElement(*kind, number, nodes, *groups, place));
       }
     }
-    return absl::OkStatus();
+    return CheckTotal(done, total, "elements");
   }
 
   absl::Status ReadOldElements() {
@@ -319,13 +302,15 @@ class Reader {
     for (int k = 0; k < kind.nodes; ++k) {
       MORTISE_ASSIGN_OR_RETURN(nodes[k], cursor_.Int());
     }
+    MORTISE_RETURN_IF_ERROR(cursor_.EndLine());
     if (tag == 0) return AddElement(kind, number, nodes, {}, place);
-    MORTISE_ASSIGN_OR_RETURN(const int group, GroupOf({kind.dimension, tag}, place));
+    MORTISE_ASSIGN_OR_RETURN(const int group,
+                             groups_.Of(GmshPhysicalGroup{kind.dimension, tag}, place));
     return AddElement(kind, number, nodes, std::span(&group, 1), place);
   }
 
   absl::StatusOr<const GmshElementKind*> KindOf(std::int64_t type) const {
-    for (const GmshElementKind& kind : kKinds) {
+    for (const GmshElementKind& kind : kGmshElementKinds) {
       if (kind.type != type) continue;
       if (kind.dimension >= 0) return &kind;
       return cursor_.Fault(absl::StrCat("there are ", kind.name,
@@ -342,6 +327,10 @@ class Reader {
       if (kind.nodes == 10) std::swap(nodes[8], nodes[9]);  // the middles of 23 and 13
       MORTISE_RETURN_IF_ERROR(
           builder_.AddElement(number, std::span(nodes.data(), kind.nodes), place));
+    }
+    if (groups.empty()) groups_.CountUngrouped(kind.dimension);
+    if (groups.empty() && kind.dimension == 2) {
+      return builder_.AddLooseTriangle({nodes[0], nodes[1], nodes[2]}, place);
     }
     for (const int group : groups) {
       if (kind.dimension == 3) {
@@ -360,12 +349,10 @@ class Reader {
   const FilePlaces places_;
   GmshCursor cursor_;
   GroupedMeshBuilder builder_;
+  GmshGroups groups_;
   const bool is_old_;
-  std::set<std::string> seen_;  // sections
-  std::map<Key, std::string> names_;
-  std::map<Key, int> groups_;                             // the builder's, by physical group
-  std::map<Key, std::vector<std::int64_t>> entity_tags_;  // of physical groups, by entity
-  std::map<Key, std::vector<int>> groups_of_entity_;      // the builder's
+  std::size_t section_place_ = 0;  // where the present one begins
+  std::set<std::string> seen_;     // sections
 };
 
 }  // namespace

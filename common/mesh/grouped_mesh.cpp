@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "common/base/errors.h"
+#include "common/base/text_encoding.h"
 #include "common/mesh/abaqus_reader.h"
 #include "common/mesh/element_faces.h"
 #include "common/mesh/gmsh_reader.h"
@@ -10,6 +11,7 @@
 namespace mortise::mesh {
 
 absl::StatusOr<GroupedMesh> ReadGroupedMesh(std::string_view bytes) {
+  MORTISE_ASSIGN_OR_RETURN(bytes, WithoutByteOrderMark(bytes, "mesh_file"));
   const std::size_t first = bytes.find_first_not_of(" \t\r\n");
   if (first == std::string_view::npos) return InvalidField("mesh_file", "is empty");
   return bytes[first] == '$' ? ReadGmsh(bytes) : ReadAbaqus(bytes);

@@ -69,13 +69,15 @@ struct CornersHash {
 
 }  // namespace
 
-absl::Status FilePlaces::Fault(std::size_t place, std::string_view message) const {
+std::string FilePlaces::Where(std::size_t place) const {
   const std::string_view before = bytes_.substr(0, place);
-  const std::string where =
-      is_text_ ? absl::StrCat("line ", 1 + std::count(before.begin(), before.end(), '\n'))
-               : absl::StrCat("byte ", place);
-  return InvalidField("mesh_file",
-                      absl::StrCat(where, ": ", absl::string_view(message.data(), message.size())));
+  return is_text_ ? absl::StrCat("line ", 1 + std::count(before.begin(), before.end(), '\n'))
+                  : absl::StrCat("byte ", place);
+}
+
+absl::Status FilePlaces::Fault(std::size_t place, std::string_view message) const {
+  return InvalidField("mesh_file", absl::StrCat(Where(place), ": ",
+                                                absl::string_view(message.data(), message.size())));
 }
 
 absl::Status GroupedMeshBuilder::AddNode(std::int64_t number, const Eigen::Vector3d& position,
@@ -174,6 +176,20 @@ absl::Status GroupedMeshBuilder::AddTriangle(int group, const std::array<std::in
   MORTISE_RETURN_IF_ERROR(SpendMember(place));
   face_groups_.groups[group].triangles.push_back({corners, place});
   return absl::OkStatus();
+}
+
+absl::Status GroupedMeshBuilder::AddLooseTriangle(const std::array<std::int64_t, 3>& corners,
+                                                  std::size_t place) {
+  MORTISE_RETURN_IF_ERROR(SpendMember(place));
+  loose_triangles_.push_back({corners, place});
+  return absl::OkStatus();
+}
+
+std::span<const std::int64_t> GroupedMeshBuilder::ElementNodes(std::int64_t number) const {
+  const auto found = element_index_.find(number);
+  if (found == element_index_.end()) return {};
+  const auto count = static_cast<std::size_t>(nodes_of_element_);
+  return std::span(element_nodes_).subspan(count * static_cast<std::size_t>(found->second), count);
 }
 
 // Afterwards names are distinct within a kind, and each kind's groups are in their order.
@@ -292,7 +308,7 @@ absl::Status GroupedMeshBuilder::ResolveElementGroups(GroupedMesh& mesh) const {
   return absl::OkStatus();
 }
 
-absl::Status GroupedMeshBuilder::ResolveFaceGroups(GroupedMesh& mesh) const {
+absl::Status GroupedMeshBuilder::ResolveFaceGroups(GroupedMesh& mesh) {
   // Corners of all triangles; -1 for the element until one is found.
   std::unordered_map<std::array<int, 3>, ElementSide, CornersHash> wanted;
   const auto key_of = [&](const Triangle& triangle) -> absl::StatusOr<std::array<int, 3>> {
@@ -313,6 +329,10 @@ absl::Status GroupedMeshBuilder::ResolveFaceGroups(GroupedMesh& mesh) const {
       MORTISE_ASSIGN_OR_RETURN(const auto key, key_of(triangle));
       wanted.try_emplace(key, ElementSide{-1, -1});
     }
+  }
+  for (const Triangle& triangle : loose_triangles_) {
+    MORTISE_ASSIGN_OR_RETURN(const auto key, key_of(triangle));
+    wanted.try_emplace(key, ElementSide{-1, -1});
   }
   if (!wanted.empty()) {
     for (int e = 0; e < mesh.tetrahedra.cols(); ++e) {
@@ -346,6 +366,18 @@ absl::Status GroupedMeshBuilder::ResolveFaceGroups(GroupedMesh& mesh) const {
     }
     SortAndUnite(group.members);
     mesh.face_groups.push_back(std::move(group));
+  }
+  std::size_t apart = 0;
+  std::string first;
+  for (const Triangle& triangle : loose_triangles_) {
+    MORTISE_ASSIGN_OR_RETURN(const auto key, key_of(triangle));
+    if (wanted.at(key).element < 0 && apart++ == 0) first = places_.Where(triangle.place);
+  }
+  if (apart > 0) {
+    AddNote(absl::StrCat(first, ": ", apart,
+                         apart == 1 ? " triangle is no face of a tetrahedron and was"
+                                    : " triangles are no faces of tetrahedra and were",
+                         " left out"));
   }
   return absl::OkStatus();
 }

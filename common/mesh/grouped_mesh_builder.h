@@ -26,6 +26,9 @@ class FilePlaces {
   // INVALID_ARGUMENT naming "mesh_file": "line 12: …" or "byte 345: …" for the byte `place`.
   absl::Status Fault(std::size_t place, std::string_view message) const;
 
+  // "line 12" or "byte 345".
+  std::string Where(std::size_t place) const;
+
   // Of the whole file, in bytes.
   std::size_t size() const { return bytes_.size(); }
 
@@ -77,6 +80,10 @@ class GroupedMeshBuilder {
   absl::Status AddTriangle(int group, const std::array<std::int64_t, 3>& corners,
                            std::size_t place);
 
+  // A triangle of no group, which marks nothing. Where it is no side of an element it is a part of
+  // the body that cannot be analysed, and a note says so.
+  absl::Status AddLooseTriangle(const std::array<std::int64_t, 3>& corners, std::size_t place);
+
   // What groups of a part are called by; "Part" until this is called.
   void SetPartName(std::string name) { part_name_ = std::move(name); }
 
@@ -87,6 +94,9 @@ class GroupedMeshBuilder {
 
   bool HasNode(std::int64_t number) const { return node_index_.contains(number); }
   bool HasElement(std::int64_t number) const { return element_index_.contains(number); }
+
+  // The numbers of the nodes of an element, as they were added; none if there is no such element.
+  std::span<const std::int64_t> ElementNodes(std::int64_t number) const;
 
   // The mesh; the builder is empty afterwards.
   absl::StatusOr<GroupedMesh> Build();
@@ -119,7 +129,7 @@ class GroupedMeshBuilder {
   absl::Status ResolveElements(GroupedMesh& mesh);
   absl::Status MergeRepeats(GroupedMesh& mesh);
   absl::Status ResolveElementGroups(GroupedMesh& mesh) const;
-  absl::Status ResolveFaceGroups(GroupedMesh& mesh) const;
+  absl::Status ResolveFaceGroups(GroupedMesh& mesh);
   absl::Status ResolveNodeGroups(const std::vector<int>& kept, GroupedMesh& mesh) const;
 
   const FilePlaces& places_;
@@ -133,6 +143,7 @@ class GroupedMeshBuilder {
   std::vector<std::size_t> element_places_;
   std::unordered_map<std::int64_t, int> element_index_;  // by number; after Build's merging, final
   Groups node_groups_, element_groups_, face_groups_;
+  std::vector<Triangle> loose_triangles_;
   std::size_t members_ = 0;  // of all groups
   std::string part_name_ = "Part";
   std::vector<std::string> notes_;
