@@ -18,6 +18,7 @@
 #include "common/base/errors.h"
 #include "common/base/files.h"
 #include "common/base/identifiers.h"
+#include "common/base/text_encoding.h"
 #include "common/base/violation_lists.h"
 #include "common/parametric/proto_text.h"
 #include "common/parametric/template_validation.h"
@@ -278,7 +279,8 @@ absl::Status Export(const ExportOptions& options, Session& session, Output& outp
 
 absl::StatusOr<std::vector<double>> ReadParameters(const std::filesystem::path& path) {
   MORTISE_ASSIGN_OR_RETURN(const std::string text, ReadFile(path, kMaxFile));
-  const nlohmann::json document = nlohmann::json::parse(text, nullptr, false);
+  MORTISE_ASSIGN_OR_RETURN(const std::string_view json, WithoutByteOrderMark(text, path.string()));
+  const nlohmann::json document = nlohmann::json::parse(json, nullptr, false);
   if (!document.is_object() || !document.contains("q") || !document["q"].is_array()) {
     return InvalidField(path.string(), "is not what 'assembly adjust --json' prints");
   }

@@ -8,11 +8,13 @@
 #include "common/base/errors.h"
 #include "common/base/field_violations.h"
 #include "common/base/json_faults.h"
+#include "common/base/text_encoding.h"
 
 namespace mortise::cli {
 
 absl::Status ReadJson(std::string_view json, const std::string& origin,
                       google::protobuf::Message& message) {
+  MORTISE_ASSIGN_OR_RETURN(json, WithoutByteOrderMark(json, origin));
   const auto read = google::protobuf::util::JsonStringToMessage(
       google::protobuf::StringPiece(json.data(), json.size()), &message);
   std::vector<FieldViolation> faults = JsonFaults(json, *message.GetDescriptor(), read);

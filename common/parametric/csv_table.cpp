@@ -1,15 +1,16 @@
 #include "common/parametric/csv_table.h"
 
-#include <cmath>
+#include <optional>
+#include <utility>
 
-#include "absl/strings/charconv.h"
 #include "absl/strings/str_cat.h"
+#include "common/base/decimal_number.h"
+#include "common/base/text_encoding.h"
 
 namespace mortise::parametric {
 namespace {
 
 constexpr std::size_t kMaxFindings = 100;
-constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 
 // How many bytes of `text` are the UTF-8 form of its first character; 0 if none are. Overlong
 // forms, surrogates and what lies beyond Unicode are no characters.
@@ -33,9 +34,7 @@ std::size_t CharacterLength(std::string_view text) {
 // Takes a text apart, one row after the other.
 class Parser {
  public:
-  explicit Parser(std::string_view text) : text_(text) {
-    if (text_.substr(0, kByteOrderMark.size()) == kByteOrderMark) at_ = kByteOrderMark.size();
-  }
+  explicit Parser(std::string_view text) : text_(text) {}
 
   CsvTable Run() {
     while (at_ < text_.size()) {
@@ -161,21 +160,23 @@ class Parser {
 
 }  // namespace
 
-CsvTable ParseCsv(std::string_view text) { return Parser(text).Run(); }
+CsvTable ParseCsv(std::string_view text) {
+  std::string fault = EncodingFault(text);
+  if (fault.empty()) return Parser(SkipByteOrderMark(text)).Run();
+  CsvTable table;
+  table.findings.push_back({"line 1", std::move(fault)});
+  return table;
+}
 
 absl::StatusOr<double> ParseCsvNumber(const std::string& text, bool thousandths) {
   // The shift is made in decimals: a quotient is not always the nearest number.
   const bool shifted = thousandths && text.find_first_of("eE") == std::string::npos;
-  const std::string digits = absl::StrCat(text, shifted ? "e-3" : "");
-  double value = 0;
-  const absl::from_chars_result read =
-      absl::from_chars(digits.data(), digits.data() + digits.size(), value);
-  if (read.ec != std::errc() || read.ptr != digits.data() + digits.size() ||
-      !std::isfinite(value)) {
+  const std::optional<double> value = DecimalNumber(absl::StrCat(text, shifted ? "e-3" : ""));
+  if (!value) {
     return absl::InvalidArgumentError(
         absl::StrCat("'", text.substr(0, 80), "' is no number, such as 12.5"));
   }
-  return thousandths && !shifted ? value / 1000 : value;
+  return thousandths && !shifted ? *value / 1000 : *value;
 }
 
 std::string PlaceOf(const CsvCell& cell) {

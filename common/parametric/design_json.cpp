@@ -5,6 +5,7 @@
 #include <set>
 
 #include "absl/strings/str_cat.h"
+#include "common/base/text_encoding.h"
 #include "common/parametric/design_file.h"
 #include "common/parametric/json_message.h"
 
@@ -67,11 +68,7 @@ class Checker : public nlohmann::json_sax<nlohmann::json> {
 // Walks through a text that is known to be JSON.
 class Walker {
  public:
-  explicit Walker(std::string_view text) : text_(text) {
-    constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
-    if (text_.substr(0, 3) == kByteOrderMark) at_ = 3;
-    SkipSpace();
-  }
+  explicit Walker(std::string_view text) : text_(text) { SkipSpace(); }
 
   bool At(char c) const { return at_ < text_.size() && text_[at_] == c; }
 
@@ -220,6 +217,12 @@ class Reader {
 }  // namespace
 
 DesignFile ParseDesignJson(std::string_view text) {
+  if (std::string fault = EncodingFault(text); !fault.empty()) {
+    DesignFile file;
+    file.findings.push_back({"", std::move(fault)});
+    return file;
+  }
+  text = SkipByteOrderMark(text);
   Checker checker;
   if (!nlohmann::json::sax_parse(text.begin(), text.end(), &checker)) {
     DesignFile file;

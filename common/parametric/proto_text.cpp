@@ -8,6 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/base/field_violations.h"
+#include "common/base/text_encoding.h"
 #include "common/base/text_faults.h"
 
 namespace mortise::parametric {
@@ -34,6 +35,7 @@ class Silence : public google::protobuf::io::ErrorCollector {
 absl::Status ParseProtoText(std::string_view text, const std::string& origin,
                             google::protobuf::Message& message) {
   if (text.size() > kMaxTextBytes) return TooLarge(origin, "4 MiB");
+  MORTISE_ASSIGN_OR_RETURN(text, WithoutByteOrderMark(text, origin));
   Silence parser_says;
   google::protobuf::TextFormat::Parser parser;
   parser.RecordErrorsTo(&parser_says);

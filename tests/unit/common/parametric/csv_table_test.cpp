@@ -46,6 +46,23 @@ TEST(CsvTable, ReadsLineBreaksInQuotesAndCountsThem) {
   EXPECT_EQ(PlaceOf(table.rows[2][1]), "line 5, column 2");
 }
 
+TEST(CsvTable, NumbersAreDecimal) {
+  EXPECT_EQ(ParseCsvNumber("16").value_or(0), 16);
+  EXPECT_EQ(ParseCsvNumber("2440.5", true).value_or(0), 2.4405);
+  for (const char* const text :
+       {"0x10", "0x1EAA", "0X1p4", "inf", "-inf", "nan", "1e400", "1_000", "1,5", " 1", "1 EUR"}) {
+    EXPECT_FALSE(ParseCsvNumber(text).ok()) << text;
+    EXPECT_FALSE(ParseCsvNumber(text, true).ok()) << text;
+  }
+}
+
+TEST(CsvTable, NamesOtherEncodings) {
+  using std::string_view_literals::operator""sv;
+  const Finding fault = FaultOf("\xFF\xFEn\0a\0m\0e\0\n\0"sv);
+  EXPECT_EQ(fault.field, "line 1");
+  EXPECT_THAT(fault.message, HasSubstr("is UTF-16, not UTF-8; save it as UTF-8"));
+}
+
 TEST(CsvTable, TakesWhatSpreadsheetsWrite) {
   // A byte order mark, LF alone, empty lines, no line break at the end.
   const CsvTable table = ParseCsv(
