@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 
+#include "cli/decimal_flags.h"
 #include "common/base/errors.h"
 
 namespace mortise::cli {
@@ -33,6 +34,7 @@ void BuildCommandLine(CLI::App& app, Session& session) {
   AddEventsCommand(app, session);
   AddCallCommand(app, session);
   AddCompletionCommand(app, session);
+  RequireDecimalNumbers(app);
   // Last: commands would inherit it.
   app.footer("Example: mortise up --insecure-development, then in another shell: mortise status");
 }

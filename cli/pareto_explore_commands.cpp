@@ -7,7 +7,7 @@
 #include <memory>
 #include <optional>
 
-#include "absl/strings/numbers.h"
+#include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
@@ -15,6 +15,7 @@
 #include "cli/field_sources.h"
 #include "cli/requests.h"
 #include "cli/session.h"
+#include "common/base/decimal_number.h"
 #include "common/base/errors.h"
 #include "common/rpc/status_mapping.h"
 #include "mortise/v1/pareto.grpc.pb.h"
@@ -47,10 +48,11 @@ absl::Status AddPlace(const std::string& at, v1::PickPointRequest& request) {
     return absl::OkStatus();
   }
   for (const absl::string_view coordinate : absl::StrSplit(at, ',')) {
-    double value = 0;
-    if (!absl::SimpleAtod(coordinate, &value))
+    const absl::string_view digits = absl::StripAsciiWhitespace(coordinate);
+    const auto value = DecimalNumber(std::string_view(digits.data(), digits.size()));
+    if (!value)
       return InvalidField("--at", absl::StrCat("'", at, "' is neither METRIC=VALUE nor numbers"));
-    request.add_embedding(value);
+    request.add_embedding(*value);
   }
   return absl::OkStatus();
 }

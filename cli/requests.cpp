@@ -4,16 +4,15 @@
 #include <grpcpp/impl/codegen/proto_utils.h>
 
 #include <cmath>
-#include <cstdlib>
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/match.h"
-#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
 #include "absl/types/span.h"
+#include "common/base/decimal_number.h"
 #include "common/base/digest.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
@@ -38,15 +37,13 @@ constexpr Unit kMetricUnits[] = {
 
 absl::StatusOr<double> ParseWithUnit(const std::string& text, const std::string& field,
                                      absl::Span<const Unit> units) {
-  char* end = nullptr;
-  const double number = std::strtod(text.c_str(), &end);
-  const absl::string_view name = absl::StripAsciiWhitespace(end);
-  if (end == text.c_str() || !std::isfinite(number)) {
-    return InvalidField(field, absl::StrCat("'", text, "' is not a number"));
-  }
-  if (name.empty()) return number;
+  const absl::string_view whole = absl::StripAsciiWhitespace(text);
+  const auto number = DecimalNumberPrefix(std::string_view(whole.data(), whole.size()));
+  if (!number) return InvalidField(field, absl::StrCat("'", text, "' is not a number"));
+  const absl::string_view name = absl::StripAsciiWhitespace(whole.substr(number->length));
+  if (name.empty()) return number->value;
   for (const Unit& unit : units) {
-    if (unit.name == name) return number * unit.size;
+    if (unit.name == name) return number->value * unit.size;
   }
   return InvalidField(
       field, absl::StrCat("'", name, "' is not a unit known here: ",
@@ -90,7 +87,10 @@ absl::StatusOr<v1::Vector3> ParseVector(const std::string& text, const std::stri
   std::vector<double> numbers(pieces.size());
   bool is_vector = pieces.size() == 3;
   for (std::size_t i = 0; i < pieces.size(); ++i) {
-    is_vector = is_vector && absl::SimpleAtod(pieces[i], &numbers[i]) && std::isfinite(numbers[i]);
+    const absl::string_view piece = absl::StripAsciiWhitespace(pieces[i]);
+    const auto number = DecimalNumber(std::string_view(piece.data(), piece.size()));
+    is_vector = is_vector && number.has_value();
+    numbers[i] = number.value_or(0);
   }
   if (!is_vector) {
     return InvalidField(field, absl::StrCat("'", text, "' is not of the form X, Y, Z"));

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -17,6 +18,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
+#include "common/base/decimal_number.h"
 #include "common/base/message_words.h"
 
 namespace mortise {
@@ -78,8 +80,8 @@ bool IsNumber(const Json& value, double largest) {
   if (!value.is_string()) return false;
   const std::string& text = value.get_ref<const std::string&>();
   if (text == "NaN" || text == "Infinity" || text == "-Infinity") return true;
-  double parsed = 0;
-  return absl::SimpleAtod(text, &parsed) && std::abs(parsed) <= largest;
+  const std::optional<double> parsed = DecimalNumber(text);
+  return parsed && std::abs(*parsed) <= largest;
 }
 
 bool IsValueOf(const google::protobuf::EnumDescriptor& type, const Json& value) {
@@ -171,7 +173,10 @@ class Walk : public nlohmann::json_sax<Json> {
   bool number_integer(number_integer_t value) override { return Scalar(value); }
   bool number_unsigned(number_unsigned_t value) override { return Scalar(value); }
   bool number_float(number_float_t value, const string_t&) override { return Scalar(value); }
-  bool string(string_t& value) override { return Scalar(value); }
+  bool string(string_t& value) override {
+    if (!is_all_) CheckQuotedNumber(value);
+    return Scalar(value);
+  }
   bool binary(binary_t&) override { return false; }
 
   bool start_object(std::size_t) override {
@@ -261,6 +266,23 @@ class Walk : public nlohmann::json_sax<Json> {
   bool Scalar(const Value& value) {
     if (is_all_) Check(value);
     return Next();
+  }
+
+  // Protobuf's reader takes hexadecimal where a number is in quotes; what else is no number it
+  // refuses itself.
+  void CheckQuotedNumber(std::string_view value) {
+    const FieldDescriptor* const field = frames_.empty() ? nullptr : Wants();
+    if (field == nullptr || IsWholeMap(*field)) return;
+    const bool is_number = field->cpp_type() == FieldDescriptor::CPPTYPE_DOUBLE ||
+                           field->cpp_type() == FieldDescriptor::CPPTYPE_FLOAT;
+    std::string_view digits = value;
+    if (digits.starts_with('-') || digits.starts_with('+')) digits.remove_prefix(1);
+    if (!is_number || !(digits.starts_with("0x") || digits.starts_with("0X"))) return;
+    const bool is_shown = value.size() <= kMostShown;
+    Add(is_shown ? absl::StrCat("\"", absl::string_view(value.data(), value.size()), "\" ",
+                                Wanted(*field))
+                 : Wanted(*field),
+        Weight::kAlways);
   }
 
   void Check(const Json& value) {

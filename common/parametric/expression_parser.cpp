@@ -2,11 +2,11 @@
 #include "common/parametric/expression_parser.h"
 
 #include <algorithm>
-#include <charconv>
-#include <cmath>
 #include <numbers>
+#include <optional>
 
 #include "absl/strings/str_cat.h"
+#include "common/base/decimal_number.h"
 #include "common/base/errors.h"
 
 namespace mortise::parametric {
@@ -112,12 +112,10 @@ absl::Status ExpressionParser::ParsePrimary() {
 }
 
 absl::Status ExpressionParser::ParseNumber() {
-  double value = 0;
-  const char* begin = text_.data() + position_;
-  const auto [end, error] = std::from_chars(begin, text_.data() + text_.size(), value);
-  if (error != std::errc() || !std::isfinite(value)) return Fail("a finite number");
-  position_ += static_cast<std::size_t>(end - begin);
-  Emit(Operation::kConstant, 0, value);
+  const std::optional<DecimalPrefix> number = DecimalNumberPrefix(text_.substr(position_));
+  if (!number) return Fail("a finite number");
+  position_ += number->length;
+  Emit(Operation::kConstant, 0, number->value);
   return absl::OkStatus();
 }
 

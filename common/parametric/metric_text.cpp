@@ -1,9 +1,9 @@
 #include "common/parametric/metric_text.h"
 
-#include <charconv>
-#include <cmath>
+#include <optional>
 
 #include "absl/strings/str_cat.h"
+#include "common/base/decimal_number.h"
 #include "common/base/errors.h"
 
 namespace mortise::parametric {
@@ -67,14 +67,13 @@ class MetricTextReader {
   absl::Status ReadQuantity(QuotedTerm& term) {
     const std::size_t begin = position_;
     MORTISE_ASSIGN_OR_RETURN(const std::string quoted, ReadQuoted());
-    double value = 0;
-    const auto [end, error] = std::from_chars(quoted.data(), quoted.data() + quoted.size(), value);
-    if (error != std::errc() || !std::isfinite(value)) {
+    const std::optional<DecimalPrefix> number = DecimalNumberPrefix(quoted);
+    if (!number) {
       return At(begin, "outside of a function, quotes hold a number and its unit, as '30 N m'");
     }
-    const auto unit = ParseUnit(std::string_view(end, quoted.data() + quoted.size()));
+    const auto unit = ParseUnit(std::string_view(quoted).substr(number->length));
     if (!unit.ok()) return At(begin, std::string(unit.status().message()));
-    term.quantity = {value * unit->factor, unit->dimension};
+    term.quantity = {number->value * unit->factor, unit->dimension};
     return absl::OkStatus();
   }
 

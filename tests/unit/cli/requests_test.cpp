@@ -3,8 +3,13 @@
 
 #include <gtest/gtest.h>
 
+#include <CLI/CLI.hpp>
 #include <string>
+#include <utility>
+#include <vector>
 
+#include "cli/decimal_flags.h"
+#include "cli/json_input.h"
 #include "common/base/errors.h"
 
 namespace mortise::cli {
@@ -22,6 +27,65 @@ TEST(Requests, VectorsAreThreeNumbers) {
     EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << text;
     EXPECT_EQ(DetailOf(status).field, "--wind") << text;
   }
+}
+
+TEST(Requests, LengthsAreDecimal) {
+  EXPECT_DOUBLE_EQ(ParseQuantity("1500mm", "--set a").value_or(0), 1.5);
+  EXPECT_DOUBLE_EQ(ParseQuantity(" 2.5e1 cm ", "--set a").value_or(0), 0.25);
+  EXPECT_DOUBLE_EQ(ParseQuantity("0", "--kerf").value_or(1), 0);
+  for (const char* const text : {"0x10", "0x10mm", "inf", "nan", "1e400", "1_000mm", "1,5mm", ""}) {
+    const absl::Status status = ParseQuantity(text, "--kerf").status();
+    EXPECT_EQ(DetailOf(status).field, "--kerf") << text;
+  }
+  EXPECT_FALSE(ParseMetricValue("0x10 kg", "--at").ok());
+  EXPECT_FALSE(ParseVector("0x1, 2, 3", "--wind").ok());
+}
+
+// What the command line makes of `--modes TEXT` and `--size TEXT`.
+struct Flags {
+  int count = -1;
+  double size = -1;
+  std::string name;
+};
+
+std::string FlagsOf(const std::vector<std::string>& arguments, Flags& flags) {
+  CLI::App app;
+  CLI::App* const command = app.add_subcommand("analyze");
+  command->add_option("--count", flags.count)->check(CLI::PositiveNumber);
+  command->add_option("--size", flags.size);
+  command->add_option("--name", flags.name);
+  RequireDecimalNumbers(app);
+  std::vector<std::string> reversed(arguments.rbegin(), arguments.rend());
+  reversed.push_back("analyze");
+  try {
+    app.parse(std::move(reversed));
+  } catch (const CLI::ParseError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Requests, NumbersOfFlagsAreDecimal) {
+  Flags flags;
+  EXPECT_EQ(FlagsOf({"--count", "010", "--size", "-0.5", "--name", "0x10"}, flags), "");
+  EXPECT_EQ(flags.count, 10);
+  EXPECT_EQ(flags.size, -0.5);
+  EXPECT_EQ(flags.name, "0x10");
+  for (const char* const text : {"0x10", "inf", "nan", "1e400", "0b1", "1_0"}) {
+    EXPECT_NE(FlagsOf({"--size", text}, flags).find("decimal notation"), std::string::npos) << text;
+    EXPECT_NE(FlagsOf({"--count", text}, flags).find("decimal notation"), std::string::npos)
+        << text;
+  }
+}
+
+TEST(Requests, JsonMayBeginWithAByteOrderMark) {
+  v1::Metric metric;
+  const absl::Status read = ReadJson("\xEF\xBB\xBF{\"name\": \"mass\"}", "case.json", metric);
+  ASSERT_TRUE(read.ok()) << read;
+  EXPECT_EQ(metric.name(), "mass");
+  const absl::Status wide = ReadJson(std::string("{\0\"\0", 4), "case.json", metric);
+  EXPECT_EQ(DetailOf(wide).field, "case.json");
+  EXPECT_NE(wide.message().find("UTF-16"), absl::string_view::npos) << wide;
 }
 
 std::string TextOf(double value, const std::string& unit) {

@@ -46,6 +46,18 @@ std::vector<std::string> PlacesOf(const std::string& text) {
   return places;
 }
 
+// Protobuf's reader takes 0x10 for 16 where it stands in quotes.
+TEST(JsonFaults, NumbersInQuotesAreDecimal) {
+  EXPECT_THAT(FieldsOf<v1::Item>(R"({"price": {"amount": "0x10"}, "dimensions": [{"size": "1.5"},
+      {"size": "0X1p-1"}, {"size": "1e400"}, {"size": "inf"}, {"size": "1_0"}]})"),
+              ElementsAre("price.amount", "dimensions[1].size", "dimensions[2].size",
+                          "dimensions[3].size", "dimensions[4].size"));
+  EXPECT_THAT(FieldsOf<v1::Item>(R"({"price": {"amount": "0x10"}})"), ElementsAre("price.amount"));
+  EXPECT_EQ(FaultsOf<v1::Item>(R"({"price": {"amount": "0x10"}})")[0].message,
+            "\"0x10\" must be a number");
+  EXPECT_THAT(FieldsOf<v1::Item>(R"({"price": {"amount": "16"}, "title": "0x10"})"), IsEmpty());
+}
+
 TEST(JsonFaults, NamesEveryFieldAtFault) {
   EXPECT_THAT(FieldsOf<v1::Assembly>(R"({"title": 3, "titel": "a", "parts": [
       {"name": "a", "role": "NONE", "size": {"x": "wide", "w": 1}}, 7, {"size": [1, 2]},
