@@ -153,7 +153,7 @@ class OperationAdapter : public v1::OperationService::CallbackService {
     if (asked.timeout_seconds() < 0 || asked.timeout_seconds() > kLongestWait) {
       return InvalidField("timeout_seconds", "must be 0 to 3600");
     }
-    const double seconds = asked.timeout_seconds() == 0 ? kDefaultWait : asked.timeout_seconds();
+    const double seconds = asked.has_timeout_seconds() ? asked.timeout_seconds() : kDefaultWait;
     auto answer_now = [this, respond, name = asked.name()] { respond(Find(name)); };
     auto waiting = std::make_shared<Waiting>();
     // The watch must not go away within its own callback, so the answer is given elsewhere.

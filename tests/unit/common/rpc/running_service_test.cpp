@@ -4,6 +4,7 @@
 
 #include <condition_variable>
 #include <mutex>
+#include <optional>
 #include <thread>
 
 #include "common/base/errors.h"
@@ -112,10 +113,10 @@ class RunningServiceTest : public ::testing::Test {
     return operation.ok() ? *operation : v1::Operation();
   }
 
-  absl::StatusOr<v1::Operation> Wait(const std::string& name, double seconds = 0) {
+  absl::StatusOr<v1::Operation> Wait(const std::string& name, std::optional<double> seconds = {}) {
     v1::WaitOperationRequest request;
     request.set_name(name);
-    request.set_timeout_seconds(seconds);
+    if (seconds) request.set_timeout_seconds(*seconds);
     return CallUnary(*operations_, &v1::OperationService::Stub::WaitOperation, request,
                      As(rpc::Role::kViewer));
   }
@@ -191,6 +192,10 @@ TEST_F(RunningServiceTest, AWaitEndsInTime) {
   const auto waited = Wait(name, 0.05);
   ASSERT_OK(waited);
   EXPECT_NE(waited->state(), v1::Operation::SUCCEEDED);
+  // A wait of 0 is one, and not the default of a minute.
+  const auto now = Wait(name, 0);
+  ASSERT_OK(now);
+  EXPECT_NE(now->state(), v1::Operation::SUCCEEDED);
   EXPECT_EQ(DetailOf(Wait(name, -1).status()).field, "timeout_seconds");
   EXPECT_TRUE(absl::IsNotFound(Wait("operations/probe/none").status()));
 }
