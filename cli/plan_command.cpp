@@ -21,7 +21,7 @@ struct PlanOptions {
   std::string subject;
   std::vector<std::string> parameters;
   int quantity = 1;
-  std::string kerf;
+  std::string kerf, board_trim, sheet_trim, sheet_spacing;
   std::filesystem::path out;
   bool detach = false;
 };
@@ -31,11 +31,14 @@ FieldSources SourcesOf(const PlanOptions& options) {
   sources.AddEach("parameters", "--set", options.parameters);
   sources.Add("quantity", "--quantity");
   sources.Add("rules.kerf", "--kerf");
+  sources.Add("rules.board_trim", "--board-trim");
+  sources.Add("rules.sheet_trim", "--sheet-trim");
+  sources.Add("rules.sheet_spacing", "--sheet-spacing");
   return sources;
 }
 
 std::string PriceText(const v1::Money& money) {
-  return money.currency().empty() ? ""
+  return money.currency().empty() ? "no price known"
                                   : absl::StrFormat("%.2f %s", money.amount(), money.currency());
 }
 
@@ -56,12 +59,36 @@ void PrintPlan(const v1::Plan& plan, const Output& output) {
                     line.supplier(), PriceText(line.price())});
   }
   for (const v1::Money& total : plan.totals()) {
-    rows.push_back({"total", "", "", "", PriceText(total)});
+    rows.push_back({plan.unpriced_lines() == 0 ? "total" : "total of what has a price", "", "", "",
+                    PriceText(total)});
   }
   output.Table({"item", "pieces", "size", "supplier", "price"}, rows);
+  if (plan.unpriced_lines() > 0) {
+    output.Line(absl::StrCat("the total is incomplete: no price is known of ",
+                             plan.unpriced_lines(),
+                             plan.unpriced_lines() == 1 ? " line" : " lines"));
+  }
   for (const std::string& handwork : plan.handwork()) {
     output.Line(absl::StrCat("by hand: ", handwork));
   }
+}
+
+// Rules that are not given keep the fabplanner's defaults.
+absl::Status AddRules(const PlanOptions& options, v1::CreatePlanRequest& request) {
+  const struct {
+    const std::string& text;
+    const char* flag;
+    void (v1::WorkshopRules::*set)(double);
+  } rules[] = {{options.kerf, "--kerf", &v1::WorkshopRules::set_kerf},
+               {options.board_trim, "--board-trim", &v1::WorkshopRules::set_board_trim},
+               {options.sheet_trim, "--sheet-trim", &v1::WorkshopRules::set_sheet_trim},
+               {options.sheet_spacing, "--sheet-spacing", &v1::WorkshopRules::set_sheet_spacing}};
+  for (const auto& [text, flag, set] : rules) {
+    if (text.empty()) continue;
+    MORTISE_ASSIGN_OR_RETURN(const double length, ParseQuantity(text, flag));
+    (request.mutable_rules()->*set)(length);
+  }
+  return absl::OkStatus();
 }
 
 absl::Status Plan(const PlanOptions& options, Session& session, Output& output) {
@@ -71,10 +98,7 @@ absl::Status Plan(const PlanOptions& options, Session& session, Output& output) 
   request.set_quantity(options.quantity);
   MORTISE_ASSIGN_OR_RETURN(const auto parameters, ParseParameters(options.parameters));
   request.mutable_parameters()->Assign(parameters.begin(), parameters.end());
-  if (!options.kerf.empty()) {
-    MORTISE_ASSIGN_OR_RETURN(const double kerf, ParseQuantity(options.kerf, "--kerf"));
-    request.mutable_rules()->set_kerf(kerf);
-  }
+  MORTISE_RETURN_IF_ERROR(AddRules(options, request));
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   const auto stub = v1::FabPlannerService::NewStub(client->channel());
   MORTISE_ASSIGN_OR_RETURN(
@@ -113,6 +137,12 @@ void AddPlanCommand(CLI::App& app, Session& session) {
                    "NAME=VALUE, such as length=1500mm (metres without unit)");
   plan->add_option("--quantity", options->quantity, "How many to make")->capture_default_str();
   plan->add_option("--kerf", options->kerf, "Width of a saw cut; 3mm if absent");
+  plan->add_option("--board-trim", options->board_trim,
+                   "Cut off each end of a board; 10mm if absent");
+  plan->add_option("--sheet-trim", options->sheet_trim,
+                   "Left off each edge of a sheet; 10mm if absent");
+  plan->add_option("--sheet-spacing", options->sheet_spacing,
+                   "Least distance between outlines on a sheet; 10mm if absent");
   plan->add_option("--out", options->out, "Folder for cut list, bill, layouts and assembly guide");
   AddDetach(*plan, options->detach)->excludes("--out");
   plan->footer("Example: mortise plan table --set length=1500mm --out out/plan");

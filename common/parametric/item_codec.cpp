@@ -109,7 +109,7 @@ void SetLists(const Item& item, v1::Item& message) {
     v1::StockSize& added = *message.add_stock_sizes();
     added.set_length(stock.length);
     added.set_width(stock.width);
-    added.set_price(stock.price);
+    if (stock.price) added.set_price(*stock.price);
   }
   for (const SupplierLink& link : item.more_suppliers) {
     v1::SupplierLink& added = *message.add_more_suppliers();
@@ -157,6 +157,7 @@ absl::StatusOr<Material> FromProto(const v1::Material& message) {
   material.thermal_expansion = message.thermal_expansion();
   material.revision = message.revision();
   if (message.has_orthotropic()) material.orthotropic = ElasticityFromProto(message.orthotropic());
+  if (message.has_grain()) material.grain = message.grain();
   return material;
 }
 
@@ -172,6 +173,7 @@ v1::Material ToProto(const Material& material) {
   message.set_thermal_expansion(material.thermal_expansion);
   message.set_revision(material.revision);
   if (material.orthotropic) SetElasticity(*material.orthotropic, *message.mutable_orthotropic());
+  if (material.grain) message.set_grain(*material.grain);
   return message;
 }
 
@@ -205,7 +207,9 @@ Item ReadItem(const v1::Item& message, std::vector<Finding>& findings) {
     item.measures.push_back({measure.name(), measure.size(), measure.minimum(), measure.maximum()});
   }
   for (const v1::StockSize& stock : message.stock_sizes()) {
-    item.stock_sizes.push_back({stock.length(), stock.width(), stock.price()});
+    item.stock_sizes.push_back(
+        {stock.length(), stock.width(),
+         stock.has_price() ? std::optional<double>(stock.price()) : std::nullopt});
   }
   for (const v1::SupplierLink& link : message.more_suppliers()) {
     item.more_suppliers.push_back({link.supplier(), link.url(), link.number()});

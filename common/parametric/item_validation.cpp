@@ -153,7 +153,7 @@ void CheckMeasures(const Item& item, std::vector<Finding>& findings) {
 void CheckStockSize(const std::string& field, const StockSize& stock,
                     std::vector<Finding>& findings) {
   CheckNotNegative(absl::StrCat(field, ".width"), stock.width, findings);
-  CheckNotNegative(absl::StrCat(field, ".price"), stock.price, findings);
+  CheckNotNegative(absl::StrCat(field, ".price"), stock.price.value_or(0), findings);
   CheckPositive(absl::StrCat(field, ".length"), stock.length, findings);
   CheckNotHuge(absl::StrCat(field, ".length"), stock.length, findings);
   CheckNotHuge(absl::StrCat(field, ".width"), stock.width, findings);

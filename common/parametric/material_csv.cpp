@@ -36,8 +36,9 @@ Column ColumnOf(const std::string& title) {
                                     : v1::Material::descriptor()->FindFieldByName(title);
   if (column.field == nullptr) return column;
   const auto type = column.field->cpp_type();
-  const bool is_cell =
-      type == FieldDescriptor::CPPTYPE_DOUBLE || type == FieldDescriptor::CPPTYPE_STRING;
+  const bool is_cell = type == FieldDescriptor::CPPTYPE_DOUBLE ||
+                       type == FieldDescriptor::CPPTYPE_STRING ||
+                       type == FieldDescriptor::CPPTYPE_BOOL;
   if (!is_cell) column.field = nullptr;
   return column;
 }
@@ -107,6 +108,13 @@ class Reader {
     if (column.orthotropic) message = material.mutable_orthotropic();
     if (column.field->cpp_type() == FieldDescriptor::CPPTYPE_STRING) {
       message->GetReflection()->SetString(message, column.field, text);
+      return absl::OkStatus();
+    }
+    if (column.field->cpp_type() == FieldDescriptor::CPPTYPE_BOOL) {
+      if (text != "true" && text != "false") {
+        return absl::InvalidArgumentError("must be true or false");
+      }
+      message->GetReflection()->SetBool(message, column.field, text == "true");
       return absl::OkStatus();
     }
     const absl::StatusOr<double> value = ParseCsvNumber(text);

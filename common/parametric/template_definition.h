@@ -67,6 +67,10 @@ struct Material {
   double thermal_expansion = 0;     // 1/K; 0 where unknown
   int64_t revision = 0;
   std::optional<OrthotropicElasticity> orthotropic = {};  // of what has a grain
+  std::optional<bool> grain = {};                         // which parts keep their direction to
+
+  // Where nothing is said there may be one.
+  bool HasGrain() const { return grain.value_or(true); }
 };
 
 struct ItemDimension {
@@ -88,9 +92,9 @@ struct ItemMeasure {
 
 // A size that an item is sold in.
 struct StockSize {
-  double length = 0;  // m
-  double width = 0;   // m; 0 for what is sold by length
-  double price = 0;   // of a piece, in the currency of the item's price; 0 if not known
+  double length = 0;                 // m
+  double width = 0;                  // m; 0 for what is sold by length
+  std::optional<double> price = {};  // of a piece, in the currency of the item's; if it is known
 };
 
 struct SupplierLink {

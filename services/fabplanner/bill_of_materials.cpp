@@ -1,5 +1,6 @@
 #include "services/fabplanner/bill_of_materials.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -40,10 +41,9 @@ BillLine MakeLine(const Item& item, const Purchase& purchase) {
   line.supplier = item.supplier;
   line.supplier_number = item.supplier_number;
   line.supplier_url = item.supplier_url;
-  if (!item.price.currency.empty()) {
+  if (!item.price.currency.empty() && !purchase.is_unpriced) {
     const double volumes = item.price_per_volume ? purchase.size.prod() : 1;
-    const double piece =
-        purchase.piece_price > 0 ? purchase.piece_price : item.price.amount * volumes;
+    const double piece = purchase.piece_price.value_or(item.price.amount * volumes);
     line.unit_price = {item.price.currency, RoundUnitPrice(piece)};
     line.price = {item.price.currency, RoundToCent(piece * purchase.quantity)};
   }
@@ -69,7 +69,7 @@ absl::StatusOr<Bill> MakeBill(const std::vector<Purchase>& purchases, const Item
         purchase.size.maxCoeff() > 1e3) {
       return InvalidField(field, absl::StrCat("has an unusable size of ", purchase.item));
     }
-    if (!IsAmount(item->second.price.amount) || !IsAmount(purchase.piece_price)) {
+    if (!IsAmount(item->second.price.amount) || !IsAmount(purchase.piece_price.value_or(0))) {
       return InvalidField(field, absl::StrCat("the price of ", purchase.item, " is unusable"));
     }
     const auto micrometres = [&](int axis) -> int64_t {
@@ -91,6 +91,12 @@ absl::StatusOr<Bill> MakeBill(const std::vector<Purchase>& purchases, const Item
   }
   for (const auto& [currency, amount] : totals) bill.totals.push_back({currency, amount});
   return bill;
+}
+
+int UnpricedLines(const Bill& bill) {
+  return static_cast<int>(
+      std::count_if(bill.lines.begin(), bill.lines.end(),
+                    [](const BillLine& l) { return l.price.currency.empty(); }));
 }
 
 }  // namespace mortise::fabplanner

@@ -1,6 +1,7 @@
 // What to buy: items with quantities, sizes to order and prices.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,14 +16,19 @@ struct Purchase {
   std::string item;                                // name
   Eigen::Vector3d size = Eigen::Vector3d::Zero();  // m: length, width, thickness as ordered
   int quantity = 0;                                // pieces, > 0
-  // Of one piece, in the currency of the item's price; the item's price says it if 0.
-  double piece_price = 0;
+  // Of one piece, in the currency of the item's price; the item's price says it if there is none.
+  std::optional<double> piece_price = {};
+  bool is_unpriced = false;  // no price is known of this size
 };
 
 // One line for each item and size (to a micrometre), boards first, then sheets, pegs, screws,
 // bolts, nuts and other things, each by name. A line's price is the piece's times the quantity, to
-// the cent; a total is the sum of the lines of its currency. Items without a currency have no price
-// and add nothing. INVALID_ARGUMENT for unknown items or unusable numbers.
+// the cent; a total is the sum of the lines of its currency. Items without a currency, and sizes of
+// which no price is known, have none and add nothing. INVALID_ARGUMENT for unknown items or
+// unusable numbers.
 absl::StatusOr<Bill> MakeBill(const std::vector<Purchase>& purchases, const Items& items);
+
+// How many lines have no price, and are missing from the totals.
+int UnpricedLines(const Bill& bill);
 
 }  // namespace mortise::fabplanner

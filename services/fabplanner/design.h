@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -34,7 +35,8 @@ enum class ItemKind { kBoard, kSheet, kDowel, kScrew, kBolt, kNut, kHardware };
 struct StockSize {
   double length = 0;  // m
   double width = 0;   // m, of sheets
-  double price = 0;   // of one piece, in the currency of the item's price; 0 if it is not known
+  // Of one piece, in the currency of the item's price; nothing if it is not known.
+  std::optional<double> price = {};
 };
 
 // What size parts of an item may have along one of its axes, m; 0 and 0 where that is not known.
@@ -56,6 +58,7 @@ struct Item {
   std::string supplier_url = {};
   std::array<SizeLimits, 3> limits = {};        // of length, width and thickness
   bool ripped = false;                          // to width, by a rip saw
+  bool has_grain = true;                        // along its length, which outlines keep to
   bool round = false;                           // about its length, or its thickness
   bool pin = false;                             // hardware that reaches into parts like a dowel
   bool shaped = false;                          // what it looks like is known: no plain box

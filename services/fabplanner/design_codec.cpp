@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <utility>
 
 #include "absl/strings/ascii.h"
@@ -195,11 +196,19 @@ void AddDrawing(const v1::Assembly& assembly, Design* design) {
 }
 
 absl::StatusOr<Items> ItemsFrom(const v1::TemplateBundle& bundle) {
+  std::map<std::string, bool> has_grain;  // of materials
+  for (const v1::Material& material : bundle.materials()) {
+    MORTISE_ASSIGN_OR_RETURN(const parametric::Material read, parametric::FromProto(material));
+    has_grain[read.name] = read.HasGrain();
+  }
   Items items;
   for (int i = 0; i < bundle.items_size(); ++i) {
     const absl::StatusOr<parametric::Item> read = parametric::FromProto(bundle.items(i));
     if (!read.ok()) return UnderField(absl::StrCat("items[", i, "]"), read.status());
     Item item = ItemFrom(*read);
+    if (const auto grain = has_grain.find(read->material); grain != has_grain.end()) {
+      item.has_grain = grain->second;
+    }
     items.emplace(read->name, std::move(item));
   }
   return items;

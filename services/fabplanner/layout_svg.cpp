@@ -225,8 +225,8 @@ std::string SheetsSvg(const FabricationPlan& plan) {
   drawing.Text(kMargin, y += 20, 12, TextAnchor::kStart,
                absl::StrCat("Millimetres. Trim ", Millimetres(plan.rules.sheet_trim),
                             " at each edge; at least ", Millimetres(plan.rules.sheet_spacing),
-                            " between outlines. Positions from the lower left corner; the grain "
-                            "runs from left to right."),
+                            " between outlines. Positions from the lower left corner; a grain, "
+                            "where there is one, runs from left to right."),
                "quiet");
   for (const Alike& alike : GroupAlike(plan.sheets, SheetKey)) {
     const SheetLayout& sheet = plan.sheets[alike.first];

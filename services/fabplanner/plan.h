@@ -52,6 +52,10 @@ struct BoardLayout {
   double stock_length = 0;
   std::vector<BoardSegment> segments;
   double offcut = 0;  // left over at the far end
+
+  // Of a strip that a wider plank is ripped into.
+  std::string plank = {};     // the plank's label, "plank-1"; empty for a board that is not ripped
+  double plank_position = 0;  // from the plank's edge to the strip's
 };
 
 // An outline on a sheet.
@@ -109,8 +113,8 @@ struct BillLine {
   std::string supplier;
   std::string supplier_number;
   std::string supplier_url;
-  Money unit_price;  // of one piece
-  Money price;       // of the line
+  Money unit_price;  // of one piece; without a currency where no price is known
+  Money price;       // of the line; likewise
 
   // Of a line without an item: what is made to drawing.
   std::vector<std::string> parts = {};  // names
@@ -121,7 +125,7 @@ struct BillLine {
 
 struct Bill {
   std::vector<BillLine> lines;
-  std::vector<Money> totals;  // by currency
+  std::vector<Money> totals;  // by currency, of the lines that have a price
 };
 
 enum class HoleKind { kPeg, kPilot, kClearance, kTapped };
@@ -161,6 +165,7 @@ struct FabricationPlan {
   int chop_saw_parts = 0;
   int jigsaw_parts = 0;
   int pegs = 0;
+  int planks = 0;  // that are ripped
   // Whether no layout of the boards needs fewer of them; otherwise it was not proven in time.
   bool boards_proven_optimal = true;
 };

@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "services/fabplanner/bill_of_materials.h"
 #include "services/fabplanner/plan_files.h"
 
 namespace mortise::fabplanner {
@@ -53,6 +54,8 @@ void AddBoard(const BoardLayout& board, v1::Plan* plan) {
   message->set_thickness(board.thickness);
   message->set_stock_length(board.stock_length);
   message->set_offcut(board.offcut);
+  message->set_plank(board.plank);
+  message->set_plank_position(board.plank_position);
   for (const BoardSegment& segment : board.segments) {
     v1::BoardLayout::Segment* part = message->add_segments();
     part->set_part(segment.part);
@@ -146,10 +149,10 @@ void AddBillLine(const BillLine& line, v1::Plan* plan) {
 
 WorkshopRules RulesFrom(const v1::WorkshopRules& message) {
   WorkshopRules rules;
-  if (message.kerf() != 0) rules.kerf = message.kerf();
-  if (message.board_trim() != 0) rules.board_trim = message.board_trim();
-  if (message.sheet_trim() != 0) rules.sheet_trim = message.sheet_trim();
-  if (message.sheet_spacing() != 0) rules.sheet_spacing = message.sheet_spacing();
+  if (message.has_kerf()) rules.kerf = message.kerf();
+  if (message.has_board_trim()) rules.board_trim = message.board_trim();
+  if (message.has_sheet_trim()) rules.sheet_trim = message.sheet_trim();
+  if (message.has_sheet_spacing()) rules.sheet_spacing = message.sheet_spacing();
   return rules;
 }
 
@@ -163,6 +166,7 @@ v1::Plan ToProto(const FabricationPlan& plan, const Design& design) {
   for (const BillLine& line : plan.bill.lines) AddBillLine(line, &message);
   for (const Money& total : plan.bill.totals) SetMoney(total, message.add_totals());
   if (message.totals_size() == 1) *message.mutable_total() = message.totals(0);
+  message.set_unpriced_lines(UnpricedLines(plan.bill));
   for (const Hole& hole : plan.holes) AddHole(hole, &message);
   for (const Mark& mark : plan.marks) {
     v1::Mark* drawn = message.add_marks();
@@ -194,6 +198,8 @@ FabricationPlan CuttingPlanFrom(const v1::Plan& message) {
     layout.thickness = board.thickness();
     layout.stock_length = board.stock_length();
     layout.offcut = board.offcut();
+    layout.plank = board.plank();
+    layout.plank_position = board.plank_position();
     for (const v1::BoardLayout::Segment& segment : board.segments()) {
       layout.segments.push_back({segment.part(), segment.start(), segment.length()});
     }

@@ -8,6 +8,7 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_replace.h"
+#include "services/fabplanner/bill_of_materials.h"
 #include "services/fabplanner/dimension_text.h"
 
 namespace mortise::fabplanner {
@@ -112,9 +113,15 @@ std::string BillCsv(const FabricationPlan& plan) {
                absl::StrJoin(line.drawings, " ")},
               &csv);
   }
+  const int unpriced = UnpricedLines(plan.bill);
+  const std::string remark = unpriced == 0
+                                 ? ""
+                                 : absl::StrCat("incomplete: no price is known of ", unpriced,
+                                                unpriced == 1 ? " line" : " lines");
   for (const Money& total : plan.bill.totals) {
-    AppendRow({"total", "", "", "", "", "", "", "", Amount(total, 2), total.currency, "", "", ""},
-              &csv);
+    AppendRow(
+        {"total", remark, "", "", "", "", "", "", Amount(total, 2), total.currency, "", "", ""},
+        &csv);
   }
   return csv;
 }

@@ -84,7 +84,7 @@ absl::Status CheckRequest(const v1::CreatePlanRequest& request) {
   if (request.template_revision() < 0) {
     return InvalidField("template_revision", "must be a revision, or 0 for the latest");
   }
-  if (request.quantity() < 0 || request.quantity() > 1000) {
+  if (request.has_quantity() && (request.quantity() < 1 || request.quantity() > 1000)) {
     return InvalidField("quantity", "must be 1 to 1000");
   }
   return CheckRules(RulesFrom(request.rules()));
@@ -196,7 +196,7 @@ absl::StatusOr<std::string> PlanOperation::Run(jobs::OperationContext& context) 
   AddDrawing(inputs.bundle.assembly(), &design);
   MORTISE_ASSIGN_OR_RETURN(const Items items, ItemsFrom(inputs.bundle));
   context.ReportProgress({.total = 0, .message = "laying out boards and sheets"});
-  const int quantity = request.quantity() == 0 ? 1 : request.quantity();
+  const int quantity = request.has_quantity() ? request.quantity() : 1;
   MORTISE_ASSIGN_OR_RETURN(
       FabricationPlan made,
       MakePlan(design, items, quantity, RulesFrom(request.rules()), context.stop_token()));

@@ -72,6 +72,22 @@ double UsedLength(const std::vector<PlacedRectangle>& bin,
   return used;
 }
 
+// What the rectangles are without turning any; nothing if one must be turned, or none may.
+std::vector<RectangleSize> Unturned(const std::vector<RectangleSize>& sizes,
+                                    const Eigen::Vector2d& bin_size) {
+  std::vector<RectangleSize> unturned = sizes;
+  bool may_turn = false;
+  for (RectangleSize& size : unturned) {
+    const bool fits = size.width <= bin_size.x() + kTolerance &&  //
+                      size.height <= bin_size.y() + kTolerance;
+    if (!fits) return {};
+    may_turn = may_turn || std::exchange(size.may_turn, false);
+  }
+  return may_turn ? unturned : std::vector<RectangleSize>();
+}
+
+// Where rectangles may be turned the heuristic, which sees one at a time, may do worse for it: all
+// is tried without turning as well.
 PackedRectangles BestPacking(const std::vector<RectangleSize>& sizes,
                              const Eigen::Vector2d& bin_size) {
   std::vector<PackingOrder> orders = {PackingOrder::kArea};
@@ -83,9 +99,13 @@ PackedRectangles BestPacking(const std::vector<RectangleSize>& sizes,
   }
   PackedRectangles best;
   std::pair<std::size_t, double> best_score{std::numeric_limits<std::size_t>::max(), 0};
-  for (PackingOrder order : orders) {
-    for (FitMeasure measure : measures) {
-      PackedRectangles bins = PackRectangles(sizes, bin_size.x(), bin_size.y(), order, measure);
+  const std::vector<RectangleSize> unturned = Unturned(sizes, bin_size);
+  for (const std::vector<RectangleSize>* const tried : {&sizes, &unturned}) {
+    if (tried->empty()) continue;
+    for (std::size_t k = 0; k < orders.size() * measures.size(); ++k) {
+      PackedRectangles bins =
+          PackRectangles(*tried, bin_size.x(), bin_size.y(), orders[k / measures.size()],
+                         measures[k % measures.size()]);
       const std::pair<std::size_t, double> score{bins.size(), UsedLength(bins.back(), sizes)};
       if (score < best_score) {
         best_score = score;

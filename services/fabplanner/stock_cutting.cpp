@@ -5,23 +5,28 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <tuple>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "common/base/errors.h"
 #include "services/fabplanner/cutting_stock.h"
 #include "services/fabplanner/dimension_text.h"
+#include "services/fabplanner/plank_ripping.h"
 #include "services/fabplanner/sheet_layout.h"
 
 namespace mortise::fabplanner {
 namespace {
 
 // Parts that come from the same stock: one item, one width and thickness in micrometres (the width
-// of a sheet is not fixed by its parts and stays 0).
+// of a sheet, or of a plank that is ripped, is not fixed by its parts and stays 0).
 using StockKey = std::tuple<std::string, int64_t, int64_t>;
 using PartsByStock = std::map<StockKey, std::vector<const Part*>>;
+
+constexpr double kLeastCost = 1e-4;  // of a piece that costs nothing
 
 int64_t Micrometres(double metres) { return std::llround(metres * 1e6); }
 
@@ -35,7 +40,7 @@ std::vector<StockSize> StockOf(const Item& item) {
     };
     if (std::none_of(stock.begin(), stock.end(), same)) stock.push_back(size);
   }
-  if (stock.empty()) stock.push_back({item.size.x(), item.size.y(), 0});
+  if (stock.empty()) stock.push_back({item.size.x(), item.size.y(), std::nullopt});
   return stock;
 }
 
@@ -48,30 +53,82 @@ absl::Status OfItem(const absl::Status& status, const Item& item) {
                             detail.field);
 }
 
-// The price of a piece of a size that the item lists; 0 where the item's own holds.
-double PiecePrice(const Item& item, const StockSize& size) {
-  if (item.stock.empty() || item.price_per_volume) return 0;
-  if (size.price > 0) return size.price;
-  const double width = size.width > 0 ? size.width / item.size.y() : 1;
-  return item.price.amount * width * size.length / item.size.x();
+// What a piece of a size costs, and whether that is known. A size that the item lists has the price
+// it is listed with; that of the item's own dimensions may leave it to the item.
+struct PiecePrice {
+  std::optional<double> price;  // the item's price says it if there is none
+  bool is_known = true;
+};
+
+PiecePrice PriceOf(const Item& item, const StockSize& size) {
+  if (item.stock.empty() || item.price_per_volume) return {};
+  if (size.price) return {size.price, true};
+  const bool is_own = Micrometres(size.length) == Micrometres(item.size.x()) &&
+                      (size.width == 0 || Micrometres(size.width) == Micrometres(item.size.y()));
+  return {std::nullopt, is_own};
 }
 
-// Boards that were ripped into strips: bought whole.
-int WholeBoards(const Item& item, double width, int strips, double kerf,
-                std::vector<std::string>* handwork) {
-  if (!item.ripped || width > item.size.y() - 1e-6) return strips;
-  const int each =
-      std::max(1, static_cast<int>(std::floor((item.size.y() + kerf) / (width + kerf) + 1e-9)));
-  const int whole = (strips + each - 1) / each;
-  handwork->push_back(absl::StrCat("rip ", whole, whole == 1 ? " board" : " boards", " of ",
-                                   item.title.empty() ? item.name : item.title, " to ", strips,
-                                   strips == 1 ? " strip " : " strips ", Millimetres(width),
-                                   " mm wide, before they are crosscut"));
-  return whole;
+// What sizes cost, for choosing between them; nothing unless it is known of all.
+std::optional<std::vector<double>> CostsOf(const Item& item, const std::vector<StockSize>& sizes) {
+  if (item.price_per_volume) return std::nullopt;
+  std::vector<double> costs;
+  for (const StockSize& size : sizes) {
+    const PiecePrice price = PriceOf(item, size);
+    if (!price.is_known || item.price.currency.empty()) return std::nullopt;
+    // What costs nothing is dearer than nothing, so that no more of it is taken than is needed.
+    costs.push_back(std::max(price.price.value_or(item.price.amount), kLeastCost));
+  }
+  return costs;
 }
 
-absl::Status CutBoards(const std::vector<const Part*>& parts, const Item& item,
-                       FabricationPlan* plan, std::vector<Purchase>* purchases) {
+Purchase PurchaseOf(const Item& item, const StockSize& size, const Eigen::Vector3d& pieces,
+                    int quantity) {
+  const PiecePrice price = PriceOf(item, size);
+  return {item.name, pieces, quantity, price.price, !price.is_known};
+}
+
+std::string StripsText(double width, int strips) {
+  return absl::StrCat(strips, strips == 1 ? " strip " : " strips ", Millimetres(width), " mm wide");
+}
+
+// Rips planks into the strips of a plan's boards from `first` on that are of one stock size; says
+// so to the plan and the boards, and returns how many planks that takes.
+int RipStrips(const Item& item, const std::vector<std::size_t>& boards, FabricationPlan* plan) {
+  std::vector<double> widths;
+  for (const std::size_t board : boards) widths.push_back(plan->boards[board].width);
+  const std::vector<RippedPlank> planks = RipPlanks(widths, item.size.y(), plan->rules.kerf);
+  // Planks that are ripped to the same widths are told of together.
+  std::map<std::set<double>, std::pair<int, std::map<double, int>>> alike;
+  for (const RippedPlank& plank : planks) {
+    std::set<double> distinct;
+    const std::string label = absl::StrCat("plank-", ++plan->planks);
+    for (std::size_t i = 0; i < plank.strips.size(); ++i) {
+      BoardLayout& board = plan->boards[boards[static_cast<std::size_t>(plank.strips[i])]];
+      board.plank = label;
+      board.plank_position = plank.positions[i];
+      distinct.insert(board.width);
+    }
+    auto& [count, strips] = alike[distinct];
+    ++count;
+    for (const int strip : plank.strips) ++strips[widths[static_cast<std::size_t>(strip)]];
+  }
+  for (const auto& [distinct, told] : alike) {
+    const auto& [count, strips] = told;
+    std::vector<std::string> texts;
+    for (const auto& [width, number] : strips) texts.push_back(StripsText(width, number));
+    plan->handwork.push_back(absl::StrCat("rip ", count, count == 1 ? " board" : " boards", " of ",
+                                          item.title.empty() ? item.name : item.title, " to ",
+                                          absl::StrJoin(texts, " and "),
+                                          ", before they are crosscut"));
+  }
+  return static_cast<int>(planks.size());
+}
+
+// Crosscuts parts of one section from boards, or strips, of all lengths the item is sold in, and
+// adds to `of_size` which boards are of which.
+absl::Status CrosscutSection(const std::vector<const Part*>& parts, const Item& item,
+                             const std::vector<StockSize>& sizes, FabricationPlan* plan,
+                             std::map<int, std::vector<std::size_t>>* of_size) {
   const Eigen::Vector3d& section = parts.front()->size;
   std::vector<CrosscutPart> crosscuts;
   for (int copy = 1; copy <= plan->quantity; ++copy) {
@@ -79,18 +136,17 @@ absl::Status CutBoards(const std::vector<const Part*>& parts, const Item& item,
       crosscuts.push_back({PartLabel(part->name, copy, plan->quantity), part->size.x()});
     }
   }
-  const std::vector<StockSize> sizes = StockOf(item);
-  const bool priced =
-      std::all_of(sizes.begin(), sizes.end(), [](const StockSize& size) { return size.price > 0; });
+  const std::optional<std::vector<double>> costs = CostsOf(item, sizes);
   std::vector<StockLength> lengths;
-  for (const StockSize& size : sizes) lengths.push_back({size.length, priced ? size.price : 0});
+  for (std::size_t i = 0; i < sizes.size(); ++i) {
+    lengths.push_back({sizes[i].length, costs ? (*costs)[i] : 0});
+  }
   const absl::StatusOr<CuttingStock> cut =
       CutStock(crosscuts, lengths, {.kerf = plan->rules.kerf, .trim = plan->rules.board_trim});
   MORTISE_RETURN_IF_ERROR(OfItem(cut.status(), item));
   plan->boards_proven_optimal = plan->boards_proven_optimal && cut->optimal;
-  std::map<int, int> pieces;  // of each stock size
   for (const CutBoard& board : cut->boards) {
-    ++pieces[board.stock];
+    (*of_size)[board.stock].push_back(plan->boards.size());
     BoardLayout& layout = plan->boards.emplace_back();
     layout.label = absl::StrCat("board-", plan->boards.size());
     layout.item = item.name;
@@ -104,13 +160,29 @@ absl::Status CutBoards(const std::vector<const Part*>& parts, const Item& item,
     }
   }
   plan->chop_saw_parts += static_cast<int>(crosscuts.size());
+  return absl::OkStatus();
+}
+
+// Parts of one thickness, and of one width unless planks are ripped to it.
+absl::Status CutBoards(const std::vector<const Part*>& parts, const Item& item,
+                       FabricationPlan* plan, std::vector<Purchase>* purchases) {
+  std::map<int64_t, std::vector<const Part*>> by_width;
+  for (const Part* part : parts) by_width[Micrometres(part->size.y())].push_back(part);
+  const std::vector<StockSize> sizes = StockOf(item);
+  std::map<int, std::vector<std::size_t>> whole, strips;  // boards of each stock size
+  for (const auto& [width, alike] : by_width) {
+    const bool is_ripped = item.ripped && width < Micrometres(item.size.y());
+    MORTISE_RETURN_IF_ERROR(
+        CrosscutSection(alike, item, sizes, plan, is_ripped ? &strips : &whole));
+  }
+  std::map<int, int> pieces;  // to buy of each stock size
+  for (const auto& [stock, boards] : whole) pieces[stock] += static_cast<int>(boards.size());
+  for (const auto& [stock, boards] : strips) pieces[stock] += RipStrips(item, boards, plan);
+  const Eigen::Vector3d& section = parts.front()->size;
+  const double width = item.ripped ? item.size.y() : section.y();
   for (const auto& [stock, count] : pieces) {
-    const int whole = WholeBoards(item, section.y(), count, plan->rules.kerf, &plan->handwork);
-    const double width = item.ripped ? item.size.y() : section.y();
-    purchases->push_back({item.name,
-                          {sizes[stock].length, width, section.z()},
-                          whole,
-                          PiecePrice(item, sizes[stock])});
+    purchases->push_back(
+        PurchaseOf(item, sizes[stock], {sizes[stock].length, width, section.z()}, count));
   }
   return absl::OkStatus();
 }
@@ -125,14 +197,14 @@ struct SheetChoice {
 // The layout on sheets of one size that costs least: by price where every size has one, else by
 // area.
 absl::StatusOr<SheetChoice> CheapestSheets(const std::vector<SheetOutline>& outlines,
-                                           const std::vector<StockSize>& sizes,
+                                           const Item& item, const std::vector<StockSize>& sizes,
                                            const SheetLayoutOptions& options) {
-  const bool priced =
-      std::all_of(sizes.begin(), sizes.end(), [](const StockSize& size) { return size.price > 0; });
+  const std::optional<std::vector<double>> costs = CostsOf(item, sizes);
   std::optional<SheetChoice> best;
   absl::Status failure;
   double largest = 0;
-  for (const StockSize& size : sizes) {
+  for (std::size_t i = 0; i < sizes.size(); ++i) {
+    const StockSize& size = sizes[i];
     const double area = size.length * size.width;
     absl::StatusOr<std::vector<FilledSheet>> sheets =
         LayOutSheets(outlines, {size.length, size.width}, options);
@@ -142,7 +214,7 @@ absl::StatusOr<SheetChoice> CheapestSheets(const std::vector<SheetOutline>& outl
       largest = std::max(largest, area);
       continue;
     }
-    const double cost = (priced ? size.price : area) * static_cast<double>(sheets->size());
+    const double cost = (costs ? (*costs)[i] : area) * static_cast<double>(sheets->size());
     if (!best || cost < best->cost - 1e-9) best = SheetChoice{size, *std::move(sheets), cost};
   }
   if (!best) return failure;
@@ -151,11 +223,11 @@ absl::StatusOr<SheetChoice> CheapestSheets(const std::vector<SheetOutline>& outl
 
 // The sheet as it is, or a smaller one that holds the same outlines.
 SheetChoice SmallestFor(const FilledSheet& filled, const StockSize& size,
-                        const std::vector<SheetOutline>& outlines,
+                        const std::vector<SheetOutline>& outlines, const Item& item,
                         const std::vector<StockSize>& sizes, const SheetLayoutOptions& options) {
   std::vector<SheetOutline> own;
   for (const PlacedOutline& placed : filled.placements) own.push_back(outlines[placed.part]);
-  absl::StatusOr<SheetChoice> again = CheapestSheets(own, sizes, options);
+  absl::StatusOr<SheetChoice> again = CheapestSheets(own, item, sizes, options);
   if (sizes.size() < 2 || !again.ok() || again->sheets.size() != 1) return {size, {filled}, 0};
   for (PlacedOutline& placed : again->sheets.front().placements) {
     placed.part = filled.placements[placed.part].part;
@@ -169,17 +241,17 @@ absl::Status CutSheets(const std::vector<const Part*>& parts, const Item& item,
   for (int copy = 1; copy <= plan->quantity; ++copy) {
     for (const Part* part : parts) {
       outlines.push_back(
-          {PartLabel(part->name, copy, plan->quantity), SheetOutlineOf(*part), false});
+          {PartLabel(part->name, copy, plan->quantity), SheetOutlineOf(*part), !item.has_grain});
     }
   }
   const std::vector<StockSize> sizes = StockOf(item);
   const SheetLayoutOptions options = {.trim = plan->rules.sheet_trim,
                                       .spacing = plan->rules.sheet_spacing};
-  const absl::StatusOr<SheetChoice> chosen = CheapestSheets(outlines, sizes, options);
+  const absl::StatusOr<SheetChoice> chosen = CheapestSheets(outlines, item, sizes, options);
   MORTISE_RETURN_IF_ERROR(OfItem(chosen.status(), item));
   const double thickness = parts.front()->size.z();
   for (const FilledSheet& filled : chosen->sheets) {
-    const SheetChoice sheet = SmallestFor(filled, chosen->size, outlines, sizes, options);
+    const SheetChoice sheet = SmallestFor(filled, chosen->size, outlines, item, sizes, options);
     SheetLayout& layout = plan->sheets.emplace_back();
     layout.label = absl::StrCat("sheet-", plan->sheets.size());
     layout.item = item.name;
@@ -189,8 +261,7 @@ absl::Status CutSheets(const std::vector<const Part*>& parts, const Item& item,
     for (const PlacedOutline& placed : sheet.sheets.front().placements) {
       layout.placements.push_back({outlines[placed.part].label, placed.outline});
     }
-    purchases->push_back(
-        {item.name, {layout.length, layout.width, thickness}, 1, PiecePrice(item, sheet.size)});
+    purchases->push_back(PurchaseOf(item, sheet.size, {layout.length, layout.width, thickness}, 1));
   }
   plan->jigsaw_parts += static_cast<int>(outlines.size());
   return absl::OkStatus();
@@ -209,7 +280,9 @@ absl::Status CutParts(const Design& design, const Items& items, FabricationPlan*
     const Part& part = design.parts[i];
     const Making making = plan->parts[i].making;
     if (making == Making::kCrosscut) {
-      boards[{part.item, Micrometres(part.size.y()), Micrometres(part.size.z())}].push_back(&part);
+      const bool is_ripped = items.at(part.item).ripped;
+      boards[{part.item, is_ripped ? 0 : Micrometres(part.size.y()), Micrometres(part.size.z())}]
+          .push_back(&part);
     } else if (making == Making::kOutline) {
       sheets[{part.item, 0, Micrometres(part.size.z())}].push_back(&part);
     }

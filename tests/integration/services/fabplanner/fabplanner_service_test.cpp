@@ -127,6 +127,40 @@ TEST_F(FabPlannerServiceTest, APartLongerThanItsStockIsNamedWithTheLengths) {
               AllOf(HasSubstr("apron_front"), HasSubstr("1110 mm"), HasSubstr("1000 mm")));
 }
 
+// A long and a short apron are together as long as a board, which takes a saw without kerf and
+// trim.
+TEST_F(FabPlannerServiceTest, RulesOfZeroAreZero) {
+  Items items = ExampleItems();
+  items["items/apron-20"].size.x() = 1.110 + 0.610;
+  catalog_.SetItems(items);
+  const auto aprons = [this](const v1::CreatePlanRequest& request) {
+    const v1::Operation operation = CreatePlan(request);
+    EXPECT_EQ(operation.state(), v1::Operation::SUCCEEDED) << operation.error().message();
+    v1::Plan plan;
+    EXPECT_TRUE(operation.result().UnpackTo(&plan));
+    int boards = 0;
+    for (const v1::BoardLayout& board : plan.boards()) {
+      boards += board.item() == "items/apron-20" ? 1 : 0;
+    }
+    return std::make_pair(plan, boards);
+  };
+  const auto [usual, usual_boards] = aprons(TableRequest());
+  v1::CreatePlanRequest request = TableRequest();
+  request.mutable_rules()->set_kerf(0);
+  request.mutable_rules()->set_board_trim(0);
+  request.mutable_rules()->set_sheet_trim(0);
+  request.mutable_rules()->set_sheet_spacing(0);
+  const auto [bare, bare_boards] = aprons(request);
+  EXPECT_EQ(usual_boards, 3);
+  EXPECT_EQ(bare_boards, 2);
+  EXPECT_TRUE(bare.rules().has_kerf());
+  EXPECT_EQ(bare.rules().kerf(), 0);
+  EXPECT_EQ(bare.rules().board_trim(), 0);
+  EXPECT_EQ(bare.rules().sheet_trim(), 0);
+  EXPECT_EQ(bare.rules().sheet_spacing(), 0);
+  EXPECT_EQ(bare.boards(0).segments(0).start(), 0);
+}
+
 TEST_F(FabPlannerServiceTest, BadPlansAreRefusedWithTheFieldAtFault) {
   const auto refused = [this](const v1::CreatePlanRequest& request) {
     v1::Operation operation;
@@ -149,6 +183,11 @@ TEST_F(FabPlannerServiceTest, BadPlansAreRefusedWithTheFieldAtFault) {
   request = TableRequest();
   request.set_quantity(-1);
   EXPECT_THAT(refused(request), HasSubstr("quantity"));
+  request.set_quantity(0);
+  EXPECT_THAT(refused(request), HasSubstr("quantity"));
+  request = TableRequest();
+  request.mutable_rules()->set_sheet_spacing(0);
+  EXPECT_THAT(refused(request), HasSubstr("rules.sheet_spacing"));
   request = TableRequest();
   request.set_template_("tables/../x");
   EXPECT_THAT(refused(request), HasSubstr("template"));

@@ -272,6 +272,72 @@ TEST(DesignJson, RefusesWhatIsNoJson) {
   EXPECT_THAT(fault("{\"items\": [\"caf\xE9\"]}"), HasSubstr("line 1, column"));
 }
 
+TEST(MaterialsCsv, SayWhetherThereIsAGrain) {
+  const DesignFile file = ParseDesignCsv(
+      "name,density,youngs_modulus,poissons_ratio,strength,grain\n"
+      "materials/a,690,12.5e9,0.36,40e6,true\nmaterials/b,7870,211e9,0.29,50e6,false\n"
+      "materials/c,900,3e9,0.3,40e6,\nmaterials/d,900,3e9,0.3,40e6,no\n");
+  EXPECT_THAT(file.findings,
+              testing::ElementsAre(At("line 5, column 6 (grain)", "must be true or false")));
+  ASSERT_THAT(file.materials, SizeIs(4));
+  EXPECT_TRUE(FromProto(file.materials[0].message)->HasGrain());
+  EXPECT_FALSE(FromProto(file.materials[1].message)->HasGrain());
+  // One that does not say is cut as if there were one, and stays one that does not say.
+  EXPECT_TRUE(FromProto(file.materials[2].message)->HasGrain());
+  EXPECT_FALSE(ToProto(*FromProto(file.materials[2].message)).has_grain());
+  EXPECT_TRUE(ToProto(*FromProto(file.materials[1].message)).has_grain());
+}
+
+TEST(ItemsCsv, PricesAreDecimalAndMayBeLeftOutOfSizes) {
+  const std::string header =
+      "name,kind,material,length,width,thickness,price,currency,price_date,stock_sizes\n";
+  const auto findings = [&](const std::string& price, const std::string& sizes) {
+    return ParseDesignCsv(header + "items/a,BOARD,materials/b,3,0.1,0.02," + price +
+                          ",EUR,2026-01-15," + sizes + "\n")
+        .findings;
+  };
+  EXPECT_THAT(findings("0x10", ""),
+              testing::ElementsAre(At("line 2, column 7 (price)", "no number")));
+  EXPECT_THAT(findings("1", "3@0x10"),
+              testing::ElementsAre(At("line 2, column 10 (stock_sizes)", "no number")));
+  const DesignFile file = ParseDesignCsv(header + "items/a,BOARD,materials/b,3,0.1,0.02,5,EUR," +
+                                         "2026-01-15,3@5;2;1@0\n");
+  ASSERT_THAT(file.findings, IsEmpty()) << Listed(file.findings);
+  const Item item = *FromProto(file.items[0].message);
+  EXPECT_EQ(item.stock_sizes[0].price.value_or(-1), 5);
+  EXPECT_FALSE(item.stock_sizes[1].price.has_value());
+  EXPECT_EQ(item.stock_sizes[2].price.value_or(-1), 0);
+  EXPECT_FALSE(ToProto(item).stock_sizes(1).has_price());
+  EXPECT_TRUE(ToProto(item).stock_sizes(2).has_price());
+}
+
+TEST(DesignFileOf, MayBeginWithAByteOrderMark) {
+  const std::filesystem::path folder =
+      std::filesystem::temp_directory_path() / ("mortise-marked-file-" + NewIdentifier());
+  const auto read = [&folder](const std::string& name, const std::string& text) {
+    EXPECT_TRUE(WriteFile(folder / name, text).ok());
+    return ReadDesignFile(folder / name);
+  };
+  const std::string mark = "\xEF\xBB\xBF";
+  EXPECT_THAT(read("a.json", mark + "[{\"name\": \"items/a\"}]").items, SizeIs(1));
+  EXPECT_THAT(read("a.textproto", mark + "items { name: \"items/a\" }").items, SizeIs(1));
+  EXPECT_THAT(
+      read("a.csv", mark + kHeader + "items/a,A,NUT,materials/steel,1,1,1,1,EUR,2026-01-15\n")
+          .items,
+      SizeIs(1));
+  EXPECT_THAT(read("b.json", mark + "[{\"nmae\": 1}]").findings, SizeIs(1));
+  for (const char* const name : {"w.json", "w.textproto", "w.csv"}) {
+    const std::vector<Finding> findings = read(name, std::string("i\0t\0e\0m\0", 8)).findings;
+    ASSERT_THAT(findings, SizeIs(1)) << name;
+    EXPECT_THAT(findings[0].message, HasSubstr("UTF-16, not UTF-8; save it as UTF-8")) << name;
+  }
+  // Neither form takes hexadecimal for a number.
+  EXPECT_THAT(read("h.json", R"([{"name": "items/a", "price": {"amount": "0x10"}}])").findings,
+              testing::ElementsAre(At("line 1", "price.amount")));
+  EXPECT_THAT(read("h.textproto", "items { price { amount: 0x10 } }").findings, SizeIs(1));
+  std::filesystem::remove_all(folder);
+}
+
 TEST(DesignFileOf, GoesByTheExtension) {
   const std::filesystem::path folder =
       std::filesystem::temp_directory_path() / ("mortise-design-file-" + NewIdentifier());

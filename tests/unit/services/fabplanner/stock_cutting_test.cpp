@@ -3,7 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <map>
+#include <optional>
 
 #include "common/base/errors.h"
 #include "services/fabplanner/part_making.h"
@@ -51,9 +53,9 @@ TEST(StockCuttingTest, TakesTheLengthsThatCostLeast) {
   ASSERT_TRUE(outcome.status.ok()) << outcome.status;
   ASSERT_EQ(outcome.purchases.size(), 2);  // one of 1.2 m and one of 2.4 m
   EXPECT_DOUBLE_EQ(outcome.purchases[0].size.x(), 1.2);
-  EXPECT_DOUBLE_EQ(outcome.purchases[0].piece_price, 3);
+  EXPECT_DOUBLE_EQ(outcome.purchases[0].piece_price.value(), 3);
   EXPECT_DOUBLE_EQ(outcome.purchases[1].size.x(), 2.4);
-  EXPECT_DOUBLE_EQ(outcome.purchases[1].piece_price, 5.5);
+  EXPECT_DOUBLE_EQ(outcome.purchases[1].piece_price.value(), 5.5);
   EXPECT_EQ(outcome.plan.boards.size(), 2);
   EXPECT_EQ(outcome.plan.chop_saw_parts, 3);
 }
@@ -64,9 +66,74 @@ TEST(StockCuttingTest, TheOnlySizeHasItsOwnPrice) {
   plank.price_per_volume = false;
   plank.price.amount = 9.5;
   plank.stock = {{3, 0, 12}};
-  EXPECT_DOUBLE_EQ(Cut({Strip("a", 2.5)}, items).purchases.at(0).piece_price, 12);
-  plank.stock = {{3, 0, 0}};  // not known: as much a metre as the item
-  EXPECT_DOUBLE_EQ(Cut({Strip("a", 2.5)}, items).purchases.at(0).piece_price, 9.5 * 3 / 2.4);
+  EXPECT_DOUBLE_EQ(Cut({Strip("a", 2.5)}, items).purchases.at(0).piece_price.value(), 12);
+}
+
+TEST(StockCuttingTest, ASizeWithoutAPriceHasNone) {
+  Items items = ExampleItems();
+  Item& plank = items["items/apron-20"];
+  plank.price_per_volume = false;
+  plank.price.amount = 9.5;
+  plank.stock = {{3, 0, std::nullopt}};
+  Purchase purchase = Cut({Strip("a", 2.5)}, items).purchases.at(0);
+  EXPECT_TRUE(purchase.is_unpriced);
+  auto bill = MakeBill({purchase}, items);
+  ASSERT_TRUE(bill.ok()) << bill.status();
+  EXPECT_EQ(bill->lines[0].price.currency, "");
+  EXPECT_EQ(UnpricedLines(*bill), 1);
+  EXPECT_TRUE(bill->totals.empty());
+  // The size that the item is described by has the item's price.
+  plank.stock = {{2.4, 0, std::nullopt}, {3, 0, 12}};
+  purchase = Cut({Strip("a", 2.3)}, items).purchases.at(0);
+  EXPECT_FALSE(purchase.is_unpriced);
+  bill = MakeBill({purchase}, items);
+  ASSERT_TRUE(bill.ok()) << bill.status();
+  EXPECT_DOUBLE_EQ(bill->lines[0].price.amount, 9.5);
+  // One that is free is the cheapest, and its price is 0.
+  plank.stock = {{2.4, 0, 9.5}, {3, 0, 0.0}};
+  purchase = Cut({Strip("a", 2.3)}, items).purchases.at(0);
+  EXPECT_DOUBLE_EQ(purchase.size.x(), 3);
+  bill = MakeBill({purchase}, items);
+  ASSERT_TRUE(bill.ok()) << bill.status();
+  EXPECT_DOUBLE_EQ(bill->lines[0].price.amount, 0);
+  EXPECT_EQ(bill->lines[0].price.currency, "EUR");
+  EXPECT_EQ(UnpricedLines(*bill), 0);
+}
+
+TEST(StockCuttingTest, StripsOfDifferentWidthsShareAPlank) {
+  Items items = ExampleItems();
+  Item& plank = items["items/apron-20"];
+  plank.size.y() = 0.089;
+  plank.ripped = true;
+  plank.price_per_volume = false;
+  const Outcome outcome = Cut({Strip("a", 2.3, 0.04), Strip("b", 2.3, 0.045)}, items);
+  ASSERT_TRUE(outcome.status.ok()) << outcome.status;
+  ASSERT_EQ(outcome.purchases.size(), 1);
+  EXPECT_EQ(outcome.purchases[0].quantity, 1);
+  ASSERT_EQ(outcome.plan.boards.size(), 2);
+  EXPECT_EQ(outcome.plan.boards[0].plank, "plank-1");
+  EXPECT_EQ(outcome.plan.boards[1].plank, "plank-1");
+  EXPECT_DOUBLE_EQ(
+      std::abs(outcome.plan.boards[0].plank_position - outcome.plan.boards[1].plank_position),
+      outcome.plan.boards[0].plank_position == 0 ? 0.043 : 0.048);
+  EXPECT_THAT(outcome.plan.handwork,
+              ElementsAre(HasSubstr("1 board of Planed pine 20 × 90 to 1 strip 40 mm wide and 1 "
+                                    "strip 45 mm wide")));
+}
+
+TEST(StockCuttingTest, SheetsWithoutGrainAreTurned) {
+  Items items = ExampleItems();
+  items["items/plywood-18"].size = {2, 1, 0.018};
+  const std::vector<Part> parts = {Panel("a", 0.98, 0.65), Panel("b", 0.98, 0.65),
+                                   Panel("c", 0.98, 0.65)};
+  EXPECT_EQ(Cut(parts, items).plan.sheets.size(), 2);
+  items["items/plywood-18"].has_grain = false;
+  EXPECT_EQ(Cut(parts, items).plan.sheets.size(), 1);
+  // Fits only when it is turned.
+  EXPECT_TRUE(Cut({Panel("a", 0.65, 1.5)}, items).status.ok());
+  items["items/plywood-18"].has_grain = true;
+  EXPECT_THAT(std::string(Cut({Panel("a", 0.65, 1.5)}, items).status.message()),
+              HasSubstr("may not be turned"));
 }
 
 TEST(StockCuttingTest, BoardsThatAreRippedAreBoughtWhole) {
@@ -95,14 +162,14 @@ TEST(StockCuttingTest, TakesTheSmallestSheetThatHoldsWhatIsOnIt) {
   ASSERT_TRUE(outcome.status.ok()) << outcome.status;
   ASSERT_EQ(outcome.plan.sheets.size(), 1);
   EXPECT_DOUBLE_EQ(outcome.plan.sheets[0].width, 0.61);
-  EXPECT_DOUBLE_EQ(outcome.purchases[0].piece_price, 17);
+  EXPECT_DOUBLE_EQ(outcome.purchases[0].piece_price.value(), 17);
 
   // Two large panels fill a large sheet each; what is left over takes a small one.
   outcome = Cut({Panel("a", 2.2, 1.1), Panel("b", 2.2, 1.1), Panel("c", 1, 0.5)}, items);
   ASSERT_TRUE(outcome.status.ok()) << outcome.status;
   std::map<double, int> by_price;
   std::map<std::string, int> placed;
-  for (const Purchase& purchase : outcome.purchases) ++by_price[purchase.piece_price];
+  for (const Purchase& purchase : outcome.purchases) ++by_price[purchase.piece_price.value()];
   for (const SheetLayout& sheet : outcome.plan.sheets) {
     for (const SheetPlacement& placement : sheet.placements) {
       ++placed[placement.part];
