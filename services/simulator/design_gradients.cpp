@@ -14,6 +14,7 @@
 #include "services/simulator/shape_functions.h"
 #include "services/simulator/stress_derivative.h"
 #include "services/simulator/stress_recovery.h"
+#include "services/simulator/surface_traction.h"
 
 namespace mortise::simulator {
 namespace {
@@ -29,7 +30,7 @@ class AdjointGradients {
  public:
   static absl::StatusOr<AdjointGradients> Create(const SolvedLoads& solved,
                                                  const DesignMotion& motion) {
-    AdjointGradients gradients(solved);
+    AdjointGradients gradients(solved, motion.load_rates);
     MORTISE_ASSIGN_OR_RETURN(
         gradients.velocities_,
         NodeVelocities(solved.mesh, motion.faces, static_cast<int>(motion.load_rates.size()),
@@ -78,10 +79,28 @@ class AdjointGradients {
     return By(load_case, adjoint, by_position);
   }
 
+  // Of a number that depends on the tractions themselves, as these change with the parameters.
+  Eigen::VectorXd ByTractions(std::size_t load_case, const PartSurface& surface,
+                              const std::vector<ByTraction>& changes) const {
+    Eigen::VectorXd gradient = Eigen::VectorXd::Zero(parameters());
+    if (changes.empty()) return gradient;
+    const Eigen::Index places = surface.nodes().rows();
+    for (std::size_t k = 0; k < rates_.size(); ++k) {
+      const LoadCase loads = LoadCasesOf(rates_[k])[load_case].loads;
+      const SurfaceTraction rate = TractionOn(solved_.mesh, surface, {}, loads);
+      for (const ByTraction& change : changes) {
+        gradient[static_cast<Eigen::Index>(k)] +=
+            change.derivative.dot(rate.at_nodes.col(places * change.at.face + change.at.place));
+      }
+    }
+    return gradient;
+  }
+
   Eigen::Index parameters() const { return static_cast<Eigen::Index>(velocities_.size()); }
 
  private:
-  explicit AdjointGradients(const SolvedLoads& solved) : solved_(solved) {}
+  AdjointGradients(const SolvedLoads& solved, const std::vector<DesignModel>& rates)
+      : solved_(solved), rates_(rates) {}
 
   Eigen::Matrix3Xd Loads(std::size_t load_case, const Eigen::Matrix3Xd& adjoint) const {
     return LoadDerivative(solved_.mesh, solved_.model.analysis.materials,
@@ -105,6 +124,7 @@ class AdjointGradients {
   }
 
   const SolvedLoads& solved_;
+  const std::vector<DesignModel>& rates_;                  // for each parameter
   std::vector<Eigen::Matrix3Xd> velocities_;               // for each parameter
   std::vector<std::vector<Eigen::Matrix3Xd>> load_rates_;  // for each parameter and load case
 };
@@ -123,7 +143,11 @@ std::size_t Worst(const std::vector<SolvedCase>& cases, const ValueOf& value_of)
 class StressGradients {
  public:
   StressGradients(const SolvedLoads& solved, const AdjointGradients& gradients)
-      : solved_(solved), gradients_(gradients), nodes_(solved.mesh), team_(solved.threads) {}
+      : solved_(solved),
+        gradients_(gradients),
+        nodes_(solved.mesh),
+        surface_(solved.mesh, nodes_),
+        team_(solved.threads) {}
 
   absl::StatusOr<Eigen::VectorXd> VonMisesOf() {
     const std::size_t worst = Worst(solved_.cases, [](const SolvedCase& of) {
@@ -175,8 +199,14 @@ class StressGradients {
     Recovered recovered;
     recovered.at_points = StressAtPoints(solved_.mesh, solved_.model.analysis.materials,
                                          solved_.cases[load_case].solution.displacement, {}, team_);
-    recovered.at_slots = RecoverByPatches(solved_.mesh, nodes_, recovered.at_points, team_);
+    recovered.at_slots = RecoverAtSlots(BodyIn(load_case), nodes_, surface_, team_);
     return recovered_.emplace(load_case, std::move(recovered)).first->second;
+  }
+
+  DeformedBody BodyIn(std::size_t load_case) const {
+    const ElasticitySolution& solution = solved_.cases[load_case].solution;
+    return {solved_.mesh, solved_.model.analysis.materials, solution.displacement,
+            solution.temperature, solution.traction};
   }
 
   double StrengthOf(int part) const {
@@ -204,16 +234,21 @@ class StressGradients {
   }
 
   absl::StatusOr<Eigen::VectorXd> At(std::size_t load_case, int slot, const Vector6d& direction) {
-    const StressDerivative derivative =
-        NodalStressDerivative(solved_.mesh, solved_.model.analysis.materials,
-                              solved_.cases[load_case].solution.displacement,
-                              InCase(load_case).at_points, nodes_, slot, direction);
-    return gradients_.Of(load_case, derivative.by_displacement, derivative.by_position);
+    const StressDerivative derivative = NodalStressDerivative(
+        BodyIn(load_case), nodes_, surface_, InCase(load_case).at_points, slot, direction);
+    const LoadCase& loads = solved_.load_cases[load_case].loads;
+    MORTISE_ASSIGN_OR_RETURN(
+        Eigen::VectorXd gradient,
+        gradients_.Of(load_case, derivative.by_displacement,
+                      derivative.by_position + TractionDerivative(solved_.mesh, surface_, loads,
+                                                                  derivative.by_traction)));
+    return gradient + gradients_.ByTractions(load_case, surface_, derivative.by_traction);
   }
 
   const SolvedLoads& solved_;
   const AdjointGradients& gradients_;
   const PartNodes nodes_;
+  const PartSurface surface_;
   ThreadTeam team_;
   std::map<std::size_t, Recovered> recovered_;
 };

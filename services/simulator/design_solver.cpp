@@ -78,7 +78,7 @@ absl::StatusOr<SolvedDesign> DesignSolver::Solve(const mesh::TetrahedralMesh& me
     MORTISE_ASSIGN_OR_RETURN(of.solution, system.Solve(loads));
     if (estimates_) {
       of.error = EstimateError(mesh, model_.analysis.materials, of.solution.displacement,
-                               of.solution.temperature, team);
+                               of.solution.temperature, team, of.solution.traction);
     }
   }
   if (options_.motion != nullptr && !options_.motion->faces.empty() &&

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -55,13 +56,16 @@ struct ElasticSystem::State {
   std::vector<Material> materials;
   ElasticityOptions options;
   ThreadTeam team;
+  std::vector<Support> supports;
   Constraints constraints;
   std::shared_ptr<const BlockMatrix> stiffness;  // in the constraints' frames
   std::unique_ptr<LinearSolver> solver;
   double assembly_seconds = 0;
   double preparation_seconds = 0;
-  Clock::time_point started;  // of the work on the next solution
-  double error = 0;           // of the last one, estimated, in the norm of energy
+  Clock::time_point started;                 // of the work on the next solution
+  double error = 0;                          // of the last one, estimated, in the norm of energy
+  std::optional<PartNodes> part_nodes = {};  // these two where stress is recovered
+  std::optional<PartSurface> surface = {};
 
   Eigen::Matrix3Xd FreePart(const Eigen::Matrix3Xd& vectors) const {
     return (constraints.fixed == 0).select(vectors.array(), 0.0).matrix();
@@ -71,6 +75,15 @@ struct ElasticSystem::State {
   Eigen::Matrix3Xd MultiplyExactly(const Eigen::Matrix3Xd& vectors) {
     const NodeFrames& frames = constraints.frames;
     return frames.ToFrames(InternalForces(mesh, materials, frames.ToSpace(vectors), team));
+  }
+
+  // Found when first asked for.
+  const PartSurface& Surface() {
+    if (!surface) {
+      part_nodes.emplace(mesh);
+      surface.emplace(mesh, *part_nodes);
+    }
+    return *surface;
   }
 
   absl::StatusOr<Eigen::Matrix3Xd> SolveByAnyMeans(
@@ -201,9 +214,10 @@ absl::StatusOr<ElasticSystem> ElasticSystem::Create(const mesh::TetrahedralMesh&
                            LinearSolver::Create(mesh, stiffness->pattern(), constraints.fixed,
                                                 constraints.frames, solver_options));
   MORTISE_RETURN_IF_ERROR(solver->Prepare(stiffness, mesh.nodes));
-  return ElasticSystem(std::unique_ptr<State>(new State{
-      mesh, std::move(materials), options, ThreadTeam(options.threads), std::move(constraints),
-      stiffness, std::move(solver), assembly_seconds, SecondsSince(preparation_start), start}));
+  return ElasticSystem(std::unique_ptr<State>(
+      new State{mesh, std::move(materials), options, ThreadTeam(options.threads), supports,
+                std::move(constraints), stiffness, std::move(solver), assembly_seconds,
+                SecondsSince(preparation_start), start}));
 }
 
 absl::StatusOr<ElasticitySolution> ElasticSystem::Solve(const LoadCase& loads) {
@@ -215,6 +229,9 @@ absl::StatusOr<ElasticitySolution> ElasticSystem::Solve(const LoadCase& loads) {
   ElasticitySolution solution;
   MORTISE_ASSIGN_OR_RETURN(solution.load, AssembleLoads(state.mesh, state.materials, loads));
   solution.temperature = loads.temperature;
+  if (state.options.recover_stress) {
+    solution.traction = TractionOn(state.mesh, state.Surface(), state.supports, loads);
+  }
   solution.summary.assembly_seconds = state.assembly_seconds + SecondsSince(start);
   start = Clock::now();
   const NodeFrames& frames = state.constraints.frames;
@@ -250,6 +267,12 @@ absl::StatusOr<ElasticitySolution> ElasticSystem::Combine(std::span<const Combin
     }
     sum.displacement += terms[i].factor * solution->displacement;
     sum.load += terms[i].factor * solution->load;
+    if (i == 0) {
+      sum.traction = solution->traction;
+      sum.traction.at_nodes *= terms[i].factor;
+    } else {
+      sum.traction.at_nodes += terms[i].factor * solution->traction.at_nodes;
+    }
     if (solution->temperature.size() == 0) continue;
     if (sum.temperature.size() == 0) sum.temperature = Eigen::VectorXd::Zero(nodes);
     sum.temperature += terms[i].factor * solution->temperature;
@@ -269,7 +292,10 @@ void ElasticSystem::Finish(ElasticitySolution& solution) {
   state.Summarise(solution);
   const auto start = Clock::now();
   if (state.options.recover_stress) {
-    NodalStress nodal = RecoverStress(state.mesh, PointStress(solution), state.team);
+    const PartSurface& surface = state.Surface();
+    NodalStress nodal = RecoverStress({state.mesh, state.materials, solution.displacement,
+                                       solution.temperature, solution.traction},
+                                      *state.part_nodes, surface, state.team);
     solution.stress = std::move(nodal.stress);
     solution.von_mises = std::move(nodal.von_mises);
     solution.maximum_principal = std::move(nodal.maximum_principal);

@@ -16,6 +16,7 @@
 #include "services/simulator/analysis_case.h"
 #include "services/simulator/linear_solver.h"
 #include "services/simulator/patch_recovery.h"
+#include "services/simulator/surface_traction.h"
 
 namespace mortise::simulator {
 
@@ -51,6 +52,7 @@ struct ElasticitySolution {
   Eigen::Matrix3Xd load;                   // 3 × nodes, N
   Eigen::Matrix3Xd reaction;               // 3 × nodes, N; zero away from supports
   Eigen::VectorXd temperature;             // nodes, K, or empty: of the load case
+  SurfaceTraction traction;                // on the faces of PartSurface, if stress is recovered
   Stresses stress;                         // 6 × nodes, Pa: xx yy zz xy yz xz
   Eigen::VectorXd von_mises;               // nodes, Pa
   Eigen::VectorXd maximum_principal;       // nodes, Pa

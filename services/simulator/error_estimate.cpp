@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "services/simulator/patch_recovery.h"
+#include "services/simulator/part_surface.h"
 #include "services/simulator/shape_functions.h"
 #include "services/simulator/stress_recovery.h"
 
@@ -32,10 +32,12 @@ struct ElementStress {
 ErrorEstimate EstimateError(const mesh::TetrahedralMesh& mesh,
                             const std::vector<Material>& materials,
                             const Eigen::Matrix3Xd& displacement,
-                            const Eigen::VectorXd& temperature, ThreadTeam& team) {
+                            const Eigen::VectorXd& temperature, ThreadTeam& team,
+                            const SurfaceTraction& traction) {
   const PartNodes part_nodes(mesh);
-  const Stresses smooth = RecoverByPatches(
-      mesh, part_nodes, StressAtPoints(mesh, materials, displacement, temperature, team), team);
+  const PartSurface surface(mesh, part_nodes);
+  const Stresses smooth = RecoverAtSlots({mesh, materials, displacement, temperature, traction},
+                                         part_nodes, surface, team);
   std::vector<Matrix6d> stiffness, compliance;
   std::vector<Vector6d> expansion;
   for (const Material& material : materials) {

@@ -10,6 +10,7 @@
 
 #include "common/mesh/tetrahedral_mesh.h"
 #include "services/simulator/material.h"
+#include "services/simulator/surface_traction.h"
 #include "services/simulator/thread_team.h"
 
 namespace mortise::simulator {
@@ -21,13 +22,15 @@ struct ErrorEstimate {
   double relative = 0;  // error over √(energy_norm² + error²): 0.05 is good engineering
 };
 
-// Estimates the error of a displacement (3 × nodes, m) under a temperature (nodes, K, or empty).
+// Estimates the error of a displacement (3 × nodes, m) under a temperature (nodes, K, or empty) and
+// tractions, where they are known.
 // Where stress is singular (re-entrant corners, the edges of clamps) the estimate stays finite and
 // says where, but no refinement makes the stress there right.
 ErrorEstimate EstimateError(const mesh::TetrahedralMesh& mesh,
                             const std::vector<Material>& materials,
                             const Eigen::Matrix3Xd& displacement,
-                            const Eigen::VectorXd& temperature, ThreadTeam& team);
+                            const Eigen::VectorXd& temperature, ThreadTeam& team,
+                            const SurfaceTraction& traction = {});
 
 // The size (m) that elements should have for a relative error of `wanted`, one for each element:
 // those that give it with the fewest elements, if an element's error η falls with its size to the

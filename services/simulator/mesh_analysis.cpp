@@ -231,8 +231,9 @@ class Analyst {
                       const ElasticitySolution& solution) {
     if (!IsFinite(solution)) return NotFinite(field);
     analysis_.unknowns = solution.summary.solver.unknowns;
-    const ErrorEstimate estimate = EstimateError(
-        model_.mesh, model_.materials, solution.displacement, solution.temperature, team_);
+    const ErrorEstimate estimate =
+        EstimateError(model_.mesh, model_.materials, solution.displacement, solution.temperature,
+                      team_, solution.traction);
     if (!std::isfinite(estimate.relative)) return NotFinite(field);
     analysis_.cases.push_back(
         OutcomeOf(name, model_.mesh, solution, estimate.relative, model_.support_nodes));

@@ -235,96 +235,119 @@ void AddPatchValue(const PatchSamples& samples, const Eigen::Matrix3Xd& places,
                    MonomialsByPlace(local(place), equations.terms).transpose() * coefficients;
 }
 
-}  // namespace
-
-PartNodes::PartNodes(const mesh::TetrahedralMesh& mesh) {
-  const int nodes = static_cast<int>(mesh.nodes.cols());
-  const int corners = static_cast<int>(mesh.tetrahedra.rows());
-  const int elements = static_cast<int>(mesh.tetrahedra.cols());
-  // The slots of a node form a chain, in the order in which its parts are met.
-  std::vector<int> head(nodes, -1), next;
-  element_slots_.resize(corners, elements);
-  for (int e = 0; e < elements; ++e) {
-    for (int k = 0; k < corners; ++k) {
-      const int node = mesh.tetrahedra(k, e);
-      int slot = head[node];
-      while (slot >= 0 && part_[slot] != mesh.part[e]) slot = next[slot];
-      if (slot < 0) {
-        slot = size();
-        node_.push_back(node);
-        part_.push_back(mesh.part[e]);
-        next.push_back(head[node]);
-        head[node] = slot;
-      }
-      element_slots_(k, e) = slot;
-    }
-  }
-  first_.assign(size() + 1, 0);
-  for (Eigen::Index k = 0; k < element_slots_.size(); ++k) ++first_[element_slots_.data()[k] + 1];
-  for (int slot = 0; slot < size(); ++slot) first_[slot + 1] += first_[slot];
-  around_.resize(element_slots_.size());
-  std::vector<int> place(first_.begin(), first_.end() - 1);
-  for (int e = 0; e < elements; ++e) {
-    for (int k = 0; k < corners; ++k) around_[place[element_slots_(k, e)]++] = e;
-  }
+// Which of an element's nodes a slot is.
+int PlaceIn(const PartNodes& nodes, int element, int slot) {
+  int place = 0;
+  while (nodes.element_slots()(place, element) != slot) ++place;
+  return place;
 }
 
-Stresses RecoverByPatches(const mesh::TetrahedralMesh& mesh, const PartNodes& nodes,
-                          const Stresses& at_points, ThreadTeam& team) {
-  const Eigen::Matrix3Xd places = SamplePositions(mesh);
-  const Eigen::MatrixXi& slots = nodes.element_slots();
-  // Which patch belongs to a slot: only corners have one.
-  std::vector<int> patch_of(nodes.size(), -1), corner_slots;
-  for (Eigen::Index e = 0; e < slots.cols(); ++e) {
-    for (int k = 0; k < 4; ++k) {
-      if (patch_of[slots(k, e)] >= 0) continue;
-      patch_of[slots(k, e)] = static_cast<int>(corner_slots.size());
-      corner_slots.push_back(slots(k, e));
+// The corners whose patches say what a slot has: itself, or of the middle of an edge its ends; none
+// if it or all of them are on the surface.
+std::vector<int> PatchCentres(const PartNodes& nodes, const PartSurface& surface, int slot) {
+  if (!surface.At(slot).empty()) return {};
+  const int e = *nodes.begin(slot);
+  const int place = PlaceIn(nodes, e, slot);
+  if (place < 4) return {slot};
+  std::vector<int> centres;
+  for (const int end : mesh::kTetrahedronEdges[place - 4]) {
+    const int corner = nodes.element_slots()(end, e);
+    if (surface.At(corner).empty()) centres.push_back(corner);
+  }
+  return centres;
+}
+
+struct WeightedPoint {
+  int index = 0;  // of an integration point
+  double weight = 0;
+};
+
+// The mean over the elements round a slot of what each has there: its stress, or of quadratic
+// elements what is linear and has the values of its four points at these.
+std::vector<WeightedPoint> MeanAt(const mesh::TetrahedralMesh& mesh, const PartNodes& nodes,
+                                  int slot) {
+  const auto& rule = TetrahedronRule(mesh.IsQuadratic() ? 2 : 1);
+  const int points = static_cast<int>(rule.size());
+  const double share = 1.0 / static_cast<double>(nodes.end(slot) - nodes.begin(slot));
+  std::vector<WeightedPoint> mean;
+  for (const int* e = nodes.begin(slot); e != nodes.end(slot); ++e) {
+    if (points == 1) {
+      mean.push_back({*e, share});
+      continue;
+    }
+    const int place = PlaceIn(nodes, *e, slot);
+    Eigen::Vector4d l = Eigen::Vector4d::Zero();
+    if (place < 4) {
+      l[place] = 1;
+    } else {
+      for (const int end : mesh::kTetrahedronEdges[place - 4]) l[end] = 0.5;
+    }
+    // Of the points' coordinates, one is 1 − 3 a and the others a.
+    const double a = rule[0].barycentric[1];
+    for (int p = 0; p < points; ++p) {
+      mean.push_back({points * *e + p, share * (l[p] - a) / (1 - 4 * a)});
     }
   }
-  std::vector<Patch> patches(corner_slots.size());
+  return mean;
+}
+
+}  // namespace
+
+Stresses RecoverByPatches(const mesh::TetrahedralMesh& mesh, const PartNodes& nodes,
+                          const PartSurface& surface, const Stresses& at_points, ThreadTeam& team) {
+  const Eigen::Matrix3Xd places = SamplePositions(mesh);
+  const Eigen::MatrixXi& slots = nodes.element_slots();
+  // Which patch belongs to a slot: only corners inside have one.
+  std::vector<int> patch_of(nodes.size(), -1), patch_slots;
+  for (Eigen::Index e = 0; e < slots.cols(); ++e) {
+    for (int k = 0; k < 4; ++k) {
+      if (patch_of[slots(k, e)] >= 0 || !surface.At(slots(k, e)).empty()) continue;
+      patch_of[slots(k, e)] = static_cast<int>(patch_slots.size());
+      patch_slots.push_back(slots(k, e));
+    }
+  }
+  std::vector<Patch> patches(patch_slots.size());
   team.ForRanges(static_cast<int>(patches.size()), [&](int begin, int end) {
     for (int p = begin; p < end; ++p) {
-      patches[p] = FitPatch(mesh, nodes, corner_slots[p], places, at_points);
+      patches[p] = FitPatch(mesh, nodes, patch_slots[p], places, at_points);
     }
   });
   Stresses recovered(6, nodes.size());
   team.ForRanges(nodes.size(), [&](int begin, int end) {
     for (int slot = begin; slot < end; ++slot) {
-      const Eigen::Vector3d place = mesh.nodes.col(nodes.node(slot));
-      if (patch_of[slot] >= 0) {
-        recovered.col(slot) = Evaluate(patches[patch_of[slot]], place);
-        continue;
+      recovered.col(slot).setZero();
+      const std::vector<int> centres = PatchCentres(nodes, surface, slot);
+      for (const int centre : centres) {
+        recovered.col(slot) +=
+            Evaluate(patches[patch_of[centre]], mesh.nodes.col(nodes.node(slot))) /
+            static_cast<double>(centres.size());
       }
-      const int e = *nodes.begin(slot);
-      int edge = 0;
-      while (slots(4 + edge, e) != slot) ++edge;
-      const auto [a, b] = mesh::kTetrahedronEdges[edge];
-      recovered.col(slot) = 0.5 * (Evaluate(patches[patch_of[slots(a, e)]], place) +
-                                   Evaluate(patches[patch_of[slots(b, e)]], place));
+      if (!centres.empty()) continue;
+      for (const WeightedPoint& point : MeanAt(mesh, nodes, slot)) {
+        recovered.col(slot) += point.weight * at_points.col(point.index);
+      }
     }
   });
   return recovered;
 }
 
-RecoveredValue RecoverAt(const mesh::TetrahedralMesh& mesh, const PartNodes& nodes, int slot,
-                         const Eigen::VectorXd& at_points) {
+RecoveredValue RecoverAt(const mesh::TetrahedralMesh& mesh, const PartNodes& nodes,
+                         const PartSurface& surface, int slot, const Eigen::VectorXd& at_points) {
   const Eigen::Matrix3Xd places = SamplePositions(mesh);
-  const Eigen::MatrixXi& slots = nodes.element_slots();
-  const Eigen::Vector3d place = mesh.nodes.col(nodes.node(slot));
-  const int e = *nodes.begin(slot);
-  Eigen::Index corner = 0;
-  while (slots(corner, e) != slot) ++corner;
-  std::vector<int> ends{slot};
-  if (corner >= 4) {
-    const auto [a, b] = mesh::kTetrahedronEdges[static_cast<std::size_t>(corner - 4)];
-    ends = {slots(a, e), slots(b, e)};
-  }
   RecoveredValue value;
-  for (const int end : ends) {
-    AddPatchValue(SamplesOf(mesh, nodes, end, places), places, at_points, place,
-                  1.0 / static_cast<double>(ends.size()), value);
+  const std::vector<int> centres = PatchCentres(nodes, surface, slot);
+  for (const int centre : centres) {
+    AddPatchValue(SamplesOf(mesh, nodes, centre, places), places, at_points,
+                  mesh.nodes.col(nodes.node(slot)), 1.0 / static_cast<double>(centres.size()),
+                  value);
   }
+  if (!centres.empty()) return value;
+  for (const WeightedPoint& point : MeanAt(mesh, nodes, slot)) {
+    value.value += point.weight * at_points[point.index];
+    value.points.push_back(point.index);
+    value.weights.push_back(point.weight);
+  }
+  value.by_place = Eigen::Matrix3Xd::Zero(3, static_cast<Eigen::Index>(value.points.size()));
   return value;
 }
 

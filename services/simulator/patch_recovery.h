@@ -6,44 +6,27 @@
 #include <vector>
 
 #include "common/mesh/tetrahedral_mesh.h"
+#include "services/simulator/part_surface.h"
 #include "services/simulator/thread_team.h"
 
 namespace mortise::simulator {
 
 using Stresses = Eigen::Matrix<double, 6, Eigen::Dynamic>;  // columns are Vector6d
 
-// Nodes as each part sees them: across a joint stress may jump, so a node between two parts has a
-// slot for each.
-class PartNodes {
- public:
-  explicit PartNodes(const mesh::TetrahedralMesh& mesh);
-
-  int size() const { return static_cast<int>(node_.size()); }
-  int node(int slot) const { return node_[slot]; }
-  int part(int slot) const { return part_[slot]; }
-
-  // The slots of an element's nodes: nodes of an element × elements.
-  const Eigen::MatrixXi& element_slots() const { return element_slots_; }
-
-  // The elements of the slot's part round its node.
-  const int* begin(int slot) const { return around_.data() + first_[slot]; }
-  const int* end(int slot) const { return around_.data() + first_[slot + 1]; }
-
- private:
-  std::vector<int> node_, part_;
-  Eigen::MatrixXi element_slots_;
-  std::vector<int> first_, around_;
-};
-
-// Fits a polynomial (linear, or quadratic for quadratic elements) by least squares to the stresses
-// at the integration points of the elements round each corner node, and takes its value there; at
-// the middle of an edge the mean of its ends' polynomials. Where there are too few elements (at
-// edges and corners of a part), their neighbours join. One order more accurate than the stress of
-// the elements themselves, at the surface too.
+// Inside a part: fits a polynomial (linear, or quadratic for quadratic elements) by least squares
+// to the stresses at the integration points of the elements round each corner node, and takes its
+// value there; at the middle of an edge the mean of its ends' polynomials, of those that are
+// inside. Where there are few elements, their neighbours join. One order more accurate than the
+// stress of the elements themselves.
+//
+// On a part's surface a polynomial would be extrapolated, from one side only and over as many
+// elements again as are inside: across what a bore turns by in a few elements, and where stress
+// falls most. There, and in the middle of edges between two nodes of the surface, the mean over the
+// elements at the node is taken, each one's stress continued linearly from its integration points.
 // `at_points`: 6 × (points · elements), those of an element in a row, in the order of
 // TetrahedronRule(1 or 2). Returns 6 × slots.
 Stresses RecoverByPatches(const mesh::TetrahedralMesh& mesh, const PartNodes& nodes,
-                          const Stresses& at_points, ThreadTeam& team);
+                          const PartSurface& surface, const Stresses& at_points, ThreadTeam& team);
 
 // A number recovered at a slot as RecoverByPatches does, from one at each integration point, and
 // how it follows from them and from where they are.
@@ -56,7 +39,7 @@ struct RecoveredValue {
 };
 
 // `at_points`: points · elements. Points may be there twice. O(elements) for the places of points.
-RecoveredValue RecoverAt(const mesh::TetrahedralMesh& mesh, const PartNodes& nodes, int slot,
-                         const Eigen::VectorXd& at_points);
+RecoveredValue RecoverAt(const mesh::TetrahedralMesh& mesh, const PartNodes& nodes,
+                         const PartSurface& surface, int slot, const Eigen::VectorXd& at_points);
 
 }  // namespace mortise::simulator

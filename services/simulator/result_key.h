@@ -8,8 +8,9 @@
 namespace mortise::simulator {
 
 // Counted up where the same design gets other numbers, of our own evaluator: those that are stored
-// are not given any more. 2: round faces in Gmsh's triangles; 3: elements that follow them.
-inline constexpr int kPhysicsVersion = 3;
+// are not given any more. 2: round faces in Gmsh's triangles; 3: elements that follow them;
+// 4: stress on surfaces from the strain along them and the traction.
+inline constexpr int kPhysicsVersion = 4;
 
 // The key of an evaluation's task in its queue: of the subject's digest, the exact parameters, the
 // metrics and whether their gradients are wanted, what the request defines, and all settings. Those

@@ -42,18 +42,7 @@ struct TrianglePlace {
 
 TrianglePlace PlaceAt(const GradientMatrix& positions, const Eigen::Vector3d& l) {
   const Eigen::Index nodes = positions.cols();
-  Eigen::Matrix<double, Eigen::Dynamic, 3, 0, 6, 3> by_l(nodes, 3);
-  by_l.setZero();
-  if (nodes == 3) {
-    by_l.setIdentity();
-  } else {
-    for (int k = 0; k < 3; ++k) {
-      const int next = (k + 1) % 3;
-      by_l(k, k) = 4 * l[k] - 1;
-      by_l(3 + k, k) = 4 * l[next];
-      by_l(3 + k, next) = 4 * l[k];
-    }
-  }
+  const auto by_l = TriangleDerivatives(l, static_cast<int>(nodes));
   TrianglePlace place;
   place.by_first = by_l.col(1) - by_l.col(0);
   place.by_second = by_l.col(2) - by_l.col(0);
@@ -81,8 +70,6 @@ FaceMean MeanOf(const mesh::TetrahedralMesh& mesh, const std::vector<int>& trian
                 const Eigen::Matrix3Xd& field, ValueOfField value_of) {
   const Eigen::Matrix3Xd none = Eigen::Matrix3Xd::Zero(3, mesh.nodes.cols());
   FaceMean mean{0, none, none};
-  Eigen::Matrix3Xd by_area = none;  // d(area)/dX
-  double area = 0;
   for (const int t : triangles) {
     const GradientMatrix positions = TrianglePositions(mesh, t);
     for (const TrianglePoint& point : TriangleRule()) {
@@ -97,16 +84,15 @@ FaceMean MeanOf(const mesh::TetrahedralMesh& mesh, const std::vector<int>& trian
       for (Eigen::Index k = 0; k < place.shape.size(); ++k) {
         mean.by_field.col(mesh.face_triangles(k, t)) += piece * place.shape[k] * by_u;
       }
-      area += piece;
       mean.value += piece * value;
-      const Eigen::Vector3d normal = point.weight * vector.normalized();
-      AddAreaDerivative(mesh, t, place, value * normal, mean.by_position);
-      AddAreaDerivative(mesh, t, place, normal, by_area);
+      AddAreaDerivative(mesh, t, place, value * point.weight * vector.normalized(),
+                        mean.by_position);
     }
   }
-  mean.value /= area;
-  mean.by_field /= area;
-  mean.by_position = (mean.by_position - mean.value * by_area) / area;
+  const FaceArea area = AreaOfTriangles(mesh, triangles);
+  mean.value /= area.value;
+  mean.by_field /= area.value;
+  mean.by_position = (mean.by_position - mean.value * area.by_position) / area.value;
   return mean;
 }
 
@@ -142,6 +128,20 @@ Eigen::Matrix3Xd StiffnessDerivative(const mesh::TetrahedralMesh& mesh,
     }
   }
   return sum;
+}
+
+FaceArea AreaOfTriangles(const mesh::TetrahedralMesh& mesh, const std::vector<int>& triangles) {
+  FaceArea area{0, Eigen::Matrix3Xd::Zero(3, mesh.nodes.cols())};
+  for (const int t : triangles) {
+    const GradientMatrix positions = TrianglePositions(mesh, t);
+    for (const TrianglePoint& point : TriangleRule()) {
+      const TrianglePlace place = PlaceAt(positions, point.barycentric);
+      const Eigen::Vector3d vector = place.first.cross(place.second) / 2;
+      area.value += point.weight * vector.norm();
+      AddAreaDerivative(mesh, t, place, point.weight * vector.normalized(), area.by_position);
+    }
+  }
+  return area;
 }
 
 FaceMean MeanOverTriangles(const mesh::TetrahedralMesh& mesh, const std::vector<int>& triangles,

@@ -29,6 +29,13 @@ Eigen::Matrix3Xd LoadDerivative(const mesh::TetrahedralMesh& mesh,
                                 const std::vector<Material>& materials, const LoadCase& loads,
                                 const Eigen::Matrix3Xd& adjoint);
 
+// The area of triangles, m², and its derivative by the nodes' positions.
+struct FaceArea {
+  double value = 0;
+  Eigen::Matrix3Xd by_position;  // 3 × nodes
+};
+FaceArea AreaOfTriangles(const mesh::TetrahedralMesh& mesh, const std::vector<int>& triangles);
+
 // The mean of direction · u over triangles, and its derivatives by u and by the nodes' positions.
 struct FaceMean {
   double value = 0;

@@ -125,19 +125,42 @@ ElementPoint EvaluateElement(const GradientMatrix& positions, const Eigen::Vecto
   return point;
 }
 
+Eigen::Matrix<double, Eigen::Dynamic, 3, 0, 6, 3> TriangleDerivatives(const Eigen::Vector3d& l,
+                                                                      int nodes) {
+  Eigen::Matrix<double, Eigen::Dynamic, 3, 0, 6, 3> by_l(nodes, 3);
+  by_l.setZero();
+  if (nodes == 3) {
+    by_l.setIdentity();
+    return by_l;
+  }
+  for (int i = 0; i < 3; ++i) by_l(i, i) = 4 * l[i] - 1;
+  for (int e = 0; e < 3; ++e) {
+    by_l(3 + e, kTriangleEdges[e][0]) = 4 * l[kTriangleEdges[e][1]];
+    by_l(3 + e, kTriangleEdges[e][1]) = 4 * l[kTriangleEdges[e][0]];
+  }
+  return by_l;
+}
+
 Eigen::Vector3d TriangleAreaVector(const GradientMatrix& positions, const Eigen::Vector3d& l) {
   if (positions.cols() == 3) {
     return 0.5 * (positions.col(1) - positions.col(0)).cross(positions.col(2) - positions.col(0));
   }
-  Eigen::Matrix<double, 3, 6> by_l = Eigen::Matrix<double, 3, 6>::Zero();
-  for (int i = 0; i < 3; ++i) by_l(i, i) = 4 * l[i] - 1;
-  for (int e = 0; e < 3; ++e) {
-    by_l(kTriangleEdges[e][0], 3 + e) = 4 * l[kTriangleEdges[e][1]];
-    by_l(kTriangleEdges[e][1], 3 + e) = 4 * l[kTriangleEdges[e][0]];
-  }
-  const Eigen::Vector3d u = positions * (by_l.row(1) - by_l.row(0)).transpose();
-  const Eigen::Vector3d v = positions * (by_l.row(2) - by_l.row(0)).transpose();
+  const auto by_l = TriangleDerivatives(l, 6);
+  const Eigen::Vector3d u = positions * (by_l.col(1) - by_l.col(0));
+  const Eigen::Vector3d v = positions * (by_l.col(2) - by_l.col(0));
   return 0.5 * u.cross(v);
+}
+
+TriangleGeometry EvaluateTriangle(const GradientMatrix& positions, const Eigen::Vector3d& l) {
+  const auto by_l = TriangleDerivatives(l, static_cast<int>(positions.cols()));
+  Eigen::Matrix<double, Eigen::Dynamic, 2, 0, 6, 2> natural(positions.cols(), 2);
+  natural << by_l.col(1) - by_l.col(0), by_l.col(2) - by_l.col(0);
+  const Eigen::Matrix<double, 3, 2> tangents = positions * natural;
+  const Eigen::Matrix2d metric = tangents.transpose() * tangents;
+  TriangleGeometry geometry;
+  geometry.gradients = tangents * metric.inverse() * natural.transpose();
+  geometry.normal = tangents.col(0).cross(tangents.col(1)).normalized();
+  return geometry;
 }
 
 GradientMatrix ElementPositions(const mesh::TetrahedralMesh& mesh, Eigen::Index e) {

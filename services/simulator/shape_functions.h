@@ -40,6 +40,10 @@ ShapeVector TetrahedronShape(const Eigen::Vector4d& barycentric, int nodes);
 // Values of the shape functions of a triangle with 3 or 6 nodes.
 ShapeVector TriangleShape(const Eigen::Vector3d& barycentric, int nodes);
 
+// dN/dL of a triangle with 3 or 6 nodes: nodes × 3, its coordinates taken for independent.
+Eigen::Matrix<double, Eigen::Dynamic, 3, 0, 6, 3> TriangleDerivatives(
+    const Eigen::Vector3d& barycentric, int nodes);
+
 // Geometry of an element at a point: gradients in space and the volume that the point stands for.
 struct ElementPoint {
   GradientMatrix gradients;  // 3 × nodes, 1/m
@@ -53,6 +57,14 @@ ElementPoint EvaluateElement(const GradientMatrix& positions, const Eigen::Vecto
 // Normal times area of the triangle (3 × 3 or 3 × 6 positions) per unit weight at a point, m².
 Eigen::Vector3d TriangleAreaVector(const GradientMatrix& positions,
                                    const Eigen::Vector3d& barycentric);
+
+// Geometry of a triangle at a point: gradients of the shape functions along it, and its normal.
+struct TriangleGeometry {
+  GradientMatrix gradients;  // 3 × nodes, 1/m, in the triangle's plane there
+  Eigen::Vector3d normal;    // of length 1, to the side from which it is counter-clockwise
+};
+TriangleGeometry EvaluateTriangle(const GradientMatrix& positions,
+                                  const Eigen::Vector3d& barycentric);
 
 // The node positions of element `e`, 3 × 4 or 3 × 10.
 GradientMatrix ElementPositions(const mesh::TetrahedralMesh& mesh, Eigen::Index e);

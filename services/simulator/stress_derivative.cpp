@@ -6,19 +6,21 @@
 
 namespace mortise::simulator {
 
-StressDerivative NodalStressDerivative(const mesh::TetrahedralMesh& mesh,
-                                       const std::vector<Material>& materials,
-                                       const Eigen::Matrix3Xd& displacement,
-                                       const Stresses& at_points, const PartNodes& nodes, int slot,
-                                       const Vector6d& direction) {
-  const RecoveredValue recovered = RecoverAt(mesh, nodes, slot, at_points.transpose() * direction);
+StressDerivative NodalStressDerivative(const DeformedBody& body, const PartNodes& nodes,
+                                       const PartSurface& surface, const Stresses& at_points,
+                                       int slot, const Vector6d& direction) {
+  const mesh::TetrahedralMesh& mesh = body.mesh;
+  const Eigen::Matrix3Xd none = Eigen::Matrix3Xd::Zero(3, mesh.nodes.cols());
+  StressDerivative derivative{0, none, none};
+  if (SurfaceStress(body, surface).AddDerivative(slot, direction, derivative)) return derivative;
+  const RecoveredValue recovered =
+      RecoverAt(mesh, nodes, surface, slot, at_points.transpose() * direction);
+  derivative.value = recovered.value;
   // With S = D direction, direction · σ of a point is S : ∇u.
   const Eigen::Matrix3d sensitivity = StressTensor(
-      StiffnessMatrix(materials[static_cast<std::size_t>(nodes.part(slot))]) * direction);
+      StiffnessMatrix(body.materials[static_cast<std::size_t>(nodes.part(slot))]) * direction);
   const auto& rule = TetrahedronRule(mesh.IsQuadratic() ? 2 : 1);
   const int per_element = static_cast<int>(rule.size());
-  const Eigen::Matrix3Xd none = Eigen::Matrix3Xd::Zero(3, mesh.nodes.cols());
-  StressDerivative derivative{recovered.value, none, none};
   for (std::size_t i = 0; i < recovered.points.size(); ++i) {
     const int e = recovered.points[i] / per_element;
     const auto& barycentric =
@@ -28,7 +30,7 @@ StressDerivative NodalStressDerivative(const mesh::TetrahedralMesh& mesh,
     const ShapeVector shape = TetrahedronShape(barycentric, static_cast<int>(positions.cols()));
     Eigen::Matrix3d by_u = Eigen::Matrix3d::Zero();  // ∇u
     for (Eigen::Index a = 0; a < positions.cols(); ++a) {
-      by_u += displacement.col(mesh.tetrahedra(a, e)) * at.gradients.col(a).transpose();
+      by_u += body.displacement.col(mesh.tetrahedra(a, e)) * at.gradients.col(a).transpose();
     }
     for (Eigen::Index a = 0; a < positions.cols(); ++a) {
       const int node = mesh.tetrahedra(a, e);

@@ -53,10 +53,24 @@ Stresses StressAtPoints(const mesh::TetrahedralMesh& mesh, const std::vector<Mat
   return stress;
 }
 
-NodalStress RecoverStress(const mesh::TetrahedralMesh& mesh, const Stresses& at_points,
-                          ThreadTeam& team) {
-  const PartNodes nodes(mesh);
-  const Stresses recovered = RecoverByPatches(mesh, nodes, at_points, team);
+Stresses RecoverAtSlots(const DeformedBody& body, const PartNodes& nodes,
+                        const PartSurface& surface, ThreadTeam& team) {
+  Stresses recovered = RecoverByPatches(
+      body.mesh, nodes, surface,
+      StressAtPoints(body.mesh, body.materials, body.displacement, body.temperature, team), team);
+  const SurfaceStress on_surface(body, surface);
+  team.ForRanges(nodes.size(), [&](int begin, int end) {
+    for (int slot = begin; slot < end; ++slot) {
+      if (const auto stress = on_surface.At(slot, nodes.node(slot))) recovered.col(slot) = *stress;
+    }
+  });
+  return recovered;
+}
+
+NodalStress RecoverStress(const DeformedBody& body, const PartNodes& nodes,
+                          const PartSurface& surface, ThreadTeam& team) {
+  const mesh::TetrahedralMesh& mesh = body.mesh;
+  const Stresses recovered = RecoverAtSlots(body, nodes, surface, team);
   NodalStress result;
   result.stress = Stresses::Zero(6, mesh.nodes.cols());
   result.von_mises = Eigen::VectorXd::Zero(mesh.nodes.cols());

@@ -5,7 +5,9 @@
 #include <vector>
 
 #include "services/simulator/analysis_case.h"
+#include "services/simulator/part_surface.h"
 #include "services/simulator/patch_recovery.h"
+#include "services/simulator/surface_stress.h"
 #include "services/simulator/thread_team.h"
 
 namespace mortise::simulator {
@@ -24,10 +26,15 @@ struct NodalStress {
   Eigen::VectorXd part_maximum;       // parts, Pa: largest von Mises stress of each
 };
 
-// Smooths stresses at the points to the nodes, of each part by itself. Where parts meet, `stress`,
-// `von_mises` and `maximum_principal` are those of the part under the larger von Mises stress.
-// `at_points`: from StressAtPoints.
-NodalStress RecoverStress(const mesh::TetrahedralMesh& mesh, const Stresses& at_points,
-                          ThreadTeam& team);
+// The stresses of a body at the nodes as each part sees them, 6 × slots: on its surface from the
+// strains along it and the tractions (SurfaceStress) where these are known, all else by
+// RecoverByPatches.
+Stresses RecoverAtSlots(const DeformedBody& body, const PartNodes& nodes,
+                        const PartSurface& surface, ThreadTeam& team);
+
+// Those of each node. Where parts meet, `stress`, `von_mises` and `maximum_principal` are those of
+// the part under the larger von Mises stress.
+NodalStress RecoverStress(const DeformedBody& body, const PartNodes& nodes,
+                          const PartSurface& surface, ThreadTeam& team);
 
 }  // namespace mortise::simulator

@@ -40,7 +40,10 @@ TEST(Accuracy, Cantilever) {
 }
 
 TEST(Accuracy, TaperedSphereLe11) {
-  ExpectWithin(0.5, TaperedSphere(4, kQuadratic));
+  // The benchmark's target is rounded: axisymmetric elements of 8 nodes, down to 0.02 mm at A, give
+  // −105.68 MPa (CalculiX 2.20).
+  constexpr double kSolution = -105.675e6;
+  EXPECT_NEAR(TaperedSphere(4, kQuadratic).value, kSolution, 0.002 * std::abs(kSolution));
   ExpectWithin(2, TaperedSphere(6, kLinear));
 }
 

@@ -58,8 +58,9 @@ TEST_P(BothElements, LinearFieldsAreExact) {
   strain << e(0, 0), e(1, 1), e(2, 2), 2 * e(0, 1), 2 * e(1, 2), 2 * e(0, 2);
   const Vector6d expected = d * strain;
   ThreadTeam alone(1);
-  const NodalStress stress =
-      RecoverStress(mesh, StressAtPoints(mesh, model.analysis.materials, u, {}, alone), alone);
+  const PartNodes nodes(mesh);
+  const NodalStress stress = RecoverStress({mesh, model.analysis.materials, u, {}, {}}, nodes,
+                                           PartSurface(mesh, nodes), alone);
   for (Eigen::Index v = 0; v < mesh.nodes.cols(); ++v) {
     EXPECT_LT((stress.stress.col(v) - expected).norm(), 1e-11 * expected.norm());
   }

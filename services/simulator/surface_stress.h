@@ -1,0 +1,73 @@
+// The stress on the outside of a body where the traction on it is known.
+//
+// Elements tell the strain along a surface well, since it follows from displacements on the surface
+// alone, and the rest badly: how displacements change inwards, where stress falls steeply, is known
+// from one side only. But that the traction determines. With the gradient of the displacement along
+// the surface, H, and the normal n, the strain is sym(H + b nᵀ) for some b, and
+//   σ = D (sym(H + b nᵀ) − ε_T),   σ n = t
+// are three equations for b. (Boundary elements recover stresses so; see also the membranes of no
+// stiffness that are laid over solids to read their surface.) At a node, the mean over its faces is
+// taken. Along a convex edge, where two faces meet at an angle, only the stretch along the edge is
+// taken from the displacements, and both tractions determine the rest.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "common/mesh/tetrahedral_mesh.h"
+#include "services/simulator/material.h"
+#include "services/simulator/part_surface.h"
+#include "services/simulator/surface_traction.h"
+
+namespace mortise::simulator {
+
+// A body under load, in small displacements.
+struct DeformedBody {
+  const mesh::TetrahedralMesh& mesh;
+  const std::vector<Material>& materials;  // one for each part
+  const Eigen::Matrix3Xd& displacement;    // 3 × nodes, m
+  const Eigen::VectorXd& temperature;      // nodes, K above that of no stress, or empty
+  const SurfaceTraction& traction;         // empty where nothing is known of it
+};
+
+// Derivatives of a stress, or of something made of it.
+struct StressDerivative {
+  double value = 0;                  // Pa
+  Eigen::Matrix3Xd by_displacement;  // 3 × nodes
+  Eigen::Matrix3Xd by_position;      // 3 × nodes, tractions staying as they are
+  std::vector<ByTraction> by_traction = {};
+};
+
+class SurfaceStress {
+ public:
+  // The surface, and what the body refers to, must outlive it.
+  SurfaceStress(const DeformedBody& body, const PartSurface& surface);
+
+  // xx yy zz xy yz xz, Pa, at a slot of the surface's part; nothing inside, where the traction is
+  // not known all round (planes of symmetry excepted), and at inner edges, where stress has no
+  // limit.
+  std::optional<Vector6d> At(int slot, int node) const;
+
+  // Of direction · σ there, of a body that is not warm. False, and nothing added, where At gives
+  // nothing.
+  bool AddDerivative(int slot, const Vector6d& direction, StressDerivative& sum) const;
+
+ private:
+  // What one face, or one edge, tells at a node.
+  struct Piece;
+  struct Balance;
+
+  std::vector<Piece> PiecesAt(int slot) const;
+  bool IsKnown(int face) const;
+  Eigen::Vector3d TractionAt(const FaceNode& at) const;
+  Balance BalanceOf(const Piece& piece, double warmth) const;
+  void AddDerivative(const Piece& piece, const Vector6d& direction, StressDerivative& sum) const;
+
+  const DeformedBody body_;
+  const PartSurface& surface_;
+  std::vector<Matrix6d> stiffness_;  // of parts
+  std::vector<Vector6d> expansion_;
+};
+
+}  // namespace mortise::simulator
