@@ -218,6 +218,21 @@ absl::StatusOr<std::vector<Pair>> LowestPairs(Vibration& vibration, int count, d
   return pairs;
 }
 
+// The mode of a vector on the free displacements, which is a shape in space and has these elastic
+// forces. Rayleigh's quotient is as exact as the shape is twice over, and free of the rounding of
+// K.
+Mode ModeOf(const Eigen::VectorXd& vector, const Eigen::Matrix3Xd& shape,
+            const Eigen::VectorXd& elastic, const Vibration& vibration) {
+  const Eigen::VectorXd inertia = vibration.MultiplyMass(vector);
+  const double mass = vector.dot(inertia);
+  const double squared = vector.dot(elastic) / mass;
+  Mode mode;
+  mode.frequency = std::sqrt(std::max(squared, 0.0)) / (2 * M_PI);
+  mode.shape = shape / std::sqrt(mass);
+  mode.residual = (elastic - squared * inertia).norm() / elastic.norm();
+  return mode;
+}
+
 double TotalMass(const BlockMatrix& mass, const NodeFrames& frames, ThreadTeam& team) {
   Eigen::Matrix3Xd shift = Eigen::Matrix3Xd::Zero(3, mass.nodes()), product;
   shift.row(0).setOnes();
@@ -272,18 +287,10 @@ absl::StatusOr<ModalSolution> FindModes(const mesh::TetrahedralMesh& mesh,
   MORTISE_ASSIGN_OR_RETURN(const std::vector<Pair> pairs,
                            LowestPairs(vibration, options.count, options.tolerance));
   for (const Pair& pair : pairs) {
-    const Eigen::VectorXd inertia = vibration.MultiplyMass(pair.vector);
-    const double scale = std::sqrt(pair.vector.dot(inertia));
-    Mode mode;
-    mode.shape = frames.ToSpace(vibration.Expand(pair.vector) / scale);
-    const Eigen::VectorXd elastic =
-        scale *
-        vibration.Compress(frames.ToFrames(InternalForces(mesh, materials, mode.shape, team)));
-    // Rayleigh's quotient is as exact as the shape is twice over, and free of the rounding of K.
-    const double squared = pair.vector.dot(elastic) / (scale * scale);
-    mode.frequency = std::sqrt(std::max(squared, 0.0)) / (2 * M_PI);
-    mode.residual = (elastic - squared * inertia).norm() / elastic.norm();
-    solution.modes.push_back(std::move(mode));
+    const Eigen::Matrix3Xd shape = frames.ToSpace(vibration.Expand(pair.vector));
+    const Eigen::Matrix3Xd elastic = InternalForces(mesh, materials, shape, team);
+    solution.modes.push_back(
+        ModeOf(pair.vector, shape, vibration.Compress(frames.ToFrames(elastic)), vibration));
   }
   std::stable_sort(solution.modes.begin() + solution.rigid_motions, solution.modes.end(),
                    [](const Mode& a, const Mode& b) { return a.frequency < b.frequency; });
