@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -12,8 +11,10 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "common/base/decimal_number.h"
 #include "common/base/errors.h"
 #include "common/base/field_violations.h"
+#include "common/base/text_encoding.h"
 #include "common/mesh/surface_repair.h"
 
 namespace mortise::catalog {
@@ -99,34 +100,71 @@ std::string_view NextWord(std::string_view& text) {
   return word;
 }
 
-std::optional<float> NumberOf(std::string_view word) {
-  if (word.starts_with('+')) word.remove_prefix(1);
-  float value = 0;
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (error != std::errc() || end != word.data() + word.size()) return std::nullopt;
-  return value;
-}
+// Text: "solid NAME", then for each triangle "facet normal X Y Z", "outer loop", three times
+// "vertex X Y Z", "endloop", "endfacet", and at last "endsolid NAME". There may be several solids.
+class TextReader {
+ public:
+  explicit TextReader(std::string_view text) : text_(text) {}
 
-absl::StatusOr<mesh::SurfaceMesh> ReadText(std::string_view text) {
-  Collector collector;
-  for (std::string_view word = NextWord(text); !word.empty(); word = NextWord(text)) {
-    if (word != "vertex") continue;
-    std::array<float, 3> point;
-    for (float& coordinate : point) {
-      const std::optional<float> number = NumberOf(NextWord(text));
-      if (!number) return InvalidField("file", "has a vertex without three numbers");
-      coordinate = *number;
-    }
-    MORTISE_RETURN_IF_ERROR(collector.Add(point));
+  absl::StatusOr<mesh::SurfaceMesh> Read() {
+    std::string_view word = NextWord(text_);
+    do {
+      if (word != "solid") return Fault(word, "solid");
+      SkipLine();  // its name
+      word = NextWord(text_);
+      for (; word == "facet"; word = NextWord(text_)) MORTISE_RETURN_IF_ERROR(ReadFacet());
+      if (word != "endsolid") return Fault(word, "facet or endsolid");
+      SkipLine();
+      word = NextWord(text_);
+    } while (!word.empty());
+    return collector_.Surface();
   }
-  return collector.Surface();
-}
+
+ private:
+  static absl::Status Fault(std::string_view found, const char* wanted) {
+    if (found.empty()) {
+      return InvalidField("file", absl::StrCat("is cut off: it ends where ", wanted, " must come"));
+    }
+    return InvalidField("file", absl::StrCat("has another word where ", wanted, " must come"));
+  }
+
+  void SkipLine() { text_.remove_prefix(std::min(text_.find('\n'), text_.size())); }
+
+  absl::Status Expect(const char* wanted) {
+    const std::string_view word = NextWord(text_);
+    return word == wanted ? absl::OkStatus() : Fault(word, wanted);
+  }
+
+  // The normal is not used: the order of the corners says the same.
+  absl::Status ReadFacet() {
+    MORTISE_RETURN_IF_ERROR(Expect("normal"));
+    for (int k = 0; k < 3; ++k) NextWord(text_);
+    MORTISE_RETURN_IF_ERROR(Expect("outer"));
+    MORTISE_RETURN_IF_ERROR(Expect("loop"));
+    for (int corner = 0; corner < 3; ++corner) {
+      MORTISE_RETURN_IF_ERROR(Expect("vertex"));
+      std::array<float, 3> point;
+      for (float& coordinate : point) {
+        const std::optional<double> number = DecimalNumber(NextWord(text_));
+        if (!number) return InvalidField("file", "has a vertex without three numbers");
+        coordinate = static_cast<float>(*number);
+      }
+      MORTISE_RETURN_IF_ERROR(collector_.Add(point));
+    }
+    MORTISE_RETURN_IF_ERROR(Expect("endloop"));
+    return Expect("endfacet");
+  }
+
+  std::string_view text_;
+  Collector collector_;
+};
 
 }  // namespace
 
 absl::StatusOr<mesh::SurfaceMesh> ReadStl(std::string_view bytes) {
   if (IsBinary(bytes)) return ReadBinary(bytes);
-  if (bytes.starts_with("solid")) return ReadText(bytes);
+  MORTISE_ASSIGN_OR_RETURN(const std::string_view text, WithoutByteOrderMark(bytes, "file"));
+  if (text.starts_with("solid")) return TextReader(text).Read();
   return InvalidField("file", "is not STL: neither text nor as long as its triangles take");
 }
 

@@ -1,6 +1,7 @@
 #include "tests/support/file_damage.h"
 
 #include <algorithm>
+#include <functional>
 #include <utility>
 #include <vector>
 
@@ -80,6 +81,11 @@ const char* NameOf(Damage damage) {
 }
 
 std::string Damaged(const std::string& file, Damage damage, std::mt19937& random) {
+  // Of one line none can be swapped.
+  const std::vector<std::string> lines = LinesOf(file);
+  const bool is_one =
+      std::adjacent_find(lines.begin(), lines.end(), std::not_equal_to<>()) == lines.end();
+  if (is_one && damage == Damage::kSwappedLines) damage = Damage::kChangedBytes;
   std::string damaged = file;
   while (damaged == file) {
     damaged = damage < Damage::kLostLine ? WithDamagedBytes(file, damage, random)
