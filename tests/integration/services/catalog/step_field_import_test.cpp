@@ -56,10 +56,11 @@ class StepFieldImportTest : public AssemblyServiceTest {
 
 // The left part of a pair is a part of its own, in the catalog and in what is exported of it.
 TEST_F(StepFieldImportTest, MirroredPartsAreOtherParts) {
-  for (const char* file : {"mirror-assembly.step", "mirror-mapped.step"}) {
+  // Each file with the axis that it mirrors.
+  const std::map<std::string, int> axes = {{"mirror-assembly.step", 0}, {"mirror-mapped.step", 2}};
+  for (const auto& [file, axis] : axes) {
     v1::AssemblyAnnotations annotations;
-    annotations.set_name(std::string("assemblies/") +
-                         (file[8] == 'a' ? "of-occurrences" : "of-mapped-items"));
+    annotations.set_name("assemblies/" + file.substr(0, file.find('.')));
     const auto imported = Import(file, annotations);
     ASSERT_TRUE(imported.ok()) << imported.status();
     EXPECT_THAT(imported->notes(), Contains(HasSubstr("mirror image of 'arm'")));
@@ -83,7 +84,6 @@ TEST_F(StepFieldImportTest, MirroredPartsAreOtherParts) {
       const mesh::DrawnShape& shape = again->shapes[static_cast<std::size_t>(part.shape)];
       middles.push_back(mesh::ComputeMassProperties(mesh::SurfaceIn(shape, shape.size)).centroid);
     }
-    const int axis = file[8] - 'a' == 0 ? 0 : 2;
     for (int i = 0; i < 3; ++i) {
       EXPECT_NEAR(middles[0][i], i == axis ? -middles[1][i] : middles[1][i], 1e-9) << file;
       EXPECT_GT(std::abs(middles[0][i]), 1e-6) << "the arm has no symmetry";
