@@ -79,6 +79,9 @@ absl::StatusOr<std::shared_ptr<const Caller>> ReadCallHead(const HttpContext& co
   const std::string_view timeout = HeaderOf(request, "connect-timeout-ms");
   if (!timeout.empty()) {
     MORTISE_ASSIGN_OR_RETURN(const absl::Duration duration, ParseTimeout(timeout));
+    if (duration == absl::ZeroDuration()) {
+      return absl::DeadlineExceededError("connect-timeout-ms gives no time");
+    }
     head.deadline = std::chrono::system_clock::now() + absl::ToChronoMilliseconds(duration);
   }
   head.path = method.path;

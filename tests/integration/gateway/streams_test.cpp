@@ -2,7 +2,8 @@
 #include <gmock/gmock.h>
 #include <grpcpp/grpcpp.h>
 
-#include <nlohmann/json.hpp>
+#include <deque>
+#include <thread>
 
 #include "common/base/errors.h"
 #include "common/rpc/status_mapping.h"
@@ -21,6 +22,29 @@ template <class Stream>
 struct Held {
   std::unique_ptr<grpc::ClientContext> context = std::make_unique<grpc::ClientContext>();
   std::unique_ptr<Stream> stream;
+};
+
+// Calls that are not answered before they are cancelled, which the end of this does.
+class SlowCalls {
+ public:
+  SlowCalls(const std::shared_ptr<grpc::Channel>& channel, int count) : contexts_(count) {
+    for (grpc::ClientContext& context : contexts_) {
+      threads_.emplace_back([channel, &context] {
+        v1::GetItemRequest request;
+        request.set_name("items/slow");
+        v1::Item item;
+        (void)v1::CatalogService::NewStub(channel)->GetItem(&context, request, &item);
+      });
+    }
+  }
+  ~SlowCalls() {
+    for (grpc::ClientContext& context : contexts_) context.TryCancel();
+    for (std::thread& thread : threads_) thread.join();
+  }
+
+ private:
+  std::deque<grpc::ClientContext> contexts_;
+  std::vector<std::thread> threads_;
 };
 
 class StreamsTest : public GatewayTest {
@@ -137,50 +161,20 @@ TEST_F(NarrowHouseTest, StreamsTakeNothingFromCalls) {
 }
 
 TEST_F(NarrowHouseTest, HoldingIsNeverKeptWaiting) {
-  v1::GetItemRequest request;
-  request.set_name("items/slow");
-  const auto catalog = v1::CatalogService::NewStub(channel_);
-  grpc::CompletionQueue answers;
-  std::vector<Held<grpc::ClientAsyncResponseReader<v1::Item>>> calls(20);
-  for (auto& held : calls) {
-    held.stream = catalog->AsyncGetItem(held.context.get(), request, &answers);
-  }
+  const SlowCalls calls(channel_, 20);
   ASSERT_TRUE(narrow_.WaitForSlow(4)) << "as many as two connections take";
   const grpc::Status held = Hold();
   EXPECT_TRUE(held.ok()) << held.error_message();
-  std::vector<v1::Item> items(calls.size());
-  std::vector<grpc::Status> statuses(calls.size());
-  for (std::size_t i = 0; i < calls.size(); ++i) {
-    calls[i].stream->Finish(&items[i], &statuses[i], nullptr);
-    calls[i].context->TryCancel();
-  }
-  void* tag = nullptr;
-  bool ok = false;
-  for (std::size_t i = 0; i < calls.size(); ++i) answers.Next(&tag, &ok);
-  answers.Shutdown();
 }
 
 TEST_F(StreamsTest, ACallTooManyIsToldSo) {
   GatewayOptions options = Options();
   options.open_calls.calls = {1, 1};
   StartAndConnect(options);
-  grpc::CompletionQueue answers;
-  Held<grpc::ClientAsyncResponseReader<v1::Item>> slow;
-  v1::GetItemRequest request;
-  request.set_name("items/slow");
-  slow.stream =
-      v1::CatalogService::NewStub(channel_)->AsyncGetItem(slow.context.get(), request, &answers);
+  const SlowCalls slow(channel_, 1);
   ASSERT_TRUE(house_.WaitForSlow(1));
   EXPECT_EQ(DetailOf(rpc::FromGrpc(GetItem())).reason, "TOO_MANY_CALLS");
   EXPECT_TRUE(Hold().ok());
-  v1::Item item;
-  grpc::Status status;
-  slow.stream->Finish(&item, &status, nullptr);
-  slow.context->TryCancel();
-  void* tag = nullptr;
-  bool ok = false;
-  answers.Next(&tag, &ok);
-  answers.Shutdown();
 }
 
 // Tokens that are good for three seconds.
