@@ -159,9 +159,25 @@ SurfaceStress::Balance SurfaceStress::BalanceOf(const Piece& piece, double warmt
   return balance;
 }
 
+std::optional<SurfaceFan> SurfaceStress::FanAt(int slot, const std::vector<Piece>& pieces) const {
+  if (pieces.empty() || pieces.size() != surface_.At(slot).size()) return std::nullopt;
+  return SurfaceFan::Around(body_.mesh, surface_, slot);
+}
+
+std::vector<Vector6d> SurfaceStress::StressesAt(const SurfaceFan& fan) const {
+  std::vector<Vector6d> stresses;
+  for (const FaceNode& sample : fan.samples()) {
+    const int node = surface_.nodes()(sample.place, sample.face);
+    const double warmth = body_.temperature.size() > 0 ? body_.temperature[node] : 0;
+    stresses.push_back(BalanceOf({sample, {}}, warmth).stress);
+  }
+  return stresses;
+}
+
 std::optional<Vector6d> SurfaceStress::At(int slot, int node) const {
   const std::vector<Piece> pieces = PiecesAt(slot);
   if (pieces.empty()) return std::nullopt;
+  if (const auto fan = FanAt(slot, pieces)) return fan->Stress(StressesAt(*fan));
   const double warmth = body_.temperature.size() > 0 ? body_.temperature[node] : 0;
   Vector6d sum = Vector6d::Zero();
   for (const Piece& piece : pieces) sum += BalanceOf(piece, warmth).stress;
@@ -171,6 +187,14 @@ std::optional<Vector6d> SurfaceStress::At(int slot, int node) const {
 bool SurfaceStress::AddDerivative(int slot, const Vector6d& direction,
                                   StressDerivative& sum) const {
   const std::vector<Piece> pieces = PiecesAt(slot);
+  if (const auto fan = FanAt(slot, pieces)) {
+    const std::vector<Vector6d> directions = fan->Directions(direction);
+    for (std::size_t s = 0; s < directions.size(); ++s) {
+      AddDerivative({fan->samples()[s], {}}, directions[s], sum);
+    }
+    fan->AddDerivative(direction, StressesAt(*fan), sum.by_position);
+    return true;
+  }
   for (const Piece& piece : pieces) {
     AddDerivative(piece, direction / static_cast<double>(pieces.size()), sum);
   }

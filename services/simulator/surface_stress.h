@@ -7,8 +7,9 @@
 //   σ = D (sym(H + b nᵀ) − ε_T),   σ n = t
 // are three equations for b. (Boundary elements recover stresses so; see also the membranes of no
 // stiffness that are laid over solids to read their surface.) At a node, the mean over its faces is
-// taken. Along a convex edge, where two faces meet at an angle, only the stretch along the edge is
-// taken from the displacements, and both tractions determine the rest.
+// taken; at a corner of quadratic elements that faces surround, a fit to what they have round it
+// (surface_fan.h). Along a convex edge, where two faces meet at an angle, only the stretch
+// along the edge is taken from the displacements, and both tractions determine the rest.
 #pragma once
 
 #include <Eigen/Core>
@@ -18,6 +19,7 @@
 #include "common/mesh/tetrahedral_mesh.h"
 #include "services/simulator/material.h"
 #include "services/simulator/part_surface.h"
+#include "services/simulator/surface_fan.h"
 #include "services/simulator/surface_traction.h"
 
 namespace mortise::simulator {
@@ -59,6 +61,10 @@ class SurfaceStress {
   struct Balance;
 
   std::vector<Piece> PiecesAt(int slot) const;
+  // The fan round a slot all of whose faces are among its pieces.
+  std::optional<SurfaceFan> FanAt(int slot, const std::vector<Piece>& pieces) const;
+  // Of a fan's samples.
+  std::vector<Vector6d> StressesAt(const SurfaceFan& fan) const;
   bool IsKnown(int face) const;
   Eigen::Vector3d TractionAt(const FaceNode& at) const;
   Balance BalanceOf(const Piece& piece, double warmth) const;

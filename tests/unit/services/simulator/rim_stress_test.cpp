@@ -8,29 +8,39 @@
 namespace mortise::simulator {
 namespace {
 
-// Plane cylinders, a ball, and a bored plate whose rim has sharp edges; five to fifteen elements to
+// Plane cylinders, a ball, and a bored plate whose rim has sharp edges: five to fifteen elements to
 // a quarter turn.
-std::vector<CurvedBody> Bodies() {
+std::vector<CurvedBody> CoarseBodies() {
   return {PressedRing(0.004),    PressedRing(0.002),    PressedBall(0.005), PressedBall(0.003),
           PlateWithAHole(0.005), PlateWithAHole(0.003), BoredPlate(0.006),  BoredPlate(0.004)};
 }
 
-class RimStress : public ::testing::TestWithParam<bool> {};
-INSTANTIATE_TEST_SUITE_P(Elements, RimStress, ::testing::Bool(),
-                         [](const auto& which) { return which.param ? "Quadratic" : "Linear"; });
+// The same with twelve and more where surfaces turn both ways or have edges: facets of linear
+// elements that turn by more leave the displacements themselves that far off.
+std::vector<CurvedBody> FineBodies() {
+  return {PressedRing(0.004),    PressedRing(0.002),    PressedBall(0.002),
+          PlateWithAHole(0.005), PlateWithAHole(0.003), BoredPlate(0.0025)};
+}
 
-TEST_P(RimStress, IsNearerThanTheMeanOfElements) {
-  for (const CurvedBody& body : Bodies()) {
-    const auto errors = MeasureRim(body, GetParam());
-    ASSERT_TRUE(errors.ok()) << body.name << ": " << errors.status();
-    EXPECT_GT(errors->nodes, 10) << body.name;
-    EXPECT_LT(errors->recovered.stress, errors->mean.stress)
-        << body.name << ", " << errors->elements << " elements";
-    EXPECT_LE(errors->recovered.at_edges, errors->mean.at_edges) << body.name;
-    EXPECT_LT(errors->recovered.traction, errors->mean.traction) << body.name;
-    // Traction is balanced up to how facets of linear elements turn.
-    EXPECT_LT(errors->recovered.traction, (GetParam() ? 0.01 : 0.1) * body.largest) << body.name;
-  }
+// `unbalanced`: what of the largest stress the recovered one may leave of the traction.
+void ExpectNearerThanTheMean(const CurvedBody& body, bool quadratic, double unbalanced) {
+  const auto errors = MeasureRim(body, quadratic);
+  ASSERT_TRUE(errors.ok()) << body.name << ": " << errors.status();
+  EXPECT_GT(errors->nodes, 10) << body.name;
+  EXPECT_LT(errors->recovered.stress, errors->mean.stress)
+      << body.name << ", " << errors->elements << " elements";
+  EXPECT_LE(errors->recovered.at_edges, errors->mean.at_edges) << body.name;
+  EXPECT_LT(errors->recovered.traction, errors->mean.traction) << body.name;
+  EXPECT_LT(errors->recovered.traction, unbalanced * body.largest) << body.name;
+}
+
+TEST(RimStress, OfQuadraticElementsIsNearerThanTheirMean) {
+  for (const CurvedBody& body : CoarseBodies()) ExpectNearerThanTheMean(body, true, 0.01);
+}
+
+// Traction is balanced up to how facets of linear elements turn.
+TEST(RimStress, OfLinearElementsIsNearerThanTheirMean) {
+  for (const CurvedBody& body : FineBodies()) ExpectNearerThanTheMean(body, false, 0.1);
 }
 
 TEST(RimStressOfABore, IsThatOfTheFineMesh) {
