@@ -98,6 +98,8 @@ absl::Status BodyFailure(HttpReadResult result) {
     case HttpReadResult::kTooSlow:
       return WithDetail(absl::DeadlineExceededError("the request's body came too slowly"),
                         {kBodyTooSlow, ""});
+    case HttpReadResult::kNoRoom:
+      return TooManyAtATime("large bodies");
     default:
       return absl::OkStatus();
   }
@@ -178,14 +180,20 @@ struct Places {
   std::unique_ptr<Budget::Share> answer;
 };
 
-// `body_bytes`: nothing if that is not known.
+// Room for a body that is not small. Null if there is none.
+std::unique_ptr<Budget::Share> TakeBodyRoom(const HttpContext& context, const std::string& subject,
+                                            uint64_t bytes) {
+  return context.bodies->Take(subject, static_cast<int64_t>(bytes));
+}
+
+// `body_bytes`: nothing if that is not known; then room is taken once it is not small.
 absl::StatusOr<Places> TakePlaces(const HttpContext& context, const MethodRoute& method,
                                   const std::string& subject, std::optional<uint64_t> body_bytes) {
   Places places;
-  const uint64_t bytes = body_bytes.value_or(kMaximalBodyBytes);
+  const uint64_t bytes = body_bytes.value_or(0);
   if (bytes > kMaximalBodyBytes) return BodyFailure(HttpReadResult::kTooLarge);
   if (bytes > kSmallBodyBytes) {
-    places.body = context.bodies->Take(subject, static_cast<int64_t>(bytes));
+    places.body = TakeBodyRoom(context, subject, bytes);
     if (places.body == nullptr) return TooManyAtATime("large bodies");
   }
   if (method.kind == CallKind::kStream || method.kind == CallKind::kWait) {
@@ -242,11 +250,16 @@ asio::awaitable<bool> HandleConnect(HttpConnection& connection, const HttpContex
   if (!caller.ok()) {
     co_return co_await Refuse(connection, *codec, caller.status(), keep_alive) && keep_alive;
   }
-  const auto places = TakePlaces(context, method, (*caller)->subject, connection.BodyBytes());
+  auto places = TakePlaces(context, method, (*caller)->subject, connection.BodyBytes());
   if (!places.ok()) {
     co_return co_await Refuse(connection, *codec, places.status(), keep_alive) && keep_alive;
   }
-  const HttpReadResult read = co_await connection.ReadBody(request);
+  const HttpConnection::HasRoom has_room = [&](std::size_t received) {
+    if (received <= kSmallBodyBytes || places->body != nullptr) return true;
+    places->body = TakeBodyRoom(context, (*caller)->subject, kMaximalBodyBytes);
+    return places->body != nullptr;
+  };
+  const HttpReadResult read = co_await connection.ReadBody(request, has_room);
   if (read != HttpReadResult::kRead) {
     const absl::Status failure = BodyFailure(read);
     if (!failure.ok()) co_await Refuse(connection, *codec, failure, false);

@@ -91,7 +91,7 @@ class Connection final : public HttpConnection,
     return length ? std::optional<uint64_t>(*length) : std::nullopt;
   }
 
-  asio::awaitable<HttpReadResult> ReadBody(HttpRequest& request) override {
+  asio::awaitable<HttpReadResult> ReadBody(HttpRequest& request, const HasRoom& has_room) override {
     lost_ = true;  // unless it comes to its end
     if (BodyBytes().value_or(0) > kMaximalBodyBytes) co_return HttpReadResult::kTooLarge;
     parser_->body_limit(kMaximalBodyBytes);
@@ -105,16 +105,19 @@ class Connection final : public HttpConnection,
     const auto limit = std::make_shared<Limit>(stream_.get_executor());
     const auto begin = std::chrono::steady_clock::now() + patience_.body;
     std::size_t received = 0;
-    while (!error && !parser_->is_done()) {
+    bool fits = true;
+    while (!error && fits && !parser_->is_done()) {
       const std::chrono::microseconds earned(received * 1000000 / patience_.least_rate);
       Arm(limit, begin + earned);
       received += co_await http::async_read_some(stream_, buffer_, *parser_,
                                                  asio::redirect_error(asio::use_awaitable, error));
+      fits = has_room(received);
     }
     limit->over = true;
     limit->timer.cancel();
     if (limit->passed) co_return HttpReadResult::kTooSlow;
     if (error) co_return ResultOf(error);
+    if (!fits) co_return HttpReadResult::kNoRoom;
     lost_ = false;
     request.body() = std::move(parser_->get().body());
     co_return HttpReadResult::kRead;
@@ -124,7 +127,8 @@ class Connection final : public HttpConnection,
     if (parser_->is_done()) co_return true;
     if (lost_ || !MayDropBody()) co_return false;
     HttpRequest dropped;
-    co_return co_await ReadBody(dropped) == HttpReadResult::kRead;
+    const HasRoom always = [](std::size_t) { return true; };
+    co_return co_await ReadBody(dropped, always) == HttpReadResult::kRead;
   }
 
   asio::awaitable<bool> Write(int status, const HeaderList& headers, std::string body,

@@ -33,7 +33,7 @@ struct HttpPatience {
 };
 
 // What reading the head of a request, or its body, came to.
-enum class HttpReadResult { kRead, kTooLarge, kTooSlow, kMalformed, kClosed };
+enum class HttpReadResult { kRead, kTooLarge, kTooSlow, kMalformed, kNoRoom, kClosed };
 
 // Used by one coroutine, on the connection's own strand, apart from Close.
 class HttpConnection {
@@ -54,9 +54,14 @@ class HttpConnection {
   // How long the body is; nothing if that is not said beforehand.
   virtual std::optional<uint64_t> BodyBytes() const = 0;
 
-  // The body, of at most kMaximalBodyBytes. Once. After anything but kRead the connection must be
-  // closed when it has answered.
-  virtual boost::asio::awaitable<HttpReadResult> ReadBody(HttpRequest& request) = 0;
+  // Whether there is room for a body of which so many bytes have come.
+  using HasRoom = std::function<bool(std::size_t received)>;
+
+  // The body, of at most kMaximalBodyBytes; kNoRoom as soon as `has_room`, which is asked again and
+  // again, says so. Once. After anything but kRead the connection must be closed when it has
+  // answered.
+  virtual boost::asio::awaitable<HttpReadResult> ReadBody(HttpRequest& request,
+                                                          const HasRoom& has_room) = 0;
 
   // When a request has been answered: takes and drops its body if that has not been read. False if
   // it is too much; answers have then told the client that the connection will be closed.

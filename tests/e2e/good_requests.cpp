@@ -29,10 +29,14 @@ namespace {
 using google::protobuf::FileDescriptor;
 using google::protobuf::Message;
 
-// A tetrahedron, in millimetres.
+// A tetrahedron, in millimetres, as a text in protobuf text.
 constexpr char kTetrahedron[] =
-    "solid t vertex 0 0 0 vertex 0 9 0 vertex 9 0 0 vertex 0 0 0 vertex 9 0 0 vertex 0 0 9 "
-    "vertex 0 0 0 vertex 0 0 9 vertex 0 9 0 vertex 9 0 0 vertex 0 9 0 vertex 0 0 9 endsolid";
+    "solid t\\n"
+    "facet normal 0 0 0 outer loop vertex 0 0 0 vertex 0 9 0 vertex 9 0 0 endloop endfacet\\n"
+    "facet normal 0 0 0 outer loop vertex 0 0 0 vertex 9 0 0 vertex 0 0 9 endloop endfacet\\n"
+    "facet normal 0 0 0 outer loop vertex 0 0 0 vertex 0 0 9 vertex 0 9 0 endloop endfacet\\n"
+    "facet normal 0 0 0 outer loop vertex 9 0 0 vertex 0 9 0 vertex 0 0 9 endloop endfacet\\n"
+    "endsolid t\\n";
 
 constexpr char kMesh[] =
     "*NODE\n1, 0, 0, 0\n2, 9, 0, 0\n3, 0, 9, 0\n4, 0, 0, 9\n*ELEMENT, TYPE=C3D4, ELSET=body\n"
