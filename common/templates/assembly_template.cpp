@@ -206,8 +206,7 @@ class HandledAssembly final : public Template {
                                      const parametric::EvaluatedPart& part) const {
     const auto& shape = assembly_->ShapeOf(placed);
     if (shape == nullptr) return cad::Solid::FromPart(parametric::PartShapeOf(part));
-    const absl::StatusOr<cad::Solid> solid =
-        cad::SolidOfShape(*shape, placed.stretch, part.name);
+    const absl::StatusOr<cad::Solid> solid = cad::SolidOfShape(*shape, placed.stretch, part.name);
     if (!solid.ok()) return UnderField(absl::StrCat("part '", part.name, "'"), solid.status());
     return cad::MovedSolid(*solid, placed.box.minimum);
   }

@@ -18,8 +18,8 @@ struct Joining {
 // solids where the template has them, else their triangles. Wood has its grain along the axis that
 // the part's item says; where there is no item it is taken as isotropic. What only connects parts
 // is left out: they are bonded where they touch. Without `joining.is_wanted` the parts are not
-// fused, which may take a second, and there is no surface. What is round gets triangles for elements
-// of the size (cad::FuseOptions).
+// fused, which may take a second, and there is no surface. What is round gets triangles for
+// elements of the size (cad::FuseOptions).
 //
 // Fails as cad::FuseAssembly and Template::Solids do; FAILED_PRECONDITION, NO_MATERIAL, naming a
 // part of which nobody says what it is made of; NO_CONDUCTIVITY, naming the material of a part that

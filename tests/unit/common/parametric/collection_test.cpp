@@ -74,9 +74,9 @@ TEST_F(CollectionNumberTest, TheDigestIsOfTheContentAlone) {
 }
 
 TEST_F(CollectionNumberTest, NumbersThatDoNotGoUpAreRefusedWithTheirPlace) {
-  for (const std::string& rows : {std::string("2,a\n2,b\n"), std::string("2,a\n1,b\n"),
-                                  std::string("1,a\n0,b\n"), std::string("1,a\nx,b\n"),
-                                  std::string("1,a\n9223372036854775808,b\n")}) {
+  for (const std::string& rows :
+       {std::string("2,a\n2,b\n"), std::string("2,a\n1,b\n"), std::string("1,a\n0,b\n"),
+        std::string("1,a\nx,b\n"), std::string("1,a\n9223372036854775808,b\n")}) {
     WriteVersions(rows);
     const absl::Status status = ReadCollection(folder_.path()).status();
     EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << rows;
