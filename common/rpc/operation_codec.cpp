@@ -87,6 +87,10 @@ v1::Operation ToProto(const jobs::Operation& operation) {
 absl::StatusOr<std::vector<jobs::OperationState>> StatesFrom(
     const google::protobuf::RepeatedField<int>& states) {
   std::vector<jobs::OperationState> found;
+  if (states.size() > static_cast<int>(std::size(kStates))) {
+    return InvalidField("states", absl::StrCat("has ", states.size(), " entries; there are ",
+                                               std::size(kStates), " states"));
+  }
   for (int i = 0; i < states.size(); ++i) {
     const auto* const known =
         std::find_if(std::begin(kStates), std::end(kStates),

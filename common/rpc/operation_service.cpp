@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "common/base/identifiers.h"
 #include "common/jobs/operations.h"
 #include "common/resources/page_rule.h"
 #include "common/rpc/call_state.h"
@@ -121,10 +122,18 @@ class OperationAdapter : public v1::OperationService::CallbackService {
     return ToProto(operation);
   }
 
+  // What an operation works on may be gone, so any resource name will do.
+  static absl::Status CheckSubject(const std::string& subject) {
+    if (subject.empty()) return absl::OkStatus();
+    const std::string collection = subject.substr(0, subject.find('/'));
+    return ParseResourceName(subject, collection, "subject").status();
+  }
+
   // The page token is the name of the last operation on the page before.
   absl::StatusOr<v1::ListOperationsResponse> List(const v1::ListOperationsRequest& asked) {
     MORTISE_ASSIGN_OR_RETURN(const resources::PageQuery query, resources::ReadPageQuery(asked));
     MORTISE_ASSIGN_OR_RETURN(std::vector<jobs::OperationState> states, StatesFrom(asked.states()));
+    MORTISE_RETURN_IF_ERROR(CheckSubject(asked.subject()));
     const jobs::OperationFilter filter{
         .states = std::move(states), .kind = asked.kind(), .subject = asked.subject()};
     v1::ListOperationsResponse response;

@@ -197,9 +197,8 @@ constexpr Example kExamples[] = {
     {"FabPlannerService/ListBridges", ""},
     {"OperationService/GetOperation", "name: '{operation}'"},
     {"OperationService/ListOperations",
-     "page_size: 10 service: 'fabplanner' states: SUCCEEDED states: RUNNING kind: "
-     "'fabplanner.plan' "
-     "subject: 'templates/table' omit_results: true"},
+     "page_size: 10 service: 'fabplanner' kind: 'fabplanner.plan' subject: 'templates/table' "
+     "omit_results: true"},
     {"OperationService/CancelOperation", "request_id: 'bad-12' name: '{operation}'",
      Outcome::kChanges},
     {"OperationService/WaitOperation", "name: '{operation}' timeout_seconds: 1"},

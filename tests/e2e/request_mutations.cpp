@@ -94,6 +94,7 @@ bool GivesName(const FieldDescriptor* field) {
                                               "mortise.v1.LeaseTasksRequest.evaluator",
                                               "mortise.v1.TaskAttempt.name",
                                               "mortise.v1.ListTasksRequest.evaluator",
+                                              "mortise.v1.ListOperationsRequest.subject",
                                               "mortise.v1.GetQueueStatusRequest.evaluator"};
   return names.count(field->full_name()) != 0;
 }
@@ -316,6 +317,9 @@ class Spoiler {
             break;
           case FieldDescriptor::CPPTYPE_DOUBLE:
             reflection.AddDouble(at, field, 0.5);
+            break;
+          case FieldDescriptor::CPPTYPE_ENUM:
+            reflection.AddEnumValue(at, field, 1);
             break;
           case FieldDescriptor::CPPTYPE_INT32:
             reflection.AddInt32(at, field, 7);
