@@ -19,9 +19,7 @@ struct ElementStress {
   const ShapeVector& temperature;  // empty if nothing is warm
 
   Vector6d At(const ElementPoint& point, const ShapeVector& shape) const {
-    const Eigen::Matrix3d g = displacement * point.gradients.transpose();
-    Vector6d strain;
-    strain << g(0, 0), g(1, 1), g(2, 2), g(0, 1) + g(1, 0), g(1, 2) + g(2, 1), g(0, 2) + g(2, 0);
+    Vector6d strain = StrainOf(displacement * point.gradients.transpose());
     if (temperature.size() > 0) strain -= shape.dot(temperature) * expansion;
     return stiffness * strain;
   }

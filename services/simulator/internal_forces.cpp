@@ -10,13 +10,6 @@ namespace {
 // Elements whose forces are computed at once, before they are added up in order.
 constexpr Eigen::Index kBatch = 1 << 16;
 
-Vector6d StrainOf(const Eigen::Matrix3d& gradient) {
-  Vector6d strain;
-  strain << gradient(0, 0), gradient(1, 1), gradient(2, 2), gradient(0, 1) + gradient(1, 0),
-      gradient(1, 2) + gradient(2, 1), gradient(0, 2) + gradient(2, 0);
-  return strain;
-}
-
 }  // namespace
 
 Eigen::Matrix3Xd InternalForces(const mesh::TetrahedralMesh& mesh,

@@ -64,6 +64,15 @@ Vector6d ThermalStrain(const Material& material);
 // The conductivity in space: heat flux = −k · gradient of temperature, W/(m K).
 Eigen::Matrix3d ConductivityMatrix(const Material& material);
 
+// The strain of a displacement whose derivatives by x, y and z are the columns of `gradient`: shear
+// strains twice the tensor's. Here, as it is needed for each integration point of each element.
+inline Vector6d StrainOf(const Eigen::Matrix3d& gradient) {
+  Vector6d strain;
+  strain << gradient(0, 0), gradient(1, 1), gradient(2, 2), gradient(0, 1) + gradient(1, 0),
+      gradient(1, 2) + gradient(2, 1), gradient(0, 2) + gradient(2, 0);
+  return strain;
+}
+
 // xx yy zz xy yz xz as a symmetric matrix.
 Eigen::Matrix3d StressTensor(const Vector6d& stress);
 

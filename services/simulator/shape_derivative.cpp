@@ -10,10 +10,7 @@ namespace mortise::simulator {
 namespace {
 
 Eigen::Matrix3d StressOf(const Matrix6d& stiffness, const Eigen::Matrix3d& gradient) {
-  Vector6d strain;
-  strain << gradient(0, 0), gradient(1, 1), gradient(2, 2), gradient(0, 1) + gradient(1, 0),
-      gradient(1, 2) + gradient(2, 1), gradient(0, 2) + gradient(2, 0);
-  return StressTensor(stiffness * strain);
+  return StressTensor(stiffness * StrainOf(gradient));
 }
 
 GradientMatrix Gathered(const mesh::TetrahedralMesh& mesh, Eigen::Index element,

@@ -6,17 +6,6 @@
 #include "services/simulator/shape_functions.h"
 
 namespace mortise::simulator {
-namespace {
-
-Vector6d StrainOf(const Eigen::Matrix3d& gradient) {
-  Vector6d strain;
-  strain << gradient(0, 0), gradient(1, 1), gradient(2, 2), gradient(0, 1) + gradient(1, 0),
-      gradient(1, 2) + gradient(2, 1), gradient(0, 2) + gradient(2, 0);
-  return strain;
-}
-
-}  // namespace
-
 Stresses StressAtPoints(const mesh::TetrahedralMesh& mesh, const std::vector<Material>& materials,
                         const Eigen::Matrix3Xd& displacement, const Eigen::VectorXd& temperature,
                         ThreadTeam& team) {

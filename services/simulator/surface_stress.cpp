@@ -15,13 +15,6 @@ using Numbers = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostEquations, 1>;
 using Square =
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostEquations, kMostEquations>;
 
-Vector6d StrainOf(const Eigen::Matrix3d& gradient) {
-  Vector6d strain;
-  strain << gradient(0, 0), gradient(1, 1), gradient(2, 2), gradient(0, 1) + gradient(1, 0),
-      gradient(1, 2) + gradient(2, 1), gradient(0, 2) + gradient(2, 0);
-  return strain;
-}
-
 // a · σ b as a row that multiplies σ.
 Eigen::Matrix<double, 1, 6> Row(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   return StrainOf(a * b.transpose()).transpose();

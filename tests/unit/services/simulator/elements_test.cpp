@@ -242,6 +242,18 @@ TEST(Materials, ImpossibleOnesAreNamed) {
             "materials[0].orthotropy.conductivity");
 }
 
+// A turn strains nothing, and the work of a stress is the same of vectors as of tensors.
+TEST(Materials, StrainIsTheSymmetricPartOfTheGradient) {
+  Eigen::Matrix3d gradient;
+  gradient << 1, 2, 3, 5, 7, 11, 13, 17, 19;
+  Vector6d stress;
+  stress << 23, 29, 31, 37, 41, 43;
+  EXPECT_DOUBLE_EQ(stress.dot(StrainOf(gradient)),
+                   StressTensor(stress).cwiseProduct(gradient).sum());
+  EXPECT_EQ(StrainOf(gradient), StrainOf(gradient.transpose()));
+  EXPECT_EQ(StrainOf(gradient - gradient.transpose()), Vector6d::Zero());
+}
+
 TEST(Materials, PrincipalStressOfKnownTensors) {
   Vector6d stress;
   stress << 0, 0, 0, 5, 0, 0;  // pure shear

@@ -18,9 +18,7 @@ TrueError MeasureError(const mesh::TetrahedralMesh& mesh, const BubbleSolution& 
       const ShapeVector shape = TetrahedronShape(at.barycentric, nodes);
       const double volume = at.weight * point.determinant / 6;
       const Eigen::Vector3d x = positions * shape;
-      const Eigen::Matrix3d g = u * point.gradients.transpose() - exact.Gradient(x);
-      Vector6d strain;
-      strain << g(0, 0), g(1, 1), g(2, 2), g(0, 1) + g(1, 0), g(1, 2) + g(2, 1), g(0, 2) + g(2, 0);
+      const Vector6d strain = StrainOf(u * point.gradients.transpose() - exact.Gradient(x));
       error.displacement += volume * (u * shape - exact.Displacement(x)).squaredNorm();
       error.energy += volume * strain.dot(d * strain);
     }

@@ -66,9 +66,7 @@ struct QuadraticField {
   Vector6d Stress(const Vector3d& x) const {
     Matrix3d g = linear;
     for (int i = 0; i < 3; ++i) g.row(i) += 2 * (quadratic[i] * x).transpose();
-    Vector6d strain;
-    strain << g(0, 0), g(1, 1), g(2, 2), g(0, 1) + g(1, 0), g(1, 2) + g(2, 1), g(0, 2) + g(2, 0);
-    return StiffnessMatrix(material) * strain;
+    return StiffnessMatrix(material) * StrainOf(g);
   }
 };
 
