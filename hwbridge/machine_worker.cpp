@@ -39,6 +39,7 @@ MachineWorker::MachineWorker(const Options& options, MachineLink& link, Journal&
       journal_(journal),
       clock_(clock),
       handshake_(options.handshake, link, journal, clock),
+      patience_(options.cut_patience, options.line_lost_after),
       last_answer_(clock.Now()),
       last_machine_beat_(clock.Now()),
       last_work_(clock.Now()) {
@@ -170,7 +171,8 @@ void MachineWorker::TakeStep(const MachineStatus& status,
   }
   last_work_ = clock_.Now();
   const std::optional<CutOrder> order = NextCut();
-  if (!order || IsHeld(order->key.work_order) || !ReadyToCut(status)) return;
+  if (!order || TakesTooLong(*order, status)) return;
+  if (IsHeld(order->key.work_order) || !ReadyToCut(status)) return;
   const absl::Status advanced = handshake_.Advance(*order, status);
   if (advanced.ok() || absl::IsUnavailable(advanced)) return;
   RaiseAlarm(std::string(advanced.message()));
@@ -216,6 +218,19 @@ void MachineWorker::Settle(const MachineStatus& status, const CutOrder& order,
     if (end.outcome != CutOutcome::kDone) HoldOpenCuts(end.message);
   }
   if (!failure.ok()) HoldOpenCuts(failure.ToString());
+}
+
+// Raises the alarm if so. A cut that was accepted and then held is still the machine's to end; what
+// became of it stays open, as only its echo can tell.
+bool MachineWorker::TakesTooLong(const CutOrder& order, const MachineStatus& status) {
+  const std::vector<Intent> intents = journal_.Intents(order.key);
+  if (IsHeld(order.key.work_order) && (intents.empty() || !intents.back().accepted)) {
+    patience_.Renew();
+    return false;
+  }
+  const auto because = patience_.Note(order, status.state, clock_.Now());
+  if (because) RaiseAlarm(*because);
+  return because.has_value();
 }
 
 // Whether the machine is in Execute; commands it there if not. A status that does not live, as one
@@ -278,6 +293,7 @@ void MachineWorker::TakeResume() {
     if (!std::exchange(resumed_, false)) return;
   }
   urging_ = {};
+  patience_.Renew();
   handshake_.RenewPatience();
 }
 

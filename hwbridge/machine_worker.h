@@ -7,9 +7,9 @@
 // is held goes on only by Resume: the return of the line alone never moves a machine.
 //
 // A machine that says what cannot be (a status of another map, an echo that contradicts itself or
-// the one before, a heartbeat that stands still) or does not do what it is told raises the alarm:
-// it is held with all orders, also with those that come later, until a person has looked and
-// resumes. Nothing is repeated for ever.
+// the one before, a heartbeat that stands still), does not do what it is told or does not come to
+// the end of a cut raises the alarm: it is held with all orders, also with those that come later,
+// until a person has looked and resumes. Nothing is repeated for ever.
 #pragma once
 
 #include <cstdint>
@@ -22,6 +22,7 @@
 #include "absl/status/status.h"
 #include "hwbridge/clock.h"
 #include "hwbridge/command_handshake.h"
+#include "hwbridge/cut_patience.h"
 #include "hwbridge/echo.h"
 #include "hwbridge/journal.h"
 #include "hwbridge/machine_link.h"
@@ -48,6 +49,8 @@ class MachineWorker {
     double stop_after_idle = 5.0;  // s without cuts after which the machine is commanded to stop
     double command_pace = 1.0;     // s between two times the same command
     int commands_in_vain = 10;  // that do not bring the machine where it shall go, then the alarm
+    std::optional<double> cut_patience;  // s for a cut, then the alarm; by default as
+                                         // DefaultCutPatience
     CommandHandshake::Options handshake;
   };
 
@@ -87,6 +90,7 @@ class MachineWorker {
   void Settle(const MachineStatus& status, const CutOrder& order,
               const std::optional<std::string>& contradiction);
   std::optional<CutOrder> NextCut() const;
+  bool TakesTooLong(const CutOrder& order, const MachineStatus& status);
   bool ReadyToCut(const MachineStatus& status);
   void Urge(PackMlCommand command, const MachineStatus& status);
   void Command(PackMlCommand command);
@@ -105,6 +109,7 @@ class MachineWorker {
   // Of the scanning thread.
   EchoWatch watch_;
   Urging urging_;
+  CutPatience patience_;
   std::uint16_t heartbeat_ = 0;
   double last_answer_;
   double last_machine_beat_;

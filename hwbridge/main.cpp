@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <charconv>
 #include <memory>
+#include <optional>
 #include <regex>
 #include <string>
 #include <thread>
@@ -29,6 +30,7 @@ struct Settings {
   double answer_timeout = 0.5;      // s
   double machine_lost_after = 3.0;  // s
   double online_patience = 5.0;     // s
+  std::optional<double> cut_patience;
   bool adopt_numbers = false;
 };
 
@@ -52,6 +54,10 @@ void Describe(CLI::App& app, Settings& settings) {
   app.add_option("--machine-lost-after", settings.machine_lost_after,
                  "seconds without a machine's answer after which its cuts are held")
       ->check(CLI::Range(0.05, 60.0));
+  app.add_option("--cut-patience", settings.cut_patience,
+                 "seconds a machine may take for a cut before it raises the alarm; by default five "
+                 "times what a slow machine takes for it, at least 300")
+      ->check(CLI::Range(1.0, 86400.0));
   app.add_option("--answer-timeout", settings.answer_timeout, "seconds to wait for an answer")
       ->check(CLI::Range(0.01, 10.0));
   app.add_option("--scan-period", settings.scan_period, "seconds between two scans of a machine")
@@ -92,6 +98,7 @@ absl::StatusOr<WorkOrderRunner::MachineSetup> ParseMachine(const std::string& te
   setup.worker.name = match[1];
   setup.worker.kind = match[2] == "chop-saw" ? MachineKind::kChopSaw : MachineKind::kJigsaw;
   setup.worker.line_lost_after = settings.machine_lost_after;
+  setup.worker.cut_patience = settings.cut_patience;
   setup.link = std::make_unique<ModbusLink>(link);
   return setup;
 }

@@ -219,6 +219,15 @@ std::string HoldReasonName(HoldReason reason) {
   return absl::StrCat("reason ", static_cast<int>(reason));
 }
 
+double OutlineLength(std::span<const OutlinePoint> outline) {
+  double length = 0.0;
+  for (std::size_t i = 0; i < outline.size(); ++i) {
+    const OutlinePoint& next = outline[(i + 1) % outline.size()];
+    length += std::hypot(next.x - outline[i].x, next.y - outline[i].y);
+  }
+  return length;
+}
+
 absl::StatusOr<EncodedJob> EncodeJob(const Job& job, std::uint32_t sequence_number) {
   MORTISE_RETURN_IF_ERROR(CheckJob(job));
   EncodedJob encoded;

@@ -101,6 +101,9 @@ struct OutlinePoint {
   bool operator==(const OutlinePoint&) const = default;
 };
 
+// The length of a closed polygon, in metres.
+double OutlineLength(std::span<const OutlinePoint> outline);
+
 // One cut. On the wire lengths and coordinates are whole micrometres.
 struct Job {
   MachineKind kind = MachineKind::kChopSaw;

@@ -14,15 +14,6 @@ constexpr double kRounding = 2e-6;           // m, of lengths sent in whole micr
 
 }  // namespace
 
-double OutlineLength(std::span<const OutlinePoint> outline) {
-  double length = 0.0;
-  for (std::size_t i = 0; i < outline.size(); ++i) {
-    const OutlinePoint& next = outline[(i + 1) % outline.size()];
-    length += std::hypot(next.x - outline[i].x, next.y - outline[i].y);
-  }
-  return length;
-}
-
 Machine::Machine(const Options& options, std::unique_ptr<MachineMemory> memory)
     : options_(options), memory_(std::move(memory)), outline_(kMaximumOutlinePoints) {}
 

@@ -99,7 +99,4 @@ class Machine {
   double fed_ = 0.0;          // m, how far that board has been fed
 };
 
-// The length of a closed polygon, in metres.
-double OutlineLength(std::span<const OutlinePoint> outline);
-
 }  // namespace mortise::hwbridge

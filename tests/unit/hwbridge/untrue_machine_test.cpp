@@ -107,6 +107,64 @@ TEST_F(UntrueMachineTest, ANumberThatIsNeverAcceptedIsWrittenFiveTimesASecondApa
   EXPECT_EQ(machine_.numbers.back().number, 1u);
 }
 
+TEST_F(UntrueMachineTest, ACutThatNeverEndsRaisesTheAlarmAndIsNeitherRepeatedNorCalledDone) {
+  GiveNumberOne();
+  machine_.Echo(1, 0, JobResult::kNone);
+  Scan(290.0);
+  EXPECT_FALSE(worker_->View().held);
+  Scan(20.0);
+  EXPECT_TRUE(worker_->View().held);
+  EXPECT_THAT(worker_->View().held_because,
+              HasSubstr("at cut 1 of workOrders/a for 300 s and has not ended it, and is EXECUTE"));
+  // A person looks and lets it go on: it has as long again, and then a person must look again.
+  ASSERT_TRUE(worker_->Resume("").ok());
+  Scan(290.0);
+  EXPECT_FALSE(worker_->View().held);
+  Scan(20.0);
+  EXPECT_TRUE(worker_->View().held);
+  EXPECT_TRUE(Reports().empty());
+  EXPECT_EQ(machine_.numbers.size(), 1u);
+  // What the machine says in the end is what counts.
+  machine_.Echo(1, 1, JobResult::kDone);
+  Scan(1.0);
+  ASSERT_EQ(Reports().size(), 1u);
+  EXPECT_EQ(Reports()[0].outcome, CutOutcome::kDone);
+  EXPECT_TRUE(worker_->View().held);
+  EXPECT_EQ(machine_.numbers.size(), 1u);
+}
+
+TEST_F(UntrueMachineTest, ACutThatIsHeldAtTheMachineWaitsForPeople) {
+  GiveNumberOne();
+  machine_.Echo(1, 0, JobResult::kNone);
+  Scan(100.0);
+  machine_.registers[input::kState] = static_cast<std::uint16_t>(PackMlState::kHeld);
+  Scan(10000.0);
+  EXPECT_EQ(worker_->View().held_because, "the machine went to HELD (none)");
+}
+
+TEST_F(UntrueMachineTest, AMachineThatStartsForEverRaisesTheAlarm) {
+  machine_.registers[input::kState] = static_cast<std::uint16_t>(PackMlState::kStarting);
+  Give(1);
+  Scan(310.0);
+  EXPECT_TRUE(worker_->View().held);
+  EXPECT_THAT(worker_->View().held_because, HasSubstr("has not ended it, and is STARTING"));
+  EXPECT_TRUE(machine_.numbers.empty());
+}
+
+TEST(CutPatience, GrowsWithTheCutAndCanBeSet) {
+  EXPECT_EQ(DefaultCutPatience(CrosscutJob("leg", 0.3, 0.3)), 300.0);
+  EXPECT_NEAR(DefaultCutPatience(CrosscutJob("beam", 6.0, 6.0)), 5 * (10.0 + 60.0), 1e-9);
+  EXPECT_NEAR(DefaultCutPatience(OutlineJob("seat", 0.5, 10)), 5 * (10.0 + 200.0), 1e-9);
+  CutPatience patience(60.0, 1.5);
+  const CutOrder order = {{"workOrders/a", "saw", 1}, CrosscutJob("leg", 0.3, 0.3)};
+  EXPECT_FALSE(patience.Note(order, PackMlState::kExecute, 0.0));
+  // Nobody knows what happens while nobody looks.
+  EXPECT_FALSE(patience.Note(order, PackMlState::kExecute, 1000.0));
+  double now = 1000.0;
+  while (now < 1058.0) EXPECT_FALSE(patience.Note(order, PackMlState::kExecute, now += 1.0));
+  EXPECT_TRUE(patience.Note(order, PackMlState::kExecute, now += 1.0));
+}
+
 TEST_F(UntrueMachineTest, WhatIsDoneWithoutBeingAcceptedGetsNoNumber) {
   machine_.Echo(0, 1, JobResult::kDone);
   Give(1);
