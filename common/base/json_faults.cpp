@@ -14,6 +14,7 @@
 #include <string>
 #include <utility>
 
+#include "absl/strings/ascii.h"
 #include "absl/strings/escaping.h"
 #include "absl/strings/match.h"
 #include "absl/strings/numbers.h"
@@ -148,6 +149,25 @@ const FieldDescriptor* FieldOf(const Descriptor& type, const std::string& key) {
   return nullptr;
 }
 
+// The number that libraries write as a bare word and JSON has not, as protobuf writes it, where
+// reading `text` failed in that word, after `end` bytes; nothing where it failed otherwise.
+std::string_view UnwritableNumber(std::string_view text, std::size_t end) {
+  const auto belongs = [&](std::size_t i) {
+    return absl::ascii_isalnum(static_cast<unsigned char>(text[i])) ||
+           std::string_view("+-._").find(text[i]) != std::string_view::npos;
+  };
+  std::size_t begin = std::min(end, text.size());
+  while (begin > 0 && belongs(begin - 1)) --begin;
+  std::size_t after = begin;
+  while (after < text.size() && belongs(after)) ++after;
+  const std::string word =
+      absl::AsciiStrToLower(absl::string_view(text.data() + begin, after - begin));
+  if (word == "nan" || word == "-nan") return "NaN";
+  if (word == "infinity" || word == "inf") return "Infinity";
+  if (word == "-infinity" || word == "-inf") return "-Infinity";
+  return {};
+}
+
 // An object or a list that the walk is in.
 struct Frame {
   enum class Kind { kMessage, kMap, kList, kUnknown };
@@ -164,7 +184,8 @@ class Walk : public nlohmann::json_sax<Json> {
  public:
   enum class Extent { kRepeatedKeys, kAll };
 
-  Walk(const Descriptor& type, Extent extent) : type_(type), is_all_(extent == Extent::kAll) {}
+  Walk(std::string_view text, const Descriptor& type, Extent extent)
+      : text_(text), type_(type), is_all_(extent == Extent::kAll) {}
 
   std::vector<FieldViolation> TakeFaults() { return std::move(faults_); }
 
@@ -238,11 +259,16 @@ class Walk : public nlohmann::json_sax<Json> {
 
   bool end_array() override { return Leave(); }
 
-  bool parse_error(std::size_t, const std::string&, const Json::exception& error) override {
+  bool parse_error(std::size_t end, const std::string&, const Json::exception& error) override {
+    if (const std::string_view number = UnwritableNumber(text_, end); !number.empty()) {
+      const absl::string_view word(number.data(), number.size());
+      Add(absl::StrCat("JSON has no ", word, "; write \"", word, "\", in quotes"), Weight::kAlways);
+      return false;
+    }
     // "[json.exception.parse_error.101] parse error at line 1, column 2: …"
     const std::string_view text = error.what();
-    const std::size_t end = text.find("] ");
-    const std::string message(end == std::string_view::npos ? text : text.substr(end + 2));
+    const std::size_t prefix = text.find("] ");
+    const std::string message(prefix == std::string_view::npos ? text : text.substr(prefix + 2));
     if (dynamic_cast<const Json::out_of_range*>(&error) != nullptr && !frames_.empty()) {
       Add("is too large a number", Weight::kAlways);
     } else {
@@ -338,6 +364,7 @@ class Walk : public nlohmann::json_sax<Json> {
     return place;
   }
 
+  const std::string_view text_;
   const Descriptor& type_;
   const bool is_all_;
   std::vector<Frame> frames_;
@@ -376,7 +403,7 @@ bool LiesIn(std::string_view path, std::string_view field) {
 
 std::vector<FieldViolation> JsonFaults(std::string_view json, const Descriptor& type,
                                        const google::protobuf::util::Status& read) {
-  Walk walk(type, read.ok() ? Walk::Extent::kRepeatedKeys : Walk::Extent::kAll);
+  Walk walk(json, type, read.ok() ? Walk::Extent::kRepeatedKeys : Walk::Extent::kAll);
   Json::sax_parse(json, &walk);
   std::vector<FieldViolation> faults = walk.TakeFaults();
   if (read.ok() || faults.size() >= kMost) return faults;

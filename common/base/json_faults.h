@@ -21,6 +21,9 @@ namespace mortise {
 // the message has them ("parameters[1].value", limits["width"]), those that there are not as the
 // text does; what is wrong with the text as a whole has an empty field. Of very many, the first 40.
 //
+// NaN and the infinities are no numbers of JSON, but texts; where they stand as bare words, the
+// field is named with how to write them, and nothing behind it is looked at.
+//
 // Whatever `read` is, it is a fault to give a field or a key twice, also by both of its names, and
 // to write what is not quite JSON, such as names without quotes. Takes time in proportion to the
 // text's length, and less than reading it did.

@@ -100,6 +100,14 @@ TEST_F(TranscoderTest, NamesEveryFieldAtFault) {
               testing::ElementsAre("nmae", "request"));
 }
 
+TEST_F(TranscoderTest, NamesTheNumberThatJsonHasNot) {
+  const absl::Status refused = Failure("EvaluateTemplateRequest",
+                                       R"({"parameters":[{"name":"a","value":1},{"value":NaN}]})");
+  EXPECT_EQ(refused.code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_EQ(DetailOf(refused).field, "parameters[1].value") << refused;
+  EXPECT_THAT(std::string(refused.message()), HasSubstr("write \"NaN\", in quotes"));
+}
+
 TEST_F(TranscoderTest, RefusesWhatIsNotJson) {
   for (const std::string& bad :
        {std::string("{"), std::string("[]"), std::string("{\"name\":}"), std::string("nonsense"),

@@ -131,6 +131,32 @@ TEST(JsonFaults, SaysWhereTextIsNotJson) {
               ElementsAre("titel", "parts[0].size.x"));
 }
 
+// Python's json writes them so, among others.
+TEST(JsonFaults, SaysHowToWriteWhatJsonHasNotNumbersFor) {
+  for (const auto& [word, name] :
+       std::vector<std::pair<std::string, std::string>>{{"NaN", "NaN"},
+                                                        {"nan", "NaN"},
+                                                        {"-nan", "NaN"},
+                                                        {"Infinity", "Infinity"},
+                                                        {"-Infinity", "-Infinity"},
+                                                        {"inf", "Infinity"},
+                                                        {"-inf", "-Infinity"}}) {
+    for (const char* const rest : {R"(}}, {"name": "b"}]})", R"( , "y": 1}}]})", ""}) {
+      const auto faults = FaultsOf<v1::Assembly>(
+          R"({"title": "a", "parts": [{"name": "a"}, {"size": {"x": )" + word + rest);
+      ASSERT_THAT(faults, SizeIs(1)) << word << rest;
+      EXPECT_EQ(faults[0].field, "parts[1].size.x") << word << rest;
+      EXPECT_EQ(faults[0].message, "JSON has no " + name + "; write \"" + name + "\", in quotes");
+    }
+  }
+  for (const char* const other : {"-", "nanometre", "Inf1", "none", "-x"}) {
+    const auto faults =
+        FaultsOf<v1::Assembly>(R"({"parts": [{"size": {"x": )" + std::string(other) + "}}]}");
+    ASSERT_THAT(faults, SizeIs(1)) << other;
+    EXPECT_EQ(faults[0].field, "") << other;
+  }
+}
+
 TEST(JsonFaults, TellsTheFirstOfVeryMany) {
   std::string json = "{\"parts\": [";
   for (int i = 0; i < 1000; ++i) json += "{\"w\": 1},";
