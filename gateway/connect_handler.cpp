@@ -3,8 +3,11 @@
 #include <google/protobuf/descriptor.h>
 #include <grpcpp/support/status.h>
 
+#include <boost/asio/this_coro.hpp>
+
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "gateway/token_end.h"
 
 namespace mortise::gateway {
 namespace {
@@ -148,7 +151,9 @@ asio::awaitable<bool> EndStream(HttpConnection& connection,
 }
 
 asio::awaitable<bool> AnswerStream(HttpConnection& connection, const HttpContext& context,
-                                   const MethodRoute& method, ConnectCall call, bool keep_alive) {
+                                   const MethodRoute& method, const Caller& caller,
+                                   ConnectCall call, bool keep_alive) {
+  const ConnectionTokenEnd token_end(co_await asio::this_coro::executor, connection, caller);
   const auto running = ClientCall::StartStreaming(*context.stub, call.head, call.requests);
   connection.WatchForLeaving([running] { running->Cancel(); });
   std::optional<std::string> message = co_await running->Read();
@@ -273,7 +278,8 @@ asio::awaitable<bool> HandleConnect(HttpConnection& connection, const HttpContex
   call.requests = *std::move(requests);
   bool open = false;
   if (codec->streaming) {
-    open = co_await AnswerStream(connection, context, method, std::move(call), keep_alive);
+    open =
+        co_await AnswerStream(connection, context, method, **caller, std::move(call), keep_alive);
   } else {
     open = co_await AnswerUnary(connection, context, method, std::move(call), keep_alive);
   }

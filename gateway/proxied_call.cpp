@@ -35,14 +35,6 @@ bool MayBeUnreadable(const grpc::Status& status) {
   return status.error_code() == grpc::StatusCode::UNIMPLEMENTED && status.error_details().empty();
 }
 
-// When a caller's token is good no more; years away for callers without one.
-std::chrono::system_clock::time_point ExpiryOf(const Caller& caller) {
-  if (caller.expires_at == absl::InfiniteFuture()) {
-    return std::chrono::system_clock::time_point::max();
-  }
-  return absl::ToChronoTime(caller.expires_at);
-}
-
 }  // namespace
 
 ProxiedCall::ProxiedCall(const ProxyOptions& proxy, const MethodRoute* method,
@@ -92,6 +84,7 @@ GenericStub* ProxiedCall::Prepare(const grpc::ByteBuffer* first, absl::Status& e
   const bool endless = method_->kind == CallKind::kStream;
   upstream_.set_deadline(endless ? std::min(context_->deadline(), ExpiryOf(*caller_))
                                  : context_->deadline());
+  if (endless) token_end_.emplace(*context_, *caller_);
   for (const auto& [key, value] : context_->client_metadata()) {
     if (!IsPassedOn(View(key), View(value))) continue;
     upstream_.AddMetadata(std::string(View(key)), std::string(View(value)));

@@ -13,6 +13,7 @@
 #include "absl/status/status.h"
 #include "gateway/connection_patience.h"
 #include "gateway/proxy.h"
+#include "gateway/token_end.h"
 
 namespace mortise::gateway {
 
@@ -61,6 +62,7 @@ class ProxiedCall {
   std::optional<ConnectionPatience> patience_;
   std::shared_ptr<const Caller> caller_;
   std::unique_ptr<OpenCalls::Place> place_;
+  std::optional<CallTokenEnd> token_end_;  // of streams
   std::string request_id_;
   std::string service_;
   const std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();

@@ -15,6 +15,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "gateway/event_hub.h"
+#include "gateway/token_end.h"
 #include "mortise/v1/events.pb.h"
 #include "mortise/v1/operations.pb.h"
 
@@ -100,8 +101,9 @@ class Feed : public std::enable_shared_from_this<Feed> {
 
 // Sends what the feed brings until it ends or the client leaves; `format` makes a message an event.
 template <class Format>
-asio::awaitable<void> SendFeed(HttpConnection& connection, const std::shared_ptr<Feed>& feed,
-                               const Format& format) {
+asio::awaitable<void> SendFeed(HttpConnection& connection, const Caller& caller,
+                               const std::shared_ptr<Feed>& feed, const Format& format) {
+  const ConnectionTokenEnd token_end(co_await asio::this_coro::executor, connection, caller);
   connection.WatchForLeaving([feed] { feed->Cancel(); });
   const HeaderList headers = {{"content-type", "text/event-stream"},
                               {"cache-control", "no-cache"},
@@ -130,6 +132,7 @@ asio::awaitable<void> SendFeed(HttpConnection& connection, const std::shared_ptr
 // What a stream takes of what there is for all. It is counted here and not where the call begins,
 // because what is counted here is not answered with 200 first.
 struct Places {
+  std::shared_ptr<const Caller> caller;
   std::unique_ptr<OpenCalls::Place> call;
   std::unique_ptr<Budget::Share> answer;
 };
@@ -137,13 +140,14 @@ struct Places {
 // For a caller who may have the stream of a method, which comes from `service`.
 absl::StatusOr<Places> Admit(const HttpContext& context, const char* path,
                              const std::string& service, const HttpRequest& request) {
-  MORTISE_ASSIGN_OR_RETURN(const auto caller, CallerOf(context, request));
-  MORTISE_RETURN_IF_ERROR(context.admission->Authorize(*context.contract->Find(path), *caller));
   Places places;
+  MORTISE_ASSIGN_OR_RETURN(places.caller, CallerOf(context, request));
+  const Caller& caller = *places.caller;
+  MORTISE_RETURN_IF_ERROR(context.admission->Authorize(*context.contract->Find(path), caller));
   MORTISE_ASSIGN_OR_RETURN(places.call,
-                           context.open_calls->Enter(CallKind::kStream, caller->subject));
+                           context.open_calls->Enter(CallKind::kStream, caller.subject));
   MORTISE_RETURN_IF_ERROR(places.call->EnterService(service));
-  places.answer = context.answers->Take(caller->subject, 1);
+  places.answer = context.answers->Take(caller.subject, 1);
   if (places.answer == nullptr) return TooManyAtATime("streams and waiting calls over HTTP");
   return places;
 }
@@ -241,7 +245,7 @@ asio::awaitable<bool> HandleEvents(HttpConnection& connection, const HttpContext
                                          {kFollowEvents, Counted(context, metadata), std::nullopt},
                                          {follow.SerializeAsString()}));
   const auto& type = *context.contract->Find(kFollowEvents)->descriptor->output_type();
-  co_await SendFeed(connection, feed, [&](const std::string& message) {
+  co_await SendFeed(connection, *places->caller, feed, [&](const std::string& message) {
     v1::Event event;
     event.ParseFromString(message);
     position[event.stream()] = event.number();
@@ -280,7 +284,7 @@ asio::awaitable<bool> HandleOperationWatch(HttpConnection& connection, const Htt
   const auto feed = std::make_shared<Feed>(co_await asio::this_coro::executor);
   feed->Put(*now);
   feed->Begin(call);
-  co_await SendFeed(connection, feed, format);
+  co_await SendFeed(connection, *places->caller, feed, format);
   co_return false;
 }
 

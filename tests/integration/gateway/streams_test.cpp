@@ -181,15 +181,22 @@ TEST_F(StreamsTest, ACallTooManyIsToldSo) {
 class ExpiringTest : public StreamsTest {
  protected:
   void SetUp() override {
+    StartAndConnect(ShortOptions());
+    header_ = Header(absl::Seconds(3));
+  }
+
+  GatewayOptions ShortOptions() const {
     GatewayOptions options = SecureOptions(signer_);
     options.token.leeway = absl::ZeroDuration();
-    StartAndConnect(options);
-    header_ =
-        "Bearer " +
-        signer_.Sign(
-            {{"sub", "ada"},
-             {"roles", {"operator"}},
-             {"exp", absl::ToDoubleSeconds(absl::Now() + absl::Seconds(3) - absl::UnixEpoch())}});
+    return options;
+  }
+
+  // A token that is good for so long.
+  std::string Header(absl::Duration life) const {
+    return "Bearer " +
+           signer_.Sign({{"sub", "ada"},
+                         {"roles", {"operator"}},
+                         {"exp", absl::ToDoubleSeconds(absl::Now() + life - absl::UnixEpoch())}});
   }
 
   static void ExpectExpired(const grpc::Status& status) {
@@ -224,6 +231,54 @@ TEST_F(ExpiringTest, StreamsOverGrpcEndWithTheirToken) {
   ExpectExpired(events.stream->Finish());
   EXPECT_FALSE(bridge.stream->Read(&welcome));
   ExpectExpired(bridge.stream->Finish());
+}
+
+// One stream for each subject and door, and clients that take nothing of what is sent.
+class UnreadTest : public ExpiringTest {
+ protected:
+  void SetUp() override {
+    GatewayOptions options = ShortOptions();
+    options.open_calls.streams.of_subject = 1;
+    options.most_connections = 4;  // two of them for streams, one of these for a subject
+    StartAndConnect(options);
+    header_ = Header(absl::Seconds(1));
+    fresh_ = Header(absl::Seconds(600));
+  }
+
+  // Whether the same subject gets a stream before twenty seconds are over.
+  bool GetsAPlace() {
+    const absl::Time end = absl::Now() + absl::Seconds(20);
+    while (absl::Now() < end) {
+      HttpStream stream(gateway_->addresses().http, "/events", {{"Authorization", fresh_}});
+      if (stream.ReadUntil("\r\n\r\n").find("200 OK") != std::string::npos) return true;
+    }
+    return false;
+  }
+
+  std::string fresh_;
+};
+
+TEST_F(UnreadTest, StreamsOverGrpcGiveTheirPlaceBack) {
+  Held<grpc::ClientReader<v1::Chunk>> held;
+  held.context->AddMetadata("authorization", header_);
+  v1::ExportDesignRequest request;
+  request.set_name("templates/endless");
+  held.stream = v1::CatalogService::NewStub(channel_)->ExportDesign(held.context.get(), request);
+  ASSERT_TRUE(house_.WaitForWritten(1));
+  EXPECT_TRUE(GetsAPlace());
+}
+
+TEST_F(UnreadTest, StreamsOverHttpGiveTheirPlaceBack) {
+  const std::string message = R"({"name":"templates/endless"})";
+  const std::string envelope = std::string(4, '\0') + static_cast<char>(message.size()) + message;
+  const auto held = HttpStream::Send(
+      gateway_->addresses().http,
+      "POST /mortise.v1.CatalogService/ExportDesign HTTP/1.1\r\nHost: 127.0.0.1\r\n"
+      "Content-Type: application/connect+json\r\nAuthorization: " +
+          header_ + "\r\nContent-Length: " + std::to_string(envelope.size()) + "\r\n\r\n" +
+          envelope);
+  ASSERT_TRUE(house_.WaitForWritten(1));
+  EXPECT_TRUE(GetsAPlace());
 }
 
 TEST_F(ExpiringTest, AClientsOwnDeadlineStaysItsOwn) {

@@ -1,0 +1,56 @@
+#include "gateway/token_end.h"
+
+#include <grpcpp/alarm.h>
+#include <grpcpp/server_context.h>
+
+#include <boost/system/error_code.hpp>
+#include <mutex>
+
+namespace mortise::gateway {
+
+std::chrono::system_clock::time_point ExpiryOf(const Caller& caller) {
+  if (caller.expires_at == absl::InfiniteFuture()) {
+    return std::chrono::system_clock::time_point::max();
+  }
+  return absl::ToChronoTime(caller.expires_at);
+}
+
+// Outlives the call while the alarm's callback runs.
+struct CallTokenEnd::Wait {
+  grpc::Alarm alarm;
+  std::mutex mutex;
+  grpc::CallbackServerContext* call = nullptr;  // null once the call is over; guarded by mutex
+};
+
+CallTokenEnd::CallTokenEnd(grpc::CallbackServerContext& call, const Caller& caller) {
+  if (caller.expires_at == absl::InfiniteFuture()) return;
+  wait_ = std::make_shared<Wait>();
+  wait_->call = &call;
+  wait_->alarm.Set(ExpiryOf(caller) + kLastWordsTime, [wait = wait_](bool due) {
+    const std::lock_guard lock(wait->mutex);
+    if (due && wait->call != nullptr) wait->call->TryCancel();
+  });
+}
+
+CallTokenEnd::~CallTokenEnd() {
+  if (wait_ == nullptr) return;
+  {
+    const std::lock_guard lock(wait_->mutex);
+    wait_->call = nullptr;
+  }
+  wait_->alarm.Cancel();
+}
+
+ConnectionTokenEnd::ConnectionTokenEnd(boost::asio::any_io_executor strand,
+                                       HttpConnection& connection, const Caller& caller)
+    : timer_(std::move(strand)) {
+  if (caller.expires_at == absl::InfiniteFuture()) return;
+  timer_.expires_at(ExpiryOf(caller) + kLastWordsTime);
+  timer_.async_wait([&connection, over = over_](const boost::system::error_code& error) {
+    if (!error && !*over) connection.Close();
+  });
+}
+
+ConnectionTokenEnd::~ConnectionTokenEnd() { *over_ = true; }
+
+}  // namespace mortise::gateway
