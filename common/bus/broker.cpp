@@ -98,6 +98,8 @@ class ProxyBroker final : public Broker {
       socket->set(zmq::sockopt::sndhwm, kQueueLength);
       socket->set(zmq::sockopt::rcvhwm, kQueueLength);
       KeepAlive(*socket);
+      socket->set(zmq::sockopt::handshake_ivl,
+                  static_cast<int>(absl::ToInt64Milliseconds(options.handshake_time)));
       SecureServer(options.security, *socket);
     }
     control_.set(zmq::sockopt::linger, 0);

@@ -1,8 +1,16 @@
 // Who may connect, in plain and in CURVE.
 #include "common/bus/security.h"
 
+#include <arpa/inet.h>
 #include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <sys/time.h>
+#include <unistd.h>
 
+#include <array>
+#include <cerrno>
+#include <cstdint>
 #include <memory>
 #include <string>
 
@@ -52,6 +60,34 @@ TEST(Security, MalformedKeysAreNamed) {
   EXPECT_OK(CheckSecurity(client, "tcp://10.0.0.1:1"));
   client.keys->secret_key = "nonsense";
   EXPECT_EQ(field(CheckSecurity(client, "tcp://10.0.0.1:1")), "security.keys.secret_key");
+}
+
+// Whether the other end closes a connection to `endpoint`, tcp://127.0.0.1:PORT, that says nothing,
+// within ten seconds; ZeroMQ by itself takes thirty.
+bool IsClosedInSilence(const std::string& endpoint) {
+  const int silent = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  sockaddr_in address = {};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  address.sin_port =
+      htons(static_cast<std::uint16_t>(std::stoi(endpoint.substr(endpoint.rfind(':') + 1))));
+  const timeval patience = {10, 0};
+  ::setsockopt(silent, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof(patience));
+  const bool connected =
+      ::connect(silent, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) == 0;
+  std::array<char, 256> greeting;
+  ssize_t size = connected ? 1 : -1;
+  while (size > 0) size = ::recv(silent, greeting.data(), greeting.size(), 0);
+  const bool closed = connected && (size == 0 || errno == ECONNRESET);
+  ::close(silent);
+  return closed;
+}
+
+TEST(Security, ConnectionsThatSayNothingAreClosed) {
+  const auto broker = Broker::Start({.handshake_time = absl::Milliseconds(50)});
+  ASSERT_OK(broker);
+  EXPECT_TRUE(IsClosedInSilence((*broker)->publisher_endpoint()));
+  EXPECT_TRUE(IsClosedInSilence((*broker)->subscriber_endpoint()));
 }
 
 TEST(Security, AnEndpointInUseIsUnavailable) {
