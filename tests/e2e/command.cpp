@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <signal.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -27,8 +28,13 @@ int Start(std::vector<std::string> command, const std::string& out, const std::s
   std::vector<char*> argv;
   for (std::string& argument : command) argv.push_back(argument.data());
   argv.push_back(nullptr);
+  const int parent = ::getpid();
   const int pid = ::fork();
   if (pid != 0) return pid;
+  // A house must not outlive a test that crashes. It ends its own processes when it is told to end,
+  // and they themselves when it is gone.
+  ::prctl(PR_SET_PDEATHSIG, SIGTERM);
+  if (::getppid() != parent) ::_exit(127);  // the test has died already
   const int out_file = ::open(out.c_str(), O_WRONLY | O_CREAT | O_APPEND, 0644);
   const int error_file = ::open(error.c_str(), O_WRONLY | O_CREAT | O_APPEND, 0644);
   ::dup2(out_file, STDOUT_FILENO);

@@ -21,7 +21,8 @@ CommandResult Mortise(const std::vector<std::string>& arguments);
 // ends with the first command that fails.
 CommandResult Shell(const std::string& script, const std::filesystem::path& folder);
 
-// A `mortise` in the background, ended with SIGTERM on destruction.
+// A `mortise` in the background, ended with SIGTERM on destruction, and when the thread ends that
+// started it, as that of a test that crashes.
 class BackgroundCommand {
  public:
   BackgroundCommand(const std::vector<std::string>& arguments, const std::string& log);
