@@ -3,10 +3,33 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 
+#include "absl/strings/str_cat.h"
 #include "cli/decimal_flags.h"
 #include "common/base/errors.h"
 
 namespace mortise::cli {
+namespace {
+
+constexpr const char* kConnectionFlags[] = {"--gateway", "--token-file", "--authority", "--house"};
+
+// Refuses the flags of a connection where the command makes none: a house that is started on
+// another folder than the one that was named is worse than none.
+void RefuseUnusedConnection(const CLI::App& app) {
+  for (const char* const command : {"up", "down", "status", "keys", "demo", "completion"}) {
+    if (!app.got_subcommand(command)) continue;
+    const bool has_state = app.get_subcommand(command)->get_option_no_throw("--state") != nullptr;
+    for (const std::string flag : kConnectionFlags) {
+      if (app.get_option(flag)->count() == 0) continue;
+      const bool is_house = flag == "--house";
+      if (is_house && has_state && std::string(command) != "up") continue;  // the same as --state
+      throw CLI::ValidationError(
+          flag, absl::StrCat("mortise ", command, " does not use it",
+                             is_house && has_state ? "; name the folder by --state" : ""));
+    }
+  }
+}
+
+}  // namespace
 
 void BuildCommandLine(CLI::App& app, Session& session) {
   app.name("mortise");
@@ -35,6 +58,7 @@ void BuildCommandLine(CLI::App& app, Session& session) {
   AddCallCommand(app, session);
   AddCompletionCommand(app, session);
   RequireDecimalNumbers(app);
+  app.parse_complete_callback([&app] { RefuseUnusedConnection(app); });
   // Last: commands would inherit it.
   app.footer("Example: mortise up --insecure-development, then in another shell: mortise status");
 }

@@ -1,0 +1,67 @@
+// Flags that a command does not know are refused by their names.
+#include "cli/command_line.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+namespace mortise::cli {
+namespace {
+
+using testing::HasSubstr;
+
+// What is said of a command line; empty if nothing is wrong with it. Nothing is run.
+std::string Refusal(std::vector<std::string> arguments) {
+  CLI::App app;
+  Session session;
+  BuildCommandLine(app, session);
+  try {
+    app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
+    return "";
+  } catch (const CLI::ParseError& error) {
+    return error.what();
+  }
+}
+
+TEST(CommandLine, AHouseIsStartedByItsStateFolderOnly) {
+  const std::string refusal = Refusal({"up", "--house", "there", "--insecure-development"});
+  EXPECT_THAT(refusal, HasSubstr("--house"));
+  EXPECT_THAT(refusal, HasSubstr("--state"));
+  EXPECT_THAT(Refusal({"--house", "there", "up"}), HasSubstr("--house"));
+  EXPECT_EQ(Refusal({"up", "--state", "there", "--insecure-development"}), "");
+}
+
+TEST(CommandLine, AHouseThatRunsIsNamedEitherWay) {
+  for (const char* const command : {"down", "status"}) {
+    EXPECT_EQ(Refusal({command, "--house", "there"}), "");
+    EXPECT_EQ(Refusal({command, "--state", "there"}), "");
+  }
+}
+
+TEST(CommandLine, CommandsWithoutAGatewayTakeNoneOfItsFlags) {
+  const std::vector<std::vector<std::string>> commands = {
+      {"up"}, {"down"}, {"status"}, {"keys", "folder"}, {"demo"}, {"completion", "bash"}};
+  for (std::vector<std::string> command : commands) {
+    EXPECT_EQ(Refusal(command), "") << command[0];
+    for (const char* const flag : {"--gateway", "--token-file", "--authority"}) {
+      std::vector<std::string> with = command;
+      with.insert(with.end(), {flag, "127.0.0.1:7000"});
+      EXPECT_THAT(Refusal(with), HasSubstr(flag)) << command[0];
+    }
+  }
+  EXPECT_THAT(Refusal({"demo", "--house", "there"}), HasSubstr("--house"));
+  EXPECT_THAT(Refusal({"keys", "folder", "--house", "there"}), HasSubstr("--house"));
+  EXPECT_EQ(Refusal({"catalog", "list", "--gateway", "127.0.0.1:7000", "--house", "there"}), "");
+}
+
+TEST(CommandLine, UnknownFlagsAreNamed) {
+  for (const char* const command : {"up", "down", "status", "demo", "events"}) {
+    EXPECT_THAT(Refusal({command, "--hous", "there"}), HasSubstr("--hous")) << command;
+  }
+}
+
+}  // namespace
+}  // namespace mortise::cli
