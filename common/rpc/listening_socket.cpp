@@ -152,9 +152,13 @@ absl::StatusOr<std::vector<ListeningSocket>> ListenOn(const std::string& address
   for (const addrinfo* info = found.get(); info != nullptr; info = info->ai_next) {
     const SocketAddress wanted = AddressOf(*info, port);
     ListeningSocket listening;
-    if (IsEveryAddress(wanted)) listening = Listen(EveryAddressOfBothKinds(wanted.port()));
+    bool in_use = false;
+    if (IsEveryAddress(wanted)) {
+      listening = Listen(EveryAddressOfBothKinds(wanted.port()));
+      in_use = listening.descriptor.number() < 0 && errno == EADDRINUSE;
+    }
     // A machine may have no addresses of the newer kind.
-    if (listening.descriptor.number() < 0 && errno != EADDRINUSE) listening = Listen(wanted);
+    if (listening.descriptor.number() < 0 && !in_use) listening = Listen(wanted);
     if (listening.descriptor.number() < 0) {
       why = std::strerror(errno);
       // A name may stand for an address of a kind that the machine does not have, or for which the

@@ -11,6 +11,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <condition_variable>
 #include <mutex>
 #include <string>
@@ -216,6 +217,13 @@ TEST(ConnectionAcceptor, NamesAnAddressThatIsTaken) {
   for (const char* bad : {"", "localhost", "localhost:port", "localhost:70000"}) {
     EXPECT_FALSE(ConnectionAcceptor::Start({.listen = bad, .take = [](int) {}}).ok()) << bad;
   }
+}
+
+// What an earlier call of the system failed for says nothing of this address.
+TEST(ListenOn, TakesNoNoteOfEarlierFailures) {
+  errno = EADDRINUSE;
+  const auto sockets = rpc::ListenOn("127.0.0.1:0");
+  EXPECT_TRUE(sockets.ok()) << sockets.status();
 }
 
 }  // namespace
