@@ -62,10 +62,11 @@ class AresResolver final : public NameResolver {
       WakeUp();
       thread_.join();
     }
-    channel_.reset();  // calls back what is still asked
-    if (wake_ >= 0) ::close(wake_);
+    // Before the channel ends, which calls back what is still asked as if it could not be found.
     for (Question& question : asked_) Answer(question, absl::CancelledError());
     for (Question& question : waiting_) Answer(question, absl::CancelledError());
+    channel_.reset();
+    if (wake_ >= 0) ::close(wake_);
   }
 
   absl::Status Begin() {
