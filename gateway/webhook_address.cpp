@@ -9,6 +9,7 @@
 #include <boost/asio/ip/address_v4.hpp>
 #include <boost/asio/ip/address_v6.hpp>
 #include <cstring>
+#include <vector>
 
 #include "absl/strings/numbers.h"
 #include "common/base/errors.h"
@@ -37,30 +38,47 @@ bool IsPort(std::string_view text) {
          port >= 1 && port <= kLargest;
 }
 
-// A name, or an IPv4 or IPv6 address: what no resolver could take for anything else.
+// A name, or an IPv4 or IPv6 address: what no resolver could take for anything else. An address
+// with a zone ('%') is link-local, which is refused, or means no more than without.
 bool IsHost(std::string_view text) {
   return std::all_of(text.begin(), text.end(), [](char c) {
     const bool plain = (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
-    return plain || c == '.' || c == '-' || c == '_' || c == ':' || c == '%';
+    return plain || c == '.' || c == '-' || c == '_' || c == ':';
   });
 }
 
-// The IPv4 address that an IPv6 address stands for: mapped, compatible, translated (NAT64) or
-// tunnelled (6to4); nothing if it stands for itself.
-std::optional<address_v4> EmbeddedV4(const address_v6& given) {
+// The IPv4 addresses that an address of a network's own NAT64 may stand for (RFC 8215): where in it
+// they are depends on the prefix that the network has chosen (RFC 6052), which is not known here.
+std::vector<address_v4> OfLocalTranslation(const address_v6::bytes_type& bytes) {
+  constexpr std::size_t kPlaces[][4] = {
+      {6, 7, 9, 10}, {7, 9, 10, 11}, {9, 10, 11, 12}, {12, 13, 14, 15}};
+  std::vector<address_v4> found;
+  for (const auto& [a, b, c, d] : kPlaces) {
+    // What begins with zero is no address, but a place where there is none.
+    if (bytes[a] != 0) found.push_back(address_v4({bytes[a], bytes[b], bytes[c], bytes[d]}));
+  }
+  if (found.empty()) found.push_back(address_v4::any());
+  return found;
+}
+
+// The IPv4 addresses that an IPv6 address stands for: mapped, compatible, translated (NAT64, SIIT)
+// or tunnelled (6to4); none if it stands for itself.
+std::vector<address_v4> EmbeddedV4(const address_v6& given) {
   const address_v6::bytes_type bytes = given.to_bytes();
   const auto v4_at = [&](std::size_t at) {
-    return address_v4({bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]});
+    return std::vector{address_v4({bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]})};
   };
   const auto starts_with = [&](std::initializer_list<unsigned char> prefix) {
     return std::equal(prefix.begin(), prefix.end(), bytes.begin());
   };
   if (given.is_v4_mapped()) return v4_at(12);
+  if (starts_with({0, 0, 0, 0, 0, 0, 0, 0, 0xff, 0xff, 0, 0})) return v4_at(12);
   if (starts_with({0x00, 0x64, 0xff, 0x9b, 0, 0, 0, 0, 0, 0, 0, 0})) return v4_at(12);
+  if (starts_with({0x00, 0x64, 0xff, 0x9b, 0, 1})) return OfLocalTranslation(bytes);
   if (starts_with({0x20, 0x02})) return v4_at(2);
   const bool compatible = starts_with({0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0});
   if (compatible && !given.is_loopback() && !given.is_unspecified()) return v4_at(12);
-  return std::nullopt;
+  return {};
 }
 
 address AddressOf(const sockaddr& given) {
@@ -154,11 +172,18 @@ std::optional<address> LiteralAddress(std::string host) {
   return address_v4(ntohl(old.s_addr));
 }
 
-bool IsAllowedAddress(const address& given, bool allow_loopback) {
-  if (given.is_v6()) {
-    if (const auto embedded = EmbeddedV4(given.to_v6())) {
-      return IsAllowedAddress(*embedded, allow_loopback);
+bool IsAllowedAddress(const address& asked, bool allow_loopback) {
+  address given = asked;
+  if (asked.is_v6()) {
+    // Without its zone, for addresses are compared with it.
+    const address_v6 zoneless(asked.to_v6().to_bytes());
+    const std::vector<address_v4> embedded = EmbeddedV4(zoneless);
+    if (!embedded.empty()) {
+      return std::all_of(embedded.begin(), embedded.end(), [&](const address_v4& one) {
+        return IsAllowedAddress(one, allow_loopback);
+      });
     }
+    given = zoneless;
   }
   if (given.is_unspecified() || given.is_multicast() || IsCredentialHost(given)) return false;
   if (given.is_v6() ? given.to_v6().is_link_local() : IsSpecial(given.to_v4())) return false;

@@ -6,6 +6,7 @@
 #include <ifaddrs.h>
 #include <netinet/in.h>
 
+#include <algorithm>
 #include <atomic>
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/io_context.hpp>
@@ -14,6 +15,7 @@
 #include <boost/asio/write.hpp>
 #include <functional>
 #include <future>
+#include <iterator>
 #include <memory>
 #include <set>
 #include <string>
@@ -46,15 +48,28 @@ TEST(WebhookUrl, TakesHttpAndHttps) {
 }
 
 TEST(WebhookUrl, RefusesOtherThings) {
-  for (const std::string& bad :
-       {std::string(), std::string("host"), std::string("ftp://host/"), std::string("file:///etc"),
-        std::string("http://"), std::string("http:///path"), std::string("http://user:word@host/"),
-        std::string("http://host:port/"), std::string("http://host:123456/"),
-        std::string("http://host:65536/"), std::string("http://host:0/"),
-        std::string("http://[::1"), std::string("http://[::1]x/"), std::string("http://ho st/"),
-        std::string("http://host/\r\nX: y"), std::string("http://%31%32%37.0.0.1*/"),
-        std::string("http://a,b/"), std::string("http://127.0.0.1\\x/"),
-        "http://host/" + std::string(3000, 'a')}) {
+  for (const std::string& bad : {std::string(),
+                                 std::string("host"),
+                                 std::string("ftp://host/"),
+                                 std::string("file:///etc"),
+                                 std::string("http://"),
+                                 std::string("http:///path"),
+                                 std::string("http://user:word@host/"),
+                                 std::string("http://host:port/"),
+                                 std::string("http://host:123456/"),
+                                 std::string("http://host:65536/"),
+                                 std::string("http://host:0/"),
+                                 std::string("http://[::1"),
+                                 std::string("http://[::1]x/"),
+                                 std::string("http://ho st/"),
+                                 std::string("http://host/\r\nX: y"),
+                                 std::string("http://%31%32%37.0.0.1*/"),
+                                 std::string("http://a,b/"),
+                                 std::string("http://[fd00::2%1]/"),
+                                 std::string("http://[fe80::1%eth0]/"),
+                                 std::string("http://host%2ename/"),
+                                 std::string("http://127.0.0.1\\x/"),
+                                 "http://host/" + std::string(3000, 'a')}) {
     EXPECT_FALSE(ParseWebhookUrl(bad).ok()) << bad.substr(0, 40);
   }
 }
@@ -66,15 +81,27 @@ TEST(WebhookAddress, RefusesWhatIsNobodysBusiness) {
   EXPECT_TRUE(allowed("93.184.216.34"));
   EXPECT_TRUE(allowed("10.1.2.3"));
   EXPECT_TRUE(allowed("2001:db8::1"));
-  for (const char* bad : {"127.0.0.1", "127.8.9.1", "::1", "0.0.0.0", "::", "169.254.169.254",
-                          "224.0.0.1", "255.255.255.255", "fe80::1", "ff02::1",
-                          "::ffff:169.254.169.254", "::ffff:127.0.0.1", "0.1.2.3",
-                          // spelled as IPv6 in the other ways there are
-                          "::127.0.0.1", "::169.254.169.254", "64:ff9b::127.0.0.1",
-                          "64:ff9b::a9fe:a9fe", "2002:7f00:1::", "2002:a9fe:a9fe::1",
-                          // where clouds keep credentials beside the link-local addresses
-                          "100.100.100.200", "192.0.0.192", "168.63.129.16", "fd00:ec2::254"}) {
+  for (const char* bad :
+       {"127.0.0.1", "127.8.9.1", "::1", "0.0.0.0", "::", "169.254.169.254", "224.0.0.1",
+        "255.255.255.255", "fe80::1", "ff02::1", "::ffff:169.254.169.254", "::ffff:127.0.0.1",
+        "0.1.2.3",
+        // spelled as IPv6 in the other ways there are
+        "::127.0.0.1", "::169.254.169.254", "64:ff9b::127.0.0.1", "64:ff9b::a9fe:a9fe",
+        "2002:7f00:1::", "2002:a9fe:a9fe::1",
+        // where clouds keep credentials beside the link-local addresses
+        "100.100.100.200", "192.0.0.192", "168.63.129.16", "fd00:ec2::254",
+        // of a zone, which means something for link-local addresses only
+        "::1%1", "::ffff:127.0.0.1%1", "64:ff9b::a9fe:a9fe%1", "fd00:ec2::254%1",
+        // translated without state, and by a network's own NAT64, which puts the
+        // IPv4 address into one of four places
+        "::ffff:0:127.0.0.1", "::ffff:0:a9fe:a9fe", "64:ff9b:1::7f00:1", "64:ff9b:1::a9fe:a9fe",
+        "64:ff9b:1:2:3:4:a9fe:a9fe", "64:ff9b:1:a9fe:a9:fe00::", "64:ff9b:1:1a9:fe:a9fe::",
+        "64:ff9b:1:12:a9:fea9:fe00::", "64:ff9b:1::"}) {
     EXPECT_FALSE(allowed(bad)) << bad;
+  }
+  for (const char* translated : {"64:ff9b:1::5db8:d822", "64:ff9b:1:5db8:d8:2200::",
+                                 "::ffff:0:93.184.216.34", "64:ff9b::93.184.216.34"}) {
+    EXPECT_TRUE(allowed(translated)) << translated;
   }
   EXPECT_TRUE(allowed("127.0.0.1", true));
   EXPECT_TRUE(allowed("::ffff:127.0.0.1", true));
@@ -86,7 +113,17 @@ TEST(WebhookAddress, RefusesTheAddressesOfThisMachine) {
   ASSERT_EQ(::getifaddrs(&first), 0);
   int found = 0;
   for (const ifaddrs* one = first; one != nullptr; one = one->ifa_next) {
-    if (one->ifa_addr == nullptr || one->ifa_addr->sa_family != AF_INET) continue;
+    if (one->ifa_addr == nullptr) continue;
+    if (one->ifa_addr->sa_family == AF_INET6) {
+      const auto& v6 = reinterpret_cast<const sockaddr_in6&>(*one->ifa_addr);
+      boost::asio::ip::address_v6::bytes_type bytes;
+      std::copy(std::begin(v6.sin6_addr.s6_addr), std::end(v6.sin6_addr.s6_addr), bytes.begin());
+      for (const unsigned zone : {0u, 1u, 7u}) {
+        const boost::asio::ip::address_v6 address(bytes, zone);
+        EXPECT_FALSE(IsAllowedAddress(address, false)) << address;
+      }
+    }
+    if (one->ifa_addr->sa_family != AF_INET) continue;
     const auto& v4 = reinterpret_cast<const sockaddr_in&>(*one->ifa_addr);
     const boost::asio::ip::address_v4 address(ntohl(v4.sin_addr.s_addr));
     const auto mapped = boost::asio::ip::make_address_v6(boost::asio::ip::v4_mapped, address);
