@@ -32,6 +32,7 @@ constexpr std::size_t kFirstBytes = 4096;
 // A body that was not wanted is taken nevertheless if it is no larger, which costs less than a new
 // connection.
 constexpr uint64_t kDroppedBytes = 64 * 1024;
+constexpr unsigned kHttp11 = 11;  // as Beast counts versions
 constexpr char kRequestIdHeader[] = "x-request-id";
 constexpr char kServerName[] = "mortise-gateway";
 
@@ -78,6 +79,7 @@ class Connection final : public HttpConnection,
     co_await http::async_read_header(stream_, buffer_, *parser_,
                                      asio::redirect_error(asio::use_awaitable, error));
     if (error) co_return ResultOf(error);
+    if (!KnowsEnd()) co_return HttpReadResult::kMalformed;
     static_cast<HttpRequest::header_type&>(request) = parser_->get().base();
     const auto given = request[kRequestIdHeader];
     if (IsRequestId({given.data(), given.size()})) request_id_ = std::string(given);
@@ -245,6 +247,16 @@ class Connection final : public HttpConnection,
     const bool malformed =
         error.category() == http::make_error_code(http::error::bad_version).category();
     return malformed ? HttpReadResult::kMalformed : HttpReadResult::kClosed;
+  }
+
+  // Whether everybody on the way finds the end of the request where this door does. Beast takes a
+  // body in a coding that it does not know for none, and would serve what follows as a request.
+  bool KnowsEnd() const {
+    const auto& head = parser_->get();
+    const auto codings = head.count(http::field::transfer_encoding);
+    if (codings == 0) return true;
+    return codings == 1 && head.version() >= kHttp11 &&
+           beast::iequals(head[http::field::transfer_encoding], "chunked");
   }
 
   // Whether the client sends the body only when it is told to.

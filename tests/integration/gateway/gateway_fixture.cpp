@@ -106,19 +106,23 @@ std::string HttpStream::ReadBytes(std::size_t count) {
   return read_.substr(0, count);
 }
 
-void HttpStream::ReadWhile(const std::function<bool()>& not_done) {
+bool HttpStream::AwaitClose() {
+  return ReadWhile([] { return true; });
+}
+
+bool HttpStream::ReadWhile(const std::function<bool()>& not_done) {
+  if (closed_) return true;
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(10);
   while (not_done() && std::chrono::steady_clock::now() < deadline) {
     char buffer[4096];
-    bool done = false;
     socket_->socket.async_read_some(asio::buffer(buffer),
                                     [&](const beast::error_code& error, std::size_t size) {
-                                      done = static_cast<bool>(error);
+                                      closed_ = error && error != asio::error::operation_aborted;
                                       read_.append(buffer, size);
                                     });
     socket_->io.restart();
     socket_->io.run_until(deadline);
-    if (done) break;
+    if (closed_) return true;
     if (std::chrono::steady_clock::now() >= deadline) {
       socket_->socket.cancel();
       socket_->io.restart();
@@ -126,6 +130,12 @@ void HttpStream::ReadWhile(const std::function<bool()>& not_done) {
       break;
     }
   }
+  return false;
+}
+
+void HttpStream::FinishSending() {
+  boost::system::error_code error;
+  socket_->socket.shutdown(asio::ip::tcp::socket::shutdown_send, error);
 }
 
 void HttpStream::Close() { socket_->socket.close(); }

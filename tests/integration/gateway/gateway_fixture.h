@@ -43,18 +43,25 @@ class HttpStream {
   // The first so many bytes of all that comes; what there is after ten seconds.
   std::string ReadBytes(std::size_t count);
 
+  // Whether the other side closes the connection, within ten seconds; what it says is kept.
+  bool AwaitClose();
+
   // Sends more.
   void Write(const std::string& bytes);
+
+  // Sends nothing more, and still reads.
+  void FinishSending();
 
   void Close();
 
  private:
   struct Socket;
-  // Reads until that is done, or ten seconds have passed.
-  void ReadWhile(const std::function<bool()>& not_done);
+  // Reads until that is done, or ten seconds have passed. Whether the other side closed.
+  bool ReadWhile(const std::function<bool()>& not_done);
   explicit HttpStream(const std::string& address);
   std::unique_ptr<Socket> socket_;
   std::string read_;
+  bool closed_ = false;  // by the other side
 };
 
 class GatewayTest : public ::testing::Test {

@@ -10,6 +10,7 @@ namespace mortise::gateway {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 using Json = nlohmann::json;
 
 constexpr char kGetItem[] = "/mortise.v1.CatalogService/GetItem";
@@ -181,6 +182,39 @@ TEST_F(HttpDoorTest, ServesDocuments) {
   const std::string metrics = Get("/metrics").body;
   EXPECT_THAT(metrics, HasSubstr("mortise_gateway_calls_total"));
   EXPECT_THAT(metrics, HasSubstr("mortise.v1.CatalogService/GetItem"));
+}
+
+// Who forwards requests to this door and who serves them must agree where each ends.
+TEST_F(HttpDoorTest, RefusesBodiesWhoseEndIsDoubtful) {
+  const std::string next = "GET /version HTTP/1.1\r\nHost: localhost\r\n\r\n";
+  const auto post = [](const std::string& version, const std::string& headers) {
+    return "POST " + std::string(kGetItem) + " HTTP/" + version +
+           "\r\nHost: localhost\r\nContent-Type: application/json\r\n" + headers + "\r\n";
+  };
+  const auto refused = [&](const std::string& request) {
+    const auto stream = HttpStream::Send(gateway_->addresses().http, request + next);
+    stream->FinishSending();
+    EXPECT_TRUE(stream->AwaitClose()) << request;
+    const std::string answer = stream->ReadUntil("}");
+    EXPECT_THAT(answer, HasSubstr("400 Bad Request")) << request;
+    EXPECT_THAT(answer, Not(HasSubstr("200 OK"))) << request << "what follows is not served";
+  };
+  for (const std::string coding : {"xchunked", "identity", "gzip", "chunked, identity",
+                                   "chunked, gzip", "gzip, chunked", "\"chunked\"", ""}) {
+    const std::string header = "Transfer-Encoding: " + coding + "\r\n";
+    refused(post("1.1", header));
+    refused(post("1.1", header + "Content-Length: 2\r\n") + "{}");
+    refused("GET /healthz HTTP/1.1\r\nHost: localhost\r\n" + header + "\r\n");
+  }
+  const std::string chunked = "Transfer-Encoding: chunked\r\n";
+  const std::string body = "2\r\n{}\r\n0\r\n\r\n";
+  refused(post("1.0", chunked) + body);
+  refused(post("1.1", chunked + "Content-Length: 2\r\n") + body);
+  refused(post("1.1", "Transfer-Encoding: identity\r\n" + chunked) + body);
+  refused(post("1.1", chunked + "Transfer-Encoding: identity\r\n") + body);
+  const auto served = HttpStream::Send(gateway_->addresses().http,
+                                       post("1.1", "Transfer-Encoding: Chunked\r\n") + body + next);
+  EXPECT_THAT(served->ReadUntil("\"version\""), HasSubstr("200 OK"));
 }
 
 TEST_F(HttpDoorTest, SurvivesBytesThatAreNoHttp) {
