@@ -49,7 +49,7 @@ class Connection final : public HttpConnection,
   asio::awaitable<bool> Open() override {
     if constexpr (kSecure) {
       error_code error;
-      Lowest().expires_after(kWriteTime);
+      Lowest().expires_after(patience_.head);
       co_await stream_.async_handshake(asio::ssl::stream_base::server,
                                        asio::redirect_error(asio::use_awaitable, error));
       co_return !error;

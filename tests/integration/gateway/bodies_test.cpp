@@ -5,11 +5,13 @@
 #include <nlohmann/json.hpp>
 
 #include "common/base/errors.h"
+#include "common/base/files.h"
 #include "common/rpc/server_limits.h"
 #include "common/rpc/status_mapping.h"
 #include "mortise/v1/catalog.grpc.pb.h"
 #include "mortise/v1/simulator.grpc.pb.h"
 #include "tests/integration/gateway/gateway_fixture.h"
+#include "tests/unit/common/rpc/self_signed.h"
 
 namespace mortise::gateway {
 namespace {
@@ -99,7 +101,20 @@ TEST_F(BodiesTest, SlowHeadsEnd) {
   options.http_patience.head = std::chrono::milliseconds(50);
   Start(options);
   const auto stream = Send("GET /version HTT");
-  EXPECT_EQ(stream->ReadUntil("never"), "") << "closed without a word within ten seconds";
+  EXPECT_TRUE(stream->AwaitClose());
+  EXPECT_EQ(stream->ReadUntil("never"), "") << "closed without a word";
+}
+
+TEST_F(BodiesTest, SlowHandshakesEnd) {
+  const mortise::testing::SelfSigned own;
+  GatewayOptions options = SecureOptions(signer_);
+  options.security.certificate = folder_.path() / "own.pem";
+  options.security.key = folder_.path() / "own.key";
+  ASSERT_TRUE(WriteFile(options.security.certificate, own.certificate).ok());
+  ASSERT_TRUE(WriteFile(options.security.key, own.key).ok());
+  options.http_patience.head = std::chrono::milliseconds(50);
+  Start(options);
+  EXPECT_TRUE(Send("\x16")->AwaitClose()) << "the first byte of TLS, and nothing more";
 }
 
 TEST_F(BodiesTest, LargeBodiesShareABudget) {
