@@ -67,7 +67,7 @@ class StoredOperations final : public Operations {
   absl::StatusOr<Operation> Get(std::string_view name) override;
   absl::StatusOr<std::vector<Operation>> List(std::string_view after_name, int limit) override;
   absl::Status Visit(std::string_view after_name, const OperationFilter& filter,
-                     const std::function<bool(const Operation&)>& visit) override;
+                     const std::function<Visitor()>& begin) override;
   absl::StatusOr<Operation> Cancel(std::string_view name) override;
   absl::StatusOr<Operation> Wait(std::string_view name, absl::Time deadline) override;
   absl::StatusOr<std::unique_ptr<OperationWatch>> Watch(
@@ -176,13 +176,13 @@ absl::StatusOr<std::vector<Operation>> StoredOperations::List(std::string_view a
 }
 
 absl::Status StoredOperations::Visit(std::string_view after_name, const OperationFilter& filter,
-                                     const std::function<bool(const Operation&)>& visit) {
+                                     const std::function<Visitor()>& begin) {
   std::string after_id;
   if (!after_name.empty()) {
     MORTISE_ASSIGN_OR_RETURN(after_id, records_.IdOf(after_name));
   }
   return store_->Read([&](store::ReadTransaction& transaction) {
-    return records_.Visit(transaction, after_id, filter, visit);
+    return records_.Visit(transaction, after_id, filter, begin());
   });
 }
 

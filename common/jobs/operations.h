@@ -181,11 +181,13 @@ class Operations {
   // the newest).
   virtual absl::StatusOr<std::vector<Operation>> List(std::string_view after_name, int limit) = 0;
 
-  // Shows `visit` those that pass the filter, newest first, beyond the operation named
-  // `after_name`, until it returns false. They come one by one, as results may be large. `visit`
-  // must not use the Operations.
+  // Shows a visitor those that pass the filter, newest first, beyond the operation named
+  // `after_name`, until it returns false. They come one by one, as results may be large. `begin`
+  // makes the visitor: again, for all to be shown anew, where the database was lost on the way.
+  // Neither may use the Operations.
+  using Visitor = std::function<bool(const Operation&)>;
   virtual absl::Status Visit(std::string_view after_name, const OperationFilter& filter,
-                             const std::function<bool(const Operation&)>& visit) = 0;
+                             const std::function<Visitor()>& begin) = 0;
 
   // Asks an operation to stop; a pending one is cancelled at once. Returns it as it then is. No
   // effect on a finished one.

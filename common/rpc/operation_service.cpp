@@ -140,18 +140,20 @@ class OperationAdapter : public v1::OperationService::CallbackService {
     if (!asked.service().empty() && asked.service() != dispatcher_->options().service) {
       return response;
     }
-    resources::PageRoom room(query.size);
-    const absl::Status visited =
-        operations_->Visit(query.after, filter, [&](const jobs::Operation& operation) {
-          v1::Operation proto = ToProto(operation);
-          if (asked.omit_results()) proto.clear_result();
-          if (room.Take(proto.ByteSizeLong())) {
-            *response.add_operations() = std::move(proto);
-            return true;
-          }
-          response.set_next_page_token(response.operations().rbegin()->name());
-          return false;
-        });
+    const auto begin = [&]() -> jobs::Operations::Visitor {
+      response.Clear();
+      return [&, room = resources::PageRoom(query.size)](const jobs::Operation& operation) mutable {
+        v1::Operation proto = ToProto(operation);
+        if (asked.omit_results()) proto.clear_result();
+        if (room.Take(proto.ByteSizeLong())) {
+          *response.add_operations() = std::move(proto);
+          return true;
+        }
+        response.set_next_page_token(response.operations().rbegin()->name());
+        return false;
+      };
+    };
+    const absl::Status visited = operations_->Visit(query.after, filter, begin);
     if (absl::IsInvalidArgument(visited)) return resources::NotAPageToken();
     MORTISE_RETURN_IF_ERROR(visited);
     return response;

@@ -198,7 +198,9 @@ class Store {
   virtual absl::Status Transact(const std::function<absl::Status(Transaction&)>& change,
                                 Isolation isolation = Isolation::kSerializable) = 0;
 
-  // Runs `read` on one consistent state and returns its status. Does not wait for writers.
+  // Runs `read` on one consistent state and returns its status. Does not wait for writers. Where
+  // the database is lost on the way `read` runs again, on a newer state, so what it gathers it must
+  // gather anew.
   virtual absl::Status Read(const std::function<absl::Status(ReadTransaction&)>& read) = 0;
 
   // Takes the right to number events and begins a new epoch. FAILED_PRECONDITION, reason

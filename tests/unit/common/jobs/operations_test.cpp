@@ -20,6 +20,7 @@
 #include "absl/strings/match.h"
 #include "absl/time/clock.h"
 #include "common/base/errors.h"
+#include "common/store/postgresql_connection.h"
 #include "tests/support/private_postgresql.h"
 #include "tests/support/status_assertions.h"
 #include "tests/support/temporary_folder.h"
@@ -75,6 +76,17 @@ class OperationsTest : public ::testing::TestWithParam<Driver> {
     if (GetParam() == Driver::kPostgresql) SharedPostgresqlUrl();
     store_ = OpenStoreAgain();
     ASSERT_NE(store_, nullptr);
+  }
+
+  // Ends every connection to the server, if there is one.
+  static void LoseDatabase() {
+    if (GetParam() != Driver::kPostgresql) return;
+    const auto other = store::PostgresqlConnection::Open(SharedPostgresqlUrl(), "public");
+    ASSERT_OK(other);
+    EXPECT_OK(
+        (*other)->Execute("SELECT pg_terminate_backend(pid) FROM pg_stat_activity"
+                          " WHERE pid <> pg_backend_pid() AND"
+                          " backend_type = 'client backend'"));
   }
 
   std::unique_ptr<store::Store> OpenStoreAgain() {
@@ -536,9 +548,11 @@ TEST_P(OperationsTest, VisitsOneByOneWhatPassesTheFilter) {
   const auto visited = [&](const OperationFilter& filter, std::size_t most,
                            const std::string& after = "") {
     std::vector<std::string> seen;
-    EXPECT_OK(operations->Visit(after, filter, [&](const Operation& operation) {
-      seen.push_back(operation.name);
-      return seen.size() < most;
+    EXPECT_OK(operations->Visit(after, filter, [&] {
+      return [&](const Operation& operation) {
+        seen.push_back(operation.name);
+        return seen.size() < most;
+      };
     }));
     return seen;
   };
@@ -549,6 +563,30 @@ TEST_P(OperationsTest, VisitsOneByOneWhatPassesTheFilter) {
             names);
   EXPECT_TRUE(visited({.kind = "other"}, 1000).empty());
   EXPECT_TRUE(visited({.subject = "other"}, 1000).empty());
+}
+
+// The database goes while one is shown the first of many, and comes back at once.
+TEST_P(OperationsTest, AVisitBeginsAnewWhereTheDatabaseWasLost) {
+  auto operations = Create(Options(), "quick", [](OperationContext& context) {
+    return absl::StatusOr<std::string>(context.request());
+  });
+  std::vector<std::string> names;
+  for (int i = 0; i < 120; ++i) names.push_back(Start(operations.get(), "quick"));
+  for (const std::string& name : names) WaitFor(operations.get(), name);
+  std::sort(names.begin(), names.end(), std::greater<>());
+  std::vector<std::string> seen;
+  int visitors = 0;
+  EXPECT_OK(operations->Visit("", {}, [&] {
+    ++visitors;
+    seen.clear();
+    return [&](const Operation& operation) {
+      if (visitors == 1 && seen.empty()) LoseDatabase();
+      seen.push_back(operation.name);
+      return true;
+    };
+  }));
+  EXPECT_EQ(seen, names) << "each of them once";
+  EXPECT_EQ(visitors, GetParam() == Driver::kPostgresql ? 2 : 1);
 }
 
 TEST_P(OperationsTest, BadInputNamesTheField) {
