@@ -45,11 +45,37 @@ std::optional<std::string> ContradictionBetween(const MachineStatus& before,
   return std::nullopt;
 }
 
+std::optional<std::string> ContradictionWith(const RememberedEcho& remembered,
+                                             const MachineStatus& status) {
+  if (status.identity != remembered.identity) {
+    return absl::StrCat("the identity of the machine's memory was ", remembered.identity,
+                        " and now is ", status.identity);
+  }
+  if (status.boot_epoch < remembered.boot_epoch) {
+    return absl::StrCat("the machine's boot epoch was already ", remembered.boot_epoch,
+                        " and now is ", status.boot_epoch);
+  }
+  if (status.accepted < remembered.accepted) {
+    return absl::StrCat("the machine had accepted number ", remembered.accepted, " and now says ",
+                        status.accepted);
+  }
+  if (status.done < remembered.done) {
+    return absl::StrCat("the machine had done number ", remembered.done, " and now says ",
+                        status.done);
+  }
+  if (status.done == remembered.done && status.result != remembered.result) {
+    return absl::StrCat("number ", status.done, " had ended as ", JobResultName(remembered.result),
+                        " and now as ", JobResultName(status.result));
+  }
+  return std::nullopt;
+}
+
 std::optional<std::string> EchoWatch::Note(const MachineStatus& status) {
   if (auto contradiction = ContradictionIn(status)) return contradiction;
   const std::optional<MachineStatus> before = last_;
   last_ = status;
-  return before ? ContradictionBetween(*before, status) : std::nullopt;
+  if (before) return ContradictionBetween(*before, status);
+  return remembered_ ? ContradictionWith(*remembered_, status) : std::nullopt;
 }
 
 NumberVerdict JudgeNumber(const Intent& intent, bool written, const MachineStatus& status) {

@@ -32,14 +32,24 @@ std::optional<std::string> ContradictionIn(const MachineStatus& status);
 std::optional<std::string> ContradictionBetween(const MachineStatus& before,
                                                 const MachineStatus& status);
 
-// Compares each echo with the last one that could be believed.
+// Why no machine that keeps its word says `status` after what was last written down of it; nothing
+// where one may.
+std::optional<std::string> ContradictionWith(const RememberedEcho& remembered,
+                                             const MachineStatus& status);
+
+// Compares each echo with the last one that could be believed, the first with what the journal
+// remembers.
 class EchoWatch {
  public:
+  explicit EchoWatch(std::optional<RememberedEcho> remembered = std::nullopt)
+      : remembered_(remembered) {}
+
   // The contradiction in `status` or between it and the last; nothing if there is none. The next
   // one is compared with this one.
   std::optional<std::string> Note(const MachineStatus& status);
 
  private:
+  std::optional<RememberedEcho> remembered_;  // until the first echo that could be believed
   std::optional<MachineStatus> last_;
 };
 

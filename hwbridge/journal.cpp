@@ -86,6 +86,30 @@ CutReport ReportFromJson(const Json& json) {
           json.at("message").get<std::string>(), json.at("seconds").get<double>()};
 }
 
+// An older bridge reads these as the adoption of number 0, which changes nothing, so that it can
+// still be put back in the place of a newer one.
+Json AlarmToJson(std::string_view machine, std::string_view because) {
+  return {{"type", "adopted"}, {"machine", machine}, {"number", 0}, {"alarm", because}};
+}
+
+Json ClearedAlarmToJson(std::string_view machine, const RememberedEcho& seen) {
+  Json json = AlarmToJson(machine, "");
+  json["identity"] = seen.identity;
+  json["boot_epoch"] = seen.boot_epoch;
+  json["accepted"] = seen.accepted;
+  json["done"] = seen.done;
+  json["result"] = static_cast<std::uint16_t>(seen.result);
+  return json;
+}
+
+RememberedEcho EchoFromJson(const Json& json) {
+  return {WholeNumber<std::uint32_t>(json.at("identity")),
+          WholeNumber<std::uint32_t>(json.at("boot_epoch")),
+          WholeNumber<std::uint32_t>(json.at("accepted")),
+          WholeNumber<std::uint32_t>(json.at("done")),
+          static_cast<JobResult>(WholeNumber<std::uint16_t>(json.at("result")))};
+}
+
 std::string Dump(const Json& json) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
@@ -125,6 +149,9 @@ absl::Status Journal::Replay(const std::string& line) {
     if (type == "adopted") {
       MachineBook& book = machines_[json.at("machine").get<std::string>()];
       book.highest = std::max(book.highest, WholeNumber<std::uint32_t>(json.at("number")));
+      if (!json.contains("alarm")) return absl::OkStatus();
+      book.alarm = json.at("alarm").get<std::string>();
+      if (book.alarm.empty()) book.echo = EchoFromJson(json);
       return absl::OkStatus();
     }
     if (type == "accepted") {
@@ -158,13 +185,30 @@ absl::Status Journal::Apply(const Intent& intent) {
   book.highest = intent.number;
   book.numbers[intent.number] = intent.key;
   cut->second.intents.push_back(intent);
+  // What another memory knew tells nothing of what this one knows.
+  if (!book.echo || book.echo->identity != intent.identity) {
+    book.echo = RememberedEcho{.identity = intent.identity};
+  }
+  Remember(book, intent);
   return absl::OkStatus();
+}
+
+void Journal::Remember(MachineBook& book, const Intent& intent) {
+  if (!book.echo || book.echo->identity != intent.identity) return;
+  RememberedEcho& echo = *book.echo;
+  echo.boot_epoch = std::max(echo.boot_epoch, intent.boot_epoch);
+  const bool known = intent.result != JobResult::kNone && intent.result != JobResult::kUnknown;
+  if (known || intent.accepted) echo.accepted = std::max(echo.accepted, intent.number);
+  if (!known || intent.number < echo.done) return;
+  echo.done = intent.number;
+  echo.result = intent.result;
 }
 
 absl::Status Journal::ApplyAcceptance(const std::string& machine, std::uint32_t number) {
   Intent* intent = LatestIntent(machine, number);
   if (intent == nullptr) return absl::DataLossError("the acceptance has no open intent");
   intent->accepted = true;
+  Remember(machines_[machine], *intent);
   return absl::OkStatus();
 }
 
@@ -175,6 +219,7 @@ absl::Status Journal::ApplyResult(const std::string& machine, std::uint32_t numb
   intent->result = result;
   intent->seconds = seconds;
   intent->because = std::move(because);
+  Remember(machines_[machine], *intent);
   return absl::OkStatus();
 }
 
@@ -278,6 +323,28 @@ std::uint32_t Journal::HighestNumber(std::string_view machine) const {
 absl::Status Journal::AdoptNumber(std::string_view machine, std::uint32_t number) {
   const std::lock_guard lock(mutex_);
   return Append(Dump({{"type", "adopted"}, {"machine", machine}, {"number", number}}));
+}
+
+absl::Status Journal::AddAlarm(std::string_view machine, std::string_view because) {
+  const std::lock_guard lock(mutex_);
+  return Append(Dump(AlarmToJson(machine, because)));
+}
+
+absl::Status Journal::ClearAlarm(std::string_view machine, const RememberedEcho& seen) {
+  const std::lock_guard lock(mutex_);
+  return Append(Dump(ClearedAlarmToJson(machine, seen)));
+}
+
+std::string Journal::Alarm(std::string_view machine) const {
+  const std::lock_guard lock(mutex_);
+  const auto book = machines_.find(machine);
+  return book == machines_.end() ? "" : book->second.alarm;
+}
+
+std::optional<RememberedEcho> Journal::LastEcho(std::string_view machine) const {
+  const std::lock_guard lock(mutex_);
+  const auto book = machines_.find(machine);
+  return book == machines_.end() ? std::nullopt : book->second.echo;
 }
 
 absl::StatusOr<CutReport> Journal::AddReport(const CutKey& key, CutOutcome outcome,

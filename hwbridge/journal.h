@@ -8,6 +8,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -43,6 +44,17 @@ struct Intent {
   double seconds = 0.0;                 // s on the machine's clock
   bool accepted = false;                // the machine was seen to have taken the number
   std::string because = {};             // of result kUnknown, for people
+};
+
+// What a machine had said of itself when it was last written down: a machine that keeps its word
+// never says less. Compared after a restart with what it says then.
+struct RememberedEcho {
+  std::uint32_t identity = 0;
+  std::uint32_t boot_epoch = 0;
+  std::uint32_t accepted = 0;           // the highest number seen to be taken
+  std::uint32_t done = 0;               // the highest number seen to have ended
+  JobResult result = JobResult::kNone;  // of `done`
+  bool operator==(const RememberedEcho&) const = default;
 };
 
 enum class CutOutcome { kDone = 1, kRejected = 2, kFailed = 3 };
@@ -90,6 +102,20 @@ class Journal {
   // intents have higher numbers.
   absl::Status AdoptNumber(std::string_view machine, std::uint32_t number);
 
+  // The machine raised the alarm, for the reason that `because` tells people; it stands, also after
+  // a restart, until ClearAlarm.
+  absl::Status AddAlarm(std::string_view machine, std::string_view because);
+
+  // A person has looked at the machine, which said `seen` then: what it may have said before no
+  // longer counts.
+  absl::Status ClearAlarm(std::string_view machine, const RememberedEcho& seen);
+
+  // The alarm that stands at the machine; empty if none does.
+  std::string Alarm(std::string_view machine) const;
+
+  // Nothing before the first intent for the machine and the first alarm that was cleared.
+  std::optional<RememberedEcho> LastEcho(std::string_view machine) const;
+
   // Ends a cut. FAILED_PRECONDITION if it has a report.
   absl::StatusOr<CutReport> AddReport(const CutKey& key, CutOutcome outcome,
                                       std::string_view message, double seconds);
@@ -116,6 +142,8 @@ class Journal {
     std::size_t first_open = 0;               // index in `arrivals` before which all are reported
     std::map<std::uint32_t, CutKey> numbers;  // which cut a number was given to
     std::uint32_t highest = 0;
+    std::string alarm;  // empty while none stands
+    std::optional<RememberedEcho> echo;
   };
 
   explicit Journal(std::unique_ptr<DurableLog> log);
@@ -124,6 +152,7 @@ class Journal {
   absl::Status Apply(CutOrder order);
   absl::Status Apply(const Intent& intent);
   absl::Status Apply(const CutReport& report);
+  static void Remember(MachineBook& book, const Intent& intent);
   absl::Status ApplyAcceptance(const std::string& machine, std::uint32_t number);
   absl::Status ApplyResult(const std::string& machine, std::uint32_t number, JobResult result,
                            double seconds, std::string because);

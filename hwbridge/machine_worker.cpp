@@ -1,5 +1,6 @@
 #include "hwbridge/machine_worker.h"
 
+#include <algorithm>
 #include <array>
 #include <utility>
 #include <vector>
@@ -39,14 +40,18 @@ MachineWorker::MachineWorker(const Options& options, MachineLink& link, Journal&
       journal_(journal),
       clock_(clock),
       handshake_(options.handshake, link, journal, clock),
+      watch_(journal.LastEcho(options.name)),
       patience_(options.cut_patience, options.line_lost_after),
       last_answer_(clock.Now()),
       last_machine_beat_(clock.Now()),
-      last_work_(clock.Now()) {
-  HoldOpenCuts("the bridge restarted");
+      last_work_(clock.Now()),
+      alarm_(journal.Alarm(options.name)),
+      alarm_is_kept_(true) {
+  HoldOpenCuts(alarm_.empty() ? "the bridge restarted" : alarm_);
 }
 
 void MachineWorker::Cycle() {
+  (void)KeepAlarm();  // the disk may take now what it did not take before
   const absl::StatusOr<MachineStatus> status = Exchange();
   if (!status.ok()) {
     NoteFailure(status.status());
@@ -214,6 +219,9 @@ void MachineWorker::Settle(const MachineStatus& status, const CutOrder& order,
   if (settled.ok()) {
     if (!settled->has_value()) return;
     const CutEnd& end = **settled;
+    // Before the report, after which nobody asks any more why this number is unknown.
+    const std::string because = journal_.Intents(order.key).back().because;
+    if (!because.empty()) RaiseAlarm(because);
     failure = journal_.AddReport(order.key, end.outcome, end.message, end.seconds).status();
     if (end.outcome != CutOutcome::kDone) HoldOpenCuts(end.message);
   }
@@ -276,10 +284,24 @@ void MachineWorker::RaiseAlarm(std::string_view because) {
     running_ = false;
     if (!alarm_.empty()) return;
     alarm_ = std::string(because);
+    alarm_is_kept_ = false;
   }
   Log(LogLevel::kError, "a machine raised the alarm; its cuts are held until somebody has looked",
       {{"machine", options_.name}, {"because", std::string(because)}});
+  if (const absl::Status kept = KeepAlarm(); !kept.ok()) {
+    Log(LogLevel::kError, "an alarm is not in the journal and would not outlive the bridge",
+        {{"machine", options_.name}, {"error", kept.ToString()}});
+  }
   HoldOpenCuts(because);
+}
+
+// Writes an alarm down that is not, so that it stands after a restart.
+absl::Status MachineWorker::KeepAlarm() {
+  const std::lock_guard lock(mutex_);
+  if (alarm_.empty() || alarm_is_kept_) return absl::OkStatus();
+  MORTISE_RETURN_IF_ERROR(journal_.AddAlarm(options_.name, alarm_));
+  alarm_is_kept_ = true;
+  return absl::OkStatus();
 }
 
 std::string MachineWorker::Alarm() const {
@@ -314,21 +336,51 @@ void MachineWorker::Hold(std::string_view work_order, std::string_view because) 
       {{"machine", options_.name}, {"because", std::string(because)}});
 }
 
+// Whether a person can see now what will move. Needs mutex_.
+absl::Status MachineWorker::CheckReach() const {
+  if (status_ && !status_->emergency_stop) return absl::OkStatus();
+  const std::string because = status_                 ? "its emergency stop is pressed"
+                              : line_trouble_.empty() ? "it has not answered yet"
+                                                      : line_trouble_;
+  return PreconditionFailed(
+      "LINE_LOST", absl::StrCat(options_.name, " cannot go on: ", because, "; its cuts stay held"));
+}
+
+// Needs mutex_, and a line. The journal comes first: an alarm that is cleared here and stands there
+// would only hold once more, the other way round nobody would have to look.
+absl::Status MachineWorker::EndAlarm() {
+  if (alarm_.empty()) return absl::OkStatus();
+  MORTISE_RETURN_IF_ERROR(journal_.ClearAlarm(
+      options_.name,
+      {status_->identity, status_->boot_epoch, status_->accepted, status_->done, status_->result}));
+  alarm_.clear();
+  Log(LogLevel::kInfo, "the alarm of a machine is cleared", {{"machine", options_.name}});
+  return absl::OkStatus();
+}
+
+absl::Status MachineWorker::ClearAlarm() {
+  const std::lock_guard lock(mutex_);
+  MORTISE_RETURN_IF_ERROR(CheckReach());
+  MORTISE_RETURN_IF_ERROR(EndAlarm());
+  resumed_ = true;
+  return absl::OkStatus();
+}
+
 absl::Status MachineWorker::Resume(std::string_view work_order) {
   const std::lock_guard lock(mutex_);
-  if (!status_ || status_->emergency_stop) {
-    const std::string because = status_                 ? "its emergency stop is pressed"
-                                : line_trouble_.empty() ? "it has not answered yet"
-                                                        : line_trouble_;
-    return PreconditionFailed("LINE_LOST", absl::StrCat(options_.name, " cannot go on: ", because,
-                                                        "; its cuts stay held"));
+  MORTISE_RETURN_IF_ERROR(CheckReach());
+  if (!alarm_.empty() && !work_order.empty() && !HasOpenCuts(work_order)) {
+    return PreconditionFailed(
+        "ALARM", absl::StrCat(options_.name, " raised the alarm, and holds no cut of ",
+                              std::string(work_order), ": ", alarm_,
+                              "; look at it, then clear the alarm by the machine's name"));
   }
+  MORTISE_RETURN_IF_ERROR(EndAlarm());
   if (work_order.empty()) {
     held_orders_.clear();
   } else {
     held_orders_.erase(std::string(work_order));
   }
-  alarm_.clear();
   resumed_ = true;
   Log(LogLevel::kInfo, "cuts are resumed", {{"machine", options_.name}});
   return absl::OkStatus();
@@ -337,6 +389,12 @@ absl::Status MachineWorker::Resume(std::string_view work_order) {
 bool MachineWorker::IsHeld(const std::string& work_order) const {
   const std::lock_guard lock(mutex_);
   return held_orders_.contains(work_order);
+}
+
+bool MachineWorker::HasOpenCuts(std::string_view work_order) const {
+  const std::vector<CutOrder> open = journal_.OpenCuts(options_.name);
+  return std::any_of(open.begin(), open.end(),
+                     [&](const CutOrder& order) { return order.key.work_order == work_order; });
 }
 
 MachineView MachineWorker::View() const {
@@ -349,7 +407,8 @@ MachineView MachineWorker::View() const {
   view.kind = options_.kind;
   view.online = status_.has_value();
   if (status_) view.state = PackMlStateName(status_->state);
-  view.held = held || !alarm_.empty();
+  view.alarm = !alarm_.empty();
+  view.held = held || view.alarm;
   if (!view.held) return view;
   view.held_because = !alarm_.empty()          ? alarm_
                       : !line_trouble_.empty() ? line_trouble_

@@ -9,7 +9,8 @@
 // A machine that says what cannot be (a status of another map, an echo that contradicts itself or
 // the one before, a heartbeat that stands still), does not do what it is told or does not come to
 // the end of a cut raises the alarm: it is held with all orders, also with those that come later,
-// until a person has looked and resumes. Nothing is repeated for ever.
+// until a person has looked and resumes one of them or clears the alarm. The alarm is in the
+// journal, so a restart clears nothing. Nothing is repeated for ever.
 #pragma once
 
 #include <cstdint>
@@ -37,6 +38,7 @@ struct MachineView {
   std::string state = "UNDEFINED";  // PackML; "UNDEFINED" while the line is down
   bool held = false;                // cuts wait for Resume
   std::string held_because;         // for people
+  bool alarm = false;               // held by the alarm: whichever order a cut is of
   bool operator==(const MachineView&) const = default;
 };
 
@@ -54,7 +56,8 @@ class MachineWorker {
     CommandHandshake::Options handshake;
   };
 
-  // Cuts that the journal has open already are held. The references must outlive the worker.
+  // Cuts that the journal has open already are held, and an alarm in it stands. The references must
+  // outlive the worker.
   MachineWorker(const Options& options, MachineLink& link, Journal& journal, const Clock& clock);
 
   // One scan. Called by one thread.
@@ -64,9 +67,15 @@ class MachineWorker {
   // ends. Thread safe, as all below.
   void Hold(std::string_view work_order, std::string_view because);
 
-  // Go on: a person has looked. FAILED_PRECONDITION, reason LINE_LOST, if the machine cannot be
-  // reached or understood, or its emergency stop is pressed: then everything stays held.
+  // Go on: a person has looked. This clears the alarm, too. FAILED_PRECONDITION, and everything
+  // stays held: reason LINE_LOST, if the machine cannot be reached or understood, or its emergency
+  // stop is pressed; reason ALARM, if the alarm stands and holds no cut of `work_order` here, for
+  // who resumes that order need not have looked at this machine. Fails as the journal does.
   absl::Status Resume(std::string_view work_order);
+
+  // A person has looked at the machine: the alarm is cleared. Orders that are held stay so. OK if
+  // there is no alarm; FAILED_PRECONDITION, reason LINE_LOST, as above. Fails as the journal does.
+  absl::Status ClearAlarm();
 
   MachineView View() const;
 
@@ -95,10 +104,14 @@ class MachineWorker {
   void Urge(PackMlCommand command, const MachineStatus& status);
   void Command(PackMlCommand command);
   void RaiseAlarm(std::string_view because);
+  absl::Status KeepAlarm();
   std::string Alarm() const;
+  absl::Status CheckReach() const;
+  absl::Status EndAlarm();
   void TakeResume();
   void HoldOpenCuts(std::string_view because);
   bool IsHeld(const std::string& work_order) const;
+  bool HasOpenCuts(std::string_view work_order) const;
 
   const Options options_;
   MachineLink& link_;
@@ -124,6 +137,7 @@ class MachineWorker {
   std::set<std::string> held_orders_;    // guarded by mutex_
   std::string held_because_;             // guarded by mutex_
   std::string alarm_;                    // guarded by mutex_; empty while there is none
+  bool alarm_is_kept_ = false;           // guarded by mutex_: `alarm_` is in the journal
   std::string line_trouble_;             // guarded by mutex_; empty while the line stands
   bool resumed_ = false;                 // guarded by mutex_: by somebody, since the last scan
   std::optional<MachineStatus> status_;  // guarded by mutex_; none while the line is down

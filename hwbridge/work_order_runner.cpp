@@ -68,10 +68,14 @@ absl::Status WorkOrderRunner::Accept(const CutOrder& order) {
     return absl::OkStatus();
   }
   MORTISE_RETURN_IF_ERROR(journal_.AddCut(order).status());
+  Wake();
+  return absl::OkStatus();
+}
+
+void WorkOrderRunner::Wake() {
   const std::lock_guard lock(mutex_);
   ++wakes_;
   changed_.notify_all();
-  return absl::OkStatus();
 }
 
 void WorkOrderRunner::Hold(std::string_view work_order, std::string_view because) {
@@ -81,10 +85,19 @@ void WorkOrderRunner::Hold(std::string_view work_order, std::string_view because
 absl::Status WorkOrderRunner::Resume(std::string_view work_order) {
   absl::Status first = absl::OkStatus();
   for (Station& station : stations_) first.Update(station.worker->Resume(work_order));
-  const std::lock_guard lock(mutex_);
-  ++wakes_;
-  changed_.notify_all();
+  Wake();
   return first;
+}
+
+absl::Status WorkOrderRunner::ClearAlarm(std::string_view machine) {
+  for (Station& station : stations_) {
+    if (station.name != machine) continue;
+    MORTISE_RETURN_IF_ERROR(station.worker->ClearAlarm());
+    Wake();
+    return absl::OkStatus();
+  }
+  return InvalidField("machine",
+                      absl::StrCat("'", std::string(machine), "' is not at this bridge"));
 }
 
 std::vector<MachineView> WorkOrderRunner::Machines() const {

@@ -50,6 +50,9 @@ class WorkOrderRunner {
   void Hold(std::string_view work_order, std::string_view because);
   absl::Status Resume(std::string_view work_order);
 
+  // As MachineWorker's, on one machine. INVALID_ARGUMENT, field "machine", if it is not here.
+  absl::Status ClearAlarm(std::string_view machine);
+
   // In the order of the setup.
   std::vector<MachineView> Machines() const;
 
@@ -68,6 +71,7 @@ class WorkOrderRunner {
   };
 
   absl::Status Check(const CutOrder& order) const;
+  void Wake();
   void Scan(std::stop_token stop, Station& station);
 
   const Options options_;

@@ -31,10 +31,13 @@ void OpenJournal(const std::filesystem::path& path, std::string_view bytes) {
   if (!journal.ok()) return;
   (void)(*journal)->OpenCuts("saw");
   const auto next = (*journal)->NextReportNumber();
+  const std::string alarm = (*journal)->Alarm("saw");
+  const auto echo = (*journal)->LastEcho("saw");
   journal->reset();
   // What was accepted once is accepted again, and says the same.
   auto again = mortise::hwbridge::Journal::Open(path, {.flush = false});
   if (!again.ok() || (*again)->NextReportNumber() != next) std::abort();
+  if ((*again)->Alarm("saw") != alarm || (*again)->LastEcho("saw") != echo) std::abort();
 }
 
 }  // namespace

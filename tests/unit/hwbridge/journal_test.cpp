@@ -185,6 +185,67 @@ TEST_F(JournalTest, NumbersOnlyGrow) {
   EXPECT_FALSE(journal->AddResult("saw", 9, JobResult::kDone, 1.0).ok());
 }
 
+TEST_F(JournalTest, AnAlarmStandsUntilItIsCleared) {
+  {
+    auto journal = Open();
+    EXPECT_EQ(journal->Alarm("saw"), "");
+    ASSERT_TRUE(journal->AddAlarm("saw", "it jumped").ok());
+    EXPECT_EQ(journal->Alarm("saw"), "it jumped");
+    EXPECT_EQ(journal->Alarm("robot"), "");
+  }
+  const RememberedEcho seen = {9, 3, 5, 4, JobResult::kDone};
+  {
+    auto journal = Open();
+    EXPECT_EQ(journal->Alarm("saw"), "it jumped");
+    ASSERT_TRUE(journal->ClearAlarm("saw", seen).ok());
+  }
+  auto journal = Open();
+  EXPECT_EQ(journal->Alarm("saw"), "");
+  EXPECT_EQ(journal->LastEcho("saw"), seen);
+}
+
+// Bridges from before alarms were kept know no record of an alarm, and read of an adoption only the
+// machine and a number that changes nothing unless it is the highest.
+TEST_F(JournalTest, AnAlarmIsReadByOlderBridgesAsNothing) {
+  {
+    auto journal = Open();
+    ASSERT_TRUE(journal->AddAlarm("saw", "it jumped").ok());
+    ASSERT_TRUE(journal->ClearAlarm("saw", {9, 3, 5, 4, JobResult::kDone}).ok());
+  }
+  auto log = DurableLog::Open(path_, {});
+  ASSERT_TRUE(log.ok());
+  const std::vector<std::string> lines = (*log)->TakeLines();
+  ASSERT_EQ(lines.size(), 2u);
+  for (const std::string& line : lines) {
+    EXPECT_THAT(line,
+                testing::StartsWith(R"({"type":"adopted","machine":"saw","number":0,"alarm":)"));
+  }
+}
+
+TEST_F(JournalTest, RemembersWhatTheMachineLastSaid) {
+  {
+    auto journal = Open();
+    EXPECT_EQ(journal->LastEcho("saw"), std::nullopt);
+    ASSERT_TRUE(journal->AddCut(Cut(1)).ok());
+    ASSERT_TRUE(journal->AddCut(Cut(2)).ok());
+    ASSERT_TRUE(journal->AddIntent(MakeIntent(Cut(1).key, 3)).ok());
+    ASSERT_TRUE(journal->AddAcceptance("saw", 3).ok());
+    ASSERT_TRUE(journal->AddResult("saw", 3, JobResult::kDone, 1.0).ok());
+    ASSERT_TRUE(journal->AddIntent(MakeIntent(Cut(2).key, 4)).ok());
+    ASSERT_TRUE(journal->AddAcceptance("saw", 4).ok());
+  }
+  auto journal = Open();
+  EXPECT_EQ(journal->LastEcho("saw"), (RememberedEcho{7, 1, 4, 3, JobResult::kDone}));
+  // What nobody knows is not remembered.
+  ASSERT_TRUE(journal->AddResult("saw", 4, JobResult::kUnknown, 0.0, "it jumped").ok());
+  EXPECT_EQ(journal->LastEcho("saw"), (RememberedEcho{7, 1, 4, 3, JobResult::kDone}));
+  // Nor what another memory said.
+  Intent other = MakeIntent(Cut(2).key, 5);
+  other.identity = 8;
+  ASSERT_TRUE(journal->AddIntent(other).ok());
+  EXPECT_EQ(journal->LastEcho("saw"), (RememberedEcho{8, 1, 0, 0, JobResult::kNone}));
+}
+
 TEST_F(JournalTest, ACutThatIsNotANumberNeverReachesTheFile) {
   auto journal = Open();
   CutOrder order = Cut(1);
@@ -202,7 +263,9 @@ TEST_F(JournalTest, ARecordThatMakesNoSenseNamesItsLine) {
        R"({"type":"result","machine":"m","number":1,"result":1,"seconds":1})",
        R"({"type":"acknowledged","number":1e300})", R"({"type":"acknowledged","number":0.5})",
        R"({"type":"adopted","machine":"m","number":4294967296})",
-       R"({"type":"adopted","machine":"m","number":-1})"}) {
+       R"({"type":"adopted","machine":"m","number":-1})",
+       R"({"type":"adopted","machine":"m","number":0,"alarm":7})",
+       R"({"type":"adopted","machine":"m","number":0,"alarm":""})"}) {
     std::ofstream(path_, std::ios::binary | std::ios::trunc)
         << FormatLogLine(R"({"type":"acknowledged","number":0})") << FormatLogLine(text);
     const auto journal = Journal::Open(path_);
