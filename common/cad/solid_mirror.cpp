@@ -3,6 +3,7 @@
 #include <BRepBuilderAPI_Transform.hxx>
 #include <BRepGProp.hxx>
 #include <BRep_Tool.hxx>
+#include <Eigen/Eigenvalues>
 #include <GProp_GProps.hxx>
 #include <TopExp.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
@@ -13,20 +14,25 @@
 #include <gp_Trsf.hxx>
 #include <vector>
 
+#include "common/cad/shape_samples.h"
+
 namespace mortise::cad {
 namespace {
 
 constexpr double kSamePlace = 1e-6;          // of the size
 constexpr double kLeastPlace = 1e-7;         // m
-constexpr int kMostVertices = 8;             // through which planes are tried
+constexpr std::size_t kMostCorners = 8;      // vertices, and edges, through which planes are tried
 constexpr std::size_t kMostFeatures = 2000;  // of larger solids none is looked for
+constexpr std::size_t kMostPoints = 4000;    // nor if edges and faces bend so often
 
 Eigen::Vector3d ToEigen(const gp_Pnt& p) { return {p.X(), p.Y(), p.Z()}; }
 
 // A vertex, edge or face: where its middle is, and how large it is.
 struct Feature {
+  TopoDS_Shape shape;
   Eigen::Vector3d middle;
   double size = 0;
+  std::vector<gp_Pnt> points;  // within edges and faces, once it is sampled
 };
 
 struct Features {
@@ -47,7 +53,7 @@ std::vector<Feature> Measured(const TopoDS_Shape& solid, TopAbs_ShapeEnum kind, 
     if (kind == TopAbs_EDGE && BRep_Tool::Degenerated(TopoDS::Edge(found(i)))) continue;
     GProp_GProps properties;
     measure(found(i), properties);
-    features.push_back({ToEigen(properties.CentreOfMass()), properties.Mass()});
+    features.push_back({found(i), ToEigen(properties.CentreOfMass()), properties.Mass(), {}});
   }
   return features;
 }
@@ -57,7 +63,8 @@ Features FeaturesOf(const TopoDS_Shape& solid) {
   TopTools_IndexedMapOfShape vertices;
   TopExp::MapShapes(solid, TopAbs_VERTEX, vertices);
   for (int i = 1; i <= vertices.Extent(); ++i) {
-    features.vertices.push_back({ToEigen(BRep_Tool::Pnt(TopoDS::Vertex(vertices(i)))), 0});
+    features.vertices.push_back(
+        {vertices(i), ToEigen(BRep_Tool::Pnt(TopoDS::Vertex(vertices(i)))), 0, {}});
   }
   features.edges = Measured(solid, TopAbs_EDGE, [](const TopoDS_Shape& edge, GProp_GProps& of) {
     BRepGProp::LinearProperties(edge, of);
@@ -82,16 +89,55 @@ Features FeaturesOf(const TopoDS_Shape& solid) {
   return features;
 }
 
-// Whether each mirrored feature is another of them.
-bool MapsOntoThemselves(const std::vector<Feature>& features, const Eigen::Affine3d& mirror,
-                        double tolerance) {
+bool AreAlike(const Feature& one, const Feature& other, const Eigen::Affine3d& mirror,
+              double tolerance) {
+  return (other.middle - mirror * one.middle).norm() <= tolerance &&
+         std::abs(other.size - one.size) <= kSamePlace * std::max(other.size, one.size);
+}
+
+// Whether each mirrored feature may be another of them.
+bool MayMapOntoThemselves(const std::vector<Feature>& features, const Eigen::Affine3d& mirror,
+                          double tolerance) {
   return std::all_of(features.begin(), features.end(), [&](const Feature& feature) {
-    const Eigen::Vector3d there = mirror * feature.middle;
     return std::any_of(features.begin(), features.end(), [&](const Feature& other) {
-      return (other.middle - there).norm() <= tolerance &&
-             std::abs(other.size - feature.size) <= kSamePlace * std::max(other.size, feature.size);
+      return AreAlike(feature, other, mirror, tolerance);
     });
   });
+}
+
+// Whether also what is within each mirrored edge or face is within another of them. The middles of
+// twisted ones are where those of their mirror images are.
+bool MapOntoThemselves(const std::vector<Feature>& features, const Eigen::Affine3d& mirror,
+                       double tolerance) {
+  return std::all_of(features.begin(), features.end(), [&](const Feature& feature) {
+    std::vector<gp_Pnt> there;
+    for (const gp_Pnt& point : feature.points) {
+      const Eigen::Vector3d image = mirror * ToEigen(point);
+      there.emplace_back(image.x(), image.y(), image.z());
+    }
+    return std::any_of(features.begin(), features.end(), [&](const Feature& other) {
+      return AreAlike(feature, other, mirror, tolerance) &&
+             (other.shape.ShapeType() == TopAbs_EDGE
+                  ? LieOn(there, TopoDS::Edge(other.shape), tolerance)
+                  : LieOn(there, TopoDS::Face(other.shape), tolerance));
+    });
+  });
+}
+
+// Finds points within all edges and faces. False, if these are too many, or none of some face.
+bool TakeSamples(Features& features) {
+  std::size_t left = kMostPoints;
+  for (auto* all : {&features.edges, &features.faces}) {
+    for (Feature& feature : *all) {
+      auto points = feature.shape.ShapeType() == TopAbs_EDGE
+                        ? PointsWithin(TopoDS::Edge(feature.shape), left)
+                        : PointsWithin(TopoDS::Face(feature.shape), left);
+      if (!points || points->size() > left) return false;
+      left -= points->size();
+      feature.points = *std::move(points);
+    }
+  }
+  return true;
 }
 
 Eigen::Affine3d MirrorAcross(const Eigen::Vector3d& normal, const Eigen::Vector3d& through) {
@@ -107,16 +153,38 @@ std::vector<Eigen::Vector3d> LikelyNormals(const Features& features) {
                                           Eigen::Vector3d::UnitZ()};
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> principal(features.inertia);
   for (int i = 0; i < 3; ++i) normals.push_back(principal.eigenvectors().col(i));
-  // Of round things the axes across theirs are any, and where their edges begin is not.
-  const std::size_t count = normals.size();
-  for (std::size_t v = 0; v < std::min<std::size_t>(kMostVertices, features.vertices.size()); ++v) {
-    for (std::size_t i = 0; i < count; ++i) {
-      const Eigen::Vector3d normal =
-          normals[i].cross(features.vertices[v].middle - features.centre);
-      if (normal.norm() > kSamePlace * features.reach) normals.push_back(normal.normalized());
+  // Of round things, and of such as cubes, the axes of inertia are any, and where their edges begin
+  // is not.
+  std::vector<Eigen::Vector3d> others = normals;
+  for (std::size_t e = 0; e < std::min(kMostCorners, features.edges.size()); ++e) {
+    others.push_back(features.edges[e].middle - features.centre);
+  }
+  for (std::size_t v = 0; v < std::min(kMostCorners, features.vertices.size()); ++v) {
+    for (const Eigen::Vector3d& other : others) {
+      const Eigen::Vector3d normal = other.cross(features.vertices[v].middle - features.centre);
+      if (normal.norm() > kSamePlace * other.norm() * features.reach) {
+        normals.push_back(normal.normalized());
+      }
     }
   }
   return normals;
+}
+
+// Those that map vertices, and middles of edges and faces, onto such, and agree with the inertia.
+std::vector<Eigen::Affine3d> LikelyMirrors(const Features& features, double tolerance) {
+  std::vector<Eigen::Affine3d> mirrors;
+  for (const Eigen::Vector3d& normal : LikelyNormals(features)) {
+    const Eigen::Affine3d mirror = MirrorAcross(normal, features.centre);
+    const Eigen::Matrix3d inertia =
+        mirror.linear() * features.inertia * mirror.linear().transpose();
+    if ((inertia - features.inertia).norm() <= kSamePlace * features.inertia.norm() &&
+        MayMapOntoThemselves(features.vertices, mirror, tolerance) &&
+        MayMapOntoThemselves(features.edges, mirror, tolerance) &&
+        MayMapOntoThemselves(features.faces, mirror, tolerance)) {
+      mirrors.push_back(mirror);
+    }
+  }
+  return mirrors;
 }
 
 }  // namespace
@@ -130,21 +198,16 @@ TopoDS_Shape DistortedSolid(const TopoDS_Shape& solid, double scale, bool mirror
 }
 
 std::optional<Eigen::Affine3d> OwnMirror(const TopoDS_Shape& solid) {
-  const Features features = FeaturesOf(solid);
+  Features features = FeaturesOf(solid);
   if (features.vertices.size() + features.edges.size() > kMostFeatures) return std::nullopt;
   const double tolerance = std::max(kLeastPlace, kSamePlace * features.reach);
-  for (const Eigen::Vector3d& normal : LikelyNormals(features)) {
-    const Eigen::Affine3d mirror = MirrorAcross(normal, features.centre);
-    const Eigen::Matrix3d inertia =
-        mirror.linear() * features.inertia * mirror.linear().transpose();
-    if ((inertia - features.inertia).norm() <= kSamePlace * features.inertia.norm() &&
-        MapsOntoThemselves(features.vertices, mirror, tolerance) &&
-        MapsOntoThemselves(features.edges, mirror, tolerance) &&
-        MapsOntoThemselves(features.faces, mirror, tolerance)) {
-      return mirror;
-    }
-  }
-  return std::nullopt;
+  const std::vector<Eigen::Affine3d> likely = LikelyMirrors(features, tolerance);
+  if (likely.empty() || !TakeSamples(features)) return std::nullopt;
+  const auto found = std::find_if(likely.begin(), likely.end(), [&](const Eigen::Affine3d& mirror) {
+    return MapOntoThemselves(features.edges, mirror, tolerance) &&
+           MapOntoThemselves(features.faces, mirror, tolerance);
+  });
+  return found == likely.end() ? std::nullopt : std::optional(*found);
 }
 
 }  // namespace mortise::cad

@@ -13,9 +13,10 @@ namespace mortise::cad {
 TopoDS_Shape DistortedSolid(const TopoDS_Shape& solid, double scale, bool mirrored);
 
 // The mirror that makes the solid of itself, as most screws and boards have one: places of
-// vertices, edges and faces, their sizes and the moments of inertia agree to a millionth of the
-// size. Looks at planes through the centre of mass across the axes of the frame and of inertia, and
-// through those and vertices. Throws Standard_Failure.
+// vertices, edges and faces, points within these, their sizes and the moments of inertia agree to a
+// millionth of the size. Looks at planes through the centre of mass across the axes of the frame
+// and of inertia, and through vertices and those or middles of edges. Nothing where that is in
+// doubt, too, as of solids of very many edges. Throws Standard_Failure.
 std::optional<Eigen::Affine3d> OwnMirror(const TopoDS_Shape& solid);
 
 }  // namespace mortise::cad
