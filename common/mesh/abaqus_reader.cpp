@@ -4,7 +4,6 @@
 #include <cctype>
 #include <map>
 #include <optional>
-#include <set>
 #include <span>
 #include <utility>
 
@@ -72,6 +71,12 @@ class Reader {
   }
 
  private:
+  // A keyword that is not used.
+  struct Ignored {
+    std::size_t first = 0;  // its place
+    int count = 0;
+  };
+
   enum class Reading : std::uint8_t {
     kNothing,  // data lines of what is not used, or a heading
     kNoData,   // what has none
@@ -82,13 +87,25 @@ class Reader {
     kInstance,
   };
 
+  void Ignore(const std::string& keyword) {
+    const auto known = ignored_.find(keyword);
+    if (known != ignored_.end()) {
+      ++known->second.count;
+    } else if (ignored_.size() < kMostIgnored) {
+      ignored_.emplace(keyword, Ignored{place_, 1});
+    }
+  }
+
   void NoteIgnored() {
     if (ignored_.empty()) return;
     std::string note = "not used:";
     std::size_t listed = 0;
-    for (const std::string& keyword : ignored_) {
+    for (const auto& [keyword, found] : ignored_) {
       if (listed++ == kListedKeywords) break;
-      absl::StrAppend(&note, note.ends_with(':') ? " *" : ", *", keyword);
+      absl::StrAppend(&note, note.ends_with(':') ? " *" : ", *", keyword, " (",
+                      places_.Where(found.first));
+      if (found.count > 1) absl::StrAppend(&note, ", ", found.count, " times");
+      absl::StrAppend(&note, ")");
     }
     if (ignored_.size() > kListedKeywords) {
       absl::StrAppend(&note, " and ", ignored_.size() - kListedKeywords, " more");
@@ -184,7 +201,7 @@ class Reader {
     if (name == "INSTANCE") return BeginInstance(keyword.Value("NAME"), keyword.Value("PART"));
     if (in_part_ && (name == "ASSEMBLY" || name == "END ASSEMBLY")) return Unended(name);
     if (name == "END PART" || name == "END INSTANCE") in_part_ = false;
-    if (!abaqus::IsFrame(name) && ignored_.size() < kMostIgnored) ignored_.insert(name);
+    if (!abaqus::IsFrame(name)) Ignore(name);
     return absl::OkStatus();
   }
 
@@ -392,7 +409,7 @@ class Reader {
   bool marks_are_lines_ = false;
   std::vector<std::int64_t> numbers_;  // of an element that goes on
   std::size_t element_place_ = 0;
-  std::set<std::string> ignored_;                                // keywords
+  std::map<std::string, Ignored> ignored_;                       // by keyword
   std::map<std::string, std::size_t> line_types_;                // where each is first
   std::map<std::string, std::vector<std::int64_t>> numbers_of_;  // by kind of element
 };

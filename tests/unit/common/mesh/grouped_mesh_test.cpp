@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstring>
 #include <map>
 #include <random>
 
@@ -165,7 +166,13 @@ TEST(GroupedMesh, SetsHaveRangesAndNameOthers) {
   EXPECT_THAT(Members(mesh->face_groups, "bottom"), ElementsAre(ElementSide{0, 3}));
   EXPECT_THAT(Members(mesh->face_groups, "Lid"), ElementsAre(ElementSide{0, 3}));
   EXPECT_THAT(Members(mesh->face_groups, "Cover"), ElementsAre(ElementSide{0, 3}));
-  EXPECT_THAT(mesh->notes, ElementsAre("not used: *ELASTIC, *MATERIAL, *SOLID SECTION, *TIE"));
+  EXPECT_THAT(mesh->notes, ElementsAre(HasSubstr("not used: *ELASTIC (line ")));
+  const std::string repeated =
+      absl::StrCat(kAbaqus, "*STEP\n*TIE\n1\n*BOUNDARY\n1\n*TIE\n2\n*TIE\n");
+  const auto lines = std::count(kAbaqus, kAbaqus + std::strlen(kAbaqus), '\n');
+  EXPECT_THAT(ReadAbaqus(repeated)->notes,
+              ElementsAre(absl::StrCat("not used: *BOUNDARY (line ", lines + 4, "), *STEP (line ",
+                                       lines + 1, "), *TIE (line ", lines + 2, ", 3 times)")));
 }
 
 // As Abaqus/CAE writes one part in an assembly.
@@ -220,7 +227,7 @@ TEST(GroupedMesh, SetsOfThePartAndOfTheAssemblyAreKeptApart) {
     EXPECT_THAT(Members(mesh->node_groups, "Named"), ElementsAre(0, 1, 2, 4));
     EXPECT_THAT(Members(mesh->face_groups, "Surf-1"), ElementsAre(ElementSide{0, 3}));
     EXPECT_THAT(mesh->notes,
-                ElementsAre("not used: *SOLID SECTION",
+                ElementsAre(HasSubstr("not used: *SOLID SECTION (line "),
                             "1 node of the assembly belongs to no element and was left out",
                             "sets of the part, called so because the assembly has their names "
                             "too: Part-1.Set-1"));
