@@ -40,7 +40,8 @@ struct DemoOptions {
   double time_scale = 30;
 };
 
-// What asks the demo to end, also between the commands it runs: its house ends with it.
+// Notices that somebody asks the demo to end, also between the commands it runs: its house ends
+// with it.
 class Asked {
  public:
   explicit Asked(Output& output)

@@ -27,7 +27,8 @@ constexpr std::chrono::seconds kConnectPatience{2};
 constexpr int kTriesOfCalls = 3;
 constexpr std::chrono::milliseconds kPauseBetweenCalls{200};  // times the tries made
 constexpr std::chrono::seconds kPatienceForRestarts{60};
-// Of a server that takes connections and ends them; more than one, for it may be ending itself.
+// The client makes so many tries at a server that takes connections and ends them; more than one,
+// for it may be ending itself.
 constexpr int kRefusalsBeforeGivingUp = 6;
 
 std::string Environment(const char* name) {

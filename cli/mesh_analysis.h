@@ -15,7 +15,7 @@
 
 namespace mortise::cli {
 
-// What to analyse.
+// The files and settings that an analysis is asked for with.
 struct MeshFiles {
   std::filesystem::path case_file;
   std::filesystem::path mesh_file;

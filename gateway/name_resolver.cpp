@@ -214,7 +214,7 @@ class AresResolver final : public NameResolver {
   std::mutex mutex_;
   std::deque<Question> waiting_;  // guarded by mutex_
   bool stopping_ = false;         // guarded by mutex_
-  // Of the thread. Questions stay where they are: c-ares keeps their addresses.
+  // Only the thread uses these. Questions stay where they are: c-ares keeps their addresses.
   std::list<Question> asked_;
   std::map<int, short> sockets_;
   std::unique_ptr<ares_channeldata, ChannelDeleter> channel_;

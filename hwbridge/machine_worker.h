@@ -119,7 +119,7 @@ class MachineWorker {
   const Clock& clock_;
   CommandHandshake handshake_;
 
-  // Of the scanning thread.
+  // Only the scanning thread uses these.
   EchoWatch watch_;
   Urging urging_;
   CutPatience patience_;

@@ -9,7 +9,7 @@ namespace {
 
 constexpr rlim_t kEnough = 65536;
 constexpr int kReserve = 256;
-// Of the reserve, what no connection may take even if others have been counted wrongly.
+// The part of the reserve that no connection may take even if others have been counted wrongly.
 constexpr int kLast = 64;
 
 int AsNumber(rlim_t limit) { return static_cast<int>(std::min<rlim_t>(limit, 1 << 30)); }

@@ -349,7 +349,7 @@ class Walk : public nlohmann::json_sax<Json> {
     if (is_all_ || weight == Weight::kAlways) faults_.push_back({Place(), std::move(message)});
   }
 
-  // Of what is being read: "parameters[1].value".
+  // The path of what is being read, such as "parameters[1].value".
   std::string Place() const {
     std::string place;
     for (const Frame& frame : frames_) {

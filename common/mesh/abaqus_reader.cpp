@@ -23,7 +23,8 @@ using abaqus::Keyword;
 using abaqus::Trim;
 using abaqus::Upper;
 
-// Of a line that is split into fields, in bytes; a keyword's with all lines it goes on over.
+// No line that is split into fields may be longer, in bytes, and no keyword with all the lines it
+// goes on over.
 constexpr std::size_t kLongestLine = 65'536;
 
 constexpr std::size_t kListedKeywords = 50;  // in a note

@@ -129,7 +129,7 @@ class Acceptor final : public ConnectionAcceptor {
         return false;
       }
       if (errno == EAGAIN || errno == EWOULDBLOCK) return true;
-      // Of a client that left before it was accepted; the next one is another's.
+      // The client left before it was accepted; the next connection is another's.
     }
     return true;
   }

@@ -209,7 +209,7 @@ absl::StatusOr<SheetChoice> CheapestSheets(const std::vector<SheetOutline>& outl
     absl::StatusOr<std::vector<FilledSheet>> sheets =
         LayOutSheets(outlines, {size.length, size.width}, options);
     if (!sheets.ok()) {
-      // Of several sizes the largest has the message that helps.
+      // Where there are several sizes, the largest has the message that helps.
       if (area > largest) failure = sheets.status();
       largest = std::max(largest, area);
       continue;

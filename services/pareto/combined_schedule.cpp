@@ -47,7 +47,7 @@ double Gap(const Eigen::VectorXd& y, const std::vector<Eigen::VectorXd>& front) 
   return gap;
 }
 
-// Every so manieth, with the first and the last.
+// Keeps at most `most` entries, evenly spread, among them the first and the last.
 std::vector<std::size_t> Thinned(const std::vector<std::size_t>& entries, std::size_t most) {
   if (entries.size() <= most || most < 2)
     return {entries.begin(),

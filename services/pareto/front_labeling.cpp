@@ -55,7 +55,7 @@ class Options {
         buffer_tolerance_(buffer_tolerance),
         tolerance_(tolerance) {}
 
-  // Of each piece that passes the place the nearest candidate to the ideal.
+  // Each piece that passes the place gives the candidate that is nearest to the ideal.
   std::vector<Option> At(const std::vector<PerformanceBuffer::Candidate>& place) const {
     std::vector<Option> options;
     for (const int p : different_) {

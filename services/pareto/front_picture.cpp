@@ -208,7 +208,7 @@ void DrawParallelAxes(Drawing& drawing, const Panel& whole, const FrontPicture& 
     const double share = spans[static_cast<std::size_t>(m)].Share(value);
     return front.signs[m] > 0 ? share : 1 - share;
   };
-  // Of many points some, and the best and the worst of each metric.
+  // Draws some of many points, among them the best and the worst of each metric.
   const Index step = std::max<Index>(1, (count + kDrawnLines - 1) / kDrawnLines);
   std::set<Index> drawn;
   for (Index i = 0; i < count; i += step) drawn.insert(i);

@@ -178,8 +178,8 @@ class Surroundings {
   VectorXd lower_, upper_;  // of steps
 };
 
-// Of each cell the trade-off that is nearest to the ideal. With further ones, where the front runs
-// along the rays, rounds of polishing would not come to an end.
+// Picks from each cell the trade-off that is nearest to the ideal. With further ones, where the
+// front runs along the rays, rounds of polishing would not come to an end.
 std::vector<std::size_t> NearestOfCells(const std::vector<FrontPlace>& places) {
   std::vector<std::size_t> nearest;
   for (std::size_t i = 0; i < places.size(); ++i)

@@ -38,7 +38,7 @@ std::vector<Eigen::Index> SpreadOrder(const MatrixXd& metrics, Eigen::Index most
   };
   const VectorXd sums = scaled.colwise().sum();
   for (Eigen::Index metric = 0; metric < scaled.rows(); ++metric) {
-    // Of several that are the best in it, one that no other of them dominates.
+    // Several may be the best in it; one that no other of them dominates is taken.
     Eigen::Index best = 0;
     for (Eigen::Index i = 1; i < scaled.cols(); ++i)
       if (std::pair(scaled(metric, i), sums[i]) < std::pair(scaled(metric, best), sums[best]))

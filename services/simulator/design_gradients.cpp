@@ -71,7 +71,7 @@ class AdjointGradients {
     return Of(load_case, force, none);
   }
 
-  // Of a number that depends on the displacements and on where nodes are.
+  // Gives the gradient of a number that depends on the displacements and on where nodes are.
   absl::StatusOr<Eigen::VectorXd> Of(std::size_t load_case, const Eigen::Matrix3Xd& by_displacement,
                                      const Eigen::Matrix3Xd& by_position) const {
     MORTISE_ASSIGN_OR_RETURN(const Eigen::Matrix3Xd adjoint,
@@ -79,7 +79,8 @@ class AdjointGradients {
     return By(load_case, adjoint, by_position);
   }
 
-  // Of a number that depends on the tractions themselves, as these change with the parameters.
+  // Gives the gradient of a number that depends on the tractions themselves, as these change with
+  // the parameters.
   Eigen::VectorXd ByTractions(std::size_t load_case, const PartSurface& surface,
                               const std::vector<ByTraction>& changes) const {
     Eigen::VectorXd gradient = Eigen::VectorXd::Zero(parameters());

@@ -78,7 +78,7 @@ Eigen::MatrixXd Resting(const Eigen::MatrixXd& motions, Eigen::Index first, Eige
   return motions * svd.matrixV().rightCols(motions.cols() - moving);
 }
 
-// Of the directions that `span` holds, an axis of space, or else any.
+// Picks one of the directions that `span` holds: an axis of space if it can, or else any.
 Eigen::Vector3d SimplestDirection(const Eigen::MatrixXd& span) {
   for (int k = 0; k < 3; ++k) {
     if (span.row(k).norm() > 1 - 1e-6) return Eigen::Vector3d::Unit(k);

@@ -20,7 +20,8 @@ Eigen::Matrix<double, 1, 6> Row(const Eigen::Vector3d& a, const Eigen::Vector3d&
   return StrainOf(a * b.transpose()).transpose();
 }
 
-// Of an edge of two or three nodes, the derivatives of its shape functions by 0 … 1 at one of them.
+// Differentiates the shape functions of an edge of two or three nodes by its parameter, 0 … 1, at
+// one of the nodes.
 ShapeVector EdgeDerivatives(int place, int nodes) {
   ShapeVector by_length(nodes);
   if (nodes == 2) {

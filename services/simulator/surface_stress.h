@@ -63,7 +63,7 @@ class SurfaceStress {
   std::vector<Piece> PiecesAt(int slot) const;
   // The fan round a slot all of whose faces are among its pieces.
   std::optional<SurfaceFan> FanAt(int slot, const std::vector<Piece>& pieces) const;
-  // Of a fan's samples.
+  // Tells the stress at each of a fan's samples.
   std::vector<Vector6d> StressesAt(const SurfaceFan& fan) const;
   bool IsKnown(int face) const;
   Eigen::Vector3d TractionAt(const FaceNode& at) const;
