@@ -17,14 +17,19 @@
 namespace mortise::cli {
 namespace {
 
+// "saw of plant-2 is HELD: the line was down".
+std::string MachineText(const v1::Machine& machine, const std::string& bridge) {
+  return absl::StrCat(machine.name(), " of ", bridge,
+                      machine.alarm() ? " raised the alarm and" : "", " is ", machine.state(),
+                      machine.held_because().empty() ? "" : ": ", machine.held_because());
+}
+
 void PrintWorkOrder(const v1::WorkOrder& order, const Output& output) {
   output.Line(absl::StrFormat("%s: %s, %d of %d cuts done", order.name(),
                               v1::WorkOrder::State_Name(order.state()), order.cuts_done(),
                               order.cuts_total()));
   for (const v1::HeldMachine& held : order.held_machines()) {
-    const v1::Machine& machine = held.machine();
-    output.Line(absl::StrCat("  ", machine.name(), " of ", held.bridge(), " is ", machine.state(),
-                             machine.held_because().empty() ? "" : ": ", machine.held_because()));
+    output.Line(absl::StrCat("  ", MachineText(held.machine(), held.bridge())));
   }
   for (const std::string& handwork : order.handwork()) {
     output.Line(absl::StrCat("  by hand: ", handwork));
@@ -117,6 +122,51 @@ absl::Status Show(const std::string& name, Session& session, Output& output) {
   return absl::OkStatus();
 }
 
+// All machines, also those that no work order waits for.
+absl::Status ShowMachines(Session& session, Output& output) {
+  MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
+  const auto stub = v1::FabPlannerService::NewStub(client->channel());
+  v1::ListBridgesResponse bridges;
+  MORTISE_RETURN_IF_ERROR(client->Call([&](grpc::ClientContext& context) {
+    return rpc::FromGrpc(stub->ListBridges(&context, {}, &bridges));
+  }));
+  for (const v1::ListBridgesResponse::Bridge& bridge : bridges.bridges()) {
+    for (const v1::Machine& machine : bridge.machines()) {
+      output.Line(absl::StrCat(MachineText(machine, bridge.name()),
+                               bridge.attached() ? "" : " (as last told, its bridge is away)"));
+      if (!machine.alarm()) continue;
+      output.Line(absl::StrCat("  once you have looked at it: ", client->command(),
+                               " fab resume --machine ", machine.name(), " --bridge ",
+                               bridge.name()));
+    }
+  }
+  if (bridges.bridges().empty()) output.Line("no bridge has ever attached");
+  output.DocumentOf(bridges);
+  return absl::OkStatus();
+}
+
+// A person has looked at a machine; orders that are held stay so.
+absl::Status ClearAlarm(const std::string& machine, const std::string& bridge, Session& session,
+                        Output& output) {
+  MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
+  const auto stub = v1::FabPlannerService::NewStub(client->channel());
+  v1::ResumeWorkOrderRequest request;
+  request.set_request_id(NewIdentifier());
+  request.set_machine(machine);
+  request.set_bridge(bridge);
+  v1::WorkOrder answer;
+  MORTISE_RETURN_IF_ERROR(client->Call([&](grpc::ClientContext& context) {
+    return rpc::FromGrpc(stub->ResumeWorkOrder(&context, request, &answer));
+  }));
+  for (const v1::HeldMachine& held : answer.held_machines()) {
+    output.Line(absl::StrCat(held.bridge(), " is told to clear the alarm of ",
+                             held.machine().name(), " (", held.machine().held_because(),
+                             "); see it with: ", client->command(), " fab show"));
+  }
+  output.DocumentOf(answer);
+  return absl::OkStatus();
+}
+
 // Pauses a work order, or lets it go on.
 template <typename Request, typename Method>
 absl::Status Change(const std::string& name, Method method, Session& session, Output& output) {
@@ -142,6 +192,29 @@ absl::Status Hold(const std::string& name, Session& session, Output& output) {
 absl::Status Resume(const std::string& name, Session& session, Output& output) {
   return Change<v1::ResumeWorkOrderRequest>(
       name, [](auto& stub, auto... a) { return stub.ResumeWorkOrder(a...); }, session, output);
+}
+
+// A work order, or a machine whose alarm is cleared.
+void AddResume(CLI::App& fab, Session& session) {
+  auto name = std::make_shared<std::string>();
+  auto machine = std::make_shared<std::string>();
+  auto bridge = std::make_shared<std::string>();
+  CLI::App* resume = fab.add_subcommand("resume", "Let a work order go on, once it is safe");
+  CLI::Option* order = resume->add_option("name", *name, "workOrders/…");
+  CLI::Option* alarmed = resume->add_option(
+      "--machine", *machine, "Clear the alarm of this machine in place of a work order's");
+  resume->add_option("--bridge", *bridge, "The bridge it is behind, where several have such a one")
+      ->needs(alarmed);
+  alarmed->excludes(order);
+  resume->footer(
+      "Example: mortise fab resume workOrders/0198c1\n"
+      "A bridge or machine that lost power or the line waits for this; see docs/machines.md");
+  resume->callback([&session, order, alarmed, name, machine, bridge] {
+    if (order->empty() && alarmed->empty()) throw CLI::RequiredError("name or --machine");
+    session.command = [name, machine, bridge](Session& s, Output& o) {
+      return machine->empty() ? Resume(*name, s, o) : ClearAlarm(*machine, *bridge, s, o);
+    };
+  });
 }
 
 }  // namespace
@@ -172,10 +245,12 @@ void AddFabCommands(CLI::App& app, Session& session) {
   });
 
   CLI::App* show = fab->add_subcommand("show", "A work order as it is now, with machines held");
-  show->add_option("name", *name, "workOrders/…")->required();
+  show->add_option("name", *name, "workOrders/…; all machines if left out");
   show->footer("Example: mortise fab show workOrders/0198c1 --json");
   show->callback([&session, name] {
-    session.command = [name](Session& s, Output& o) { return Show(*name, s, o); };
+    session.command = [name](Session& s, Output& o) {
+      return name->empty() ? ShowMachines(s, o) : Show(*name, s, o);
+    };
   });
 
   CLI::App* hold = fab->add_subcommand("hold", "Pause a work order: no new cut begins");
@@ -185,14 +260,7 @@ void AddFabCommands(CLI::App& app, Session& session) {
     session.command = [name](Session& s, Output& o) { return Hold(*name, s, o); };
   });
 
-  CLI::App* resume = fab->add_subcommand("resume", "Let a work order go on, once it is safe");
-  resume->add_option("name", *name, "workOrders/…")->required();
-  resume->footer(
-      "Example: mortise fab resume workOrders/0198c1\n"
-      "A bridge or machine that lost power or the line waits for this; see docs/machines.md");
-  resume->callback([&session, name] {
-    session.command = [name](Session& s, Output& o) { return Resume(*name, s, o); };
-  });
+  AddResume(*fab, session);
   // Last: commands would inherit it.
   fab->footer("Example: mortise fab release plans/0198c1");
 }

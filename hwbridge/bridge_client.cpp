@@ -144,6 +144,13 @@ class BridgeClient::Line {
         }
         return absl::OkStatus();
       }
+      case v1::PlannerMessage::kClearAlarm: {
+        const absl::Status cleared = runner_.ClearAlarm(message.clear_alarm().machine());
+        if (!cleared.ok()) {
+          Log(LogLevel::kWarning, "an alarm is not cleared", {{"error", cleared.ToString()}});
+        }
+        return absl::OkStatus();
+      }
       case v1::PlannerMessage::MESSAGE_NOT_SET:
         break;
     }

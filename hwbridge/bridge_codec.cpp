@@ -52,6 +52,7 @@ v1::Machine MachineToProto(const MachineView& view) {
                            view.state == "STOPPED" || view.state == "COMPLETE";
   machine.set_state(view.held && could_go_on ? "HELD" : view.state);
   if (view.held) machine.set_held_because(view.held_because);
+  machine.set_alarm(view.alarm);
   return machine;
 }
 

@@ -9,8 +9,7 @@
 // A machine that says what cannot be (a status of another map, an echo that contradicts itself or
 // the one before, a heartbeat that stands still), does not do what it is told or does not come to
 // the end of a cut raises the alarm: it is held with all orders, also with those that come later,
-// until a person has looked and resumes one of them or clears the alarm. The alarm is in the
-// journal, so a restart clears nothing. Nothing is repeated for ever.
+// until a person has looked and resumes. Nothing is repeated for ever.
 #pragma once
 
 #include <cstdint>

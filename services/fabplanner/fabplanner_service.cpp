@@ -1,6 +1,7 @@
 #include "services/fabplanner/fabplanner_service.h"
 
 #include <algorithm>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -232,13 +233,25 @@ class FabPlannerAdapter final : public v1::FabPlannerService::CallbackService {
   grpc::ServerUnaryReactor* ResumeWorkOrder(grpc::CallbackServerContext* context,
                                             const v1::ResumeWorkOrderRequest* request,
                                             v1::WorkOrder* response) override {
-    return endpoint_.Mutation("ResumeWorkOrder", context, request, response,
-                              [this](const rpc::Call&, const v1::ResumeWorkOrderRequest& asked,
-                                     store::Transaction& transaction) {
-                                TellFloorAfterCommit(&ShopFloor::Resumed, asked.name(),
-                                                     transaction);
-                                return ResumeOrder(asked.name(), transaction);
-                              });
+    using Alarm = std::optional<v1::HeldMachine>;
+    return endpoint_.PreparedMutation(
+        "ResumeWorkOrder", context, request, response,
+        [this](const rpc::Call&, const v1::ResumeWorkOrderRequest& asked) -> absl::StatusOr<Alarm> {
+          if (asked.machine().empty() && asked.bridge().empty()) return Alarm();
+          if (!asked.name().empty()) {
+            return InvalidField("machine", "is in place of a work order's name, not beside it");
+          }
+          if (asked.machine().empty()) return InvalidField("machine", "is missing");
+          MORTISE_ASSIGN_OR_RETURN(v1::HeldMachine found,
+                                   floor_.FindAlarm(asked.bridge(), asked.machine()));
+          return Alarm(std::move(found));
+        },
+        [this](const rpc::Call&, const v1::ResumeWorkOrderRequest& asked, const Alarm& alarm,
+               store::Transaction& transaction) -> absl::StatusOr<v1::WorkOrder> {
+          if (alarm) return ClearAlarm(*alarm, transaction);
+          TellFloorAfterCommit(&ShopFloor::Resumed, asked.name(), transaction);
+          return ResumeOrder(asked.name(), transaction);
+        });
   }
 
   grpc::ServerBidiReactor<v1::BridgeMessage, v1::PlannerMessage>* AttachBridge(
@@ -294,6 +307,18 @@ class FabPlannerAdapter final : public v1::FabPlannerService::CallbackService {
           },
           rpc::Lane::kUrgent);
     });
+  }
+
+  // The same for an alarm; the answer has its machine alone.
+  v1::WorkOrder ClearAlarm(const v1::HeldMachine& alarm, store::Transaction& transaction) {
+    transaction.AfterCommit([this, alarm] {
+      dispatcher_->Submit(
+          [this, alarm] { floor_.ClearAlarm(alarm.bridge(), alarm.machine().name()); },
+          rpc::Lane::kUrgent);
+    });
+    v1::WorkOrder answer;
+    *answer.add_held_machines() = alarm;
+    return answer;
   }
 
   store::Store* const store_;

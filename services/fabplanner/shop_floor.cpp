@@ -16,13 +16,14 @@
 namespace mortise::fabplanner {
 namespace {
 
-// "saw of plant-2 is HELD: the line was down", one after the other.
+// "saw of plant-2 is HELD: the line was down", one after the other; "raised the alarm and is HELD".
 std::string HeldText(const std::vector<v1::HeldMachine>& held) {
   std::vector<std::string> texts;
   for (const v1::HeldMachine& one : held) {
     const v1::Machine& machine = one.machine();
-    texts.push_back(absl::StrCat(machine.name(), " of ", one.bridge(), " is ", machine.state(),
-                                 machine.held_because().empty() ? "" : ": ",
+    texts.push_back(absl::StrCat(machine.name(), " of ", one.bridge(),
+                                 machine.alarm() ? " raised the alarm and" : "", " is ",
+                                 machine.state(), machine.held_because().empty() ? "" : ": ",
                                  machine.held_because()));
   }
   return absl::StrJoin(texts, "; ");

@@ -62,6 +62,15 @@ class ShopFloor {
   // are away when they attach. Only a person's request leads here; a line that comes back does not.
   absl::Status Resumed(const std::string& order_name);
 
+  // The machine of this name that raised the alarm, as its bridge last told. NOT_FOUND;
+  // INVALID_ARGUMENT, field "bridge", if none is named and several have such a machine;
+  // FAILED_PRECONDITION, NO_ALARM or BRIDGE_AWAY, for nobody should clear now what moves later.
+  absl::StatusOr<v1::HeldMachine> FindAlarm(const std::string& bridge_name,
+                                            const std::string& machine_name) const;
+
+  // Tells the bridge that a person has looked at the machine, unless it has gone away since.
+  void ClearAlarm(const std::string& bridge_name, const std::string& machine_name);
+
   // Gives an order up: its waiting cuts are never given out. No effect on a finished one.
   absl::Status Cancel(const std::string& order_name);
 

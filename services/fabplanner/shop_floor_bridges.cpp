@@ -59,6 +59,18 @@ absl::Status CheckMachines(const google::protobuf::RepeatedPtrField<v1::Machine>
   return absl::OkStatus();
 }
 
+// Whether a machine has the alarm now that was told without it, or with another reason, before.
+bool HasNewAlarm(const google::protobuf::RepeatedPtrField<v1::Machine>& before,
+                 const google::protobuf::RepeatedPtrField<v1::Machine>& now) {
+  return std::any_of(now.begin(), now.end(), [&](const v1::Machine& machine) {
+    return machine.alarm() &&
+           std::none_of(before.begin(), before.end(), [&](const v1::Machine& known) {
+             return known.name() == machine.name() && known.alarm() &&
+                    known.held_because() == machine.held_because();
+           });
+  });
+}
+
 }  // namespace
 
 absl::StatusOr<int64_t> ShopFloor::Attach(const v1::BridgeMessage::Hello& hello, Writer writer) {
@@ -93,6 +105,11 @@ absl::StatusOr<int64_t> ShopFloor::Attach(const v1::BridgeMessage::Hello& hello,
   if (bridge.writer != nullptr) {
     bridge.writer->Finish(WithDetail(
         absl::AbortedError("a newer stream of this bridge has taken over"), {"REPLACED", ""}));
+  }
+  // Whoever resumed an order while the bridge was away could not have looked at an alarm that rose
+  // meanwhile.
+  if (HasNewAlarm(bridge.stored.machines(), hello.machines())) {
+    for (auto& [name, order] : orders_) order.to_resume.erase(hello.bridge());
   }
   bridge.stored = std::move(stored);
   bridge.ledger = ledger;
@@ -267,6 +284,51 @@ void ShopFloor::SendResume(Order& order, const std::string& bridge_name) {
   v1::PlannerMessage resume;
   resume.mutable_resume()->set_work_order(order.summary.name());
   bridge.writer->Write(std::move(resume));
+}
+
+absl::StatusOr<v1::HeldMachine> ShopFloor::FindAlarm(const std::string& bridge_name,
+                                                     const std::string& machine_name) const {
+  std::lock_guard lock(mutex_);
+  std::optional<v1::HeldMachine> found;
+  bool is_attached = false;
+  for (const auto& [name, bridge] : bridges_) {
+    if (!bridge_name.empty() && name != bridge_name) continue;
+    for (const v1::Machine& machine : bridge.stored.machines()) {
+      if (machine.name() != machine_name) continue;
+      if (found) {
+        return InvalidField("bridge", absl::StrCat("is needed: ", found->bridge(), " and ", name,
+                                                   " both have a machine ", machine_name));
+      }
+      found.emplace().set_bridge(name);
+      *found->mutable_machine() = machine;
+      is_attached = bridge.attachment != 0;
+    }
+  }
+  if (!found) {
+    return ResourceNotFound(bridge_name.empty()
+                                ? absl::StrCat("machine ", machine_name)
+                                : absl::StrCat("machine ", machine_name, " of ", bridge_name));
+  }
+  const std::string whole_name = absl::StrCat(machine_name, " of ", found->bridge());
+  if (!is_attached) {
+    return PreconditionFailed(
+        "BRIDGE_AWAY", absl::StrCat(whole_name, " cannot be told: its bridge is not attached"),
+        "machine");
+  }
+  if (!found->machine().alarm()) {
+    return PreconditionFailed("NO_ALARM", absl::StrCat(whole_name, " has not raised the alarm"),
+                              "machine");
+  }
+  return *std::move(found);
+}
+
+void ShopFloor::ClearAlarm(const std::string& bridge_name, const std::string& machine_name) {
+  std::lock_guard lock(mutex_);
+  const auto bridge = bridges_.find(bridge_name);
+  if (bridge == bridges_.end() || bridge->second.attachment == 0) return;
+  v1::PlannerMessage message;
+  message.mutable_clear_alarm()->set_machine(machine_name);
+  bridge->second.writer->Write(std::move(message));
 }
 
 std::vector<v1::ListBridgesResponse::Bridge> ShopFloor::Bridges() const {

@@ -74,6 +74,13 @@ class Planner : public v1::FabPlannerService::Service {
     Send(message);
   }
 
+  void ClearAlarm(const std::string& machine) {
+    const std::lock_guard lock(mutex_);
+    v1::PlannerMessage message;
+    message.mutable_clear_alarm()->set_machine(machine);
+    Send(message);
+  }
+
   // Waits until `done` holds of what is known. Resumes held machines meanwhile if told to.
   bool Await(const std::function<bool(const Planner&)>& done, bool resume = false) {
     const auto deadline = std::chrono::steady_clock::now() + kPatience;
@@ -94,6 +101,7 @@ class Planner : public v1::FabPlannerService::Service {
   std::map<std::int64_t, v1::CutReport> reports;  // by number
   std::map<std::string, std::string> states;      // of machines, by name
   std::map<std::string, std::string> held;        // why machines are held, by name
+  std::map<std::string, bool> alarms;             // whether by the alarm, by name
   std::vector<v1::BridgeMessage::Hello> hellos;
   std::set<std::pair<std::string, std::int64_t>> accepted;
   std::string authorization;
@@ -143,6 +151,7 @@ class Planner : public v1::FabPlannerService::Service {
     for (const v1::Machine& machine : machines) {
       states[machine.name()] = machine.state();
       held[machine.name()] = machine.held_because();
+      alarms[machine.name()] = machine.alarm();
     }
   }
 

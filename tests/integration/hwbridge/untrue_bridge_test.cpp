@@ -66,6 +66,29 @@ TEST_F(BridgeOfAnUntrueMachine, AStaleDoneIsNoCut) {
   EXPECT_EQ(machine_->numbers(), 0);
 }
 
+// The alarm is in the journal: a restart clears it as little as resuming an order of other
+// machines.
+TEST_F(BridgeOfAnUntrueMachine, TheAlarmStandsUntilItIsClearedByName) {
+  MachineStatus status = Sound();
+  status.done = 1;
+  status.result = JobResult::kDone;
+  StartWith(status);
+  ExpectAlarm("number 1 is done, but has accepted none above 0");
+  machine_.reset();
+  machine_ = std::make_unique<FixedMachine>(std::stoi(machine_port_.port()), EncodeStatus(Sound()));
+  bridge_.reset();
+  StartBridge({"--machine", absl::StrCat("other=chop-saw@", machine_port_.address(), "/1")});
+  ASSERT_TRUE(planner_.Await([](const Planner& planner) {
+    return planner.hellos.size() == 2u && planner.alarms.at("other") &&
+           planner.states.at("other") == "HELD";
+  }));
+  EXPECT_EQ(machine_->numbers(), 0);
+  planner_.ClearAlarm("other");
+  EXPECT_TRUE(planner_.Await([](const Planner& planner) { return !planner.alarms.at("other"); }));
+  planner_.Resume();  // the order that the alarm had held
+  EXPECT_TRUE(planner_.Await([this](const Planner&) { return machine_->numbers() > 0; }));
+}
+
 TEST_F(BridgeOfAnUntrueMachine, ANumberThatIsNeverAcceptedEndsInTheAlarm) {
   StartWith(Sound());
   ExpectAlarm("the machine was given number 1 5 times and never accepted it");

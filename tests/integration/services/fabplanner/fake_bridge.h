@@ -23,6 +23,7 @@ struct BridgeBehaviour {
   int cuts_before_silence = 1 << 30;  // then it accepts, but neither cuts nor reports
   std::string fails_at_part = {};     // the cut of this part fails
   bool ignores_commands = false;      // as if they had been lost on the way
+  std::string alarm_of_saw = {};      // that it says hello with; empty for none
 };
 
 class FakeBridge {
@@ -64,13 +65,14 @@ class FakeBridge {
   }
 
   // Tells the state of the saw, and why it is held.
-  void TellSaw(const std::string& state, const std::string& held_because) {
+  void TellSaw(const std::string& state, const std::string& held_because, bool alarm = false) {
     v1::BridgeMessage message;
     v1::Machine* saw = message.mutable_machine_states()->add_machines();
     saw->set_name("saw-1");
     saw->set_kind(v1::CHOP_SAW_WITH_FEEDER);
     saw->set_state(state);
     saw->set_held_because(held_because);
+    saw->set_alarm(alarm);
     std::lock_guard lock(mutex_);
     if (stream_ != nullptr) stream_->Write(message);
   }
@@ -79,6 +81,8 @@ class FakeBridge {
   int commands_received() const { return commands_received_; }
   int holds() const { return holds_; }
   int resumes() const { return resumes_; }
+  // Machines whose alarm it was told to clear, in order.
+  const std::vector<std::string>& cleared() const { return cleared_; }
   bool finished() const { return finished_; }
   const grpc::Status& status() const { return status_; }
   int effects() const {
@@ -104,6 +108,8 @@ class FakeBridge {
     v1::BridgeMessage hello;
     hello.mutable_hello()->set_bridge(name_);
     AddMachine("saw-1", v1::CHOP_SAW_WITH_FEEDER, hello.mutable_hello());
+    hello.mutable_hello()->mutable_machines(0)->set_alarm(!behaviour_.alarm_of_saw.empty());
+    hello.mutable_hello()->mutable_machines(0)->set_held_because(behaviour_.alarm_of_saw);
     AddMachine("jigsaw-1", v1::JIGSAW_ROBOT, hello.mutable_hello());
     hello.mutable_hello()->set_next_report_number(static_cast<int64_t>(reports_.size()) + 1);
     stream->Write(hello);
@@ -148,6 +154,7 @@ class FakeBridge {
   void Handle(Stream& stream, const v1::PlannerMessage& message) {
     if (message.has_hold()) ++holds_;
     if (message.has_resume()) ++resumes_;
+    if (message.has_clear_alarm()) cleared_.push_back(message.clear_alarm().machine());
     if (message.has_reports_acknowledged()) {
       acknowledged_ = std::max(
           acknowledged_, static_cast<std::size_t>(message.reports_acknowledged().report_number()));
@@ -202,6 +209,7 @@ class FakeBridge {
   int commands_received_ = 0;
   int holds_ = 0;
   int resumes_ = 0;
+  std::vector<std::string> cleared_;
   int contradictions_ = 0;
   std::size_t acknowledged_ = 0;
   std::map<std::pair<std::string, int64_t>, v1::CutCommand> journal_;

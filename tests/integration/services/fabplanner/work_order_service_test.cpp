@@ -150,6 +150,74 @@ TEST_F(FabPlannerServiceTest, AHeldMachineIsToldWithItsReason) {
   context->TryCancel();
 }
 
+TEST_F(FabPlannerServiceTest, TheAlarmOfAMachineWithoutOrdersIsClearedByItsName) {
+  const auto clear = [this](const std::string& machine, const std::string& bridge) {
+    v1::ResumeWorkOrderRequest request;
+    request.set_request_id(NewRequestId());
+    request.set_machine(machine);
+    request.set_bridge(bridge);
+    v1::WorkOrder answer;
+    auto context = Context();
+    const grpc::Status status = Planner()->ResumeWorkOrder(context.get(), request, &answer);
+    return std::pair(status, answer);
+  };
+  EXPECT_EQ(clear("saw-1", "").first.error_code(), grpc::StatusCode::NOT_FOUND);
+  const auto there = [this](int count) {
+    return [this, count](FakeBridge&) {
+      v1::ListBridgesResponse bridges;
+      auto context = Context();
+      return Planner()->ListBridges(context.get(), {}, &bridges).ok() &&
+             bridges.bridges_size() == count;
+    };
+  };
+  FakeBridge bridge("north");
+  bridge.Connect(process_.address(), {.alarm_of_saw = "it jumped"});
+  ASSERT_TRUE(bridge.WaitUntil(there(1)));
+  FakeBridge other("south");
+  other.Connect(process_.address());
+  ASSERT_TRUE(other.WaitUntil(there(2)));
+  EXPECT_EQ(clear("saw-1", "").first.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  const grpc::Status without = clear("saw-1", "south").first;
+  EXPECT_EQ(without.error_code(), grpc::StatusCode::FAILED_PRECONDITION);
+  EXPECT_THAT(without.error_message(), HasSubstr("has not raised the alarm"));
+  const auto [status, answer] = clear("saw-1", "north");
+  ASSERT_TRUE(status.ok()) << status.error_message();
+  ASSERT_EQ(answer.held_machines_size(), 1);
+  EXPECT_EQ(answer.held_machines(0).machine().held_because(), "it jumped");
+  EXPECT_TRUE(bridge.WaitUntil([](FakeBridge& b) { return !b.cleared().empty(); }));
+  bridge.Disconnect();
+  EXPECT_EQ(bridge.cleared(), std::vector<std::string>{"saw-1"});
+  EXPECT_EQ(bridge.resumes(), 0);
+}
+
+// Nobody could have looked at it.
+TEST_F(FabPlannerServiceTest, AnAlarmThatRoseWhileTheBridgeWasAwayIsNotClearedByAnEarlierResume) {
+  const v1::Operation operation = Release(PlanTable());
+  FakeBridge bridge("north");
+  bridge.Connect(process_.address(), {.cuts_before_silence = 1});
+  ASSERT_TRUE(bridge.WaitUntil([](FakeBridge& b) { return b.effects() >= 1; }));
+  bridge.Disconnect();
+  v1::ResumeWorkOrderRequest resume;
+  resume.set_request_id(NewRequestId());
+  resume.set_name(operation.subject());
+  v1::WorkOrder order;
+  auto context = Context();
+  ASSERT_TRUE(Planner()->ResumeWorkOrder(context.get(), resume, &order).ok());
+  bridge.Connect(process_.address(), {.cuts_before_silence = 1, .alarm_of_saw = "it jumped"});
+  // What is told at attaching comes before what is asked for later.
+  ASSERT_TRUE(bridge.WaitUntil([this, &operation](FakeBridge&) {
+    const v1::WorkOrder now = GetOrder(operation.subject());
+    return now.held_machines_size() == 1 && now.held_machines(0).machine().alarm();
+  }));
+  EXPECT_EQ(bridge.resumes(), 0);
+  resume.set_request_id(NewRequestId());
+  context = Context();
+  ASSERT_TRUE(Planner()->ResumeWorkOrder(context.get(), resume, &order).ok());
+  ASSERT_TRUE(bridge.WaitUntil([](FakeBridge& b) { return b.resumes() >= 1; }));
+  bridge.Disconnect();
+  EXPECT_EQ(bridge.resumes(), 1);
+}
+
 TEST_F(FabPlannerServiceTest, AFailedCutFailsTheOrderAndHoldsTheBridge) {
   const v1::Operation operation = Release(PlanTable());
   FakeBridge bridge("north");
