@@ -12,9 +12,9 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
 #include "absl/strings/strip.h"
+#include "cli/bearer_token.h"
 #include "cli/state_folder.h"
 #include "common/base/errors.h"
-#include "common/base/files.h"
 #include "common/rpc/channel_security.h"
 #include "common/rpc/status_mapping.h"
 #include "mortise/v1/operations.grpc.pb.h"
@@ -30,16 +30,11 @@ constexpr std::chrono::seconds kPatienceForRestarts{60};
 // The client makes so many tries at a server that takes connections and ends them; more than one,
 // for it may be ending itself.
 constexpr int kRefusalsBeforeGivingUp = 6;
+constexpr double kSecondsOfWait = 3;  // between two looks at an operation without a stream
 
 std::string Environment(const char* name) {
   const char* value = std::getenv(name);
   return value == nullptr ? "" : value;
-}
-
-absl::StatusOr<std::string> Token(const GatewayOptions& options) {
-  if (options.token_file.empty()) return Environment("MORTISE_TOKEN");
-  MORTISE_ASSIGN_OR_RETURN(const std::string text, ReadFile(options.token_file, 64 << 10));
-  return std::string(absl::StripAsciiWhitespace(text));
 }
 
 // What gRPC says of a channel that is not connected: UNAVAILABLE with the last failure. Anything
@@ -53,10 +48,40 @@ absl::Status WhyNotConnected(const std::shared_ptr<grpc::Channel>& channel,
       v1::OperationService::NewStub(channel)->GetOperation(&context, {}, &ignored));
 }
 
-bool IsDone(const v1::Operation& operation) {
-  return operation.state() == v1::Operation::SUCCEEDED ||
-         operation.state() == v1::Operation::FAILED ||
-         operation.state() == v1::Operation::CANCELLED;
+using Heard = std::function<void(const v1::Operation&)>;
+
+// One stream of what becomes of an operation, to its end or until it breaks off.
+absl::Status WatchOnce(const GatewayClient& client, const std::string& name, const Heard& heard,
+                       const std::stop_token& stop) {
+  grpc::ClientContext context;
+  client.Prepare(context, 0);
+  v1::WatchOperationRequest request;
+  request.set_name(name);
+  const auto reader =
+      v1::OperationService::NewStub(client.channel())->WatchOperation(&context, request);
+  const std::stop_callback stopping(stop, [&context] { context.TryCancel(); });
+  v1::Operation now;
+  while (reader->Read(&now)) {
+    heard(now);
+    if (HasEnded(now)) context.TryCancel();
+  }
+  return rpc::FromGrpc(reader->Finish());
+}
+
+// How it stands a few seconds from now, or once it has ended.
+absl::Status WaitOnce(const GatewayClient& client, const std::string& name, const Heard& heard,
+                      const std::stop_token& stop) {
+  grpc::ClientContext context;
+  client.Prepare(context);
+  v1::WaitOperationRequest request;
+  request.set_name(name);
+  request.set_timeout_seconds(kSecondsOfWait);
+  const std::stop_callback stopping(stop, [&context] { context.TryCancel(); });
+  v1::Operation now;
+  MORTISE_RETURN_IF_ERROR(rpc::FromGrpc(
+      v1::OperationService::NewStub(client.channel())->WaitOperation(&context, request, &now)));
+  heard(now);
+  return absl::OkStatus();
 }
 
 // A word for a shell: in quotes where it has characters that mean something there.
@@ -82,6 +107,12 @@ std::string CommandFor(const GatewayOptions& options) {
 }
 
 }  // namespace
+
+bool HasEnded(const v1::Operation& operation) {
+  return operation.state() == v1::Operation::SUCCEEDED ||
+         operation.state() == v1::Operation::FAILED ||
+         operation.state() == v1::Operation::CANCELLED;
+}
 
 absl::Status ErrorOf(const v1::Operation& operation) {
   if (operation.state() == v1::Operation::CANCELLED) {
@@ -109,7 +140,8 @@ absl::StatusOr<GatewayClient> GatewayClient::Connect(const GatewayOptions& optio
   security.authority = options.authority.empty() ? Environment("MORTISE_CA") : options.authority;
   if (security.authority.empty()) security.authority = authority_of_house;
   MORTISE_ASSIGN_OR_RETURN(const auto credentials, rpc::MakeClientCredentials(address, security));
-  MORTISE_ASSIGN_OR_RETURN(std::string token, Token(options));
+  MORTISE_ASSIGN_OR_RETURN(std::shared_ptr<BearerToken> token,
+                           BearerToken::Read(options.token_file));
   grpc::ChannelArguments arguments;
   arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 100);
   arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, 100);
@@ -122,7 +154,7 @@ absl::StatusOr<GatewayClient> GatewayClient::Connect(const GatewayOptions& optio
 }
 
 GatewayClient::GatewayClient(std::shared_ptr<grpc::Channel> channel, std::string address,
-                             std::string token, std::string command)
+                             std::shared_ptr<BearerToken> token, std::string command)
     : channel_(std::move(channel)),
       address_(std::move(address)),
       token_(std::move(token)),
@@ -156,7 +188,8 @@ absl::Status GatewayClient::AwaitConnection(std::chrono::duration<double> patien
 }
 
 void GatewayClient::Prepare(grpc::ClientContext& context, double seconds) const {
-  if (!token_.empty()) context.AddMetadata("authorization", "Bearer " + token_);
+  const std::string token = token_->text();
+  if (!token.empty()) context.AddMetadata("authorization", "Bearer " + token);
   if (seconds > 0) {
     context.set_deadline(std::chrono::system_clock::now() +
                          std::chrono::milliseconds(static_cast<long>(seconds * 1000)));
@@ -167,10 +200,13 @@ void GatewayClient::Prepare(grpc::ClientContext& context, double seconds) const 
 absl::Status GatewayClient::Call(const std::function<absl::Status(grpc::ClientContext&)>& call,
                                  double seconds) const {
   for (int tries = 1;; ++tries) {
+    const std::string token = token_->text();
     grpc::ClientContext context;
     Prepare(context, seconds);
     const absl::Status status = call(context);
-    if (!absl::IsUnavailable(status) || tries == kTriesOfCalls) return status;
+    if (tries == kTriesOfCalls) return status;
+    if (absl::IsUnauthenticated(status) && token_->IsRenewed(token)) continue;
+    if (!absl::IsUnavailable(status)) return status;
     std::this_thread::sleep_for(tries * kPauseBetweenCalls);
   }
 }
@@ -178,31 +214,31 @@ absl::Status GatewayClient::Call(const std::function<absl::Status(grpc::ClientCo
 absl::StatusOr<v1::Operation> GatewayClient::Follow(
     const std::string& operation, const std::function<void(const v1::Operation&)>& changed,
     const std::stop_token& stop) const {
-  const auto stub = v1::OperationService::NewStub(channel_);
   auto last_answer = std::chrono::steady_clock::now();
+  v1::Operation latest;
+  const Heard heard = [&](const v1::Operation& now) {
+    last_answer = std::chrono::steady_clock::now();
+    latest = now;
+    changed(now);
+  };
+  bool has_stream = true;
   while (true) {
-    grpc::ClientContext context;
-    Prepare(context, 0);
-    v1::WatchOperationRequest request;
-    request.set_name(operation);
-    const auto reader = stub->WatchOperation(&context, request);
-    const std::stop_callback stopping(stop, [&context] { context.TryCancel(); });
-    v1::Operation now;
-    while (reader->Read(&now)) {
-      last_answer = std::chrono::steady_clock::now();
-      changed(now);
-      if (!IsDone(now)) continue;
-      context.TryCancel();
-      return now;
-    }
-    const grpc::Status status = reader->Finish();
+    const std::string token = token_->text();
+    const absl::Status status = has_stream ? WatchOnce(*this, operation, heard, stop)
+                                           : WaitOnce(*this, operation, heard, stop);
+    if (HasEnded(latest)) return latest;
     if (stop.stop_requested()) return absl::CancelledError("the operation is no longer followed");
+    if (!has_stream && status.ok()) continue;
+    if (absl::IsUnauthenticated(status) && token_->IsRenewed(token)) continue;
+    if (has_stream && DetailOf(status).reason == "TOO_MANY_STREAMS") {
+      has_stream = false;
+      continue;
+    }
     // A service that restarts cuts the stream; its operation goes on.
-    const bool may_come_back = status.ok() ||
-                               status.error_code() == grpc::StatusCode::UNAVAILABLE ||
-                               status.error_code() == grpc::StatusCode::CANCELLED;
+    const bool may_come_back =
+        status.ok() || absl::IsUnavailable(status) || absl::IsCancelled(status);
     if (!may_come_back || std::chrono::steady_clock::now() - last_answer > kPatienceForRestarts) {
-      return rpc::FromGrpc(status);
+      return status;
     }
     std::this_thread::sleep_for(kPauseBetweenTries);
     // Connecting goes on only while somebody waits for it.

@@ -23,6 +23,8 @@ class Operation;
 
 namespace mortise::cli {
 
+class BearerToken;
+
 // How to reach the gateway. What is empty is taken from the environment (MORTISE_GATEWAY,
 // MORTISE_TOKEN, MORTISE_CA) or from the house that runs on the state folder.
 struct GatewayOptions {
@@ -47,14 +49,16 @@ class GatewayClient {
   void Prepare(grpc::ClientContext& context, double seconds = 60) const;
 
   // Makes a call with a context that is prepared; again, three times in all, while it ends
-  // UNAVAILABLE: its answer was lost with a gateway or service that died. What changes something
-  // must carry a request id, and has its effect once.
+  // UNAVAILABLE: its answer was lost with a gateway or service that died; or UNAUTHENTICATED where
+  // the token file has another token by now. What changes something must carry a request id, and
+  // has its effect once.
   absl::Status Call(const std::function<absl::Status(grpc::ClientContext&)>& call,
                     double seconds = 60) const;
 
   // Follows an operation to its end, telling of each change; reconnects to a gateway or service
-  // that restarts. Gives the operation as it ended, whatever came of it; CANCELLED if a stop is
-  // requested before.
+  // that restarts, goes on with the token that its file has by then, and asks now and then where
+  // the gateway has no stream to spare. Gives the operation as it ended, whatever came of it;
+  // CANCELLED if a stop is requested before.
   absl::StatusOr<v1::Operation> Follow(const std::string& operation,
                                        const std::function<void(const v1::Operation&)>& changed,
                                        const std::stop_token& stop = {}) const;
@@ -65,14 +69,17 @@ class GatewayClient {
  private:
   absl::Status AwaitConnection(std::chrono::duration<double> patience, bool plain_text) const;
 
-  GatewayClient(std::shared_ptr<grpc::Channel> channel, std::string address, std::string token,
-                std::string command);
+  GatewayClient(std::shared_ptr<grpc::Channel> channel, std::string address,
+                std::shared_ptr<BearerToken> token, std::string command);
 
   std::shared_ptr<grpc::Channel> channel_;
   std::string address_;
-  std::string token_;
+  std::shared_ptr<BearerToken> token_;
   std::string command_;
 };
+
+// Whether nothing more becomes of it.
+bool HasEnded(const v1::Operation& operation);
 
 // What an operation that has ended failed with: its error, CANCELLED; OK where it succeeded.
 absl::Status ErrorOf(const v1::Operation& operation);

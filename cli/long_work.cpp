@@ -78,7 +78,7 @@ class Following {
     absl::StatusOr<v1::Operation> done = Watch(stop_.get_token());
     output_.EndProgress();
     if (signal_ == 0) {
-      if (!done.ok()) return done.status();
+      if (!done.ok()) return WithGoingOn(done.status());
       const absl::Status error = ErrorOf(*done);
       if (!error.ok()) return error;
       return done;
@@ -111,6 +111,18 @@ class Following {
     }
     return work_.how_to_go_on ? work_.how_to_go_on(client_, operation)
                               : HowToGoOn(client_, operation);
+  }
+
+  // The failure of following an operation, which goes on: unless it is not there, or ends with the
+  // house that this command runs.
+  absl::Status WithGoingOn(const absl::Status& failure) const {
+    if (absl::IsNotFound(failure) || work_.when_left == WhenLeft::kEndsWithHouse) return failure;
+    absl::Status status(failure.code(),
+                        absl::StrCat(failure.message(), "\n", GoingOn(operation())));
+    failure.ForEachPayload([&](absl::string_view type, const absl::Cord& payload) {
+      status.SetPayload(type, payload);
+    });
+    return status;
   }
 
   absl::StatusOr<v1::Operation> Watch(const std::stop_token& stop) {

@@ -9,8 +9,10 @@
 #include <string>
 
 #include "cli/generic_call.h"
+#include "common/base/files.h"
 #include "common/rpc/status_mapping.h"
 #include "mortise/v1/catalog.grpc.pb.h"
+#include "tests/support/temporary_folder.h"
 
 namespace mortise::cli {
 namespace {
@@ -21,6 +23,11 @@ class Flaky final : public v1::CatalogService::Service {
   grpc::Status GetMaterial(grpc::ServerContext* context, const v1::GetMaterialRequest* request,
                            v1::Material* response) override {
     ++calls;
+    const auto header = context->client_metadata().find("authorization");
+    if (!token.empty() && (header == context->client_metadata().end() ||
+                           header->second != grpc::string_ref("Bearer " + token))) {
+      return {grpc::StatusCode::UNAUTHENTICATED, "the token expired"};
+    }
     context->AddInitialMetadata("x-request-id", "1");
     if (failures-- > 0) return {code, "away"};
     response->set_name(request->name());
@@ -30,6 +37,7 @@ class Flaky final : public v1::CatalogService::Service {
   grpc::StatusCode code = grpc::StatusCode::UNAVAILABLE;
   std::atomic<int> failures{0};
   std::atomic<int> calls{0};
+  std::string token;  // that is needed; empty for none
 };
 
 class GatewayClientTest : public ::testing::Test {
@@ -40,8 +48,10 @@ class GatewayClientTest : public ::testing::Test {
     builder.AddListeningPort("127.0.0.1:0", grpc::InsecureServerCredentials(), &port);
     builder.RegisterService(&service_);
     server_ = builder.BuildAndStart();
+    (void)WriteFile(token_file_, "first\n");
     GatewayOptions options;
     options.address = "127.0.0.1:" + std::to_string(port);
+    options.token_file = token_file_.string();
     client_ = std::make_unique<GatewayClient>(*GatewayClient::Connect(options));
     stub_ = v1::CatalogService::NewStub(client_->channel());
   }
@@ -61,6 +71,8 @@ class GatewayClientTest : public ::testing::Test {
                        [](const std::string&) { return true; });
   }
 
+  testing::TemporaryFolder folder_;
+  const std::filesystem::path token_file_ = folder_.path() / "token";
   Flaky service_;
   std::unique_ptr<grpc::Server> server_;
   std::unique_ptr<GatewayClient> client_;
@@ -83,6 +95,17 @@ TEST_F(GatewayClientTest, GivesUpOnWhatStaysAway) {
   EXPECT_EQ(service_.calls, 3);
   EXPECT_EQ(GetGenerically(), absl::UnavailableError("away"));
   EXPECT_EQ(service_.calls, 6);
+}
+
+TEST_F(GatewayClientTest, GoesOnWithANewTokenInTheFileAndNotWithoutOne) {
+  service_.token = "second";
+  EXPECT_EQ(Get().code(), absl::StatusCode::kUnauthenticated);
+  EXPECT_EQ(service_.calls, 1);
+  ASSERT_TRUE(WriteFile(token_file_, "second\n").ok());
+  EXPECT_TRUE(Get().ok());
+  EXPECT_EQ(service_.calls, 3);
+  EXPECT_TRUE(Get().ok());
+  EXPECT_EQ(service_.calls, 4);
 }
 
 TEST_F(GatewayClientTest, RepeatsNothingThatWasAnswered) {
