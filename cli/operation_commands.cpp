@@ -159,9 +159,14 @@ absl::Status Watch(const std::string& name, Session& session, Output& output) {
   return absl::OkStatus();
 }
 
+struct CancelledOperation {
+  v1::Operation operation;
+  absl::Status unseen;  // why it is not known how it ended; OK if that is known or not wanted
+};
+
 // Asks one to stop, and waits until it has unless that is not wanted.
-absl::StatusOr<v1::Operation> CancelOne(const std::string& name, bool wait,
-                                        const GatewayClient& client, Output& output) {
+absl::StatusOr<CancelledOperation> CancelOne(const std::string& name, bool wait,
+                                             const GatewayClient& client, Output& output) {
   const auto stub = v1::OperationService::NewStub(client.channel());
   v1::CancelOperationRequest request;
   request.set_request_id(NewIdentifier());
@@ -170,26 +175,46 @@ absl::StatusOr<v1::Operation> CancelOne(const std::string& name, bool wait,
   MORTISE_RETURN_IF_ERROR(client.Call([&](grpc::ClientContext& context) {
     return rpc::FromGrpc(stub->CancelOperation(&context, request, &operation));
   }));
-  if (!wait) return operation;
+  if (!wait || HasEnded(operation)) return CancelledOperation{std::move(operation), {}};
   auto ended = client.Follow(name, [&output](const v1::Operation& now) {
     output.Progress(now.progress().done(), now.progress().total(), now.progress().message());
   });
   output.EndProgress();
-  return ended;
+  if (ended.ok()) return CancelledOperation{*std::move(ended), {}};
+  const absl::StatusOr<v1::Operation> now = GetOperation(client, name);
+  if (now.ok()) operation = *now;
+  return CancelledOperation{operation, HasEnded(operation) ? absl::OkStatus() : ended.status()};
+}
+
+std::string CancelledText(const CancelledOperation& cancelled) {
+  const std::string& name = cancelled.operation.name();
+  if (!cancelled.unseen.ok()) {
+    return absl::StrCat(name, ": cancelling, not seen to its end: ", cancelled.unseen.message());
+  }
+  const std::string made = MadeBy(cancelled.operation);
+  return absl::StrCat(name, ": ", StateText(cancelled.operation),
+                      made.empty() ? "" : absl::StrCat(", ", made, " is kept"));
 }
 
 absl::Status Cancel(const std::vector<std::string>& names, bool wait, Session& session,
                     Output& output) {
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   nlohmann::ordered_json document = nlohmann::ordered_json::array();
+  absl::Status first;
   for (const std::string& name : names) {
-    MORTISE_ASSIGN_OR_RETURN(const v1::Operation operation,
-                             CancelOne(FullName(name), wait, *client, output));
-    const std::string made = MadeBy(operation);
-    output.Line(absl::StrCat(operation.name(), ": ", StateText(operation),
-                             made.empty() ? "" : absl::StrCat(", ", made, " is kept")));
-    document.push_back(ToJson(operation));
+    const auto cancelled = CancelOne(FullName(name), wait, *client, output);
+    if (!cancelled.ok()) {
+      // The others are asked to stop all the same.
+      if (names.size() > 1) {
+        output.Note(absl::StrCat(FullName(name), ": ", cancelled.status().message()));
+      }
+      first.Update(cancelled.status());
+      continue;
+    }
+    output.Line(CancelledText(*cancelled));
+    document.push_back(ToJson(cancelled->operation));
   }
+  MORTISE_RETURN_IF_ERROR(first);
   output.Document(document);
   return absl::OkStatus();
 }
