@@ -14,6 +14,7 @@
 #include "absl/strings/strip.h"
 #include "cli/bearer_token.h"
 #include "cli/state_folder.h"
+#include "cli/tls_probe.h"
 #include "common/base/errors.h"
 #include "common/rpc/channel_security.h"
 #include "common/rpc/status_mapping.h"
@@ -46,6 +47,21 @@ absl::Status WhyNotConnected(const std::shared_ptr<grpc::Channel>& channel,
   v1::Operation ignored;
   return rpc::FromGrpc(
       v1::OperationService::NewStub(channel)->GetOperation(&context, {}, &ignored));
+}
+
+// Why a server that takes connections and ends them cannot be talked to.
+std::string WhyItRefuses(const std::string& address, bool plain_text) {
+  switch (AskForTls(address, kConnectPatience)) {
+    case TlsAnswer::kTls:
+      return plain_text ? "speaks TLS; name whom to trust with --authority"
+                        : "has a certificate that is not from the authority that is trusted, or "
+                          "is for another name";
+    case TlsAnswer::kOther:
+      return plain_text ? "answers, but does not speak gRPC in plain text" : "does not speak TLS";
+    case TlsAnswer::kNothing:
+      break;
+  }
+  return "ends connections at once: it may have as many as it takes, or be ending itself";
 }
 
 using Heard = std::function<void(const v1::Operation&)>;
@@ -174,11 +190,7 @@ absl::Status GatewayClient::AwaitConnection(std::chrono::duration<double> patien
     refusals_to_talk = refuses ? refusals_to_talk + 1 : 0;
     if (refusals_to_talk >= kRefusalsBeforeGivingUp) {
       return PeerUnavailable(
-          address_, absl::StrCat(plain_text ? "does not speak plain text; if it speaks TLS, name "
-                                              "whom to trust with --authority"
-                                            : "does not speak TLS, or its certificate is not from "
-                                              "the authority that is trusted",
-                                 " (", reason.message(), ")"));
+          address_, absl::StrCat(WhyItRefuses(address_, plain_text), " (", reason.message(), ")"));
     }
     if (std::chrono::steady_clock::now() - begin > patience) {
       return PeerUnavailable(address_, absl::StrCat("does not answer (", reason.message(), ")"));

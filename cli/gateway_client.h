@@ -39,7 +39,7 @@ class GatewayClient {
  public:
   // NOT_FOUND with what to do if no gateway is named and no house runs here; UNAVAILABLE with the
   // reason if none answers in time, or what answers does not speak as this client does (TLS against
-  // plain text, a certificate that is not trusted).
+  // plain text, a certificate that is not trusted) or ends connections at once.
   static absl::StatusOr<GatewayClient> Connect(const GatewayOptions& options);
 
   const std::shared_ptr<grpc::Channel>& channel() const { return channel_; }

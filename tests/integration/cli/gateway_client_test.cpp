@@ -1,14 +1,19 @@
 // The client of the commands against a gateway (played by this test) that fails now and then.
 #include "cli/gateway_client.h"
 
+#include <gmock/gmock.h>
 #include <grpcpp/grpcpp.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <atomic>
+#include <boost/asio/ip/tcp.hpp>
 #include <memory>
 #include <string>
+#include <thread>
 
 #include "cli/generic_call.h"
+#include "cli/tls_probe.h"
 #include "common/base/files.h"
 #include "common/rpc/status_mapping.h"
 #include "mortise/v1/catalog.grpc.pb.h"
@@ -39,6 +44,50 @@ class Flaky final : public v1::CatalogService::Service {
   std::atomic<int> calls{0};
   std::string token;  // that is needed; empty for none
 };
+
+// Reads what comes first on each connection, answers and ends it.
+class BriefServer {
+ public:
+  explicit BriefServer(std::string answer) : answer_(std::move(answer)) {
+    thread_ = std::thread([this] {
+      while (true) {
+        boost::asio::ip::tcp::socket connection(context_);
+        boost::system::error_code failure;
+        acceptor_.accept(connection, failure);
+        if (stopping_ || failure) return;
+        std::array<char, 4096> ignored{};
+        if (answer_.empty()) continue;
+        connection.read_some(boost::asio::buffer(ignored), failure);
+        connection.send(boost::asio::buffer(answer_), 0, failure);
+      }
+    });
+  }
+  ~BriefServer() {
+    stopping_ = true;
+    boost::asio::ip::tcp::socket last(context_);
+    last.connect(acceptor_.local_endpoint());
+    thread_.join();
+  }
+  std::string address() const {
+    return "127.0.0.1:" + std::to_string(acceptor_.local_endpoint().port());
+  }
+
+ private:
+  const std::string answer_;  // empty: it ends connections at once
+  boost::asio::io_context context_;
+  boost::asio::ip::tcp::acceptor acceptor_{context_, {boost::asio::ip::address_v4::loopback(), 0}};
+  std::atomic<bool> stopping_{false};
+  std::thread thread_;
+};
+
+// A refusal of the handshake, as a server of TLS sends it.
+const std::string kAlert("\x15\x03\x03\x00\x02\x02\x28", 7);
+
+std::string WhyNot(const BriefServer& server) {
+  GatewayOptions options;
+  options.address = server.address();
+  return std::string(GatewayClient::Connect(options).status().message());
+}
 
 class GatewayClientTest : public ::testing::Test {
  protected:
@@ -106,6 +155,22 @@ TEST_F(GatewayClientTest, GoesOnWithANewTokenInTheFileAndNotWithoutOne) {
   EXPECT_EQ(service_.calls, 3);
   EXPECT_TRUE(Get().ok());
   EXPECT_EQ(service_.calls, 4);
+}
+
+TEST(Connect, TellsAServerThatEndsConnectionsFromOneThatSpeaksTls) {
+  const BriefServer closing("");
+  EXPECT_THAT(WhyNot(closing), ::testing::HasSubstr("ends connections at once"));
+  const BriefServer tls(kAlert);
+  EXPECT_THAT(WhyNot(tls), ::testing::HasSubstr("speaks TLS; name whom to trust"));
+}
+
+TEST_F(GatewayClientTest, ProbesWhatAServerSpeaks) {
+  EXPECT_EQ(AskForTls(client_->address(), std::chrono::seconds(10)), TlsAnswer::kOther);
+  EXPECT_EQ(AskForTls(BriefServer("HTTP/1.1 400 Bad Request\r\n\r\n").address(),
+                      std::chrono::seconds(10)),
+            TlsAnswer::kOther);
+  EXPECT_EQ(AskForTls(BriefServer(kAlert).address(), std::chrono::seconds(10)), TlsAnswer::kTls);
+  EXPECT_EQ(AskForTls(BriefServer("").address(), std::chrono::seconds(10)), TlsAnswer::kNothing);
 }
 
 TEST_F(GatewayClientTest, RepeatsNothingThatWasAnswered) {
