@@ -63,7 +63,7 @@ class ShopFloor {
   absl::Status Resumed(const std::string& order_name);
 
   // The machine of this name that raised the alarm, as its bridge last told. NOT_FOUND;
-  // INVALID_ARGUMENT, field "bridge", if none is named and several have such a machine;
+  // INVALID_ARGUMENT naming what is no name, or "bridge" if several have such a machine;
   // FAILED_PRECONDITION, NO_ALARM or BRIDGE_AWAY, for nobody should clear now what moves later.
   absl::StatusOr<v1::HeldMachine> FindAlarm(const std::string& bridge_name,
                                             const std::string& machine_name) const;

@@ -288,6 +288,13 @@ void ShopFloor::SendResume(Order& order, const std::string& bridge_name) {
 
 absl::StatusOr<v1::HeldMachine> ShopFloor::FindAlarm(const std::string& bridge_name,
                                                      const std::string& machine_name) const {
+  if (!IsMachineName(machine_name)) {
+    return InvalidField("machine", "must be 1 to 63 letters, digits, '-', '_' and '.'");
+  }
+  if (!bridge_name.empty() && !IsResourceId(bridge_name)) {
+    return InvalidField("bridge",
+                        "must be a name of 1 to 63 lower-case letters, digits and hyphens");
+  }
   std::lock_guard lock(mutex_);
   std::optional<v1::HeldMachine> found;
   bool is_attached = false;

@@ -162,6 +162,9 @@ TEST_F(FabPlannerServiceTest, TheAlarmOfAMachineWithoutOrdersIsClearedByItsName)
     return std::pair(status, answer);
   };
   EXPECT_EQ(clear("saw-1", "").first.error_code(), grpc::StatusCode::NOT_FOUND);
+  EXPECT_EQ(clear("no name/", "").first.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_EQ(clear("saw-1", "No Name").first.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_EQ(clear("", "north").first.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
   const auto there = [this](int count) {
     return [this, count](FakeBridge&) {
       v1::ListBridgesResponse bridges;
