@@ -1,5 +1,8 @@
 #include "gateway/budget.h"
 
+#include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
+
 namespace mortise::gateway {
 
 std::unique_ptr<Budget::Share> Budget::Take(const std::string& who, int64_t amount) {
@@ -20,6 +23,13 @@ void Budget::GiveBack(const std::string& who, int64_t amount) {
   const auto found = taken_by_.find(who);
   found->second -= amount;
   if (found->second == 0) taken_by_.erase(found);
+}
+
+absl::Status TooManyAtATime(std::string_view what) {
+  const std::string words(what);
+  return WithDetail(
+      absl::ResourceExhaustedError(absl::StrCat("too many ", words, " at a time; try again later")),
+      {"TOO_MANY_CALLS", words});
 }
 
 }  // namespace mortise::gateway

@@ -6,9 +6,16 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <string_view>
 #include <utility>
 
+#include "absl/status/status.h"
+
 namespace mortise::gateway {
+
+// Bodies and messages up to this are counted by their connections and calls alone, so that those of
+// usual calls are taken however many large ones are under way.
+inline constexpr std::size_t kSmallBodyBytes = 64 * 1024;
 
 // Thread safe.
 class Budget {
@@ -43,5 +50,8 @@ class Budget {
   int64_t taken_ = 0;                        // guarded by mutex_
   std::map<std::string, int64_t> taken_by_;  // guarded by mutex_; none is 0
 };
+
+// RESOURCE_EXHAUSTED, TOO_MANY_CALLS: `what` is too many at a time.
+absl::Status TooManyAtATime(std::string_view what);
 
 }  // namespace mortise::gateway

@@ -18,9 +18,6 @@ constexpr int kRequestTimeout = 408;
 constexpr int kUnsupportedMediaType = 415;
 constexpr int kVersionNotSupported = 505;
 constexpr char kBodyTooSlow[] = "BODY_TOO_SLOW";
-// Bodies up to this are counted by their connections alone, so that those of usual calls are read
-// however many large ones are under way.
-constexpr uint64_t kSmallBodyBytes = 64 * 1024;
 
 // A call as its HTTP request describes it.
 struct ConnectCall {

@@ -209,6 +209,8 @@ class House final : public Gateway {
     proxy.admission = admission_.get();
     open_calls_ = std::make_unique<OpenCalls>(CallLimits());
     proxy.open_calls = open_calls_.get();
+    bodies_ = std::make_unique<Budget>(options_.body_bytes, options_.body_bytes / 4);
+    proxy.bodies = bodies_.get();
     proxy.log = call_log_.get();
     GrpcDoorOptions grpc;
     grpc.listen = options_.grpc;
@@ -242,7 +244,6 @@ class House final : public Gateway {
     // Half of the door's connections stay free for calls, whatever streams there are.
     const int answers = std::max(1, ConnectionsOfDoor() / 2);
     answers_ = std::make_unique<Budget>(answers, std::max(1, answers / 2));
-    bodies_ = std::make_unique<Budget>(options_.body_bytes, options_.body_bytes / 4);
     local_stub_ = grpc_door_->LocalStub();
     auto context = std::make_shared<HttpContext>();
     context->contract = contract_.get();

@@ -39,7 +39,8 @@ struct GatewayOptions {
   // descriptors leaves.
   int most_connections = 0;
   OpenCallLimits open_calls;  // what is more than the services' connections carry is cut
-  int64_t body_bytes = int64_t{256} << 20;  // of large bodies at a time, over HTTP
+  // Of large bodies at a time, over HTTP, and of large messages that came compressed, over gRPC.
+  int64_t body_bytes = int64_t{256} << 20;
   HttpPatience http_patience;
   WebhookDeliveryOptions webhooks;
 };

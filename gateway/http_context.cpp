@@ -90,13 +90,6 @@ absl::Status CheckPassedHeaders(const HeaderList& metadata) {
   return passed.Check("headers");
 }
 
-absl::Status TooManyAtATime(std::string_view what) {
-  const std::string words(what);
-  return WithDetail(
-      absl::ResourceExhaustedError(absl::StrCat("too many ", words, " at a time; try again later")),
-      {"TOO_MANY_CALLS", words});
-}
-
 boost::asio::awaitable<bool> WriteError(HttpConnection& connection, const ConnectError& error,
                                         HeaderList headers, bool keep_alive) {
   const int status = HttpStatusOf(error.code);

@@ -24,7 +24,7 @@ struct HttpContext {
   Admission* admission = nullptr;
   GenericStub* stub = nullptr;  // of the gRPC door, in this process
   OpenCalls* open_calls = nullptr;
-  Budget* bodies = nullptr;              // bytes of bodies, by subject
+  Budget* bodies = nullptr;              // bytes of bodies, by subject; the gRPC door's too
   Budget* answers = nullptr;             // answers that may take long: streams, and calls that wait
   bool loopback_names_only = false;      // of `Host`: others are refused
   std::string openapi;                   // the document
@@ -56,9 +56,6 @@ void AppendMetadata(HeaderList& headers, const HeaderList& metadata, const char*
 // A unary error answer: {"code":…} with the HTTP status of its code.
 boost::asio::awaitable<bool> WriteError(HttpConnection& connection, const ConnectError& error,
                                         HeaderList headers, bool keep_alive);
-
-// RESOURCE_EXHAUSTED, TOO_MANY_CALLS: `what` is too many at a time.
-absl::Status TooManyAtATime(std::string_view what);
 
 // The same with a status that says more than the code's. Where trying again later may help, the
 // answer says so (Retry-After).

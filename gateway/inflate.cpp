@@ -60,9 +60,9 @@ absl::Status Feed(z_stream& stream, const grpc::Slice& slice, bool& ended, std::
 
 }  // namespace
 
-absl::Status Inflate(grpc::ByteBuffer& message) {
+absl::StatusOr<bool> Inflate(grpc::ByteBuffer& message) {
   std::vector<grpc::Slice> slices;
-  if (!message.Dump(&slices).ok() || !IsGzip(slices)) return absl::OkStatus();
+  if (!message.Dump(&slices).ok() || !IsGzip(slices)) return false;
   const Stream stream(new z_stream());
   if (inflateInit2(stream.get(), kGzip) != Z_OK) return absl::InternalError("zlib has no memory");
   bool ended = false;
@@ -73,7 +73,7 @@ absl::Status Inflate(grpc::ByteBuffer& message) {
   if (!ended) return Damaged();
   const grpc::Slice plain(expanded.data(), expanded.size());
   message = grpc::ByteBuffer(&plain, 1);
-  return absl::OkStatus();
+  return true;
 }
 
 }  // namespace mortise::gateway

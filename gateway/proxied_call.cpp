@@ -6,6 +6,7 @@
 #include "common/base/errors.h"
 #include "common/base/identifiers.h"
 #include "common/rpc/status_mapping.h"
+#include "gateway/inflate.h"
 #include "gateway/wire.h"
 
 namespace mortise::gateway {
@@ -70,12 +71,25 @@ absl::Status ProxiedCall::CheckMetadata() const {
   return passed.Check("metadata");
 }
 
+absl::Status ProxiedCall::Expand(grpc::ByteBuffer& message) {
+  room_.reset();
+  MORTISE_ASSIGN_OR_RETURN(const bool expanded, Inflate(message));
+  if (!expanded || !IsLarge(message)) return absl::OkStatus();
+  room_ = proxy_.bodies->Take(caller_->subject, static_cast<int64_t>(message.Length()));
+  return room_ != nullptr ? absl::OkStatus() : TooManyAtATime("large messages");
+}
+
 GenericStub* ProxiedCall::Prepare(const grpc::ByteBuffer* first, absl::Status& error) {
   std::string request;
   if (first != nullptr && method_->destination != Destination::kService) request = ToString(*first);
   absl::StatusOr<std::string> service = ServiceOf(*method_, request, *proxy_.upstreams);
   if (!service.ok()) {
     error = service.status();
+    return nullptr;
+  }
+  if (first != nullptr && IsLarge(*first) &&
+      !proxy_.contract->IsRequest(*method_, ToString(*first))) {
+    error = UnreadableRequest();
     return nullptr;
   }
   service_ = *std::move(service);

@@ -17,6 +17,9 @@
 
 namespace mortise::gateway {
 
+// Whether it is worth letting go before its call ends.
+inline bool IsLarge(const grpc::ByteBuffer& message) { return message.Length() > kSmallBodyBytes; }
+
 // The client's side of a call: its context, and what was found out about it.
 class ProxiedCall {
  public:
@@ -29,9 +32,18 @@ class ProxiedCall {
   // the client, in any case.
   absl::Status Admit();
 
+  // Expands a message of the client's if it is compressed. One that is large then has room taken
+  // for it until the next one, LetGo or the end of the call; RESOURCE_EXHAUSTED, TOO_MANY_CALLS if
+  // there is none.
+  absl::Status Expand(grpc::ByteBuffer& message);
+
+  // The room of a message that was passed on, with more to come.
+  void LetGo() { room_.reset(); }
+
   // Finds the service and fills the context of the call to it: deadline, metadata, identity.
-  // `first` is read only where the route depends on the message. Null with `error` set if there is
-  // no such service, or it has too many calls.
+  // `first` is read only where the route depends on the message, or it is large: it need not be
+  // kept for Conclude then. Null with `error` set if there is no such service, it has too many
+  // calls, or it could not read the message.
   GenericStub* Prepare(const grpc::ByteBuffer* first, absl::Status& error);
 
   // Passes what the service sent before its first message on to the client.
@@ -39,7 +51,7 @@ class ProxiedCall {
 
   // The status for the client, after the service's trailing metadata was passed on. A service that
   // could not be reached is named, and a request that it could not read is said to be that:
-  // `request` is the only message of the client's, null if there may be many.
+  // `request` is the only message of the client's, if it is small; null if there may be many.
   grpc::Status Conclude(const grpc::Status& upstream, const grpc::ByteBuffer* request);
 
   // Writes the log line. Once, when all is over.
@@ -61,6 +73,7 @@ class ProxiedCall {
   std::shared_ptr<const Upstreams::Connection> connection_;
   std::optional<ConnectionPatience> patience_;
   std::shared_ptr<const Caller> caller_;
+  std::unique_ptr<Budget::Share> room_;
   std::unique_ptr<OpenCalls::Place> place_;
   std::optional<CallTokenEnd> token_end_;  // of streams
   std::string request_id_;

@@ -9,7 +9,8 @@
 //
 // A stream ends with the token that it was begun with. Calls are counted by kind, subject and
 // service, so that none takes what others need (open_calls.h). Compressed messages are expanded
-// here, within the limit of messages.
+// here, within the limit of messages and within a budget for those that become large, which gRPC's
+// own count of memory does not see. What is large is let go as soon as it was passed on.
 //
 // Methods of OperationService and EventService that name an operation or a stream in their first
 // message go to the service named there.
@@ -21,6 +22,7 @@
 
 #include "absl/status/statusor.h"
 #include "gateway/admission.h"
+#include "gateway/budget.h"
 #include "gateway/call_log.h"
 #include "gateway/contract.h"
 #include "gateway/open_calls.h"
@@ -38,6 +40,7 @@ struct ProxyOptions {
   const Upstreams* upstreams = nullptr;
   Admission* admission = nullptr;
   OpenCalls* open_calls = nullptr;
+  Budget* bodies = nullptr;  // bytes of what was expanded, by subject
   CallLog* log = nullptr;
 };
 

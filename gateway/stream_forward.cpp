@@ -3,7 +3,6 @@
 
 #include "common/base/errors.h"
 #include "common/rpc/status_mapping.h"
-#include "gateway/inflate.h"
 #include "gateway/proxied_call.h"
 
 namespace mortise::gateway {
@@ -29,7 +28,7 @@ class StreamForward final : public grpc::ServerGenericBidiReactor {
   }
 
   void OnReadDone(bool ok) override {
-    const absl::Status readable = ok ? Inflate(from_client_) : absl::OkStatus();
+    const absl::Status readable = ok ? call_->Expand(from_client_) : absl::OkStatus();
     if (client_streaming_) {
       if (readable.ok()) return PassOn(ok);
       {
@@ -123,9 +122,9 @@ class StreamForward final : public grpc::ServerGenericBidiReactor {
     End(call_->Conclude(status, client_streaming_ ? nullptr : &from_client_));
   }
 
-  // --- From the client to the service (client streaming only).
+  // --- From the client to the service.
 
-  // A message of the client's, or its half-close.
+  // A message of the client's, or its half-close (client streaming only).
   void PassOn(bool ok) {
     {
       std::lock_guard lock(mutex_);
@@ -139,7 +138,13 @@ class StreamForward final : public grpc::ServerGenericBidiReactor {
   }
 
   void OnPassedOn(bool ok) {
-    if (!client_streaming_) return;
+    if (!client_streaming_) {
+      // The only message. What became of it is held by its service, so its room is kept.
+      if (IsLarge(from_client_)) from_client_.Clear();
+      return;
+    }
+    from_client_.Clear();
+    call_->LetGo();
     bool release = false;
     {
       std::lock_guard lock(mutex_);

@@ -1,7 +1,6 @@
 // A unary call through the proxy: one batch of operations on either side.
 #include "common/base/errors.h"
 #include "common/rpc/status_mapping.h"
-#include "gateway/inflate.h"
 #include "gateway/proxied_call.h"
 
 namespace mortise::gateway {
@@ -16,12 +15,15 @@ class UnaryForward final : public grpc::ServerGenericBidiReactor, public grpc::C
   // The client's message came.
   void OnReadDone(bool ok) override {
     if (!ok) return End(rpc::ToGrpc(InvalidField("request", "the call carries no message")));
-    absl::Status error = Inflate(request_);
+    absl::Status error = call_->Expand(request_);
     if (!error.ok()) return End(rpc::ToGrpc(error));
     GenericStub* stub = call_->Prepare(&request_, error);
     if (stub == nullptr) return End(rpc::ToGrpc(error));
-    stub->PrepareUnaryCall(&call_->upstream(), call_->method().path, {}, &request_, &response_,
-                           this);
+    // The call that is started has taken the message; a large one is not held here until the
+    // answer.
+    grpc::ByteBuffer sent(request_);
+    if (IsLarge(sent)) request_.Clear();
+    stub->PrepareUnaryCall(&call_->upstream(), call_->method().path, {}, &sent, &response_, this);
     StartCall();
   }
 

@@ -1,8 +1,12 @@
 // Bodies of requests: who may send them, how much and how slowly, and what compressed ones become.
 #include <gmock/gmock.h>
+#include <google/protobuf/unknown_field_set.h>
+#include <grpcpp/generic/generic_stub.h>
 #include <grpcpp/grpcpp.h>
 
+#include <future>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "common/base/errors.h"
 #include "common/base/files.h"
@@ -185,6 +189,78 @@ TEST_F(CompressedCallTest, OtherAlgorithmsAreNotExpanded) {
   v1::Item item;
   const grpc::Status status = Call(GRPC_COMPRESS_DEFLATE, std::string(64 << 20, 'x'), &item);
   EXPECT_EQ(status.error_code(), grpc::StatusCode::UNIMPLEMENTED) << status.error_message();
+}
+
+// A call of items/slow whose request is large once it is expanded, and which ends with this.
+class LargeSlowCall {
+ public:
+  explicit LargeSlowCall(const std::shared_ptr<grpc::Channel>& channel)
+      : thread_([this, channel] {
+          v1::GetItemRequest request;
+          request.set_name("items/slow");
+          constexpr int kUnknownField = 1000;
+          request.GetReflection()->MutableUnknownFields(&request)->AddLengthDelimited(
+              kUnknownField, std::string(3 << 20, 'x'));
+          v1::Item item;
+          status_ = v1::CatalogService::NewStub(channel)->GetItem(&context_, request, &item);
+        }) {}
+  ~LargeSlowCall() { Cancel(); }
+
+  void Cancel() {
+    context_.TryCancel();
+    if (thread_.joinable()) thread_.join();
+  }
+
+ private:
+  grpc::ClientContext context_;
+  grpc::Status status_;
+  std::thread thread_;
+};
+
+TEST_F(CompressedCallTest, LargeOnesShareTheBudgetOfBodies) {
+  GatewayOptions options = Options();
+  options.body_bytes = 16 << 20;  // of which one subject has a quarter
+  StartGateway(options);
+  grpc::ChannelArguments arguments;
+  arguments.SetCompressionAlgorithm(GRPC_COMPRESS_GZIP);
+  LargeSlowCall first(grpc::CreateCustomChannel(gateway_->addresses().grpc,
+                                                grpc::InsecureChannelCredentials(), arguments));
+  ASSERT_TRUE(house_.WaitForSlow(1));
+  v1::Item item;
+  const std::string large(3 << 20, 'x');
+  const absl::Status refused = rpc::FromGrpc(Call(GRPC_COMPRESS_GZIP, large, &item));
+  EXPECT_EQ(refused.code(), absl::StatusCode::kResourceExhausted) << refused;
+  EXPECT_EQ(DetailOf(refused).reason, "TOO_MANY_CALLS");
+  EXPECT_THAT(std::string(refused.message()), HasSubstr("large"));
+  const grpc::Status small = Call(GRPC_COMPRESS_GZIP, std::string(1000, 'x'), &item);
+  EXPECT_TRUE(small.ok()) << small.error_message();
+  // What a call took is given back with its end, a moment after its client has it.
+  first.Cancel();
+  grpc::Status later;
+  for (int i = 0; i < 1000; ++i) {
+    later = Call(GRPC_COMPRESS_GZIP, large, &item);
+    if (later.ok()) break;
+  }
+  EXPECT_TRUE(later.ok()) << later.error_message();
+}
+
+TEST_F(CompressedCallTest, LargeMessagesThatCannotBeReadAreNamed) {
+  const auto channel =
+      grpc::CreateChannel(gateway_->addresses().grpc, grpc::InsecureChannelCredentials());
+  grpc::GenericStub stub(channel);
+  for (const std::size_t bytes : {10, 100000}) {
+    grpc::ClientContext context;
+    const std::string text(bytes, '\xff');
+    const grpc::Slice slice(text);
+    const grpc::ByteBuffer request(&slice, 1);
+    grpc::ByteBuffer response;
+    std::promise<grpc::Status> promise;
+    stub.UnaryCall(&context, kGetItem, {}, &request, &response,
+                   [&](grpc::Status status) { promise.set_value(std::move(status)); });
+    const grpc::Status status = promise.get_future().get();
+    EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT) << status.error_message();
+    EXPECT_THAT(status.error_message(), HasSubstr("request"));
+  }
 }
 
 TEST_F(CompressedCallTest, StreamsOfMessagesAreExpandedToo) {

@@ -39,7 +39,7 @@ std::string Gzip(const std::string& first, int megabytes) {
 
 absl::Status Expand(const std::string& bytes, std::string& expanded) {
   grpc::ByteBuffer message = ToByteBuffer(bytes);
-  const absl::Status status = Inflate(message);
+  const absl::Status status = Inflate(message).status();
   expanded = ToString(message);
   return status;
 }
@@ -52,6 +52,8 @@ TEST(Inflate, LeavesPlainMessagesAlone) {
     std::string expanded;
     EXPECT_TRUE(Expand(plain, expanded).ok());
     EXPECT_EQ(expanded, plain);
+    grpc::ByteBuffer message = ToByteBuffer(plain);
+    EXPECT_FALSE(*Inflate(message)) << "was not compressed";
   }
 }
 
@@ -96,7 +98,9 @@ TEST(Inflate, TakesMessagesInPieces) {
   std::vector<grpc::Slice> slices;
   for (const char byte : bytes) slices.emplace_back(&byte, 1);
   grpc::ByteBuffer message(slices.data(), slices.size());
-  ASSERT_TRUE(Inflate(message).ok());
+  const absl::StatusOr<bool> compressed = Inflate(message);
+  ASSERT_TRUE(compressed.ok()) << compressed.status();
+  EXPECT_TRUE(*compressed);
   EXPECT_EQ(ToString(message), "hello");
 }
 
