@@ -16,7 +16,6 @@ namespace mortise::gateway {
 namespace {
 
 constexpr int kBatch = 256;
-constexpr int kMostTypes = 100;  // each is compared with every event
 // A follower of a service that cannot be reached looks again this often.
 constexpr absl::Duration kRetry = absl::Seconds(1);
 
@@ -128,9 +127,7 @@ class MergedEvents final : public v1::EventService::CallbackService {
   absl::Status Follow(const v1::FollowEventsRequest& asked,
                       std::shared_ptr<rpc::StreamWriter<v1::Event>> writer) {
     MORTISE_ASSIGN_OR_RETURN(const auto positions, rpc::FollowPositions(asked));
-    if (asked.type_prefixes_size() > kMostTypes) {
-      return InvalidField("type_prefixes", "has more than 100 entries");
-    }
+    MORTISE_RETURN_IF_ERROR(rpc::CheckTypePrefixes(asked.type_prefixes()));
     for (const std::string& stream : asked.streams()) {
       if (!Knows(stream)) return NoSuchStream(stream);
     }

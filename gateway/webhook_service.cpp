@@ -8,6 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/base/identifiers.h"
+#include "common/rpc/event_service.h"
 #include "common/rpc/handler.h"
 #include "common/store/store.h"
 #include "gateway/event_hub.h"
@@ -21,8 +22,6 @@ namespace mortise::gateway {
 namespace {
 
 using google::protobuf::util::TimeUtil;
-
-constexpr int kLargestList = 100;  // of streams or type prefixes in one subscription
 
 // Unguessable: 32 random bytes.
 absl::StatusOr<std::string> NewSecret() {
@@ -131,9 +130,7 @@ class WebhookAdapter final : public v1::WebhookService::CallbackService {
     MORTISE_ASSIGN_OR_RETURN(const WebhookUrl url, ParseWebhookUrl(asked.url()));
     MORTISE_RETURN_IF_ERROR(environment_.delivery->CheckHost(url));
     MORTISE_RETURN_IF_ERROR(CheckStreams(asked.streams()));
-    if (asked.type_prefixes_size() > kLargestList) {
-      return InvalidField("type_prefixes", "has more than 100 entries");
-    }
+    MORTISE_RETURN_IF_ERROR(rpc::CheckTypePrefixes(asked.type_prefixes()));
     v1::Webhook webhook;
     webhook.set_name("webhooks/" + NewIdentifier());
     webhook.set_url(asked.url());

@@ -18,7 +18,8 @@
 namespace mortise::rpc {
 namespace {
 
-constexpr int kMostTypes = 100;  // each is compared with every event
+constexpr int kMostTypes = 100;
+constexpr std::size_t kMostTypeBytes = 256;
 constexpr int kMostPositions = 64;
 constexpr int kDefaultLimit = 1000;
 constexpr int kLargestLimit = 10000;
@@ -187,9 +188,7 @@ class EventAdapter : public v1::EventService::CallbackService {
     for (const auto& [stream, after] : positions) {
       MORTISE_RETURN_IF_ERROR(CheckStream(stream, "positions"));
     }
-    if (asked.type_prefixes_size() > kMostTypes) {
-      return InvalidField("type_prefixes", "has more than 100 entries");
-    }
+    MORTISE_RETURN_IF_ERROR(CheckTypePrefixes(asked.type_prefixes()));
     auto follower = std::make_shared<Follower>();
     follower->after_number = positions.empty() ? asked.after_number() : positions.begin()->second;
     follower->type_prefixes.assign(asked.type_prefixes().begin(), asked.type_prefixes().end());
@@ -237,6 +236,18 @@ class EventAdapter : public v1::EventService::CallbackService {
 };
 
 }  // namespace
+
+absl::Status CheckTypePrefixes(const google::protobuf::RepeatedPtrField<std::string>& prefixes) {
+  if (prefixes.size() > kMostTypes) {
+    return InvalidField("type_prefixes", "has more than 100 entries");
+  }
+  for (int i = 0; i < prefixes.size(); ++i) {
+    if (prefixes[i].size() > kMostTypeBytes) {
+      return InvalidField("type_prefixes[" + std::to_string(i) + "]", "has more than 256 bytes");
+    }
+  }
+  return absl::OkStatus();
+}
 
 absl::StatusOr<std::map<std::string, int64_t>> FollowPositions(
     const v1::FollowEventsRequest& asked) {

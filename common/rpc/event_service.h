@@ -1,6 +1,8 @@
 // EventService of one service process: its own event stream, over the store's numbered events.
 #pragma once
 
+#include <google/protobuf/repeated_field.h>
+
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -28,6 +30,10 @@ class Dispatcher;
 // that is named twice or not followed.
 absl::StatusOr<std::map<std::string, int64_t>> FollowPositions(
     const v1::FollowEventsRequest& asked);
+
+// INVALID_ARGUMENT naming `type_prefixes`: more than 100, or one of more than 256 bytes. Each is
+// compared with every event, and kept for as long as somebody follows.
+absl::Status CheckTypePrefixes(const google::protobuf::RepeatedPtrField<std::string>& prefixes);
 
 // Tells followers that there are new numbered events. Thread safe.
 class EventSignal {

@@ -31,6 +31,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "common/base/errors.h"
 #include "common/rpc/call.h"
 #include "common/rpc/call_state.h"
 #include "common/rpc/dispatcher.h"
@@ -40,6 +41,9 @@
 #include "common/rpc/unary_call.h"
 
 namespace mortise::rpc {
+
+// Requests of streams without end say what to follow, and never come near this.
+inline constexpr std::size_t kMostBytesOfEndless = 64 * 1024;
 
 // Answers an AsyncQuery. Only the first call counts; somebody must make it.
 template <class Response>
@@ -168,9 +172,15 @@ class Endpoint {
       const Explanation<Request>& explanation = nullptr) {
     return ServerStreamReactor<Response>::Start(
         NewCall(method, *context), request, options,
-        [request, start = std::move(start)](const Call& call,
-                                            const std::shared_ptr<StreamWriter<Response>>& writer)
-            -> absl::Status { return start(call, *request, writer); },
+        [request, endless = options.endless, start = std::move(start)](
+            const Call& call,
+            const std::shared_ptr<StreamWriter<Response>>& writer) -> absl::Status {
+          // gRPC keeps the request for as long as the stream.
+          if (endless && request->ByteSizeLong() > kMostBytesOfEndless) {
+            return TooLarge("the request of a stream without end", "64 KiB");
+          }
+          return start(call, *request, writer);
+        },
         Of(request, explanation));
   }
 

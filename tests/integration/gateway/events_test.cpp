@@ -4,6 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "common/base/errors.h"
+#include "common/rpc/status_mapping.h"
 #include "mortise/v1/events.grpc.pb.h"
 #include "mortise/v1/operations.grpc.pb.h"
 #include "tests/integration/gateway/events_fixture.h"
@@ -58,6 +60,28 @@ TEST_F(EventsTest, RefusesMalformedEventRequests) {
   EXPECT_EQ(nobody.status, 404);
   EXPECT_EQ(Json::parse(nobody.body)["message"], "there is no stream 'nobody'");
   EXPECT_EQ(Http(http, "GET", "/events", {{"Last-Event-ID", "catalog"}}).status, 400);
+}
+
+TEST_F(EventsTest, RefusesToFollowWhatNobodyWouldAskFor) {
+  const auto follow = [&](const v1::FollowEventsRequest& request) {
+    grpc::ClientContext context;
+    const auto reader = v1::EventService::NewStub(channel_)->FollowEvents(&context, request);
+    v1::Event event;
+    EXPECT_FALSE(reader->Read(&event));
+    return rpc::FromGrpc(reader->Finish());
+  };
+  v1::FollowEventsRequest request;
+  request.add_type_prefixes("item.");
+  request.add_type_prefixes(std::string(257, 'x'));
+  const absl::Status long_prefix = follow(request);
+  EXPECT_EQ(long_prefix.code(), absl::StatusCode::kInvalidArgument) << long_prefix;
+  EXPECT_EQ(DetailOf(long_prefix).field, "type_prefixes[1]");
+  // A request is kept for as long as its stream: those that are large are not.
+  request.clear_type_prefixes();
+  for (int i = 0; i < 10000; ++i) request.add_streams("catalog");
+  const absl::Status large = follow(request);
+  EXPECT_EQ(large.code(), absl::StatusCode::kResourceExhausted) << large;
+  EXPECT_EQ(DetailOf(large).reason, "TOO_LARGE");
 }
 
 TEST_F(EventsTest, WatchesOperations) {

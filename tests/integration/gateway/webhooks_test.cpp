@@ -395,6 +395,15 @@ TEST_F(WebhookTest, RefusesBadSubscriptionsAndEndsThem) {
               grpc::StatusCode::INVALID_ARGUMENT)
         << url;
   }
+  v1::CreateWebhookRequest long_prefix;
+  long_prefix.set_request_id("long-prefix");
+  long_prefix.set_url(receiver_.url());
+  long_prefix.add_type_prefixes(std::string(257, 'x'));
+  grpc::ClientContext refused_context;
+  v1::Webhook refused;
+  const absl::Status status_of_long =
+      rpc::FromGrpc(Stub()->CreateWebhook(&refused_context, long_prefix, &refused));
+  EXPECT_EQ(DetailOf(status_of_long).field, "type_prefixes[0]") << status_of_long;
   const v1::Webhook webhook = Create(receiver_.url());
   grpc::ClientContext context;
   v1::DeleteWebhookRequest request;
