@@ -211,6 +211,7 @@ class House final : public Gateway {
     proxy.open_calls = open_calls_.get();
     bodies_ = std::make_unique<Budget>(options_.body_bytes, options_.body_bytes / 4);
     proxy.bodies = bodies_.get();
+    proxy.reflection_time = options_.reflection_time;
     proxy.log = call_log_.get();
     GrpcDoorOptions grpc;
     grpc.listen = options_.grpc;

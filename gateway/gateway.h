@@ -1,6 +1,7 @@
 // The whole gateway: both doors, what is behind them, and the event bus.
 #pragma once
 
+#include <chrono>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -42,6 +43,7 @@ struct GatewayOptions {
   // Of large bodies at a time, over HTTP, and of large messages that came compressed, over gRPC.
   int64_t body_bytes = int64_t{256} << 20;
   HttpPatience http_patience;
+  std::chrono::milliseconds reflection_time{60000};  // of one stream of reflection
   WebhookDeliveryOptions webhooks;
 };
 

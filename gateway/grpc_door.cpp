@@ -1,8 +1,8 @@
 #include "gateway/grpc_door.h"
 
+#include <grpcpp/ext/health_check_service_server_builder_option.h>
 #include <grpcpp/generic/async_generic_service.h>
 #include <grpcpp/generic/generic_stub.h>
-#include <grpcpp/health_check_service_interface.h>
 #include <grpcpp/impl/server_builder_option.h>
 #include <grpcpp/impl/server_builder_plugin.h>
 #include <grpcpp/resource_quota.h>
@@ -16,6 +16,7 @@
 #include "common/base/errors.h"
 #include "common/rpc/connection_acceptor.h"
 #include "common/rpc/server_limits.h"
+#include "gateway/health_answers.h"
 #include "gateway/wire.h"
 
 namespace mortise::gateway {
@@ -48,6 +49,8 @@ constexpr int kIdleMilliseconds = 10 * 60 * 1000;
 void SetArguments(grpc::ServerBuilder& builder) {
   rpc::SetServerLimits(builder, kMostMetadataBytes);
   builder.SetOption(std::make_unique<WithoutReflectionPlugin>());
+  // Nor gRPC's own health service, which would take its calls from the proxy.
+  builder.SetOption(std::make_unique<grpc::HealthCheckServiceServerBuilderOption>(nullptr));
   // The proxy expands what is compressed with gzip; gRPC itself, nothing (rpc::SetServerLimits).
   builder.SetCompressionAlgorithmSupportStatus(GRPC_COMPRESS_GZIP, true);
   grpc::ResourceQuota memory("grpc-door");
@@ -61,14 +64,13 @@ void SetArguments(grpc::ServerBuilder& builder) {
 class Door final : public GrpcDoor {
  public:
   Door(const GrpcDoorOptions& options, const ProxyOptions& proxy)
-      : options_(options), proxy_(MakeProxy(proxy)) {}
+      : options_(options), proxy_(MakeProxy(WithOwn(proxy))) {}
 
   ~Door() override { Shutdown(); }
 
   absl::Status Listen() {
     MORTISE_ASSIGN_OR_RETURN(auto credentials,
                              rpc::MakeServerCredentials(options_.listen, options_.security));
-    grpc::EnableDefaultHealthCheckService(true);
     grpc::ServerBuilder builder;
     SetArguments(builder);
     rpc::AcceptorOptions acceptor;
@@ -78,12 +80,11 @@ class Door final : public GrpcDoor {
     builder.RegisterCallbackGenericService(proxy_.get());
     server_ = builder.BuildAndStart();
     if (!server_) return absl::InternalError("gRPC could not start a server");
-    server_->GetHealthCheckService()->SetServingStatus(false);
     MORTISE_ASSIGN_OR_RETURN(acceptor_, rpc::ConnectionAcceptor::Start(std::move(acceptor)));
     return absl::OkStatus();
   }
 
-  void SetReady() override { server_->GetHealthCheckService()->SetServingStatus(true); }
+  void SetReady() override { health_.SetServing(); }
 
   absl::Status Probe() override { return acceptor_->Probe(); }
 
@@ -91,7 +92,7 @@ class Door final : public GrpcDoor {
     std::call_once(shut_down_, [this] {
       if (acceptor_) acceptor_->Stop();
       if (!server_) return;
-      server_->GetHealthCheckService()->SetServingStatus(false);
+      health_.End();
       server_->Shutdown(absl::ToChronoTime(absl::Now() + options_.drain_time));
       server_->Wait();
     });
@@ -104,7 +105,13 @@ class Door final : public GrpcDoor {
   }
 
  private:
+  ProxyOptions WithOwn(ProxyOptions proxy) {
+    proxy.health = &health_;
+    return proxy;
+  }
+
   const GrpcDoorOptions options_;
+  HealthAnswers health_;
   const std::unique_ptr<grpc::CallbackGenericService> proxy_;
   std::unique_ptr<grpc::Server> server_;
   std::unique_ptr<rpc::ConnectionAcceptor> acceptor_;

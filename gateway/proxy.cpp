@@ -4,9 +4,12 @@
 #include <google/protobuf/io/coded_stream.h>
 #include <google/protobuf/wire_format_lite.h>
 
+#include <iterator>
+
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "gateway/event_hub.h"
+#include "gateway/health_answers.h"
 #include "gateway/proxied_call.h"
 #include "gateway/reflection.h"
 
@@ -15,6 +18,21 @@ namespace {
 
 namespace pb = google::protobuf;
 
+// As no subject of a token is named: those are in a collection.
+constexpr char kAnybody[] = "anybody";
+
+// Whose token comes with the call, if a good one does; all others are one.
+std::string SubjectOf(Admission& admission, const grpc::GenericCallbackServerContext& context) {
+  const auto tokens = context.client_metadata().equal_range("authorization");
+  if (std::distance(tokens.first, tokens.second) > 1) return kAnybody;
+  const std::string_view token =
+      tokens.first == tokens.second
+          ? std::string_view()
+          : std::string_view(tokens.first->second.data(), tokens.first->second.size());
+  const auto caller = admission.Authenticate(token);
+  return caller.ok() ? (*caller)->subject : kAnybody;
+}
+
 class Proxy final : public grpc::CallbackGenericService {
  public:
   explicit Proxy(const ProxyOptions& options) : options_(options) {}
@@ -22,9 +40,7 @@ class Proxy final : public grpc::CallbackGenericService {
   grpc::ServerGenericBidiReactor* CreateReactor(
       grpc::GenericCallbackServerContext* context) override {
     const MethodRoute* method = options_.contract->Find(context->method());
-    if (method == nullptr && IsReflection(context->method())) {
-      return MakeReflection(*options_.contract);
-    }
+    if (method == nullptr && IsForAnybody(context->method())) return AnswerAnybody(*context);
     auto call = std::make_unique<ProxiedCall>(options_, method, context);
     if (const absl::Status admitted = call->Admit(); !admitted.ok()) {
       return MakeRefusal(std::move(call), admitted);
@@ -36,6 +52,24 @@ class Proxy final : public grpc::CallbackGenericService {
   }
 
  private:
+  static bool IsForAnybody(const std::string& path) {
+    return IsReflection(path) || HealthAnswers::IsCheck(path) || HealthAnswers::IsWatch(path);
+  }
+
+  // Who needs no token is counted nevertheless, so that strangers do not hold any number of these.
+  grpc::ServerGenericBidiReactor* AnswerAnybody(grpc::GenericCallbackServerContext& context) {
+    const bool check = HealthAnswers::IsCheck(context.method());
+    auto place = options_.open_calls->Enter(check ? CallKind::kCall : CallKind::kStream,
+                                            SubjectOf(*options_.admission, context));
+    if (!place.ok()) {
+      return MakeRefusal(std::make_unique<ProxiedCall>(options_, nullptr, &context),
+                         place.status());
+    }
+    if (check) return options_.health->Check(context, *std::move(place));
+    if (HealthAnswers::IsWatch(context.method())) return options_.health->Watch(*std::move(place));
+    return MakeReflection(*options_.contract, context, *std::move(place), options_.reflection_time);
+  }
+
   const ProxyOptions options_;
 };
 

@@ -12,10 +12,13 @@
 // here, within the limit of messages and within a budget for those that become large, which gRPC's
 // own count of memory does not see. What is large is let go as soon as it was passed on.
 //
+// Health and reflection are answered here, with or without a token, and are counted as well.
+//
 // Methods of OperationService and EventService that name an operation or a stream in their first
 // message go to the service named there.
 #pragma once
 
+#include <chrono>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -34,6 +37,8 @@ class CallbackGenericService;
 
 namespace mortise::gateway {
 
+class HealthAnswers;
+
 // All must outlive the proxy.
 struct ProxyOptions {
   const Contract* contract = nullptr;
@@ -42,10 +47,12 @@ struct ProxyOptions {
   OpenCalls* open_calls = nullptr;
   Budget* bodies = nullptr;  // bytes of what was expanded, by subject
   CallLog* log = nullptr;
+  HealthAnswers* health = nullptr;  // of the gRPC door, which sets it itself
+  std::chrono::milliseconds reflection_time{60000};  // of one stream
 };
 
-// The generic service to register with a server. It also answers the reflection service
-// (grpc.reflection.v1alpha) for every method of the contract.
+// The generic service to register with a server. It also answers the health service, and the
+// reflection service (grpc.reflection.v1alpha) for every method of the contract.
 std::unique_ptr<grpc::CallbackGenericService> MakeProxy(const ProxyOptions& options);
 
 // The service a call goes to: the method's own, or the one its request names. `request` is the

@@ -5,8 +5,10 @@
 
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "gateway/call_time.h"
 #include "gateway/contract.h"
 #include "gateway/wire.h"
 #include "reflection_wire.pb.h"
@@ -107,7 +109,9 @@ wire::ReflectionResponse Answer(const Contract& contract, const wire::Reflection
 
 class ReflectionStream final : public grpc::ServerGenericBidiReactor {
  public:
-  explicit ReflectionStream(const Contract& contract) : contract_(contract) {
+  ReflectionStream(const Contract& contract, grpc::CallbackServerContext& call,
+                   std::unique_ptr<OpenCalls::Place> place, std::chrono::milliseconds time)
+      : contract_(contract), place_(std::move(place)), time_(call, time) {
     StartRead(&message_);
   }
 
@@ -130,7 +134,9 @@ class ReflectionStream final : public grpc::ServerGenericBidiReactor {
 
  private:
   const Contract& contract_;
+  const std::unique_ptr<OpenCalls::Place> place_;
   grpc::ByteBuffer message_;
+  const CallTime time_;
 };
 
 }  // namespace
@@ -140,8 +146,11 @@ bool IsReflection(std::string_view path) {
          path == "/grpc.reflection.v1.ServerReflection/ServerReflectionInfo";
 }
 
-grpc::ServerGenericBidiReactor* MakeReflection(const Contract& contract) {
-  return new ReflectionStream(contract);
+grpc::ServerGenericBidiReactor* MakeReflection(const Contract& contract,
+                                               grpc::CallbackServerContext& call,
+                                               std::unique_ptr<OpenCalls::Place> place,
+                                               std::chrono::milliseconds time) {
+  return new ReflectionStream(contract, call, std::move(place), time);
 }
 
 }  // namespace mortise::gateway
