@@ -17,6 +17,7 @@
 #include "common/rpc/connection_acceptor.h"
 #include "common/rpc/server_limits.h"
 #include "gateway/health_answers.h"
+#include "gateway/strangers.h"
 #include "gateway/wire.h"
 
 namespace mortise::gateway {
@@ -76,7 +77,13 @@ class Door final : public GrpcDoor {
     rpc::AcceptorOptions acceptor;
     acceptor.listen = options_.listen;
     acceptor.most_connections = options_.most_connections;
-    acceptor.take = rpc::TakesConnections(builder, credentials);
+    acceptor.shares_places = true;
+    acceptor.take = [this, give = rpc::TakesConnections(builder, credentials)](int descriptor) {
+      strangers_.Enter(descriptor);
+      give(descriptor);
+    };
+    acceptor.has_idle = [this] { return strangers_.Any(); };
+    acceptor.close_idle = [this] { return strangers_.CloseLongest(); };
     builder.RegisterCallbackGenericService(proxy_.get());
     server_ = builder.BuildAndStart();
     if (!server_) return absl::InternalError("gRPC could not start a server");
@@ -107,11 +114,13 @@ class Door final : public GrpcDoor {
  private:
   ProxyOptions WithOwn(ProxyOptions proxy) {
     proxy.health = &health_;
+    proxy.strangers = &strangers_;
     return proxy;
   }
 
   const GrpcDoorOptions options_;
   HealthAnswers health_;
+  Strangers strangers_;
   const std::unique_ptr<grpc::CallbackGenericService> proxy_;
   std::unique_ptr<grpc::Server> server_;
   std::unique_ptr<rpc::ConnectionAcceptor> acceptor_;

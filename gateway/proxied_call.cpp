@@ -7,6 +7,7 @@
 #include "common/base/identifiers.h"
 #include "common/rpc/status_mapping.h"
 #include "gateway/inflate.h"
+#include "gateway/strangers.h"
 #include "gateway/wire.h"
 
 namespace mortise::gateway {
@@ -60,6 +61,7 @@ absl::Status ProxiedCall::Admit() {
   const std::string_view pass = Find(context_->client_metadata(), kCountedMetadata);
   if (pass == proxy_.open_calls->pass()) return absl::OkStatus();
   MORTISE_ASSIGN_OR_RETURN(place_, proxy_.open_calls->Enter(method_->kind, caller_->subject));
+  if (proxy_.strangers->MayBe()) proxy_.strangers->Admit(context_->peer());
   return absl::OkStatus();
 }
 

@@ -38,6 +38,7 @@ class CallbackGenericService;
 namespace mortise::gateway {
 
 class HealthAnswers;
+class Strangers;
 
 // All must outlive the proxy.
 struct ProxyOptions {
@@ -47,7 +48,9 @@ struct ProxyOptions {
   OpenCalls* open_calls = nullptr;
   Budget* bodies = nullptr;  // bytes of what was expanded, by subject
   CallLog* log = nullptr;
-  HealthAnswers* health = nullptr;  // of the gRPC door, which sets it itself
+  // Of the gRPC door, which sets these two itself.
+  HealthAnswers* health = nullptr;
+  Strangers* strangers = nullptr;
   std::chrono::milliseconds reflection_time{60000};  // of one stream
 };
 

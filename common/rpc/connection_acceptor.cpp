@@ -143,8 +143,8 @@ class Acceptor final : public ConnectionAcceptor {
     const int yes = 1;
     setsockopt(socket.number(), IPPROTO_TCP, TCP_NODELAY, &yes, sizeof(yes));
     pollfd spoken = {socket.number(), POLLIN, 0};
-    if (poll(&spoken, 1, 0) == 1) return Give(std::move(socket));
-    AwaitFirstWord(std::move(socket));
+    if (poll(&spoken, 1, 0) == 1) return Give(std::move(socket), from);
+    AwaitFirstWord(std::move(socket), from);
   }
 
   bool IsProbe(const Descriptor& socket, const SocketAddress& from) {
@@ -175,16 +175,16 @@ class Acceptor final : public ConnectionAcceptor {
     return options_.close_idle && options_.close_idle();
   }
 
-  void AwaitFirstWord(Descriptor socket) {
+  void AwaitFirstWord(Descriptor socket, const SocketAddress& from) {
     const auto silent = std::make_shared<Silent>(io_, socket.Release());
     const auto place = silent_.insert(silent_.end(), silent);
     silent->stream.async_wait(stream_descriptor::wait_read,
-                              [this, place, silent](const error_code& error) {
+                              [this, place, silent, from](const error_code& error) {
                                 if (error || !silent->waits) return;
                                 Descriptor spoken(silent->stream.release());
                                 Close(*silent);
                                 silent_.erase(place);
-                                Give(std::move(spoken));
+                                Give(std::move(spoken), from);
                               });
     silent->timer.expires_after(absl::ToChronoNanoseconds(options_.silence));
     silent->timer.async_wait([this, place, silent](const error_code& error) {
@@ -202,8 +202,12 @@ class Acceptor final : public ConnectionAcceptor {
     silent.stream.close(ignored);
   }
 
-  void Give(Descriptor socket) {
-    places_.Enter(socket.number());
+  void Give(Descriptor socket, const SocketAddress& from) {
+    if (options_.shares_places && places_.HasHalf(from)) {
+      return Tell("connections are refused",
+                  absl::StrCat("one address has half of the ", places_.most(), " of ", address_));
+    }
+    places_.Enter(socket.number(), from);
     options_.take(socket.Release());
   }
 

@@ -19,6 +19,9 @@ struct AcceptorOptions {
   // Connections at a time; more are closed at once. 0: what the process's limit of descriptors
   // leaves, at most kMostConnections.
   int most_connections = 0;
+  // One client's address (its /64 where it is of IPv6) gets half of the places at most, so that
+  // others find some; this machine itself may have all.
+  bool shares_places = false;
   // Who connects speaks first in all protocols spoken here. A connection that has said nothing for
   // so long is closed, and one that has said nothing yet makes room for another.
   absl::Duration silence = absl::Seconds(20);

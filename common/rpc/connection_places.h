@@ -5,6 +5,8 @@
 
 #include <vector>
 
+#include "common/rpc/listening_socket.h"
+
 namespace mortise::rpc {
 
 // Remembers sockets that were given away. Which of them are still open is seen by asking the system
@@ -17,8 +19,12 @@ class ConnectionPlaces {
   // Whether `taken` further connections and all that are open leave no place.
   bool Full(int taken);
 
+  // Whether all that are open from where `from` is take half of the places: from its address, of
+  // IPv6 from its network (/64), which one client has for itself. Never for this machine.
+  bool HasHalf(const SocketAddress& from);
+
   // A connected socket takes a place until it is closed.
-  void Enter(int descriptor);
+  void Enter(int descriptor, const SocketAddress& from);
 
   int most() const { return most_; }
 
@@ -26,6 +32,7 @@ class ConnectionPlaces {
   struct Place {
     int descriptor;
     ino_t socket;  // its number in the system
+    SocketAddress from;
   };
   void ForgetClosed();
 

@@ -22,11 +22,17 @@ class ConnectionsTest : public GatewayTest {
     StartGateway(options);
   }
 
-  grpc::Status CallGrpc() {
+  // A connection of its own.
+  std::shared_ptr<grpc::Channel> Connect() {
     grpc::ChannelArguments own_connection;
     own_connection.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
-    const auto channel = grpc::CreateCustomChannel(
-        gateway_->addresses().grpc, grpc::InsecureChannelCredentials(), own_connection);
+    return grpc::CreateCustomChannel(gateway_->addresses().grpc, grpc::InsecureChannelCredentials(),
+                                     own_connection);
+  }
+
+  grpc::Status CallGrpc() { return CallGrpc(Connect()); }
+
+  grpc::Status CallGrpc(const std::shared_ptr<grpc::Channel>& channel) {
     grpc::ClientContext context;
     context.set_wait_for_ready(true);
     context.set_deadline(std::chrono::system_clock::now() + std::chrono::seconds(10));
@@ -72,16 +78,48 @@ TEST_F(ConnectionsTest, IdleClientsOfTheHttpDoorMakeRoom) {
 
 TEST_F(ConnectionsTest, AFullGrpcDoorSaysSoAndRecovers) {
   Start(2);
-  std::vector<std::unique_ptr<HttpStream>> clients;
+  std::vector<std::shared_ptr<grpc::Channel>> clients;
   for (int i = 0; i < 2; ++i) {
-    clients.push_back(HttpStream::Send(gateway_->addresses().grpc, kPreface));
-    clients.back()->ReadUntil(std::string("\4", 1));  // the door's own settings
+    clients.push_back(Connect());
+    EXPECT_TRUE(CallGrpc(clients.back()).ok());
   }
   EXPECT_TRUE(BecomesHealthy(false));
   EXPECT_THAT(health_.body, HasSubstr(gateway_->addresses().grpc + " takes no more connections"));
   clients.clear();
   EXPECT_TRUE(CallGrpc().ok());
   EXPECT_TRUE(BecomesHealthy(true));
+}
+
+// Clients that speak HTTP/2, and make no call that is admitted.
+TEST_F(ConnectionsTest, StrangersKeepNobodyOut) {
+  Start(3);
+  const auto known = Connect();
+  EXPECT_TRUE(CallGrpc(known).ok());
+  std::vector<std::unique_ptr<HttpStream>> strangers;
+  for (int i = 0; i < 6; ++i) {
+    strangers.push_back(HttpStream::Send(gateway_->addresses().grpc, kPreface));
+    strangers.back()->ReadUntil(std::string("\4", 1));  // the door's own settings
+  }
+  EXPECT_TRUE(CallGrpc().ok());
+  EXPECT_TRUE(BecomesHealthy(true)) << health_.body;
+  EXPECT_EQ(known->GetState(false), GRPC_CHANNEL_READY) << "who is known keeps its connection";
+  EXPECT_TRUE(strangers.front()->AwaitClose());
+}
+
+TEST_F(ConnectionsTest, WhoIsNotAdmittedIsAStranger) {
+  const TokenSigner signer("EdDSA");
+  GatewayOptions options = SecureOptions(signer);
+  options.most_connections = 2;
+  StartGateway(options);
+  const auto refused = [&] {
+    const auto channel = Connect();
+    EXPECT_EQ(CallGrpc(channel).error_code(), grpc::StatusCode::UNAUTHENTICATED);
+    return channel;
+  };
+  const auto first = refused();
+  const auto second = refused();
+  const auto third = refused();  // would be told nothing if the others were counted as clients
+  EXPECT_TRUE(BecomesHealthy(true)) << health_.body;
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 // both.
 #include "common/rpc/connection_acceptor.h"
 
+#include <arpa/inet.h>
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -18,6 +19,7 @@
 #include <vector>
 
 #include "common/base/errors.h"
+#include "common/rpc/connection_places.h"
 #include "common/rpc/listening_socket.h"
 #include "tests/support/status_assertions.h"
 
@@ -216,6 +218,45 @@ TEST(ConnectionAcceptor, NamesAnAddressThatIsTaken) {
   EXPECT_EQ(DetailOf(second.status()).field, (*first)->address());
   for (const char* bad : {"", "localhost", "localhost:port", "localhost:70000"}) {
     EXPECT_FALSE(ConnectionAcceptor::Start({.listen = bad, .take = [](int) {}}).ok()) << bad;
+  }
+}
+
+rpc::SocketAddress AddressOf(const std::string& text) {
+  rpc::SocketAddress address;
+  auto* six = reinterpret_cast<sockaddr_in6*>(address.get());
+  auto* four = reinterpret_cast<sockaddr_in*>(address.get());
+  address.size = sizeof(sockaddr_in6);
+  if (inet_pton(AF_INET6, text.c_str(), &six->sin6_addr) == 1) {
+    six->sin6_family = AF_INET6;
+  } else {
+    four->sin_family = AF_INET;
+    EXPECT_EQ(inet_pton(AF_INET, text.c_str(), &four->sin_addr), 1) << text;
+  }
+  address.set_port(4711);
+  return address;
+}
+
+TEST(ConnectionPlaces, LeavesHalfToOtherAddresses) {
+  const auto half_after_two = [](const std::string& of, const std::string& asking) {
+    rpc::ConnectionPlaces places(4);
+    std::vector<Descriptor> sockets;
+    for (int i = 0; i < 2; ++i) {
+      EXPECT_FALSE(places.HasHalf(AddressOf(asking)));
+      sockets.emplace_back(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
+      places.Enter(sockets.back().number(), AddressOf(of));
+    }
+    const bool half = places.HasHalf(AddressOf(asking));
+    sockets.clear();
+    EXPECT_FALSE(places.HasHalf(AddressOf(asking))) << "places are left with the connection";
+    return half;
+  };
+  EXPECT_TRUE(half_after_two("192.0.2.1", "192.0.2.1"));
+  EXPECT_TRUE(half_after_two("::ffff:192.0.2.1", "192.0.2.1")) << "however it is written";
+  EXPECT_TRUE(half_after_two("2001:db8::1", "2001:db8::2")) << "of one network";
+  EXPECT_FALSE(half_after_two("192.0.2.1", "192.0.2.2"));
+  EXPECT_FALSE(half_after_two("2001:db8:0:1::1", "2001:db8:0:2::1"));
+  for (const char* own : {"127.0.0.1", "::1", "::ffff:127.0.0.1", "127.1.2.3"}) {
+    EXPECT_FALSE(half_after_two(own, own)) << own;
   }
 }
 
