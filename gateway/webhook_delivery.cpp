@@ -96,7 +96,7 @@ class Delivery final : public WebhookDelivery {
         event_type_(*contract->pool().FindMessageTypeByName("mortise.v1.Event")),
         client_(std::move(client)),
         turns_(options.at_once),
-        failing_turns_(options.at_once_failing) {
+        hindering_turns_(options.at_once_failing) {
     for (const std::string& stream : hub_->streams()) {
       readers_[stream] = std::make_unique<asio::thread_pool>(1);
     }
@@ -134,7 +134,8 @@ class Delivery final : public WebhookDelivery {
     std::string stream;
     asio::steady_timer wake;
     bool woken = false;
-    bool failing = false;           // the receiver did not take the last event
+    bool failing = false;           // the receiver did not take the last event,
+    bool slow = false;              // or took its time about it
     std::optional<SteadyTime> due;  // of the next try, during the pause after a failure
   };
   using LaneKey = std::pair<std::string, std::string>;
@@ -181,8 +182,18 @@ class Delivery final : public WebhookDelivery {
       lane->stream = stream;
       if (const v1::Webhook::Retry* retry = RetryOf(webhook, stream)) Resume(*lane, *retry);
       asio::co_spawn(
-          strand_, [this, lane = lane] { return Run(lane); }, asio::detached);
+          strand_, [this, lane = lane] { return Run(lane); },
+          [this, lane = lane](const std::exception_ptr& failure) {
+            if (failure) EndByException(*lane);
+          });
     }
+  }
+
+  // Whoever refreshes the webhook begins the lane again.
+  void EndByException(const Lane& lane) {
+    Log(LogLevel::kError, "deliveries to a webhook ended by an exception",
+        {{"webhook", lane.webhook}, {"stream", lane.stream}});
+    lanes_.erase({lane.webhook, lane.stream});
   }
 
   // Goes on with a pause that an earlier process began; no clock that was set makes it longer.
@@ -249,10 +260,16 @@ class Delivery final : public WebhookDelivery {
 
   asio::awaitable<absl::Status> PostInTurn(Lane& lane, const v1::Webhook& webhook,
                                            const bus::Event& event) {
-    Turns& turns = lane.failing ? failing_turns_ : turns_;
-    co_await turns.Take();
-    const absl::Status delivered = co_await Post(webhook, event);
-    turns.Return();
+    Turns& turns = lane.failing || lane.slow ? hindering_turns_ : turns_;
+    const Turns::Turn turn = co_await turns.Take();
+    const absl::Time begin = options_.clock();
+    absl::Status delivered;
+    try {
+      delivered = co_await Post(webhook, event);
+    } catch (const std::exception& failure) {
+      delivered = absl::InternalError(failure.what());
+    }
+    lane.slow = options_.clock() - begin > options_.slow;
     co_return delivered;
   }
 
@@ -356,6 +373,9 @@ class Delivery final : public WebhookDelivery {
   const Transcoder* const transcoder_;
   const google::protobuf::Descriptor& event_type_;
   std::unique_ptr<WebhookClient> client_;
+  // On the strand. They outlive it, and with it the coroutines that have turns.
+  Turns turns_;
+  Turns hindering_turns_;
   asio::thread_pool pool_{2};
   // One thread for each stream, whose service may be slow to say what is no longer kept.
   std::map<std::string, std::unique_ptr<asio::thread_pool>> readers_;
@@ -363,8 +383,6 @@ class Delivery final : public WebhookDelivery {
   asio::executor_work_guard<asio::io_context::executor_type> work_{io_.get_executor()};
   asio::strand<asio::io_context::executor_type> strand_{io_.get_executor()};
   std::map<LaneKey, std::shared_ptr<Lane>> lanes_;  // on the strand
-  Turns turns_;                                     // on the strand
-  Turns failing_turns_;                             // on the strand
   std::mt19937 random_{std::random_device()()};     // on the strand
   std::shared_ptr<void> token_;
   std::thread thread_;

@@ -8,7 +8,8 @@
 //
 // No webhook waits for another. Each has its own pauses, which end when they are over or when that
 // webhook is set back, by nothing else. Deliveries run at once, within a limit; those to receivers
-// that failed last have a limit of their own, so that the slow and the dead leave room for others.
+// that failed last, or were slow, have a limit of their own, so that the slow and the dead leave
+// room for others: after their first delivery, for which all are taken to be sound.
 #pragma once
 
 #include <functional>
@@ -33,9 +34,10 @@ struct WebhookDeliveryOptions {
   absl::Duration first_pause = absl::Seconds(1);    // doubled after each failed try, up to
   absl::Duration longest_pause = absl::Minutes(5);  // this; with up to a tenth more at random
   int at_once = 64;          // deliveries to receivers that took their last event, or are new
-  int at_once_failing = 64;  // deliveries to receivers that did not
+  int at_once_failing = 64;  // deliveries to receivers that did not, or not within
+  absl::Duration slow = absl::Seconds(2);
   WebhookClientOptions client;
-  std::function<absl::Time()> clock = absl::Now;  // for the signature's time
+  std::function<absl::Time()> clock = absl::Now;  // for the signature's time, pauses and slowness
 };
 
 class WebhookDelivery {

@@ -3,6 +3,7 @@
 #include <openssl/rand.h>
 
 #include <algorithm>
+#include <memory>
 
 #include "absl/strings/escaping.h"
 #include "absl/strings/str_cat.h"
@@ -11,6 +12,7 @@
 #include "common/rpc/event_service.h"
 #include "common/rpc/handler.h"
 #include "common/store/store.h"
+#include "gateway/budget.h"
 #include "gateway/event_hub.h"
 #include "gateway/hosted_services.h"
 #include "gateway/webhook_address.h"
@@ -22,6 +24,8 @@ namespace mortise::gateway {
 namespace {
 
 using google::protobuf::util::TimeUtil;
+
+constexpr int kLookups = 2;  // of hosts at a time
 
 // Unguessable: 32 random bytes.
 absl::StatusOr<std::string> NewSecret() {
@@ -125,12 +129,22 @@ class WebhookAdapter final : public v1::WebhookService::CallbackService {
     return absl::OkStatus();
   }
 
+  // Looking a name up may take seconds and one of the few threads of all calls: some at a time.
+  absl::Status CheckHost(const WebhookUrl& url) const {
+    std::unique_ptr<Budget::Share> lookup;
+    if (!LiteralAddress(url.host)) {
+      lookup = lookups_->Take("", 1);
+      if (lookup == nullptr) return TooManyAtATime("webhooks whose hosts are looked up");
+    }
+    return environment_.delivery->CheckHost(url);
+  }
+
   // The subscription as it will be stored: it begins with what comes from now on.
   absl::StatusOr<v1::Webhook> Draw(const v1::CreateWebhookRequest& asked) const {
     MORTISE_ASSIGN_OR_RETURN(const WebhookUrl url, ParseWebhookUrl(asked.url()));
-    MORTISE_RETURN_IF_ERROR(environment_.delivery->CheckHost(url));
     MORTISE_RETURN_IF_ERROR(CheckStreams(asked.streams()));
     MORTISE_RETURN_IF_ERROR(rpc::CheckTypePrefixes(asked.type_prefixes()));
+    MORTISE_RETURN_IF_ERROR(CheckHost(url));
     v1::Webhook webhook;
     webhook.set_name("webhooks/" + NewIdentifier());
     webhook.set_url(asked.url());
@@ -211,6 +225,7 @@ class WebhookAdapter final : public v1::WebhookService::CallbackService {
   }
 
   const HostedEnvironment environment_;
+  const std::unique_ptr<Budget> lookups_ = std::make_unique<Budget>(kLookups, kLookups);
   rpc::Endpoint endpoint_;
 };
 

@@ -10,6 +10,7 @@
 #include <boost/beast/http.hpp>
 #include <condition_variable>
 #include <deque>
+#include <future>
 #include <map>
 #include <mutex>
 #include <nlohmann/json.hpp>
@@ -104,6 +105,40 @@ class Receiver {
   std::condition_variable changed_;
   std::deque<Post> posts_;  // guarded by mutex_
   std::thread thread_;
+};
+
+// Takes webhooks' posts and answers them when the test says so.
+class HoldingReceiver {
+ public:
+  HoldingReceiver() : acceptor_(io_, {boost::asio::ip::make_address("127.0.0.1"), 0}) {}
+
+  std::string url() const {
+    return "http://127.0.0.1:" + std::to_string(acceptor_.local_endpoint().port()) + "/";
+  }
+
+  // Waits for so many posts.
+  void Take(int count) {
+    for (int i = 0; i < count; ++i) {
+      held_.push_back(acceptor_.accept());
+      boost::beast::flat_buffer buffer;
+      boost::beast::http::request<boost::beast::http::string_body> request;
+      boost::beast::http::read(held_.back(), buffer, request);
+    }
+  }
+
+  void Answer() {
+    for (boost::asio::ip::tcp::socket& socket : held_) {
+      boost::beast::http::response<boost::beast::http::empty_body> response(
+          boost::beast::http::status::no_content, 11);
+      boost::beast::http::write(socket, response);
+    }
+    held_.clear();
+  }
+
+ private:
+  boost::asio::io_context io_;
+  boost::asio::ip::tcp::acceptor acceptor_;
+  std::vector<boost::asio::ip::tcp::socket> held_;
 };
 
 class WebhookTest : public EventsTest {
@@ -293,6 +328,58 @@ TEST_F(WebhookTest, ReceiversThatNeverAnswerDelayNobody) {
     Tell("item.created", "items/" + std::to_string(i));
     EXPECT_EQ(Json::parse(receiver_.Next().body)["subject"], "items/" + std::to_string(i));
   }
+}
+
+// They take what they get, but by then nine seconds have passed.
+TEST_F(WebhookTest, SlowReceiversDelayNobody) {
+  std::atomic<int> ahead = 0;  // seconds
+  HoldingReceiver slow;
+  gateway_options_.webhooks.client.timeout = absl::Minutes(1);
+  gateway_options_.webhooks.clock = [&ahead] { return absl::Now() + absl::Seconds(ahead.load()); };
+  gateway_options_.webhooks.at_once = 5;
+  gateway_options_.webhooks.at_once_failing = 1;
+  RestartGateway();
+  for (int i = 0; i < 5; ++i) Create(slow.url() + std::to_string(i));
+  Tell("item.created", "items/a");
+  slow.Take(5);
+  ahead = 9;
+  slow.Answer();
+  Tell("item.created", "items/b");
+  slow.Take(1);
+  WaitUntilSeen(2);
+  Create(receiver_.url());
+  Tell("item.created", "items/c");
+  EXPECT_EQ(Json::parse(receiver_.Next().body)["subject"], "items/c");
+  gateway_.reset();
+}
+
+TEST_F(WebhookTest, LookingNamesUpTakesFewThreads) {
+  NameServer names;
+  gateway_options_.webhooks.client.name_servers = names.address();
+  gateway_options_.webhooks.client.resolve_timeout = absl::Minutes(1);
+  gateway_options_.webhooks.client.timeout = absl::Minutes(1);
+  RestartGateway();
+  const auto create = [this](const std::string& host) {
+    grpc::ClientContext context;
+    v1::CreateWebhookRequest request;
+    request.set_request_id("create-" + host);
+    request.set_url("http://" + host + "/");
+    v1::Webhook webhook;
+    return rpc::FromGrpc(Stub()->CreateWebhook(&context, request, &webhook));
+  };
+  const std::set<std::string> silent = {"one.example", "two.example"};
+  std::vector<std::future<absl::Status>> waiting;
+  for (const std::string& host : silent) {
+    waiting.push_back(std::async(std::launch::async, create, host));
+  }
+  ASSERT_TRUE(names.WaitUntilAskedInVain(silent));
+  const absl::Status refused = create("three.example");
+  EXPECT_EQ(DetailOf(refused).reason, "TOO_MANY_CALLS") << refused;
+  EXPECT_TRUE(create("192.0.2.1").ok()) << "an address needs no looking up";
+  for (const std::string& host : silent) names.Say(host, {"192.0.2.1"});
+  for (auto& one : waiting) EXPECT_TRUE(one.get().ok());
+  names.Say("three.example", {"192.0.2.1"});
+  EXPECT_TRUE(create("three.example").ok());
 }
 
 TEST_F(WebhookTest, PostsSignedEventsInOrder) {
