@@ -23,6 +23,7 @@
 #include "mortise/v1/audit.grpc.pb.h"
 #include "mortise/v1/gateway.grpc.pb.h"
 #include "tests/integration/gateway/events_fixture.h"
+#include "tests/integration/gateway/holding_receiver.h"
 #include "tests/unit/gateway/name_server.h"
 
 namespace mortise::gateway {
@@ -105,40 +106,6 @@ class Receiver {
   std::condition_variable changed_;
   std::deque<Post> posts_;  // guarded by mutex_
   std::thread thread_;
-};
-
-// Takes webhooks' posts and answers them when the test says so.
-class HoldingReceiver {
- public:
-  HoldingReceiver() : acceptor_(io_, {boost::asio::ip::make_address("127.0.0.1"), 0}) {}
-
-  std::string url() const {
-    return "http://127.0.0.1:" + std::to_string(acceptor_.local_endpoint().port()) + "/";
-  }
-
-  // Waits for so many posts.
-  void Take(int count) {
-    for (int i = 0; i < count; ++i) {
-      held_.push_back(acceptor_.accept());
-      boost::beast::flat_buffer buffer;
-      boost::beast::http::request<boost::beast::http::string_body> request;
-      boost::beast::http::read(held_.back(), buffer, request);
-    }
-  }
-
-  void Answer() {
-    for (boost::asio::ip::tcp::socket& socket : held_) {
-      boost::beast::http::response<boost::beast::http::empty_body> response(
-          boost::beast::http::status::no_content, 11);
-      boost::beast::http::write(socket, response);
-    }
-    held_.clear();
-  }
-
- private:
-  boost::asio::io_context io_;
-  boost::asio::ip::tcp::acceptor acceptor_;
-  std::vector<boost::asio::ip::tcp::socket> held_;
 };
 
 class WebhookTest : public EventsTest {
