@@ -97,7 +97,7 @@ struct ElasticSystem::State {
 absl::StatusOr<Eigen::Matrix3Xd> ElasticSystem::State::SolveInFrames(
     const Eigen::Matrix3Xd& loads) {
   Eigen::Matrix3Xd rest = loads;
-  if (!constraints.displacement.isZero()) rest -= MultiplyExactly(constraints.displacement);
+  if (!constraints.displacement.isZero(0)) rest -= MultiplyExactly(constraints.displacement);
   MORTISE_ASSIGN_OR_RETURN(const Eigen::Matrix3Xd displacement, SolveAtRest(rest));
   return displacement + constraints.displacement;
 }

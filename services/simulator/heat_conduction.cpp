@@ -171,7 +171,7 @@ Eigen::Matrix3Xd Supply(const mesh::TetrahedralMesh& mesh, const HeatCase& heat)
     });
   }
   const Eigen::VectorXd power = SourcePower(mesh, heat.sources);
-  if (power.isZero()) return supply;
+  if (power.isZero(0)) return supply;
   for (Eigen::Index e = 0; e < mesh.tetrahedra.cols(); ++e) {
     if (power[e] == 0) continue;
     const GradientMatrix positions = ElementPositions(mesh, e);

@@ -73,7 +73,7 @@ void AddFaceLoads(const mesh::TetrahedralMesh& mesh, const LoadCase& loads, Eige
 void AddBodyLoads(const mesh::TetrahedralMesh& mesh, const std::vector<Material>& materials,
                   const LoadCase& loads, Eigen::Matrix3Xd& sum) {
   const bool varies = loads.rotation.has_value() || loads.body_force;
-  if (!varies && loads.gravity.isZero()) return;
+  if (!varies && loads.gravity.isZero(0)) return;
   const auto force = [&](const Eigen::Vector3d& position, double density) -> Eigen::Vector3d {
     Eigen::Vector3d body = density * loads.gravity;
     if (loads.rotation) {

@@ -221,6 +221,29 @@ TEST(Supports, PrescribedDisplacementStretchesTheBar) {
   EXPECT_LT(solution->summary.imbalance, 1e-9);
 }
 
+// Atoms are larger, but the case is linear.
+TEST(Linearity, HoldsForCausesOfAnySize) {
+  for (const double size : {1.0, 1e-9, 1e-12, 1e-15}) {
+    DesignModel model = Cantilever(1, 0.1, 0, 0.0);
+    model.analysis.forces.clear();
+    model.analysis.gravity = {0, 0, -size};
+    const TetrahedralMesh mesh = Mesh(model, 0.1, true);
+    const double weight = model.analysis.materials[0].density * 0.01 * size;
+    auto solution = SolveElasticity(mesh, model.analysis);
+    ASSERT_TRUE(solution.ok()) << solution.status();
+    EXPECT_NEAR(solution->summary.total_load.z(), -weight, 1e-9 * weight) << size;
+    model.analysis.gravity.setZero();
+    model.analysis.supports.push_back({{0, "x_max"}, {true, false, false}, {1e-4 * size, 0, 0}});
+    solution = SolveElasticity(mesh, model.analysis);
+    ASSERT_TRUE(solution.ok()) << solution.status();
+    const double stress = 1e-4 * size * 10e9;
+    EXPECT_NEAR(solution->stress(0, 5), stress, 1e-6 * stress) << size;
+    EXPECT_LT(solution->summary.imbalance, 1e-9) << size;
+    const double reaction = solution->reaction.row(0).cwiseAbs().sum() / 2;
+    EXPECT_NEAR(reaction, 0.01 * stress, 1e-6 * 0.01 * stress) << size;
+  }
+}
+
 TEST(Determinism, TheSameCaseGivesTheSameBits) {
   const DesignModel model = LoadedTable();
   const auto first = AnalyzeDesign(model, {"max_displacement", "compliance"}, false, {});

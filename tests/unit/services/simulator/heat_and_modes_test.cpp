@@ -65,6 +65,19 @@ TEST(Heat, OfASourceIsAParabola) {
   EXPECT_LT(solution->imbalance, 1e-11);
 }
 
+TEST(Heat, OfAFaintSourceIsTold) {
+  const auto mesh = mesh::MeshMappedBox(Box({3, 2, 2}, {0.3, 0.2, 0.1}), true);
+  HeatCase heat;
+  heat.materials = {Steel()};
+  heat.temperatures = {{{0, "u_min"}, 0}};
+  heat.sources = {{0, 1e-13}};
+  const auto solution = SolveHeat(mesh, heat);
+  ASSERT_TRUE(solution.ok()) << solution.status();
+  const double warmest = 1e-13 * 0.5 * 0.3 * 0.3 / 50;
+  EXPECT_NEAR(solution->temperature.maxCoeff(), warmest, 1e-9 * warmest);
+  EXPECT_NEAR(solution->supplied, 1e-13 * 0.006, 1e-22);
+}
+
 // In wood, heat runs along the grain: a linear temperature drives a flux at an angle to its slope.
 TEST(Heat, FollowsTheGrain) {
   Material wood{"spruce", 450, 0, 0, 0};
