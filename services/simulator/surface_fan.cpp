@@ -10,6 +10,9 @@
 namespace mortise::simulator {
 namespace {
 
+// Where less than this share of a side leads along the surface, it has no direction along it.
+constexpr double kLeastAlong = 1e-3;
+
 // Sides of a face are 01, 12, 20, and their middles 3, 4, 5.
 std::array<int, 2> MiddlesBeside(int corner) { return {3 + corner, 3 + (corner + 2) % 3}; }
 
@@ -35,6 +38,16 @@ Vector6d DualVector(const Eigen::Matrix3d& tensor) {
   return direction;
 }
 
+// The normal of the surface at a corner: the mean of its faces'.
+Eigen::Vector3d MeanNormal(const std::vector<GradientMatrix>& positions,
+                           std::span<const FaceNode> corners) {
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+  for (std::size_t f = 0; f < corners.size(); ++f) {
+    normal += NormalAt(positions[f], corners[f].place);
+  }
+  return normal.normalized();
+}
+
 // Whether each of the middles beside the corner is there twice.
 bool Surrounds(const PartSurface& surface, std::span<const FaceNode> samples) {
   std::map<int, int> times;
@@ -58,19 +71,26 @@ std::optional<SurfaceFan> SurfaceFan::Around(const mesh::TetrahedralMesh& mesh,
       fan.samples_.push_back({corner.face, place});
     }
   }
-  if (!Surrounds(surface, fan.samples_)) return std::nullopt;
+  if (!Surrounds(surface, fan.samples_) || fan.LeavesSurface()) return std::nullopt;
   fan.samples_.insert(fan.samples_.end(), fan.corners_.begin(), fan.corners_.end());
   return fan;
+}
+
+bool SurfaceFan::LeavesSurface() const {
+  const Eigen::Vector3d normal = MeanNormal(positions_, corners_);
+  for (std::size_t f = 0; f < corners_.size(); ++f) {
+    for (const int place : MiddlesBeside(corners_[f].place)) {
+      const Eigen::Vector3d away = positions_[f].col(place) - positions_[f].col(corners_[f].place);
+      if (!(normal.cross(away).norm() > kLeastAlong * away.norm())) return true;
+    }
+  }
+  return false;
 }
 
 std::vector<SurfaceFan::Share> SurfaceFan::Shares(
     const std::vector<GradientMatrix>& positions) const {
   const Eigen::Vector3d corner = positions[0].col(corners_[0].place);
-  Eigen::Vector3d normal = Eigen::Vector3d::Zero();
-  for (std::size_t f = 0; f < corners_.size(); ++f) {
-    normal += NormalAt(positions[f], corners_[f].place);
-  }
-  normal.normalize();
+  const Eigen::Vector3d normal = MeanNormal(positions, corners_);
   const Eigen::Vector3d first = normal.unitOrthogonal(), second = normal.cross(first);
   // Rows 1, x, y of the samples, x and y as far from the corner as they are in space.
   const std::size_t middles = 2 * corners_.size();

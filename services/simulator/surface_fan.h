@@ -22,7 +22,8 @@ namespace mortise::simulator {
 class SurfaceFan {
  public:
   // The fan round a slot's node; nothing for linear elements, middles of sides, nodes on sharp
-  // edges and those that faces of the part do not surround. The arguments must outlive it.
+  // edges, those that faces of the part do not surround and those where a side begins along the
+  // normal. The arguments must outlive it.
   static std::optional<SurfaceFan> Around(const mesh::TetrahedralMesh& mesh,
                                           const PartSurface& surface, int slot);
 
@@ -50,6 +51,7 @@ class SurfaceFan {
 
   SurfaceFan(const PartSurface& surface, std::span<const FaceNode> corners)
       : surface_(surface), corners_(corners.begin(), corners.end()) {}
+  bool LeavesSurface() const;
   std::vector<Share> Shares(const std::vector<GradientMatrix>& positions) const;
 
   const PartSurface& surface_;
