@@ -37,6 +37,8 @@ FieldSources SourcesOf(const ListOptions&) {
   FieldSources sources;
   sources.Add("states", "--state");
   sources.Add("service", "--service");
+  sources.Add("kind", "--kind");
+  sources.Add("subject", "--subject");
   return sources;
 }
 

@@ -1,12 +1,15 @@
 #include "common/rpc/operation_service.h"
 
 #include <algorithm>
+#include <iterator>
 #include <mutex>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "common/base/errors.h"
 #include "common/base/identifiers.h"
+#include "common/jobs/operation_kinds.h"
 #include "common/jobs/operations.h"
 #include "common/resources/page_rule.h"
 #include "common/rpc/call_state.h"
@@ -21,6 +24,8 @@ constexpr double kDefaultWait = 60;    // s
 constexpr double kLongestWait = 3600;  // s
 // How long before the caller's deadline a wait answers, so that the answer still arrives.
 constexpr absl::Duration kAnswerTime = absl::Milliseconds(100);
+
+constexpr std::size_t kShownText = 100;  // bytes of what somebody asked for
 
 // Of operations that were started before their methods were kept: as much as any of these needed.
 constexpr Role kRoleOfUnknownMethod = Role::kOperator;
@@ -125,14 +130,29 @@ class OperationAdapter : public v1::OperationService::CallbackService {
   // What an operation works on may be gone, so any resource name will do.
   static absl::Status CheckSubject(const std::string& subject) {
     if (subject.empty()) return absl::OkStatus();
-    const std::string collection = subject.substr(0, subject.find('/'));
-    return ParseResourceName(subject, collection, "subject").status();
+    const std::size_t slash = subject.find('/');
+    if (slash == std::string::npos || slash == 0) {
+      return InvalidField("subject", absl::StrCat("'", subject.substr(0, kShownText),
+                                                  "' is no resource name, such as fronts/a1"));
+    }
+    return ParseResourceName(subject, subject.substr(0, slash), "subject").status();
+  }
+
+  // Each service knows the kinds of all, so that none is taken for one that has nothing to show.
+  static absl::Status CheckKind(const std::string& kind) {
+    const auto& kinds = jobs::kOperationKinds;
+    if (kind.empty() || std::find(std::begin(kinds), std::end(kinds), kind) != std::end(kinds)) {
+      return absl::OkStatus();
+    }
+    return InvalidField("kind", absl::StrCat("'", kind.substr(0, kShownText), "' is none of ",
+                                             absl::StrJoin(kinds, ", ")));
   }
 
   // The page token is the name of the last operation on the page before.
   absl::StatusOr<v1::ListOperationsResponse> List(const v1::ListOperationsRequest& asked) {
     MORTISE_ASSIGN_OR_RETURN(const resources::PageQuery query, resources::ReadPageQuery(asked));
     MORTISE_ASSIGN_OR_RETURN(std::vector<jobs::OperationState> states, StatesFrom(asked.states()));
+    MORTISE_RETURN_IF_ERROR(CheckKind(asked.kind()));
     MORTISE_RETURN_IF_ERROR(CheckSubject(asked.subject()));
     const jobs::OperationFilter filter{
         .states = std::move(states), .kind = asked.kind(), .subject = asked.subject()};

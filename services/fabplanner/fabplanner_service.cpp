@@ -9,6 +9,7 @@
 #include "common/base/errors.h"
 #include "common/base/identifiers.h"
 #include "common/base/logging.h"
+#include "common/jobs/operation_kinds.h"
 #include "common/jobs/operations.h"
 #include "common/resources/record_page.h"
 #include "common/rpc/channel.h"
@@ -89,10 +90,11 @@ class FabPlannerAdapter final : public v1::FabPlannerService::CallbackService {
 
   absl::Status Open() {
     MORTISE_RETURN_IF_ERROR(floor_.Open());
+    operations_->Register(jobs::kPlanOperation, [this](jobs::OperationContext& context) {
+      return planner_.Run(context);
+    });
     operations_->Register(
-        kPlanOperation, [this](jobs::OperationContext& context) { return planner_.Run(context); });
-    operations_->Register(
-        kWorkOrderOperation,
+        jobs::kWorkOrderOperation,
         [this](jobs::OperationContext& context) {
           return RunWorkOrder(context, *operations_, *store_, floor_);
         },
@@ -120,7 +122,7 @@ class FabPlannerAdapter final : public v1::FabPlannerService::CallbackService {
           MORTISE_ASSIGN_OR_RETURN(
               const jobs::Operation operation,
               operations_->Start(transaction,
-                                 rpc::OperationOf(call, kPlanOperation, asked.template_(),
+                                 rpc::OperationOf(call, jobs::kPlanOperation, asked.template_(),
                                                   asked.SerializeAsString())));
           return rpc::ToProto(operation);
         });

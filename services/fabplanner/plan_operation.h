@@ -21,8 +21,6 @@ class BlobFolder;
 
 namespace mortise::fabplanner {
 
-inline constexpr char kPlanOperation[] = "fabplanner.plan";
-
 // What can be said against a request before the catalog is asked. INVALID_ARGUMENT naming the
 // field.
 absl::Status CheckRequest(const v1::CreatePlanRequest& request);

@@ -9,6 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/base/identifiers.h"
+#include "common/jobs/operation_kinds.h"
 #include "common/rpc/operation_codec.h"
 #include "services/fabplanner/order_records.h"
 #include "services/fabplanner/plan_codec.h"
@@ -84,8 +85,8 @@ absl::StatusOr<jobs::Operation> ReleaseOrder(const rpc::Call& call,
   }
   MORTISE_ASSIGN_OR_RETURN(
       jobs::Operation operation,
-      operations.Start(transaction,
-                       rpc::OperationOf(call, kWorkOrderOperation, order.name(), order.name())));
+      operations.Start(transaction, rpc::OperationOf(call, jobs::kWorkOrderOperation, order.name(),
+                                                     order.name())));
   order.set_operation(operation.name);
   MORTISE_RETURN_IF_ERROR(PutOrder(transaction, order));
   MORTISE_RETURN_IF_ERROR(AppendOrderEvent(transaction, order));

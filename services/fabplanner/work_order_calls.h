@@ -14,8 +14,6 @@
 
 namespace mortise::fabplanner {
 
-inline constexpr char kWorkOrderOperation[] = "fabplanner.workOrder";
-
 // Writes a new order of the plan with all its cuts waiting, and starts its operation, in the
 // caller's transaction. NOT_FOUND; FAILED_PRECONDITION, NOTHING_TO_CUT; RESOURCE_EXHAUSTED for
 // orders that outgrow a message.

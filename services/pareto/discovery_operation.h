@@ -13,7 +13,6 @@
 
 namespace mortise::pareto {
 
-inline constexpr char kDiscoveryKind[] = "pareto.discovery";
 inline constexpr char kFrontKind[] = "fronts";  // records: mortise.v1.Front by front id
 inline constexpr char kEvaluatorPeer[] = "simulator";
 

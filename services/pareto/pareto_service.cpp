@@ -8,6 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/base/identifiers.h"
+#include "common/jobs/operation_kinds.h"
 #include "common/jobs/operations.h"
 #include "common/resources/record_page.h"
 #include "common/rpc/channel.h"
@@ -57,7 +58,7 @@ class ParetoAdapter : public v1::ParetoService::CallbackService {
               const jobs::Operation started,
               environment_.operations->Start(
                   transaction,
-                  rpc::OperationOf(call, kDiscoveryKind, settled.specification.subject(),
+                  rpc::OperationOf(call, jobs::kDiscoveryOperation, settled.specification.subject(),
                                    settled.specification.SerializeAsString())));
           if (!settled.start.points().empty()) {
             const std::string id = started.name.substr(started.name.rfind('/') + 1);
@@ -223,9 +224,10 @@ class ParetoAdapter : public v1::ParetoService::CallbackService {
 
 absl::StatusOr<std::vector<std::shared_ptr<grpc::Service>>> MakeServices(
     rpc::ServiceEnvironment& environment) {
-  environment.operations->Register(kDiscoveryKind, [&environment](jobs::OperationContext& context) {
-    return RunDiscoveryOperation(environment, context);
-  });
+  environment.operations->Register(jobs::kDiscoveryOperation,
+                                   [&environment](jobs::OperationContext& context) {
+                                     return RunDiscoveryOperation(environment, context);
+                                   });
   return std::vector<std::shared_ptr<grpc::Service>>{std::make_shared<ParetoAdapter>(environment)};
 }
 

@@ -10,6 +10,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/jobs/bell.h"
+#include "common/jobs/operation_kinds.h"
 #include "common/jobs/operations.h"
 #include "common/parametric/evaluation_settings.h"
 #include "common/parametric/parameter_values.h"
@@ -27,7 +28,6 @@
 namespace mortise::simulator {
 namespace {
 
-constexpr char kOperationKind[] = "simulator.analysis";
 constexpr absl::Duration kLookForCancel = absl::Milliseconds(100);
 constexpr absl::Duration kLookForProgress = absl::Milliseconds(500);
 constexpr int kMaximumModes = 100;
@@ -284,14 +284,14 @@ absl::StatusOr<v1::Operation> StartAnalysis(jobs::Operations& operations, const 
                                             store::Transaction& transaction) {
   MORTISE_ASSIGN_OR_RETURN(
       const jobs::Operation operation,
-      operations.Start(transaction, rpc::OperationOf(call, kOperationKind, task.subject(),
+      operations.Start(transaction, rpc::OperationOf(call, jobs::kAnalysisOperation, task.subject(),
                                                      task.SerializeAsString())));
   return rpc::ToProto(operation);
 }
 
 void RegisterAnalysis(jobs::Operations& operations, const std::shared_ptr<SimulatorCore>& core) {
   operations.Register(
-      kOperationKind,
+      jobs::kAnalysisOperation,
       [core, &operations](jobs::OperationContext& context) {
         return Analyse({*core, operations, context});
       },

@@ -344,7 +344,7 @@ TEST_F(RunningServiceTest, ListsOnlyWhatPassesTheFilters) {
   request.set_states(0, v1::Operation::PENDING);
   request.add_states(v1::Operation::RUNNING);
   EXPECT_EQ(names(request), std::vector<std::string>{running});
-  request.set_kind("probe.other");
+  request.set_kind("pareto.discovery");
   EXPECT_TRUE(names(request).empty());
   request.Clear();
   request.set_subject("things/a");
@@ -353,6 +353,18 @@ TEST_F(RunningServiceTest, ListsOnlyWhatPassesTheFilters) {
   EXPECT_TRUE(names(request).empty());
   request.add_states(v1::Operation::STATE_UNSPECIFIED);
   EXPECT_EQ(DetailOf(List(request).status()).field, "states[0]");
+}
+
+TEST_F(RunningServiceTest, FiltersThatMeanNothingAreRefusedByName) {
+  v1::ListOperationsRequest request;
+  request.set_kind("zzz");
+  EXPECT_EQ(List(request).status().message(),
+            "kind: 'zzz' is none of fabplanner.plan, fabplanner.workOrder, pareto.discovery, "
+            "simulator.analysis");
+  request.set_kind("");
+  request.set_subject("nope");
+  EXPECT_EQ(List(request).status().message(),
+            "subject: 'nope' is no resource name, such as fronts/a1");
 }
 
 TEST_F(RunningServiceTest, EventsAreFollowedInOrder) {

@@ -1,0 +1,15 @@
+// The kinds of operations that a house has, each "<service>.<what>": the services register their
+// own, and lists of operations are asked for by them.
+#pragma once
+
+namespace mortise::jobs {
+
+inline constexpr char kPlanOperation[] = "fabplanner.plan";
+inline constexpr char kWorkOrderOperation[] = "fabplanner.workOrder";
+inline constexpr char kDiscoveryOperation[] = "pareto.discovery";
+inline constexpr char kAnalysisOperation[] = "simulator.analysis";
+
+inline constexpr const char* kOperationKinds[] = {kPlanOperation, kWorkOrderOperation,
+                                                  kDiscoveryOperation, kAnalysisOperation};
+
+}  // namespace mortise::jobs
