@@ -7,6 +7,7 @@
 #include <TopExp.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
+#include <TopoDS_Iterator.hxx>
 #include <XCAFDoc_ColorTool.hxx>
 #include <XCAFDoc_DocumentTool.hxx>
 #include <XCAFDoc_ShapeTool.hxx>
@@ -101,7 +102,7 @@ class Collector {
         places_(places),
         assembly_(assembly) {}
 
-  absl::Status Collect() {
+  absl::StatusOr<TopTools_MapOfShape> Collect() {
     TDF_LabelSequence roots;
     shapes_->GetFreeShapes(roots);
     assembly_.groups.push_back({});
@@ -117,7 +118,7 @@ class Collector {
     }
     assembly_.groups[0].name = assembly_.name;
     TellOfRough();
-    return absl::OkStatus();
+    return leaf_shapes_;
   }
 
  private:
@@ -216,12 +217,20 @@ class Collector {
     const bool is_own = XCAFDoc_ShapeTool::IsAssembly(product) || places_.IsPlaced(shape);
     if (solids.empty() && (HasFaces(shape) || is_own)) {
       assembly_.leaves.push_back({"", name, product_name, group, HasFaces(shape)});
+      AddLeafShape(shape);
     }
     if (solids.size() > 1 && several_.insert(EntryOf(product)).second) {
       assembly_.notes.push_back(absl::StrCat("product '", product_name, "' has ", solids.size(),
                                              " solids; each is a part"));
     }
     return absl::OkStatus();
+  }
+
+  // The kernel may have put together anew what is a compound of what it read.
+  void AddLeafShape(const TopoDS_Shape& shape) {
+    if (shape.IsNull() || !leaf_shapes_.Add(shape.Located(TopLoc_Location()))) return;
+    if (shape.ShapeType() != TopAbs_COMPOUND) return;
+    for (TopoDS_Iterator within(shape); within.More(); within.Next()) AddLeafShape(within.Value());
   }
 
   void AddPart(StepPart part) {
@@ -390,8 +399,9 @@ class Collector {
   // By the label's path in the document and the solid's index there; scale, whether it is mirrored.
   std::map<std::tuple<std::string, std::size_t, double, bool>, int> products_;
   std::map<std::pair<std::string, std::size_t>, std::optional<Eigen::Affine3d>> mirrors_;
-  std::vector<std::string> rough_;  // what is not quite right with products
-  std::set<std::string> several_;   // labels of products of several solids
+  TopTools_MapOfShape leaf_shapes_;  // unplaced
+  std::vector<std::string> rough_;   // what is not quite right with products
+  std::set<std::string> several_;    // labels of products of several solids
   // Of each product.
   std::vector<std::unique_ptr<SolidMeasurer>> measurers_;
   std::vector<int> faces_;
@@ -401,8 +411,9 @@ class Collector {
 
 }  // namespace
 
-absl::Status CollectParts(const Handle(TDocStd_Document) & document, const StepOperators& operators,
-                          const StepPlaces& places, StepAssembly& assembly) {
+absl::StatusOr<TopTools_MapOfShape> CollectParts(const Handle(TDocStd_Document) & document,
+                                                 const StepOperators& operators,
+                                                 const StepPlaces& places, StepAssembly& assembly) {
   return Collector(document, operators, places, assembly).Collect();
 }
 

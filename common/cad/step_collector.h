@@ -3,8 +3,9 @@
 #pragma once
 
 #include <TDocStd_Document.hxx>
+#include <TopTools_MapOfShape.hxx>
 
-#include "absl/status/status.h"
+#include "absl/status/statusor.h"
 #include "common/cad/step_assembly.h"
 #include "common/cad/step_operators.h"
 #include "common/cad/step_places.h"
@@ -13,8 +14,10 @@ namespace mortise::cad {
 
 // Adds groups, products, parts, shapes, leaves and notes of the document's tree to `assembly`, all
 // but distinct names (NameAll). What stands mirrored becomes a product of its own, unless it is its
-// own mirror image. INVALID_ARGUMENT, RESOURCE_EXHAUSTED, "step".
-absl::Status CollectParts(const Handle(TDocStd_Document) & document, const StepOperators& operators,
-                          const StepPlaces& places, StepAssembly& assembly);
+// own mirror image. Gives the shapes of the leaves, and what these are compounds of, unplaced.
+// INVALID_ARGUMENT, RESOURCE_EXHAUSTED, "step".
+absl::StatusOr<TopTools_MapOfShape> CollectParts(const Handle(TDocStd_Document) & document,
+                                                 const StepOperators& operators,
+                                                 const StepPlaces& places, StepAssembly& assembly);
 
 }  // namespace mortise::cad

@@ -22,6 +22,7 @@
 #include <StepShape_ShapeDefinitionRepresentation.hxx>
 #include <StepShape_ShellBasedSurfaceModel.hxx>
 #include <StepShape_SolidModel.hxx>
+#include <StepVisual_TessellatedItem.hxx>
 #include <TopExp.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
@@ -29,9 +30,10 @@
 #include <Transfer_TransientProcess.hxx>
 #include <XSControl_TransferReader.hxx>
 #include <XSControl_WorkSession.hxx>
-#include <optional>
+#include <set>
 #include <utility>
 
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "common/cad/step_structure.h"
 
@@ -64,9 +66,18 @@ int FacesOf(const Handle(StepShape_ManifoldSolidBrep) & body) {
   return count;
 }
 
+// Whether one of the types of an entity that the kernel does not know, as one may have several,
+// has `text` in its name.
+bool HasType(Handle(StepData_UndefinedEntity) entity, const std::string& text) {
+  for (; !entity.IsNull(); entity = entity->Next()) {
+    if (absl::StrContains(entity->StepType(), text)) return true;
+  }
+  return false;
+}
+
 class Finder {
  public:
-  Finder(STEPCAFControl_Reader& reader, const std::set<std::string>& told)
+  Finder(STEPCAFControl_Reader& reader, const TopTools_MapOfShape& told)
       : session_(reader.ChangeReader().WS()),
         model_(Handle(StepData_StepModel)::DownCast(session_->Model())),
         graph_(session_->HGraph()),
@@ -74,8 +85,10 @@ class Finder {
         told_(told) {}
 
   std::vector<std::string> Losses() {
-    for (int i = 1; i <= model_->NbEntities() && losses_.size() < kMostTold; ++i) {
-      Look(model_->Value(i));
+    for (int i = 1; i <= model_->NbEntities(); ++i) Look(model_->Value(i));
+    if (more_ > 0) {
+      losses_.push_back(absl::StrCat("and ", more_, more_ == 1 ? " more is" : " more are",
+                                     " left out or incomplete"));
     }
     return std::move(losses_);
   }
@@ -87,8 +100,9 @@ class Finder {
         entity->IsKind(STANDARD_TYPE(StepShape_FaceBasedSurfaceModel))) {
       return Tell(entity, "surface", "is no solid and is left out");
     }
-    const auto unknown = Handle(StepData_UndefinedEntity)::DownCast(entity);
-    if (!unknown.IsNull() && !unknown->IsSub()) return LookAtUnknown(unknown);
+    if (IsTessellated(entity)) {
+      return Tell(entity, "tessellated body", "is not read and is left out");
+    }
     const auto item = Handle(StepRepr_MappedItem)::DownCast(entity);
     if (!item.IsNull() && ShapeOf(item).IsNull()) {
       return Tell(entity, "mapped item", "is in nothing that is read, and is left out");
@@ -114,19 +128,34 @@ class Finder {
     }
   }
 
-  void LookAtUnknown(const Handle(StepData_UndefinedEntity) & entity) {
-    const std::string type = entity->StepType();
-    if (type == "TESSELLATED_SOLID" || type == "TESSELLATED_SHELL" ||
-        type == "TRIANGULATED_SURFACE_SET") {
-      Tell(entity, "tessellated body", "is not read and is left out");
+  // Of facets, or curves and points of such, which the kernel does not read. Notes that are drawn
+  // of facets are no bodies.
+  bool IsTessellated(const Handle(Standard_Transient) & entity) const {
+    const auto unknown = Handle(StepData_UndefinedEntity)::DownCast(entity);
+    if (unknown.IsNull()) {
+      return entity->IsKind(STANDARD_TYPE(StepVisual_TessellatedItem)) && StandsAmongFacets(entity);
     }
+    if (unknown->IsSub()) return false;
+    const std::string type = unknown->StepType();
+    return type == "TESSELLATED_SOLID" || type == "TESSELLATED_SHELL" ||
+           type == "TRIANGULATED_SURFACE_SET" ||
+           (!HasType(unknown, "ANNOTATION") && StandsAmongFacets(unknown));
+  }
+
+  // Whether it is itself an item of a representation of facets.
+  bool StandsAmongFacets(const Handle(Standard_Transient) & entity) const {
+    Interface_EntityIterator users = graph_->Graph().Sharings(entity);
+    for (users.Start(); users.More(); users.Next()) {
+      const auto user = Handle(StepData_UndefinedEntity)::DownCast(users.Value());
+      if (HasType(user, "TESSELLATED_SHAPE_REPRESENTATION")) return true;
+    }
+    return false;
   }
 
   void TellOfUsage(const Handle(StepRepr_NextAssemblyUsageOccurrence) & usage) {
     std::string name = usage->Name().IsNull() ? "" : usage->Name()->ToCString();
     if (name.empty()) name = ProductName(usage->RelatedProductDefinition());
-    losses_.push_back(
-        absl::StrCat("'", name, "' in '", ProductName(usage->RelatingProductDefinition()), "' (#",
+    Add(absl::StrCat("'", name, "' in '", ProductName(usage->RelatingProductDefinition()), "' (#",
                      model_->IdentLabel(usage),
                      IsPlaced(usage) ? ") has no shape that can be read" : ") has no placement",
                      " and is left out"));
@@ -151,27 +180,49 @@ class Finder {
 
   void Tell(const Handle(Standard_Transient) & entity, const std::string& kind,
             const std::string& what) {
-    const std::string product = ProductOf(entity);
-    if (told_.count(product) != 0) return;
+    const Owner owner = OwnerOf(entity);
+    if (owner.is_told) return;
+    const std::string product = ProductName(owner.product);
     const auto item = Handle(StepRepr_RepresentationItem)::DownCast(entity);
     const std::string own = item.IsNull() || item->Name().IsNull() ? "" : item->Name()->ToCString();
-    losses_.push_back(absl::StrCat(product.empty() ? "" : absl::StrCat("'", product, "': "), kind,
-                                   own.empty() ? "" : absl::StrCat(" '", own, "'"), " #",
-                                   model_->IdentLabel(entity), " ", what));
+    Add(absl::StrCat(product.empty() ? "" : absl::StrCat("'", product, "': "), kind,
+                     own.empty() ? "" : absl::StrCat(" '", own, "'"), " #",
+                     model_->IdentLabel(entity), " ", what));
   }
 
-  // The name of the product that an entity belongs to, found upwards; empty if it is in none.
-  std::string ProductOf(const Handle(Standard_Transient) & entity) const {
+  void Add(std::string loss) {
+    if (losses_.size() < kMostTold) {
+      losses_.push_back(std::move(loss));
+    } else {
+      ++more_;
+    }
+  }
+
+  bool IsTold(const Handle(Standard_Transient) & entity) const {
+    if (entity.IsNull()) return false;
+    const TopoDS_Shape shape = ShapeOf(entity);
+    return !shape.IsNull() && told_.Contains(shape.Located(TopLoc_Location()));
+  }
+
+  // The product that an entity belongs to, found upwards; null if it is in none. Products that are
+  // told of may have the names of others, so what is told is known by its shape.
+  struct Owner {
+    Handle(StepBasic_ProductDefinition) product;
+    bool is_told = false;  // itself, or the mapped representation that the entity is in
+  };
+
+  Owner OwnerOf(const Handle(Standard_Transient) & entity) const {
     std::set<const Standard_Transient*> seen = {entity.get()};
     std::vector<Handle(Standard_Transient)> open = {entity};
     for (std::size_t i = 0; i < open.size() && open.size() < kMostLookedAt; ++i) {
+      if (i > 0 && IsTold(open[i])) return {{}, true};
       const auto definition = Handle(StepShape_ShapeDefinitionRepresentation)::DownCast(open[i]);
       if (!definition.IsNull()) {
         const auto shape = Handle(StepRepr_ProductDefinitionShape)::DownCast(
             definition->Definition().PropertyDefinition());
         if (shape.IsNull()) continue;
-        const std::string name = ProductName(shape->Definition().ProductDefinition());
-        if (!name.empty()) return name;
+        const Handle(StepBasic_ProductDefinition) product = shape->Definition().ProductDefinition();
+        if (!product.IsNull()) return {product, IsTold(product)};
         continue;
       }
       Interface_EntityIterator users = graph_->Graph().Sharings(open[i]);
@@ -184,7 +235,7 @@ class Finder {
       }
       AddRelated(open[i], seen, open);
     }
-    return "";
+    return {};
   }
 
   // The representations that a relationship, as it is no placement, says are of the same product.
@@ -203,13 +254,14 @@ class Finder {
   const Handle(StepData_StepModel) model_;
   const Handle(Interface_HGraph) graph_;
   const Handle(Transfer_TransientProcess) process_;
-  const std::set<std::string>& told_;
+  const TopTools_MapOfShape& told_;
   std::vector<std::string> losses_;
+  std::size_t more_ = 0;
 };
 
 }  // namespace
 
-std::vector<std::string> Losses(STEPCAFControl_Reader& reader, const std::set<std::string>& told) {
+std::vector<std::string> Losses(STEPCAFControl_Reader& reader, const TopTools_MapOfShape& told) {
   return Finder(reader, told).Losses();
 }
 

@@ -3,7 +3,7 @@
 #pragma once
 
 #include <STEPCAFControl_Reader.hxx>
-#include <set>
+#include <TopTools_MapOfShape.hxx>
 #include <string>
 #include <vector>
 
@@ -11,7 +11,8 @@ namespace mortise::cad {
 
 // Once shapes are made, for people, by name: bodies that are open, surfaces and tessellated bodies,
 // bodies that belong to no product, bodies that lost faces, and occurrences without a placement or
-// a shape. Not of products in `told`, of which nothing is a solid.
-std::vector<std::string> Losses(STEPCAFControl_Reader& reader, const std::set<std::string>& told);
+// a shape; of many the first, and how many more there are. Not of what products and mapped
+// representations hold whose unplaced shapes are in `told`, as nothing of these is a solid.
+std::vector<std::string> Losses(STEPCAFControl_Reader& reader, const TopTools_MapOfShape& told);
 
 }  // namespace mortise::cad

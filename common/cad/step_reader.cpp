@@ -10,7 +10,6 @@
 #include <XSControl_WorkSession.hxx>
 #include <algorithm>
 #include <mutex>
-#include <set>
 #include <sstream>
 
 #include "absl/strings/str_cat.h"
@@ -152,9 +151,8 @@ absl::StatusOr<StepAssembly> Read(std::string_view bytes, const StepFaultsSeen& 
   TColStd_SequenceOfAsciiString lengths, angles, solid_angles;
   reader.ChangeReader().FileUnits(lengths, angles, solid_angles);
   if (!lengths.IsEmpty()) assembly.length_unit = lengths.First().ToCString();
-  MORTISE_RETURN_IF_ERROR(CollectParts(document, operators, StepPlaces(reader), assembly));
-  std::set<std::string> leaves;
-  for (const StepLeaf& leaf : assembly.leaves) leaves.insert(leaf.product);
+  MORTISE_ASSIGN_OR_RETURN(const TopTools_MapOfShape leaves,
+                           CollectParts(document, operators, StepPlaces(reader), assembly));
   const std::vector<std::string> losses = Losses(reader, leaves);
   if (assembly.parts.empty()) return NoSolid(assembly, losses);
   NameAll(assembly);

@@ -226,13 +226,22 @@ std::vector<std::string> EntityFaults(STEPCAFControl_Reader& reader) {
   std::string unknown = UnknownTypes(model);
   // What refers to entities of these types is wrong because of that.
   if (!unknown.empty()) return {std::move(unknown)};
-  for (int i = 1; i <= model->NbEntities() && faults.size() < kMaxFaults; ++i) {
+  std::size_t more = 0;
+  for (int i = 1; i <= model->NbEntities(); ++i) {
     if (!model->IsErrorEntity(i)) continue;
+    if (faults.size() == kMaxFaults) {
+      ++more;
+      continue;
+    }
     const Handle(Interface_Check) check = model->Check(i, Standard_True);
     const int line = model->IdentLabel(model->Value(i));
     const std::string what =
         check.IsNull() || check->NbFails() == 0 ? "cannot be read" : InPlainWords(check->CFail(1));
     faults.push_back(absl::StrCat("#", line, ": ", what));
+  }
+  if (more > 0) {
+    faults.push_back(
+        absl::StrCat("and ", more, more == 1 ? " more entity is" : " more entities are", " wrong"));
   }
   return faults;
 }

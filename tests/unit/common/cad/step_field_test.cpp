@@ -6,8 +6,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -16,10 +14,10 @@
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_replace.h"
 #include "common/base/errors.h"
-#include "common/base/files.h"
 #include "common/cad/step_reader.h"
 #include "common/cad/step_writer.h"
 #include "common/mesh/mass_properties.h"
+#include "tests/unit/common/cad/step_files.h"
 #include "tests/unit/common/cad/step_samples.h"
 
 namespace mortise::cad {
@@ -33,31 +31,11 @@ using ::testing::IsEmpty;
 using ::testing::Not;
 using ::testing::UnorderedElementsAre;
 
-std::string FieldFile(const std::string& name) {
-  const char* source = std::getenv("MORTISE_SOURCE_DIR");
-  const std::filesystem::path folder = source == nullptr ? "." : source;
-  auto bytes = ReadFile(folder / "tests/data/step" / name);
-  EXPECT_TRUE(bytes.ok()) << bytes.status();
-  return bytes.value_or("");
-}
-
-StepAssembly Reading(const std::string& bytes) {
-  auto read = ReadStep(bytes);
-  EXPECT_TRUE(read.ok()) << read.status();
-  return read.ok() ? *std::move(read) : StepAssembly();
-}
-
 std::string Refusal(const std::string& bytes) {
   const absl::Status status = ReadStep(bytes).status();
   EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << status;
   EXPECT_EQ(DetailOf(status).field, "step");
   return std::string(status.message());
-}
-
-// With `from`, which must be there, replaced.
-std::string Changed(const std::string& bytes, const std::string& from, const std::string& to) {
-  EXPECT_TRUE(absl::StrContains(bytes, from)) << from;
-  return absl::StrReplaceAll(bytes, {{from, to}});
 }
 
 const StepPart& PartOf(const StepAssembly& assembly, const std::string& name) {
