@@ -277,8 +277,17 @@ class Collector {
     return known->second;
   }
 
+  // The same for all that differ by rounding, as those do that are turned differently.
+  double KnownScale(double scale) {
+    const auto known = std::find_if(scales_.begin(), scales_.end(), [&](double other) {
+      return std::abs(other - scale) <= kSameScale * other;
+    });
+    return known != scales_.end() ? *known : scales_.emplace_back(scale);
+  }
+
   // The index of a product.
-  int ProductOf(const LabelledSolid& drawn, double scale, bool is_mirrored) {
+  int ProductOf(const LabelledSolid& drawn, double drawn_scale, bool is_mirrored) {
+    const double scale = KnownScale(drawn_scale);
     const auto [known, is_new] =
         products_.try_emplace({EntryOf(drawn.label), drawn.index, scale, is_mirrored},
                               static_cast<int>(assembly_.products.size()));
@@ -399,6 +408,7 @@ class Collector {
   // By the label's path in the document and the solid's index there; scale, whether it is mirrored.
   std::map<std::tuple<std::string, std::size_t, double, bool>, int> products_;
   std::map<std::pair<std::string, std::size_t>, std::optional<Eigen::Affine3d>> mirrors_;
+  std::vector<double> scales_ = {1};
   TopTools_MapOfShape leaf_shapes_;  // unplaced
   std::vector<std::string> rough_;   // what is not quite right with products
   std::set<std::string> several_;    // labels of products of several solids

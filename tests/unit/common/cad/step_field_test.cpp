@@ -11,6 +11,7 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_replace.h"
 #include "common/base/errors.h"
@@ -160,6 +161,29 @@ TEST(StepField, PlacesByAnyOperator) {
       }
     }
   }
+}
+
+TEST(StepField, IsOneProductAtOneScaleHoweverItIsTurned) {
+  std::string items, placed = "(#218";
+  for (int i = 0; i < 12; ++i) {
+    const Eigen::Matrix3d axes =
+        Eigen::AngleAxisd(0.4 * i, Eigen::Vector3d(1, 2, 3).normalized()).matrix();
+    const int number = 1000 + 10 * i;
+    for (int axis = 0; axis < 3; ++axis) {
+      absl::StrAppend(&items, "#", number + axis,
+                      absl::StrFormat(" = DIRECTION('',(%.17g,%.17g,%.17g));\n", axes(0, axis),
+                                      axes(1, axis), axes(2, axis)));
+    }
+    absl::StrAppend(&items, "#", number + 3, " = CARTESIAN_TRANSFORMATION_OPERATOR_3D('','','',#",
+                    number, ",#", number + 1, ",#215,0.7,#", number + 2, ");\n#", number + 4,
+                    " = MAPPED_ITEM('item ", i, "',#198,#", number + 3, ");\n");
+    absl::StrAppend(&placed, ",#", number + 4);
+  }
+  const StepAssembly all =
+      Reading(Changed(Changed(FieldFile("mirror-mapped.step"), "(#218,#209,#204)", placed + ")"),
+                      "ENDSEC;\nEND-ISO", items + "ENDSEC;\nEND-ISO"));
+  EXPECT_EQ(all.parts.size(), 12u);
+  EXPECT_EQ(all.products.size(), 1u);
 }
 
 TEST(StepField, TakesOperatorsInTheFilesUnit) {
