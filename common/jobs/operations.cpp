@@ -440,6 +440,10 @@ absl::Status StoredOperations::Finish(OperationRun* run,
         operation.state = outcome.ok() ? OperationState::kSucceeded
                           : cancelled  ? OperationState::kCancelled
                                        : OperationState::kFailed;
+        // Handlers tell of each piece as they begin it; none is left once they have succeeded.
+        if (outcome.ok() && operation.progress.total > 0) {
+          operation.progress.done = operation.progress.total;
+        }
         operation.error = outcome.status();
         operation.result = outcome.ok() ? *outcome : cancelled ? run->kept_result() : "";
         if (!operation.result.empty()) {

@@ -39,7 +39,7 @@ bool IsFinal(OperationState state);
 
 // How far an operation is.
 struct Progress {
-  int64_t done = 0;
+  int64_t done = 0;          // of one that has succeeded `total`, if that is known
   int64_t total = 0;         // 0 if unknown
   double best_so_far = 0;    // meaning and unit are the kind's own
   bool has_best = false;     // whether best_so_far is set

@@ -222,10 +222,12 @@ absl::StatusOr<std::string> PlanOperation::Run(jobs::OperationContext& context) 
                     [&](int done, int total) {
                       context.ReportProgress(
                           {.done = done, .total = total, .message = "drawing the assembly"});
+  int drawn = 1;
                       return !context.Cancelled();
                     }));
   if (!step.empty()) files.push_back({kStepFile, "model/step", std::move(step)});
 
+                      drawn = total;
   plan = ToProto(made, design);
   plan.set_name(absl::StrCat("plans/", id));
   plan.set_template_(inputs.design.template_());
@@ -248,3 +250,4 @@ absl::StatusOr<std::string> PlanOperation::Run(jobs::OperationContext& context) 
 }
 
 }  // namespace mortise::fabplanner
+  context.ReportProgress({.done = drawn, .total = drawn, .message = "planned"});

@@ -208,6 +208,13 @@ class DiscoveryRun {
     if (tried.ok()) default_design_ = std::move(tried->front());
   }
 
+  // It may end before all that it was allowed to evaluate: then it is through with fewer.
+  void TellEnd() {
+    if (progress_.total == 0) return;
+    progress_.total = progress_.done;
+    context_.ReportProgress(progress_);
+  }
+
   absl::Status ForgetResults() {
     return context_.Transact(
         [this](store::Transaction& transaction) { return DropResults(transaction); });
@@ -227,7 +234,10 @@ class DiscoveryRun {
       return NoFeasibleDesign(specification_.subject(), problem, discovery);
     }
     MORTISE_ASSIGN_OR_RETURN(const std::string packed, StoreFront(problem, discovery));
-    if (!stopped) return packed;
+    if (!stopped) {
+      TellEnd();
+      return packed;
+    }
     context_.KeepResult(packed);
     return absl::CancelledError("cancelled; the front holds the best so far");
   }

@@ -344,6 +344,22 @@ TEST_P(OperationsTest, AWatchSeesTheLastProgressAndTheEnd) {
   EXPECT_DOUBLE_EQ(seen.back().progress.best_so_far, 0.5 / 1000);
 }
 
+// What a handler told last is what it began last.
+TEST_P(OperationsTest, OneThatHasSucceededIsAtItsFullCount) {
+  auto operations = Create(Options(), "draw", [](OperationContext& context) {
+    context.ReportProgress({.done = 8, .total = 10, .message = "drawing"});
+    return context.request() == "fail" ? absl::StatusOr<std::string>(InvalidField("value", "bad"))
+                                       : absl::StatusOr<std::string>("done");
+  });
+  const auto ended = [&](const std::string& request) {
+    return *operations->Wait(Start(operations.get(), "draw", request),
+                             absl::Now() + absl::Seconds(60));
+  };
+  EXPECT_EQ(ended("draw").progress.done, 10);
+  EXPECT_EQ(ended("draw").progress.total, 10);
+  EXPECT_EQ(ended("fail").progress.done, 8);
+}
+
 TEST_P(OperationsTest, ShutdownLeavesItToBeResumedFromItsCheckpoint) {
   Gate saved;
   auto first = Create(Options(), "walk", [&](OperationContext& context) {
