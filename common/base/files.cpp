@@ -41,6 +41,13 @@ absl::Status WriteAll(int descriptor, std::string_view bytes, const std::filesys
 }  // namespace
 
 absl::StatusOr<std::string> ReadFile(const std::filesystem::path& path, std::size_t limit) {
+  // A folder can be opened, and then has the largest of all sizes.
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored)) {
+    return WithDetail(
+        absl::InvalidArgumentError(absl::StrCat(path.string(), " is a folder, not a file")),
+        {"FILE_FAILED", path.string()});
+  }
   std::ifstream file(path, std::ios::binary | std::ios::ate);
   if (!file) return Failure(path, "read");
   const std::streamoff size = file.tellg();

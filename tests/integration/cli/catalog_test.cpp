@@ -94,6 +94,10 @@ class CatalogCommand : public ::testing::Test {
   Session session_;
 };
 
+TEST_F(CatalogCommand, FoldersAreNoFiles) {
+  EXPECT_THAT(Refusal({"import", folder_.path().string()}), HasSubstr("is a folder, not a file"));
+}
+
 TEST_F(CatalogCommand, ImportsItemsFromCsvAndBackFromJson) {
   const std::string csv = File("items.csv", kItems);
   EXPECT_EQ(Changes({csv}), std::vector<std::string>(3, "created"));

@@ -43,6 +43,12 @@ TEST_F(FilesTest, RefusesFilesPastTheLimit) {
   EXPECT_EQ(ReadFile(folder_ / "file", 4).status().code(), absl::StatusCode::kResourceExhausted);
 }
 
+TEST_F(FilesTest, FoldersAreToldFromLargeFiles) {
+  const absl::Status status = ReadFile(folder_, 4).status();
+  EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_EQ(status.message(), folder_.string() + " is a folder, not a file");
+}
+
 TEST_F(FilesTest, WritingUnderAFileFailsAndNamesThePath) {
   ASSERT_TRUE(WriteFile(folder_ / "file", "x").ok());
   const absl::Status status = WriteFile(folder_ / "file" / "below", "y");

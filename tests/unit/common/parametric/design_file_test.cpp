@@ -365,3 +365,5 @@ TEST(DesignFileOf, GoesByTheExtension) {
 
 }  // namespace
 }  // namespace mortise::parametric
+  EXPECT_THAT(ReadDesignFile(folder).findings,
+              testing::ElementsAre(At("", "is a folder, not a file")));
