@@ -3,6 +3,7 @@
 #include <grpcpp/grpcpp.h>
 #include <grpcpp/impl/codegen/proto_utils.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "absl/strings/ascii.h"
@@ -42,6 +43,11 @@ absl::StatusOr<double> ParseWithUnit(const std::string& text, const std::string&
   if (!number) return InvalidField(field, absl::StrCat("'", text, "' is not a number"));
   const absl::string_view name = absl::StripAsciiWhitespace(whole.substr(number->length));
   if (name.empty()) return number->value;
+  // No unit has digits: 0x10, 1_000 and 1,5 are other notations of numbers.
+  if (std::any_of(name.begin(), name.end(),
+                  [](unsigned char c) { return absl::ascii_isdigit(c); })) {
+    return InvalidField(field, absl::StrCat("'", text, "' is no decimal number, such as 12.5"));
+  }
   for (const Unit& unit : units) {
     if (unit.name == name) return number->value * unit.size;
   }

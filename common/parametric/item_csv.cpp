@@ -146,6 +146,12 @@ absl::Status SetPlain(v1::Item& item, const std::string& name, const std::string
 absl::Status SetStockSizes(v1::Item& item, const std::string& text, bool millimetres) {
   for (const absl::string_view part : absl::StrSplit(text, ';')) {
     std::string entry(absl::StripAsciiWhitespace(part));
+    // Read on, this would be a length of 0 by a width.
+    if (entry.starts_with("0x")) {
+      return absl::InvalidArgumentError(absl::StrCat("'", entry.substr(0, 80),
+                                                     "' is no size in decimal numbers, such as ",
+                                                     millimetres ? "2440x1220" : "2.44x1.22"));
+    }
     v1::StockSize& stock = *item.add_stock_sizes();
     if (const std::size_t at = entry.find('@'); at != std::string::npos) {
       MORTISE_ASSIGN_OR_RETURN(const double price, ParseCsvNumber(entry.substr(at + 1), false));

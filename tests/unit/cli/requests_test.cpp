@@ -37,6 +37,13 @@ TEST(Requests, LengthsAreDecimal) {
     const absl::Status status = ParseQuantity(text, "--kerf").status();
     EXPECT_EQ(DetailOf(status).field, "--kerf") << text;
   }
+  // What is no unit is not blamed for what is no number.
+  for (const char* const text : {"0x10", "1_000mm", "1,5 mm"}) {
+    EXPECT_EQ(ParseQuantity(text, "--set a").status().message(),
+              absl::StrCat("--set a: '", text, "' is no decimal number, such as 12.5"));
+  }
+  EXPECT_EQ(ParseQuantity("3 yd", "--set a").status().message(),
+            "--set a: 'yd' is not a unit known here: m, cm, mm");
   EXPECT_FALSE(ParseMetricValue("0x10 kg", "--at").ok());
   EXPECT_FALSE(ParseVector("0x1, 2, 3", "--wind").ok());
 }

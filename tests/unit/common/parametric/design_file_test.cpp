@@ -335,6 +335,10 @@ TEST(DesignFileOf, MayBeginWithAByteOrderMark) {
   EXPECT_THAT(read("h.json", R"([{"name": "items/a", "price": {"amount": "0x10"}}])").findings,
               testing::ElementsAre(At("line 1", "price.amount")));
   EXPECT_THAT(read("h.textproto", "items { price { amount: 0x10 } }").findings, SizeIs(1));
+  // Neither is 0 by 10.
+  EXPECT_THAT(findings("1", "3@1;0x10@5"),
+              testing::ElementsAre(
+                  At("line 2, column 10 (stock_sizes)", "'0x10@5' is no size in decimal numbers")));
   std::filesystem::remove_all(folder);
 }
 
