@@ -15,6 +15,7 @@
 #include "cli/requests.h"
 #include "cli/session.h"
 #include "common/base/errors.h"
+#include "common/base/files.h"
 #include "common/base/identifiers.h"
 #include "common/rpc/status_mapping.h"
 #include "mortise/v1/simulator.grpc.pb.h"
@@ -186,7 +187,7 @@ void PrintAirflow(const v1::Analysis& analysis, const Output& output) {
 
 absl::Status Analyze(const AnalyzeOptions& options, Session& session, Output& output) {
   if (!options.mesh.empty()) return AnalyzeMesh(options, session, output);
-  if (std::filesystem::path(options.subject).extension() == ".json") {
+  if (LowerCaseExtension(options.subject) == ".json") {
     return InvalidField("--mesh", "is missing: a case needs the file of its mesh");
   }
   v1::AnalyzeDesignRequest request;

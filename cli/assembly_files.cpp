@@ -77,7 +77,7 @@ template <typename Message>
 absl::StatusOr<Message> ReadMessage(const std::filesystem::path& path) {
   Message message;
   MORTISE_ASSIGN_OR_RETURN(const std::string text, ReadFile(path, kMaxFile));
-  MORTISE_RETURN_IF_ERROR(path.extension() == ".json"
+  MORTISE_RETURN_IF_ERROR(LowerCaseExtension(path) == ".json"
                               ? ReadJson(text, path.string(), message)
                               : parametric::ParseProtoText(text, path.string(), message));
   return message;

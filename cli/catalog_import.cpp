@@ -35,25 +35,31 @@ void Take(const std::string& file, std::vector<parametric::Placed<Message>>& mes
   for (auto& placed : messages) taken.push_back({file, std::move(placed)});
 }
 
-void ReadDesigns(const std::filesystem::path& path, Designs& designs, Findings& findings) {
+void ReadDesigns(const std::filesystem::path& path, Designs& designs, Findings& findings,
+                 std::size_t& unlisted) {
   const std::string name = path.string();
   parametric::DesignFile file = parametric::ReadDesignFile(path);
   for (const Finding& finding : file.findings) {
     findings.push_back(
         {absl::StrCat(name, finding.field.empty() ? "" : ": ", finding.field), finding.message});
   }
+  unlisted += file.unlisted;
   Take(name, file.materials, designs.materials);
   Take(name, file.items, designs.items);
   Take(name, file.templates, designs.templates);
   designs.unread_names.merge(file.unread_names);
 }
 
-// All findings as one failure; of very many, the first and how many more there are.
-absl::Status Refusal(Findings findings) {
+// All findings as one failure; of very many, the first and how many more there are. `unlisted`
+// ones are in the files besides.
+absl::Status Refusal(Findings findings, std::size_t unlisted) {
+  std::size_t more = unlisted;
   if (findings.size() > kMaxFindings) {
-    const std::size_t more = findings.size() - kMaxFindings;
+    more += findings.size() - kMaxFindings;
     findings.resize(kMaxFindings);
-    findings.push_back({"files", absl::StrCat("have ", more, " more faults")});
+  }
+  if (more > 0) {
+    findings.push_back({"files", absl::StrCat("have ", more, " more fault", more == 1 ? "" : "s")});
   }
   return parametric::ToStatus(findings);
 }
@@ -202,7 +208,8 @@ absl::Status ImportFiles(const std::vector<std::filesystem::path>& files, Sessio
                          Output& output) {
   Designs designs;
   Findings findings;
-  for (const std::filesystem::path& file : files) ReadDesigns(file, designs, findings);
+  std::size_t unlisted = 0;
+  for (const std::filesystem::path& file : files) ReadDesigns(file, designs, findings, unlisted);
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   const auto stub = v1::CatalogService::NewStub(client->channel());
   MORTISE_ASSIGN_OR_RETURN(const Present present, ReadCatalog(*stub, *client));
@@ -211,7 +218,7 @@ absl::Status ImportFiles(const std::vector<std::filesystem::path>& files, Sessio
   MORTISE_RETURN_IF_ERROR(ResolveShapes(designs, *stub, *client, notes, findings));
   if (!findings.empty()) {
     MORTISE_RETURN_IF_ERROR(CheckShapes(designs, *stub, *client, findings));
-    return Refusal(std::move(findings));
+    return Refusal(std::move(findings), unlisted);
   }
   for (const std::string& note : notes) output.Line(absl::StrCat("note: ", note));
   MORTISE_ASSIGN_OR_RETURN(const v1::ImportCatalogRequest request, RequestOf(designs));

@@ -6,7 +6,6 @@
 #include <memory>
 #include <utility>
 
-#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_split.h"
@@ -43,7 +42,7 @@ struct RunOptions {
   bool detach = false;
 };
 
-bool IsFile(const RunOptions& options) { return absl::EndsWith(options.subject, ".json"); }
+bool IsFile(const RunOptions& options) { return LowerCaseExtension(options.subject) == ".json"; }
 
 using Bound = v1::DiscoverySpecification::Bound;
 

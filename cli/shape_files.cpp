@@ -5,7 +5,6 @@
 #include <grpcpp/grpcpp.h>
 
 #include <algorithm>
-#include <cctype>
 
 #include "absl/strings/str_cat.h"
 #include "cli/field_sources.h"
@@ -19,13 +18,6 @@ namespace mortise::cli {
 namespace {
 
 constexpr std::size_t kMaxFile = 64 << 20;  // bytes
-
-std::string ExtensionOf(const std::filesystem::path& file) {
-  std::string extension = file.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension;
-}
 
 absl::StatusOr<std::string> Packed(const std::string& bytes, const std::string& name) {
   std::string packed;
@@ -61,14 +53,14 @@ absl::StatusOr<std::string> PackedFile(const std::filesystem::path& file) {
 }
 
 bool IsStepFile(const std::filesystem::path& file) {
-  const std::string extension = ExtensionOf(file);
+  const std::string extension = LowerCaseExtension(file);
   return extension == ".step" || extension == ".stp" || extension == ".stpz";
 }
 
 absl::StatusOr<v1::Shape> ImportShapeFile(const std::filesystem::path& file,
                                           v1::CatalogService::Stub& stub,
                                           const GatewayClient& client) {
-  if (!IsStepFile(file) && ExtensionOf(file) != ".stl") {
+  if (!IsStepFile(file) && LowerCaseExtension(file) != ".stl") {
     return InvalidField(file.string(), "is neither STEP (.step, .stp, .stpz) nor STL (.stl)");
   }
   v1::ImportShapeRequest request;

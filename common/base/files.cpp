@@ -7,6 +7,7 @@
 #include <cstring>
 #include <fstream>
 
+#include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/base/identifiers.h"
@@ -58,6 +59,10 @@ absl::StatusOr<std::string> ReadFile(const std::filesystem::path& path, std::siz
   file.seekg(0);
   if (!file.read(bytes.data(), size)) return Failure(path, "read");
   return bytes;
+}
+
+std::string LowerCaseExtension(const std::filesystem::path& path) {
+  return absl::AsciiStrToLower(path.extension().string());
 }
 
 absl::Status WriteFile(const std::filesystem::path& path, std::string_view bytes) {

@@ -15,6 +15,9 @@ namespace mortise {
 absl::StatusOr<std::string> ReadFile(const std::filesystem::path& path,
                                      std::size_t limit = std::size_t{1} << 30);
 
+// ".csv" of "Items.CSV": extensions mean the same in either case.
+std::string LowerCaseExtension(const std::filesystem::path& path);
+
 // Writes beside the file, flushes to disk, then renames over it; creates missing folders.
 absl::Status WriteFile(const std::filesystem::path& path, std::string_view bytes);
 

@@ -223,7 +223,7 @@ absl::StatusOr<std::vector<CadTemplate>> ReadCadTemplates(const std::filesystem:
   std::error_code error;
   std::vector<std::filesystem::path> files;
   for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
-    if (entry.path().extension() == ".textproto") files.push_back(entry.path());
+    if (LowerCaseExtension(entry.path()) == ".textproto") files.push_back(entry.path());
   }
   if (error) return ResourceNotFound(folder.string());
   std::sort(files.begin(), files.end());

@@ -23,7 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 
 bool IsDesignFile(const fs::path& path) {
-  const fs::path extension = path.extension();
+  const std::string extension = LowerCaseExtension(path);
   return extension == ".textproto" || extension == ".csv" || extension == ".json";
 }
 
@@ -78,7 +78,7 @@ using ParseTemplate = absl::StatusOr<v1::Template> (*)(std::string_view, const s
 absl::Status AppendTemplates(const fs::path& folder, ParseTemplate parse, Collection& collection) {
   MORTISE_ASSIGN_OR_RETURN(const std::vector<fs::path> files, FilesUnder(folder));
   for (const fs::path& file : files) {
-    if (file.extension() != ".textproto") continue;
+    if (LowerCaseExtension(file) != ".textproto") continue;
     MORTISE_ASSIGN_OR_RETURN(const std::string text, ReadFile(file, kMaxTextBytes));
     MORTISE_ASSIGN_OR_RETURN(v1::Template message, parse(text, file.string()));
     collection.templates.push_back(std::move(message));
@@ -183,7 +183,7 @@ absl::StatusOr<Collection> ReadCollection(const fs::path& folder) {
   MORTISE_ASSIGN_OR_RETURN(const std::vector<fs::path> assemblies,
                            FilesUnder(folder / "assemblies"));
   for (const fs::path& file : assemblies) {
-    if (file.extension() != ".textproto") continue;
+    if (LowerCaseExtension(file) != ".textproto") continue;
     MORTISE_ASSIGN_OR_RETURN(const std::string text, ReadFile(file, kMaxTextBytes));
     MORTISE_ASSIGN_OR_RETURN(v1::Assembly message, ParseAssemblyText(text, file.string()));
     MORTISE_RETURN_IF_ERROR(ResolveShapes(file, shapes, message));

@@ -37,6 +37,8 @@ class Parser {
   explicit Parser(std::string_view text) : text_(text) {}
 
   CsvTable Run() {
+    // Excel's own line before the header says no more here than that cells are as they should be.
+    if (text_.substr(0, text_.find_first_of("\r\n")) == "sep=,") SkipLine();
     while (at_ < text_.size()) {
       if (AtLineEnd()) {
         SkipLineEnd();
@@ -61,10 +63,13 @@ class Parser {
   void Report(const CsvCell& cell, std::string message) {
     if (table_.findings.size() < kMaxFindings) {
       table_.findings.push_back({PlaceOf(cell), std::move(message)});
+    } else {
+      ++table_.unlisted;
     }
   }
 
   void TakeRow() {
+    const std::size_t begin = at_;
     CsvRow row;
     bool sound = true;
     while (true) {
@@ -76,8 +81,11 @@ class Parser {
       ++at_;
     }
     if (!sound) return width_ == 0 ? SkipAll() : SkipLine();
+    // Spreadsheets write empty rows as commas.
+    const std::string_view text = text_.substr(begin, at_ - begin);
+    const bool is_empty = text.find_first_not_of(',') == std::string_view::npos;
     if (AtLineEnd()) SkipLineEnd();
-    Keep(std::move(row));
+    if (!is_empty) Keep(std::move(row));
   }
 
   // What follows a fault may be sound again on the next line.
@@ -166,6 +174,27 @@ CsvTable ParseCsv(std::string_view text) {
   CsvTable table;
   table.findings.push_back({"line 1", std::move(fault)});
   return table;
+}
+
+std::string OtherSeparator(std::string_view text) {
+  text = SkipByteOrderMark(text);
+  // Excel's own line, which other programs take for cells.
+  constexpr std::string_view kSeparatorLine = "sep=";
+  if (text.starts_with(kSeparatorLine)) {
+    text.remove_prefix(kSeparatorLine.size());
+    text = text.substr(0, 1);
+  } else {
+    text = text.substr(0, text.find_first_of("\r\n"));
+    if (text.find(',') != std::string_view::npos) return "";
+  }
+  constexpr struct {
+    char character;
+    const char* name;
+  } kSeparators[] = {{';', "semicolons"}, {'\t', "tabs"}, {'|', "vertical bars"}};
+  for (const auto& separator : kSeparators) {
+    if (text.find(separator.character) != std::string_view::npos) return separator.name;
+  }
+  return "";
 }
 
 absl::StatusOr<double> ParseCsvNumber(const std::string& text, bool thousandths) {

@@ -8,6 +8,7 @@
 #include "common/base/errors.h"
 #include "common/base/field_violations.h"
 #include "common/base/files.h"
+#include "common/base/text_encoding.h"
 #include "common/parametric/collection.h"
 #include "common/parametric/csv_designs.h"
 #include "common/parametric/csv_table.h"
@@ -82,6 +83,15 @@ DesignFile ParseDesignText(std::string_view text, const std::string& origin) {
 }  // namespace
 
 DesignFile ParseDesignCsv(std::string_view text) {
+  const std::string separator = OtherSeparator(text);
+  if (!separator.empty() && EncodingFault(text).empty()) {
+    DesignFile file;
+    file.findings.push_back(
+        {"line 1", absl::StrCat("separates cells by ", separator,
+                                "; save the file with commas between them, and with points in "
+                                "numbers, such as 2.95")});
+    return file;
+  }
   const CsvTable table = ParseCsv(text);
   std::vector<Finding> findings = table.findings;
   if (table.rows.empty()) {
@@ -97,7 +107,11 @@ DesignFile ParseDesignCsv(std::string_view text) {
                                        [](const CsvCell& cell) { return cell.text == "density"; });
   DesignFile file = has_density ? MaterialsOfTable(table) : ItemsOfTable(table);
   findings.insert(findings.end(), file.findings.begin(), file.findings.end());
+  if (table.rows.size() == 1 && findings.empty()) {
+    findings.push_back({"line 1", "names the columns, but no row follows"});
+  }
   file.findings = std::move(findings);
+  file.unlisted += table.unlisted;
   return file;
 }
 
@@ -115,7 +129,7 @@ std::string PlaceOf(const std::string& place, const std::map<std::string, std::s
 DesignFile ReadDesignFile(const std::filesystem::path& path) {
   const absl::StatusOr<std::string> text = ReadFile(path, kMaxBytes);
   if (!text.ok()) return Failed(text.status(), path.string());
-  const std::string extension = path.extension().string();
+  const std::string extension = LowerCaseExtension(path);
   if (extension == ".csv") return ParseDesignCsv(*text);
   if (extension == ".json") return ParseDesignJson(*text);
   return ParseDesignText(*text, path.string());

@@ -33,6 +33,7 @@ struct DesignFile {
   std::vector<Placed<v1::Template>> templates;
   // What cannot be read, with places as fields; what could be is above all the same.
   std::vector<Finding> findings;
+  std::size_t unlisted = 0;  // findings beyond those, of very many
   // Names, as far as they could be made out, of what is not above because of that.
   std::set<std::string> unread_names;
 };
@@ -43,15 +44,16 @@ std::string PlaceOf(const std::string& place, const std::map<std::string, std::s
 
 // Items as CSV, or materials if there is a column "density": the first row names the columns, each
 // further row is one of them. Whether they make sense is not looked at, except that numbers are
-// numbers and words are known.
+// numbers and words are known. A finding is also what separates cells but for commas, and a header
+// that no row follows.
 DesignFile ParseDesignCsv(std::string_view text);
 
 // A TemplateBundle as JSON (proto3 JSON, either form of field names), or a list of items. Of a
 // template of which something cannot be read, only the name counts.
 DesignFile ParseDesignJson(std::string_view text);
 
-// The file at `path`, by its extension: .csv, .json, or protobuf text. A file that cannot be read
-// at all, or has more than 4 MiB, is a finding.
+// The file at `path`, by its extension in any case: .csv, .json, or protobuf text. A file that
+// cannot be read at all, or has more than 4 MiB, is a finding.
 DesignFile ReadDesignFile(const std::filesystem::path& path);
 
 }  // namespace mortise::parametric

@@ -201,6 +201,8 @@ class Reader {
   void Report(std::string place, std::string message) {
     if (file_.findings.size() < kMaxFindings) {
       file_.findings.push_back({std::move(place), std::move(message)});
+    } else {
+      ++file_.unlisted;
     }
   }
 

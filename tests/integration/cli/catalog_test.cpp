@@ -98,6 +98,17 @@ TEST_F(CatalogCommand, FoldersAreNoFiles) {
   EXPECT_THAT(Refusal({"import", folder_.path().string()}), HasSubstr("is a folder, not a file"));
 }
 
+// Of very many faults the first are listed, and the others counted.
+TEST_F(CatalogCommand, TellsHowManyMoreFaultsThereAre) {
+  std::string csv = "name,title,kind,material,length,width,thickness,price,currency,price_date\n";
+  for (int i = 0; i < 120; ++i) {
+    csv += "items/w-" + std::to_string(i) + ",A,BOARD,materials/steel,y,1,z,x,EUR,2026-01-15\n";
+  }
+  const std::string refusal = Refusal({"import", File("faults.csv", csv)});
+  EXPECT_THAT(refusal, HasSubstr("line 34, column 5 (length)"));
+  EXPECT_THAT(refusal, HasSubstr("files: have 260 more faults"));
+}
+
 TEST_F(CatalogCommand, ImportsItemsFromCsvAndBackFromJson) {
   const std::string csv = File("items.csv", kItems);
   EXPECT_EQ(Changes({csv}), std::vector<std::string>(3, "created"));

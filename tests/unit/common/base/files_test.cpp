@@ -49,6 +49,12 @@ TEST_F(FilesTest, FoldersAreToldFromLargeFiles) {
   EXPECT_EQ(status.message(), folder_.string() + " is a folder, not a file");
 }
 
+TEST_F(FilesTest, ExtensionsMeanTheSameInEitherCase) {
+  EXPECT_EQ(LowerCaseExtension("folder.D/Items.CSV"), ".csv");
+  EXPECT_EQ(LowerCaseExtension("part.Step"), ".step");
+  EXPECT_EQ(LowerCaseExtension("none"), "");
+}
+
 TEST_F(FilesTest, WritingUnderAFileFailsAndNamesThePath) {
   ASSERT_TRUE(WriteFile(folder_ / "file", "x").ok());
   const absl::Status status = WriteFile(folder_ / "file" / "below", "y");

@@ -76,6 +76,22 @@ TEST(CsvTable, TakesWhatSpreadsheetsWrite) {
   EXPECT_THAT(Texts(ParseCsv("a,\n")), ElementsAre(ElementsAre("a", "")));
 }
 
+TEST(CsvTable, TakesTheLineThatNamesTheComma) {
+  const CsvTable table = ParseCsv("sep=,\r\na,b\r\n1,2\r\n");
+  EXPECT_THAT(table.findings, IsEmpty());
+  EXPECT_THAT(Texts(table), ElementsAre(ElementsAre("a", "b"), ElementsAre("1", "2")));
+  EXPECT_EQ(table.rows[0][0].line, 2);
+}
+
+TEST(CsvTable, RowsOfCommasAreEmptyLines) {
+  const CsvTable table = ParseCsv(",,\r\na,b\r\n,\r\n1,2\r\n,,,,\r\n\"\",\r\n,");
+  EXPECT_THAT(table.findings, IsEmpty());
+  // Cells that are quoted are there, though they are empty.
+  EXPECT_THAT(Texts(table),
+              ElementsAre(ElementsAre("a", "b"), ElementsAre("1", "2"), ElementsAre("", "")));
+  EXPECT_EQ(table.rows[1][0].line, 4);
+}
+
 TEST(CsvTable, NamesThePlaceOfEveryFault) {
   EXPECT_EQ(FaultOf("a,b\n1,2\"\n").field, "line 2, column 2");
   EXPECT_THAT(FaultOf("a,b\n1,2\"\n").message, HasSubstr("quote inside"));
@@ -108,6 +124,7 @@ TEST(CsvTable, LimitsItsFindings) {
   std::string text = "a,b\n";
   for (int i = 0; i < 1000; ++i) text += "1\n";
   EXPECT_THAT(ParseCsv(text).findings, SizeIs(100));
+  EXPECT_EQ(ParseCsv(text).unlisted, 900u);
 }
 
 }  // namespace

@@ -115,6 +115,41 @@ TEST(ItemsCsv, RefusesHeadersThatItDoesNotUnderstand) {
   EXPECT_THAT(findings(""), testing::ElementsAre(At("line 1", "is missing")));
 }
 
+// The header of a table that spreadsheets of other languages write is no single column.
+TEST(ItemsCsv, SaysWhatSeparatesCellsButCommas) {
+  const auto fault = [](const std::string& text) {
+    const DesignFile file = ParseDesignCsv(text);
+    EXPECT_THAT(file.findings, SizeIs(1)) << Listed(file.findings);
+    EXPECT_THAT(file.items, IsEmpty());
+    return Listed(file.findings);
+  };
+  EXPECT_THAT(fault("\xEF\xBB\xBFname;kind;price\r\nitems/a;NUT;2,95\r\n"),
+              HasSubstr("line 1: separates cells by semicolons"));
+  EXPECT_THAT(fault("name\tkind\tprice\nitems/a\tNUT\t2.95\n"),
+              HasSubstr("line 1: separates cells by tabs"));
+  EXPECT_THAT(fault("sep=;\r\nname;kind;price\r\n"),
+              HasSubstr("line 1: separates cells by semicolons"));
+  EXPECT_THAT(fault("sep=\t\nname\tkind\n"), HasSubstr("line 1: separates cells by tabs"));
+  EXPECT_THAT(fault("name|kind\n"), HasSubstr("vertical bars"));
+}
+
+TEST(ItemsCsv, AHeaderAloneIsTold) {
+  EXPECT_THAT(ParseDesignCsv(kHeader).findings,
+              testing::ElementsAre(At("line 1", "names the columns, but no row follows")));
+  EXPECT_THAT(ParseDesignCsv(kHeader + std::string(",,,\n")).findings,
+              testing::ElementsAre(At("line 1", "names the columns, but no row follows")));
+}
+
+TEST(ItemsCsv, CountsWhatItDoesNotList) {
+  std::string text = kHeader;
+  for (int i = 0; i < 120; ++i) {
+    text += "items/a,A,NUT,materials/steel,y,1,1,x,EUR,2026-01-15\n";
+  }
+  const DesignFile file = ParseDesignCsv(text);
+  EXPECT_THAT(file.findings, SizeIs(100));
+  EXPECT_EQ(file.unlisted, 140u);
+}
+
 TEST(ItemsCsv, ReadsWhatItCanOfRowsAndOfHeadersAtFault) {
   const DesignFile file =
       ParseDesignCsv(std::string("colour,") + kHeader +
@@ -300,6 +335,10 @@ TEST(ItemsCsv, PricesAreDecimalAndMayBeLeftOutOfSizes) {
               testing::ElementsAre(At("line 2, column 7 (price)", "no number")));
   EXPECT_THAT(findings("1", "3@0x10"),
               testing::ElementsAre(At("line 2, column 10 (stock_sizes)", "no number")));
+  // Neither is 0 by 10.
+  EXPECT_THAT(findings("1", "3@1;0x10@5"),
+              testing::ElementsAre(
+                  At("line 2, column 10 (stock_sizes)", "'0x10@5' is no size in decimal numbers")));
   const DesignFile file = ParseDesignCsv(header + "items/a,BOARD,materials/b,3,0.1,0.02,5,EUR," +
                                          "2026-01-15,3@5;2;1@0\n");
   ASSERT_THAT(file.findings, IsEmpty()) << Listed(file.findings);
@@ -335,10 +374,6 @@ TEST(DesignFileOf, MayBeginWithAByteOrderMark) {
   EXPECT_THAT(read("h.json", R"([{"name": "items/a", "price": {"amount": "0x10"}}])").findings,
               testing::ElementsAre(At("line 1", "price.amount")));
   EXPECT_THAT(read("h.textproto", "items { price { amount: 0x10 } }").findings, SizeIs(1));
-  // Neither is 0 by 10.
-  EXPECT_THAT(findings("1", "3@1;0x10@5"),
-              testing::ElementsAre(
-                  At("line 2, column 10 (stock_sizes)", "'0x10@5' is no size in decimal numbers")));
   std::filesystem::remove_all(folder);
 }
 
@@ -353,7 +388,12 @@ TEST(DesignFileOf, GoesByTheExtension) {
       read("a.csv", std::string(kHeader) + "items/a,A,NUT,materials/steel,1,1,1,1,EUR,2026-01-15\n")
           .items,
       SizeIs(1));
+  EXPECT_THAT(
+      read("B.CSV", std::string(kHeader) + "items/a,A,NUT,materials/steel,1,1,1,1,EUR,2026-01-15\n")
+          .items,
+      SizeIs(1));
   EXPECT_THAT(read("a.json", "[{\"name\": \"items/a\"}]").items, SizeIs(1));
+  EXPECT_THAT(read("b.Json", "[{\"name\": \"items/a\"}]").items, SizeIs(1));
   EXPECT_THAT(read("a.textproto", "items { name: \"items/a\" }").items, SizeIs(1));
   EXPECT_THAT(
       read("b.textproto", "# proto-message: mortise.v1.Template\nname: \"templates/b\"").templates,
@@ -362,6 +402,8 @@ TEST(DesignFileOf, GoesByTheExtension) {
       read("c.textproto", "\nitems { nmae: 1 }\nitmes {}").findings,
       testing::ElementsAre(At("line 2, column 9", "'nmae'"), At("line 3, column 1", "'itmes'")));
   EXPECT_THAT(ReadDesignFile(folder / "absent.csv").findings, SizeIs(1));
+  EXPECT_THAT(ReadDesignFile(folder).findings,
+              testing::ElementsAre(At("", "is a folder, not a file")));
   EXPECT_THAT(read("big.csv", std::string((4 << 20) + 1, 'x')).findings,
               testing::ElementsAre(At("", "4")));
   std::filesystem::remove_all(folder);
@@ -369,5 +411,3 @@ TEST(DesignFileOf, GoesByTheExtension) {
 
 }  // namespace
 }  // namespace mortise::parametric
-  EXPECT_THAT(ReadDesignFile(folder).findings,
-              testing::ElementsAre(At("", "is a folder, not a file")));
