@@ -10,10 +10,6 @@
 namespace mortise::simulator {
 namespace {
 
-// Faces that turn by more than this (50 degrees) meet at an edge. The facets of what is round turn
-// by less if it has eight or more, and they are then taken for one surface.
-constexpr double kSharpCosine = 0.643;
-
 // A face of an element of a part, by its corners in ascending order.
 struct ElementSide {
   std::array<int, 3> corners;

@@ -12,6 +12,10 @@
 
 namespace mortise::simulator {
 
+// Faces that turn by more than this (50 degrees) meet at an edge. The facets of what is round turn
+// by less if it has eight or more, and they are then taken for one surface.
+inline constexpr double kSharpCosine = 0.643;
+
 // Nodes as each part sees them: across a joint stress may jump, so a node between two parts has a
 // slot for each.
 class PartNodes {

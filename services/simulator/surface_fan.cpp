@@ -20,34 +20,6 @@ Eigen::Vector3d NormalAt(const GradientMatrix& positions, int place) {
   return EvaluateTriangle(positions, FacePlace(place)).normal;
 }
 
-Vector6d VectorOf(const Eigen::Matrix3d& tensor) {
-  Vector6d vector;
-  vector << tensor(0, 0), tensor(1, 1), tensor(2, 2), tensor(0, 1), tensor(1, 2), tensor(0, 2);
-  return vector;
-}
-
-// The tensor whose product with a stress tensor is direction · σ.
-Eigen::Matrix3d DualTensor(Vector6d direction) {
-  direction.tail<3>() /= 2;
-  return StressTensor(direction);
-}
-
-Vector6d DualVector(const Eigen::Matrix3d& tensor) {
-  Vector6d direction = VectorOf(tensor);
-  direction.tail<3>() *= 2;
-  return direction;
-}
-
-// The normal of the surface at a corner: the mean of its faces'.
-Eigen::Vector3d MeanNormal(const std::vector<GradientMatrix>& positions,
-                           std::span<const FaceNode> corners) {
-  Eigen::Vector3d normal = Eigen::Vector3d::Zero();
-  for (std::size_t f = 0; f < corners.size(); ++f) {
-    normal += NormalAt(positions[f], corners[f].place);
-  }
-  return normal.normalized();
-}
-
 // Whether each of the middles beside the corner is there twice.
 bool Surrounds(const PartSurface& surface, std::span<const FaceNode> samples) {
   std::map<int, int> times;
@@ -116,54 +88,20 @@ std::vector<SurfaceFan::Share> SurfaceFan::Shares(
 }
 
 Vector6d SurfaceFan::Stress(std::span<const Vector6d> at_samples) const {
-  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
-  const std::vector<Share> shares = Shares(positions_);
-  for (std::size_t s = 0; s < shares.size(); ++s) {
-    const Eigen::Matrix3d& turn = shares[s].turn;
-    sum += shares[s].weight * turn * StressTensor(at_samples[s]) * turn.transpose();
-  }
-  return VectorOf(sum);
+  return StressOf(Shares(positions_), at_samples);
 }
 
 std::vector<Vector6d> SurfaceFan::Directions(const Vector6d& direction) const {
-  std::vector<Vector6d> directions;
-  for (const auto& [weight, turn] : Shares(positions_)) {
-    directions.push_back(DualVector(weight * turn.transpose() * DualTensor(direction) * turn));
-  }
-  return directions;
+  return DirectionsOf(Shares(positions_), direction);
 }
 
 void SurfaceFan::AddDerivative(const Vector6d& direction, std::span<const Vector6d> at_samples,
                                Eigen::Matrix3Xd& by_position) const {
-  const Eigen::Matrix3d dual = DualTensor(direction);
-  const auto value = [&](const std::vector<GradientMatrix>& positions) {
-    double sum = 0;
-    const std::vector<Share> shares = Shares(positions);
-    for (std::size_t s = 0; s < shares.size(); ++s) {
-      const Eigen::Matrix3d& turn = shares[s].turn;
-      sum += shares[s].weight *
-             (turn * StressTensor(at_samples[s]) * turn.transpose()).cwiseProduct(dual).sum();
-    }
-    return sum;
-  };
-  // Where each node is among the faces.
-  std::map<int, std::vector<FaceNode>> nodes;
-  for (std::size_t f = 0; f < corners_.size(); ++f) {
-    for (int place = 0; place < 6; ++place) {
-      nodes[surface_.nodes()(place, corners_[f].face)].push_back({static_cast<int>(f), place});
-    }
-  }
-  const double step = 1e-5 * (positions_[0].col(0) - positions_[0].col(1)).norm();
-  for (const auto& [node, places] : nodes) {
-    for (int axis = 0; axis < 3; ++axis) {
-      std::vector<GradientMatrix> ahead = positions_, behind = positions_;
-      for (const auto& [face, place] : places) {
-        ahead[static_cast<std::size_t>(face)](axis, place) += step;
-        behind[static_cast<std::size_t>(face)](axis, place) -= step;
-      }
-      by_position(axis, node) += (value(ahead) - value(behind)) / (2 * step);
-    }
-  }
+  PlacedFaces at{{}, positions_};
+  for (const FaceNode& corner : corners_) at.faces.push_back(corner.face);
+  AddShareDerivative(
+      surface_, at, [this](const std::vector<GradientMatrix>& moved) { return Shares(moved); },
+      direction, at_samples, by_position);
 }
 
 }  // namespace mortise::simulator

@@ -16,6 +16,7 @@
 #include "common/mesh/tetrahedral_mesh.h"
 #include "services/simulator/material.h"
 #include "services/simulator/part_surface.h"
+#include "services/simulator/stress_shares.h"
 
 namespace mortise::simulator {
 
@@ -43,11 +44,7 @@ class SurfaceFan {
                      Eigen::Matrix3Xd& by_position) const;
 
  private:
-  // How much of a sample counts, and how it is turned.
-  struct Share {
-    double weight = 0;
-    Eigen::Matrix3d turn;
-  };
+  using Share = StressShare;  // of each sample
 
   SurfaceFan(const PartSurface& surface, std::span<const FaceNode> corners)
       : surface_(surface), corners_(corners.begin(), corners.end()) {}

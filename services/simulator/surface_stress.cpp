@@ -20,26 +20,7 @@ Eigen::Matrix<double, 1, 6> Row(const Eigen::Vector3d& a, const Eigen::Vector3d&
   return StrainOf(a * b.transpose()).transpose();
 }
 
-// Differentiates the shape functions of an edge of two or three nodes by its parameter, 0 … 1, at
-// one of the nodes.
-ShapeVector EdgeDerivatives(int place, int nodes) {
-  ShapeVector by_length(nodes);
-  if (nodes == 2) {
-    by_length << -1, 1;
-  } else {
-    const double s = place == 0 ? 0 : place == 1 ? 1 : 0.5;
-    by_length << 4 * s - 3, 4 * s - 1, 4 - 8 * s;
-  }
-  return by_length;
-}
-
 }  // namespace
-
-struct SurfaceStress::Piece {
-  FaceNode first, second;           // the node on the face, or on both faces of the edge
-  const SharpEdge* edge = nullptr;  // if it is one
-  int place = 0;                    // of the node on the edge
-};
 
 // The equations of tractions at a piece, Rσ = t, and what solves them: σ = D ε + D Rᵀ w.
 struct SurfaceStress::Balance {
@@ -73,8 +54,8 @@ Eigen::Vector3d SurfaceStress::TractionAt(const FaceNode& at) const {
   return body_.traction.at_nodes.col(surface_.nodes().rows() * at.face + at.place);
 }
 
-std::vector<SurfaceStress::Piece> SurfaceStress::PiecesAt(int slot) const {
-  std::vector<Piece> faces, edges;
+std::vector<SurfacePiece> SurfaceStress::PiecesAt(int slot) const {
+  std::vector<SurfacePiece> faces, edges;
   for (const FaceNode& at : surface_.At(slot)) {
     if (IsKnown(at.face)) {
       faces.push_back({at, {}});
@@ -99,7 +80,7 @@ std::vector<SurfaceStress::Piece> SurfaceStress::PiecesAt(int slot) const {
   return edges.empty() ? faces : edges;
 }
 
-SurfaceStress::Balance SurfaceStress::BalanceOf(const Piece& piece, double warmth) const {
+SurfaceStress::Balance SurfaceStress::BalanceOf(const SurfacePiece& piece, double warmth) const {
   const mesh::TetrahedralMesh& mesh = body_.mesh;
   Balance balance;
   const auto at_first = EvaluateTriangle(FacePositions(mesh, surface_, piece.first.face),
@@ -153,9 +134,26 @@ SurfaceStress::Balance SurfaceStress::BalanceOf(const Piece& piece, double warmt
   return balance;
 }
 
-std::optional<SurfaceFan> SurfaceStress::FanAt(int slot, const std::vector<Piece>& pieces) const {
+std::optional<SurfaceFan> SurfaceStress::FanAt(int slot,
+                                               const std::vector<SurfacePiece>& pieces) const {
   if (pieces.empty() || pieces.size() != surface_.At(slot).size()) return std::nullopt;
   return SurfaceFan::Around(body_.mesh, surface_, slot);
+}
+
+SurfaceTurns SurfaceStress::TurnsAt(int slot, const std::vector<SurfacePiece>& pieces) const {
+  std::vector<FaceNode> mirrors;
+  for (const FaceNode& at : surface_.At(slot)) {
+    if (!IsKnown(at.face)) mirrors.push_back(at);
+  }
+  return SurfaceTurns(body_.mesh, surface_, pieces, mirrors);
+}
+
+std::vector<Vector6d> SurfaceStress::StressesAt(const std::vector<SurfacePiece>& pieces,
+                                                int node) const {
+  const double warmth = body_.temperature.size() > 0 ? body_.temperature[node] : 0;
+  std::vector<Vector6d> stresses;
+  for (const SurfacePiece& piece : pieces) stresses.push_back(BalanceOf(piece, warmth).stress);
+  return stresses;
 }
 
 std::vector<Vector6d> SurfaceStress::StressesAt(const SurfaceFan& fan) const {
@@ -169,18 +167,16 @@ std::vector<Vector6d> SurfaceStress::StressesAt(const SurfaceFan& fan) const {
 }
 
 std::optional<Vector6d> SurfaceStress::At(int slot, int node) const {
-  const std::vector<Piece> pieces = PiecesAt(slot);
+  const std::vector<SurfacePiece> pieces = PiecesAt(slot);
   if (pieces.empty()) return std::nullopt;
   if (const auto fan = FanAt(slot, pieces)) return fan->Stress(StressesAt(*fan));
-  const double warmth = body_.temperature.size() > 0 ? body_.temperature[node] : 0;
-  Vector6d sum = Vector6d::Zero();
-  for (const Piece& piece : pieces) sum += BalanceOf(piece, warmth).stress;
-  return sum / static_cast<double>(pieces.size());
+  return StressOf(TurnsAt(slot, pieces).shares(), StressesAt(pieces, node));
 }
 
 bool SurfaceStress::AddDerivative(int slot, const Vector6d& direction,
                                   StressDerivative& sum) const {
-  const std::vector<Piece> pieces = PiecesAt(slot);
+  const std::vector<SurfacePiece> pieces = PiecesAt(slot);
+  if (pieces.empty()) return false;
   if (const auto fan = FanAt(slot, pieces)) {
     const std::vector<Vector6d> directions = fan->Directions(direction);
     for (std::size_t s = 0; s < directions.size(); ++s) {
@@ -189,16 +185,21 @@ bool SurfaceStress::AddDerivative(int slot, const Vector6d& direction,
     fan->AddDerivative(direction, StressesAt(*fan), sum.by_position);
     return true;
   }
-  for (const Piece& piece : pieces) {
-    AddDerivative(piece, direction / static_cast<double>(pieces.size()), sum);
+  const SurfaceTurns turns = TurnsAt(slot, pieces);
+  const std::vector<Vector6d> directions = DirectionsOf(turns.shares(), direction);
+  std::vector<Vector6d> stresses;
+  for (std::size_t k = 0; k < pieces.size(); ++k) {
+    AddDerivative(pieces[k], directions[k], sum);
+    stresses.push_back(BalanceOf(pieces[k], 0).stress);
   }
-  return !pieces.empty();
+  turns.AddDerivative(direction, stresses, sum.by_position);
+  return true;
 }
 
 // With λ = (R D Rᵀ)⁻¹ R D d and g = D (d − Rᵀλ), the value d · σ changes by
 //   g · δε + λ · δt − λ · δR σ + w · δR g,
 // so that a row a · σ b changes it by δa · (w G − λ σ) b and b likewise, G being g as a tensor.
-void SurfaceStress::AddDerivative(const Piece& piece, const Vector6d& direction,
+void SurfaceStress::AddDerivative(const SurfacePiece& piece, const Vector6d& direction,
                                   StressDerivative& sum) const {
   const Balance at = BalanceOf(piece, 0);
   const auto part = static_cast<std::size_t>(surface_.part(piece.first.face));

@@ -7,9 +7,10 @@
 //   σ = D (sym(H + b nᵀ) − ε_T),   σ n = t
 // are three equations for b. (Boundary elements recover stresses so; see also the membranes of no
 // stiffness that are laid over solids to read their surface.) At a node, the mean over its faces is
-// taken; at a corner of quadratic elements that faces surround, a fit to what they have round it
-// (surface_fan.h). Along a convex edge, where two faces meet at an angle, only the stretch
-// along the edge is taken from the displacements, and both tractions determine the rest.
+// taken, each turned to how they lie in the mean (surface_turns.h); at a corner of quadratic
+// elements that faces surround, a fit to what they have round it (surface_fan.h). Along a convex
+// edge, where two faces meet at an angle, only the stretch along the edge is taken from the
+// displacements, and both tractions determine the rest.
 #pragma once
 
 #include <Eigen/Core>
@@ -21,6 +22,7 @@
 #include "services/simulator/part_surface.h"
 #include "services/simulator/surface_fan.h"
 #include "services/simulator/surface_traction.h"
+#include "services/simulator/surface_turns.h"
 
 namespace mortise::simulator {
 
@@ -57,18 +59,20 @@ class SurfaceStress {
 
  private:
   // What one face, or one edge, tells at a node.
-  struct Piece;
   struct Balance;
 
-  std::vector<Piece> PiecesAt(int slot) const;
+  std::vector<SurfacePiece> PiecesAt(int slot) const;
   // The fan round a slot all of whose faces are among its pieces.
-  std::optional<SurfaceFan> FanAt(int slot, const std::vector<Piece>& pieces) const;
+  std::optional<SurfaceFan> FanAt(int slot, const std::vector<SurfacePiece>& pieces) const;
+  SurfaceTurns TurnsAt(int slot, const std::vector<SurfacePiece>& pieces) const;
+  std::vector<Vector6d> StressesAt(const std::vector<SurfacePiece>& pieces, int node) const;
   // Tells the stress at each of a fan's samples.
   std::vector<Vector6d> StressesAt(const SurfaceFan& fan) const;
   bool IsKnown(int face) const;
   Eigen::Vector3d TractionAt(const FaceNode& at) const;
-  Balance BalanceOf(const Piece& piece, double warmth) const;
-  void AddDerivative(const Piece& piece, const Vector6d& direction, StressDerivative& sum) const;
+  Balance BalanceOf(const SurfacePiece& piece, double warmth) const;
+  void AddDerivative(const SurfacePiece& piece, const Vector6d& direction,
+                     StressDerivative& sum) const;
 
   const DeformedBody body_;
   const PartSurface& surface_;

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <numeric>
 #include <random>
 
@@ -116,6 +117,33 @@ mesh::TetrahedralMesh StraightBox(bool quadratic) {
   return quadratic ? mesh::MakeQuadratic(mesh) : mesh;
 }
 
+constexpr double kInner = 0.1, kOuter = 0.15, kHeight = 0.05;
+
+// A quarter of a ring whose facets turn by 18 degrees, and whose quadratic elements are straight.
+mesh::TetrahedralMesh FacetedRing(bool quadratic) {
+  mesh::MappedBox ring;
+  ring.ticks = {mesh::Ticks(2), mesh::Ticks(5), mesh::Ticks(2)};
+  ring.place = [](const Vector3d& p) -> Vector3d {
+    const double radius = kInner + (kOuter - kInner) * p.x(), angle = p.y() * M_PI / 2;
+    return {radius * std::cos(angle), radius * std::sin(angle), kHeight * p.z()};
+  };
+  const mesh::TetrahedralMesh mesh = mesh::MeshMappedBox(ring, false);
+  return quadratic ? mesh::MakeQuadratic(mesh) : mesh;
+}
+
+// Takes faces that are in x = 0 or y = 0 for planes of symmetry.
+void Mirror(Body& body) {
+  const Eigen::Index places = body.surface.nodes().rows();
+  body.traction.mirrors.resize(static_cast<std::size_t>(body.surface.size()));
+  for (int face = 0; face < body.surface.size(); ++face) {
+    const GradientMatrix at = FacePositions(body.mesh, body.surface, face);
+    const bool is_mirror =
+        at.topRows<2>().cwiseAbs().rowwise().maxCoeff().minCoeff() < 1e-9 * kInner;
+    body.traction.mirrors[static_cast<std::size_t>(face)] = is_mirror;
+    if (is_mirror) body.traction.at_nodes.middleCols(places * face, places).setConstant(NAN);
+  }
+}
+
 class RecoveredStress : public ::testing::TestWithParam<bool> {};
 INSTANTIATE_TEST_SUITE_P(Elements, RecoveredStress, ::testing::Bool(),
                          [](const auto& which) { return which.param ? "Quadratic" : "Linear"; });
@@ -169,10 +197,7 @@ Matrix3d Turned(const Vector6d& stress, const Matrix3d& turn) {
   return turn * StressTensor(stress) * turn.transpose();
 }
 
-TEST_P(RecoveredStress, IsTheSameTurnedAndInOtherUnits) {
-  const QuadraticField field = QuadraticField::Random(Steel(), true);
-  Body body(StraightBox(GetParam()), field);
-  body.displacement += 1e-5 * RandomField(body.mesh.nodes.cols(), 9);
+void ExpectTheSameTurnedAndInOtherUnits(const Body& body) {
   const Stresses recovered = body.Recovered();
   const double scale = recovered.cwiseAbs().maxCoeff();
   const Matrix3d turn =
@@ -189,6 +214,16 @@ TEST_P(RecoveredStress, IsTheSameTurnedAndInOtherUnits) {
     EXPECT_LT((StressTensor(of_turned.col(slot)) - Turned(recovered.col(slot), turn)).norm(),
               1e-9 * scale);
     EXPECT_LT((of_larger.col(slot) - recovered.col(slot)).norm(), 1e-9 * scale);
+  }
+}
+
+TEST_P(RecoveredStress, IsTheSameTurnedAndInOtherUnits) {
+  const QuadraticField field = QuadraticField::Random(Steel(), true);
+  Body box(StraightBox(GetParam()), field), ring(FacetedRing(GetParam()), field);
+  Mirror(ring);
+  for (Body& body : {std::ref(box), std::ref(ring)}) {
+    body.displacement += 1e-5 * RandomField(body.mesh.nodes.cols(), 9);
+    ExpectTheSameTurnedAndInOtherUnits(body);
   }
 }
 
@@ -228,11 +263,8 @@ TEST_P(RecoveredStress, DoesNotDependOnTheOrderOfNodes) {
 
 // The derivatives of stress at every node, by displacements, places and tractions, are those of
 // differences.
-TEST_P(RecoveredStress, HasTheDerivativesOfDifferences) {
+void ExpectDerivativesOfDifferences(const Body& body) {
   constexpr double kStep = 1e-6;
-  Body body(BoxMesh({0.4, 0.3, 0.2}, {3, 3, 3}, GetParam()), QuadraticField::Random(Wood(), true));
-  body.mesh.nodes += 0.002 * RandomField(body.mesh.nodes.cols(), 3);
-  body.displacement += 1e-5 * RandomField(body.mesh.nodes.cols(), 9);
   const Eigen::Matrix3Xd move = 0.1 * RandomField(body.mesh.nodes.cols(), 10);
   const Eigen::Matrix3Xd stretch = 1e-3 * RandomField(body.mesh.nodes.cols(), 11);
   const Eigen::Matrix3Xd push = 1e6 * RandomField(body.traction.at_nodes.cols(), 12);
@@ -260,6 +292,78 @@ TEST_P(RecoveredStress, HasTheDerivativesOfDifferences) {
     }
     const double difference = direction.dot(rate.col(slot));
     EXPECT_NEAR(exact, difference, 1e-6 * rate.colwise().norm().maxCoeff()) << "slot " << slot;
+  }
+}
+
+TEST_P(RecoveredStress, HasTheDerivativesOfDifferences) {
+  Body body(BoxMesh({0.4, 0.3, 0.2}, {3, 3, 3}, GetParam()), QuadraticField::Random(Wood(), true));
+  body.mesh.nodes += 0.002 * RandomField(body.mesh.nodes.cols(), 3);
+  body.displacement += 1e-5 * RandomField(body.mesh.nodes.cols(), 9);
+  ExpectDerivativesOfDifferences(body);
+}
+
+TEST_P(RecoveredStress, HasTheDerivativesOfDifferencesOnFacetsAndPlanesOfSymmetry) {
+  Body body(FacetedRing(GetParam()), QuadraticField::Random(Wood(), true));
+  Mirror(body);
+  body.mesh.nodes += 0.0005 * RandomField(body.mesh.nodes.cols(), 3);
+  body.displacement += 1e-5 * RandomField(body.mesh.nodes.cols(), 9);
+  ExpectDerivativesOfDifferences(body);
+}
+
+// A ring that is widened evenly has the same stress along every facet, and along every chord of its
+// edges: so it has at the corners between them, where facets turn, and where planes of symmetry cut
+// it.
+TEST_P(RecoveredStress, GoesOnAlongFacets) {
+  constexpr double kWidening = 1e-4, kModulus = 200e9, kPoisson = 0.3;
+  Material steel = Steel();
+  steel.youngs_modulus = kModulus;
+  steel.poissons_ratio = kPoisson;
+  Body body(FacetedRing(GetParam()), QuadraticField::Random(steel, false));
+  body.displacement = kWidening * body.mesh.nodes;
+  body.displacement.row(2).setZero();
+  body.traction.at_nodes.setZero();
+  Mirror(body);
+  const Stresses recovered = body.Recovered();
+  int on_faces = 0, on_edges = 0;
+  for (int slot = 0; slot < body.nodes.size(); ++slot) {
+    const Vector3d at = body.mesh.nodes.col(body.nodes.node(slot));
+    const Vector3d out = Vector3d(at.x(), at.y(), 0).normalized();
+    const Vector3d hoop = Vector3d::UnitZ().cross(out);
+    // Middles of chords lie this much further in than their ends.
+    const double chord = std::cos(M_PI / 20), radius = at.head<2>().norm();
+    if (radius > 1.0001 * kInner && radius < 0.9999 * kOuter * chord) continue;
+    const bool on_edge = at.z() < 1e-9 || at.z() > kHeight - 1e-9;
+    ++(on_edge ? on_edges : on_faces);
+    Matrix3d expected = kModulus * kWidening * hoop * hoop.transpose();
+    if (!on_edge) {
+      expected +=
+          kPoisson * kModulus * kWidening * Vector3d::UnitZ() * Vector3d::UnitZ().transpose();
+      expected /= 1 - kPoisson * kPoisson;
+    }
+    EXPECT_LT((StressTensor(recovered.col(slot)) - expected).norm(), 1e-9 * expected.norm())
+        << "at " << at.transpose();
+  }
+  EXPECT_EQ(on_edges, GetParam() ? 44 : 24);
+  EXPECT_EQ(on_faces, GetParam() ? 66 : 12);
+}
+
+// A plane of symmetry that cuts a flat face askew folds it: the stress there is that of the face.
+TEST_P(RecoveredStress, IsNotTurnedAcrossAFold) {
+  mesh::MappedBox wedge;
+  wedge.ticks = {mesh::Ticks(3), mesh::Ticks(3), mesh::Ticks(2)};
+  wedge.place = [](const Vector3d& p) -> Vector3d {
+    return {0.1 * p.x() + 0.05 * p.y(), 0.1 * p.y(), 0.1 * p.z()};
+  };
+  // Without shear across the plane of symmetry, y = 0.
+  QuadraticField field = QuadraticField::Random(Steel(), false);
+  field.linear = Vector3d(1e-4, -2e-4, 3e-4).asDiagonal();
+  Body body(mesh::MeshMappedBox(wedge, GetParam()), field);
+  Mirror(body);
+  const Stresses recovered = body.Recovered();
+  const Vector6d expected = field.Stress(Vector3d::Zero());
+  for (int slot = 0; slot < body.nodes.size(); ++slot) {
+    EXPECT_LT((recovered.col(slot) - expected).norm(), 1e-9 * expected.norm())
+        << "at " << body.mesh.nodes.col(body.nodes.node(slot)).transpose();
   }
 }
 
