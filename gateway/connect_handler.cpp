@@ -7,7 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
-#include "gateway/token_end.h"
+#include "gateway/connection_token_end.h"
 
 namespace mortise::gateway {
 namespace {

@@ -14,8 +14,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "gateway/connection_token_end.h"
 #include "gateway/event_hub.h"
-#include "gateway/token_end.h"
 #include "mortise/v1/events.pb.h"
 #include "mortise/v1/operations.pb.h"
 

@@ -3,7 +3,6 @@
 #include <grpcpp/alarm.h>
 #include <grpcpp/server_context.h>
 
-#include <boost/system/error_code.hpp>
 #include <mutex>
 
 namespace mortise::gateway {
@@ -40,17 +39,5 @@ CallTokenEnd::~CallTokenEnd() {
   }
   wait_->alarm.Cancel();
 }
-
-ConnectionTokenEnd::ConnectionTokenEnd(boost::asio::any_io_executor strand,
-                                       HttpConnection& connection, const Caller& caller)
-    : timer_(std::move(strand)) {
-  if (caller.expires_at == absl::InfiniteFuture()) return;
-  timer_.expires_at(ExpiryOf(caller) + kLastWordsTime);
-  timer_.async_wait([&connection, over = over_](const boost::system::error_code& error) {
-    if (!error && !*over) connection.Close();
-  });
-}
-
-ConnectionTokenEnd::~ConnectionTokenEnd() { *over_ = true; }
 
 }  // namespace mortise::gateway

@@ -3,17 +3,13 @@
 // A stream ends with its token by the deadline of the call behind it, and the client is told why.
 // But a client that reads nothing keeps what was sent last in the way, and the stream open, with
 // its place among those that there may be. So it is given a little while to take the last words;
-// then its call is cancelled, or its connection closed.
+// then its call is cancelled, or at the HTTP door its connection closed (connection_token_end.h).
 #pragma once
 
-#include <boost/asio/any_io_executor.hpp>
-#include <boost/asio/system_timer.hpp>
 #include <chrono>
 #include <memory>
 
 #include "gateway/admission.h"
-#include "gateway/awaitable.h"
-#include "gateway/http_connection.h"
 
 namespace grpc {
 class CallbackServerContext;
@@ -39,21 +35,6 @@ class CallTokenEnd {
  private:
   struct Wait;
   std::shared_ptr<Wait> wait_;  // null for callers without a token
-};
-
-// Closes the connection at the HTTP door when that time has passed.
-class ConnectionTokenEnd {
- public:
-  // On the connection's own strand, which is `strand`; the connection must outlive this.
-  ConnectionTokenEnd(boost::asio::any_io_executor strand, HttpConnection& connection,
-                     const Caller& caller);
-  ~ConnectionTokenEnd();
-  ConnectionTokenEnd(const ConnectionTokenEnd&) = delete;
-  ConnectionTokenEnd& operator=(const ConnectionTokenEnd&) = delete;
-
- private:
-  boost::asio::system_timer timer_;
-  const std::shared_ptr<bool> over_ = std::make_shared<bool>(false);
 };
 
 }  // namespace mortise::gateway
