@@ -44,8 +44,8 @@ struct AssemblySurface {
   Eigen::Matrix3Xi triangles;     // 3 × T
   Eigen::VectorXi triangle_face;  // T, index into `faces`
   std::vector<AssemblyFace> faces;
-  Eigen::Matrix3Xd part_interior;       // 3 × P, a point strictly inside each part
-  std::vector<std::string> part_names;  // P
+  Eigen::Matrix3Xd part_interior;         // 3 × P, a point strictly inside each part
+  std::vector<std::string> part_names;    // P
   std::optional<ExactPlaces> exact = {};  // where it has curved faces that are known exactly
 };
 
