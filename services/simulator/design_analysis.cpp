@@ -389,6 +389,10 @@ absl::StatusOr<DesignAnalysis> AnalyzeDesign(const DesignModel& model,
     analysis.heat = std::move(solved.heat);
     analysis.cases = std::move(solved.cases);
     gradients.merge(solved.gradients);
+    if (heat && model.reference_temperature) {
+      std::string note = NoteOnExpansion(model.analysis.materials);
+      if (!note.empty()) analysis.notes.push_back(std::move(note));
+    }
     if (options.wanted_error > 0) {
       MORTISE_RETURN_IF_ERROR(
           Refine(solver, heat, model, std::move(straight), options, analysis, gradients));

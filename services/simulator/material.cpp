@@ -4,8 +4,10 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "common/base/errors.h"
 
 namespace mortise::simulator {
@@ -161,6 +163,16 @@ Vector6d ThermalStrain(const Material& material) {
   vector << strain(0, 0), strain(1, 1), strain(2, 2), 2 * strain(0, 1), 2 * strain(1, 2),
       2 * strain(0, 2);
   return vector;
+}
+
+std::string NoteOnExpansion(const std::vector<Material>& materials) {
+  std::set<std::string> names;
+  for (const Material& material : materials) {
+    if (ThermalStrain(material).isZero(0)) names.insert(absl::StrCat("'", material.name, "'"));
+  }
+  if (names.empty()) return "";
+  return absl::StrCat("thermal stress: the thermal expansion of ", absl::StrJoin(names, ", "),
+                      " is 0, or not known: warmth does not strain what is made of it");
 }
 
 Eigen::Matrix3d ConductivityMatrix(const Material& material) {

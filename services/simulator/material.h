@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "absl/status/status.h"
 
@@ -34,7 +35,7 @@ struct Material {
   double youngs_modulus = 0;  // Pa
   double poissons_ratio = 0;
   double strength = 0;           // Pa; 0 where unknown
-  double thermal_expansion = 0;  // 1/K
+  double thermal_expansion = 0;  // 1/K; 0 where unknown
   double conductivity = 0;       // W/(m K)
   std::optional<Orthotropy> orthotropy{};
 
@@ -60,6 +61,10 @@ Matrix6d StiffnessMatrix(const Material& material);
 
 // The strain of a body that is free to expand, for each kelvin of warming.
 Vector6d ThermalStrain(const Material& material);
+
+// Of materials that warmth strains nowhere, where thermal stress is computed: 0 is also what stands
+// where nobody knows. Empty if there are none.
+std::string NoteOnExpansion(const std::vector<Material>& materials);
 
 // The conductivity in space: heat flux = −k · gradient of temperature, W/(m K).
 Eigen::Matrix3d ConductivityMatrix(const Material& material);

@@ -191,6 +191,7 @@ class Analyst {
     Begin("stiffness");
     auto system = ElasticSystem::Create(model_.mesh, model_.materials, model_.supports, elasticity);
     MORTISE_RETURN_IF_ERROR(InCase("case", system.status()));
+    NoteExpansion();
     std::vector<ElasticitySolution> solutions;
     for (std::size_t i = 0; i < model_.load_cases.size(); ++i) {
       const NamedLoadCase& load_case = model_.load_cases[i];
@@ -225,6 +226,14 @@ class Analyst {
           Report(combination.name, absl::StrCat("case.combinations[", index, "]"), sum));
     }
     return absl::OkStatus();
+  }
+
+  void NoteExpansion() {
+    const bool is_asked =
+        std::any_of(model_.load_cases.begin(), model_.load_cases.end(),
+                    [](const NamedLoadCase& load_case) { return load_case.thermal_stress; });
+    std::string note = is_asked ? NoteOnExpansion(model_.materials) : "";
+    if (!note.empty()) analysis_.notes.push_back(std::move(note));
   }
 
   absl::Status Report(const std::string& name, const std::string& field,

@@ -154,6 +154,28 @@ TEST(MeshAnalysis, WarmthStretchesAndPresses) {
   EXPECT_NEAR(held.analysis->cases[0].maximum_von_mises, 2.1e11 * 1.2e-5 * 50, 100);
 }
 
+// An expansion of 0 may be one that nobody knows: what comes of it must not pass for a result.
+TEST(MeshAnalysis, AnUnknownExpansionIsNoted) {
+  const auto notes = [](const char* expansion, const char* stress) {
+    const Analysed analysed = Analyse(Box(false), Case(absl::StrCat(R"({
+      "length_unit": "mm",
+      "materials": [{"values": {"density": 7850, "youngs_modulus": 2.1e11, "poissons_ratio": 0.3,
+                                "thermal_conductivity": 50)",
+                                                                    expansion, R"(}}],
+      "supports": [{"groups": ["x_min"], "fixed": true}],
+      "heat": {"temperatures": [{"groups": ["z_max"], "temperature": 80}],
+               "reference_temperature": 30},
+      "load_cases": [{"name": "all", "gravity": {"z": -9.81})",
+                                                                    stress, "}]}")));
+    EXPECT_TRUE(analysed.analysis.ok()) << analysed.analysis.status();
+    return analysed.analysis.ok() ? analysed.analysis->notes : std::vector<std::string>();
+  };
+  constexpr char kStress[] = R"(, "thermal_stress": true)";
+  EXPECT_THAT(notes("", kStress), ElementsAre(::testing::HasSubstr("the thermal expansion of")));
+  EXPECT_THAT(notes(R"(, "thermal_expansion": 1.2e-5)", kStress), ::testing::IsEmpty());
+  EXPECT_THAT(notes("", ""), ::testing::IsEmpty());
+}
+
 // Sources in a group of elements, and a temperature held at nodes.
 TEST(MeshAnalysis, SourcesInGroupsHeatThem) {
   const Analysed analysed = Analyse(Box(true), Case(R"({
