@@ -44,23 +44,55 @@ std::vector<std::vector<int>> ConnectedBodies(const JoinedBodies& joined) {
   return groups;
 }
 
-NullSpace MotionsOf(const std::vector<int>& bodies, const std::vector<JointEquation>& equations,
-                    int most) {
-  std::map<int, int> place;
-  for (const int b : bodies) place.try_emplace(b, static_cast<int>(place.size()));
+// Bodies that hang together, and what their joints let happen or not.
+struct Group {
+  std::vector<int> bodies;
+  std::vector<JointEquation> equations, slips;
+};
+
+std::vector<Group> GroupsOf(const JoinedBodies& joined) {
+  std::vector<Group> groups;
+  std::vector<int> group_of(joined.bodies.size(), -1);
+  for (std::vector<int>& bodies : ConnectedBodies(joined)) {
+    for (const int b : bodies) group_of[b] = static_cast<int>(groups.size());
+    groups.push_back({std::move(bodies), {}, {}});
+  }
+  for (const JointEquation& equation : joined.equations) {
+    groups[group_of[equation.first]].equations.push_back(equation);
+  }
+  for (const JointEquation& slip : joined.slips) {
+    groups[group_of[slip.first]].slips.push_back(slip);
+  }
+  return groups;
+}
+
+// The matrix of equations between bodies at these places, each divided by one of `scales`.
+Eigen::SparseMatrix<double> RowsOf(const std::vector<JointEquation>& equations,
+                                   const std::map<int, int>& place,
+                                   const std::vector<double>& scales) {
   std::vector<Eigen::Triplet<double>> entries;
   int row = 0;
   for (const JointEquation& equation : equations) {
+    const double scale = scales.empty() ? 1 : scales[equation.joint];
     for (int k = 0; k < 6; ++k) {
-      entries.emplace_back(row, 6 * place.at(equation.first) + k, equation.of_first[k]);
+      entries.emplace_back(row, 6 * place.at(equation.first) + k, equation.of_first[k] / scale);
       if (equation.second < 0) continue;
-      entries.emplace_back(row, 6 * place.at(equation.second) + k, equation.of_second[k]);
+      entries.emplace_back(row, 6 * place.at(equation.second) + k, equation.of_second[k] / scale);
     }
     ++row;
   }
-  Eigen::SparseMatrix<double> rows(row, 6 * bodies.size());
+  Eigen::SparseMatrix<double> rows(row, 6 * place.size());
   rows.setFromTriplets(entries.begin(), entries.end());
-  return FindNullSpace(rows, kJointTolerance, most);
+  return rows;
+}
+
+NullSpace MotionsOf(const Group& group, const std::vector<double>& tolerances, int most) {
+  std::map<int, int> place;
+  for (const int b : group.bodies) place.try_emplace(b, static_cast<int>(place.size()));
+  JointRows rows;
+  rows.misfits = RowsOf(group.equations, place, tolerances);
+  rows.slips = RowsOf(group.slips, place, {});
+  return FindNullSpace(rows, most);
 }
 
 // The directions, orthonormal, that the columns of `vectors` span.
@@ -154,24 +186,15 @@ FreeMotions FindFreeMotions(const mesh::TetrahedralMesh& mesh, const Constraints
                             int most) {
   FreeMotions free;
   free.joined = JoinBodies(mesh, constraints);
-  std::vector<std::vector<int>> groups = ConnectedBodies(free.joined);
-  std::vector<int> group_of(free.joined.bodies.size(), -1);
-  for (std::size_t g = 0; g < groups.size(); ++g) {
-    for (const int b : groups[g]) group_of[b] = static_cast<int>(g);
-  }
-  std::vector<std::vector<JointEquation>> equations(groups.size());
-  for (const JointEquation& equation : free.joined.equations) {
-    equations[group_of[equation.first]].push_back(equation);
-  }
-  for (std::size_t g = 0; g < groups.size(); ++g) {
-    NullSpace space = MotionsOf(groups[g], equations[g], most);
+  for (Group& group : GroupsOf(free.joined)) {
+    NullSpace space = MotionsOf(group, free.joined.tolerances, most);
     if (space.dimension == 0) continue;
     free.count += space.dimension;
     const bool is_loose =
-        std::none_of(equations[g].begin(), equations[g].end(),
+        std::none_of(group.equations.begin(), group.equations.end(),
                      [](const JointEquation& equation) { return equation.second < 0; });
     free.groups.push_back(
-        {std::move(groups[g]), space.dimension, is_loose, std::move(space.basis)});
+        {std::move(group.bodies), space.dimension, is_loose, std::move(space.basis)});
   }
   return free;
 }

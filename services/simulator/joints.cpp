@@ -1,9 +1,10 @@
 #include "services/simulator/joints.h"
 
 #include <Eigen/Geometry>
+#include <Eigen/QR>
 #include <algorithm>
 #include <map>
-#include <numeric>
+#include <set>
 #include <utility>
 
 namespace mortise::simulator {
@@ -43,6 +44,13 @@ RigidMotion Row(const Eigen::Vector3d& direction, const Eigen::Vector3d& arm) {
   return row;
 }
 
+// A basis of what is perpendicular to an orthonormal one.
+Rows Complement(const Rows& basis) {
+  const Eigen::HouseholderQR<Eigen::MatrixXd> all{Eigen::MatrixXd(basis)};
+  const Eigen::MatrixXd directions = all.householderQ() * Eigen::MatrixXd::Identity(6, 6);
+  return directions.rightCols(6 - basis.cols());
+}
+
 // The joints as they are between the bodies found so far.
 class Joiner {
  public:
@@ -50,76 +58,98 @@ class Joiner {
       : mesh_(mesh),
         constraints_(constraints),
         extent_(mesh.nodes.size() > 0 ? mesh.nodes.cwiseAbs().maxCoeff() : 0) {
-    for (Body& body : FindBodies(mesh)) bodies_.emplace_back().body = std::move(body);
+    std::vector<Body> bodies = FindBodies(mesh);
+    ground_ = static_cast<int>(bodies.size());
+    pieces_.resize(bodies.size() + 1);
+    for (int b = 0; b < ground_; ++b) {
+      pieces_[b].body = std::move(bodies[b]);
+      Measure(b);
+    }
+    Meet();
   }
 
   JoinedBodies Join() {
-    do {
-      Measure();
-    } while (Merge());
-    JoinedBodies joined;
-    for (int b = 0; b < Count(); ++b) {
-      if (bodies_[b].is_held) continue;
-      const Rows rows = IndependentRows(HoldsOf(b), ToleranceOf(bodies_[b].size));
-      for (const auto& row : rows.colwise()) joined.equations.push_back({b, -1, row});
+    // What is told by the first look is told by the next ones only where something has changed.
+    for (int b = 0; b < ground_; ++b) supported_.insert(b);
+    for (const auto& [pair, nodes] : shared_) meeting_.insert(pair);
+    while (!supported_.empty() || !meeting_.empty()) {
+      for (const auto& [into, from] : Firm()) Unite(Root(into), Root(from));
     }
-    for (const auto& [pair, nodes] : shared_) {
-      if (bodies_[pair.first].is_held || bodies_[pair.second].is_held) continue;
-      AddJoint(pair.first, pair.second, nodes, joined.equations);
-    }
-    joined.bodies = std::move(bodies_);
-    return joined;
+    return Result();
   }
 
  private:
-  int Count() const { return static_cast<int>(bodies_.size()); }
+  using Pair = std::pair<int, int>;  // ascending
+
+  // A body found so far, or one that has become part of another.
+  struct Piece {
+    Body body;  // its nodes are in no order any more once it has grown
+    Eigen::AlignedBox3d box;
+    std::vector<int> fixed;    // its nodes that supports hold in some direction
+    std::set<int> neighbours;  // bodies that share nodes with it
+    int part_of = -1;          // none: it is by itself
+    double size = 1;
+  };
+
+  static Pair Of(int a, int b) { return {std::min(a, b), std::max(a, b)}; }
+
+  int Root(int b) {
+    int root = b;
+    while (pieces_[root].part_of >= 0) root = pieces_[root].part_of;
+    while (b != root) b = std::exchange(pieces_[b].part_of, root);
+    return root;
+  }
 
   double ToleranceOf(double size) const {
     return std::clamp(kCoordinateDigits * extent_ / size, kJointTolerance, kMostTolerance);
   }
 
-  // Places, sizes and shared nodes.
-  void Measure() {
+  void Measure(int b) {
+    Piece& piece = pieces_[b];
+    for (const int v : piece.body.nodes) {
+      piece.box.extend(mesh_.nodes.col(v));
+      if ((constraints_.fixed.col(v) != 0).any()) piece.fixed.push_back(v);
+    }
+    piece.size = SizeOf(piece.box);
+  }
+
+  static double SizeOf(const Eigen::AlignedBox3d& box) {
+    return std::max(0.5 * box.diagonal().norm(), 1e-300);
+  }
+
+  // Finds the nodes that bodies share.
+  void Meet() {
     std::vector<int> first(mesh_.nodes.cols(), -1);
     std::map<int, std::vector<int>> all;  // bodies of nodes that have several
-    for (int b = 0; b < Count(); ++b) {
-      Eigen::AlignedBox3d box;
-      for (const int v : bodies_[b].body.nodes) {
-        box.extend(mesh_.nodes.col(v));
+    for (int b = 0; b < ground_; ++b) {
+      for (const int v : pieces_[b].body.nodes) {
         if (first[v] < 0) {
           first[v] = b;
         } else {
           all.try_emplace(v, 1, first[v]).first->second.push_back(b);
         }
       }
-      bodies_[b].centre = box.center();
-      bodies_[b].size = std::max(0.5 * box.diagonal().norm(), 1e-300);
-      bodies_[b].is_joined = false;
     }
-    shared_.clear();
     for (const auto& [v, bodies] : all) {
       for (std::size_t k = 0; k < bodies.size(); ++k) {
-        bodies_[bodies[k]].is_joined = true;
         for (std::size_t l = k + 1; l < bodies.size(); ++l) {
-          shared_[{bodies[k], bodies[l]}].push_back(v);
+          shared_[{bodies[k], bodies[l]}].insert(v);
+          pieces_[bodies[k]].neighbours.insert(bodies[l]);
+          pieces_[bodies[l]].neighbours.insert(bodies[k]);
         }
       }
-    }
-    with_held_.assign(bodies_.size(), nullptr);
-    for (const auto& [pair, nodes] : shared_) {
-      if (bodies_[pair.first].is_held) with_held_[pair.second] = &nodes;
-      if (bodies_[pair.second].is_held) with_held_[pair.first] = &nodes;
     }
   }
 
   // What supports, and the body that is held, hold of a body.
   std::vector<RigidMotion> HoldsOf(int b) const {
-    const JoinedBody& body = bodies_[b];
+    const Piece& piece = pieces_[b];
+    const Eigen::Vector3d centre = piece.box.center();
     std::vector<RigidMotion> rows;
     const auto arm = [&](int v) -> Eigen::Vector3d {
-      return (mesh_.nodes.col(v) - body.centre) / body.size;
+      return (mesh_.nodes.col(v) - centre) / piece.size;
     };
-    for (const int v : body.body.nodes) {
+    for (const int v : piece.fixed) {
       const int frame = constraints_.frames.empty() ? -1 : constraints_.frames.index[v];
       for (int k = 0; k < 3; ++k) {
         if (!constraints_.fixed(k, v)) continue;
@@ -128,8 +158,9 @@ class Joiner {
                            arm(v)));
       }
     }
-    if (with_held_[b] == nullptr) return rows;
-    for (const int v : *with_held_[b]) {
+    const auto with_held = shared_.find(Of(b, ground_));
+    if (with_held == shared_.end()) return rows;
+    for (const int v : with_held->second) {
       for (int k = 0; k < 3; ++k) rows.push_back(Row(Eigen::Vector3d::Unit(k), arm(v)));
     }
     return rows;
@@ -143,9 +174,9 @@ class Joiner {
     Rows rows;
   };
 
-  Joint JointOf(int first, int second, const std::vector<int>& nodes) const {
+  Joint JointOf(int first, int second, const std::set<int>& nodes) const {
     Joint joint;
-    joint.size = std::min(bodies_[first].size, bodies_[second].size);
+    joint.size = std::min(pieces_[first].size, pieces_[second].size);
     joint.middle.setZero();
     for (const int v : nodes) joint.middle += mesh_.nodes.col(v) / nodes.size();
     std::vector<RigidMotion> rows;
@@ -159,75 +190,136 @@ class Joiner {
     return joint;
   }
 
-  void AddJoint(int first, int second, const std::vector<int>& nodes,
-                std::vector<JointEquation>& equations) const {
-    const Joint joint = JointOf(first, second, nodes);
-    for (const auto& row : joint.rows.colwise()) {
-      const auto of = [&](const JoinedBody& body) {
-        RigidMotion motion;
-        motion << row.head<3>(),
-            ((joint.middle - body.centre).cross(row.head<3>()) + joint.size * row.tail<3>()) /
-                body.size;
-        return motion;
-      };
-      JointEquation equation{first, second, of(bodies_[first]), -of(bodies_[second])};
-      const double length = std::hypot(equation.of_first.norm(), equation.of_second.norm());
-      equation.of_first /= length;
-      equation.of_second /= length;
-      equations.push_back(equation);
+  // Of the bodies that are to be looked at, those that are held and each two that move as one.
+  std::vector<Pair> Firm() {
+    std::vector<Pair> firm;
+    for (const int b : supported_) {
+      if (b != Root(b) || b == ground_) continue;
+      if (IndependentRows(HoldsOf(b), ToleranceOf(pieces_[b].size)).cols() == 6) {
+        firm.emplace_back(ground_, b);
+      }
+    }
+    for (const Pair& pair : meeting_) {
+      const auto nodes = shared_.find(pair);  // none, where one of them has become part of another
+      if (nodes == shared_.end()) continue;
+      if (JointOf(pair.first, pair.second, nodes->second).rows.cols() == 6) firm.push_back(pair);
+    }
+    supported_.clear();
+    meeting_.clear();
+    return firm;
+  }
+
+  // Makes one body of two. Only those that share nodes with the one of fewer neighbours, which
+  // becomes part of the other, may be joined more firmly than before.
+  void Unite(int into, int from) {
+    if (into == from) return;
+    if (from == ground_ ||
+        (into != ground_ && pieces_[into].neighbours.size() < pieces_[from].neighbours.size())) {
+      std::swap(into, from);
+    }
+    Piece& whole = pieces_[into];
+    Piece part = std::exchange(pieces_[from], {});
+    pieces_[from].part_of = into;
+    whole.body.parts.merge(part.body.parts);
+    if (whole.body.nodes.size() < part.body.nodes.size()) whole.body.nodes.swap(part.body.nodes);
+    whole.body.nodes.insert(whole.body.nodes.end(), part.body.nodes.begin(), part.body.nodes.end());
+    whole.fixed.insert(whole.fixed.end(), part.fixed.begin(), part.fixed.end());
+    whole.box.extend(part.box);
+    whole.size = SizeOf(whole.box);
+    whole.neighbours.erase(from);
+    shared_.erase(Of(into, from));
+    supported_.insert(into);
+    for (const int other : part.neighbours) {
+      if (other == into) continue;
+      auto nodes = shared_.extract(Of(from, other));
+      shared_[Of(into, other)].merge(nodes.mapped());
+      whole.neighbours.insert(other);
+      pieces_[other].neighbours.erase(from);
+      pieces_[other].neighbours.insert(into);
+      meeting_.insert(Of(into, other));
+      if (into == ground_) supported_.insert(other);
     }
   }
 
-  // Makes one body of those that move as one; false if there are none.
-  bool Merge() {
-    const int ground = Count();
-    std::vector<int> parent(ground + 1);
-    std::iota(parent.begin(), parent.end(), 0);
-    const auto root = [&](int b) {
-      while (parent[b] != b) b = parent[b] = parent[parent[b]];
-      return b;
-    };
-    bool merged = false;
-    for (int b = 0; b < ground; ++b) {
-      if (bodies_[b].is_held) {
-        parent[root(b)] = ground;
-      } else if (IndependentRows(HoldsOf(b), ToleranceOf(bodies_[b].size)).cols() == 6) {
-        parent[root(b)] = ground;
-        merged = true;
-      }
-    }
-    for (const auto& [pair, nodes] : shared_) {
-      const int first = root(pair.first), second = root(pair.second);
-      if (first == second || JointOf(pair.first, pair.second, nodes).rows.cols() < 6) continue;
-      parent[first == ground ? second : first] = first == ground ? ground : second;
-      merged = true;
-    }
-    if (!merged) return false;
+  // Adds what the rows of a joint let happen or not. `of` makes an equation of a row.
+  template <typename MakeEquation>
+  static void AddRows(const Rows& rows, double tolerance, const MakeEquation& of,
+                      JoinedBodies& joined) {
+    for (const auto& row : rows.colwise()) joined.equations.push_back(of(row));
+    const Rows slips = Complement(rows);
+    for (const auto& row : slips.colwise()) joined.slips.push_back(of(row));
+    joined.tolerances.push_back(tolerance);
+  }
+
+  // All bodies that are left, in the order of their first elements, and their joints.
+  JoinedBodies Result() {
+    JoinedBodies joined;
     std::map<int, int> number;
-    std::vector<JoinedBody> rest;
-    for (int b = 0; b < ground; ++b) {
-      const auto [at, is_new] = number.try_emplace(root(b), static_cast<int>(rest.size()));
-      if (is_new) rest.emplace_back().is_held = root(b) == ground;
-      Body& into = rest[at->second].body;
-      into.parts.insert(bodies_[b].body.parts.begin(), bodies_[b].body.parts.end());
-      into.nodes.insert(into.nodes.end(), bodies_[b].body.nodes.begin(),
-                        bodies_[b].body.nodes.end());
-    }
-    for (JoinedBody& body : rest) {
-      std::vector<int>& nodes = body.body.nodes;
+    for (int b = 0; b < ground_; ++b) {
+      const int root = Root(b);
+      const auto [at, is_new] = number.try_emplace(root, static_cast<int>(joined.bodies.size()));
+      if (!is_new) continue;
+      Piece& piece = pieces_[root];
+      std::vector<int>& nodes = piece.body.nodes;
       std::sort(nodes.begin(), nodes.end());
       nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+      joined.bodies.push_back({std::move(piece.body), piece.box.center(), piece.size,
+                               root == ground_, !piece.neighbours.empty()});
     }
-    bodies_ = std::move(rest);
-    return true;
+    for (const auto& [root, b] : number) {
+      if (root != ground_) AddHolds(root, b, joined);
+    }
+    for (const auto& [pair, nodes] : shared_) {
+      if (pair.second == ground_) continue;
+      AddJoint(pair, {number.at(pair.first), number.at(pair.second)}, nodes, joined);
+    }
+    return joined;
+  }
+
+  void AddHolds(int piece, int b, JoinedBodies& joined) const {
+    const double tolerance = ToleranceOf(pieces_[piece].size);
+    const Rows rows = IndependentRows(HoldsOf(piece), tolerance);
+    if (rows.cols() == 0) return;
+    AddRows(
+        rows, tolerance,
+        [&](const RigidMotion& row) {
+          return JointEquation{static_cast<int>(joined.tolerances.size()), b, -1, row};
+        },
+        joined);
+  }
+
+  void AddJoint(const Pair& pieces, const Pair& bodies, const std::set<int>& nodes,
+                JoinedBodies& joined) const {
+    const Joint joint = JointOf(pieces.first, pieces.second, nodes);
+    const auto of = [&](const JoinedBody& body, const RigidMotion& row) {
+      RigidMotion motion;
+      motion << row.head<3>(),
+          ((joint.middle - body.centre).cross(row.head<3>()) + joint.size * row.tail<3>()) /
+              body.size;
+      return motion;
+    };
+    AddRows(
+        joint.rows, ToleranceOf(joint.size),
+        [&](const RigidMotion& row) {
+          JointEquation equation{static_cast<int>(joined.tolerances.size()), bodies.first,
+                                 bodies.second, of(joined.bodies[bodies.first], row),
+                                 -of(joined.bodies[bodies.second], row)};
+          const double length = std::hypot(equation.of_first.norm(), equation.of_second.norm());
+          equation.of_first /= length;
+          equation.of_second /= length;
+          return equation;
+        },
+        joined);
   }
 
   const mesh::TetrahedralMesh& mesh_;
   const Constraints& constraints_;
   const double extent_;  // m, the largest coordinate
-  std::vector<JoinedBody> bodies_;
-  std::map<std::pair<int, int>, std::vector<int>> shared_;  // nodes of each two bodies
-  std::vector<const std::vector<int>*> with_held_;          // those shared with the held body
+  int ground_ = 0;       // the body that is held, after all others
+  std::vector<Piece> pieces_;
+  std::map<Pair, std::set<int>> shared_;  // nodes of each two bodies
+  std::set<int> supported_;               // bodies to be looked at: whether they are held,
+  std::set<Pair> meeting_;                // and whether these two move as one
 };
 
 }  // namespace

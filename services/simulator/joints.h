@@ -23,8 +23,10 @@ struct JoinedBody {
   bool is_joined = false;  // shares nodes with another one
 };
 
-// of_first · motion of `first` + of_second · motion of `second` = 0. Its length is 1.
+// of_first · motion of `first` + of_second · motion of `second`: how the two move against each
+// other at a joint, in one of six ways. Its length is 1.
 struct JointEquation {
+  int joint = 0;
   int first = 0;
   int second = -1;  // none: what holds the first one is at rest
   RigidMotion of_first = RigidMotion::Zero();
@@ -32,8 +34,10 @@ struct JointEquation {
 };
 
 struct JoinedBodies {
-  std::vector<JoinedBody> bodies;  // at most one of them is held
-  std::vector<JointEquation> equations;
+  std::vector<JoinedBody> bodies;        // at most one of them is held
+  std::vector<JointEquation> equations;  // what joints do not let happen: nothing but rounding
+  std::vector<JointEquation> slips;      // what they do
+  std::vector<double> tolerances;        // of each joint: rounding, as a share of what slips
 };
 
 // Motions, lengths and offsets smaller than this, as a share of the size of the bodies concerned,

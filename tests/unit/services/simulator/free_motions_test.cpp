@@ -209,15 +209,17 @@ TEST(NullSpace, OfASparseMatrixIsFoundToo) {
     entries.emplace_back(rows, k, std::sqrt(0.5));
     entries.emplace_back(rows++, k + 1, -std::sqrt(0.5));
   }
-  Eigen::SparseMatrix<double> chains(rows, 3 * length);
+  Eigen::SparseMatrix<double> chains(rows, 3 * length), slips(3 * length, 3 * length);
   chains.setFromTriplets(entries.begin(), entries.end());
-  const NullSpace space = FindNullSpace(chains, 1e-5, 10);
+  slips.setIdentity();
+  const JointRows joints{1e5 * chains, slips};
+  const NullSpace space = FindNullSpace(joints, 10);
   EXPECT_EQ(space.dimension, 3);
   ASSERT_EQ(space.basis.cols(), 3);
   EXPECT_LT((chains * space.basis).norm(), 1e-9);
   EXPECT_LT((space.basis.transpose() * space.basis - Eigen::Matrix3d::Identity()).norm(), 1e-12);
-  EXPECT_EQ(FindNullSpace(chains, 1e-5, 2).basis.cols(), 2);
-  EXPECT_EQ(FindNullSpace(chains, 1e-5, 2).dimension, 3);
+  EXPECT_EQ(FindNullSpace(joints, 2).basis.cols(), 2);
+  EXPECT_EQ(FindNullSpace(joints, 2).dimension, 3);
 }
 
 TEST(FreeMotions, EndWhereASharedEdgeIsCurved) {
