@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "common/base/errors.h"
 #include "services/simulator/free_motions.h"
 #include "services/simulator/internal_forces.h"
@@ -23,6 +24,18 @@ namespace {
 constexpr double kLower = 1e-6;
 
 constexpr int kRestarts = 200;
+
+// What of a vector found counts as nothing beside those that are known.
+constexpr double kNothing = 1e-6;
+
+// The same of free motions, which are known not to depend on each other: rounding. What only a very
+// light body does is little of what a heavy one does as well.
+constexpr double kNoMotion = 1e-14;
+
+// Vectors that are held of each free motion: it, its product with the mass and its shape, which
+// stay, and its displacement or what is left of it while displacements to hold are chosen.
+constexpr double kKeptVectors = 3;
+constexpr double kMostVectors = 4;
 
 // K⁻¹, M and the solutions that are known, on the free displacements in one vector.
 class Vibration {
@@ -65,16 +78,16 @@ class Vibration {
     }
   }
 
-  // Adds to the known vectors what of `vector` is not among them; false if that is nothing.
-  bool Know(Eigen::VectorXd vector) {
+  // Adds to the known vectors what of `vector` is not among them, unless that is nothing: less than
+  // `least` of it in the norm of mass.
+  void Know(Eigen::VectorXd vector, double least) {
     const double before = std::sqrt(vector.dot(MultiplyMass(vector)));
     Deflate(vector);
     Eigen::VectorXd product = MultiplyMass(vector);
     const double size = std::sqrt(vector.dot(product));
-    if (!(size > 1e-6 * before)) return false;
+    if (!(size > least * before)) return;
     known_.push_back(vector / size);
     mass_known_.push_back(product / size);
-    return true;
   }
 
   // All that is known so far moves without deforming. Returns which displacements (3 × nodes),
@@ -89,7 +102,9 @@ class Vibration {
       moved.colwise().squaredNorm().maxCoeff(&most);
       held.data()[free_[most]] = 1;
       const Eigen::VectorXd direction = moved.col(most).normalized();
-      moved -= direction * (direction.transpose() * moved);
+      // Without a copy of them all.
+      const Eigen::RowVectorXd along = direction.transpose() * moved;
+      moved.noalias() -= direction * along;
     }
     return held;
   }
@@ -205,13 +220,13 @@ bool Lower(const Pair& a, const Pair& b) { return a.eigenvalue < b.eigenvalue; }
 // beside what was found.
 absl::StatusOr<std::vector<Pair>> LowestPairs(Vibration& vibration, int count, double tolerance) {
   MORTISE_ASSIGN_OR_RETURN(std::vector<Pair> pairs, Iterate(vibration, count, tolerance));
-  for (const Pair& pair : pairs) vibration.Know(pair.vector);
+  for (const Pair& pair : pairs) vibration.Know(pair.vector, kNothing);
   while (vibration.size() - static_cast<Eigen::Index>(vibration.known().size()) > 2) {
     MORTISE_ASSIGN_OR_RETURN(const std::vector<Pair> more, Iterate(vibration, 1, tolerance));
     const double highest = std::max_element(pairs.begin(), pairs.end(), Lower)->eigenvalue;
     if (!(more[0].eigenvalue < (1 - kLower) * highest)) break;
     pairs.push_back(more[0]);
-    vibration.Know(more[0].vector);
+    vibration.Know(more[0].vector, kNothing);
   }
   std::sort(pairs.begin(), pairs.end(), Lower);
   pairs.resize(count);
@@ -241,6 +256,20 @@ double TotalMass(const BlockMatrix& mass, const NodeFrames& frames, ThreadTeam& 
   return (shift.array() * product.array()).sum();
 }
 
+// Takes what the free motions need of the memory that is left for the factor.
+absl::Status MakeRoom(const FreeMotions& free, Eigen::Index nodes, CholeskyOptions& cholesky) {
+  const std::string what = absl::StrCat("a structure with ", free.count, " free motions");
+  if (free.count > kMostMotions) return TooLarge(what, absl::StrCat(kMostMotions, " of them"));
+  const double bytes = 3.0 * sizeof(double) * static_cast<double>(nodes) * free.count;
+  if (kMostVectors * bytes > cholesky.memory_limit) {
+    return TooLarge(
+        absl::StrFormat("%s of %d nodes, %.3g GB,", what, nodes, 1e-9 * kMostVectors * bytes),
+        absl::StrFormat("%.3g GB", 1e-9 * cholesky.memory_limit));
+  }
+  cholesky.memory_limit -= kKeptVectors * bytes;
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 absl::StatusOr<ModalSolution> FindModes(const mesh::TetrahedralMesh& mesh,
@@ -259,13 +288,11 @@ absl::StatusOr<ModalSolution> FindModes(const mesh::TetrahedralMesh& mesh,
   MORTISE_ASSIGN_OR_RETURN(const BlockMatrix mass,
                            AssembleMass(mesh, materials, frames, stiffness.pattern(), team));
   const FreeMotions free = FindFreeMotions(mesh, constraints);
-  if (free.count > kMostMotions) {
-    return TooLarge(absl::StrCat("a structure with ", free.count, " free motions"),
-                    absl::StrCat(kMostMotions, " of them"));
-  }
+  CholeskyOptions cholesky = options.cholesky;
+  MORTISE_RETURN_IF_ERROR(MakeRoom(free, mesh.nodes.cols(), cholesky));
   Vibration vibration(constraints.fixed, mass, team);
   for (const Eigen::Matrix3Xd& motion : Displacements(free, mesh)) {
-    vibration.Know(vibration.Compress(frames.ToFrames(motion)));
+    vibration.Know(vibration.Compress(frames.ToFrames(motion)), kNoMotion);
   }
   const Eigen::Index space = vibration.size() - vibration.known().size();
   if (options.count < 1 || options.count >= space - 1) {
@@ -281,8 +308,7 @@ absl::StatusOr<ModalSolution> FindModes(const mesh::TetrahedralMesh& mesh,
   }
   MORTISE_ASSIGN_OR_RETURN(
       SparseCholesky factor,
-      SparseCholesky::Create(stiffness, constraints.fixed + vibration.HoldKnown(),
-                             options.cholesky));
+      SparseCholesky::Create(stiffness, constraints.fixed + vibration.HoldKnown(), cholesky));
   vibration.Use(std::move(factor));
   MORTISE_ASSIGN_OR_RETURN(const std::vector<Pair> pairs,
                            LowestPairs(vibration, options.count, options.tolerance));

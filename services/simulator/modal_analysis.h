@@ -46,7 +46,7 @@ struct ModalSolution {
 // beside what it found until nothing lower turns up. Errors: INVALID_ARGUMENT naming the field of
 // the model, the element at fault, or "count" if that is not positive or more than the mesh has;
 // FAILED_PRECONDITION, reason SINGULAR or NOT_CONVERGED; RESOURCE_EXHAUSTED, also if more than 300
-// motions are free.
+// motions are free or those that are, as displacements of all nodes, exceed the limit of memory.
 absl::StatusOr<ModalSolution> FindModes(const mesh::TetrahedralMesh& mesh,
                                         const std::vector<Material>& materials,
                                         const std::vector<Support>& supports,

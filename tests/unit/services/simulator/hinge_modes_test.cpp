@@ -94,6 +94,46 @@ TEST_P(HingeModes, DoNotDependOnTheMesh) {
   }
 }
 
+// A body that weighs next to nothing moves as freely as one that is heavy.
+TEST(Modes, OfBodiesOfVeryDifferentMassAreAllFound) {
+  mesh::TetrahedralMesh mesh = Hinges()[0].mesh(1, false);
+  mesh.part_names = {"heavy", "light"};
+  for (Eigen::Index e = 0; e < mesh.tetrahedra.cols(); ++e) {
+    double x = 0;
+    for (const int v : mesh.tetrahedra.col(e)) x += mesh.nodes(0, v) / 4;
+    mesh.part[e] = x > 1 ? 1 : 0;
+  }
+  for (const double share : {1e-6, 1e-12, 1e-15}) {
+    std::vector<Material> materials = {Steel(), Steel()};
+    materials[1].density *= share;
+    const auto solution = FindModes(mesh, materials, {}, {.count = 1});
+    ASSERT_TRUE(solution.ok()) << share << solution.status();
+    EXPECT_EQ(solution->rigid_motions, 7) << share;
+    // Each strains less than a millionth of what the motion of a single node would.
+    ThreadTeam alone(1);
+    const auto stiffness = AssembleStiffness(mesh, materials, {}, alone);
+    for (int m = 0; m < solution->rigid_motions; ++m) {
+      const Eigen::Matrix3Xd& shape = solution->modes[m].shape;
+      EXPECT_LT(stiffness->Multiply(shape).norm(), 1e-6 * 210e9 * shape.norm()) << share;
+    }
+  }
+}
+
+TEST(Modes, OfManyFreeMotionsStayWithinTheMemory) {
+  // Eight cubes that share nothing: 48 motions of 64 nodes.
+  const mesh::TetrahedralMesh mesh = Cut(Cubes({3, 3, 3}, 1, false), [](const Eigen::Vector3d& p) {
+    const Eigen::Vector3i cube = p.cast<int>();
+    return cube.x() % 2 == 0 && cube.y() % 2 == 0 && cube.z() % 2 == 0;
+  });
+  ModalOptions options{.count = 2};
+  options.cholesky.memory_limit = 1e6;
+  EXPECT_TRUE(FindModes(mesh, {Steel()}, {}, options).ok());
+  options.cholesky.memory_limit = 1e5;
+  const auto solution = FindModes(mesh, {Steel()}, {}, options);
+  EXPECT_EQ(solution.status().code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_THAT(std::string(solution.status().message()), HasSubstr("48 free motions"));
+}
+
 TEST(Modes, OfMoreFreeMotionsThanAnybodyLooksAtAreRefused) {
   // 64 cubes that share nothing.
   const mesh::TetrahedralMesh mesh = Cut(Cubes({7, 7, 7}, 1, false), [](const Eigen::Vector3d& p) {
