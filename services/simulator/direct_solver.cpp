@@ -83,7 +83,7 @@ class DirectSolver : public LinearSolver {
       std::vector<Eigen::Matrix3Xd> rest;
       bool has_energy = true;
       const bool close = FindResiduals(loads, solutions, rest, has_energy);
-      if (!has_energy) return Singular();
+      if (!has_energy && !options_.is_corrected) return Singular();
       if (close || round == kRefinements) break;
       MORTISE_ASSIGN_OR_RETURN(const std::vector<Eigen::Matrix3Xd> corrections,
                                factor_.SolveAll(rest));

@@ -111,6 +111,7 @@ absl::StatusOr<Eigen::Matrix3Xd> ElasticSystem::State::SolveByAnyMeans(
   SolverOptions direct = options.solver;
   direct.kind = SolverKind::kDirect;
   direct.threads = options.threads;
+  direct.is_corrected = true;
   direct.memory_limit -= solver->summary().bytes;
   auto factor = LinearSolver::Create(mesh, stiffness->pattern(), constraints.fixed,
                                      constraints.frames, direct);
@@ -210,6 +211,7 @@ absl::StatusOr<ElasticSystem> ElasticSystem::Create(const mesh::TetrahedralMesh&
   const auto preparation_start = Clock::now();
   SolverOptions solver_options = options.solver;
   solver_options.threads = options.threads;
+  solver_options.is_corrected = true;
   MORTISE_ASSIGN_OR_RETURN(auto solver,
                            LinearSolver::Create(mesh, stiffness->pattern(), constraints.fixed,
                                                 constraints.frames, solver_options));

@@ -52,6 +52,10 @@ struct SolverOptions {
   double patience = std::numeric_limits<double>::infinity();
   int threads = 1;  // of the iterative solver; the direct one uses one
 
+  // Whoever asks corrects what is solved and judges its error (exact_correction.h): a factor's
+  // solutions are not refused for what rounding has left of them.
+  bool is_corrected = false;
+
   MultigridOptions multigrid;  // of the iterative solver
 
   // Called before each iteration with the relative error, and before preparing with −1. What it

@@ -62,6 +62,37 @@ TEST_P(ThinBodies, OfLinearElementsAreSolvedToo) {
   EXPECT_LT(solution->summary.imbalance, 1e-6);
 }
 
+// What the factor leaves of a rod that is thinner still is corrected, or else iterated; nothing of
+// it is free to move.
+TEST(ThinRods, BendAsTheyMustHoweverThin) {
+  for (const double thickness : {1.0 / 4000, 1e-4}) {
+    const ThinBody rod{"rod", {1, thickness, thickness}, {80, 1, 1}};
+    const mesh::TetrahedralMesh mesh = MeshOf(rod, true);
+    for (const SolverKind kind : {SolverKind::kAutomatic, SolverKind::kDirect}) {
+      ElasticityOptions options;
+      options.solver.kind = kind;
+      const auto solution = SolveElasticity(mesh, EndMoment(rod), options);
+      ASSERT_TRUE(solution.ok()) << thickness << solution.status();
+      EXPECT_LT(ErrorOfBending(rod, mesh, solution->displacement), 1e-6);
+    }
+  }
+}
+
+TEST(ThinRods, OfManyElementsHangAsBeamsDo) {
+  const double thickness = 1.0 / 4000;
+  const mesh::TetrahedralMesh mesh = MeshOf({"rod", {1, thickness, thickness}, {2000, 1, 1}}, true);
+  AnalysisCase analysis;
+  analysis.materials = {Steel()};
+  analysis.materials[0].poissons_ratio = 0;
+  analysis.supports = {{{0, "u_min"}}};
+  analysis.gravity = {0, 0, -9.81};
+  const auto solution = SolveElasticity(mesh, analysis);
+  ASSERT_TRUE(solution.ok()) << solution.status();
+  const double tip = 1.5 * 7850 * 9.81 / (210e9 * thickness * thickness);
+  EXPECT_NEAR(solution->displacement.row(2).minCoeff(), -tip, 1e-3 * tip);
+  EXPECT_LT(solution->summary.residual, 1e-5);
+}
+
 TEST(ThinSheet, IsSolvedByAFactorWhereAnIterationDoesNotConverge) {
   const ThinBody& sheet = kThinBodies[1];
   const mesh::TetrahedralMesh mesh = MeshOf(sheet, true);
