@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "absl/strings/str_cat.h"
+#include "common/base/compared_numbers.h"
 #include "common/base/errors.h"
 #include "common/parametric/contact.h"
 #include "common/parametric/design_evaluation.h"
@@ -36,12 +37,15 @@ void CheckSize(const CompiledPart& compiled, const EvaluatedPart& part, const It
     const double maximum =
         fixed ? dimension.size + kFixedSizeTolerance : dimension.maximum + kRangeTolerance;
     if (size >= minimum && size <= maximum) continue;
-    const std::string allowed = fixed ? absl::StrCat("is sold only with ", dimension.size, " m")
-                                      : absl::StrCat("can be made from ", dimension.minimum, " to ",
-                                                     dimension.maximum, " m");
+    const std::vector<std::string> texts =
+        fixed ? ComparedNumbers({size, dimension.size})
+              : ComparedNumbers({size, dimension.minimum, dimension.maximum});
+    const std::string allowed =
+        fixed ? absl::StrCat("is sold only with ", texts[1], " m")
+              : absl::StrCat("can be made from ", texts[1], " to ", texts[2], " m");
     findings.push_back({absl::StrCat(compiled.field, ".item"),
-                        absl::StrCat("the ", kDimensionNames[i], " of '", part.name, "' is ", size,
-                                     " m, but '", item.name, "' ", allowed)});
+                        absl::StrCat("the ", kDimensionNames[i], " of '", part.name, "' is ",
+                                     texts[0], " m, but '", item.name, "' ", allowed)});
   }
 }
 

@@ -7,6 +7,7 @@
 
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
+#include "common/base/compared_numbers.h"
 #include "common/base/violation_lists.h"
 #include "common/parametric/template_codec.h"
 
@@ -125,10 +126,11 @@ std::vector<Finding> CheckShapeOfItem(const v1::Item& item, const v1::Shape& sha
         std::abs(drawn - dimension.size()) <= kSameSize) {
       continue;
     }
+    const std::vector<std::string> lengths = ComparedMillimetres({drawn, dimension.size()});
     findings.push_back(
         {"shape",
-         absl::StrCat("measures ", 1000 * drawn, " mm along ", v1::Axis_Name(dimension.axis()),
-                      ", where the item's size is fixed to ", 1000 * dimension.size(), " mm")});
+         absl::StrCat("measures ", lengths[0], " mm along ", v1::Axis_Name(dimension.axis()),
+                      ", where the item's size is fixed to ", lengths[1], " mm")});
   }
   return findings;
 }

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "absl/strings/str_cat.h"
+#include "common/base/compared_numbers.h"
 #include "common/base/errors.h"
 #include "common/parametric/template_validation.h"
 
@@ -23,8 +24,10 @@ std::optional<std::string> FaultOf(const Parameter& parameter, double value) {
   if (!std::isfinite(value)) return "is not a finite number";
   const double slack = kRangeTolerance * (parameter.maximum - parameter.minimum);
   if (value >= parameter.minimum - slack && value <= parameter.maximum + slack) return {};
-  return absl::StrCat("'", parameter.name, "' is ", value, ", outside its range ",
-                      parameter.minimum, " to ", parameter.maximum, " ", parameter.unit);
+  const std::vector<std::string> texts =
+      ComparedNumbers({value, parameter.minimum, parameter.maximum});
+  return absl::StrCat("'", parameter.name, "' is ", texts[0], ", outside its range ", texts[1],
+                      " to ", texts[2], " ", parameter.unit);
 }
 
 }  // namespace
@@ -101,9 +104,11 @@ std::vector<Finding> CheckRanges(const std::vector<Parameter>& parameters,
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     const double value = q(static_cast<Eigen::Index>(i));
     if (value >= parameters[i].minimum && value <= parameters[i].maximum) continue;
+    const std::vector<std::string> texts =
+        ComparedNumbers({value, parameters[i].minimum, parameters[i].maximum});
     findings.push_back({absl::StrCat("parameters[", i, "]"),
-                        absl::StrCat("'", parameters[i].name, "' is ", value, ", outside of ",
-                                     parameters[i].minimum, " to ", parameters[i].maximum)});
+                        absl::StrCat("'", parameters[i].name, "' is ", texts[0], ", outside of ",
+                                     texts[1], " to ", texts[2])});
   }
   return findings;
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "absl/strings/str_cat.h"
+#include "common/base/compared_numbers.h"
 #include "mortise/v1/assembly.pb.h"
 
 namespace mortise::parametric {
@@ -48,9 +49,10 @@ void ShapeReader::CheckFixed(const Item& item, const Eigen::Vector3d& size,
     const double drawn = part.shape->size[axis];
     // A size that differs from the item's is a finding by itself.
     if (std::abs(drawn - dimension.size) <= kFixedSlack || size[axis] != dimension.size) continue;
-    findings_.push_back({field, absl::StrCat("the shape measures ", 1000 * drawn, " mm along ",
+    const std::vector<std::string> lengths = ComparedMillimetres({drawn, dimension.size});
+    findings_.push_back({field, absl::StrCat("the shape measures ", lengths[0], " mm along ",
                                              AxisName(part.item_axes[i]), ", where '", item.name,
-                                             "' comes in ", 1000 * dimension.size, " mm only")});
+                                             "' comes in ", lengths[1], " mm only")});
   }
 }
 

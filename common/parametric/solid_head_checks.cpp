@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "absl/strings/str_cat.h"
+#include "common/base/compared_numbers.h"
 #include "common/base/identifiers.h"
 #include "common/parametric/field_checks.h"
 #include "common/parametric/identifier.h"
@@ -21,9 +22,10 @@ void CheckRange(const std::string& field, const Parameter& parameter,
                                           ", not greater than the minimum ", parameter.minimum)});
   } else if (parameter.default_value < parameter.minimum ||
              parameter.default_value > parameter.maximum) {
-    findings.push_back(
-        {field + ".default_value", absl::StrCat("is ", parameter.default_value, ", outside of ",
-                                                parameter.minimum, " to ", parameter.maximum)});
+    const std::vector<std::string> texts =
+        ComparedNumbers({parameter.default_value, parameter.minimum, parameter.maximum});
+    findings.push_back({field + ".default_value", absl::StrCat("is ", texts[0], ", outside of ",
+                                                               texts[1], " to ", texts[2])});
   } else if (parameter.step < 0) {
     findings.push_back({field + ".step", "is less than 0"});
   }

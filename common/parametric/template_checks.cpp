@@ -6,6 +6,7 @@
 #include <set>
 
 #include "absl/strings/str_cat.h"
+#include "common/base/compared_numbers.h"
 #include "common/base/identifiers.h"
 #include "common/parametric/compiled_template.h"
 #include "common/parametric/condition_expressions.h"
@@ -129,9 +130,10 @@ class Checker {
     }
     if (parameter.default_value < parameter.minimum ||
         parameter.default_value > parameter.maximum) {
+      const std::vector<std::string> texts =
+          ComparedNumbers({parameter.default_value, parameter.minimum, parameter.maximum});
       Report(absl::StrCat(field, ".default_value"),
-             absl::StrCat("is ", parameter.default_value, ", outside the range ", parameter.minimum,
-                          " to ", parameter.maximum));
+             absl::StrCat("is ", texts[0], ", outside the range ", texts[1], " to ", texts[2]));
     }
     if (parameter.step < 0 || parameter.step > parameter.maximum - parameter.minimum) {
       Report(absl::StrCat(field, ".step"), "must be between 0 and the width of the range");

@@ -218,10 +218,8 @@ class Maker {
     const auto fit =
         FindFit(*item, size, message.length_axis(), message.thickness_axis(), tolerance_);
     if (!fit) {
-      drawn_.findings.push_back(
-          {absl::StrCat("annotations.parts[", annotation, "].item"),
-           absl::StrCat("'", part.name, "' measures ", SizeText(size), ", in which ",
-                        DescribeSizes(*item), " does not fit")});
+      drawn_.findings.push_back({absl::StrCat("annotations.parts[", annotation, "].item"),
+                                 absl::StrCat("'", part.name, "' ", DescribeMisfit(size, *item))});
       message.clear_item();
       return;
     }

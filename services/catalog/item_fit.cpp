@@ -2,14 +2,13 @@
 
 #include <algorithm>
 #include <tuple>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_format.h"
+#include "common/base/compared_numbers.h"
 
 namespace mortise::catalog {
 namespace {
-
-std::string Millimetres(double metres) { return absl::StrFormat("%.6g", 1000 * metres); }
 
 v1::Axis ToAxis(int axis) { return axis == 0 ? v1::X : axis == 1 ? v1::Y : v1::Z; }
 
@@ -45,24 +44,22 @@ std::optional<ItemFit> FindFit(const parametric::Item& item, const Eigen::Vector
   return best;
 }
 
-std::string SizeText(const Eigen::Vector3d& size) {
-  return absl::StrCat(Millimetres(size.x()), " × ", Millimetres(size.y()), " × ",
-                      Millimetres(size.z()), " mm");
-}
-
-std::string DescribeSizes(const parametric::Item& item) {
-  std::string text = absl::StrCat("'", item.name, "' (");
-  for (std::size_t i = 0; i < 3; ++i) {
-    const parametric::ItemDimension& dimension = item.dimensions[i];
-    absl::StrAppend(&text, i == 0 ? "" : " × ");
-    if (dimension.process == parametric::Process::kNone) {
-      absl::StrAppend(&text, Millimetres(dimension.size));
-    } else {
-      absl::StrAppend(&text, Millimetres(dimension.minimum), " to ",
-                      Millimetres(dimension.maximum));
-    }
+std::string DescribeMisfit(const Eigen::Vector3d& box, const parametric::Item& item) {
+  std::vector<double> lengths(box.begin(), box.end());
+  for (const parametric::ItemDimension& dimension : item.dimensions) {
+    const bool fixed = dimension.process == parametric::Process::kNone;
+    lengths.push_back(fixed ? dimension.size : dimension.minimum);
+    lengths.push_back(fixed ? dimension.size : dimension.maximum);
   }
-  return text + " mm)";
+  const std::vector<std::string> texts = ComparedMillimetres(lengths);
+  std::string sizes;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const bool fixed = item.dimensions[i].process == parametric::Process::kNone;
+    absl::StrAppend(&sizes, i == 0 ? "" : " × ", texts[3 + 2 * i],
+                    fixed ? "" : absl::StrCat(" to ", texts[4 + 2 * i]));
+  }
+  return absl::StrCat("measures ", texts[0], " × ", texts[1], " × ", texts[2], " mm, in which '",
+                      item.name, "' (", sizes, " mm) does not fit");
 }
 
 }  // namespace mortise::catalog

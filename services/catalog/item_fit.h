@@ -23,10 +23,8 @@ struct ItemFit {
 std::optional<ItemFit> FindFit(const parametric::Item& item, const Eigen::Vector3d& box,
                                v1::Axis length_axis, v1::Axis thickness_axis, double tolerance);
 
-// "38 × 89 × 700 mm".
-std::string SizeText(const Eigen::Vector3d& size);
-
-// "items/board-38x89 (40 to 4800 × 89 × 38 mm)".
-std::string DescribeSizes(const parametric::Item& item);
+// "measures 38 × 89 × 700 mm, in which 'items/board-38x89' (40 to 4800 × 89 × 38 mm) does not fit",
+// with digits in which lengths that differ read differently.
+std::string DescribeMisfit(const Eigen::Vector3d& box, const parametric::Item& item);
 
 }  // namespace mortise::catalog

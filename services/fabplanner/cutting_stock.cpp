@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "absl/strings/str_cat.h"
+#include "common/base/compared_numbers.h"
 #include "common/base/errors.h"
 #include "services/fabplanner/bin_packing.h"
-#include "services/fabplanner/dimension_text.h"
 
 namespace mortise::fabplanner {
 namespace {
@@ -46,12 +46,14 @@ absl::Status CheckInput(const std::vector<CrosscutPart>& parts,
 }
 
 absl::Status TooLong(const CrosscutPart& part, double longest, const CuttingStockOptions& options) {
+  const double usable = std::max(0.0, longest - 2 * options.trim);
+  const std::vector<std::string> lengths =
+      ComparedMillimetres({part.length, longest, usable, options.trim});
   return PreconditionFailed(
       "PART_TOO_LONG",
-      absl::StrCat("part ", part.label, " is ", Millimetres(part.length),
-                   " mm long, but the longest stock is ", Millimetres(longest), " mm, of which ",
-                   Millimetres(std::max(0.0, longest - 2 * options.trim)),
-                   " mm remain after trimming ", Millimetres(options.trim), " mm off each end"),
+      absl::StrCat("part ", part.label, " is ", lengths[0], " mm long, but the longest stock is ",
+                   lengths[1], " mm, of which ", lengths[2], " mm remain after trimming ",
+                   lengths[3], " mm off each end"),
       part.label);
 }
 

@@ -4,8 +4,8 @@
 #include <limits>
 
 #include "absl/strings/str_cat.h"
+#include "common/base/compared_numbers.h"
 #include "common/base/errors.h"
-#include "services/fabplanner/dimension_text.h"
 
 namespace mortise::fabplanner {
 namespace {
@@ -47,11 +47,12 @@ absl::StatusOr<Hole> DrillHole(const Peg& peg, const std::string& part,
   const Hole hole{part, peg.position, direction, peg.diameter, peg_depth + kHoleClearance};
   const double available = DepthAvailable(box->second, peg.position, direction);
   if (hole.depth >= available) {
+    const std::vector<std::string> depths =
+        ComparedMillimetres({hole.depth, std::max(0.0, available)});
     return PreconditionFailed(
         "PEG_TOO_LONG",
-        absl::StrCat("a peg of connection ", peg.connection, " needs a hole of ",
-                     Millimetres(hole.depth), " mm in part ", part, ", which is ",
-                     Millimetres(std::max(0.0, available)), " mm deep there"),
+        absl::StrCat("a peg of connection ", peg.connection, " needs a hole of ", depths[0],
+                     " mm in part ", part, ", which is ", depths[1], " mm deep there"),
         part);
   }
   return hole;

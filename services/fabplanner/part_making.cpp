@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "absl/strings/str_cat.h"
+#include "common/base/compared_numbers.h"
 #include "common/base/errors.h"
 #include "services/fabplanner/dimension_text.h"
 
@@ -45,12 +46,13 @@ absl::Status CheckSize(const Part& part, const Item& item, Making making) {
       continue;
     }
     const bool fixed = limits.minimum == limits.maximum;
+    const std::vector<std::string> lengths =
+        ComparedMillimetres({size, limits.minimum, limits.maximum});
     return PreconditionFailed(
         "PART_NOT_IN_STOCK",
-        absl::StrCat("part ", part.name, " is ", Millimetres(size), " mm ", kDimensions[axis],
-                     ", but ", item.name, fixed ? " is " : " can be ", Millimetres(limits.minimum),
-                     fixed ? "" : absl::StrCat(" to ", Millimetres(limits.maximum)), " mm ",
-                     kDimensions[axis]),
+        absl::StrCat("part ", part.name, " is ", lengths[0], " mm ", kDimensions[axis], ", but ",
+                     item.name, fixed ? " is " : " can be ", lengths[1],
+                     fixed ? "" : absl::StrCat(" to ", lengths[2]), " mm ", kDimensions[axis]),
         part.name);
   }
   return absl::OkStatus();

@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "common/base/compared_numbers.h"
 #include "common/base/errors.h"
-#include "services/fabplanner/dimension_text.h"
 #include "services/fabplanner/rectangle_packing.h"
 
 namespace mortise::fabplanner {
@@ -50,12 +50,13 @@ absl::Status CheckOutline(const SheetOutline& outline, const Eigen::Vector2d& us
   if (fits(size.x(), size.y()) || (outline.may_turn && fits(size.y(), size.x()))) {
     return absl::OkStatus();
   }
+  const std::vector<std::string> lengths =
+      ComparedMillimetres({size.x(), size.y(), stock.length, stock.width, usable.x(), usable.y()});
   return PreconditionFailed(
       "PART_TOO_LARGE",
       absl::StrCat(
-          "part ", outline.label, " is ", Millimetres(size.x()), " × ", Millimetres(size.y()),
-          " mm, but the sheet is ", Millimetres(stock.length), " × ", Millimetres(stock.width),
-          " mm, of which ", Millimetres(usable.x()), " × ", Millimetres(usable.y()),
+          "part ", outline.label, " is ", lengths[0], " × ", lengths[1], " mm, but the sheet is ",
+          lengths[2], " × ", lengths[3], " mm, of which ", lengths[4], " × ", lengths[5],
           " mm remain after trimming",
           outline.may_turn ? "" : " (it may not be turned: the grain runs along its length)"),
       outline.label);

@@ -252,6 +252,8 @@ TEST(ParameterValues, AllThatIsWrongIsToldAtOnce) {
   for (const FieldViolation& fault : ViolationsOf(refused.status())) fields.push_back(fault.field);
   EXPECT_THAT(fields, ::testing::ElementsAre("parameters[0].value", "parameters[1].name",
                                              "parameters[2].value", "parameters[3].name"));
+  const absl::Status near = CheckParameterValues(parameters, Eigen::Vector2d(1.00000002, 0.5));
+  EXPECT_THAT(near.message(), testing::HasSubstr("is 1.00000002, outside its range"));
   const absl::Status out = CheckParameterValues(parameters, Eigen::Vector2d(-1, 2));
   EXPECT_EQ(ViolationsOf(out).size(), 2U);
   EXPECT_EQ(DetailOf(Complete(parameters, {{"width", 3}}).status()).field, "parameters[0].value");

@@ -104,6 +104,13 @@ TEST(CuttingStockTest, NamesThePartThatIsTooLong) {
   EXPECT_THAT(cut.status().message(), HasSubstr("2380 mm"));
 }
 
+// What does not fit must not read as if it did.
+TEST(CuttingStockTest, TellsALengthFromOneThatIsHardlyLess) {
+  const auto cut = CutStock({{"e", 2.4200001}}, {{2.44}}, {.trim = 0.01});
+  EXPECT_THAT(cut.status().message(), HasSubstr("part e is 2420.0001 mm long"));
+  EXPECT_THAT(cut.status().message(), HasSubstr("of which 2420 mm remain"));
+}
+
 TEST(CuttingStockTest, RefusesUnusableNumbers) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double infinity = std::numeric_limits<double>::infinity();

@@ -123,6 +123,14 @@ TEST(SheetLayoutTest, TurnsOnlyWhereTheGrainAllows) {
   EXPECT_THAT(refused.status().message(), HasSubstr("grain"));
 }
 
+// What does not fit must not read as if it did.
+TEST(SheetLayoutTest, TellsASizeFromOneThatIsHardlyLess) {
+  const auto refused =
+      LayOutSheets({{"shelf", Rectangle(1.00001, 0.5), false}}, {1.0, 0.5}, {.trim = 0});
+  EXPECT_THAT(refused.status().message(), HasSubstr("shelf is 1000.01 × 500 mm"));
+  EXPECT_THAT(refused.status().message(), HasSubstr("of which 1000 × 500 mm remain"));
+}
+
 // Demands of Cintra and others 2008, for which three-stage guillotine cutting needs 294 sheets.
 TEST(SheetLayoutTest, PublishedDemandsComeNearTheBestKnown) {
   const char* source = std::getenv("MORTISE_SOURCE_DIR");
