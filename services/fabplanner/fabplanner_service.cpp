@@ -9,6 +9,7 @@
 #include "common/base/errors.h"
 #include "common/base/identifiers.h"
 #include "common/base/logging.h"
+#include "common/base/violation_lists.h"
 #include "common/jobs/operation_kinds.h"
 #include "common/jobs/operations.h"
 #include "common/resources/record_page.h"
@@ -113,8 +114,12 @@ class FabPlannerAdapter final : public v1::FabPlannerService::CallbackService {
         "CreatePlan", context, request, response,
         [this](const rpc::Call& call,
                const v1::CreatePlanRequest& asked) -> absl::StatusOr<Checked> {
-          MORTISE_RETURN_IF_ERROR(CheckRequest(asked));
-          MORTISE_RETURN_IF_ERROR(planner_.CheckDesign(asked, rpc::ForwardedFrom(call)));
+          const absl::Status checked = CheckRequest(asked);
+          // What is wrong with the parameters is told with the rest, where a template is named.
+          const bool names_template = CheckTemplate(asked).ok();
+          MORTISE_RETURN_IF_ERROR(Together(
+              checked, names_template ? planner_.CheckDesign(asked, rpc::ForwardedFrom(call))
+                                      : absl::OkStatus()));
           return Checked();
         },
         [this](const rpc::Call& call, const v1::CreatePlanRequest& asked, const Checked&,

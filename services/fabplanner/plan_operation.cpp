@@ -13,6 +13,7 @@
 #include "common/base/errors.h"
 #include "common/base/identifiers.h"
 #include "common/base/logging.h"
+#include "common/base/violation_lists.h"
 #include "common/rpc/channel.h"
 #include "common/rpc/operation_codec.h"
 #include "common/store/blob_folder.h"
@@ -79,15 +80,20 @@ absl::Status StorePlan(store::Transaction& transaction, const std::string& id, v
 
 }  // namespace
 
+absl::Status CheckTemplate(const v1::CreatePlanRequest& request) {
+  const absl::Status name =
+      ParseResourceName(request.template_(), "templates", "template").status();
+  if (request.template_revision() >= 0) return name;
+  return Together(name,
+                  InvalidField("template_revision", "must be a revision, or 0 for the latest"));
+}
+
 absl::Status CheckRequest(const v1::CreatePlanRequest& request) {
-  MORTISE_RETURN_IF_ERROR(ParseResourceName(request.template_(), "templates", "template").status());
-  if (request.template_revision() < 0) {
-    return InvalidField("template_revision", "must be a revision, or 0 for the latest");
-  }
+  absl::Status status = CheckTemplate(request);
   if (request.has_quantity() && (request.quantity() < 1 || request.quantity() > 1000)) {
-    return InvalidField("quantity", "must be 1 to 1000");
+    status = Together(status, InvalidField("quantity", "must be 1 to 1000"));
   }
-  return CheckRules(RulesFrom(request.rules()));
+  return Together(status, CheckRules(RulesFrom(request.rules())));
 }
 
 absl::Status PlanOperation::CheckDesign(const v1::CreatePlanRequest& request,
@@ -216,18 +222,18 @@ absl::StatusOr<std::string> PlanOperation::Run(jobs::OperationContext& context) 
     }
   }
   const v1::Template& origin = inputs.bundle.template_();
+  int drawn = 1;
   MORTISE_ASSIGN_OR_RETURN(
       std::vector<PlanFile> files,
       MakePlanFiles(made, design, items, origin.title().empty() ? origin.name() : origin.title(),
                     [&](int done, int total) {
+                      drawn = total;
                       context.ReportProgress(
                           {.done = done, .total = total, .message = "drawing the assembly"});
-  int drawn = 1;
                       return !context.Cancelled();
                     }));
   if (!step.empty()) files.push_back({kStepFile, "model/step", std::move(step)});
 
-                      drawn = total;
   plan = ToProto(made, design);
   plan.set_name(absl::StrCat("plans/", id));
   plan.set_template_(inputs.design.template_());
@@ -246,8 +252,8 @@ absl::StatusOr<std::string> PlanOperation::Run(jobs::OperationContext& context) 
   }
   MORTISE_RETURN_IF_ERROR(context.Transact(
       [&](store::Transaction& transaction) { return StorePlan(transaction, id, &plan); }));
+  context.ReportProgress({.done = drawn, .total = drawn, .message = "planned"});
   return rpc::PackResult(plan);
 }
 
 }  // namespace mortise::fabplanner
-  context.ReportProgress({.done = drawn, .total = drawn, .message = "planned"});

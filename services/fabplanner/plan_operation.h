@@ -21,8 +21,11 @@ class BlobFolder;
 
 namespace mortise::fabplanner {
 
-// What can be said against a request before the catalog is asked. INVALID_ARGUMENT naming the
-// field.
+// Whether a request names a template and a revision that there may be. INVALID_ARGUMENT otherwise.
+absl::Status CheckTemplate(const v1::CreatePlanRequest& request);
+
+// What can be said against a request before the catalog is asked. INVALID_ARGUMENT naming
+// every field at fault.
 absl::Status CheckRequest(const v1::CreatePlanRequest& request);
 
 // Runs it. The plan's id is the operation's, so that a run repeated after a crash makes the same

@@ -10,6 +10,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "common/base/field_violations.h"
 #include "services/fabplanner/assembly_sequence.h"
 #include "services/fabplanner/bill_of_materials.h"
 #include "services/fabplanner/dimension_text.h"
@@ -79,22 +80,26 @@ void AddHandwork(FabricationPlan* plan) {
 }  // namespace
 
 absl::Status CheckRules(const WorkshopRules& rules) {
-  const auto check = [](const char* field, double value) {
-    if (std::isfinite(value) && value >= 0 && value <= kLargestRule) return absl::OkStatus();
-    return InvalidField(field, "must be a length of 0 to 1 m");
+  std::vector<FieldViolation> violations;
+  const auto check = [&](const char* field, double value) {
+    const bool usable = std::isfinite(value) && value >= 0 && value <= kLargestRule;
+    if (!usable) violations.push_back({field, "must be a length of 0 to 1 m"});
+    return usable;
   };
-  MORTISE_RETURN_IF_ERROR(check("rules.kerf", rules.kerf));
-  MORTISE_RETURN_IF_ERROR(check("rules.board_trim", rules.board_trim));
-  MORTISE_RETURN_IF_ERROR(check("rules.sheet_trim", rules.sheet_trim));
-  MORTISE_RETURN_IF_ERROR(check("rules.sheet_spacing", rules.sheet_spacing));
-  if (rules.board_trim > 0 && rules.board_trim < rules.kerf) {
-    return InvalidField("rules.board_trim", "must be at least the kerf: the blade takes that much");
+  const bool has_kerf = check("rules.kerf", rules.kerf);
+  // What is no length is not compared with the kerf too.
+  if (check("rules.board_trim", rules.board_trim) && has_kerf && rules.board_trim > 0 &&
+      rules.board_trim < rules.kerf) {
+    violations.push_back(
+        {"rules.board_trim", "must be at least the kerf: the blade takes that much"});
   }
-  if (rules.sheet_spacing < rules.kerf) {
-    return InvalidField("rules.sheet_spacing",
-                        "must be at least the kerf, or neighbouring cuts meet");
+  check("rules.sheet_trim", rules.sheet_trim);
+  if (check("rules.sheet_spacing", rules.sheet_spacing) && has_kerf &&
+      rules.sheet_spacing < rules.kerf) {
+    violations.push_back(
+        {"rules.sheet_spacing", "must be at least the kerf, or neighbouring cuts meet"});
   }
-  return absl::OkStatus();
+  return violations.empty() ? absl::OkStatus() : InvalidFields(violations);
 }
 
 absl::StatusOr<FabricationPlan> MakePlan(const Design& design, const Items& items, int quantity,

@@ -188,6 +188,15 @@ TEST_F(FabPlannerServiceTest, BadPlansAreRefusedWithTheFieldAtFault) {
   request = TableRequest();
   request.mutable_rules()->set_sheet_spacing(0);
   EXPECT_THAT(refused(request), HasSubstr("rules.sheet_spacing"));
+  // Everything at once.
+  request.mutable_rules()->set_kerf(-1);
+  request.mutable_rules()->set_sheet_trim(-1);
+  request.set_quantity(-1);
+  request.set_template_revision(-1);
+  const std::string all = refused(request);
+  for (const char* field : {"rules.kerf", "rules.sheet_trim", "quantity", "template_revision"}) {
+    EXPECT_THAT(all, HasSubstr(field));
+  }
   request = TableRequest();
   request.set_template_("tables/../x");
   EXPECT_THAT(refused(request), HasSubstr("template"));

@@ -7,11 +7,13 @@
 #include <map>
 
 #include "common/base/errors.h"
+#include "common/base/violation_lists.h"
 #include "tests/unit/services/fabplanner/example_table.h"
 
 namespace mortise::fabplanner {
 namespace {
 
+using testing::ElementsAre;
 using testing::HasSubstr;
 
 TEST(PlanningTest, PlansOneTable) {
@@ -71,6 +73,21 @@ TEST(PlanningTest, NamesTheRuleOrQuantityAtFault) {
   EXPECT_EQ(field(1, {.board_trim = 0.001}), "rules.board_trim");
   EXPECT_EQ(field(1, {.sheet_trim = std::numeric_limits<double>::infinity()}), "rules.sheet_trim");
   EXPECT_EQ(field(1, {.sheet_spacing = 0.001}), "rules.sheet_spacing");
+}
+
+TEST(PlanningTest, NamesEveryRuleAtFault) {
+  const auto fields = [](const WorkshopRules& rules) {
+    std::vector<std::string> found;
+    for (const FieldViolation& violation : AllViolationsOf(CheckRules(rules))) {
+      found.push_back(violation.field);
+    }
+    return found;
+  };
+  EXPECT_THAT(fields({.kerf = -1, .board_trim = 0.001, .sheet_trim = 2, .sheet_spacing = 0}),
+              ElementsAre("rules.kerf", "rules.sheet_trim"));
+  EXPECT_THAT(fields({.kerf = 0.003, .board_trim = 0.001, .sheet_trim = -1, .sheet_spacing = 0}),
+              ElementsAre("rules.board_trim", "rules.sheet_trim", "rules.sheet_spacing"));
+  EXPECT_THAT(fields({}), ElementsAre());
 }
 
 TEST(PlanningTest, NamesThePartThatIsLongerThanItsStock) {
