@@ -13,55 +13,19 @@
 #include "common/base/identifiers.h"
 #include "mortise/v1/item.pb.h"
 #include "mortise/v1/simulator.pb.h"
+#include "services/simulator/mesh_case_checks.h"
+#include "services/simulator/mesh_load_checks.h"
 
 namespace mortise::simulator {
 namespace {
 
-constexpr int kMostConditions = 1000;
 constexpr int kMostMaterials = 100;  // and supports 200: so that results fit into a message
 constexpr int kMostSupports = 200;
-constexpr int kMostPointForces = 100;
 constexpr int kMostCases = 50;
 constexpr int kMostProbes = 100;
 constexpr int kMostPoints = 1000;
 constexpr int kMostModes = 100;
-constexpr std::size_t kLongestLabel = 200;     // bytes
 constexpr std::size_t kLargestCase = 200'000;  // bytes; workers may lease 16 in one message
-
-using Texts = google::protobuf::RepeatedPtrField<std::string>;
-
-std::string At(const std::string& field, const char* list, int i) {
-  return absl::StrCat(field, ".", list, "[", i, "]");
-}
-
-absl::Status CheckCount(int count, int most, const std::string& field) {
-  if (count <= most) return absl::OkStatus();
-  return InvalidField(field, absl::StrCat("has ", count, " entries; ", most, " are allowed"));
-}
-
-bool HasControlCharacters(const std::string& text) {
-  return std::any_of(text.begin(), text.end(),
-                     [](unsigned char c) { return c < 0x20 || c == 0x7f; });
-}
-
-absl::Status CheckLabel(const std::string& text, const std::string& field) {
-  if (text.size() > kLongestLabel) {
-    return InvalidField(field, absl::StrCat("is longer than ", kLongestLabel, " bytes"));
-  }
-  if (HasControlCharacters(text)) return InvalidField(field, "has control characters");
-  return absl::OkStatus();
-}
-
-absl::Status CheckGroups(const Texts& groups, bool may_be_all, const std::string& field) {
-  MORTISE_RETURN_IF_ERROR(CheckCount(groups.size(), kMostConditions, field + ".groups"));
-  if (groups.empty() && !may_be_all) {
-    return InvalidField(field + ".groups", "must name at least one group of the mesh");
-  }
-  for (int i = 0; i < groups.size(); ++i) {
-    MORTISE_RETURN_IF_ERROR(CheckLabel(groups[i], At(field, "groups", i)));
-  }
-  return absl::OkStatus();
-}
 
 absl::Status CheckPositive(double value, const std::string& field) {
   return value > 0 ? absl::OkStatus() : InvalidField(field, "must be positive");
@@ -69,10 +33,6 @@ absl::Status CheckPositive(double value, const std::string& field) {
 
 absl::Status CheckNotNegative(double value, const std::string& field) {
   return value >= 0 ? absl::OkStatus() : InvalidField(field, "must not be negative");
-}
-
-absl::Status CheckGiven(bool is_given, const std::string& field) {
-  return is_given ? absl::OkStatus() : InvalidField(field, "is missing");
 }
 
 // Three numbers, or none where they may be missing.
@@ -179,49 +139,6 @@ absl::Status CheckSupport(const v1::MeshSupport& support, const std::string& fie
   }
 }
 
-// A list of conditions that act on groups, and what each must have: `is_given` tells whether it has
-// the field called `name`.
-template <typename Conditions, typename IsGiven>
-absl::Status CheckConditions(const Conditions& conditions, const std::string& field,
-                             const char* list, const char* name, const IsGiven& is_given,
-                             bool may_be_all = false) {
-  MORTISE_RETURN_IF_ERROR(
-      CheckCount(conditions.size(), kMostConditions, absl::StrCat(field, ".", list)));
-  for (int i = 0; i < conditions.size(); ++i) {
-    const std::string place = At(field, list, i);
-    MORTISE_RETURN_IF_ERROR(CheckGroups(conditions[i].groups(), may_be_all, place));
-    MORTISE_RETURN_IF_ERROR(CheckGiven(is_given(conditions[i]), absl::StrCat(place, ".", name)));
-  }
-  return absl::OkStatus();
-}
-
-absl::Status CheckLoadCase(const v1::MeshLoadCase& loads, const v1::MeshCase& of,
-                           const std::string& field) {
-  const auto has_force = [](const auto& load) { return load.has_force(); };
-  MORTISE_RETURN_IF_ERROR(CheckConditions(loads.forces(), field, "forces", "force", has_force));
-  MORTISE_RETURN_IF_ERROR(CheckConditions(loads.pressures(), field, "pressures", "pressure",
-                                          [](const auto& load) { return load.has_pressure(); }));
-  MORTISE_RETURN_IF_ERROR(CheckConditions(loads.tractions(), field, "tractions", "traction",
-                                          [](const auto& load) { return load.has_traction(); }));
-  MORTISE_RETURN_IF_ERROR(
-      CheckConditions(loads.nodal_forces(), field, "nodal_forces", "force", has_force));
-  MORTISE_RETURN_IF_ERROR(
-      CheckCount(loads.point_forces_size(), kMostPointForces, field + ".point_forces"));
-  for (int i = 0; i < loads.point_forces_size(); ++i) {
-    const std::string place = At(field, "point_forces", i);
-    MORTISE_RETURN_IF_ERROR(CheckGiven(loads.point_forces(i).has_position(), place + ".position"));
-    MORTISE_RETURN_IF_ERROR(CheckGiven(loads.point_forces(i).has_force(), place + ".force"));
-  }
-  if (!loads.thermal_stress()) return absl::OkStatus();
-  if (!of.has_heat()) {
-    return InvalidField(field + ".thermal_stress", "needs the case's `heat`");
-  }
-  if (!of.heat().has_reference_temperature()) {
-    return InvalidField(field + ".thermal_stress", "needs the heat's `reference_temperature`");
-  }
-  return absl::OkStatus();
-}
-
 absl::Status CheckHeat(const v1::MeshHeat& heat, const std::string& field) {
   for (int i = 0; i < std::min(heat.convections_size(), kMostConditions); ++i) {
     MORTISE_RETURN_IF_ERROR(CheckPositive(heat.convections(i).coefficient(),
@@ -253,13 +170,6 @@ class Names {
  private:
   std::map<std::string, std::string> owners_;
 };
-
-bool MovesSupports(const v1::MeshCase& of) {
-  return std::any_of(of.supports().begin(), of.supports().end(), [](const auto& support) {
-    const v1::PrescribedDisplacement& by = support.displacement();
-    return by.x() != 0 || by.y() != 0 || by.z() != 0;
-  });
-}
 
 // Prescribed displacements are in every load case, and a sum of cases must have them once.
 absl::Status CheckFactors(const v1::LoadCombination& combination, const v1::MeshCase& of,

@@ -16,7 +16,9 @@ namespace mortise::simulator {
 
 // INVALID_ARGUMENT naming the first field that is wrong, below `field`, whatever the mesh: missing
 // or unknown length unit, lists that are too long, numbers out of range or beyond 1e30, names that
-// are missing, taken twice or refer to nothing, nothing asked for. RESOURCE_EXHAUSTED past 200 kB.
+// are missing, taken twice or refer to nothing, empty vectors of loads, nothing asked for.
+// FAILED_PRECONDITION, NO_LOADS, for a load case without a load that is not 0, where no support is
+// moved. RESOURCE_EXHAUSTED past 200 kB.
 // That numbers are finite has been checked.
 absl::Status CheckMeshCase(const v1::MeshCase& mesh_case, const std::string& field);
 

@@ -25,7 +25,9 @@ using Texts = google::protobuf::RepeatedPtrField<std::string>;
 
 std::vector<std::string> Names(const Texts& groups) { return {groups.begin(), groups.end()}; }
 
-Eigen::Vector3d FromProto(const v1::Vector3& vector) {
+// Of a Vector3 or a LoadVector.
+template <typename Vector>
+Eigen::Vector3d FromProto(const Vector& vector) {
   return {vector.x(), vector.y(), vector.z()};
 }
 

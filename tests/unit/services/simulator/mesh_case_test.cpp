@@ -171,6 +171,53 @@ TEST(MeshCase, MissingNumbersAreNamed) {
   in_heat("sources", "", "power");
 }
 
+// An empty vector is one whose numbers were forgotten; one that has some is 0 along the others.
+TEST(MeshCase, EmptyVectorsOfLoadsAreRefused) {
+  const auto refused = [](const std::string& load, const std::string& field) {
+    ExpectRefused(
+        {{"\"forces\"", absl::StrCat(load, ", \"forces\""),
+          absl::StrCat("case.load_cases[0].", field, ": needs at least one of x, y, z")}});
+  };
+  ExpectRefused(
+      {{"{\"x\": 1}", "{}", "case.load_cases[0].forces[0].force: needs at least one of x, y, z"}});
+  refused(R"("tractions": [{"groups": ["x_max"], "traction": {}}])", "tractions[0].traction");
+  refused(R"("nodal_forces": [{"groups": ["tip"], "force": {}}])", "nodal_forces[0].force");
+  refused(R"("point_forces": [{"position": {"x": 9}, "force": {}}])", "point_forces[0].force");
+  refused(R"("gravity": {})", "gravity");
+  refused(R"("body_force": {})", "body_force");
+  refused(R"("rotation": {"angular_velocity": {}})", "rotation.angular_velocity");
+  ExpectRefused({{"\"forces\"", "\"rotation\": {\"point\": {\"x\": 1}}, \"forces\"",
+                  "case.load_cases[0].rotation.angular_velocity: is missing"}});
+  // A 0 that is there is a number, beside a load that is none.
+  EXPECT_TRUE(
+      CheckMeshCase(Case(absl::StrReplaceAll(
+                        kGoodCase, {{"\"forces\"", "\"gravity\": {\"z\": 0}, \"forces\""}})),
+                    "case")
+          .ok());
+}
+
+// All zeros that look like results are as good as none.
+TEST(MeshCase, LoadCasesThatNothingLoadsFail) {
+  const std::string loads = R"("forces": [{"groups": ["x_max"], "force": {"x": 1}}])";
+  const auto status = [&](const std::string& others, const std::string& held = "\"fixed\": true") {
+    return CheckMeshCase(
+        Case(absl::StrReplaceAll(kGoodCase, {{", " + loads, others}, {"\"fixed\": true", held}})),
+        "case");
+  };
+  for (const char* nothing :
+       {"", R"(, "gravity": {"z": 0})", R"(, "pressures": [{"groups": ["x_max"], "pressure": 0}])",
+        R"(, "forces": [{"groups": ["x_max"], "force": {"x": 0, "y": 0, "z": 0}}])",
+        R"(, "rotation": {"angular_velocity": {"z": 0}})"}) {
+    const absl::Status failure = status(nothing);
+    EXPECT_EQ(failure.code(), absl::StatusCode::kFailedPrecondition) << nothing;
+    EXPECT_EQ(DetailOf(failure).reason, "NO_LOADS") << nothing;
+    EXPECT_EQ(DetailOf(failure).field, "case.load_cases[0]") << nothing;
+  }
+  EXPECT_TRUE(status(R"(, "gravity": {"z": -9.8})").ok());
+  // Supports that are moved load whatever they hold.
+  EXPECT_TRUE(status("", R"("displacement": {"x": 1e-5, "y": 0, "z": 0})").ok());
+}
+
 // Supports that are moved are so in every load case.
 TEST(MeshCase, SumsMoveSupportsOnce) {
   const auto sum = [](const char* first, const char* second) {
@@ -268,7 +315,7 @@ TEST(MeshCase, ConditionsThatMultiplyAMeshAreRefused) {
     // As large as one such list that is allowed.
     v1::NodalForce& force = *loads.mutable_load_cases(0)->add_nodal_forces();
     force.add_groups("all");
-    force.mutable_force();
+    force.mutable_force()->set_x(1);
   }
   EXPECT_EQ(list(supports), "");
   EXPECT_EQ(list(loads), "");
