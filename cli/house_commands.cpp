@@ -1,4 +1,5 @@
-// mortise up, down, status, keys: a house on this machine.
+// mortise up, down, keys: a house on this machine; status: that, or what runs behind a gateway.
+#include <grpcpp/grpcpp.h>
 #include <signal.h>
 #include <unistd.h>
 
@@ -23,6 +24,8 @@
 #include "common/base/process.h"
 #include "common/bus/key_folder.h"
 #include "common/rpc/identity.h"
+#include "common/rpc/status_mapping.h"
+#include "mortise/v1/gateway.grpc.pb.h"
 
 namespace mortise::cli {
 namespace {
@@ -156,7 +159,14 @@ absl::StatusOr<RunningHouse> HouseThatRuns(const std::filesystem::path& state) {
   return house;
 }
 
-absl::Status Down(const std::filesystem::path& state, Output& output) {
+// Only launchers of houses on this machine are known by their state folders.
+absl::Status Down(const GatewayOptions& gateway, Output& output) {
+  if (!gateway.address.empty()) {
+    return InvalidField("--gateway",
+                        "is not for down, which stops a house on this machine: name "
+                        "its folder with --state");
+  }
+  const std::filesystem::path& state = gateway.state;
   MORTISE_ASSIGN_OR_RETURN(const RunningHouse house, HouseThatRuns(state));
   ::kill(house.launcher, SIGTERM);
   const Clock::time_point deadline = Clock::now() + 2 * kStopPatience;
@@ -169,6 +179,37 @@ absl::Status Down(const std::filesystem::path& state, Output& output) {
   }
   output.Line("stopped");
   output.Document({{"stopped", true}});
+  return absl::OkStatus();
+}
+
+// What the gateway of a house says, wherever that runs.
+absl::Status RemoteStatus(Session& session, Output& output) {
+  MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
+  const auto stub = v1::GatewayService::NewStub(client->channel());
+  v1::House house;
+  MORTISE_RETURN_IF_ERROR(client->Call([&](grpc::ClientContext& context) {
+    return rpc::FromGrpc(stub->GetHouse(&context, {}, &house));
+  }));
+  nlohmann::ordered_json document = {{"gateway_grpc", client->address()},
+                                     {"version", house.version()},
+                                     {"processes", nlohmann::ordered_json::array()}};
+  std::vector<std::vector<std::string>> rows;
+  for (const v1::House::Service& service : house.services()) {
+    rows.push_back(
+        {service.name(), service.healthy() ? "serving" : "not serving", service.address()});
+    document["processes"].push_back(
+        {{"name", service.name()}, {"address", service.address()}, {"serving", service.healthy()}});
+  }
+  output.Table({"service", "state", "address"}, rows);
+  output.Line(absl::StrCat("gateway: gRPC ", client->address(), ", version ", house.version()));
+  output.Document(document);
+  return absl::OkStatus();
+}
+
+absl::Status Status(Session& session, Output& output) {
+  if (!session.gateway.address.empty()) return RemoteStatus(session, output);
+  MORTISE_ASSIGN_OR_RETURN(const RunningHouse house, HouseThatRuns(session.gateway.state));
+  PrintHouse(house, output);
   return absl::OkStatus();
 }
 
@@ -215,7 +256,7 @@ void AddHouseCommands(CLI::App& app, Session& session) {
   down->add_option("--state", session.gateway.state, "Its state folder")->capture_default_str();
   down->footer("Example: mortise down --state .mortise");
   down->callback([&session] {
-    session.command = [](Session& s, Output& output) { return Down(s.gateway.state, output); };
+    session.command = [](Session& s, Output& output) { return Down(s.gateway, output); };
   });
 
   auto folder = std::make_shared<std::filesystem::path>();
@@ -231,15 +272,13 @@ void AddHouseCommands(CLI::App& app, Session& session) {
     };
   });
 
-  CLI::App* status = app.add_subcommand("status", "What runs where");
+  CLI::App* status = app.add_subcommand(
+      "status", "What runs where: of a house on this machine, or with --gateway behind that");
   status->add_option("--state", session.gateway.state, "State folder")->capture_default_str();
-  status->footer("Example: mortise status --json");
+  status->footer(
+      "Example: mortise status --json, or elsewhere mortise --gateway 127.0.0.1:7700 status");
   status->callback([&session] {
-    session.command = [](Session& s, Output& output) -> absl::Status {
-      MORTISE_ASSIGN_OR_RETURN(const RunningHouse house, HouseThatRuns(s.gateway.state));
-      PrintHouse(house, output);
-      return absl::OkStatus();
-    };
+    session.command = [](Session& s, Output& output) { return Status(s, output); };
   });
 }
 

@@ -9,14 +9,18 @@
 #include <atomic>
 #include <boost/asio/ip/tcp.hpp>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <thread>
 
+#include "cli/command_line.h"
 #include "cli/generic_call.h"
 #include "cli/tls_probe.h"
+#include "common/base/errors.h"
 #include "common/base/files.h"
 #include "common/rpc/status_mapping.h"
 #include "mortise/v1/catalog.grpc.pb.h"
+#include "mortise/v1/gateway.grpc.pb.h"
 #include "tests/support/temporary_folder.h"
 
 namespace mortise::cli {
@@ -89,6 +93,23 @@ std::string WhyNot(const BriefServer& server) {
   return std::string(GatewayClient::Connect(options).status().message());
 }
 
+// A gateway with two services behind it.
+class TwoServices final : public v1::GatewayService::Service {
+ public:
+  grpc::Status GetHouse(grpc::ServerContext* context, const v1::GetHouseRequest* /*request*/,
+                        v1::House* house) override {
+    context->AddInitialMetadata("x-request-id", "1");
+    house->set_version("0.1");
+    for (const char* name : {"catalog", "pareto"}) {
+      v1::House::Service& service = *house->add_services();
+      service.set_name(name);
+      service.set_address("10.0.0.1:1");
+      service.set_healthy(service.name() == "catalog");
+    }
+    return grpc::Status::OK;
+  }
+};
+
 class GatewayClientTest : public ::testing::Test {
  protected:
   GatewayClientTest() {
@@ -96,12 +117,14 @@ class GatewayClientTest : public ::testing::Test {
     int port = 0;
     builder.AddListeningPort("127.0.0.1:0", grpc::InsecureServerCredentials(), &port);
     builder.RegisterService(&service_);
+    builder.RegisterService(&house_);
     server_ = builder.BuildAndStart();
     (void)WriteFile(token_file_, "first\n");
     GatewayOptions options;
     options.address = "127.0.0.1:" + std::to_string(port);
     options.token_file = token_file_.string();
-    client_ = std::make_unique<GatewayClient>(*GatewayClient::Connect(options));
+    session_.gateway = options;
+    client_ = std::make_unique<GatewayClient>(*GatewayClient::Connect(session_.gateway));
     stub_ = v1::CatalogService::NewStub(client_->channel());
   }
 
@@ -123,10 +146,29 @@ class GatewayClientTest : public ::testing::Test {
   testing::TemporaryFolder folder_;
   const std::filesystem::path token_file_ = folder_.path() / "token";
   Flaky service_;
+  TwoServices house_;
+  Session session_;
   std::unique_ptr<grpc::Server> server_;
   std::unique_ptr<GatewayClient> client_;
   std::unique_ptr<v1::CatalogService::Stub> stub_;
 };
+
+// Of the house that is named, not of one that may run here.
+TEST_F(GatewayClientTest, StatusTellsOfTheHouseBehindTheGateway) {
+  Output output(Output::Form::kSilent);
+  ASSERT_TRUE(RunCommandLine({"status"}, session_, output).ok());
+  const auto document = nlohmann::json::parse(output.last_document());
+  EXPECT_EQ(document["gateway_grpc"], session_.gateway.address);
+  ASSERT_EQ(document["processes"].size(), 2u);
+  EXPECT_EQ(document["processes"][0]["name"], "catalog");
+  EXPECT_EQ(document["processes"][0]["serving"], true);
+  EXPECT_EQ(document["processes"][1]["serving"], false);
+}
+
+TEST_F(GatewayClientTest, DownStopsNoHouseThatItsGatewayNames) {
+  Output output(Output::Form::kSilent);
+  EXPECT_EQ(DetailOf(RunCommandLine({"down"}, session_, output)).field, "--gateway");
+}
 
 TEST_F(GatewayClientTest, CallsAgainWhenAnAnswerWasLost) {
   service_.failures = 2;
