@@ -21,7 +21,9 @@
 #include "common/base/errors.h"
 #include "common/cad/assembly_surface.h"
 #include "common/mesh/element_faces.h"
+#include "common/mesh/mesher.h"
 #include "published_targets.h"
+#include "services/simulator/elasticity.h"
 #include "services/simulator/shape_functions.h"
 #include "services/simulator/stress_recovery.h"
 
@@ -65,6 +67,14 @@ void HoldPlanes(CurvedBody& body, std::initializer_list<const char*> planes) {
     support.symmetric = true;
     body.model.analysis.supports.push_back(support);
   }
+}
+
+std::vector<int> RimOf(const mesh::TetrahedralMesh& mesh) {
+  std::set<int> rim;
+  for (const int t : TrianglesOn(mesh, {0, "inside"}, true)) {
+    for (const int node : mesh.face_triangles.col(t)) rim.insert(node);
+  }
+  return {rim.begin(), rim.end()};
 }
 
 }  // namespace
@@ -263,12 +273,16 @@ absl::StatusOr<RimErrors> MeasureRim(const CurvedBody& body, bool quadratic) {
   options.mesh.quadratic = quadratic;
   MORTISE_ASSIGN_OR_RETURN(const DesignAnalysis analysis,
                            AnalyzeDesign(body.model, {"max_von_mises"}, false, options));
-  const mesh::TetrahedralMesh& mesh = *analysis.mesh;
-  std::set<int> rim;
-  for (const int t : TrianglesOn(mesh, {0, "inside"}, true)) {
-    for (const int node : mesh.face_triangles.col(t)) rim.insert(node);
-  }
-  return RimErrorsOf(body, mesh, analysis.cases[0].solution, {rim.begin(), rim.end()});
+  return RimErrorsOf(body, *analysis.mesh, analysis.cases[0].solution, RimOf(*analysis.mesh));
+}
+
+absl::StatusOr<RimErrors> MeasureFacetedRim(const CurvedBody& body) {
+  MORTISE_ASSIGN_OR_RETURN(
+      const mesh::TetrahedralMesh mesh,
+      mesh::MeshAssembly(body.model.surface, {.element_size = body.element_size}));
+  MORTISE_ASSIGN_OR_RETURN(const ElasticitySolution solution,
+                           SolveElasticity(mesh, body.model.analysis));
+  return RimErrorsOf(body, mesh, solution, RimOf(mesh));
 }
 
 }  // namespace mortise::simulator

@@ -71,6 +71,9 @@ RimErrors RimErrorsOf(const CurvedBody& body, const mesh::TetrahedralMesh& mesh,
 // Of the body meshed and solved as designs are.
 absl::StatusOr<RimErrors> MeasureRim(const CurvedBody& body, bool quadratic);
 
+// The same with quadratic elements whose sides are straight, as many meshers make them.
+absl::StatusOr<RimErrors> MeasureFacetedRim(const CurvedBody& body);
+
 // The solid of a shape whose faces are named by where they are: "x_min" where the outward normal of
 // a plane is along -x; "inside" and "outside", of cylinders and balls, by their radius.
 cad::Solid NamedSolid(const TopoDS_Shape& shape, double inner_radius);

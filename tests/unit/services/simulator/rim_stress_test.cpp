@@ -38,6 +38,19 @@ TEST(RimStress, OfQuadraticElementsIsNearerThanTheirMean) {
   for (const CurvedBody& body : CoarseBodies()) ExpectNearerThanTheMean(body, true, 0.01);
 }
 
+// Where sides are straight, each face and each edge has the stress along its own facet or chord.
+// Elements are as large as facets: smaller ones divide these, and the bore stays a polygon.
+TEST(RimStress, OfStraightSidedElementsIsNearerThanTheirMean) {
+  for (const double size : {0.008, 0.006}) {
+    const CurvedBody body = BoredPlate(size);
+    const auto errors = MeasureFacetedRim(body);
+    ASSERT_TRUE(errors.ok()) << errors.status();
+    EXPECT_LT(errors->recovered.stress, errors->mean.stress) << errors->elements << " elements";
+    EXPECT_LT(errors->recovered.at_edges, errors->mean.at_edges) << errors->elements << " elements";
+    EXPECT_LT(errors->recovered.traction, errors->mean.traction) << errors->elements << " elements";
+  }
+}
+
 // Traction is balanced up to how facets of linear elements turn.
 TEST(RimStress, OfLinearElementsIsNearerThanTheirMean) {
   for (const CurvedBody& body : FineBodies()) ExpectNearerThanTheMean(body, false, 0.1);
