@@ -1,5 +1,6 @@
 // How the stress recovered at a node changes with the displacements and places of the nodes around:
-// the exact derivatives of what RecoverAtSlots gives, in closed form.
+// the derivatives of what RecoverAtSlots gives, in closed form but for how stresses on the surface
+// are turned and weighed (stress_shares.h).
 #pragma once
 
 #include <Eigen/Core>
