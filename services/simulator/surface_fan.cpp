@@ -20,6 +20,16 @@ Eigen::Vector3d NormalAt(const GradientMatrix& positions, int place) {
   return EvaluateTriangle(positions, FacePlace(place)).normal;
 }
 
+// The normal of the surface at a corner: the mean of its faces'.
+Eigen::Vector3d MeanNormal(const std::vector<GradientMatrix>& positions,
+                           std::span<const FaceNode> corners) {
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+  for (std::size_t f = 0; f < corners.size(); ++f) {
+    normal += NormalAt(positions[f], corners[f].place);
+  }
+  return normal.normalized();
+}
+
 // Whether each of the middles beside the corner is there twice.
 bool Surrounds(const PartSurface& surface, std::span<const FaceNode> samples) {
   std::map<int, int> times;
