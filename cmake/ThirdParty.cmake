@@ -42,6 +42,13 @@ mortise_find_library(mortise_spectra Spectra/SymGEigsShiftSolver.h)
 mortise_find_library(mortise_tetgen tetgen.h tet)
 mortise_find_library(mortise_cgal CGAL/AABB_tree.h gmp mpfr)
 
+# Open CASCADE's own targets say neither where its headers are nor that these belong together.
+add_library(mortise_open_cascade INTERFACE IMPORTED)
+target_include_directories(mortise_open_cascade SYSTEM INTERFACE ${OpenCASCADE_INCLUDE_DIR})
+target_link_libraries(mortise_open_cascade INTERFACE
+  TKMesh TKBO TKBool TKFillet TKOffset TKPrim TKTopAlgo TKBRep TKMath TKernel TKG2d TKG3d TKGeomBase
+  TKGeomAlgo TKXDESTEP TKSTEP TKSTEPBase TKShHealing TKXSBase TKXCAF TKLCAF TKCAF TKCDF)
+
 if(MORTISE_BUILD_TESTS OR MORTISE_BUILD_BENCHES)
   find_package(GTest CONFIG REQUIRED)
 endif()

@@ -10,10 +10,10 @@
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
 #include "common/rpc/channel_security.h"
-#include "gateway/http_connection.h"
-#include "gateway/open_calls.h"
-#include "gateway/token.h"
-#include "gateway/webhook_delivery.h"
+#include "gateway/admission/open_calls.h"
+#include "gateway/contract/token.h"
+#include "gateway/http/http_connection.h"
+#include "gateway/webhooks/webhook_delivery.h"
 
 namespace mortise::gateway {
 

@@ -15,8 +15,8 @@
 #include "common/base/errors.h"
 #include "common/base/files.h"
 #include "common/base/logging.h"
-#include "hwbridge/bridge_client.h"
-#include "hwbridge/modbus_link.h"
+#include "hwbridge/client/bridge_client.h"
+#include "hwbridge/cutting/modbus_link.h"
 
 namespace mortise::hwbridge {
 namespace {

@@ -1,4 +1,4 @@
-#include "cli/bearer_token.h"
+#include "cli/client/bearer_token.h"
 
 #include <cstdlib>
 #include <utility>

@@ -1,5 +1,5 @@
 // mortise catalog list
-#include "cli/catalog_list.h"
+#include "cli/client/catalog_list.h"
 
 #include <grpcpp/grpcpp.h>
 
@@ -11,8 +11,8 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_replace.h"
-#include "cli/field_sources.h"
-#include "cli/requests.h"
+#include "cli/client/field_sources.h"
+#include "cli/client/requests.h"
 #include "common/base/errors.h"
 #include "mortise/v1/catalog.grpc.pb.h"
 

@@ -1,7 +1,7 @@
 // What is in the catalog, all of it or what filters leave.
 #pragma once
 
-#include "cli/session.h"
+#include "cli/client/session.h"
 
 namespace CLI {
 class App;

@@ -1,4 +1,4 @@
-#include "cli/decimal_flags.h"
+#include "cli/client/decimal_flags.h"
 
 #include <string>
 

@@ -1,4 +1,4 @@
-#include "cli/ending_signals.h"
+#include "cli/client/ending_signals.h"
 
 #include <fcntl.h>
 #include <unistd.h>

@@ -1,4 +1,4 @@
-#include "cli/field_sources.h"
+#include "cli/client/field_sources.h"
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"

@@ -1,4 +1,4 @@
-#include "cli/gateway_client.h"
+#include "cli/client/gateway_client.h"
 
 #include <grpcpp/grpcpp.h>
 
@@ -12,9 +12,9 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
 #include "absl/strings/strip.h"
-#include "cli/bearer_token.h"
-#include "cli/state_folder.h"
-#include "cli/tls_probe.h"
+#include "cli/client/bearer_token.h"
+#include "cli/client/tls_probe.h"
+#include "cli/launcher/state_folder.h"
 #include "common/base/errors.h"
 #include "common/rpc/channel_security.h"
 #include "common/rpc/status_mapping.h"

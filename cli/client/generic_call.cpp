@@ -1,4 +1,4 @@
-#include "cli/generic_call.h"
+#include "cli/client/generic_call.h"
 
 #include <grpcpp/generic/generic_stub.h>
 #include <grpcpp/grpcpp.h>

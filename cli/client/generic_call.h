@@ -5,7 +5,7 @@
 #include <string>
 
 #include "absl/status/status.h"
-#include "cli/gateway_client.h"
+#include "cli/client/gateway_client.h"
 
 namespace mortise::cli {
 

@@ -1,4 +1,4 @@
-#include "cli/json_input.h"
+#include "cli/client/json_input.h"
 
 #include <google/protobuf/util/json_util.h>
 
@@ -7,8 +7,8 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/base/field_violations.h"
-#include "common/base/json_faults.h"
 #include "common/base/text_encoding.h"
+#include "common/messages/json_faults.h"
 
 namespace mortise::cli {
 

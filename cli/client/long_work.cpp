@@ -1,4 +1,4 @@
-#include "cli/long_work.h"
+#include "cli/client/long_work.h"
 
 #include <google/protobuf/descriptor.h>
 #include <google/protobuf/message.h>
@@ -12,7 +12,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "cli/ending_signals.h"
+#include "cli/client/ending_signals.h"
 #include "common/base/errors.h"
 #include "common/base/identifiers.h"
 #include "common/rpc/status_mapping.h"

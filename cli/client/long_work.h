@@ -10,8 +10,8 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "cli/gateway_client.h"
-#include "cli/output.h"
+#include "cli/client/gateway_client.h"
+#include "cli/client/output.h"
 #include "mortise/v1/operations.pb.h"
 
 namespace grpc {

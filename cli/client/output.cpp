@@ -1,4 +1,4 @@
-#include "cli/output.h"
+#include "cli/client/output.h"
 
 #include <google/protobuf/message.h>
 #include <google/protobuf/util/json_util.h>
@@ -10,7 +10,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "cli/ending_signals.h"
+#include "cli/client/ending_signals.h"
 #include "common/base/errors.h"
 #include "common/base/field_violations.h"
 

@@ -1,4 +1,4 @@
-#include "cli/reflection.h"
+#include "cli/client/reflection.h"
 
 #include <google/protobuf/descriptor.pb.h>
 #include <google/protobuf/unknown_field_set.h>
@@ -13,7 +13,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/strip.h"
-#include "cli/generic_call.h"
+#include "cli/client/generic_call.h"
 #include "common/base/errors.h"
 
 namespace mortise::cli {

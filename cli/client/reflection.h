@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "cli/gateway_client.h"
+#include "cli/client/gateway_client.h"
 
 namespace mortise::cli {
 

@@ -1,4 +1,4 @@
-#include "cli/requests.h"
+#include "cli/client/requests.h"
 
 #include <grpcpp/grpcpp.h>
 #include <grpcpp/impl/codegen/proto_utils.h>

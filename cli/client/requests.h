@@ -13,8 +13,8 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "cli/gateway_client.h"
-#include "cli/output.h"
+#include "cli/client/gateway_client.h"
+#include "cli/client/output.h"
 #include "common/base/errors.h"
 #include "common/rpc/status_mapping.h"
 #include "mortise/v1/types.pb.h"

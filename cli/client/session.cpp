@@ -1,4 +1,4 @@
-#include "cli/session.h"
+#include "cli/client/session.h"
 
 #include "common/base/errors.h"
 

@@ -1,4 +1,4 @@
-#include "cli/tls_probe.h"
+#include "cli/client/tls_probe.h"
 
 #include <array>
 #include <boost/asio/ip/tcp.hpp>

@@ -8,10 +8,11 @@
 #include <nlohmann/json.hpp>
 
 #include "absl/strings/str_cat.h"
-#include "cli/generic_call.h"
-#include "cli/json_input.h"
-#include "cli/reflection.h"
-#include "cli/session.h"
+#include "cli/client/generic_call.h"
+#include "cli/client/json_input.h"
+#include "cli/client/reflection.h"
+#include "cli/client/session.h"
+#include "cli/commands/commands.h"
 #include "common/base/errors.h"
 #include "common/base/identifiers.h"
 

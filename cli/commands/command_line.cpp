@@ -1,10 +1,11 @@
-#include "cli/command_line.h"
+#include "cli/commands/command_line.h"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 
 #include "absl/strings/str_cat.h"
-#include "cli/decimal_flags.h"
+#include "cli/client/decimal_flags.h"
+#include "cli/commands/commands.h"
 #include "common/base/errors.h"
 
 namespace mortise::cli {

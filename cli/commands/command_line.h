@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "cli/output.h"
-#include "cli/session.h"
+#include "cli/client/output.h"
+#include "cli/client/session.h"
 
 namespace CLI {
 class App;

@@ -7,7 +7,8 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_replace.h"
-#include "cli/session.h"
+#include "cli/client/session.h"
+#include "cli/commands/commands.h"
 #include "common/base/errors.h"
 
 namespace mortise::cli {

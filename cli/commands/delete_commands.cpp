@@ -1,5 +1,5 @@
 // mortise catalog delete, mortise assembly delete.
-#include "cli/delete_commands.h"
+#include "cli/commands/delete_commands.h"
 
 #include <grpcpp/grpcpp.h>
 
@@ -11,8 +11,8 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
-#include "cli/field_sources.h"
-#include "cli/requests.h"
+#include "cli/client/field_sources.h"
+#include "cli/client/requests.h"
 #include "common/base/identifiers.h"
 #include "common/rpc/status_mapping.h"
 #include "mortise/v1/assembly.grpc.pb.h"

@@ -1,7 +1,7 @@
 // Removing what is in the catalog.
 #pragma once
 
-#include "cli/session.h"
+#include "cli/client/session.h"
 
 namespace CLI {
 class App;

@@ -6,9 +6,10 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "cli/field_sources.h"
-#include "cli/requests.h"
-#include "cli/session.h"
+#include "cli/client/field_sources.h"
+#include "cli/client/requests.h"
+#include "cli/client/session.h"
+#include "cli/commands/commands.h"
 #include "common/base/errors.h"
 #include "common/base/identifiers.h"
 #include "common/rpc/status_mapping.h"

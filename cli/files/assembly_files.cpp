@@ -1,4 +1,4 @@
-#include "cli/assembly_files.h"
+#include "cli/files/assembly_files.h"
 
 #include <google/protobuf/message.h>
 #include <grpcpp/grpcpp.h>
@@ -11,17 +11,17 @@
 #include <nlohmann/json.hpp>
 
 #include "absl/strings/str_cat.h"
-#include "cli/field_sources.h"
-#include "cli/json_input.h"
-#include "cli/requests.h"
-#include "cli/shape_files.h"
+#include "cli/client/field_sources.h"
+#include "cli/client/json_input.h"
+#include "cli/client/requests.h"
+#include "cli/files/shape_files.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
 #include "common/base/identifiers.h"
 #include "common/base/text_encoding.h"
 #include "common/base/violation_lists.h"
-#include "common/parametric/proto_text.h"
-#include "common/parametric/template_validation.h"
+#include "common/design/template_validation.h"
+#include "common/messages/proto_text.h"
 #include "common/rpc/status_mapping.h"
 #include "mortise/v1/assembly.grpc.pb.h"
 
@@ -170,17 +170,17 @@ absl::Status ImportDrawing(const std::filesystem::path& file, const ImportOption
 
 // The refusal of an assembly, with why files of shapes are none where it only says that there are
 // no shapes of their names.
-absl::Status WithShapeFaults(const std::vector<parametric::Finding>& of_shapes,
+absl::Status WithShapeFaults(const std::vector<FieldViolation>& of_shapes,
                              const absl::Status& refusal) {
   if (of_shapes.empty() || (!refusal.ok() && !absl::IsInvalidArgument(refusal))) return refusal;
   std::vector<FieldViolation> all;
-  for (const parametric::Finding& finding : of_shapes) {
+  for (const FieldViolation& finding : of_shapes) {
     all.push_back({finding.field, finding.message});
   }
   for (FieldViolation& violation : AllViolationsOf(refusal)) {
     const bool is_told = std::any_of(
         of_shapes.begin(), of_shapes.end(),
-        [&](const parametric::Finding& finding) { return finding.field == violation.field; });
+        [&](const FieldViolation& finding) { return finding.field == violation.field; });
     if (!is_told) all.push_back(std::move(violation));
   }
   return InvalidFields(all);
@@ -195,7 +195,7 @@ absl::Status ImportText(const std::filesystem::path& file, const v1::Assembly& a
   *request.mutable_assembly() = assembly;
   const auto catalog = v1::CatalogService::NewStub(client.channel());
   std::vector<std::string> notes;
-  std::vector<parametric::Finding> of_shapes;
+  std::vector<FieldViolation> of_shapes;
   for (int i = 0; i < assembly.parts_size(); ++i) {
     const absl::Status resolved =
         ResolveShape(file, *request.mutable_assembly()->mutable_parts(i)->mutable_shape(), *catalog,

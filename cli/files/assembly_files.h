@@ -7,7 +7,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "cli/session.h"
+#include "cli/client/session.h"
 #include "mortise/v1/assembly.pb.h"
 
 namespace CLI {

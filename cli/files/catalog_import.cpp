@@ -1,4 +1,4 @@
-#include "cli/catalog_import.h"
+#include "cli/files/catalog_import.h"
 
 #include <grpcpp/grpcpp.h>
 
@@ -9,23 +9,22 @@
 
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
-#include "cli/design_check.h"
-#include "cli/requests.h"
-#include "cli/shape_files.h"
+#include "cli/client/requests.h"
+#include "cli/files/design_check.h"
+#include "cli/files/shape_files.h"
 #include "common/base/errors.h"
 #include "common/base/identifiers.h"
 #include "common/base/violation_lists.h"
-#include "common/parametric/design_file.h"
-#include "common/parametric/message_checks.h"
-#include "common/parametric/template_validation.h"
+#include "common/design/template_validation.h"
+#include "common/files/design_file.h"
+#include "common/files/message_checks.h"
 #include "common/rpc/status_mapping.h"
 #include "mortise/v1/catalog.grpc.pb.h"
 
 namespace mortise::cli {
 namespace {
 
-using parametric::Finding;
-using Findings = std::vector<Finding>;
+using Findings = std::vector<FieldViolation>;
 
 constexpr std::size_t kMaxFindings = 100;
 
@@ -39,7 +38,7 @@ void ReadDesigns(const std::filesystem::path& path, Designs& designs, Findings& 
                  std::size_t& unlisted) {
   const std::string name = path.string();
   parametric::DesignFile file = parametric::ReadDesignFile(path);
-  for (const Finding& finding : file.findings) {
+  for (const FieldViolation& finding : file.findings) {
     findings.push_back(
         {absl::StrCat(name, finding.field.empty() ? "" : ": ", finding.field), finding.message});
   }
@@ -213,7 +212,8 @@ absl::Status ImportFiles(const std::vector<std::filesystem::path>& files, Sessio
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   const auto stub = v1::CatalogService::NewStub(client->channel());
   MORTISE_ASSIGN_OR_RETURN(const Present present, ReadCatalog(*stub, *client));
-  for (Finding& finding : CheckDesigns(designs, present)) findings.push_back(std::move(finding));
+  for (FieldViolation& finding : CheckDesigns(designs, present))
+    findings.push_back(std::move(finding));
   std::vector<std::string> notes;
   MORTISE_RETURN_IF_ERROR(ResolveShapes(designs, *stub, *client, notes, findings));
   if (!findings.empty()) {

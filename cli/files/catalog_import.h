@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "absl/status/status.h"
-#include "cli/output.h"
-#include "cli/session.h"
+#include "cli/client/output.h"
+#include "cli/client/session.h"
 
 namespace mortise::cli {
 

@@ -1,17 +1,16 @@
-#include "cli/design_check.h"
+#include "cli/files/design_check.h"
 
 #include <algorithm>
 #include <utility>
 
-#include "common/parametric/message_checks.h"
-#include "common/parametric/template_codec.h"
-#include "common/parametric/template_reader.h"
+#include "common/files/message_checks.h"
+#include "common/files/template_codec.h"
+#include "common/files/template_reader.h"
 
 namespace mortise::cli {
 namespace {
 
-using parametric::Finding;
-using Findings = std::vector<Finding>;
+using Findings = std::vector<FieldViolation>;
 
 class DesignCheck {
  public:
@@ -67,7 +66,8 @@ class DesignCheck {
     Findings findings =
         parametric::CheckItemMessage(read.message(), materials_, read.placed.unread);
     if (designs_.unread_names.count(read.message().material()) != 0) {
-      std::erase_if(findings, [](const Finding& finding) { return finding.field == "material"; });
+      std::erase_if(findings,
+                    [](const FieldViolation& finding) { return finding.field == "material"; });
     }
     Report(read, findings);
     TakeKnown(read.message(), items_);

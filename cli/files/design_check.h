@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "common/parametric/design_file.h"
-#include "common/parametric/template_validation.h"
+#include "common/design/template_validation.h"
+#include "common/files/design_file.h"
 #include "mortise/v1/catalog.pb.h"
 
 namespace mortise::cli {
@@ -44,9 +44,9 @@ struct Present {
 
 // What is wrong with a message, under its name and with its place.
 template <typename Message>
-void AddFindings(const ReadDesign<Message>& read, const std::vector<parametric::Finding>& more,
-                 std::vector<parametric::Finding>& findings) {
-  for (const parametric::Finding& finding : more) {
+void AddFindings(const ReadDesign<Message>& read, const std::vector<FieldViolation>& more,
+                 std::vector<FieldViolation>& findings) {
+  for (const FieldViolation& finding : more) {
     findings.push_back(
         {absl::StrCat(read.Place(finding.field), ".", finding.field), finding.message});
   }
@@ -54,6 +54,6 @@ void AddFindings(const ReadDesign<Message>& read, const std::vector<parametric::
 
 // Everything that makes no sense, but of shapes, and of what needs the CAD kernel or the catalog's
 // assemblies. Templates are not judged by what is at fault itself.
-std::vector<parametric::Finding> CheckDesigns(const Designs& designs, const Present& present);
+std::vector<FieldViolation> CheckDesigns(const Designs& designs, const Present& present);
 
 }  // namespace mortise::cli

@@ -1,4 +1,4 @@
-#include "cli/mesh_analysis.h"
+#include "cli/files/mesh_analysis.h"
 
 #include <grpcpp/grpcpp.h>
 
@@ -6,9 +6,9 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "cli/field_sources.h"
-#include "cli/json_input.h"
-#include "cli/requests.h"
+#include "cli/client/field_sources.h"
+#include "cli/client/json_input.h"
+#include "cli/client/requests.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
 #include "common/base/identifiers.h"

@@ -8,9 +8,9 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "cli/gateway_client.h"
-#include "cli/long_work.h"
-#include "cli/output.h"
+#include "cli/client/gateway_client.h"
+#include "cli/client/long_work.h"
+#include "cli/client/output.h"
 #include "mortise/v1/simulator.grpc.pb.h"
 
 namespace mortise::cli {

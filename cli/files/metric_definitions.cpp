@@ -1,4 +1,4 @@
-#include "cli/metric_definitions.h"
+#include "cli/files/metric_definitions.h"
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/match.h"

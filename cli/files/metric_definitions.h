@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "cli/field_sources.h"
+#include "cli/client/field_sources.h"
 #include "mortise/v1/metric.pb.h"
 
 namespace mortise::cli {

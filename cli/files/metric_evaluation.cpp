@@ -1,4 +1,4 @@
-#include "cli/metric_evaluation.h"
+#include "cli/files/metric_evaluation.h"
 
 #include <grpcpp/grpcpp.h>
 

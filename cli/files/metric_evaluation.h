@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "cli/gateway_client.h"
+#include "cli/client/gateway_client.h"
 #include "mortise/v1/evaluator.pb.h"
 
 namespace mortise::cli {

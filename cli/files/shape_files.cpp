@@ -1,4 +1,4 @@
-#include "cli/shape_files.h"
+#include "cli/files/shape_files.h"
 
 #include <google/protobuf/io/gzip_stream.h>
 #include <google/protobuf/io/zero_copy_stream_impl_lite.h>
@@ -7,7 +7,7 @@
 #include <algorithm>
 
 #include "absl/strings/str_cat.h"
-#include "cli/field_sources.h"
+#include "cli/client/field_sources.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
 #include "common/base/identifiers.h"
@@ -91,7 +91,7 @@ absl::Status ResolveShape(const std::filesystem::path& file, std::string& shape,
 }
 
 absl::Status AddShapeFaults(const absl::Status& resolved, const std::string& place,
-                            std::vector<parametric::Finding>& findings) {
+                            std::vector<FieldViolation>& findings) {
   if (absl::IsNotFound(resolved) || absl::IsResourceExhausted(resolved)) {
     findings.push_back({place, std::string(resolved.message())});
     return absl::OkStatus();

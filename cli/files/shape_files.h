@@ -7,8 +7,8 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "cli/gateway_client.h"
-#include "common/parametric/template_validation.h"
+#include "cli/client/gateway_client.h"
+#include "common/design/template_validation.h"
 #include "mortise/v1/catalog.grpc.pb.h"
 
 namespace mortise::cli {
@@ -38,6 +38,6 @@ absl::Status ResolveShape(const std::filesystem::path& file, std::string& shape,
 // Adds what is wrong with the shape that `place` names to the findings, as ResolveShape gives it;
 // gives it back if it is no fault of the file.
 absl::Status AddShapeFaults(const absl::Status& resolved, const std::string& place,
-                            std::vector<parametric::Finding>& findings);
+                            std::vector<FieldViolation>& findings);
 
 }  // namespace mortise::cli

@@ -1,4 +1,4 @@
-#include "cli/house.h"
+#include "cli/launcher/house.h"
 
 #include <unistd.h>
 

@@ -1,4 +1,4 @@
-#include "cli/launcher.h"
+#include "cli/launcher/launcher.h"
 
 #include <signal.h>
 #include <unistd.h>

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "absl/status/status.h"
-#include "cli/house.h"
-#include "cli/state_folder.h"
+#include "cli/launcher/house.h"
+#include "cli/launcher/state_folder.h"
 
 namespace mortise::cli {
 

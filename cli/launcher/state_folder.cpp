@@ -1,4 +1,4 @@
-#include "cli/state_folder.h"
+#include "cli/launcher/state_folder.h"
 
 #include <fcntl.h>
 #include <sys/file.h>

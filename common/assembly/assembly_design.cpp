@@ -1,12 +1,12 @@
-#include "common/parametric/assembly_design.h"
+#include "common/assembly/assembly_design.h"
 
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
 #include "absl/strings/str_cat.h"
-#include "common/parametric/compiled_template.h"
-#include "common/parametric/polygon.h"
+#include "common/design/compiled_template.h"
+#include "common/design/polygon.h"
 
 namespace mortise::parametric {
 namespace {

@@ -5,9 +5,9 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "common/parametric/evaluated_design.h"
-#include "common/parametric/parametric_assembly.h"
-#include "common/parametric/template_definition.h"
+#include "common/assembly/parametric_assembly.h"
+#include "common/design/evaluated_design.h"
+#include "common/design/template_definition.h"
 
 namespace mortise::parametric {
 

@@ -1,9 +1,9 @@
-#include "common/parametric/memory_use.h"
+#include "common/assembly/memory_use.h"
 
 #include <set>
 
-#include "common/mesh/drawn_shape.h"
-#include "common/parametric/parametric_assembly.h"
+#include "common/assembly/parametric_assembly.h"
+#include "common/mesh/shapes/drawn_shape.h"
 
 namespace mortise::parametric {
 namespace {

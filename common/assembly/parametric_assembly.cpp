@@ -1,4 +1,4 @@
-#include "common/parametric/parametric_assembly.h"
+#include "common/assembly/parametric_assembly.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,12 +8,12 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "common/assembly/model/bores.h"
+#include "common/assembly/relations/principal_patterns.h"
+#include "common/assembly/trial/design_trial.h"
+#include "common/assembly/trial/drawn_contacts.h"
+#include "common/assembly/trial/easily_lost.h"
 #include "common/base/errors.h"
-#include "common/parametric/bores.h"
-#include "common/parametric/design_trial.h"
-#include "common/parametric/drawn_contacts.h"
-#include "common/parametric/easily_lost.h"
-#include "common/parametric/principal_patterns.h"
 
 namespace mortise::parametric {
 namespace {

@@ -18,16 +18,16 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "common/parametric/assembly.h"
-#include "common/parametric/connection.h"
-#include "common/parametric/connection_placement.h"
-#include "common/parametric/contact_check.h"
-#include "common/parametric/drawn_contacts.h"
-#include "common/parametric/element.h"
-#include "common/parametric/feasible_set.h"
-#include "common/parametric/held_levels.h"
-#include "common/parametric/linear_design.h"
-#include "common/parametric/relationship.h"
+#include "common/assembly/connections/connection.h"
+#include "common/assembly/connections/connection_placement.h"
+#include "common/assembly/model/assembly.h"
+#include "common/assembly/model/element.h"
+#include "common/assembly/model/linear_design.h"
+#include "common/assembly/relations/feasible_set.h"
+#include "common/assembly/relations/held_levels.h"
+#include "common/assembly/relations/relationship.h"
+#include "common/assembly/trial/contact_check.h"
+#include "common/assembly/trial/drawn_contacts.h"
 
 namespace mortise::parametric {
 

@@ -21,7 +21,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/cad/solid_kernel.h"
-#include "common/mesh/flat_faces.h"
+#include "common/mesh/shapes/flat_faces.h"
 
 namespace mortise::cad {
 namespace {

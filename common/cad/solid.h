@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "common/mesh/part_shape.h"
+#include "common/mesh/shapes/part_shape.h"
 
 namespace mortise::cad {
 

@@ -6,7 +6,7 @@
 #include <array>
 #include <vector>
 
-#include "common/mesh/box_stretch.h"
+#include "common/mesh/shapes/box_stretch.h"
 
 namespace mortise::cad {
 

@@ -1,4 +1,4 @@
-#include "common/parametric/airflow.h"
+#include "common/design/airflow.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,10 +1,10 @@
-#include "common/parametric/boundary_condition.h"
+#include "common/design/boundary_condition.h"
 
 #include <algorithm>
 #include <set>
 
 #include "absl/strings/str_cat.h"
-#include "common/parametric/identifier.h"
+#include "common/expressions/identifier.h"
 
 namespace mortise::parametric {
 namespace {
@@ -155,7 +155,7 @@ std::string FaultOf(const ConditionComponent& component, double value) {
 std::string FaultOfTemperature(double value) { return FaultOf(kReference, value); }
 
 void CheckCondition(const std::string& field, Kind kind, std::span<const std::string> components,
-                    const std::string& load_case, std::vector<Finding>& findings) {
+                    const std::string& load_case, std::vector<FieldViolation>& findings) {
   if (!load_case.empty() && !IsLoad(kind)) {
     findings.push_back(
         {field + ".load_case", "is only of loads: supports and heat act in every load case"});
@@ -173,7 +173,7 @@ void CheckCondition(const std::string& field, Kind kind, std::span<const std::st
 
 void CheckConditionsTogether(const std::string& field, std::span<const ConditionUse> conditions,
                              const std::string& reference_temperature,
-                             std::vector<Finding>& findings) {
+                             std::vector<FieldViolation>& findings) {
   std::set<std::string> load_cases;
   for (const ConditionUse& condition : conditions) {
     if (!condition.load_case.empty()) load_cases.insert(condition.load_case);

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "common/parametric/template_definition.h"
-#include "common/parametric/template_validation.h"
+#include "common/design/template_definition.h"
+#include "common/design/template_validation.h"
 
 namespace mortise::parametric {
 
@@ -71,7 +71,7 @@ std::string FaultOfTemperature(double value);
 // a displacement that is free along all axes at `field`.
 void CheckCondition(const std::string& field, BoundaryConditionKind kind,
                     std::span<const std::string> components, const std::string& load_case,
-                    std::vector<Finding>& findings);
+                    std::vector<FieldViolation>& findings);
 
 // A kind of condition that a template has, and its load case.
 struct ConditionUse {
@@ -83,6 +83,6 @@ struct ConditionUse {
 // "reference_temperature" one that nothing of the template can differ from, because it has no heat.
 void CheckConditionsTogether(const std::string& field, std::span<const ConditionUse> conditions,
                              const std::string& reference_temperature,
-                             std::vector<Finding>& findings);
+                             std::vector<FieldViolation>& findings);
 
 }  // namespace mortise::parametric

@@ -1,13 +1,13 @@
 // Compiles templates: parses expressions and resolves the names of parts, faces, items, materials.
-#include "common/parametric/compiled_template.h"
+#include "common/design/compiled_template.h"
 
 #include <algorithm>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
-#include "common/parametric/template_checks.h"
-#include "common/parametric/template_validation.h"
+#include "common/design/template_checks.h"
+#include "common/design/template_validation.h"
 
 namespace mortise::parametric {
 namespace {
@@ -144,7 +144,7 @@ absl::StatusOr<CompiledTemplate> CompileTemplate(const TemplateBundle& bundle) {
     compiled.connections.push_back(
         CompileConnection(bundle, definition.connections[i], absl::StrCat("connections[", i, "]")));
   }
-  std::vector<Finding> findings;
+  std::vector<FieldViolation> findings;
   compiled.conditions =
       ConditionExpressions(definition.boundary_conditions, definition.reference_temperature,
                            ParameterNames(definition), findings);

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "common/parametric/condition_expressions.h"
-#include "common/parametric/expression.h"
-#include "common/parametric/template_definition.h"
+#include "common/design/condition_expressions.h"
+#include "common/design/template_definition.h"
+#include "common/expressions/expression.h"
 
 namespace mortise::parametric {
 

@@ -1,4 +1,4 @@
-#include "common/parametric/condition_expressions.h"
+#include "common/design/condition_expressions.h"
 
 #include <utility>
 
@@ -16,7 +16,7 @@ std::string Place(std::size_t index, std::size_t component) {
 
 std::optional<Expression> Parse(const std::string& field, const std::string& text,
                                 const std::vector<std::string>& parameters,
-                                std::vector<Finding>& findings) {
+                                std::vector<FieldViolation>& findings) {
   auto expression = Expression::Parse(text, parameters);
   if (expression.ok()) return *std::move(expression);
   findings.push_back(
@@ -25,7 +25,7 @@ std::optional<Expression> Parse(const std::string& field, const std::string& tex
 }
 
 void CheckWholeBody(const std::string& field, const BoundaryCondition& condition,
-                    std::vector<Finding>& findings) {
+                    std::vector<FieldViolation>& findings) {
   if (ActsOnFace(condition.kind)) return;
   constexpr char kWhole[] = "must be left out: this kind acts on the whole body";
   if (!condition.part.empty()) findings.push_back({field + ".part", kWhole});
@@ -37,7 +37,7 @@ void CheckWholeBody(const std::string& field, const BoundaryCondition& condition
 ConditionExpressions::ConditionExpressions(std::vector<BoundaryCondition> conditions,
                                            const std::string& reference_temperature,
                                            const std::vector<std::string>& parameters,
-                                           std::vector<Finding>& findings) {
+                                           std::vector<FieldViolation>& findings) {
   std::vector<ConditionUse> uses;
   for (std::size_t i = 0; i < conditions.size(); ++i) {
     const std::string field = Place(i);

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "common/parametric/evaluated_design.h"
-#include "common/parametric/expression.h"
-#include "common/parametric/template_validation.h"
+#include "common/design/evaluated_design.h"
+#include "common/design/template_validation.h"
+#include "common/expressions/expression.h"
 
 namespace mortise::parametric {
 
@@ -25,7 +25,8 @@ class ConditionExpressions {
   // neither.
   ConditionExpressions(std::vector<BoundaryCondition> conditions,
                        const std::string& reference_temperature,
-                       const std::vector<std::string>& parameters, std::vector<Finding>& findings);
+                       const std::vector<std::string>& parameters,
+                       std::vector<FieldViolation>& findings);
 
   std::size_t size() const { return conditions_.size(); }
 

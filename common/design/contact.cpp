@@ -1,6 +1,6 @@
 // Contact of prisms: coplanar opposite faces are clipped against each other; penetration is the
 // smallest overlap over the separating axes of convex pieces.
-#include "common/parametric/contact.h"
+#include "common/design/contact.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -8,7 +8,7 @@
 #include <limits>
 #include <numbers>
 
-#include "common/parametric/polygon.h"
+#include "common/design/polygon.h"
 
 namespace mortise::parametric {
 namespace {

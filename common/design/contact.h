@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "common/parametric/evaluated_design.h"
+#include "common/design/evaluated_design.h"
 
 namespace mortise::parametric {
 

@@ -1,5 +1,5 @@
 // Checks of an evaluated design: can it be cut from its items, and put together?
-#include "common/parametric/design_checks.h"
+#include "common/design/design_checks.h"
 
 #include <cmath>
 #include <optional>
@@ -7,8 +7,8 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/compared_numbers.h"
 #include "common/base/errors.h"
-#include "common/parametric/contact.h"
-#include "common/parametric/design_evaluation.h"
+#include "common/design/contact.h"
+#include "common/design/design_evaluation.h"
 
 namespace mortise::parametric {
 namespace {
@@ -19,7 +19,7 @@ constexpr std::size_t kMaxPegs = 1000;        // of a design; each is compared w
 constexpr const char* kDimensionNames[] = {"length", "width", "thickness"};
 
 // Splits a field's status back into a finding: the message begins with the field.
-Finding FindingOf(const absl::Status& status) {
+FieldViolation FindingOf(const absl::Status& status) {
   const std::string field = DetailOf(status).field;
   std::string message(status.message());
   if (message.rfind(field + ": ", 0) == 0) message = message.substr(field.size() + 2);
@@ -27,7 +27,7 @@ Finding FindingOf(const absl::Status& status) {
 }
 
 void CheckSize(const CompiledPart& compiled, const EvaluatedPart& part, const Item& item,
-               std::vector<Finding>& findings) {
+               std::vector<FieldViolation>& findings) {
   for (int i = 0; i < 3; ++i) {
     const ItemDimension& dimension = item.dimensions[static_cast<std::size_t>(i)];
     const double size = part.size(i);
@@ -51,7 +51,7 @@ void CheckSize(const CompiledPart& compiled, const EvaluatedPart& part, const It
 
 void CheckPenetrations(const CompiledTemplate& compiled,
                        const std::vector<std::optional<EvaluatedPart>>& parts,
-                       std::vector<Finding>& findings) {
+                       std::vector<FieldViolation>& findings) {
   for (std::size_t i = 0; i < parts.size(); ++i) {
     for (std::size_t j = i + 1; j < parts.size(); ++j) {
       if (!parts[i] || !parts[j]) continue;
@@ -65,7 +65,8 @@ void CheckPenetrations(const CompiledTemplate& compiled,
 }
 
 void CheckPegInParts(const CompiledConnection& compiled, const EvaluatedConnector& peg,
-                     const std::vector<EvaluatedPart>& parts, std::vector<Finding>& findings) {
+                     const std::vector<EvaluatedPart>& parts,
+                     std::vector<FieldViolation>& findings) {
   const double radius = peg.diameter / 2;
   const double in_other = peg.length - peg.depth_in_part;
   if (!ContainsCylinder(parts[compiled.part], peg.position, -peg.direction, peg.depth_in_part,
@@ -80,7 +81,7 @@ void CheckPegInParts(const CompiledConnection& compiled, const EvaluatedConnecto
 }
 
 void CheckPegs(const CompiledTemplate& compiled, const std::vector<EvaluatedPart>& parts,
-               std::vector<Finding>& findings) {
+               std::vector<FieldViolation>& findings) {
   struct PlacedPeg {
     EvaluatedConnector peg;
     std::size_t connection;
@@ -112,8 +113,9 @@ void CheckPegs(const CompiledTemplate& compiled, const std::vector<EvaluatedPart
 
 }  // namespace
 
-std::vector<Finding> CheckDesign(const CompiledTemplate& compiled, const Eigen::VectorXd& q) {
-  std::vector<Finding> findings;
+std::vector<FieldViolation> CheckDesign(const CompiledTemplate& compiled,
+                                        const Eigen::VectorXd& q) {
+  std::vector<FieldViolation> findings;
   std::vector<std::optional<EvaluatedPart>> parts(compiled.parts.size());
   std::vector<EvaluatedPart> whole;
   for (std::size_t i = 0; i < compiled.parts.size(); ++i) {

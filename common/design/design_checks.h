@@ -5,14 +5,14 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "common/parametric/compiled_template.h"
-#include "common/parametric/template_validation.h"
+#include "common/design/compiled_template.h"
+#include "common/design/template_validation.h"
 
 namespace mortise::parametric {
 
 // Shapes, sizes against items, penetrations, contacts and pegs at `q`. Goes on after a part or
 // connection that fails, so that all that is wrong there is found. Each finding's `message` leaves
 // out which parameters it was found at.
-std::vector<Finding> CheckDesign(const CompiledTemplate& compiled, const Eigen::VectorXd& q);
+std::vector<FieldViolation> CheckDesign(const CompiledTemplate& compiled, const Eigen::VectorXd& q);
 
 }  // namespace mortise::parametric

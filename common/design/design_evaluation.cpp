@@ -1,5 +1,5 @@
 // The pieces of F(q): parts, pegs, and volumes with gradients.
-#include "common/parametric/design_evaluation.h"
+#include "common/design/design_evaluation.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,8 +7,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
-#include "common/parametric/contact.h"
-#include "common/parametric/polygon.h"
+#include "common/design/contact.h"
+#include "common/design/polygon.h"
 
 namespace mortise::parametric {
 namespace {

@@ -5,8 +5,8 @@
 #include <Eigen/Core>
 
 #include "absl/status/statusor.h"
-#include "common/parametric/compiled_template.h"
-#include "common/parametric/evaluated_design.h"
+#include "common/design/compiled_template.h"
+#include "common/design/evaluated_design.h"
 
 namespace mortise::parametric {
 

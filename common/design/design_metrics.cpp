@@ -1,4 +1,4 @@
-#include "common/parametric/design_metrics.h"
+#include "common/design/design_metrics.h"
 
 namespace mortise::parametric {
 

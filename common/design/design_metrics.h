@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "common/parametric/metric_expressions.h"
+#include "common/expressions/metric_expressions.h"
 
 namespace mortise::parametric {
 

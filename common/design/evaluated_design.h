@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "common/design/boundary_condition.h"
+#include "common/design/template_definition.h"
 #include "common/mesh/surface_mesh.h"
-#include "common/parametric/boundary_condition.h"
-#include "common/parametric/template_definition.h"
 
 namespace mortise::parametric {
 

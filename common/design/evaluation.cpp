@@ -1,13 +1,13 @@
 // The door to evaluation: parameter vectors in, designs and mass out.
-#include "common/parametric/evaluation.h"
+#include "common/design/evaluation.h"
 
 #include <iterator>
 #include <utility>
 
 #include "common/base/errors.h"
-#include "common/parametric/compiled_template.h"
-#include "common/parametric/design_evaluation.h"
-#include "common/parametric/parameter_values.h"
+#include "common/design/compiled_template.h"
+#include "common/design/design_evaluation.h"
+#include "common/design/parameter_values.h"
 
 namespace mortise::parametric {
 

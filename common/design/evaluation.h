@@ -17,9 +17,9 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "common/design/evaluated_design.h"
+#include "common/design/template_definition.h"
 #include "common/mesh/surface_mesh.h"
-#include "common/parametric/evaluated_design.h"
-#include "common/parametric/template_definition.h"
 
 namespace mortise::parametric {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "common/parametric/boundary_condition.h"
+#include "common/design/boundary_condition.h"
 
 namespace mortise::parametric {
 

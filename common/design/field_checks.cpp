@@ -1,4 +1,4 @@
-#include "common/parametric/field_checks.h"
+#include "common/design/field_checks.h"
 
 #include <algorithm>
 #include <cmath>
@@ -20,7 +20,7 @@ constexpr const char* kUnits[] = {"1",   "m",     "m^2",   "m^3", "rad", "kg",  
                                   "J",   "W",     "W/m^2", "K",   "1/K", "W/(m^2 K)"};
 
 void CheckCharacters(const std::string& field, const std::string& text, std::ptrdiff_t most,
-                     std::vector<Finding>& findings) {
+                     std::vector<FieldViolation>& findings) {
   // Each character of UTF-8 has one byte that continues no other.
   const auto characters = std::count_if(text.begin(), text.end(), [](char c) {
     return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U;
@@ -33,7 +33,7 @@ void CheckCharacters(const std::string& field, const std::string& text, std::ptr
 }  // namespace
 
 void CheckResourceName(const std::string& name, const std::string& collection,
-                       std::vector<Finding>& findings) {
+                       std::vector<FieldViolation>& findings) {
   if (!ParseResourceName(name, collection, "name").ok()) {
     findings.push_back({"name", absl::StrCat("must be '", collection,
                                              "/' and 1 to 63 lower-case letters, digits and "
@@ -41,29 +41,33 @@ void CheckResourceName(const std::string& name, const std::string& collection,
   }
 }
 
-void CheckTitle(const std::string& field, const std::string& text, std::vector<Finding>& findings) {
+void CheckTitle(const std::string& field, const std::string& text,
+                std::vector<FieldViolation>& findings) {
   CheckCharacters(field, text, kMaxTitle, findings);
 }
 
 void CheckDescription(const std::string& field, const std::string& text,
-                      std::vector<Finding>& findings) {
+                      std::vector<FieldViolation>& findings) {
   CheckCharacters(field, text, kMaxDescription, findings);
 }
 
-void CheckText(const std::string& field, const std::string& text, std::vector<Finding>& findings) {
+void CheckText(const std::string& field, const std::string& text,
+               std::vector<FieldViolation>& findings) {
   if (text.size() > kMaxText) {
     findings.push_back({field, absl::StrCat("is longer than ", kMaxText, " bytes")});
   }
 }
 
 // People click on links: only what leads to a page is one.
-void CheckLink(const std::string& field, const std::string& link, std::vector<Finding>& findings) {
+void CheckLink(const std::string& field, const std::string& link,
+               std::vector<FieldViolation>& findings) {
   CheckText(field, link, findings);
   if (link.empty() || link.starts_with("https://") || link.starts_with("http://")) return;
   findings.push_back({field, "must begin with https:// or http://"});
 }
 
-void CheckUnit(const std::string& field, const std::string& unit, std::vector<Finding>& findings) {
+void CheckUnit(const std::string& field, const std::string& unit,
+               std::vector<FieldViolation>& findings) {
   if (unit.empty()) {
     findings.push_back({field, "is missing; say '1' where there is none"});
   } else if (std::find(std::begin(kUnits), std::end(kUnits), unit) == std::end(kUnits)) {
@@ -71,23 +75,17 @@ void CheckUnit(const std::string& field, const std::string& unit, std::vector<Fi
   }
 }
 
-void CheckPositive(const std::string& field, double value, std::vector<Finding>& findings) {
+void CheckPositive(const std::string& field, double value, std::vector<FieldViolation>& findings) {
   if (!(value > 0) || !std::isfinite(value)) {
     findings.push_back({field, "must be a finite number greater than 0"});
   }
 }
 
-void CheckNotNegative(const std::string& field, double value, std::vector<Finding>& findings) {
+void CheckNotNegative(const std::string& field, double value,
+                      std::vector<FieldViolation>& findings) {
   if (!(value >= 0) || !std::isfinite(value)) {
     findings.push_back({field, "must be a finite number, at least 0"});
   }
-}
-
-bool IsMeasureName(const std::string& name) {
-  if (name.empty() || name.size() > 63 || name[0] < 'a' || name[0] > 'z') return false;
-  return std::all_of(name.begin(), name.end(), [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_';
-  });
 }
 
 }  // namespace mortise::parametric

@@ -1,4 +1,4 @@
-#include "services/simulator/geometry_metrics.h"
+#include "common/design/geometry_metrics.h"
 
 #include <functional>
 #include <map>
@@ -6,8 +6,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
-#include "common/mesh/silhouette.h"
-#include "common/mesh/standing_solid.h"
+#include "common/mesh/measures/silhouette.h"
+#include "common/mesh/measures/standing_solid.h"
 
 namespace mortise::simulator {
 namespace {

@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "common/mesh/floating_solid.h"
+#include "common/design/metric.h"
 #include "common/mesh/mass_properties.h"
+#include "common/mesh/measures/floating_solid.h"
 #include "common/mesh/surface_mesh.h"
-#include "services/simulator/metric.h"
 
 namespace mortise::simulator {
 

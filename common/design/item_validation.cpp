@@ -4,8 +4,9 @@
 #include <set>
 
 #include "absl/strings/str_cat.h"
-#include "common/parametric/field_checks.h"
-#include "common/parametric/template_validation.h"
+#include "common/design/field_checks.h"
+#include "common/design/template_validation.h"
+#include "common/expressions/identifier.h"
 
 namespace mortise::parametric {
 namespace {
@@ -44,7 +45,7 @@ bool IsCurrency(const std::string& text) {
 // Whether both are known, and are not the same.
 bool Differ(double a, double b) { return std::abs(a - b) > kSameSize; }
 
-void CheckNotHuge(const std::string& field, double size, std::vector<Finding>& findings) {
+void CheckNotHuge(const std::string& field, double size, std::vector<FieldViolation>& findings) {
   if (size > kLargestDimension) {
     findings.push_back(
         {field, absl::StrCat("is more than ", kLargestDimension, " m; sizes are in metres")});
@@ -52,7 +53,7 @@ void CheckNotHuge(const std::string& field, double size, std::vector<Finding>& f
 }
 
 void CheckDimension(const std::string& field, const ItemDimension& dimension,
-                    std::vector<Finding>& findings) {
+                    std::vector<FieldViolation>& findings) {
   CheckPositive(absl::StrCat(field, ".size"), dimension.size, findings);
   CheckNotHuge(absl::StrCat(field, ".size"), dimension.size, findings);
   CheckNotNegative(absl::StrCat(field, ".nominal"), dimension.nominal, findings);
@@ -85,7 +86,7 @@ std::string NameOf(const Item& item, std::size_t axis) {
 }
 
 // Dimensions of one name are one dimension; what is round has one diameter.
-void CheckDimensions(const Item& item, std::vector<Finding>& findings) {
+void CheckDimensions(const Item& item, std::vector<FieldViolation>& findings) {
   for (std::size_t i = 0; i < 3; ++i) {
     CheckDimension(absl::StrCat("dimensions[", kAxisFields[i], "]"), item.dimensions[i], findings);
   }
@@ -106,7 +107,7 @@ void CheckDimensions(const Item& item, std::vector<Finding>& findings) {
 
 // What is wrong in itself is named before what is only missing.
 void CheckMeasure(const std::string& field, const ItemMeasure& measure,
-                  std::vector<Finding>& findings) {
+                  std::vector<FieldViolation>& findings) {
   CheckNotNegative(absl::StrCat(field, ".minimum"), measure.minimum, findings);
   CheckNotNegative(absl::StrCat(field, ".maximum"), measure.maximum, findings);
   CheckPositive(absl::StrCat(field, ".size"), measure.size, findings);
@@ -126,7 +127,7 @@ void CheckMeasure(const std::string& field, const ItemMeasure& measure,
 
 template <typename Entry, typename Check>
 void CheckList(const std::string& field, const std::vector<Entry>& entries, std::size_t most,
-               Check check, std::vector<Finding>& findings) {
+               Check check, std::vector<FieldViolation>& findings) {
   if (entries.size() > most) {
     findings.push_back(
         {field, absl::StrCat("has ", entries.size(), " entries; at most ", most, " are accepted")});
@@ -137,7 +138,7 @@ void CheckList(const std::string& field, const std::vector<Entry>& entries, std:
   }
 }
 
-void CheckMeasures(const Item& item, std::vector<Finding>& findings) {
+void CheckMeasures(const Item& item, std::vector<FieldViolation>& findings) {
   CheckList("measures", item.measures, kMaxMeasures, CheckMeasure, findings);
   if (item.measures.size() > kMaxMeasures) return;
   std::set<std::string> names;
@@ -151,7 +152,7 @@ void CheckMeasures(const Item& item, std::vector<Finding>& findings) {
 }
 
 void CheckStockSize(const std::string& field, const StockSize& stock,
-                    std::vector<Finding>& findings) {
+                    std::vector<FieldViolation>& findings) {
   CheckNotNegative(absl::StrCat(field, ".width"), stock.width, findings);
   CheckNotNegative(absl::StrCat(field, ".price"), stock.price.value_or(0), findings);
   CheckPositive(absl::StrCat(field, ".length"), stock.length, findings);
@@ -160,7 +161,7 @@ void CheckStockSize(const std::string& field, const StockSize& stock,
 }
 
 // Plans cut the stock that `dimensions` describe, so it must be one that is sold.
-void CheckStockSizes(const Item& item, std::vector<Finding>& findings) {
+void CheckStockSizes(const Item& item, std::vector<FieldViolation>& findings) {
   const std::size_t before = findings.size();
   CheckList("stock_sizes", item.stock_sizes, kMaxStockSizes, CheckStockSize, findings);
   if (item.stock_sizes.empty() || item.stock_sizes.size() > kMaxStockSizes) return;
@@ -184,7 +185,7 @@ void CheckStockSizes(const Item& item, std::vector<Finding>& findings) {
 }
 
 void CheckSupplierLink(const std::string& field, const SupplierLink& link,
-                       std::vector<Finding>& findings) {
+                       std::vector<FieldViolation>& findings) {
   CheckText(absl::StrCat(field, ".supplier"), link.supplier, findings);
   CheckLink(absl::StrCat(field, ".url"), link.url, findings);
   CheckText(absl::StrCat(field, ".number"), link.number, findings);
@@ -193,14 +194,14 @@ void CheckSupplierLink(const std::string& field, const SupplierLink& link,
   }
 }
 
-void CheckSuppliers(const Item& item, std::vector<Finding>& findings) {
+void CheckSuppliers(const Item& item, std::vector<FieldViolation>& findings) {
   CheckText("supplier", item.supplier, findings);
   CheckLink("supplier_url", item.supplier_url, findings);
   CheckText("supplier_number", item.supplier_number, findings);
   CheckList("more_suppliers", item.more_suppliers, kMaxMoreSuppliers, CheckSupplierLink, findings);
 }
 
-void CheckPrice(const Item& item, std::vector<Finding>& findings) {
+void CheckPrice(const Item& item, std::vector<FieldViolation>& findings) {
   CheckNotNegative("price.amount", item.price.amount, findings);
   if (!IsCurrency(item.price.currency)) {
     findings.push_back({"price.currency", "must be a three-letter ISO 4217 code, such as EUR"});
@@ -212,8 +213,8 @@ void CheckPrice(const Item& item, std::vector<Finding>& findings) {
 
 }  // namespace
 
-std::vector<Finding> ValidateItem(const Item& item, const std::vector<Material>& materials) {
-  std::vector<Finding> findings;
+std::vector<FieldViolation> ValidateItem(const Item& item, const std::vector<Material>& materials) {
+  std::vector<FieldViolation> findings;
   CheckResourceName(item.name, "items", findings);
   CheckTitle("title", item.title, findings);
   CheckText("standard", item.standard, findings);

@@ -1,8 +1,8 @@
 // Checks of materials: ranges, and that every deformation takes energy.
 #include <cmath>
 
-#include "common/parametric/field_checks.h"
-#include "common/parametric/template_validation.h"
+#include "common/design/field_checks.h"
+#include "common/design/template_validation.h"
 
 namespace mortise::parametric {
 namespace {
@@ -30,7 +30,7 @@ struct NamedConstant {
 };
 
 // What is wrong in itself is named before what is only missing.
-void CheckModuli(const OrthotropicElasticity& e, std::vector<Finding>& findings) {
+void CheckModuli(const OrthotropicElasticity& e, std::vector<FieldViolation>& findings) {
   const NamedConstant moduli[] = {{"orthotropic.youngs_modulus_l", e.youngs_modulus_l},
                                   {"orthotropic.youngs_modulus_r", e.youngs_modulus_r},
                                   {"orthotropic.youngs_modulus_t", e.youngs_modulus_t},
@@ -56,7 +56,7 @@ void CheckModuli(const OrthotropicElasticity& e, std::vector<Finding>& findings)
 
 bool IsPositive(double value) { return value > 0 && std::isfinite(value); }
 
-void CheckElasticity(const OrthotropicElasticity& e, std::vector<Finding>& findings) {
+void CheckElasticity(const OrthotropicElasticity& e, std::vector<FieldViolation>& findings) {
   CheckModuli(e, findings);
   // Of moduli that are none, ratios would be scaled to anything.
   if (!IsPositive(e.youngs_modulus_l) || !IsPositive(e.youngs_modulus_r) ||
@@ -87,8 +87,8 @@ void CheckElasticity(const OrthotropicElasticity& e, std::vector<Finding>& findi
 
 }  // namespace
 
-std::vector<Finding> ValidateMaterial(const Material& material) {
-  std::vector<Finding> findings;
+std::vector<FieldViolation> ValidateMaterial(const Material& material) {
+  std::vector<FieldViolation> findings;
   CheckResourceName(material.name, "materials", findings);
   CheckTitle("title", material.title, findings);
   CheckPositive("density", material.density, findings);

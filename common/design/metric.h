@@ -1,7 +1,6 @@
 // Numbers with names that tell how good a design is, and what each is computed from.
 #pragma once
 
-#include <Eigen/Core>
 #include <string>
 
 namespace mortise::simulator {
@@ -11,12 +10,6 @@ struct Metric {
   std::string name;
   std::string unit;  // SI; of a cost the currency, ISO 4217
   double value = 0;
-};
-
-// The gradient of a metric with respect to all parameters.
-struct MetricGradient {
-  std::string metric;
-  Eigen::VectorXd values;  // metric unit per parameter unit
 };
 
 // An amount in a currency.

@@ -1,4 +1,4 @@
-#include "common/parametric/parameter_values.h"
+#include "common/design/parameter_values.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/compared_numbers.h"
 #include "common/base/errors.h"
-#include "common/parametric/template_validation.h"
+#include "common/design/template_validation.h"
 
 namespace mortise::parametric {
 namespace {
@@ -44,7 +44,7 @@ absl::StatusOr<VectorXd> Complete(const std::vector<Parameter>& parameters,
                                   const std::vector<NamedValue>& values) {
   VectorXd q = Defaults(parameters);
   std::set<std::string> seen;
-  std::vector<Finding> faults;
+  std::vector<FieldViolation> faults;
   for (std::size_t i = 0; i < values.size(); ++i) {
     const NamedValue& given = values[i];
     const std::string field = absl::StrCat("parameters[", i, "]");
@@ -87,7 +87,7 @@ absl::Status CheckParameterValues(const std::vector<Parameter>& parameters, cons
     return InvalidField("parameters",
                         absl::StrCat("has ", q.size(), " values, not ", parameters.size()));
   }
-  std::vector<Finding> faults;
+  std::vector<FieldViolation> faults;
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     const auto fault = FaultOf(parameters[i], q(static_cast<Eigen::Index>(i)));
     if (fault) faults.push_back({absl::StrCat("parameters[", i, "].value"), *fault});
@@ -95,12 +95,12 @@ absl::Status CheckParameterValues(const std::vector<Parameter>& parameters, cons
   return ToStatus(faults);
 }
 
-std::vector<Finding> CheckRanges(const std::vector<Parameter>& parameters,
-                                 const Eigen::Ref<const VectorXd>& q) {
+std::vector<FieldViolation> CheckRanges(const std::vector<Parameter>& parameters,
+                                        const Eigen::Ref<const VectorXd>& q) {
   if (q.size() != static_cast<Eigen::Index>(parameters.size())) {
     return {{"parameters", absl::StrCat("are ", q.size(), ", not ", parameters.size())}};
   }
-  std::vector<Finding> findings;
+  std::vector<FieldViolation> findings;
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     const double value = q(static_cast<Eigen::Index>(i));
     if (value >= parameters[i].minimum && value <= parameters[i].maximum) continue;

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "common/parametric/evaluated_design.h"
-#include "common/parametric/template_definition.h"
-#include "common/parametric/template_validation.h"
+#include "common/design/evaluated_design.h"
+#include "common/design/template_definition.h"
+#include "common/design/template_validation.h"
 
 namespace mortise::parametric {
 
@@ -33,8 +33,8 @@ absl::Status CheckParameterValues(const std::vector<Parameter>& parameters,
                                   const Eigen::VectorXd& q);
 
 // Every parameter out of its range, "parameters[i]"; or that there are too many or few of them.
-std::vector<Finding> CheckRanges(const std::vector<Parameter>& parameters,
-                                 const Eigen::Ref<const Eigen::VectorXd>& q);
+std::vector<FieldViolation> CheckRanges(const std::vector<Parameter>& parameters,
+                                        const Eigen::Ref<const Eigen::VectorXd>& q);
 
 // Where a design is tried before it is accepted: the defaults first, so that what is wrong there is
 // said of them; every corner of the parameter box, or the ends of single parameters where there are

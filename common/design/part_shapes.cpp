@@ -1,5 +1,5 @@
 // Places each part's prism for the CAD kernel.
-#include "common/parametric/part_shapes.h"
+#include "common/design/part_shapes.h"
 
 namespace mortise::parametric {
 

@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "common/mesh/part_shape.h"
-#include "common/parametric/evaluated_design.h"
+#include "common/design/evaluated_design.h"
+#include "common/mesh/shapes/part_shape.h"
 
 namespace mortise::parametric {
 

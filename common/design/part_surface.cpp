@@ -1,7 +1,7 @@
 // The triangles of a part: those it has, or its outline triangulated twice, and two triangles a
 // side.
-#include "common/parametric/evaluation.h"
-#include "common/parametric/polygon.h"
+#include "common/design/evaluation.h"
+#include "common/design/polygon.h"
 
 namespace mortise::parametric {
 

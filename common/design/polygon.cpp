@@ -1,5 +1,5 @@
 // Small-polygon geometry: quadratic algorithms, right for outlines of parts.
-#include "common/parametric/polygon.h"
+#include "common/design/polygon.h"
 
 #include <algorithm>
 #include <cmath>

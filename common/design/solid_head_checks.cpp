@@ -1,18 +1,18 @@
-#include "common/parametric/solid_head_checks.h"
+#include "common/design/solid_head_checks.h"
 
 #include <cmath>
 
 #include "absl/strings/str_cat.h"
 #include "common/base/compared_numbers.h"
 #include "common/base/identifiers.h"
-#include "common/parametric/field_checks.h"
-#include "common/parametric/identifier.h"
+#include "common/design/field_checks.h"
+#include "common/expressions/identifier.h"
 
 namespace mortise::parametric {
 namespace {
 
 void CheckRange(const std::string& field, const Parameter& parameter,
-                std::vector<Finding>& findings) {
+                std::vector<FieldViolation>& findings) {
   if (!std::isfinite(parameter.minimum) || !std::isfinite(parameter.maximum) ||
       !std::isfinite(parameter.default_value) || !std::isfinite(parameter.step)) {
     findings.push_back({field, "has a number that is not finite"});
@@ -35,7 +35,7 @@ void CheckRange(const std::string& field, const Parameter& parameter,
 
 void CheckSolidTexts(const std::string& name, const std::string& title,
                      const std::string& description, const std::string& material,
-                     std::vector<Finding>& findings) {
+                     std::vector<FieldViolation>& findings) {
   CheckResourceName(name, "templates", findings);
   if (!ParseResourceName(material, "materials", "material").ok()) {
     findings.push_back(
@@ -46,7 +46,7 @@ void CheckSolidTexts(const std::string& name, const std::string& title,
 }
 
 void CheckUniqueName(const std::string& field, const std::string& name, std::set<std::string>& seen,
-                     std::vector<Finding>& findings) {
+                     std::vector<FieldViolation>& findings) {
   if (!IsIdentifier(name)) {
     findings.push_back(
         {field, "must be a letter or underscore, then letters, digits, underscores; 63 at most"});
@@ -56,7 +56,7 @@ void CheckUniqueName(const std::string& field, const std::string& name, std::set
 }
 
 void CheckNumberName(const std::string& field, const std::string& name, std::set<std::string>& seen,
-                     std::vector<Finding>& findings) {
+                     std::vector<FieldViolation>& findings) {
   CheckUniqueName(field, name, seen, findings);
   if (IsReserved(name)) {
     findings.push_back({field, absl::StrCat("'", name, "' is a word of the expression language")});
@@ -64,7 +64,7 @@ void CheckNumberName(const std::string& field, const std::string& name, std::set
 }
 
 void CheckSolidParameters(const std::vector<Parameter>& parameters, std::set<std::string>& seen,
-                          std::vector<Finding>& findings) {
+                          std::vector<FieldViolation>& findings) {
   CheckCount("parameters", parameters.size(), 1, kMaxSolidParameters, findings);
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     const std::string field = absl::StrCat("parameters[", i, "]");
@@ -77,7 +77,7 @@ void CheckSolidParameters(const std::vector<Parameter>& parameters, std::set<std
 }
 
 void CheckCount(const std::string& field, std::size_t count, std::size_t least, std::size_t most,
-                std::vector<Finding>& findings) {
+                std::vector<FieldViolation>& findings) {
   if (count < least) findings.push_back({field, absl::StrCat("must be at least ", least)});
   if (count > most) findings.push_back({field, absl::StrCat("are more than ", most)});
 }

@@ -1,5 +1,5 @@
 // Checks of a template as it is written, field by field.
-#include "common/parametric/template_checks.h"
+#include "common/design/template_checks.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,11 +8,11 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/compared_numbers.h"
 #include "common/base/identifiers.h"
-#include "common/parametric/compiled_template.h"
-#include "common/parametric/condition_expressions.h"
-#include "common/parametric/expression.h"
-#include "common/parametric/field_checks.h"
-#include "common/parametric/identifier.h"
+#include "common/design/compiled_template.h"
+#include "common/design/condition_expressions.h"
+#include "common/design/field_checks.h"
+#include "common/expressions/expression.h"
+#include "common/expressions/identifier.h"
 
 namespace mortise::parametric {
 namespace {
@@ -31,7 +31,7 @@ class Checker {
         definition_(bundle.definition),
         parameter_names_(ParameterNames(bundle.definition)) {}
 
-  std::vector<Finding> Run() {
+  std::vector<FieldViolation> Run() {
     CheckCount("parameters", definition_.parameters.size(), 1, kMaxParameters);
     CheckCount("parts", definition_.parts.size(), 1, kMaxParts);
     CheckCount("connections", definition_.connections.size(), 0, kMaxConnections);
@@ -272,11 +272,13 @@ class Checker {
   const TemplateBundle& bundle_;
   const TemplateDefinition& definition_;
   const std::vector<std::string> parameter_names_;
-  std::vector<Finding> findings_;
+  std::vector<FieldViolation> findings_;
 };
 
 }  // namespace
 
-std::vector<Finding> CheckTemplate(const TemplateBundle& bundle) { return Checker(bundle).Run(); }
+std::vector<FieldViolation> CheckTemplate(const TemplateBundle& bundle) {
+  return Checker(bundle).Run();
+}
 
 }  // namespace mortise::parametric

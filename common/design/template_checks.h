@@ -4,12 +4,12 @@
 
 #include <vector>
 
-#include "common/parametric/template_validation.h"
+#include "common/design/template_validation.h"
 
 namespace mortise::parametric {
 
 // Names, references, ranges, expressions and limits of size. If it finds nothing, the template
 // compiles.
-std::vector<Finding> CheckTemplate(const TemplateBundle& bundle);
+std::vector<FieldViolation> CheckTemplate(const TemplateBundle& bundle);
 
 }  // namespace mortise::parametric

@@ -1,9 +1,9 @@
 // Look-ups among the plain structs of templates and designs.
-#include "common/parametric/template_definition.h"
+#include "common/design/template_definition.h"
 
 #include <algorithm>
 
-#include "common/parametric/evaluated_design.h"
+#include "common/design/evaluated_design.h"
 
 namespace mortise::parametric {
 namespace {

@@ -1,5 +1,5 @@
 // Validates templates: first as written, then at many points of the parameter box.
-#include "common/parametric/template_validation.h"
+#include "common/design/template_validation.h"
 
 #include <cmath>
 #include <set>
@@ -8,10 +8,10 @@
 #include "absl/strings/str_join.h"
 #include "common/base/errors.h"
 #include "common/base/field_violations.h"
-#include "common/parametric/compiled_template.h"
-#include "common/parametric/design_checks.h"
-#include "common/parametric/parameter_values.h"
-#include "common/parametric/template_checks.h"
+#include "common/design/compiled_template.h"
+#include "common/design/design_checks.h"
+#include "common/design/parameter_values.h"
+#include "common/design/template_checks.h"
 
 namespace mortise::parametric {
 namespace {
@@ -32,8 +32,8 @@ std::string WithoutNumbers(const std::string& message) {
 
 }  // namespace
 
-std::vector<Finding> ValidateTemplate(const TemplateBundle& bundle) {
-  std::vector<Finding> findings = CheckTemplate(bundle);
+std::vector<FieldViolation> ValidateTemplate(const TemplateBundle& bundle) {
+  std::vector<FieldViolation> findings = CheckTemplate(bundle);
   if (!findings.empty()) {
     if (findings.size() > kMaxFindings) findings.resize(kMaxFindings);
     return findings;
@@ -48,7 +48,7 @@ std::vector<Finding> ValidateTemplate(const TemplateBundle& bundle) {
   for (const VectorXd& q : TrialPoints(parameters, kRandomPoints)) {
     const std::string where =
         at_defaults ? "at the defaults" : absl::StrCat("at ", ToText(parameters, q));
-    for (Finding& finding : CheckDesign(*compiled, q)) {
+    for (FieldViolation& finding : CheckDesign(*compiled, q)) {
       if (!known.insert(absl::StrCat(finding.field, "|", WithoutNumbers(finding.message))).second) {
         continue;
       }
@@ -61,10 +61,11 @@ std::vector<Finding> ValidateTemplate(const TemplateBundle& bundle) {
   return findings;
 }
 
-absl::Status ToStatus(const std::vector<Finding>& findings) {
+absl::Status ToStatus(const std::vector<FieldViolation>& findings) {
   if (findings.empty()) return absl::OkStatus();
   std::vector<FieldViolation> violations;
-  for (const Finding& finding : findings) violations.push_back({finding.field, finding.message});
+  for (const FieldViolation& finding : findings)
+    violations.push_back({finding.field, finding.message});
   return InvalidFields(violations);
 }
 

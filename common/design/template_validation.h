@@ -6,22 +6,17 @@
 #include <vector>
 
 #include "absl/status/status.h"
-#include "common/parametric/template_definition.h"
+#include "common/base/field_violations.h"
+#include "common/design/template_definition.h"
 
 namespace mortise::parametric {
 
-// Something wrong, and where.
-struct Finding {
-  std::string field;    // field path in the proto: "parts[2].box.x.to"
-  std::string message;  // a sentence a person can act on
-};
-
 // Ranges, units and names of a material.
-std::vector<Finding> ValidateMaterial(const Material& material);
+std::vector<FieldViolation> ValidateMaterial(const Material& material);
 
 // An item by itself: names, prices, dates, dimensions and their ranges. `materials` are those
 // known.
-std::vector<Finding> ValidateItem(const Item& item, const std::vector<Material>& materials);
+std::vector<FieldViolation> ValidateItem(const Item& item, const std::vector<Material>& materials);
 
 // A template with the items and materials it may use. Checks names and references, ranges,
 // expressions; then, at the defaults, at every corner of the parameter box (the ends of single
@@ -30,9 +25,9 @@ std::vector<Finding> ValidateItem(const Item& item, const std::vector<Material>&
 // each other, that connected parts touch, and that pegs lie inside their parts and clear of each
 // other. Empty if the template can be built at all of them. At most 100 findings, the first of each
 // kind and place.
-std::vector<Finding> ValidateTemplate(const TemplateBundle& bundle);
+std::vector<FieldViolation> ValidateTemplate(const TemplateBundle& bundle);
 
 // OK for no findings; else INVALID_ARGUMENT naming the fields of all of them.
-absl::Status ToStatus(const std::vector<Finding>& findings);
+absl::Status ToStatus(const std::vector<FieldViolation>& findings);
 
 }  // namespace mortise::parametric

@@ -1,5 +1,5 @@
 // Evaluates expressions: a stack machine that carries a gradient along with every value.
-#include "common/parametric/expression.h"
+#include "common/expressions/expression.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
-#include "common/parametric/expression_parser.h"
+#include "common/expressions/expression_parser.h"
 
 namespace mortise::parametric {
 namespace {

@@ -1,5 +1,5 @@
 // The grammar of expressions, one function a rule.
-#include "common/parametric/expression_parser.h"
+#include "common/expressions/expression_parser.h"
 
 #include <algorithm>
 #include <numbers>

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
-#include "common/parametric/expression.h"
+#include "common/expressions/expression.h"
 
 namespace mortise::parametric {
 

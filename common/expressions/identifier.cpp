@@ -1,4 +1,4 @@
-#include "common/parametric/identifier.h"
+#include "common/expressions/identifier.h"
 
 #include <algorithm>
 #include <array>
@@ -16,6 +16,13 @@ bool IsReserved(std::string_view name) {
   constexpr std::array<std::string_view, 10> kWords = {"pi",    "sqrt", "sin", "cos", "tan",
                                                        "floor", "ceil", "abs", "min", "max"};
   return std::find(kWords.begin(), kWords.end(), name) != kWords.end();
+}
+
+bool IsMeasureName(const std::string& name) {
+  if (name.empty() || name.size() > 63 || name[0] < 'a' || name[0] > 'z') return false;
+  return std::all_of(name.begin(), name.end(), [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_';
+  });
 }
 
 }  // namespace mortise::parametric

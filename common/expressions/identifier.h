@@ -11,4 +11,7 @@ bool IsIdentifier(std::string_view name);
 // Whether `name` is a word of the expression language (expression.h), such as "pi" or "sin".
 bool IsReserved(std::string_view name);
 
+// Whether `name` is 1 to 63 lower-case letters, digits and underscores, beginning with a letter.
+bool IsMeasureName(const std::string& name);
+
 }  // namespace mortise::parametric

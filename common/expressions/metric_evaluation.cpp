@@ -4,7 +4,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
 #include "common/base/errors.h"
-#include "common/parametric/metric_expressions.h"
+#include "common/expressions/metric_expressions.h"
 
 namespace mortise::parametric {
 namespace {

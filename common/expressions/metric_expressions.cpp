@@ -1,4 +1,4 @@
-#include "common/parametric/metric_expressions.h"
+#include "common/expressions/metric_expressions.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,9 +9,8 @@
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_replace.h"
 #include "common/base/errors.h"
-#include "common/parametric/field_checks.h"
-#include "common/parametric/identifier.h"
-#include "common/parametric/metric_text.h"
+#include "common/expressions/identifier.h"
+#include "common/expressions/metric_text.h"
 
 namespace mortise::parametric {
 namespace {
@@ -53,7 +52,8 @@ MetricExpressions::MetricExpressions(const MetricDefinitions& definitions,
                                      const MetricDefinitions& earlier,
                                      const std::vector<NamedUnit>& parameters,
                                      const std::vector<NamedUnit>& metrics,
-                                     const std::string& field, std::vector<Finding>& findings) {
+                                     const std::string& field,
+                                     std::vector<FieldViolation>& findings) {
   const Known known{parameters, metrics};
   Add(earlier, "the template's " + field, known, findings);
   Add(definitions, field, known, findings);
@@ -69,7 +69,7 @@ MetricExpressions::MetricExpressions(const MetricDefinitions& definitions,
 }
 
 void MetricExpressions::Add(const MetricDefinitions& definitions, const std::string& field,
-                            const Known& known, std::vector<Finding>& findings) {
+                            const Known& known, std::vector<FieldViolation>& findings) {
   for (const auto& [size, name] : {std::pair{definitions.expressions.size(), "expressions"},
                                    std::pair{definitions.points.size(), "points"}}) {
     if (size <= kMost) continue;
@@ -114,7 +114,7 @@ void MetricExpressions::Add(const MetricDefinitions& definitions, const std::str
 }
 
 void MetricExpressions::AddPoint(const PointDefinition& definition, const std::string& field,
-                                 const Known& known, std::vector<Finding>& findings) {
+                                 const Known& known, std::vector<FieldViolation>& findings) {
   const auto is_taken = [&](const Point& other) { return other.name == definition.name; };
   if (!IsIdentifier(definition.name)) {
     findings.push_back(
@@ -162,7 +162,7 @@ std::optional<MetricExpressions::Variable> MetricExpressions::FindVariable(
 }
 
 void MetricExpressions::Parse(std::size_t index, const Known& known,
-                              std::vector<Finding>& findings) {
+                              std::vector<FieldViolation>& findings) {
   Parsed& parsed = parsed_[index];
   const MetricDefinition& definition = definitions_[index];
   const auto fail = [&](const std::string& message) {
@@ -199,7 +199,8 @@ void MetricExpressions::Parse(std::size_t index, const Known& known,
 
 // Depth first: 1 while what it needs is looked at, 2 when all of that is known.
 bool MetricExpressions::Visit(std::size_t index, std::vector<int>& states,
-                              std::vector<std::size_t>& path, std::vector<Finding>& findings) {
+                              std::vector<std::size_t>& path,
+                              std::vector<FieldViolation>& findings) {
   if (states[index] == 2) return true;
   path.push_back(index);
   if (states[index] == 1) {
@@ -226,7 +227,7 @@ bool MetricExpressions::Visit(std::size_t index, std::vector<int>& states,
 }
 
 // Tries values at random, always the same, and those that other units of measurement would give.
-void MetricExpressions::CheckUnit(std::size_t index, std::vector<Finding>& findings) const {
+void MetricExpressions::CheckUnit(std::size_t index, std::vector<FieldViolation>& findings) const {
   constexpr int kTrials = 64;
   constexpr int kWanted = 12;  // trials with a value
   const Parsed& parsed = parsed_[index];

@@ -18,10 +18,10 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "common/parametric/expression.h"
-#include "common/parametric/metric_function.h"
-#include "common/parametric/template_validation.h"
-#include "common/parametric/unit.h"
+#include "common/base/field_violations.h"
+#include "common/expressions/expression.h"
+#include "common/expressions/metric_function.h"
+#include "common/expressions/unit.h"
 
 namespace mortise::parametric {
 
@@ -63,7 +63,7 @@ class MetricExpressions {
   // units that do not agree. `earlier` are those that a template has already, checked.
   MetricExpressions(const MetricDefinitions& definitions, const MetricDefinitions& earlier,
                     const std::vector<NamedUnit>& parameters, const std::vector<NamedUnit>& metrics,
-                    const std::string& field, std::vector<Finding>& findings);
+                    const std::string& field, std::vector<FieldViolation>& findings);
 
   // The earlier ones, then the others, in the order in which they were given.
   const std::vector<MetricDefinition>& metrics() const { return definitions_; }
@@ -129,14 +129,14 @@ class MetricExpressions {
   };
 
   void Add(const MetricDefinitions& definitions, const std::string& field, const Known& known,
-           std::vector<Finding>& findings);
+           std::vector<FieldViolation>& findings);
   void AddPoint(const PointDefinition& point, const std::string& field, const Known& known,
-                std::vector<Finding>& findings);
-  void Parse(std::size_t index, const Known& known, std::vector<Finding>& findings);
+                std::vector<FieldViolation>& findings);
+  void Parse(std::size_t index, const Known& known, std::vector<FieldViolation>& findings);
   std::optional<Variable> FindVariable(const std::string& name, const Known& known) const;
   bool Visit(std::size_t index, std::vector<int>& states, std::vector<std::size_t>& path,
-             std::vector<Finding>& findings);
-  void CheckUnit(std::size_t index, std::vector<Finding>& findings) const;
+             std::vector<FieldViolation>& findings);
+  void CheckUnit(std::size_t index, std::vector<FieldViolation>& findings) const;
   std::vector<std::size_t> Behind(std::span<const std::string> names) const;
   absl::StatusOr<Dual> Compute(std::size_t index, const std::vector<absl::StatusOr<Dual>>& values,
                                bool with_gradient, Eigen::Index parameters) const;

@@ -1,4 +1,4 @@
-#include "common/parametric/metric_function.h"
+#include "common/expressions/metric_function.h"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "common/parametric/metric_text.h"
+#include "common/expressions/metric_text.h"
 
 #include <optional>
 

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "common/parametric/metric_function.h"
-#include "common/parametric/unit.h"
+#include "common/expressions/metric_function.h"
+#include "common/expressions/unit.h"
 
 namespace mortise::parametric {
 

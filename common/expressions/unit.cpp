@@ -1,4 +1,4 @@
-#include "common/parametric/unit.h"
+#include "common/expressions/unit.h"
 
 #include <charconv>
 #include <cmath>

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "absl/status/statusor.h"
-#include "common/parametric/template_definition.h"
+#include "common/design/template_definition.h"
 #include "mortise/v1/catalog.pb.h"
 
 namespace mortise::parametric {

@@ -1,5 +1,5 @@
 // Walks the folders of a collection.
-#include "common/parametric/collection.h"
+#include "common/files/collection.h"
 
 #include <algorithm>
 #include <set>
@@ -10,12 +10,12 @@
 #include "common/base/digest.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
-#include "common/parametric/collection_shapes.h"
-#include "common/parametric/csv_table.h"
-#include "common/parametric/design_file.h"
-#include "common/parametric/proto_text.h"
-#include "common/parametric/template_codec.h"
-#include "common/parametric/template_validation.h"
+#include "common/design/template_validation.h"
+#include "common/files/collection_shapes.h"
+#include "common/files/csv_table.h"
+#include "common/files/design_file.h"
+#include "common/files/template_codec.h"
+#include "common/messages/proto_text.h"
 
 namespace mortise::parametric {
 namespace {
@@ -51,7 +51,7 @@ absl::Status AppendBundle(const fs::path& file, CollectionShapes& shapes, Collec
                                           item.message.name(), ".shape"),
                              std::string(resolved.message())});
   }
-  for (Finding& finding : read.findings) {
+  for (FieldViolation& finding : read.findings) {
     finding.field = absl::StrCat(file.string(), finding.field.empty() ? "" : ": ", finding.field);
   }
   MORTISE_RETURN_IF_ERROR(ToStatus(read.findings));
@@ -62,7 +62,7 @@ absl::Status AppendBundle(const fs::path& file, CollectionShapes& shapes, Collec
 
 // The shapes of an assembly's parts that have their own.
 absl::Status ResolveShapes(const fs::path& file, CollectionShapes& shapes, v1::Assembly& assembly) {
-  std::vector<Finding> findings;
+  std::vector<FieldViolation> findings;
   for (int i = 0; i < assembly.parts_size(); ++i) {
     const absl::Status resolved = shapes.Resolve(file, *assembly.mutable_parts(i)->mutable_shape());
     if (resolved.ok()) continue;
@@ -96,7 +96,7 @@ struct Version {
 absl::StatusOr<Version> ReadVersion(const fs::path& file) {
   MORTISE_ASSIGN_OR_RETURN(const std::string text, ReadFile(file, kMaxTextBytes));
   const CsvTable table = ParseCsv(text);
-  std::vector<Finding> findings = table.findings;
+  std::vector<FieldViolation> findings = table.findings;
   Version version;
   for (std::size_t i = 0; i < table.rows.size(); ++i) {
     const CsvRow& row = table.rows[i];
@@ -112,7 +112,7 @@ absl::StatusOr<Version> ReadVersion(const fs::path& file) {
     }
     version = {number, row[1].text};
   }
-  for (Finding& finding : findings)
+  for (FieldViolation& finding : findings)
     finding.field = absl::StrCat(file.string(), ": ", finding.field);
   MORTISE_RETURN_IF_ERROR(ToStatus(findings));
   return version;

@@ -19,7 +19,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "common/parametric/template_definition.h"
+#include "common/design/template_definition.h"
 #include "mortise/v1/assembly.pb.h"
 #include "mortise/v1/catalog.pb.h"
 

@@ -1,11 +1,11 @@
-#include "common/parametric/collection_shapes.h"
+#include "common/files/collection_shapes.h"
 
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
-#include "common/parametric/shape_name.h"
+#include "common/files/shape_name.h"
 
 namespace mortise::parametric {
 namespace {

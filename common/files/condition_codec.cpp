@@ -1,11 +1,11 @@
-#include "common/parametric/condition_codec.h"
+#include "common/files/condition_codec.h"
 
 namespace mortise::parametric {
 
 using Kind = BoundaryConditionKind;
 
 ConditionDefinition ReadHeat(const v1::HeatOnFaces& message, const std::string& field,
-                             std::vector<Finding>& findings) {
+                             std::vector<FieldViolation>& findings) {
   const int kinds = (message.flux().empty() ? 0 : 1) + (message.temperature().empty() ? 0 : 1) +
                     (message.convection().empty() ? 0 : 1);
   if (kinds > 1) {

@@ -7,7 +7,8 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "common/parametric/boundary_condition.h"
+#include "common/base/field_violations.h"
+#include "common/design/boundary_condition.h"
 #include "mortise/v1/cad_template.pb.h"
 
 namespace mortise::parametric {
@@ -15,7 +16,7 @@ namespace mortise::parametric {
 // The kind of heat that a message has, a flux that is missing where it has none. What it has
 // besides is reported.
 ConditionDefinition ReadHeat(const v1::HeatOnFaces& message, const std::string& field,
-                             std::vector<Finding>& findings);
+                             std::vector<FieldViolation>& findings);
 void WriteHeat(const ConditionDefinition& condition, v1::HeatOnFaces& message);
 
 std::vector<std::string> ReadCoordinates(const v1::SpacePoint& point);
@@ -26,7 +27,7 @@ void WriteCoordinates(const ConditionDefinition& condition, std::size_t first,
 // Nothing where the message is none of these kinds. What is wrong is reported below `field`.
 template <typename Message>
 std::optional<ConditionDefinition> ReadCondition(const Message& message, const std::string& field,
-                                                 std::vector<Finding>& findings) {
+                                                 std::vector<FieldViolation>& findings) {
   using Kind = BoundaryConditionKind;
   const auto list = [](const auto& names) {
     return std::vector<std::string>(names.begin(), names.end());

@@ -1,8 +1,8 @@
 // Items and materials of tables. Private to the files that read designs.
 #pragma once
 
-#include "common/parametric/csv_table.h"
-#include "common/parametric/design_file.h"
+#include "common/files/csv_table.h"
+#include "common/files/design_file.h"
 
 namespace mortise::parametric {
 

@@ -1,4 +1,4 @@
-#include "common/parametric/csv_table.h"
+#include "common/files/csv_table.h"
 
 #include <optional>
 #include <utility>

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "common/parametric/template_validation.h"
+#include "common/design/template_validation.h"
 
 namespace mortise::parametric {
 
@@ -28,7 +28,7 @@ struct CsvTable {
   std::vector<CsvRow> ragged;  // whose number of cells is not that of the first, which is told
   // What is wrong, with places such as "line 7, column 3" as fields; at most 100. Rows at fault are
   // not among the rows.
-  std::vector<Finding> findings;
+  std::vector<FieldViolation> findings;
   std::size_t unlisted = 0;  // findings beyond those
 };
 

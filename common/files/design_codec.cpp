@@ -1,8 +1,8 @@
 // Field-by-field conversion of evaluated designs.
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
-#include "common/parametric/axis_codec.h"
-#include "common/parametric/template_codec.h"
+#include "common/files/axis_codec.h"
+#include "common/files/template_codec.h"
 
 namespace mortise::parametric {
 namespace {

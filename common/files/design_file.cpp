@@ -1,4 +1,4 @@
-#include "common/parametric/design_file.h"
+#include "common/files/design_file.h"
 
 #include <algorithm>
 
@@ -9,9 +9,9 @@
 #include "common/base/field_violations.h"
 #include "common/base/files.h"
 #include "common/base/text_encoding.h"
-#include "common/parametric/collection.h"
-#include "common/parametric/csv_designs.h"
-#include "common/parametric/csv_table.h"
+#include "common/files/collection.h"
+#include "common/files/csv_designs.h"
+#include "common/files/csv_table.h"
 
 namespace mortise::parametric {
 namespace {
@@ -93,7 +93,7 @@ DesignFile ParseDesignCsv(std::string_view text) {
     return file;
   }
   const CsvTable table = ParseCsv(text);
-  std::vector<Finding> findings = table.findings;
+  std::vector<FieldViolation> findings = table.findings;
   if (table.rows.empty()) {
     DesignFile file;
     if (findings.empty()) {

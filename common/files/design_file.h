@@ -10,8 +10,8 @@
 #include <string_view>
 #include <vector>
 
-#include "common/parametric/message_checks.h"
-#include "common/parametric/template_validation.h"
+#include "common/design/template_validation.h"
+#include "common/files/message_checks.h"
 #include "mortise/v1/catalog.pb.h"
 
 namespace mortise::parametric {
@@ -32,7 +32,7 @@ struct DesignFile {
   std::vector<Placed<v1::Item>> items;
   std::vector<Placed<v1::Template>> templates;
   // What cannot be read, with places as fields; what could be is above all the same.
-  std::vector<Finding> findings;
+  std::vector<FieldViolation> findings;
   std::size_t unlisted = 0;  // findings beyond those, of very many
   // Names, as far as they could be made out, of what is not above because of that.
   std::set<std::string> unread_names;

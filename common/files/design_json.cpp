@@ -6,8 +6,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/text_encoding.h"
-#include "common/parametric/design_file.h"
-#include "common/parametric/json_message.h"
+#include "common/files/design_file.h"
+#include "common/files/json_message.h"
 
 namespace mortise::parametric {
 namespace {
@@ -199,7 +199,7 @@ class Reader {
     const std::string_view value = walker_.Value();
     if (value[0] != '{') return Report(placed.place, absl::StrCat(path, " must be an object"));
     bool is_whole = true;
-    for (const Finding& finding : ReadJsonMessage(value, placed.message, placed.unread)) {
+    for (const FieldViolation& finding : ReadJsonMessage(value, placed.message, placed.unread)) {
       const bool is_of_field = !finding.field.empty();
       Report(placed.place,
              absl::StrCat(path, is_of_field ? "." : "", finding.field, ": ", finding.message));

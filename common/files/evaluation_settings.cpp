@@ -1,4 +1,4 @@
-#include "common/parametric/evaluation_settings.h"
+#include "common/files/evaluation_settings.h"
 
 #include "common/base/errors.h"
 

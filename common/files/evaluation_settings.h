@@ -2,7 +2,7 @@
 #pragma once
 
 #include "absl/status/statusor.h"
-#include "common/parametric/airflow.h"
+#include "common/design/airflow.h"
 #include "mortise/v1/evaluator.pb.h"
 
 namespace mortise::parametric {

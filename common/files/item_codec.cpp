@@ -5,15 +5,16 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/base/violation_lists.h"
-#include "common/parametric/axis_codec.h"
-#include "common/parametric/template_codec.h"
+#include "common/files/axis_codec.h"
+#include "common/files/template_codec.h"
 
 namespace mortise::parametric {
 namespace {
 
 // The value; nothing, and what is wrong with it to the findings, if there is none.
 template <typename Value>
-std::optional<Value> Read(const absl::StatusOr<Value>& value, std::vector<Finding>& findings) {
+std::optional<Value> Read(const absl::StatusOr<Value>& value,
+                          std::vector<FieldViolation>& findings) {
   if (value.ok()) return *value;
   for (const FieldViolation& violation : AllViolationsOf(value.status())) {
     findings.push_back({violation.field, violation.message});
@@ -21,7 +22,7 @@ std::optional<Value> Read(const absl::StatusOr<Value>& value, std::vector<Findin
   return std::nullopt;
 }
 
-void ReadDimensions(const v1::Item& message, Item& item, std::vector<Finding>& findings) {
+void ReadDimensions(const v1::Item& message, Item& item, std::vector<FieldViolation>& findings) {
   std::array<bool, 3> given = {false, false, false};
   const std::size_t before = findings.size();
   for (int i = 0; i < message.dimensions_size(); ++i) {
@@ -48,7 +49,7 @@ void ReadDimensions(const v1::Item& message, Item& item, std::vector<Finding>& f
 
 // The grain's axes may be left unsaid.
 std::optional<Axis> ReadOptionalAxis(v1::Axis axis, const std::string& field,
-                                     std::vector<Finding>& findings) {
+                                     std::vector<FieldViolation>& findings) {
   if (axis == v1::AXIS_UNSPECIFIED) return std::nullopt;
   return Read(AxisFromProto(axis, field), findings);
 }
@@ -177,7 +178,7 @@ v1::Material ToProto(const Material& material) {
   return message;
 }
 
-Item ReadItem(const v1::Item& message, std::vector<Finding>& findings) {
+Item ReadItem(const v1::Item& message, std::vector<FieldViolation>& findings) {
   Item item;
   item.name = message.name();
   item.title = message.title();
@@ -220,7 +221,7 @@ Item ReadItem(const v1::Item& message, std::vector<Finding>& findings) {
 }
 
 absl::StatusOr<Item> FromProto(const v1::Item& message) {
-  std::vector<Finding> findings;
+  std::vector<FieldViolation> findings;
   Item item = ReadItem(message, findings);
   MORTISE_RETURN_IF_ERROR(ToStatus(findings));
   return item;

@@ -12,10 +12,11 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
 #include "common/base/errors.h"
-#include "common/parametric/csv_designs.h"
-#include "common/parametric/csv_table.h"
-#include "common/parametric/design_file.h"
-#include "common/parametric/field_checks.h"
+#include "common/design/field_checks.h"
+#include "common/expressions/identifier.h"
+#include "common/files/csv_designs.h"
+#include "common/files/csv_table.h"
+#include "common/files/design_file.h"
 
 namespace mortise::parametric {
 namespace {

@@ -1,4 +1,4 @@
-#include "common/parametric/json_message.h"
+#include "common/files/json_message.h"
 
 #include <google/protobuf/descriptor.h>
 #include <google/protobuf/util/json_util.h>
@@ -10,8 +10,8 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
-#include "common/base/json_faults.h"
-#include "common/base/message_words.h"
+#include "common/messages/json_faults.h"
+#include "common/messages/message_words.h"
 
 namespace mortise::parametric {
 namespace {
@@ -48,7 +48,7 @@ std::string Wanted(const FieldDescriptor& field) {
 // Takes what cannot be read out of a JSON object.
 class Cleaner {
  public:
-  Cleaner(std::vector<Finding>& findings, UnreadFields& unread)
+  Cleaner(std::vector<FieldViolation>& findings, UnreadFields& unread)
       : findings_(findings), unread_(unread) {}
 
   void CleanObject(Json& object, const Descriptor& type, const std::string& path) {
@@ -125,13 +125,13 @@ class Cleaner {
     return google::protobuf::util::JsonStringToMessage(whole.dump(), scratch.get()).ok();
   }
 
-  std::vector<Finding>& findings_;
+  std::vector<FieldViolation>& findings_;
   UnreadFields& unread_;
 };
 
 // Fields that are there twice, of which protobuf's reader takes the last.
-std::vector<Finding> RepeatedFields(std::string_view text, const Message& message) {
-  std::vector<Finding> findings;
+std::vector<FieldViolation> RepeatedFields(std::string_view text, const Message& message) {
+  std::vector<FieldViolation> findings;
   for (FieldViolation& fault :
        JsonFaults(text, *message.GetDescriptor(), google::protobuf::util::Status())) {
     findings.push_back({std::move(fault.field), std::move(fault.message)});
@@ -141,12 +141,12 @@ std::vector<Finding> RepeatedFields(std::string_view text, const Message& messag
 
 }  // namespace
 
-std::vector<Finding> ReadJsonMessage(std::string_view text, Message& message,
-                                     UnreadFields& unread) {
+std::vector<FieldViolation> ReadJsonMessage(std::string_view text, Message& message,
+                                            UnreadFields& unread) {
   using google::protobuf::StringPiece;
   using google::protobuf::util::JsonStringToMessage;
   const auto read = JsonStringToMessage(StringPiece(text.data(), text.size()), &message);
-  std::vector<Finding> repeated = RepeatedFields(text, message);
+  std::vector<FieldViolation> repeated = RepeatedFields(text, message);
   if (read.ok()) return repeated;
   message.Clear();
   const auto is_shallow = [](int depth, Json::parse_event_t, const Json&) {
@@ -154,7 +154,7 @@ std::vector<Finding> ReadJsonMessage(std::string_view text, Message& message,
   };
   Json object = Json::parse(text, is_shallow, /*allow_exceptions=*/false);
   if (!object.is_object()) return {{"", std::string(read.message())}};
-  std::vector<Finding> findings = std::move(repeated);
+  std::vector<FieldViolation> findings = std::move(repeated);
   Cleaner(findings, unread).CleanObject(object, *message.GetDescriptor(), "");
   const auto rest = JsonStringToMessage(object.dump(), &message);
   const auto& untold = rest.ok() ? read : rest;

@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "common/parametric/message_checks.h"
-#include "common/parametric/template_validation.h"
+#include "common/design/template_validation.h"
+#include "common/files/message_checks.h"
 
 namespace mortise::parametric {
 
@@ -16,7 +16,8 @@ namespace mortise::parametric {
 // findings, none if that is all, name fields as the message has them ("dimensions[1].size"); each
 // is in `unread` as well, but that of fields that there are not. What can be read of nothing else
 // has an empty field: text that is no JSON object. Linear in the text's length.
-std::vector<Finding> ReadJsonMessage(std::string_view text, google::protobuf::Message& message,
-                                     UnreadFields& unread);
+std::vector<FieldViolation> ReadJsonMessage(std::string_view text,
+                                            google::protobuf::Message& message,
+                                            UnreadFields& unread);
 
 }  // namespace mortise::parametric

@@ -7,7 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
-#include "common/parametric/csv_designs.h"
+#include "common/files/csv_designs.h"
 
 namespace mortise::parametric {
 namespace {

@@ -1,4 +1,4 @@
-#include "common/parametric/message_checks.h"
+#include "common/files/message_checks.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/compared_numbers.h"
 #include "common/base/violation_lists.h"
-#include "common/parametric/template_codec.h"
+#include "common/files/template_codec.h"
 
 namespace mortise::parametric {
 namespace {
@@ -74,32 +74,35 @@ bool IsWidthForKind(const std::string& field, const v1::Item& item, const Unread
 
 }  // namespace
 
-std::vector<Finding> CheckMaterialMessage(const v1::Material& material,
-                                          const UnreadFields& unread) {
+std::vector<FieldViolation> CheckMaterialMessage(const v1::Material& material,
+                                                 const UnreadFields& unread) {
   const absl::StatusOr<Material> read = FromProto(material);
-  std::vector<Finding> findings;
+  std::vector<FieldViolation> findings;
   for (const FieldViolation& violation : AllViolationsOf(read.status())) {
     findings.push_back({violation.field, violation.message});
   }
   if (read.ok()) findings = ValidateMaterial(*read);
-  std::erase_if(findings, [&](const Finding& finding) { return IsOneOf(finding.field, unread); });
+  std::erase_if(findings,
+                [&](const FieldViolation& finding) { return IsOneOf(finding.field, unread); });
   return findings;
 }
 
-std::vector<Finding> CheckItemMessage(const v1::Item& item, const std::vector<Material>& materials,
-                                      const UnreadFields& unread) {
-  std::vector<Finding> findings;
+std::vector<FieldViolation> CheckItemMessage(const v1::Item& item,
+                                             const std::vector<Material>& materials,
+                                             const UnreadFields& unread) {
+  std::vector<FieldViolation> findings;
   Item read = ReadItem(item, findings);
-  std::erase_if(findings, [&](const Finding& finding) { return IsOneOf(finding.field, unread); });
+  std::erase_if(findings,
+                [&](const FieldViolation& finding) { return IsOneOf(finding.field, unread); });
   UnreadFields told;
   for (const std::string& field : unread) told.insert(ByAxis(field, item));
-  for (const Finding& finding : findings) told.insert(ByAxis(finding.field, item));
+  for (const FieldViolation& finding : findings) told.insert(ByAxis(finding.field, item));
   for (const Axis axis : {Axis::kX, Axis::kY, Axis::kZ}) {
     if (CountOf(axis, item) != 1) {
       read.dimensions[static_cast<std::size_t>(axis)].size = kUnreadNumber;
     }
   }
-  for (Finding& finding : ValidateItem(read, materials)) {
+  for (FieldViolation& finding : ValidateItem(read, materials)) {
     if (IsOneOf(finding.field, told) || IsOfAmbiguousAxis(finding.field, item) ||
         IsWidthForKind(finding.field, item, told)) {
       continue;
@@ -109,9 +112,9 @@ std::vector<Finding> CheckItemMessage(const v1::Item& item, const std::vector<Ma
   return findings;
 }
 
-std::vector<Finding> CheckShapeOfItem(const v1::Item& item, const v1::Shape& shape,
-                                      const UnreadFields& unread) {
-  std::vector<Finding> findings;
+std::vector<FieldViolation> CheckShapeOfItem(const v1::Item& item, const v1::Shape& shape,
+                                             const UnreadFields& unread) {
+  std::vector<FieldViolation> findings;
   const auto is_unread = [&](const std::string& axis) {
     return std::any_of(unread.begin(), unread.end(), [&](const std::string& field) {
       return LiesIn(ByAxis(field, item), absl::StrCat(kDimensions, axis, "]"));
@@ -135,7 +138,7 @@ std::vector<Finding> CheckShapeOfItem(const v1::Item& item, const v1::Shape& sha
   return findings;
 }
 
-Finding MissingShape(const v1::Item& item) {
+FieldViolation MissingShape(const v1::Item& item) {
   return {"shape", absl::StrCat("there is no shape '", item.shape(), "'")};
 }
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "common/parametric/template_validation.h"
+#include "common/design/template_validation.h"
 #include "mortise/v1/item.pb.h"
 
 namespace mortise::parametric {
@@ -20,20 +20,21 @@ using UnreadFields = std::set<std::string>;
 inline constexpr double kUnreadNumber = std::numeric_limits<double>::quiet_NaN();
 
 // Everything wrong with a material but what is `unread`.
-std::vector<Finding> CheckMaterialMessage(const v1::Material& material,
-                                          const UnreadFields& unread = {});
+std::vector<FieldViolation> CheckMaterialMessage(const v1::Material& material,
+                                                 const UnreadFields& unread = {});
 
 // Everything wrong with an item but what is `unread`, and but its shape. `materials` are those that
 // there are.
-std::vector<Finding> CheckItemMessage(const v1::Item& item, const std::vector<Material>& materials,
-                                      const UnreadFields& unread = {});
+std::vector<FieldViolation> CheckItemMessage(const v1::Item& item,
+                                             const std::vector<Material>& materials,
+                                             const UnreadFields& unread = {});
 
 // What is wrong with the shape of an item, of which there is no other: a size that the item fixes
 // to another. Not along an axis of which something is unread.
-std::vector<Finding> CheckShapeOfItem(const v1::Item& item, const v1::Shape& shape,
-                                      const UnreadFields& unread = {});
+std::vector<FieldViolation> CheckShapeOfItem(const v1::Item& item, const v1::Shape& shape,
+                                             const UnreadFields& unread = {});
 
 // That no shape has the name that the item gives.
-Finding MissingShape(const v1::Item& item);
+FieldViolation MissingShape(const v1::Item& item);
 
 }  // namespace mortise::parametric

@@ -1,4 +1,4 @@
-#include "common/parametric/metric_codec.h"
+#include "common/files/metric_codec.h"
 
 namespace mortise::parametric {
 
@@ -20,10 +20,10 @@ const v1::MetricDefinitions& MetricDefinitionsOf(const v1::Template& message) {
   return message.metric_definitions();
 }
 
-std::vector<Finding> CheckMetricDefinitions(const v1::MetricDefinitions& message,
-                                            const std::vector<NamedUnit>& parameters,
-                                            const std::vector<NamedUnit>& metrics) {
-  std::vector<Finding> findings;
+std::vector<FieldViolation> CheckMetricDefinitions(const v1::MetricDefinitions& message,
+                                                   const std::vector<NamedUnit>& parameters,
+                                                   const std::vector<NamedUnit>& metrics) {
+  std::vector<FieldViolation> findings;
   const MetricExpressions expressions(FromProto(message), {}, parameters, metrics,
                                       "metric_definitions", findings);
   return findings;

@@ -1,7 +1,8 @@
 // Metrics of one's own to and from mortise/v1/metric.proto.
 #pragma once
 
-#include "common/parametric/metric_expressions.h"
+#include "common/base/field_violations.h"
+#include "common/expressions/metric_expressions.h"
 #include "mortise/v1/metric.pb.h"
 #include "mortise/v1/template.pb.h"
 
@@ -14,8 +15,8 @@ const v1::MetricDefinitions& MetricDefinitionsOf(const v1::Template& message);
 
 // What is wrong with the definitions of a template or request, as MetricExpressions finds it, with
 // places below "metric_definitions".
-std::vector<Finding> CheckMetricDefinitions(const v1::MetricDefinitions& message,
-                                            const std::vector<NamedUnit>& parameters,
-                                            const std::vector<NamedUnit>& metrics);
+std::vector<FieldViolation> CheckMetricDefinitions(const v1::MetricDefinitions& message,
+                                                   const std::vector<NamedUnit>& parameters,
+                                                   const std::vector<NamedUnit>& metrics);
 
 }  // namespace mortise::parametric

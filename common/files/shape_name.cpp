@@ -1,4 +1,4 @@
-#include "common/parametric/shape_name.h"
+#include "common/files/shape_name.h"
 
 #include "absl/strings/str_cat.h"
 #include "common/base/digest.h"

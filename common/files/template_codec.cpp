@@ -1,11 +1,11 @@
 // Field-by-field conversion of templates and designs; items and materials are in item_codec.cpp.
-#include "common/parametric/template_codec.h"
+#include "common/files/template_codec.h"
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
-#include "common/parametric/axis_codec.h"
-#include "common/parametric/message_digest.h"
-#include "common/parametric/template_reader.h"
+#include "common/files/axis_codec.h"
+#include "common/files/template_reader.h"
+#include "common/messages/message_digest.h"
 
 namespace mortise::parametric {
 
@@ -128,7 +128,7 @@ absl::StatusOr<TemplateDefinition> FromProto(const v1::Template& message) {
   if (message.kind_case() != v1::Template::KIND_NOT_SET) {
     return InvalidField("kind", "is not a template of parts");
   }
-  std::vector<Finding> findings;
+  std::vector<FieldViolation> findings;
   TemplateDefinition definition = ReadTemplate(message, findings);
   MORTISE_RETURN_IF_ERROR(ToStatus(findings));
   return definition;

@@ -9,9 +9,9 @@
 #pragma once
 
 #include "absl/status/statusor.h"
-#include "common/parametric/evaluated_design.h"
-#include "common/parametric/template_definition.h"
-#include "common/parametric/template_validation.h"
+#include "common/design/evaluated_design.h"
+#include "common/design/template_definition.h"
+#include "common/design/template_validation.h"
 #include "mortise/v1/catalog.pb.h"
 
 namespace mortise::parametric {
@@ -19,7 +19,7 @@ namespace mortise::parametric {
 absl::StatusOr<Material> FromProto(const v1::Material& message);
 absl::StatusOr<Item> FromProto(const v1::Item& message);
 // What can be read of an item, and findings about the rest, which is as a new one's.
-Item ReadItem(const v1::Item& message, std::vector<Finding>& findings);
+Item ReadItem(const v1::Item& message, std::vector<FieldViolation>& findings);
 Parameter FromProto(const v1::Parameter& message);
 // A condition of any kind; `field` is the path of the message.
 absl::StatusOr<BoundaryCondition> FromProto(const v1::BoundaryCondition& message,

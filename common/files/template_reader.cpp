@@ -1,4 +1,4 @@
-#include "common/parametric/template_reader.h"
+#include "common/files/template_reader.h"
 
 #include <algorithm>
 #include <set>
@@ -9,14 +9,14 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/str_cat.h"
 #include "common/base/violation_lists.h"
-#include "common/parametric/axis_codec.h"
-#include "common/parametric/template_checks.h"
-#include "common/parametric/template_codec.h"
+#include "common/design/template_checks.h"
+#include "common/files/axis_codec.h"
+#include "common/files/template_codec.h"
 
 namespace mortise::parametric {
 namespace {
 
-using Findings = std::vector<Finding>;
+using Findings = std::vector<FieldViolation>;
 
 constexpr std::size_t kMaxFindings = 100;
 
@@ -92,7 +92,7 @@ BoundaryCondition ReadCondition(const v1::BoundaryCondition& message, const std:
 class Consequences {
  public:
   Consequences(const v1::Template& message, const Findings& unread) {
-    for (const Finding& finding : unread) unread_.insert(finding.field);
+    for (const FieldViolation& finding : unread) unread_.insert(finding.field);
     for (int i = 0; i < message.parts_size(); ++i) AddPart(message.parts(i), i);
     for (int i = 0; i < message.connections_size(); ++i) {
       if (!bodiless_.contains(message.connections(i).part())) continue;
@@ -137,7 +137,8 @@ class Consequences {
 
 }  // namespace
 
-TemplateDefinition ReadTemplate(const v1::Template& message, std::vector<Finding>& findings) {
+TemplateDefinition ReadTemplate(const v1::Template& message,
+                                std::vector<FieldViolation>& findings) {
   TemplateDefinition definition;
   definition.name = message.name();
   definition.revision = message.revision();
@@ -162,14 +163,14 @@ TemplateDefinition ReadTemplate(const v1::Template& message, std::vector<Finding
   return definition;
 }
 
-std::vector<Finding> CheckTemplateMessage(const v1::Template& message,
-                                          const std::vector<Item>& items,
-                                          const std::vector<Material>& materials) {
-  std::vector<Finding> findings;
+std::vector<FieldViolation> CheckTemplateMessage(const v1::Template& message,
+                                                 const std::vector<Item>& items,
+                                                 const std::vector<Material>& materials) {
+  std::vector<FieldViolation> findings;
   const TemplateBundle bundle = {ReadTemplate(message, findings), items, materials};
   if (findings.empty()) return ValidateTemplate(bundle);
   const Consequences consequences(message, findings);
-  for (Finding& finding : CheckTemplate(bundle)) {
+  for (FieldViolation& finding : CheckTemplate(bundle)) {
     if (!consequences.Contains(finding.field)) findings.push_back(std::move(finding));
   }
   if (findings.size() > kMaxFindings) findings.resize(kMaxFindings);

@@ -1,4 +1,4 @@
-#include "common/rpc/audit_service.h"
+#include "common/host/audit_service.h"
 
 #include <utility>
 

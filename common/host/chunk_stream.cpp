@@ -1,4 +1,4 @@
-#include "common/rpc/chunk_stream.h"
+#include "common/host/chunk_stream.h"
 
 #include <algorithm>
 #include <optional>

@@ -1,4 +1,4 @@
-#include "common/rpc/event_service.h"
+#include "common/host/event_service.h"
 
 #include <google/protobuf/util/time_util.h>
 

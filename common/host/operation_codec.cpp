@@ -1,4 +1,4 @@
-#include "common/rpc/operation_codec.h"
+#include "common/host/operation_codec.h"
 
 #include <google/protobuf/any.pb.h>
 #include <google/protobuf/message.h>

@@ -1,4 +1,4 @@
-// Operations of common/jobs as mortise.v1.Operation.
+// Operations of common/operations as mortise.v1.Operation.
 #pragma once
 
 #include <google/protobuf/repeated_field.h>
@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "common/jobs/operations.h"
+#include "common/operations/operations.h"
 
 namespace google::protobuf {
 class Message;
@@ -30,7 +30,7 @@ std::string PackResult(const google::protobuf::Message& result);
 // The operation as clients see it. A result that was not made by PackResult is left out.
 v1::Operation ToProto(const jobs::Operation& operation);
 
-// The states of common/jobs that `states` names; INVALID_ARGUMENT naming the entry that is none.
+// The states of common/operations that `states` names; INVALID_ARGUMENT naming the entry that is none.
 absl::StatusOr<std::vector<jobs::OperationState>> StatesFrom(
     const google::protobuf::RepeatedField<int>& states);
 

@@ -1,4 +1,4 @@
-#include "common/rpc/operation_service.h"
+#include "common/host/operation_service.h"
 
 #include <algorithm>
 #include <iterator>
@@ -9,12 +9,12 @@
 #include "absl/strings/str_join.h"
 #include "common/base/errors.h"
 #include "common/base/identifiers.h"
-#include "common/jobs/operation_kinds.h"
-#include "common/jobs/operations.h"
+#include "common/host/operation_codec.h"
+#include "common/operations/operation_kinds.h"
+#include "common/operations/operations.h"
 #include "common/resources/page_rule.h"
 #include "common/rpc/call_state.h"
 #include "common/rpc/handler.h"
-#include "common/rpc/operation_codec.h"
 #include "mortise/v1/operations.grpc.pb.h"
 
 namespace mortise::rpc {

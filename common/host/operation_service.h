@@ -1,4 +1,4 @@
-// OperationService of one service process: its own operations, over common/jobs.
+// OperationService of one service process: its own operations, over common/operations.
 #pragma once
 
 #include <memory>

@@ -1,4 +1,4 @@
-#include "common/rpc/run_service.h"
+#include "common/host/run_service.h"
 
 #include <grpcpp/impl/service_type.h>
 #include <prometheus/registry.h>
@@ -16,14 +16,14 @@
 #include "common/bus/key_folder.h"
 #include "common/bus/outbox_relay.h"
 #include "common/bus/publisher.h"
-#include "common/jobs/operations.h"
-#include "common/rpc/audit_service.h"
+#include "common/host/audit_service.h"
+#include "common/host/event_service.h"
+#include "common/host/operation_service.h"
+#include "common/operations/operations.h"
 #include "common/rpc/channel.h"
 #include "common/rpc/dispatcher.h"
-#include "common/rpc/event_service.h"
 #include "common/rpc/identity.h"
 #include "common/rpc/mutation_log.h"
-#include "common/rpc/operation_service.h"
 #include "common/rpc/server_host.h"
 #include "common/store/store.h"
 

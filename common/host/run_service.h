@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "common/rpc/service_options.h"
+#include "common/host/service_options.h"
 
 namespace grpc {
 class Service;

@@ -5,7 +5,6 @@
 #include <unordered_map>
 
 #include "common/mesh/element_faces.h"
-#include "common/mesh/mesher.h"
 
 namespace mortise::mesh {
 namespace {

@@ -1,5 +1,5 @@
 // Walks through the text once, with the types of the message beside it.
-#include "common/base/json_faults.h"
+#include "common/messages/json_faults.h"
 
 #include <google/protobuf/descriptor.h>
 #include <google/protobuf/util/time_util.h>
@@ -20,7 +20,7 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "common/base/decimal_number.h"
-#include "common/base/message_words.h"
+#include "common/messages/message_words.h"
 
 namespace mortise {
 namespace {

@@ -1,4 +1,4 @@
-#include "common/parametric/message_digest.h"
+#include "common/messages/message_digest.h"
 
 #include <google/protobuf/io/coded_stream.h>
 #include <google/protobuf/io/zero_copy_stream_impl_lite.h>

@@ -1,4 +1,4 @@
-#include "common/base/message_words.h"
+#include "common/messages/message_words.h"
 
 #include "absl/strings/str_cat.h"
 

@@ -1,4 +1,4 @@
-#include "common/parametric/proto_text.h"
+#include "common/messages/proto_text.h"
 
 #include <google/protobuf/io/tokenizer.h>
 #include <google/protobuf/text_format.h>
@@ -9,7 +9,7 @@
 #include "common/base/errors.h"
 #include "common/base/field_violations.h"
 #include "common/base/text_encoding.h"
-#include "common/base/text_faults.h"
+#include "common/messages/text_faults.h"
 
 namespace mortise::parametric {
 namespace {

@@ -1,5 +1,5 @@
 // Walks through the tokens once, with the types of the message beside them.
-#include "common/base/text_faults.h"
+#include "common/messages/text_faults.h"
 
 #include <google/protobuf/descriptor.h>
 #include <google/protobuf/io/tokenizer.h>
@@ -12,7 +12,7 @@
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
-#include "common/base/message_words.h"
+#include "common/messages/message_words.h"
 
 namespace mortise {
 namespace {

@@ -1,4 +1,4 @@
-#include "common/jobs/operation_records.h"
+#include "common/operations/operation_records.h"
 
 #include <algorithm>
 #include <nlohmann/json.hpp>

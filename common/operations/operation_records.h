@@ -8,7 +8,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "common/jobs/operations.h"
+#include "common/operations/operations.h"
 #include "common/store/store.h"
 
 namespace mortise::jobs {

@@ -1,4 +1,4 @@
-#include "common/jobs/operation_run.h"
+#include "common/operations/operation_run.h"
 
 #include <utility>
 

@@ -9,8 +9,8 @@
 #include <string>
 #include <string_view>
 
-#include "common/jobs/operation_records.h"
-#include "common/jobs/operations.h"
+#include "common/operations/operation_records.h"
+#include "common/operations/operations.h"
 #include "common/store/store.h"
 
 namespace mortise::jobs {

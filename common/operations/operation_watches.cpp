@@ -1,4 +1,4 @@
-#include "common/jobs/operation_watches.h"
+#include "common/operations/operation_watches.h"
 
 #include <utility>
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "common/jobs/operations.h"
+#include "common/operations/operations.h"
 
 namespace mortise::jobs {
 

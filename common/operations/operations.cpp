@@ -1,7 +1,7 @@
 // Each kind of operation has a queue of tasks in the store, one task an operation. The dispatcher,
 // a thread, leases tasks as pool threads are free, renews the leases of running ones, writes down
 // their progress, and looks after what other replicas changed.
-#include "common/jobs/operations.h"
+#include "common/operations/operations.h"
 
 #include <algorithm>
 #include <atomic>
@@ -19,10 +19,10 @@
 #include "common/base/identifiers.h"
 #include "common/base/logging.h"
 #include "common/base/thread_pool.h"
-#include "common/jobs/bell.h"
-#include "common/jobs/operation_records.h"
-#include "common/jobs/operation_run.h"
-#include "common/jobs/operation_watches.h"
+#include "common/operations/bell.h"
+#include "common/operations/operation_records.h"
+#include "common/operations/operation_run.h"
+#include "common/operations/operation_watches.h"
 
 namespace mortise::jobs {
 namespace {

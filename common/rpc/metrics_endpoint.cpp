@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "common/base/errors.h"
-#include "common/rpc/connection_acceptor.h"
+#include "common/rpc/connections/connection_acceptor.h"
 
 namespace mortise::rpc {
 namespace {

@@ -13,7 +13,7 @@
 #include "absl/synchronization/mutex.h"
 #include "common/base/errors.h"
 #include "common/base/logging.h"
-#include "common/rpc/connection_acceptor.h"
+#include "common/rpc/connections/connection_acceptor.h"
 #include "common/rpc/dispatcher.h"
 #include "common/rpc/metrics_endpoint.h"
 

@@ -8,22 +8,21 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "common/assembly/assembly_design.h"
+#include "common/assembly/memory_use.h"
 #include "common/base/errors.h"
-#include "common/cad/solid_shape.h"
-#include "common/parametric/assembly_design.h"
-#include "common/parametric/condition_expressions.h"
-#include "common/parametric/field_checks.h"
-#include "common/parametric/identifier.h"
-#include "common/parametric/memory_use.h"
-#include "common/parametric/part_shapes.h"
-#include "common/parametric/template_validation.h"
+#include "common/cad/stretch/solid_shape.h"
+#include "common/design/condition_expressions.h"
+#include "common/design/field_checks.h"
+#include "common/design/part_shapes.h"
+#include "common/design/template_validation.h"
+#include "common/expressions/identifier.h"
 
 namespace mortise::templates {
 namespace {
 
 using parametric::BoundaryCondition;
 using parametric::ConditionExpressions;
-using parametric::Finding;
 using parametric::Measure;
 using parametric::MeasureRange;
 using parametric::Parameter;
@@ -47,7 +46,7 @@ std::string ParameterName(const Measure& measure) {
 // The parameters that the handles are, with what is wrong with them.
 std::vector<Parameter> ParametersOf(const ParametricAssembly& assembly,
                                     const std::vector<AssemblyHandle>& handles,
-                                    std::vector<Finding>& findings) {
+                                    std::vector<FieldViolation>& findings) {
   std::vector<Parameter> parameters;
   std::set<std::string> names;
   std::set<std::tuple<std::string, parametric::Axis, parametric::MeasureKind>> measures;
@@ -108,7 +107,8 @@ std::vector<Parameter> ParametersOf(const ParametricAssembly& assembly,
 
 // What the drawn assembly lacks of the conditions' parts and faces.
 void CheckPlaces(const parametric::EvaluatedDesign& drawn,
-                 const std::vector<BoundaryCondition>& conditions, std::vector<Finding>& findings) {
+                 const std::vector<BoundaryCondition>& conditions,
+                 std::vector<FieldViolation>& findings) {
   std::set<std::string> names;
   for (std::size_t i = 0; i < conditions.size(); ++i) {
     const BoundaryCondition& condition = conditions[i];
@@ -138,7 +138,7 @@ void CheckPlaces(const parametric::EvaluatedDesign& drawn,
 ConditionExpressions ConditionsOf(const parametric::EvaluatedDesign& drawn,
                                   const AssemblyTemplate& definition,
                                   const std::vector<std::string>& parameters,
-                                  std::vector<Finding>& findings) {
+                                  std::vector<FieldViolation>& findings) {
   if (definition.boundary_conditions.size() > kMaxConditions) {
     findings.push_back({"boundary_conditions", absl::StrCat("are more than ", kMaxConditions)});
     return {};
@@ -260,7 +260,7 @@ absl::StatusOr<std::vector<AssemblyHandle>> IndependentSizes(const ParametricAss
 absl::StatusOr<std::shared_ptr<const Template>> MakeAssemblyTemplate(
     TemplateHead head, std::shared_ptr<const ParametricAssembly> assembly,
     AssemblyTemplate definition) {
-  std::vector<Finding> findings;
+  std::vector<FieldViolation> findings;
   head.parameters = ParametersOf(*assembly, definition.handles, findings);
   std::vector<std::string> names;
   for (const Parameter& parameter : head.parameters) names.push_back(parameter.name);

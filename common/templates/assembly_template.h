@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "common/parametric/parametric_assembly.h"
+#include "common/assembly/parametric_assembly.h"
 #include "common/templates/template.h"
 
 namespace mortise::templates {

@@ -6,7 +6,7 @@
 #include "common/base/errors.h"
 #include "common/base/violation_lists.h"
 #include "common/cad/faceted_solid.h"
-#include "common/parametric/cage_model.h"
+#include "common/templates/cage/cage_model.h"
 #include "common/templates/faceted_part.h"
 
 namespace mortise::templates {

@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "common/parametric/cage_template.h"
+#include "common/templates/cage/cage_template.h"
 #include "common/templates/template.h"
 
 namespace mortise::templates {

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "common/parametric/evaluated_design.h"
-#include "common/parametric/face_condition.h"
+#include "common/design/evaluated_design.h"
+#include "common/design/face_condition.h"
 #include "common/templates/template.h"
 
 namespace mortise::templates {

@@ -7,9 +7,9 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/base/violation_lists.h"
-#include "common/cad/feature_model.h"
 #include "common/cad/solid_surface.h"
 #include "common/templates/faceted_part.h"
+#include "common/templates/features/feature_model.h"
 
 namespace mortise::templates {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "common/cad/cad_template.h"
+#include "common/templates/features/cad_template.h"
 #include "common/templates/template.h"
 
 namespace mortise::templates {

@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "common/base/errors.h"
-#include "common/parametric/evaluation.h"
+#include "common/design/evaluation.h"
 
 namespace mortise::templates {
 namespace {

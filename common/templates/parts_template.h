@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "common/parametric/template_definition.h"
+#include "common/design/template_definition.h"
 #include "common/templates/template.h"
 
 namespace mortise::templates {

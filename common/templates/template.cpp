@@ -3,8 +3,8 @@
 #include <utility>
 
 #include "common/base/errors.h"
-#include "common/parametric/parameter_values.h"
-#include "common/parametric/part_shapes.h"
+#include "common/design/parameter_values.h"
+#include "common/design/part_shapes.h"
 
 namespace mortise::templates {
 

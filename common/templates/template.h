@@ -15,9 +15,9 @@
 
 #include "absl/status/statusor.h"
 #include "common/cad/solid.h"
-#include "common/parametric/evaluated_design.h"
-#include "common/parametric/evaluation.h"
-#include "common/parametric/template_definition.h"
+#include "common/design/evaluated_design.h"
+#include "common/design/evaluation.h"
+#include "common/design/template_definition.h"
 
 namespace mortise::parametric {
 class ParametricAssembly;

@@ -8,28 +8,27 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "common/assembly/codec/assembly_codec.h"
+#include "common/assembly/codec/parametrization_codec.h"
 #include "common/base/errors.h"
 #include "common/base/violation_lists.h"
-#include "common/cad/cad_template_codec.h"
-#include "common/parametric/assembly_codec.h"
-#include "common/parametric/cage_template_codec.h"
-#include "common/parametric/design_metrics.h"
-#include "common/parametric/field_checks.h"
-#include "common/parametric/metric_codec.h"
-#include "common/parametric/parameter_values.h"
-#include "common/parametric/parametrization_codec.h"
-#include "common/parametric/template_codec.h"
-#include "common/parametric/template_reader.h"
-#include "common/parametric/template_validation.h"
+#include "common/design/design_metrics.h"
+#include "common/design/field_checks.h"
+#include "common/design/parameter_values.h"
+#include "common/design/template_validation.h"
+#include "common/files/metric_codec.h"
+#include "common/files/template_codec.h"
+#include "common/files/template_reader.h"
 #include "common/templates/assembly_template.h"
+#include "common/templates/cage/codec/cage_template_codec.h"
 #include "common/templates/cage_template.h"
 #include "common/templates/feature_template.h"
+#include "common/templates/features/codec/cad_template_codec.h"
 #include "common/templates/parts_template.h"
 
 namespace mortise::templates {
 namespace {
 
-using parametric::Finding;
 using Compiled = absl::StatusOr<std::shared_ptr<const Template>>;
 
 constexpr std::size_t kFilledHandles = 12;
@@ -175,7 +174,7 @@ Compiled CompileWith(const v1::TemplateBundle& bundle, const Parametrizing& para
 }
 
 // What a message of a kind says besides.
-void CheckHead(const v1::Template& message, std::vector<Finding>& findings) {
+void CheckHead(const v1::Template& message, std::vector<FieldViolation>& findings) {
   if (message.parts_size() > 0) findings.push_back({"parts", "must be left out beside a kind"});
   if (message.connections_size() > 0) {
     findings.push_back({"connections", "must be left out beside a kind"});
@@ -198,7 +197,7 @@ void CheckHead(const v1::Template& message, std::vector<Finding>& findings) {
 
 // Sets a text of the head to that of the kind; they may not differ.
 void FillText(const std::string& field, const std::string& text, std::string& head,
-              std::vector<Finding>& findings) {
+              std::vector<FieldViolation>& findings) {
   if (!head.empty() && head != text) {
     findings.push_back({field, "differs from that of its kind: leave it out"});
   }
@@ -206,7 +205,7 @@ void FillText(const std::string& field, const std::string& text, std::string& he
 }
 
 void FillHead(const v1::TemplateBundle& bundle, const Template& compiled, v1::Template& message,
-              std::vector<Finding>& findings) {
+              std::vector<FieldViolation>& findings) {
   if (message.has_cad()) {
     FillText("title", message.cad().title(), *message.mutable_title(), findings);
     FillText("description", message.cad().description(), *message.mutable_description(), findings);
@@ -241,7 +240,7 @@ void FillHead(const v1::TemplateBundle& bundle, const Template& compiled, v1::Te
 
 // What the design at q cannot be, said with where that is. False if it cannot.
 bool Try(const Template& compiled, const Eigen::VectorXd& q, const std::string& kind,
-         const std::string& where, std::vector<Finding>& findings) {
+         const std::string& where, std::vector<FieldViolation>& findings) {
   const absl::Status status = compiled.Evaluate(q).status();
   if (status.ok()) return true;
   // A field is named only by what is at fault in the template; the kernel's failures name none.
@@ -261,7 +260,7 @@ bool Try(const Template& compiled, const Eigen::VectorXd& q, const std::string& 
 
 // The ends of every parameter, one at a time.
 void TryEnds(const Template& compiled, const std::string& kind,
-             const std::function<bool()>& is_given_up, std::vector<Finding>& findings) {
+             const std::function<bool()>& is_given_up, std::vector<FieldViolation>& findings) {
   const Eigen::VectorXd defaults = parametric::Defaults(compiled.parameters());
   for (Eigen::Index i = 0; i < defaults.size(); ++i) {
     const parametric::Parameter& parameter = compiled.parameters()[static_cast<std::size_t>(i)];
@@ -276,7 +275,7 @@ void TryEnds(const Template& compiled, const std::string& kind,
 
 // Corners of the parameter box, always the same.
 void TryCorners(const Template& compiled, const std::string& kind,
-                const std::function<bool()>& is_given_up, std::vector<Finding>& findings) {
+                const std::function<bool()>& is_given_up, std::vector<FieldViolation>& findings) {
   std::mt19937 bits(1);
   for (int corner = 0; corner < kTriedCorners; ++corner) {
     Eigen::VectorXd q(static_cast<Eigen::Index>(compiled.parameters().size()));
@@ -292,7 +291,7 @@ void TryCorners(const Template& compiled, const std::string& kind,
 // A solid takes up to a second, and somebody waits: a dozen or so are tried. The ends of an
 // assembly's handles are exact, and a cage has been tried all over already.
 void TryAll(const Template& compiled, const std::string& kind,
-            const std::function<bool()>& is_given_up, std::vector<Finding>& findings) {
+            const std::function<bool()>& is_given_up, std::vector<FieldViolation>& findings) {
   const std::vector<parametric::Parameter>& parameters = compiled.parameters();
   const Eigen::VectorXd defaults =
       parametric::RoundToSteps(parameters, parametric::Defaults(parameters));
@@ -314,7 +313,7 @@ absl::Status CompleteKind(v1::TemplateBundle& bundle, Trial trial,
                           const Parametrizing& parametrizing) {
   const std::function<bool()>& is_given_up = parametrizing.is_given_up;
   v1::Template& message = *bundle.mutable_template_();
-  std::vector<Finding> findings;
+  std::vector<FieldViolation> findings;
   CheckHead(message, findings);
   MORTISE_RETURN_IF_ERROR(parametric::ToStatus(findings));
   v1::AssemblyTemplate handles = message.assembly();
@@ -353,10 +352,10 @@ absl::Status CheckOwnMetrics(const v1::Template& message) {
   for (const v1::Parameter& parameter : ParametersOf(message)) {
     parameters.push_back({parameter.name(), parameter.unit()});
   }
-  std::vector<Finding> findings = parametric::CheckMetricDefinitions(
+  std::vector<FieldViolation> findings = parametric::CheckMetricDefinitions(
       parametric::MetricDefinitionsOf(message), parameters, parametric::DesignMetrics());
   const std::string kind = message.has_cad() ? "cad." : message.has_cage() ? "cage." : "";
-  for (Finding& finding : findings) finding.field = kind + finding.field;
+  for (FieldViolation& finding : findings) finding.field = kind + finding.field;
   return parametric::ToStatus(findings);
 }
 

@@ -9,7 +9,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "common/parametric/parametrization_codec.h"
+#include "common/assembly/codec/parametrization_codec.h"
 #include "common/templates/template.h"
 #include "mortise/v1/template.pb.h"
 

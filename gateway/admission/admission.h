@@ -15,8 +15,8 @@
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
 #include "common/rpc/identity.h"
-#include "gateway/contract.h"
-#include "gateway/token.h"
+#include "gateway/contract/contract.h"
+#include "gateway/contract/token.h"
 
 namespace mortise::gateway {
 

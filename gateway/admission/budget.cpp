@@ -1,4 +1,4 @@
-#include "gateway/budget.h"
+#include "gateway/admission/budget.h"
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"

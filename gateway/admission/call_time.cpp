@@ -1,4 +1,4 @@
-#include "gateway/call_time.h"
+#include "gateway/admission/call_time.h"
 
 #include <grpcpp/alarm.h>
 #include <grpcpp/server_context.h>

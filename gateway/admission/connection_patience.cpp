@@ -1,4 +1,4 @@
-#include "gateway/connection_patience.h"
+#include "gateway/admission/connection_patience.h"
 
 #include <grpcpp/alarm.h>
 #include <grpcpp/channel.h>

@@ -1,4 +1,4 @@
-#include "gateway/open_calls.h"
+#include "gateway/admission/open_calls.h"
 
 #include <openssl/rand.h>
 

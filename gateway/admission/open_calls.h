@@ -10,7 +10,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "gateway/contract.h"
+#include "gateway/contract/contract.h"
 
 namespace mortise::gateway {
 

@@ -1,4 +1,4 @@
-#include "gateway/strangers.h"
+#include "gateway/admission/strangers.h"
 
 #include <arpa/inet.h>
 #include <fcntl.h>
@@ -11,7 +11,7 @@
 #include <optional>
 
 #include "absl/strings/str_cat.h"
-#include "common/rpc/listening_socket.h"
+#include "common/rpc/connections/listening_socket.h"
 
 namespace mortise::gateway {
 namespace {

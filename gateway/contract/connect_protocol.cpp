@@ -1,4 +1,4 @@
-#include "gateway/connect_protocol.h"
+#include "gateway/contract/connect_protocol.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "gateway/contract.h"
+#include "gateway/contract/contract.h"
 
 #include <google/protobuf/descriptor.h>
 #include <google/protobuf/descriptor.pb.h>

@@ -1,5 +1,5 @@
 // Puts the compiled descriptor set (MORTISE_DESCRIPTOR_SET, see CMakeLists.txt) into the program.
-#include "gateway/contract.h"
+#include "gateway/contract/contract.h"
 
 __asm__(
     ".section .rodata\n"

@@ -1,6 +1,6 @@
-#include "gateway/openapi.h"
+#include "gateway/contract/openapi.h"
 
-#include "gateway/openapi_schema.h"
+#include "gateway/contract/openapi_schema.h"
 #include "mortise/v1/access.pb.h"
 
 namespace mortise::gateway {

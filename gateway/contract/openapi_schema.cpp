@@ -1,4 +1,4 @@
-#include "gateway/openapi_schema.h"
+#include "gateway/contract/openapi_schema.h"
 
 #include <map>
 #include <optional>

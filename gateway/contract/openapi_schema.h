@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "gateway/contract.h"
+#include "gateway/contract/contract.h"
 
 namespace mortise::gateway {
 

@@ -1,4 +1,4 @@
-#include "gateway/query.h"
+#include "gateway/contract/query.h"
 
 #include <arpa/inet.h>
 #include <netinet/in.h>

@@ -1,4 +1,4 @@
-#include "gateway/token.h"
+#include "gateway/contract/token.h"
 
 #include <openssl/bio.h>
 #include <openssl/bn.h>

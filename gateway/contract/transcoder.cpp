@@ -1,4 +1,4 @@
-#include "gateway/transcoder.h"
+#include "gateway/contract/transcoder.h"
 
 #include <google/protobuf/descriptor.h>
 #include <google/protobuf/io/zero_copy_stream_impl_lite.h>
@@ -17,8 +17,8 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/base/field_violations.h"
-#include "common/base/json_faults.h"
-#include "gateway/contract.h"
+#include "common/messages/json_faults.h"
+#include "gateway/contract/contract.h"
 
 namespace mortise::gateway {
 namespace {

@@ -1,4 +1,4 @@
-#include "gateway/call_log.h"
+#include "gateway/forwarding/call_log.h"
 
 #include <google/protobuf/descriptor.h>
 #include <prometheus/counter.h>

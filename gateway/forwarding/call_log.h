@@ -11,7 +11,7 @@
 #include <thread>
 #include <vector>
 
-#include "gateway/contract.h"
+#include "gateway/contract/contract.h"
 
 namespace prometheus {
 class Counter;

@@ -1,4 +1,4 @@
-#include "gateway/client_call.h"
+#include "gateway/forwarding/client_call.h"
 
 #include <grpcpp/client_context.h>
 #include <grpcpp/generic/generic_stub.h>
@@ -11,7 +11,7 @@
 #include <functional>
 #include <mutex>
 
-#include "gateway/wire.h"
+#include "gateway/forwarding/wire.h"
 #include "google/rpc/status.pb.h"
 
 namespace mortise::gateway {

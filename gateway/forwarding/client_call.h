@@ -9,9 +9,9 @@
 #include <utility>
 #include <vector>
 
-#include "gateway/awaitable.h"
-#include "gateway/connect_protocol.h"
-#include "gateway/upstreams.h"
+#include "gateway/contract/connect_protocol.h"
+#include "gateway/forwarding/awaitable.h"
+#include "gateway/forwarding/upstreams.h"
 
 namespace grpc {
 class Status;

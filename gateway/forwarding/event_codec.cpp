@@ -1,4 +1,4 @@
-#include "gateway/event_codec.h"
+#include "gateway/forwarding/event_codec.h"
 
 #include <google/protobuf/util/time_util.h>
 

@@ -1,4 +1,4 @@
-#include "gateway/event_hub.h"
+#include "gateway/forwarding/event_hub.h"
 
 #include <algorithm>
 #include <condition_variable>

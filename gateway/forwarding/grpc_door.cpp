@@ -1,4 +1,4 @@
-#include "gateway/grpc_door.h"
+#include "gateway/forwarding/grpc_door.h"
 
 #include <grpcpp/ext/health_check_service_server_builder_option.h>
 #include <grpcpp/generic/async_generic_service.h>
@@ -14,11 +14,11 @@
 
 #include "absl/time/clock.h"
 #include "common/base/errors.h"
-#include "common/rpc/connection_acceptor.h"
+#include "common/rpc/connections/connection_acceptor.h"
 #include "common/rpc/server_limits.h"
-#include "gateway/health_answers.h"
-#include "gateway/strangers.h"
-#include "gateway/wire.h"
+#include "gateway/admission/strangers.h"
+#include "gateway/forwarding/health_answers.h"
+#include "gateway/forwarding/wire.h"
 
 namespace mortise::gateway {
 namespace {

@@ -7,7 +7,7 @@
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
 #include "common/rpc/channel_security.h"
-#include "gateway/proxy.h"
+#include "gateway/forwarding/proxy.h"
 
 namespace mortise::gateway {
 

@@ -1,11 +1,11 @@
-#include "gateway/health_answers.h"
+#include "gateway/forwarding/health_answers.h"
 
 #include <optional>
 #include <string>
 #include <utility>
 
-#include "gateway/call_time.h"
-#include "gateway/wire.h"
+#include "gateway/admission/call_time.h"
+#include "gateway/forwarding/wire.h"
 
 namespace mortise::gateway {
 namespace {

@@ -13,7 +13,7 @@
 #include <set>
 #include <string_view>
 
-#include "gateway/open_calls.h"
+#include "gateway/admission/open_calls.h"
 
 namespace mortise::gateway {
 

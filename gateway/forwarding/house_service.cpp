@@ -3,9 +3,9 @@
 #include <vector>
 
 #include "common/rpc/handler.h"
-#include "gateway/contract.h"
-#include "gateway/hosted_services.h"
-#include "gateway/upstreams.h"
+#include "gateway/contract/contract.h"
+#include "gateway/forwarding/hosted_services.h"
+#include "gateway/forwarding/upstreams.h"
 #include "mortise/v1/gateway.grpc.pb.h"
 
 namespace mortise::gateway {

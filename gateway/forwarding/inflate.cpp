@@ -1,4 +1,4 @@
-#include "gateway/inflate.h"
+#include "gateway/forwarding/inflate.h"
 
 #include <grpcpp/support/byte_buffer.h>
 #include <zlib.h>

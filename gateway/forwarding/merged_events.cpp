@@ -5,11 +5,11 @@
 #include <set>
 
 #include "common/base/errors.h"
-#include "common/rpc/event_service.h"
+#include "common/host/event_service.h"
 #include "common/rpc/handler.h"
-#include "gateway/event_codec.h"
-#include "gateway/event_hub.h"
-#include "gateway/hosted_services.h"
+#include "gateway/forwarding/event_codec.h"
+#include "gateway/forwarding/event_hub.h"
+#include "gateway/forwarding/hosted_services.h"
 #include "mortise/v1/events.grpc.pb.h"
 
 namespace mortise::gateway {

@@ -1,4 +1,4 @@
-#include "gateway/merged_list.h"
+#include "gateway/forwarding/merged_list.h"
 
 #include <nlohmann/json.hpp>
 

@@ -8,9 +8,9 @@
 #include "common/rpc/channel.h"
 #include "common/rpc/handler.h"
 #include "common/rpc/mutation_log.h"
-#include "gateway/hosted_services.h"
-#include "gateway/merged_list.h"
-#include "gateway/upstreams.h"
+#include "gateway/forwarding/hosted_services.h"
+#include "gateway/forwarding/merged_list.h"
+#include "gateway/forwarding/upstreams.h"
 #include "mortise/v1/audit.grpc.pb.h"
 #include "mortise/v1/operations.grpc.pb.h"
 

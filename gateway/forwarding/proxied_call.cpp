@@ -1,4 +1,4 @@
-#include "gateway/proxied_call.h"
+#include "gateway/forwarding/proxied_call.h"
 
 #include <algorithm>
 
@@ -6,9 +6,9 @@
 #include "common/base/errors.h"
 #include "common/base/identifiers.h"
 #include "common/rpc/status_mapping.h"
-#include "gateway/inflate.h"
-#include "gateway/strangers.h"
-#include "gateway/wire.h"
+#include "gateway/admission/strangers.h"
+#include "gateway/forwarding/inflate.h"
+#include "gateway/forwarding/wire.h"
 
 namespace mortise::gateway {
 namespace {

@@ -11,9 +11,9 @@
 #include <string>
 
 #include "absl/status/status.h"
-#include "gateway/connection_patience.h"
-#include "gateway/proxy.h"
-#include "gateway/token_end.h"
+#include "gateway/admission/connection_patience.h"
+#include "gateway/forwarding/proxy.h"
+#include "gateway/forwarding/token_end.h"
 
 namespace mortise::gateway {
 

@@ -1,4 +1,4 @@
-#include "gateway/proxy.h"
+#include "gateway/forwarding/proxy.h"
 
 #include <google/protobuf/descriptor.h>
 #include <google/protobuf/io/coded_stream.h>
@@ -8,10 +8,10 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
-#include "gateway/event_hub.h"
-#include "gateway/health_answers.h"
-#include "gateway/proxied_call.h"
-#include "gateway/reflection.h"
+#include "gateway/forwarding/event_hub.h"
+#include "gateway/forwarding/health_answers.h"
+#include "gateway/forwarding/proxied_call.h"
+#include "gateway/forwarding/reflection.h"
 
 namespace mortise::gateway {
 namespace {

@@ -24,12 +24,12 @@
 #include <string_view>
 
 #include "absl/status/statusor.h"
-#include "gateway/admission.h"
-#include "gateway/budget.h"
-#include "gateway/call_log.h"
-#include "gateway/contract.h"
-#include "gateway/open_calls.h"
-#include "gateway/upstreams.h"
+#include "gateway/admission/admission.h"
+#include "gateway/admission/budget.h"
+#include "gateway/admission/open_calls.h"
+#include "gateway/contract/contract.h"
+#include "gateway/forwarding/call_log.h"
+#include "gateway/forwarding/upstreams.h"
 
 namespace grpc {
 class CallbackGenericService;

@@ -1,4 +1,4 @@
-#include "gateway/reflection.h"
+#include "gateway/forwarding/reflection.h"
 
 #include <google/protobuf/descriptor.h>
 #include <google/protobuf/descriptor.pb.h>
@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include "gateway/call_time.h"
-#include "gateway/contract.h"
-#include "gateway/wire.h"
+#include "gateway/admission/call_time.h"
+#include "gateway/contract/contract.h"
+#include "gateway/forwarding/wire.h"
 #include "reflection_wire.pb.h"
 
 namespace mortise::gateway {

@@ -8,7 +8,7 @@
 #include <memory>
 #include <string_view>
 
-#include "gateway/open_calls.h"
+#include "gateway/admission/open_calls.h"
 
 namespace mortise::gateway {
 

@@ -3,7 +3,7 @@
 
 #include "common/base/errors.h"
 #include "common/rpc/status_mapping.h"
-#include "gateway/proxied_call.h"
+#include "gateway/forwarding/proxied_call.h"
 
 namespace mortise::gateway {
 namespace {

@@ -1,4 +1,4 @@
-#include "gateway/token_end.h"
+#include "gateway/forwarding/token_end.h"
 
 #include <grpcpp/alarm.h>
 #include <grpcpp/server_context.h>

@@ -9,7 +9,7 @@
 #include <chrono>
 #include <memory>
 
-#include "gateway/admission.h"
+#include "gateway/admission/admission.h"
 
 namespace grpc {
 class CallbackServerContext;

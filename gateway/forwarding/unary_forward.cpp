@@ -1,7 +1,7 @@
 // A unary call through the proxy: one batch of operations on either side.
 #include "common/base/errors.h"
 #include "common/rpc/status_mapping.h"
-#include "gateway/proxied_call.h"
+#include "gateway/forwarding/proxied_call.h"
 
 namespace mortise::gateway {
 namespace {

@@ -1,4 +1,4 @@
-#include "gateway/upstreams.h"
+#include "gateway/forwarding/upstreams.h"
 
 #include <grpcpp/create_channel.h>
 #include <grpcpp/generic/generic_stub.h>
@@ -10,7 +10,7 @@
 
 #include "common/base/errors.h"
 #include "common/rpc/server_limits.h"
-#include "gateway/wire.h"
+#include "gateway/forwarding/wire.h"
 
 namespace mortise::gateway {
 namespace {

@@ -11,7 +11,7 @@
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
 #include "common/rpc/channel_security.h"
-#include "gateway/contract.h"
+#include "gateway/contract/contract.h"
 
 namespace grpc {
 class ByteBuffer;

@@ -1,4 +1,4 @@
-#include "gateway/wire.h"
+#include "gateway/forwarding/wire.h"
 
 #include <grpc/impl/codegen/grpc_types.h>
 

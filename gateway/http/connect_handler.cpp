@@ -1,4 +1,4 @@
-#include "gateway/connect_handler.h"
+#include "gateway/http/connect_handler.h"
 
 #include <google/protobuf/descriptor.h>
 #include <grpcpp/support/status.h>
@@ -7,7 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
-#include "gateway/connection_token_end.h"
+#include "gateway/http/connection_token_end.h"
 
 namespace mortise::gateway {
 namespace {

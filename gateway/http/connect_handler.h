@@ -1,7 +1,7 @@
 // Answers one call in the Connect protocol.
 #pragma once
 
-#include "gateway/http_context.h"
+#include "gateway/http/http_context.h"
 
 namespace mortise::gateway {
 

@@ -1,9 +1,9 @@
-#include "gateway/connection_token_end.h"
+#include "gateway/http/connection_token_end.h"
 
 #include <boost/system/error_code.hpp>
 #include <utility>
 
-#include "gateway/token_end.h"
+#include "gateway/forwarding/token_end.h"
 
 namespace mortise::gateway {
 

@@ -5,9 +5,9 @@
 #include <boost/asio/system_timer.hpp>
 #include <memory>
 
-#include "gateway/admission.h"
-#include "gateway/awaitable.h"
-#include "gateway/http_connection.h"
+#include "gateway/admission/admission.h"
+#include "gateway/forwarding/awaitable.h"
+#include "gateway/http/http_connection.h"
 
 namespace mortise::gateway {
 

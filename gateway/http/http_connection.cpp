@@ -1,4 +1,4 @@
-#include "gateway/http_connection.h"
+#include "gateway/http/http_connection.h"
 
 #include <sys/socket.h>
 
@@ -14,7 +14,7 @@
 #include <limits>
 
 #include "common/base/identifiers.h"
-#include "gateway/admission.h"
+#include "gateway/admission/admission.h"
 
 namespace mortise::gateway {
 namespace {

@@ -14,8 +14,8 @@
 #include <string_view>
 #include <utility>
 
-#include "gateway/awaitable.h"
-#include "gateway/connect_protocol.h"
+#include "gateway/contract/connect_protocol.h"
+#include "gateway/forwarding/awaitable.h"
 
 namespace mortise::gateway {
 

@@ -1,4 +1,4 @@
-#include "gateway/http_context.h"
+#include "gateway/http/http_context.h"
 
 #include <grpcpp/support/status.h>
 
@@ -9,7 +9,7 @@
 #include "common/base/errors.h"
 #include "common/base/identifiers.h"
 #include "common/rpc/status_mapping.h"
-#include "gateway/wire.h"
+#include "gateway/forwarding/wire.h"
 #include "google/rpc/status.pb.h"
 
 namespace mortise::gateway {

@@ -7,13 +7,13 @@
 #include <string_view>
 #include <utility>
 
-#include "gateway/admission.h"
-#include "gateway/budget.h"
-#include "gateway/client_call.h"
-#include "gateway/contract.h"
-#include "gateway/http_connection.h"
-#include "gateway/open_calls.h"
-#include "gateway/transcoder.h"
+#include "gateway/admission/admission.h"
+#include "gateway/admission/budget.h"
+#include "gateway/admission/open_calls.h"
+#include "gateway/contract/contract.h"
+#include "gateway/contract/transcoder.h"
+#include "gateway/forwarding/client_call.h"
+#include "gateway/http/http_connection.h"
 
 namespace mortise::gateway {
 

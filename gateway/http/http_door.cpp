@@ -1,4 +1,4 @@
-#include "gateway/http_door.h"
+#include "gateway/http/http_door.h"
 
 #include <sys/socket.h>
 
@@ -17,9 +17,9 @@
 
 #include "common/base/errors.h"
 #include "common/base/logging.h"
-#include "common/rpc/connection_acceptor.h"
-#include "gateway/http_context.h"
-#include "gateway/http_routes.h"
+#include "common/rpc/connections/connection_acceptor.h"
+#include "gateway/http/http_context.h"
+#include "gateway/http/http_routes.h"
 
 namespace mortise::gateway {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "absl/status/statusor.h"
 #include "common/rpc/channel_security.h"
-#include "gateway/http_connection.h"
+#include "gateway/http/http_connection.h"
 
 namespace mortise::gateway {
 

@@ -1,12 +1,12 @@
-#include "gateway/http_routes.h"
+#include "gateway/http/http_routes.h"
 
 #include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
-#include "gateway/connect_handler.h"
-#include "gateway/query.h"
-#include "gateway/sse_handler.h"
+#include "gateway/contract/query.h"
+#include "gateway/http/connect_handler.h"
+#include "gateway/http/sse_handler.h"
 
 namespace mortise::gateway {
 namespace {

@@ -1,7 +1,7 @@
 // Which answer belongs to which path and method of the HTTP door.
 #pragma once
 
-#include "gateway/http_context.h"
+#include "gateway/http/http_context.h"
 
 namespace mortise::gateway {
 

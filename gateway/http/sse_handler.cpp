@@ -1,4 +1,4 @@
-#include "gateway/sse_handler.h"
+#include "gateway/http/sse_handler.h"
 
 #include <google/protobuf/descriptor.h>
 #include <grpcpp/support/status.h>
@@ -14,8 +14,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
-#include "gateway/connection_token_end.h"
-#include "gateway/event_hub.h"
+#include "gateway/forwarding/event_hub.h"
+#include "gateway/http/connection_token_end.h"
 #include "mortise/v1/events.pb.h"
 #include "mortise/v1/operations.pb.h"
 

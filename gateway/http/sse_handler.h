@@ -1,8 +1,8 @@
 // Server-sent events: the house's events, and the states of an operation.
 #pragma once
 
-#include "gateway/http_context.h"
-#include "gateway/query.h"
+#include "gateway/contract/query.h"
+#include "gateway/http/http_context.h"
 
 namespace mortise::gateway {
 

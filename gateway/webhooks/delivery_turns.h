@@ -9,7 +9,7 @@
 #include <memory>
 #include <utility>
 
-#include "gateway/awaitable.h"
+#include "gateway/forwarding/awaitable.h"
 
 namespace mortise::gateway {
 

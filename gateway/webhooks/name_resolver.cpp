@@ -1,4 +1,4 @@
-#include "gateway/name_resolver.h"
+#include "gateway/webhooks/name_resolver.h"
 
 #include <ares.h>
 #include <netinet/in.h>

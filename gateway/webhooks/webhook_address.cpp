@@ -1,4 +1,4 @@
-#include "gateway/webhook_address.h"
+#include "gateway/webhooks/webhook_address.h"
 
 #include <arpa/inet.h>
 #include <ifaddrs.h>

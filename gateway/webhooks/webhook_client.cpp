@@ -1,4 +1,4 @@
-#include "gateway/webhook_client.h"
+#include "gateway/webhooks/webhook_client.h"
 
 #include <openssl/hmac.h>
 #include <openssl/ssl.h>

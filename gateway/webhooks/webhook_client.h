@@ -8,10 +8,10 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
-#include "gateway/awaitable.h"
-#include "gateway/connect_protocol.h"
-#include "gateway/name_resolver.h"
-#include "gateway/webhook_address.h"
+#include "gateway/contract/connect_protocol.h"
+#include "gateway/forwarding/awaitable.h"
+#include "gateway/webhooks/name_resolver.h"
+#include "gateway/webhooks/webhook_address.h"
 
 namespace mortise::gateway {
 

@@ -1,4 +1,4 @@
-#include "gateway/webhook_delivery.h"
+#include "gateway/webhooks/webhook_delivery.h"
 
 #include <google/protobuf/descriptor.h>
 #include <google/protobuf/util/time_util.h>
@@ -24,12 +24,12 @@
 #include "common/base/errors.h"
 #include "common/base/logging.h"
 #include "common/store/store.h"
-#include "gateway/contract.h"
-#include "gateway/delivery_turns.h"
-#include "gateway/event_codec.h"
-#include "gateway/event_hub.h"
-#include "gateway/transcoder.h"
-#include "gateway/webhook_records.h"
+#include "gateway/contract/contract.h"
+#include "gateway/contract/transcoder.h"
+#include "gateway/forwarding/event_codec.h"
+#include "gateway/forwarding/event_hub.h"
+#include "gateway/webhooks/delivery_turns.h"
+#include "gateway/webhooks/webhook_records.h"
 #include "mortise/v1/events.pb.h"
 #include "mortise/v1/gateway.pb.h"
 

@@ -17,7 +17,7 @@
 
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
-#include "gateway/webhook_client.h"
+#include "gateway/webhooks/webhook_client.h"
 
 namespace mortise::store {
 class Store;

@@ -1,4 +1,4 @@
-#include "gateway/webhook_records.h"
+#include "gateway/webhooks/webhook_records.h"
 
 #include <google/protobuf/util/time_util.h>
 

@@ -1,4 +1,4 @@
-#include "hwbridge/bridge_client.h"
+#include "hwbridge/client/bridge_client.h"
 
 #include <grpcpp/channel.h>
 #include <grpcpp/client_context.h>
@@ -19,7 +19,7 @@
 #include "common/base/logging.h"
 #include "common/rpc/channel.h"
 #include "common/rpc/status_mapping.h"
-#include "hwbridge/bridge_codec.h"
+#include "hwbridge/client/bridge_codec.h"
 #include "mortise/v1/fabplanner.grpc.pb.h"
 
 namespace mortise::hwbridge {

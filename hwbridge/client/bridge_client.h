@@ -12,8 +12,8 @@
 #include <string>
 
 #include "common/rpc/channel_security.h"
-#include "hwbridge/journal.h"
-#include "hwbridge/work_order_runner.h"
+#include "hwbridge/cutting/journal.h"
+#include "hwbridge/cutting/work_order_runner.h"
 
 namespace mortise::hwbridge {
 

@@ -1,4 +1,4 @@
-#include "hwbridge/bridge_codec.h"
+#include "hwbridge/client/bridge_codec.h"
 
 #include "common/base/errors.h"
 

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "hwbridge/journal.h"
-#include "hwbridge/machine_worker.h"
+#include "hwbridge/cutting/journal.h"
+#include "hwbridge/cutting/machine_worker.h"
 #include "mortise/v1/hwbridge.pb.h"
 
 namespace mortise::hwbridge {

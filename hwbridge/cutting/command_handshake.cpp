@@ -1,4 +1,4 @@
-#include "hwbridge/command_handshake.h"
+#include "hwbridge/cutting/command_handshake.h"
 
 #include <algorithm>
 #include <utility>

@@ -23,10 +23,10 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "hwbridge/clock.h"
-#include "hwbridge/echo.h"
-#include "hwbridge/journal.h"
-#include "hwbridge/machine_link.h"
+#include "hwbridge/cutting/clock.h"
+#include "hwbridge/cutting/echo.h"
+#include "hwbridge/cutting/journal.h"
+#include "hwbridge/cutting/machine_link.h"
 
 namespace mortise::hwbridge {
 

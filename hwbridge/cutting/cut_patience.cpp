@@ -1,4 +1,4 @@
-#include "hwbridge/cut_patience.h"
+#include "hwbridge/cutting/cut_patience.h"
 
 #include <algorithm>
 

@@ -9,8 +9,8 @@
 #include <optional>
 #include <string>
 
-#include "hwbridge/journal.h"
-#include "hwbridge/packml.h"
+#include "hwbridge/cutting/journal.h"
+#include "hwbridge/registers/packml.h"
 
 namespace mortise::hwbridge {
 

@@ -1,4 +1,4 @@
-#include "hwbridge/durable_log.h"
+#include "hwbridge/cutting/durable_log.h"
 
 #include <fcntl.h>
 #include <sys/file.h>

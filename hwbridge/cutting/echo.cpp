@@ -1,4 +1,4 @@
-#include "hwbridge/echo.h"
+#include "hwbridge/cutting/echo.h"
 
 #include "absl/strings/str_cat.h"
 

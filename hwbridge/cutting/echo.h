@@ -20,8 +20,8 @@
 #include <optional>
 #include <string>
 
-#include "hwbridge/journal.h"
-#include "hwbridge/registers.h"
+#include "hwbridge/cutting/journal.h"
+#include "hwbridge/registers/registers.h"
 
 namespace mortise::hwbridge {
 

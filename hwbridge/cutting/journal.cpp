@@ -1,4 +1,4 @@
-#include "hwbridge/journal.h"
+#include "hwbridge/cutting/journal.h"
 
 #include <algorithm>
 #include <exception>
@@ -7,7 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
-#include "hwbridge/whole_number.h"
+#include "hwbridge/registers/whole_number.h"
 
 namespace mortise::hwbridge {
 namespace {

@@ -15,8 +15,8 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "hwbridge/durable_log.h"
-#include "hwbridge/registers.h"
+#include "hwbridge/cutting/durable_log.h"
+#include "hwbridge/registers/registers.h"
 
 namespace mortise::hwbridge {
 

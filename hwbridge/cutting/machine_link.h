@@ -6,7 +6,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "hwbridge/registers.h"
+#include "hwbridge/registers/registers.h"
 
 namespace mortise::hwbridge {
 

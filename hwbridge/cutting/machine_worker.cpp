@@ -1,4 +1,4 @@
-#include "hwbridge/machine_worker.h"
+#include "hwbridge/cutting/machine_worker.h"
 
 #include <algorithm>
 #include <array>

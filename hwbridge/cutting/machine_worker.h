@@ -20,12 +20,12 @@
 #include <string_view>
 
 #include "absl/status/status.h"
-#include "hwbridge/clock.h"
-#include "hwbridge/command_handshake.h"
-#include "hwbridge/cut_patience.h"
-#include "hwbridge/echo.h"
-#include "hwbridge/journal.h"
-#include "hwbridge/machine_link.h"
+#include "hwbridge/cutting/clock.h"
+#include "hwbridge/cutting/command_handshake.h"
+#include "hwbridge/cutting/cut_patience.h"
+#include "hwbridge/cutting/echo.h"
+#include "hwbridge/cutting/journal.h"
+#include "hwbridge/cutting/machine_link.h"
 
 namespace mortise::hwbridge {
 

@@ -1,4 +1,4 @@
-#include "hwbridge/modbus_link.h"
+#include "hwbridge/cutting/modbus_link.h"
 
 #include <modbus/modbus.h>
 

@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "hwbridge/machine_link.h"
+#include "hwbridge/cutting/machine_link.h"
 
 struct _modbus;
 

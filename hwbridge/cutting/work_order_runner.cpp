@@ -1,4 +1,4 @@
-#include "hwbridge/work_order_runner.h"
+#include "hwbridge/cutting/work_order_runner.h"
 
 #include <algorithm>
 #include <chrono>

@@ -11,10 +11,10 @@
 #include <vector>
 
 #include "absl/status/status.h"
-#include "hwbridge/clock.h"
-#include "hwbridge/journal.h"
-#include "hwbridge/machine_link.h"
-#include "hwbridge/machine_worker.h"
+#include "hwbridge/cutting/clock.h"
+#include "hwbridge/cutting/journal.h"
+#include "hwbridge/cutting/machine_link.h"
+#include "hwbridge/cutting/machine_worker.h"
 
 namespace mortise::hwbridge {
 

@@ -1,4 +1,4 @@
-#include "hwbridge/packml.h"
+#include "hwbridge/registers/packml.h"
 
 #include "absl/strings/str_cat.h"
 

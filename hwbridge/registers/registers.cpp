@@ -1,4 +1,4 @@
-#include "hwbridge/registers.h"
+#include "hwbridge/registers/registers.h"
 
 #include <algorithm>
 #include <boost/crc.hpp>

@@ -12,7 +12,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "hwbridge/packml.h"
+#include "hwbridge/registers/packml.h"
 
 namespace mortise::hwbridge {
 

@@ -16,8 +16,8 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "hwbridge/packml.h"
-#include "hwbridge/registers.h"
+#include "hwbridge/registers/packml.h"
+#include "hwbridge/registers/registers.h"
 #include "hwbridge/virtual_cell/machine_memory.h"
 
 namespace mortise::hwbridge {

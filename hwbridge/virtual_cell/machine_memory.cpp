@@ -14,7 +14,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
-#include "hwbridge/whole_number.h"
+#include "hwbridge/registers/whole_number.h"
 
 namespace mortise::hwbridge {
 namespace {

@@ -3,9 +3,9 @@
 #include <filesystem>
 #include <string_view>
 
-#include "common/cad/step_isolation.h"
-#include "common/rpc/run_service.h"
-#include "services/catalog/catalog_service.h"
+#include "common/cad/step/step_isolation.h"
+#include "common/host/run_service.h"
+#include "services/catalog/service/catalog_service.h"
 
 int main(int argc, char** argv) {
   if (argc == 2 && std::string_view(argv[1]) == mortise::cad::kStepChildArgument) {

@@ -1,8 +1,8 @@
 // mortise-fabplanner: the fabrication planner as a process.
 #include <cstdlib>
 
-#include "common/rpc/run_service.h"
-#include "services/fabplanner/fabplanner_service.h"
+#include "common/host/run_service.h"
+#include "services/fabplanner/service/fabplanner_service.h"
 
 int main(int argc, char** argv) {
   // A released work order waits for its machines on a thread of its own, which costs next to

@@ -1,6 +1,6 @@
 // mortise-pareto: discovery and exploration of Pareto fronts as a service.
-#include "common/rpc/run_service.h"
-#include "services/pareto/pareto_service.h"
+#include "common/host/run_service.h"
+#include "services/pareto/service/pareto_service.h"
 
 int main(int argc, char** argv) {
   return mortise::rpc::RunService(

@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <string_view>
 
-#include "services/simulator/simulator_service.h"
-#include "services/simulator/worker.h"
+#include "services/simulator/service/simulator_service.h"
+#include "services/simulator/worker/worker.h"
 
 int main(int argc, char** argv) {
   const bool worker =

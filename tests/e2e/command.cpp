@@ -12,7 +12,7 @@
 #include <iterator>
 
 #include "absl/time/time.h"
-#include "cli/state_folder.h"
+#include "cli/launcher/state_folder.h"
 #include "common/base/identifiers.h"
 #include "tests/support/file_watch.h"
 

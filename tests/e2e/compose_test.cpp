@@ -8,7 +8,7 @@
 #include <regex>
 #include <set>
 
-#include "cli/house.h"
+#include "cli/launcher/house.h"
 #include "common/base/files.h"
 #include "common/base/identifiers.h"
 #include "tests/e2e/command.h"

@@ -9,7 +9,7 @@
 #include <sstream>
 
 #include "absl/time/time.h"
-#include "cli/state_folder.h"
+#include "cli/launcher/state_folder.h"
 #include "common/base/files.h"
 #include "common/base/identifiers.h"
 #include "common/base/process.h"

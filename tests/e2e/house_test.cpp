@@ -10,7 +10,7 @@
 #include <numeric>
 #include <thread>
 
-#include "cli/state_folder.h"
+#include "cli/launcher/state_folder.h"
 #include "common/base/files.h"
 #include "common/base/identifiers.h"
 #include "tests/e2e/command.h"

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "cli/state_folder.h"
+#include "cli/launcher/state_folder.h"
 #include "common/base/files.h"
 #include "common/base/identifiers.h"
 

@@ -9,7 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "common/mesh/element_faces.h"
-#include "common/mesh/mesher.h"
+#include "common/mesh/tetrahedra/mesher.h"
 
 namespace mortise::testing {
 namespace {

@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <string>
 
-#include "common/mesh/grouped_mesh.h"
+#include "common/mesh/files/grouped_mesh.h"
 
 namespace mortise::testing {
 

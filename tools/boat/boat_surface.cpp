@@ -1,4 +1,4 @@
-#include "tests/support/boat/boat_surface.h"
+#include "tools/boat/boat_surface.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>

@@ -3,7 +3,7 @@
 // behind a bulwark, on it a house, and on that a bridge with windows and a funnel.
 #pragma once
 
-#include "common/parametric/cage_template.h"
+#include "common/templates/cage/cage_template.h"
 
 namespace mortise::parametric {
 

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "absl/strings/str_cat.h"
-#include "tests/support/boat/boat_surface.h"
+#include "tools/boat/boat_surface.h"
 
 namespace mortise::parametric {
 namespace {

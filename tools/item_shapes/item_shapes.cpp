@@ -1,4 +1,4 @@
-#include "tests/support/item_shapes/item_shapes.h"
+#include "tools/item_shapes/item_shapes.h"
 
 #include <algorithm>
 #include <regex>
@@ -6,20 +6,18 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
+#include "common/assembly/codec/shape_codec.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
-#include "common/cad/cad_template_codec.h"
-#include "common/cad/feature_model.h"
-#include "common/cad/step_reader.h"
-#include "common/cad/step_writer.h"
-#include "common/parametric/csv_table.h"
-#include "common/parametric/shape_codec.h"
-#include "services/catalog/shape_import.h"
+#include "common/cad/step/step_reader.h"
+#include "common/cad/step/step_writer.h"
+#include "common/files/csv_table.h"
+#include "common/templates/features/codec/cad_template_codec.h"
+#include "common/templates/features/feature_model.h"
+#include "services/catalog/exchange/shape_import.h"
 
 namespace mortise::catalog {
 namespace {
-
-using parametric::Finding;
 
 constexpr double kNarrow = 1e-9;
 
@@ -60,7 +58,7 @@ absl::Status SetDimensions(const std::vector<parametric::NamedValue>& dimensions
 absl::StatusOr<std::vector<ItemShape>> ReadShapeList(const std::filesystem::path& folder) {
   MORTISE_ASSIGN_OR_RETURN(const std::string text, ReadFile(folder / "shapes.csv"));
   const parametric::CsvTable table = parametric::ParseCsv(text);
-  std::vector<Finding> findings = table.findings;
+  std::vector<FieldViolation> findings = table.findings;
   std::vector<ItemShape> shapes;
   for (std::size_t i = 1; i < table.rows.size(); ++i) {
     const parametric::CsvRow& row = table.rows[i];

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "common/base/files.h"
-#include "tests/support/item_shapes/item_shapes.h"
+#include "tools/item_shapes/item_shapes.h"
 
 namespace {
 

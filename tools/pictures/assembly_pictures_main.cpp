@@ -7,16 +7,16 @@
 #include <string>
 #include <vector>
 
+#include "common/assembly/assembly_design.h"
+#include "common/assembly/codec/assembly_codec.h"
+#include "common/assembly/parametric_assembly.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
-#include "common/parametric/assembly_codec.h"
-#include "common/parametric/assembly_design.h"
-#include "common/parametric/collection.h"
-#include "common/parametric/evaluation.h"
-#include "common/parametric/parametric_assembly.h"
-#include "common/parametric/template_codec.h"
+#include "common/design/evaluation.h"
+#include "common/files/collection.h"
+#include "common/files/template_codec.h"
 #include "common/render/scene.h"
-#include "services/catalog/design_export.h"
+#include "services/catalog/exchange/design_export.h"
 
 namespace {
 

@@ -1,4 +1,4 @@
-#include "common/parametric/assembly_codec.h"
+#include "common/assembly/codec/assembly_codec.h"
 
 #include <algorithm>
 #include <set>
@@ -6,18 +6,18 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
+#include "common/assembly/codec/assembly_drawing.h"
+#include "common/assembly/codec/group_reader.h"
+#include "common/assembly/codec/part_reader.h"
 #include "common/base/errors.h"
 #include "common/base/identifiers.h"
-#include "common/parametric/assembly_drawing.h"
-#include "common/parametric/field_checks.h"
-#include "common/parametric/group_reader.h"
-#include "common/parametric/message_digest.h"
-#include "common/parametric/part_reader.h"
+#include "common/design/field_checks.h"
+#include "common/messages/message_digest.h"
 
 namespace mortise::parametric {
 namespace {
 
-using Findings = std::vector<Finding>;
+using Findings = std::vector<FieldViolation>;
 
 void ReadJoint(const v1::Joint& message, const std::string& field, const GroupReader& groups,
                AssemblyDrawing& drawing, Findings& findings) {
@@ -73,8 +73,8 @@ int IndexIn(const std::string& field, const std::string& list) {
 }
 
 // A finding about the struct, at its place in the message.
-Finding AtMessage(const Finding& finding, const v1::Assembly& message,
-                  const AssemblyDrawing& drawing) {
+FieldViolation AtMessage(const FieldViolation& finding, const v1::Assembly& message,
+                         const AssemblyDrawing& drawing) {
   const std::string rest =
       finding.field.substr(std::min(finding.field.find(']') + 1, finding.field.size()));
   if (const int part = IndexIn(finding.field, "parts"); part >= 0) {
@@ -121,7 +121,7 @@ bool MissesParts(const std::string& group, const v1::Assembly& message,
 }
 
 // Whether a finding only says what was left out because of findings before.
-bool IsConsequence(const Finding& finding, const v1::Assembly& message,
+bool IsConsequence(const FieldViolation& finding, const v1::Assembly& message,
                    const AssemblyDrawing& drawing) {
   if (finding.field == "parts") return message.parts_size() > 0;
   if (finding.field == "groups[0].name") return true;  // the root is called as the assembly
@@ -166,7 +166,7 @@ absl::StatusOr<Assembly> FromProto(const v1::Assembly& message, const std::vecto
           {field + ".name", absl::StrCat("'", message.joints(i).name(), "' occurs twice")});
     }
   }
-  for (const Finding& finding : ValidateAssembly(drawing.assembly)) {
+  for (const FieldViolation& finding : ValidateAssembly(drawing.assembly)) {
     if (IsConsequence(finding, message, drawing)) continue;
     findings.push_back(AtMessage(finding, message, drawing));
   }

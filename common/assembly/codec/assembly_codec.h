@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "common/parametric/assembly.h"
-#include "common/parametric/shape_codec.h"
-#include "common/parametric/template_definition.h"
+#include "common/assembly/codec/shape_codec.h"
+#include "common/assembly/model/assembly.h"
+#include "common/design/template_definition.h"
 #include "mortise/v1/assembly.pb.h"
 
 namespace mortise::parametric {

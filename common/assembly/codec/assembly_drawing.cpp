@@ -1,4 +1,4 @@
-#include "common/parametric/assembly_drawing.h"
+#include "common/assembly/codec/assembly_drawing.h"
 
 #include <algorithm>
 
@@ -12,7 +12,7 @@ constexpr std::size_t kMaxName = 63;  // bytes
 }  // namespace
 
 void CheckAssemblyName(const std::string& field, const std::string& name,
-                       std::vector<Finding>& findings) {
+                       std::vector<FieldViolation>& findings) {
   const bool printable = std::all_of(name.begin(), name.end(), [](char c) {
     return static_cast<unsigned char>(c) >= ' ' && c != 127;
   });

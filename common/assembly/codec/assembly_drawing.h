@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "common/parametric/assembly.h"
-#include "common/parametric/template_validation.h"
+#include "common/assembly/model/assembly.h"
+#include "common/design/template_validation.h"
 #include "mortise/v1/types.pb.h"
 
 namespace mortise::parametric {
@@ -27,6 +27,6 @@ inline Eigen::Vector3d ToEigen(const v1::Vector3& vector) {
 
 // Of parts, groups, joints and planes: 1 to 63 bytes of text in one line.
 void CheckAssemblyName(const std::string& field, const std::string& name,
-                       std::vector<Finding>& findings);
+                       std::vector<FieldViolation>& findings);
 
 }  // namespace mortise::parametric

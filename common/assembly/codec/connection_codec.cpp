@@ -1,7 +1,7 @@
-#include "common/parametric/connection_codec.h"
+#include "common/assembly/codec/connection_codec.h"
 
-#include "common/parametric/axis_codec.h"
-#include "common/parametric/connection_optimizer.h"
+#include "common/assembly/connections/connection_optimizer.h"
+#include "common/files/axis_codec.h"
 
 namespace mortise::parametric {
 namespace {

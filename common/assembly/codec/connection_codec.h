@@ -2,7 +2,7 @@
 // adapters link it.
 #pragma once
 
-#include "common/parametric/connection.h"
+#include "common/assembly/connections/connection.h"
 #include "mortise/v1/connection.pb.h"
 
 namespace mortise::parametric {

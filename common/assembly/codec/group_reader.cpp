@@ -1,4 +1,4 @@
-#include "common/parametric/group_reader.h"
+#include "common/assembly/codec/group_reader.h"
 
 #include <algorithm>
 

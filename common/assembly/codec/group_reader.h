@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "common/parametric/assembly_drawing.h"
-#include "common/parametric/template_validation.h"
+#include "common/assembly/codec/assembly_drawing.h"
+#include "common/design/template_validation.h"
 #include "mortise/v1/assembly.pb.h"
 
 namespace mortise::parametric {
@@ -16,7 +16,7 @@ namespace mortise::parametric {
 // outlive it.
 class GroupReader {
  public:
-  GroupReader(const v1::Assembly& message, std::vector<Finding>& findings)
+  GroupReader(const v1::Assembly& message, std::vector<FieldViolation>& findings)
       : message_(message), findings_(findings) {}
 
   // The root first, then parents before children.
@@ -31,7 +31,7 @@ class GroupReader {
   void CheckReached(int i);
 
   const v1::Assembly& message_;
-  std::vector<Finding>& findings_;
+  std::vector<FieldViolation>& findings_;
   std::map<std::string, std::vector<int>> children_;  // of the message, by parent's name
   std::map<std::string, int> index_;                  // into the struct, by name
   std::set<std::string> names_;                       // of the message

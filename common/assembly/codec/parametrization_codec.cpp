@@ -1,17 +1,17 @@
-#include "common/parametric/parametrization_codec.h"
+#include "common/assembly/codec/parametrization_codec.h"
 
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "common/assembly/codec/assembly_codec.h"
+#include "common/assembly/codec/connection_codec.h"
+#include "common/assembly/codec/shape_codec.h"
+#include "common/assembly/model/rest_pose.h"
 #include "common/base/errors.h"
-#include "common/parametric/assembly_codec.h"
-#include "common/parametric/axis_codec.h"
-#include "common/parametric/connection_codec.h"
-#include "common/parametric/rest_pose.h"
-#include "common/parametric/shape_codec.h"
-#include "common/parametric/template_codec.h"
+#include "common/files/axis_codec.h"
+#include "common/files/template_codec.h"
 
 namespace mortise::parametric {
 namespace {

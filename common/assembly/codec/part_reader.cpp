@@ -1,4 +1,4 @@
-#include "common/parametric/part_reader.h"
+#include "common/assembly/codec/part_reader.h"
 
 #include <algorithm>
 #include <array>
@@ -7,8 +7,8 @@
 #include <set>
 
 #include "absl/strings/str_cat.h"
-#include "common/parametric/axis_codec.h"
-#include "common/parametric/field_checks.h"
+#include "common/design/field_checks.h"
+#include "common/files/axis_codec.h"
 
 namespace mortise::parametric {
 namespace {
@@ -21,7 +21,7 @@ constexpr double kMostGrowth = 2;
 // Which axis of the design each of the item's three lies along; nothing, and a finding, if two
 // would lie along one.
 std::optional<std::array<Axis, 3>> ItemAxes(const v1::AssemblyPart& part, const std::string& field,
-                                            std::vector<Finding>& findings) {
+                                            std::vector<FieldViolation>& findings) {
   const auto axis_of = [&](v1::Axis axis, Axis usual, const char* name) -> std::optional<Axis> {
     if (axis == v1::AXIS_UNSPECIFIED) return usual;
     const auto known = AxisFromProto(axis, absl::StrCat(field, name));
@@ -82,7 +82,7 @@ bool Coincide(const v1::Repeat& first, const v1::Repeat& second) {
 }  // namespace
 
 PartReader::Places PartReader::Repetitions(const v1::AssemblyPart& part, const std::string& field,
-                                           std::vector<Finding>& findings) {
+                                           std::vector<FieldViolation>& findings) {
   Places places = {{"", Eigen::Vector3d::Zero()}};
   if (part.repeat_size() > 2) {
     findings.push_back({field + ".repeat", "has at most two directions"});

@@ -7,11 +7,11 @@
 #include <utility>
 #include <vector>
 
-#include "common/parametric/assembly_drawing.h"
-#include "common/parametric/group_reader.h"
-#include "common/parametric/shape_reader.h"
-#include "common/parametric/template_definition.h"
-#include "common/parametric/template_validation.h"
+#include "common/assembly/codec/assembly_drawing.h"
+#include "common/assembly/codec/group_reader.h"
+#include "common/assembly/codec/shape_reader.h"
+#include "common/design/template_definition.h"
+#include "common/design/template_validation.h"
 #include "mortise/v1/assembly.pb.h"
 
 namespace mortise::parametric {
@@ -21,7 +21,7 @@ namespace mortise::parametric {
 class PartReader {
  public:
   PartReader(const std::vector<Item>& items, const ShapesByName& shapes, const GroupReader& groups,
-             std::vector<Finding>& findings)
+             std::vector<FieldViolation>& findings)
       : items_(items), shapes_(shapes, findings), groups_(groups), findings_(findings) {}
 
   // Adds the parts that a message of `field` ("parts[3]") stands for, as far as it can be read.
@@ -33,7 +33,7 @@ class PartReader {
 
   // What can be read of them, and findings about the rest.
   static Places Repetitions(const v1::AssemblyPart& part, const std::string& field,
-                            std::vector<Finding>& findings);
+                            std::vector<FieldViolation>& findings);
 
   void ReadPlanes(const v1::AssemblyPart& message, const std::string& field, AssemblyPart& part);
   void ReadColor(const v1::Vector3& color, const std::string& field, AssemblyPart& part);
@@ -47,7 +47,7 @@ class PartReader {
   const std::vector<Item>& items_;
   ShapeReader shapes_;
   const GroupReader& groups_;
-  std::vector<Finding>& findings_;
+  std::vector<FieldViolation>& findings_;
   bool full_ = false;                     // and that has been said
   std::map<std::string, bool> complete_;  // of each part's name, whether all parts so called are
 };

@@ -1,4 +1,4 @@
-#include "common/parametric/shape_codec.h"
+#include "common/assembly/codec/shape_codec.h"
 
 #include <bit>
 #include <cmath>
@@ -8,7 +8,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
-#include "common/parametric/axis_codec.h"
+#include "common/files/axis_codec.h"
 #include "mortise/v1/item.pb.h"
 
 namespace mortise::parametric {

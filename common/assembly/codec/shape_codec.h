@@ -7,8 +7,8 @@
 #include <string>
 
 #include "absl/status/statusor.h"
-#include "common/mesh/drawn_shape.h"
-#include "common/parametric/shape_name.h"
+#include "common/files/shape_name.h"
+#include "common/mesh/shapes/drawn_shape.h"
 
 namespace google::protobuf {
 template <typename Element>

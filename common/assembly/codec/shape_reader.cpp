@@ -1,4 +1,4 @@
-#include "common/parametric/shape_reader.h"
+#include "common/assembly/codec/shape_reader.h"
 
 #include <algorithm>
 #include <cmath>

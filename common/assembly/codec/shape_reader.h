@@ -9,10 +9,10 @@
 #include <utility>
 #include <vector>
 
-#include "common/parametric/assembly.h"
-#include "common/parametric/shape_codec.h"
-#include "common/parametric/template_definition.h"
-#include "common/parametric/template_validation.h"
+#include "common/assembly/codec/shape_codec.h"
+#include "common/assembly/model/assembly.h"
+#include "common/design/template_definition.h"
+#include "common/design/template_validation.h"
 
 namespace mortise::v1 {
 class AssemblyPart;
@@ -23,7 +23,7 @@ namespace mortise::parametric {
 // Finds the shapes of parts. The shapes and findings must outlive it.
 class ShapeReader {
  public:
-  ShapeReader(const ShapesByName& shapes, std::vector<Finding>& findings)
+  ShapeReader(const ShapesByName& shapes, std::vector<FieldViolation>& findings)
       : shapes_(shapes), findings_(findings) {}
 
   // Sets the part's own shape, or else its item's, turned as the item lies. `size`, m, of its box;
@@ -39,7 +39,7 @@ class ShapeReader {
                   const AssemblyPart& part);
 
   const ShapesByName& shapes_;
-  std::vector<Finding>& findings_;
+  std::vector<FieldViolation>& findings_;
   std::map<std::pair<std::string, int>, std::shared_ptr<const mesh::DrawnShape>> turned_;
 };
 

@@ -1,4 +1,4 @@
-#include "common/parametric/connection.h"
+#include "common/assembly/connections/connection.h"
 
 #include <algorithm>
 #include <limits>
@@ -9,8 +9,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
-#include "common/parametric/connection_relationships.h"
-#include "common/parametric/rest_pose.h"
+#include "common/assembly/connections/connection_relationships.h"
+#include "common/assembly/model/rest_pose.h"
 
 namespace mortise::parametric {
 namespace {

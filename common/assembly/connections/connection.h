@@ -21,11 +21,11 @@
 #include <string>
 #include <vector>
 
-#include "common/parametric/assembly.h"
-#include "common/parametric/connection_patch.h"
-#include "common/parametric/element.h"
-#include "common/parametric/linear_form.h"
-#include "common/parametric/relationship.h"
+#include "common/assembly/connections/connection_patch.h"
+#include "common/assembly/model/assembly.h"
+#include "common/assembly/model/element.h"
+#include "common/assembly/polyhedra/linear_form.h"
+#include "common/assembly/relations/relationship.h"
 
 namespace mortise::parametric {
 

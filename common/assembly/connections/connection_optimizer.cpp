@@ -1,4 +1,4 @@
-#include "common/parametric/connection_optimizer.h"
+#include "common/assembly/connections/connection_optimizer.h"
 
 #include <Eigen/LU>
 #include <Eigen/QR>
@@ -8,9 +8,9 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "common/assembly/connections/connection_relationships.h"
+#include "common/assembly/polyhedra/polyhedron.h"
 #include "common/base/errors.h"
-#include "common/parametric/connection_relationships.h"
-#include "common/parametric/polyhedron.h"
 
 namespace mortise::parametric {
 namespace {

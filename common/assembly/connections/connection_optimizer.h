@@ -17,8 +17,8 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "common/parametric/connection.h"
-#include "common/parametric/linear_design.h"
+#include "common/assembly/connections/connection.h"
+#include "common/assembly/model/linear_design.h"
 
 namespace mortise::parametric {
 

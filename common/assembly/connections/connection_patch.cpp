@@ -1,9 +1,9 @@
-#include "common/parametric/connection_patch.h"
+#include "common/assembly/connections/connection_patch.h"
 
 #include <algorithm>
 #include <array>
 
-#include "common/parametric/pattern.h"
+#include "common/assembly/model/pattern.h"
 
 namespace mortise::parametric {
 namespace {

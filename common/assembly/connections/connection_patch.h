@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "common/parametric/assembly.h"
-#include "common/parametric/element.h"
+#include "common/assembly/model/assembly.h"
+#include "common/assembly/model/element.h"
 
 namespace mortise::parametric {
 

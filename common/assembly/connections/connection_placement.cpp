@@ -1,12 +1,12 @@
-#include "common/parametric/connection_placement.h"
+#include "common/assembly/connections/connection_placement.h"
 
 #include <Eigen/QR>
 #include <algorithm>
 #include <utility>
 
+#include "common/assembly/model/linear_design.h"
+#include "common/assembly/polyhedra/polyhedron.h"
 #include "common/base/errors.h"
-#include "common/parametric/linear_design.h"
-#include "common/parametric/polyhedron.h"
 
 namespace mortise::parametric {
 namespace {

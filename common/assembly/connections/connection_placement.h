@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "common/parametric/connection.h"
-#include "common/parametric/feasible_set.h"
-#include "common/parametric/linear_form.h"
+#include "common/assembly/connections/connection.h"
+#include "common/assembly/polyhedra/linear_form.h"
+#include "common/assembly/relations/feasible_set.h"
 
 namespace mortise::parametric {
 

@@ -1,4 +1,4 @@
-#include "common/parametric/connection_relationships.h"
+#include "common/assembly/connections/connection_relationships.h"
 
 #include <algorithm>
 #include <array>
@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "common/parametric/rest_pose.h"
+#include "common/assembly/model/rest_pose.h"
 
 namespace mortise::parametric {
 namespace {

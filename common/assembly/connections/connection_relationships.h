@@ -4,8 +4,8 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "common/parametric/connection.h"
-#include "common/parametric/relationship.h"
+#include "common/assembly/connections/connection.h"
+#include "common/assembly/relations/relationship.h"
 
 namespace mortise::parametric {
 

@@ -1,5 +1,5 @@
 // The hierarchy of an assembly, and its checks.
-#include "common/parametric/assembly.h"
+#include "common/assembly/model/assembly.h"
 
 #include <algorithm>
 #include <array>
@@ -17,7 +17,7 @@ constexpr double kUnitTolerance = 1e-9;
 constexpr double kLimitTolerance = 1e-9;  // m or rad; what rounding in a file may cost
 constexpr double kSamePlace = 1e-7;       // m
 
-using Findings = std::vector<Finding>;
+using Findings = std::vector<FieldViolation>;
 
 bool IsGroup(const Assembly& assembly, int group) {
   return group >= 0 && group < static_cast<int>(assembly.groups.size());
@@ -250,7 +250,7 @@ void CheckPlaces(const Assembly& assembly, Findings& findings) {
 
 }  // namespace
 
-std::vector<Finding> ValidateAssembly(const Assembly& assembly) {
+std::vector<FieldViolation> ValidateAssembly(const Assembly& assembly) {
   Findings findings;
   CheckGroups(assembly, findings);
   const bool groups_fault_free = findings.empty();

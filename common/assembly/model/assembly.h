@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "common/mesh/drawn_shape.h"
-#include "common/parametric/template_definition.h"
-#include "common/parametric/template_validation.h"
+#include "common/design/template_definition.h"
+#include "common/design/template_validation.h"
+#include "common/mesh/shapes/drawn_shape.h"
 
 namespace mortise::parametric {
 
@@ -104,7 +104,7 @@ struct Assembly {
 
 // Everything that is wrong with an assembly, each finding with its place: "parts[3].group". Empty
 // if parametrisation can begin. O(parts log parts).
-std::vector<Finding> ValidateAssembly(const Assembly& assembly);
+std::vector<FieldViolation> ValidateAssembly(const Assembly& assembly);
 
 // How many groups lie above this one; 0 for the root. The assembly must be valid.
 int GroupDepth(const Assembly& assembly, int group);

@@ -1,4 +1,4 @@
-#include "common/parametric/bores.h"
+#include "common/assembly/model/bores.h"
 
 #include <map>
 

@@ -4,9 +4,9 @@
 #include <set>
 #include <vector>
 
-#include "common/parametric/assembly.h"
-#include "common/parametric/element.h"
-#include "common/parametric/shape_features.h"
+#include "common/assembly/model/assembly.h"
+#include "common/assembly/model/element.h"
+#include "common/assembly/model/shape_features.h"
 
 namespace mortise::parametric {
 

@@ -1,4 +1,4 @@
-#include "common/parametric/element.h"
+#include "common/assembly/model/element.h"
 
 #include <algorithm>
 #include <cmath>

@@ -11,11 +11,11 @@
 #include <string>
 #include <vector>
 
-#include "common/mesh/drawn_shape.h"
-#include "common/parametric/assembly.h"
-#include "common/parametric/linear_form.h"
-#include "common/parametric/pattern.h"
-#include "common/parametric/shape_features.h"
+#include "common/assembly/model/assembly.h"
+#include "common/assembly/model/pattern.h"
+#include "common/assembly/model/shape_features.h"
+#include "common/assembly/polyhedra/linear_form.h"
+#include "common/mesh/shapes/drawn_shape.h"
 
 namespace mortise::parametric {
 

@@ -1,4 +1,4 @@
-#include "common/parametric/linear_design.h"
+#include "common/assembly/model/linear_design.h"
 
 #include <algorithm>
 #include <cstdint>

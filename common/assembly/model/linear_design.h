@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "absl/status/status.h"
-#include "common/mesh/box_stretch.h"
+#include "common/assembly/model/assembly.h"
+#include "common/assembly/model/element.h"
+#include "common/mesh/shapes/box_stretch.h"
 #include "common/mesh/surface_mesh.h"
-#include "common/parametric/assembly.h"
-#include "common/parametric/element.h"
 
 namespace mortise::parametric {
 

@@ -1,4 +1,4 @@
-#include "common/parametric/oriented_box.h"
+#include "common/assembly/model/oriented_box.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>

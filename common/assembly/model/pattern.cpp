@@ -1,4 +1,4 @@
-#include "common/parametric/pattern.h"
+#include "common/assembly/model/pattern.h"
 
 #include <algorithm>
 #include <boost/dynamic_bitset.hpp>
@@ -6,7 +6,7 @@
 #include <map>
 #include <tuple>
 
-#include "common/parametric/pattern_contact.h"
+#include "common/assembly/model/pattern_contact.h"
 
 namespace mortise::parametric {
 namespace {

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "common/parametric/assembly.h"
+#include "common/assembly/model/assembly.h"
 
 namespace mortise::parametric {
 

@@ -1,4 +1,4 @@
-#include "common/parametric/pattern_contact.h"
+#include "common/assembly/model/pattern_contact.h"
 
 #include <algorithm>
 #include <cmath>

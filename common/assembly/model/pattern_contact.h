@@ -6,8 +6,8 @@
 #include <array>
 #include <vector>
 
-#include "common/parametric/assembly.h"
-#include "common/parametric/pattern.h"
+#include "common/assembly/model/assembly.h"
+#include "common/assembly/model/pattern.h"
 
 namespace mortise::parametric {
 

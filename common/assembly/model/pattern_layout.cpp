@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/parametric/pattern.h"
+#include "common/assembly/model/pattern.h"
 
 namespace mortise::parametric {
 namespace {

@@ -1,4 +1,4 @@
-#include "common/parametric/rest_pose.h"
+#include "common/assembly/model/rest_pose.h"
 
 #include <Eigen/Geometry>
 #include <cmath>

@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "common/parametric/assembly.h"
-#include "common/parametric/element.h"
-#include "common/parametric/linear_form.h"
-#include "common/parametric/oriented_box.h"
+#include "common/assembly/model/assembly.h"
+#include "common/assembly/model/element.h"
+#include "common/assembly/model/oriented_box.h"
+#include "common/assembly/polyhedra/linear_form.h"
 
 namespace mortise::parametric {
 

@@ -1,4 +1,4 @@
-#include "common/parametric/shape_features.h"
+#include "common/assembly/model/shape_features.h"
 
 #include <algorithm>
 #include <cmath>

@@ -6,11 +6,11 @@
 #include <optional>
 #include <vector>
 
-#include "common/mesh/countersinks.h"
-#include "common/mesh/drawn_shape.h"
-#include "common/mesh/round_faces.h"
-#include "common/mesh/shape_levels.h"
-#include "common/mesh/slots.h"
+#include "common/mesh/shapes/countersinks.h"
+#include "common/mesh/shapes/drawn_shape.h"
+#include "common/mesh/shapes/round_faces.h"
+#include "common/mesh/shapes/shape_levels.h"
+#include "common/mesh/shapes/slots.h"
 
 namespace mortise::parametric {
 

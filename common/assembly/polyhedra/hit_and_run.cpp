@@ -1,4 +1,4 @@
-#include "common/parametric/hit_and_run.h"
+#include "common/assembly/polyhedra/hit_and_run.h"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
@@ -8,10 +8,10 @@
 #include <numeric>
 #include <random>
 
+#include "common/assembly/polyhedra/linear_programme.h"
+#include "common/assembly/polyhedra/polyhedron.h"
+#include "common/assembly/polyhedra/polyhedron_factors.h"
 #include "common/base/errors.h"
-#include "common/parametric/linear_programme.h"
-#include "common/parametric/polyhedron.h"
-#include "common/parametric/polyhedron_factors.h"
 
 namespace mortise::parametric {
 namespace {

@@ -1,4 +1,4 @@
-#include "common/parametric/linear_form.h"
+#include "common/assembly/polyhedra/linear_form.h"
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-#include "common/parametric/linear_programme.h"
+#include "common/assembly/polyhedra/linear_programme.h"
 
 #include <ClpSimplex.hpp>
 #include <CoinError.hpp>

@@ -1,4 +1,4 @@
-#include "common/parametric/polyhedron.h"
+#include "common/assembly/polyhedra/polyhedron.h"
 
 #include <Eigen/Jacobi>
 #include <algorithm>
@@ -6,9 +6,9 @@
 #include <limits>
 #include <random>
 
+#include "common/assembly/polyhedra/linear_programme.h"
+#include "common/assembly/polyhedra/polyhedron_factors.h"
 #include "common/base/errors.h"
-#include "common/parametric/linear_programme.h"
-#include "common/parametric/polyhedron_factors.h"
 
 namespace mortise::parametric {
 namespace {

@@ -1,4 +1,4 @@
-#include "common/parametric/polyhedron_extents.h"
+#include "common/assembly/polyhedra/polyhedron_extents.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "common/assembly/polyhedra/linear_programme.h"
 #include "common/base/errors.h"
-#include "common/parametric/linear_programme.h"
 
 namespace mortise::parametric {
 namespace {

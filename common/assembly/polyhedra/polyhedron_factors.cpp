@@ -1,4 +1,4 @@
-#include "common/parametric/polyhedron_factors.h"
+#include "common/assembly/polyhedra/polyhedron_factors.h"
 
 #include <algorithm>
 #include <boost/pending/disjoint_sets.hpp>

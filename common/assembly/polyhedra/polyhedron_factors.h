@@ -6,7 +6,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "common/parametric/polyhedron.h"
+#include "common/assembly/polyhedra/polyhedron.h"
 
 namespace mortise::parametric {
 

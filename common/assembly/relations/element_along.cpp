@@ -1,4 +1,4 @@
-#include "common/parametric/element_along.h"
+#include "common/assembly/relations/element_along.h"
 
 #include <algorithm>
 #include <cmath>

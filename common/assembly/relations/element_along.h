@@ -6,9 +6,9 @@
 #include <utility>
 #include <vector>
 
-#include "common/parametric/assembly.h"
-#include "common/parametric/element.h"
-#include "common/parametric/linear_form.h"
+#include "common/assembly/model/assembly.h"
+#include "common/assembly/model/element.h"
+#include "common/assembly/polyhedra/linear_form.h"
 
 namespace mortise::parametric {
 

@@ -1,4 +1,4 @@
-#include "common/parametric/feasible_set.h"
+#include "common/assembly/relations/feasible_set.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
@@ -13,13 +13,13 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "common/assembly/model/rest_pose.h"
+#include "common/assembly/polyhedra/hit_and_run.h"
+#include "common/assembly/polyhedra/linear_programme.h"
+#include "common/assembly/polyhedra/polyhedron.h"
+#include "common/assembly/polyhedra/polyhedron_extents.h"
+#include "common/assembly/polyhedra/polyhedron_factors.h"
 #include "common/base/errors.h"
-#include "common/parametric/hit_and_run.h"
-#include "common/parametric/linear_programme.h"
-#include "common/parametric/polyhedron.h"
-#include "common/parametric/polyhedron_extents.h"
-#include "common/parametric/polyhedron_factors.h"
-#include "common/parametric/rest_pose.h"
 
 namespace mortise::parametric {
 namespace {

@@ -15,8 +15,8 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "common/parametric/polyhedron.h"
-#include "common/parametric/relationship.h"
+#include "common/assembly/polyhedra/polyhedron.h"
+#include "common/assembly/relations/relationship.h"
 
 namespace mortise::parametric {
 

@@ -1,4 +1,4 @@
-#include "common/parametric/fit_spans.h"
+#include "common/assembly/relations/fit_spans.h"
 
 #include <algorithm>
 #include <cmath>

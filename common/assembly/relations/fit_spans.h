@@ -4,9 +4,9 @@
 
 #include <vector>
 
-#include "common/parametric/bores.h"
-#include "common/parametric/element_along.h"
-#include "common/parametric/linear_form.h"
+#include "common/assembly/model/bores.h"
+#include "common/assembly/polyhedra/linear_form.h"
+#include "common/assembly/relations/element_along.h"
 
 namespace mortise::parametric {
 

@@ -1,4 +1,4 @@
-#include "common/parametric/fits.h"
+#include "common/assembly/relations/fits.h"
 
 #include <algorithm>
 #include <array>
@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "common/mesh/drawn_shape.h"
-#include "common/parametric/oriented_box.h"
+#include "common/assembly/model/oriented_box.h"
+#include "common/mesh/shapes/drawn_shape.h"
 
 namespace mortise::parametric {
 namespace {

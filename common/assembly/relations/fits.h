@@ -6,10 +6,10 @@
 #include <utility>
 #include <vector>
 
-#include "common/parametric/assembly.h"
-#include "common/parametric/element.h"
-#include "common/parametric/relationship.h"
-#include "common/parametric/rest_pose.h"
+#include "common/assembly/model/assembly.h"
+#include "common/assembly/model/element.h"
+#include "common/assembly/model/rest_pose.h"
+#include "common/assembly/relations/relationship.h"
 
 namespace mortise::parametric {
 

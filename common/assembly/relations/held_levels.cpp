@@ -1,4 +1,4 @@
-#include "common/parametric/held_levels.h"
+#include "common/assembly/relations/held_levels.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,11 +9,11 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "common/mesh/shape_levels.h"
-#include "common/parametric/bores.h"
-#include "common/parametric/element_along.h"
-#include "common/parametric/fit_spans.h"
-#include "common/parametric/rest_pose.h"
+#include "common/assembly/model/bores.h"
+#include "common/assembly/model/rest_pose.h"
+#include "common/assembly/relations/element_along.h"
+#include "common/assembly/relations/fit_spans.h"
+#include "common/mesh/shapes/shape_levels.h"
 
 namespace mortise::parametric {
 namespace {

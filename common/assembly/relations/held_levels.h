@@ -8,10 +8,10 @@
 #include <utility>
 #include <vector>
 
-#include "common/parametric/assembly.h"
-#include "common/parametric/element.h"
-#include "common/parametric/relationship.h"
-#include "common/parametric/shape_features.h"
+#include "common/assembly/model/assembly.h"
+#include "common/assembly/model/element.h"
+#include "common/assembly/model/shape_features.h"
+#include "common/assembly/relations/relationship.h"
 
 namespace mortise::parametric {
 

@@ -1,11 +1,11 @@
-#include "common/parametric/pose_contacts.h"
+#include "common/assembly/relations/pose_contacts.h"
 
 #include <algorithm>
 #include <string>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "common/parametric/oriented_box.h"
+#include "common/assembly/model/oriented_box.h"
 
 namespace mortise::parametric {
 namespace {

@@ -1,6 +1,6 @@
-#include "common/parametric/principal_patterns.h"
+#include "common/assembly/relations/principal_patterns.h"
 
-#include "common/parametric/pattern.h"
+#include "common/assembly/model/pattern.h"
 
 namespace mortise::parametric {
 namespace {

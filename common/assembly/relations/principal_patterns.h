@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "common/parametric/element.h"
-#include "common/parametric/relationship.h"
+#include "common/assembly/model/element.h"
+#include "common/assembly/relations/relationship.h"
 
 namespace mortise::parametric {
 

@@ -1,4 +1,4 @@
-#include "common/parametric/relationship.h"
+#include "common/assembly/relations/relationship.h"
 
 #include <algorithm>
 #include <array>
@@ -8,11 +8,11 @@
 #include <set>
 
 #include "absl/strings/str_cat.h"
-#include "common/parametric/fits.h"
-#include "common/parametric/oriented_box.h"
-#include "common/parametric/pose_contacts.h"
-#include "common/parametric/rest_pose.h"
-#include "common/parametric/ties.h"
+#include "common/assembly/model/oriented_box.h"
+#include "common/assembly/model/rest_pose.h"
+#include "common/assembly/relations/fits.h"
+#include "common/assembly/relations/pose_contacts.h"
+#include "common/assembly/relations/ties.h"
 
 namespace mortise::parametric {
 namespace {

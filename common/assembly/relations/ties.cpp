@@ -1,4 +1,4 @@
-#include "common/parametric/ties.h"
+#include "common/assembly/relations/ties.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "common/parametric/pattern.h"
+#include "common/assembly/model/pattern.h"
 
 namespace mortise::parametric {
 namespace {

@@ -1,4 +1,4 @@
-#include "common/parametric/contact_check.h"
+#include "common/assembly/trial/contact_check.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "common/assembly/model/linear_design.h"
 #include "common/base/errors.h"
-#include "common/parametric/linear_design.h"
 
 namespace mortise::parametric {
 namespace {

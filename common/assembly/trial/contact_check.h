@@ -19,12 +19,12 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "common/mesh/proximity.h"
-#include "common/parametric/assembly.h"
-#include "common/parametric/element.h"
-#include "common/parametric/meeting_region.h"
-#include "common/parametric/oriented_box.h"
-#include "common/parametric/rest_pose.h"
+#include "common/assembly/model/assembly.h"
+#include "common/assembly/model/element.h"
+#include "common/assembly/model/oriented_box.h"
+#include "common/assembly/model/rest_pose.h"
+#include "common/assembly/trial/meeting_region.h"
+#include "common/mesh/repair/proximity.h"
 
 namespace mortise::parametric {
 

@@ -1,13 +1,13 @@
-#include "common/parametric/design_trial.h"
+#include "common/assembly/trial/design_trial.h"
 
 #include <algorithm>
 #include <random>
 #include <utility>
 #include <vector>
 
+#include "common/assembly/model/rest_pose.h"
+#include "common/assembly/trial/contact_check.h"
 #include "common/base/errors.h"
-#include "common/parametric/contact_check.h"
-#include "common/parametric/rest_pose.h"
 
 namespace mortise::parametric {
 namespace {

@@ -10,10 +10,10 @@
 #include <set>
 
 #include "absl/status/statusor.h"
-#include "common/parametric/assembly.h"
-#include "common/parametric/element.h"
-#include "common/parametric/feasible_set.h"
-#include "common/parametric/relationship.h"
+#include "common/assembly/model/assembly.h"
+#include "common/assembly/model/element.h"
+#include "common/assembly/relations/feasible_set.h"
+#include "common/assembly/relations/relationship.h"
 
 namespace mortise::parametric {
 

@@ -1,10 +1,10 @@
-#include "common/parametric/drawn_contacts.h"
+#include "common/assembly/trial/drawn_contacts.h"
 
 #include <algorithm>
 
+#include "common/assembly/model/linear_design.h"
 #include "common/base/errors.h"
-#include "common/mesh/proximity.h"
-#include "common/parametric/linear_design.h"
+#include "common/mesh/repair/proximity.h"
 
 namespace mortise::parametric {
 

@@ -1,11 +1,11 @@
-#include "common/parametric/easily_lost.h"
+#include "common/assembly/trial/easily_lost.h"
 
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
+#include "common/assembly/model/pattern_contact.h"
 #include "common/base/errors.h"
-#include "common/parametric/pattern_contact.h"
 
 namespace mortise::parametric {
 namespace {

@@ -5,10 +5,10 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "common/parametric/assembly.h"
-#include "common/parametric/element.h"
-#include "common/parametric/feasible_set.h"
-#include "common/parametric/pattern.h"
+#include "common/assembly/model/assembly.h"
+#include "common/assembly/model/element.h"
+#include "common/assembly/model/pattern.h"
+#include "common/assembly/relations/feasible_set.h"
 
 namespace mortise::parametric {
 

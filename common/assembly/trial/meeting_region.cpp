@@ -1,4 +1,4 @@
-#include "common/parametric/meeting_region.h"
+#include "common/assembly/trial/meeting_region.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>

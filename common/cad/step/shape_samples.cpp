@@ -1,4 +1,4 @@
-#include "common/cad/shape_samples.h"
+#include "common/cad/step/shape_samples.h"
 
 #include <BRepAdaptor_Curve.hxx>
 #include <BRepAdaptor_Surface.hxx>

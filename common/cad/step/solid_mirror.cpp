@@ -1,4 +1,4 @@
-#include "common/cad/solid_mirror.h"
+#include "common/cad/step/solid_mirror.h"
 
 #include <BRepBuilderAPI_Transform.hxx>
 #include <BRepGProp.hxx>
@@ -14,7 +14,7 @@
 #include <gp_Trsf.hxx>
 #include <vector>
 
-#include "common/cad/shape_samples.h"
+#include "common/cad/step/shape_samples.h"
 
 namespace mortise::cad {
 namespace {

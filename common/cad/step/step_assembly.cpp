@@ -1,5 +1,5 @@
 // Paths, placements and names in the tree of a STEP file.
-#include "common/cad/step_assembly.h"
+#include "common/cad/step/step_assembly.h"
 
 #include <algorithm>
 #include <map>

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "common/cad/solid.h"
-#include "common/mesh/drawn_shape.h"
+#include "common/mesh/shapes/drawn_shape.h"
 
 namespace mortise::cad {
 

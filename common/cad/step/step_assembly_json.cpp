@@ -1,4 +1,4 @@
-#include "common/cad/step_assembly_json.h"
+#include "common/cad/step/step_assembly_json.h"
 
 #include <nlohmann/json.hpp>
 

@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "absl/status/statusor.h"
-#include "common/cad/step_assembly.h"
+#include "common/cad/step/step_assembly.h"
 
 namespace mortise::cad {
 

@@ -1,4 +1,4 @@
-#include "common/cad/step_collector.h"
+#include "common/cad/step/step_collector.h"
 
 #include <Quantity_Color.hxx>
 #include <Standard_Failure.hxx>
@@ -25,12 +25,12 @@
 #include "common/base/errors.h"
 #include "common/base/field_violations.h"
 #include "common/cad/solid_kernel.h"
-#include "common/cad/solid_mirror.h"
-#include "common/cad/solid_shape.h"
-#include "common/cad/step_document.h"
-#include "common/cad/step_measure.h"
-#include "common/cad/step_soundness.h"
-#include "common/cad/step_structure.h"
+#include "common/cad/step/solid_mirror.h"
+#include "common/cad/step/step_document.h"
+#include "common/cad/step/step_measure.h"
+#include "common/cad/step/step_soundness.h"
+#include "common/cad/step/step_structure.h"
+#include "common/cad/stretch/solid_shape.h"
 
 namespace mortise::cad {
 namespace {

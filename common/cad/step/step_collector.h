@@ -6,9 +6,9 @@
 #include <TopTools_MapOfShape.hxx>
 
 #include "absl/status/statusor.h"
-#include "common/cad/step_assembly.h"
-#include "common/cad/step_operators.h"
-#include "common/cad/step_places.h"
+#include "common/cad/step/step_assembly.h"
+#include "common/cad/step/step_operators.h"
+#include "common/cad/step/step_places.h"
 
 namespace mortise::cad {
 

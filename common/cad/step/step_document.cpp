@@ -1,5 +1,5 @@
 // Documents, names and temporary files for STEP.
-#include "common/cad/step_document.h"
+#include "common/cad/step/step_document.h"
 
 #include <Message.hxx>
 #include <Message_Messenger.hxx>

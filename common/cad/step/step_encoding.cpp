@@ -1,5 +1,5 @@
 // Encodings are converted by the C library's iconv.
-#include "common/cad/step_encoding.h"
+#include "common/cad/step/step_encoding.h"
 
 #include <iconv.h>
 
@@ -14,7 +14,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "common/base/errors.h"
-#include "common/cad/step_tokens.h"
+#include "common/cad/step/step_tokens.h"
 
 namespace mortise::cad {
 namespace {

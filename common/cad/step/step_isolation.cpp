@@ -1,4 +1,4 @@
-#include "common/cad/step_isolation.h"
+#include "common/cad/step/step_isolation.h"
 
 #include <fcntl.h>
 #include <poll.h>
@@ -21,8 +21,8 @@
 #include "absl/strings/str_split.h"
 #include "common/base/errors.h"
 #include "common/cad/solid_kernel.h"
-#include "common/cad/step_assembly_json.h"
-#include "common/cad/step_reader.h"
+#include "common/cad/step/step_assembly_json.h"
+#include "common/cad/step/step_reader.h"
 
 extern char** environ;
 

@@ -1,4 +1,4 @@
-#include "common/cad/step_losses.h"
+#include "common/cad/step/step_losses.h"
 
 #include <Interface_EntityIterator.hxx>
 #include <Interface_Graph.hxx>
@@ -35,7 +35,7 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
-#include "common/cad/step_structure.h"
+#include "common/cad/step/step_structure.h"
 
 namespace mortise::cad {
 namespace {

@@ -1,4 +1,4 @@
-#include "common/cad/step_measure.h"
+#include "common/cad/step/step_measure.h"
 
 #include <cmath>
 

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "common/cad/solid_box.h"
-#include "common/cad/step_assembly.h"
+#include "common/cad/step/step_assembly.h"
 
 namespace mortise::cad {
 

@@ -1,4 +1,4 @@
-#include "common/cad/step_naming.h"
+#include "common/cad/step/step_naming.h"
 
 #include <algorithm>
 #include <map>

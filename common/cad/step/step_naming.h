@@ -1,7 +1,7 @@
 // Names of what was read from a STEP file, and notes that need them.
 #pragma once
 
-#include "common/cad/step_assembly.h"
+#include "common/cad/step/step_assembly.h"
 
 namespace mortise::cad {
 

@@ -1,4 +1,4 @@
-#include "common/cad/step_operators.h"
+#include "common/cad/step/step_operators.h"
 
 #include <Interface_Graph.hxx>
 #include <Interface_HGraph.hxx>
@@ -22,7 +22,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
-#include "common/cad/step_document.h"
+#include "common/cad/step/step_document.h"
 
 namespace mortise::cad {
 namespace {

@@ -1,4 +1,4 @@
-#include "common/cad/step_places.h"
+#include "common/cad/step/step_places.h"
 
 #include <StepBasic_ProductDefinition.hxx>
 #include <StepRepr_MappedItem.hxx>

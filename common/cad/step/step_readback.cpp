@@ -1,4 +1,4 @@
-#include "common/cad/step_readback.h"
+#include "common/cad/step/step_readback.h"
 
 #include <BRepCheck_Analyzer.hxx>
 #include <IFSelect_ReturnStatus.hxx>
@@ -11,10 +11,10 @@
 #include <utility>
 
 #include "common/base/errors.h"
-#include "common/cad/closed_faces.h"
 #include "common/cad/solid_kernel.h"
-#include "common/cad/solid_stretch.h"
-#include "common/cad/step_document.h"
+#include "common/cad/step/step_document.h"
+#include "common/cad/stretch/closed_faces.h"
+#include "common/cad/stretch/solid_stretch.h"
 
 namespace mortise::cad {
 namespace {

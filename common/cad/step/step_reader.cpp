@@ -1,5 +1,5 @@
 // Reads STEP through Open CASCADE's extended data framework.
-#include "common/cad/step_reader.h"
+#include "common/cad/step/step_reader.h"
 
 #include <IFSelect_ReturnStatus.hxx>
 #include <Interface_Static.hxx>
@@ -15,17 +15,17 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "common/base/errors.h"
-#include "common/cad/step_collector.h"
-#include "common/cad/step_document.h"
-#include "common/cad/step_encoding.h"
-#include "common/cad/step_losses.h"
-#include "common/cad/step_naming.h"
-#include "common/cad/step_operators.h"
-#include "common/cad/step_places.h"
-#include "common/cad/step_references.h"
-#include "common/cad/step_statements.h"
-#include "common/cad/step_structure.h"
-#include "common/cad/step_units.h"
+#include "common/cad/step/step_collector.h"
+#include "common/cad/step/step_document.h"
+#include "common/cad/step/step_encoding.h"
+#include "common/cad/step/step_losses.h"
+#include "common/cad/step/step_naming.h"
+#include "common/cad/step/step_operators.h"
+#include "common/cad/step/step_places.h"
+#include "common/cad/step/step_references.h"
+#include "common/cad/step/step_statements.h"
+#include "common/cad/step/step_structure.h"
+#include "common/cad/step/step_units.h"
 
 namespace mortise::cad {
 namespace {

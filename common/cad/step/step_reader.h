@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "common/cad/step_assembly.h"
+#include "common/cad/step/step_assembly.h"
 
 namespace mortise::cad {
 

@@ -1,11 +1,11 @@
 // Goes through the text twice: for what is defined, and for what is used.
-#include "common/cad/step_references.h"
+#include "common/cad/step/step_references.h"
 
 #include <algorithm>
 #include <iterator>
 #include <map>
 
-#include "common/cad/step_tokens.h"
+#include "common/cad/step/step_tokens.h"
 
 namespace mortise::cad {
 namespace {

@@ -1,4 +1,4 @@
-#include "common/cad/step_soundness.h"
+#include "common/cad/step/step_soundness.h"
 
 #include <BRepCheck_Analyzer.hxx>
 #include <BRepGProp.hxx>

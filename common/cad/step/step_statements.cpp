@@ -1,4 +1,4 @@
-#include "common/cad/step_statements.h"
+#include "common/cad/step/step_statements.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
-#include "common/cad/step_tokens.h"
+#include "common/cad/step/step_tokens.h"
 
 namespace mortise::cad {
 namespace {

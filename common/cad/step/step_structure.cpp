@@ -1,4 +1,4 @@
-#include "common/cad/step_structure.h"
+#include "common/cad/step/step_structure.h"
 
 #include <Interface_Check.hxx>
 #include <STEPConstruct_ExternRefs.hxx>

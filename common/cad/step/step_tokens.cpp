@@ -1,4 +1,4 @@
-#include "common/cad/step_tokens.h"
+#include "common/cad/step/step_tokens.h"
 
 #include <algorithm>
 #include <limits>

@@ -1,4 +1,4 @@
-#include "common/cad/step_units.h"
+#include "common/cad/step/step_units.h"
 
 #include <STEPConstruct_UnitContext.hxx>
 #include <StepBasic_ConversionBasedUnitAndLengthUnit.hxx>

@@ -1,5 +1,5 @@
 // Writes STEP through Open CASCADE's extended data framework, which keeps names and colours.
-#include "common/cad/step_writer.h"
+#include "common/cad/step/step_writer.h"
 
 #include <BRepBuilderAPI_Transform.hxx>
 #include <IFSelect_ReturnStatus.hxx>
@@ -25,11 +25,11 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
-#include "common/cad/closed_faces.h"
 #include "common/cad/solid_kernel.h"
-#include "common/cad/step_document.h"
-#include "common/cad/step_readback.h"
-#include "common/cad/step_structure.h"
+#include "common/cad/step/step_document.h"
+#include "common/cad/step/step_readback.h"
+#include "common/cad/step/step_structure.h"
+#include "common/cad/stretch/closed_faces.h"
 
 namespace mortise::cad {
 namespace {

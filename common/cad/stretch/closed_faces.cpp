@@ -1,4 +1,4 @@
-#include "common/cad/closed_faces.h"
+#include "common/cad/stretch/closed_faces.h"
 
 #include <BRepAdaptor_Surface.hxx>
 #include <BRepAlgoAPI_Splitter.hxx>
@@ -24,7 +24,7 @@
 #include <gp_Torus.hxx>
 #include <optional>
 
-#include "common/cad/stretched_curve.h"
+#include "common/cad/stretch/stretched_curve.h"
 
 namespace mortise::cad {
 namespace {

@@ -1,4 +1,4 @@
-#include "common/cad/fitted_curve.h"
+#include "common/cad/stretch/fitted_curve.h"
 
 #include <Eigen/LU>
 #include <TColStd_Array1OfInteger.hxx>

@@ -1,4 +1,4 @@
-#include "common/cad/solid_shape.h"
+#include "common/cad/stretch/solid_shape.h"
 
 #include <BRepAdaptor_Surface.hxx>
 #include <BRepBuilderAPI_Transform.hxx>
@@ -23,8 +23,8 @@
 #include "common/base/errors.h"
 #include "common/cad/faceted_solid.h"
 #include "common/cad/solid_kernel.h"
-#include "common/cad/solid_stretch.h"
 #include "common/cad/solid_surface.h"
+#include "common/cad/stretch/solid_stretch.h"
 
 namespace mortise::cad {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "absl/status/statusor.h"
 #include "common/cad/solid.h"
-#include "common/mesh/drawn_shape.h"
+#include "common/mesh/shapes/drawn_shape.h"
 
 namespace mortise::cad {
 

@@ -1,4 +1,4 @@
-#include "common/cad/solid_stretch.h"
+#include "common/cad/stretch/solid_stretch.h"
 
 #include <BRepBuilderAPI_GTransform.hxx>
 #include <BRepBuilderAPI_Transform.hxx>
@@ -30,11 +30,11 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
-#include "common/cad/fitted_curve.h"
 #include "common/cad/solid_box.h"
 #include "common/cad/solid_kernel.h"
-#include "common/cad/stretched_curve.h"
-#include "common/cad/stretched_surface.h"
+#include "common/cad/stretch/fitted_curve.h"
+#include "common/cad/stretch/stretched_curve.h"
+#include "common/cad/stretch/stretched_surface.h"
 
 namespace mortise::cad {
 namespace {

@@ -1,6 +1,6 @@
 // A linear map takes a conic to a conic: where two conjugate diameters of the one go, there are two
 // of the other. Its own axes are found by moving along it, so that its parameter only shifts.
-#include "common/cad/stretched_curve.h"
+#include "common/cad/stretch/stretched_curve.h"
 
 #include <GeomConvert.hxx>
 #include <Geom_BSplineCurve.hxx>

@@ -1,4 +1,4 @@
-#include "common/cad/stretched_surface.h"
+#include "common/cad/stretch/stretched_surface.h"
 
 #include <Eigen/Geometry>
 #include <GeomConvert.hxx>
@@ -26,7 +26,7 @@
 #include <limits>
 #include <numbers>
 
-#include "common/cad/stretched_curve.h"
+#include "common/cad/stretch/stretched_curve.h"
 
 namespace mortise::cad {
 namespace {

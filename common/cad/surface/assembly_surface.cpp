@@ -1,5 +1,5 @@
 // Fuses the parts' solids with Open CASCADE's general fuse and triangulates each piece once.
-#include "common/cad/assembly_surface.h"
+#include "common/cad/surface/assembly_surface.h"
 
 #include <BRepAdaptor_Surface.hxx>
 #include <BRepMesh_IncrementalMesh.hxx>
@@ -22,18 +22,18 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "common/base/errors.h"
-#include "common/cad/edge_lengths.h"
-#include "common/cad/exact_middles.h"
-#include "common/cad/facet_balance.h"
-#include "common/cad/gmsh_triangles.h"
-#include "common/cad/part_gaps.h"
-#include "common/cad/solid_fusion.h"
 #include "common/cad/solid_kernel.h"
+#include "common/cad/surface/edge_lengths.h"
+#include "common/cad/surface/exact_middles.h"
+#include "common/cad/surface/facet_balance.h"
+#include "common/cad/surface/gmsh_triangles.h"
+#include "common/cad/surface/part_gaps.h"
+#include "common/cad/surface/solid_fusion.h"
 #include "common/cad/triangle_joiner.h"
-#include "common/mesh/inside_point.h"
 #include "common/mesh/mass_properties.h"
-#include "common/mesh/mesher.h"
+#include "common/mesh/measures/inside_point.h"
 #include "common/mesh/surface_check.h"
+#include "common/mesh/tetrahedra/mesher.h"
 
 namespace mortise::cad {
 namespace {

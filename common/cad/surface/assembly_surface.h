@@ -20,7 +20,7 @@
 
 #include "absl/status/statusor.h"
 #include "common/cad/solid.h"
-#include "common/mesh/part_shape.h"
+#include "common/mesh/shapes/part_shape.h"
 #include "common/mesh/surface_mesh.h"
 
 namespace mortise::cad {

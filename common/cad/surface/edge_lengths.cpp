@@ -1,4 +1,4 @@
-#include "common/cad/edge_lengths.h"
+#include "common/cad/surface/edge_lengths.h"
 
 #include <BRepAdaptor_Surface.hxx>
 #include <BRepLProp_SLProps.hxx>

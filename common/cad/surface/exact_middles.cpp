@@ -1,4 +1,4 @@
-#include "common/cad/exact_middles.h"
+#include "common/cad/surface/exact_middles.h"
 
 #include <BRep_Tool.hxx>
 #include <Eigen/Geometry>

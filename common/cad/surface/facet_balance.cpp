@@ -1,4 +1,4 @@
-#include "common/cad/facet_balance.h"
+#include "common/cad/surface/facet_balance.h"
 
 #include <BRepAdaptor_Surface.hxx>
 #include <BRep_Tool.hxx>

@@ -1,4 +1,4 @@
-#include "common/cad/gmsh_mesh.h"
+#include "common/cad/surface/gmsh_mesh.h"
 
 #include <BRepTools.hxx>
 #include <BRep_Builder.hxx>
@@ -21,8 +21,8 @@
 #include "common/base/files.h"
 #include "common/base/process.h"
 #include "common/base/temporary_folder.h"
-#include "common/cad/assembly_surface.h"
 #include "common/cad/solid_kernel.h"
+#include "common/cad/surface/assembly_surface.h"
 
 namespace mortise::cad {
 namespace {

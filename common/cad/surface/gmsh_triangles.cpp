@@ -1,4 +1,4 @@
-#include "common/cad/gmsh_triangles.h"
+#include "common/cad/surface/gmsh_triangles.h"
 
 #include <BRepAdaptor_Surface.hxx>
 #include <BRep_Builder.hxx>
@@ -15,9 +15,9 @@
 #include <utility>
 
 #include "common/base/errors.h"
-#include "common/cad/assembly_surface.h"
-#include "common/cad/gmsh_mesh.h"
 #include "common/cad/solid_kernel.h"
+#include "common/cad/surface/assembly_surface.h"
+#include "common/cad/surface/gmsh_mesh.h"
 
 namespace mortise::cad {
 namespace {

@@ -1,4 +1,4 @@
-#include "common/cad/part_gaps.h"
+#include "common/cad/surface/part_gaps.h"
 
 #include <BRepAdaptor_Surface.hxx>
 #include <BRepBndLib.hxx>

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "common/cad/solid_fusion.h"
+#include "common/cad/surface/solid_fusion.h"
 
 namespace mortise::cad {
 

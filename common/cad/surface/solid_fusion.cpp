@@ -1,4 +1,4 @@
-#include "common/cad/solid_fusion.h"
+#include "common/cad/surface/solid_fusion.h"
 
 #include <BRepBndLib.hxx>
 #include <BRepBuilderAPI_Copy.hxx>

@@ -1,4 +1,4 @@
-#include "services/simulator/analysis_case.h"
+#include "common/fem/elements/analysis_case.h"
 
 #include <algorithm>
 #include <cmath>

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "common/fem/elements/material.h"
 #include "common/mesh/tetrahedral_mesh.h"
-#include "services/simulator/material.h"
 
 namespace mortise::simulator {
 

@@ -1,8 +1,8 @@
-#include "services/simulator/internal_forces.h"
+#include "common/fem/elements/internal_forces.h"
 
 #include <algorithm>
 
-#include "services/simulator/shape_functions.h"
+#include "common/fem/elements/shape_functions.h"
 
 namespace mortise::simulator {
 namespace {

@@ -1,4 +1,4 @@
-#include "services/simulator/loads.h"
+#include "common/fem/elements/loads.h"
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
@@ -6,7 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
-#include "services/simulator/shape_functions.h"
+#include "common/fem/elements/shape_functions.h"
 
 namespace mortise::simulator {
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "services/simulator/analysis_case.h"
+#include "common/fem/elements/analysis_case.h"
 
 namespace mortise::simulator {
 

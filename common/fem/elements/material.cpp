@@ -1,4 +1,4 @@
-#include "services/simulator/material.h"
+#include "common/fem/elements/material.h"
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>

@@ -1,11 +1,11 @@
-#include "services/simulator/assembly.h"
+#include "common/fem/elements/matrix_assembly.h"
 
 #include <atomic>
 #include <limits>
 
 #include "absl/strings/str_format.h"
 #include "common/base/errors.h"
-#include "services/simulator/shape_functions.h"
+#include "common/fem/elements/shape_functions.h"
 
 namespace mortise::simulator {
 namespace {
@@ -31,29 +31,7 @@ void TurnIntoFrames(const mesh::TetrahedralMesh& mesh, const NodeFrames& frames,
   }
 }
 
-Eigen::Matrix3Xd Turn(const NodeFrames& frames, bool to_space, Eigen::Matrix3Xd vectors) {
-  for (std::size_t v = 0; v < frames.index.size(); ++v) {
-    if (frames.index[v] < 0) continue;
-    const Eigen::Matrix3d& axes = frames.axes[frames.index[v]];
-    const Eigen::Vector3d before = vectors.col(v);
-    if (to_space) {
-      vectors.col(v) = axes * before;
-    } else {
-      vectors.col(v) = axes.transpose() * before;
-    }
-  }
-  return vectors;
-}
-
 }  // namespace
-
-Eigen::Matrix3Xd NodeFrames::ToFrames(Eigen::Matrix3Xd vectors) const {
-  return Turn(*this, false, std::move(vectors));
-}
-
-Eigen::Matrix3Xd NodeFrames::ToSpace(Eigen::Matrix3Xd vectors) const {
-  return Turn(*this, true, std::move(vectors));
-}
 
 absl::Status CheckMesh(const mesh::TetrahedralMesh& mesh) {
   const Eigen::Index rows = mesh.tetrahedra.rows();

@@ -6,24 +6,12 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "common/fem/linear/block_matrix.h"
+#include "common/fem/linear/node_frames.h"
+#include "common/fem/linear/thread_team.h"
 #include "common/mesh/tetrahedral_mesh.h"
-#include "services/simulator/block_matrix.h"
-#include "services/simulator/thread_team.h"
 
 namespace mortise::simulator {
-
-// Directions in which the displacement of some nodes is counted instead of x, y, z: what a support
-// along an inclined normal needs. Displacement in space = axes · displacement in the frame.
-struct NodeFrames {
-  std::vector<int> index;             // nodes: which of `axes`, or -1; empty where no node has one
-  std::vector<Eigen::Matrix3d> axes;  // rotations; columns are the directions
-
-  bool empty() const { return index.empty(); }
-
-  // 3 × nodes vectors in space as components along the frames, and back.
-  Eigen::Matrix3Xd ToFrames(Eigen::Matrix3Xd vectors) const;
-  Eigen::Matrix3Xd ToSpace(Eigen::Matrix3Xd vectors) const;
-};
 
 // Writes the blocks of the symmetric matrix of element `e` on and above the diagonal, row by row
 // ((0,0), (0,1) … (1,1) …, zero before); false if the element is inverted or has no volume. It is

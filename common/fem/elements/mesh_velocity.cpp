@@ -1,12 +1,12 @@
-#include "services/simulator/mesh_velocity.h"
+#include "common/fem/elements/mesh_velocity.h"
 
 #include <algorithm>
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
-#include "services/simulator/material.h"
-#include "services/simulator/sparse_cholesky.h"
-#include "services/simulator/stiffness.h"
+#include "common/fem/elements/material.h"
+#include "common/fem/elements/stiffness.h"
+#include "common/fem/linear/sparse_cholesky.h"
 
 namespace mortise::simulator {
 namespace {

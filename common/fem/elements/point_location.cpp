@@ -1,8 +1,8 @@
-#include "services/simulator/point_location.h"
+#include "common/fem/elements/point_location.h"
 
 #include <Eigen/LU>
 
-#include "services/simulator/shape_functions.h"
+#include "common/fem/elements/shape_functions.h"
 
 namespace mortise::simulator {
 namespace {

@@ -1,10 +1,10 @@
-#include "services/simulator/shape_derivative.h"
+#include "common/fem/elements/shape_derivative.h"
 
 #include <Eigen/Geometry>
 #include <utility>
 
 #include "absl/functional/function_ref.h"
-#include "services/simulator/shape_functions.h"
+#include "common/fem/elements/shape_functions.h"
 
 namespace mortise::simulator {
 namespace {

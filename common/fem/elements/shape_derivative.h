@@ -13,8 +13,8 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "common/fem/elements/analysis_case.h"
 #include "common/mesh/tetrahedral_mesh.h"
-#include "services/simulator/analysis_case.h"
 
 namespace mortise::simulator {
 

@@ -1,4 +1,4 @@
-#include "services/simulator/shape_functions.h"
+#include "common/fem/elements/shape_functions.h"
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>

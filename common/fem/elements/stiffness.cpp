@@ -1,10 +1,10 @@
-#include "services/simulator/stiffness.h"
+#include "common/fem/elements/stiffness.h"
 
 #include <array>
 #include <utility>
 
 #include "common/base/errors.h"
-#include "services/simulator/shape_functions.h"
+#include "common/fem/elements/shape_functions.h"
 
 namespace mortise::simulator {
 namespace {

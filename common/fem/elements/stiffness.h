@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "services/simulator/assembly.h"
-#include "services/simulator/block_matrix.h"
-#include "services/simulator/material.h"
+#include "common/fem/elements/material.h"
+#include "common/fem/elements/matrix_assembly.h"
+#include "common/fem/linear/block_matrix.h"
 
 namespace mortise::simulator {
 

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "services/simulator/analysis_case.h"
-#include "services/simulator/assembly.h"
+#include "common/fem/elements/analysis_case.h"
+#include "common/fem/elements/matrix_assembly.h"
 
 namespace mortise::simulator {
 

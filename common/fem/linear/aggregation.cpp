@@ -1,4 +1,4 @@
-#include "services/simulator/aggregation.h"
+#include "common/fem/linear/aggregation.h"
 
 #include <cmath>
 #include <utility>

@@ -10,10 +10,10 @@
 #include <memory>
 #include <vector>
 
-#include "services/simulator/block_rows.h"
-#include "services/simulator/multigrid_level.h"
-#include "services/simulator/multigrid_options.h"
-#include "services/simulator/thread_team.h"
+#include "common/fem/linear/block_rows.h"
+#include "common/fem/linear/multigrid_level.h"
+#include "common/fem/linear/multigrid_options.h"
+#include "common/fem/linear/thread_team.h"
 
 namespace mortise::simulator {
 

@@ -1,8 +1,8 @@
-#include "services/simulator/block_matrix.h"
+#include "common/fem/linear/block_matrix.h"
 
 #include <algorithm>
 
-#include "services/simulator/block_rows.h"
+#include "common/fem/linear/block_rows.h"
 
 namespace mortise::simulator {
 namespace {

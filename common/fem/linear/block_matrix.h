@@ -6,9 +6,9 @@
 #include <memory>
 #include <vector>
 
+#include "common/fem/linear/block_pattern.h"
+#include "common/fem/linear/thread_team.h"
 #include "common/mesh/tetrahedral_mesh.h"
-#include "services/simulator/block_pattern.h"
-#include "services/simulator/thread_team.h"
 
 namespace mortise::simulator {
 

@@ -1,4 +1,4 @@
-#include "services/simulator/block_pattern.h"
+#include "common/fem/linear/block_pattern.h"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "services/simulator/block_rows.h"
+#include "common/fem/linear/block_rows.h"
 
 #include <cstring>
 

@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "services/simulator/block_pattern.h"
-#include "services/simulator/thread_team.h"
+#include "common/fem/linear/block_pattern.h"
+#include "common/fem/linear/thread_team.h"
 
 namespace mortise::simulator {
 

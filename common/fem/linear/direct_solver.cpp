@@ -1,10 +1,10 @@
-#include "services/simulator/direct_solver.h"
+#include "common/fem/linear/direct_solver.h"
 
 #include <chrono>
 #include <utility>
 
 #include "common/base/errors.h"
-#include "services/simulator/sparse_cholesky.h"
+#include "common/fem/linear/sparse_cholesky.h"
 
 namespace mortise::simulator {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "services/simulator/linear_solver.h"
+#include "common/fem/linear/linear_solver.h"
 
 namespace mortise::simulator {
 

@@ -1,4 +1,4 @@
-#include "services/simulator/exact_correction.h"
+#include "common/fem/linear/exact_correction.h"
 
 #include <cmath>
 #include <limits>

@@ -1,4 +1,4 @@
-#include "services/simulator/iterative_solver.h"
+#include "common/fem/linear/iterative_solver.h"
 
 #include <algorithm>
 #include <chrono>
@@ -7,7 +7,7 @@
 
 #include "absl/strings/str_format.h"
 #include "common/base/errors.h"
-#include "services/simulator/tridiagonal.h"
+#include "common/fem/linear/tridiagonal.h"
 
 namespace mortise::simulator {
 namespace {

@@ -4,9 +4,9 @@
 #include <memory>
 #include <vector>
 
-#include "services/simulator/linear_solver.h"
-#include "services/simulator/multigrid.h"
-#include "services/simulator/thread_team.h"
+#include "common/fem/linear/linear_solver.h"
+#include "common/fem/linear/multigrid.h"
+#include "common/fem/linear/thread_team.h"
 
 namespace mortise::simulator {
 

@@ -1,4 +1,4 @@
-#include "services/simulator/linear_solver.h"
+#include "common/fem/linear/linear_solver.h"
 
 #include <functional>
 #include <limits>
@@ -6,9 +6,9 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
-#include "services/simulator/direct_solver.h"
-#include "services/simulator/iterative_solver.h"
-#include "services/simulator/sparse_cholesky.h"
+#include "common/fem/linear/direct_solver.h"
+#include "common/fem/linear/iterative_solver.h"
+#include "common/fem/linear/sparse_cholesky.h"
 
 namespace mortise::simulator {
 namespace {

@@ -18,10 +18,10 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "common/fem/linear/block_matrix.h"
+#include "common/fem/linear/multigrid_options.h"
+#include "common/fem/linear/node_frames.h"
 #include "common/mesh/tetrahedral_mesh.h"
-#include "services/simulator/assembly.h"
-#include "services/simulator/block_matrix.h"
-#include "services/simulator/multigrid_options.h"
 
 namespace mortise::simulator {
 

@@ -1,4 +1,4 @@
-#include "services/simulator/multigrid.h"
+#include "common/fem/linear/multigrid.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "common/base/errors.h"
+#include "common/fem/linear/aggregation.h"
+#include "common/fem/linear/block_rows.h"
+#include "common/fem/linear/multigrid_level.h"
 #include "common/mesh/element_faces.h"
-#include "services/simulator/aggregation.h"
-#include "services/simulator/block_rows.h"
-#include "services/simulator/multigrid_level.h"
 
 namespace mortise::simulator {
 namespace {

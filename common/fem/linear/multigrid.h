@@ -10,11 +10,11 @@
 #include <memory>
 
 #include "absl/status/status.h"
+#include "common/fem/linear/block_matrix.h"
+#include "common/fem/linear/multigrid_options.h"
+#include "common/fem/linear/node_frames.h"
+#include "common/fem/linear/thread_team.h"
 #include "common/mesh/tetrahedral_mesh.h"
-#include "services/simulator/assembly.h"
-#include "services/simulator/block_matrix.h"
-#include "services/simulator/multigrid_options.h"
-#include "services/simulator/thread_team.h"
 
 namespace mortise::simulator {
 

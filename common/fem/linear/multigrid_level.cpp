@@ -1,9 +1,9 @@
-#include "services/simulator/multigrid_level.h"
+#include "common/fem/linear/multigrid_level.h"
 
 #include <Eigen/Cholesky>
 #include <cmath>
 
-#include "services/simulator/tridiagonal.h"
+#include "common/fem/linear/tridiagonal.h"
 
 namespace mortise::simulator {
 namespace {

@@ -6,8 +6,8 @@
 #include <memory>
 #include <vector>
 
-#include "services/simulator/block_rows.h"
-#include "services/simulator/thread_team.h"
+#include "common/fem/linear/block_rows.h"
+#include "common/fem/linear/thread_team.h"
 
 namespace mortise::simulator {
 

@@ -1,4 +1,4 @@
-#include "services/simulator/null_space.h"
+#include "common/fem/linear/null_space.h"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>

@@ -1,4 +1,4 @@
-#include "services/simulator/sparse_cholesky.h"
+#include "common/fem/linear/sparse_cholesky.h"
 
 #include <cholmod.h>
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "services/simulator/block_matrix.h"
+#include "common/fem/linear/block_matrix.h"
 
 namespace mortise::simulator {
 

@@ -1,4 +1,4 @@
-#include "services/simulator/stage_progress.h"
+#include "common/fem/linear/stage_progress.h"
 
 #include <algorithm>
 #include <utility>

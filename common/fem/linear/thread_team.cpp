@@ -1,4 +1,4 @@
-#include "services/simulator/thread_team.h"
+#include "common/fem/linear/thread_team.h"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "services/simulator/tridiagonal.h"
+#include "common/fem/linear/tridiagonal.h"
 
 #include <algorithm>
 #include <cmath>

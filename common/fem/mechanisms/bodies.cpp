@@ -1,4 +1,4 @@
-#include "services/simulator/bodies.h"
+#include "common/fem/mechanisms/bodies.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "services/simulator/free_motions.h"
+#include "common/fem/mechanisms/free_motions.h"
 
 #include <Eigen/Geometry>
 #include <Eigen/SVD>
@@ -11,7 +11,7 @@
 #include "absl/strings/str_format.h"
 #include "common/base/errors.h"
 #include "common/base/units.h"
-#include "services/simulator/null_space.h"
+#include "common/fem/linear/null_space.h"
 
 namespace mortise::simulator {
 namespace {

@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "common/fem/mechanisms/joints.h"
 #include "common/mesh/tetrahedral_mesh.h"
-#include "services/simulator/joints.h"
 
 namespace mortise::simulator {
 

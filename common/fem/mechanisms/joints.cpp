@@ -1,4 +1,4 @@
-#include "services/simulator/joints.h"
+#include "common/fem/mechanisms/joints.h"
 
 #include <Eigen/Geometry>
 #include <Eigen/QR>

@@ -4,9 +4,9 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "common/fem/elements/supports.h"
+#include "common/fem/mechanisms/bodies.h"
 #include "common/mesh/tetrahedral_mesh.h"
-#include "services/simulator/bodies.h"
-#include "services/simulator/supports.h"
 
 namespace mortise::simulator {
 

@@ -1,4 +1,4 @@
-#include "services/simulator/elasticity.h"
+#include "common/fem/problems/elasticity.h"
 
 #include <chrono>
 #include <cmath>
@@ -10,14 +10,14 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "common/base/errors.h"
-#include "services/simulator/exact_correction.h"
-#include "services/simulator/free_motions.h"
-#include "services/simulator/internal_forces.h"
-#include "services/simulator/loads.h"
-#include "services/simulator/stiffness.h"
-#include "services/simulator/stress_recovery.h"
-#include "services/simulator/supports.h"
-#include "services/simulator/thread_team.h"
+#include "common/fem/elements/internal_forces.h"
+#include "common/fem/elements/loads.h"
+#include "common/fem/elements/stiffness.h"
+#include "common/fem/elements/supports.h"
+#include "common/fem/linear/exact_correction.h"
+#include "common/fem/linear/thread_team.h"
+#include "common/fem/mechanisms/free_motions.h"
+#include "common/fem/stress/stress_recovery.h"
 
 namespace mortise::simulator {
 namespace {

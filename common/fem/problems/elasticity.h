@@ -12,11 +12,11 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "common/fem/elements/analysis_case.h"
+#include "common/fem/linear/linear_solver.h"
+#include "common/fem/stress/patch_recovery.h"
+#include "common/fem/stress/surface_traction.h"
 #include "common/mesh/tetrahedral_mesh.h"
-#include "services/simulator/analysis_case.h"
-#include "services/simulator/linear_solver.h"
-#include "services/simulator/patch_recovery.h"
-#include "services/simulator/surface_traction.h"
 
 namespace mortise::simulator {
 

@@ -1,4 +1,4 @@
-#include "services/simulator/heat_conduction.h"
+#include "common/fem/problems/heat_conduction.h"
 
 #include <algorithm>
 #include <chrono>
@@ -6,10 +6,10 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
-#include "services/simulator/analysis_case.h"
-#include "services/simulator/assembly.h"
-#include "services/simulator/bodies.h"
-#include "services/simulator/shape_functions.h"
+#include "common/fem/elements/analysis_case.h"
+#include "common/fem/elements/matrix_assembly.h"
+#include "common/fem/elements/shape_functions.h"
+#include "common/fem/mechanisms/bodies.h"
 
 namespace mortise::simulator {
 namespace {

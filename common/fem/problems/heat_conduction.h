@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "common/fem/elements/material.h"
+#include "common/fem/linear/sparse_cholesky.h"
 #include "common/mesh/tetrahedral_mesh.h"
-#include "services/simulator/material.h"
-#include "services/simulator/sparse_cholesky.h"
 
 namespace mortise::simulator {
 

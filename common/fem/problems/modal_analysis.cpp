@@ -1,4 +1,4 @@
-#include "services/simulator/modal_analysis.h"
+#include "common/fem/problems/modal_analysis.h"
 
 #include <Spectra/SymGEigsShiftSolver.h>
 
@@ -12,10 +12,10 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "common/base/errors.h"
-#include "services/simulator/free_motions.h"
-#include "services/simulator/internal_forces.h"
-#include "services/simulator/stiffness.h"
-#include "services/simulator/supports.h"
+#include "common/fem/elements/internal_forces.h"
+#include "common/fem/elements/stiffness.h"
+#include "common/fem/elements/supports.h"
+#include "common/fem/mechanisms/free_motions.h"
 
 namespace mortise::simulator {
 namespace {

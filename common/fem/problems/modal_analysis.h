@@ -12,9 +12,9 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "common/fem/elements/analysis_case.h"
+#include "common/fem/linear/sparse_cholesky.h"
 #include "common/mesh/tetrahedral_mesh.h"
-#include "services/simulator/analysis_case.h"
-#include "services/simulator/sparse_cholesky.h"
 
 namespace mortise::simulator {
 

@@ -1,12 +1,12 @@
-#include "services/simulator/error_estimate.h"
+#include "common/fem/stress/error_estimate.h"
 
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
-#include "services/simulator/part_surface.h"
-#include "services/simulator/shape_functions.h"
-#include "services/simulator/stress_recovery.h"
+#include "common/fem/elements/shape_functions.h"
+#include "common/fem/stress/part_surface.h"
+#include "common/fem/stress/stress_recovery.h"
 
 namespace mortise::simulator {
 namespace {

@@ -8,10 +8,10 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "common/fem/elements/material.h"
+#include "common/fem/linear/thread_team.h"
+#include "common/fem/stress/surface_traction.h"
 #include "common/mesh/tetrahedral_mesh.h"
-#include "services/simulator/material.h"
-#include "services/simulator/surface_traction.h"
-#include "services/simulator/thread_team.h"
 
 namespace mortise::simulator {
 

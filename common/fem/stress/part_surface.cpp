@@ -1,4 +1,4 @@
-#include "services/simulator/part_surface.h"
+#include "common/fem/stress/part_surface.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>

@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "common/fem/elements/shape_functions.h"
 #include "common/mesh/tetrahedral_mesh.h"
-#include "services/simulator/shape_functions.h"
 
 namespace mortise::simulator {
 

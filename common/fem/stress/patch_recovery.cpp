@@ -1,10 +1,10 @@
-#include "services/simulator/patch_recovery.h"
+#include "common/fem/stress/patch_recovery.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
 
+#include "common/fem/elements/shape_functions.h"
 #include "common/mesh/element_faces.h"
-#include "services/simulator/shape_functions.h"
 
 namespace mortise::simulator {
 namespace {

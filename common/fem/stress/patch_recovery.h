@@ -5,9 +5,9 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "common/fem/linear/thread_team.h"
+#include "common/fem/stress/part_surface.h"
 #include "common/mesh/tetrahedral_mesh.h"
-#include "services/simulator/part_surface.h"
-#include "services/simulator/thread_team.h"
 
 namespace mortise::simulator {
 

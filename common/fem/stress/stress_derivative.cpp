@@ -1,8 +1,8 @@
-#include "services/simulator/stress_derivative.h"
+#include "common/fem/stress/stress_derivative.h"
 
 #include <Eigen/Eigenvalues>
 
-#include "services/simulator/shape_functions.h"
+#include "common/fem/elements/shape_functions.h"
 
 namespace mortise::simulator {
 

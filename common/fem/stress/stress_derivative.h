@@ -5,10 +5,10 @@
 
 #include <Eigen/Core>
 
-#include "services/simulator/material.h"
-#include "services/simulator/part_surface.h"
-#include "services/simulator/patch_recovery.h"
-#include "services/simulator/surface_stress.h"
+#include "common/fem/elements/material.h"
+#include "common/fem/stress/part_surface.h"
+#include "common/fem/stress/patch_recovery.h"
+#include "common/fem/stress/surface_stress.h"
 
 namespace mortise::simulator {
 

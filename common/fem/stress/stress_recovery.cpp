@@ -1,9 +1,9 @@
-#include "services/simulator/stress_recovery.h"
+#include "common/fem/stress/stress_recovery.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "services/simulator/shape_functions.h"
+#include "common/fem/elements/shape_functions.h"
 
 namespace mortise::simulator {
 Stresses StressAtPoints(const mesh::TetrahedralMesh& mesh, const std::vector<Material>& materials,

@@ -4,11 +4,11 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "services/simulator/analysis_case.h"
-#include "services/simulator/part_surface.h"
-#include "services/simulator/patch_recovery.h"
-#include "services/simulator/surface_stress.h"
-#include "services/simulator/thread_team.h"
+#include "common/fem/elements/analysis_case.h"
+#include "common/fem/linear/thread_team.h"
+#include "common/fem/stress/part_surface.h"
+#include "common/fem/stress/patch_recovery.h"
+#include "common/fem/stress/surface_stress.h"
 
 namespace mortise::simulator {
 

@@ -1,4 +1,4 @@
-#include "services/simulator/stress_shares.h"
+#include "common/fem/stress/stress_shares.h"
 
 #include <map>
 

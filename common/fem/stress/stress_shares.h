@@ -10,8 +10,8 @@
 #include <span>
 #include <vector>
 
-#include "services/simulator/material.h"
-#include "services/simulator/part_surface.h"
+#include "common/fem/elements/material.h"
+#include "common/fem/stress/part_surface.h"
 
 namespace mortise::simulator {
 

@@ -1,11 +1,11 @@
-#include "services/simulator/surface_fan.h"
+#include "common/fem/stress/surface_fan.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <array>
 #include <map>
 
-#include "services/simulator/shape_functions.h"
+#include "common/fem/elements/shape_functions.h"
 
 namespace mortise::simulator {
 namespace {

@@ -13,10 +13,10 @@
 #include <span>
 #include <vector>
 
+#include "common/fem/elements/material.h"
+#include "common/fem/stress/part_surface.h"
+#include "common/fem/stress/stress_shares.h"
 #include "common/mesh/tetrahedral_mesh.h"
-#include "services/simulator/material.h"
-#include "services/simulator/part_surface.h"
-#include "services/simulator/stress_shares.h"
 
 namespace mortise::simulator {
 

@@ -1,10 +1,10 @@
-#include "services/simulator/surface_stress.h"
+#include "common/fem/stress/surface_stress.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "services/simulator/shape_functions.h"
+#include "common/fem/elements/shape_functions.h"
 
 namespace mortise::simulator {
 namespace {

@@ -17,12 +17,12 @@
 #include <optional>
 #include <vector>
 
+#include "common/fem/elements/material.h"
+#include "common/fem/stress/part_surface.h"
+#include "common/fem/stress/surface_fan.h"
+#include "common/fem/stress/surface_traction.h"
+#include "common/fem/stress/surface_turns.h"
 #include "common/mesh/tetrahedral_mesh.h"
-#include "services/simulator/material.h"
-#include "services/simulator/part_surface.h"
-#include "services/simulator/surface_fan.h"
-#include "services/simulator/surface_traction.h"
-#include "services/simulator/surface_turns.h"
 
 namespace mortise::simulator {
 

@@ -1,11 +1,11 @@
-#include "services/simulator/surface_traction.h"
+#include "common/fem/stress/surface_traction.h"
 
 #include <cmath>
 #include <limits>
 
-#include "services/simulator/loads.h"
-#include "services/simulator/shape_derivative.h"
-#include "services/simulator/shape_functions.h"
+#include "common/fem/elements/loads.h"
+#include "common/fem/elements/shape_derivative.h"
+#include "common/fem/elements/shape_functions.h"
 
 namespace mortise::simulator {
 namespace {

@@ -4,9 +4,9 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "common/fem/elements/analysis_case.h"
+#include "common/fem/stress/part_surface.h"
 #include "common/mesh/tetrahedral_mesh.h"
-#include "services/simulator/analysis_case.h"
-#include "services/simulator/part_surface.h"
 
 namespace mortise::simulator {
 

@@ -1,4 +1,4 @@
-#include "services/simulator/surface_turns.h"
+#include "common/fem/stress/surface_turns.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>

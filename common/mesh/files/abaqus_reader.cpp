@@ -1,4 +1,4 @@
-#include "common/mesh/abaqus_reader.h"
+#include "common/mesh/files/abaqus_reader.h"
 
 #include <algorithm>
 #include <cctype>
@@ -9,10 +9,10 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
-#include "common/mesh/abaqus_sets.h"
-#include "common/mesh/abaqus_text.h"
-#include "common/mesh/grouped_mesh_builder.h"
-#include "common/mesh/number_gaps.h"
+#include "common/mesh/files/abaqus_sets.h"
+#include "common/mesh/files/abaqus_text.h"
+#include "common/mesh/files/grouped_mesh_builder.h"
+#include "common/mesh/files/number_gaps.h"
 
 namespace mortise::mesh {
 namespace {

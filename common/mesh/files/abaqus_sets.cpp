@@ -1,11 +1,11 @@
-#include "common/mesh/abaqus_sets.h"
+#include "common/mesh/files/abaqus_sets.h"
 
 #include <algorithm>
 #include <optional>
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
-#include "common/mesh/abaqus_text.h"
+#include "common/mesh/files/abaqus_text.h"
 
 namespace mortise::mesh {
 namespace {

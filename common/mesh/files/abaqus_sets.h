@@ -13,7 +13,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "common/mesh/grouped_mesh_builder.h"
+#include "common/mesh/files/grouped_mesh_builder.h"
 
 namespace mortise::mesh {
 

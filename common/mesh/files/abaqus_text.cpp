@@ -1,4 +1,4 @@
-#include "common/mesh/abaqus_text.h"
+#include "common/mesh/files/abaqus_text.h"
 
 #include <algorithm>
 #include <cctype>

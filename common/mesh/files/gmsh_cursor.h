@@ -9,7 +9,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
-#include "common/mesh/grouped_mesh_builder.h"
+#include "common/mesh/files/grouped_mesh_builder.h"
 
 namespace mortise::mesh {
 

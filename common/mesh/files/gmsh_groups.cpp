@@ -1,4 +1,4 @@
-#include "common/mesh/gmsh_groups.h"
+#include "common/mesh/files/gmsh_groups.h"
 
 #include <limits>
 #include <utility>

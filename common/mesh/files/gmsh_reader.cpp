@@ -1,4 +1,4 @@
-#include "common/mesh/gmsh_reader.h"
+#include "common/mesh/files/gmsh_reader.h"
 
 #include <algorithm>
 #include <array>
@@ -11,10 +11,10 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
-#include "common/mesh/gmsh_cursor.h"
-#include "common/mesh/gmsh_element_kinds.h"
-#include "common/mesh/gmsh_groups.h"
-#include "common/mesh/grouped_mesh_builder.h"
+#include "common/mesh/files/gmsh_cursor.h"
+#include "common/mesh/files/gmsh_element_kinds.h"
+#include "common/mesh/files/gmsh_groups.h"
+#include "common/mesh/files/grouped_mesh_builder.h"
 
 namespace mortise::mesh {
 namespace {

@@ -1,12 +1,12 @@
-#include "common/mesh/grouped_mesh.h"
+#include "common/mesh/files/grouped_mesh.h"
 
 #include <algorithm>
 
 #include "common/base/errors.h"
 #include "common/base/text_encoding.h"
-#include "common/mesh/abaqus_reader.h"
 #include "common/mesh/element_faces.h"
-#include "common/mesh/gmsh_reader.h"
+#include "common/mesh/files/abaqus_reader.h"
+#include "common/mesh/files/gmsh_reader.h"
 
 namespace mortise::mesh {
 

@@ -1,4 +1,4 @@
-#include "common/mesh/grouped_mesh_builder.h"
+#include "common/mesh/files/grouped_mesh_builder.h"
 
 #include <algorithm>
 #include <limits>

@@ -14,7 +14,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "common/mesh/grouped_mesh.h"
+#include "common/mesh/files/grouped_mesh.h"
 
 namespace mortise::mesh {
 

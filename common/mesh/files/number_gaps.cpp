@@ -1,4 +1,4 @@
-#include "common/mesh/number_gaps.h"
+#include "common/mesh/files/number_gaps.h"
 
 #include <algorithm>
 #include <map>

@@ -1,4 +1,4 @@
-#include "common/mesh/stl.h"
+#include "common/mesh/files/stl.h"
 
 #include <Eigen/Geometry>
 #include <cstdint>

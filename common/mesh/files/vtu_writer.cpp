@@ -1,4 +1,4 @@
-#include "common/mesh/vtu_writer.h"
+#include "common/mesh/files/vtu_writer.h"
 
 #include <bit>
 #include <cstdint>

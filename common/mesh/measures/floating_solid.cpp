@@ -1,4 +1,4 @@
-#include "common/mesh/floating_solid.h"
+#include "common/mesh/measures/floating_solid.h"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>

@@ -1,4 +1,4 @@
-#include "common/mesh/inside_point.h"
+#include "common/mesh/measures/inside_point.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>

@@ -1,4 +1,4 @@
-#include "common/mesh/silhouette.h"
+#include "common/mesh/measures/silhouette.h"
 
 #include <Eigen/Geometry>
 #include <boost/polygon/polygon.hpp>

@@ -1,4 +1,4 @@
-#include "common/mesh/standing_solid.h"
+#include "common/mesh/measures/standing_solid.h"
 
 // Boost's own headers include others of Boost that warn of themselves.
 #define BOOST_ALLOW_DEPRECATED_HEADERS

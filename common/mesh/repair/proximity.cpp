@@ -1,4 +1,4 @@
-#include "common/mesh/proximity.h"
+#include "common/mesh/repair/proximity.h"
 
 #include <CGAL/AABB_traits.h>
 #include <CGAL/AABB_tree.h>

@@ -1,4 +1,4 @@
-#include "common/mesh/surface_repair.h"
+#include "common/mesh/repair/surface_repair.h"
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Polygon_mesh_processing/orient_polygon_soup.h>
@@ -22,8 +22,8 @@
 #include "common/base/errors.h"
 #include "common/base/field_violations.h"
 #include "common/mesh/halfedge_mesh.h"
+#include "common/mesh/repair/triangle_soup.h"
 #include "common/mesh/surface_check.h"
-#include "common/mesh/triangle_soup.h"
 
 namespace mortise::mesh {
 namespace {

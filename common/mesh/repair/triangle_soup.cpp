@@ -1,4 +1,4 @@
-#include "common/mesh/triangle_soup.h"
+#include "common/mesh/repair/triangle_soup.h"
 
 // Boost's own headers include others of Boost that warn of themselves.
 #define BOOST_ALLOW_DEPRECATED_HEADERS

@@ -1,4 +1,4 @@
-#include "common/mesh/box_stretch.h"
+#include "common/mesh/shapes/box_stretch.h"
 
 #include <algorithm>
 #include <iterator>

@@ -1,4 +1,4 @@
-#include "common/mesh/circle.h"
+#include "common/mesh/shapes/circle.h"
 
 #include <Eigen/QR>
 #include <algorithm>

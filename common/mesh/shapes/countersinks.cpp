@@ -1,4 +1,4 @@
-#include "common/mesh/countersinks.h"
+#include "common/mesh/shapes/countersinks.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -11,7 +11,7 @@
 #include <set>
 #include <tuple>
 
-#include "common/mesh/circle.h"
+#include "common/mesh/shapes/circle.h"
 #include "common/mesh/shared_edges.h"
 
 namespace mortise::mesh {

@@ -5,8 +5,8 @@
 #include <map>
 #include <utility>
 
-#include "common/mesh/missed_volume.h"
-#include "common/mesh/shape_levels.h"
+#include "common/mesh/shapes/missed_volume.h"
+#include "common/mesh/shapes/shape_levels.h"
 
 namespace mortise::mesh {
 namespace {

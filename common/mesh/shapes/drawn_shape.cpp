@@ -1,4 +1,4 @@
-#include "common/mesh/drawn_shape.h"
+#include "common/mesh/shapes/drawn_shape.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -14,7 +14,7 @@
 #include "common/base/field_violations.h"
 #include "common/mesh/halfedge_mesh.h"
 #include "common/mesh/mass_properties.h"
-#include "common/mesh/missed_volume.h"
+#include "common/mesh/shapes/missed_volume.h"
 #include "common/mesh/surface_check.h"
 
 namespace mortise::mesh {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "common/mesh/box_stretch.h"
+#include "common/mesh/shapes/box_stretch.h"
 #include "common/mesh/surface_mesh.h"
 
 namespace mortise::mesh {

@@ -1,4 +1,4 @@
-#include "common/mesh/flat_faces.h"
+#include "common/mesh/shapes/flat_faces.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>

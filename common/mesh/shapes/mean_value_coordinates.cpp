@@ -1,4 +1,4 @@
-#include "common/mesh/mean_value_coordinates.h"
+#include "common/mesh/shapes/mean_value_coordinates.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>

@@ -1,4 +1,4 @@
-#include "common/mesh/missed_volume.h"
+#include "common/mesh/shapes/missed_volume.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>

@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 
-#include "common/mesh/drawn_shape.h"
+#include "common/mesh/shapes/drawn_shape.h"
 
 namespace mortise::mesh {
 

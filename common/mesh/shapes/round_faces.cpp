@@ -1,4 +1,4 @@
-#include "common/mesh/round_faces.h"
+#include "common/mesh/shapes/round_faces.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -11,7 +11,7 @@
 #include <tuple>
 #include <utility>
 
-#include "common/mesh/circle.h"
+#include "common/mesh/shapes/circle.h"
 #include "common/mesh/shared_edges.h"
 
 namespace mortise::mesh {

@@ -6,7 +6,7 @@
 #include <array>
 #include <vector>
 
-#include "common/mesh/drawn_shape.h"
+#include "common/mesh/shapes/drawn_shape.h"
 
 namespace mortise::mesh {
 

@@ -1,4 +1,4 @@
-#include "common/mesh/shape_levels.h"
+#include "common/mesh/shapes/shape_levels.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -6,8 +6,8 @@
 #include <cmath>
 #include <utility>
 
-#include "common/mesh/countersinks.h"
-#include "common/mesh/round_faces.h"
+#include "common/mesh/shapes/countersinks.h"
+#include "common/mesh/shapes/round_faces.h"
 #include "common/mesh/shared_edges.h"
 
 namespace mortise::mesh {

@@ -7,7 +7,7 @@
 
 #include <vector>
 
-#include "common/mesh/drawn_shape.h"
+#include "common/mesh/shapes/drawn_shape.h"
 
 namespace mortise::mesh {
 

@@ -1,4 +1,4 @@
-#include "common/mesh/slots.h"
+#include "common/mesh/shapes/slots.h"
 
 #include <cmath>
 #include <cstddef>

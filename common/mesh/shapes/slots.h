@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "common/mesh/round_faces.h"
+#include "common/mesh/shapes/round_faces.h"
 
 namespace mortise::mesh {
 

@@ -1,4 +1,4 @@
-#include "common/mesh/curved_elements.h"
+#include "common/mesh/tetrahedra/curved_elements.h"
 
 #include <CGAL/AABB_traits.h>
 #include <CGAL/AABB_tree.h>

@@ -1,4 +1,4 @@
-#include "common/mesh/mesh_quality.h"
+#include "common/mesh/tetrahedra/mesh_quality.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>

@@ -1,4 +1,4 @@
-#include "common/mesh/mesher.h"
+#include "common/mesh/tetrahedra/mesher.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -18,8 +18,8 @@
 #include "common/mesh/element_faces.h"
 #include "common/mesh/mass_properties.h"
 #include "common/mesh/surface_check.h"
-#include "common/mesh/surface_remesh.h"
-#include "common/mesh/tetgen_process.h"
+#include "common/mesh/tetrahedra/surface_remesh.h"
+#include "common/mesh/tetrahedra/tetgen_process.h"
 
 namespace mortise::mesh {
 namespace {

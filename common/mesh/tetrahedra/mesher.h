@@ -66,10 +66,6 @@ absl::StatusOr<TetrahedralMesh> RefineMesh(const TetrahedralMesh& mesh,
 // since sizes are the largest that elements may have.
 double EstimateRefinement(const TetrahedralMesh& mesh, const Eigen::VectorXd& sizes);
 
-// The same mesh with 10-node elements: a node in the middle of every edge. Quadratic meshes are
-// returned as they are.
-TetrahedralMesh MakeQuadratic(TetrahedralMesh mesh);
-
 // The outside of a volume mesh as triangles between corners (3 × T node indices), outward; each
 // quadratic face triangle is split in four. Includes only faces of elements of `part`, or of all
 // parts together with -1.

@@ -1,4 +1,4 @@
-#include "common/mesh/surface_remesh.h"
+#include "common/mesh/tetrahedra/surface_remesh.h"
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Polygon_mesh_processing/remesh.h>

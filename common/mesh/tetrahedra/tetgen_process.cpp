@@ -1,4 +1,4 @@
-#include "common/mesh/tetgen_process.h"
+#include "common/mesh/tetrahedra/tetgen_process.h"
 
 #include <fcntl.h>
 #include <signal.h>

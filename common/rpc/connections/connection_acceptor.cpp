@@ -1,4 +1,4 @@
-#include "common/rpc/connection_acceptor.h"
+#include "common/rpc/connections/connection_acceptor.h"
 
 #include <netinet/tcp.h>
 #include <poll.h>
@@ -21,8 +21,8 @@
 #include "common/base/descriptor_limit.h"
 #include "common/base/errors.h"
 #include "common/base/logging.h"
-#include "common/rpc/connection_places.h"
-#include "common/rpc/listening_socket.h"
+#include "common/rpc/connections/connection_places.h"
+#include "common/rpc/connections/listening_socket.h"
 
 namespace mortise::rpc {
 namespace {

@@ -1,4 +1,4 @@
-#include "common/rpc/connection_places.h"
+#include "common/rpc/connections/connection_places.h"
 
 #include <netinet/in.h>
 #include <sys/stat.h>

@@ -5,7 +5,7 @@
 
 #include <vector>
 
-#include "common/rpc/listening_socket.h"
+#include "common/rpc/connections/listening_socket.h"
 
 namespace mortise::rpc {
 

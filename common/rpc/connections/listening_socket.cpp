@@ -1,4 +1,4 @@
-#include "common/rpc/listening_socket.h"
+#include "common/rpc/connections/listening_socket.h"
 
 #include <arpa/inet.h>
 #include <netdb.h>

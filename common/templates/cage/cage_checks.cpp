@@ -1,13 +1,13 @@
-#include "common/parametric/cage_checks.h"
+#include "common/templates/cage/cage_checks.h"
 
 #include <algorithm>
 #include <set>
 #include <string>
 
 #include "absl/strings/str_cat.h"
+#include "common/design/solid_head_checks.h"
 #include "common/mesh/mass_properties.h"
 #include "common/mesh/surface_check.h"
-#include "common/parametric/solid_head_checks.h"
 
 namespace mortise::parametric {
 namespace {
@@ -28,7 +28,7 @@ class CageChecker {
  public:
   explicit CageChecker(const CageTemplate& definition) : definition_(definition) {}
 
-  std::vector<Finding> Check() {
+  std::vector<FieldViolation> Check() {
     CheckSolidTexts(definition_.name, definition_.title, definition_.description,
                     definition_.material, findings_);
     CheckSolidParameters(definition_.parameters, number_names_, findings_);
@@ -124,14 +124,14 @@ class CageChecker {
   }
 
   const CageTemplate& definition_;
-  std::vector<Finding> findings_;
+  std::vector<FieldViolation> findings_;
   std::set<std::string> number_names_, face_names_;
 };
 
 }  // namespace
 
-std::vector<Finding> CheckCageSizes(const CageTemplate& definition) {
-  std::vector<Finding> findings;
+std::vector<FieldViolation> CheckCageSizes(const CageTemplate& definition) {
+  std::vector<FieldViolation> findings;
   const auto count = [&findings](const std::string& field, auto size, std::size_t least,
                                  std::size_t most) {
     CheckCount(field, static_cast<std::size_t>(size), least, most, findings);
@@ -153,7 +153,7 @@ std::vector<Finding> CheckCageSizes(const CageTemplate& definition) {
   return findings;
 }
 
-std::vector<Finding> CheckCageTemplate(const CageTemplate& definition) {
+std::vector<FieldViolation> CheckCageTemplate(const CageTemplate& definition) {
   return CageChecker(definition).Check();
 }
 

@@ -4,17 +4,17 @@
 
 #include <vector>
 
-#include "common/parametric/cage_template.h"
-#include "common/parametric/template_validation.h"
+#include "common/design/template_validation.h"
+#include "common/templates/cage/cage_template.h"
 
 namespace mortise::parametric {
 
 // Lists that are shorter or longer than they may be. Nothing else is worth looking at then.
-std::vector<Finding> CheckCageSizes(const CageTemplate& definition);
+std::vector<FieldViolation> CheckCageSizes(const CageTemplate& definition);
 
 // Names, ranges, references, and whether the surface is closed and does not cross itself.
 // Expressions are for CageExpressions, the cage for CageModel.
-std::vector<Finding> CheckCageTemplate(const CageTemplate& definition);
+std::vector<FieldViolation> CheckCageTemplate(const CageTemplate& definition);
 
 // All triangles of a surface, face by face.
 Eigen::Matrix3Xi TrianglesOf(const CageSurface& surface);

@@ -1,4 +1,4 @@
-#include "common/parametric/cage_expressions.h"
+#include "common/templates/cage/cage_expressions.h"
 
 #include <cmath>
 #include <span>
@@ -15,7 +15,7 @@ constexpr double kFarthest = 1e3;  // m, from the origin
 // Parses the expressions of a template.
 class Parser {
  public:
-  Parser(std::vector<std::string>& names, std::vector<Finding>& findings)
+  Parser(std::vector<std::string>& names, std::vector<FieldViolation>& findings)
       : names_(names), findings_(findings) {}
 
   std::optional<Expression> Parse(const std::string& field, const std::string& text,
@@ -30,16 +30,17 @@ class Parser {
 
  private:
   std::vector<std::string>& names_;
-  std::vector<Finding>& findings_;
+  std::vector<FieldViolation>& findings_;
 };
 
-Finding Fault(const std::string& field, const absl::Status& status) {
+FieldViolation Fault(const std::string& field, const absl::Status& status) {
   return {field, std::string(status.message())};
 }
 
 }  // namespace
 
-CageExpressions::CageExpressions(const CageTemplate& definition, std::vector<Finding>& findings) {
+CageExpressions::CageExpressions(const CageTemplate& definition,
+                                 std::vector<FieldViolation>& findings) {
   std::vector<std::string> names;
   for (const Parameter& parameter : definition.parameters) names.push_back(parameter.name);
   Parser parser(names, findings);
@@ -104,7 +105,7 @@ absl::StatusOr<CageExpressions::Names> CageExpressions::NamesAt(const Eigen::Vec
 absl::StatusOr<CageNumbers> CageExpressions::Cage(const Eigen::VectorXd& q,
                                                   bool with_gradient) const {
   MORTISE_ASSIGN_OR_RETURN(const Names names, NamesAt(q, with_gradient));
-  std::vector<Finding> findings;
+  std::vector<FieldViolation> findings;
   const auto count = static_cast<Eigen::Index>(cage_.size());
   CageNumbers numbers{Eigen::Matrix3Xd::Zero(3, count), {}};
   if (with_gradient) numbers.by_cage = Eigen::MatrixXd::Zero(3 * count, q.size());
@@ -141,7 +142,7 @@ absl::StatusOr<CageNumbers> CageExpressions::Cage(const Eigen::VectorXd& q,
 absl::StatusOr<CageExpressions::Conditions> CageExpressions::ConditionsAt(
     const Eigen::VectorXd& q) const {
   MORTISE_ASSIGN_OR_RETURN(const Names names, NamesAt(q, false));
-  std::vector<Finding> findings;
+  std::vector<FieldViolation> findings;
   Conditions at;
   for (const Condition& condition : conditions_) {
     const std::span<const ConditionComponent> components = ComponentsOf(condition.kind);

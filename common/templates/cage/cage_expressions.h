@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "common/parametric/cage_template.h"
-#include "common/parametric/expression.h"
-#include "common/parametric/template_validation.h"
+#include "common/design/template_validation.h"
+#include "common/expressions/expression.h"
+#include "common/templates/cage/cage_template.h"
 
 namespace mortise::parametric {
 
@@ -26,7 +26,7 @@ class CageExpressions {
  public:
   // Parses; what is wrong, with its place, is added to `findings`, and then nothing else may be
   // called.
-  CageExpressions(const CageTemplate& definition, std::vector<Finding>& findings);
+  CageExpressions(const CageTemplate& definition, std::vector<FieldViolation>& findings);
 
   // Where the cage's vertices are at `q`, one entry a parameter, which need not be in range.
   // INVALID_ARGUMENT naming the field of every expression that cannot be evaluated, or of a point

@@ -1,4 +1,4 @@
-#include "common/parametric/cage_model.h"
+#include "common/templates/cage/cage_model.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -11,12 +11,12 @@
 #include "absl/strings/strip.h"
 #include "common/base/errors.h"
 #include "common/base/field_violations.h"
+#include "common/design/parameter_values.h"
 #include "common/mesh/mass_properties.h"
-#include "common/mesh/mean_value_coordinates.h"
+#include "common/mesh/shapes/mean_value_coordinates.h"
 #include "common/mesh/surface_check.h"
-#include "common/parametric/cage_checks.h"
-#include "common/parametric/cage_expressions.h"
-#include "common/parametric/parameter_values.h"
+#include "common/templates/cage/cage_checks.h"
+#include "common/templates/cage/cage_expressions.h"
 
 namespace mortise::parametric {
 namespace {
@@ -58,7 +58,7 @@ std::string FaultOf(const mesh::SurfaceMesh& surface, double volume_at_defaults)
 // Adds the findings of a status, the first at each place.
 class FindingList {
  public:
-  explicit FindingList(std::vector<Finding>& findings) : findings_(findings) {}
+  explicit FindingList(std::vector<FieldViolation>& findings) : findings_(findings) {}
 
   void Add(const absl::Status& status, const std::string& where) {
     std::vector<FieldViolation> violations = ViolationsOf(status);
@@ -76,18 +76,18 @@ class FindingList {
   bool full() const { return findings_.size() >= kMaxFindings; }
 
  private:
-  std::vector<Finding>& findings_;
+  std::vector<FieldViolation>& findings_;
   std::set<std::string> seen_;
 };
 
 }  // namespace
 
 struct CageModel::State {
-  State(CageTemplate definition_in, std::vector<Finding>& findings)
+  State(CageTemplate definition_in, std::vector<FieldViolation>& findings)
       : definition(std::move(definition_in)), expressions(definition, findings) {}
 
   // If there are findings already, only the cage is looked at.
-  void ComputeCoordinates(std::vector<Finding>& findings) {
+  void ComputeCoordinates(std::vector<FieldViolation>& findings) {
     FindingList list(findings);
     const auto numbers =
         expressions.Cage(parametric::Defaults(definition.parameters), /*with_gradient=*/false);
@@ -128,7 +128,7 @@ struct CageModel::State {
 CageModel::CageModel(std::shared_ptr<const State> state) : state_(std::move(state)) {}
 
 std::shared_ptr<const CageModel::State> CageModel::Compile(CageTemplate definition,
-                                                           std::vector<Finding>& findings) {
+                                                           std::vector<FieldViolation>& findings) {
   findings = CheckCageSizes(definition);
   if (!findings.empty()) return nullptr;
   findings = CheckCageTemplate(definition);
@@ -141,8 +141,8 @@ std::shared_ptr<const CageModel::State> CageModel::Compile(CageTemplate definiti
   return state;
 }
 
-std::vector<Finding> CageModel::TryPoints() const {
-  std::vector<Finding> findings;
+std::vector<FieldViolation> CageModel::TryPoints() const {
+  std::vector<FieldViolation> findings;
   FindingList list(findings);
   for (const Eigen::VectorXd& q : TrialPoints(definition().parameters, kRandomPoints)) {
     if (list.full()) break;
@@ -155,14 +155,14 @@ std::vector<Finding> CageModel::TryPoints() const {
   return findings;
 }
 
-std::vector<Finding> ValidateCageTemplate(const CageTemplate& definition) {
-  std::vector<Finding> findings;
+std::vector<FieldViolation> ValidateCageTemplate(const CageTemplate& definition) {
+  std::vector<FieldViolation> findings;
   const auto state = CageModel::Compile(definition, findings);
   return state == nullptr ? findings : CageModel(state).TryPoints();
 }
 
 absl::StatusOr<CageModel> CageModel::Create(CageTemplate definition) {
-  std::vector<Finding> findings;
+  std::vector<FieldViolation> findings;
   auto state = Compile(std::move(definition), findings);
   MORTISE_RETURN_IF_ERROR(ToStatus(findings));
   CageModel model(std::move(state));

@@ -14,11 +14,11 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "common/design/face_condition.h"
+#include "common/design/template_validation.h"
+#include "common/expressions/expression.h"
 #include "common/mesh/surface_mesh.h"
-#include "common/parametric/cage_template.h"
-#include "common/parametric/expression.h"
-#include "common/parametric/face_condition.h"
-#include "common/parametric/template_validation.h"
+#include "common/templates/cage/cage_template.h"
 
 namespace mortise::parametric {
 
@@ -37,7 +37,7 @@ struct CageDesign {
 // parameters where there are more than 6) and at 32 random points, always the same, whatever
 // Evaluate would refuse. At most 100 findings, the first at each place. Surfaces may have 5,000
 // vertices and 10,000 triangles, cages 250 and 500.
-std::vector<Finding> ValidateCageTemplate(const CageTemplate& definition);
+std::vector<FieldViolation> ValidateCageTemplate(const CageTemplate& definition);
 
 // A cage template, checked. Its coordinates are computed once, where the cage is at the defaults,
 // so that the surface at q is a linear map of the cage at q. Immutable, cheap to copy; may be used
@@ -70,14 +70,14 @@ class CageModel {
  private:
   struct State;
   explicit CageModel(std::shared_ptr<const State> state);
-  friend std::vector<Finding> ValidateCageTemplate(const CageTemplate& definition);
+  friend std::vector<FieldViolation> ValidateCageTemplate(const CageTemplate& definition);
 
   // All but how the shape fares at other parameters; null if there are findings.
   static std::shared_ptr<const State> Compile(CageTemplate definition,
-                                              std::vector<Finding>& findings);
+                                              std::vector<FieldViolation>& findings);
 
   // What Evaluate refuses of points all over the parameter box.
-  std::vector<Finding> TryPoints() const;
+  std::vector<FieldViolation> TryPoints() const;
 
   std::shared_ptr<const State> state_;
 };

@@ -8,8 +8,8 @@
 #include <variant>
 #include <vector>
 
-#include "common/parametric/boundary_condition.h"
-#include "common/parametric/template_definition.h"
+#include "common/design/boundary_condition.h"
+#include "common/design/template_definition.h"
 
 namespace mortise::cad {
 

@@ -1,4 +1,4 @@
-#include "common/cad/deferred_combination.h"
+#include "common/templates/features/deferred_combination.h"
 
 #include <algorithm>
 

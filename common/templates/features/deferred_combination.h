@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "absl/status/status.h"
-#include "common/cad/feature_changes.h"
-#include "common/cad/named_body.h"
+#include "common/templates/features/feature_changes.h"
+#include "common/templates/features/named_body.h"
 
 namespace mortise::cad {
 

@@ -1,5 +1,5 @@
 // Applies the kernel's local operations.
-#include "common/cad/feature_changes.h"
+#include "common/templates/features/feature_changes.h"
 
 #include <BRepAdaptor_Surface.hxx>
 #include <BRepFilletAPI_MakeChamfer.hxx>

@@ -6,8 +6,8 @@
 #include <string>
 
 #include "absl/status/status.h"
-#include "common/cad/feature_numbers.h"
-#include "common/cad/named_body.h"
+#include "common/templates/features/feature_numbers.h"
+#include "common/templates/features/named_body.h"
 
 namespace mortise::cad {
 

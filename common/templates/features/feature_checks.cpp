@@ -1,19 +1,17 @@
 // Checks names and references of features in one pass from first to last.
-#include "common/cad/feature_checks.h"
+#include "common/templates/features/feature_checks.h"
 
 #include <algorithm>
 #include <set>
 #include <string_view>
 
 #include "absl/strings/str_cat.h"
-#include "common/cad/feature_reference.h"
-#include "common/cad/feature_roles.h"
-#include "common/parametric/solid_head_checks.h"
+#include "common/design/solid_head_checks.h"
+#include "common/templates/features/feature_reference.h"
+#include "common/templates/features/feature_roles.h"
 
 namespace mortise::cad {
 namespace {
-
-using parametric::Finding;
 
 constexpr std::size_t kMaxProfiles = 200;
 constexpr std::size_t kMaxSegments = 500;
@@ -23,7 +21,7 @@ class FeatureChecker {
  public:
   explicit FeatureChecker(const CadTemplate& definition) : definition_(definition) {}
 
-  std::vector<Finding> Check() {
+  std::vector<FieldViolation> Check() {
     parametric::CheckSolidTexts(definition_.name, definition_.title, definition_.description,
                                 definition_.material, findings_);
     parametric::CheckSolidParameters(definition_.parameters, number_names_, findings_);
@@ -302,7 +300,7 @@ class FeatureChecker {
   }
 
   const CadTemplate& definition_;
-  std::vector<Finding> findings_;
+  std::vector<FieldViolation> findings_;
   std::string place_;                 // "features[3]."
   const Feature* feature_ = nullptr;  // the one at hand
   std::set<std::string> number_names_, feature_names_;
@@ -313,7 +311,7 @@ class FeatureChecker {
 
 }  // namespace
 
-std::vector<Finding> CheckFeatures(const CadTemplate& definition) {
+std::vector<FieldViolation> CheckFeatures(const CadTemplate& definition) {
   return FeatureChecker(definition).Check();
 }
 

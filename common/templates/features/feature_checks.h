@@ -5,8 +5,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "common/cad/cad_template.h"
-#include "common/parametric/template_validation.h"
+#include "common/design/template_validation.h"
+#include "common/templates/features/cad_template.h"
 
 namespace mortise::cad {
 
@@ -15,6 +15,6 @@ inline constexpr std::size_t kMaxDefinitions = 500;
 inline constexpr std::size_t kMaxFeatures = 500;
 
 // All findings at once; expressions are left to FeatureNumbers.
-std::vector<parametric::Finding> CheckFeatures(const CadTemplate& definition);
+std::vector<FieldViolation> CheckFeatures(const CadTemplate& definition);
 
 }  // namespace mortise::cad

@@ -1,5 +1,5 @@
 // Validates lists of features and evaluates them.
-#include "common/cad/feature_model.h"
+#include "common/templates/features/feature_model.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,16 +10,14 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
-#include "common/cad/feature_checks.h"
-#include "common/cad/feature_regeneration.h"
-#include "common/cad/sketch_curves.h"
-#include "common/parametric/parameter_values.h"
-#include "common/parametric/solid_head_checks.h"
+#include "common/design/parameter_values.h"
+#include "common/design/solid_head_checks.h"
+#include "common/templates/features/feature_checks.h"
+#include "common/templates/features/feature_regeneration.h"
+#include "common/templates/features/sketch_curves.h"
 
 namespace mortise::cad {
 namespace {
-
-using parametric::Finding;
 
 constexpr int kRandomPoints = 32;
 constexpr std::size_t kMaxFindings = 100;
@@ -39,10 +37,10 @@ std::string At(const CadTemplate& definition, const Eigen::VectorXd& q) {
 }
 
 // Indices of the features of which something is wrong.
-std::set<std::size_t> FeaturesAtFault(const std::vector<Finding>& findings) {
+std::set<std::size_t> FeaturesAtFault(const std::vector<FieldViolation>& findings) {
   constexpr std::string_view kFeatures = "features[";
   std::set<std::size_t> at_fault;
-  for (const Finding& finding : findings) {
+  for (const FieldViolation& finding : findings) {
     const std::size_t close = finding.field.find(']');
     std::size_t index = 0;
     if (finding.field.starts_with(kFeatures) && close != std::string::npos &&
@@ -63,7 +61,7 @@ bool AreKnown(const std::vector<NumberUse>& uses, const Numbers& numbers) {
 // What is wrong with sketches and extents whose numbers are each usable, given what is wrong with
 // numbers. `uses` are those of each feature.
 void CheckShapes(const CadTemplate& definition, const std::vector<std::vector<NumberUse>>& uses,
-                 const Numbers& numbers, std::vector<Finding>& findings) {
+                 const Numbers& numbers, std::vector<FieldViolation>& findings) {
   const std::set<std::size_t> at_fault = FeaturesAtFault(findings);
   for (std::size_t i = 0; i < definition.features.size(); ++i) {
     const auto& kind = definition.features[i].kind;
@@ -71,9 +69,9 @@ void CheckShapes(const CadTemplate& definition, const std::vector<std::vector<Nu
     const std::string place = absl::StrCat("features[", i, "].");
     if (at_fault.contains(i) || !AreKnown(uses[i], numbers)) continue;
     if (const auto* sketch = std::get_if<Sketch>(&kind)) {
-      std::vector<Finding> inside;
+      std::vector<FieldViolation> inside;
       ResolveSketch(*sketch, numbers, inside);
-      for (Finding& finding : inside) {
+      for (FieldViolation& finding : inside) {
         findings.push_back({place + "sketch." + finding.field, std::move(finding.message)});
       }
     } else if (const auto* extrude = std::get_if<Extrude>(&kind)) {
@@ -88,12 +86,12 @@ void CheckShapes(const CadTemplate& definition, const std::vector<std::vector<Nu
 
 // Parameters of which a range, name or default is at fault: nobody knows what values they have.
 std::vector<Eigen::Index> ParametersAtFault(const CadTemplate& definition,
-                                            const std::vector<Finding>& findings) {
+                                            const std::vector<FieldViolation>& findings) {
   std::vector<Eigen::Index> at_fault;
   for (std::size_t i = 0; i < definition.parameters.size(); ++i) {
     const std::string field = absl::StrCat("parameters[", i, "]");
     const bool is_at_fault =
-        std::any_of(findings.begin(), findings.end(), [&](const Finding& finding) {
+        std::any_of(findings.begin(), findings.end(), [&](const FieldViolation& finding) {
           return finding.field == field || finding.field == field + ".name" ||
                  finding.field == field + ".maximum" || finding.field == field + ".default_value";
         });
@@ -104,17 +102,17 @@ std::vector<Eigen::Index> ParametersAtFault(const CadTemplate& definition,
 
 // Adds what is wrong at some parameters to what is wrong at all of them.
 void CheckNumbers(const CadTemplate& definition, const FeatureNumbers& numbers,
-                  std::vector<Finding>& findings) {
+                  std::vector<FieldViolation>& findings) {
   const std::vector<Eigen::Index> unknown = ParametersAtFault(definition, findings);
   std::vector<std::vector<NumberUse>> uses;
   for (const Feature& feature : definition.features) uses.push_back(NumbersOf(feature));
   std::set<std::string> seen;
   for (Eigen::VectorXd q : parametric::TrialPoints(definition.parameters, kRandomPoints)) {
     for (const Eigen::Index i : unknown) q(i) = std::numeric_limits<double>::quiet_NaN();
-    std::vector<Finding> here;
+    std::vector<FieldViolation> here;
     const Numbers values = numbers.Evaluate(q, here);
     CheckShapes(definition, uses, values, here);
-    for (Finding& finding : here) {
+    for (FieldViolation& finding : here) {
       if (findings.size() >= kMaxFindings) return;
       if (!seen.insert(finding.field).second) continue;
       findings.push_back({finding.field, finding.message + At(definition, q)});
@@ -129,9 +127,9 @@ bool CanBeTried(const CadTemplate& definition) {
          definition.features.size() <= kMaxFeatures;
 }
 
-std::vector<Finding> Validate(const CadTemplate& definition, const FeatureNumbers& numbers,
-                              std::vector<Finding> of_expressions) {
-  std::vector<Finding> findings = CheckFeatures(definition);
+std::vector<FieldViolation> Validate(const CadTemplate& definition, const FeatureNumbers& numbers,
+                                     std::vector<FieldViolation> of_expressions) {
+  std::vector<FieldViolation> findings = CheckFeatures(definition);
   findings.insert(findings.end(), of_expressions.begin(), of_expressions.end());
   if (CanBeTried(definition)) CheckNumbers(definition, numbers, findings);
   if (findings.size() > kMaxFindings) findings.resize(kMaxFindings);
@@ -154,14 +152,14 @@ absl::StatusOr<std::vector<int>> FacesOf(const RegeneratedModel& model,
   return faces;
 }
 
-std::vector<Finding> ValidateCadTemplate(const CadTemplate& definition) {
-  std::vector<Finding> of_expressions;
+std::vector<FieldViolation> ValidateCadTemplate(const CadTemplate& definition) {
+  std::vector<FieldViolation> of_expressions;
   const FeatureNumbers numbers(definition, of_expressions);
   return Validate(definition, numbers, std::move(of_expressions));
 }
 
 absl::StatusOr<FeatureModel> FeatureModel::Create(CadTemplate definition) {
-  std::vector<Finding> of_expressions;
+  std::vector<FieldViolation> of_expressions;
   FeatureNumbers numbers(definition, of_expressions);
   MORTISE_RETURN_IF_ERROR(
       parametric::ToStatus(Validate(definition, numbers, std::move(of_expressions))));
@@ -175,7 +173,7 @@ Eigen::VectorXd FeatureModel::Defaults() const {
 
 absl::StatusOr<RegeneratedModel> FeatureModel::Regenerate(
     const Eigen::Ref<const Eigen::VectorXd>& q) const {
-  std::vector<Finding> findings = parametric::CheckRanges(state_->definition.parameters, q);
+  std::vector<FieldViolation> findings = parametric::CheckRanges(state_->definition.parameters, q);
   MORTISE_RETURN_IF_ERROR(parametric::ToStatus(findings));
   const Numbers numbers = state_->numbers.Evaluate(q, findings);
   MORTISE_RETURN_IF_ERROR(parametric::ToStatus(findings));

@@ -1,7 +1,7 @@
 // CAD templates that can be evaluated: F(q) of a list of features is a solid with named faces, and
 // the supports and loads on them (thesis §6.1).
 //
-//   std::vector<parametric::Finding> findings = ValidateCadTemplate(definition);
+//   std::vector<FieldViolation> findings = ValidateCadTemplate(definition);
 //   MORTISE_ASSIGN_OR_RETURN(FeatureModel model, FeatureModel::Create(definition));
 //   MORTISE_ASSIGN_OR_RETURN(RegeneratedModel wrench, model.Regenerate(model.Defaults()));
 //   wrench.solid.Volume();
@@ -16,12 +16,12 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "common/cad/cad_template.h"
-#include "common/cad/feature_numbers.h"
-#include "common/cad/feature_reference.h"
 #include "common/cad/solid.h"
-#include "common/parametric/face_condition.h"
-#include "common/parametric/template_validation.h"
+#include "common/design/face_condition.h"
+#include "common/design/template_validation.h"
+#include "common/templates/features/cad_template.h"
+#include "common/templates/features/feature_numbers.h"
+#include "common/templates/features/feature_reference.h"
 
 namespace mortise::cad {
 
@@ -42,7 +42,7 @@ absl::StatusOr<std::vector<int>> FacesOf(const RegeneratedModel& model, std::str
 // does not have, and numbers that are not what they must be at the defaults, at every corner of the
 // parameter box (the ends of single parameters where there are more than 6) and at random points,
 // always the same.
-std::vector<parametric::Finding> ValidateCadTemplate(const CadTemplate& definition);
+std::vector<FieldViolation> ValidateCadTemplate(const CadTemplate& definition);
 
 // A list of features, checked. Immutable; may be used from any number of threads.
 class FeatureModel {

@@ -1,5 +1,5 @@
 // Lists, parses and evaluates the numbers of features.
-#include "common/cad/feature_numbers.h"
+#include "common/templates/features/feature_numbers.h"
 
 #include <algorithm>
 #include <cctype>
@@ -16,7 +16,6 @@ namespace mortise::cad {
 namespace {
 
 using parametric::Expression;
-using parametric::Finding;
 
 constexpr double kSmallest = 1e-6;  // m
 constexpr double kLargest = 1e3;    // m
@@ -214,7 +213,7 @@ Eigen::Vector3d Numbers::operator()(const Formula3& formula) const {
   return {(*this)(formula.x), (*this)(formula.y), (*this)(formula.z)};
 }
 
-FeatureNumbers::FeatureNumbers(const CadTemplate& definition, std::vector<Finding>& findings)
+FeatureNumbers::FeatureNumbers(const CadTemplate& definition, std::vector<FieldViolation>& findings)
     : parameter_count_(static_cast<Eigen::Index>(definition.parameters.size())) {
   std::vector<std::string> names;
   for (const auto& parameter : definition.parameters) names.push_back(parameter.name);
@@ -259,7 +258,7 @@ absl::StatusOr<FeatureNumbers::Parsed> FeatureNumbers::Parse(
 
 void FeatureNumbers::AddReferenceTemperature(const CadTemplate& definition,
                                              const std::vector<std::string>& names,
-                                             std::vector<Finding>& findings) {
+                                             std::vector<FieldViolation>& findings) {
   constexpr char kField[] = "reference_temperature";
   const Formula& formula = definition.reference_temperature;
   if (formula.empty()) return;
@@ -275,7 +274,7 @@ void FeatureNumbers::AddReferenceTemperature(const CadTemplate& definition,
 }
 
 Numbers FeatureNumbers::Evaluate(const Eigen::Ref<const Eigen::VectorXd>& q,
-                                 std::vector<Finding>& findings) const {
+                                 std::vector<FieldViolation>& findings) const {
   Numbers numbers;
   Eigen::VectorXd values(q.size() + static_cast<Eigen::Index>(definitions_.size()));
   values.head(q.size()) = q;

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "common/cad/cad_template.h"
-#include "common/parametric/expression.h"
-#include "common/parametric/template_validation.h"
+#include "common/design/template_validation.h"
+#include "common/expressions/expression.h"
+#include "common/templates/features/cad_template.h"
 
 namespace mortise::cad {
 
@@ -61,14 +61,14 @@ class Numbers {
 class FeatureNumbers {
  public:
   // Parses; what is wrong, with its place, is added to `findings`.
-  FeatureNumbers(const CadTemplate& definition, std::vector<parametric::Finding>& findings);
+  FeatureNumbers(const CadTemplate& definition, std::vector<FieldViolation>& findings);
 
   // The numbers at `q`, one entry a parameter in the template's order, which need not be within
   // their ranges. Whatever cannot be evaluated or is not what it must be is added to `findings`.
   // Parameters that are not finite, and definitions that could not be parsed or evaluated, are
   // unknown: so is what uses them, of which nothing is told.
   Numbers Evaluate(const Eigen::Ref<const Eigen::VectorXd>& q,
-                   std::vector<parametric::Finding>& findings) const;
+                   std::vector<FieldViolation>& findings) const;
 
  private:
   // An expression, and which of the parameters and definitions it names.
@@ -86,7 +86,7 @@ class FeatureNumbers {
     std::string condition;  // whose it is; empty for the shape's
   };
   void AddReferenceTemperature(const CadTemplate& definition, const std::vector<std::string>& names,
-                               std::vector<parametric::Finding>& findings);
+                               std::vector<FieldViolation>& findings);
 
   std::vector<std::optional<Parsed>> definitions_;  // none for those that cannot be parsed
   std::vector<Use> uses_;

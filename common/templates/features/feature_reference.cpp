@@ -1,5 +1,5 @@
 // Parses references to faces and edges.
-#include "common/cad/feature_reference.h"
+#include "common/templates/features/feature_reference.h"
 
 #include <algorithm>
 
@@ -8,7 +8,7 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
-#include "common/parametric/identifier.h"
+#include "common/expressions/identifier.h"
 
 namespace mortise::cad {
 namespace {

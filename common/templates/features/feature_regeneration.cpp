@@ -1,6 +1,6 @@
 // Walks over the features, keeping sketches by name, bodies with their names, and the solids that
 // patterns repeat.
-#include "common/cad/feature_regeneration.h"
+#include "common/templates/features/feature_regeneration.h"
 
 #include <BRepBndLib.hxx>
 #include <BRepBuilderAPI_Transform.hxx>
@@ -17,13 +17,13 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
-#include "common/cad/deferred_combination.h"
-#include "common/cad/feature_changes.h"
-#include "common/cad/feature_solids.h"
-#include "common/cad/named_body.h"
-#include "common/cad/pattern_placements.h"
-#include "common/cad/sketch_faces.h"
 #include "common/cad/solid_kernel.h"
+#include "common/templates/features/deferred_combination.h"
+#include "common/templates/features/feature_changes.h"
+#include "common/templates/features/feature_solids.h"
+#include "common/templates/features/named_body.h"
+#include "common/templates/features/pattern_placements.h"
+#include "common/templates/features/sketch_faces.h"
 
 namespace mortise::cad {
 namespace {
@@ -59,8 +59,8 @@ double Reach(const TopoDS_Shape& shape) {
 }
 
 // The status of one of several findings is a status of all.
-absl::Status StatusOf(const std::vector<parametric::Finding>& findings, const std::string& under) {
-  std::vector<parametric::Finding> placed;
+absl::Status StatusOf(const std::vector<FieldViolation>& findings, const std::string& under) {
+  std::vector<FieldViolation> placed;
   for (const auto& finding : findings) {
     placed.push_back({absl::StrCat(under, ".", finding.field), finding.message});
   }
@@ -267,7 +267,7 @@ absl::Status Regeneration::operator()(const Sketch& sketch) {
   MORTISE_ASSIGN_OR_RETURN(
       const gp_Ax3 frame,
       FrameOf(sketch.plane, numbers_, sketch.plane.face.empty() ? nullptr : &face_frame));
-  std::vector<parametric::Finding> findings;
+  std::vector<FieldViolation> findings;
   std::vector<CurveLoop> loops = ResolveSketch(sketch, numbers_, findings);
   MORTISE_RETURN_IF_ERROR(StatusOf(findings, "sketch"));
   MORTISE_ASSIGN_OR_RETURN(BuiltSketch built, BuildSketch(std::move(loops), frame));

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "absl/status/statusor.h"
-#include "common/cad/feature_model.h"
+#include "common/templates/features/feature_model.h"
 
 namespace mortise::cad {
 

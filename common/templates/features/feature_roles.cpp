@@ -1,5 +1,5 @@
 // Knows the roles of the faces of each kind of feature.
-#include "common/cad/feature_roles.h"
+#include "common/templates/features/feature_roles.h"
 
 #include <algorithm>
 #include <array>

@@ -4,7 +4,7 @@
 #include <map>
 #include <string>
 
-#include "common/cad/cad_template.h"
+#include "common/templates/features/cad_template.h"
 
 namespace mortise::cad {
 

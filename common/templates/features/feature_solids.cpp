@@ -1,5 +1,5 @@
 // Extrudes, revolves and sweeps faces with the kernel, and notes which face came from which edge.
-#include "common/cad/feature_solids.h"
+#include "common/templates/features/feature_solids.h"
 
 #include <BRepAdaptor_Curve.hxx>
 #include <BRepBuilderAPI_MakeVertex.hxx>

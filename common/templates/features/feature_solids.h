@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "common/cad/named_body.h"
-#include "common/cad/sketch_faces.h"
+#include "common/templates/features/named_body.h"
+#include "common/templates/features/sketch_faces.h"
 
 namespace mortise::cad {
 

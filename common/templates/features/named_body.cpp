@@ -1,5 +1,5 @@
 // Lets the names of faces follow the kernel's operations.
-#include "common/cad/named_body.h"
+#include "common/templates/features/named_body.h"
 
 #include <BRepAlgoAPI_BooleanOperation.hxx>
 #include <BRepBuilderAPI_Transform.hxx>

@@ -15,8 +15,8 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "common/cad/cad_template.h"
-#include "common/cad/feature_reference.h"
+#include "common/templates/features/cad_template.h"
+#include "common/templates/features/feature_reference.h"
 
 namespace mortise::cad {
 

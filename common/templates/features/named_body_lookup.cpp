@@ -11,7 +11,7 @@
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
-#include "common/cad/named_body.h"
+#include "common/templates/features/named_body.h"
 
 namespace mortise::cad {
 namespace {

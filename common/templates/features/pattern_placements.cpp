@@ -1,5 +1,5 @@
 // Finds the motions of rows, grids and rings.
-#include "common/cad/pattern_placements.h"
+#include "common/templates/features/pattern_placements.h"
 
 #include <cmath>
 #include <gp_Ax1.hxx>
@@ -9,7 +9,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
-#include "common/cad/sketch_faces.h"
+#include "common/templates/features/sketch_faces.h"
 
 namespace mortise::cad {
 namespace {

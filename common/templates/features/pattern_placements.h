@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "common/cad/feature_numbers.h"
+#include "common/templates/features/feature_numbers.h"
 
 namespace mortise::cad {
 

@@ -1,5 +1,5 @@
 // Finds the lines and arcs of profiles.
-#include "common/cad/sketch_curves.h"
+#include "common/templates/features/sketch_curves.h"
 
 #include <Eigen/Geometry>
 #include <array>
@@ -13,7 +13,6 @@ namespace mortise::cad {
 namespace {
 
 using Eigen::Vector2d;
-using parametric::Finding;
 
 constexpr double kShortest = 1e-6;  // m
 
@@ -49,7 +48,7 @@ std::optional<Rounding> RoundCorner(const Vector2d& before, const Vector2d& corn
 class ProfileResolver {
  public:
   ProfileResolver(const SketchProfile& profile, const Numbers& numbers, std::string place,
-                  std::vector<Finding>& findings)
+                  std::vector<FieldViolation>& findings)
       : profile_(profile), numbers_(numbers), place_(std::move(place)), findings_(findings) {}
 
   CurveLoop Resolve() {
@@ -213,14 +212,14 @@ class ProfileResolver {
   const SketchProfile& profile_;
   const Numbers& numbers_;
   const std::string place_;
-  std::vector<Finding>& findings_;
+  std::vector<FieldViolation>& findings_;
   CurveLoop loop_;
 };
 
 }  // namespace
 
 std::vector<CurveLoop> ResolveSketch(const Sketch& sketch, const Numbers& numbers,
-                                     std::vector<Finding>& findings) {
+                                     std::vector<FieldViolation>& findings) {
   std::vector<CurveLoop> loops;
   for (std::size_t i = 0; i < sketch.profiles.size(); ++i) {
     loops.push_back(

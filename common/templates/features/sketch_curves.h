@@ -6,8 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "common/cad/cad_template.h"
-#include "common/cad/feature_numbers.h"
+#include "common/base/field_violations.h"
+#include "common/templates/features/cad_template.h"
+#include "common/templates/features/feature_numbers.h"
 
 namespace mortise::cad {
 
@@ -35,7 +36,7 @@ struct CurveLoop {
 // arc through points on a line) is added to `findings`, at its place within the sketch
 // ("profiles[1].path.segments[2].to").
 std::vector<CurveLoop> ResolveSketch(const Sketch& sketch, const Numbers& numbers,
-                                     std::vector<parametric::Finding>& findings);
+                                     std::vector<FieldViolation>& findings);
 
 // Points along a curve from its beginning, ends included: 2 × N, m.
 Eigen::Matrix2Xd PointsAlong(const SketchCurve& curve, int count);

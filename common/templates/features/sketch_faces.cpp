@@ -1,5 +1,5 @@
 // Builds wires edge by edge over shared vertices, and faces with their holes.
-#include "common/cad/sketch_faces.h"
+#include "common/templates/features/sketch_faces.h"
 
 #include <BRepBuilderAPI_MakeEdge.hxx>
 #include <BRepBuilderAPI_MakeFace.hxx>
@@ -14,7 +14,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
-#include "common/cad/named_body.h"
+#include "common/templates/features/named_body.h"
 
 namespace mortise::cad {
 namespace {

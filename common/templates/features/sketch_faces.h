@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "common/cad/sketch_curves.h"
+#include "common/templates/features/sketch_curves.h"
 
 namespace mortise::cad {
 

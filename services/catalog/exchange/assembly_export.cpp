@@ -1,4 +1,4 @@
-#include "services/catalog/assembly_export.h"
+#include "services/catalog/exchange/assembly_export.h"
 
 #include <algorithm>
 #include <array>
@@ -12,13 +12,13 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "common/assembly/model/rest_pose.h"
 #include "common/base/errors.h"
 #include "common/cad/cylinder.h"
 #include "common/cad/solid.h"
-#include "common/cad/solid_shape.h"
-#include "common/cad/step_writer.h"
-#include "common/parametric/rest_pose.h"
-#include "services/catalog/shape_turn.h"
+#include "common/cad/step/step_writer.h"
+#include "common/cad/stretch/solid_shape.h"
+#include "services/catalog/exchange/shape_turn.h"
 
 namespace mortise::catalog {
 namespace {

@@ -6,9 +6,9 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "common/parametric/evaluated_design.h"
-#include "common/parametric/parametric_assembly.h"
-#include "services/catalog/design_export.h"
+#include "common/assembly/parametric_assembly.h"
+#include "common/design/evaluated_design.h"
+#include "services/catalog/exchange/design_export.h"
 
 namespace mortise::catalog {
 

@@ -1,4 +1,4 @@
-#include "services/catalog/assembly_import.h"
+#include "services/catalog/exchange/assembly_import.h"
 
 #include <google/protobuf/io/gzip_stream.h>
 #include <google/protobuf/io/zero_copy_stream_impl_lite.h>
@@ -15,10 +15,10 @@
 #include "absl/strings/str_join.h"
 #include "common/base/errors.h"
 #include "common/base/violation_lists.h"
-#include "common/cad/step_reader.h"
-#include "services/catalog/drawn_coordinates.h"
-#include "services/catalog/item_fit.h"
-#include "services/catalog/part_annotations.h"
+#include "common/cad/step/step_reader.h"
+#include "services/catalog/exchange/drawn_coordinates.h"
+#include "services/catalog/exchange/item_fit.h"
+#include "services/catalog/exchange/part_annotations.h"
 
 namespace mortise::catalog {
 namespace {
@@ -182,7 +182,7 @@ class Maker {
     for (int i = 0; i < annotations_.parts_size(); ++i) {
       if (used.count(i) == 0) unused.push_back(i);
     }
-    for (parametric::Finding& finding :
+    for (FieldViolation& finding :
          CheckWithoutParts(annotations_, unused, drawn_.assembly.groups(), items_)) {
       drawn_.findings.push_back(std::move(finding));
     }
@@ -356,7 +356,7 @@ std::string NoteOnHeldSizes(const std::vector<parametric::Measure>& held) {
 absl::Status AtRequest(const DrawnAssembly& drawn, const v1::AssemblyAnnotations& annotations,
                        const absl::Status& checked) {
   std::vector<FieldViolation> all;
-  for (const parametric::Finding& finding : drawn.findings) {
+  for (const FieldViolation& finding : drawn.findings) {
     all.push_back({finding.field, finding.message});
   }
   if (!checked.ok() && !absl::IsInvalidArgument(checked)) {

@@ -6,10 +6,10 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "common/cad/step_assembly.h"
-#include "common/parametric/parametric_assembly.h"
-#include "common/parametric/template_definition.h"
-#include "common/parametric/template_validation.h"
+#include "common/assembly/parametric_assembly.h"
+#include "common/cad/step/step_assembly.h"
+#include "common/design/template_definition.h"
+#include "common/design/template_validation.h"
 #include "mortise/v1/assembly.pb.h"
 
 namespace mortise::catalog {
@@ -18,7 +18,7 @@ namespace mortise::catalog {
 struct DrawnAssembly {
   v1::Assembly assembly;
   // Where the file and the annotations do not agree; parts at fault have no item in `assembly`.
-  std::vector<parametric::Finding> findings;
+  std::vector<FieldViolation> findings;
   std::vector<std::string> notes;  // for people
   std::vector<int> annotations;    // of each part, index into AssemblyAnnotations::parts, or -1
 };

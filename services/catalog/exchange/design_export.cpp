@@ -1,12 +1,12 @@
 // Colours parts by their material and hands them to the writers of common/cad.
-#include "services/catalog/design_export.h"
+#include "services/catalog/exchange/design_export.h"
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "common/cad/glb_writer.h"
-#include "common/cad/step_writer.h"
-#include "common/mesh/stl.h"
-#include "common/parametric/evaluation.h"
+#include "common/cad/step/step_writer.h"
+#include "common/design/evaluation.h"
+#include "common/mesh/files/stl.h"
 
 namespace mortise::catalog {
 namespace {

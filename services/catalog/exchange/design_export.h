@@ -7,7 +7,7 @@
 
 #include "absl/status/statusor.h"
 #include "common/cad/solid.h"
-#include "common/parametric/evaluated_design.h"
+#include "common/design/evaluated_design.h"
 
 namespace mortise::catalog {
 

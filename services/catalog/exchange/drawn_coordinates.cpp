@@ -1,4 +1,4 @@
-#include "services/catalog/drawn_coordinates.h"
+#include "services/catalog/exchange/drawn_coordinates.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "services/catalog/item_fit.h"
+#include "services/catalog/exchange/item_fit.h"
 
 #include <algorithm>
 #include <tuple>

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "common/parametric/template_definition.h"
+#include "common/design/template_definition.h"
 #include "mortise/v1/types.pb.h"
 
 namespace mortise::catalog {

@@ -1,4 +1,4 @@
-#include "services/catalog/part_annotations.h"
+#include "services/catalog/exchange/part_annotations.h"
 
 #include <algorithm>
 #include <iterator>
@@ -10,22 +10,20 @@
 #include "absl/strings/match.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
+#include "common/assembly/codec/assembly_codec.h"
 #include "common/base/identifiers.h"
 #include "common/base/violation_lists.h"
-#include "common/parametric/assembly_codec.h"
-#include "common/parametric/field_checks.h"
+#include "common/design/field_checks.h"
 
 namespace mortise::catalog {
 namespace {
-
-using parametric::Finding;
 
 constexpr absl::string_view kParts = "parts[";
 
 class Assigner {
  public:
   Assigner(const cad::StepAssembly& drawing, const v1::AssemblyAnnotations& annotations,
-           std::vector<Finding>& findings)
+           std::vector<FieldViolation>& findings)
       : drawing_(drawing), annotations_(annotations), findings_(findings) {
     for (const cad::StepPart& part : drawing.parts) {
       const std::string& product = drawing.products[static_cast<std::size_t>(part.product)].name;
@@ -151,7 +149,7 @@ class Assigner {
 
   const cad::StepAssembly& drawing_;
   const v1::AssemblyAnnotations& annotations_;
-  std::vector<Finding>& findings_;
+  std::vector<FieldViolation>& findings_;
   std::vector<std::string> names_;  // of parts, then of leaves
   Index by_name_, by_path_, by_drawn_name_, by_product_;
   std::vector<int> own_, products_;  // annotations of each
@@ -188,7 +186,7 @@ bool IsAnnotated(std::string_view rest) {
 
 }  // namespace
 
-std::vector<Finding> CheckWithoutParts(
+std::vector<FieldViolation> CheckWithoutParts(
     const v1::AssemblyAnnotations& annotations, const std::vector<int>& which,
     const google::protobuf::RepeatedPtrField<v1::AssemblyGroup>& groups,
     const std::vector<parametric::Item>& items) {
@@ -197,7 +195,7 @@ std::vector<Finding> CheckWithoutParts(
   assembly.set_name("assemblies/alone");
   *assembly.mutable_groups() = groups;
   for (const int i : which) *assembly.add_parts() = PartOf(annotations.parts(i), i);
-  std::vector<Finding> findings;
+  std::vector<FieldViolation> findings;
   const absl::Status checked = parametric::FromProto(assembly, items).status();
   for (const FieldViolation& violation : AllViolationsOf(checked)) {
     const absl::string_view field = violation.field;
@@ -220,9 +218,9 @@ std::vector<Finding> CheckWithoutParts(
   return findings;
 }
 
-std::vector<Finding> CheckWithoutDrawing(const v1::AssemblyAnnotations& annotations,
-                                         const std::vector<parametric::Item>& items) {
-  std::vector<Finding> findings;
+std::vector<FieldViolation> CheckWithoutDrawing(const v1::AssemblyAnnotations& annotations,
+                                                const std::vector<parametric::Item>& items) {
+  std::vector<FieldViolation> findings;
   if (!ParseResourceName(annotations.name(), "assemblies", "name").ok()) {
     findings.push_back({"annotations.name",
                         "must be 'assemblies/' and 1 to 63 lower-case letters, digits and "
@@ -232,7 +230,7 @@ std::vector<Finding> CheckWithoutDrawing(const v1::AssemblyAnnotations& annotati
   parametric::CheckDescription("annotations.description", annotations.description(), findings);
   std::vector<int> all;
   for (int i = 0; i < annotations.parts_size(); ++i) all.push_back(i);
-  for (Finding& finding : CheckWithoutParts(annotations, all, annotations.groups(), items)) {
+  for (FieldViolation& finding : CheckWithoutParts(annotations, all, annotations.groups(), items)) {
     // Groups may be those of the file.
     if (annotations.groups_size() == 0 && absl::EndsWith(finding.field, ".group")) continue;
     findings.push_back(std::move(finding));
@@ -242,7 +240,7 @@ std::vector<Finding> CheckWithoutDrawing(const v1::AssemblyAnnotations& annotati
 
 Assignment AssignAnnotations(const cad::StepAssembly& drawing,
                              const v1::AssemblyAnnotations& annotations,
-                             std::vector<Finding>& findings) {
+                             std::vector<FieldViolation>& findings) {
   return Assigner(drawing, annotations, findings).Assign();
 }
 

@@ -3,9 +3,9 @@
 
 #include <vector>
 
-#include "common/cad/step_assembly.h"
-#include "common/parametric/template_definition.h"
-#include "common/parametric/template_validation.h"
+#include "common/cad/step/step_assembly.h"
+#include "common/design/template_definition.h"
+#include "common/design/template_validation.h"
 #include "mortise/v1/assembly.pb.h"
 
 namespace mortise::catalog {
@@ -21,18 +21,18 @@ struct Assignment {
 // said to be left out.
 Assignment AssignAnnotations(const cad::StepAssembly& drawing,
                              const v1::AssemblyAnnotations& annotations,
-                             std::vector<parametric::Finding>& findings);
+                             std::vector<FieldViolation>& findings);
 
 // What is wrong with annotations of the parts of no drawing: the items (`items` are those that
 // exist), roles, axes, groups, planes and titles that they name. `annotations.parts[i]` for each i
 // of `which`; `groups` are those that there are. Fields as above.
-std::vector<parametric::Finding> CheckWithoutParts(
+std::vector<FieldViolation> CheckWithoutParts(
     const v1::AssemblyAnnotations& annotations, const std::vector<int>& which,
     const google::protobuf::RepeatedPtrField<v1::AssemblyGroup>& groups,
     const std::vector<parametric::Item>& items);
 
 // The same of all annotations to a file that cannot be read, and of the texts about the whole.
-std::vector<parametric::Finding> CheckWithoutDrawing(const v1::AssemblyAnnotations& annotations,
-                                                     const std::vector<parametric::Item>& items);
+std::vector<FieldViolation> CheckWithoutDrawing(const v1::AssemblyAnnotations& annotations,
+                                                const std::vector<parametric::Item>& items);
 
 }  // namespace mortise::catalog

@@ -1,15 +1,15 @@
-#include "services/catalog/shape_file.h"
+#include "services/catalog/exchange/shape_file.h"
 
 #include <string>
 #include <vector>
 
 #include "common/base/errors.h"
 #include "common/base/violation_lists.h"
-#include "common/cad/step_isolation.h"
-#include "common/mesh/drawn_shape.h"
-#include "services/catalog/assembly_import.h"
-#include "services/catalog/shape_import.h"
-#include "services/catalog/shape_records.h"
+#include "common/cad/step/step_isolation.h"
+#include "common/mesh/shapes/drawn_shape.h"
+#include "services/catalog/exchange/assembly_import.h"
+#include "services/catalog/exchange/shape_import.h"
+#include "services/catalog/records/shape_records.h"
 
 namespace mortise::catalog {
 namespace {

@@ -1,4 +1,4 @@
-#include "services/catalog/shape_import.h"
+#include "services/catalog/exchange/shape_import.h"
 
 #include <algorithm>
 #include <array>
@@ -15,7 +15,7 @@
 #include "common/base/errors.h"
 #include "common/base/field_violations.h"
 #include "common/base/text_encoding.h"
-#include "common/mesh/surface_repair.h"
+#include "common/mesh/repair/surface_repair.h"
 
 namespace mortise::catalog {
 namespace {

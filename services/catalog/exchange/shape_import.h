@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "common/cad/step_assembly.h"
-#include "common/mesh/drawn_shape.h"
+#include "common/cad/step/step_assembly.h"
+#include "common/mesh/shapes/drawn_shape.h"
 #include "common/mesh/surface_mesh.h"
 
 namespace mortise::catalog {

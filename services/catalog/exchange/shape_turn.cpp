@@ -1,4 +1,4 @@
-#include "services/catalog/shape_turn.h"
+#include "services/catalog/exchange/shape_turn.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "common/mesh/drawn_shape.h"
+#include "common/mesh/shapes/drawn_shape.h"
 
 namespace mortise::catalog {
 

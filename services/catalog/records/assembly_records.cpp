@@ -1,4 +1,4 @@
-#include "services/catalog/assembly_records.h"
+#include "services/catalog/records/assembly_records.h"
 
 #include <google/protobuf/util/time_util.h>
 
@@ -8,15 +8,15 @@
 
 #include "absl/strings/str_join.h"
 #include "absl/time/time.h"
+#include "common/assembly/codec/assembly_codec.h"
 #include "common/base/errors.h"
 #include "common/base/violation_lists.h"
-#include "common/parametric/assembly_codec.h"
-#include "common/parametric/template_codec.h"
-#include "services/catalog/list_filter.h"
-#include "services/catalog/record_access.h"
-#include "services/catalog/record_page.h"
-#include "services/catalog/record_users.h"
-#include "services/catalog/shape_records.h"
+#include "common/files/template_codec.h"
+#include "services/catalog/records/list_filter.h"
+#include "services/catalog/records/record_access.h"
+#include "services/catalog/records/record_page.h"
+#include "services/catalog/records/record_users.h"
+#include "services/catalog/records/shape_records.h"
 
 namespace mortise::catalog {
 namespace {

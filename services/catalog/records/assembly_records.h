@@ -8,7 +8,7 @@
 #include "absl/status/statusor.h"
 #include "common/store/store.h"
 #include "mortise/v1/assembly.pb.h"
-#include "services/catalog/catalog_records.h"
+#include "services/catalog/records/catalog_records.h"
 
 namespace mortise::catalog {
 

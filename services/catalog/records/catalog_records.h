@@ -10,7 +10,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "common/parametric/template_validation.h"
+#include "common/design/template_validation.h"
 #include "common/resources/record_page.h"
 #include "common/store/store.h"
 #include "common/templates/template_codec.h"
@@ -38,8 +38,8 @@ absl::StatusOr<Page<v1::Item>> ListItems(store::ReadTransaction& transaction,
 
 // What is wrong with an item, given the materials and shapes there are; fields are those of the
 // item.
-absl::StatusOr<std::vector<parametric::Finding>> CheckItem(store::ReadTransaction& transaction,
-                                                           const v1::Item& item);
+absl::StatusOr<std::vector<FieldViolation>> CheckItem(store::ReadTransaction& transaction,
+                                                      const v1::Item& item);
 
 // Writes a new record and tells of it ("material.created", "item.created"). ALREADY_EXISTS;
 // INVALID_ARGUMENT with what is wrong.

@@ -1,5 +1,5 @@
 // Uploads of drawings, and what becomes of them.
-#include "services/catalog/drawing_records.h"
+#include "services/catalog/records/drawing_records.h"
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
@@ -8,8 +8,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
-#include "common/cad/step_reader.h"
-#include "common/rpc/chunk_stream.h"
+#include "common/cad/step/step_reader.h"
+#include "common/host/chunk_stream.h"
 
 namespace mortise::catalog {
 namespace {

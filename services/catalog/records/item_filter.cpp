@@ -1,8 +1,8 @@
-#include "services/catalog/item_filter.h"
+#include "services/catalog/records/item_filter.h"
 
 #include "common/base/errors.h"
 #include "common/base/violation_lists.h"
-#include "services/catalog/record_access.h"
+#include "services/catalog/records/record_access.h"
 
 namespace mortise::catalog {
 

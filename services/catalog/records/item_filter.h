@@ -7,7 +7,7 @@
 #include "absl/status/statusor.h"
 #include "common/store/store.h"
 #include "mortise/v1/catalog.pb.h"
-#include "services/catalog/list_filter.h"
+#include "services/catalog/records/list_filter.h"
 
 namespace mortise::catalog {
 

@@ -8,16 +8,16 @@
 #include "absl/time/time.h"
 #include "common/base/errors.h"
 #include "common/base/violation_lists.h"
-#include "common/parametric/message_checks.h"
-#include "common/parametric/template_codec.h"
+#include "common/files/message_checks.h"
+#include "common/files/template_codec.h"
 #include "mortise/v1/assembly.pb.h"
-#include "services/catalog/catalog_records.h"
-#include "services/catalog/item_filter.h"
-#include "services/catalog/record_access.h"
-#include "services/catalog/record_page.h"
-#include "services/catalog/record_update.h"
-#include "services/catalog/record_users.h"
-#include "services/catalog/shape_records.h"
+#include "services/catalog/records/catalog_records.h"
+#include "services/catalog/records/item_filter.h"
+#include "services/catalog/records/record_access.h"
+#include "services/catalog/records/record_page.h"
+#include "services/catalog/records/record_update.h"
+#include "services/catalog/records/record_users.h"
+#include "services/catalog/records/shape_records.h"
 
 namespace mortise::catalog {
 namespace {
@@ -87,8 +87,8 @@ absl::StatusOr<Page<v1::Item>> ListItems(store::ReadTransaction& transaction,
       });
 }
 
-absl::StatusOr<std::vector<parametric::Finding>> CheckItem(store::ReadTransaction& transaction,
-                                                           const v1::Item& item) {
+absl::StatusOr<std::vector<FieldViolation>> CheckItem(store::ReadTransaction& transaction,
+                                                      const v1::Item& item) {
   std::vector<parametric::Material> materials;
   absl::StatusOr<v1::Material> material = GetMaterial(transaction, item.material());
   if (material.ok()) {
@@ -97,8 +97,8 @@ absl::StatusOr<std::vector<parametric::Finding>> CheckItem(store::ReadTransactio
   } else if (!absl::IsNotFound(material.status()) && !absl::IsInvalidArgument(material.status())) {
     return material.status();
   }
-  std::vector<parametric::Finding> findings = parametric::CheckItemMessage(item, materials);
-  MORTISE_ASSIGN_OR_RETURN(const std::vector<parametric::Finding> of_shape,
+  std::vector<FieldViolation> findings = parametric::CheckItemMessage(item, materials);
+  MORTISE_ASSIGN_OR_RETURN(const std::vector<FieldViolation> of_shape,
                            CheckItemShape(transaction, item));
   findings.insert(findings.end(), of_shape.begin(), of_shape.end());
   return findings;

@@ -1,4 +1,4 @@
-#include "services/catalog/list_filter.h"
+#include "services/catalog/records/list_filter.h"
 
 #include <algorithm>
 
@@ -7,7 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
 #include "common/base/errors.h"
-#include "services/catalog/record_access.h"
+#include "services/catalog/records/record_access.h"
 
 namespace mortise::catalog {
 

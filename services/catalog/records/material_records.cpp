@@ -5,12 +5,12 @@
 #include "absl/strings/str_join.h"
 #include "common/base/errors.h"
 #include "common/base/violation_lists.h"
-#include "common/parametric/template_codec.h"
-#include "services/catalog/catalog_records.h"
-#include "services/catalog/list_filter.h"
-#include "services/catalog/record_access.h"
-#include "services/catalog/record_page.h"
-#include "services/catalog/record_update.h"
+#include "common/files/template_codec.h"
+#include "services/catalog/records/catalog_records.h"
+#include "services/catalog/records/list_filter.h"
+#include "services/catalog/records/record_access.h"
+#include "services/catalog/records/record_page.h"
+#include "services/catalog/records/record_update.h"
 
 namespace mortise::catalog {
 namespace {

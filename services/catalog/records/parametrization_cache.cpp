@@ -1,12 +1,12 @@
-#include "services/catalog/parametrization_cache.h"
+#include "services/catalog/records/parametrization_cache.h"
 
 #include <string>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "common/assembly/memory_use.h"
 #include "common/base/errors.h"
-#include "common/parametric/memory_use.h"
-#include "services/catalog/shape_records.h"
+#include "services/catalog/records/shape_records.h"
 
 namespace mortise::catalog {
 

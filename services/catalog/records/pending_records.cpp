@@ -1,5 +1,5 @@
 // Pending records over stored ones.
-#include "services/catalog/pending_records.h"
+#include "services/catalog/records/pending_records.h"
 
 namespace mortise::catalog {
 

@@ -1,5 +1,5 @@
 // Reads and writes records of any kind.
-#include "services/catalog/record_access.h"
+#include "services/catalog/records/record_access.h"
 
 #include <nlohmann/json.hpp>
 

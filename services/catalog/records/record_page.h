@@ -7,8 +7,8 @@
 #include "absl/status/statusor.h"
 #include "common/base/errors.h"
 #include "common/resources/record_page.h"
-#include "services/catalog/catalog_records.h"
-#include "services/catalog/record_access.h"
+#include "services/catalog/records/catalog_records.h"
+#include "services/catalog/records/record_access.h"
 
 namespace mortise::catalog {
 

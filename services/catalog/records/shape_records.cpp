@@ -1,14 +1,14 @@
-#include "services/catalog/shape_records.h"
+#include "services/catalog/records/shape_records.h"
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "common/assembly/codec/shape_codec.h"
 #include "common/base/errors.h"
-#include "common/parametric/message_checks.h"
-#include "common/parametric/shape_codec.h"
-#include "services/catalog/record_access.h"
+#include "common/files/message_checks.h"
+#include "services/catalog/records/record_access.h"
 
 namespace mortise::catalog {
 namespace {
@@ -138,9 +138,9 @@ absl::Status CheckTogether(const google::protobuf::RepeatedPtrField<v1::Shape>& 
                             " bytes, more than ", kMostTogether));
 }
 
-absl::StatusOr<std::vector<parametric::Finding>> CheckItemShape(store::ReadTransaction& transaction,
-                                                                const v1::Item& item) {
-  using Findings = std::vector<parametric::Finding>;
+absl::StatusOr<std::vector<FieldViolation>> CheckItemShape(store::ReadTransaction& transaction,
+                                                           const v1::Item& item) {
+  using Findings = std::vector<FieldViolation>;
   if (item.shape().empty()) return Findings();
   const absl::StatusOr<v1::Shape> shape = GetShape(transaction, item.shape());
   if (absl::IsNotFound(shape.status()) || absl::IsInvalidArgument(shape.status())) {

@@ -9,8 +9,8 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "common/mesh/drawn_shape.h"
-#include "common/parametric/template_validation.h"
+#include "common/design/template_validation.h"
+#include "common/mesh/shapes/drawn_shape.h"
 #include "common/store/store.h"
 #include "mortise/v1/assembly.pb.h"
 #include "mortise/v1/catalog.pb.h"
@@ -61,7 +61,7 @@ absl::Status CheckTogether(const google::protobuf::RepeatedPtrField<v1::Shape>& 
 
 // What is wrong with an item's shape, given the shapes there are: none of this name, or another
 // size than the item fixes.
-absl::StatusOr<std::vector<parametric::Finding>> CheckItemShape(store::ReadTransaction& transaction,
-                                                                const v1::Item& item);
+absl::StatusOr<std::vector<FieldViolation>> CheckItemShape(store::ReadTransaction& transaction,
+                                                           const v1::Item& item);
 
 }  // namespace mortise::catalog

@@ -1,5 +1,5 @@
-// Finding out which shapes are named anywhere.
-#include "services/catalog/shape_sweep.h"
+// FieldViolation out which shapes are named anywhere.
+#include "services/catalog/records/shape_sweep.h"
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
@@ -8,8 +8,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
-#include "services/catalog/record_access.h"
-#include "services/catalog/shape_records.h"
+#include "services/catalog/records/record_access.h"
+#include "services/catalog/records/shape_records.h"
 
 namespace mortise::catalog {
 namespace {

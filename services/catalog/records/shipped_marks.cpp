@@ -1,5 +1,5 @@
 // Marks as records, and the decision that follows from them.
-#include "services/catalog/shipped_marks.h"
+#include "services/catalog/records/shipped_marks.h"
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
@@ -7,7 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
-#include "services/catalog/record_access.h"
+#include "services/catalog/records/record_access.h"
 
 namespace mortise::catalog {
 namespace {

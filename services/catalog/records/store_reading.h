@@ -9,7 +9,7 @@
 #include "absl/status/statusor.h"
 #include "common/base/errors.h"
 #include "common/store/store.h"
-#include "services/catalog/catalog_records.h"
+#include "services/catalog/records/catalog_records.h"
 
 namespace mortise::catalog {
 

@@ -1,4 +1,4 @@
-#include "services/catalog/template_cache.h"
+#include "services/catalog/records/template_cache.h"
 
 #include <utility>
 

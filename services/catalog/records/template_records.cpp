@@ -7,13 +7,13 @@
 #include "absl/time/time.h"
 #include "common/base/errors.h"
 #include "common/base/violation_lists.h"
-#include "services/catalog/assembly_records.h"
-#include "services/catalog/catalog_records.h"
-#include "services/catalog/list_filter.h"
-#include "services/catalog/record_access.h"
-#include "services/catalog/record_page.h"
-#include "services/catalog/record_users.h"
-#include "services/catalog/shape_records.h"
+#include "services/catalog/records/assembly_records.h"
+#include "services/catalog/records/catalog_records.h"
+#include "services/catalog/records/list_filter.h"
+#include "services/catalog/records/record_access.h"
+#include "services/catalog/records/record_page.h"
+#include "services/catalog/records/record_users.h"
+#include "services/catalog/records/shape_records.h"
 
 namespace mortise::catalog {
 namespace {

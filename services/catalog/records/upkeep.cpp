@@ -1,5 +1,5 @@
 // The hourly thread.
-#include "services/catalog/upkeep.h"
+#include "services/catalog/records/upkeep.h"
 
 #include <chrono>
 #include <condition_variable>
@@ -9,8 +9,8 @@
 #include "common/base/logging.h"
 #include "common/store/blob_upkeep.h"
 #include "common/store/store.h"
-#include "services/catalog/drawing_records.h"
-#include "services/catalog/shape_sweep.h"
+#include "services/catalog/records/drawing_records.h"
+#include "services/catalog/records/shape_sweep.h"
 
 namespace mortise::catalog {
 namespace {

@@ -1,12 +1,12 @@
-#include "services/catalog/asked_parameters.h"
+#include "services/catalog/service/asked_parameters.h"
 
 #include <cmath>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "common/assembly/model/assembly.h"
 #include "common/base/errors.h"
 #include "common/base/violation_lists.h"
-#include "common/parametric/assembly.h"
 
 namespace mortise::catalog {
 namespace {

@@ -1,6 +1,6 @@
 // Answers the methods of AssemblyService: each is a few lines between a message and
 // assembly_records.h or parametric_assembly.h.
-#include "services/catalog/assembly_service.h"
+#include "services/catalog/service/assembly_service.h"
 
 #include <algorithm>
 #include <memory>
@@ -11,25 +11,25 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "common/assembly/assembly_design.h"
+#include "common/assembly/codec/parametrization_codec.h"
 #include "common/base/errors.h"
 #include "common/base/violation_lists.h"
-#include "common/parametric/assembly_design.h"
-#include "common/parametric/parametrization_codec.h"
-#include "common/parametric/template_codec.h"
+#include "common/files/template_codec.h"
 #include "common/rpc/handler.h"
 #include "common/store/store.h"
 #include "mortise/v1/assembly.grpc.pb.h"
-#include "services/catalog/asked_parameters.h"
-#include "services/catalog/assembly_import.h"
-#include "services/catalog/assembly_records.h"
-#include "services/catalog/demand_check.h"
-#include "services/catalog/design_stream.h"
-#include "services/catalog/drawing_records.h"
-#include "services/catalog/drawing_source.h"
-#include "services/catalog/part_annotations.h"
-#include "services/catalog/record_access.h"
-#include "services/catalog/shape_records.h"
-#include "services/catalog/store_reading.h"
+#include "services/catalog/exchange/assembly_import.h"
+#include "services/catalog/exchange/part_annotations.h"
+#include "services/catalog/records/assembly_records.h"
+#include "services/catalog/records/drawing_records.h"
+#include "services/catalog/records/record_access.h"
+#include "services/catalog/records/shape_records.h"
+#include "services/catalog/records/store_reading.h"
+#include "services/catalog/service/asked_parameters.h"
+#include "services/catalog/service/demand_check.h"
+#include "services/catalog/service/design_stream.h"
+#include "services/catalog/service/drawing_source.h"
 
 namespace mortise::catalog {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <memory>
 
-#include "common/rpc/run_service.h"
-#include "services/catalog/parametrization_cache.h"
+#include "common/host/run_service.h"
+#include "services/catalog/records/parametrization_cache.h"
 
 namespace mortise::store {
 class BlobFolder;

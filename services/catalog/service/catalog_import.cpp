@@ -1,5 +1,5 @@
 // Checks everything of an import, then writes it.
-#include "services/catalog/catalog_import.h"
+#include "services/catalog/service/catalog_import.h"
 
 #include <algorithm>
 #include <optional>
@@ -10,11 +10,11 @@
 #include "common/base/errors.h"
 #include "common/base/identifiers.h"
 #include "common/base/violation_lists.h"
-#include "common/parametric/template_validation.h"
-#include "services/catalog/catalog_records.h"
-#include "services/catalog/pending_records.h"
-#include "services/catalog/record_access.h"
-#include "services/catalog/shipped_marks.h"
+#include "common/design/template_validation.h"
+#include "services/catalog/records/catalog_records.h"
+#include "services/catalog/records/pending_records.h"
+#include "services/catalog/records/record_access.h"
+#include "services/catalog/records/shipped_marks.h"
 
 namespace mortise::catalog {
 namespace {
@@ -72,7 +72,7 @@ class Faults {
 };
 
 absl::Status CheckRow(store::ReadTransaction& transaction, const v1::Item& item) {
-  MORTISE_ASSIGN_OR_RETURN(const std::vector<parametric::Finding> findings,
+  MORTISE_ASSIGN_OR_RETURN(const std::vector<FieldViolation> findings,
                            CheckItem(transaction, item));
   return parametric::ToStatus(findings);
 }

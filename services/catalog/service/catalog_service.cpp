@@ -1,6 +1,6 @@
 // Answers the methods of CatalogService: each is a few lines between a message and
 // catalog_records.h.
-#include "services/catalog/catalog_service.h"
+#include "services/catalog/service/catalog_service.h"
 
 #include <string>
 #include <utility>
@@ -8,26 +8,26 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/base/violation_lists.h"
-#include "common/parametric/parameter_values.h"
-#include "common/parametric/template_codec.h"
-#include "common/rpc/chunk_stream.h"
+#include "common/design/parameter_values.h"
+#include "common/files/template_codec.h"
+#include "common/host/chunk_stream.h"
 #include "common/rpc/handler.h"
 #include "common/rpc/server_host.h"
 #include "common/store/store.h"
 #include "mortise/v1/catalog.grpc.pb.h"
-#include "services/catalog/assembly_service.h"
-#include "services/catalog/catalog_import.h"
-#include "services/catalog/catalog_records.h"
-#include "services/catalog/collection_loader.h"
-#include "services/catalog/design_answer.h"
-#include "services/catalog/design_export.h"
-#include "services/catalog/design_stream.h"
-#include "services/catalog/record_access.h"
-#include "services/catalog/shape_file.h"
-#include "services/catalog/shape_records.h"
-#include "services/catalog/store_reading.h"
-#include "services/catalog/template_cache.h"
-#include "services/catalog/upkeep.h"
+#include "services/catalog/exchange/design_export.h"
+#include "services/catalog/exchange/shape_file.h"
+#include "services/catalog/records/catalog_records.h"
+#include "services/catalog/records/record_access.h"
+#include "services/catalog/records/shape_records.h"
+#include "services/catalog/records/store_reading.h"
+#include "services/catalog/records/template_cache.h"
+#include "services/catalog/records/upkeep.h"
+#include "services/catalog/service/assembly_service.h"
+#include "services/catalog/service/catalog_import.h"
+#include "services/catalog/service/collection_loader.h"
+#include "services/catalog/service/design_answer.h"
+#include "services/catalog/service/design_stream.h"
 
 namespace mortise::catalog {
 namespace {

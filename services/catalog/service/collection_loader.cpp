@@ -1,5 +1,5 @@
 // Reads, checks and stores the shipped collection.
-#include "services/catalog/collection_loader.h"
+#include "services/catalog/service/collection_loader.h"
 
 #include <functional>
 #include <map>
@@ -13,12 +13,12 @@
 #include "common/base/digest.h"
 #include "common/base/errors.h"
 #include "common/base/logging.h"
-#include "common/parametric/collection.h"
-#include "services/catalog/assembly_records.h"
-#include "services/catalog/catalog_records.h"
-#include "services/catalog/record_access.h"
-#include "services/catalog/shape_records.h"
-#include "services/catalog/shipped_marks.h"
+#include "common/files/collection.h"
+#include "services/catalog/records/assembly_records.h"
+#include "services/catalog/records/catalog_records.h"
+#include "services/catalog/records/record_access.h"
+#include "services/catalog/records/shape_records.h"
+#include "services/catalog/records/shipped_marks.h"
 
 namespace mortise::catalog {
 namespace {
@@ -83,7 +83,7 @@ absl::Status PutShapeNamed(store::Transaction& transaction, const ShapesOfCollec
 absl::StatusOr<int64_t> PutItem(store::Transaction& transaction, const v1::Item& item,
                                 const ShapesOfCollection& shapes) {
   MORTISE_RETURN_IF_ERROR(PutShapeNamed(transaction, shapes, item.shape()));
-  MORTISE_ASSIGN_OR_RETURN(const std::vector<parametric::Finding> findings,
+  MORTISE_ASSIGN_OR_RETURN(const std::vector<FieldViolation> findings,
                            CheckItem(transaction, item));
   MORTISE_RETURN_IF_ERROR(parametric::ToStatus(findings));
   MORTISE_ASSIGN_OR_RETURN(const Replacement replaced, ReplaceItem(transaction, item, ""));

@@ -7,7 +7,7 @@
 
 #include "absl/status/statusor.h"
 #include "common/store/store.h"
-#include "services/catalog/parametrization_cache.h"
+#include "services/catalog/records/parametrization_cache.h"
 
 namespace mortise::catalog {
 

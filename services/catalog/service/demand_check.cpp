@@ -1,4 +1,4 @@
-#include "services/catalog/demand_check.h"
+#include "services/catalog/service/demand_check.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,9 +8,9 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "common/assembly/model/assembly.h"
 #include "common/base/errors.h"
 #include "common/base/field_violations.h"
-#include "common/parametric/assembly.h"
 
 namespace mortise::catalog {
 namespace {

@@ -4,7 +4,7 @@
 #include <google/protobuf/repeated_field.h>
 
 #include "absl/status/status.h"
-#include "common/parametric/parametric_assembly.h"
+#include "common/assembly/parametric_assembly.h"
 #include "mortise/v1/assembly.pb.h"
 
 namespace mortise::catalog {

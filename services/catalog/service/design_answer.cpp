@@ -1,9 +1,9 @@
-#include "services/catalog/design_answer.h"
+#include "services/catalog/service/design_answer.h"
 
 #include <vector>
 
+#include "common/assembly/parametric_assembly.h"
 #include "common/base/errors.h"
-#include "common/parametric/parametric_assembly.h"
 
 namespace mortise::catalog {
 

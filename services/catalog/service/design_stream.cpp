@@ -1,9 +1,9 @@
-#include "services/catalog/design_stream.h"
+#include "services/catalog/service/design_stream.h"
 
 #include <utility>
 
 #include "common/base/errors.h"
-#include "common/rpc/chunk_stream.h"
+#include "common/host/chunk_stream.h"
 
 namespace mortise::catalog {
 

@@ -8,7 +8,7 @@
 #include "absl/status/statusor.h"
 #include "common/rpc/stream_writer.h"
 #include "mortise/v1/catalog.pb.h"
-#include "services/catalog/assembly_export.h"
+#include "services/catalog/exchange/assembly_export.h"
 
 namespace mortise::catalog {
 

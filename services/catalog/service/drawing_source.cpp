@@ -1,19 +1,19 @@
 // Reading of drawings, and the few that are remembered.
-#include "services/catalog/drawing_source.h"
+#include "services/catalog/service/drawing_source.h"
 
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "common/assembly/memory_use.h"
 #include "common/base/digest.h"
 #include "common/base/errors.h"
 #include "common/base/field_violations.h"
-#include "common/cad/step_isolation.h"
-#include "common/parametric/memory_use.h"
-#include "services/catalog/assembly_import.h"
-#include "services/catalog/drawing_records.h"
-#include "services/catalog/shape_records.h"
-#include "services/catalog/shape_turn.h"
+#include "common/cad/step/step_isolation.h"
+#include "services/catalog/exchange/assembly_import.h"
+#include "services/catalog/exchange/shape_turn.h"
+#include "services/catalog/records/drawing_records.h"
+#include "services/catalog/records/shape_records.h"
 
 namespace mortise::catalog {
 namespace {

@@ -7,7 +7,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "common/base/single_flight_cache.h"
-#include "common/cad/step_assembly.h"
+#include "common/cad/step/step_assembly.h"
 
 namespace mortise::store {
 class BlobFolder;

@@ -1,4 +1,4 @@
-#include "services/fabplanner/bin_completion.h"
+#include "services/fabplanner/cutting/bin_completion.h"
 
 #include <algorithm>
 #include <cstddef>

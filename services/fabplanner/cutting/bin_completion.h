@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "services/fabplanner/packing_problem.h"
+#include "services/fabplanner/cutting/packing_problem.h"
 
 namespace mortise::fabplanner {
 

@@ -1,11 +1,11 @@
-#include "services/fabplanner/bin_packing.h"
+#include "services/fabplanner/cutting/bin_packing.h"
 
 #include <algorithm>
 #include <numeric>
 #include <utility>
 
-#include "services/fabplanner/bin_completion.h"
-#include "services/fabplanner/packing_problem.h"
+#include "services/fabplanner/cutting/bin_completion.h"
+#include "services/fabplanner/cutting/packing_problem.h"
 
 namespace mortise::fabplanner {
 namespace {

@@ -1,4 +1,4 @@
-#include "services/fabplanner/cutting_stock.h"
+#include "services/fabplanner/cutting/cutting_stock.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/compared_numbers.h"
 #include "common/base/errors.h"
-#include "services/fabplanner/bin_packing.h"
+#include "services/fabplanner/cutting/bin_packing.h"
 
 namespace mortise::fabplanner {
 namespace {

@@ -1,4 +1,4 @@
-#include "services/fabplanner/packing_problem.h"
+#include "services/fabplanner/cutting/packing_problem.h"
 
 #include <algorithm>
 #include <limits>

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "services/fabplanner/bin_packing.h"
+#include "services/fabplanner/cutting/bin_packing.h"
 
 namespace mortise::fabplanner {
 

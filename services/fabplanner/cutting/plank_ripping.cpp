@@ -1,11 +1,11 @@
-#include "services/fabplanner/plank_ripping.h"
+#include "services/fabplanner/cutting/plank_ripping.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <map>
 
-#include "services/fabplanner/bin_packing.h"
+#include "services/fabplanner/cutting/bin_packing.h"
 
 namespace mortise::fabplanner {
 namespace {

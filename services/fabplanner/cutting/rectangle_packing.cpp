@@ -1,4 +1,4 @@
-#include "services/fabplanner/rectangle_packing.h"
+#include "services/fabplanner/cutting/rectangle_packing.h"
 
 #include <algorithm>
 #include <limits>

@@ -1,4 +1,4 @@
-#include "services/fabplanner/sheet_layout.h"
+#include "services/fabplanner/cutting/sheet_layout.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/compared_numbers.h"
 #include "common/base/errors.h"
-#include "services/fabplanner/rectangle_packing.h"
+#include "services/fabplanner/cutting/rectangle_packing.h"
 
 namespace mortise::fabplanner {
 namespace {

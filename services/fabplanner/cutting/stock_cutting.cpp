@@ -1,4 +1,4 @@
-#include "services/fabplanner/stock_cutting.h"
+#include "services/fabplanner/cutting/stock_cutting.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,10 +13,10 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "common/base/errors.h"
-#include "services/fabplanner/cutting_stock.h"
-#include "services/fabplanner/dimension_text.h"
-#include "services/fabplanner/plank_ripping.h"
-#include "services/fabplanner/sheet_layout.h"
+#include "services/fabplanner/cutting/cutting_stock.h"
+#include "services/fabplanner/cutting/plank_ripping.h"
+#include "services/fabplanner/cutting/sheet_layout.h"
+#include "services/fabplanner/plan/dimension_text.h"
 
 namespace mortise::fabplanner {
 namespace {

@@ -1,11 +1,11 @@
-#include "services/fabplanner/assembly_guide_html.h"
+#include "services/fabplanner/documents/assembly_guide_html.h"
 
 #include <map>
 
 #include "absl/strings/escaping.h"
 #include "absl/strings/str_cat.h"
-#include "services/fabplanner/dimension_text.h"
-#include "services/fabplanner/svg_drawing.h"
+#include "services/fabplanner/documents/svg_drawing.h"
+#include "services/fabplanner/plan/dimension_text.h"
 
 namespace mortise::fabplanner {
 namespace {

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "services/fabplanner/design.h"
-#include "services/fabplanner/plan.h"
+#include "services/fabplanner/plan/design.h"
+#include "services/fabplanner/plan/plan.h"
 
 namespace mortise::fabplanner {
 

@@ -1,4 +1,4 @@
-#include "services/fabplanner/assembly_picture.h"
+#include "services/fabplanner/documents/assembly_picture.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,9 +11,9 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/render/scene.h"
-#include "services/fabplanner/part_mesh.h"
-#include "services/fabplanner/step_picture.h"
-#include "services/fabplanner/step_view.h"
+#include "services/fabplanner/documents/part_mesh.h"
+#include "services/fabplanner/documents/step_picture.h"
+#include "services/fabplanner/documents/step_view.h"
 
 namespace mortise::fabplanner {
 namespace {

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "services/fabplanner/design.h"
-#include "services/fabplanner/plan.h"
+#include "services/fabplanner/plan/design.h"
+#include "services/fabplanner/plan/plan.h"
 
 namespace mortise::fabplanner {
 

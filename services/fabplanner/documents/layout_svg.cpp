@@ -1,4 +1,4 @@
-#include "services/fabplanner/layout_svg.h"
+#include "services/fabplanner/documents/layout_svg.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,8 +8,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/render/image.h"
-#include "services/fabplanner/dimension_text.h"
-#include "services/fabplanner/svg_drawing.h"
+#include "services/fabplanner/documents/svg_drawing.h"
+#include "services/fabplanner/plan/dimension_text.h"
 
 namespace mortise::fabplanner {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "services/fabplanner/plan.h"
+#include "services/fabplanner/plan/plan.h"
 
 namespace mortise::fabplanner {
 

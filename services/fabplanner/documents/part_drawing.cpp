@@ -1,4 +1,4 @@
-#include "services/fabplanner/part_drawing.h"
+#include "services/fabplanner/documents/part_drawing.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,9 +9,9 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "common/mesh/halfedge_mesh.h"
-#include "services/fabplanner/dimension_text.h"
-#include "services/fabplanner/part_mesh.h"
-#include "services/fabplanner/svg_drawing.h"
+#include "services/fabplanner/documents/part_mesh.h"
+#include "services/fabplanner/documents/svg_drawing.h"
+#include "services/fabplanner/plan/dimension_text.h"
 
 namespace mortise::fabplanner {
 namespace {

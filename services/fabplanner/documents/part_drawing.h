@@ -3,8 +3,8 @@
 
 #include <string>
 
-#include "services/fabplanner/design.h"
-#include "services/fabplanner/plan.h"
+#include "services/fabplanner/plan/design.h"
+#include "services/fabplanner/plan/plan.h"
 
 namespace mortise::fabplanner {
 

@@ -1,11 +1,11 @@
-#include "services/fabplanner/part_mesh.h"
+#include "services/fabplanner/documents/part_mesh.h"
 
 #include <array>
 #include <cmath>
 #include <numbers>
 #include <vector>
 
-#include "common/parametric/polygon.h"
+#include "common/design/polygon.h"
 
 namespace mortise::fabplanner {
 namespace {

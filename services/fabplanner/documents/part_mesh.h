@@ -2,7 +2,7 @@
 #pragma once
 
 #include "common/render/scene.h"
-#include "services/fabplanner/design.h"
+#include "services/fabplanner/plan/design.h"
 
 namespace mortise::fabplanner {
 

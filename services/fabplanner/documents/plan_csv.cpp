@@ -1,4 +1,4 @@
-#include "services/fabplanner/plan_csv.h"
+#include "services/fabplanner/documents/plan_csv.h"
 
 #include <cmath>
 #include <map>
@@ -8,8 +8,8 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_replace.h"
-#include "services/fabplanner/bill_of_materials.h"
-#include "services/fabplanner/dimension_text.h"
+#include "services/fabplanner/plan/bill_of_materials.h"
+#include "services/fabplanner/plan/dimension_text.h"
 
 namespace mortise::fabplanner {
 namespace {

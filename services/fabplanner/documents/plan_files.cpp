@@ -1,17 +1,17 @@
-#include "services/fabplanner/plan_files.h"
+#include "services/fabplanner/documents/plan_files.h"
 
 #include <set>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
-#include "common/mesh/stl.h"
-#include "services/fabplanner/assembly_guide_html.h"
-#include "services/fabplanner/assembly_picture.h"
-#include "services/fabplanner/layout_svg.h"
-#include "services/fabplanner/part_drawing.h"
-#include "services/fabplanner/part_mesh.h"
-#include "services/fabplanner/plan_csv.h"
+#include "common/mesh/files/stl.h"
+#include "services/fabplanner/documents/assembly_guide_html.h"
+#include "services/fabplanner/documents/assembly_picture.h"
+#include "services/fabplanner/documents/layout_svg.h"
+#include "services/fabplanner/documents/part_drawing.h"
+#include "services/fabplanner/documents/part_mesh.h"
+#include "services/fabplanner/documents/plan_csv.h"
 
 namespace mortise::fabplanner {
 namespace {

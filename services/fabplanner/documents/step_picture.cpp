@@ -1,12 +1,12 @@
-#include "services/fabplanner/step_picture.h"
+#include "services/fabplanner/documents/step_picture.h"
 
 #include <algorithm>
 #include <map>
 #include <utility>
 
 #include "common/base/errors.h"
-#include "services/fabplanner/part_mesh.h"
-#include "services/fabplanner/step_view.h"
+#include "services/fabplanner/documents/part_mesh.h"
+#include "services/fabplanner/documents/step_view.h"
 
 namespace mortise::fabplanner {
 namespace {

@@ -1,4 +1,4 @@
-#include "services/fabplanner/step_view.h"
+#include "services/fabplanner/documents/step_view.h"
 
 #include <utility>
 

@@ -1,4 +1,4 @@
-#include "services/fabplanner/svg_drawing.h"
+#include "services/fabplanner/documents/svg_drawing.h"
 
 #include <cmath>
 

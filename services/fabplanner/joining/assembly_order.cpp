@@ -1,4 +1,4 @@
-#include "services/fabplanner/assembly_order.h"
+#include "services/fabplanner/joining/assembly_order.h"
 
 #include <algorithm>
 #include <map>
@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "services/fabplanner/step_text.h"
-#include "services/fabplanner/taking_apart.h"
+#include "services/fabplanner/joining/step_text.h"
+#include "services/fabplanner/joining/taking_apart.h"
 
 namespace mortise::fabplanner {
 namespace {

@@ -13,8 +13,8 @@
 #include <stop_token>
 #include <vector>
 
-#include "services/fabplanner/design.h"
-#include "services/fabplanner/plan.h"
+#include "services/fabplanner/plan/design.h"
+#include "services/fabplanner/plan/plan.h"
 
 namespace mortise::fabplanner {
 

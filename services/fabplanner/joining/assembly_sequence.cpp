@@ -1,4 +1,4 @@
-#include "services/fabplanner/assembly_sequence.h"
+#include "services/fabplanner/joining/assembly_sequence.h"
 
 #include <map>
 #include <numeric>
@@ -8,8 +8,8 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "common/base/errors.h"
-#include "services/fabplanner/assembly_order.h"
-#include "services/fabplanner/dimension_text.h"
+#include "services/fabplanner/joining/assembly_order.h"
+#include "services/fabplanner/plan/dimension_text.h"
 
 namespace mortise::fabplanner {
 namespace {

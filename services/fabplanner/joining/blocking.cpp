@@ -1,4 +1,4 @@
-#include "services/fabplanner/blocking.h"
+#include "services/fabplanner/joining/blocking.h"
 
 #include <algorithm>
 #include <optional>

@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include "services/fabplanner/design.h"
-#include "services/fabplanner/fixings.h"
-#include "services/fabplanner/part_solid.h"
+#include "services/fabplanner/joining/fixings.h"
+#include "services/fabplanner/joining/part_solid.h"
+#include "services/fabplanner/plan/design.h"
 
 namespace mortise::fabplanner {
 

@@ -1,4 +1,4 @@
-#include "services/fabplanner/fastener_holes.h"
+#include "services/fabplanner/joining/fastener_holes.h"
 
 #include <algorithm>
 #include <array>
@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "services/fabplanner/joinery.h"
-#include "services/fabplanner/part_solid.h"
+#include "services/fabplanner/joining/joinery.h"
+#include "services/fabplanner/joining/part_solid.h"
 
 namespace mortise::fabplanner {
 namespace {

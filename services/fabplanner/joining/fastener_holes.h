@@ -12,8 +12,8 @@
 // lies below the surface gets a counterbore of its "head_diameter", or two thread diameters.
 #pragma once
 
-#include "services/fabplanner/design.h"
-#include "services/fabplanner/plan.h"
+#include "services/fabplanner/plan/design.h"
+#include "services/fabplanner/plan/plan.h"
 
 namespace mortise::fabplanner {
 

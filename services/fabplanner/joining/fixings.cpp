@@ -1,4 +1,4 @@
-#include "services/fabplanner/fixings.h"
+#include "services/fabplanner/joining/fixings.h"
 
 #include <map>
 #include <numeric>

@@ -5,8 +5,8 @@
 #include <stop_token>
 #include <vector>
 
-#include "services/fabplanner/design.h"
-#include "services/fabplanner/part_solid.h"
+#include "services/fabplanner/joining/part_solid.h"
+#include "services/fabplanner/plan/design.h"
 
 namespace mortise::fabplanner {
 

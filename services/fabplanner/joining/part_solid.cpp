@@ -1,11 +1,11 @@
-#include "services/fabplanner/part_solid.h"
+#include "services/fabplanner/joining/part_solid.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 
-#include "services/fabplanner/part_mesh.h"
+#include "services/fabplanner/documents/part_mesh.h"
 
 namespace mortise::fabplanner {
 namespace {

@@ -9,7 +9,7 @@
 #include <Eigen/Geometry>
 #include <vector>
 
-#include "services/fabplanner/design.h"
+#include "services/fabplanner/plan/design.h"
 
 namespace mortise::fabplanner {
 

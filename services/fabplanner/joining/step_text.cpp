@@ -1,4 +1,4 @@
-#include "services/fabplanner/step_text.h"
+#include "services/fabplanner/joining/step_text.h"
 
 #include <algorithm>
 #include <map>
@@ -7,7 +7,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
-#include "services/fabplanner/dimension_text.h"
+#include "services/fabplanner/plan/dimension_text.h"
 
 namespace mortise::fabplanner {
 namespace {

@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include "services/fabplanner/design.h"
-#include "services/fabplanner/plan.h"
+#include "services/fabplanner/plan/design.h"
+#include "services/fabplanner/plan/plan.h"
 
 namespace mortise::fabplanner {
 

@@ -1,4 +1,4 @@
-#include "services/fabplanner/taking_apart.h"
+#include "services/fabplanner/joining/taking_apart.h"
 
 #include <algorithm>
 #include <array>

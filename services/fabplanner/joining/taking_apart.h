@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "services/fabplanner/blocking.h"
+#include "services/fabplanner/joining/blocking.h"
 
 namespace mortise::fabplanner {
 

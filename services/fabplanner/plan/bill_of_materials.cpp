@@ -1,4 +1,4 @@
-#include "services/fabplanner/bill_of_materials.h"
+#include "services/fabplanner/plan/bill_of_materials.h"
 
 #include <algorithm>
 #include <array>
@@ -9,7 +9,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
-#include "services/fabplanner/dimension_text.h"
+#include "services/fabplanner/plan/dimension_text.h"
 
 namespace mortise::fabplanner {
 namespace {

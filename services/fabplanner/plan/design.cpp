@@ -1,4 +1,4 @@
-#include "services/fabplanner/design.h"
+#include "services/fabplanner/plan/design.h"
 
 #include <algorithm>
 #include <cmath>

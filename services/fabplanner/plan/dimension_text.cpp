@@ -1,4 +1,4 @@
-#include "services/fabplanner/dimension_text.h"
+#include "services/fabplanner/plan/dimension_text.h"
 
 #include <cmath>
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "services/fabplanner/design.h"
+#include "services/fabplanner/plan/design.h"
 
 namespace mortise::fabplanner {
 

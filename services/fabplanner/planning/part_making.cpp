@@ -1,4 +1,4 @@
-#include "services/fabplanner/part_making.h"
+#include "services/fabplanner/planning/part_making.h"
 
 #include <array>
 #include <cmath>
@@ -6,7 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/compared_numbers.h"
 #include "common/base/errors.h"
-#include "services/fabplanner/dimension_text.h"
+#include "services/fabplanner/plan/dimension_text.h"
 
 namespace mortise::fabplanner {
 namespace {

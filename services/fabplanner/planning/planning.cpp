@@ -1,4 +1,4 @@
-#include "services/fabplanner/planning.h"
+#include "services/fabplanner/planning/planning.h"
 
 #include <algorithm>
 #include <array>
@@ -11,14 +11,14 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/base/field_violations.h"
-#include "services/fabplanner/assembly_sequence.h"
-#include "services/fabplanner/bill_of_materials.h"
-#include "services/fabplanner/dimension_text.h"
-#include "services/fabplanner/fastener_holes.h"
-#include "services/fabplanner/joinery.h"
-#include "services/fabplanner/part_drawing.h"
-#include "services/fabplanner/part_making.h"
-#include "services/fabplanner/stock_cutting.h"
+#include "services/fabplanner/cutting/stock_cutting.h"
+#include "services/fabplanner/documents/part_drawing.h"
+#include "services/fabplanner/joining/assembly_sequence.h"
+#include "services/fabplanner/joining/fastener_holes.h"
+#include "services/fabplanner/joining/joinery.h"
+#include "services/fabplanner/plan/bill_of_materials.h"
+#include "services/fabplanner/plan/dimension_text.h"
+#include "services/fabplanner/planning/part_making.h"
 
 namespace mortise::fabplanner {
 namespace {

@@ -5,9 +5,9 @@
 #include <string>
 
 #include "absl/status/statusor.h"
-#include "services/fabplanner/design.h"
-#include "services/fabplanner/plan.h"
-#include "services/fabplanner/stock_cutting.h"
+#include "services/fabplanner/cutting/stock_cutting.h"
+#include "services/fabplanner/plan/design.h"
+#include "services/fabplanner/plan/plan.h"
 
 namespace mortise::fabplanner {
 

@@ -1,4 +1,4 @@
-#include "services/fabplanner/design_codec.h"
+#include "services/fabplanner/service/design_codec.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
-#include "common/parametric/template_codec.h"
+#include "common/files/template_codec.h"
 
 namespace mortise::fabplanner {
 namespace {

@@ -3,7 +3,7 @@
 
 #include "absl/status/statusor.h"
 #include "mortise/v1/catalog.pb.h"
-#include "services/fabplanner/design.h"
+#include "services/fabplanner/plan/design.h"
 
 namespace mortise::fabplanner {
 

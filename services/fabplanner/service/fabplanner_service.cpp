@@ -1,4 +1,4 @@
-#include "services/fabplanner/fabplanner_service.h"
+#include "services/fabplanner/service/fabplanner_service.h"
 
 #include <algorithm>
 #include <optional>
@@ -10,20 +10,20 @@
 #include "common/base/identifiers.h"
 #include "common/base/logging.h"
 #include "common/base/violation_lists.h"
-#include "common/jobs/operation_kinds.h"
-#include "common/jobs/operations.h"
+#include "common/host/chunk_stream.h"
+#include "common/host/operation_codec.h"
+#include "common/host/run_service.h"
+#include "common/operations/operation_kinds.h"
+#include "common/operations/operations.h"
 #include "common/resources/record_page.h"
 #include "common/rpc/channel.h"
-#include "common/rpc/chunk_stream.h"
 #include "common/rpc/handler.h"
-#include "common/rpc/operation_codec.h"
-#include "common/rpc/run_service.h"
 #include "common/store/store.h"
 #include "mortise/v1/fabplanner.grpc.pb.h"
-#include "services/fabplanner/order_records.h"
-#include "services/fabplanner/plan_operation.h"
-#include "services/fabplanner/shop_floor.h"
-#include "services/fabplanner/work_order_calls.h"
+#include "services/fabplanner/service/plan_operation.h"
+#include "services/fabplanner/shop_floor/order_records.h"
+#include "services/fabplanner/shop_floor/shop_floor.h"
+#include "services/fabplanner/shop_floor/work_order_calls.h"
 
 namespace mortise::fabplanner {
 namespace {

@@ -1,4 +1,4 @@
-#include "services/fabplanner/plan_operation.h"
+#include "services/fabplanner/service/plan_operation.h"
 
 #include <google/protobuf/util/time_util.h>
 #include <grpcpp/channel.h>
@@ -14,16 +14,16 @@
 #include "common/base/identifiers.h"
 #include "common/base/logging.h"
 #include "common/base/violation_lists.h"
+#include "common/host/operation_codec.h"
 #include "common/rpc/channel.h"
-#include "common/rpc/operation_codec.h"
 #include "common/store/blob_folder.h"
 #include "mortise/v1/catalog.grpc.pb.h"
-#include "services/fabplanner/design_codec.h"
-#include "services/fabplanner/order_records.h"
-#include "services/fabplanner/part_drawing.h"
-#include "services/fabplanner/plan_codec.h"
-#include "services/fabplanner/plan_files.h"
-#include "services/fabplanner/planning.h"
+#include "services/fabplanner/documents/part_drawing.h"
+#include "services/fabplanner/documents/plan_files.h"
+#include "services/fabplanner/planning/planning.h"
+#include "services/fabplanner/service/design_codec.h"
+#include "services/fabplanner/shop_floor/order_records.h"
+#include "services/fabplanner/shop_floor/plan_codec.h"
 
 namespace mortise::fabplanner {
 namespace {

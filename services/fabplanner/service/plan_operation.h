@@ -6,7 +6,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "common/jobs/operations.h"
+#include "common/operations/operations.h"
 #include "mortise/v1/catalog.pb.h"
 #include "mortise/v1/fabplanner.pb.h"
 

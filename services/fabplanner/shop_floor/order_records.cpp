@@ -1,4 +1,4 @@
-#include "services/fabplanner/order_records.h"
+#include "services/fabplanner/shop_floor/order_records.h"
 
 #include <algorithm>
 #include <functional>
@@ -11,7 +11,7 @@
 #include "absl/strings/strip.h"
 #include "common/base/errors.h"
 #include "common/base/logging.h"
-#include "services/fabplanner/plan_codec.h"
+#include "services/fabplanner/shop_floor/plan_codec.h"
 
 namespace mortise::fabplanner {
 namespace {

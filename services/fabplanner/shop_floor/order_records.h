@@ -12,7 +12,7 @@
 #include "absl/status/statusor.h"
 #include "common/store/store.h"
 #include "mortise/v1/fabplanner.pb.h"
-#include "services/fabplanner/work_order.h"
+#include "services/fabplanner/shop_floor/work_order.h"
 
 namespace mortise::fabplanner {
 

@@ -1,4 +1,4 @@
-#include "services/fabplanner/plan_codec.h"
+#include "services/fabplanner/shop_floor/plan_codec.h"
 
 #include <algorithm>
 #include <map>
@@ -6,8 +6,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
-#include "services/fabplanner/bill_of_materials.h"
-#include "services/fabplanner/plan_files.h"
+#include "services/fabplanner/documents/plan_files.h"
+#include "services/fabplanner/plan/bill_of_materials.h"
 
 namespace mortise::fabplanner {
 namespace {

@@ -4,9 +4,9 @@
 #include "absl/status/statusor.h"
 #include "mortise/v1/fabplanner.pb.h"
 #include "mortise/v1/hwbridge.pb.h"
-#include "services/fabplanner/design.h"
-#include "services/fabplanner/plan.h"
-#include "services/fabplanner/work_order.h"
+#include "services/fabplanner/plan/design.h"
+#include "services/fabplanner/plan/plan.h"
+#include "services/fabplanner/shop_floor/work_order.h"
 
 namespace mortise::fabplanner {
 

@@ -1,4 +1,4 @@
-#include "services/fabplanner/report_ledger.h"
+#include "services/fabplanner/shop_floor/report_ledger.h"
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"

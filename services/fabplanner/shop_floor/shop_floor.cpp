@@ -1,5 +1,5 @@
 // The shop floor's orders; its bridges are in shop_floor_bridges.cpp.
-#include "services/fabplanner/shop_floor.h"
+#include "services/fabplanner/shop_floor/shop_floor.h"
 
 #include <chrono>
 #include <optional>
@@ -10,8 +10,8 @@
 #include "absl/strings/str_join.h"
 #include "common/base/errors.h"
 #include "google/protobuf/util/time_util.h"
-#include "services/fabplanner/order_records.h"
-#include "services/fabplanner/plan_codec.h"
+#include "services/fabplanner/shop_floor/order_records.h"
+#include "services/fabplanner/shop_floor/plan_codec.h"
 
 namespace mortise::fabplanner {
 namespace {

@@ -26,8 +26,8 @@
 #include "common/store/store.h"
 #include "mortise/v1/fabplanner.pb.h"
 #include "mortise/v1/hwbridge.pb.h"
-#include "services/fabplanner/report_ledger.h"
-#include "services/fabplanner/work_order.h"
+#include "services/fabplanner/shop_floor/report_ledger.h"
+#include "services/fabplanner/shop_floor/work_order.h"
 
 namespace mortise::fabplanner {
 

@@ -8,9 +8,9 @@
 #include "common/base/errors.h"
 #include "common/base/identifiers.h"
 #include "common/base/logging.h"
-#include "services/fabplanner/order_records.h"
-#include "services/fabplanner/plan_codec.h"
-#include "services/fabplanner/shop_floor.h"
+#include "services/fabplanner/shop_floor/order_records.h"
+#include "services/fabplanner/shop_floor/plan_codec.h"
+#include "services/fabplanner/shop_floor/shop_floor.h"
 
 namespace mortise::fabplanner {
 namespace {

@@ -1,4 +1,4 @@
-#include "services/fabplanner/work_order.h"
+#include "services/fabplanner/shop_floor/work_order.h"
 
 #include <algorithm>
 #include <utility>

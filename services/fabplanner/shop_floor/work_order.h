@@ -25,7 +25,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
-#include "services/fabplanner/plan.h"
+#include "services/fabplanner/plan/plan.h"
 
 namespace mortise::fabplanner {
 

@@ -1,4 +1,4 @@
-#include "services/fabplanner/work_order_calls.h"
+#include "services/fabplanner/shop_floor/work_order_calls.h"
 
 #include <google/protobuf/util/time_util.h>
 
@@ -9,10 +9,10 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/base/identifiers.h"
-#include "common/jobs/operation_kinds.h"
-#include "common/rpc/operation_codec.h"
-#include "services/fabplanner/order_records.h"
-#include "services/fabplanner/plan_codec.h"
+#include "common/host/operation_codec.h"
+#include "common/operations/operation_kinds.h"
+#include "services/fabplanner/shop_floor/order_records.h"
+#include "services/fabplanner/shop_floor/plan_codec.h"
 
 namespace mortise::fabplanner {
 namespace {

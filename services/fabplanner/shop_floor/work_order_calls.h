@@ -6,11 +6,11 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "common/jobs/operations.h"
+#include "common/operations/operations.h"
 #include "common/rpc/call.h"
 #include "common/store/store.h"
 #include "mortise/v1/fabplanner.pb.h"
-#include "services/fabplanner/shop_floor.h"
+#include "services/fabplanner/shop_floor/shop_floor.h"
 
 namespace mortise::fabplanner {
 

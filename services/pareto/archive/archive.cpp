@@ -1,5 +1,5 @@
 // The archive of committed evaluations.
-#include "services/pareto/archive.h"
+#include "services/pareto/archive/archive.h"
 
 #include <algorithm>
 #include <cmath>

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "services/pareto/nearest_designs.h"
+#include "services/pareto/archive/nearest_designs.h"
 
 namespace mortise::pareto {
 

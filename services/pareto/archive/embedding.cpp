@@ -1,5 +1,5 @@
 // Hyperspherical angles and back.
-#include "services/pareto/embedding.h"
+#include "services/pareto/archive/embedding.h"
 
 #include <cmath>
 #include <numbers>

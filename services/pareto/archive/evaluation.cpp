@@ -1,5 +1,5 @@
 // Maps between designs and unit coordinates, and the check of a design space.
-#include "services/pareto/evaluation.h"
+#include "services/pareto/archive/evaluation.h"
 
 #include <algorithm>
 #include <cmath>

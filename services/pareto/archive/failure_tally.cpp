@@ -1,5 +1,5 @@
 // Grouping of failures by what they say.
-#include "services/pareto/failure_tally.h"
+#include "services/pareto/archive/failure_tally.h"
 
 #include <algorithm>
 #include <map>

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
-#include "services/pareto/evaluation.h"
+#include "services/pareto/archive/evaluation.h"
 
 namespace mortise::pareto {
 

@@ -1,5 +1,5 @@
 // Ends, and parts of cells.
-#include "services/pareto/front_places.h"
+#include "services/pareto/archive/front_places.h"
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,7 @@
 //
 // All in depths below the reference, z = reference - y > 0: larger is better, and a point dominates
 // the box from the origin to z.
-#include "services/pareto/hypervolume.h"
+#include "services/pareto/archive/hypervolume.h"
 
 #include <algorithm>
 #include <array>

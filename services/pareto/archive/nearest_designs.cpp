@@ -1,4 +1,4 @@
-#include "services/pareto/nearest_designs.h"
+#include "services/pareto/archive/nearest_designs.h"
 
 #include <algorithm>
 #include <bit>

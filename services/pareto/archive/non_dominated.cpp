@@ -1,5 +1,5 @@
 // Non-dominated filtering by a sweep in lexicographic order.
-#include "services/pareto/non_dominated.h"
+#include "services/pareto/archive/non_dominated.h"
 
 #include <algorithm>
 #include <numeric>

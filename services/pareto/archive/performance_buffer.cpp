@@ -1,5 +1,5 @@
 // The cells of the performance buffer.
-#include "services/pareto/performance_buffer.h"
+#include "services/pareto/archive/performance_buffer.h"
 
 #include <algorithm>
 #include <cmath>

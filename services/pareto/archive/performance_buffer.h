@@ -24,7 +24,7 @@
 #include <map>
 #include <vector>
 
-#include "services/pareto/archive.h"
+#include "services/pareto/archive/archive.h"
 
 namespace mortise::pareto {
 

@@ -1,5 +1,5 @@
 // SplitMix64 and the distributions on it.
-#include "services/pareto/random.h"
+#include "services/pareto/archive/random.h"
 
 #include <cmath>
 #include <numbers>

@@ -1,5 +1,5 @@
 // Space-filling and perturbed samples.
-#include "services/pareto/stochastic_sampling.h"
+#include "services/pareto/archive/stochastic_sampling.h"
 
 #include <cmath>
 #include <numeric>

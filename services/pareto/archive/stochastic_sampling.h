@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "services/pareto/random.h"
+#include "services/pareto/archive/random.h"
 
 namespace mortise::pareto {
 

@@ -13,11 +13,11 @@
 #include <vector>
 
 #include "absl/status/status.h"
-#include "services/pareto/archive.h"
-#include "services/pareto/evaluation.h"
-#include "services/pareto/failure_tally.h"
-#include "services/pareto/front.h"
-#include "services/pareto/surrogate_quality.h"
+#include "services/pareto/archive/archive.h"
+#include "services/pareto/archive/evaluation.h"
+#include "services/pareto/archive/failure_tally.h"
+#include "services/pareto/front/front.h"
+#include "services/pareto/models/surrogate_quality.h"
 
 namespace mortise::pareto {
 

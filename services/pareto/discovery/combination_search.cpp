@@ -1,4 +1,4 @@
-#include "services/pareto/combination_search.h"
+#include "services/pareto/discovery/combination_search.h"
 
 #include <utility>
 

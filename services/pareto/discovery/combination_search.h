@@ -9,11 +9,11 @@
 #include <optional>
 #include <vector>
 
-#include "services/pareto/combinations.h"
-#include "services/pareto/discovery.h"
-#include "services/pareto/evaluation.h"
-#include "services/pareto/patch_sampling.h"
-#include "services/pareto/surrogate_quality.h"
+#include "services/pareto/archive/evaluation.h"
+#include "services/pareto/discovery/discovery.h"
+#include "services/pareto/models/combinations.h"
+#include "services/pareto/models/surrogate_quality.h"
+#include "services/pareto/sources/patch_sampling.h"
 
 namespace mortise::pareto {
 

@@ -1,5 +1,5 @@
 // The window of proposals and results over all combinations, and what is kept of them.
-#include "services/pareto/combined_discovery.h"
+#include "services/pareto/discovery/combined_discovery.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,9 +8,9 @@
 #include "absl/memory/memory.h"
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
-#include "services/pareto/hypervolume.h"
-#include "services/pareto/stochastic_sampling.h"
-#include "services/pareto/surrogate_quality.h"
+#include "services/pareto/archive/hypervolume.h"
+#include "services/pareto/archive/stochastic_sampling.h"
+#include "services/pareto/models/surrogate_quality.h"
 
 namespace mortise::pareto {
 namespace {

@@ -41,15 +41,15 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "services/pareto/archive.h"
-#include "services/pareto/ask_tell.h"
-#include "services/pareto/combination_model.h"
-#include "services/pareto/combination_search.h"
-#include "services/pareto/combinations.h"
-#include "services/pareto/discovery.h"
-#include "services/pareto/failure_tally.h"
-#include "services/pareto/performance_buffer.h"
-#include "services/pareto/random.h"
+#include "services/pareto/archive/archive.h"
+#include "services/pareto/archive/failure_tally.h"
+#include "services/pareto/archive/performance_buffer.h"
+#include "services/pareto/archive/random.h"
+#include "services/pareto/discovery/ask_tell.h"
+#include "services/pareto/discovery/combination_search.h"
+#include "services/pareto/discovery/discovery.h"
+#include "services/pareto/models/combination_model.h"
+#include "services/pareto/models/combinations.h"
 
 namespace mortise::pareto {
 

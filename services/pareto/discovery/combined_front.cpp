@@ -8,9 +8,9 @@
 #include <numbers>
 #include <utility>
 
-#include "services/pareto/combined_discovery.h"
-#include "services/pareto/front.h"
-#include "services/pareto/front_places.h"
+#include "services/pareto/archive/front_places.h"
+#include "services/pareto/discovery/combined_discovery.h"
+#include "services/pareto/front/front.h"
 
 namespace mortise::pareto {
 namespace {

@@ -6,7 +6,7 @@
 #include <numeric>
 #include <utility>
 
-#include "services/pareto/combined_discovery.h"
+#include "services/pareto/discovery/combined_discovery.h"
 
 namespace mortise::pareto {
 namespace {

@@ -1,5 +1,5 @@
 // The window of proposals and results, and the life of tracks.
-#include "services/pareto/discovery.h"
+#include "services/pareto/discovery/discovery.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,8 +10,8 @@
 #include "absl/memory/memory.h"
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
-#include "services/pareto/hypervolume.h"
-#include "services/pareto/stochastic_sampling.h"
+#include "services/pareto/archive/hypervolume.h"
+#include "services/pareto/archive/stochastic_sampling.h"
 
 namespace mortise::pareto {
 namespace {

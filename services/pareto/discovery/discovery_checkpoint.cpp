@@ -3,7 +3,7 @@
 #include <cstring>
 
 #include "absl/strings/str_cat.h"
-#include "services/pareto/discovery_run.h"
+#include "services/pareto/discovery/discovery_run.h"
 
 namespace mortise::pareto {
 namespace {

@@ -5,11 +5,11 @@
 #include <memory>
 #include <utility>
 
-#include "services/pareto/coordinate_descent.h"
-#include "services/pareto/discovery.h"
-#include "services/pareto/front_bridging.h"
-#include "services/pareto/front_traverse.h"
-#include "services/pareto/parameter_lines.h"
+#include "services/pareto/discovery/discovery.h"
+#include "services/pareto/sources/coordinate_descent.h"
+#include "services/pareto/sources/front_bridging.h"
+#include "services/pareto/sources/front_traverse.h"
+#include "services/pareto/sources/parameter_lines.h"
 
 namespace mortise::pareto {
 namespace {

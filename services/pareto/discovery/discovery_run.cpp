@@ -1,5 +1,5 @@
 // The loop between a discovery and its evaluator.
-#include "services/pareto/discovery_run.h"
+#include "services/pareto/discovery/discovery_run.h"
 
 #include <chrono>
 #include <condition_variable>

@@ -12,8 +12,8 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "services/pareto/ask_tell.h"
-#include "services/pareto/evaluation.h"
+#include "services/pareto/archive/evaluation.h"
+#include "services/pareto/discovery/ask_tell.h"
 
 namespace mortise::pareto {
 

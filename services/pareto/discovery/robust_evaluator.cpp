@@ -1,5 +1,5 @@
 // Sigma points, their moments and the gradients of these.
-#include "services/pareto/robust_evaluator.h"
+#include "services/pareto/discovery/robust_evaluator.h"
 
 #include <algorithm>
 #include <array>

@@ -25,7 +25,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "services/pareto/evaluation.h"
+#include "services/pareto/archive/evaluation.h"
 
 namespace mortise::pareto {
 

@@ -1,14 +1,14 @@
 // Gaps, refinements and stochastic samples.
-#include "services/pareto/track_scheduler.h"
+#include "services/pareto/discovery/track_scheduler.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "services/pareto/coordinate_search.h"
-#include "services/pareto/front_alignment.h"
-#include "services/pareto/front_polishing.h"
-#include "services/pareto/stochastic_sampling.h"
+#include "services/pareto/archive/stochastic_sampling.h"
+#include "services/pareto/sources/coordinate_search.h"
+#include "services/pareto/sources/front_alignment.h"
+#include "services/pareto/sources/front_polishing.h"
 
 namespace mortise::pareto {
 namespace {

@@ -27,10 +27,10 @@
 #include <memory>
 #include <vector>
 
-#include "services/pareto/front_bridging.h"
-#include "services/pareto/local_optimization.h"
-#include "services/pareto/performance_buffer.h"
-#include "services/pareto/random.h"
+#include "services/pareto/archive/performance_buffer.h"
+#include "services/pareto/archive/random.h"
+#include "services/pareto/sources/front_bridging.h"
+#include "services/pareto/sources/local_optimization.h"
 
 namespace mortise::pareto {
 

@@ -1,5 +1,5 @@
 // Choice of designs spread along fronts.
-#include "services/pareto/warm_start.h"
+#include "services/pareto/discovery/warm_start.h"
 
 #include <algorithm>
 #include <limits>

@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "services/pareto/evaluation.h"
+#include "services/pareto/archive/evaluation.h"
 
 namespace mortise::pareto {
 

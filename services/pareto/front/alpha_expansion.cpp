@@ -1,4 +1,4 @@
-#include "services/pareto/alpha_expansion.h"
+#include "services/pareto/front/alpha_expansion.h"
 
 #include <algorithm>
 #include <boost/graph/boykov_kolmogorov_max_flow.hpp>

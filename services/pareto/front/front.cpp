@@ -1,11 +1,11 @@
 // Extraction and labelling of fronts.
-#include "services/pareto/front.h"
+#include "services/pareto/front/front.h"
 
 #include <algorithm>
 
-#include "services/pareto/embedding.h"
-#include "services/pareto/front_labeling.h"
-#include "services/pareto/front_places.h"
+#include "services/pareto/archive/embedding.h"
+#include "services/pareto/archive/front_places.h"
+#include "services/pareto/front/front_labeling.h"
 
 namespace mortise::pareto {
 namespace {

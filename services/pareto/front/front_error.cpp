@@ -1,13 +1,13 @@
 // Newton's method on the squared distance from the reference point of Eq. 7.8.
-#include "services/pareto/front_error.h"
+#include "services/pareto/front/front_error.h"
 
 #include <algorithm>
 #include <limits>
 #include <optional>
 #include <utility>
 
-#include "services/pareto/bounded_quadratic.h"
-#include "services/pareto/first_order_expansion.h"
+#include "services/pareto/models/bounded_quadratic.h"
+#include "services/pareto/models/first_order_expansion.h"
 
 namespace mortise::pareto {
 namespace {

@@ -1,5 +1,5 @@
 // A local frame of the front: the points near one, as a line or plane in metrics and in parameters.
-#include "services/pareto/front_exploration.h"
+#include "services/pareto/front/front_exploration.h"
 
 #include <Eigen/SVD>
 #include <algorithm>
@@ -8,7 +8,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
-#include "services/pareto/embedding.h"
+#include "services/pareto/archive/embedding.h"
 
 namespace mortise::pareto {
 namespace {

@@ -1,5 +1,5 @@
 // CSV, JSON, SVG and PNG of fronts.
-#include "services/pareto/front_files.h"
+#include "services/pareto/front/front_files.h"
 
 #include <google/protobuf/util/json_util.h>
 
@@ -10,7 +10,7 @@
 #include "common/base/errors.h"
 #include "common/render/drawing.h"
 #include "mortise/v1/pareto.pb.h"
-#include "services/pareto/front_picture.h"
+#include "services/pareto/front/front_picture.h"
 
 namespace mortise::pareto {
 namespace {

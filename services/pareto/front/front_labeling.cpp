@@ -1,12 +1,12 @@
-#include "services/pareto/front_labeling.h"
+#include "services/pareto/front/front_labeling.h"
 
 #include <algorithm>
 #include <map>
 #include <numeric>
 #include <set>
 
-#include "services/pareto/alpha_expansion.h"
-#include "services/pareto/embedding.h"
+#include "services/pareto/archive/embedding.h"
+#include "services/pareto/front/alpha_expansion.h"
 
 namespace mortise::pareto {
 namespace {

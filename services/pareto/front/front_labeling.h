@@ -11,9 +11,9 @@
 #include <utility>
 #include <vector>
 
-#include "services/pareto/archive.h"
-#include "services/pareto/patch_sampling.h"
-#include "services/pareto/performance_buffer.h"
+#include "services/pareto/archive/archive.h"
+#include "services/pareto/archive/performance_buffer.h"
+#include "services/pareto/sources/patch_sampling.h"
 
 namespace mortise::pareto {
 

@@ -1,5 +1,5 @@
 // Three panels and a legend.
-#include "services/pareto/front_picture.h"
+#include "services/pareto/front/front_picture.h"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
@@ -12,7 +12,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "common/render/svg_plot.h"
-#include "services/pareto/embedding.h"
+#include "services/pareto/archive/embedding.h"
 
 namespace mortise::pareto {
 namespace {

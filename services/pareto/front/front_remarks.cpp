@@ -1,4 +1,4 @@
-#include "services/pareto/front_remarks.h"
+#include "services/pareto/front/front_remarks.h"
 
 #include <algorithm>
 

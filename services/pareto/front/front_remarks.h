@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "services/pareto/archive.h"
-#include "services/pareto/front.h"
+#include "services/pareto/archive/archive.h"
+#include "services/pareto/front/front.h"
 
 namespace mortise::pareto {
 

@@ -1,5 +1,5 @@
 // Segments and triangles of design space, cut in two where performance changes most.
-#include "services/pareto/piece_evaluation.h"
+#include "services/pareto/front/piece_evaluation.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include <set>
 #include <utility>
 
-#include "services/pareto/front_labeling.h"
+#include "services/pareto/front/front_labeling.h"
 
 namespace mortise::pareto {
 namespace {

@@ -11,7 +11,7 @@
 #include <functional>
 #include <vector>
 
-#include "services/pareto/front.h"
+#include "services/pareto/front/front.h"
 
 namespace mortise::pareto {
 

@@ -1,5 +1,5 @@
 // Coordinate descent and projected Newton steps for quadratics over a box.
-#include "services/pareto/bounded_quadratic.h"
+#include "services/pareto/models/bounded_quadratic.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>

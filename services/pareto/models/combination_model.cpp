@@ -1,4 +1,4 @@
-#include "services/pareto/combination_model.h"
+#include "services/pareto/models/combination_model.h"
 
 #include <Eigen/Cholesky>
 

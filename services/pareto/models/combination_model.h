@@ -11,7 +11,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "services/pareto/combinations.h"
+#include "services/pareto/models/combinations.h"
 
 namespace mortise::pareto {
 

@@ -1,4 +1,4 @@
-#include "services/pareto/combinations.h"
+#include "services/pareto/models/combinations.h"
 
 #include <algorithm>
 #include <cmath>

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "absl/status/status.h"
-#include "services/pareto/evaluation.h"
-#include "services/pareto/random.h"
+#include "services/pareto/archive/evaluation.h"
+#include "services/pareto/archive/random.h"
 
 namespace mortise::pareto {
 

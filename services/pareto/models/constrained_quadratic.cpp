@@ -1,4 +1,4 @@
-#include "services/pareto/constrained_quadratic.h"
+#include "services/pareto/models/constrained_quadratic.h"
 
 #include <nlopt.h>
 

@@ -1,4 +1,4 @@
-#include "services/pareto/difference_model.h"
+#include "services/pareto/models/difference_model.h"
 
 #include <utility>
 

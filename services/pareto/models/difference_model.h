@@ -10,7 +10,7 @@
 #include <optional>
 #include <vector>
 
-#include "services/pareto/quadratic_model.h"
+#include "services/pareto/models/quadratic_model.h"
 
 namespace mortise::pareto {
 

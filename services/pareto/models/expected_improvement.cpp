@@ -1,4 +1,4 @@
-#include "services/pareto/expected_improvement.h"
+#include "services/pareto/models/expected_improvement.h"
 
 #include <algorithm>
 #include <array>
@@ -6,7 +6,7 @@
 #include <limits>
 #include <numbers>
 
-#include "services/pareto/random.h"
+#include "services/pareto/archive/random.h"
 
 namespace mortise::pareto {
 namespace {

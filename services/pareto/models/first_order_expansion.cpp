@@ -1,5 +1,5 @@
 // Dual variables and tangent directions of the front.
-#include "services/pareto/first_order_expansion.h"
+#include "services/pareto/models/first_order_expansion.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>

@@ -1,4 +1,4 @@
-#include "services/pareto/gaussian_process.h"
+#include "services/pareto/models/gaussian_process.h"
 
 #include <nlopt.h>
 

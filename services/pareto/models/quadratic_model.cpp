@@ -1,5 +1,5 @@
 // Fitting of local quadratic models.
-#include "services/pareto/quadratic_model.h"
+#include "services/pareto/models/quadratic_model.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>

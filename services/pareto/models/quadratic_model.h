@@ -21,8 +21,8 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "services/pareto/archive.h"
-#include "services/pareto/constrained_quadratic.h"
+#include "services/pareto/archive/archive.h"
+#include "services/pareto/models/constrained_quadratic.h"
 
 namespace mortise::pareto {
 

@@ -1,4 +1,4 @@
-#include "services/pareto/surrogate_model.h"
+#include "services/pareto/models/surrogate_model.h"
 
 #include <algorithm>
 #include <cmath>

@@ -18,8 +18,8 @@
 #include <optional>
 #include <vector>
 
-#include "services/pareto/archive.h"
-#include "services/pareto/gaussian_process.h"
+#include "services/pareto/archive/archive.h"
+#include "services/pareto/models/gaussian_process.h"
 
 namespace mortise::pareto {
 

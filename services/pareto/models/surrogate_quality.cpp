@@ -1,4 +1,4 @@
-#include "services/pareto/surrogate_quality.h"
+#include "services/pareto/models/surrogate_quality.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // Checks of constraints, and what is said of them.
-#include "services/pareto/discovery_constraints.h"
+#include "services/pareto/service/discovery_constraints.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,7 @@
 #include "absl/strings/str_join.h"
 #include "common/base/errors.h"
 #include "mortise/v1/pareto.pb.h"
-#include "services/pareto/number_text.h"
+#include "services/pareto/service/number_text.h"
 
 namespace mortise::pareto {
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
-#include "services/pareto/archive.h"
+#include "services/pareto/archive/archive.h"
 
 namespace mortise::v1 {
 class DiscoverySpecification;

@@ -1,5 +1,5 @@
 // The handler of discovery operations.
-#include "services/pareto/discovery_operation.h"
+#include "services/pareto/service/discovery_operation.h"
 
 #include <algorithm>
 #include <chrono>
@@ -13,17 +13,17 @@
 #include "absl/strings/str_format.h"
 #include "common/base/errors.h"
 #include "common/base/logging.h"
+#include "common/host/operation_codec.h"
 #include "common/rpc/channel.h"
-#include "common/rpc/operation_codec.h"
 #include "common/store/store.h"
 #include "mortise/v1/evaluator.pb.h"
 #include "mortise/v1/pareto.pb.h"
-#include "services/pareto/combined_discovery.h"
-#include "services/pareto/discovery_problem.h"
-#include "services/pareto/discovery_run.h"
-#include "services/pareto/discovery_start.h"
-#include "services/pareto/remote_evaluator.h"
-#include "services/pareto/robust_evaluator.h"
+#include "services/pareto/discovery/combined_discovery.h"
+#include "services/pareto/discovery/discovery_run.h"
+#include "services/pareto/discovery/robust_evaluator.h"
+#include "services/pareto/service/discovery_problem.h"
+#include "services/pareto/service/discovery_start.h"
+#include "services/pareto/service/remote_evaluator.h"
 
 namespace mortise::pareto {
 namespace {

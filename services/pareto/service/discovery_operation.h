@@ -8,8 +8,8 @@
 #include <string>
 
 #include "absl/status/statusor.h"
-#include "common/jobs/operations.h"
-#include "common/rpc/run_service.h"
+#include "common/host/run_service.h"
+#include "common/operations/operations.h"
 
 namespace mortise::pareto {
 

@@ -1,5 +1,5 @@
 // Checks of specifications, and fronts as messages.
-#include "services/pareto/discovery_problem.h"
+#include "services/pareto/service/discovery_problem.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,12 +9,12 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "common/base/errors.h"
-#include "common/parametric/evaluation_settings.h"
+#include "common/files/evaluation_settings.h"
 #include "mortise/v1/evaluator.pb.h"
 #include "mortise/v1/pareto.pb.h"
-#include "services/pareto/front.h"
-#include "services/pareto/front_remarks.h"
-#include "services/pareto/hypervolume.h"
+#include "services/pareto/archive/hypervolume.h"
+#include "services/pareto/front/front.h"
+#include "services/pareto/front/front_remarks.h"
 
 namespace mortise::pareto {
 namespace {

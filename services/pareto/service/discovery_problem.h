@@ -6,12 +6,12 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "services/pareto/ask_tell.h"
-#include "services/pareto/combinations.h"
-#include "services/pareto/discovery.h"
-#include "services/pareto/discovery_constraints.h"
-#include "services/pareto/evaluation.h"
-#include "services/pareto/robust_evaluator.h"
+#include "services/pareto/archive/evaluation.h"
+#include "services/pareto/discovery/ask_tell.h"
+#include "services/pareto/discovery/discovery.h"
+#include "services/pareto/discovery/robust_evaluator.h"
+#include "services/pareto/models/combinations.h"
+#include "services/pareto/service/discovery_constraints.h"
 
 namespace mortise::v1 {
 class DesignSpace;

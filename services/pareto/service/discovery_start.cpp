@@ -1,5 +1,5 @@
 // Designs of stored fronts in the parameters of another problem.
-#include "services/pareto/discovery_start.h"
+#include "services/pareto/service/discovery_start.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "mortise/v1/pareto.pb.h"
-#include "services/pareto/warm_start.h"
+#include "services/pareto/discovery/warm_start.h"
 
 namespace mortise::pareto {
 namespace {

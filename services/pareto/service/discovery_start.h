@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "services/pareto/discovery_problem.h"
+#include "services/pareto/service/discovery_problem.h"
 
 namespace mortise::v1 {
 class DiscoverySpecification;

@@ -1,4 +1,4 @@
-#include "services/pareto/front_cache.h"
+#include "services/pareto/service/front_cache.h"
 
 #include <algorithm>
 

@@ -11,7 +11,7 @@
 #include "absl/base/thread_annotations.h"
 #include "absl/status/statusor.h"
 #include "absl/synchronization/mutex.h"
-#include "services/pareto/front_queries.h"
+#include "services/pareto/service/front_queries.h"
 
 namespace mortise::pareto {
 

@@ -1,4 +1,4 @@
-#include "services/pareto/front_limits.h"
+#include "services/pareto/service/front_limits.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
-#include "services/pareto/number_text.h"
+#include "services/pareto/service/number_text.h"
 
 namespace mortise::pareto {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "absl/status/statusor.h"
 #include "mortise/v1/pareto.pb.h"
-#include "services/pareto/front_exploration.h"
+#include "services/pareto/front/front_exploration.h"
 
 namespace mortise::pareto {
 

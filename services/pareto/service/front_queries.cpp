@@ -1,4 +1,4 @@
-#include "services/pareto/front_queries.h"
+#include "services/pareto/service/front_queries.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
-#include "services/pareto/front_limits.h"
+#include "services/pareto/service/front_limits.h"
 
 namespace mortise::pareto {
 namespace {

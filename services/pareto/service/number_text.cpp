@@ -1,4 +1,4 @@
-#include "services/pareto/number_text.h"
+#include "services/pareto/service/number_text.h"
 
 #include "absl/strings/str_format.h"
 

@@ -1,5 +1,5 @@
 // Answers the methods of ParetoService.
-#include "services/pareto/pareto_service.h"
+#include "services/pareto/service/pareto_service.h"
 
 #include <string>
 #include <utility>
@@ -8,23 +8,23 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/base/identifiers.h"
-#include "common/jobs/operation_kinds.h"
-#include "common/jobs/operations.h"
+#include "common/host/chunk_stream.h"
+#include "common/host/operation_codec.h"
+#include "common/operations/operation_kinds.h"
+#include "common/operations/operations.h"
 #include "common/resources/record_page.h"
 #include "common/rpc/channel.h"
-#include "common/rpc/chunk_stream.h"
 #include "common/rpc/handler.h"
-#include "common/rpc/operation_codec.h"
 #include "common/store/store.h"
 #include "mortise/v1/evaluator.pb.h"
 #include "mortise/v1/pareto.grpc.pb.h"
-#include "services/pareto/discovery_operation.h"
-#include "services/pareto/discovery_problem.h"
-#include "services/pareto/discovery_start.h"
-#include "services/pareto/front_cache.h"
-#include "services/pareto/front_files.h"
-#include "services/pareto/front_queries.h"
-#include "services/pareto/remote_evaluator.h"
+#include "services/pareto/front/front_files.h"
+#include "services/pareto/service/discovery_operation.h"
+#include "services/pareto/service/discovery_problem.h"
+#include "services/pareto/service/discovery_start.h"
+#include "services/pareto/service/front_cache.h"
+#include "services/pareto/service/front_queries.h"
+#include "services/pareto/service/remote_evaluator.h"
 
 namespace mortise::pareto {
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "common/rpc/run_service.h"
+#include "common/host/run_service.h"
 
 namespace mortise::pareto {
 

@@ -1,5 +1,5 @@
 // Batches over gRPC, with repetition of what got lost.
-#include "services/pareto/remote_evaluator.h"
+#include "services/pareto/service/remote_evaluator.h"
 
 #include <grpcpp/channel.h>
 #include <grpcpp/client_context.h>

@@ -12,8 +12,8 @@
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
 #include "common/rpc/channel.h"
-#include "services/pareto/discovery_problem.h"
-#include "services/pareto/evaluation.h"
+#include "services/pareto/archive/evaluation.h"
+#include "services/pareto/service/discovery_problem.h"
 
 namespace mortise::pareto {
 

@@ -1,5 +1,5 @@
 // Lines side by side, put together, over and over.
-#include "services/pareto/coordinate_descent.h"
+#include "services/pareto/sources/coordinate_descent.h"
 
 #include <algorithm>
 #include <limits>

@@ -20,10 +20,10 @@
 #include <optional>
 #include <vector>
 
-#include "services/pareto/archive.h"
-#include "services/pareto/line_minimum.h"
-#include "services/pareto/point_source.h"
-#include "services/pareto/random.h"
+#include "services/pareto/archive/archive.h"
+#include "services/pareto/archive/random.h"
+#include "services/pareto/sources/line_minimum.h"
+#include "services/pareto/sources/point_source.h"
 
 namespace mortise::pareto {
 

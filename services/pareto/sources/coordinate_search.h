@@ -18,10 +18,10 @@
 #include <optional>
 #include <vector>
 
-#include "services/pareto/archive.h"
-#include "services/pareto/local_optimization.h"
-#include "services/pareto/point_source.h"
-#include "services/pareto/random.h"
+#include "services/pareto/archive/archive.h"
+#include "services/pareto/archive/random.h"
+#include "services/pareto/sources/local_optimization.h"
+#include "services/pareto/sources/point_source.h"
 
 namespace mortise::pareto {
 

@@ -1,10 +1,10 @@
-#include "services/pareto/evolution_search.h"
+#include "services/pareto/sources/evolution_search.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "services/pareto/hypervolume.h"
+#include "services/pareto/archive/hypervolume.h"
 
 namespace mortise::pareto {
 namespace {

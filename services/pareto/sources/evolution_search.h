@@ -20,11 +20,11 @@
 #include <utility>
 #include <vector>
 
-#include "services/pareto/archive.h"
-#include "services/pareto/evolution_strategy.h"
-#include "services/pareto/point_source.h"
-#include "services/pareto/quadratic_model.h"
-#include "services/pareto/random.h"
+#include "services/pareto/archive/archive.h"
+#include "services/pareto/archive/random.h"
+#include "services/pareto/models/quadratic_model.h"
+#include "services/pareto/sources/evolution_strategy.h"
+#include "services/pareto/sources/point_source.h"
 
 namespace mortise::pareto {
 

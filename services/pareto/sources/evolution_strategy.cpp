@@ -1,4 +1,4 @@
-#include "services/pareto/evolution_strategy.h"
+#include "services/pareto/sources/evolution_strategy.h"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>

@@ -9,7 +9,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "services/pareto/random.h"
+#include "services/pareto/archive/random.h"
 
 namespace mortise::pareto {
 

@@ -1,4 +1,4 @@
-#include "services/pareto/front_alignment.h"
+#include "services/pareto/sources/front_alignment.h"
 
 #include <Eigen/QR>
 #include <algorithm>

@@ -1,4 +1,4 @@
-#include "services/pareto/front_bridging.h"
+#include "services/pareto/sources/front_bridging.h"
 
 #include <algorithm>
 #include <functional>

@@ -13,9 +13,9 @@
 #include <tuple>
 #include <vector>
 
-#include "services/pareto/archive.h"
-#include "services/pareto/point_source.h"
-#include "services/pareto/random.h"
+#include "services/pareto/archive/archive.h"
+#include "services/pareto/archive/random.h"
+#include "services/pareto/sources/point_source.h"
 
 namespace mortise::pareto {
 

@@ -1,4 +1,4 @@
-#include "services/pareto/front_finishing.h"
+#include "services/pareto/sources/front_finishing.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,8 +6,8 @@
 #include <optional>
 #include <utility>
 
-#include "services/pareto/front_bridging.h"
-#include "services/pareto/outlier_repair.h"
+#include "services/pareto/sources/front_bridging.h"
+#include "services/pareto/sources/outlier_repair.h"
 
 namespace mortise::pareto {
 namespace {

@@ -20,10 +20,10 @@
 #include <memory>
 #include <vector>
 
-#include "services/pareto/archive.h"
-#include "services/pareto/front_polishing.h"
-#include "services/pareto/performance_buffer.h"
-#include "services/pareto/point_source.h"
+#include "services/pareto/archive/archive.h"
+#include "services/pareto/archive/performance_buffer.h"
+#include "services/pareto/sources/front_polishing.h"
+#include "services/pareto/sources/point_source.h"
 
 namespace mortise::pareto {
 

@@ -1,4 +1,4 @@
-#include "services/pareto/front_polishing.h"
+#include "services/pareto/sources/front_polishing.h"
 
 #include <algorithm>
 #include <array>
@@ -8,11 +8,11 @@
 #include <set>
 #include <utility>
 
-#include "services/pareto/bounded_quadratic.h"
-#include "services/pareto/constrained_quadratic.h"
-#include "services/pareto/first_order_expansion.h"
-#include "services/pareto/front_places.h"
-#include "services/pareto/quadratic_model.h"
+#include "services/pareto/archive/front_places.h"
+#include "services/pareto/models/bounded_quadratic.h"
+#include "services/pareto/models/constrained_quadratic.h"
+#include "services/pareto/models/first_order_expansion.h"
+#include "services/pareto/models/quadratic_model.h"
 
 namespace mortise::pareto {
 namespace {

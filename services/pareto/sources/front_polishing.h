@@ -23,8 +23,8 @@
 #include <map>
 #include <vector>
 
-#include "services/pareto/archive.h"
-#include "services/pareto/performance_buffer.h"
+#include "services/pareto/archive/archive.h"
+#include "services/pareto/archive/performance_buffer.h"
 
 namespace mortise::pareto {
 

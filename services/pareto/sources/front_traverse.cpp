@@ -1,5 +1,5 @@
 // A covering, then gaps.
-#include "services/pareto/front_traverse.h"
+#include "services/pareto/sources/front_traverse.h"
 
 #include <algorithm>
 #include <functional>

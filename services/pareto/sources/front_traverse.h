@@ -14,8 +14,8 @@
 #include <optional>
 #include <set>
 
-#include "services/pareto/archive.h"
-#include "services/pareto/point_source.h"
+#include "services/pareto/archive/archive.h"
+#include "services/pareto/sources/point_source.h"
 
 namespace mortise::pareto {
 

@@ -1,5 +1,5 @@
 // A covering, then parabolas.
-#include "services/pareto/line_minimum.h"
+#include "services/pareto/sources/line_minimum.h"
 
 #include <algorithm>
 #include <cmath>

@@ -12,7 +12,7 @@
 #include <optional>
 #include <vector>
 
-#include "services/pareto/random.h"
+#include "services/pareto/archive/random.h"
 
 namespace mortise::pareto {
 

@@ -1,11 +1,11 @@
 // The state machine of a local optimisation.
-#include "services/pareto/local_optimization.h"
+#include "services/pareto/sources/local_optimization.h"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <limits>
 
-#include "services/pareto/bounded_quadratic.h"
+#include "services/pareto/models/bounded_quadratic.h"
 
 namespace mortise::pareto {
 namespace {

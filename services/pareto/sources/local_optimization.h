@@ -29,10 +29,10 @@
 #include <optional>
 #include <vector>
 
-#include "services/pareto/archive.h"
-#include "services/pareto/constrained_quadratic.h"
-#include "services/pareto/point_source.h"
-#include "services/pareto/quadratic_model.h"
+#include "services/pareto/archive/archive.h"
+#include "services/pareto/models/constrained_quadratic.h"
+#include "services/pareto/models/quadratic_model.h"
+#include "services/pareto/sources/point_source.h"
 
 namespace mortise::pareto {
 

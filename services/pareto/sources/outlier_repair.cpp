@@ -1,11 +1,11 @@
-#include "services/pareto/outlier_repair.h"
+#include "services/pareto/sources/outlier_repair.h"
 
 #include <algorithm>
 #include <cmath>
 #include <functional>
 #include <utility>
 
-#include "services/pareto/nearest_designs.h"
+#include "services/pareto/archive/nearest_designs.h"
 
 namespace mortise::pareto {
 namespace {

@@ -1,5 +1,5 @@
-// Finding lines, and the ranges and roughness of metrics along them.
-#include "services/pareto/parameter_lines.h"
+// FieldViolation lines, and the ranges and roughness of metrics along them.
+#include "services/pareto/sources/parameter_lines.h"
 
 #include <algorithm>
 #include <bit>
@@ -10,8 +10,8 @@
 #include <map>
 #include <utility>
 
-#include "services/pareto/non_dominated.h"
-#include "services/pareto/random.h"
+#include "services/pareto/archive/non_dominated.h"
+#include "services/pareto/archive/random.h"
 
 namespace mortise::pareto {
 namespace {

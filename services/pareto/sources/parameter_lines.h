@@ -9,7 +9,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "services/pareto/archive.h"
+#include "services/pareto/archive/archive.h"
 
 namespace mortise::pareto {
 

@@ -1,12 +1,12 @@
 // The walk over an affine piece of the front.
-#include "services/pareto/patch_sampling.h"
+#include "services/pareto/sources/patch_sampling.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
 
-#include "services/pareto/bounded_quadratic.h"
+#include "services/pareto/models/bounded_quadratic.h"
 
 namespace mortise::pareto {
 namespace {

@@ -30,11 +30,11 @@
 #include <set>
 #include <vector>
 
-#include "services/pareto/archive.h"
-#include "services/pareto/difference_model.h"
-#include "services/pareto/first_order_expansion.h"
-#include "services/pareto/point_source.h"
-#include "services/pareto/quadratic_model.h"
+#include "services/pareto/archive/archive.h"
+#include "services/pareto/models/difference_model.h"
+#include "services/pareto/models/first_order_expansion.h"
+#include "services/pareto/models/quadratic_model.h"
+#include "services/pareto/sources/point_source.h"
 
 namespace mortise::pareto {
 

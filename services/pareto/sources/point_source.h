@@ -8,7 +8,7 @@
 #include <cstddef>
 #include <optional>
 
-#include "services/pareto/archive.h"
+#include "services/pareto/archive/archive.h"
 
 namespace mortise::pareto {
 

@@ -1,11 +1,11 @@
-#include "services/pareto/population.h"
+#include "services/pareto/sources/population.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
 
-#include "services/pareto/non_dominated.h"
+#include "services/pareto/archive/non_dominated.h"
 
 namespace mortise::pareto {
 namespace {

@@ -1,4 +1,4 @@
-#include "services/pareto/surrogate_search.h"
+#include "services/pareto/sources/surrogate_search.h"
 
 #include <nlopt.h>
 
@@ -9,7 +9,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "services/pareto/stochastic_sampling.h"
+#include "services/pareto/archive/stochastic_sampling.h"
 
 namespace mortise::pareto {
 namespace {

@@ -22,13 +22,13 @@
 #include <memory>
 #include <vector>
 
-#include "services/pareto/archive.h"
-#include "services/pareto/evaluation.h"
-#include "services/pareto/expected_improvement.h"
-#include "services/pareto/point_source.h"
-#include "services/pareto/random.h"
-#include "services/pareto/surrogate_model.h"
-#include "services/pareto/surrogate_quality.h"
+#include "services/pareto/archive/archive.h"
+#include "services/pareto/archive/evaluation.h"
+#include "services/pareto/archive/random.h"
+#include "services/pareto/models/expected_improvement.h"
+#include "services/pareto/models/surrogate_model.h"
+#include "services/pareto/models/surrogate_quality.h"
+#include "services/pareto/sources/point_source.h"
 
 namespace mortise::pareto {
 

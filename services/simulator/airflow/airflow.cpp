@@ -1,4 +1,4 @@
-#include "services/simulator/airflow.h"
+#include "services/simulator/airflow/airflow.h"
 
 #include <algorithm>
 #include <cmath>
@@ -17,9 +17,9 @@
 #include "common/base/errors.h"
 #include "common/base/files.h"
 #include "common/base/temporary_folder.h"
-#include "services/simulator/airflow_case.h"
-#include "services/simulator/openfoam.h"
-#include "services/simulator/wall_pressure.h"
+#include "services/simulator/airflow/airflow_case.h"
+#include "services/simulator/airflow/openfoam.h"
+#include "services/simulator/airflow/wall_pressure.h"
 
 namespace mortise::simulator {
 namespace {

@@ -5,9 +5,9 @@
 #include <stop_token>
 
 #include "absl/status/statusor.h"
+#include "common/design/airflow.h"
+#include "common/fem/linear/stage_progress.h"
 #include "common/mesh/surface_mesh.h"
-#include "common/parametric/airflow.h"
-#include "services/simulator/stage_progress.h"
 
 namespace mortise::simulator {
 

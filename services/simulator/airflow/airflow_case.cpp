@@ -1,4 +1,4 @@
-#include "services/simulator/airflow_case.h"
+#include "services/simulator/airflow/airflow_case.h"
 
 #include <algorithm>
 #include <array>

@@ -7,8 +7,8 @@
 #include <map>
 #include <string>
 
+#include "common/design/airflow.h"
 #include "common/mesh/surface_mesh.h"
-#include "common/parametric/airflow.h"
 
 namespace mortise::simulator {
 

@@ -1,4 +1,4 @@
-#include "services/simulator/openfoam.h"
+#include "services/simulator/airflow/openfoam.h"
 
 #include <chrono>
 #include <cstdlib>
@@ -12,7 +12,7 @@
 #include "common/base/errors.h"
 #include "common/base/files.h"
 #include "common/base/process.h"
-#include "services/simulator/stopping.h"
+#include "common/fem/linear/stopping.h"
 
 namespace mortise::simulator {
 namespace {

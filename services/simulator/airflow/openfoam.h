@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
-#include "services/simulator/stage_progress.h"
+#include "common/fem/linear/stage_progress.h"
 
 namespace mortise::simulator {
 

@@ -1,4 +1,4 @@
-#include "services/simulator/wall_pressure.h"
+#include "services/simulator/airflow/wall_pressure.h"
 
 #include <CGAL/Orthogonal_k_neighbor_search.h>
 #include <CGAL/Search_traits_3.h>

@@ -1,4 +1,4 @@
-#include "services/simulator/analysis_report.h"
+#include "services/simulator/analysis/analysis_report.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,8 +6,8 @@
 #include "absl/strings/str_format.h"
 #include "common/base/errors.h"
 #include "common/base/units.h"
-#include "common/mesh/mesher.h"
-#include "common/mesh/vtu_writer.h"
+#include "common/mesh/files/vtu_writer.h"
+#include "common/mesh/tetrahedra/mesher.h"
 #include "common/render/image.h"
 #include "common/render/scene.h"
 #include "common/render/svg_plot.h"

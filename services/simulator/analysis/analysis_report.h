@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "common/mesh/vtu_writer.h"
-#include "services/simulator/airflow.h"
-#include "services/simulator/elasticity.h"
-#include "services/simulator/modal_analysis.h"
+#include "common/fem/problems/elasticity.h"
+#include "common/fem/problems/modal_analysis.h"
+#include "common/mesh/files/vtu_writer.h"
+#include "services/simulator/airflow/airflow.h"
 
 namespace mortise::simulator {
 

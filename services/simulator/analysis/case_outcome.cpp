@@ -1,11 +1,11 @@
-#include "services/simulator/case_outcome.h"
+#include "services/simulator/analysis/case_outcome.h"
 
 #include <algorithm>
 #include <cctype>
 #include <cmath>
 
 #include "absl/strings/str_cat.h"
-#include "common/mesh/vtu_writer.h"
+#include "common/mesh/files/vtu_writer.h"
 
 namespace mortise::simulator {
 

@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "common/fem/problems/elasticity.h"
+#include "common/fem/problems/heat_conduction.h"
+#include "common/fem/stress/error_estimate.h"
 #include "common/mesh/tetrahedral_mesh.h"
-#include "services/simulator/elasticity.h"
-#include "services/simulator/error_estimate.h"
-#include "services/simulator/heat_conduction.h"
 
 namespace mortise::simulator {
 

@@ -1,4 +1,4 @@
-#include "services/simulator/design_analysis.h"
+#include "services/simulator/analysis/design_analysis.h"
 
 #include <algorithm>
 #include <chrono>
@@ -9,13 +9,13 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "common/base/errors.h"
-#include "common/mesh/curved_elements.h"
 #include "common/mesh/mass_properties.h"
 #include "common/mesh/surface_check.h"
-#include "services/simulator/design_gradients.h"
-#include "services/simulator/design_solver.h"
-#include "services/simulator/mesh_analysis.h"
-#include "services/simulator/own_metrics.h"
+#include "common/mesh/tetrahedra/curved_elements.h"
+#include "services/simulator/analysis/design_gradients.h"
+#include "services/simulator/analysis/design_solver.h"
+#include "services/simulator/analysis/mesh_analysis.h"
+#include "services/simulator/analysis/own_metrics.h"
 
 namespace mortise::simulator {
 namespace {

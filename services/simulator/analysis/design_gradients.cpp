@@ -1,4 +1,4 @@
-#include "services/simulator/design_gradients.h"
+#include "services/simulator/analysis/design_gradients.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,15 +6,15 @@
 #include <utility>
 
 #include "common/base/errors.h"
-#include "services/simulator/design_solver.h"
-#include "services/simulator/loads.h"
-#include "services/simulator/place_functions.h"
-#include "services/simulator/point_location.h"
-#include "services/simulator/shape_derivative.h"
-#include "services/simulator/shape_functions.h"
-#include "services/simulator/stress_derivative.h"
-#include "services/simulator/stress_recovery.h"
-#include "services/simulator/surface_traction.h"
+#include "common/fem/elements/loads.h"
+#include "common/fem/elements/point_location.h"
+#include "common/fem/elements/shape_derivative.h"
+#include "common/fem/elements/shape_functions.h"
+#include "common/fem/stress/stress_derivative.h"
+#include "common/fem/stress/stress_recovery.h"
+#include "common/fem/stress/surface_traction.h"
+#include "services/simulator/analysis/design_solver.h"
+#include "services/simulator/analysis/place_functions.h"
 
 namespace mortise::simulator {
 namespace {

@@ -14,9 +14,9 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "common/parametric/metric_function.h"
-#include "services/simulator/design_analysis.h"
-#include "services/simulator/mesh_velocity.h"
+#include "common/expressions/metric_function.h"
+#include "common/fem/elements/mesh_velocity.h"
+#include "services/simulator/analysis/design_analysis.h"
 
 namespace mortise::simulator {
 

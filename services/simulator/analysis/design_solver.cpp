@@ -1,11 +1,11 @@
-#include "services/simulator/design_solver.h"
+#include "services/simulator/analysis/design_solver.h"
 
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
-#include "services/simulator/design_gradients.h"
-#include "services/simulator/mesh_analysis.h"
+#include "services/simulator/analysis/design_gradients.h"
+#include "services/simulator/analysis/mesh_analysis.h"
 
 namespace mortise::simulator {
 

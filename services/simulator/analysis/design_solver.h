@@ -8,7 +8,7 @@
 
 #include "absl/status/statusor.h"
 #include "common/mesh/tetrahedral_mesh.h"
-#include "services/simulator/design_analysis.h"
+#include "services/simulator/analysis/design_analysis.h"
 
 namespace mortise::simulator {
 

@@ -1,4 +1,4 @@
-#include "services/simulator/mesh_analysis.h"
+#include "services/simulator/analysis/mesh_analysis.h"
 
 #include <algorithm>
 #include <cctype>
@@ -10,14 +10,14 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "common/base/errors.h"
-#include "common/mesh/vtu_writer.h"
-#include "services/simulator/error_estimate.h"
-#include "services/simulator/modal_analysis.h"
-#include "services/simulator/probe_table.h"
-#include "services/simulator/shape_functions.h"
-#include "services/simulator/sparse_cholesky.h"
-#include "services/simulator/stopping.h"
-#include "services/simulator/supports.h"
+#include "common/fem/elements/shape_functions.h"
+#include "common/fem/elements/supports.h"
+#include "common/fem/linear/sparse_cholesky.h"
+#include "common/fem/linear/stopping.h"
+#include "common/fem/problems/modal_analysis.h"
+#include "common/fem/stress/error_estimate.h"
+#include "common/mesh/files/vtu_writer.h"
+#include "services/simulator/analysis/probe_table.h"
 
 namespace mortise::simulator {
 namespace {

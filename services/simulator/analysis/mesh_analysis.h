@@ -11,12 +11,12 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "common/fem/elements/analysis_case.h"
+#include "common/fem/linear/linear_solver.h"
+#include "common/fem/linear/stage_progress.h"
 #include "common/mesh/tetrahedral_mesh.h"
-#include "services/simulator/analysis_case.h"
-#include "services/simulator/analysis_report.h"
-#include "services/simulator/case_outcome.h"
-#include "services/simulator/linear_solver.h"
-#include "services/simulator/stage_progress.h"
+#include "services/simulator/analysis/analysis_report.h"
+#include "services/simulator/analysis/case_outcome.h"
 
 namespace mortise::simulator {
 

@@ -1,4 +1,4 @@
-#include "services/simulator/mesh_groups.h"
+#include "services/simulator/analysis/mesh_groups.h"
 
 #include <algorithm>
 #include <array>

@@ -1,10 +1,10 @@
-#include "services/simulator/own_metrics.h"
+#include "services/simulator/analysis/own_metrics.h"
 
 #include <algorithm>
 #include <iterator>
 
 #include "common/base/errors.h"
-#include "services/simulator/place_functions.h"
+#include "services/simulator/analysis/place_functions.h"
 
 namespace mortise::simulator {
 namespace {

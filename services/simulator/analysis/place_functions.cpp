@@ -1,4 +1,4 @@
-#include "services/simulator/place_functions.h"
+#include "services/simulator/analysis/place_functions.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -9,8 +9,8 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "common/base/errors.h"
-#include "services/simulator/point_location.h"
-#include "services/simulator/shape_functions.h"
+#include "common/fem/elements/point_location.h"
+#include "common/fem/elements/shape_functions.h"
 
 namespace mortise::simulator {
 namespace {

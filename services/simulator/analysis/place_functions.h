@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "common/parametric/metric_expressions.h"
-#include "services/simulator/design_analysis.h"
+#include "common/expressions/metric_expressions.h"
+#include "services/simulator/analysis/design_analysis.h"
 
 namespace mortise::simulator {
 

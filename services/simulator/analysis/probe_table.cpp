@@ -1,13 +1,13 @@
-#include "services/simulator/probe_table.h"
+#include "services/simulator/analysis/probe_table.h"
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_replace.h"
 #include "common/base/errors.h"
-#include "services/simulator/material.h"
-#include "services/simulator/mesh_analysis.h"
-#include "services/simulator/point_location.h"
-#include "services/simulator/shape_functions.h"
+#include "common/fem/elements/material.h"
+#include "common/fem/elements/point_location.h"
+#include "common/fem/elements/shape_functions.h"
+#include "services/simulator/analysis/mesh_analysis.h"
 
 namespace mortise::simulator {
 namespace {

@@ -1,4 +1,4 @@
-#include "services/simulator/refinement.h"
+#include "services/simulator/analysis/refinement.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "common/base/errors.h"
-#include "services/simulator/mesh_analysis.h"
+#include "services/simulator/analysis/mesh_analysis.h"
 
 namespace mortise::simulator {
 namespace {

@@ -16,9 +16,9 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "common/mesh/mesher.h"
+#include "common/fem/stress/error_estimate.h"
+#include "common/mesh/tetrahedra/mesher.h"
 #include "common/mesh/tetrahedral_mesh.h"
-#include "services/simulator/error_estimate.h"
 
 namespace mortise::simulator {
 

@@ -1,4 +1,4 @@
-#include "services/simulator/analysis_operation.h"
+#include "services/simulator/service/analysis_operation.h"
 
 #include <algorithm>
 #include <condition_variable>
@@ -9,21 +9,21 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
-#include "common/jobs/bell.h"
-#include "common/jobs/operation_kinds.h"
-#include "common/jobs/operations.h"
-#include "common/parametric/evaluation_settings.h"
-#include "common/parametric/parameter_values.h"
-#include "common/parametric/template_codec.h"
-#include "common/rpc/operation_codec.h"
+#include "common/design/parameter_values.h"
+#include "common/files/evaluation_settings.h"
+#include "common/files/template_codec.h"
+#include "common/host/operation_codec.h"
+#include "common/operations/bell.h"
+#include "common/operations/operation_kinds.h"
+#include "common/operations/operations.h"
 #include "common/store/store.h"
-#include "services/simulator/design_analysis.h"
-#include "services/simulator/design_conditions.h"
-#include "services/simulator/mesh_case.h"
-#include "services/simulator/simulator_core.h"
-#include "services/simulator/subject_metrics.h"
-#include "services/simulator/task_progress.h"
-#include "services/simulator/template_model.h"
+#include "services/simulator/analysis/design_analysis.h"
+#include "services/simulator/service/simulator_core.h"
+#include "services/simulator/service/task_progress.h"
+#include "services/simulator/worker/design_conditions.h"
+#include "services/simulator/worker/mesh_case.h"
+#include "services/simulator/worker/subject_metrics.h"
+#include "services/simulator/worker/template_model.h"
 
 namespace mortise::simulator {
 namespace {

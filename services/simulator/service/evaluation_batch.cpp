@@ -1,4 +1,4 @@
-#include "services/simulator/evaluation_batch.h"
+#include "services/simulator/service/evaluation_batch.h"
 
 #include <algorithm>
 #include <array>
@@ -9,10 +9,10 @@
 #include <utility>
 
 #include "common/rpc/status_mapping.h"
-#include "services/simulator/difference_gradients.h"
-#include "services/simulator/evaluation_tasks.h"
-#include "services/simulator/evaluator_records.h"
-#include "services/simulator/result_key.h"
+#include "services/simulator/service/difference_gradients.h"
+#include "services/simulator/service/evaluation_tasks.h"
+#include "services/simulator/service/evaluator_records.h"
+#include "services/simulator/service/result_key.h"
 
 namespace mortise::simulator {
 namespace {

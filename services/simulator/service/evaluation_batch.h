@@ -9,9 +9,9 @@
 
 #include "common/rpc/handler.h"
 #include "mortise/v1/simulator.pb.h"
-#include "services/simulator/result_cache.h"
-#include "services/simulator/serial_executor.h"
-#include "services/simulator/simulator_core.h"
+#include "services/simulator/service/serial_executor.h"
+#include "services/simulator/service/simulator_core.h"
+#include "services/simulator/worker/result_cache.h"
 
 namespace mortise::simulator {
 

@@ -1,4 +1,4 @@
-#include "services/simulator/evaluation_subject.h"
+#include "services/simulator/service/evaluation_subject.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,11 +7,11 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "common/base/errors.h"
-#include "services/simulator/design_analysis.h"
-#include "services/simulator/evaluator_records.h"
-#include "services/simulator/simulator_core.h"
-#include "services/simulator/subject_metrics.h"
-#include "services/simulator/template_model.h"
+#include "services/simulator/analysis/design_analysis.h"
+#include "services/simulator/service/evaluator_records.h"
+#include "services/simulator/service/simulator_core.h"
+#include "services/simulator/worker/subject_metrics.h"
+#include "services/simulator/worker/template_model.h"
 
 namespace mortise::simulator {
 namespace {

@@ -1,11 +1,12 @@
-#include "services/simulator/evaluation_tasks.h"
+#include "services/simulator/service/evaluation_tasks.h"
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
-#include "common/cad/assembly_surface.h"
+#include "common/cad/surface/assembly_surface.h"
 #include "common/rpc/status_mapping.h"
 #include "google/rpc/status.pb.h"
-#include "services/simulator/openfoam.h"
+#include "services/simulator/airflow/openfoam.h"
+#include "services/simulator/worker/task_evaluation.h"
 
 namespace mortise::simulator {
 

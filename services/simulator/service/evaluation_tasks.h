@@ -28,9 +28,6 @@ std::string QueueOf(const std::string& key);
 // Whether the task will not change any more.
 bool IsFinished(const store::Task& task);
 
-// The reason of a failure for the worker's limit of time.
-inline constexpr char kTimeLimit[] = "TIME_LIMIT";
-
 // Whether a failure may pass by itself, so that the work is worth another try.
 bool IsTransient(const absl::Status& status);
 

@@ -1,4 +1,4 @@
-#include "services/simulator/evaluator_records.h"
+#include "services/simulator/service/evaluator_records.h"
 
 #include <cmath>
 #include <set>
@@ -8,9 +8,9 @@
 #include "common/base/digest.h"
 #include "common/base/errors.h"
 #include "common/base/identifiers.h"
-#include "common/parametric/identifier.h"
+#include "common/expressions/identifier.h"
 #include "common/resources/record_page.h"
-#include "services/simulator/evaluation_tasks.h"
+#include "services/simulator/service/evaluation_tasks.h"
 
 namespace mortise::simulator {
 namespace {

@@ -1,4 +1,4 @@
-#include "services/simulator/evaluator_service.h"
+#include "services/simulator/service/evaluator_service.h"
 
 #include <cstddef>
 #include <optional>
@@ -7,21 +7,21 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
-#include "common/parametric/evaluation_settings.h"
+#include "common/files/evaluation_settings.h"
 #include "common/rpc/channel.h"
 #include "common/rpc/dispatcher.h"
 #include "common/rpc/handler.h"
 #include "common/rpc/status_mapping.h"
 #include "mortise/v1/evaluator.grpc.pb.h"
 #include "mortise/v1/simulator.pb.h"
-#include "services/simulator/difference_gradients.h"
-#include "services/simulator/evaluation_batch.h"
-#include "services/simulator/evaluation_subject.h"
-#include "services/simulator/evaluator_records.h"
-#include "services/simulator/result_cache.h"
-#include "services/simulator/serial_executor.h"
-#include "services/simulator/simulator_core.h"
-#include "services/simulator/subject_metrics.h"
+#include "services/simulator/service/difference_gradients.h"
+#include "services/simulator/service/evaluation_batch.h"
+#include "services/simulator/service/evaluation_subject.h"
+#include "services/simulator/service/evaluator_records.h"
+#include "services/simulator/service/serial_executor.h"
+#include "services/simulator/service/simulator_core.h"
+#include "services/simulator/worker/result_cache.h"
+#include "services/simulator/worker/subject_metrics.h"
 
 namespace mortise::simulator {
 namespace {

@@ -1,4 +1,4 @@
-#include "services/simulator/file_upkeep.h"
+#include "services/simulator/service/file_upkeep.h"
 
 #include <algorithm>
 #include <set>
@@ -7,13 +7,13 @@
 
 #include "common/base/errors.h"
 #include "common/base/logging.h"
-#include "common/jobs/operations.h"
+#include "common/host/run_service.h"
+#include "common/operations/operations.h"
 #include "common/rpc/dispatcher.h"
-#include "common/rpc/run_service.h"
 #include "mortise/v1/simulator.pb.h"
-#include "services/simulator/analysis_operation.h"
-#include "services/simulator/evaluation_tasks.h"
-#include "services/simulator/task_progress.h"
+#include "services/simulator/service/analysis_operation.h"
+#include "services/simulator/service/evaluation_tasks.h"
+#include "services/simulator/service/task_progress.h"
 
 namespace mortise::simulator {
 namespace {

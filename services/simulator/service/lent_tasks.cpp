@@ -1,4 +1,4 @@
-#include "services/simulator/lent_tasks.h"
+#include "services/simulator/service/lent_tasks.h"
 
 #include <cstddef>
 #include <utility>

@@ -1,4 +1,4 @@
-#include "services/simulator/result_key.h"
+#include "services/simulator/service/result_key.h"
 
 #include <cstdint>
 
@@ -6,8 +6,8 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "common/base/digest.h"
-#include "services/simulator/evaluation_tasks.h"
-#include "services/simulator/subject_metrics.h"
+#include "services/simulator/service/evaluation_tasks.h"
+#include "services/simulator/worker/subject_metrics.h"
 
 namespace mortise::simulator {
 namespace {

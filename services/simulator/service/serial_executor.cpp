@@ -1,4 +1,4 @@
-#include "services/simulator/serial_executor.h"
+#include "services/simulator/service/serial_executor.h"
 
 #include <utility>
 

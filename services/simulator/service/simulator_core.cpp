@@ -1,4 +1,4 @@
-#include "services/simulator/simulator_core.h"
+#include "services/simulator/service/simulator_core.h"
 
 #include <grpcpp/grpcpp.h>
 
@@ -13,8 +13,8 @@
 #include "common/rpc/channel.h"
 #include "common/rpc/dispatcher.h"
 #include "mortise/v1/catalog.grpc.pb.h"
-#include "services/simulator/evaluator_records.h"
-#include "services/simulator/task_progress.h"
+#include "services/simulator/service/evaluator_records.h"
+#include "services/simulator/service/task_progress.h"
 
 namespace mortise::simulator {
 namespace {

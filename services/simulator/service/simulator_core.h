@@ -11,10 +11,10 @@
 
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
-#include "common/rpc/run_service.h"
-#include "services/simulator/evaluation_tasks.h"
-#include "services/simulator/lent_tasks.h"
-#include "services/simulator/template_source.h"
+#include "common/host/run_service.h"
+#include "services/simulator/service/evaluation_tasks.h"
+#include "services/simulator/service/lent_tasks.h"
+#include "services/simulator/worker/template_source.h"
 
 namespace mortise::v1 {
 class Material;

@@ -1,19 +1,19 @@
-#include "services/simulator/simulator_service.h"
+#include "services/simulator/service/simulator_service.h"
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/base/identifiers.h"
+#include "common/host/chunk_stream.h"
 #include "common/resources/record_page.h"
-#include "common/rpc/chunk_stream.h"
 #include "common/rpc/handler.h"
 #include "common/store/blob_upkeep.h"
 #include "mortise/v1/simulator.grpc.pb.h"
-#include "services/simulator/analysis_operation.h"
-#include "services/simulator/evaluator_service.h"
-#include "services/simulator/file_upkeep.h"
-#include "services/simulator/mesh_case.h"
-#include "services/simulator/simulator_core.h"
-#include "services/simulator/task_queue.h"
+#include "services/simulator/service/analysis_operation.h"
+#include "services/simulator/service/evaluator_service.h"
+#include "services/simulator/service/file_upkeep.h"
+#include "services/simulator/service/simulator_core.h"
+#include "services/simulator/service/task_queue.h"
+#include "services/simulator/worker/mesh_case.h"
 
 namespace mortise::simulator {
 namespace {

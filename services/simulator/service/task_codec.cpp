@@ -1,4 +1,4 @@
-#include "services/simulator/task_codec.h"
+#include "services/simulator/service/task_codec.h"
 
 #include "absl/strings/str_cat.h"
 

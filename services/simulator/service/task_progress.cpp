@@ -1,8 +1,8 @@
-#include "services/simulator/task_progress.h"
+#include "services/simulator/service/task_progress.h"
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
-#include "services/simulator/evaluation_tasks.h"
+#include "services/simulator/service/evaluation_tasks.h"
 
 namespace mortise::simulator {
 namespace {

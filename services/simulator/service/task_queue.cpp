@@ -1,4 +1,4 @@
-#include "services/simulator/task_queue.h"
+#include "services/simulator/service/task_queue.h"
 
 #include <algorithm>
 #include <mutex>
@@ -13,11 +13,11 @@
 #include "common/resources/page_rule.h"
 #include "common/rpc/message_check.h"
 #include "common/rpc/status_mapping.h"
-#include "services/simulator/evaluation_subject.h"
-#include "services/simulator/evaluator_records.h"
-#include "services/simulator/simulator_core.h"
-#include "services/simulator/task_codec.h"
-#include "services/simulator/task_progress.h"
+#include "services/simulator/service/evaluation_subject.h"
+#include "services/simulator/service/evaluator_records.h"
+#include "services/simulator/service/simulator_core.h"
+#include "services/simulator/service/task_codec.h"
+#include "services/simulator/service/task_progress.h"
 
 namespace mortise::simulator {
 namespace {

@@ -1,4 +1,4 @@
-#include "services/simulator/analysis_codec.h"
+#include "services/simulator/worker/analysis_codec.h"
 
 #include <cmath>
 

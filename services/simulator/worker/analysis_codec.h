@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "common/fem/linear/linear_solver.h"
 #include "mortise/v1/simulator.pb.h"
-#include "services/simulator/airflow.h"
-#include "services/simulator/case_outcome.h"
-#include "services/simulator/linear_solver.h"
+#include "services/simulator/airflow/airflow.h"
+#include "services/simulator/analysis/case_outcome.h"
 
 namespace mortise::simulator {
 

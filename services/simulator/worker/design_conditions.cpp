@@ -1,4 +1,4 @@
-#include "services/simulator/design_conditions.h"
+#include "services/simulator/worker/design_conditions.h"
 
 #include <algorithm>
 #include <set>

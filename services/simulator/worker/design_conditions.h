@@ -5,8 +5,8 @@
 #include <cstddef>
 
 #include "absl/status/status.h"
-#include "common/parametric/evaluated_design.h"
-#include "services/simulator/design_analysis.h"
+#include "common/design/evaluated_design.h"
+#include "services/simulator/analysis/design_analysis.h"
 
 namespace mortise::simulator {
 

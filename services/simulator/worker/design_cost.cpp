@@ -1,4 +1,4 @@
-#include "services/simulator/design_cost.h"
+#include "services/simulator/worker/design_cost.h"
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"

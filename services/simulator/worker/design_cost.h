@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "common/parametric/evaluated_design.h"
-#include "common/parametric/template_definition.h"
-#include "services/simulator/metric.h"
+#include "common/design/evaluated_design.h"
+#include "common/design/metric.h"
+#include "common/design/template_definition.h"
 
 namespace mortise::simulator {
 

@@ -1,4 +1,4 @@
-#include "services/simulator/design_motion.h"
+#include "services/simulator/worker/design_motion.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -6,8 +6,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
-#include "common/parametric/parameter_values.h"
-#include "services/simulator/design_conditions.h"
+#include "common/design/parameter_values.h"
+#include "services/simulator/worker/design_conditions.h"
 
 namespace mortise::simulator {
 namespace {

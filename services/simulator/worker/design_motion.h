@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "common/parametric/evaluated_design.h"
+#include "common/design/evaluated_design.h"
 #include "common/templates/template.h"
-#include "services/simulator/design_gradients.h"
+#include "services/simulator/analysis/design_gradients.h"
 
 namespace mortise::simulator {
 

@@ -1,4 +1,4 @@
-#include "services/simulator/mesh_case.h"
+#include "services/simulator/worker/mesh_case.h"
 
 #include <google/protobuf/descriptor.h>
 #include <google/protobuf/message.h>
@@ -13,8 +13,8 @@
 #include "common/base/identifiers.h"
 #include "mortise/v1/item.pb.h"
 #include "mortise/v1/simulator.pb.h"
-#include "services/simulator/mesh_case_checks.h"
-#include "services/simulator/mesh_load_checks.h"
+#include "services/simulator/worker/mesh_case_checks.h"
+#include "services/simulator/worker/mesh_load_checks.h"
 
 namespace mortise::simulator {
 namespace {

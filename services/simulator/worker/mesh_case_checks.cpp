@@ -1,4 +1,4 @@
-#include "services/simulator/mesh_case_checks.h"
+#include "services/simulator/worker/mesh_case_checks.h"
 
 #include <algorithm>
 

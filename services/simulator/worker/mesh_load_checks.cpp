@@ -1,11 +1,11 @@
-#include "services/simulator/mesh_load_checks.h"
+#include "services/simulator/worker/mesh_load_checks.h"
 
 #include <algorithm>
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "mortise/v1/simulator.pb.h"
-#include "services/simulator/mesh_case_checks.h"
+#include "services/simulator/worker/mesh_case_checks.h"
 
 namespace mortise::simulator {
 namespace {

@@ -1,4 +1,4 @@
-#include "services/simulator/mesh_model.h"
+#include "services/simulator/worker/mesh_model.h"
 
 #include <google/protobuf/util/json_util.h>
 
@@ -11,12 +11,12 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "common/base/errors.h"
-#include "common/mesh/grouped_mesh.h"
+#include "common/fem/elements/shape_functions.h"
+#include "common/mesh/files/grouped_mesh.h"
 #include "mortise/v1/simulator.pb.h"
-#include "services/simulator/analysis_codec.h"
-#include "services/simulator/mesh_case.h"
-#include "services/simulator/mesh_groups.h"
-#include "services/simulator/shape_functions.h"
+#include "services/simulator/analysis/mesh_groups.h"
+#include "services/simulator/worker/analysis_codec.h"
+#include "services/simulator/worker/mesh_case.h"
 
 namespace mortise::simulator {
 namespace {

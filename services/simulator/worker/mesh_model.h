@@ -3,7 +3,7 @@
 #pragma once
 
 #include "absl/status/statusor.h"
-#include "services/simulator/mesh_analysis.h"
+#include "services/simulator/analysis/mesh_analysis.h"
 
 namespace mortise::mesh {
 struct GroupedMesh;

@@ -1,14 +1,14 @@
-#include "services/simulator/mesh_task.h"
+#include "services/simulator/worker/mesh_task.h"
 
 #include <cmath>
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
-#include "common/mesh/grouped_mesh.h"
+#include "common/mesh/files/grouped_mesh.h"
 #include "common/rpc/message_check.h"
-#include "services/simulator/analysis_codec.h"
-#include "services/simulator/mesh_analysis.h"
-#include "services/simulator/mesh_model.h"
+#include "services/simulator/analysis/mesh_analysis.h"
+#include "services/simulator/worker/analysis_codec.h"
+#include "services/simulator/worker/mesh_model.h"
 
 namespace mortise::simulator {
 namespace {

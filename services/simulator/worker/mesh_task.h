@@ -2,7 +2,7 @@
 #pragma once
 
 #include "absl/status/status.h"
-#include "services/simulator/task_evaluation.h"
+#include "services/simulator/worker/task_evaluation.h"
 
 namespace mortise::simulator {
 

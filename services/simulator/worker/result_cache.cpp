@@ -1,4 +1,4 @@
-#include "services/simulator/result_cache.h"
+#include "services/simulator/worker/result_cache.h"
 
 namespace mortise::simulator {
 

@@ -1,12 +1,12 @@
-#include "services/simulator/shape_source.h"
+#include "services/simulator/worker/shape_source.h"
 
 #include <grpcpp/grpcpp.h>
 
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "common/assembly/codec/shape_codec.h"
 #include "common/base/errors.h"
-#include "common/parametric/shape_codec.h"
 #include "mortise/v1/catalog.grpc.pb.h"
 
 namespace mortise::simulator {

@@ -1,9 +1,9 @@
-#include "services/simulator/subject_metrics.h"
+#include "services/simulator/worker/subject_metrics.h"
 
 #include "absl/strings/str_cat.h"
 #include "common/base/digest.h"
-#include "common/parametric/metric_codec.h"
-#include "services/simulator/template_model.h"
+#include "common/files/metric_codec.h"
+#include "services/simulator/worker/template_model.h"
 
 namespace mortise::simulator {
 
@@ -19,7 +19,7 @@ absl::StatusOr<parametric::MetricExpressions> OwnMetricsOf(const CompiledTemplat
   for (const MetricDescription& metric : MetricsOf(*compiled.function)) {
     metrics.push_back({metric.name, metric.unit});
   }
-  std::vector<parametric::Finding> findings;
+  std::vector<FieldViolation> findings;
   parametric::MetricExpressions expressions(definitions, compiled.metrics, parameters, metrics,
                                             "metric_definitions", findings);
   const absl::Status status = parametric::ToStatus(findings);

@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "common/parametric/metric_expressions.h"
+#include "common/expressions/metric_expressions.h"
 #include "mortise/v1/metric.pb.h"
-#include "services/simulator/template_source.h"
+#include "services/simulator/worker/template_source.h"
 
 namespace mortise::simulator {
 

@@ -1,20 +1,20 @@
-#include "services/simulator/task_evaluation.h"
+#include "services/simulator/worker/task_evaluation.h"
 
 #include <algorithm>
 #include <exception>
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
-#include "common/parametric/evaluation_settings.h"
+#include "common/fem/linear/stopping.h"
+#include "common/files/evaluation_settings.h"
 #include "common/rpc/status_mapping.h"
-#include "services/simulator/analysis_codec.h"
-#include "services/simulator/analysis_report.h"
-#include "services/simulator/design_analysis.h"
-#include "services/simulator/design_conditions.h"
-#include "services/simulator/mesh_task.h"
-#include "services/simulator/stopping.h"
-#include "services/simulator/subject_metrics.h"
-#include "services/simulator/template_model.h"
+#include "services/simulator/analysis/analysis_report.h"
+#include "services/simulator/analysis/design_analysis.h"
+#include "services/simulator/worker/analysis_codec.h"
+#include "services/simulator/worker/design_conditions.h"
+#include "services/simulator/worker/mesh_task.h"
+#include "services/simulator/worker/subject_metrics.h"
+#include "services/simulator/worker/template_model.h"
 
 namespace mortise::simulator {
 namespace {

@@ -6,13 +6,16 @@
 #include <stop_token>
 #include <string>
 
+#include "common/fem/linear/stage_progress.h"
 #include "common/rpc/channel.h"
 #include "mortise/v1/simulator.pb.h"
-#include "services/simulator/analysis_report.h"
-#include "services/simulator/stage_progress.h"
-#include "services/simulator/template_source.h"
+#include "services/simulator/analysis/analysis_report.h"
+#include "services/simulator/worker/template_source.h"
 
 namespace mortise::simulator {
+
+// The reason of a failure for the worker's limit of time.
+inline constexpr char kTimeLimit[] = "TIME_LIMIT";
 
 // What a task needs from outside.
 struct TaskSurroundings {

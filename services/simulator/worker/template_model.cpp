@@ -1,18 +1,18 @@
-#include "services/simulator/template_model.h"
+#include "services/simulator/worker/template_model.h"
 
 #include <algorithm>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "common/assembly/parametric_assembly.h"
 #include "common/base/errors.h"
-#include "common/cad/assembly_surface.h"
-#include "common/cad/solid_shape.h"
-#include "common/mesh/inside_point.h"
-#include "common/parametric/parametric_assembly.h"
-#include "common/parametric/part_shapes.h"
-#include "services/simulator/design_conditions.h"
-#include "services/simulator/design_cost.h"
+#include "common/cad/stretch/solid_shape.h"
+#include "common/cad/surface/assembly_surface.h"
+#include "common/design/part_shapes.h"
+#include "common/mesh/measures/inside_point.h"
+#include "services/simulator/worker/design_conditions.h"
+#include "services/simulator/worker/design_cost.h"
 
 namespace mortise::simulator {
 namespace {

@@ -3,7 +3,7 @@
 
 #include "absl/status/statusor.h"
 #include "common/templates/template.h"
-#include "services/simulator/design_analysis.h"
+#include "services/simulator/analysis/design_analysis.h"
 
 namespace mortise::simulator {
 

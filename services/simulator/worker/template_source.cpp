@@ -1,4 +1,4 @@
-#include "services/simulator/template_source.h"
+#include "services/simulator/worker/template_source.h"
 
 #include <grpcpp/grpcpp.h>
 
@@ -9,7 +9,7 @@
 #include "common/base/digest.h"
 #include "common/base/errors.h"
 #include "common/base/identifiers.h"
-#include "common/parametric/metric_codec.h"
+#include "common/files/metric_codec.h"
 #include "common/templates/template_codec.h"
 #include "mortise/v1/catalog.grpc.pb.h"
 

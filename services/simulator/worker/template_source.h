@@ -8,11 +8,11 @@
 
 #include "absl/status/statusor.h"
 #include "common/base/single_flight_cache.h"
-#include "common/parametric/metric_expressions.h"
+#include "common/expressions/metric_expressions.h"
 #include "common/rpc/channel.h"
 #include "common/templates/template.h"
-#include "services/simulator/design_motion.h"
-#include "services/simulator/shape_source.h"
+#include "services/simulator/worker/design_motion.h"
+#include "services/simulator/worker/shape_source.h"
 
 namespace mortise::v1 {
 class TemplateBundle;

@@ -1,4 +1,4 @@
-#include "services/simulator/worker.h"
+#include "services/simulator/worker/worker.h"
 
 #include <grpcpp/grpcpp.h>
 
@@ -18,9 +18,8 @@
 #include "common/base/logging.h"
 #include "common/rpc/status_mapping.h"
 #include "mortise/v1/simulator.grpc.pb.h"
-#include "services/simulator/evaluation_tasks.h"
-#include "services/simulator/task_evaluation.h"
-#include "services/simulator/template_source.h"
+#include "services/simulator/worker/task_evaluation.h"
+#include "services/simulator/worker/template_source.h"
 
 namespace mortise::simulator {
 namespace {

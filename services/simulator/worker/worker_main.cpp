@@ -16,9 +16,9 @@
 #include "common/base/errors.h"
 #include "common/base/identifiers.h"
 #include "common/base/logging.h"
-#include "common/rpc/service_options.h"
+#include "common/host/service_options.h"
 #include "common/rpc/token_channel.h"
-#include "services/simulator/worker.h"
+#include "services/simulator/worker/worker.h"
 
 namespace mortise::simulator {
 namespace {

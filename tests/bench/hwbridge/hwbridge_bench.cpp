@@ -4,9 +4,9 @@
 #include <memory>
 #include <string>
 
-#include "hwbridge/journal.h"
-#include "hwbridge/machine_worker.h"
-#include "tests/unit/hwbridge/simulated_cell.h"
+#include "hwbridge/cutting/journal.h"
+#include "hwbridge/cutting/machine_worker.h"
+#include "tests/unit/hwbridge/cutting/simulated_cell.h"
 
 namespace mortise::hwbridge {
 namespace {

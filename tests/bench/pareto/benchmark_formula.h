@@ -9,7 +9,7 @@
 #include <unsupported/Eigen/AutoDiff>
 #include <vector>
 
-#include "services/pareto/evaluation.h"
+#include "services/pareto/archive/evaluation.h"
 
 namespace mortise::pareto {
 

@@ -1,5 +1,5 @@
 // Formulas of the benchmark problems; gradients by forward differentiation of the same formulas.
-#include "services/pareto/benchmark_problems.h"
+#include "tests/bench/pareto/benchmark_problems.h"
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -11,10 +11,10 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "common/base/errors.h"
-#include "services/pareto/benchmark_formula.h"
-#include "services/pareto/hypervolume.h"
-#include "services/pareto/mixed_problems.h"
-#include "services/pareto/random.h"
+#include "services/pareto/archive/hypervolume.h"
+#include "services/pareto/archive/random.h"
+#include "tests/bench/pareto/benchmark_formula.h"
+#include "tests/bench/pareto/mixed_problems.h"
 
 namespace mortise::pareto {
 namespace {

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "services/pareto/combinations.h"
-#include "services/pareto/evaluation.h"
+#include "services/pareto/archive/evaluation.h"
+#include "services/pareto/models/combinations.h"
 
 namespace mortise::pareto {
 

@@ -1,4 +1,4 @@
-#include "services/pareto/benchmark_run.h"
+#include "tests/bench/pareto/benchmark_run.h"
 
 #include <algorithm>
 #include <chrono>
@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "common/base/errors.h"
-#include "services/pareto/combined_discovery.h"
-#include "services/pareto/hypervolume.h"
+#include "services/pareto/archive/hypervolume.h"
+#include "services/pareto/discovery/combined_discovery.h"
 
 namespace mortise::pareto {
 namespace {

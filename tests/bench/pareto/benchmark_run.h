@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "services/pareto/benchmark_problems.h"
-#include "services/pareto/discovery.h"
+#include "services/pareto/discovery/discovery.h"
+#include "tests/bench/pareto/benchmark_problems.h"
 
 namespace mortise::pareto {
 

@@ -1,4 +1,5 @@
-// mortise pareto benchmark: discovery on published problems, in this process. It needs no house.
+// `mortise-pareto-benchmark`, which `mortise pareto benchmark` becomes: discovery on published
+// problems, in this process. It needs no house.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
@@ -15,16 +16,17 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
-#include "cli/field_sources.h"
-#include "cli/session.h"
+#include "cli/client/decimal_flags.h"
+#include "cli/client/field_sources.h"
+#include "cli/client/program.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
 #include "mortise/v1/pareto.pb.h"
-#include "services/pareto/benchmark_run.h"
-#include "services/pareto/front_error.h"
-#include "services/pareto/front_files.h"
-#include "services/pareto/hypervolume.h"
-#include "services/pareto/piece_evaluation.h"
+#include "services/pareto/archive/hypervolume.h"
+#include "services/pareto/front/front_error.h"
+#include "services/pareto/front/front_files.h"
+#include "services/pareto/front/piece_evaluation.h"
+#include "tests/bench/pareto/benchmark_run.h"
 
 namespace mortise::cli {
 namespace {
@@ -283,63 +285,65 @@ absl::Status Run(const BenchmarkOptions& options, Output& output) {
   return absl::OkStatus();
 }
 
-}  // namespace
-
-void AddParetoBenchmarkCommand(CLI::App& pareto, Session& session) {
-  auto options = std::make_shared<BenchmarkOptions>();
-  CLI::App* benchmark =
-      pareto.add_subcommand("benchmark", "Measure discovery on a published problem");
-  benchmark
-      ->add_option("name", options->name,
-                   absl::StrCat("One of ", absl::StrJoin(pareto::BenchmarkNames(), ", ")))
+void AddOptions(CLI::App& app, BenchmarkOptions& options) {
+  app.add_option("name", options.name,
+                 absl::StrCat("One of ", absl::StrJoin(pareto::BenchmarkNames(), ", ")))
       ->required();
-  benchmark
-      ->add_option("--dims", options->dimensions, "Number of parameters; as published if not given")
+  app.add_option("--dims", options.dimensions, "Number of parameters; as published if not given")
       ->check(CLI::PositiveNumber);
-  benchmark->add_option("--evaluations", options->evaluations, "Budget of evaluations")
+  app.add_option("--evaluations", options.evaluations, "Budget of evaluations")
       ->capture_default_str();
-  benchmark->add_option("--seed", options->seed, "Same seed, same front")->capture_default_str();
-  benchmark->add_option("--window", options->window, "Evaluations under way at once")
+  app.add_option("--seed", options.seed, "Same seed, same front")->capture_default_str();
+  app.add_option("--window", options.window, "Evaluations under way at once")
       ->capture_default_str();
-  benchmark->add_flag("--gradients", options->gradients, "The problem offers its gradients");
-  benchmark->add_flag("--rounded", options->rounded,
-                      "Choices and whole numbers as parameters like others, to compare");
-  benchmark
-      ->add_option("--surrogate", options->surrogate,
-                   "Whether a surrogate proposes designs: auto (where evaluations are scarce), "
-                   "always or never")
+  app.add_flag("--gradients", options.gradients, "The problem offers its gradients");
+  app.add_flag("--rounded", options.rounded,
+               "Choices and whole numbers as parameters like others, to compare");
+  app.add_option("--surrogate", options.surrogate,
+                 "Whether a surrogate proposes designs: auto (where evaluations are scarce), "
+                 "always or never")
       ->check(CLI::IsMember({"auto", "always", "never"}))
       ->capture_default_str();
-  benchmark->add_flag("--dense", options->dense,
-                      "Evaluate the pieces of the front densely, uncounted");
-  benchmark->add_flag("--front-error", options->front_error,
-                      "Measure how far the points of the front are from the true one, uncounted");
-  benchmark->add_flag("--shifted", options->variant.shifted, "No optimum on a bound");
-  benchmark->add_flag("--rotated", options->variant.rotated, "No optimum along an axis");
-  benchmark
-      ->add_option("--instance", options->variant.instance,
-                   "Which shift and rotation; for Fourier, which coefficients")
+  app.add_flag("--dense", options.dense, "Evaluate the pieces of the front densely, uncounted");
+  app.add_flag("--front-error", options.front_error,
+               "Measure how far the points of the front are from the true one, uncounted");
+  app.add_flag("--shifted", options.variant.shifted, "No optimum on a bound");
+  app.add_flag("--rotated", options.variant.rotated, "No optimum along an axis");
+  app.add_option("--instance", options.variant.instance,
+                 "Which shift and rotation; for Fourier, which coefficients")
       ->capture_default_str();
-  benchmark
-      ->add_option("--metrics", options->variant.metrics,
-                   "Number of metrics, 2 to 6, of DTLZ (3 if not given) and Fourier (2)")
+  app.add_option("--metrics", options.variant.metrics,
+                 "Number of metrics, 2 to 6, of DTLZ (3 if not given) and Fourier (2)")
       ->check(CLI::PositiveNumber);
-  benchmark->add_option("--out", options->out, "Folder for front.csv, front.svg and front.png");
-  benchmark->footer(
-      "Example: mortise pareto benchmark ZDT3 --dims 15 --evaluations 300 --gradients");
-  benchmark->callback([&session, options] {
-    session.command = [options](Session&, Output& output) {
-      FieldSources sources;
-      sources.Add("name", "name");
-      sources.Add("dimensions", "--dims");
-      sources.Add("evaluations", "--evaluations");
-      sources.Add("window", "--window");
-      sources.Add("metrics", "--metrics");
-      sources.Add("front_error", "--front-error");
-      sources.Add("variant", options->variant.rotated ? "--rotated" : "--shifted");
-      return sources.Name(Run(*options, output));
-    };
-  });
+  app.add_option("--out", options.out, "Folder for front.csv, front.svg and front.png");
 }
 
+FieldSources SourcesOf(const BenchmarkOptions& options) {
+  FieldSources sources;
+  sources.Add("name", "name");
+  sources.Add("dimensions", "--dims");
+  sources.Add("evaluations", "--evaluations");
+  sources.Add("window", "--window");
+  sources.Add("metrics", "--metrics");
+  sources.Add("front_error", "--front-error");
+  sources.Add("variant", options.variant.rotated ? "--rotated" : "--shifted");
+  return sources;
+}
+
+}  // namespace
 }  // namespace mortise::cli
+
+int main(int argc, char** argv) {
+  using namespace mortise::cli;
+  CLI::App app("Measure discovery on a published problem", "mortise pareto benchmark");
+  Session session;
+  BenchmarkOptions options;
+  app.add_flag("--json", session.json, "Print exactly one JSON document on standard output");
+  AddOptions(app, options);
+  RequireDecimalNumbers(app);
+  app.footer("Example: mortise pareto benchmark ZDT3 --dims 15 --evaluations 300 --gradients");
+  session.command = [&options](Session&, Output& output) {
+    return SourcesOf(options).Name(Run(options, output));
+  };
+  return RunProgram(app, session, argc, argv);
+}

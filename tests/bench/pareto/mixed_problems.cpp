@@ -1,4 +1,4 @@
-#include "services/pareto/mixed_problems.h"
+#include "tests/bench/pareto/mixed_problems.h"
 
 #include <algorithm>
 #include <array>
@@ -10,8 +10,8 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
-#include "services/pareto/benchmark_formula.h"
-#include "services/pareto/hypervolume.h"
+#include "services/pareto/archive/hypervolume.h"
+#include "tests/bench/pareto/benchmark_formula.h"
 
 namespace mortise::pareto {
 namespace {

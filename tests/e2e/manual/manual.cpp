@@ -9,7 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
 #include "absl/strings/strip.h"
-#include "cli/state_folder.h"
+#include "cli/launcher/state_folder.h"
 #include "common/base/files.h"
 
 namespace mortise::e2e {

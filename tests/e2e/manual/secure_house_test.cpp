@@ -9,7 +9,7 @@
 #include <set>
 #include <string>
 
-#include "cli/state_folder.h"
+#include "cli/launcher/state_folder.h"
 #include "common/base/files.h"
 #include "common/base/identifiers.h"
 #include "tests/e2e/command.h"

@@ -8,7 +8,7 @@
 #include <random>
 
 #include "absl/strings/str_cat.h"
-#include "cli/command_line.h"
+#include "cli/commands/command_line.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
 #include "tests/integration/services/filled_catalog.h"

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "absl/strings/str_replace.h"
-#include "cli/command_line.h"
+#include "cli/commands/command_line.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
 #include "tests/integration/services/service_under_test.h"

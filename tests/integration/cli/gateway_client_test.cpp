@@ -1,5 +1,5 @@
 // The client of the commands against a gateway (played by this test) that fails now and then.
-#include "cli/gateway_client.h"
+#include "cli/client/gateway_client.h"
 
 #include <gmock/gmock.h>
 #include <grpcpp/grpcpp.h>
@@ -13,9 +13,9 @@
 #include <string>
 #include <thread>
 
-#include "cli/command_line.h"
-#include "cli/generic_call.h"
-#include "cli/tls_probe.h"
+#include "cli/client/generic_call.h"
+#include "cli/client/tls_probe.h"
+#include "cli/commands/command_line.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
 #include "common/rpc/status_mapping.h"

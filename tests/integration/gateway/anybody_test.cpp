@@ -7,7 +7,7 @@
 
 #include "common/base/errors.h"
 #include "common/rpc/status_mapping.h"
-#include "gateway/wire.h"
+#include "gateway/forwarding/wire.h"
 #include "tests/integration/gateway/gateway_fixture.h"
 
 namespace mortise::gateway {

@@ -1,5 +1,5 @@
 // Calls within the process, whose answers may come before anybody asks for them.
-#include "gateway/client_call.h"
+#include "gateway/forwarding/client_call.h"
 
 #include <grpcpp/generic/async_generic_service.h>
 #include <grpcpp/generic/generic_stub.h>
@@ -14,7 +14,7 @@
 #include <condition_variable>
 #include <mutex>
 
-#include "gateway/wire.h"
+#include "gateway/forwarding/wire.h"
 
 namespace mortise::gateway {
 namespace {

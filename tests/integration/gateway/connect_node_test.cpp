@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <fstream>
 
-#include "gateway/contract.h"
+#include "gateway/contract/contract.h"
 #include "tests/integration/gateway/gateway_fixture.h"
 
 namespace mortise::gateway {

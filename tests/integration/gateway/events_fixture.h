@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "common/jobs/operations.h"
+#include "common/host/run_service.h"
+#include "common/operations/operations.h"
 #include "common/rpc/channel.h"
-#include "common/rpc/run_service.h"
 #include "common/store/store.h"
 #include "mortise/v1/events.grpc.pb.h"
 #include "tests/integration/gateway/gateway_fixture.h"

@@ -11,7 +11,7 @@
 #include "gateway/gateway.h"
 #include "tests/integration/gateway/fake_house.h"
 #include "tests/support/temporary_folder.h"
-#include "tests/unit/gateway/token_fixture.h"
+#include "tests/unit/gateway/contract/token_fixture.h"
 
 namespace mortise::gateway {
 

@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "gateway/connect_protocol.h"
+#include "gateway/contract/connect_protocol.h"
 #include "tests/integration/gateway/gateway_fixture.h"
 
 namespace mortise::gateway {

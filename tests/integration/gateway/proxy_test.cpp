@@ -20,7 +20,7 @@
 #include "mortise/v1/simulator.grpc.pb.h"
 #include "tests/integration/gateway/gateway_fixture.h"
 #include "tests/support/reserved_port.h"
-#include "tests/unit/gateway/token_fixture.h"
+#include "tests/unit/gateway/contract/token_fixture.h"
 
 namespace mortise::gateway {
 namespace {

@@ -19,12 +19,12 @@
 
 #include "common/base/errors.h"
 #include "common/rpc/status_mapping.h"
-#include "gateway/webhook_client.h"
+#include "gateway/webhooks/webhook_client.h"
 #include "mortise/v1/audit.grpc.pb.h"
 #include "mortise/v1/gateway.grpc.pb.h"
 #include "tests/integration/gateway/events_fixture.h"
 #include "tests/integration/gateway/holding_receiver.h"
-#include "tests/unit/gateway/name_server.h"
+#include "tests/unit/gateway/webhooks/name_server.h"
 
 namespace mortise::gateway {
 namespace {

@@ -23,7 +23,7 @@
 #include "tests/integration/hwbridge/line_times.h"
 #include "tests/support/child_process.h"
 #include "tests/support/reserved_port.h"
-#include "tests/unit/hwbridge/simulated_cell.h"
+#include "tests/unit/hwbridge/cutting/simulated_cell.h"
 
 namespace mortise::hwbridge {
 

@@ -16,8 +16,8 @@
 #include <utility>
 #include <vector>
 
-#include "hwbridge/modbus_link.h"
-#include "tests/unit/hwbridge/simulated_cell.h"
+#include "hwbridge/cutting/modbus_link.h"
+#include "tests/unit/hwbridge/cutting/simulated_cell.h"
 
 namespace mortise::hwbridge {
 namespace {

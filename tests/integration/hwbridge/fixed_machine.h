@@ -13,7 +13,7 @@
 #include <thread>
 #include <vector>
 
-#include "hwbridge/registers.h"
+#include "hwbridge/registers/registers.h"
 
 namespace mortise::hwbridge {
 

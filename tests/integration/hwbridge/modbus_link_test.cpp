@@ -1,5 +1,5 @@
 // The line to a machine that answers slower than anybody may wait.
-#include "hwbridge/modbus_link.h"
+#include "hwbridge/cutting/modbus_link.h"
 
 #include <arpa/inet.h>
 #include <gtest/gtest.h>

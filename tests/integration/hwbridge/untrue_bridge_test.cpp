@@ -1,6 +1,6 @@
 // The bridge as a process at a machine that does not keep its word: what is wrong is named to the
 // fabplanner and in the log, and nothing is called cut.
-#include "hwbridge/registers.h"
+#include "hwbridge/registers/registers.h"
 #include "tests/integration/hwbridge/bridge_fixture.h"
 #include "tests/integration/hwbridge/fixed_machine.h"
 

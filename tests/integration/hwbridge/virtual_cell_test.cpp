@@ -19,15 +19,15 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/time.h"
-#include "hwbridge/clock.h"
-#include "hwbridge/journal.h"
-#include "hwbridge/modbus_link.h"
-#include "hwbridge/work_order_runner.h"
+#include "hwbridge/cutting/clock.h"
+#include "hwbridge/cutting/journal.h"
+#include "hwbridge/cutting/modbus_link.h"
+#include "hwbridge/cutting/work_order_runner.h"
 #include "tests/integration/hwbridge/line_times.h"
 #include "tests/support/child_process.h"
 #include "tests/support/file_watch.h"
 #include "tests/support/reserved_port.h"
-#include "tests/unit/hwbridge/simulated_cell.h"
+#include "tests/unit/hwbridge/cutting/simulated_cell.h"
 
 namespace mortise::hwbridge {
 namespace {

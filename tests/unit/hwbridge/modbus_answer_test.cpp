@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "hwbridge/virtual_cell/modbus_frame.h"
-#include "tests/unit/hwbridge/simulated_cell.h"
+#include "tests/unit/hwbridge/cutting/simulated_cell.h"
 
 namespace mortise::hwbridge {
 namespace {

@@ -1,4 +1,4 @@
-#include "common/parametric/cage_template_codec.h"
+#include "common/templates/cage/codec/cage_template_codec.h"
 
 #include <algorithm>
 #include <utility>
@@ -6,9 +6,9 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
-#include "common/parametric/condition_codec.h"
-#include "common/parametric/proto_text.h"
-#include "common/parametric/template_validation.h"
+#include "common/design/template_validation.h"
+#include "common/files/condition_codec.h"
+#include "common/messages/proto_text.h"
 
 namespace mortise::parametric {
 namespace {
@@ -27,7 +27,7 @@ void Write(const CagePoint& from, v1::SpacePoint& to) {
 template <typename Number>
 Eigen::Matrix<Number, 3, Eigen::Dynamic> ReadColumns(const RepeatedField<Number>& numbers,
                                                      const std::string& field,
-                                                     std::vector<Finding>& findings) {
+                                                     std::vector<FieldViolation>& findings) {
   if (numbers.size() % 3 != 0) {
     findings.push_back({field, absl::StrCat("has ", numbers.size(), " numbers, not threes")});
   }
@@ -45,7 +45,7 @@ void WriteColumns(const Eigen::Matrix<Number, 3, Eigen::Dynamic>& columns,
 }
 
 CageCondition ReadCondition(const v1::CageCondition& message, const std::string& field,
-                            std::vector<Finding>& findings) {
+                            std::vector<FieldViolation>& findings) {
   CageCondition condition;
   if (auto read = parametric::ReadCondition<v1::CageCondition>(message, field, findings)) {
     static_cast<ConditionDefinition&>(condition) = *std::move(read);
@@ -59,7 +59,7 @@ CageCondition ReadCondition(const v1::CageCondition& message, const std::string&
 }  // namespace
 
 absl::StatusOr<CageTemplate> FromProto(const v1::CageTemplate& message) {
-  std::vector<Finding> findings;
+  std::vector<FieldViolation> findings;
   CageTemplate definition;
   definition.name = message.name();
   definition.title = message.title();

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "common/parametric/cage_template.h"
+#include "common/templates/cage/cage_template.h"
 #include "mortise/v1/cage_template.pb.h"
 
 namespace mortise::parametric {

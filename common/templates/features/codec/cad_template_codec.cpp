@@ -1,5 +1,5 @@
 // Converts messages to structs, and reads files.
-#include "common/cad/cad_template_codec.h"
+#include "common/templates/features/codec/cad_template_codec.h"
 
 #include <algorithm>
 #include <utility>
@@ -7,15 +7,14 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
-#include "common/parametric/condition_codec.h"
-#include "common/parametric/proto_text.h"
-#include "common/parametric/template_validation.h"
+#include "common/design/template_validation.h"
+#include "common/files/condition_codec.h"
+#include "common/messages/proto_text.h"
 
 namespace mortise::cad {
 namespace {
 
 using google::protobuf::RepeatedPtrField;
-using parametric::Finding;
 
 std::vector<std::string> List(const RepeatedPtrField<std::string>& texts) {
   return {texts.begin(), texts.end()};
@@ -28,7 +27,7 @@ Formula3 Triple(const v1::SpacePoint& point) { return {point.x(), point.y(), poi
 // Reads the features of one message; `findings` are what structs cannot hold.
 class FeatureReader {
  public:
-  explicit FeatureReader(std::vector<Finding>& findings) : findings_(findings) {}
+  explicit FeatureReader(std::vector<FieldViolation>& findings) : findings_(findings) {}
 
   Feature Read(const v1::Feature& message, const std::string& place) {
     place_ = place;
@@ -180,7 +179,7 @@ class FeatureReader {
     return pattern;
   }
 
-  std::vector<Finding>& findings_;
+  std::vector<FieldViolation>& findings_;
   std::string place_;
 };
 
@@ -203,7 +202,7 @@ absl::StatusOr<CadTemplate> FromProto(const v1::CadTemplate& message) {
   for (const v1::CadDefinition& entry : message.definitions()) {
     definition.definitions.push_back({entry.name(), entry.value()});
   }
-  std::vector<Finding> findings;
+  std::vector<FieldViolation> findings;
   FeatureReader reader(findings);
   for (int i = 0; i < message.features_size(); ++i) {
     definition.features.push_back(

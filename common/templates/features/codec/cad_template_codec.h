@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "common/cad/cad_template.h"
+#include "common/templates/features/cad_template.h"
 #include "mortise/v1/cad_template.pb.h"
 
 namespace mortise::cad {

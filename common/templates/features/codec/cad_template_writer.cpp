@@ -1,6 +1,6 @@
 // Converts structs to messages.
-#include "common/cad/cad_template_codec.h"
-#include "common/parametric/condition_codec.h"
+#include "common/files/condition_codec.h"
+#include "common/templates/features/codec/cad_template_codec.h"
 
 namespace mortise::cad {
 namespace {

@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
+#include "common/assembly/parametric_assembly.h"
 #include "common/mesh/point_merger.h"
-#include "common/mesh/round_faces.h"
-#include "common/mesh/shape_levels.h"
-#include "common/parametric/parametric_assembly.h"
+#include "common/mesh/shapes/round_faces.h"
+#include "common/mesh/shapes/shape_levels.h"
 #include "tests/unit/common/mesh/round_solids.h"
 
 namespace mortise::parametric {

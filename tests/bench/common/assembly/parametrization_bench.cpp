@@ -6,11 +6,11 @@
 #include <random>
 #include <string>
 
-#include "common/parametric/assembly_design.h"
-#include "common/parametric/feasible_set.h"
-#include "common/parametric/linear_design.h"
-#include "common/parametric/parametric_assembly.h"
-#include "common/parametric/rest_pose.h"
+#include "common/assembly/assembly_design.h"
+#include "common/assembly/model/linear_design.h"
+#include "common/assembly/model/rest_pose.h"
+#include "common/assembly/parametric_assembly.h"
+#include "common/assembly/relations/feasible_set.h"
 
 namespace mortise::parametric {
 namespace {

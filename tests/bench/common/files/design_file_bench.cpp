@@ -4,9 +4,9 @@
 #include <string>
 
 #include "absl/strings/str_cat.h"
-#include "common/parametric/design_file.h"
-#include "common/parametric/template_codec.h"
-#include "common/parametric/template_validation.h"
+#include "common/design/template_validation.h"
+#include "common/files/design_file.h"
+#include "common/files/template_codec.h"
 
 namespace mortise::parametric {
 namespace {

@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "common/parametric/parameter_values.h"
+#include "common/design/parameter_values.h"
 #include "common/templates/template_codec.h"
 #include "tests/unit/common/templates/shipped_collection.h"
 

@@ -6,10 +6,10 @@
 #include <string_view>
 #include <vector>
 
-#include "common/parametric/csv_table.h"
-#include "common/parametric/design_file.h"
-#include "common/parametric/message_checks.h"
-#include "common/parametric/template_validation.h"
+#include "common/design/template_validation.h"
+#include "common/files/csv_table.h"
+#include "common/files/design_file.h"
+#include "common/files/message_checks.h"
 
 namespace {
 
@@ -43,8 +43,8 @@ void CheckTable(std::string_view text) {
 // What makes no sense of a row has a place there, and has not been told already.
 template <typename Message>
 void CheckPlaces(const mortise::parametric::Placed<Message>& placed,
-                 const std::vector<mortise::parametric::Finding>& findings) {
-  for (const mortise::parametric::Finding& finding : findings) {
+                 const std::vector<mortise::FieldViolation>& findings) {
+  for (const mortise::FieldViolation& finding : findings) {
     if (mortise::parametric::PlaceOf(placed.place, placed.fields, finding.field).empty())
       std::abort();
     if (placed.unread.count(finding.field) != 0) std::abort();

@@ -3,14 +3,14 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "common/parametric/design_file.h"
-#include "common/parametric/message_checks.h"
+#include "common/files/design_file.h"
+#include "common/files/message_checks.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace mortise::parametric;
   const DesignFile file =
       ParseDesignJson(std::string_view(reinterpret_cast<const char*>(data), size));
-  for (const Finding& finding : file.findings) {
+  for (const mortise::FieldViolation& finding : file.findings) {
     if (finding.message.empty()) std::abort();
   }
   for (const auto& placed : file.materials) {

@@ -2,10 +2,10 @@
 #include <cstdint>
 #include <string_view>
 
-#include "common/parametric/collection.h"
-#include "common/parametric/evaluation.h"
-#include "common/parametric/template_codec.h"
-#include "common/parametric/template_validation.h"
+#include "common/design/evaluation.h"
+#include "common/design/template_validation.h"
+#include "common/files/collection.h"
+#include "common/files/template_codec.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace mortise::parametric;

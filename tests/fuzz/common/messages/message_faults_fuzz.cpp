@@ -8,8 +8,8 @@
 #include <cstdlib>
 #include <string>
 
-#include "common/base/json_faults.h"
-#include "common/base/text_faults.h"
+#include "common/messages/json_faults.h"
+#include "common/messages/text_faults.h"
 #include "mortise/v1/catalog.pb.h"
 
 namespace {

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <cstdlib>
 
-#include "gateway/connect_protocol.h"
-#include "gateway/contract.h"
-#include "gateway/transcoder.h"
+#include "gateway/contract/connect_protocol.h"
+#include "gateway/contract/contract.h"
+#include "gateway/contract/transcoder.h"
 
 namespace mortise::gateway {
 namespace {

@@ -3,7 +3,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "gateway/token.h"
+#include "gateway/contract/token.h"
 
 namespace {
 

@@ -9,8 +9,8 @@
 #include <string>
 #include <string_view>
 
-#include "hwbridge/durable_log.h"
-#include "hwbridge/journal.h"
+#include "hwbridge/cutting/durable_log.h"
+#include "hwbridge/cutting/journal.h"
 
 namespace {
 

@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "hwbridge/registers.h"
+#include "hwbridge/registers/registers.h"
 #include "hwbridge/virtual_cell/machine.h"
-#include "tests/unit/hwbridge/simulated_cell.h"
+#include "tests/unit/hwbridge/cutting/simulated_cell.h"
 
 namespace {
 

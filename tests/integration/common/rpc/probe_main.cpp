@@ -14,9 +14,9 @@
 #include <thread>
 
 #include "common/base/errors.h"
-#include "common/jobs/operations.h"
-#include "common/rpc/operation_codec.h"
-#include "common/rpc/run_service.h"
+#include "common/host/operation_codec.h"
+#include "common/host/run_service.h"
+#include "common/operations/operations.h"
 #include "tests/support/file_watch.h"
 #include "tests/unit/common/rpc/probe_service.h"
 

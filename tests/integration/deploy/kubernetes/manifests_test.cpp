@@ -12,7 +12,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
-#include "cli/house.h"
+#include "cli/launcher/house.h"
 #include "common/base/files.h"
 #include "tests/e2e/command.h"
 

@@ -9,7 +9,7 @@
 #include <sstream>
 
 #include "absl/strings/str_cat.h"
-#include "cli/house.h"
+#include "cli/launcher/house.h"
 #include "common/base/files.h"
 #include "tests/e2e/command.h"
 #include "tests/e2e/manual/manual.h"

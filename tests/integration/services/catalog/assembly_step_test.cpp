@@ -11,7 +11,7 @@
 
 #include "common/base/errors.h"
 #include "common/base/field_violations.h"
-#include "common/cad/step_reader.h"
+#include "common/cad/step/step_reader.h"
 #include "mortise/v1/catalog.grpc.pb.h"
 #include "tests/integration/services/catalog/assembly_service_fixture.h"
 

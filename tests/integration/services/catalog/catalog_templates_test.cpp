@@ -6,8 +6,8 @@
 #include <cmath>
 #include <map>
 
-#include "common/cad/step_reader.h"
-#include "common/cad/step_writer.h"
+#include "common/cad/step/step_reader.h"
+#include "common/cad/step/step_writer.h"
 #include "mortise/v1/assembly.grpc.pb.h"
 #include "tests/integration/services/call_service.h"
 #include "tests/integration/services/catalog/catalog_service_fixture.h"

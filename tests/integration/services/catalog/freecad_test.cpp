@@ -12,7 +12,7 @@
 #include <set>
 
 #include "common/base/files.h"
-#include "common/cad/step_reader.h"
+#include "common/cad/step/step_reader.h"
 #include "common/rpc/status_mapping.h"
 #include "mortise/v1/assembly.grpc.pb.h"
 #include "tests/integration/services/call_service.h"

@@ -11,7 +11,7 @@
 
 #include "common/base/errors.h"
 #include "common/base/files.h"
-#include "common/cad/step_reader.h"
+#include "common/cad/step/step_reader.h"
 #include "common/mesh/mass_properties.h"
 #include "mortise/v1/catalog.grpc.pb.h"
 #include "tests/integration/services/catalog/assembly_service_fixture.h"

@@ -8,9 +8,9 @@
 #include <mutex>
 #include <string>
 
-#include "common/parametric/template_codec.h"
+#include "common/files/template_codec.h"
 #include "mortise/v1/catalog.grpc.pb.h"
-#include "services/fabplanner/part_mesh.h"
+#include "services/fabplanner/documents/part_mesh.h"
 #include "tests/unit/services/fabplanner/example_table.h"
 
 namespace mortise::fabplanner {

@@ -24,7 +24,7 @@
 #include "mortise/v1/evaluator.grpc.pb.h"
 #include "mortise/v1/operations.grpc.pb.h"
 #include "mortise/v1/pareto.grpc.pb.h"
-#include "services/pareto/benchmark_problems.h"
+#include "tests/bench/pareto/benchmark_problems.h"
 #include "tests/integration/services/service_under_test.h"
 
 namespace mortise::pareto {

@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "analysed_design_test.h"
 #include "common/base/errors.h"
 #include "common/rpc/status_mapping.h"
+#include "tests/integration/services/simulator/analysed_design_test.h"
 
 namespace mortise::simulator {
 namespace {

@@ -14,13 +14,13 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "common/assembly/codec/shape_codec.h"
 #include "common/base/errors.h"
 #include "common/cad/cylinder.h"
-#include "common/cad/solid_shape.h"
-#include "common/parametric/shape_codec.h"
+#include "common/cad/stretch/solid_shape.h"
 #include "mortise/v1/catalog.grpc.pb.h"
-#include "services/simulator/shape_source.h"
-#include "services/simulator/template_source.h"
+#include "services/simulator/worker/shape_source.h"
+#include "services/simulator/worker/template_source.h"
 #include "tests/integration/services/simulator/table_catalog.h"
 #include "tests/support/status_assertions.h"
 

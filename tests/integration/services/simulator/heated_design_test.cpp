@@ -9,11 +9,11 @@
 #include <string>
 #include <vector>
 
-#include "analysed_design_test.h"
 #include "common/base/errors.h"
 #include "common/rpc/status_mapping.h"
 #include "mortise/v1/catalog.grpc.pb.h"
 #include "tests/integration/services/call_service.h"
+#include "tests/integration/services/simulator/analysed_design_test.h"
 
 namespace mortise::simulator {
 namespace {

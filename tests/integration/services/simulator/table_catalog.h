@@ -9,8 +9,8 @@
 #include <memory>
 #include <string>
 
-#include "common/parametric/collection.h"
-#include "common/parametric/template_codec.h"
+#include "common/files/collection.h"
+#include "common/files/template_codec.h"
 #include "mortise/v1/catalog.grpc.pb.h"
 
 namespace mortise::simulator {

@@ -1,5 +1,5 @@
 // The benchmark problems' published optima, and their gradients against differences.
-#include "services/pareto/benchmark_problems.h"
+#include "tests/bench/pareto/benchmark_problems.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "services/pareto/hypervolume.h"
-#include "services/pareto/random.h"
+#include "services/pareto/archive/hypervolume.h"
+#include "services/pareto/archive/random.h"
 
 namespace mortise::pareto {
 namespace {

@@ -1,4 +1,4 @@
-#include "services/pareto/benchmark_run.h"
+#include "tests/bench/pareto/benchmark_run.h"
 
 #include <gtest/gtest.h>
 
@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "services/pareto/first_order_expansion.h"
-#include "services/pareto/front_error.h"
-#include "services/pareto/non_dominated.h"
+#include "services/pareto/archive/non_dominated.h"
+#include "services/pareto/front/front_error.h"
+#include "services/pareto/models/first_order_expansion.h"
 
 namespace mortise::pareto {
 namespace {

@@ -1,5 +1,5 @@
 // Failures in the words of the command line.
-#include "cli/field_sources.h"
+#include "cli/client/field_sources.h"
 
 #include <gtest/gtest.h>
 

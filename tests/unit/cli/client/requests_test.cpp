@@ -1,5 +1,5 @@
 // What people write for requests, and what they read of results.
-#include "cli/requests.h"
+#include "cli/client/requests.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "cli/decimal_flags.h"
-#include "cli/json_input.h"
+#include "cli/client/decimal_flags.h"
+#include "cli/client/json_input.h"
 #include "common/base/errors.h"
 
 namespace mortise::cli {

@@ -1,5 +1,5 @@
 // Flags that a command does not know are refused by their names.
-#include "cli/command_line.h"
+#include "cli/commands/command_line.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

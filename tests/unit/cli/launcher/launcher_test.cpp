@@ -1,4 +1,4 @@
-#include "cli/launcher.h"
+#include "cli/launcher/launcher.h"
 
 #include <gtest/gtest.h>
 #include <signal.h>

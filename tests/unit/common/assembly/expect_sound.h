@@ -6,7 +6,7 @@
 
 #include <vector>
 
-#include "common/parametric/parametric_assembly.h"
+#include "common/assembly/parametric_assembly.h"
 #include "tests/support/status_assertions.h"
 
 namespace mortise::parametric {

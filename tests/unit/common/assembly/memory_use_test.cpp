@@ -1,13 +1,13 @@
 // Estimates of memory: they see what is large, and shapes that parts share once.
-#include "common/parametric/memory_use.h"
+#include "common/assembly/memory_use.h"
 
 #include <gtest/gtest.h>
 
 #include <memory>
 #include <string>
 
-#include "common/parametric/parametric_assembly.h"
-#include "tests/unit/common/parametric/assemblies.h"
+#include "common/assembly/parametric_assembly.h"
+#include "tests/unit/common/assembly/model/assemblies.h"
 
 namespace mortise::parametric {
 namespace {

@@ -1,12 +1,12 @@
 // Assemblies behind their one door: what can be asked of them, and what becomes of it.
-#include "common/parametric/parametric_assembly.h"
+#include "common/assembly/parametric_assembly.h"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 
 #include "common/base/errors.h"
-#include "tests/unit/common/parametric/assemblies.h"
+#include "tests/unit/common/assembly/model/assemblies.h"
 
 namespace mortise::parametric {
 namespace {

@@ -12,11 +12,11 @@
 
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
+#include "common/assembly/model/rest_pose.h"
+#include "common/assembly/parametric_assembly.h"
 #include "common/base/errors.h"
-#include "common/parametric/parametric_assembly.h"
-#include "common/parametric/rest_pose.h"
 #include "tests/support/status_assertions.h"
-#include "tests/unit/common/parametric/assemblies.h"
+#include "tests/unit/common/assembly/model/assemblies.h"
 
 namespace mortise::parametric {
 namespace {

@@ -1,5 +1,5 @@
 // F(q) of the shipped table against numbers worked out by hand, and invariants at random points.
-#include "common/parametric/evaluation.h"
+#include "common/design/evaluation.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -12,9 +12,9 @@
 
 #include "common/base/errors.h"
 #include "common/base/field_violations.h"
-#include "common/parametric/contact.h"
-#include "common/parametric/parameter_values.h"
-#include "tests/unit/common/parametric/table.h"
+#include "common/design/contact.h"
+#include "common/design/parameter_values.h"
+#include "tests/unit/common/files/table.h"
 
 namespace mortise::parametric {
 namespace {

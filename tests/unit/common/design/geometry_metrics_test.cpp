@@ -1,5 +1,5 @@
 // Mass, inertia, shadows, standing and floating by name, of bodies whose values are known.
-#include "services/simulator/geometry_metrics.h"
+#include "common/design/geometry_metrics.h"
 
 #include <gtest/gtest.h>
 
@@ -8,9 +8,9 @@
 #include <numbers>
 #include <set>
 
-#include "box_assembly.h"
 #include "common/base/errors.h"
-#include "round_solids.h"
+#include "tests/unit/common/mesh/box_assembly.h"
+#include "tests/unit/common/mesh/round_solids.h"
 
 namespace mortise::simulator {
 namespace {

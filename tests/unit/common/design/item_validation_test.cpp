@@ -5,7 +5,7 @@
 #include <cmath>
 #include <functional>
 
-#include "common/parametric/template_validation.h"
+#include "common/design/template_validation.h"
 
 namespace mortise::parametric {
 namespace {
@@ -16,8 +16,8 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
 auto At(const std::string& field, const std::string& message = "") {
-  return testing::AllOf(Field(&Finding::field, field),
-                        Field(&Finding::message, HasSubstr(message)));
+  return testing::AllOf(Field(&FieldViolation::field, field),
+                        Field(&FieldViolation::message, HasSubstr(message)));
 }
 
 Material Spruce() {
@@ -57,13 +57,14 @@ Item Board() {
   return board;
 }
 
-std::vector<Finding> Spoilt(const std::function<void(Item&)>& spoil) {
+std::vector<FieldViolation> Spoilt(const std::function<void(Item&)>& spoil) {
   Item item = Board();
   spoil(item);
   return ValidateItem(item, {Spruce()});
 }
 
-std::vector<Finding> SpoiltElasticity(const std::function<void(OrthotropicElasticity&)>& spoil) {
+std::vector<FieldViolation> SpoiltElasticity(
+    const std::function<void(OrthotropicElasticity&)>& spoil) {
   Material material = Spruce();
   spoil(*material.orthotropic);
   return ValidateMaterial(material);

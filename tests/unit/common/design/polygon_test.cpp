@@ -1,5 +1,5 @@
 // Polygons: areas, simplicity, triangulation and overlaps.
-#include "common/parametric/polygon.h"
+#include "common/design/polygon.h"
 
 #include <gtest/gtest.h>
 

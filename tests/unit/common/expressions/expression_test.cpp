@@ -1,5 +1,5 @@
 // Expressions: grammar, values, exact gradients, and errors with their places.
-#include "common/parametric/expression.h"
+#include "common/expressions/expression.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // Metrics of one's own: values, exact gradients, units, and what is said where one is wrong.
-#include "common/parametric/metric_expressions.h"
+#include "common/expressions/metric_expressions.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,8 +8,8 @@
 #include <random>
 
 #include "absl/strings/str_cat.h"
-#include "common/parametric/design_metrics.h"
-#include "common/parametric/metric_codec.h"
+#include "common/design/design_metrics.h"
+#include "common/files/metric_codec.h"
 
 namespace mortise::parametric {
 namespace {
@@ -22,23 +22,23 @@ using ::testing::SizeIs;
 const std::vector<NamedUnit> kParameters{{"length", "m"}, {"angle", "rad"}, {"load", "N"}};
 const Eigen::Vector3d kAt{2, 0.5, 30};
 
-std::vector<Finding> FindingsOf(const MetricDefinitions& definitions,
-                                const MetricDefinitions& earlier = {}) {
-  std::vector<Finding> findings;
+std::vector<FieldViolation> FindingsOf(const MetricDefinitions& definitions,
+                                       const MetricDefinitions& earlier = {}) {
+  std::vector<FieldViolation> findings;
   MetricExpressions(definitions, earlier, kParameters, DesignMetrics(), "own", findings);
   return findings;
 }
 
-std::vector<Finding> FindingsOf(const std::string& unit, const std::string& expression) {
+std::vector<FieldViolation> FindingsOf(const std::string& unit, const std::string& expression) {
   return FindingsOf({{{"m0", unit, expression}}, {{"p", "length", "", "0.5"}}});
 }
 
-std::string FirstOf(const std::vector<Finding>& findings) {
+std::string FirstOf(const std::vector<FieldViolation>& findings) {
   return findings.empty() ? "nothing" : absl::StrCat(findings[0].field, ": ", findings[0].message);
 }
 
 MetricExpressions Parsed(const MetricDefinitions& definitions) {
-  std::vector<Finding> findings;
+  std::vector<FieldViolation> findings;
   MetricExpressions expressions(definitions, {}, kParameters, DesignMetrics(), "own", findings);
   EXPECT_THAT(findings, IsEmpty()) << FirstOf(findings);
   return expressions;

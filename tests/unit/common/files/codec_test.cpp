@@ -5,8 +5,8 @@
 
 #include "common/base/errors.h"
 #include "common/base/field_violations.h"
-#include "common/parametric/template_codec.h"
-#include "tests/unit/common/parametric/table.h"
+#include "common/files/template_codec.h"
+#include "tests/unit/common/files/table.h"
 
 namespace mortise::parametric {
 namespace {

@@ -6,8 +6,8 @@
 #include <string>
 
 #include "common/base/files.h"
-#include "common/parametric/collection.h"
-#include "common/parametric/shape_name.h"
+#include "common/files/collection.h"
+#include "common/files/shape_name.h"
 #include "tests/support/temporary_folder.h"
 
 namespace mortise::parametric {

@@ -1,5 +1,5 @@
 // Collections on disk: their numbers, which say which of two is newer.
-#include "common/parametric/collection.h"
+#include "common/files/collection.h"
 
 #include <gtest/gtest.h>
 

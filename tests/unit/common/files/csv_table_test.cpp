@@ -1,5 +1,5 @@
 // Comma-separated values as RFC 4180 has them, and what is not.
-#include "common/parametric/csv_table.h"
+#include "common/files/csv_table.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -22,10 +22,10 @@ std::vector<std::vector<std::string>> Texts(const CsvTable& table) {
 }
 
 // The one finding of a text.
-Finding FaultOf(std::string_view text) {
+FieldViolation FaultOf(std::string_view text) {
   const CsvTable table = ParseCsv(text);
   EXPECT_THAT(table.findings, SizeIs(1)) << text;
-  return table.findings.empty() ? Finding{} : table.findings[0];
+  return table.findings.empty() ? FieldViolation{} : table.findings[0];
 }
 
 TEST(CsvTable, ReadsPlainAndQuotedCells) {
@@ -58,7 +58,7 @@ TEST(CsvTable, NumbersAreDecimal) {
 
 TEST(CsvTable, NamesOtherEncodings) {
   using std::string_view_literals::operator""sv;
-  const Finding fault = FaultOf("\xFF\xFEn\0a\0m\0e\0\n\0"sv);
+  const FieldViolation fault = FaultOf("\xFF\xFEn\0a\0m\0e\0\n\0"sv);
   EXPECT_EQ(fault.field, "line 1");
   EXPECT_THAT(fault.message, HasSubstr("is UTF-16, not UTF-8; save it as UTF-8"));
 }

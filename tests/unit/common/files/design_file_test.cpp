@@ -1,5 +1,5 @@
 // Items as CSV and designs as JSON: what is read, and where each fault is.
-#include "common/parametric/design_file.h"
+#include "common/files/design_file.h"
 
 #include <gmock/gmock.h>
 #include <google/protobuf/util/json_util.h>
@@ -11,8 +11,8 @@
 
 #include "common/base/files.h"
 #include "common/base/identifiers.h"
-#include "common/parametric/template_codec.h"
-#include "tests/unit/common/parametric/table.h"
+#include "common/files/template_codec.h"
+#include "tests/unit/common/files/table.h"
 
 namespace mortise::parametric {
 namespace {
@@ -28,13 +28,14 @@ constexpr char kHeader[] =
     "name,title,kind,material,length_mm,width_mm,thickness_mm,price,currency,price_date\n";
 
 auto At(const std::string& field, const std::string& message) {
-  return testing::AllOf(Field(&Finding::field, field),
-                        Field(&Finding::message, HasSubstr(message)));
+  return testing::AllOf(Field(&FieldViolation::field, field),
+                        Field(&FieldViolation::message, HasSubstr(message)));
 }
 
-std::string Listed(const std::vector<Finding>& findings) {
+std::string Listed(const std::vector<FieldViolation>& findings) {
   std::string text;
-  for (const Finding& finding : findings) text += finding.field + ": " + finding.message + "\n";
+  for (const FieldViolation& finding : findings)
+    text += finding.field + ": " + finding.message + "\n";
   return text;
 }
 
@@ -91,7 +92,7 @@ TEST(ItemsCsv, KnowsWhereEachFieldStands) {
   const auto item = FromProto(placed.message);
   ASSERT_TRUE(item.ok()) << item.status();
   std::vector<std::string> places;
-  for (const Finding& finding : ValidateItem(*item, {})) {
+  for (const FieldViolation& finding : ValidateItem(*item, {})) {
     places.push_back(PlaceOf(placed.place, placed.fields, finding.field));
   }
   EXPECT_THAT(places, testing::UnorderedElementsAre("line 2, column 4 (material)",
@@ -214,7 +215,7 @@ TEST(MaterialsCsv, FillsEveryField) {
   const auto ash = FromProto(file.materials[0].message);
   ASSERT_TRUE(ash.ok());
   const Placed<v1::Material>& placed = file.materials[0];
-  const std::vector<Finding> findings = ValidateMaterial(*ash);
+  const std::vector<FieldViolation> findings = ValidateMaterial(*ash);
   ASSERT_FALSE(findings.empty());
   EXPECT_EQ(PlaceOf(placed.place, placed.fields, findings[0].field), "line 2");
   EXPECT_EQ(PlaceOf(placed.place, placed.fields, "orthotropic.youngs_modulus_l"),
@@ -366,7 +367,8 @@ TEST(DesignFileOf, MayBeginWithAByteOrderMark) {
       SizeIs(1));
   EXPECT_THAT(read("b.json", mark + "[{\"nmae\": 1}]").findings, SizeIs(1));
   for (const char* const name : {"w.json", "w.textproto", "w.csv"}) {
-    const std::vector<Finding> findings = read(name, std::string("i\0t\0e\0m\0", 8)).findings;
+    const std::vector<FieldViolation> findings =
+        read(name, std::string("i\0t\0e\0m\0", 8)).findings;
     ASSERT_THAT(findings, SizeIs(1)) << name;
     EXPECT_THAT(findings[0].message, HasSubstr("UTF-16, not UTF-8; save it as UTF-8")) << name;
   }

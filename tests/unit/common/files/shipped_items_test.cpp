@@ -5,8 +5,8 @@
 #include <map>
 #include <set>
 
-#include "common/parametric/template_validation.h"
-#include "tests/unit/common/parametric/table.h"
+#include "common/design/template_validation.h"
+#include "tests/unit/common/files/table.h"
 
 namespace mortise::parametric {
 namespace {

@@ -6,9 +6,9 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "common/parametric/collection.h"
-#include "common/parametric/evaluation.h"
-#include "common/parametric/template_codec.h"
+#include "common/design/evaluation.h"
+#include "common/files/collection.h"
+#include "common/files/template_codec.h"
 
 namespace mortise::parametric {
 

@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "common/base/errors.h"
-#include "common/parametric/template_codec.h"
-#include "common/parametric/template_reader.h"
-#include "common/parametric/template_validation.h"
-#include "tests/unit/common/parametric/table.h"
+#include "common/design/template_validation.h"
+#include "common/files/template_codec.h"
+#include "common/files/template_reader.h"
+#include "tests/unit/common/files/table.h"
 
 namespace mortise::parametric {
 namespace {
@@ -23,13 +23,14 @@ using ::testing::IsEmpty;
 using ::testing::Not;
 
 auto At(const std::string& field, const std::string& message = "") {
-  return testing::AllOf(Field(&Finding::field, field),
-                        Field(&Finding::message, HasSubstr(message)));
+  return testing::AllOf(Field(&FieldViolation::field, field),
+                        Field(&FieldViolation::message, HasSubstr(message)));
 }
 
-std::string Listed(const std::vector<Finding>& findings) {
+std::string Listed(const std::vector<FieldViolation>& findings) {
   std::string text;
-  for (const Finding& finding : findings) text += finding.field + ": " + finding.message + "\n";
+  for (const FieldViolation& finding : findings)
+    text += finding.field + ": " + finding.message + "\n";
   return text;
 }
 
@@ -87,7 +88,7 @@ TEST_F(ValidationTest, ReportsAllThatIsWrongAtOnce) {
   table_.connections[4].depth_in_part = 1;
   table_.boundary_conditions[0].part = "foot";
   table_.boundary_conditions[4].components.pop_back();
-  const std::vector<Finding> findings = ValidateTemplate(bundle_);
+  const std::vector<FieldViolation> findings = ValidateTemplate(bundle_);
   for (const char* field :
        {"name", "parameters[1].name", "parameters[2].maximum", "parameters[3].default_value",
         "parameters[4].name", "parts[0].item", "parts[1].name", "parts[2].box.x.to",
@@ -108,7 +109,8 @@ TEST_F(ValidationTest, ReportsWhatCannotBeReadWithAllElse) {
   v1::Template message = ToProto(table_);
   const auto places = [&] {
     std::vector<std::string> fields;
-    for (const Finding& finding : CheckTemplateMessage(message, bundle_.items, bundle_.materials)) {
+    for (const FieldViolation& finding :
+         CheckTemplateMessage(message, bundle_.items, bundle_.materials)) {
       fields.push_back(finding.field);
     }
     return fields;
@@ -200,10 +202,10 @@ TEST_F(ValidationTest, FindsPegsThatStickOut) {
 // A range in millimetres, taken for metres: a peg every few centimetres of 30 km.
 TEST_F(ValidationTest, BoundsRowsOfPegs) {
   table_.parameters[0].maximum = 30e3;
-  const std::vector<Finding> findings = ValidateTemplate(bundle_);
-  const auto row = std::find_if(findings.begin(), findings.end(), [](const Finding& finding) {
-    return finding.field.ends_with(".spacing");
-  });
+  const std::vector<FieldViolation> findings = ValidateTemplate(bundle_);
+  const auto row = std::find_if(
+      findings.begin(), findings.end(),
+      [](const FieldViolation& finding) { return finding.field.ends_with(".spacing"); });
   ASSERT_NE(row, findings.end()) << Listed(findings);
   EXPECT_THAT(row->message, HasSubstr("more than 200 pegs in a row"));
   EXPECT_THAT(row->message, HasSubstr("at length = ")) << "which parameter makes it so long";
@@ -221,7 +223,7 @@ TEST_F(ValidationTest, BoundsPegsInAll) {
       table_.connections.push_back(connection);
     }
   }
-  const std::vector<Finding> findings = ValidateTemplate(bundle_);
+  const std::vector<FieldViolation> findings = ValidateTemplate(bundle_);
   EXPECT_THAT(findings, Contains(At("connections", "more than 1000 pegs"))) << Listed(findings);
 }
 

@@ -9,10 +9,10 @@
 
 #include "common/base/errors.h"
 #include "common/base/files.h"
-#include "common/jobs/operations.h"
+#include "common/host/operation_codec.h"
+#include "common/host/run_service.h"
+#include "common/operations/operations.h"
 #include "common/rpc/channel.h"
-#include "common/rpc/operation_codec.h"
-#include "common/rpc/run_service.h"
 #include "mortise/v1/audit.grpc.pb.h"
 #include "mortise/v1/events.grpc.pb.h"
 #include "mortise/v1/operations.grpc.pb.h"

@@ -1,4 +1,4 @@
-#include "common/rpc/service_options.h"
+#include "common/host/service_options.h"
 
 #include <gtest/gtest.h>
 

@@ -7,7 +7,7 @@
 
 #include "common/base/digest.h"
 #include "common/base/errors.h"
-#include "common/rpc/chunk_stream.h"
+#include "common/host/chunk_stream.h"
 #include "tests/unit/common/rpc/probe_server.h"
 
 namespace mortise::testing {

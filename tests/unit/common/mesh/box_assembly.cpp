@@ -1,4 +1,4 @@
-#include "box_assembly.h"
+#include "tests/unit/common/mesh/box_assembly.h"
 
 #include <algorithm>
 #include <array>

@@ -14,10 +14,10 @@
 #include <utility>
 #include <vector>
 
-#include "box_assembly.h"
 #include "common/base/errors.h"
 #include "common/base/field_violations.h"
 #include "common/mesh/surface_check.h"
+#include "tests/unit/common/mesh/box_assembly.h"
 #include "tests/unit/common/mesh/round_solids.h"
 
 namespace mortise::mesh {

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "common/base/json_faults.h"
-#include "common/base/text_faults.h"
+#include "common/messages/json_faults.h"
+#include "common/messages/text_faults.h"
 #include "mortise/v1/assembly.pb.h"
 #include "mortise/v1/catalog.pb.h"
 

@@ -1,5 +1,5 @@
 // Operations on both store drivers: life cycle, cancelling, progress, resuming, replicas.
-#include "common/jobs/operations.h"
+#include "common/operations/operations.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "box_assembly.h"
+#include "tests/unit/common/mesh/box_assembly.h"
 
 namespace mortise::render {
 namespace {

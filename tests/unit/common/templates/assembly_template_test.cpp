@@ -9,7 +9,7 @@
 
 #include "absl/strings/str_replace.h"
 #include "common/base/errors.h"
-#include "common/parametric/parameter_values.h"
+#include "common/design/parameter_values.h"
 #include "common/templates/template_codec.h"
 #include "tests/unit/common/templates/shipped_collection.h"
 

@@ -8,8 +8,8 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/base/field_violations.h"
-#include "common/parametric/parameter_values.h"
-#include "common/parametric/template_codec.h"
+#include "common/design/parameter_values.h"
+#include "common/files/template_codec.h"
 #include "common/templates/template_codec.h"
 #include "tests/unit/common/templates/conditioned_bars.h"
 

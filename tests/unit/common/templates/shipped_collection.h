@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "common/parametric/collection.h"
+#include "common/files/collection.h"
 #include "mortise/v1/template.pb.h"
 
 namespace mortise::templates {

@@ -7,9 +7,9 @@
 
 #include "common/base/errors.h"
 #include "common/cad/faceted_solid.h"
+#include "common/design/parameter_values.h"
+#include "common/files/template_codec.h"
 #include "common/mesh/mass_properties.h"
-#include "common/parametric/parameter_values.h"
-#include "common/parametric/template_codec.h"
 #include "common/templates/template_codec.h"
 #include "tests/unit/common/templates/shipped_collection.h"
 

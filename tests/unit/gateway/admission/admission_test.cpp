@@ -1,11 +1,11 @@
 // From tokens to callers, and the rule of each method.
-#include "gateway/admission.h"
+#include "gateway/admission/admission.h"
 
 #include <gtest/gtest.h>
 
 #include "common/base/errors.h"
 #include "tests/support/temporary_folder.h"
-#include "tests/unit/gateway/token_fixture.h"
+#include "tests/unit/gateway/contract/token_fixture.h"
 
 namespace mortise::gateway {
 namespace {

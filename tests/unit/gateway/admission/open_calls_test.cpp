@@ -1,11 +1,11 @@
 // Counts of calls by subject and service, and budgets.
-#include "gateway/open_calls.h"
+#include "gateway/admission/open_calls.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "common/base/errors.h"
-#include "gateway/budget.h"
+#include "gateway/admission/budget.h"
 
 namespace mortise::gateway {
 namespace {

@@ -1,5 +1,5 @@
 // Headers, envelopes and errors of the Connect protocol.
-#include "gateway/connect_protocol.h"
+#include "gateway/contract/connect_protocol.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Routing tables made from the protos.
-#include "gateway/contract.h"
+#include "gateway/contract/contract.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

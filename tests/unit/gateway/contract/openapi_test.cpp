@@ -1,11 +1,11 @@
 // The OpenAPI document: complete, and every reference in it leads somewhere.
-#include "gateway/openapi.h"
+#include "gateway/contract/openapi.h"
 
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
 
-#include "gateway/contract.h"
+#include "gateway/contract/contract.h"
 
 namespace mortise::gateway {
 namespace {

@@ -1,5 +1,5 @@
 // Targets, lists, positions and numbers in URLs and headers.
-#include "gateway/query.h"
+#include "gateway/contract/query.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "tests/unit/gateway/token_fixture.h"
+#include "tests/unit/gateway/contract/token_fixture.h"
 
 #include <openssl/bio.h>
 #include <openssl/bn.h>

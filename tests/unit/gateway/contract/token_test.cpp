@@ -1,12 +1,12 @@
 // Bearer tokens: accepted only with a fitting signature, in time, from the right issuer.
-#include "gateway/token.h"
+#include "gateway/contract/token.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <openssl/evp.h>
 #include <openssl/hmac.h>
 
-#include "tests/unit/gateway/token_fixture.h"
+#include "tests/unit/gateway/contract/token_fixture.h"
 
 namespace mortise::gateway {
 namespace {

@@ -1,5 +1,5 @@
 // JSON to messages and back, and what is said about JSON that does not fit.
-#include "gateway/transcoder.h"
+#include "gateway/contract/transcoder.h"
 
 #include <gmock/gmock.h>
 #include <google/protobuf/descriptor.h>
@@ -9,7 +9,7 @@
 
 #include "common/base/errors.h"
 #include "common/base/violation_lists.h"
-#include "gateway/contract.h"
+#include "gateway/contract/contract.h"
 #include "mortise/v1/catalog.pb.h"
 #include "mortise/v1/events.pb.h"
 #include "mortise/v1/operations.pb.h"

@@ -1,5 +1,5 @@
 // Compressed messages: expanded within the limit, and refused when damaged.
-#include "gateway/inflate.h"
+#include "gateway/forwarding/inflate.h"
 
 #include <gmock/gmock.h>
 #include <grpcpp/support/byte_buffer.h>
@@ -7,7 +7,7 @@
 #include <zlib.h>
 
 #include "common/rpc/server_limits.h"
-#include "gateway/wire.h"
+#include "gateway/forwarding/wire.h"
 
 namespace mortise::gateway {
 namespace {

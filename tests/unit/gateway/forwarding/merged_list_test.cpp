@@ -1,5 +1,5 @@
 // Lists of several services as one: nothing lost, nothing twice, whatever the page size.
-#include "gateway/merged_list.h"
+#include "gateway/forwarding/merged_list.h"
 
 #include <gtest/gtest.h>
 

@@ -1,9 +1,9 @@
 // What becomes of names that are still asked for when their resolver ends.
-#include "gateway/name_resolver.h"
+#include "gateway/webhooks/name_resolver.h"
 
 #include <gtest/gtest.h>
 
-#include "tests/unit/gateway/name_server.h"
+#include "tests/unit/gateway/webhooks/name_server.h"
 
 namespace mortise::gateway {
 namespace {

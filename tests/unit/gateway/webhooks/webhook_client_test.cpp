@@ -1,5 +1,5 @@
 // Addresses that webhooks may call, receivers that behave badly, and signatures.
-#include "gateway/webhook_client.h"
+#include "gateway/webhooks/webhook_client.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -24,7 +24,7 @@
 #include <vector>
 
 #include "common/base/errors.h"
-#include "tests/unit/gateway/name_server.h"
+#include "tests/unit/gateway/webhooks/name_server.h"
 
 namespace mortise::gateway {
 namespace {

@@ -1,5 +1,5 @@
 // Lists of webhooks and their dead letters, of which a hundred would be more than a message.
-#include "gateway/webhook_records.h"
+#include "gateway/webhooks/webhook_records.h"
 
 #include <gtest/gtest.h>
 

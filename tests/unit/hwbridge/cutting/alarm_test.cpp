@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "common/base/errors.h"
-#include "hwbridge/machine_worker.h"
-#include "tests/unit/hwbridge/scripted_machine.h"
-#include "tests/unit/hwbridge/simulated_cell.h"
+#include "hwbridge/cutting/machine_worker.h"
+#include "tests/unit/hwbridge/cutting/scripted_machine.h"
+#include "tests/unit/hwbridge/cutting/simulated_cell.h"
 
 namespace mortise::hwbridge {
 namespace {

@@ -1,6 +1,6 @@
 // The table of echoes, cell by cell, and random conversations: whatever a machine says and whatever
 // the line loses, no cut is called made untruly and no number is written again once it was taken.
-#include "hwbridge/echo.h"
+#include "hwbridge/cutting/echo.h"
 
 #include <gtest/gtest.h>
 
@@ -12,9 +12,9 @@
 #include <vector>
 
 #include "common/base/errors.h"
-#include "hwbridge/machine_worker.h"
-#include "tests/unit/hwbridge/scripted_machine.h"
-#include "tests/unit/hwbridge/simulated_cell.h"
+#include "hwbridge/cutting/machine_worker.h"
+#include "tests/unit/hwbridge/cutting/scripted_machine.h"
+#include "tests/unit/hwbridge/cutting/simulated_cell.h"
 
 namespace mortise::hwbridge {
 namespace {

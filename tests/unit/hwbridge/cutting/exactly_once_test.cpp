@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "common/base/files.h"
-#include "hwbridge/machine_worker.h"
-#include "tests/unit/hwbridge/simulated_cell.h"
+#include "hwbridge/cutting/machine_worker.h"
+#include "tests/unit/hwbridge/cutting/simulated_cell.h"
 
 namespace mortise::hwbridge {
 namespace {

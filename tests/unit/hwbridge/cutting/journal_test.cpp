@@ -1,5 +1,5 @@
 // The durable log and the journal on it.
-#include "hwbridge/journal.h"
+#include "hwbridge/cutting/journal.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,8 +9,8 @@
 
 #include "common/base/errors.h"
 #include "common/base/files.h"
-#include "hwbridge/durable_log.h"
-#include "tests/unit/hwbridge/simulated_cell.h"
+#include "hwbridge/cutting/durable_log.h"
+#include "tests/unit/hwbridge/cutting/simulated_cell.h"
 
 namespace mortise::hwbridge {
 namespace {

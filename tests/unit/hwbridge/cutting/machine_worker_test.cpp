@@ -1,12 +1,12 @@
 // One machine worked by hand, scan by scan: what holds cuts, and what does not resume them.
-#include "hwbridge/machine_worker.h"
+#include "hwbridge/cutting/machine_worker.h"
 
 #include <gtest/gtest.h>
 
 #include <memory>
 #include <string>
 
-#include "tests/unit/hwbridge/simulated_cell.h"
+#include "tests/unit/hwbridge/cutting/simulated_cell.h"
 
 namespace mortise::hwbridge {
 namespace {

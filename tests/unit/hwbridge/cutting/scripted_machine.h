@@ -7,9 +7,9 @@
 #include <span>
 #include <vector>
 
-#include "hwbridge/clock.h"
-#include "hwbridge/machine_link.h"
-#include "hwbridge/registers.h"
+#include "hwbridge/cutting/clock.h"
+#include "hwbridge/cutting/machine_link.h"
+#include "hwbridge/registers/registers.h"
 
 namespace mortise::hwbridge {
 

@@ -15,9 +15,9 @@
 
 #include "common/base/errors.h"
 #include "common/base/identifiers.h"
-#include "hwbridge/clock.h"
-#include "hwbridge/journal.h"
-#include "hwbridge/machine_link.h"
+#include "hwbridge/cutting/clock.h"
+#include "hwbridge/cutting/journal.h"
+#include "hwbridge/cutting/machine_link.h"
 #include "hwbridge/virtual_cell/machine.h"
 
 namespace mortise::hwbridge {

@@ -1,5 +1,5 @@
 // The register map: what is written is what is read, and damage is noticed.
-#include "hwbridge/registers.h"
+#include "hwbridge/registers/registers.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <random>
 
 #include "common/base/errors.h"
-#include "hwbridge/packml.h"
-#include "tests/unit/hwbridge/simulated_cell.h"
+#include "hwbridge/registers/packml.h"
+#include "tests/unit/hwbridge/cutting/simulated_cell.h"
 
 namespace mortise::hwbridge {
 namespace {

@@ -1,7 +1,7 @@
 // A small table to test with: four legs, four aprons, a top; pegs in two priorities.
 #pragma once
 
-#include "services/fabplanner/design.h"
+#include "services/fabplanner/plan/design.h"
 
 namespace mortise::fabplanner {
 

@@ -5,10 +5,10 @@
 #include <string>
 #include <utility>
 
-#include "common/mesh/proximity.h"
-#include "common/parametric/connection_optimizer.h"
-#include "common/parametric/linear_design.h"
-#include "common/parametric/parametric_assembly.h"
+#include "common/assembly/connections/connection_optimizer.h"
+#include "common/assembly/model/linear_design.h"
+#include "common/assembly/parametric_assembly.h"
+#include "common/mesh/repair/proximity.h"
 
 namespace mortise::parametric {
 namespace {

@@ -1,11 +1,11 @@
 // How long a design takes from parameters to parts, to a conforming surface, and to files.
 #include <benchmark/benchmark.h>
 
-#include "common/cad/assembly_surface.h"
-#include "common/cad/step_writer.h"
-#include "common/parametric/part_shapes.h"
-#include "common/parametric/template_validation.h"
-#include "tests/unit/common/parametric/table.h"
+#include "common/cad/step/step_writer.h"
+#include "common/cad/surface/assembly_surface.h"
+#include "common/design/part_shapes.h"
+#include "common/design/template_validation.h"
+#include "tests/unit/common/files/table.h"
 
 namespace mortise {
 namespace {

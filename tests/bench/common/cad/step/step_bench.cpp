@@ -6,9 +6,9 @@
 #include <string_view>
 
 #include "absl/strings/str_cat.h"
-#include "common/cad/step_isolation.h"
-#include "common/cad/step_reader.h"
-#include "common/cad/step_writer.h"
+#include "common/cad/step/step_isolation.h"
+#include "common/cad/step/step_reader.h"
+#include "common/cad/step/step_writer.h"
 
 namespace mortise {
 namespace {

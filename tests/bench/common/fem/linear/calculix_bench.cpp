@@ -14,10 +14,10 @@
 #include <fstream>
 #include <string>
 
-#include "clamped_box.h"
 #include "common/base/errors.h"
-#include "services/simulator/linear_solver.h"
-#include "services/simulator/stiffness.h"
+#include "common/fem/elements/stiffness.h"
+#include "common/fem/linear/linear_solver.h"
+#include "tests/unit/common/fem/problems/clamped_box.h"
 
 namespace mortise::simulator {
 namespace {

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "common/base/errors.h"
-#include "hinged_bodies.h"
-#include "thin_bodies.h"
+#include "tests/unit/common/fem/mechanisms/thin_bodies.h"
+#include "tests/unit/common/fem/problems/hinged_bodies.h"
 
 namespace mortise::simulator {
 namespace {

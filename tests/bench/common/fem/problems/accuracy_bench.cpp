@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <vector>
 
-#include "published_targets.h"
+#include "tests/unit/common/fem/problems/published_targets.h"
 
 namespace mortise::simulator {
 namespace {

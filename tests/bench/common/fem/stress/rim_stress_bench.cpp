@@ -3,7 +3,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "curved_bodies.h"
+#include "tests/unit/common/fem/problems/curved_bodies.h"
 
 namespace mortise::simulator {
 namespace {

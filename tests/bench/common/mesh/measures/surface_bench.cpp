@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "common/mesh/halfedge_mesh.h"
-#include "common/mesh/silhouette.h"
+#include "common/mesh/measures/silhouette.h"
+#include "common/mesh/repair/surface_repair.h"
 #include "common/mesh/surface_check.h"
-#include "common/mesh/surface_repair.h"
 #include "common/render/feature_edges.h"
 #include "tests/unit/common/mesh/round_solids.h"
 

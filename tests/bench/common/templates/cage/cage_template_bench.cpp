@@ -10,10 +10,10 @@
 #include <string>
 
 #include "common/base/files.h"
-#include "common/mesh/mean_value_coordinates.h"
+#include "common/mesh/shapes/mean_value_coordinates.h"
 #include "common/mesh/surface_check.h"
-#include "common/parametric/cage_model.h"
-#include "common/parametric/cage_template_codec.h"
+#include "common/templates/cage/cage_model.h"
+#include "common/templates/cage/codec/cage_template_codec.h"
 
 namespace mortise::parametric {
 namespace {

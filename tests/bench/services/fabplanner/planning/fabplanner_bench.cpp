@@ -3,11 +3,11 @@
 
 #include <random>
 
-#include "services/fabplanner/assembly_picture.h"
-#include "services/fabplanner/cutting_stock.h"
-#include "services/fabplanner/planning.h"
-#include "services/fabplanner/sheet_layout.h"
-#include "services/fabplanner/work_order.h"
+#include "services/fabplanner/cutting/cutting_stock.h"
+#include "services/fabplanner/cutting/sheet_layout.h"
+#include "services/fabplanner/documents/assembly_picture.h"
+#include "services/fabplanner/planning/planning.h"
+#include "services/fabplanner/shop_floor/work_order.h"
 #include "tests/unit/services/fabplanner/example_table.h"
 
 namespace mortise::fabplanner {

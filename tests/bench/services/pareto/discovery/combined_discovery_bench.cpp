@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "services/pareto/benchmark_run.h"
-#include "services/pareto/mixed_problems.h"
+#include "tests/bench/pareto/benchmark_run.h"
+#include "tests/bench/pareto/mixed_problems.h"
 
 namespace mortise::pareto {
 namespace {

@@ -10,10 +10,10 @@
 #include <string>
 #include <vector>
 
-#include "services/pareto/archive.h"
-#include "services/pareto/benchmark_run.h"
-#include "services/pareto/hypervolume.h"
-#include "services/pareto/random.h"
+#include "services/pareto/archive/archive.h"
+#include "services/pareto/archive/hypervolume.h"
+#include "services/pareto/archive/random.h"
+#include "tests/bench/pareto/benchmark_run.h"
 
 namespace mortise::pareto {
 namespace {

@@ -1,5 +1,5 @@
 // The one file that pagmo is compiled in.
-#include "tests/bench/services/pareto/pagmo_peers.h"
+#include "tests/bench/services/pareto/discovery/pagmo_peers.h"
 
 #include <algorithm>
 #include <pagmo/algorithm.hpp>

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "services/pareto/benchmark_problems.h"
+#include "tests/bench/pareto/benchmark_problems.h"
 
 namespace mortise::pareto {
 

@@ -24,10 +24,10 @@
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
 #include "common/base/errors.h"
-#include "services/pareto/benchmark_run.h"
-#include "services/pareto/hypervolume.h"
-#include "services/pareto/piece_evaluation.h"
-#include "tests/bench/services/pareto/pagmo_peers.h"
+#include "services/pareto/archive/hypervolume.h"
+#include "services/pareto/front/piece_evaluation.h"
+#include "tests/bench/pareto/benchmark_run.h"
+#include "tests/bench/services/pareto/discovery/pagmo_peers.h"
 
 namespace mortise::pareto {
 namespace {

@@ -12,10 +12,10 @@
 #include <string>
 #include <vector>
 
-#include "services/pareto/benchmark_problems.h"
-#include "services/pareto/discovery.h"
-#include "services/pareto/hypervolume.h"
-#include "services/pareto/warm_start.h"
+#include "services/pareto/archive/hypervolume.h"
+#include "services/pareto/discovery/discovery.h"
+#include "services/pareto/discovery/warm_start.h"
+#include "tests/bench/pareto/benchmark_problems.h"
 
 namespace mortise::pareto {
 namespace {

@@ -15,11 +15,11 @@
 #include <thread>
 #include <vector>
 
-#include "services/pareto/benchmark_problems.h"
-#include "services/pareto/discovery.h"
-#include "services/pareto/discovery_run.h"
-#include "services/pareto/hypervolume.h"
-#include "services/pareto/random.h"
+#include "services/pareto/archive/hypervolume.h"
+#include "services/pareto/archive/random.h"
+#include "services/pareto/discovery/discovery.h"
+#include "services/pareto/discovery/discovery_run.h"
+#include "tests/bench/pareto/benchmark_problems.h"
 
 namespace mortise::pareto {
 namespace {

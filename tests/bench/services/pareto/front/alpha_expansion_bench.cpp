@@ -11,8 +11,8 @@
 #include <utility>
 #include <vector>
 
-#include "services/pareto/alpha_expansion.h"
-#include "services/pareto/random.h"
+#include "services/pareto/archive/random.h"
+#include "services/pareto/front/alpha_expansion.h"
 
 namespace mortise::pareto {
 namespace {

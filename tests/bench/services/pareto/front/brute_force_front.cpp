@@ -1,4 +1,4 @@
-#include "tests/bench/services/pareto/brute_force_front.h"
+#include "tests/bench/services/pareto/front/brute_force_front.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,9 +8,9 @@
 #include <numeric>
 #include <utility>
 
-#include "services/pareto/front_error.h"
-#include "services/pareto/front_labeling.h"
-#include "services/pareto/non_dominated.h"
+#include "services/pareto/archive/non_dominated.h"
+#include "services/pareto/front/front_error.h"
+#include "services/pareto/front/front_labeling.h"
 
 namespace mortise::pareto {
 namespace {

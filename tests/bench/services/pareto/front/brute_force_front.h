@@ -4,8 +4,8 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "services/pareto/archive.h"
-#include "services/pareto/benchmark_problems.h"
+#include "services/pareto/archive/archive.h"
+#include "tests/bench/pareto/benchmark_problems.h"
 
 namespace mortise::pareto {
 

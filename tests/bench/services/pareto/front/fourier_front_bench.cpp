@@ -12,11 +12,11 @@
 #include <vector>
 
 #include "absl/strings/str_format.h"
-#include "services/pareto/benchmark_run.h"
-#include "services/pareto/front_error.h"
-#include "services/pareto/hypervolume.h"
-#include "services/pareto/piece_evaluation.h"
-#include "tests/bench/services/pareto/brute_force_front.h"
+#include "services/pareto/archive/hypervolume.h"
+#include "services/pareto/front/front_error.h"
+#include "services/pareto/front/piece_evaluation.h"
+#include "tests/bench/pareto/benchmark_run.h"
+#include "tests/bench/services/pareto/front/brute_force_front.h"
 
 namespace mortise::pareto {
 namespace {

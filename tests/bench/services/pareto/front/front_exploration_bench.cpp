@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "services/pareto/front_exploration.h"
-#include "services/pareto/random.h"
+#include "services/pareto/archive/random.h"
+#include "services/pareto/front/front_exploration.h"
 
 namespace mortise::pareto {
 namespace {

@@ -2,9 +2,9 @@
 // its hyperparameters fitted anew (`fresh`) and without. Arguments: points, parameters.
 #include <benchmark/benchmark.h>
 
-#include "services/pareto/gaussian_process.h"
-#include "services/pareto/stochastic_sampling.h"
-#include "services/pareto/surrogate_search.h"
+#include "services/pareto/archive/stochastic_sampling.h"
+#include "services/pareto/models/gaussian_process.h"
+#include "services/pareto/sources/surrogate_search.h"
 
 namespace mortise::pareto {
 namespace {

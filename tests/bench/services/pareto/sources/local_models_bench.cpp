@@ -5,13 +5,13 @@
 
 #include <cmath>
 
-#include "services/pareto/archive.h"
-#include "services/pareto/constrained_quadratic.h"
-#include "services/pareto/evolution_search.h"
-#include "services/pareto/front_polishing.h"
-#include "services/pareto/parameter_lines.h"
-#include "services/pareto/quadratic_model.h"
-#include "services/pareto/random.h"
+#include "services/pareto/archive/archive.h"
+#include "services/pareto/archive/random.h"
+#include "services/pareto/models/constrained_quadratic.h"
+#include "services/pareto/models/quadratic_model.h"
+#include "services/pareto/sources/evolution_search.h"
+#include "services/pareto/sources/front_polishing.h"
+#include "services/pareto/sources/parameter_lines.h"
 
 namespace mortise::pareto {
 namespace {

@@ -1,8 +1,8 @@
 // From surface to metrics for a table of nine parts, by element size and type.
 #include <benchmark/benchmark.h>
 
-#include "box_assembly.h"
-#include "services/simulator/design_analysis.h"
+#include "services/simulator/analysis/design_analysis.h"
+#include "tests/unit/common/mesh/box_assembly.h"
 
 namespace mortise::simulator {
 namespace {

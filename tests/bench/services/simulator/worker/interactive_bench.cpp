@@ -5,9 +5,9 @@
 #include <chrono>
 #include <memory>
 
-#include "common/parametric/parameter_values.h"
+#include "common/design/parameter_values.h"
 #include "common/templates/template_codec.h"
-#include "services/simulator/template_model.h"
+#include "services/simulator/worker/template_model.h"
 #include "tests/unit/common/templates/shipped_collection.h"
 
 namespace mortise::simulator {

@@ -4,9 +4,9 @@
 #include <string_view>
 #include <utility>
 
-#include "common/parametric/assembly_codec.h"
-#include "common/parametric/collection.h"
-#include "common/parametric/parametric_assembly.h"
+#include "common/assembly/codec/assembly_codec.h"
+#include "common/assembly/parametric_assembly.h"
+#include "common/files/collection.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace mortise::parametric;

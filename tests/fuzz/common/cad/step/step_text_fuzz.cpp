@@ -3,9 +3,9 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "common/cad/step_encoding.h"
-#include "common/cad/step_references.h"
-#include "common/cad/step_statements.h"
+#include "common/cad/step/step_encoding.h"
+#include "common/cad/step/step_references.h"
+#include "common/cad/step/step_statements.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace mortise::cad;

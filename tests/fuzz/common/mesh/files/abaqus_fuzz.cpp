@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <string_view>
 
-#include "common/mesh/abaqus_reader.h"
-#include "tests/fuzz/common/mesh/check_mesh.h"
+#include "common/mesh/files/abaqus_reader.h"
+#include "tests/fuzz/common/mesh/files/check_mesh.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string_view bytes(reinterpret_cast<const char*>(data), size);

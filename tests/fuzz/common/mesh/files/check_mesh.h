@@ -6,7 +6,7 @@
 #include <functional>
 
 #include "common/base/errors.h"
-#include "common/mesh/grouped_mesh.h"
+#include "common/mesh/files/grouped_mesh.h"
 
 namespace mortise::mesh {
 

@@ -2,8 +2,8 @@
 #include <cstdint>
 #include <string_view>
 
-#include "common/parametric/cage_model.h"
-#include "common/parametric/cage_template_codec.h"
+#include "common/templates/cage/cage_model.h"
+#include "common/templates/cage/codec/cage_template_codec.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace mortise::parametric;

@@ -2,8 +2,8 @@
 #include <cstdint>
 #include <string_view>
 
-#include "common/cad/cad_template_codec.h"
-#include "common/cad/feature_model.h"
+#include "common/templates/features/codec/cad_template_codec.h"
+#include "common/templates/features/feature_model.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace mortise::cad;

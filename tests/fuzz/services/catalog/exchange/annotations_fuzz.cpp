@@ -2,9 +2,9 @@
 #include <cstdint>
 #include <string_view>
 
-#include "common/parametric/assembly_codec.h"
-#include "common/parametric/proto_text.h"
-#include "services/catalog/assembly_import.h"
+#include "common/assembly/codec/assembly_codec.h"
+#include "common/messages/proto_text.h"
+#include "services/catalog/exchange/assembly_import.h"
 
 namespace {
 

@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "services/catalog/shape_import.h"
+#include "services/catalog/exchange/shape_import.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, std::size_t size) {
   const auto imported =

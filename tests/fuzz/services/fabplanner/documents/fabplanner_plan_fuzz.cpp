@@ -10,12 +10,12 @@
 #include <map>
 #include <string>
 
-#include "services/fabplanner/design_codec.h"
-#include "services/fabplanner/layout_svg.h"
-#include "services/fabplanner/plan_codec.h"
-#include "services/fabplanner/plan_csv.h"
-#include "services/fabplanner/planning.h"
-#include "services/fabplanner/work_order.h"
+#include "services/fabplanner/documents/layout_svg.h"
+#include "services/fabplanner/documents/plan_csv.h"
+#include "services/fabplanner/planning/planning.h"
+#include "services/fabplanner/service/design_codec.h"
+#include "services/fabplanner/shop_floor/plan_codec.h"
+#include "services/fabplanner/shop_floor/work_order.h"
 #include "tests/unit/services/fabplanner/example_table.h"
 
 namespace {

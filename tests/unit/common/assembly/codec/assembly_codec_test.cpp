@@ -1,5 +1,5 @@
 // Assemblies out of text: what is read, and where faults are said to be.
-#include "common/parametric/assembly_codec.h"
+#include "common/assembly/codec/assembly_codec.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,10 +10,10 @@
 #include <string>
 #include <vector>
 
+#include "common/assembly/model/element.h"
 #include "common/base/errors.h"
 #include "common/base/field_violations.h"
-#include "common/parametric/collection.h"
-#include "common/parametric/element.h"
+#include "common/files/collection.h"
 
 namespace mortise::parametric {
 namespace {

@@ -1,12 +1,12 @@
 // Connections as messages.
-#include "common/parametric/connection_codec.h"
+#include "common/assembly/codec/connection_codec.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "common/parametric/parametrization_codec.h"
-#include "tests/unit/common/parametric/connection_assemblies.h"
+#include "common/assembly/codec/parametrization_codec.h"
+#include "tests/unit/common/assembly/connections/connection_assemblies.h"
 
 namespace mortise::parametric {
 namespace {

@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "common/assembly/codec/assembly_codec.h"
 #include "common/base/errors.h"
-#include "common/parametric/assembly_codec.h"
-#include "common/parametric/collection.h"
-#include "common/parametric/template_codec.h"
+#include "common/files/collection.h"
+#include "common/files/template_codec.h"
 
 namespace mortise::parametric {
 

@@ -1,6 +1,6 @@
 // The assemblies that ship: all can be read, made of items that ship, and what they are
 // parametrised to keeps parts apart that do not touch, and parts together that do.
-#include "tests/unit/common/parametric/shipped_assemblies.h"
+#include "tests/unit/common/assembly/codec/shipped_assemblies.h"
 
 #include <gtest/gtest.h>
 
@@ -11,8 +11,8 @@
 #include <utility>
 #include <vector>
 
-#include "common/parametric/feasible_set.h"
-#include "common/parametric/parametric_assembly.h"
+#include "common/assembly/parametric_assembly.h"
+#include "common/assembly/relations/feasible_set.h"
 
 namespace mortise::parametric {
 namespace {

@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include "common/parametric/parametrization_codec.h"
-#include "tests/unit/common/parametric/connection_assemblies.h"
-#include "tests/unit/common/parametric/shipped_assemblies.h"
+#include "common/assembly/codec/parametrization_codec.h"
+#include "tests/unit/common/assembly/codec/shipped_assemblies.h"
+#include "tests/unit/common/assembly/connections/connection_assemblies.h"
 
 namespace mortise::parametric {
 namespace {

@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "absl/strings/substitute.h"
+#include "common/assembly/assembly_design.h"
 #include "common/mesh/mass_properties.h"
 #include "common/mesh/surface_check.h"
-#include "common/parametric/assembly_design.h"
-#include "tests/unit/common/parametric/shipped_assemblies.h"
+#include "tests/unit/common/assembly/codec/shipped_assemblies.h"
 
 namespace mortise::parametric {
 namespace {

@@ -9,9 +9,9 @@
 #include <utility>
 #include <vector>
 
-#include "common/parametric/connection_optimizer.h"
-#include "common/parametric/parametric_assembly.h"
-#include "tests/unit/common/parametric/assemblies.h"
+#include "common/assembly/connections/connection_optimizer.h"
+#include "common/assembly/parametric_assembly.h"
+#include "tests/unit/common/assembly/model/assemblies.h"
 
 namespace mortise::parametric {
 

@@ -1,11 +1,11 @@
 // Connecting elements of whole designs: where they go when somebody drags a principal.
-#include "common/parametric/connection_placement.h"
+#include "common/assembly/connections/connection_placement.h"
 
 #include <gtest/gtest.h>
 
 #include <random>
 
-#include "tests/unit/common/parametric/connection_assemblies.h"
+#include "tests/unit/common/assembly/connections/connection_assemblies.h"
 
 namespace mortise::parametric {
 namespace {

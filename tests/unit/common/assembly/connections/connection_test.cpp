@@ -7,9 +7,9 @@
 #include <random>
 #include <set>
 
+#include "common/assembly/polyhedra/polyhedron.h"
 #include "common/base/errors.h"
-#include "common/parametric/polyhedron.h"
-#include "tests/unit/common/parametric/connection_assemblies.h"
+#include "tests/unit/common/assembly/connections/connection_assemblies.h"
 
 namespace mortise::parametric {
 namespace {

@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "common/mesh/drawn_shape.h"
-#include "common/parametric/assembly.h"
+#include "common/assembly/model/assembly.h"
+#include "common/mesh/shapes/drawn_shape.h"
 
 namespace mortise::parametric {
 

@@ -18,10 +18,10 @@
 #include <utility>
 #include <vector>
 
-#include "common/cad/solid_shape.h"
-#include "tests/unit/common/cad/fused_parts.h"
-#include "tests/unit/common/cad/oblong.h"
-#include "tests/unit/common/parametric/assemblies.h"
+#include "common/cad/stretch/solid_shape.h"
+#include "tests/unit/common/assembly/model/assemblies.h"
+#include "tests/unit/common/cad/stretch/oblong.h"
+#include "tests/unit/common/cad/surface/fused_parts.h"
 
 namespace mortise::parametric {
 

@@ -1,5 +1,5 @@
 // Linear templates at parameters: parts where q says, meshes that are linear in it.
-#include "common/parametric/linear_design.h"
+#include "common/assembly/model/linear_design.h"
 
 #include <gtest/gtest.h>
 
@@ -7,12 +7,12 @@
 #include <random>
 #include <set>
 
+#include "common/assembly/model/rest_pose.h"
+#include "common/assembly/relations/feasible_set.h"
+#include "common/assembly/relations/principal_patterns.h"
+#include "common/assembly/relations/relationship.h"
 #include "common/mesh/mass_properties.h"
-#include "common/parametric/feasible_set.h"
-#include "common/parametric/principal_patterns.h"
-#include "common/parametric/relationship.h"
-#include "common/parametric/rest_pose.h"
-#include "tests/unit/common/parametric/assemblies.h"
+#include "tests/unit/common/assembly/model/assemblies.h"
 
 namespace mortise::parametric {
 namespace {

@@ -1,5 +1,5 @@
 // What separates two boxes.
-#include "common/parametric/oriented_box.h"
+#include "common/assembly/model/oriented_box.h"
 
 #include <gtest/gtest.h>
 

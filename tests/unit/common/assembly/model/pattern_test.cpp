@@ -1,5 +1,5 @@
 // Patterns: found largest first, and laid out anew without gaps, overlaps or lost parts.
-#include "common/parametric/pattern.h"
+#include "common/assembly/model/pattern.h"
 
 #include <gtest/gtest.h>
 
@@ -8,9 +8,9 @@
 #include <functional>
 #include <set>
 
-#include "common/parametric/element.h"
-#include "common/parametric/linear_design.h"
-#include "tests/unit/common/parametric/assemblies.h"
+#include "common/assembly/model/element.h"
+#include "common/assembly/model/linear_design.h"
+#include "tests/unit/common/assembly/model/assemblies.h"
 
 namespace mortise::parametric {
 namespace {

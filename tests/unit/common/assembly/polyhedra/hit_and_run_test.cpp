@@ -1,5 +1,5 @@
 // Sampling and furthest points of polyhedra, against those whose moments and corners are known.
-#include "common/parametric/hit_and_run.h"
+#include "common/assembly/polyhedra/hit_and_run.h"
 
 #include <gtest/gtest.h>
 
@@ -11,8 +11,8 @@
 #include <random>
 #include <utility>
 
+#include "common/assembly/polyhedra/polyhedron.h"
 #include "common/base/errors.h"
-#include "common/parametric/polyhedron.h"
 
 namespace mortise::parametric {
 namespace {

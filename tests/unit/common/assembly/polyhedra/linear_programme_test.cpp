@@ -1,6 +1,6 @@
 // Furthest points of polyhedra by the simplex method, against another method and known corners; and
 // polyhedra as products.
-#include "common/parametric/linear_programme.h"
+#include "common/assembly/polyhedra/linear_programme.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,9 +8,9 @@
 #include <limits>
 #include <random>
 
+#include "common/assembly/polyhedra/polyhedron.h"
+#include "common/assembly/polyhedra/polyhedron_factors.h"
 #include "common/base/errors.h"
-#include "common/parametric/polyhedron.h"
-#include "common/parametric/polyhedron_factors.h"
 #include "tests/support/status_assertions.h"
 
 namespace mortise::parametric {

@@ -1,5 +1,5 @@
 // How far polyhedra go, against one linear programme for each end and against known shapes.
-#include "common/parametric/polyhedron_extents.h"
+#include "common/assembly/polyhedra/polyhedron_extents.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,8 +7,8 @@
 #include <limits>
 #include <random>
 
+#include "common/assembly/polyhedra/linear_programme.h"
 #include "common/base/errors.h"
-#include "common/parametric/linear_programme.h"
 #include "tests/support/status_assertions.h"
 
 namespace mortise::parametric {

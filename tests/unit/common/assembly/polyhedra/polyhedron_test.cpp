@@ -1,5 +1,5 @@
 // Nearest points of polyhedra: analytic cases, optimality on random ones, and why there is none.
-#include "common/parametric/polyhedron.h"
+#include "common/assembly/polyhedra/polyhedron.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

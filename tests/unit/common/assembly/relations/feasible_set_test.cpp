@@ -1,6 +1,6 @@
 // Relationships and the feasible set: Figure 3-4, articulation, self-contained subtrees, and
 // designs that stay buildable wherever they are sampled.
-#include "common/parametric/feasible_set.h"
+#include "common/assembly/relations/feasible_set.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,10 +10,10 @@
 #include <cmath>
 #include <random>
 
+#include "common/assembly/model/rest_pose.h"
 #include "common/base/errors.h"
-#include "common/parametric/rest_pose.h"
 #include "tests/support/status_assertions.h"
-#include "tests/unit/common/parametric/assemblies.h"
+#include "tests/unit/common/assembly/model/assemblies.h"
 
 namespace mortise::parametric {
 namespace {
@@ -463,7 +463,7 @@ TEST(AssemblyTest, EveryFaultIsFoundWithItsPlace) {
   bad.joints.push_back(bad.joints[0]);
   bad.joints[1].axis = {1, 1, 0};
   std::vector<std::string> places;
-  for (const Finding& finding : ValidateAssembly(bad)) places.push_back(finding.field);
+  for (const FieldViolation& finding : ValidateAssembly(bad)) places.push_back(finding.field);
   EXPECT_THAT(places, ::testing::IsSupersetOf(
                           {"groups[1].parent", "groups[2].parent", "parts[0].group",
                            "parts[2].name", "parts[2].prominent_planes[1].position", "parts[3].box",

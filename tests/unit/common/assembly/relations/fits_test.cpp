@@ -1,5 +1,5 @@
 // Parts that fit into each other go on doing so, whatever sizes people ask for.
-#include "common/parametric/fits.h"
+#include "common/assembly/relations/fits.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,10 +7,10 @@
 #include <BRepAlgoAPI_Common.hxx>
 #include <random>
 
-#include "common/mesh/shape_levels.h"
-#include "common/parametric/parametric_assembly.h"
+#include "common/assembly/parametric_assembly.h"
+#include "common/mesh/shapes/shape_levels.h"
 #include "tests/support/status_assertions.h"
-#include "tests/unit/common/parametric/drawn_parts.h"
+#include "tests/unit/common/assembly/model/drawn_parts.h"
 
 namespace mortise::parametric {
 namespace {

@@ -1,5 +1,5 @@
 // What fits into a shape does not hold its size: the shape is stretched in pieces.
-#include "common/parametric/held_levels.h"
+#include "common/assembly/relations/held_levels.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,9 +7,9 @@
 #include <numbers>
 #include <tuple>
 
-#include "common/parametric/parametric_assembly.h"
+#include "common/assembly/parametric_assembly.h"
 #include "tests/support/status_assertions.h"
-#include "tests/unit/common/parametric/drawn_parts.h"
+#include "tests/unit/common/assembly/model/drawn_parts.h"
 
 namespace mortise::parametric {
 namespace {

@@ -1,6 +1,6 @@
 // What must stay true of a design: which relationships are found, where they are held, and that
 // they keep designs sound where boxes, rows and rest poses make it hard.
-#include "common/parametric/relationship.h"
+#include "common/assembly/relations/relationship.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -12,10 +12,10 @@
 #include <string>
 #include <tuple>
 
-#include "common/parametric/parametric_assembly.h"
+#include "common/assembly/parametric_assembly.h"
 #include "tests/support/status_assertions.h"
-#include "tests/unit/common/parametric/assemblies.h"
-#include "tests/unit/common/parametric/expect_sound.h"
+#include "tests/unit/common/assembly/expect_sound.h"
+#include "tests/unit/common/assembly/model/assemblies.h"
 
 namespace mortise::parametric {
 namespace {

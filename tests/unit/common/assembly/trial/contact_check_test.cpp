@@ -1,5 +1,5 @@
 // Boxes that touch or not, and designs that hold together or not.
-#include "common/parametric/contact_check.h"
+#include "common/assembly/trial/contact_check.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,11 +10,11 @@
 #include <random>
 #include <utility>
 
+#include "common/assembly/parametric_assembly.h"
+#include "common/assembly/relations/feasible_set.h"
 #include "common/base/errors.h"
-#include "common/parametric/feasible_set.h"
-#include "common/parametric/parametric_assembly.h"
 #include "tests/support/status_assertions.h"
-#include "tests/unit/common/parametric/assemblies.h"
+#include "tests/unit/common/assembly/model/assemblies.h"
 
 namespace mortise::parametric {
 namespace {

@@ -1,5 +1,5 @@
 // What only trying shows is mended, and nothing else is touched.
-#include "common/parametric/design_trial.h"
+#include "common/assembly/trial/design_trial.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,10 +10,10 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "common/parametric/parametric_assembly.h"
+#include "common/assembly/parametric_assembly.h"
 #include "tests/support/status_assertions.h"
-#include "tests/unit/common/parametric/assemblies.h"
-#include "tests/unit/common/parametric/expect_sound.h"
+#include "tests/unit/common/assembly/expect_sound.h"
+#include "tests/unit/common/assembly/model/assemblies.h"
 
 namespace mortise::parametric {
 namespace {

@@ -1,6 +1,6 @@
 // What touches one part of a row stays on one, however the row is laid out anew; and rows stay rows
 // where that is so anyway.
-#include "common/parametric/easily_lost.h"
+#include "common/assembly/trial/easily_lost.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,11 +8,11 @@
 #include <algorithm>
 #include <string>
 
-#include "common/parametric/parametric_assembly.h"
-#include "common/parametric/pattern_contact.h"
+#include "common/assembly/model/pattern_contact.h"
+#include "common/assembly/parametric_assembly.h"
 #include "tests/support/status_assertions.h"
-#include "tests/unit/common/parametric/assemblies.h"
-#include "tests/unit/common/parametric/expect_sound.h"
+#include "tests/unit/common/assembly/expect_sound.h"
+#include "tests/unit/common/assembly/model/assemblies.h"
 
 namespace mortise::parametric {
 namespace {

@@ -1,14 +1,14 @@
 // What is taken to stand as drawn does.
-#include "common/parametric/meeting_region.h"
+#include "common/assembly/trial/meeting_region.h"
 
 #include <gtest/gtest.h>
 
 #include <random>
 
-#include "common/mesh/proximity.h"
-#include "common/mesh/shape_levels.h"
-#include "common/parametric/linear_design.h"
-#include "tests/unit/common/parametric/drawn_parts.h"
+#include "common/assembly/model/linear_design.h"
+#include "common/mesh/repair/proximity.h"
+#include "common/mesh/shapes/shape_levels.h"
+#include "tests/unit/common/assembly/model/drawn_parts.h"
 
 namespace mortise::parametric {
 namespace {

@@ -9,10 +9,10 @@
 #include "common/base/errors.h"
 #include "common/cad/glb_writer.h"
 #include "common/cad/solid.h"
-#include "common/cad/step_reader.h"
-#include "common/cad/step_writer.h"
-#include "common/parametric/part_shapes.h"
-#include "tests/unit/common/parametric/table.h"
+#include "common/cad/step/step_reader.h"
+#include "common/cad/step/step_writer.h"
+#include "common/design/part_shapes.h"
+#include "tests/unit/common/files/table.h"
 
 namespace mortise::cad {
 namespace {

@@ -1,5 +1,5 @@
 // Which solids are their own mirror images.
-#include "common/cad/solid_mirror.h"
+#include "common/cad/step/solid_mirror.h"
 
 #include <gtest/gtest.h>
 
@@ -18,7 +18,7 @@
 #include <gp_Trsf.hxx>
 #include <numbers>
 
-#include "tests/unit/common/cad/step_samples.h"
+#include "tests/unit/common/cad/step/step_samples.h"
 
 namespace mortise::cad {
 namespace {

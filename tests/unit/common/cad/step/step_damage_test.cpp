@@ -21,10 +21,10 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
-#include "common/cad/step_isolation.h"
-#include "common/cad/step_tokens.h"
-#include "common/cad/step_writer.h"
-#include "tests/unit/common/cad/step_samples.h"
+#include "common/cad/step/step_isolation.h"
+#include "common/cad/step/step_tokens.h"
+#include "common/cad/step/step_writer.h"
+#include "tests/unit/common/cad/step/step_samples.h"
 
 namespace mortise::cad {
 namespace {

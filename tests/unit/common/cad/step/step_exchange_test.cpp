@@ -23,11 +23,11 @@
 #include "absl/strings/str_replace.h"
 #include "common/base/errors.h"
 #include "common/cad/cylinder.h"
-#include "common/cad/step_document.h"
-#include "common/cad/step_isolation.h"
-#include "common/cad/step_reader.h"
-#include "common/cad/step_writer.h"
-#include "tests/unit/common/cad/step_samples.h"
+#include "common/cad/step/step_document.h"
+#include "common/cad/step/step_isolation.h"
+#include "common/cad/step/step_reader.h"
+#include "common/cad/step/step_writer.h"
+#include "tests/unit/common/cad/step/step_samples.h"
 
 namespace mortise::cad {
 namespace {

@@ -15,11 +15,11 @@
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_replace.h"
 #include "common/base/errors.h"
-#include "common/cad/step_reader.h"
-#include "common/cad/step_writer.h"
+#include "common/cad/step/step_reader.h"
+#include "common/cad/step/step_writer.h"
 #include "common/mesh/mass_properties.h"
-#include "tests/unit/common/cad/step_files.h"
-#include "tests/unit/common/cad/step_samples.h"
+#include "tests/unit/common/cad/step/step_files.h"
+#include "tests/unit/common/cad/step/step_samples.h"
 
 namespace mortise::cad {
 namespace {

@@ -11,7 +11,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_replace.h"
 #include "common/base/files.h"
-#include "common/cad/step_reader.h"
+#include "common/cad/step/step_reader.h"
 
 namespace mortise::cad {
 

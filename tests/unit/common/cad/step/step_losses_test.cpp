@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "tests/unit/common/cad/step_files.h"
+#include "tests/unit/common/cad/step/step_files.h"
 
 namespace mortise::cad {
 namespace {

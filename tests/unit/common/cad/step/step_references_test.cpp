@@ -1,5 +1,5 @@
 // References in STEP files to entities that are not there.
-#include "common/cad/step_references.h"
+#include "common/cad/step/step_references.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -10,7 +10,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/cad/solid_kernel.h"
-#include "common/cad/step_assembly.h"
+#include "common/cad/step/step_assembly.h"
 
 namespace mortise::cad {
 

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "common/cad/step_encoding.h"
-#include "common/cad/step_statements.h"
-#include "common/cad/step_tokens.h"
+#include "common/cad/step/step_encoding.h"
+#include "common/cad/step/step_statements.h"
+#include "common/cad/step/step_tokens.h"
 
 namespace mortise::cad {
 namespace {

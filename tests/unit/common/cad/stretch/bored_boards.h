@@ -8,10 +8,10 @@
 #include <random>
 #include <vector>
 
-#include "common/cad/solid_shape.h"
-#include "common/mesh/shape_levels.h"
+#include "common/cad/stretch/solid_shape.h"
+#include "common/mesh/shapes/shape_levels.h"
 #include "common/mesh/shared_edges.h"
-#include "tests/unit/common/cad/fused_parts.h"
+#include "tests/unit/common/cad/surface/fused_parts.h"
 
 namespace mortise::cad {
 

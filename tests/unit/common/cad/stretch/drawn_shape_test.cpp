@@ -22,15 +22,15 @@
 #include <numbers>
 #include <random>
 
-#include "common/cad/solid_shape.h"
-#include "common/cad/solid_stretch.h"
-#include "common/cad/step_assembly_json.h"
-#include "common/cad/step_measure.h"
-#include "common/cad/step_reader.h"
-#include "common/cad/step_writer.h"
+#include "common/cad/step/step_assembly_json.h"
+#include "common/cad/step/step_measure.h"
+#include "common/cad/step/step_reader.h"
+#include "common/cad/step/step_writer.h"
+#include "common/cad/stretch/solid_shape.h"
+#include "common/cad/stretch/solid_stretch.h"
 #include "common/mesh/mass_properties.h"
 #include "common/mesh/surface_check.h"
-#include "tests/unit/common/cad/step_samples.h"
+#include "tests/unit/common/cad/step/step_samples.h"
 
 namespace mortise::cad {
 namespace {

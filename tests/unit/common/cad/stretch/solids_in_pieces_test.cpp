@@ -32,14 +32,14 @@
 
 #include "common/cad/solid_box.h"
 #include "common/cad/solid_kernel.h"
-#include "common/cad/solid_shape.h"
-#include "common/cad/solid_stretch.h"
-#include "common/cad/step_reader.h"
-#include "common/cad/step_writer.h"
-#include "common/mesh/shape_levels.h"
+#include "common/cad/step/step_reader.h"
+#include "common/cad/step/step_writer.h"
+#include "common/cad/stretch/solid_shape.h"
+#include "common/cad/stretch/solid_stretch.h"
+#include "common/mesh/shapes/shape_levels.h"
 #include "tests/support/status_assertions.h"
-#include "tests/unit/common/cad/fused_parts.h"
-#include "tests/unit/common/cad/oblong.h"
+#include "tests/unit/common/cad/stretch/oblong.h"
+#include "tests/unit/common/cad/surface/fused_parts.h"
 
 namespace mortise::cad {
 namespace {

@@ -28,14 +28,14 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/cad/solid_box.h"
-#include "common/cad/solid_shape.h"
-#include "common/cad/solid_stretch.h"
 #include "common/cad/solid_surface.h"
-#include "common/cad/step_measure.h"
-#include "common/cad/step_reader.h"
-#include "common/cad/step_writer.h"
+#include "common/cad/step/step_measure.h"
+#include "common/cad/step/step_reader.h"
+#include "common/cad/step/step_writer.h"
+#include "common/cad/stretch/solid_shape.h"
+#include "common/cad/stretch/solid_stretch.h"
 #include "tests/support/status_assertions.h"
-#include "tests/unit/common/cad/step_samples.h"
+#include "tests/unit/common/cad/step/step_samples.h"
 
 namespace mortise::cad {
 namespace {

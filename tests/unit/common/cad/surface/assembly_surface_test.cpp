@@ -1,5 +1,5 @@
 // The fused surface of an assembly is conforming, closed around every part, and correctly named.
-#include "common/cad/assembly_surface.h"
+#include "common/cad/surface/assembly_surface.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,8 +10,8 @@
 #include <random>
 
 #include "common/base/errors.h"
-#include "common/parametric/part_shapes.h"
-#include "tests/unit/common/parametric/table.h"
+#include "common/design/part_shapes.h"
+#include "tests/unit/common/files/table.h"
 
 namespace mortise::cad {
 namespace {

@@ -17,11 +17,11 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "common/cad/assembly_surface.h"
 #include "common/cad/solid_kernel.h"
+#include "common/cad/surface/assembly_surface.h"
 #include "common/mesh/mass_properties.h"
-#include "common/mesh/mesher.h"
 #include "common/mesh/surface_check.h"
+#include "common/mesh/tetrahedra/mesher.h"
 
 namespace mortise::cad {
 

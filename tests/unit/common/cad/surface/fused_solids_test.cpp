@@ -7,8 +7,8 @@
 #include <numbers>
 
 #include "common/base/errors.h"
-#include "common/cad/solid_shape.h"
-#include "tests/unit/common/cad/fused_parts.h"
+#include "common/cad/stretch/solid_shape.h"
+#include "tests/unit/common/cad/surface/fused_parts.h"
 
 namespace mortise::cad {
 namespace {

@@ -11,7 +11,7 @@
 
 #include "common/base/errors.h"
 #include "common/cad/faceted_solid.h"
-#include "tests/unit/common/cad/fused_parts.h"
+#include "tests/unit/common/cad/surface/fused_parts.h"
 
 namespace mortise::cad {
 namespace {

@@ -18,11 +18,11 @@
 
 #include "common/base/errors.h"
 #include "common/base/process.h"
-#include "common/cad/gmsh_mesh.h"
+#include "common/cad/surface/gmsh_mesh.h"
 #include "tests/support/environment.h"
 #include "tests/support/replaced_program.h"
 #include "tests/support/temporary_folder.h"
-#include "tests/unit/common/cad/fused_parts.h"
+#include "tests/unit/common/cad/surface/fused_parts.h"
 
 namespace mortise::cad {
 namespace {

@@ -1,14 +1,14 @@
 // Derivatives by the nodes' positions, held against central differences on the mesh moved along.
-#include "services/simulator/shape_derivative.h"
+#include "common/fem/elements/shape_derivative.h"
 
 #include <gtest/gtest.h>
 
 #include <random>
 
-#include "clamped_box.h"
-#include "services/simulator/loads.h"
-#include "services/simulator/mesh_velocity.h"
-#include "services/simulator/stiffness.h"
+#include "common/fem/elements/loads.h"
+#include "common/fem/elements/mesh_velocity.h"
+#include "common/fem/elements/stiffness.h"
+#include "tests/unit/common/fem/problems/clamped_box.h"
 
 namespace mortise::simulator {
 namespace {

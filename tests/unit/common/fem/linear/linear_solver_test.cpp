@@ -1,6 +1,6 @@
 // The linear solvers against each other, and what they promise of threads, sizes, limits and
 // misuse.
-#include "services/simulator/linear_solver.h"
+#include "common/fem/linear/linear_solver.h"
 
 #include <gtest/gtest.h>
 
@@ -8,11 +8,11 @@
 #include <cmath>
 #include <limits>
 
-#include "clamped_box.h"
 #include "common/base/errors.h"
-#include "services/simulator/multigrid.h"
-#include "services/simulator/stiffness.h"
-#include "services/simulator/tridiagonal.h"
+#include "common/fem/elements/stiffness.h"
+#include "common/fem/linear/multigrid.h"
+#include "common/fem/linear/tridiagonal.h"
+#include "tests/unit/common/fem/problems/clamped_box.h"
 
 namespace mortise::simulator {
 namespace {

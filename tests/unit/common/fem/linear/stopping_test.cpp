@@ -1,12 +1,12 @@
 // Evaluations that nobody wants any more.
-#include "services/simulator/stopping.h"
+#include "common/fem/linear/stopping.h"
 
 #include <gtest/gtest.h>
 
 #include <numeric>
 
-#include "clamped_box.h"
-#include "services/simulator/mesh_analysis.h"
+#include "services/simulator/analysis/mesh_analysis.h"
+#include "tests/unit/common/fem/problems/clamped_box.h"
 
 namespace mortise::simulator {
 namespace {

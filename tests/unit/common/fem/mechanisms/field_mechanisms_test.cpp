@@ -7,7 +7,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "analysed_mesh.h"
+#include "tests/unit/services/simulator/worker/analysed_mesh.h"
 
 namespace mortise::simulator {
 namespace {

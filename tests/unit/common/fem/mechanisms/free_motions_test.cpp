@@ -1,5 +1,5 @@
 // What is free to move without deforming: found from the geometry, whatever the mesh.
-#include "services/simulator/free_motions.h"
+#include "common/fem/mechanisms/free_motions.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,13 +8,13 @@
 #include <Eigen/Geometry>
 #include <random>
 
-#include "clamped_box.h"
 #include "common/base/errors.h"
-#include "hinged_bodies.h"
-#include "services/simulator/elasticity.h"
-#include "services/simulator/heat_conduction.h"
-#include "services/simulator/null_space.h"
-#include "services/simulator/stiffness.h"
+#include "common/fem/elements/stiffness.h"
+#include "common/fem/linear/null_space.h"
+#include "common/fem/problems/elasticity.h"
+#include "common/fem/problems/heat_conduction.h"
+#include "tests/unit/common/fem/problems/clamped_box.h"
+#include "tests/unit/common/fem/problems/hinged_bodies.h"
 
 namespace mortise::simulator {
 namespace {

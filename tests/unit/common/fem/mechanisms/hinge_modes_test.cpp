@@ -5,11 +5,11 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 
-#include "clamped_box.h"
 #include "common/base/errors.h"
-#include "hinged_bodies.h"
-#include "services/simulator/modal_analysis.h"
-#include "services/simulator/stiffness.h"
+#include "common/fem/elements/stiffness.h"
+#include "common/fem/problems/modal_analysis.h"
+#include "tests/unit/common/fem/problems/clamped_box.h"
+#include "tests/unit/common/fem/problems/hinged_bodies.h"
 
 namespace mortise::simulator {
 namespace {

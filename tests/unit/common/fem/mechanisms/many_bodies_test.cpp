@@ -8,9 +8,9 @@
 #include <random>
 #include <utility>
 
-#include "clamped_box.h"
-#include "services/simulator/free_motions.h"
-#include "services/simulator/modal_analysis.h"
+#include "common/fem/mechanisms/free_motions.h"
+#include "common/fem/problems/modal_analysis.h"
+#include "tests/unit/common/fem/problems/clamped_box.h"
 
 namespace mortise::simulator {
 namespace {

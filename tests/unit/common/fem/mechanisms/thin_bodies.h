@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "clamped_box.h"
-#include "services/simulator/elasticity.h"
+#include "common/fem/problems/elasticity.h"
+#include "tests/unit/common/fem/problems/clamped_box.h"
 
 namespace mortise::simulator {
 

@@ -1,17 +1,17 @@
 // Sheets and rods down to a 2000th as thick as long: sound structures, however badly conditioned
 // their stiffness, solved to what is known of them.
-#include "thin_bodies.h"
+#include "tests/unit/common/fem/mechanisms/thin_bodies.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "clamped_box.h"
 #include "common/base/errors.h"
-#include "services/simulator/exact_correction.h"
-#include "services/simulator/internal_forces.h"
-#include "services/simulator/modal_analysis.h"
-#include "services/simulator/stiffness.h"
+#include "common/fem/elements/internal_forces.h"
+#include "common/fem/elements/stiffness.h"
+#include "common/fem/linear/exact_correction.h"
+#include "common/fem/problems/modal_analysis.h"
+#include "tests/unit/common/fem/problems/clamped_box.h"
 
 namespace mortise::simulator {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "published_targets.h"
+#include "tests/unit/common/fem/problems/published_targets.h"
 
 namespace mortise::simulator {
 namespace {

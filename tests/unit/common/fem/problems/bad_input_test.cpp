@@ -4,8 +4,8 @@
 #include <limits>
 
 #include "common/base/errors.h"
-#include "common/mesh/mesher.h"
-#include "test_cases.h"
+#include "common/mesh/tetrahedra/mesher.h"
+#include "tests/unit/services/simulator/analysis/test_cases.h"
 
 namespace mortise::simulator {
 namespace {

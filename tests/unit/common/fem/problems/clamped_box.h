@@ -2,8 +2,8 @@
 // solvers.
 #pragma once
 
-#include "services/simulator/material.h"
-#include "structured_mesh.h"
+#include "common/fem/elements/material.h"
+#include "tests/unit/common/fem/problems/structured_mesh.h"
 
 namespace mortise::simulator {
 

@@ -1,4 +1,4 @@
-#include "curved_bodies.h"
+#include "tests/unit/common/fem/problems/curved_bodies.h"
 
 #include <BRepAdaptor_Surface.hxx>
 #include <BRepAlgoAPI_Common.hxx>
@@ -19,13 +19,13 @@
 #include <utility>
 
 #include "common/base/errors.h"
-#include "common/cad/assembly_surface.h"
+#include "common/cad/surface/assembly_surface.h"
+#include "common/fem/elements/shape_functions.h"
+#include "common/fem/problems/elasticity.h"
+#include "common/fem/stress/stress_recovery.h"
 #include "common/mesh/element_faces.h"
-#include "common/mesh/mesher.h"
-#include "published_targets.h"
-#include "services/simulator/elasticity.h"
-#include "services/simulator/shape_functions.h"
-#include "services/simulator/stress_recovery.h"
+#include "common/mesh/tetrahedra/mesher.h"
+#include "tests/unit/common/fem/problems/published_targets.h"
 
 namespace mortise::simulator {
 namespace {

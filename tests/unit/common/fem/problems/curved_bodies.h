@@ -11,8 +11,8 @@
 
 #include "absl/status/statusor.h"
 #include "common/cad/solid_kernel.h"
-#include "services/simulator/design_analysis.h"
-#include "services/simulator/patch_recovery.h"
+#include "common/fem/stress/patch_recovery.h"
+#include "services/simulator/analysis/design_analysis.h"
 
 namespace mortise::simulator {
 

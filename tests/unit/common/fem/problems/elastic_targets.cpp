@@ -2,9 +2,9 @@
 #include <cstdlib>
 
 #include "common/base/units.h"
-#include "published_targets.h"
-#include "services/simulator/elasticity.h"
-#include "structured_mesh.h"
+#include "common/fem/problems/elasticity.h"
+#include "tests/unit/common/fem/problems/published_targets.h"
+#include "tests/unit/common/fem/problems/structured_mesh.h"
 
 namespace mortise::simulator {
 namespace {

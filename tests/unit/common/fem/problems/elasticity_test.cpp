@@ -1,17 +1,17 @@
 // The solver against exact solutions, balances and invariances.
-#include "services/simulator/elasticity.h"
+#include "common/fem/problems/elasticity.h"
 
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "common/fem/elements/stiffness.h"
+#include "common/fem/stress/stress_recovery.h"
 #include "common/mesh/element_faces.h"
 #include "common/mesh/mass_properties.h"
-#include "common/mesh/mesher.h"
-#include "services/simulator/stiffness.h"
-#include "services/simulator/stress_recovery.h"
-#include "test_cases.h"
+#include "common/mesh/tetrahedra/mesher.h"
+#include "tests/unit/services/simulator/analysis/test_cases.h"
 
 namespace mortise::simulator {
 namespace {

@@ -6,11 +6,11 @@
 #include <cmath>
 
 #include "common/base/errors.h"
-#include "common/mesh/mesher.h"
-#include "exact_solutions.h"
-#include "services/simulator/error_estimate.h"
-#include "services/simulator/stiffness.h"
-#include "services/simulator/stress_recovery.h"
+#include "common/fem/elements/stiffness.h"
+#include "common/fem/stress/error_estimate.h"
+#include "common/fem/stress/stress_recovery.h"
+#include "common/mesh/tetrahedra/mesher.h"
+#include "tests/unit/common/fem/problems/exact_solutions.h"
 
 namespace mortise::simulator {
 namespace {

@@ -1,6 +1,6 @@
-#include "exact_solutions.h"
+#include "tests/unit/common/fem/problems/exact_solutions.h"
 
-#include "services/simulator/shape_functions.h"
+#include "common/fem/elements/shape_functions.h"
 
 namespace mortise::simulator {
 

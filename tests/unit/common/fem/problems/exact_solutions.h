@@ -4,8 +4,8 @@
 #include <Eigen/Core>
 #include <cmath>
 
-#include "services/simulator/elasticity.h"
-#include "structured_mesh.h"
+#include "common/fem/problems/elasticity.h"
+#include "tests/unit/common/fem/problems/structured_mesh.h"
 
 namespace mortise::simulator {
 

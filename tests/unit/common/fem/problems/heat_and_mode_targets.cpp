@@ -1,10 +1,10 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "published_targets.h"
-#include "services/simulator/heat_conduction.h"
-#include "services/simulator/modal_analysis.h"
-#include "structured_mesh.h"
+#include "common/fem/problems/heat_conduction.h"
+#include "common/fem/problems/modal_analysis.h"
+#include "tests/unit/common/fem/problems/published_targets.h"
+#include "tests/unit/common/fem/problems/structured_mesh.h"
 
 namespace mortise::simulator {
 

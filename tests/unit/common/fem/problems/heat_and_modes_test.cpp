@@ -5,10 +5,10 @@
 #include <cmath>
 
 #include "common/base/errors.h"
-#include "services/simulator/heat_conduction.h"
-#include "services/simulator/modal_analysis.h"
-#include "services/simulator/stiffness.h"
-#include "structured_mesh.h"
+#include "common/fem/elements/stiffness.h"
+#include "common/fem/problems/heat_conduction.h"
+#include "common/fem/problems/modal_analysis.h"
+#include "tests/unit/common/fem/problems/structured_mesh.h"
 
 namespace mortise::simulator {
 namespace {

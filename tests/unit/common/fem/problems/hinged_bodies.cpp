@@ -1,4 +1,4 @@
-#include "hinged_bodies.h"
+#include "tests/unit/common/fem/problems/hinged_bodies.h"
 
 #include "absl/strings/str_format.h"
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "structured_mesh.h"
+#include "tests/unit/common/fem/problems/structured_mesh.h"
 
 namespace mortise::simulator {
 

@@ -6,8 +6,8 @@
 #include <limits>
 
 #include "common/base/errors.h"
-#include "services/simulator/elasticity.h"
-#include "structured_mesh.h"
+#include "common/fem/problems/elasticity.h"
+#include "tests/unit/common/fem/problems/structured_mesh.h"
 
 namespace mortise::simulator {
 namespace {

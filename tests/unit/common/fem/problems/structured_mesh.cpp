@@ -1,4 +1,4 @@
-#include "structured_mesh.h"
+#include "tests/unit/common/fem/problems/structured_mesh.h"
 
 #include <Eigen/Geometry>
 #include <cmath>

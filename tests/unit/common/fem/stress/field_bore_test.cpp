@@ -10,11 +10,11 @@
 #include <string>
 #include <vector>
 
-#include "common/mesh/gmsh_reader.h"
-#include "curved_bodies.h"
+#include "common/fem/stress/stress_recovery.h"
+#include "common/mesh/files/gmsh_reader.h"
 #include "mortise/v1/simulator.pb.h"
-#include "services/simulator/mesh_model.h"
-#include "services/simulator/stress_recovery.h"
+#include "services/simulator/worker/mesh_model.h"
+#include "tests/unit/common/fem/problems/curved_bodies.h"
 
 namespace mortise::simulator {
 namespace {

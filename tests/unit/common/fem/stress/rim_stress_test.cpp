@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "curved_bodies.h"
+#include "tests/unit/common/fem/problems/curved_bodies.h"
 
 namespace mortise::simulator {
 namespace {

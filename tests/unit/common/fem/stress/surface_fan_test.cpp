@@ -1,5 +1,5 @@
 // What is said of a corner of a smooth surface from what is known round it.
-#include "services/simulator/surface_fan.h"
+#include "common/fem/stress/surface_fan.h"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 #include <random>
 #include <utility>
 
-#include "structured_mesh.h"
+#include "tests/unit/common/fem/problems/structured_mesh.h"
 
 namespace mortise::simulator {
 namespace {

@@ -1,5 +1,5 @@
 // Stress at the nodes of a part's surface, from the strain along it and the traction on it.
-#include "services/simulator/surface_stress.h"
+#include "common/fem/stress/surface_stress.h"
 
 #include <gtest/gtest.h>
 
@@ -11,11 +11,11 @@
 #include <numeric>
 #include <random>
 
-#include "clamped_box.h"
-#include "common/mesh/mesher.h"
-#include "services/simulator/stress_derivative.h"
-#include "services/simulator/stress_recovery.h"
-#include "services/simulator/surface_fan.h"
+#include "common/fem/stress/stress_derivative.h"
+#include "common/fem/stress/stress_recovery.h"
+#include "common/fem/stress/surface_fan.h"
+#include "common/mesh/tetrahedra/mesher.h"
+#include "tests/unit/common/fem/problems/clamped_box.h"
 
 namespace mortise::simulator {
 namespace {

@@ -13,7 +13,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
-#include "common/mesh/grouped_mesh.h"
+#include "common/mesh/files/grouped_mesh.h"
 #include "tests/support/file_damage.h"
 #include "tests/support/mesh_files.h"
 

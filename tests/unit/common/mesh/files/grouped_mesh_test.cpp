@@ -1,5 +1,5 @@
 // Meshes of Gmsh, Abaqus and CalculiX: what is read of them, and how bad files are refused.
-#include "common/mesh/grouped_mesh.h"
+#include "common/mesh/files/grouped_mesh.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -12,9 +12,9 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
 #include "common/base/errors.h"
-#include "common/mesh/abaqus_reader.h"
 #include "common/mesh/element_faces.h"
-#include "common/mesh/gmsh_reader.h"
+#include "common/mesh/files/abaqus_reader.h"
+#include "common/mesh/files/gmsh_reader.h"
 #include "tests/support/bad_changes.h"
 #include "tests/support/mesh_files.h"
 

@@ -9,7 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
 #include "common/base/errors.h"
-#include "common/mesh/grouped_mesh.h"
+#include "common/mesh/files/grouped_mesh.h"
 
 namespace mortise::mesh {
 namespace {

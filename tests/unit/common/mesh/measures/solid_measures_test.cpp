@@ -7,13 +7,13 @@
 #include <random>
 #include <vector>
 
-#include "box_assembly.h"
 #include "common/base/errors.h"
-#include "common/mesh/floating_solid.h"
 #include "common/mesh/mass_properties.h"
-#include "common/mesh/silhouette.h"
-#include "common/mesh/standing_solid.h"
-#include "round_solids.h"
+#include "common/mesh/measures/floating_solid.h"
+#include "common/mesh/measures/silhouette.h"
+#include "common/mesh/measures/standing_solid.h"
+#include "tests/unit/common/mesh/box_assembly.h"
+#include "tests/unit/common/mesh/round_solids.h"
 
 namespace mortise::mesh {
 namespace {

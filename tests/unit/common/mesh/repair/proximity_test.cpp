@@ -1,5 +1,5 @@
 // Which surfaces touch: against boxes, whose distance is known.
-#include "common/mesh/proximity.h"
+#include "common/mesh/repair/proximity.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Repair of surfaces: what becomes of each kind of damage, and of many at once.
-#include "common/mesh/surface_repair.h"
+#include "common/mesh/repair/surface_repair.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -13,11 +13,11 @@
 #include <utility>
 #include <vector>
 
-#include "box_assembly.h"
 #include "common/base/errors.h"
 #include "common/base/field_violations.h"
 #include "common/mesh/mass_properties.h"
 #include "common/mesh/surface_check.h"
+#include "tests/unit/common/mesh/box_assembly.h"
 #include "tests/unit/common/mesh/round_solids.h"
 
 namespace mortise::mesh {

@@ -10,12 +10,12 @@
 #include <set>
 #include <utility>
 
-#include "box_assembly.h"
+#include "common/mesh/files/stl.h"
+#include "common/mesh/files/vtu_writer.h"
 #include "common/mesh/mass_properties.h"
-#include "common/mesh/mesher.h"
-#include "common/mesh/stl.h"
 #include "common/mesh/surface_check.h"
-#include "common/mesh/vtu_writer.h"
+#include "common/mesh/tetrahedra/mesher.h"
+#include "tests/unit/common/mesh/box_assembly.h"
 
 namespace mortise::mesh {
 namespace {

@@ -7,10 +7,10 @@
 #include <numbers>
 #include <random>
 
-#include "common/mesh/box_stretch.h"
 #include "common/mesh/mass_properties.h"
-#include "common/mesh/round_faces.h"
-#include "common/mesh/shape_levels.h"
+#include "common/mesh/shapes/box_stretch.h"
+#include "common/mesh/shapes/round_faces.h"
+#include "common/mesh/shapes/shape_levels.h"
 #include "common/mesh/surface_check.h"
 #include "tests/unit/common/mesh/round_solids.h"
 

@@ -1,6 +1,6 @@
 // Mean-value coordinates: affine maps, values on the cage, the integral that defines them, and what
 // must not change them.
-#include "common/mesh/mean_value_coordinates.h"
+#include "common/mesh/shapes/mean_value_coordinates.h"
 
 #include <gtest/gtest.h>
 
@@ -10,8 +10,8 @@
 #include <random>
 #include <vector>
 
-#include "box_assembly.h"
 #include "common/base/errors.h"
+#include "tests/unit/common/mesh/box_assembly.h"
 
 namespace mortise::mesh {
 namespace {

@@ -1,5 +1,5 @@
 // Which cylinders a shape has, however they are drawn.
-#include "common/mesh/round_faces.h"
+#include "common/mesh/shapes/round_faces.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 #include <numbers>
 #include <set>
 
-#include "tests/unit/common/cad/bored_boards.h"
+#include "tests/unit/common/cad/stretch/bored_boards.h"
 
 namespace mortise::cad {
 namespace {

@@ -1,5 +1,5 @@
 // Where shapes turn back, and where they can be stretched by pieces.
-#include "common/mesh/shape_levels.h"
+#include "common/mesh/shapes/shape_levels.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -12,9 +12,9 @@
 #include <map>
 #include <utility>
 
-#include "common/mesh/round_faces.h"
+#include "common/mesh/shapes/round_faces.h"
 #include "common/mesh/surface_check.h"
-#include "tests/unit/common/cad/bored_boards.h"
+#include "tests/unit/common/cad/stretch/bored_boards.h"
 
 namespace mortise::cad {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "common/mesh/mass_properties.h"
 #include "common/mesh/surface_check.h"
-#include "tests/unit/common/cad/bored_boards.h"
+#include "tests/unit/common/cad/stretch/bored_boards.h"
 
 namespace mortise::cad {
 namespace {

@@ -11,11 +11,11 @@
 #include <TopoDS.hxx>
 #include <vector>
 
-#include "common/mesh/countersinks.h"
-#include "common/mesh/shape_levels.h"
-#include "common/mesh/slots.h"
-#include "tests/unit/common/cad/bored_boards.h"
-#include "tests/unit/common/cad/oblong.h"
+#include "common/mesh/shapes/countersinks.h"
+#include "common/mesh/shapes/shape_levels.h"
+#include "common/mesh/shapes/slots.h"
+#include "tests/unit/common/cad/stretch/bored_boards.h"
+#include "tests/unit/common/cad/stretch/oblong.h"
 
 namespace mortise::cad {
 namespace {

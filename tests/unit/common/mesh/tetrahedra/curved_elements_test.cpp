@@ -1,5 +1,5 @@
 // Quadratic elements that follow the faces behind the triangles they were drawn with.
-#include "common/mesh/curved_elements.h"
+#include "common/mesh/tetrahedra/curved_elements.h"
 
 #include <gtest/gtest.h>
 
@@ -11,8 +11,8 @@
 #include <utility>
 
 #include "common/mesh/element_faces.h"
-#include "common/mesh/mesher.h"
 #include "common/mesh/surface_check.h"
+#include "common/mesh/tetrahedra/mesher.h"
 
 namespace mortise::mesh {
 namespace {

@@ -1,5 +1,5 @@
 // Volume meshes: what they keep of the assembly, what they refuse.
-#include "common/mesh/mesher.h"
+#include "common/mesh/tetrahedra/mesher.h"
 
 #include <gtest/gtest.h>
 
@@ -9,12 +9,12 @@
 #include <limits>
 #include <vector>
 
-#include "box_assembly.h"
 #include "common/base/errors.h"
 #include "common/mesh/element_faces.h"
 #include "common/mesh/mass_properties.h"
-#include "common/mesh/mesh_quality.h"
 #include "common/mesh/surface_check.h"
+#include "common/mesh/tetrahedra/mesh_quality.h"
+#include "tests/unit/common/mesh/box_assembly.h"
 
 namespace mortise::mesh {
 namespace {

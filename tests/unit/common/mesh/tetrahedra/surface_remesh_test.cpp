@@ -1,5 +1,5 @@
 // Surfaces whose curved faces are drawn anew, and meshes of those that TetGen fails over.
-#include "common/mesh/surface_remesh.h"
+#include "common/mesh/tetrahedra/surface_remesh.h"
 
 #include <gtest/gtest.h>
 
@@ -11,9 +11,9 @@
 
 #include "common/base/errors.h"
 #include "common/mesh/mass_properties.h"
-#include "common/mesh/mesher.h"
 #include "common/mesh/surface_check.h"
-#include "common/mesh/tetgen_process.h"
+#include "common/mesh/tetrahedra/mesher.h"
+#include "common/mesh/tetrahedra/tetgen_process.h"
 
 namespace mortise::mesh {
 namespace {

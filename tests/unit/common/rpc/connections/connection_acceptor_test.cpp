@@ -1,6 +1,6 @@
 // Connections up to a limit, recovery after the system had no descriptors, and the truth about
 // both.
-#include "common/rpc/connection_acceptor.h"
+#include "common/rpc/connections/connection_acceptor.h"
 
 #include <arpa/inet.h>
 #include <fcntl.h>
@@ -19,8 +19,8 @@
 #include <vector>
 
 #include "common/base/errors.h"
-#include "common/rpc/connection_places.h"
-#include "common/rpc/listening_socket.h"
+#include "common/rpc/connections/connection_places.h"
+#include "common/rpc/connections/listening_socket.h"
 #include "tests/support/status_assertions.h"
 
 namespace mortise::testing {

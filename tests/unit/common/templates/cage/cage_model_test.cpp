@@ -1,5 +1,5 @@
 // Cage templates: exact shapes, derivatives, conditions, and everything wrong found with its place.
-#include "common/parametric/cage_model.h"
+#include "common/templates/cage/cage_model.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -15,8 +15,8 @@
 #include "common/base/errors.h"
 #include "common/base/field_violations.h"
 #include "common/mesh/mass_properties.h"
-#include "common/parametric/cage_template_codec.h"
-#include "tests/unit/common/parametric/cage_texts.h"
+#include "common/templates/cage/codec/cage_template_codec.h"
+#include "tests/unit/common/templates/cage/cage_texts.h"
 
 namespace mortise::parametric {
 namespace {
@@ -166,14 +166,14 @@ class CageFaultTest : public testing::TestWithParam<Fault> {};
 TEST_P(CageFaultTest, IsFoundWithItsPlace) {
   const Fault& fault = GetParam();
   const CageTemplate definition = Block(Replaced(kBlock, fault.from, fault.to));
-  const std::vector<Finding> findings = ValidateCageTemplate(definition);
+  const std::vector<FieldViolation> findings = ValidateCageTemplate(definition);
   std::string listed;
-  for (const Finding& finding : findings) {
+  for (const FieldViolation& finding : findings) {
     absl::StrAppend(&listed, finding.field, ": ", finding.message, "\n");
   }
   EXPECT_THAT(findings,
-              Contains(testing::AllOf(Field(&Finding::field, fault.field),
-                                      Field(&Finding::message, HasSubstr(fault.message)))))
+              Contains(testing::AllOf(Field(&FieldViolation::field, fault.field),
+                                      Field(&FieldViolation::message, HasSubstr(fault.message)))))
       << listed;
   EXPECT_FALSE(CageModel::Create(definition).ok());
 }
@@ -247,7 +247,8 @@ TEST(CageModel, FindsAllFaultsAtOnce) {
 TEST(CageModel, RefusesWhatIsTooLarge) {
   const auto fields_of = [](const CageTemplate& definition) {
     std::vector<std::string> fields;
-    for (const Finding& finding : ValidateCageTemplate(definition)) fields.push_back(finding.field);
+    for (const FieldViolation& finding : ValidateCageTemplate(definition))
+      fields.push_back(finding.field);
     return fields;
   };
   CageTemplate definition = Block();

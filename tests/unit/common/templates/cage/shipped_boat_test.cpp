@@ -14,9 +14,9 @@
 
 #include "common/mesh/mass_properties.h"
 #include "common/mesh/surface_check.h"
-#include "common/parametric/cage_model.h"
-#include "common/parametric/cage_template_codec.h"
-#include "tests/support/boat/boat_surface.h"
+#include "common/templates/cage/cage_model.h"
+#include "common/templates/cage/codec/cage_template_codec.h"
+#include "tools/boat/boat_surface.h"
 
 namespace mortise::parametric {
 namespace {

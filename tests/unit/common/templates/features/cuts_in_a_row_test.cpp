@@ -8,7 +8,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
-#include "tests/unit/common/cad/feature_texts.h"
+#include "tests/unit/common/templates/features/feature_texts.h"
 
 namespace mortise::cad {
 namespace {

@@ -8,7 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/base/field_violations.h"
-#include "tests/unit/common/cad/feature_texts.h"
+#include "tests/unit/common/templates/features/feature_texts.h"
 
 namespace mortise::cad {
 namespace {
@@ -19,23 +19,22 @@ using testing::Field;
 using testing::HasSubstr;
 using testing::UnorderedElementsAre;
 
-std::vector<parametric::Finding> FindingsOf(const std::string& parameters,
-                                            const std::string& features) {
+std::vector<FieldViolation> FindingsOf(const std::string& parameters, const std::string& features) {
   const auto definition = ParseCadTemplateText(TemplateText(parameters, features), "test");
   EXPECT_TRUE(definition.ok()) << definition.status();
   return ValidateCadTemplate(*definition);
 }
 
-std::vector<std::string> PlacesOf(const std::vector<parametric::Finding>& findings) {
+std::vector<std::string> PlacesOf(const std::vector<FieldViolation>& findings) {
   std::vector<std::string> places;
   for (const auto& finding : findings) places.push_back(finding.field);
   return places;
 }
 
-testing::Matcher<const std::vector<parametric::Finding>&> Tells(const std::string& field,
-                                                                const std::string& message) {
-  return Contains(AllOf(Field(&parametric::Finding::field, field),
-                        Field(&parametric::Finding::message, HasSubstr(message))));
+testing::Matcher<const std::vector<FieldViolation>&> Tells(const std::string& field,
+                                                           const std::string& message) {
+  return Contains(AllOf(Field(&FieldViolation::field, field),
+                        Field(&FieldViolation::message, HasSubstr(message))));
 }
 
 TEST(BadTemplate, TellsEverythingAtOnce) {

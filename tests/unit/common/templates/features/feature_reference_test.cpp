@@ -1,6 +1,6 @@
 // References to faces and edges: how they are read, and that they mean the same when what is around
 // them changes, or say why they no longer can.
-#include "common/cad/feature_reference.h"
+#include "common/templates/features/feature_reference.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "common/base/errors.h"
-#include "tests/unit/common/cad/feature_texts.h"
+#include "tests/unit/common/templates/features/feature_texts.h"
 
 namespace mortise::cad {
 namespace {

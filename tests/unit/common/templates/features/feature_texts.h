@@ -4,8 +4,8 @@
 #include <string>
 
 #include "absl/strings/str_cat.h"
-#include "common/cad/cad_template_codec.h"
-#include "common/cad/feature_model.h"
+#include "common/templates/features/codec/cad_template_codec.h"
+#include "common/templates/features/feature_model.h"
 
 namespace mortise::cad {
 

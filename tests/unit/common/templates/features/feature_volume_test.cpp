@@ -6,9 +6,9 @@
 #include <numbers>
 
 #include "common/cad/solid_surface.h"
-#include "common/cad/step_reader.h"
-#include "common/cad/step_writer.h"
-#include "tests/unit/common/cad/feature_texts.h"
+#include "common/cad/step/step_reader.h"
+#include "common/cad/step/step_writer.h"
+#include "tests/unit/common/templates/features/feature_texts.h"
 
 namespace mortise::cad {
 namespace {

@@ -11,9 +11,9 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/files.h"
-#include "common/cad/cad_template_codec.h"
-#include "common/cad/feature_model.h"
 #include "common/cad/solid_surface.h"
+#include "common/templates/features/codec/cad_template_codec.h"
+#include "common/templates/features/feature_model.h"
 
 namespace mortise::cad {
 

@@ -1,5 +1,5 @@
 // The CAD templates of furniture and toys are valid solids all over their parameter boxes.
-#include "tests/unit/common/cad/shipped_templates.h"
+#include "tests/unit/common/templates/features/shipped_templates.h"
 
 namespace mortise::cad {
 namespace {

@@ -1,5 +1,5 @@
 // Assemblies of STEP files and annotations: what is made of them, and all that can be wrong.
-#include "services/catalog/assembly_import.h"
+#include "services/catalog/exchange/assembly_import.h"
 
 #include <gmock/gmock.h>
 #include <google/protobuf/io/gzip_stream.h>
@@ -10,12 +10,12 @@
 #include <cmath>
 
 #include "absl/strings/str_cat.h"
+#include "common/assembly/codec/assembly_codec.h"
 #include "common/base/errors.h"
 #include "common/base/field_violations.h"
-#include "common/parametric/assembly_codec.h"
-#include "services/catalog/drawn_coordinates.h"
-#include "services/catalog/item_fit.h"
-#include "services/catalog/part_annotations.h"
+#include "services/catalog/exchange/drawn_coordinates.h"
+#include "services/catalog/exchange/item_fit.h"
+#include "services/catalog/exchange/part_annotations.h"
 
 namespace mortise::catalog {
 namespace {
@@ -223,7 +223,7 @@ TEST(AssemblyImport, TellsEveryFaultAtOnce) {
 
 TEST(AssemblyImport, ChecksAnnotationsOfFilesThatCannotBeRead) {
   std::vector<std::string> fields;
-  for (const parametric::Finding& finding : CheckWithoutDrawing(
+  for (const FieldViolation& finding : CheckWithoutDrawing(
            Annotations("name: 'Trestle!' parts { parts: 'nobody' item: 'items/none' } "
                        "parts { parts: 'top' item: 'items/board' group: 'of the file' }"),
            {Board()})) {

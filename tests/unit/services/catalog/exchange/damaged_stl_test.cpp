@@ -16,8 +16,8 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
 #include "common/base/errors.h"
-#include "common/mesh/stl.h"
-#include "services/catalog/shape_import.h"
+#include "common/mesh/files/stl.h"
+#include "services/catalog/exchange/shape_import.h"
 #include "tests/support/file_damage.h"
 
 namespace mortise::catalog {

@@ -1,5 +1,5 @@
 // The shapes that ship are what their drawings give, and as large as the items that have them.
-#include "tests/support/item_shapes/item_shapes.h"
+#include "tools/item_shapes/item_shapes.h"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 #include <string>
 
 #include "common/base/files.h"
-#include "common/parametric/collection.h"
+#include "common/files/collection.h"
 
 namespace mortise::catalog {
 namespace {

@@ -1,5 +1,5 @@
 // Shapes of one solid, however it is turned, are known to be of one; those of others are not.
-#include "services/catalog/shape_turn.h"
+#include "services/catalog/exchange/shape_turn.h"
 
 #include <gtest/gtest.h>
 
@@ -10,8 +10,8 @@
 #include <string>
 
 #include "common/base/files.h"
-#include "common/cad/solid_shape.h"
-#include "common/cad/step_reader.h"
+#include "common/cad/step/step_reader.h"
+#include "common/cad/stretch/solid_shape.h"
 
 namespace mortise::catalog {
 namespace {

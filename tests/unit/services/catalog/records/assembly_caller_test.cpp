@@ -18,9 +18,9 @@
 #include "common/rpc/status_mapping.h"
 #include "common/store/store.h"
 #include "mortise/v1/assembly.grpc.pb.h"
-#include "services/catalog/assembly_records.h"
-#include "services/catalog/assembly_service.h"
-#include "services/catalog/parametrization_cache.h"
+#include "services/catalog/records/assembly_records.h"
+#include "services/catalog/records/parametrization_cache.h"
+#include "services/catalog/service/assembly_service.h"
 #include "tests/support/status_assertions.h"
 #include "tests/support/temporary_folder.h"
 

@@ -1,5 +1,5 @@
 // Uploaded drawings: kept as they came, nothing left of those that broke off, forgotten in time.
-#include "services/catalog/drawing_records.h"
+#include "services/catalog/records/drawing_records.h"
 
 #include <gtest/gtest.h>
 
@@ -11,8 +11,8 @@
 #include "common/base/digest.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
-#include "common/cad/step_reader.h"
-#include "services/catalog/upkeep.h"
+#include "common/cad/step/step_reader.h"
+#include "services/catalog/records/upkeep.h"
 #include "tests/support/temporary_folder.h"
 
 namespace mortise::catalog {

@@ -1,5 +1,5 @@
 // Assemblies that are parametrised once: for whoever asks, but not without their shapes.
-#include "services/catalog/parametrization_cache.h"
+#include "services/catalog/records/parametrization_cache.h"
 
 #include <gmock/gmock.h>
 #include <google/protobuf/text_format.h>
@@ -7,9 +7,9 @@
 
 #include <string>
 
+#include "common/assembly/codec/assembly_codec.h"
 #include "common/base/errors.h"
-#include "common/parametric/assembly_codec.h"
-#include "services/catalog/shape_records.h"
+#include "services/catalog/records/shape_records.h"
 #include "tests/support/status_assertions.h"
 
 namespace mortise::catalog {

@@ -1,5 +1,5 @@
 // Pages of List methods: every record once, in order, in messages that clients take.
-#include "services/catalog/record_page.h"
+#include "services/catalog/records/record_page.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "services/catalog/assembly_records.h"
+#include "services/catalog/records/assembly_records.h"
 #include "tests/support/temporary_folder.h"
 
 namespace mortise::catalog {

@@ -1,5 +1,5 @@
 // Shapes in the store: kept once, under the digest of their content, which is checked.
-#include "services/catalog/shape_records.h"
+#include "services/catalog/records/shape_records.h"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "common/assembly/codec/shape_codec.h"
 #include "common/base/errors.h"
-#include "common/parametric/shape_codec.h"
 #include "tests/support/temporary_folder.h"
 
 namespace mortise::catalog {

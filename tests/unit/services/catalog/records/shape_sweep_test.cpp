@@ -1,5 +1,5 @@
 // Shapes that nothing names go after an hour, whatever comes first: the import or the sweep.
-#include "services/catalog/shape_sweep.h"
+#include "services/catalog/records/shape_sweep.h"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
-#include "services/catalog/catalog_records.h"
-#include "services/catalog/shape_records.h"
+#include "services/catalog/records/catalog_records.h"
+#include "services/catalog/records/shape_records.h"
 #include "tests/support/temporary_folder.h"
 
 namespace mortise::catalog {

@@ -1,5 +1,5 @@
 // The shapes of a collection: brought with the items that name them, and no others.
-#include "tests/unit/services/catalog/collection_loader_fixture.h"
+#include "tests/unit/services/catalog/service/collection_loader_fixture.h"
 
 namespace mortise::catalog {
 namespace {

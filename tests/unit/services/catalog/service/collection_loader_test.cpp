@@ -1,6 +1,6 @@
 // A collection in a store: all of it when that is empty; later what is new, and never instead of
 // what users changed.
-#include "tests/unit/services/catalog/collection_loader_fixture.h"
+#include "tests/unit/services/catalog/service/collection_loader_fixture.h"
 
 namespace mortise::catalog {
 namespace {

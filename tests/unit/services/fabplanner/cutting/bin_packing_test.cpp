@@ -1,5 +1,5 @@
 // Bin packing against published instances with known optima, and against exhaustive search.
-#include "services/fabplanner/bin_packing.h"
+#include "services/fabplanner/cutting/bin_packing.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

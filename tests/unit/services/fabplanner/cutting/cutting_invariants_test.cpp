@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "services/fabplanner/part_making.h"
-#include "services/fabplanner/stock_cutting.h"
+#include "services/fabplanner/cutting/stock_cutting.h"
+#include "services/fabplanner/planning/part_making.h"
 #include "tests/unit/services/fabplanner/example_table.h"
 
 namespace mortise::fabplanner {

@@ -1,5 +1,5 @@
 // Boards: every part once, kerf and trims kept, offcuts add up, clear failures.
-#include "services/fabplanner/cutting_stock.h"
+#include "services/fabplanner/cutting/cutting_stock.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // Sheets: every outline once, none overlapping, spacing and trims kept; published sizes of
 // problems.
-#include "services/fabplanner/sheet_layout.h"
+#include "services/fabplanner/cutting/sheet_layout.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "services/fabplanner/stock_cutting.h"
+#include "services/fabplanner/cutting/stock_cutting.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "common/base/errors.h"
-#include "services/fabplanner/part_making.h"
+#include "services/fabplanner/planning/part_making.h"
 #include "tests/unit/services/fabplanner/example_table.h"
 
 namespace mortise::fabplanner {

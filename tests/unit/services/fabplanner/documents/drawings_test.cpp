@@ -9,11 +9,11 @@
 
 #include "common/base/files.h"
 #include "common/render/image.h"
-#include "services/fabplanner/assembly_guide_html.h"
-#include "services/fabplanner/assembly_picture.h"
-#include "services/fabplanner/layout_svg.h"
-#include "services/fabplanner/planning.h"
-#include "services/fabplanner/svg_drawing.h"
+#include "services/fabplanner/documents/assembly_guide_html.h"
+#include "services/fabplanner/documents/assembly_picture.h"
+#include "services/fabplanner/documents/layout_svg.h"
+#include "services/fabplanner/documents/svg_drawing.h"
+#include "services/fabplanner/planning/planning.h"
 #include "tests/unit/services/fabplanner/example_table.h"
 
 namespace mortise::fabplanner {

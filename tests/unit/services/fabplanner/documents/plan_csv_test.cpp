@@ -1,9 +1,9 @@
-#include "services/fabplanner/plan_csv.h"
+#include "services/fabplanner/documents/plan_csv.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "services/fabplanner/planning.h"
+#include "services/fabplanner/planning/planning.h"
 #include "tests/unit/services/fabplanner/example_table.h"
 
 namespace mortise::fabplanner {

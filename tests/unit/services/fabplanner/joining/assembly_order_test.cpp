@@ -1,4 +1,4 @@
-#include "services/fabplanner/assembly_order.h"
+#include "services/fabplanner/joining/assembly_order.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,9 +9,9 @@
 #include <set>
 #include <stop_token>
 
-#include "services/fabplanner/assembly_sequence.h"
-#include "services/fabplanner/part_solid.h"
-#include "services/fabplanner/taking_apart.h"
+#include "services/fabplanner/joining/assembly_sequence.h"
+#include "services/fabplanner/joining/part_solid.h"
+#include "services/fabplanner/joining/taking_apart.h"
 #include "tests/unit/services/fabplanner/example_table.h"
 
 namespace mortise::fabplanner {

@@ -1,4 +1,4 @@
-#include "services/fabplanner/assembly_sequence.h"
+#include "services/fabplanner/joining/assembly_sequence.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

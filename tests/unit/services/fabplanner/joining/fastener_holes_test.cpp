@@ -1,4 +1,4 @@
-#include "services/fabplanner/fastener_holes.h"
+#include "services/fabplanner/joining/fastener_holes.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "services/fabplanner/joinery.h"
+#include "services/fabplanner/joining/joinery.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "services/fabplanner/bill_of_materials.h"
+#include "services/fabplanner/plan/bill_of_materials.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

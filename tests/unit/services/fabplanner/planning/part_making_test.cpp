@@ -1,4 +1,4 @@
-#include "services/fabplanner/part_making.h"
+#include "services/fabplanner/planning/part_making.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "common/base/errors.h"
-#include "services/fabplanner/part_drawing.h"
-#include "services/fabplanner/part_mesh.h"
+#include "services/fabplanner/documents/part_drawing.h"
+#include "services/fabplanner/documents/part_mesh.h"
 #include "tests/unit/services/fabplanner/example_table.h"
 
 namespace mortise::fabplanner {

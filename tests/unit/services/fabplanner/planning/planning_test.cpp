@@ -1,4 +1,4 @@
-#include "services/fabplanner/planning.h"
+#include "services/fabplanner/planning/planning.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

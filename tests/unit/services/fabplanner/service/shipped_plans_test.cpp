@@ -11,14 +11,14 @@
 #include <memory>
 #include <set>
 
-#include "common/parametric/parameter_values.h"
-#include "common/parametric/template_codec.h"
+#include "common/design/parameter_values.h"
+#include "common/files/template_codec.h"
 #include "common/templates/assembly_template.h"
 #include "common/templates/template_codec.h"
-#include "services/fabplanner/design_codec.h"
-#include "services/fabplanner/plan_codec.h"
-#include "services/fabplanner/plan_files.h"
-#include "services/fabplanner/planning.h"
+#include "services/fabplanner/documents/plan_files.h"
+#include "services/fabplanner/planning/planning.h"
+#include "services/fabplanner/service/design_codec.h"
+#include "services/fabplanner/shop_floor/plan_codec.h"
 #include "tests/unit/common/templates/shipped_collection.h"
 
 namespace mortise::fabplanner {

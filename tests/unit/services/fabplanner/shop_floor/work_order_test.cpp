@@ -1,6 +1,6 @@
 // Work orders: assignment, pauses, failures, and exactly one effect a cut over a line that loses,
 // repeats and reorders messages while both ends restart.
-#include "services/fabplanner/work_order.h"
+#include "services/fabplanner/shop_floor/work_order.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,8 +10,8 @@
 #include <set>
 
 #include "common/base/errors.h"
-#include "services/fabplanner/planning.h"
-#include "services/fabplanner/report_ledger.h"
+#include "services/fabplanner/planning/planning.h"
+#include "services/fabplanner/shop_floor/report_ledger.h"
 #include "tests/unit/services/fabplanner/example_table.h"
 
 namespace mortise::fabplanner {

@@ -1,12 +1,12 @@
 // The running set of trade-offs against a filter of all that was evaluated.
-#include "services/pareto/archive.h"
+#include "services/pareto/archive/archive.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "services/pareto/non_dominated.h"
-#include "services/pareto/random.h"
+#include "services/pareto/archive/non_dominated.h"
+#include "services/pareto/archive/random.h"
 
 namespace mortise::pareto {
 namespace {

@@ -1,9 +1,9 @@
 // Positions of trade-offs, and back.
-#include "services/pareto/embedding.h"
+#include "services/pareto/archive/embedding.h"
 
 #include <gtest/gtest.h>
 
-#include "services/pareto/random.h"
+#include "services/pareto/archive/random.h"
 
 namespace mortise::pareto {
 namespace {

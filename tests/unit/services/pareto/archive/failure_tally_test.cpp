@@ -1,9 +1,9 @@
 // Why designs failed: what counts as alike, and what is told of it.
-#include "services/pareto/failure_tally.h"
+#include "services/pareto/archive/failure_tally.h"
 
 #include <gtest/gtest.h>
 
-#include "services/pareto/discovery.h"
+#include "services/pareto/discovery/discovery.h"
 
 namespace mortise::pareto {
 namespace {

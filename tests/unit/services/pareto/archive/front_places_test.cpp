@@ -1,6 +1,6 @@
 // Fronts reach as far as what has been evaluated: for any archive, buffer and pieces, and at the
 // end of every kind of discovery.
-#include "services/pareto/front_places.h"
+#include "services/pareto/archive/front_places.h"
 
 #include <gtest/gtest.h>
 
@@ -10,13 +10,13 @@
 #include <set>
 
 #include "common/base/errors.h"
-#include "services/pareto/benchmark_problems.h"
-#include "services/pareto/combined_discovery.h"
-#include "services/pareto/discovery_run.h"
-#include "services/pareto/embedding.h"
-#include "services/pareto/front_exploration.h"
-#include "services/pareto/random.h"
-#include "services/pareto/robust_evaluator.h"
+#include "services/pareto/archive/embedding.h"
+#include "services/pareto/archive/random.h"
+#include "services/pareto/discovery/combined_discovery.h"
+#include "services/pareto/discovery/discovery_run.h"
+#include "services/pareto/discovery/robust_evaluator.h"
+#include "services/pareto/front/front_exploration.h"
+#include "tests/bench/pareto/benchmark_problems.h"
 
 namespace mortise::pareto {
 namespace {

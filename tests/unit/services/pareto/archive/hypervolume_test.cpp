@@ -1,13 +1,13 @@
 // Hypervolume against closed forms, inclusion and exclusion, and counting; dominance.
-#include "services/pareto/hypervolume.h"
+#include "services/pareto/archive/hypervolume.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "services/pareto/non_dominated.h"
-#include "services/pareto/random.h"
+#include "services/pareto/archive/non_dominated.h"
+#include "services/pareto/archive/random.h"
 
 namespace mortise::pareto {
 namespace {

@@ -1,12 +1,12 @@
 // Nearest designs among many, against looking at all of them.
-#include "services/pareto/nearest_designs.h"
+#include "services/pareto/archive/nearest_designs.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <vector>
 
-#include "services/pareto/random.h"
+#include "services/pareto/archive/random.h"
 
 namespace mortise::pareto {
 namespace {

@@ -1,9 +1,9 @@
 // Invariants of the performance buffer and of the archive's scaling.
-#include "services/pareto/performance_buffer.h"
+#include "services/pareto/archive/performance_buffer.h"
 
 #include <gtest/gtest.h>
 
-#include "services/pareto/random.h"
+#include "services/pareto/archive/random.h"
 
 namespace mortise::pareto {
 namespace {

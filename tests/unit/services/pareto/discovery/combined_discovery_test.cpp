@@ -1,5 +1,5 @@
 // Discovery with choices and whole numbers: the merged front, and what holds of the search.
-#include "services/pareto/combined_discovery.h"
+#include "services/pareto/discovery/combined_discovery.h"
 
 #include <gtest/gtest.h>
 
@@ -10,10 +10,10 @@
 #include <set>
 
 #include "common/base/errors.h"
-#include "services/pareto/benchmark_problems.h"
-#include "services/pareto/benchmark_run.h"
-#include "services/pareto/discovery_run.h"
-#include "services/pareto/non_dominated.h"
+#include "services/pareto/archive/non_dominated.h"
+#include "services/pareto/discovery/discovery_run.h"
+#include "tests/bench/pareto/benchmark_problems.h"
+#include "tests/bench/pareto/benchmark_run.h"
 
 namespace mortise::pareto {
 namespace {

@@ -5,11 +5,11 @@
 #include <cmath>
 #include <memory>
 
-#include "services/pareto/benchmark_problems.h"
-#include "services/pareto/benchmark_run.h"
-#include "services/pareto/discovery.h"
-#include "services/pareto/hypervolume.h"
-#include "services/pareto/local_optimization.h"
+#include "services/pareto/archive/hypervolume.h"
+#include "services/pareto/discovery/discovery.h"
+#include "services/pareto/sources/local_optimization.h"
+#include "tests/bench/pareto/benchmark_problems.h"
+#include "tests/bench/pareto/benchmark_run.h"
 
 namespace mortise::pareto {
 namespace {

@@ -10,8 +10,8 @@
 #include <set>
 #include <vector>
 
-#include "services/pareto/discovery_run.h"
-#include "services/pareto/front_remarks.h"
+#include "services/pareto/discovery/discovery_run.h"
+#include "services/pareto/front/front_remarks.h"
 
 namespace mortise::pareto {
 namespace {

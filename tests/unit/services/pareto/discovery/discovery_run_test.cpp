@@ -1,5 +1,5 @@
 // Workers, batches, cancelling and resuming: none may change the front.
-#include "services/pareto/discovery_run.h"
+#include "services/pareto/discovery/discovery_run.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <mutex>
 
 #include "common/base/errors.h"
-#include "services/pareto/benchmark_problems.h"
-#include "services/pareto/robust_evaluator.h"
+#include "services/pareto/discovery/robust_evaluator.h"
+#include "tests/bench/pareto/benchmark_problems.h"
 
 namespace mortise::pareto {
 namespace {

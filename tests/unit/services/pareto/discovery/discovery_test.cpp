@@ -1,5 +1,5 @@
 // Discovery on problems with known fronts, and what it does with bad input.
-#include "services/pareto/discovery.h"
+#include "services/pareto/discovery/discovery.h"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@
 #include <cmath>
 #include <limits>
 
-#include "services/pareto/benchmark_problems.h"
-#include "services/pareto/hypervolume.h"
+#include "services/pareto/archive/hypervolume.h"
+#include "tests/bench/pareto/benchmark_problems.h"
 
 namespace mortise::pareto {
 namespace {

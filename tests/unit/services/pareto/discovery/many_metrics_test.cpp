@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "services/pareto/benchmark_run.h"
-#include "services/pareto/front_labeling.h"
+#include "services/pareto/front/front_labeling.h"
+#include "tests/bench/pareto/benchmark_run.h"
 
 namespace mortise::pareto {
 namespace {

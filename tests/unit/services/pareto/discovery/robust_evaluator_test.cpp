@@ -1,5 +1,5 @@
 // Mean and deviation over tolerances: against closed forms, differences, and what cannot be asked.
-#include "services/pareto/robust_evaluator.h"
+#include "services/pareto/discovery/robust_evaluator.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,8 +9,8 @@
 #include <limits>
 
 #include "common/base/errors.h"
-#include "services/pareto/discovery_run.h"
-#include "services/pareto/random.h"
+#include "services/pareto/archive/random.h"
+#include "services/pareto/discovery/discovery_run.h"
 
 namespace mortise::pareto {
 namespace {

@@ -5,9 +5,9 @@
 #include <functional>
 #include <vector>
 
-#include "services/pareto/benchmark_problems.h"
-#include "services/pareto/discovery.h"
-#include "services/pareto/hypervolume.h"
+#include "services/pareto/archive/hypervolume.h"
+#include "services/pareto/discovery/discovery.h"
+#include "tests/bench/pareto/benchmark_problems.h"
 
 namespace mortise::pareto {
 namespace {

@@ -1,5 +1,5 @@
 // Which designs of earlier fronts a discovery begins with, and what comes of it.
-#include "services/pareto/warm_start.h"
+#include "services/pareto/discovery/warm_start.h"
 
 #include <gtest/gtest.h>
 
@@ -7,9 +7,9 @@
 #include <set>
 
 #include "common/base/errors.h"
-#include "services/pareto/benchmark_problems.h"
-#include "services/pareto/benchmark_run.h"
-#include "services/pareto/discovery.h"
+#include "services/pareto/discovery/discovery.h"
+#include "tests/bench/pareto/benchmark_problems.h"
+#include "tests/bench/pareto/benchmark_run.h"
 
 namespace mortise::pareto {
 namespace {

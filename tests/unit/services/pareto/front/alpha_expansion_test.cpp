@@ -1,11 +1,11 @@
-#include "services/pareto/alpha_expansion.h"
+#include "services/pareto/front/alpha_expansion.h"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 
 #include "common/base/errors.h"
-#include "services/pareto/random.h"
+#include "services/pareto/archive/random.h"
 
 namespace mortise::pareto {
 namespace {

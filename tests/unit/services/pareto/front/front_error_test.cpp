@@ -1,11 +1,11 @@
-#include "services/pareto/front_error.h"
+#include "services/pareto/front/front_error.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
-#include "services/pareto/benchmark_problems.h"
+#include "tests/bench/pareto/benchmark_problems.h"
 
 namespace mortise::pareto {
 namespace {

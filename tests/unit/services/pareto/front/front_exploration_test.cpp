@@ -1,11 +1,11 @@
-#include "services/pareto/front_exploration.h"
+#include "services/pareto/front/front_exploration.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
-#include "services/pareto/embedding.h"
+#include "services/pareto/archive/embedding.h"
 
 namespace mortise::pareto {
 namespace {

@@ -1,5 +1,5 @@
 // Pictures of fronts: everything is drawn, within the picture, and legible.
-#include "services/pareto/front_picture.h"
+#include "services/pareto/front/front_picture.h"
 
 #include <gtest/gtest.h>
 
@@ -9,8 +9,8 @@
 #include <string>
 
 #include "absl/strings/str_cat.h"
-#include "services/pareto/embedding.h"
-#include "services/pareto/random.h"
+#include "services/pareto/archive/embedding.h"
+#include "services/pareto/archive/random.h"
 
 namespace mortise::pareto {
 namespace {

@@ -1,5 +1,5 @@
 // Extracting fronts and labelling their pieces.
-#include "services/pareto/front.h"
+#include "services/pareto/front/front.h"
 
 #include <gtest/gtest.h>
 

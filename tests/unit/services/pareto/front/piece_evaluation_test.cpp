@@ -1,4 +1,4 @@
-#include "services/pareto/piece_evaluation.h"
+#include "services/pareto/front/piece_evaluation.h"
 
 #include <gtest/gtest.h>
 
@@ -6,9 +6,9 @@
 #include <cmath>
 #include <functional>
 
-#include "services/pareto/benchmark_run.h"
-#include "services/pareto/hypervolume.h"
-#include "services/pareto/non_dominated.h"
+#include "services/pareto/archive/hypervolume.h"
+#include "services/pareto/archive/non_dominated.h"
+#include "tests/bench/pareto/benchmark_run.h"
 
 namespace mortise::pareto {
 namespace {

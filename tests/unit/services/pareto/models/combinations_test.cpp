@@ -1,5 +1,5 @@
 // Combinations of discrete values, and what is learnt of them.
-#include "services/pareto/combinations.h"
+#include "services/pareto/models/combinations.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <set>
 
 #include "common/base/errors.h"
-#include "services/pareto/combination_model.h"
+#include "services/pareto/models/combination_model.h"
 
 namespace mortise::pareto {
 namespace {

@@ -1,10 +1,10 @@
 // Steps within constraints: against answers known in closed form, and their promises on random
 // ones.
-#include "services/pareto/constrained_quadratic.h"
+#include "services/pareto/models/constrained_quadratic.h"
 
 #include <gtest/gtest.h>
 
-#include "services/pareto/random.h"
+#include "services/pareto/archive/random.h"
 
 namespace mortise::pareto {
 namespace {

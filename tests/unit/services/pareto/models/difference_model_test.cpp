@@ -1,8 +1,8 @@
-#include "services/pareto/difference_model.h"
+#include "services/pareto/models/difference_model.h"
 
 #include <gtest/gtest.h>
 
-#include "services/pareto/random.h"
+#include "services/pareto/archive/random.h"
 
 namespace mortise::pareto {
 namespace {

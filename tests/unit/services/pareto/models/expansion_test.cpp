@@ -3,10 +3,10 @@
 
 #include <Eigen/Cholesky>
 
-#include "services/pareto/first_order_expansion.h"
-#include "services/pareto/quadratic_model.h"
-#include "services/pareto/random.h"
-#include "services/pareto/stochastic_sampling.h"
+#include "services/pareto/archive/random.h"
+#include "services/pareto/archive/stochastic_sampling.h"
+#include "services/pareto/models/first_order_expansion.h"
+#include "services/pareto/models/quadratic_model.h"
 
 namespace mortise::pareto {
 namespace {

@@ -1,13 +1,13 @@
 // Expected hypervolume improvement against closed forms and against random draws.
-#include "services/pareto/expected_improvement.h"
+#include "services/pareto/models/expected_improvement.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
-#include "services/pareto/hypervolume.h"
-#include "services/pareto/random.h"
+#include "services/pareto/archive/hypervolume.h"
+#include "services/pareto/archive/random.h"
 
 namespace mortise::pareto {
 namespace {

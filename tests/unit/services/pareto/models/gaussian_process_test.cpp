@@ -1,14 +1,14 @@
 // Gaussian processes: they go through their data, tell how sure they are, and their slopes are
 // those of what they say.
-#include "services/pareto/gaussian_process.h"
+#include "services/pareto/models/gaussian_process.h"
 
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
 #include <cmath>
 
-#include "services/pareto/random.h"
-#include "services/pareto/stochastic_sampling.h"
+#include "services/pareto/archive/random.h"
+#include "services/pareto/archive/stochastic_sampling.h"
 
 namespace mortise::pareto {
 namespace {

@@ -1,6 +1,6 @@
 // Limits of fronts and of discoveries: single values, narrow ranges, and numbers as they are
 // printed.
-#include "services/pareto/front_limits.h"
+#include "services/pareto/service/front_limits.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,9 +9,9 @@
 #include <optional>
 
 #include "common/base/errors.h"
-#include "services/pareto/discovery_constraints.h"
-#include "services/pareto/front_queries.h"
-#include "services/pareto/number_text.h"
+#include "services/pareto/service/discovery_constraints.h"
+#include "services/pareto/service/front_queries.h"
+#include "services/pareto/service/number_text.h"
 
 namespace mortise::pareto {
 namespace {

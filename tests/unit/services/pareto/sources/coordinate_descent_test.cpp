@@ -1,4 +1,4 @@
-#include "services/pareto/coordinate_descent.h"
+#include "services/pareto/sources/coordinate_descent.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "services/pareto/coordinate_search.h"
+#include "services/pareto/sources/coordinate_search.h"
 
 #include <gtest/gtest.h>
 

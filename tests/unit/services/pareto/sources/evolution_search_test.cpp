@@ -1,11 +1,11 @@
-#include "services/pareto/evolution_search.h"
+#include "services/pareto/sources/evolution_search.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "services/pareto/hypervolume.h"
+#include "services/pareto/archive/hypervolume.h"
 
 namespace mortise::pareto {
 namespace {

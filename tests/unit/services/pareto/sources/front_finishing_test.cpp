@@ -1,5 +1,5 @@
 // When rounds at the end of a budget begin, and what they ask for.
-#include "services/pareto/front_finishing.h"
+#include "services/pareto/sources/front_finishing.h"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@
 #include <functional>
 #include <vector>
 
-#include "services/pareto/outlier_repair.h"
-#include "services/pareto/random.h"
+#include "services/pareto/archive/random.h"
+#include "services/pareto/sources/outlier_repair.h"
 
 namespace mortise::pareto {
 namespace {

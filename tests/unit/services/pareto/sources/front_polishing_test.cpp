@@ -1,11 +1,11 @@
 // Designs pushed on to fronts that are known.
-#include "services/pareto/front_polishing.h"
+#include "services/pareto/sources/front_polishing.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "services/pareto/random.h"
+#include "services/pareto/archive/random.h"
 
 namespace mortise::pareto {
 namespace {

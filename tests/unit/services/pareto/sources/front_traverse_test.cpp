@@ -1,5 +1,5 @@
 // A front along one parameter, whole and in parts, and where there is none.
-#include "services/pareto/front_traverse.h"
+#include "services/pareto/sources/front_traverse.h"
 
 #include <gtest/gtest.h>
 

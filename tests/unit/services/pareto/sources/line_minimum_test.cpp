@@ -1,4 +1,4 @@
-#include "services/pareto/line_minimum.h"
+#include "services/pareto/sources/line_minimum.h"
 
 #include <gtest/gtest.h>
 

@@ -1,10 +1,10 @@
 // Local optimisation against problems with known answers, bounds, and the quadratic sub-problem.
-#include "services/pareto/local_optimization.h"
+#include "services/pareto/sources/local_optimization.h"
 
 #include <gtest/gtest.h>
 
-#include "services/pareto/bounded_quadratic.h"
-#include "services/pareto/random.h"
+#include "services/pareto/archive/random.h"
+#include "services/pareto/models/bounded_quadratic.h"
 
 namespace mortise::pareto {
 namespace {

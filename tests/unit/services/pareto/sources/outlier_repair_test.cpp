@@ -1,4 +1,4 @@
-#include "services/pareto/outlier_repair.h"
+#include "services/pareto/sources/outlier_repair.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Lines found among other designs, which parameter trades metrics off, and along which they ripple.
-#include "services/pareto/parameter_lines.h"
+#include "services/pareto/sources/parameter_lines.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <numbers>
 #include <utility>
 
-#include "services/pareto/random.h"
+#include "services/pareto/archive/random.h"
 
 namespace mortise::pareto {
 namespace {

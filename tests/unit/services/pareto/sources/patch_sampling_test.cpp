@@ -1,5 +1,5 @@
 // A walk along an affine piece of a front: what it covers, and where it ends.
-#include "services/pareto/patch_sampling.h"
+#include "services/pareto/sources/patch_sampling.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "services/pareto/population.h"
+#include "services/pareto/sources/population.h"
 
 #include <gtest/gtest.h>
 

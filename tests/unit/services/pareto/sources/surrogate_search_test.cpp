@@ -1,13 +1,13 @@
 // What a surrogate believes, and which designs it proposes.
-#include "services/pareto/surrogate_search.h"
+#include "services/pareto/sources/surrogate_search.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <functional>
 
-#include "services/pareto/stochastic_sampling.h"
-#include "services/pareto/surrogate_model.h"
+#include "services/pareto/archive/stochastic_sampling.h"
+#include "services/pareto/models/surrogate_model.h"
 
 namespace mortise::pareto {
 namespace {

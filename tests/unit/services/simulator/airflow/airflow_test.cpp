@@ -1,5 +1,5 @@
 // The flow of air around a body: what is known of balls and cubes, and how requests end.
-#include "services/simulator/airflow.h"
+#include "services/simulator/airflow/airflow.h"
 
 #include <gtest/gtest.h>
 
@@ -12,10 +12,10 @@
 #include <string>
 #include <thread>
 
-#include "bodies_in_air.h"
 #include "common/base/errors.h"
 #include "tests/support/environment.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/unit/services/simulator/airflow/bodies_in_air.h"
 
 namespace mortise::simulator {
 namespace {

@@ -1,13 +1,13 @@
 // Pressures that are read from faces of cells and carried over to a surface.
-#include "services/simulator/wall_pressure.h"
+#include "services/simulator/airflow/wall_pressure.h"
 
 #include <gtest/gtest.h>
 
 #include <string>
 
 #include "absl/strings/str_replace.h"
-#include "bodies_in_air.h"
 #include "common/mesh/mass_properties.h"
+#include "tests/unit/services/simulator/airflow/bodies_in_air.h"
 
 namespace mortise::simulator {
 namespace {

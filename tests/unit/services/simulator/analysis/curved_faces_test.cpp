@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "curved_bodies.h"
-#include "services/simulator/design_analysis.h"
+#include "services/simulator/analysis/design_analysis.h"
+#include "tests/unit/common/fem/problems/curved_bodies.h"
 
 namespace mortise::simulator {
 namespace {

@@ -1,5 +1,5 @@
 // Metrics, files and the cache of evaluations.
-#include "services/simulator/design_analysis.h"
+#include "services/simulator/analysis/design_analysis.h"
 
 #include <gtest/gtest.h>
 
@@ -9,10 +9,10 @@
 
 #include "common/base/files.h"
 #include "common/render/image.h"
-#include "services/simulator/analysis_report.h"
-#include "services/simulator/case_outcome.h"
-#include "services/simulator/result_cache.h"
-#include "test_cases.h"
+#include "services/simulator/analysis/analysis_report.h"
+#include "services/simulator/analysis/case_outcome.h"
+#include "services/simulator/worker/result_cache.h"
+#include "tests/unit/services/simulator/analysis/test_cases.h"
 
 namespace mortise::simulator {
 namespace {

@@ -1,19 +1,19 @@
 // Exact gradients of designs under loads: held against beam theory, against central differences on
 // the mesh that moves along, and against those of new meshes.
-#include "services/simulator/design_gradients.h"
+#include "services/simulator/analysis/design_gradients.h"
 
 #include <gmock/gmock.h>
 #include <google/protobuf/text_format.h>
 #include <gtest/gtest.h>
 
 #include "absl/strings/str_cat.h"
-#include "common/parametric/parameter_values.h"
+#include "common/design/parameter_values.h"
 #include "common/templates/template_codec.h"
-#include "services/simulator/design_motion.h"
-#include "services/simulator/design_solver.h"
-#include "services/simulator/own_metrics.h"
-#include "services/simulator/subject_metrics.h"
-#include "services/simulator/template_model.h"
+#include "services/simulator/analysis/design_solver.h"
+#include "services/simulator/analysis/own_metrics.h"
+#include "services/simulator/worker/design_motion.h"
+#include "services/simulator/worker/subject_metrics.h"
+#include "services/simulator/worker/template_model.h"
 #include "tests/unit/common/templates/conditioned_bars.h"
 
 namespace mortise::simulator {

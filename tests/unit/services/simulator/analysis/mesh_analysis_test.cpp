@@ -1,5 +1,5 @@
 // Uploaded meshes: what is computed of them held against exact answers.
-#include "services/simulator/mesh_analysis.h"
+#include "services/simulator/analysis/mesh_analysis.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
 #include "absl/strings/str_split.h"
-#include "analysed_mesh.h"
+#include "tests/unit/services/simulator/worker/analysed_mesh.h"
 
 namespace mortise::simulator {
 namespace {

@@ -1,6 +1,6 @@
 // Metrics of one's own on designs whose numbers can be told by hand: a bar of 0.4 x 0.04 x 0.04 m,
 // E = 1e10 Pa, ν = 0, as a template of each kind; and those that ship.
-#include "services/simulator/own_metrics.h"
+#include "services/simulator/analysis/own_metrics.h"
 
 #include <gmock/gmock.h>
 #include <google/protobuf/text_format.h>
@@ -9,12 +9,12 @@
 #include <map>
 
 #include "absl/strings/str_cat.h"
-#include "common/parametric/design_metrics.h"
-#include "common/parametric/metric_codec.h"
-#include "common/parametric/parameter_values.h"
+#include "common/design/design_metrics.h"
+#include "common/design/parameter_values.h"
+#include "common/files/metric_codec.h"
 #include "common/templates/template_codec.h"
-#include "services/simulator/subject_metrics.h"
-#include "services/simulator/template_model.h"
+#include "services/simulator/worker/subject_metrics.h"
+#include "services/simulator/worker/template_model.h"
 #include "tests/unit/common/templates/conditioned_bars.h"
 
 namespace mortise::simulator {

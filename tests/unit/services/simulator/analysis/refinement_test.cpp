@@ -1,6 +1,6 @@
 // Meshes refined where the error is: what is wanted is reached, with few elements, or it is said
 // why not.
-#include "services/simulator/refinement.h"
+#include "services/simulator/analysis/refinement.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "common/base/errors.h"
-#include "test_cases.h"
+#include "tests/unit/services/simulator/analysis/test_cases.h"
 
 namespace mortise::simulator {
 namespace {

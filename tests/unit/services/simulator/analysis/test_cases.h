@@ -1,8 +1,8 @@
 // Cases that several tests of the simulator solve.
 #pragma once
 
-#include "box_assembly.h"
-#include "services/simulator/design_analysis.h"
+#include "services/simulator/analysis/design_analysis.h"
+#include "tests/unit/common/mesh/box_assembly.h"
 
 namespace mortise::simulator {
 

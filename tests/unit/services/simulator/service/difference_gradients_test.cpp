@@ -1,4 +1,4 @@
-#include "services/simulator/difference_gradients.h"
+#include "services/simulator/service/difference_gradients.h"
 
 #include <gtest/gtest.h>
 

@@ -1,17 +1,17 @@
 // Which files of the simulator go, and when.
-#include "services/simulator/file_upkeep.h"
+#include "services/simulator/service/file_upkeep.h"
 
 #include <gtest/gtest.h>
 
 #include <atomic>
 #include <fstream>
 
-#include "common/jobs/operations.h"
+#include "common/operations/operations.h"
 #include "common/store/store.h"
 #include "mortise/v1/simulator.pb.h"
-#include "services/simulator/analysis_operation.h"
-#include "services/simulator/evaluation_tasks.h"
-#include "services/simulator/task_progress.h"
+#include "services/simulator/service/analysis_operation.h"
+#include "services/simulator/service/evaluation_tasks.h"
+#include "services/simulator/service/task_progress.h"
 #include "tests/unit/common/store/store_conformance.h"
 
 namespace mortise::simulator {

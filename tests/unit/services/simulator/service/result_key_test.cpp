@@ -1,4 +1,4 @@
-#include "services/simulator/result_key.h"
+#include "services/simulator/service/result_key.h"
 
 #include <google/protobuf/text_format.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // Pieces of work one after another, with others' between.
-#include "services/simulator/serial_executor.h"
+#include "services/simulator/service/serial_executor.h"
 
 #include <gtest/gtest.h>
 

@@ -12,9 +12,9 @@
 #include "absl/strings/str_replace.h"
 #include "common/base/errors.h"
 #include "mortise/v1/simulator.pb.h"
-#include "services/simulator/mesh_analysis.h"
-#include "services/simulator/mesh_case.h"
-#include "services/simulator/mesh_model.h"
+#include "services/simulator/analysis/mesh_analysis.h"
+#include "services/simulator/worker/mesh_case.h"
+#include "services/simulator/worker/mesh_model.h"
 #include "tests/support/mesh_files.h"
 
 namespace mortise::simulator {

@@ -1,11 +1,11 @@
 // What designs cost by the prices of their items.
-#include "services/simulator/design_cost.h"
+#include "services/simulator/worker/design_cost.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "common/base/errors.h"
-#include "common/parametric/parameter_values.h"
+#include "common/design/parameter_values.h"
 #include "common/templates/template_codec.h"
 #include "tests/unit/common/templates/shipped_collection.h"
 

@@ -1,5 +1,5 @@
 // Cases of uploaded meshes: how those that are wrong, or too large, are refused.
-#include "services/simulator/mesh_case.h"
+#include "services/simulator/worker/mesh_case.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,9 +11,9 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
-#include "analysed_mesh.h"
 #include "common/base/errors.h"
 #include "tests/support/bad_changes.h"
+#include "tests/unit/services/simulator/worker/analysed_mesh.h"
 
 namespace mortise::simulator {
 namespace {

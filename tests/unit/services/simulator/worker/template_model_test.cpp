@@ -1,5 +1,5 @@
 // Templates of every kind as finite element models.
-#include "services/simulator/template_model.h"
+#include "services/simulator/worker/template_model.h"
 
 #include <gmock/gmock.h>
 #include <google/protobuf/text_format.h>
@@ -10,15 +10,15 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/substitute.h"
+#include "common/assembly/codec/shape_codec.h"
 #include "common/base/errors.h"
 #include "common/cad/cylinder.h"
-#include "common/cad/solid_shape.h"
+#include "common/cad/stretch/solid_shape.h"
+#include "common/design/parameter_values.h"
 #include "common/mesh/mass_properties.h"
 #include "common/mesh/surface_check.h"
-#include "common/parametric/parameter_values.h"
-#include "common/parametric/shape_codec.h"
 #include "common/templates/template_codec.h"
-#include "services/simulator/design_conditions.h"
+#include "services/simulator/worker/design_conditions.h"
 #include "tests/unit/common/templates/shipped_collection.h"
 
 namespace mortise::simulator {
