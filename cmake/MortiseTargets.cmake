@@ -79,13 +79,21 @@ function(mortise_library name)
   endif()
 endfunction()
 
+# Every program of a running house, and nothing that only tests or makes data: what `./dev demo` builds.
+add_custom_target(house)
+
 # mortise_executable(<name> SOURCES main.cpp ... [DEPENDS target ...])
-# A program. Its own sources only read the command line and join libraries.
+# A program. Its own sources only read the command line and join libraries. Outside tests/ and tools/ it
+# belongs to the house.
 function(mortise_executable name)
   cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE mortise_flags ${ARG_DEPENDS})
   mortise_compile_briefly(${name} mortise_command_headers)
+  file(RELATIVE_PATH folder ${CMAKE_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
+  if(NOT folder MATCHES "^(tests|tools)/")
+    add_dependencies(house ${name})
+  endif()
 endfunction()
 
 # Most tests are not optimised, nor carry line numbers for debuggers: an assertion names its own.
