@@ -1,9 +1,7 @@
 #include <google/protobuf/text_format.h>
 #include <grpcpp/grpcpp.h>
 #include <unistd.h>
-
 #include <cmath>
-
 #include "mortise/v1/evaluator.grpc.pb.h"
 #include "mortise/v1/simulator.grpc.pb.h"
 using namespace mortise::v1;
@@ -14,12 +12,10 @@ int main(int, char** argv) {
   google::protobuf::TextFormat::ParseFromString(R"(evaluator { name: 'evaluators/stiffness' space {
     parameters { name: 'wire' unit: 'm' minimum: 1e-3 maximum: 5e-3 default_value: 3e-3 }
     parameters { name: 'diameter' unit: 'm' minimum: 0.02 maximum: 0.06 default_value: 0.03 }
-    metrics { name: 'stiffness' unit: 'N/m' } } })",
-                                                &create);
+    metrics { name: 'stiffness' unit: 'N/m' } } })", &create);
   create.set_request_id("spring-" + std::to_string(getpid()));
   grpc::ClientContext creating;
-  EvaluatorService::NewStub(channel)->CreateEvaluator(&creating, create,
-                                                      create.mutable_evaluator());
+  EvaluatorService::NewStub(channel)->CreateEvaluator(&creating, create, create.mutable_evaluator());
   const auto tasks = SimulatorService::NewStub(channel);
   LeaseTasksRequest lease;
   google::protobuf::TextFormat::ParseFromString(
