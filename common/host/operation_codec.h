@@ -30,7 +30,8 @@ std::string PackResult(const google::protobuf::Message& result);
 // The operation as clients see it. A result that was not made by PackResult is left out.
 v1::Operation ToProto(const jobs::Operation& operation);
 
-// The states of common/operations that `states` names; INVALID_ARGUMENT naming the entry that is none.
+// The states of common/operations that `states` names; INVALID_ARGUMENT naming the entry that is
+// none.
 absl::StatusOr<std::vector<jobs::OperationState>> StatesFrom(
     const google::protobuf::RepeatedField<int>& states);
 
