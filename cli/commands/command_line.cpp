@@ -16,7 +16,7 @@ constexpr const char* kConnectionFlags[] = {"--gateway", "--token-file", "--auth
 // Refuses the flags of a connection where the command makes none: a house that is started on
 // another folder than the one that was named is worse than none.
 void RefuseUnusedConnection(const CLI::App& app) {
-  for (const char* const command : {"up", "down", "status", "keys", "demo", "completion"}) {
+  for (const char* const command : {"up", "down", "keys", "demo", "completion"}) {
     if (!app.got_subcommand(command)) continue;
     const bool has_state = app.get_subcommand(command)->get_option_no_throw("--state") != nullptr;
     for (const std::string flag : kConnectionFlags) {

@@ -43,7 +43,7 @@ TEST(CommandLine, AHouseThatRunsIsNamedEitherWay) {
 
 TEST(CommandLine, CommandsWithoutAGatewayTakeNoneOfItsFlags) {
   const std::vector<std::vector<std::string>> commands = {
-      {"up"}, {"down"}, {"status"}, {"keys", "folder"}, {"demo"}, {"completion", "bash"}};
+      {"up"}, {"down"}, {"keys", "folder"}, {"demo"}, {"completion", "bash"}};
   for (std::vector<std::string> command : commands) {
     EXPECT_EQ(Refusal(command), "") << command[0];
     for (const char* const flag : {"--gateway", "--token-file", "--authority"}) {
@@ -55,6 +55,10 @@ TEST(CommandLine, CommandsWithoutAGatewayTakeNoneOfItsFlags) {
   EXPECT_THAT(Refusal({"demo", "--house", "there"}), HasSubstr("--house"));
   EXPECT_THAT(Refusal({"keys", "folder", "--house", "there"}), HasSubstr("--house"));
   EXPECT_EQ(Refusal({"catalog", "list", "--gateway", "127.0.0.1:7000", "--house", "there"}), "");
+}
+
+TEST(CommandLine, StatusMayBeAskedOfAGateway) {
+  EXPECT_EQ(Refusal({"status", "--gateway", "127.0.0.1:7000", "--token-file", "token"}), "");
 }
 
 TEST(CommandLine, UnknownFlagsAreNamed) {
