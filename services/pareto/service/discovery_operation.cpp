@@ -133,40 +133,44 @@ class DiscoveryRun {
     return std::move(checkpoint.results);
   }
 
+  static jobs::Progress ProgressOf(const DiscoveryProblem& problem,
+                                   const AskTell::Summary& summary) {
+    const auto each = problem.robustness.EvaluationsPerDesign();
+    jobs::Progress progress;
+    progress.done = summary.evaluations * each;
+    progress.total = problem.options.evaluations * each;
+    progress.best_so_far = summary.hypervolume;
+    progress.has_best = summary.cells_covered > 0;
+    progress.message =
+        absl::StrFormat("hypervolume %.4f, %d cells covered, %d pieces followed, %d failed",
+                        summary.hypervolume, summary.cells_covered, summary.pieces, summary.failed);
+    if (summary.failed > 0)
+      absl::StrAppend(&progress.message, " (", CountsByReason(summary.failures), ")");
+    if (summary.violating > 0)
+      absl::StrAppend(&progress.message, ", ", summary.violating, " beyond constraints");
+    if (summary.combinations > 1)
+      absl::StrAppend(&progress.message, ", ", summary.combinations_tried, " of ",
+                      summary.combinations, " combinations tried, ", summary.combinations_pruned,
+                      " given up");
+    if (summary.surrogate.predictions > 0)
+      absl::StrAppendFormat(
+          &progress.message, ", surrogate off by %.2g of the front (%.0f %% as it expected)",
+          summary.surrogate.median_error, 100 * summary.surrogate.within_two_deviations);
+    if (each > 1)
+      absl::StrAppend(&progress.message, "; ", summary.evaluations, " designs of ", each,
+                      " evaluations");
+    return progress;
+  }
+
   RunOptions MakeRunOptions(const DiscoveryProblem& problem) {
     RunOptions options;
     options.lanes = std::clamp(problem.options.window, 1, kMostLanes);
     options.batch_size = (problem.options.window + options.lanes - 1) / options.lanes;
     options.cancelled = [this] { return context_.Cancelled(); };
-    options.progress =
-        [this, total = problem.options.evaluations,
-         each = problem.robustness.EvaluationsPerDesign()](const AskTell::Summary& summary) {
-          jobs::Progress progress;
-          progress.done = summary.evaluations * each;
-          progress.total = total * each;
-          progress.best_so_far = summary.hypervolume;
-          progress.has_best = summary.cells_covered > 0;
-          progress.message = absl::StrFormat(
-              "hypervolume %.4f, %d cells covered, %d pieces followed, %d failed",
-              summary.hypervolume, summary.cells_covered, summary.pieces, summary.failed);
-          if (summary.failed > 0)
-            absl::StrAppend(&progress.message, " (", CountsByReason(summary.failures), ")");
-          if (summary.violating > 0)
-            absl::StrAppend(&progress.message, ", ", summary.violating, " beyond constraints");
-          if (summary.combinations > 1)
-            absl::StrAppend(&progress.message, ", ", summary.combinations_tried, " of ",
-                            summary.combinations, " combinations tried, ",
-                            summary.combinations_pruned, " given up");
-          if (summary.surrogate.predictions > 0)
-            absl::StrAppendFormat(
-                &progress.message, ", surrogate off by %.2g of the front (%.0f %% as it expected)",
-                summary.surrogate.median_error, 100 * summary.surrogate.within_two_deviations);
-          if (each > 1)
-            absl::StrAppend(&progress.message, "; ", summary.evaluations, " designs of ", each,
-                            " evaluations");
-          progress_ = progress;
-          context_.ReportProgress(progress);
-        };
+    options.progress = [this, &problem](const AskTell::Summary& summary) {
+      progress_ = ProgressOf(problem, summary);
+      context_.ReportProgress(progress_);
+    };
     options.waiting = [this](std::chrono::seconds waited, int calls) {
       jobs::Progress progress = progress_;
       progress.message = absl::StrCat(
@@ -209,8 +213,8 @@ class DiscoveryRun {
   }
 
   // It may end before all that it was allowed to evaluate: then it is through with fewer.
-  void TellEnd() {
-    if (progress_.total == 0) return;
+  void TellEnd(const DiscoveryProblem& problem, const AskTell::Summary& summary) {
+    progress_ = ProgressOf(problem, summary);
     progress_.total = progress_.done;
     context_.ReportProgress(progress_);
   }
@@ -235,7 +239,7 @@ class DiscoveryRun {
     }
     MORTISE_ASSIGN_OR_RETURN(const std::string packed, StoreFront(problem, discovery));
     if (!stopped) {
-      TellEnd();
+      TellEnd(problem, summary);
       return packed;
     }
     context_.KeepResult(packed);
