@@ -178,53 +178,92 @@ double IterativeSolver::Dot(const Eigen::VectorXd& a, const Eigen::VectorXd& b) 
 
 // What one load's iteration carries along.
 struct IterativeSolver::Iteration {
+  enum class Next { kStep, kRestart, kEnd };
+
   Eigen::VectorXd load, solution, residual, corrected, direction, image;
-  double rho = 0;  // residual · corrected
+  double rho = 0;           // residual · corrected
+  double previous_rho = 0;  // of the step before
+  double first_rho = 0;     // at the start
+  double true_error = 1;    // at the last restart
+  double least_error = 1;   // when it last halved
+  int halved = 0;           // the iteration after which it did
+  bool is_fresh = true;     // the next direction continues none
+  bool has_restarted = false;
+  bool is_exact = true;  // the residual is the true one
+  ConditionEstimate estimate;
+
+  Next Judge(double error, int iterations, double tolerance, bool is_rough);
 };
 
-absl::StatusOr<Eigen::Matrix3Xd> IterativeSolver::SolveOne(const Eigen::Matrix3Xd& load,
-                                                           double tolerance, bool is_rough) {
-  const int size = static_cast<int>(load.size());
-  Iteration now;
-  now.load = load.reshaped().array() * free_;
-  now.solution = now.direction = now.image = Eigen::VectorXd::Zero(size);
-  const double scale = std::sqrt(Dot(now.load, now.load));
-  summary_.iterations = 0;
-  summary_.residual = summary_.error = 0;
-  if (scale == 0) return Eigen::Matrix3Xd::Zero(3, load.cols());
-  now.residual = now.load;
-  ConditionEstimate estimate;
-  double first = 0, last_true = 1;  // residual · corrected at the start; error at the last restart
-  double least = 1;                 // error, when it last halved
-  int halved = 0;                   // the iteration after which it did
-  bool fresh = true, restarted = false, exact = true;
-  summary_.error = 1;
+// What is to be done at an error.
+IterativeSolver::Iteration::Next IterativeSolver::Iteration::Judge(double error, int iterations,
+                                                                   double tolerance,
+                                                                   bool is_rough) {
+  if (is_exact && has_restarted) {
+    const bool rounding = error < kRoundingError && error > 0.5 * true_error;
+    if (error <= tolerance || rounding) return Next::kEnd;
+    true_error = error;
+  }
+  if (error < 0.5 * least_error) {
+    least_error = error;
+    halved = iterations;
+  }
+  const bool stalled = iterations > halved + kStalled && least_error < kRoundingError;
+  if (stalled && is_exact) return Next::kEnd;
+  if (is_rough && iterations >= kRoughIterations) return Next::kEnd;
+  return error <= tolerance || stalled ? Next::kRestart : Next::kStep;
+}
+
+absl::Status IterativeSolver::Correct(Iteration& now) {
+  multigrid_.Correct(now.residual, now.corrected);
+  now.rho = Dot(now.residual, now.corrected);
+  if (now.first_rho == 0) now.first_rho = now.rho;
+  if (!(now.rho >= 0 && now.first_rho > 0)) return Singular();
+  summary_.error = std::sqrt(now.rho / now.first_rho);
+  return absl::OkStatus();
+}
+
+// The residual carried along may have drifted from the true one, which has the last word.
+void IterativeSolver::Restart(Iteration& now) {
+  MultiplyFree(now.solution, now.image);
+  now.residual = now.load - now.image;
+  now.is_fresh = now.has_restarted = now.is_exact = true;
+}
+
+absl::Status IterativeSolver::Step(Iteration& now) {
+  const int size = static_cast<int>(now.load.size());
+  const double beta = now.is_fresh ? 0 : now.rho / now.previous_rho;
+  now.previous_rho = now.rho;
+  now.is_fresh = now.is_exact = false;
+  team_.ForRanges(size, [&](int begin, int end) {
+    now.direction.segment(begin, end - begin) = now.corrected.segment(begin, end - begin) +
+                                                beta * now.direction.segment(begin, end - begin);
+  });
+  MultiplyFree(now.direction, now.image);
+  const double curvature = Dot(now.direction, now.image);
+  if (!(curvature > 0)) return Singular();
+  const double alpha = now.rho / curvature;
+  if (!now.has_restarted) now.estimate.Add(alpha, beta);
+  team_.ForRanges(size, [&](int begin, int end) {
+    const int count = end - begin;
+    now.solution.segment(begin, count) += alpha * now.direction.segment(begin, count);
+    now.residual.segment(begin, count) -= alpha * now.image.segment(begin, count);
+  });
+  ++summary_.iterations;
+  return absl::OkStatus();
+}
+
+absl::Status IterativeSolver::Iterate(Iteration& now, double tolerance, bool is_rough) {
   while (true) {
     if (options_.progress) {
       MORTISE_RETURN_IF_ERROR(options_.progress(summary_.iterations, summary_.error));
     }
-    multigrid_.Correct(now.residual, now.corrected);
-    const double rho = Dot(now.residual, now.corrected);
-    if (first == 0) first = rho;
-    if (!(rho >= 0 && first > 0)) return Singular();
-    summary_.error = std::sqrt(rho / first);
-    if (exact && restarted) {
-      const bool rounding = summary_.error < kRoundingError && summary_.error > 0.5 * last_true;
-      if (summary_.error <= tolerance || rounding) break;
-      last_true = summary_.error;
-    }
-    if (summary_.error < 0.5 * least) {
-      least = summary_.error;
-      halved = summary_.iterations;
-    }
-    const bool stalled = summary_.iterations > halved + kStalled && least < kRoundingError;
-    if (stalled && exact) break;
-    if (is_rough && summary_.iterations >= kRoughIterations) break;
-    if (summary_.error <= tolerance || stalled) {
-      // The residual carried along may have drifted from the true one, which has the last word.
-      MultiplyFree(now.solution, now.image);
-      now.residual = now.load - now.image;
-      fresh = restarted = exact = true;
+    MORTISE_RETURN_IF_ERROR(Correct(now));
+    const Iteration::Next next =
+        now.Judge(summary_.error, summary_.iterations, tolerance, is_rough);
+    if (next == Iteration::Next::kEnd) return absl::OkStatus();
+    if (next == Iteration::Next::kRestart) {
+      Restart(now);
       continue;
     }
     if (summary_.iterations >= options_.maximum_iterations || IsTooSlow(tolerance)) {
@@ -233,27 +272,24 @@ absl::StatusOr<Eigen::Matrix3Xd> IterativeSolver::SolveOne(const Eigen::Matrix3X
           absl::StrFormat("after %d iterations the relative error is %.2g, not %.2g",
                           summary_.iterations, summary_.error, tolerance));
     }
-    const double beta = fresh ? 0 : rho / now.rho;
-    now.rho = rho;
-    fresh = exact = false;
-    team_.ForRanges(size, [&](int begin, int end) {
-      now.direction.segment(begin, end - begin) = now.corrected.segment(begin, end - begin) +
-                                                  beta * now.direction.segment(begin, end - begin);
-    });
-    MultiplyFree(now.direction, now.image);
-    const double curvature = Dot(now.direction, now.image);
-    if (!(curvature > 0)) return Singular();
-    const double alpha = now.rho / curvature;
-    if (!restarted) estimate.Add(alpha, beta);
-    team_.ForRanges(size, [&](int begin, int end) {
-      const int count = end - begin;
-      now.solution.segment(begin, count) += alpha * now.direction.segment(begin, count);
-      now.residual.segment(begin, count) -= alpha * now.image.segment(begin, count);
-    });
-    ++summary_.iterations;
+    MORTISE_RETURN_IF_ERROR(Step(now));
   }
+}
+
+absl::StatusOr<Eigen::Matrix3Xd> IterativeSolver::SolveOne(const Eigen::Matrix3Xd& load,
+                                                           double tolerance, bool is_rough) {
+  Iteration now;
+  now.load = load.reshaped().array() * free_;
+  now.solution = now.direction = now.image = Eigen::VectorXd::Zero(now.load.size());
+  const double scale = std::sqrt(Dot(now.load, now.load));
+  summary_.iterations = 0;
+  summary_.residual = summary_.error = 0;
+  if (scale == 0) return Eigen::Matrix3Xd::Zero(3, load.cols());
+  now.residual = now.load;
+  summary_.error = 1;
+  MORTISE_RETURN_IF_ERROR(Iterate(now, tolerance, is_rough));
   summary_.residual = std::sqrt(Dot(now.residual, now.residual)) / scale;
-  summary_.condition = estimate.Condition();
+  summary_.condition = now.estimate.Condition();
   if (!(summary_.condition < kSingularCondition) || !now.solution.allFinite()) return Singular();
   return Eigen::Matrix3Xd(Eigen::Map<const Eigen::Matrix3Xd>(now.solution.data(), 3, load.cols()));
 }

@@ -38,6 +38,11 @@ class IterativeSolver : public LinearSolver {
   bool IsTooSlow(double tolerance) const;
   absl::StatusOr<Eigen::Matrix3Xd> SolveOne(const Eigen::Matrix3Xd& load, double tolerance,
                                             bool is_rough);
+  // Until the error is at most `tolerance`, or as small as it gets.
+  absl::Status Iterate(Iteration& now, double tolerance, bool is_rough);
+  absl::Status Correct(Iteration& now);
+  void Restart(Iteration& now);
+  absl::Status Step(Iteration& now);
   void MultiplyFree(const Eigen::VectorXd& x, Eigen::VectorXd& y);
   double Dot(const Eigen::VectorXd& a, const Eigen::VectorXd& b);
 
