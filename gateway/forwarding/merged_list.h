@@ -40,6 +40,66 @@ struct ListPage {
   std::string next_page_token;  // empty on the last page
 };
 
+// A page of one source, of which some is used up.
+template <class Item>
+struct SourceRead {
+  std::string name;
+  ListPage<Item> page;
+  SourcePosition position;
+  std::size_t used = 0;
+  bool found_last = true;  // else all of the page came in front of what was used up
+  std::string given = {};  // identity of the last item given of it; empty if there is none
+};
+
+// The page of a source that `position` is on, used up to where that says.
+template <class Item, class Fetch, class Identify>
+absl::StatusOr<SourceRead<Item>> ReadSource(const std::string& name, const SourcePosition& position,
+                                            int page_size, const Fetch& fetch,
+                                            const Identify& identify) {
+  SourceRead<Item> read{name, {}, position};
+  // Sources bound their pages as this list does; what they cannot give makes this page shorter.
+  const int asked = std::min(page_size + position.skip, resources::kLargestPageSize);
+  MORTISE_ASSIGN_OR_RETURN(read.page, fetch(name, asked, position.token));
+  if (position.last.empty()) return read;
+  const auto& items = read.page.items;
+  const auto last = std::find_if(items.begin(), items.end(),
+                                 [&](const Item& item) { return identify(item) == position.last; });
+  read.found_last = last != items.end();
+  read.used = static_cast<std::size_t>(last - items.begin()) + (read.found_last ? 1 : 0);
+  return read;
+}
+
+// The one whose next item comes first of all; null at the end of all pages, and where one is used
+// up that has a next page: what is on that might come first.
+template <class Item, class Before>
+SourceRead<Item>* FindFirst(std::vector<SourceRead<Item>>& reads, const Before& before) {
+  SourceRead<Item>* best = nullptr;
+  for (SourceRead<Item>& read : reads) {
+    if (read.used == read.page.items.size()) {
+      if (!read.page.next_page_token.empty()) return nullptr;
+    } else if (best == nullptr ||
+               before(read.page.items[read.used], best->page.items[best->used])) {
+      best = &read;
+    }
+  }
+  return best;
+}
+
+// Where the next page begins.
+template <class Item>
+MergePosition PositionAfter(const std::vector<SourceRead<Item>>& reads) {
+  MergePosition next;
+  for (const SourceRead<Item>& read : reads) {
+    const std::string& reached = read.given.empty() ? read.position.last : read.given;
+    if (read.used < read.page.items.size()) {
+      next[read.name] = {read.position.token, static_cast<int>(read.used), reached};
+    } else if (!read.page.next_page_token.empty()) {
+      next[read.name] = {read.page.next_page_token, 0, read.found_last ? "" : reached};
+    }
+  }
+  return next;
+}
+
 // The next page of the merged list. `fetch(source, page_size, page_token)` gives a page of a
 // source, whose items are in the order of `before(a, b)`; failures end it. `identify(item)` gives a
 // text that no other item of its source has, not empty, and that stays the same; `size_of(item)`
@@ -52,62 +112,25 @@ absl::StatusOr<ListPage<Item>> MergeLists(const std::vector<std::string>& source
                                           const std::string& page_token, const Fetch& fetch,
                                           const Before& before, const Identify& identify,
                                           const SizeOf& size_of) {
-  struct Read {
-    std::string name;
-    ListPage<Item> page;
-    SourcePosition position;
-    std::size_t used = 0;
-    bool found_last = true;  // else all of the page came in front of what was used up
-  };
   MORTISE_ASSIGN_OR_RETURN(const resources::PageQuery query,
                            resources::ReadPageQuery(page_size, page_token));
   MORTISE_ASSIGN_OR_RETURN(const MergePosition start, ParseMergeToken(page_token, sources));
-  std::vector<Read> reads;
+  std::vector<SourceRead<Item>> reads;
   for (const auto& [name, position] : start) {
-    Read read{name, {}, position};
-    // Sources bound their pages as this list does; what they cannot give makes this page shorter.
-    const int asked = std::min(query.size + position.skip, resources::kLargestPageSize);
-    MORTISE_ASSIGN_OR_RETURN(read.page, fetch(name, asked, position.token));
-    if (!position.last.empty()) {
-      const auto& items = read.page.items;
-      const auto last = std::find_if(items.begin(), items.end(), [&](const Item& item) {
-        return identify(item) == position.last;
-      });
-      read.found_last = last != items.end();
-      read.used = static_cast<std::size_t>(last - items.begin()) + (read.found_last ? 1 : 0);
-    }
+    MORTISE_ASSIGN_OR_RETURN(SourceRead<Item> read,
+                             ReadSource<Item>(name, position, query.size, fetch, identify));
     reads.push_back(std::move(read));
   }
   ListPage<Item> merged;
-  std::map<std::string, std::string> last;  // identity of the last item given, by source
   resources::PageRoom room(query.size);
-  while (true) {
-    Read* best = nullptr;
-    bool exhausted = false;
-    for (Read& read : reads) {
-      if (read.used == read.page.items.size()) {
-        exhausted = exhausted || !read.page.next_page_token.empty();
-      } else if (best == nullptr ||
-                 before(read.page.items[read.used], best->page.items[best->used])) {
-        best = &read;
-      }
-    }
-    // What the exhausted source has on its next page might come first.
-    if (best == nullptr || exhausted) break;
-    if (!room.Take(size_of(best->page.items[best->used]))) break;
-    last[best->name] = identify(best->page.items[best->used]);
-    merged.items.push_back(std::move(best->page.items[best->used++]));
+  while (SourceRead<Item>* const first = FindFirst(reads, before)) {
+    Item& item = first->page.items[first->used];
+    if (!room.Take(size_of(item))) break;
+    first->given = identify(item);
+    merged.items.push_back(std::move(item));
+    ++first->used;
   }
-  MergePosition next;
-  for (const Read& read : reads) {
-    const auto given = last.find(read.name);
-    const std::string& reached = given == last.end() ? read.position.last : given->second;
-    if (read.used < read.page.items.size()) {
-      next[read.name] = {read.position.token, static_cast<int>(read.used), reached};
-    } else if (!read.page.next_page_token.empty()) {
-      next[read.name] = {read.page.next_page_token, 0, read.found_last ? "" : reached};
-    }
-  }
+  const MergePosition next = PositionAfter(reads);
   if (!next.empty()) merged.next_page_token = FormatMergeToken(next);
   return merged;
 }
