@@ -59,15 +59,13 @@ void SortAndUnite(std::vector<T>& members) {
   members.erase(std::unique(members.begin(), members.end()), members.end());
 }
 
-struct CornersHash {
-  std::size_t operator()(const std::array<int, 3>& key) const {
-    std::size_t hash = 0;
-    for (const int k : key) hash = (hash ^ static_cast<unsigned>(k)) * 0x9e3779b97f4a7c15ull;
-    return hash ^ (hash >> 29);
-  }
-};
-
 }  // namespace
+
+std::size_t GroupedMeshBuilder::CornersHash::operator()(const Corners& corners) const {
+  std::size_t hash = 0;
+  for (const int k : corners) hash = (hash ^ static_cast<unsigned>(k)) * 0x9e3779b97f4a7c15ull;
+  return hash ^ (hash >> 29);
+}
 
 std::string FilePlaces::Where(std::size_t place) const {
   const std::string_view before = bytes_.substr(0, place);
@@ -308,43 +306,48 @@ absl::Status GroupedMeshBuilder::ResolveElementGroups(GroupedMesh& mesh) const {
   return absl::OkStatus();
 }
 
-absl::Status GroupedMeshBuilder::ResolveFaceGroups(GroupedMesh& mesh) {
-  // Corners of all triangles; -1 for the element until one is found.
-  std::unordered_map<std::array<int, 3>, ElementSide, CornersHash> wanted;
-  const auto key_of = [&](const Triangle& triangle) -> absl::StatusOr<std::array<int, 3>> {
-    std::array<int, 3> key{};
-    for (int k = 0; k < 3; ++k) {
-      const auto found = node_index_.find(triangle.corners[k]);
-      if (found == node_index_.end()) {
-        return places_.Fault(triangle.place,
-                             absl::StrCat("there is no node ", triangle.corners[k]));
-      }
-      key[k] = found->second;
+absl::StatusOr<GroupedMeshBuilder::Corners> GroupedMeshBuilder::CornersOf(
+    const Triangle& triangle) const {
+  Corners corners{};
+  for (int k = 0; k < 3; ++k) {
+    const auto found = node_index_.find(triangle.corners[k]);
+    if (found == node_index_.end()) {
+      return places_.Fault(triangle.place, absl::StrCat("there is no node ", triangle.corners[k]));
     }
-    std::sort(key.begin(), key.end());
-    return key;
-  };
-  for (const Group& added : face_groups_.groups) {
-    for (const Triangle& triangle : added.triangles) {
-      MORTISE_ASSIGN_OR_RETURN(const auto key, key_of(triangle));
-      wanted.try_emplace(key, ElementSide{-1, -1});
+    corners[k] = found->second;
+  }
+  std::sort(corners.begin(), corners.end());
+  return corners;
+}
+
+absl::StatusOr<GroupedMeshBuilder::SidesByCorners> GroupedMeshBuilder::FindSides(
+    const GroupedMesh& mesh) const {
+  SidesByCorners sides;
+  for (const Group& group : face_groups_.groups) {
+    for (const Triangle& triangle : group.triangles) {
+      MORTISE_ASSIGN_OR_RETURN(const Corners corners, CornersOf(triangle));
+      sides.try_emplace(corners, ElementSide{-1, -1});
     }
   }
   for (const Triangle& triangle : loose_triangles_) {
-    MORTISE_ASSIGN_OR_RETURN(const auto key, key_of(triangle));
-    wanted.try_emplace(key, ElementSide{-1, -1});
+    MORTISE_ASSIGN_OR_RETURN(const Corners corners, CornersOf(triangle));
+    sides.try_emplace(corners, ElementSide{-1, -1});
   }
-  if (!wanted.empty()) {
-    for (int e = 0; e < mesh.tetrahedra.cols(); ++e) {
-      for (int side = 0; side < 4; ++side) {
-        std::array<int, 3> key{};
-        for (int k = 0; k < 3; ++k) key[k] = mesh.tetrahedra(kTetrahedronFaces[side][k], e);
-        std::sort(key.begin(), key.end());
-        const auto found = wanted.find(key);
-        if (found != wanted.end() && found->second.element < 0) found->second = {e, side};
-      }
+  if (sides.empty()) return sides;
+  for (int e = 0; e < mesh.tetrahedra.cols(); ++e) {
+    for (int side = 0; side < 4; ++side) {
+      Corners corners{};
+      for (int k = 0; k < 3; ++k) corners[k] = mesh.tetrahedra(kTetrahedronFaces[side][k], e);
+      std::sort(corners.begin(), corners.end());
+      const auto found = sides.find(corners);
+      if (found != sides.end() && found->second.element < 0) found->second = {e, side};
     }
   }
+  return sides;
+}
+
+absl::Status GroupedMeshBuilder::ResolveFaceGroups(GroupedMesh& mesh) {
+  MORTISE_ASSIGN_OR_RETURN(const SidesByCorners sides, FindSides(mesh));
   for (const auto& [owner, name, members, triangles] : face_groups_.groups) {
     FaceGroup group{name, {}};
     for (const Member& member : members) {
@@ -356,8 +359,8 @@ absl::Status GroupedMeshBuilder::ResolveFaceGroups(GroupedMesh& mesh) {
       group.members.push_back({found->second, member.side});
     }
     for (const Triangle& triangle : triangles) {
-      MORTISE_ASSIGN_OR_RETURN(const auto key, key_of(triangle));
-      const ElementSide side = wanted.at(key);
+      MORTISE_ASSIGN_OR_RETURN(const Corners corners, CornersOf(triangle));
+      const ElementSide side = sides.at(corners);
       if (side.element < 0) {
         return places_.Fault(triangle.place, absl::StrCat("a triangle of group '", name,
                                                           "' is no face of a tetrahedron"));
@@ -367,11 +370,15 @@ absl::Status GroupedMeshBuilder::ResolveFaceGroups(GroupedMesh& mesh) {
     SortAndUnite(group.members);
     mesh.face_groups.push_back(std::move(group));
   }
+  return NoteTrianglesApart(sides);
+}
+
+absl::Status GroupedMeshBuilder::NoteTrianglesApart(const SidesByCorners& sides) {
   std::size_t apart = 0;
   std::string first;
   for (const Triangle& triangle : loose_triangles_) {
-    MORTISE_ASSIGN_OR_RETURN(const auto key, key_of(triangle));
-    if (wanted.at(key).element < 0 && apart++ == 0) first = places_.Where(triangle.place);
+    MORTISE_ASSIGN_OR_RETURN(const Corners corners, CornersOf(triangle));
+    if (sides.at(corners).element < 0 && apart++ == 0) first = places_.Where(triangle.place);
   }
   if (apart > 0) {
     AddNote(absl::StrCat(first, ": ", apart,

@@ -122,6 +122,13 @@ class GroupedMeshBuilder {
     std::map<std::pair<Owner, std::string>, int> index;
   };
 
+  using Corners = std::array<int, 3>;  // of a triangle, nodes of the mesh, ascending
+  struct CornersHash {
+    std::size_t operator()(const Corners& corners) const;
+  };
+  // The element is -1 where a triangle is no side of any.
+  using SidesByCorners = std::unordered_map<Corners, ElementSide, CornersHash>;
+
   absl::StatusOr<int> AddGroup(Groups& groups, const std::string& name, std::size_t place,
                                Owner owner);
   absl::Status SpendMember(std::size_t place);
@@ -129,7 +136,10 @@ class GroupedMeshBuilder {
   absl::Status ResolveElements(GroupedMesh& mesh);
   absl::Status MergeRepeats(GroupedMesh& mesh);
   absl::Status ResolveElementGroups(GroupedMesh& mesh) const;
+  absl::StatusOr<Corners> CornersOf(const Triangle& triangle) const;
+  absl::StatusOr<SidesByCorners> FindSides(const GroupedMesh& mesh) const;  // of all triangles
   absl::Status ResolveFaceGroups(GroupedMesh& mesh);
+  absl::Status NoteTrianglesApart(const SidesByCorners& sides);
   absl::Status ResolveNodeGroups(const std::vector<int>& kept, GroupedMesh& mesh) const;
 
   const FilePlaces& places_;
