@@ -113,4 +113,15 @@ inline double SoftResidual(const ElementConnection& connection, const Eigen::Vec
   return std::sqrt(squares);
 }
 
+inline const ElementConnection& Only(const ParametricAssembly& design) {
+  EXPECT_EQ(design.connections().size(), 1U);
+  return design.connections().front();
+}
+
+inline void ExpectBox(const BoundingBox& box, const Eigen::Vector3d& minimum,
+                      const Eigen::Vector3d& maximum) {
+  EXPECT_LT((box.minimum - minimum).norm(), 1e-9) << box.minimum.transpose();
+  EXPECT_LT((box.maximum - maximum).norm(), 1e-9) << box.maximum.transpose();
+}
+
 }  // namespace mortise::parametric
