@@ -1,0 +1,95 @@
+// Operations that are listed and visited.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "tests/support/status_assertions.h"
+#include "tests/unit/common/operations/operations_fixture.h"
+
+namespace mortise::jobs {
+namespace {
+
+TEST_P(OperationsTest, ListsNewestFirstByPages) {
+  auto operations = Create(Options(), "quick", [](OperationContext& context) {
+    return absl::StatusOr<std::string>(context.request());
+  });
+  std::map<std::string, std::string> requests;
+  std::vector<std::string> names;
+  for (int i = 0; i < 5; ++i) {
+    names.push_back(Start(operations.get(), "quick", std::to_string(i)));
+    requests[names.back()] = std::to_string(i);
+  }
+  for (const std::string& name : names) WaitFor(operations.get(), name);
+  // Names begin with their millisecond; within one the order is theirs, but it is an order.
+  std::sort(names.begin(), names.end());
+  const auto page = operations->List("", 2);
+  ASSERT_OK(page);
+  ASSERT_EQ(page->size(), 2u);
+  EXPECT_EQ(page->at(0).name, names[4]);
+  EXPECT_EQ(page->at(1).name, names[3]);
+  EXPECT_EQ(page->at(1).result, requests[names[3]]);
+  const auto rest = operations->List(page->at(1).name, 10);
+  ASSERT_EQ(rest->size(), 3u);
+  EXPECT_EQ(rest->at(2).name, names[0]);
+}
+
+TEST_P(OperationsTest, VisitsOneByOneWhatPassesTheFilter) {
+  auto operations = Create(Options(), "quick", [](OperationContext& context) {
+    if (context.request() == "fail") return absl::StatusOr<std::string>(absl::InternalError("x"));
+    return absl::StatusOr<std::string>(context.request());
+  });
+  std::vector<std::string> names;
+  for (int i = 0; i < 150; ++i) {
+    names.push_back(Start(operations.get(), "quick", i % 3 == 0 ? "fail" : "done"));
+  }
+  for (const std::string& name : names) WaitFor(operations.get(), name);
+  std::sort(names.begin(), names.end(), std::greater<>());
+  const auto visited = [&](const OperationFilter& filter, std::size_t most,
+                           const std::string& after = "") {
+    std::vector<std::string> seen;
+    EXPECT_OK(operations->Visit(after, filter, [&] {
+      return [&](const Operation& operation) {
+        seen.push_back(operation.name);
+        return seen.size() < most;
+      };
+    }));
+    return seen;
+  };
+  EXPECT_EQ(visited({}, 1000), names);
+  EXPECT_EQ(visited({}, 2, names[99]), (std::vector<std::string>{names[100], names[101]}));
+  EXPECT_EQ(visited({.states = {OperationState::kFailed}}, 1000).size(), 50u);
+  EXPECT_EQ(visited({.states = {OperationState::kFailed, OperationState::kSucceeded}}, 1000),
+            names);
+  EXPECT_TRUE(visited({.kind = "other"}, 1000).empty());
+  EXPECT_TRUE(visited({.subject = "other"}, 1000).empty());
+}
+
+// The database goes while one is shown the first of many, and comes back at once.
+TEST_P(OperationsTest, AVisitBeginsAnewWhereTheDatabaseWasLost) {
+  auto operations = Create(Options(), "quick", [](OperationContext& context) {
+    return absl::StatusOr<std::string>(context.request());
+  });
+  std::vector<std::string> names;
+  for (int i = 0; i < 120; ++i) names.push_back(Start(operations.get(), "quick"));
+  for (const std::string& name : names) WaitFor(operations.get(), name);
+  std::sort(names.begin(), names.end(), std::greater<>());
+  std::vector<std::string> seen;
+  int visitors = 0;
+  EXPECT_OK(operations->Visit("", {}, [&] {
+    ++visitors;
+    seen.clear();
+    return [&](const Operation& operation) {
+      if (visitors == 1 && seen.empty()) LoseDatabase();
+      seen.push_back(operation.name);
+      return true;
+    };
+  }));
+  EXPECT_EQ(seen, names) << "each of them once";
+  EXPECT_EQ(visitors, GetParam() == Driver::kPostgresql ? 2 : 1);
+}
+
+}  // namespace
+}  // namespace mortise::jobs
