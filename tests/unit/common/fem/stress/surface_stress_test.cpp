@@ -13,7 +13,6 @@
 
 #include "common/fem/stress/stress_derivative.h"
 #include "common/fem/stress/stress_recovery.h"
-#include "common/fem/stress/surface_fan.h"
 #include "common/mesh/tetrahedra/mesher.h"
 #include "tests/unit/common/fem/problems/clamped_box.h"
 
@@ -420,34 +419,6 @@ TEST_P(RecoveredStress, KnowsTheTractionsOfLoads) {
 
 // Where forces stand on nodes nobody knows how they are spread over faces; and where the surface
 // has an edge that goes inwards, stress has no limit. There the mean of the elements is given.
-// A side that begins along the normal of the surface has no direction along it.
-TEST(SurfaceFan, IsNoneWhereASideLeavesTheSurface) {
-  mesh::MappedBox box;
-  for (auto& ticks : box.ticks) ticks = mesh::Ticks(3);
-  box.place = [](const Vector3d& p) -> Vector3d { return 3 * p; };
-  mesh::TetrahedralMesh mesh = mesh::MeshMappedBox(box, true);
-  const auto node_at = [&mesh](const Vector3d& place) {
-    Eigen::Index nearest = 0;
-    (mesh.nodes.colwise() - place).colwise().norm().minCoeff(&nearest);
-    return static_cast<int>(nearest);
-  };
-  const int corner = node_at({1, 1, 3}), far = node_at({2, 1, 3}), middle = node_at({1.5, 1, 3});
-  const auto fan_at = [&mesh](int node) {
-    const PartNodes nodes(mesh);
-    const PartSurface surface(mesh, nodes);
-    int slot = 0;
-    while (nodes.node(slot) != node) ++slot;
-    return SurfaceFan::Around(mesh, surface, slot).has_value();
-  };
-  EXPECT_TRUE(fan_at(corner));
-  for (const double aside : {0.0, 1e-9}) {
-    mesh.nodes.col(middle) = Vector3d(1 + aside, 1, 3.05);
-    mesh.nodes.col(far) = Vector3d(2, 1, 3.2);
-    EXPECT_FALSE(fan_at(corner)) << aside;
-    EXPECT_TRUE(fan_at(node_at({1, 2, 3}))) << aside;
-  }
-}
-
 TEST_P(RecoveredStress, LeavesForcesOnNodesAndInnerEdgesToTheMean) {
   mesh::MappedBox whole;
   whole.ticks = {mesh::Ticks(4), mesh::Ticks(4), mesh::Ticks(2)};
