@@ -21,8 +21,10 @@
 #include "services/pareto/discovery/combined_discovery.h"
 #include "services/pareto/discovery/discovery_run.h"
 #include "services/pareto/discovery/robust_evaluator.h"
+#include "services/pareto/service/discovery_failures.h"
 #include "services/pareto/service/discovery_problem.h"
 #include "services/pareto/service/discovery_start.h"
+#include "services/pareto/service/front_message.h"
 #include "services/pareto/service/remote_evaluator.h"
 
 namespace mortise::pareto {

@@ -1,4 +1,4 @@
-// Checks of specifications, and fronts as messages.
+// Checks of specifications, and what they ask of a subject.
 #include "services/pareto/service/discovery_problem.h"
 
 #include <algorithm>
@@ -13,8 +13,6 @@
 #include "mortise/v1/evaluator.pb.h"
 #include "mortise/v1/pareto.pb.h"
 #include "services/pareto/archive/hypervolume.h"
-#include "services/pareto/front/front.h"
-#include "services/pareto/front/front_remarks.h"
 
 namespace mortise::pareto {
 namespace {
@@ -212,30 +210,6 @@ absl::Status CheckTolerances(const v1::DiscoverySpecification& specification) {
   return absl::OkStatus();
 }
 
-// Reasons that are FAILED_PRECONDITION, but may hold for some designs of a subject only, and be
-// given in the same words for many.
-bool IsOfDesign(const std::string& reason) {
-  for (const char* known :
-       {"RIGID_MOTION", "SINGULAR", "NOT_CONVERGED", "NOT_BONDED", "NOT_FINITE", "QUARANTINED"}) {
-    if (reason == known) return true;
-  }
-  return false;
-}
-
-// Whether several designs failed in the same words for what the subject may lack.
-bool IsOfSubject(const FailureCount& failure) {
-  return failure.count > 1 && failure.same_message && !IsOfDesign(failure.reason) &&
-         (failure.code == absl::StatusCode::kFailedPrecondition ||
-          failure.code == absl::StatusCode::kNotFound ||
-          failure.code == absl::StatusCode::kUnimplemented);
-}
-
-std::vector<std::string> Names(const std::vector<Objective>& objectives) {
-  std::vector<std::string> names;
-  for (const Objective& objective : objectives) names.push_back(objective.metric);
-  return names;
-}
-
 absl::Status CheckCount(std::int64_t value, std::int64_t least, std::int64_t most,
                         const std::string& field) {
   if (value >= least && value <= most) return absl::OkStatus();
@@ -358,150 +332,6 @@ absl::StatusOr<DiscoveryProblem> MakeProblem(const v1::DiscoverySpecification& s
   problem.options.surrogate = SurrogateOf(specification.surrogate());
   if (specification.window() > 0) problem.options.window = specification.window();
   return problem;
-}
-
-absl::Status NoFeasibleDesign(const std::string& subject, const DiscoveryProblem& problem,
-                              const AskTell& discovery) {
-  const AskTell::Summary summary = discovery.summary();
-  std::string reasons;
-  if (summary.violating > 0)
-    reasons = absl::StrCat(" meets all constraints; the nearest does not because ",
-                           MissedByNearest(problem.constraints, discovery.archive()));
-  if (summary.failed > 0)
-    absl::StrAppend(&reasons, reasons.empty() ? " could be evaluated: " : "; others failed: ",
-                    CountsWithExamples(summary.failures));
-  return PreconditionFailed(
-      "NO_FEASIBLE_DESIGN",
-      absl::StrCat("none of ", summary.evaluations, " designs of ", subject, reasons), subject);
-}
-
-bool MayLackSomething(const AskTell& discovery, const AskTell::Summary& summary) {
-  return summary.evaluations >= discovery.initial_samples() &&
-         summary.failed == summary.evaluations &&
-         std::any_of(summary.failures.begin(), summary.failures.end(), IsOfSubject);
-}
-
-absl::Status JudgeSubject(const std::string& subject, const AskTell::Summary& summary,
-                          const Evaluation& default_design) {
-  if (default_design.status != EvaluationStatus::kFailed) return absl::OkStatus();
-  const auto shared = std::find_if(
-      summary.failures.begin(), summary.failures.end(), [&](const FailureCount& failure) {
-        return IsOfSubject(failure) && failure.code == default_design.code &&
-               failure.message == default_design.message;
-      });
-  if (shared == summary.failures.end()) return absl::OkStatus();
-  return PreconditionFailed(
-      "SUBJECT_UNUSABLE",
-      absl::StrCat("no design of ", subject, " can be evaluated. The default one and ",
-                   shared->count, " of the first ", summary.evaluations,
-                   ", which all failed, say: ", shared->message, " (", shared->reason, ")"),
-      subject);
-}
-
-namespace {
-
-bool AnyChoice(const DiscoveryProblem& problem) {
-  return std::ranges::any_of(problem.choices, [](const auto& names) { return !names.empty(); });
-}
-
-// Empty for a number.
-std::string ChoiceOf(const DiscoveryProblem& problem, const Eigen::VectorXd& x, Eigen::Index i) {
-  const std::vector<std::string>& names = problem.choices[static_cast<std::size_t>(i)];
-  return names.empty() ? "" : names[static_cast<std::size_t>(std::lround(x[i]))];
-}
-
-void AddCombinations(const DiscoveryProblem& problem, const AskTell::Summary& summary,
-                     v1::Front& message) {
-  if (AnyChoice(problem)) {
-    for (const std::vector<std::string>& names : problem.choices)
-      message.add_parameter_choices()->mutable_names()->Add(names.begin(), names.end());
-  }
-  v1::FrontCombinations& combinations = *message.mutable_combinations();
-  combinations.set_possible(summary.combinations);
-  combinations.set_tried(summary.combinations_tried);
-  combinations.set_given_up(summary.combinations_pruned);
-}
-
-}  // namespace
-
-v1::Front MakeFront(const DiscoveryProblem& problem, const AskTell& discovery) {
-  v1::Front message;
-  for (const std::string& name : problem.parameter_names) message.add_parameter_names(name);
-  for (const Objective& objective : problem.objectives) {
-    message.add_metric_names(objective.metric);
-    message.add_metric_units(objective.unit);
-  }
-  for (const Constraint& constraint : problem.constraints)
-    message.add_constraint_units(constraint.unit);
-  message.mutable_parameter_minima()->Add(problem.space.lower.begin(), problem.space.lower.end());
-  message.mutable_parameter_maxima()->Add(problem.space.upper.begin(), problem.space.upper.end());
-  const Eigen::VectorXd signs = problem.Signs();
-  const Front front = discovery.front();
-  for (const FrontPoint& point : front.points) {
-    v1::FrontPoint& to = *message.add_points();
-    const Eigen::VectorXd metrics = point.metrics.cwiseProduct(signs);
-    to.mutable_parameters()->Add(point.x.begin(), point.x.end());
-    to.mutable_metrics()->Add(metrics.begin(), metrics.end());
-    for (Eigen::Index i = 0; AnyChoice(problem) && i < point.x.size(); ++i)
-      to.add_choices(ChoiceOf(problem, point.x, i));
-    to.set_cell(static_cast<int>(point.cell));
-    to.set_piece(point.piece);
-    to.mutable_embedding()->Add(point.embedding.begin(), point.embedding.end());
-    to.set_approximation_error(point.approximation_error);
-    to.set_jump(point.jump);
-    if (!problem.robustness.tolerances.empty()) {
-      const Eigen::VectorXd means =
-          signs.cwiseProduct(point.metrics - problem.robustness.deviations * point.deviations);
-      to.mutable_metric_deviations()->Add(point.deviations.begin(), point.deviations.end());
-      to.mutable_metric_means()->Add(means.begin(), means.end());
-    }
-    Eigen::Index row = 0;
-    for (const Constraint& constraint : problem.constraints) {
-      to.add_constraint_metrics(constraint.ValueOf(point.constraints[row]));
-      row += constraint.rows();
-    }
-  }
-  for (const FrontPiece& piece : front.pieces) {
-    v1::FrontPiece& to = *message.add_affine_pieces();
-    to.mutable_origin()->Add(piece.origin.begin(), piece.origin.end());
-    for (const auto& direction : piece.directions.colwise()) {
-      to.add_directions()->mutable_values()->Add(direction.begin(), direction.end());
-    }
-    to.set_points(piece.points);
-  }
-  const AskTell::Summary summary = discovery.summary();
-  AddCombinations(problem, summary, message);
-  message.set_pieces(static_cast<int>(front.pieces.size()));
-  message.set_evaluations(summary.evaluations);
-  message.set_subject_evaluations(summary.evaluations * problem.robustness.EvaluationsPerDesign());
-  message.set_failed_evaluations(summary.failed);
-  message.set_violating_evaluations(summary.violating);
-  for (const FailureCount& failure : summary.failures) {
-    v1::EvaluationFailure& to = *message.add_failures();
-    to.set_reason(failure.reason);
-    to.set_count(failure.count);
-    to.set_message(failure.message);
-    to.mutable_parameters()->Add(failure.x.begin(), failure.x.end());
-  }
-  if (summary.surrogate.proposals > 0) {
-    v1::SurrogateQuality& to = *message.mutable_surrogate_quality();
-    to.set_proposals(summary.surrogate.proposals);
-    to.set_predictions(summary.surrogate.predictions);
-    to.set_within_two_deviations(summary.surrogate.within_two_deviations);
-    to.set_median_error(summary.surrogate.median_error);
-  }
-  message.set_hypervolume(summary.hypervolume);
-  message.set_cells_covered(static_cast<int>(summary.cells_covered));
-  message.set_stop_reason(StopReasonName(summary.stop_reason));
-  message.set_point_count(static_cast<int>(front.points.size()));
-  for (std::string& remark : FrontRemarks(discovery.archive(), front, Names(problem.objectives)))
-    message.add_remarks(std::move(remark));
-  for (std::string& remark : BandRemarks(problem.constraints))
-    message.add_remarks(std::move(remark));
-  if (problem.robustness.first_order)
-    message.add_remarks(
-        "deviations are to first order, from gradients, and means those of designs");
-  return message;
 }
 
 }  // namespace mortise::pareto

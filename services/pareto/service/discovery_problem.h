@@ -6,8 +6,6 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "services/pareto/archive/evaluation.h"
-#include "services/pareto/discovery/ask_tell.h"
 #include "services/pareto/discovery/discovery.h"
 #include "services/pareto/discovery/robust_evaluator.h"
 #include "services/pareto/models/combinations.h"
@@ -16,7 +14,6 @@
 namespace mortise::v1 {
 class DesignSpace;
 class DiscoverySpecification;
-class Front;
 }  // namespace mortise::v1
 
 namespace mortise::pareto {
@@ -57,23 +54,5 @@ absl::Status CheckSpecification(const v1::DiscoverySpecification& specification)
 // "specification.subject" for a design space that is unusable).
 absl::StatusOr<DiscoveryProblem> MakeProblem(const v1::DiscoverySpecification& specification,
                                              const v1::DesignSpace& described);
-
-// Why no front can come of it: FAILED_PRECONDITION naming the subject, with what its evaluations
-// failed for and, if some did not, how far the nearest is from the constraints.
-absl::Status NoFeasibleDesign(const std::string& subject, const DiscoveryProblem& problem,
-                              const AskTell& discovery);
-
-// Whether all evaluations so far, at least those of the space-filling samples, failed, and several
-// in the same words for what the subject may lack (FAILED_PRECONDITION, NOT_FOUND, UNIMPLEMENTED).
-bool MayLackSomething(const AskTell& discovery, const AskTell::Summary& summary);
-
-// If the default design lacks what several of those in `summary`, which all failed, lack in the
-// same words: FAILED_PRECONDITION, SUBJECT_UNUSABLE, naming the subject and what that is. OK
-// otherwise. Others may have failed before that was looked at, over dimensions that conflict, say.
-absl::Status JudgeSubject(const std::string& subject, const AskTell::Summary& summary,
-                          const Evaluation& default_design);
-
-// What was found, as a message without name, specification and time.
-v1::Front MakeFront(const DiscoveryProblem& problem, const AskTell& discovery);
 
 }  // namespace mortise::pareto
