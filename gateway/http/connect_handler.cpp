@@ -219,6 +219,41 @@ asio::awaitable<bool> Refuse(HttpConnection& connection, const ConnectCodec& cod
   co_return co_await EndStream(connection, ToConnectError(status), {});
 }
 
+asio::awaitable<bool> RefuseContentType(HttpConnection& connection, const MethodRoute& method,
+                                        bool keep_alive) {
+  const char* accepted = IsStreaming(method) ? "application/connect+json, application/connect+proto"
+                                             : "application/json, application/proto";
+  const HeaderList headers = {{"accept-post", accepted}};
+  const ConnectError error = ToConnectError(
+      InvalidField("content-type", absl::StrCat(method.full_name, " takes ", accepted)));
+  co_return co_await WriteErrorAs(kUnsupportedMediaType, connection, error, headers, keep_alive);
+}
+
+// HTTP/1.1 cannot speak both ways at once; the protocol names this status.
+asio::awaitable<bool> RefuseBothWays(HttpConnection& connection, const MethodRoute& method) {
+  const HeaderList headers = {{"connection", "close"}};
+  const ConnectError error = {absl::StatusCode::kUnimplemented,
+                              method.full_name + " streams both ways: call it over gRPC",
+                              {}};
+  co_return co_await WriteErrorAs(kVersionNotSupported, connection, error, headers, false);
+}
+
+// Whether the body came. Where it did not, a client that is still there has been told why.
+asio::awaitable<bool> ReceiveBody(HttpConnection& connection, const HttpContext& context,
+                                  const ConnectCodec& codec, const std::string& subject,
+                                  Places& places, HttpRequest& request) {
+  const HttpConnection::HasRoom has_room = [&](std::size_t received) {
+    if (received <= kSmallBodyBytes || places.body != nullptr) return true;
+    places.body = TakeBodyRoom(context, subject, kMaximalBodyBytes);
+    return places.body != nullptr;
+  };
+  const HttpReadResult read = co_await connection.ReadBody(request, has_room);
+  if (read == HttpReadResult::kRead) co_return true;
+  const absl::Status failure = BodyFailure(read);
+  if (!failure.ok()) co_await Refuse(connection, codec, failure, false);
+  co_return false;
+}
+
 }  // namespace
 
 asio::awaitable<bool> HandleConnect(HttpConnection& connection, const HttpContext& context,
@@ -226,23 +261,10 @@ asio::awaitable<bool> HandleConnect(HttpConnection& connection, const HttpContex
   const bool keep_alive = request.keep_alive();
   const auto codec = ParseContentType(HeaderOf(request, "content-type"));
   if (!codec || codec->streaming != IsStreaming(method)) {
-    const char* accepted = IsStreaming(method)
-                               ? "application/connect+json, application/connect+proto"
-                               : "application/json, application/proto";
-    const HeaderList headers = {{"accept-post", accepted}};
-    const ConnectError error = ToConnectError(
-        InvalidField("content-type", absl::StrCat(method.full_name, " takes ", accepted)));
-    co_return co_await WriteErrorAs(kUnsupportedMediaType, connection, error, headers,
-                                    keep_alive) &&
-        keep_alive;
+    co_return co_await RefuseContentType(connection, method, keep_alive) && keep_alive;
   }
   if (method.client_streaming && method.server_streaming) {
-    // HTTP/1.1 cannot speak both ways at once; the protocol names this status.
-    const HeaderList headers = {{"connection", "close"}};
-    const ConnectError error = {absl::StatusCode::kUnimplemented,
-                                method.full_name + " streams both ways: call it over gRPC",
-                                {}};
-    co_await WriteErrorAs(kVersionNotSupported, connection, error, headers, false);
+    co_await RefuseBothWays(connection, method);
     co_return false;
   }
   ConnectCall call;
@@ -252,19 +274,12 @@ asio::awaitable<bool> HandleConnect(HttpConnection& connection, const HttpContex
   if (!caller.ok()) {
     co_return co_await Refuse(connection, *codec, caller.status(), keep_alive) && keep_alive;
   }
-  auto places = TakePlaces(context, method, (*caller)->subject, connection.BodyBytes());
+  const std::string& subject = (*caller)->subject;
+  auto places = TakePlaces(context, method, subject, connection.BodyBytes());
   if (!places.ok()) {
     co_return co_await Refuse(connection, *codec, places.status(), keep_alive) && keep_alive;
   }
-  const HttpConnection::HasRoom has_room = [&](std::size_t received) {
-    if (received <= kSmallBodyBytes || places->body != nullptr) return true;
-    places->body = TakeBodyRoom(context, (*caller)->subject, kMaximalBodyBytes);
-    return places->body != nullptr;
-  };
-  const HttpReadResult read = co_await connection.ReadBody(request, has_room);
-  if (read != HttpReadResult::kRead) {
-    const absl::Status failure = BodyFailure(read);
-    if (!failure.ok()) co_await Refuse(connection, *codec, failure, false);
+  if (!co_await ReceiveBody(connection, context, *codec, subject, *places, request)) {
     co_return false;
   }
   auto requests = ReadMessages(context, method, *codec, request.body());
