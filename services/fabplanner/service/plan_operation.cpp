@@ -78,6 +78,69 @@ absl::Status StorePlan(store::Transaction& transaction, const std::string& id, v
                                   .trace_id = CurrentTraceId()});
 }
 
+// Empty if there is no such plan.
+absl::StatusOr<std::string> FindStored(const std::string& id, jobs::OperationContext& context) {
+  std::string stored;
+  MORTISE_RETURN_IF_ERROR(context.Transact([&](store::Transaction& transaction) -> absl::Status {
+    const absl::StatusOr<store::Record> record = transaction.Get(kPlanKind, id);
+    if (record.ok()) stored = record->payload;
+    return absl::IsNotFound(record.status()) ? absl::OkStatus() : record.status();
+  }));
+  return stored;
+}
+
+struct PlannedDesign {
+  Design design;
+  Items items;
+  FabricationPlan plan;
+};
+
+absl::StatusOr<PlannedDesign> PlanDesign(const v1::CreatePlanRequest& request,
+                                         const v1::EvaluatedDesign& evaluated,
+                                         const v1::TemplateBundle& bundle,
+                                         jobs::OperationContext& context) {
+  PlannedDesign planned;
+  MORTISE_ASSIGN_OR_RETURN(planned.design, DesignFrom(evaluated));
+  AddDrawing(bundle.assembly(), &planned.design);
+  MORTISE_ASSIGN_OR_RETURN(planned.items, ItemsFrom(bundle));
+  context.ReportProgress({.total = 0, .message = "laying out boards and sheets"});
+  const int quantity = request.has_quantity() ? request.quantity() : 1;
+  MORTISE_ASSIGN_OR_RETURN(
+      planned.plan, MakePlan(planned.design, planned.items, quantity, RulesFrom(request.rules()),
+                             context.stop_token()));
+  return planned;
+}
+
+struct DrawnFiles {
+  std::vector<PlanFile> files;
+  int total = 1;  // of the progress that was told
+};
+
+absl::StatusOr<DrawnFiles> DrawFiles(const PlannedDesign& planned, const v1::Template& origin,
+                                     jobs::OperationContext& context) {
+  DrawnFiles drawn;
+  const auto tell = [&](int done, int total) {
+    drawn.total = total;
+    context.ReportProgress({.done = done, .total = total, .message = "drawing the assembly"});
+    return !context.Cancelled();
+  };
+  MORTISE_ASSIGN_OR_RETURN(
+      drawn.files, MakePlanFiles(planned.plan, planned.design, planned.items,
+                                 origin.title().empty() ? origin.name() : origin.title(), tell));
+  return drawn;
+}
+
+// Without the files and the time.
+v1::Plan MessageOf(const std::string& id, const PlannedDesign& planned,
+                   const v1::EvaluatedDesign& evaluated) {
+  v1::Plan plan = ToProto(planned.plan, planned.design);
+  plan.set_name(absl::StrCat("plans/", id));
+  plan.set_template_(evaluated.template_());
+  plan.set_template_revision(evaluated.template_revision());
+  *plan.mutable_parameters() = evaluated.parameters();
+  return plan;
+}
+
 }  // namespace
 
 absl::Status CheckTemplate(const v1::CreatePlanRequest& request) {
@@ -179,6 +242,36 @@ absl::StatusOr<std::string> PlanOperation::FetchStep(const v1::EvaluatedDesign& 
   return Export(request, context);
 }
 
+absl::StatusOr<std::string> PlanOperation::AttachStep(const v1::EvaluatedDesign& design,
+                                                      FabricationPlan* plan,
+                                                      jobs::OperationContext& context) const {
+  if (!HasDrawings(*plan)) return "";
+  absl::StatusOr<std::string> step = FetchStep(design, context);
+  if (context.Cancelled()) return absl::CancelledError("the plan was cancelled");
+  if (step.ok()) {
+    AddToDrawings(kStepFile, plan);
+    return step;
+  }
+  if (MayPass(step.status())) return step.status();
+  if (!absl::IsFailedPrecondition(step.status())) {
+    plan->handwork.push_back(
+        absl::StrCat("make do without ", kStepFile,
+                     ", which the catalog could not make: ", step.status().message()));
+  }
+  return "";
+}
+
+absl::Status PlanOperation::KeepFiles(const std::vector<PlanFile>& files, v1::Plan* plan) const {
+  for (const PlanFile& file : files) {
+    v1::Artifact* artifact = plan->add_artifacts();
+    artifact->set_file_name(file.file_name);
+    artifact->set_media_type(file.media_type);
+    artifact->set_size(static_cast<int64_t>(file.bytes.size()));
+    MORTISE_ASSIGN_OR_RETURN(*artifact->mutable_sha256(), blobs_->Put(file.bytes));
+  }
+  return absl::OkStatus();
+}
+
 absl::StatusOr<std::string> PlanOperation::Run(jobs::OperationContext& context) const {
   v1::CreatePlanRequest request;
   if (!request.ParseFromString(context.request())) {
@@ -186,73 +279,29 @@ absl::StatusOr<std::string> PlanOperation::Run(jobs::OperationContext& context) 
   }
   const std::string id = PlanIdOf(context.name());
   // A run that was killed after it had stored the plan has nothing more to do.
-  std::string existing;
-  MORTISE_RETURN_IF_ERROR(context.Transact([&](store::Transaction& transaction) -> absl::Status {
-    const absl::StatusOr<store::Record> record = transaction.Get(kPlanKind, id);
-    if (record.ok()) existing = record->payload;
-    return absl::IsNotFound(record.status()) ? absl::OkStatus() : record.status();
-  }));
+  MORTISE_ASSIGN_OR_RETURN(const std::string stored, FindStored(id, context));
   v1::Plan plan;
-  if (!existing.empty() && plan.ParseFromString(existing)) return rpc::PackResult(plan);
+  if (!stored.empty() && plan.ParseFromString(stored)) return rpc::PackResult(plan);
 
   context.ReportProgress({.total = 0, .message = "evaluating the design"});
   MORTISE_ASSIGN_OR_RETURN(const Inputs inputs, FetchInputs(request, context));
   if (context.Cancelled()) return absl::CancelledError("the plan was cancelled");
-  MORTISE_ASSIGN_OR_RETURN(Design design, DesignFrom(inputs.design));
-  AddDrawing(inputs.bundle.assembly(), &design);
-  MORTISE_ASSIGN_OR_RETURN(const Items items, ItemsFrom(inputs.bundle));
-  context.ReportProgress({.total = 0, .message = "laying out boards and sheets"});
-  const int quantity = request.has_quantity() ? request.quantity() : 1;
-  MORTISE_ASSIGN_OR_RETURN(
-      FabricationPlan made,
-      MakePlan(design, items, quantity, RulesFrom(request.rules()), context.stop_token()));
-  std::string step;
-  if (HasDrawings(made)) {
-    absl::StatusOr<std::string> fetched = FetchStep(inputs.design, context);
-    if (context.Cancelled()) return absl::CancelledError("the plan was cancelled");
-    if (fetched.ok()) {
-      step = *std::move(fetched);
-      AddToDrawings(kStepFile, &made);
-    } else if (MayPass(fetched.status())) {
-      return fetched.status();
-    } else if (!absl::IsFailedPrecondition(fetched.status())) {
-      made.handwork.push_back(
-          absl::StrCat("make do without ", kStepFile,
-                       ", which the catalog could not make: ", fetched.status().message()));
-    }
-  }
-  const v1::Template& origin = inputs.bundle.template_();
-  int drawn = 1;
-  MORTISE_ASSIGN_OR_RETURN(
-      std::vector<PlanFile> files,
-      MakePlanFiles(made, design, items, origin.title().empty() ? origin.name() : origin.title(),
-                    [&](int done, int total) {
-                      drawn = total;
-                      context.ReportProgress(
-                          {.done = done, .total = total, .message = "drawing the assembly"});
-                      return !context.Cancelled();
-                    }));
-  if (!step.empty()) files.push_back({kStepFile, "model/step", std::move(step)});
+  MORTISE_ASSIGN_OR_RETURN(PlannedDesign planned,
+                           PlanDesign(request, inputs.design, inputs.bundle, context));
+  MORTISE_ASSIGN_OR_RETURN(std::string step, AttachStep(inputs.design, &planned.plan, context));
+  MORTISE_ASSIGN_OR_RETURN(DrawnFiles drawn,
+                           DrawFiles(planned, inputs.bundle.template_(), context));
+  if (!step.empty()) drawn.files.push_back({kStepFile, "model/step", std::move(step)});
 
-  plan = ToProto(made, design);
-  plan.set_name(absl::StrCat("plans/", id));
-  plan.set_template_(inputs.design.template_());
-  plan.set_template_revision(inputs.design.template_revision());
-  *plan.mutable_parameters() = inputs.design.parameters();
-  for (const PlanFile& file : files) {
-    v1::Artifact* artifact = plan.add_artifacts();
-    artifact->set_file_name(file.file_name);
-    artifact->set_media_type(file.media_type);
-    artifact->set_size(static_cast<int64_t>(file.bytes.size()));
-    MORTISE_ASSIGN_OR_RETURN(*artifact->mutable_sha256(), blobs_->Put(file.bytes));
-  }
+  plan = MessageOf(id, planned, inputs.design);
+  MORTISE_RETURN_IF_ERROR(KeepFiles(drawn.files, &plan));
   if (plan.ByteSizeLong() > kMostMessageBytes) {
     return TooLarge(absl::StrCat("a plan of ", plan.ByteSizeLong(), " bytes"),
                     absl::StrCat(kMostMessageBytes, " bytes; plan fewer copies at a time"));
   }
   MORTISE_RETURN_IF_ERROR(context.Transact(
       [&](store::Transaction& transaction) { return StorePlan(transaction, id, &plan); }));
-  context.ReportProgress({.done = drawn, .total = drawn, .message = "planned"});
+  context.ReportProgress({.done = drawn.total, .total = drawn.total, .message = "planned"});
   return rpc::PackResult(plan);
 }
 

@@ -3,12 +3,15 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "common/operations/operations.h"
 #include "mortise/v1/catalog.pb.h"
 #include "mortise/v1/fabplanner.pb.h"
+#include "services/fabplanner/documents/plan_files.h"
+#include "services/fabplanner/plan/plan.h"
 
 namespace mortise::rpc {
 class IdentitySigner;
@@ -56,6 +59,12 @@ class PlanOperation {
   // The design as a STEP file; empty for what has no exact surfaces, such as a mesh in a cage.
   absl::StatusOr<std::string> FetchStep(const v1::EvaluatedDesign& design,
                                         jobs::OperationContext& context) const;
+  // FetchStep for a plan with drawings, which afterwards names the file among them. Where the
+  // catalog cannot make it, it is empty, and the plan says so; fails if that may pass.
+  absl::StatusOr<std::string> AttachStep(const v1::EvaluatedDesign& design, FabricationPlan* plan,
+                                         jobs::OperationContext& context) const;
+  // Stores the files, and names them in the plan.
+  absl::Status KeepFiles(const std::vector<PlanFile>& files, v1::Plan* plan) const;
 
   rpc::Peers* peers_;
   const rpc::IdentitySigner* signer_;
