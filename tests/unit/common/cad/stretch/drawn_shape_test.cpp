@@ -274,13 +274,15 @@ TEST(DrawnShape, OfTrianglesOnlyIsASolidToo) {
   EXPECT_TRUE(BRepCheck_Analyzer(solid->kernel().shape).IsValid());
 }
 
+mesh::SurfaceMesh Wedge() {
+  Eigen::Matrix2Xd outline(2, 3);
+  outline << 0, 1, 0, 0, 0, 1;
+  const mesh::DrawnShape wedge = Drawn(Prism("wedge", outline, 1));
+  return mesh::SurfaceIn(wedge, wedge.size);
+}
+
 TEST(DrawnShape, IsRefusedWithThePlaceWhereItBoundsNoSolid) {
-  const mesh::DrawnShape box = [] {
-    Eigen::Matrix2Xd outline(2, 3);
-    outline << 0, 1, 0, 0, 0, 1;
-    return Drawn(Prism("wedge", outline, 1));
-  }();
-  const mesh::SurfaceMesh good = mesh::SurfaceIn(box, box.size);
+  const mesh::SurfaceMesh good = Wedge();
   ASSERT_TRUE(mesh::ShapeOfMesh(good).ok());
   mesh::SurfaceMesh open = good;
   open.triangles.conservativeResize(3, open.triangles.cols() - 1);
@@ -294,6 +296,18 @@ TEST(DrawnShape, IsRefusedWithThePlaceWhereItBoundsNoSolid) {
   twice.triangles.conservativeResize(3, good.triangles.cols() + 1);
   twice.triangles.rightCols(1) = good.triangles.leftCols(1);
   EXPECT_FALSE(mesh::ShapeOfMesh(twice).ok());
+  mesh::SurfaceMesh far = good;
+  far.vertices.array() += 10'001;
+  EXPECT_THAT(std::string(mesh::ShapeOfMesh(far).status().message()), HasSubstr("from the origin"));
+  EXPECT_FALSE(mesh::ShapeOfMesh({}).ok());
+  mesh::SurfaceMesh huge;
+  huge.vertices = Eigen::Matrix3Xd::Zero(3, 3);
+  huge.triangles = Eigen::Matrix3Xi::Zero(3, mesh::kMaxShapeTriangles + 1);
+  EXPECT_EQ(mesh::ShapeOfMesh(huge).status().code(), absl::StatusCode::kResourceExhausted);
+}
+
+TEST(DrawnShape, IsRefusedWhereItIsSeveralSolids) {
+  const mesh::SurfaceMesh good = Wedge();
   // Two solids, one through the other.
   mesh::SurfaceMesh crossing;
   const Eigen::Index v = good.vertices.cols(), t = good.triangles.cols();
@@ -328,14 +342,6 @@ TEST(DrawnShape, IsRefusedWithThePlaceWhereItBoundsNoSolid) {
               HasSubstr("2 separate solids"));
   hollow.triangles.rightCols(t).row(0).swap(hollow.triangles.rightCols(t).row(1));
   EXPECT_TRUE(mesh::ShapeOfMesh(hollow).ok());
-  mesh::SurfaceMesh far = good;
-  far.vertices.array() += 10'001;
-  EXPECT_THAT(std::string(mesh::ShapeOfMesh(far).status().message()), HasSubstr("from the origin"));
-  EXPECT_FALSE(mesh::ShapeOfMesh({}).ok());
-  mesh::SurfaceMesh huge;
-  huge.vertices = Eigen::Matrix3Xd::Zero(3, 3);
-  huge.triangles = Eigen::Matrix3Xi::Zero(3, mesh::kMaxShapeTriangles + 1);
-  EXPECT_EQ(mesh::ShapeOfMesh(huge).status().code(), absl::StatusCode::kResourceExhausted);
 }
 
 // What STEP has is what is written after it was read, stretched, written and read again.
