@@ -85,6 +85,52 @@ int FaceOf(const Lattice& lattice, const Index& a, const Index& b, const Index& 
   return -1;
 }
 
+// Whether the first cell's axes, where the nodes are, turn left hands into right ones.
+bool IsMirrored(const Lattice& lattice, const TetrahedralMesh& mesh) {
+  Eigen::Matrix3d axes;
+  for (int d = 0; d < 3; ++d) {
+    Index one{0, 0, 0};
+    one[d] = 2;
+    axes.col(d) = mesh.nodes.col(lattice.Node(one)) - mesh.nodes.col(0);
+  }
+  return axes.col(0).cross(axes.col(1)).dot(axes.col(2)) < 0;
+}
+
+// The outer triangles that have been found, and the face of each.
+struct Outside {
+  std::vector<Eigen::VectorXi> triangles;
+  std::vector<int> faces;
+};
+
+void AddSides(const Lattice& lattice, const std::array<Index, 4>& corners, bool quadratic,
+              Outside& outside) {
+  for (const auto& side : kTetrahedronFaces) {
+    const Index &a = corners[side[0]], &b = corners[side[1]], &c = corners[side[2]];
+    const int face = FaceOf(lattice, a, b, c);
+    if (face < 0) continue;
+    Eigen::VectorXi triangle(quadratic ? 6 : 3);
+    triangle.head<3>() << lattice.Node(a), lattice.Node(b), lattice.Node(c);
+    if (quadratic) {
+      triangle.tail<3>() << lattice.Node(Middle(a, b)), lattice.Node(Middle(b, c)),
+          lattice.Node(Middle(c, a));
+    }
+    outside.triangles.push_back(triangle);
+    outside.faces.push_back(face);
+  }
+}
+
+// Every cell of the lattice, the first axis running fastest.
+std::vector<Index> CellsOf(const Lattice& lattice) {
+  std::vector<Index> cells;
+  Index cell;
+  for (cell[2] = 0; cell[2] < lattice.cells(2); ++cell[2]) {
+    for (cell[1] = 0; cell[1] < lattice.cells(1); ++cell[1]) {
+      for (cell[0] = 0; cell[0] < lattice.cells(0); ++cell[0]) cells.push_back(cell);
+    }
+  }
+  return cells;
+}
+
 }  // namespace
 
 std::vector<double> Ticks(int n, double ratio) {
@@ -110,53 +156,27 @@ TetrahedralMesh MeshMappedBox(const MappedBox& box, bool quadratic) {
   mesh.tetrahedra.resize(quadratic ? 10 : 4, elements);
   mesh.part = Eigen::VectorXi::Zero(elements);
   auto shapes = CellTetrahedra();
-  // A place that turns right hands into left ones needs the mirror image.
-  {
-    Eigen::Matrix3d axes;
-    for (int d = 0; d < 3; ++d) {
-      Index one{0, 0, 0};
-      one[d] = 2;
-      axes.col(d) = mesh.nodes.col(lattice.Node(one)) - mesh.nodes.col(0);
-    }
-    if (axes.col(0).cross(axes.col(1)).dot(axes.col(2)) < 0) {
-      for (auto& shape : shapes) std::swap(shape[1], shape[2]);
-    }
+  if (IsMirrored(lattice, mesh)) {
+    for (auto& shape : shapes) std::swap(shape[1], shape[2]);
   }
-  std::vector<Eigen::VectorXi> triangles;
-  std::vector<int> triangle_face;
+  Outside outside;
   int e = 0;
-  Index cell;
-  for (cell[2] = 0; cell[2] < lattice.cells(2); ++cell[2]) {
-    for (cell[1] = 0; cell[1] < lattice.cells(1); ++cell[1]) {
-      for (cell[0] = 0; cell[0] < lattice.cells(0); ++cell[0]) {
-        for (const auto& shape : shapes) {
-          const auto corners = Corners(cell, shape);
-          for (int k = 0; k < 4; ++k) mesh.tetrahedra(k, e) = lattice.Node(corners[k]);
-          for (int k = 4; k < mesh.tetrahedra.rows(); ++k) {
-            const auto [a, b] = kTetrahedronEdges[k - 4];
-            mesh.tetrahedra(k, e) = lattice.Node(Middle(corners[a], corners[b]));
-          }
-          for (const auto& side : kTetrahedronFaces) {
-            const Index &a = corners[side[0]], &b = corners[side[1]], &c = corners[side[2]];
-            const int face = FaceOf(lattice, a, b, c);
-            if (face < 0) continue;
-            Eigen::VectorXi triangle(quadratic ? 6 : 3);
-            triangle.head<3>() << lattice.Node(a), lattice.Node(b), lattice.Node(c);
-            if (quadratic) {
-              triangle.tail<3>() << lattice.Node(Middle(a, b)), lattice.Node(Middle(b, c)),
-                  lattice.Node(Middle(c, a));
-            }
-            triangles.push_back(triangle);
-            triangle_face.push_back(face);
-          }
-          ++e;
-        }
+  for (const Index& cell : CellsOf(lattice)) {
+    for (const auto& shape : shapes) {
+      const auto corners = Corners(cell, shape);
+      for (int k = 0; k < 4; ++k) mesh.tetrahedra(k, e) = lattice.Node(corners[k]);
+      for (int k = 4; k < mesh.tetrahedra.rows(); ++k) {
+        const auto [a, b] = kTetrahedronEdges[k - 4];
+        mesh.tetrahedra(k, e) = lattice.Node(Middle(corners[a], corners[b]));
       }
+      AddSides(lattice, corners, quadratic, outside);
+      ++e;
     }
   }
-  mesh.face_triangles.resize(quadratic ? 6 : 3, triangles.size());
-  for (std::size_t t = 0; t < triangles.size(); ++t) mesh.face_triangles.col(t) = triangles[t];
-  mesh.face_triangle_face = Eigen::Map<Eigen::VectorXi>(triangle_face.data(), triangle_face.size());
+  const std::size_t count = outside.triangles.size();
+  mesh.face_triangles.resize(quadratic ? 6 : 3, count);
+  for (std::size_t t = 0; t < count; ++t) mesh.face_triangles.col(t) = outside.triangles[t];
+  mesh.face_triangle_face = Eigen::Map<Eigen::VectorXi>(outside.faces.data(), count);
   return mesh;
 }
 
