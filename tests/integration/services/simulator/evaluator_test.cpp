@@ -1,146 +1,22 @@
-// Evaluators that customers register: their tasks, what their workers report, and how they fail.
+// Evaluators that customers register: their life, their tasks and their workers.
 #include <gmock/gmock.h>
-#include <google/protobuf/text_format.h>
 #include <gtest/gtest.h>
 
 #include <functional>
-#include <limits>
-#include <map>
+#include <string>
 #include <thread>
+#include <vector>
 
 #include "common/base/errors.h"
-#include "common/rpc/status_mapping.h"
 #include "google/rpc/status.pb.h"
 #include "mortise/v1/evaluator.grpc.pb.h"
 #include "tests/integration/services/call_service.h"
-#include "tests/integration/services/simulator/simulator_process.h"
+#include "tests/integration/services/simulator/evaluator_fixture.h"
 
 namespace mortise::simulator {
 namespace {
 
 using ::testing::HasSubstr;
-using Results = std::map<int, v1::EvaluationResult>;
-
-// Two parameters; of the three metrics one offers its gradient.
-constexpr char kBeam[] = R"(
-  name: 'evaluators/beam' title: 'Beam' version: '1' space {
-    parameters { name: 'length' unit: 'm' minimum: 1 maximum: 3 default_value: 2 }
-    parameters { name: 'height' unit: 'm' minimum: 0.1 maximum: 0.4 default_value: 0.2 }
-    metrics { name: 'mass' unit: 'kg' offers_gradient: true }
-    metrics { name: 'deflection' unit: 'm' }
-    metrics { name: 'cost' unit: 'EUR' } })";
-
-class EvaluatorTest : public SimulatorProcessTest {
- protected:
-  using Service = v1::EvaluatorService::Stub;
-
-  static v1::Evaluator Beam() {
-    v1::Evaluator beam;
-    EXPECT_TRUE(google::protobuf::TextFormat::ParseFromString(kBeam, &beam));
-    return beam;
-  }
-
-  std::unique_ptr<Service> Evaluators() const {
-    return v1::EvaluatorService::NewStub(service_.channel());
-  }
-
-  absl::StatusOr<v1::Evaluator> Create(const v1::Evaluator& evaluator) {
-    v1::CreateEvaluatorRequest request;
-    request.set_request_id("create-" + std::to_string(++requests_));
-    *request.mutable_evaluator() = evaluator;
-    return testing::Call(*Evaluators(), &Service::CreateEvaluator, request);
-  }
-
-  absl::Status Delete(const std::string& name) {
-    v1::DeleteEvaluatorRequest request;
-    request.set_request_id("delete-" + std::to_string(++requests_));
-    request.set_name(name);
-    return testing::Call(*Evaluators(), &Service::DeleteEvaluator, request).status();
-  }
-
-  static v1::EvaluateBatchRequest Batch(int points, const std::vector<std::string>& metrics,
-                                        const std::string& subject = "evaluators/beam") {
-    v1::EvaluateBatchRequest request;
-    request.set_subject(subject);
-    for (const std::string& metric : metrics) request.add_metrics(metric);
-    for (int i = 0; i < points; ++i) {
-      v1::DesignPoint& point = *request.add_points();
-      point.add_parameters(1 + 2.0 * i / points);
-      point.add_parameters(0.2);
-    }
-    return request;
-  }
-
-  absl::StatusOr<Results> Evaluate(const v1::EvaluateBatchRequest& request) {
-    const auto stub = Evaluators();
-    const auto context = Context();
-    const auto reader = stub->EvaluateBatch(context.get(), request);
-    Results results;
-    v1::EvaluationResult result;
-    while (reader->Read(&result)) EXPECT_TRUE(results.emplace(result.index(), result).second);
-    const grpc::Status status = reader->Finish();
-    if (!status.ok()) return rpc::FromGrpc(status);
-    return results;
-  }
-
-  absl::StatusOr<v1::LeaseTasksResponse> Lease(const std::string& evaluator, int limit = 1,
-                                               double lease = 60) {
-    v1::LeaseTasksRequest request;
-    request.set_evaluator(evaluator);
-    request.set_worker("solver");
-    request.set_limit(limit);
-    request.set_lease_seconds(lease);
-    request.set_wait_seconds(50);
-    return testing::Call(*Simulator(), &v1::SimulatorService::Stub::LeaseTasks, request);
-  }
-
-  v1::Task LeaseOne(double lease = 60) {
-    const auto leased = Lease("evaluators/beam", 1, lease);
-    EXPECT_TRUE(leased.ok()) << leased.status();
-    EXPECT_EQ(leased.ok() ? leased->tasks_size() : 0, 1);
-    return leased.ok() && leased->tasks_size() > 0 ? leased->tasks(0) : v1::Task();
-  }
-
-  absl::Status Report(const v1::Task& task, const v1::EvaluationResult& result) {
-    v1::ReportTaskRequest request;
-    request.mutable_task()->set_name(task.name());
-    request.mutable_task()->set_attempt(task.attempt());
-    *request.mutable_result() = result;
-    return testing::Call(*Simulator(), &v1::SimulatorService::Stub::ReportTask, request).status();
-  }
-
-  // The metrics asked for, each ten times the length, without units.
-  static v1::EvaluationResult Answer(const v1::Task& task) {
-    v1::EvaluationResult result;
-    for (const std::string& name : task.metrics()) {
-      v1::Metric& metric = *result.add_metrics();
-      metric.set_name(name);
-      metric.set_value(10 * task.point().parameters(0));
-    }
-    return result;
-  }
-
-  static v1::EvaluationResult Error(absl::StatusCode code, const std::string& message) {
-    v1::EvaluationResult result;
-    result.mutable_error()->set_code(static_cast<int>(code));
-    result.mutable_error()->set_message(message);
-    return result;
-  }
-
-  // What comes of a batch of one point while `work` plays the worker.
-  template <typename Work>
-  absl::Status OutcomeOf(const v1::EvaluateBatchRequest& request, const Work& work) {
-    absl::StatusOr<Results> results = absl::UnknownError("not run");
-    std::thread client([&] { results = Evaluate(request); });
-    work();
-    client.join();
-    if (!results.ok()) return results.status();
-    return rpc::FromProto(results->at(0).error());
-  }
-
- private:
-  int requests_ = 0;
-};
 
 TEST_F(EvaluatorTest, IsDescribedEvaluatedAndItsResultsKept) {
   const auto created = Create(Beam());
@@ -220,107 +96,6 @@ TEST_F(EvaluatorTest, MayBeCreatedAgainAsItIsAndAnewOnceDeleted) {
   EXPECT_EQ(listed->evaluators(0).version(), "2");
 }
 
-TEST_F(EvaluatorTest, ResultsThatCannotBeUsedFailTheirTaskAndSayWhy) {
-  ASSERT_TRUE(Create(Beam()).ok());
-  struct Fault {
-    std::string field;
-    std::string message;  // a part of it
-    std::function<void(v1::EvaluationResult&)> make;
-  };
-  const std::vector<Fault> faults{
-      {"result.metrics", "has 1 entries; asked for were 2: mass, cost",
-       [](auto& result) { result.mutable_metrics()->RemoveLast(); }},
-      {"result.metrics[1].name", "must be 'cost'",
-       [](auto& result) { result.mutable_metrics(1)->set_name("price"); }},
-      {"result.metrics[0].unit", "must be 'kg'",
-       [](auto& result) { result.mutable_metrics(0)->set_unit("g"); }},
-      {"result.gradients", "asked for were 1: mass",
-       [](auto& result) { result.clear_gradients(); }},
-      {"result.gradients[0].values", "one for each of the 2 parameters",
-       [](auto& result) { result.mutable_gradients(0)->add_values(1); }},
-  };
-  v1::EvaluateBatchRequest batch = Batch(1, {"mass", "cost"});
-  batch.set_gradients(true);
-  for (std::size_t i = 0; i < faults.size(); ++i) {
-    batch.mutable_points(0)->set_parameters(0, 1 + 0.1 * i);
-    const absl::Status outcome = OutcomeOf(batch, [&] {
-      const v1::Task task = LeaseOne();
-      v1::EvaluationResult result = Answer(task);
-      v1::Gradient& gradient = *result.add_gradients();
-      gradient.set_metric("mass");
-      gradient.add_values(10);
-      gradient.add_values(0);
-      faults[i].make(result);
-      const absl::Status refused = Report(task, result);
-      EXPECT_TRUE(absl::IsInvalidArgument(refused)) << refused;
-      EXPECT_EQ(DetailOf(refused).field, faults[i].field);
-      // Saying it again changes nothing.
-      EXPECT_EQ(Report(task, result), refused);
-    });
-    EXPECT_TRUE(absl::IsFailedPrecondition(outcome)) << outcome;
-    EXPECT_EQ(DetailOf(outcome).reason, "RESULT_UNUSABLE");
-    EXPECT_THAT(std::string(outcome.message()), HasSubstr(faults[i].message));
-  }
-}
-
-// Whoever waits hears of it at once, from the first report: nothing is tried again.
-TEST_F(EvaluatorTest, NumbersMustBeFinite) {
-  ASSERT_TRUE(Create(Beam()).ok());
-  struct Fault {
-    std::string field;
-    std::string named;
-    std::function<void(v1::EvaluationResult&)> make;
-  };
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  const std::vector<Fault> faults = {
-      {"result.metrics[0].value", "not a finite number: mass",
-       [](auto& result) {
-         result.mutable_metrics(0)->set_value(std::numeric_limits<double>::quiet_NaN());
-       }},
-      {"result.metrics[1].value", "not a finite number: cost",
-       [](auto& result) { result.mutable_metrics(1)->set_value(kInfinity); }},
-      {"result.metrics[0].value", "not a finite number: mass, cost",
-       [](auto& result) {
-         for (v1::Metric& metric : *result.mutable_metrics()) metric.set_value(-kInfinity);
-       }},
-      {"result.gradients[0].values[1]", "not a finite number: the gradient of mass",
-       [](auto& result) {
-         result.mutable_gradients(0)->set_values(1, std::numeric_limits<double>::quiet_NaN());
-       }},
-  };
-  v1::EvaluateBatchRequest batch = Batch(1, {"mass", "cost"});
-  batch.set_gradients(true);
-  for (std::size_t i = 0; i < faults.size(); ++i) {
-    batch.mutable_points(0)->set_parameters(0, 1 + 0.1 * static_cast<double>(i));
-    const absl::Status outcome = OutcomeOf(batch, [&] {
-      const v1::Task task = LeaseOne();
-      EXPECT_EQ(task.attempt(), 1);
-      v1::EvaluationResult result = Answer(task);
-      v1::Gradient& gradient = *result.add_gradients();
-      gradient.set_metric("mass");
-      gradient.add_values(10);
-      gradient.add_values(0);
-      faults[i].make(result);
-      const absl::Status refused = Report(task, result);
-      EXPECT_TRUE(absl::IsInvalidArgument(refused)) << refused;
-      EXPECT_EQ(DetailOf(refused).field, faults[i].field);
-      // Saying it again changes nothing.
-      EXPECT_EQ(Report(task, result), refused);
-    });
-    EXPECT_TRUE(absl::IsFailedPrecondition(outcome)) << outcome;
-    EXPECT_EQ(DetailOf(outcome).reason, "NOT_FINITE");
-    EXPECT_EQ(DetailOf(outcome).field, faults[i].field);
-    EXPECT_THAT(std::string(outcome.message()), HasSubstr(faults[i].named));
-  }
-  // A report of a task that nobody has is refused for its numbers, too, and changes nothing.
-  v1::Task none;
-  none.set_name("tasks/none");
-  none.set_attempt(1);
-  v1::EvaluationResult result;
-  result.add_metrics()->set_value(kInfinity);
-  EXPECT_EQ(DetailOf(Report(none, result)).field, "result.metrics[0].value");
-}
-
 TEST_F(EvaluatorTest, WorkersThatGiveUpFailOrDieAreReplaced) {
   ASSERT_TRUE(Create(Beam()).ok());
   const absl::Status outcome = OutcomeOf(Batch(1, {"mass"}), [&] {
@@ -354,67 +129,6 @@ TEST_F(EvaluatorTest, WorkersThatGiveUpFailOrDieAreReplaced) {
   ASSERT_TRUE(tasks.ok()) << tasks.status();
   ASSERT_EQ(tasks->tasks_size(), 1);
   EXPECT_EQ(tasks->tasks(0).task().point().parameters_size(), 2);
-}
-
-// Of three metrics one has an exact gradient. Designs beside the points are ordinary tasks, some of
-// which fail.
-TEST_F(EvaluatorTest, GradientsThatAreNotOfferedAreTakenByDifferences) {
-  ASSERT_TRUE(Create(Beam()).ok());
-  v1::EvaluateBatchRequest request = Batch(1, {"mass", "deflection", "cost"});
-  request.mutable_points(0)->set_parameters(0, 2);
-  *request.add_points() = request.points(0);
-  request.mutable_points(1)->set_parameters(0, 1);  // a bound
-  request.set_gradients(true);
-  request.set_difference_step(0.05);
-  absl::StatusOr<Results> results = absl::UnknownError("not run");
-  std::thread client([&] { results = Evaluate(request); });
-  for (int done = 0; done < 2 + 2 * 4; ++done) {
-    const v1::Task task = LeaseOne();
-    const double length = task.point().parameters(0), height = task.point().parameters(1);
-    v1::EvaluationResult answer;
-    for (const std::string& name : task.metrics()) {
-      v1::Metric& metric = *answer.add_metrics();
-      metric.set_name(name);
-      metric.set_value(name == "deflection" ? length * length / height : 100 * length + height);
-    }
-    if (task.gradients()) {
-      answer.add_gradients()->set_metric("mass");
-      answer.mutable_gradients(0)->add_values(100);
-      answer.mutable_gradients(0)->add_values(1);
-    } else {
-      EXPECT_EQ(task.metrics_size(), 2) << "what is exact is not computed again";
-    }
-    const bool fails = length == 1 && height > 0.2;
-    if (fails) answer = Error(absl::StatusCode::kFailedPrecondition, "too high for its length");
-    EXPECT_TRUE(Report(task, answer).ok());
-  }
-  client.join();
-  ASSERT_TRUE(results.ok()) << results.status();
-  for (const auto& [index, result] : *results) {
-    ASSERT_FALSE(result.has_error()) << result.error().message();
-    ASSERT_EQ(result.metrics_size(), 3);
-    ASSERT_EQ(result.gradients_size(), 3);
-    EXPECT_FALSE(result.gradients(0).by_differences());
-    const double length = request.points(index).parameters(0);
-    const v1::Gradient &deflection = result.gradients(1), &cost = result.gradients(2);
-    EXPECT_EQ(deflection.metric(), "deflection");
-    EXPECT_TRUE(deflection.by_differences());
-    EXPECT_NEAR(deflection.values(0), 2 * length / 0.2, 1e-9);
-    // d(L²/h)/dh by ±0.015, or by −0.015 alone where the other side failed.
-    const double low = length * length / 0.185, high = length * length / 0.215;
-    const double by_low = (length * length / 0.2 - low) / 0.015;
-    EXPECT_NEAR(deflection.values(1), index == 0 ? (high - low) / 0.03 : by_low, 1e-6);
-    EXPECT_EQ(cost.metric(), "cost");
-    EXPECT_NEAR(cost.values(0), 100, 1e-9);
-    EXPECT_NEAR(cost.values(1), 1, 1e-6);
-  }
-  // All of it is known now, but for what failed, which is known too.
-  const auto again = Evaluate(request);
-  ASSERT_TRUE(again.ok()) << again.status();
-  EXPECT_TRUE(again->at(0).cached());
-  EXPECT_EQ(again->at(0).gradients(1).values(1), results->at(0).gradients(1).values(1));
-  request.set_gradients(false);
-  EXPECT_EQ(DetailOf(Evaluate(request).status()).field, "difference_step");
 }
 
 TEST_F(EvaluatorTest, QueuesDoNotMixAndEndWithTheirEvaluator) {
