@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 #include <iterator>
-#include <limits>
 #include <map>
 
 #include "absl/strings/str_cat.h"
@@ -15,12 +14,16 @@
 #include "services/simulator/analysis/design_gradients.h"
 #include "services/simulator/analysis/design_solver.h"
 #include "services/simulator/analysis/mesh_analysis.h"
+#include "services/simulator/analysis/metric_values.h"
 #include "services/simulator/analysis/own_metrics.h"
 
 namespace mortise::simulator {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+
+// By name of the metric, or text of the call.
+using Gradients = std::map<std::string, Eigen::VectorXd>;
 
 double SecondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
@@ -82,16 +85,6 @@ const MetricDescription* FindMetric(const std::string& name) {
   return nullptr;
 }
 
-// The largest share of its strength that any part is under; parts of unknown strength are left out.
-double StressRatio(const DesignModel& model, const ElasticitySolution& solution) {
-  double ratio = 0;
-  for (std::size_t p = 0; p < model.analysis.materials.size(); ++p) {
-    const double strength = model.analysis.materials[p].strength;
-    if (strength > 0) ratio = std::max(ratio, solution.part_maximum_von_mises[p] / strength);
-  }
-  return ratio;
-}
-
 std::vector<SolidPart> PartsOf(const DesignModel& model) {
   if (!model.parts.empty()) return model.parts;
   std::vector<SolidPart> parts;
@@ -104,56 +97,10 @@ std::vector<SolidPart> PartsOf(const DesignModel& model) {
   return parts;
 }
 
-// All that no other part touches.
-mesh::SurfaceMesh OutsideOf(const mesh::AssemblySurface& surface) {
-  mesh::SurfaceMesh outside{surface.vertices, surface.triangles};
-  Eigen::Index count = 0;
-  for (Eigen::Index t = 0; t < surface.triangles.cols(); ++t) {
-    const mesh::AssemblyFace& face =
-        surface.faces[static_cast<std::size_t>(surface.triangle_face[t])];
-    const bool is_between_parts = face.front_part >= 0 && face.back_part >= 0;
-    if (!is_between_parts) outside.triangles.col(count++) = surface.triangles.col(t);
-  }
-  outside.triangles.conservativeResize(Eigen::NoChange, count);
-  return outside;
-}
-
-double LowestFrequency(const ModalSolution& vibration) {
-  return vibration.modes[static_cast<std::size_t>(vibration.rigid_motions)].frequency;
-}
-
-double ValueOfHeat(const std::string& name, const HeatSolution& heat) {
-  if (name == "max_temperature") return heat.maximum;
-  if (name == "min_temperature") return heat.minimum;
-  if (name == "mean_temperature") return heat.mean;
-  return DissipatedHeat(heat);
-}
-
-double ValueOfAirflow(const std::string& name, const AirflowSolution& airflow,
-                      const Eigen::Vector3d& wind) {
-  if (name == "airflow_drag") return airflow.force.dot(wind.normalized());
-  if (name == "airflow_force_x") return airflow.force.x();
-  if (name == "airflow_force_y") return airflow.force.y();
-  if (name == "airflow_force_z") return airflow.force.z();
-  return name == "max_air_pressure" ? airflow.maximum_pressure : airflow.minimum_pressure;
-}
-
-double ValueUnderLoads(const std::string& name, const DesignModel& model,
-                       const SolvedCase& solved) {
-  const ElasticitySolution& solution = solved.solution;
-  if (name == "max_displacement") return solution.summary.maximum_displacement;
-  if (name == "max_von_mises") return solution.part_maximum_von_mises.maxCoeff();
-  if (name == "max_principal") return solution.maximum_principal.maxCoeff();
-  if (name == "relative_error") return solved.error->relative;
-  if (name == "compliance") return solution.summary.compliance;
-  if (name == "strain_energy") return solution.summary.strain_energy;
-  return StressRatio(model, solution);
-}
-
 // Solves on finer meshes than `straight`, which has straight sides, until the error is as wanted.
 absl::Status Refine(const DesignSolver& solver, bool heat_wanted, const DesignModel& model,
                     mesh::TetrahedralMesh straight, const DesignAnalysisOptions& options,
-                    DesignAnalysis& analysis, std::map<std::string, Eigen::VectorXd>& gradients) {
+                    DesignAnalysis& analysis, Gradients& gradients) {
   Refinement refinement({.wanted_error = options.wanted_error,
                          .mesh = options.mesh,
                          .memory_limit = options.elasticity.solver.memory_limit});
@@ -178,43 +125,6 @@ absl::Status Refine(const DesignSolver& solver, bool heat_wanted, const DesignMo
   analysis.refinements = refinement.steps();
   analysis.shortfall = refinement.shortfall();
   return absl::OkStatus();
-}
-
-absl::StatusOr<Metric> Compute(const MetricDescription& metric, const DesignModel& model,
-                               const DesignAnalysis& analysis, const Eigen::Vector3d& wind,
-                               GeometryMetrics& geometry) {
-  Metric computed{metric.name, metric.unit, 0};
-  switch (metric.source) {
-    case MetricSource::kParts: {
-      MORTISE_ASSIGN_OR_RETURN(computed.value, geometry.Value(metric.name));
-      break;
-    }
-    case MetricSource::kOutside:
-      computed.value = mesh::SurfaceArea(OutsideOf(model.surface));
-      break;
-    case MetricSource::kPrices: {
-      MORTISE_RETURN_IF_ERROR(model.cost.status());
-      computed.value = model.cost->amount;
-      computed.unit = model.cost->currency;
-      break;
-    }
-    case MetricSource::kModes:
-      computed.value = LowestFrequency(*analysis.vibration);
-      break;
-    case MetricSource::kHeat:
-      computed.value = ValueOfHeat(metric.name, *analysis.heat);
-      break;
-    case MetricSource::kAirflow:
-      computed.value = ValueOfAirflow(metric.name, *analysis.airflow, wind);
-      break;
-    case MetricSource::kLoads:
-      computed.value = -std::numeric_limits<double>::infinity();
-      for (const SolvedCase& solved : analysis.cases) {
-        computed.value = std::max(computed.value, ValueUnderLoads(metric.name, model, solved));
-      }
-      break;
-  }
-  return computed;
 }
 
 // What all paths rely on; the path with a mesh checks the rest.
@@ -338,85 +248,143 @@ MetricDemands DemandsOf(const std::vector<std::string>& metrics,
   return demands;
 }
 
-absl::StatusOr<DesignAnalysis> AnalyzeDesign(const DesignModel& model,
-                                             const std::vector<std::string>& metrics, bool fields,
-                                             const DesignAnalysisOptions& options) {
-  const auto start = Clock::now();
+namespace {
+
+// What is computed of a design.
+struct AnalysisPlan {
+  bool loads = false;                           // the load cases
+  bool heat = false;                            // the temperatures
+  bool airflow = false;                         // the air around it
+  int modes = 0;                                // how many natural modes
+  bool estimates = false;                       // the error of each load case
+  std::vector<std::string> with_gradient = {};  // the metrics that have one
+
+  bool needs_mesh() const { return loads || heat || modes > 0; }
+};
+
+// Fails where a metric is none, or the model is not one or lacks what a metric needs.
+absl::StatusOr<AnalysisPlan> PlanAnalysis(const DesignModel& model,
+                                          const std::vector<std::string>& metrics, bool fields,
+                                          const DesignAnalysisOptions& options) {
   MORTISE_RETURN_IF_ERROR(CheckMetricNames(metrics, options.own_metrics));
   const MetricDemands demands = DemandsOf(metrics, options.own_metrics);
-  const int modes = demands.modes ? std::max(1, options.modes) : options.modes;
-  const bool airflow = demands.airflow || options.with_airflow;
-  MORTISE_RETURN_IF_ERROR(CheckModel(model, fields || modes > 0 || airflow || demands.surface));
-  DesignAnalysis analysis;
-  const bool solve = demands.loads || (fields && (IsLoaded(model) || (!model.heat && !airflow)));
-  const bool heat = demands.heat || (model.heat && fields);
-  if (heat && !model.heat) {
+  AnalysisPlan plan;
+  plan.modes = demands.modes ? std::max(1, options.modes) : options.modes;
+  plan.airflow = demands.airflow || options.with_airflow;
+  MORTISE_RETURN_IF_ERROR(
+      CheckModel(model, fields || plan.modes > 0 || plan.airflow || demands.surface));
+  plan.loads = demands.loads || (fields && (IsLoaded(model) || (!model.heat && !plan.airflow)));
+  plan.heat = demands.heat || (model.heat && fields);
+  if (plan.heat && !model.heat) {
     return PreconditionFailed("NO_HEAT", "there is no condition of heat", "boundary_conditions");
   }
+  const std::vector<std::string> needed = options.own_metrics.NeedsOf(metrics).metrics;
+  plan.estimates =
+      fields || std::find(needed.begin(), needed.end(), "relative_error") != needed.end();
+  std::copy_if(metrics.begin(), metrics.end(), std::back_inserter(plan.with_gradient),
+               [&](const std::string& name) { return HasGradient(name, options.own_metrics); });
+  return plan;
+}
+
+// Gives the mesh with straight sides, from which refinement goes on; what is solved on is curved.
+absl::StatusOr<mesh::TetrahedralMesh> MakeMesh(const DesignModel& model,
+                                               const DesignAnalysisOptions& options,
+                                               DesignAnalysis& analysis) {
+  const auto start = Clock::now();
+  if (options.progress != nullptr) options.progress->Begin("mesh");
+  MORTISE_ASSIGN_OR_RETURN(mesh::TetrahedralMesh straight,
+                           mesh::MeshAssembly(model.surface, options.mesh));
+  analysis.mesh = mesh::WithCurvedElements(model.surface, straight);
+  analysis.meshing_seconds = SecondsSince(start);
+  return straight;
+}
+
+// Of what the shape alone says: mass, volume, and what the metrics `names` ask of faces and points.
+Gradients GradientsOfShape(const DesignModel& model, const std::vector<std::string>& names,
+                           const DesignAnalysisOptions& options) {
+  const DesignMotion& motion = *options.motion;
+  Gradients gradients = {{"mass", motion.mass}, {"volume", motion.volume}};
+  for (const parametric::MetricCall& call : options.own_metrics.NeedsOf(names).calls) {
+    if (call.function->source != parametric::MetricFunctionSource::kShape) continue;
+    auto gradient = GradientOfShape(call, model, motion, options.own_metrics, options.parameters);
+    if (gradient) gradients[ToText(call)] = *std::move(gradient);
+  }
+  return gradients;
+}
+
+// The load cases, on meshes as fine as the error asks for, and the temperatures that act in them.
+absl::Status SolveLoadCases(const DesignSolver& solver, bool heat, const DesignModel& model,
+                            mesh::TetrahedralMesh straight, const DesignAnalysisOptions& options,
+                            DesignAnalysis& analysis, Gradients& gradients) {
+  MORTISE_ASSIGN_OR_RETURN(SolvedDesign solved, solver.Solve(*analysis.mesh, heat));
+  analysis.heat = std::move(solved.heat);
+  analysis.cases = std::move(solved.cases);
+  gradients.merge(solved.gradients);
+  if (heat && model.reference_temperature) {
+    std::string note = NoteOnExpansion(model.analysis.materials);
+    if (!note.empty()) analysis.notes.push_back(std::move(note));
+  }
+  return options.wanted_error > 0
+             ? Refine(solver, heat, model, std::move(straight), options, analysis, gradients)
+             : absl::OkStatus();
+}
+
+// Computes all that the plan names, and gives the gradients that came with it.
+absl::StatusOr<Gradients> SolveDesign(const AnalysisPlan& plan, const DesignModel& model,
+                                      const DesignAnalysisOptions& options,
+                                      DesignAnalysis& analysis) {
   // First, as its engine may be missing.
-  if (airflow) {
+  if (plan.airflow) {
     MORTISE_ASSIGN_OR_RETURN(
         analysis.airflow,
         SolveAirflow(OutsideOf(model.surface), options.airflow, options.airflow_solver));
   }
   mesh::TetrahedralMesh straight;
-  if (solve || heat || modes > 0) {
-    const auto meshing = Clock::now();
-    if (options.progress != nullptr) options.progress->Begin("mesh");
-    MORTISE_ASSIGN_OR_RETURN(straight, mesh::MeshAssembly(model.surface, options.mesh));
-    analysis.mesh = mesh::WithCurvedElements(model.surface, straight);
-    analysis.meshing_seconds = SecondsSince(meshing);
+  if (plan.needs_mesh()) {
+    MORTISE_ASSIGN_OR_RETURN(straight, MakeMesh(model, options, analysis));
   }
-  const parametric::MetricExpressions::Needs needs = options.own_metrics.NeedsOf(metrics);
-  const bool estimates = fields || std::find(needs.metrics.begin(), needs.metrics.end(),
-                                             "relative_error") != needs.metrics.end();
-  std::vector<std::string> with_gradient;
-  std::copy_if(metrics.begin(), metrics.end(), std::back_inserter(with_gradient),
-               [&](const std::string& name) { return HasGradient(name, options.own_metrics); });
-  const DesignSolver solver(model, options, estimates, with_gradient);
-  std::map<std::string, Eigen::VectorXd> gradients;
-  if (options.motion != nullptr) {
-    gradients = {{"mass", options.motion->mass}, {"volume", options.motion->volume}};
-    for (const parametric::MetricCall& call : options.own_metrics.NeedsOf(with_gradient).calls) {
-      if (call.function->source != parametric::MetricFunctionSource::kShape) continue;
-      auto gradient =
-          GradientOfShape(call, model, *options.motion, options.own_metrics, options.parameters);
-      if (gradient) gradients[ToText(call)] = *std::move(gradient);
-    }
-  }
-  if (solve) {
-    MORTISE_ASSIGN_OR_RETURN(SolvedDesign solved, solver.Solve(*analysis.mesh, heat));
-    analysis.heat = std::move(solved.heat);
-    analysis.cases = std::move(solved.cases);
-    gradients.merge(solved.gradients);
-    if (heat && model.reference_temperature) {
-      std::string note = NoteOnExpansion(model.analysis.materials);
-      if (!note.empty()) analysis.notes.push_back(std::move(note));
-    }
-    if (options.wanted_error > 0) {
-      MORTISE_RETURN_IF_ERROR(
-          Refine(solver, heat, model, std::move(straight), options, analysis, gradients));
-    }
-  } else if (heat) {
+  const DesignSolver solver(model, options, plan.estimates, plan.with_gradient);
+  Gradients gradients;
+  if (options.motion != nullptr) gradients = GradientsOfShape(model, plan.with_gradient, options);
+  if (plan.loads) {
+    MORTISE_RETURN_IF_ERROR(SolveLoadCases(solver, plan.heat, model, std::move(straight), options,
+                                           analysis, gradients));
+  } else if (plan.heat) {
     MORTISE_ASSIGN_OR_RETURN(analysis.heat, solver.Heat(*analysis.mesh));
   }
-  if (modes > 0) {
+  if (plan.modes > 0) {
     if (options.progress != nullptr) options.progress->Begin("frequencies");
-    MORTISE_ASSIGN_OR_RETURN(analysis.vibration, Vibrate(model, *analysis.mesh, modes, options));
+    MORTISE_ASSIGN_OR_RETURN(analysis.vibration,
+                             Vibrate(model, *analysis.mesh, plan.modes, options));
   }
+  return gradients;
+}
+
+std::optional<Eigen::VectorXd> GradientOf(const std::string& name, const OwnMetrics& own,
+                                          const Gradients& gradients,
+                                          const DesignAnalysisOptions& options) {
+  if (options.own_metrics.Find(name) >= 0) return own.Gradient(name, gradients);
+  const auto known = gradients.find(name);
+  if (known == gradients.end()) return std::nullopt;
+  return known->second;
+}
+
+// The metrics, and the gradients of those `with_gradient`, from what was solved.
+absl::Status ReadMetrics(const DesignModel& model, const std::vector<std::string>& metrics,
+                         const std::vector<std::string>& with_gradient, const Gradients& gradients,
+                         const DesignAnalysisOptions& options, DesignAnalysis& analysis) {
   GeometryMetrics geometry(PartsOf(model));
-  const Eigen::Vector3d& wind = options.airflow.wind;
+  const auto compute = [&](const std::string& name) {
+    return ReadMetric(*FindMetric(name), model, analysis, options.airflow.wind, geometry);
+  };
   const OwnMetrics own(options.own_metrics, options.parameters, metrics, model, analysis,
                        [&](const std::string& name) -> absl::StatusOr<double> {
-                         MORTISE_ASSIGN_OR_RETURN(
-                             const Metric metric,
-                             Compute(*FindMetric(name), model, analysis, wind, geometry));
+                         MORTISE_ASSIGN_OR_RETURN(const Metric metric, compute(name));
                          return metric.value;
                        });
   for (const std::string& name : metrics) {
     const bool is_own = options.own_metrics.Find(name) >= 0;
-    absl::StatusOr<Metric> metric =
-        is_own ? own.Compute(name) : Compute(*FindMetric(name), model, analysis, wind, geometry);
+    absl::StatusOr<Metric> metric = is_own ? own.Compute(name) : compute(name);
     if (metric.ok()) {
       analysis.metrics.push_back(*std::move(metric));
     } else if (options.leave_out_inapplicable &&
@@ -427,15 +395,23 @@ absl::StatusOr<DesignAnalysis> AnalyzeDesign(const DesignModel& model,
     }
   }
   for (const std::string& name : with_gradient) {
-    const bool is_own = options.own_metrics.Find(name) >= 0;
-    std::optional<Eigen::VectorXd> gradient;
-    if (is_own) {
-      gradient = own.Gradient(name, gradients);
-    } else if (const auto known = gradients.find(name); known != gradients.end()) {
-      gradient = known->second;
-    }
+    const std::optional<Eigen::VectorXd> gradient = GradientOf(name, own, gradients, options);
     if (gradient && gradient->size() > 0) analysis.gradients.push_back({name, *gradient});
   }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::StatusOr<DesignAnalysis> AnalyzeDesign(const DesignModel& model,
+                                             const std::vector<std::string>& metrics, bool fields,
+                                             const DesignAnalysisOptions& options) {
+  const auto start = Clock::now();
+  MORTISE_ASSIGN_OR_RETURN(const AnalysisPlan plan, PlanAnalysis(model, metrics, fields, options));
+  DesignAnalysis analysis;
+  MORTISE_ASSIGN_OR_RETURN(const Gradients gradients, SolveDesign(plan, model, options, analysis));
+  MORTISE_RETURN_IF_ERROR(
+      ReadMetrics(model, metrics, plan.with_gradient, gradients, options, analysis));
   analysis.seconds = SecondsSince(start);
   return analysis;
 }
