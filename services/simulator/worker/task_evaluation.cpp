@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <memory>
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
@@ -180,33 +181,42 @@ void Begin(const TaskSurroundings& surroundings, const char* stage) {
   if (surroundings.progress != nullptr) surroundings.progress->Begin(stage);
 }
 
-absl::Status Evaluate(const v1::Task& task, const TaskSurroundings& surroundings,
-                      v1::ReportTaskRequest& report) {
-  MORTISE_ASSIGN_OR_RETURN(const auto compiled,
+// What a task is about: a template, and the design that it is at the task's point.
+struct Subject {
+  std::shared_ptr<const CompiledTemplate> compiled;
+  Eigen::VectorXd parameters;
+  parametric::EvaluatedDesign design;
+  parametric::MetricExpressions own;  // metrics
+};
+
+absl::StatusOr<Subject> EvaluateSubject(const v1::Task& task,
+                                        const TaskSurroundings& surroundings) {
+  Subject subject;
+  MORTISE_ASSIGN_OR_RETURN(subject.compiled,
                            surroundings.templates.GetByDigest(task.subject(), task.revision(),
                                                               task.digest(), surroundings.origin));
   Begin(surroundings, "geometry");
-  const Eigen::VectorXd parameters = Eigen::Map<const Eigen::VectorXd>(
-      task.point().parameters().data(), task.point().parameters_size());
-  MORTISE_ASSIGN_OR_RETURN(const parametric::EvaluatedDesign design,
-                           compiled->function->Evaluate(parameters));
-  const std::vector<std::string> metrics(task.metrics().begin(), task.metrics().end());
-  MORTISE_ASSIGN_OR_RETURN(const parametric::MetricExpressions own,
-                           OwnMetricsOf(*compiled, task.metric_definitions()));
-  const MetricDemands demands = DemandsOf(task, simulator::DemandsOf(metrics, own), design);
-  if (surroundings.progress != nullptr) {
-    surroundings.progress->Expect(StagesOf(demands, design));
-  }
-  // Before the parts are fused, which takes a while and would fail for every design alike.
+  subject.parameters = Eigen::Map<const Eigen::VectorXd>(task.point().parameters().data(),
+                                                         task.point().parameters_size());
+  MORTISE_ASSIGN_OR_RETURN(subject.design,
+                           subject.compiled->function->Evaluate(subject.parameters));
+  MORTISE_ASSIGN_OR_RETURN(subject.own, OwnMetricsOf(*subject.compiled, task.metric_definitions()));
+  return subject;
+}
+
+// Fails where the design lacks what has to act on it.
+absl::Status CheckConditions(const v1::Task& task, const MetricDemands& demands,
+                             const parametric::EvaluatedDesign& design) {
   if (!task.fields() && demands.loads) {
     MORTISE_RETURN_IF_ERROR(CheckSupported(design));
     MORTISE_RETURN_IF_ERROR(CheckLoaded(design));
   }
-  if (demands.heat) MORTISE_RETURN_IF_ERROR(CheckHeated(design));
-  MORTISE_ASSIGN_OR_RETURN(const DesignModel model,
-                           MakeDesignModel(*compiled->function, parameters, design,
-                                           {demands.surface, task.mesh().element_size()}));
-  MORTISE_RETURN_IF_ERROR(CheckStopped(surroundings.stop));
+  return demands.heat ? CheckHeated(design) : absl::OkStatus();
+}
+
+// `surroundings` must outlive what is returned.
+absl::StatusOr<DesignAnalysisOptions> OptionsOf(const v1::Task& task, const Subject& subject,
+                                                const TaskSurroundings& surroundings) {
   DesignAnalysisOptions options;
   // Nobody chose the metrics of an analysis.
   options.leave_out_inapplicable = task.fields();
@@ -218,8 +228,8 @@ absl::Status Evaluate(const v1::Task& task, const TaskSurroundings& surroundings
   options.elasticity.solver.kind = SolverKindOf(task.solver());
   options.elasticity.solver.memory_limit = surroundings.memory_limit;
   options.progress = surroundings.progress;
-  options.own_metrics = own;
-  options.parameters = parameters;
+  options.own_metrics = subject.own;
+  options.parameters = subject.parameters;
   MORTISE_ASSIGN_OR_RETURN(options.airflow, parametric::ReadAirflow(task.airflow()));
   options.airflow_solver.memory_limit = surroundings.memory_limit;
   options.airflow_solver.progress = surroundings.progress;
@@ -229,42 +239,72 @@ absl::Status Evaluate(const v1::Task& task, const TaskSurroundings& surroundings
     if (surroundings.progress != nullptr) surroundings.progress->Iterate(iteration);
     return CheckStopped(surroundings.stop);
   };
-  DesignMotion motion;
-  if (task.gradients()) {
-    motion = KnownMotion(*compiled->function, parameters, design, model);
-    options.motion = &motion;
-  }
-  const absl::StatusOr<DesignAnalysis> analyzed =
-      AnalyzeDesign(model, metrics, task.fields(), options);
-  if (!analyzed.ok()) return WithLeftOutParts(analyzed.status(), design);
-  const DesignAnalysis& analysis = *analyzed;
-  MORTISE_RETURN_IF_ERROR(CheckFinite(analysis));
-  v1::EvaluationResult& result = *report.mutable_result();
+  return options;
+}
+
+void FillMetrics(const DesignAnalysis& analysis, v1::EvaluationResult& result) {
   for (const Metric& metric : analysis.metrics) {
     v1::Metric* message = result.add_metrics();
     message->set_name(metric.name);
     message->set_unit(metric.unit);
     message->set_value(metric.value);
   }
-  if (task.gradients()) {
-    for (const MetricGradient& gradient : analysis.gradients) {
-      v1::Gradient* message = result.add_gradients();
-      message->set_metric(gradient.metric);
-      for (const double value : gradient.values) message->add_values(value);
-    }
+}
+
+void FillGradients(const DesignAnalysis& analysis, v1::EvaluationResult& result) {
+  for (const MetricGradient& gradient : analysis.gradients) {
+    v1::Gradient* message = result.add_gradients();
+    message->set_metric(gradient.metric);
+    for (const double value : gradient.values) message->add_values(value);
   }
-  if (!task.fields()) return absl::OkStatus();
-  MORTISE_RETURN_IF_ERROR(CheckStopped(surroundings.stop));
-  Begin(surroundings, "files");
-  const Eigen::Vector3d& wind = options.airflow.wind;
-  FillAnalysis(analysis, model, wind, design, *report.mutable_analysis());
-  const std::string& title = compiled->function->head().title;
+}
+
+// The files of everything that was solved.
+absl::Status KeepFiles(const DesignAnalysis& analysis, const DesignModel& model,
+                       const Eigen::Vector3d& wind, const std::string& title,
+                       const TaskSurroundings& surroundings) {
   MORTISE_RETURN_IF_ERROR(KeepCases(analysis, model, title, surroundings));
   if (analysis.heat) MORTISE_RETURN_IF_ERROR(KeepHeat(analysis, model, title, surroundings));
   if (analysis.airflow) {
     MORTISE_RETURN_IF_ERROR(KeepAirflow(*analysis.airflow, wind, title, surroundings));
   }
   return analysis.vibration ? KeepModes(analysis, title, surroundings) : absl::OkStatus();
+}
+
+absl::Status Evaluate(const v1::Task& task, const TaskSurroundings& surroundings,
+                      v1::ReportTaskRequest& report) {
+  MORTISE_ASSIGN_OR_RETURN(const Subject subject, EvaluateSubject(task, surroundings));
+  const parametric::EvaluatedDesign& design = subject.design;
+  const templates::Template& function = *subject.compiled->function;
+  const std::vector<std::string> metrics(task.metrics().begin(), task.metrics().end());
+  const MetricDemands demands = DemandsOf(task, simulator::DemandsOf(metrics, subject.own), design);
+  if (surroundings.progress != nullptr) {
+    surroundings.progress->Expect(StagesOf(demands, design));
+  }
+  // Before the parts are fused, which takes a while and would fail for every design alike.
+  MORTISE_RETURN_IF_ERROR(CheckConditions(task, demands, design));
+  MORTISE_ASSIGN_OR_RETURN(const DesignModel model,
+                           MakeDesignModel(function, subject.parameters, design,
+                                           {demands.surface, task.mesh().element_size()}));
+  MORTISE_RETURN_IF_ERROR(CheckStopped(surroundings.stop));
+  MORTISE_ASSIGN_OR_RETURN(DesignAnalysisOptions options, OptionsOf(task, subject, surroundings));
+  DesignMotion motion;
+  if (task.gradients()) {
+    motion = KnownMotion(function, subject.parameters, design, model);
+    options.motion = &motion;
+  }
+  const absl::StatusOr<DesignAnalysis> analysis =
+      AnalyzeDesign(model, metrics, task.fields(), options);
+  if (!analysis.ok()) return WithLeftOutParts(analysis.status(), design);
+  MORTISE_RETURN_IF_ERROR(CheckFinite(*analysis));
+  FillMetrics(*analysis, *report.mutable_result());
+  if (task.gradients()) FillGradients(*analysis, *report.mutable_result());
+  if (!task.fields()) return absl::OkStatus();
+  MORTISE_RETURN_IF_ERROR(CheckStopped(surroundings.stop));
+  Begin(surroundings, "files");
+  const Eigen::Vector3d& wind = options.airflow.wind;
+  FillAnalysis(*analysis, model, wind, design, *report.mutable_analysis());
+  return KeepFiles(*analysis, model, wind, function.head().title, surroundings);
 }
 
 }  // namespace
