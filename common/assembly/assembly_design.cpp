@@ -92,6 +92,7 @@ EvaluatedDesign DesignAt(const ParametricAssembly& assembly, const Eigen::Vector
                          const std::vector<Item>& items, const std::vector<Material>& materials) {
   EvaluatedDesign design;
   design.template_name = assembly.assembly().name;
+  design.structure = StructureAt(assembly, q);
   for (const PlacedPart& placed : assembly.PartsAt(q)) {
     const Element& element = assembly.elements()[static_cast<std::size_t>(placed.element)];
     const AssemblyPart& drawn =
@@ -134,6 +135,23 @@ EvaluatedDesign DesignAt(const ParametricAssembly& assembly, const Eigen::Vector
     design.parts.push_back(std::move(part));
   }
   return design;
+}
+
+Structure StructureAt(const ParametricAssembly& assembly, const Eigen::VectorXd& q) {
+  Structure structure;
+  for (std::size_t e = 0; e < assembly.elements().size(); ++e) {
+    const Element& element = assembly.elements()[e];
+    if (!element.pattern) continue;
+    const PatternLayout layout = LayOut(*element.pattern, BoxOf(q, static_cast<int>(e)));
+    StructureCount& count = structure.counts.emplace_back();
+    count.name = element.name;
+    // The layout has 1 along a direction that there is not.
+    for (std::size_t i = 0; i < 2; ++i) {
+      if (element.pattern->directions[i].count < 2) continue;
+      count.numbers.push_back(layout.directions[i].count);
+    }
+  }
+  return structure;
 }
 
 }  // namespace mortise::parametric

@@ -7,6 +7,7 @@
 
 #include "common/assembly/parametric_assembly.h"
 #include "common/design/evaluated_design.h"
+#include "common/design/structure.h"
 #include "common/design/template_definition.h"
 
 namespace mortise::parametric {
@@ -18,5 +19,10 @@ namespace mortise::parametric {
 // so there are no connectors, and there are no parameters.
 EvaluatedDesign DesignAt(const ParametricAssembly& assembly, const Eigen::VectorXd& q,
                          const std::vector<Item>& items, const std::vector<Material>& materials);
+
+// How many parts each pattern of the assembly has along each of its directions at q, by the names
+// of their elements and in the order of those. Whatever else there is, is always there. Designs
+// with the same structure have the same parts with the same vertices and triangles. O(patterns).
+Structure StructureAt(const ParametricAssembly& assembly, const Eigen::VectorXd& q);
 
 }  // namespace mortise::parametric

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/design/boundary_condition.h"
+#include "common/design/structure.h"
 #include "common/design/template_definition.h"
 #include "common/mesh/surface_mesh.h"
 
@@ -84,6 +85,7 @@ struct EvaluatedDesign {
   std::vector<EvaluatedBoundaryCondition> boundary_conditions;
   double mass = 0;                                   // kg, of the parts (pegs left out)
   std::optional<double> reference_temperature = {};  // K; no thermal stress without it
+  std::optional<Structure> structure = {};           // missing of what was written without it
 };
 
 // Index of the part of this name; -1 if there is none.

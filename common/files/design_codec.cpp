@@ -1,4 +1,6 @@
 // Field-by-field conversion of evaluated designs.
+#include <algorithm>
+
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/files/axis_codec.h"
@@ -221,7 +223,34 @@ absl::StatusOr<EvaluatedBoundaryCondition> ConditionOf(
   return condition;
 }
 
+absl::StatusOr<Structure> StructureOf(const v1::Structure& message) {
+  Structure structure;
+  for (int i = 0; i < message.counts_size(); ++i) {
+    const v1::Structure::Count& count = message.counts(i);
+    const auto& numbers = count.numbers();
+    if (numbers.empty() || numbers.size() > 2 ||
+        std::any_of(numbers.begin(), numbers.end(), [](int number) { return number < 1; })) {
+      return InvalidField(absl::StrCat("structure.counts[", i, "].numbers"),
+                          "must be one or two, each at least 1");
+    }
+    structure.counts.push_back({count.name(), {numbers.begin(), numbers.end()}});
+  }
+  return structure;
+}
+
 }  // namespace
+
+v1::Structure ToProto(const Structure& structure) {
+  v1::Structure message;
+  for (const StructureCount& count : structure.counts) {
+    v1::Structure::Count* told = message.add_counts();
+    told->set_name(count.name);
+    told->mutable_numbers()->Add(count.numbers.begin(), count.numbers.end());
+  }
+  message.set_key(KeyOf(structure));
+  message.set_description(Describe(structure));
+  return message;
+}
 
 v1::EvaluatedDesign ToProto(const EvaluatedDesign& design) {
   v1::EvaluatedDesign message;
@@ -244,6 +273,7 @@ v1::EvaluatedDesign ToProto(const EvaluatedDesign& design) {
   if (design.reference_temperature) {
     message.set_reference_temperature(*design.reference_temperature);
   }
+  if (design.structure) *message.mutable_structure() = ToProto(*design.structure);
   return message;
 }
 
@@ -270,6 +300,9 @@ absl::StatusOr<EvaluatedDesign> FromProto(const v1::EvaluatedDesign& message) {
   design.mass = message.mass();
   if (message.has_reference_temperature()) {
     design.reference_temperature = message.reference_temperature();
+  }
+  if (message.has_structure()) {
+    MORTISE_ASSIGN_OR_RETURN(design.structure, StructureOf(message.structure()));
   }
   return design;
 }

@@ -36,6 +36,7 @@ v1::Material ToProto(const Material& material);
 v1::Item ToProto(const Item& item);
 v1::Template ToProto(const TemplateDefinition& definition);
 v1::TemplateBundle ToProto(const TemplateBundle& bundle);
+v1::Structure ToProto(const Structure& structure);
 v1::EvaluatedDesign ToProto(const EvaluatedDesign& design);
 
 // SHA-256 of a template's content: of everything but name, revision, digest and time.

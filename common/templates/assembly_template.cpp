@@ -165,13 +165,15 @@ class HandledAssembly final : public Template {
     MORTISE_ASSIGN_OR_RETURN(const parametric::Adjustment adjusted, AdjustedTo(q));
     parametric::EvaluatedDesign design =
         parametric::DesignAt(*assembly_, adjusted.q, head().items, head().materials);
-    for (std::size_t i = 0; i < conditions_.size(); ++i) {
-      MORTISE_ASSIGN_OR_RETURN(parametric::EvaluatedBoundaryCondition condition,
-                               conditions_.At(i, q));
-      design.boundary_conditions.push_back(std::move(condition));
-    }
-    MORTISE_ASSIGN_OR_RETURN(design.reference_temperature, conditions_.ReferenceTemperature(q));
+    MORTISE_RETURN_IF_ERROR(AddConditions(q, design));
     return design;
+  }
+
+  absl::StatusOr<parametric::Structure> CountsAt(const Eigen::VectorXd& q) const override {
+    MORTISE_ASSIGN_OR_RETURN(const parametric::Adjustment adjusted, AdjustedTo(q));
+    parametric::EvaluatedDesign conditioned;  // whose conditions may not be computed at q
+    MORTISE_RETURN_IF_ERROR(AddConditions(q, conditioned));
+    return parametric::StructureAt(*assembly_, adjusted.q);
   }
 
   absl::StatusOr<std::vector<cad::Solid>> SolidsAt(const Eigen::VectorXd& q) const override {
@@ -200,6 +202,16 @@ class HandledAssembly final : public Template {
       demands.push_back({handles_[i].measure, q(static_cast<Eigen::Index>(i))});
     }
     return assembly_->Meet(demands);
+  }
+
+  absl::Status AddConditions(const Eigen::VectorXd& q, parametric::EvaluatedDesign& design) const {
+    for (std::size_t i = 0; i < conditions_.size(); ++i) {
+      MORTISE_ASSIGN_OR_RETURN(parametric::EvaluatedBoundaryCondition condition,
+                               conditions_.At(i, q));
+      design.boundary_conditions.push_back(std::move(condition));
+    }
+    MORTISE_ASSIGN_OR_RETURN(design.reference_temperature, conditions_.ReferenceTemperature(q));
+    return absl::OkStatus();
   }
 
   absl::StatusOr<cad::Solid> SolidOf(const parametric::PlacedPart& placed,

@@ -46,6 +46,12 @@ class CagedMesh final : public Template {
     return design;
   }
 
+  // Nothing is counted, but there may be no design at q.
+  absl::StatusOr<parametric::Structure> CountsAt(const Eigen::VectorXd& q) const override {
+    MORTISE_RETURN_IF_ERROR(model_.Evaluate(q).status());
+    return parametric::Structure();
+  }
+
   absl::StatusOr<std::vector<cad::Solid>> SolidsAt(const Eigen::VectorXd& q) const override {
     MORTISE_ASSIGN_OR_RETURN(const parametric::CageDesign made, model_.Evaluate(q));
     absl::StatusOr<cad::Solid> solid =

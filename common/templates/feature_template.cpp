@@ -33,7 +33,12 @@ class FeatureTemplate final : public Template {
     parametric::EvaluatedDesign design =
         DesignOf(identity_, std::move(shape), made.conditions, made.solid.Volume());
     design.reference_temperature = made.reference_temperature;
+    MORTISE_ASSIGN_OR_RETURN(design.structure, model_.StructureAt(q));
     return design;
+  }
+
+  absl::StatusOr<parametric::Structure> CountsAt(const Eigen::VectorXd& q) const override {
+    return model_.StructureAt(q);
   }
 
   absl::StatusOr<std::vector<cad::Solid>> SolidsAt(const Eigen::VectorXd& q) const override {

@@ -24,6 +24,12 @@ class PartsTemplate final : public Template {
     return function_.Evaluate(q);
   }
 
+  // Nothing is counted, but there may be no design at q; evaluating takes microseconds.
+  absl::StatusOr<parametric::Structure> CountsAt(const Eigen::VectorXd& q) const override {
+    MORTISE_RETURN_IF_ERROR(function_.Evaluate(q).status());
+    return parametric::Structure();
+  }
+
  private:
   const parametric::TemplateFunction function_;
 };

@@ -15,7 +15,13 @@ absl::StatusOr<parametric::EvaluatedDesign> Template::Evaluate(const Eigen::Vect
   design.template_revision = head_.revision;
   design.template_digest = head_.digest;
   design.parameters = parametric::NamedValues(head_.parameters, q);
+  if (!design.structure) design.structure.emplace();
   return design;
+}
+
+absl::StatusOr<parametric::Structure> Template::StructureAt(const Eigen::VectorXd& q) const {
+  MORTISE_RETURN_IF_ERROR(parametric::CheckParameterValues(head_.parameters, q));
+  return CountsAt(q);
 }
 
 absl::StatusOr<std::vector<cad::Solid>> Template::Solids(const Eigen::VectorXd& q) const {

@@ -17,6 +17,7 @@
 #include "common/cad/solid.h"
 #include "common/design/evaluated_design.h"
 #include "common/design/evaluation.h"
+#include "common/design/structure.h"
 #include "common/design/template_definition.h"
 
 namespace mortise::parametric {
@@ -52,6 +53,15 @@ class Template {
   // assembly cannot have all these sizes at once.
   absl::StatusOr<parametric::EvaluatedDesign> Evaluate(const Eigen::VectorXd& q) const;
 
+  // What is counted of the design at q, as Evaluate tells it, without the time that its shapes
+  // take: of an assembly how many parts each row of it has, of a list of features how many
+  // instances each pattern and how many corners each polygon. Designs of one revision with the same
+  // structure have the same parts, by number and name; those of assemblies, parts and cages also
+  // the same vertices and triangles, part by part. A solid of features is meshed anew each time,
+  // and its faces may come and go as lengths change. Fails as Evaluate, but for solids that only
+  // the kernel finds cannot be made.
+  absl::StatusOr<parametric::Structure> StructureAt(const Eigen::VectorXd& q) const;
+
   // The boundary representation of each part of the design at q, in the order of Evaluate's parts.
   // A mesh in a cage has a plane for each of its triangles that lie in one. Fails as Evaluate;
   // FAILED_PRECONDITION, NO_SOLID, where a mesh in a cage bounds several solids, or none that the
@@ -83,9 +93,11 @@ class Template {
  protected:
   explicit Template(TemplateHead head) : head_(std::move(head)) {}
 
-  // As Evaluate, Solids and AssemblyAt, for parameters that have been checked; name, revision,
-  // digest and parameters of the design are filled in afterwards.
+  // As Evaluate, StructureAt, Solids and AssemblyAt, for parameters that have been checked; name,
+  // revision, digest and parameters of the design are filled in afterwards, and the structure where
+  // nothing is counted.
   virtual absl::StatusOr<parametric::EvaluatedDesign> DesignAt(const Eigen::VectorXd& q) const = 0;
+  virtual absl::StatusOr<parametric::Structure> CountsAt(const Eigen::VectorXd& q) const = 0;
   virtual absl::StatusOr<std::vector<cad::Solid>> SolidsAt(const Eigen::VectorXd& q) const;
   virtual absl::StatusOr<std::optional<AssemblyDesign>> AssemblyDesignAt(
       const Eigen::VectorXd& q) const;

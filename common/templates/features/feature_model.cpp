@@ -136,6 +136,25 @@ std::vector<FieldViolation> Validate(const CadTemplate& definition, const Featur
   return findings;
 }
 
+void AddCounts(const Feature& feature, const Numbers& numbers, parametric::Structure& structure) {
+  const auto count_of = [&](const Formula& formula) { return static_cast<int>(numbers(formula)); };
+  if (const auto* rows = std::get_if<LinearPattern>(&feature.kind)) {
+    structure.counts.push_back({feature.name, {count_of(rows->count)}});
+    if (!rows->second_count.empty()) {
+      structure.counts.back().numbers.push_back(count_of(rows->second_count));
+    }
+  } else if (const auto* ring = std::get_if<CircularPattern>(&feature.kind)) {
+    structure.counts.push_back({feature.name, {count_of(ring->count)}});
+  } else if (const auto* sketch = std::get_if<Sketch>(&feature.kind)) {
+    for (const SketchProfile& profile : sketch->profiles) {
+      const auto* polygon = std::get_if<SketchPolygon>(&profile.shape);
+      if (polygon == nullptr) continue;
+      structure.counts.push_back(
+          {absl::StrCat(feature.name, ".", profile.name), {count_of(polygon->sides)}});
+    }
+  }
+}
+
 }  // namespace
 
 absl::StatusOr<std::vector<int>> FacesOf(const RegeneratedModel& model,
@@ -171,12 +190,25 @@ Eigen::VectorXd FeatureModel::Defaults() const {
   return parametric::Defaults(state_->definition.parameters);
 }
 
-absl::StatusOr<RegeneratedModel> FeatureModel::Regenerate(
-    const Eigen::Ref<const Eigen::VectorXd>& q) const {
+absl::StatusOr<Numbers> FeatureModel::NumbersAt(const Eigen::Ref<const Eigen::VectorXd>& q) const {
   std::vector<FieldViolation> findings = parametric::CheckRanges(state_->definition.parameters, q);
   MORTISE_RETURN_IF_ERROR(parametric::ToStatus(findings));
-  const Numbers numbers = state_->numbers.Evaluate(q, findings);
+  Numbers numbers = state_->numbers.Evaluate(q, findings);
   MORTISE_RETURN_IF_ERROR(parametric::ToStatus(findings));
+  return numbers;
+}
+
+absl::StatusOr<parametric::Structure> FeatureModel::StructureAt(
+    const Eigen::Ref<const Eigen::VectorXd>& q) const {
+  MORTISE_ASSIGN_OR_RETURN(const Numbers numbers, NumbersAt(q));
+  parametric::Structure structure;
+  for (const Feature& feature : state_->definition.features) AddCounts(feature, numbers, structure);
+  return structure;
+}
+
+absl::StatusOr<RegeneratedModel> FeatureModel::Regenerate(
+    const Eigen::Ref<const Eigen::VectorXd>& q) const {
+  MORTISE_ASSIGN_OR_RETURN(const Numbers numbers, NumbersAt(q));
   auto model = RegenerateFeatures(state_->definition, numbers, false);
   if (model.ok()) return model;
   // Again, feature by feature: slower, but tells exactly which one is at fault.

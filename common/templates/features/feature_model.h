@@ -18,6 +18,7 @@
 #include "absl/status/statusor.h"
 #include "common/cad/solid.h"
 #include "common/design/face_condition.h"
+#include "common/design/structure.h"
 #include "common/design/template_validation.h"
 #include "common/templates/features/cad_template.h"
 #include "common/templates/features/feature_numbers.h"
@@ -60,7 +61,15 @@ class FeatureModel {
   // check finds the solid invalid.
   absl::StatusOr<RegeneratedModel> Regenerate(const Eigen::Ref<const Eigen::VectorXd>& q) const;
 
+  // How many instances each pattern has at `q`, the feature that it repeats among them, and how
+  // many corners each polygon of a sketch ("sketch.profile"), feature by feature. Takes
+  // microseconds, as no solid is made: INVALID_ARGUMENT naming parameters and numbers only.
+  absl::StatusOr<parametric::Structure> StructureAt(
+      const Eigen::Ref<const Eigen::VectorXd>& q) const;
+
  private:
+  absl::StatusOr<Numbers> NumbersAt(const Eigen::Ref<const Eigen::VectorXd>& q) const;
+
   struct State {
     CadTemplate definition;
     FeatureNumbers numbers;
