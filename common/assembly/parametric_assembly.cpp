@@ -18,7 +18,6 @@
 namespace mortise::parametric {
 namespace {
 
-constexpr double kRelativeTolerance = 1e-6;  // of the design's diagonal
 constexpr std::size_t kMostLooseNamed = 10;
 constexpr double kFixed = 1e-9;  // m; a range no wider is none
 // m. What is reached stays this far inside of what can be while other demands are looked at:
@@ -161,7 +160,7 @@ absl::StatusOr<ParametricAssembly> ParametricAssembly::Create(
     Assembly assembly, const std::function<bool()>& is_given_up) {
   ParametricAssembly made;
   made.assembly_ = std::move(assembly);
-  made.tolerance_ = kRelativeTolerance * AssemblyDiagonal(made.assembly_);
+  made.tolerance_ = ToleranceOf(made.assembly_);
   MORTISE_RETURN_IF_ERROR(made.FindSoundFeasibleSet(is_given_up));
   made.placement_.emplace(*made.feasible_set_, made.elements_,
                           FindConnections(made.assembly_, made.elements_, made.contacts_,

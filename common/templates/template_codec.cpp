@@ -68,7 +68,17 @@ absl::StatusOr<Parametrization> AssemblyOf(const v1::TemplateBundle& bundle,
   *exposed.mutable_items() = bundle.items();
   *exposed.mutable_materials() = bundle.materials();
   *exposed.mutable_shapes() = bundle.shapes();
-  return parametrizing.parametrize(exposed, parametrizing.is_given_up);
+  return parametrizing.parametrize(exposed, parametrizing.is_given_up,
+                                   bundle.template_().assembly().group());
+}
+
+// What is wrong with the assembly as it is drawn names a part or a joint of it. All else that is
+// wrong with a sub-tree is so because it is by itself.
+absl::Status UnderAssembly(const absl::Status& status, const v1::AssemblyTemplate& message) {
+  const std::string field = DetailOf(status).field;
+  if (field == "group") return UnderField("assembly", status);
+  const bool is_by_itself = !message.group().empty() && field.empty();
+  return UnderField(is_by_itself ? "assembly.group" : "assembly.assembly", status);
 }
 
 absl::StatusOr<AssemblyHandle> HandleOf(const v1::AssemblyHandle& message,
@@ -135,7 +145,7 @@ absl::Status FillHandles(const parametric::ParametricAssembly& assembly,
 Compiled CompileAssembly(const v1::TemplateBundle& bundle, TemplateHead head,
                          const Parametrizing& parametrizing, v1::AssemblyTemplate* fill) {
   absl::StatusOr<Parametrization> assembly = AssemblyOf(bundle, parametrizing);
-  if (!assembly.ok()) return UnderField("assembly.assembly", assembly.status());
+  if (!assembly.ok()) return UnderAssembly(assembly.status(), bundle.template_().assembly());
   v1::Template message = bundle.template_();
   if (fill != nullptr) {
     MORTISE_RETURN_IF_ERROR(FillHandles(**assembly, *fill));
@@ -204,6 +214,18 @@ void FillText(const std::string& field, const std::string& text, std::string& he
   head = text;
 }
 
+// A sub-tree is called after its group as well; what is said of the whole does not describe it.
+void FillFromAssembly(const v1::Assembly& assembly, v1::Template& message) {
+  const std::string& group = message.assembly().group();
+  if (message.title().empty()) {
+    message.set_title(group.empty() ? assembly.title()
+                                    : absl::StrCat(assembly.title(), ": ", group));
+  }
+  if (message.description().empty() && group.empty()) {
+    message.set_description(assembly.description());
+  }
+}
+
 void FillHead(const v1::TemplateBundle& bundle, const Template& compiled, v1::Template& message,
               std::vector<FieldViolation>& findings) {
   if (message.has_cad()) {
@@ -215,10 +237,7 @@ void FillHead(const v1::TemplateBundle& bundle, const Template& compiled, v1::Te
     FillText("description", message.cage().description(), *message.mutable_description(), findings);
     message.mutable_cage()->set_name(message.name());
   } else {
-    if (message.title().empty()) message.set_title(bundle.assembly().title());
-    if (message.description().empty()) {
-      message.set_description(bundle.assembly().description());
-    }
+    FillFromAssembly(bundle.assembly(), message);
   }
   // Those of the other kinds have been checked with what they are made of.
   if (message.has_assembly()) {

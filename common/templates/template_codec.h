@@ -15,15 +15,17 @@
 
 namespace mortise::templates {
 
-// The parametrisation of an assembly: made now, as parametric::Parametrize does, or before.
+// The parametrisation of an assembly, or of the sub-tree below a group of it: made now, as
+// parametric::Parametrize does, or before.
 using Parametrization = std::shared_ptr<const parametric::ParametricAssembly>;
 using Parametrize = std::function<absl::StatusOr<Parametrization>(
-    const v1::AssemblyBundle& bundle, const std::function<bool()>& is_given_up)>;
+    const v1::AssemblyBundle& bundle, const std::function<bool()>& is_given_up,
+    const std::string& group)>;
 
 // A completed bundle, ready for evaluation. INVALID_ARGUMENT naming all fields at fault, as the
 // template's message has them ("parts[2].item", "cad.features[3].fillet.radius",
-// "assembly.handles[0].measure"); FAILED_PRECONDITION as ParametricAssembly::Create. Takes up to
-// seconds for assemblies of hundreds of parts.
+// "assembly.group", "assembly.handles[0].measure"); FAILED_PRECONDITION as
+// ParametricAssembly::Create. Takes up to seconds for assemblies of hundreds of parts.
 absl::StatusOr<std::shared_ptr<const Template>> Compile(
     const v1::TemplateBundle& bundle, const Parametrize& parametrize = parametric::Parametrize);
 

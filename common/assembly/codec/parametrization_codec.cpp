@@ -9,6 +9,7 @@
 #include "common/assembly/codec/connection_codec.h"
 #include "common/assembly/codec/shape_codec.h"
 #include "common/assembly/model/rest_pose.h"
+#include "common/assembly/sub_tree.h"
 #include "common/base/errors.h"
 #include "common/files/axis_codec.h"
 #include "common/files/template_codec.h"
@@ -168,7 +169,8 @@ absl::StatusOr<std::vector<MeasureDemand>> FromProto(
 }
 
 absl::StatusOr<std::shared_ptr<const ParametricAssembly>> Parametrize(
-    const v1::AssemblyBundle& bundle, const std::function<bool()>& is_given_up) {
+    const v1::AssemblyBundle& bundle, const std::function<bool()>& is_given_up,
+    const std::string& group) {
   std::vector<Item> items;
   for (const v1::Item& message : bundle.items()) {
     MORTISE_ASSIGN_OR_RETURN(Item item, FromProto(message));
@@ -176,6 +178,9 @@ absl::StatusOr<std::shared_ptr<const ParametricAssembly>> Parametrize(
   }
   MORTISE_ASSIGN_OR_RETURN(const ShapesByName shapes, FromProto(bundle.shapes()));
   MORTISE_ASSIGN_OR_RETURN(Assembly assembly, FromProto(bundle.assembly(), items, shapes));
+  if (!group.empty()) {
+    MORTISE_ASSIGN_OR_RETURN(assembly, SubTreeOf(assembly, group));
+  }
   MORTISE_ASSIGN_OR_RETURN(ParametricAssembly parametrized,
                            ParametricAssembly::Create(std::move(assembly), is_given_up));
   return std::make_shared<const ParametricAssembly>(std::move(parametrized));

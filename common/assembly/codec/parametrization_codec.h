@@ -27,10 +27,11 @@ absl::StatusOr<std::vector<MeasureDemand>> FromProto(
 
 // Parametrises an assembly with the items and shapes that it names. INVALID_ARGUMENT with
 // everything that is wrong with it, fields as the message has them; FAILED_PRECONDITION as
-// ParametricAssembly::Create, and CANCELLED. Takes up to seconds for hundreds of parts.
+// ParametricAssembly::Create, and CANCELLED. Takes up to seconds for hundreds of parts. With a
+// `group`, the sub-tree below it by itself (sub_tree.h), "group" naming what is wrong with that.
 absl::StatusOr<std::shared_ptr<const ParametricAssembly>> Parametrize(
     const v1::AssemblyBundle& bundle,
-    const std::function<bool()>& is_given_up = [] { return false; });
+    const std::function<bool()>& is_given_up = [] { return false; }, const std::string& group = "");
 
 // Everything but the name and revision. Fails as ParametricAssembly::DegreesOfFreedom does.
 absl::StatusOr<v1::Parametrization> ToProto(const ParametricAssembly& assembly);

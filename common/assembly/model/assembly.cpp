@@ -301,4 +301,6 @@ double AssemblyDiagonal(const Assembly& assembly) {
   return (maximum - minimum).norm();
 }
 
+double ToleranceOf(const Assembly& assembly) { return 1e-6 * AssemblyDiagonal(assembly); }
+
 }  // namespace mortise::parametric

@@ -118,4 +118,7 @@ bool IsWithin(const Assembly& assembly, int group, int ancestor);
 // The diagonal of the box around all parts, m: what tolerances scale with.
 double AssemblyDiagonal(const Assembly& assembly);
 
+// Within which parts align, touch and are alike, m: a millionth of the diagonal.
+double ToleranceOf(const Assembly& assembly);
+
 }  // namespace mortise::parametric

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <string>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
@@ -18,15 +19,18 @@ class ParametrizationCache {
   explicit ParametrizationCache(std::size_t capacity) : parametrized_(capacity, Oversize::kAlone) {}
 
   // The assembly of a frozen bundle, by its name and digest: from before, or parametrised now, once
-  // for all who ask. `complete` adds what that takes and the bundle need not have: its shapes.
+  // for all who ask. `complete` adds what that takes and the bundle need not have: its shapes. With
+  // a `group`, the sub-tree below it.
   // Fails as `complete`, CheckTogether and parametric::Parametrize do.
   absl::StatusOr<templates::Parametrization> Get(
       v1::AssemblyBundle bundle, const std::function<bool()>& is_given_up,
-      const std::function<absl::Status(v1::AssemblyBundle&)>& complete);
+      const std::function<absl::Status(v1::AssemblyBundle&)>& complete,
+      const std::string& group = "");
 
   // The same of a bundle that has all that it is to have; one that lacks shapes is told so anew.
   absl::StatusOr<templates::Parametrization> Get(const v1::AssemblyBundle& bundle,
-                                                 const std::function<bool()>& is_given_up);
+                                                 const std::function<bool()>& is_given_up,
+                                                 const std::string& group = "");
 
   // Get for templates; the cache outlives it.
   templates::Parametrize ForTemplates();

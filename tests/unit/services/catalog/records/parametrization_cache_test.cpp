@@ -54,7 +54,7 @@ TEST_F(ParametrizationCacheTest, GivesAllTheSame) {
   ASSERT_OK_AND_ASSIGN(const auto first, cache_.Get(whole_, Stays));
   ASSERT_OK_AND_ASSIGN(const auto second, cache_.Get(whole_, Stays));
   EXPECT_EQ(first, second);
-  ASSERT_OK_AND_ASSIGN(const auto third, cache_.ForTemplates()(whole_, Stays));
+  ASSERT_OK_AND_ASSIGN(const auto third, cache_.ForTemplates()(whole_, Stays, ""));
   EXPECT_EQ(first, third);
 }
 
@@ -81,6 +81,18 @@ TEST_F(ParametrizationCacheTest, AddsWhatABundleLacksOnlyWhereTheAnswerIsNotKnow
   ASSERT_OK_AND_ASSIGN(const auto second, cache_.Get(bare_, Stays, complete));
   EXPECT_EQ(first, second);
   EXPECT_EQ(times, 1);
+}
+
+// A sub-tree is another assembly than the whole, and is made once, too.
+TEST_F(ParametrizationCacheTest, KeepsSubTreesBesideTheWhole) {
+  ASSERT_OK_AND_ASSIGN(const auto whole, cache_.Get(whole_, Stays));
+  ASSERT_OK_AND_ASSIGN(const auto board, cache_.Get(whole_, Stays, "board"));
+  EXPECT_EQ(whole->elements().size(), 2U);
+  ASSERT_EQ(board->elements().size(), 1U);
+  EXPECT_EQ(board->elements()[0].name, "board");
+  ASSERT_OK_AND_ASSIGN(const auto again, cache_.ForTemplates()(whole_, Stays, "board"));
+  EXPECT_EQ(again, board);
+  EXPECT_EQ(DetailOf(cache_.Get(whole_, Stays, "lid").status()).field, "group");
 }
 
 TEST_F(ParametrizationCacheTest, WhoLeavesGetsNothingAndLeavesNothing) {

@@ -1,0 +1,180 @@
+#include "common/assembly/sub_tree.h"
+
+#include <algorithm>
+#include <cctype>
+#include <numeric>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "common/assembly/trial/drawn_contacts.h"
+#include "common/base/errors.h"
+
+namespace mortise::parametric {
+namespace {
+
+constexpr int kNone = -1;
+
+// What is drawn below a node.
+struct Node {
+  int group = kNone;         // of the assembly; none where the node is a part or row
+  std::vector<bool> inside;  // of each part
+};
+
+int FindGroup(const Assembly& assembly, const std::string& name) {
+  for (std::size_t i = 1; i < assembly.groups.size(); ++i) {
+    if (assembly.groups[i].name == name) return static_cast<int>(i);
+  }
+  return kNone;
+}
+
+bool IsNumber(std::string_view text) {
+  return !text.empty() && std::all_of(text.begin(), text.end(), [](char letter) {
+    return std::isdigit(static_cast<unsigned char>(letter)) != 0;
+  });
+}
+
+// Whether a part of this name is one of the row or grid: "shelf 3" of "shelf", "screw 1.2" of
+// "screw".
+bool IsOfRow(std::string_view part, std::string_view row) {
+  if (!part.starts_with(row) || part.substr(row.size(), 1) != " ") return false;
+  const std::string_view place = part.substr(row.size() + 1);
+  const std::size_t dot = place.find('.');
+  if (dot == std::string_view::npos) return IsNumber(place);
+  return IsNumber(place.substr(0, dot)) && IsNumber(place.substr(dot + 1));
+}
+
+template <typename Predicate>
+std::vector<bool> PartsThat(const Assembly& assembly, const Predicate& is_wanted) {
+  std::vector<bool> wanted;
+  for (const AssemblyPart& part : assembly.parts) wanted.push_back(is_wanted(part));
+  return wanted;
+}
+
+bool HasAny(const std::vector<bool>& parts) {
+  return std::find(parts.begin(), parts.end(), true) != parts.end();
+}
+
+absl::StatusOr<Node> FindNode(const Assembly& assembly, const std::string& name) {
+  Node node;
+  node.group = FindGroup(assembly, name);
+  if (node.group != kNone) {
+    node.inside = PartsThat(assembly, [&](const AssemblyPart& part) {
+      return IsWithin(assembly, part.group, node.group);
+    });
+    return node;
+  }
+  node.inside = PartsThat(assembly, [&](const AssemblyPart& part) { return part.name == name; });
+  if (HasAny(node.inside)) return node;
+  node.inside =
+      PartsThat(assembly, [&](const AssemblyPart& part) { return IsOfRow(part.name, name); });
+  if (HasAny(node.inside)) return node;
+  return InvalidField("group",
+                      absl::StrCat("there is no group or part '", name, "' in ", assembly.name));
+}
+
+// Of each part one that it belongs together with: the same one of connecting parts that touch each
+// other, directly or by others; principal parts by themselves.
+std::vector<int> TogetherWith(const Assembly& assembly, const TouchingParts& touching) {
+  std::vector<int> above(assembly.parts.size());
+  std::iota(above.begin(), above.end(), 0);
+  const auto top = [&](int part) {
+    while (above[static_cast<std::size_t>(part)] != part) {
+      part = above[static_cast<std::size_t>(part)];
+    }
+    return part;
+  };
+  const auto connects = [&](int part) {
+    return assembly.parts[static_cast<std::size_t>(part)].connecting;
+  };
+  for (const auto& [a, b] : touching) {
+    if (!connects(a) || !connects(b)) continue;
+    const auto [low, high] = std::minmax({top(a), top(b)});
+    above[static_cast<std::size_t>(high)] = low;
+  }
+  std::vector<int> together;
+  for (int part = 0; part < static_cast<int>(above.size()); ++part) together.push_back(top(part));
+  return together;
+}
+
+// Which parts the sub-tree has.
+std::vector<bool> PartsThatStay(const Assembly& assembly, const TouchingParts& touching,
+                                const std::vector<bool>& inside) {
+  const std::vector<int> together = TogetherWith(assembly, touching);
+  std::vector<bool> reaches_in(inside.size(), false), reaches_out(inside.size(), false);
+  const auto note = [&](int connecting, int principal) {
+    const auto of = static_cast<std::size_t>(together[static_cast<std::size_t>(connecting)]);
+    (inside[static_cast<std::size_t>(principal)] ? reaches_in : reaches_out)[of] = true;
+  };
+  for (const auto& [a, b] : touching) {
+    const bool a_connects = assembly.parts[static_cast<std::size_t>(a)].connecting;
+    const bool b_connects = assembly.parts[static_cast<std::size_t>(b)].connecting;
+    if (a_connects && !b_connects) note(a, b);
+    if (b_connects && !a_connects) note(b, a);
+  }
+  std::vector<bool> stays = inside;
+  for (std::size_t i = 0; i < stays.size(); ++i) {
+    if (!assembly.parts[i].connecting) continue;
+    const auto of = static_cast<std::size_t>(together[i]);
+    stays[i] = !reaches_out[of] && (reaches_in[of] || inside[i]);
+  }
+  return stays;
+}
+
+// The groups of the sub-tree, the node first. Gives of each group of the assembly the index of
+// where its parts are then: those of groups that are not in the sub-tree are in its root.
+std::vector<int> AddGroups(const Assembly& assembly, int node, Assembly& made) {
+  std::vector<int> index_of(assembly.groups.size(), 0);
+  made.groups = {{assembly.name, -1}};
+  if (node == kNone) return index_of;
+  for (int group = 0; group < static_cast<int>(assembly.groups.size()); ++group) {
+    if (group == node || !IsWithin(assembly, group, node)) continue;
+    index_of[static_cast<std::size_t>(group)] = static_cast<int>(made.groups.size());
+    made.groups.push_back(assembly.groups[static_cast<std::size_t>(group)]);
+  }
+  for (std::size_t i = 1; i < made.groups.size(); ++i) {
+    int& parent = made.groups[i].parent;
+    parent = index_of[static_cast<std::size_t>(parent)];
+  }
+  return index_of;
+}
+
+// Joints of groups below the node, as far as there is something left to move.
+void AddJoints(const Assembly& assembly, const std::vector<int>& index_of, Assembly& made) {
+  for (Joint joint : assembly.joints) {
+    joint.group = index_of[static_cast<std::size_t>(joint.group)];
+    if (joint.group == 0) continue;
+    const bool moves = std::any_of(
+        made.parts.begin(), made.parts.end(),
+        [&](const AssemblyPart& part) { return IsWithin(made, part.group, joint.group); });
+    if (moves) made.joints.push_back(std::move(joint));
+  }
+}
+
+}  // namespace
+
+absl::StatusOr<Assembly> SubTreeOf(const Assembly& assembly, const std::string& node) {
+  if (node.empty()) return assembly;
+  MORTISE_ASSIGN_OR_RETURN(const Node found, FindNode(assembly, node));
+  MORTISE_ASSIGN_OR_RETURN(const TouchingParts touching,
+                           FindTouchingParts(assembly, ToleranceOf(assembly)));
+  const std::vector<bool> stays = PartsThatStay(assembly, touching, found.inside);
+  Assembly made;
+  made.name = assembly.name;
+  const std::vector<int> index_of = AddGroups(assembly, found.group, made);
+  bool has_principal = false;
+  for (std::size_t i = 0; i < stays.size(); ++i) {
+    if (!stays[i]) continue;
+    AssemblyPart& part = made.parts.emplace_back(assembly.parts[i]);
+    part.group = index_of[static_cast<std::size_t>(part.group)];
+    has_principal |= !part.connecting;
+  }
+  if (!has_principal) {
+    return InvalidField("group", absl::StrCat("'", node, "' has no principal parts"));
+  }
+  AddJoints(assembly, index_of, made);
+  return made;
+}
+
+}  // namespace mortise::parametric
