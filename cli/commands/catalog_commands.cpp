@@ -145,6 +145,9 @@ absl::Status Evaluate(const EvaluateOptions& options, Session& session, Output& 
   for (const std::string& fault : design.faults()) output.Line(absl::StrCat("fault: ", fault));
   output.Line(absl::StrFormat("%d parts, %d pegs, %.3f kg", design.parts_size(),
                               design.connectors_size(), design.mass()));
+  if (design.structure().counts_size() > 0) {
+    output.Line(absl::StrCat("structure: ", design.structure().description()));
+  }
   using Request = v1::ExportDesignRequest;
   MORTISE_RETURN_IF_ERROR(ExportTo(options, Request::STEP, options.step, *stub, *client, output));
   MORTISE_RETURN_IF_ERROR(ExportTo(options, Request::GLB, options.glb, *stub, *client, output));

@@ -162,12 +162,22 @@ assembly {
   std::vector<std::string> evaluate = {"catalog", "evaluate", "track", "--set", "place=300mm"};
   EXPECT_EQ(RunCommandLine(evaluate, session_, output), absl::OkStatus());
   EXPECT_EQ(Json::parse(output.last_document())["faults"].size(), 1u);
+  EXPECT_EQ(Json::parse(output.last_document())["structure"]["description"], "always the same");
   evaluate.push_back("--strict");
   const absl::Status refused = RunCommandLine(evaluate, session_, output);
   EXPECT_EQ(DetailOf(refused).reason, "DESIGN_FAULTY") << refused;
   EXPECT_THAT(std::string(refused.message()), AllOf(HasSubstr("'slider'"), HasSubstr("'wall'")));
   evaluate[4] = "place=700mm";
   EXPECT_EQ(RunCommandLine(evaluate, session_, output), absl::OkStatus());
+}
+
+TEST_F(AssemblyCommand, PrintsTheStructureOfADesign) {
+  Output output(Output::Form::kText);
+  ::testing::internal::CaptureStdout();
+  const absl::Status done = RunCommandLine({"catalog", "evaluate", "bookshelf"}, session_, output);
+  const std::string printed = ::testing::internal::GetCapturedStdout();
+  EXPECT_EQ(done, absl::OkStatus());
+  EXPECT_THAT(printed, AllOf(HasSubstr("structure: "), HasSubstr("shelf 1: 6")));
 }
 
 TEST_F(AssemblyCommand, NamesTheFlagAtFault) {
