@@ -237,6 +237,40 @@ TEST_F(CatalogServiceTest, ImportsTemplatesOfEveryKindOrSaysWhyNot) {
             "template.assembly.revision");
 }
 
+// A group of an assembly by itself, through all that is asked of templates.
+TEST_F(CatalogServiceTest, SubTreesAreTemplates) {
+  using Stub = v1::CatalogService::Stub;
+  v1::Template shelves;
+  shelves.set_name("templates/shelves");
+  shelves.mutable_assembly()->set_assembly("assemblies/bookshelf");
+  shelves.mutable_assembly()->set_group("chimney");
+  EXPECT_EQ(Fail(&Stub::ImportTemplate, ImportRequest(shelves, 0)).field,
+            "template.assembly.group");
+  shelves.mutable_assembly()->set_group("shelves");
+  v1::Template stored;
+  ASSERT_TRUE(Call(&Stub::ImportTemplate, ImportRequest(shelves, 0), &stored).ok());
+  EXPECT_EQ(stored.assembly().group(), "shelves");
+  EXPECT_THAT(stored.title(), HasSubstr(": shelves"));
+  v1::GetTemplateBundleRequest asked;
+  asked.set_name(stored.name());
+  v1::TemplateBundle bundle;
+  ASSERT_TRUE(Call(&Stub::GetTemplateBundle, asked, &bundle).ok());
+  EXPECT_EQ(bundle.template_().assembly().group(), "shelves");
+  v1::EvaluateTemplateRequest evaluate;
+  evaluate.set_name(stored.name());
+  v1::EvaluatedDesign design;
+  ASSERT_TRUE(Call(&Stub::EvaluateTemplate, evaluate, &design).ok());
+  EXPECT_EQ(design.parts_size(), 6);
+  EXPECT_EQ(design.faults_size(), 0);
+  EXPECT_EQ(design.structure().description(), "shelf 1: 6");
+  // The whole has its sides and screws as before.
+  evaluate.set_name("templates/bookshelf");
+  ASSERT_TRUE(Call(&Stub::EvaluateTemplate, evaluate, &design).ok());
+  EXPECT_GT(design.parts_size(), 20);
+  EXPECT_EQ(design.structure().key().size(), 64u);
+  EXPECT_THAT(design.structure().description(), HasSubstr("shelf 1: 6"));
+}
+
 // A slider before a wall with a narrow ridge, which it touches nowhere. Neither the ends of where
 // it may stand nor the few places between them that are tried before a design is stored show that
 // it runs into the ridge.

@@ -45,10 +45,15 @@ std::vector<std::string> NamesOfAll() {
   return names;
 }
 
+// "assemblies/cabinet:left drawer" is the sub-tree of a group.
 Shipped Load(const std::string& name) {
   Shipped shipped;
   if (name.starts_with("assemblies/")) {
-    shipped.bundle = templates::ShippedAssembly(name);
+    const std::size_t colon = std::min(name.find(':'), name.size());
+    shipped.bundle = templates::ShippedAssembly(name.substr(0, colon));
+    if (colon < name.size()) {
+      shipped.bundle.mutable_template_()->mutable_assembly()->set_group(name.substr(colon + 1));
+    }
     EXPECT_EQ(templates::Complete(shipped.bundle, templates::Trial::kDefaults), absl::OkStatus());
   } else {
     shipped.bundle = templates::ShippedTemplate(name);
@@ -245,11 +250,17 @@ TEST_P(ShippedPlansTest, HasAPlanThatCanBeFollowed) {
 std::string TestName(const ::testing::TestParamInfo<std::string>& info) {
   std::string name = info.param;
   std::replace_if(
-      name.begin(), name.end(), [](char c) { return c == '/' || c == '-'; }, '_');
+      name.begin(), name.end(), [](char c) { return c == '/' || c == '-' || c == ':' || c == ' '; },
+      '_');
   return name;
 }
 
 INSTANTIATE_TEST_SUITE_P(All, ShippedPlansTest, ::testing::ValuesIn(NamesOfAll()), TestName);
+
+INSTANTIATE_TEST_SUITE_P(SubTrees, ShippedPlansTest,
+                         ::testing::Values("assemblies/cabinet:left drawer",
+                                           "assemblies/bed:headboard"),
+                         TestName);
 
 }  // namespace
 }  // namespace mortise::fabplanner
