@@ -86,6 +86,28 @@ TEST(TemplateModelTest, WhatOnlyConnectsPartsIsLeftOut) {
   EXPECT_EQ(model->analysis.materials.size(), principal);
 }
 
+// The headboard of the bed without the bed: held by its cleats, leaned on at the top.
+TEST(TemplateModelTest, ASubTreeOfAnAssemblyBendsByItself) {
+  v1::TemplateBundle bundle = templates::ShippedAssembly("assemblies/bed");
+  ASSERT_TRUE(google::protobuf::TextFormat::MergeFromString(
+      R"(assembly { group: "headboard" }
+         boundary_conditions { name: "left" kind: FIXED part: "cleat 1" face: "z_min" }
+         boundary_conditions { name: "right" kind: FIXED part: "cleat 2" face: "z_min" }
+         boundary_conditions { name: "back" kind: FORCE part: "headboard board 3" face: "z_max"
+                               components: "0" components: "300" components: "0" })",
+      bundle.mutable_template_()));
+  const Subject headboard = AtDefaults(bundle);
+  const auto model = headboard.Model();
+  ASSERT_TRUE(model.ok()) << model.status();
+  EXPECT_EQ(model->surface.part_names.size(), 5U);  // two cleats, three boards
+  DesignAnalysisOptions options;
+  options.mesh.element_size = 0.05;
+  const auto analysis = AnalyzeDesign(*model, {"max_displacement"}, false, options);
+  ASSERT_TRUE(analysis.ok()) << analysis.status();
+  EXPECT_GT(ValueOf(*analysis, "max_displacement"), 1e-5);
+  EXPECT_NEAR(analysis->cases[0].solution.summary.total_load.y(), 300, 1e-6);
+}
+
 TEST(TemplateModelTest, PartsWithoutMaterialAreNamed) {
   Subject wrench = AtDefaults(templates::ShippedTemplate("templates/wrench"));
   wrench.design.parts[0].material = "materials/none";
