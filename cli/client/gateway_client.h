@@ -78,7 +78,7 @@ class GatewayClient {
   std::string command_;
 };
 
-// Whether nothing more becomes of it.
+// Tells whether the operation has ended: succeeded, failed or cancelled.
 bool HasEnded(const v1::Operation& operation);
 
 // What an operation that has ended failed with: its error, CANCELLED; OK where it succeeded.

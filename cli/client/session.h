@@ -1,4 +1,4 @@
-// What every command has at hand: the global options, the output, the connection to the gateway.
+// Every command has a session at hand: the global options and the connection to the gateway.
 #pragma once
 
 #include <functional>
@@ -28,7 +28,7 @@ struct Session {
   GatewayOptions gateway;
   std::function<absl::Status(Session&, Output&)> command;  // set by the subcommand chosen
 
-  // Whether the house ends with the command, as that of `mortise demo` does.
+  // True where the house ends with the command, as that of `mortise demo` does.
   bool house_ends_too = false;
 
   // How the command does work that takes long.

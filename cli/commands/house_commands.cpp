@@ -183,7 +183,7 @@ absl::Status Down(const GatewayOptions& gateway, Output& output) {
   return absl::OkStatus();
 }
 
-// What the gateway of a house says, wherever that runs.
+// Prints what the gateway of a house says of it, wherever that house runs.
 absl::Status RemoteStatus(Session& session, Output& output) {
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   const auto stub = v1::GatewayService::NewStub(client->channel());

@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kNone = -1;
 
-// What is drawn below a node.
+// A node of the assembly's tree, and which parts are drawn below it.
 struct Node {
   int group = kNone;         // of the assembly; none where the node is a part or row
   std::vector<bool> inside;  // of each part
@@ -35,7 +35,7 @@ bool IsNumber(std::string_view text) {
   });
 }
 
-// Whether a part of this name is one of the row or grid: "shelf 3" of "shelf", "screw 1.2" of
+// Tells whether a part of this name is one of the row or grid: "shelf 3" of "shelf", "screw 1.2" of
 // "screw".
 bool IsOfRow(std::string_view part, std::string_view row) {
   if (!part.starts_with(row) || part.substr(row.size(), 1) != " ") return false;
