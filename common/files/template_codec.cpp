@@ -186,6 +186,9 @@ std::string TemplateDigest(const v1::Template& message) {
   content.clear_revision();
   content.clear_digest();
   content.clear_create_time();
+  content.clear_external_ids();
+  content.clear_labels();
+  content.clear_creator();
   return MessageDigest(content);
 }
 
@@ -198,6 +201,9 @@ std::string BundleDigest(const v1::TemplateBundle& message) {
   content.clear_shapes();
   content.mutable_assembly()->clear_revision();
   content.mutable_assembly()->clear_create_time();
+  content.mutable_assembly()->clear_external_ids();
+  content.mutable_assembly()->clear_labels();
+  content.mutable_assembly()->clear_creator();
   if (!message.has_assembly()) content.clear_assembly();
   return MessageDigest(content);
 }

@@ -50,7 +50,7 @@ jobs::NewOperation OperationOf(const Call& call, const std::string& kind,
   return {.kind = kind,
           .request = std::move(request),
           .subject = subject,
-          .request_id = call.identity().request_id,
+          .trace_id = call.identity().trace_id,
           .creator = call.identity().subject,
           .method = call.method()};
 }

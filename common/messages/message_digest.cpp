@@ -19,6 +19,16 @@ std::string DeterministicBytes(const google::protobuf::Message& message) {
   return bytes;
 }
 
+// Nor what only says by which numbers and words it is found, and who created it.
+template <typename Message>
+void ClearRevision(Message& message) {
+  message.clear_revision();
+  message.clear_external_ids();
+  message.clear_labels();
+  message.clear_creator();
+  message.clear_create_time();
+}
+
 }  // namespace
 
 std::string MessageDigest(const google::protobuf::Message& message) {
@@ -28,10 +38,10 @@ std::string MessageDigest(const google::protobuf::Message& message) {
 void ClearRevisions(google::protobuf::RepeatedPtrField<v1::Item>& items,
                     google::protobuf::RepeatedPtrField<v1::Material>& materials) {
   for (v1::Item& item : items) {
-    item.clear_revision();
     item.clear_update_time();
+    ClearRevision(item);
   }
-  for (v1::Material& material : materials) material.clear_revision();
+  for (v1::Material& material : materials) ClearRevision(material);
 }
 
 }  // namespace mortise::parametric

@@ -56,7 +56,7 @@ absl::Status StatusOf(const json& value) {
 std::string StateJson(const Operation& operation) {
   return Dump({{"kind", operation.kind},
                {"subject", operation.subject},
-               {"request_id", operation.request_id},
+               {"request_id", operation.trace_id},
                {"creator", operation.creator},
                {"method", operation.method},
                {"state", static_cast<int>(operation.state)},
@@ -69,7 +69,7 @@ void ReadStateJson(const std::string& text, Operation* operation) {
   const json value = json::parse(text);
   operation->kind = value.at("kind");
   operation->subject = value.at("subject");
-  operation->request_id = value.at("request_id");
+  operation->trace_id = value.at("request_id");
   operation->creator = value.at("creator");
   operation->method = value.value("method", "");  // earlier versions did not keep it
   operation->state = static_cast<OperationState>(value.at("state").get<int>());
@@ -146,7 +146,7 @@ absl::StatusOr<Operation> OperationRecords::Create(store::Transaction& transacti
   Operation operation{.name = NameOf(id),
                       .kind = request.kind,
                       .subject = request.subject,
-                      .request_id = request.request_id,
+                      .trace_id = request.trace_id,
                       .creator = request.creator,
                       .method = request.method,
                       .request = request.request,
@@ -237,7 +237,7 @@ absl::Status OperationRecords::Save(store::Transaction& transaction, std::string
   return transaction.AppendEvent({.type = absl::StrCat("operation.", std::string(event)),
                                   .subject = operation->name,
                                   .payload = describe_(*operation),
-                                  .trace_id = operation->request_id});
+                                  .trace_id = operation->trace_id});
 }
 
 absl::Status OperationRecords::SaveResult(store::Transaction& transaction, std::string_view id,

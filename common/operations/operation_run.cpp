@@ -10,7 +10,7 @@ OperationRun::OperationRun(const RunLease& lease, const Operation& operation,
                            std::string checkpoint, store::Store* store, OperationRecords* records)
     : lease_(lease),
       name_(operation.name),
-      trace_id_(operation.request_id),
+      trace_id_(operation.trace_id),
       request_(operation.request),
       checkpoint_(std::move(checkpoint)),
       store_(store),

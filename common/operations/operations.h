@@ -50,7 +50,7 @@ struct Operation {
   std::string name = {};        // "operations/<service>/<id>"
   std::string kind = {};        // which handler runs it
   std::string subject = {};     // resource name it works on
-  std::string request_id = {};  // of the request that started it; also its trace id
+  std::string trace_id = {};    // of the request that started it
   std::string creator = {};     // who asked for it
   std::string method = {};      // that was called to start it
   OperationState state = OperationState::kPending;
@@ -69,7 +69,7 @@ struct NewOperation {
   std::string kind = {};
   std::string request = {};
   std::string subject = {};
-  std::string request_id = {};
+  std::string trace_id = {};
   std::string creator = {};
   std::string method = {};
 };

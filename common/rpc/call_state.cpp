@@ -110,7 +110,7 @@ absl::Status CallState::Authenticate() {
   if (verifier == nullptr) {
     identity_.subject = "users/developer";
     identity_.role = Role::kAdmin;
-    identity_.request_id = IsTraceId(trace_id_) ? trace_id_ : NewIdentifier();
+    identity_.trace_id = IsTraceId(trace_id_) ? trace_id_ : NewIdentifier();
     signed_identity_.clear();
     return absl::OkStatus();
   }
@@ -118,8 +118,8 @@ absl::Status CallState::Authenticate() {
     return IdentityInvalid("the call carries no identity; call through the gateway");
   }
   MORTISE_ASSIGN_OR_RETURN(identity_, verifier->Verify(signed_identity_));
-  if (identity_.request_id.empty()) identity_.request_id = trace_id_;
-  if (!IsTraceId(identity_.request_id)) identity_.request_id = NewIdentifier();
+  if (identity_.trace_id.empty()) identity_.trace_id = trace_id_;
+  if (!IsTraceId(identity_.trace_id)) identity_.trace_id = NewIdentifier();
   return absl::OkStatus();
 }
 
@@ -140,7 +140,7 @@ absl::Status CallState::CheckRequest(const google::protobuf::Message& request,
 }
 
 absl::Status CallState::RunGuarded(const std::function<absl::Status()>& work) const {
-  TraceScope trace(identity_.request_id);
+  TraceScope trace(identity_.trace_id);
   std::string what;
   try {
     return work();
@@ -151,7 +151,7 @@ absl::Status CallState::RunGuarded(const std::function<absl::Status()>& work) co
   }
   Log(LogLevel::kError, "a handler threw", {{"method", method_->name}, {"what", what}});
   return WithDetail(
-      absl::InternalError(absl::StrCat(method_->name, " failed; trace id ", identity_.request_id)),
+      absl::InternalError(absl::StrCat(method_->name, " failed; trace id ", identity_.trace_id)),
       {"HANDLER_FAILED", ""});
 }
 
@@ -191,7 +191,7 @@ void CallState::End(const absl::Status& status) {
     ended_ = true;
     dropped = std::exchange(stop_callbacks_, {});
   }
-  TraceScope trace(identity_.request_id);
+  TraceScope trace(identity_.trace_id);
   dispatcher_->End(shared_from_this(), status);
 }
 

@@ -41,7 +41,7 @@ absl::StatusOr<std::shared_ptr<grpc::Channel>> MakeChannel(const std::string& ad
 
 Origin ForwardedFrom(const Call& call) {
   Origin origin;
-  origin.trace_id = call.identity().request_id;
+  origin.trace_id = call.identity().trace_id;
   origin.deadline = call.deadline();
   if (!call.signed_identity().empty()) {
     origin.identity = [identity = call.signed_identity()] { return identity; };

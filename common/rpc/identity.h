@@ -34,7 +34,7 @@ absl::StatusOr<Role> ParseRole(std::string_view name, std::string_view field);
 struct Identity {
   std::string subject;      // "users/ada", "services/pareto"
   Role role = Role::kNone;  // the highest held
-  std::string request_id;   // id of the outermost request; the trace id of log lines
+  std::string trace_id;     // the id of the outermost request, which every log line carries
   std::string issuer;       // who vouches: "gateway"
   absl::Time issued_at;
   absl::Time expires_at;
@@ -65,11 +65,11 @@ class IdentitySigner {
   virtual ~IdentitySigner() = default;
 
   // A serialised SignedIdentity, valid from now for `lifetime` (at most kIdentityLifetime).
-  virtual std::string Sign(std::string_view subject, Role role, std::string_view request_id,
+  virtual std::string Sign(std::string_view subject, Role role, std::string_view trace_id,
                            absl::Duration lifetime = kIdentityLifetime) const = 0;
 
   // The same for the service itself: subject "services/<issuer>".
-  virtual std::string SignService(Role role, std::string_view request_id) const = 0;
+  virtual std::string SignService(Role role, std::string_view trace_id) const = 0;
 
   virtual const std::string& issuer() const = 0;
 };

@@ -14,13 +14,13 @@ class KeySigner : public IdentitySigner {
   KeySigner(std::string issuer, std::shared_ptr<const IdentityKey> key, Clock clock)
       : issuer_(std::move(issuer)), key_(std::move(key)), clock_(std::move(clock)) {}
 
-  std::string Sign(std::string_view subject, Role role, std::string_view request_id,
+  std::string Sign(std::string_view subject, Role role, std::string_view trace_id,
                    absl::Duration lifetime) const override {
     const int64_t now = absl::ToUnixSeconds(clock_());
     v1::Identity identity;
     identity.set_subject(std::string(subject));
     if (role != Role::kNone) identity.add_roles(static_cast<v1::Role>(role));
-    identity.set_request_id(std::string(request_id));
+    identity.set_trace_id(std::string(trace_id));
     identity.set_issuer(issuer_);
     identity.set_issued_at(now);
     identity.set_expires_at(now + absl::ToInt64Seconds(std::min(lifetime, kIdentityLifetime)));
@@ -30,8 +30,8 @@ class KeySigner : public IdentitySigner {
     return result.SerializeAsString();
   }
 
-  std::string SignService(Role role, std::string_view request_id) const override {
-    return Sign("services/" + issuer_, role, request_id, kIdentityLifetime);
+  std::string SignService(Role role, std::string_view trace_id) const override {
+    return Sign("services/" + issuer_, role, trace_id, kIdentityLifetime);
   }
 
   const std::string& issuer() const override { return issuer_; }

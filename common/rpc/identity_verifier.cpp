@@ -87,7 +87,7 @@ class KeyVerifier : public IdentityVerifier {
     }
     Identity identity{.subject = claim.subject(),
                       .role = HighestRole(claim),
-                      .request_id = claim.request_id(),
+                      .trace_id = claim.trace_id(),
                       .issuer = claim.issuer(),
                       .issued_at = absl::FromUnixSeconds(claim.issued_at()),
                       .expires_at = absl::FromUnixSeconds(claim.expires_at())};

@@ -101,7 +101,7 @@ absl::Status RecordMutation(store::Transaction& transaction, std::string_view se
   record.set_method(call.method().name);
   record.set_subject(call.identity().subject);
   record.set_request_id(key.request_id);
-  record.set_trace_id(call.identity().request_id);
+  record.set_trace_id(call.identity().trace_id);
   *record.mutable_time() = google::protobuf::util::TimeUtil::MicrosecondsToTimestamp(
       absl::ToUnixMicros(transaction.Now()));
   const std::string made = StringField(response, "name");

@@ -182,6 +182,9 @@ std::string BundleDigest(const v1::AssemblyBundle& message) {
   assembly.clear_revision();
   assembly.clear_digest();
   assembly.clear_create_time();
+  assembly.clear_external_ids();
+  assembly.clear_labels();
+  assembly.clear_creator();
   ClearRevisions(*content.mutable_items(), *content.mutable_materials());
   return MessageDigest(content);
 }

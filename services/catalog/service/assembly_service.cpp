@@ -154,7 +154,7 @@ class AssemblyAdapter : public v1::AssemblyService::CallbackService {
         [](const rpc::Call& call, const v1::ImportAssemblyRequest& asked,
            v1::AssemblyBundle& bundle, store::Transaction& transaction) {
           return ImportBundle(transaction, bundle, asked.expected_revision(),
-                              call.identity().request_id);
+                              call.identity().trace_id);
         },
         rpc::BadNumbers::kToldWithAllElse);
   }
@@ -173,7 +173,7 @@ class AssemblyAdapter : public v1::AssemblyService::CallbackService {
           MORTISE_ASSIGN_OR_RETURN(
               *answer.mutable_assembly(),
               ImportBundle(transaction, imported.bundle, asked.expected_revision(),
-                           call.identity().request_id));
+                           call.identity().trace_id));
           answer.mutable_notes()->Assign(imported.notes.begin(), imported.notes.end());
           return answer;
         },
@@ -188,7 +188,7 @@ class AssemblyAdapter : public v1::AssemblyService::CallbackService {
         [](const rpc::Call& call, const v1::DeleteAssemblyRequest& asked,
            store::Transaction& transaction) -> absl::StatusOr<v1::DeleteAssemblyResponse> {
           MORTISE_RETURN_IF_ERROR(
-              catalog::DeleteAssembly(transaction, asked, call.identity().request_id));
+              catalog::DeleteAssembly(transaction, asked, call.identity().trace_id));
           return v1::DeleteAssemblyResponse();
         });
   }

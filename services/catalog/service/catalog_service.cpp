@@ -70,7 +70,7 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
         },
         [](const rpc::Call& call, const v1::ImportCatalogRequest& asked,
            std::vector<v1::TemplateBundle>& templates, store::Transaction& transaction) {
-          return catalog::ImportCatalog(transaction, asked, templates, call.identity().request_id);
+          return catalog::ImportCatalog(transaction, asked, templates, call.identity().trace_id);
         },
         rpc::BadNumbers::kToldWithAllElse);
   }
@@ -106,7 +106,7 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
                               [](const rpc::Call& call, const v1::CreateMaterialRequest& asked,
                                  store::Transaction& transaction) {
                                 return catalog::CreateMaterial(transaction, asked.material(),
-                                                               call.identity().request_id);
+                                                               call.identity().trace_id);
                               });
   }
 
@@ -117,7 +117,7 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
                               [](const rpc::Call& call, const v1::UpdateMaterialRequest& asked,
                                  store::Transaction& transaction) {
                                 return catalog::UpdateMaterial(transaction, asked,
-                                                               call.identity().request_id);
+                                                               call.identity().trace_id);
                               });
   }
 
@@ -129,7 +129,7 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
         [](const rpc::Call& call, const v1::DeleteMaterialRequest& asked,
            store::Transaction& transaction) -> absl::StatusOr<v1::DeleteMaterialResponse> {
           MORTISE_RETURN_IF_ERROR(
-              catalog::DeleteMaterial(transaction, asked, call.identity().request_id));
+              catalog::DeleteMaterial(transaction, asked, call.identity().trace_id));
           return v1::DeleteMaterialResponse();
         });
   }
@@ -165,7 +165,7 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
                               [](const rpc::Call& call, const v1::CreateItemRequest& asked,
                                  store::Transaction& transaction) {
                                 return catalog::CreateItem(transaction, asked.item(),
-                                                           call.identity().request_id);
+                                                           call.identity().trace_id);
                               });
   }
 
@@ -176,7 +176,7 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
                               [](const rpc::Call& call, const v1::UpdateItemRequest& asked,
                                  store::Transaction& transaction) {
                                 return catalog::UpdateItem(transaction, asked,
-                                                           call.identity().request_id);
+                                                           call.identity().trace_id);
                               });
   }
 
@@ -188,7 +188,7 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
         [](const rpc::Call& call, const v1::DeleteItemRequest& asked,
            store::Transaction& transaction) -> absl::StatusOr<v1::DeleteItemResponse> {
           MORTISE_RETURN_IF_ERROR(
-              catalog::DeleteItem(transaction, asked, call.identity().request_id));
+              catalog::DeleteItem(transaction, asked, call.identity().trace_id));
           return v1::DeleteItemResponse();
         });
   }
@@ -202,7 +202,7 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
         [](const rpc::Call&, const v1::ImportShapeRequest& asked) { return ReadShape(asked); },
         [](const rpc::Call& call, const v1::ImportShapeRequest&, v1::Shape& shape,
            store::Transaction& transaction) {
-          return catalog::ImportShape(transaction, shape, call.identity().request_id);
+          return catalog::ImportShape(transaction, shape, call.identity().trace_id);
         });
   }
 
@@ -275,7 +275,7 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
         [](const rpc::Call& call, const v1::ImportTemplateRequest& asked,
            v1::TemplateBundle& bundle, store::Transaction& transaction) {
           return ImportBundle(transaction, bundle, asked.expected_revision(),
-                              call.identity().request_id);
+                              call.identity().trace_id);
         },
         rpc::BadNumbers::kToldWithAllElse);
   }
@@ -288,7 +288,7 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
         [](const rpc::Call& call, const v1::DeleteTemplateRequest& asked,
            store::Transaction& transaction) -> absl::StatusOr<v1::DeleteTemplateResponse> {
           MORTISE_RETURN_IF_ERROR(
-              catalog::DeleteTemplate(transaction, asked, call.identity().request_id));
+              catalog::DeleteTemplate(transaction, asked, call.identity().trace_id));
           return v1::DeleteTemplateResponse();
         });
   }

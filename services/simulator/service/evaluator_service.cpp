@@ -57,7 +57,7 @@ class EvaluatorAdapter final : public v1::EvaluatorService::CallbackService {
                                  store::Transaction& transaction) -> absl::StatusOr<v1::Evaluator> {
                                 MORTISE_RETURN_IF_ERROR(CheckEvaluator(asked.evaluator()));
                                 return simulator::CreateEvaluator(transaction, asked.evaluator(),
-                                                                  call.identity().request_id);
+                                                                  call.identity().trace_id);
                               });
   }
 
@@ -91,7 +91,7 @@ class EvaluatorAdapter final : public v1::EvaluatorService::CallbackService {
         [](const rpc::Call& call, const v1::DeleteEvaluatorRequest& asked,
            store::Transaction& transaction) -> absl::StatusOr<v1::DeleteEvaluatorResponse> {
           MORTISE_RETURN_IF_ERROR(
-              simulator::DeleteEvaluator(transaction, asked.name(), call.identity().request_id));
+              simulator::DeleteEvaluator(transaction, asked.name(), call.identity().trace_id));
           return v1::DeleteEvaluatorResponse();
         });
   }
@@ -134,7 +134,7 @@ class EvaluatorAdapter final : public v1::EvaluatorService::CallbackService {
         std::make_shared<EvaluationBatch>(core_, cache_, queueing_, writer, asked.points_size());
     writer->OnEnd([batch] { batch->Abandon(); });
     const auto space = std::make_shared<const v1::DesignSpace>(subject.space);
-    v1::Task task = TaskOf(asked, subject, call.identity().request_id);
+    v1::Task task = TaskOf(asked, subject, call.identity().trace_id);
     std::vector<EvaluationBatch::Evaluation> evaluations;
     for (int i = 0; i < asked.points_size(); ++i) {
       const auto send = [batch, i](v1::EvaluationResult result) {

@@ -58,7 +58,7 @@ class SimulatorAdapter final : public v1::SimulatorService::CallbackService {
         },
         [this](const rpc::Call& call, const v1::AnalyzeDesignRequest&, v1::Task& task,
                store::Transaction& transaction) {
-          task.set_trace_id(call.identity().request_id);
+          task.set_trace_id(call.identity().trace_id);
           return StartAnalysis(*operations_, task, call, transaction);
         });
   }
@@ -82,7 +82,7 @@ class SimulatorAdapter final : public v1::SimulatorService::CallbackService {
         },
         [this](const rpc::Call& call, const v1::AnalyzeMeshRequest&, v1::Task& task,
                store::Transaction& transaction) {
-          task.set_trace_id(call.identity().request_id);
+          task.set_trace_id(call.identity().trace_id);
           return StartAnalysis(*operations_, task, call, transaction);
         });
   }

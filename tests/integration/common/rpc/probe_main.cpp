@@ -54,7 +54,7 @@ class Probe {
           operations->Start(transaction, {.kind = "probe.work",
                                           .request = request.value(),
                                           .subject = request.name(),
-                                          .request_id = call.identity().request_id,
+                                          .trace_id = call.identity().trace_id,
                                           .creator = call.identity().subject}));
       return rpc::ToProto(operation);
     };

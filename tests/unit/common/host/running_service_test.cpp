@@ -146,7 +146,7 @@ TEST_F(RunningServiceTest, DevelopmentTakesEveryoneForAnAdministrator) {
   ProbeHandlers handlers;
   handlers.read = [](const rpc::Call& call, const ReadRequest&) -> absl::StatusOr<ReadResponse> {
     ReadResponse response;
-    response.set_text(call.identity().subject + " " + call.identity().request_id);
+    response.set_text(call.identity().subject + " " + call.identity().trace_id);
     return response;
   };
   auto service = rpc::RunningService::Start(options, [&](rpc::ServiceEnvironment& environment) {

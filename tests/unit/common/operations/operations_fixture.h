@@ -118,7 +118,7 @@ class OperationsTest : public ::testing::TestWithParam<Driver> {
                                operations->Start(transaction, {.kind = kind,
                                                                .request = request,
                                                                .subject = "templates/table",
-                                                               .request_id = "r1",
+                                                               .trace_id = "r1",
                                                                .creator = "users/ada"}));
       name = operation.name;
       return absl::OkStatus();

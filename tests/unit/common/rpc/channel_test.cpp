@@ -26,7 +26,7 @@ class ChannelTest : public ProbeServerTest {
       }
       if (failures_-- > 0) return absl::UnavailableError("not now");
       ReadResponse response;
-      response.set_text(call.identity().subject + " " + call.identity().request_id);
+      response.set_text(call.identity().subject + " " + call.identity().trace_id);
       response.set_number(absl::ToInt64Seconds(call.deadline() - absl::Now()));
       return response;
     };

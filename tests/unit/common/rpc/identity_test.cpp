@@ -47,7 +47,7 @@ TEST_F(IdentityTest, WhatIsSignedIsVerified) {
   ASSERT_OK(identity);
   EXPECT_EQ(identity->subject, "users/ada");
   EXPECT_EQ(identity->role, Role::kOperator);
-  EXPECT_EQ(identity->request_id, "r-1");
+  EXPECT_EQ(identity->trace_id, "r-1");
   EXPECT_EQ(identity->issuer, "gateway");
   EXPECT_EQ(identity->expires_at - identity->issued_at, kIdentityLifetime);
 }

@@ -112,7 +112,7 @@ TEST_F(UnaryCallTest, TheLogAndTheHandlerShareTheTraceId) {
 TEST_F(UnaryCallTest, AnIdentityForManyRequestsLeavesTheTraceIdToTheCall) {
   std::string trace;
   handlers_.read = [&](const rpc::Call& call, const ReadRequest&) -> absl::StatusOr<ReadResponse> {
-    trace = call.identity().request_id;
+    trace = call.identity().trace_id;
     return ReadResponse();
   };
   const std::string identity = gateway_->Sign("users/ada", rpc::Role::kViewer, "");
