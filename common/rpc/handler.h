@@ -1,17 +1,5 @@
 // From a generated CallbackService to plain functions: each override hands its call to an Endpoint,
-// which runs a plain function on the handlers' threads.
-//
-//   class CatalogAdapter : public v1::CatalogService::CallbackService {
-//     explicit CatalogAdapter(rpc::Dispatcher* dispatcher)
-//         : endpoint_(dispatcher, "mortise.v1.CatalogService") {}
-//     grpc::ServerUnaryReactor* GetItem(grpc::CallbackServerContext* context,
-//                                       const v1::GetItemRequest* request,
-//                                       v1::Item* response) override {
-//       return endpoint_.Query("GetItem", context, request, response,
-//                              [this](const rpc::Call& call, const v1::GetItemRequest& asked) {
-//                                return FindItem(asked.name());  // absl::StatusOr<v1::Item>
-//                              });
-//     }
+// which runs a plain function on the handlers' threads. method_overrides.h writes the overrides.
 //
 // Before the function runs, the caller's identity is verified, its role compared with the method's
 // rule (the proto option `mortise.v1.access`; a method without one is refused), and the request

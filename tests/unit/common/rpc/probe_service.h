@@ -8,6 +8,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "common/rpc/handler.h"
+#include "common/rpc/method_overrides.h"
 #include "common/store/store.h"
 #include "probe.grpc.pb.h"
 
@@ -39,75 +40,34 @@ struct ProbeHandlers {
       chat;
 };
 
+inline absl::StatusOr<Kept> KeepWhatWasPrepared(const ProbeHandlers& handlers,
+                                                const rpc::Call& call, const KeepRequest& asked,
+                                                std::string& prepared,
+                                                store::Transaction& transaction) {
+  KeepRequest changed = asked;
+  changed.set_value(prepared);
+  return handlers.keep(call, changed, transaction);
+}
+
 class ProbeAdapter : public ProbeService::CallbackService {
+  using Contract = ProbeService::CallbackService;
+
  public:
   ProbeAdapter(rpc::Dispatcher* dispatcher, ProbeHandlers* handlers)
       : handlers_(handlers), endpoint_(dispatcher, "mortise.testing.ProbeService") {}
 
-  grpc::ServerUnaryReactor* Read(grpc::CallbackServerContext* context, const ReadRequest* request,
-                                 ReadResponse* response) override {
-    return endpoint_.Query("Read", context, request, response, handlers_->read);
-  }
-
-  grpc::ServerUnaryReactor* Hurry(grpc::CallbackServerContext* context, const ReadRequest* request,
-                                  ReadResponse* response) override {
-    return endpoint_.Query("Hurry", context, request, response, handlers_->hurry);
-  }
-
-  grpc::ServerUnaryReactor* Keep(grpc::CallbackServerContext* context, const KeepRequest* request,
-                                 Kept* response) override {
-    return endpoint_.Mutation("Keep", context, request, response, handlers_->keep);
-  }
-
-  grpc::ServerUnaryReactor* KeepSlowly(grpc::CallbackServerContext* context,
-                                       const KeepRequest* request, Kept* response) override {
-    return endpoint_.PreparedMutation(
-        "KeepSlowly", context, request, response, handlers_->prepare,
-        [this](const rpc::Call& call, const KeepRequest& asked, std::string& prepared,
-               store::Transaction& transaction) -> absl::StatusOr<Kept> {
-          KeepRequest changed = asked;
-          changed.set_value(prepared);
-          return handlers_->keep(call, changed, transaction);
-        });
-  }
-
-  grpc::ServerUnaryReactor* Begin(grpc::CallbackServerContext* context, const KeepRequest* request,
-                                  v1::Operation* response) override {
-    return endpoint_.Mutation("Begin", context, request, response, handlers_->begin);
-  }
-
-  grpc::ServerUnaryReactor* Await(grpc::CallbackServerContext* context, const ReadRequest* request,
-                                  ReadResponse* response) override {
-    return endpoint_.AsyncQuery("Await", context, request, response, handlers_->await);
-  }
-
-  grpc::ServerUnaryReactor* Undeclared(grpc::CallbackServerContext* context,
-                                       const ReadRequest* request,
-                                       ReadResponse* response) override {
-    return endpoint_.Query("Undeclared", context, request, response, handlers_->read);
-  }
-
-  grpc::ServerWriteReactor<ReadResponse>* Follow(grpc::CallbackServerContext* context,
-                                                 const ReadRequest* request) override {
-    return endpoint_.ServerStream<ReadResponse>("Follow", context, request, handlers_->follow,
-                                                handlers_->follow_options);
-  }
-
-  grpc::ServerWriteReactor<v1::Chunk>* Download(grpc::CallbackServerContext* context,
-                                                const ReadRequest* request) override {
-    return endpoint_.ServerStream<v1::Chunk>("Download", context, request, handlers_->download);
-  }
-
-  grpc::ServerReadReactor<v1::Chunk>* Upload(grpc::CallbackServerContext* context,
-                                             Kept* response) override {
-    return endpoint_.Upload<v1::Chunk, Kept>("Upload", context, response, handlers_->upload);
-  }
-
-  grpc::ServerBidiReactor<ReadRequest, ReadResponse>* Chat(
-      grpc::CallbackServerContext* context) override {
-    return endpoint_.Bidi<ReadRequest, ReadResponse>("Chat", context, handlers_->chat,
-                                                     {.endless = true});
-  }
+  MORTISE_QUERY(Read, handlers_->read)
+  MORTISE_QUERY(Hurry, handlers_->hurry)
+  MORTISE_QUERY(Undeclared, handlers_->read)
+  MORTISE_MUTATION(Keep, handlers_->keep)
+  MORTISE_PREPARED_MUTATION(KeepSlowly, handlers_->prepare,
+                            rpc::With(*handlers_, &KeepWhatWasPrepared))
+  MORTISE_MUTATION(Begin, handlers_->begin)
+  MORTISE_ASYNC_QUERY(Await, handlers_->await)
+  MORTISE_SERVER_STREAM(Follow, handlers_->follow, handlers_->follow_options)
+  MORTISE_SERVER_STREAM(Download, handlers_->download)
+  MORTISE_UPLOAD(Upload, handlers_->upload)
+  MORTISE_BIDI(Chat, handlers_->chat, {.endless = true})
 
  private:
   ProbeHandlers* const handlers_;
