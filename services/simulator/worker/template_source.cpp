@@ -1,33 +1,20 @@
 #include "services/simulator/worker/template_source.h"
 
-#include <grpcpp/grpcpp.h>
-
 #include <map>
 #include <set>
 
 #include "absl/strings/str_cat.h"
-#include "common/base/digest.h"
 #include "common/base/errors.h"
 #include "common/base/identifiers.h"
+#include "common/bundles/bundle_source.h"
 #include "common/files/metric_codec.h"
 #include "common/templates/template_codec.h"
-#include "mortise/v1/catalog.grpc.pb.h"
+#include "mortise/v1/catalog.pb.h"
 
 namespace mortise::simulator {
 namespace {
 
 constexpr std::size_t kSurfaceBytes = std::size_t{64} << 20;
-
-// A template's own digest does not see its items and materials change; results depend on them.
-// Revisions and prices have no part in physics, but telling them apart costs little.
-std::string BundleDigest(const v1::TemplateBundle& bundle) {
-  std::string digests = bundle.template_().digest();
-  for (const v1::Item& item : bundle.items()) digests += Sha256Hex(item.SerializeAsString());
-  for (const v1::Material& material : bundle.materials()) {
-    digests += Sha256Hex(material.SerializeAsString());
-  }
-  return Sha256Hex(digests);
-}
 
 std::string KeyOf(const std::string& name, int64_t revision, const std::string& digest,
                   bool is_exact) {
@@ -55,16 +42,6 @@ TemplateSource::TemplateSource(std::shared_ptr<grpc::Channel> catalog, std::size
     : catalog_(catalog),
       shapes_(std::move(catalog), kSurfaceBytes),
       kept_(capacity, Oversize::kAlone) {}
-
-absl::StatusOr<v1::TemplateBundle> TemplateSource::Ask(const std::string& name, int64_t revision,
-                                                       const rpc::Origin& origin) {
-  const auto stub = v1::CatalogService::NewStub(catalog_);
-  v1::GetTemplateBundleRequest request;
-  request.set_name(name);
-  request.set_revision(revision);
-  return rpc::CallUnary<v1::CatalogService::Stub, v1::GetTemplateBundleRequest, v1::TemplateBundle>(
-      *stub, &v1::CatalogService::Stub::GetTemplateBundle, request, origin);
-}
 
 absl::StatusOr<TemplateSource::Kept::Made> TemplateSource::Compile(v1::TemplateBundle bundle,
                                                                    const std::string& digest,
@@ -95,8 +72,9 @@ absl::StatusOr<std::shared_ptr<const CompiledTemplate>> TemplateSource::Get(
     const std::string& name, int64_t revision, const rpc::Origin& origin) {
   MORTISE_RETURN_IF_ERROR(ParseResourceName(name, "templates", "subject").status());
   if (revision < 0) return InvalidField("revision", "must not be negative");
-  MORTISE_ASSIGN_OR_RETURN(v1::TemplateBundle bundle, Ask(name, revision, origin));
-  const std::string digest = BundleDigest(bundle);
+  MORTISE_ASSIGN_OR_RETURN(v1::TemplateBundle bundle,
+                           bundles::FetchBundle(catalog_, name, revision, origin));
+  const std::string digest = bundles::ContentDigest(bundle);
   const int64_t present = bundle.template_().revision();
   // What is exact serves those who need no surfaces, too.
   if (const auto exact = kept_.Find(KeyOf(name, present, digest, true))) return *exact;
@@ -108,8 +86,9 @@ absl::StatusOr<std::shared_ptr<const CompiledTemplate>> TemplateSource::GetByDig
     const std::string& name, int64_t revision, const std::string& digest,
     const rpc::Origin& origin) {
   return kept_.Get(KeyOf(name, revision, digest, true), [&]() -> absl::StatusOr<Kept::Made> {
-    MORTISE_ASSIGN_OR_RETURN(v1::TemplateBundle bundle, Ask(name, revision, origin));
-    if (BundleDigest(bundle) != digest) {
+    MORTISE_ASSIGN_OR_RETURN(v1::TemplateBundle bundle,
+                             bundles::FetchBundle(catalog_, name, revision, origin));
+    if (bundles::ContentDigest(bundle) != digest) {
       return PreconditionFailed("TEMPLATE_CHANGED",
                                 absl::StrCat("items or materials of ", name,
                                              " have changed since the evaluation was asked for"),

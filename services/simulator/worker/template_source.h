@@ -8,15 +8,12 @@
 
 #include "absl/status/statusor.h"
 #include "common/base/single_flight_cache.h"
+#include "common/bundles/shape_source.h"
 #include "common/expressions/metric_expressions.h"
 #include "common/rpc/channel.h"
 #include "common/templates/template.h"
+#include "mortise/v1/catalog.pb.h"
 #include "services/simulator/worker/design_motion.h"
-#include "services/simulator/worker/shape_source.h"
-
-namespace mortise::v1 {
-class TemplateBundle;
-}
 
 namespace mortise::simulator {
 
@@ -49,7 +46,7 @@ class TemplateSource {
 
   // The same revision as a task names it, with the exact surfaces of parts that are joined; without
   // a question to the catalog if its content is known. FAILED_PRECONDITION, TEMPLATE_CHANGED if
-  // items or materials have changed since; as ShapeSource::AddExact.
+  // items or materials have changed since; as bundles::ShapeSource::AddExact.
   absl::StatusOr<std::shared_ptr<const CompiledTemplate>> GetByDigest(const std::string& name,
                                                                       int64_t revision,
                                                                       const std::string& digest,
@@ -58,14 +55,12 @@ class TemplateSource {
  private:
   using Kept = SingleFlightCache<std::shared_ptr<const CompiledTemplate>>;
 
-  absl::StatusOr<v1::TemplateBundle> Ask(const std::string& name, int64_t revision,
-                                         const rpc::Origin& origin);
   // `bundle` names the shapes that did not fit into its message.
   absl::StatusOr<Kept::Made> Compile(v1::TemplateBundle bundle, const std::string& digest,
                                      bool is_exact, const rpc::Origin& origin);
 
   const std::shared_ptr<grpc::Channel> catalog_;
-  ShapeSource shapes_;
+  bundles::ShapeSource shapes_;
   Kept kept_;  // by name, revision and digest, with exact surfaces or without
 };
 

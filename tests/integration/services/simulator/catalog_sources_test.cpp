@@ -16,10 +16,10 @@
 #include "absl/strings/str_cat.h"
 #include "common/assembly/codec/shape_codec.h"
 #include "common/base/errors.h"
+#include "common/bundles/shape_source.h"
 #include "common/cad/cylinder.h"
 #include "common/cad/stretch/solid_shape.h"
 #include "mortise/v1/catalog.grpc.pb.h"
-#include "services/simulator/worker/shape_source.h"
 #include "services/simulator/worker/template_source.h"
 #include "tests/integration/services/simulator/table_catalog.h"
 #include "tests/support/status_assertions.h"
@@ -28,6 +28,7 @@ namespace mortise::simulator {
 namespace {
 
 using ::testing::HasSubstr;
+using bundles::ShapeSource;
 
 constexpr std::size_t kThreads = 8;
 

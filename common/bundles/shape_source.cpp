@@ -1,4 +1,4 @@
-#include "services/simulator/worker/shape_source.h"
+#include "common/bundles/shape_source.h"
 
 #include <grpcpp/grpcpp.h>
 
@@ -9,7 +9,7 @@
 #include "common/base/errors.h"
 #include "mortise/v1/catalog.grpc.pb.h"
 
-namespace mortise::simulator {
+namespace mortise::bundles {
 
 ShapeSource::ShapeSource(std::shared_ptr<grpc::Channel> catalog, std::size_t capacity,
                          std::size_t largest)
@@ -78,4 +78,4 @@ absl::StatusOr<v1::Shape> ShapeSource::Download(const std::string& name,
   return shape;
 }
 
-}  // namespace mortise::simulator
+}  // namespace mortise::bundles

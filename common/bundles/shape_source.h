@@ -20,7 +20,7 @@ class Shape;
 class TemplateBundle;
 }  // namespace mortise::v1
 
-namespace mortise::simulator {
+namespace mortise::bundles {
 
 // Thread safe.
 class ShapeSource {
@@ -55,4 +55,4 @@ class ShapeSource {
   Surfaces surfaces_;          // by name
 };
 
-}  // namespace mortise::simulator
+}  // namespace mortise::bundles
