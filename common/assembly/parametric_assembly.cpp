@@ -12,7 +12,7 @@
 #include "common/assembly/relations/principal_patterns.h"
 #include "common/assembly/trial/design_trial.h"
 #include "common/assembly/trial/drawn_contacts.h"
-#include "common/assembly/trial/easily_lost.h"
+#include "common/assembly/trial/pattern_losses.h"
 #include "common/base/errors.h"
 
 namespace mortise::parametric {
@@ -82,7 +82,7 @@ bool IsOpen(const Element& element, Axis axis) {
 // bought bracket do, lets go of all of them but the first, then of that; of none where that does
 // not help once all that are held have let go. Whether there is something else to try now.
 bool LoosenShares(const std::vector<Element>& elements, const FeasibleSet& feasible_set,
-                  const FitCounts& fits, Precautions& precautions) {
+                  const FitCounts& fits, KnownConflicts& known_conflicts) {
   constexpr int kAll = std::numeric_limits<int>::max();
   bool is_looser = false;
   std::vector<int*> in_vain;
@@ -94,7 +94,7 @@ bool LoosenShares(const std::vector<Element>& elements, const FeasibleSet& feasi
           !IsHeld(feasible_set, SizeVariable(static_cast<int>(e), axis))) {
         continue;
       }
-      int& kept = precautions.shares_kept.try_emplace(place, count->second).first->second;
+      int& kept = known_conflicts.shares_kept.try_emplace(place, count->second).first->second;
       if (kept == kAll) continue;
       if (kept == 0) {
         in_vain.push_back(&kept);
@@ -174,11 +174,11 @@ absl::StatusOr<ParametricAssembly> ParametricAssembly::Create(
 
 absl::Status ParametricAssembly::FindSoundFeasibleSet(const std::function<bool()>& is_given_up) {
   MORTISE_ASSIGN_OR_RETURN(const TouchingParts touching, FindTouchingParts(assembly_, tolerance_));
-  EasilyLost easily_lost;
-  Remedies remedies;
+  PatternLosses pattern_losses;
+  RepairPlan repair_plan;
   ShapeFeatures known;
-  remedies.lone = RowsInBoresOfOne(assembly_, MakeElements(assembly_, tolerance_, {}, known),
-                                   tolerance_, known);
+  repair_plan.lone = RowsInBoresOfOne(assembly_, MakeElements(assembly_, tolerance_, {}, known),
+                                      tolerance_, known);
   const auto has_more = [](auto& all, const auto& found) {
     const std::size_t before = all.size();
     all.insert(found.begin(), found.end());
@@ -186,34 +186,34 @@ absl::Status ParametricAssembly::FindSoundFeasibleSet(const std::function<bool()
   };
   while (true) {
     if (is_given_up()) return absl::CancelledError("nobody waits for the designs any more");
+    MORTISE_ASSIGN_OR_RETURN(const FitCounts fits,
+                             FindFeasibleSet(touching, known, {pattern_losses, repair_plan.lone},
+                                             repair_plan.known_conflicts));
+    if (LoosenShares(elements_, *feasible_set_, fits, repair_plan.known_conflicts)) continue;
+    MORTISE_ASSIGN_OR_RETURN(const PatternLosses lost,
+                             FindPatternLosses(assembly_, elements_, *feasible_set_, tolerance_));
+    if (has_more(pattern_losses, lost)) continue;
     MORTISE_ASSIGN_OR_RETURN(
-        const FitCounts fits,
-        FindFeasibleSet(touching, known, {easily_lost, remedies.lone}, remedies.precautions));
-    if (LoosenShares(elements_, *feasible_set_, fits, remedies.precautions)) continue;
-    MORTISE_ASSIGN_OR_RETURN(const EasilyLost lost,
-                             FindEasilyLost(assembly_, elements_, *feasible_set_, tolerance_));
-    if (has_more(easily_lost, lost)) continue;
-    MORTISE_ASSIGN_OR_RETURN(const Remedies found, TryDesigns(assembly_, elements_, *feasible_set_,
-                                                              remedies, tolerance_, is_given_up));
-    Precautions& precautions = remedies.precautions;
-    bool is_sound = !has_more(remedies.lone, found.lone);
-    is_sound &= !has_more(precautions.kept_apart, found.precautions.kept_apart);
-    is_sound &= !has_more(precautions.kept_touching, found.precautions.kept_touching);
-    is_sound &= !has_more(precautions.fitted, found.precautions.fitted);
+        const RepairPlan found,
+        TryDesigns(assembly_, elements_, *feasible_set_, repair_plan, tolerance_, is_given_up));
+    KnownConflicts& known_conflicts = repair_plan.known_conflicts;
+    bool is_sound = !has_more(repair_plan.lone, found.lone);
+    is_sound &= !has_more(known_conflicts.kept_apart, found.known_conflicts.kept_apart);
+    is_sound &= !has_more(known_conflicts.kept_touching, found.known_conflicts.kept_touching);
+    is_sound &= !has_more(known_conflicts.fitted, found.known_conflicts.fitted);
     if (is_sound) return absl::OkStatus();
   }
 }
 
-absl::StatusOr<FitCounts> ParametricAssembly::FindFeasibleSet(const TouchingParts& touching,
-                                                              ShapeFeatures& known,
-                                                              const PatternExclusions& exclusions,
-                                                              const Precautions& precautions) {
+absl::StatusOr<FitCounts> ParametricAssembly::FindFeasibleSet(
+    const TouchingParts& touching, ShapeFeatures& known, const PatternExclusions& exclusions,
+    const KnownConflicts& known_conflicts) {
   elements_ = MakeElements(assembly_, tolerance_, exclusions, known);
   contacts_ = ContactsOf(touching, assembly_, elements_);
   FollowPrincipalPatterns(elements_, contacts_, tolerance_);
-  const HeldLevels held =
-      HoldLevels(assembly_, elements_, contacts_, tolerance_, precautions, known);
-  relationships_ = FindRelationships(assembly_, elements_, contacts_, tolerance_, precautions);
+  const FeatureAnchors held =
+      AnchorFeatures(assembly_, elements_, contacts_, tolerance_, known_conflicts, known);
+  relationships_ = FindRelationships(assembly_, elements_, contacts_, tolerance_, known_conflicts);
   for (const std::vector<Relationship>& more :
        {held.relationships, KeepRound(assembly_, elements_, tolerance_, known)}) {
     relationships_.insert(relationships_.end(), more.begin(), more.end());
@@ -301,13 +301,13 @@ absl::StatusOr<std::vector<Demand>> ParametricAssembly::FormsOf(
 
 absl::StatusOr<Adjustment> ParametricAssembly::Adjust(const Eigen::VectorXd& from,
                                                       const std::vector<MeasureDemand>& demands,
-                                                      Insistence insistence) const {
+                                                      DemandPolicy policy) const {
   if (from.size() != drawn().size() || !from.allFinite()) {
     return InvalidField("from", absl::StrCat("must be ", drawn().size(), " finite numbers"));
   }
   MORTISE_ASSIGN_OR_RETURN(const std::vector<Demand> forms, FormsOf(demands));
   absl::StatusOr<Eigen::VectorXd> exact = NearestKeepingSizes(from, forms);
-  if (!exact.ok() && insistence == Insistence::kNearest && IsConflict(exact.status())) {
+  if (!exact.ok() && policy == DemandPolicy::kNearest && IsConflict(exact.status())) {
     return ComeNear(from, forms);
   }
   MORTISE_RETURN_IF_ERROR(exact.status());

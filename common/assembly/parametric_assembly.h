@@ -4,7 +4,7 @@
 //   MORTISE_ASSIGN_OR_RETURN(const auto shelf, ParametricAssembly::Create(assembly));
 //   MORTISE_ASSIGN_OR_RETURN(const Adjustment wider,
 //                            shelf.Adjust(shelf.drawn(), {{{"top", Axis::kX}, 1.2}},
-//                                         Insistence::kNearest));
+//                                         DemandPolicy::kNearest));
 //   const std::vector<PlacedPart> parts = shelf.PartsAt(wider.q);
 #pragma once
 
@@ -24,7 +24,7 @@
 #include "common/assembly/model/element.h"
 #include "common/assembly/model/linear_design.h"
 #include "common/assembly/relations/feasible_set.h"
-#include "common/assembly/relations/held_levels.h"
+#include "common/assembly/relations/feature_anchors.h"
 #include "common/assembly/relations/relationship.h"
 #include "common/assembly/trial/contact_check.h"
 #include "common/assembly/trial/drawn_contacts.h"
@@ -57,7 +57,7 @@ struct MeasureRange {
 };
 
 // What to do with demands that cannot all be met.
-enum class Insistence {
+enum class DemandPolicy {
   kNearest,  // come as near as the design allows, the first demands first
   kStrict,   // refuse, and say what cannot hold together
 };
@@ -74,11 +74,10 @@ class ParametricAssembly {
   // of their boxes where they have none; alignment, likeness and contact are judged with one
   // tolerance(), and curved faces besides with what their triangles may miss. The lowest element
   // is held on the floor, the first where it is drawn along x and y. Patterns end before parts that
-  // they might lose (easily_lost.h), and what designs that are tried show to be at fault is mended
-  // (design_trial.h); each takes another round. FAILED_PRECONDITION as
-  // FeasibleSet::Create, or FEASIBLE_SET_UNBOUNDED naming an element that could move or grow
-  // without end. CANCELLED soon after `is_given_up`, which is asked before each round and each
-  // design that is tried.
+  // they might lose (pattern_losses.h), and what designs that are tried show to be at fault is
+  // mended (design_trial.h); each takes another round. FAILED_PRECONDITION as FeasibleSet::Create,
+  // or FEASIBLE_SET_UNBOUNDED naming an element that could move or grow without end. CANCELLED soon
+  // after `is_given_up`, which is asked before each round and each design that is tried.
   static absl::StatusOr<ParametricAssembly> Create(
       Assembly assembly, const std::function<bool()>& is_given_up = [] { return false; });
 
@@ -107,7 +106,7 @@ class ParametricAssembly {
   // be met and cannot be: it names the demands and relationships that cannot hold together.
   absl::StatusOr<Adjustment> Adjust(const Eigen::VectorXd& from,
                                     const std::vector<MeasureDemand>& demands,
-                                    Insistence insistence) const;
+                                    DemandPolicy policy) const;
 
   // The design nearest to the drawn one that meets all demands, with distances as Adjust has them;
   // continuous in the values demanded, as F(q) of a template must be, so that sizes that Adjust
@@ -164,7 +163,7 @@ class ParametricAssembly {
   // Everything up to the feasible set.
   absl::StatusOr<FitCounts> FindFeasibleSet(const TouchingParts& touching, ShapeFeatures& known,
                                             const PatternExclusions& exclusions,
-                                            const Precautions& precautions);
+                                            const KnownConflicts& known_conflicts);
   absl::Status CheckBounded() const;
   absl::StatusOr<LinearForm> FormOf(const Measure& measure, const std::string& field) const;
   absl::StatusOr<std::vector<Demand>> FormsOf(const std::vector<MeasureDemand>& demands) const;

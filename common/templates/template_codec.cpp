@@ -366,7 +366,7 @@ bool KnowsParameters(const v1::Template& message, const absl::Status& completed)
   return true;
 }
 
-absl::Status CheckOwnMetrics(const v1::Template& message) {
+absl::Status CheckCustomMetrics(const v1::Template& message) {
   std::vector<parametric::NamedUnit> parameters;
   for (const v1::Parameter& parameter : ParametersOf(message)) {
     parameters.push_back({parameter.name(), parameter.unit()});
@@ -392,7 +392,7 @@ absl::Status Complete(v1::TemplateBundle& bundle, Trial trial,
                                      ? CompleteParts(bundle)
                                      : CompleteKind(bundle, trial, {parametrize, is_given_up});
   MORTISE_RETURN_IF_ERROR(Together(completed, KnowsParameters(message, completed)
-                                                  ? CheckOwnMetrics(message)
+                                                  ? CheckCustomMetrics(message)
                                                   : absl::OkStatus()));
   bundle.mutable_template_()->set_digest(parametric::BundleDigest(bundle));
   return absl::OkStatus();

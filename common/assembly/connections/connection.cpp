@@ -113,17 +113,17 @@ class ConnectionSearch {
 
   // Held levels go by elements of the whole design, which a connection by itself does not know.
   // What lies between them is nothing to be level with, then.
-  static void ForgetHeldLevels(Element& element) {
+  static void ForgetFeatureAnchors(Element& element) {
     std::erase_if(element.planes, [&](const ElementPlane& plane) {
       return std::abs(plane.fraction) != 0.5 &&
-             !element.held_levels[static_cast<std::size_t>(plane.axis)].empty();
+             !element.feature_anchors[static_cast<std::size_t>(plane.axis)].empty();
     });
-    element.held_levels = {};
+    element.feature_anchors = {};
   }
 
   void AddElement(int index, ElementConnection& made) const {
     Element element = At(index);
-    ForgetHeldLevels(element);
+    ForgetFeatureAnchors(element);
     for (int& part : element.parts) {
       made.assembly.parts.push_back(assembly_.parts[static_cast<std::size_t>(part)]);
       part = static_cast<int>(made.assembly.parts.size()) - 1;

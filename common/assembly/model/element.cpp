@@ -170,12 +170,13 @@ LinearForm PositionOf(int element, const ElementPlane& plane) {
 
 LinearForm PositionOf(const std::vector<Element>& elements, int element,
                       const ElementPlane& plane) {
-  const std::vector<HeldLevel>& held =
-      elements[static_cast<std::size_t>(element)].held_levels[static_cast<std::size_t>(plane.axis)];
+  const std::vector<FeatureAnchor>& held =
+      elements[static_cast<std::size_t>(element)]
+          .feature_anchors[static_cast<std::size_t>(plane.axis)];
   if (held.empty() || std::abs(plane.fraction) == 0.5) return PositionOf(element, plane);
-  HeldLevel low{-0.5, PositionOf(element, {"", plane.axis, -0.5, false})};
-  HeldLevel high{0.5, PositionOf(element, {"", plane.axis, 0.5, false})};
-  for (const HeldLevel& level : held) {
+  FeatureAnchor low{-0.5, PositionOf(element, {"", plane.axis, -0.5, false})};
+  FeatureAnchor high{0.5, PositionOf(element, {"", plane.axis, 0.5, false})};
+  for (const FeatureAnchor& level : held) {
     if (std::abs(level.fraction - plane.fraction) < kSameFraction) return level.place;
     if (level.fraction < plane.fraction) {
       low = level;

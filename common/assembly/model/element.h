@@ -36,7 +36,7 @@ struct ElementPlane {
 
 // A level of an element's shape that lies where q says, as the side of a bore does that goes by its
 // rod. Between held levels, and the faces of the box, the shape is stretched in proportion.
-struct HeldLevel {
+struct FeatureAnchor {
   double fraction = 0;
   LinearForm place;  // m, along its axis
 };
@@ -60,8 +60,8 @@ struct Element {
   // The axis that it may be turned about without reaching further: that of its shape, round from
   // one side of its box to the other.
   std::optional<Axis> round_about;
-  // By axis, in order (held_levels.h). `shape` is divided at them. Of a pattern not along it.
-  std::array<std::vector<HeldLevel>, 3> held_levels;
+  // By axis, in order (feature_anchors.h). `shape` is divided at them. Of a pattern not along it.
+  std::array<std::vector<FeatureAnchor>, 3> feature_anchors;
 };
 
 // The elements of a valid assembly: its patterns, largest first, then the remaining parts in their

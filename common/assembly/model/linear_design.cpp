@@ -78,11 +78,11 @@ mesh::BoxStretch StretchOf(const std::vector<Element>& elements, int element,
   mesh::BoxStretch stretch(box.size());
   for (int axis = 0; axis < 3; ++axis) {
     const auto& held =
-        elements[static_cast<std::size_t>(element)].held_levels[static_cast<std::size_t>(axis)];
+        elements[static_cast<std::size_t>(element)].feature_anchors[static_cast<std::size_t>(axis)];
     if (held.empty()) continue;
     const double center = box.center()[axis];
     std::vector<mesh::LevelPlace> places;
-    for (const HeldLevel& level : held) {
+    for (const FeatureAnchor& level : held) {
       places.push_back({level.fraction, level.place.At(q) - center});
     }
     double before = -stretch.size[axis] / 2;

@@ -98,12 +98,12 @@ bool IsBetter(const Candidate& a, const Candidate& b, double tolerance) {
   return a.parts < b.parts;
 }
 
-// Of each part, what patterns that it is in might lose: PatternExclusions::easily_lost.
+// Of each part, what patterns that it is in might lose: PatternExclusions::pattern_losses.
 using LostBy = std::map<int, boost::dynamic_bitset<>>;
 
-LostBy ByPart(const EasilyLost& easily_lost, std::size_t parts) {
+LostBy ByPart(const PatternLosses& pattern_losses, std::size_t parts) {
   LostBy lost_by;
-  for (const auto& [part, lost] : easily_lost) {
+  for (const auto& [part, lost] : pattern_losses) {
     boost::dynamic_bitset<>& by_part = lost_by[part];
     by_part.resize(parts);
     by_part.set(static_cast<std::size_t>(lost));
@@ -329,7 +329,7 @@ Pattern PatternOf(const Assembly& assembly, const Candidate& candidate) {
 std::vector<FoundPattern> FindPatterns(const Assembly& assembly, double tolerance,
                                        const PatternExclusions& exclusions) {
   std::vector<FoundPattern> found;
-  const LostBy lost_by = ByPart(exclusions.easily_lost, assembly.parts.size());
+  const LostBy lost_by = ByPart(exclusions.pattern_losses, assembly.parts.size());
   for (std::vector<int> kind : IdenticalParts(assembly, tolerance)) {
     std::erase_if(kind, [&](int part) { return exclusions.lone.count(part) != 0; });
     while (static_cast<int>(kind.size()) >= kFewest) {

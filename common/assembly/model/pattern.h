@@ -40,14 +40,14 @@ struct Pattern {
   static constexpr SizeLimits kAnySize{0, std::numeric_limits<double>::infinity()};
 };
 
-// Part of a pattern, and a part that this pattern might lose (easily_lost.h); by their indices in
-// the assembly.
-using EasilyLost = std::set<std::pair<int, int>>;
+// Part of a pattern, and a part that this pattern might lose (pattern_losses.h); by their indices
+// in the assembly.
+using PatternLosses = std::set<std::pair<int, int>>;
 
 // Which patterns are not wanted. Parts by their index in the assembly.
 struct PatternExclusions {
   // No pattern of the first touches the second in part only (pattern_contact.h): it ends before.
-  EasilyLost easily_lost;
+  PatternLosses pattern_losses;
   std::set<int> lone;  // are in no pattern
 };
 

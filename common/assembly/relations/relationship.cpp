@@ -10,9 +10,9 @@
 #include "absl/strings/str_cat.h"
 #include "common/assembly/model/oriented_box.h"
 #include "common/assembly/model/rest_pose.h"
-#include "common/assembly/relations/fits.h"
+#include "common/assembly/relations/attachments.h"
+#include "common/assembly/relations/fit_relationships.h"
 #include "common/assembly/relations/pose_contacts.h"
-#include "common/assembly/relations/ties.h"
 
 namespace mortise::parametric {
 namespace {
@@ -26,7 +26,7 @@ class RelationshipSearch {
         tolerance_(tolerance),
         drawn_(DrawnParameters(assembly, elements)) {}
 
-  std::vector<Relationship> Find(const Contacts& contacts, const Precautions& precautions) {
+  std::vector<Relationship> Find(const Contacts& contacts, const KnownConflicts& known_conflicts) {
     FindSizes();
     FindSymmetries();
     for (const Pose& pose : PosesOf(assembly_)) {
@@ -43,9 +43,9 @@ class RelationshipSearch {
       const std::set<std::pair<int, int>> neighbours = NeighboursIn(pose, contacts, positions);
       KeepOrderOfPlanes(pose, neighbours, positions);
       Append(FindFits(pose, assembly_, elements_, neighbours, tolerance_));
-      Keep(pose, precautions.kept_apart, Meeting::kApart);
-      Keep(pose, precautions.kept_touching, Meeting::kTouching);
-      Append(StretchTogether(pose, assembly_, elements_, precautions.fitted));
+      Keep(pose, known_conflicts.kept_apart, Meeting::kApart);
+      Keep(pose, known_conflicts.kept_touching, Meeting::kTouching);
+      Append(StretchTogether(pose, assembly_, elements_, known_conflicts.fitted));
     }
     return std::move(found_);
   }
@@ -430,8 +430,8 @@ const char* RelationshipKindName(RelationshipKind kind) {
 std::vector<Relationship> FindRelationships(const Assembly& assembly,
                                             const std::vector<Element>& elements,
                                             const Contacts& contacts, double tolerance,
-                                            const Precautions& precautions) {
-  return RelationshipSearch(assembly, elements, tolerance).Find(contacts, precautions);
+                                            const KnownConflicts& known_conflicts) {
+  return RelationshipSearch(assembly, elements, tolerance).Find(contacts, known_conflicts);
 }
 
 }  // namespace mortise::parametric

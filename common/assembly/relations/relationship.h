@@ -49,11 +49,11 @@ inline bool operator<(const PosedPair& a, const PosedPair& b) {
   return std::tie(a.pose, a.first, a.second) < std::tie(b.pose, b.first, b.second);
 }
 
-// What is known to go wrong without: see design_trial.h and held_levels.h.
-struct Precautions {
+// What is known to go wrong without: see design_trial.h and feature_anchors.h.
+struct KnownConflicts {
   std::set<PosedPair> kept_apart;     // stay clear of each other
   std::set<PosedPair> kept_touching;  // go on touching
-  std::set<PosedPair> fitted;         // stretch together (fits.h)
+  std::set<PosedPair> fitted;         // stretch together (fit_relationships.h)
   // Of shapes, by part and axis, how many of the places where others fit into them keep their share
   // of the size; all, where this says nothing.
   std::map<std::pair<int, Axis>, int> shares_kept;
@@ -90,6 +90,6 @@ using Contacts = std::vector<std::pair<int, int>>;
 std::vector<Relationship> FindRelationships(const Assembly& assembly,
                                             const std::vector<Element>& elements,
                                             const Contacts& contacts, double tolerance,
-                                            const Precautions& precautions = {});
+                                            const KnownConflicts& known_conflicts = {});
 
 }  // namespace mortise::parametric

@@ -59,7 +59,7 @@ bool AreRigid(const Pose& pose, const Assembly& assembly, const std::vector<Elem
     return row.norm() <= kRigid;
   };
   const auto is_in_pieces = [&](int element) {
-    const auto& held = elements[static_cast<std::size_t>(element)].held_levels;
+    const auto& held = elements[static_cast<std::size_t>(element)].feature_anchors;
     return std::any_of(held.begin(), held.end(), [](const auto& along) { return !along.empty(); });
   };
   if (is_in_pieces(a) || is_in_pieces(b)) return false;
@@ -114,7 +114,7 @@ std::vector<Element> WithShapesOf(const Pairs& pairs, std::vector<Element> eleme
 class Trial {
  public:
   Trial(const Assembly& assembly, const std::vector<Element>& elements, Pairs fits,
-        const Remedies& known, double tolerance)
+        const RepairPlan& known, double tolerance)
       : assembly_(assembly),
         elements_(elements),
         fits_(std::move(fits)),
@@ -122,20 +122,20 @@ class Trial {
         tolerance_(tolerance),
         drawn_(DrawnParameters(assembly, elements)) {}
 
-  void Remedy(const ContactFault& fault) {
+  void Mend(const ContactFault& fault) {
     if (!KeepMeeting(fault) && !Fit(fault)) GiveUpPatterns(fault);
   }
 
   // Whether some parts are to be fitted: what else is tried before they are is of no use.
-  bool HasFitted() const { return !remedies_.precautions.fitted.empty(); }
+  bool HasFitted() const { return !repair_plan_.known_conflicts.fitted.empty(); }
 
-  bool HasRemedies() const {
-    const Precautions& precautions = remedies_.precautions;
-    return !remedies_.lone.empty() || !precautions.kept_apart.empty() ||
-           !precautions.kept_touching.empty() || !precautions.fitted.empty();
+  bool HasRepairs() const {
+    const KnownConflicts& known_conflicts = repair_plan_.known_conflicts;
+    return !repair_plan_.lone.empty() || !known_conflicts.kept_apart.empty() ||
+           !known_conflicts.kept_touching.empty() || !known_conflicts.fitted.empty();
   }
 
-  Remedies TakeRemedies() { return std::move(remedies_); }
+  RepairPlan TakeRepairPlan() { return std::move(repair_plan_); }
 
  private:
   const Element& At(int element) const { return elements_[static_cast<std::size_t>(element)]; }
@@ -152,10 +152,10 @@ class Trial {
                    BoxIn(*pose, assembly_, elements_, fault.second_element, drawn_));
     const PosedPair pair{fault.pose, At(fault.first_element).parts.front(),
                          At(fault.second_element).parts.front()};
-    const auto kept = is_lost ? &Precautions::kept_touching : &Precautions::kept_apart;
+    const auto kept = is_lost ? &KnownConflicts::kept_touching : &KnownConflicts::kept_apart;
     if (apart < -tolerance_ || (is_lost && apart > tolerance_)) return false;
-    if ((known_.precautions.*kept).count(pair) != 0) return false;
-    (remedies_.precautions.*kept).insert(pair);
+    if ((known_.known_conflicts.*kept).count(pair) != 0) return false;
+    (repair_plan_.known_conflicts.*kept).insert(pair);
     return true;
   }
 
@@ -163,8 +163,8 @@ class Trial {
     const std::pair<int, int> pair = std::minmax(fault.first_element, fault.second_element);
     if (fits_.count(pair) == 0 || At(pair.first).pattern || At(pair.second).pattern) return false;
     const PosedPair parts{fault.pose, At(pair.first).parts.front(), At(pair.second).parts.front()};
-    if (known_.precautions.fitted.count(parts) != 0) return false;
-    remedies_.precautions.fitted.insert(parts);
+    if (known_.known_conflicts.fitted.count(parts) != 0) return false;
+    repair_plan_.known_conflicts.fitted.insert(parts);
     return true;
   }
 
@@ -177,24 +177,25 @@ class Trial {
                                      [&](int element) { return At(element).connecting; });
     for (const int element : patterns) {
       if (fastens && !At(element).connecting) continue;
-      remedies_.lone.insert(At(element).parts.begin(), At(element).parts.end());
+      repair_plan_.lone.insert(At(element).parts.begin(), At(element).parts.end());
     }
   }
 
   const Assembly& assembly_;
   const std::vector<Element>& elements_;
   const Pairs fits_;
-  const Remedies& known_;
+  const RepairPlan& known_;
   const double tolerance_;
   const Eigen::VectorXd drawn_;
-  Remedies remedies_;
+  RepairPlan repair_plan_;
 };
 
 }  // namespace
 
-absl::StatusOr<Remedies> TryDesigns(const Assembly& assembly, const std::vector<Element>& elements,
-                                    const FeasibleSet& feasible_set, const Remedies& known,
-                                    double tolerance, const std::function<bool()>& is_given_up) {
+absl::StatusOr<RepairPlan> TryDesigns(const Assembly& assembly,
+                                      const std::vector<Element>& elements,
+                                      const FeasibleSet& feasible_set, const RepairPlan& known,
+                                      double tolerance, const std::function<bool()>& is_given_up) {
   const bool has_patterns =
       std::any_of(elements.begin(), elements.end(),
                   [](const Element& element) { return element.pattern.has_value(); });
@@ -208,7 +209,7 @@ absl::StatusOr<Remedies> TryDesigns(const Assembly& assembly, const std::vector<
       if (is_given_up()) return absl::CancelledError("nobody waits for the designs any more");
       if (!check.CheckParameters(q).ok()) continue;  // more parts than anybody may ask for
       MORTISE_ASSIGN_OR_RETURN(const std::vector<ContactFault> faults, check.FaultsAt(q));
-      for (const ContactFault& fault : faults) trial.Remedy(fault);
+      for (const ContactFault& fault : faults) trial.Mend(fault);
       if (trial.HasFitted()) break;
     }
     return absl::OkStatus();
@@ -218,13 +219,13 @@ absl::StatusOr<Remedies> TryDesigns(const Assembly& assembly, const std::vector<
         {}, CornersFor(kPartsLookedAt, assembly.parts.size(), kFewestCorners, kMostCorners)));
   }
   // With what is known now the set will be another, and fits may be sound in that.
-  if (!fits.empty() && !trial.HasRemedies()) {
+  if (!fits.empty() && !trial.HasRepairs()) {
     MORTISE_RETURN_IF_ERROR(look_at(
         fits,
         std::min(CornersFor(kFitsLookedAt, fits.size(), kFewestOfFits, kMostOfFits),
                  CornersFor(kPartsWithFits, assembly.parts.size(), kFewestOfFits, kMostOfFits))));
   }
-  return trial.TakeRemedies();
+  return trial.TakeRepairPlan();
 }
 
 }  // namespace mortise::parametric

@@ -18,9 +18,9 @@
 namespace mortise::parametric {
 
 // What makes the designs that were tried sound, parts by their index in the assembly.
-struct Remedies {
+struct RepairPlan {
   std::set<int> lone;  // better in no pattern: PatternExclusions::lone
-  Precautions precautions;
+  KnownConflicts known_conflicts;
 };
 
 // Where two elements run into each other in a pose, and their boxes are apart as drawn, they are to
@@ -32,8 +32,9 @@ struct Remedies {
 // patterns, rest poses and such shapes. The same designs are tried whenever the same is asked.
 // Fails as FeasibleSet::Corners and ContactCheck::FaultsAt; CANCELLED if `is_given_up`, which is
 // asked before each design.
-absl::StatusOr<Remedies> TryDesigns(const Assembly& assembly, const std::vector<Element>& elements,
-                                    const FeasibleSet& feasible_set, const Remedies& known,
-                                    double tolerance, const std::function<bool()>& is_given_up);
+absl::StatusOr<RepairPlan> TryDesigns(const Assembly& assembly,
+                                      const std::vector<Element>& elements,
+                                      const FeasibleSet& feasible_set, const RepairPlan& known,
+                                      double tolerance, const std::function<bool()>& is_given_up);
 
 }  // namespace mortise::parametric

@@ -27,7 +27,7 @@ class Reader {
         builder_(places_, is_old ? GroupedMeshBuilder::Repeats::kMerged
                                  : GroupedMeshBuilder::Repeats::kRefused),
         groups_(places_, builder_),
-        is_old_(is_old) {}
+        is_version_22_(is_old) {}
 
   absl::StatusOr<GroupedMesh> Read() {
     while (true) {
@@ -47,9 +47,9 @@ class Reader {
     if (name == "PartitionedEntities") {
       return cursor_.Fault("partitioned meshes are not read; save it without partitions");
     }
-    const bool is_nodes = name == "Nodes" || (name == "ParametricNodes" && is_old_);
+    const bool is_nodes = name == "Nodes" || (name == "ParametricNodes" && is_version_22_);
     const bool is_known = name == "MeshFormat" || name == "PhysicalNames" || is_nodes ||
-                          name == "Elements" || (name == "Entities" && !is_old_);
+                          name == "Elements" || (name == "Entities" && !is_version_22_);
     if (!is_known) {
       const bool is_word = !name.empty() && name.size() <= 40 &&
                            std::all_of(name.begin(), name.end(),
@@ -73,8 +73,10 @@ class Reader {
       groups_.BeginEntities();
       MORTISE_RETURN_IF_ERROR(ReadEntities());
     }
-    if (is_nodes) MORTISE_RETURN_IF_ERROR(is_old_ ? ReadOldNodes(name != "Nodes") : ReadNodes());
-    if (name == "Elements") MORTISE_RETURN_IF_ERROR(is_old_ ? ReadOldElements() : ReadElements());
+    if (is_nodes)
+      MORTISE_RETURN_IF_ERROR(is_version_22_ ? ReadNodes22(name != "Nodes") : ReadNodes());
+    if (name == "Elements")
+      MORTISE_RETURN_IF_ERROR(is_version_22_ ? ReadOldElements() : ReadElements());
     return cursor_.Expect(end);
   }
 
@@ -149,7 +151,7 @@ class Reader {
   }
 
   // Parametric nodes tell besides on which entity they lie, and where on a curve or surface.
-  absl::Status ReadOldNodes(bool is_parametric) {
+  absl::Status ReadNodes22(bool is_parametric) {
     MORTISE_ASSIGN_OR_RETURN(const std::int64_t count, OldCount(cursor_.is_text() ? 8 : 28));
     for (std::int64_t i = 0; i < count; ++i) {
       if (cursor_.is_text()) cursor_.SkipSpace();
@@ -350,7 +352,7 @@ class Reader {
   GmshCursor cursor_;
   GroupedMeshBuilder builder_;
   GmshGroups groups_;
-  const bool is_old_;
+  const bool is_version_22_;
   std::size_t section_place_ = 0;  // where the present one begins
   std::set<std::string> seen_;     // sections
 };

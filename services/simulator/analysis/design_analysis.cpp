@@ -11,11 +11,11 @@
 #include "common/mesh/mass_properties.h"
 #include "common/mesh/surface_check.h"
 #include "common/mesh/tetrahedra/curved_elements.h"
+#include "services/simulator/analysis/custom_metrics.h"
 #include "services/simulator/analysis/design_gradients.h"
 #include "services/simulator/analysis/design_solver.h"
 #include "services/simulator/analysis/mesh_analysis.h"
 #include "services/simulator/analysis/metric_values.h"
-#include "services/simulator/analysis/own_metrics.h"
 
 namespace mortise::simulator {
 namespace {
@@ -266,8 +266,8 @@ struct AnalysisPlan {
 absl::StatusOr<AnalysisPlan> PlanAnalysis(const DesignModel& model,
                                           const std::vector<std::string>& metrics, bool fields,
                                           const DesignAnalysisOptions& options) {
-  MORTISE_RETURN_IF_ERROR(CheckMetricNames(metrics, options.own_metrics));
-  const MetricDemands demands = DemandsOf(metrics, options.own_metrics);
+  MORTISE_RETURN_IF_ERROR(CheckMetricNames(metrics, options.custom_metrics));
+  const MetricDemands demands = DemandsOf(metrics, options.custom_metrics);
   AnalysisPlan plan;
   plan.modes = demands.modes ? std::max(1, options.modes) : options.modes;
   plan.airflow = demands.airflow || options.with_airflow;
@@ -278,11 +278,11 @@ absl::StatusOr<AnalysisPlan> PlanAnalysis(const DesignModel& model,
   if (plan.heat && !model.heat) {
     return PreconditionFailed("NO_HEAT", "there is no condition of heat", "boundary_conditions");
   }
-  const std::vector<std::string> needed = options.own_metrics.NeedsOf(metrics).metrics;
+  const std::vector<std::string> needed = options.custom_metrics.NeedsOf(metrics).metrics;
   plan.estimates =
       fields || std::find(needed.begin(), needed.end(), "relative_error") != needed.end();
   std::copy_if(metrics.begin(), metrics.end(), std::back_inserter(plan.with_gradient),
-               [&](const std::string& name) { return HasGradient(name, options.own_metrics); });
+               [&](const std::string& name) { return HasGradient(name, options.custom_metrics); });
   return plan;
 }
 
@@ -304,9 +304,10 @@ Gradients GradientsOfShape(const DesignModel& model, const std::vector<std::stri
                            const DesignAnalysisOptions& options) {
   const DesignMotion& motion = *options.motion;
   Gradients gradients = {{"mass", motion.mass}, {"volume", motion.volume}};
-  for (const parametric::MetricCall& call : options.own_metrics.NeedsOf(names).calls) {
+  for (const parametric::MetricCall& call : options.custom_metrics.NeedsOf(names).calls) {
     if (call.function->source != parametric::MetricFunctionSource::kShape) continue;
-    auto gradient = GradientOfShape(call, model, motion, options.own_metrics, options.parameters);
+    auto gradient =
+        GradientOfShape(call, model, motion, options.custom_metrics, options.parameters);
     if (gradient) gradients[ToText(call)] = *std::move(gradient);
   }
   return gradients;
@@ -360,10 +361,10 @@ absl::StatusOr<Gradients> SolveDesign(const AnalysisPlan& plan, const DesignMode
   return gradients;
 }
 
-std::optional<Eigen::VectorXd> GradientOf(const std::string& name, const OwnMetrics& own,
+std::optional<Eigen::VectorXd> GradientOf(const std::string& name, const CustomMetrics& own,
                                           const Gradients& gradients,
                                           const DesignAnalysisOptions& options) {
-  if (options.own_metrics.Find(name) >= 0) return own.Gradient(name, gradients);
+  if (options.custom_metrics.Find(name) >= 0) return own.Gradient(name, gradients);
   const auto known = gradients.find(name);
   if (known == gradients.end()) return std::nullopt;
   return known->second;
@@ -377,13 +378,13 @@ absl::Status ReadMetrics(const DesignModel& model, const std::vector<std::string
   const auto compute = [&](const std::string& name) {
     return ReadMetric(*FindMetric(name), model, analysis, options.airflow.wind, geometry);
   };
-  const OwnMetrics own(options.own_metrics, options.parameters, metrics, model, analysis,
-                       [&](const std::string& name) -> absl::StatusOr<double> {
-                         MORTISE_ASSIGN_OR_RETURN(const Metric metric, compute(name));
-                         return metric.value;
-                       });
+  const CustomMetrics own(options.custom_metrics, options.parameters, metrics, model, analysis,
+                          [&](const std::string& name) -> absl::StatusOr<double> {
+                            MORTISE_ASSIGN_OR_RETURN(const Metric metric, compute(name));
+                            return metric.value;
+                          });
   for (const std::string& name : metrics) {
-    const bool is_own = options.own_metrics.Find(name) >= 0;
+    const bool is_own = options.custom_metrics.Find(name) >= 0;
     absl::StatusOr<Metric> metric = is_own ? own.Compute(name) : compute(name);
     if (metric.ok()) {
       analysis.metrics.push_back(*std::move(metric));

@@ -89,7 +89,7 @@ struct DesignAnalysisOptions {
   // limits of memory and elements forbid it; 0 for no refinement.
   double wanted_error = 0;
   // Metrics that are offered besides, and the parameters that they speak of.
-  parametric::MetricExpressions own_metrics = {};
+  parametric::MetricExpressions custom_metrics = {};
   Eigen::VectorXd parameters = {};
   // How the model changes with the parameters: with it, exact gradients of those metrics that have
   // one (HasGradient) are computed besides. It must outlive the call.

@@ -83,11 +83,11 @@ absl::StatusOr<SolvedDesign> DesignSolver::Solve(const mesh::TetrahedralMesh& me
   }
   if (options_.motion != nullptr && !options_.motion->faces.empty() &&
       AllowsGradients(model_, *options_.motion)) {
-    const auto needs = options_.own_metrics.NeedsOf(gradients_);
-    auto gradients =
-        GradientsUnderLoads({mesh, model_, load_cases_, solved.cases, system, options_.own_metrics,
-                             options_.parameters, limit, elasticity.threads},
-                            *options_.motion, needs.metrics, needs.calls);
+    const auto needs = options_.custom_metrics.NeedsOf(gradients_);
+    auto gradients = GradientsUnderLoads(
+        {mesh, model_, load_cases_, solved.cases, system, options_.custom_metrics,
+         options_.parameters, limit, elasticity.threads},
+        *options_.motion, needs.metrics, needs.calls);
     // Where parts do not stay in touch there are none; everything else is a failure.
     if (gradients.ok()) {
       solved.gradients = *std::move(gradients);

@@ -244,7 +244,8 @@ absl::StatusOr<v1::Task> PrepareAnalysis(SimulatorCore& core, const v1::AnalyzeD
                           (metric.source != MetricSource::kLoads || has_loads);
     if (is_asked) task.add_metrics(metric.name);
   }
-  MORTISE_ASSIGN_OR_RETURN(const parametric::MetricExpressions own, OwnMetricsOf(**compiled, {}));
+  MORTISE_ASSIGN_OR_RETURN(const parametric::MetricExpressions own,
+                           CustomMetricsOf(**compiled, {}));
   for (const parametric::MetricDefinition& metric : own.metrics()) {
     const MetricDemands demands = DemandsOf({metric.name}, own);
     const bool is_asked = (!demands.modes || asked.modes() > 0) && (!demands.heat || has_heat) &&

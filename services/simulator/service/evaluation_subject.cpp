@@ -121,7 +121,7 @@ absl::StatusOr<EvaluationSubject> FindSubject(SimulatorCore& core, const std::st
   }
   MORTISE_ASSIGN_OR_RETURN(const auto compiled, core.templates().Get(name, revision, origin));
   MORTISE_ASSIGN_OR_RETURN(const parametric::MetricExpressions own,
-                           OwnMetricsOf(*compiled, definitions));
+                           CustomMetricsOf(*compiled, definitions));
   return SubjectOf(*compiled, own);
 }
 

@@ -44,7 +44,7 @@ void Fill(const MeshAnalysis& analysis, const MeshModel& model, v1::Analysis& me
 
 }  // namespace
 
-absl::Status EvaluateMeshTask(const v1::Task& task, const TaskSurroundings& surroundings,
+absl::Status EvaluateMeshTask(const v1::Task& task, const TaskContext& surroundings,
                               v1::ReportTaskRequest& report) {
   StageProgress* const progress = surroundings.progress;
   if (progress != nullptr) progress->Begin("mesh");

@@ -7,8 +7,8 @@
 
 namespace mortise::simulator {
 
-absl::StatusOr<parametric::MetricExpressions> OwnMetricsOf(const CompiledTemplate& compiled,
-                                                           const v1::MetricDefinitions& asked) {
+absl::StatusOr<parametric::MetricExpressions> CustomMetricsOf(const CompiledTemplate& compiled,
+                                                              const v1::MetricDefinitions& asked) {
   const parametric::MetricDefinitions definitions = parametric::FromProto(asked);
   if (definitions.IsEmpty() && compiled.metrics.IsEmpty()) return parametric::MetricExpressions();
   std::vector<parametric::NamedUnit> parameters;

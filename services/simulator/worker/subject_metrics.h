@@ -13,8 +13,8 @@ namespace mortise::simulator {
 
 // The template's own metrics and those of a request, ready to be computed. INVALID_ARGUMENT naming
 // all that is wrong with the request's, below "metric_definitions".
-absl::StatusOr<parametric::MetricExpressions> OwnMetricsOf(const CompiledTemplate& compiled,
-                                                           const v1::MetricDefinitions& asked);
+absl::StatusOr<parametric::MetricExpressions> CustomMetricsOf(const CompiledTemplate& compiled,
+                                                              const v1::MetricDefinitions& asked);
 
 // What tells the definitions of one request from those of another, for caches; empty where there
 // are none.

@@ -97,7 +97,7 @@ void FillAnalysis(const DesignAnalysis& analysis, const DesignModel& model,
 
 // analysis.vtu and stress.png of the only load case; of several, each with its number and name.
 absl::Status KeepCases(const DesignAnalysis& analysis, const DesignModel& model,
-                       const std::string& title, const TaskSurroundings& surroundings) {
+                       const std::string& title, const TaskContext& surroundings) {
   const bool is_only = analysis.cases.size() == 1;
   for (std::size_t i = 0; i < analysis.cases.size(); ++i) {
     const SolvedCase& solved = analysis.cases[i];
@@ -120,7 +120,7 @@ absl::Status KeepCases(const DesignAnalysis& analysis, const DesignModel& model,
 
 // heat.vtu and heat.png.
 absl::Status KeepHeat(const DesignAnalysis& analysis, const DesignModel& model,
-                      const std::string& title, const TaskSurroundings& surroundings) {
+                      const std::string& title, const TaskContext& surroundings) {
   MORTISE_RETURN_IF_ERROR(CheckStopped(surroundings.stop));
   const Eigen::VectorXd& temperature = analysis.heat->temperature;
   MORTISE_ASSIGN_OR_RETURN(std::string fields,
@@ -134,7 +134,7 @@ absl::Status KeepHeat(const DesignAnalysis& analysis, const DesignModel& model,
 
 // airflow.vtu and airflow.png.
 absl::Status KeepAirflow(const AirflowSolution& airflow, const Eigen::Vector3d& wind,
-                         const std::string& title, const TaskSurroundings& surroundings) {
+                         const std::string& title, const TaskContext& surroundings) {
   MORTISE_RETURN_IF_ERROR(CheckStopped(surroundings.stop));
   MORTISE_ASSIGN_OR_RETURN(
       std::string fields,
@@ -159,7 +159,7 @@ absl::Status CheckFinite(const DesignAnalysis& analysis) {
 
 // modes.vtu, and mode-1.png … of the lowest that deform.
 absl::Status KeepModes(const DesignAnalysis& analysis, const std::string& title,
-                       const TaskSurroundings& surroundings) {
+                       const TaskContext& surroundings) {
   constexpr std::size_t kPictures = 6;  // each takes about a second
   const std::vector<Mode>& modes = analysis.vibration->modes;
   MORTISE_ASSIGN_OR_RETURN(std::string fields,
@@ -177,7 +177,7 @@ absl::Status KeepModes(const DesignAnalysis& analysis, const std::string& title,
   return absl::OkStatus();
 }
 
-void Begin(const TaskSurroundings& surroundings, const char* stage) {
+void Begin(const TaskContext& surroundings, const char* stage) {
   if (surroundings.progress != nullptr) surroundings.progress->Begin(stage);
 }
 
@@ -189,8 +189,7 @@ struct Subject {
   parametric::MetricExpressions own;  // metrics
 };
 
-absl::StatusOr<Subject> EvaluateSubject(const v1::Task& task,
-                                        const TaskSurroundings& surroundings) {
+absl::StatusOr<Subject> EvaluateSubject(const v1::Task& task, const TaskContext& surroundings) {
   Subject subject;
   MORTISE_ASSIGN_OR_RETURN(subject.compiled,
                            surroundings.templates.GetByDigest(task.subject(), task.revision(),
@@ -200,7 +199,8 @@ absl::StatusOr<Subject> EvaluateSubject(const v1::Task& task,
                                                          task.point().parameters_size());
   MORTISE_ASSIGN_OR_RETURN(subject.design,
                            subject.compiled->function->Evaluate(subject.parameters));
-  MORTISE_ASSIGN_OR_RETURN(subject.own, OwnMetricsOf(*subject.compiled, task.metric_definitions()));
+  MORTISE_ASSIGN_OR_RETURN(subject.own,
+                           CustomMetricsOf(*subject.compiled, task.metric_definitions()));
   return subject;
 }
 
@@ -216,7 +216,7 @@ absl::Status CheckConditions(const v1::Task& task, const MetricDemands& demands,
 
 // `surroundings` must outlive what is returned.
 absl::StatusOr<DesignAnalysisOptions> OptionsOf(const v1::Task& task, const Subject& subject,
-                                                const TaskSurroundings& surroundings) {
+                                                const TaskContext& surroundings) {
   DesignAnalysisOptions options;
   // Nobody chose the metrics of an analysis.
   options.leave_out_inapplicable = task.fields();
@@ -228,7 +228,7 @@ absl::StatusOr<DesignAnalysisOptions> OptionsOf(const v1::Task& task, const Subj
   options.elasticity.solver.kind = SolverKindOf(task.solver());
   options.elasticity.solver.memory_limit = surroundings.memory_limit;
   options.progress = surroundings.progress;
-  options.own_metrics = subject.own;
+  options.custom_metrics = subject.own;
   options.parameters = subject.parameters;
   MORTISE_ASSIGN_OR_RETURN(options.airflow, parametric::ReadAirflow(task.airflow()));
   options.airflow_solver.memory_limit = surroundings.memory_limit;
@@ -262,7 +262,7 @@ void FillGradients(const DesignAnalysis& analysis, v1::EvaluationResult& result)
 // The files of everything that was solved.
 absl::Status KeepFiles(const DesignAnalysis& analysis, const DesignModel& model,
                        const Eigen::Vector3d& wind, const std::string& title,
-                       const TaskSurroundings& surroundings) {
+                       const TaskContext& surroundings) {
   MORTISE_RETURN_IF_ERROR(KeepCases(analysis, model, title, surroundings));
   if (analysis.heat) MORTISE_RETURN_IF_ERROR(KeepHeat(analysis, model, title, surroundings));
   if (analysis.airflow) {
@@ -271,7 +271,7 @@ absl::Status KeepFiles(const DesignAnalysis& analysis, const DesignModel& model,
   return analysis.vibration ? KeepModes(analysis, title, surroundings) : absl::OkStatus();
 }
 
-absl::Status Evaluate(const v1::Task& task, const TaskSurroundings& surroundings,
+absl::Status Evaluate(const v1::Task& task, const TaskContext& surroundings,
                       v1::ReportTaskRequest& report) {
   MORTISE_ASSIGN_OR_RETURN(const Subject subject, EvaluateSubject(task, surroundings));
   const parametric::EvaluatedDesign& design = subject.design;
@@ -309,7 +309,7 @@ absl::Status Evaluate(const v1::Task& task, const TaskSurroundings& surroundings
 
 }  // namespace
 
-v1::ReportTaskRequest EvaluateTask(const v1::Task& task, const TaskSurroundings& surroundings) {
+v1::ReportTaskRequest EvaluateTask(const v1::Task& task, const TaskContext& surroundings) {
   v1::ReportTaskRequest report;
   absl::Status status = absl::OkStatus();
   try {

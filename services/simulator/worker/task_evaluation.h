@@ -18,7 +18,7 @@ namespace mortise::simulator {
 inline constexpr char kTimeLimit[] = "TIME_LIMIT";
 
 // What a task needs from outside.
-struct TaskSurroundings {
+struct TaskContext {
   TemplateSource& templates;
   rpc::Origin origin;  // for the catalog
 
@@ -36,6 +36,6 @@ struct TaskSurroundings {
 
 // Metrics, gradients and analysis, or the error; without the task and the artifacts. Never fails:
 // what goes wrong becomes the error of the report.
-v1::ReportTaskRequest EvaluateTask(const v1::Task& task, const TaskSurroundings& surroundings);
+v1::ReportTaskRequest EvaluateTask(const v1::Task& task, const TaskContext& surroundings);
 
 }  // namespace mortise::simulator

@@ -305,7 +305,7 @@ void WorkOn(const WorkerOptions& options, Stub& stub, TemplateSource& templates,
   const absl::Time start = absl::Now();
   LeaseKeeper keeper(options, stub, task, reserve, ending);
   v1::Analysis artifacts;
-  const TaskSurroundings surroundings{
+  const TaskContext surroundings{
       .templates = templates,
       .origin = rpc::OwnOrigin(options.signer, rpc::Role::kDesigner, task.trace_id(), kCallTimeout),
       .keep = [&](const AnalysisFile& file) -> absl::Status {

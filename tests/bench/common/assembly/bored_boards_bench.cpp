@@ -157,7 +157,7 @@ void BM_AdjustRack(benchmark::State& state) {
   for (auto _ : state) {
     wide = wide > 0.35 ? 0.2 : wide + 0.001;
     const auto adjusted = parametric->Adjust(parametric->drawn(), {{{"board 0", Axis::kX}, wide}},
-                                             Insistence::kNearest);
+                                             DemandPolicy::kNearest);
     if (!adjusted.ok()) return state.SkipWithError("not adjusted");
     if (state.range(0) != 0) benchmark::DoNotOptimize(parametric->FaultsAt(adjusted->q));
   }

@@ -21,7 +21,7 @@ inline void ExpectSound(const ParametricAssembly& assembly) {
     for (const double value : {size.minimum, size.maximum}) {
       ASSERT_OK_AND_ASSIGN(
           const Adjustment end,
-          assembly.Adjust(assembly.drawn(), {{size.measure, value}}, Insistence::kNearest));
+          assembly.Adjust(assembly.drawn(), {{size.measure, value}}, DemandPolicy::kNearest));
       designs.push_back(end.q);
     }
   }

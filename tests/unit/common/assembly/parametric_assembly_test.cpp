@@ -38,9 +38,9 @@ double LengthOf(const std::vector<PlacedPart>& parts, const std::string& name, A
 
 TEST(ParametricAssembly, MeetsWhatCanBeMet) {
   const ParametricAssembly bench = Parametrized(Bench());
-  for (const Insistence insistence : {Insistence::kNearest, Insistence::kStrict}) {
-    const auto wider = bench.Adjust(
-        bench.drawn(), {{{"seat", Axis::kX}, 1.4}, {{"left", Axis::kZ}, 0.5}}, insistence);
+  for (const DemandPolicy policy : {DemandPolicy::kNearest, DemandPolicy::kStrict}) {
+    const auto wider =
+        bench.Adjust(bench.drawn(), {{{"seat", Axis::kX}, 1.4}, {{"left", Axis::kZ}, 0.5}}, policy);
     ASSERT_TRUE(wider.ok()) << wider.status();
     EXPECT_NEAR(wider->reached[0], 1.4, 1e-9);
     EXPECT_NEAR(wider->reached[1], 0.5, 1e-9);
@@ -59,7 +59,8 @@ TEST(ParametricAssembly, MeetsWhatCanBeMet) {
 TEST(ParametricAssembly, ChangesNoSizeThatCanStay) {
   const ParametricAssembly bench = Parametrized(Bench());
   const std::vector<PlacedPart> drawn = bench.PartsAt(bench.drawn());
-  const auto lower = bench.Adjust(bench.drawn(), {{{"left", Axis::kZ}, 0.3}}, Insistence::kStrict);
+  const auto lower =
+      bench.Adjust(bench.drawn(), {{{"left", Axis::kZ}, 0.3}}, DemandPolicy::kStrict);
   ASSERT_TRUE(lower.ok()) << lower.status();
   for (const PlacedPart& part : bench.PartsAt(lower->q)) {
     for (const Axis axis : kAxes) {
@@ -69,7 +70,8 @@ TEST(ParametricAssembly, ChangesNoSizeThatCanStay) {
           << part.name << " " << AxisName(axis);
     }
   }
-  const auto longer = bench.Adjust(bench.drawn(), {{{"seat", Axis::kX}, 1.3}}, Insistence::kStrict);
+  const auto longer =
+      bench.Adjust(bench.drawn(), {{{"seat", Axis::kX}, 1.3}}, DemandPolicy::kStrict);
   ASSERT_TRUE(longer.ok()) << longer.status();
   for (const char* post : {"left", "right"}) {
     EXPECT_NEAR(LengthOf(bench.PartsAt(longer->q), post, Axis::kX), 0.05, 1e-9) << post;
@@ -108,7 +110,7 @@ TEST(ParametricAssembly, ComesToTheVeryEnd) {
   for (const double asked : {100.0, -1.0}) {
     const auto end =
         bench.Adjust(bench.drawn(), {{{"seat", Axis::kZ}, asked}, {{"left", Axis::kZ}, asked}},
-                     Insistence::kNearest);
+                     DemandPolicy::kNearest);
     ASSERT_TRUE(end.ok()) << end.status();
     for (std::size_t i = 0; i < 2; ++i) {
       const auto range = bench.RangeOf({i == 0 ? "seat" : "left", Axis::kZ});
@@ -121,8 +123,9 @@ TEST(ParametricAssembly, ComesToTheVeryEnd) {
 
 TEST(ParametricAssembly, NamesWhatCannotHoldTogether) {
   const ParametricAssembly bench = Parametrized(Bench());
-  const auto refused = bench.Adjust(
-      bench.drawn(), {{{"left", Axis::kZ}, 0.5}, {{"right", Axis::kZ}, 0.3}}, Insistence::kStrict);
+  const auto refused =
+      bench.Adjust(bench.drawn(), {{{"left", Axis::kZ}, 0.5}, {{"right", Axis::kZ}, 0.3}},
+                   DemandPolicy::kStrict);
   EXPECT_EQ(DetailOf(refused.status()).reason, "DEMANDS_CONFLICT");
   for (const char* part : {"'left'", "'right'"}) {
     EXPECT_NE(refused.status().message().find(part), absl::string_view::npos) << refused.status();
@@ -138,7 +141,7 @@ TEST(ParametricAssembly, NamesTheEqualitiesThatStandAgainstADemand) {
   drawn.parts[0].limits[2] = {0.04, 0.04};
   const ParametricAssembly table = Parametrized(drawn);
   const auto refusal = [&](std::vector<MeasureDemand> demands) {
-    const auto refused = table.Adjust(table.drawn(), demands, Insistence::kStrict);
+    const auto refused = table.Adjust(table.drawn(), demands, DemandPolicy::kStrict);
     EXPECT_EQ(DetailOf(refused.status()).reason, "DEMANDS_CONFLICT");
     return std::string(refused.status().message());
   };
@@ -151,8 +154,9 @@ TEST(ParametricAssembly, NamesTheEqualitiesThatStandAgainstADemand) {
 
 TEST(ParametricAssembly, ComesAsNearAsItCanTheFirstDemandsFirst) {
   const ParametricAssembly bench = Parametrized(Bench());
-  const auto both = bench.Adjust(
-      bench.drawn(), {{{"left", Axis::kZ}, 0.5}, {{"right", Axis::kZ}, 0.3}}, Insistence::kNearest);
+  const auto both =
+      bench.Adjust(bench.drawn(), {{{"left", Axis::kZ}, 0.5}, {{"right", Axis::kZ}, 0.3}},
+                   DemandPolicy::kNearest);
   ASSERT_TRUE(both.ok()) << both.status();
   EXPECT_NEAR(both->reached[0], 0.5, 1e-7);
   EXPECT_NEAR(both->reached[1], 0.5, 1e-7) << "the posts stay alike";
@@ -161,7 +165,7 @@ TEST(ParametricAssembly, ComesAsNearAsItCanTheFirstDemandsFirst) {
   ASSERT_TRUE(range.ok()) << range.status();
   for (const double asked : {-1.0, 100.0}) {
     const auto clamped =
-        bench.Adjust(bench.drawn(), {{{"seat", Axis::kX}, asked}}, Insistence::kNearest);
+        bench.Adjust(bench.drawn(), {{{"seat", Axis::kX}, asked}}, DemandPolicy::kNearest);
     ASSERT_TRUE(clamped.ok()) << clamped.status();
     EXPECT_NEAR(clamped->reached[0], asked < 0 ? range->minimum : range->maximum, 1e-7);
     EXPECT_TRUE(bench.feasible_set().Violations(clamped->q, 1e-9).empty());
@@ -183,7 +187,7 @@ TEST(ParametricAssembly, RangesAreExact) {
       EXPECT_LE(range.minimum, range.drawn + 1e-9);
       EXPECT_GE(range.maximum, range.drawn - 1e-9);
       const auto can_be = [&](double value) {
-        return made->Adjust(made->drawn(), {{range.measure, value}}, Insistence::kStrict).ok();
+        return made->Adjust(made->drawn(), {{range.measure, value}}, DemandPolicy::kStrict).ok();
       };
       EXPECT_TRUE(can_be(range.minimum + 1e-7));
       EXPECT_TRUE(can_be(range.maximum - 1e-7));
@@ -208,12 +212,12 @@ TEST(ParametricAssembly, TellsWhichSizesTheDesignHolds) {
 
 TEST(ParametricAssembly, StartsFromWhereTheDesignerIs) {
   const ParametricAssembly bench = Parametrized(Bench());
-  const auto wide = bench.Adjust(bench.drawn(), {{{"seat", Axis::kX}, 1.4}}, Insistence::kStrict);
+  const auto wide = bench.Adjust(bench.drawn(), {{{"seat", Axis::kX}, 1.4}}, DemandPolicy::kStrict);
   ASSERT_TRUE(wide.ok()) << wide.status();
-  const auto high = bench.Adjust(wide->q, {{{"left", Axis::kZ}, 0.5}}, Insistence::kStrict);
+  const auto high = bench.Adjust(wide->q, {{{"left", Axis::kZ}, 0.5}}, DemandPolicy::kStrict);
   ASSERT_TRUE(high.ok()) << high.status();
   EXPECT_NEAR(LengthOf(bench.PartsAt(high->q), "seat", Axis::kX), 1.4, 1e-9);
-  EXPECT_LT((bench.Adjust(wide->q, {}, Insistence::kStrict)->q - wide->q).norm(), 1e-12);
+  EXPECT_LT((bench.Adjust(wide->q, {}, DemandPolicy::kStrict)->q - wide->q).norm(), 1e-12);
 }
 
 TEST(ParametricAssembly, CountsDegreesOfFreedomByGroup) {
@@ -253,7 +257,7 @@ TEST(ParametricAssembly, TellsOfAllElementsThatNothingHolds) {
 TEST(ParametricAssembly, NamesBadInput) {
   const ParametricAssembly bench = Parametrized(Bench());
   const auto field = [&](const Eigen::VectorXd& from, const MeasureDemand& demand) {
-    return DetailOf(bench.Adjust(from, {demand}, Insistence::kNearest).status()).field;
+    return DetailOf(bench.Adjust(from, {demand}, DemandPolicy::kNearest).status()).field;
   };
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(field(bench.drawn(), {{"lid", Axis::kX}, 1}), "demands[0].measure.element");

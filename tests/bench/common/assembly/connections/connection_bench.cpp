@@ -111,7 +111,7 @@ void BM_Drag(benchmark::State& state) {
   std::size_t i = 0;
   for (auto _ : state) {
     const double depth = 0.3 + 1e-3 * static_cast<double>(++i % 100);
-    auto dragged = shelf->Adjust(q, {{{"left", Axis::kY}, depth}}, Insistence::kNearest);
+    auto dragged = shelf->Adjust(q, {{{"left", Axis::kY}, depth}}, DemandPolicy::kNearest);
     if (!dragged.ok()) state.SkipWithError("not found");
     q = std::move(dragged->q);
   }

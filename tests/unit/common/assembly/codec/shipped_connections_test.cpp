@@ -94,7 +94,7 @@ TEST_P(ShippedConnections, ArePlacedSoundly) {
   const auto samples = design_->Sample(kSamples, 4);
   ASSERT_TRUE(samples.ok()) << samples.status();
   for (const Eigen::VectorXd& q : *samples) {
-    const auto placed = design_->Adjust(q, {}, Insistence::kStrict);
+    const auto placed = design_->Adjust(q, {}, DemandPolicy::kStrict);
     ASSERT_TRUE(placed.ok()) << placed.status();
     const auto violations = design_->feasible_set().Violations(placed->q, 2e-9);
     ASSERT_TRUE(violations.empty()) << violations.front().description;

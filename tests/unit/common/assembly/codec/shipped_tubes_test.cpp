@@ -68,7 +68,7 @@ TEST(ShippedTubes, WeighWhatTheirWallDoesAtAnyLength) {
     const double density = FindMaterial(materials, item.material)->density;
     for (const double length : {sizes->front().minimum, 0.8, sizes->front().maximum}) {
       const auto cut =
-          tube->Adjust(tube->drawn(), {{sizes->front().measure, length}}, Insistence::kStrict);
+          tube->Adjust(tube->drawn(), {{sizes->front().measure, length}}, DemandPolicy::kStrict);
       ASSERT_TRUE(cut.ok()) << cut.status();
       const EvaluatedDesign design = DesignAt(*tube, cut->q, ShippedItems(), materials);
       ASSERT_EQ(design.parts.size(), 1u);

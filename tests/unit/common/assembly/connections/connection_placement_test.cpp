@@ -40,7 +40,8 @@ int ElementOf(const ParametricAssembly& design, const std::string& name) {
 
 TEST(ConnectionPlacement, DraggedBoardsGetMoreDowels) {
   const ParametricAssembly boards = ParametrizedDesign(DowelledBoards());
-  const auto longer = boards.Adjust(boards.drawn(), {{{"wall", Axis::kX}, 1}}, Insistence::kStrict);
+  const auto longer =
+      boards.Adjust(boards.drawn(), {{{"wall", Axis::kX}, 1}}, DemandPolicy::kStrict);
   ASSERT_TRUE(longer.ok()) << longer.status();
   EXPECT_TRUE(boards.feasible_set().Violations(longer->q, 1e-9).empty());
   const BoundingBox wall = BoxOf(longer->q, ElementOf(boards, "wall"));
@@ -114,7 +115,7 @@ TEST(ConnectionPlacement, ADesignerMayStillPlaceAConnectingElement) {
   ASSERT_TRUE(range.ok()) << range.status();
   ASSERT_GT(range->maximum - range->minimum, 0.01);
   const double asked = range->drawn + 0.005;
-  const auto placed = corner.Adjust(corner.drawn(), {{screw, asked}}, Insistence::kStrict);
+  const auto placed = corner.Adjust(corner.drawn(), {{screw, asked}}, DemandPolicy::kStrict);
   ASSERT_TRUE(placed.ok()) << placed.status();
   EXPECT_NEAR(placed->reached[0], asked, 1e-9);
   EXPECT_TRUE(corner.feasible_set().Violations(placed->q, 1e-9).empty());

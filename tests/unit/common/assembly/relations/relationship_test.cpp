@@ -298,7 +298,7 @@ TEST(RelationshipTest, ProminentPlanesAreTied) {
               Contains(AllOf(HasSubstr("'wall' ledge"), HasSubstr("in one plane with"),
                              HasSubstr("'shelf' z minimum"))));
   ASSERT_OK_AND_ASSIGN(const Adjustment higher,
-                       made.Adjust(made.drawn(), {{{"wall", Axis::kZ}, 3}}, Insistence::kStrict));
+                       made.Adjust(made.drawn(), {{{"wall", Axis::kZ}, 3}}, DemandPolicy::kStrict));
   for (const PlacedPart& part : made.PartsAt(higher.q)) {
     if (part.name == "shelf") {
       EXPECT_NEAR(part.box.minimum.z(), 1.2, 1e-9);
@@ -327,7 +327,7 @@ TEST(RelationshipTest, ScrewsStayInTheThreadsOfABoughtHandle) {
   ASSERT_OK_AND_ASSIGN(std::vector<Eigen::VectorXd> designs, made.Sample(20, 1));
   ASSERT_OK_AND_ASSIGN(
       const Adjustment wider,
-      made.Adjust(made.drawn(), {{{"front", Axis::kX}, 0.7}}, Insistence::kStrict));
+      made.Adjust(made.drawn(), {{{"front", Axis::kX}, 0.7}}, DemandPolicy::kStrict));
   designs.push_back(wider.q);
   for (const Eigen::VectorXd& q : designs) {
     std::map<std::string, Eigen::Vector3d> center;

@@ -139,11 +139,11 @@ TEST(DesignTrial, IsGivenUpWhenNobodyWaits) {
 
 TEST(DesignTrial, SaysNothingOfWhatHasNeitherPatternsNorPoses) {
   ASSERT_OK_AND_ASSIGN(const auto table, ParametricAssembly::Create(TwoLeggedTable()));
-  ASSERT_OK_AND_ASSIGN(const Remedies remedies,
+  ASSERT_OK_AND_ASSIGN(const RepairPlan repair_plan,
                        TryDesigns(table.assembly(), table.elements(), table.feasible_set(), {},
                                   table.tolerance(), NobodyLeaves));
-  EXPECT_THAT(remedies.lone, IsEmpty());
-  EXPECT_THAT(remedies.precautions.kept_apart, IsEmpty());
+  EXPECT_THAT(repair_plan.lone, IsEmpty());
+  EXPECT_THAT(repair_plan.known_conflicts.kept_apart, IsEmpty());
 }
 
 // Without them designs are at fault, and what is found is the same each time.
@@ -161,9 +161,9 @@ TEST(DesignTrial, NamesWhatIsAtFaultTheSameEachTime) {
   ASSERT_OK_AND_ASSIGN(const FeasibleSet set,
                        FeasibleSet::Create(relationships, DrawnParameters(pegs, elements),
                                            VariablesWithin(pegs, elements, 0)));
-  ASSERT_OK_AND_ASSIGN(const Remedies first,
+  ASSERT_OK_AND_ASSIGN(const RepairPlan first,
                        TryDesigns(pegs, elements, set, {}, tolerance, NobodyLeaves));
-  ASSERT_OK_AND_ASSIGN(const Remedies again,
+  ASSERT_OK_AND_ASSIGN(const RepairPlan again,
                        TryDesigns(pegs, elements, set, {}, tolerance, NobodyLeaves));
   EXPECT_EQ(first.lone.size(), 16U);
   EXPECT_EQ(first.lone, again.lone);

@@ -9,8 +9,8 @@
 #include "absl/strings/str_cat.h"
 #include "common/design/parameter_values.h"
 #include "common/templates/template_codec.h"
+#include "services/simulator/analysis/custom_metrics.h"
 #include "services/simulator/analysis/design_solver.h"
-#include "services/simulator/analysis/own_metrics.h"
 #include "services/simulator/worker/design_motion.h"
 #include "services/simulator/worker/subject_metrics.h"
 #include "services/simulator/worker/template_model.h"
@@ -72,7 +72,7 @@ Subject SubjectOf(v1::TemplateBundle bundle, const std::string& definitions = kT
   subject.compiled.function = *function;
   v1::MetricDefinitions asked;
   EXPECT_TRUE(google::protobuf::TextFormat::ParseFromString(definitions, &asked));
-  auto own = OwnMetricsOf(subject.compiled, asked);
+  auto own = CustomMetricsOf(subject.compiled, asked);
   EXPECT_TRUE(own.ok()) << own.status();
   subject.own = *std::move(own);
   return subject;
@@ -84,7 +84,7 @@ DesignAnalysisOptions OptionsOf(const Subject& subject, const Eigen::VectorXd& q
   options.mesh.element_size = element_size;
   options.mesh.quadratic = quadratic;
   options.elasticity.solver.kind = SolverKind::kDirect;
-  options.own_metrics = subject.own;
+  options.custom_metrics = subject.own;
   options.parameters = q;
   return options;
 }
@@ -287,8 +287,8 @@ TEST(DesignGradients, OfPlacesAreThoseOfDifferences) {
         moved[k] += by;
         const DesignModel model = beam.ModelAt(moved);
         const DesignAnalysis there = moving.At(k, by);
-        const OwnMetrics own(beam.own, moved, names, model, there,
-                             [](const std::string&) { return absl::UnknownError("none"); });
+        const CustomMetrics own(beam.own, moved, names, model, there,
+                                [](const std::string&) { return absl::UnknownError("none"); });
         std::vector<double> of_names;
         for (const std::string& name : names) of_names.push_back(own.Compute(name)->value);
         return of_names;

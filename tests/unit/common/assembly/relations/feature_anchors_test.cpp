@@ -1,5 +1,5 @@
 // What fits into a shape does not hold its size: the shape is stretched in pieces.
-#include "common/assembly/relations/held_levels.h"
+#include "common/assembly/relations/feature_anchors.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -67,7 +67,7 @@ void ExpectSound(const ParametricAssembly& made) {
 }
 
 // A bought rod of 16 mm leaves the board both its sizes; its bore stays round and at its share.
-TEST(HeldLevels, LetABoardGrowAroundARod) {
+TEST(FeatureAnchors, LetABoardGrowAroundARod) {
   ASSERT_OK_AND_ASSIGN(const auto made,
                        ParametricAssembly::Create(
                            Named("rack", {Board({{0.1, 0.1}}), Bought(Rod("rod", 0.1, 0.1))})));
@@ -75,7 +75,7 @@ TEST(HeldLevels, LetABoardGrowAroundARod) {
   ASSERT_OK_AND_ASSIGN(
       const Adjustment larger,
       made.Adjust(made.drawn(), {{{"board", Axis::kX}, 0.7}, {{"board", Axis::kY}, 0.2}},
-                  Insistence::kStrict));
+                  DemandPolicy::kStrict));
   const PlacedPart board = made.PartsAt(larger.q).front();
   const Bore along_x = BoreOf(board, 0), along_y = BoreOf(board, 1);
   EXPECT_NEAR(along_x.size, 0.7, 1e-9);
@@ -89,7 +89,7 @@ TEST(HeldLevels, LetABoardGrowAroundARod) {
 }
 
 // A bracket whose bolts are 60 mm apart does not hold the board that they run through.
-TEST(HeldLevels, LetABoardGrowUnderABracket) {
+TEST(FeatureAnchors, LetABoardGrowUnderABracket) {
   TopoDS_Shape bracket = BoxAt(0.08, 0.08, kThick, 0.1, 0.04, 0.003);
   for (const double x : {0.1, 0.16}) bracket = Less(bracket, Upright(x, 0.1, -1, 1, kRadius));
   ASSERT_OK_AND_ASSIGN(
@@ -99,7 +99,7 @@ TEST(HeldLevels, LetABoardGrowUnderABracket) {
                           Bought(Rod("bolt 1", 0.1, 0.1)), Bought(Rod("bolt 2", 0.16, 0.1))})));
   ASSERT_OK_AND_ASSIGN(
       const Adjustment larger,
-      made.Adjust(made.drawn(), {{{"board", Axis::kX}, 0.7}}, Insistence::kStrict));
+      made.Adjust(made.drawn(), {{{"board", Axis::kX}, 0.7}}, DemandPolicy::kStrict));
   const PlacedPart board = made.PartsAt(larger.q).front();
   const Bore first = BoreOf(board, 0, 0), second = BoreOf(board, 0, 1);
   EXPECT_NEAR(second.begins - first.begins, 0.06, 1e-9);
@@ -109,7 +109,7 @@ TEST(HeldLevels, LetABoardGrowUnderABracket) {
 }
 
 // Two alike boards may get thicker together about a bought tenon that is let into both.
-TEST(HeldLevels, LetBoardsGrowAboutALooseTenon) {
+TEST(FeatureAnchors, LetBoardsGrowAboutALooseTenon) {
   const TopoDS_Shape tenon =
       cad::Oblong(gp_Pnt(0.1, 0.03, 0.025), gp_Pnt(0.14, 0.03, 0.025), 0.005, 0.03);
   AssemblyPart lower = Drawn("board", Less(BoxAt(0, 0, 0, 0.5, 0.06, 0.04), tenon));
@@ -119,12 +119,13 @@ TEST(HeldLevels, LetBoardsGrowAboutALooseTenon) {
       const auto made,
       ParametricAssembly::Create(Named("boards", {lower, upper, Bought(Drawn("tenon", tenon))})));
   EXPECT_THAT(made.HeldSizes(), IsEmpty());
-  ASSERT_OK(made.Adjust(made.drawn(), {{{"board", Axis::kZ}, 0.05}}, Insistence::kStrict).status());
+  ASSERT_OK(
+      made.Adjust(made.drawn(), {{{"board", Axis::kZ}, 0.05}}, DemandPolicy::kStrict).status());
   ExpectSound(made);
 }
 
 // With 0.4 mm of play all round: as bolts have it.
-TEST(HeldLevels, KeepThePlayOfBolts) {
+TEST(FeatureAnchors, KeepThePlayOfBolts) {
   constexpr double kPlay = 0.0004;
   ASSERT_OK_AND_ASSIGN(
       const auto made,
@@ -135,7 +136,7 @@ TEST(HeldLevels, KeepThePlayOfBolts) {
                           Boxed("nut 2", {0.28, 0.18, kThick}, {0.04, 0.04, 0.01})})));
   ASSERT_OK_AND_ASSIGN(
       const Adjustment larger,
-      made.Adjust(made.drawn(), {{{"board", Axis::kX}, 0.6}}, Insistence::kStrict));
+      made.Adjust(made.drawn(), {{{"board", Axis::kX}, 0.6}}, DemandPolicy::kStrict));
   const std::vector<PlacedPart> parts = made.PartsAt(larger.q);
   for (const std::size_t index : {0U, 1U}) {
     const Bore bore = BoreOf(parts[0], 0, index);
@@ -145,7 +146,7 @@ TEST(HeldLevels, KeepThePlayOfBolts) {
   }
 }
 
-TEST(HeldLevels, KeepEmptyBoresAsWideAsDrawn) {
+TEST(FeatureAnchors, KeepEmptyBoresAsWideAsDrawn) {
   ASSERT_OK_AND_ASSIGN(const auto made,
                        ParametricAssembly::Create(
                            Named("board", {Board({{0.1, 0.1}, {0.3, 0.25}}),
@@ -153,7 +154,7 @@ TEST(HeldLevels, KeepEmptyBoresAsWideAsDrawn) {
   ASSERT_OK_AND_ASSIGN(
       const Adjustment larger,
       made.Adjust(made.drawn(), {{{"board", Axis::kX}, 0.8}, {{"board", Axis::kY}, 0.2}},
-                  Insistence::kStrict));
+                  DemandPolicy::kStrict));
   const PlacedPart board = made.PartsAt(larger.q).front();
   for (const int axis : {0, 1}) {
     for (const std::size_t index : {0U, 1U}) {
@@ -167,12 +168,12 @@ TEST(HeldLevels, KeepEmptyBoresAsWideAsDrawn) {
 }
 
 // A rod of no item stays round, and its bore as wide as it.
-TEST(HeldLevels, FollowARodThatGrows) {
+TEST(FeatureAnchors, FollowARodThatGrows) {
   ASSERT_OK_AND_ASSIGN(const auto made, ParametricAssembly::Create(Named(
                                             "rack", {Board({{0.1, 0.1}}), Rod("rod", 0.1, 0.1)})));
   ASSERT_OK_AND_ASSIGN(
       const Adjustment thicker,
-      made.Adjust(made.drawn(), {{{"rod", Axis::kX}, 0.024}}, Insistence::kStrict));
+      made.Adjust(made.drawn(), {{{"rod", Axis::kX}, 0.024}}, DemandPolicy::kStrict));
   const std::vector<PlacedPart> parts = made.PartsAt(thicker.q);
   EXPECT_NEAR(parts[1].box.size().y(), 0.024, 1e-9);
   for (const int axis : {0, 1}) {
@@ -185,7 +186,7 @@ TEST(HeldLevels, FollowARodThatGrows) {
 
 // A rail with tenons of 30 mm in bought posts of 60 × 60: its length is free, and the tenons stay
 // as long as the mortises are deep.
-TEST(HeldLevels, LetARailGrowBetweenPosts) {
+TEST(FeatureAnchors, LetARailGrowBetweenPosts) {
   const TopoDS_Shape tongue = BoxAt(0.03, 0.02, 0.12, 0.46, 0.02, 0.06);
   const TopoDS_Shape rail =
       BRepAlgoAPI_Fuse(BoxAt(0.06, 0.01, 0.1, 0.4, 0.04, 0.1), tongue).Shape();
@@ -197,8 +198,9 @@ TEST(HeldLevels, LetARailGrowBetweenPosts) {
   ASSERT_OK_AND_ASSIGN(const auto made,
                        ParametricAssembly::Create(Named(
                            "frame", {Drawn("rail", rail), post("left", 0), post("right", 0.46)})));
-  ASSERT_OK_AND_ASSIGN(const Adjustment longer,
-                       made.Adjust(made.drawn(), {{{"rail", Axis::kX}, 0.8}}, Insistence::kStrict));
+  ASSERT_OK_AND_ASSIGN(
+      const Adjustment longer,
+      made.Adjust(made.drawn(), {{{"rail", Axis::kX}, 0.8}}, DemandPolicy::kStrict));
   const std::vector<PlacedPart> parts = made.PartsAt(longer.q);
   const Bore body = BoreOf(parts[0], 0);
   EXPECT_NEAR(body.begins, 0.03, 1e-9);
@@ -209,7 +211,7 @@ TEST(HeldLevels, LetARailGrowBetweenPosts) {
 
 // Three equal boards in a row, on two rods: the row is one element, whose bores follow all the
 // same.
-TEST(HeldLevels, AreThoseOfAllBoardsInARow) {
+TEST(FeatureAnchors, AreThoseOfAllBoardsInARow) {
   const TopoDS_Shape board =
       Less(Less(BoxAt(0, 0, 0, 0.4, 0.3, kThick), Upright(0.1, 0.1, -1, 1, kRadius)),
            Upright(0.3, 0.2, -1, 1, kRadius));
@@ -230,7 +232,7 @@ TEST(HeldLevels, AreThoseOfAllBoardsInARow) {
   ASSERT_OK_AND_ASSIGN(
       const Adjustment larger,
       made.Adjust(made.drawn(), {{{"board 1", Axis::kX}, 0.8}, {{"board 1", Axis::kY}, 0.5}},
-                  Insistence::kStrict));
+                  DemandPolicy::kStrict));
   for (const PlacedPart& part : made.PartsAt(larger.q)) {
     if (part.element != 0) continue;
     const Bore along_x = BoreOf(part, 0, 1);
@@ -242,7 +244,7 @@ TEST(HeldLevels, AreThoseOfAllBoardsInARow) {
 
 // Bought dowels in blind bores between two sides and a shelf: the shelf's length is free, and the
 // bores stay as deep as the dowels are long.
-TEST(HeldLevels, LetAShelfGrowBetweenDowels) {
+TEST(FeatureAnchors, LetAShelfGrowBetweenDowels) {
   const auto dowel = [](double x) {
     return RodAlong(gp_Dir(1, 0, 0), gp_Pnt(x, 0.1, 0.2), 0.004, 0.03);
   };
@@ -260,7 +262,7 @@ TEST(HeldLevels, LetAShelfGrowBetweenDowels) {
                                      Bought(Drawn("dowel 2", dowel(0.4)))})));
   ASSERT_OK_AND_ASSIGN(
       const Adjustment longer,
-      made.Adjust(made.drawn(), {{{"shelf", Axis::kX}, 0.7}}, Insistence::kStrict));
+      made.Adjust(made.drawn(), {{{"shelf", Axis::kX}, 0.7}}, DemandPolicy::kStrict));
   const Bore bottoms = BoreOf(made.PartsAt(longer.q)[2], 0);
   EXPECT_NEAR(bottoms.begins, 0.018, 1e-9);
   EXPECT_NEAR(bottoms.size - bottoms.ends, 0.012 + 0.006, 1e-9);
@@ -268,7 +270,7 @@ TEST(HeldLevels, LetAShelfGrowBetweenDowels) {
 }
 
 // A blind bore of 40 mm in the end of a rail, with a dowel that is not as long: it stays as deep.
-TEST(HeldLevels, KeepBlindBoresAsDeepAsDrawn) {
+TEST(FeatureAnchors, KeepBlindBoresAsDeepAsDrawn) {
   const auto bore = [](double length) {
     return RodAlong(gp_Dir(1, 0, 0), gp_Pnt(-0.01, 0.02, 0.02), 0.005, 0.01 + length);
   };
@@ -277,15 +279,16 @@ TEST(HeldLevels, KeepBlindBoresAsDeepAsDrawn) {
       ParametricAssembly::Create(
           Named("rail", {Drawn("rail", Less(BoxAt(0, 0, 0, 0.5, 0.04, 0.04), bore(0.04))),
                          Bought(Drawn("dowel", bore(0.035)))})));
-  ASSERT_OK_AND_ASSIGN(const Adjustment longer,
-                       made.Adjust(made.drawn(), {{{"rail", Axis::kX}, 0.9}}, Insistence::kStrict));
+  ASSERT_OK_AND_ASSIGN(
+      const Adjustment longer,
+      made.Adjust(made.drawn(), {{{"rail", Axis::kX}, 0.9}}, DemandPolicy::kStrict));
   const PlacedPart rail = made.PartsAt(longer.q).front();
   ASSERT_EQ(rail.stretch.levels[0].size(), 1U);
   EXPECT_NEAR(rail.stretch.levels[0][0].place + 0.45, 0.04, 1e-9);
 }
 
 // Pegs in a row in one board are taken one by one: a bore for each is there as drawn.
-TEST(HeldLevels, AreOnePegAfterTheOther) {
+TEST(FeatureAnchors, AreOnePegAfterTheOther) {
   std::vector<std::pair<double, double>> places;
   std::vector<AssemblyPart> parts;
   for (int i = 0; i < 4; ++i) {
@@ -302,7 +305,7 @@ TEST(HeldLevels, AreOnePegAfterTheOther) {
 }
 
 // What lies across bores that overlap is one piece, which goes by the larger thing in it.
-TEST(HeldLevels, KeepBoresThatOverlapTogether) {
+TEST(FeatureAnchors, KeepBoresThatOverlapTogether) {
   ASSERT_OK_AND_ASSIGN(const auto made, ParametricAssembly::Create(
                                             Named("board", {Board({{0.1, 0.1}, {0.11, 0.2}}),
                                                             Bought(Rod("rod 1", 0.1, 0.1)),
@@ -310,14 +313,14 @@ TEST(HeldLevels, KeepBoresThatOverlapTogether) {
   EXPECT_THAT(made.HeldSizes(), IsEmpty());
   ASSERT_OK_AND_ASSIGN(
       const Adjustment larger,
-      made.Adjust(made.drawn(), {{{"board", Axis::kX}, 0.7}}, Insistence::kStrict));
+      made.Adjust(made.drawn(), {{{"board", Axis::kX}, 0.7}}, DemandPolicy::kStrict));
   const std::vector<PlacedPart> parts = made.PartsAt(larger.q);
   EXPECT_NEAR(parts[2].box.minimum.x() - parts[1].box.minimum.x(), 0.01, 1e-9);
   ExpectSound(made);
 }
 
 // At infinitely many parameters nobody asks for, as at these, shapes are stretched as a whole.
-TEST(HeldLevels, GiveWayWhereADesignIsNone) {
+TEST(FeatureAnchors, GiveWayWhereADesignIsNone) {
   ASSERT_OK_AND_ASSIGN(const auto made,
                        ParametricAssembly::Create(
                            Named("rack", {Board({{0.1, 0.1}}), Bought(Rod("rod", 0.1, 0.1))})));

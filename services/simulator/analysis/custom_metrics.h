@@ -14,15 +14,15 @@
 
 namespace mortise::simulator {
 
-class OwnMetrics {
+class CustomMetrics {
  public:
   using ValueOf = std::function<absl::StatusOr<double>(const std::string& metric)>;
 
   // Computes all that those of `own` among `names` need; `value_of` gives metrics that are computed
   // otherwise. `own` must outlive it.
-  OwnMetrics(const parametric::MetricExpressions& own, const Eigen::VectorXd& parameters,
-             const std::vector<std::string>& names, const DesignModel& model,
-             const DesignAnalysis& analysis, const ValueOf& value_of);
+  CustomMetrics(const parametric::MetricExpressions& own, const Eigen::VectorXd& parameters,
+                const std::vector<std::string>& names, const DesignModel& model,
+                const DesignAnalysis& analysis, const ValueOf& value_of);
 
   // One of `own` among `names`. INVALID_ARGUMENT naming the expression and what it lacks; where a
   // metric fails that it needs, as that.

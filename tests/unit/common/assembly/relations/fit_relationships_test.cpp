@@ -1,5 +1,5 @@
 // Parts that fit into each other go on doing so, whatever sizes people ask for.
-#include "common/assembly/relations/fits.h"
+#include "common/assembly/relations/fit_relationships.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -374,7 +374,7 @@ TEST(FitsOfBores, AreAsExactAsWhatFits) {
   ASSERT_OK_AND_ASSIGN(
       const Adjustment larger,
       made.Adjust(made.drawn(), {{{"plate", Axis::kY}, 2}, {{"rod", Axis::kX}, 1.72}},
-                  Insistence::kStrict));
+                  DemandPolicy::kStrict));
   EXPECT_NEAR(larger.q[SizeVariable(1, Axis::kY)], 1.72, 1e-9) << "it stays round";
   const std::vector<PlacedPart> parts = made.PartsAt(larger.q);
   for (const std::size_t axis : {0U, 1U}) {

@@ -1,4 +1,4 @@
-#include "common/assembly/relations/fits.h"
+#include "common/assembly/relations/fit_relationships.h"
 
 #include <algorithm>
 #include <array>
@@ -146,7 +146,7 @@ class FitSearch {
   // as large a share of its element's size there, so that both stay together in every size. What is
   // stretched in pieces is exact, and what is between it and the place is meant.
   PosedPosition MovedOnto(const PosedPosition& place, const PosedPosition& level) const {
-    const auto& held = At(level.element).held_levels;
+    const auto& held = At(level.element).feature_anchors;
     if (std::any_of(held.begin(), held.end(), [](const auto& along) { return !along.empty(); })) {
       return level;
     }

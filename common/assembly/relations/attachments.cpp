@@ -1,4 +1,4 @@
-#include "common/assembly/relations/ties.h"
+#include "common/assembly/relations/attachments.h"
 
 #include <algorithm>
 #include <cmath>

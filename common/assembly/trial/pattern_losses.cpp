@@ -1,4 +1,4 @@
-#include "common/assembly/trial/easily_lost.h"
+#include "common/assembly/trial/pattern_losses.h"
 
 #include <algorithm>
 #include <cmath>
@@ -113,7 +113,7 @@ class LossSearch {
     }
   }
 
-  absl::StatusOr<EasilyLost> Find() {
+  absl::StatusOr<PatternLosses> Find() {
     for (std::size_t row = 0; row < elements_.size(); ++row) {
       for (const PartialContact& contact : contacts_[row]) {
         MORTISE_RETURN_IF_ERROR(Look(static_cast<int>(row), contact));
@@ -181,14 +181,14 @@ class LossSearch {
   const double tolerance_;
   const std::vector<int> element_of_;
   std::vector<std::vector<PartialContact>> contacts_;  // of each element
-  EasilyLost lost_;
+  PatternLosses lost_;
 };
 
 }  // namespace
 
-absl::StatusOr<EasilyLost> FindEasilyLost(const Assembly& assembly,
-                                          const std::vector<Element>& elements,
-                                          const FeasibleSet& feasible_set, double tolerance) {
+absl::StatusOr<PatternLosses> FindPatternLosses(const Assembly& assembly,
+                                                const std::vector<Element>& elements,
+                                                const FeasibleSet& feasible_set, double tolerance) {
   return LossSearch(assembly, elements, feasible_set, tolerance).Find();
 }
 

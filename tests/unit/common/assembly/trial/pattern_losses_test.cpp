@@ -1,6 +1,6 @@
 // What touches one part of a row stays on one, however the row is laid out anew; and rows stay rows
 // where that is so anyway.
-#include "common/assembly/trial/easily_lost.h"
+#include "common/assembly/trial/pattern_losses.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -51,7 +51,7 @@ std::size_t LongestRow(const ParametricAssembly& assembly) {
   return longest;
 }
 
-class EasilyLost : public ::testing::TestWithParam<bool> {
+class PatternLosses : public ::testing::TestWithParam<bool> {
  protected:
   // Sound in all designs, and how long the longest row of slats still is.
   void Expect(const Assembly& assembly, std::size_t longest_row) {
@@ -63,19 +63,19 @@ class EasilyLost : public ::testing::TestWithParam<bool> {
   Assembly slats_ = Slats(GetParam());
 };
 
-TEST_P(EasilyLost, AScrewInOneSlatEndsTheRowThere) {
+TEST_P(PatternLosses, AScrewInOneSlatEndsTheRowThere) {
   slats_.parts.push_back(Screw("screw", 0.01, 0.445));
   Expect(slats_, 4);
 }
 
 // Slats that keep their width hold the screws with their inner faces; of others the row ends.
-TEST_P(EasilyLost, ScrewsInTheOuterSlatsStayInThem) {
+TEST_P(PatternLosses, ScrewsInTheOuterSlatsStayInThem) {
   slats_.parts.push_back(Screw("first screw", 0.01, 0.145));
   slats_.parts.push_back(Screw("last screw", 0.01, 1.645));
   Expect(slats_, GetParam() ? 6 : 4);
 }
 
-TEST_P(EasilyLost, ScrewsInEveryOtherSlatTakeTheRowApart) {
+TEST_P(PatternLosses, ScrewsInEveryOtherSlatTakeTheRowApart) {
   for (int i = 0; i < 3; ++i) {
     slats_.parts.push_back(Screw("screw " + std::to_string(i), 0.01, 0.145 + 0.6 * i));
   }
@@ -83,35 +83,35 @@ TEST_P(EasilyLost, ScrewsInEveryOtherSlatTakeTheRowApart) {
 }
 
 // It touches the rail alone, but a slat would run into it.
-TEST_P(EasilyLost, AScrewBetweenTwoSlatsEndsTheRowThere) {
+TEST_P(PatternLosses, AScrewBetweenTwoSlatsEndsTheRowThere) {
   slats_.parts.push_back(Screw("screw", 0.01, 0.345));
   Expect(slats_, 5);
 }
 
-TEST_P(EasilyLost, AScrewInEachSlatKeepsTheRow) {
+TEST_P(PatternLosses, AScrewInEachSlatKeepsTheRow) {
   for (int i = 0; i < 6; ++i) {
     slats_.parts.push_back(Screw("screw " + std::to_string(i), 0.01, 0.145 + 0.3 * i));
   }
   Expect(slats_, 6);
 }
 
-TEST_P(EasilyLost, WhatStandsOnASlatEndsTheRowThere) {
+TEST_P(PatternLosses, WhatStandsOnASlatEndsTheRowThere) {
   slats_.parts.push_back(ResizablePart("box", {0.4, 0.41, 0.12}, {0.45, 0.49, 0.2}));
   Expect(slats_, 4);
 }
 
-TEST_P(EasilyLost, ABattenAcrossSeveralKeepsTheRow) {
+TEST_P(PatternLosses, ABattenAcrossSeveralKeepsTheRow) {
   slats_.parts.push_back(ResizablePart("batten", {0.4, 0.1, 0.12}, {0.45, 0.8, 0.14}));
   Expect(slats_, 6);
 }
 
 // A cleat that begins where the row begins lies under the first slat always.
-TEST_P(EasilyLost, WhatIsInOnePlaneWithTheEndKeepsTheRow) {
+TEST_P(PatternLosses, WhatIsInOnePlaneWithTheEndKeepsTheRow) {
   slats_.parts.push_back(FixedPart("cleat", {0.04, 0.1, 0.06}, {0.1, 0.13, 0.1}));
   Expect(slats_, 6);
 }
 
-INSTANTIATE_TEST_SUITE_P(Widths, EasilyLost, ::testing::Bool(), [](const auto& width) {
+INSTANTIATE_TEST_SUITE_P(Widths, PatternLosses, ::testing::Bool(), [](const auto& width) {
   return width.param ? std::string("Fixed") : std::string("Resizable");
 });
 
@@ -135,7 +135,7 @@ TEST(PartialContacts, AreThoseWithSomePartsOnly) {
 
 // A grid of screws, one in each slat on each of three rails, and legs under the first slat and the
 // last: the screws fall back to a row on each rail, and nobody loses all patterns.
-TEST(EasilyLostTest, AGridFallsBackToRows) {
+TEST(PatternLossesTest, AGridFallsBackToRows) {
   Assembly bench = Named("bench", {});
   for (int i = 0; i < 6; ++i) {
     const double y = 0.124 * i;
@@ -180,7 +180,7 @@ TEST(EasilyLostTest, AGridFallsBackToRows) {
 
 // Boards on both sides of a rail, the rear ones before the gaps of the front ones: nails from both
 // sides pass each other as long as neither row is spread anew.
-TEST(EasilyLostTest, NailsFromTwoSidesDoNotMeet) {
+TEST(PatternLossesTest, NailsFromTwoSidesDoNotMeet) {
   Assembly fence = Named("fence", {FixedPart("rail", {0, 0, 0.2}, {1.2, 0.038, 0.289})});
   fence.parts[0].limits[0] = {0.1, 2.4};
   for (int i = 0; i < 4; ++i) {

@@ -1,6 +1,6 @@
 // Metrics of one's own on designs whose numbers can be told by hand: a bar of 0.4 x 0.04 x 0.04 m,
 // E = 1e10 Pa, ν = 0, as a template of each kind; and those that ship.
-#include "services/simulator/analysis/own_metrics.h"
+#include "services/simulator/analysis/custom_metrics.h"
 
 #include <gmock/gmock.h>
 #include <google/protobuf/text_format.h>
@@ -46,9 +46,9 @@ absl::StatusOr<DesignAnalysis> Analyze(const CompiledTemplate& compiled,
   options.mesh.element_size = element_size;
   options.mesh.quadratic = quadratic;
   options.parameters = parametric::Defaults(compiled.function->parameters());
-  auto own = OwnMetricsOf(compiled, asked);
+  auto own = CustomMetricsOf(compiled, asked);
   if (!own.ok()) return own.status();
-  options.own_metrics = *std::move(own);
+  options.custom_metrics = *std::move(own);
   const auto design = compiled.function->Evaluate(options.parameters);
   if (!design.ok()) return design.status();
   const auto model = MakeDesignModel(*compiled.function, options.parameters, *design);
@@ -92,7 +92,7 @@ std::map<std::string, v1::TemplateBundle> PulledBars() {
           {"cage", templates::CageBar(of_solid("conditions", "x_min", "x_max"))}};
 }
 
-TEST(OwnMetrics, SpeakOfFacesAndPointsOfEveryKindOfTemplate) {
+TEST(CustomMetrics, SpeakOfFacesAndPointsOfEveryKindOfTemplate) {
   const double stretch = 100 * 0.4 / (1e10 * 0.0016);
   const std::vector<std::tuple<std::string, std::string, double>> expected{
       {"m^2", "area('end')", 0.0016},
@@ -127,7 +127,7 @@ TEST(OwnMetrics, SpeakOfFacesAndPointsOfEveryKindOfTemplate) {
   }
 }
 
-TEST(OwnMetrics, KnowTheHeatThatFacesHaveAndGive) {
+TEST(CustomMetrics, KnowTheHeatThatFacesHaveAndGive) {
   const CompiledTemplate bar =
       Compiled(templates::PartsBar(OnPart("in", "HEAT_FLUX", "x_min", {"250"}) +
                                    OnPart("out", "CONVECTION", "x_max", {"20", "293.15"})));
@@ -154,7 +154,7 @@ TEST(OwnMetrics, KnowTheHeatThatFacesHaveAndGive) {
   EXPECT_NEAR(ValueOf(Analyze(held, Metric("W", "heat_dissipation('hot')"))), -flow, 1e-9);
 }
 
-TEST(OwnMetrics, AreThoseOfTheLoadCaseNamedOrTheWorst) {
+TEST(CustomMetrics, AreThoseOfTheLoadCaseNamedOrTheWorst) {
   const CompiledTemplate bar =
       Compiled(templates::PartsBar(OnPart("wall", "FIXED", "x_min", {}) +
                                    OnPart("pull", "FORCE", "x_max", {"100", "0", "0"}, "pulled") +
@@ -172,27 +172,27 @@ TEST(OwnMetrics, AreThoseOfTheLoadCaseNamedOrTheWorst) {
                         "pushed"));
 }
 
-TEST(OwnMetrics, WithoutPhysicsNeedNoMeshAndNoSupports) {
+TEST(CustomMetrics, WithoutPhysicsNeedNoMeshAndNoSupports) {
   const CompiledTemplate bar = Compiled(templates::PartsBar(""));
   const auto analysis = Analyze(bar, Metric("kg/m^2", "mass / area('x_max')"));
   EXPECT_NEAR(ValueOf(analysis), 1000 * 0.4, 1e-9);
   EXPECT_FALSE(analysis->mesh.has_value());
 }
 
-TEST(OwnMetrics, OfPointsNeedNoSurface) {
+TEST(CustomMetrics, OfPointsNeedNoSurface) {
   CompiledTemplate lamp = Compiled(templates::ShippedTemplate("templates/lamp"));
-  auto own = OwnMetricsOf(lamp, {});
+  auto own = CustomMetricsOf(lamp, {});
   ASSERT_TRUE(own.ok()) << own.status();
   EXPECT_FALSE(DemandsOf({"mass", "off_centre", "focus_distance"}, *own).surface);
   v1::MetricDefinitions asked;
   ASSERT_TRUE(google::protobuf::TextFormat::ParseFromString(
       Metric("m", "distance('light_1', 'beam_1.half.socket')"), &asked));
-  own = OwnMetricsOf(lamp, asked);
+  own = CustomMetricsOf(lamp, asked);
   ASSERT_TRUE(own.ok()) << own.status();
   EXPECT_TRUE(DemandsOf({"m0"}, *own).surface);
 }
 
-TEST(OwnMetrics, TellWhatIsWrongWithTheirName) {
+TEST(CustomMetrics, TellWhatIsWrongWithTheirName) {
   const CompiledTemplate bar = Compiled(PulledBars().at("parts"));
   const auto expect = [&bar](const std::string& definitions, absl::StatusCode code,
                              const std::string& message) {
@@ -225,7 +225,7 @@ TEST(OwnMetrics, TellWhatIsWrongWithTheirName) {
 }
 
 // What checks templates knows what is computed of designs.
-TEST(OwnMetrics, MaySpeakOfAllThatIsOffered) {
+TEST(CustomMetrics, MaySpeakOfAllThatIsOffered) {
   const auto& known = parametric::DesignMetrics();
   const auto& offered = OfferedMetrics();
   ASSERT_EQ(known.size(), offered.size());
@@ -235,7 +235,7 @@ TEST(OwnMetrics, MaySpeakOfAllThatIsOffered) {
   }
 }
 
-TEST(OwnMetrics, OfTheThesisShip) {
+TEST(CustomMetrics, OfTheThesisShip) {
   const auto wrench = Analyze(
       Compiled(templates::ShippedTemplate("templates/wrench")),
       Metric("N", "reaction_y('held')") + Metric("m", "centroid_x('pull')", "lever"),

@@ -1,4 +1,4 @@
-#include "services/simulator/analysis/own_metrics.h"
+#include "services/simulator/analysis/custom_metrics.h"
 
 #include <algorithm>
 #include <iterator>
@@ -18,9 +18,10 @@ absl::StatusOr<Dual> WithoutGradient(const absl::StatusOr<double>& value) {
 
 }  // namespace
 
-OwnMetrics::OwnMetrics(const parametric::MetricExpressions& own, const Eigen::VectorXd& parameters,
-                       const std::vector<std::string>& names, const DesignModel& model,
-                       const DesignAnalysis& analysis, const ValueOf& value_of)
+CustomMetrics::CustomMetrics(const parametric::MetricExpressions& own,
+                             const Eigen::VectorXd& parameters,
+                             const std::vector<std::string>& names, const DesignModel& model,
+                             const DesignAnalysis& analysis, const ValueOf& value_of)
     : own_(own), parameters_(parameters) {
   std::vector<std::string> asked;
   std::copy_if(names.begin(), names.end(), std::back_inserter(asked),
@@ -35,14 +36,14 @@ OwnMetrics::OwnMetrics(const parametric::MetricExpressions& own, const Eigen::Ve
   }
 }
 
-absl::StatusOr<Metric> OwnMetrics::Compute(const std::string& name) const {
+absl::StatusOr<Metric> CustomMetrics::Compute(const std::string& name) const {
   const int index = own_.Find(name);
   MORTISE_ASSIGN_OR_RETURN(const Dual value,
                            own_.At(index, parameters_, false, needs_, metrics_, calls_));
   return Metric{name, own_.metrics()[static_cast<std::size_t>(index)].unit, value.value};
 }
 
-std::optional<Eigen::VectorXd> OwnMetrics::Gradient(
+std::optional<Eigen::VectorXd> CustomMetrics::Gradient(
     const std::string& name, const std::map<std::string, Eigen::VectorXd>& known) const {
   // What it does not need may lack a gradient: that stays without one, and nobody looks.
   const auto needs = own_.NeedsOf(std::span(&name, 1));

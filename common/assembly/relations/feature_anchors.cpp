@@ -1,4 +1,4 @@
-#include "common/assembly/relations/held_levels.h"
+#include "common/assembly/relations/feature_anchors.h"
 
 #include <algorithm>
 #include <cmath>
@@ -33,7 +33,7 @@ class LevelHolder {
         along_(assembly, elements, neighbours, element, axis, tolerance),
         shares_kept_(shares_kept) {}
 
-  void Hold(ShapeFeatures& known, HeldLevels& held) {
+  void Hold(ShapeFeatures& known, FeatureAnchors& held) {
     if (along_.dividing().empty()) return;
     spans_ = FindFitSpans(along_, known);
     for (const FitSpan& span : spans_) {
@@ -51,15 +51,15 @@ class LevelHolder {
 
  private:
   int Index() const { return static_cast<int>(along_.axis()); }
-  std::vector<HeldLevel>& Levels() {
+  std::vector<FeatureAnchor>& Levels() {
     return elements_[static_cast<std::size_t>(along_.index())]
-        .held_levels[static_cast<std::size_t>(Index())];
+        .feature_anchors[static_cast<std::size_t>(Index())];
   }
 
   void Add(double at, LinearForm place) {
     const std::optional<double> fraction = along_.DividingAt(at);
-    std::vector<HeldLevel>& levels = Levels();
-    const auto behind = std::find_if(levels.begin(), levels.end(), [&](const HeldLevel& level) {
+    std::vector<FeatureAnchor>& levels = Levels();
+    const auto behind = std::find_if(levels.begin(), levels.end(), [&](const FeatureAnchor& level) {
       return level.fraction >= *fraction;
     });
     if (behind != levels.end() && behind->fraction == *fraction) return;
@@ -139,7 +139,7 @@ class LevelHolder {
   }
 
   bool HoldsWithin(const FitSpan& span) {
-    return std::any_of(Levels().begin(), Levels().end(), [&](const HeldLevel& level) {
+    return std::any_of(Levels().begin(), Levels().end(), [&](const FeatureAnchor& level) {
       const double at = along_.PlaceOf(level.fraction);
       return at > span.low - along_.tolerance() && at < span.high + along_.tolerance();
     });
@@ -148,7 +148,7 @@ class LevelHolder {
   // ---- Relationships
 
   void Relate(RelationshipKind kind, bool equality, LinearForm form, std::string description,
-              HeldLevels& held) const {
+              FeatureAnchors& held) const {
     if (form.terms.empty()) return;
     if (equality) form.constant -= form.At(DrawnParameters(assembly_, elements_));
     const int group =
@@ -159,7 +159,7 @@ class LevelHolder {
   std::string Label() const { return absl::StrCat("'", along_.element().name, "'"); }
 
   // Middles of what fits in, and bottoms, stay where they are in proportion.
-  void KeepShares(HeldLevels& held) const {
+  void KeepShares(FeatureAnchors& held) const {
     int kept = 0;
     const auto keep = [&](int other, const LinearForm& place, double fraction) {
       ++held.fits[{along_.element().parts.front(), along_.axis()}];
@@ -187,14 +187,14 @@ class LevelHolder {
     });
   }
 
-  void KeepDistances(HeldLevels& held) {
-    std::vector<HeldLevel> ends = Levels();
+  void KeepDistances(FeatureAnchors& held) {
+    std::vector<FeatureAnchor> ends = Levels();
     ends.insert(ends.begin(), {-0.5, PlainShareOf(-0.5)});
     ends.push_back({0.5, PlainShareOf(0.5)});
     const LinearForm size = LinearForm::Variable(SizeVariable(along_.index(), along_.axis()));
     for (std::size_t i = 0; i + 1 < ends.size(); ++i) {
-      const HeldLevel& low = ends[i];
-      const HeldLevel& high = ends[i + 1];
+      const FeatureAnchor& low = ends[i];
+      const FeatureAnchor& high = ends[i + 1];
       if (IsSpan(low.fraction, high.fraction)) continue;
       const double share = kLeastShare * (high.fraction - low.fraction);
       const bool is_tenon = (i == 0 && ends_.count(high.fraction) != 0) ||
@@ -224,7 +224,7 @@ class LevelHolder {
 void DivideShape(Element& element) {
   std::vector<mesh::ShapeLevel> levels;
   for (int axis = 0; axis < 3; ++axis) {
-    for (const HeldLevel& level : element.held_levels[static_cast<std::size_t>(axis)]) {
+    for (const FeatureAnchor& level : element.feature_anchors[static_cast<std::size_t>(axis)]) {
       levels.push_back({axis, level.fraction, true});
     }
   }
@@ -234,13 +234,13 @@ void DivideShape(Element& element) {
 
 }  // namespace
 
-HeldLevels HoldLevels(const Assembly& assembly, std::vector<Element>& elements,
-                      const Contacts& contacts, double tolerance, const Precautions& precautions,
-                      ShapeFeatures& known) {
+FeatureAnchors AnchorFeatures(const Assembly& assembly, std::vector<Element>& elements,
+                              const Contacts& contacts, double tolerance,
+                              const KnownConflicts& known_conflicts, ShapeFeatures& known) {
   std::set<int> fitted;  // parts
-  for (const PosedPair& pair : precautions.fitted) fitted.insert({pair.first, pair.second});
+  for (const PosedPair& pair : known_conflicts.fitted) fitted.insert({pair.first, pair.second});
   const std::set<std::pair<int, int>> neighbours = NeighboursOf(elements, contacts, tolerance);
-  HeldLevels held;
+  FeatureAnchors held;
   for (const Axis axis : kAxes) {
     // What goes by others is larger than they are, whose own places are known by then.
     std::vector<int> order(elements.size());
@@ -254,9 +254,9 @@ HeldLevels HoldLevels(const Assembly& assembly, std::vector<Element>& elements,
       const int part = element.parts.front();
       if (element.shape == nullptr || fitted.count(part) != 0) continue;
       if (element.pattern && LeadsAlong(*element.pattern, static_cast<int>(axis))) continue;
-      const auto kept = precautions.shares_kept.find({part, axis});
+      const auto kept = known_conflicts.shares_kept.find({part, axis});
       LevelHolder(assembly, elements, neighbours, index, axis, tolerance,
-                  kept == precautions.shares_kept.end() ? kAll : kept->second)
+                  kept == known_conflicts.shares_kept.end() ? kAll : kept->second)
           .Hold(known, held);
     }
   }

@@ -18,8 +18,8 @@ namespace mortise::parametric {
 // Where two patterns repeat together for a while and one goes on, that one is to end where the
 // other does: what it touches beyond is what it might lose. Decided by linear programmes: six for
 // each such contact. Fails as FeasibleSet::RangesOf.
-absl::StatusOr<EasilyLost> FindEasilyLost(const Assembly& assembly,
-                                          const std::vector<Element>& elements,
-                                          const FeasibleSet& feasible_set, double tolerance);
+absl::StatusOr<PatternLosses> FindPatternLosses(const Assembly& assembly,
+                                                const std::vector<Element>& elements,
+                                                const FeasibleSet& feasible_set, double tolerance);
 
 }  // namespace mortise::parametric
