@@ -75,10 +75,11 @@ using Contacts = std::vector<std::pair<int, int>>;
 //   other; elements with parts that are kept apart, or touching, in a pose stay so along the
 //   direction that separates their boxes best as drawn, which need not be an axis;
 // - what touches or lies in another's box and has a shape: where shapes turn back, they stay in one
-//   place or keep their order, so that what fits into each other goes on doing so (fits.h);
+//   place or keep their order, so that what fits into each other goes on doing so
+//   (fit_relationships.h);
 // - proportion: parts that are to be fitted, as drawn or in a pose, stretch together; fasteners
 // keep
-//   their place on bought parts (ties.h);
+//   their place on bought parts (attachments.h);
 // - size: the limits of the items;
 // - repeat: patterns that touch and are as often and as far apart along an axis stay so: what
 //   fastens each part of a row goes on doing that.
