@@ -1,5 +1,5 @@
-// How much memory what is kept for reuse takes, so that caches can be bounded by bytes. Estimates:
-// arrays are counted exactly, texts and tables by their usual size.
+// Estimates how much memory the things take that are kept for reuse, so that caches can be bounded
+// by bytes. Arrays are counted exactly, texts and tables by their usual size.
 #pragma once
 
 #include <cstddef>
@@ -12,10 +12,11 @@ namespace mortise::parametric {
 
 class ParametricAssembly;
 
-// Bytes. O(faces).
+// // Returns the bytes that a shape takes. O(faces).
 std::size_t MemoryUse(const mesh::DrawnShape& shape);
 
-// Bytes, each shape that parts share once. O(parts + relationships + faces).
+// Returns the bytes that an assembly takes. A shape that parts share counts once. O(parts +
+// relationships + faces).
 std::size_t MemoryUse(const ParametricAssembly& assembly);
 
 }  // namespace mortise::parametric

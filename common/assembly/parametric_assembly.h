@@ -88,79 +88,82 @@ class ParametricAssembly {
   const std::vector<Relationship>& relationships() const { return relationships_; }
   const FeasibleSet& feasible_set() const { return *feasible_set_; }
 
-  // What holds the principal elements together: see FindConnections.
+  // Returns what holds the principal elements together: see FindConnections.
   const std::vector<ElementConnection>& connections() const { return placement_->connections(); }
 
-  // The parameters as the expert drew the design.
+  // Returns the parameters as the expert drew the design.
   const Eigen::VectorXd& drawn() const { return feasible_set_->drawn(); }
 
-  // Of a group's subtree by itself, its place in space included.
+  // Returns the degrees of freedom of a group's subtree by itself, its place in space included.
   absl::StatusOr<int> DegreesOfFreedom(int group) const;
 
-  // The feasible parameters nearest to `from` that meet the demands, the connecting elements where
-  // their connections want them for these principals (ConnectionPlacement). Changes of sizes count
-  // in proportion to the sizes as drawn, those of places hardly: a thickness stays rather than a
-  // length, and a top follows its legs. Sizes that would change little beside others stay exactly,
-  // as many as can. INVALID_ARGUMENT,
-  // "from" or "demands[i].measure.element"; FAILED_PRECONDITION, DEMANDS_CONFLICT, if they must all
-  // be met and cannot be: it names the demands and relationships that cannot hold together.
+  // Returns the feasible parameters nearest to `from` that meet the demands, with the connecting
+  // elements where their connections want them for these principals (ConnectionPlacement). Changes
+  // of sizes count in proportion to the sizes as drawn, changes of places hardly: a thickness stays
+  // rather than a length, and a top follows its legs. Of the sizes that would change little beside
+  // others, as many as can stay exactly. INVALID_ARGUMENT, "from" or "demands[i].measure.element";
+  // FAILED_PRECONDITION, DEMANDS_CONFLICT, if they must all be met and cannot be: it names the
+  // demands and relationships that cannot hold together.
   absl::StatusOr<Adjustment> Adjust(const Eigen::VectorXd& from,
                                     const std::vector<MeasureDemand>& demands,
                                     DemandPolicy policy) const;
 
-  // The design nearest to the drawn one that meets all demands, with distances as Adjust has them;
-  // continuous in the values demanded, as F(q) of a template must be, so that sizes that Adjust
-  // would keep may change a little. Fails as Adjust.
+  // Returns the design nearest to the drawn one that meets all demands, with distances as Adjust
+  // has them; continuous in the values demanded, as F(q) of a template must be, so that sizes that
+  // Adjust would keep may change a little. Fails as Adjust.
   absl::StatusOr<Adjustment> Meet(const std::vector<MeasureDemand>& demands) const;
 
-  // INVALID_ARGUMENT, "measure.element", for an element there is not.
+  // Returns what a measure may be if nothing else is asked for. INVALID_ARGUMENT,
+  // "measure.element", for an element there is not.
   absl::StatusOr<MeasureRange> RangeOf(const Measure& measure) const;
 
-  // The sizes of principal elements that can be changed, with their ranges, element by element.
+  // Returns the sizes of principal elements that can be changed, with their ranges, element by
+  // element.
   absl::StatusOr<std::vector<MeasureRange>> AdjustableSizes() const;
 
-  // The sizes of principal elements that their items leave open and the design holds all the same:
-  // those of a board that is let in, rounded, into a frame of fixed sizes.
+  // Returns the sizes of principal elements that their items leave open and the design holds all
+  // the same: those of a board that is let in, rounded, into a frame of fixed sizes.
   std::vector<Measure> HeldSizes() const;
 
-  // As FeasibleSet::Sample.
+  // Returns `count` designs spread evenly over the feasible set, as FeasibleSet::Sample does.
   absl::StatusOr<std::vector<Eigen::VectorXd>> Sample(int count, std::uint64_t seed) const {
     return feasible_set_->Sample(count, seed);
   }
 
-  // Whether the design can be looked at there, feasible or not: as ContactCheck::CheckParameters.
+  // Says whether the design can be looked at there, feasible or not, as
+  // ContactCheck::CheckParameters does.
   absl::Status CheckParameters(const Eigen::VectorXd& q) const {
     return contact_check_->CheckParameters(q);
   }
 
-  // All parts at q, in the pose the design is drawn in. CheckParameters must be OK.
+  // Returns all parts at q, in the pose the design is drawn in. CheckParameters must be OK.
   std::vector<PlacedPart> PartsAt(const Eigen::VectorXd& q) const {
     return PlaceParts(assembly_, elements_, q);
   }
 
-  // The part as it was drawn: that of its element, of patterns the first.
+  // Returns the part as it was drawn: that of its element, in a pattern the first.
   const AssemblyPart& DrawnPart(const PlacedPart& part) const {
     const Element& element = elements_[static_cast<std::size_t>(part.element)];
     return assembly_.parts[static_cast<std::size_t>(element.parts.front())];
   }
 
-  // What the part looks like, divided where it is stretched in pieces (PlacedPart::stretch); null
-  // for what its item's kind says.
+  // Returns what the part looks like, divided where it is stretched in pieces
+  // (PlacedPart::stretch); null if the part looks as its item's kind says.
   const std::shared_ptr<const mesh::DrawnShape>& ShapeOf(const PlacedPart& part) const {
     return elements_[static_cast<std::size_t>(part.element)].shape;
   }
 
-  // What is wrong with the design at q, in every rest pose: see ContactCheck.
+  // Returns what is wrong with the design at q, in every rest pose: see ContactCheck.
   absl::StatusOr<std::vector<ContactFault>> FaultsAt(const Eigen::VectorXd& q) const {
     return contact_check_->FaultsAt(q);
   }
 
  private:
   ParametricAssembly() = default;
-  // The feasible set, made anew until no pattern might lose what it touches, and none of the
+  // // Makes the feasible set anew until no pattern might lose what it touches, and none of the
   // designs that are tried has a fault that could be helped.
   absl::Status FindSoundFeasibleSet(const std::function<bool()>& is_given_up);
-  // Everything up to the feasible set.
+  // Makes everything up to the feasible set, and returns how many things fit into each element.
   absl::StatusOr<FitCounts> FindFeasibleSet(const TouchingParts& touching, ShapeFeatures& known,
                                             const PatternExclusions& exclusions,
                                             const KnownConflicts& known_conflicts);

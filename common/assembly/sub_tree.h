@@ -1,4 +1,4 @@
-// A sub-tree of an assembly as an assembly by itself: a drawer without its cabinet.
+// Makes a sub-tree of an assembly an assembly by itself: a drawer without its cabinet.
 #pragma once
 
 #include <string>
@@ -8,18 +8,19 @@
 
 namespace mortise::parametric {
 
-// The sub-tree below `node` of a valid assembly: a group; or where no group is called so, a part;
-// or else the parts of a row, "node 1", "node 2" … or of a grid, "node 1.1" …. The root, "", is the
-// whole. Everything stays where it is drawn and keeps its name; the node becomes the root.
+// Returns the sub-tree below `node` of a valid assembly. `node` names a group; where no group is
+// called so, a part; or else the parts of a row, "node 1", "node 2" … or of a grid, "node 1.1" ….
+// The root, "", is the whole assembly. Everything stays where it is drawn and keeps its name; the
+// node becomes the root.
 //
 // Connecting parts that touch each other belong together, as in connection.h. They stay where all
 // principal parts that they touch are in the sub-tree, wherever they are drawn; where one is not
 // they are left out, even those drawn in the sub-tree: what they hold is no longer there. Those
-// that touch no principal part stay with their group. Of the joints stay those that move groups
-// below the node with parts in them.
+// that touch no principal part stay with their group. The joints that stay are those that move
+// groups below the node with parts in them.
 //
 // INVALID_ARGUMENT, "group", where nothing is called so, or it has no principal parts. Fails also
-// as FindTouchingParts.
+// as FindTouchingParts does.
 absl::StatusOr<Assembly> SubTreeOf(const Assembly& assembly, const std::string& node);
 
 }  // namespace mortise::parametric

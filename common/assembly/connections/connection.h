@@ -1,5 +1,5 @@
-// Connections: which principal elements of a design are held together, by which connecting
-// elements, and what of that must stay when the principals change (thesis §3.6).
+// Finds the connections of a design: which principal elements are held together, by which
+// connecting elements, and what of that must stay when the principals change (thesis §3.6).
 //
 // A connection has parameters of its own, in metres, laid out as those of a design are: 6 an
 // element (centre, size; the principals first), 3 a joint that moves some of its elements against
@@ -38,12 +38,13 @@ struct SoftRelationship {
   std::string description;  // for people: "'screw' y minimum 0.02 m from the edge of …"
 };
 
-// Self-contained: it refers to nothing outside, so it can be kept, and used for other principals.
+// One connection. It refers to nothing outside itself, so it can be kept, and used for other
+// principals.
 struct ElementConnection {
   std::string name;  // "'side 1' with 'shelf'", by its principals
   int group = 0;     // the lowest that contains all principals
 
-  // Where it comes from: indices into the design's elements and joints.
+  // Indices into the design's elements and joints that the connection was made of.
   std::vector<int> principals;
   std::vector<int> connecting;
   std::vector<int> joints;
@@ -56,36 +57,39 @@ struct ElementConnection {
   double tolerance = 0;  // m, within which things touch and align: the design's
 
   int principal_count() const { return static_cast<int>(principals.size()); }
-  // Parameters of elements and joints; those of patches come behind.
+  // Returns the index of the parameter that is the centre of a patch's region along an axis. The
+  // parameters of patches come behind those of elements and joints.
   int PatchVariable(int patch, Axis axis) const {
     return static_cast<int>(6 * elements.size() + 3 * joints.size()) + 6 * patch +
            static_cast<int>(axis);
   }
   int parameter_count() const { return PatchVariable(static_cast<int>(patches.size()), Axis::kX); }
-  // Those that follow from the others: [first, end).
+  // The parameters that follow from the others are [first_unknown(), end_unknown()).
   int first_unknown() const { return 6 * principal_count(); }
   int end_unknown() const { return static_cast<int>(6 * elements.size() + 3 * joints.size()); }
 };
 
-// The lower and upper edge of a patch's region along an axis, as functions of the parameters.
+// Returns the lower and upper edge of a patch's region along an axis, as functions of the
+// parameters.
 LinearForm PatchEdge(const ElementConnection& connection, int patch, Axis axis, bool upper);
 
-// The connection's patch `patch` when its principals fill these boxes, m: of the drawn kind, unless
-// principals that touched no longer do, which gives a kGap.
+// Returns the connection's patch `patch` when its principals fill these boxes, m. It is of the
+// drawn kind, but a kGap where principals that touched no longer do.
 ConnectionPatch PatchAt(const ElementConnection& connection, int patch,
                         const std::vector<BoundingBox>& principals);
 
-// The parameters as drawn.
+// Returns the parameters as drawn.
 Eigen::VectorXd DrawnParameters(const ElementConnection& connection);
 
-// All connections of a design, by the graph of what touches:
+// Returns all connections of a design, ordered by their principals. They follow from the graph of
+// what touches:
 // - connecting elements that touch each other belong together, with all principals they touch;
 //   those with the same principals are one connection;
-// - two principals that touch over an area, without anything that connects them, are one too (glue,
-//   or just weight), without connecting elements.
-// Connecting elements that reach no principal are in none. Ordered by their principals.
-// `contacts`, `relationships` and `tolerance` (m) are those of the design. O(elements² + the sum of
-// the squares of the connections' elements); dense QR of each connection's equalities.
+// - two principals that touch over an area, without anything that connects them, are a connection
+//   without connecting elements (glue, or just weight).
+// Connecting elements that reach no principal are in no connection. `contacts`, `relationships` and
+// `tolerance` (m) are those of the design. O(elements² + the sum of the squares of the connections'
+// elements); dense QR of each connection's equalities.
 std::vector<ElementConnection> FindConnections(const Assembly& assembly,
                                                const std::vector<Element>& elements,
                                                const Contacts& contacts,

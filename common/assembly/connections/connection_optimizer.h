@@ -1,5 +1,5 @@
-// Connecting elements placed anew: what becomes of a connection when its principal elements are
-// moved, resized or exchanged for others (thesis §3.6, §5.6).
+// Places the connecting elements of a connection anew when its principal elements are moved,
+// resized or exchanged for others (thesis §3.6, §5.6):
 //
 //   minimise  sum of (weight · soft(q))²   over the connecting elements' q
 //   such that every hard relationship holds, the principals and patches being given.
@@ -36,26 +36,27 @@ struct OptimizedConnection {
 // Immutable; safe to share between threads.
 class ConnectionOptimizer {
  public:
-  // O(unknowns²· relationships), dense.
+  // Takes O(unknowns² · relationships), dense.
   explicit ConnectionOptimizer(ElementConnection connection);
 
   const ElementConnection& connection() const { return connection_; }
 
-  // Numbers that the hard relationships leave to the soft ones.
+  // Returns how many numbers the hard relationships leave to the soft ones.
   int degrees_of_freedom() const { return static_cast<int>(free_.cols()); }
 
-  // The connection for principals that fill these boxes (m, in the order of the connection's
-  // elements). For the principals as drawn, that is the connection as drawn. Hard relationships
-  // hold to 1e-9 m.
+  // Returns the connection for principals that fill these boxes (m, in the order of the
+  // connection's elements). For the principals as drawn it is the connection as drawn. Hard
+  // relationships hold to 1e-9 m.
   //
-  // INVALID_ARGUMENT, "principals" or "principals[i]": another number of boxes, one that is not
-  // finite or has no size. FAILED_PRECONDITION: CONNECTION_APART if principals that touched no
-  // longer do, or meet from another side; CONNECTION_CONFLICT naming hard relationships that cannot
-  // hold together, none of them superfluous. Well under a millisecond for a dozen elements.
+  // Errors: INVALID_ARGUMENT, "principals" or "principals[i]", for another number of boxes, or one
+  // that is not finite or has no size. FAILED_PRECONDITION with CONNECTION_APART if principals that
+  // touched no longer do, or meet from another side; with CONNECTION_CONFLICT naming hard
+  // relationships that cannot hold together, none of them superfluous. It takes well under a
+  // millisecond for a dozen elements.
   absl::StatusOr<OptimizedConnection> Optimize(const std::vector<BoundingBox>& principals) const;
 
  private:
-  // Rows of relationships, over the unknowns.
+  // Relationships as rows of coefficients over the unknowns.
   struct Rows {
     std::vector<int> relationships;  // index into hard, or soft
     Eigen::MatrixXd coefficients;    // rows × unknowns
@@ -68,7 +69,7 @@ class ConnectionOptimizer {
   absl::Status CheckPrincipals(const std::vector<BoundingBox>& principals) const;
   absl::StatusOr<std::vector<ConnectionPatch>> PatchesOf(
       const std::vector<BoundingBox>& principals) const;
-  // The values of the relationships at q, m.
+  // Returns the values of the relationships at q, m.
   Eigen::VectorXd ValuesAt(const Rows& rows, const Eigen::VectorXd& q) const;
   absl::Status CheckDecided(const Eigen::VectorXd& q) const;
   absl::Status ConflictOf(const std::vector<int>& inequalities) const;

@@ -1,4 +1,5 @@
-// Where principal elements meet: the contact patches of connections (thesis §3.6), exact for boxes.
+// Finds where principal elements meet: the contact patches of connections (thesis §3.6). They are
+// exact for boxes.
 #pragma once
 
 #include <vector>
@@ -8,7 +9,7 @@
 
 namespace mortise::parametric {
 
-// What connecting elements are placed against.
+// The kinds of places that connecting elements are placed against.
 enum class PatchKind {
   kContact,  // two principals touch, or reach into each other, over an area
   kGap,      // two principals that only connecting elements hold together: what lies between them
@@ -22,28 +23,29 @@ struct ConnectionPatch {
   PatchKind kind = PatchKind::kContact;
   int first = 0;   // principal element: index into ElementConnection::elements
   int second = 0;  // another; the same of kWhole
-  // The axis across which they meet: along it the pieces have no extent where faces touch.
+  // The axis across which they meet. Along it the pieces have no extent where faces touch.
   Axis normal = Axis::kX;
-  // Of each two parts that meet, the box in which they do, m; of kContact.
+  // The box in which each two parts meet, m; only in a kContact.
   std::vector<BoundingBox> pieces;
   BoundingBox region;  // m, around the pieces; else the gap or the whole
   double area = 0;     // m², of the pieces, seen along their normals
 };
 
-// The boxes of an element's parts when it fills `box`: one, or as many as its pattern has room for.
-// O(parts).
+// Returns the boxes of an element's parts when it fills `box`: one box, or as many as its pattern
+// has room for. O(parts).
 std::vector<BoundingBox> PartsIn(const Element& element, const BoundingBox& box);
 
-// How two principals meet if they fill these boxes: their contact, or else the gap. Parts further
-// apart than `tolerance`, m, do not touch; nor do parts that meet in an edge or a corner only, over
-// no more than `least`, m. Indices are left 0. O(parts · parts).
+// Returns how two principals meet if they fill these boxes: their contact, or else the gap. Parts
+// further apart than `tolerance`, m, do not touch; nor do parts that meet in an edge or a corner
+// only, over no more than `least`, m. The indices of the result are left 0. O(parts · parts).
 ConnectionPatch FindPatch(const Element& first, const BoundingBox& first_box, const Element& second,
                           const BoundingBox& second_box, double tolerance, double least);
 
-// What lies between two boxes: along each axis what they share, else the gap.
+// Returns the patch between two boxes: along each axis it reaches over what they share, or else
+// over the gap.
 ConnectionPatch GapBetween(const BoundingBox& first, const BoundingBox& second);
 
-// The patch of a connection with one principal.
+// Returns the patch of a connection with one principal.
 ConnectionPatch WholeOf(const BoundingBox& box);
 
 }  // namespace mortise::parametric

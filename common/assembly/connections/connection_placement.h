@@ -1,6 +1,7 @@
-// Where all connecting elements of a design go once its principals stand: the soft relationships of
-// every connection at once, within the design's own feasible set (thesis §3.6: "the parameters of
-// the connecting elements are optimized using these additional relationships as soft constraints").
+// Places all connecting elements of a design once its principals stand. It minimises what the soft
+// relationships of every connection are missed by, at once, within the design's own feasible set
+// (thesis §3.6: "the parameters of the connecting elements are optimized using these additional
+// relationships as soft constraints").
 //
 // ConnectionOptimizer does so for one connection by itself; in a design its connections are also
 // related to each other.
@@ -19,25 +20,27 @@ namespace mortise::parametric {
 // Immutable; safe to share between threads.
 class ConnectionPlacement {
  public:
-  // Of a design with these elements and connections. O(degrees of freedom² · parameters).
+  // Prepares the placement for a design with these elements and connections. O(degrees of freedom²
+  // · parameters).
   ConnectionPlacement(const FeasibleSet& feasible_set, const std::vector<Element>& elements,
                       std::vector<ElementConnection> connections);
 
   const std::vector<ElementConnection>& connections() const { return connections_; }
 
-  // Numbers of the connecting elements that neither the principals nor relationships determine.
+  // Returns how many numbers of the connecting elements neither the principals nor relationships
+  // determine.
   int degrees_of_freedom() const { return static_cast<int>(free_.cols()); }
 
-  // The design with the principals of `q` in which the soft relationships hold best, and `held`
-  // have the values they have at q. `q` must be feasible (to 1e-9 m), and so is what it becomes. A
-  // projection in degrees_of_freedom() variables: polyhedron.h.
+  // Returns the design with the principals of `q` in which the soft relationships hold best, and
+  // `held` have the values they have at q. `q` must be feasible (to 1e-9 m), and so is the result.
+  // It takes a projection in degrees_of_freedom() variables (polyhedron.h).
   absl::StatusOr<Eigen::VectorXd> Place(const Eigen::VectorXd& q,
                                         const std::vector<LinearForm>& held) const;
 
  private:
   void FindFree(const FeasibleSet& feasible_set, const std::vector<Element>& elements);
   void UseSoftMetric();
-  // Index into the design's q of a connection's parameter; -1 of a patch's.
+  // Returns the index into the design's q of a connection's parameter; -1 for a patch's.
   int DesignVariable(const ElementConnection& connection, int variable) const;
   Eigen::VectorXd Along(const LinearForm& form) const;  // form · free
   Eigen::VectorXd MissesAt(const Eigen::VectorXd& q) const;

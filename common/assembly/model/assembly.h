@@ -1,5 +1,5 @@
 // An expert's design as it comes from CAD: parts in a hierarchy of groups, with the annotations
-// that automatic parametrisation needs (thesis §3.2.2). The input of §3.4.
+// that automatic parametrisation needs (thesis §3.2.2). It is the input of §3.4.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,16 +15,16 @@
 
 namespace mortise::parametric {
 
-// m; assemblies, and designs of them, lie within this along every axis.
+// Assemblies, and designs made of them, lie within this distance of the origin along every axis, m.
 inline constexpr double kFurthestFromOrigin = 10e3;
 
-// m; parts are at least as large along every axis.
+// Parts are at least as large along every axis, m.
 inline constexpr double kSmallestPart = 1e-6;
 
-// rad; joints turn no further, either way: sixteen turns.
+// Joints turn no further either way, rad: sixteen turns.
 inline constexpr double kFurthestTurn = 100;
 
-// rad; the largest angle that a ball turns by, half a turn as people write it.
+// The largest angle that a ball turns by, rad: half a turn as people write it.
 inline constexpr double kHalfTurn = 3.1416;
 
 // The bounding box of a part, in metres, in the design's coordinates.
@@ -36,7 +36,8 @@ struct BoundingBox {
   Eigen::Vector3d size() const { return maximum - minimum; }
 };
 
-// What sizes a part may take along one axis of the design, m. Equal where the size is fixed.
+// The sizes that a part may take along one axis of the design, m. The two are equal where the size
+// is fixed.
 struct SizeLimits {
   double minimum = 0;
   double maximum = 0;
@@ -53,15 +54,16 @@ struct AssemblyPart {
   std::string name;  // distinct within the assembly
   std::string item;  // items/{id}
   int group = 0;     // index into Assembly::groups
-  // Purely structural: screws, hinges, brackets. Placed by connections, not by the designer.
+  // True for what is purely structural: screws, hinges, brackets. Connections place it, not the
+  // designer.
   bool connecting = false;
   BoundingBox box;
   std::array<SizeLimits, 3> limits;  // by axis of the design
   // The axis of the design along which each of the item's three lies: length, width, thickness.
   std::array<Axis, 3> item_axes = {Axis::kX, Axis::kY, Axis::kZ};
   std::vector<ProminentPlane> prominent_planes;
-  // What it looks like, stretched into its box along the design's axes; none for what its item's
-  // kind says, round or a box.
+  // The part's looks, stretched into its box along the design's axes. A part without a shape is
+  // round or a box, as its item's kind says.
   std::shared_ptr<const mesh::DrawnShape> shape;
   std::optional<Eigen::Vector3d> color;  // linear red, green and blue, 0 to 1
 };
@@ -81,7 +83,7 @@ struct RestPose {
   Eigen::Vector3d motion = Eigen::Vector3d::Zero();
 };
 
-// Moves a group, and all below it, against the rest of the design.
+// A joint moves a group, and all below it, against the rest of the design.
 struct Joint {
   std::string name;
   JointKind kind = JointKind::kHinge;
@@ -102,23 +104,24 @@ struct Assembly {
   std::vector<Joint> joints;
 };
 
-// Everything that is wrong with an assembly, each finding with its place: "parts[3].group". Empty
-// if parametrisation can begin. O(parts log parts).
+// Returns everything that is wrong with an assembly, each finding with its place: "parts[3].group".
+// The list is empty if parametrisation can begin. O(parts log parts).
 std::vector<FieldViolation> ValidateAssembly(const Assembly& assembly);
 
-// How many groups lie above this one; 0 for the root. The assembly must be valid.
+// Returns how many groups lie above this one; 0 for the root. The assembly must be valid.
 int GroupDepth(const Assembly& assembly, int group);
 
-// The lowest group that contains both.
+// Returns the lowest group that contains both.
 int LowestCommonGroup(const Assembly& assembly, int a, int b);
 
 // Whether `group` is `ancestor` or lies below it.
 bool IsWithin(const Assembly& assembly, int group, int ancestor);
 
-// The diagonal of the box around all parts, m: what tolerances scale with.
+// Returns the diagonal of the box around all parts, m. Tolerances scale with it.
 double AssemblyDiagonal(const Assembly& assembly);
 
-// Within which parts align, touch and are alike, m: a millionth of the diagonal.
+// Returns the distance within which parts align, touch and are alike, m: a millionth of the
+// diagonal.
 double ToleranceOf(const Assembly& assembly);
 
 }  // namespace mortise::parametric

@@ -1,4 +1,4 @@
-// What is bored or milled through parts along axes of the design, and what lies in it.
+// Finds what is bored or milled through parts along axes of the design, and what lies in it.
 #pragma once
 
 #include <set>
@@ -10,29 +10,30 @@
 
 namespace mortise::parametric {
 
-// A round bore, where it widens by itself (a countersink), or a slot with round ends.
+// A round bore, the part of one that widens (a countersink), or a slot with round ends.
 struct Bore {
   BoundingBox box;     // as drawn in the design
   int axis = 0;        // along which it is bored: 0, 1, 2
   int slot_axis = -1;  // in which it is longer than wide; -1 of round ones
 };
 
-// Those of a part with a shape.
+// Returns the bores of a part with a shape.
 std::vector<Bore> BoresOf(const AssemblyPart& part, ShapeFeatures& known);
 
-// The boxes of the round pins along an axis, 0, 1 or 2, that a part has, as the shank of a screw
-// is one: as drawn in the design. None of a part without a shape.
+// Returns the boxes of the round pins along an axis, 0, 1 or 2, that a part has, as drawn in the
+// design. The shank of a screw is such a pin. A part without a shape has none.
 std::vector<BoundingBox> PinsOf(const AssemblyPart& part, int axis, ShapeFeatures& known);
 
-// Whether a size fills that of a bore but for some play, as bolts have it.
+// Whether a size fills the size of a bore but for some play, as bolts have it.
 bool Fills(double size, double bore);
 
 // Whether a box reaches into a bore, lies within it across, and fills it there; in a slot it may
-// lie anywhere. What is in one place may be `near` apart, m.
+// lie anywhere. Places count as one if they are no more than `near` apart, m.
 bool LiesIn(const BoundingBox& inner, const Bore& bore, double near);
 
-// Parts of rows of which two or more lie in bores of one part: its bores go by them one by one, and
-// do not become more as the parts of a row do. O(f p) for p parts and f round faces.
+// Returns the parts of rows of which two or more lie in bores of one part. The bores of that part
+// go by them one by one, and do not become more as the parts of a row do. O(f p) for p parts and f
+// round faces.
 std::set<int> RowsInBoresOfOne(const Assembly& assembly, const std::vector<Element>& elements,
                                double tolerance, ShapeFeatures& known);
 

@@ -11,8 +11,8 @@ struct OrientedBox {
   Eigen::Vector3d half_size = Eigen::Vector3d::Zero();  // m
 };
 
-// Whether axes are those of space, in any order and either way; exactly, as rotations by right
-// angles are made without rounding.
+// Whether axes are those of space, in any order and either way. The comparison is exact, as
+// rotations by right angles are made without rounding.
 bool IsAtRightAngles(const Eigen::Matrix3d& axes);
 
 // The direction along which two boxes are furthest apart.
@@ -22,15 +22,16 @@ struct SeparatingAxis {
   double distance = 0;           // m between them along it
 };
 
-// By separating axes (Gottschalk et al. 1996). If the boxes intersect, the distance is minus how
-// far one must be moved to be free: exact; if not, it is never above the true distance.
+// Finds the direction along which two boxes are furthest apart, by separating axes (Gottschalk et
+// al. 1996). If the boxes intersect, the distance is minus how far one must be moved to be free,
+// which is exact; if not, it is never above the true distance.
 SeparatingAxis FindSeparatingAxis(const OrientedBox& a, const OrientedBox& b);
 
-// A point in the middle of what two boxes have in common, if they are apart by no more than
-// `tolerance`, m; of others one between them.
+// Returns a point in the middle of what two boxes have in common, if they are apart by no more than
+// `tolerance`, m; else a point between them.
 Eigen::Vector3d CommonPoint(const OrientedBox& a, const OrientedBox& b, double tolerance);
 
-// Its distance, m.
+// Returns the distance of FindSeparatingAxis, m.
 double Separation(const OrientedBox& a, const OrientedBox& b);
 
 }  // namespace mortise::parametric

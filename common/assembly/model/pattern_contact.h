@@ -1,5 +1,6 @@
-// What touches some parts of a pattern only, or none: when their number and their places change it
-// might touch none of them, or be run into.
+// Finds what touches only some parts of a pattern, or stands between them and touches none. When
+// the number and the places of the pattern's parts change, it might touch none of them, or be run
+// into.
 #pragma once
 
 #include <Eigen/Core>
@@ -19,16 +20,16 @@ struct PartialContact {
   bool stands_between = false;
 };
 
-// What touches `parts`, those of a pattern with these directions, in part only: without what stands
-// beyond their ends, which do not move in the pattern's box, and without what is too long for any
-// gap that can come between them. Parts touch where their boxes come within `tolerance`, m, as
+// Returns what touches `parts`, those of a pattern with these directions, in part only. Left out is
+// what stands beyond their ends, which do not move in the pattern's box, and what is too long for
+// any gap that can come between them. Parts touch where their boxes come within `tolerance`, m, as
 // drawn. `parts` has the first direction running fastest. O(n k) for n parts of the assembly and k
 // of the pattern.
 std::vector<PartialContact> FindPartialContacts(const Assembly& assembly,
                                                 const std::array<PatternDirection, 2>& directions,
                                                 const std::vector<int>& parts, double tolerance);
 
-// The same, of `others` only, parts of the assembly.
+// Does the same with only `others`, indices of parts of the assembly, as what may touch.
 std::vector<PartialContact> FindPartialContactsWith(
     const std::vector<int>& others, const Assembly& assembly,
     const std::array<PatternDirection, 2>& directions, const std::vector<int>& parts,

@@ -1,5 +1,5 @@
-// What shapes are found to have, each looked at once: many parts share one, and each round of
-// parametrisation asks again.
+// Remembers what shapes are found to have, so that each is looked at once: many parts share one,
+// and each round of parametrisation asks again.
 #pragma once
 
 #include <map>
@@ -14,15 +14,16 @@
 
 namespace mortise::parametric {
 
-// Shapes are known by their address, and are to outlive this. Not for several threads at once.
+// Shapes are known by their address, and must outlive this. It is not for several threads at once.
 class ShapeFeatures {
  public:
   const std::vector<mesh::RoundFace>& RoundFacesOf(const mesh::DrawnShape& shape);
   const std::vector<mesh::Countersink>& CountersinksOf(const mesh::DrawnShape& shape);
   const std::vector<mesh::Slot>& SlotsOf(const mesh::DrawnShape& shape);
   const std::vector<mesh::ShapeLevel>& LevelsOf(const mesh::DrawnShape& shape);
-  // The axis of its box, 0, 1 or 2, that it may be turned about without reaching further: it lies
-  // in a cylinder about that, part of which is a face of it, and which is as wide as the box.
+  // Returns the axis of the shape's box, 0, 1 or 2, that it may be turned about without reaching
+  // further. The shape lies in a cylinder about that axis, part of which is one of its faces, and
+  // which is as wide as the box.
   std::optional<int> RoundAboutOf(const mesh::DrawnShape& shape);
 
  private:

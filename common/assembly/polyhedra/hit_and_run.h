@@ -1,4 +1,4 @@
-// Points spread evenly over a polyhedron, by hit-and-run along coordinate directions (Smith 1984):
+// Spreads points evenly over a polyhedron, by hit-and-run along coordinate directions (Smith 1984):
 // from a point along a line to anywhere inside, again and again.
 //
 // In a long and thin polyhedron most lines leave at once, and the walk would need millions of steps
@@ -16,9 +16,10 @@
 
 namespace mortise::parametric {
 
-// `count` points of inequalities · x <= bounds, which must be bounded and have a point. A seed
-// gives the same points always. FAILED_PRECONDITION, POLYHEDRON_UNBOUNDED or POLYHEDRON_EMPTY. For
-// m inequalities of n variables, in the largest factor, O(n² m) once and for each point.
+// Returns `count` points of inequalities · x <= bounds, which must be bounded and have a point. A
+// seed gives the same points always. FAILED_PRECONDITION with POLYHEDRON_UNBOUNDED or
+// POLYHEDRON_EMPTY. It takes O(n² m) once and for each point, for m inequalities of n variables in
+// the largest factor.
 absl::StatusOr<std::vector<Eigen::VectorXd>> SamplePolyhedron(const Eigen::MatrixXd& inequalities,
                                                               const Eigen::VectorXd& bounds,
                                                               int count, std::uint64_t seed);

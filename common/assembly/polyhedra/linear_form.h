@@ -1,5 +1,5 @@
-// Affine functions of the parameters q with few terms: what planes, centres and relationships of a
-// linear template are written in (thesis §3.5.1).
+// Affine functions of the parameters q with few terms. Planes, centres and relationships of a
+// linear template are written in them (thesis §3.5.1).
 #pragma once
 
 #include <Eigen/Core>
@@ -12,7 +12,8 @@ struct LinearTerm {
   double coefficient = 0;
 };
 
-// sum of coefficient · q[variable], plus a constant. Terms are ordered by variable, none is zero.
+// The sum of coefficient · q[variable], plus a constant. Terms are ordered by variable, none is
+// zero.
 struct LinearForm {
   std::vector<LinearTerm> terms;
   double constant = 0;
@@ -21,7 +22,7 @@ struct LinearForm {
   double At(const Eigen::VectorXd& q) const;
 };
 
-// scale_a · a + scale_b · b.
+// // Returns scale_a · a + scale_b · b.
 LinearForm Combine(double scale_a, const LinearForm& a, double scale_b, const LinearForm& b);
 
 inline LinearForm operator+(const LinearForm& a, const LinearForm& b) {

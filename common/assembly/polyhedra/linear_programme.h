@@ -1,6 +1,6 @@
-// The furthest points of one polyhedron along one direction after the other, by the simplex method
-// (Clp): each programme begins at the corner where the last one ended. For the ends along many
-// directions see polyhedron_extents.h, which needs few programmes.
+// Finds the furthest points of one polyhedron along one direction after the other, by the simplex
+// method (Clp). Each programme begins at the corner where the last one ended. For the ends along
+// many directions see polyhedron_extents.h, which needs few programmes.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,9 +16,9 @@ namespace mortise::parametric {
 
 class LinearProgramme {
  public:
-  // Over inequalities · x <= bounds, which must have a point, with no entry of x further from 0
-  // than `reach`; without one, x may be anything where there are no rows. INVALID_ARGUMENT if sizes
-  // disagree or numbers are not finite.
+  // Makes a programme over inequalities · x <= bounds, which must have a point, with no entry of x
+  // further from 0 than `reach`. Without a reach, x may be anything where there are no rows.
+  // INVALID_ARGUMENT if sizes disagree or numbers are not finite.
   static absl::StatusOr<LinearProgramme> Create(
       const Eigen::MatrixXd& inequalities, const Eigen::VectorXd& bounds,
       double reach = std::numeric_limits<double>::infinity());
@@ -27,10 +27,11 @@ class LinearProgramme {
   LinearProgramme& operator=(LinearProgramme&&) noexcept;
   ~LinearProgramme();
 
-  // The point with the largest direction · x; of several, any, though the same one whenever the
-  // same programmes are asked for in the same order. Nothing if the polyhedron goes on without end.
-  // Constraints hold to 1e-9 of a unit row's distance. FAILED_PRECONDITION, POLYHEDRON_EMPTY, if
-  // there is no point; INTERNAL if rounding keeps the solver from ending.
+  // Returns the point with the largest direction · x; nothing if the polyhedron goes on without
+  // end. Of several such points it returns any, though the same one whenever the same programmes
+  // are asked for in the same order. Constraints hold to 1e-9 of a unit row's distance.
+  // FAILED_PRECONDITION, POLYHEDRON_EMPTY, if there is no point; INTERNAL if rounding keeps the
+  // solver from ending.
   absl::StatusOr<std::optional<Eigen::VectorXd>> Furthest(const Eigen::VectorXd& direction);
 
  private:

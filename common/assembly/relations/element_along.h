@@ -1,4 +1,4 @@
-// One element along one axis, as drawn, and what lies beside it: what its levels may go by.
+// One element along one axis, as drawn, and the neighbours beside it, by which its levels may go.
 #pragma once
 
 #include <optional>
@@ -12,19 +12,19 @@
 
 namespace mortise::parametric {
 
-// A place of an element along an axis: a plane or level.
+// A place of an element along an axis: a plane or a level.
 struct DrawnPlace {
   double at = 0;  // m
   ElementPlane plane;
 };
 
-// Pairs of elements that touch, or whose boxes overlap by more than `tolerance`, m; lower first.
-// O(e²) for e elements.
+// Returns pairs of elements that touch, or whose boxes overlap by more than `tolerance`, m; lower
+// first. O(e²) for e elements.
 std::set<std::pair<int, int>> NeighboursOf(const std::vector<Element>& elements,
                                            const std::vector<std::pair<int, int>>& contacts,
                                            double tolerance);
 
-// Refers to what it is made of.
+// Keeps references to what it is made of, all of which must outlive it.
 class ElementAlong {
  public:
   ElementAlong(const Assembly& assembly, const std::vector<Element>& elements,
@@ -41,35 +41,37 @@ class ElementAlong {
   const AssemblyPart& part() const { return PartOf(element_); }
   const Element& At(int element) const { return elements_[static_cast<std::size_t>(element)]; }
 
-  // Its part, of a row the first.
+  // Returns the element's part; in a row the first.
   const AssemblyPart& PartOf(int element) const {
     return assembly_.parts[static_cast<std::size_t>(At(element).parts.front())];
   }
 
-  // The levels that divide its shape, as fractions, in order.
+  // Returns the levels that divide its shape, as fractions, in order.
   const std::vector<double>& dividing() const { return dividing_; }
   double PlaceOf(double fraction) const { return center_ + fraction * size_; }  // m
   double FractionAt(double at) const { return (at - center_) / size_; }
-  // The fraction of the dividing level at a place, m.
+  // Returns the fraction of the dividing level at a place, m.
   std::optional<double> DividingAt(double at) const;
 
-  // Whether another is one whose planes can be gone by: of rows, those along which do not lead
-  // here.
+  // Whether the levels of this element can go by the planes of another, which must be a neighbour.
+  // Rows that lead along this axis cannot be gone by.
   bool IsNeighbour(int other) const;
   // Whether the other's box reaches into this one's, and does not only touch it.
   bool Overlaps(int other) const;
   // Whether `inner`, but along the axis, is no wider than `outer` where they meet.
   bool Enters(int inner, int outer) const;
-  // m, how far apart what is in one place with the other may be drawn: triangles miss some.
+  // Returns how far apart places of this element and of the other may be drawn and yet count as
+  // one, m: triangles miss some.
   double NearTo(int other) const;
 
-  // All planes and levels of an element along the axis, in order.
+  // Returns all planes and levels of an element along the axis, in order.
   std::vector<DrawnPlace> PlacesOf(int element) const;
-  // A place within an element's box, m.
+  // Returns a place within an element's box, m.
   DrawnPlace PlaceIn(int element, double at) const;
-  // The lower or upper face of an element's box.
+  // Returns the lower or upper face of an element's box.
   DrawnPlace BoxFace(int element, bool upper) const;
-  // Where `at`, m, lies, as drawn at a distance from a place of an element.
+  // Returns where `at`, m, goes if it keeps the distance that it has as drawn from a place of an
+  // element.
   LinearForm Beside(int element, const DrawnPlace& place, double at) const;
 
  private:

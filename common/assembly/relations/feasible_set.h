@@ -1,7 +1,7 @@
-// The feasible set of a linear template: all parameters q that keep every relationship, in a small
-// well-posed form (thesis §3.3, §3.5.1).
+// The feasible set of a linear template is all parameters q that keep every relationship. It is
+// kept in a small well-posed form (thesis §3.3, §3.5.1):
 //
-// q = drawn + basis · z, with z free but for inequalities: the equalities are solved once and for
+// q = drawn + basis · z, with z free but for inequalities. The equalities are solved once and for
 // all. Columns of the basis are orthonormal, so distances in z are distances in q, each parameter
 // measured by its scale.
 #pragma once
@@ -20,13 +20,13 @@
 
 namespace mortise::parametric {
 
-// A relationship that parameters break, and by how much, m.
+// A relationship that parameters break, with the amount in metres.
 struct Violation {
   std::string description;
   double amount = 0;
 };
 
-// What a designer insists on: form(q) = value, m.
+// A demand that a designer insists on: form(q) = value, m.
 struct Demand {
   LinearForm form;
   double value = 0;
@@ -42,7 +42,7 @@ struct Range {
 class FeasibleSet {
  public:
   // `drawn` must satisfy the relationships (FAILED_PRECONDITION names those it breaks by more than
-  // 1e-9 m). Of the parameters only `variables` may change; relationships mention no others.
+  // 1e-9 m). Only the parameters in `variables` may change; relationships mention no others.
   // Equalities that others imply, but for 1e-6 of the lengths they speak of as drawings do, are
   // left out, by sparse rank-revealing QR within each set of variables that equalities connect:
   // O(n² m) for the largest such set of n variables and m equalities at worst, much less for chains
@@ -51,60 +51,62 @@ class FeasibleSet {
                                             const Eigen::VectorXd& drawn,
                                             const std::vector<int>& variables);
 
-  // The same set with other distances: parameter i counts in units of scales[i] > 0, one each.
-  // INVALID_ARGUMENT, "scales". O(n² |q|) for n degrees of freedom.
+  // Returns the same set with other distances: parameter i counts in units of scales[i] > 0, of
+  // which there is one a parameter. INVALID_ARGUMENT, "scales". O(n² |q|) for n degrees of freedom.
   absl::StatusOr<FeasibleSet> Rescaled(const Eigen::VectorXd& scales) const;
 
-  // Numbers of z: what a designer may really choose.
+  // Returns how many numbers z has: what a designer may really choose.
   int degrees_of_freedom() const { return static_cast<int>(basis_.cols()); }
 
   const Eigen::VectorXd& drawn() const { return drawn_; }  // z = 0
   const Eigen::MatrixXd& basis() const { return basis_; }  // |q| × degrees of freedom
 
-  // The equalities that are kept: linearly independent, and with the same solutions as all given.
+  // Returns the equalities that are kept: linearly independent, and with the same solutions as all
+  // given.
   const std::vector<Relationship>& equalities() const { return equalities_; }
 
-  // The inequalities that bear on z, none parallel to a tighter one.
+  // Returns the inequalities that bear on z, none parallel to a tighter one.
   const std::vector<Relationship>& inequalities() const { return inequalities_; }
 
-  // Which relationships, of all that were given, q breaks by more than `tolerance`, m.
+  // Returns which relationships, of all that were given, q breaks by more than `tolerance`, m.
   std::vector<Violation> Violations(const Eigen::VectorXd& q, double tolerance) const;
 
-  // The feasible parameters nearest to `wish` in least squares over all that may change, among
-  // those that meet the demands exactly: what becomes of a design when somebody drags a part of it
-  // (thesis §3.5.1). What may not change is as drawn, whatever the wish. INVALID_ARGUMENT for a
-  // wish or demand of wrong size or not finite; FAILED_PRECONDITION, DEMANDS_CONFLICT, naming the
-  // demands, inequalities and kept equalities that cannot hold together, none of them superfluous.
-  // See polyhedron.h for the method and its cost.
+  // Returns the feasible parameters nearest to `wish` in least squares over all that may change,
+  // among those that meet the demands exactly: what becomes of a design when somebody drags a part
+  // of it (thesis §3.5.1). Parameters that may not change are as drawn, whatever the wish.
+  // INVALID_ARGUMENT for a wish or demand of wrong size or not finite; FAILED_PRECONDITION,
+  // DEMANDS_CONFLICT, naming the demands, inequalities and kept equalities that cannot hold
+  // together, none of them superfluous. See polyhedron.h for the method and its cost.
   absl::StatusOr<Eigen::VectorXd> Nearest(const Eigen::VectorXd& wish,
                                           const std::vector<Demand>& demands = {}) const;
 
-  // The feasible parameters that meet the demands and at which `form` is as large as it can be.
-  // Fails as Nearest does; FAILED_PRECONDITION, FEASIBLE_SET_UNBOUNDED if it can be as large as one
-  // likes. A few projections: FurthestAlong of polyhedron.h.
+  // Returns the feasible parameters that meet the demands and at which `form` is as large as it can
+  // be. Fails as Nearest does; FAILED_PRECONDITION, FEASIBLE_SET_UNBOUNDED if it can be as large as
+  // one likes. It takes a few projections: see FurthestAlong of polyhedron.h.
   absl::StatusOr<Eigen::VectorXd> Furthest(const LinearForm& form,
                                            const std::vector<Demand>& demands = {}) const;
 
-  // The smallest and the largest value of each form over the set. FAILED_PRECONDITION,
-  // FEASIBLE_SET_UNBOUNDED if there is none. A linear programme for each end that lies before its
-  // own limit (polyhedron_extents.h).
+  // Returns the smallest and the largest value of each form over the set. FAILED_PRECONDITION,
+  // FEASIBLE_SET_UNBOUNDED if there is none. It takes a linear programme for each end that lies
+  // before its own limit (polyhedron_extents.h).
   absl::StatusOr<std::vector<Range>> RangesOf(const std::vector<LinearForm>& forms) const;
 
-  // `count` points at corners of the set: the ends of random directions, seeded. Each factor of the
-  // set (polyhedron_factors.h) has directions of its own. Fails as RangesOf. A linear programme for
-  // each.
+  // Returns `count` points at corners of the set: the ends of random directions, seeded. Each
+  // factor of the set (polyhedron_factors.h) has directions of its own. Fails as RangesOf does. It
+  // takes a linear programme for each corner.
   absl::StatusOr<std::vector<Eigen::VectorXd>> Corners(int count, std::uint64_t seed) const;
 
-  // A change of q that can be followed without end; nothing if there is none, decided exactly.
+  // Returns a change of q that can be followed without end; nothing if there is none, decided
+  // exactly.
   absl::StatusOr<std::optional<Eigen::VectorXd>> UnboundedDirection() const;
 
-  // `count` points, each feasible, spread evenly over the set (hit_and_run.h). A seed gives the
-  // same points always. FAILED_PRECONDITION, FEASIBLE_SET_UNBOUNDED if the design may move or grow
-  // without end in some direction, decided exactly: anchor an element.
+  // Returns `count` points, each feasible, spread evenly over the set (hit_and_run.h). A seed gives
+  // the same points always. FAILED_PRECONDITION, FEASIBLE_SET_UNBOUNDED if the design may move or
+  // grow without end in some direction, decided exactly: anchor an element.
   absl::StatusOr<std::vector<Eigen::VectorXd>> Sample(int count, std::uint64_t seed) const;
 
  private:
-  // The set in z with demands that must be met, and which demand each row of it is.
+  // The set in z with demands that must be met, and the demand that each of its rows stands for.
   struct Held {
     Polyhedron feasible;
     std::vector<const Demand*> demands;
@@ -134,12 +136,13 @@ class FeasibleSet {
 // Holds the centre of an element where it is drawn: a template is the same wherever it stands.
 std::vector<Relationship> Anchor(const std::vector<Element>& elements, int element);
 
-// The relationships held by a group and those below it: what binds its subtree by itself.
+// Returns the relationships held by a group and those below it, which are what binds its subtree by
+// itself.
 std::vector<Relationship> RelationshipsWithin(const Assembly& assembly,
                                               const std::vector<Relationship>& relationships,
                                               int group);
 
-// The parameters of the elements, and of the joints' centres, in a group's subtree.
+// Returns the parameters of the elements, and of the joints' centres, in a group's subtree.
 std::vector<int> VariablesWithin(const Assembly& assembly, const std::vector<Element>& elements,
                                  int group);
 

@@ -1,10 +1,10 @@
-// Whether a design at other parameters still holds together as it was drawn: no contact lost, no
-// part in another, nothing resized that comes in one size. In every rest pose.
+// Checks whether a design at other parameters still holds together as it was drawn, in every rest
+// pose: no contact is lost, no part is in another, and nothing is resized that comes in one size.
 //
-// Parts are looked at as their boxes, turned as the pose turns them, and, where the boxes of two
-// meet and one of the parts has a shape, as their true surfaces: parts whose boxes overlap but
-// whose solids only touch are in contact. Triangles may miss curved faces; what that explains is
-// neither a gap nor a penetration.
+// Parts are looked at as their boxes, turned as the pose turns them. Where the boxes of two meet
+// and one of the parts has a shape, they are looked at as their true surfaces: parts whose boxes
+// overlap but whose solids only touch are in contact. Triangles may miss curved faces; what that
+// explains is neither a gap nor a penetration.
 #pragma once
 
 #include <Eigen/Core>
@@ -35,13 +35,13 @@ struct ContactFault {
   std::string first;   // part; of patterns the one at fault
   std::string second;  // part or pattern; empty for changed sizes
   double amount = 0;   // m: the gap, the depth, or by how much a size differs
-  // Indices of the elements that the parts belong to; the same one of neighbours in a pattern, -1
-  // where there is no second.
+  // The indices of the elements that the parts belong to. Neighbours in a pattern have the same
+  // one; -1 if there is no second.
   int first_element = -1;
   int second_element = -1;
 };
 
-// "'leg 1' has lost 'top' by 0.002 m in 'lid hinge: open'".
+// Says a fault in words: "'leg 1' has lost 'top' by 0.002 m in 'lid hinge: open'".
 std::string Describe(const ContactFault& fault);
 
 class ContactCheck {
@@ -50,21 +50,22 @@ class ContactCheck {
   // valid. O(poses · parts²).
   ContactCheck(Assembly assembly, std::vector<Element> elements, double tolerance = 1e-6);
 
-  // INVALID_ARGUMENT, "q", for another number of parameters, one that is not finite or beyond
-  // kFurthestFromOrigin, a size that is not positive, and where patterns so large would have far
-  // more parts than the drawn design.
+  // Checks that q can be looked at. INVALID_ARGUMENT, "q", for another number of parameters, for
+  // one that is not finite or beyond kFurthestFromOrigin, for a size that is not positive, and
+  // where patterns so large would have far more parts than the drawn design.
   absl::Status CheckParameters(const Eigen::VectorXd& q) const;
 
-  // All faults at q, which has 6 numbers an element and 3 a joint:
+  // Returns all faults at q, which has 6 numbers an element and 3 a joint:
   // - elements that touched are apart by more than the tolerance. If all parts of a pattern touched
-  //   the other element, all it now has must do so;
+  //   the other element, all that it now has must touch it;
   // - parts of elements that did not intersect, whether they touched or not, do so by more than
   //   `penetration`, m;
   // - neighbours in a pattern that touched are apart, or those that did not intersect do;
-  // - a size is beyond what the item allows by more than the tolerance: differs from the drawn one,
-  //   where the item fixes it.
-  // What a rest pose moves together, or not at all, is told of once, as drawn. Empty if the design
-  // is sound. Fails as CheckParameters. O(poses · parts²).
+  // - a size is beyond what the item allows, or differs from the drawn one where the item fixes it,
+  //   by more than the tolerance.
+  // Faults between elements that a rest pose moves together, or not at all, are told of once, as
+  // drawn. The list is empty if the design is sound. Fails as CheckParameters does. O(poses ·
+  // parts²).
   absl::StatusOr<std::vector<ContactFault>> FaultsAt(const Eigen::VectorXd& q,
                                                      double penetration = 1e-4) const;
 
@@ -76,7 +77,7 @@ class ContactCheck {
     const mesh::DrawnShape* shape = nullptr;            // none for boxes and prisms
     mutable std::optional<mesh::ProbedSurface> probed;  // made when it is first asked for
   };
-  // Of each element, its parts at q in a pose.
+  // The parts of each element at q in a pose.
   using Parts = std::vector<std::vector<Part>>;
   // How two elements met as drawn.
   struct Meeting {
@@ -97,22 +98,22 @@ class ContactCheck {
     std::map<std::pair<std::size_t, std::size_t>, MeetingRegion> of;
   };
 
-  // How far two parts are apart, m; minus how deep they reach into each other. How deep is the dear
-  // part of it for parts with shapes, and only asked for where it matters.
+  // Returns how far two parts are apart, m, or minus how deep they reach into each other. The depth
+  // is the dear part of it for parts with shapes, and only asked for where it matters.
   double SeparationOf(const Part& a, const Part& b, bool how_deep) const;
   static const mesh::ProbedSurface& Probed(const Part& part);
-  // Whether one map stretches both, in a pose by its index, from where they are drawn: nothing can
-  // be wrong between them that is not as drawn.
+  // Whether one map stretches both elements, in a pose by its index, from where they are drawn.
+  // Nothing can then be wrong between them that is not wrong as drawn.
   bool StandAsDrawn(std::size_t pose, std::size_t a, std::size_t b, const Parts& parts) const;
-  // Unless both elements are boxes.
+  // Notes where the parts of two elements meet as drawn, unless both elements are boxes.
   void AddRegions(std::size_t a, std::size_t b, const Parts& drawn);
   // Whether each two parts stand to each other as drawn, in the pose that was drawn.
   bool StandAsDrawn(const Regions& regions, const Meeting& meeting, const std::vector<Part>& a,
                     const std::vector<Part>& b) const;
   static BoundingBox BoxAround(const Part& part);
   static Eigen::AlignedBox3d BoxAround(const std::vector<Part>& parts);
-  // Pairs of elements that are not in every pose as they are in the drawn one: all in that, else
-  // those of which one moves.
+  // Returns the pairs of elements to look at in a pose: all in the drawn one, in others those of
+  // which one element moves and the other does not.
   std::vector<std::pair<std::size_t, std::size_t>> PairsIn(const Pose& pose) const;
   Parts PartsIn(const Pose& pose, const Eigen::VectorXd& q) const;
   Meeting MeetingOf(const std::vector<Part>& a, const std::vector<Part>& b) const;
@@ -120,8 +121,8 @@ class ContactCheck {
   void CheckPair(const Meeting& meeting, const std::vector<Part>& a, const std::vector<Part>& b,
                  ContactFault fault, double penetration, std::vector<ContactFault>& faults) const;
   void CheckSizes(const Parts& parts, std::vector<ContactFault>& faults) const;
-  // Of each direction of an element's pattern, the separation of neighbours at q, m; infinite where
-  // there are none.
+  // Returns the separation of neighbours at q along each direction of an element's pattern, m;
+  // infinite where there are none.
   std::array<double, 2> NeighbourGaps(std::size_t element, const Eigen::VectorXd& q) const;
   void CheckNeighbours(const Parts& parts, const Eigen::VectorXd& q, double penetration,
                        std::vector<ContactFault>& faults) const;
@@ -134,7 +135,8 @@ class ContactCheck {
   std::vector<std::vector<OrientedBox>> boxes_;        // as drawn, by pose, of elements
   std::vector<std::vector<Meeting>> meetings_;         // by pose, then PairIndex(a, b) of a <= b
   std::vector<std::array<Neighbours, 2>> neighbours_;  // of each element's pattern
-  // Of pairs of elements of which one has a shape and parts meet as drawn, in the drawn pose.
+  // The regions of pairs of elements of which one has a shape and whose parts meet as drawn, in the
+  // drawn pose.
   std::map<std::pair<std::size_t, std::size_t>, Regions> regions_;
 };
 

@@ -1,5 +1,6 @@
-// Tries a parametrised design before anybody uses it: what linear relationships along the axes do
-// not say, some design among corners of the feasible set and points between them shows.
+// Tries a parametrised design before anybody uses it. What linear relationships along the axes do
+// not say, some design among corners of the feasible set and points between them shows. The trial
+// and its remedies are our own.
 //
 // A grid of resizable parts may stretch beyond the board it stands on, as how many parts it has and
 // how large they are is not linear in its box; a lid at 100° has no planes along the axes that
@@ -17,21 +18,26 @@
 
 namespace mortise::parametric {
 
-// What makes the designs that were tried sound, parts by their index in the assembly.
+// The changes that make the designs that were tried sound, with parts by their index in the
+// assembly.
 struct RepairPlan {
   std::set<int> lone;  // better in no pattern: PatternExclusions::lone
   KnownConflicts known_conflicts;
 };
 
-// Where two elements run into each other in a pose, and their boxes are apart as drawn, they are to
-// be kept apart; where they come apart in one, and their boxes touch as drawn, to be kept touching;
-// where the boxes of two that are no patterns meet in a pose as drawn, and one of them has a shape,
-// they are to stretch together; any other fault gives up the patterns of its elements, of fasteners
-// before those of what they fasten. Parts count as their boxes but for shapes that may move or
-// stretch against what they touch. Nothing of `known` is said again, nor of designs without
-// patterns, rest poses and such shapes. The same designs are tried whenever the same is asked.
-// Fails as FeasibleSet::Corners and ContactCheck::FaultsAt; CANCELLED if `is_given_up`, which is
-// asked before each design.
+// Tries designs of the feasible set, and returns what mends their faults:
+// - Two elements that run into each other in a pose, and whose boxes are apart as drawn, are to be
+//   kept apart.
+// - Two that come apart in a pose, and whose boxes touch as drawn, are to be kept touching.
+// - Two that are no patterns, whose boxes meet in a pose as drawn, and of which one has a shape,
+//   are to stretch together.
+// - Any other fault gives up the patterns of its elements, those of fasteners before those of what
+//   they fasten.
+//
+// Parts count as their boxes but for shapes that may move or stretch against what they touch.
+// Nothing of `known` is returned again, and nothing for designs without patterns, rest poses and
+// such shapes. The same designs are tried whenever the same is asked. Fails as FeasibleSet::Corners
+// and ContactCheck::FaultsAt do; CANCELLED if `is_given_up`, which is asked before each design.
 absl::StatusOr<RepairPlan> TryDesigns(const Assembly& assembly,
                                       const std::vector<Element>& elements,
                                       const FeasibleSet& feasible_set, const RepairPlan& known,

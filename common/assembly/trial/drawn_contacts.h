@@ -1,4 +1,4 @@
-// What touches as drawn.
+// Finds which parts and elements touch as drawn.
 #pragma once
 
 #include <set>
@@ -12,18 +12,19 @@
 
 namespace mortise::parametric {
 
-// By their index in the assembly, lower first.
+// Pairs of parts that touch, by their index in the assembly, the lower first.
 using TouchingParts = std::set<std::pair<int, int>>;
 
-// Parts that come within `tolerance`, m, of each other; where faces are curved, within that and
-// what the triangles may miss. By trees of their triangles (proximity.h). Fails as those.
+// Returns the parts that come within `tolerance`, m, of each other; where faces are curved, within
+// that and what the triangles may miss. They are found by trees of their triangles (proximity.h).
+// Fails as FindProximities does.
 absl::StatusOr<TouchingParts> FindTouchingParts(const Assembly& assembly, double tolerance);
 
-// Elements of which some part touches a part of the other.
+// Returns the pairs of elements of which some part touches a part of the other.
 Contacts ContactsOf(const TouchingParts& touching, const Assembly& assembly,
                     const std::vector<Element>& elements);
 
-// Both in one.
+// Finds the parts that touch, and returns the elements that do.
 absl::StatusOr<Contacts> FindContacts(const Assembly& assembly,
                                       const std::vector<Element>& elements, double tolerance);
 

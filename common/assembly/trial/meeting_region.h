@@ -1,5 +1,5 @@
-// Where two parts meet as drawn, and whether what stretches them leaves them there as they are:
-// what need not be looked at again in every design.
+// Says where two parts meet as drawn, and whether what stretches them leaves them there as they
+// are. Such parts need not be looked at again in every design.
 #pragma once
 
 #include <array>
@@ -23,22 +23,25 @@ struct StretchedPart {
 // The common region of two parts' boxes as drawn, m.
 class MeetingRegion {
  public:
-  // `shape_a`, `shape_b`: null for what fills its box. Boxes that are further apart than
-  // `tolerance`, m, have no region. O(T) for T triangles.
+  // `shape_a` and `shape_b` are null for parts that fill their box. Boxes that are further apart
+  // than `tolerance`, m, have no region. O(T) for T triangles.
   MeetingRegion(const BoundingBox& a, const mesh::DrawnShape* shape_a, const BoundingBox& b,
                 const mesh::DrawnShape* shape_b, double tolerance);
 
-  // Whether the parts, stretched so, stand to each other as drawn: along all axes both are
-  // stretched by one map in the region, to within `same`, m; or along all but one, along which both
-  // go straight on from step to step, as a rod and its board do, and all steps are in the order
-  // they were; where they touch or overlap, as the head of a screw and its countersink do, one map
-  // stretches both. It is enough that one goes straight on, if it reaches beyond the other at both
-  // ends, as a pin does through a tube.
+  // Whether the parts, stretched so, stand to each other as drawn. They do in two cases:
+  // - One map stretches both along all axes in the region, to within `same`, m.
+  // - One map stretches both along all axes but one. Along that one both go straight on from step
+  //   to step, as a rod and its board do, and all steps are in the order they were. Where steps
+  //   touch or overlap, as the head of a screw and its countersink do, one map stretches both. It
+  //   is enough that one part goes straight on, if it reaches beyond the other at both ends, as a
+  //   pin does through a tube.
+  //
   // False also where that cannot be told. O(levels).
   bool StandsAsDrawn(const StretchedPart& a, const StretchedPart& b, double same) const;
 
  private:
-  // A face at right angles to an axis, or what of a part does not run along it, m as drawn.
+  // A face at right angles to an axis, or a stretch of a part that does not run along it, m as
+  // drawn.
   struct Step {
     double low = 0, high = 0;
 
@@ -47,8 +50,9 @@ class MeetingRegion {
   // From where to where a part reaches along an axis where the other is across it, m, as drawn.
   struct Reach {
     double from = 0, to = 0;
-    // Where it begins and ends, or does so in part, as a board does at the bottom of a blind bore;
-    // in order, apart from each other. In between it goes straight on. Empty if there are too many.
+    // The steps where it begins and ends, or does so in part, as a board does at the bottom of a
+    // blind bore. They are in order and apart from each other; in between the part goes straight
+    // on. The list is empty if there are too many.
     std::vector<Step> steps;
   };
   using Reaches = std::array<std::optional<Reach>, 3>;
