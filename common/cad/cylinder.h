@@ -20,8 +20,8 @@ struct CylinderShape {
   double height = 0;    // m, > 0
 };
 
-// The solid, with the faces "side", "base" and "cap". INVALID_ARGUMENT naming the field for a
-// degenerate or non-finite shape.
+// Returns the solid, with the faces "side", "base" and "cap". INVALID_ARGUMENT naming the field for
+// a degenerate or non-finite shape.
 absl::StatusOr<Solid> MakeCylinder(const CylinderShape& shape);
 
 }  // namespace mortise::cad

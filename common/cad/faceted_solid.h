@@ -10,10 +10,10 @@
 
 namespace mortise::cad {
 
-// The solid within a closed, outward surface without self-intersections, which may have hollows.
-// Neighbouring triangles of one face that lie in one plane, up to a tenth of a micrometre, become
-// one face of the solid, which is called as their face is: several of the solid's faces may have
-// one name. triangle_face: index into `face_names`, of each triangle.
+// Returns the solid within a closed, outward surface without self-intersections, which may have
+// hollows. Neighbouring triangles of one face that lie in one plane, up to a tenth of a micrometre,
+// become one face of the solid, which is called as their face is: several of the solid's faces may
+// have one name. triangle_face: index into `face_names`, of each triangle.
 //
 // INVALID_ARGUMENT, "shape": the surface is open, bounds several solids, an edge is too short for
 // the kernel, with its place, or the kernel cannot make a face. Whether it crosses itself is not

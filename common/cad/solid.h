@@ -34,7 +34,7 @@ class Solid {
   std::shared_ptr<const Kernel> kernel_;
 };
 
-// The same solid with other names for its faces, one each.
+// Returns the same solid with other names for its faces, one each.
 Solid WithFaceNames(const Solid& solid, std::vector<std::string> face_names);
 
 }  // namespace mortise::cad

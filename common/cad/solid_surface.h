@@ -15,9 +15,9 @@ struct SurfaceOptions {
   double angle = 0.35;  // rad, > 0; largest turn of the normal along a triangle's edge
 };
 
-// The closed surface of `solid` as an assembly of one part: triangle_face is the index of the
-// solid's face, whose name is the one origin of faces[i]. Points on edges are shared by the faces
-// beside them. The point inside the part is not sought: part_interior is empty.
+// Returns the closed surface of `solid` as an assembly of one part: triangle_face is the index of
+// the solid's face, whose name is the one origin of faces[i]. Points on edges are shared by the
+// faces beside them. The point inside the part is not sought: part_interior is empty.
 //
 // INVALID_ARGUMENT naming the option out of range; INTERNAL if the kernel fails or its triangles
 // leave a gap.

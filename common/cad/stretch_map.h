@@ -26,16 +26,16 @@ class StretchMap {
   StretchMap(const Eigen::Vector3d& drawn_size, const mesh::BoxStretch& stretch);
 
   bool IsInProportion() const;
-  // Of a map in proportion.
+  // Returns the factors of a map in proportion.
   const Eigen::Vector3d& factors() const { return whole_.factors; }
   double MostFactor() const;
 
   // m, along an axis. Beyond the ends as at them.
   double At(int axis, double drawn) const;
 
-  // What the map is for something that reaches from one corner to another, m: along an axis where
-  // it lies in one piece, by a millionth of the box not minded, that piece's; else the one that
-  // takes its ends to the right places.
+  // Returns what the map is for something that reaches from one corner to another, m: along an axis
+  // where it lies in one piece, by a millionth of the box not minded, that piece's; else the one
+  // that takes its ends to the right places.
   AffineStretch Of(const Eigen::Vector3d& low, const Eigen::Vector3d& high) const;
 
   // Whether something reaches across several pieces of an axis.
@@ -46,7 +46,7 @@ class StretchMap {
     double drawn = 0, place = 0;  // m
   };
 
-  // The piece in which a place is: between knots `index` and `index` + 1.
+  // Returns the piece in which a place is: between knots `index` and `index` + 1.
   std::size_t PieceOf(int axis, double drawn) const;
   bool IsIn(int axis, std::size_t piece, double low, double high) const;
   const std::vector<Knot>& Knots(int axis) const { return knots_[static_cast<std::size_t>(axis)]; }

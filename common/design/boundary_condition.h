@@ -22,10 +22,11 @@ struct ConditionComponent {
   bool positive = false;    // must be greater than 0
 };
 
-// The components of a kind, in their order.
+// Returns the components of a kind, in their order.
 std::span<const ConditionComponent> ComponentsOf(BoundaryConditionKind kind);
 
-// Where CAD templates and cages say the faces of a condition of this kind, below the condition.
+// Returns where CAD templates and cages say the faces of a condition of this kind, below the
+// condition.
 std::string FacesField(BoundaryConditionKind kind);
 
 // Whether the kind acts on a face, and not on the whole body.
@@ -57,14 +58,15 @@ struct ConditionNumbers {
   Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  // rad/s; kRotation
 };
 
-// The numbers of a condition whose components have these values, nothing where they are empty.
+// Returns the numbers of a condition whose components have these values, nothing where they are
+// empty.
 ConditionNumbers NumbersOf(BoundaryConditionKind kind,
                            std::span<const std::optional<double>> values);
 
-// What is wrong with a finite value of a component; empty if nothing.
+// Returns what is wrong with a finite value of a component; empty if nothing.
 std::string FaultOf(const ConditionComponent& component, double value);
 
-// What is wrong with a reference temperature of this value, K; empty if nothing.
+// Returns what is wrong with a reference temperature of this value, K; empty if nothing.
 std::string FaultOfTemperature(double value);
 
 // Reports a load case of what is no load, or one that is no identifier, at "`field`.load_case", and

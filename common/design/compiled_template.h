@@ -55,13 +55,13 @@ struct CompiledTemplate {
 // Compiles a template after checking it (template_checks.h); INVALID_ARGUMENT with the findings.
 absl::StatusOr<CompiledTemplate> CompileTemplate(const TemplateBundle& bundle);
 
-// The names of the parameters, in order.
+// Returns the names of the parameters, in order.
 std::vector<std::string> ParameterNames(const TemplateDefinition& definition);
 
-// The names of a part's faces: of each outline edge, then of the faces at `from` and `to`.
+// Returns the names of a part's faces: of each outline edge, then of the faces at `from` and `to`.
 std::vector<std::string> FaceNames(const PartTemplate& part);
 
-// What cuts a part of this item from its stock; kNone where nothing does.
+// Returns what cuts a part of this item from its stock; kNone where nothing does.
 Process CuttingProcess(const Item& item);
 
 }  // namespace mortise::parametric

@@ -30,8 +30,8 @@ class ConditionExpressions {
 
   std::size_t size() const { return conditions_.size(); }
 
-  // The condition of this index at `q`. INVALID_ARGUMENT naming the component that cannot be
-  // computed or is not what it must be, and the condition.
+  // Returns the condition of this index at `q`. INVALID_ARGUMENT naming the component that cannot
+  // be computed or is not what it must be, and the condition.
   absl::StatusOr<EvaluatedBoundaryCondition> At(std::size_t index, const Eigen::VectorXd& q) const;
 
   // K; nothing where there is none. INVALID_ARGUMENT naming "reference_temperature".

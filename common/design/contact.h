@@ -22,11 +22,11 @@ struct PlanarFace {
   Eigen::Matrix2Xd polygon;  // m, in (u, v) from origin
 };
 
-// Index of the face of this name; -1 if the part has none.
+// Returns the index of the face of this name; -1 if the part has none.
 int FindFace(const EvaluatedPart& part, const std::string& name);
 
-// The face of this index (as in face_names). u runs along the outline's edge on a side, along an
-// axis of the design on the ends.
+// Returns the face of this index (as in face_names). u runs along the outline's edge on a side,
+// along an axis of the design on the ends.
 PlanarFace FaceOf(const EvaluatedPart& part, int face);
 
 // Where a face meets another part.
@@ -38,11 +38,12 @@ struct ContactPatch {
   Eigen::Vector2d maximum;
 };
 
-// The exact overlap of a face with the faces of `other` that lie against it.
+// Returns the exact overlap of a face with the faces of `other` that lie against it.
 ContactPatch FindContact(const EvaluatedPart& part, int face, const EvaluatedPart& other);
 
-// The least distance by which one of two parts must be moved so that their interiors are apart; 0
-// if they are. Exact for convex parts; for others, of the deepest pair of convex pieces. m.
+// Returns the least distance by which one of two parts must be moved so that their interiors are
+// apart; 0 if they are. Exact for convex parts; for others, of the deepest pair of convex pieces.
+// m.
 double PenetrationDepth(const EvaluatedPart& a, const EvaluatedPart& b);
 
 // As PenetrationDepth, between two pegs as 12-sided prisms around their cylinders.

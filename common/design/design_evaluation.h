@@ -10,20 +10,20 @@
 
 namespace mortise::parametric {
 
-// The part of this index. INVALID_ARGUMENT naming the expression that fails, or the extent or
-// outline that is no shape.
+// Returns the part of this index. INVALID_ARGUMENT naming the expression that fails, or the extent
+// or outline that is no shape.
 absl::StatusOr<EvaluatedPart> EvaluatePart(const CompiledTemplate& compiled, std::size_t part,
                                            const Eigen::VectorXd& q);
 
 inline constexpr int kMaxRow = 200;  // pegs of a connection
 
-// The pegs of the connection of this index, for parts already evaluated. INVALID_ARGUMENT naming
-// the connection if the parts do not touch, or its spacing if that makes more than kMaxRow.
+// Returns the pegs of the connection of this index, for parts already evaluated. INVALID_ARGUMENT
+// naming the connection if the parts do not touch, or its spacing if that makes more than kMaxRow.
 absl::StatusOr<std::vector<EvaluatedConnector>> EvaluateConnection(
     const CompiledTemplate& compiled, std::size_t connection,
     const std::vector<EvaluatedPart>& parts);
 
-// The volume of the part of this index, m³, with its gradient.
+// Returns the volume of the part of this index, m³, with its gradient.
 absl::StatusOr<Dual> EvaluateVolume(const CompiledPart& part, const Eigen::VectorXd& q);
 
 }  // namespace mortise::parametric

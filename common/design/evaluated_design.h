@@ -88,10 +88,10 @@ struct EvaluatedDesign {
   std::optional<Structure> structure = {};           // missing of what was written without it
 };
 
-// Index of the part of this name; -1 if there is none.
+// Returns the index of the part of this name; -1 if there is none.
 int FindPart(const EvaluatedDesign& design, const std::string& name);
 
-// The point with coordinate `along` on `axis` and (u, v) in the plane across it.
+// Returns the point with coordinate `along` on `axis` and (u, v) in the plane across it.
 Eigen::Vector3d FromPrismAxes(Axis axis, double u, double v, double along);
 
 }  // namespace mortise::parametric

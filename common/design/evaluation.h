@@ -44,15 +44,16 @@ class TemplateFunction {
   const TemplateBundle& bundle() const;
   const std::vector<Parameter>& parameters() const;
 
-  // The default of every parameter.
+  // Returns the default of every parameter.
   Eigen::VectorXd Defaults() const;
 
-  // The parameter vector with `values` where given and defaults elsewhere. INVALID_ARGUMENT naming
-  // "parameters[i]" for an unknown or repeated name, a value that is not finite or out of range
-  // (by more than 1e-9 of the range).
+  // Returns the parameter vector with `values` where given and defaults elsewhere. INVALID_ARGUMENT
+  // naming "parameters[i]" for an unknown or repeated name, a value that is not finite or out of
+  // range (by more than 1e-9 of the range).
   absl::StatusOr<Eigen::VectorXd> Complete(const std::vector<NamedValue>& values) const;
 
-  // `q` rounded to each parameter's step, what a workshop can set, and kept within the range.
+  // Returns `q` rounded to each parameter's step, what a workshop can set, and kept within the
+  // range.
   Eigen::VectorXd RoundToSteps(const Eigen::VectorXd& q) const;
 
   // F(q). INVALID_ARGUMENT naming "parameters[i].value" for a wrong count, a value out of range or
@@ -60,8 +61,8 @@ class TemplateFunction {
   // is not a counter-clockwise simple polygon, or a connection's parts do not touch.
   absl::StatusOr<EvaluatedDesign> Evaluate(const Eigen::VectorXd& q) const;
 
-  // Volume and mass at `q` with exact gradients; fails as Evaluate does for wrong values and
-  // expressions. It does not look at shapes and contacts, and is several times faster.
+  // Returns the volume and mass at `q` with exact gradients; fails as Evaluate does for wrong
+  // values and expressions. It does not look at shapes and contacts, and is several times faster.
   absl::StatusOr<MassProperties> EvaluateMass(const Eigen::VectorXd& q) const;
 
  private:
@@ -69,7 +70,7 @@ class TemplateFunction {
   std::shared_ptr<const CompiledTemplate> compiled_;
 };
 
-// The surface of one part: closed, conforming, outward.
+// Returns the surface of one part: closed, conforming, outward.
 mesh::SurfaceMesh PartSurface(const EvaluatedPart& part);
 
 }  // namespace mortise::parametric

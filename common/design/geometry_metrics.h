@@ -40,8 +40,8 @@ class GeometryMetrics {
   // they are shown.
   static const std::vector<MetricDescription>& Offered();
 
-  // The value of an offered metric. FAILED_PRECONDITION, SINKS, for those of what floats where it
-  // does not; INVALID_ARGUMENT for what is not offered.
+  // Returns the value of an offered metric. FAILED_PRECONDITION, SINKS, for those of what floats
+  // where it does not; INVALID_ARGUMENT for what is not offered.
   //
   // Mass, centre and inertia are of each part's surface with a density that gives it the mass of
   // its exact volume: exact for polyhedra; else centre and inertia have the error of the surface's

@@ -12,16 +12,16 @@
 
 namespace mortise::parametric {
 
-// The default of every parameter.
+// Returns the default of every parameter.
 Eigen::VectorXd Defaults(const std::vector<Parameter>& parameters);
 
-// The parameter vector with `values` where given and defaults elsewhere. INVALID_ARGUMENT naming
-// "parameters[i]" for an unknown or repeated name, a value that is not finite or out of range
-// (by more than 1e-9 of the range).
+// Returns the parameter vector with `values` where given and defaults elsewhere. INVALID_ARGUMENT
+// naming "parameters[i]" for an unknown or repeated name, a value that is not finite or out of
+// range (by more than 1e-9 of the range).
 absl::StatusOr<Eigen::VectorXd> Complete(const std::vector<Parameter>& parameters,
                                          const std::vector<NamedValue>& values);
 
-// `q` rounded to each parameter's step, what a workshop can set, and kept within the range.
+// Returns `q` rounded to each parameter's step, what a workshop can set, and kept within the range.
 Eigen::VectorXd RoundToSteps(const std::vector<Parameter>& parameters, const Eigen::VectorXd& q);
 
 // Whether `value` may be given to the parameter; otherwise INVALID_ARGUMENT naming `field`.
@@ -32,20 +32,21 @@ absl::Status CheckParameterValue(const Parameter& parameter, double value,
 absl::Status CheckParameterValues(const std::vector<Parameter>& parameters,
                                   const Eigen::VectorXd& q);
 
-// Every parameter out of its range, "parameters[i]"; or that there are too many or few of them.
+// Returns every parameter out of its range, "parameters[i]"; or that there are too many or few of
+// them.
 std::vector<FieldViolation> CheckRanges(const std::vector<Parameter>& parameters,
                                         const Eigen::Ref<const Eigen::VectorXd>& q);
 
-// Where a design is tried before it is accepted: the defaults first, so that what is wrong there is
-// said of them; every corner of the parameter box, or the ends of single parameters where there are
-// more than 6; and `random` points, always the same.
+// Returns where a design is tried before it is accepted: the defaults first, so that what is wrong
+// there is said of them; every corner of the parameter box, or the ends of single parameters where
+// there are more than 6; and `random` points, always the same.
 std::vector<Eigen::VectorXd> TrialPoints(const std::vector<Parameter>& parameters, int random);
 
 // "length = 0.2, width = 0.1", for people. `q` has one entry a parameter.
 std::string ToText(const std::vector<Parameter>& parameters,
                    const Eigen::Ref<const Eigen::VectorXd>& q);
 
-// The names with their values, in order. `q` has one entry a parameter.
+// Returns the names with their values, in order. `q` has one entry a parameter.
 std::vector<NamedValue> NamedValues(const std::vector<Parameter>& parameters,
                                     const Eigen::VectorXd& q);
 

@@ -8,7 +8,7 @@
 
 namespace mortise::parametric {
 
-// The shape of a part that is a prism, named as the part. Faces keep their names.
+// Returns the shape of a part that is a prism, named as the part. Faces keep their names.
 mesh::PartShape PartShapeOf(const EvaluatedPart& part);
 
 // Those of all parts, in order.

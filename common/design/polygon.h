@@ -22,11 +22,11 @@ bool IsConvex(const Eigen::Matrix2Xd& polygon);
 // indices that use every corner. O(N²).
 std::vector<std::array<int, 3>> Triangulate(const Eigen::Matrix2Xd& polygon);
 
-// The polygon itself if it is convex, its triangles otherwise.
+// Returns the polygon itself if it is convex, its triangles otherwise.
 std::vector<Eigen::Matrix2Xd> ConvexPieces(const Eigen::Matrix2Xd& polygon);
 
-// The overlap of two simple polygons as disjoint convex pieces, leaving out pieces that are thinner
-// than `tolerance` (area at most tolerance × longest extent). m.
+// Returns the overlap of two simple polygons as disjoint convex pieces, leaving out pieces that are
+// thinner than `tolerance` (area at most tolerance × longest extent). m.
 std::vector<Eigen::Matrix2Xd> Intersect(const Eigen::Matrix2Xd& a, const Eigen::Matrix2Xd& b,
                                         double tolerance);
 

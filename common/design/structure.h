@@ -24,8 +24,8 @@ struct Structure {
   friend bool operator==(const Structure&, const Structure&) = default;
 };
 
-// What tells structures of one template apart in records and caches: SHA-256, the same for the same
-// structure on any machine.
+// Returns what tells structures of one template apart in records and caches: SHA-256, the same for
+// the same structure on any machine.
 std::string KeyOf(const Structure& structure);
 
 // For people: "shelf 1: 6, screw left 1: 2 × 6"; "always the same" where nothing is counted.

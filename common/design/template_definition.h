@@ -232,7 +232,7 @@ struct TemplateBundle {
   std::vector<Material> materials;
 };
 
-// The item or material of this resource name; null if it is not there.
+// Returns the item or material of this resource name; null if it is not there.
 const Item* FindItem(const std::vector<Item>& items, const std::string& name);
 const Material* FindMaterial(const std::vector<Material>& materials, const std::string& name);
 

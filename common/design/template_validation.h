@@ -14,11 +14,11 @@ namespace mortise::parametric {
 // Ranges, units and names of a material.
 std::vector<FieldViolation> ValidateMaterial(const Material& material);
 
-// An item by itself: names, prices, dates, dimensions and their ranges. `materials` are those
-// known.
+// Checks an item by itself: names, prices, dates, dimensions and their ranges. `materials` are
+// those known.
 std::vector<FieldViolation> ValidateItem(const Item& item, const std::vector<Material>& materials);
 
-// A template with the items and materials it may use. Checks names and references, ranges,
+// Checks a template with the items and materials it may use: names and references, ranges,
 // expressions; then, at the defaults, at every corner of the parameter box (the ends of single
 // parameters where there are more than 6) and at random points (always the same), that parts have
 // positive extents and simple outlines, agree with the dimensions of their items, do not penetrate

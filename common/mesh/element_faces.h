@@ -30,11 +30,11 @@ class ElementFaces {
  public:
   explicit ElementFaces(const TetrahedralMesh& mesh);
 
-  // The triangle with these corners as the element of `part` sees it: outward of that element.
-  // Absent if no element of the part has it.
+  // Returns the triangle with these corners as the element of `part` sees it: outward of that
+  // element. Absent if no element of the part has it.
   std::optional<Eigen::Vector3i> FaceSeenFrom(const Eigen::Vector3i& corners, int part) const;
 
-  // Faces that only one element has.
+  // Returns the faces that only one element has.
   std::vector<ElementFace> Outer() const;
 
  private:

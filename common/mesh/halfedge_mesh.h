@@ -50,15 +50,15 @@ class CutSurface {
 
   const HalfedgeMesh& mesh() const { return mesh_; }
 
-  // The surface's edges by `low`, then `high`. One that is joined is the edge `first` of the mesh;
-  // another was cut into as many edges as it has triangles, from `first` on, each with its triangle
-  // at its half-edge 0.
+  // Returns the surface's edges by `low`, then `high`. One that is joined is the edge `first` of
+  // the mesh; another was cut into as many edges as it has triangles, from `first` on, each with
+  // its triangle at its half-edge 0.
   const std::vector<SurfaceEdge>& edges() const { return edges_; }
 
-  // The i-th of the triangles at one of the edges.
+  // Returns the i-th of the triangles at one of the edges.
   int TriangleAt(const SurfaceEdge& edge, int i) const;
 
-  // The surface's vertex that a half-edge leaves.
+  // Returns the surface's vertex that a half-edge leaves.
   int CornerOf(OpenMesh::HalfedgeHandle halfedge) const {
     return origin_[static_cast<std::size_t>(mesh_.from_vertex_handle(halfedge).idx())];
   }
@@ -76,14 +76,15 @@ class CutSurface {
   std::vector<int> origin_;
 };
 
-// An oriented 2-manifold, closed or with borders, as a half-edge mesh; triangles and vertices keep
-// their order and the triangles their first corners. INVALID_ARGUMENT, "surface", with the places
-// of the first faults: indices of no vertex, numbers that are not finite, triangles that name a
-// vertex twice, edges with more than two triangles, neighbours that face opposite ways, and
+// Makes an oriented 2-manifold, closed or with borders, a half-edge mesh; triangles and vertices
+// keep their order and the triangles their first corners. INVALID_ARGUMENT, "surface", with the
+// places of the first faults: indices of no vertex, numbers that are not finite, triangles that
+// name a vertex twice, edges with more than two triangles, neighbours that face opposite ways, and
 // vertices where several fans of triangles meet.
 absl::StatusOr<HalfedgeMesh> ToHalfedgeMesh(const SurfaceMesh& surface);
 
-// The vertices and triangles of a mesh that has no deleted ones, in their order, to the bit.
+// Returns the vertices and triangles of a mesh that has no deleted ones, in their order, to the
+// bit.
 SurfaceMesh ToSurfaceMesh(const HalfedgeMesh& mesh);
 
 }  // namespace mortise::mesh

@@ -24,12 +24,12 @@ MassProperties ComputeMassProperties(const SurfaceMesh& surface);
 // nodes of quadratic ones are taken to lie on the middles of the edges.
 MassProperties ComputeMassProperties(const TetrahedralMesh& mesh, int part = -1);
 
-// Properties of several bodies of densities `densities` taken together; `volume` is then the mass
-// (kg) and `inertia` is in kg m².
+// Returns the properties of several bodies of densities `densities` taken together; `volume` is
+// then the mass (kg) and `inertia` is in kg m².
 MassProperties Combine(const std::vector<MassProperties>& bodies,
                        const std::vector<double>& densities);
 
-// Area of a surface, m².
+// Returns the area of a surface, m².
 double SurfaceArea(const SurfaceMesh& surface);
 
 }  // namespace mortise::mesh

@@ -14,10 +14,10 @@ class PointMerger {
  public:
   explicit PointMerger(double tolerance) : tolerance_(tolerance) {}
 
-  // The index of `point`, which becomes a new one if none is near.
+  // Returns the index of `point`, which becomes a new one if none is near.
   int IndexOf(const Eigen::Vector3d& point);
 
-  // All points so far, 3 × N.
+  // Returns all points so far, 3 × N.
   Eigen::Matrix3Xd Points() const;
 
  private:

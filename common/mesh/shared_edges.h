@@ -17,7 +17,7 @@ struct SharedEdge {
   int second = -1;
 };
 
-// All edges of a closed surface, by `low`, then `high`. O(T log T) for T triangles.
+// Returns all edges of a closed surface, by `low`, then `high`. O(T log T) for T triangles.
 std::vector<SharedEdge> SharedEdges(const Eigen::Matrix3Xi& triangles);
 
 // rad, more than between triangles side by side in one curved face that the CAD kernel drew.
@@ -29,7 +29,7 @@ std::vector<std::vector<int>> ConnectedTriangles(Eigen::Index triangles,
                                                  const std::vector<SharedEdge>& edges,
                                                  absl::FunctionRef<bool(const SharedEdge&)> joins);
 
-// Outward normals of length 1, 3 × T; zero where a triangle has no area.
+// Returns the outward normals of length 1, 3 × T; zero where a triangle has no area.
 Eigen::Matrix3Xd TriangleNormals(const Eigen::Matrix3Xd& vertices,
                                  const Eigen::Matrix3Xi& triangles);
 

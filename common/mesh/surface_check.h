@@ -30,19 +30,20 @@ struct SurfaceFault {
   std::string message;                              // for people, with the place in millimetres
 };
 
-// All faults of a surface, at most `limit`; empty for a closed, oriented 2-manifold of positive
-// volume, which may meet itself in single vertices. (Self-intersections are searched by
+// Returns all faults of a surface, at most `limit`; empty for a closed, oriented 2-manifold of
+// positive volume, which may meet itself in single vertices. (Self-intersections are searched by
 // FindIntersections.)
 std::vector<SurfaceFault> CheckSurface(const SurfaceMesh& surface, int limit = 20);
 
-// The first fault of indices and coordinates, on which all else relies; empty if there is none.
+// Returns the first fault of indices and coordinates, on which all else relies; empty if there is
+// none.
 std::vector<SurfaceFault> CheckNumbers(const Eigen::Matrix3Xd& vertices,
                                        const Eigen::Matrix3Xi& triangles);
 
-// What is wrong at an edge; nothing if two triangles run along it, once either way.
+// Returns what is wrong at an edge; nothing if two triangles run along it, once either way.
 std::optional<SurfaceFault> FaultAt(const SurfaceEdge& edge, const Eigen::Matrix3Xd& vertices);
 
-// A fault with its place: "what at (1, 2, 3) mm".
+// Returns a fault with its place: "what at (1, 2, 3) mm".
 SurfaceFault FaultAt(SurfaceFault::Kind kind, const Eigen::Vector3d& place,
                      const std::string& what);
 
@@ -63,13 +64,14 @@ struct Intersection {
   Eigen::Vector3d place = Eigen::Vector3d::Zero();  // m, a point of both
 };
 
-// Pairs of triangles that meet anywhere but in a shared vertex or edge, at most `limit`. Works on
-// vertices and triangles of any surface, so also on a whole assembly. A sweep over bounding boxes:
-// about O(T log T) for ordinary surfaces.
+// Returns pairs of triangles that meet anywhere but in a shared vertex or edge, at most `limit`.
+// Works on vertices and triangles of any surface, so also on a whole assembly. A sweep over
+// bounding boxes: about O(T log T) for ordinary surfaces.
 std::vector<Intersection> FindIntersections(const Eigen::Matrix3Xd& vertices,
                                             const Eigen::Matrix3Xi& triangles, int limit = 1);
 
-// The closed surface of one part of an assembly, normals outward; vertices are those it uses.
+// Returns the closed surface of one part of an assembly, normals outward; vertices are those it
+// uses.
 SurfaceMesh PartSurface(const AssemblySurface& assembly, int part);
 
 // OK if `assembly` can be meshed: sizes agree, every part is watertight and its interior point lies
@@ -77,8 +79,8 @@ SurfaceMesh PartSurface(const AssemblySurface& assembly, int part);
 // in words, the part and the place of the first fault.
 absl::Status CheckAssembly(const AssemblySurface& assembly);
 
-// How often the surface winds round `point`: 1 inside, 0 outside of a closed oriented surface
-// (generalised winding number: the sum of signed solid angles over 4π).
+// Returns how often the surface winds round `point`: 1 inside, 0 outside of a closed oriented
+// surface (generalised winding number: the sum of signed solid angles over 4π).
 double WindingNumber(const SurfaceMesh& surface, const Eigen::Vector3d& point);
 
 }  // namespace mortise::mesh

@@ -26,8 +26,8 @@ struct TetrahedralMesh {
   bool IsQuadratic() const { return tetrahedra.rows() == 10; }
 };
 
-// The same mesh with 10-node elements: a node in the middle of every edge. Quadratic meshes are
-// returned as they are.
+// Returns the same mesh with 10-node elements: a node in the middle of every edge. Quadratic meshes
+// are returned as they are.
 TetrahedralMesh MakeQuadratic(TetrahedralMesh mesh);
 
 }  // namespace mortise::mesh

@@ -28,9 +28,9 @@ struct AssemblyTemplate {
   std::string reference_temperature;  // expression, K; empty if there is no thermal stress
 };
 
-// Handles for sizes that can be chosen independently of each other and say all that sizes say: of
-// the principal elements, the largest first, each that those before leave open. Parameters are
-// named "<element>_<x, y or z>" in the letters of identifiers. No more than `limit`.
+// Returns handles for sizes that can be chosen independently of each other and say all that sizes
+// say: of the principal elements, the largest first, each that those before leave open. Parameters
+// are named "<element>_<x, y or z>" in the letters of identifiers. No more than `limit`.
 absl::StatusOr<std::vector<AssemblyHandle>> IndependentSizes(
     const parametric::ParametricAssembly& assembly, std::size_t limit);
 

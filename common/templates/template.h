@@ -53,8 +53,8 @@ class Template {
   // assembly cannot have all these sizes at once.
   absl::StatusOr<parametric::EvaluatedDesign> Evaluate(const Eigen::VectorXd& q) const;
 
-  // What is counted of the design at q, as Evaluate tells it, without the time that its shapes
-  // take: of an assembly how many parts each row of it has, of a list of features how many
+  // Returns what is counted of the design at q, as Evaluate tells it, without the time that its
+  // shapes take: of an assembly how many parts each row of it has, of a list of features how many
   // instances each pattern and how many corners each polygon. Designs of one revision with the same
   // structure have the same parts, by number and name; those of assemblies, parts and cages also
   // the same vertices and triangles, part by part. A solid of features is meshed anew each time,
@@ -62,10 +62,10 @@ class Template {
   // the kernel finds cannot be made.
   absl::StatusOr<parametric::Structure> StructureAt(const Eigen::VectorXd& q) const;
 
-  // The boundary representation of each part of the design at q, in the order of Evaluate's parts.
-  // A mesh in a cage has a plane for each of its triangles that lie in one. Fails as Evaluate;
-  // FAILED_PRECONDITION, NO_SOLID, where a mesh in a cage bounds several solids, or none that the
-  // kernel can have.
+  // Returns the boundary representation of each part of the design at q, in the order of Evaluate's
+  // parts. A mesh in a cage has a plane for each of its triangles that lie in one. Fails as
+  // Evaluate; FAILED_PRECONDITION, NO_SOLID, where a mesh in a cage bounds several solids, or none
+  // that the kernel can have.
   absl::StatusOr<std::vector<cad::Solid>> Solids(const Eigen::VectorXd& q) const;
 
   // Whether the solids' surfaces are those that were designed, and not the triangles of a mesh. Of
@@ -83,11 +83,11 @@ class Template {
   // Whether Mass can be asked for.
   virtual bool OffersMassGradient() const { return false; }
 
-  // Volume and mass at q with exact gradients. Fails as Evaluate; FAILED_PRECONDITION where there
-  // are no gradients.
+  // Returns the volume and mass at q with exact gradients. Fails as Evaluate; FAILED_PRECONDITION
+  // where there are no gradients.
   virtual absl::StatusOr<parametric::MassProperties> Mass(const Eigen::VectorXd& q) const;
 
-  // An estimate of the memory that it takes, bytes, for those who keep templates for reuse.
+  // Returns an estimate of the memory that it takes, bytes, for those who keep templates for reuse.
   virtual std::size_t MemoryUse() const;
 
  protected:
@@ -106,7 +106,7 @@ class Template {
   const TemplateHead head_;
 };
 
-// The prisms of a design as solids, in order. INVALID_ARGUMENT as cad::Solid::FromPart.
+// Returns the prisms of a design as solids, in order. INVALID_ARGUMENT as cad::Solid::FromPart.
 absl::StatusOr<std::vector<cad::Solid>> SolidsOf(const parametric::EvaluatedDesign& design);
 
 }  // namespace mortise::templates

@@ -22,10 +22,10 @@ using Parametrize = std::function<absl::StatusOr<Parametrization>(
     const v1::AssemblyBundle& bundle, const std::function<bool()>& is_given_up,
     const std::string& group)>;
 
-// A completed bundle, ready for evaluation. INVALID_ARGUMENT naming all fields at fault, as the
-// template's message has them ("parts[2].item", "cad.features[3].fillet.radius",
-// "assembly.group", "assembly.handles[0].measure"); FAILED_PRECONDITION as
-// ParametricAssembly::Create. Takes up to seconds for assemblies of hundreds of parts.
+// Compiles a completed bundle for evaluation. INVALID_ARGUMENT naming all fields at fault, as the
+// template's message has them ("parts[2].item", "cad.features[3].fillet.radius", "assembly.group",
+// "assembly.handles[0].measure"); FAILED_PRECONDITION as ParametricAssembly::Create. Takes up to
+// seconds for assemblies of hundreds of parts.
 absl::StatusOr<std::shared_ptr<const Template>> Compile(
     const v1::TemplateBundle& bundle, const Parametrize& parametrize = parametric::Parametrize);
 
@@ -45,7 +45,7 @@ absl::Status Complete(
     const std::function<bool()>& is_given_up = [] { return false; },
     const Parametrize& parametrize = parametric::Parametrize);
 
-// What a template names itself, not what its assembly does: items/{id}, materials/{id}.
+// Returns what a template names itself, not what its assembly does: items/{id}, materials/{id}.
 std::set<std::string> ItemsOf(const v1::Template& message);
 std::set<std::string> MaterialsOf(const v1::Template& message);
 

@@ -11,10 +11,10 @@
 
 namespace mortise::cad {
 
-// Points within an edge or face, several in each stretch of one formula, so that no bend is between
-// them; none where the ends say all of an edge and the edges all of a face: if it is straight or
-// plane. Nothing, if these are more than `most`, or if a face is so narrow that none is found in
-// it. Throw Standard_Failure.
+// Returns points within an edge or face, several in each stretch of one formula, so that no bend is
+// between them; none where the ends say all of an edge and the edges all of a face: if it is
+// straight or plane. Nothing, if these are more than `most`, or if a face is so narrow that none is
+// found in it. Throw Standard_Failure.
 std::optional<std::vector<gp_Pnt>> PointsWithin(const TopoDS_Edge& edge, std::size_t most);
 std::optional<std::vector<gp_Pnt>> PointsWithin(const TopoDS_Face& face, std::size_t most);
 

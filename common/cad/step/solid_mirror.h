@@ -8,11 +8,11 @@
 
 namespace mortise::cad {
 
-// The solid `scale` times as large, from the origin, and if asked for mirrored across the plane
-// z = 0. Throws Standard_Failure.
+// Returns the solid `scale` times as large, from the origin, and if asked for mirrored across the
+// plane z = 0. Throws Standard_Failure.
 TopoDS_Shape DistortedSolid(const TopoDS_Shape& solid, double scale, bool mirrored);
 
-// The mirror that makes the solid of itself, as most screws and boards have one: places of
+// Returns the mirror that makes the solid of itself, as most screws and boards have one: places of
 // vertices, edges and faces, points within these, their sizes and the moments of inertia agree to a
 // millionth of the size. Looks at planes through the centre of mass across the axes of the frame
 // and of inertia, and through vertices and those or middles of edges. Nothing where that is in

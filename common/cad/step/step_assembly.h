@@ -72,15 +72,15 @@ struct StepAssembly {
   std::vector<std::string> notes;        // what was changed or left out, for people
 };
 
-// The names of the groups above a part or leaf, and its own: "frame/left/post 1".
+// Returns the names of the groups above a part or leaf, and its own: "frame/left/post 1".
 std::string PathOf(const StepAssembly& assembly, int group, const std::string& name);
 
 // From a group's frame to the assembly's.
 Eigen::Isometry3d PlacementOf(const StepAssembly& assembly, int group);
 
-// One name for each of `names`, all of them distinct, in one line and of at most 63 bytes. Names
-// that occur once stay as they are; the others are counted: "post 1", "post 2" … Empty ones are
-// called `nameless`.
+// Returns one name for each of `names`, all of them distinct, in one line and of at most 63 bytes.
+// Names that occur once stay as they are; the others are counted: "post 1", "post 2" … Empty ones
+// are called `nameless`.
 std::vector<std::string> DistinctNames(const std::vector<std::string>& names,
                                        const std::string& nameless);
 

@@ -16,7 +16,7 @@ std::mutex& StepTranslatorMutex();
 // An empty document for assemblies with names and colours.
 Handle(TDocStd_Document) NewStepDocument();
 
-// The name of a label; empty if it has none.
+// Returns the name of a label; empty if it has none.
 std::string NameOf(const TDF_Label& label);
 void SetName(const TDF_Label& label, const std::string& name);
 

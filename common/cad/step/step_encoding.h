@@ -14,7 +14,7 @@ struct StepText {
   std::vector<std::string> notes;  // what was taken for what, for people
 };
 
-// The text without a mark of its encoding. Names escaped as the standard has it (\X\E4,
+// Returns the text without a mark of its encoding. Names escaped as the standard has it (\X\E4,
 // \X2\00E4\X0\, \X4\…\X0\, \S\d) are decoded. Names that are neither ASCII nor UTF-8 are taken for
 // GB18030 if most of their signs are common Chinese ones, or else for Latin-1 (as Windows has it),
 // with a note.

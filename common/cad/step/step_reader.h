@@ -16,9 +16,9 @@ inline constexpr std::size_t kMaxStepBytes = std::size_t{64} << 20;
 // Called with what is wrong with entities of the file, "#12: …", before their shapes are made.
 using StepFaultsSeen = std::function<void(const std::vector<std::string>&)>;
 
-// The assembly in `bytes`, in metres whatever the file's unit. Every solid is a part, also where a
-// product has several; several roots stand in one. Names that the file has more than once are
-// counted (DistinctNames); a part is called as its occurrence is, or else as its product.
+// Returns the assembly in `bytes`, in metres whatever the file's unit. Every solid is a part, also
+// where a product has several; several roots stand in one. Names that the file has more than once
+// are counted (DistinctNames); a part is called as its occurrence is, or else as its product.
 //
 // INVALID_ARGUMENT, "step": not STEP, cut off, entities that are referred to and not there
 // (step_references.h), nothing solid in it, parts in other files,

@@ -17,9 +17,9 @@ struct MissingEntity {
   bool operator==(const MissingEntity&) const = default;
 };
 
-// Each missing entity once, in the order of their numbers; at most `limit` of them. All data
-// sections count together, as they may refer to each other. Reads any bytes; O(n log n) in the size
-// of the text, with 8 bytes of memory an entity.
+// Returns each missing entity once, in the order of their numbers; at most `limit` of them. All
+// data sections count together, as they may refer to each other. Reads any bytes; O(n log n) in the
+// size of the text, with 8 bytes of memory an entity.
 std::vector<MissingEntity> MissingEntities(std::string_view text, std::size_t limit);
 
 }  // namespace mortise::cad

@@ -9,9 +9,9 @@
 
 namespace mortise::cad {
 
-// What is wrong with statements of the data section, "#12, line 40: …", in the order of the text;
-// at most `limit`:
-//  - numbers that are none (NAN, 1.#INF, 1.2.3) or no finite ones (1E400), or larger than anything
+// Returns what is wrong with statements of the data section, "#12, line 40: …", in the order of the
+// text; at most `limit`: - numbers that are none (NAN, 1.#INF, 1.2.3) or no finite ones (1E400), or
+// larger than anything
 //    that is drawn;
 //  - points and directions of more than three numbers, as decimal commas make them;
 //  - entities that refer to themselves, or that are defined twice, differently;

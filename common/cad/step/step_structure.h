@@ -13,12 +13,12 @@ namespace mortise::cad {
 
 inline constexpr int kMaxStepParts = 2000;  // as many as an assembly may have
 
-// The name of the product that is defined, or else its id; empty if it has neither.
+// Returns the name of the product that is defined, or else its id; empty if it has neither.
 std::string ProductName(const Handle(StepBasic_ProductDefinition) & definition);
 
-// What entities of the file are wrong, "#12: …", the first 20 of them, and how many more there are;
-// or, if there are any of types that the kernel does not know, which types. The kernel may read the
-// rest, or fall over them.
+// Returns what entities of the file are wrong, "#12: …", the first 20 of them, and how many more
+// there are; or, if there are any of types that the kernel does not know, which types. The kernel
+// may read the rest, or fall over them.
 std::vector<std::string> EntityFaults(STEPCAFControl_Reader& reader);
 
 // Makes the kernel keep names in which nothing is ASCII, such as "棚": it takes them for empty and

@@ -44,7 +44,8 @@ class StepTokens {
   std::size_t at_ = 0;
 };
 
-// The number in "#12", the largest there is for any that is larger; nothing else may stand in it.
+// Returns the number in "#12", the largest there is for any that is larger; nothing else may stand
+// in it.
 std::uint64_t NumberOf(const StepToken& reference);
 
 // 1 for the first line.

@@ -12,10 +12,10 @@ namespace mortise::cad {
 
 enum class StepUnit { kMillimetre, kMetre, kInch };
 
-// The bytes of a STEP file (AP242 DIS): each group a sub-assembly, each product a shape that is
-// written once, each part an occurrence of it with its name, place and colour. Of the parts, only
-// name, group, product, placement and colour count. Lengths are in millimetres, as workshops
-// expect, unless another unit is asked for; the file says which. INVALID_ARGUMENT naming
+// Returns the bytes of a STEP file (AP242 DIS): each group a sub-assembly, each product a shape
+// that is written once, each part an occurrence of it with its name, place and colour. Of the
+// parts, only name, group, product, placement and colour count. Lengths are in millimetres, as
+// workshops expect, unless another unit is asked for; the file says which. INVALID_ARGUMENT naming
 // "parts[i].product" where a product has no solid; FAILED_PRECONDITION, NO_STEP, for one that
 // readers would take for another solid, as a ball that is stretched unevenly may be; INTERNAL if
 // the kernel fails.
@@ -28,7 +28,7 @@ struct AssemblyPart {
   Eigen::Vector3d color = Eigen::Vector3d(0.8, 0.8, 0.8);  // linear red, green, blue in 0 … 1
 };
 
-// An assembly without sub-assemblies, one product a part.
+// Writes an assembly without sub-assemblies, one product a part.
 absl::StatusOr<std::string> WriteStep(const std::string& assembly_name,
                                       const std::vector<AssemblyPart>& parts);
 

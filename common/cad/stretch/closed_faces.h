@@ -10,9 +10,9 @@ bool HasClosedFaces(const TopoDS_Shape& solid);
 
 inline constexpr int kWaysToCutOpen = 4;
 
-// The solid with such faces in pieces that do not close; the cuts lie elsewhere for each `way`, 0
-// to kWaysToCutOpen - 1, as one that runs along or through an edge may fail. Whether what comes out
-// is valid is not looked at; null if the kernel fails. May throw Standard_Failure.
+// Returns the solid with such faces in pieces that do not close; the cuts lie elsewhere for each
+// `way`, 0 to kWaysToCutOpen - 1, as one that runs along or through an edge may fail. Whether what
+// comes out is valid is not looked at; null if the kernel fails. May throw Standard_Failure.
 TopoDS_Shape CutOpen(const TopoDS_Shape& solid, int way);
 
 }  // namespace mortise::cad

@@ -10,8 +10,8 @@
 
 namespace mortise::cad {
 
-// The shape of `solid` turned by `rotation`: triangles and exact surfaces. `minimum` and `maximum`:
-// the corners, m, of the box of the solid so turned.
+// Returns the shape of `solid` turned by `rotation`: triangles and exact surfaces. `minimum` and
+// `maximum`: the corners, m, of the box of the solid so turned.
 //
 // INVALID_ARGUMENT, "shape": the kernel cannot triangulate or stretch it, or as
 // mesh::MakeDrawnShape.
@@ -19,17 +19,17 @@ absl::StatusOr<mesh::DrawnShape> ShapeOfSolid(const Solid& solid, const Eigen::M
                                               const Eigen::Vector3d& minimum,
                                               const Eigen::Vector3d& maximum);
 
-// The shape stretched into a box with the lower corner at the origin. Exact surfaces are stretched
-// exactly: flat faces stay planes, and cylinders and cones stay such where their section is not
-// stretched differently, as bores do between levels at their sides (StretchSolid). A shape of
-// triangles only has a plane for each. Levels divide the shape (mesh::ShapeLevel), and its
+// Returns the shape stretched into a box with the lower corner at the origin. Exact surfaces are
+// stretched exactly: flat faces stay planes, and cylinders and cones stay such where their section
+// is not stretched differently, as bores do between levels at their sides (StretchSolid). A shape
+// of triangles only has a plane for each. Levels divide the shape (mesh::ShapeLevel), and its
 // triangles are divided there (mesh::DividedAt).
 //
 // INVALID_ARGUMENT, "shape", if it cannot be made so, naming the faces at fault.
 absl::StatusOr<Solid> SolidOfShape(const mesh::DrawnShape& shape, const mesh::BoxStretch& stretch,
                                    const std::string& name);
 
-// The solid elsewhere, by `translation`, m.
+// Returns the solid elsewhere, by `translation`, m.
 Solid MovedSolid(const Solid& solid, const Eigen::Vector3d& translation);
 
 }  // namespace mortise::cad

@@ -21,7 +21,7 @@ namespace mortise::cad {
 // its form. Null where that is not so, or where the volume is not `volume`, m³, to 1e-2.
 TopoDS_Shape StretchSolid(const TopoDS_Shape& solid, const StretchMap& map, double volume);
 
-// What to say of a solid for which that is null: the faces that have no exact form.
+// Returns what to say of a solid for which that is null: the faces that have no exact form.
 std::string WhyNotStretched(const TopoDS_Shape& solid, const StretchMap& map);
 
 }  // namespace mortise::cad

@@ -43,9 +43,9 @@ struct FuseOptions {
   std::optional<double> element_size;
 };
 
-// The surface of `parts` together. Every AssemblyFace names the faces of the parts it is a piece
-// of. Triangles of a face between two parts point from the part of lower index into the other one;
-// those on the outside point outwards (front_part -1).
+// Returns the surface of `parts` together. Every AssemblyFace names the faces of the parts it is a
+// piece of. Triangles of a face between two parts point from the part of lower index into the other
+// one; those on the outside point outwards (front_part -1).
 //
 // INVALID_ARGUMENT naming "parts": parts that penetrate each other, with the names of the first
 // four pairs and how far; or "parts[i]": a part that touches itself. FAILED_PRECONDITION,
@@ -54,7 +54,7 @@ struct FuseOptions {
 absl::StatusOr<mesh::AssemblySurface> FuseAssembly(const std::vector<Solid>& parts,
                                                    const FuseOptions& options = {});
 
-// The same for prisms. INVALID_ARGUMENT naming "parts[i]" too where a shape is degenerate.
+// Returns the same for prisms. INVALID_ARGUMENT naming "parts[i]" too where a shape is degenerate.
 absl::StatusOr<mesh::AssemblySurface> FuseAssembly(const std::vector<mesh::PartShape>& parts);
 
 }  // namespace mortise::cad

@@ -7,13 +7,13 @@
 
 namespace mortise::cad {
 
-// The least radius of curvature, m, of each face, but for a twentieth of its area, at the middles
-// of its triangles, which it must have; infinite for planes.
+// Returns the least radius of curvature, m, of each face, but for a twentieth of its area, at the
+// middles of its triangles, which it must have; infinite for planes.
 std::vector<double> LeastRadii(const std::vector<TopoDS_Face>& faces);
 
-// The length of edges, m, on a face of this radius in a mesh of elements of `element_size`, m. A
-// surface turns by half a radian from one triangle to the next, or by a radian where it is so round
-// that elements would become much smaller than wanted.
+// Returns the length of edges, m, on a face of this radius in a mesh of elements of `element_size`,
+// m. A surface turns by half a radian from one triangle to the next, or by a radian where it is so
+// round that elements would become much smaller than wanted.
 double EdgeLength(double radius, double element_size);
 
 }  // namespace mortise::cad

@@ -24,9 +24,9 @@ class ExactMiddles {
   // the surface's vertex.
   void Add(const TopoDS_Face& face, const std::vector<int>& points);
 
-  // The places of a surface whose faces were added in order and whose vertices are on them; of one
-  // without curved faces nothing. The middle of a side for which no point is found is halfway
-  // between its ends.
+  // Returns the places of a surface whose faces were added in order and whose vertices are on them;
+  // of one without curved faces nothing. The middle of a side for which no point is found is
+  // halfway between its ends.
   std::optional<mesh::ExactPlaces> Find(const mesh::AssemblySurface& surface) const;
 
  private:

@@ -18,9 +18,9 @@ struct FaceGap {
   bool is_between = false;
 };
 
-// The gaps no wider than `reach`, or wider by no more than the two faces' triangles may miss
-// together. misses: m, of each face; 0 for planes. Where parts meet, faces that look the same way
-// are passed over: their triangles do not cross.
+// Returns the gaps no wider than `reach`, or wider by no more than the two faces' triangles may
+// miss together. misses: m, of each face; 0 for planes. Where parts meet, faces that look the same
+// way are passed over: their triangles do not cross.
 std::vector<FaceGap> FindGaps(const SolidFusion& fusion, double reach,
                               const std::vector<double>& misses);
 

@@ -103,7 +103,8 @@ absl::Status CheckModel(const mesh::TetrahedralMesh& mesh, const std::vector<Mat
 // or that is wholly covered by other parts, is not finite, or has the wrong number of temperatures.
 absl::Status CheckLoads(const mesh::TetrahedralMesh& mesh, const LoadCase& loads);
 
-// Indices of the face triangles that lie on `face`; with `free_only`, just those on the outside.
+// Returns the indices of the face triangles that lie on `face`; with `free_only`, just those on the
+// outside.
 std::vector<int> TrianglesOn(const mesh::TetrahedralMesh& mesh, const mesh::NamedFace& face,
                              bool free_only);
 

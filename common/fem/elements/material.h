@@ -52,25 +52,26 @@ absl::Status CheckMaterial(const Material& material, const std::string& field);
 // INVALID_ARGUMENT below `field` unless the material conducts heat in every direction.
 absl::Status CheckConductivity(const Material& material, const std::string& field);
 
-// The grain along `grain` and direction 2 as near to `radial` as a right angle allows: axes of an
-// orthotropy. Where the two are parallel, direction 2 is any direction across the grain.
+// Returns the grain along `grain` and direction 2 as near to `radial` as a right angle allows: axes
+// of an orthotropy. Where the two are parallel, direction 2 is any direction across the grain.
 Eigen::Matrix3d GrainAxes(const Eigen::Vector3d& grain, const Eigen::Vector3d& radial);
 
-// The stiffness D in space: stress = D · strain, Pa. The material has been checked.
+// Returns the stiffness D in space: stress = D · strain, Pa. The material has been checked.
 Matrix6d StiffnessMatrix(const Material& material);
 
-// The strain of a body that is free to expand, for each kelvin of warming.
+// Returns the strain of a body that is free to expand, for each kelvin of warming.
 Vector6d ThermalStrain(const Material& material);
 
 // Of materials that warmth strains nowhere, where thermal stress is computed: 0 is also what stands
 // where nobody knows. Empty if there are none.
 std::string NoteOnExpansion(const std::vector<Material>& materials);
 
-// The conductivity in space: heat flux = −k · gradient of temperature, W/(m K).
+// Returns the conductivity in space: heat flux = −k · gradient of temperature, W/(m K).
 Eigen::Matrix3d ConductivityMatrix(const Material& material);
 
-// The strain of a displacement whose derivatives by x, y and z are the columns of `gradient`: shear
-// strains twice the tensor's. Here, as it is needed for each integration point of each element.
+// Returns the strain of a displacement whose derivatives by x, y and z are the columns of
+// `gradient`: shear strains twice the tensor's. Here, as it is needed for each integration point of
+// each element.
 inline Vector6d StrainOf(const Eigen::Matrix3d& gradient) {
   Vector6d strain;
   strain << gradient(0, 0), gradient(1, 1), gradient(2, 2), gradient(0, 1) + gradient(1, 0),
@@ -81,10 +82,11 @@ inline Vector6d StrainOf(const Eigen::Matrix3d& gradient) {
 // xx yy zz xy yz xz as a symmetric matrix.
 Eigen::Matrix3d StressTensor(const Vector6d& stress);
 
-// The equivalent uniaxial stress √(½((σx−σy)²+(σy−σz)²+(σz−σx)²)+3(τxy²+τyz²+τxz²)), Pa.
+// Returns the equivalent uniaxial stress √(½((σx−σy)²+(σy−σz)²+(σz−σx)²)+3(τxy²+τyz²+τxz²)), Pa.
 double VonMises(const Vector6d& stress);
 
-// The largest principal stress, Pa: what pulls most, negative where all directions are pressed.
+// Returns the largest principal stress, Pa: what pulls most, negative where all directions are
+// pressed.
 double MaximumPrincipal(const Vector6d& stress);
 
 }  // namespace mortise::simulator

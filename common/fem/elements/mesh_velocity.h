@@ -27,9 +27,9 @@ struct FaceMotion {
   Eigen::Matrix3Xd end_velocity = {};
 };
 
-// Velocities of all nodes, 3 × nodes for each parameter. `motions`: of every face of every part.
-// FAILED_PRECONDITION, reason MESH_MOTION, where faces that share nodes move apart: parts that stop
-// touching, or touch otherwise; RESOURCE_EXHAUSTED beyond `memory_limit`, bytes.
+// Returns the velocities of all nodes, 3 × nodes for each parameter. `motions`: of every face of
+// every part. FAILED_PRECONDITION, reason MESH_MOTION, where faces that share nodes move apart:
+// parts that stop touching, or touch otherwise; RESOURCE_EXHAUSTED beyond `memory_limit`, bytes.
 absl::StatusOr<std::vector<Eigen::Matrix3Xd>> NodeVelocities(const mesh::TetrahedralMesh& mesh,
                                                              const std::vector<FaceMotion>& motions,
                                                              int parameters, double memory_limit);

@@ -14,8 +14,8 @@ struct LocatedPoint {
   Eigen::Vector4d barycentric = Eigen::Vector4d::Zero();
 };
 
-// The element that each point is deepest in; one that lies outside of the body by more than a
-// twentieth of an element has none: curved sides bulge. O(elements × points).
+// Returns the element that each point is deepest in; one that lies outside of the body by more than
+// a twentieth of an element has none: curved sides bulge. O(elements × points).
 std::vector<LocatedPoint> LocatePoints(const mesh::TetrahedralMesh& mesh,
                                        const std::vector<Eigen::Vector3d>& points);
 

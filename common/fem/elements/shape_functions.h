@@ -34,10 +34,10 @@ const std::vector<TetrahedronPoint>& TetrahedronRule(int degree);
 // Exact for polynomials of degree 4 (six points).
 const std::vector<TrianglePoint>& TriangleRule();
 
-// Values of the shape functions of a tetrahedron with 4 or 10 nodes.
+// Returns the values of the shape functions of a tetrahedron with 4 or 10 nodes.
 ShapeVector TetrahedronShape(const Eigen::Vector4d& barycentric, int nodes);
 
-// Values of the shape functions of a triangle with 3 or 6 nodes.
+// Returns the values of the shape functions of a triangle with 3 or 6 nodes.
 ShapeVector TriangleShape(const Eigen::Vector3d& barycentric, int nodes);
 
 // dN/dL of a triangle with 3 or 6 nodes: nodes × 3, its coordinates taken for independent.
@@ -54,7 +54,8 @@ struct ElementPoint {
 // `gradients` are meaningless.
 ElementPoint EvaluateElement(const GradientMatrix& positions, const Eigen::Vector4d& barycentric);
 
-// Normal times area of the triangle (3 × 3 or 3 × 6 positions) per unit weight at a point, m².
+// Returns the normal times area of the triangle (3 × 3 or 3 × 6 positions) per unit weight at a
+// point, m².
 Eigen::Vector3d TriangleAreaVector(const GradientMatrix& positions,
                                    const Eigen::Vector3d& barycentric);
 
@@ -66,10 +67,10 @@ struct TriangleGeometry {
 TriangleGeometry EvaluateTriangle(const GradientMatrix& positions,
                                   const Eigen::Vector3d& barycentric);
 
-// The node positions of element `e`, 3 × 4 or 3 × 10.
+// Returns the node positions of element `e`, 3 × 4 or 3 × 10.
 GradientMatrix ElementPositions(const mesh::TetrahedralMesh& mesh, Eigen::Index e);
 
-// The node positions of face triangle `t`, 3 × 3 or 3 × 6.
+// Returns the node positions of face triangle `t`, 3 × 3 or 3 × 6.
 GradientMatrix TrianglePositions(const mesh::TetrahedralMesh& mesh, Eigen::Index t);
 
 }  // namespace mortise::simulator

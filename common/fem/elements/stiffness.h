@@ -19,12 +19,12 @@ absl::StatusOr<BlockMatrix> AssembleStiffness(const mesh::TetrahedralMesh& mesh,
                                               const std::vector<Material>& materials,
                                               const NodeFrames& frames, ThreadTeam& team);
 
-// The same along x, y, z at every node, by the calling thread.
+// Returns the same along x, y, z at every node, by the calling thread.
 absl::StatusOr<BlockMatrix> AssembleStiffness(const mesh::TetrahedralMesh& mesh,
                                               const std::vector<Material>& materials);
 
-// The consistent mass, kg, by a rule of degree 5 (exact for straight-sided elements), on the
-// pattern of a stiffness of the same mesh. Fails as AssembleStiffness does.
+// Returns the consistent mass, kg, by a rule of degree 5 (exact for straight-sided elements), on
+// the pattern of a stiffness of the same mesh. Fails as AssembleStiffness does.
 absl::StatusOr<BlockMatrix> AssembleMass(const mesh::TetrahedralMesh& mesh,
                                          const std::vector<Material>& materials,
                                          const NodeFrames& frames,

@@ -30,8 +30,8 @@ struct Aggregates {
 template <int B>
 Aggregates FindAggregates(const BlockRows<double, B, B>& matrix, double strength);
 
-// A preconditioner of a symmetric positive definite matrix, down to a level small enough for a
-// dense factor. `modes`: for each node, zero in rows of prescribed displacements. `team` must
+// Returns a preconditioner of a symmetric positive definite matrix, down to a level small enough
+// for a dense factor. `modes`: for each node, zero in rows of prescribed displacements. `team` must
 // outlive it. Null if the coarsest matrix is not positive definite: the structure is a mechanism.
 std::unique_ptr<Corrector> BuildAggregationLevels(BlockRows<double, 3, 3> matrix,
                                                   const RigidModes<3>& modes,

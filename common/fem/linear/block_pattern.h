@@ -22,12 +22,13 @@ class BlockPattern {
   const std::vector<int>& starts() const { return starts_; }  // nodes + 1, of each column's slots
   const std::vector<int>& rows() const { return rows_; }      // node of each slot's rows
 
-  // The slots strictly above the diagonal once more, by rows: row i holds columns j > i, ascending.
+  // Returns the slots strictly above the diagonal once more, by rows: row i holds columns j > i,
+  // ascending.
   const std::vector<int>& row_starts() const { return row_starts_; }    // nodes + 1
   const std::vector<int>& row_columns() const { return row_columns_; }  // node of the columns
   const std::vector<int>& row_slots() const { return row_slots_; }
 
-  // The slot of the block that couples nodes i <= j, or -1 if nothing does.
+  // Returns the slot of the block that couples nodes i <= j, or -1 if nothing does.
   int Find(int i, int j) const;
 
   // The blocks of an element's matrix are its pairs of corners (a, b), a <= b, in the order

@@ -100,16 +100,16 @@ class LinearSolver {
   virtual absl::Status Prepare(std::shared_ptr<const BlockMatrix> matrix,
                                const Eigen::Matrix3Xd& positions) = 0;
 
-  // Displacements (3 × nodes, zero where fixed) under the loads of free directions (3 × nodes), for
-  // each load. INVALID_ARGUMENT naming "loads[i]" if one is not finite or of another size;
-  // FAILED_PRECONDITION, reason NOT_CONVERGED with the error reached, or SINGULAR.
+  // Returns the displacements (3 × nodes, zero where fixed) under the loads of free directions (3 ×
+  // nodes), for each load. INVALID_ARGUMENT naming "loads[i]" if one is not finite or of another
+  // size; FAILED_PRECONDITION, reason NOT_CONVERGED with the error reached, or SINGULAR.
   virtual absl::StatusOr<std::vector<Eigen::Matrix3Xd>> SolveAll(
       const std::vector<Eigen::Matrix3Xd>& loads) = 0;
 
   absl::StatusOr<Eigen::Matrix3Xd> Solve(const Eigen::Matrix3Xd& load);
 
-  // A rough solution, to a hundredth in the norm of energy where rounding allows: what corrections
-  // of others need. Fails as SolveAll does.
+  // Returns a rough solution, to a hundredth in the norm of energy where rounding allows: what
+  // corrections of others need. Fails as SolveAll does.
   virtual absl::StatusOr<Eigen::Matrix3Xd> SolveRoughly(const Eigen::Matrix3Xd& load) = 0;
 
   virtual const SolverSummary& summary() const = 0;

@@ -18,15 +18,15 @@ struct NullSpace {
   Eigen::MatrixXd basis;  // columns × dimension, orthonormal; at most `most` of them
 };
 
-// The greatest space of vectors whose misfits are smaller than their slips. It is not enough that
-// misfits are small against the vectors: where a thousand bodies are but slightly soft one after
-// the other, the last one moves a million times as far. So vectors with small misfits are found
-// first, from the rows' Gram matrix, by its eigenvalues or where it is large by counting the signs
-// of its shifted pivots (Sylvester's law of inertia) and inverse iteration. In the space that these
-// span, the sum of the squares of misfits is then held against that of slips: coordinates that are
-// rounded leave misfits that are in proportion to the slips of the same joint. Anything counts that
-// has misfits below a 1e13th of the vectors, or slips more than twice its misfits; nothing does
-// whose misfits are the larger.
+// Returns the greatest space of vectors whose misfits are smaller than their slips. It is not
+// enough that misfits are small against the vectors: where a thousand bodies are but slightly soft
+// one after the other, the last one moves a million times as far. So vectors with small misfits are
+// found first, from the rows' Gram matrix, by its eigenvalues or where it is large by counting the
+// signs of its shifted pivots (Sylvester's law of inertia) and inverse iteration. In the space that
+// these span, the sum of the squares of misfits is then held against that of slips: coordinates
+// that are rounded leave misfits that are in proportion to the slips of the same joint. Anything
+// counts that has misfits below a 1e13th of the vectors, or slips more than twice its misfits;
+// nothing does whose misfits are the larger.
 NullSpace FindNullSpace(const JointRows& rows, int most);
 
 }  // namespace mortise::simulator

@@ -55,10 +55,11 @@ class SparseCholesky {
   SparseCholesky(SparseCholesky&&) noexcept;
   SparseCholesky& operator=(SparseCholesky&&) noexcept;
 
-  // Displacements (3 × nodes, zero where fixed) under the loads of free directions (3 × nodes).
+  // Returns the displacements (3 × nodes, zero where fixed) under the loads of free directions (3 ×
+  // nodes).
   absl::StatusOr<Eigen::Matrix3Xd> Solve(const Eigen::Matrix3Xd& loads);
 
-  // The same for several loads at once, for which the factor is read from memory only once.
+  // Returns the same for several loads at once, for which the factor is read from memory only once.
   absl::StatusOr<std::vector<Eigen::Matrix3Xd>> SolveAll(
       const std::vector<Eigen::Matrix3Xd>& loads);
 

@@ -26,7 +26,7 @@ class ThreadTeam {
   // Calls work(begin, end) for ranges that together cover 0 … count − 1.
   void ForRanges(int count, const std::function<void(int, int)>& work);
 
-  // The sum of work(begin, end) over ranges that depend on `count` only, added in order.
+  // Returns the sum of work(begin, end) over ranges that depend on `count` only, added in order.
   double Sum(int count, const std::function<double(int, int)>& work);
 
  private:

@@ -9,8 +9,8 @@ struct Spectrum {
   double least = 0, most = 0;
 };
 
-// The least and the largest eigenvalue of the matrix with this diagonal (n > 0 numbers) and numbers
-// beside it (n − 1), to about 12 digits of the largest.
+// Returns the least and the largest eigenvalue of the matrix with this diagonal (n > 0 numbers) and
+// numbers beside it (n − 1), to about 12 digits of the largest.
 Spectrum FindSpectrum(const std::vector<double>& diagonal, const std::vector<double>& side);
 
 }  // namespace mortise::simulator

@@ -23,14 +23,14 @@ std::vector<Body> FindBodies(const mesh::TetrahedralMesh& mesh);
 // INVALID_ARGUMENT naming "nodes" if a node belongs to no element.
 absl::Status CheckNodesAreUsed(const mesh::TetrahedralMesh& mesh);
 
-// Where the middle of its nodes is: "near (1, 2, 3) mm".
+// Returns where the middle of its nodes is: "near (1, 2, 3) mm".
 std::string PlaceText(const Body& body, const mesh::TetrahedralMesh& mesh);
 
 // "part 'leg 3' is", or "parts 'top', 'apron', 'leg', 'shelf' and 3 more are".
 std::string PartsText(const std::set<int>& parts, const mesh::TetrahedralMesh& mesh);
 
-// What is told of a body: its parts, and where it is if one of them has further bodies: "the piece
-// near (1, 2, 3) mm of part 'leg 3' is".
+// Returns what is told of a body: its parts, and where it is if one of them has further bodies:
+// "the piece near (1, 2, 3) mm of part 'leg 3' is".
 std::string BodyText(const Body& body, const std::vector<Body>& all,
                      const mesh::TetrahedralMesh& mesh);
 

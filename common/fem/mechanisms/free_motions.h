@@ -36,19 +36,19 @@ struct FreeMotions {
 // Motions of one group of bodies that are found, of all that are counted.
 inline constexpr int kMostMotions = 300;
 
-// What `constraints` leave free. Every node of the mesh has an element.
+// Returns what `constraints` leave free. Every node of the mesh has an element.
 FreeMotions FindFreeMotions(const mesh::TetrahedralMesh& mesh, const Constraints& constraints,
                             int most = kMostMotions);
 
-// One of them, for people: "part 'leg 3' is free to rotate about z through (20, 0, 0) mm". Of
-// several bodies the fewest that can move by themselves are named.
+// Returns one of them, for people: "part 'leg 3' is free to rotate about z through (20, 0, 0) mm".
+// Of several bodies the fewest that can move by themselves are named.
 std::string MotionText(const FreeMotions& free, const mesh::TetrahedralMesh& mesh);
 
 // FAILED_PRECONDITION, reason RIGID_MOTION, if something can move without deforming, naming what
 // and how. INVALID_ARGUMENT naming "nodes" if a node has no element.
 absl::Status CheckRigidMotion(const mesh::TetrahedralMesh& mesh, const Constraints& constraints);
 
-// Each as a displacement of all nodes (3 × nodes, in space), linearly independent.
+// Returns each as a displacement of all nodes (3 × nodes, in space), linearly independent.
 std::vector<Eigen::Matrix3Xd> Displacements(const FreeMotions& free,
                                             const mesh::TetrahedralMesh& mesh);
 

@@ -89,8 +89,8 @@ class ElasticSystem {
   // of the load at fault.
   absl::StatusOr<ElasticitySolution> Solve(const LoadCase& loads);
 
-  // Displacements under nodal forces (3 × nodes, N) where all supports are at rest: the adjoint
-  // solutions of derivatives. Fails as the linear solver does.
+  // Returns the displacements under nodal forces (3 × nodes, N) where all supports are at rest: the
+  // adjoint solutions of derivatives. Fails as the linear solver does.
   absl::StatusOr<Eigen::Matrix3Xd> SolveForces(const Eigen::Matrix3Xd& forces);
 
   // Σ factor · solution of load cases of this system, stresses and proofs included: a linear
@@ -98,7 +98,7 @@ class ElasticSystem {
   // "terms[i]" if a factor is not finite or a solution is of another mesh.
   absl::StatusOr<ElasticitySolution> Combine(std::span<const CombinationTerm> terms);
 
-  // Stresses at the integration points: see StressAtPoints.
+  // Returns the stresses at the integration points: see StressAtPoints.
   Stresses PointStress(const ElasticitySolution& solution);
 
  private:

@@ -80,8 +80,8 @@ absl::StatusOr<HeatSolution> SolveHeat(const mesh::TetrahedralMesh& mesh, const 
 // more out than in.
 double DissipatedHeat(const HeatSolution& solution);
 
-// The heat flux −k ∇T at the integration points, W/m²: 3 × (points · elements), those of an element
-// in a row, in the order of TetrahedronRule.
+// Returns the heat flux −k ∇T at the integration points, W/m²: 3 × (points · elements), those of an
+// element in a row, in the order of TetrahedronRule.
 Eigen::Matrix3Xd HeatFluxAtPoints(const mesh::TetrahedralMesh& mesh,
                                   const std::vector<Material>& materials,
                                   const Eigen::VectorXd& temperature);

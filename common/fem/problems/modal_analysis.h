@@ -41,7 +41,7 @@ struct ModalSolution {
   double seconds = 0;
 };
 
-// The lowest modes of an assembly at rest on its supports, or free in space; prescribed
+// Returns the lowest modes of an assembly at rest on its supports, or free in space; prescribed
 // displacements count as fixed. Multiple frequencies are all found: the iteration is repeated
 // beside what it found until nothing lower turns up. Errors: INVALID_ARGUMENT naming the field of
 // the model, the element at fault, or "count" if that is not positive or more than the mesh has;
@@ -52,8 +52,9 @@ absl::StatusOr<ModalSolution> FindModes(const mesh::TetrahedralMesh& mesh,
                                         const std::vector<Support>& supports,
                                         const ModalOptions& options = {});
 
-// What one should know of the motions that are free, or nothing if there are none: "6 modes at 0 Hz
-// move something without deforming it: part 'body' is free to move along x and in 5 other ways".
+// Returns what one should know of the motions that are free, or nothing if there are none: "6 modes
+// at 0 Hz move something without deforming it: part 'body' is free to move along x and in 5 other
+// ways".
 std::string NoteOnRigidMotions(const ModalSolution& solution);
 
 }  // namespace mortise::simulator

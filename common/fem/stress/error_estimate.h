@@ -32,9 +32,9 @@ ErrorEstimate EstimateError(const mesh::TetrahedralMesh& mesh,
                             const Eigen::VectorXd& temperature, ThreadTeam& team,
                             const SurfaceTraction& traction = {});
 
-// The size (m) that elements should have for a relative error of `wanted`, one for each element:
-// those that give it with the fewest elements, if an element's error η falls with its size to the
-// power p of its degree. All elements then have errors in the proportion η^(3 / (2p + 3)) of
+// Returns the size (m) that elements should have for a relative error of `wanted`, one for each
+// element: those that give it with the fewest elements, if an element's error η falls with its size
+// to the power p of its degree. All elements then have errors in the proportion η^(3 / (2p + 3)) of
 // today's (Coorevits, Ladevèze and Pelle 1995). Never less than a fifth nor more than twice the
 // present size.
 Eigen::VectorXd ElementSizes(const mesh::TetrahedralMesh& mesh, const ErrorEstimate& estimate,

@@ -26,10 +26,10 @@ class PartNodes {
   int node(int slot) const { return node_[slot]; }
   int part(int slot) const { return part_[slot]; }
 
-  // The slots of an element's nodes: nodes of an element × elements.
+  // Returns the slots of an element's nodes: nodes of an element × elements.
   const Eigen::MatrixXi& element_slots() const { return element_slots_; }
 
-  // The elements of the slot's part round its node.
+  // Returns the elements of the slot's part round its node.
   const int* begin(int slot) const { return around_.data() + first_[slot]; }
   const int* end(int slot) const { return around_.data() + first_[slot + 1]; }
 
@@ -45,7 +45,7 @@ struct FaceNode {
   int place = -1;
 };
 
-// The barycentric coordinates of a place of a face.
+// Returns the barycentric coordinates of a place of a face.
 Eigen::Vector3d FacePlace(int place);
 
 // A side that two faces of a part have in common and where they are not one smooth surface.
@@ -92,13 +92,13 @@ class PartSurface {
   // Whether no element of another part is on its other side.
   bool IsFree(int face) const { return free_[face]; }
 
-  // The face that is free and has these corners, in any order; -1 if there is none.
+  // Returns the face that is free and has these corners, in any order; -1 if there is none.
   int FreeFaceWith(std::array<int, 3> corners) const;
 
-  // The faces of a slot's part that have its node.
+  // Returns the faces of a slot's part that have its node.
   std::span<const FaceNode> At(int slot) const { return at_slot_.At(slot); }
 
-  // The sharp edges of a slot's part that have its node.
+  // Returns the sharp edges of a slot's part that have its node.
   std::span<const int> SharpEdgesAt(int slot) const { return edges_at_slot_.At(slot); }
   const SharpEdge& edge(int index) const { return edges_[index]; }
 
@@ -115,7 +115,7 @@ class PartSurface {
   BySlot<int> edges_at_slot_;
 };
 
-// The node positions of a face, 3 × 3 or 3 × 6.
+// Returns the node positions of a face, 3 × 3 or 3 × 6.
 GradientMatrix FacePositions(const mesh::TetrahedralMesh& mesh, const PartSurface& surface,
                              int face);
 

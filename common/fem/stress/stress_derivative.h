@@ -18,8 +18,8 @@ StressDerivative NodalStressDerivative(const DeformedBody& body, const PartNodes
                                        const PartSurface& surface, const Stresses& at_points,
                                        int slot, const Vector6d& direction);
 
-// The gradients of VonMises and MaximumPrincipal by the stress: zero where there is none, and one
-// of several where principal stresses are equal.
+// Returns the gradients of VonMises and MaximumPrincipal by the stress: zero where there is none,
+// and one of several where principal stresses are equal.
 Vector6d VonMisesGradient(const Vector6d& stress);
 Vector6d MaximumPrincipalGradient(const Vector6d& stress);
 

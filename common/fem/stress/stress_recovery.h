@@ -12,9 +12,9 @@
 
 namespace mortise::simulator {
 
-// Stresses σ = D (ε − ε_T) where they are most accurate: 6 × (points · elements), Pa, xx yy zz xy
-// yz xz, those of an element in a row. Linear elements have one point (the centroid), quadratic
-// ones four, those of TetrahedronRule. `temperature`: nodes, K, or empty.
+// Returns the stresses σ = D (ε − ε_T) where they are most accurate: 6 × (points · elements), Pa,
+// xx yy zz xy yz xz, those of an element in a row. Linear elements have one point (the centroid),
+// quadratic ones four, those of TetrahedronRule. `temperature`: nodes, K, or empty.
 Stresses StressAtPoints(const mesh::TetrahedralMesh& mesh, const std::vector<Material>& materials,
                         const Eigen::Matrix3Xd& displacement, const Eigen::VectorXd& temperature,
                         ThreadTeam& team);
@@ -26,8 +26,8 @@ struct NodalStress {
   Eigen::VectorXd part_maximum;       // parts, Pa: largest von Mises stress of each
 };
 
-// The stresses of a body at the nodes as each part sees them, 6 × slots: on its surface from the
-// strains along it and the tractions (SurfaceStress) where these are known, all else by
+// Returns the stresses of a body at the nodes as each part sees them, 6 × slots: on its surface
+// from the strains along it and the tractions (SurfaceStress) where these are known, all else by
 // RecoverByPatches.
 Stresses RecoverAtSlots(const DeformedBody& body, const PartNodes& nodes,
                         const PartSurface& surface, ThreadTeam& team);

@@ -21,10 +21,10 @@ struct StressShare {
   Eigen::Matrix3d turn;
 };
 
-// All of them together: xx yy zz xy yz xz, Pa.
+// Returns all of them together: xx yy zz xy yz xz, Pa.
 Vector6d StressOf(std::span<const StressShare> shares, std::span<const Vector6d> stresses);
 
-// What multiplies each stress in direction · StressOf.
+// Returns what multiplies each stress in direction · StressOf.
 std::vector<Vector6d> DirectionsOf(std::span<const StressShare> shares, const Vector6d& direction);
 
 // Faces of a surface, and where their nodes are.

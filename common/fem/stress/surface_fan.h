@@ -22,20 +22,20 @@ namespace mortise::simulator {
 
 class SurfaceFan {
  public:
-  // The fan round a slot's node; nothing for linear elements, middles of sides, nodes on sharp
-  // edges, those that faces of the part do not surround and those where a side begins along the
-  // normal. The arguments must outlive it.
+  // Returns the fan round a slot's node; nothing for linear elements, middles of sides, nodes on
+  // sharp edges, those that faces of the part do not surround and those where a side begins along
+  // the normal. The arguments must outlive it.
   static std::optional<SurfaceFan> Around(const mesh::TetrahedralMesh& mesh,
                                           const PartSurface& surface, int slot);
 
-  // The middles of its sides, each as the two faces beside it have it; then the corner, as each
-  // face has it.
+  // Returns the middles of its sides, each as the two faces beside it have it; then the corner, as
+  // each face has it.
   const std::vector<FaceNode>& samples() const { return samples_; }
 
-  // The stress at the corner, from those at the samples: xx yy zz xy yz xz, Pa.
+  // Returns the stress at the corner, from those at the samples: xx yy zz xy yz xz, Pa.
   Vector6d Stress(std::span<const Vector6d> at_samples) const;
 
-  // What multiplies the stress of each sample in direction · Stress.
+  // Returns what multiplies the stress of each sample in direction · Stress.
   std::vector<Vector6d> Directions(const Vector6d& direction) const;
 
   // Adds the derivative of direction · Stress by the places of the nodes, 3 × nodes, for stresses

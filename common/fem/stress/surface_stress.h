@@ -62,7 +62,7 @@ class SurfaceStress {
   struct Balance;
 
   std::vector<SurfacePiece> PiecesAt(int slot) const;
-  // The fan round a slot all of whose faces are among its pieces.
+  // Returns the fan round a slot all of whose faces are among its pieces.
   std::optional<SurfaceFan> FanAt(int slot, const std::vector<SurfacePiece>& pieces) const;
   SurfaceTurns TurnsAt(int slot, const std::vector<SurfacePiece>& pieces) const;
   std::vector<Vector6d> StressesAt(const std::vector<SurfacePiece>& pieces, int node) const;

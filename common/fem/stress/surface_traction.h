@@ -29,7 +29,8 @@ struct ByTraction {
   Eigen::Vector3d derivative;
 };
 
-// How it then changes as nodes move and loads stay the same: 3 × nodes, of forces and pressures.
+// Returns how it then changes as nodes move and loads stay the same: 3 × nodes, of forces and
+// pressures.
 Eigen::Matrix3Xd TractionDerivative(const mesh::TetrahedralMesh& mesh, const PartSurface& surface,
                                     const LoadCase& loads, const std::vector<ByTraction>& changes);
 

@@ -42,7 +42,8 @@ class AbaqusSets {
   AbaqusSets(std::string_view text, const FilePlaces& places, GroupedMeshBuilder& builder)
       : text_(text), places_(places), builder_(builder) {}
 
-  // The set of this name, which is made if it is new and may stay empty. `place`: the keyword's.
+  // Returns the set of this name, which is made if it is new and may stay empty. `place`: the
+  // keyword's.
   absl::StatusOr<int> Open(Kind kind, const std::string& name, Owner owner, std::size_t place);
 
   // A node or element that is read into the set, of such, at `place`.

@@ -16,13 +16,14 @@ std::string_view Trim(std::string_view text);
 // In upper case, by which keywords, parameters and names of sets are told apart.
 std::string Upper(std::string_view text);
 
-// The fields between commas, without space round them. A last comma opens no field.
+// Returns the fields between commas, without space round them. A last comma opens no field.
 std::vector<std::string_view> Fields(std::string_view line);
 
-// The number that the text is; nothing if it is another text or out of range.
+// Returns the number that the text is; nothing if it is another text or out of range.
 std::optional<std::int64_t> Integer(std::string_view text);
 
-// The number that the text is, also with Fortran's D as exponent; nothing if it is another text.
+// Returns the number that the text is, also with Fortran's D as exponent; nothing if it is another
+// text.
 std::optional<double> Number(std::string_view text);
 
 // What begins with '*'.
@@ -37,8 +38,8 @@ struct Keyword {
   std::string Value(const std::string& parameter) const;
 };
 
-// The keyword of a line without its '*' ("Nset, nset=tip, generate"); nothing if it has none of up
-// to 40 letters, digits, '-', '_' and spaces.
+// Returns the keyword of a line without its '*' ("Nset, nset=tip, generate"); nothing if it has
+// none of up to 40 letters, digits, '-', '_' and spaces.
 std::optional<Keyword> ParseKeyword(std::string_view line);
 
 // How a line stands to the keyword before it, if that ended in a comma. Abaqus takes any line for

@@ -29,7 +29,7 @@ class GmshCursor {
     while (at_ < bytes_.size() && IsSpace(bytes_[at_])) ++at_;
   }
 
-  // What is left of the line, without its end.
+  // Returns what is left of the line, without its end.
   std::string_view Line() {
     const std::size_t end = bytes_.find('\n', at_);
     std::string_view line = bytes_.substr(at_, end == std::string_view::npos ? end : end - at_);
@@ -85,7 +85,7 @@ class GmshCursor {
     return Take<std::int64_t>();
   }
 
-  // A number of things that follow, each at least `least` bytes long.
+  // Reads the number of things that follow, each at least `least` bytes long.
   absl::StatusOr<std::int64_t> Count(std::size_t least) {
     MORTISE_ASSIGN_OR_RETURN(const std::int64_t count, Size());
     return CheckCount(count, least);

@@ -43,11 +43,11 @@ class GmshGroups {
   // False if there is one already.
   bool AddEntity(const GmshEntity& entity, std::vector<std::int64_t> tags);
 
-  // The builder's group.
+  // Returns the builder's group.
   absl::StatusOr<int> Of(const GmshPhysicalGroup& physical, std::size_t place);
 
-  // The builder's groups of an entity's elements, each once. Kept, as many blocks may be of one
-  // entity.
+  // Returns the builder's groups of an entity's elements, each once. Kept, as many blocks may be of
+  // one entity.
   absl::StatusOr<const std::vector<int>*> Of(const GmshEntity& entity, std::size_t place);
 
   // An element of this dimension is in no group.

@@ -51,7 +51,7 @@ struct GroupedMesh {
 // binary files).
 absl::StatusOr<GroupedMesh> ReadGroupedMesh(std::string_view bytes);
 
-// The nodes of a side, 3 or 6: its corners, outward, then the middles of 01, 12, 20.
+// Returns the nodes of a side, 3 or 6: its corners, outward, then the middles of 01, 12, 20.
 Eigen::VectorXi SideNodes(const Eigen::MatrixXi& tetrahedra, ElementSide side);
 
 }  // namespace mortise::mesh

@@ -61,8 +61,8 @@ class GroupedMeshBuilder {
   // the mesh, and a note says so.
   enum class Owner { kWhole, kPart };
 
-  // The group of this name, which is made if it is new and may stay empty. A name is 1 to 200 bytes
-  // of UTF-8.
+  // Returns the group of this name, which is made if it is new and may stay empty. A name is 1 to
+  // 200 bytes of UTF-8.
   absl::StatusOr<int> AddNodeGroup(const std::string& name, std::size_t place,
                                    Owner owner = Owner::kWhole);
   absl::StatusOr<int> AddElementGroup(const std::string& name, std::size_t place,
@@ -95,10 +95,11 @@ class GroupedMeshBuilder {
   bool HasNode(std::int64_t number) const { return node_index_.contains(number); }
   bool HasElement(std::int64_t number) const { return element_index_.contains(number); }
 
-  // The numbers of the nodes of an element, as they were added; none if there is no such element.
+  // Returns the numbers of the nodes of an element, as they were added; none if there is no such
+  // element.
   std::span<const std::int64_t> ElementNodes(std::int64_t number) const;
 
-  // The mesh; the builder is empty afterwards.
+  // Returns the mesh; the builder is empty afterwards.
   absl::StatusOr<GroupedMesh> Build();
 
  private:

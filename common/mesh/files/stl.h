@@ -8,8 +8,8 @@
 
 namespace mortise::mesh {
 
-// A binary STL file. STL has no unit; coordinates are written in millimetres, as its readers
-// expect. INVALID_ARGUMENT if a triangle names a vertex that does not exist.
+// Returns a binary STL file. STL has no unit; coordinates are written in millimetres, as its
+// readers expect. INVALID_ARGUMENT if a triangle names a vertex that does not exist.
 absl::StatusOr<std::string> WriteStl(const SurfaceMesh& surface, const std::string& title);
 
 }  // namespace mortise::mesh

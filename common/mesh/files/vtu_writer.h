@@ -17,13 +17,13 @@ struct VtuField {
   Eigen::MatrixXd values;  // 1 (scalar), 3 (vector) or 6 (symmetric tensor: xx yy zz xy yz xz) rows
 };
 
-// The file's bytes: binary, little-endian, appended raw. Cell data always has "part", the index of
-// the part. INVALID_ARGUMENT names the field whose size does not fit the mesh.
+// Returns the file's bytes: binary, little-endian, appended raw. Cell data always has "part", the
+// index of the part. INVALID_ARGUMENT names the field whose size does not fit the mesh.
 absl::StatusOr<std::string> WriteVtu(const TetrahedralMesh& mesh,
                                      const std::vector<VtuField>& point_fields,
                                      const std::vector<VtuField>& cell_fields = {});
 
-// The same of a surface; its triangles are the cells, and there is no "part".
+// Returns the same of a surface; its triangles are the cells, and there is no "part".
 absl::StatusOr<std::string> WriteVtu(const SurfaceMesh& surface,
                                      const std::vector<VtuField>& point_fields,
                                      const std::vector<VtuField>& cell_fields = {});

@@ -19,10 +19,11 @@ struct Floating {
   double metacentric_height = 0;
 };
 
-// The equilibrium of solids of `mass` (kg, > 0) in water of `water_density` (kg/m³, > 0), upright
-// as they are drawn: heel and trim are not looked at. Surfaces are closed and outward, and solids
-// do not overlap. Only the solids displace water: it enters whatever is hollow. Integrals over the
-// surface below the water are exact for polyhedra; the draught is found to 1e-12 of the height.
+// Returns the equilibrium of solids of `mass` (kg, > 0) in water of `water_density` (kg/m³, > 0),
+// upright as they are drawn: heel and trim are not looked at. Surfaces are closed and outward, and
+// solids do not overlap. Only the solids displace water: it enters whatever is hollow. Integrals
+// over the surface below the water are exact for polyhedra; the draught is found to 1e-12 of the
+// height.
 //
 // FAILED_PRECONDITION, SINKS, if the whole of it displaces less than its mass. O(T) for each of
 // some dozen trials.

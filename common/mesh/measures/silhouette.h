@@ -8,8 +8,8 @@
 
 namespace mortise::mesh {
 
-// Area of the union of the solids' projections along `direction` (any length but zero, either way),
-// m². Surfaces are closed and outward; solids may touch, overlap and hide each other.
+// Returns the area of the union of the solids' projections along `direction` (any length but zero,
+// either way), m². Surfaces are closed and outward; solids may touch, overlap and hide each other.
 //
 // The triangles that face the light cover each point of the shadow at least once, so the shadow is
 // where the boundaries of what faces the light wind around a point (Boost.Polygon's union). Exact

@@ -16,10 +16,11 @@ struct Proximity {
   double distance = 0;  // m, between them; 0 if they meet, cross, or one lies inside the other
 };
 
-// All pairs of closed surfaces no further apart than `tolerance`, in metres, in the order of their
-// indices. The distance is that of the triangles, so nothing depends on how finely a surface is
-// triangulated. INVALID_ARGUMENT naming "surfaces[i]" for one without triangles, with indices out
-// of range or vertices that are not finite, or "tolerance" if that is negative or not finite.
+// Returns all pairs of closed surfaces no further apart than `tolerance`, in metres, in the order
+// of their indices. The distance is that of the triangles, so nothing depends on how finely a
+// surface is triangulated. INVALID_ARGUMENT naming "surfaces[i]" for one without triangles, with
+// indices out of range or vertices that are not finite, or "tolerance" if that is negative or not
+// finite.
 //
 // Axis-aligned bounding box trees (CGAL): about O(n log n) for n triangles, as long as most of them
 // are far apart.
@@ -33,13 +34,12 @@ class ProbedSurface {
   // The surface must have triangles, indices in range and finite vertices.
   explicit ProbedSurface(const SurfaceMesh& surface);
 
-  // How far the solids within two surfaces are apart, m, infinity beyond `limit`; 0 where they meet
-  // or reach into each other.
+  // Returns how far the solids within two surfaces are apart, m, infinity beyond `limit`; 0 where
+  // they meet or reach into each other.
   static double Distance(const ProbedSurface& a, const ProbedSurface& b, double limit);
 
-  // The same, but where they reach
-  // into each other, minus how deep: the largest distance from the one's surface of a point within
-  // it of the other's edges. 0 if they only touch.
+  // Returns the same, but where they reach into each other, minus how deep: the largest distance
+  // from the one's surface of a point within it of the other's edges. 0 if they only touch.
   static double Separation(const ProbedSurface& a, const ProbedSurface& b, double limit);
 
   struct Prepared;

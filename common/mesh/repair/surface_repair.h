@@ -39,10 +39,10 @@ struct RepairedSurface {
   SurfaceRepairs repairs;
 };
 
-// The closed, outward surface that `surface` was meant to be. One that IsWatertight stays as it is,
-// to the bit. Of others
-//   vertices within the tolerance become one, and those that no triangle uses are dropped,
-//   triangles without area, and all but one of those drawn twice, are dropped; both of those that
+// Returns the closed, outward surface that `surface` was meant to be. One that IsWatertight stays
+// as it is, to the bit. Of others vertices within the tolerance become one, and those that no
+// triangle uses are dropped, triangles without area, and all but one of those drawn twice, are
+// dropped; both of those that
 //     face each other as a wall within a solid,
 //   triangles are divided at vertices of the surface's borders that lie on their edges,
 //   triangles are turned as their neighbours, and each closed piece outwards, or inwards within

@@ -18,7 +18,7 @@ class TriangleSoup {
   // `tolerance`, m, > 0 and at least 1e-12 of the extent, become one.
   TriangleSoup(const SurfaceMesh& surface, double tolerance);
 
-  // How many vertices that triangles use became others.
+  // Returns how many vertices that triangles use became others.
   int merged_vertices() const { return merged_vertices_; }
 
   // Drops triangles that have no area. How many.
@@ -34,7 +34,7 @@ class TriangleSoup {
   // INVALID_ARGUMENT, "surface", if there are more such vertices than a few to each triangle.
   absl::StatusOr<int> SplitAtVertices();
 
-  // What is left, with the vertices that it uses.
+  // Returns what is left, with the vertices that it uses.
   SurfaceMesh Surface() const;
 
  private:
@@ -50,7 +50,7 @@ class TriangleSoup {
   std::vector<Eigen::Vector3i> triangles_;
 };
 
-// Triangles as an index array.
+// Returns triangles as an index array.
 Eigen::Matrix3Xi ToMatrix(const std::vector<Eigen::Vector3i>& triangles);
 
 }  // namespace mortise::mesh

@@ -37,11 +37,12 @@ struct BoxStretch {
   // m by which places grow with the fraction there; at a level, below it. O(log levels).
   double SlopeAt(int axis, double fraction) const;
 
-  // The same for the shape turned by `turn`, whose entries are 0, 1 and -1 (DrawnShape::turn).
+  // Returns the same for the shape turned by `turn`, whose entries are 0, 1 and -1
+  // (DrawnShape::turn).
   BoxStretch Turned(const Eigen::Matrix3d& turn) const;
 
  private:
-  // The levels, or faces of the box, below and above what lies at this fraction.
+  // Returns the levels, or faces of the box, below and above what lies at this fraction.
   std::pair<LevelPlace, LevelPlace> Around(int axis, double fraction) const;
 };
 

@@ -11,9 +11,10 @@ struct Circle {
   double radius = 0;                                 // m
 };
 
-// The circle on which at least half of the points, 2 × N in metres, lie to rounding, and all others
-// to a micrometre: where two curved faces meet, the CAD kernel knows their edge only within its
-// tolerance. None if there is no such circle, or they lie in a line. By least squares (Kåsa 1976).
+// Returns the circle on which at least half of the points, 2 × N in metres, lie to rounding, and
+// all others to a micrometre: where two curved faces meet, the CAD kernel knows their edge only
+// within its tolerance. None if there is no such circle, or they lie in a line. By least squares
+// (Kåsa 1976).
 std::optional<Circle> CircleThrough(const Eigen::Matrix2Xd& points);
 
 }  // namespace mortise::mesh

@@ -51,9 +51,9 @@ struct DrawnShape {
   Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
 };
 
-// The shape with this closed surface. `minimum` and `maximum`, m: the corners of its box, which is
-// larger than that of the triangles where curved faces bulge. `own_names`: of each face, distinct.
-// The volume is that of the triangles, and there is no deflection and no B-rep yet.
+// Returns the shape with this closed surface. `minimum` and `maximum`, m: the corners of its box,
+// which is larger than that of the triangles where curved faces bulge. `own_names`: of each face,
+// distinct. The volume is that of the triangles, and there is no deflection and no B-rep yet.
 //
 // INVALID_ARGUMENT, "shape": open, not manifold, inside out or self-intersecting surfaces, with the
 // places; coordinates beyond 10 km; a box without size; RESOURCE_EXHAUSTED past kMaxShapeVertices
@@ -64,20 +64,21 @@ absl::StatusOr<DrawnShape> MakeDrawnShape(const mesh::SurfaceMesh& surface,
                                           const Eigen::Vector3d& minimum,
                                           const Eigen::Vector3d& maximum);
 
-// The shape of a mesh of which nothing else is known: its faces are those in the faces of its box,
-// "face1" …, and all the rest, "surface". Errors as MakeDrawnShape; INVALID_ARGUMENT, "shape", also
-// for several solids, with the place where two meet in a vertex. One may have hollows.
+// Returns the shape of a mesh of which nothing else is known: its faces are those in the faces of
+// its box, "face1" …, and all the rest, "surface". Errors as MakeDrawnShape; INVALID_ARGUMENT,
+// "shape", also for several solids, with the place where two meet in a vertex. One may have
+// hollows.
 absl::StatusOr<DrawnShape> ShapeOfMesh(const mesh::SurfaceMesh& surface);
 
-// How large a triangle is seen along an axis, as a share of the box's section across it.
+// Returns how large a triangle is seen along an axis, as a share of the box's section across it.
 double SectionOf(const DrawnShape& shape, Eigen::Index triangle, int axis);
 
 // Everything about `shape` that follows from its fractions, triangles, triangle_face and own names:
 // names of faces in the faces of the box, and planes.
 void DeriveFaces(DrawnShape& shape);
 
-// The surface stretched into a box whose middle is the origin, m. No triangle crosses a level of
-// the stretch (DividedAt in shape_levels.h).
+// Returns the surface stretched into a box whose middle is the origin, m. No triangle crosses a
+// level of the stretch (DividedAt in shape_levels.h).
 mesh::SurfaceMesh SurfaceIn(const DrawnShape& shape, const BoxStretch& stretch);
 
 // m³ in such a box. In proportion, stretching multiplies volumes. In pieces it is that of the
@@ -89,8 +90,8 @@ double VolumeIn(const DrawnShape& shape, const BoxStretch& stretch);
 // and bores no more if the pieces that they lie in are not.
 double DeflectionIn(const DrawnShape& shape, const BoxStretch& stretch);
 
-// The shape turned by whole right angles: its axis i becomes the axis |axes[i]|, forwards or
-// backwards so that nothing is mirrored; axes are those of x and z, y follows.
+// Returns the shape turned by whole right angles: its axis i becomes the axis |axes[i]|, forwards
+// or backwards so that nothing is mirrored; axes are those of x and z, y follows.
 DrawnShape Turned(const DrawnShape& shape, int x_becomes, int z_becomes);
 
 }  // namespace mortise::mesh

@@ -22,18 +22,18 @@ struct ShapeLevel {
   bool divides = false;
 };
 
-// All levels within the box, its faces left out, by axis and then fraction. Those of round faces
-// (round_faces.h) are where these reach furthest, whatever their triangles miss; other curved faces
-// are known by their triangles, which DeflectionIn says how far to trust. Past kMostLevels along an
-// axis, those of the largest flat faces. O(T log T) for T triangles.
+// Returns all levels within the box, its faces left out, by axis and then fraction. Those of round
+// faces (round_faces.h) are where these reach furthest, whatever their triangles miss; other curved
+// faces are known by their triangles, which DeflectionIn says how far to trust. Past kMostLevels
+// along an axis, those of the largest flat faces. O(T log T) for T triangles.
 std::vector<ShapeLevel> LevelsOf(const DrawnShape& shape);
 
-// The shape with its triangles cut along these levels, so that none reaches across one. Vertices
-// within kOnPlane of a level count as on it. Those that were stay, in their order; new ones come
-// after them, exactly at their level. All else stays: names, planes, the B-rep and the volume; each
-// triangle is of the face of that it was cut from. A closed surface stays closed. What the new
-// triangles miss is measured (missed_volume.h). O(T (L + log T)) for T triangles that come of it
-// and L levels.
+// Returns the shape with its triangles cut along these levels, so that none reaches across one.
+// Vertices within kOnPlane of a level count as on it. Those that were stay, in their order; new
+// ones come after them, exactly at their level. All else stays: names, planes, the B-rep and the
+// volume; each triangle is of the face of that it was cut from. A closed surface stays closed. What
+// the new triangles miss is measured (missed_volume.h). O(T (L + log T)) for T triangles that come
+// of it and L levels.
 DrawnShape DividedAt(const DrawnShape& shape, const std::vector<ShapeLevel>& levels);
 
 }  // namespace mortise::mesh

@@ -6,8 +6,9 @@
 
 namespace mortise::mesh {
 
-// The mesh with its nodes on faces moved to where `surface.exact` has them: isoparametric elements,
-// whose sides on a curved face miss it by the fourth power of their length, not the second.
+// Returns the mesh with its nodes on faces moved to where `surface.exact` has them: isoparametric
+// elements, whose sides on a curved face miss it by the fourth power of their length, not the
+// second.
 //
 // Within each triangle the way from it to the face is taken as the quadratic polynomial through its
 // corners and the middles of its sides, so that nodes between those follow too. Nodes inside the

@@ -25,7 +25,7 @@ struct QualityReport {
 // Measures every element by its corners. An empty mesh gives an empty report.
 QualityReport MeasureQuality(const TetrahedralMesh& mesh);
 
-// A few lines for people.
+// Returns a few lines for people.
 std::string ToText(const QualityReport& report);
 
 }  // namespace mortise::mesh

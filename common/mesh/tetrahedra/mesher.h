@@ -27,12 +27,12 @@ struct MeshOptions {
   int element_limit = 2'000'000;
 };
 
-// A size at which an assembly of boards gets a few thousand elements: a twelfth of the diagonal
-// of its bounding box, but not so small that volume alone would ask for more than 20,000.
+// Returns a size at which an assembly of boards gets a few thousand elements: a twelfth of the
+// diagonal of its bounding box, but not so small that volume alone would ask for more than 20,000.
 double DefaultElementSize(const AssemblySurface& assembly);
 
-// How many elements of `element_size` fill the assembly's volume; a lower bound on what meshing
-// gives, since thin parts and small faces need more.
+// Returns how many elements of `element_size` fill the assembly's volume; a lower bound on what
+// meshing gives, since thin parts and small faces need more.
 double EstimateElements(const AssemblySurface& assembly, double element_size);
 
 // Meshes every part; touching parts share nodes (they are bonded). Triangles on the faces of the
@@ -49,11 +49,11 @@ double EstimateElements(const AssemblySurface& assembly, double element_size);
 absl::StatusOr<TetrahedralMesh> MeshAssembly(const AssemblySurface& assembly,
                                              const MeshOptions& options = {});
 
-// The mesh with every element of more than the volume of a regular tetrahedron of edge sizes[e] (m)
-// divided, and those beside them as good shapes need. Others mostly stay; nothing becomes coarser.
-// Parts, faces and what they enclose stay exactly the same. Of a quadratic mesh the corners count:
-// it must have straight edges. `options.element_size` has no effect. The same input gives the same
-// mesh.
+// Returns the mesh with every element of more than the volume of a regular tetrahedron of edge
+// sizes[e] (m) divided, and those beside them as good shapes need. Others mostly stay; nothing
+// becomes coarser. Parts, faces and what they enclose stay exactly the same. Of a quadratic mesh
+// the corners count: it must have straight edges. `options.element_size` has no effect. The same
+// input gives the same mesh.
 //
 // Errors as MeshAssembly's; INVALID_ARGUMENT naming "sizes" unless there is a positive one for each
 // element; RESOURCE_EXHAUSTED before any work is done where EstimateRefinement is beyond
@@ -62,13 +62,13 @@ absl::StatusOr<TetrahedralMesh> RefineMesh(const TetrahedralMesh& mesh,
                                            const Eigen::VectorXd& sizes,
                                            const MeshOptions& options = {});
 
-// How many elements these sizes take at least. RefineMesh makes about twice to three times as many,
-// since sizes are the largest that elements may have.
+// Returns how many elements these sizes take at least. RefineMesh makes about twice to three times
+// as many, since sizes are the largest that elements may have.
 double EstimateRefinement(const TetrahedralMesh& mesh, const Eigen::VectorXd& sizes);
 
-// The outside of a volume mesh as triangles between corners (3 × T node indices), outward; each
-// quadratic face triangle is split in four. Includes only faces of elements of `part`, or of all
-// parts together with -1.
+// Returns the outside of a volume mesh as triangles between corners (3 × T node indices), outward;
+// each quadratic face triangle is split in four. Includes only faces of elements of `part`, or of
+// all parts together with -1.
 Eigen::Matrix3Xi OuterTriangles(const TetrahedralMesh& mesh, int part = -1);
 
 }  // namespace mortise::mesh

@@ -7,7 +7,7 @@
 
 namespace mortise::mesh {
 
-// The surface with new triangles on its curved faces (CGAL's isotropic remeshing: splits,
+// Returns the surface with new triangles on its curved faces (CGAL's isotropic remeshing: splits,
 // collapses, flips, and smoothing within the old triangles). The surface turns by about `turn`,
 // rad, from one to the next, and their edges are not longer than `longest`, m. Outlines of faces
 // keep their points and get more where edges are long; plane faces are divided no more than their

@@ -16,7 +16,7 @@ std::vector<FieldViolation> CheckCageSizes(const CageTemplate& definition);
 // Expressions are for CageExpressions, the cage for CageModel.
 std::vector<FieldViolation> CheckCageTemplate(const CageTemplate& definition);
 
-// All triangles of a surface, face by face.
+// Returns all triangles of a surface, face by face.
 Eigen::Matrix3Xi TrianglesOf(const CageSurface& surface);
 
 }  // namespace mortise::parametric

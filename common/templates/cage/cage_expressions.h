@@ -28,9 +28,9 @@ class CageExpressions {
   // called.
   CageExpressions(const CageTemplate& definition, std::vector<FieldViolation>& findings);
 
-  // Where the cage's vertices are at `q`, one entry a parameter, which need not be in range.
-  // INVALID_ARGUMENT naming the field of every expression that cannot be evaluated, or of a point
-  // farther than 1 km from the origin.
+  // Returns where the cage's vertices are at `q`, one entry a parameter, which need not be in
+  // range. INVALID_ARGUMENT naming the field of every expression that cannot be evaluated, or of a
+  // point farther than 1 km from the origin.
   absl::StatusOr<CageNumbers> Cage(const Eigen::VectorXd& q, bool with_gradient) const;
 
   // The conditions at `q`.

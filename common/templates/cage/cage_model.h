@@ -31,9 +31,9 @@ struct CageDesign {
   std::optional<double> reference_temperature;  // K; no thermal stress without it
 };
 
-// Everything that is wrong with a template, at once: names, ranges, sizes, references, expressions;
-// a surface or, at the defaults, a cage that is not closed, not oriented outwards or crosses
-// itself; then, at the defaults, at every corner of the parameter box (the ends of single
+// Returns everything that is wrong with a template, at once: names, ranges, sizes, references,
+// expressions; a surface or, at the defaults, a cage that is not closed, not oriented outwards or
+// crosses itself; then, at the defaults, at every corner of the parameter box (the ends of single
 // parameters where there are more than 6) and at 32 random points, always the same, whatever
 // Evaluate would refuse. At most 100 findings, the first at each place. Surfaces may have 5,000
 // vertices and 10,000 triangles, cages 250 and 500.
@@ -50,21 +50,24 @@ class CageModel {
   const CageTemplate& definition() const;
   Eigen::VectorXd Defaults() const;
 
-  // Coordinates of the surface's vertices in the cage, C × V: surface = cage · coordinates.
+  // Returns the coordinates of the surface's vertices in the cage, C × V: surface = cage ·
+  // coordinates.
   const Eigen::MatrixXd& coordinates() const;
 
-  // The design at `q`, one entry a parameter in the template's order. INVALID_ARGUMENT naming each
-  // parameter out of its range ("parameters[1]"); each number that cannot be computed
+  // Returns the design at `q`, one entry a parameter in the template's order. INVALID_ARGUMENT
+  // naming each parameter out of its range ("parameters[1]"); each number that cannot be computed
   // ("cage.vertices[3].x"); or, with the parameters and the place, "surface" where it crosses
   // itself, collapses or turns inside out.
   absl::StatusOr<CageDesign> Evaluate(const Eigen::VectorXd& q) const;
 
-  // Derivatives of the surface's vertices with respect to the parameters, 3V × n: row 3v + axis is
-  // the gradient of that coordinate of vertex v, m per unit of each parameter. Exact; at kinks of
-  // expressions as in expression.h. INVALID_ARGUMENT as Evaluate, but the shape is not looked at.
+  // Returns the derivatives of the surface's vertices with respect to the parameters, 3V × n: row
+  // 3v + axis is the gradient of that coordinate of vertex v, m per unit of each parameter. Exact;
+  // at kinks of expressions as in expression.h. INVALID_ARGUMENT as Evaluate, but the shape is not
+  // looked at.
   absl::StatusOr<Eigen::MatrixXd> Jacobian(const Eigen::VectorXd& q) const;
 
-  // The volume within the surface, m³, and its exact gradient. INVALID_ARGUMENT as Jacobian.
+  // Returns the volume within the surface, m³, and its exact gradient. INVALID_ARGUMENT as
+  // Jacobian.
   absl::StatusOr<Dual> Volume(const Eigen::VectorXd& q) const;
 
  private:
@@ -76,7 +79,7 @@ class CageModel {
   static std::shared_ptr<const State> Compile(CageTemplate definition,
                                               std::vector<FieldViolation>& findings);
 
-  // What Evaluate refuses of points all over the parameter box.
+  // Returns what Evaluate refuses of points all over the parameter box.
   std::vector<FieldViolation> TryPoints() const;
 
   std::shared_ptr<const State> state_;

@@ -24,9 +24,9 @@ class DeferredCombination {
 
   void Add(const std::string& feature, const std::vector<NamedBody>& solids);
 
-  // The plane of a face, as FrameOfFace has it once all this is done, and remembers that what is
-  // added from here on relies on it. Nothing if that cannot be told before. `state` is that of the
-  // bodies before.
+  // Returns the plane of a face, as FrameOfFace has it once all this is done, and remembers that
+  // what is added from here on relies on it. Nothing if that cannot be told before. `state` is that
+  // of the bodies before.
   std::optional<FaceFrame> FrameBefore(const std::string& face, const ModelState& state);
 
   // Changes the body. INVALID_ARGUMENT without a place among the features if the kernel cannot,

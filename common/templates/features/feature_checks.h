@@ -14,7 +14,7 @@ namespace mortise::cad {
 inline constexpr std::size_t kMaxDefinitions = 500;
 inline constexpr std::size_t kMaxFeatures = 500;
 
-// All findings at once; expressions are left to FeatureNumbers.
+// Returns all findings at once; expressions are left to FeatureNumbers.
 std::vector<FieldViolation> CheckFeatures(const CadTemplate& definition);
 
 }  // namespace mortise::cad

@@ -33,12 +33,12 @@ struct RegeneratedModel {
   std::optional<double> reference_temperature;        // K; no thermal stress without it
 };
 
-// Indices of the faces that a reference as in feature_reference.h means. INVALID_ARGUMENT if it
-// cannot be read; none if no face is of that name. "[0]" and "[*]" of a pattern do not include the
-// feature that it repeats: ask for that by its own name.
+// Returns the indices of the faces that a reference as in feature_reference.h means.
+// INVALID_ARGUMENT if it cannot be read; none if no face is of that name. "[0]" and "[*]" of a
+// pattern do not include the feature that it repeats: ask for that by its own name.
 absl::StatusOr<std::vector<int>> FacesOf(const RegeneratedModel& model, std::string_view reference);
 
-// Everything that can be seen to be wrong without making a solid, at once: names, ranges,
+// Returns everything that can be seen to be wrong without making a solid, at once: names, ranges,
 // references to features that do not exist, come later or cannot be meant, roles that a feature
 // does not have, and numbers that are not what they must be at the defaults, at every corner of the
 // parameter box (the ends of single parameters where there are more than 6) and at random points,
@@ -54,15 +54,15 @@ class FeatureModel {
   const CadTemplate& definition() const { return state_->definition; }
   Eigen::VectorXd Defaults() const;
 
-  // The solid at `q`, one entry a parameter in the template's order. INVALID_ARGUMENT naming each
-  // parameter out of its range ("parameters[1]"); each number that is not what it must be
-  // ("features[3].fillet.radius"); or the first feature that cannot be made, with its reference
+  // Returns the solid at `q`, one entry a parameter in the template's order. INVALID_ARGUMENT
+  // naming each parameter out of its range ("parameters[1]"); each number that is not what it must
+  // be ("features[3].fillet.radius"); or the first feature that cannot be made, with its reference
   // ("features[3].fillet.edges[0]") and why. The last is also the answer if the kernel fails or its
   // check finds the solid invalid.
   absl::StatusOr<RegeneratedModel> Regenerate(const Eigen::Ref<const Eigen::VectorXd>& q) const;
 
-  // How many instances each pattern has at `q`, the feature that it repeats among them, and how
-  // many corners each polygon of a sketch ("sketch.profile"), feature by feature. Takes
+  // Returns how many instances each pattern has at `q`, the feature that it repeats among them, and
+  // how many corners each polygon of a sketch ("sketch.profile"), feature by feature. Takes
   // microseconds, as no solid is made: INVALID_ARGUMENT naming parameters and numbers only.
   absl::StatusOr<parametric::Structure> StructureAt(
       const Eigen::Ref<const Eigen::VectorXd>& q) const;

@@ -40,7 +40,7 @@ struct NumberUse {
   bool optional = false;  // may be empty
 };
 
-// All numbers of a feature. They point into it.
+// Returns all numbers of a feature. They point into it.
 std::vector<NumberUse> NumbersOf(const Feature& feature);
 
 // Values by the text of the expression, at given parameters.
@@ -63,10 +63,10 @@ class FeatureNumbers {
   // Parses; what is wrong, with its place, is added to `findings`.
   FeatureNumbers(const CadTemplate& definition, std::vector<FieldViolation>& findings);
 
-  // The numbers at `q`, one entry a parameter in the template's order, which need not be within
-  // their ranges. Whatever cannot be evaluated or is not what it must be is added to `findings`.
-  // Parameters that are not finite, and definitions that could not be parsed or evaluated, are
-  // unknown: so is what uses them, of which nothing is told.
+  // Returns the numbers at `q`, one entry a parameter in the template's order, which need not be
+  // within their ranges. Whatever cannot be evaluated or is not what it must be is added to
+  // `findings`. Parameters that are not finite, and definitions that could not be parsed or
+  // evaluated, are unknown: so is what uses them, of which nothing is told.
   Numbers Evaluate(const Eigen::Ref<const Eigen::VectorXd>& q,
                    std::vector<FieldViolation>& findings) const;
 

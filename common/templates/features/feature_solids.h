@@ -13,7 +13,7 @@
 
 namespace mortise::cad {
 
-// One solid a region of the sketch. INVALID_ARGUMENT naming the field ("extrude.to").
+// Returns one solid a region of the sketch. INVALID_ARGUMENT naming the field ("extrude.to").
 absl::StatusOr<std::vector<NamedBody>> MakeExtrusion(const Extrude& extrude,
                                                      const std::string& feature,
                                                      const BuiltSketch& sketch,
@@ -26,8 +26,8 @@ absl::StatusOr<std::vector<NamedBody>> MakeSweep(const Sweep& sweep, const std::
                                                  const BuiltSketch& sketch,
                                                  const BuiltSketch& path);
 
-// What a drill takes away. `entry` lies in the face, its Z pointing out of the material; `reach`
-// (mm) goes through everything.
+// Returns what a drill takes away. `entry` lies in the face, its Z pointing out of the material;
+// `reach` (mm) goes through everything.
 absl::StatusOr<NamedBody> MakeDrill(const Hole& hole, const std::string& feature,
                                     const gp_Ax3& entry, double reach, const Numbers& numbers);
 

@@ -45,7 +45,8 @@ void Follow(BRepBuilderAPI_MakeShape& operation, const TopoDS_Shape& result, con
 absl::Status Combine(Operation operation, const std::vector<NamedBody>& tools,
                      const std::string& feature, NamedBody& body);
 
-// A copy elsewhere: instance `instance` of the pattern `pattern`. `placement` is a rigid motion.
+// Returns a copy elsewhere: instance `instance` of the pattern `pattern`. `placement` is a rigid
+// motion.
 NamedBody CopyOf(const NamedBody& body, const gp_Trsf& placement, const std::string& pattern,
                  int instance);
 
@@ -69,9 +70,9 @@ struct FoundEdges {
   std::vector<TopoDS_Edge> edges;  // at least one
 };
 
-// What references mean at this state. INVALID_ARGUMENT, naming `field` with the index of the
-// reference, that says why one means nothing: the feature that removed its faces, a pattern with
-// fewer instances, faces that do not meet, several bodies.
+// Returns what references mean at this state. INVALID_ARGUMENT, naming `field` with the index of
+// the reference, that says why one means nothing: the feature that removed its faces, a pattern
+// with fewer instances, faces that do not meet, several bodies.
 absl::StatusOr<FoundFaces> FindFaces(const ModelState& state,
                                      const std::vector<std::string>& references,
                                      const std::string& field);

@@ -10,8 +10,8 @@
 
 namespace mortise::cad {
 
-// One rigid motion (mm) for each instance from 1 on. INVALID_ARGUMENT naming the field of a step,
-// angle or axis without length, or of more than kMaxInstances.
+// Returns one rigid motion (mm) for each instance from 1 on. INVALID_ARGUMENT naming the field of a
+// step, angle or axis without length, or of more than kMaxInstances.
 absl::StatusOr<std::vector<gp_Trsf>> PlacementsOf(const LinearPattern& pattern,
                                                   const Numbers& numbers);
 absl::StatusOr<std::vector<gp_Trsf>> PlacementsOf(const CircularPattern& pattern,

@@ -32,13 +32,13 @@ struct CurveLoop {
   bool counterclockwise = true;  // of closed loops
 };
 
-// One loop a profile. What cannot be drawn (a line without length, a rounding that does not fit, an
-// arc through points on a line) is added to `findings`, at its place within the sketch
+// Returns one loop a profile. What cannot be drawn (a line without length, a rounding that does not
+// fit, an arc through points on a line) is added to `findings`, at its place within the sketch
 // ("profiles[1].path.segments[2].to").
 std::vector<CurveLoop> ResolveSketch(const Sketch& sketch, const Numbers& numbers,
                                      std::vector<FieldViolation>& findings);
 
-// Points along a curve from its beginning, ends included: 2 × N, m.
+// Returns points along a curve from its beginning, ends included: 2 × N, m.
 Eigen::Matrix2Xd PointsAlong(const SketchCurve& curve, int count);
 
 }  // namespace mortise::cad

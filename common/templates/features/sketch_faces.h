@@ -28,8 +28,9 @@ struct BuiltSketch {
   TopoDS_Wire path;                   // null unless it is one
 };
 
-// Where the sketch lies. INVALID_ARGUMENT naming "sketch.plane…" if a direction has no length or
-// the x axis is along the normal. `face_frame` is that of SketchPlane::face, if there is one.
+// Returns where the sketch lies. INVALID_ARGUMENT naming "sketch.plane…" if a direction has no
+// length or the x axis is along the normal. `face_frame` is that of SketchPlane::face, if there is
+// one.
 absl::StatusOr<gp_Ax3> FrameOf(const SketchPlane& plane, const Numbers& numbers,
                                const gp_Ax3* face_frame);
 
@@ -37,7 +38,7 @@ absl::StatusOr<gp_Ax3> FrameOf(const SketchPlane& plane, const Numbers& numbers,
 // a hole outside.
 absl::StatusOr<BuiltSketch> BuildSketch(std::vector<CurveLoop> loops, const gp_Ax3& frame);
 
-// A point of space in the kernel's unit.
+// Returns a point of space in the kernel's unit.
 gp_Pnt KernelPoint(const Eigen::Vector3d& metres);
 
 }  // namespace mortise::cad

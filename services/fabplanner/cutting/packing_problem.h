@@ -38,10 +38,10 @@ struct PackingProblem {
   // No packing of the `remaining` items, which add up to `total`, costs less.
   int64_t LowerBound(const Counts& remaining, int64_t total) const;
 
-  // The cheapest type that holds `filled`; -1 if none does.
+  // Returns the cheapest type that holds `filled`; -1 if none does.
   int CheapestTypeFor(int64_t filled) const;
 
-  // What all remaining sizes from an index on add up to, for pruning.
+  // Returns what all remaining sizes from an index on add up to, for pruning.
   std::vector<int64_t> RestOf(const Counts& remaining) const;
 };
 

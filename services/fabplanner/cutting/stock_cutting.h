@@ -10,8 +10,8 @@
 
 namespace mortise::fabplanner {
 
-// The label of a part in copy 1, 2, 3 … of `quantity`: its name, and the copy where there are
-// several ("leg_1.2").
+// Returns the label of a part in copy 1, 2, 3 … of `quantity`: its name, and the copy where there
+// are several ("leg_1.2").
 std::string PartLabel(const std::string& name, int copy, int quantity);
 
 // Lays out every part that a machine cuts (`plan->parts` says which), in `plan->quantity` copies:

@@ -7,11 +7,12 @@
 
 namespace mortise::fabplanner {
 
-// All boards, under a heading for each item and section. Boards cut alike (the same lengths in the
-// same order) are drawn once, with their number. Trims and offcuts are hatched.
+// Returns all boards, under a heading for each item and section. Boards cut alike (the same lengths
+// in the same order) are drawn once, with their number. Trims and offcuts are hatched.
 std::string BoardsSvg(const FabricationPlan& plan);
 
-// All sheets, each with its outlines, their sizes and positions. Sheets cut alike are drawn once.
+// Returns all sheets, each with its outlines, their sizes and positions. Sheets cut alike are drawn
+// once.
 std::string SheetsSvg(const FabricationPlan& plan);
 
 }  // namespace mortise::fabplanner

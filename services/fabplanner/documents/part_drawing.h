@@ -16,9 +16,9 @@ void NameDrawings(const Design& design, FabricationPlan* plan);
 bool HasDrawings(const FabricationPlan& plan);
 void AddToDrawings(const std::string& file_name, FabricationPlan* plan);
 
-// The part from the front, from above and from the left, in one scale, edges between faces that
-// meet at more than 30° and outlines as lines, with the size of its box. What lies behind is drawn
-// too, paler.
+// Returns the part from the front, from above and from the left, in one scale, edges between faces
+// that meet at more than 30° and outlines as lines, with the size of its box. What lies behind is
+// drawn too, paler.
 std::string PartDrawingSvg(const Part& part, const std::string& note);
 
 }  // namespace mortise::fabplanner

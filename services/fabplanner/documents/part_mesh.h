@@ -6,10 +6,10 @@
 
 namespace mortise::fabplanner {
 
-// The part as a shape, moved by `offset` (m). Empty if its outline is not a simple polygon.
+// Returns the part as a shape, moved by `offset` (m). Empty if its outline is not a simple polygon.
 render::Shape PartShape(const Part& part, const Eigen::Vector3d& offset);
 
-// A round peg from `start` to `end`, m.
+// Returns a round peg from `start` to `end`, m.
 render::Shape PegShape(const Eigen::Vector3d& start, const Eigen::Vector3d& end, double diameter);
 
 }  // namespace mortise::fabplanner

@@ -9,18 +9,19 @@
 
 namespace mortise::fabplanner {
 
-// A line for each part: its stock, process, part, position and size.
+// Returns a line for each part: its stock, process, part, position and size.
 std::string CutListCsv(const FabricationPlan& plan);
 
-// A line for each item and size to buy, then for what is made to drawing, with material, mass of
-// one piece and drawings; last a line with the total of each currency.
+// Returns a line for each item and size to buy, then for what is made to drawing, with material,
+// mass of one piece and drawings; last a line with the total of each currency.
 std::string BillCsv(const FabricationPlan& plan);
 
-// A line for each part of the design: how it is come by, of what, its size, what people do to it.
+// Returns a line for each part of the design: how it is come by, of what, its size, what people do
+// to it.
 std::string PartsCsv(const FabricationPlan& plan, const Design& design);
 
-// A line for each hole: part, kind, diameter, depth, where its middle is, from the lower corner of
-// the part's box as the part stands in the design, and where it goes.
+// Returns a line for each hole: part, kind, diameter, depth, where its middle is, from the lower
+// corner of the part's box as the part stands in the design, and where it goes.
 std::string HolesCsv(const FabricationPlan& plan, const Design& design);
 
 }  // namespace mortise::fabplanner

@@ -17,7 +17,7 @@ struct PlanFile {
   std::string bytes;
 };
 
-// The file name of a step's picture: "step-3.png".
+// Returns the file name of a step's picture: "step-3.png".
 std::string StepPictureName(int number);
 
 // Called before each file with how many are done and how many there are; false stops the work.

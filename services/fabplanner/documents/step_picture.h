@@ -12,7 +12,7 @@
 
 namespace mortise::fabplanner {
 
-// The PNG of the step. Only what the step says to stand or to come in is drawn.
+// Returns the PNG of the step. Only what the step says to stand or to come in is drawn.
 absl::StatusOr<std::string> OrderedStepPicture(const Design& design, const Items& items,
                                                const std::vector<Hole>& holes,
                                                const AssemblyStep& step);

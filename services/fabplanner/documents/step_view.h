@@ -19,7 +19,7 @@ inline const render::Color kArrowColor{0.05, 0.35, 0.75};
 // much better.
 absl::StatusOr<Eigen::Vector3d> ChooseView(const render::Scene& scene);
 
-// The PNG, 900 × 675 pixels, of all in the scene.
+// Returns the PNG, 900 × 675 pixels, of all in the scene.
 absl::StatusOr<std::string> RenderStep(render::Scene scene, const Eigen::Vector3d& view);
 
 }  // namespace mortise::fabplanner

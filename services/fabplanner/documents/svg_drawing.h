@@ -12,10 +12,10 @@ enum class TextAnchor { kStart, kMiddle, kEnd };
 // Collects elements in pixels, y downwards, and closes them into a document.
 class SvgDrawing {
  public:
-  // Text as SVG and HTML need it.
+  // Returns text as SVG and HTML need it.
   static std::string Escape(const std::string& text);
 
-  // The width that `text` takes, about; the fonts of viewers differ.
+  // Returns the width that `text` takes, about; the fonts of viewers differ.
   static double TextWidth(const std::string& text, double size);
 
   void Rectangle(double x, double y, double width, double height, const std::string& style_class);
@@ -30,7 +30,7 @@ class SvgDrawing {
   // The same along y at x, text to the left, reading upwards.
   void DimensionUpright(double y0, double y1, double x, const std::string& text);
 
-  // The document, `width` × `height` pixels.
+  // Returns the document, `width` × `height` pixels.
   std::string Finish(double width, double height, const std::string& title) const;
 
  private:

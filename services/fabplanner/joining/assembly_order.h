@@ -22,10 +22,10 @@ namespace mortise::fabplanner {
 // (assembly_sequence.h).
 bool HasOrderOfItsOwn(const Design& design);
 
-// The steps, numbered 1, 2, 3 …; every part, connecting ones included, comes in with exactly one of
-// them. Where no order exists the step that brings parts together names those that block each
-// other. Depends on nothing but its arguments. Once a stop is requested it returns soon, with steps
-// that are of no use. O(parts³).
+// Returns the steps, numbered 1, 2, 3 …; every part, connecting ones included, comes in with
+// exactly one of them. Where no order exists the step that brings parts together names those that
+// block each other. Depends on nothing but its arguments. Once a stop is requested it returns soon,
+// with steps that are of no use. O(parts³).
 std::vector<AssemblyStep> OrderedSteps(const Design& design, const Items& items,
                                        const std::vector<Mark>& marks,
                                        const std::stop_token& stop = {});

@@ -34,8 +34,8 @@ class Blocking {
 
   // Whether `other` stands in the way of `unit` leaving in a direction.
   bool Blocks(int direction, int unit, int other) const { return blocks_[direction][unit][other]; }
-  // What must move with `unit` in a direction, of `units`: itself, what blocks it, what blocks
-  // that.
+  // Returns what must move with `unit` in a direction, of `units`: itself, what blocks it, what
+  // blocks that.
   std::vector<int> MovesWith(int direction, int unit, const std::vector<int>& units) const;
 
   // Parts of two units that reach into each other in an unknown way.

@@ -17,8 +17,8 @@
 
 namespace mortise::fabplanner {
 
-// Diameter of the clearance hole of a metric thread, m: ISO 273, medium series; a tenth more than
-// the thread for threads it does not have.
+// Returns the diameter of the clearance hole of a metric thread, m: ISO 273, medium series; a tenth
+// more than the thread for threads it does not have.
 double ClearanceOf(double thread_diameter);
 
 // Adds the holes and marks of the design's connecting parts to the plan, in their order. Holes of

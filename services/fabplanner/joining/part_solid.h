@@ -33,7 +33,7 @@ class PartSolid {
   const Eigen::AlignedBox3d& box() const { return box_; }
   bool is_box() const { return triangles_.cols() == 0; }
 
-  // What of the line through `point` along the axis (0, 1, 2) lies inside, in order.
+  // Returns what of the line through `point` along the axis (0, 1, 2) lies inside, in order.
   std::vector<Stretch> Along(int axis, const Eigen::Vector3d& point) const;
 
   // Whether the two touch over a face, or reach into each other.
@@ -49,7 +49,7 @@ class PartSolid {
  private:
   class Heights;
   bool ReachesInto(const Eigen::AlignedBox3d& box) const;
-  // The longest stretch of the upright line through `point` that lies in both.
+  // Returns the longest stretch of the upright line through `point` that lies in both.
   double SharedAlong(const PartSolid& other, const Eigen::Vector3d& point) const;
 
   Eigen::AlignedBox3d box_;

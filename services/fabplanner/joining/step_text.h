@@ -28,10 +28,10 @@ struct StepFacts {
 // "2 × Side and Bottom": alike parts once, with their number.
 std::string CountedTitles(const Design& design, const std::vector<int>& parts);
 
-// The instruction.
+// Returns the instruction.
 std::string StepText(const Design& design, const Items& items, const StepFacts& facts);
 
-// What a mark says: "40 mm from the front and 100 mm from below".
+// Returns what a mark says: "40 mm from the front and 100 mm from below".
 std::string MarkText(const Design& design, const Mark& mark);
 
 }  // namespace mortise::fabplanner

@@ -136,16 +136,16 @@ bool IsPrismAlong(const Part& part, int axis);
 // Whether a cut at right angles to its thickness gives all of it: SheetOutlineOf is its outline.
 bool IsUpright(const Part& part);
 
-// What people call it: its title, or its name.
+// Returns what people call it: its title, or its name.
 const std::string& TitleOf(const Part& part);
 
-// The part's box in the design's coordinates.
+// Returns the part's box in the design's coordinates.
 Eigen::AlignedBox3d BoundsOf(const Part& part);
 
-// The part's outline as it lies on a sheet, seen from its top side: u along the item's length, v
-// along its width, lower corner of the bounding rectangle at the origin, counter-clockwise, m. The
-// bounding rectangle where the part is extruded along another axis than its thickness, or is of
-// triangles that do not all stand upright on it or leave holes.
+// Returns the part's outline as it lies on a sheet, seen from its top side: u along the item's
+// length, v along its width, lower corner of the bounding rectangle at the origin,
+// counter-clockwise, m. The bounding rectangle where the part is extruded along another axis than
+// its thickness, or is of triangles that do not all stand upright on it or leave holes.
 std::vector<Eigen::Vector2d> SheetOutlineOf(const Part& part);
 
 }  // namespace mortise::fabplanner

@@ -12,7 +12,7 @@ namespace mortise::fabplanner {
 // By how much a part may differ from a size that its item fixes, m: what a rule cannot tell.
 inline constexpr double kSizeTolerance = 5e-5;
 
-// One entry a part, in order:
+// Returns one entry a part, in order:
 // - what its item's process cuts is crosscut or cut to outline. If it is not what such a cut gives
 //   (a turned leg, a slotted panel) the cut gives its blank, and what is left is handwork after a
 //   drawing;

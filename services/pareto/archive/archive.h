@@ -44,7 +44,7 @@ class Archive {
   std::size_t evaluated_count() const { return evaluated_count_; }
   std::size_t feasible_count() const { return feasible_count_; }
 
-  // Indices of the feasible entries that no entry dominates, in order of arrival.
+  // Returns the indices of the feasible entries that no entry dominates, in order of arrival.
   const std::vector<std::size_t>& non_dominated() const { return non_dominated_; }
 
   // Their metrics, d x n, raw units, a column each in the same order. Valid until the next Add.
@@ -60,23 +60,23 @@ class Archive {
   // While none is feasible, from a tenth of the range of the evaluated ones, of which it needs one.
   Scaling CurrentScaling() const;
 
-  // The largest size of each constraint seen, m; 1 where all were 0.
+  // Returns the largest size of each constraint seen, m; 1 where all were 0.
   Eigen::VectorXd ConstraintSizes() const;
 
-  // How far an evaluated entry is from meeting all constraints, each in units of its size: 0 if it
-  // meets them.
+  // Returns how far an evaluated entry is from meeting all constraints, each in units of its size:
+  // 0 if it meets them.
   double Violation(std::size_t entry) const;
 
   // From the ideal to the worst of all feasible entries, d; 0 where nothing differs.
   Eigen::VectorXd WholeRange() const { return worst_ - ideal_; }
 
-  // How far designs may differ in each parameter (D) and still tell of each other, relative to the
-  // others: 1 until UseLengths says otherwise. What Nearest and local models call near is in these
-  // lengths; prior Jacobians come from what is nearest in unit coordinates.
+  // Returns how far designs may differ in each parameter (D) and still tell of each other, relative
+  // to the others: 1 until UseLengths says otherwise. What Nearest and local models call near is in
+  // these lengths; prior Jacobians come from what is nearest in unit coordinates.
   const Eigen::VectorXd& lengths() const { return lengths_; }
   void UseLengths(Eigen::VectorXd lengths) { lengths_ = std::move(lengths); }
 
-  // Up to `count` evaluated entries nearest to `u`, nearest first.
+  // Returns up to `count` evaluated entries nearest to `u`, nearest first.
   std::vector<std::size_t> Nearest(const Eigen::VectorXd& u, std::size_t count) const;
 
   // Keeps the Jacobian that a model of metrics, or of constraints, found at an entry, as prior for
@@ -84,7 +84,7 @@ class Archive {
   void Remember(std::size_t entry, Eigen::MatrixXd jacobian);
   void RememberConstraints(std::size_t entry, Eigen::MatrixXd jacobian);
 
-  // The Jacobian kept nearest to `u`; empty when none is kept.
+  // Returns the Jacobian kept nearest to `u`; empty when none is kept.
   Eigen::MatrixXd PriorJacobian(const Eigen::VectorXd& u) const;
   Eigen::MatrixXd PriorConstraintJacobian(const Eigen::VectorXd& u) const;
 
@@ -123,7 +123,7 @@ class Archive {
 // Whether the evaluator offered the gradient of every row, of metrics or of constraints.
 bool OffersEvery(const Eigen::MatrixXd& jacobian);
 
-// The scaled metrics of the entries that none dominates, d x n, in their order.
+// Returns the scaled metrics of the entries that none dominates, d x n, in their order.
 Eigen::MatrixXd ScaledFront(const Archive& archive, const Scaling& scaling);
 
 }  // namespace mortise::pareto

@@ -13,10 +13,11 @@ namespace mortise::pareto {
 // Of a scaled performance (d); coordinates below 0 count as 0.
 Eigen::VectorXd Embed(const Eigen::VectorXd& scaled);
 
-// The unit vectors from the ideal, d x n, at positions of an embedding, d - 1 x n.
+// Returns the unit vectors from the ideal, d x n, at positions of an embedding, d - 1 x n.
 Eigen::MatrixXd RaysAt(const Eigen::MatrixXd& embedding);
 
-// How many neighbours a point of a front of d > 2 metrics has: 6, 8, 10, 12 for d = 3, 4, 5, 6.
+// Returns how many neighbours a point of a front of d > 2 metrics has: 6, 8, 10, 12 for d = 3, 4,
+// 5, 6.
 int NeighboursOnFront(Eigen::Index d);
 
 }  // namespace mortise::pareto

@@ -29,7 +29,7 @@ struct DesignSpace {
   Eigen::VectorXd FromUnit(const Eigen::VectorXd& u) const;
   Eigen::VectorXd ToUnit(const Eigen::VectorXd& x) const;
 
-  // The nearest design within the box that can be set; x itself, bit for bit, if it is one.
+  // Returns the nearest design within the box that can be set; x itself, bit for bit, if it is one.
   Eigen::VectorXd Nearest(const Eigen::VectorXd& x) const;
 };
 
@@ -73,9 +73,9 @@ class Evaluator {
  public:
   virtual ~Evaluator() = default;
 
-  // One evaluation for each design, in the same order. A non-OK status means that the evaluator
-  // itself is out of reach: discovery stops and keeps what it has found. Called from several
-  // threads at once when RunOptions::lanes > 1.
+  // Returns one evaluation for each design, in the same order. A non-OK status means that the
+  // evaluator itself is out of reach: discovery stops and keeps what it has found. Called from
+  // several threads at once when RunOptions::lanes > 1.
   virtual absl::StatusOr<std::vector<Evaluation>> Evaluate(
       const std::vector<Eigen::VectorXd>& designs) = 0;
 

@@ -40,7 +40,8 @@ class FailureTally {
 // "5 RIGID_MOTION, 2 SINGULAR": counts by reason, the most frequent first.
 std::string CountsByReason(const std::vector<FailureCount>& failures);
 
-// The same with an example of each: "5 RIGID_MOTION, such as 'nothing holds the seat'; 2 ...".
+// Returns the same with an example of each: "5 RIGID_MOTION, such as 'nothing holds the seat'; 2
+// ...".
 std::string CountsWithExamples(const std::vector<FailureCount>& failures);
 
 }  // namespace mortise::pareto

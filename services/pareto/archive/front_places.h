@@ -23,8 +23,9 @@
 
 namespace mortise::pareto {
 
-// The ends of a front: entries that none dominates and that are the best, or the worst, of those in
-// a metric. Ascending, at most 2 d. Of several that are equal in it the lexicographically least.
+// Returns the ends of a front: entries that none dominates and that are the best, or the worst, of
+// those in a metric. Ascending, at most 2 d. Of several that are equal in it the lexicographically
+// least.
 std::vector<std::size_t> EndsOfFront(const Archive& archive);
 
 struct FrontPlace {

@@ -8,9 +8,9 @@ namespace mortise::pareto {
 
 inline constexpr Eigen::Index kMostMetrics = 6;
 
-// The measure of { y : p <= y <= reference for some p in points }, exactly, for d of 1 to 6 metrics
-// (minimised). Points that are not below `reference` in every metric add nothing, nor do dominated
-// ones.
+// Returns the measure of { y : p <= y <= reference for some p in points }, exactly, for d of 1 to 6
+// metrics (minimised). Points that are not below `reference` in every metric add nothing, nor do
+// dominated ones.
 //
 // d = 2 and 3 are sweeps in O(n log n). Above that each point adds what it dominates alone among
 // those that are better in the last metric, of which most are dominated once they are limited to
@@ -19,8 +19,8 @@ inline constexpr Eigen::Index kMostMetrics = 6;
 // QuickHypervolume.
 double Hypervolume(const std::vector<Eigen::VectorXd>& points, const Eigen::VectorXd& reference);
 
-// The hypervolume that `point` adds to that of `points` (d x n, a column each): its box, less what
-// of it these dominate. 0 where it adds nothing.
+// Returns the hypervolume that `point` adds to that of `points` (d x n, a column each): its box,
+// less what of it these dominate. 0 where it adds nothing.
 //
 // O(n), and beyond that what the points amount to that are not dominated by another one in the box
 // of `point`. With `most` > 0 only so many of those are taken into account, the ones that cover

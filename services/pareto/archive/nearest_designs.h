@@ -24,9 +24,9 @@ class NearestDesigns {
   // to choose another parameter to sort by.
   void Add(std::size_t number, const Designs& designs);
 
-  // The numbers of up to `count` designs nearest to `u`, nearest first, of equally near ones those
-  // with lower numbers. Distances are Euclidean, with parameter i in units of 1 / weights[i]. O(n
-  // D) at worst, mostly a small part of it.
+  // Returns the numbers of up to `count` designs nearest to `u`, nearest first, of equally near
+  // ones those with lower numbers. Distances are Euclidean, with parameter i in units of 1 /
+  // weights[i]. O(n D) at worst, mostly a small part of it.
   std::vector<std::size_t> Nearest(const Eigen::VectorXd& u, const Eigen::VectorXd& weights,
                                    std::size_t count, const Designs& designs) const;
 

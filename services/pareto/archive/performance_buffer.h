@@ -47,10 +47,11 @@ class PerformanceBuffer {
 
   PerformanceBuffer(const Options& options, Eigen::Index metric_count);
 
-  // The cell of a scaled performance, 0 <= id < CellCount(). Negative coordinates count as 0.
+  // Returns the cell of a scaled performance, 0 <= id < CellCount(). Negative coordinates count as
+  // 0.
   CellId CellOf(const Eigen::VectorXd& scaled) const;
 
-  // The unit vector along the ray through the middle of a cell.
+  // Returns the unit vector along the ray through the middle of a cell.
   Eigen::VectorXd DirectionOf(CellId cell) const;
 
   // n, at present.

@@ -9,8 +9,8 @@
 
 namespace mortise::pareto {
 
-// A Latin hypercube of `count` points in [0, 1)^D: each coordinate takes one value in each of
-// `count` equal strata, in an order of its own.
+// Returns a Latin hypercube of `count` points in [0, 1)^D: each coordinate takes one value in each
+// of `count` equal strata, in an order of its own.
 std::vector<Eigen::VectorXd> LatinHypercube(std::int64_t count, Eigen::Index size, Random& random);
 
 // x_s = x_j + 2^(-delta) d, clamped to the box: d uniform on the sphere of R^D (both signs in every

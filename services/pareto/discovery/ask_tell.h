@@ -55,7 +55,7 @@ class AskTell {
 
   virtual ~AskTell() = default;
 
-  // The next design to evaluate; nullopt while results are needed first, or once finished.
+  // Returns the next design to evaluate; nullopt while results are needed first, or once finished.
   virtual std::optional<Proposal> Ask() = 0;
 
   // The result of proposal `number`, in any order. INVALID_ARGUMENT for a number that is not
@@ -72,7 +72,7 @@ class AskTell {
   virtual Summary summary() const = 0;
   virtual Front front() const = 0;
 
-  // What was committed: entries have the numbers of their proposals.
+  // Returns what was committed: entries have the numbers of their proposals.
   virtual const Archive& archive() const = 0;
 
   // Designs evaluated before the search begins: those given and those that fill the space.

@@ -32,15 +32,16 @@ class CombinationSearch {
   // Puts designs into the queue of what is tried before anything else.
   void Try(const std::vector<Eigen::VectorXd>& designs);
 
-  // A design to try that is given at once.
+  // Returns a design to try that is given at once.
   Design TryNow(const Eigen::VectorXd& x);
 
   // What comes after that: a discovery of so many evaluations, 1 at least.
   void Plan(std::int64_t evaluations) { planned_ = evaluations; }
 
-  // The next design; nullopt while results are needed first, and when there is nothing to do.
+  // Returns the next design; nullopt while results are needed first, and when there is nothing to
+  // do.
   std::optional<Design> Ask();
-  // The same of those to try only.
+  // Returns the same of those to try only.
   std::optional<Design> AskQueued();
 
   // What became of a design, in the order in which they were given.

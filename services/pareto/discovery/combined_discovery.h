@@ -176,8 +176,8 @@ class CombinedDiscovery : public AskTell {
   std::string message_;
 };
 
-// A discovery of `space`, whose parameters `discrete` take each of their values by itself: a
-// CombinedDiscovery, or where there is one combination only, the Discovery of that.
+// Returns a discovery of `space`, whose parameters `discrete` take each of their values by itself:
+// a CombinedDiscovery, or where there is one combination only, the Discovery of that.
 absl::StatusOr<std::unique_ptr<AskTell>> MakeDiscovery(
     const DesignSpace& space, const std::vector<DiscreteParameter>& discrete,
     Eigen::Index metric_count, const Discovery::Options& options);

@@ -78,7 +78,7 @@ class Discovery : public AskTell {
                                                            Eigen::Index metric_count,
                                                            const Options& options);
 
-  // What the buffer of a discovery of d metrics is made with.
+  // Returns what the buffer of a discovery of d metrics is made with.
   static PerformanceBuffer::Options BufferOptions(const Options& options, Eigen::Index d);
 
   std::optional<Proposal> Ask() override;

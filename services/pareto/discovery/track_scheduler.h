@@ -84,11 +84,11 @@ class TrackScheduler {
     has_gradients_ = true;
   }
 
-  // The next track. `buffer` has been built and holds a feasible entry of `archive`. With
+  // Returns the next track. `buffer` has been built and holds a feasible entry of `archive`. With
   // `force_sample` a stochastic sample, which always asks for a new point.
   Track Next(const Archive& archive, const PerformanceBuffer& buffer, bool force_sample);
 
-  // The same, of kPolish.
+  // Returns the same, of kPolish.
   Track Polish(const Archive& archive, const PerformanceBuffer& buffer);
 
   // What a track (with the expansion after it) brought: hypervolume gained for evaluations spent.

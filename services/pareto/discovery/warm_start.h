@@ -18,15 +18,15 @@ struct EarlierFront {
   Eigen::MatrixXd metrics;  // d x n of the old front, all minimised
 };
 
-// How many designs of earlier fronts a discovery begins with, at most: 24 for two metrics, four
-// times as many for each further one, and no more than an eighth of the evaluations. So many tell
-// where the front goes; more would leave too little for finding out that it is elsewhere now.
+// Returns how many designs of earlier fronts a discovery begins with, at most: 24 for two metrics,
+// four times as many for each further one, and no more than an eighth of the evaluations. So many
+// tell where the front goes; more would leave too little for finding out that it is elsewhere now.
 std::int64_t MostStartDesigns(std::int64_t evaluations, Eigen::Index metric_count);
 
-// The designs of the fronts, brought into the bounds of `space` and to its steps, none twice; if
-// they are more than `most`, as many of each front, spread along it: first the best of each metric,
-// then always the one whose metrics (in units of their ranges) are furthest from those of all
-// before. D x n, n <= most, in that order. O(n most d) for each front.
+// Returns the designs of the fronts, brought into the bounds of `space` and to its steps, none
+// twice; if they are more than `most`, as many of each front, spread along it: first the best of
+// each metric, then always the one whose metrics (in units of their ranges) are furthest from those
+// of all before. D x n, n <= most, in that order. O(n most d) for each front.
 Eigen::MatrixXd StartDesigns(const DesignSpace& space, const std::vector<EarlierFront>& fronts,
                              std::int64_t most);
 

@@ -33,7 +33,7 @@ struct LabelingProblem {
 // E of a label for each site, all of them candidates.
 double LabelingEnergy(const LabelingProblem& problem, const std::vector<int>& labels);
 
-// A label for each site, from the cheapest candidates on: the same for the same problem.
+// Returns a label for each site, from the cheapest candidates on: the same for the same problem.
 // INVALID_ARGUMENT naming "candidates[j]", "neighbours[i]" or "weight".
 //
 // Each round makes a cut for each label, on the sites that have it as a candidate; two to four

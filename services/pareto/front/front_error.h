@@ -27,7 +27,7 @@ PushedDesign PushAlongNormal(const DesignSpace& space, const Scaling& scaling,
                              const std::function<Evaluation(const Eigen::VectorXd& x)>& evaluate,
                              const Eigen::VectorXd& x, double delta_n = 1e-2);
 
-// The errors of a front's points, in their order.
+// Returns the errors of a front's points, in their order.
 std::vector<double> FrontErrors(const DesignSpace& space, const Front& front,
                                 const std::function<Evaluation(const Eigen::VectorXd& x)>& evaluate,
                                 double delta_n = 1e-2);

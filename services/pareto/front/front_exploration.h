@@ -70,31 +70,32 @@ class FrontExploration {
  public:
   explicit FrontExploration(FrontPoints points);
 
-  // The point nearest to a position of the embedding, by the angle between their rays.
+  // Returns the point nearest to a position of the embedding, by the angle between their rays.
   // INVALID_ARGUMENT (field "embedding") when it has not d - 1 coordinates in [0, 1];
   // FAILED_PRECONDITION when the front is empty.
   absl::StatusOr<int> AtEmbedding(const Eigen::VectorXd& position) const;
 
-  // The point whose metric `metric` is nearest to `value`. INVALID_ARGUMENT (field "metric") for an
-  // unknown metric or a value that is not finite; FAILED_PRECONDITION when the front is empty.
+  // Returns the point whose metric `metric` is nearest to `value`. INVALID_ARGUMENT (field
+  // "metric") for an unknown metric or a value that is not finite; FAILED_PRECONDITION when the
+  // front is empty.
   absl::StatusOr<int> AtMetric(Eigen::Index metric, double value) const;
 
-  // The point itself. INVALID_ARGUMENT (field "index") when there is none of that index.
+  // Returns the point itself. INVALID_ARGUMENT (field "index") when there is none of that index.
   absl::StatusOr<int> At(int point) const;
 
-  // The points next to one, ascending: before and after it for d = 2, for more those with the
-  // nearest rays, six for d = 3 and two more for each further metric.
+  // Returns the points next to one, ascending: before and after it for d = 2, for more those with
+  // the nearest rays, six for d = 3 and two more for each further metric.
   std::vector<int> NeighboursOf(int point) const;
 
-  // Up to `steps` times from a point to the neighbour that improves `metric` the most for the
-  // distance; fewer where no neighbour improves it. Returns the points visited after the first.
+  // Returns up to `steps` times from a point to the neighbour that improves `metric` the most for
+  // the distance; fewer where no neighbour improves it. Returns the points visited after the first.
   std::vector<int> Walk(int point, Eigen::Index metric, int steps) const;
 
-  // What improving costs at a point, for each metric that varies there and of which the front has
-  // something better; none where the point is alone on its piece.
+  // Returns what improving costs at a point, for each metric that varies there and of which the
+  // front has something better; none where the point is alone on its piece.
   std::vector<Improvement> ImprovementsAt(int point) const;
 
-  // What remains when all `limits`, whose indices exist, must be met.
+  // Returns what remains when all `limits`, whose indices exist, must be met.
   FrontPart Within(const std::vector<FrontLimit>& limits) const;
 
   int size() const { return static_cast<int>(points_.metrics.cols()); }

@@ -11,14 +11,14 @@ class Front;
 
 namespace mortise::pareto {
 
-// One row a point in the order of the embedding: parameters, metrics (with units in the heading),
-// piece. RFC 4180, numbers with 17 significant digits.
+// Returns one row a point in the order of the embedding: parameters, metrics (with units in the
+// heading), piece. RFC 4180, numbers with 17 significant digits.
 std::string FrontAsCsv(const v1::Front& front);
 
-// The Front message as JSON, as the API gives it.
+// Returns the Front message as JSON, as the API gives it.
 absl::StatusOr<std::string> FrontAsJson(const v1::Front& front);
 
-// The picture of front_picture.h. FAILED_PRECONDITION for a front without points.
+// Returns the picture of front_picture.h. FAILED_PRECONDITION for a front without points.
 absl::StatusOr<std::string> FrontAsSvg(const v1::Front& front);
 absl::StatusOr<std::string> FrontAsPng(const v1::Front& front);
 

@@ -24,17 +24,17 @@ struct PlaceChoice {
   double approximation_error = 0;  // e_A, scaled performance
 };
 
-// Pairs of positions of an embedding (embedding.h; d - 1 x n) that are near each other, each once.
-// On a line (d = 2) they ascend, and each has the next two to either side; else each has those
-// whose rays are nearest, as many as NeighboursOnFront says.
+// Returns pairs of positions of an embedding (embedding.h; d - 1 x n) that are near each other,
+// each once. On a line (d = 2) they ascend, and each has the next two to either side; else each has
+// those whose rays are nearest, as many as NeighboursOnFront says.
 std::vector<std::pair<int, int>> NeighboursAlong(const Eigen::MatrixXd& embedding);
 
-// A choice for each place. `places`: candidates of each, nearest first, not empty; the first is
-// not dominated. `neighbours`: pairs of places; `buffer_tolerance`: delta_B. A candidate lies on a
-// piece if its design is within `tolerance` of it, Euclidean in unit coordinates. None that is
-// clearly dominated (Archive::ClearlyDominated, by delta_B) is chosen: in a wide cell it may be
-// hardly further from the ideal than the first, and still be plainly worse than something else.
-// What would be a piece of one place is none, and that place's choice its first.
+// Returns a choice for each place. `places`: candidates of each, nearest first, not empty; the
+// first is not dominated. `neighbours`: pairs of places; `buffer_tolerance`: delta_B. A candidate
+// lies on a piece if its design is within `tolerance` of it, Euclidean in unit coordinates. None
+// that is clearly dominated (Archive::ClearlyDominated, by delta_B) is chosen: in a wide cell it
+// may be hardly further from the ideal than the first, and still be plainly worse than something
+// else. What would be a piece of one place is none, and that place's choice its first.
 std::vector<PlaceChoice> ChoosePieces(
     const Archive& archive, const Scaling& scaling,
     const std::vector<std::vector<PerformanceBuffer::Candidate>>& places,

@@ -5,9 +5,9 @@
 
 namespace mortise::pareto {
 
-// A minimiser p of g.p + p.B p / 2 subject to lower <= p <= upper, where lower <= 0 <= upper and
-// B (n x n) is symmetric. An indefinite B is first made positive semidefinite by dropping its
-// negative eigenvalues, which leaves a step to the edge of the box along such directions.
+// Returns a minimiser p of g.p + p.B p / 2 subject to lower <= p <= upper, where lower <= 0 <=
+// upper and B (n x n) is symmetric. An indefinite B is first made positive semidefinite by dropping
+// its negative eigenvalues, which leaves a step to the edge of the box along such directions.
 //
 // Projected Newton (Bertsekas 1982): variables at a bound whose gradient points outwards are held,
 // the Newton step of the others is searched along its projection. Bounds hold exactly.

@@ -28,7 +28,7 @@ class CombinationModel {
   CombinationModel(const std::vector<DiscreteParameter>& discrete,
                    const std::vector<Sample>& samples);
 
-  // How much the metrics change, d, if all else stays the same.
+  // Returns how much the metrics change, d, if all else stays the same.
   Eigen::VectorXd Difference(const Combination& from, const Combination& to) const;
 
  private:

@@ -34,7 +34,7 @@ std::vector<DiscreteParameter> WithWholeNumbers(const DesignSpace& space,
                                                 std::vector<DiscreteParameter> choices,
                                                 std::int64_t evaluations);
 
-// The parameters that can take more than one value and are not discrete.
+// Returns the parameters that can take more than one value and are not discrete.
 std::vector<Eigen::Index> OtherParameters(const DesignSpace& space,
                                           const std::vector<DiscreteParameter>& discrete);
 
@@ -42,7 +42,7 @@ class CombinationSpace {
  public:
   CombinationSpace(DesignSpace space, std::vector<DiscreteParameter> discrete);
 
-  // How many there are, at most 2^56.
+  // Returns how many there are, at most 2^56.
   std::int64_t count() const { return count_; }
   const std::vector<DiscreteParameter>& discrete() const { return discrete_; }
 
@@ -52,7 +52,7 @@ class CombinationSpace {
   // That of a design; nullopt where one of its discrete parameters has none of its values.
   std::optional<Combination> Of(const Eigen::VectorXd& x) const;
 
-  // The designs of one: its discrete parameters fixed.
+  // Returns the designs of one: its discrete parameters fixed.
   DesignSpace SpaceOf(const Combination& combination) const;
 
   // `wanted` different ones (all, in order, if there are no more) in which each value of a

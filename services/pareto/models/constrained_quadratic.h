@@ -20,15 +20,15 @@ struct QuadraticFunction {
   }
 };
 
-// A local minimiser p of `objective` with lower <= p <= upper, lower <= 0 <= upper, and each of
-// `constraints` <= 0. One that is above 0 at p = 0 must not get worse. The result keeps to all of
-// this and is no worse than 0, which it is where nothing better was found.
+// Returns a local minimiser p of `objective` with lower <= p <= upper, lower <= 0 <= upper, and
+// each of `constraints` <= 0. One that is above 0 at p = 0 must not get worse. The result keeps to
+// all of this and is no worse than 0, which it is where nothing better was found.
 Eigen::VectorXd MinimizeWithin(const QuadraticFunction& objective,
                                const std::vector<QuadraticFunction>& constraints,
                                const Eigen::VectorXd& lower, const Eigen::VectorXd& upper);
 
-// A p in the same box that brings the sum of squares of what `constraints` are above 0 down, to 0
-// if that is possible; of those about the shortest.
+// Returns a p in the same box that brings the sum of squares of what `constraints` are above 0
+// down, to 0 if that is possible; of those about the shortest.
 Eigen::VectorXd ReduceViolation(const std::vector<QuadraticFunction>& constraints,
                                 const Eigen::VectorXd& lower, const Eigen::VectorXd& upper);
 

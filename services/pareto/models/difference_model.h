@@ -20,7 +20,7 @@ class DifferenceModel {
   // would leave the box, both are taken to the other side.
   DifferenceModel(const QuadraticModel& model, std::vector<Eigen::Index> coordinates, double step);
 
-  // How many evaluations it takes for so many coordinates.
+  // Returns how many evaluations it takes for so many coordinates.
   static Eigen::Index Evaluations(Eigen::Index coordinates) {
     return coordinates * (coordinates + 3) / 2;
   }
@@ -34,8 +34,8 @@ class DifferenceModel {
 
   bool Finished() const { return told_.size() == points_.size(); }
 
-  // The model, with slopes and curvature of the coordinates as measured. What needed a point that
-  // failed stays as it was.
+  // Returns the model, with slopes and curvature of the coordinates as measured. What needed a
+  // point that failed stays as it was.
   QuadraticModel Measured() const;
 
  private:

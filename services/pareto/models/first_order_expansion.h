@@ -45,8 +45,8 @@ struct KktPoint {
 KktPoint RecoverDuals(const Eigen::MatrixXd& jacobian, const Eigen::VectorXd& u,
                       const Eigen::MatrixXd& normals = {}, double bound_tolerance = 1e-6);
 
-// Up to d - 1 orthonormal directions (columns, D rows) along which the front continues from `kkt`;
-// `hessian` (D x D) is sum_i alpha_i H_i in scaled metrics, with sum_k mu_k H_gk.
+// Returns up to d - 1 orthonormal directions (columns, D rows) along which the front continues from
+// `kkt`; `hessian` (D x D) is sum_i alpha_i H_i in scaled metrics, with sum_k mu_k H_gk.
 Eigen::MatrixXd ExpansionDirections(const KktPoint& kkt, const Eigen::MatrixXd& jacobian,
                                     const Eigen::MatrixXd& hessian);
 

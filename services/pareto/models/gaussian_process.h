@@ -40,14 +40,16 @@ class GaussianProcess {
     Eigen::VectorXd deviations;  // k, without the noise; > 0
   };
 
-  // The hyperparameters of highest posterior density for `values` (n) at `points` (D x n, unit
-  // coordinates), n >= 1: a quasi-Newton search (L-BFGS of NLopt, analytic gradients) from `start`
-  // or, if there is none, from three: smooth, rippled and noisy. `evaluations` of the density at
-  // most for each. The same arguments give the same result. O(n^3 + n^2 D) for each evaluation.
+  // Returns the hyperparameters of highest posterior density for `values` (n) at `points` (D x n,
+  // unit coordinates), n >= 1: a quasi-Newton search (L-BFGS of NLopt, analytic gradients) from
+  // `start` or, if there is none, from three: smooth, rippled and noisy. `evaluations` of the
+  // density at most for each. The same arguments give the same result. O(n^3 + n^2 D) for each
+  // evaluation.
   static Hyperparameters Fit(const Eigen::MatrixXd& points, const Eigen::VectorXd& values,
                              const Hyperparameters& start = {}, int evaluations = 60);
 
-  // The logarithm of that density, but for a constant, and its gradient (D + 3) if asked for.
+  // Returns the logarithm of that density, but for a constant, and its gradient (D + 3) if asked
+  // for.
   static double LogPosterior(const Eigen::MatrixXd& points, const Eigen::VectorXd& values,
                              const Hyperparameters& hyperparameters,
                              Eigen::VectorXd* gradient = nullptr);
@@ -59,10 +61,10 @@ class GaussianProcess {
   // One more value. O(n^2).
   void Add(const Eigen::VectorXd& u, double value);
 
-  // What is believed at `u`. O(n^2 + n D).
+  // Returns what is believed at `u`. O(n^2 + n D).
   Prediction Predict(const Eigen::VectorXd& u) const;
 
-  // The same for the columns of `points` (D x k), without gradients. O(k (n^2 + n D)).
+  // Returns the same for the columns of `points` (D x k), without gradients. O(k (n^2 + n D)).
   Predictions PredictAll(const Eigen::MatrixXd& points) const;
 
   // Standard deviation of the noise, in the unit of the values.

@@ -33,7 +33,7 @@ struct QuadraticModel {
   std::vector<Eigen::MatrixXd> hessians;  // d of D x D
   bool exact_gradients = false;           // every row of the Jacobian came from the evaluator
 
-  // The model's metrics (d) at `u`.
+  // Returns the model's metrics (d) at `u`.
   Eigen::VectorXd Predict(const Eigen::VectorXd& u) const;
 
   // sum_i weights_i H_i.
@@ -46,18 +46,18 @@ struct QuadraticModel {
 QuadraticModel FitQuadraticModel(const Archive& archive, std::size_t centre, double radius,
                                  const Eigen::MatrixXd& prior);
 
-// The same of the constraints (m in the place of d).
+// Returns the same of the constraints (m in the place of d).
 QuadraticModel FitConstraintModel(const Archive& archive, std::size_t centre, double radius,
                                   const Eigen::MatrixXd& prior);
 
-// A model of constraints as functions of how far a design is from `u`, each in units of its size
-// (`sizes`, m).
+// Returns a model of constraints as functions of how far a design is from `u`, each in units of its
+// size (`sizes`, m).
 std::vector<QuadraticFunction> ConstraintsAround(const QuadraticModel& model,
                                                  const Eigen::VectorXd& u,
                                                  const Eigen::VectorXd& sizes);
 
-// The neighbours such a fit uses, nearest first: dense clusters and rows of samples are thinned so
-// that those that remain look at `centre` from many sides and distances.
+// Returns the neighbours such a fit uses, nearest first: dense clusters and rows of samples are
+// thinned so that those that remain look at `centre` from many sides and distances.
 std::vector<std::size_t> SpreadNeighbours(const Archive& archive, std::size_t centre,
                                           std::size_t count);
 

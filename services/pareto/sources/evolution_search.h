@@ -45,12 +45,13 @@ class EvolutionSearch {
   // complete; those of a search that is over are not.
   void Tell(const Archive& archive, const Scaling& scaling, int search, std::size_t entry);
 
-  // Up to `count` designs that are to other trade-offs what the best design of the search is to
-  // what it was when those were found: as the designs of a front hang together, what improves one
-  // of them may well improve the others. None twice.
+  // Returns up to `count` designs that are to other trade-offs what the best design of the search
+  // is to what it was when those were found: as the designs of a front hang together, what improves
+  // one of them may well improve the others. None twice.
   std::vector<Eigen::VectorXd> Transfers(const Archive& archive, std::size_t count);
 
-  // What part of its patience the first search has left, 1 before it has begun; 0 for later ones.
+  // Returns what part of its patience the first search has left, 1 before it has begun; 0 for later
+  // ones.
   double Promise() const;
 
  private:

@@ -21,7 +21,7 @@ class EvolutionStrategy {
   // Samples of one generation, lambda.
   int samples() const { return static_cast<int>(weights_.size()); }
 
-  // A design within the unit box: what falls outside is mirrored at the bound.
+  // Returns a design within the unit box: what falls outside is mirrored at the bound.
   Eigen::VectorXd Sample(Random& random) const;
 
   // Learns from the samples of a generation, best first. O(D^2 lambda), and O(D^3) once in some
@@ -33,7 +33,7 @@ class EvolutionStrategy {
 
   const Eigen::VectorXd& mean() const { return mean_; }
 
-  // The standard deviation along the longest axis, in unit coordinates.
+  // Returns the standard deviation along the longest axis, in unit coordinates.
   double Reach() const { return size_ * axis_lengths_.maxCoeff(); }
 
  private:

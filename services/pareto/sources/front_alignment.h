@@ -22,8 +22,8 @@ class FrontTrend {
   // Of n trade-offs, n >= 2, of two metrics or more. O(n D d).
   FrontTrend(const Archive& archive, const Scaling& scaling);
 
-  // An orthonormal basis of the directions in which designs change (D x r, r < d), without the
-  // parameters of which the regression explains no more than `share` of the variance.
+  // Returns an orthonormal basis of the directions in which designs change (D x r, r < d), without
+  // the parameters of which the regression explains no more than `share` of the variance.
   Eigen::MatrixXd Directions(double share) const;
 
  private:

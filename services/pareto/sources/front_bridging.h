@@ -26,9 +26,9 @@ struct Bridge {
 
 class FrontBridging {
  public:
-  // Up to `count` designs where the front has its widest holes: of some
-  // random trade-offs, half way to one of the nearest or as far again beyond it. No pair is tried
-  // twice. O(n) for n non-dominated entries.
+  // Returns up to `count` designs where the front has its widest holes: of some random trade-offs,
+  // half way to one of the nearest or as far again beyond it. No pair is tried twice. O(n) for n
+  // non-dominated entries.
   std::vector<Bridge> Next(const Archive& archive, const Scaling& scaling, std::size_t count,
                            Random& random);
 

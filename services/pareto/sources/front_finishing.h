@@ -38,8 +38,9 @@ class FrontFinishing {
 
   explicit FrontFinishing(const Options& options) : options_(options) {}
 
-  // The next round, if one is due when `left` evaluations are left and the last one has ended; else
-  // none. A round is to be told all before it is destroyed. A few model fits for each design of it.
+  // Returns the next round, if one is due when `left` evaluations are left and the last one has
+  // ended; else none. A round is to be told all before it is destroyed. A few model fits for each
+  // design of it.
   std::unique_ptr<PointSource> NextRound(const Archive& archive, std::int64_t left);
 
   // Whether the `left` evaluations are for polishing alone, so that nothing is added any more that

@@ -27,7 +27,7 @@ class LineMinimum {
   // With a value that is known already.
   LineMinimum(const Options& options, double known, double value, Random& random);
 
-  // The next point; nullopt while it waits, or once finished.
+  // Returns the next point; nullopt while it waits, or once finished.
   std::optional<double> Ask();
 
   // What was found there, or where it came to lie; infinite where there is no value.

@@ -69,7 +69,7 @@ class LocalOptimization : public PointSource {
 
   StopReason stop_reason() const { return stop_; }
 
-  // The best entry so far, which may violate constraints; nullopt when the start failed.
+  // Returns the best entry so far, which may violate constraints; nullopt when the start failed.
   std::optional<std::size_t> best() const { return best_; }
 
   int evaluations() const { return evaluations_; }

@@ -14,12 +14,12 @@
 
 namespace mortise::pareto {
 
-// Up to `count` designs, in unit coordinates, those that were furthest out first: trade-offs of the
-// archive with each parameter that differs from the median of their neighbours' by more than 0.0005
-// and four times the neighbours' interquartile range set to that median. Neighbours are the six
-// trade-offs nearest in scaled performance for d = 2, four more for each further metric; no
-// designs where there are fewer. O(n^2) at worst for n trade-offs, mostly a small
-// part of it.
+// Returns up to `count` designs, in unit coordinates, those that were furthest out first:
+// trade-offs of the archive with each parameter that differs from the median of their neighbours'
+// by more than 0.0005 and four times the neighbours' interquartile range set to that median.
+// Neighbours are the six trade-offs nearest in scaled performance for d = 2, four more for each
+// further metric; no designs where there are fewer. O(n^2) at worst for n trade-offs, mostly a
+// small part of it.
 std::vector<Eigen::VectorXd> RepairedOutliers(const Archive& archive, const Scaling& scaling,
                                               std::size_t count);
 

@@ -18,28 +18,29 @@ struct ParameterLine {
   std::vector<std::size_t> entries;  // of the archive, ascending in the parameter
 };
 
-// All lines of an archive. O(n D log n) for n entries.
+// Returns all lines of an archive. O(n D log n) for n entries.
 std::vector<ParameterLine> ParameterLines(const Archive& archive);
 
-// The parameters that trade metrics off, strongest first. A parameter's strength is the second
-// largest range of a metric, in units of `scaling`, among those of one of its lines that do not
-// dominate each other; below `least` it does not count.
+// Returns the parameters that trade metrics off, strongest first. A parameter's strength is the
+// second largest range of a metric, in units of `scaling`, among those of one of its lines that do
+// not dominate each other; below `least` it does not count.
 std::vector<Eigen::Index> TradingParameters(const Archive& archive,
                                             const std::vector<ParameterLine>& lines,
                                             const Scaling& scaling, double least);
 
-// How far designs may differ in each parameter (D) for metrics to change by about as much that no
-// parabola explains, relative to the parameter with the longest such length: 1 but for parameters
-// along which metrics ripple, whose length is half of that or less (0.05 at least). By how far
-// values are from parabolas through their neighbours on a line, in the median. A metric counts that
-// ranges over a tenth of `scaling` on the line. A parameter that no line tells of has 1.
+// Returns how far designs may differ in each parameter (D) for metrics to change by about as much
+// that no parabola explains, relative to the parameter with the longest such length: 1 but for
+// parameters along which metrics ripple, whose length is half of that or less (0.05 at least). By
+// how far values are from parabolas through their neighbours on a line, in the median. A metric
+// counts that ranges over a tenth of `scaling` on the line. A parameter that no line tells of has
+// 1.
 Eigen::VectorXd RelativeLengths(const Archive& archive, const std::vector<ParameterLine>& lines,
                                 const Scaling& scaling);
 
-// A design for each metric: every parameter where that metric is least on that of the parameter's
-// lines which has most designs, or as the best entry has it that is on none; nothing without lines.
-// For metrics that are sums over parameters, or a function of such a sum, it is in the valley of
-// their optimum, however many others there are.
+// Returns a design for each metric: every parameter where that metric is least on that of the
+// parameter's lines which has most designs, or as the best entry has it that is on none; nothing
+// without lines. For metrics that are sums over parameters, or a function of such a sum, it is in
+// the valley of their optimum, however many others there are.
 std::vector<Eigen::VectorXd> LeastAlongLines(const Archive& archive,
                                              const std::vector<ParameterLine>& lines);
 

@@ -75,7 +75,7 @@ class PatchSampling : public PointSource {
   // Whether it looks beyond where the walk ends.
   bool probes() const { return options_.probes > 0; }
 
-  // How many evaluations went into slopes and curvature by differences.
+  // Returns how many evaluations went into slopes and curvature by differences.
   Eigen::Index measurements() const { return measurement_ ? measurement_->evaluations() : 0; }
 
  private:

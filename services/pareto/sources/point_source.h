@@ -16,8 +16,8 @@ class PointSource {
  public:
   virtual ~PointSource() = default;
 
-  // The next point (unit coordinates) to evaluate; nullopt while it waits for results, or when it
-  // has finished.
+  // Returns the next point (unit coordinates) to evaluate; nullopt while it waits for results, or
+  // when it has finished.
   virtual std::optional<Eigen::VectorXd> Ask(Archive& archive) = 0;
 
   // The result of an earlier point, as an entry of the archive; in the order asked for.

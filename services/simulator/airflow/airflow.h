@@ -32,8 +32,9 @@ struct AirflowSolution {
   int iterations = 0;
 };
 
-// The flow around a body (closed; what cells cannot get between is bridged), in the open, far from
-// any ground. One processor; the same result each time. About 30,000 cells take half a minute.
+// Returns the flow around a body (closed; what cells cannot get between is bridged), in the open,
+// far from any ground. One processor; the same result each time. About 30,000 cells take half a
+// minute.
 //
 // FAILED_PRECONDITION, NO_OPENFOAM, where it is not installed; RESOURCE_EXHAUSTED beyond the limit
 // of memory; FAILED_PRECONDITION, TOO_FEW_CELLS, where none meets the body; FAILED_PRECONDITION,

@@ -22,14 +22,14 @@ struct AirflowDomain {
   int most_cells = 0;       // where halving ends, whatever the levels say
 };
 
-// A domain of about `cells` cells around a closed body (wind's frame): four of the body's largest
-// extents to each side and before it, eight behind it.
+// Returns a domain of about `cells` cells around a closed body (wind's frame): four of the body's
+// largest extents to each side and before it, eight behind it.
 AirflowDomain MakeAirflowDomain(const mesh::SurfaceMesh& body, int cells);
 
-// The case's files by their paths in its folder. The body is a wall, on which "coefficient" is
-// sampled at the end, the pressure above that of the oncoming air in units of its dynamic pressure;
-// forces are written at each iteration. The solver is rhoSimpleFoam: steady, compressible,
-// subsonic, with k-omega SST (Menter, 1994) and wall functions.
+// Returns the case's files by their paths in its folder. The body is a wall, on which "coefficient"
+// is sampled at the end, the pressure above that of the oncoming air in units of its dynamic
+// pressure; forces are written at each iteration. The solver is rhoSimpleFoam: steady,
+// compressible, subsonic, with k-omega SST (Menter, 1994) and wall functions.
 std::map<std::string, std::string> WriteAirflowCase(const mesh::SurfaceMesh& body,
                                                     const AirflowDomain& domain,
                                                     const parametric::Air& air, double speed,

@@ -21,13 +21,13 @@ struct WallFaces {
 // not what it is.
 absl::StatusOr<WallFaces> ReadWallFaces(std::string_view vtk);
 
-// The triangles of a surface, halved across their longest edge until none is longer than `length`;
-// each has vertices of its own.
+// Returns the triangles of a surface, halved across their longest edge until none is longer than
+// `length`; each has vertices of its own.
 mesh::SurfaceMesh DividedTriangles(const mesh::SurfaceMesh& surface, double length);
 
-// The value at each vertex of a surface whose triangles share none: of the four nearest faces that
-// look the same way as the triangle, weighted by one over the distance squared, so that both sides
-// of a thin plate keep their own. O(log n) each for n faces.
+// Returns the value at each vertex of a surface whose triangles share none: of the four nearest
+// faces that look the same way as the triangle, weighted by one over the distance squared, so that
+// both sides of a thin plate keep their own. O(log n) each for n faces.
 Eigen::VectorXd ValuesAtVertices(const WallFaces& faces, const mesh::SurfaceMesh& surface);
 
 }  // namespace mortise::simulator

@@ -20,7 +20,7 @@ struct AnalysisFile {
   std::string bytes;
 };
 
-// The shapes of vibration as fields, each with its number and frequency in its name.
+// Returns the shapes of vibration as fields, each with its number and frequency in its name.
 std::vector<mesh::VtuField> ShapeFields(const ModalSolution& vibration);
 
 struct StressPictureOptions {
@@ -30,27 +30,27 @@ struct StressPictureOptions {
                                      // the design's size
 };
 
-// A PNG: the deformed shape, exaggerated, coloured by von Mises stress, over the outline of the
-// undeformed one. The scale ends at the 99.5th percentile, since a few nodes at sharp corners would
-// otherwise darken all the rest; the footnote gives the true maximum.
+// Returns a PNG: the deformed shape, exaggerated, coloured by von Mises stress, over the outline of
+// the undeformed one. The scale ends at the 99.5th percentile, since a few nodes at sharp corners
+// would otherwise darken all the rest; the footnote gives the true maximum.
 absl::StatusOr<std::string> DrawStress(const mesh::TetrahedralMesh& volume,
                                        const ElasticitySolution& solution, const std::string& title,
                                        const StressPictureOptions& options = {});
 
-// A PNG of a shape of vibration, exaggerated, coloured by how far each point moves as a share of
-// what moves farthest, over the outline at rest.
+// Returns a PNG of a shape of vibration, exaggerated, coloured by how far each point moves as a
+// share of what moves farthest, over the outline at rest.
 absl::StatusOr<std::string> DrawMode(const mesh::TetrahedralMesh& volume, const Mode& mode,
                                      const std::string& title,
                                      const StressPictureOptions& options = {});
 
-// A PNG of the shape coloured by temperature (nodes, °C or K).
+// Returns a PNG of the shape coloured by temperature (nodes, °C or K).
 absl::StatusOr<std::string> DrawTemperature(const mesh::TetrahedralMesh& volume,
                                             const Eigen::VectorXd& temperature,
                                             const std::string& title,
                                             const StressPictureOptions& options = {});
 
-// A PNG of the outside coloured by the pressure of the air, with an arrow along the wind. The scale
-// leaves out the extreme 0.5 % at either end; the footnote gives the true extremes.
+// Returns a PNG of the outside coloured by the pressure of the air, with an arrow along the wind.
+// The scale leaves out the extreme 0.5 % at either end; the footnote gives the true extremes.
 absl::StatusOr<std::string> DrawAirPressure(const AirflowSolution& airflow,
                                             const Eigen::Vector3d& wind, const std::string& title,
                                             const StressPictureOptions& options = {});

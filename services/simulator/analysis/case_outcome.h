@@ -46,7 +46,7 @@ HeatOutcome OutcomeOf(const HeatSolution& solution);
 bool IsFinite(const ElasticitySolution& solution);
 bool IsFinite(const HeatSolution& solution);
 
-// The nodes of each support, ascending.
+// Returns the nodes of each support, ascending.
 std::vector<std::vector<int>> NodesOf(const mesh::TetrahedralMesh& mesh,
                                       const std::vector<Support>& supports);
 

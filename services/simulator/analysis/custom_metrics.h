@@ -24,8 +24,8 @@ class CustomMetrics {
                 const std::vector<std::string>& names, const DesignModel& model,
                 const DesignAnalysis& analysis, const ValueOf& value_of);
 
-  // One of `own` among `names`. INVALID_ARGUMENT naming the expression and what it lacks; where a
-  // metric fails that it needs, as that.
+  // Returns one of `own` among `names`. INVALID_ARGUMENT naming the expression and what it lacks;
+  // where a metric fails that it needs, as that.
   absl::StatusOr<Metric> Compute(const std::string& name) const;
 
   // Its gradient by the chain rule from those that are known, by metric or ToText of the call;

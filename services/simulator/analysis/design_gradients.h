@@ -45,8 +45,8 @@ bool HasGradientUnderLoads(const std::string& metric);
 // Likewise of displacements of faces and points, mean or largest, in all or along an axis.
 bool HasGradientUnderLoads(const parametric::MetricCall& call);
 
-// The gradient of an area, a centroid or a distance of faces and points; nothing where a place is
-// not known, or two that are as far apart as 0.
+// Returns the gradient of an area, a centroid or a distance of faces and points; nothing where a
+// place is not known, or two that are as far apart as 0.
 std::optional<Eigen::VectorXd> GradientOfShape(const parametric::MetricCall& call,
                                                const DesignModel& model, const DesignMotion& motion,
                                                const parametric::MetricExpressions& own,
@@ -69,9 +69,9 @@ struct SolvedLoads {
   int threads = 1;
 };
 
-// The gradients of those metrics and calls that have one, by metric or by ToText of the call: of
-// the load case where each is largest (of a call: in magnitude), or the one that it names. Fails as
-// NodeVelocities does and as the system solves.
+// Returns the gradients of those metrics and calls that have one, by metric or by ToText of the
+// call: of the load case where each is largest (of a call: in magnitude), or the one that it names.
+// Fails as NodeVelocities does and as the system solves.
 absl::StatusOr<std::map<std::string, Eigen::VectorXd>> GradientsUnderLoads(
     const SolvedLoads& solved, const DesignMotion& motion, const std::vector<std::string>& metrics,
     const std::vector<parametric::MetricCall>& calls);

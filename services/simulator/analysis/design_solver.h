@@ -19,7 +19,7 @@ struct SolvedDesign {
   std::map<std::string, Eigen::VectorXd> gradients = {};
 };
 
-// What every load case of a model is: what acts in all, and its own.
+// Returns what every load case of a model is: what acts in all, and its own.
 std::vector<NamedLoadCase> LoadCasesOf(const DesignModel& model);
 
 class DesignSolver {
@@ -30,11 +30,11 @@ class DesignSolver {
   DesignSolver(const DesignModel& model, const DesignAnalysisOptions& options, bool estimates,
                std::vector<std::string> gradients = {});
 
-  // The temperatures of a model that has heat; fails as SolveHeat.
+  // Returns the temperatures of a model that has heat; fails as SolveHeat.
   absl::StatusOr<HeatSolution> Heat(const mesh::TetrahedralMesh& mesh) const;
 
-  // All load cases; the temperatures where they act, or are wanted. Fails as Heat and ElasticSystem
-  // do; RESOURCE_EXHAUSTED if the solutions would not fit into the memory.
+  // Returns all load cases; the temperatures where they act, or are wanted. Fails as Heat and
+  // ElasticSystem do; RESOURCE_EXHAUSTED if the solutions would not fit into the memory.
   absl::StatusOr<SolvedDesign> Solve(const mesh::TetrahedralMesh& mesh, bool heat_wanted) const;
 
  private:

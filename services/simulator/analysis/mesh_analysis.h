@@ -63,7 +63,7 @@ struct MeshAnalysisOptions {
   StageProgress* progress = nullptr;  // told of stages, if it is there
 };
 
-// How many stages an analysis has: what it tells MeshAnalysisOptions::progress of.
+// Returns how many stages an analysis has: what it tells MeshAnalysisOptions::progress of.
 int StagesOf(const MeshModel& model);
 
 struct ModeOutcome {

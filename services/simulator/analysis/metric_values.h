@@ -11,7 +11,7 @@
 
 namespace mortise::simulator {
 
-// All of a surface that lies between no two parts.
+// Returns all of a surface that lies between no two parts.
 mesh::SurfaceMesh OutsideOf(const mesh::AssemblySurface& surface);
 
 // `analysis` must hold what the metric's source names; under loads it is that of the load case

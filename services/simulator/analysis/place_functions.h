@@ -19,8 +19,8 @@ struct MetricPlace {
   mesh::NamedFace face;                  // where there is no point
 };
 
-// The face that the condition of this name acts on, else a face, "cap" of a design of one part, or
-// "seat/z_max" of a part; nothing if there is none.
+// Returns the face that the condition of this name acts on, else a face, "cap" of a design of one
+// part, or "seat/z_max" of a part; nothing if there is none.
 std::optional<mesh::NamedFace> FindFace(const DesignModel& model, const std::string& name);
 
 class PlaceFunctions {
@@ -29,14 +29,14 @@ class PlaceFunctions {
   PlaceFunctions(const parametric::MetricExpressions& own, const Eigen::VectorXd& parameters,
                  const DesignModel& model, const DesignAnalysis& analysis);
 
-  // The point of this name among `own`, else the face that FindFace finds. INVALID_ARGUMENT with
-  // names that there are.
+  // Returns the point of this name among `own`, else the face that FindFace finds. INVALID_ARGUMENT
+  // with names that there are.
   absl::StatusOr<MetricPlace> Find(const std::string& name) const;
 
-  // The value of a function of places; what its source says (metric_function.h) must have been
-  // computed. Means and sums over faces are integrals; largest and smallest values are those at
-  // nodes. INVALID_ARGUMENT for an unknown place or load case, a point where a face must be, or one
-  // outside of the body.
+  // Returns the value of a function of places; what its source says (metric_function.h) must have
+  // been computed. Means and sums over faces are integrals; largest and smallest values are those
+  // at nodes. INVALID_ARGUMENT for an unknown place or load case, a point where a face must be, or
+  // one outside of the body.
   absl::StatusOr<double> Value(const parametric::MetricCall& call) const;
 
  private:

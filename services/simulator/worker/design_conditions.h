@@ -17,7 +17,7 @@ bool HasHeat(const parametric::EvaluatedDesign& design);
 // temperature.
 bool IsLoaded(const parametric::EvaluatedDesign& design);
 
-// How many load cases there are; one where none has a name.
+// Returns how many load cases there are; one where none has a name.
 std::size_t CountLoadCases(const parametric::EvaluatedDesign& design);
 
 // FAILED_PRECONDITION, NO_SUPPORTS, saying what to add, for a design that nothing holds.

@@ -11,18 +11,18 @@
 
 namespace mortise::simulator {
 
-// The sum over parts, those that only connect among them, and pegs. An item priced by volume costs
-// that of the part; of one priced by the piece a part costs the share of the piece that it is long,
-// and wide where that is cut too, and all of it where it is bought as it is. Waste, what is left of
-// bars and sheets, work and parts made of no item are not in it; plans (fabplanner) count whole
-// bars.
+// Returns the sum over parts, those that only connect among them, and pegs. An item priced by
+// volume costs that of the part; of one priced by the piece a part costs the share of the piece
+// that it is long, and wide where that is cut too, and all of it where it is bought as it is.
+// Waste, what is left of bars and sheets, work and parts made of no item are not in it; plans
+// (fabplanner) count whole bars.
 //
 // FAILED_PRECONDITION, NO_PRICE, naming a part that is made of no item or of one without a price;
 // MIXED_CURRENCIES naming two items.
 absl::StatusOr<Cost> CostOf(const parametric::EvaluatedDesign& design,
                             const std::vector<parametric::Item>& items);
 
-// The currency of these items' prices; empty where none has one, or they have several.
+// Returns the currency of these items' prices; empty where none has one, or they have several.
 std::string CurrencyOf(const std::vector<parametric::Item>& items);
 
 }  // namespace mortise::simulator

@@ -28,12 +28,12 @@ struct OfferedGradients {
 };
 OfferedGradients GradientsOf(const templates::Template& function, bool is_of_prisms);
 
-// What of the motion is known: mass and volume of templates that offer them exactly, and all of
-// MotionOf where that does not fail.
+// Returns what of the motion is known: mass and volume of templates that offer them exactly, and
+// all of MotionOf where that does not fail.
 DesignMotion KnownMotion(const templates::Template& function, const Eigen::VectorXd& parameters,
                          const parametric::EvaluatedDesign& design, const DesignModel& model);
 
-// The motion of `design`, which is `function` at `parameters`, and of `model` made of it.
+// Returns the motion of `design`, which is `function` at `parameters`, and of `model` made of it.
 // FAILED_PRECONDITION, reason MESH_MOTION, for what is no prism, and where a small change of a
 // parameter changes what parts there are or is impossible; as `function` fails.
 absl::StatusOr<DesignMotion> MotionOf(const templates::Template& function,

@@ -22,7 +22,7 @@ namespace mortise::simulator {
 // That numbers are finite has been checked.
 absl::Status CheckMeshCase(const v1::MeshCase& mesh_case, const std::string& field);
 
-// How many metres a unit of length has: "mm" is 0.001. INVALID_ARGUMENT naming `field`.
+// Returns how many metres a unit of length has: "mm" is 0.001. INVALID_ARGUMENT naming `field`.
 absl::StatusOr<double> MetresOf(const std::string& length_unit, const std::string& field);
 
 // Puts the catalog's numbers in the place of the material's name.

@@ -15,7 +15,7 @@ class ResultCache {
   // Keeps at most `capacity` results.
   explicit ResultCache(std::size_t capacity) : capacity_(capacity) {}
 
-  // The result stored under `key`; absent if unknown or forgotten.
+  // Returns the result stored under `key`; absent if unknown or forgotten.
   std::optional<std::string> Find(const std::string& key);
 
   void Store(const std::string& key, std::string result);

@@ -11,13 +11,13 @@
 
 namespace mortise::simulator {
 
-// The template's own metrics and those of a request, ready to be computed. INVALID_ARGUMENT naming
-// all that is wrong with the request's, below "metric_definitions".
+// Returns the template's own metrics and those of a request, ready to be computed. INVALID_ARGUMENT
+// naming all that is wrong with the request's, below "metric_definitions".
 absl::StatusOr<parametric::MetricExpressions> CustomMetricsOf(const CompiledTemplate& compiled,
                                                               const v1::MetricDefinitions& asked);
 
-// What tells the definitions of one request from those of another, for caches; empty where there
-// are none.
+// Returns what tells the definitions of one request from those of another, for caches; empty where
+// there are none.
 std::string DefinitionsText(const v1::MetricDefinitions& asked);
 
 }  // namespace mortise::simulator

@@ -38,15 +38,15 @@ class TemplateSource {
   explicit TemplateSource(std::shared_ptr<grpc::Channel> catalog,
                           std::size_t capacity = std::size_t{256} << 20);
 
-  // The revision, or the latest for 0. Asks the catalog; compiles only what it has not seen.
-  // INVALID_ARGUMENT naming "subject" for a malformed name; NOT_FOUND; UNAVAILABLE.
+  // Returns the revision, or the latest for 0. Asks the catalog; compiles only what it has not
+  // seen. INVALID_ARGUMENT naming "subject" for a malformed name; NOT_FOUND; UNAVAILABLE.
   absl::StatusOr<std::shared_ptr<const CompiledTemplate>> Get(const std::string& name,
                                                               int64_t revision,
                                                               const rpc::Origin& origin);
 
-  // The same revision as a task names it, with the exact surfaces of parts that are joined; without
-  // a question to the catalog if its content is known. FAILED_PRECONDITION, TEMPLATE_CHANGED if
-  // items or materials have changed since; as bundles::ShapeSource::AddExact.
+  // Returns the same revision as a task names it, with the exact surfaces of parts that are joined;
+  // without a question to the catalog if its content is known. FAILED_PRECONDITION,
+  // TEMPLATE_CHANGED if items or materials have changed since; as bundles::ShapeSource::AddExact.
   absl::StatusOr<std::shared_ptr<const CompiledTemplate>> GetByDigest(const std::string& name,
                                                                       int64_t revision,
                                                                       const std::string& digest,

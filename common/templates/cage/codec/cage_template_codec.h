@@ -13,7 +13,7 @@
 
 namespace mortise::parametric {
 
-// The template as structs. INVALID_ARGUMENT naming every field that structs cannot express:
+// Returns the template as structs. INVALID_ARGUMENT naming every field that structs cannot express:
 // coordinates and triangles that do not come in threes, conditions without a kind, heat with both a
 // flux and a temperature or neither. Whether the content makes sense is for ValidateCageTemplate.
 absl::StatusOr<CageTemplate> FromProto(const v1::CageTemplate& message);
@@ -21,12 +21,12 @@ absl::StatusOr<CageTemplate> FromProto(const v1::CageTemplate& message);
 // Nothing is lost: FromProto(ToProto(t)) has the content of t.
 v1::CageTemplate ToProto(const CageTemplate& definition);
 
-// One file's text. INVALID_ARGUMENT naming `origin` with every line and column at fault, or the
-// fields as FromProto; RESOURCE_EXHAUSTED past 4 MiB.
+// Reads the text of one file. INVALID_ARGUMENT naming `origin` with every line and column at fault,
+// or the fields as FromProto; RESOURCE_EXHAUSTED past 4 MiB.
 absl::StatusOr<CageTemplate> ParseCageTemplateText(std::string_view text,
                                                    const std::string& origin);
 
-// All *.textproto of a folder, in the order of their names. NOT_FOUND if it does not exist;
+// Returns all *.textproto of a folder, in the order of their names. NOT_FOUND if it does not exist;
 // INVALID_ARGUMENT naming the faults of the first file that has any.
 absl::StatusOr<std::vector<CageTemplate>> ReadCageTemplates(const std::filesystem::path& folder);
 

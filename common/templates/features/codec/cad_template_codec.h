@@ -13,7 +13,7 @@
 
 namespace mortise::cad {
 
-// The template as structs. INVALID_ARGUMENT naming every field that structs cannot express:
+// Returns the template as structs. INVALID_ARGUMENT naming every field that structs cannot express:
 // features without a kind, profiles without a shape, unknown operations. Whether the content makes
 // sense is for ValidateCadTemplate.
 absl::StatusOr<CadTemplate> FromProto(const v1::CadTemplate& message);
@@ -21,11 +21,11 @@ absl::StatusOr<CadTemplate> FromProto(const v1::CadTemplate& message);
 // Nothing is lost: FromProto(ToProto(t)) has the content of t.
 v1::CadTemplate ToProto(const CadTemplate& definition);
 
-// One file's text. INVALID_ARGUMENT naming `origin` with every line and column at fault, or the
-// fields as FromProto; RESOURCE_EXHAUSTED past 4 MiB.
+// Reads the text of one file. INVALID_ARGUMENT naming `origin` with every line and column at fault,
+// or the fields as FromProto; RESOURCE_EXHAUSTED past 4 MiB.
 absl::StatusOr<CadTemplate> ParseCadTemplateText(std::string_view text, const std::string& origin);
 
-// All *.textproto of a folder, in the order of their names. NOT_FOUND if it does not exist;
+// Returns all *.textproto of a folder, in the order of their names. NOT_FOUND if it does not exist;
 // INVALID_ARGUMENT naming the faults of the first file that has any.
 absl::StatusOr<std::vector<CadTemplate>> ReadCadTemplates(const std::filesystem::path& folder);
 
