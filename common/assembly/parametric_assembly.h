@@ -141,12 +141,6 @@ class ParametricAssembly {
     return PlaceParts(assembly_, elements_, q);
   }
 
-  // Returns the part as it was drawn: that of its element, in a pattern the first.
-  const AssemblyPart& DrawnPart(const PlacedPart& part) const {
-    const Element& element = elements_[static_cast<std::size_t>(part.element)];
-    return assembly_.parts[static_cast<std::size_t>(element.parts.front())];
-  }
-
   // Returns what the part looks like, divided where it is stretched in pieces
   // (PlacedPart::stretch); null if the part looks as its item's kind says.
   const std::shared_ptr<const mesh::DrawnShape>& ShapeOf(const PlacedPart& part) const {

@@ -76,12 +76,6 @@ VectorXd RoundToSteps(const std::vector<Parameter>& parameters, const VectorXd& 
   return rounded;
 }
 
-absl::Status CheckParameterValue(const Parameter& parameter, double value,
-                                 const std::string& field) {
-  const auto fault = FaultOf(parameter, value);
-  return fault ? InvalidField(field, *fault) : absl::OkStatus();
-}
-
 absl::Status CheckParameterValues(const std::vector<Parameter>& parameters, const VectorXd& q) {
   if (q.size() != static_cast<Eigen::Index>(parameters.size())) {
     return InvalidField("parameters",

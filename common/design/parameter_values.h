@@ -24,11 +24,8 @@ absl::StatusOr<Eigen::VectorXd> Complete(const std::vector<Parameter>& parameter
 // Returns `q` rounded to each parameter's step, what a workshop can set, and kept within the range.
 Eigen::VectorXd RoundToSteps(const std::vector<Parameter>& parameters, const Eigen::VectorXd& q);
 
-// Whether `value` may be given to the parameter; otherwise INVALID_ARGUMENT naming `field`.
-absl::Status CheckParameterValue(const Parameter& parameter, double value,
-                                 const std::string& field);
-
-// As above, for all parameters; fields are "parameters[i].value".
+// Whether each value may be given to its parameter; otherwise INVALID_ARGUMENT naming the fields
+// "parameters[i].value".
 absl::Status CheckParameterValues(const std::vector<Parameter>& parameters,
                                   const Eigen::VectorXd& q);
 

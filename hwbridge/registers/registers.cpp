@@ -176,11 +176,6 @@ std::string MachineKindName(MachineKind kind) {
   return kind == MachineKind::kChopSaw ? "chop-saw" : "jigsaw";
 }
 
-bool NothingWasCut(JobResult result) {
-  return result == JobResult::kChecksumMismatch || result == JobResult::kParametersRefused ||
-         result == JobResult::kWrongState || result == JobResult::kInterruptedBefore;
-}
-
 std::string JobResultName(JobResult result) {
   switch (result) {
     case JobResult::kNone:

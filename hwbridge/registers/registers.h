@@ -63,9 +63,6 @@ enum class JobResult : std::uint16_t {
   kUnknown = 100,          // never on the wire: the bridge's word when a machine lost its memory
 };
 
-// Whether the result says for certain that the material is untouched, so that the job may be
-// ordered again under a new number.
-bool NothingWasCut(JobResult result);
 std::string JobResultName(JobResult result);
 
 enum class HoldReason : std::uint16_t {

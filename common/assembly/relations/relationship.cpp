@@ -407,26 +407,6 @@ class RelationshipSearch {
 
 }  // namespace
 
-const char* RelationshipKindName(RelationshipKind kind) {
-  switch (kind) {
-    case RelationshipKind::kCoplanar:
-      return "coplanar";
-    case RelationshipKind::kConcentric:
-      return "concentric";
-    case RelationshipKind::kSymmetric:
-      return "symmetric";
-    case RelationshipKind::kOrder:
-      return "order";
-    case RelationshipKind::kSize:
-      return "size";
-    case RelationshipKind::kRepeat:
-      return "repeat";
-    case RelationshipKind::kProportion:
-      return "proportion";
-  }
-  return "";
-}
-
 std::vector<Relationship> FindRelationships(const Assembly& assembly,
                                             const std::vector<Element>& elements,
                                             const Contacts& contacts, double tolerance,

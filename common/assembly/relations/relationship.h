@@ -27,9 +27,6 @@ enum class RelationshipKind {
                 // fastens a bought part keeps its place on it
 };
 
-// "coplanar", "concentric", "symmetric", "order", "size", "repeat" or "proportion".
-const char* RelationshipKindName(RelationshipKind kind);
-
 struct Relationship {
   RelationshipKind kind = RelationshipKind::kCoplanar;
   bool equality = true;  // form(q) = 0, else form(q) <= 0; in metres

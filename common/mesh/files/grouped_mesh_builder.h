@@ -92,7 +92,6 @@ class GroupedMeshBuilder {
     if (notes_.size() < 50) notes_.push_back(std::move(note));
   }
 
-  bool HasNode(std::int64_t number) const { return node_index_.contains(number); }
   bool HasElement(std::int64_t number) const { return element_index_.contains(number); }
 
   // Returns the numbers of the nodes of an element, as they were added; none if there is no such
