@@ -7,9 +7,9 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/mesh/shared_edges.h"
+#include "common/render/axis_numbers.h"
 #include "common/render/feature_edges.h"
 #include "common/render/rasterizer.h"
-#include "common/render/svg_plot.h"
 
 namespace mortise::render {
 namespace {

@@ -11,7 +11,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "common/render/svg_plot.h"
+#include "common/render/axis_numbers.h"
 #include "services/pareto/archive/embedding.h"
 
 namespace mortise::pareto {

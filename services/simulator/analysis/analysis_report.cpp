@@ -8,9 +8,9 @@
 #include "common/base/units.h"
 #include "common/mesh/files/vtu_writer.h"
 #include "common/mesh/tetrahedra/mesher.h"
+#include "common/render/axis_numbers.h"
 #include "common/render/image.h"
 #include "common/render/scene.h"
-#include "common/render/svg_plot.h"
 
 namespace mortise::simulator {
 namespace {
