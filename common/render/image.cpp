@@ -79,26 +79,6 @@ absl::StatusOr<std::string> EncodePng(const Image& image) {
   return bytes;
 }
 
-absl::StatusOr<Image> DecodePng(const std::string& bytes) {
-  PngImage png;
-  if (!png_image_begin_read_from_memory(&png.value, bytes.data(), bytes.size())) {
-    return InvalidField("png", absl::StrCat("not a PNG file: ", png.value.message));
-  }
-  const std::size_t count = std::size_t(png.value.width) * png.value.height;
-  if (count == 0) return InvalidField("png", "the picture is empty");
-  if (count > kPixelLimit) return TooLarge("png", "100 million pixels");
-  png.value.format = PNG_FORMAT_RGB;
-  Image image;
-  image.width = static_cast<int>(png.value.width);
-  image.height = static_cast<int>(png.value.height);
-  image.pixels.resize(3 * count);
-  const png_color white{255, 255, 255};
-  if (!png_image_finish_read(&png.value, &white, image.pixels.data(), 0, nullptr)) {
-    return InvalidField("png", absl::StrCat("broken PNG file: ", png.value.message));
-  }
-  return image;
-}
-
 absl::StatusOr<Image> ContactSheet(const std::vector<Image>& pictures,
                                    const std::vector<std::string>& captions, int columns) {
   if (pictures.empty()) return InvalidField("pictures", "a contact sheet needs a picture");

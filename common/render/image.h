@@ -47,10 +47,6 @@ struct Image {
 // The PNG file of an image. INVALID_ARGUMENT if it is empty or its sizes disagree.
 absl::StatusOr<std::string> EncodePng(const Image& image);
 
-// The image of a PNG file (any colour type, alpha over white). INVALID_ARGUMENT if it is broken,
-// RESOURCE_EXHAUSTED past 100 million pixels.
-absl::StatusOr<Image> DecodePng(const std::string& png);
-
 // Writes `text` in the built-in stroke font with its top left corner at (x, y); `height` is the
 // height of a capital letter in pixels. UTF-8; characters beyond ASCII known: ° ² ³ µ · × − –.
 void DrawText(Image& image, double x, double y, double height, const Color& color,

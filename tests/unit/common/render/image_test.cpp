@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "common/base/errors.h"
+#include "tests/support/png_image.h"
 
 namespace mortise::render {
 namespace {
@@ -14,7 +15,7 @@ TEST(Png, KeepsEveryPixel) {
   const auto png = EncodePng(image);
   ASSERT_TRUE(png.ok()) << png.status();
   EXPECT_EQ(png->substr(1, 3), "PNG");
-  const auto back = DecodePng(*png);
+  const auto back = testing::DecodePng(*png);
   ASSERT_TRUE(back.ok()) << back.status();
   EXPECT_EQ(back->width, 13);
   EXPECT_EQ(back->height, 7);
@@ -26,11 +27,11 @@ TEST(Png, RefusesEmptyAndBroken) {
   Image wrong(4, 4, {1, 1, 1});
   wrong.pixels.pop_back();
   EXPECT_FALSE(EncodePng(wrong).ok());
-  EXPECT_FALSE(DecodePng("").ok());
-  EXPECT_FALSE(DecodePng("not a picture").ok());
+  EXPECT_FALSE(testing::DecodePng("").ok());
+  EXPECT_FALSE(testing::DecodePng("not a picture").ok());
   std::string cut = *EncodePng(Image(20, 20, {0, 0, 0}));
   cut.resize(cut.size() / 2);
-  EXPECT_FALSE(DecodePng(cut).ok());
+  EXPECT_FALSE(testing::DecodePng(cut).ok());
 }
 
 TEST(Text, EveryPrintableCharacterLeavesInkWithinItsWidth) {

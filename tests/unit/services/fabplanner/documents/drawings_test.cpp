@@ -14,6 +14,7 @@
 #include "services/fabplanner/documents/layout_svg.h"
 #include "services/fabplanner/documents/svg_drawing.h"
 #include "services/fabplanner/planning/planning.h"
+#include "tests/support/png_image.h"
 #include "tests/unit/services/fabplanner/example_table.h"
 
 namespace mortise::fabplanner {
@@ -128,7 +129,7 @@ TEST(AssemblyPictureTest, EachStepHasADifferentPictureAndTheGuideHoldsThem) {
     const auto picture = StepPicture(design, ExampleItems(), plan.holes, plan.steps, step.number);
     ASSERT_TRUE(picture.ok()) << picture.status();
     Keep("step-" + std::to_string(step.number) + ".png", *picture);
-    const auto image = render::DecodePng(*picture);
+    const auto image = testing::DecodePng(*picture);
     ASSERT_TRUE(image.ok()) << image.status();
     EXPECT_EQ(image->width, 900);
     EXPECT_GT(std::set(image->pixels.begin(), image->pixels.end()).size(), 10);

@@ -12,6 +12,7 @@
 #include "services/simulator/analysis/analysis_report.h"
 #include "services/simulator/analysis/case_outcome.h"
 #include "services/simulator/worker/result_cache.h"
+#include "tests/support/png_image.h"
 #include "tests/unit/services/simulator/analysis/test_cases.h"
 
 namespace mortise::simulator {
@@ -144,7 +145,7 @@ TEST(Metrics, AsManyModesAsAreWanted) {
   EXPECT_EQ(analysis->metrics[0].value, analysis->vibration->modes[0].frequency);
   const auto picture = DrawMode(*analysis->mesh, analysis->vibration->modes[1], "Table: mode 2");
   ASSERT_TRUE(picture.ok()) << picture.status();
-  EXPECT_EQ(render::DecodePng(*picture)->width, 1200);
+  EXPECT_EQ(testing::DecodePng(*picture)->width, 1200);
   if (const char* folder = std::getenv("MORTISE_PICTURES")) {
     ASSERT_TRUE(WriteFile(std::filesystem::path(folder) / "mode.png", *picture).ok());
   }
@@ -161,7 +162,7 @@ TEST(Reports, ShowTheStress) {
   const auto picture =
       DrawStress(*analysis->mesh, analysis->cases[0].solution, "Table, 1000 N on the top");
   ASSERT_TRUE(picture.ok()) << picture.status();
-  const auto image = render::DecodePng(*picture);
+  const auto image = testing::DecodePng(*picture);
   ASSERT_TRUE(image.ok());
   EXPECT_EQ(image->width, 1200);
   const auto fields = WriteFields(*analysis->mesh, analysis->cases[0].solution,
