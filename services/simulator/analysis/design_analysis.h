@@ -18,7 +18,6 @@
 #include "common/fem/problems/modal_analysis.h"
 #include "common/fem/stress/error_estimate.h"
 #include "common/mesh/surface_mesh.h"
-#include "common/mesh/tetrahedra/mesh_quality.h"
 #include "common/mesh/tetrahedra/mesher.h"
 #include "services/simulator/airflow/airflow.h"
 #include "services/simulator/analysis/metric_gradient.h"

@@ -1,4 +1,4 @@
-#include "common/mesh/tetrahedra/mesh_quality.h"
+#include "tests/support/mesh_quality.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -8,7 +8,7 @@
 
 #include "absl/strings/str_format.h"
 
-namespace mortise::mesh {
+namespace mortise::testing {
 namespace {
 
 struct ElementShape {
@@ -49,7 +49,7 @@ ElementShape Measure(const std::array<Eigen::Vector3d, 4>& corner) {
 
 }  // namespace
 
-QualityReport MeasureQuality(const TetrahedralMesh& mesh) {
+QualityReport MeasureQuality(const mesh::TetrahedralMesh& mesh) {
   QualityReport report;
   report.elements = static_cast<int>(mesh.tetrahedra.cols());
   report.nodes = static_cast<int>(mesh.nodes.cols());
@@ -84,4 +84,4 @@ std::string ToText(const QualityReport& report) {
       report.worst_element);
 }
 
-}  // namespace mortise::mesh
+}  // namespace mortise::testing

@@ -1,4 +1,4 @@
-// How well-shaped the elements of a volume mesh are.
+// Measures how well-shaped the elements of a volume mesh are.
 #pragma once
 
 #include <array>
@@ -6,7 +6,7 @@
 
 #include "common/mesh/tetrahedral_mesh.h"
 
-namespace mortise::mesh {
+namespace mortise::testing {
 
 // Angles in radians. The aspect ratio of an element is its longest edge over its shortest height,
 // scaled so that the regular tetrahedron has 1.
@@ -23,9 +23,9 @@ struct QualityReport {
 };
 
 // Measures every element by its corners. An empty mesh gives an empty report.
-QualityReport MeasureQuality(const TetrahedralMesh& mesh);
+QualityReport MeasureQuality(const mesh::TetrahedralMesh& mesh);
 
 // Returns a few lines for people.
 std::string ToText(const QualityReport& report);
 
-}  // namespace mortise::mesh
+}  // namespace mortise::testing
