@@ -1,11 +1,9 @@
 #include "common/templates/cage/codec/cage_template_codec.h"
 
-#include <algorithm>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
-#include "common/base/files.h"
 #include "common/design/template_validation.h"
 #include "common/files/condition_codec.h"
 #include "common/messages/proto_text.h"
@@ -140,24 +138,6 @@ absl::StatusOr<CageTemplate> ParseCageTemplateText(std::string_view text,
   v1::CageTemplate message;
   MORTISE_RETURN_IF_ERROR(ParseProtoText(text, origin, message));
   return FromProto(message);
-}
-
-absl::StatusOr<std::vector<CageTemplate>> ReadCageTemplates(const std::filesystem::path& folder) {
-  std::error_code error;
-  std::vector<std::filesystem::path> files;
-  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
-    if (LowerCaseExtension(entry.path()) == ".textproto") files.push_back(entry.path());
-  }
-  if (error) return ResourceNotFound(folder.string());
-  std::sort(files.begin(), files.end());
-  std::vector<CageTemplate> templates;
-  for (const std::filesystem::path& file : files) {
-    MORTISE_ASSIGN_OR_RETURN(const std::string text, ReadFile(file));
-    MORTISE_ASSIGN_OR_RETURN(CageTemplate definition,
-                             ParseCageTemplateText(text, file.filename().string()));
-    templates.push_back(std::move(definition));
-  }
-  return templates;
 }
 
 }  // namespace mortise::parametric

@@ -2,10 +2,8 @@
 // mortise_cage_template_codec.
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "absl/status/statusor.h"
 #include "common/templates/cage/cage_template.h"
@@ -25,9 +23,5 @@ v1::CageTemplate ToProto(const CageTemplate& definition);
 // or the fields as FromProto; RESOURCE_EXHAUSTED past 4 MiB.
 absl::StatusOr<CageTemplate> ParseCageTemplateText(std::string_view text,
                                                    const std::string& origin);
-
-// Returns all *.textproto of a folder, in the order of their names. NOT_FOUND if it does not exist;
-// INVALID_ARGUMENT naming the faults of the first file that has any.
-absl::StatusOr<std::vector<CageTemplate>> ReadCageTemplates(const std::filesystem::path& folder);
 
 }  // namespace mortise::parametric

@@ -1,12 +1,10 @@
-// Converts messages to structs, and reads files.
+// Converts messages to structs.
 #include "common/templates/features/codec/cad_template_codec.h"
 
-#include <algorithm>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
-#include "common/base/files.h"
 #include "common/design/template_validation.h"
 #include "common/files/condition_codec.h"
 #include "common/messages/proto_text.h"
@@ -216,24 +214,6 @@ absl::StatusOr<CadTemplate> ParseCadTemplateText(std::string_view text, const st
   v1::CadTemplate message;
   MORTISE_RETURN_IF_ERROR(parametric::ParseProtoText(text, origin, message));
   return FromProto(message);
-}
-
-absl::StatusOr<std::vector<CadTemplate>> ReadCadTemplates(const std::filesystem::path& folder) {
-  std::error_code error;
-  std::vector<std::filesystem::path> files;
-  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
-    if (LowerCaseExtension(entry.path()) == ".textproto") files.push_back(entry.path());
-  }
-  if (error) return ResourceNotFound(folder.string());
-  std::sort(files.begin(), files.end());
-  std::vector<CadTemplate> templates;
-  for (const std::filesystem::path& file : files) {
-    MORTISE_ASSIGN_OR_RETURN(const std::string text, ReadFile(file));
-    MORTISE_ASSIGN_OR_RETURN(CadTemplate definition,
-                             ParseCadTemplateText(text, file.filename().string()));
-    templates.push_back(std::move(definition));
-  }
-  return templates;
 }
 
 }  // namespace mortise::cad

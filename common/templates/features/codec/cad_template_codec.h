@@ -2,10 +2,8 @@
 // mortise_cad_template_codec.
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "absl/status/statusor.h"
 #include "common/templates/features/cad_template.h"
@@ -24,9 +22,5 @@ v1::CadTemplate ToProto(const CadTemplate& definition);
 // Reads the text of one file. INVALID_ARGUMENT naming `origin` with every line and column at fault,
 // or the fields as FromProto; RESOURCE_EXHAUSTED past 4 MiB.
 absl::StatusOr<CadTemplate> ParseCadTemplateText(std::string_view text, const std::string& origin);
-
-// Returns all *.textproto of a folder, in the order of their names. NOT_FOUND if it does not exist;
-// INVALID_ARGUMENT naming the faults of the first file that has any.
-absl::StatusOr<std::vector<CadTemplate>> ReadCadTemplates(const std::filesystem::path& folder);
 
 }  // namespace mortise::cad

@@ -4,13 +4,17 @@
 #include <benchmark/benchmark.h>
 
 #include <cstdlib>
+#include <filesystem>
 #include <iostream>
 #include <random>
+#include <set>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
 #include "common/base/errors.h"
+#include "common/base/files.h"
 #include "common/cad/solid_surface.h"
 #include "common/templates/features/codec/cad_template_codec.h"
 #include "common/templates/features/feature_model.h"
@@ -20,11 +24,19 @@ namespace {
 
 absl::StatusOr<std::vector<FeatureModel>> ShippedModels() {
   const char* root = std::getenv("MORTISE_SOURCE_DIR");
+  const std::filesystem::path folder =
+      std::filesystem::path(root == nullptr ? "." : root) / "collection/cad_templates";
+  std::error_code error;
+  std::set<std::filesystem::path> files;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+    files.insert(entry.path());
+  }
+  if (error) return ResourceNotFound(folder.string());
   std::vector<FeatureModel> models;
-  MORTISE_ASSIGN_OR_RETURN(
-      const std::vector<CadTemplate> definitions,
-      ReadCadTemplates(std::string(root == nullptr ? "." : root) + "/collection/cad_templates"));
-  for (const CadTemplate& definition : definitions) {
+  for (const std::filesystem::path& file : files) {
+    MORTISE_ASSIGN_OR_RETURN(const std::string text, ReadFile(file));
+    MORTISE_ASSIGN_OR_RETURN(const CadTemplate definition,
+                             ParseCadTemplateText(text, file.filename().string()));
     MORTISE_ASSIGN_OR_RETURN(FeatureModel model, FeatureModel::Create(definition));
     models.push_back(std::move(model));
   }

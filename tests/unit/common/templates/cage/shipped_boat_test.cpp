@@ -7,11 +7,13 @@
 #include <array>
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
 #include <map>
 #include <random>
 #include <string>
 #include <vector>
 
+#include "common/base/files.h"
 #include "common/mesh/mass_properties.h"
 #include "common/mesh/surface_check.h"
 #include "common/templates/cage/cage_model.h"
@@ -27,11 +29,12 @@ class ShippedBoat : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     const char* root = std::getenv("MORTISE_SOURCE_DIR");
-    const auto templates =
-        ReadCageTemplates(std::string(root == nullptr ? "." : root) + "/collection/cage_templates");
-    ASSERT_TRUE(templates.ok()) << templates.status();
-    ASSERT_EQ(templates->size(), 1u);
-    auto model = CageModel::Create((*templates)[0]);
+    const auto text = ReadFile(std::filesystem::path(root == nullptr ? "." : root) /
+                               "collection/cage_templates/boat.textproto");
+    ASSERT_TRUE(text.ok()) << text.status();
+    const auto boat = ParseCageTemplateText(*text, "boat.textproto");
+    ASSERT_TRUE(boat.ok()) << boat.status();
+    auto model = CageModel::Create(*boat);
     ASSERT_TRUE(model.ok()) << model.status();
     model_ = new CageModel(*std::move(model));
   }
