@@ -5,22 +5,18 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstdlib>
-#include <filesystem>
 #include <fstream>
 #include <functional>
 #include <iostream>
 #include <random>
 #include <sstream>
 #include <string>
+#include <vector>
+
+#include "tests/unit/services/fabplanner/cutting/cutting_data.h"
 
 namespace mortise::fabplanner {
 namespace {
-
-std::filesystem::path InstanceFolder() {
-  const char* source = std::getenv("MORTISE_SOURCE_DIR");
-  return std::filesystem::path(source == nullptr ? "." : source) / "../shared/data/cutting/1d";
-}
 
 // Every item once, no bin overfull, the cost as stated and not below the bound.
 void ExpectValid(const std::vector<int64_t>& sizes, const std::vector<BinType>& types,
@@ -45,40 +41,42 @@ void ExpectValid(const std::vector<int64_t>& sizes, const std::vector<BinType>& 
 
 struct PublishedInstance {
   std::string name;
+  int64_t capacity = 0;
   int64_t proven_bound = 0;
   int64_t best_known = 0;
   int64_t first_fit = 0;
+  std::vector<int64_t> sizes;
 };
 
+// Reads tests/data/cutting/bin_packing.txt, which says what is in it.
 std::vector<PublishedInstance> ReadPublished() {
-  std::ifstream file(InstanceFolder() / "optima.csv");
-  std::string line;
-  std::getline(file, line);
+  std::ifstream file(DataFile("bin_packing.txt"));
+  std::stringstream numbers;
+  for (std::string line; std::getline(file, line);) {
+    if (!line.starts_with('#')) numbers << line << '\n';
+  }
   std::vector<PublishedInstance> instances;
-  while (std::getline(file, line)) {
-    std::vector<std::string> fields;
-    std::stringstream stream(line);
-    for (std::string field; std::getline(stream, field, ',');) fields.push_back(field);
-    instances.push_back({fields.at(0), std::stoll(fields.at(5)), std::stoll(fields.at(6)),
-                         std::stoll(fields.at(7))});
+  PublishedInstance next;
+  for (int kinds = 0; numbers >> next.name >> next.capacity >> next.proven_bound >>
+                      next.best_known >> next.first_fit >> kinds;) {
+    next.sizes.clear();
+    char times = 0;
+    for (int64_t size = 0, demand = 0; kinds > 0 && numbers >> size >> times >> demand; --kinds) {
+      next.sizes.insert(next.sizes.end(), demand, size);
+    }
+    instances.push_back(next);
   }
   return instances;
 }
 
 TEST(BinPackingTest, SolvesPublishedInstances) {
-  if (!std::filesystem::exists(InstanceFolder())) GTEST_SKIP() << "no " << InstanceFolder();
   int at_best_known = 0;
   int instances = 0;
   for (const PublishedInstance& published : ReadPublished()) {
     SCOPED_TRACE(published.name);
-    std::ifstream file(InstanceFolder() / (published.name + ".txt"));
-    int64_t kinds = 0, capacity = 0;
-    ASSERT_TRUE(file >> kinds >> capacity);
-    std::vector<int64_t> sizes;
-    for (int64_t size = 0, demand = 0; file >> size >> demand;) {
-      sizes.insert(sizes.end(), demand, size);
-    }
-    const std::vector<BinType> types = {{capacity, 1}};
+    const std::vector<int64_t>& sizes = published.sizes;
+    ASSERT_FALSE(sizes.empty());
+    const std::vector<BinType> types = {{published.capacity, 1}};
     const Packing packing = PackBins(sizes, types, 3000000);
     ExpectValid(sizes, types, packing);
     EXPECT_LE(packing.lower_bound, published.best_known);

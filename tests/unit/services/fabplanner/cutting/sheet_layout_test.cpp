@@ -6,14 +6,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdlib>
-#include <filesystem>
 #include <fstream>
 #include <limits>
 #include <random>
 #include <string>
 
 #include "common/base/errors.h"
+#include "tests/unit/services/fabplanner/cutting/cutting_data.h"
 
 namespace mortise::fabplanner {
 namespace {
@@ -133,24 +132,24 @@ TEST(SheetLayoutTest, TellsASizeFromOneThatIsHardlyLess) {
 
 // Demands of Cintra and others 2008, for which three-stage guillotine cutting needs 294 sheets.
 TEST(SheetLayoutTest, PublishedDemandsComeNearTheBestKnown) {
-  const char* source = std::getenv("MORTISE_SOURCE_DIR");
-  const std::filesystem::path folder = std::filesystem::path(source == nullptr ? "." : source) /
-                                       "../shared/data/cutting/2d_guillotine";
-  if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no " << folder;
-  std::ifstream file(folder / "binpack_gcut1d_items.csv");
-  std::string line;
-  std::getline(file, line);
+  std::ifstream file(DataFile("guillotine.txt"));
+  while (file.peek() == '#') file.ignore(std::numeric_limits<std::streamsize>::max(), '\n');
+  std::string name;
+  double sheet_width = 0, sheet_height = 0;
+  int best_known = 0, kinds = 0;
+  ASSERT_TRUE(file >> name >> sheet_width >> sheet_height >> best_known >> kinds);
+  EXPECT_EQ(best_known, 294);
   std::vector<SheetOutline> outlines;
   double area = 0;
-  while (std::getline(file, line)) {
-    int id = 0, width = 0, height = 0, copies = 0;
-    ASSERT_EQ(std::sscanf(line.c_str(), "%d,%d,%d,%d", &id, &width, &height, &copies), 4);
+  for (; kinds > 0; --kinds) {
+    int width = 0, height = 0, copies = 0;
+    ASSERT_TRUE(file >> width >> height >> copies);
     for (int copy = 0; copy < copies; ++copy) {
       outlines.push_back({"p", Rectangle(width / 100.0, height / 100.0)});
       area += width / 100.0 * height / 100.0;
     }
   }
-  const SheetStock stock{2.5, 2.5};
+  const SheetStock stock{sheet_width / 100, sheet_height / 100};
   const SheetLayoutOptions options{0, 0};
   const auto sheets = LayOutSheets(outlines, stock, options);
   ASSERT_TRUE(sheets.ok()) << sheets.status();
