@@ -1,4 +1,4 @@
-// The triangles between elements of a volume mesh, and who lies on their sides.
+// Finds the triangles between elements of a volume mesh, and the elements on their sides.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,11 +10,11 @@
 
 namespace mortise::mesh {
 
-// Corners of the four faces of a tetrahedron, outward, face i opposite corner i.
+// The corners of the four faces of a tetrahedron, outward, with face i opposite corner i.
 inline constexpr std::array<std::array<int, 3>, 4> kTetrahedronFaces{
     {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
 
-// Corners of the six edges, in the order of the mid nodes of quadratic elements.
+// The corners of the six edges, in the order of the mid nodes of quadratic elements.
 inline constexpr std::array<std::array<int, 2>, 6> kTetrahedronEdges{
     {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}}};
 
@@ -31,7 +31,7 @@ class ElementFaces {
   explicit ElementFaces(const TetrahedralMesh& mesh);
 
   // Returns the triangle with these corners as the element of `part` sees it: outward of that
-  // element. Absent if no element of the part has it.
+  // element. Returns nothing if no element of the part has it.
   std::optional<Eigen::Vector3i> FaceSeenFrom(const Eigen::Vector3i& corners, int part) const;
 
   // Returns the faces that only one element has.

@@ -1,5 +1,5 @@
-// Triangle surfaces as half-edge meshes, which say what lies beside what: for whatever walks along
-// a surface. Brings OpenMesh, so only source files include it.
+// Makes half-edge meshes of triangle surfaces, for whatever walks along a surface: they say what
+// lies beside what. This header brings OpenMesh, so only source files include it.
 //
 // Surfaces are kept and exchanged as index arrays (surface_mesh.h): they hold whole assemblies and
 // faulty uploads, which no half-edge mesh can. CGAL's algorithms take a HalfedgeMesh as it is, with
@@ -36,7 +36,7 @@ struct SurfaceEdge {
   bool IsJoined() const { return forward == 1 && backward == 1; }
 };
 
-// Any triangles as a half-edge mesh, cut open where they are no oriented 2-manifold: along edges
+// A half-edge mesh of any triangles, cut open where they are no oriented 2-manifold: along edges
 // that two triangles do not run along once either way, and at vertices where several fans of
 // triangles meet. Nothing is refused, and every cut is a border of the mesh.
 //
@@ -50,9 +50,9 @@ class CutSurface {
 
   const HalfedgeMesh& mesh() const { return mesh_; }
 
-  // Returns the surface's edges by `low`, then `high`. One that is joined is the edge `first` of
-  // the mesh; another was cut into as many edges as it has triangles, from `first` on, each with
-  // its triangle at its half-edge 0.
+  // Returns the surface's edges by `low`, then `high`. A joined edge is the edge `first` of the
+  // mesh. Any other was cut into as many edges as it has triangles, from `first` on, each with its
+  // triangle at its half-edge 0.
   const std::vector<SurfaceEdge>& edges() const { return edges_; }
 
   // Returns the i-th of the triangles at one of the edges.
@@ -63,7 +63,7 @@ class CutSurface {
     return origin_[static_cast<std::size_t>(mesh_.from_vertex_handle(halfedge).idx())];
   }
 
-  // Of each vertex of the mesh, the surface's.
+  // Returns the surface's vertex for each vertex of the mesh.
   const std::vector<int>& origin() const { return origin_; }
 
  private:

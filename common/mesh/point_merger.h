@@ -9,7 +9,8 @@
 
 namespace mortise::mesh {
 
-// Points nearer than the tolerance are one. Found by a hash of grid cells as wide as the tolerance.
+// Points nearer than the tolerance are one. They are found by a hash of grid cells as wide as the
+// tolerance.
 class PointMerger {
  public:
   explicit PointMerger(double tolerance) : tolerance_(tolerance) {}

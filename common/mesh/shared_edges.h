@@ -1,5 +1,5 @@
-// Which triangles of a closed surface lie beside each other, and how sharply they meet. Faster than
-// a half-edge mesh (halfedge_mesh.h), for what needs no walks.
+// Finds which triangles of a closed surface lie beside each other, and how sharply they meet. It is
+// faster than a half-edge mesh (halfedge_mesh.h) where no walks are needed.
 #pragma once
 
 #include <Eigen/Core>
@@ -20,11 +20,12 @@ struct SharedEdge {
 // Returns all edges of a closed surface, by `low`, then `high`. O(T log T) for T triangles.
 std::vector<SharedEdge> SharedEdges(const Eigen::Matrix3Xi& triangles);
 
-// rad, more than between triangles side by side in one curved face that the CAD kernel drew.
+// An angle that is more than between triangles side by side in one curved face that the CAD kernel
+// drew, rad.
 inline constexpr double kSharpTurn = 0.7;
 
-// Triangles that hang together over edges that join them, each in order, by their first.
-// O(T log T).
+// Returns the groups of triangles that hang together over edges that join them, each group in
+// order, by their first triangle. O(T log T).
 std::vector<std::vector<int>> ConnectedTriangles(Eigen::Index triangles,
                                                  const std::vector<SharedEdge>& edges,
                                                  absl::FunctionRef<bool(const SharedEdge&)> joins);
@@ -33,7 +34,7 @@ std::vector<std::vector<int>> ConnectedTriangles(Eigen::Index triangles,
 Eigen::Matrix3Xd TriangleNormals(const Eigen::Matrix3Xd& vertices,
                                  const Eigen::Matrix3Xi& triangles);
 
-// rad, between the outward normals of two triangles: 0 in one plane.
+// Returns the angle between the outward normals of two triangles, rad: 0 in one plane.
 double TurnBetween(const Eigen::Vector3d& first, const Eigen::Vector3d& second);
 
 }  // namespace mortise::mesh

@@ -13,7 +13,7 @@ namespace mortise::mesh {
 
 struct SurfaceEdge;
 
-// What is wrong with a surface at one place.
+// A fault of a surface at one place.
 struct SurfaceFault {
   enum class Kind {
     kBadIndex,     // a triangle names a vertex that does not exist
@@ -43,15 +43,15 @@ std::vector<SurfaceFault> CheckNumbers(const Eigen::Matrix3Xd& vertices,
 // Returns what is wrong at an edge; nothing if two triangles run along it, once either way.
 std::optional<SurfaceFault> FaultAt(const SurfaceEdge& edge, const Eigen::Matrix3Xd& vertices);
 
-// Returns a fault with its place: "what at (1, 2, 3) mm".
+// Makes a fault whose message has its place: "what at (1, 2, 3) mm".
 SurfaceFault FaultAt(SurfaceFault::Kind kind, const Eigen::Vector3d& place,
                      const std::string& what);
 
 // Whether a triangle has no area, but for rounding.
 bool IsDegenerate(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c);
 
-// Whether every edge has as many triangles that run along it one way as the other: of solids that
-// touch themselves along an edge, too.
+// Whether every edge has as many triangles that run along it one way as the other. It has, too, in
+// solids that touch themselves along an edge.
 bool IsBalanced(const Eigen::Matrix3Xd& vertices, const Eigen::Matrix3Xi& triangles);
 
 // Whether CheckSurface finds nothing.
@@ -64,19 +64,19 @@ struct Intersection {
   Eigen::Vector3d place = Eigen::Vector3d::Zero();  // m, a point of both
 };
 
-// Returns pairs of triangles that meet anywhere but in a shared vertex or edge, at most `limit`.
-// Works on vertices and triangles of any surface, so also on a whole assembly. A sweep over
+// Returns pairs of triangles that meet anywhere but in a shared vertex or edge, at most `limit`. It
+// works on vertices and triangles of any surface, so also on a whole assembly, by a sweep over
 // bounding boxes: about O(T log T) for ordinary surfaces.
 std::vector<Intersection> FindIntersections(const Eigen::Matrix3Xd& vertices,
                                             const Eigen::Matrix3Xi& triangles, int limit = 1);
 
-// Returns the closed surface of one part of an assembly, normals outward; vertices are those it
-// uses.
+// Returns the closed surface of one part of an assembly with its normals outward, and only the
+// vertices that it uses.
 SurfaceMesh PartSurface(const AssemblySurface& assembly, int part);
 
-// OK if `assembly` can be meshed: sizes agree, every part is watertight and its interior point lies
-// inside it and in no other part. INVALID_ARGUMENT with the field ("parts[2]", "triangles") and,
-// in words, the part and the place of the first fault.
+// Checks that `assembly` can be meshed: sizes agree, every part is watertight and its interior
+// point lies inside it and in no other part. INVALID_ARGUMENT with the field ("parts[2]",
+// "triangles") and, in words, the part and the place of the first fault.
 absl::Status CheckAssembly(const AssemblySurface& assembly);
 
 // Returns how often the surface winds round `point`: 1 inside, 0 outside of a closed oriented

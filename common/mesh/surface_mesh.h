@@ -1,4 +1,4 @@
-// Triangulated surfaces: of one part, and of a whole assembly whose touching parts share triangles.
+// Triangulated surfaces of one part, and of a whole assembly whose touching parts share triangles.
 #pragma once
 
 #include <Eigen/Core>
@@ -30,15 +30,15 @@ struct AssemblyFace {
   std::vector<NamedFace> origins;  // which faces of which parts it is a piece of (one or two)
 };
 
-// Which points of the exact faces stand behind those of a surface's triangles, which miss what is
-// curved.
+// The points of the exact faces that stand behind those of a surface's triangles, which miss what
+// is curved.
 struct ExactPlaces {
   Eigen::Matrix3Xd vertices;  // 3 × V, metres
   Eigen::Matrix3Xd middles;   // 3 × 3T: of the sides 01, 12, 20 of each triangle in turn
 };
 
 // A conforming surface of an assembly: where two parts touch, one set of triangles serves both, and
-// no triangle crosses another. The boundary that a tetrahedral mesher needs.
+// no triangle crosses another. It is the boundary that a tetrahedral mesher needs.
 struct AssemblySurface {
   Eigen::Matrix3Xd vertices;      // 3 × V, metres
   Eigen::Matrix3Xi triangles;     // 3 × T

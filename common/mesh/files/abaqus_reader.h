@@ -1,4 +1,4 @@
-// Meshes in input files of Abaqus and CalculiX (.inp).
+// Reads meshes in input files of Abaqus and CalculiX (.inp).
 #pragma once
 
 #include <string_view>

@@ -1,5 +1,5 @@
-// Sets and surfaces of Abaqus' input files, whose members are found out in the end; for
-// abaqus_reader.cpp.
+// Collects the sets and surfaces of Abaqus' input files, whose members are found out in the end;
+// for abaqus_reader.cpp.
 #pragma once
 
 #include <array>
@@ -24,13 +24,13 @@ class AbaqusSets {
  public:
   using Owner = GroupedMeshBuilder::Owner;
 
-  // What a set is of; a surface of faces of elements is a set of faces, and so is a set of
-  // triangles. One of lines marks their nodes.
+  // The kinds of members of sets. A surface of faces of elements is a set of faces, and so is a set
+  // of triangles. A set of lines marks their nodes.
   enum class Kind : std::uint8_t { kNodes, kElements, kFaces, kLines };
 
   static constexpr int kNoSet = -1;
 
-  // How the lines after a keyword list the members of a set.
+  // Says how the lines after a keyword list the members of a set.
   struct List {
     int set = kNoSet;          // as Open gave it
     Owner of = Owner::kWhole;  // whose the members are that do not name the instance
@@ -38,7 +38,8 @@ class AbaqusSets {
     bool has_weights = false;  // a line is one member, and perhaps a weight
   };
 
-  // `text`: the whole file, of which `places` tells and all lines are parts. All must outlive this.
+  // `text` is the whole file, of which `places` tells and all lines are parts. All must outlive
+  // this.
   AbaqusSets(std::string_view text, const FilePlaces& places, GroupedMeshBuilder& builder)
       : text_(text), places_(places), builder_(builder) {}
 
@@ -46,29 +47,32 @@ class AbaqusSets {
   // keyword's.
   absl::StatusOr<int> Open(Kind kind, const std::string& name, Owner owner, std::size_t place);
 
-  // A node or element that is read into the set, of such, at `place`.
+  // Adds a node or element, which was read at `place`, to a set of nodes or elements.
   absl::Status AddMember(int set, std::int64_t number, std::size_t place);
 
-  // An element that only marks: a triangle, of 3 or 6 nodes, faces, and a line, of 2 or 3, its
-  // nodes; those of `set`, of such, if there is one, and of sets of elements that list its number.
+  // Adds an element that only marks: a triangle of 3 or 6 nodes marks faces, and a line of 2 or 3
+  // nodes marks these. What it marks is in `set`, a set of faces or lines, unless that is kNoSet,
+  // and in the sets of elements that list its number.
   absl::Status AddMark(int set, std::int64_t number, std::span<const std::int64_t> nodes,
                        bool is_line, std::size_t place);
 
-  // A node of the assembly, which is left out of the whole's sets.
+  // Notes a node of the assembly, which is left out of the whole's sets.
   void AddAssemblyNode(std::int64_t number) { assembly_nodes_.push_back(number); }
 
-  // A line of members, without space round it. All sets together have up to ten million.
+  // Adds a line of members, without space round it. All sets together have up to ten million.
   absl::Status AddLine(const List& list, std::string_view line);
 
-  // All nodes of the elements of another set, named by the keyword whose line is `line`.
+  // Adds all nodes of the elements of another set, named by the keyword whose line is `line`.
   void AddNodesOf(const List& list, const std::string& elements, std::string_view line);
 
-  // The instance's name: "Part-1-1.Set-1" and "Part-1-1.5" are the part's, wherever they stand.
+  // Sets the instance's name: "Part-1-1.Set-1" and "Part-1-1.5" are the part's, wherever they
+  // stand.
   void SetInstance(std::string name) { instance_ = std::move(name); }
   const std::string& instance() const { return instance_; }
 
-  // Puts the members of all lines into the builder's groups, in the order of the file, and notes
-  // if nodes were left out or a set seems to have lost some. Once everything has been read.
+  // Puts the members of all lines into the builder's groups, in the order of the file, and notes if
+  // nodes were left out or a set seems to have lost some. It is called once everything has been
+  // read.
   absl::Status Resolve();
 
  private:

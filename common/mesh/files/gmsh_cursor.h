@@ -29,7 +29,7 @@ class GmshCursor {
     while (at_ < bytes_.size() && IsSpace(bytes_[at_])) ++at_;
   }
 
-  // Returns what is left of the line, without its end.
+  // Reads what is left of the line, without its end.
   std::string_view Line() {
     const std::size_t end = bytes_.find('\n', at_);
     std::string_view line = bytes_.substr(at_, end == std::string_view::npos ? end : end - at_);
@@ -38,7 +38,7 @@ class GmshCursor {
     return line;
   }
 
-  // "$Name" at the start of a section; empty at the end of the file.
+  // Reads the "$Name" at the start of a section; empty at the end of the file.
   absl::StatusOr<std::string_view> Section() {
     SkipSpace();
     if (at_ == bytes_.size()) return std::string_view();
@@ -46,7 +46,7 @@ class GmshCursor {
     return Line();
   }
 
-  // Nothing more stands in this line of a text file.
+  // Checks that nothing more stands in this line of a text file.
   absl::Status EndLine() {
     if (!is_text_) return absl::OkStatus();
     while (at_ < bytes_.size() && IsSpace(bytes_[at_]) && bytes_[at_] != '\n') ++at_;
@@ -72,14 +72,14 @@ class GmshCursor {
     return absl::OkStatus();
   }
 
-  // 4 bytes where binary.
+  // Reads an integer, of 4 bytes in binary files.
   absl::StatusOr<std::int64_t> Int() {
     if (is_text_) return Parse<std::int64_t>();
     MORTISE_ASSIGN_OR_RETURN(const std::int32_t value, Take<std::int32_t>());
     return value;
   }
 
-  // 8 bytes where binary.
+  // Reads an integer, of 8 bytes in binary files.
   absl::StatusOr<std::int64_t> Size() {
     if (is_text_) return Parse<std::int64_t>();
     return Take<std::int64_t>();

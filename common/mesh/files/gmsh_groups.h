@@ -21,7 +21,7 @@ struct GmshPhysicalGroup {
   friend auto operator<=>(const GmshPhysicalGroup&, const GmshPhysicalGroup&) = default;
 };
 
-// What geometry consists of, of MSH 4.1: its elements are in the physical groups of the entity.
+// A piece of geometry in MSH 4.1. Its elements are in the physical groups of the entity.
 struct GmshEntity {
   int dimension;
   std::int64_t tag;
@@ -37,23 +37,24 @@ class GmshGroups {
 
   absl::Status Name(const GmshPhysicalGroup& physical, const std::string& name, std::size_t place);
 
-  // The file has a list of entities, and elements must be of one of them.
+  // Notes that the file has a list of entities, and that elements must be of one of them.
   void BeginEntities() { has_entities_ = true; }
 
-  // False if there is one already.
+  // Adds an entity; returns false if there is one already.
   bool AddEntity(const GmshEntity& entity, std::vector<std::int64_t> tags);
 
-  // Returns the builder's group.
+  // Returns the builder's group for a physical group.
   absl::StatusOr<int> Of(const GmshPhysicalGroup& physical, std::size_t place);
 
-  // Returns the builder's groups of an entity's elements, each once. Kept, as many blocks may be of
-  // one entity.
+  // Returns the builder's groups of an entity's elements, each once. They are kept, as many blocks
+  // may be of one entity.
   absl::StatusOr<const std::vector<int>*> Of(const GmshEntity& entity, std::size_t place);
 
-  // An element of this dimension is in no group.
+  // Counts an element of this dimension that is in no group.
   void CountUngrouped(int dimension) { ++ungrouped_[dimension]; }
 
-  // Tells the builder of what may be a fault of the file. Once everything has been read.
+  // Tells the builder of what may be a fault of the file. It is called once everything has been
+  // read.
   void AddNotes();
 
  private:

@@ -18,18 +18,19 @@
 
 namespace mortise::mesh {
 
-// Where in a file something is, for people.
+// Tells people where in a file something is.
 class FilePlaces {
  public:
   FilePlaces(std::string_view bytes, bool is_text) : bytes_(bytes), is_text_(is_text) {}
 
-  // INVALID_ARGUMENT naming "mesh_file": "line 12: …" or "byte 345: …" for the byte `place`.
+  // // Returns INVALID_ARGUMENT naming "mesh_file": "line 12: …" or "byte 345: …" for the byte
+  // `place`.
   absl::Status Fault(std::size_t place, std::string_view message) const;
 
-  // "line 12" or "byte 345".
+  // // Returns "line 12" or "byte 345".
   std::string Where(std::size_t place) const;
 
-  // Of the whole file, in bytes.
+  // Returns the size of the whole file, bytes.
   std::size_t size() const { return bytes_.size(); }
 
  private:
@@ -46,22 +47,22 @@ class GroupedMeshBuilder {
  public:
   enum class Repeats { kRefused, kMerged };
 
-  // `repeats`: what becomes of elements on the same nodes; MSH 2.2 repeats those in two groups.
+  // `repeats` says what becomes of elements on the same nodes; MSH 2.2 repeats those in two groups.
   GroupedMeshBuilder(const FilePlaces& places, Repeats repeats)
       : places_(places), repeats_(repeats) {}
 
   absl::Status AddNode(std::int64_t number, const Eigen::Vector3d& position, std::size_t place);
 
-  // `nodes`: 4 or 10 numbers in the order of TetrahedralMesh.
+  // Adds an element. `nodes` are 4 or 10 numbers in the order of TetrahedralMesh.
   absl::Status AddElement(std::int64_t number, std::span<const std::int64_t> nodes,
                           std::size_t place);
 
-  // Whose a group is. Names are distinct for each owner. Where a part and the whole have groups of
-  // one name, in upper or lower case and of whatever kind, the part's are called "<part>.<name>" in
-  // the mesh, and a note says so.
+  // The owner of a group. Names are distinct for each owner. Where a part and the whole have groups
+  // of one name, in upper or lower case and of whatever kind, the part's are called "<part>.<name>"
+  // in the mesh, and a note says so.
   enum class Owner { kWhole, kPart };
 
-  // Returns the group of this name, which is made if it is new and may stay empty. A name is 1 to
+  // Return the group of this name, which is made if it is new and may stay empty. A name is 1 to
   // 200 bytes of UTF-8.
   absl::StatusOr<int> AddNodeGroup(const std::string& name, std::size_t place,
                                    Owner owner = Owner::kWhole);
@@ -70,24 +71,24 @@ class GroupedMeshBuilder {
   absl::StatusOr<int> AddFaceGroup(const std::string& name, std::size_t place,
                                    Owner owner = Owner::kWhole);
 
-  // Members of a group that was added, of nodes, of elements, of faces and of faces. Nodes and
-  // elements must exist in the end; a triangle must be a side of an element. INVALID_ARGUMENT if
-  // all groups together have more than ten million members and one for each 16 bytes of the file:
-  // a few bytes may put every element into every group.
+  // Add members to a group of nodes, of elements, and, the last two, of faces. Nodes and elements
+  // must exist in the end; a triangle must be a side of an element. INVALID_ARGUMENT if all groups
+  // together have more than ten million members and one for each 16 bytes of the file: a few bytes
+  // may put every element into every group.
   absl::Status AddNodeMember(int group, std::int64_t number, std::size_t place);
   absl::Status AddElementMember(int group, std::int64_t number, std::size_t place);
   absl::Status AddSideMember(int group, std::int64_t element, int side, std::size_t place);
   absl::Status AddTriangle(int group, const std::array<std::int64_t, 3>& corners,
                            std::size_t place);
 
-  // A triangle of no group, which marks nothing. Where it is no side of an element it is a part of
-  // the body that cannot be analysed, and a note says so.
+  // Adds a triangle of no group, which marks nothing. Where it is no side of an element it is a
+  // part of the body that cannot be analysed, and a note says so.
   absl::Status AddLooseTriangle(const std::array<std::int64_t, 3>& corners, std::size_t place);
 
-  // What groups of a part are called by; "Part" until this is called.
+  // Sets the name of the part, by which its groups are called; "Part" until this is called.
   void SetPartName(std::string name) { part_name_ = std::move(name); }
 
-  // Notes beyond the fiftieth are dropped.
+  // Adds a note for people. Notes beyond the fiftieth are dropped.
   void AddNote(std::string note) {
     if (notes_.size() < 50) notes_.push_back(std::move(note));
   }
@@ -98,7 +99,7 @@ class GroupedMeshBuilder {
   // element.
   std::span<const std::int64_t> ElementNodes(std::int64_t number) const;
 
-  // Returns the mesh; the builder is empty afterwards.
+  // Makes the mesh; the builder is empty afterwards.
   absl::StatusOr<GroupedMesh> Build();
 
  private:

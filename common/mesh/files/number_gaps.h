@@ -1,4 +1,4 @@
-// Which numbers are missing where things are numbered through.
+// Finds which numbers are missing where things are numbered through.
 #pragma once
 
 #include <cstdint>
@@ -7,8 +7,9 @@
 
 namespace mortise::mesh {
 
-// "run from 1 to 6 by 1, and 1 is missing" of numbers that go on in one step but for some, in
-// whatever order they are; empty if none is missing, or there is no telling.
+// Says which numbers are missing of numbers that go on in one step but for some, in whatever order
+// they are: "run from 1 to 6 by 1, and 1 is missing". Returns nothing if none is missing, or there
+// is no telling.
 std::string NumberGaps(std::vector<std::int64_t> numbers);
 
 }  // namespace mortise::mesh

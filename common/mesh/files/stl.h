@@ -1,4 +1,4 @@
-// Surfaces as STL files, which every printer and viewer reads.
+// Writes surfaces as STL files, which every printer and viewer reads.
 #pragma once
 
 #include <string>

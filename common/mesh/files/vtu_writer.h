@@ -1,4 +1,4 @@
-// Meshes with fields as VTU files (VTK XML unstructured grid), which ParaView opens.
+// Writes meshes with fields as VTU files (VTK XML unstructured grid), which ParaView opens.
 #pragma once
 
 #include <Eigen/Core>
@@ -23,7 +23,7 @@ absl::StatusOr<std::string> WriteVtu(const TetrahedralMesh& mesh,
                                      const std::vector<VtuField>& point_fields,
                                      const std::vector<VtuField>& cell_fields = {});
 
-// Returns the same of a surface; its triangles are the cells, and there is no "part".
+// Does the same for a surface; its triangles are the cells, and there is no "part".
 absl::StatusOr<std::string> WriteVtu(const SurfaceMesh& surface,
                                      const std::vector<VtuField>& point_fields,
                                      const std::vector<VtuField>& cell_fields = {});

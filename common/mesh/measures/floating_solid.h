@@ -1,4 +1,4 @@
-// How solids float upright in still water; z points upwards.
+// Computes how solids float upright in still water; z points upwards.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,4 +1,4 @@
-// A point inside a closed surface.
+// Finds a point inside a closed surface.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,4 +1,4 @@
-// Which surfaces come near each other: the connectivity graph of a design (thesis §3.4.1).
+// Finds which surfaces come near each other: the connectivity graph of a design (thesis §3.4.1).
 #pragma once
 
 #include <memory>
@@ -22,8 +22,8 @@ struct Proximity {
 // indices out of range or vertices that are not finite, or "tolerance" if that is negative or not
 // finite.
 //
-// Axis-aligned bounding box trees (CGAL): about O(n log n) for n triangles, as long as most of them
-// are far apart.
+// It uses axis-aligned bounding box trees (CGAL): about O(n log n) for n triangles, as long as most
+// of them are far apart.
 absl::StatusOr<std::vector<Proximity>> FindProximities(const std::vector<SurfaceMesh>& surfaces,
                                                        double tolerance);
 
@@ -38,8 +38,9 @@ class ProbedSurface {
   // they meet or reach into each other.
   static double Distance(const ProbedSurface& a, const ProbedSurface& b, double limit);
 
-  // Returns the same, but where they reach into each other, minus how deep: the largest distance
-  // from the one's surface of a point within it of the other's edges. 0 if they only touch.
+  // Returns the same distance, but where the solids reach into each other minus the depth. That is
+  // the largest distance from the surface of the one that a point of the other's edges within it
+  // has; 0 if they only touch.
   static double Separation(const ProbedSurface& a, const ProbedSurface& b, double limit);
 
   struct Prepared;

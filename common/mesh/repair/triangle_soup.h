@@ -1,5 +1,5 @@
-// Loose triangles as files have them, and what can be put right before it is known which side of
-// them is the outside. For surface_repair.cpp.
+// Holds loose triangles as files have them, and puts right what can be put right before it is known
+// which side of them is the outside; for surface_repair.cpp.
 #pragma once
 
 #include <Eigen/Core>
@@ -21,17 +21,18 @@ class TriangleSoup {
   // Returns how many vertices that triangles use became others.
   int merged_vertices() const { return merged_vertices_; }
 
-  // Drops triangles that have no area. How many.
+  // Drops triangles that have no area, and returns how many.
   int DropDegenerate();
 
-  // Drops triangles drawn twice, whichever way: one stays. Of those that are drawn both ways none
-  // stays if they make an edge of more than two triangles, as walls between two solids do. How
-  // many.
+  // Drops triangles drawn twice, whichever way, and returns how many. One of them stays. Of those
+  // that are drawn both ways none stays if they make an edge of more than two triangles, as walls
+  // between two solids do.
   int DropRepeated();
 
   // Divides triangles at vertices that lie within the tolerance of an edge with one triangle only,
-  // and are at such an edge themselves: the two sides of a T-junction. How many triangles.
-  // INVALID_ARGUMENT, "surface", if there are more such vertices than a few to each triangle.
+  // and are at such an edge themselves: the two sides of a T-junction. Returns how many triangles
+  // it divided. INVALID_ARGUMENT, "surface", if there are more such vertices than a few to each
+  // triangle.
   absl::StatusOr<int> SplitAtVertices();
 
   // Returns what is left, with the vertices that it uses.

@@ -1,4 +1,4 @@
-// How a drawn shape fills a box of another size: along each axis in proportion, or in pieces
+// Says how a drawn shape fills a box of another size: along each axis in proportion, or in pieces
 // between levels that are put somewhere else, so that a bore keeps its size in a board that grows.
 #pragma once
 
@@ -9,7 +9,7 @@
 
 namespace mortise::mesh {
 
-// Where what lies at a level of the drawn shape is put.
+// The place to which a level of the drawn shape is put.
 struct LevelPlace {
   double fraction = 0;  // of the drawn box's size, from its middle; between -1/2 and 1/2
   double place = 0;     // m, from the middle of the box it is stretched into, within that box
@@ -21,23 +21,25 @@ struct BoxStretch {
   std::array<std::vector<LevelPlace>, 3> levels;   // of each axis, both numbers increasing
 
   BoxStretch() = default;
-  // In proportion, into a box of this size, m.
+  // Stretches in proportion into a box of this size, m.
   template <typename Derived>
   BoxStretch(const Eigen::MatrixBase<Derived>& box_size) : size(box_size) {}
 
   bool IsInProportion(int axis) const { return levels[static_cast<std::size_t>(axis)].empty(); }
   bool IsInProportion() const;
 
-  // Those of the axis with the faces of the box before and behind them.
+  // Returns the levels of the axis with the faces of the box before and behind them.
   std::vector<LevelPlace> Ends(int axis) const;
 
-  // m from the middle of the box, of what lies at this fraction of the drawn one. O(log levels).
+  // Returns where a point at this fraction of the drawn box lies, m from the middle of the box.
+  // O(log levels).
   double PlaceOf(int axis, double fraction) const;
 
-  // m by which places grow with the fraction there; at a level, below it. O(log levels).
+  // Returns by how much places grow with the fraction there, m; at a level, below it. O(log
+  // levels).
   double SlopeAt(int axis, double fraction) const;
 
-  // Returns the same for the shape turned by `turn`, whose entries are 0, 1 and -1
+  // Returns the stretch of the shape turned by `turn`, whose entries are 0, 1 and -1
   // (DrawnShape::turn).
   BoxStretch Turned(const Eigen::Matrix3d& turn) const;
 

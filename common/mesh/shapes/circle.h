@@ -1,4 +1,4 @@
-// Circles through points of a plane, as the corners of triangles in round faces lie.
+// Fits circles through points of a plane, as the corners of triangles in round faces lie.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,8 +13,8 @@ struct Circle {
 
 // Returns the circle on which at least half of the points, 2 × N in metres, lie to rounding, and
 // all others to a micrometre: where two curved faces meet, the CAD kernel knows their edge only
-// within its tolerance. None if there is no such circle, or they lie in a line. By least squares
-// (Kåsa 1976).
+// within its tolerance. Returns none if there is no such circle, or they lie in a line. It is found
+// by least squares (Kåsa 1976).
 std::optional<Circle> CircleThrough(const Eigen::Matrix2Xd& points);
 
 }  // namespace mortise::mesh

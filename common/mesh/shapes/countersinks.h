@@ -1,4 +1,5 @@
-// Where bores widen towards a flat face: countersinks, and rims that are chamfered or rounded.
+// Finds where bores widen towards a flat face: countersinks, and rims that are chamfered or
+// rounded.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,9 +17,9 @@ struct Countersink {
   double depth = 0;                                  // m as drawn
 };
 
-// Those of a shape as it was drawn whose flat face is at right angles to an axis of its box, and
-// has the circle to itself all the way round. By axis, then where they lie. O(T log T) for T
-// triangles.
+// Returns the countersinks of a shape as it was drawn whose flat face is at right angles to an axis
+// of its box, and has the circle to itself all the way round. They are in the order of their axis,
+// then of where they lie. O(T log T) for T triangles.
 std::vector<Countersink> CountersinksOf(const DrawnShape& shape);
 
 }  // namespace mortise::mesh

@@ -1,4 +1,4 @@
-// The flat faces of a closed surface: groups of its triangles, and the loops round each.
+// Finds the flat faces of a closed surface: groups of its triangles, and the loops round each.
 #pragma once
 
 #include <Eigen/Core>
@@ -18,11 +18,11 @@ struct FlatFace {
   std::vector<std::vector<int>> loops;
 };
 
-// Divides a closed surface into flat faces. Neighbours are of one if they are of the same face of
-// the surface (`triangle_face`, of each triangle) and the vertices of both lie within `in_plane`,
-// m, of the plane of the largest of its triangles. O(T log T).
+// Divides a closed surface into flat faces. Neighbours are of one flat face if they are of the same
+// face of the surface (`triangle_face`, of each triangle) and the vertices of both lie within
+// `in_plane`, m, of the plane of the largest of its triangles. O(T log T).
 //
-// INVALID_ARGUMENT, "shape", with the place: an edge that is no longer than `in_plane`, that is
+// INVALID_ARGUMENT, "shape", with the place, for an edge that is no longer than `in_plane`, that is
 // open, or that two triangles run along in the same direction.
 absl::StatusOr<std::vector<FlatFace>> FindFlatFaces(const SurfaceMesh& surface,
                                                     const Eigen::VectorXi& triangle_face,

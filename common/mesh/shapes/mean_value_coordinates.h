@@ -1,6 +1,6 @@
-// Mean-value coordinates in closed triangle meshes: points as weighted sums of the vertices of a
-// cage, so that whatever moves the cage deforms what is in it (Ju, Schaefer and Warren 2005; thesis
-// §7.6.2).
+// Computes mean-value coordinates in closed triangle meshes. They make points weighted sums of the
+// vertices of a cage, so that whatever moves the cage deforms what is in it (Ju, Schaefer and
+// Warren 2005; thesis §7.6.2).
 #pragma once
 
 #include <Eigen/Core>
@@ -16,9 +16,10 @@ namespace mortise::mesh {
 //   deformed = moved.vertices · coordinates.
 //
 // The coordinates of a point sum to 1 and reproduce affine maps of the cage up to rounding. They
-// are continuous everywhere, and smooth off the cage's triangles. At a vertex of the cage, that
-// vertex's is 1; on a triangle they are its barycentric ones. They are defined inside and outside
-// of the cage, convex or not, but may be negative where the cage is not convex, and outside of it.
+// are continuous everywhere, and smooth off the cage's triangles. At a vertex of the cage, the
+// coordinate of that vertex is 1; on a triangle they are its barycentric coordinates. They are
+// defined inside and outside of the cage, convex or not, but may be negative where the cage is not
+// convex, and outside of it.
 //
 // Equation: the weight of vertex i is the sum over its triangles T of the mean of the barycentric
 // function b_i over T as seen from the point x,
@@ -32,7 +33,7 @@ namespace mortise::mesh {
 // coordinates.
 //
 // INVALID_ARGUMENT naming "cage" if it is not closed, not oriented outwards, or crosses itself;
-// "points[k]" for the first that is not finite. Time: points × triangles.
+// "points[k]" for the first that is not finite. It takes O(points × triangles).
 absl::StatusOr<Eigen::MatrixXd> MeanValueCoordinates(const SurfaceMesh& cage,
                                                      const Eigen::Matrix3Xd& points);
 

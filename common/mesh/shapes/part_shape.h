@@ -16,7 +16,8 @@ struct PartShape {
   Eigen::Vector3d v = Eigen::Vector3d::UnitY();
   Eigen::Matrix2Xd outline;  // 2 × N, m, counter-clockwise, simple, N ≥ 3
   double height = 0;         // m, > 0
-  // N + 2 names: of the face on each outline edge (corner i to i + 1), of the base, of the cap.
+  // The N + 2 names of the face on each outline edge (corner i to i + 1), of the base and of the
+  // cap.
   std::vector<std::string> face_names;
 };
 

@@ -1,5 +1,5 @@
-// The round faces of a shape that keep their size where its box is stretched between them: bores,
-// pins, rounded edges.
+// Finds the round faces of a shape that keep their size where its box is stretched between them:
+// bores, pins, rounded edges.
 #pragma once
 
 #include <Eigen/Core>
@@ -21,18 +21,18 @@ struct RoundFace {
   bool is_hollow = false;                            // a bore: the solid lies outside
   bool is_whole = false;  // seen along the axis, it goes all the way round
 
-  // By axis and end, lower then upper: whether it has what of the cylinder reaches furthest there,
-  // at middle ± radius. A quarter has two such places, or one.
+  // Whether the face has the place where the cylinder reaches furthest, at middle ± radius, by axis
+  // and end, lower then upper. A quarter of a cylinder has two such places, or one.
   std::array<std::array<bool, 2>, 3> reaches = {};
   double widest_arc = 0;  // rad, of a triangle seen along the axis
   std::vector<int> triangles;
 };
 
-// Those of a shape as it was drawn: its triangles' corners lie in its faces. Where a shape is cut
-// (DividedAt) they need not. A face of the shape that has several round pieces, as that of an
-// uploaded mesh has, counts by piece. What is drawn with fewer than three chords, or with more than
-// 40° between them, is taken for flat. By axis, and then where they lie. O(T log T) for T
-// triangles.
+// Returns the round faces of a shape as it was drawn, the corners of whose triangles lie in its
+// faces; where a shape is cut (DividedAt) they need not. They are in the order of their axis, and
+// then of where they lie. A face of the shape that has several round pieces, as that of an uploaded
+// mesh has, counts by piece. A piece that is drawn with fewer than three chords, or with more than
+// 40° between them, is taken for flat. O(T log T) for T triangles.
 std::vector<RoundFace> RoundFacesOf(const DrawnShape& shape);
 
 }  // namespace mortise::mesh

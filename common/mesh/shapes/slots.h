@@ -1,4 +1,4 @@
-// Slots with straight sides and round ends, as a mill leaves them.
+// Finds slots with straight sides and round ends, as a mill leaves them.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,7 +8,7 @@
 
 namespace mortise::mesh {
 
-// Two halves of bores that face each other, and what lies between them.
+// Two halves of bores that face each other, with the space between them.
 struct Slot {
   int axis = 0;                                      // along which it is milled: 0, 1, 2
   int along = 0;                                     // in which it is longer than wide
@@ -16,8 +16,8 @@ struct Slot {
   Eigen::Vector3d size = Eigen::Vector3d::Zero();    // m as drawn
 };
 
-// Those among the round faces of a shape that lie along its axes. Each half belongs to the nearest
-// that fits. O(F²) for F faces.
+// Returns the slots that the round faces of a shape make and that lie along its axes. Each half
+// belongs to the nearest that fits. O(F²) for F faces.
 std::vector<Slot> SlotsOf(const std::vector<RoundFace>& faces);
 
 }  // namespace mortise::mesh

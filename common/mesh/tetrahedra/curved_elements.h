@@ -1,4 +1,4 @@
-// Quadratic elements that follow curved faces instead of the triangles these were drawn with.
+// Makes quadratic elements follow curved faces instead of the triangles these were drawn with.
 #pragma once
 
 #include "common/mesh/surface_mesh.h"
@@ -16,9 +16,9 @@ namespace mortise::mesh {
 // would turn inside out keep straight sides between corners on the faces or, where that is not
 // enough, stay as they are.
 //
-// `mesh`: as MeshAssembly or RefineMesh make it of `surface`, with straight sides. Linear meshes,
-// and all meshes of a surface without exact places, are returned as they are.
-// O((E + T) log T) for E elements and T triangles.
+// `mesh` is as MeshAssembly or RefineMesh make it of `surface`, with straight sides. Linear meshes,
+// and all meshes of a surface without exact places, are returned as they are. O((E + T) log T) for
+// E elements and T triangles.
 TetrahedralMesh WithCurvedElements(const AssemblySurface& surface, TetrahedralMesh mesh);
 
 }  // namespace mortise::mesh

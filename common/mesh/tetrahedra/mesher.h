@@ -51,7 +51,7 @@ absl::StatusOr<TetrahedralMesh> MeshAssembly(const AssemblySurface& assembly,
 
 // Returns the mesh with every element of more than the volume of a regular tetrahedron of edge
 // sizes[e] (m) divided, and those beside them as good shapes need. Others mostly stay; nothing
-// becomes coarser. Parts, faces and what they enclose stay exactly the same. Of a quadratic mesh
+// becomes coarser. Parts, faces and what they enclose stay exactly the same. In a quadratic mesh
 // the corners count: it must have straight edges. `options.element_size` has no effect. The same
 // input gives the same mesh.
 //
@@ -62,8 +62,8 @@ absl::StatusOr<TetrahedralMesh> RefineMesh(const TetrahedralMesh& mesh,
                                            const Eigen::VectorXd& sizes,
                                            const MeshOptions& options = {});
 
-// Returns how many elements these sizes take at least. RefineMesh makes about twice to three times
-// as many, since sizes are the largest that elements may have.
+// Returns how many elements these sizes take at least. RefineMesh makes about two to three times as
+// many, since sizes are the largest that elements may have.
 double EstimateRefinement(const TetrahedralMesh& mesh, const Eigen::VectorXd& sizes);
 
 // Returns the outside of a volume mesh as triangles between corners (3 × T node indices), outward;

@@ -5,7 +5,7 @@
 
 #include <string>
 
-// The library is compiled so; without it the header declares functions that exit.
+// The library is compiled with this definition; without it the header declares functions that exit.
 #define TETLIBRARY
 #include <tetgen.h>
 
