@@ -1,4 +1,4 @@
-// Round solids: what prisms (part_shape.h) come near to, as CAD programs want them.
+// Makes round solids, which prisms (part_shape.h) only come near to, as CAD programs want them.
 #pragma once
 
 #include <Eigen/Core>
@@ -20,8 +20,8 @@ struct CylinderShape {
   double height = 0;    // m, > 0
 };
 
-// Returns the solid, with the faces "side", "base" and "cap". INVALID_ARGUMENT naming the field for
-// a degenerate or non-finite shape.
+// Makes the solid, with the faces "side", "base" and "cap". INVALID_ARGUMENT naming the field for a
+// degenerate or non-finite shape.
 absl::StatusOr<Solid> MakeCylinder(const CylinderShape& shape);
 
 }  // namespace mortise::cad

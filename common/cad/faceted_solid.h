@@ -1,4 +1,4 @@
-// A solid of planar faces from a closed surface of triangles.
+// Makes a solid of planar faces from a closed surface of triangles.
 #pragma once
 
 #include <string>
@@ -13,11 +13,11 @@ namespace mortise::cad {
 // Returns the solid within a closed, outward surface without self-intersections, which may have
 // hollows. Neighbouring triangles of one face that lie in one plane, up to a tenth of a micrometre,
 // become one face of the solid, which is called as their face is: several of the solid's faces may
-// have one name. triangle_face: index into `face_names`, of each triangle.
+// have one name. `triangle_face` is the index into `face_names` of each triangle.
 //
-// INVALID_ARGUMENT, "shape": the surface is open, bounds several solids, an edge is too short for
-// the kernel, with its place, or the kernel cannot make a face. Whether it crosses itself is not
-// looked at; IsSound does.
+// INVALID_ARGUMENT, "shape", if the surface is open or bounds several solids, if an edge is too
+// short for the kernel, with its place, or if the kernel cannot make a face. Whether the surface
+// crosses itself is not looked at here, but by IsSound.
 absl::StatusOr<Solid> FacetedSolid(const mesh::SurfaceMesh& surface,
                                    const Eigen::VectorXi& triangle_face,
                                    const std::vector<std::string>& face_names,

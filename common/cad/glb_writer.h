@@ -1,4 +1,4 @@
-// Assemblies as binary glTF 2.0, the format web viewers open: one named node a part.
+// Writes assemblies as binary glTF 2.0, the format web viewers open: one named node a part.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,4 +1,4 @@
-// The smallest box that holds a solid. Private to this folder: it brings Open CASCADE.
+// Finds the smallest box that holds a solid. Private to this folder: it brings Open CASCADE.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,10 +11,11 @@ struct SolidBox {
   Eigen::Vector3d minimum, maximum;
 };
 
-// Exact up to the tolerance of the solid's edges, and to 1e-9 of its size elsewhere: what a solid
-// reaches farthest with is a vertex, a place where an edge runs across the direction or one where a
-// face looks along it; all of these are found, of lines, conics, planes, cylinders, cones, balls
-// and tori in closed form. Faces of splines take about a millisecond each.
+// Returns the box of a solid turned by `rotation`. It is exact up to the tolerance of the solid's
+// edges, and to 1e-9 of its size elsewhere: a solid reaches farthest at a vertex, at a place where
+// an edge runs across the direction, or at one where a face looks along it. All of these are found,
+// in closed form for lines, conics, planes, cylinders, cones, balls and tori. Faces of splines take
+// about a millisecond each.
 SolidBox BoxOf(const TopoDS_Shape& solid, const Eigen::Matrix3d& rotation);
 
 }  // namespace mortise::cad

@@ -19,7 +19,7 @@ struct Solid::Kernel {
   std::vector<TopoDS_Face> faces;       // in the order of mesh::PartShape::face_names
   std::vector<std::string> face_names;  // of each face
 
-  // Of a solid that was stretched unevenly, the one that it was (StretchSolid).
+  // The solid before it was stretched unevenly (StretchSolid), if it was.
   struct Drawn {
     TopoDS_Shape shape;
     StretchMap map;
@@ -28,8 +28,9 @@ struct Solid::Kernel {
   std::optional<Drawn> stretched_from;
 };
 
-// m³, to eight digits for whatever surfaces: what the kernel takes by default misses up to a
-// hundredth of solids bounded by splines. Negative if the solid is inside out.
+// Returns the volume, m³, to eight digits for whatever surfaces: the integral that the kernel takes
+// by default misses up to a hundredth of solids bounded by splines. It is negative if the solid is
+// inside out.
 double AccurateVolume(const TopoDS_Shape& solid);
 
 // The status of a failure inside Open CASCADE: INTERNAL, saying which operation failed and why.

@@ -1,4 +1,4 @@
-// Triangles of a solid, face by face.
+// Draws a solid with triangles, face by face.
 #pragma once
 
 #include "absl/status/statusor.h"
@@ -9,8 +9,8 @@ namespace mortise::cad {
 
 struct SurfaceOptions {
   double deflection = 5e-4;  // m, > 0; largest distance of a triangle from a curved face
-  // >= 0, of the diagonal of the solid's box: the larger of the two distances holds, so that large
-  // solids do not take millions of triangles.
+  // The same as a share of the diagonal of the solid's box, >= 0. The larger of the two distances
+  // holds, so that large solids do not take millions of triangles.
   double relative_deflection = 2e-4;
   double angle = 0.35;  // rad, > 0; largest turn of the normal along a triangle's edge
 };
@@ -24,7 +24,7 @@ struct SurfaceOptions {
 absl::StatusOr<mesh::AssemblySurface> SurfaceOf(const Solid& solid,
                                                 const SurfaceOptions& options = {});
 
-// m².
+// // Returns the area of the solid's faces, m².
 double SurfaceArea(const Solid& solid);
 
 }  // namespace mortise::cad

@@ -1,5 +1,5 @@
-// Where points of a drawn solid go when it is stretched along the axes, in proportion or in pieces
-// between levels (mesh/box_stretch.h). Private to this folder.
+// Says where points of a drawn solid go when it is stretched along the axes, in proportion or in
+// pieces between levels (mesh/shapes/box_stretch.h). Private to this folder.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,7 +10,7 @@
 
 namespace mortise::cad {
 
-// p becomes factors ∘ p + offsets.
+// // A map by which p becomes factors ∘ p + offsets.
 struct AffineStretch {
   Eigen::Vector3d factors = Eigen::Vector3d::Ones();
   Eigen::Vector3d offsets = Eigen::Vector3d::Zero();  // m
@@ -18,11 +18,11 @@ struct AffineStretch {
 
 class StretchMap {
  public:
-  // p becomes factors ∘ p; factors > 0.
+  // // Makes a map by which p becomes factors ∘ p; factors > 0.
   explicit StretchMap(const Eigen::Vector3d& factors) : whole_{factors, Eigen::Vector3d::Zero()} {}
 
-  // From a box of this size, m, to that of `stretch`, both with their lower corner at the origin.
-  // Levels at which the slope does not change are left out.
+  // Makes the map from a box of this size, m, to that of `stretch`, both with their lower corner at
+  // the origin. Levels at which the slope does not change are left out.
   StretchMap(const Eigen::Vector3d& drawn_size, const mesh::BoxStretch& stretch);
 
   bool IsInProportion() const;
@@ -30,12 +30,12 @@ class StretchMap {
   const Eigen::Vector3d& factors() const { return whole_.factors; }
   double MostFactor() const;
 
-  // m, along an axis. Beyond the ends as at them.
+  // Returns where a place along an axis goes, m. Beyond the ends the map goes on as at them.
   double At(int axis, double drawn) const;
 
-  // Returns what the map is for something that reaches from one corner to another, m: along an axis
-  // where it lies in one piece, by a millionth of the box not minded, that piece's; else the one
-  // that takes its ends to the right places.
+  // Returns the map of something that reaches from one corner to another, m. Along an axis where it
+  // lies in one piece, to a millionth of the box, it is that piece's; else the one that takes its
+  // ends to the right places.
   AffineStretch Of(const Eigen::Vector3d& low, const Eigen::Vector3d& high) const;
 
   // Whether something reaches across several pieces of an axis.

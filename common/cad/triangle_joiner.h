@@ -25,11 +25,11 @@ namespace mortise::cad {
 class TriangleJoiner {
  public:
   // Appends the triangles of a face that has been triangulated, counter-clockwise seen from where
-  // the face points. Gives the point of each node of its triangulation, from 1. INTERNAL if the
+  // the face points. Returns the point of each node of its triangulation, from 1. INTERNAL if the
   // kernel made none, or divided an edge otherwise than for the faces before.
   absl::StatusOr<std::vector<int>> Append(const TopoDS_Face& face, int index);
 
-  // Moves points, triangles and the index of each triangle's face there.
+  // Moves points, triangles and the index of each triangle's face into `surface`.
   void MoveTo(mesh::AssemblySurface& surface) const;
 
  private:

@@ -1,5 +1,5 @@
-// An assembly as STEP has it: products placed in a tree of sub-assemblies. What step_reader.h reads
-// and step_writer.h writes.
+// An assembly as STEP has it: products placed in a tree of sub-assemblies. step_reader.h reads it
+// and step_writer.h writes it.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -15,11 +15,11 @@ namespace mortise::cad {
 // A shape that is drawn once and placed as often as there are parts of it.
 struct StepProduct {
   std::string name;
-  // In the product's own frame, m. Absent in what was read by another process.
+  // The shape in the product's own frame, m. It is absent if another process read the file.
   std::optional<Solid> solid;
   std::optional<Eigen::Vector3d> color;  // linear red, green, blue in 0 … 1
-  // How it differs from what the file has under this name, of whose occurrences some may be scaled
-  // or mirrored: each such is a product of its own.
+  // How the product differs from the one that the file has under this name. Of its occurrences some
+  // may be scaled or mirrored; each such is a product of its own.
   double scale = 1;
   bool is_mirrored = false;
 };
@@ -38,20 +38,21 @@ struct StepPart {
   int product = 0;                                              // index into StepAssembly::products
   Eigen::Isometry3d placement = Eigen::Isometry3d::Identity();  // in the group's frame, m
   std::optional<Eigen::Vector3d> color;                         // of this part; else its product's
-  // Measured when read.
+  // What follows is measured when the file is read.
   std::string drawn_name;  // as in the file, where several parts may have it
   double volume = 0;       // m³
   int faces = 0;
-  // m, the smallest box along the axes of the assembly's frame that holds the part.
+  // The corners of the smallest box along the axes of the assembly's frame that holds the part, m.
   Eigen::Vector3d minimum = Eigen::Vector3d::Zero();
   Eigen::Vector3d maximum = Eigen::Vector3d::Zero();
   bool is_box = false;  // whether it fills that box
-  // Its shape in that box, index into StepAssembly::shapes; -1 for boxes, and if there is a fault.
+  // The index into StepAssembly::shapes of its shape in that box; -1 for boxes, and if there is a
+  // fault.
   int shape = -1;
   std::vector<std::string> faults;  // why it has no shape
 };
 
-// What stands where a part could, but is no solid.
+// A thing that stands where a part could, but is no solid.
 struct StepLeaf {
   std::string name;  // distinct among parts and leaves
   std::string drawn_name;
@@ -75,7 +76,7 @@ struct StepAssembly {
 // Returns the names of the groups above a part or leaf, and its own: "frame/left/post 1".
 std::string PathOf(const StepAssembly& assembly, int group, const std::string& name);
 
-// From a group's frame to the assembly's.
+// Returns the motion from a group's frame to the assembly's.
 Eigen::Isometry3d PlacementOf(const StepAssembly& assembly, int group);
 
 // Returns one name for each of `names`, all of them distinct, in one line and of at most 63 bytes.

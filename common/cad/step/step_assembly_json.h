@@ -1,5 +1,5 @@
-// What was read of a STEP file as JSON text, for the way from one process to another: all but the
-// products' solids.
+// Writes as JSON text what was read of a STEP file, all but the products' solids, for the way from
+// one process to another.
 #pragma once
 
 #include <string>
@@ -12,7 +12,7 @@ namespace mortise::cad {
 
 std::string ToJson(const StepAssembly& assembly);
 
-// INTERNAL if `text` is not what ToJson gives.
+// // Reads what ToJson wrote. INTERNAL if `text` is not such.
 absl::StatusOr<StepAssembly> StepAssemblyFromJson(std::string_view text);
 
 }  // namespace mortise::cad

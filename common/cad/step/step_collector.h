@@ -13,9 +13,9 @@
 namespace mortise::cad {
 
 // Adds groups, products, parts, shapes, leaves and notes of the document's tree to `assembly`, all
-// but distinct names (NameAll). What stands mirrored becomes a product of its own, unless it is its
-// own mirror image. Gives the shapes of the leaves, and what these are compounds of, unplaced.
-// INVALID_ARGUMENT, RESOURCE_EXHAUSTED, "step".
+// but distinct names (NameAll). A product that stands mirrored becomes a product of its own, unless
+// it is its own mirror image. Returns the shapes of the leaves, and what these are compounds of,
+// unplaced. Fails with INVALID_ARGUMENT or RESOURCE_EXHAUSTED, "step".
 absl::StatusOr<TopTools_MapOfShape> CollectParts(const Handle(TDocStd_Document) & document,
                                                  const StepOperators& operators,
                                                  const StepPlaces& places, StepAssembly& assembly);

@@ -1,4 +1,5 @@
-// What writing and reading STEP have in common. Private to this folder: it brings Open CASCADE.
+// Holds what writing and reading STEP have in common. Private to this folder: it brings Open
+// CASCADE.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -10,17 +11,18 @@
 
 namespace mortise::cad {
 
-// The kernel's STEP translator keeps its settings in process-wide variables: one user at a time.
+// Returns the lock of the kernel's STEP translator, which keeps its settings in process-wide
+// variables and so takes one user at a time.
 std::mutex& StepTranslatorMutex();
 
-// An empty document for assemblies with names and colours.
+// Makes an empty document for assemblies with names and colours.
 Handle(TDocStd_Document) NewStepDocument();
 
 // Returns the name of a label; empty if it has none.
 std::string NameOf(const TDF_Label& label);
 void SetName(const TDF_Label& label, const std::string& name);
 
-// Rigid motions, theirs and ours, in the same unit of length.
+// Convert between the kernel's rigid motions and ours, in the same unit of length.
 TopLoc_Location ToLocation(const Eigen::Isometry3d& placement);
 Eigen::Isometry3d FromLocation(const TopLoc_Location& location);
 

@@ -14,7 +14,8 @@
 
 namespace mortise::cad {
 
-// The argument that makes a program a child: its main() returns RunStepChild() if it is the first.
+// The argument that makes a program a child: its main() returns RunStepChild() if this is the first
+// argument.
 inline constexpr char kStepChildArgument[] = "--read-step-for-parent";
 
 // Reads a STEP file from standard input and writes what ReadStep makes of it to standard output.
@@ -25,10 +26,10 @@ struct StepChildOptions {
   std::chrono::seconds time_limit{120};
 };
 
-// As ReadStep, without the solids. INVALID_ARGUMENT, "step", too for a file over which the kernel
-// crashes or that takes it longer than the limit, or more than 6 s of processor time and 20 s for
-// each MiB of the file, with the entities at fault if any are known;
-// INTERNAL if the child cannot be started. Any number may run at once.
+// Reads as ReadStep does, but without the solids. INVALID_ARGUMENT, "step", also for a file over
+// which the kernel crashes or that takes it longer than the limit, or more than 6 s of processor
+// time and 20 s for each MiB of the file, with the entities at fault if any are known; INTERNAL if
+// the child cannot be started. Any number of children may run at once.
 absl::StatusOr<StepAssembly> ReadStepInChild(std::string_view bytes,
                                              const StepChildOptions& options = {});
 

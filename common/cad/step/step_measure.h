@@ -11,8 +11,8 @@
 
 namespace mortise::cad {
 
-// Boxes and volumes of one product's solid wherever it stands; what two placements have in common
-// is computed once.
+// Measures boxes and volumes of one product's solid wherever it stands. What two placements have in
+// common is computed once.
 class SolidMeasurer {
  public:
   // `solid` is in the product's frame.
@@ -22,7 +22,7 @@ class SolidMeasurer {
   void Measure(const Eigen::Isometry3d& placement, StepPart& part);
 
  private:
-  // Of the solid turned so, where it stands otherwise.
+  // Returns the box of the solid turned so, before it is moved to its place.
   const SolidBox& TurnedBox(const Eigen::Matrix3d& rotation);
 
   TopoDS_Shape solid_;

@@ -1,4 +1,4 @@
-// Names of what was read from a STEP file, and notes that need them.
+// Names what was read from a STEP file, and adds the notes that need names.
 #pragma once
 
 #include "common/cad/step/step_assembly.h"

@@ -1,5 +1,5 @@
-// Operators in STEP files that mirror or scale what they place. Private to this folder: it brings
-// Open CASCADE.
+// Takes account of operators in STEP files that mirror or scale what they place. Private to this
+// folder: it brings Open CASCADE.
 //
 // The kernel's locations are rigid: it drops the scale of a CARTESIAN_TRANSFORMATION_OPERATOR_3D,
 // and turns what one mirrors. So operators are made rigid before the shapes are, and what they mean
@@ -22,16 +22,17 @@ namespace mortise::cad {
 class StepOperators {
  public:
   // Changes the operators of mapped items and of assemblies in the reader's model.
-  // INVALID_ARGUMENT, "step": operators whose axes span no frame or whose scale is not positive.
+  // INVALID_ARGUMENT, "step", for operators whose axes span no frame or whose scale is not
+  // positive.
   static absl::StatusOr<StepOperators> TakeFrom(STEPCAFControl_Reader& reader);
 
-  // Once shapes are made: finds the locations that came of the operators.
+  // Finds the locations that came of the operators, once shapes are made.
   void FindLocations(STEPCAFControl_Reader& reader);
 
-  // Whether the location mirrors or scales.
+  // Whether the location neither mirrors nor scales.
   bool IsRigid(const TopLoc_Location& location) const;
 
-  // From the frame of what stands there, m; a similarity.
+  // Returns the placement from the frame of what stands there, m: a similarity.
   Eigen::Affine3d PlacementOf(const TopLoc_Location& location) const;
 
  private:

@@ -1,5 +1,5 @@
-// What stands in an assembly of a STEP file by the file's own words. Private to this folder: it
-// brings Open CASCADE.
+// Finds what stands in an assembly of a STEP file by the file's own words. Private to this folder:
+// it brings Open CASCADE.
 #pragma once
 
 #include <STEPCAFControl_Reader.hxx>
@@ -11,17 +11,18 @@
 namespace mortise::cad {
 
 // The kernel makes an assembly, too, of a product with several representations, as one for its body
-// and one for the curves of its construction. What stands in an assembly of the file is a product,
-// or a representation that a mapped item takes up.
+// and one for the curves of its construction. In an assembly of the file stand only products, and
+// representations that a mapped item takes up.
 class StepPlaces {
  public:
-  // Once shapes are made.
+  // // Reads the file's placements, once shapes are made.
   explicit StepPlaces(STEPCAFControl_Reader& reader);
 
   // Whether `component` is a product or a mapped representation, wherever it stands.
   bool IsPlaced(const TopoDS_Shape& component) const;
 
-  // The name of the mapped item that placed it, and of the representation; empty if none did.
+  // The names of the mapped item that placed a component, and of the representation; empty if none
+  // did.
   struct Names {
     std::string item, representation;
   };

@@ -1,4 +1,5 @@
-// Solids as readers of STEP files will have them. Private to this folder: it brings Open CASCADE.
+// Finds solids that readers of STEP files will have as they are. Private to this folder: it brings
+// Open CASCADE.
 #pragma once
 
 #include <functional>
@@ -10,14 +11,14 @@
 
 namespace mortise::cad {
 
-// The bytes of a STEP file with one solid.
+// Writes the bytes of a STEP file with one solid.
 using SolidWriter = std::function<absl::StatusOr<std::string>(const Solid&)>;
 
-// For solids with faces that close on themselves: of a loop in one, which has neither a seam nor
-// poles in a file, readers may take the wrong side. The solid itself, if what `write` makes of it
-// is the same valid solid when it is read again; else one with its closed faces cut open of which
-// that holds, up to 1e-6 of the volume. Nothing if there is none. Errors of `write`. Takes two
-// hundredths of a second, each time that it is written.
+// Returns a solid that is the same valid solid when what `write` makes of it is read again: the
+// solid itself, or else one with its closed faces cut open, whose volume agrees to 1e-6. Returns
+// nothing if there is none. It is meant for solids with faces that close on themselves: in a file
+// these have neither a seam nor poles, so that readers may take the wrong side of a loop in one.
+// Fails as `write` does. It takes two hundredths of a second each time that the solid is written.
 absl::StatusOr<std::optional<Solid>> ReadableSolid(const Solid& solid, const SolidWriter& write);
 
 }  // namespace mortise::cad

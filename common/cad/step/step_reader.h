@@ -13,19 +13,21 @@ namespace mortise::cad {
 
 inline constexpr std::size_t kMaxStepBytes = std::size_t{64} << 20;
 
-// Called with what is wrong with entities of the file, "#12: …", before their shapes are made.
+// A function that is called with what is wrong with entities of the file, "#12: …", before their
+// shapes are made.
 using StepFaultsSeen = std::function<void(const std::vector<std::string>&)>;
 
-// Returns the assembly in `bytes`, in metres whatever the file's unit. Every solid is a part, also
+// Reads the assembly in `bytes`, in metres whatever the file's unit. Every solid is a part, also
 // where a product has several; several roots stand in one. Names that the file has more than once
 // are counted (DistinctNames); a part is called as its occurrence is, or else as its product.
 //
-// INVALID_ARGUMENT, "step": not STEP, cut off, entities that are referred to and not there
-// (step_references.h), nothing solid in it, parts in other files,
-// products that contain themselves, with the entities at fault where the file has such.
-// RESOURCE_EXHAUSTED: more than kMaxStepBytes, or more than 2,000 parts.
+// INVALID_ARGUMENT, "step", for bytes that are not STEP or cut off, for entities that are referred
+// to and not there (step_references.h), if there is nothing solid in the file, and for parts in
+// other files and products that contain themselves, with the entities at fault if there are any.
+// RESOURCE_EXHAUSTED for more than kMaxStepBytes, or more than 2,000 parts.
 //
-// The kernel may crash over a damaged file, and the process with it; step_isolation.h does not.
+// The kernel may crash over a damaged file, and the process with it. A process that reads by
+// step_isolation.h outlives that.
 absl::StatusOr<StepAssembly> ReadStep(std::string_view bytes, const StepFaultsSeen& seen = {});
 
 }  // namespace mortise::cad

@@ -1,5 +1,5 @@
-// Faults in the statements of a STEP file (ISO 10303-21) that are found in the text alone. The
-// kernel hangs over some of them, and reads others as another shape.
+// Finds faults in the statements of a STEP file (ISO 10303-21) by the text alone. The kernel hangs
+// over some of them, and reads others as another shape.
 #pragma once
 
 #include <cstddef>

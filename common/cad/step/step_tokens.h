@@ -1,4 +1,4 @@
-// The text of a STEP file (ISO 10303-21) as tokens, each with its place.
+// Splits the text of a STEP file (ISO 10303-21) into tokens, each with its place.
 #pragma once
 
 #include <cstddef>
@@ -7,7 +7,7 @@
 
 namespace mortise::cad {
 
-// One piece of the text. Blanks and comments are none.
+// One piece of the text. Blanks and comments are no tokens.
 struct StepToken {
   enum class Kind {
     kEnd,        // of the text
@@ -34,10 +34,10 @@ class StepTokens {
   StepToken Next();
 
  private:
-  // Past blanks and comments.
+  // Goes past blanks and comments.
   void SkipBlanks();
   StepToken Take(StepToken::Kind kind, std::size_t end);
-  // Behind the text in quotes that begins here, in which two quotes are one.
+  // Returns the place behind the text in quotes that begins here, in which two quotes are one.
   std::size_t EndOfText() const;
 
   const std::string_view text_;
@@ -48,7 +48,7 @@ class StepTokens {
 // in it.
 std::uint64_t NumberOf(const StepToken& reference);
 
-// 1 for the first line.
+// // Returns the line of a place in the text; 1 for the first.
 std::size_t LineOf(std::string_view text, std::size_t at);
 
 }  // namespace mortise::cad

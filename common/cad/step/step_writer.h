@@ -1,4 +1,4 @@
-// Assemblies as STEP files (ISO 10303-242): named products under named sub-assemblies.
+// Writes assemblies as STEP files (ISO 10303-242): named products under named sub-assemblies.
 #pragma once
 
 #include <string>

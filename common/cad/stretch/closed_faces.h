@@ -1,5 +1,5 @@
-// Faces that close on themselves, as those of balls, rings and some splines do, and how to cut them
-// open. Private to this folder: it brings Open CASCADE.
+// Cuts open faces that close on themselves, as those of balls, rings and some splines do. Private
+// to this folder: it brings Open CASCADE.
 #pragma once
 
 #include <TopoDS_Shape.hxx>

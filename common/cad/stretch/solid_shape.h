@@ -1,4 +1,4 @@
-// Solids of the CAD kernel as shapes that stretch with their box, and back.
+// Makes shapes that stretch with their box of solids of the CAD kernel, and solids of shapes.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,9 +11,9 @@
 namespace mortise::cad {
 
 // Returns the shape of `solid` turned by `rotation`: triangles and exact surfaces. `minimum` and
-// `maximum`: the corners, m, of the box of the solid so turned.
+// `maximum` are the corners, m, of the box of the solid so turned.
 //
-// INVALID_ARGUMENT, "shape": the kernel cannot triangulate or stretch it, or as
+// INVALID_ARGUMENT, "shape", if the kernel cannot triangulate or stretch it, and as
 // mesh::MakeDrawnShape.
 absl::StatusOr<mesh::DrawnShape> ShapeOfSolid(const Solid& solid, const Eigen::Matrix3d& rotation,
                                               const Eigen::Vector3d& minimum,
@@ -25,11 +25,11 @@ absl::StatusOr<mesh::DrawnShape> ShapeOfSolid(const Solid& solid, const Eigen::M
 // of triangles only has a plane for each. Levels divide the shape (mesh::ShapeLevel), and its
 // triangles are divided there (mesh::DividedAt).
 //
-// INVALID_ARGUMENT, "shape", if it cannot be made so, naming the faces at fault.
+// INVALID_ARGUMENT, "shape", if no such solid can be made, naming the faces at fault.
 absl::StatusOr<Solid> SolidOfShape(const mesh::DrawnShape& shape, const mesh::BoxStretch& stretch,
                                    const std::string& name);
 
-// Returns the solid elsewhere, by `translation`, m.
+// Returns the solid moved by `translation`, m.
 Solid MovedSolid(const Solid& solid, const Eigen::Vector3d& translation);
 
 }  // namespace mortise::cad

@@ -17,10 +17,10 @@ struct StretchedCurve {
   double shift = 0;
 };
 
-// factors ∘ p.
+// // Returns factors ∘ p.
 gp_XYZ Stretched(const gp_XYZ& p, const Eigen::Vector3d& factors);
 
-// Without the limits that are set to a curve, in space or in parameters, or to a surface.
+// Return a curve, in space or in parameters, or a surface without the limits that are set to it.
 template <class Curve, class Trimmed>
 Handle(Curve) Untrimmed(Handle(Curve) curve) {
   for (;;) {
@@ -31,8 +31,8 @@ Handle(Curve) Untrimmed(Handle(Curve) curve) {
 }
 Handle(Geom_Surface) Untrimmed(Handle(Geom_Surface) surface);
 
-// Exact: lines, circles, ellipses, parabolas and hyperbolas, wherever they lie, stay lines and
-// conics, and splines stay splines. Nothing for other curves. factors > 0.
+// Stretches a curve exactly: lines, circles, ellipses, parabolas and hyperbolas, wherever they lie,
+// stay lines and conics, and splines stay splines. Returns nothing for other curves. `factors` > 0.
 std::optional<StretchedCurve> StretchCurve(const Handle(Geom_Curve) & drawn,
                                            const Eigen::Vector3d& factors);
 

@@ -9,20 +9,20 @@
 
 namespace mortise::cad {
 
-// Where a parameter of a drawn surface goes on the stretched one.
+// Says where a parameter of a drawn surface goes on the stretched one.
 struct ParameterMap {
   double scale = 1;
   double shift = 0;
-  // Of circles that have become rational splines, the angles, rad, between which they are one arc;
-  // scale and shift do not count then.
+  // The angles, rad, between which circles that have become rational splines are one arc. Scale and
+  // shift do not count if there are any.
   std::vector<double> knots;
 
   bool IsLinear() const { return knots.empty(); }
   double At(double parameter) const;
 };
 
-// A surface whose point at (`u`(u), `v`(v)) is that of the drawn one at (u, v), stretched. Of
-// planes that does not hold.
+// A surface whose point at (`u`(u), `v`(v)) is that of the drawn one at (u, v), stretched. That
+// does not hold for planes.
 struct StretchedSurface {
   Handle(Geom_Surface) surface;
   ParameterMap u, v;
@@ -33,9 +33,13 @@ struct ParameterRange {
   double u_minimum = 0, u_maximum = 0, v_minimum = 0, v_maximum = 0;
 };
 
-// Exact: planes stay planes, cylinders and cones and what is turned about a coordinate axis across
-// which the factors agree stay such, other cylinders become elliptic ones, and what is turned
-// otherwise, as balls are, rational splines over `range`. Nothing for other surfaces. factors > 0.
+// Stretches a surface exactly; `factors` > 0. Returns nothing for surfaces that are not listed
+// here:
+// - Planes stay planes.
+// - Cylinders, cones and surfaces of revolution stay such if they are about a coordinate axis
+//   across which the factors agree.
+// - Other cylinders become elliptic ones.
+// - Other surfaces of revolution, as balls are, become rational splines over `range`.
 std::optional<StretchedSurface> StretchSurface(const Handle(Geom_Surface) & drawn,
                                                const Eigen::Vector3d& factors,
                                                const ParameterRange& range);

@@ -1,5 +1,5 @@
-// Where the middles of a surface's triangle sides are on the faces they were drawn for. Private to
-// this folder: it brings Open CASCADE.
+// Finds where the middles of a surface's triangle sides are on the faces they were drawn for.
+// Private to this folder: it brings Open CASCADE.
 #pragma once
 
 #include <BRepAdaptor_Surface.hxx>
@@ -20,12 +20,12 @@ namespace mortise::cad {
 // on both, but not always on the edge between them.
 class ExactMiddles {
  public:
-  // Notes the triangles of a face. points: of each node of its triangulation, from 1, the index of
-  // the surface's vertex.
+  // Notes the triangles of a face. `points` has the index of the surface's vertex for each node of
+  // its triangulation, from 1.
   void Add(const TopoDS_Face& face, const std::vector<int>& points);
 
   // Returns the places of a surface whose faces were added in order and whose vertices are on them;
-  // of one without curved faces nothing. The middle of a side for which no point is found is
+  // nothing for a surface without curved faces. The middle of a side for which no point is found is
   // halfway between its ends.
   std::optional<mesh::ExactPlaces> Find(const mesh::AssemblySurface& surface) const;
 
@@ -38,7 +38,8 @@ class ExactMiddles {
   std::map<Side, Eigen::Vector3d> MiddlesOffHalfway(const mesh::AssemblySurface& surface) const;
 
   std::vector<BRepAdaptor_Surface> surfaces_;  // of each face
-  // Of each side: for the faces that have it, where its middle is about.
+  // For each side, and each face that has it, the parameters of the face about where the side's
+  // middle is.
   std::map<Side, std::map<int, gp_XY>> places_;
 };
 

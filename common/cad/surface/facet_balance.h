@@ -21,8 +21,8 @@ namespace mortise::cad {
 // one, points stay where they are.
 class FacetBalance {
  public:
-  // Notes what the triangles of a curved face, oriented as given, miss. points: of each node of its
-  // triangulation, from 1, the index of the surface's vertex. Planes are passed over.
+  // Notes what the triangles of a curved face, oriented as given, miss. `points` has the index of
+  // the surface's vertex for each node of its triangulation, from 1. Planes are passed over.
   void Add(const TopoDS_Face& face, const std::vector<int>& points);
 
   // Moves the vertices of `surface`, whose faces were added in order; those of triangles that would
@@ -30,7 +30,7 @@ class FacetBalance {
   void Apply(mesh::AssemblySurface& surface) const;
 
  private:
-  // What one face does at a point, weighted by the area of the triangles there.
+  // The share of one face at a point, weighted by the area of the triangles there.
   struct Share {
     Eigen::Vector3d normal = Eigen::Vector3d::Zero();
     double miss = 0;  // m³, of the face above its triangles

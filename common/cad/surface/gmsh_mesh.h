@@ -1,5 +1,5 @@
-// What Gmsh, a program of its own (Debian's package gmsh), makes of faces: triangles as it numbers
-// and writes them. Private to this folder: it brings Open CASCADE.
+// Has Gmsh, a program of its own (Debian's package gmsh), triangulate faces, and reads the
+// triangles as it numbers and writes them. Private to this folder: it brings Open CASCADE.
 #pragma once
 
 #include <Eigen/Core>
@@ -20,14 +20,14 @@ struct GmshPoint {
 
 struct GmshMesh {
   std::vector<GmshPoint> points;
-  // Of each face, corners by index of points; whichever way round.
+  // The triangles of each face: corners by index of points, whichever way round.
   std::vector<std::vector<Eigen::Vector3i>> triangles;
 };
 
+// Runs Gmsh. `lengths` are those of TriangulateWithGmsh, m.
+//
 // Errors: FAILED_PRECONDITION, NO_GMSH, naming the package, where it is not on PATH; INTERNAL where
 // Gmsh fails, takes longer than `limit`, or writes what cannot be read.
-//
-// Lengths, m, as TriangulateWithGmsh's.
 absl::StatusOr<GmshMesh> MeshWithGmsh(const std::vector<TopoDS_Face>& faces,
                                       const std::vector<double>& lengths,
                                       std::chrono::milliseconds limit = std::chrono::minutes(1));

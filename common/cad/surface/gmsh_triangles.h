@@ -1,6 +1,6 @@
-// Triangles of faces, all about as wide as they are high (through Gmsh). The kernel's follow what
-// is round with needles, over which a mesher of volumes fails or makes many times the elements.
-// Private to this folder: it brings Open CASCADE.
+// Triangulates faces by triangles about as wide as they are high (through Gmsh). The kernel's
+// triangles follow round faces with needles, over which a mesher of volumes fails or makes many
+// times the elements. Private to this folder: it brings Open CASCADE.
 #pragma once
 
 #include <TopoDS_Face.hxx>
@@ -15,15 +15,15 @@ struct GmshTriangles {
   Eigen::Matrix3Xd vertices;      // 3 × V, m; those on edges that faces share are shared
   Eigen::Matrix3Xi triangles;     // 3 × T, counter-clockwise seen from where their face points
   Eigen::VectorXi triangle_face;  // T
-  // Of each face and each node of the triangulation that it has now, from 1, the vertex.
+  // The vertex of each face and each node of the triangulation that it has now, from 1.
   std::vector<std::vector<int>> nodes;
 };
 
 // Triangulates faces that share edges, with edges of about lengths[i], m, on faces[i], shorter
-// where a face runs along a smaller one. The triangulation of each becomes the new one, of a face
-// that is no plane with places (u, v). The same faces give the same triangles.
+// where a face runs along a smaller one. The triangulation of each face becomes the new one, with
+// places (u, v) if the face is no plane. The same faces give the same triangles.
 //
-// Errors as MeshWithGmsh's (gmsh_mesh.h); INTERNAL where its triangles do not lie on the faces.
+// Fails as MeshWithGmsh does (gmsh_mesh.h); INTERNAL where its triangles do not lie on the faces.
 absl::StatusOr<GmshTriangles> TriangulateWithGmsh(const std::vector<TopoDS_Face>& faces,
                                                   const std::vector<double>& lengths);
 

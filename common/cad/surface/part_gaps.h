@@ -13,14 +13,14 @@ struct FaceGap {
   int first = 0;  // index into SolidFusion::faces()
   int second = 0;
   double width = 0;  // m, where it is narrowest
-  // Whether they face each other across it, as a tenon and its bore do, or their parts meet
-  // nowhere. Faces that are set off sideways do not.
+  // True if the faces face each other across the gap, as a tenon and its bore do, or their parts
+  // meet nowhere. Faces that are set off sideways do not.
   bool is_between = false;
 };
 
 // Returns the gaps no wider than `reach`, or wider by no more than the two faces' triangles may
-// miss together. misses: m, of each face; 0 for planes. Where parts meet, faces that look the same
-// way are passed over: their triangles do not cross.
+// miss together. `misses` are those distances of each face, m; 0 for planes. Where parts meet,
+// faces that look the same way are passed over: their triangles do not cross.
 std::vector<FaceGap> FindGaps(const SolidFusion& fusion, double reach,
                               const std::vector<double>& misses);
 

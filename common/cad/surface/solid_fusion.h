@@ -1,4 +1,5 @@
-// A general fuse of solids and what came of it. Private to this folder: it brings Open CASCADE.
+// Makes a general fuse of solids and tells what came of it. Private to this folder: it brings Open
+// CASCADE.
 #pragma once
 
 #include <BOPAlgo_Builder.hxx>
@@ -43,8 +44,8 @@ struct Overlap {
 
 class SolidFusion {
  public:
-  // Fuses; vertices, edges and faces nearer than `tolerance`, m, become one. The parts must
-  // outlive it. Parts that overlap are told of by overlaps(), and there are no faces then.
+  // Fuses the parts; vertices, edges and faces nearer than `tolerance`, m, become one. The parts
+  // must outlive it. Parts that overlap are told of by overlaps(), and there are no faces then.
   // INVALID_ARGUMENT naming "parts[i]"; INTERNAL if the kernel reports an error.
   static absl::StatusOr<SolidFusion> Create(const std::vector<FusedPart>& parts, double tolerance);
 

@@ -91,7 +91,7 @@ mesh::SurfaceMesh SurfaceIn(const DrawnShape& shape, const BoxStretch& stretch);
 double VolumeIn(const DrawnShape& shape, const BoxStretch& stretch);
 
 // Returns by how much triangles may miss the exact surface in such a box, m. It is no more for bars
-// and tubes that are longer, and no more for bores if the pieces that they lie in are not.
+// and tubes that are longer, and no more for bores if the pieces that they lie in do not grow.
 double DeflectionIn(const DrawnShape& shape, const BoxStretch& stretch);
 
 // Returns the shape turned by whole right angles, forwards or backwards so that nothing is
