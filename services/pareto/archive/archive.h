@@ -1,4 +1,4 @@
-// Every evaluation that has been committed, in order, with the running non-dominated set.
+// Keeps every evaluation that has been committed, in order, with the running non-dominated set.
 #pragma once
 
 #include <Eigen/Core>
@@ -22,7 +22,7 @@ struct ArchiveEntry {
   bool feasible = false;  // evaluated, and all constraints met; by the archive
 };
 
-// Affine map of performance space that makes metrics comparable (§7.6 rescales to [0, 1]^d): the
+// An affine map of performance space that makes metrics comparable (§7.6 rescales to [0, 1]^d): the
 // running ideal point goes to the origin, the nadir point of the non-dominated set to (1, ..., 1).
 struct Scaling {
   Eigen::VectorXd ideal;  // d, raw units
@@ -47,17 +47,19 @@ class Archive {
   // Returns the indices of the feasible entries that no entry dominates, in order of arrival.
   const std::vector<std::size_t>& non_dominated() const { return non_dominated_; }
 
-  // Their metrics, d x n, raw units, a column each in the same order. Valid until the next Add.
+  // Returns the metrics of non_dominated(), d x n, raw units, a column each in the same order. They
+  // are valid until the next Add.
   Eigen::Map<const Eigen::MatrixXd> non_dominated_metrics() const {
     return Eigen::Map<const Eigen::MatrixXd>(front_.data(), ideal_.size(),
                                              static_cast<Eigen::Index>(non_dominated_.size()));
   }
 
-  // Those that were not dominated before the last Add, and are since.
+  // Returns the entries that were not dominated before the last Add, and are since.
   const std::vector<std::size_t>& displaced() const { return displaced_; }
 
-  // From the present ideal (over all feasible entries) and nadir (over the non-dominated ones).
-  // While none is feasible, from a tenth of the range of the evaluated ones, of which it needs one.
+  // Returns the scaling by the present ideal (over all feasible entries) and nadir (over the
+  // non-dominated ones). While none is feasible, it is by a tenth of the range of the evaluated
+  // ones, of which there must be one.
   Scaling CurrentScaling() const;
 
   // Returns the largest size of each constraint seen, m; 1 where all were 0.
@@ -67,12 +69,13 @@ class Archive {
   // 0 if it meets them.
   double Violation(std::size_t entry) const;
 
-  // From the ideal to the worst of all feasible entries, d; 0 where nothing differs.
+  // Returns the range from the ideal to the worst of all feasible entries, d; 0 where nothing
+  // differs.
   Eigen::VectorXd WholeRange() const { return worst_ - ideal_; }
 
   // Returns how far designs may differ in each parameter (D) and still tell of each other, relative
-  // to the others: 1 until UseLengths says otherwise. What Nearest and local models call near is in
-  // these lengths; prior Jacobians come from what is nearest in unit coordinates.
+  // to the others: 1 until UseLengths says otherwise. Nearest and local models measure in these
+  // lengths; prior Jacobians come from what is nearest in unit coordinates.
   const Eigen::VectorXd& lengths() const { return lengths_; }
   void UseLengths(Eigen::VectorXd lengths) { lengths_ = std::move(lengths); }
 

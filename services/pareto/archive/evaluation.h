@@ -1,4 +1,5 @@
-// What Pareto discovery knows about physics: a box of designs, and metrics that somebody evaluates.
+// Says what Pareto discovery knows about physics: a box of designs, and metrics that somebody
+// evaluates.
 //
 // Notation of all files here: D parameters, d metrics (all to be minimised), m constraints (g <=
 // 0), x in R^D a design in SI units, u in [0, 1]^D the same design in unit coordinates of its box,
@@ -18,14 +19,14 @@ namespace mortise::pareto {
 struct DesignSpace {
   Eigen::VectorXd lower;
   Eigen::VectorXd upper;
-  // What a workshop can set: values lower + k step (and the upper bound, if it is one of them). 0
-  // for any value. Empty: any value of every parameter.
+  // The steps of the values that a workshop can set: lower + k step (and the upper bound, if it is
+  // one of them). A step of 0 allows any value; no steps at all allow any value of every parameter.
   Eigen::VectorXd step = {};
 
   Eigen::Index size() const { return lower.size(); }
 
-  // Maps between x and u. FromUnit never leaves the box, gives the nearest
-  // value that can be set, and hits a bound that can be set exactly for u = 0 or 1.
+  // Map between x and u. FromUnit never leaves the box, returns the nearest value that can be set,
+  // and hits a bound that can be set exactly for u = 0 or 1.
   Eigen::VectorXd FromUnit(const Eigen::VectorXd& u) const;
   Eigen::VectorXd ToUnit(const Eigen::VectorXd& x) const;
 
@@ -51,20 +52,23 @@ struct Evaluation {
                              // none offered for that metric.
   Eigen::VectorXd constraints = {};          // m, met where <= 0; empty when failed
   Eigen::MatrixXd constraint_jacobian = {};  // m x D, as `jacobian`
-  // d, standard deviation of each metric over the tolerances (robust_evaluator.h); empty without.
+  // The standard deviation of each metric over the tolerances (robust_evaluator.h), d; empty
+  // without tolerances.
   Eigen::VectorXd deviations = {};
-  // Why it failed: for people, and as the evaluator's constant ("RIGID_MOTION") and code.
+  // The reason why it failed: for people, and as the evaluator's constant ("RIGID_MOTION") and
+  // code.
   std::string message = {};
   std::string reason = {};
   absl::StatusCode code = absl::StatusCode::kUnknown;
 };
 
-// Whether it has metrics and constraints to go by: evaluated, and all of them finite.
+// Whether an evaluation has metrics and constraints to go by: it is evaluated, and all of them are
+// finite.
 bool IsUsable(const Evaluation& evaluation);
 
 // INVALID_ARGUMENT naming "metrics", "deviations", "constraints", "jacobian" or
 // "constraint_jacobian" where an evaluation has another count of them than `metrics` d,
-// `constraints` m and `parameters` D ask for. What failed need have none.
+// `constraints` m and `parameters` D ask for. A failed evaluation need have none.
 absl::Status CheckAnswer(const Evaluation& evaluation, Eigen::Index parameters,
                          Eigen::Index metrics, Eigen::Index constraints);
 
@@ -74,12 +78,13 @@ class Evaluator {
   virtual ~Evaluator() = default;
 
   // Returns one evaluation for each design, in the same order. A non-OK status means that the
-  // evaluator itself is out of reach: discovery stops and keeps what it has found. Called from
-  // several threads at once when RunOptions::lanes > 1.
+  // evaluator itself is out of reach: discovery stops and keeps what it has found. It is called
+  // from several threads at once when RunOptions::lanes > 1.
   virtual absl::StatusOr<std::vector<Evaluation>> Evaluate(
       const std::vector<Eigen::VectorXd>& designs) = 0;
 
-  // Asks calls of Evaluate that are under way to return soon, with a failure. Any thread.
+  // Asks calls of Evaluate that are under way to return soon, with a failure. Any thread may call
+  // this.
   virtual void Interrupt() {}
 };
 

@@ -1,4 +1,4 @@
-// Why designs of a discovery failed, counted.
+// Counts why designs of a discovery failed.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,7 +16,7 @@ struct FailureCount {
   std::string reason;  // the evaluator's constant; the name of the code where it gives none
   absl::StatusCode code = absl::StatusCode::kUnknown;
   std::int64_t count = 0;
-  // Of the first of them.
+  // What follows is of the first of them.
   std::string message;
   Eigen::VectorXd x;         // D
   bool same_message = true;  // whether all said the very same
@@ -26,10 +26,10 @@ struct FailureCount {
 // most 16 kinds are told apart; what comes after them counts with the last kind, "OTHER".
 class FailureTally {
  public:
-  // A failure, or an evaluation whose numbers are not finite ("NOT_FINITE").
+  // Counts a failure, or an evaluation whose numbers are not finite ("NOT_FINITE").
   void Add(const Evaluation& evaluation);
 
-  // In the order in which they first came.
+  // Returns the kinds of failures in the order in which they first came.
   const std::vector<FailureCount>& failures() const { return failures_; }
 
  private:
@@ -37,11 +37,10 @@ class FailureTally {
   std::vector<std::string> keys_;  // of each: reason and message without numbers
 };
 
-// "5 RIGID_MOTION, 2 SINGULAR": counts by reason, the most frequent first.
+// Says the counts by reason, the most frequent first: "5 RIGID_MOTION, 2 SINGULAR".
 std::string CountsByReason(const std::vector<FailureCount>& failures);
 
-// Returns the same with an example of each: "5 RIGID_MOTION, such as 'nothing holds the seat'; 2
-// ...".
+// Says the same with an example of each: "5 RIGID_MOTION, such as 'nothing holds the seat'; 2 ...".
 std::string CountsWithExamples(const std::vector<FailureCount>& failures);
 
 }  // namespace mortise::pareto

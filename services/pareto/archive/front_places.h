@@ -1,5 +1,5 @@
-// The places along a front that have a point: what the cells of the performance buffer leave of all
-// that has been evaluated.
+// Finds the places along a front that have a point: what the cells of the performance buffer leave
+// of all that has been evaluated.
 //
 // A cell is a bundle of rays, and by itself would keep only what is nearest to the ideal. Where the
 // front runs along the rays, as it does towards the best of each metric, whole stretches of it lie
@@ -7,7 +7,8 @@
 // is cut across its rays too, into parts as long as it is wide, and the ends of the front have
 // places of their own.
 //
-// What holds of the trade-offs that come first in their places, for any archive and any scaling:
+// These statements hold for the trade-offs that come first in their places, for any archive and any
+// scaling:
 //   - for each metric, the least and the greatest value are those of all entries of the archive
 //     that are feasible and not dominated, to the last bit;
 //   - so a limit of one metric, at any value between these, keeps something;
@@ -24,8 +25,8 @@
 namespace mortise::pareto {
 
 // Returns the ends of a front: entries that none dominates and that are the best, or the worst, of
-// those in a metric. Ascending, at most 2 d. Of several that are equal in it the lexicographically
-// least.
+// those in a metric. Their indices ascend, and there are at most 2 d. Of several that are equal in
+// the metric it is the lexicographically least.
 std::vector<std::size_t> EndsOfFront(const Archive& archive);
 
 struct FrontPlace {
@@ -35,7 +36,8 @@ struct FrontPlace {
   std::vector<PerformanceBuffer::Candidate> candidates;
 };
 
-// By cell, then by distance from the ideal. No entry is in two places. O(n log n) for n trade-offs.
+// Returns the places by cell, then by distance from the ideal. No entry is in two places. O(n log
+// n) for n trade-offs.
 std::vector<FrontPlace> PlacesOfFront(const Archive& archive, const PerformanceBuffer& buffer);
 
 }  // namespace mortise::pareto

@@ -1,9 +1,9 @@
-// The designs nearest to one, among very many.
+// Finds the designs nearest to one, among very many.
 //
 // In tens of dimensions trees prune little, but the designs of a search are not spread over all of
 // them: they follow the front, of d - 1 dimensions. So they are kept sorted by the parameter in
-// which they differ most, and looked at outwards from where the wanted one would stand, until what
-// is next is further away in that parameter alone than what has been found altogether.
+// which they differ most, and looked at outwards from where the wanted one would stand, until the
+// next is further away in that parameter alone than those found are altogether.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,7 +17,7 @@ namespace mortise::pareto {
 
 class NearestDesigns {
  public:
-  // The designs by number; the sets are of some of them. D x n, valid during a call.
+  // All designs by number, of which a set has some. D x n, valid during a call.
   using Designs = Eigen::Map<const Eigen::MatrixXd>;
 
   // Adds design number `number`, a column of `designs`. O(log n), and now and then O(n D + n log n)

@@ -1,4 +1,4 @@
-// The performance buffer (§7.5.1): a front stored along rays from the origin of performance space.
+// The performance buffer (§7.5.1) stores a front along rays from the origin of performance space.
 //
 // Scale performance so that the ideal point is the origin and the nadir (1, ..., 1). By Proposition
 // 1 a ray from the origin meets the front at most once, at the point nearest to the origin. Write a
@@ -54,13 +54,13 @@ class PerformanceBuffer {
   // Returns the unit vector along the ray through the middle of a cell.
   Eigen::VectorXd DirectionOf(CellId cell) const;
 
-  // n, at present.
+  // // Returns n, at present.
   int cells_per_angle() const { return cells_per_angle_; }
 
-  // d.
+  // // Returns d.
   Eigen::Index metric_count() const { return metric_count_; }
 
-  // n^(d-1).
+  // // Returns n^(d-1).
   CellId CellCount() const;
 
   // Offers an entry; returns whether it became a candidate. `improvement` (optional) is set to how
@@ -78,7 +78,7 @@ class PerformanceBuffer {
   const Scaling& scaling() const { return scaling_; }
   double tolerance() const { return options_.tolerance; }
 
-  // Occupied cells in ascending order, each with its candidates, nearest first.
+  // Returns the occupied cells in ascending order, each with its candidates, nearest first.
   const std::map<CellId, std::vector<Candidate>>& cells() const { return cells_; }
 
  private:

@@ -1,4 +1,4 @@
-// Seeded random numbers that are the same with every compiler and library.
+// Draws seeded random numbers that are the same with every compiler and library.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,16 +14,16 @@ class Random {
 
   std::uint64_t Next();
 
-  // Uniform in [0, 1).
+  // // Draws a number uniformly from [0, 1).
   double Uniform();
 
-  // Uniform in 0 .. count-1; count > 0.
+  // Draws an index uniformly from 0 .. count-1; count > 0.
   std::size_t Index(std::size_t count);
 
-  // Of the standard normal distribution.
+  // Draws a number from the standard normal distribution.
   double Normal();
 
-  // Uniform on the unit sphere of R^size: both signs in every coordinate.
+  // Draws a vector uniformly from the unit sphere of R^size: both signs in every coordinate.
   Eigen::VectorXd UnitVector(Eigen::Index size);
 
  private:

@@ -1,9 +1,9 @@
-// A discovery as it is driven: ask for designs, tell what became of them (Collette and others
+// A discovery is driven by asking for designs and telling what became of them (Collette and others
 // 2010).
 //
-// What Discovery and CombinedDiscovery have in common, so that one loop (discovery_run.h) drives
-// both. Proposals are numbered 0, 1, ...; their results are committed in that order, whenever they
-// arrive, and proposals depend on nothing but the seed and the answers (discovery.h).
+// This is what Discovery and CombinedDiscovery have in common, so that one loop (discovery_run.h)
+// drives both. Proposals are numbered 0, 1, ...; their results are committed in that order,
+// whenever they arrive, and proposals depend on nothing but the seed and the answers (discovery.h).
 #pragma once
 
 #include <Eigen/Core>
@@ -36,13 +36,13 @@ class AskTell {
     std::int64_t expansions = 0;
     std::int64_t pieces = 0;         // affine ones followed so far; the front has fewer
     std::int64_t cells_covered = 0;  // of the buffer
-    // Dominated share of the box from ideal to nadir. While running it is that of up to a
+    // The dominated share of the box from ideal to nadir. While running it is that of up to a
     // sixteenth of the evaluations ago, and for d > 3 from samples, good to about a hundredth; at
-    // the end as QuickHypervolume.
+    // the end it is QuickHypervolume's.
     double hypervolume = 0;
     SurrogateQuality surrogate;  // of its proposals, so far
-    // Of values of choices and whole numbers: how many there are (at most 2^56), how many of those
-    // were tried, and of those how many given up by now.
+    // Combinations of values of choices and whole numbers: how many there are (at most 2^56), how
+    // many of those were tried, and how many of the tried ones are given up by now.
     std::int64_t combinations = 1;
     std::int64_t combinations_tried = 1;
     std::int64_t combinations_pruned = 0;
@@ -58,7 +58,7 @@ class AskTell {
   // Returns the next design to evaluate; nullopt while results are needed first, or once finished.
   virtual std::optional<Proposal> Ask() = 0;
 
-  // The result of proposal `number`, in any order. INVALID_ARGUMENT for a number that is not
+  // Takes the result of proposal `number`, in any order. INVALID_ARGUMENT for a number that is not
   // awaited, another design than proposed, or metrics or constraints of the wrong count; an
   // evaluation with metrics or constraints that are not finite counts as failed.
   virtual absl::Status Tell(std::int64_t number, Evaluation evaluation) = 0;
@@ -75,11 +75,12 @@ class AskTell {
   // Returns what was committed: entries have the numbers of their proposals.
   virtual const Archive& archive() const = 0;
 
-  // Designs evaluated before the search begins: those given and those that fill the space.
+  // Returns how many designs are evaluated before the search begins: those given and those that
+  // fill the space.
   virtual std::int64_t initial_samples() const = 0;
 };
 
-// "BUDGET", "CONVERGED", "CANCELLED", "EVALUATOR_LOST" or "RUNNING".
+// // Returns "BUDGET", "CONVERGED", "CANCELLED", "EVALUATOR_LOST" or "RUNNING".
 const char* StopReasonName(AskTell::StopReason reason);
 
 }  // namespace mortise::pareto

@@ -1,5 +1,5 @@
-// The search within one combination of discrete values: designs to try, and then one discovery
-// after the other, each beginning with all that is known.
+// Searches within one combination of discrete values: it tries designs, and then makes one
+// discovery after the other, each beginning with all that is known.
 #pragma once
 
 #include <Eigen/Core>
@@ -24,8 +24,9 @@ class CombinationSearch {
     std::int64_t number = -1;  // of a discovery's proposal; -1: a design to try
   };
 
-  // `space`: with the discrete parameters fixed. `options`: of each discovery, but for budget and
-  // seed, which begins a sequence of them, and without initial designs. They have been checked.
+  // `space` has the discrete parameters fixed. `options` are those of each discovery but for the
+  // budget and the seed, which begins a sequence of seeds, and have no initial designs. They have
+  // been checked.
   CombinationSearch(const DesignSpace& space, Eigen::Index metric_count,
                     const Discovery::Options& options);
 
@@ -35,16 +36,16 @@ class CombinationSearch {
   // Returns a design to try that is given at once.
   Design TryNow(const Eigen::VectorXd& x);
 
-  // What comes after that: a discovery of so many evaluations, 1 at least.
+  // Plans what comes after the designs to try: a discovery of so many evaluations, 1 at least.
   void Plan(std::int64_t evaluations) { planned_ = evaluations; }
 
   // Returns the next design; nullopt while results are needed first, and when there is nothing to
   // do.
   std::optional<Design> Ask();
-  // Returns the same of those to try only.
+  // Returns the next design of those to try only.
   std::optional<Design> AskQueued();
 
-  // What became of a design, in the order in which they were given.
+  // Takes what became of a design, in the order in which designs were given.
   void Tell(std::int64_t number, Evaluation evaluation);
 
   // Whether all that was planned has been done.
@@ -53,7 +54,7 @@ class CombinationSearch {
   bool exhausted() const { return exhausted_; }
   std::int64_t last_plan() const { return last_plan_; }  // evaluations; 0 before the first
 
-  // Pieces of all discoveries, in unit coordinates of the parameters that vary.
+  // Returns the pieces of all discoveries, in unit coordinates of the parameters that vary.
   std::vector<AffinePiece> Pieces() const;
   std::int64_t Optimizations() const;
   std::int64_t Expansions() const;
@@ -72,7 +73,7 @@ class CombinationSearch {
   bool exhausted_ = false;
   std::unique_ptr<Discovery> discovery_;
   std::vector<Evaluation> known_;
-  // Of earlier discoveries.
+  // The sums over earlier discoveries.
   std::vector<AffinePiece> pieces_;
   std::int64_t optimizations_ = 0;
   std::int64_t expansions_ = 0;

@@ -1,5 +1,6 @@
-// Discovery where some parameters are discrete: a front for each combination of their values,
+// Discovers a front where some parameters are discrete: one for each combination of their values,
 // merged as it goes, so that evaluations go to the combinations that the merged front consists of.
+// The algorithm is our own.
 //
 // **Opening.** Each combination gets some space-filling designs and, from the first trade-offs of
 // the others, transplants: designs of the merged front with this combination's values in the place
@@ -7,25 +8,27 @@
 // opened fill the space of combinations.
 //
 // **Shares.** After that, combinations share the evaluations by how much hypervolume of the merged
-// front each has lately brought for an evaluation, by what is still on that front; a part is shared
-// by how near the front they are. Each goes on with discoveries that begin with all that is known,
-// among it new transplants. Another part goes to single transplants, from what is on the front to
-// its neighbours, those that differ in one value, at the designs where a model of what values add
-// (combination_model.h) expects most. So combinations come in that were not opened, too.
+// front each has lately brought for an evaluation, counting only what is still on that front; a
+// part is shared by how near the front they are. Each goes on with discoveries that begin with all
+// that is known, among it new transplants. Another part goes to single transplants, from what is on
+// the front to its neighbours, those that differ in one value, at the designs where a model of what
+// values add (combination_model.h) expects most. So combinations come in that were not opened, too.
 //
-// **Pruning.** A combination is given up when it has had its opening and all of its designs are
-// dominated by so much that as much as it has lately come nearer to the front, which moves, would
-// not take it there: by 0.3 of the front's range in every metric after the opening, half of that
-// after twice as many evaluations, and so on down to 2 delta_B. Or when none of its designs can be
-// evaluated, or none of its opening and of twenty more is within the constraints, while others are.
-// When three fifths and nine tenths of the budget are spent, what was given up has another look:
-// transplants of what is the front by then. Whatever comes near enough goes on; so does all where
-// nothing else is left to do.
+// **Pruning.** A combination is given up when it has had its opening and one of these holds:
+// - All of its designs are dominated by so much that as much as it has lately come nearer to the
+//   front, which moves, would not take it there: by 0.3 of the front's range in every metric after
+//   the opening, half of that after twice as many evaluations, and so on down to 2 delta_B.
+// - None of its designs can be evaluated.
+// - None of its opening and of twenty more is within the constraints, while others are.
+//
+// When three fifths and nine tenths of the budget are spent, the combinations that were given up
+// have another look: transplants of what is the front by then. Those that come near enough go on;
+// all go on where nothing else is left to do.
 //
 // Designs to begin with come before all that, each for the combination that it is of.
 //
 // The window, numbers and determinism are those of discovery.h. A surrogate takes part only where
-// it always does: each combination is told of too little for long.
+// the options say that it always does: each combination is told of too little for long.
 #pragma once
 
 #include <Eigen/Core>
@@ -55,9 +58,9 @@ namespace mortise::pareto {
 
 class CombinedDiscovery : public AskTell {
  public:
-  // `discrete`: parameters of `space` that take each of their values by itself, of which there are
-  // two combinations or more. INVALID_ARGUMENT as Discovery::Create and Validate of `discrete`, and
-  // "initial_designs[i]" for one of no combination.
+  // `discrete` are parameters of `space` that take each of their values by itself, of which there
+  // are two combinations or more. INVALID_ARGUMENT as Discovery::Create and Validate of `discrete`,
+  // and "initial_designs[i]" for one of no combination.
   static absl::StatusOr<std::unique_ptr<CombinedDiscovery>> Create(
       const DesignSpace& space, const std::vector<DiscreteParameter>& discrete,
       Eigen::Index metric_count, const Discovery::Options& options);
@@ -76,7 +79,7 @@ class CombinedDiscovery : public AskTell {
  private:
   enum class Stage { kOpening, kSearching, kPruned };
 
-  // What is known of a combination.
+  // A combination, and what is known of it.
   struct Member {
     Combination combination;
     DesignSpace space;  // its discrete parameters fixed

@@ -1,4 +1,4 @@
-// Discovery of the Pareto front (§7.5, Algorithm 2), as ask and tell.
+// Discovers the Pareto front (§7.5, Algorithm 2), as ask and tell.
 //
 // A seeded loop of local optimisations (local_optimization.h) and first-order expansions
 // (patch_sampling.h) fills the performance buffer (performance_buffer.h) until the budget is spent
@@ -45,29 +45,32 @@ namespace mortise::pareto {
 class Discovery : public AskTell {
  public:
   // Whether a surrogate proposes designs (surrogate_search.h), four of five after the space-filling
-  // ones, at some 20 ms to a second each. Automatic: of budgets of up to 30 evaluations a parameter
-  // (or 300 in all), less than 1,000, for up to 40 parameters, unless all gradients are offered.
+  // ones, at some 20 ms to a second each. Automatically it does with budgets of up to 30
+  // evaluations a parameter (or 300 in all), less than 1,000, for up to 40 parameters, unless all
+  // gradients are offered.
   enum class Surrogate { kAutomatic, kAlways, kNever };
 
   struct Options {
     std::int64_t evaluations = 1000;  // budget, 1 to 10,000,000
     std::uint64_t seed = 1;
     int window = 8;  // evaluations under way at once, 1 to 4096; part of what is computed
-    // Of the buffer, up to 10,000; 0: 1000 for d = 2, 100 for 3. Above that it is the finest (0:
-    // 64), and the buffer adapts so that one cell for four evaluations is occupied, 50 to 4,000.
+    // The cells per angle of the buffer, up to 10,000; 0 stands for 1000 for d = 2, and 100 for 3.
+    // For d > 3 it is the finest (0 stands for 64), and the buffer adapts so that one cell for four
+    // evaluations is occupied, 50 to 4,000.
     int cells_per_angle = 0;
     int constraints = 0;      // m, told with each evaluation, 0 to 64
     int initial_samples = 0;  // space-filling designs at the start; 0: D + 3, with constraints D +
                               // 23, at most a quarter of the budget
     Surrogate surrogate = Surrogate::kAutomatic;
-    // D x n, designs of the space to evaluate before any other, fewer than `evaluations`; see
+    // The designs of the space to evaluate before any other, D x n, fewer than `evaluations`; see
     // warm_start.h.
     Eigen::MatrixXd initial_designs = {};
     double delta_b = 1e-2;   // tolerance of the buffer, scaled performance
     double delta_i = 1e-4;   // improvement of hypervolume (relative) that counts as progress
     int stall_tracks = 300;  // optimisations in a row without progress that end it; 0: never
-    // Whether proposals go by every result told so far rather than by those that the window makes
-    // sure of. For a caller that tells at times which depend on nothing but seed and answers.
+    // True if proposals go by every result told so far rather than by those that the window makes
+    // sure of. This is for a caller that tells at times which depend on nothing but seed and
+    // answers.
     bool uses_all_told = false;
     TrackScheduler::Options scheduling;
   };
@@ -78,7 +81,7 @@ class Discovery : public AskTell {
                                                            Eigen::Index metric_count,
                                                            const Options& options);
 
-  // Returns what the buffer of a discovery of d metrics is made with.
+  // Returns the options of the buffer of a discovery of d metrics.
   static PerformanceBuffer::Options BufferOptions(const Options& options, Eigen::Index d);
 
   std::optional<Proposal> Ask() override;
@@ -88,18 +91,20 @@ class Discovery : public AskTell {
   Summary summary() const override;
   Front front() const override;
 
-  // An evaluation that was made elsewhere, of a design within the bounds: from now on it is known,
-  // as if it had been proposed. It takes no number and nothing of the budget, and the summary does
-  // not count it; before the first proposal it takes the place of one of the space-filling designs.
-  // INVALID_ARGUMENT as Tell. (Entries of the archive then have other numbers than proposals.)
+  // Takes an evaluation that was made elsewhere, of a design within the bounds. From now on it is
+  // known, as if it had been proposed. It takes no number and nothing of the budget, and the
+  // summary does not count it; before the first proposal it takes the place of one of the
+  // space-filling designs. Fails as Tell does. (Entries of the archive then have other numbers than
+  // proposals.)
   absl::Status Learn(const Evaluation& evaluation);
 
   const DesignSpace& space() const { return space_; }
   const Archive& archive() const override { return archive_; }
   std::int64_t proposed() const { return proposed_; }
-  // Designs evaluated before the search begins: those given and those that fill the space.
+  // Returns how many designs are evaluated before the search begins: those given and those that
+  // fill the space.
   std::int64_t initial_samples() const override { return initial_samples_; }
-  // Affine pieces followed so far, in unit coordinates of the parameters that can vary.
+  // Returns the affine pieces followed so far, in unit coordinates of the parameters that can vary.
   const std::vector<AffinePiece>& pieces() const { return pieces_; }
   const SurrogateTally& surrogate_tally() const { return surrogate_.tally(); }
 
@@ -186,7 +191,8 @@ class Discovery : public AskTell {
   std::int64_t next_track_ = 0;
   std::map<std::int64_t, Pending> pending_;                      // proposed, not committed
   std::unordered_multimap<std::size_t, std::size_t> evaluated_;  // hash of u to entry: never twice
-  // Of entries whose design is, to the last bit, another one than that of their unit coordinates.
+  // The designs of entries whose design is, to the last bit, another one than that of their unit
+  // coordinates.
   std::unordered_map<std::size_t, Eigen::VectorXd> designs_;
   std::vector<Eigen::VectorXd> deviations_;  // of each entry
   std::vector<AffinePiece> pieces_;

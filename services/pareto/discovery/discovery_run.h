@@ -22,13 +22,14 @@ struct RunOptions {
   int lanes = 1;  // calls under way at once. Neither changes the front, only the time it takes.
   std::function<bool()> cancelled;  // asked ten times a second; true: stop with what was found
   std::function<void(const AskTell::Summary&)> progress;  // after each batch
-  // Each time that no answer has come for `quiet`: for how long there has been none, to how many
-  // calls.
+  // Called each time that no answer has come for `quiet`, with how long there has been none, to how
+  // many calls.
   std::function<void(std::chrono::seconds, int calls)> waiting;
   std::chrono::milliseconds quiet{10'000};
-  // After each batch. A non-OK status, which says why the whole subject is at fault, ends the run.
+  // Called after each batch. A non-OK status, which says why the whole subject is at fault, ends
+  // the run.
   std::function<absl::Status(const AskTell::Summary&)> judge;
-  // After each batch, its results with their proposal numbers, before anything else happens with
+  // Called after each batch with its results by proposal number, before anything else happens with
   // them. A non-OK status stops the run as if the evaluator were lost.
   std::function<absl::Status(const std::vector<std::pair<std::int64_t, Evaluation>>&)> checkpoint;
 };
@@ -46,11 +47,12 @@ struct DiscoveryCheckpoint {
   std::map<std::int64_t, Evaluation> results;  // by proposal number
 };
 
-// As bytes: little-endian, doubles bit for bit, checked on reading. Several serialised checkpoints
-// may be concatenated and are read as one, so that a run can append what each batch adds.
+// Writes a checkpoint as bytes: little-endian, doubles bit for bit, checked on reading. Several
+// serialised checkpoints may be concatenated and are read as one, so that a run can append what
+// each batch adds.
 std::string Serialize(const DiscoveryCheckpoint& checkpoint);
 
-// DATA_LOSS when the bytes are not what Serialize wrote.
+// Reads what Serialize wrote; DATA_LOSS when the bytes are not such.
 absl::StatusOr<DiscoveryCheckpoint> ParseCheckpoint(std::string_view bytes);
 
 }  // namespace mortise::pareto

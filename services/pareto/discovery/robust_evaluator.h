@@ -1,4 +1,5 @@
-// Metrics of what a workshop builds: mean plus k deviations over stated tolerances (§9.1.2).
+// Evaluates what a workshop builds: metrics are their mean plus k deviations over stated tolerances
+// (§9.1.2).
 //
 // Parameters with a tolerance vary independently around their design values. The mean m and the
 // standard deviation s of a metric f over them are found by a three-point Gauss rule along each of
@@ -9,14 +10,14 @@
 //
 // with h = sqrt(3) deviation, p = 1/3 for a normal and h = sqrt(3/5) half-width, p = 5/9 for a
 // uniform distribution. The mean is exact for quadratics, and both for sums of quadratics in one
-// parameter each; s leaves out what two parameters bring only together (f_ij^2 s_i^2 s_j^2). Never
-// negative, unlike the variance of the unscented transform (Julier, Uhlmann 1997), whose mean for a
-// normal distribution is the same.
+// parameter each; s leaves out what two parameters bring only together (f_ij^2 s_i^2 s_j^2). It is
+// never negative, unlike the variance of the unscented transform (Julier, Uhlmann 1997), whose mean
+// for a normal distribution is the same.
 //
 // Where f(-h) or f(+h) lies beyond what can be evaluated it is extrapolated from f(0), f(h), f(2h)
 // on the other side, which keeps all of that. So designs at a bound stay possible.
 //
-// To first order: one evaluation with gradients, m = f(0), s^2 = sum_i (f_i s_i)^2.
+// To first order it takes one evaluation with gradients: m = f(0), s^2 = sum_i (f_i s_i)^2.
 #pragma once
 
 #include <Eigen/Core>
@@ -29,7 +30,7 @@
 
 namespace mortise::pareto {
 
-// How far what is built may be off in a parameter.
+// The tolerance of a parameter: how far what is built may be off in it.
 struct Tolerance {
   enum class Distribution { kUniform, kNormal };
 
@@ -49,7 +50,7 @@ struct Robustness {
   DesignSpace range;         // what can be evaluated, whatever bounds and steps designs have
   bool first_order = false;  // needs gradients of all metrics and constraints
 
-  // Of the evaluator, for one design.
+  // Returns how many evaluations one design takes.
   int EvaluationsPerDesign() const;
 };
 

@@ -1,7 +1,7 @@
 // Chooses where the next local optimisation starts and what it aims at (§7.5.2).
 //
-// First the middle of the front and each metric's own optimum, so that the scaling of performance
-// is soon about right. Then ten ways of spending an evaluation take turns:
+// First come the middle of the front and each metric's own optimum, so that the scaling of
+// performance is soon about right. Then ten ways of spending an evaluation take turns:
 //   - gap: aim into the widest hole between known trade-offs, starting from one beside it, which
 //     costs nothing (the neighbouring-cell direction of the thesis, with the cell chosen by need);
 //     where one design dominates all others, from any of those towards the best of a metric;
@@ -60,9 +60,9 @@ class TrackScheduler {
     double delta_n = 0.2;       // neighbourhood of a cell, in parts of each angle
     double least_share = 0.25;  // of all ways together, in equal parts
     bool explores = true;       // whether bridges, children and sweeps have a share
-    // Entries (the first so many of the archive) from which each metric's optimum is looked for a
-    // second time, independently of what is known by then: the first time may end in a corner where
-    // all slopes vanish. 0: no second time.
+    // The number of entries, the first of the archive, from which each metric's optimum is looked
+    // for a second time, independently of what is known by then: the first time may end in a corner
+    // where all slopes vanish. With 0 there is no second time.
     std::size_t second_look = 0;
     std::size_t given = 0;  // the first so many of these are not looked at: they are of a front
     LocalOptimization::Options optimization;
@@ -77,25 +77,26 @@ class TrackScheduler {
 
   TrackScheduler(const Options& options, std::uint64_t seed) : options_(options), random_(seed) {}
 
-  // Where all gradients are offered: looks for each metric's optimum a second time whatever the
-  // budget, see Options::second_look.
+  // Is called where all gradients are offered: each metric's optimum is then looked for a second
+  // time whatever the budget (Options::second_look).
   void UseGradients(std::size_t entries) {
     options_.second_look = entries;
     has_gradients_ = true;
   }
 
   // Returns the next track. `buffer` has been built and holds a feasible entry of `archive`. With
-  // `force_sample` a stochastic sample, which always asks for a new point.
+  // `force_sample` it is a stochastic sample, which always asks for a new point.
   Track Next(const Archive& archive, const PerformanceBuffer& buffer, bool force_sample);
 
-  // Returns the same, of kPolish.
+  // // Returns the next track of kPolish.
   Track Polish(const Archive& archive, const PerformanceBuffer& buffer);
 
-  // What a track (with the expansion after it) brought: hypervolume gained for evaluations spent.
+  // Counts what a track (with the expansion after it) brought: hypervolume gained for evaluations
+  // spent.
   void Report(TrackKind kind, double gain, int evaluations);
 
-  // The part of the evaluations that evolution gets before what it brought is counted: its first
-  // search brings nothing until it has learnt how metrics fall.
+  // Sets the part of the evaluations that evolution gets before what it brought is counted: its
+  // first search brings nothing until it has learnt how metrics fall.
   void Invest(double part) { investment_ = part; }
 
   // Whether an opening track that is under way should end before Next is called again: the middle

@@ -1,5 +1,5 @@
-// A label for each site of a graph so that few neighbours differ, by alpha-expansion (Boykov,
-// Veksler and Zabih 2001), which chooses the affine pieces of a front (§7.5.4).
+// Finds a label for each site of a graph so that few neighbours differ, by alpha-expansion (Boykov,
+// Veksler and Zabih 2001). It chooses the affine pieces of a front (§7.5.4).
 //
 //   E(l) = sum_j U(j, l_j) + w sum_{j, k neighbours} [l_j != l_k]
 //
@@ -30,11 +30,11 @@ struct LabelingProblem {
   double weight = 1;                               // w, >= 0
 };
 
-// E of a label for each site, all of them candidates.
+// Returns E of a label for each site, all of them candidates.
 double LabelingEnergy(const LabelingProblem& problem, const std::vector<int>& labels);
 
-// Returns a label for each site, from the cheapest candidates on: the same for the same problem.
-// INVALID_ARGUMENT naming "candidates[j]", "neighbours[i]" or "weight".
+// Returns a label for each site, searched from the cheapest candidates on. It is the same for the
+// same problem. INVALID_ARGUMENT naming "candidates[j]", "neighbours[i]" or "weight".
 //
 // Each round makes a cut for each label, on the sites that have it as a candidate; two to four
 // rounds are usual. Memory is linear in sites and neighbours.

@@ -1,4 +1,4 @@
-// The result of discovery: the front as designs with their trade-offs, ready to be explored.
+// The front is the result of discovery: designs with their trade-offs, ready to be explored.
 #pragma once
 
 #include <Eigen/Core>
@@ -20,11 +20,11 @@ struct FrontPoint {
   std::int64_t cell = 0;             // of the performance buffer
   int piece = 0;                     // index into Front::pieces
   Eigen::VectorXd embedding;  // d - 1 coordinates in [0, 1]: the angles of its ray over pi / 2
-  // How much further from the ideal it is than the best found in its cell, e_A of §7.5.4: at most
-  // delta_B, in scaled performance.
+  // The distance by which it is further from the ideal than the best found in its cell, e_A of
+  // §7.5.4: at most delta_B, in scaled performance.
   double approximation_error = 0;
-  // To the design of that neighbour along the front which is furthest away: Euclidean, in unit
-  // coordinates. Large where the design jumps though the performance does not.
+  // The distance to the design of that neighbour along the front which is furthest away: Euclidean,
+  // in unit coordinates. It is large where the design jumps though the performance does not.
   double jump = 0;
   std::size_t entry = 0;            // of the archive
   Eigen::VectorXd deviations = {};  // d, as Evaluation::deviations
@@ -44,12 +44,12 @@ struct Front {
   Scaling scaling;                 // of the buffer the cells refer to
 };
 
-// Chooses of each place along the front (front_places.h) the candidate that makes for few and large
-// pieces (front_labeling.h). Points on no piece are joined to their neighbours along the front
-// where the designs are within `joining` of each other, Euclidean in unit coordinates, else they
-// begin a piece of their own.
+// Chooses for each place along the front (front_places.h) the candidate that makes for few and
+// large pieces (front_labeling.h). Points on no piece are joined to their neighbours along the
+// front where the designs are within `joining` of each other, Euclidean in unit coordinates, else
+// they begin a piece of their own.
 //
-// Whatever the pieces, the front reaches as far as what has been evaluated: for each metric its
+// Whatever the pieces are, the front reaches as far as what has been evaluated: for each metric its
 // least and its greatest value are those of all feasible entries that none dominates, to the last
 // bit. And no entry is better than a point by delta_B in every metric, or as good in each and
 // better by 3 delta_B in one, in scaled performance.

@@ -1,4 +1,4 @@
-// How far designs are from the true front, by trying to push them further (Eq. 7.8).
+// Measures how far designs are from the true front, by trying to push them further (Eq. 7.8).
 #pragma once
 
 #include <Eigen/Core>
@@ -14,15 +14,16 @@ namespace mortise::pareto {
 struct PushedDesign {
   Eigen::VectorXd x;        // D
   Eigen::VectorXd metrics;  // d
-  // By how much it has come nearer to the reference point, in scaled performance: what its distance
-  // from the front was, or delta_N where that was more. (Along the front it may slide, which is no
-  // error.) NaN where the design has no gradients.
+  // The distance by which it has come nearer to the reference point, in scaled performance: its
+  // distance from the front, or delta_N where that was more. (Along the front it may slide, which
+  // is no error.) NaN where the design has no gradients.
   double error = 0;
 };
 
-// `evaluate` gives metrics with their Jacobian; there are no constraints, and `step` of the space
-// is ignored. Newton's method within a trust region, its Hessian by differences of gradients: 2 D
-// evaluations an iteration, some five iterations near a smooth front.
+// Pushes a design. `evaluate` gives metrics with their Jacobian; there are no constraints, and
+// `step` of the space is ignored. It uses Newton's method within a trust region, with the Hessian
+// by differences of gradients: 2 D evaluations an iteration, some five iterations near a smooth
+// front.
 PushedDesign PushAlongNormal(const DesignSpace& space, const Scaling& scaling,
                              const std::function<Evaluation(const Eigen::VectorXd& x)>& evaluate,
                              const Eigen::VectorXd& x, double delta_n = 1e-2);

@@ -1,9 +1,9 @@
-// Questions that people ask of a discovered front while they drag a slider (§7.2, §7.6.2): which
-// design is best here, what lies next to it, what an improvement costs, what remains if a metric
-// must stay below a value.
+// Answers questions that people ask of a discovered front while they drag a slider (§7.2, §7.6.2):
+// which design is best here, what lies next to it, what an improvement costs, what remains if a
+// metric must stay below a value.
 //
-// A front in memory; every question takes O(n) time for n points, some microseconds for a thousand.
-// Answers are points that were evaluated, by their index; nothing is interpolated.
+// The front is in memory, and every question takes O(n) time for n points, some microseconds for a
+// thousand. Answers are points that were evaluated, by their index; nothing is interpolated.
 #pragma once
 
 #include <Eigen/Core>
@@ -27,18 +27,19 @@ struct FrontPoints {
 
 // What it takes to improve a metric by one SI unit, walking along the front where that metric
 // improves the most for the distance walked (in metrics, each in units of its range along the
-// front). From a straight line, or a plane, through the neighbours: good for small steps.
+// front). It comes from a straight line, or a plane, through the neighbours, and so is good for
+// small steps.
 struct Improvement {
   Eigen::Index metric = 0;
   Eigen::VectorXd
       metrics;  // d, change of each; of the metric itself -1, or 1 where larger is better
   Eigen::VectorXd parameters;  // D, change of each
-  // D, in [0, 1], their sum is 1 (all 0 where the design stays the same): how much each parameter
-  // takes part, by the square of its change in units of its range.
+  // How much each parameter takes part, by the square of its change in units of its range: D, in
+  // [0, 1], with sum 1 (all 0 where the design stays the same).
   Eigen::VectorXd shares;
 };
 
-// What is asked of a metric or a parameter.
+// A limit that a metric or a parameter must meet.
 struct FrontLimit {
   bool of_metric = true;   // else of a parameter
   Eigen::Index index = 0;  // of it
@@ -46,7 +47,7 @@ struct FrontLimit {
   std::optional<double> maximum;
 };
 
-// How two metrics go together: the correlation of how good they are.
+// Says how two metrics go together: the correlation of how good they are.
 struct MetricConflict {
   Eigen::Index first = 0;
   Eigen::Index second = 0;
@@ -87,15 +88,16 @@ class FrontExploration {
   // the nearest rays, six for d = 3 and two more for each further metric.
   std::vector<int> NeighboursOf(int point) const;
 
-  // Returns up to `steps` times from a point to the neighbour that improves `metric` the most for
-  // the distance; fewer where no neighbour improves it. Returns the points visited after the first.
+  // Goes up to `steps` times from a point to the neighbour that improves `metric` the most for the
+  // distance; fewer times where no neighbour improves it. Returns the points visited after the
+  // first.
   std::vector<int> Walk(int point, Eigen::Index metric, int steps) const;
 
   // Returns what improving costs at a point, for each metric that varies there and of which the
   // front has something better; none where the point is alone on its piece.
   std::vector<Improvement> ImprovementsAt(int point) const;
 
-  // Returns what remains when all `limits`, whose indices exist, must be met.
+  // Returns the part that remains when all `limits`, whose indices exist, must be met.
   FrontPart Within(const std::vector<FrontLimit>& limits) const;
 
   int size() const { return static_cast<int>(points_.metrics.cols()); }

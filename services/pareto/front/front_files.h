@@ -1,4 +1,4 @@
-// Fronts as files: rows for spreadsheets, pictures for reports.
+// Writes fronts as files: rows for spreadsheets, pictures for reports.
 #pragma once
 
 #include <string>
@@ -18,7 +18,7 @@ std::string FrontAsCsv(const v1::Front& front);
 // Returns the Front message as JSON, as the API gives it.
 absl::StatusOr<std::string> FrontAsJson(const v1::Front& front);
 
-// Returns the picture of front_picture.h. FAILED_PRECONDITION for a front without points.
+// Return the picture of front_picture.h. FAILED_PRECONDITION for a front without points.
 absl::StatusOr<std::string> FrontAsSvg(const v1::Front& front);
 absl::StatusOr<std::string> FrontAsPng(const v1::Front& front);
 

@@ -1,9 +1,9 @@
-// Which candidate stands for each place along a front (front_places.h), and which affine piece it
-// lies on (§7.5.4): few large pieces rather than the very best of each place.
+// Chooses which candidate stands for each place along a front (front_places.h), and which affine
+// piece it lies on (§7.5.4): few large pieces rather than the very best of each place.
 //
-// The unary cost of a piece at a place is e_A / delta_B, by how much its best candidate there is
-// further from the ideal than the first over what the buffer tolerates; neighbours on different
-// pieces cost 1 (alpha_expansion.h).
+// The unary cost of a piece at a place is e_A / delta_B: the distance by which its best candidate
+// there is further from the ideal than the first, over what the buffer tolerates. Neighbours on
+// different pieces cost 1 (alpha_expansion.h).
 #pragma once
 
 #include <Eigen/Core>
@@ -17,7 +17,7 @@
 
 namespace mortise::pareto {
 
-// What stands for a place.
+// The candidate that stands for a place.
 struct PlaceChoice {
   std::size_t entry = 0;           // of the archive
   int piece = -1;                  // index of the piece it lies on; -1: on none
@@ -29,12 +29,13 @@ struct PlaceChoice {
 // those whose rays are nearest, as many as NeighboursOnFront says.
 std::vector<std::pair<int, int>> NeighboursAlong(const Eigen::MatrixXd& embedding);
 
-// Returns a choice for each place. `places`: candidates of each, nearest first, not empty; the
-// first is not dominated. `neighbours`: pairs of places; `buffer_tolerance`: delta_B. A candidate
-// lies on a piece if its design is within `tolerance` of it, Euclidean in unit coordinates. None
-// that is clearly dominated (Archive::ClearlyDominated, by delta_B) is chosen: in a wide cell it
-// may be hardly further from the ideal than the first, and still be plainly worse than something
-// else. What would be a piece of one place is none, and that place's choice its first.
+// Returns a choice for each place. `places` are the candidates of each, nearest first, not empty;
+// the first is not dominated. `neighbours` are pairs of places, and `buffer_tolerance` is delta_B.
+// A candidate lies on a piece if its design is within `tolerance` of it, Euclidean in unit
+// coordinates. None that is clearly dominated (Archive::ClearlyDominated, by delta_B) is chosen: in
+// a wide cell it may be hardly further from the ideal than the first, and still be plainly worse
+// than something else. A piece of one place would be none, so that place's choice is its first
+// candidate.
 std::vector<PlaceChoice> ChoosePieces(
     const Archive& archive, const Scaling& scaling,
     const std::vector<std::vector<PerformanceBuffer::Candidate>>& places,

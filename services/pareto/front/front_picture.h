@@ -1,5 +1,5 @@
-// A front as a picture in the manner of Figure 7-11: its designs, its performance, and the
-// embedding (§7.5.5) side by side.
+// Draws a front in the manner of Figure 7-11: its designs, its performance, and the embedding
+// (§7.5.5) side by side.
 //
 //   - Designs: as points of the parameters that vary, up to three of them, else of their two
 //     principal components. A parameter varies if it does by more than a hundredth of its range.
@@ -20,7 +20,7 @@
 
 namespace mortise::pareto {
 
-// n points of a front of d metrics and D parameters, a column each.
+// The n points of a front of d metrics and D parameters, a column each.
 struct FrontPicture {
   std::string title;
   std::vector<std::string> parameter_names;  // D
@@ -35,7 +35,7 @@ struct FrontPicture {
   Eigen::VectorXd jump;       // n
 };
 
-// Needs at least a point and two metrics.
+// Draws the picture of at least one point and two metrics.
 render::Drawing DrawFront(const FrontPicture& front);
 
 }  // namespace mortise::pareto

@@ -1,4 +1,4 @@
-// What is unusual about a front, said for people.
+// Says for people what is unusual about a front.
 #pragma once
 
 #include <string>
@@ -9,8 +9,8 @@
 
 namespace mortise::pareto {
 
-// That a metric is the same for all designs, or that one design is the best in all metrics, so that
-// there is nothing to trade. `names` are the metrics'.
+// Remarks that a metric is the same for all designs, or that one design is the best in all metrics,
+// so that there is nothing to trade. `names` are the metrics'.
 std::vector<std::string> FrontRemarks(const Archive& archive, const Front& front,
                                       const std::vector<std::string>& names);
 

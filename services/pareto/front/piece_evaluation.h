@@ -1,4 +1,4 @@
-// What the pieces of a front promise between its points: their designs, evaluated densely.
+// Checks what the pieces of a front promise between its points: evaluates their designs densely.
 //
 // A front says more than its points do. A piece is an affine subspace of design space, and every
 // design of it between those of its points is claimed to be a trade-off as well. Evaluating many of
@@ -23,7 +23,8 @@ struct PieceEvaluationOptions {
 
 struct PieceEvaluation {
   std::int64_t evaluations = 0;
-  // d each: of the front's points, and of the designs evaluated that meet all constraints.
+  // The metrics of the front's points, and of the designs evaluated that meet all constraints, d
+  // each.
   std::vector<Eigen::VectorXd> metrics;
 };
 

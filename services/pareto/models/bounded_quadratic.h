@@ -1,4 +1,4 @@
-// The step of a bounded least-squares iteration: a quadratic over a box.
+// Finds the step of a bounded least-squares iteration: minimises a quadratic over a box.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,8 +9,9 @@ namespace mortise::pareto {
 // upper and B (n x n) is symmetric. An indefinite B is first made positive semidefinite by dropping
 // its negative eigenvalues, which leaves a step to the edge of the box along such directions.
 //
-// Projected Newton (Bertsekas 1982): variables at a bound whose gradient points outwards are held,
-// the Newton step of the others is searched along its projection. Bounds hold exactly.
+// The method is projected Newton (Bertsekas 1982): variables at a bound whose gradient points
+// outwards are held, the Newton step of the others is searched along its projection. Bounds hold
+// exactly.
 Eigen::VectorXd MinimizeBoundedQuadratic(const Eigen::VectorXd& g, const Eigen::MatrixXd& B,
                                          const Eigen::VectorXd& lower,
                                          const Eigen::VectorXd& upper);

@@ -1,10 +1,9 @@
-// What is learnt of the values of discrete parameters over all combinations: how much each adds to
-// each metric.
+// Learns from all combinations how much each value of a discrete parameter adds to each metric.
 //
 // f(c, u) ~ a + sum_k e_k[c_k] + b . u + c . u^2, by least squares with a small ridge, over
 // evaluations in scaled metrics. Where values act together the sum is off, but the differences
-// between combinations that have much in common are often about right, and that is what it is used
-// for: which combination to try next, and where.
+// between combinations that have much in common are often about right. They are used to choose
+// which combination to try next, and where.
 #pragma once
 
 #include <Eigen/Core>
@@ -23,7 +22,7 @@ class CombinationModel {
     Eigen::VectorXd metrics;  // d, scaled
   };
 
-  // Fitted to `samples`, of which there is at least one. O(n p^2 + p^3) for p values and
+  // Fits the model to `samples`, of which there is at least one. O(n p^2 + p^3) for p values and
   // parameters.
   CombinationModel(const std::vector<DiscreteParameter>& discrete,
                    const std::vector<Sample>& samples);

@@ -1,7 +1,8 @@
-// Steps of a local optimisation that has constraints: quadratics within quadratics, over a box.
+// Finds steps of a local optimisation that has constraints: minimises quadratics within quadratics,
+// over a box.
 //
-// By sequential quadratic programming (Kraft's SLSQP, of NLopt), which holds bounds exactly and
-// needs no convexity.
+// The method is sequential quadratic programming (Kraft's SLSQP, of NLopt), which holds bounds
+// exactly and needs no convexity.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,7 +10,7 @@
 
 namespace mortise::pareto {
 
-// value + gradient.p + p.hessian p / 2, for p of n coordinates.
+// The function value + gradient.p + p.hessian p / 2, for p of n coordinates.
 struct QuadraticFunction {
   double value = 0;
   Eigen::VectorXd gradient;  // n
@@ -27,12 +28,12 @@ Eigen::VectorXd MinimizeWithin(const QuadraticFunction& objective,
                                const std::vector<QuadraticFunction>& constraints,
                                const Eigen::VectorXd& lower, const Eigen::VectorXd& upper);
 
-// Returns a p in the same box that brings the sum of squares of what `constraints` are above 0
-// down, to 0 if that is possible; of those about the shortest.
+// Returns a p in the same box that brings down the sum of squares of what `constraints` are above
+// 0, to 0 if that is possible; of several such about the shortest.
 Eigen::VectorXd ReduceViolation(const std::vector<QuadraticFunction>& constraints,
                                 const Eigen::VectorXd& lower, const Eigen::VectorXd& upper);
 
-// sqrt(sum_j max(0, constraints_j(p))^2).
+// // Returns sqrt(sum_j max(0, constraints_j(p))^2).
 double Violation(const std::vector<QuadraticFunction>& constraints, const Eigen::VectorXd& p);
 
 }  // namespace mortise::pareto

@@ -1,8 +1,9 @@
-// Slopes and curvature of all metrics at a design, measured by differences.
+// Measures slopes and curvature of all metrics at a design by differences.
 //
-// Central differences for slopes, second differences for curvature: n (n + 3) / 2 evaluations for n
-// parameters, all known at once. Worth it where a whole piece of the front is to be followed along
-// what they tell, since what is off there is off everywhere on the piece.
+// It takes central differences for slopes and second differences for curvature: n (n + 3) / 2
+// evaluations for n parameters, all known at once. That is worth it where a whole piece of the
+// front is to be followed along what they tell, since what is off there is off everywhere on the
+// piece.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,8 +17,8 @@ namespace mortise::pareto {
 
 class DifferenceModel {
  public:
-  // At `model`'s centre, for some of the coordinates. Steps are of unit coordinates; where one
-  // would leave the box, both are taken to the other side.
+  // Measures at `model`'s centre, along some of the coordinates. Steps are of unit coordinates;
+  // where one would leave the box, both are taken to the other side.
   DifferenceModel(const QuadraticModel& model, std::vector<Eigen::Index> coordinates, double step);
 
   // Returns how many evaluations it takes for so many coordinates.
@@ -29,13 +30,13 @@ class DifferenceModel {
 
   std::optional<Eigen::VectorXd> Ask();
 
-  // The metrics of the next point in the order asked for; nothing where it failed.
+  // Takes the metrics of the next point in the order asked for; nothing where it failed.
   void Tell(const std::optional<Eigen::VectorXd>& metrics);
 
   bool Finished() const { return told_.size() == points_.size(); }
 
-  // Returns the model, with slopes and curvature of the coordinates as measured. What needed a
-  // point that failed stays as it was.
+  // Returns the model, with slopes and curvature of the coordinates as measured. Those that needed
+  // a point that failed stay as they were.
   QuadraticModel Measured() const;
 
  private:

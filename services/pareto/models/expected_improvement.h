@@ -1,7 +1,7 @@
-// How much hypervolume a design is expected to add, when its metrics are believed to be independent
-// and normal: expected hypervolume improvement.
+// Computes the expected hypervolume improvement: how much hypervolume a design is expected to add,
+// when its metrics are believed to be independent and normal.
 //
-// What is dominated neither by the front nor by the reference is cut into boxes [l, h] with l =
+// The space that neither the front nor the reference dominates is cut into boxes [l, h] with l =
 // -inf allowed. A performance y adds prod_k (h_k - max(l_k, y_k))+ of each, so that
 //
 //   E = sum over boxes of prod_k (G_k(h_k) - G_k(l_k)),   G_k(b) = E[(b - Y_k)+]
@@ -14,7 +14,7 @@
 // For d > 3 their number grows as n^(d/2), so the same integral is taken in polar coordinates
 // around the reference r: a ray -t lambda, t >= 0, is dominated by the front up to rho(lambda), and
 // beyond that by Y with the probability prod_k Phi((r_k - lambda_k t - mu_k) / sigma_k). A fixed
-// set of rays, and Gauss's rule on each: within some hundredths, and the same each time.
+// set of rays, with Gauss's rule on each, gives it within some hundredths, and the same each time.
 #pragma once
 
 #include <Eigen/Core>
@@ -30,12 +30,13 @@ class ExpectedHypervolumeImprovement {
     Eigen::VectorXd deviation_gradient;  // d
   };
 
-  // Over what `front` (of d metrics, minimised; dominated points do no harm) dominates below
-  // `reference` (d). O(n log n) for d = 2, O(n^2) for d = 3.
+  // Prepares improvements over what `front` (of d metrics, minimised; dominated points do no harm)
+  // dominates below `reference` (d). O(n log n) for d = 2, O(n^2) for d = 3.
   ExpectedHypervolumeImprovement(const std::vector<Eigen::VectorXd>& front,
                                  const Eigen::VectorXd& reference);
 
-  // For metrics of these means and standard deviations (> 0), d each. O(boxes d).
+  // Return the improvement for metrics of these means and standard deviations (> 0), d each.
+  // O(boxes d).
   double Expected(const Eigen::VectorXd& means, const Eigen::VectorXd& deviations) const;
   Value WithGradient(const Eigen::VectorXd& means, const Eigen::VectorXd& deviations) const;
 

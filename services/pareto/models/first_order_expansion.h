@@ -1,4 +1,4 @@
-// First-order expansion of the front around a Pareto-critical design (§7.4, Proposition 3).
+// Expands the front to first order around a Pareto-critical design (§7.4, Proposition 3).
 //
 // At a critical design u* dual variables alpha >= 0 (sum 1) and beta >= 0 satisfy
 //
@@ -9,8 +9,8 @@
 // reads J_F^T alpha = 0 (alpha spans the null space of the active Jacobian), and on the held ones
 // beta is the inward slope of alpha.F, which must not be negative. With Z a basis of the moves of
 // the free coordinates that no active constraint of the problem objects to at first order, Z^T
-// J_F^T alpha = 0 takes its place, and mu >= 0 are what they add. Along the front u(t), by (7.3)
-// and (7.4),
+// J_F^T alpha = 0 takes its place, and mu >= 0 are the multipliers of those constraints. Along the
+// front u(t), by (7.3) and (7.4),
 //
 //   u'_F = Z v,   Z^T H_FF Z v in Im(Z^T J_F^T),   u'_held = 0,
 //   H = sum_i alpha_i H_i + sum_k mu_k H_gk
@@ -41,7 +41,7 @@ struct KktPoint {
 // empty where the metrics agree: a front of one point.
 //
 // `normals` (k x D) are the gradients of constraints that are met with nothing to spare; those
-// whose multiplier would be negative are released, as is all that leaves no move at all.
+// whose multiplier would be negative are released, as are all where they leave no move at all.
 KktPoint RecoverDuals(const Eigen::MatrixXd& jacobian, const Eigen::VectorXd& u,
                       const Eigen::MatrixXd& normals = {}, double bound_tolerance = 1e-6);
 

@@ -1,5 +1,5 @@
-// Gaussian-process regression: what a metric is believed to be where it has not been evaluated, and
-// how sure that is (Rasmussen and Williams, Gaussian Processes for Machine Learning, 2006).
+// Gaussian-process regression says what a metric is believed to be where it has not been evaluated,
+// and how sure that is (Rasmussen and Williams, Gaussian Processes for Machine Learning, 2006).
 //
 // A metric is a linear function plus a Gaussian process, seen through a little noise:
 //
@@ -24,8 +24,8 @@ namespace mortise::pareto {
 
 class GaussianProcess {
  public:
-  // Of standardised values, as natural logarithms: D lengths, then the variances of g (s^2), of the
-  // slopes b, and of the noise. D + 3.
+  // The hyperparameters of standardised values, as natural logarithms: D lengths, then the
+  // variances of g (s^2), of the slopes b, and of the noise; D + 3 in all.
   using Hyperparameters = Eigen::VectorXd;
 
   struct Prediction {
@@ -42,8 +42,8 @@ class GaussianProcess {
 
   // Returns the hyperparameters of highest posterior density for `values` (n) at `points` (D x n,
   // unit coordinates), n >= 1: a quasi-Newton search (L-BFGS of NLopt, analytic gradients) from
-  // `start` or, if there is none, from three: smooth, rippled and noisy. `evaluations` of the
-  // density at most for each. The same arguments give the same result. O(n^3 + n^2 D) for each
+  // `start` or, if there is none, from three: smooth, rippled and noisy. Each takes `evaluations`
+  // of the density at most. The same arguments give the same result. O(n^3 + n^2 D) for each
   // evaluation.
   static Hyperparameters Fit(const Eigen::MatrixXd& points, const Eigen::VectorXd& values,
                              const Hyperparameters& start = {}, int evaluations = 60);
@@ -54,11 +54,11 @@ class GaussianProcess {
                              const Hyperparameters& hyperparameters,
                              Eigen::VectorXd* gradient = nullptr);
 
-  // The process given what has been seen of it. O(n^3).
+  // Makes the process given what has been seen of it. O(n^3).
   GaussianProcess(const Eigen::MatrixXd& points, const Eigen::VectorXd& values,
                   const Hyperparameters& hyperparameters);
 
-  // One more value. O(n^2).
+  // Adds one more value. O(n^2).
   void Add(const Eigen::VectorXd& u, double value);
 
   // Returns what is believed at `u`. O(n^2 + n D).
@@ -67,7 +67,7 @@ class GaussianProcess {
   // Returns the same for the columns of `points` (D x k), without gradients. O(k (n^2 + n D)).
   Predictions PredictAll(const Eigen::MatrixXd& points) const;
 
-  // Standard deviation of the noise, in the unit of the values.
+  // Returns the standard deviation of the noise, in the unit of the values.
   double noise() const;
 
   Eigen::Index size() const { return points_.cols(); }

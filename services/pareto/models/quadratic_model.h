@@ -1,4 +1,4 @@
-// Local quadratic models of the metrics from evaluations that have been paid for already.
+// Fits local quadratic models of the metrics to evaluations that have been paid for already.
 //
 // Around an evaluated design c write s = u - c and, for one metric, q(s) = f(c) + g.s + s.H s / 2.
 // Of all q that agree with the evaluations f(c + s_k) of the chosen neighbours, take the one that
@@ -10,9 +10,11 @@
 // n_k a slack that grows with the sixth power of the neighbour's distance, the square of what third
 // derivatives may do. This is Broyden's least-change secant condition for many secants at once,
 // with the curvature they reveal (Powell's least-Frobenius-norm models). Its solution is a sum of
-// kernels: with t = s/R,  q = f(c)
-// + g0.s + sum_k w_k (a t.t_k + b (t.t_k)^2), and the weights w solve one small symmetric positive
-// definite system, shared by all metrics.
+// kernels: with t = s/R,
+//
+//   q = f(c) + g0.s + sum_k w_k (a t.t_k + b (t.t_k)^2),
+//
+// and the weights w solve one small symmetric positive definite system, shared by all metrics.
 //
 // Where the evaluator offered the gradient of a metric at c, it is used as it is (a -> 0), and H is
 // brought into agreement with the gradients of the neighbours (Powell's symmetric update).
@@ -36,17 +38,16 @@ struct QuadraticModel {
   // Returns the model's metrics (d) at `u`.
   Eigen::VectorXd Predict(const Eigen::VectorXd& u) const;
 
-  // sum_i weights_i H_i.
+  // // Returns sum_i weights_i H_i.
   Eigen::MatrixXd WeightedHessian(const Eigen::VectorXd& weights) const;
 };
 
-// Fits a model around entry `centre` (evaluated) of the archive for the region |s| <= `radius`,
-// in the lengths of the archive.
-// `prior` (d x D, may be empty: zero) is the believed Jacobian.
+// Fits a model around entry `centre` (evaluated) of the archive for the region |s| <= `radius`, in
+// the lengths of the archive. `prior` (d x D; empty for zero) is the believed Jacobian.
 QuadraticModel FitQuadraticModel(const Archive& archive, std::size_t centre, double radius,
                                  const Eigen::MatrixXd& prior);
 
-// Returns the same of the constraints (m in the place of d).
+// Fits a model of the constraints in the same way (m in the place of d).
 QuadraticModel FitConstraintModel(const Archive& archive, std::size_t centre, double radius,
                                   const Eigen::MatrixXd& prior);
 

@@ -1,5 +1,6 @@
-// What is believed of designs that have not been evaluated: a Gaussian process for each metric, for
-// each constraint that was ever violated, and for whether a design can be evaluated at all.
+// Says what is believed of designs that have not been evaluated, by a Gaussian process for each
+// metric, for each constraint that was ever violated, and for whether a design can be evaluated at
+// all.
 //
 // Only the good end of metrics matters, and some have a bad end that is orders of magnitude away.
 // So scaled metrics y (0 the ideal, 1 the nadir, archive.h) are learnt as they are up to `knee`,
@@ -7,8 +8,8 @@
 // as asinh(g / s), s the median of |g|, which keeps their sign. Whether a design fails is learnt as
 // 1 or -1 (least-squares classification, Rasmussen and Williams 6.5).
 //
-// At most `points` entries of the archive are used, those nearest to the front: least in how much
-// all of their metrics must improve before they are dominated no more, those that violate
+// At most `points` entries of the archive are used, those nearest to the front: first those whose
+// metrics must improve the least before they are dominated no more, and those that violate
 // constraints after all others. Hyperparameters are fitted anew when their number has grown by a
 // tenth since, from where they were, on `fitted` of them at most. O(points^3) otherwise.
 #pragma once
@@ -38,11 +39,11 @@ class SurrogateModel {
     std::size_t fitted = 160;  // of those, for hyperparameters
   };
 
-  // What is believed of a design.
+  // // The belief about a design.
   struct Belief {
     std::vector<GaussianProcess::Prediction> metrics;  // d, as learnt
-    // The logarithm of the probability that it can be evaluated and meets all constraints, and its
-    // slope (D).
+    // The logarithm of the probability that the design can be evaluated and meets all constraints,
+    // and its slope (D).
     double log_feasibility = 0;
     Eigen::VectorXd log_feasibility_gradient;
   };
@@ -63,7 +64,7 @@ class SurrogateModel {
   Belief At(const Eigen::VectorXd& u) const;
   Beliefs AtAll(const Eigen::MatrixXd& designs) const;  // D x k
 
-  // Standard deviation of the noise of each metric as learnt, d.
+  // Returns the standard deviation of the noise of each metric as learnt, d.
   Eigen::VectorXd Noise() const;
 
   const LearntMetrics& learnt() const { return learnt_; }

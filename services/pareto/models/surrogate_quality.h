@@ -1,4 +1,4 @@
-// How well a surrogate has predicted what was then evaluated.
+// Measures how well a surrogate has predicted what was then evaluated.
 #pragma once
 
 #include <cstdint>
@@ -9,10 +9,10 @@ namespace mortise::pareto {
 struct SurrogateQuality {
   std::int64_t proposals = 0;    // designs that the surrogate proposed and that were evaluated
   std::int64_t predictions = 0;  // of those that did not fail: metrics predicted
-  // Share of predictions off by at most two of their standard deviations: .95 for one that knows
-  // how good it is, less for one that is too sure of itself.
+  // The share of predictions off by at most two of their standard deviations: .95 for one that
+  // knows how good it is, less for one that is too sure of itself.
   double within_two_deviations = 0;
-  // In the median, how far predictions were off, in parts of the front's range.
+  // The median of how far predictions were off, in parts of the front's range.
   double median_error = 0;
 };
 
@@ -21,10 +21,11 @@ class SurrogateTally {
  public:
   void AddProposal() { ++proposals_; }
 
-  // A metric that came out as `value`; all in units of the front's range.
+  // Counts the prediction of a metric that came out as `value`; all are in units of the front's
+  // range.
   void AddPrediction(double mean, double deviation, double value);
 
-  // All that `other` has counted.
+  // Adds all that `other` has counted.
   void Add(const SurrogateTally& other);
 
   SurrogateQuality quality() const;

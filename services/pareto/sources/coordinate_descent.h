@@ -2,16 +2,16 @@
 // from what is best: the beginning of a search with evaluations to spare.
 //
 // Where metrics are nearly sums over parameters, or some function of such a sum, however many local
-// optima each term has, this leads to the best of them in some dozens of evaluations a parameter.
-// What searches in all directions at once meets the product of those optima. Where parameters act
-// together it is a walk downhill along the axes, for which there are better ways: more than two
-// passes over the parameters (one, with few values for each) are made only where metrics ripple
-// along most of them, and none after one that brought little.
+// optima each term has, this leads to the best of them in some dozens of evaluations a parameter. A
+// search in all directions at once meets the product of those optima. Where parameters act together
+// this is a walk downhill along the axes, for which there are better ways: more than two passes
+// over the parameters (one, with few values for each) are made only where metrics ripple along most
+// of them, and none after one that brought little.
 //
 // Some parameters are looked along side by side, from the same design; then all that has been found
 // is put together, which is right where they do not act together, and tried beside the best of
-// them. Parameters come in random order. What counts is about the distance to a point below the
-// ideal one, so any metric may gain.
+// them. Parameters come in random order. Designs are compared by about their distance to a point
+// below the ideal one, so any metric may gain.
 #pragma once
 
 #include <Eigen/Core>
@@ -36,7 +36,7 @@ class CoordinateDescent : public PointSource {
     LineMinimum::Options line;
   };
 
-  // From a feasible entry.
+  // // Begins at a feasible entry.
   CoordinateDescent(const Options& options, const Archive& archive, std::size_t start,
                     Random& random);
 

@@ -5,11 +5,10 @@
 // the optima multiply, and these do not. Where parameters act together it brings little, and gets
 // little of the budget.
 //
-// Some values of the parameter are tried side by side, half of them anywhere (one of them a
-// bound: between there and here may be what is not allowed, or worse), half near the start.
-// If the best of them comes nearer to the target than the start, parabolas through three points
-// follow it down, in nine evaluations at most. With no values to try,
-// that is all.
+// Some values of the parameter are tried side by side, half of them anywhere (one of them a bound:
+// between there and here designs may not be allowed, or be worse), half near the start. If the best
+// of them comes nearer to the target than the start, parabolas through three points follow it down,
+// in nine evaluations at most. With no values to try, it only follows parabolas.
 #pragma once
 
 #include <Eigen/Core>
@@ -27,7 +26,7 @@ namespace mortise::pareto {
 
 class CoordinateSearch : public PointSource {
  public:
-  // Along a parameter of an evaluated design, with so many values anywhere on its range.
+  // Looks along a parameter of an evaluated design, with so many values anywhere on its range.
   CoordinateSearch(const Archive& archive, const Scaling& scaling,
                    const LocalOptimization::Target& target, std::size_t start,
                    Eigen::Index parameter, int values, Random& random);

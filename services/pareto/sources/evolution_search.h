@@ -1,14 +1,14 @@
 // Searches for trade-offs with a Gaussian that learns how metrics fall (evolution_strategy.h), one
-// place of the front after the other: what goes on where metrics have kinks, or fall along
-// directions that are turned against the parameters.
+// place of the front after the other. It goes on where metrics have kinks, or fall along directions
+// that are turned against the parameters.
 //
 // Each search is against a snapshot of the front: a design counts for the hypervolume that it adds
 // to what the snapshot dominates, or, where it adds none, against how far all its metrics together
 // would have to improve to add some (the uncrowded hypervolume improvement of Toure, Hansen, Auger
 // and Brockhoff, COMO-CMA-ES, 2019). The first has no snapshot and goes for the middle of the
-// front. One that no longer gains is followed by another, from a trade-off beside a large hole,
-// with the shape of the Gaussian kept. Of a few samples the one is taken of which a local model of
-// known evaluations promises most.
+// front. A search that no longer gains is followed by another, from a trade-off beside a large
+// hole, with the shape of the Gaussian kept. Of a few samples it takes the one of which a local
+// model of known evaluations promises most.
 #pragma once
 
 #include <Eigen/Core>
@@ -37,21 +37,21 @@ class EvolutionSearch {
 
   explicit EvolutionSearch(std::uint64_t seed) : random_(seed) {}
 
-  // Another sample of what has been learnt so far; the archive holds a feasible entry. Any number
-  // may be under way.
+  // Draws another sample of what has been learnt so far; the archive holds a feasible entry. Any
+  // number of samples may be under way.
   Sample Next(const Archive& archive, const Scaling& scaling);
 
-  // What came of a sample, as an entry. Every generation of them is learnt from as soon as it is
-  // complete; those of a search that is over are not.
+  // Takes what came of a sample, as an entry. Every generation of samples is learnt from as soon as
+  // it is complete; those of a search that is over are not.
   void Tell(const Archive& archive, const Scaling& scaling, int search, std::size_t entry);
 
   // Returns up to `count` designs that are to other trade-offs what the best design of the search
   // is to what it was when those were found: as the designs of a front hang together, what improves
-  // one of them may well improve the others. None twice.
+  // one of them may well improve the others. It returns none twice.
   std::vector<Eigen::VectorXd> Transfers(const Archive& archive, std::size_t count);
 
-  // Returns what part of its patience the first search has left, 1 before it has begun; 0 for later
-  // ones.
+  // Returns the part of its patience that the first search has left, 1 before it has begun; 0 for
+  // later ones.
   double Promise() const;
 
  private:
@@ -75,7 +75,7 @@ class EvolutionSearch {
   std::set<std::pair<std::size_t, std::size_t>> transferred_;  // trade-off and best
 };
 
-// Some samples, asked for at once. `search` must outlive it.
+// A source of some samples, asked for at once. `search` must outlive it.
 class Evolving : public PointSource {
  public:
   Evolving(const Archive& archive, const Scaling& scaling, int samples, EvolutionSearch& search);

@@ -1,9 +1,9 @@
 // A Gaussian of designs whose mean, size and shape follow what its samples bring.
 //
-// The evolution strategy with covariance matrix adaptation, in the notation of Hansen's tutorial
-// (arXiv 1604.00772; weights below zero for the worse half, §B.3 there): designs u = m + sigma y, y
-// ~ N(0, C). It sees nothing but an order of its samples, so that neither kinks nor the scale of
-// what is optimised matter to it, and a rotation of the parameters does not either.
+// It is the evolution strategy with covariance matrix adaptation, in the notation of Hansen's
+// tutorial (arXiv 1604.00772; weights below zero for the worse half, §B.3 there): designs u = m +
+// sigma y, y ~ N(0, C). It sees nothing but an order of its samples, so that neither kinks nor the
+// scale of what is optimised matter to it, and a rotation of the parameters does not either.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,13 +15,14 @@ namespace mortise::pareto {
 
 class EvolutionStrategy {
  public:
-  // From a design in unit coordinates (D), with a standard deviation of `size` in each of them.
+  // Begins at a design in unit coordinates (D), with a standard deviation of `size` in each of
+  // them.
   EvolutionStrategy(const Eigen::VectorXd& mean, double size);
 
-  // Samples of one generation, lambda.
+  // Returns how many samples a generation has, lambda.
   int samples() const { return static_cast<int>(weights_.size()); }
 
-  // Returns a design within the unit box: what falls outside is mirrored at the bound.
+  // Draws a design within the unit box: a sample outside is mirrored at the bound.
   Eigen::VectorXd Sample(Random& random) const;
 
   // Learns from the samples of a generation, best first. O(D^2 lambda), and O(D^3) once in some

@@ -1,4 +1,4 @@
-// Designs between those of neighbouring trade-offs, and a little beyond them.
+// Proposes designs between those of neighbouring trade-offs, and a little beyond them.
 //
 // The designs of a front form pieces of d - 1 dimensions that are flat or bend slowly (the thesis's
 // §7.4; Zhang, Zhou and Jin, RM-MEDA, 2008). Half way between two designs of a piece there is
@@ -33,13 +33,13 @@ class FrontBridging {
                            Random& random);
 
  private:
-  // Two entries, and whether it was beyond the first, away from the second.
+  // Two entries, and whether the design was beyond the first, away from the second.
   using Pair = std::tuple<std::size_t, std::size_t, bool>;
 
   std::set<Pair> tried_;
 };
 
-// Points that are known from the start, asked for at once.
+// A source of points that are known from the start, asked for at once.
 class PointList : public PointSource {
  public:
   explicit PointList(std::vector<Eigen::VectorXd> points) : points_(points.begin(), points.end()) {}

@@ -1,10 +1,10 @@
-// What the end of a budget goes to: rounds that bring what is nearly on the front on to it.
+// Spends the end of a budget on rounds that bring what is nearly on the front on to it.
 //
 // A search leaves many designs that are trade-offs only because nothing has dominated them yet.
 // Models of all that has been evaluated tell where the front is far better than any of its steps
-// did. So towards the end there are rounds, one after the other, of two kinds of designs: odd ones
-// out put back in line (outlier_repair.h), and trade-offs pushed on to the front
-// (front_polishing.h), the best of each cell first.
+// did. So towards the end there are rounds, one after the other, of two kinds of designs: outliers
+// put back in line (outlier_repair.h), and trade-offs pushed on to the front (front_polishing.h),
+// the best of each cell first.
 //
 // The first round polishes a few only, to see whether that pays: models do not see very many local
 // optima, or noise. It does where at least a quarter of what was polished last are trade-offs. As
@@ -39,8 +39,8 @@ class FrontFinishing {
   explicit FrontFinishing(const Options& options) : options_(options) {}
 
   // Returns the next round, if one is due when `left` evaluations are left and the last one has
-  // ended; else none. A round is to be told all before it is destroyed. A few model fits for each
-  // design of it.
+  // ended; else none. A round is to be told all before it is destroyed. It takes a few model fits
+  // for each of its designs.
   std::unique_ptr<PointSource> NextRound(const Archive& archive, std::int64_t left);
 
   // Whether the `left` evaluations are for polishing alone, so that nothing is added any more that
@@ -48,7 +48,7 @@ class FrontFinishing {
   bool PolishesOnly(std::int64_t left) const;
 
  private:
-  // What came of a round, which outlives its source.
+  // The outcome of a round, which outlives its source.
   struct Outcome {
     std::size_t polished = 0;  // designs that were not known before
     std::size_t kept = 0;      // of these, trade-offs when they were told

@@ -1,4 +1,4 @@
-// Designs near the front, pushed on to it as far as is known without evaluating anything.
+// Pushes designs near the front on to it as far as is known without evaluating anything.
 //
 // Around a design u that is nearly Pareto-optimal, quadratic models (quadratic_model.h) of what has
 // been evaluated nearby tell a direction -alpha normal to the front (first_order_expansion.h), and
@@ -33,26 +33,27 @@ struct PolishedDesign {
   double gain = 0;    // how much nearer to that point p brings it, as foretold; scaled performance
 };
 
-// `u` moved by p, no coordinate by more than `reach`. Needs an evaluated entry. O(D^3).
+// Returns `u` moved by p, no coordinate by more than `reach`. The archive must have an evaluated
+// entry. O(D^3).
 PolishedDesign Polished(const Archive& archive, const Scaling& scaling, const Eigen::VectorXd& u,
                         double reach);
 
 // Polishes trade-offs, round after round.
 class FrontPolishing {
  public:
-  // Which trade-offs are polished, by what they gain, in scaled performance. The thesis asks for
-  // errors below 1e-5.
+  // Says which trade-offs are polished, by what they gain, in scaled performance. The thesis asks
+  // for errors below 1e-5.
   struct Choice {
     double least = 2e-6;
     double most = std::numeric_limits<double>::infinity();
     bool typical = false;  // some of all that gain, rather than those that gain most
   };
 
-  // Trade-offs that gain so much by it, at most `count`: the best of each cell of `buffer`, those
-  // that gain most first, then others, the same. Some four for each that is wanted are looked at.
-  // What gains no more than the least is looked at again only some rounds
-  // later, and what still is a trade-off after it was polished three times never. O(n) for n
-  // trade-offs, and a Polished for each that is looked at.
+  // Returns polished trade-offs that gain as much as `choice` says, at most `count`: first the best
+  // of each cell of `buffer`, those that gain most first, then others in the same order. It looks
+  // at some four for each that is wanted. It looks at a trade-off that gains no more than the least
+  // again only some rounds later, and never at one that still is a trade-off after it was polished
+  // three times. O(n) for n trade-offs, and a Polished for each that is looked at.
   std::vector<Eigen::VectorXd> Next(const Archive& archive, const PerformanceBuffer& buffer,
                                     std::size_t count, const Choice& choice);
 

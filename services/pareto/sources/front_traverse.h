@@ -1,4 +1,4 @@
-// Crossing the whole front along a single parameter of a design.
+// Crosses the whole front along a single parameter of a design.
 //
 // Often one parameter for each metric but one is what trades metrics off (a thickness: mass against
 // stiffness), while the others are better or worse for all of them. Once a design has been brought
@@ -19,8 +19,8 @@
 
 namespace mortise::pareto {
 
-// First a few values over the range of the parameter, then the middle of the widest gaps in
-// performance between neighbours, but for those between designs that are clearly dominated.
+// It asks first for a few values over the range of the parameter, then for the middle of the widest
+// gaps in performance between neighbours, but for those between designs that are clearly dominated.
 class FrontTraverse : public PointSource {
  public:
   struct Options {
@@ -29,7 +29,7 @@ class FrontTraverse : public PointSource {
     double tolerance = 0.1;  // of dominance, scaled performance
   };
 
-  // Along `parameter` of an evaluated, feasible entry.
+  // Goes along `parameter` of an evaluated, feasible entry.
   FrontTraverse(const Options& options, const Archive& archive, const Scaling& scaling,
                 std::size_t entry, Eigen::Index parameter);
 

@@ -1,10 +1,10 @@
-// The least value of a function of one variable on [0, 1] that may have many local minima, as ask
-// and tell, several points at once.
+// Finds the least value of a function of one variable on [0, 1] that may have many local minima, as
+// ask and tell, several points at once.
 //
-// First a few points that cover the range, its ends among them. If parabolas through neighbours
-// tell what was found between them, that is all; if not, the function ripples, and gaps are halved
-// until they do, or up to a limit. Then parabolas lead down from the best few points that are
-// better than their neighbours, fewer each time.
+// It begins with a few points that cover the range, its ends among them. If parabolas through
+// neighbours tell what was found between them, these are enough; if not, the function ripples, and
+// gaps are halved until they do, or up to a limit. Then parabolas lead down from the best few
+// points that are better than their neighbours, fewer each time.
 #pragma once
 
 #include <deque>
@@ -24,13 +24,14 @@ class LineMinimum {
     double tolerance = 1e-5;  // of the range of values, where parabolas end
   };
 
-  // With a value that is known already.
+  // // Begins with a value that is known already.
   LineMinimum(const Options& options, double known, double value, Random& random);
 
   // Returns the next point; nullopt while it waits, or once finished.
   std::optional<double> Ask();
 
-  // What was found there, or where it came to lie; infinite where there is no value.
+  // Takes the value at a point, as asked for or where it came to lie; infinite where there is no
+  // value.
   void Tell(double point, double value);
 
   bool Finished() const { return finished_; }

@@ -1,10 +1,11 @@
-// Local optimisation toward a reference point (Eq. 7.5), as ask and tell.
+// Optimises locally toward a reference point (Eq. 7.5), as ask and tell.
 //
 //   x_o = argmin over the box of |y(x) - z|^2 / 2,   y the scaled performance, z a reference point.
 //
-// A bounded least-squares problem whose residual r = y - z does not vanish, because z is meant to
-// be out of reach. Gauss-Newton alone converges badly then: near the front the Jacobian loses rank
-// (some alpha >= 0 has J^T alpha = 0), and what decides is the curvature the residual weighs,
+// This is a bounded least-squares problem whose residual r = y - z does not vanish, because z is
+// meant to be out of reach. Gauss-Newton alone converges badly then: near the front the Jacobian
+// loses rank (some alpha >= 0 has J^T alpha = 0), and the curvature that the residual weighs
+// decides,
 //
 //   B = J^T J + sum_i r_i H_i.
 //
@@ -50,14 +51,14 @@ class LocalOptimization : public PointSource {
 
   enum class StopReason { kNone, kConverged, kStalled, kBudget, kStartFailed };
 
-  // Where to go: z, and the unit vector along which it is moved on when it is in reach, by `reach`.
+  // The goal: z, and the unit vector along which it is moved on, by `reach`, when it is in reach.
   struct Target {
     Eigen::VectorXd z;  // d, scaled performance
     Eigen::VectorXd direction;
     double reach = 0.1;
   };
 
-  // From a new design `start`, or from an evaluated one, which costs nothing.
+  // Begin at a new design `start`, or at an evaluated one, which costs nothing.
   LocalOptimization(const Options& options, const Scaling& scaling, const Target& target,
                     const Eigen::VectorXd& start);
   LocalOptimization(const Options& options, const Scaling& scaling, const Target& target,
@@ -77,7 +78,7 @@ class LocalOptimization : public PointSource {
  private:
   enum class Waiting { kNothing, kStart, kDifferences, kStep, kGeometry };
 
-  // How good a point is: first what it violates, then how far it is from the target.
+  // Says how good a point is: first what it violates, then how far it is from the target.
   struct Merit {
     double violation = 0;
     double distance = 0;

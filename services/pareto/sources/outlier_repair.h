@@ -1,5 +1,5 @@
-// Designs that put odd ones out among the trade-offs back in line (§7.5.4 calls for a clean-up of
-// outliers; here the cleaned design is evaluated, so that it counts only if it is better).
+// Puts outliers among the trade-offs back in line (§7.5.4 calls for a clean-up of outliers; here
+// the cleaned design is evaluated, so that it counts only if it is better).
 //
 // Along a piece of a front most parameters stay where they are or change slowly. A trade-off one of
 // whose parameters lies far from those of its neighbours is mostly one that nothing has dominated

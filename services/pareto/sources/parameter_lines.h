@@ -1,8 +1,8 @@
-// What designs that differ in one parameter alone tell of it.
+// Learns of a parameter from designs that differ in it alone.
 //
-// A *line* is of four evaluated designs or more, all feasible, that are alike but for one
-// parameter, in which neighbours are a hundredth of its range apart or more. Looking along the
-// parameters one by one (coordinate_descent.h) leaves some behind.
+// A *line* is four evaluated designs or more, all feasible, that are alike but for one parameter,
+// in which neighbours are a hundredth of its range apart or more. Looking along the parameters one
+// by one (coordinate_descent.h) leaves some behind.
 #pragma once
 
 #include <Eigen/Core>
@@ -22,25 +22,25 @@ struct ParameterLine {
 std::vector<ParameterLine> ParameterLines(const Archive& archive);
 
 // Returns the parameters that trade metrics off, strongest first. A parameter's strength is the
-// second largest range of a metric, in units of `scaling`, among those of one of its lines that do
-// not dominate each other; below `least` it does not count.
+// second largest range of a metric, in units of `scaling`, among those designs of one of its lines
+// that do not dominate each other; a strength below `least` does not count.
 std::vector<Eigen::Index> TradingParameters(const Archive& archive,
                                             const std::vector<ParameterLine>& lines,
                                             const Scaling& scaling, double least);
 
 // Returns how far designs may differ in each parameter (D) for metrics to change by about as much
 // that no parabola explains, relative to the parameter with the longest such length: 1 but for
-// parameters along which metrics ripple, whose length is half of that or less (0.05 at least). By
-// how far values are from parabolas through their neighbours on a line, in the median. A metric
-// counts that ranges over a tenth of `scaling` on the line. A parameter that no line tells of has
-// 1.
+// parameters along which metrics ripple, whose length is half of that or less (0.05 at least). It
+// is found by how far values are from parabolas through their neighbours on a line, in the median.
+// Metrics that range over a tenth of `scaling` on the line count. A parameter that no line tells of
+// has 1.
 Eigen::VectorXd RelativeLengths(const Archive& archive, const std::vector<ParameterLine>& lines,
                                 const Scaling& scaling);
 
-// Returns a design for each metric: every parameter where that metric is least on that of the
-// parameter's lines which has most designs, or as the best entry has it that is on none; nothing
-// without lines. For metrics that are sums over parameters, or a function of such a sum, it is in
-// the valley of their optimum, however many others there are.
+// Returns a design for each metric. Each parameter is where that metric is least on the parameter's
+// line with most designs, or, if it has no line, as the best entry has it. Returns nothing without
+// lines. For metrics that are sums over parameters, or a function of such a sum, it is in the
+// valley of their optimum, however many others there are.
 std::vector<Eigen::VectorXd> LeastAlongLines(const Archive& archive,
                                              const std::vector<ParameterLine>& lines);
 

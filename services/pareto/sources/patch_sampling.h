@@ -1,4 +1,4 @@
-// Adaptive sampling of the affine piece that a first-order expansion spans (§7.5.3, Storage).
+// Samples adaptively the affine piece that a first-order expansion spans (§7.5.3, Storage).
 //
 // The thesis evaluates a whole grid on every piece, 1,001 points for d = 2, which dominates its
 // cost. Here the piece is walked from its centre outwards on a lattice whose spacing is chosen so
@@ -17,9 +17,9 @@
 //   - at last a few nodes beyond are probed, up to the bounds, since a front may go on where a
 //     stretch of the same piece is dominated: ZDT3's comes back four times. The walk goes on from
 //     those that no known point clearly dominates.
-// Where constraints hold the front they may be curved, which the piece is not: nodes are brought to
-// where the models of the constraints at the neighbour that they were reached from say that these
-// are met, and one that violates some nevertheless is tried once more, further from them.
+// Where constraints hold the front they may be curved, which the piece is not. So nodes are brought
+// to where the models of the constraints, at the neighbour that they were reached from, say that
+// these are met. A node that violates some nevertheless is tried once more, further from them.
 #pragma once
 
 #include <Eigen/Core>
@@ -53,8 +53,8 @@ class PatchSampling : public PointSource {
     int evaluations = 200;    // at most
     int probes = 0;           // beyond where the walk ended
     int ahead = 0;            // nodes asked for before their inner neighbour is known, each way
-    // Whether slopes and curvature that are not offered are measured by differences first, and the
-    // centre brought to where they say that it is best.
+    // True if slopes and curvature that are not offered are measured by differences first, and the
+    // centre is brought to where they say that it is best.
     bool measures = false;
     double measured_step = 0.02;           // of unit coordinates
     double critical_residual = 0.3;        // KKT residual up to which a design counts as critical
@@ -68,8 +68,8 @@ class PatchSampling : public PointSource {
   void Tell(Archive& archive, std::size_t entry) override;
   bool Finished() const override { return finished_ && asked_.empty(); }
 
-  // Known once the first point of the piece has been asked for; no directions where the design is
-  // not critical, or the metrics agree.
+  // Returns the piece, which is known once its first point has been asked for. It has no directions
+  // where the design is not critical, or the metrics agree.
   const AffinePiece& piece() const { return piece_; }
 
   // Whether it looks beyond where the walk ends.
@@ -88,7 +88,7 @@ class PatchSampling : public PointSource {
     bool again = false;      // it violated constraints once
   };
 
-  // What an outstanding point is for.
+  // The purpose of a point that is under way.
   struct Request {
     enum class Kind { kMeasurement, kCentre, kHessian, kNode, kBisection } kind;
     Eigen::Index coordinate = 0;  // kHessian
@@ -137,8 +137,8 @@ class PatchSampling : public PointSource {
   std::deque<Eigen::Index> hessian_coordinates_;
   int hessian_pending_ = 0;
   std::deque<Reached> frontier_;
-  // For d = 2, each way: the last node that held, the last asked for or passed, and whether one did
-  // not hold.
+  // The walk each way for d = 2: the last node that held, the last asked for or passed, and whether
+  // one did not hold.
   struct Walk {
     int held = 0;
     int asked = 0;

@@ -20,7 +20,7 @@ class PointSource {
   // when it has finished.
   virtual std::optional<Eigen::VectorXd> Ask(Archive& archive) = 0;
 
-  // The result of an earlier point, as an entry of the archive; in the order asked for.
+  // Takes the result of an earlier point, as an entry of the archive, in the order asked for.
   virtual void Tell(Archive& archive, std::size_t entry) = 0;
 
   // Whether no more points will be asked for and none is under way.

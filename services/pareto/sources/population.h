@@ -1,5 +1,5 @@
-// The best designs so far, kept apart from each other, and children of them: what finds its way
-// where metrics have very many local optima, and slopes lead nowhere.
+// Keeps the best designs so far, apart from each other, and makes children of them. These find
+// their way where metrics have very many local optima, and slopes lead nowhere.
 //
 // Designs are ranked by how many layers of non-dominated ones are above them, and within a layer by
 // how far apart they are in performance (NSGA-II; Deb, Pratap, Agarwal and Meyarivan 2002), one
@@ -35,16 +35,16 @@ class Population {
     Way way = Way::kCrossover;
   };
 
-  // Keeps so many designs, at least four.
+  // Keeps `size` designs, at least four.
   explicit Population(std::size_t size) : size_(size) {}
 
-  // Offers a feasible entry of the archive; whether it stays.
+  // Offers a feasible entry of the archive; returns whether it stays.
   bool Offer(const Archive& archive, std::size_t entry);
 
   // Tells what came of a child.
   void Report(Way way, bool stayed);
 
-  // Needs four designs.
+  // Makes a child; there must be four designs.
   Child MakeChild(const Archive& archive, Random& random) const;
 
   std::size_t size() const { return members_.size(); }
@@ -62,7 +62,7 @@ class Population {
   std::array<double, 3> stayed_ = {1, 1, 1};
 };
 
-// Some children of a population, asked for at once. `population` must outlive it.
+// A source of some children of a population, asked for at once. `population` must outlive it.
 class Breeding : public PointSource {
  public:
   Breeding(const Archive& archive, Population& population, int children, Random& random);

@@ -1,7 +1,7 @@
-// Designs that a surrogate proposes: where it expects the most hypervolume to be gained.
+// Proposes designs where a surrogate expects the most hypervolume to be gained.
 //
-// For expensive evaluators. What has been evaluated, and what is under way (taken for what it is
-// believed to become: Kriging believer, Ginsbourger, Le Riche, Carraro 2010), makes a
+// It is for expensive evaluators. What has been evaluated, and what is under way (taken for what it
+// is believed to become: Kriging believer, Ginsbourger, Le Riche, Carraro 2010), makes a
 // SurrogateModel; the design proposed is about the largest of
 //
 //   E[hypervolume gained] * P(no constraint is violated and the evaluation does not fail)
@@ -13,7 +13,7 @@
 // moved a little, some of their parameters moved, designs between and beyond two of them, and then
 // along the slope from the best of those (L-BFGS of NLopt).
 //
-// The evaluator decides: only what it answers enters the archive. How far predictions were off is
+// The evaluator decides: only what it answers enters the archive. The quality of predictions is
 // kept beside.
 #pragma once
 
@@ -41,7 +41,7 @@ class SurrogateSearch {
     int steps = 40;        // of an ascent, at most
   };
 
-  // Proposals can be set in `box`, whose unit coordinates are those of the archive.
+  // Proposes designs that can be set in `box`, whose unit coordinates are those of the archive.
   SurrogateSearch(const Options& options, const DesignSpace& box, std::uint64_t seed)
       : options_(options), box_(box), random_(seed), model_(options.model) {}
 
