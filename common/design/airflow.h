@@ -1,4 +1,4 @@
-// The air that is to flow around a design: what it is, and how it comes.
+// Says which air is to flow around a design, and how it comes.
 #pragma once
 
 #include <Eigen/Core>
@@ -26,8 +26,9 @@ struct Airflow {
   int cells = 30'000;  // about how many to compute with
 };
 
-// INVALID_ARGUMENT naming all that is wrong of "wind" (1 to 240 m/s, at most 0.7 of the speed of
-// sound), "temperature" (150 to 1000 K), "pressure" (1e3 to 1e6 Pa), "cells" (2,000 to 5,000,000).
+// Fails with INVALID_ARGUMENT naming all that is wrong of "wind" (1 to 240 m/s, at most 0.7 of the
+// speed of sound), "temperature" (150 to 1000 K), "pressure" (1e3 to 1e6 Pa), "cells" (2,000 to
+// 5,000,000).
 absl::Status CheckAirflow(const Airflow& airflow);
 
 }  // namespace mortise::parametric

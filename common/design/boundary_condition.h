@@ -1,5 +1,5 @@
-// What each kind of boundary condition is and takes, whatever template it is written in, and its
-// numbers at given parameters. Mirrors BoundaryCondition of mortise/v1/design.proto.
+// Says what each kind of boundary condition is and takes, whatever template it is written in, and
+// its numbers at given parameters. Mirrors BoundaryCondition of mortise/v1/design.proto.
 #pragma once
 
 #include <Eigen/Core>

@@ -16,10 +16,10 @@ namespace mortise::parametric {
 // Can be evaluated from any number of threads.
 class ConditionExpressions {
  public:
-  // No conditions.
+  // // Holds no conditions.
   ConditionExpressions() = default;
 
-  // Parses; what is wrong, with its place ("boundary_conditions[2].components[0]",
+  // Parses the expressions; what is wrong, with its place ("boundary_conditions[2].components[0]",
   // "reference_temperature"), is added to `findings`, and then nothing else may be called. Names
   // are not looked at, nor whether parts and faces exist, but what acts on the whole body has
   // neither.
@@ -34,7 +34,8 @@ class ConditionExpressions {
   // be computed or is not what it must be, and the condition.
   absl::StatusOr<EvaluatedBoundaryCondition> At(std::size_t index, const Eigen::VectorXd& q) const;
 
-  // K; nothing where there is none. INVALID_ARGUMENT naming "reference_temperature".
+  // Returns the reference temperature, K; nothing where there is none. INVALID_ARGUMENT naming
+  // "reference_temperature".
   absl::StatusOr<std::optional<double>> ReferenceTemperature(const Eigen::VectorXd& q) const;
 
  private:

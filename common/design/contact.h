@@ -29,7 +29,7 @@ int FindFace(const EvaluatedPart& part, const std::string& name);
 // along an axis of the design on the ends.
 PlanarFace FaceOf(const EvaluatedPart& part, int face);
 
-// Where a face meets another part.
+// A patch where a face meets another part.
 struct ContactPatch {
   PlanarFace face;                       // the plane and its axes
   std::vector<Eigen::Matrix2Xd> pieces;  // m, in (u, v); disjoint and convex; none if no contact
@@ -46,7 +46,8 @@ ContactPatch FindContact(const EvaluatedPart& part, int face, const EvaluatedPar
 // m.
 double PenetrationDepth(const EvaluatedPart& a, const EvaluatedPart& b);
 
-// As PenetrationDepth, between two pegs as 12-sided prisms around their cylinders.
+// Returns the depth as PenetrationDepth does, between two pegs as 12-sided prisms around their
+// cylinders.
 double PenetrationDepth(const EvaluatedConnector& a, const EvaluatedConnector& b);
 
 // Whether the cylinder of radius `radius` from `start` along the unit vector `direction` for

@@ -8,7 +8,8 @@
 
 namespace mortise::parametric {
 
-// In the order of the manual. The cost is in the currency of the items: its unit is empty.
+// Returns the metrics in the order of the manual. The cost is in the currency of the items: its
+// unit is empty.
 const std::vector<NamedUnit>& DesignMetrics();
 
 }  // namespace mortise::parametric

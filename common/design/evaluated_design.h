@@ -14,7 +14,7 @@
 
 namespace mortise::parametric {
 
-// What a part that is no prism looks like.
+// The looks of a part that is no prism.
 struct FacetedShape {
   mesh::SurfaceMesh surface;
   Eigen::VectorXi triangle_face;                     // T, index into face_names

@@ -8,27 +8,27 @@
 
 namespace mortise::parametric {
 
-// "materials/oak" for the collection "materials".
+// Checks the name of a resource: "materials/oak" for the collection "materials".
 void CheckResourceName(const std::string& name, const std::string& collection,
                        std::vector<FieldViolation>& findings);
 
-// Texts for people, in characters of UTF-8: a title of at most 200, a description of at most
+// Check texts for people, in characters of UTF-8: a title of at most 200, a description of at most
 // 10,000. Lists show many of them in one message.
 void CheckTitle(const std::string& field, const std::string& text,
                 std::vector<FieldViolation>& findings);
 void CheckDescription(const std::string& field, const std::string& text,
                       std::vector<FieldViolation>& findings);
 
-// At most 1000 bytes.
+// // Checks that a text has at most 1000 bytes.
 void CheckText(const std::string& field, const std::string& text,
                std::vector<FieldViolation>& findings);
 
-// Empty, or a link that leads to a page; at most 1000 bytes.
+// Checks that a text is empty, or a link that leads to a page, of at most 1000 bytes.
 void CheckLink(const std::string& field, const std::string& link,
                std::vector<FieldViolation>& findings);
 
-// Of a parameter: one of those in docs/templates.md, all SI and without prefixes but of the
-// kilogram; "1" for none.
+// Checks the unit of a parameter: one of those in docs/templates.md, all SI and without prefixes
+// but of the kilogram; "1" for none.
 void CheckUnit(const std::string& field, const std::string& unit,
                std::vector<FieldViolation>& findings);
 

@@ -1,5 +1,5 @@
-// What a design is by its shape alone, without a mesh or a solution: mass and inertia, shadows and
-// drag, standing and floating.
+// Computes what a design is by its shape alone, without a mesh or a solution: mass and inertia,
+// shadows and drag, standing and floating.
 #pragma once
 
 #include <Eigen/Core>
@@ -22,7 +22,7 @@ struct SolidPart {
   double density = 0;         // kg/m³
 };
 
-// What surrounds a design.
+// // The surroundings of a design.
 struct Surroundings {
   Eigen::Vector3d wind{-10, 0, 0};  // m/s, the way it blows: from the front, for what faces +x
   double drag_coefficient = 1;      // of the shadow across the wind
@@ -35,9 +35,9 @@ class GeometryMetrics {
  public:
   explicit GeometryMetrics(std::vector<SolidPart> parts, Surroundings surroundings = {});
 
-  // mass, volume, center_of_mass_x …, inertia_xx …, projected_area_x …, drag, toppling_margin,
-  // toppling_angle, displaced_volume, draught, freeboard, metacentric_height. In the order in which
-  // they are shown.
+  // Returns mass, volume, center_of_mass_x …, inertia_xx …, projected_area_x …, drag,
+  // toppling_margin, toppling_angle, displaced_volume, draught, freeboard, metacentric_height, in
+  // the order in which they are shown.
   static const std::vector<MetricDescription>& Offered();
 
   // Returns the value of an offered metric. FAILED_PRECONDITION, SINKS, for those of what floats

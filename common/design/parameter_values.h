@@ -39,7 +39,7 @@ std::vector<FieldViolation> CheckRanges(const std::vector<Parameter>& parameters
 // there are more than 6; and `random` points, always the same.
 std::vector<Eigen::VectorXd> TrialPoints(const std::vector<Parameter>& parameters, int random);
 
-// "length = 0.2, width = 0.1", for people. `q` has one entry a parameter.
+// Returns "length = 0.2, width = 0.1", for people. `q` has one entry a parameter.
 std::string ToText(const std::vector<Parameter>& parameters,
                    const Eigen::Ref<const Eigen::VectorXd>& q);
 

@@ -11,7 +11,7 @@ namespace mortise::parametric {
 // Returns the shape of a part that is a prism, named as the part. Faces keep their names.
 mesh::PartShape PartShapeOf(const EvaluatedPart& part);
 
-// Those of all parts, in order.
+// Returns the shapes of all parts, in order.
 std::vector<mesh::PartShape> PartShapes(const EvaluatedDesign& design);
 
 }  // namespace mortise::parametric

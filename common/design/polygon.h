@@ -8,7 +8,7 @@
 
 namespace mortise::parametric {
 
-// Half the sum of cross products: positive for counter-clockwise polygons. m².
+// Returns half the sum of cross products, m²: positive for counter-clockwise polygons.
 double SignedArea(const Eigen::Matrix2Xd& polygon);
 
 // Whether no two edges cross or touch except neighbours at their common corner, no edge is shorter

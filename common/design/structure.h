@@ -8,7 +8,7 @@
 
 namespace mortise::parametric {
 
-// How many there are of what repeats.
+// Says how many there are of what repeats.
 struct StructureCount {
   std::string name;          // of what repeats: an element, a feature, a polygon's corners
   std::vector<int> numbers;  // along each of its directions, one or two
@@ -28,7 +28,8 @@ struct Structure {
 // the same structure on any machine.
 std::string KeyOf(const Structure& structure);
 
-// For people: "shelf 1: 6, screw left 1: 2 × 6"; "always the same" where nothing is counted.
+// Says the structure for people: "shelf 1: 6, screw left 1: 2 × 6"; "always the same" where nothing
+// is counted.
 std::string Describe(const Structure& structure);
 
 }  // namespace mortise::parametric

@@ -1,4 +1,4 @@
-// What can be seen to be wrong with a template without evaluating it. Private to this folder;
+// Finds what can be seen to be wrong with a template without evaluating it. Private to this folder;
 // template_validation.h is the door.
 #pragma once
 
@@ -8,8 +8,8 @@
 
 namespace mortise::parametric {
 
-// Names, references, ranges, expressions and limits of size. If it finds nothing, the template
-// compiles.
+// Checks names, references, ranges, expressions and limits of size. If it finds nothing, the
+// template compiles.
 std::vector<FieldViolation> CheckTemplate(const TemplateBundle& bundle);
 
 }  // namespace mortise::parametric

@@ -16,7 +16,7 @@ namespace mortise::parametric {
 // length, Y the width, Z the thickness.
 enum class Axis { kX = 0, kY = 1, kZ = 2 };
 
-// "x", "y" or "z".
+// // Returns "x", "y" or "z".
 const char* AxisName(Axis axis);
 
 // How a dimension of an item is brought to size; kNone if it is fixed.
@@ -69,7 +69,7 @@ struct Material {
   std::optional<OrthotropicElasticity> orthotropic = {};  // of what has a grain
   std::optional<bool> grain = {};                         // which parts keep their direction to
 
-  // Where nothing is said there may be one.
+  // Whether the material may have a grain: it may where nothing is said.
   bool HasGrain() const { return grain.value_or(true); }
 };
 

@@ -11,7 +11,7 @@
 
 namespace mortise::parametric {
 
-// Ranges, units and names of a material.
+// Checks ranges, units and names of a material.
 std::vector<FieldViolation> ValidateMaterial(const Material& material);
 
 // Checks an item by itself: names, prices, dates, dimensions and their ranges. `materials` are
@@ -27,7 +27,7 @@ std::vector<FieldViolation> ValidateItem(const Item& item, const std::vector<Mat
 // kind and place.
 std::vector<FieldViolation> ValidateTemplate(const TemplateBundle& bundle);
 
-// OK for no findings; else INVALID_ARGUMENT naming the fields of all of them.
+// Returns OK for no findings, else INVALID_ARGUMENT naming the fields of all of them.
 absl::Status ToStatus(const std::vector<FieldViolation>& findings);
 
 }  // namespace mortise::parametric

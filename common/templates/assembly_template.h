@@ -1,4 +1,4 @@
-// An assembly that parametrises itself (thesis §3.4, §3.5) as a Template: each parameter is a
+// Makes an assembly that parametrises itself (thesis §3.4, §3.5) a Template: each parameter is a
 // length of the design that may be asked for, and F(q) is the feasible design nearest to the drawn
 // one that has all of them.
 #pragma once

@@ -1,4 +1,4 @@
-// A mesh in a cage (thesis §7.6.2) as a Template of one part.
+// Makes a mesh in a cage (thesis §7.6.2) a Template of one part.
 #pragma once
 
 #include <memory>
@@ -8,8 +8,8 @@
 
 namespace mortise::templates {
 
-// As MakeFeatureTemplate. It has exact gradients of volume and mass, and no boundary
-// representation.
+// Makes the template as MakeFeatureTemplate does. It has exact gradients of volume and mass, and no
+// boundary representation.
 absl::StatusOr<std::shared_ptr<const Template>> MakeCageTemplate(
     TemplateHead head, parametric::CageTemplate definition);
 

@@ -1,4 +1,4 @@
-// Designs that are one solid rather than an assembly of parts.
+// Makes designs that are one solid rather than an assembly of parts.
 #pragma once
 
 #include <string>
@@ -11,7 +11,7 @@
 
 namespace mortise::templates {
 
-// What a solid is called and made of.
+// The name and the material of a solid.
 struct SolidIdentity {
   std::string name;  // templates/{id}
   std::string title;

@@ -1,4 +1,4 @@
-// A CAD template, a list of features (thesis §6.1), as a Template of one part.
+// Makes a CAD template, a list of features (thesis §6.1), a Template of one part.
 #pragma once
 
 #include <memory>

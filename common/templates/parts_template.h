@@ -1,4 +1,4 @@
-// A template of parts whose sizes are expressions (docs/catalogue.md), as a Template.
+// Makes a template of parts whose sizes are expressions (docs/catalogue.md) a Template.
 #pragma once
 
 #include <memory>
@@ -8,7 +8,8 @@
 
 namespace mortise::templates {
 
-// INVALID_ARGUMENT naming the fields at fault, as parametric::TemplateFunction::Create.
+// Fails with INVALID_ARGUMENT naming the fields at fault, as parametric::TemplateFunction::Create
+// does.
 absl::StatusOr<std::shared_ptr<const Template>> MakePartsTemplate(
     const parametric::TemplateBundle& bundle);
 

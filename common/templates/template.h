@@ -26,7 +26,7 @@ class ParametricAssembly;
 
 namespace mortise::templates {
 
-// What all kinds have in common.
+// The head that all kinds have in common.
 struct TemplateHead {
   std::string name;  // templates/{id}
   int64_t revision = 0;
@@ -47,7 +47,7 @@ class Template {
   const TemplateHead& head() const { return head_; }
   const std::vector<parametric::Parameter>& parameters() const { return head_.parameters; }
 
-  // F(q): one entry of q a parameter, in their order. INVALID_ARGUMENT naming
+  // Returns F(q), with one entry of q a parameter, in their order. INVALID_ARGUMENT naming
   // "parameters[i].value" for a wrong count, a value out of range or not finite, or the template's
   // field where the design cannot be made at q; FAILED_PRECONDITION, DEMANDS_CONFLICT, where an
   // assembly cannot have all these sizes at once.
@@ -72,12 +72,13 @@ class Template {
   // an assembly each part's shape tells it.
   virtual bool HasExactSurfaces() const { return true; }
 
-  // What an assembly template is made of at q: the assembly, and its parameters there. Nothing for
-  // other kinds. Fails as Evaluate.
+  // What an assembly template is made of at q: the assembly, and its parameters there.
   struct AssemblyDesign {
     std::shared_ptr<const parametric::ParametricAssembly> assembly;
     Eigen::VectorXd q;
   };
+
+  // Returns the assembly at q; nothing for other kinds of templates. Fails as Evaluate does.
   absl::StatusOr<std::optional<AssemblyDesign>> AssemblyAt(const Eigen::VectorXd& q) const;
 
   // Whether Mass can be asked for.

@@ -1,5 +1,5 @@
-// Templates of any kind from the messages of mortise/v1/template.proto. Target mortise_templates;
-// only adapters use it.
+// Makes templates of any kind from the messages of mortise/v1/template.proto. Target
+// mortise_templates; only adapters use it.
 #pragma once
 
 #include <functional>
@@ -49,7 +49,7 @@ absl::Status Complete(
 std::set<std::string> ItemsOf(const v1::Template& message);
 std::set<std::string> MaterialsOf(const v1::Template& message);
 
-// Without what it is made of; its kind can still be told.
+// Returns the template without what it is made of; its kind can still be told.
 v1::Template SummaryOf(v1::Template message);
 
 }  // namespace mortise::templates

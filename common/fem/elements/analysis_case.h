@@ -1,4 +1,4 @@
-// How a meshed assembly is held and loaded.
+// Says how a meshed assembly is held and loaded.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,7 +14,8 @@
 
 namespace mortise::simulator {
 
-// Prescribes displacement on a face of a part, wherever it touches other parts or not, or of nodes.
+// // A support prescribes displacement on a face of a part, wherever it touches other parts or not,
+// or of nodes.
 struct Support {
   mesh::NamedFace face;                         // without a name: `nodes` are held instead
   std::array<bool, 3> fixed{true, true, true};  // which of x, y, z
@@ -77,7 +78,8 @@ struct LoadCase {
   std::optional<Rotation> rotation;
   // Force per volume, N/m³, at a position; none if empty.
   std::function<Eigen::Vector3d(const Eigen::Vector3d& position)> body_force;
-  // K above the temperature at which nothing is under stress, of each node; empty if none is.
+  // The temperature of each node, K above the one at which nothing is under stress; empty if none
+  // is.
   Eigen::VectorXd temperature;
 };
 
@@ -94,13 +96,14 @@ struct AnalysisCase : LoadCase {
   std::vector<Support> supports;
 };
 
-// INVALID_ARGUMENT naming the field ("materials[1].density", "supports[0].face") if there is not
-// one usable material for each part, or a support is on a face that the mesh lacks.
+// Fails with INVALID_ARGUMENT naming the field ("materials[1].density", "supports[0].face") if
+// there is not one usable material for each part, or a support is on a face that the mesh lacks.
 absl::Status CheckModel(const mesh::TetrahedralMesh& mesh, const std::vector<Material>& materials,
                         const std::vector<Support>& supports);
 
-// INVALID_ARGUMENT naming the field ("forces[1].face") if a load is on a face that the mesh lacks
-// or that is wholly covered by other parts, is not finite, or has the wrong number of temperatures.
+// Fails with INVALID_ARGUMENT naming the field ("forces[1].face") if a load is on a face that the
+// mesh lacks or that is wholly covered by other parts, is not finite, or has the wrong number of
+// temperatures.
 absl::Status CheckLoads(const mesh::TetrahedralMesh& mesh, const LoadCase& loads);
 
 // Returns the indices of the face triangles that lie on `face`; with `free_only`, just those on the
@@ -108,7 +111,8 @@ absl::Status CheckLoads(const mesh::TetrahedralMesh& mesh, const LoadCase& loads
 std::vector<int> TrianglesOn(const mesh::TetrahedralMesh& mesh, const mesh::NamedFace& face,
                              bool free_only);
 
-// INVALID_ARGUMENT naming `field` unless the mesh has `face`, with `free_only` on its outside.
+// Fails with INVALID_ARGUMENT naming `field` unless the mesh has `face`, with `free_only` on its
+// outside.
 absl::Status CheckFace(const mesh::TetrahedralMesh& mesh, const mesh::NamedFace& face,
                        bool free_only, const std::string& field);
 

@@ -1,4 +1,4 @@
-// What parts are made of.
+// The materials that parts are made of.
 #pragma once
 
 #include <Eigen/Core>
@@ -44,12 +44,12 @@ struct Material {
   double Mu() const;      // Pa
 };
 
-// INVALID_ARGUMENT below `field` unless density and moduli are positive, Poisson's ratio lies
-// within -1 and 0.5, both excluded (at 0.5 the material is incompressible and the stiffness
+// Fails with INVALID_ARGUMENT below `field` unless density and moduli are positive, Poisson's ratio
+// lies within -1 and 0.5, both excluded (at 0.5 the material is incompressible and the stiffness
 // infinite), and an orthotropic stiffness is positive definite with axes that are a rotation.
 absl::Status CheckMaterial(const Material& material, const std::string& field);
 
-// INVALID_ARGUMENT below `field` unless the material conducts heat in every direction.
+// Fails with INVALID_ARGUMENT below `field` unless the material conducts heat in every direction.
 absl::Status CheckConductivity(const Material& material, const std::string& field);
 
 // Returns the grain along `grain` and direction 2 as near to `radial` as a right angle allows: axes
@@ -62,8 +62,8 @@ Matrix6d StiffnessMatrix(const Material& material);
 // Returns the strain of a body that is free to expand, for each kelvin of warming.
 Vector6d ThermalStrain(const Material& material);
 
-// Of materials that warmth strains nowhere, where thermal stress is computed: 0 is also what stands
-// where nobody knows. Empty if there are none.
+// Returns a note on materials that warmth strains nowhere, for where thermal stress is computed: 0
+// also stands where nobody knows the expansion. It is empty if there are none.
 std::string NoteOnExpansion(const std::vector<Material>& materials);
 
 // Returns the conductivity in space: heat flux = −k · gradient of temperature, W/(m K).
@@ -79,7 +79,7 @@ inline Vector6d StrainOf(const Eigen::Matrix3d& gradient) {
   return strain;
 }
 
-// xx yy zz xy yz xz as a symmetric matrix.
+// Returns xx yy zz xy yz xz as a symmetric matrix.
 Eigen::Matrix3d StressTensor(const Vector6d& stress);
 
 // Returns the equivalent uniaxial stress √(½((σx−σy)²+(σy−σz)²+(σz−σx)²)+3(τxy²+τyz²+τxz²)), Pa.

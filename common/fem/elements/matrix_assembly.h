@@ -1,4 +1,4 @@
-// Sparse matrices from the matrices of elements.
+// Assembles sparse matrices from the matrices of elements.
 #pragma once
 
 #include <Eigen/Core>
@@ -18,8 +18,8 @@ namespace mortise::simulator {
 // called from several threads.
 using ElementKernel = std::function<bool(int e, Eigen::Matrix3d* blocks)>;
 
-// INVALID_ARGUMENT naming "tetrahedra", "nodes" or "part" unless the arrays of the mesh fit
-// together and are finite.
+// Fails with INVALID_ARGUMENT naming "tetrahedra", "nodes" or "part" unless the arrays of the mesh
+// fit together and are finite.
 absl::Status CheckMesh(const mesh::TetrahedralMesh& mesh);
 
 // Adds the matrices of all elements to `sum`, which has the mesh's pattern; the same to the bit for

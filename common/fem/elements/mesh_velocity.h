@@ -1,4 +1,5 @@
-// How the nodes of a mesh move with the parameters of a design while its elements stay the same.
+// Says how the nodes of a mesh move with the parameters of a design while its elements stay the
+// same.
 //
 // Each face says how its plane moves; nodes on it do not leave it, and those on edges and corners
 // not any of their faces. Along faces, and in the volume, nodes follow as those of an elastic body

@@ -1,4 +1,4 @@
-// Where points lie in a mesh.
+// Finds where points lie in a mesh.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,5 +1,5 @@
-// How stiffness, loads and means over faces change when the nodes of a mesh move and its elements
-// stay the same: the exact derivatives of the discrete quantities, in closed form.
+// Computes how stiffness, loads and means over faces change when the nodes of a mesh move and its
+// elements stay the same: the exact derivatives of the discrete quantities, in closed form.
 //
 // Notation: V is the velocity of the nodes, G = ∇V in space. Of an isoparametric element,
 //   δ(dV) = tr(G) dV,  δ(∇u) = −∇u G,
@@ -18,13 +18,14 @@
 
 namespace mortise::simulator {
 
-// d(λᵀ K u)/dX. `materials`: one for each part.
+// Returns d(λᵀ K u)/dX. There is one of `materials` for each part.
 Eigen::Matrix3Xd StiffnessDerivative(const mesh::TetrahedralMesh& mesh,
                                      const std::vector<Material>& materials,
                                      const Eigen::Matrix3Xd& displacement,
                                      const Eigen::Matrix3Xd& adjoint);
 
-// d(λᵀ f)/dX of the forces, pressures and gravity of a load case, whose numbers stay the same.
+// Returns d(λᵀ f)/dX of the forces, pressures and gravity of a load case, whose numbers stay the
+// same.
 Eigen::Matrix3Xd LoadDerivative(const mesh::TetrahedralMesh& mesh,
                                 const std::vector<Material>& materials, const LoadCase& loads,
                                 const Eigen::Matrix3Xd& adjoint);
@@ -45,11 +46,12 @@ struct FaceMean {
 FaceMean MeanOverTriangles(const mesh::TetrahedralMesh& mesh, const std::vector<int>& triangles,
                            const Eigen::Matrix3Xd& field, const Eigen::Vector3d& direction);
 
-// Likewise of the length of u; a point where it is 0 adds nothing to the derivatives.
+// Returns the mean of the length of u likewise; a point where it is 0 adds nothing to the
+// derivatives.
 FaceMean MeanLengthOverTriangles(const mesh::TetrahedralMesh& mesh,
                                  const std::vector<int>& triangles, const Eigen::Matrix3Xd& field);
 
-// d(mass)/dX, kg/m, of parts with these densities.
+// Returns d(mass)/dX, kg/m, of parts with these densities.
 Eigen::Matrix3Xd MassDerivative(const mesh::TetrahedralMesh& mesh,
                                 const std::vector<double>& densities);
 

@@ -27,11 +27,11 @@ struct TrianglePoint {
   double weight;
 };
 
-// Exact for polynomials of degree 1 (one point), 2 (four points) and 5 (fourteen points); the
-// smallest rule that is exact for `degree`.
+// Returns the smallest rule that is exact for polynomials of `degree`: there are rules for degree 1
+// (one point), 2 (four points) and 5 (fourteen points).
 const std::vector<TetrahedronPoint>& TetrahedronRule(int degree);
 
-// Exact for polynomials of degree 4 (six points).
+// Returns a rule that is exact for polynomials of degree 4 (six points).
 const std::vector<TrianglePoint>& TriangleRule();
 
 // Returns the values of the shape functions of a tetrahedron with 4 or 10 nodes.
@@ -40,7 +40,7 @@ ShapeVector TetrahedronShape(const Eigen::Vector4d& barycentric, int nodes);
 // Returns the values of the shape functions of a triangle with 3 or 6 nodes.
 ShapeVector TriangleShape(const Eigen::Vector3d& barycentric, int nodes);
 
-// dN/dL of a triangle with 3 or 6 nodes: nodes × 3, its coordinates taken for independent.
+// Returns dN/dL of a triangle with 3 or 6 nodes: nodes × 3, its coordinates taken for independent.
 Eigen::Matrix<double, Eigen::Dynamic, 3, 0, 6, 3> TriangleDerivatives(
     const Eigen::Vector3d& barycentric, int nodes);
 
@@ -50,8 +50,8 @@ struct ElementPoint {
   double determinant = 0;    // of the Jacobian; 6 × volume for straight-sided elements, m³
 };
 
-// `positions`: 3 × nodes, m. A determinant of zero or less means an inverted element; then
-// `gradients` are meaningless.
+// Evaluates the geometry of an element. `positions` are 3 × nodes, m. A determinant of zero or less
+// means an inverted element; then `gradients` are meaningless.
 ElementPoint EvaluateElement(const GradientMatrix& positions, const Eigen::Vector4d& barycentric);
 
 // Returns the normal times area of the triangle (3 × 3 or 3 × 6 positions) per unit weight at a

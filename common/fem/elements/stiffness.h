@@ -1,4 +1,5 @@
-// Stiffness and mass of an assembly: K = Σ ∫ Bᵀ D B dV and M = Σ ∫ ρ Nᵀ N dV over its elements.
+// Integrates stiffness and mass of an assembly: K = Σ ∫ Bᵀ D B dV and M = Σ ∫ ρ Nᵀ N dV over its
+// elements.
 #pragma once
 
 #include <memory>

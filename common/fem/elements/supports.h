@@ -1,4 +1,4 @@
-// Which displacements are prescribed.
+// Finds which displacements are prescribed.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,7 +10,7 @@
 
 namespace mortise::simulator {
 
-// Prescribed displacements of nodes, along x, y, z or, of nodes that have a frame, along its axes.
+// Prescribed displacements of nodes, along x, y, z or, at nodes that have a frame, along its axes.
 struct Constraints {
   Eigen::Array3Xi fixed;          // 3 × nodes, 1 where prescribed
   Eigen::Matrix3Xd displacement;  // 3 × nodes, m, where prescribed; else zero

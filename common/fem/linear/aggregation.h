@@ -1,4 +1,5 @@
-// Coarse levels by smoothed aggregation, which know only a matrix and the motions it resists least.
+// Builds coarse levels by smoothed aggregation, which know only a matrix and the motions it resists
+// least.
 //
 // P. Vaněk, J. Mandel, M. Brezina, "Algebraic multigrid by smoothed aggregation for second and
 // fourth order elliptic problems", Computing 56 (1996): nodes that are strongly coupled make one
@@ -21,7 +22,7 @@ namespace mortise::simulator {
 template <int B>
 using RigidModes = std::vector<Eigen::Matrix<double, B, 6>>;
 
-// For each node the index of its aggregate, or -1 if it is coupled to no other. Blocks weaker than
+// The index of the aggregate of each node, or -1 if it is coupled to no other. Blocks weaker than
 // `strength`, next to the diagonal ones of their nodes, do not couple.
 struct Aggregates {
   std::vector<int> of;

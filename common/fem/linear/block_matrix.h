@@ -16,10 +16,10 @@ namespace mortise::simulator {
 // parameters) may share. Only blocks on and above the diagonal are kept.
 class BlockMatrix {
  public:
-  // All values zero.
+  // // Makes a matrix whose values are all zero.
   explicit BlockMatrix(std::shared_ptr<const BlockPattern> pattern);
 
-  // On a pattern of its own.
+  // // Makes a matrix on a pattern of its own.
   explicit BlockMatrix(const mesh::TetrahedralMesh& mesh);
 
   // Adds `block` to rows of node i and columns of node j, for i <= j; the pattern must have it.
@@ -30,13 +30,13 @@ class BlockMatrix {
   // is summed in the order of elements, so that it does not depend on the number of threads.
   void AddElements(const std::function<void(int, Eigen::Matrix3d*)>& integrate, ThreadTeam& team);
 
-  // this · x, with x a 3 × nodes matrix (displacement of each node).
+  // Returns this · x, with x a 3 × nodes matrix (displacement of each node).
   Eigen::Matrix3Xd Multiply(const Eigen::Matrix3Xd& x) const;
 
-  // The same on the threads of a team: y = this · x, to the same bits.
+  // Does the same on the threads of a team: y = this · x, to the same bits.
   void Multiply(const Eigen::Matrix3Xd& x, Eigen::Matrix3Xd& y, ThreadTeam& team) const;
 
-  // The same on 3 · nodes numbers each.
+  // Does the same on 3 · nodes numbers each.
   void Multiply(const double* x, double* y, ThreadTeam& team) const;
 
   int nodes() const { return pattern_->nodes(); }

@@ -1,4 +1,4 @@
-// Which nodes of a mesh are coupled, and where each element's share of a matrix goes.
+// Says which nodes of a mesh are coupled, and where each element's share of a matrix goes.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,7 +12,7 @@ namespace mortise::simulator {
 // last of them j itself.
 class BlockPattern {
  public:
-  // `elements`: nodes of each element, by columns, all within 0 … nodes − 1.
+  // `elements` has the nodes of each element, by columns, all within 0 … nodes − 1.
   BlockPattern(int nodes, const Eigen::MatrixXi& elements);
 
   int nodes() const { return static_cast<int>(starts_.size()) - 1; }
@@ -35,7 +35,7 @@ class BlockPattern {
   // (0,0), (0,1), …, (1,1), (1,2), …. Their number:
   int pairs() const { return corners_ * (corners_ + 1) / 2; }
 
-  // For each pair of element `e`: 2 × slot, plus 1 if the block is to be transposed.
+  // Returns 2 × slot for each pair of element `e`, plus 1 if the block is to be transposed.
   const int* ElementSlots(int e) const { return &element_slots_[std::size_t(pairs()) * e]; }
 
  private:

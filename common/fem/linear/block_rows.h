@@ -27,7 +27,7 @@ struct BlockRows {
   }
 };
 
-// y = A x on blocks of rows begin … end − 1.
+// Computes y = A x on blocks of rows begin … end − 1.
 template <class T, int R, int C>
 void MultiplyRows(const BlockRows<T, R, C>& a, const double* x, double* y, int begin, int end) {
   for (int i = begin; i < end; ++i) {
@@ -40,16 +40,16 @@ void MultiplyRows(const BlockRows<T, R, C>& a, const double* x, double* y, int b
   }
 }
 
-// The same for the levels with 3 × 3 blocks, which take most of the time.
+// Does the same for the levels with 3 × 3 blocks, which take most of the time.
 void MultiplyRows(const BlockRows<float, 3, 3>& a, const double* x, double* y, int begin, int end);
 void MultiplyRows(const BlockRows<double, 3, 3>& a, const double* x, double* y, int begin, int end);
 
-// The same for a symmetric matrix of 3 × 3 blocks of which those on and above the diagonal are
+// Does the same for a symmetric matrix of 3 × 3 blocks of which those on and above the diagonal are
 // kept, one for each slot of the pattern.
 void MultiplySymmetric(const BlockPattern& pattern, const double* blocks, const double* x,
                        double* y, int begin, int end);
 
-// The rows of all parts, one after the other. Takes the parts.
+// Joins the rows of all parts, one after the other, and takes the parts.
 template <class T, int R, int C>
 BlockRows<T, R, C> Joined(std::vector<BlockRows<T, R, C>>& parts) {
   BlockRows<T, R, C> result;
@@ -67,7 +67,7 @@ BlockRows<T, R, C> Joined(std::vector<BlockRows<T, R, C>>& parts) {
   return result;
 }
 
-// The product A B, of which B has `columns` columns of blocks.
+// Returns the product A B, of which B has `columns` columns of blocks.
 template <int R, int K, int C>
 BlockRows<double, R, C> Product(const BlockRows<double, R, K>& a, const BlockRows<double, K, C>& b,
                                 int columns, ThreadTeam& team) {
@@ -106,7 +106,7 @@ BlockRows<double, R, C> Product(const BlockRows<double, R, K>& a, const BlockRow
   return Joined(parts);
 }
 
-// The transpose of A, which has `columns` columns of blocks.
+// Returns the transpose of A, which has `columns` columns of blocks.
 template <int R, int C>
 BlockRows<double, C, R> Transpose(const BlockRows<double, R, C>& a, int columns) {
   BlockRows<double, C, R> result;

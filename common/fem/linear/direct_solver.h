@@ -1,4 +1,4 @@
-// A LinearSolver by Cholesky's factor.
+// Makes a LinearSolver by Cholesky's factor.
 #pragma once
 
 #include <memory>

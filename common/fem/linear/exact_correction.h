@@ -14,7 +14,7 @@ struct CorrectedSystem {
   std::function<absl::StatusOr<Eigen::Matrix3Xd>(const Eigen::Matrix3Xd&)> solve;  // about A⁻¹ b
 };
 
-// How near the solution of A x = load is.
+// Says how near the solution of A x = load is.
 struct Correction {
   double error = 0;  // estimate, in the norm of energy √(xᵀ A x), relative
   int rounds = 0;

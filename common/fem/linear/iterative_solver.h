@@ -1,4 +1,4 @@
-// Conjugate gradients with a multigrid preconditioner.
+// Solves by conjugate gradients with a multigrid preconditioner.
 #pragma once
 
 #include <memory>
@@ -26,7 +26,7 @@ class IterativeSolver : public LinearSolver {
   // Whether the last load ended for want of patience, not of iterations.
   bool gave_up_early() const { return summary_.iterations < options_.maximum_iterations; }
 
-  // From now on, whatever a factor would be worth.
+  // Waits for the iteration from now on, whatever a factor would be worth.
   void WaitForever();
 
  private:
@@ -38,7 +38,7 @@ class IterativeSolver : public LinearSolver {
   bool IsTooSlow(double tolerance) const;
   absl::StatusOr<Eigen::Matrix3Xd> SolveOne(const Eigen::Matrix3Xd& load, double tolerance,
                                             bool is_rough);
-  // Until the error is at most `tolerance`, or as small as it gets.
+  // Iterates until the error is at most `tolerance`, or as small as it gets.
   absl::Status Iterate(Iteration& now, double tolerance, bool is_rough);
   absl::Status Correct(Iteration& now);
   void Restart(Iteration& now);

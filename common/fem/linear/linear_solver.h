@@ -34,26 +34,27 @@ enum class SolverKind {
 struct SolverOptions {
   SolverKind kind = SolverKind::kAutomatic;
 
-  // How many loads each matrix will have, for kAutomatic to choose by.
+  // // The number of loads that each matrix will have, for kAutomatic to choose by.
   int loads = 1;
 
   // RESOURCE_EXHAUSTED if more bytes would be needed, found out before they are allocated.
   double memory_limit = 8e9;
 
-  // Where the iteration stops: the error relative to the solution in the norm of energy, √(uᵀ K u),
-  // as the preconditioner estimates it, √(rᵀ M r / fᵀ M f) with the true residual r. Where rounding
-  // keeps it above, the iteration stops where rounding does, and SolverSummary::error tells.
+  // The error at which the iteration stops, relative to the solution in the norm of energy, √(uᵀ K
+  // u), as the preconditioner estimates it, √(rᵀ M r / fᵀ M f) with the true residual r. Where
+  // rounding keeps it above, the iteration stops where rounding does, and SolverSummary::error
+  // tells.
   double tolerance = 1e-10;
 
   int maximum_iterations = 2000;  // NOT_CONVERGED beyond
 
-  // Iterations for all loads of a matrix that a factor is worth: the iteration ends NOT_CONVERGED
-  // as soon as it foresees more. kAutomatic has its own.
+  // The number of iterations for all loads of a matrix that a factor is worth: the iteration ends
+  // NOT_CONVERGED as soon as it foresees more. kAutomatic has its own.
   double patience = std::numeric_limits<double>::infinity();
   int threads = 1;  // of the iterative solver; the direct one uses one
 
-  // Whoever asks corrects what is solved and judges its error (exact_correction.h): a factor's
-  // solutions are not refused for what rounding has left of them.
+  // True if the caller corrects what is solved and judges its error (exact_correction.h): a
+  // factor's solutions are not refused for what rounding has left of them.
   bool is_corrected = false;
 
   MultigridOptions multigrid;  // of the iterative solver
@@ -83,7 +84,7 @@ struct SolverSummary {
 
 class LinearSolver {
  public:
-  // `fixed`: 3 × nodes, non-zero where a displacement is prescribed and thus not an unknown,
+  // `fixed` is 3 × nodes, non-zero where a displacement is prescribed and thus not an unknown,
   // counted like the matrices' rows along `frames`. Mesh and frames are read now only.
   // RESOURCE_EXHAUSTED; INVALID_ARGUMENT naming "fixed" or "tolerance".
   static absl::StatusOr<std::unique_ptr<LinearSolver>> Create(
@@ -115,20 +116,20 @@ class LinearSolver {
   virtual const SolverSummary& summary() const = 0;
 };
 
-// What kAutomatic stands for.
+// The method that kAutomatic stands for.
 struct SolverChoice {
   SolverKind kind = SolverKind::kDirect;
   double patience = 0;  // of the iteration, before a factor is made after all
 };
 
-// By the flops of a factor, which take a tenth of a second to estimate: where that takes no longer
-// than the usual iterations for so many loads, the factor; else the iteration, until it foresees
-// that a factor would have been quicker, as for plates of stretched elements or more loads than
-// were told. It looks after a tenth of what the factor takes, so that no more is lost. A factor
-// beyond the limit of memory gives way to the iteration.
+// Chooses by the flops of a factor, which take a tenth of a second to estimate: where that takes no
+// longer than the usual iterations for so many loads, the factor; else the iteration, until it
+// foresees that a factor would have been quicker, as for plates of stretched elements or more loads
+// than were told. It looks after a tenth of what the factor takes, so that no more is lost. A
+// factor beyond the limit of memory gives way to the iteration.
 SolverChoice ChooseSolver(const BlockPattern& pattern, int loads = 1);
 
-// INVALID_ARGUMENT naming "loads[i]" unless all have `nodes` columns and are finite.
+// Fails with INVALID_ARGUMENT naming "loads[i]" unless all have `nodes` columns and are finite.
 absl::Status CheckLoads(const std::vector<Eigen::Matrix3Xd>& loads, int nodes);
 
 }  // namespace mortise::simulator

@@ -20,8 +20,8 @@ namespace mortise::simulator {
 
 class Multigrid {
  public:
-  // `fixed`: 3 × nodes, non-zero where a displacement is prescribed; counted, like the stiffness'
-  // rows, along `frames`. `team` must outlive it.
+  // `fixed` is 3 × nodes, non-zero where a displacement is prescribed; it is counted, like the
+  // stiffness' rows, along `frames`. `team` must outlive it.
   Multigrid(const mesh::TetrahedralMesh& mesh, const Eigen::Array3Xi& fixed,
             const NodeFrames& frames, const MultigridOptions& options, ThreadTeam& team);
   ~Multigrid();
@@ -30,14 +30,15 @@ class Multigrid {
   // SINGULAR, if the coarsest one is not positive definite: something is free to move.
   absl::Status Prepare(const BlockMatrix& stiffness, const Eigen::Matrix3Xd& positions);
 
-  // x ≈ K⁻¹ b (3 · nodes), zero where displacements are prescribed; b must be zero there. A fixed,
-  // linear, symmetric and positive operation, the same to the bit on any number of threads.
+  // Computes x ≈ K⁻¹ b (3 · nodes), zero where displacements are prescribed; b must be zero there.
+  // It is a fixed, linear, symmetric and positive operation, the same to the bit on any number of
+  // threads.
   void Correct(const Eigen::VectorXd& b, Eigen::VectorXd& x);
 
   double Bytes() const;  // of all levels
   int Levels() const;
 
-  // About what Prepare will take, bytes.
+  // Estimates what Prepare will take, bytes.
   static double EstimateBytes(const mesh::TetrahedralMesh& mesh, const BlockPattern& pattern);
 
  private:

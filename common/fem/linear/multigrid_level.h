@@ -11,7 +11,7 @@
 
 namespace mortise::simulator {
 
-// x ≈ A⁻¹ b by a fixed linear, symmetric and positive operation.
+// Computes x ≈ A⁻¹ b by a fixed linear, symmetric and positive operation.
 class Corrector {
  public:
   virtual ~Corrector() = default;
@@ -20,7 +20,7 @@ class Corrector {
   virtual int Levels() const = 0;
 };
 
-// Between a level and the next coarser one: x += P e, and b' = Pᵀ b.
+// Moves between a level and the next coarser one: x += P e, and b' = Pᵀ b.
 class Transfer {
  public:
   virtual ~Transfer() = default;
@@ -29,14 +29,15 @@ class Transfer {
   virtual double Bytes() const = 0;
 };
 
-// The largest eigenvalue of D⁻¹ A, by Lanczos' method from a fixed start; D: the diagonal blocks.
+// Returns the largest eigenvalue of D⁻¹ A, by Lanczos' method from a fixed start; D has the
+// diagonal blocks.
 template <class T, int B>
 double LargestEigenvalue(const BlockRows<T, B, B>& a,
                          const std::vector<Eigen::Matrix<double, B, B>>& inverse_diagonal,
                          ThreadTeam& team);
 
-// The inverses of the diagonal blocks. Directions without stiffness (of nodes that a coarse level
-// does not need) get the inverse zero.
+// Returns the inverses of the diagonal blocks. Directions without stiffness (of nodes that a coarse
+// level does not need) get the inverse zero.
 template <class T, int B>
 std::vector<Eigen::Matrix<double, B, B>> InvertDiagonal(const BlockRows<T, B, B>& a);
 
@@ -45,7 +46,7 @@ std::vector<Eigen::Matrix<double, B, B>> InvertDiagonal(const BlockRows<T, B, B>
 template <class T, int B>
 class SmoothedLevel : public Corrector {
  public:
-  // `steps`: of the polynomial, before and after the correction. It damps eigenvalues from
+  // `steps` are those of the polynomial, before and after the correction. It damps eigenvalues from
   // `smoothed_part` of the largest one up; those below are left to `coarse`. `team` must outlive
   // the level.
   SmoothedLevel(BlockRows<T, B, B> matrix, std::unique_ptr<Transfer> transfer,

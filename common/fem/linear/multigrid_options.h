@@ -1,4 +1,5 @@
-// How a multigrid preconditioner works; the defaults were found by measurement (docs/simulator.md).
+// Says how a multigrid preconditioner works; the defaults were found by measurement
+// (docs/simulator.md).
 #pragma once
 
 namespace mortise::simulator {

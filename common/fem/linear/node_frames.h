@@ -14,7 +14,7 @@ struct NodeFrames {
 
   bool empty() const { return index.empty(); }
 
-  // 3 × nodes vectors in space as components along the frames, and back.
+  // Turn 3 × nodes vectors in space into components along the frames, and back.
   Eigen::Matrix3Xd ToFrames(Eigen::Matrix3Xd vectors) const;
   Eigen::Matrix3Xd ToSpace(Eigen::Matrix3Xd vectors) const;
 };

@@ -1,4 +1,4 @@
-// What joints leave free, whose equations have few entries.
+// Finds what joints leave free, whose equations have few entries.
 #pragma once
 
 #include <Eigen/Core>
@@ -6,7 +6,7 @@
 
 namespace mortise::simulator {
 
-// How vectors move what joints connect. Rows are about 1 long, those of misfits after they are
+// Says how vectors move what joints connect. Rows are about 1 long, those of misfits after they are
 // multiplied by their tolerance.
 struct JointRows {
   Eigen::SparseMatrix<double> misfits;  // what joints do not let happen, per what is forgiven of it

@@ -14,7 +14,7 @@ struct CholeskyOptions {
   double memory_limit = 8e9;  // bytes for the factor; RESOURCE_EXHAUSTED beyond, before it is made
 };
 
-// How a factorisation went.
+// Tells how a factorisation went.
 struct CholeskySummary {
   int unknowns = 0;
   double factor_entries = 0;
@@ -25,7 +25,7 @@ struct CholeskySummary {
   double factorization_seconds = 0;
 };
 
-// About the flops of a factorisation if nothing were fixed, in a tenth of the time that Analyze
+// Estimates the flops of a factorisation if nothing were fixed, in a tenth of the time that Analyze
 // takes: by minimum degree on the graph of nodes. Infinite if memory is short.
 double EstimateFactorFlops(const BlockPattern& pattern);
 
@@ -34,7 +34,7 @@ double EstimateFactorFlops(const BlockPattern& pattern);
 // not depend on the machine's cores; run one process a core.
 class SparseCholesky {
  public:
-  // Orders the unknowns and finds the pattern of the factor, without values. `fixed`: 3 × nodes,
+  // Orders the unknowns and finds the pattern of the factor, without values. `fixed` is 3 × nodes,
   // non-zero where a displacement is prescribed and thus not an unknown. RESOURCE_EXHAUSTED if the
   // factor would exceed the limit.
   static absl::StatusOr<SparseCholesky> Analyze(const BlockPattern& pattern,
@@ -46,7 +46,7 @@ class SparseCholesky {
   // what is free to move may leave a last pivot that is only rounding, and goes unnoticed here.
   absl::Status Factorize(const BlockMatrix& stiffness);
 
-  // Both.
+  // // Analyses the pattern, and factorises the values.
   static absl::StatusOr<SparseCholesky> Create(const BlockMatrix& stiffness,
                                                const Eigen::Array3Xi& fixed,
                                                const CholeskyOptions& options = {});

@@ -1,5 +1,5 @@
-// How far a computation is: which of its stages it is in. One thread computes and tells, another
-// one reads.
+// Tells how far a computation is: which of its stages it is in. One thread computes and tells,
+// another one reads.
 #pragma once
 
 #include <mutex>
@@ -19,10 +19,10 @@ class StageProgress {
   // Says how many stages there are in all, those that have begun included.
   void Expect(int stages);
 
-  // A stage begins, and the one before it is done.
+  // Notes that a stage begins, and the one before it is done.
   void Begin(std::string stage);
 
-  // The present stage is at this iteration, from 1; 0 where it does not iterate.
+  // Notes that the present stage is at this iteration, from 1; 0 where it does not iterate.
   void Iterate(int iteration);
 
   State state() const;

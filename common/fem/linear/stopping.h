@@ -7,8 +7,8 @@
 
 namespace mortise::simulator {
 
-// CANCELLED once a stop is requested. Steps that take long ask it before they begin, and iterations
-// each time round; what a library does in one call goes on to its end.
+// Fails with CANCELLED once a stop is requested. Steps that take long ask it before they begin, and
+// iterations each time round; what a library does in one call goes on to its end.
 inline absl::Status CheckStopped(const std::stop_token& stop) {
   return stop.stop_requested() ? absl::CancelledError("the evaluation was stopped")
                                : absl::OkStatus();

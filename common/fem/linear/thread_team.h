@@ -12,7 +12,7 @@ namespace mortise::simulator {
 // the result is the same to the bit for a team of any size.
 class ThreadTeam {
  public:
-  // `threads`: of the team, the caller included; less than 1 counts as 1.
+  // The team has `threads` threads, the caller included; less than 1 counts as 1.
   explicit ThreadTeam(int threads);
   ~ThreadTeam();
   ThreadTeam(const ThreadTeam&) = delete;

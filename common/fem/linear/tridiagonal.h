@@ -1,4 +1,4 @@
-// The ends of the spectrum of symmetric tridiagonal matrices, as Lanczos' method makes them.
+// Finds the ends of the spectrum of symmetric tridiagonal matrices, as Lanczos' method makes them.
 #pragma once
 
 #include <vector>

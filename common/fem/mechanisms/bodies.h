@@ -1,4 +1,4 @@
-// The rigid bodies of a mesh: elements that hang together through faces.
+// Finds the rigid bodies of a mesh: elements that hang together through faces.
 #pragma once
 
 #include <set>
@@ -10,23 +10,23 @@
 
 namespace mortise::simulator {
 
-// Elements that neighbours reach from each other through faces, so that none of them can turn
-// against the others without deforming. Bodies may share edges and points.
+// A body is elements that can be reached from each other through faces between neighbours, so that
+// none of them can turn against the others without deforming. Bodies may share edges and points.
 struct Body {
   std::set<int> parts;
   std::vector<int> nodes;  // ascending; a node may be in several bodies
 };
 
-// In the order of their first elements.
+// Returns the bodies in the order of their first elements.
 std::vector<Body> FindBodies(const mesh::TetrahedralMesh& mesh);
 
-// INVALID_ARGUMENT naming "nodes" if a node belongs to no element.
+// Fails with INVALID_ARGUMENT naming "nodes" if a node belongs to no element.
 absl::Status CheckNodesAreUsed(const mesh::TetrahedralMesh& mesh);
 
 // Returns where the middle of its nodes is: "near (1, 2, 3) mm".
 std::string PlaceText(const Body& body, const mesh::TetrahedralMesh& mesh);
 
-// "part 'leg 3' is", or "parts 'top', 'apron', 'leg', 'shelf' and 3 more are".
+// Returns "part 'leg 3' is", or "parts 'top', 'apron', 'leg', 'shelf' and 3 more are".
 std::string PartsText(const std::set<int>& parts, const mesh::TetrahedralMesh& mesh);
 
 // Returns what is told of a body: its parts, and where it is if one of them has further bodies:

@@ -1,4 +1,4 @@
-// How a structure can move without deforming: the null space of its stiffness.
+// Finds how a structure can move without deforming: the null space of its stiffness.
 //
 // It follows from the geometry alone. An element deforms unless it moves as a rigid body, and so do
 // elements that share a face unless both move alike; what is left are motions of whole bodies
@@ -44,8 +44,8 @@ FreeMotions FindFreeMotions(const mesh::TetrahedralMesh& mesh, const Constraints
 // Of several bodies the fewest that can move by themselves are named.
 std::string MotionText(const FreeMotions& free, const mesh::TetrahedralMesh& mesh);
 
-// FAILED_PRECONDITION, reason RIGID_MOTION, if something can move without deforming, naming what
-// and how. INVALID_ARGUMENT naming "nodes" if a node has no element.
+// Fails with FAILED_PRECONDITION, reason RIGID_MOTION, if something can move without deforming,
+// naming what and how. INVALID_ARGUMENT naming "nodes" if a node has no element.
 absl::Status CheckRigidMotion(const mesh::TetrahedralMesh& mesh, const Constraints& constraints);
 
 // Returns each as a displacement of all nodes (3 × nodes, in space), linearly independent.

@@ -1,4 +1,4 @@
-// What joins bodies to each other and to the supports, as equations of their rigid motions.
+// Writes what joins bodies to each other and to the supports as equations of their rigid motions.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,4 +1,5 @@
-// Linear elasticity by finite elements: small displacements of bonded parts under static loads.
+// Solves linear elasticity by finite elements: small displacements of bonded parts under static
+// loads.
 //
 // Find u with ∫ ε(v)ᵀ D (ε(u) − ε_T) dV = ∫ vᵀ t dA + ∫ vᵀ b dV for all v that vanish on the
 // supports (thesis §6.6, §8.4). With u = Σ Nᵢ uᵢ on tetrahedra this is K u = f.
@@ -27,7 +28,7 @@ struct ElasticityOptions {
   std::function<void()> before_recovery{};  // called when only stresses are missing
 };
 
-// How a solution went, and what proves it.
+// Tells how a solution went, and what proves it.
 struct ElasticitySummary {
   int nodes = 0;
   int elements = 0;
@@ -93,9 +94,9 @@ class ElasticSystem {
   // adjoint solutions of derivatives. Fails as the linear solver does.
   absl::StatusOr<Eigen::Matrix3Xd> SolveForces(const Eigen::Matrix3Xd& forces);
 
-  // Σ factor · solution of load cases of this system, stresses and proofs included: a linear
-  // combination, in which prescribed displacements are multiplied too. INVALID_ARGUMENT naming
-  // "terms[i]" if a factor is not finite or a solution is of another mesh.
+  // Returns Σ factor · solution of load cases of this system, stresses and proofs included: a
+  // linear combination, in which prescribed displacements are multiplied too. INVALID_ARGUMENT
+  // naming "terms[i]" if a factor is not finite or a solution is of another mesh.
   absl::StatusOr<ElasticitySolution> Combine(std::span<const CombinationTerm> terms);
 
   // Returns the stresses at the integration points: see StressAtPoints.

@@ -1,4 +1,4 @@
-// Steady heat conduction by finite elements, on the meshes of elasticity.
+// Solves steady heat conduction by finite elements, on the meshes of elasticity.
 //
 // Find T with ∫ ∇vᵀ k ∇T dV + ∫ v h (T − Tₐ) dA = ∫ v q dA + ∫ v s dV for all v that vanish where
 // the temperature is fixed: conductivity k, convection h to the ambient Tₐ, flux q into the body,
@@ -56,11 +56,11 @@ struct HeatOptions {
 
 struct HeatSolution {
   Eigen::VectorXd temperature;  // nodes
-  // W into the body at nodes of fixed temperature, zero elsewhere.
+  // The heat into the body at nodes of fixed temperature, W; zero elsewhere.
   Eigen::VectorXd reaction;
   Eigen::VectorXd convected;  // W that leaves through each of the case's convections
-  // W that comes in through each of the case's fixed temperatures; nodes of several count for the
-  // first.
+  // The heat that comes in through each of the case's fixed temperatures, W; nodes of several count
+  // for the first.
   Eigen::VectorXd held;
   double supplied = 0;   // W of fluxes and sources
   double imbalance = 0;  // |supplied + reactions − convected| over the sum of their magnitudes
@@ -76,8 +76,8 @@ struct HeatSolution {
 absl::StatusOr<HeatSolution> SolveHeat(const mesh::TetrahedralMesh& mesh, const HeatCase& heat,
                                        const HeatOptions& options = {});
 
-// W that leaves through convections and fixed temperatures: the sum over those of them that let
-// more out than in.
+// Returns the heat that leaves through convections and fixed temperatures, W: the sum over those of
+// them that let more out than in.
 double DissipatedHeat(const HeatSolution& solution);
 
 // Returns the heat flux −k ∇T at the integration points, W/m²: 3 × (points · elements), those of an

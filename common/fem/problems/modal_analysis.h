@@ -1,4 +1,4 @@
-// Natural frequencies and shapes of vibration.
+// Computes natural frequencies and shapes of vibration.
 //
 // The lowest solutions of K φ = ω² M φ with the stiffness of elasticity and the consistent mass, by
 // Lanczos' method on K⁻¹ M, restarted (Spectra; Lehoucq and Sorensen, SIAM J. Matrix Anal. Appl.

@@ -1,5 +1,5 @@
-// How far a finite element solution is from the true one (Zienkiewicz and Zhu, Int. J. Numer.
-// Methods Eng. 33, 1992, 1331-1382).
+// Estimates how far a finite element solution is from the true one (Zienkiewicz and Zhu, Int. J.
+// Numer. Methods Eng. 33, 1992, 1331-1382).
 //
 // The stress of elements, σₕ, jumps between them; the smoothed stress σ* does not and is one order
 // more accurate. Their difference stands for the error: η² = ∫ (σ* − σₕ)ᵀ D⁻¹ (σ* − σₕ) dV.

@@ -1,4 +1,5 @@
-// The faces of elements on the outside of each part, and the edges where they meet at an angle.
+// Finds the faces of elements on the outside of each part, and the edges where they meet at an
+// angle.
 #pragma once
 
 #include <Eigen/Core>
@@ -60,7 +61,7 @@ template <typename Item>
 class BySlot {
  public:
   BySlot() = default;
-  // `items`: with the slot of each, in any order; those of a slot stay in theirs.
+  // `items` come with the slot of each, in any order; those of a slot stay in theirs.
   BySlot(int slots, const std::vector<std::pair<int, Item>>& items)
       : first_(slots + 1, 0), items_(items.size()) {
     for (const auto& [slot, item] : items) ++first_[slot + 1];
@@ -84,7 +85,8 @@ class PartSurface {
 
   int size() const { return static_cast<int>(nodes_.cols()); }  // faces
 
-  // 3 or 6 × faces: nodes in the order of FaceNode, counter-clockwise seen from outside.
+  // Returns the nodes of each face, 3 or 6 × faces, in the order of FaceNode, counter-clockwise
+  // seen from outside.
   const Eigen::MatrixXi& nodes() const { return nodes_; }
 
   int part(int face) const { return part_[face]; }

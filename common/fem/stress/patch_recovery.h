@@ -1,4 +1,4 @@
-// Smooth nodal stresses from those at integration points: superconvergent patch recovery
+// Computes smooth nodal stresses from those at integration points by superconvergent patch recovery
 // (Zienkiewicz and Zhu, Int. J. Numer. Methods Eng. 33, 1992, 1331-1364).
 #pragma once
 
@@ -16,8 +16,8 @@ using Stresses = Eigen::Matrix<double, 6, Eigen::Dynamic>;  // columns are Vecto
 // Inside a part: fits a polynomial (linear, or quadratic for quadratic elements) by least squares
 // to the stresses at the integration points of the elements round each corner node, and takes its
 // value there; at the middle of an edge the mean of its ends' polynomials, of those that are
-// inside. Where there are few elements, their neighbours join. One order more accurate than the
-// stress of the elements themselves.
+// inside. Where there are few elements, their neighbours join. The result is one order more
+// accurate than the stress of the elements themselves.
 //
 // On a part's surface a polynomial would be extrapolated, from one side only and over as many
 // elements again as are inside: across what a bore turns by in a few elements, and where stress
@@ -38,7 +38,8 @@ struct RecoveredValue {
   Eigen::Vector3d by_node = Eigen::Vector3d::Zero();  // by the place of the slot's node, 1/m
 };
 
-// `at_points`: points · elements. Points may be there twice. O(elements) for the places of points.
+// Recovers a value at points. `at_points` has points · elements columns. Points may be there twice.
+// O(elements) for the places of points.
 RecoveredValue RecoverAt(const mesh::TetrahedralMesh& mesh, const PartNodes& nodes,
                          const PartSurface& surface, int slot, const Eigen::VectorXd& at_points);
 

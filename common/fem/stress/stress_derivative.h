@@ -1,6 +1,6 @@
-// How the stress recovered at a node changes with the displacements and places of the nodes around:
-// the derivatives of what RecoverAtSlots gives, in closed form but for how stresses on the surface
-// are turned and weighed (stress_shares.h).
+// Computes how the stress recovered at a node changes with the displacements and places of the
+// nodes around: the derivatives of what RecoverAtSlots gives, in closed form but for how stresses
+// on the surface are turned and weighed (stress_shares.h).
 #pragma once
 
 #include <Eigen/Core>
@@ -12,8 +12,8 @@
 
 namespace mortise::simulator {
 
-// Of direction · σ at a slot, σ as xx yy zz xy yz xz, as RecoverAtSlots gives it. `at_points`: from
-// StressAtPoints, of a body that is not warm. O(nodes + elements).
+// Returns the derivative of direction · σ at a slot, σ as xx yy zz xy yz xz, as RecoverAtSlots
+// gives it. `at_points` are from StressAtPoints, for a body that is not warm. O(nodes + elements).
 StressDerivative NodalStressDerivative(const DeformedBody& body, const PartNodes& nodes,
                                        const PartSurface& surface, const Stresses& at_points,
                                        int slot, const Vector6d& direction);

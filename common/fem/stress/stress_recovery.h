@@ -1,4 +1,4 @@
-// Stresses from displacements: at integration points, and smoothed to the nodes.
+// Computes stresses from displacements: at integration points, and smoothed to the nodes.
 #pragma once
 
 #include <Eigen/Core>
@@ -32,8 +32,8 @@ struct NodalStress {
 Stresses RecoverAtSlots(const DeformedBody& body, const PartNodes& nodes,
                         const PartSurface& surface, ThreadTeam& team);
 
-// Those of each node. Where parts meet, `stress`, `von_mises` and `maximum_principal` are those of
-// the part under the larger von Mises stress.
+// // Returns the stresses of each node. Where parts meet, `stress`, `von_mises` and
+// `maximum_principal` are those of the part under the larger von Mises stress.
 NodalStress RecoverStress(const DeformedBody& body, const PartNodes& nodes,
                           const PartSurface& surface, ThreadTeam& team);
 

@@ -15,7 +15,7 @@
 
 namespace mortise::simulator {
 
-// How much of a stress counts, and how it is turned.
+// Says how much of a stress counts, and how it is turned.
 struct StressShare {
   double weight = 0;
   Eigen::Matrix3d turn;

@@ -35,7 +35,7 @@ struct DeformedBody {
   const SurfaceTraction& traction;         // empty where nothing is known of it
 };
 
-// Derivatives of a stress, or of something made of it.
+// The derivatives of a stress, or of something made of it.
 struct StressDerivative {
   double value = 0;                  // Pa
   Eigen::Matrix3Xd by_displacement;  // 3 × nodes
@@ -48,13 +48,13 @@ class SurfaceStress {
   // The surface, and what the body refers to, must outlive it.
   SurfaceStress(const DeformedBody& body, const PartSurface& surface);
 
-  // xx yy zz xy yz xz, Pa, at a slot of the surface's part; nothing inside, where the traction is
-  // not known all round (planes of symmetry excepted), and at inner edges, where stress has no
-  // limit.
+  // Returns xx yy zz xy yz xz, Pa, at a slot of the surface's part; nothing inside, where the
+  // traction is not known all round (planes of symmetry excepted), and at inner edges, where stress
+  // has no limit.
   std::optional<Vector6d> At(int slot, int node) const;
 
-  // Of direction · σ there, of a body that is not warm. False, and nothing added, where At gives
-  // nothing.
+  // Adds the derivative of direction · σ there, for a body that is not warm. Returns false, and
+  // adds nothing, where At gives nothing.
   bool AddDerivative(int slot, const Vector6d& direction, StressDerivative& sum) const;
 
  private:

@@ -1,4 +1,5 @@
-// The forces on the outside of a body, where they are known: what the stress there has to balance.
+// Finds the forces on the outside of a body, where they are known: what the stress there has to
+// balance.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,26 +12,26 @@
 namespace mortise::simulator {
 
 struct SurfaceTraction {
-  // 3 × (nodes of a face · faces): Pa, at the nodes of each face of a PartSurface in a row, zero
-  // where nothing acts. Not a number where it is not known: of faces that are held or between
-  // parts, and of those with forces on their nodes.
+  // The traction at the nodes of each face of a PartSurface in a row, 3 × (nodes of a face ·
+  // faces), Pa; zero where nothing acts. It is not a number where it is not known: of faces that
+  // are held or between parts, and of those with forces on their nodes.
   Eigen::Matrix3Xd at_nodes;
   // faces: whether it is held along its normal only. The body goes on beyond as its mirror image.
   std::vector<bool> mirrors;
 };
 
-// `supports` and `loads` have been checked.
+// Returns the traction. `supports` and `loads` have been checked.
 SurfaceTraction TractionOn(const mesh::TetrahedralMesh& mesh, const PartSurface& surface,
                            const std::vector<Support>& supports, const LoadCase& loads);
 
-// By how much something changes with the traction at a node of a face.
+// Says by how much something changes with the traction at a node of a face.
 struct ByTraction {
   FaceNode at;
   Eigen::Vector3d derivative;
 };
 
-// Returns how it then changes as nodes move and loads stay the same: 3 × nodes, of forces and
-// pressures.
+// Returns how the traction then changes as nodes move and loads stay the same: 3 × nodes, of forces
+// and pressures.
 Eigen::Matrix3Xd TractionDerivative(const mesh::TetrahedralMesh& mesh, const PartSurface& surface,
                                     const LoadCase& loads, const std::vector<ByTraction>& changes);
 

@@ -1,4 +1,4 @@
-// How the faces, or the edges, that meet at a node of a surface are turned to the mean of them.
+// Turns the faces, or the edges, that meet at a node of a surface to the mean of them.
 //
 // A face is turned from its own normal to the mean normal. Two edges that go on from one another
 // are turned from their own frames, the tangent and the bisector of the normals of both faces, to
@@ -19,24 +19,25 @@
 
 namespace mortise::simulator {
 
-// What tells the stress at a node: a face, or a sharp edge.
+// A piece that tells the stress at a node: a face, or a sharp edge.
 struct SurfacePiece {
   FaceNode first, second;           // the node on the face, or on both faces of the edge
   const SharpEdge* edge = nullptr;  // if it is one
   int place = 0;                    // of the node on the edge
 };
 
-// Of an edge of two or three nodes, the derivatives of its shape functions by 0 … 1 at one of them.
+// Returns, for an edge of two or three nodes, the derivatives of its shape functions by 0 … 1 at
+// one of them.
 ShapeVector EdgeDerivatives(int place, int nodes);
 
 class SurfaceTurns {
  public:
-  // Of pieces at one node, one at least, that are all faces or all edges. `mirrors`: the node on
-  // faces in planes of symmetry. The mesh and the surface must outlive it.
+  // Turns the pieces at one node, one at least, that are all faces or all edges. `mirrors` has the
+  // node on faces in planes of symmetry. The mesh and the surface must outlive it.
   SurfaceTurns(const mesh::TetrahedralMesh& mesh, const PartSurface& surface,
                std::span<const SurfacePiece> pieces, std::span<const FaceNode> mirrors);
 
-  // Of each piece, in their order; all count the same.
+  // // Returns the share of each piece, in their order; all count the same.
   const std::vector<StressShare>& shares() const { return shares_; }
 
   // Adds the derivative of direction · StressOf(shares) by the places of nodes, 3 × nodes, for

@@ -1,5 +1,5 @@
-// What can be seen to be wrong with a cage template without evaluating it. Private to the cage_*
-// files; cage_model.h is the door.
+// Finds what can be seen to be wrong with a cage template without evaluating it. Private to the
+// cage_* files; cage_model.h is the door.
 #pragma once
 
 #include <vector>
@@ -9,10 +9,10 @@
 
 namespace mortise::parametric {
 
-// Lists that are shorter or longer than they may be. Nothing else is worth looking at then.
+// Finds lists that are shorter or longer than they may be. Nothing else is worth looking at then.
 std::vector<FieldViolation> CheckCageSizes(const CageTemplate& definition);
 
-// Names, ranges, references, and whether the surface is closed and does not cross itself.
+// Checks names, ranges, references, and whether the surface is closed and does not cross itself.
 // Expressions are for CageExpressions, the cage for CageModel.
 std::vector<FieldViolation> CheckCageTemplate(const CageTemplate& definition);
 

@@ -24,8 +24,8 @@ struct CageNumbers {
 // Can be evaluated from any number of threads.
 class CageExpressions {
  public:
-  // Parses; what is wrong, with its place, is added to `findings`, and then nothing else may be
-  // called.
+  // Parses the expressions; what is wrong, with its place, is added to `findings`, and then nothing
+  // else may be called.
   CageExpressions(const CageTemplate& definition, std::vector<FieldViolation>& findings);
 
   // Returns where the cage's vertices are at `q`, one entry a parameter, which need not be in
@@ -39,8 +39,9 @@ class CageExpressions {
     std::optional<double> reference_temperature;  // K
   };
 
-  // INVALID_ARGUMENT naming the field and the condition of every expression that cannot be
-  // evaluated or is not what it must be: temperatures and coefficients are greater than 0.
+  // Returns the conditions at `q`. INVALID_ARGUMENT naming the field and the condition of every
+  // expression that cannot be evaluated or is not what it must be: temperatures and coefficients
+  // are greater than 0.
   absl::StatusOr<Conditions> ConditionsAt(const Eigen::VectorXd& q) const;
 
  private:

@@ -44,7 +44,7 @@ std::vector<FieldViolation> ValidateCageTemplate(const CageTemplate& definition)
 // from any number of threads.
 class CageModel {
  public:
-  // INVALID_ARGUMENT naming all that ValidateCageTemplate finds.
+  // Makes a model. INVALID_ARGUMENT naming all that ValidateCageTemplate finds.
   static absl::StatusOr<CageModel> Create(CageTemplate definition);
 
   const CageTemplate& definition() const;
@@ -75,7 +75,8 @@ class CageModel {
   explicit CageModel(std::shared_ptr<const State> state);
   friend std::vector<FieldViolation> ValidateCageTemplate(const CageTemplate& definition);
 
-  // All but how the shape fares at other parameters; null if there are findings.
+  // Compiles the template, and checks all but how the shape fares at other parameters; null if
+  // there are findings.
   static std::shared_ptr<const State> Compile(CageTemplate definition,
                                               std::vector<FieldViolation>& findings);
 

@@ -70,7 +70,7 @@ struct Sketch {
   std::vector<SketchProfile> profiles;
 };
 
-// What a feature's solid does to a body.
+// The operation by which a feature's solid changes a body.
 enum class Operation { kNewBody = 1, kUnite = 2, kCut = 3, kIntersect = 4 };
 
 struct Extrude {

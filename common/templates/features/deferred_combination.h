@@ -1,4 +1,4 @@
-// What cuts from or unites with one body in a row, put off until somebody needs the body as it is:
+// Puts off what cuts from or unites with one body in a row until somebody needs the body as it is:
 // one of the kernel's operations with many solids takes much less time than many with one. Private
 // to this folder: it brings Open CASCADE's headers.
 #pragma once

@@ -1,5 +1,5 @@
-// Features that change a body where references point: fillet, chamfer, draft, shell. Private to
-// this folder: it brings Open CASCADE's headers.
+// Applies features that change a body where references point: fillet, chamfer, draft, shell.
+// Private to this folder: it brings Open CASCADE's headers.
 #pragma once
 
 #include <gp_Ax3.hxx>
@@ -11,8 +11,8 @@
 
 namespace mortise::cad {
 
-// INVALID_ARGUMENT naming the field ("fillet.edges[0]", "fillet.radius") of references that mean
-// nothing and of sizes that the kernel cannot make.
+// Fail with INVALID_ARGUMENT naming the field ("fillet.edges[0]", "fillet.radius") of references
+// that mean nothing and of sizes that the kernel cannot make.
 absl::Status ApplyFillet(const Fillet& fillet, const std::string& feature, const Numbers& numbers,
                          ModelState& state);
 absl::Status ApplyChamfer(const Chamfer& chamfer, const std::string& feature,

@@ -1,5 +1,5 @@
-// What can be seen to be wrong with a list of features without any number: names, references, and
-// what features are given. Private to this folder; feature_model.h is the door.
+// Finds what can be seen to be wrong with a list of features without any number: names, references,
+// and what features are given. Private to this folder; feature_model.h is the door.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,7 @@
 
 namespace mortise::cad {
 
-// Most of a template; what has more is not looked at further.
+// The most that a template may have; one that has more is not looked at further.
 inline constexpr std::size_t kMaxDefinitions = 500;
 inline constexpr std::size_t kMaxFeatures = 500;
 

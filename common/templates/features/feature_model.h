@@ -48,7 +48,7 @@ std::vector<FieldViolation> ValidateCadTemplate(const CadTemplate& definition);
 // A list of features, checked. Immutable; may be used from any number of threads.
 class FeatureModel {
  public:
-  // INVALID_ARGUMENT naming all that ValidateCadTemplate finds.
+  // Makes a model. INVALID_ARGUMENT naming all that ValidateCadTemplate finds.
   static absl::StatusOr<FeatureModel> Create(CadTemplate definition);
 
   const CadTemplate& definition() const { return state_->definition; }

@@ -15,11 +15,11 @@
 
 namespace mortise::cad {
 
-// Of one pattern, and copies that all patterns of a template make together: what the kernel
-// combines in a few seconds, which grow with the square of the number.
+// The most instances of one pattern, and the most copies that all patterns of a template make
+// together: the kernel combines them in a few seconds, which grow with the square of the number.
 inline constexpr int kMaxInstances = 200;
 
-// What a number must be to be used.
+// The need that a number must meet to be used.
 enum class Need {
   kAny,         // finite
   kPosition,    // m, at most 1 km from the origin
@@ -43,7 +43,7 @@ struct NumberUse {
 // Returns all numbers of a feature. They point into it.
 std::vector<NumberUse> NumbersOf(const Feature& feature);
 
-// Values by the text of the expression, at given parameters.
+// The values at given parameters, by the text of the expression.
 class Numbers {
  public:
   double operator()(const Formula& formula) const;  // 0 if empty; else it must be known
@@ -60,7 +60,7 @@ class Numbers {
 // Every expression of a template, parsed once. Can be evaluated from any number of threads.
 class FeatureNumbers {
  public:
-  // Parses; what is wrong, with its place, is added to `findings`.
+  // Parses the expressions; what is wrong, with its place, is added to `findings`.
   FeatureNumbers(const CadTemplate& definition, std::vector<FieldViolation>& findings);
 
   // Returns the numbers at `q`, one entry a parameter in the template's order, which need not be

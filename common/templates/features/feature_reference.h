@@ -1,4 +1,4 @@
-// How features refer to faces and edges: by what made them, never by a number in the kernel's
+// Says how features refer to faces and edges: by what made them, never by a number in the kernel's
 // lists, so that a reference means the same face when parameters change what is around it.
 //
 //   face = feature [ "[" ( instance | "*" ) "]" ] [ "." role ]
@@ -40,11 +40,12 @@ struct EdgeReference {
   std::optional<FaceName> other;  // nothing for every edge of `face`
 };
 
-// INVALID_ARGUMENT saying what was expected. The status names no field; the caller knows it.
+// Reads a reference. INVALID_ARGUMENT saying what was expected. The status names no field; the
+// caller knows it.
 absl::StatusOr<FaceName> ParseFaceReference(std::string_view text);
 absl::StatusOr<EdgeReference> ParseEdgeReference(std::string_view text);
 
-// "holes[2].wall".
+// // Returns "holes[2].wall".
 std::string ToString(const FaceName& name);
 
 // Whether a face of this name is among those that `reference` means. Patterns must have been told

@@ -7,9 +7,9 @@
 
 namespace mortise::cad {
 
-// INVALID_ARGUMENT naming the place of a feature that cannot be made. Features that cut or unite in
-// a row are done together, which is several times as fast, but leaves open which of them is at
-// fault. `one_by_one` tells exactly, and runs the kernel's check after each.
+// Makes all features. INVALID_ARGUMENT naming the place of a feature that cannot be made. Features
+// that cut or unite in a row are done together, which is several times as fast, but leaves open
+// which of them is at fault. `one_by_one` tells exactly, and runs the kernel's check after each.
 absl::StatusOr<RegeneratedModel> RegenerateFeatures(const CadTemplate& definition,
                                                     const Numbers& numbers, bool one_by_one);
 

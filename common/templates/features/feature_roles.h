@@ -1,4 +1,5 @@
-// Which faces each kind of feature makes, known before any solid is made. Private to this folder.
+// Says which faces each kind of feature makes, known before any solid is made. Private to this
+// folder.
 #pragma once
 
 #include <map>

@@ -1,4 +1,4 @@
-// The solids that features add to or take from bodies, each face named by what it comes from.
+// Makes the solids that features add to or take from bodies, each face named by what it comes from.
 // Private to this folder: it brings Open CASCADE's headers. Lengths in the kernel are in
 // millimetres.
 #pragma once

@@ -50,7 +50,7 @@ absl::Status Combine(Operation operation, const std::vector<NamedBody>& tools,
 NamedBody CopyOf(const NamedBody& body, const gp_Trsf& placement, const std::string& pattern,
                  int instance);
 
-// What references are looked up in.
+// The state that references are looked up in.
 struct ModelState {
   std::vector<NamedBody> bodies;
   struct Pattern {

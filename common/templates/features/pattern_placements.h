@@ -1,5 +1,5 @@
-// Where the copies of a pattern stand against the feature itself. Private to this folder: it brings
-// Open CASCADE's headers.
+// Finds where the copies of a pattern stand against the feature itself. Private to this folder: it
+// brings Open CASCADE's headers.
 #pragma once
 
 #include <gp_Trsf.hxx>

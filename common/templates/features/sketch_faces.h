@@ -34,8 +34,8 @@ struct BuiltSketch {
 absl::StatusOr<gp_Ax3> FrameOf(const SketchPlane& plane, const Numbers& numbers,
                                const gp_Ax3* face_frame);
 
-// Wires and faces. INVALID_ARGUMENT naming "sketch.profiles[i]" that crosses itself, another or has
-// a hole outside.
+// Makes wires and faces. INVALID_ARGUMENT naming "sketch.profiles[i]" that crosses itself, another
+// or has a hole outside.
 absl::StatusOr<BuiltSketch> BuildSketch(std::vector<CurveLoop> loops, const gp_Ax3& frame);
 
 // Returns a point of space in the kernel's unit.

@@ -1,8 +1,8 @@
 // Packs items into the cheapest bins: the integer problem behind crosscutting boards.
 //
 // Given sizes s_i and bin types with capacity C_t and cost c_t, both as integers, find bins that
-// hold every item once, each bin within its capacity, at least total cost. Strongly NP-hard; solved
-// by
+// hold every item once, each bin within its capacity, at least total cost. This is strongly
+// NP-hard, and solved by
 //   1. best-fit and first-fit decreasing, and minimum bin slack (Gupta and Ho 1999: fill one bin as
 //      full as possible around the largest item left, again and again);
 //   2. bin completion (Martello and Toth 1990, Korf 2002): branch over the ways to complete the bin

@@ -1,5 +1,5 @@
-// Which parts are crosscut from which board: one-dimensional cutting stock with the saw's kerf,
-// trimmed ends and several stock lengths.
+// Chooses which parts are crosscut from which board: one-dimensional cutting stock with the saw's
+// kerf, trimmed ends and several stock lengths.
 //
 // The front end of a board is trimmed by `trim` (the blade cuts within it); then the parts follow,
 // each cut off by a blade of width `kerf`; at least `trim` stays at the far end as part of the

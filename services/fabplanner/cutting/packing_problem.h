@@ -1,5 +1,5 @@
-// Bin packing with equal sizes counted instead of listed, its lower bound and greedy solutions.
-// Internal to bin_packing.
+// States bin packing with equal sizes counted instead of listed, with its lower bound and greedy
+// solutions. Internal to bin_packing.
 #pragma once
 
 #include <cstdint>
@@ -35,7 +35,7 @@ struct PackingProblem {
 
   int64_t CostOf(const Solution& solution) const;
 
-  // No packing of the `remaining` items, which add up to `total`, costs less.
+  // Returns a bound: no packing of the `remaining` items, which add up to `total`, costs less.
   int64_t LowerBound(const Counts& remaining, int64_t total) const;
 
   // Returns the cheapest type that holds `filled`; -1 if none does.
@@ -45,12 +45,12 @@ struct PackingProblem {
   std::vector<int64_t> RestOf(const Counts& remaining) const;
 };
 
-// First-fit (or best-fit) decreasing into bins of one type, each then shrunk to the cheapest type
-// that holds it. Empty if an item does not fit the type.
+// Packs first-fit (or best-fit) decreasing into bins of one type, each of which is then shrunk to
+// the cheapest type that holds its items. The solution is empty if an item does not fit the type.
 Solution FitDecreasing(const PackingProblem& problem, int type, bool best_fit);
 
-// Minimum bin slack: fills bin after bin as full as possible around the largest item left, with at
-// most `steps_per_bin` steps for each, and uses a pattern as often as it goes.
+// Packs by minimum bin slack: fills bin after bin as full as possible around the largest item left,
+// with at most `steps_per_bin` steps for each, and uses a pattern as often as it goes.
 Solution MinimumSlack(const PackingProblem& problem, int64_t steps_per_bin);
 
 }  // namespace mortise::fabplanner

@@ -1,4 +1,4 @@
-// Which strips are ripped from which plank: one-dimensional packing of widths.
+// Chooses which strips are ripped from which plank: one-dimensional packing of widths.
 //
 // A plank is ripped along its whole length, edge to edge, before its strips are crosscut: a
 // guillotine order. Strips of widths w_1 … w_n come out of a plank of width W when

@@ -22,19 +22,20 @@ struct PlacedRectangle {
   bool turned = false;
 };
 
-// How well a rectangle fits a free one: smaller is better.
+// Measures how well a rectangle fits a free one: smaller is better.
 enum class FitMeasure {
   kShortSide,   // least left over along the shorter leftover side
   kArea,        // least free area left over
   kBottomLeft,  // nearest to the bin's near end
 };
 
-// In which order rectangles are tried, each from large to small.
+// The orders in which rectangles are tried, each from large to small.
 enum class PackingOrder { kArea, kLongSide, kWidth, kHeight };
 
 using PackedRectangles = std::vector<std::vector<PlacedRectangle>>;  // one list a bin
 
-// Every rectangle fits an empty bin of `bin_width` × `bin_height` in an orientation it may take.
+// Packs the rectangles. Every one must fit an empty bin of `bin_width` × `bin_height` in an
+// orientation it may take.
 PackedRectangles PackRectangles(const std::vector<RectangleSize>& rectangles, double bin_width,
                                 double bin_height, PackingOrder order, FitMeasure measure);
 

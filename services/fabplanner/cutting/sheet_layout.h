@@ -1,4 +1,4 @@
-// Where outlines lie on sheets: nesting by bounding rectangles.
+// Lays out outlines on sheets: nesting by bounding rectangles.
 //
 // Each outline stands for its bounding rectangle, grown by the spacing. Rectangles are placed one
 // after another into the free rectangle that they fit best (maximal rectangles, Jylänki 2010),

@@ -1,4 +1,4 @@
-// Which boards and sheets a design is cut from, and what of them must be bought.
+// Chooses which boards and sheets a design is cut from, and says what of them must be bought.
 #pragma once
 
 #include <vector>

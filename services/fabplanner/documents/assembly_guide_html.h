@@ -9,8 +9,9 @@
 
 namespace mortise::fabplanner {
 
-// `pictures`: a PNG for each step, embedded, so that the page is one file that opens anywhere;
-// prints one step after another without breaking it. `title` is for people.
+// Returns the page. `pictures` has a PNG for each step, which is embedded, so that the page is one
+// file that opens anywhere. It prints one step after another without breaking it. `title` is for
+// people.
 std::string AssemblyGuideHtml(const FabricationPlan& plan, const Design& design, const Items& items,
                               const std::string& title, const std::vector<std::string>& pictures);
 

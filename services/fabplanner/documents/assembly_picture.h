@@ -1,5 +1,5 @@
-// One picture for each step of the assembly: what stands already in grey, the added parts in colour
-// and pulled apart along their pegs, with arrows that show how they go in.
+// Draws one picture for each step of the assembly: what stands already in grey, the added parts in
+// colour and pulled apart along their pegs, with arrows that show how they go in.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// Cutting diagrams: boards and sheets with their parts, dimensioned in millimetres, as SVG.
+// Draws cutting diagrams: boards and sheets with their parts, dimensioned in millimetres, as SVG.
 #pragma once
 
 #include <string>

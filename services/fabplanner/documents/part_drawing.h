@@ -1,4 +1,4 @@
-// Drawings of parts that are no plain stock: three views with their sizes.
+// Draws parts that are no plain stock: three views with their sizes.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// Triangles for pictures: parts and pegs.
+// Makes the triangles of parts and pegs for pictures.
 #pragma once
 
 #include "common/render/scene.h"

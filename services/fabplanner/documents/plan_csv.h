@@ -1,5 +1,5 @@
-// Cut list, bill of materials, parts and holes as comma-separated values (RFC 4180: CRLF, quotes
-// where needed, UTF-8, decimal points). Lengths in millimetres, as the column names say.
+// Writes cut list, bill of materials, parts and holes as comma-separated values (RFC 4180: CRLF,
+// quotes where needed, UTF-8, decimal points). Lengths in millimetres, as the column names say.
 #pragma once
 
 #include <string>

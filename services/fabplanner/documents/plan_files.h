@@ -1,4 +1,4 @@
-// The files of a plan: what people take to the workshop.
+// Makes the files of a plan, which people take to the workshop.
 #pragma once
 
 #include <functional>
@@ -23,9 +23,10 @@ std::string StepPictureName(int number);
 // Called before each file with how many are done and how many there are; false stops the work.
 using FileProgress = std::function<bool(int done, int total)>;
 
-// cut-list.csv, bill-of-materials.csv, parts.csv, holes.csv, boards.svg and sheets.svg (where there
-// are any), an SVG and an STL of what is made to shape, a picture a step, and assembly-guide.html,
-// which holds them. `title` of the design is for people. CANCELLED if `progress` says so.
+// Makes cut-list.csv, bill-of-materials.csv, parts.csv, holes.csv, boards.svg and sheets.svg (where
+// there are any), an SVG and an STL of what is made to shape, a picture a step, and
+// assembly-guide.html, which holds them. `title` of the design is for people. CANCELLED if
+// `progress` says so.
 absl::StatusOr<std::vector<PlanFile>> MakePlanFiles(const FabricationPlan& plan,
                                                     const Design& design, const Items& items,
                                                     const std::string& title,

@@ -1,6 +1,6 @@
-// The picture of a step in which parts come in along ways of their own, and screws after them: what
-// stands in grey, what comes in in colour and away from its place, with arrows; screws before their
-// holes, hinges and the like half-way to theirs.
+// Draws the picture of a step in which parts come in along ways of their own, and screws after
+// them: what stands in grey, what comes in in colour and away from its place, with arrows; screws
+// before their holes, hinges and the like half-way to theirs.
 #pragma once
 
 #include <string>

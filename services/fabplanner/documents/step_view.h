@@ -1,4 +1,4 @@
-// How pictures of steps look: colours, size, and from where they are seen. Internal to
+// Says how pictures of steps look: colours, size, and from where they are seen. Internal to
 // assembly_picture and step_picture.
 #pragma once
 
@@ -15,8 +15,8 @@ inline const render::Color kAddedColor{0.95, 0.66, 0.28};
 inline const render::Color kPegColor{0.60, 0.30, 0.10};
 inline const render::Color kArrowColor{0.05, 0.35, 0.75};
 
-// From where what has kAddedColor is seen best: from the front and above unless another corner is
-// much better.
+// Returns the direction from which what has kAddedColor is seen best: from the front and above
+// unless another corner is much better.
 absl::StatusOr<Eigen::Vector3d> ChooseView(const render::Scene& scene);
 
 // Returns the PNG, 900 × 675 pixels, of all in the scene.

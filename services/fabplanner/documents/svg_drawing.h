@@ -1,4 +1,4 @@
-// A few elements of SVG, enough for dimensioned drawings. Internal to layout_svg.
+// Writes a few elements of SVG, enough for dimensioned drawings. Internal to layout_svg.
 #pragma once
 
 #include <Eigen/Core>
@@ -22,12 +22,12 @@ class SvgDrawing {
   void Polygon(const std::vector<Eigen::Vector2d>& points, const std::string& style_class,
                const std::string& fill);
   void Line(double x0, double y0, double x1, double y1, const std::string& style_class);
-  // `turned` reads upwards. `style_class` may be empty.
+  // Adds a text, which reads upwards if it is `turned`. `style_class` may be empty.
   void Text(double x, double y, double size, TextAnchor anchor, const std::string& text,
             const std::string& style_class = "", bool turned = false);
-  // A dimension line with arrow heads between x0 and x1 at height y, and the text above it.
+  // Adds a dimension line with arrow heads between x0 and x1 at height y, and the text above it.
   void Dimension(double x0, double x1, double y, const std::string& text);
-  // The same along y at x, text to the left, reading upwards.
+  // Adds the same along y at x, with the text to the left, reading upwards.
   void DimensionUpright(double y0, double y1, double x, const std::string& text);
 
   // Returns the document, `width` × `height` pixels.

@@ -1,4 +1,5 @@
-// In which order a design is put together whose connectors are parts: screws, hinges, slides.
+// Finds the order in which a design is put together whose connectors are parts: screws, hinges,
+// slides.
 //
 // Sub-assemblies first (a drawer, then the cabinet), each by itself, unless they only come together
 // as single parts. What stands lowest and is largest comes first; then each step adds parts that

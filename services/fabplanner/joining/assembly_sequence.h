@@ -1,4 +1,4 @@
-// In which order parts are joined: the steps of the assembly (thesis §8.4.2).
+// Finds the order in which parts are joined: the steps of the assembly (thesis §8.4.2).
 //
 // The expert gives each connection a priority. Connections of one priority are made in one step,
 // lower priorities first; a part comes in with the first step that joins it. A step may build a
@@ -14,16 +14,17 @@
 
 namespace mortise::fabplanner {
 
-// Most parts of a design whose order follows from their shapes: it takes their number cubed.
+// The most parts that a design may have whose order follows from their shapes: it takes their
+// number cubed.
 inline constexpr std::size_t kMostOrderedParts = 2000;
 
-// Of a design whose connectors are parts, or that has parts of no item or sub-assemblies, those of
-// assembly_order.h. Otherwise by priority: the steps, numbered 1, 2, 3 …; every part is added in
-// exactly one of them. A design of one part without connections has one step. INVALID_ARGUMENT if a
-// connection names an unknown part, joins a part to itself or has pegs of differing priorities;
-// FAILED_PRECONDITION, reason PARTS_UNCONNECTED, naming parts that the connections leave loose.
-// `marks`: of the design's holes. Of those of assembly_order.h: RESOURCE_EXHAUSTED past
-// kMostOrderedParts, CANCELLED once a stop is requested.
+// Returns the steps, numbered 1, 2, 3 …. For a design whose connectors are parts, or that has parts
+// of no item or sub-assemblies, they are those of assembly_order.h. Otherwise they go by priority:
+// every part is added in exactly one of them. A design of one part without connections has one
+// step. INVALID_ARGUMENT if a connection names an unknown part, joins a part to itself or has pegs
+// of differing priorities; FAILED_PRECONDITION, reason PARTS_UNCONNECTED, naming parts that the
+// connections leave loose. `marks`: of the design's holes. Of those of assembly_order.h:
+// RESOURCE_EXHAUSTED past kMostOrderedParts, CANCELLED once a stop is requested.
 absl::StatusOr<std::vector<AssemblyStep>> AssemblySteps(const Design& design, const Items& items,
                                                         const std::vector<Mark>& marks = {},
                                                         const std::stop_token& stop = {});

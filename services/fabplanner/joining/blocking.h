@@ -1,5 +1,6 @@
-// Which of several things stand in each other's way when one is moved off in a straight line along
-// an axis, and what can be taken off at all (directional blocking graphs, Wilson and Latombe 1994).
+// Finds which of several things stand in each other's way when one is moved off in a straight line
+// along an axis, and what can be taken off at all (directional blocking graphs, Wilson and Latombe
+// 1994).
 #pragma once
 
 #include <Eigen/Core>
@@ -14,17 +15,17 @@
 
 namespace mortise::fabplanner {
 
-// Directions in which things are taken off, in the order in which people prefer them: up, to the
-// front, to the back, to the left, to the right, down.
+// The directions in which things are taken off, in the order in which people prefer them: up, to
+// the front, to the back, to the left, to the right, down.
 inline constexpr int kDirections = 6;
 Eigen::Vector3d DirectionOf(int direction);
 int Opposite(int direction);
-// "from above", for what comes back from there.
+// Returns "from above" for what comes back from there.
 const char* ComingFrom(int direction);
 
 class Blocking {
  public:
-  // `units`: parts that move together, by index; each part in at most one. Parts that are pushed
+  // `units` are parts that move together, by index, each part in at most one. Parts that are pushed
   // over pegs or rods move only along them. Parts that reach into each other otherwise do not block
   // each other: nothing is known of their joint. Once a stop is requested, what is not compared yet
   // does not block.
@@ -38,7 +39,7 @@ class Blocking {
   // blocks that.
   std::vector<int> MovesWith(int direction, int unit, const std::vector<int>& units) const;
 
-  // Parts of two units that reach into each other in an unknown way.
+  // Returns the parts of two units that reach into each other in an unknown way.
   const std::vector<std::pair<int, int>>& unknown() const { return unknown_; }
 
  private:

@@ -1,5 +1,5 @@
-// Holes for screws, bolts and pins that are parts of the design, and where what has none of them is
-// to be marked.
+// Finds the holes for screws, bolts and pins that are parts of the design, and the marks for
+// connecting parts that have none of them.
 //
 // A connector that is long and round lies along a line. Of each part to drill that the line passes:
 //   pegs and pins   a hole of their diameter, 1 mm deeper than they reach, or through;

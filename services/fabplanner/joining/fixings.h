@@ -1,5 +1,5 @@
-// What holds parts together: connecting parts that touch each other, with the parts they touch
-// (thesis §3.6).
+// Finds what holds parts together: connecting parts that touch each other, with the parts they
+// touch (thesis §3.6).
 #pragma once
 
 #include <stop_token>
@@ -30,8 +30,8 @@ struct Joints {
   std::vector<PegTie> pegs;
 };
 
-// `solids`: of the parts, in order. O(parts²). Once a stop is requested, what is not compared yet
-// does not touch.
+// `solids` are those of the parts, in order. O(parts²). Once a stop is requested, what is not
+// compared yet does not touch.
 Joints FindJoints(const Design& design, const Items& items, const std::vector<PartSolid>& solids,
                   const std::stop_token& stop = {});
 

@@ -1,4 +1,4 @@
-// From pegs to holes: each peg needs one in both parts that it joins.
+// Makes the holes for pegs: each peg needs one in both parts that it joins.
 #pragma once
 
 #include <map>
@@ -11,7 +11,7 @@
 
 namespace mortise::fabplanner {
 
-// How much deeper a hole is than its peg reaches, so that glue and shavings have room, m.
+// The depth by which a hole is deeper than its peg reaches, so that glue and shavings have room, m.
 inline constexpr double kHoleClearance = 0.001;
 
 // Returns two holes a peg, in the order of the pegs: first that in `part`, then that in

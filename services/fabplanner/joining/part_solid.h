@@ -1,4 +1,5 @@
-// Where a part is: which stretches of a line it fills, what it touches, what stands in its way.
+// Tells where a part is: which stretches of a line it fills, what it touches, what stands in its
+// way.
 //
 // Boxes are judged exactly. Whatever else has faces (prisms of other outlines, drawn shapes) is
 // judged by its triangles; ways by a grid of kRays × kRays lines, so that what is thinner than
@@ -13,13 +14,13 @@
 
 namespace mortise::fabplanner {
 
-// How far parts may reach into each other and still only touch, m.
+// The depth by which parts may reach into each other and still only touch, m.
 inline constexpr double kFit = 5e-4;
 
-// Lines across a part's way, along each of two axes.
+// The number of lines across a part's way, along each of two axes.
 inline constexpr int kRays = 24;
 
-// From ... to along a line, m.
+// A stretch of a line, m.
 struct Stretch {
   double from = 0;
   double to = 0;

@@ -1,4 +1,4 @@
-// What people read of a step in which connecting parts hold things together.
+// Writes what people read of a step in which connecting parts hold things together.
 #pragma once
 
 #include <string>
@@ -10,7 +10,7 @@
 
 namespace mortise::fabplanner {
 
-// What a step does, as indices of parts.
+// The facts of a step, as indices of parts.
 struct StepFacts {
   struct Arrival {
     std::vector<int> parts;   // of one part, or of what was built before
@@ -25,7 +25,7 @@ struct StepFacts {
   std::vector<int> stuck;                    // parts that block each other
 };
 
-// "2 × Side and Bottom": alike parts once, with their number.
+// Returns "2 × Side and Bottom": alike parts once, with their number.
 std::string CountedTitles(const Design& design, const std::vector<int>& parts);
 
 // Returns the instruction.

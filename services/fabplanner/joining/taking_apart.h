@@ -1,5 +1,5 @@
-// How a thing is taken apart, one straight movement after the other. Put together it is in the
-// opposite order.
+// Finds how a thing is taken apart, one straight movement after the other. It is put together in
+// the opposite order.
 //
 // What can be taken off a set can be taken off each of its subsets, so taking apart never has to go
 // back; where nothing comes off alone, several are taken off as one and taken apart by themselves.
@@ -13,7 +13,7 @@
 
 namespace mortise::fabplanner {
 
-// What is known of each unit besides what stands in its way.
+// The facts known of a unit besides what stands in its way.
 struct UnitFacts {
   std::string family;  // those of one are taken off in one step; empty for none
   bool built = false;  // a sub-assembly: taken off first
@@ -32,21 +32,22 @@ struct Removal {
 
 struct TakenApart {
   int base = 0;  // what stays: the largest of what stands lowest
-  // In order of taking off; what one entry has comes off in one step.
+  // The steps in order of taking off; all that one entry has comes off in one step.
   std::vector<std::vector<Removal>> steps;
-  // What could not be taken off each other, with the base; empty if all came apart.
+  // The units that could not be taken off each other, with the base; empty if all came apart.
   std::vector<int> stuck;
 };
 
-// Which units are linked to each other.
+// Says which units are linked to each other.
 using Links = std::vector<std::vector<bool>>;
 
 // Whether links join all of the units.
 bool InOnePiece(const std::vector<int>& units, const Links& links);
 
-// `units`: at least one. `held`: which are fastened to each other; `linked`: which are, or touch.
-// What stays is kept fastened together where that can be, else touching. Does not depend on
-// anything but its arguments. Once a stop is requested all that is left is stuck.
+// Takes `units`, at least one, apart. `held` says which are fastened to each other; `linked` which
+// are, or touch. The units that stay are kept fastened together where that can be, else touching.
+// The result depends on nothing but the arguments. Once a stop is requested all that is left is
+// stuck.
 TakenApart TakeApart(const std::vector<int>& units, const std::vector<UnitFacts>& facts,
                      const Links& held, const Links& linked, const Blocking& blocking,
                      const std::stop_token& stop = {});

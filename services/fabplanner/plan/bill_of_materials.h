@@ -1,4 +1,4 @@
-// What to buy: items with quantities, sizes to order and prices.
+// Says what to buy: items with quantities, sizes to order and prices.
 #pragma once
 
 #include <optional>
@@ -16,7 +16,8 @@ struct Purchase {
   std::string item;                                // name
   Eigen::Vector3d size = Eigen::Vector3d::Zero();  // m: length, width, thickness as ordered
   int quantity = 0;                                // pieces, > 0
-  // Of one piece, in the currency of the item's price; the item's price says it if there is none.
+  // The price of one piece, in the currency of the item's price; if there is none, the item's price
+  // counts.
   std::optional<double> piece_price = {};
   bool is_unpriced = false;  // no price is known of this size
 };

@@ -1,4 +1,5 @@
-// What is to be made: a design at given parameters, and the items it is made of, as plain structs.
+// Says what is to be made: a design at given parameters, and the items it is made of, as plain
+// structs.
 //
 // Two coordinate systems: the design's (x to the right, y to the back, z upwards) and the item's,
 // whose axes are length, width and thickness of the stock.
@@ -14,7 +15,7 @@
 
 namespace mortise::fabplanner {
 
-// How a part comes out of its stock.
+// The ways in which a part comes out of its stock.
 enum class CutProcess {
   kNone,     // used as it is bought
   kChopSaw,  // crosscut from a board
@@ -35,11 +36,12 @@ enum class ItemKind { kBoard, kSheet, kDowel, kScrew, kBolt, kNut, kHardware };
 struct StockSize {
   double length = 0;  // m
   double width = 0;   // m, of sheets
-  // Of one piece, in the currency of the item's price; nothing if it is not known.
+  // The price of one piece, in the currency of the item's price; nothing if it is not known.
   std::optional<double> price = {};
 };
 
-// What size parts of an item may have along one of its axes, m; 0 and 0 where that is not known.
+// The sizes that parts of an item may have along one of its axes, m; 0 and 0 where that is not
+// known.
 struct SizeLimits {
   double minimum = 0;
   double maximum = 0;
@@ -81,7 +83,7 @@ struct Part {
   double from = 0;                       // m, start along the axis
   double to = 0;                         // m, end along the axis, > from
 
-  // Of a part that is no prism: its closed surface. It has no outline then.
+  // The closed surface of a part that is no prism. It has no outline then.
   Eigen::Matrix3Xd vertices = {};   // 3 × V, m
   Eigen::Matrix3Xi triangles = {};  // 3 × T, counter-clockwise seen from outside
   std::string material = {};
@@ -127,7 +129,7 @@ inline bool IsShaped(const Part& part) { return part.triangles.cols() > 0; }
 // Whether the part fills its box.
 bool IsBox(const Part& part);
 
-// m³; of triangles, what their closed surface encloses.
+// Returns the volume of a part, m³: for triangles, what their closed surface encloses.
 double VolumeOf(const Part& part);
 
 // Whether the part has one section all along the axis (0, 1, 2), between two square ends.

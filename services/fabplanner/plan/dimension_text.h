@@ -1,4 +1,5 @@
-// Lengths as people in a workshop read them: millimetres, to a tenth, without needless zeros.
+// Writes lengths as people in a workshop read them: millimetres, to a tenth, without needless
+// zeros.
 #pragma once
 
 #include <Eigen/Core>
@@ -6,10 +7,10 @@
 
 namespace mortise::fabplanner {
 
-// 0.7205 becomes "720.5".
+// Returns "720.5" for 0.7205.
 std::string Millimetres(double metres);
 
-// "2400 × 45 × 45 mm" for a size given as length, width, thickness, m.
+// Returns "2400 × 45 × 45 mm" for a size given as length, width, thickness, m.
 std::string SizeText(const Eigen::Vector3d& size);
 
 }  // namespace mortise::fabplanner

@@ -1,4 +1,5 @@
-// How a design is made: what planning produces, as plain structs. Lengths in metres.
+// A plan says how a design is made: what planning produces, as plain structs. Lengths are in
+// metres.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,7 +18,7 @@ struct WorkshopRules {
   double sheet_spacing = 0.010;  // least distance between outlines on a sheet, >= the kerf
 };
 
-// How a part is come by.
+// The ways in which a part is come by.
 enum class Making {
   kCrosscut,   // cut to length by the chop saw
   kOutline,    // cut to outline by the jigsaw
@@ -25,11 +26,11 @@ enum class Making {
   kToDrawing,  // made to a drawing, of no item
 };
 
-// How one part is come by; the same for every copy.
+// Says how one part is come by; it is the same for every copy.
 struct PlannedPart {
   std::string part;  // name
   Making making = Making::kBought;
-  // Length, width and thickness in its item's axes; along x, y and z where there is no item.
+  // The length, width and thickness in its item's axes; along x, y and z where there is no item.
   Eigen::Vector3d size = Eigen::Vector3d::Zero();
   std::string handwork;               // what people do to it besides; empty for nothing
   bool to_shape = false;              // what it looks like takes a drawing to tell
@@ -96,7 +97,7 @@ struct AssemblyStep {
   std::vector<std::string> connectors;  // names of the connecting parts that come in
   std::string subassembly;              // what is built; empty for the whole
   std::vector<std::string> standing;    // parts and connectors of it that stand before the step
-  // What comes in at once, in one piece.
+  // Parts that come in at once, in one piece.
   struct Move {
     std::vector<std::string> parts;                    // with their connectors
     Eigen::Vector3d way_in = Eigen::Vector3d::Zero();  // unit; zero for what the rest comes onto
@@ -142,15 +143,16 @@ struct Hole {
   std::string connector = {};  // the connection of a peg, or the connecting part
 };
 
-// Where a connecting part that no screw locates lies on a part: a rectangle, the design's axes.
+// The place where a connecting part that no screw locates lies on a part: a rectangle, in the
+// design's axes.
 struct Mark {
   std::string part;
   std::string connector;
   Eigen::AlignedBox3d region;
 };
 
-// How `quantity` copies of a design are made. Counts are over all copies; steps, holes, marks and
-// parts are those of one copy.
+// Says how `quantity` copies of a design are made. Counts are over all copies; steps, holes, marks
+// and parts are those of one copy.
 struct FabricationPlan {
   int quantity = 1;
   WorkshopRules rules;

@@ -1,4 +1,4 @@
-// How each part of a design is come by: cut by a machine, bought, or made to a drawing.
+// Finds how each part of a design is come by: cut by a machine, bought, or made to a drawing.
 #pragma once
 
 #include <vector>
@@ -9,7 +9,7 @@
 
 namespace mortise::fabplanner {
 
-// By how much a part may differ from a size that its item fixes, m: what a rule cannot tell.
+// The amount by which a part may differ from a size that its item fixes, m: a rule cannot tell it.
 inline constexpr double kSizeTolerance = 5e-5;
 
 // Returns one entry a part, in order:

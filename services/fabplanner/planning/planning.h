@@ -11,7 +11,8 @@
 
 namespace mortise::fabplanner {
 
-// Most parts one plan may have, over all copies: past it plans outgrow messages and diagrams.
+// The most parts that one plan may have, over all copies: past it plans outgrow messages and
+// diagrams.
 inline constexpr int kMostParts = 10000;
 
 // Whether the rules can be used. INVALID_ARGUMENT naming "rules.kerf" and so on.

@@ -1,4 +1,4 @@
-// The steady flow of air around a body, computed by OpenFOAM (thesis §6.7: the toy airplane).
+// Has OpenFOAM compute the steady flow of air around a body (thesis §6.7: the toy airplane).
 #pragma once
 
 #include <Eigen/Core>
@@ -17,16 +17,17 @@ struct AirflowSolverOptions {
   std::stop_token stop = {};          // ends it within a moment, as CANCELLED
 };
 
-// What air does to a body.
+// The effect of air on a body.
 struct AirflowSolution {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();     // N, mean of the last quarter of iterations
   Eigen::Vector3d friction = Eigen::Vector3d::Zero();  // N, the part of it along the surface
   double force_swing = 0;  // N, the largest departure of the force from its mean there
-  // Where the body's surface is told of: its triangles, divided where they are larger than cells,
-  // each with vertices of its own, so that pressures may differ on both sides of an edge.
+  // The surface where the flow is told of: the body's triangles, divided where they are larger than
+  // cells, each with vertices of its own, so that pressures may differ on both sides of an edge.
   mesh::SurfaceMesh surface;
   Eigen::VectorXd pressure;  // Pa at the vertices of `surface`, above that of the oncoming air
-  // Pa, what all but a thousandth of the surface keeps to; a single cell may be far off.
+  // The pressures that all but a thousandth of the surface keeps to, Pa; a single cell may be far
+  // off.
   double minimum_pressure = 0, maximum_pressure = 0;
   int cells = 0;
   int iterations = 0;

@@ -1,5 +1,5 @@
-// The air around a body as a case that OpenFOAM reads: a box of cells that get finer towards the
-// body, what flows in, what the air is, and how it is solved.
+// Writes the air around a body as a case that OpenFOAM reads: a box of cells that get finer towards
+// the body, what flows in, what the air is, and how it is solved.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,8 +12,8 @@
 
 namespace mortise::simulator {
 
-// Where the air is computed: a box, divided evenly, whose cells are halved `levels` times towards
-// the body. In the wind's frame, in which it blows along x.
+// The box in which the air is computed, divided evenly, whose cells are halved `levels` times
+// towards the body. It is in the wind's frame, in which it blows along x.
 struct AirflowDomain {
   Eigen::AlignedBox3d box;   // m
   Eigen::Array3i divisions;  // cells of the box along x, y and z, before they are halved

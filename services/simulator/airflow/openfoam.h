@@ -22,7 +22,8 @@ struct OpenFoamRun {
   StageProgress* progress = nullptr;  // told of iterations, if it is there
 };
 
-// FAILED_PRECONDITION, NO_OPENFOAM, naming the package, where `program` is not to be found on PATH.
+// Fails with FAILED_PRECONDITION, NO_OPENFOAM, naming the package, where `program` is not to be
+// found on PATH.
 absl::Status CheckOpenFoam(const std::string& program);
 
 // Runs `program` on the case until it ends; what it says goes to "log.PROGRAM" in the case's

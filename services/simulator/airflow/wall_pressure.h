@@ -1,4 +1,4 @@
-// Pressures on the faces of cells, carried over to the surface that the cells were made around.
+// Carries pressures on the faces of cells over to the surface that the cells were made around.
 #pragma once
 
 #include <Eigen/Core>

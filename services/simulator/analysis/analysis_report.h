@@ -1,4 +1,4 @@
-// An analysis as files people open: fields for ParaView, a picture of the stress.
+// Writes an analysis as files people open: fields for ParaView, a picture of the stress.
 #pragma once
 
 #include <Eigen/Core>

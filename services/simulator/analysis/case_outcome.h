@@ -1,5 +1,5 @@
-// What load cases and heat come to, of designs and of uploaded meshes alike: the numbers that are
-// told of each, and the fields that are shown.
+// Tells what load cases and heat come to, of designs and of uploaded meshes alike: the numbers that
+// are told of each, and the fields that are shown.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,7 +14,7 @@
 
 namespace mortise::simulator {
 
-// What a load case or a combination does.
+// The outcome of a load case or a combination.
 struct CaseOutcome {
   std::string name;
   ElasticitySummary summary;
@@ -35,7 +35,7 @@ struct HeatOutcome {
   std::vector<double> convected;    // W, of each convection
 };
 
-// `support_nodes` has those of each support.
+// Returns the outcome of a load case. `support_nodes` has the nodes of each support.
 CaseOutcome OutcomeOf(const std::string& name, const mesh::TetrahedralMesh& mesh,
                       const ElasticitySolution& solution, double relative_error,
                       const std::vector<std::vector<int>>& support_nodes);
@@ -50,19 +50,19 @@ bool IsFinite(const HeatSolution& solution);
 std::vector<std::vector<int>> NodesOf(const mesh::TetrahedralMesh& mesh,
                                       const std::vector<Support>& supports);
 
-// "Own weight, 1.5×", the second, as "2-own-weight-1-5": letters and digits that every file system
-// takes.
+// Returns the name of a file for a load case: "2-own-weight-1-5" for "Own weight, 1.5×", the
+// second, of letters and digits that every file system takes.
 std::string FileStem(std::size_t number, const std::string& name);
 
-// VTU with displacement, stress tensor, von Mises and largest principal stress, reactions, where it
-// is warm the temperature, and the estimated error of each element. Temperatures of the solution
-// are above `reference_temperature`.
+// Returns a VTU file with displacement, stress tensor, von Mises and largest principal stress,
+// reactions, where it is warm the temperature, and the estimated error of each element.
+// Temperatures of the solution are above `reference_temperature`.
 absl::StatusOr<std::string> WriteFields(const mesh::TetrahedralMesh& mesh,
                                         const ElasticitySolution& solution,
                                         const Eigen::VectorXd& element_error,
                                         double reference_temperature);
 
-// VTU with the temperature at the nodes and the heat flux in each element.
+// Returns a VTU file with the temperature at the nodes and the heat flux in each element.
 absl::StatusOr<std::string> WriteHeat(const mesh::TetrahedralMesh& mesh,
                                       const std::vector<Material>& materials,
                                       const Eigen::VectorXd& temperature);

@@ -1,4 +1,4 @@
-// Metrics of one's own on a design that is analysed.
+// Computes custom metrics on a design that is analysed.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,4 +1,5 @@
-// From an evaluated design to metrics: geometry, mesh, solution, numbers with names and units.
+// Computes the metrics of an evaluated design: geometry, mesh, solution, numbers with names and
+// units.
 #pragma once
 
 #include <Eigen/Core>
@@ -45,11 +46,11 @@ struct DesignModel {
 // Whether anything in the model causes stress: a load, a support that is moved, or temperatures.
 bool IsLoaded(const DesignModel& model);
 
-// Those of GeometryMetrics; surface_area; cost; natural_frequency; max_temperature,
-// min_temperature, mean_temperature, heat_dissipation; airflow_drag, airflow_force_x, _y and _z,
-// max_air_pressure, min_air_pressure; and of the load case where each is worst
-// max_displacement, max_von_mises, max_principal, compliance, strain_energy, stress_ratio,
-// relative_error.
+// Returns the metrics that are offered: those of GeometryMetrics; surface_area; cost;
+// natural_frequency; max_temperature, min_temperature, mean_temperature, heat_dissipation;
+// airflow_drag, airflow_force_x, _y and _z, max_air_pressure, min_air_pressure; and of the load
+// case where each is worst max_displacement, max_von_mises, max_principal, compliance,
+// strain_energy, stress_ratio, relative_error.
 const std::vector<MetricDescription>& OfferedMetrics();
 
 // Whether a metric, or all that one of `own` needs, has an exact gradient on designs that say how
@@ -66,7 +67,7 @@ struct MetricDemands {
   bool surface = false;  // the joined surface of the parts
 };
 
-// `own`: metrics that are offered besides.
+// `own` are metrics that are offered besides.
 MetricDemands DemandsOf(const std::vector<std::string>& metrics,
                         const parametric::MetricExpressions& own = {});
 
@@ -78,7 +79,8 @@ struct DesignAnalysisOptions {
   StageProgress* progress = nullptr;  // told of "mesh", "heat", "solution" …, if it is there
   // Metrics that this design cannot have (a draught where it sinks) are left out, with a note.
   bool leave_out_inapplicable = false;
-  // How many natural modes that deform are wanted beside the metrics; one, if a metric needs it.
+  // The number of natural modes that deform that are wanted beside the metrics; one, if a metric
+  // needs it.
   int modes = 0;
   // How the air around it is computed, where a metric needs it or it is wanted besides.
   parametric::Airflow airflow = {};

@@ -1,4 +1,5 @@
-// Exact gradients of what is computed of a design under its loads, with respect to its parameters.
+// Computes exact gradients of what is computed of a design under its loads, with respect to its
+// parameters.
 //
 // With K(X) u = f(X, q) on a mesh whose nodes move as X(q), the gradient of J(u, X) is
 //   dJ/dq = ∂J/∂X·V + λᵀ (∂f/∂q + ∂f/∂X·V − (∂K/∂X·V) u),   K λ = ∂J/∂u,
@@ -28,11 +29,11 @@ struct FaceShapeMotion {
   Eigen::Matrix3Xd centroid_rate;  // 3 × parameters
 };
 
-// How a model changes with the parameters of its design.
+// Says how a model changes with the parameters of its design.
 struct DesignMotion {
   std::vector<FaceMotion> faces;
   std::vector<FaceShapeMotion> shapes;  // of the same faces
-  // For each parameter, the loads' forces, pressures and gravity as their rates of change.
+  // The rates of change of the loads' forces, pressures and gravity with each parameter.
   std::vector<DesignModel> load_rates;
   Eigen::VectorXd mass, volume;  // kg and m³, per unit of each parameter
 };

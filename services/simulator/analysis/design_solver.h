@@ -15,7 +15,8 @@ namespace mortise::simulator {
 struct SolvedDesign {
   std::optional<HeatSolution> heat;
   std::vector<SolvedCase> cases;
-  // Of those metrics and calls that were asked for, and have one; by name, or text of the call.
+  // The gradients of those metrics and calls that were asked for, and have one, by name or text of
+  // the call.
   std::map<std::string, Eigen::VectorXd> gradients = {};
 };
 

@@ -1,4 +1,4 @@
-// Everything that is asked of an uploaded mesh, computed in turn: heat, load cases and their
+// Computes in turn everything that is asked of an uploaded mesh: heat, load cases and their
 // combinations, vibration, and the files that show them.
 #pragma once
 
@@ -30,7 +30,7 @@ struct NamedCombination {
   std::vector<Term> terms;
 };
 
-// Where values are wanted.
+// A place where values are wanted.
 struct Probe {
   std::string name;
   std::vector<Eigen::Vector3d> points;  // m
@@ -96,8 +96,8 @@ using KeepFile = std::function<absl::Status(AnalysisFile file)>;
 absl::StatusOr<MeshAnalysis> AnalyzeMesh(const MeshModel& model, const MeshAnalysisOptions& options,
                                          const KeepFile& keep);
 
-// RESOURCE_EXHAUSTED if a mesh of this size, under so many load cases and with so many modes, needs
-// more than the limit: bytes, the factor for the modes not included.
+// Fails with RESOURCE_EXHAUSTED if a mesh of this size, under so many load cases and with so many
+// modes, needs more than the limit: bytes, the factor for the modes not included.
 absl::Status CheckMemory(Eigen::Index nodes, Eigen::Index elements, std::size_t load_cases,
                          double memory_limit, int modes = 0);
 

@@ -1,4 +1,4 @@
-// Groups of an uploaded mesh by name, and the faces that conditions act on.
+// Finds groups of an uploaded mesh by name, and makes the faces that conditions act on.
 #pragma once
 
 #include <array>
@@ -21,18 +21,18 @@ class MeshGroups {
 
   explicit MeshGroups(const mesh::GroupedMesh& mesh) : mesh_(mesh) {}
 
-  // Elements of all groups together, ascending.
+  // Returns the elements of all groups together, ascending.
   absl::StatusOr<std::vector<int>> Elements(const Names& names, const std::string& field) const;
 
-  // Nodes of all groups together, ascending: of groups of faces their faces' nodes, middle ones
-  // included. Where faces and nodes have groups of one name, it is the faces'.
+  // Returns the nodes of all groups together, ascending: from groups of faces their faces' nodes,
+  // middle ones included. Where faces and nodes have groups of one name, it is the faces'.
   absl::StatusOr<std::vector<int>> Nodes(const Names& names, const std::string& field) const;
 
-  // Of groups of nodes only.
+  // Returns the nodes of groups of nodes only.
   absl::StatusOr<std::vector<int>> OwnNodes(const Names& names, const std::string& field) const;
 
-  // Sides of all groups together become a face that conditions can name; the same groups give the
-  // same face. With `is_loaded`, INVALID_ARGUMENT if none of it is on the outside.
+  // Makes the sides of all groups together a face that conditions can name; the same groups give
+  // the same face. With `is_loaded`, INVALID_ARGUMENT if none of it is on the outside.
   absl::StatusOr<mesh::NamedFace> Face(const Names& names, bool is_loaded,
                                        const std::string& field);
 

@@ -1,4 +1,4 @@
-// How a metric changes with the parameters.
+// Says how a metric changes with the parameters.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,4 +1,4 @@
-// What an offered metric is on a design that was solved.
+// Reads what an offered metric is on a design that was solved.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,4 +1,4 @@
-// Values at chosen places, as a table.
+// Writes values at chosen places as a table.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,7 +13,7 @@ namespace mortise::simulator {
 
 struct Probe;
 
-// What is known at the nodes; an empty field leaves its columns empty.
+// The values known at the nodes; an empty field leaves its columns empty.
 struct ProbedFields {
   Eigen::Matrix3Xd displacement;                    // 3 × nodes, m
   Eigen::Matrix<double, 6, Eigen::Dynamic> stress;  // 6 × nodes, Pa
@@ -21,7 +21,7 @@ struct ProbedFields {
   Eigen::VectorXd temperature;                      // nodes
 };
 
-// CSV of one row for each place and each case that Add was called for.
+// A CSV table of one row for each place and each case that Add was called for.
 class ProbeTable {
  public:
   // Finds the elements that the points lie in. INVALID_ARGUMENT naming "probes[i].points[k]" for

@@ -1,5 +1,5 @@
-// Adaptive refinement: finer meshes where the estimated error is, until all load cases are as
-// accurate as wanted.
+// Refines meshes adaptively where the estimated error is, until all load cases are as accurate as
+// wanted.
 //
 //   Refinement refinement({.wanted_error = 0.02});
 //   for (;;) {
@@ -52,7 +52,7 @@ class Refinement {
 
   const std::vector<RefinementStep>& steps() const { return steps_; }
 
-  // Empty while, or if, the wanted error is reached.
+  // Says why the wanted error is not reached; empty while, or if, it is.
   const std::string& shortfall() const { return shortfall_; }
 
   // Ends the refinement short of what is wanted: the mesh that Next gave last could not be used.

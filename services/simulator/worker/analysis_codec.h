@@ -1,4 +1,4 @@
-// What analyses found, as messages.
+// Writes what analyses found as messages.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,5 +1,5 @@
-// The boundary conditions of a design: what they ask for, what they lack, and as supports, loads
-// and heat of the model that is analysed.
+// Reads the boundary conditions of a design: what they ask for, what they lack, and as supports,
+// loads and heat of the model that is analysed.
 #pragma once
 
 #include <cstddef>
@@ -20,14 +20,14 @@ bool IsLoaded(const parametric::EvaluatedDesign& design);
 // Returns how many load cases there are; one where none has a name.
 std::size_t CountLoadCases(const parametric::EvaluatedDesign& design);
 
-// FAILED_PRECONDITION, NO_SUPPORTS, saying what to add, for a design that nothing holds.
+// Fails with FAILED_PRECONDITION, NO_SUPPORTS, saying what to add, for a design that nothing holds.
 absl::Status CheckSupported(const parametric::EvaluatedDesign& design);
 
-// FAILED_PRECONDITION, NO_LOADS, saying what to add, for a design that nothing loads.
+// Fails with FAILED_PRECONDITION, NO_LOADS, saying what to add, for a design that nothing loads.
 absl::Status CheckLoaded(const parametric::EvaluatedDesign& design);
 
-// FAILED_PRECONDITION, NO_HEAT or FREE_TEMPERATURE, saying what to add, for a design that nothing
-// heats, or whose heat leaves every temperature open.
+// Fails with FAILED_PRECONDITION, NO_HEAT or FREE_TEMPERATURE, saying what to add, for a design
+// that nothing heats, or whose heat leaves every temperature open.
 absl::Status CheckHeated(const parametric::EvaluatedDesign& design);
 
 // Adds the conditions of `bearing`, a design of the model's parts in their order: supports, loads

@@ -1,4 +1,4 @@
-// What the material of a design costs by the prices of its items.
+// Computes what the material of a design costs by the prices of its items.
 #pragma once
 
 #include <string>

@@ -1,7 +1,7 @@
-// How a design of prisms moves with its parameters: its faces, its volume and the numbers of its
-// loads. Differences of the design by each parameter, without a mesh: exact, but for rounding,
-// where they are linear in the parameters (thesis §3.3), and with an error of the square of a
-// ten-thousandth of the range where they are not.
+// Finds how a design of prisms moves with its parameters: its faces, its volume and the numbers of
+// its loads. It takes differences of the design by each parameter, without a mesh: exact, but for
+// rounding, where they are linear in the parameters (thesis §3.3), and with an error of the square
+// of a ten-thousandth of the range where they are not.
 #pragma once
 
 #include <Eigen/Core>
@@ -20,7 +20,7 @@ bool IsMadeOfPrisms(const parametric::EvaluatedDesign& design);
 // Whether the conditions of a design are of kinds whose changes are known: AllowsGradients.
 bool HasConstantSupports(const parametric::EvaluatedDesign& design);
 
-// Which exact gradients a template offers, judged at its defaults.
+// Says which exact gradients a template offers, judged at its defaults.
 struct OfferedGradients {
   bool mass = false;   // of mass and volume
   bool shape = false;  // of areas, centroids and distances of faces and points

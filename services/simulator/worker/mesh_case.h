@@ -1,4 +1,4 @@
-// What a case of an uploaded mesh says by itself, checked before anybody looks at the mesh.
+// Checks what a case of an uploaded mesh says by itself, before anybody looks at the mesh.
 #pragma once
 
 #include <string>
@@ -14,12 +14,11 @@ class MeshMaterial;
 
 namespace mortise::simulator {
 
-// INVALID_ARGUMENT naming the first field that is wrong, below `field`, whatever the mesh: missing
-// or unknown length unit, lists that are too long, numbers out of range or beyond 1e30, names that
-// are missing, taken twice or refer to nothing, empty vectors of loads, nothing asked for.
-// FAILED_PRECONDITION, NO_LOADS, for a load case without a load that is not 0, where no support is
-// moved. RESOURCE_EXHAUSTED past 200 kB.
-// That numbers are finite has been checked.
+// Fails with INVALID_ARGUMENT naming the first field that is wrong, below `field`, whatever the
+// mesh: missing or unknown length unit, lists that are too long, numbers out of range or beyond
+// 1e30, names that are missing, taken twice or refer to nothing, empty vectors of loads, nothing
+// asked for. FAILED_PRECONDITION, NO_LOADS, for a load case without a load that is not 0, where no
+// support is moved. RESOURCE_EXHAUSTED past 200 kB. That numbers are finite has been checked.
 absl::Status CheckMeshCase(const v1::MeshCase& mesh_case, const std::string& field);
 
 // Returns how many metres a unit of length has: "mm" is 0.001. INVALID_ARGUMENT naming `field`.

@@ -17,7 +17,7 @@ inline constexpr std::size_t kLongestLabel = 200;  // bytes
 
 using Texts = google::protobuf::RepeatedPtrField<std::string>;
 
-// "case.supports[3]".
+// // Returns "case.supports[3]".
 std::string At(const std::string& field, const char* list, int i);
 
 absl::Status CheckCount(int count, int most, const std::string& field);
@@ -25,8 +25,8 @@ absl::Status CheckLabel(const std::string& text, const std::string& field);
 absl::Status CheckGroups(const Texts& groups, bool may_be_all, const std::string& field);
 absl::Status CheckGiven(bool is_given, const std::string& field);
 
-// A list of conditions that act on groups, and what each must have: `is_given` tells whether it has
-// the field called `name`.
+// Checks a list of conditions that act on groups, and what each must have: `is_given` tells whether
+// it has the field called `name`.
 template <typename Conditions, typename IsGiven>
 absl::Status CheckConditions(const Conditions& conditions, const std::string& field,
                              const char* list, const char* name, const IsGiven& is_given,

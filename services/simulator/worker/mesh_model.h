@@ -1,4 +1,4 @@
-// From an uploaded mesh and its case to the model that is analysed: groups become parts, faces and
+// Makes the model that is analysed of an uploaded mesh and its case: groups become parts, faces and
 // nodes.
 #pragma once
 

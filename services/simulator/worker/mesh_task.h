@@ -1,4 +1,4 @@
-// One task on an uploaded mesh: read, computed, and told of as mortise.v1.Analysis.
+// Reads and computes one task on an uploaded mesh, and tells of it as mortise.v1.Analysis.
 #pragma once
 
 #include "absl/status/status.h"

@@ -1,4 +1,4 @@
-// Results of evaluations by what they depend on, the least recently used forgotten first.
+// Keeps results of evaluations by what they depend on, the least recently used forgotten first.
 #pragma once
 
 #include <list>

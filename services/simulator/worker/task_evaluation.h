@@ -1,4 +1,4 @@
-// One task computed: F(q) or an uploaded mesh, solution, metrics, and the files where they are
+// Computes one task: F(q) or an uploaded mesh, solution, metrics, and the files where they are
 // wanted.
 #pragma once
 
@@ -17,7 +17,7 @@ namespace mortise::simulator {
 // The reason of a failure for the worker's limit of time.
 inline constexpr char kTimeLimit[] = "TIME_LIMIT";
 
-// What a task needs from outside.
+// The things that a task needs from outside.
 struct TaskContext {
   TemplateSource& templates;
   rpc::Origin origin;  // for the catalog
@@ -34,8 +34,8 @@ struct TaskContext {
   std::stop_token stop = {};          // ends the evaluation at its next step, as CANCELLED
 };
 
-// Metrics, gradients and analysis, or the error; without the task and the artifacts. Never fails:
-// what goes wrong becomes the error of the report.
+// Returns metrics, gradients and analysis, or the error, without the task and the artifacts. It
+// never fails: what goes wrong becomes the error of the report.
 v1::ReportTaskRequest EvaluateTask(const v1::Task& task, const TaskContext& surroundings);
 
 }  // namespace mortise::simulator

@@ -1,4 +1,4 @@
-// From a template at given parameters to the model that is analysed.
+// Makes the model that is analysed of a template at given parameters.
 #pragma once
 
 #include "absl/status/statusor.h"
@@ -31,11 +31,11 @@ absl::StatusOr<DesignModel> MakeDesignModel(const templates::Template& function,
                                             const parametric::EvaluatedDesign& design,
                                             const Joining& joining = {});
 
-// OfferedMetrics, with the currency of the template's items as the unit of the cost.
+// Returns OfferedMetrics, with the currency of the template's items as the unit of the cost.
 std::vector<MetricDescription> MetricsOf(const templates::Template& function);
 
-// The failure of an analysis of `design`. Where a part is free to move (RIGID_MOTION), and what
-// connects it to others was left out, it says so.
+// Returns the failure of an analysis of `design`. Where a part is free to move (RIGID_MOTION), and
+// what connects it to others was left out, it says so.
 absl::Status WithLeftOutParts(const absl::Status& failure,
                               const parametric::EvaluatedDesign& design);
 

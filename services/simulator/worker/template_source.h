@@ -1,4 +1,4 @@
-// Template revisions from the catalog, compiled, and kept by their content.
+// Fetches template revisions from the catalog, compiles them, and keeps them by their content.
 #pragma once
 
 #include <cstddef>
@@ -32,9 +32,9 @@ struct CompiledTemplate {
 // Thread safe.
 class TemplateSource {
  public:
-  // `capacity`: bytes of compiled revisions that are kept, the least recently used forgotten first;
-  // the latest stays however large it is. Those who ask for the same revision at the same time
-  // share one.
+  // `capacity` is the bytes of compiled revisions that are kept, the least recently used forgotten
+  // first; the latest stays however large it is. Those who ask for the same revision at the same
+  // time share one.
   explicit TemplateSource(std::shared_ptr<grpc::Channel> catalog,
                           std::size_t capacity = std::size_t{256} << 20);
 

@@ -1,4 +1,4 @@
-// A worker: leases evaluation tasks from the simulator service, computes them in this process, and
+// A worker leases evaluation tasks from the simulator service, computes them in this process, and
 // reports each with the attempt number it was lent under.
 #pragma once
 
@@ -38,7 +38,8 @@ struct WorkerOptions {
 // matters; when it dies its leases run out and others take the tasks.
 void RunWorker(const WorkerOptions& options, const std::stop_token& stop);
 
-// `mortise-simulator --worker`: flags, signals, RunWorker. Returns the exit code.
+// Is `mortise-simulator --worker`: reads flags, handles signals and calls RunWorker. Returns the
+// exit code.
 int WorkerMain(int argc, char** argv);
 
 }  // namespace mortise::simulator
