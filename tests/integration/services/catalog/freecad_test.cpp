@@ -114,7 +114,10 @@ void ExpectTheSameParts(const cad::StepAssembly& ours, Json seen) {
 class FreeCadTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    if (!Installed()) GTEST_SKIP() << "freecadcmd (Debian: freecad-python3) is not installed";
+    if (!Installed()) {
+      GTEST_SKIP() << "freecadcmd is not installed: apt-get install --no-install-recommends "
+                      "freecad-python3";
+    }
   }
 
   std::vector<std::string> Assemblies() {
