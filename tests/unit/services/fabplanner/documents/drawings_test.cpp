@@ -20,9 +20,9 @@
 namespace mortise::fabplanner {
 namespace {
 
-using testing::HasSubstr;
-using testing::Not;
-using testing::StartsWith;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::StartsWith;
 
 void Keep(const std::string& file_name, const std::string& bytes) {
   if (const char* folder = std::getenv("MORTISE_TEST_OUTPUT")) {
@@ -54,7 +54,7 @@ void ExpectWellFormed(const std::string& xml) {
       open.push_back(tag.substr(0, tag.find_first_of(" \n")));
     }
   }
-  EXPECT_THAT(open, testing::IsEmpty());
+  EXPECT_THAT(open, ::testing::IsEmpty());
 }
 
 FabricationPlan PlanOf(int quantity) {
