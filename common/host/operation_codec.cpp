@@ -46,9 +46,9 @@ google::protobuf::Timestamp Timestamp(absl::Time time) {
 }  // namespace
 
 jobs::NewOperation OperationOf(const Call& call, const std::string& kind,
-                               const std::string& subject, std::string request) {
+                               const std::string& subject, std::string bytes) {
   return {.kind = kind,
-          .request = std::move(request),
+          .request = std::move(bytes),
           .subject = subject,
           .trace_id = call.identity().trace_id,
           .creator = call.identity().subject,
@@ -66,7 +66,7 @@ v1::Operation ToProto(const jobs::Operation& operation) {
   proto.set_name(operation.name);
   proto.set_kind(operation.kind);
   proto.set_subject(operation.subject);
-  proto.set_creator(operation.creator);
+  SetTagsAndCreator(operation, &proto);
   proto.set_method(operation.method);
   proto.set_cancel_requested(operation.cancel_requested);
   proto.set_state(StateOf(operation.state));

@@ -9,10 +9,12 @@
 #include "absl/strings/str_join.h"
 #include "common/base/errors.h"
 #include "common/base/identifiers.h"
+#include "common/base/violation_lists.h"
 #include "common/host/operation_codec.h"
 #include "common/operations/operation_kinds.h"
 #include "common/operations/operations.h"
 #include "common/resources/page_rule.h"
+#include "common/resources/resource_filter.h"
 #include "common/rpc/call_state.h"
 #include "common/rpc/handler.h"
 #include "mortise/v1/operations.grpc.pb.h"
@@ -150,30 +152,37 @@ class OperationAdapter : public v1::OperationService::CallbackService {
 
   // The page token is the name of the last operation on the page before.
   absl::StatusOr<v1::ListOperationsResponse> List(const v1::ListOperationsRequest& asked) {
-    MORTISE_ASSIGN_OR_RETURN(const resources::PageQuery query, resources::ReadPageQuery(asked));
-    MORTISE_ASSIGN_OR_RETURN(std::vector<jobs::OperationState> states, StatesFrom(asked.states()));
-    MORTISE_RETURN_IF_ERROR(CheckKind(asked.kind()));
-    MORTISE_RETURN_IF_ERROR(CheckSubject(asked.subject()));
-    const jobs::OperationFilter filter{
-        .states = std::move(states), .kind = asked.kind(), .subject = asked.subject()};
+    const auto query = resources::ReadPageQuery(asked);
+    const auto wanted = resources::ResourceFilter::Of(asked);
+    auto states = StatesFrom(asked.states());
+    MORTISE_RETURN_IF_ERROR(
+        Together(Together(Together(query.status(), states.status()), CheckKind(asked.kind())),
+                 Together(CheckSubject(asked.subject()), wanted.status())));
+    const jobs::OperationFilter filter{.states = *std::move(states),
+                                       .kind = asked.kind(),
+                                       .subject = asked.subject(),
+                                       .takes = [&](const jobs::Operation& operation) {
+                                         return wanted->Takes(ToProto(operation));
+                                       }};
     v1::ListOperationsResponse response;
     if (!asked.service().empty() && asked.service() != dispatcher_->options().service) {
       return response;
     }
     const auto begin = [&]() -> jobs::Operations::Visitor {
       response.Clear();
-      return [&, room = resources::PageRoom(query.size)](const jobs::Operation& operation) mutable {
-        v1::Operation proto = ToProto(operation);
-        if (asked.omit_results()) proto.clear_result();
-        if (room.Take(proto.ByteSizeLong())) {
-          *response.add_operations() = std::move(proto);
-          return true;
-        }
-        response.set_next_page_token(response.operations().rbegin()->name());
-        return false;
-      };
+      return
+          [&, room = resources::PageRoom(query->size)](const jobs::Operation& operation) mutable {
+            v1::Operation proto = ToProto(operation);
+            if (asked.omit_results()) proto.clear_result();
+            if (room.Take(proto.ByteSizeLong())) {
+              *response.add_operations() = std::move(proto);
+              return true;
+            }
+            response.set_next_page_token(response.operations().rbegin()->name());
+            return false;
+          };
     };
-    const absl::Status visited = operations_->Visit(query.after, filter, begin);
+    const absl::Status visited = operations_->Visit(query->after, filter, begin);
     if (absl::IsInvalidArgument(visited)) return resources::NotAPageToken();
     MORTISE_RETURN_IF_ERROR(visited);
     return response;

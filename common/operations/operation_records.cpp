@@ -1,8 +1,10 @@
 #include "common/operations/operation_records.h"
 
 #include <algorithm>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <utility>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
@@ -53,16 +55,29 @@ absl::Status StatusOf(const json& value) {
   return WithDetail(status, {value.at("reason"), value.at("field")});
 }
 
+// Records of operations without tags are as they were before there were any.
+void WriteTags(const OperationTags& tags, json* value) {
+  if (!tags.external_ids.empty()) (*value)["external_ids"] = tags.external_ids;
+  if (!tags.labels.empty()) (*value)["labels"] = tags.labels;
+}
+
+OperationTags TagsOf(const json& value) {
+  return {.external_ids = value.value("external_ids", std::vector<std::string>()),
+          .labels = value.value("labels", std::map<std::string, std::string>())};
+}
+
 std::string StateJson(const Operation& operation) {
-  return Dump({{"kind", operation.kind},
-               {"subject", operation.subject},
-               {"request_id", operation.trace_id},
-               {"creator", operation.creator},
-               {"method", operation.method},
-               {"state", static_cast<int>(operation.state)},
-               {"cancel_requested", operation.cancel_requested},
-               {"progress", JsonOf(operation.progress)},
-               {"error", JsonOf(operation.error)}});
+  json value = {{"kind", operation.kind},
+                {"subject", operation.subject},
+                {"request_id", operation.trace_id},
+                {"creator", operation.creator},
+                {"method", operation.method},
+                {"state", static_cast<int>(operation.state)},
+                {"cancel_requested", operation.cancel_requested},
+                {"progress", JsonOf(operation.progress)},
+                {"error", JsonOf(operation.error)}};
+  WriteTags(operation.tags, &value);
+  return Dump(value);
 }
 
 void ReadStateJson(const std::string& text, Operation* operation) {
@@ -72,6 +87,7 @@ void ReadStateJson(const std::string& text, Operation* operation) {
   operation->trace_id = value.at("request_id");
   operation->creator = value.at("creator");
   operation->method = value.value("method", "");  // earlier versions did not keep it
+  operation->tags = TagsOf(value);
   operation->state = static_cast<OperationState>(value.at("state").get<int>());
   operation->cancel_requested = value.at("cancel_requested");
   operation->progress = ProgressOf(value.at("progress"));
@@ -92,7 +108,8 @@ bool Passes(const Operation& operation, const OperationFilter& filter) {
       filter.states.empty() ||
       std::find(filter.states.begin(), filter.states.end(), operation.state) != filter.states.end();
   return in_state && (filter.kind.empty() || filter.kind == operation.kind) &&
-         (filter.subject.empty() || filter.subject == operation.subject);
+         (filter.subject.empty() || filter.subject == operation.subject) &&
+         (!filter.takes || filter.takes(operation));
 }
 
 absl::StatusOr<std::string> BytesOrNone(absl::StatusOr<store::Record> record) {
@@ -149,6 +166,7 @@ absl::StatusOr<Operation> OperationRecords::Create(store::Transaction& transacti
                       .trace_id = request.trace_id,
                       .creator = request.creator,
                       .method = request.method,
+                      .tags = request.tags,
                       .request = request.request,
                       .created_at = transaction.Now()};
   MORTISE_RETURN_IF_ERROR(

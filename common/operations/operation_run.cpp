@@ -9,9 +9,7 @@ namespace mortise::jobs {
 OperationRun::OperationRun(const RunLease& lease, const Operation& operation,
                            std::string checkpoint, store::Store* store, OperationRecords* records)
     : lease_(lease),
-      name_(operation.name),
-      trace_id_(operation.trace_id),
-      request_(operation.request),
+      operation_(operation),
       checkpoint_(std::move(checkpoint)),
       store_(store),
       records_(records) {

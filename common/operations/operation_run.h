@@ -29,8 +29,9 @@ class OperationRun final : public OperationContext {
                store::Store* store, OperationRecords* records);
 
   // For the handler.
-  const std::string& name() const override { return name_; }
-  const std::string& request() const override { return request_; }
+  const std::string& name() const override { return operation_.name; }
+  const std::string& request() const override { return operation_.request; }
+  const Operation& operation() const override { return operation_; }
   bool Cancelled() const override { return stop_.stop_requested(); }
   std::stop_token stop_token() const override { return stop_.get_token(); }
   void ReportProgress(const Progress& progress) override;
@@ -43,7 +44,7 @@ class OperationRun final : public OperationContext {
       std::string_view checkpoint) override;
 
   // For the dispatcher. Thread safe.
-  const std::string& trace_id() const { return trace_id_; }
+  const std::string& trace_id() const { return operation_.trace_id; }
   const RunLease& lease() const { return lease_; }
   void Cancel() { stop_.request_stop(); }  // somebody cancelled the operation
   void Interrupt();                        // the process shuts down, or the lease is lost
@@ -65,9 +66,7 @@ class OperationRun final : public OperationContext {
 
  private:
   const RunLease lease_;
-  const std::string name_;
-  const std::string trace_id_;
-  const std::string request_;
+  const Operation operation_;  // when the run began
   const std::string checkpoint_;
   store::Store* const store_;
   OperationRecords* const records_;

@@ -16,6 +16,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <stop_token>
 #include <string>
@@ -28,6 +29,12 @@
 #include "common/store/store.h"
 
 namespace mortise::jobs {
+
+// What callers attach to an operation, and to the resource that it makes, to find them by.
+struct OperationTags {
+  std::vector<std::string> external_ids = {};      // the numbers that other systems know it by
+  std::map<std::string, std::string> labels = {};  // value by key
+};
 
 enum class OperationState { kPending, kRunning, kSucceeded, kFailed, kCancelled };
 
@@ -47,12 +54,13 @@ struct Progress {
 };
 
 struct Operation {
-  std::string name = {};        // "operations/<service>/<id>"
-  std::string kind = {};        // which handler runs it
-  std::string subject = {};     // resource name it works on
-  std::string trace_id = {};    // of the request that started it
-  std::string creator = {};     // who asked for it
-  std::string method = {};      // that was called to start it
+  std::string name = {};      // "operations/<service>/<id>"
+  std::string kind = {};      // which handler runs it
+  std::string subject = {};   // resource name it works on
+  std::string trace_id = {};  // of the request that started it
+  std::string creator = {};   // who asked for it
+  std::string method = {};    // that was called to start it
+  OperationTags tags = {};    // as the request that started it gave them
   OperationState state = OperationState::kPending;
   bool cancel_requested = false;
   Progress progress = {};
@@ -72,6 +80,7 @@ struct NewOperation {
   std::string trace_id = {};
   std::string creator = {};
   std::string method = {};
+  OperationTags tags = {};
 };
 
 // Which operations to visit; what is empty excludes none.
@@ -79,6 +88,9 @@ struct OperationFilter {
   std::vector<OperationState> states = {};
   std::string kind = {};
   std::string subject = {};
+  // Whether one that passes all of the above is visited. It sees the operation without request and
+  // result, which are read only of those that it takes.
+  std::function<bool(const Operation&)> takes = {};
 };
 
 // The handler's side of a running operation. All calls are thread safe.
@@ -88,6 +100,9 @@ class OperationContext {
 
   virtual const std::string& name() const = 0;
   virtual const std::string& request() const = 0;
+
+  // The operation as it was when this run began: who asked for it, with which tags.
+  virtual const Operation& operation() const = 0;
 
   // Whether to stop: somebody cancelled it, the process shuts down, or another replica has taken
   // it over. Save a checkpoint if worthwhile and return absl::CancelledError(). Only in the first

@@ -126,9 +126,8 @@ class FabPlannerAdapter final : public v1::FabPlannerService::CallbackService {
                store::Transaction& transaction) -> absl::StatusOr<v1::Operation> {
           MORTISE_ASSIGN_OR_RETURN(
               const jobs::Operation operation,
-              operations_->Start(transaction,
-                                 rpc::OperationOf(call, jobs::kPlanOperation, asked.template_(),
-                                                  asked.SerializeAsString())));
+              operations_->Start(transaction, rpc::OperationOf(call, jobs::kPlanOperation,
+                                                               asked.template_(), asked)));
           return rpc::ToProto(operation);
         });
   }

@@ -86,7 +86,7 @@ absl::StatusOr<jobs::Operation> ReleaseOrder(const rpc::Call& call,
   MORTISE_ASSIGN_OR_RETURN(
       jobs::Operation operation,
       operations.Start(transaction, rpc::OperationOf(call, jobs::kWorkOrderOperation, order.name(),
-                                                     order.name())));
+                                                     request, order.name())));
   order.set_operation(operation.name);
   MORTISE_RETURN_IF_ERROR(PutOrder(transaction, order));
   MORTISE_RETURN_IF_ERROR(AppendOrderEvent(transaction, order));

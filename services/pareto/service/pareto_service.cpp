@@ -52,14 +52,15 @@ class ParetoAdapter : public v1::ParetoService::CallbackService {
         [this](const rpc::Call& call, const v1::DiscoverFrontRequest& asked) {
           return Settle(call, asked.specification());
         },
-        [this](const rpc::Call& call, const v1::DiscoverFrontRequest&, SettledDiscovery& settled,
+        [this](const rpc::Call& call, const v1::DiscoverFrontRequest& asked,
+               SettledDiscovery& settled,
                store::Transaction& transaction) -> absl::StatusOr<v1::Operation> {
           MORTISE_ASSIGN_OR_RETURN(
               const jobs::Operation started,
               environment_.operations->Start(
                   transaction,
                   rpc::OperationOf(call, jobs::kDiscoveryOperation, settled.specification.subject(),
-                                   settled.specification.SerializeAsString())));
+                                   asked, settled.specification.SerializeAsString())));
           if (!settled.start.points().empty()) {
             const std::string id = started.name.substr(started.name.rfind('/') + 1);
             MORTISE_RETURN_IF_ERROR(

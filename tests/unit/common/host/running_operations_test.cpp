@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/base/errors.h"
+#include "common/base/violation_lists.h"
 #include "common/rpc/channel.h"
 #include "mortise/v1/operations.grpc.pb.h"
 #include "tests/support/status_assertions.h"
@@ -206,6 +207,64 @@ TEST_F(RunningServiceTest, ListsOnlyWhatPassesTheFilters) {
   EXPECT_TRUE(names(request).empty());
   request.add_states(v1::Operation::STATE_UNSPECIFIED);
   EXPECT_EQ(DetailOf(List(request).status()).field, "states[0]");
+}
+
+TEST_F(RunningServiceTest, ListsOperationsByWhatTheirRequestsAttached) {
+  Release();
+  const auto begin = [&](const std::string& id, const std::string& external_id,
+                         const std::string& project) {
+    KeepRequest request;
+    request.set_request_id(id);
+    request.set_name("a");
+    request.add_external_ids(external_id);
+    (*request.mutable_labels())["project"] = project;
+    const auto begun =
+        CallUnary(*probe_, &ProbeService::Stub::Begin, request, As(rpc::Role::kOperator));
+    EXPECT_OK(begun);
+    return begun.ok() ? *begun : v1::Operation();
+  };
+  const v1::Operation first = begin("r-1", "100-4711/A", "loft");
+  const v1::Operation second = begin("r-2", "100-4711/B", "loft");
+  const v1::Operation third = begin("r-3", "100-4711/A", "shed");
+  EXPECT_EQ(first.external_ids(0), "100-4711/A");
+  EXPECT_EQ(Wait(third.name())->labels().at("project"), "shed");
+  const auto names = [&](v1::ListOperationsRequest request) {
+    std::vector<std::string> found;
+    request.set_page_size(1);
+    do {
+      const auto page = List(request);
+      EXPECT_OK(page);
+      if (!page.ok()) break;
+      for (const v1::Operation& operation : page->operations()) found.push_back(operation.name());
+      request.set_page_token(page->next_page_token());
+    } while (!request.page_token().empty());
+    return found;
+  };
+  v1::ListOperationsRequest request;
+  request.mutable_filter()->set_external_id("100-4711/A");
+  EXPECT_EQ(names(request), (std::vector<std::string>{third.name(), first.name()}));
+  (*request.mutable_filter()->mutable_labels())["project"] = "loft";
+  EXPECT_EQ(names(request), std::vector<std::string>{first.name()});
+  request.mutable_filter()->Clear();
+  (*request.mutable_filter()->mutable_labels())["project"] = "";
+  EXPECT_EQ(names(request).size(), 3u);
+  request.mutable_filter()->set_creator("users/ben");
+  EXPECT_TRUE(names(request).empty());
+  request.mutable_filter()->Clear();
+  *request.mutable_filter()->mutable_created_from() = second.create_time();
+  EXPECT_EQ(names(request), (std::vector<std::string>{third.name(), second.name()}));
+}
+
+TEST_F(RunningServiceTest, TellsAllThatIsWrongWithAListOfOperations) {
+  v1::ListOperationsRequest request;
+  request.set_page_size(-1);
+  request.set_kind("zzz");
+  (*request.mutable_filter()->mutable_labels())["-"] = "x";
+  std::vector<std::string> fields;
+  for (const FieldViolation& violation : AllViolationsOf(List(request).status())) {
+    fields.push_back(violation.field);
+  }
+  EXPECT_EQ(fields, (std::vector<std::string>{"page_size", "kind", "filter.labels"}));
 }
 
 TEST_F(RunningServiceTest, FiltersThatMeanNothingAreRefusedByName) {

@@ -34,8 +34,8 @@ class RunningServiceTest : public ::testing::Test {
     gateway_ = *rpc::IdentitySigner::Load(folder_.path() / "keys", "gateway");
     handlers_.begin = [this](const rpc::Call& call, const KeepRequest& request,
                              store::Transaction& transaction) -> absl::StatusOr<v1::Operation> {
-      jobs::NewOperation wanted =
-          rpc::OperationOf(call, "probe.work", "things/" + request.name(), request.value());
+      jobs::NewOperation wanted = rpc::OperationOf(call, "probe.work", "things/" + request.name(),
+                                                   request, request.value());
       if (!keeps_methods_) wanted.method.clear();
       MORTISE_ASSIGN_OR_RETURN(jobs::Operation operation,
                                service_->environment().operations->Start(transaction, wanted));

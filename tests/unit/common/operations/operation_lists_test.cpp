@@ -67,6 +67,81 @@ TEST_P(OperationsTest, VisitsOneByOneWhatPassesTheFilter) {
   EXPECT_TRUE(visited({.subject = "other"}, 1000).empty());
 }
 
+TEST_P(OperationsTest, KeepsTheTagsOfWhatStartedIt) {
+  const OperationTags tags{.external_ids = {"100-4711/A", "ä"},
+                           .labels = {{"project", "loft"}, {"urgent", ""}}};
+  OperationTags seen;
+  std::string creator;
+  auto operations = Create(Options(), "quick", [&](OperationContext& context) {
+    seen = context.operation().tags;
+    creator = context.operation().creator;
+    context.ReportProgress({.done = 1, .total = 2});
+    return absl::StatusOr<std::string>("result");
+  });
+  std::string name;
+  ASSERT_OK(store_->Transact([&](store::Transaction& transaction) -> absl::Status {
+    MORTISE_ASSIGN_OR_RETURN(
+        const Operation started,
+        operations->Start(
+            transaction,
+            {.kind = "quick", .trace_id = "r1", .creator = "users/ada", .tags = tags}));
+    EXPECT_EQ(started.tags.labels, tags.labels);
+    name = started.name;
+    return absl::OkStatus();
+  }));
+  const Operation done = WaitFor(operations.get(), name);
+  EXPECT_EQ(done.tags.external_ids, tags.external_ids);
+  EXPECT_EQ(done.tags.labels, tags.labels);
+  EXPECT_EQ(seen.external_ids, tags.external_ids) << "its handler reads them";
+  EXPECT_EQ(seen.labels, tags.labels);
+  EXPECT_EQ(creator, "users/ada");
+}
+
+// What an earlier version wrote: neither the method nor tags.
+TEST_P(OperationsTest, ReadsRecordsWithoutTags) {
+  auto operations = Create(Options(), "quick", [](OperationContext& context) {
+    return absl::StatusOr<std::string>(context.request());
+  });
+  ASSERT_OK(store_->Transact([](store::Transaction& transaction) {
+    return transaction
+        .Put("operations", "0198c1x",
+             R"({"kind": "quick", "subject": "templates/table", "request_id": "r1",
+                 "creator": "users/ada", "state": 2, "cancel_requested": false,
+                 "progress": {"done": 3, "total": 3, "message": "done"},
+                 "error": {"code": 0, "message": "", "reason": "", "field": ""}})")
+        .status();
+  }));
+  const auto operation = operations->Get("operations/pareto/0198c1x");
+  ASSERT_OK(operation);
+  EXPECT_EQ(operation->state, OperationState::kSucceeded);
+  EXPECT_EQ(operation->creator, "users/ada");
+  EXPECT_TRUE(operation->tags.external_ids.empty());
+  EXPECT_TRUE(operation->tags.labels.empty());
+}
+
+TEST_P(OperationsTest, AsksAFilterOfItsOwnBeforeItReadsResults) {
+  auto operations = Create(Options(), "quick", [](OperationContext& context) {
+    return absl::StatusOr<std::string>(context.request());
+  });
+  const std::string wanted = Start(operations.get(), "quick", "wanted");
+  const std::string other = Start(operations.get(), "quick", "other");
+  WaitFor(operations.get(), wanted);
+  WaitFor(operations.get(), other);
+  std::vector<std::string> results;
+  const OperationFilter filter{.subject = "templates/table",
+                               .takes = [&](const Operation& operation) {
+                                 EXPECT_TRUE(operation.result.empty()) << "not read for this";
+                                 return operation.name == wanted;
+                               }};
+  EXPECT_OK(operations->Visit("", filter, [&] {
+    return [&](const Operation& operation) {
+      results.push_back(operation.result);
+      return true;
+    };
+  }));
+  EXPECT_EQ(results, std::vector<std::string>{"wanted"});
+}
+
 // The database goes while one is shown the first of many, and comes back at once.
 TEST_P(OperationsTest, AVisitBeginsAnewWhereTheDatabaseWasLost) {
   auto operations = Create(Options(), "quick", [](OperationContext& context) {
