@@ -3,42 +3,42 @@
 #include <utility>
 
 #include "common/base/errors.h"
+#include "common/resources/collection.h"
 #include "common/resources/page_rule.h"
-#include "common/rpc/handler.h"
+#include "common/rpc/method_overrides.h"
 #include "common/rpc/mutation_log.h"
 #include "mortise/v1/audit.grpc.pb.h"
 
 namespace mortise::rpc {
 namespace {
 
-class AuditAdapter : public v1::AuditService::CallbackService {
- public:
-  AuditAdapter(Dispatcher* dispatcher, store::Store* store, std::string service)
-      : store_(store),
-        service_(std::move(service)),
-        endpoint_(dispatcher, "mortise.v1.AuditService") {}
+// Whose records are shown.
+struct AuditedService {
+  store::Store* store;
+  std::string name;
+};
 
-  grpc::ServerUnaryReactor* ListAuditRecords(grpc::CallbackServerContext* context,
-                                             const v1::ListAuditRecordsRequest* request,
-                                             v1::ListAuditRecordsResponse* response) override {
-    return endpoint_.Query(
-        "ListAuditRecords", context, request, response,
-        [this](const Call&, const v1::ListAuditRecordsRequest& asked) { return List(asked); });
+absl::StatusOr<v1::ListAuditRecordsResponse> ListAuditRecords(
+    const AuditedService& service, const Call&, const v1::ListAuditRecordsRequest& asked) {
+  MORTISE_ASSIGN_OR_RETURN(const resources::PageQuery query, resources::ReadPageQuery(asked));
+  if (!asked.service().empty() && asked.service() != service.name) {
+    return v1::ListAuditRecordsResponse();
   }
+  MORTISE_ASSIGN_OR_RETURN(auto page, ListAudit(*service.store, query));
+  return resources::ToResponse(std::move(page), &v1::ListAuditRecordsResponse::mutable_records);
+}
+
+class AuditAdapter final : public v1::AuditService::CallbackService {
+  using Contract = v1::AuditService::CallbackService;
+
+ public:
+  AuditAdapter(Dispatcher* dispatcher, AuditedService service)
+      : service_(std::move(service)), endpoint_(dispatcher, "mortise.v1.AuditService") {}
+
+  MORTISE_QUERY(ListAuditRecords, With(service_, rpc::ListAuditRecords))
 
  private:
-  absl::StatusOr<v1::ListAuditRecordsResponse> List(const v1::ListAuditRecordsRequest& asked) {
-    MORTISE_ASSIGN_OR_RETURN(const resources::PageQuery query, resources::ReadPageQuery(asked));
-    v1::ListAuditRecordsResponse response;
-    if (!asked.service().empty() && asked.service() != service_) return response;
-    MORTISE_ASSIGN_OR_RETURN(auto page, ListAudit(*store_, query));
-    for (v1::AuditRecord& record : page.entries) *response.add_records() = std::move(record);
-    response.set_next_page_token(page.next_page_token);
-    return response;
-  }
-
-  store::Store* const store_;
-  const std::string service_;
+  const AuditedService service_;
   Endpoint endpoint_;
 };
 
@@ -46,7 +46,7 @@ class AuditAdapter : public v1::AuditService::CallbackService {
 
 std::shared_ptr<grpc::Service> MakeAuditService(Dispatcher* dispatcher, store::Store* store,
                                                 const std::string& service) {
-  return std::make_shared<AuditAdapter>(dispatcher, store, service);
+  return std::make_shared<AuditAdapter>(dispatcher, AuditedService{store, service});
 }
 
 }  // namespace mortise::rpc

@@ -11,7 +11,7 @@
 #include "absl/strings/match.h"
 #include "common/base/errors.h"
 #include "common/resources/page_rule.h"
-#include "common/rpc/handler.h"
+#include "common/rpc/method_overrides.h"
 #include "common/store/store.h"
 #include "mortise/v1/events.grpc.pb.h"
 
@@ -99,139 +99,130 @@ void WakeRepeatedly(Dispatcher* dispatcher, const std::weak_ptr<StreamWriter<v1:
       Lane::kStreams);
 }
 
-class EventAdapter : public v1::EventService::CallbackService {
+// The stream of one service, and what the methods stand on to show it.
+struct EventSource {
+  Dispatcher* dispatcher;
+  store::Store* store;
+  std::string stream;
+  std::shared_ptr<EventSignal> signal;  // null if nobody tells of new events
+};
+
+absl::StatusOr<v1::ListStreamsResponse> ListStreams(const EventSource& source, const Call&,
+                                                    const v1::ListStreamsRequest&) {
+  v1::ListStreamsResponse response;
+  auto* stream = response.add_streams();
+  stream->set_name(source.stream);
+  MORTISE_RETURN_IF_ERROR(source.store->Read([&](store::ReadTransaction& read) -> absl::Status {
+    MORTISE_ASSIGN_OR_RETURN(const int64_t number, read.LatestEventNumber());
+    MORTISE_ASSIGN_OR_RETURN(const int64_t epoch, read.Epoch());
+    stream->set_latest_number(number);
+    stream->set_epoch(epoch);
+    return absl::OkStatus();
+  }));
+  return response;
+}
+
+absl::Status CheckStream(const EventSource& source, const std::string& stream, const char* field) {
+  if (stream == source.stream) return absl::OkStatus();
+  return InvalidField(field, "this service has only the stream '" + source.stream + "'");
+}
+
+absl::StatusOr<v1::ReadEventsResponse> ReadEvents(const EventSource& source, const Call&,
+                                                  const v1::ReadEventsRequest& asked) {
+  MORTISE_RETURN_IF_ERROR(CheckStream(source, asked.stream(), "stream"));
+  if (asked.after_number() < 0) return InvalidField("after_number", "must be at least 0");
+  if (asked.limit() < 0 || asked.limit() > kLargestLimit) {
+    return InvalidField("limit", "must be 0 to 10000");
+  }
+  const int limit = asked.limit() == 0 ? kDefaultLimit : asked.limit();
+  v1::ReadEventsResponse response;
+  MORTISE_RETURN_IF_ERROR(source.store->Read([&](store::ReadTransaction& read) -> absl::Status {
+    response.Clear();
+    resources::PageRoom room(limit);
+    MORTISE_ASSIGN_OR_RETURN(const int64_t latest, read.LatestEventNumber());
+    response.set_latest_number(latest);
+    MORTISE_ASSIGN_OR_RETURN(const std::vector<store::NumberedEvent> events,
+                             read.ReadEvents(asked.after_number(), limit));
+    for (const store::NumberedEvent& event : events) {
+      v1::Event proto = EventProto(event, source.stream);
+      if (!room.Take(proto.ByteSizeLong())) break;
+      *response.add_events() = std::move(proto);
+    }
+    return absl::OkStatus();
+  }));
+  return response;
+}
+
+// The next event that the follower wants; nothing if there is none yet.
+absl::StatusOr<std::optional<v1::Event>> NextEvent(const EventSource& source, Follower& follower) {
+  while (follower.ahead.empty()) {
+    std::vector<store::NumberedEvent> events;
+    MORTISE_RETURN_IF_ERROR(source.store->Read([&](store::ReadTransaction& read) -> absl::Status {
+      MORTISE_ASSIGN_OR_RETURN(events, read.ReadEvents(follower.after_number, kFollowBatch));
+      return absl::OkStatus();
+    }));
+    if (events.empty()) return std::optional<v1::Event>();
+    follower.after_number = events.back().number;
+    for (const store::NumberedEvent& event : events) {
+      if (follower.Wants(event)) follower.ahead.push_back(EventProto(event, source.stream));
+    }
+  }
+  std::optional<v1::Event> next = std::move(follower.ahead.front());
+  follower.ahead.pop_front();
+  return next;
+}
+
+// Where a request to follow begins. INVALID_ARGUMENT naming the field at fault.
+absl::StatusOr<std::shared_ptr<Follower>> FollowerOf(const EventSource& source,
+                                                     const v1::FollowEventsRequest& asked) {
+  for (int i = 0; i < asked.streams_size(); ++i) {
+    MORTISE_RETURN_IF_ERROR(
+        CheckStream(source, asked.streams(i), ("streams[" + std::to_string(i) + "]").c_str()));
+  }
+  MORTISE_ASSIGN_OR_RETURN(const auto positions, FollowPositions(asked));
+  for (const auto& [stream, after] : positions) {
+    MORTISE_RETURN_IF_ERROR(CheckStream(source, stream, "positions"));
+  }
+  MORTISE_RETURN_IF_ERROR(CheckTypePrefixes(asked.type_prefixes()));
+  auto follower = std::make_shared<Follower>();
+  follower->after_number = positions.empty() ? asked.after_number() : positions.begin()->second;
+  follower->type_prefixes.assign(asked.type_prefixes().begin(), asked.type_prefixes().end());
+  if (follower->after_number != -1) return follower;
+  MORTISE_RETURN_IF_ERROR(source.store->Read([&](store::ReadTransaction& read) -> absl::Status {
+    MORTISE_ASSIGN_OR_RETURN(follower->after_number, read.LatestEventNumber());
+    return absl::OkStatus();
+  }));
+  return follower;
+}
+
+absl::Status FollowEvents(const EventSource& source, const Call&,
+                          const v1::FollowEventsRequest& asked, const EventWriter& writer) {
+  MORTISE_ASSIGN_OR_RETURN(const std::shared_ptr<Follower> follower, FollowerOf(source, asked));
+  std::weak_ptr<StreamWriter<v1::Event>> weak = writer;
+  if (source.signal) {
+    std::shared_ptr<void> subscription = source.signal->Subscribe([weak] {
+      if (const EventWriter alive = weak.lock()) alive->Wake();
+    });
+    writer->OnEnd([subscription] {});  // keeps it until then
+  }
+  writer->Pull([&source, follower] { return NextEvent(source, *follower); });
+  WakeRepeatedly(source.dispatcher, weak);
+  return absl::OkStatus();
+}
+
+class EventAdapter final : public v1::EventService::CallbackService {
+  using Contract = v1::EventService::CallbackService;
+
  public:
-  EventAdapter(Dispatcher* dispatcher, store::Store* store, std::string stream,
-               std::shared_ptr<EventSignal> signal)
-      : dispatcher_(dispatcher),
-        store_(store),
-        stream_(std::move(stream)),
-        signal_(std::move(signal)),
-        endpoint_(dispatcher, "mortise.v1.EventService") {}
+  explicit EventAdapter(EventSource source)
+      : source_(std::move(source)), endpoint_(source_.dispatcher, "mortise.v1.EventService") {}
 
-  grpc::ServerUnaryReactor* ListStreams(grpc::CallbackServerContext* context,
-                                        const v1::ListStreamsRequest* request,
-                                        v1::ListStreamsResponse* response) override {
-    return endpoint_.Query("ListStreams", context, request, response,
-                           [this](const Call&, const v1::ListStreamsRequest&) { return List(); });
-  }
-
-  grpc::ServerUnaryReactor* ReadEvents(grpc::CallbackServerContext* context,
-                                       const v1::ReadEventsRequest* request,
-                                       v1::ReadEventsResponse* response) override {
-    return endpoint_.Query(
-        "ReadEvents", context, request, response,
-        [this](const Call&, const v1::ReadEventsRequest& asked) { return Read(asked); });
-  }
-
-  grpc::ServerWriteReactor<v1::Event>* FollowEvents(
-      grpc::CallbackServerContext* context, const v1::FollowEventsRequest* request) override {
-    return endpoint_.ServerStream<v1::Event>(
-        "FollowEvents", context, request,
-        [this](const Call&, const v1::FollowEventsRequest& asked, const EventWriter& writer) {
-          return Follow(asked, writer);
-        },
-        {.endless = true});
-  }
+  MORTISE_QUERY(ListStreams, With(source_, rpc::ListStreams))
+  MORTISE_QUERY(ReadEvents, With(source_, rpc::ReadEvents))
+  MORTISE_SERVER_STREAM(FollowEvents, With(source_, rpc::FollowEvents), {.endless = true})
 
  private:
-  absl::StatusOr<v1::ListStreamsResponse> List() {
-    v1::ListStreamsResponse response;
-    auto* stream = response.add_streams();
-    stream->set_name(stream_);
-    MORTISE_RETURN_IF_ERROR(store_->Read([&](store::ReadTransaction& read) -> absl::Status {
-      MORTISE_ASSIGN_OR_RETURN(const int64_t number, read.LatestEventNumber());
-      MORTISE_ASSIGN_OR_RETURN(const int64_t epoch, read.Epoch());
-      stream->set_latest_number(number);
-      stream->set_epoch(epoch);
-      return absl::OkStatus();
-    }));
-    return response;
-  }
-
-  absl::Status CheckStream(const std::string& stream, const char* field) const {
-    if (stream == stream_) return absl::OkStatus();
-    return InvalidField(field, "this service has only the stream '" + stream_ + "'");
-  }
-
-  absl::StatusOr<v1::ReadEventsResponse> Read(const v1::ReadEventsRequest& asked) {
-    MORTISE_RETURN_IF_ERROR(CheckStream(asked.stream(), "stream"));
-    if (asked.after_number() < 0) return InvalidField("after_number", "must be at least 0");
-    if (asked.limit() < 0 || asked.limit() > kLargestLimit) {
-      return InvalidField("limit", "must be 0 to 10000");
-    }
-    const int limit = asked.limit() == 0 ? kDefaultLimit : asked.limit();
-    v1::ReadEventsResponse response;
-    MORTISE_RETURN_IF_ERROR(store_->Read([&](store::ReadTransaction& read) -> absl::Status {
-      response.Clear();
-      resources::PageRoom room(limit);
-      MORTISE_ASSIGN_OR_RETURN(const int64_t latest, read.LatestEventNumber());
-      response.set_latest_number(latest);
-      MORTISE_ASSIGN_OR_RETURN(const std::vector<store::NumberedEvent> events,
-                               read.ReadEvents(asked.after_number(), limit));
-      for (const store::NumberedEvent& event : events) {
-        v1::Event proto = EventProto(event, stream_);
-        if (!room.Take(proto.ByteSizeLong())) break;
-        *response.add_events() = std::move(proto);
-      }
-      return absl::OkStatus();
-    }));
-    return response;
-  }
-
-  absl::Status Follow(const v1::FollowEventsRequest& asked, const EventWriter& writer) {
-    for (int i = 0; i < asked.streams_size(); ++i) {
-      MORTISE_RETURN_IF_ERROR(
-          CheckStream(asked.streams(i), ("streams[" + std::to_string(i) + "]").c_str()));
-    }
-    MORTISE_ASSIGN_OR_RETURN(const auto positions, FollowPositions(asked));
-    for (const auto& [stream, after] : positions) {
-      MORTISE_RETURN_IF_ERROR(CheckStream(stream, "positions"));
-    }
-    MORTISE_RETURN_IF_ERROR(CheckTypePrefixes(asked.type_prefixes()));
-    auto follower = std::make_shared<Follower>();
-    follower->after_number = positions.empty() ? asked.after_number() : positions.begin()->second;
-    follower->type_prefixes.assign(asked.type_prefixes().begin(), asked.type_prefixes().end());
-    if (follower->after_number == -1) {
-      MORTISE_RETURN_IF_ERROR(store_->Read([&](store::ReadTransaction& read) -> absl::Status {
-        MORTISE_ASSIGN_OR_RETURN(follower->after_number, read.LatestEventNumber());
-        return absl::OkStatus();
-      }));
-    }
-    std::weak_ptr<StreamWriter<v1::Event>> weak = writer;
-    if (signal_) {
-      std::shared_ptr<void> subscription = signal_->Subscribe([weak] {
-        if (const EventWriter alive = weak.lock()) alive->Wake();
-      });
-      writer->OnEnd([subscription] {});  // keeps it until then
-    }
-    writer->Pull([this, follower] { return Next(*follower); });
-    WakeRepeatedly(dispatcher_, weak);
-    return absl::OkStatus();
-  }
-
-  absl::StatusOr<std::optional<v1::Event>> Next(Follower& follower) {
-    while (follower.ahead.empty()) {
-      std::vector<store::NumberedEvent> events;
-      MORTISE_RETURN_IF_ERROR(store_->Read([&](store::ReadTransaction& read) -> absl::Status {
-        MORTISE_ASSIGN_OR_RETURN(events, read.ReadEvents(follower.after_number, kFollowBatch));
-        return absl::OkStatus();
-      }));
-      if (events.empty()) return std::optional<v1::Event>();
-      follower.after_number = events.back().number;
-      for (const store::NumberedEvent& event : events) {
-        if (follower.Wants(event)) follower.ahead.push_back(EventProto(event, stream_));
-      }
-    }
-    std::optional<v1::Event> next = std::move(follower.ahead.front());
-    follower.ahead.pop_front();
-    return next;
-  }
-
-  Dispatcher* const dispatcher_;
-  store::Store* const store_;
-  const std::string stream_;
-  const std::shared_ptr<EventSignal> signal_;
+  const EventSource source_;
   Endpoint endpoint_;
 };
 
@@ -279,7 +270,7 @@ std::shared_ptr<EventSignal> EventSignal::Create() { return std::make_shared<Sig
 std::shared_ptr<grpc::Service> MakeEventService(Dispatcher* dispatcher, store::Store* store,
                                                 const std::string& stream,
                                                 std::shared_ptr<EventSignal> signal) {
-  return std::make_shared<EventAdapter>(dispatcher, store, stream, std::move(signal));
+  return std::make_shared<EventAdapter>(EventSource{dispatcher, store, stream, std::move(signal)});
 }
 
 }  // namespace mortise::rpc
