@@ -45,11 +45,19 @@ Response ToResponse(Page<Message> page,
   return response;
 }
 
+// What is wrong with the page and the filter that a List request asks for: INVALID_ARGUMENT naming
+// page_size, page_token and fields of the filter. Collection::List checks them itself; this is for
+// methods that tell what is wrong with other fields together with it.
+template <typename Request>
+absl::Status CheckListRequest(const Request& request) {
+  return Together(ReadPageQuery(request).status(), ResourceFilter::Of(request).status());
+}
+
 template <typename Message>
 struct Collection {
-  const char* names;         // the first part of their names: "fronts" of "fronts/0198c1x"
-  const char* kind;          // of their records
-  const char* event;         // what their events begin with: "front" of "front.updated"
+  const char* names;  // the first part of their names: "fronts" of "fronts/0198c1x"
+  const char* kind;   // of their records
+  const char* event;  // what their events begin with: "front" of "front.updated"; null for none
   bool newest_first = true;  // how lists are ordered: else by name
 
   // The resource of a name. NOT_FOUND; INVALID_ARGUMENT naming `field`; STORAGE_FAILED.
@@ -96,8 +104,9 @@ struct Collection {
   }
 
   // Changes the external ids and labels of the resource that `changes` names, those of the mask or
-  // both, and tells of it ("front.updated"). Returns it as it then is. NOT_FOUND; INVALID_ARGUMENT
-  // with fields under `field`, the name of `changes` in its request, or naming "update_mask".
+  // both, and tells of it ("front.updated") where the kind has events. Returns it as it then is.
+  // NOT_FOUND; INVALID_ARGUMENT with fields under `field`, the name of `changes` in its request, or
+  // naming "update_mask".
   absl::StatusOr<Message> UpdateTags(store::Transaction& transaction, const Message& changes,
                                      const google::protobuf::FieldMask& mask,
                                      const std::string& field, const Author& author) const {
@@ -110,6 +119,7 @@ struct Collection {
     MORTISE_ASSIGN_OR_RETURN(const std::string id,
                              ParseResourceName(present.name(), names, name_field));
     MORTISE_RETURN_IF_ERROR(transaction.Put(kind, id, present.SerializeAsString()).status());
+    if (event == nullptr) return present;
     MORTISE_RETURN_IF_ERROR(transaction.AppendEvent({.type = absl::StrCat(event, ".updated"),
                                                      .subject = present.name(),
                                                      .payload = "{}",

@@ -15,6 +15,7 @@
 #include "common/base/logging.h"
 #include "common/base/violation_lists.h"
 #include "common/host/operation_codec.h"
+#include "common/resources/resource_tags.h"
 #include "common/rpc/channel.h"
 #include "common/store/blob_folder.h"
 #include "mortise/v1/catalog.grpc.pb.h"
@@ -24,6 +25,7 @@
 #include "services/fabplanner/service/design_codec.h"
 #include "services/fabplanner/shop_floor/order_records.h"
 #include "services/fabplanner/shop_floor/plan_codec.h"
+#include "services/fabplanner/shop_floor/plan_records.h"
 
 namespace mortise::fabplanner {
 namespace {
@@ -51,23 +53,10 @@ v1::EvaluateTemplateRequest EvaluationOf(const v1::CreatePlanRequest& request) {
   return evaluate;
 }
 
-absl::Status StorePlan(store::Transaction& transaction, const std::string& id, v1::Plan* plan) {
+absl::Status StorePlan(store::Transaction& transaction, v1::Plan* plan) {
   *plan->mutable_create_time() = google::protobuf::util::TimeUtil::MicrosecondsToTimestamp(
       absl::ToUnixMicros(transaction.Now()));
-  MORTISE_RETURN_IF_ERROR(
-      transaction.Put(kPlanKind, id, plan->SerializeAsString(), {.expected_revision = 0}).status());
-  v1::Plan summary = *plan;
-  summary.clear_boards();
-  summary.clear_sheets();
-  summary.clear_steps();
-  summary.clear_bill();
-  summary.clear_holes();
-  summary.clear_parts();
-  summary.clear_marks();
-  summary.clear_handwork();
-  summary.clear_artifacts();
-  MORTISE_RETURN_IF_ERROR(
-      transaction.Put(kPlanSummaryKind, id, summary.SerializeAsString()).status());
+  MORTISE_RETURN_IF_ERROR(CreatePlanRecords(transaction, *plan));
   const nlohmann::json json = {
       {"template", plan->template_()},   {"quantity", plan->quantity()},
       {"boards", plan->boards_size()},   {"sheets", plan->sheets_size()},
@@ -82,7 +71,7 @@ absl::Status StorePlan(store::Transaction& transaction, const std::string& id, v
 absl::StatusOr<std::string> FindStored(const std::string& id, jobs::OperationContext& context) {
   std::string stored;
   MORTISE_RETURN_IF_ERROR(context.Transact([&](store::Transaction& transaction) -> absl::Status {
-    const absl::StatusOr<store::Record> record = transaction.Get(kPlanKind, id);
+    const absl::StatusOr<store::Record> record = transaction.Get(kPlans.kind, id);
     if (record.ok()) stored = record->payload;
     return absl::IsNotFound(record.status()) ? absl::OkStatus() : record.status();
   }));
@@ -130,7 +119,7 @@ absl::StatusOr<DrawnFiles> DrawFiles(const PlannedDesign& planned, const v1::Tem
   return drawn;
 }
 
-// Without the files and the time.
+// Without the files, the tags, the creator and the time.
 v1::Plan MessageOf(const std::string& id, const PlannedDesign& planned,
                    const v1::EvaluatedDesign& evaluated) {
   v1::Plan plan = ToProto(planned.plan, planned.design);
@@ -156,7 +145,8 @@ absl::Status CheckRequest(const v1::CreatePlanRequest& request) {
   if (request.has_quantity() && (request.quantity() < 1 || request.quantity() > 1000)) {
     status = Together(status, InvalidField("quantity", "must be 1 to 1000"));
   }
-  return Together(status, CheckRules(RulesFrom(request.rules())));
+  status = Together(status, CheckRules(RulesFrom(request.rules())));
+  return Together(status, resources::ValidateTags(request));
 }
 
 absl::Status PlanOperation::CheckDesign(const v1::CreatePlanRequest& request,
@@ -294,13 +284,14 @@ absl::StatusOr<std::string> PlanOperation::Run(jobs::OperationContext& context) 
   if (!step.empty()) drawn.files.push_back({kStepFile, "model/step", std::move(step)});
 
   plan = MessageOf(id, planned, inputs.design);
+  rpc::SetTagsAndCreator(context.operation(), &plan);
   MORTISE_RETURN_IF_ERROR(KeepFiles(drawn.files, &plan));
   if (plan.ByteSizeLong() > kMostMessageBytes) {
     return TooLarge(absl::StrCat("a plan of ", plan.ByteSizeLong(), " bytes"),
                     absl::StrCat(kMostMessageBytes, " bytes; plan fewer copies at a time"));
   }
   MORTISE_RETURN_IF_ERROR(context.Transact(
-      [&](store::Transaction& transaction) { return StorePlan(transaction, id, &plan); }));
+      [&](store::Transaction& transaction) { return StorePlan(transaction, &plan); }));
   context.ReportProgress({.done = drawn.total, .total = drawn.total, .message = "planned"});
   return rpc::PackResult(plan);
 }

@@ -28,15 +28,6 @@ std::string CutKey(const std::string& order_name, int index) {
   return absl::StrFormat("%s/%06d", IdOf(order_name), index);
 }
 
-template <class Message>
-absl::StatusOr<Message> Parse(const store::Record& record) {
-  Message message;
-  if (!message.ParseFromString(record.payload)) {
-    return StorageFailed(absl::StrCat(record.kind, "/", record.key), "the record is not readable");
-  }
-  return message;
-}
-
 // Calls `use` with each record of a kind.
 template <class Message, class Use>
 absl::Status ForEach(store::ReadTransaction& transaction, const char* kind,
@@ -48,7 +39,8 @@ absl::Status ForEach(store::ReadTransaction& transaction, const char* kind,
     MORTISE_ASSIGN_OR_RETURN(const std::vector<store::Record> page,
                              transaction.List(kind, options));
     for (const store::Record& record : page) {
-      MORTISE_ASSIGN_OR_RETURN(Message message, Parse<Message>(record));
+      MORTISE_ASSIGN_OR_RETURN(Message message,
+                               resources::ParseRecord<Message>(record.kind, record));
       use(std::move(message));
     }
     if (static_cast<int>(page.size()) < kPageSize) return absl::OkStatus();
@@ -101,7 +93,7 @@ std::string Dump(const nlohmann::json& json) {
 }  // namespace
 
 absl::Status PutOrder(store::Transaction& transaction, const v1::WorkOrder& order) {
-  return transaction.Put(kOrderKind, IdOf(order.name()), order.SerializeAsString()).status();
+  return transaction.Put(kOrders.kind, IdOf(order.name()), order.SerializeAsString()).status();
 }
 
 absl::Status PutCut(store::Transaction& transaction, const std::string& order_name, int index,
@@ -113,10 +105,10 @@ absl::Status PutCut(store::Transaction& transaction, const std::string& order_na
 
 absl::StatusOr<v1::WorkOrder> GetOrder(store::ReadTransaction& transaction,
                                        const std::string& order_name) {
-  const absl::StatusOr<store::Record> record = transaction.Get(kOrderKind, IdOf(order_name));
+  const absl::StatusOr<store::Record> record = transaction.Get(kOrders.kind, IdOf(order_name));
   if (absl::IsNotFound(record.status())) return ResourceNotFound(order_name);
   if (!record.ok()) return record.status();
-  return Parse<v1::WorkOrder>(*record);
+  return resources::ParseRecord<v1::WorkOrder>(kOrders.kind, *record);
 }
 
 absl::StatusOr<std::vector<v1::WorkOrder::Cut>> GetCuts(store::ReadTransaction& transaction,

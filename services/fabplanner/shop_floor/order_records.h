@@ -10,16 +10,15 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "common/resources/collection.h"
 #include "common/store/store.h"
 #include "mortise/v1/fabplanner.pb.h"
 #include "services/fabplanner/shop_floor/work_order.h"
 
 namespace mortise::fabplanner {
 
-// Plans whole, and again without contents, so that a list does not read megabytes of cuts.
-inline constexpr char kPlanKind[] = "plans";
-inline constexpr char kPlanSummaryKind[] = "planSummaries";
-inline constexpr char kOrderKind[] = "workOrders";
+inline constexpr resources::Collection<v1::WorkOrder> kOrders{
+    .names = "workOrders", .kind = "workOrders", .event = "workOrder"};
 
 // Largest message that is stored and sent, below gRPC's 4 MiB, bytes.
 inline constexpr int kMostMessageBytes = 4000000;

@@ -49,12 +49,10 @@ absl::Status ShopFloor::Open() {
     store::ListOptions options;
     options.limit = 1000;
     while (true) {
-      MORTISE_ASSIGN_OR_RETURN(const auto page, transaction.List(kOrderKind, options));
+      MORTISE_ASSIGN_OR_RETURN(const auto page, transaction.List(kOrders.kind, options));
       for (const store::Record& record : page) {
-        v1::WorkOrder order;
-        if (!order.ParseFromString(record.payload)) {
-          return StorageFailed(record.key, "the work order is not readable");
-        }
+        MORTISE_ASSIGN_OR_RETURN(const auto order,
+                                 resources::ParseRecord<v1::WorkOrder>(kOrders.kind, record));
         if (!IsFinal(OrderStateFrom(order.state()))) under_way.push_back(order.name());
       }
       if (page.size() < 1000) return absl::OkStatus();

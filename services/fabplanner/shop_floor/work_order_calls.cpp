@@ -9,10 +9,14 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/base/identifiers.h"
+#include "common/base/violation_lists.h"
 #include "common/host/operation_codec.h"
 #include "common/operations/operation_kinds.h"
+#include "common/resources/collection.h"
+#include "common/resources/resource_tags.h"
 #include "services/fabplanner/shop_floor/order_records.h"
 #include "services/fabplanner/shop_floor/plan_codec.h"
+#include "services/fabplanner/shop_floor/plan_records.h"
 
 namespace mortise::fabplanner {
 namespace {
@@ -22,18 +26,6 @@ constexpr int kGrowthOfACut = 100;  // bytes
 
 google::protobuf::Timestamp ToTimestamp(absl::Time time) {
   return google::protobuf::util::TimeUtil::MicrosecondsToTimestamp(absl::ToUnixMicros(time));
-}
-
-absl::StatusOr<v1::Plan> GetPlan(store::ReadTransaction& transaction, const std::string& name) {
-  MORTISE_ASSIGN_OR_RETURN(const std::string id, ParseResourceName(name, "plans", "plan"));
-  const absl::StatusOr<store::Record> record = transaction.Get(kPlanKind, id);
-  if (absl::IsNotFound(record.status())) return ResourceNotFound(name);
-  MORTISE_RETURN_IF_ERROR(record.status());
-  v1::Plan plan;
-  if (!plan.ParseFromString(record->payload)) {
-    return StorageFailed(name, "the plan is not readable");
-  }
-  return plan;
 }
 
 absl::StatusOr<v1::WorkOrder> ChangeState(const std::string& name, store::Transaction& transaction,
@@ -60,7 +52,9 @@ absl::StatusOr<jobs::Operation> ReleaseOrder(const rpc::Call& call,
                                              const v1::ReleaseWorkOrderRequest& request,
                                              jobs::Operations& operations,
                                              store::Transaction& transaction) {
-  MORTISE_ASSIGN_OR_RETURN(const v1::Plan plan, GetPlan(transaction, request.plan()));
+  MORTISE_RETURN_IF_ERROR(Together(ParseResourceName(request.plan(), kPlans.names, "plan").status(),
+                                   resources::ValidateTags(request)));
+  MORTISE_ASSIGN_OR_RETURN(const v1::Plan plan, kPlans.Get(transaction, request.plan(), "plan"));
   const std::vector<Cut> cuts = CutsFor(CuttingPlanFrom(plan));
   if (cuts.empty()) {
     return PreconditionFailed("NOTHING_TO_CUT",
@@ -72,6 +66,8 @@ absl::StatusOr<jobs::Operation> ReleaseOrder(const rpc::Call& call,
   order.set_state(v1::WorkOrder::RELEASED);
   order.set_cuts_total(static_cast<int>(cuts.size()));
   *order.mutable_handwork() = plan.handwork();
+  resources::CopyTags(request, &order);
+  order.set_creator(call.identity().subject);
   *order.mutable_create_time() = ToTimestamp(transaction.Now());
   *order.mutable_update_time() = order.create_time();
   std::size_t bytes = order.ByteSizeLong();
@@ -142,11 +138,11 @@ absl::StatusOr<std::string> RunWorkOrder(jobs::OperationContext& context,
   if (standing.state == OrderState::kFailed) {
     return PreconditionFailed("CUT_FAILED", standing.trouble, name);
   }
-  v1::WorkOrder order;
-  MORTISE_RETURN_IF_ERROR(store.Read([&](store::ReadTransaction& transaction) -> absl::Status {
-    MORTISE_ASSIGN_OR_RETURN(order, GetWholeOrder(transaction, name));
-    return absl::OkStatus();
-  }));
+  MORTISE_ASSIGN_OR_RETURN(
+      const v1::WorkOrder order,
+      resources::ReadFrom<v1::WorkOrder>(store, [&](store::ReadTransaction& transaction) {
+        return GetWholeOrder(transaction, name);
+      }));
   return rpc::PackResult(order);
 }
 

@@ -15,8 +15,9 @@
 namespace mortise::fabplanner {
 
 // Writes a new order of the plan with all its cuts waiting, and starts its operation, in the
-// caller's transaction. NOT_FOUND; FAILED_PRECONDITION, NOTHING_TO_CUT; RESOURCE_EXHAUSTED for
-// orders that outgrow a message.
+// caller's transaction; both have the tags of the request and the caller as their creator.
+// INVALID_ARGUMENT naming the fields at fault; NOT_FOUND; FAILED_PRECONDITION, NOTHING_TO_CUT;
+// RESOURCE_EXHAUSTED for orders that outgrow a message.
 absl::StatusOr<jobs::Operation> ReleaseOrder(const rpc::Call& call,
                                              const v1::ReleaseWorkOrderRequest& request,
                                              jobs::Operations& operations,
