@@ -2,7 +2,7 @@
 #include <future>
 #include <vector>
 
-#include "common/rpc/handler.h"
+#include "common/rpc/method_overrides.h"
 #include "gateway/contract/contract.h"
 #include "gateway/forwarding/hosted_services.h"
 #include "gateway/forwarding/upstreams.h"
@@ -13,40 +13,38 @@ namespace {
 
 constexpr absl::Duration kHealthPatience = absl::Seconds(1);
 
+absl::StatusOr<v1::House> GetHouse(const HostedEnvironment& environment, const rpc::Call&,
+                                   const v1::GetHouseRequest&) {
+  v1::House house;
+  house.set_version(environment.version);
+  std::vector<std::future<bool>> answers;
+  for (const auto& [name, address] : environment.upstreams->addresses()) {
+    v1::House::Service& service = *house.add_services();
+    service.set_name(name);
+    service.set_address(address);
+    for (const MethodRoute& method : environment.contract->methods()) {
+      if (method.service == name) service.add_methods(method.full_name);
+    }
+    answers.push_back(std::async(std::launch::async, [&environment, name = name] {
+      return environment.upstreams->Healthy(name, kHealthPatience);
+    }));
+  }
+  for (std::size_t i = 0; i < answers.size(); ++i) {
+    house.mutable_services(static_cast<int>(i))->set_healthy(answers[i].get());
+  }
+  return house;
+}
+
 class HouseService final : public v1::GatewayService::CallbackService {
+  using Contract = v1::GatewayService::CallbackService;
+
  public:
   explicit HouseService(const HostedEnvironment& environment)
       : environment_(environment), endpoint_(environment.dispatcher, "mortise.v1.GatewayService") {}
 
-  grpc::ServerUnaryReactor* GetHouse(grpc::CallbackServerContext* context,
-                                     const v1::GetHouseRequest* request,
-                                     v1::House* response) override {
-    return endpoint_.Query("GetHouse", context, request, response,
-                           [this](const rpc::Call&, const v1::GetHouseRequest&) { return Look(); });
-  }
+  MORTISE_QUERY(GetHouse, rpc::With(environment_, gateway::GetHouse))
 
  private:
-  absl::StatusOr<v1::House> Look() const {
-    v1::House house;
-    house.set_version(environment_.version);
-    std::vector<std::future<bool>> answers;
-    for (const auto& [name, address] : environment_.upstreams->addresses()) {
-      v1::House::Service& service = *house.add_services();
-      service.set_name(name);
-      service.set_address(address);
-      for (const MethodRoute& method : environment_.contract->methods()) {
-        if (method.service == name) service.add_methods(method.full_name);
-      }
-      answers.push_back(std::async(std::launch::async, [this, name = name] {
-        return environment_.upstreams->Healthy(name, kHealthPatience);
-      }));
-    }
-    for (std::size_t i = 0; i < answers.size(); ++i) {
-      house.mutable_services(static_cast<int>(i))->set_healthy(answers[i].get());
-    }
-    return house;
-  }
-
   const HostedEnvironment environment_;
   rpc::Endpoint endpoint_;
 };

@@ -6,7 +6,7 @@
 
 #include "common/base/errors.h"
 #include "common/host/event_service.h"
-#include "common/rpc/handler.h"
+#include "common/rpc/method_overrides.h"
 #include "gateway/forwarding/event_codec.h"
 #include "gateway/forwarding/event_hub.h"
 #include "gateway/forwarding/hosted_services.h"
@@ -77,89 +77,78 @@ class Follower {
   std::deque<bus::Event> ahead_;
 };
 
+bool Knows(const EventHub& hub, const std::string& stream) {
+  const auto& known = hub.streams();
+  return std::find(known.begin(), known.end(), stream) != known.end();
+}
+
+absl::StatusOr<v1::ListStreamsResponse> ListStreams(const HostedEnvironment& environment,
+                                                    const rpc::Call&,
+                                                    const v1::ListStreamsRequest&) {
+  EventHub& hub = *environment.hub;
+  v1::ListStreamsResponse response;
+  const std::set<std::string> names(hub.streams().begin(), hub.streams().end());
+  for (const std::string& name : names) {
+    auto& stream = *response.add_streams();
+    stream.set_name(name);
+    const int64_t latest = hub.Latest(name).value_or(0);
+    stream.set_latest_number(latest);
+    if (latest == 0) continue;
+    const auto last = hub.Read(name, latest - 1, 1);
+    if (last.ok() && !last->empty()) stream.set_epoch(last->back().epoch);
+  }
+  return response;
+}
+
+absl::Status FollowEvents(const HostedEnvironment& environment, const rpc::Call&,
+                          const v1::FollowEventsRequest& asked,
+                          const std::shared_ptr<rpc::StreamWriter<v1::Event>>& writer) {
+  MORTISE_ASSIGN_OR_RETURN(const auto positions, rpc::FollowPositions(asked));
+  MORTISE_RETURN_IF_ERROR(rpc::CheckTypePrefixes(asked.type_prefixes()));
+  for (const std::string& stream : asked.streams()) {
+    if (!Knows(*environment.hub, stream)) return NoSuchStream(stream);
+  }
+  for (const auto& [stream, after] : positions) {
+    if (!Knows(*environment.hub, stream)) return NoSuchStream(stream);
+  }
+  const auto follower = std::make_shared<Follower>(environment.hub, asked, positions);
+  const std::weak_ptr<rpc::StreamWriter<v1::Event>> weak = writer;
+  writer->Pull([dispatcher = environment.dispatcher, follower,
+                weak]() -> absl::StatusOr<std::optional<v1::Event>> {
+    std::optional<absl::Duration> look_again;
+    std::optional<v1::Event> event = follower->Next(look_again);
+    if (!event && look_again) {
+      dispatcher->SubmitAfter(
+          *look_again,
+          [weak] {
+            if (const auto alive = weak.lock()) alive->Wake();
+          },
+          rpc::Lane::kStreams);
+    }
+    return event;
+  });
+  auto token = environment.hub->OnEvents([weak](const std::string&) {
+    if (const auto alive = weak.lock()) alive->Wake();
+  });
+  // Held until the stream ends; and one look for what came before the hub began to tell.
+  writer->OnEnd([token]() mutable { token.reset(); });
+  writer->Wake();
+  return absl::OkStatus();
+}
+
 class MergedEvents final : public v1::EventService::CallbackService {
+  using Contract = v1::EventService::CallbackService;
+
  public:
   explicit MergedEvents(const HostedEnvironment& environment)
-      : dispatcher_(environment.dispatcher),
-        hub_(environment.hub),
-        endpoint_(environment.dispatcher, "mortise.v1.EventService") {}
+      : environment_(environment), endpoint_(environment.dispatcher, "mortise.v1.EventService") {}
 
-  grpc::ServerUnaryReactor* ListStreams(grpc::CallbackServerContext* context,
-                                        const v1::ListStreamsRequest* request,
-                                        v1::ListStreamsResponse* response) override {
-    return endpoint_.Query(
-        "ListStreams", context, request, response,
-        [this](const rpc::Call&, const v1::ListStreamsRequest&) { return List(); });
-  }
-
-  grpc::ServerWriteReactor<v1::Event>* FollowEvents(
-      grpc::CallbackServerContext* context, const v1::FollowEventsRequest* request) override {
-    return endpoint_.ServerStream<v1::Event>(
-        "FollowEvents", context, request,
-        [this](const rpc::Call&, const v1::FollowEventsRequest& asked,
-               std::shared_ptr<rpc::StreamWriter<v1::Event>> writer) {
-          return Follow(asked, std::move(writer));
-        },
-        {.endless = true});
-  }
+  MORTISE_QUERY(ListStreams, rpc::With(environment_, gateway::ListStreams))
+  MORTISE_SERVER_STREAM(FollowEvents, rpc::With(environment_, gateway::FollowEvents),
+                        {.endless = true})
 
  private:
-  bool Knows(const std::string& stream) const {
-    const auto& known = hub_->streams();
-    return std::find(known.begin(), known.end(), stream) != known.end();
-  }
-
-  absl::StatusOr<v1::ListStreamsResponse> List() const {
-    v1::ListStreamsResponse response;
-    const std::set<std::string> names(hub_->streams().begin(), hub_->streams().end());
-    for (const std::string& name : names) {
-      auto& stream = *response.add_streams();
-      stream.set_name(name);
-      const int64_t latest = hub_->Latest(name).value_or(0);
-      stream.set_latest_number(latest);
-      if (latest == 0) continue;
-      const auto last = hub_->Read(name, latest - 1, 1);
-      if (last.ok() && !last->empty()) stream.set_epoch(last->back().epoch);
-    }
-    return response;
-  }
-
-  absl::Status Follow(const v1::FollowEventsRequest& asked,
-                      std::shared_ptr<rpc::StreamWriter<v1::Event>> writer) {
-    MORTISE_ASSIGN_OR_RETURN(const auto positions, rpc::FollowPositions(asked));
-    MORTISE_RETURN_IF_ERROR(rpc::CheckTypePrefixes(asked.type_prefixes()));
-    for (const std::string& stream : asked.streams()) {
-      if (!Knows(stream)) return NoSuchStream(stream);
-    }
-    for (const auto& [stream, after] : positions) {
-      if (!Knows(stream)) return NoSuchStream(stream);
-    }
-    const auto follower = std::make_shared<Follower>(hub_, asked, positions);
-    const std::weak_ptr<rpc::StreamWriter<v1::Event>> weak = writer;
-    writer->Pull([this, follower, weak]() -> absl::StatusOr<std::optional<v1::Event>> {
-      std::optional<absl::Duration> look_again;
-      std::optional<v1::Event> event = follower->Next(look_again);
-      if (!event && look_again) {
-        dispatcher_->SubmitAfter(
-            *look_again,
-            [weak] {
-              if (const auto alive = weak.lock()) alive->Wake();
-            },
-            rpc::Lane::kStreams);
-      }
-      return event;
-    });
-    auto token = hub_->OnEvents([weak](const std::string&) {
-      if (const auto alive = weak.lock()) alive->Wake();
-    });
-    // Held until the stream ends; and one look for what came before the hub began to tell.
-    writer->OnEnd([token]() mutable { token.reset(); });
-    writer->Wake();
-    return absl::OkStatus();
-  }
-
-  rpc::Dispatcher* const dispatcher_;
-  EventHub* const hub_;
+  const HostedEnvironment environment_;
   rpc::Endpoint endpoint_;
 };
 

@@ -333,27 +333,19 @@ class Delivery final : public WebhookDelivery {
   // --- On the pool.
 
   absl::StatusOr<std::vector<v1::Webhook>> LoadAll() {
-    std::vector<v1::Webhook> webhooks;
-    MORTISE_RETURN_IF_ERROR(store_->Read([&](store::ReadTransaction& transaction) -> absl::Status {
-      MORTISE_ASSIGN_OR_RETURN(webhooks, ListWebhooks(transaction, "", kMaximalWebhooks));
-      return absl::OkStatus();
-    }));
-    return webhooks;
+    return resources::ReadFrom<std::vector<v1::Webhook>>(
+        *store_, [](store::ReadTransaction& transaction) {
+          return ListWebhooks(transaction, "", kMaximalWebhooks);
+        });
   }
 
-  absl::StatusOr<v1::Webhook> Load(const std::string& name) {
-    v1::Webhook webhook;
-    MORTISE_RETURN_IF_ERROR(store_->Read([&](store::ReadTransaction& transaction) -> absl::Status {
-      MORTISE_ASSIGN_OR_RETURN(webhook, GetWebhook(transaction, name));
-      return absl::OkStatus();
-    }));
-    return webhook;
-  }
+  absl::StatusOr<v1::Webhook> Load(const std::string& name) { return kWebhooks.Get(*store_, name); }
 
   // ABORTED if the webhook was set back meanwhile.
   absl::Status Store(const Lane& lane, const Progress& progress) {
     return store_->Transact([&](store::Transaction& transaction) -> absl::Status {
-      MORTISE_ASSIGN_OR_RETURN(v1::Webhook webhook, GetWebhook(transaction, lane.webhook));
+      MORTISE_ASSIGN_OR_RETURN(v1::Webhook webhook, kWebhooks.Get(transaction, lane.webhook));
+      // What else the record has, such as tags that were changed meanwhile, stays as it is.
       if (CursorOf(webhook, lane.stream) != progress.from) {
         return absl::AbortedError("the webhook was set back");
       }

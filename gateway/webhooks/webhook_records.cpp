@@ -17,16 +17,12 @@ namespace {
 using Json = nlohmann::json;
 using LetterMessage = v1::ListDeadLettersResponse::DeadLetter;
 
-constexpr char kWebhooks[] = "webhooks";
 constexpr char kDeadLetters[] = "webhook-dead-letters";
 constexpr int kPage = 1000;
 
-absl::StatusOr<v1::Webhook> Parse(const store::Record& record) {
-  v1::Webhook webhook;
-  if (!webhook.ParseFromString(record.payload)) {
-    return StorageFailed("webhooks/" + record.key, "the record is damaged");
-  }
-  return webhook;
+// "hook-1" of "webhooks/hook-1"; INVALID_ARGUMENT naming `name` otherwise.
+absl::StatusOr<std::string> IdOf(const std::string& name) {
+  return ParseResourceName(name, kWebhooks.names, "name");
 }
 
 // Keys sort by stream and number.
@@ -66,46 +62,29 @@ absl::Status DeleteLetters(store::Transaction& transaction, const std::string& p
 
 }  // namespace
 
-absl::StatusOr<std::string> WebhookId(std::string_view name) {
-  return ParseResourceName(name, kWebhooks, "name");
-}
-
-absl::StatusOr<v1::Webhook> GetWebhook(store::ReadTransaction& transaction,
-                                       const std::string& name) {
-  MORTISE_ASSIGN_OR_RETURN(const std::string id, WebhookId(name));
-  const auto record = transaction.Get(kWebhooks, id);
-  if (absl::IsNotFound(record.status())) return ResourceNotFound(name);
-  if (!record.ok()) return record.status();
-  return Parse(*record);
-}
-
 absl::StatusOr<std::vector<v1::Webhook>> ListWebhooks(store::ReadTransaction& transaction,
                                                       const std::string& after_id, int limit) {
   store::ListOptions options;
   options.after_key = after_id;
   options.limit = limit;
-  MORTISE_ASSIGN_OR_RETURN(const auto records, transaction.List(kWebhooks, options));
+  MORTISE_ASSIGN_OR_RETURN(const auto records, transaction.List(kWebhooks.kind, options));
   std::vector<v1::Webhook> webhooks;
   for (const store::Record& record : records) {
-    MORTISE_ASSIGN_OR_RETURN(v1::Webhook webhook, Parse(record));
+    MORTISE_ASSIGN_OR_RETURN(v1::Webhook webhook,
+                             resources::ParseRecord<v1::Webhook>(kWebhooks.kind, record));
     webhooks.push_back(std::move(webhook));
   }
   return webhooks;
 }
 
-absl::StatusOr<resources::Page<v1::Webhook>> PageOfWebhooks(store::ReadTransaction& transaction,
-                                                            const resources::PageQuery& query) {
-  return resources::ReadPage<v1::Webhook>(transaction, {.kind = kWebhooks}, query);
-}
-
 absl::Status PutWebhook(store::Transaction& transaction, const v1::Webhook& webhook) {
-  MORTISE_ASSIGN_OR_RETURN(const std::string id, WebhookId(webhook.name()));
-  return transaction.Put(kWebhooks, id, webhook.SerializeAsString()).status();
+  MORTISE_ASSIGN_OR_RETURN(const std::string id, IdOf(webhook.name()));
+  return transaction.Put(kWebhooks.kind, id, webhook.SerializeAsString()).status();
 }
 
 absl::Status DeleteWebhook(store::Transaction& transaction, const std::string& name) {
-  MORTISE_ASSIGN_OR_RETURN(const std::string id, WebhookId(name));
-  const absl::Status deleted = transaction.Delete(kWebhooks, id);
+  MORTISE_ASSIGN_OR_RETURN(const std::string id, IdOf(name));
+  const absl::Status deleted = transaction.Delete(kWebhooks.kind, id);
   if (absl::IsNotFound(deleted)) return ResourceNotFound(name);
   MORTISE_RETURN_IF_ERROR(deleted);
   return DeleteLetters(transaction, name + "/", "");

@@ -4,12 +4,12 @@
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
+#include "common/resources/collection.h"
 #include "common/resources/record_page.h"
 #include "mortise/v1/gateway.pb.h"
 
@@ -24,20 +24,13 @@ struct DeadLetter {
   absl::Time give_up_time;
 };
 
-// "hook-1" of "webhooks/hook-1"; INVALID_ARGUMENT naming `name` otherwise.
-absl::StatusOr<std::string> WebhookId(std::string_view name);
-
-// With its secret. NOT_FOUND naming the webhook.
-absl::StatusOr<v1::Webhook> GetWebhook(store::ReadTransaction& transaction,
-                                       const std::string& name);
+// The subscriptions, with their secrets. The gateway has no events of its own.
+inline constexpr resources::Collection<v1::Webhook> kWebhooks{
+    .names = "webhooks", .kind = "webhooks", .event = nullptr, .newest_first = false};
 
 // By name, with their secrets, those after `after_id`.
 absl::StatusOr<std::vector<v1::Webhook>> ListWebhooks(store::ReadTransaction& transaction,
                                                       const std::string& after_id, int limit);
-
-// A page of them.
-absl::StatusOr<resources::Page<v1::Webhook>> PageOfWebhooks(store::ReadTransaction& transaction,
-                                                            const resources::PageQuery& query);
 
 absl::Status PutWebhook(store::Transaction& transaction, const v1::Webhook& webhook);
 
