@@ -23,25 +23,21 @@ class WebhookRecordsTest : public ::testing::Test {
     ASSERT_TRUE(status.ok()) << status;
   }
 
-  // The entries of all pages; each page must fit into a message.
+  // The entries of all pages; each page must fit into a message. `read(token)` gives a page.
   template <typename Entry, typename Read>
   std::vector<Entry> All(const Read& read) {
     std::vector<Entry> entries;
-    resources::PageQuery query;
+    std::string token;
     do {
-      resources::Page<Entry> page;
-      const absl::Status status =
-          store_->Read([&](store::ReadTransaction& transaction) -> absl::Status {
-            MORTISE_ASSIGN_OR_RETURN(page, read(transaction, query));
-            return absl::OkStatus();
-          });
-      EXPECT_TRUE(status.ok()) << status;
+      const absl::StatusOr<resources::Page<Entry>> page = read(token);
+      EXPECT_TRUE(page.ok()) << page.status();
+      if (!page.ok()) break;
       std::size_t bytes = 0;
-      for (const Entry& entry : page.entries) bytes += entry.ByteSizeLong();
+      for (const Entry& entry : page->entries) bytes += entry.ByteSizeLong();
       EXPECT_LT(bytes, std::size_t{4} << 20);
-      entries.insert(entries.end(), page.entries.begin(), page.entries.end());
-      query.after = page.next_page_token;
-    } while (!query.after.empty());
+      entries.insert(entries.end(), page->entries.begin(), page->entries.end());
+      token = page->next_page_token;
+    } while (!token.empty());
     return entries;
   }
 
@@ -57,7 +53,12 @@ TEST_F(WebhookRecordsTest, AllWebhooksAreListed) {
     webhook.set_last_error(std::string(100'000, 'x'));
     Transact([&](store::Transaction& transaction) { return PutWebhook(transaction, webhook); });
   }
-  EXPECT_EQ(All<v1::Webhook>(PageOfWebhooks).size(), 90u);
+  const auto webhooks = All<v1::Webhook>([this](const std::string& token) {
+    v1::ListWebhooksRequest request;
+    request.set_page_token(token);
+    return kWebhooks.List(*store_, request, [](const v1::Webhook&) { return true; });
+  });
+  EXPECT_EQ(webhooks.size(), 90u);
 }
 
 TEST_F(WebhookRecordsTest, AllDeadLettersOfAWebhookAreListed) {
@@ -69,9 +70,12 @@ TEST_F(WebhookRecordsTest, AllDeadLettersOfAWebhookAreListed) {
       });
     }
   }
-  const auto letters = All<v1::ListDeadLettersResponse::DeadLetter>(
-      [](store::ReadTransaction& transaction, const resources::PageQuery& query) {
-        return PageOfDeadLetters(transaction, "webhooks/b", query);
+  using Letters = resources::Page<v1::ListDeadLettersResponse::DeadLetter>;
+  const auto letters =
+      All<v1::ListDeadLettersResponse::DeadLetter>([this](const std::string& token) {
+        return resources::ReadFrom<Letters>(*store_, [&](store::ReadTransaction& transaction) {
+          return PageOfDeadLetters(transaction, "webhooks/b", {.after = token});
+        });
       });
   ASSERT_EQ(letters.size(), 90u);
   for (std::size_t i = 0; i < letters.size(); ++i) {
