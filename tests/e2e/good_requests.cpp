@@ -195,6 +195,14 @@ constexpr Example kExamples[] = {
      "machines { name: 'saw' kind: CHOP_SAW_WITH_FEEDER state: 'IDLE' } }",
      Outcome::kChanges},
     {"FabPlannerService/ListBridges", ""},
+    {"FabPlannerService/UpdatePlan",
+     "request_id: 'bad-23' plan { name: '{plan}' external_ids: '100-4711/A' } "
+     "update_mask { paths: 'external_ids' }",
+     Outcome::kChanges},
+    {"FabPlannerService/UpdateWorkOrder",
+     "request_id: 'bad-24' work_order { name: '{order}' external_ids: '100-4711/A' } "
+     "update_mask { paths: 'external_ids' }",
+     Outcome::kChanges},
     {"OperationService/GetOperation", "name: '{operation}'"},
     {"OperationService/ListOperations",
      "page_size: 10 service: 'fabplanner' kind: 'fabplanner.plan' subject: 'templates/table' "
@@ -218,6 +226,10 @@ constexpr Example kExamples[] = {
      "request_id: 'bad-15' name: 'webhooks/none' stream: 'catalog' after_number: 1",
      Outcome::kRefused},
     {"WebhookService/ListDeadLetters", "name: 'webhooks/none'", Outcome::kRefused},
+    {"WebhookService/UpdateWebhook",
+     "request_id: 'bad-25' webhook { name: 'webhooks/none' external_ids: '100-4711/A' } "
+     "update_mask { paths: 'external_ids' }",
+     Outcome::kRefused},
 };
 
 constexpr char kDiscovery[] =
