@@ -95,7 +95,9 @@ class ShopFloorTest : public ::testing::Test {
     changes.set_name(kOrder);
     (*changes.mutable_labels())["number"] = std::to_string(number);
     return store_->Transact([&](store::Transaction& transaction) {
-      return kOrders.UpdateTags(transaction, changes, {}, "work_order", {.user = "users/ben"})
+      return kOrders
+          .UpdateTags(transaction, changes, {}, "work_order",
+                      {.user = "users/ben", .trace_id = "t-1"})
           .status();
     });
   }
